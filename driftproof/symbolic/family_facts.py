@@ -237,9 +237,8 @@ def family_order(family: Family) -> tuple[int, FailingTree, list[OrderSet]]:
 def _vanishing(family: Family, p: Polynomial) -> ParameterSet:
     """The values of the parameter at which p vanishes and no entry has a pole."""
     line = Line.cut(family, [p])
-    open_cells = [p == 0] * (len(line.points) + 1)
-    at_points = [vanishes_at(p, point) and not vanishes_at(line.poles, point) for point in line.points]
-    return line.marked([label for pair in zip(open_cells, [*at_points, False], strict=True) for label in pair][:-1])
+    at_points = (vanishes_at(p, point) and not vanishes_at(line.poles, point) for point in line.points)
+    return line.marked([p == 0, *(label for at_point in at_points for label in (at_point, p == 0))])
 
 
 # A limit that does not depend on the parameter, or the branch of a curve on which it lies.

@@ -12,7 +12,7 @@ from driftproof.methods.catalogue import METHODS
 from driftproof.methods.schemes import RungeKutta
 from driftproof.symbolic.facts import FACTS, ON_REQUEST, WHY_NONE, Facts, OrderWithin, general_order, order_within
 from driftproof.symbolic.linear.facts import facts_by_name
-from driftproof.symbolic.trees.rooted_trees import to_brackets
+from driftproof.symbolic.trees.rooted_trees import TooManyTrees, to_brackets
 
 # The keys that the output format promises for every method.
 SCHEMA = (
@@ -42,6 +42,7 @@ def test_a_fact_is_an_exact_object_of_a_public_class() -> None:
 def test_only_what_is_asked_for_is_derived() -> None:
     facts = Facts(METHODS["rk4"])
     assert facts_by_name(facts, ("order",), FACTS) == {"order": 4}
+    assert isinstance(Facts(METHODS["gauss9"]).principal_error, TooManyTrees)
     assert {name for name in vars(facts) if not name.startswith("_")} == {"method", "terms", "order", "order_fails"}
     assert facts_by_name(facts, ("title", "method"), FACTS) == {"title": "Classical RK4", "method": METHODS["rk4"]}
     with pytest.raises(ValueError, match="unknown fact 'colour'; choose from method, title, family"):

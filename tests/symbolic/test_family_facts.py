@@ -20,9 +20,9 @@ from driftproof.symbolic.algebra.polynomials import exact, scalar
 from driftproof.symbolic.family_facts import FamilyFacts, family_residuals
 from driftproof.symbolic.trees.order_conditions import order, residuals, runge_kutta_conditions
 from driftproof.texts.writing.records import facts_of, family_facts, record
-from tests.symbolic.linear.family_examples import CUBIC, SDIRK_3, THETA, family
+from tests.symbolic.linear.family_examples import CUBIC, SDIRK_3, SECOND, THETA, family
 
-EVERY = {**FAMILIES, "theta": THETA, "cubic": CUBIC, "sdirk_3": SDIRK_3}
+EVERY = {**FAMILIES, "theta": THETA, "cubic": CUBIC, "second": SECOND, "sdirk_3": SDIRK_3}
 NAMES = ("real_limit", "imaginary_limit")
 
 
@@ -96,7 +96,10 @@ def test_limits_of_a_drawn_member_of_the_cubic_family(value: Q, name: str) -> No
     assert agrees("cubic", name, value, pieces_of("cubic", name))
 
 
-def test_limits_of_the_theta_methods_are_the_known_formula() -> None:
+def test_limits_that_are_known_formulas() -> None:
+    """On the imaginary axis 1 + z + z²/2 + az³ has |R|² - 1 = y⁴ (1/4 - 2a + a²y²)."""
+    imaginary = [(p["where"], p["formula"]) for p in pieces_of("second", "imaginary_limit")]
+    assert imaginary == [("(-oo, 1/8]", None), ("(1/8, oo)", "sqrt((-1/4 + 2*a)/a**2)")]
     real = pieces_of("theta", "real_limit")
     assert [(p["where"], p["formula"], p["limit"]) for p in real] == [
         ("(-oo, 1/2)", "2/(1 - 2*theta)", None),

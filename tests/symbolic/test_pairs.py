@@ -46,6 +46,8 @@ def test_a_wrong_digit_of_an_extension_shows():
     assert found.order == 0
     assert found.step_residual == found.largest_residual == Fraction(1, 29380423)
     assert found.slope_residual == Fraction(4, 29380423)
+    hermite = EXTENSIONS["rk4_hermite"]
+    assert facts_of_extension(replace(hermite, c=(*hermite.c[:-1], Fraction(1, 2)))).slope_residual is None
 
 
 def test_the_estimate_of_heun_euler_is_that_of_a_hand_calculation():

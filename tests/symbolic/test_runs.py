@@ -15,7 +15,7 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from driftproof import strategies
-from driftproof.methods.schemes import RungeKutta
+from driftproof.methods.schemes import Nystrom, RungeKutta
 from driftproof.methods.stepping import oscillator, stepper
 from driftproof.symbolic import runs
 from driftproof.symbolic.algebra.certified import Uncertified, endpoints, fixed, is_less, significant
@@ -235,6 +235,14 @@ def test_run_that_outgrows_all_writing_is_refused_in_one_line() -> None:
 def test_step_that_does_not_divide_is_refused_when_the_run_is_made() -> None:
     with pytest.raises(ValueError, match="nearest that do: 10/33 and 5/17"):
         OscillatorRun(RK4, Q(3, 10), Q(10))
+
+
+def test_step_at_a_pole_of_the_matrix_is_refused() -> None:
+    """k = -(q + hv/2) + h² k/4 has no solution at h = 2."""
+    pole = Nystrom("pole", "Pole", 0, "test", (Q(1, 2),), ((Q(-1, 4),),), (Q(1, 2),), (Q(1),))
+    assert exact_matrix_at(pole, Q(1))
+    with pytest.raises(ValueError, match="pole has no step of h = 2: its one-step matrix has a pole there"):
+        exact_matrix_at(pole, Q(2))
 
 
 def test_time_runs_backwards_with_negative_steps() -> None:

@@ -87,6 +87,7 @@ def test_norm_is_the_product_of_the_conjugates() -> None:
 def test_rational_coefficients_descend_to_q_and_two_fields_do_not_mix() -> None:
     square = polynomial([ROOT_3, 1]) * polynomial([-ROOT_3, 1])
     assert isinstance(square, FieldPolynomial)
+    assert repr(polynomial([1, ROOT_3])) == "FieldPolynomial(1, sqrt(3))"
     assert from_scalars(square.coeffs()) == X**2 - 3
     assert not isinstance(from_scalars(square.coeffs()), FieldPolynomial)
     with pytest.raises(TypeError, match="no exact arithmetic"):

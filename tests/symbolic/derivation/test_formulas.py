@@ -6,7 +6,15 @@ import pytest
 import sympy
 
 from driftproof.symbolic.derivation.derive import derive
-from driftproof.symbolic.derivation.formulas import DET, Derived, ProofStep, chain_tex, chain_text, plain_words
+from driftproof.symbolic.derivation.formulas import (
+    ARGUMENT,
+    DET,
+    Derived,
+    ProofStep,
+    chain_tex,
+    chain_text,
+    plain_words,
+)
 
 h = sympy.Symbol("h")
 K = sympy.symbols("k_1 k_2", commutative=False)
@@ -16,7 +24,8 @@ MATRIX = sympy.ImmutableMatrix([[1 - h**2, h], [-h, 1]])
 @pytest.mark.parametrize(
     ("expression", "text", "tex"),
     [
-        (1 - h**2 + h**4 / 4, "1 - h**2 + h**4/4", r"1 - h^{2} + \frac{h^{4}}{4}"),
+        (sympy.Add(h**4 / 4, -(h**2), 1, evaluate=False), "1 - h**2 + h**4/4", r"1 - h^{2} + \frac{h^{4}}{4}"),
+        (sympy.Add(ARGUMENT, 1, evaluate=False), "1 + z", "1 + z"),
         (sympy.Add(K[0] / 2, K[1], evaluate=False), "k_1/2 + k_2", r"\frac{k_{1}}{2} + k_{2}"),
         (MATRIX, "[1 - h**2, h; -h, 1]", r"\begin{pmatrix}1 - h^{2} & h\\- h & 1\end{pmatrix}"),
         (DET, "det M", r"\det M"),

@@ -17,6 +17,8 @@ def family(parameter: str, a: str, b: str, c: str, key: str = "given") -> Family
 THETA = family("theta", "0, 0; 1 - theta, theta", "1 - theta, theta", "0, 1", "theta")
 # R = 1 + z + az² + az³/2: order 1, and 2 at a = 1/2.
 CUBIC = family("a", "0, 0, 0; 1/2, 0, 0; 0, a, 0", "0, 0, 1", "0, 1/2, a", "cubic")
+# R = 1 + z + z²/2 + az³.
+SECOND = family("a", "0, 0, 0; 1, 0, 0; 1/2 - a, a, 0", "0, 0, 1", "0, 1, 1/2", "second")
 # Singly diagonally implicit with three stages: order 2 for every g but 1/2, order 4 for the three roots of Crouzeix.
 SDIRK_3 = family(
     "g",

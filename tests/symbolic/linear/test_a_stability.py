@@ -231,6 +231,7 @@ def test_sector_that_ends_at_the_origin(r: RationalFunction) -> None:
     tangent = sector_tangent(r)
     assert record(tangent)["exact"] == "1"
     assert significant(Angle(tangent).exact, 6) == "45.0000"
+    assert EnclosedTangent(r, ray_margin(r)).holds(Q(1)), "where balls do not tell, exactly"
 
 
 def test_no_sector_for_polynomials_and_for_what_is_unstable_at_infinity() -> None:

@@ -206,6 +206,7 @@ def test_facts_are_written_as_records():
     (point, *_) = facts_of(FACTS_ONLY["bdf2"], ["root_locus"])["root_locus"]
     z, unit = (complex(float(Q(point[a])), float(Q(point[b]))) for a, b in (("re", "im"), ("cosine", "sine")))
     assert min(abs(root - unit) for root in roots(FIRST["bdf2"], z)) < 1e-12
+    assert len(one_step("pole", (-1, 0, 1), (1, 0, 1)).root_locus) == len(of("bdf2").root_locus) - 1  # sigma(i) = 0
     assert tan(radians(86.03)) < float(of("bdf3").sector.tan.ball()) < tan(radians(86.04))
     with pytest.raises(ValueError, match="unknown fact 'symplectic'"):
         facts_of(FACTS_ONLY["bdf2"], ["symplectic"])

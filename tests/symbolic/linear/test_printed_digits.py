@@ -115,6 +115,9 @@ def test_provable_growth_is_excluded_by_the_digits_and_exact_tables_have_no_digi
     assert Facts(METHODS["sdirk4"]).stability_within_digits is None
     explicit = RungeKutta("e", "e", 1, "", ((Q(0),),), (Q(1),), (Q(0),), decimal=True)
     assert stability_within_digits(explicit) is None
+    rows = ((Q(0), Q(0)), (Q(0), Q("0.25")))
+    growing = RungeKutta("g", "g", 1, "", rows, (Q(1, 2), Q(1, 2)), (Q(0), Q("0.25")), decimal=True)
+    assert stability_within_digits(growing) is None, "R has no limit"
 
 
 def test_unused_stages_and_exact_short_decimals_do_not_widen_the_balls() -> None:

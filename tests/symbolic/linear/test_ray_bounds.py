@@ -12,12 +12,12 @@ from flint import acb_poly, arb, ctx, fmpq, fmpq_poly
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.expressions import parse_system
 from driftproof.methods.number_field import Algebraic
-from driftproof.methods.schemes import Splitting
+from driftproof.methods.schemes import RungeKutta, Splitting
 from driftproof.symbolic.algebra.certified import enclose
 from driftproof.symbolic.algebra.polynomials import exact
 from driftproof.symbolic.linear.oscillator import stability_function_of
-from driftproof.symbolic.linear.ray_bounds import pair_polynomial
-from driftproof.symbolic.linear.systems import SystemFacts
+from driftproof.symbolic.linear.ray_bounds import UndecidedLimitError, pair_polynomial
+from driftproof.symbolic.linear.systems import SystemFacts, bounded_at
 from driftproof.texts.writing.records import system_facts
 from tests.symbolic.linear.linear_examples import STUCK
 
@@ -42,6 +42,12 @@ def test_what_is_not_decided_is_refused_with_a_reason() -> None:
     )
     answer = system_facts(METHODS["dormand_prince54"], parse_system(wide), ("eigenvalues",))["eigenvalues"]
     assert any("has degree" in str(e["limit"]) for e in answer)
+    idle = RungeKutta("idle", "Idle", 0, "x", ((Q(0),),), (Q(0),), (Q(0),))
+    found = SystemFacts(idle, parse_system("0 1 0; 0 0 1; -5 -1 -1/2"))  # R = 1
+    with pytest.raises(UndecidedLimitError, match="= 1 for every h"):
+        _ = found.step_limit
+    with pytest.raises(UndecidedLimitError, match=r"at h = 1/2 is not decided with \d+ bits"):
+        bounded_at(found, Q(1, 2))
 
 
 @pytest.mark.parametrize("minimal", [(250, 35, 251, 15, 50), (2, 2, 1, 2), (2, 0, 2, 0, 1)])

@@ -145,7 +145,8 @@ def test_constants_of_every_exact_kind_are_taken_and_plain_uses_of_zero_and_one_
     assert bound.first_order[1] == BY_HAND["forward_euler"][1]
 
 
-def test_a_step_that_returns_something_else_is_refused():
+def test_a_step_may_return_a_number_and_nothing_else():
+    assert step_bound(lambda force, q, v, h: (q, 0)).entries == ({0: 1}, {}, {}, {})
     with pytest.raises(RefusedOperation, match="returned None, which is NoneType"):
         step_bound(lambda force, q, v, h: (q, None))
     for wrong in (None, (1, 2, 3)):

@@ -104,6 +104,7 @@ def test_the_linear_order_asks_for_trees_without_a_fork_only():
 def test_where_nothing_fails_up_to_the_limit_no_tree_is_named():
     found = ball_order(balls(METHODS["rk4"], U), 3)
     assert (found.order, found.failing_tree, found.residual) == (3, None, None)
+    assert linear_ball_order(balls(METHODS["rk4"], U), 3) == 3
 
 
 def test_a_ball_is_lifted_around_its_centre_and_is_no_exact_number():
