@@ -160,10 +160,11 @@ def _of_leaf(name: str, key: str, old: Any, new: Any) -> Iterator[Change]:
 
 def _of_number(name: str, old: dict[str, Any], new: dict[str, Any]) -> Iterator[Change]:
     """How exact form and decimal together changed, then unit, words and the texts in which claims print the number."""
-    exact, decimals = [_number(number.get("exact")) for number in (old, new)], (old["decimal"], new["decimal"])
-    if (None not in exact and exact[0] != exact[1]) or not _agree(*decimals):
+    decimals, forms = (old["decimal"], new["decimal"]), (old.get("exact"), new.get("exact"))
+    exact = [*map(_number, forms)]  # of a formula None: it is no rational, and may be spelled otherwise
+    if (None not in forms and exact[0] != exact[1]) or not _agree(*decimals):
         yield Change("value", name, "", _shown(old), _shown(new))
-    elif decimals[0] != decimals[1] or old.get("exact") != new.get("exact"):
+    elif decimals[0] != decimals[1] or forms[0] != forms[1]:
         yield Change("digits" if decimals[0] != decimals[1] else "wording", name, "", _shown(old), _shown(new))
     for part in ["unit", *sorted((old.keys() | new.keys()) - {"exact", "decimal", "unit", "printed"})]:
         if old.get(part) != new.get(part):
@@ -186,7 +187,9 @@ def _agree(old: Any, new: Any) -> bool:
     if old == new or before is None or after is None:
         return bool(old == new)
     (x, half_x), (y, half_y) = before, after
-    return half_x != half_y and abs(x - y) <= half_x + half_y
+    if half_x == half_y:
+        return x == y and old.startswith("-") == new.startswith("-")
+    return bool(abs(x - y) <= half_x + half_y)
 
 
 def _number(text: Any) -> Fraction | None:

@@ -40,6 +40,8 @@ def of_number(**change: Any) -> list[tuple[str, str]]:
         ({"decimal": "0.87"}, [("value", "")]),
         ({"decimal": "8.776e-1"}, [("digits", "")]),
         ({"decimal": "8.776e-2"}, [("value", "")]),
+        ({"decimal": "8.77604e-1"}, [("digits", "")]),
+        ({"exact": "sqrt(3)/2"}, [("value", "")]),
         ({"decimal": "nan"}, [("value", "")]),
         ({"exact": "674/768"}, [("wording", "")]),
         ({"exact": None}, [("wording", "")]),
