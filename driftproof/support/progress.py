@@ -47,7 +47,8 @@ def _tell(name: str, done: Event, place: int) -> None:
         pause = BEAT
         bars = list(getattr(getattr(sys.modules.get("tqdm"), "tqdm", None), "_instances", ()))
         moving = any(time() - bar.last_print_t < SILENCE for bar in bars)
-        line = "" if moving else f"{name}: working, {monotonic() - start:.0f} s (Ctrl-C ends it)"
+        done_of = f", {bars[-1].n} of {bars[-1].total} {bars[-1].unit}s" if bars else ""
+        line = "" if moving else f"{name}: working, {monotonic() - start:.0f} s{done_of} (Ctrl-C ends it)"
         with suppress(OSError):
             covered = os.get_terminal_size(place).columns - 1 if bars else told  # a bar that stands still
             os.write(place, f"\r{line.ljust(covered)}".encode() if line else b"")

@@ -28,8 +28,11 @@ def test_a_bar_that_stands_still_is_silence(monkeypatch):
     monkeypatch.setattr(progress, "SILENCE", 0.01)
     with os.fdopen(inner, "w") as terminal:
         monkeypatch.setattr(sys, "stderr", terminal)
-        with tqdm(total=4, unit="point", leave=False), progress.working("driftproof sweep"):
-            while "driftproof sweep: working" not in (said := os.read(outer, 1000).decode()):
+        with tqdm(total=4, unit="point", leave=False) as bar, progress.working("driftproof sweep"):
+            bar.update(3)
+            while "driftproof sweep: working, 0 s, 3 of 4 points (Ctrl-C" not in (
+                said := os.read(outer, 1000).decode()
+            ):
                 assert "point" in said
 
 
