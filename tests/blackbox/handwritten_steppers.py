@@ -237,3 +237,43 @@ def nystrom(
         return q1, v1
 
     return step
+
+
+def wrongly_timed(times):
+    """RK4 whose two middle stages ask at times(t, h)."""
+
+    def step(f, t, y, h):
+        k1 = f(*times(t, h, 0), y)
+        k2 = f(*times(t, h, h / 2), y + h / 2 * k1)
+        k3 = f(*times(t, h, h / 2), y + h / 2 * k2)
+        return y + h / 6 * (k1 + 2 * k2 + 2 * k3 + f(*times(t, h, h), y + h * k3))
+
+    return step
+
+
+def unlike(part):
+    """RK4 that leaves a number of y, from the place `part` on."""
+
+    def step(f, t, y, h):
+        y1 = rk4(f, t, y, h)
+        y1[part:] = y[part:]
+        return y1
+
+    return step
+
+
+def rk4_in_lists_of_three(f, t, y, h):
+    """Right, but for the third number, which is put back."""
+    stepped = rk4(f, t, np.array(y), h)
+    return [*stepped[:2], *y[2:3], *stepped[3:]]
+
+
+RK4_AT_WRONG_TIMES = {
+    "half a unit late": wrongly_timed(lambda t, h, part: (t + (0.5 if part == h / 2 else part),)),
+    "h squared late": wrongly_timed(lambda t, h, part: (t + (h * h / 2 if part == h / 2 else part),)),
+    "at time 0": wrongly_timed(lambda t, h, part: (0.0 * t,)),
+    "a clock restarted": wrongly_timed(lambda t, h, part: (part,)),
+    "a clock stopped": wrongly_timed(lambda t, h, part: (t,)),
+    "the third number left": rk4_in_lists_of_three,
+    "all but two left": unlike(2),
+}

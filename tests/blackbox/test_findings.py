@@ -1,18 +1,13 @@
-"""What a stepper did that no stepper should has one word for its kind, and an outcome says whether it failed."""
+"""What a stepper did that no stepper should has one word for its kind."""
 
 from driftproof.blackbox import findings
-from driftproof.blackbox.findings import Misbehaviour, NotFinite, Outcome, UnsupportedCall
+from driftproof.blackbox.findings import Misbehaviour, NotFinite, UnsupportedCall
 
 
 def test_every_kind_of_misbehaviour_has_a_word_of_its_own():
     kinds = [each.kind for each in vars(findings).values() if isinstance(each, type) and issubclass(each, Misbehaviour)]
     assert len(set(kinds)) == len(kinds) > 4
     assert UnsupportedCall.kind not in kinds
-
-
-def test_an_outcome_failed_if_it_has_a_kind():
-    assert Outcome(kind="hangs").failed
-    assert not Outcome((1.0, 2.0)).failed
 
 
 def test_what_is_not_finite_comes_with_its_numbers():

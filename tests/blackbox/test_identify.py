@@ -58,17 +58,6 @@ def test_a_built_in_system_leaves_the_order_open():
     assert identify(two_half_steps).section("Order").lines == ("on other than linear problems the order is not known",)
 
 
-def test_it_runs_here_where_that_is_asked_for():
-    calls = []
-
-    def step(q, v, h):
-        calls.append(h)
-        return q + h * v, v - h * q
-
-    assert "forward Euler" in identify(step, isolate=False).verdict or "forward_euler" in identify(step).verdict
-    assert calls
-
-
 @pytest.mark.parametrize(
     ("step", "seen"),
     [

@@ -276,47 +276,7 @@ def test_an_implicit_stepper_needs_a_tolerance_that_is_stated():
             ask(backward_euler, "backward_euler")
 
 
-def wrongly_timed(times):
-    """RK4 whose two middle stages ask at times(t, h)."""
-
-    def step(f, t, y, h):
-        k1 = f(*times(t, h, 0), y)
-        k2 = f(*times(t, h, h / 2), y + h / 2 * k1)
-        k3 = f(*times(t, h, h / 2), y + h / 2 * k2)
-        return y + h / 6 * (k1 + 2 * k2 + 2 * k3 + f(*times(t, h, h), y + h * k3))
-
-    return step
-
-
-def unlike(part):
-    """RK4 that leaves a number of y, from the place `part` on."""
-
-    def step(f, t, y, h):
-        y1 = codes.rk4(f, t, y, h)
-        y1[part:] = y[part:]
-        return y1
-
-    return step
-
-
-def rk4_in_lists_of_three(f, t, y, h):
-    """Right, but for the third number, which is put back."""
-    stepped = codes.rk4(f, t, np.array(y), h)
-    return [*stepped[:2], *y[2:3], *stepped[3:]]
-
-
-FALSE_PASSES = {
-    "half a unit late": wrongly_timed(lambda t, h, part: (t + (0.5 if part == h / 2 else part),)),
-    "h squared late": wrongly_timed(lambda t, h, part: (t + (h * h / 2 if part == h / 2 else part),)),
-    "at time 0": wrongly_timed(lambda t, h, part: (0.0 * t,)),
-    "a clock restarted": wrongly_timed(lambda t, h, part: (part,)),
-    "a clock stopped": wrongly_timed(lambda t, h, part: (t,)),
-    "the third number left": rk4_in_lists_of_three,
-    "all but two left": unlike(2),
-}
-
-
-@pytest.mark.parametrize("step", FALSE_PASSES.values(), ids=FALSE_PASSES)
+@pytest.mark.parametrize("step", codes.RK4_AT_WRONG_TIMES.values(), ids=codes.RK4_AT_WRONG_TIMES)
 def test_wrong_times_and_numbers_left_out_fail_and_the_report_says_what_was_refused(step):
     report = held(step, "rk4")
     assert report.passed is False
@@ -326,7 +286,7 @@ def test_wrong_times_and_numbers_left_out_fail_and_the_report_says_what_was_refu
 
 
 def test_a_refusal_that_only_a_force_gets_round_is_in_the_verdict():
-    report = held(FALSE_PASSES["half a unit late"], "rk4")
+    report = held(codes.RK4_AT_WRONG_TIMES["half a unit late"], "rk4")
     assert "but not on y' = f(t, y): with h = 2, the time of call 1 is 0.5" in report.verdict
     assert any("there is no tableau: with h = 2" in line for line in report.section("Coefficients: undecided").lines)
 

@@ -14,10 +14,6 @@ STEPS, STATES = Sizes(2.0**-20, 2.0, BINARY64), Sizes(2.0**-60, 1000.0, BINARY64
 DRAWN = list(islice(steps_within(STEPS, STATES), 1000))
 
 
-def test_the_same_steps_are_drawn_on_every_run():
-    assert list(islice(steps_within(STEPS, STATES), 1000)) == DRAWN
-
-
 @pytest.mark.parametrize("name", FORMATS)
 @pytest.mark.parametrize("low", [0.0, 2.0**-5])
 def test_every_number_is_one_of_the_format_within_its_ends(name, low):
@@ -94,6 +90,7 @@ FAILING = {
     "narrow": lambda q, v, h: 0.2913 < h < 0.2917 and v > 0,
     "tiny": lambda q, v, h: 0 < abs(q) < 1e-9,
     "odd": lambda q, v, h: q != int(q) and v < 0,
+    "of no rule": lambda q, v, h: hash((q, v, h)) % 40 == 0,
     "just so": lambda q, v, h: abs(q * h - v) < 1e-4 < abs(v),
 }
 STARTS = [

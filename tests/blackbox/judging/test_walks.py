@@ -142,6 +142,8 @@ def test_steps_back_are_looked_at_where_the_right_hand_side_is_ours():
     assert words.startswith("h < 0 is no step back: in a step of -0.07 from t = 0.25")
     refused = back_and_on(opened(lambda f, t, y, h: codes.rk4(f, t, y, h if h > 0 else 1 / 0)), RK4)
     assert refused[0] is None
+    short = back_and_on(opened(codes.rk4), RK4, NO_ALLOWANCE, Domain(largest_step=2.0**-19))
+    assert short == (True, "6 steps with h < 0 within the bound", "")
     built_in = back_and_on(opened(lambda q, v, h: (q + h * v, v - h * q)), METHODS["forward_euler"])
     assert built_in == (True, "6 steps with h < 0 within the bound", "")
 

@@ -7,7 +7,7 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from driftproof.blackbox.findings import UnsupportedCall
+from driftproof.blackbox.findings import Misbehaviour, UnsupportedCall
 from driftproof.blackbox.probes.estimate import ABSOLUTE, DIFFERENCE, NORM, SOLUTION, read_estimate
 from driftproof.blackbox.probes.scripted_answers import NotReadable
 from driftproof.blackbox.stepper.objects import field_stepper_of
@@ -66,11 +66,29 @@ def test_what_is_no_estimate_in_itself_is_told_from_one():
         (lambda y1, error, h, y: (y1, error[::-1]), "the slope of one number of y moves the estimate of another one"),
         (lambda y1, error, h, y: (y1, np.minimum(error, 0.01)), "what it returns beside y1 is 0.01 where"),
         (lambda y1, error, h, y: (y1, error) if np.all(y < 4) else y1, "something beside y1 at some steps only"),
+        (lambda y1, error, h, y: (y1 - h, error), "with all slopes 0, y = 0 does not stay"),
     ],
 )
 def test_what_is_not_read_says_what_was_seen(answer, seen):
     with pytest.raises(NotReadable, match=seen):
         read(pair_step("bogacki_shampine32", answer))
+
+
+def refusing(refused):
+    """Bogacki and Shampine's pair, which refuses some lengths of steps."""
+
+    def step(f, t, y, h):
+        if refused(h):
+            raise ValueError("not so long")
+        return pair_step("bogacki_shampine32")(f, t, y, h)
+
+    return step
+
+
+def test_a_pair_that_steps_no_way_back_is_read_and_one_that_steps_ahead_at_times_is_not():
+    assert read(refusing(lambda h: h < 0)) == read(pair_step("bogacki_shampine32"))
+    with pytest.raises(Misbehaviour, match="not so long"):
+        read(refusing(lambda h: h == 2.0**-6))
 
 
 def test_without_a_second_answer_there_is_nothing_to_read():

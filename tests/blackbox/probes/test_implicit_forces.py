@@ -18,6 +18,7 @@ from driftproof.blackbox.probes.questions import read_coefficients
 from driftproof.blackbox.probes.scripted_answers import NotReadable
 from driftproof.blackbox.stepper.opening import opened
 from driftproof.methods.catalogue import METHODS
+from tests.blackbox import dragged_steppers
 from tests.blackbox.implicit_steppers import SOLVERS, fixed_point, induced, newton, of_force
 
 SOLVED = Allowance(solver_tolerance=1e-9)
@@ -167,6 +168,11 @@ def drag(force, x, v, t, dt):
     return x1, v1 - 0.25 * dt * v
 
 
+def halving(force, x, v, t, dt):
+    x1, v1 = of_force(induced("implicit_midpoint"))(force, x, v, t, dt)
+    return x1, v1 - 0.5 * v
+
+
 def one_by_one(force, x, v, dt):
     """Each position for itself."""
     step = of_force(induced("trapezoid"), timed=False)
@@ -189,4 +195,12 @@ def test_what_is_no_implicit_step_of_forces_is_refused():
         read_coefficients(opened(drag))
     with pytest.raises(NotReadable, match="is never called"):
         read(lambda force, x, v, dt: (x + dt * v, v))
+    with pytest.raises(NotReadable, match="is never called"):
+        read(lambda force, x, v, dt: (x.copy() + dt * v, v))
+    with pytest.raises(NotReadable, match="none of its stages is implicit"):
+        read(dragged_steppers.verlet(lambda v, a, dt: v + dt * a))
+    with pytest.raises(NotReadable, match=r"without a force, the new velocity is 0.5 v, not 1 v"):
+        read(halving)
+    with pytest.raises(NotReadable, match="a stage of it has no weight"):
+        read(of_force(([0.5, 0.75], [[0.25, 0.0], [0.25, 0.25]], [0.0, 0.5], [0.0, 1.0])))
     assert "of t + 0" in read(at_another_time).wrong_time

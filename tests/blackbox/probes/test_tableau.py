@@ -118,6 +118,16 @@ class Remembering:
         return y + h / 2 * (k + self.last)
 
 
+class Anticipating:
+    """Starts from where the first slope of the step before would have led."""
+
+    kept = 0.0
+
+    def step(self, f, t, y, h):
+        self.kept = first = f(t, y + h * self.kept)
+        return y + h * f(t + h, y + h * first)
+
+
 def without_h(f, t, y, h):
     return y + f(t, y)
 
@@ -156,6 +166,7 @@ NOT_READABLE = [
     (iterated_to_the_end, r"the number of calls depends on the answers: \d+, then \d+"),
     (adaptive, r"the number of calls depends on the answers: 3, then 7"),
     (Remembering(), "the same step of 2 calls taken twice is not the same"),
+    (Anticipating().step, "call 1 or one before depends on the answer to call 1: the step remembers"),
     (without_h, "with h = 2, .* does not scale with h"),
     (slightly_nonlinear, "the step is not linear in them|does not scale|not linearly in their slopes"),
     (crossed, "the slope of one number of y moves another one"),
