@@ -148,6 +148,7 @@ OF_VECTORS = [
     (of_vectors(lambda h: np.linalg.inv(np.eye(2) + h * C)), DRAG, "1/(1 + [[1/4, 1/8], [0, 1/2]] h)"),
     (of_vectors(lambda h: np.diag([np.exp(-h / 4), np.exp(-h / 2)])), DRAG, "exp(-[[1/4, 0], [0, 1/2]] h)"),
     (of_vectors(lambda h: np.exp(-h / 4) * np.eye(3)), DRAG, "multiplied by exp(-1/4 h), as by a drag of 0.25 v"),
+    (of_vectors(lambda h: np.exp(-h / 4) * np.array([[1, h / 4], [0, 1]])), DRAG, "by a law of h that is none of"),
     (of_vectors(lambda h: np.diag([0.99, 1.0])), ONCE, "by [[0.99, 0], [0, 1]] in each step, however short"),
     (of_vectors(lambda h: turned(h / 2)), "a force that turns v, of order 1", "-C v with C = [[0, -0.5], [0.5, 0]]"),
     (of_vectors(lambda h: turned(0.1)), "a turn for each step", "with half of h it turns twice as much"),

@@ -2,10 +2,12 @@
 
 import numpy as np
 import pytest
+from flint import ctx
 
 from driftproof import verify
-from driftproof.blackbox.families.family_walks import derivatives
+from driftproof.blackbox.families.family_walks import ImexWalker, WithDamping, derivatives
 from driftproof.blackbox.judging.nonlinear_problems import driven
+from driftproof.methods.catalogue import FACTS_ONLY
 from tests.blackbox.families.linearised_steppers import rosenbrock
 from tests.blackbox.families.split_steppers import imex
 
@@ -75,6 +77,14 @@ def test_derivatives_are_those_of_the_problem_to_the_last_bit():
     curved = 8 * 0.5**2 * bell**3 - 2 * bell**2
     pulled = 4 * bell**2 / (1 + bell**2) + 6 * 2 * bell * turned / (1 + bell**2) ** 2
     assert slopes[0] == pytest.approx(curved + 4 * 0.0625 / 1.0625 - pulled, rel=1e-15)
+
+
+def test_stages_that_do_not_converge_are_none_to_be_held_to():
+    problem, walker = WithDamping(**vars(driven(1, timed=True))), ImexWalker(None, FACTS_ONLY["ars111"])
+    with ctx.workprec(192):
+        assert walker.own_step(problem, 0.25, [0.5], 0.125)[0].rad() < 1e-30
+    with pytest.raises(ArithmeticError, match="the stages of ars111 do not converge"):
+        walker.own_step(problem, 0.25, [0.5], 64.0)
 
 
 @pytest.mark.parametrize(

@@ -81,6 +81,7 @@ def test_what_remembers_is_read_in_every_form(step):
             "adams_bashforth2",
             "each step is made of the state before alone; it is not consistent: rho'(1) - sigma(1) = 1/8",
         ),
+        (lambda f, t, y, h: y + 0 * f(t, y), "adams_bashforth2", "each step is made of the state before alone"),
         (Stormer(right=False).step, "stormer2", "first values are off like h^2"),
         (rk4_step, "adams_bashforth4", "its steps keep no recurrence of up to 8 steps"),
     ],

@@ -32,6 +32,16 @@ def test_the_states_of_a_run_follow_from_the_slopes_that_come_with_them():
         assert len({*run.slopes[:, 0]}) == 13
 
 
+def test_a_code_of_one_number_is_run_on_one():
+    """With marks in time, or by the place where it has none."""
+    alone = lambda f, t, y, h: y + h * f(t, float(y))
+    for step, by_place in ((alone, False), (lambda y, f, h: y + h * f(float(y)), True)):
+        runs = MarkedRuns.of(opened(step))
+        assert (runs.size, runs.clock, runs.by_place) == (1, False, by_place)
+        run = runs.run(5)
+        assert np.array_equal(run.states[1:], run.states[:-1] + run.slopes[:-1])
+
+
 def test_single_steps_and_built_in_systems_are_no_runs():
     assert later_steps(opened(euler))[0] is None
     assert later_steps(opened(planted.run_of_adams_bashforth2))[0] is False

@@ -1,5 +1,8 @@
 """Which Rosenbrock method a step is; one entry, a missing df/dt and a late Jacobian are told, right ones pass."""
 
+from dataclasses import replace
+from fractions import Fraction
+
 import pytest
 
 from driftproof.blackbox.identify import identify
@@ -85,6 +88,16 @@ def test_an_unknown_one_is_shown_with_its_coefficients_and_what_it_needs():
     assert report.verdict == "it is no Rosenbrock method that is known here, of order 1 as measured"
     assert "gamma[0] = 1" in report.section("Coefficients").lines
     assert "order 1 is seen with half of f' as J" in report.section("Order").lines[1]
+
+
+def test_a_method_of_somebody_s_own_is_held_to_its_own_products():
+    """Of one that has ROS2's places, and others of its gamma; and of as many places as it asks for."""
+    own = replace(FACTS_ONLY["ros2"], key="mine", claimed_order=1, gamma=((Fraction(1, 4), 0), (-1, Fraction(1, 4))))
+    step = rosenbrock("ros2", gamma=(slice(None), [[0.25, 0.0], [-1.0, 0.25]]))
+    assert verify(step, own, isolate=False).verdict == "is mine"
+    assert verify(rosenbrock("ros2"), own, isolate=False).passed is False
+    other = verify(rosenbrock("ros2"), "rodas3", isolate=False).section("Coefficients: FAILED")
+    assert other.lines == ("rodas3 asks f at 3 places, this one at 2",)
 
 
 def test_another_method_and_a_step_without_a_jacobian_are_not_it():

@@ -43,6 +43,7 @@ def test_what_is_no_such_step_is_refused_in_words():
             (limited, "not linear in its slopes"),
             (lambda f, jac, t, y, h: y + h * f(t, y), "never asks for"),
             (lambda f, jac, t, y, h: y + h * (f(t, y) + 0 * jac(t, y)[0] + 1), "y = 0 does not stay"),
+            (lambda f, jac, t, y, h: y + 0 * (f(t, y) + jac(t, y)[0]), "no call moves the step"),
         ]
     ):
         with pytest.raises(NotReadable, match=words):

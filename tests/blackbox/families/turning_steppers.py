@@ -183,6 +183,12 @@ def moved_by_field(x, v, E, B, dt):
     return x1 + dt**2 / 2 * E, v1
 
 
+def pulled_home(x, v, E, B, dt):
+    """The position pulled to 0, where it is not."""
+    x1, v1 = boris()(x, v, E, B, dt)
+    return x1 - dt**2 * x, v1
+
+
 LEAPFROG = "v stands half a step behind x"
 # With the verdict of `identify`; none of them has a fault.
 RIGHT_PUSHES = [
@@ -198,6 +204,10 @@ RIGHT_PUSHES = [
      f"it is boris but for its rotation, which is implicit_midpoint in 2 equal parts; {LEAPFROG}"),
     (without_field, f"it is the rotation of boris; {LEAPFROG}"),
     (boris(kicks=(1.0, 0.0)), f"it is the rotation of boris, with the whole kick before it; {LEAPFROG}"),
+    (boris(kicks=(0.0, 1.0)), f"it is the rotation of boris, with the whole kick after it; {LEAPFROG}"),
+    (boris(kicks=(0.25, 0.75)), f"it is the rotation of boris, with other kicks; {LEAPFROG}"),
+    (boris(lambda b, h: np.sin(h / 2 * np.linalg.norm(b)) * tangent(b, 1.0) / np.tan(np.linalg.norm(b) / 2 or 1.0),
+           kicks=(1.0, 0.0)), f"it is no step that is known here; {LEAPFROG}"),
 ]  # fmt: skip
 # With a fault that names the mistake.
 WRONG_PUSHES = [
@@ -218,6 +228,7 @@ WRONG_PUSHES = [
     (boris(lambda b, h: np.tan(h / 2 * np.sqrt(b @ b)) * b / np.sqrt(b @ b)), "with B = 0, from "),
     (flat, "with both fields, and elsewhere, the step is not made of these kicks and this rotation"),
     (moved_by_field, "the position moves in another way than without E"),
+    (pulled_home, "with both fields, and elsewhere, the position moves in another way"),
     (rk4_with_eulers_position, "the position moves otherwise than in one method for the whole of x' = v"),
     (fields_apart, "the fields are asked at x + h v, not at x: order 1"),
     (asked_at(1.0, 0.0, 1.0), "the fields are asked at x + h v, not at x: order 1"),
