@@ -15,7 +15,7 @@ from driftproof.methods.schemes import MethodError
 from driftproof.methods.vector_fields import VectorField
 from driftproof.numeric.problems.catalogue import PROBLEMS
 from driftproof.numeric.problems.linear import HARMONIC
-from driftproof.numeric.problems.problem import EXACT, Problem, Reference
+from driftproof.numeric.problems.problem import EXACT, Reference
 from driftproof.numeric.reference_errors import (
     ENERGY,
     PHASE,
@@ -30,6 +30,7 @@ from driftproof.numeric.reference_errors import (
 )
 from driftproof.numeric.work_precision.curves import measure_curve
 from driftproof.numeric.work_precision.integrators import integrator
+from tests.numeric.problems.runs_on_problems import DECAY
 
 T = Q(10)
 
@@ -75,9 +76,9 @@ def test_a_state_that_is_not_finite_has_no_error() -> None:
 @pytest.mark.parametrize(("name", "function"), [("sin", sin), ("cos", cos)])
 @pytest.mark.parametrize("x", [0.0, 0.5, -3.0, 40.0])
 def test_energy_computes_functions_far_below_rounding(name: str, function: object, x: float) -> None:
-    problem = _decay(energy=f"{name}(y0)")
+    problem = replace(DECAY, energy=f"{name}(y0)")
     assert float(decimal_energy(problem, [x])) == pytest.approx(function(x), abs=2**-52, rel=2**-52)  # type: ignore[operator]
-    square = decimal_energy(_decay(energy="sin(y0) * sin(y0) + cos(y0) * cos(y0)"), [x])
+    square = decimal_energy(replace(DECAY, energy="sin(y0) * sin(y0) + cos(y0) * cos(y0)"), [x])
     assert abs(square - 1) < Decimal("1e-50")
 
 
@@ -91,25 +92,21 @@ def test_floor_of_an_energy_is_a_rounding_of_each_component_times_its_derivative
 
 
 def test_energy_reads_an_irrational_parameter_to_all_its_digits() -> None:
-    problem = replace(_decay(energy="rate * rate * y0"), field=VectorField(("y0",), (("rate", square_root(2)),)))
+    problem = replace(
+        replace(DECAY, energy="rate * rate * y0"), field=VectorField(("y0",), (("rate", square_root(2)),))
+    )
     assert abs(decimal_energy(problem, [1.0]) - 2) < Decimal("1e-57")
 
 
 def test_energy_reads_parameters_division_and_signs() -> None:
-    problem = _decay(energy="-rate * y0 / 2 + exp(log(3)) - sqrt(4)")
+    problem = replace(DECAY, energy="-rate * y0 / 2 + exp(log(3)) - sqrt(4)")
     assert abs(6 * Q(decimal_energy(problem, [Q(1, 3)])) - 7) < Q(1, 10**50)
 
 
 @pytest.mark.parametrize("energy", ["y0 ** 2", "y0 * 0.5", "tan(y0)", "y0 % 2"])
 def test_an_energy_that_holds_what_a_rate_may_not_is_refused(energy: str) -> None:
     with pytest.raises(MethodError, match="has no place"):
-        decimal_energy(_decay(energy=energy), [1.0])
-
-
-def _decay(energy: str | None = None) -> Problem:
-    reference = Reference((Q(1),), (("0.36787944117144232160",),), EXACT, "1/e")
-    rates = VectorField(("rate * y0",), (("rate", Q(-1)),))
-    return Problem("decay", "y' = -y", rates, (Q(1),), reference, "test", energy=energy)
+        decimal_energy(replace(DECAY, energy=energy), [1.0])
 
 
 def test_doubt_grows_with_the_steps_and_covers_the_rounding_of_a_run_whose_method_is_exact_enough() -> None:
@@ -121,5 +118,5 @@ def test_doubt_grows_with_the_steps_and_covers_the_rounding_of_a_run_whose_metho
 def test_doubt_is_of_the_steps_the_times_and_the_last_digit() -> None:
     """(N + 1) u Q, Q the largest size at the start or later, u t times the speed, and half a unit of the digits."""
     for start, state, largest in ((Q(3), "0.5", 3), (Q(1, 4), "2.5", 2.5)):
-        problem = replace(_decay(), start=(start,), reference=Reference((Q(2),), ((state,),), EXACT, ""))
+        problem = replace(DECAY, start=(start,), reference=Reference((Q(2),), ((state,),), EXACT, ""))
         assert doubt(problem, 2**50, 2.0**52) == pytest.approx((2**50 + 1) * 2.0**-53 * largest + 1 + 0.05, rel=1e-15)

@@ -123,11 +123,6 @@ def test_evaluations_follow_the_stepper_and_not_the_tableau(monkeypatch: pytest.
     assert run_method(scene(readouts=("evaluations",)), "rk4")["evaluations"] == 200
 
 
-def test_ten_in_steps_of_a_tenth_takes_a_hundred_steps() -> None:
-    assert run_method(scene(h=Q(1, 10), readouts=("steps",)), "rk4")["steps"] == 100
-    assert len(run_method(scene(h=Q(1, 10), readouts=("trajectory",)), "rk4")["trajectory"][0]) == 101
-
-
 def test_no_steps_return_the_start_and_no_error() -> None:
     found = run_method(scene(t=Q(0), start=(Q(1, 3), Q(-2)), readouts=READOUTS), "rk4")
     assert found["final_state"] == found["exact_state"] == (1 / 3, -2.0)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from fractions import Fraction as Q
 from functools import cache
-from math import copysign, inf, isfinite, isnan, nan
+from math import inf, isfinite, isnan, nan
 from typing import Any
 
 import numpy as np
@@ -15,7 +15,6 @@ from hypothesis import strategies as st
 from driftproof.methods.stepping import Step, oscillator, stepper
 from driftproof.numeric.steppers import (
     HAND_WRITTEN,
-    CountedForce,
     evaluations_per_step,
     float_stepper,
     forward_euler,
@@ -105,12 +104,6 @@ def test_precision_of_the_arguments_is_kept(key: str, dtype: Any) -> None:
         assert [np.asarray(x).dtype for x in step(oscillator, q, v, h)] == [dtype, dtype]
 
 
-def test_float32_is_really_computed_in_float32() -> None:
-    q1, _ = rk4(oscillator, np.float32(1), np.float32(0), np.float32(0.1))
-    assert float(q1) != rk4(oscillator, 1.0, 0.0, 0.1)[0]
-    assert abs(float(q1) - rk4(oscillator, 1.0, 0.0, 0.1)[0]) < 2.0**-22  # 10 roundings of 2^-24 on terms below h
-
-
 @KEYS
 @given(state=BELOW_OVERFLOW, h=steps())
 def test_generic_stepper_differs_from_the_hand_written_by_rounding_only(
@@ -141,11 +134,6 @@ def test_no_step_at_all_returns_the_state(key: str, state: tuple[float, float]) 
         assert float_stepper(key)(oscillator, *state, h) == state  # == does not look at the sign of a zero
 
 
-def test_no_step_at_all_returns_the_state_unless_slopes_overflow_in_their_sum() -> None:
-    assert forward_euler(oscillator, 1.7e308, 1.0, 0.0) == (1.7e308, 1.0)
-    assert isnan(rk4(oscillator, 1.7e308, 1.0, 0.0)[1])  # 0 * (6 * 1.7e308)
-
-
 @ALL
 @given(state=BELOW_OVERFLOW, h=steps())
 def test_negative_step_is_the_mirror_image(key: str, state: tuple[float, float], h: float) -> None:
@@ -164,20 +152,22 @@ def test_infinities_and_nan_pass_through_by_ieee_rules(key: str) -> None:
     assert isnan(step(oscillator, inf, 0.0, 0.0)[1])  # 0 * inf
 
 
-def test_overflow_is_infinite_and_not_wrapped_or_clamped() -> None:
-    assert forward_euler(oscillator, 1e308, 1e308, 1.0)[0] == inf
-    assert forward_euler(oscillator, 1e308, 1e308, 1.0)[1] == 0.0
-    assert symplectic_euler(oscillator, 1.7e308, -1.7e308, 1.0)[1] == -inf
+AT_THE_EDGES = [
+    (forward_euler, (1e308, 1e308, 1.0), (inf, 0.0)),
+    (symplectic_euler, (1.7e308, -1.7e308, 1.0), (-inf, -inf)),
+    (forward_euler, (5e-324, 0.0, 1.0), (5e-324, -5e-324)),
+    (forward_euler, (5e-324, 5e-324, 0.25), (5e-324, 5e-324)),  # a quarter of it rounds to 0
+    (forward_euler, (0.0, -0.0, 0.25), (0.0, -0.0)),  # 0 + -0 is 0; -0 + 0.25 * -0 is -0
+    (forward_euler, (1.7e308, 1.0, 0.0), (1.7e308, 1.0)),
+    (rk4, (1.7e308, 1.0, 0.0), (1.7e308, nan)),  # 0 * (6 * 1.7e308)
+]
 
 
-def test_subnormals_are_not_flushed() -> None:
-    assert forward_euler(oscillator, 5e-324, 0.0, 1.0) == (5e-324, -5e-324)
-    assert forward_euler(oscillator, 5e-324, 5e-324, 0.25) == (5e-324, 5e-324)  # a quarter of it rounds to 0
-
-
-def test_signed_zeros_follow_ieee() -> None:
-    q1, v1 = forward_euler(oscillator, 0.0, -0.0, 0.25)
-    assert (copysign(1, q1), copysign(1, v1)) == (1, -1)  # 0 + -0 is 0; -0 + 0.25 * -0 is -0
+@pytest.mark.parametrize(("step", "given", "found"), AT_THE_EDGES)
+def test_overflow_is_infinite_subnormals_are_kept_and_so_are_signs_of_zeros(
+    step: Step, given: tuple[float, float, float], found: tuple[float, float]
+) -> None:
+    assert [repr(x) for x in step(oscillator, *given)] == [repr(x) for x in found]
 
 
 def test_doubles_near_two_root_two_lie_on_both_sides_and_none_on_it() -> None:
@@ -187,14 +177,6 @@ def test_doubles_near_two_root_two_lie_on_both_sides_and_none_on_it() -> None:
     assert abs(Q(nearest) ** 2 - 8) < min(8 - Q(below) ** 2, Q(above) ** 2 - 8)
 
 
-def test_tiny_steps_leave_the_energy_of_the_start_at_exactly_a_half() -> None:
-    """h² below half an ulp of 1 is lost, in floats only: over the reals the energy grows for every h > 0."""
-    h = 2.0**-27
-    q, v = forward_euler(oscillator, 1.0, 0.0, h)
-    assert (q * q + v * v) / 2 == 0.5
-    assert (Q(q) ** 2 + Q(v) ** 2) / 2 > Q(1, 2)
-
-
 EVALUATIONS = {"rk4": 4, "rk38": 4, "heun2": 2, "midpoint2": 2, "velocity_verlet": 2}
 
 
@@ -202,11 +184,6 @@ EVALUATIONS = {"rk4": 4, "rk38": 4, "heun2": 2, "midpoint2": 2, "velocity_verlet
 def test_evaluations_are_counted_on_a_real_step(key: str) -> None:
     """Velocity Verlet really calls twice: nothing is carried over from the step before."""
     assert evaluations_per_step(key) == EVALUATIONS.get(key, 1)
-
-
-def test_counted_force_counts_and_forwards() -> None:
-    force = CountedForce(lambda q: 3 * q)
-    assert [force(1), force(2), force.calls] == [3, 6, 2]
 
 
 def test_float_runs_use_the_hand_written_stepper_where_there_is_one() -> None:

@@ -90,27 +90,12 @@ def test_what_is_done_within_a_second_starts_no_process(expected, monkeypatch):
         run_grid(SCENE, GRID)
 
 
-def sizes(monkeypatch, shortest, longest):
-    monkeypatch.setattr(sweeping, "SHORTEST", shortest)
-    monkeypatch.setattr(sweeping, "LONGEST", longest)
-    monkeypatch.setattr(sweeping, "WAITING", 2)
-    inline = Inline()
-    found = run_grid(SCENE, {"h": [Q(1, n) for n in range(1, 41)]}, inline)
-    assert [len(answer.values) for answer in found] == [1] * 40
-    return [len(batch) for batch in inline.sweep_batches]
-
-
-def test_batches_double_as_long_as_they_are_short(monkeypatch):
-    grown = sizes(monkeypatch, inf, inf)
-    assert grown[0] == 1
-    assert max(grown) >= 8
-    assert sum(grown) == 40
-    assert sizes(monkeypatch, -1, inf) == [1] * 40
-
-
 def test_a_worker_hands_back_what_it_has_no_time_for(monkeypatch):
-    taken = sizes(monkeypatch, inf, -1)
-    assert sum(taken) >= 40
+    monkeypatch.setattr(sweeping, "SHORTEST", inf)
+    monkeypatch.setattr(sweeping, "LONGEST", -1)
+    inline, grid = Inline(), {"h": [Q(1, n) for n in range(1, 41)]}
+    assert [answer.values["h"] for answer in run_grid(SCENE, grid, inline)] == grid["h"]
+    assert sum(map(len, inline.sweep_batches)) >= 40
     assert run_points(SCENE, [{"h": Q(1)}, {"h": Q(2)}])[0] == [run_method(SCENE_AT_1, "rk4")]
 
 

@@ -7,11 +7,21 @@ from fractions import Fraction as Q
 from itertools import pairwise
 
 from driftproof.methods.catalogue import METHODS
+from driftproof.methods.vector_fields import VectorField
 from driftproof.numeric.advance import State, advance, float_start, step_times
 from driftproof.numeric.problems.catalogue import PROBLEMS
+from driftproof.numeric.problems.problem import EXACT, Problem, Reference
 from driftproof.numeric.reference_errors import decimal_energy, distance_from_digits, largest_state_size
 from driftproof.numeric.stability import observe
 
+DECAY = Problem(
+    "decay",
+    "y' = -y",
+    VectorField(("rate * y0",), (("rate", Q(-1)),)),
+    (Q(1),),
+    Reference((Q(1),), (("0.36787944117144232160",),), EXACT, "1/e"),
+    "test",
+)
 RIGHT, WRONG, ENDED = "right", "wrong", "ended"
 
 

@@ -107,9 +107,3 @@ def test_what_is_fast_is_gone_at_once_if_r_tends_to_zero_and_stays_for_long_if_t
     before = part(float_start(PROBLEMS[name]))
     assert part(states("radau_iia2", name, 8)[2]) < 1e-2 * before
     assert part(states("trapezoid", name, 8)[2]) > 0.5 * before
-
-
-def springs(key: str, steps: int) -> list[float]:
-    """The energy of the three stiff springs of the chain, at 64 times."""
-    found = states(key, "fermi_pasta_ulam", steps, 64)
-    return [sum(y[9 + i] ** 2 + 2500 * y[3 + i] ** 2 for i in range(3)) / 2 for y in found]

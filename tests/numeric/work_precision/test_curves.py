@@ -10,10 +10,9 @@ import pytest
 
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.schemes import RungeKutta
-from driftproof.methods.vector_fields import VectorField
 from driftproof.numeric.problems.catalogue import problem_named
 from driftproof.numeric.problems.linear import HARMONIC
-from driftproof.numeric.problems.problem import EXACT, Problem, Reference
+from driftproof.numeric.problems.problem import EXACT, Reference
 from driftproof.numeric.reference_errors import STATE, Size
 from driftproof.numeric.work_precision import curves as curves_module
 from driftproof.numeric.work_precision.curves import (
@@ -27,28 +26,23 @@ from driftproof.numeric.work_precision.curves import (
     step_counts,
 )
 from driftproof.numeric.work_precision.integrators import CountedRun, Integrator, integrator
+from tests.numeric.problems.runs_on_problems import DECAY
 
 T = Q(10)
 RUNGS = (64, 128, 256, 512)
 
 
-def _decay(energy: str | None = None) -> Problem:
-    reference = Reference((Q(1),), (("0.36787944117144232160",),), EXACT, "1/e")
-    rates = VectorField(("rate * y0",), (("rate", Q(-1)),))
-    return Problem("decay", "y' = -y", rates, (Q(1),), reference, "test", energy=energy)
-
-
 def test_ladder_lands_on_the_references_times_and_only_on_the_last_where_that_would_cost_too_much() -> None:
     assert step_counts(HARMONIC, 100) == (8, 16, 32, 64)
     times = (Q(1, 997), Q(1))
-    awkward = dataclasses.replace(_decay(), reference=Reference(times, (("1",), ("1",)), EXACT, ""))
+    awkward = dataclasses.replace(DECAY, reference=Reference(times, (("1",), ("1",)), EXACT, ""))
     assert step_counts(awkward, 64) == (8, 16, 32, 64)
-    thirds = dataclasses.replace(_decay(), reference=Reference((Q(1, 3), Q(1)), (("1",), ("1",)), EXACT, ""))
+    thirds = dataclasses.replace(DECAY, reference=Reference((Q(1, 3), Q(1)), (("1",), ("1",)), EXACT, ""))
     assert step_counts(thirds, 64) == (9, 18, 36)
     assert step_counts(awkward, 64, 9) == (9, 18, 36)
     for unit, first in ((64, 64), (65, 8)):
         times = Reference((Q(1, unit), Q(1)), (("1",), ("1",)), EXACT, "")
-        found = step_counts(dataclasses.replace(_decay(), reference=times))
+        found = step_counts(dataclasses.replace(DECAY, reference=times))
         assert (found[0], found[-1]) == (first, 2**20)
     assert set(integrator(METHODS["rk4"], HARMONIC).run(8).states) == set(HARMONIC.reference.times)
     assert set(integrator(METHODS["rk4"], HARMONIC).run(9).states) == {T}

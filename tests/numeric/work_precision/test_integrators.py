@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from fractions import Fraction as Q
-from math import cos, hypot, sin
+from math import sin
 
 import pytest
 
@@ -70,7 +70,3 @@ def test_rate_of_a_field_is_the_field_whatever_its_parameters_are_called() -> No
     assert rate(3.0, [0.5, 4.0]) == [5.0, sin(0.5)]
     doubling = field_rate(VectorField(("sin(y0)",)), {"sin": lambda x: 2 * x})
     assert doubling(0.0, [4]) == [8]
-
-
-def test_speed_of_the_oscillator_is_its_size() -> None:
-    assert hypot(*field_rate(HARMONIC.field)(10.0, [cos(10), -sin(10)])) == pytest.approx(1, abs=1e-15)
