@@ -84,5 +84,5 @@ def test_many_alike_rates_are_few_lines() -> None:
 def test_a_band_is_what_rows_reach_and_taken_where_it_is_less_to_do() -> None:
     near = [{max(0, i - 1), i, min(39, i + 3)} for i in range(40)]
     assert band_of(near) == Band(1, 3)
-    assert band_of(near[:11]) == FULL
+    assert (band_of(near[:12]), band_of(near[:11])) == (Band(1, 3), FULL)
     assert band_of([set()] * 9) == Band(0, 0)

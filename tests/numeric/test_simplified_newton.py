@@ -76,6 +76,29 @@ def test_estimates_see_powers_of_t_from_their_order_on_and_no_earlier(key):
         assert (error < 1e-5) == (k < len(table.c))
 
 
+@pytest.mark.parametrize("key", ["backward_euler", "radau_iia3", "gauss2", "gauss4"])
+def test_iterations_start_on_the_polynomial_of_the_step_before(key):
+    """Of y' = (1 + t)ˢ⁻¹ that is y, in steps of any length, also after one that is not taken; of another power not."""
+    table, seen = collocation_table(METHODS[key]), []
+    for power in (len(table.c), len(table.c) + 1):
+        right = lambda t, power=power: ((1 + t) ** power - 1) / power
+
+        def rate(t, y, f, power=power):
+            seen.append((t, y[0]))
+            f[0] = (1 + t) ** (power - 1)
+
+        attempt = collocation_attempts(rate, lambda t, y, matrix: matrix.__setitem__(0, [0.0]))
+        work, new, given = work_for(1, table, FULL), [0.0], Tolerances(0.0, 1e-9, 1.0)
+        for t, h, moved in ((0.0, 1.0, True), (1.0, 2.0, True), (1.0, 0.5, False)):
+            seen.clear()
+            attempt(t, [right(t)], h, moved, new, given, table, work, [0.0] * 5)
+            at, begun = zip(*seen[moved : moved + len(table.c)], strict=True)
+            assert at == tuple(t + c * h for c in table.c)
+            # Of the first step there is nothing to go on from; T is rounded to 24 bits, and so is what is left of it.
+            goes_on = begun == pytest.approx([right(x) for x in at], rel=1e-6)
+            assert (begun == (0.0,) * len(at)) if t == 0 else (goes_on is (power == len(at)))
+
+
 # y' = -y by backward Euler with h = 1, J such that iterations leave a part `left`: the first moves by (1 - left)/2, and
 # after n more left^n (1 - left)/2 / tolerance times left/(1 - left), at most 0.01, is left; J is wanted anew if slow.
 ITERATIONS = [

@@ -203,7 +203,7 @@ def _in_order(reading: ImexReading) -> ImexReading:
     left = list(range(reading.stages))
     while left:
         ready = [i for i in left if not any(a[i][j] for a in reading.a for j in left if j != i)]
-        order.append(ready[0] if ready else left[0])
+        order.append((ready or left)[0])
         left.remove(order[-1])
 
     def sorted_row(row: Sequence[float]) -> CoefficientRow:
