@@ -73,15 +73,12 @@ def judged_estimate(subject: ForeignStepper, method: Method | None = None) -> Ju
     )
     if vanishing.order == 0:
         total = sum(estimate.row, Fraction(0))
-        slack = Rounding(reading.format, reading.calls).of(max(estimate.sizes))
+        slack = reading.rounding.of(max(estimate.sizes))
         shown = coefficient_text(float(total), reading.format, slack)
         faults.append(f"the error estimate is no difference of two methods: its weights add up to {shown}, not to 0")
         return JudgedEstimate(0, propagated, None, pair, tuple(lines + said), tuple(faults))
-    tree = (
-        ""
-        if vanishing.failing_tree is None
-        else f": the first tree that it sees is {to_brackets(vanishing.failing_tree)}"
-    )
+    first = vanishing.failing_tree
+    tree = "" if first is None else f": the first tree that it sees is {to_brackets(first)}"
     if pair is None and vanishing.order + 1 < propagated:
         faults.append(f"the error estimate is O(h^{vanishing.order + estimate.power}), of steps of order {propagated}")
     other = max(_other_order(estimate, reading, sign / factor) for sign in (1, -1))
@@ -130,7 +127,7 @@ def _stages_in_order(pair: Method, reading: TableauReading) -> TypeGuard[RungeKu
     if not isinstance(pair, RungeKutta) or pair.b_embedded is None or reading.calls < pair.stages:
         return False
     rows = [*zip(pair.a, reading.a, strict=False), (pair.b, reading.b)]
-    allowed = Rounding(reading.format, reading.calls).of(1 + max(abs(float(x)) for row, _ in rows for x in row))
+    allowed = reading.rounding.of(1 + max(abs(float(x)) for row, _ in rows for x in row))
     return all(abs(float(x) - y) <= allowed for exact, row in rows for x, y in zip(exact, row, strict=False))
 
 
@@ -145,16 +142,14 @@ def _compared(key: str, exact: list[Exact], estimate: EstimateReading) -> _Fit:
     most = Rounding(estimate.format, len(exact)).of(1.0)
     largest = max(range(len(exact)), key=lambda j: abs(float(exact[j])))
     ratio = float(estimate.row[largest]) / float(exact[largest])
-    sizes = [max(size, abs(float(x)) * abs(ratio)) for size, x in zip(estimate.sizes, exact, strict=True)]
-    simple = simple_rational(ratio, most * sizes[largest] / abs(float(exact[largest])))
+    size = max(estimate.sizes[largest], abs(float(estimate.row[largest])))
+    simple = simple_rational(ratio, most * size / abs(float(exact[largest])))
     factor = ratio if simple is None else float(simple)
-    wrong = [
-        j
-        for j, (e, x, size) in enumerate(zip(estimate.row, exact, sizes, strict=True))
-        if abs(float(e) - factor * float(x)) > most * max(size, abs(factor * float(x)))
-    ]
-    if wrong:
-        return None, 1.0, [], [_other_weights(key, exact, estimate, most)]
+    if _off(exact, estimate, most, factor):
+        wrong = _off(exact, estimate, most, 1.0)
+        few = len(wrong) <= min(_FEW_WEIGHTS, max(1, len(exact) // 3))
+        but = f", but for {'; '.join(wrong)}" if few else ""
+        return None, 1.0, [], [f"the error estimate is not that of {key}{but}"]
     unsigned = estimate.form in (ABSOLUTE, NORM)
     if factor == 1 or (unsigned and factor == -1):
         return key, factor, [f"e = b - b_hat of {key}"], []
@@ -165,13 +160,10 @@ def _compared(key: str, exact: list[Exact], estimate: EstimateReading) -> _Fit:
     return key, factor, [f"e = {shown} (b - b_hat) of {key}"], fault
 
 
-def _other_weights(key: str, exact: list[Exact], estimate: EstimateReading, most: float) -> str:
-    """The few weights in which the row is another one; or that it is another row."""
-    wrong = [
+def _off(exact: list[Exact], estimate: EstimateReading, most: float, factor: float) -> list[str]:
+    """The weights that are not those of the pair times the factor, in words."""
+    return [
         coefficient_difference(f"e[{j}]", float(e), x, estimate.format, most * size)
         for j, (e, x, size) in enumerate(zip(estimate.row, exact, estimate.sizes, strict=True))
-        if abs(float(e) - float(x)) > most * max(size, abs(float(x)))
+        if abs(float(e) - factor * float(x)) > most * max(size, abs(factor * float(x)))
     ]
-    few = len(wrong) <= min(_FEW_WEIGHTS, max(1, len(exact) // 3))
-    but = f", but for {'; '.join(wrong)}" if few else ""
-    return f"the error estimate is not that of {key}{but}"

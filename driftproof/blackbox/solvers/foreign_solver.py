@@ -12,7 +12,7 @@ import numpy as np
 from driftproof.blackbox.findings import Misbehaviour, NotANumber, StepRaised, WrongShape
 from driftproof.blackbox.stepper.array_adapters import ARRAYS, LISTS, ArrayAdapter, as_array, type_of
 from driftproof.blackbox.stepper.calling_conventions import COUNTS, ROLES, STEP, parameters_of
-from driftproof.blackbox.stepper.opening import imported
+from driftproof.blackbox.stepper.opening import Target, imported
 from driftproof.symbolic.rounding.formats import BINARY32, BINARY64, FloatFormat
 
 # More calls than a solver of these short problems makes: it does not end.
@@ -191,10 +191,7 @@ class SolverTarget:
     @property
     def name(self) -> str:
         """What a report calls it."""
-        if isinstance(self.solver, str):
-            return self.solver
-        name: str = getattr(self.solver, "__qualname__", type(self.solver).__name__)
-        return f"{getattr(self.solver, '__module__', '')}:{name}"
+        return Target(self.solver).name
 
     @property
     def by_name(self) -> bool:

@@ -116,7 +116,7 @@ def _equal_steps(subject: ForeignSolver) -> SolverRuns | None:
     """The solver as one that makes steps of one length, told from two runs; None where its lengths vary."""
     if subject.takes in (LENGTH, COUNT):
         return SolverRuns(subject, None, None)
-    runs = [subject.solve(_quadrature, (0.0, end), (0.0, 0.0)) for end in (1.5, 3.0)]
+    runs = [subject.solve(lambda n, t, y: _quadrature(t), (0.0, end), (0.0, 0.0)) for end in (1.5, 3.0)]
     lengths = [[b - a for a, b in pairwise(run.t)] for run in runs]
     # The last step is cut to the end.
     if any(len(h) < 2 or max(h[:-1]) - min(h[:-1]) > 3.0 * _SAME for h in lengths):
@@ -127,7 +127,7 @@ def _equal_steps(subject: ForeignSolver) -> SolverRuns | None:
     return SolverRuns(subject, None, lengths[0][0]) if same else None
 
 
-def _quadrature(_: int, t: float, y: Sequence[float]) -> list[float]:
+def _quadrature(t: float) -> list[float]:
     return [cos(t), sin(2 * t) / 2]
 
 
@@ -138,7 +138,7 @@ def _varying(subject: ForeignSolver) -> SolverMemory:
     told = steps = 0
     for tolerance in _TOLERANCES:
         try:
-            run = subject.solve(_quadrature, _SPAN, (0.0, 0.0), tolerance, tolerance)
+            run = subject.solve(lambda n, t, y: _quadrature(t), _SPAN, (0.0, 0.0), tolerance, tolerance)
         except DoesNotEnd as failure:  # of low order
             if not seen:
                 raise NotReadable(str(failure)) from None
@@ -171,7 +171,7 @@ def _varying(subject: ForeignSolver) -> SolverMemory:
 def _of_stretches(run: Solution, known: Sequence[Multistep]) -> Iterator[str]:
     """The method of each step that only one of these methods gives from those before it, all of its length."""
     states, true = np.array(run.y), np.array([[sin(t), sin(t) ** 2 / 2] for t in run.t])
-    slopes = np.array([_quadrature(0, t, ()) for t in run.t])
+    slopes = np.array([_quadrature(t) for t in run.t])
     lengths = np.diff(run.t)
     recurrences = [(m.key, Recurrence.of(m, run.format)) for m in known]
     equal = 0

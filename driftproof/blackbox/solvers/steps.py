@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import pairwise
 from math import fsum, inf
-from typing import Any
+from typing import Any, TypeAlias
 
 from flint import arb
 
@@ -18,7 +18,7 @@ from driftproof.blackbox.matching.match import Identity, match_tableau
 from driftproof.blackbox.matching.read_order import ReadOrder, read_order
 from driftproof.blackbox.probes.coefficients import coefficient_text
 from driftproof.blackbox.probes.dense import BETWEEN, THETAS, DenseReading
-from driftproof.blackbox.probes.scripted_answers import MOST_CALLS, CoefficientRow, NotReadable, Rounding, varied
+from driftproof.blackbox.probes.scripted_answers import MOST_CALLS, CoefficientRow, NotReadable, varied
 from driftproof.blackbox.probes.tableau import TableauReading
 from driftproof.blackbox.solvers.foreign_solver import Call, ForeignSolver, Solution, in_binary32
 from driftproof.blackbox.stepper.array_adapters import as_array
@@ -45,6 +45,7 @@ _MARK = 2.0**-80
 _ODD_SPAN = (0.1, 1.8)
 # No explicit method in use asks for so many slopes in turn at one time.
 _AT_ONE_TIME = 8
+_Rate: TypeAlias = Callable[[float, list[float]], Sequence[float]]
 # A coefficient times h, and the difference of two times by which it is divided, are rounded, and so is the quotient.
 _ROUNDINGS = 4
 
@@ -112,7 +113,6 @@ def _elsewhere(subject: ForeignSolver, reading: TableauReading) -> Iterator[str]
 
     At a tolerance in use, so that some are rejected.
     """
-    rounding = Rounding(reading.format, reading.calls)
     for words, origin, ends, numbers in _RUNS:
         problem = moved(driven(numbers, timed=True), _SIZES, 1.0, origin)
         start, end = (origin + x for x in ends)
@@ -122,15 +122,12 @@ def _elsewhere(subject: ForeignSolver, reading: TableauReading) -> Iterator[str]
         except Misbehaviour:  # who cannot do this says so, or is told of it elsewhere
             continue
         for (t, after), (y, y1) in zip(pairwise(run.t), pairwise(run.y), strict=True):
-            h, slopes = after - t, list[list[float]]()
-            for row, c in zip(reading.a, reading.c or (), strict=True):
-                slopes.append([*problem.rate(t + c * h, _moved(y, h, row, slopes))])
-            said = _moved(y, h, reading.b, slopes)
+            h, said = after - t, _stepped(reading, problem.rate, t, after - t, y)
             wrong = [
                 i
                 for i, (x, z, s) in enumerate(zip(y1, said, problem.scales, strict=True))
                 # Slopes are up to some 16 times the numbers, and a time is rounded to u t.
-                if not abs(x - z) <= 16 * rounding.of(abs(s) * (2 + abs(h) * 16 + abs(t)))
+                if not abs(x - z) <= 16 * reading.rounding.of(abs(s) * (2 + abs(h) * 16 + abs(t)))
             ]
             if wrong:
                 i = wrong[0]
@@ -139,11 +136,19 @@ def _elsewhere(subject: ForeignSolver, reading: TableauReading) -> Iterator[str]
                 break
 
 
+def _stepped(reading: TableauReading, rate: _Rate, t: float, h: float, y: Sequence[float]) -> list[float]:
+    """Where the stages read say that a step ends."""
+    slopes: list[Sequence[float]] = []
+    for row, c in zip(reading.a, reading.c or (), strict=True):
+        slopes.append(rate(t + c * h, _moved(y, h, row, slopes)))
+    return _moved(y, h, reading.b, slopes)
+
+
 def _moved(y: Sequence[float], h: float, row: Sequence[float], slopes: Sequence[Sequence[float]]) -> list[float]:
     return [x + h * fsum(w * k[i] for w, k in zip(row, slopes, strict=False)) for i, x in enumerate(y)]
 
 
-def _bent(_: int, t: float, y: Sequence[float]) -> list[float]:
+def _bent(t: float, y: Sequence[float]) -> list[float]:
     """A slope of both t and y, of size 1, and smooth."""
     return [(1 - 2 * y[0] * y[0]) / (1 + t + y[0] * y[0])]
 
@@ -257,7 +262,7 @@ class _Marked:
         seen = run.y[self.place + 1][0] - run.y[self.place][0]
         said = self.h * fsum(x * k for x, k in zip(reading.b, answers, strict=True))
         size = self.h * fsum(abs(x * k) for x, k in zip(reading.b, answers, strict=True))
-        if not abs(seen - said) <= Rounding(reading.format, reading.calls).of(2 * size):
+        if not abs(seen - said) <= reading.rounding.of(2 * size):
             raise NotReadable(
                 f"with other answers a step ends at {seen:.6g} where the coefficients read say {said:.6g}: "
                 "it is not linear in its slopes: an iteration, or a limiter"
@@ -265,14 +270,11 @@ class _Marked:
 
     def _control_bent(self, reading: TableauReading) -> None:
         """A run of a nonlinear problem, all of whose steps must be those of the stages read, and no others' iterate."""
-        run, rounding = self.subject.solve(_bent, _SPAN, (0.25,), **_LAX), Rounding(reading.format, reading.calls)
+        run, rounding = self.subject.solve(lambda n, t, y: _bent(t, y), _SPAN, (0.25,), **_LAX), reading.rounding
         for (t, end), (before, after) in zip(pairwise(run.t), pairwise(run.y), strict=True):
-            h, slopes, y = end - t, list[float](), before[0]
-            for row, c in zip(reading.a, reading.c or (), strict=True):
-                at = y + h * fsum(x * k for x, k in zip(row, slopes, strict=False))
-                slopes.append(_bent(0, t + c * h, (at,))[0])
-            said = y + h * fsum(x * k for x, k in zip(reading.b, slopes, strict=True))
-            size = 1 + abs(y) + abs(h) * fsum(abs(x) for row in (*reading.a, reading.b) for x in row)
+            h = end - t
+            (said,) = _stepped(reading, _bent, t, h, before)
+            size = 1 + abs(before[0]) + abs(h) * fsum(abs(x) for row in (*reading.a, reading.b) for x in row)
             if not abs(after[0] - said) <= rounding.of(4 * size):
                 raise NotReadable(
                     f"on a nonlinear problem a step ends at {after[0]:.9g} where the explicit stages read say "
