@@ -268,10 +268,8 @@ def _exception(points: Sequence[_Point], law: Law, smallest: float, largest: flo
     others: list[tuple[_Point, float]] = []
     for p in known:
         forgetful = log(law.safety) - law.exponent * p.error
-        said = [
-            min(max(exp(min(x, 1.0 + log(largest))), smallest), largest)
-            for x in (forgetful + law.memory * p.before + law.filtered * p.growth, forgetful)
-        ]
+        remembering = forgetful + law.memory * p.before + law.filtered * p.growth
+        said = [exp(min(max(x, log(smallest)), log(largest))) for x in (remembering, forgetful)]
         # The safety is known to _CLOSE, exponents to a tenth of it.
         allowed = _CLOSE * (1 + (abs(p.error) + abs(p.before) + abs(p.growth)) / 10)
         if not any(abs(p.factor - x) <= allowed * x for x in (*said, 1.0)):

@@ -112,6 +112,10 @@ OTHERS = {
         adaptive(changed=lambda factor, rejections: 4.0 if factor > 1 else 0.25),
         "no law in the estimate of bogacki_shampine32",
     ),
+    "leaping": (
+        adaptive(changed=lambda factor, rejections: 4.0 if 2 < factor < 2.5 else factor),
+        " steps are others: one is 4 times as long in place of 2.",
+    ),
     "cautious": (adaptive("dormand_prince54", safety=0.5, exponent=0.2), "measured: h_next/h = 0.5 r^(-1/5)"),
     "PI of another": (adaptive("cash_karp54", exponent=0.14, memory=0.08), "r^(-7/50) r_before^(2/25)"),
     "of the other order": (adaptive("fehlberg45", exponent=0.25), "r^(-1/4)"),
