@@ -11,6 +11,7 @@ from driftproof.methods.expressions import parse_number
 from driftproof.methods.number_field import Algebraic, NumberField, UndecidedError, cube_root, square_root
 from driftproof.methods.tableau_file import read_method
 from driftproof.symbolic.facts import Facts
+from tests.methods.conftest import Write
 
 # The last one's equation is not monic: 6x^3 - 18x^2 + 9x - 1 = 0.
 ROOTS = [square_root(2), square_root(3), cube_root(2), square_root(8), square_root(5)]
@@ -63,13 +64,11 @@ def test_expression_mixes_fields() -> None:
             parse_number(bad, "x")
 
 
-def test_table_over_two_square_roots_has_its_facts(tmp_path) -> None:  # type: ignore[no-untyped-def]
+def test_table_over_two_square_roots_has_its_facts(write: Write) -> None:
     """Two stages of weight one half, at nodes that sum to 1: order 2, whatever roots they hold."""
-    mine = tmp_path / "mine.toml"
-    mine.write_text(
+    mine = write(
         'family = "runge_kutta"\nA = [["r/4", "1/4"], ["s/8", "3/4 - r/4 - s/8 + 2**(1/2)*0"]]\n'
-        'b = ["1/2", "1/2"]\n[roots]\nr = "sqrt(2)"\ns = "sqrt(3)"\n',
-        encoding="utf-8",
+        'b = ["1/2", "1/2"]\n[roots]\nr = "sqrt(2)"\ns = "sqrt(3)"\n'
     )
     facts = Facts(read_method(mine))  # type: ignore[arg-type]
     assert facts.order == 2

@@ -37,6 +37,7 @@ def test_the_cubic_interpolates_any_cubic(theta):
     assert [theta * b for b in there.b] == values
     assert [theta * c for c in there.c] == [*extension.c]
     assert there.inconsistencies() == {}
+    assert (there.decimal, EXTENSIONS["tsitouras54_quartic"].step_to(theta).decimal) == (False, True)
 
 
 def test_a_slope_at_the_end_is_a_stage_of_its_own_only_where_the_method_has_none():

@@ -26,7 +26,6 @@ KEPLER = VectorField(("y2", "y3", f"-y0 / {R3}", f"-y1 / {R3}"))
 ECCENTRIC = (0.5, 0.0, 0.0, math.sqrt(3.0))  # e = 1/2 at the pericentre
 # Polynomial forces, one of which reads the time and one a parameter.
 PUSHED = VectorField(("y2", "y3", "t * y1 - a * y0 * y0", "t * t - y0 * y1"), (("a", Q(2, 3)),))
-OSCILLATOR = VectorField(("y1", "-y0"))
 
 
 def verlet_by_hand(x, y, u, v, h, steps):
@@ -83,13 +82,6 @@ def test_a_step_in_fractions_is_the_one_of_loops_over_the_table(method):
     assert all(c != 0 for _, c in source.coefficients)
     assert step(start, t, h) == exact_step(method, start, t, h)
     assert step(start, t, h) != exact_step(method, start, t + Q(1, 10**9), h)
-
-
-@pytest.mark.parametrize("method", SECOND_ORDER, ids=lambda m: m.key)
-@pytest.mark.parametrize("compensated", [False, True], ids=["plain", "compensated"])
-def test_the_oscillator_as_a_system_has_the_bits_of_the_oscillator(method, compensated):
-    found = field_runner(method, OSCILLATOR, compensated=compensated)((0.3, -0.7), 0.1, 0, 9)
-    assert bits(*found) == bits(*runner(method, compensated=compensated)(0.3, -0.7, 0.1, 9))
 
 
 def test_components_that_do_not_meet_are_stepped_each_alone():

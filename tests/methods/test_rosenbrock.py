@@ -21,10 +21,8 @@ r = "sqrt(2)"
 """
 
 
-def test_a_file_is_read_and_refused_in_one_line(tmp_path):
-    path = tmp_path / "mine.toml"
-    path.write_text(ROS2, encoding="utf-8")
-    mine, known = read_method(path), FACTS_ONLY["ros2"]
+def test_a_file_is_read_and_refused_in_one_line(write, refusal):
+    mine, known = read_method(write(ROS2)), FACTS_ONLY["ros2"]
     assert isinstance(mine, Rosenbrock)
     assert (mine.alpha, mine.gamma, mine.b, mine.b_embedded) == (known.alpha, known.gamma, known.b, known.b_embedded)
     assert facts_of(mine, ["order", "w_order", "l_stable"]) == {"order": 2, "w_order": 2, "l_stable": True}
@@ -33,9 +31,7 @@ def test_a_file_is_read_and_refused_in_one_line(tmp_path):
         ('r/2", 0]', 'r/2", 1]', "gamma has an entry above its"), ("alpha", "A", "a rosenbrock has no key 'A'"),
         ('["r - 2", "1 - r/2"]', "[0]", "gamma is not square"),
     ]):  # fmt: skip
-        path.write_text(ROS2.replace(old, new), encoding="utf-8")
-        with pytest.raises(ValueError, match=words):
-            read_method(path)
+        assert words in refusal(ROS2.replace(old, new))
 
 
 def test_half_of_a_pair_and_other_lengths_are_refused_and_residuals_are_named():

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
 from fractions import Fraction as Q
 from pathlib import Path
@@ -16,20 +15,8 @@ from driftproof.methods.catalogue import FACTS_ONLY, METHODS
 from driftproof.methods.number_field import cube_root
 from driftproof.methods.schemes import Collocation, Method, MethodError, Nystrom, RungeKutta, Splitting
 from driftproof.methods.tableau_file import method_of, methods_of, names_of, read_method
+from tests.methods.conftest import Write
 from tests.methods.tables.entries import entry
-
-Write = Callable[[str], Path]
-
-
-@pytest.fixture
-def write(tmp_path: Path) -> Write:
-    def writing(text: str | bytes) -> Path:
-        path = tmp_path / "mine.toml"
-        path.write_bytes(text.encode() if isinstance(text, str) else text)
-        return path
-
-    return writing
-
 
 GAUSS = """
 family = "runge_kutta"
@@ -105,7 +92,6 @@ def test_decimals_are_exact_and_never_floats(write: Write) -> None:
 HEAD = 'family = "runge_kutta"\n'
 ONE = HEAD + "A = [[0]]\nb = [1]\n"
 MINPOLY = ONE + "[roots]\nr = {{ minpoly = {}, interval = {} }}\n"
-DEEP = "(" * 41 + "1" + ")" * 41
 WRONG: list[tuple[str | bytes, str]] = [
     ("", "family is missing; write 'runge_kutta' or 'splitting' or 'nystrom' or 'collocation'"),
     ('family = "rosenbrocks"', "family is 'rosenbrocks'; write 'runge_kutta'"),
@@ -147,18 +133,12 @@ WRONG: list[tuple[str | bytes, str]] = [
     (HEAD + "A = [['exit(1)']]\nb = [1]", "A[0][0]: 'exit(1)', column 1: 'exit' is no function; there are sqrt and"),
     (HEAD + "A = [['exit()']]\nb = [1]", "A[0][0]: 'exit()', column 6: ')' stands where a number"),
     (HEAD + "A = [['1/0']]\nb = [1]", "A[0][0]: '1/0', column 2: it divides by zero"),
-    (HEAD + "A = [['']]\nb = [1]", "A[0][0]: '', column 1: the expression is empty; write a number such as 1/4"),
     (HEAD + "A = [['1 2']]\nb = [1]", "A[0][0]: '1 2', column 3: '2' has no place here; an operator"),
-    (HEAD + "A = [['(1']]\nb = [1]", "A[0][0]: '(1', column 3: a bracket is not closed; the end stands there"),
     (HEAD + "A = [['1)']]\nb = [1]", "A[0][0]: '1)', column 2: ')' has no place here"),
     (HEAD + "A = [['*2']]\nb = [1]", "A[0][0]: '*2', column 1: '*' stands where a number, a name or a bracket should"),
-    (HEAD + "A = [['2**99']]\nb = [1]", "column 4: an exponent is an integer from -64 to 64"),
     (HEAD + "A = [['2**0.123']]\nb = [1]", "column 4: an exponent is an integer from -64 to 64"),
-    (HEAD + "A = [['(-2)**(1/2)']]\nb = [1]", "column 1: a fractional power is taken of a positive rational number"),
     (HEAD + "A = [['0**-1']]\nb = [1]", "A[0][0]: '0**-1', column 1: it divides by zero"),
-    (HEAD + f"A = [['{DEEP}']]\nb = [1]", "it is nested deeper than 40 levels"),
     (HEAD + f"A = [['{'-' * 41}1']]\nb = [1]", "it is nested deeper than 40 levels"),
-    (HEAD + f"A = [['{'1+' * 1000}1']]\nb = [1]", "column 2001: an expression has at most 2000 characters, not 2001"),
     (HEAD + "A = [['(9**64)**64*(9**64)**64']]\nb = [1]", "its numbers are too large"),
     (HEAD + "A = [[1e999999999]]\nb = [1]", "A[0][0]: '1e999999999', column 1: number: '1e999999999' is too long"),
     (HEAD + "A = [[nan]]\nb = [1]", "A[0][0]: 'nan', column 1: 'nan' is an unknown root"),
@@ -191,17 +171,8 @@ WRONG: list[tuple[str | bytes, str]] = [
 
 
 @pytest.mark.parametrize(("text", "reason"), WRONG, ids=range(len(WRONG)))
-def test_wrong_file_is_refused_in_one_line_with_its_name_and_place(
-    write: Write, text: str | bytes, reason: str
-) -> None:
-    path = write(text)
-    with pytest.raises(MethodError) as caught:
-        read_method(path)
-    line = str(caught.value)
-    assert line.startswith(f"{path}: ")
-    assert reason in line
-    assert "\n" not in line
-    assert len(line) < 400
+def test_wrong_file_is_refused_in_one_line_with_its_name_and_place(refusal, text, reason) -> None:  # type: ignore[no-untyped-def]
+    assert reason in refusal(text)
 
 
 def million(entries: str) -> str:
