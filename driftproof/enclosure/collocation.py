@@ -123,10 +123,7 @@ def solved_stages(
         if found is None or not all(np.isfinite(x).all() for x in (*found, right)):
             return None
         stages = Stages(method, values, found)
-        try:
-            correction = stages.solved(right[:, None]).reshape(m, n)
-        except np.linalg.LinAlgError:
-            return None
+        correction = stages.solved(right[:, None]).reshape(m, n)
         values = (values - arb_mat([[0.0] * n, *correction.tolist()])).mid()
         moved = float(np.max(np.abs(correction).max(axis=0) / np.maximum(scale[:n], _largest(values))))
         if not moved <= before * (2 if k < FREE_CORRECTIONS else 0.5):

@@ -320,14 +320,6 @@ class Enclosed:
         half_turn = Enclosed(self.evaluation, arb.pi())
         return (self / x).arctan() + half_turn if self > 0 else (self / x).arctan() - half_turn
 
-    def square(self) -> Any:
-        """x²."""
-        return self * self
-
-    def reciprocal(self) -> Any:
-        """1/x."""
-        return 1 / self
-
     def conjugate(self) -> Enclosed:
         """The number itself, being real."""
         return self

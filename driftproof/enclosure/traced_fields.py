@@ -68,10 +68,8 @@ class Traced:
             return cls(str(value) if value >= 0 else f"({value})", doubles)
         return cls(doubles.setdefault(value, f"double_{len(doubles)}"), doubles)
 
-    def _with(self, sign: str, other: Any, *, swapped: bool = False) -> Traced:
+    def _with(self, sign: str, other: Any) -> Traced:
         a, b = self, Traced.of(other, self.doubles)
-        if swapped:
-            a, b = b, a
         if sign == "*" and b.divisor and not a.divisor:
             return Traced(f"({a.text} / {b.divisor})", self.doubles)
         divisor = b.text if sign == "/" and a.text == "1" else ""
@@ -81,21 +79,13 @@ class Traced:
         """The sum."""
         return self._with("+", other)
 
-    def __radd__(self, other: Any) -> Traced:
-        """The sum."""
-        return self._with("+", other, swapped=True)
-
     def __mul__(self, other: Any) -> Traced:
         """The product, or the quotient."""
         return self._with("*", other)
 
-    def __rmul__(self, other: Any) -> Traced:
-        """The product, or the quotient."""
-        return self._with("*", other, swapped=True)
-
     def __rtruediv__(self, other: Any) -> Traced:
         """The quotient."""
-        return self._with("/", other, swapped=True)
+        return Traced.of(other, self.doubles)._with("/", self)
 
     def __neg__(self) -> Traced:
         """The negative."""

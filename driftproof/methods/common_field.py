@@ -13,6 +13,7 @@ from driftproof.methods.number_field import (
     Exact,
     NumberField,
     UndecidedError,
+    as_fmpq,
     dyadic,
     integer_root,
     real_root_balls,
@@ -50,7 +51,7 @@ def compositum(one: NumberField, other: NumberField) -> tuple[NumberField, Algeb
     There x and y are polynomials in γ modulo γ's characteristic polynomial, and so they are modulo its factor that has
     the real number γ as a root. Raises UndecidedError for a degree above LARGEST_FIELD_DEGREE.
     """
-    from flint import ctx, fmpq, fmpq_mat, fmpq_poly
+    from flint import arb, ctx, fmpq, fmpq_mat, fmpq_poly
 
     d, e = one.degree, other.degree
     size = d * e
@@ -73,21 +74,18 @@ def compositum(one: NumberField, other: NumberField) -> tuple[NumberField, Algeb
     alpha, beta, top = ([found[m, column] for m in range(size)] for column in range(3))
     characteristic = fmpq_poly([*(-c for c in top), 1]).numer()
     factors = [tuple(int(c) for c in factor.coeffs()) for factor, _ in characteristic.factor()[1]]
-    bits = 64
-    while True:
+    bits, near = 32, list[tuple[int, ...]]()
+    while len(near) != 1:  # no other root of the characteristic polynomial lies within the ends
+        bits, unit = 2 * bits, 2**bits
         with ctx.workprec(bits):
             gamma = one.ball() + k * other.ball()
-            near = [(p, ball) for p in factors for ball in real_root_balls(p, bits) if ball.overlaps(gamma)]
-            if len(near) == 1:
-                break
-        bits *= 2
-    minimal, ball = near[0]
-    with ctx.workprec(bits):
-        unit = 2 ** (bits // 2)
-        low = Fraction(dyadic(ball.lower()) * unit // 1 - 1, unit)
-        high = Fraction(dyadic(ball.upper()) * unit // 1 + 2, unit)
-        name = f"({one.name} + {other.name if k == 1 else f'{k}*{other.name}'})"
-        field = NumberField(name, minimal, low, high)
+            low = Fraction(dyadic(gamma.lower()) * unit // 1 - 1, unit)
+            high = Fraction(dyadic(gamma.upper()) * unit // 1 + 2, unit)
+            around = arb(as_fmpq((low + high) / 2), as_fmpq((high - low) / 2))
+            near = [p for p in factors for ball in real_root_balls(p, bits) if ball.overlaps(around)]
+    (minimal,) = near
+    name = f"({one.name} + {other.name if k == 1 else f'{k}*{other.name}'})"
+    field = NumberField(name, minimal, low, high)
     modulus = fmpq_poly(list(minimal))
     first, second = (Algebraic(field, (fmpq_poly(parts) % modulus).coeffs()) for parts in (alpha, beta))
     _generators(field).update({one: first, other: second})

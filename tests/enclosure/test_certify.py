@@ -140,6 +140,8 @@ REFUSED = {
     r"f is no right-hand side: NoneType; give a function f\(t, y\), or its text": (None, [0, 1], [[1], [1]]),
     r"f fails in floats at t = 0\.0: KeyError: 'k'": (lambda t, y: {}["k"], [0, 1], [[1.0], [1.0]]),
     r"f returns 2 rates for 1 components": (lambda t, y: [1.0, 2.0], [0, 1], [[1.0], [1.0]]),
+    r"f returns 3 rates for 1 components": (
+        lambda t, y: [1.0] * 3 if isinstance(y[0], float) else y, [0, 1], [[1.0], [1.0]]),
     r"f fails in floats at t = 0\.0: ZeroDivisionError": (lambda t, y: [1 / int(t)], [0, 1], [[1.0], [1.0]]),
     r"f compares numbers that the enclosure cannot tell apart": (lambda t, y: np.abs(y), [0, 1], [[0.0], [0.0]]),
     r"a pole, or .* is ahead near t = 1": (lambda t, y: y**2, [0.0, 1.5], [[1.0], [5.0]]),

@@ -216,6 +216,17 @@ def test_exact_run_that_is_lost_in_its_balls_is_refused(monkeypatch):
         certify(pendulum, TIMES, STATES, method="rk4")
 
 
+def test_exact_run_that_is_not_finite_is_made_again_with_more_bits(monkeypatch):
+    """Of y' = sqrt(y - 1) from 1 + 2^-20, a ball of 16 bits holds 1."""
+    f = lambda t, y: np.sqrt(y - 1)
+    times, states = classical(f, [1 + 2.0**-20], 1 / 64, 2)
+    monkeypatch.setattr("driftproof.enclosure.certify.BITS_OF_EXACT_RUN", 16)
+    assert certify(f, times, states, method="rk4").split.bits == 128
+    monkeypatch.setattr("driftproof.enclosure.certify.MOST_DOUBLINGS", 0)
+    with pytest.raises(Refused, match="with 16 bits: the exact run of rk4 is not finite after t = "):
+        certify(f, times, states, method="rk4")
+
+
 def same_as_rk4(module):
     """Truncation of seven steps is that of the module as it is: its rounding is below 1e-14."""
     plan = module.plan_of(pendulum, trajectory_of(TIMES, STATES), "rk4")

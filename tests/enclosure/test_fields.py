@@ -106,6 +106,10 @@ def calling_each_other(t, y):
     return [rise(y[0], 3), fall(y[1], 2)]
 
 
+def repeated(x, times):
+    return repeated(math.sin(x), times - 1) if times else x
+
+
 def scaled(t, y, factor):
     return [math.cos(x) * factor for x in y]
 
@@ -121,6 +125,7 @@ FIELDS = [
     lambda t, y: np.maximum(y, 0.1) + np.empty_like(y).size,
     lambda t, y: [y[1] if t < 1 else y[0], 0],
     # As strangers write them.
+    lambda t, y: [+repeated(y[0], 3), np.square(y[1]) - np.reciprocal(y[0])],
     *(calling_each_other, partial(scaled, factor=0.5)),
     *(guarded, in_place, out_of_pieces, of_a_matrix, by_axes, lists, clipped),
 ]

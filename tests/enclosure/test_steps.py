@@ -145,6 +145,14 @@ def test_size_keeps_what_is_not_a_number():
     assert not size([arb("nan"), arb(1)]).is_finite()
 
 
+def test_step_that_is_not_found_is_refused(monkeypatch):
+    for most, said in ((0, "a pole is ahead, or f is not smooth there"), (90, "f divides by a number that may be 0")):
+        monkeypatch.setattr(steps, "MOST_SHORTENINGS", most)
+        with pytest.raises(Refused, match=f"no step from t = 0 is found, however short: .*{said}") as caught:
+            made(steps, lambda t, y: 1 / y, [arb(1)], arb(2))
+        assert caught.value.t == 0
+
+
 @pytest.mark.parametrize(
     ("f", "start", "said"),
     [

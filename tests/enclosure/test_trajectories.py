@@ -7,6 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from driftproof.enclosure import trajectories
 from driftproof.enclosure.numbers import Refused
 from driftproof.enclosure.trajectories import (
     BINARY32_UNIT,
@@ -76,7 +77,7 @@ def test_file_of_another_form_is_refused_with_its_line(text, tmp_path):
         read_trajectory(tmp_path / "run.csv")
 
 
-def test_other_files_are_refused(tmp_path):
+def test_other_files_are_refused(tmp_path, monkeypatch):
     for name, content, said in (
         ("run.txt", b"0 1", r"ends in \.csv or \.npz"),
         ("run.npz", b"no zip", r"run\.npz: "),
@@ -91,6 +92,11 @@ def test_other_files_are_refused(tmp_path):
     np.savez(tmp_path / "pickled.npz", t=TIMES, y=np.array([{}, {}, {}], dtype=object))
     with pytest.raises(ValueError, match="pickled"):
         read_trajectory(tmp_path / "pickled.npz")
+    for most, said in ((9, "too large; at most 9 bytes"), (10, "2 numbers; write 3 numbers")):
+        monkeypatch.setattr(trajectories, "LARGEST_RUN", most)
+        (tmp_path / "run.csv").write_bytes(b"0,1,2\n0,1\n"[:10])
+        with pytest.raises(ValueError, match=said):
+            read_trajectory(tmp_path / "run.csv")
 
 
 def test_object_without_a_trajectory_is_refused():

@@ -16,10 +16,13 @@ from tests.methods.conftest import Write
 # The last one's equation is not monic: 6x^3 - 18x^2 + 9x - 1 = 0.
 ROOTS = [square_root(2), square_root(3), cube_root(2), square_root(8), square_root(5)]
 ROOTS.append(NumberField("gamma", (-1, 9, -18, 6), Q(2, 5), Q(1, 2)).generator)
+# So small that sqrt 2 plus it and less it are one ball of 64 bits.
+ROOTS.append(NumberField("tiny", (-3, 0, 10**40), Q(0), Q(1)).generator)
 
 
 @pytest.mark.parametrize(
-    ("chosen", "degree"), [((0, 1), 4), ((0, 2), 6), ((0, 3), 2), ((0, 1, 4), 8), ((1, 2), 6), ((0, 5), 6), ((5, 0), 6)]
+    ("chosen", "degree"),
+    [((0, 1), 4), ((0, 2), 6), ((0, 3), 2), ((0, 1, 4), 8), ((1, 2), 6), ((0, 5), 6), ((5, 0), 6), ((0, 6), 4)],
 )
 def test_roots_of_several_fields_keep_their_values_and_their_equations(chosen: tuple[int, ...], degree: int) -> None:
     values = [ROOTS[k] for k in chosen]

@@ -263,6 +263,14 @@ def test_real_roots_are_sympys_each_once(f: list[int], bits: int) -> None:
         assert not (root.is_Integer and ball.rad() != 0)
 
 
+def test_roots_of_two_factors_come_apart_however_near_they_are() -> None:
+    """Of (x² - 2)(10⁴⁰x² - 2·10⁴⁰ - 1), which are 4·10⁻⁴¹ apart: one ball of 64 bits."""
+    n = 10**40
+    balls = real_root_balls((4 * n + 2, 0, -4 * n - 1, 0, n), 64)
+    assert len(balls) == 4
+    assert balls[2] < balls[3]
+
+
 def test_rationals_go_to_flint_and_back() -> None:
     for x in (Q(-3, 7), Q(0), Q(10**40)):
         assert as_fraction(as_fmpq(x)) == x
