@@ -33,6 +33,11 @@ FAULTS = [
         "the state is changed at once: (5.0, 0.375) becomes (4.98",
     ),
     (then("q, v = (0.0, 0.0) if q * q + v * v < 1e-6 else (q, v)"), "small_states", "becomes (0.0, 0.0)"),
+    (
+        code("if q > 5.0: raise ValueError('far')\nreturn plain(7.0 if q == 5.0 else q, v, h)"),
+        "position_range",
+        "with q from 5 on the state is changed at once: (5.0, 0.375) becomes (7.0, 0.375)",
+    ),
     (SQUARES, "large_states", "overflows from q = 1.341e+154 on, where the answer is far from too large"),
 ]
 
