@@ -34,6 +34,8 @@ def test_what_becomes_of_small_states_is_told(step, key, words):
 
 NONLINEAR = [
     (WRAPPED_PENDULUM, "nonlinear: at q = 2.96 it departs from proportionality by 0.23"),
+    (code("v = v - h * q * (1 + abs(q) ** 7.5); return q + h * v, v"), "nonlinear: at q = 0.739 it departs"),
+    (code("v = v - h * q * (1 + abs(q) ** 7.75); return q + h * v, v"), "linear up to q = 0.0"),
     (
         code("q, v = plain(q, v, 1 / 60)\nreturn q, bounded(v, -100.0, 100.0)"),
         "linear up to v = 100 and no further; linear up to v = -100 and no further",
