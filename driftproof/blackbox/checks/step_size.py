@@ -114,13 +114,10 @@ def _raised(taken: _Taken) -> _Found | None:
 
 def _in_whole_steps(taken: _Taken) -> _Found | None:
     """Whether nearly equal h give the same answer."""
-    if taken.runner.grain or not taken.alike(TYPICAL_STEP, TYPICAL_STEP * (1 + 2.0**-10)):
+    alike = [taken.alike(TYPICAL_STEP, h) for h in (TYPICAL_STEP * (1 + 2.0**-10), _SHORTEST, _LONGEST)]
+    if taken.runner.grain or alike != [True, False, False]:
         return None
-    longer = next((h for h in (0.5, 1.0, _LONGEST) if not taken.alike(h, TYPICAL_STEP)), None)
-    shorter = next((h for h in (0.125, 2.0**-10, _SHORTEST) if not taken.alike(h, TYPICAL_STEP)), None)
-    if longer is None or shorter is None:
-        return None
-    least, most = taken.bound(TYPICAL_STEP, shorter), taken.bound(TYPICAL_STEP, longer)
+    least, most = taken.bound(TYPICAL_STEP, _SHORTEST), taken.bound(TYPICAL_STEP, _LONGEST)
     words = f"h is taken in whole steps: every h from {least:.6g} to {most:.6g} gives the same answer"
     return words, (taken.trial(least), taken.trial(most))
 

@@ -80,20 +80,17 @@ class TrialRunner:
 
     def step(self, q: float, v: float, h: float) -> PhasePoint:
         """One step where nothing should go wrong. Raises the `Misbehaviour` if something does."""
-        q1, v1 = self.subject.step(q, v, h)
-        return q1, v1
+        return self.subject.step(q, v, h)
 
     def trial(self, q: float, v: float, h: float) -> Trial:
         """One step where anything may come. Raises NoAnswer: of a call that hangs, nothing is known."""
-        if self.made is None:
-            return self._trial(q, v, h)
-        if (q, v, h) not in self.made:
-            self.made[q, v, h] = self._trial(q, v, h)
-        return self.made[q, v, h]
+        made = {} if self.made is None else self.made
+        if (q, v, h) not in made:
+            made[q, v, h] = self._trial(q, v, h)
+        return made[q, v, h]
 
     def _trial(self, q: float, v: float, h: float) -> Trial:
-        given = (q, v, h)
-        call = call_text(self.subject, *given)
+        given, call = (q, v, h), call_text(self.subject, q, v, h)
         try:
             return Trial(call, given, self.step(*given))
         except NotFinite as seen:

@@ -102,7 +102,9 @@ class ForeignCode:
         try:
             first, second = part_pair(answer)
         except (TypeError, ValueError):
-            raise WrongShape(f"it returns {_shown(answer)}, not a pair (q1, v1)") from None
+            text = repr(answer)
+            shown = text if len(text) <= _MOST_SHOWN else f"{text[:_MOST_SHOWN]}..."
+            raise WrongShape(f"it returns {shown}, not a pair (q1, v1)") from None
         return (second, first) if self.convention.velocity_first else (first, second)
 
     def called(self, roles: dict[str, Foreign], words: str, start: Sequence[AnyNumber]) -> Foreign:
@@ -206,11 +208,6 @@ def _differs(x: Foreign, before: Foreign) -> bool:
         return x is not before and as_array(x).tobytes() != as_array(before).tobytes()
     except NotANumber:  # such as the numbers of another arithmetic, which nobody watches
         return vars(x) != vars(before) if is_dataclass(x) else isinstance(x, dict) and x != before
-
-
-def _shown(answer: Foreign) -> str:
-    text = repr(answer)
-    return text if len(text) <= _MOST_SHOWN else f"{text[:_MOST_SHOWN]}..."
 
 
 def _states_of_run(answer: Any, start: Sequence[Any], layout: str | None, steps: int) -> tuple[Any, str]:

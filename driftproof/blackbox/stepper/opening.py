@@ -8,6 +8,7 @@ import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
+from functools import partial
 from importlib import import_module
 from itertools import product
 from typing import Any, TypeAlias
@@ -148,15 +149,10 @@ def _with_jacobian(subject: ForeignStepper, h: float) -> Sequence[float]:
     return with_functions(subject, functions).step(*TRIAL_STATE, h)
 
 
-def _in_space(subject: ForeignStepper, h: float) -> Sequence[float]:
-    """A velocity in fields that have three numbers."""
-    found = step_in_fields(subject, Push((1.0, 0.5, 0.25), (0.75, 1.0, 0.5), (0.5, 0.25, 1.0), (0.25, 1.0, 0.5), h))
-    return [*(found.x or ()), *found.v]
-
-
-def _in_plane(subject: ForeignStepper, h: float) -> Sequence[float]:
-    """The same where B is one number."""
-    found = step_in_fields(subject, Push((1.0, 0.5), (0.75, 1.0), (0.5, 0.25), (0.25,), h))
+def _in_fields(subject: ForeignStepper, h: float, size: int = 3) -> Sequence[float]:
+    """A velocity in fields that have three numbers, or in the plane, where B is one number."""
+    x, v, electric = (all_of[:size] for all_of in ((1.0, 0.5, 0.25), (0.75, 1.0, 0.5), (0.5, 0.25, 1.0)))
+    found = step_in_fields(subject, Push(x, v, electric, (0.25, 1.0, 0.5) if size == 3 else (0.25,), h))
     return [*(found.x or ()), *found.v]
 
 
@@ -169,7 +165,7 @@ _TRIALS = {
     FIELD: (_one_step, _one_number),
     ROSENBROCK: (_with_jacobian,),
     IMEX: (_with_jacobian,),
-    MAGNETIC: (_in_space, _in_plane),
+    MAGNETIC: (_in_fields, partial(_in_fields, size=2)),
     ROTATION: (_turning,),
 }
 

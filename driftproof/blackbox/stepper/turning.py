@@ -59,9 +59,8 @@ def step_in_fields(subject: ForeignStepper, push: Push) -> Pushed:
         made.asked, made.size_of_place = [], size
         roles[role] = made
         fields.append(made)
-    words = (
-        f"x={list(push.x)!r}, v={list(push.v)!r}, E={list(push.electric)!r}, B={list(push.magnetic)!r}, h={push.h!r}"
-    )
+    shown = zip("xvEB", (push.x, push.v, push.electric, push.magnetic), strict=True)
+    words = ", ".join([*(f"{name}={list(numbers)!r}" for name, numbers in shown), f"h={push.h!r}"])
     answer = subject.called(roles, words, [*push.x, *push.v])
     asked = [made.asked[-1] for made in fields if made.asked]
     if POSITION not in order:

@@ -4,9 +4,9 @@ import math
 
 import pytest
 
-from driftproof.blackbox.checks.trials import CheckResult, Trial, Unsteady, same, steady_runner
+from driftproof.blackbox.checks.trials import CheckResult, Trial, TrialRunner, Unsteady, same, steady_runner
 from driftproof.blackbox.stepper.opening import opened
-from driftproof.symbolic.rounding.formats import BINARY32, BINARY64
+from driftproof.symbolic.rounding.formats import BINARY16, BINARY32, BINARY64
 from tests.blackbox.checks import habits
 
 
@@ -25,6 +25,13 @@ from tests.blackbox.checks import habits
 def test_the_arithmetic_of_a_stepper_is_seen(step, fmt, grain):
     runner = steady_runner(opened(step))
     assert (runner.format, runner.grain) == (fmt, grain)
+
+
+def test_so_much_counts_as_rounding_as_a_format_and_a_grain_leave():
+    found = [
+        TrialRunner(None, fmt, grain).rounding for fmt, grain in ((BINARY64, 0.0), (BINARY16, 0.0), (BINARY64, 1.0))
+    ]
+    assert found == [1024 * 2.0**-53, 2.0**-5, 1024 * 2.0**-53 + 4.0]
 
 
 def test_states_are_small_enough_for_a_limit_that_only_a_step_of_zero_shows():
