@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import pytest
 
-from driftproof.blackbox.matching import candidates
 from driftproof.blackbox.matching.match import match_forces
 from driftproof.blackbox.probes.force import read_forces
 from driftproof.blackbox.stepper.opening import opened
@@ -95,9 +94,3 @@ def test_a_method_that_is_none_of_ours_is_not_forced_into_one():
 
     assert in_field(step).lines == ["no method of the catalogue"]
     assert match_forces(read_forces(opened(step, "field"))).lines == ["no method of the catalogue"]
-
-
-@pytest.mark.parametrize("key", ["rk4", "ruth3", "nystrom4"])
-def test_a_method_as_it_stands_has_its_key_and_no_relation(key):
-    found = candidates.on_force(METHODS[key])
-    assert (found.key, found.relation) == (key, "")

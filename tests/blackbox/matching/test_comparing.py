@@ -7,6 +7,7 @@ import pytest
 from driftproof.methods.catalogue import METHODS
 from tests.blackbox import handwritten_steppers as codes
 from tests.blackbox.matching.readings import TABLEAUX, TIES, counted, in_field, ties_of
+from tests.looping import some
 
 TIES += [{"dop853", "dop853_third"}]
 
@@ -24,7 +25,7 @@ def in_another_order(method):
 REORDERED = [key for key in TABLEAUX if in_another_order(METHODS[key])]
 
 
-@pytest.mark.parametrize("key", REORDERED)
+@pytest.mark.parametrize("key", some(REORDERED, 3))
 def test_the_order_in_which_independent_stages_are_called_does_not_matter(key):
     rows, weights, nodes = in_another_order(METHODS[key])
     assert set(in_field(codes.tableau(rows, weights, nodes)).keys) == ties_of(key)
@@ -35,7 +36,3 @@ def test_stages_called_in_another_order_without_their_weights_are_another_method
     rows, weights, nodes = in_another_order(METHODS[key])
     own = codes.floats(METHODS[key])[1]
     assert (key in in_field(codes.tableau(rows, own, nodes)).keys) == (own == weights)
-
-
-def test_independent_stages_are_there_to_be_exchanged():
-    assert len(REORDERED) >= 3

@@ -11,7 +11,6 @@ from driftproof.blackbox.matching.linear_candidates import explained_by, rates_o
 from driftproof.blackbox.probes.linear_steps import read_linear_steps
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.schemes import Collocation
-from driftproof.numeric.steppers import rk4
 from tests.blackbox.catalogue_steppers import float_subject, with_one_changed
 from tests.blackbox.matching.linear_fits import VARIANTS, fit
 from tests.blackbox.transcripts import Asked
@@ -33,12 +32,6 @@ def test_a_method_with_one_coefficient_wrong_is_not_named_that_method(key, chang
     explained = explained_by(each, reading, *rates_of(reading), known=True)
     assert explained.error.in_bounds > 1 or explained.restriction or not explained.rates_are_right
     as_before(explained.words, f"{explained.error.in_bounds:.3g} bounds")
-
-
-def test_a_stepper_with_another_step_backwards_is_named_for_steps_forward_only():
-    found = fit(lambda force, q, v, h: rk4(force, q, v, abs(h)))
-    assert found.best.words == "rk4, but only at h > 0"
-    assert found.best.extras == 1
 
 
 @pytest.mark.parametrize(("step", "words"), VARIANTS, ids=[words for _, words in VARIANTS])

@@ -14,10 +14,6 @@ from driftproof.symbolic.algebra.polynomials import scalar
 from tests.blackbox.matching.linear_fits import fit, like_rk4
 
 
-def test_the_right_weight_is_rk4():
-    assert fit(like_rk4(1 / 24)).best.methods[0] == "rk4"
-
-
 def rational(q, v, h):
     d = 1 + h * h / 5
     return ((1 - h * h / 3) * q + h * v) / d, ((1 - h * h / 3) * v - h * q) / d
