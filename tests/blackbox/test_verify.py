@@ -314,12 +314,9 @@ TWINS = {
     "the trapezoidal rule": ("implicit_midpoint", IMPLICIT["trapezoid"], "implicit_midpoint has 1 stage, 2 read"),
     "f(t, y1)": ("backward_euler", all_at_once(([[1]], [1], [0])), "c[0] 1 0 -1"),
     "f(t + h/2, y1)": ("backward_euler", all_at_once(([[1]], [1], [0.5])), "c[0] 1 1/2 -0.5"),
-    "another table": (
-        "sdirk2",
-        one_by_one(([[G, 0], [1 - 2 * G, G]], [0.5, 0.5], [G, 1 - G])),
-        "a[1][0] 1/2*sqrt(2) 0.41421356237309515 -0.293",
-    ),
-}
+    "another table": ("sdirk2", one_by_one(([[G, 0], [1 - 2 * G, G]], [0.5, 0.5], [G, 1 - G])),
+        "a[1][0] 1/2*sqrt(2) 0.41421356237309515 -0.293"),
+}  # fmt: skip
 
 
 @pytest.mark.parametrize("key", IMPLICIT)
@@ -345,16 +342,11 @@ def test_what_only_a_nonlinear_problem_or_the_time_tells_apart_fails(key, step, 
 
 
 EARLY = {
-    "one iteration": (
-        partial(newton, most=1),
-        "power 1 of the nonlinearity, as after one iteration of Newton's method",
-    ),
-    "two": (
-        partial(newton, most=2),
-        "power 3 of the nonlinearity, as after two iterations of Newton's method or",
-    ),
+    "one iteration": (partial(newton, most=1),
+        "power 1 of the nonlinearity, as after one iteration of Newton's method"),
+    "two": (partial(newton, most=2), "power 3 of the nonlinearity, as after two iterations of Newton's method or"),
     "a kept Jacobian": (partial(simplified, most=2), "power 2 of the nonlinearity, as after 2 with one Jacobian"),
-}
+}  # fmt: skip
 
 
 @pytest.mark.parametrize(("solver", "seen"), EARLY.values(), ids=EARLY)

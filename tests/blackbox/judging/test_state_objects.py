@@ -93,14 +93,10 @@ FOUND = {
     "spoilt later": (spoiling_at_the_second_call, "rk4", False, "it spoils its arguments: "),
     "arrays alone": (twice_a_list, "ralston2", False, "the state is given as NumPy arrays; of lists it is another st"),
     "lists alone": (copied_as_a_list, "midpoint2", False, "it is where the state comes as lists; the state is given a"),
-    "(v, q)": (
-        velocity_first,
-        "velocity_verlet",
-        False,
-        "it is where the state comes as (v, q) in NumPy arrays; write: ",
-    ),
+    "(v, q)": (velocity_first, "velocity_verlet", False,
+        "it is where the state comes as (v, q) in NumPy arrays; write: "),
     "another": (codes.rk4, "heun2", None, "the state is given as NumPy arrays"),
-}
+}  # fmt: skip
 
 
 @pytest.mark.parametrize(("step", "key", "holds", "words"), FOUND.values(), ids=FOUND)

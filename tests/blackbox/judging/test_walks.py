@@ -60,18 +60,14 @@ WRONG = {
     "times in binary32": (rk4_at(lambda at, t: float(np.float32(at))), RK4, "in a step of 0.1 from t = "),
     "a clock that stands": (rk4_at(lambda at, t: min(at, 10)), RK4, "at t = 100.1 it is another step"),
     "no sign of t": (rk4_at(lambda at, t: abs(at)), RK4, "at t = -7.05 it is another step"),
-    "the last of five": (
-        rk4_ending(lambda end, y, h: np.append(end[:4], y[4:]) if len(y) > 4 else end),
-        *(RK4, "of 5 numbers it is another step"),
-    ),
-    "no small slopes": (
-        rk4_ending(lambda end, y, h: np.where(abs(end - y) < 1e-8, y, end) if len(y) > 2 else end),
-        *(RK4, "with numbers of other sizes it is another step"),
-    ),
+    "the last of five": (rk4_ending(lambda end, y, h: np.append(end[:4], y[4:]) if len(y) > 4 else end),
+        *(RK4, "of 5 numbers it is another step")),
+    "no small slopes": (rk4_ending(lambda end, y, h: np.where(abs(end - y) < 1e-8, y, end) if len(y) > 2 else end),
+        *(RK4, "with numbers of other sizes it is another step")),
     "a stale slope": (going_on, RK4, "a step that goes on from the one before is another than from the same state"),
     "the fourth position": (positions_from_the_fourth_stay, VERLET, "of 5 positions it is another step"),
     "NaN": (rk4_ending(lambda end, y, h: end * (np.nan if len(y) == 3 else 1)), RK4, "it returns nan"),
-}
+}  # fmt: skip
 
 
 @pytest.mark.parametrize(("step", "method", "cause"), WRONG.values(), ids=WRONG)

@@ -224,16 +224,12 @@ def test_a_map_has_no_force():
     [
         (lambda t, h: (t, t + h), ""),
         (lambda t, h: (t, t), "in a step of 1 from t = 0, call 1 asks at the time 0 for the position of the time 1"),
-        (
-            lambda t, h: (t, t + h * h),
-            "in a step of 2 from t = 0, call 1 asks at the time 4 for the position of the time 2",
-        ),
-        (
-            lambda t, h: (0 * t, h),
-            "in a step of 1 from t = 7, call 0 asks at the time 0 for the position of the time 7",
-        ),
+        (lambda t, h: (t, t + h * h),
+            "in a step of 2 from t = 0, call 1 asks at the time 4 for the position of the time 2"),
+        (lambda t, h: (0 * t, h),
+            "in a step of 1 from t = 7, call 0 asks at the time 0 for the position of the time 7"),
     ],
-)
+)  # fmt: skip
 def test_a_force_that_is_asked_at_another_time_than_its_position_has_is_told(times, wrong, as_before):
     def of_a_field(f, t, y, h):
         (q, v), (first, last) = y, times(t, h)

@@ -191,24 +191,20 @@ def dragged(f, t, y, h):
 REFUSED = {
     "explicit": (codes.rk4, "not solved, so the step is explicit|none of its stages|another step"),
     "fixed iterations": (codes.midpoint_iterated(3), "explicit|another step than of these stages"),
-    "eight iterations": (
-        all_at_once(table("implicit_midpoint"), partial(fixed_point, most=8, tolerance=0)),
-        "linear stage equations are off by .* after as many calls as simpler ones",
-    ),
+    "eight iterations": (all_at_once(table("implicit_midpoint"), partial(fixed_point, most=8, tolerance=0)),
+        "linear stage equations are off by .* after as many calls as simpler ones"),
     "adaptive": (adaptive, "does not scale with h|the step depends on|is called at"),
     "remembers": (bdf2(), "another start, time, h and size"),
     "linearly implicit": (linearly_implicit, "another step than of these stages"),
     "symplectic": (symplectic, "no stage of it has a weight|another start"),
     "one number": (alone, "with its stages marked, step.* raises"),
     "another time": (late, "its times do not scale with h"),
-    "never near": (
-        all_at_once(table("gauss2"), lambda residual, x: newton(residual, x) + 1e-4),
-        "nonlinear problems|other",
-    ),
+    "never near": (all_at_once(table("gauss2"), lambda residual, x: newton(residual, x) + 1e-4),
+        "nonlinear problems|other"),
     "drag": (dragged, "another start"),
     "never calls": (lambda f, t, y, h: y, "the right-hand side is never called"),
     "no weight": (lambda f, t, y, h: y + 0.0 * f(t, y), "no stage of it has a weight"),
-}
+}  # fmt: skip
 
 
 @pytest.mark.parametrize(("step", "seen"), REFUSED.values(), ids=REFUSED)
