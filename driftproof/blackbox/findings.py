@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 
@@ -91,13 +91,15 @@ NO_EVIDENCE = {
 class Outcome:
     """What came of one check: its result; or one word for why there is none, and what was seen.
 
-    `arithmetic` says who changed the rounding mode, or what becomes of subnormal numbers, where somebody did.
+    `arithmetic` says who changed the rounding mode, or what becomes of subnormal numbers, where somebody did; `calls`,
+    how often the subject was called for it.
     """
 
     result: Any = None
     kind: str | None = None
     seen: str = ""
     arithmetic: str = ""
+    calls: int = field(default=0, compare=False)
 
     @property
     def failed(self) -> bool:

@@ -268,6 +268,7 @@ class Serving:
 
     def outcome(self, index: int) -> Outcome:
         """The outcome of one probe; warnings of the stepper's, as of overflow, are not shown."""
+        before = self._calls
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             if self._opened is None:
@@ -279,7 +280,7 @@ class Serving:
                 except (Misbehaviour, NoAnswer, ValueError) as error:
                     self._opened = _failure(error)
             found = self._opened if isinstance(self._opened, Outcome) else _outcome(self.probes[index], self._opened)
-            return replace(found, arithmetic=self._environment.change)
+            return replace(found, arithmetic=self._environment.change, calls=self._calls - before)
 
     def _before(self, call: str) -> None:
         if not self._calls:

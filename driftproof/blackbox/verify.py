@@ -95,6 +95,7 @@ def verify(
         if checks[ROUNDING].passed is False or checks[ROUNDING].missing:
             checks = {question.title: checks[question.title] for question in questions if not question.only}
         passed, arithmetic = _decided(checks), arithmetic_of([*answers, remarks])
+        made = sum(outcome.calls for outcome in (*answers, remarks))
         if passed is False:
             from driftproof.blackbox.identify import identified
             from driftproof.blackbox.judging.single_mistakes import single_mistakes
@@ -105,7 +106,7 @@ def verify(
             same_steps = [*mistakes, *filter(None, [_right_form(outcomes)])]
             refuted = _refuted(asked, questions, checks, outcomes, instead, mistakes)
             named = refuted if arithmetic in refuted else f"{refuted}; {arithmetic}"
-            return _report(runner.target, named, passed, checks, instead, same_steps)
+            return _report(runner.target, named, passed, checks, made, instead, same_steps)
     verdict = _agreed(asked, rounding.result, checks) if passed else _not_decided(asked, checks)
     told = [check.words for check in remarks.result or () if check.holds is False]
     remarked = [f"remark: {words}" for words in told if not words.endswith(RETURNS_NOTHING)]
@@ -115,7 +116,7 @@ def verify(
         if outcomes[title].kind not in (None, UnsupportedCall.kind) and not checks[title].missing
     ]
     whole = "; ".join(filter(None, [verdict, *remarked, *unjudged, arithmetic]))
-    return _report(runner.target, whole, passed, checks)
+    return _report(runner.target, whole, passed, checks, made)
 
 
 def assert_verified(
@@ -280,11 +281,15 @@ def _report(
     verdict: str,
     passed: bool | None,
     checks: Mapping[str, Criterion],
+    made: int,
     instead: Report | None = None,
     mistakes: Sequence[str] = (),
 ) -> Report:
     parts, data = criteria_parts([*checks.values()], passed)
-    if instead is not None:
+    data["calls_made"] = made
+    if instead is None:
+        parts.append(("Looked at", [f"{made} calls of it"]))
+    else:
         read = instead.section("Coefficients") or instead.section("One-step matrix")
         shown = [section for section in (read, instead.section("Faults"), instead.section("Not answered")) if section]
         parts.append(("What it is: one mistake that takes the same steps", tuple(mistakes)))

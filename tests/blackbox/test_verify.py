@@ -239,6 +239,20 @@ def test_a_verdict_says_what_was_seen(name):
         assert section or not title, title
 
 
+def test_a_verdict_says_how_many_calls_were_looked_at():
+    calls = []
+
+    def euler(f, t, y, h):
+        calls.append(t)
+        return y + h * f(t, y)
+
+    report = held(euler, "forward_euler")
+    assert report.section("Looked at").lines == (f"{report.data['calls_made']} calls of it",)
+    before_any_question = len(calls) - report.data["calls_made"]
+    assert 0 < before_any_question < 10 < report.data["calls_made"]
+    assert held(codes.rk4, "rk38").section("Looked at") is None
+
+
 def test_sizes_that_overflow_are_refused_and_refute_nothing():
     for domain in (Domain(largest_state=1e308), Domain(largest_step=1e300)):
         with pytest.raises(ValueError, match=r"where binary64 overflows; choose smaller sizes"):
