@@ -200,7 +200,7 @@ def _times(row: TableRow, matrix: Sequence[Sequence[tuple[int, _Number]]]) -> li
 
 Array: TypeAlias = "np.ndarray[Any, Any]"
 # The powers of nodes whose weighted sums are compared: methods of high order agree in the low ones.
-POWERS = (0, 1, 2, 11)
+_POWERS = (0, 11)
 
 
 class Fingerprint:
@@ -250,13 +250,13 @@ class Fingerprint:
         most e (k + 4) s³ to first order: each of k nodes, of three factors and of the unit by e.
         """
         unit, scale = self.length or 1.0, 1.0 + max(self.scale, other.scale)
-        allowed = rounding.of(2 * (max(POWERS) + 4) * scale**3)
+        allowed = rounding.of(2 * (max(_POWERS) + 4) * scale**3)
         pairs = zip(self._sums(unit), other._sums(unit), strict=True)
         return all(bool((np.abs(mine - its) <= allowed).all()) for mine, its in pairs)
 
     def _sums(self, unit: float) -> Iterator[Array]:
         for nodes in self.nodes:
-            for power in POWERS:
+            for power in _POWERS:
                 values = (nodes / unit) ** power
                 for _ in range(3):
                     yield self.weights @ values

@@ -14,7 +14,12 @@ TABLEAUX = [key for key in EXPLICIT if isinstance(METHODS[key], RungeKutta)]
 SHORT = [key for key in TABLEAUX if METHODS[key].stages < 20]
 SPLITTINGS = [key for key in EXPLICIT if isinstance(METHODS[key], Splitting)]
 # The same step under several names: a pair propagates it, or it was found twice.
-TIES = [{"heun2", "ssprk22", "heun_euler21"}, {"rk4", "zonneveld43"}, {"ralston3", "bogacki_shampine32"}]
+TIES = [
+    {"heun2", "ssprk22", "heun_euler21"},
+    {"rk4", "zonneveld43"},
+    {"ralston3", "bogacki_shampine32"},
+    {"dop853", "dop853_third"},
+]
 
 
 def ties_of(key):

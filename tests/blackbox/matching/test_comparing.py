@@ -2,14 +2,20 @@
 
 from __future__ import annotations
 
+from fractions import Fraction as Q
+from math import ceil
+
 import pytest
 
+from driftproof.blackbox.matching.candidates import ExactTable
+from driftproof.blackbox.matching.comparing import Comparison
+from driftproof.blackbox.probes.scripted_answers import Rounding
 from driftproof.methods.catalogue import METHODS
+from driftproof.symbolic.linear.reduced_tableau import StageCoefficients
+from driftproof.symbolic.rounding.formats import BINARY16
 from tests.blackbox import handwritten_steppers as codes
-from tests.blackbox.matching.readings import TABLEAUX, TIES, counted, in_field, ties_of
+from tests.blackbox.matching.readings import TABLEAUX, counted, in_field, ties_of
 from tests.looping import some
-
-TIES += [{"dop853", "dop853_third"}]
 
 
 def in_another_order(method):
@@ -36,3 +42,38 @@ def test_stages_called_in_another_order_without_their_weights_are_another_method
     rows, weights, nodes = in_another_order(METHODS[key])
     own = codes.floats(METHODS[key])[1]
     assert (key in in_field(codes.tableau(rows, own, nodes)).keys) == (own == weights)
+
+
+# Each number of a table, and the largest of its column: a kick moves a place by itself times what is drifted since.
+NUMBERS = {
+    "a[1][0]": (Q(1, 2), Q(1, 2)),
+    "b_position[0]": (Q(1, 4), Q(1, 2)),
+    "b_position[1]": (Q(3, 4), Q(3, 2)),
+    "b_velocity[0]": (Q(1, 8), Q(1, 2)),
+    "b_velocity[1]": (Q(1), Q(3, 2)),
+    "c[0]": (Q(0), Q(3, 2)),
+    "c[1]": (Q(3, 2), Q(3, 2)),
+    "drift": (Q(1), Q(1)),
+}
+
+
+def table(name="", off=Q(0)):
+    a, p, q, v, w, c, d, drift = (x + off * (key == name) for key, (x, _) in NUMBERS.items())
+    return ExactTable.of(StageCoefficients(((Q(0), Q(0)), (a, Q(0))), ((p, q), (v, w)), (c, d)), drift)
+
+
+@pytest.mark.parametrize("name", NUMBERS)
+@pytest.mark.parametrize("sign", [1, -1])
+def test_a_number_is_the_same_up_to_the_roundings_of_its_column(name, sign):
+    exact, rounding = table(), Rounding(BINARY16, 2)
+    value, scale = NUMBERS[name]
+    for roundings in some(
+        (rounding.most + Q(9, 10), rounding.most + Q(11, 10))
+    ):  # one more than a program's is allowed
+        compared = Comparison(table(name, sign * roundings * BINARY16.u * scale), exact, rounding)
+        same = roundings < rounding.most + 1
+        assert [place.name for place in compared.differences()] == [name] * (not same)
+        assert compared.arrangement() == ((0, 1) if same else None)
+        own = ceil(roundings * scale / value) if value else rounding.most + 1
+        assert compared.distance((0, 1)) == (own, ceil(roundings), name)
+        assert compared.size == len(NUMBERS)

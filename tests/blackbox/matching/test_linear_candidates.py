@@ -11,6 +11,7 @@ from driftproof.blackbox.matching.linear_candidates import explained_by, rates_o
 from driftproof.blackbox.probes.linear_steps import read_linear_steps
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.schemes import Collocation
+from driftproof.numeric.steppers import rk4
 from tests.blackbox.catalogue_steppers import float_subject, with_one_changed
 from tests.blackbox.matching.linear_fits import VARIANTS, fit
 from tests.blackbox.transcripts import Asked
@@ -52,3 +53,10 @@ def test_a_sloppy_solver_is_not_called_the_adjoint_of_a_method_that_is_its_own()
     found = fit(midpoint)
     assert found.best is None
     assert found.nearest.methods[0] == "implicit_midpoint"
+
+
+@pytest.mark.parametrize(("off", "named"), [(Q(1, 1024), True), (Q(-1, 1024), True), (Q(2, 2049), False)])
+def test_a_rate_that_is_off_by_less_than_a_part_in_1024_is_no_factor_of_a_method(off, named):
+    rate = float(1 + off)
+    found = fit(lambda force, q, v, h: rk4(lambda x: rate * force(x), q, v, h))
+    assert (found.best is not None) == named

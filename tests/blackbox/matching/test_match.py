@@ -8,10 +8,8 @@ import pytest
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.stepping import stepper
 from tests.blackbox import handwritten_steppers as codes
-from tests.blackbox.matching.readings import EXPLICIT, TABLEAUX, TIES, in_field, on_force, ties_of
+from tests.blackbox.matching.readings import EXPLICIT, TABLEAUX, in_field, on_force, ties_of
 from tests.blackbox.transcripts import Asked
-
-TIES += [{"dop853", "dop853_third"}]
 
 
 @pytest.mark.parametrize("key", EXPLICIT)
