@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from fractions import Fraction
-from math import prod
 from typing import Any, TypeAlias
 
 from flint import arb, arb_mat, arb_poly, ctx
@@ -17,7 +16,7 @@ from flint import arb, arb_mat, arb_poly, ctx
 from driftproof.enclosure.fields import RightHandSide
 from driftproof.enclosure.numbers import Enclosed, Evaluation, Refused
 from driftproof.enclosure.steps import linearised, size
-from driftproof.methods.schemes import Collocation, Method, RungeKutta
+from driftproof.methods.schemes import Collocation, Method, RungeKutta, lagrange_integrals
 from driftproof.symbolic.algebra.certified import enclose
 
 # Quadratic from a start near by: 2⁻¹ to 2⁻⁴⁰⁹⁶ in 12 iterations, and as many to come near.
@@ -35,11 +34,7 @@ def coefficient_balls(method: RungeKutta | Collocation) -> _Table:
         a = [[enclose(x) for x in row] for row in method.a]
         return a, [enclose(x) for x in method.b], [enclose(x) for x in method.c]
     nodes = method.node_balls(ctx.prec)
-    integrals = []
-    for i, node in enumerate(nodes):
-        others = [x for j, x in enumerate(nodes) if j != i]
-        lagrange = prod((arb_poly([-x, 1]) * arb_poly([1 / (node - x)]) for x in others), start=arb_poly([1]))
-        integrals.append(lagrange.integral())
+    integrals = lagrange_integrals(nodes, arb_poly)
     return [[p(node) for p in integrals] for node in nodes], [p(arb(1)) for p in integrals], list(nodes)
 
 

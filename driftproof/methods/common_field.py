@@ -38,10 +38,15 @@ def element_of(x: Exact, field: NumberField | None) -> Exact:
     """x as an element of a field that `common_field` made of its own and others."""
     if not isinstance(x, Algebraic) or field is None or x.field == field:
         return x
-    total: Exact = Fraction(0)
+    return _at(x, _generators(field)[x.field])
+
+
+def _at(x: Algebraic, generator: Algebraic) -> Exact:
+    """x with this number in the place of its field's generator."""
+    found: Exact = Fraction(0)
     for c in reversed(x.coefficients):
-        total = total * _generators(field)[x.field] + c
-    return total
+        found = found * generator + c
+    return found
 
 
 @cache
@@ -90,12 +95,9 @@ def compositum(one: NumberField, other: NumberField) -> tuple[NumberField, Algeb
     first, second = (Algebraic(field, (fmpq_poly(parts) % modulus).coeffs()) for parts in (alpha, beta))
     _generators(field).update({one: first, other: second})
     for known, element in (*_generators(one).items(), *_generators(other).items()):
-        base = first if known in _generators(one) else second
-        total: Exact = Fraction(0)
-        for c in reversed(element.coefficients):
-            total = total * base + c
-        assert isinstance(total, Algebraic)
-        _generators(field).setdefault(known, total)
+        lifted = _at(element, first if known in _generators(one) else second)
+        assert isinstance(lifted, Algebraic)
+        _generators(field).setdefault(known, lifted)
     return field, first, second
 
 

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
 from math import lcm, prod
-from typing import TYPE_CHECKING, ClassVar, TypeAlias
+from typing import TYPE_CHECKING, Any, ClassVar, TypeAlias
 
 from driftproof.methods.number_field import (
     Algebraic,
@@ -298,10 +298,7 @@ class Collocation(Definition):
         from flint import fmpq_poly
 
         nodes = [as_fmpq(dyadic(ball.mid())) for ball in self.node_balls(bits)]
-        integrals = []
-        for node in nodes:
-            factors = [fmpq_poly([-x, 1]) / (node - x) for x in nodes if x != node]
-            integrals.append(prod(factors, start=fmpq_poly([1])).integral())
+        integrals = lagrange_integrals(nodes, fmpq_poly)
         rows = [[as_fraction(integral(node)) for integral in integrals] for node in nodes]
         return rows, [as_fraction(integral(as_fmpq(1))) for integral in integrals], [as_fraction(x) for x in nodes]
 
@@ -313,6 +310,16 @@ class Collocation(Definition):
     def inconsistencies(self) -> dict[str, Exact]:
         """None ever: the weights integrate constants exactly by construction, and so do the rows of A."""
         return {}
+
+
+def lagrange_integrals(nodes: Sequence[Any], polynomial: Callable[[Sequence[Any]], Any]) -> list[Any]:
+    """The integrals from 0 of Lagrange's polynomials for these nodes, in the arithmetic of FLINT's `polynomial`."""
+    found = []
+    for i, node in enumerate(nodes):
+        others = [x for j, x in enumerate(nodes) if j != i]
+        factors = (polynomial([-x, 1]) * polynomial([1 / (node - x)]) for x in others)
+        found.append(prod(factors, start=polynomial([1])).integral())
+    return found
 
 
 Method: TypeAlias = RungeKutta | Splitting | Nystrom | Collocation

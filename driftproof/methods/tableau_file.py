@@ -326,9 +326,13 @@ def method_of(given: str | Path | Method | Family | FactsOnly) -> Method:
 
 def methods_of(given: GivenMethods) -> list[Method]:
     """One method or several, keys also in one text: "rk4,heun2". Raises ValueError."""
+    return [method_of(each) for each in _each(given)]
+
+
+def _each(given: GivenMethods) -> Sequence[str | Path | Method]:
     if isinstance(given, str):
-        given = [name.strip() for name in given.split(",")]
-    return [method_of(each) for each in (given if isinstance(given, Sequence) else [given])]
+        return [name.strip() for name in given.split(",")]
+    return given if isinstance(given, Sequence) else [given]
 
 
 def subject_of(given: str | Path | Method | Family | FactsOnly) -> Method | Family | FactsOnly:
@@ -345,10 +349,8 @@ def subject_of(given: str | Path | Method | Family | FactsOnly) -> Method | Fami
 
 def names_of(given: GivenMethods) -> list[str]:
     """What names one method or several to a scene: keys and files. Raises ValueError for one that only Python has."""
-    if isinstance(given, str):
-        given = [name.strip() for name in given.split(",")]
     named = []
-    for each in given if isinstance(given, Sequence) else [given]:
+    for each in _each(given):
         if not isinstance(each, str | Path) and METHODS.get(each.key) != each:
             raise ValueError(f"scenes name methods by keys and .toml files, and {each.key} is in neither")
         named.append(str(each) if isinstance(each, str | Path) else each.key)
