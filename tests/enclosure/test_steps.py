@@ -69,6 +69,14 @@ def flow_holds_what_its_coefficients_leave_out(module):
         return bool(step.flow[0, 0].contains((enclose(step.h) ** 21 / 21).exp().mid()))
 
 
+def flow_holds_products_beyond_its_coefficients(module):
+    """y' = 2ty in four coefficients: the derivative of the flow is exp(h²)."""
+    module.VARIATIONAL_LENGTH = 4
+    with ctx.workprec(128):
+        step = made(module, lambda t, y: 2 * t * y, [arb(1)], arb(0))
+        return bool(step.flow[0, 0].contains((enclose(step.h) ** 2).exp().mid()))
+
+
 def distance_is_that_of_the_theorem(module):
     """e' = me + δ from 0, with m = 2^-30: nearly sδ, and no more than what is said."""
     m, defect, s = arb(2) ** -30, arb(2) ** -10, Fraction(3, 4)
@@ -102,7 +110,8 @@ def spring_is_weighted(module):
 CHECKS = (
     *(dense_holds_growth, dense_holds_neighbours, tube_is_wide_enough, flow_holds_growth, no_branch_is_crossed),
     *(weighted_tube_is_wide_enough, spring_is_weighted),
-    *(flow_holds_what_its_coefficients_leave_out, distance_is_that_of_the_theorem),
+    *(flow_holds_what_its_coefficients_leave_out, flow_holds_products_beyond_its_coefficients),
+    distance_is_that_of_the_theorem,
 )
 GROWTH = "return (self.norm * s).exp()"
 DEFECT = "return self._size((rate.value - slope).norm for rate, slope in zip(rates, slopes, strict=True))"
@@ -118,6 +127,10 @@ WRONG = {
     "the tail of the Jacobian omitted": (
         flow_holds_what_its_coefficients_leave_out,
         ("defect += tail * sum(of_P, arb(0))", "defect += arb(0)"),
+    ),
+    "products beyond the coefficients omitted": (
+        flow_holds_products_beyond_its_coefficients,
+        ("range(length - 1 - i, length)", "range(length - 1, length)"),
     ),
     "the flow's error omitted": (flow_holds_growth, (FLOW, "error = arb(0)")),
     "branches on the tube not looked at": (no_branch_is_crossed, BRANCH),
