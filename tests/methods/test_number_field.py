@@ -137,17 +137,6 @@ def test_float_of_every_generator_in_the_tables_is_sympys_value_rounded(field: N
     assert high - low <= Q(1, 2**90) * high
 
 
-@pytest.mark.parametrize("field", DISTINCT, ids=lambda field: field.name)
-def test_minimal_polynomial_of_every_field_in_the_tables_is_irreducible(field: NumberField) -> None:
-    assert sympy.Poly(list(reversed(field.minimal)), X, domain="ZZ").is_irreducible
-    assert math.gcd(*field.minimal) == 1
-    assert at_generator(field) == 0
-
-
-def at_generator(field: NumberField) -> Algebraic:
-    return sum((c * field.generator**k for k, c in enumerate(field.minimal)), 0 * field.generator)
-
-
 WRONG_FIELDS = [
     (((-2, 0, 1), 2, 3), "a change of sign"),
     (((-4, 0, 1), 1, 2), "a change of sign"),

@@ -48,10 +48,6 @@ def test_text_is_read_exactly(text: str, value: Q) -> None:
     assert parse_rational(text) == value
 
 
-def test_decimal_is_not_the_double_nearest_to_it() -> None:
-    assert parse_rational("0.1") != Q(0.1)
-
-
 @given(finite_floats())
 def test_every_double_written_in_full_is_read_back(x: float) -> None:
     assert parse_rational(f"{x:.1074f}" if abs(x) < 1 else f"{x:.60f}") == Q(x)
@@ -128,15 +124,6 @@ def test_ten_in_steps_of_a_tenth_is_a_hundred_steps() -> None:
     assert step_count(parse_rational("10"), parse_rational("0.1")) == 100
     with pytest.raises(ValueError, match="does not divide"):
         step_count(Q(10), Q(0.1))  # the double is a little more than a tenth
-
-
-def test_truncated_float_quotient_is_one_short_in_a_tenth_of_decimal_cases() -> None:
-    cases = [(Q(n * k, 1000), Q(k, 1000)) for k in range(1, 100) for n in range(1, 100)]
-    wrong = [(t, h) for t, h in cases if int(float(t) / float(h)) != step_count(t, h)]
-    assert (int(0.3 / 0.1), step_count(Q(3, 10), Q(1, 10))) == (2, 3)
-    assert 10 * len(wrong) > len(cases)
-    assert all(int(float(t) / float(h)) == step_count(t, h) - 1 for t, h in wrong)
-    assert all(step_count(t, h) * h == t for t, h in cases)
 
 
 @given(rational_steps(), st.integers(0, 10**7))
