@@ -45,7 +45,7 @@ SWAPS: dict[type[ast.AST], type[ast.AST]] = {
     **{ast.NotEq: ast.Eq, ast.Is: ast.IsNot, ast.IsNot: ast.Is, ast.In: ast.NotIn, ast.NotIn: ast.In},
 }
 # Functions that do not know the order of their arguments.
-SYMMETRIC = ("max", "min", "maximum", "minimum", "hypot", "gcd", "lcm")
+SYMMETRIC = ("max", "min", "maximum", "minimum", "hypot", "gcd", "lcm", "greatest_common_divisor", "dot", "distance")
 # Keywords that declare an intent: no answer of a program that is right changes with them.
 DECLARED = {"zip": ("strict",), "dataclass": ("frozen", "slots"), "TypeVar": ("covariant", "contravariant")}
 

@@ -152,9 +152,12 @@ def _is_bounded(found: BoundednessConditions, sign_of: Callable[[StepPolynomial]
 
 
 def _boundary(found: BoundednessConditions) -> sympy.Poly:
-    """The product of the nonzero ones of the first four conditions, squarefree: a verdict can change at its roots."""
+    """The product of the nonzero ones of the first four conditions, squarefree: a verdict can change at its roots.
+
+    So it can where M becomes a multiple of the identity, if its eigenvalues coincide for every h.
+    """
     product = RING.one
-    for factor in found[:4]:
+    for factor in (*found[:4], *(found.off if found.merged == 0 else ())):
         product = product if factor == 0 else product.lcm(factor)
     return _poly(product).sqf_part()
 

@@ -12,7 +12,20 @@ import driftproof
 from driftproof.cli import main
 from driftproof.methods.catalogue import METHODS
 from driftproof.symbolic.derivation.derive import DERIVED, derive
-from driftproof.symbolic.derivation.formulas import AREA_FORM, COSINE, DET, DISCRIMINANT, TANGENT, TRACE
+from driftproof.symbolic.derivation.formulas import (
+    AREA_FORM,
+    CHARACTERISTIC,
+    COSINE,
+    DET,
+    DISCRIMINANT,
+    ENERGY_RATIO,
+    GRAM,
+    MATRIX,
+    ROOTS,
+    TANGENT,
+    TRACE,
+)
+from driftproof.symbolic.derivation.stability import LAMBDA
 from driftproof.symbolic.facts import Facts
 from tests.looping import exactly
 
@@ -20,6 +33,7 @@ h, q, v = sympy.symbols("h q v")
 FEW = ("forward_euler", "symplectic_euler", "velocity_verlet", "rk4", "bogacki_shampine32", "backward_euler", "gauss4",
        "implicit_midpoint", "lobatto_iiib3", "nystrom4")  # fmt: skip
 AT = {h: sympy.Rational(3, 7)}
+AFTER = sympy.Symbol("E_1")
 LESSON = {  # multiplier, invariant, leading phase error, stability limit: as the lesson prints them
     "forward_euler": (1 + h**2, None, -(h**3) / 3, 0),
     "symplectic_euler": (None, (q**2 - h * q * v + v**2) / 2, h**3 / 24, 2),
@@ -67,6 +81,7 @@ def test_numbers_put_into_the_formulas_satisfy_what_they_say(key: str) -> None:
     """At h = 3/7: both roots solve the characteristic equation, the invariant is conserved, the angle is a root's."""
     found = derive(key)
     m = found.one_step_matrix.value.subs(AT)
+    assert found.characteristic_polynomial.value.subs(AT) == sympy.expand((LAMBDA * sympy.eye(2) - m).det())
     for root in found.roots.value:
         assert sympy.simplify((m - root.subs(AT) * sympy.eye(2)).det()) == 0
     assert sympy.simplify(sympy.cos(found.phase.value.subs(AT)) * 2 * sympy.sqrt(m.det()) - m.trace()) == 0
@@ -88,9 +103,13 @@ def test_every_result_has_steps_and_the_last_of_a_value_ends_in_it(key: str) -> 
         DET: m.det(),
         DISCRIMINANT: m.trace() ** 2 - 4 * m.det(),
     }
-    z = sympy.Matrix([q, v])
-    known[AREA_FORM] = z.row_join(m * z).det().subs(known)
+    z, half_root = sympy.Matrix([q, v]), sympy.sqrt(known[DISCRIMINANT]) / 2
+    known |= {LAMBDA: sympy.Rational(2, 3), ENERGY_RATIO: (m.T * m)[0, 0]}
+    known[CHARACTERISTIC] = (known[LAMBDA] * sympy.eye(2) - m).det()
+    known[AREA_FORM], known[AFTER] = z.row_join(m * z).det().subs(known), ((m * z).dot(m * z) / 2).subs(known)
     known |= {COSINE: m.trace() / 2 / sympy.sqrt(m.det()), TANGENT: sympy.sqrt(-known[DISCRIMINANT]) / m.trace()}
+    known |= dict(zip(ROOTS, (m.trace() / 2 + half_root, m.trace() / 2 - half_root), strict=True))
+    matrices = {GRAM: m.T * m, MATRIX: m}
     for derived in exactly(9, derive(key).chosen()):
         assert derived.steps or derived.missing
         assert (derived.value is None) == bool(derived.missing)
@@ -101,6 +120,9 @@ def test_every_result_has_steps_and_the_last_of_a_value_ends_in_it(key: str) -> 
             ]
             for other in numbers[1:]:
                 assert sympy.simplify((numbers[0] - other).subs(known)) == 0
+            wanted, last = matrices.get(step.chain[0]), step.chain[-1]
+            if wanted and isinstance(last, sympy.MatrixBase) and derived.name != "stability_limit":  # M at the limit
+                assert sympy.simplify(last.subs(AT) - wanted) == sympy.zeros(2)
 
 
 def test_a_plane_that_only_drifts_has_no_phase_error_and_says_why() -> None:

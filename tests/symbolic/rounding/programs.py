@@ -4,10 +4,14 @@ from __future__ import annotations
 
 from fractions import Fraction as Q
 
+from flint import ctx
+
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.stepping import oscillator
 from driftproof.numeric.steppers import HAND_WRITTEN
+from driftproof.symbolic.algebra.certified import enclose
 from driftproof.symbolic.rounding.step_bound import StepBound, in_format
+from driftproof.symbolic.runs import apply, exact_matrix_at
 from tests.nine import NINE
 from tests.witnesses.any_order import AnyOrder
 from tests.witnesses.leapfrog import leapfrog
@@ -54,3 +58,11 @@ def covers(definition: AnyOrder, bound: StepBound) -> bool:
 def all_within(errors, bounds) -> bool:
     """True when no error exceeds its bound."""
     return all(error <= bound for error, bound in zip(errors, bounds, strict=True))
+
+
+def error_in_balls(key: str, program, h: float, q: float, v: float):
+    """|fl(step(z)) - M(h) z| with M over the number field, in Arb balls of 300 bits."""
+    floats = program(oscillator, q, v, h)
+    with ctx.workprec(300):
+        exact = apply([enclose(x) for x in exact_matrix_at(METHODS[key], Q(h))], enclose(Q(q)), enclose(Q(v)))
+        return [abs(enclose(Q(x)) - y) for x, y in zip(floats, exact, strict=True)]

@@ -9,7 +9,6 @@ from itertools import product
 
 import numpy as np
 import pytest
-from flint import ctx
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -26,7 +25,7 @@ from driftproof.symbolic.rounding.step_bound import NotLinear, step_bound, step_
 from driftproof.symbolic.runs import apply, exact_matrix_at
 from tests.changes import first_weight, moved
 from tests.looping import exactly
-from tests.symbolic.rounding.programs import IRRATIONAL, PROGRAMS, all_within
+from tests.symbolic.rounding.programs import IRRATIONAL, PROGRAMS, all_within, error_in_balls
 from tests.witnesses.leapfrog import leapfrog
 from tests.witnesses.soft_float import soft_lift
 from tests.witnesses.worst_case import Envelope, envelope_of, search
@@ -158,22 +157,14 @@ def test_a_power_of_two_step_is_known_to_multiply_exactly():
     assert third > 2 * BINARY64.relative_error / 4
 
 
-def error_in_balls(key: str, program, q: float, v: float):
-    """|fl(step(z)) - M(h) z| with M over the number field, in Arb balls of 300 bits."""
-    floats = program(oscillator, q, v, float(STEP))
-    with ctx.workprec(300):
-        exact = apply([enclose(x) for x in exact_matrix_at(METHODS[key], STEP)], enclose(Q(q)), enclose(Q(v)))
-        return [abs(enclose(Q(x)) - y) for x, y in zip(floats, exact, strict=True)]
-
-
 @pytest.mark.parametrize("key", IRRATIONAL)
 def test_it_holds_around_the_exact_map_over_a_field_and_a_planted_error_of_1e_13_leaves_it(key: str):
     method, draw, left = METHODS[key], random.Random(3), 0
     right, wrong = (stepper(m, float) for m in (method, moved(method, first_weight(method), Q(1, 10**13))))
     for q, v in [(draw.uniform(-1, 1), draw.uniform(-1, 1)) for _ in range(8)]:
         most = [enclose(x) for x in sharp_of(key).error_of(Q(q), Q(v))]
-        assert all_within(error_in_balls(key, right, q, v), most)
-        left += not all_within(error_in_balls(key, wrong, q, v), most)
+        assert all_within(error_in_balls(key, right, float(STEP), q, v), most)
+        left += not all_within(error_in_balls(key, wrong, float(STEP), q, v), most)
     assert left >= 7
 
 
