@@ -96,7 +96,11 @@ class _Reports:
         finally:
             listeners.remove(self.found.append)
             if self.found:
-                self._write(self._file_of(item.nodeid), as_json(self._of_test(item.nodeid)))
+                told = [
+                    {"subject": x.subject, "verdict": x.words, "passed": x.passed, "report": x.report, **x.data}
+                    for x in self.found
+                ]
+                self._write(self._file_of(item.nodeid), as_json({"test": item.nodeid, "verdicts": told}))
 
     def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
         """Keep which tests ran, in whatever process."""
@@ -125,10 +129,3 @@ class _Reports:
     def _write(self, path: Path, text: str) -> None:
         with atomic_write(path) as draft:
             Path(draft).write_text(text, encoding="utf-8")
-
-    def _of_test(self, name: str) -> dict[str, Any]:
-        found = [
-            {"subject": x.subject, "verdict": x.words, "passed": x.passed, "report": x.report, **x.data}
-            for x in self.found
-        ]
-        return {"test": name, "verdicts": found}

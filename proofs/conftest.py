@@ -10,6 +10,7 @@ from typing import Any
 import pytest
 
 from driftproof.support.files import atomic_write
+from driftproof.support.progress import working
 from driftproof.texts.values.published import VALUES_FILE
 from proofs.claims import RESTRICTED
 from proofs.ledger import Entry, Ledger
@@ -68,6 +69,14 @@ def publish(request: pytest.FixtureRequest) -> Any:
     Its digits are worked out from it; the file is written only if the whole run is green.
     """
     return lambda *value: request.node.user_properties.append((PUBLISHED, published(*value)))
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_protocol(item: pytest.Item) -> Iterator[Any]:
+    """Whoever waits at a terminal sees the seconds of a proof that takes some, behind the dots of its file."""
+    terminal: Any = item.config.get_terminal_writer()
+    with working("", terminal._file):  # what is captured does not reach it
+        return (yield)
 
 
 def pytest_sessionfinish(session: pytest.Session) -> None:

@@ -8,11 +8,7 @@ from typing import Any
 from driftproof.methods.schemes import Method, Nystrom, Splitting
 from driftproof.symbolic.facts import general_order
 from driftproof.symbolic.trees.order_conditions import OrderFact, runge_kutta_conditions
-from driftproof.symbolic.trees.partitioned_trees import (
-    nystrom_conditions,
-    nystrom_order,
-    separable_conditions,
-)
+from driftproof.symbolic.trees.partitioned_trees import nystrom_conditions, nystrom_order, separable_conditions
 
 # The printed nodes of Lobatto IIIB are not the row sums of its A.
 KNOWN_INCONSISTENT = {"lobatto_iiib2": {"c[0] - sum(a[0])": Q(-1, 2), "c[1] - sum(a[1])": Q(1, 2)}}

@@ -5,13 +5,9 @@ from __future__ import annotations
 from argparse import Namespace
 from fractions import Fraction
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from driftproof.commands import arguments as cli
 from driftproof.support.plain_text import as_json
-
-if TYPE_CHECKING:
-    from driftproof.enclosure.certificate import Certificate
 
 
 @cli.read_by
@@ -79,7 +75,8 @@ def certify_command(options: Namespace) -> str:
         within_it = {} if options.tolerance is None else {"tolerance": repr(options.tolerance), "within": good}
         written = as_json(found.record() | within_it)
     else:
-        written = _text(found, options.tolerance, good, drawn)
+        told = f"{'within' if good else 'BEYOND'} the tolerance {options.tolerance}" if options.tolerance else ""
+        written = "\n".join(filter(None, [found.text(), told, f"wrote {drawn}" if drawn else ""]))
     if not good:
         raise cli.Refuted(written)
     return written
@@ -90,12 +87,3 @@ def _invariants(given: list[str]) -> dict[str, str]:
 
     pairs = [each.partition("=") for each in given]
     return {name.strip(): text if equals else known_invariant(name) for name, equals, text in pairs}
-
-
-def _text(found: Certificate, tolerance: float | None, good: bool, drawn: Path | None) -> str:
-    lines = [found.text()]
-    if tolerance is not None:
-        lines.append(f"{'within' if good else 'BEYOND'} the tolerance {tolerance}")
-    if drawn is not None:
-        lines.append(f"wrote {drawn}")
-    return "\n".join(lines)

@@ -11,7 +11,7 @@ from flint import arb
 
 from driftproof.enclosure.certificate import BallRows, Certificate, decimal
 from driftproof.reports.page.figure import Figure
-from driftproof.reports.page.plot import COLUMNS_OF_PIXELS, WIDE, Axis, Plot, Scale, decades, ticks
+from driftproof.reports.page.plot import COLUMNS_OF_PIXELS, WIDE, Plot, decades, linear
 
 # Points are drawn one by one up to so many; of more, the largest and the smallest of each column of pixels.
 _MOST_DOTS = 60
@@ -44,9 +44,10 @@ def certificate_figure(found: Certificate, title: str) -> Figure:
         raise ValueError("there is no error to draw: every point is exact")
     low, high = max(floor(min(every)), ceil(max(every)) - _DEEPEST), ceil(max(every))
     low = min(low, high - 2)
-    times = [Fraction(t) for t in (found.t[0], found.t[-1])]
-    t = Axis(Scale(times[0], times[1], *WIDE[0]), "t", ticks(times[0], times[1]))
-    plot = Plot(t, decades(low, high, "error, the largest component", WIDE[1]))
+    plot = Plot(
+        linear(Fraction(found.t[0]), Fraction(found.t[-1]), "t", WIDE[0]),
+        decades(low, high, "error, the largest component", WIDE[1]),
+    )
     for (name, _), mark in zip(parts, _MARKS, strict=False):
         for side in (0, 1):
             places = [(t, log10(pair[side])) for t, pair in zip(found.t, bounds[name], strict=True) if pair[side] > 0]

@@ -12,7 +12,7 @@ import numpy as np
 from driftproof.methods.schemes import Method
 from driftproof.reports.page.figure import write_picture
 from driftproof.reports.page.markup import element
-from driftproof.reports.page.plot import SQUARE, WIDE, Axis, Plot, Scale, place, ticks
+from driftproof.reports.page.plot import SQUARE, WIDE, Plot, linear, place
 from driftproof.symbolic.algebra.polynomials import coefficients
 from driftproof.symbolic.algebra.rational_functions import RationalFunction
 from driftproof.symbolic.linear.oscillator import energy_multiplier_of, stability_function_of
@@ -66,7 +66,7 @@ def _phase(r: RationalFunction) -> tuple[Plot, str, _Legend]:
     lines = [np.clip(line, -_DEEPEST, _DEEPEST) for line in (dispersion, growth)]
     every = np.concatenate([*lines, [0.0]])
     low, high = (Fraction(float(x)).limit_denominator(1000) for x in (every.min() - 0.05, every.max() + 0.05))
-    plot = Plot(_axis(Fraction(0), Fraction(3), "step h", WIDE[0]), _axis(low, high, "radians; log", WIDE[1]))
+    plot = Plot(linear(Fraction(0), Fraction(3), "step h", WIDE[0]), linear(low, high, "radians; log", WIDE[1]))
     for line, mark in zip(lines, ("path m3", "path m0"), strict=True):
         plot.line([(x, y) for x, y in zip(h, line, strict=True) if np.isfinite(y)], mark)
     legend = [("line path m3", "dispersion: arg R(ih) - h"), ("line path m0", "dissipation: log |R(ih)|")]
@@ -76,14 +76,10 @@ def _phase(r: RationalFunction) -> tuple[Plot, str, _Legend]:
 PICTURES = {"region": _region, "order-star": _order_star, "phase": _phase}
 
 
-def _axis(low: Fraction, high: Fraction, name: str, places: tuple[Fraction, Fraction]) -> Axis:
-    return Axis(Scale(low, high, *places), name, ticks(low, high))
-
-
 def _plane(middle: Sequence[float], reach: float) -> Plot:
     """A square of the complex plane around a point."""
     (left, right), (low, high) = ([Fraction(float(c + d)) for d in (-reach, reach)] for c in middle)
-    return Plot(_axis(left, right, "Re z", SQUARE[0]), _axis(low, high, "Im z", SQUARE[1]))
+    return Plot(linear(left, right, "Re z", SQUARE[0]), linear(low, high, "Im z", SQUARE[1]))
 
 
 def _shade(plot: Plot, inside: Any) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from contextlib import AbstractContextManager, nullcontext
+from types import SimpleNamespace
 from typing import Any, TypeVar
 
 from driftproof.support.progress import on_terminal
@@ -13,19 +14,10 @@ _T = TypeVar("_T")
 LONG_RUN = 10**6
 
 
-class _Unseen:
-    """A progress bar that nobody would see."""
-
-    total = 0
-
-    def update(self, done: int) -> None:
-        """Nothing."""
-
-
 def progress_bar(total: int, unit: str) -> AbstractContextManager[Any]:
     """A bar on a terminal; elsewhere what has its methods, and tqdm is not imported."""
     if not on_terminal():
-        return nullcontext(_Unseen())
+        return nullcontext(SimpleNamespace(total=0, update=lambda done: None))
     from tqdm import tqdm
 
     bar: AbstractContextManager[Any] = tqdm(total=total, unit=unit, leave=False)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -97,14 +97,14 @@ def _fixed(places: int) -> Callable[[float], str]:
     return lambda x: f"{x:z.{places}f}" if abs(x) < LARGEST_PLAIN else f"{x:.{places}e}"
 
 
-def _state(state: tuple[float, float]) -> str:
-    return f"({', '.join(map(_fixed(3), state))})"
+def _pair(shown: Callable[[float], str]) -> Callable[[Sequence[float]], str]:
+    return lambda state: f"({', '.join(map(shown, state))})"
 
 
 # Label and format of each readout, as the lesson shows them.
 _SHOWN: dict[str, tuple[str, Callable[[Any], str]]] = {
-    "final_state": ("Numerical (q, v)", _state),
-    "exact_state": ("Exact (q, v)", _state),
+    "final_state": ("Numerical (q, v)", _pair(_fixed(3))),
+    "exact_state": ("Exact (q, v)", _pair(_fixed(3))),
     "state_error": ("State error", _fixed(6)),
     "energy": ("Final energy", _fixed(6)),
     "energy_change": ("Energy change", _fixed(6)),
@@ -115,10 +115,7 @@ _SHOWN: dict[str, tuple[str, Callable[[Any], str]]] = {
 }
 
 
-def _components(y: tuple[float, ...]) -> str:
-    return f"({', '.join(with_digits(x, _DIGITS) for x in y)})"
-
-
+_components = _pair(lambda x: with_digits(x, _DIGITS))
 # Those of a problem, whose components may be of any size.
 _SHOWN_OF_PROBLEM: dict[str, tuple[str, Callable[[Any], str]]] = {
     "final_state": ("Numerical y", _components),

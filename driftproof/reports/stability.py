@@ -45,9 +45,7 @@ _LOST = 1e6
 
 
 def stability(
-    problem: str | Path | Problem | None = None,
-    methods: GivenMethods = (),
-    h: ExactNumber | Sequence[ExactNumber] = (),
+    problem: str | Path | Problem | None = None, methods: GivenMethods = (), h: ExactNumber | Sequence[ExactNumber] = ()
 ) -> Answered:
     """Which steps methods can take on a problem, where their runs end, and what is expected; without one, the problems.
 
@@ -112,10 +110,7 @@ def steps_in_words(problem: Problem, method: Method) -> str:
 
 
 def _proved_limit(found: SystemFacts) -> Json:
-    return {
-        "limit": record(SYSTEM_FACTS["step_limit"](found)),
-        "attained": SYSTEM_FACTS["step_limit_attained"](found),
-    }
+    return {"limit": record(SYSTEM_FACTS["step_limit"](found)), "attained": SYSTEM_FACTS["step_limit_attained"](found)}
 
 
 def behaviour(method: Method, problem: Problem) -> str:
@@ -284,25 +279,18 @@ def _expected_text(_: Json, entries: Sequence[Json]) -> str:
     return "Expected\n\n" + "\n".join(lines) if lines else ""
 
 
-_KINDS = {"linear": "linear", "stiff": "stiff", "second_order": "q'' = F(q)"}
-
-
 def problems_json(problems: Iterable[Problem]) -> list[Json]:
     """The problems: key, title, and whether linear, stiff or q'' = F(q)."""
     return [
-        {
-            "problem": problem.key,
-            "title": problem.title,
-            "linear": problem.matrix is not None,
-            "stiff": problem.stiff,
-            "second_order": problem.second_order,
-        }
-        for problem in problems
+        {"problem": x.key, "title": x.title, "linear": x.matrix is not None}
+        | {"stiff": x.stiff, "second_order": x.second_order}
+        for x in problems
     ]
 
 
 def problems_text(listed: Sequence[Json]) -> str:
     """What `problems_json` lists, as a table."""
-    kinds = [", ".join(words for name, words in _KINDS.items() if entry[name]) for entry in listed]
-    rows = [[entry["problem"], kind, entry["title"]] for entry, kind in zip(listed, kinds, strict=True)]
+    kinds = {"linear": "linear", "stiff": "stiff", "second_order": "q'' = F(q)"}
+    told = [", ".join(words for name, words in kinds.items() if entry[name]) for entry in listed]
+    rows = [[entry["problem"], kind, entry["title"]] for entry, kind in zip(listed, told, strict=True)]
     return table([["problem", "kind", "title"], *rows])

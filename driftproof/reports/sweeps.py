@@ -56,12 +56,7 @@ def sweep(
     """
     about = scene_given(scene)
     times, states = exact_numbers(t, "t"), [state_of(each) for each in state or ()]
-    axes: dict[str, Sequence[Any]] = {
-        "selected": names_of(methods),
-        "start": states,
-        "t": times,
-        "h": steps_of(h),
-    }
+    axes: dict[str, Sequence[Any]] = {"selected": names_of(methods), "start": states, "t": times, "h": steps_of(h)}
     grid = {name: values for name, values in axes.items() if values}
     points = points_of(about, grid)
     with _executor(workers, cluster) as executor, progress_bar(len(points), "point") as bar:

@@ -20,15 +20,7 @@ from driftproof.methods.schemes import MethodError
 from driftproof.methods.vector_fields import VectorField
 from driftproof.numeric.problems.catalogue import problem_named
 from driftproof.numeric.problems.problem import CERTIFIED, Problem, Reference
-from driftproof.support.toml_tables import (
-    TomlTable,
-    as_line,
-    as_table,
-    as_text,
-    demand_keys,
-    quoted,
-    read_toml,
-)
+from driftproof.support.toml_tables import TomlTable, as_line, as_table, as_text, demand_keys, quoted, read_toml
 from driftproof.symbolic.algebra.certified import Uncertified, significant
 
 # As the references of our own problems have them.

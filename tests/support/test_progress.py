@@ -3,23 +3,28 @@
 import os
 import sys
 
+import pytest
 from tqdm import tqdm
 
 from driftproof.support import progress
 
 
-def test_silence_on_a_terminal_is_broken_by_a_line_that_goes_again(monkeypatch):
+@pytest.mark.parametrize(
+    ("name", "line"), [("driftproof verify", "driftproof verify: working, 0 s (Ctrl-C ends it)"), ("", " 0 s")]
+)
+def test_silence_on_a_terminal_is_broken_by_a_line_that_goes_again(name, line, monkeypatch):
     """A pseudo-terminal is what is written to; what works within another says nothing of its own."""
     outer, inner = os.openpty()
     monkeypatch.setattr(progress, "SILENCE", 0.01)
     monkeypatch.setattr(progress, "BEAT", 0.01)
     with os.fdopen(inner, "w") as terminal:
         monkeypatch.setattr(sys, "stderr", terminal)
-        with progress.working("driftproof verify"), progress.working("certify"):
+        with progress.working(name), progress.working("certify"):
             said = os.read(outer, 1000).decode()
         rest = os.read(outer, 1000).decode()
-    assert said.startswith("\rdriftproof verify: working, 0 s (Ctrl-C ends it)")
-    assert rest.endswith(" \r")
+    back = "\b" * len(line)
+    assert said.startswith(f"{line}{back}")
+    assert rest.endswith(f"{' ' * len(line)}{back}")
 
 
 def test_a_bar_that_stands_still_is_silence(monkeypatch):

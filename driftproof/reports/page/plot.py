@@ -147,6 +147,18 @@ class Axis:
         return "grid" if tick or self.labels else "axis"
 
 
+def linear(low: Fraction, high: Fraction, name: str, places: tuple[Fraction, Fraction]) -> Axis:
+    """An axis from `low` to `high` with round ticks."""
+    return Axis(Scale(low, high, *places), name, ticks(low, high))
+
+
+def decades_of(values: Iterable[float], name: str, places: tuple[Fraction, Fraction]) -> Axis:
+    """A logarithmic axis that holds these exponents of ten, at least two decades long."""
+    found = list(values)
+    low = floor(min(found))
+    return decades(low, max(ceil(max(found)), low + 2), name, places)
+
+
 def decades(low: int, high: int, name: str, places: tuple[Fraction, Fraction]) -> Axis:
     """A logarithmic axis: exponents of ten from `low` to `high`, which is larger by two at least."""
     scale = Scale(Fraction(low), Fraction(high), *places)

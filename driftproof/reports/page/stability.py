@@ -14,7 +14,7 @@ from driftproof.methods.tableau_file import method_of
 from driftproof.numeric.scenes import Scene
 from driftproof.reports.page.figure import Figure
 from driftproof.reports.page.markup import html_table
-from driftproof.reports.page.plot import WIDE, Axis, Plot, Scale, decades, ten_to, ticks
+from driftproof.reports.page.plot import WIDE, Plot, decades, linear, ten_to
 from driftproof.symbolic.algebra.certified import FIRST_BITS, CertifiableReal, enclose, significant
 from driftproof.symbolic.algebra.polynomials import evaluate, scalar, sign
 from driftproof.symbolic.algebra.real_roots import ZERO_ROOT, rational_root
@@ -113,9 +113,8 @@ def growth_figure(scene: Scene, verdicts: Sequence[Verdict], identity: str) -> F
     values = [value for curve in curves.values() for _, value in curve]
     low, high = floor(min(values)), ceil(max(values))
     low, high = (low, high) if high - low >= 2 else (-1, 1)
-    x = Scale(Fraction(0), Fraction(end), *WIDE[0])
-    y = decades(low, high, "growth after n steps", WIDE[1])
-    plot = Plot(Axis(x, "steps n", ticks(x.low, x.high)), y)
+    x = linear(Fraction(0), Fraction(end), "steps n", WIDE[0])
+    plot = Plot(x, decades(low, high, "growth after n steps", WIDE[1]))
     for i, curve in enumerate(curves.values()):
         plot.line(curve, f"path m{i % LINE_STYLES}")
     ends = [f"{method_of(key).title} {10 ** curve[-1][1]:.3g}" for key, curve in curves.items() if curve[-1][1] < 300]

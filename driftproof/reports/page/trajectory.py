@@ -21,17 +21,7 @@ from driftproof.numeric.run import run_method
 from driftproof.numeric.scenes import TRAJECTORY, Scene
 from driftproof.reports.page.figure import Figure
 from driftproof.reports.page.markup import details, html_table
-from driftproof.reports.page.plot import (
-    COLUMNS_OF_PIXELS,
-    SQUARE,
-    WIDE,
-    Axis,
-    Plot,
-    Scale,
-    label,
-    symmetric_limit,
-    ticks,
-)
+from driftproof.reports.page.plot import COLUMNS_OF_PIXELS, SQUARE, WIDE, Plot, label, linear, symmetric_limit
 from driftproof.reports.scene_view import asking_for
 
 # A run is kept whole to be drawn; the samples of a longer one would fill the memory.
@@ -97,7 +87,7 @@ def position(run: SampledRun) -> Figure:
     """q against t: samples joined by straight segments, the exact curve dashed. The q axis ends just beyond both."""
     reach = symmetric_limit(Fraction(max(run.radius, float(np.abs(run.states[:, 0]).max()))))
     low, high = sorted((Fraction(0), run.scene.t)) if run.scene.t else (Fraction(0), Fraction(1))
-    plot = Plot(_axis(low, high, WIDE[0], "time t"), _axis(-reach, reach, WIDE[1], "position q"))
+    plot = Plot(linear(low, high, "time t", WIDE[0]), linear(-reach, reach, "position q", WIDE[1]))
     kept = downsample(run.states[:, 0], COLUMNS_OF_PIXELS) if run.thin else np.arange(len(run.times))
     samples = list(zip(run.times[kept], run.states[kept, 0], strict=True))
     dense = " dense" if run.thin else ""
@@ -124,7 +114,7 @@ def position(run: SampledRun) -> Figure:
 def phase_plane(run: SampledRun) -> Figure:
     """v against q at one scale for both axes, with the exact circle dashed and the two final states marked apart."""
     reach = symmetric_limit(Fraction(max(run.radius, float(np.abs(run.states).max()))))
-    plot = Plot(_axis(-reach, reach, SQUARE[0], "position q"), _axis(-reach, reach, SQUARE[1], "velocity v"))
+    plot = Plot(linear(-reach, reach, "position q", SQUARE[0]), linear(-reach, reach, "velocity v", SQUARE[1]))
     mark, drawn = _draw_path(plot, run, float(2 * reach / (SQUARE[0][1] - SQUARE[0][0])))
     plot.circle(run.radius, "exact path")
     if not run.thin:
@@ -181,10 +171,6 @@ def setting(scene: Scene) -> str:
     q, v = scene.start
     steps = "1 step" if scene.steps == 1 else f"{scene.steps} steps"
     return f"start ({q}, {v}), h = {scene.h}, t = {scene.t}, {steps}"
-
-
-def _axis(low: Fraction, high: Fraction, places: tuple[Fraction, Fraction], name: str) -> Axis:
-    return Axis(Scale(low, high, *places), name, ticks(low, high))
 
 
 def _exact_curve(run: SampledRun) -> list[tuple[float, float]]:

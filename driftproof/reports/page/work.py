@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from fractions import Fraction
-from math import ceil, floor, isfinite, log10
+from math import isfinite, log10
 
 from driftproof.methods.tableau_file import method_of
 from driftproof.numeric.problems.linear import HARMONIC
@@ -13,7 +13,7 @@ from driftproof.numeric.scenes import Scene
 from driftproof.numeric.work_precision.curves import Curve, Point, curves
 from driftproof.reports.page.figure import Figure
 from driftproof.reports.page.markup import html_table
-from driftproof.reports.page.plot import WIDE, Axis, Plot, decades, ten_to
+from driftproof.reports.page.plot import WIDE, Plot, decades_of, ten_to
 from driftproof.reports.page.stability import LINE_STYLES
 from driftproof.support.plain_text import short
 from driftproof.symbolic.algebra.certified import significant
@@ -75,7 +75,8 @@ def work_figure(
     """Error at t against evaluations, both logarithmic; a ring around the points of `own` steps, if there is one."""
     places = {curve.key: _places(curve) for curve in found}
     every = [place for points in places.values() for place in points.values()] or [(0.0, 0.0)]
-    x, y = (_axis([place[i] for place in every], i, cost) for i in (0, 1))
+    names = (cost, "error at the end")
+    x, y = (decades_of((place[i] for place in every), names[i], WIDE[i]) for i in (0, 1))
     plot, ringed = Plot(x, y), "" if own is None else f"h = {t / own}"
     for i, curve in enumerate(found):
         points = places[curve.key]
@@ -106,11 +107,6 @@ def _paid(curve: Curve) -> list[tuple[Point, int]]:
 def _places(curve: Curve) -> dict[int | None, tuple[float, float]]:
     """log₁₀ of evaluations and error, by the number of steps."""
     return {point.steps: (log10(spent), log10(point.error)) for point, spent in _paid(curve)}
-
-
-def _axis(values: Sequence[float], i: int, cost: str) -> Axis:
-    low = floor(min(values))
-    return decades(low, max(ceil(max(values)), low + 2), (cost, "error at the end")[i], WIDE[i])
 
 
 def _sentence(curve: Curve) -> str:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from math import ceil, floor, log10
 from pathlib import Path
 from textwrap import shorten
@@ -11,7 +10,7 @@ from driftproof.numeric.reference_errors import ENERGY, PHASE, STATE, U, floors,
 from driftproof.numeric.work_precision.curves import Curve
 from driftproof.numeric.work_precision.integrators import COMPILED, ENSEMBLE, PYTHON
 from driftproof.reports.page.figure import write_picture
-from driftproof.reports.page.plot import WIDE, Axis, Plot, decades
+from driftproof.reports.page.plot import WIDE, Plot, decades, decades_of
 from driftproof.reports.page.stability import LINE_STYLES
 from driftproof.reports.work_precision.study import EVALUATIONS, Measured, Study
 
@@ -60,7 +59,8 @@ def _panel(
     places = {key: _places(measured, curve, quantity, cost) for key, curve in measured.curves.items()}
     shown = {key: [p for p in found if low <= p[1] <= high] for key, found in places.items()}
     costs = [x for found in shown.values() for x, _, _ in found]
-    plot = Plot(_decades(costs or [0.0], _COSTS[cost], 0), _decades(limits, _WHAT[quantity], 1))
+    x, y = decades_of(costs or [0.0], _COSTS[cost], WIDE[0]), decades(low, high, _WHAT[quantity], WIDE[1])
+    plot = Plot(x, y)
     for key, found in shown.items():
         if found:
             style = _style(measured, key)
@@ -80,12 +80,6 @@ def _style(measured: Measured, key: str) -> str:
     """A colour and dashes; those of the seventh curve are the first's again, broader and paler."""
     again, hue = divmod(list(measured.curves).index(key), LINE_STYLES)
     return f"m{hue}{' again' if again else ''}"
-
-
-def _decades(values: Iterable[float], name: str, i: int) -> Axis:
-    found = list(values)
-    low = floor(min(found))
-    return decades(low, max(ceil(max(found)), low + 2), name, WIDE[i])
 
 
 def _limits(study: Study, measured: Measured, quantity: str) -> tuple[int, int]:
