@@ -73,18 +73,12 @@ def of_attributes(state, dt):
 
 
 def of_another_order(state, dt):
-    return {
-        "velocity": state["velocity"] - dt * state["position"],
-        "position": state["position"] + dt * state["velocity"],
-    }
+    q, v = state["position"], state["velocity"]
+    return {"velocity": v - dt * q, "position": q + dt * v}
 
 
-def of_numbered_keys(state, dt):
-    return {0: state[0] + dt * state[1], 1: state[1] - dt * state[0]}
-
-
-def of_private(state, dt):
-    return state._q + dt * state._v, state._v - dt * state._q
+of_numbered_keys = lambda state, dt: {0: state[0] + dt * state[1], 1: state[1] - dt * state[0]}
+of_private = lambda state, dt: (state._q + dt * state._v, state._v - dt * state._q)
 
 
 def of_three_keys(state, dt):
@@ -112,12 +106,8 @@ def of_rows(f, t, y, h):
     return y + h * f(t, y)
 
 
-def increment_of_a_state(y, h):
-    return h * np.array([y[1], -y[0]])
-
-
-def increment_of_a_field(f, t, y, h):
-    return h * f(t, y)
+increment_of_a_state = lambda y, h: h * np.array([y[1], -y[0]])
+increment_of_a_field = lambda f, t, y, h: h * f(t, y)
 
 
 class Stepper:
@@ -167,63 +157,37 @@ class WithArguments:
         return None
 
 
-def leapfrog_of(grad_q, grad_p, x, p, dt, extra):
-    return x, p
+leapfrog_of = lambda grad_q, grad_p, x, p, dt, extra: (x, p)
+of_gradients = lambda dHdq, dHdp, q, p, t, h, omega_: (q, p)
 
 
-def of_gradients(dHdq, dHdp, q, p, t, h, omega_):
-    return q, p
-
-
-def maker(f, h):
-    def step(y):
-        return y + h * f(0.0, y)
-
-    return step
-
-
-def maker_of_forces(acceleration):
-    def inner(x, v, dt, unknown):
-        return x, v
-
-    return inner
-
-
-def maker_of_steps(dt):
-    return lambda q, v, w: (q + dt * v, v - dt * q)
-
-
-def maker_of_nothing(f):
-    return 7
+maker = lambda f, h: lambda y: y + h * f(0.0, y)
+maker_of_forces = lambda acceleration: lambda x, v, dt, unknown: (x, v)
+maker_of_steps = lambda dt: lambda q, v, w: (q + dt * v, v - dt * q)
+maker_of_nothing = lambda f: 7
 
 
 def maker_that_fails(rhs, dt):
     raise ValueError("no")
 
 
-def solver_with_a_step(f, t_span, y0, dt, mode, other):
-    return None
-
-
-def solver_of_one_state(f, y0, t0, t1, n):
-    return y0
+solver_with_a_step = lambda f, t_span, y0, dt, mode, other: None
+solver_of_one_state = lambda f, y0, t0, t1, n: y0
 
 
 def of_keyed_without_keys(state: Keyed, dt):
     return state["q"] + dt * state["p"], state["p"] - dt * state["q"]
 
 
-def state_twice(state, y, dt):
-    return y
-
-
-def unknown(alpha, beta, gamma):
-    return alpha
+state_twice = lambda state, y, dt: y
+unknown = lambda alpha, beta, gamma: alpha
 
 
 ODD = {name: step for name, step in vars().items() if getattr(step, "__module__", "") == __name__}
 for _name in ("Clocked", "Pair", "Sided", "Keyed", "Colour"):
     del ODD[_name]
+for _name, _step in ODD.items():
+    _step.__qualname__ = _name
 ODD |= {
     "a method of an object": Stepper().advance,
     "a method of two": OfTwo(abs, 1.0).tick,
