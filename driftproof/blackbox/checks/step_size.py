@@ -40,6 +40,9 @@ def step_size(subject: ForeignStepper) -> tuple[CheckResult, ...]:
         return (_ignored(taken),)
     capped = _capped(taken)
     found = [rule for rule in (_raised(taken), capped or _in_whole_steps(taken)) if rule]
+    for trial in map(taken.trial, () if found else (_SHORTEST, _LONGEST)):
+        if trial.answer is None:
+            return (CheckResult(_KEY, None, f"h = {trial.given[2]:.3g} is refused: {trial.refusal}", (trial,)),)
     if not found:
         return (CheckResult(_KEY, True, "every h is taken as it is"),)
     words, examples = zip(*found, strict=True)

@@ -37,8 +37,11 @@ def test_another_step_than_h_is_told(step, key, words):
     assert_fault(step, key, words)
 
 
-def test_long_steps_that_are_refused_are_not_made_of_shorter_ones():
-    assert result(code("if h > 4: raise ValueError('too long')\nreturn plain(q, v, h)"), "sub_steps").holds
+def test_long_steps_that_are_refused_are_not_made_of_shorter_ones_nor_taken_as_they_are():
+    refusing = code("if h > 4: raise ValueError('too long')\nreturn plain(q, v, h)")
+    assert result(refusing, "sub_steps").holds
+    seen = result(refusing, "step_size")
+    assert (seen.holds, seen.words) == (None, "h = 16 is refused: it raises ValueError: too long")
 
 
 def gauss2(f, t, y, h):

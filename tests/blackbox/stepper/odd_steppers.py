@@ -101,6 +101,11 @@ def of_two_bodies(force, q, v, h):
     return q + h * v, v + h * force(q)
 
 
+def of_vectors(force, q, v, h):
+    assert np.shape(q) == (3,)
+    return q + h * v, v + h * force(q)
+
+
 def of_rows(f, t, y, h):
     assert np.ndim(y) == 2
     return y + h * f(t, y)
@@ -163,6 +168,7 @@ of_gradients = lambda dHdq, dHdp, q, p, t, h, omega_: (q, p)
 
 maker = lambda f, h: lambda y: y + h * f(0.0, y)
 maker_of_forces = lambda acceleration: lambda x, v, dt, unknown: (x, v)
+maker_of_kicks = lambda force, h: lambda q, v: (q, v + h * force(q))
 maker_of_steps = lambda dt: lambda q, v, w: (q + dt * v, v - dt * q)
 maker_of_nothing = lambda f: 7
 
