@@ -17,6 +17,7 @@ and a setting, and words such as "with" between any parts; "error of rk4 ..." as
 from __future__ import annotations
 
 import re
+from collections import defaultdict
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from fractions import Fraction
@@ -112,12 +113,8 @@ class _QuestionParser(ExpressionParser):
         hyphened = self.next.text == "-" and self.next.column == name.end and self._has_hyphen(name)
         if self.in_rate or not (self.next.kind == NAME or self.next.text == ":" or of_somebody or hyphened):
             return NameNode(name.column, "pi" if name.text == "π" else name.text)
-        parts = self._no_parts()
+        parts: dict[str, Any] = defaultdict(dict)
         return self.query(name, self.head(name, parts), parts)
-
-    @staticmethod
-    def _no_parts() -> dict[str, Any]:
-        return {"settings": {}, "words": {}, "rates": {}, "start": {}}
 
     def _has_hyphen(self, name: Token) -> bool:
         """Whether the name of a fact or of a method that begins here has one, as Crank-Nicolson: it is no minus."""
@@ -128,7 +125,8 @@ class _QuestionParser(ExpressionParser):
 
     def _call(self, name: Token) -> Any:
         """A function from after its bracket on; of a method is R(-2) of rk4, and of a run y(1) of rk4 y'=-y y(0)=1."""
-        parts, after = self._no_parts(), [token.kind for token in self.tokens[self.at : self.at + 3]]
+        parts: dict[str, Any] = defaultdict(dict)
+        after = [token.kind for token in self.tokens[self.at : self.at + 3]]
         if name.text != "R" and after[::2] == [NUMBER, NAME] and not self.in_rate:
             parts["settings"]["t"] = NumberNode(self.next.column, self.literal("t"))
             self.expect(")", "a bracket is not closed")

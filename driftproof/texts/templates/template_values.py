@@ -113,11 +113,6 @@ def exact_filter(style: NumberStyle, x: object) -> str:
     return style.kind.escape(text) if style.kind in (MARKDOWN, LATEX) and not style.in_code else text
 
 
-def tex_filter(style: NumberStyle, x: object) -> str:
-    """The exact form as TeX, without dollar signs."""
-    return _written(_value_of(x).tex)
-
-
 def mathml_filter(style: NumberStyle, x: object) -> str:
     """The exact form as a <math> element."""
     if style.kind is LATEX:
@@ -129,7 +124,7 @@ VALUE_FILTERS: dict[str, Callable[..., str]] = {
     "digits": _decimal_filter("digits", 1),
     "places": _decimal_filter("places", 0),
     "exact": exact_filter,
-    "tex": tex_filter,
+    "tex": lambda style, x: _written(_value_of(x).tex),
     "mathml": mathml_filter,
 }
 
@@ -195,8 +190,6 @@ def _cell(style: NumberStyle, ask: Callable[[str], TemplateValue], key: str, col
     if head in RUN_READOUTS and not run:
         raise Refusal(f"the column {head!r} is read out of a run; give h and t")
     found = ask(f"run {key} {run} : {column['asked']}" if head in RUN_READOUTS else f"{head} {key} {rest}".rstrip())
-    return (
-        VALUE_FILTERS[column["form"]](style, found, *map(int, column["count"].split()))
-        if column["form"]
-        else str(found)
-    )
+    if column["form"] is None:
+        return str(found)
+    return VALUE_FILTERS[column["form"]](style, found, *map(int, column["count"].split()))

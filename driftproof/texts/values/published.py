@@ -71,12 +71,6 @@ def _prints(value: Mapping[str, Any]) -> Iterable[str]:
     return sorted(set(value["printed"].values()))
 
 
-def _as_js(values: PublishedValues) -> str:
-    """An ES module that holds the values, and rounds and shows them."""
-    module = MODULE_FILE.read_text(encoding="utf-8")
-    return module.replace(NO_VALUES, f"export const values = {as_json(values)};").rstrip("\n")
-
-
 def _as_tex(values: PublishedValues) -> str:
     """The macros \\driftproof, \\driftproofdigits and \\driftproofexact, and one line per value, which they look up."""
     from driftproof.texts.writing import markup
@@ -120,6 +114,11 @@ VALUE_FORMATS: dict[str, Callable[[PublishedValues], str]] = {
     "json": lambda values: as_json({**_document(), "values": values}),
     "md": _as_markdown,
     "tex": _as_tex,
-    "js": _as_js,
+    # An ES module that holds the values, and rounds and shows them.
+    "js": lambda values: (
+        MODULE_FILE.read_text(encoding="utf-8")
+        .replace(NO_VALUES, f"export const values = {as_json(values)};")
+        .rstrip("\n")
+    ),
     "csv": _as_csv,
 }

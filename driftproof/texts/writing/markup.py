@@ -149,7 +149,7 @@ class _Formula:
         """Factors side by side, divisors below a line, a sign in front of all."""
         first = node.first.node if isinstance(node.first, NegatedNode) else node.first
         factors = [first, *(factor for sign, factor in node.rest if sign.text == "*")]
-        above = [factor for factor in factors if not _is_one(factor)] or factors[:1]
+        above = [factor for factor in factors if getattr(factor, "value", 0) != 1] or factors[:1]
         below = [factor for sign, factor in node.rest if sign.text == "/"]
         body = self.side_by_side(above)
         if below:
@@ -194,7 +194,3 @@ def _begins_with_digit(node: ExpressionNode) -> bool:
     if isinstance(node, ChainNode) and not _is_sum(node):
         return all(sign.text == "*" for sign, _ in node.rest) and _begins_with_digit(node.first)
     return isinstance(node, NumberNode)
-
-
-def _is_one(node: ExpressionNode) -> bool:
-    return isinstance(node, NumberNode) and node.value == 1

@@ -117,11 +117,6 @@ def _of_hamiltonian(found: ModifiedEnergy) -> dict[str, Any]:
     }
 
 
-def _of_quadratic(form: QuadraticForm) -> dict[str, Any]:
-    names = zip(("q2", "qv", "v2"), form.coefficients, strict=True)
-    return {name: ExactFunction(fraction(c), "h").as_formula() for name, c in names}
-
-
 def _of_eigenvalue(found: EigenvalueLimit) -> dict[str, Any]:
     """The eigenvalue, of a pair the one above the real axis, and for which h its part of the step stays bounded."""
     eigenvalue, bound = found
@@ -186,7 +181,10 @@ _PARTS: dict[type, Callable[[Any], dict[str, Any]]] = {
         else f"of {len(x.errors)} trees, too many to list; Facts(method).principal_error has them",
     },
     Simplifying: lambda x: {name: INFINITY if n is None else n for name, n in zip("BCD", (x.b, x.c, x.d), strict=True)},
-    QuadraticForm: _of_quadratic,
+    QuadraticForm: lambda x: {
+        name: ExactFunction(fraction(c), "h").as_formula()
+        for name, c in zip(("q2", "qv", "v2"), x.coefficients, strict=True)
+    },
     ModifiedEnergy: _of_hamiltonian,
     LeadingTerm: lambda x: {
         "power": x.power,

@@ -42,69 +42,56 @@ def findings(text: str, one: Claim) -> list[tuple[int, int, str, str]]:
     return [(finding.line, finding.column, finding.expected, finding.found) for finding in outcome.findings]
 
 
-def test_finding_names_line_column_expected_and_found() -> None:
-    one = claim("at {value} after 5 steps", "given = true")
-    assert findings("x\n\nis at 0.33 after 5 steps", one) == []
-    assert findings("x\n\nis at 0.34 after 5 steps", one) == [(3, 7, "0.33", "0.34")]
-    assert findings("x\n\nis at 0.33 after 6 steps", one) == [(3, 18, "5", "6")]
+# Phrase with more of its claim, text, what is found: line, column, expected, found.
+STEPS, ENERGY, HERE = "at {value} after 5 steps", "the\nenergy grows by {value}", "the error is {value} here"
+NEAR = "the end of\nthe energy is near, and\nthe energy "
+FOUND = [
+    (STEPS, "", "x\n\nis at 0.33 after 5 steps", []),
+    (STEPS, "", "x\n\nis at 0.34 after 5 steps", [(3, 7, "0.33", "0.34")]),
+    (STEPS, "", "x\n\nis at 0.33 after 6 steps", [(3, 18, "5", "6")]),
+    ("from {value} to 0.5", "", "from 0.1 to 0.2\nfrom 0.3 to 0.5\nfrom 0.2 to 0.4", [(2, 6, "0.33", "0.3")]),
+    (ENERGY, "", f"{NEAR}grows slowly", [(3, 1, "the\nenergy grows by 0.33", "the energy grows slowly")]),
+    (ENERGY, "", f"{NEAR}falls slowly", [(2, 1, "the\nenergy grows by 0.33", "the energy is near, and ")]),
+    (ENERGY, "", "nothing of it", [(1, 1, "the\nenergy grows by 0.33", "")]),
+    (HERE, "", "a\nthe error was 0.33 here", [(2, 1, "the error is 0.33 here", "the error was 0.33 her")]),
+    (HERE, "", "nothing", [(1, 1, "the error is 0.33 here", "")]),
+    # Cells that run together are shown as one run.
+    ("Euler2.390{value}", "", "Euler2.3900.34", [(1, 6, "2.3900.33", "2.3900.34")]),
+    ("0.5: Euler2.390{value}", "", "0.5: Euler2.3900.34", [(1, 11, "2.3900.33", "2.3900.34")]),
+    # A name with another number comes close where nothing comes closer.
+    ("RK4 ends at {value}", "", "RK5 ends at 0.33", [(1, 3, "4", "5")]),
+    ("RK4 ends at {value}", "", "RK5 ends at 0.33\nRK4 ends at 0.34", [(2, 13, "0.33", "0.34")]),
+    ("is {value}", "count = 2", "is 0.33 and is 0.33", []),
+    ("is {value}", "", "is 0.33 and is 0.33", [(1, 13, "nothing", "is 0.33")]),
+    ("is {value}", "count = 0", "is 0.33 and is 0.33", [(1, 1, "nothing", "is 0.33"), (1, 13, "nothing", "is 0.33")]),
+    ("is {value}", "count = 3", "is 0.33 and is 0.33", [(1, 1, "is 0.33", "is 0.33")]),
+    # The place that comes closest is looked for among the first 2000.
+    *(
+        (STEPS, "", "at 0.34 after 6 steps\n" * before + "at 0.34 after 5 steps", [(line, 4, "0.33", "0.34")])
+        for before, line in ((1999, 2000), (2000, 1))
+    ),
+]
 
 
-def test_finding_is_the_place_that_comes_closest() -> None:
-    one = claim("from {value} to 0.5", "given = true")
-    assert findings("from 0.1 to 0.2\nfrom 0.3 to 0.5\nfrom 0.2 to 0.4", one) == [(2, 6, "0.33", "0.3")]
+@pytest.mark.parametrize(("phrase", "more", "text", "found"), FOUND, ids=range(len(FOUND)))
+def test_finding_is_the_place_that_comes_closest_and_says_what_is_expected(
+    phrase: str, more: str, text: str, found: list[tuple[int, int, str, str]]
+) -> None:
+    given = "given = true\n" if any(character.isdigit() for character in phrase) else ""
+    assert findings(text, claim(phrase, given + more)) == found
 
 
-def test_phrase_that_is_not_there_is_missed_where_its_longest_beginning_stands() -> None:
-    one = claim("the\nenergy grows by {value}", "given = true")
-    text = "the end of\nthe energy is near, and\nthe energy grows slowly"
-    assert findings(text, one) == [(3, 1, "the\nenergy grows by 0.33", "the energy grows slowly")]
-    assert findings(text.replace("grows", "falls"), one)[0][:2] == (2, 1)
-    assert findings("nothing of it", one) == [(1, 1, "the\nenergy grows by 0.33", "")]
+@pytest.mark.parametrize(
+    ("count", "text", "found"),
+    [(0, "at 0.33 now\n" * 5, 3), (5, "at 0.34 now\n" * 5, 3), (2, "at 0.33 now\n" + "at 0.34 now\n" * 3, 1)],
+)
+def test_three_findings_of_a_kind_are_named(count: int, text: str, found: int) -> None:
+    assert len(findings(text, claim("at {value} now", f"count = {count}"))) == found
 
 
-def test_finding_in_cells_that_run_together_shows_the_run() -> None:
-    assert findings("Euler2.3905.15240", claim("Euler2.390{value}", "given = true", "5.15140")) == [
-        (1, 6, "2.3905.15140", "2.3905.15240")
-    ]
-    one = claim("0.5: Euler2.390{value}", "given = true", "5.15140")
-    assert findings("0.5: Euler2.3905.15240", one) == [(1, 11, "2.3905.15140", "2.3905.15240")]
-
-
-def test_name_with_another_number_comes_close_where_nothing_comes_closer() -> None:
-    one = claim("RK4 ends at {value}", "given = true")
-    assert findings("RK5 ends at 0.33", one) == [(1, 3, "4", "5")]
-    assert findings("RK5 ends at 0.33\nRK4 ends at 0.34", one) == [(2, 13, "0.33", "0.34")]
-
-
-def test_phrase_that_stands_nowhere_is_looked_for_by_its_beginning() -> None:
-    one = claim("the error is {value} here")
-    (found_at,) = findings("a\nthe error was 0.33 here", one)
-    assert found_at[:2] == (2, 1)
-    (outcome,) = check_claims(document_of("The error is 0.4 here"), [one])
+def test_capitals_that_differ_are_said_to() -> None:
+    (outcome,) = check_claims(document_of("The error is 0.4 here"), [claim(HERE)])
     assert "ignore_case = true allows them" in outcome.findings[0].message
-    assert findings("nothing", one) == [(1, 1, "the error is 0.33 here", "")]
-
-
-def test_phrase_stands_exactly_as_often_as_the_claim_says() -> None:
-    text = "is 0.33 and is 0.33"
-    assert findings(text, claim("is {value}", "count = 2")) == []
-    assert [place[:2] for place in findings(text, claim("is {value}"))] == [(1, 13)]
-    assert len(findings(text, claim("is {value}", "count = 3"))) == 1
-    assert len(findings(text, claim("is {value}", "count = 0"))) == 2
-
-
-def test_three_findings_of_a_kind_are_named_and_2000_places_compared() -> None:
-    one = claim("at {value} after 5 steps", "given = true\ncount = 0")
-    assert len(findings("at 0.33 after 5 steps\n" * 5, one)) == 3
-    assert (
-        len(findings("at 0.34 after 5 steps\n" * 5, claim("at {value} after 5 steps", "given = true\ncount = 5"))) == 3
-    )
-    twice = claim("at {value} after 5 steps", "given = true\ncount = 2")
-    assert len(findings("at 0.33 after 5 steps\n" + "at 0.34 after 5 steps\n" * 3, twice)) == 1
-    one = claim("at {value} after 5 steps", "given = true")
-    for before, line in ((1999, 2000), (2000, 1)):
-        text = "at 0.34 after 6 steps\n" * before + "at 0.34 after 5 steps"
-        assert findings(text, one) == [(line, 4, "0.33", "0.34")]
 
 
 def test_what_stands_where_a_phrase_begins_is_shown_up_to_60_characters() -> None:

@@ -59,24 +59,8 @@ def test_file_that_is_no_text_is_refused_in_one_line(content: bytes, message: st
 
 # Markup that never ends, which a reader must not look through again and again.
 ENDLESS = [
-    *(
-        "<!--",
-        "<![",
-        "</",
-        "<a ",
-        "<a b='",
-        '<a b="',
-        "<script>",
-        "<pre>",
-        "<sup>",
-        "<mfrac>",
-        "&",
-        "$",
-        "`",
-        "[",
-        "![",
-    ),
-    *("**", "{", "^{", "_{", "\\frac{", "\\cite[", "\\(", "\\begin{verbatim}", "```\n", "~~~", "- ", "1/"),
+    *("<!--", "<![", "</", "<a ", "<a b='", '<a b="', "<script>", "<pre>", "<sup>", "<mfrac>", "&", "$", "`", "["),
+    *("![", "**", "{", "^{", "_{", "\\frac{", "\\cite[", "\\(", "\\begin{verbatim}", "```\n", "~~~", "- ", "1/"),
     *("1,", "²"),
 ]
 

@@ -196,22 +196,19 @@ def test_numbers_of_any_length_are_compared_or_bounded(old: str, new: str) -> No
     assert [found.kind for found in changes(*documents)] == ["value"]
 
 
+NO_EXACT = ["1/0", "NaN", "nan", "oo", "1/2 or so", "sqrt(2)/0", "half", "", "1/2/", ["1/2"], True]
+NO_DECIMAL = ["1/0", "NaN", "inf", "", "0.5.", "1e9999999"]
+
+
 @pytest.mark.parametrize(
-    "exact", ["1/0", "NaN", "nan", "oo", "1/2 or so", "sqrt(2)/0", "half", "", "1/2/", ["1/2"], True]
+    ("part", "text"), [*(("exact", text) for text in NO_EXACT), *(("decimal", text) for text in NO_DECIMAL)]
 )
-def test_exact_form_that_is_no_number_is_refused_by_file_and_id(exact: object, tmp_path: Path) -> None:
-    path = tmp_path / "new.json"
-    path.write_text(json.dumps({"values": {"a.b": {"exact": exact, "decimal": "0.5"}}}), encoding="utf-8")
-    with pytest.raises(ValueError, match=r"new\.json: a\.b: exact is .*, which is no number$"):
-        read_values(path)
-
-
-@pytest.mark.parametrize("decimal", ["1/0", "NaN", "inf", "", "0.5.", "1e9999999"])
-def test_decimal_that_is_no_number_is_refused_by_file_and_id(decimal: str, tmp_path: Path) -> None:
-    path = tmp_path / "new.json"
-    path.write_text(json.dumps({"a": [{"exact": "1/2", "decimal": decimal}]}), encoding="utf-8")
-    with pytest.raises(ValueError, match=r"new\.json: a\[0\]: decimal is .*, which is no number$"):
-        read_values(path)
+def test_what_is_no_number_is_refused_by_file_and_id(part: str, text: object, tmp_path: Path) -> None:
+    path, number = tmp_path / "new.json", {"exact": "1/2", "decimal": "0.5", part: text}
+    for document, name in (({"values": {"a.b": number}}, r"a\.b"), ({"a": [number]}, r"a\[0\]")):
+        path.write_text(json.dumps(document), encoding="utf-8")
+        with pytest.raises(ValueError, match=rf"new\.json: {name}: {part} is .*, which is no number$"):
+            read_values(path)
 
 
 @pytest.mark.parametrize("exact", [None, "-1/2", "2*sqrt(2)", "-sin(1/2)", "2**(1/3)", "7" * 9000, "atan2(-1, 3) + pi"])
