@@ -32,9 +32,8 @@ _LARGEST_FILE = 64 * 10**6
 _LARGEST_EXPONENT = 10**5
 # A text longer than this is cut in the middle of a report, not in JSON.
 _LONGEST_TEXT = 40
-# Keys of words about a number, which is the same number under other words, and of how long it is printed.
+# Keys of words about a number, which is the same number under other words.
 _WORDS = {"evidence", "statement", "title", "source", "technique", "rounding", "reason", "generator"}
-_LENGTHS = {"digits"}
 _DECIMAL = re.compile(r"(-?)([0-9]+)(?:\.([0-9]+))?(?:[eE]([+-]?[0-9]{1,6}))?")
 _FRACTION = re.compile(r"(-?[0-9]+)/([0-9]+)")
 # What the exact form of an irrational number may be made of.
@@ -70,10 +69,9 @@ def read_values(path: Path) -> dict[str, Any]:
         raise ValueError(f"{path}: {error.strerror}") from None
     try:
         read = json.loads(text, parse_int=str, parse_float=str, parse_constant=str, object_pairs_hook=hook)
-    except RecursionError:
-        raise ValueError(f"{path}: nested too deeply for a file of values") from None
-    except ValueError as error:
-        raise ValueError(f"{path}: no JSON: {error}") from None
+    except (RecursionError, ValueError) as error:
+        wrong = "nested too deeply for a file of values" if isinstance(error, RecursionError) else f"no JSON: {error}"
+        raise ValueError(f"{path}: {wrong}") from None
     if not isinstance(read, dict):
         raise ValueError(f"{path}: holds no JSON object; give what `driftproof values` prints")
     for place, leaf in _leaves(read):
@@ -127,12 +125,11 @@ def changes(old: dict[str, Any], new: dict[str, Any]) -> list[Change]:
     found: list[Change] = []
     for place in sorted(before.keys() | after.keys()):
         name = _name(place)
-        if place not in after:
-            found.append(Change("removed", name, "", _shown(before[place]), None))
-        elif place not in before:
-            found.append(Change("added", name, "", None, _shown(after[place])))
-        else:
+        if place in before and place in after:
             found += _of_leaf(name, place[-1], before[place], after[place])
+        else:
+            kind, shown = "added" if place in after else "removed", (_shown(x.get(place)) for x in (before, after))
+            found.append(Change(kind, name, "", *shown))
     return found
 
 
@@ -148,14 +145,12 @@ def _leaves(node: Any, place: tuple[str, ...] = ()) -> Iterator[Leaf]:
 
 
 def _of_leaf(name: str, key: str, old: Any, new: Any) -> Iterator[Change]:
-    if old == new:
-        return
     if isinstance(old, dict) and isinstance(new, dict) and old and new:
         yield from _of_number(name, old, new)
-        return
-    same = _number(old) is not None and _number(old) == _number(new)
-    kind = "digits" if key in _LENGTHS else "wording" if key in _WORDS or same else "value"
-    yield Change(kind, name, "", _shown(old), _shown(new))
+    elif old != new:
+        same = _number(old) is not None and _number(old) == _number(new)
+        kind = "digits" if key == "digits" else "wording" if key in _WORDS or same else "value"
+        yield Change(kind, name, "", _shown(old), _shown(new))
 
 
 def _of_number(name: str, old: dict[str, Any], new: dict[str, Any]) -> Iterator[Change]:

@@ -74,9 +74,7 @@ FOUND = [
 
 
 @pytest.mark.parametrize(("phrase", "more", "text", "found"), FOUND, ids=range(len(FOUND)))
-def test_finding_is_the_place_that_comes_closest_and_says_what_is_expected(
-    phrase: str, more: str, text: str, found: list[tuple[int, int, str, str]]
-) -> None:
+def test_finding_is_the_place_that_comes_closest_and_says_what_is_expected(phrase, more, text, found):
     given = "given = true\n" if any(character.isdigit() for character in phrase) else ""
     assert findings(text, claim(phrase, given + more)) == found
 
@@ -146,9 +144,7 @@ IN_WORDS = [
 
 
 @pytest.mark.parametrize(("readout", "how", "right", "wrong", "found"), IN_WORDS)
-def test_value_in_words_is_held_and_other_words_are_found(
-    readout: str, how: str, right: str, wrong: str, found: str
-) -> None:
+def test_value_in_words_is_held_and_other_words_are_found(readout, how, right, wrong, found):
     asked = f'value = "run rk4 h=1/4 t=10 : {readout}"'
     text = f'[[claim]]\nid="a"\nphrase="makes {{value}} calls"\n{asked}\nspelled="{how}"'
     (one,) = parse_claims(text.encode()).claims

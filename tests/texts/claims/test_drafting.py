@@ -6,7 +6,6 @@ import re
 import sys
 import tomllib
 from collections import Counter
-from collections.abc import Callable
 from pathlib import Path
 from types import FrameType
 
@@ -130,6 +129,12 @@ def test_numbers_of_programs_are_left_out_and_counted_but_for_those_that_are_val
     assert held(document, text) == {"value": 1, "given": 0, "run": 0, "label": 5, "uncovered": 2}
 
 
+def test_phrase_that_would_be_too_long_is_not_drafted() -> None:
+    for length, drafted in ((396, True), (397, False)):
+        text = draft(document_of(f"{'y' * length} 7.5"), "a")
+        assert ("# line 1, column 399: no phrase can be drafted for 7.5" in text) is not drafted
+
+
 def test_name_of_the_text_cannot_break_the_draft() -> None:
     assert tomllib.loads(draft(document_of("7"), 'a\nb = 1\n"')) == {}
 
@@ -177,9 +182,7 @@ def test_more_claims_than_a_file_may_have_are_not_drafted(monkeypatch: pytest.Mo
         draft(document_of("a 1.5\nb 2.5\nc 3.5\nd 4.5"), "a")
 
 
-def test_command_drafts_in_the_format_of_the_text(
-    answer: Callable[..., str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_command_drafts_in_the_format_of_the_text(answer, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     Path("a.html").write_text("<table><tr><td>RK4<td>0.877604<td>337/384</table>", encoding="utf-8")
     Path("c.toml").write_text(answer("check", "a.html", "--init"), encoding="utf-8")

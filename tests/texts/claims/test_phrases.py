@@ -90,9 +90,7 @@ def test_value_that_cannot_be_written_so_is_refused_in_one_line(question: str, f
         ("energy_multiplier rk4", NumberForm(places=3), ["1 - h^6/72 + h^8/576", "1 - h**6/72 + h**8/576"]),
     ],
 )
-def test_value_is_spelled_in_every_way_that_means_the_same(
-    question: str, form: NumberForm, spellings: list[str]
-) -> None:
+def test_value_is_spelled_in_every_way_that_means_the_same(question, form, spellings):
     assert form.spellings(value(question)) == spellings
 
 

@@ -34,6 +34,8 @@ REFUSED = [
     ("a_stable explicit_order_2 at 0", 30, "no method at alpha = 0"),
     ("order_fails rk4 : leaf", 19, "'leaf' is no part of order_fails of rk4; it has tree, residual"),
     ("order rk4 : leaf", 13, "'leaf' is no part of order of rk4; it has no parts"),
+    ("a21 rk4 : q", 11, "a21 has no parts; leave out 'q'"),
+    ("run rk4 problem=no-such/pro-blem.toml h=1 t=1 : y0", 17, "no-such/pro-blem.toml"),
     ("order rk4 h=1", 11, "order has no setting h here; it takes none"),
     ("embedded_order rk4", 1, "rk4 has no embedded_order"),
     ("real_limit velocity_verlet", 1, "velocity_verlet has no real_limit: only Runge-Kutta and collocation methods"),

@@ -17,6 +17,7 @@ SAME = {
     "Heun's method y'=-y, y(0)=1, h=0.1, t=1 : error": DECAY,
     "run Heun y' = -y y(0) = 1 dt=0.1 T=1 : global error": DECAY,
     "run heun2 rates=(-y) from 1 h=0.1 10 steps : error": DECAY,
+    "run heun2 rates=(-y) from 1 h=0.1 t=1 : y": "run heun2 rates=(-y0) from 1 h=1/10 t=1 : y0",
     "run heun2 x'=-x, x(0)=1, h=1/10, t=1 : x": "run heun2 rates=(-y0) from 1 h=1/10 t=1 : y0",
     "run heun2 y'=-y, y(0)=1, h=1/10, t=1 : exact.y": "exact rates=(-y0) from 1 t=1 : y0",
     "exact y'=-2*y, y(0)=1, t=1 : y": "exact rates=(-2*y0) from 1 t=1 : y0",

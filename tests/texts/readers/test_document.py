@@ -65,9 +65,7 @@ ENDLESS = [
 ]
 
 
-def test_a_document_has_four_mebibytes_at_most_and_one_of_five_formats(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_document_has_four_mebibytes_at_most_and_one_of_five_formats(tmp_path, monkeypatch):
     limits: list[int] = []
     monkeypatch.setattr(document, "read_utf8", lambda path, most: limits.append(most) or "x")
     assert (read_document(tmp_path / "a").text.text, limits) == ("x", [4_194_304])

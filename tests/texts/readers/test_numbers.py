@@ -58,13 +58,6 @@ def test_number_spells_a_value(text: str, value: Fraction, places: int | None) -
     assert (number.value, number.places) == (value, places)
 
 
-def test_number_that_nobody_means_has_no_value() -> None:
-    with pytest.raises(ValueError, match="too long"):
-        _ = numbers_in("1e999999999")[0].value
-    with pytest.raises(ZeroDivisionError):
-        _ = numbers_in("1/0")[0].value
-
-
 @given(st.text(alphabet="0123456789.,-+/eE^_{}()[]' ×%hq\n"))
 def test_every_digit_belongs_to_one_number(text: str) -> None:
     found = numbers_in(text)
@@ -74,15 +67,12 @@ def test_every_digit_belongs_to_one_number(text: str) -> None:
 
 
 @pytest.mark.parametrize(
-    ("text", "read"), [("1" * 1000, True), ("1" * 1001, False), ("1e999", True), ("1e1000", False)]
+    ("read", "refused"), [("1" * 1000, "1" * 1001), ("1e999", "1e1000"), ("1e-999", "1e-1000"), ("0/1", "1/0")]
 )
-def test_numbers_that_nobody_writes_are_refused(text: str, read: bool) -> None:
-    (number,) = numbers_in(text)
-    if read:
-        assert number.value == Fraction(text)
-    else:
-        with pytest.raises(ValueError, match="is too long"):
-            _ = number.value
+def test_numbers_that_nobody_writes_have_no_value(read: str, refused: str) -> None:
+    assert numbers_in(read)[0].value == Fraction(read)
+    with pytest.raises((ValueError, ZeroDivisionError), match=r"is too long|, 0"):
+        _ = numbers_in(refused)[0].value
 
 
 def test_a_reference_is_known_by_the_longest_of_its_words() -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -29,6 +30,9 @@ def test_check_passes_what_was_rendered_and_shows_what_was_changed(lesson: Path,
     assert status == REFUTED
     assert out.startswith("--- lesson.md (which is not there)\n+++ lesson.md as lesson.md.j2 renders it\n")
     assert run("render", "lesson.md.j2") == (0, "lesson.md: 1 values\n", "")
+    assert json.loads(rendering.render(lesson).written("json")) == {
+        "output": "lesson.md", "values": 1, "text": "q = 0.877604\nv\n"
+    }  # fmt: skip
     assert run("render", "lesson.md.j2", "--check") == (0, "lesson.md is what lesson.md.j2 renders\n", "")
     text = Path("lesson.md").read_text(encoding="utf-8")
     assert text == "q = 0.877604\nv\n"
@@ -99,9 +103,7 @@ def test_memory_and_time_of_a_template_are_bounded(lesson: Path, monkeypatch: py
         rendering.render(lesson, Path("lesson.md"), time_limit=1)
 
 
-def test_process_that_dies_or_writes_too_much_is_reported_in_one_line(
-    lesson: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_process_that_dies_or_writes_too_much_is_reported_in_one_line(lesson, monkeypatch):
     monkeypatch.setattr(rendering, "LONGEST_RENDERED", 1000)
     lesson.write_text("{% for i in range(2000) %}x{% endfor %}")
     with pytest.raises(ValueError, match=r"^lesson\.md\.j2: an answer of more than 1000 bytes$"):
@@ -128,9 +130,7 @@ def test_command_line_without_render_loads_no_jinja(modules_after: Callable[[str
     assert "jinja2" not in modules_after("from driftproof.cli import main; main(['scenes'])")
 
 
-def test_a_template_has_two_minutes_two_gigabytes_and_ten_million_characters(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_template_has_two_minutes_two_gigabytes_and_ten_million_characters(tmp_path, monkeypatch):
     given: list[Limits] = []
     answer = {"text": "", "asked": 0}
     monkeypatch.setattr(rendering, "ask_once", lambda what, order, limits: given.append(limits) or answer)

@@ -40,9 +40,7 @@ HOSTILE = [
 
 
 @pytest.mark.parametrize(("template", "column", "reason"), HOSTILE)
-def test_template_reaches_nothing_but_what_it_is_given(
-    template: str, column: int, reason: str, become: Become, tmp_path: Path
-) -> None:
+def test_template_reaches_nothing_but_what_it_is_given(template, column, reason, become, tmp_path):
     (tmp_path.parent / "secret").write_text("secret", encoding="utf-8")
     (tmp_path / "link").symlink_to(tmp_path.parent / "secret")
     with pytest.raises(TemplateProblem) as raised:

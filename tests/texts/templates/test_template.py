@@ -14,7 +14,7 @@ from driftproof.texts.questions.answer import Answer
 from driftproof.texts.templates import template as module
 from driftproof.texts.templates.sandbox import TemplateProblem
 from driftproof.texts.templates.template import Template
-from driftproof.texts.templates.text_kinds import TEXT_KINDS, TextKind
+from driftproof.texts.templates.text_kinds import TEXT_KINDS
 
 Become = Callable[..., str]
 
@@ -61,9 +61,7 @@ PROBLEMS = [
 
 
 @pytest.mark.parametrize(("template", "line", "column", "reason"), PROBLEMS, ids=range(len(PROBLEMS)))
-def test_problem_is_one_line_with_file_line_and_column(
-    template: str, line: int, column: int, reason: str, become: Become
-) -> None:
+def test_problem_is_one_line_with_file_line_and_column(template, line, column, reason, become):
     with pytest.raises(TemplateProblem, match=r"\A[^\n]*\Z") as raised:
         become(template)
     assert str(raised.value).startswith(f"t.j2, line {line}, column {column}: ")
@@ -104,9 +102,7 @@ PARTS = st.sampled_from(TAGS) | INSIDE | INSIDE.map("{{{{ {} }}}}".format) | INS
 
 
 @given(text=st.lists(PARTS, max_size=8).map("".join), kind=st.sampled_from(TEXT_KINDS))
-def test_any_template_is_rendered_or_refused_in_one_line(
-    text: str, kind: TextKind, tmp_path_factory: pytest.TempPathFactory
-) -> None:
+def test_any_template_is_rendered_or_refused_in_one_line(text, kind, tmp_path_factory):
     template = tmp_path_factory.mktemp("any") / "t.j2"
     template.write_text(text, encoding="utf-8", newline="")
     said = ""

@@ -75,9 +75,7 @@ def test_change_of_a_number_is_named(change: dict[str, Any], kinds: list[tuple[s
         ({"values": {}}, {"values": {"a": NUMBER}}, "added"),
     ],
 )
-def test_leaves_of_any_document_are_compared(
-    old: dict[str, Any], new: dict[str, Any], kind: str, tmp_path: Path
-) -> None:
+def test_leaves_of_any_document_are_compared(old, new, kind, tmp_path):
     read = []
     for name, document in (("old", old), ("new", new)):
         (tmp_path / name).write_text(json.dumps(document), encoding="utf-8")

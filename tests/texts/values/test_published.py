@@ -102,9 +102,7 @@ def value(exact: str | None, decimal: str, *printed: str) -> dict[str, Any]:
         ),
     ],
 )
-def test_definition_has_exact_form_printed_decimal_and_digits(
-    found: dict[str, Any], exact: str, printed: str, third: str
-) -> None:
+def test_definition_has_exact_form_printed_decimal_and_digits(found, exact, printed, third):
     line = render_values({"x": found}, "tex").splitlines()[-1]
     assert line.startswith(rf"\driftproofvalue{{x}}{{{exact}}}{{{printed}}}{{\or ")
     assert line.removesuffix("}").split(r"\or ")[3] == third

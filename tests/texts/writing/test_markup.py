@@ -30,6 +30,8 @@ IN_TEX = {
     "2*3**(1/3)": r"2 \sqrt[3]{3}",
     "2*3": r"2 \cdot 3",
     "2*3**2": r"2 \cdot 3^{2}",
+    "2*(3*h)": r"2 \cdot 3 h",
+    "2*(3/h)": r"2 \frac{3}{h}",
     "-sin(10)": r"-\sin(10)",
     "3*cos(1/2)/5": r"\frac{3 \cos\left(\frac{1}{2}\right)}{5}",
     "acos(1 - h)": r"\arccos(1-h)",
