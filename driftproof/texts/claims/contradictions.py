@@ -77,7 +77,7 @@ def _denied(
     if not other or other[-1] < own[-1]:
         return False
     between = re.sub(r"[a-z]+[0-9]+", "", before[own[-1] : other[-1]])  # without numbers of names: RK4, k1, 3/8 rule
-    return bool(re.search("[0-9]", _spoken_names().sub("", between)))
+    return bool(re.search("[0-9]", _spoken_names().sub("", _flat(between))))
 
 
 def _next_to(before: str, after: str) -> str:
@@ -111,14 +111,14 @@ def methods_named(text: str) -> set[str]:
 
 
 def _flat(text: str) -> str:
-    return text.replace("-", " ").replace("\n", " ")
+    return re.sub("[-_\n]", " ", text)
 
 
 @cache
 def _names() -> dict[str, set[str]]:
     found: dict[str, set[str]] = {}
     for key, method in (*METHODS.items(), *FACTS_ONLY.items()):
-        for name in (key, key.replace("_", " "), method.title, *also_known_as(key)):
+        for name in (key, method.title, *also_known_as(key)):
             found.setdefault(_flat(name.lower()), set()).add(key)
     return found
 

@@ -145,7 +145,7 @@ class _QuestionParser(ExpressionParser):
         while self._another_part():
             self.part(self.take(), parts)
         if self.accept(":"):
-            parts["readout"] = self.readout()
+            self.put(parts, self.next, "readout", self.readout)
             if self.next.kind == NAME:
                 parts["unit"] = self.take()
         elif (readout := head.text.removesuffix(PER_STEP)) in READOUT_WORDS:
@@ -174,16 +174,15 @@ class _QuestionParser(ExpressionParser):
             self.at = start + count - 1
         else:
             self.at = start
-            if not any(a.text == name.text and b.text == "'" for a, b in pairwise(self.tokens)):
-                raise self.error(name, self._nothing(name))
-            parts["readout"] = name  # an unknown: y at t=1 of rk4 on y'=-y
+            if any(a.text == name.text and b.text == "'" for a, b in pairwise(self.tokens)):
+                parts["readout"] = name  # an unknown: y at t=1 of rk4 on y'=-y
+                return name._replace(text="run")
+            after = takewhile(lambda token: token.kind == NAME and token.text not in SAY_NOTHING, self.tokens[start:])
+            words = [name.text, *(token.text for token in after if not keys_of_name(token.text))]
+            hint = did_you_mean("_".join(words), (*_HEADS, *sorted(names_that_ask())))
+            what = f"{' '.join(words)[:40]!r} is nothing that can be asked{hint}"
+            raise self.error(name, f"{what} (`driftproof value --list` shows what can)")
         return name._replace(text=FACT_WORDS.get(text, text or "run"))
-
-    def _nothing(self, name: Token) -> str:
-        after = takewhile(lambda token: token.kind == NAME and token.text not in SAY_NOTHING, self.tokens[self.at :])
-        words = [name.text, *(token.text for token in after if not keys_of_name(token.text))]
-        hint = did_you_mean("_".join(words), (*_HEADS, *sorted(names_that_ask())))
-        return f"{' '.join(words)[:40]!r} is nothing that can be asked{hint} (`driftproof value --list` shows what can)"
 
     def _another_part(self) -> bool:
         """Whether a part comes next. A comma before an equation or a setting, where no list goes on, is used up."""
@@ -195,15 +194,14 @@ class _QuestionParser(ExpressionParser):
 
     def with_unknowns(self, head: Token, parts: dict[str, Any]) -> dict[str, Any]:
         """The parts of a query, its equations as rates and a start in the order of their unknowns."""
-        rates, start, names = parts["rates"], parts["start"], tuple(parts["rates"])
-        if isinstance(rates, tuple):
-            names = ()
-        elif isinstance(start, dict) and (names or start):
+        rates, start = parts["rates"], parts["start"]
+        names = tuple(rates) if isinstance(rates, dict) else ()
+        if isinstance(start, dict):
             if missing := [name for name in (*names, *start) if name not in start or name not in names]:
                 lacks = f"{missing[0]}(0)" if missing[0] in names else f"{missing[0]}'"
                 raise self.error(head, f"{lacks} = ... is missing, as in y'=-y, y(0)=1")
             start = tuple(start[name] for name in names)
-        rates = tuple(rates.values()) if isinstance(rates, dict) else rates
+        rates = tuple(rates.values()) if names else tuple(rates)
         return {**parts, "rates": rates, "start": start or None, "unknowns": names}
 
     def part(self, token: Token, parts: dict[str, Any]) -> None:

@@ -107,6 +107,7 @@ def outcome(program: str, printed: str = "x", time_limit: float = 10.0) -> str:
         ("print('a'", "SyntaxError"),
         ("x = '\\0'\nprint(open('/nowhere'))", "FileNotFoundError"),
         ("input()", "EOFError"),
+        ("'x'", "the listing prints '', the text says 'x'"),
         ("a = 'x' * 10**10", "MemoryError"),
         ("while True: print('x' * 10**5)", "it prints more than anybody reads"),
         ("import os; os._exit(3)", "the process ended (exit status 3)"),

@@ -93,6 +93,8 @@ REFUSED = [
     ("error of Heun with h=0.1 at t=1 on y'=-y", 1, "y(0) = ... is missing, as in y'=-y, y(0)=1"),
     ("run rk4 y(0)=1 h=1 t=1 : y", 1, "y' = ... is missing"),
     ("run rk4 y'=-y y'=-y y(0)=1 h=1 t=1 : y", 15, "'y' is given twice"),
+    ("run rk4 rates=(-y) y(0)=1 h=1 t=1 : y", 1, "y' = ... is missing"),
+    ("y(1) of Heun y'=-y y(0)=1 h=1 : error", 33, "'error' is given twice"),
     ("run rk4 rates=(-y) y'=-y y(0)=1 h=1 t=1 : y", 20, "'y' is given twice"),
     ("run rk4 y'=-y y(0)=x h=1 t=1 : y", 20, "start: a number like 1/4"),
     ("run rk4 y'=-k*y y(0)=1 h=1 t=1 : y", 12, "'k' has no place"),

@@ -72,6 +72,7 @@ def test_problem_of_an_included_template_names_that_one(become: Become) -> None:
     with pytest.raises(TemplateProblem, match=r"^b\.md, line 2, column 4: 'nope' is undefined$"):
         become("{% include 'b.md' %}", b_md="x\n{{ nope }}")
     assert become("{% include 'b.md' %}", b_md="[{{ value('1/2') }}]") == "[1/2]"
+    assert become("a `{{ value('sqrt(8)*1') | exact }}` {{ value('sqrt(8)') | exact }}") == r"a `2*sqrt(2)` 2\*sqrt(2)"
 
 
 def test_value_that_is_not_proved_is_refused(become: Become, monkeypatch: pytest.MonkeyPatch) -> None:
