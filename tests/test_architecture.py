@@ -67,7 +67,7 @@ BUDGETS = {
     "symbolic": 10738,
     "numeric": 4247,
     "blackbox": 17880,
-    "enclosure": 3133,
+    "enclosure": 3165,
     "texts": 7322,
 }
 BUDGET_OF_REPORTS_AND_FRONT = 5556

@@ -147,6 +147,7 @@ REFUSED = [
     ("exact rates=(y0) from 1 t=1 : state_error", 31, "no readout of exact; there are y0"),
     ("order rk4 rates=(y0)", 18, "about no problem"),
     ("run rk4 problem=pendulum lambda=1 h=1/4 t=1 : y0", 17, "two problems"),
+    ("run rk4 problem=pendulum h=1/4 t=1 : y", 38, "no readout of run; there are y0, y1"),
     ("run rk4 problem=pendulum h=1/4 t=1 : y7", 38, "no readout of run; there are y0"),
     ("run rk4 problem=pendulum h=1/100001 t=1 : y0", 17, "100001 steps; on a problem at most 100000 are made"),
     ("run rk4 rates=(y0) from 3 h=1 t=0 : y0", 16, "h = 1 does not divide t = 0: t / h = 0"),
