@@ -7,6 +7,7 @@ import re
 from collections import Counter
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from itertools import groupby
 from typing import TypeAlias
 
 from driftproof.texts.claims.claims import MOST_CLAIMS
@@ -128,15 +129,11 @@ def draft(document: Document, name: str, asked: Iterable[str] = ()) -> str:
 
 def _uncovered(before: int, after: int, group: _Group, covered: set[int]) -> Iterator[tuple[int, int, _Group]]:
     """The parts of a group that no phrase drafted so far covers, each between what stands before it and after it."""
-    edges = [before, *(member.number.end for member in group)], [*(member.number.start for member in group), after]
-    start = 0
-    while start < len(group):
-        end = start
-        while end < len(group) and group[end].number.start not in covered:
-            end += 1
-        if end > start:
-            yield edges[0][start], edges[1][end], group[start:end]
-        start = end + 1
+    ends, starts = [before, *(member.number.end for member in group)], [member.number.start for member in group]
+    for is_covered, run in groupby(range(len(group)), lambda i: starts[i] in covered):
+        part = [*run]
+        if not is_covered:
+            yield ends[part[0]], [*starts, after][part[-1] + 1], group[part[0] : part[-1] + 1]
 
 
 def _groups(text: str, members: list[_Member]) -> Iterator[_Group]:

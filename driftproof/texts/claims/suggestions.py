@@ -204,7 +204,9 @@ class Suggestions:
 
     def _questions(self) -> Iterator[str]:
         sizes, times = _given(_H, self.text, _USUAL_STEPS)[:_MOST_SIZES], _given(_T, self.text, ("10",))[:_MOST_TIMES]
-        for i, method in enumerate(_methods_in(self.text)):
+        spoken = methods_named(self._lower)
+        named = dict.fromkeys(key for key in (*_USUAL_METHODS, *METHODS, *FACTS_ONLY) if key in spoken)
+        for i, method in enumerate([*(named or _USUAL_METHODS)][:_MOST_METHODS]):
             yield from (f"{fact} {method}" for fact in _USUAL_FACTS)
             for h in sizes if method in METHODS and i < _MOST_RUN else ():
                 yield from (f"step {method} h={h} : {readout}" for readout in _STEP_READOUTS)
@@ -226,13 +228,6 @@ def _of_few_bits(answer: Answer) -> Answer:
         return enclose(x)
 
     return replace(answer, exact=ball)
-
-
-def _methods_in(text: str) -> list[str]:
-    """The methods whose keys, titles or other names stand in the text, or else the usual ones."""
-    spoken = methods_named(text.lower())
-    named = [key for key in (*_USUAL_METHODS, *METHODS, *FACTS_ONLY) if key in spoken]
-    return (list(dict.fromkeys(named)) or list(_USUAL_METHODS))[:_MOST_METHODS]
 
 
 def _given(pattern: re.Pattern[str], text: str, default: Iterable[str]) -> list[str]:

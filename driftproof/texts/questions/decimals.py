@@ -44,14 +44,10 @@ class Style:
 
     def __post_init__(self) -> None:
         """Refuse unknown names."""
-        for what, chosen, allowed in (
-            ("rounding", self.rounding, (None, *ROUNDING_POLICIES)),
-            ("minus", self.minus, (HYPHEN, MINUS)),
-            ("exponent", self.exponent, (E, TIMES_TEN)),
-        ):
-            if chosen not in allowed:
-                names = ", ".join(name for name in allowed if name is not None)
-                raise ValueError(f"{what}: {chosen!r} is unknown; choose one of {names}")
+        allowed = {"rounding": ROUNDING_POLICIES, "minus": (HYPHEN, MINUS), "exponent": (E, TIMES_TEN)}
+        for what, names in allowed.items():
+            if (chosen := getattr(self, what)) not in names and (what, chosen) != ("rounding", None):
+                raise ValueError(f"{what}: {chosen!r} is unknown; choose one of {', '.join(names)}")
 
     def written(self, decimal: str) -> str:
         """A decimal such as "-6.7e-5" in this style, e.g. "−6.7×10⁻⁵"."""

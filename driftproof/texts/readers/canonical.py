@@ -46,8 +46,10 @@ def _pieces(match: re.Match[str]) -> Iterable[Piece]:
     kind, found = match.lastgroup, match[0]
     if kind in _SCRIPTS:
         return _script(*_SCRIPTS[kind], match)
-    if kind == "script":
-        return _braced(match)
+    if kind == "script":  # as `_script`, of what is written with ^ or _ already
+        start, end = match.span()
+        head = (start, start + 1)
+        return [head, (start + 2, end - 1)] if found[1] == "{" else [head, "{", (start + 1, end), "}"]
     if kind == "group":
         return [","]
     if kind == "space":
@@ -66,14 +68,6 @@ def _script(sign: str, table: dict[str, str], match: re.Match[str]) -> Iterator[
     yield sign + "{" * braces
     yield from (Insertion(table[character], i) for i, character in enumerate(match[0], match.start()))
     yield "}" * braces
-
-
-def _braced(match: re.Match[str]) -> Iterable[Piece]:
-    """The same for what is written with ^ or _ already."""
-    start, end = match.span()
-    if match[0][1] == "{":
-        return [(start, start + 1), (start + 2, end - 1)]
-    return [(start, start + 1), "{", (start + 1, end), "}"]
 
 
 def _fraction(match: re.Match[str]) -> str:

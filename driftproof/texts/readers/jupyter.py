@@ -76,13 +76,10 @@ def _decoded(string: SourceText) -> SourceText:
 
 
 def _blocks_of(cell: dict[tuple[Key, ...], list[SourceText]], language: str) -> list[Block]:
-    kind = cell.get(("cell_type",), [SourceText.of("")])[0].text
-    source = joined(cell.get(("source",), []))
-    if kind == "markdown":
-        return markdown_blocks(source)
-    if kind != "code":
-        return []
-    return [Block(LISTING, source, language), *_outputs(cell)]
+    kind, source = joined(cell.get(("cell_type",), [])).text, joined(cell.get(("source",), []))
+    if kind == "code":
+        return [Block(LISTING, source, language), *_outputs(cell)]
+    return markdown_blocks(source) if kind == "markdown" else []
 
 
 def _outputs(cell: dict[tuple[Key, ...], list[SourceText]]) -> Iterator[Block]:

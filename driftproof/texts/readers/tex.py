@@ -3,7 +3,7 @@ r"""TeX as its reader sees it: comments and commands gone, \frac{a}{b} as a/b, \
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from functools import partial
 
 from driftproof.texts.readers.source_text import LISTING, PROSE, Block, Piece, SourceText
@@ -123,25 +123,18 @@ def _inside(match: re.Match[str]) -> Iterable[Piece]:
     return [match.span("a")]
 
 
-def _script(match: re.Match[str]) -> Iterable[Piece]:
-    return [match["sign"] + _OPEN, match.span("a"), _CLOSE]
-
-
-def _fraction(match: re.Match[str]) -> Iterable[Piece]:
-    return [*_in_brackets(match, "a", "c"), "/", *_in_brackets(match, "b", "d")]
-
-
-def _root(match: re.Match[str]) -> Iterable[Piece]:
-    return ["√", *_in_brackets(match, "a", "c")]
-
-
 def _in_brackets(match: re.Match[str], *names: str) -> Iterable[Piece]:
     """The first of these groups that is there, in brackets unless it is one number or name."""
     name = next(name for name in names if match[name] is not None)
     return [match.span(name)] if match[name].strip().isalnum() else ["(", match.span(name), ")"]
 
 
-_STEPS = ((_FRACTION, _fraction), (_ROOT, _root), (_SCRIPT, _script), (_NUMBER, _inside))
+_STEPS: tuple[tuple[re.Pattern[str], Callable[[re.Match[str]], Iterable[Piece]]], ...] = (
+    (_FRACTION, lambda match: [*_in_brackets(match, "a", "c"), "/", *_in_brackets(match, "b", "d")]),
+    (_ROOT, lambda match: ["√", *_in_brackets(match, "a", "c")]),
+    (_SCRIPT, lambda match: [match["sign"] + _OPEN, match.span("a"), _CLOSE]),
+    (_NUMBER, _inside),
+)
 
 
 def _command(match: re.Match[str]) -> Iterable[Piece]:

@@ -70,8 +70,8 @@ def read_values(path: Path) -> dict[str, Any]:
     try:
         read = json.loads(text, parse_int=str, parse_float=str, parse_constant=str, object_pairs_hook=hook)
     except (RecursionError, ValueError) as error:
-        wrong = "nested too deeply for a file of values" if isinstance(error, RecursionError) else f"no JSON: {error}"
-        raise ValueError(f"{path}: {wrong}") from None
+        reason = "nested too deeply for a file of values" if isinstance(error, RecursionError) else f"no JSON: {error}"
+        raise ValueError(f"{path}: {reason}") from None
     if not isinstance(read, dict):
         raise ValueError(f"{path}: holds no JSON object; give what `driftproof values` prints")
     for place, leaf in _leaves(read):
