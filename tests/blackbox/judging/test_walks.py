@@ -92,7 +92,7 @@ def test_explicit_methods_are_themselves_everywhere_by_their_force(key):
         (codes.in_precision(codes.rk4, np.float32), RK4, "of 1, 2, 3, 5, 17 numbers"),
         (codes.velocity_verlet_in_time, VERLET, "of 1, 2, 3, 5, 9 positions"),
         (one_position_after_the_other, VERLET, "of 1, 2, 3, 5, 9 positions"),
-        (iterated(METHODS["gauss2"]), METHODS["gauss2"], "of 1, 2, 3, 5 numbers"),
+        (iterated("gauss2"), METHODS["gauss2"], "of 1, 2, 3, 5 numbers"),
     ],
 )
 def test_right_codes_are_right_everywhere_and_it_is_said_where(step, method, seen):

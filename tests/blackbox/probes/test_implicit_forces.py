@@ -71,38 +71,31 @@ def scalar(beta: float = 0.25, gamma: float = 0.5, *, solver: str = "iteration",
     return step
 
 
+def settled(change, x):
+    """Where the iteration x ← change(x) comes to."""
+    for _ in range(200):
+        before, x = x, change(x)
+        if np.max(np.abs(x - before)) < 1e-14:
+            break
+    return x
+
+
 def midpoint(force, x, v, t, dt):
     """Of a force of position, velocity and time."""
-    x1, v1 = x, v
-    for _ in range(200):
-        before = x1
-        v1 = v + dt * force((x + x1) / 2, (v + v1) / 2, t + dt / 2)
-        x1 = x + dt / 2 * (v + v1)
-        if np.max(np.abs(x1 - before)) < 1e-14:
-            break
-    return x1, v1
+    v1 = settled(lambda v1: v + dt * force(x + dt / 4 * (v + v1), (v + v1) / 2, t + dt / 2), v)
+    return x + dt / 2 * (v + v1), v1
 
 
 def half_implicit(force, x, v, dt):
     """Velocity Verlet whose second kick is solved for, since the force depends on the velocity."""
     first = force(x, v)
-    x = x + dt * v + dt**2 / 2 * first
-    v1 = v
-    for _ in range(200):
-        before, v1 = v1, v + dt / 2 * (first + force(x, v1))
-        if np.max(np.abs(v1 - before)) < 1e-14:
-            break
-    return x, v1
+    end = x + dt * v + dt**2 / 2 * first
+    return end, settled(lambda v1: v + dt / 2 * (first + force(end, v1)), v)
 
 
 def late(force, x, v, dt):
     """The implicit midpoint rule whose force is given the velocity of the start."""
-    middle = x
-    for _ in range(200):
-        before, middle = middle, x + dt / 2 * (v + dt / 2 * force(middle, v))
-        if np.max(np.abs(middle - before)) < 1e-14:
-            break
-    push = force(middle, v)
+    push = settled(lambda push: force(x + dt / 2 * (v + dt / 2 * push), v), force(x, v))
     return x + dt * (v + dt / 2 * push), v + dt * push
 
 
