@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from itertools import product
 from typing import Any
 
-from driftproof.blackbox.findings import UnsupportedCall
+from driftproof.blackbox.findings import Misbehaviour, UnsupportedCall
 from driftproof.blackbox.probes.scripted_answers import CoefficientRow, NotReadable
 from driftproof.blackbox.probes.tableau import TableauReading, read_tableau
 from driftproof.blackbox.stepper.array_adapters import Foreign
@@ -61,10 +63,10 @@ def read_dense(subject: ForeignStepper) -> DenseReading:
 
     Raises NotReadable, UnsupportedCall where no function is returned, NotAlike where the step is read and this is not.
     """
-    subject.step_field(lambda t, y: [0.0 * x for x in y], 0.0, _trial_state(subject), 0.5)
+    state = _trial_state(subject)
     if subject.log.dense is None:
         raise UnsupportedCall("the stepper returns no dense output beside y1")
-    argument = _argument(subject)
+    argument = _argument(subject, state)
     own = read_tableau(subject)
     try:
         readings, between = (
@@ -83,30 +85,22 @@ def read_dense(subject: ForeignStepper) -> DenseReading:
 
 
 def _trial_state(subject: ForeignStepper) -> list[float]:
-    for size in (2, 1):
-        try:
+    for size in (2, 1):  # some take one number only
+        with suppress(Misbehaviour):
             subject.step_field(lambda t, y: [0.0 * x for x in y], 0.0, [5.0] * size, 0.5)
-        except UnsupportedCall:
-            raise
-        except Exception:  # of a stepper that takes one number only, in the words of its library
-            continue
-        return [5.0] * size
+            return [5.0] * size
     raise NotReadable("no step is made to look for a dense output")
 
 
-def _argument(subject: ForeignStepper) -> str:
+def _argument(subject: ForeignStepper, state: Sequence[float]) -> str:
     """What it is a function of: with the slope 1 everywhere, y = 5 at t = 2 is 5.25 after half a step of 1/2.
 
     Of one that is wrong half-way, what makes it right at the end.
     """
-    state = _trial_state(subject)
-    for theta, right in ((0.5, 5.25), (1.0, 5.5)):
-        for argument in _ARGUMENTS:
+    for (theta, right), argument in product(((0.5, 5.25), (1.0, 5.5)), _ARGUMENTS):
+        with suppress(Misbehaviour):  # as outside of where it is defined
             place = _stepper_to(subject, theta, argument)
-            try:
-                found = place.step_field(lambda t, y: [1.0 + 0.0 * x for x in y], 2.0, state, 0.5)
-            except Exception:  # outside of where it is defined, in whatever words
-                continue
+            found = place.step_field(lambda t, y: [1.0 + 0.0 * x for x in y], 2.0, state, 0.5)
             if abs(found[0] - right) <= 2.0**-6:
                 return argument
     raise NotAlike("with the slope 1, the dense output is right neither half-way nor at the end of a step")

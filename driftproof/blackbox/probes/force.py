@@ -35,8 +35,6 @@ from driftproof.symbolic.rounding.formats import FloatFormat
 
 # Kicks and drifts in the order in which they are made, as in `driftproof.methods.schemes.Splitting`.
 SubSteps: TypeAlias = tuple[tuple[str, float], ...]
-
-
 NO_TABLEAU = "as a right-hand side sees it, there is no tableau"
 
 
@@ -328,7 +326,8 @@ def _parts(reading: ForceReading) -> SubSteps | None:
         for node, moved, kick in list(zip(stages.c, row, kicks, strict=True))[:i]:
             if abs(moved - kick * (end - node)) > rounding.of(float(4 * length * abs(kick))):
                 return None
-    return tuple(_merged(_word(kicks, ends)))
+    word = groupby((part for part in _word(kicks, ends) if part[1]), key=lambda part: part[0])
+    return tuple((kind, fsum(x for _, x in run)) for kind, run in word)
 
 
 def _word(kicks: Sequence[Any], ends: Sequence[tuple[Any, Any]]) -> Iterator[tuple[str, float]]:
@@ -338,8 +337,3 @@ def _word(kicks: Sequence[Any], ends: Sequence[tuple[Any, Any]]) -> Iterator[tup
         # A quotient of two roundings is nearer to the drift than the difference of two places, which may cancel.
         (start, _), (end, row) = ends[j : j + 2]
         yield "drift", float(row[j] / kick if kick else end - start)
-
-
-def _merged(word: Iterator[tuple[str, float]]) -> Iterator[tuple[str, float]]:
-    for kind, run in groupby((part for part in word if part[1]), key=lambda part: part[0]):
-        yield kind, fsum(x for _, x in run)

@@ -160,8 +160,5 @@ class StageChains:
         start, _, h = variant.setting
         return (run.result[clocks + links - 1] - start) / (size * product * h**links)
 
-    def _counts(self, x: float) -> bool:
-        return abs(x) > Rounding(self.steps.subject.format, 1, 4 * self.left).of(1.0)
-
     def _cleaned(self, x: float) -> float:
-        return x if self._counts(x) else 0.0
+        return x if abs(x) > Rounding(self.steps.subject.format, 1, 4 * self.left).of(1.0) else 0.0

@@ -189,13 +189,13 @@ class TableauProbe:
         return replace(reading, remarks=complaints(lambda: self._check(reading, BACKWARD)))
 
     def _opened(self) -> tuple[int, ScriptedStep]:
-        first: Misbehaviour | None = None
+        failures: list[Misbehaviour] = []
         for size in range(len(_PARTS), 0, -1):
             try:
                 return size, self.run(size, [], AT_REST)
             except Misbehaviour as failure:
-                first = first or failure
-        raise first or NotReadable("no right-hand side is tried")
+                failures.append(failure)
+        raise failures[0]
 
     def run(self, size: int, answers: Sequence[Sequence[float]], control: Control) -> ScriptedStep:
         """One step on so many numbers, call j being answered by answers[j], calls beyond by 0."""
