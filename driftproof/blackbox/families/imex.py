@@ -55,15 +55,12 @@ class ImexIdentity:
         for i, (c, *rows) in enumerate(zip(reading.c, *reading.a, strict=True)):
             sums = [sum(row) for row in rows]
             if all(abs(x - c) > rounding.of(1 + sum(map(abs, row))) for x, row in zip(sums, rows, strict=True)):
-                asked = [name for name, row in zip(IMEX_PARTS, self._columns(i), strict=True) if any(row)]
+                columns = ([*(row[i] for row in a), b[i]] for a, b in zip(reading.a, reading.b, strict=True))
+                asked = [name for name, column in zip(IMEX_PARTS, columns, strict=True) if any(column)]
                 which = f"the {asked[0]} function" if len(asked) == 1 else "stage"
                 told = " and ".join(f"{x:.6g}" for x in dict.fromkeys(sums))
                 found.append(f"{which} is asked at t + {c:.6g} h in stage {i}, whose rows add up to {told}")
         return found
-
-    def _columns(self, j: int) -> Iterator[list[float]]:
-        """Of either part, what multiplies the slope of stage j."""
-        return ([*(row[j] for row in a), b[j]] for a, b in zip(self.reading.a, self.reading.b, strict=True))
 
     @property
     def near(self) -> str:

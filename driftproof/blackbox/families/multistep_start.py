@@ -97,13 +97,11 @@ def _methods(runs: MarkedRuns, length: int) -> tuple[str, ...]:
         shorter = [m for m in candidates(runs.derivative) if m.steps == n + 1]
         left = [(Recurrence.of(m, runs.subject.format), m) for m in shorter]
         kept = [m.key for r, m in left if r.left(steps)[0] <= max(r.rounding, tolerance_of(m))]
-        if kept:
-            found.append(kept[0])
-            continue
-        state = [*steps.states[n], *([float(n)] if runs.clock else [])]
-        again = runs.derivative == 1 and _same_step(runs.subject, problem, float(n), state, steps.states[n + 1])
-        found.append(first if again else "")
-    return tuple(found[:length])
+        if not kept and runs.derivative == 1:
+            state = [*steps.states[n], *([float(n)] if runs.clock else [])]
+            kept = [first] * _same_step(runs.subject, problem, float(n), state, steps.states[n + 1])
+        found += kept[:1] or [""]
+    return tuple(found)
 
 
 def _one_step(subject: ForeignStepper) -> str:

@@ -109,20 +109,16 @@ class _Probe:
         if not self.first.places or not self.first.jacobian_at:
             raise NotReadable("it never asks for its right-hand side, or for its Jacobian")
         self.calls = len(self.first.places)
-        start, self.groups, self.differences = self.first.places[0], list[list[int]](), list[int]()
-        for i, (t, y) in enumerate(zip(self.first.times, self.first.places, strict=True)):
-            if 0 < abs(t) < _DIFFERENCE and np.abs(y - start).max() <= _SAME:
+        asked = [np.array([t, *y]) for t, y in zip(self.first.times, self.first.places, strict=True)]
+        self.groups, self.differences = list[list[int]](), list[int]()
+        for i, place in enumerate(asked):
+            same = [group for group in self.groups if np.abs(place - asked[group[0]]).max() <= _SAME]
+            if 0 < abs(place[0]) < _DIFFERENCE and np.abs(place - asked[0])[1:].max() <= _SAME:
                 self.differences.append(i)
-                continue
-            same = [group for group in self.groups if self._alike(group[0], t, y)]
-            (same[0] if same else self._new_group()).append(i)
-
-    def _new_group(self) -> list[int]:
-        self.groups.append([])
-        return self.groups[-1]
-
-    def _alike(self, i: int, t: float, y: Array) -> bool:
-        return abs(t - self.first.times[i]) <= _SAME and bool(np.abs(y - self.first.places[i]).max() <= _SAME)
+            elif same:
+                same[0].append(i)
+            else:
+                self.groups.append([i])
 
     def _generic(self) -> _Step:
         """A step in which no two stages lie at one place by chance."""
