@@ -146,7 +146,8 @@ def _value(node: Any, names: Mapping[str, Decimal]) -> Decimal:
             return -_value(operand, names)
         case ast.BinOp(left=left, op=op, right=right):
             return _OPERATIONS[type(op)](_value(left, names), _value(right, names))
-    return _FUNCTIONS[node.func.id](_value(node.args[0], names))
+    found: Decimal = _FUNCTIONS[node.func.id](_value(node.args[0], names))
+    return found
 
 
 def _sin(x: Decimal) -> Decimal:
@@ -167,16 +168,5 @@ def _cos(x: Decimal) -> Decimal:
     return 1 - 2 * half * half
 
 
-_OPERATIONS: dict[type[ast.operator], Callable[[Decimal, Decimal], Decimal]] = {
-    ast.Add: add,
-    ast.Sub: sub,
-    ast.Mult: mul,
-    ast.Div: truediv,
-}
-_FUNCTIONS: dict[str, Callable[[Decimal], Decimal]] = {
-    "sin": _sin,
-    "cos": _cos,
-    "exp": lambda x: x.exp(),
-    "log": lambda x: x.ln(),
-    "sqrt": lambda x: x.sqrt(),
-}
+_OPERATIONS: dict[Any, Callable[[Any, Any], Decimal]] = {ast.Add: add, ast.Sub: sub, ast.Mult: mul, ast.Div: truediv}
+_FUNCTIONS: dict[str, Any] = {"sin": _sin, "cos": _cos, "exp": Decimal.exp, "log": Decimal.ln, "sqrt": Decimal.sqrt}

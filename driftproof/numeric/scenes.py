@@ -19,19 +19,9 @@ from driftproof.numeric.problems.problem import Problem
 from driftproof.support.toml_tables import TomlTable, as_list, as_text, as_texts, demand_keys, quoted, read_toml
 
 TRAJECTORY = "trajectory"
-READOUTS = (
-    "final_state",
-    "exact_state",
-    "state_error",
-    "energy",
-    "energy_change",
-    "phase_error",
-    "steps",
-    "evaluations",
-    TRAJECTORY,
-)
-# Those that the exact side can certify to any number of digits.
+# Those that the exact side can certify to any number of digits; and all.
 CERTIFIABLE = ("final_state", "exact_state", "state_error", "energy", "energy_change", "phase_error")
+READOUTS = (*CERTIFIABLE, "steps", "evaluations", TRAJECTORY)
 TABLE = "table"
 FIGURES = ("position", "phase_plane")
 # Of the scene's methods on the page: error against evaluations, and what is proved of their powers at this h.
@@ -128,15 +118,8 @@ def _check_names(scene: str, what: str, names: tuple[str, ...], known: tuple[str
 
 
 def _lesson_scene(name: str, selected: str, h: Fraction, *panels: str) -> Scene:
-    return Scene(
-        name=name,
-        selected=selected,
-        h=h,
-        t=Fraction(10),
-        methods=("forward_euler", "symplectic_euler", "rk4"),
-        readouts=tuple(readout for readout in READOUTS if readout != TRAJECTORY),
-        panels=(TABLE, *FIGURES, *panels),
-    )
+    methods, shown = ("forward_euler", "symplectic_euler", "rk4"), (TABLE, *FIGURES, *panels)
+    return Scene(name, selected, h, Fraction(10), methods=methods, readouts=READOUTS[:-1], panels=shown)
 
 
 PRESETS: dict[str, Scene] = {

@@ -74,15 +74,9 @@ def euclidean_norm(y: State) -> float:
     return hypot(*y)
 
 
-def step_matrix(advance: Advance, components: int, h: float) -> _Matrix:
-    """The matrix of the float step of a linear problem: its columns are the steps of the unit vectors."""
-    units = np.eye(components)
-    return np.array([advance(tuple(map(float, unit)), h, 0, 1) for unit in units]).T
-
-
 def stays_bounded(advance: Advance, components: int, h: float) -> bool:
-    """The powers of the float step's matrix stay bounded, as far as `powers_stay_bounded` tells."""
-    return powers_stay_bounded(step_matrix(advance, components, h))
+    """The powers of a linear problem's float step stay bounded: of the matrix of the steps of the unit vectors."""
+    return powers_stay_bounded(np.array([advance(tuple(unit), h, 0, 1) for unit in np.eye(components).tolist()]).T)
 
 
 def powers_stay_bounded(matrix: _Matrix) -> bool:

@@ -22,7 +22,6 @@ from driftproof.numeric.stability import (
     observe,
     powers_stay_bounded,
     stays_bounded,
-    step_matrix,
 )
 from driftproof.symbolic.algebra.certified import endpoints
 from driftproof.symbolic.algebra.real_roots import ZERO_ROOT, RealRoot
@@ -184,7 +183,7 @@ def bisected(key: str, name: str) -> tuple[SystemFacts, float] | None:
         return None
     scale = 1 / float(max(sum(abs(x) for x in row) for row in problem.matrix))
     components = len(problem.start)
-    low, _ = largest_bounded(lambda h: powers_stay_bounded(step_matrix(runs, components, h)), scale)
+    low, _ = largest_bounded(lambda h: stays_bounded(runs, components, h), scale)
     return SystemFacts(METHODS[key], problem.matrix), low
 
 

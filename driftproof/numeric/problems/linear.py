@@ -27,13 +27,12 @@ def _matrix(rows: list[list[int | Fraction]]) -> _Rows:
 
 
 def _dahlquist(name: str, rate: int, shown: str, t: str) -> Problem:
-    source = "y = exp(lambda t), certified in balls"
     return Problem(
         key=f"dahlquist_{name}",
         title=f"Dahlquist's equation, y' = lambda y, lambda = {shown}, to t = {t}",
         field=VectorField(("rate * y0",), (("rate", Fraction(rate)),)),
         start=(Fraction(1),),
-        reference=reference(f"dahlquist_{name}", EXACT, source),
+        reference=reference(f"dahlquist_{name}", EXACT, "y = exp(lambda t), certified in balls"),
         source="hairer-wanner-1996, IV.2",
         stiff=abs(rate) > 10,
         matrix=((Fraction(rate),),),

@@ -54,6 +54,19 @@ def test_another_step_is_not_known_and_has_its_order(step):
     assert verify(step, "ars111", isolate=False).passed is False
 
 
+def test_tables_are_shown_row_by_row_each_stage_after_those_that_it_needs():
+    """Of backward Euler for g and then Euler for f, whose stages come in the order 1, 0."""
+    shown = ("c = 1, 0", "b_explicit = 0, 1", "a_implicit[0] = 1", "a_implicit[1] = 1, 0", "b_implicit = 1, 0")
+    lines = identify(split_in_turn, isolate=False).section("Coefficients").lines
+    assert lines[:6] == ("no IMEX method of the catalogue", *shown)
+    lines = identify(euler_pair, isolate=False).section("Coefficients").lines
+    assert (lines[0][:21], lines[1:3], lines[-1]) == (
+        "ars111: every entry w",
+        ("a_explicit[1] = 1, 0", "b_explicit = 1, 0"),
+        "it is given no time",
+    )
+
+
 def test_a_method_of_somebody_s_own_is_held_to_its_own_tables():
     own = replace(FACTS_ONLY["ars111"], key="mine", a_implicit=((0, 0), (0, 2)), b_implicit=(-1, 2))
     step = imex("ars111", a_implicit=((1, 1), 2.0), b_implicit=(slice(None), [-1.0, 2.0]))

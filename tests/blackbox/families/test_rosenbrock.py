@@ -24,10 +24,13 @@ def test_a_method_passes_however_it_is_written(key, how):
     report = verify(rosenbrock(key, **how), key, isolate=False)
     assert report.passed, report.text()
     assert report.verdict == f"is {key}"
+    used = "differences of f" if "time_slope" in how else "a function of its own"
+    assert report.section("Coefficients: passed").lines[-1] == f"df/dt is from {used}"
 
 
 def test_a_paper_s_own_form_is_the_same_method():
-    assert identify(ros2_by_hand, isolate=False).verdict == "it is ros2"
+    report = identify(ros2_by_hand, isolate=False)
+    assert (report.verdict, report.section("Coefficients").lines[-1]) == ("it is ros2", "f is given no time")
 
 
 @pytest.mark.parametrize(
@@ -66,7 +69,8 @@ def test_an_entry_off_by_1e_13_is_no_longer_the_method():
 
 
 def test_a_w_method_may_leave_out_the_derivative_by_t():
-    assert verify(rosenbrock("ros2", time_slope="none"), "ros2", isolate=False).passed
+    report = verify(rosenbrock("ros2", time_slope="none"), "ros2", isolate=False)
+    assert (report.passed, report.section("Coefficients: passed").lines[-1]) == (True, "no df/dt")
 
 
 def test_two_numbers_tell_no_more_than_the_first_power_of_gamma():
