@@ -98,8 +98,7 @@ def _proved(equations: Any, y: _Row, point: list[arb]) -> list[arb]:
         around = [arb(0, (wider * arb(x.abs_upper()) + least).upper()) for x in first.entries()]
         box = [x + r for x, r in zip(point, around, strict=True)]
         _, on_box = equations(box, y)
-        unit = arb_mat([[int(i == j) for j in range(len(point))] for i in range(len(point))])
-        moved = (unit - inverse * on_box) * arb_mat([[r] for r in around]) - first
+        moved = (arb_mat(len(point), len(point), 1) - inverse * on_box) * arb_mat([[r] for r in around]) - first
         if all(r.contains_interior(x) for r, x in zip(around, moved.entries(), strict=True)):
             return [x + d for x, d in zip(point, moved.entries(), strict=True)]
     raise ZeroDivisionError

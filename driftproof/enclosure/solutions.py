@@ -103,7 +103,7 @@ class _Path:
             raise Refused(f"{n} components are too many; at most {MOST_COMPONENTS} are enclosed")
         self.most = fewer_steps(MOST_STEPS, n)
         self.point = [(x + 0).mid() for x in balls]  # of no more bits than a step's polynomial has
-        self.basis = arb_mat([[int(i == j) for j in range(n)] for i in range(n)])
+        self.basis = arb_mat(n, n, 1)
         self.box = arb_mat([[x - m] for x, m in zip(balls, self.point, strict=True)])
         self.step: EnclosedStep | None = None
         self.lengths: list[Fraction] = []

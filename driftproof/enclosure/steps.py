@@ -242,7 +242,7 @@ def _flow(jacobian: Sequence[Sequence[TaylorModel]], step: arb, tube: Tube) -> a
     n, length = len(jacobian), VARIATIONAL_LENGTH
     J = [arb_mat([[x.coefficient(k) * step for x in row] for row in jacobian]) for k in range(length)]
     tail = step * size(sum((x.tail for x in row), arb(0)) for row in jacobian)
-    P, defect = [arb_mat([[int(i == j) for j in range(n)] for i in range(n)])], arb(0)
+    P, defect = [arb_mat(n, n, 1)], arb(0)
     for k in range(length - 1):
         product = sum((J[i] * P[k - i] for i in range(1, k + 1)), J[0] * P[k])
         P.append((product * (1 / arb(k + 1))).mid())

@@ -80,7 +80,9 @@ class StiffPath:
         self.length = 2 * m + 2
         self.method = collocation(m, ctx.prec, self.length)
         self.tolerance = 2.0 ** -float(BITS_OF_A_STEP * ctx.prec)
-        self.set = ErrorSet([x.mid() for x in start], _identity(self.n), arb_mat([[arb(x.rad())] for x in start]))
+        self.set = ErrorSet(
+            [x.mid() for x in start], arb_mat(self.n, self.n, 1), arb_mat([[arb(x.rad())] for x in start])
+        )
         self.first, self.start, self.largest = first, tuple(start), [0.0] * self.n
         self.h = (last - first) / 1024 if step is None else step
         self.step: StiffStep | None = None
@@ -155,7 +157,7 @@ class StiffPath:
         if not all(x.is_finite() for x in (own + old).entries()):
             raise Refused("the bound of the errors is not finite")
         relative = _relative(sizes_of(inverse) * own, sizes)
-        lost = sizes_of(middle.slow_part(_identity(self.n))) * old  # what is fast decays by itself
+        lost = sizes_of(middle.slow_part(arb_mat(self.n, self.n, 1))) * old  # what is fast decays by itself
         followed = sizes_of(self.set.basis) * widths + sizes_of(value_at(flow, arb(1))) * widths
         allowed = [LOOSEST * float(x) + self.tolerance * a for x, a in zip(followed.entries(), sizes, strict=True)]
         if _relative(lost, allowed) > 1:
@@ -248,10 +250,6 @@ def _short(h: Fraction) -> Fraction:
     """About eight bits of it, so that times stay short."""
     unit = Fraction(2) ** (h.numerator.bit_length() - h.denominator.bit_length() - 8)
     return int(h / unit) * unit
-
-
-def _identity(n: int) -> arb_mat:
-    return arb_mat([[int(i == j) for j in range(n)] for i in range(n)])
 
 
 def _column(m: arb_mat, j: int) -> arb_mat:

@@ -85,7 +85,7 @@ def widened(steps):
             turn[2 * k + i, 2 * k], turn[2 * k + i, 2 * k + 1] = row
     skew = arb_mat([[1 / (1 + abs(i - j)) for j in range(6)] for i in range(6)])
     flow, no_fast_ones = skew * turn * skew.inv(), arb_mat(6, 0)
-    basis, widths = arb_mat([[int(i == j) for j in range(6)] for i in range(6)]), arb_mat([[1]] * 6)
+    basis, widths = arb_mat(6, 6, 1), arb_mat([[1]] * 6)
     for _ in range(steps):
         image = flow * basis
         basis = basis_around(image, widths, no_fast_ones, [1.0] * 6)
