@@ -68,7 +68,7 @@ BUDGETS = {
     "numeric": 4186,
     "blackbox": 17880,
     "enclosure": 3165,
-    "texts": 7200,
+    "texts": 7322,
 }
 BUDGET_OF_REPORTS_AND_FRONT = 5556
 # The goal is 65 of 100. Independent witnesses, campaigns and guards, 6,000 lines, are among the tests.
