@@ -45,7 +45,7 @@ def near_misses(reading: ForceReading) -> Iterator[Near]:
     parts = reading.parts or ()
     for method in METHODS.values():
         if isinstance(method, RungeKutta) and method.explicit:
-            for kept in (range(method.stages), _used(method)):
+            for kept in dict.fromkeys((tuple(range(method.stages)), _used(method))):
                 if len(kept) == reading.calls:
                     yield from _as_tableau(reading, method, kept)
         elif isinstance(method, Splitting):
@@ -53,11 +53,10 @@ def near_misses(reading: ForceReading) -> Iterator[Near]:
 
 
 @cache
-def _used(method: RungeKutta) -> Sequence[int]:
-    """The stages that the step depends on, if those are not all; nodes that are all different keep others apart."""
+def _used(method: RungeKutta) -> tuple[int, ...]:
+    """The stages that the step depends on; nodes that are all different keep others apart."""
     labels = tuple(map(Fraction, range(method.stages)))
-    kept = [int(float(label)) for label in reduced(StageCoefficients(method.a, (method.b, method.b), labels)).c]
-    return kept if len(kept) < method.stages else ()
+    return tuple(int(float(label)) for label in reduced(StageCoefficients(method.a, (method.b, method.b), labels)).c)
 
 
 def _as_splitting(reading: ForceReading, seen: SubSteps, method: Splitting) -> Iterator[Near]:

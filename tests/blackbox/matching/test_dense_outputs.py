@@ -6,10 +6,13 @@ import numpy as np
 import pytest
 
 from driftproof import identify, verify
-from driftproof.blackbox.matching.dense_outputs import judged_dense
+from driftproof.blackbox.matching.dense_outputs import judged_dense, judged_reading
+from driftproof.blackbox.probes.dense import BETWEEN, THETAS, DenseReading
+from driftproof.blackbox.probes.tableau import TableauReading
 from driftproof.blackbox.stepper.opening import opened
 from driftproof.methods.catalogue import EXTENSIONS, METHODS
 from driftproof.methods.continuous import hermite
+from driftproof.symbolic.rounding.formats import BINARY64
 from tests.blackbox.extension_steppers import but_the_last, extension_step, first_and_last_exchanged
 from tests.looping import some
 
@@ -77,6 +80,15 @@ def test_a_dense_output_that_is_another_somewhere_is_at_fault():
     assert fault.startswith(
         "the dense output is another one at theta = 0.0858, though not at the sixteenths: the weight"
     )
+
+
+# Of one call, 12 roundings of numbers up to 2 in each value, as many of the line through two; of a slope 1 once more.
+@pytest.mark.parametrize(("between", "end", "faults"), [(90, 0, 0), (100, 0, 1), (0, 46, 0), (0, 50, 1), (0, -50, 1)])
+def test_a_dense_output_is_held_to_the_roundings_of_its_weights(between, end, faults):
+    u, step = 2.0**-53, TableauReading(((0.0,),), (1.0,), (0.0,), BINARY64)
+    others = tuple((theta, (float(theta) + between * u,)) for theta in BETWEEN)
+    rows = tuple((float(theta),) for theta in THETAS)
+    assert len(judged_reading(DenseReading("theta", step, rows, (1.0 + end * u,), others)).faults) == faults
 
 
 @pytest.mark.parametrize(
