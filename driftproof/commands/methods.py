@@ -81,7 +81,8 @@ def facts_command(options: Namespace) -> str:
     sheet = facts(options.method, **about)
     if options.plot:
         if not isinstance(sheet, MethodFacts):
-            raise ValueError("a picture is of one method that takes a step from one state; choose one, and no system")
+            why = "a picture is of one method whose step takes one state and f, and of no system"
+            raise ValueError(f"{why}; `driftproof facts` without --plot answers")
         from driftproof.reports.method_figures import draw_method
 
         draw_method(options.picture, sheet.method, options.plot)

@@ -320,7 +320,10 @@ def method_of(given: str | Path | Method | Family | FactsOnly) -> Method:
     """
     subject = subject_of(given)
     if isinstance(subject, Family):
-        raise ValueError(f"{subject.key} is a family of methods, with {subject.parameter} free; one method is needed")
+        what = f"{subject.key} is a family of methods, with {subject.parameter} free"
+        raise ValueError(
+            f"{what}: there are facts of it (`driftproof facts`, --at for one method); one method is needed"
+        )
     return of_one_state(subject)
 
 

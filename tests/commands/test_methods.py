@@ -60,7 +60,9 @@ def test_a_member_of_a_family_is_a_method_and_the_family_no_single_one(facts):
     assert found["field"]["generator"] == "sqrt(2)"
     assert facts("sdirk_order_2", "--at", "1/5", "--only", "real_limit")["real_limit"]["exact"] == "10"
     assert facts("explicit_order_2", "--at", "2/3", "--system", "-3")["step_limit"]["exact"] == "2/3"
-    with pytest.raises(ValueError, match="sdirk_order_2 is a family of methods, with gamma free; one method is needed"):
+    with pytest.raises(
+        ValueError, match=r"is a family of methods, with gamma free: there are facts of it .* one method"
+    ):
         method_of("sdirk_order_2")
 
 
@@ -72,7 +74,7 @@ def test_a_multistep_method_is_answered_and_options_that_are_not_for_it_refused(
         "sigma           -1/2 + 3/2 zeta",
         "order           2",
         "error constant  5/12",
-        "real limit      1 = 1.000000000000000000000000000000",
+        "real limit      1",
     ]
     words = "bdf2 is a linear multistep method; `system` is not for it"
     assert words in refusal("facts", "bdf2", "--system", DAMPED)

@@ -7,6 +7,7 @@ import pytest
 
 from driftproof import OscillatorRun, derive, read_method, value
 from driftproof.cli import main
+from tests.looping import exactly
 
 KUTTA3 = """
 family = "runge_kutta"
@@ -57,6 +58,42 @@ ASKED = {
 def test_a_command_takes_it(asked, capsys):
     words, shown = ASKED[asked]
     assert shown in said(capsys, *words)
+
+
+# Tables that have facts and are verified, and make no runs; and a family.
+FACTS_ONLY = {
+    "rosenbrock": 'alpha = [[0, 0], [1, 0]]\ngamma = [["1/2", 0], [-1, "1/2"]]\nb = ["1/2", "1/2"]',
+    "additive": "A_explicit = [[0, 0], [1, 0]]\nb_explicit = [1, 0]\nA_implicit = [[0, 0], [0, 1]]\nb_implicit=[0, 1]",
+    "multistep": 'rho = [0, -1, 1]\nsigma = ["-1/2", "3/2", 0]',
+    "runge_kutta": 'parameter = "theta"\nA = [[0, 0], ["1 - theta", "theta"]]\nb = ["1 - theta", "theta"]',
+}
+REFUSED = [words for name, (words, _) in ASKED.items() if name != "facts"] + [
+    ["facts", "mine.toml", "--plot", "picture.svg"],
+    ["value", "run mine.toml problem=kepler h=1/2 t=1 : state_error"],
+    ["scene", "default", "--methods", "mine.toml"],
+    ["sweep", "default", "--methods", "mine.toml"],
+    ["report", "kepler", "--methods", "mine.toml", "-o", "page.html"],
+    ["certify", "y1; -y0", "run.csv", "--method", "mine.toml"],
+    ["check", "text.md", "--claims", "claims.toml"],
+]
+
+
+@pytest.mark.parametrize("family", FACTS_ONLY)
+def test_where_a_table_makes_no_runs_a_line_says_what_works_and_nothing_is_written(family, folder, capsys):
+    (folder / "mine.toml").write_text(f'family = "{family}"\n{FACTS_ONLY[family]}\n')
+    (folder / "run.csv").write_text("t,y0,y1\n0,1,0\n0.5,0.9,-0.5\n")
+    (folder / "text.md").write_text("One step leads to 0.875.\n")
+    (folder / "claims.toml").write_text(
+        '[[claim]]\nid = "q"\nvalue = "step mine.toml h=1/2 : q"\nphrase = "to {value}"'
+    )
+    given = {path.name for path in folder.iterdir()}
+    assert said(capsys, "facts", "mine.toml", "--only", "order")
+    for words in exactly(17, REFUSED):
+        assert main(words) == 2, words
+        told = capsys.readouterr().err
+        assert "`driftproof facts`" in told or "choose a method with at, a value of theta" in told, words
+        assert told.count("\n") == 1
+    assert {path.name for path in folder.iterdir()} == given
 
 
 def test_page_and_text_show_it(folder, capsys):

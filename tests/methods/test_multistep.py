@@ -20,7 +20,11 @@ BDF2 = 'family = "multistep"\nrho = ["1/2", -2, "3/2"]\nsigma = [0, 0, 1]\n'
 @pytest.mark.parametrize(
     ("rho", "sigma", "words"),
     [
-        ((1,), (1,), "m: rho has 1 entries, sigma 1; both have one more than there are steps, 2 at least"),
+        (
+            (1,),
+            (1,),
+            "m: rho has 1 entries, sigma 1; both have one more than there are steps, 2 at least, 0 among them",
+        ),
         ((-1, 1), (1, 0, 0), "m: rho has 2 entries, sigma 3"),
         ((-1, 0), (0, 1), "m: the last entry of rho is 0"),
         ((-1, 1), (0, 0), "m: sigma is 0"),
