@@ -61,16 +61,12 @@ class AdditiveFacts(FactsOfFamily[Additive]):
     @cached_property
     def order_fails(self) -> OrderFact[ColouredTree]:
         """Why the order is no higher: the first tree, its vertices explicit or implicit, and the residual."""
-        return order_of(self._conditions(self.method.b_explicit, self.method.b_implicit))
+        return order_of(self._both)
 
     @cached_property
     def order_but_for_rounding(self) -> RoundedOrder | None:
         """The order that decimal coefficients miss by their digits alone; None where they are exact."""
-        return (
-            rounded_order(self._conditions(self.method.b_explicit, self.method.b_implicit), MOST_VERTICES)
-            if self.method.decimal
-            else None
-        )
+        return rounded_order(self._both, MOST_VERTICES) if self.method.decimal else None
 
     @cached_property
     def explicit_order(self) -> int:
@@ -100,7 +96,7 @@ class AdditiveFacts(FactsOfFamily[Additive]):
 
     def orders_within(self, tolerance: Fraction) -> CoupledOrders:
         """The orders to a tolerance: of decimal tables, whose conditions hold to residuals. Raises ValueError."""
-        both = order_to_tolerance(self._conditions(self.method.b_explicit, self.method.b_implicit), tolerance)
+        both = order_to_tolerance(self._both, tolerance)
         parts = (conditions_of_one(self.method.table(part)) for part in _COLOURS)
         explicit, implicit = (order_to_tolerance(conditions, tolerance) for conditions in parts)
         embedded = None if self._embedded is None else order_to_tolerance(self._embedded, tolerance)
@@ -113,6 +109,10 @@ class AdditiveFacts(FactsOfFamily[Additive]):
     @cached_property
     def _implicit(self) -> LinearFacts:
         return LinearFacts(self.method.table("implicit"))
+
+    @cached_property
+    def _both(self) -> ColouredConditions:
+        return self._conditions(self.method.b_explicit, self.method.b_implicit)
 
     @property
     def _embedded(self) -> ColouredConditions | None:

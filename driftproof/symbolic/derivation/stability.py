@@ -215,7 +215,7 @@ def _square_root(x: sympy.Expr) -> sympy.Expr:
 def _cells(boundary: Any) -> Iterator[tuple[sympy.Rational, _Root | None]]:
     """A rational point of each interval between 0, the positive roots and infinity, and the root at its end."""
     previous = sympy.Integer(0)
-    for low, high in boundary.intervals(sqf=True, inf=0) if boundary.degree() > 0 else ():
+    for low, high in boundary.intervals(sqf=True, inf=0):
         if high == 0:
             continue
         while low != high and (low <= previous or boundary.eval(high) == 0):

@@ -70,6 +70,17 @@ def test_stages_satisfy_their_equations(key: str) -> None:
         terms = sum((inside.coeff(k) * slope for k, slope in found.items()), sympy.Matrix([POSITION, VELOCITY]))
         turned = sympy.Matrix([[0, 1], [-1, 0]]) * terms
         assert (turned - found[name]).applyfunc(sympy.cancel) == sympy.zeros(2, 1)
+    _, new, after = derived_matrix(METHODS[key])[1][-2].chain
+    moved = sum((sympy.expand(new).coeff(k) * x for k, x in found.items()), sympy.Matrix([POSITION, VELOCITY]))
+    assert (moved - after).applyfunc(sympy.cancel) == sympy.zeros(2, 1)
+
+
+@pytest.mark.parametrize("key", ["nystrom4", "nystrom5"])
+def test_forces_of_a_nystrom_method_make_each_chain_equal(key: str) -> None:
+    steps = derived_matrix(METHODS[key])[1][:-1]
+    forces = {step.chain[0]: step.chain[-1] for step in steps if str(step.chain[0]).startswith("k_")}
+    for step in some(steps, METHODS[key].stages + 2):
+        assert len({sympy.expand(x.subs(forces)) for x in step.chain[1:]}) == 1
 
 
 def test_irrational_coefficients_are_refused_in_one_line() -> None:
