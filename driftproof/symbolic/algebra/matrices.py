@@ -52,10 +52,8 @@ def of_matrix(r: RationalFunction, rows: MatrixRows) -> StepMatrix:
     num, den = _at_matrix(r.num, rows), _at_matrix(r.den, rows)
     if r.den.degree() <= 0:
         return tuple(tuple(fraction(x, r.den) for x in row) for row in num)
-    coefficients, matrices = faddeev_leverrier(den)  # the inverse is -Mₙ/cₙ
-    return tuple(
-        tuple(fraction(descend(-x), coefficients[-1]) for x in row) for row in matrix_product(num, matrices[-1])
-    )
+    (*_, last), (*_, adjugate) = faddeev_leverrier(den)  # the inverse is -Mₙ/cₙ
+    return tuple(tuple(fraction(descend(-x), last) for x in row) for row in matrix_product(num, adjugate))
 
 
 def _at_matrix(p: Polynomial, rows: MatrixRows) -> list[list[Polynomial]]:

@@ -202,9 +202,10 @@ def _symmetric_powers(total: Any, product: Any, count: int) -> Iterator[tuple[in
     while len(sums) < count:
         sums.append(total * sums[-1] - product * sums[-2])
     for j in range(count):
-        yield j, j, product**j
+        power = product**j
+        yield j, j, power
         for k in range(j + 1, count):
-            yield j, k, product**j * sums[k - j]
+            yield j, k, power * sums[k - j]
 
 
 def _companion(minimal: Minimal) -> _Matrix:
