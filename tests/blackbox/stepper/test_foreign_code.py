@@ -148,7 +148,8 @@ def test_each_call_is_said_to_be_over_also_where_it_raises():
     ids=["times and columns", "rows", "the end alone", "times and rows", "columns"],
 )
 def test_the_end_of_a_run_is_found_in_rows_and_columns_with_and_without_times(run):
-    assert opened(run).step(1.0, 0.75, 0.25) == (1.1875, 0.5)
+    subject = opened(run)
+    assert (subject.shortest, subject.step(1.0, 0.75, 0.25)) == (1, (1.1875, 0.5))
 
 
 def test_a_run_that_is_not_of_one_step_is_refused_in_words():
