@@ -27,7 +27,7 @@ def call_text(stepper: ForeignStepper, q: float, v: float, h: float) -> str:
     """The call of a step as a line of Python, `step` being the stepper."""
     calls = stepper.convention
     state_first = {STATE, TIME} <= {*calls.order} and calls.order.index(STATE) < calls.order.index(TIME)
-    rates = f"lambda {'y, t' if state_first else 't, y'}: {_as_written(stepper, '[y[1], -y[0]]')}"
+    rates = f"lambda {'y, t' if state_first else 't, y'}: {_made(stepper, ('y[1]', '-y[0]'), True)}"
     names = {POSITION: "q", VELOCITY: "v", TIME: "t"}
     asked = ", ".join(names.get(role, f"_{place}") for place, role in enumerate(calls.asks or (POSITION,)))
     force = f"lambda {asked}: {-calls.factor:g} * q" if calls.factor != 1 else f"lambda {asked}: -q"
@@ -48,22 +48,15 @@ def _literal(x: float) -> str:
 
 def _written(stepper: ForeignStepper, *numbers: float) -> str:
     """The numbers as the stepper takes them, with the name of what makes them."""
-    if stepper.adapter.shown:
-        return _as_shown(stepper.adapter.shown, [*map(_literal, numbers)])
-    texts = ", ".join(map(_literal, numbers))
-    if stepper.adapter is SCALARS:
-        return texts
-    return _as_written(stepper, f"[{texts}]" if np.ndim(stepper.adapter.write(numbers)) else texts)
+    adapter = stepper.adapter
+    array = not adapter.shown and adapter is not SCALARS and np.ndim(adapter.write(numbers)) > 0
+    return _made(stepper, [*map(_literal, numbers)], array)
 
 
-def _as_shown(shown: str, texts: Sequence[str]) -> str:
-    return shown.format(*texts) if shown.count("{}") > 1 else shown.format(", ".join(texts))
-
-
-def _as_written(stepper: ForeignStepper, text: str) -> str:
-    if stepper.adapter.shown:
-        inner = text[1:-1] if text.startswith("[") else text
-        return _as_shown(stepper.adapter.shown, inner.split(", "))
-    makers = {LISTS: "", ARRAYS: "numpy.array"}
-    maker = makers.get(stepper.adapter, stepper.adapter.name)
+def _made(stepper: ForeignStepper, texts: Sequence[str], array: bool) -> str:
+    shown, text = stepper.adapter.shown, ", ".join(texts)
+    if shown:
+        return shown.format(*texts) if shown.count("{}") > 1 else shown.format(text)
+    maker = {SCALARS: "", LISTS: "", ARRAYS: "numpy.array"}.get(stepper.adapter, stepper.adapter.name)
+    text = f"[{text}]" if array else text
     return f"{maker}({text})" if maker else text
