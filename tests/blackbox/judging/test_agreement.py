@@ -100,12 +100,6 @@ def test_narrow_formats_are_tried_away_from_underflow():
     assert result.worst.h >= 2.0**-7
 
 
-def test_binary32_steppers_are_tried_at_numbers_of_binary32():
-    result = agreement(opened(symplectic_euler, array=np.float32), METHODS["symplectic_euler"], examples=FEW)
-    assert result.holds
-    assert np.float32(result.worst.h) == result.worst.h
-
-
 @pytest.mark.parametrize("bad", [{"largest_step": 0.0}, {"largest_state": inf}, {"largest_step": nan}])
 def test_a_domain_without_steps_or_states_is_refused(bad):
     with pytest.raises(ValueError, match="sizes go from 0 or more up"):

@@ -109,17 +109,17 @@ def test_the_objects_of_a_state_are_told_and_what_depends_on_them_fails(step, ke
 def test_the_verdict_is_that_of_the_object_and_says_which():
     scope = verify(one_by_one, "heun2", examples=FEW, isolate=False).section("State: passed").lines[0]
     assert scope.startswith("the state is given as NumPy arrays; lists and tuples give the same bits")
+    spoilt = ", but not in the hands of every caller: "
     for step, key, words in (
-        (in_a_buffer, "rk4", "is rk4, but not in the hands of every caller: from the very object "),
-        (twice_a_list, "ralston2", "is ralston2, but not in the hands of every caller: the state is given as NumPy "),
+        (in_a_buffer, "rk4", f"is rk4{spoilt}from the very object "),
+        (twice_a_list, "ralston2", f"is ralston2{spoilt}the state is given as NumPy "),
         (copied_as_a_list, "midpoint2", "is not midpoint2; it is where the state comes as lists; "),
         (
             velocity_first,
             "velocity_verlet",
-            "is not velocity_verlet; it is where the state comes as (v, q) in NumPy arrays; write: def wrapped",
+            "is not velocity_verlet; it is where the state comes as (v, q) in NumPy ar",
         ),
     ):
         report = verify(step, key, examples=FEW, isolate=False)
-        assert report.passed is False
-        assert report.verdict.startswith(words)
+        assert (report.passed, report.verdict.startswith(words)) == (False, True), report
     assert verify(twice_a_list, "ralston2", array=np.array, examples=FEW, isolate=False).passed

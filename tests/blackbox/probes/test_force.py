@@ -42,13 +42,6 @@ def test_sub_steps_are_seen_however_they_are_written(step, parts, as_before):
     assert reading.remarks == ()
 
 
-def test_velocity_verlet_shows_its_table():
-    reading = read(codes.velocity_verlet_by_acceleration)
-    assert (reading.c, reading.a) == ((0.0, 1.0), ((0.0, 0.0), (0.5, 0.0)))
-    assert (reading.b_position, reading.b_velocity) == ((0.5, 0.0), (0.5, 0.5))
-    assert reading.lines == ["sub-steps: kick 1/2, drift 1, kick 1/2"]
-
-
 coefficients = st.floats(-4, 4, allow_subnormal=False).filter(lambda x: abs(x) > 1e-3)
 weights = st.lists(coefficients, min_size=4, max_size=4).map(tuple)
 

@@ -37,15 +37,17 @@ def test_answers_are_powers_of_two_of_both_signs():
     assert {x > 0 for x in varied(20, 1)} == {True, False}
 
 
-def test_a_limit_leads_to_smaller_numbers_and_a_remark():
+@pytest.mark.parametrize(("limit", "found"), [(1.0, 1.0), (0.5, 2.0**-5), (0.01, 2.0**-10)])
+def test_a_limit_leads_to_smaller_numbers_and_a_remark(limit, found):
     def read(size):
-        if size == 1:
+        if size > limit:
             raise Departs("far off")
         return size
 
-    found, remarks = read_at_some_size(read)
-    assert found < 1
-    assert "of size 1, far off" in remarks[0]
+    remark = () if found == 1 else (f"read with numbers of size {found:.1e}; of size 1, far off",)
+    assert read_at_some_size(read) == (found, remark)
+    with pytest.raises(Departs, match="far off"):
+        read_at_some_size(lambda size: read(2.0))
 
 
 def test_what_differs_by_more_than_rounding_is_refused():
