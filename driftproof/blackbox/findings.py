@@ -69,10 +69,6 @@ class NoAnswer(BaseException):
     kind = "time_limit"
 
 
-# What a code itself does instead of answering. That a call hangs is none of it.
-REFUSALS = (StepRaised, WrongShape, NotANumber, NotFinite)
-
-
 class UnsupportedCall(ValueError):
     """The stepper takes no force, or no right-hand side, so that this question cannot be put to it."""
 

@@ -6,8 +6,11 @@ import signal
 import subprocess
 import sys
 import time
+from itertools import count
 
 import numpy as np
+
+from driftproof.blackbox.findings import NoAnswer
 
 
 def hangs(q, v, h):
@@ -91,3 +94,14 @@ def prints(q, v, h):
 
 def hoards(q, v, h):
     return bytearray(2**40)
+
+
+def hanging_at(nth):
+    """What is told of each call before it is made: of the nth, that it did not come back before."""
+    made = count()
+
+    def before(call):
+        if next(made) == nth:
+            raise NoAnswer(f"step({call}) did not come back in its time")
+
+    return before

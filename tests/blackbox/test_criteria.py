@@ -8,12 +8,12 @@ import pytest
 
 from driftproof import verify
 from driftproof.blackbox.criteria import questions_of
-from driftproof.blackbox.findings import NoAnswer
 from driftproof.blackbox.isolation import IsolatedRunner
 from driftproof.blackbox.judging.agreement import NO_ALLOWANCE, ORDINARY_DOMAIN
 from driftproof.blackbox.stepper.opening import opened
 from driftproof.methods.catalogue import METHODS
 from tests.blackbox import handwritten_steppers as codes
+from tests.blackbox.broken_steppers import hanging_at
 from tests.looping import exactly
 
 
@@ -66,17 +66,12 @@ class HangingOnce:
     name, by_name = "hanging once", False
 
     def __init__(self, step, nth):
-        self.step, self.left = step, nth
+        self.step, self.nth = step, nth
 
     def open(self, before, after):
         subject = opened(self.step)
-        subject.before = self.made
+        subject.before = hanging_at(self.nth)
         return subject
-
-    def made(self, call):
-        self.left -= 1
-        if self.left == -1:
-            raise NoAnswer(f"step({call}) is not made: it did not come back before")
 
 
 @pytest.mark.parametrize("nth", [0, 1, 4, 12, 40])

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from driftproof.blackbox.checks.trials import TYPICAL_STEP, CheckResult, Trial, TrialRunner, same, steady_runner
-from driftproof.blackbox.findings import REFUSALS, NotANumber
+from driftproof.blackbox.findings import Misbehaviour, NotANumber
 from driftproof.blackbox.stepper.array_adapters import (
     ARRAYS,
     LISTS,
@@ -33,7 +33,7 @@ def arguments(subject: ForeignStepper) -> tuple[CheckResult, ...]:
         return own
     try:
         arrays = _keeping(runner, replace(subject, adapter=ARRAYS))
-    except REFUSALS:  # it takes no arrays, as it need not
+    except Misbehaviour:  # it takes no arrays, as it need not
         return own
     return tuple(a if a.holds else replace(a, words=f"given arrays, {a.words}") for a in arrays)
 

@@ -19,7 +19,7 @@ from driftproof.blackbox.checks.trials import (
     same,
     steady_runner,
 )
-from driftproof.blackbox.findings import REFUSALS, UnsupportedCall
+from driftproof.blackbox.findings import Misbehaviour, UnsupportedCall
 from driftproof.blackbox.probes.coefficients import half_spacing
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.blackbox.stepper.fresh_copies import fresh_copy
@@ -147,7 +147,7 @@ def several_states(subject: ForeignStepper) -> tuple[CheckResult, ...]:
         together = subject.step_batch([q for q, _ in states], [v for _, v in states], h)
     except UnsupportedCall:
         return ()
-    except REFUSALS:
+    except Misbehaviour:
         return (CheckResult(_KEY, None, "takes one state at a time"),)
     trials = tuple(runner.trial(q, v, h) for q, v in states)
     for trial, answer in zip(trials, together, strict=True):

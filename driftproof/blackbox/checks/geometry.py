@@ -8,7 +8,7 @@ from fractions import Fraction
 from math import log2, sqrt
 
 from driftproof.blackbox.checks.trials import TYPICAL_STEP, CheckResult, PhasePoint, Trial, TrialRunner, steady_runner
-from driftproof.blackbox.findings import REFUSALS
+from driftproof.blackbox.findings import Misbehaviour
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 
 _SYMMETRIC = "symmetric"
@@ -41,7 +41,7 @@ def _turned_round(runner: TrialRunner, z: PhasePoint, h: float) -> PhasePoint:
 def _check(runner: TrialRunner, key: str, words: str, back: _Round) -> CheckResult:
     try:
         defects = [_defect(runner, back, h) for h in _STEPS]
-    except REFUSALS as seen:
+    except Misbehaviour as seen:
         return CheckResult(key, None, f"not asked: {seen}")
     if max(defects) <= runner.rounding:
         return CheckResult(key, True, f"{words}, to rounding")

@@ -8,7 +8,7 @@ from math import cos, sin, tanh
 import numpy as np
 import pytest
 
-from driftproof.blackbox.findings import Misbehaviour
+from driftproof.blackbox.findings import Misbehaviour, NoAnswer
 from driftproof.blackbox.matching.linear_match import linear_fit
 from driftproof.blackbox.probes.linear_steps import (
     LINEARISED,
@@ -18,8 +18,10 @@ from driftproof.blackbox.probes.linear_steps import (
 )
 from driftproof.blackbox.stepper.opening import opened
 from driftproof.numeric.steppers import rk4, symplectic_euler
+from tests.blackbox.broken_steppers import hanging_at
 from tests.blackbox.matching.linear_fits import alike, fit
 from tests.blackbox.transcripts import Asked
+from tests.looping import exactly
 
 
 def test_half_precision_is_read_too():
@@ -110,6 +112,20 @@ def test_steps_backwards_may_raise():
     found = fit(forward_only)
     assert (found.best.methods[0], found.best.extras) == ("rk4", 0)
     assert any("h must be positive" in line for line in found.lines)
+
+
+def test_a_call_that_does_not_come_back_is_told_and_changes_nothing_of_what_is_read():
+    right, told = read_linear_steps(opened(symplectic_euler)), []
+    for nth in exactly(60, range(60)):
+        subject = opened(symplectic_euler)
+        subject.before = hanging_at(nth)
+        try:
+            found = read_linear_steps(subject)
+        except NoAnswer:
+            continue
+        assert (found.kind, found.unit, found.steps[:3]) == (right.kind, right.unit, right.steps[:3])
+        told += [remark.partition(":")[0] for remark in found.remarks]
+    assert {"not seen far out", "no answer at h = 2", "no answer at h = -1"} <= {*told}
 
 
 def at_rest_below_a_speed(q, v, h):
