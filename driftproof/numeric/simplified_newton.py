@@ -146,7 +146,7 @@ def collocation_attempts(
         """True when the moves are within a part of the tolerance; what they were before is where it starts."""
         part = max(PART, ROUNDINGS / given.relative) if given.relative > 0 else PART
         n, stages, memory, changes = len(y), len(table.c), work.memory, work.corrections
-        moves, slopes, place, before, rate_of_change = work.moves, work.slopes, work.vectors[0], 0.0, 0.0
+        moves, slopes, place, before, rate_of_change = work.moves, work.slopes, work.vectors[0], inf, inf
         # A series whose quotient is not known yet is taken to be that of the step before, a little worse.
         left = exp(0.8 * log(max(memory[LEFT], 1e-16)))
         for iteration in range(MOST_ITERATIONS):

@@ -11,7 +11,8 @@ import pytest
 
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.schemes import RungeKutta
-from driftproof.numeric.implicit import StageEquationsUnsolved, _groups, implicit_stepper
+from driftproof.methods.vector_fields import VectorField
+from driftproof.numeric.implicit import StageEquationsUnsolved, _groups, implicit_runner, implicit_stepper
 from driftproof.numeric.tableaux import float_tableau
 from driftproof.symbolic.runs import exact_matrix_at
 from tests.numeric.implicit_runs import U, implicit_run, oscillator, rounding_of_a_step
@@ -126,6 +127,9 @@ def test_a_step_that_overflows_after_its_stages_is_refused():
         implicit_stepper(MIDPOINT, lambda t, y: [0.15e308])(2.0, [1.7e308], 1.0)
     assert str(caught.value) == "implicit_midpoint: the step from t = 2 by h = 1 overflows binary64"
     assert caught.value.reason == "overflows binary64"
+    run = implicit_runner(MIDPOINT, VectorField(("push",), (("push", Q(15 * 10**306)),)))
+    with pytest.raises(StageEquationsUnsolved, match="the step from t = 4 by h = 1 overflows binary64"):
+        run((1.55e308,), 1.0, 3, 9)
 
 
 def test_stages_that_do_not_exist_are_an_error_in_one_line():

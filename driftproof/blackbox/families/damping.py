@@ -136,9 +136,9 @@ def _short(subject: ForeignStepper) -> float:
     return max(_SHORT, 4 * sqrt(float(subject.format.u)))
 
 
-def _shown(matrix: Array, text: Callable[[float], str] = "{:.6g}".format, slack: float = 0.0) -> str:
-    """The matrix in rows, as one number where it is that times 1, in which numbers below a slack are 0."""
-    slack = max(slack, 2.0**-20 * float(np.abs(matrix).max()))
+def _shown(matrix: Array, text: Callable[[float], str] = "{:.6g}".format, *off: float) -> str:
+    """The matrix in rows, as one number where it is that times 1; numbers that it may be off by are 0."""
+    slack = max([2.0**-20 * float(np.abs(matrix).max()), *off])
     if np.abs(matrix - matrix[0, 0] * np.eye(len(matrix))).max() <= slack:
         return text(float(matrix[0, 0]))
     rows = (", ".join(text(float(x)) if abs(x) > slack else "0" for x in row) for row in matrix)
@@ -199,7 +199,7 @@ def _follows_drag(subject: ForeignStepper, rate: float) -> bool:
     h = _short(subject)
     (a, c), (b, d) = subject.step(1.0, 0.0, h), subject.step(0.0, 1.0, h)
     slopes = zip((a - 1, b, d - 1), (0.0, 1.0, -rate), strict=True)
-    allowed = 8 * (h + float(subject.format.u) / h) * (1 + rate - c / h) ** 2
+    allowed = 9 * h * (1 + rate - c / h) ** 2  # 8 (h + u/h), and h is at least 4 sqrt(u)
     return c < 0 and all(abs(x / h - y) <= allowed for x, y in slopes)
 
 

@@ -32,6 +32,7 @@ def test_a_start_is_named_and_measured(step, methods, power, order):
     runs = MarkedRuns.of(opened(step))
     start = read_start(runs, read_recurrence(runs))
     assert (start.methods, start.power, start.order) == (methods, power, order)
+    assert (len(start.slopes), len(start.order_slopes)) == (7, 5)
     *_, first, whole = start.lines
     assert re.search(rf"of its first values fall like h\^{power} \(slopes: (-?\d+\.\d\d, )*-?\d+\.\d\d\)$", first)
     assert whole.startswith(f"order {order} is seen in whole runs, the start included, on ")
