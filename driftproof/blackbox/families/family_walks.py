@@ -43,7 +43,7 @@ def derivatives(problem: NonlinearProblem, t: AnyNumber, y: Any) -> tuple[list[l
 
 
 class WithJacobian(NonlinearProblem):
-    """The same for a step that takes f' and df/dt."""
+    """A problem for a step that takes f' and df/dt."""
 
     share = 1.0
 
@@ -57,13 +57,13 @@ class WithJacobian(NonlinearProblem):
 
 
 class WithHalfJacobian(WithJacobian):
-    """The same for a step that is given half of f'."""
+    """A problem for a step that is given half of f'."""
 
     share = 0.5
 
 
 class _InTwoParts(NonlinearProblem):
-    """The same for a step of f + g: of each number, a part of its slope is solved for."""
+    """A problem for a step of f + g: of each number, a part of its slope is solved for."""
 
     def part(self, t: AnyNumber, y: Sequence[AnyNumber], implicit: bool) -> list[AnyNumber]:
         """The slopes of g, or those of f."""
@@ -76,7 +76,7 @@ class _InTwoParts(NonlinearProblem):
 
 
 class WithDamping(_InTwoParts):
-    """The same for a step of f + g, g damping each number by what the next one is."""
+    """A problem for a step of f + g, g damping each number by what the next one is."""
 
     def part(self, t: AnyNumber, y: Sequence[AnyNumber], implicit: bool) -> list[AnyNumber]:
         """The slopes of g, or those of f."""
@@ -93,7 +93,7 @@ def _alone(subject: ForeignStepper) -> ForeignStepper:
 def measured_of_two(
     subject: ForeignStepper, kind: type[NonlinearProblem], halvings: Sequence[int], slack: float = 0.0
 ) -> MeasuredOrder:
-    """The order of steps h = 2⁻ᵏ of a stepper of two functions, whose problem is of this kind; as the one of floats."""
+    """The order of steps h = 2⁻ᵏ of a stepper of two functions, in its own floats, on a problem of this kind."""
     problem = kind(**vars(field_problem(_alone(subject))))
     return measured_in_floats(subject, problem, [2.0**-k for k in halvings], slack)
 

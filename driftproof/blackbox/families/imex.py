@@ -8,7 +8,7 @@ from fractions import Fraction
 
 from driftproof.blackbox.families.family_walks import ImexWalker, WithDamping, measured_of_two
 from driftproof.blackbox.families.imex_step import IMEX_PARTS, ImexReading, read_imex_step
-from driftproof.blackbox.judging.measured_order import MeasuredOrder, listed, order_seen
+from driftproof.blackbox.judging.measured_order import MeasuredOrder, order_seen, slopes_text
 from driftproof.blackbox.judging.walks import Walked, there_and_back
 from driftproof.blackbox.probes.coefficients import coefficient_difference, coefficient_text
 from driftproof.blackbox.probes.scripted_answers import CoefficientRow
@@ -114,7 +114,7 @@ class ImexIdentity:
         found = facts.orders_within(_READ) if facts.method.decimal else facts
         alone = f"its tables alone of order {found.explicit_order} and {found.implicit_order}"
         words = f"of order {found.order} on f + g, {alone}{', as its digits tell' * facts.method.decimal}"
-        slopes = f"(slopes of the local error: {listed(measured.slopes)})"
+        slopes = f"(slopes of the local error: {slopes_text(measured.slopes)})"
         return [words, f"{order_seen(measured.order)} on {measured.problem}, split in two {slopes}"]
 
     @property

@@ -12,7 +12,7 @@ from flint import arb
 from driftproof.blackbox.families.multistep_recurrence import Recurrence, RecurrenceReading, candidates, tolerance_of
 from driftproof.blackbox.families.multistep_runs import MarkedRuns, course
 from driftproof.blackbox.findings import Misbehaviour, UnsupportedCall
-from driftproof.blackbox.judging.measured_order import CLEARANCE, listed, order_seen, power_of_errors
+from driftproof.blackbox.judging.measured_order import CLEARANCE, order_seen, power_of_errors, slopes_text
 from driftproof.blackbox.judging.nonlinear_problems import START, NonlinearProblem, field_problem, force_problem
 from driftproof.blackbox.matching.match import match_tableau, matched
 from driftproof.blackbox.probes.questions import read_coefficients
@@ -55,9 +55,9 @@ class StartReading:
         power = "no power of h" if self.power is None else f"like h^{self.power}"
         return [
             *steps,
-            f"the errors of its first values fall {power} (slopes: {listed(self.slopes)})",
+            f"the errors of its first values fall {power} (slopes: {slopes_text(self.slopes)})",
             f"{order_seen(self.order)} in whole runs, the start included, on {self.problem} "
-            f"(slopes: {listed(self.order_slopes)})",
+            f"(slopes: {slopes_text(self.order_slopes)})",
         ]
 
     def fault(self, order: int, derivative: int) -> str:

@@ -17,7 +17,7 @@ from driftproof.blackbox.families.family_walks import (
     measured_of_two,
 )
 from driftproof.blackbox.families.rosenbrock_step import RosenbrockReading, read_rosenbrock_step
-from driftproof.blackbox.judging.measured_order import MeasuredOrder, listed, order_seen
+from driftproof.blackbox.judging.measured_order import MeasuredOrder, order_seen, slopes_text
 from driftproof.blackbox.judging.walks import Walked, there_and_back
 from driftproof.blackbox.matching.tables import Array
 from driftproof.blackbox.probes.coefficients import coefficient_text, exact_shown
@@ -236,7 +236,7 @@ class RosenbrockIdentity:
             lines.append(f"order {told.order} with J = f', {told.w_order} with any matrix{digits}")
         for order, with_what in ((self.order, "J = f'"), (self.w_order, "half of f' as J")):
             lines.append(f"{order_seen(order)} with {with_what} on {self.measured.problem}")
-        lines[-2] += f" (slopes of the local error: {listed(self.measured.slopes)})"
+        lines[-2] += f" (slopes of the local error: {slopes_text(self.measured.slopes)})"
         return lines
 
     @property

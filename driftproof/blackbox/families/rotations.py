@@ -121,7 +121,7 @@ def turn_of(factors: Sequence[complex], rounding: Rounding) -> Turn:
 
 
 def _factor(times: float, parts: int, normalised: bool, method: str, angle: float) -> complex:
-    """R of a method at so many times the angle, in equal parts, and its size made 1."""
+    """R of a method at so many times the angle, in equal parts, and its size made 1 or not."""
     made = _METHODS[method](times / parts * 1j * angle) ** parts
     return made / abs(made) if normalised else made
 

@@ -50,16 +50,16 @@ class MeasuredOrder:
     @property
     def words(self) -> str:
         """The finding in one line."""
-        slopes = listed(self.slopes)
+        slopes = slopes_text(self.slopes)
         return f"{order_seen(self.order)} on {self.problem} (slopes of the local error: {slopes}; in {self.arithmetic})"
 
 
 def order_seen(order: int | None) -> str:
-    """In words."""
+    """That an order is seen, or that none is, in words."""
     return "no order is seen" if order is None else f"order {order} is seen"
 
 
-def listed(slopes: Sequence[float]) -> str:
+def slopes_text(slopes: Sequence[float]) -> str:
     """The slopes of errors, as text."""
     return ", ".join(f"{slope:.2f}" for slope in slopes) or "none above the noise"
 
