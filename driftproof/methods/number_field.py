@@ -353,7 +353,7 @@ def real_root_balls(coefficients: tuple[int, ...], bits: int) -> tuple[arb, ...]
     return real_root_balls(coefficients, 2 * bits)
 
 
-@lru_cache(maxsize=256)
+@cache
 def _roots_between(field: NumberField, bits: int) -> list[arb]:
     """Balls around the roots of the polynomial between the two ends, neither of which is a root."""
     from flint import arb, ctx

@@ -37,19 +37,8 @@ def by_key(method: Method) -> str:
 
 def fingerprint(method: Method) -> str:
     """The first digits of a checksum: any digit of any coefficient counts, and of the source."""
-    names = ("c", "a", "b", "b_embedded", "embedded_order", "b_position", "b_velocity", "parts", "node_polynomial")
-    names = (
-        *names,
-        "claimed_order",
-        "source",
-        "weights",
-        "rho",
-        "sigma",
-        "derivative",
-        "alpha",
-        "gamma",
-        *Additive.matrices,
-        *Additive.rows,
-    )
+    rows = ["c", "a", "b", "b_embedded", "embedded_order", "b_position", "b_velocity", "parts", "node_polynomial"]
+    of_facts = ["weights", "rho", "sigma", "derivative", "alpha", "gamma", *Additive.matrices, *Additive.rows]
+    names = (*rows, "claimed_order", "source", *of_facts)
     meant = {name: getattr(method, name) for name in names if hasattr(method, name)}
     return sha256(str(meant).encode()).hexdigest()[:12]

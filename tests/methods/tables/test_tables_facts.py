@@ -24,23 +24,12 @@ from tests.methods.tables.entries import by_key, entry
 Polynomial: TypeAlias = tuple[Q, ...]
 
 NODES = {
-    "implicit_midpoint": gauss_nodes(1),
-    "gauss2": gauss_nodes(2),
-    "gauss3": gauss_nodes(3),
-    "radau_ia2": radau_left_nodes(2),
-    "radau_ia3": radau_left_nodes(3),
-    "backward_euler": radau_right_nodes(1),
-    "radau_iia2": radau_right_nodes(2),
-    "radau_iia3": radau_right_nodes(3),
-    "trapezoid": lobatto_nodes(2),
-    "lobatto_iiia3": lobatto_nodes(3),
-    "lobatto_iiia4": lobatto_nodes(4),
-    "lobatto_iiib2": lobatto_nodes(2),
-    "lobatto_iiib3": lobatto_nodes(3),
-    "lobatto_iiib4": lobatto_nodes(4),
-    "lobatto_iiic2": lobatto_nodes(2),
-    "lobatto_iiic3": lobatto_nodes(3),
-    "lobatto_iiic4": lobatto_nodes(4),
+    **{"implicit_midpoint": gauss_nodes(1), "backward_euler": radau_right_nodes(1), "trapezoid": lobatto_nodes(2)},
+    **{f"gauss{s}": gauss_nodes(s) for s in (2, 3)},
+    **{f"radau_ia{s}": radau_left_nodes(s) for s in (2, 3)},
+    **{f"radau_iia{s}": radau_right_nodes(s) for s in (2, 3)},
+    **{f"lobatto_iiia{s}": lobatto_nodes(s) for s in (3, 4)},
+    **{f"lobatto_iii{letter}{s}": lobatto_nodes(s) for letter in "bc" for s in (2, 3, 4)},
 }
 COLLOCATION = [key for key in NODES if not key.startswith(("radau_ia", "lobatto_iiib", "lobatto_iiic"))]
 
