@@ -1,15 +1,13 @@
-"""The catalogue: its keys, its hand-written steppers, and what stands in print of nine of its methods."""
+"""The catalogue: its keys, its hand-written steppers, and the printed one-step matrices of nine of its methods."""
 
 from __future__ import annotations
 
 from dataclasses import replace
 from fractions import Fraction as Q
-from typing import NamedTuple
 
 import pytest
 from hypothesis import given
 from sympy import QQ, ring
-from sympy.polys.matrices import DomainMatrix
 
 from driftproof import Facts, strategies
 from driftproof.methods import catalogue
@@ -18,12 +16,9 @@ from driftproof.methods.schemes import RungeKutta, Splitting
 from driftproof.methods.stepping import stepper
 from driftproof.numeric.steppers import HAND_WRITTEN
 from driftproof.symbolic.derivation.convergence import local_error
-from driftproof.symbolic.derivation.energy import StateDependentEnergy, energy_multiplier, invariant_quadratic
-from driftproof.symbolic.derivation.one_step import determinant, matrix_of, one_step_matrix, rational, trace
-from driftproof.symbolic.derivation.phase import leading_term, phase_error_series
-from driftproof.symbolic.derivation.stability import stability_limit
+from driftproof.symbolic.derivation.one_step import matrix_of, one_step_matrix, rational
 from tests.methods.tables.entries import FILES
-from tests.nine import NINE, is_printed, polynomial
+from tests.nine import NINE, is_printed
 
 
 def test_catalogue_holds_the_named_methods() -> None:
@@ -101,68 +96,3 @@ def test_one_step_matrix_is_the_printed_one_and_an_exchange_of_sub_steps_is_noti
         other = {"kick": "drift", "drift": "kick"}
         assert not is_printed(replace(method, parts=tuple((other[kind], c) for kind, c in method.parts)))
         assert is_printed(replace(method, parts=method.parts[::-1])) is (method.claimed_order == 2)
-
-
-class Published(NamedTuple):
-    """Facts that are in print, typed from there and not from the code; polynomials are in powers of h, ascending."""
-
-    trace: list[Q | int]
-    determinant: list[Q | int]
-    energy: list[Q | int] | None  # the multiplier, None where the change depends on the state
-    invariant: tuple[list[Q | int], list[Q | int], list[Q | int]] | None  # coefficients of q², qv, v²
-    limit: str  # of stability on q'' = -q, in SymPy syntax
-    phase: tuple[int, Q]  # leading term of the phase error per step
-
-
-LEAPFROG = {"trace": [2, 0, -1], "determinant": [1], "energy": None, "limit": "2", "phase": (3, Q(1, 24))}
-HALF = [Q(1, 2)]
-SHORTENED = [Q(1, 2), 0, Q(-1, 8)]  # ½(1 - h²/4)
-SECOND_ORDER = Published([2, 0, -1], [1, 0, 0, 0, Q(1, 4)], [1, 0, 0, 0, Q(1, 4)], None, "0", (3, Q(1, 6)))
-FOURTH_ORDER = Published(
-    [2, 0, -1, 0, Q(1, 12)],
-    [1, 0, 0, 0, 0, 0, Q(-1, 72), 0, Q(1, 576)],
-    [1, 0, 0, 0, 0, 0, Q(-1, 72), 0, Q(1, 576)],
-    None,
-    "2*sqrt(2)",
-    (5, Q(-1, 120)),
-)
-PUBLISHED = {
-    "forward_euler": Published([2], [1, 0, 1], [1, 0, 1], None, "0", (3, Q(-1, 3))),
-    "symplectic_euler": Published(**LEAPFROG, invariant=(HALF, [0, Q(-1, 2)], HALF)),
-    "symplectic_euler_position_first": Published(**LEAPFROG, invariant=(HALF, [0, Q(1, 2)], HALF)),
-    "velocity_verlet": Published(**LEAPFROG, invariant=(SHORTENED, [], HALF)),
-    "position_verlet": Published(**LEAPFROG, invariant=(HALF, [], SHORTENED)),
-    "heun2": SECOND_ORDER,
-    "midpoint2": SECOND_ORDER,
-    "rk4": FOURTH_ORDER,
-    "rk38": FOURTH_ORDER,
-}
-
-
-def facts(m: DomainMatrix) -> Published:
-    """The same facts, derived. The polynomials are elements of Q[h]."""
-    try:
-        energy, invariant = energy_multiplier(m), None
-    except StateDependentEnergy:
-        energy, invariant = None, tuple(invariant_quadratic(m))
-    phase = leading_term(phase_error_series(m, 7))
-    return Published(trace(m), determinant(m), energy, invariant, str(stability_limit(m)), phase)
-
-
-@pytest.mark.parametrize("key", NINE)
-def test_derived_facts_are_the_published_ones(key: str) -> None:
-    published, derived = PUBLISHED[key], facts(one_step_matrix(NINE[key]))
-    assert derived.trace == polynomial(published.trace)
-    assert derived.determinant == polynomial(published.determinant)
-    assert derived.energy == (None if published.energy is None else polynomial(published.energy))
-    assert derived.invariant == (published.invariant and tuple(polynomial(c) for c in published.invariant))
-    assert derived.limit == published.limit
-    assert derived.phase == (published.phase[0], rational(published.phase[1]))
-
-
-def test_published_facts_tell_the_methods_apart_except_twins() -> None:
-    """Two methods share all their facts only where they share the one-step matrix, as rk4 and rk38 do here."""
-    twins = {(a, b) for a in NINE for b in NINE if a < b and PUBLISHED[a] == PUBLISHED[b]}
-    assert twins == {("heun2", "midpoint2"), ("rk38", "rk4")}
-    assert all(one_step_matrix(NINE[a]) == one_step_matrix(NINE[b]) for a, b in twins)
-    assert len({NINE[key] for pair in twins for key in pair}) == 4
