@@ -16,14 +16,11 @@ from driftproof.enclosure.fields import rebound
 from driftproof.enclosure.trajectories import read_trajectory, trajectory_of
 from driftproof.symbolic.algebra.certified import endpoints
 from tests.enclosure.mutants import mutant
+from tests.enclosure.right_hand_sides import pendulum
 from tests.enclosure.truncations import slope_of_truncation
 from tests.looping import exactly, some
 
 RUNS = Path(__file__).parents[2] / "examples" / "trajectories"
-
-
-def pendulum(t, y):
-    return np.array([y[1], -np.sin(y[0])])
 
 
 def oscillator(t, y):

@@ -14,6 +14,7 @@ from driftproof.enclosure.exact_runs import exact_step
 from driftproof.enclosure.implicit_runs import coefficient_balls
 from driftproof.symbolic.algebra.certified import enclose
 from tests.enclosure.mutants import mutant
+from tests.enclosure.right_hand_sides import kepler
 from tests.enclosure.truncations import slope_of_truncation
 from tests.looping import exactly
 
@@ -57,11 +58,6 @@ def midpoint(f, y, h, steps, tolerance):
                 break
         rows.append(y + h * k)
     return h * np.arange(steps + 1), rows
-
-
-def kepler(t, y):
-    cubed = (y[0] ** 2 + y[1] ** 2) ** 1.5
-    return np.array([y[2], y[3], -y[0] / cubed, -y[1] / cubed])
 
 
 def test_run_of_the_midpoint_rule_is_split_and_keeps_quadratic_integrals():

@@ -12,20 +12,12 @@ from flint import arb, ctx
 from driftproof import METHODS, OscillatorRun, Refused, certify, stepper
 from driftproof.enclosure.invariants import FIRST_INTEGRALS, n_body_integrals
 from driftproof.symbolic.algebra.certified import enclose
+from tests.enclosure.right_hand_sides import kepler, pendulum
 from tests.looping import exactly
-
-
-def kepler(t, y):
-    cubed = (y[0] ** 2 + y[1] ** 2) ** 1.5
-    return np.array([y[2], y[3], -y[0] / cubed, -y[1] / cubed])
 
 
 def henon_heiles(t, y):
     return np.array([y[2], y[3], -y[0] - 2 * y[0] * y[1], -y[1] - y[0] ** 2 + y[1] ** 2])
-
-
-def pendulum(t, y):
-    return np.array([y[1], -np.sin(y[0])])
 
 
 def bodies(masses):

@@ -15,16 +15,9 @@ from driftproof.enclosure import solutions, steps
 from driftproof.enclosure.numbers import Refused
 from driftproof.enclosure.solutions import enclose_solution
 from tests.enclosure.mutants import mutant
+from tests.enclosure.right_hand_sides import kepler as attraction
+from tests.enclosure.right_hand_sides import pendulum
 from tests.witnesses.closed_solutions import FAMILIES, drawn, kepler
-
-
-def pendulum(t, y):
-    return [y[1], -np.sin(y[0])]
-
-
-def attraction(t, y):
-    cubed = (y[0] ** 2 + y[1] ** 2) ** 1.5
-    return [y[2], y[3], -y[0] / cubed, -y[1] / cubed]
 
 
 def violations(problem, random, bits=64):

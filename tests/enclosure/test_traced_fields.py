@@ -10,14 +10,10 @@ import pytest
 from driftproof.enclosure.numbers import Refused
 from driftproof.enclosure.text_fields import field_function
 from driftproof.enclosure.traced_fields import field_of_function
+from tests.enclosure.right_hand_sides import kepler
 from tests.looping import exactly
 
 CENTRE = np.array([[0.0, 1.0], [-1.0, 0.0]])
-
-
-def kepler(t, y):
-    cubed = (y[0] ** 2 + y[1] ** 2) ** 1.5
-    return np.array([y[2], y[3], -y[0] / cubed, -y[1] / cubed])
 
 
 def forced(t, y):
