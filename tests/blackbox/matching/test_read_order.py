@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from driftproof.blackbox.matching.match import match_tableau
-from driftproof.blackbox.matching.read_order import read_order
+from driftproof.blackbox.matching.read_order import ReadOrder, read_order
 from driftproof.blackbox.probes.force import read_forces
 from driftproof.blackbox.probes.tableau import read_tableau
 from driftproof.blackbox.stepper.opening import opened
@@ -101,6 +101,10 @@ def test_an_order_on_linear_problems_only_is_told_apart():
     found = in_field(codes.jameson)
     assert (found.order, found.linear_order) == (2, 4)
     assert found.lines == ["order 2: the condition of tree [τ,τ] fails by -1/12", "order 4 on linear problems"]
+
+
+def test_an_order_of_which_no_condition_is_seen_to_fail_says_so():
+    assert ReadOrder(12, None, None, 12, 12).lines == ["order 12: no condition up to order 12 fails"]
 
 
 def test_iterations_of_an_implicit_method_have_its_order_and_no_more():
