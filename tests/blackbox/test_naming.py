@@ -71,3 +71,12 @@ def test_a_solver_that_stops_early_leaves_the_method_that_it_nearly_is(theta, to
     step = solved_by_iteration(theta, tolerance, relative=relative)
     assert f"it is, as far as linear steps tell, {nearly}" in identify(step, isolate=False).verdict
     assert identify(lambda q, v, h: (q + h * v, v - h * 1.001 * q), isolate=False).verdict.find("nearly") == -1
+
+
+@pytest.mark.parametrize(("drag", "rate", "key"), [(0.0, 1.0, "symplectic_euler"), (0.04, 1.0, None), (0.0, 4.0, None)])
+def test_a_map_has_a_key_where_it_is_that_method_of_the_plain_oscillator(drag, rate, key):
+    def step(q, v, h):
+        v = v - h * (rate * q + drag * v)
+        return q + h * v, v
+
+    assert identify(step, isolate=False).data["method"] == key
