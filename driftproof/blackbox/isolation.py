@@ -146,10 +146,8 @@ class IsolatedRunner:
             return self._process[1]
         stack = ExitStack()
         stack.callback(shutil.rmtree, log.path.parent, ignore_errors=True)
-        serving, limits = (
-            Serving(self.target, probes, log.path, self.hung),
-            Limits(self.time_limit, memory=MEMORY_LIMIT),
-        )
+        serving = Serving(self.target, probes, log.path, self.hung)
+        limits = Limits(self.time_limit, memory=MEMORY_LIMIT)
         anew = self.target.by_name and not _is_command_alone()
         session = stack.enter_context(Session(f"{__name__}:answer_probe" if anew else serving, limits))
         self._process = stack, session, log
