@@ -63,14 +63,14 @@ NOT_ELSEWHERE = "sympy"
 # stages, its own sampler of steps, 100 lines, and in which objects a state comes, 300; texts what docs and help show.
 BUDGETS = {
     "support": 1167,
-    "methods": 5310,
+    "methods": 5313,
     "symbolic": 10738,
     "numeric": 4247,
     "blackbox": 17880,
     "enclosure": 3165,
     "texts": 7322,
 }
-BUDGET_OF_REPORTS_AND_FRONT = 5556
+BUDGET_OF_REPORTS_AND_FRONT = 5547
 # The goal is 65 of 100. Independent witnesses, campaigns and guards, 6,000 lines, are among the tests.
 TESTS_PER_LINE_OF_SOURCE = Fraction(98, 100)
 

@@ -14,7 +14,7 @@ from driftproof.reports.progress import progress_bar
 from driftproof.reports.user_problem import problem_given
 from driftproof.reports.work_precision.peers import peers_named
 from driftproof.reports.work_precision.report import errors_json, study_text, times_json, write_study
-from driftproof.reports.work_precision.study import Measured, Study, measure
+from driftproof.reports.work_precision.study import Study, measure
 from driftproof.support.files import require_folder, sole_writer
 from driftproof.support.plain_text import printable
 from driftproof.support.results import Answered
@@ -60,17 +60,12 @@ def work_precision(
 
         measured = measure(study, folder, _say, progress)
         if folder:
-            written = _write(study, measured, folder)
+            from driftproof.reports.work_precision.figure import draw_study
+
+            figures = [draw_study(study, measured, quantity, folder) for quantity in floors(study.problem)]
+            written = [f"wrote {path}" for path in (*write_study(study, measured, folder), *figures)]
     both = {"errors": errors_json(study, measured), "times": times_json(study, measured)}
     return Answered(both, lambda _: "\n".join([study_text(study, measured), *written]), measured)
-
-
-def _write(study: Study, measured: Measured, folder: Path) -> list[str]:
-    """A line for each file."""
-    from driftproof.reports.work_precision.figure import draw_study
-
-    figures = [draw_study(study, measured, quantity, folder) for quantity in floors(study.problem)]
-    return [f"wrote {path}" for path in (*write_study(study, measured, folder), *figures)]
 
 
 def _say(line: str) -> None:

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from decimal import Decimal
 from fractions import Fraction
 from functools import cached_property
-from math import ceil, floor, log10
+from math import ceil, floor
 from typing import TypeAlias
 
 from driftproof.reports.page.markup import element, escaped
@@ -50,12 +50,8 @@ class Scale:
 
 def decade(x: Fraction) -> int:
     """The largest e with 10ᵉ <= x, for x > 0."""
-    e = floor(log10(x.numerator) - log10(x.denominator))  # off by one at most: log10 of whole numbers has no overflow
-    while Fraction(10) ** (e + 1) <= x:
-        e += 1
-    while Fraction(10) ** e > x:
-        e -= 1
-    return e
+    e = len(str(x.numerator)) - len(str(x.denominator))  # a digits over b: between 10^(a - b - 1) and 10^(a - b + 1)
+    return e if Fraction(10) ** e <= x else e - 1
 
 
 def symmetric_limit(largest: Fraction) -> Fraction:
@@ -78,11 +74,9 @@ def ticks(low: Fraction, high: Fraction, fewest: int = FEWEST_TICKS) -> list[Fra
     """
     if not low < high:
         raise ValueError(f"an axis from {low} to {high} has no length")
-    for step in _steps_down(high - low):
-        found = [i * step for i in range(ceil(low / step), floor(high / step) + 1)]
-        if len(found) >= fewest:
-            return found
-    raise AssertionError("n multiples of s fit into an interval of length n s")
+    steps = _steps_down(high - low)
+    every = ([i * step for i in range(ceil(low / step), floor(high / step) + 1)] for step in steps)
+    return next(found for found in every if len(found) >= fewest)
 
 
 def _steps_down(span: Fraction) -> Iterator[Fraction]:

@@ -71,7 +71,8 @@ def _about(problem: Problem) -> str:
 
 
 def _steps(problem: Problem, method: Method) -> str:
-    return with_roots(steps_in_words(problem, method)).replace("<=", "≤")
+    words = steps_in_words(problem, method)
+    return with_roots(words).replace("<=", "≤") if words.startswith("h ") else words
 
 
 def _stiff() -> str:

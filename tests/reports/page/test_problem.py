@@ -51,6 +51,14 @@ def test_linear_problem_has_its_proved_limits():
     assert rows["Backward Euler"][0] == "every h &gt; 0"
 
 
+def test_a_method_that_does_not_apply_has_the_reason_and_no_points():
+    shown = report(PROBLEMS["dahlquist_1"], methods=["velocity_verlet", "rk4"]).html
+    why = "a second-order system is positions and as many velocities, and not 1 rates"
+    rows = [row for row in cells(shown) if row[0] == "Velocity Verlet"]
+    assert [row[1] for row in exactly(2, rows)] == [why, f"does not apply: {why}"]
+    assert "Velocity Verlet: none. Classical RK4: from " in shown
+
+
 def test_stiff_problems_stand_in_a_table_with_verdicts(monkeypatch):
     few = {key: PROBLEMS[key] for key in ("dahlquist_1e3", "kepler", "prothero_robinson")}
     monkeypatch.setattr(page, "PROBLEMS", few)
