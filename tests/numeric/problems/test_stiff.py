@@ -45,6 +45,12 @@ def test_implicit_methods_are_right_on_a_stiff_problem(key: str) -> None:
     assert fate(key, "kaps", 64, 0.01) == RIGHT
 
 
+def test_problems_whose_solution_does_not_tell_their_stiffness_have_that_of_their_titles() -> None:
+    for name, given in (("kaps", ("stiffness", 10**6)), ("prothero_robinson", ("rate", -(10**6)))):
+        assert PROBLEMS[name].field.parameters == (given,)
+        assert f" = {'-' * (given[1] < 0)}10^6, to t" in PROBLEMS[name].title
+
+
 def test_lobatto_iiib_errs_the_more_the_stiffer_and_is_wrong_there() -> None:
     assert stiff_error(TABLEAUX["lobatto_iiib3"]).decay == -1
     assert fate("lobatto_iiib3", "kaps", 64, 0.01) == WRONG
