@@ -65,7 +65,7 @@ BUDGETS = {
     "support": 1167,
     "methods": 5313,
     "symbolic": 10738,
-    "numeric": 4186,
+    "numeric": 4247,
     "blackbox": 17880,
     "enclosure": 3165,
     "texts": 7322,
