@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import json
 
+from driftproof.texts.claims.checking import check_claims
 from driftproof.texts.claims.claims import Claim, Claims, parse_claims
+from driftproof.texts.readers.document import document_of
 
 
 def claim(phrase: str, more: str = "", value: str = "0.33") -> Claim:
@@ -12,6 +14,11 @@ def claim(phrase: str, more: str = "", value: str = "0.33") -> Claim:
     values = f"value = {{given = {json.dumps(value)}}}" if "{value}" in phrase else ""
     text = f"[[claim]]\nid = 'a'\nphrase = {json.dumps(phrase, ensure_ascii=False)}\n{values}\n{more}"
     return parse_claims(text.encode()).claims[0]
+
+
+def stands(text: str, one: Claim, form: str = "plain") -> int:
+    """How often the phrase of the claim stands in the text."""
+    return len(check_claims(document_of(text, form), [one])[0].occurrences)
 
 
 TEXT = """\

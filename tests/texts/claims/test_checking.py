@@ -11,11 +11,7 @@ from hypothesis import strategies as st
 from driftproof.texts.claims.checking import LABEL, UNCOVERED, WORKED_OUT, check_claim, check_claims, coverage
 from driftproof.texts.claims.claims import Claim, parse_claims
 from driftproof.texts.readers.document import document_of
-from tests.texts.claims.sample import CLAIMS, TEXT, claim
-
-
-def found(text: str, one: Claim, form: str = "plain") -> int:
-    return len(check_claims(document_of(text, form), [one])[0].occurrences)
+from tests.texts.claims.sample import CLAIMS, TEXT, claim, stands
 
 
 @pytest.mark.parametrize(
@@ -28,13 +24,13 @@ def found(text: str, one: Claim, form: str = "plain") -> int:
 )
 def test_one_phrase_serves_every_format(form: str, text: str) -> None:
     one = claim("RK4 | {value}", value="3.3e-4")
-    assert found(text, one, form) == 1
-    assert found(text.replace("3.3", "3.4"), one, form) == 0
+    assert stands(text, one, form) == 1
+    assert stands(text.replace("3.3", "3.4"), one, form) == 0
 
 
 def test_case_counts_unless_told() -> None:
-    assert found("Is 0.33", claim("is {value}")) == 0
-    assert found("Is 0.33", claim("is {value}", "ignore_case = true")) == 1
+    assert stands("Is 0.33", claim("is {value}")) == 0
+    assert stands("Is 0.33", claim("is {value}", "ignore_case = true")) == 1
 
 
 def findings(text: str, one: Claim) -> list[tuple[int, int, str, str]]:
@@ -105,7 +101,7 @@ def test_number_right_but_part_of_more_is_said_to_be() -> None:
 @given(st.integers(0, 999), st.integers(0, 999), st.sampled_from(["", "-"]))
 def test_claim_holds_of_its_own_number_only(n: int, m: int, sign: str) -> None:
     one = claim("at {value} now", value=f"{sign}{n / 100:.2f}")
-    assert found(f"it is at {sign.replace('-', chr(0x2212))}{m / 100:.2f} now", one) == (n == m)
+    assert stands(f"it is at {sign.replace('-', chr(0x2212))}{m / 100:.2f} now", one) == (n == m)
 
 
 def test_every_number_is_accounted_for() -> None:

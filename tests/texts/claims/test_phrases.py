@@ -6,17 +6,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from driftproof.texts.claims.checking import check_claims
-from driftproof.texts.claims.claims import Claim, parse_claims
+from driftproof.texts.claims.claims import parse_claims
 from driftproof.texts.claims.phrases import NumberForm, Phrase
 from driftproof.texts.questions.evaluate import value
-from driftproof.texts.readers.document import document_of
-from tests.texts.claims.sample import claim
-
-
-def found(text: str, one: Claim, form: str = "plain") -> int:
-    return len(check_claims(document_of(text, form), [one])[0].occurrences)
-
+from tests.texts.claims.sample import claim, stands
 
 # phrase, value, a text that says it, texts that do not
 STANDS = [
@@ -43,8 +36,8 @@ STANDS = [
 @pytest.mark.parametrize(("phrase", "spelled", "text", "others"), STANDS)
 def test_phrase_stands_in_no_text_with_another_number(phrase: str, spelled: str, text: str, others: list[str]) -> None:
     one = claim(phrase, "given = true", spelled)
-    assert found(text, one) == 1
-    assert [other for other in others if found(other, one)] == []
+    assert stands(text, one) == 1
+    assert [other for other in others if stands(other, one)] == []
 
 
 CLAIM = '[[claim]]\nid = "a"\nphrase = "is {value}"\nvalue = "rk4.first_step.q"\n'

@@ -70,6 +70,7 @@ SAME = {
     "how many steps does RK4 need for error 1e-3 at t=2": "steps of RK4 t=2 error=1e-3",
     "step size of RK4 to reach error=1e-3 at t=2": "run rk4 t=2 error=1e-3 : h",
     "y(1) of Heun for y'=-y, y(0)=1, h=0.1": "run heun2 rates=(-y0) from 1 h=1/10 t=1 : y0",
+    "run heun2 y'=y-exp(1) y(0)=1 h=1/10 t=1 : y": "run heun2 rates=(y0-exp(1)) from 1 h=1/10 t=1 : y0",
     "q(10) of RK4 h=1/4": "run rk4 h=1/4 t=10 : q",
     "what is the value of y at t=1 with Heun y'=-y y(0)=1 h=0.1?": "run heun2 rates=(-y0) from 1 h=1/10 t=1 : y0",
     "k2.v of RK4 h=1/2": "step rk4 h=1/2 : k2.v",

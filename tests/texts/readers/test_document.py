@@ -28,7 +28,8 @@ def test_piece_of_a_block_has_its_span_also_where_a_notebook_has_outputs_before_
 
 @pytest.mark.parametrize(("fence", "code"), [("python", 1), ("julia", 1), ("", 0), ("text", 0), ("python\n>>> 1", 0)])
 def test_code_is_a_listing_in_a_language_and_no_session(fence: str, code: int) -> None:
-    assert len(document_of(f"```{fence}\n\nx = 1\n# 2\n```\n", "markdown").code) == code
+    document = document_of(f"```{fence}\n\n  x = 1 \n# 2\n```\n3\n", "markdown")
+    assert [document.text.text[slice(*span)].strip() for span in document.code] == ["x = 1"] * code
 
 
 def test_reader_is_chosen_by_the_ending(tmp_path: Path) -> None:
