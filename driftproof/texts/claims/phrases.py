@@ -13,14 +13,8 @@ from fractions import Fraction
 from itertools import zip_longest
 from typing import TYPE_CHECKING, TypeAlias
 
+from driftproof.texts.readers import number_words as words
 from driftproof.texts.readers.canonical import canonical_text
-from driftproof.texts.readers.number_words import (
-    WORDED_NUMBER,
-    WORDED_TREND,
-    is_worded,
-    worded_number,
-    worded_trend,
-)
 from driftproof.texts.readers.numbers import numbers_in
 
 if TYPE_CHECKING:
@@ -45,7 +39,7 @@ ANY_NUMBER = (
     r"(?>(?:(?<=\^)[0-9]++|[-+]?(?:[0-9]++(?:[.,'/][0-9]++)*+|\.[0-9]++)(?:[eE][-+]?[0-9]++)?+"
     r"(?: ?[×·] ?10\^(?:\{-?[0-9]++\}|[0-9]))?+)++)"
 )
-_ANY_WORD = rf"(?i:{WORDED_NUMBER}|{WORDED_TREND})|{ANY_NUMBER}"
+_ANY_WORD = rf"(?i:{words.WORDED_NUMBER}|{words.WORDED_TREND})|{ANY_NUMBER}"
 # A number is not torn out of a longer one, nor out of a product, a power or a percentage of which it is a part.
 _NUMBER_BEGINS = r"(?<![0-9][,'/])(?<![\w.^_√+-])"
 _NUMBER_ENDS = r"(?!\w)(?![.,'/][0-9])(?!/[\w(])(?![\^_√])(?! ?[×·] ?10\^)(?! ?%)"
@@ -89,9 +83,9 @@ def _in_words(value: Answer, spelled: str) -> list[str]:
 
     x = value.exact
     if spelled == TREND and x is not None:
-        return worded_trend(certified_sign(x))
+        return words.worded_trend(certified_sign(x))
     if isinstance(x, Fraction):
-        return worded_number(x)
+        return words.worded_number(x)
     raise ValueError("the value is no rational number, and has no words; say places, digits or exact")
 
 
@@ -190,7 +184,7 @@ class Phrase:
     def shape(self, spellings: Spellings, ignore_case: bool = False, names: bool = True) -> re.Pattern[str]:
         """The pattern of the phrase with any numbers for its own, each a group; `names` such as RK4 keep theirs."""
         texts, found = self._texts_and_numbers(spellings, names)
-        numbers = (f"({_ANY_WORD if is_worded(number) else ANY_NUMBER})" for number in found)
+        numbers = (f"({_ANY_WORD if words.is_worded(number) else ANY_NUMBER})" for number in found)
         return self._pattern(_alternating(map(_literal_pattern, texts), numbers), ignore_case)
 
     def any_numbers(self) -> re.Pattern[str]:
@@ -212,7 +206,7 @@ class Phrase:
         values = [spellings[name][0] for name in self.names]
         for place, part in enumerate(_alternating(self.literals, values)):
             done = 0
-            if place % 2 and is_worded(part):
+            if place % 2 and words.is_worded(part):
                 found.append(part)
                 texts.append("")
                 continue

@@ -156,13 +156,7 @@ def _of_run(context: QueryContext, h: Fraction, t: Fraction) -> Answer:
 
 def _of_problem(context: QueryContext, method: Method | None, h: Fraction, t: Fraction) -> Answer:
     """Of y' = f(t, y) of a problem, from its own start, of rates that are written out, or of y' = λy from 1."""
-    from driftproof.texts.questions.problems import (
-        decay_readouts,
-        problem_of_name,
-        problem_of_rates,
-        problem_readouts,
-        problem_run,
-    )
+    from driftproof.texts.questions import problems
 
     query, named = context.query, context.about_problem
     if query.unit is not None or (named is None and query.start is not None):
@@ -177,18 +171,17 @@ def _of_problem(context: QueryContext, method: Method | None, h: Fraction, t: Fr
         except QuestionError as error:
             raise context.error(query.subject, error.reason) from None
         with context.refused(query.readout):
-            return context.readout(decay_readouts(factor, rate, h, int(steps)))()
+            return context.readout(problems.decay_readouts(factor, rate, h, int(steps)))()
     if "lambda" in query.settings or (query.problem and query.rates):
         raise context.error(named, "a problem, rates and lambda are two problems; leave one out")
     with context.refused(named):
-        problem = (
-            problem_of_name(named.text)
-            if query.problem
-            else problem_of_rates([r.text for r in query.rates], query.unknowns)
-        )
-        run = problem_run(method, problem, query.start, h, t)
+        if query.problem:
+            problem = problems.problem_of_name(named.text)
+        else:
+            problem = problems.problem_of_rates([rate.text for rate in query.rates], query.unknowns)
+        run = problems.problem_run(method, problem, query.start, h, t)
     with context.refused(query.readout):
-        return context.readout(problem_readouts(run, problem[2]))(run)
+        return context.readout(problems.problem_readouts(run, problem[2]))(run)
 
 
 def _exact(context: QueryContext) -> Answer:

@@ -28,6 +28,7 @@ READOUT_WORDS = {
     **dict.fromkeys(_LARGEST, "largest_error"),
     **dict.fromkeys(("energy_error", "energy_drift"), "energy_change"),
     **dict.fromkeys(("function_evaluations", "number_of_evaluations"), "evaluations"),
+    "number_of_function_evaluations": "evaluations",
     "number_of_steps": "steps",
     "step_size": "h",
     "position": "q",
@@ -97,7 +98,7 @@ OTHER_SETTINGS = {"steps": "N", "n": "N", "dt": "h", "T": "t", "λ": "lambda", "
 SAY_NOTHING = {"of", "with", "on", "after", "to", "for", "and", "until", "by", "using"}
 SAY_NOTHING |= {"does", "do", "have", "need", "take", "reach"}
 # And before a question, or within a name.
-ASKING = {"what", "is", "the", "a", "how", "many", "does", "do", "are", "has", "have", "value"}
+ASKING = {"what", "is", "the", "a", "how", "many", "large", "does", "do", "are", "has", "have", "value", "slope"}
 _LONGEST_NAME = 6
 # Coefficients of a tableau: a21, or a_10_2 with two digits, b1, the second row bhat1, c3. A slope of the first step.
 COEFFICIENT = re.compile(r"(?P<a>a)(?:_?([1-9])([1-9])|_([1-9][0-9]?)_([1-9][0-9]?))|(?P<row>bhat|b|c)_?([1-9][0-9]?)")

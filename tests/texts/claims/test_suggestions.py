@@ -129,6 +129,12 @@ def test_tie_of_a_solution_is_no_suggestion_and_takes_no_time() -> None:
     assert [len(suggestions.of(n)) for n in numbers_in(suggestions.text)] == [0, 1]
 
 
+def test_number_of_seventy_places_is_suggested_and_one_of_eighty_takes_too_many_bits() -> None:
+    for places, count in ((70, 1), (80, 0)):
+        text = value("exp(1)").places(places)
+        assert len(Suggestions(text, ["exp(1)"]).of(numbers_in(text)[0])) == count
+
+
 @pytest.mark.parametrize("spelled", ["1.45722e-07", "1.45722E-7", "1.45722e-007", "1.45722×10^{-7}"])
 def test_exponents_of_any_program_are_read(spelled: str) -> None:
     suggestions = Suggestions(spelled, ["run rk4 rates=(t*sqrt(y0)) from 1 h=1/10 t=1 : state_error"])

@@ -76,6 +76,9 @@ SAME = {
     "k2.v of RK4 h=1/2": "step rk4 h=1/2 : k2.v",
     "exact solution of y'=-2*y, y(0)=1 at t=1": "exact rates=(-2*y0) from 1 t=1 : y0",
     "convergence rate of RK4": "order rk4",
+    "how large is the error of Heun for y'=-y, y(0)=1, h=0.1 at t=1?": DECAY,
+    "slope k2.v of RK4 h=1/2": "step rk4 h=1/2 : k2.v",
+    "number of function evaluations of RK4 h=1/4 t=1": "16",
     "does radau_iia2 have stiff decay?": "l_stable radau_iia2",
     "roundoff error of RK4 h=1/4 : q": "roundoff rk4 h=1/4 : q",
 }
