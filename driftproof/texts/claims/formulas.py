@@ -9,17 +9,7 @@ from itertools import product
 from math import prod
 from typing import Any
 
-from driftproof.methods.expression_tree import (
-    CallNode,
-    ChainNode,
-    ExpressionError,
-    ExpressionNode,
-    NameNode,
-    NegatedNode,
-    NumberNode,
-    PowerNode,
-    parse_form,
-)
+from driftproof.methods import expression_tree as tree
 
 # Points at which two formulas are compared; a fact of ours that is longer than a line has fewer.
 _MOST_POINTS = 20_000
@@ -42,7 +32,7 @@ def same_formula(a: str, b: str) -> bool:
     >>> same_formula("1 - h**6/72 + h**8/576", "(576 - 8h^6 + h^8)/576"), same_formula("1 + h**2", "1 + h^3")
     (True, False)
     """
-    first, second = parse_form(a), _parsed(b)
+    first, second = tree.parse_form(a), _parsed(b)
     names = sorted(_names(first) | _names(second))
     ranges = []
     for name in names:
@@ -61,23 +51,23 @@ def same_formula(a: str, b: str) -> bool:
     return all(defined)
 
 
-def _parsed(text: str) -> ExpressionNode:
+def _parsed(text: str) -> tree.ExpressionNode:
     text = _SUPERSCRIPT.sub(r"^(\1)", text.translate(_GREEK))
     try:
-        return parse_form(_SIDE_BY_SIDE.sub("*", text))
-    except ExpressionError as error:
+        return tree.parse_form(_SIDE_BY_SIDE.sub("*", text))
+    except tree.ExpressionError as error:
         raise ValueError(f"{text[:60]!r} is no formula: {error.reason}") from None
 
 
-def _names(node: ExpressionNode) -> set[str]:
+def _names(node: tree.ExpressionNode) -> set[str]:
     match node:
-        case NameNode(name=name):
+        case tree.NameNode(name=name):
             return {name}
-        case ChainNode(first=first, rest=rest):
+        case tree.ChainNode(first=first, rest=rest):
             return _names(first).union(*(_names(part) for _, part in rest))
-        case NegatedNode(node=inner) | PowerNode(base=inner):
+        case tree.NegatedNode(node=inner) | tree.PowerNode(base=inner):
             return _names(inner)
-        case CallNode(function=function):
+        case tree.CallNode(function=function):
             raise ValueError(f"{function} stands in it; only rational functions are compared")
     return set()
 
@@ -97,26 +87,26 @@ class _Degree(int):
         return _Degree(int(self) * n)
 
 
-def _at(node: ExpressionNode, values: Mapping[str, Any], number: Callable[[Fraction], Any]) -> tuple[Any, Any]:
+def _at(node: tree.ExpressionNode, values: Mapping[str, Any], number: Callable[[Fraction], Any]) -> tuple[Any, Any]:
     """Numerator and denominator there, neither ever divided out; numbers and degrees are formed alike.
 
     Of no function, which `_names` has refused. Raises ValueError for a root.
     """
     match node:
-        case NumberNode(value=value):
+        case tree.NumberNode(value=value):
             return number(value), number(Fraction(1))
-        case NameNode(name=name):
+        case tree.NameNode(name=name):
             return values[name], number(Fraction(1))
-        case NegatedNode(node=inner):
+        case tree.NegatedNode(node=inner):
             num, den = _at(inner, values, number)
             return number(Fraction(-1)) * num, den
-        case PowerNode(base=base, exponent=exponent):
+        case tree.PowerNode(base=base, exponent=exponent):
             if exponent.denominator > 1:
                 raise ValueError("a root stands in it; only rational functions are compared")
             num, den = _at(base, values, number)
             n = abs(int(exponent))
             return (num**n, den**n) if exponent >= 0 else (den**n, num**n)
-        case ChainNode(first=first, rest=rest):
+        case tree.ChainNode(first=first, rest=rest):
             num, den = _at(first, values, number)
             for sign, part in rest:
                 a, b = _at(part, values, number)

@@ -37,25 +37,14 @@ from driftproof.methods.expression_tree import (
     Token,
 )
 from driftproof.support.plain_text import did_you_mean
+from driftproof.texts.questions import wording
 from driftproof.texts.questions.errors import QuestionError
-from driftproof.texts.questions.wording import (
-    ASKING,
-    FACT_WORDS,
-    LOCAL,
-    OTHER_SETTINGS,
-    PER_STEP,
-    READOUT_WORDS,
-    SAY_NOTHING,
-    SLOPE,
-    longest_name,
-    names_that_ask,
-)
 
 # Words that may stand alone between head and readout.
 WORDS = ("sharp",)
 SETTINGS = ("h", "t", "N", "steps", "error", "z", "lambda")
 PROBLEM, RATES = ("problem", "rates")
-_WITHOUT_SIGN = {*SETTINGS, *OTHER_SETTINGS}
+_WITHOUT_SIGN = {*SETTINGS, *wording.OTHER_SETTINGS}
 _HEADS = ("step", "run", "exact", "roundoff")
 # (17/16)**1000 is a growth that texts have; what is too long to write out is enclosed.
 LARGEST_POWER_ASKED = 10**6
@@ -107,7 +96,7 @@ class _QuestionParser(ExpressionParser):
 
     def named(self, name: Token) -> Node:
         """A published value by its id, or a query from after its head on."""
-        while name.text.lower() in ASKING | SAY_NOTHING and self.next.kind == NAME and not self.in_rate:
+        while name.text.lower() in wording.ASKING | wording.SAY_NOTHING and self.next.kind == NAME and not self.in_rate:
             name = self.take()
         of_somebody = self.next.text == "'" and self._after(self.at).text == "s"
         hyphened = self.next.text == "-" and self.next.column == name.end and self._has_hyphen(name)
@@ -121,7 +110,7 @@ class _QuestionParser(ExpressionParser):
         start = self.at
         self.method_name(name)
         longer, self.at = self.at > start, start
-        return longer or longest_name(self.tokens[start - 1 :])[1] > 1
+        return longer or wording.longest_name(self.tokens[start - 1 :])[1] > 1
 
     def _call(self, name: Token) -> Any:
         """A function from after its bracket on; of a method is R(-2) of rk4, and of a run y(1) of rk4 y'=-y y(0)=1."""
@@ -130,12 +119,12 @@ class _QuestionParser(ExpressionParser):
         if name.text != "R" and after[::2] == [NUMBER, NAME] and not self.in_rate:
             parts["settings"]["t"] = NumberNode(self.next.column, self.literal("t"))
             self.expect(")", "a bracket is not closed")
-            parts["readout"] = name._replace(text=READOUT_WORDS.get(name.text, name.text))
+            parts["readout"] = name._replace(text=wording.READOUT_WORDS.get(name.text, name.text))
             return self.query(name, name._replace(text="run"), parts)
         if name.text != "R":
             return super()._call(name)
-        head = "limit_at_infinity" if self.accept("oo", "infinity") else FACT_WORDS["r"]
-        if head == FACT_WORDS["r"] and not self.accept("z"):
+        head = "limit_at_infinity" if self.accept("oo", "infinity") else wording.FACT_WORDS["r"]
+        if head == wording.FACT_WORDS["r"] and not self.accept("z"):
             parts["settings"]["z"] = NumberNode(self.next.column, self.literal("z"))
         self.expect(")", "the bracket of R is not closed")
         return self.query(name, name._replace(text=head), parts)
@@ -148,10 +137,10 @@ class _QuestionParser(ExpressionParser):
             self.put(parts, self.next, "readout", self.readout)
             if self.next.kind == NAME:
                 parts["unit"] = self.take()
-        elif (readout := head.text.removesuffix(PER_STEP)) in READOUT_WORDS:
-            parts["readout"] = head._replace(text=READOUT_WORDS[readout])
-            head = head._replace(text="step" if readout in LOCAL or readout != head.text else "run")
-        elif SLOPE.fullmatch(head.text):
+        elif (readout := head.text.removesuffix(wording.PER_STEP)) in wording.READOUT_WORDS:
+            parts["readout"] = head._replace(text=wording.READOUT_WORDS[readout])
+            head = head._replace(text="step" if readout in wording.LOCAL or readout != head.text else "run")
+        elif wording.SLOPE.fullmatch(head.text):
             parts["readout"], head = head, head._replace(text="step")
         elif ":" in head.text:
             parts["readout"] = head._replace(text=head.text.partition(":")[2])
@@ -160,13 +149,13 @@ class _QuestionParser(ExpressionParser):
 
     def head(self, name: Token, parts: dict[str, Any]) -> Token:
         """The head that begins with this name, of several words: "real limit of RK4", or "RK4 real limit", or run."""
-        start, (text, count) = self.at, longest_name(self.tokens[self.at - 1 :])
+        start, (text, count) = self.at, wording.longest_name(self.tokens[self.at - 1 :])
         if (name.text in _HEADS and not text) or self.next.text == ":":
-            return name._replace(text=FACT_WORDS.get(name.text, name.text))
+            return name._replace(text=wording.FACT_WORDS.get(name.text, name.text))
         method = self.method_name(name)
         if self.at - start >= count and (keys_of_name(method.text) or method.text.endswith(".toml")):
             parts["subject"] = method
-            text, count = longest_name(self.tokens[self.at :])
+            text, count = wording.longest_name(self.tokens[self.at :])
             if self.tokens[self.at + count].text == "=":  # steps = 10
                 text, count = "", 0
             self.at += count
@@ -177,12 +166,14 @@ class _QuestionParser(ExpressionParser):
             if any(a.text == name.text and b.text == "'" for a, b in pairwise(self.tokens)):
                 parts["readout"] = name  # an unknown: y at t=1 of rk4 on y'=-y
                 return name._replace(text="run")
-            after = takewhile(lambda token: token.kind == NAME and token.text not in SAY_NOTHING, self.tokens[start:])
+            after = takewhile(
+                lambda token: token.kind == NAME and token.text not in wording.SAY_NOTHING, self.tokens[start:]
+            )
             words = [name.text, *(token.text for token in after if not keys_of_name(token.text))]
-            hint = did_you_mean("_".join(words), (*_HEADS, *sorted(names_that_ask())))
+            hint = did_you_mean("_".join(words), (*_HEADS, *sorted(wording.names_that_ask())))
             what = f"{' '.join(words)[:40]!r} is nothing that can be asked{hint}"
             raise self.error(name, f"{what} (`driftproof value --list` shows what can)")
-        return name._replace(text=FACT_WORDS.get(text, text or "run"))
+        return name._replace(text=wording.FACT_WORDS.get(text, text or "run"))
 
     def _another_part(self) -> bool:
         """Whether a part comes next. A comma before an equation or a setting, where no list goes on, is used up."""
@@ -210,7 +201,7 @@ class _QuestionParser(ExpressionParser):
         if token.kind == NUMBER:
             count = NumberNode(token.column, self.rational(token.text, token))
             self.put(parts["settings"], self.take(), "N", lambda: count)
-        elif token.text in SAY_NOTHING or (key == "at" and self.next.kind == NAME and after.text in "='"):
+        elif token.text in wording.SAY_NOTHING or (key == "at" and self.next.kind == NAME and after.text in "='"):
             pass
         elif self.next.text == "'" and after.text in ("=", "(", "'"):
             self.put(parts["rates"], token, token.text, self.rate)
@@ -261,7 +252,7 @@ class _QuestionParser(ExpressionParser):
         alone, last = keys_of_name(first.text), first
         for i in range(at, len(self.tokens)):
             token, after = self.tokens[i], self._after(i)
-            if token.text in "=:,()" or after.text == "=" or token.text in (*SAY_NOTHING, *WORDS, "at", "from"):
+            if token.text in "=:,()" or after.text == "=" or token.text in (*wording.SAY_NOTHING, *WORDS, "at", "from"):
                 break
             if token.kind not in (NAME, NUMBER) and token.text != "'" and (len(alone) == 1 or token.column > last.end):
                 break
@@ -289,7 +280,7 @@ class _QuestionParser(ExpressionParser):
     def setting(self, name: Token, settings: dict[str, NumberNode]) -> None:
         """NAME=LITERAL, from the equals sign on, which may be left out; steps is another word for N."""
         self.accept("=")
-        key = OTHER_SETTINGS.get(name.text, name.text)
+        key = wording.OTHER_SETTINGS.get(name.text, name.text)
         if key not in SETTINGS:
             raise self.error(name, f"{name.shown} is no setting; there are {', '.join((*SETTINGS, PROBLEM, RATES))}")
         self.put(settings, name, key, lambda: NumberNode(name.column, self.literal(name.text)))
@@ -371,7 +362,7 @@ class _QuestionParser(ExpressionParser):
             what = "the name of a readout, such as q, comes after the colon"
             raise self.error(self.next, f"{what}; {self.next.shown} stands there")
         first = self.take()
-        if (both := f"{first.text}_{self.next.text}") in READOUT_WORDS:
+        if (both := f"{first.text}_{self.next.text}") in wording.READOUT_WORDS:
             self.take()
             first = first._replace(text=both)
-        return first._replace(text=READOUT_WORDS.get(first.text, first.text))
+        return first._replace(text=wording.READOUT_WORDS.get(first.text, first.text))

@@ -7,16 +7,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from html import escape
 
-from driftproof.methods.expression_tree import (
-    CallNode,
-    ChainNode,
-    ExpressionNode,
-    NameNode,
-    NegatedNode,
-    NumberNode,
-    PowerNode,
-    parse_form,
-)
+from driftproof.methods import expression_tree as tree
 
 # An exact form longer than this is left out of texts.
 LONGEST_IN_TEXT = 24
@@ -91,7 +82,7 @@ MATHML = Writer(
 
 def formula(text: str, write: Writer) -> str:
     """An exact form in SymPy's syntax, e.g. "2*sqrt(2)/3". Raises ExpressionError for what is no formula."""
-    return _Formula(write).of(parse_form(text))
+    return _Formula(write).of(tree.parse_form(text))
 
 
 def rational_markup(numerator: str, denominator: str, write: Writer) -> str:
@@ -118,36 +109,36 @@ class _Formula:
     def __init__(self, write: Writer) -> None:
         self.write = write
 
-    def of(self, node: ExpressionNode) -> str:
+    def of(self, node: tree.ExpressionNode) -> str:
         write = self.write
         match node:
-            case NumberNode():
+            case tree.NumberNode():
                 return write.number(str(node.value))
-            case NameNode():
+            case tree.NameNode():
                 return write.symbol(node.name)
-            case NegatedNode():
+            case tree.NegatedNode():
                 return write.row([write.operator("-"), self.factor(node.node)])
-            case CallNode():
+            case tree.CallNode():
                 inner = self.of(node.arguments[0])
                 return write.root(inner, 2) if node.function == "sqrt" else write.function(node.function, inner)
-            case PowerNode():
+            case tree.PowerNode():
                 return self.power(node.base, node.exponent)
-            case ChainNode():
+            case tree.ChainNode():
                 return self.sum(node) if _is_sum(node) else self.product(node)
 
-    def factor(self, node: ExpressionNode) -> str:
+    def factor(self, node: tree.ExpressionNode) -> str:
         """A node as a factor, or as a term after the first: sums and what begins with a sign in brackets."""
         return self.write.bracket(self.of(node)) if _is_sum(node) or _is_negative(node) else self.of(node)
 
-    def sum(self, node: ChainNode) -> str:
+    def sum(self, node: tree.ChainNode) -> str:
         parts = [self.of(node.first)]
         for sign, term in node.rest:
             parts += [self.write.operator(sign.text), self.factor(term)]
         return self.write.row(parts)
 
-    def product(self, node: ChainNode) -> str:
+    def product(self, node: tree.ChainNode) -> str:
         """Factors side by side, divisors below a line, a sign in front of all."""
-        first = node.first.node if isinstance(node.first, NegatedNode) else node.first
+        first = node.first.node if isinstance(node.first, tree.NegatedNode) else node.first
         factors = [first, *(factor for sign, factor in node.rest if sign.text == "*")]
         above = [factor for factor in factors if getattr(factor, "value", 0) != 1] or factors[:1]
         below = [factor for sign, factor in node.rest if sign.text == "/"]
@@ -156,7 +147,7 @@ class _Formula:
             body = self.write.fraction(body, self.side_by_side(below))
         return body if first is node.first else self.write.row([self.write.operator("-"), body])
 
-    def side_by_side(self, factors: Sequence[ExpressionNode]) -> str:
+    def side_by_side(self, factors: Sequence[tree.ExpressionNode]) -> str:
         """Factors with a sign between where two numbers would run together."""
         if len(factors) == 1:
             return self.of(factors[0])
@@ -165,32 +156,32 @@ class _Formula:
             parts += [self.write.operator("·" if _begins_with_digit(factor) else ""), self.factor(factor)]
         return self.write.row(parts)
 
-    def power(self, base: ExpressionNode, exponent: Fraction) -> str:
+    def power(self, base: tree.ExpressionNode, exponent: Fraction) -> str:
         """A power, or a root where the exponent is 1/n."""
         if exponent.denominator > 1 and exponent.numerator == 1:
             return self.write.root(self.of(base), exponent.denominator)
-        plain = isinstance(base, NameNode) or (isinstance(base, NumberNode) and base.value.denominator == 1)
+        plain = isinstance(base, tree.NameNode) or (isinstance(base, tree.NumberNode) and base.value.denominator == 1)
         written = self.of(base) if plain else self.write.bracket(self.of(base))
         return self.write.power(
             written, rational_markup(str(exponent.numerator), str(exponent.denominator), self.write)
         )
 
 
-def _is_sum(node: ExpressionNode) -> bool:
-    return isinstance(node, ChainNode) and any(sign.text in "+-" for sign, _ in node.rest)
+def _is_sum(node: tree.ExpressionNode) -> bool:
+    return isinstance(node, tree.ChainNode) and any(sign.text in "+-" for sign, _ in node.rest)
 
 
-def _is_negative(node: ExpressionNode) -> bool:
+def _is_negative(node: tree.ExpressionNode) -> bool:
     """True where the writing begins with a minus sign."""
-    return isinstance(node, NegatedNode) or (
-        isinstance(node, ChainNode) and not _is_sum(node) and _is_negative(node.first)
+    return isinstance(node, tree.NegatedNode) or (
+        isinstance(node, tree.ChainNode) and not _is_sum(node) and _is_negative(node.first)
     )
 
 
-def _begins_with_digit(node: ExpressionNode) -> bool:
+def _begins_with_digit(node: tree.ExpressionNode) -> bool:
     """True where a factor before it would run into it."""
-    if isinstance(node, PowerNode):
-        return node.exponent.denominator == 1 and isinstance(node.base, NumberNode)
-    if isinstance(node, ChainNode) and not _is_sum(node):
+    if isinstance(node, tree.PowerNode):
+        return node.exponent.denominator == 1 and isinstance(node.base, tree.NumberNode)
+    if isinstance(node, tree.ChainNode) and not _is_sum(node):
         return all(sign.text == "*" for sign, _ in node.rest) and _begins_with_digit(node.first)
-    return isinstance(node, NumberNode)
+    return isinstance(node, tree.NumberNode)
