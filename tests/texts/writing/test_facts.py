@@ -55,6 +55,11 @@ def test_fact_in_text_and_in_tex(fact: Any, text: str, tex: str) -> None:
     assert fact_tex(fact).count("$") % 2 == 0
 
 
+def test_whole_number_stands_once() -> None:
+    two = Facts(METHODS["forward_euler"]).real_limit
+    assert (fact_text(two), fact_tex(two)) == ("2", "$2$")
+
+
 def test_tangent_that_is_only_enclosed_has_an_interval_and_no_polynomial() -> None:
     enclosed = sector_tangent(pade(2, 8))
     ends = "(11167507641/1000000000, 5583753821/500000000)"
