@@ -157,12 +157,16 @@ class Suggestions:
     def _fits(self, number: TextNumber) -> dict[str, int]:
         """Of every value, how many of its names stand near the number, and of its numbers on the number's line."""
         near = self.text[max(0, number.start - _NEIGHBOURHOOD) : number.end + _NEIGHBOURHOOD].lower()
-        stand = {name: bool(re.search(rf"(?<![a-z]){name}", near)) for known in self._known for name in known.names}
+        stand = {name for name in self._all_names if re.search(rf"(?<![a-z]){name}", near)}
         line = self._beside(number) if self.asked else set()
         return {
-            known.question: sum(stand[name] for name in known.names) + sum(x in line for x in known.numbers)
+            known.question: sum(name in stand for name in known.names) + sum(x in line for x in known.numbers)
             for known in self._known
         }
+
+    @cached_property
+    def _all_names(self) -> set[str]:
+        return {name for known in self._known for name in known.names}
 
     def _beside(self, number: TextNumber) -> set[Fraction]:
         return {x for start, x in self._lines[self.text.count("\n", 0, number.start)] if start != number.start}

@@ -58,8 +58,9 @@ class Document:
     @cached_property
     def _ranges(self) -> list[tuple[int, int, int]]:
         """Where each block begins in the file, and its ends in the text; in notebooks outputs may precede code."""
-        ends = (*self.starts[1:], len(self.text.text))
-        return sorted((self.text.origin(start), start, end) for start, end in zip(self.starts, ends, strict=True))
+        ends = (*self.starts, len(self.text.text))[1:]
+        blocks = ((self.text.origin(start), start, end) for start, end in zip(self.starts, ends, strict=True))
+        return [(-1, 0, 0), *sorted(blocks)]
 
     def span(self, piece: SourceText) -> tuple[int, int]:
         """From where to where a piece of the blocks stands in the text."""
@@ -67,7 +68,7 @@ class Document:
         return start, end
 
     def _index(self, origin: int) -> int:
-        at = max(bisect_right(self._ranges, (origin, len(self.text.text), 0)) - 1, 0)
+        at = bisect_right(self._ranges, (origin, len(self.text.text), 0)) - 1
         return bisect_left(self.text.origins, origin, *self._ranges[at][1:])
 
     @cached_property

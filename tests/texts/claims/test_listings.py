@@ -196,6 +196,7 @@ def test_output_far_away_or_in_another_language_belongs_to_no_listing() -> None:
     assert found(document_of("```python\na\n```\n```python\nb\n```\n", "markdown")) == [("a", False), ("b", False)]
     assert found(document_of("```\na\n```\n", "markdown")) == []
     assert run_listings(document_of("```python\nprint(7)\n```\n", "markdown")) == listings.Ran((), 1, ())
+    assert run_listings(document_of("```python\n\n```\n\n```\n\n```\n", "markdown")) == listings.Ran((), 1, ((0, 0),))
 
 
 def test_listing_of_plain_text_begins_where_it_can_be_python() -> None:
