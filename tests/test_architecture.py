@@ -66,7 +66,7 @@ BUDGETS = {
     "methods": 5313,
     "symbolic": 10738,
     "numeric": 4247,
-    "blackbox": 17880,
+    "blackbox": 17600,
     "enclosure": 3165,
     "texts": 7322,
 }
