@@ -23,4 +23,5 @@ def test_facts_of_a_method_are_its_typed_facts():
     assert (found.method, found.terms, found.order_to_tolerance.order) == (METHODS["trapezoid"], 4, 2)
     assert facts("trapezoid").order_to_tolerance is None
     assert "Everything else" in found.written("text", everything=True)
+    assert facts("rk4", system=[[0, 1], [-1, 0]]).written("text").startswith("method ")
     assert found.written("tex").startswith(r"\begin{tabular}")

@@ -16,6 +16,7 @@ from driftproof.numeric.engine import field_runner
 from driftproof.numeric.problems.catalogue import PROBLEMS
 from driftproof.numeric.problems.problem import CERTIFIED, Reference
 from driftproof.numeric.reference_errors import decimal_energy
+from driftproof.reports import user_problem
 from driftproof.reports.user_problem import ENCLOSED_DIGITS, PARTS, enclosed_reference, problem_given
 from tests.looping import exactly
 
@@ -110,7 +111,19 @@ def test_parameters_of_a_function_are_its_keywords(tmp_path, monkeypatch):
 
 
 def test_key_is_a_problem_of_ours():
-    assert problem_given("kepler") is PROBLEMS["kepler"]
+    assert problem_given("kepler") is problem_given(PROBLEMS["kepler"]) is PROBLEMS["kepler"]
+
+
+def test_bits_are_added_until_the_digits_are_settled_and_no_more_often_than_so(monkeypatch):
+    asked = field_of_text("-y0"), [Fraction(1)], [Fraction(1)]
+    right = enclosed_reference(*asked)
+    monkeypatch.setattr(user_problem, "BITS_AT_FIRST", 48)
+    found = enclosed_reference(*asked)
+    assert found.states == right.states == (("0.36787944117144232160",),)
+    assert found.source.endswith(", 108 bits")
+    monkeypatch.setattr(user_problem, "_MOST_ATTEMPTS", 2)
+    with pytest.raises(Refused, match="the solution is not known to 20 digits with 72 bits"):
+        enclosed_reference(*asked)
 
 
 REFUSED = {

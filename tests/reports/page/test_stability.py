@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from fractions import Fraction as Q
 
 import numpy as np
@@ -9,7 +10,8 @@ import pytest
 import sympy
 
 from driftproof.methods.catalogue import METHODS
-from driftproof.reports.page.stability import beside, verdict
+from driftproof.numeric.scenes import PRESETS
+from driftproof.reports.page.stability import beside, growth_figure, verdict
 from driftproof.symbolic.algebra.certified import enclose
 from driftproof.symbolic.derivation.one_step import one_step_matrix
 from driftproof.symbolic.derivation.stability import AtStep
@@ -60,3 +62,10 @@ def test_radius_of_one_is_known_to_be_one() -> None:
 
 def test_limit_of_the_verdict_is_the_fact() -> None:
     assert verdict("rk4", Q(1)).limit == LinearFacts(METHODS["rk4"]).imaginary_limit
+
+
+def test_growth_is_the_norm_of_the_powers() -> None:
+    """Of forward Euler at h = 1, whose step turns and grows by sqrt 2, n log10(2)/2."""
+    scene = replace(PRESETS["compare"], h=Q(1), t=Q(2))
+    data = growth_figure(scene, [verdict("forward_euler", Q(1))], "id").data
+    assert [row[1] for row in data[1:4]] == ["0.0000", "0.1505", "0.3010"]

@@ -58,7 +58,8 @@ def marks(figure: Figure, class_: str) -> list[tuple[Q, Q]]:
 
 def test_every_sample_of_a_short_run_has_a_dot_and_a_place_on_the_line() -> None:
     run = run_of("rk4", Q(1, 8), Q(10))
-    for figure in (drawing.position(run), drawing.phase_plane(run)):
+    for figure, name in ((drawing.position(run), "q"), (drawing.phase_plane(run), "v")):
+        assert figure.data[0] == ["step", "t", f"computed {name}", f"exact {name}"]
         line = marks(figure, "samples path")
         assert len(line) == 81
         assert line == marks(figure, "samples dots")
