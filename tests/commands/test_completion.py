@@ -36,6 +36,7 @@ def test_other_shells_know_every_command(answer):
     fish = answer("completion", "fish")
     assert all(f"__fish_seen_subcommand_from {name}'" in fish for name in some(COMMANDS, 15))
     assert "-n '__fish_seen_subcommand_from facts' -l format -xa 'text json tex'" in fish
+    assert "-n '__fish_seen_subcommand_from completion' -a 'bash zsh fish'" in fish
 
 
 @pytest.mark.parametrize("shell", ["fish", "zsh"])

@@ -40,7 +40,7 @@ def test_errors_as_large_as_the_solution_are_lost_and_decide_nothing() -> None:
         points = [Point(str(8 << i), 8 << i, {"state": Size(e, e)}, scale=1.0) for i, e in enumerate(errors)]
         return Curve(key, key, 1, points)
 
-    measured = Measured({"a": curve("a", 1e9, 0.1), "b": curve("b", 1e8, 0.01), "c": curve("c", 1e7)})
+    measured = Measured({"a": curve("a", 1e9, 0.1), "b": curve("b", 1e8, 0.01), "c": curve("c", 1.0)})
     cost = {"evaluations": priced(measured, "evaluations")}
     assert cost["evaluations"] == {"a": [Priced(0.1, 16)], "b": [Priced(0.01, 16)], "c": []}
     assert dominators(cost["evaluations"]) == {"a": ["b"]}
