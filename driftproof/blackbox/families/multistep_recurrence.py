@@ -181,7 +181,10 @@ class RecurrenceReading:
             named = f"{self.method.key}: kept {held} in runs of {RUN_LENGTH} steps, after the start"
         nearest = [f"nearest: {key} but for {'; '.join(words)}" for key, words in self.near]
         asked = [self.asked] if self.asked else []
-        late = [f"the first {self.recurrence.steps - 1 + self.late} steps are others"] if self.late else []
+        first = self.recurrence.steps - 1 + self.late
+        late = (
+            ["the first step is another" if first == 1 else f"the first {first} steps are others"] if self.late else []
+        )
         return [named, *nearest, *self.recurrence.lines, *asked, *late, "steps of one length were looked at, no others"]
 
 
