@@ -25,7 +25,7 @@ _SHOWN_DIGITS = 8
 # What the author of a text chooses, before its number: nobody works out that h = 0.1.
 _SETTING = re.compile(
     r"(?<![\w.])(?:(?:h|dt|Δt|[tTNnkλμω]|lambda|mu|omega|[ra]?tol|t_?(?:end|max|final)|n(?:um)?_?steps) ?= ?"
-    r"|step ?size (?:of |= )?)\Z"
+    r"|step ?size (?:of |= )?|[Aa]fter )\Z"
 )
 _LONGEST_SETTING = 20
 # Numbers on one line that are no further apart stand in one phrase.

@@ -29,7 +29,7 @@ _RUN_READOUTS = ("state_error", "energy", "energy_change", "phase_error", "q", "
 _STEP_READOUTS = ("q", "v", "energy")
 _USUAL_FACTS = ("imaginary_limit", "real_limit", "order", "error_constant", "limit_at_infinity", "angle")
 # A few hundred questions, which take a second or two; runs of more steps are not cheap.
-_MOST_METHODS, _MOST_RUN, _MOST_SIZES, _MOST_TIMES = 12, 6, 4, 2
+_MOST_METHODS, _MOST_RUN, _MOST_SIZES, _MOST_TIMES, _MOST_COUNTS = 12, 6, 4, 2, 2
 _LONGEST_RUN = 10_000
 # Of so many numbers with these digits one at most, drawn at random, would look like a value whose names stand as near.
 _ODDS = 100
@@ -44,6 +44,7 @@ _BRACES = re.compile(r"\{([^{}]*)\}")
 _NEIGHBOURHOOD = 100
 
 _H, _T = (re.compile(rf"\b{letter} ?= ?([0-9]+(?:\.[0-9]+|/[1-9][0-9]*)?)(?![\w./])") for letter in "ht")
+_N = re.compile(r"(?:\bN ?= ?|\b(?=[0-9]+ (?:time )?steps\b))([0-9]{1,5})\b")
 
 
 @dataclass(frozen=True)
@@ -208,15 +209,19 @@ class Suggestions:
 
     def _questions(self) -> Iterator[str]:
         sizes, times = _given(_H, self.text, _USUAL_STEPS)[:_MOST_SIZES], _given(_T, self.text, ("10",))[:_MOST_TIMES]
+        own, counts = _given(_H, self.text, ()), _given(_N, self.text, ())[:_MOST_COUNTS]
         spoken = methods_named(self._lower)
         named = dict.fromkeys(key for key in (*_USUAL_METHODS, *METHODS, *FACTS_ONLY) if key in spoken)
         for i, method in enumerate([*(named or _USUAL_METHODS)][:_MOST_METHODS]):
             yield from (f"{fact} {method}" for fact in _USUAL_FACTS)
             for h in sizes if method in METHODS and i < _MOST_RUN else ():
+                yield f"energy_multiplier {method} h={h}"
                 yield from (f"step {method} h={h} : {readout}" for readout in _STEP_READOUTS)
-                for t in times:
-                    if (n := Fraction(t) / Fraction(h)).denominator == 1 and n <= _LONGEST_RUN:
-                        yield from (f"run {method} h={h} t={t} : {readout}" for readout in _RUN_READOUTS)
+                ends = {Fraction(n): f"N={n}" for n in counts if h in own}
+                ends |= {Fraction(t) / Fraction(h): f"t={t}" for t in times}
+                for end in (end for n, end in ends.items() if n.denominator == 1 and n <= _LONGEST_RUN):
+                    readouts = [readout for readout in _RUN_READOUTS if readout != "steps" or end.startswith("t")]
+                    yield from (f"run {method} h={h} {end} : {readout}" for readout in readouts)
         yield from (f"exact t={t} : {readout}" for t in (*times, *sizes) for readout in "qv")
 
 

@@ -33,6 +33,10 @@ def suggested(text: str) -> list[list[LookAlike]]:
             "the Crank-Nicolson method, h = 1/5 and t = 2: the state error is 6.63e-3",
             "run trapezoid h=1/5 t=2 : state_error",
         ),
+        ("forward Euler, h = 1/4: each step multiplies the energy by 1.0625", "energy_multiplier forward_euler h=1/4"),
+        ("forward Euler's energy, N = 16, h = 1/4: 1.3190", "run forward_euler h=1/4 N=16 : energy"),
+        ("after 16 time steps of h = 1/4 forward Euler's energy is 1.3190", "run forward_euler h=1/4 N=16 : energy"),
+        ("16 of those of h = 1/4: forward Euler's energy is 1.3190", None),
         ("nothing like it: 0.123456", None),
         ("not a number 1/0", None),
     ],
@@ -63,14 +67,19 @@ def test_names_of_a_value_are_near_within_a_line_of_the_number() -> None:
 
 def test_so_many_methods_steps_and_times_are_asked_of_and_no_more() -> None:
     given = ["h = 1/123456789012345678", "h = 1/12345678901234567"]  # of 20 characters, and of 19
-    given += [f"{letter} = {'1/' * (letter == 'h')}{n}" for letter in "ht" for n in range(2, 9)]
+    given += [f"{letter} = {'1/' * (letter == 'h')}{n}" for letter in "htN" for n in range(2, 9)]
     text = " ".join([*METHODS, *given])
     asked = [question.split() for question in Suggestions(text)._questions()]
     assert len({words[1] for words in asked if words[0] == "run"}) == 6
     assert {words[2] for words in asked if words[0] == "step"} == {"h=1/12345678901234567", "h=1/2", "h=1/3", "h=1/4"}
-    assert {words[3] for words in asked if words[0] == "run"} == {"t=2", "t=3"}
+    assert {words[3] for words in asked if words[0] == "run"} == {"t=2", "t=3", "N=2", "N=3"}
+    assert {words[-1] for words in asked if "N=2" in words} == {words[-1] for words in asked if "t=2" in words} - {
+        "steps"
+    }
     runs = {
-        question.split()[2] for question in Suggestions("h = 1/2000, h = 3/10")._questions() if question[:3] == "run"
+        question.split()[2]
+        for question in Suggestions("h = 1/2000, h = 3/10, N = 10001")._questions()
+        if question[:3] == "run"
     }
     assert runs == {"h=1/4", "h=1/2"}, "neither long ones, nor those that end beside t"
 
