@@ -169,7 +169,7 @@ def test_who_waits_at_a_terminal_is_told_that_something_is_done(monkeypatch):
     with os.fdopen(inner, "w") as terminal:
         monkeypatch.setattr(sys, "stderr", terminal)
         certify(lambda t, y: -y if said else said.append(os.read(outer, 1000)) or -y, [0.0, 1.0], [[1.0], [0.4]])
-    assert said[0].startswith(b"\rcertify: working, 0 s (Ctrl-C ends it)")
+    assert said[0].startswith(b"certify: working, 0 s (Ctrl-C ends it)")
 
 
 def test_tolerance_within_the_ball_of_the_error_is_refused():

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from contextlib import suppress
+from fractions import Fraction
+from pathlib import Path
 
 import pytest
 from hypothesis import HealthCheck, given, settings
@@ -97,3 +99,38 @@ def test_fuzzing_reaches_answers_and_not_only_refusals() -> None:
 
 def test_same_question_is_answered_once() -> None:
     assert value("order rk4") is value("order rk4")
+
+
+@pytest.mark.parametrize(
+    ("text", "question", "edit", "before", "after"),
+    [
+        (
+            'family = "runge_kutta"\nA = [[0, 0], ["1/2", 0]]\nb = [0, 1]\n',
+            "step mine.toml h=1/2 : q",
+            ("[0, 1]", "[1, 0]"),
+            Fraction(7, 8),
+            1,
+        ),
+        (
+            'rates = ["-y0"]\nstart = ["1"]\nend = "1"\n',
+            "run forward_euler problem=mine.toml h=1/2 t=1 : y0",
+            ("-y0", "y0"),
+            Fraction(1, 4),
+            Fraction(9, 4),
+        ),
+    ],
+)
+def test_file_that_was_edited_is_read_anew(
+    text: str,
+    question: str,
+    edit: tuple[str, str],
+    before: object,
+    after: object,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("mine.toml").write_text(text, encoding="utf-8")
+    assert value(question).exact == before
+    Path("mine.toml").write_text(text.replace(*edit), encoding="utf-8")
+    assert value(question).exact == after
