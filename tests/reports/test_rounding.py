@@ -1,6 +1,7 @@
 """`driftproof roundoff` and `run --budget`: formulas, bounds in u, and the error of a float run in its two parts."""
 
 import json
+import re
 from dataclasses import replace
 from fractions import Fraction as Q
 
@@ -11,7 +12,7 @@ from driftproof.cli import main
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.stepping import oscillator
 from driftproof.numeric.steppers import float_stepper
-from driftproof.reports.rounding import budget_answer, roundoff
+from driftproof.reports.rounding import budget_answer, budget_text, roundoff
 from driftproof.symbolic.rounding.formats import BINARY32
 from tests.looping import exactly
 from tests.nine import NINE
@@ -131,6 +132,23 @@ def test_without_a_norm_of_its_own_there_is_no_theorem_and_it_says_so():
     assert answer["rounding"]["exact"] == "0"
     assert answer["bound"]["value"] is None
     assert "real eigenvectors" in answer["bound"]["reason"]
+    last = [" ".join(line.split()) for line in budget_text(answer).splitlines()[-2:]]
+    assert last[0] == "+ rounding 0 = 0 u"
+    assert last[1].startswith("proved bound on the rounding: none: at h = 2: the step has real eigenvectors")
+    assert "At h = 2, no c(h): at h = 2: the step has real eigenvectors" in str(roundoff("symplectic_euler", [Q(2)]))
+
+
+def test_budget_is_shown_line_by_line():
+    shown = budget_text(budget_answer(run("rk4", Q(1, 4), Q(10), state=(Q(1), Q(0))), 6, "half-even", range))
+    assert [re.split(r"  +", line) for line in shown.splitlines()] == [
+        ["Budget of the binary64 run with h = 1/4"],
+        [""],
+        ["float final state", "-0.8391881716812657, 0.543717433320066"],
+        ["state error", "0.000325308", "at most truncation + rounding"],
+        ["= truncation", "0.000325308", "what the method would do in exact arithmetic"],
+        ["+ rounding", "5.18170e-16", "= 4.66726 u"],
+        ["proved bound", "1.06361e-14", "on the rounding: 95.8011 u"],
+    ]
 
 
 def test_run_whose_floats_overflow_is_answered_and_says_so(capsys):

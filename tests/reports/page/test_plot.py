@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from fractions import Fraction as Q
 from itertools import pairwise
 
@@ -93,6 +94,8 @@ def test_limits_grow_by_a_third_at_most() -> None:
     ends = [*AXIS_ENDS, Q(10)]
     assert max(b / a for a, b in pairwise(ends)) == Q(4, 3)
     assert (symmetric_limit(Q(0)), symmetric_limit(Q(3)), symmetric_limit(Q(39, 4))) == (1, 4, Q(25, 2))
+    reached = [1, 1.2, 1.9, 2.3, 2.8, 3.8, 4.7, 5.7, 7.5]
+    assert [float(symmetric_limit(Q(x))) for x in reached] == [1.25, 1.5, 2, 2.5, 3, 4, 5, 6, 8]
 
 
 @given(x=positive)
@@ -189,3 +192,25 @@ def test_marks_part_the_distances_between_labels() -> None:
     for values, ends in (([0.0], (0, 2)), ([-3.5, 1.2], (-4, 2)), ([1.0, 3.0], (1, 3)), ([0.5, 1.5], (0, 2))):
         scale = decades_of(values, "x", (left, right)).scale
         assert (scale.low, scale.high) == ends, "whole decades around the values, two at least"
+
+
+def test_axes_stand_where_their_numbers_are() -> None:
+    """A frame of 100 by 60, 52 from the left and 26 from above: every place worked out by hand."""
+    across, up = frame(100, 60)
+    plot = Plot(linear(Q(0), Q(1), "x", across), decades(-1, 1, "<y>", up))
+    shown = "".join(plot.axes())
+    assert re.findall(r'class="(axis|grid|mark)" d="(.*?)"', shown) == [
+        *(("axis", "M52 86V26"), ("grid", "M102 86V26"), ("grid", "M152 86V26")),
+        *(("mark", f"M{x} 86v-4") for x in (62, 72, 82, 92, 112, 122, 132, 142)),
+        *(("grid", f"M52 {y}H152") for y in (86, 56, 26)),
+    ]
+    assert re.findall(r'class="(\w+ \w)" x="(\d+)" y="(\d+)">(.*?)<', shown) == [
+        *(("tick x", "52", "105", "0"), ("tick x", "102", "105", "0.5"), ("tick x", "152", "105", "1")),
+        *(("tick y", "44", "86", "10⁻¹"), ("tick y", "44", "56", "1"), ("tick y", "44", "26", "10¹")),
+        *(("name x", "102", "124", "x"), ("name y", "52", "15", "&lt;y&gt;")),
+    ]
+    plot.words("none")
+    assert plot.drawn == ['<text class="name x" x="102" y="56">none</text>']
+    assert 'viewBox="0 0 168 132"' in plot.picture("id", "A", "B")
+    marked = Plot(decades(0, 4, "x", across), linear(Q(0), Q(1), "y", up))
+    assert re.findall(r'class="mark" d="(M52 .*?)"', "".join(marked.axes()))[:2] == ["M52 80h4", "M52 74h4"]

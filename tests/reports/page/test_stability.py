@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 from fractions import Fraction as Q
 
@@ -11,7 +12,7 @@ import sympy
 
 from driftproof.methods.catalogue import METHODS
 from driftproof.numeric.scenes import PRESETS
-from driftproof.reports.page.stability import beside, growth_figure, verdict
+from driftproof.reports.page.stability import beside, growth_figure, verdict, verdicts_table
 from driftproof.symbolic.algebra.certified import enclose
 from driftproof.symbolic.derivation.one_step import one_step_matrix
 from driftproof.symbolic.derivation.stability import AtStep
@@ -69,3 +70,27 @@ def test_growth_is_the_norm_of_the_powers() -> None:
     scene = replace(PRESETS["compare"], h=Q(1), t=Q(2))
     data = growth_figure(scene, [verdict("forward_euler", Q(1))], "id").data
     assert [row[1] for row in data[1:4]] == ["0.0000", "0.1505", "0.3010"]
+    long = growth_figure(replace(scene, t=Q(5)), [verdict(key, Q(1)) for key in ("forward_euler", "rk4")], "id")
+    assert "n from 0 to 50, logarithmic axis from 10⁻¹ to 10⁸. At the end: Forward Euler 3.36e+07, " in long.description
+    assert (long.plot.x.ticks, long.plot.y.ticks) == ([0, 20, 40], [0, 2, 4, 6, 8])
+    assert re.findall(r'(path m\d)" d="M52 ([\d.]+)L[^"]*L398 ([\d.]+)"', "".join(long.plot.drawn)) == [
+        ("path m0", "228.67", "38.01"),
+        ("path m1", "228.67", "232.03"),
+    ]
+    assert [long.data[i] for i in (1, 2, -1)] == [
+        ["0", "0.0000", "0.0000"],
+        ["2", "0.3010", "-0.0053"],
+        ["50", "7.5257", "-0.1328"],
+    ]
+
+
+def test_table_of_verdicts_says_each_limit_exactly_and_in_decimals() -> None:
+    keys = ("forward_euler", "rk4", "symplectic_euler", "implicit_midpoint", "dormand_prince54")
+    shown = verdicts_table(replace(PRESETS["compare"], h=Q(1)), [verdict(key, Q(1)) for key in keys])
+    assert [re.findall(r"<td>(.*?)</td>", row) for row in shown.split("</tr>")[1:-1]] == [
+        ["none", "–", "above", "unbounded", "0.414"],
+        ["2√2", "2.828427125", "below", "bounded", "-0.00609"],
+        ["2", "2", "below", "bounded", "0"],
+        ["all h", "–", "below", "bounded", "0"],
+        ["a root of degree 6", "0.9971890086", "above", "unbounded", "1.39e-6"],
+    ]
