@@ -127,7 +127,7 @@ def work_table(found: Sequence[Curve]) -> str:
             continue
         order = curve.order
         measured = f"{order.median:.3f} ({order.least:.3f} to {order.largest:.3f})" if order else "–"
-        enough = [[p.evaluations for p in curve.points if 0 <= p.error <= 10.0**g and p.evaluations] for g in _GOALS]
+        enough = [[p.evaluations for p in curve.points if p.error <= 10.0**g and p.evaluations] for g in _GOALS]
         fewest = [str(min(calls)) if calls else "not reached" for calls in enough]
         rows.append([curve.title, str(curve.claimed_order or "–"), measured, *fewest])
     return html_table([header, *rows], "Orders, and the least work seen", "orders")

@@ -10,13 +10,13 @@ import pytest
 
 from driftproof.numeric.run import run_method
 from driftproof.numeric.scenes import Scene
-from driftproof.reports.page.work import halved_and_doubled, work_curves
+from driftproof.numeric.work_precision.curves import Curve, Point
+from driftproof.reports.page.work import halved_and_doubled, work_curves, work_figure, work_table
 
 
 def test_numbers_of_steps_hold_the_scene_and_only_halve_and_doubles() -> None:
     assert halved_and_doubled(40) == [5, 10, 20, 40, 80, 160, 320, 640, 1280, 2560, 5120]
-    assert halved_and_doubled(7)[0] == 7
-    assert halved_and_doubled(3)[0] == 3
+    assert [halved_and_doubled(n)[0] for n in (3, 7, 11)] == [3, 7, 11]
     assert halved_and_doubled(10**6)[-1] == 10**6
     assert all(b == 2 * a for a, b in pairwise(halved_and_doubled(96)))
 
@@ -35,3 +35,12 @@ def test_work_is_measured_from_the_scene_s_own_start() -> None:
 def test_work_of_a_scene_that_runs_backwards_is_refused() -> None:
     with pytest.raises(ValueError, match="up to a t above 0"):
         work_curves(Scene("back", "rk4", Q(-1), Q(-3), panels=("work_precision",)))
+
+
+def test_methods_without_any_error_are_told_of() -> None:
+    found = [Curve("a", "A", 2, refused="has no steps"), Curve("b", "B", 0, [Point("8", 8, remark="lost", steps=8)])]
+    shown, figure = work_table(found), work_figure(found, "id", Q(1))
+    assert '<td colspan="4">has no steps</td>' in shown
+    assert "<td>–</td><td>–</td><td>not reached</td><td>not reached</td>" in shown
+    assert figure.description.endswith("A: none. B: none.")
+    assert figure.data[1:] == [["B", "8", "8", "lost"]]
