@@ -182,7 +182,8 @@ class _Made(NamedTuple):
         return made
 
     def _values(self, names: dict[str, str], state: Sequence[Any], t: float) -> list[Any]:
-        known = {"t": t, "h": 0.25, **dict.fromkeys(("f", "force"), lambda *x: -0.5 * x[-1]), "[q, v]": np.array(state)}
+        known = {"t": t, "h": 0.25, "[q, v]": np.array(state)}
+        known |= dict.fromkeys(("f", "force"), lambda *x: x[0] - 0.5 * x[-1])  # of the time, too, where it is given
         known |= dict(zip("y" if self.kind == FIELD else "qv", state, strict=True))
         return [known[name] for name in names.values()]
 
