@@ -68,7 +68,7 @@ BUDGETS = {
     "numeric": 4247,
     "blackbox": 17600,
     "enclosure": 3165,
-    "texts": 7172,
+    "texts": 7171,
 }
 BUDGET_OF_REPORTS_AND_FRONT = 5547
 # The goal is 65 of 100. Independent witnesses, campaigns and guards, 6,000 lines, are among the tests.

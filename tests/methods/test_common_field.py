@@ -51,6 +51,8 @@ def test_field_of_too_large_a_degree_is_refused() -> None:
         ("(1/2)**(1/2)", square_root(2) / 2),
         ("4**(1/4)", square_root(2)),
         ("2**(-1/3)", cube_root(4) / 2),
+        ("128**(1/7)", Q(2)),
+        ("2048**(1/11)", Q(2)),
     ],
 )
 def test_fractional_powers_of_rationals_are_exact(text: str, value: Q | Algebraic) -> None:

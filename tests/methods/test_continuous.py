@@ -36,7 +36,7 @@ def test_the_cubic_interpolates_any_cubic(theta):
     there = extension.step_to(theta)  # a step of theta h, which ends at the same place
     assert [theta * b for b in there.b] == values
     assert [theta * c for c in there.c] == [*extension.c]
-    assert there.inconsistencies() == {}
+    assert (there.inconsistencies(), there.claimed_order) == ({}, 0)
     assert (there.decimal, EXTENSIONS["tsitouras54_quartic"].step_to(theta).decimal) == (False, True)
 
 

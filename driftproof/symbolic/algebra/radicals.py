@@ -51,8 +51,8 @@ def root_decimal(root: RealRoot, digits: int = PRINTED_DIGITS) -> str:
 
 
 def _rational_power(x: Fraction, power: int) -> str | None:
-    """x**(1/power) for a rational x >= 0, with the perfect powers drawn out: x = p/q = p q**(power - 1) / q**power."""
-    if power == 1 or x == 0:
+    """x**(1/power), powers drawn out, for a rational x, above 0 for roots: p/q = p q**(power - 1) / q**power."""
+    if power == 1:
         return str(x)
     split = perfect_part(x.numerator * x.denominator ** (power - 1), power)
     if split is None:

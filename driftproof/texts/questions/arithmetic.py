@@ -107,11 +107,10 @@ def _logarithm(a: Answer, base: int = 0) -> Answer:
         return Answer("", Fraction(0), a.evidence) if x == 1 else _enclosed(a, arb.log, "log")
     if isinstance(x, Fraction) and 1 in (x.numerator, x.denominator):
         size = max(x.numerator, x.denominator)
-        # log10(2) = 0.30103: off by less than 1 for every number that is not refused as too long.
-        guess = size.bit_length() - 1 if base == 2 else (size.bit_length() - 1) * 30103 // 100000
-        for exponent in (guess, guess + 1):
-            if base**exponent == size:
-                return Answer("", Fraction(exponent if x >= 1 else -exponent), a.evidence)
+        # 10^k has more than k log2(10) bits, and at most one more: 0.30103 = log10(2) of them are k and less than 1.
+        exponent = size.bit_length() - 1 if base == 2 else size.bit_length() * 30103 // 100000
+        if base**exponent == size:
+            return Answer("", Fraction(exponent if x >= 1 else -exponent), a.evidence)
     return _enclosed(a, lambda ball: ball.log() / arb(base).log())
 
 

@@ -56,7 +56,8 @@ def test_common_roots_change_only_where_the_critical_polynomial_vanishes() -> No
     merging = merging_values(X**2 - T, (X**2 - T).derivative(0))
     assert merging is not None
     assert [merging(fmpq(t)) == 0 for t in (-1, 0, 1)] == [False, True, False]
-    assert merging_values(X**2 - T, 0 * X) is None
+    assert [merging_values(X**2 - T, c + 0 * X) is None for c in (0, 1, -1)] == [True, False, False]
+    assert [merging_values(c + 0 * X, X**2 - T) is None for c in (0, 1, -1)] == [True, False, False]
     constants = ParametricPair(lambda t: (fmpq_poly([t]), fmpq_poly([1])), (0, 0), (1, 0))
     assert critical_polynomial(constants) == 1
 

@@ -13,7 +13,7 @@ from hypothesis import given
 
 from driftproof import strategies
 from driftproof.methods.number_field import Exact, square_root
-from driftproof.methods.schemes import RungeKutta
+from driftproof.methods.schemes import Collocation, RungeKutta
 from driftproof.symbolic.derivation.convergence import local_error
 from driftproof.symbolic.derivation.one_step import one_step_matrix
 from driftproof.symbolic.trees.order_conditions import (
@@ -89,6 +89,8 @@ def test_order_is_three_answers_that_are_not_confused() -> None:
     assert order_to_tolerance(conditions, tiny / 2) == 4
     assert order_to_tolerance(conditions, tiny / 2 - Q(1, 10**40)) == 1
     assert order_to_tolerance(runge_kutta_conditions(RK4), 0) == order(RK4).order == 4
+    by_nodes = Collocation("x", "Gauss of two stages", 0, "test", (Q(1, 6), Q(-1), Q(1)))
+    assert order_to_tolerance(runge_kutta_conditions(by_nodes), 0) == 4
 
 
 def test_tolerance_does_not_invent_an_order_that_so_few_stages_cannot_have() -> None:
