@@ -64,15 +64,15 @@ NOT_ELSEWHERE = "sympy"
 BUDGETS = {
     "support": 1167,
     "methods": 5313,
-    "symbolic": 10738,
-    "numeric": 4247,
-    "blackbox": 17600,
-    "enclosure": 3165,
+    "symbolic": 10418,
+    "numeric": 4186,
+    "blackbox": 17537,
+    "enclosure": 3130,
     "texts": 7171,
 }
 BUDGET_OF_REPORTS_AND_FRONT = 5547
 # The goal is 65 of 100. Independent witnesses, campaigns and guards, 6,000 lines, are among the tests.
-TESTS_PER_LINE_OF_SOURCE = Fraction(98, 100)
+TESTS_PER_LINE_OF_SOURCE = Fraction(92, 100)
 
 # A file of fewer lines needs a reason.
 SMALLEST = 40
