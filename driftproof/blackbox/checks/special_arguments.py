@@ -136,7 +136,7 @@ def _told(subject: ForeignStepper) -> CheckResult:
 
     def rate(at: float, y: list[float]) -> list[float]:
         asked.append(at)
-        return [y[1], -y[0]]
+        return [*y]
 
     subject.step_field(rate, t, list(ORDINARY_STATE), h)
     if any(t <= at <= t + h for at in asked):

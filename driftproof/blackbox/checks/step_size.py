@@ -27,6 +27,8 @@ _KEY = "step_size"
 _SPEEDS = (0.5671432904097838, 0.5671432904097838 * 2.0**-20)
 # Long enough for any bound in use, and short enough for a stepper that takes sub-steps of 1/10000.
 _LONGEST, _SHORTEST = 16.0, 2.0**-40
+# Between them a step is looked for that is another, so that an edge lies in between.
+_LENGTHS = (_SHORTEST, 2.0**-20, 2.0**-10, TYPICAL_STEP, 1.0, 4.0, _LONGEST)
 # Fixed steps with names: 1/60, 1/240, ...
 _DENOMINATORS = 1000
 # An answer may be the same for a few neighbouring h: it has as many bits as h, and is made by a few roundings.
@@ -95,7 +97,7 @@ def _capped(taken: _Taken) -> _Found | None:
     """Whether all long steps are one step."""
     if not taken.alike(_LONGEST / 2, _LONGEST):
         return None
-    unlike = next(h for h in (4.0, 1.0, TYPICAL_STEP, 2.0**-10, _SHORTEST) if not taken.alike(h, _LONGEST))
+    unlike = next(h for h in reversed(_LENGTHS) if not taken.alike(h, _LONGEST))
     cap = taken.bound(_LONGEST, unlike)
     return f"h is capped at {short_name(cap)}", (taken.trial(cap), taken.trial(_LONGEST))
 
@@ -104,7 +106,7 @@ def _raised(taken: _Taken) -> _Found | None:
     """Whether all short steps are one step, or none."""
     if taken.runner.grain or not taken.alike(_SHORTEST, 2.0**-30):
         return None
-    unlike = next(h for h in (2.0**-20, 2.0**-10, TYPICAL_STEP, 1.0, 4.0, _LONGEST) if not taken.alike(h, _SHORTEST))
+    unlike = next(h for h in _LENGTHS if not taken.alike(h, _SHORTEST))
     shortest = taken.trial(_SHORTEST)
     if not same(shortest.answer, shortest.given[:2]):
         least = taken.bound(_SHORTEST, unlike)

@@ -98,23 +98,22 @@ def read_implicit_forces(subject: ForeignStepper) -> ForceReading:
     """
     steps = ForcedSteps(subject)
     read, chains = told_by_chains(steps)
-    weights, drift, nodes = [], 0.0, list[float]()
+    weights, moved, nodes = [], [], []
     for position in (None, 0.0):
         steps.position = position
         weights.append(tuple(chains.weight(label) for label in chains.kept))
-        moved = _moved(chains, None)
-        drift = moved if position is None else drift
-        if position is not None and abs(moved - 1) > read.rounding.of(1.0):
-            raise NotReadable(f"without a force, the new velocity is {moved:.6g} v, not 1 v")
-    b_position, b_velocity = weights
+        moved.append(_moved(chains, None))
+    (b_position, b_velocity), (drift, kept) = weights, moved
+    if abs(kept - 1) > read.rounding.of(1.0):
+        raise NotReadable(f"without a force, the new velocity is {kept:.6g} v, not 1 v")
     for i, label in enumerate(chains.kept):
         steps.position, weight = (0.0, b_velocity[i]) if b_velocity[i] else (None, b_position[i])
         if not weight:
             raise NotReadable("a stage of it has no weight, and its position is not told")
         nodes.append(_moved(chains, label) / weight)
     timed = zip(nodes, read.c or (), strict=False)
-    late = [(c, t) for c, t in timed if abs(c - t) > read.rounding.of(1 + abs(c))]
-    wrong = [f"its force is asked at t + {t:.6g} h for the position of t + {c:.6g} h" for c, t in late]
+    late = ((c, t) for c, t in timed if abs(c - t) > read.rounding.of(1 + abs(c)))
+    wrong = (f"its force is asked at t + {t:.6g} h for the position of t + {c:.6g} h" for c, t in late)
     velocities = _velocities(subject, b_velocity) if subject.gives_velocities else None
     if all(map(is_explicit, filter(None, (read.a, velocities)))):
         raise NotReadable("none of its stages is implicit")
@@ -126,7 +125,7 @@ def read_implicit_forces(subject: ForeignStepper) -> ForceReading:
         drift,
         read.format,
         read.remarks,
-        wrong_time="; ".join(wrong[:1]),
+        wrong_time=next(wrong, ""),
         a_velocity=velocities,
         stage_error=chains.left,
         solved=read.solved,

@@ -249,16 +249,16 @@ def _far_out(subject: ForeignStepper, reading: LinearReading) -> tuple[str, ...]
 def _with_steps(subject: ForeignStepper, reading: LinearReading) -> LinearReading:
     found, failures = [], []
     for text in (*DYADIC, *NOT_DYADIC, *_FAR):
-        h = _in_format(reading.format, reading.unit * float(Fraction(text)))
+        h, forward = _in_format(reading.format, reading.unit * float(Fraction(text))), text[0] != "-"
         try:
             found.append((h, _matrix(subject, h, reading.amplitude)))
         except (Misbehaviour, NoAnswer) as failure:
-            if 0 < h <= reading.unit / 2:
+            if forward and h <= reading.unit / 2:
                 raise
-            failures.append((h, str(failure)))
+            failures.append((forward, h, str(failure)))
     remarks = list(reading.remarks)
-    for backwards in (True, False):
-        at = [(h, seen) for h, seen in failures if (h < 0) == backwards]
+    for way in (False, True):
+        at = [(h, seen) for forward, h, seen in failures if forward is way]
         if at:
             steps = ", ".join(f"{h:g}" for h, _ in at)
             remarks.append(f"no answer at h = {steps}: {at[0][1]}")

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from driftproof.blackbox.checks.borders import edge, negligible_step, rounder, short_name
+from driftproof.blackbox.checks.borders import NegligibleStep, edge, negligible_step, rounder, short_name
 from driftproof.blackbox.checks.trials import Trial, TrialRunner, steady_runner
 from driftproof.blackbox.stepper.opening import opened
 from driftproof.symbolic.rounding.formats import BINARY16, BINARY32
@@ -61,6 +61,19 @@ def test_the_other_component_came_back_only_if_it_did():
     for component, q, v in ((0, 0.5, 2.0), (1, 2.0, 0.5)):
         for answer, kept in (((q, v), True), ((q + 0.1, v), component == 0), ((q, v + 0.1), component == 1)):
             assert short.keeps_other(component, Trial("", (q, v, short.h), answer)) is kept
+
+
+# A step of h = 2**-20 of an oscillator moves a number by h times the size, and less than four times that; besides there
+# is the slack, of numbers of size 1 and more.
+@pytest.mark.parametrize("size", [0.25, 3.0])
+@pytest.mark.parametrize("slack", [0.0, 2.0**-30])
+def test_a_short_step_may_move_a_state_by_so_much(size, slack):
+    short = NegligibleStep(RUNNER, 2.0**-20, (1.0, 1.0), slack)
+    allowed = 4 * short.h * size + slack * max(1.0, size)
+    for factor, kept in ((1, True), (1 + 2.0**-20, False)):
+        moved = Trial("", (size, 0.0, short.h), (size, allowed * factor)), Trial("", (0.0, -size, 0.0), (0.0, -size))
+        assert (short.keeps(moved[0]), short.keeps_other(0, moved[0]), short.keeps(moved[1])) == (kept, kept, True)
+    assert not short.keeps(Trial("", (size, 0.0, short.h), failure="raises ValueError"))
 
 
 @pytest.mark.parametrize(("fmt", "kind"), [(BINARY32, np.float32), (BINARY16, np.float16)])

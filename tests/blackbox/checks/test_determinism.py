@@ -96,12 +96,13 @@ class Uncopied(Multistep):
 class LastBit:
     """Every other answer is an ulp, or a few, away."""
 
-    def __init__(self, ulps):
-        self.calls, self.ulps = 0, ulps
+    def __init__(self, ulps, of_velocity=0):
+        self.calls, self.ulps, self.of_velocity = 0, ulps, of_velocity
 
     def __call__(self, q, v, h):
         self.calls += 1
-        return (q + h * v) * (1 + self.ulps * 2.0**-52 * (self.calls % 2)), v - h * q
+        odd = self.calls % 2
+        return q + h * v + self.ulps * 2.0**-53 * odd, v - h * q + self.of_velocity * 2.0**-54 * odd
 
 
 UNSTEADY = {
@@ -110,7 +111,9 @@ UNSTEADY = {
     "memory that is not copied": lambda: Uncopied().step,
     "a counter": lambda: Counter().step,
     "a bit": lambda: LastBit(1),
-    "a few bits": lambda: LastBit(12),
+    "a bit of the smaller number": lambda: LastBit(0, 1),
+    "a few bits": lambda: LastBit(16),
+    "some bits": lambda: LastBit(17),
     "some digits": lambda: LastBit(1e6),
     "Python's random numbers": lambda: lambda q, v, h: (q + h * v + 1e-9 * random.random(), v - h * q),
     "NumPy's": lambda: lambda q, v, h: (q + h * v + 1e-9 * np.random.rand(), v - h * q),
@@ -121,4 +124,6 @@ UNSTEADY = {
 def test_all_that_is_said_of_a_step_that_varies_is_as_before(name, as_before):
     random.seed(5)
     np.random.seed(5)
-    as_before(*((seen.key, seen.holds, seen.words, len(seen.example)) for seen in repeats(opened(UNSTEADY[name]()))))
+    subject = opened(UNSTEADY[name]())
+    said = [(seen.key, seen.holds, seen.words, *(trial.line for trial in seen.example)) for seen in repeats(subject)]
+    as_before(*said, f"{subject.log.calls} calls")

@@ -2,6 +2,7 @@
 
 import json
 import warnings
+from textwrap import shorten
 
 import numpy as np
 import pytest
@@ -14,7 +15,15 @@ from driftproof.blackbox.stepper.opening import Target
 from driftproof.methods.catalogue import METHODS
 from driftproof.numeric.steppers import float_stepper
 from tests.blackbox import handwritten_steppers as codes
-from tests.blackbox.checks import habits
+from tests.blackbox.checks import (
+    habits,
+    test_arguments,
+    test_domain,
+    test_homogeneity,
+    test_special_arguments,
+    test_step_size,
+)
+from tests.blackbox.checks.edges import EDGES, EDGES_IN_BINARY32
 from tests.blackbox.transcripts import Asked
 from tests.looping import some
 
@@ -175,6 +184,9 @@ HABITS = {name: step for name, step in vars(habits).items() if name.isupper() an
 }
 HABITS |= {f"the {name} of others": vars(codes)[name] for name in ("rk4", "velocity_verlet", "rk4_in_lists")}
 UNREPEATABLE = HABITS.pop("UNREPEATABLE")
+for module in (test_arguments, test_domain, test_homogeneity, test_special_arguments, test_step_size):
+    HABITS |= {shorten(words, 60): step for step, *_, words in module.FAULTS if step not in HABITS.values()}
+HABITS |= {shorten(words, 60): step for step, words in test_homogeneity.NONLINEAR} | EDGES | EDGES_IN_BINARY32
 
 
 IN_BINARY32 = ("plain", "SPEED_CAPPED", "SLOW_SPEEDS_REST", "EPISODE", "WRAPPED", "FORCE_LIMITED", "PENDULUM")
@@ -182,9 +194,12 @@ IN_BINARY32 += ("SUB_STEPS", "ITERATES", "the rk4 of others")
 
 
 @pytest.mark.parametrize(
-    ("name", "array"), [*((name, None) for name in HABITS), *((name, np.float32) for name in IN_BINARY32)]
+    ("name", "array"),
+    [*((name, None) for name in HABITS), *((name, np.float32) for name in (*IN_BINARY32, *EDGES_IN_BINARY32))],
 )
 def test_all_that_is_asked_and_said_of_a_planted_habit_is_as_before(name, array, as_before):
     asked = Asked(HABITS[name])
     said = [line for line in said_of(asked.code, array=array) if line not in ORDINARY or name == "plain"]
+    if name in (*EDGES, *EDGES_IN_BINARY32):  # in short
+        said = [line for line in said if not line.startswith(" ")]
     as_before(*said, asked)

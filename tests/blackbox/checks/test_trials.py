@@ -28,19 +28,19 @@ def test_the_arithmetic_of_a_stepper_is_seen(step, fmt, grain):
 
 
 def test_so_much_counts_as_rounding_as_a_format_and_a_grain_leave():
-    found = [
-        TrialRunner(None, fmt, grain).rounding for fmt, grain in ((BINARY64, 0.0), (BINARY16, 0.0), (BINARY64, 1.0))
-    ]
-    assert found == [1024 * 2.0**-53, 2.0**-5, 1024 * 2.0**-53 + 4.0]
+    runners = TrialRunner(None), TrialRunner(None, BINARY16), TrialRunner(None, grain=1.0)
+    assert [runner.rounding for runner in runners] == [1024 * 2.0**-53, 2.0**-5, 1024 * 2.0**-53 + 4.0]
 
 
-def test_states_are_small_enough_for_a_limit_that_only_a_step_of_zero_shows():
+# A state of ordinary size is (0.739, 0.567).
+@pytest.mark.parametrize(("limit", "size"), [(0.74, 1), (0.3, 0.125), (0.012, 2.0**-6), (0.0015, 2.0**-9), (1e-3, 1.0)])
+def test_states_are_small_enough_for_a_limit_that_only_a_step_of_zero_shows(limit, size):
     def limited(q, v, h):
         if 0 < abs(h) < 1e-200:
             raise ValueError("the step is too short")
-        return max(-0.3, min(0.3, q + h * v)), v - h * q
+        return max(-limit, min(limit, q + h * v)), v - h * q
 
-    assert (steady_runner(opened(limited)).size, steady_runner(opened(habits.plain)).size) == (2.0**-3, 1.0)
+    assert steady_runner(opened(limited)).size == size
 
 
 def test_no_trials_are_made_of_answers_that_vary():
