@@ -112,7 +112,7 @@ def driven(size: int, *, timed: bool) -> NonlinearProblem:
         words = f"a nonlinear problem of {numbers}, {'with t' if timed else 'without t: the code hands on no time'}"
         return NonlinearProblem(words, _bells(timed), _solution(size, timed), timed=timed)
     words = "y' = exp(-y), without t: the code hands on no time"
-    return NonlinearProblem(words, lambda t, y: [_exp(-y[0])], lambda t: [(1 + t).log()])
+    return NonlinearProblem(words, lambda t, y: [capped_exp(-y[0])], lambda t: [(1 + t).log()])
 
 
 def force_problem(subject: ForeignStepper) -> NonlinearProblem:
@@ -129,13 +129,13 @@ def dragged_problem(subject: ForeignStepper, positions: int = 1) -> NonlinearPro
     still = pushed(positions, timed=True) if timed else walls(positions)
 
     def pull(q: AnyNumber, v: AnyNumber) -> AnyNumber:
-        return (1 + v) * (1 + v) / (1 + q * q) if timed else _exp(-2 * q) + v * v
+        return (1 + v) * (1 + v) / (1 + q * q) if timed else capped_exp(-2 * q) + v * v
 
     def rate(t: AnyNumber, y: Sequence[AnyNumber]) -> _State:
         q, v = _halves(y, positions)
         pulls = [pull(q[(i + 1) % positions], v[(i + 1) % positions]) for i in range(positions)]
         if not timed:
-            return [*v, *(_exp(-2 * x) * p for x, p in zip(q, pulls, strict=True))]
+            return [*v, *(capped_exp(-2 * x) * p for x, p in zip(q, pulls, strict=True))]
         bells = [_bell(i, t) for i in range(positions)]
         own = [8 * x * x * bell**3 - 2 * bell * bell for x, bell in bells]
         known = [pull(bell, -2 * x * bell * bell) for x, bell in [*bells[1:], bells[0]]]
@@ -258,7 +258,8 @@ def pushed(positions: int, *, timed: bool) -> NonlinearProblem:
     return NonlinearProblem(words, rate, solution, positions, timed=timed)
 
 
-def _exp(x: AnyNumber) -> AnyNumber:
+def capped_exp(x: AnyNumber) -> AnyNumber:
+    """The exponential, of a float at most that of 700."""
     return x.exp() if isinstance(x, arb) else exp(min(x, _LARGEST_EXPONENT))
 
 
@@ -271,7 +272,7 @@ def walls(positions: int) -> NonlinearProblem:
 
     def rate(t: AnyNumber, y: Sequence[AnyNumber]) -> _State:
         half = len(y) // 2
-        return [*y[half:], *(_exp(-2 * q) for q in y[:half])]
+        return [*y[half:], *(capped_exp(-2 * q) for q in y[:half])]
 
     words = "q'' = exp(-2q)" if positions == 1 else f"q'' = exp(-2q) of {positions} positions"
     return NonlinearProblem(words, rate, solution, positions, coupled=False)

@@ -6,12 +6,13 @@ import re
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import chain, islice
-from math import exp, isfinite
+from math import isfinite
 from typing import Any, TypeAlias
 
 import numpy as np
 
 from driftproof.blackbox.findings import Misbehaviour
+from driftproof.blackbox.judging.nonlinear_problems import capped_exp
 from driftproof.blackbox.probes.coefficients import exact_shown, simple_rational
 from driftproof.blackbox.probes.scripted_answers import Rounding
 from driftproof.blackbox.stepper.calling_conventions import MAP
@@ -94,7 +95,7 @@ def single_mistakes(subject: ForeignStepper, method: Method) -> tuple[str, ...]:
 
 
 def _wall(q: float) -> float:
-    return exp(min(-2 * q, 700.0))
+    return float(capped_exp(-2 * q))
 
 
 def _near(

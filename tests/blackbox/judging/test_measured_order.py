@@ -105,6 +105,17 @@ def test_a_built_in_system_is_not_asked():
         measured_orders(opened(lambda q, v, h: (q + h * v, v - h * q)))
 
 
-@pytest.mark.parametrize("wrong", [math.nan, math.inf])
-def test_errors_that_are_no_numbers_end_the_slopes(wrong):
-    assert power_of_errors([1.0, 0.5, wrong, 0.1], [0.0] * 4) == (None, (1.0,))
+@pytest.mark.parametrize(
+    ("errors", "noise", "seen"),
+    [
+        ([1.0, 0.5, math.nan, 0.1], 0.0, (None, (1.0,))),
+        ([1.0, 0.5, math.inf, 0.1], 0.0, (None, (1.0,))),
+        ([8.0, 4.0, 1.0, 0.25], 0.2, (2, (1.0, 2.0, 2.0))),
+        ([8.0, 4.0, 1.0, 0.25], 0.25, (None, (1.0, 2.0))),
+        ([4.0, 1.0], 0.5, (None, (2.0,))),
+        ([1.0, 2.0**-2.25, 2.0**-4.5], 0.0, (2, (2.25, 2.25))),
+        ([1.0, 2.0**-2.375, 2.0**-4.75], 0.0, (None, (2.375, 2.375))),
+    ],
+)
+def test_the_slopes_end_in_the_noise_and_two_that_agree_show_a_power(errors, noise, seen):
+    assert power_of_errors(errors, [noise] * len(errors)) == seen

@@ -1,14 +1,25 @@
 """The nonlinear problems are solved by what they say, and ask a stepper with as many numbers as it takes, in time."""
 
 from itertools import product
+from math import exp
 
+import numpy as np
 import pytest
 from flint import arb, ctx
 
 from driftproof.blackbox.findings import Misbehaviour, UnsupportedCall
-from driftproof.blackbox.judging.nonlinear_problems import field_problem, force_problem, force_problems, pushed, walls
+from driftproof.blackbox.judging.nonlinear_problems import (
+    dragged_problem,
+    field_problem,
+    force_problem,
+    force_problems,
+    moved,
+    pushed,
+    walls,
+)
 from driftproof.blackbox.stepper.opening import opened
 from tests.blackbox import handwritten_steppers as codes
+from tests.blackbox.dragged_steppers import of_stages, semi_implicit
 from tests.looping import exactly
 
 
@@ -35,6 +46,9 @@ PROBLEMS += [
     ("a nonlinear q'' = F(t, q)", force_problem(opened(codes.rk4))),
     ("a nonlinear q'' = F(t, q) of 2 positions", pushed(2, timed=True)),
     ("a nonlinear q'' = F(q) of 3 positions, the last being the time", pushed(3, timed=False)),
+    ("a nonlinear q'' = F(t, q, v)", dragged_problem(opened(of_stages("rk4")))),
+    ("a nonlinear q'' = F(t, q, v) of 3 positions", dragged_problem(opened(of_stages("rk4")), 3)),
+    ("a nonlinear q'' = F(q, v) of 2 positions", dragged_problem(opened(semi_implicit), 2)),
 ]
 
 
@@ -48,6 +62,17 @@ def test_the_solution_solves_the_problem_and_the_code_is_asked_as_it_asks(words,
             slopes = problem.rate(arb(t), here)
             differences = [(y - x) / (2 * width) for x, y in zip(before, after, strict=True)]
             assert all(abs(x - y) < 2.0**-180 for x, y in zip(slopes, differences, strict=True))
+
+
+@pytest.mark.parametrize("problem", [problem for _, problem in PROBLEMS], ids=[words for words, _ in PROBLEMS])
+def test_what_a_problem_asks_is_what_it_was_and_at_other_sizes_and_times(problem, as_before):
+    said = []
+    for each in (problem, moved(problem, (2.0, -0.5, 8.0), 4.0, -1.5)):
+        n, y = each.positions, [float(x.mid()) + i / 7 for i, x in enumerate(each.solution(arb(0.3)))]
+        forces = each.force(-0.4, y[:n]) if n and not each.dragged else []
+        numbers = (*y, *each.rate(0.3, y), *each.rate(arb(0.7), [arb(x) for x in y]), *forces)
+        said += [(n, each.names, each.scales, each.timed, each.coupled), " ".join(f"{float(x):.12g}" for x in numbers)]
+    as_before(*said)
 
 
 def test_every_slope_depends_on_the_time_and_on_other_numbers():
@@ -85,24 +110,34 @@ def floats_only(force, q, v, h):
     return codes.velocity_verlet(force, float(q), float(v), h)
 
 
+def of_two_positions(force, q, v, h):
+    first, second = q
+    return codes.velocity_verlet(force, np.array([first, second]), v, h)
+
+
 def one_by_one(force, q, v, h):
     pairs = [codes.velocity_verlet(force, x, w, h) for x, w in zip(q, v, strict=True)]
     return [x for x, _ in pairs], [w for _, w in pairs]
 
 
 SHAPES = {
-    codes.velocity_verlet: [(3, False)],
-    floats_only: [(1, False)],
-    one_by_one: [(2, False)],
-    codes.symplectic_euler_in_a_field: [(1, False)],
-    codes.rk4: [(2, False), (2, True)],
-    codes.rk4_without_time: [(3, False), (3, True)],
+    codes.velocity_verlet: [(3, False, True)],
+    of_two_positions: [(2, False, True)],
+    floats_only: [(1, False, False)],
+    one_by_one: [(2, False, False)],
+    codes.symplectic_euler_in_a_field: [(1, False, True)],
+    codes.rk4: [(2, False, True), (2, True, True)],
+    codes.rk4_without_time: [(3, False, True), (3, True, True)],
 }
 
 
 @pytest.mark.parametrize(("step", "shapes"), SHAPES.items(), ids=lambda step: getattr(step, "__name__", ""))
 def test_a_stepper_is_asked_with_the_most_positions_that_it_takes(step, shapes):
-    assert [(each.positions, each.interleaved) for each in force_problems(opened(step))] == shapes
+    assert [(each.positions, each.interleaved, each.coupled) for each in force_problems(opened(step))] == shapes
+
+
+def test_a_step_that_goes_far_meets_no_force_beyond_that_of_the_largest_exponent():
+    assert walls(1).rate(0.0, [-1e9, 2.0]) == [2.0, exp(700.0)]
 
 
 def test_a_built_in_system_has_no_force():

@@ -9,7 +9,7 @@ import pytest
 
 from driftproof.blackbox.findings import UnsupportedCall
 from driftproof.blackbox.judging.agreement import NO_ALLOWANCE
-from driftproof.blackbox.judging.nonlinear_step import nonlinear_agreement, nonlinear_twins
+from driftproof.blackbox.judging.nonlinear_step import allowed_off, nonlinear_agreement, nonlinear_twins
 from driftproof.blackbox.judging.tolerance import Allowance
 from driftproof.blackbox.stepper.opening import opened
 from driftproof.methods.catalogue import METHODS
@@ -53,6 +53,20 @@ def test_an_implicit_method_agrees_with_itself_and_with_no_neighbour(key):
     assert nonlinear_agreement(subject, method, SOLVED).holds
     other = METHODS["backward_euler" if key != "backward_euler" else "trapezoid"]
     assert not nonlinear_agreement(subject, other, SOLVED).holds
+
+
+@pytest.mark.parametrize(
+    ("key", "allowance", "roundings", "more"),
+    [
+        ("rk4", NO_ALLOWANCE, 4 * (4 + 2), 0.0),
+        ("ruth3", Allowance(velocity_from_positions=True), 4 * (6 + 2), 2 * 3.0 * 2.0**-24 / 0.125),
+        ("gauss2", Allowance(solver_tolerance=2.0**-20), 4 * (2 + 2), 4 * 3.0 * 2.0**-20),
+    ],
+)
+def test_a_number_may_be_off_by_what_rounding_a_quotient_and_a_solver_leave(key, allowance, roundings, more):
+    subject = opened(codes.in_precision(codes.rk4, np.float32), "field")
+    found = allowed_off(subject, METHODS[key], allowance, 3.0, 0.125)
+    assert found == roundings * (2.0**-24 * 2 * 3.0 + 2.0**-149) + more
 
 
 @pytest.mark.parametrize(("times", "holds"), [(3.9, True), (4.1, False)])

@@ -4,10 +4,12 @@ import numpy as np
 import pytest
 
 from driftproof import verify
+from driftproof.blackbox.judging.agreement import Domain
 from driftproof.blackbox.judging.state_objects import state_objects
 from driftproof.blackbox.stepper.opening import opened
 from driftproof.methods.catalogue import METHODS
 from tests.blackbox import handwritten_steppers as codes
+from tests.blackbox.transcripts import Asked
 
 FEW = 50
 KEPT = np.empty(64)
@@ -100,10 +102,22 @@ FOUND = {
 
 
 @pytest.mark.parametrize(("step", "key", "holds", "words"), FOUND.values(), ids=FOUND)
-def test_the_objects_of_a_state_are_told_and_what_depends_on_them_fails(step, key, holds, words):
-    passed, said, _ = state_objects(opened(step), METHODS[key])
+def test_the_objects_of_a_state_are_told_and_what_depends_on_them_fails(step, key, holds, words, as_before):
+    asked = Asked(step)
+    passed, said, _ = state_objects(opened(asked.code), METHODS[key])
     assert passed is holds, said
     assert words in said
+    as_before(said, asked)
+
+
+# Beyond where a caller forbids them, none of the ordinary steps is taken.
+@pytest.mark.parametrize("array", [None, np.float32])
+def test_the_objects_of_a_small_domain_are_asked_within_it(array, as_before):
+    asked = Asked(codes.velocity_verlet)
+    narrow = Domain(largest_step=0.06, largest_state=1.0, smallest_step=0.0)
+    passed, said, _ = state_objects(opened(asked.code, array=array), METHODS["velocity_verlet"], domain=narrow)
+    assert passed is True
+    as_before(said, asked)
 
 
 def test_the_verdict_is_that_of_the_object_and_says_which():

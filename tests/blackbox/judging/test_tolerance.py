@@ -14,7 +14,7 @@ from driftproof.blackbox.stepper.opening import opened
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.stepping import oscillator
 from driftproof.numeric.steppers import float_stepper
-from driftproof.symbolic.rounding.formats import BINARY32
+from driftproof.symbolic.rounding.formats import BINARY32, BINARY64
 from driftproof.symbolic.runs import exact_matrix_at
 from tests.looping import exactly
 from tests.witnesses.any_order import any_order
@@ -62,6 +62,27 @@ def test_a_relative_error_of_1e_13_in_a_weight_is_seen():
 def test_nothing_that_is_not_finite_is_allowed():
     judged = Tolerance(EULER).judge(1.0, 1.0, 0.5, (nan, inf))
     assert [(x.allowed, x.ratio) for x in judged] == [(False, inf), (False, inf)]
+
+
+JUDGED = {
+    "rk4": (BINARY64, {}),
+    "yoshida4": (BINARY32, {}),
+    "ruth3": (BINARY32, {"flush_to_zero": True}),
+    "midpoint2": (BINARY32, {"step_in_binary32": True}),
+    "symplectic_euler": (BINARY32, {"velocity_from_positions": True}),
+    "gauss2": (BINARY64, {"solver_tolerance": 1e-9}),
+    "backward_euler": (BINARY32, {"solver_tolerance": 0.0}),
+}
+
+
+@pytest.mark.parametrize("key", JUDGED)
+def test_an_error_is_what_it_was_in_units_of_its_bound_and_of_the_monomials(key, as_before):
+    form, allowance = JUDGED[key]
+    tolerance, said = Tolerance(METHODS[key], form, Allowance(**allowance)), []
+    for q, v, h in ((0.75, -1.3, 0.3), (-2.5, 3e-4, -1.75), (2.0**-125, 2.0**-127, 0.1)):
+        q1, v1 = (float(x.mid()) for x in tolerance.exact(q, v, h))
+        said += [q1, v1, *tolerance.judge(q, v, h, (q1 + 1e-9, v1 * (1 - 1e-8)))]
+    as_before(*(f"{x:.9g}" if isinstance(x, float) else f"{x.allowed} {x.ratio:.9g} {x.scaled:.9g}" for x in said))
 
 
 def test_what_underflows_has_no_scaled_error():

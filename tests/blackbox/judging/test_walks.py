@@ -13,6 +13,7 @@ from driftproof.methods.catalogue import METHODS
 from driftproof.methods.stepping import stepper
 from tests.blackbox import handwritten_steppers as codes
 from tests.blackbox.judging.test_nonlinear_step import SOLVED, iterated
+from tests.blackbox.transcripts import Asked
 
 RK4, VERLET = METHODS["rk4"], METHODS["velocity_verlet"]
 
@@ -71,15 +72,19 @@ WRONG = {
 
 
 @pytest.mark.parametrize(("step", "method", "cause"), WRONG.values(), ids=WRONG)
-def test_what_is_wrong_elsewhere_alone_is_caught_and_named(step, method, cause):
-    passed, words, _ = walked(opened(step), method)
+def test_what_is_wrong_elsewhere_alone_is_caught_and_named(step, method, cause, as_before):
+    asked = Asked(step)
+    passed, words, _ = walked(opened(asked.code), method)
     assert passed is False
     assert cause in words
+    as_before(words, asked)
 
 
 @pytest.mark.parametrize("key", ["forward_euler", "rk4", "dormand_prince54", "yoshida6", "nystrom5", "ssprk104"])
-def test_explicit_methods_are_themselves_everywhere_by_their_force(key):
-    passed, words, _ = walked(opened(stepper(METHODS[key], float), "force"), METHODS[key])
+def test_explicit_methods_are_themselves_everywhere_by_their_force(key, as_before):
+    asked = Asked(stepper(METHODS[key], float))
+    passed, words, _ = walked(opened(asked.code, "force"), METHODS[key])
+    as_before(asked)
     assert (passed, words) == (True, "9 times 4 steps, each from the end of the one before, of 1, 2, 3, 5, 9 positions")
 
 
@@ -95,10 +100,12 @@ def test_explicit_methods_are_themselves_everywhere_by_their_force(key):
         (iterated("gauss2"), METHODS["gauss2"], "of 1, 2, 3, 5 numbers"),
     ],
 )
-def test_right_codes_are_right_everywhere_and_it_is_said_where(step, method, seen):
-    passed, words, _ = walked(opened(step), method, NO_ALLOWANCE if method.explicit else SOLVED)
+def test_right_codes_are_right_everywhere_and_it_is_said_where(step, method, seen, as_before):
+    asked = Asked(step)
+    passed, words, _ = walked(opened(asked.code), method, NO_ALLOWANCE if method.explicit else SOLVED)
     assert passed is True, words
     assert seen in words
+    as_before(words, asked)
 
 
 def test_what_is_refused_is_no_fault_and_is_told():
