@@ -157,7 +157,7 @@ def on_force(method: Method) -> Candidate:
 
 def newmark(read: ExactTable) -> Iterator[Candidate]:
     """Newmark's method with the beta and the gamma of a table of two stages, the first of them at the start."""
-    if read.calls != 2 or read.nodes is None:
+    if read.calls != 2:
         return
     last = int(np.argmax(read.node_values))
     beta, gamma = (_told(read.entries[row][last].value) for row in (2, 3))
@@ -181,7 +181,7 @@ def field_variants(timed: bool, calls: int, factor: Fraction, *, implicit: bool 
     """Variants of the catalogue's methods with so many stages that count; `factor` is the step in units of h."""
     for method, candidate in zip(_runge_kutta(implicit), field_methods(timed, implicit), strict=True):
         make = partial(tableau_of, method)
-        if isinstance(method, RungeKutta) and method.b_embedded is not None and calls <= method.stages:
+        if isinstance(method, RungeKutta) and method.b_embedded is not None:
             yield Candidate(method.key, EMBEDDED, _in_field(partial(make, weights=method.b_embedded), timed))
         for relation, change, by in _resized(candidate, calls, factor, tableau_scaled, tableau_repeated):
             yield Candidate(method.key, relation, _in_field(_then(make, change, by), timed))
@@ -192,7 +192,7 @@ def field_variants(timed: bool, calls: int, factor: Fraction, *, implicit: bool 
 def force_variants(calls: int, factor: Fraction) -> Iterator[Candidate]:
     """Variants as a force shows them; of splittings, also the adjoint, and kicks and drifts exchanged."""
     for method in METHODS.values():
-        if isinstance(method, RungeKutta) and method.explicit and method.b_embedded and calls <= method.stages:
+        if isinstance(method, RungeKutta) and method.explicit and method.b_embedded:
             embedded = partial(tableau_of, method, weights=method.b_embedded)
             yield Candidate(method.key, EMBEDDED, _on_force(embedded))
     for splitting in METHODS.values():
@@ -210,10 +210,10 @@ def _resized(
 ) -> Iterator[tuple[str, _Change, Fraction | int]]:
     """With another step; or several steps in one, where the last stage of one may be the first of the next."""
     stages = candidate.fingerprint.used
-    if factor not in (0, 1) and stages == calls:
+    if factor and stages == calls:
         yield f"with the step {factor} h in place of h", scaled, factor
     for times in range(2, MOST_REPEATED + 1):
-        if times * (stages - 1) < calls <= times * stages:
+        if times * stages - calls in range(times):
             yield f"{times} steps of h/{times}", repeated, times
 
 
@@ -241,7 +241,7 @@ def _then(make: Callable[[FromExact], Any], change: _Change, by: Fraction | int)
 def _iterations(calls: int) -> Iterator[tuple[str, str, Callable[[FromExact], LiftedTableau]]]:
     """Each implicit method with its stages iterated in so many calls, if none that counts at the start counts again."""
     for method in METHODS.values():
-        if isinstance(method, RungeKutta) and not method.explicit and calls > 1:
+        if isinstance(method, RungeKutta) and not method.explicit:
             times, rest = divmod(calls - 1, sum(any(row) for row in method.a))
             if not rest:
                 iterated = _then(partial(tableau_of, method), tableau_iterated, times)

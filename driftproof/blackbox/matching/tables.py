@@ -216,7 +216,7 @@ class Fingerprint:
             self.nodes = [self.a.sum(axis=1), nodes] if timed else [self.a.sum(axis=1)]
         else:
             self.nodes = [nodes]
-        self.drift = 0.0 if drift is None else float(drift)
+        self.ends = self.nodes if drift is None else [*self.nodes, np.array([float(drift)])]
 
     @property
     def calls(self) -> int:
@@ -240,7 +240,7 @@ class Fingerprint:
     def scale(self) -> float:
         """The sum over the stages of the largest number that its answer is multiplied by on the way to any place."""
         columns = np.abs(np.vstack([self.a, self.weights])).max(axis=0)
-        return float(columns.sum()) * max(1.0, self.length, abs(self.drift))
+        return float(columns.sum()) * max(1.0, *(float(np.abs(places).max()) for places in self.ends))
 
     def may_be(self, other: Fingerprint, rounding: Rounding) -> bool:
         """False if the two are different methods: sums that no order and no reduction of the stages changes differ.

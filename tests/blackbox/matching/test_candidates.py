@@ -30,6 +30,8 @@ RELATIVES = [
     (with_step(codes.rk38, 1 / 3), "rk38, with the step 1/3 h in place of h"),
     (embedded("fehlberg45"), "fehlberg45, with the embedded weights propagated"),
     (codes.midpoint_iterated(3), "implicit_midpoint, with 3 fixed-point iterations"),
+    (codes.repeated(codes.midpoint, 4), "midpoint2, 4 steps of h/4"),
+    (codes.tableau([[0, 0], [1, 0]], [0, 1], [0, 1]), "backward_euler, with 1 fixed-point iteration from the slope"),
 ]
 
 
@@ -39,6 +41,11 @@ def test_a_variant_is_named_through_both_conventions(step, name, as_before):
     for identity in (in_field(step), match_forces(read_forces(opened(step, "field")))):
         assert identity.keys == (("fehlberg45_embedded",) if name.startswith("fehlberg45,") else ())
         assert [match.name.startswith(name) for match in identity.matches] == [True]
+
+
+@pytest.mark.parametrize("step", [codes.repeated(codes.midpoint, 5), lambda f, t, y, h: y + 0 * f(t, y)])
+def test_five_steps_in_one_and_none_at_all_are_variants_of_nothing(step):
+    assert in_field(step).matches == match_forces(read_forces(opened(step, "field"))).matches == ()
 
 
 def rearranged(key, change):

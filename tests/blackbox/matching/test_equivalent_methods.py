@@ -22,7 +22,7 @@ from driftproof.blackbox.matching.equivalent_methods import (
 from driftproof.blackbox.probes.linear_steps import LINEARITY_ROUNDINGS, LINEARITY_STEP
 from driftproof.methods.catalogue import METHODS
 from driftproof.symbolic.linear.reduced_tableau import is_symmetric
-from driftproof.symbolic.rounding.formats import BINARY64
+from driftproof.symbolic.rounding.formats import BINARY32, BINARY64
 from tests.blackbox.matching.readings import EXPLICIT
 from tests.looping import exactly, some
 from tests.witnesses.any_order import any_order
@@ -103,6 +103,16 @@ def test_an_adjoint_is_the_inverse_of_the_step_back_and_no_method_of_the_catalog
         assert all(x.overlaps(arb(y)) and x.rad() < 1e-60 for x, y in zip(product, (1, 0, 0), strict=True))
         values = all_matrices(equivalent_methods(), Rates(float(h), 1.0, 1.0))
         assert np.abs(values - [float(x) for x in (a, b, c, d)]).max(axis=1).min() > 1e-13
+
+
+# The second is of a repelling force and goes back in time; without a rate, underflow is all that is allowed.
+RATES = {"of h": Rates(0.75, 1.0, 1.0), "of all": Rates(-0.375, 2.0, -0.8), "of no position": Rates(0.3, 0.0, 5.0)}
+
+
+@pytest.mark.parametrize("name", RATES)
+def test_what_a_map_allows_is_what_it_was(name, as_before):
+    allowed = [(each, each.allowances(RATES[name], BINARY32)) for each in MAPS]
+    as_before(*(f"{getattr(each, 'keys', 'exact')[0]} {' '.join(f'{x:.6g}' for x in most)}" for each, most in allowed))
 
 
 @pytest.mark.parametrize("key", EXPLICIT)

@@ -4,8 +4,11 @@ from __future__ import annotations
 
 from fractions import Fraction as Q
 
+import pytest
+
 from driftproof.blackbox.matching.candidates import field_methods, force_methods
 from driftproof.blackbox.matching.tables import (
+    Fingerprint,
     bounded,
     induced_by_nystrom,
     induced_by_tableau,
@@ -55,6 +58,32 @@ def test_the_quick_test_lets_a_method_pass_for_itself_and_for_hardly_any_other()
             passed = [other.key for other in methods if one.fingerprint.may_be(other.fingerprint, rounding)]
             assert one.key in passed
             assert len(passed) <= 4  # such as rk4, zonneveld43, gill4 and england45
+
+
+CHAIN = ((0.0, 0.0, 0.0), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0))
+
+
+@pytest.mark.parametrize(("drift", "scale"), [(None, 1 + 1), (0.5, 1 + 1), (-3.0, 1 + 3)])
+@pytest.mark.parametrize(("share", "may_be"), [(0.999, True), (1.001, False)])
+def test_the_quick_test_allows_each_factor_of_its_longest_sum_what_rounding_does(drift, scale, share, may_be):
+    rounding = Rounding(BINARY64, 1)
+    off = share * rounding.of(2 * (11 + 4) * scale**3)
+    one, less = (Fingerprint(StageCoefficients(((0.0,),), ((x,),), (0.0,)), drift) for x in (1.0, 1.0 - off))
+    assert one.may_be(less, rounding) == less.may_be(one, rounding) == may_be
+
+
+def test_the_quick_test_follows_slopes_over_two_stages_and_counts_no_stage_that_no_weight_reaches():
+    last, doubled = ((0.0, 0.0, 1.0),), tuple(tuple((1 + (i == 1)) * x for x in row) for i, row in enumerate(CHAIN))
+    one, other = (Fingerprint(StageCoefficients(a, last, (0.0,) * 3), 1.0) for a in (CHAIN, doubled))
+    assert not one.may_be(other, Rounding(BINARY64, 3))
+    assert (one.used, one.calls, one.scale) == (3, 3, 3.0)
+    assert Fingerprint(StageCoefficients(CHAIN, ((0.0,) * 3,), (0.0,) * 3), 1.0).used == 1
+
+
+def test_the_fingerprints_of_the_catalogue_are_what_they_were(as_before):
+    tables = (*field_methods(True), *field_methods(False, implicit=True), *force_methods(), *force_methods(True))
+    pairs = [(each.key, each.fingerprint) for each in tables]
+    as_before(*(f"{key} {one.calls} {one.used} {one.length:.9g} {one.scale:.9g}" for key, one in pairs))
 
 
 def test_the_stages_that_count_are_counted_in_floats_as_they_are_exactly():
