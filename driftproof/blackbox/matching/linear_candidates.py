@@ -77,6 +77,11 @@ class Error(NamedTuple):
     in_bounds: float
     relative: float
 
+    @property
+    def is_rounding(self) -> bool:
+        """True where no entry is beyond its bound."""
+        return self.in_bounds <= 1
+
 
 @dataclass(frozen=True)
 class LinearCandidate:
@@ -132,7 +137,7 @@ def linear_candidates(reading: LinearReading, *, known: bool) -> list[LinearCand
     for classes in (equivalent_methods, adjoint_methods):
         maps: list[LinearMap] = [*([] if found else [ExactFlowMap()]), *_near(reading, classes(), position, stiffness)]
         explained = (explained_by(each, reading, position, stiffness, known=known) for each in maps)
-        found += [each for each in explained if each.error.in_bounds <= 1]
+        found += [each for each in explained if each.error.is_rounding]
         if any(not each.restriction for each in found):
             break
     if not found:
@@ -152,8 +157,7 @@ def nearly_exact(reading: LinearReading, *, known: bool) -> LinearCandidate | No
     worst = max((error.relative for error in errors), default=inf)
     if not worst <= NEARLY:
         return None
-    digits = ceil(log10(worst)) if worst > 0 else 0
-    return LinearCandidate((), False, position, stiffness, known, Error(inf, worst), f"to 1e{digits}")
+    return LinearCandidate((), False, position, stiffness, known, Error(inf, worst), f"to 1e{ceil(log10(worst))}")
 
 
 def _error(
@@ -175,38 +179,30 @@ def _near(
     """Those that are near at the steps tried, to half the digits."""
     near, most = np.full(len(classes), True), sqrt(reading.format.u)
     for h, m in tried_steps(reading):
-        apart = np.abs(all_matrices(classes, Rates(h, float(position), float(stiffness))) - m)
-        near &= (apart <= most * (1 + np.abs(m))).all(axis=1)
+        matrices = all_matrices(classes, Rates(h, float(position), float(stiffness)))
+        near &= np.isclose(matrices, m, rtol=most, atol=most).all(axis=1)
     return [each for each, is_near in zip(classes, near.tolist(), strict=True) if is_near]
 
 
 def explained_by(
     each: LinearMap, reading: LinearReading, position: Fraction, stiffness: Fraction, *, known: bool
 ) -> LinearCandidate:
-    """A map held to its bound; where that fails, with h rounded to binary32 first; where that fails, at fewer steps.
-
-    A map that fails at a dyadic step within the system's own time is beyond all that, and is not looked at further.
-    """
+    """A map held to its bound; where that fails, with h rounded to binary32 first; where that fails, at fewer steps."""
 
     def at(h: float, m: MatrixEntries, step_format: FloatFormat = BINARY64) -> Error:
         return _error(each, step_format.nearest(Fraction(h)), m, reading.format, position, stiffness)
 
-    within = {h for h, _ in reading.steps if 0 < h <= reading.unit and _is_coarse(h)}
-    errors: dict[float, Error] = {}
     keys, adjoint = (each.keys, each.adjoint) if isinstance(each, LinearlyEquivalentMethods) else ((), False)
     found = LinearCandidate(keys, adjoint, position, stiffness, known, Error(inf, inf))
     with ctx.workprec(CERTIFYING_BITS):
-        for h, m in sorted(reading.steps, key=lambda step: (step[0] not in within, -step[0])):
-            errors[h] = at(h, m)
-            if h in within and errors[h].in_bounds > 1:
-                return replace(found, error=errors[h])
-        if _worst(errors, _is_coarse).in_bounds <= 1 < _worst(errors).in_bounds:
+        errors = {h: at(h, m) for h, m in reading.steps}
+        if _worst(errors, _is_coarse).is_rounding and not _worst(errors).is_rounding:
             rounded = _worst({h: at(h, m, BINARY32) for h, m in reading.steps})
-            if rounded.in_bounds <= 1:
+            if rounded.is_rounding:
                 return replace(found, error=rounded, restriction="with h rounded to binary32")
     for words, kept in _restrictions(reading.unit):
         worst = _worst(errors, kept)
-        if worst.in_bounds <= 1:
+        if worst.is_rounding:
             return replace(found, error=worst, restriction=words)
     return replace(found, error=_worst(errors))
 
@@ -225,7 +221,7 @@ def _restrictions(unit: float) -> Sequence[tuple[str, Callable[[float], bool]]]:
     """Where a map may hold, from everywhere on down."""
     return (
         ("", lambda h: True),
-        (FORWARDS, lambda h: h > 0),
+        (FORWARDS, lambda h: h == abs(h)),
         (f"but only at |h| <= {unit:g}", lambda h: abs(h) <= unit),
-        (f"but only at 0 < h <= {unit:g}", lambda h: 0 < h <= unit),
+        (f"but only at 0 < h <= {unit:g}", lambda h: h == abs(h) <= unit),
     )

@@ -250,7 +250,7 @@ def _identity(fit: LinearFit) -> Iterator[str]:
     if fit.nearly:
         yield f"nearly {fit.nearly.methods[0]} at states of size 1, to {fit.nearly.off:.1e}"
     if fit.best:
-        yield f"{fit.best.words}{'' if fit.best.error.in_bounds > 1 else f', to rounding in {fit.format}'}"
+        yield f"{fit.best.words}{f', to rounding in {fit.format}' * fit.best.error.is_rounding}"
         if fit.best.methods[1:]:
             yield f"no linear test tells {fit.best.methods[0]} from {', '.join(fit.best.methods[1:])}"
         yield from (f"or, as the same map: {other.words}" for other in fit.candidates[1:])

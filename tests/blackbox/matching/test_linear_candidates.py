@@ -4,14 +4,25 @@ from __future__ import annotations
 
 from fractions import Fraction as Q
 
+import numpy as np
 import pytest
 
 from driftproof.blackbox.matching.equivalent_methods import equivalent_methods
-from driftproof.blackbox.matching.linear_candidates import explained_by, rates_of
-from driftproof.blackbox.probes.linear_steps import read_linear_steps
+from driftproof.blackbox.matching.linear_candidates import (
+    Error,
+    LinearCandidate,
+    explained_by,
+    linear_candidates,
+    nearly_exact,
+    rates_of,
+)
+from driftproof.blackbox.probes.linear_steps import LINEAR, LinearReading, read_linear_steps
+from driftproof.blackbox.stepper.opening import opened
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.schemes import Collocation
+from driftproof.methods.stepping import stepper
 from driftproof.numeric.steppers import rk4
+from driftproof.symbolic.rounding.formats import BINARY64
 from tests.blackbox.catalogue_steppers import float_subject, with_one_changed
 from tests.blackbox.matching.linear_fits import VARIANTS, fit
 from tests.blackbox.transcripts import Asked
@@ -60,3 +71,57 @@ def test_a_rate_that_is_off_by_less_than_a_part_in_1024_is_no_factor_of_a_method
     rate = float(1 + off)
     found = fit(lambda force, q, v, h: rk4(lambda x: rate * force(x), q, v, h))
     assert (found.best is not None) == named
+
+
+@pytest.mark.parametrize("key", ["pefrl", "vefrl", "nystrom4", "suzuki_umeno8"])
+def test_of_many_methods_that_few_bits_leave_alike_the_first_are_told(key, as_before):
+    half = stepper(METHODS[key], np.float16)
+
+    def step(force, q, v, h):
+        with np.errstate(all="ignore"):
+            return half(lambda x: np.float16(force(x)), np.float16(q), np.float16(v), np.float16(h))
+
+    reading = read_linear_steps(opened(step))
+    for known in (True, False):
+        found = linear_candidates(reading, known=known)
+        assert len(found) <= 4
+    as_before(*(f"{each.words}, {each.error.in_bounds:.3g} bounds" for each in found))
+
+
+# A tiny step, of 2**-20 of the unit, tells a rate to 8 of its squares; a tinier one to 256 roundings.
+@pytest.mark.parametrize(("bits", "slack"), [(21, 8 * 2.0**-42), (40, 2.0**8 * 2.0**-53)])
+@pytest.mark.parametrize(("share", "simple"), [(0.99, True), (1.01, False)])
+def test_a_rate_is_the_simple_number_that_is_as_near_as_a_tiny_step_tells(bits, slack, share, simple):
+    tiny, (a, k) = 2.0**-bits, (Q(1, 3) * (1 + Q(share * slack)), Q(-5, 7))
+    reading = LinearReading(BINARY64, LINEAR, tiny=tiny, at_zero=(1.0, float(a) * tiny, -float(k) * tiny, 1.0))
+    assert [x in (Q(1, 3), Q(-5, 7)) for x in rates_of(reading)] == [simple, True]
+    long = LinearReading(BINARY64, LINEAR, tiny=4 * tiny, unit=4.0, at_zero=(1.0, 4 * float(a) * tiny, 0.0, 1.0))
+    assert (rates_of(long)[0] == Q(1, 3), rates_of(long)[1]) == (simple, 0)
+
+
+def test_without_steps_nothing_is_nearly_exact():
+    assert nearly_exact(LinearReading(BINARY64, LINEAR, tiny=0.5, at_zero=(1.0, 0.5, -0.5, 1.0)), known=True) is None
+
+
+SAID = {
+    (("heun3",), False, 1, 1, True, ""): ("heun3", 0),
+    (("heun3", "kutta3"), True, 1, 1, True, "but only so"): ("the adjoint of heun3, but only so", 2),
+    (("symplectic_euler",), False, -1, -1, True, ""): (
+        "velocity-first symplectic Euler, with -h for h: it steps back in time", 1),
+    (("heun3",), False, -1, 4, False, ""): ("heun3, with -h for h: it steps back in time", 1),
+    (("heun3",), False, -1, 4, True, ""): (
+        "heun3, but the position moves by -1 h v and the force enters 4 times", 1),
+    ((), False, Q(1, 4), Q(1, 4), True, ""): ("the exact solution, with 0.25 h for h", 1),
+    ((), False, 2, 2, False, ""): ("the exact solution, but the position moves by 2 h v", 1),
+    (("heun3",), True, 1, 3, True, ""): ("the adjoint of heun3, but the force enters 3 times", 2),
+    (("heun3",), False, 1, 3, False, ""): ("heun3", 0),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("given", SAID)
+def test_a_candidate_is_said_with_all_that_makes_it_differ(given):
+    *what, restriction = given
+    found = LinearCandidate(*what, Error(0.5, 0.5), restriction)
+    assert (found.words, found.extras) == SAID[given]
+    assert found.rates_are_right == (what[2] == what[3] == 1)
+    assert (found.error.is_rounding, Error(1.001, 0.0).is_rounding) == (True, False)

@@ -189,6 +189,15 @@ def shortly_forwards(force, q, v, h):
     return forwards_only(force, q, v, h) if h <= 1 else (q, v)
 
 
+def shorter_than_one(force, q, v, h):
+    v = v + h * force(q)
+    return (q + h * v, v) if abs(h) < 1 else (q, q)
+
+
+def shorter_than_one_forwards(force, q, v, h):
+    return forwards_only(force, q, v, h if h < 1 else 0)
+
+
 NONE = "no method of the catalogue, nor the adjoint of one"
 LINEAR_STEPS = {
     damped: NONE,
@@ -211,6 +220,8 @@ LINEAR_STEPS = {
     near_rk4: NONE,
     forwards_only: "velocity-first symplectic Euler, but only at h > 0",
     shortly_forwards: "velocity-first symplectic Euler, but only at 0 < h <= 1",
+    shorter_than_one: "nearly symplectic_euler at states of size 1",
+    shorter_than_one_forwards: "nearly symplectic_euler at states of size 1",
 }
 
 
