@@ -177,7 +177,7 @@ def _told(x: Any) -> Fraction:
     return simple_rational(Fraction(x), _SOLVED_TO) or Fraction(x)
 
 
-def field_variants(timed: bool, calls: int, factor: Fraction, *, implicit: bool = False) -> Iterator[Candidate]:
+def field_variants(timed: bool, calls: int, factor: Fraction | None, *, implicit: bool) -> Iterator[Candidate]:
     """Variants of the catalogue's methods with so many stages that count; `factor` is the step in units of h."""
     for method, candidate in zip(_runge_kutta(implicit), field_methods(timed, implicit), strict=True):
         make = partial(tableau_of, method)
@@ -189,7 +189,7 @@ def field_variants(timed: bool, calls: int, factor: Fraction, *, implicit: bool 
         yield Candidate(key, relation, _in_field(iterated, timed))
 
 
-def force_variants(calls: int, factor: Fraction) -> Iterator[Candidate]:
+def force_variants(calls: int, factor: Fraction | None) -> Iterator[Candidate]:
     """Variants as a force shows them; of splittings, also the adjoint, and kicks and drifts exchanged."""
     for method in METHODS.values():
         if isinstance(method, RungeKutta) and method.explicit and method.b_embedded:
@@ -206,7 +206,7 @@ def force_variants(calls: int, factor: Fraction) -> Iterator[Candidate]:
 
 
 def _resized(
-    candidate: Candidate, calls: int, factor: Fraction, scaled: _Change, repeated: _Change
+    candidate: Candidate, calls: int, factor: Fraction | None, scaled: _Change, repeated: _Change
 ) -> Iterator[tuple[str, _Change, Fraction | int]]:
     """With another step; or several steps in one, where the last stage of one may be the first of the next."""
     stages = candidate.fingerprint.used

@@ -226,15 +226,14 @@ def _differences(read: _Read, mine: ExactTable, its: ExactTable) -> tuple[str, .
 
 def _nearest(found: list[Near]) -> tuple[Near, ...]:
     """Those with the fewest differences; of several of one method, the first."""
-    fewest = min((len(near.differences) for near in found if near.differences), default=FEW_DIFFERENCES)
+    few = [near for near in found if near.differences and len(near.differences) <= FEW_DIFFERENCES]
     kept: dict[str, Near] = {}
-    for near in found:
-        if 0 < len(near.differences) == fewest <= FEW_DIFFERENCES:
+    for near in few:
+        if len(near.differences) == min(len(other.differences) for other in few):
             kept.setdefault(near.key, near)
     return tuple(kept.values())
 
 
-def _factor(weights: CoefficientRow, rounding: Rounding) -> Fraction:
+def _factor(weights: CoefficientRow, rounding: Rounding) -> Fraction | None:
     """By how much the weights are too many, as the simplest fraction that rounding allows: the step in units of h."""
-    found = simple_rational(fsum(weights), rounding.of(fsum(map(abs, weights))))
-    return Fraction(1) if found is None else found
+    return simple_rational(fsum(weights), rounding.of(fsum(map(abs, weights))))

@@ -6,8 +6,9 @@ import pytest
 from driftproof import verify
 from driftproof.blackbox.findings import UnsupportedCall
 from driftproof.blackbox.judging.agreement import NO_ALLOWANCE, ORDINARY_DOMAIN, Domain
+from driftproof.blackbox.judging.nonlinear_problems import driven
 from driftproof.blackbox.judging.tolerance import Allowance
-from driftproof.blackbox.judging.walks import back_and_on, walked
+from driftproof.blackbox.judging.walks import Walker, _Place, back_and_on, walked
 from driftproof.blackbox.stepper.opening import opened
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.stepping import stepper
@@ -106,6 +107,40 @@ def test_right_codes_are_right_everywhere_and_it_is_said_where(step, method, see
     assert passed is True, words
     assert seen in words
     as_before(words, asked)
+
+
+# Of one number, one call and 12 roundings: the number, 1 for slopes, and the time in its own units, twice; or a solver.
+@pytest.mark.parametrize(("share", "right"), [(0.9, True), (1.1, False), (-0.9, True), (-1.1, False)])
+def test_a_step_is_held_to_the_roundings_of_its_numbers_its_slopes_and_its_time(share, right):
+    place, t, h = _Place((0.5,), 2, -1.0), 0.75, 0.0625
+    allowed = 12 * 2.0**-53 * 2 * (1 + 0.25 / 0.5 + 0.75 * 4)
+    subject = opened(lambda f, t, y, h: y + h * f(t, y) + share * allowed * 0.5)
+    words, (end,) = Walker(subject, METHODS["forward_euler"]).compared(
+        place.problem(driven(1, timed=True)), place, t, [0.25], h
+    )
+    assert (words == "") == right
+    assert right or f"in a step of 0.0625 from t = 0.75, of 1 number, y[0] is {end!r}, of forward_euler " in words
+
+
+DOMAINS = [
+    (Domain(largest_state=2.0), _Place((1.0, -0.5)), True),
+    (Domain(largest_state=2.0), _Place((1.0, -1.125)), False),
+    (Domain(smallest_state=0.5), _Place((1.0, -0.5)), True),
+    (Domain(smallest_state=0.75), _Place((1.0, -0.5)), False),
+    (Domain(largest_step=0.2), _Place(pace=-1), True),
+    (Domain(largest_step=0.2), _Place(pace=-2), False),
+    (Domain(smallest_step=1 / 60), _Place(pace=1), True),
+    (Domain(smallest_step=1 / 60), _Place(pace=2), False),
+    (Domain(largest_state=1e300, smallest_state=0.0), _Place((-(2.0**341),)), True),
+    (Domain(largest_state=1e300, smallest_state=0.0), _Place((2.0**-342,)), False),
+    (Domain(smallest_step=1e-300), _Place(pace=170), True),
+    (Domain(smallest_step=1e-300), _Place(pace=171), False),
+]
+
+
+@pytest.mark.parametrize(("domain", "place", "within"), DOMAINS)
+def test_a_place_is_within_a_domain_that_holds_its_numbers_twice_and_its_steps(domain, place, within):
+    assert place.within(domain, opened(codes.rk4)) == within
 
 
 def test_what_is_refused_is_no_fault_and_is_told():

@@ -8,12 +8,16 @@ from math import cos, cosh, sin, sinh
 import numpy as np
 import pytest
 
-from driftproof.blackbox.matching.linear_match import linear_fit
-from driftproof.blackbox.probes.linear_steps import LINEAR
+from driftproof.blackbox.matching.equivalent_methods import Rates, all_matrices, equivalent_methods
+from driftproof.blackbox.matching.linear_candidates import FORWARDS, Error, LinearCandidate
+from driftproof.blackbox.matching.linear_match import LinearFit, Nearest, fitted, linear_fit
+from driftproof.blackbox.matching.matrix_facts import MatrixFacts
+from driftproof.blackbox.probes.linear_steps import FAR_OUT, LINEAR, LINEARISED, NOT_LINEAR, LinearReading
 from driftproof.blackbox.stepper.opening import opened
 from driftproof.methods.catalogue import METHODS
 from driftproof.numeric.steppers import rk4
 from driftproof.support.messages import decode, encode
+from driftproof.symbolic.rounding.formats import BINARY64
 from tests.blackbox.catalogue_steppers import float_subject
 from tests.blackbox.matching.linear_fits import alike, fit
 from tests.blackbox.transcripts import Asked
@@ -234,3 +238,52 @@ def test_a_step_is_named_as_what_it_is_and_all_else_is_as_it_was(step, array, as
     rates, state = (found.position, found.stiffness, found.damping), (found.kind, found.doubts, found.is_disturbed)
     told = [(c.words, c.extras, c.restriction, f"{c.error.in_bounds:.3g}") for c in found.candidates]
     as_before(*found.lines, found.amplitude, state, rates, found.nearest, *told, asked)
+
+
+def seen_near(matrix, loose=0.0, h=0.25):
+    """The method that a step is nearly, of which one matrix was read at states of size 1."""
+    rest, ordinary = (1.0, 2.0**-20, -(2.0**-20), 1.0), ((h, tuple(matrix)),)
+    reading = LinearReading(BINARY64, NOT_LINEAR, tiny=2.0**-20, at_zero=rest, ordinary=ordinary, loose=loose)
+    nearly = fitted(reading, known=True).nearly
+    return nearly and nearly.methods[0]
+
+
+@pytest.mark.parametrize("share", [0.99, 1.01])
+def test_a_step_is_nearly_a_method_to_1e_4_where_no_other_is_16_times_as_far(share):
+    classes = equivalent_methods()
+    matrices = all_matrices(classes, Rates(0.25, 1.0, 1.0))
+    assert seen_near(matrices[0] + [0, 0, share * 1e-4, 0]) == ("forward_euler" if share < 1 else None)
+    assert seen_near(matrices[0], loose=share * 1e-4) == ("forward_euler" if share < 1 else None)
+    (mine,) = (i for i, each in enumerate(classes) if "fehlberg45" in each.keys)
+    far = np.abs(matrices - matrices[mine]).max(axis=1)
+    far[mine] = np.inf
+    between = matrices[mine] + share / 17 * (matrices[far.argmin()] - matrices[mine])
+    assert seen_near(between) == (classes[mine].keys[0] if share < 1 else None)
+
+
+def candidate(*methods, restriction="", off=0.5):
+    return LinearCandidate(methods, False, Q(1), Q(1), True, Error(off, off), restriction)
+
+
+ONE = (Q(1), Q(1), Q(0))
+FITS = {
+    "two": LinearFit(LINEAR, 8.0, "binary32", *ONE, (candidate("rk4", "rk38"), candidate("heun3"))),
+    "forwards": LinearFit(LINEAR, 1.0, "binary64", *ONE, (candidate("rk4", restriction=FORWARDS),)),
+    "at few steps": LinearFit(LINEAR, 1.0, "binary64", *ONE, (candidate("rk4", restriction="but only here", off=2.0),)),
+    "near": LinearFit(LINEARISED, 2.0**-40, "binary64", *ONE, (candidate("rk4"),), Nearest(("a",), 0.5, 1e-3, ("c",))),
+    "the same": LinearFit(NOT_LINEAR, 1.0, "binary64", nearest=Nearest(("a",), 0.5, 0.0, ()), remarks=("so", "too")),
+    "nearly": LinearFit(LINEAR, 1.0, "binary64", Q(1, 3), Q(-2), Q(-1, 4), nearly=Nearest(("a",), 0.5, 1.25e-7, ())),
+    "dragged": LinearFit(LINEAR, 1.0, "binary64", Q(1), Q(1), Q(1), remarks=(f"{FAR_OUT}: at 7",)),
+    "back": LinearFit(LINEAR, 1.0, "binary64", Q(-1), Q(-1), Q(0)),
+    "without a force": LinearFit(LINEAR, 1.0, "binary64", Q(1), Q(0)),
+    "unknown": LinearFit(NOT_LINEAR, 1.0, "binary64", Q(2)),
+    "facts": LinearFit(LINEAR, 1.0, "binary64", facts=MatrixFacts(("q" * 160, "v" * 161, "0", "1"), "1 - h", None, 3)),
+    "exact": LinearFit(LINEAR, 1.0, "binary64", facts=MatrixFacts(None, None, "1", None)),
+    "no order": LinearFit(LINEAR, 1.0, "binary64", facts=MatrixFacts(None, None, None, -1)),
+    "order 0": LinearFit(LINEAR, 1.0, "binary64", facts=MatrixFacts(None, None, None, 0)),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", FITS)
+def test_all_that_a_fit_says_is_what_it_was(name, as_before):
+    as_before(*FITS[name].lines, FITS[name].doubts, FITS[name].is_disturbed)
