@@ -151,7 +151,7 @@ def _meets(entry: Recovered, values: dict[Fraction, Fraction], u: Fraction) -> b
     """True when the function has all the values, up to what rounding allows."""
     for x, y in values.items():
         num, den = (_horner([c.value for c in part], x) for part in (entry.num, entry.den))
-        if den == 0 or abs(num - y * den) > _allowed(entry, x, y, u):
+        if abs(num - y * den) > _allowed(entry, x, y, u):
             return False
     return True
 

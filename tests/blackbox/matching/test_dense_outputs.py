@@ -91,6 +91,16 @@ def test_a_dense_output_is_held_to_the_roundings_of_its_weights(between, end, fa
     assert len(judged_reading(DenseReading("theta", step, rows, (1.0 + end * u,), others)).faults) == faults
 
 
+@pytest.mark.parametrize(("power", "degree"), [(1, 1), (2, 2), (7, 7), (12, 12), (13, None)])
+def test_a_dense_output_is_a_polynomial_up_to_degree_12(power, degree, as_before):
+    step = TableauReading(((0.0, 0.0), (0.75, 0.0)), (0.25, 0.75), (0.0, 0.75), BINARY64)
+    row = lambda theta: (float(theta) - 0.75 * float(theta) ** power, 0.75 * float(theta) ** power)
+    others = tuple((theta, row(theta)) for theta in BETWEEN)
+    found = judged_reading(DenseReading("theta", step, tuple(map(row, THETAS)), (0.25, 0.75), others))
+    assert (found.degree, found.faults) == (degree, ())
+    as_before(found.order, *found.lines)
+
+
 @pytest.mark.parametrize(
     ("change", "words"),
     [

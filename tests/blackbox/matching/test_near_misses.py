@@ -6,15 +6,22 @@ from dataclasses import replace
 from fractions import Fraction as Q
 from itertools import product
 
+import numpy as np
 import pytest
 
+from driftproof.blackbox.matching.candidates import in_field as candidate_in_field
 from driftproof.blackbox.matching.match import match_forces, match_method, matched
-from driftproof.blackbox.probes.force import read_forces
+from driftproof.blackbox.matching.near_misses import near_misses, typed_in
+from driftproof.blackbox.matching.tables import Fingerprint
+from driftproof.blackbox.probes.force import ForceReading, read_forces
+from driftproof.blackbox.probes.scripted_answers import Rounding
 from driftproof.blackbox.probes.tableau import read_tableau
 from driftproof.blackbox.stepper.opening import opened
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.schemes import Nystrom
 from driftproof.methods.stepping import stepper
+from driftproof.symbolic.linear.reduced_tableau import StageCoefficients
+from driftproof.symbolic.rounding.formats import BINARY32, BINARY64
 from tests.blackbox import handwritten_steppers as codes
 from tests.blackbox.matching.readings import EXPLICIT, SHORT, SPLITTINGS, counted, in_field, on_force
 
@@ -171,3 +178,36 @@ def test_what_is_said_of_forces_that_are_off_is_what_it_was(key, off, as_before)
         identity = match_forces(read_forces(opened(stepper(changed, float), "force")))
         said += [*identity.lines, *(near.key for near in identity.near)]
     as_before(*said)
+
+
+@pytest.mark.parametrize("key", ["ralston4", "gill4"])
+def test_the_decimals_of_a_table_are_told_from_4_to_14_where_four_numbers_or_more_are_off(key, as_before):
+    candidate, said = candidate_in_field(METHODS[key], True), []
+    for digits, shift, first in [*product(range(3, 16), range(4), (0,)), *product((6,), (0,), range(8, 22))]:
+        numbers = [x for part in codes.floats(METHODS[key]) for x in np.ravel(part).tolist()]
+        numbers[first:] = [round(x, digits) for x in numbers[first:]]
+        numbers[8] += shift * 10.0**-digits
+        a, b, c = np.split(np.array(numbers), (16, 20))
+        read = Fingerprint(StageCoefficients(a.reshape(4, 4), (b, b), c), None)
+        said += [
+            (digits, shift, first, *near.differences) for near in typed_in(read, [candidate], Rounding(BINARY64, 4))
+        ]
+    as_before(*said)
+
+
+# Of Heun's third-order method, the largest number of the row, of the sum, or of the products that it is made of.
+@pytest.mark.parametrize(
+    ("name", "place", "size"),
+    [("a", 6, 2 / 9), ("b_position", 1, 1 / 2), ("c", 2, 2 / 3), ("drift", 0, 1.0), ("b_velocity", 1, 1.0)],
+)
+@pytest.mark.parametrize(("share", "same"), [(0.99, True), (1.01, False), (-1.01, False)])
+def test_a_table_is_that_of_a_method_to_the_rounding_of_both(name, place, size, share, same):
+    a, b, c = (np.array(part) for part in codes.floats(METHODS["heun3"]))
+    off = share * Rounding(BINARY32, 3).of(2 * size)
+    b += off * (np.arange(3) == place) * (name == "b_velocity")
+    seen = {"c": c, "a": (a @ a).ravel(), "b_position": b @ a, "b_velocity": b, "drift": np.array([b.sum()])}
+    seen[name][place] += off * (name != "b_velocity")
+    rows = {key: tuple(row.tolist()) for key, row in seen.items()}
+    table = rows | {"a": (rows["a"][:3], rows["a"][3:6], rows["a"][6:]), "drift": rows["drift"][0]}
+    found = [near.differences for near in near_misses(ForceReading(**table, format=BINARY32)) if near.key == "heun3"]
+    assert (() in found) == same
