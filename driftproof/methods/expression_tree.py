@@ -228,12 +228,13 @@ class ExpressionParser:
     def _exponent(self) -> Fraction:
         """An integer, or a decimal such as 0.5, of numerator and denominator within the largest power."""
         negative, token = self.accept("-"), self.take()
-        shown = f"an exponent is an integer from -{self.largest_power} to {self.largest_power}, or a decimal"
-        if token.kind != NUMBER or len(token.text) > len(str(self.largest_power)) + 1:
-            raise self.error(token, shown)
-        number = self.rational(token.text, token)
-        if number > self.largest_power or number.denominator > self.largest_power:
-            raise self.error(token, shown)
+        try:
+            number = parse_rational(token.text)  # which refuses what is no number, and 1e999999999
+        except ValueError:
+            number = None
+        if number is None or number > self.largest_power or number.denominator > self.largest_power:
+            reason = f"an exponent is an integer from -{self.largest_power} to {self.largest_power}, or a decimal"
+            raise self.error(token, reason)
         return -number if negative else number
 
     def _atom(self) -> Any:

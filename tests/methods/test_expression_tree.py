@@ -65,6 +65,9 @@ REFUSED = [
     ("(1", 3, "a bracket is not closed; the end stands there"),
     ("f(1", 4, "the bracket of f is not closed"),
     ("2**65", 4, "an exponent is an integer from -64 to 64"),
+    ("2**0.001", 4, "or a decimal"),
+    ("2**x", 4, "an exponent is an integer from -64 to 64"),
+    ("2**1e999999999", 4, "an exponent is an integer from -64 to 64"),
     ("2**(1/0)", 8, "an exponent is an integer or a fraction of two"),
     ("1e9999", 1, "is too long"),
     ("\u0663", 1, "has no place in an expression"),
@@ -84,6 +87,8 @@ def test_refusal_names_the_column_and_what_is_allowed(text: str, column: int, re
 
 def test_forms_of_ours_may_be_longer_and_have_larger_powers() -> None:
     power = LARGEST_POWER + 1
+    assert ExpressionParser(f"2**{LARGEST_POWER}").tree() == PowerNode(1, NumberNode(1, Q(2)), Q(LARGEST_POWER))
+    assert ExpressionParser("2**1.25").tree() == PowerNode(1, NumberNode(1, Q(2)), Q(5, 4))
     assert parse_form(f"h**{power}") == PowerNode(1, NameNode(1, "h"), Q(power))
     assert isinstance(parse_form("+".join(["h"] * LONGEST_EXPRESSION)), ChainNode)
     assert parse_form("h**9999" + " " * 99_993) == PowerNode(1, NameNode(1, "h"), Q(9999))

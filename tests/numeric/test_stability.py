@@ -170,6 +170,8 @@ def test_a_jordan_block_on_the_circle_grows_and_one_inside_does_not() -> None:
 def test_a_transient_is_no_growth() -> None:
     assert powers_stay_bounded(np.array([[0.9, 1e6], [0.0, 0.9]]))
     assert powers_stay_bounded(np.array([[1.0, 1e8], [0.0, 0.5]]))
+    assert powers_stay_bounded(np.array([[0.0, nextafter(GROWTH, 0.0)], [0.0, 0.0]]))
+    assert not powers_stay_bounded(np.array([[0.0, GROWTH], [0.0, 0.0]]))
 
 
 @cache
