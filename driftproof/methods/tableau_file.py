@@ -200,7 +200,7 @@ def _number(value: object, where: str, read: Read) -> Any:
 def _square(table: TomlTable, read: Read, stages: int, name: str = "A") -> tuple[tuple[Any, ...], ...]:
     rows = [as_list(row, name, most=MOST_STAGES) for row in as_list(_entry(table, name), name, most=MOST_STAGES)]
     for diagonal in (0, 1):  # only what stands below it, or below and on it
-        if len(rows) > 1 and all(len(row) == i + diagonal for i, row in enumerate(rows)):
+        if all(len(row) == i + diagonal for i, row in enumerate(rows)):
             rows = [[*row, *[0] * (len(rows) - len(row))] for row in rows]
     for i, row in enumerate(rows):
         if len(row) != len(rows):

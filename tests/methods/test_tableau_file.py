@@ -255,3 +255,4 @@ def test_rows_may_end_at_the_diagonal(write: Write) -> None:
     for rows in ('A = [[], ["1/2"], [-1, 2]]', 'A = [[0], ["1/2", 0], [-1, 2, 0]]'):
         full, short = (read_method(write(f"{HEAD}{text}\nb = [0, 0, 1]\n")) for text in (square, rows))
         assert full == short
+    assert read_method(write(HEAD + "A = [[]]\nb = [1]\n")) == read_method(write(ONE))
