@@ -58,7 +58,7 @@ class QuaternionReading:
     def faults(self) -> list[str]:
         """What is wrong with it, whichever method it is meant to be."""
         found, scale = [*filter(None, [self.uneven, self.at_rest])], self.turn.scale
-        if not self.uneven and abs(scale - 1) > TURN_ANGLES[-1]:
+        if not self.uneven and scale != 1:
             half = {2.0: ": the factor 1/2 is missing", 0.5: ": the factor 1/2 stands twice"}.get(scale, "")
             found.append(f"it turns {scale:.4g} times as fast as omega{half}")
         return found
@@ -115,25 +115,26 @@ def read_quaternion(subject: ForeignStepper) -> QuaternionReading:
     tables = {words: _matrix(_AXES[0], body=b, last=n) for words, (b, n) in _PRODUCTS.items()}
     product = max(tables, key=lambda words: abs(float((rate * tables[words]).sum())))
     found, said = _PRODUCTS[product], tables[product]
-    scale = float(np.median((rate / np.where(said, said, 1))[said != 0]))
+    scale = float(np.median(rate[said != 0] / said[said != 0]))
     off = rate - scale * said
     if np.max(np.abs(off)) > _NEAR * (1 + abs(scale)):
         i, j = np.unravel_index(int(np.argmax(np.abs(off))), off.shape)
         uneven = (
             f"its rate is no product of q and omega: at omega = (2, 3, 6)/7 the rate of q[{i}] takes "
-            f"{rate[i, j]:.3g} q[{j}], that of {product} {(rate - off)[i, j]:.3g} q[{j}]"
+            f"{rate[i, j]:.3g} q[{j}], that of {product} {scale * said[i, j]:.3g} q[{j}]"
         )
-        return QuaternionReading("", turn_of([1.0 + 0j] * len(TURN_ANGLES), rounding), normalised, uneven)
+        return QuaternionReading("", turn_of([1.0] * len(TURN_ANGLES), rounding), normalised, uneven)
     factors, uneven = [], ""
     for angle in TURN_ANGLES:
         for axis, h in ((_AXES[0], 1.0), (_AXES[1], 0.25)):
             turning, step = _matrix(axis, body=found[0], last=found[1]), _columns(subject, 2 * angle * axis / h, h)
             a, b = float(np.trace(step)) / 4, float((step * turning).sum()) / 4
-            if np.max(np.abs(step - a * np.eye(4) - b * turning)) > rounding.of(8.0 * (1 + abs(complex(a, b)))):
+            allowed = rounding.of(8.0 * (1 + abs(complex(a, b))))
+            if np.max(np.abs(step - a * np.eye(4) - b * turning)) > allowed:
                 uneven = uneven or f"a step of h |omega| = {2 * angle:g} is no rotation about omega"
             if axis is _AXES[0]:
                 factors.append(complex(a, b))
-            elif abs(complex(a, b) - factors[-1]) > rounding.of(8.0 * (1 + abs(factors[-1]))):
+            elif abs(complex(a, b) - factors[-1]) > allowed:
                 uneven = uneven or "its angle depends on more than h |omega|: on the step or on the direction"
     if scale < 0:
         product, factors = f"-{product}", [r.conjugate() for r in factors]
@@ -162,8 +163,9 @@ def _normalised(subject: ForeignStepper, rounding: Rounding) -> bool:
     one, two, again = (np.array(turn_quaternion(subject, [k * x for x in q], omega, 0.5)) for k in (1, 2, 1))
     if (one != again).any():
         raise NotReadable("the same step taken twice is not the same")
-    if np.max(np.abs(two - 2 * one)) <= rounding.of(8.0):
+    allowed = rounding.of(8.0)
+    if np.max(np.abs(two - 2 * one)) <= allowed:
         return False
-    if np.max(np.abs(two - one)) <= rounding.of(8.0) and abs(np.linalg.norm(one) - 1) <= rounding.of(4.0):
+    if max(np.max(np.abs(two - one)), abs(np.linalg.norm(one) - 1)) <= allowed:
         return True
     raise NotReadable("the step is not linear in q, and does not make its length 1")

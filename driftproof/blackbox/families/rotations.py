@@ -37,8 +37,8 @@ class Turn:
     """The `method` of z' = iz whose factor it is at `times` the angle, in so many `parts`, its size made 1 or not.
 
     `method` is "" where it is none that is known here. `angle` is arg R/θ - 1 and `growth` |R| - 1 to leading order, as
-    (power of θ, coefficient), None where they are 0 to rounding; `scale` is arg R/θ for small θ. `factors` are R
-    itself, at TURN_ANGLES.
+    (power of θ, coefficient), None where they are 0 to rounding; `scale` is arg R/θ for small θ, or the multiple of 1/2
+    that is near it. `factors` are R itself, at TURN_ANGLES.
     """
 
     times: float
@@ -59,7 +59,7 @@ class Turn:
     @property
     def order(self) -> int | None:
         """The order on z' = iz; None for all."""
-        if abs(self.scale - 1) > TURN_ANGLES[-1]:
+        if self.scale != 1:
             return 0
         powers = [p for p in (self.angle and self.angle[0], self.growth and self.growth[0] - 1) if p is not None]
         return min(powers, default=None)
@@ -88,11 +88,11 @@ class Turn:
 
     def lines(self, angle: str) -> list[str]:
         """Angle and size, for an angle of that name."""
-        if abs(self.scale - 1) > TURN_ANGLES[-1]:
+        if self.scale != 1:
             turns = f"it turns by {self.scale:.4g} times {angle} for short steps, not by {angle}"
         else:
             law = {"implicit_midpoint": f"2 atan({angle}/2) = ", "forward_euler": f"atan({angle}) = "}
-            named = law.get(self.method, "") if self.known and self.parts == 1 else ""
+            named = law.get(self.method, "") if self.parts == 1 else ""
             more = _term(angle, (self.angle[0] + 1, self.angle[1])) if self.angle else ""
             turns = f"it turns by {named}{angle}{more}"
         size = f"multiplied by 1{_term(angle, self.growth)}" if self.growth else "kept to rounding"
@@ -115,7 +115,7 @@ def turn_of(factors: Sequence[complex], rounding: Rounding) -> Turn:
     turns = [cmath.phase(r) / x for x, r in pairs]
     near = round(2 * turns[-1]) / 2
     scale = near if abs(turns[-1] - near) < TURN_ANGLES[-1] else turns[-1]
-    angle = _leading([x / (scale or 1.0) - 1 for x in turns], [allowed / x for x in TURN_ANGLES])
+    angle = _leading([x - 1 for x in turns], [allowed / x for x in TURN_ANGLES])
     growth = _leading([abs(r) - 1 for r in factors], [allowed] * len(TURN_ANGLES))
     return Turn(*found, scale, angle, growth, tuple(factors), rounding)
 

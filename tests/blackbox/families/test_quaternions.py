@@ -51,3 +51,63 @@ def test_what_is_no_linear_step_is_refused():
 
     with pytest.raises(NotReadable, match="taken twice"):
         read_quaternion(opened(remembering))
+
+
+RK4, UNIT, U, X = codes.quaternion("rk4"), codes.quaternion("rk4", unit=True), 2.0**-53, np.eye(4)[1]
+# Steps that are off by k, what is said of one that is off too far, and k before and behind the bound.
+BOUNDS = [
+    # 4 (12 + 2) roundings of numbers of size 8: the step is linear in q, or its length is 1 whatever goes in.
+    (lambda k: lambda q, w, dt: RK4(q, w, dt) + k * U * np.dot(q, q) * X, "not linear in q", (220, 227)),
+    (lambda k: lambda q, w, dt: UNIT(q, w, dt) * (1 + k * U), "not make its length 1", (442, 455)),
+    (lambda k: lambda q, w, dt: UNIT(q, w * (1 + k * U * np.dot(q, q)), dt), "not make its length 1", (586, 606)),
+    # Of size 8 (1 + |R|): a matrix beside the two of a rotation, and a rotation by another angle.
+    (lambda k: lambda q, w, dt: RK4(q, w, dt) + k * U * q[0] * X, "is no rotation about omega", (786, 808)),
+    (lambda k: lambda q, w, dt: RK4(q, w * (1 + k * U * (dt == 0.25)), dt), "depends on more than h |om", (318, 328)),
+    # Of a rate as large as 1/2, 2^-6 (1 + 1/2); of a step at rest, 2^-6.
+    (lambda k: lambda q, w, dt: q + dt * (codes.body(q, w) + k * q[0] * X), "no product of q", (0.0233, 0.0237)),
+    (lambda k: lambda q, w, dt: RK4(q, w, dt) + k * (not any(w)), "with omega = 0, (0.5", (0.0155, 0.0158)),
+]
+
+
+@pytest.mark.parametrize(("made", "words", "places"), BOUNDS, ids=range(len(BOUNDS)))
+def test_what_may_be_rounding_has_a_bound(made, words, places):
+    def told(k):
+        try:
+            return "; ".join(read_quaternion(opened(made(k))).faults)
+        except NotReadable as refusal:
+            return str(refusal)
+
+    assert [words in told(k) for k in places] == [False, True]
+
+
+def test_a_length_that_is_made_another_and_a_rotation_by_the_length_are_refused():
+    for step in (lambda q, w, dt: 2 * UNIT(q, w, dt), lambda q, w, dt: UNIT(q, w * np.linalg.norm(q), dt)):
+        with pytest.raises(NotReadable, match="not linear in q, and does not make its length 1"):
+            read_quaternion(opened(step))
+
+
+def test_programs_are_told_the_method_the_product_and_how_fast_it_turns():
+    def data(step):
+        return tuple(read_quaternion(opened(step)).data.values())
+
+    once, names = "q omega (scalar first)", ("method", "product", "rotation", "order", "normalised", "scale")
+    assert tuple(read_quaternion(opened(RK4)).data) == names
+    back = codes.quaternion("kutta3", lambda q, w: -codes.space(q, w))
+    assert data(back)[:2] == ("kutta3", "-omega q (scalar first)")
+    assert data(UNIT) == (None, once, "rk4, made one of length 1 again", 4, True, "1")
+    assert data(codes.turned_by(lambda x: x)) == (None, once, "exact", None, False, "1")
+    halved = codes.turned_by(lambda x: 4 * np.arctan(x / 4))
+    assert data(halved)[:3] == (None, once, "implicit_midpoint in 2 equal parts")
+    assert data(codes.turned_by(lambda x: 0.3 * x))[3:] == (0, False, "0.3")
+    assert data(lambda q, w, dt: np.array(q))[1:] == (once, "no rotation that is known here", 0, False, "0")
+    assert data(lambda q, w, dt: RK4(q, w, dt) + (not any(w)))[0] is None
+    assert data(codes.one_sign) == (None, None, "no rotation that is known here", 0, False, "0")
+
+
+def test_a_rate_that_is_none_is_shown_beside_the_nearest():
+    report = verify(codes.one_sign, "forward_euler", isolate=False)
+    (off,) = report.section("Rotation: FAILED").lines
+    assert off == "no rotation that is known here: off the factor of forward_euler by 0.62 at the angle 2"
+    rate = "at omega = (2, 3, 6)/7 the rate of q[3] takes 0.143 q[2], that of q omega (scalar first) -0.143 q[2]"
+    assert report.section("Rate: FAILED").lines == (f"its rate is no product of q and omega: {rate}",)
+    assert verify(RK4, "rk4", isolate=False).section("Rate: passed").lines == ("that of q' = q omega/2 (scalar first)",)
