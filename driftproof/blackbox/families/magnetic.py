@@ -67,16 +67,16 @@ class MagneticReading:
         turn, growth = self.turn, self.turn.growth
         if turn.scale < 0:
             found.append("it turns the other way: by B x v, not by v x B")
-        if abs(abs(turn.scale) - 1) > TURN_ANGLES[-1]:
+        if abs(turn.scale) != 1:
             hint = ": of Boris' step, as with t = h B in place of h B/2" if turn.times == 2 else ""
             found.append(f"{turn.lines('h B')[0]}{hint}")
         if growth is not None and not self.affine and not self.uneven:
             hint = ", as in Boris' step without 1/(1 + t^2)" if turn.method == "midpoint2" else ""
             found.append(f"|v| is not kept without an electric field{hint}: {turn.lines('h B')[1]}")
-        if abs(self.push - 1) > self.rounding.of(4.0):
-            half = ": one of two half kicks is missing" if abs(self.push - 0.5) < self.rounding.of(4.0) else ""
+        if not self._near(self.push, 1):
+            half = ": one of two half kicks is missing" if self._near(self.push, 0.5) else ""
             found.append(f"without B the electric field gives h E times {self._text(self.push)}{half}")
-        if self.drift is not None and abs(sum(self.drift) - 1) > self.rounding.of(4.0):
+        if self.drift is not None and not self._near(sum(self.drift), 1):
             found.append(f"without fields the position moves by {self._text(sum(self.drift))} h v")
         elif self._is(self.drift, _AHEAD) and not any(self.asked) and (self.boris or not self.affine):
             found.append("the position moves with the old velocity: no leapfrog, with fields at the old position")
@@ -225,13 +225,18 @@ class MagneticReading:
         return f"h ({' + '.join(parts)})" if len(parts) > 1 else f"h {''.join(parts)}"
 
     def _text(self, x: float) -> str:
-        return coefficient_text(x, self.rounding.format, self.rounding.of(4.0))
+        return coefficient_text(x, self.rounding.format, self._off)
 
     def _place(self, node: float) -> str:
         return f"x + {self._text(node)} h v".replace(" 1 h", " h") if node else "x"
 
+    @property
+    def _off(self) -> float:
+        """What a part of a kick or of a drift may be off by."""
+        return self.rounding.of(4.0)
+
     def _near(self, x: float, y: float) -> bool:
-        return abs(x - y) <= self.rounding.of(4.0)
+        return abs(x - y) <= self._off
 
     def _is(self, halves: Halves | None, *said: Halves) -> bool:
         return halves is not None and any(all(map(self._near, halves, each)) for each in said)

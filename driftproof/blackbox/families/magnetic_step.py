@@ -64,7 +64,7 @@ class _Probe:
         self._demand_linear(one)
         runs = [self.step(x, one) for x in TURN_ANGLES]
         factors = [self._across(run.v) for run in runs]
-        kicks, kick, drift, uneven = [1.0 + 0j] * len(factors), None, None, ""
+        kicks, kick, drift, uneven = [0j] * len(factors), None, None, ""
         pulls = [self.step(x, e=one) for x in TURN_ANGLES if self.electric]
         straight, still = self.step(_STILL, one), self.step(_STILL, e=one)
         if self.electric:
@@ -72,15 +72,15 @@ class _Probe:
             kick = self._halves(factors, kicks)
             gains = [abs(x * k - (r - 1) / 1j) for x, r, k in zip(TURN_ANGLES, factors, kicks, strict=True)]
             affine, push = max(gains) <= self.rounding.of(8.0), self._across(still.v).real
-        moved, lifted = ([self._across(run.x) for run in each if run.x is not None] for each in (runs, pulls))
+        moved, lifted = ([self._across(run.x) for run in each if run.x] for each in (runs, pulls))
         if moved:
             law = self._halves(factors, moved)
             drift = None if law is None else law[::-1]
-        by_field = zip(kicks, lifted, strict=False) if drift else ()
+        by_field = zip(kicks, lifted, strict=False)
         if drift and any(abs(drift[1] * k - x) > self.rounding.of(8.0 * (1 + abs(k))) for k, x in by_field):
             drift, uneven = None, "with both fields, the position moves in another way than without E"
-        along = [0.0 if run.x is None else self._across(run.x).real for run in (straight, still)]
-        seen = ((moved or kicks)[1], (lifted or kicks)[1], along[0], along[1] * self.electric)
+        along = [self._across(run.x).real for run in (straight, still) if run.x]
+        seen = (moved[1], (lifted or kicks)[1], along) if moved else None
         uneven = uneven or self._uneven(factors) or self._other_elsewhere(factors[1], kicks[1], push, seen)
         kept, flags = max(abs(abs(r) - 1) for r in factors), (self.electric, (moved, lifted) if moved else None)
         turn, asked = turn_of(factors, self.rounding), tuple(float(np.dot(place, one)) for place in straight.places)
@@ -109,7 +109,7 @@ class _Probe:
     def _halves(self, factors: Sequence[complex], seen: Sequence[complex]) -> Halves | None:
         """(k, l) where what was seen is k R + l at every angle."""
         (r, s), allowed = (factors[1], seen[1]), self.rounding.of(16.0)
-        k = s.imag / r.imag if abs(r.imag) > allowed else 0.0
+        k = s.imag / r.imag if r.imag else 0.0
         last = s.real - k * r.real
         pairs = zip(factors, seen, strict=True)
         return (k, last) if all(abs(k * r + last - s) <= allowed * (1 + abs(s)) for r, s in pairs) else None
@@ -117,7 +117,7 @@ class _Probe:
     def _demand_linear(self, one: Array) -> None:
         """Raises NotReadable if it remembers, or is not linear in v, as a relativistic one."""
         first, second, again, rest = (self.step(0.5, k * one) for k in (1.0, -2.0, 1.0, 0.0))
-        if max(map(abs, [*rest.v, *(rest.x or ())])) > 0:
+        if max(map(abs, [*rest.v, *rest.x])) > 0:
             raise NotReadable("at rest at 0 and without an electric field, the step does not stay")
         if first.v != again.v:
             raise NotReadable("the same step taken twice is not the same")
@@ -141,22 +141,23 @@ class _Probe:
         return ""
 
     def _other_elsewhere(
-        self, r: complex, kick: complex, push: float, moved: tuple[complex, complex, float, float]
+        self, r: complex, kick: complex, push: float, moved: tuple[complex, complex, Sequence[float]] | None
     ) -> str:
         """What shows that a step from any x, with both fields in any direction, is not made of what was read."""
-        axis, h, angle = len(self.frames) - 1, 0.5, TURN_ANGLES[1]
+        axis, h, allowed = len(self.frames) - 1, 0.5, self.rounding.of(32.0)
         frame = self.frames[axis]
         along = frame[2:].sum(axis=0)
         x, v, e = frame[0] - 3 * along, frame[0] - 2 * frame[1] + along, (frame[1] - 2 * along) * self.electric
-        seen = self.step(angle, v, e, x, axis, h)
+        seen = self.step(TURN_ANGLES[1], v, e, x, axis, h)
         said = self._vector(r * self._across(v, axis) + h * kick * self._across(e, axis), axis)
         said = said + along * float(along @ (v + h * push * e))
-        if np.max(np.abs(said - seen.v)) > self.rounding.of(32.0):
+        if np.max(np.abs(said - seen.v)) > allowed:
             return "with both fields, and elsewhere, the step is not made of these kicks and this rotation"
-        if seen.x is not None:
-            across = h * moved[0] * self._across(v, axis) + h**2 * moved[1] * self._across(e, axis)
-            there = x + self._vector(across, axis) + along * float(along @ (h * moved[2] * v + h**2 * moved[3] * e))
-            if np.max(np.abs(there - seen.x)) > self.rounding.of(32.0):
+        if moved:
+            by_v, by_e, (along_v, along_e) = moved
+            across = h * by_v * self._across(v, axis) + h**2 * by_e * self._across(e, axis)
+            there = x + self._vector(across, axis) + along * float(along @ (h * along_v * v + h**2 * along_e * e))
+            if np.max(np.abs(there - seen.x)) > allowed:
                 return "with both fields, and elsewhere, the position moves in another way"
         return ""
 

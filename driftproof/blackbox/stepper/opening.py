@@ -153,7 +153,7 @@ def _in_fields(subject: ForeignStepper, h: float, size: int = 3) -> Sequence[flo
     """A velocity in fields that have three numbers, or in the plane, where B is one number."""
     x, v, electric = (all_of[:size] for all_of in ((1.0, 0.5, 0.25), (0.75, 1.0, 0.5), (0.5, 0.25, 1.0)))
     found = step_in_fields(subject, Push(x, v, electric, (0.25, 1.0, 0.5) if size == 3 else (0.25,), h))
-    return [*(found.x or ()), *found.v]
+    return [*found.x, *found.v]
 
 
 def _turning(subject: ForeignStepper, h: float) -> Sequence[float]:

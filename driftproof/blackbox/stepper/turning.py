@@ -39,9 +39,9 @@ class Push:
 
 @dataclass(frozen=True)
 class Pushed:
-    """The new x, None where a step has none, and v; and where it called E last, and B, if it did."""
+    """The new x, no numbers where a step has none, and v; and where it called E last, and B, if it did."""
 
-    x: list[float] | None
+    x: list[float]
     v: list[float]
     places: list[list[float]] = field(default_factory=list)
 
@@ -64,7 +64,7 @@ def step_in_fields(subject: ForeignStepper, push: Push) -> Pushed:
     answer = subject.called(roles, words, [*push.x, *push.v])
     asked = [made.asked[-1] for made in fields if made.asked]
     if POSITION not in order:
-        return Pushed(None, subject.finite(subject.read(answer, size), push.v), asked)
+        return Pushed([], subject.finite(subject.read(answer, size), push.v), asked)
     if getattr(answer, "size", 0) == 2 * size and len(answer) > 2:  # one state, the position before the velocity
         answer = answer[:size], answer[size:]
     x, v = (subject.read(part, size) for part in subject.two_parts(answer))

@@ -61,3 +61,61 @@ def test_a_push_is_held_to_boris_step_or_to_a_method_for_the_whole(step, key, pa
     found = verify(step, key, isolate=False, allowance=SOLVED if key == "implicit_midpoint" else NO_ALLOWANCE)
     assert found.passed is passed
     assert words in found.verdict
+
+
+KEPT = (
+    "|v| is kept in steps with E = 0: off by 0.0e+00 at most",
+    "areas across B, and so volumes of velocities, are kept",
+)
+CAYLEY = ("implicit_midpoint: it turns by 2 atan(h B/2) = h B - (h B)^3/12 + ...", *KEPT)
+HALVES, AT_ONE_TIME = "kick 1/2 h E, rotation, kick 1/2 h E", "as a step from x and v at one time it has order 1"
+BEHIND, AHEAD = (f"v stands half a step {where} x: {AT_ONE_TIME}" for where in ("behind", "ahead of"))
+EVIDENCE = [
+    (codes.boris(), "boris", CAYLEY, (HALVES,), ("x1 = x + h v1", BEHIND)),
+    (
+        codes.drifting,
+        "boris",
+        CAYLEY,
+        (HALVES,),
+        ("x1 = x + h (1/2 v + 1/2 v1)", "the fields are asked at x + 1/2 h v"),
+    ),
+    (codes.asked_at(1, 1, 0), "boris", CAYLEY, (HALVES,), ("x1 = x + h v", AHEAD, "the fields are asked at x + h v")),
+    (
+        codes.fields_apart,
+        None,
+        CAYLEY,
+        (HALVES,),
+        ("x1 = x + h v1", BEHIND, "the fields are asked at x and at x + h v"),
+    ),
+    (codes.kinetic, "boris", CAYLEY, (HALVES,), ()),
+    (codes.without_field, None, CAYLEY, (), ("x1 = x + h v1", BEHIND)),
+    (codes.boris(drift=(0.25, 0.75)), None, CAYLEY, (HALVES,), ("x1 = x + h (1/4 v + 3/4 v1)",)),
+    (
+        codes.boris(kicks=(1, 0)),
+        None,
+        CAYLEY,
+        (
+            "kick 1 h E, rotation, kick 0 h E",
+            "order 1 where both fields act: a half kick on either side of the rotation has order 2",
+        ),
+        ("x1 = x + h v1", BEHIND),
+    ),
+    (
+        codes.runge_kutta("rk4"),
+        None,
+        ("rk4: it turns by h B - (h B)^5/120 + ...", "its size is multiplied by 1 - (h B)^6/144 + ..."),
+        ("the electric field enters as in one method for the whole of v' = E + v x B",),
+        (),
+    ),
+]
+
+
+@pytest.mark.parametrize(("step", "key", "rotation", "kicks", "position"), EVIDENCE, ids=range(len(EVIDENCE)))
+def test_the_evidence_is_shown(step, key, rotation, kicks, position):
+    found = read_magnetic(opened(step))
+    assert {title: tuple(lines) for title, lines in found.parts} == {
+        "Rotation": rotation,
+        "Kicks": kicks,
+        "Position": position,
+    }
+    assert found.key == key
