@@ -183,7 +183,13 @@ def _same_rates(m: MatrixEntries, finer: MatrixEntries) -> bool:
     Smaller it is without a rate, where the entries are O(h²); noise is as large at a fourth of the step.
     """
     pairs = [(x, 4 * y) for x, y in zip(m[1:3], finer[1:3], strict=True)]
-    return all(abs(y) <= abs(x) / 2 or abs(x - y) * 2**RATE_BITS <= abs(x) + abs(y) for x, y in pairs)
+    return all(abs(y) <= abs(x) / 2 or _agree(x, y) for x, y in pairs)
+
+
+def _agree(x: float, y: float) -> bool:
+    """True when two rates are one, to RATE_BITS bits."""
+    allowed = ldexp(abs(x) + abs(y), -RATE_BITS)
+    return abs(x - y) <= allowed
 
 
 def _extrapolated(m: MatrixEntries, finer: MatrixEntries) -> MatrixEntries:
@@ -191,7 +197,7 @@ def _extrapolated(m: MatrixEntries, finer: MatrixEntries) -> MatrixEntries:
     found = list(m)
     for i in (1, 2):
         x, y = m[i], 4 * finer[i]
-        found[i] = 0.0 if abs(y) <= abs(x) / 2 else (4 * y - x) / 3
+        found[i] = (4 * y - x) / 3 if _agree(x, y) else 0.0
     qq, qv, vq, vv = found
     return qq, qv, vq, vv
 
@@ -230,8 +236,7 @@ def _is_linearisation(subject: ForeignStepper, tiny: LinearReading) -> bool:
     if tiny.at_zero is None:
         return False
     less = _matrix(subject, tiny.tiny, tiny.amplitude / 4)
-    pairs = zip(tiny.at_zero[1:3], less[1:3], strict=True)
-    return all(abs(x - y) * 2**RATE_BITS <= abs(x) + abs(y) for x, y in pairs)
+    return all(map(_agree, tiny.at_zero[1:3], less[1:3]))
 
 
 def _far_out(subject: ForeignStepper, reading: LinearReading) -> tuple[str, ...]:

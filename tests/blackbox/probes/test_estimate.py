@@ -52,6 +52,28 @@ def test_the_row_comes_out_as_it_went_in(key, name, as_before):
     assert min(off) <= 3 * 8 * Fraction(1, 2**53)
 
 
+IN_OTHER_UNITS = {
+    "per unit step": lambda y1, error, h, y: (y1, error / h),
+    "relative": relative,
+    "nothing": lambda y1, error, h, y: (y1, 0 * y),
+    "squared in h": lambda y1, error, h, y: (y1, error * h),
+    "of most numbers": lambda y1, error, h, y: (y1, max(abs(error[:-1]), default=abs(error[0]))),
+    "absolute per unit step": lambda y1, error, h, y: (y1, abs(error / h)),
+    "the other result of the first": lambda y1, error, h, y: (y1, np.append((y1 - error)[:1], y1[1:])),
+}
+
+
+@pytest.mark.parametrize("name", IN_OTHER_UNITS)
+def test_all_that_is_asked_of_an_estimate_and_said_is_as_before(name, as_before):
+    asked = Asked(pair_step("fehlberg45", IN_OTHER_UNITS[name]))
+    try:
+        found = read(asked.code)
+        row = [float(x) for x in found.row]
+        as_before(found.form, found.power, found.relative, found.fault, row, found.sizes, asked)
+    except NotReadable as refusal:
+        as_before(refusal, asked)
+
+
 def test_what_is_no_estimate_in_itself_is_told_from_one():
     per_step = read(pair_step("fehlberg45", lambda y1, error, h, y: (y1, error / h)))
     assert (per_step.power, per_step.relative, per_step.fault) == (0, False, "")
@@ -109,6 +131,7 @@ def test_an_object_keeps_its_estimate_in_an_attribute():
 
 
 NO_ROWS = {
+    "as it is": lambda e: e,
     "shifted": lambda e: e + 1.0,
     "exchanged": lambda e: e[..., ::-1],
     "limited": lambda e: np.minimum(e, 0.01),
@@ -126,6 +149,6 @@ def test_what_is_not_read_is_said_as_before(name, spoiled, as_before):
     asked = Asked(pair_step("bogacki_shampine32", answer))
     try:
         found = read(asked.code)
-        as_before(found.form, found.power, found.relative, [float(x) for x in found.row], asked)
+        as_before(found.form, found.power, found.relative, found.fault, [float(x) for x in found.row], asked)
     except NotReadable as refusal:
         as_before(refusal, asked)

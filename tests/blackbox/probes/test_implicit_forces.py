@@ -20,6 +20,7 @@ from driftproof.blackbox.stepper.opening import opened
 from driftproof.methods.catalogue import METHODS
 from tests.blackbox import dragged_steppers
 from tests.blackbox.implicit_steppers import SOLVERS, fixed_point, induced, newton, of_force
+from tests.blackbox.transcripts import Asked
 
 SOLVED = Allowance(solver_tolerance=1e-9)
 # Fixed-point iterations converge there.
@@ -175,6 +176,30 @@ def one_by_one(force, x, v, dt):
 
 def at_another_time(force, x, v, t, dt):
     return of_force(induced("gauss2"))(lambda q, at: force(q, t), x, v, t, dt)
+
+
+ASKED = {
+    **{verdict: step for step, verdict in VERDICTS},
+    "two stages": of_force(induced("radau_iia2"), fixed_point),
+    "untimed": of_force(induced("lobatto_iiic3"), timed=False),
+    "late": late,
+    "stopped early": of_force(induced("gauss2"), partial(newton, most=1)),
+    "moved by half": lambda force, x, v, dt: scalar(0.25, 0.5)(force, x, v / 2, dt),
+    "at another time": at_another_time,
+    "drag": drag,
+    "halving": halving,
+    "one by one": one_by_one,
+}
+
+
+@pytest.mark.parametrize("name", ASKED)
+def test_all_that_is_asked_of_implicit_steps_of_forces_and_said_is_as_before(name, as_before):
+    asked = Asked(ASKED[name])
+    try:
+        reading = read(asked.code)
+        as_before(*reading.lines, f"{reading.stage_error:.1e}", asked)
+    except NotReadable as refusal:
+        as_before(refusal, asked)
 
 
 def test_what_is_no_implicit_step_of_forces_is_refused():

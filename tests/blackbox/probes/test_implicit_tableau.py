@@ -188,6 +188,30 @@ def dragged(f, t, y, h):
     return all_at_once(table("implicit_midpoint"))(f, t, y, h) - 0.01 * h * np.asarray(y)
 
 
+READ = {
+    "gauss2": all_at_once(table("gauss2"), fixed_point),
+    "lobatto_iiic3": all_at_once(table("lobatto_iiic3")),
+    "tr_bdf2": one_by_one(table("tr_bdf2"), fixed_point),
+    "kept": one_by_one(table("crouzeix3"), SOLVERS["a Jacobian that is kept"]),
+    "to a tolerance": one_by_one(table("sdirk2"), partial(fixed_point, tolerance=1e-6)),
+    "two at one time": one_by_one(TWO_AT_ONE_TIME),
+    "both at the start": one_by_one(BOTH_AT_START),
+    "stopped early": one_by_one(BOTH_AT_START, partial(newton, most=1)),
+    "untimed": untimed(all_at_once(table("radau_iia3"))),
+    "without a weight": one_by_one(([[0.5, 0.0], [0.25, 0.5]], [0.0, 1.0], [0.5, 0.75])),
+    "unused": one_by_one(([[0.5, 0.0], [0.25, 0.5]], [1.0, 0.0], [0.5, 0.75])),
+    "only forward": lambda f, t, y, h: 1 / 0 if h < 0 else all_at_once(table("gauss2"))(f, t, y, h),
+}
+
+
+@pytest.mark.parametrize("name", READ)
+def test_all_that_is_asked_of_implicit_steps_and_read_is_as_before(name, as_before):
+    asked = Asked(READ[name])
+    reading = read(asked.code)
+    left = [f"{x:.1e}" for x in (reading.stage_error, reading.solved.linear, reading.solved.curved)]
+    as_before(*reading.lines, *left, asked)
+
+
 REFUSED = {
     "explicit": (codes.rk4, "not solved, so the step is explicit|none of its stages|another step"),
     "fixed iterations": (codes.midpoint_iterated(3), "explicit|another step than of these stages"),

@@ -11,13 +11,16 @@ import pytest
 from driftproof.blackbox.findings import Misbehaviour, NoAnswer
 from driftproof.blackbox.matching.linear_match import linear_fit
 from driftproof.blackbox.probes.linear_steps import (
+    LINEAR,
     LINEARISED,
     NOT_LINEAR,
     NOT_REPEATABLE,
+    LinearReading,
     read_linear_steps,
 )
 from driftproof.blackbox.stepper.opening import opened
 from driftproof.numeric.steppers import rk4, symplectic_euler
+from driftproof.symbolic.rounding.formats import BINARY64
 from tests.blackbox.broken_steppers import hanging_at
 from tests.blackbox.matching.linear_fits import alike, fit
 from tests.blackbox.transcripts import Asked
@@ -188,12 +191,21 @@ def bent_in_h(q, v, h):
     return q + h * v, v - abs(h) ** 0.5 * q
 
 
+def with_a_rate_that_falls_to_its_half(q, v, h):
+    return q + h * v, v - abs(h) ** 1.5 * q
+
+
+def with_a_rate_that_falls_less(q, v, h):
+    return q + h * v, v - abs(h) ** 1.2 * q
+
+
 def stays(q, v, h):
     return q, v
 
 
 READ = [cubic_far_out, pendulum, stops_at_long_steps, stops_backwards, stops_at_short_steps, at_rest_below_a_speed]
 READ += [fast, limited_far_out, falls, bent, bent_in_h, stays]
+READ += [with_a_rate_that_falls_to_its_half, with_a_rate_that_falls_less]
 
 
 @pytest.mark.parametrize("step", READ)
@@ -210,3 +222,28 @@ def test_what_is_read_of_linear_steps_is_what_it_was(step, array, size, as_befor
     as_before(
         *shown, rates, next(iter(found.ordinary), None), len(found.steps), *found.steps[::6], *found.remarks, asked
     )
+
+
+@pytest.mark.parametrize("component", [0, 1])
+@pytest.mark.parametrize("state", [(1.0, 1.0), (0.625, -0.75), (-1.5, 0.0)])
+def test_a_step_is_linear_that_is_off_the_sum_of_its_parts_by_no_more_than_4096_roundings(state, component):
+    length, (q0, v0) = 0.125, state
+    sizes = abs(q0) + length * abs(v0), length * abs(q0) + abs(v0)
+    for factor, linear in ((0.99, True), (1.01, False)):
+        error = factor * 4096 * 2.0**-53 * (abs(q0) + abs(v0) + sizes[component])
+
+        def step(q, v, h, error=error):
+            off = error * ((q, v, h) == (q0, v0, length))
+            return q + h * v + off * (component == 0), v - h * q + off * (component == 1)
+
+        assert (read_linear_steps(opened(step, "map")).kind == LINEAR) is linear
+
+
+@pytest.mark.parametrize("place", range(4))
+def test_a_step_of_0_is_none_as_far_as_a_tiny_step_tells(place):
+    slack = 8 * (2.0**-12 + 2.0**-53)
+    for more, seen in ((0.0, True), (2.0**-51, False)):
+        at_zero = [x + (slack + more) * (i == place) for i, x in enumerate((1.0, 0.0, 0.0, 1.0))]
+        reading = LinearReading(BINARY64, LINEAR, unit=4.0, tiny=2.0**-10, at_zero=tuple(at_zero))
+        assert reading.starts_at_identity is seen
+    assert not LinearReading(BINARY64, LINEAR).starts_at_identity

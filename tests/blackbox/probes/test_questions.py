@@ -13,6 +13,7 @@ from driftproof.blackbox.probes.tableau import TableauReading
 from driftproof.blackbox.stepper.opening import opened
 from tests.blackbox import handwritten_steppers as codes
 from tests.blackbox.dragged_steppers import RIGHT, WRONG, gaffer, kicks_of_half, of_stages, semi_implicit
+from tests.blackbox.transcripts import Asked
 
 
 def symplectic(f, t, y, h):
@@ -32,6 +33,20 @@ def test_a_stepper_is_introduced_by_its_calls_its_numbers_and_its_format():
 def test_coefficients_are_those_of_a_tableau_or_of_forces():
     assert isinstance(read_coefficients(opened(codes.rk4)), TableauReading)
     assert isinstance(read_coefficients(opened(symplectic)), ForceReading)
+
+
+READ = dict(enumerate([step for step, *_ in (*RIGHT, *WRONG)]))
+READ |= {name: vars(codes)[name] for name in ("dopri5", "ssprk104_in_two_registers", "jameson", "rk4_without_time")}
+READ |= {"symplectic": symplectic, "adaptive": adaptive}
+
+
+@pytest.mark.parametrize("name", READ)
+def test_all_that_is_asked_for_coefficients_and_said_is_as_before(name, as_before):
+    asked = Asked(READ[name])
+    try:
+        as_before(*read_coefficients(opened(asked.code)).lines, asked)
+    except (NotReadable, UnsupportedCall) as refusal:
+        as_before(refusal, asked)
 
 
 def test_what_has_none_is_refused():

@@ -3,11 +3,13 @@
 import pytest
 
 from driftproof.blackbox.probes.scripted_answers import (
+    CONTROLS,
     MOST_CALLS,
     Departs,
     NotReadable,
     Rounding,
     Script,
+    demand_as_said,
     demand_calls,
     demand_same,
     performed,
@@ -52,9 +54,43 @@ def test_a_limit_leads_to_smaller_numbers_and_a_remark(limit, found):
 
 def test_what_differs_by_more_than_rounding_is_refused():
     demand_calls(4, 4)
-    demand_same(ROUNDING, [1.0, 2.0], [1.0, 2.0 * (1 + 2.0**-52)])
-    for seen in ([1.0], [1.0, 2.0001]):
-        with pytest.raises(NotReadable, match="taken twice is not the same"):
-            demand_same(ROUNDING, [1.0, 2.0], seen)
+    allowed = 24 * 2 * 2.0**-53
+    for within in (2.0 + allowed, 2.0 - allowed):
+        demand_same(ROUNDING, [1.0, -2.0], [1.0, -within])
+    for seen in ([1.0], [1.0, -2.0001], [1.0, -2.0 - allowed - 2.0**-51], [1.0, -2.0 + allowed + 2.0**-52]):
+        with pytest.raises(NotReadable, match="the same step of 4 calls taken twice is not the same"):
+            demand_same(ROUNDING, [1.0, -2.0], seen)
+    with pytest.raises(NotReadable, match="of 1 call taken"):
+        demand_same(Rounding(BINARY64, 1), [], [1.0])
     with pytest.raises(NotReadable, match="4, then 5"):
         demand_calls(4, 5)
+
+
+@pytest.mark.parametrize(("calls", "besides", "size", "found"), [
+    (0, 0.0, 3.0, 8 * (3 * 2.0**-53)), (3, 0.0, 0.5, 20 * 2.0**-54), (1, 1e-6, 0.25, 1e-6 + 3 * 2.0**-53),
+    (1, 1e-6, 4.0, 4e-6 + 48 * 2.0**-53), (3, 0.0, 0.0, 20 * 2.0**-1074),
+])  # fmt: skip
+def test_so_far_rounding_may_carry_a_number_of_a_step(calls, besides, size, found):
+    assert Rounding(BINARY64, calls, besides).of(size) == pytest.approx(found, rel=1e-15, abs=2.0**-1074)
+
+
+# More than a thousandth, 2**-10, of the larger number is what a limit takes away.
+@pytest.mark.parametrize(
+    ("seen", "kind"), [(-1024.0, None), (-1023.5, None), (-1023.25, NotReadable), (-1022, Departs)]
+)
+@pytest.mark.parametrize("sign", [1, -1])
+def test_a_number_that_is_off_is_told_from_one_that_is_far_off(seen, kind, sign):
+    def demand(first, second):
+        demand_as_said(CONTROLS[0]._replace(name="care", broken="broken"), "a number", first, second, 0.5)
+
+    for pair in ((sign * seen, -1024.0 * sign), (-1024.0 * sign, sign * seen)):
+        if kind is None:
+            demand(*pair)
+            continue
+        with pytest.raises(
+            NotReadable, match=f"with care, a number is {pair[0]:.6g} where .* say {pair[1]:.6g}: broken"
+        ):
+            demand(*pair)
+        with pytest.raises(NotReadable) as refused:
+            demand(*pair)
+        assert refused.type is kind
