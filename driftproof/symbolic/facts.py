@@ -164,7 +164,7 @@ class Facts(LinearFacts):
         """The coefficients that are not zero of the equation whose exact flow the step is, by trees."""
         if self._tableau is None:
             return None
-        return {tree: c for tree, c in modified_equation(self._tableau, MODIFIED_ORDER).items() if c != 0}
+        return {tree: c for tree, c in modified_equation(self._tableau, MODIFIED_ORDER).items() if c}
 
     @cached_property
     def _conditions(self) -> order_conditions.RungeKuttaConditions:

@@ -226,7 +226,7 @@ def family_order(family: Family) -> tuple[int, FailingTree, list[OrderSet]]:
     while True:
         n = len(sets) + 1
         for tree, residual in family_residuals(family, n):
-            if residual.num != 0:
+            if residual.num:
                 failing = failing or (n - 1, FailingTree(tree, ExactFunction(residual, family.parameter).as_formula()))
                 shared = greatest_common_divisor(shared, residual.num)
         sets.append(OrderSet(n, _vanishing(family, shared)))
@@ -238,7 +238,7 @@ def _vanishing(family: Family, p: Polynomial) -> ParameterSet:
     """The values of the parameter at which p vanishes and no entry has a pole."""
     line = Line.cut(family, [p])
     at_points = (vanishes_at(p, point) and not vanishes_at(line.poles, point) for point in line.points)
-    return line.marked([p == 0, *(label for at_point in at_points for label in (at_point, p == 0))])
+    return line.marked([not p, *(label for at_point in at_points for label in (at_point, not p))])
 
 
 # A limit that does not depend on the parameter, or the branch of a curve on which it lies.
@@ -290,7 +290,7 @@ def _piece(curves: list[Bivariate], parameter: str, value: _Value, where: Interv
         return LimitPiece(where, value)
     curve, formula = curves[value.curve], None
     rows = rows_in_x(curve)
-    powers = [k for k, c in enumerate(rows) if c != 0]
+    powers = [k for k, c in enumerate(rows) if c]
     if powers in ([0, 1], [0, 2]):
         solved = rational_function_text(fraction(-rows[0], rows[-1]), parameter)
         formula = solved if powers == [0, 1] else f"sqrt({solved})"
@@ -303,7 +303,7 @@ def _value(curves: list[Bivariate], value: Exact | None, limit: Limit | None) ->
         return limit
     found = (k for k, curve in enumerate(curves) if vanishes_at(at_parameter(curve, scalar(value)), limit))
     curve = next(found)
-    if degree_in_t(curves[curve]) == 0:
+    if not degree_in_t(curves[curve]):
         return limit
     return Branch(curve, _roots(curves[curve], value).index(limit) + 1)
 

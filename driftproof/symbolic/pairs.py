@@ -147,4 +147,4 @@ def _slope_residual(extension: ContinuousExtension, own: Sequence[Exact]) -> Exa
 
 
 def _size(x: RingElement) -> RingElement:
-    return x if x >= 0 else -x
+    return max(x, -x)

@@ -119,7 +119,7 @@ class TrigonometricNumber(EnclosedReal):
     def __str__(self) -> str:
         """The terms in ascending order of their values."""
         terms = [(self.cosine, "cos"), (self.sine if self.t > 0 else -self.sine, "sin")]
-        if all(c for c, _ in terms) and certified_sign(TrigonometricNumber(self.cosine, -self.sine, self.t)) > 0:
+        if all(c for c, _ in terms) and certified_sign(TrigonometricNumber(self.cosine, -self.sine, self.t)) == 1:
             terms.reverse()
         return " + ".join(_term(c, f"{name}({abs(self.t)})") for c, name in terms if c).replace("+ -", "- ")
 
@@ -196,14 +196,14 @@ class OscillatorRun:
     def exact_state(self) -> tuple[RunNumber, RunNumber]:
         """(q₀ cos t + v₀ sin t, v₀ cos t - q₀ sin t)."""
         q, v = self.start
-        if self.t == 0 or not (q or v):
+        if not self.t or not (q or v):
             return self.start
         return TrigonometricNumber(q, v, self.t), TrigonometricNumber(v, -q, self.t)
 
     @property
     def state_error(self) -> RunNumber:
         """The Euclidean distance between the numerical and the exact final state."""
-        if self.t == 0:
+        if not self.t:
             return Fraction(0)
         return EnclosedReal(lambda: distance(_numerical(self), exact_flow(self.start, self.t)))
 
@@ -232,7 +232,7 @@ class OscillatorRun:
         origin = (Fraction(0), Fraction(0))
         if origin in (self.start, self.final_state):
             return None
-        if self.t == 0:
+        if not self.t:
             return Fraction(0)
         return EnclosedReal(lambda: _angle_between(_numerical(self), exact_flow(self.start, self.t)) * 180 / arb.pi())
 

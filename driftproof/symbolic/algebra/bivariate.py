@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from functools import cache, partial
 from typing import Any, NamedTuple, TypeAlias
 
 from flint import fmpq, fmpq_mat, fmpq_mpoly_ctx, fmpq_poly
 
-from driftproof.symbolic.algebra.polynomials import Polynomial, Scalar, evaluate, from_scalars, interpolate
+from driftproof.symbolic.algebra.polynomials import ZERO, Polynomial, Scalar, evaluate, from_scalars, interpolate
 from driftproof.symbolic.algebra.rational_functions import polynomial_text, sum_text
 
 # An element of the ring; FLINT has no static types.
@@ -19,24 +20,25 @@ X_OF_TWO, T_OF_TWO = _RING.gens()
 
 def from_rows(rows: Sequence[Polynomial]) -> Bivariate:
     """The polynomial with these coefficients of 1, x, x**2, ..., polynomials in t."""
-    return _RING.from_dict({(k, j): c for k, row in enumerate(rows) for j, c in enumerate(row.coeffs()) if c != 0})
+    return _RING.from_dict({(k, j): c for k, row in enumerate(rows) for j, c in enumerate(row.coeffs())})
 
 
 def rows_in_x(p: Bivariate) -> list[Polynomial]:
     """The coefficients of 1, x, x**2, ... up to the degree; none of zero."""
-    terms = p.to_dict()
-    degree = degree_in_t(p)
-    return [fmpq_poly([terms.get((k, j), 0) for j in range(degree + 1)]) for k in range(degree_in_x(p) + 1)]
+    rows = [ZERO] * (degree_in_x(p) + 1)
+    for (k, j), c in p.to_dict().items():
+        rows[k] += fmpq_poly([c]).left_shift(j)
+    return rows
 
 
 def degree_in_x(p: Bivariate) -> int:
     """The degree in x; -1 for zero."""
-    return int(p.degrees()[0]) if p != 0 else -1
+    return int(p.degrees()[0])
 
 
 def degree_in_t(p: Bivariate) -> int:
     """The degree in t; -1 for zero."""
-    return int(p.degrees()[1]) if p != 0 else -1
+    return int(p.degrees()[1])
 
 
 def without_root_zero(p: Bivariate) -> Bivariate:
@@ -74,12 +76,12 @@ def at_parameter(p: Bivariate, value: Scalar) -> Polynomial:
 
 def irreducible_factors(p: Bivariate) -> list[Bivariate]:
     """The factors over Q that are irreducible and not free of x, each once, primitive over Z; of 0 none."""
-    return [factor for factor, _ in p.factor()[1] if degree_in_x(factor) > 0] if p != 0 else []
+    return [factor for factor, _ in p.factor()[1] if degree_in_x(factor)]
 
 
 def merging_values(a: Bivariate, b: Bivariate) -> Polynomial | None:
     """A polynomial in t that vanishes wherever the common roots of a and b may change; None if a or b is zero."""
-    if a == 0 or b == 0:
+    if not a or not b:
         return None
 
     def at(value: fmpq) -> tuple[Polynomial, Polynomial]:
@@ -91,12 +93,12 @@ def merging_values(a: Bivariate, b: Bivariate) -> Polynomial | None:
 def bivariate_text(p: Bivariate, variable: str, parameter: str) -> str:
     """The polynomial in SymPy's syntax, highest power of x first, e.g. "(1 - 2*gamma)*x - 2"."""
     rows = list(enumerate(rows_in_x(p)))[::-1]
-    return sum_text(_term(row, k, variable, parameter) for k, row in rows if row != 0)
+    return sum_text(_term(row, k, variable, parameter) for k, row in rows if row)
 
 
 def _term(coefficient: Polynomial, power: int, variable: str, parameter: str) -> str:
     written = polynomial_text(coefficient, parameter)
-    if power == 0:
+    if not power:
         return f"({written})" if " " in written else written
     monomial = variable if power == 1 else f"{variable}**{power}"
     if written in ("1", "-1"):
@@ -119,27 +121,24 @@ def critical_polynomial(pair: ParametricPair) -> Polynomial | None:
     their common roots depend continuously on t (basu-pollack-roy-2006, chapter 4).
     """
     (m, n), (reach, other) = pair.degrees, pair.reaches
-    values: list[tuple[Polynomial, Polynomial]] = []
+    values = cache(lambda k: pair.at(fmpq(k)))
     for index in range(min(m, n) + 1):
-        count = (n - index) * reach + (m - index) * other + 1
-        values += [pair.at(fmpq(k)) for k in range(len(values), count)]
-        found = [_principal_subresultant(p, q, (m, n), index) for p, q in values[:count]]
-        if any(found):
-            return interpolate(found)
+        if found := interpolate(partial(_principal_subresultant, values, pair.degrees, index), n * reach + m * other):
+            return found
     return None
 
 
-def _principal_subresultant(p: Polynomial, q: Polynomial, degrees: tuple[int, int], index: int) -> Scalar:
-    """The determinant of the shifts xᵏp, k < n - index, and xᵏq, k < m - index, without powers of x below `index`.
+def _principal_subresultant(
+    values: Callable[[int], tuple[Polynomial, Polynomial]], degrees: tuple[int, int], index: int, k: int
+) -> Scalar:
+    """At t = k, the determinant of the shifts xⁱp, i < n - index, and xⁱq, i < m - index, without x**j for j < index.
 
     p counts as of degree m and q as of degree n, whatever their leading coefficients: so the determinant is a
     polynomial in the coefficients.
     """
-    m, n = degrees
-    shifts = [p.left_shift(k) for k in reversed(range(n - index))] + [
-        q.left_shift(k) for k in reversed(range(m - index))
+    (p, q), (m, n) = values(k), degrees
+    shifts = [p.left_shift(i) for i in reversed(range(n - index))] + [
+        q.left_shift(i) for i in reversed(range(m - index))
     ]
     size, top = len(shifts), m + n - 1 - index
-    if not size:
-        return fmpq(1)
-    return fmpq_mat([[row[top - column] for column in range(size)] for row in shifts]).det()
+    return fmpq_mat(size, size, [row[top - column] for row in shifts for column in range(size)]).det()

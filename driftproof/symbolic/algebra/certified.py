@@ -97,7 +97,7 @@ def settled(read: Callable[[], T | None], bits: int = ISOLATING_BITS, last: int 
 
 def sign_of_ball(ball: arb) -> int | None:
     """1 or -1; None where the ball contains 0."""
-    return None if ball.contains(0) else 1 if ball > 0 else -1
+    return (ball > 0) - (ball < 0) or None
 
 
 def _is_vague(ball: arb) -> bool:
@@ -121,7 +121,7 @@ def certified_sign(value: CertifiableReal) -> int:
 
 def is_less(a: CertifiableReal, b: CertifiableReal) -> bool:
     """a < b, certified by disjoint enclosures. Raises Uncertified if a = b and neither is rational."""
-    return certified_sign(lambda: enclose(a) - enclose(b)) < 0
+    return certified_sign(lambda: enclose(a) - enclose(b)) == -1
 
 
 def fixed(value: CertifiableReal, places: int, rounding: str = HALF_EVEN) -> str:
@@ -152,7 +152,7 @@ def significant(value: CertifiableReal, digits: int, rounding: str = HALF_EVEN) 
     _demand_a_digit(digits)
 
     def read(x: Fraction) -> str:
-        if x == 0:
+        if not x:
             return "0"
         decade = _decade(_rounded(x, digits, rounding))
         if -5 <= decade < digits:
@@ -188,12 +188,8 @@ def _round_to_integer(x: Fraction, rounding: str) -> int:
 
 def _decade(x: Fraction) -> int:
     """The largest e with 10**e <= |x|, for x != 0."""
-    e = (abs(x.numerator).bit_length() - x.denominator.bit_length()) * 30103 // 100000  # 0.30103 > log10(2)
-    while Fraction(10) ** (e + 1) <= abs(x):
-        e += 1
-    while Fraction(10) ** e > abs(x):
-        e -= 1
-    return e
+    e = len(str(fmpz(abs(x.numerator)))) - len(str(fmpz(x.denominator)))
+    return e if Fraction(10) ** e <= abs(x) else e - 1
 
 
 def _rounded(x: Fraction, digits: int, rounding: str) -> Fraction:
@@ -209,7 +205,7 @@ def _fixed(x: Fraction, places: int, rounding: str) -> str:
 
 
 def _scientific(x: Fraction, digits: int, rounding: str) -> str:
-    if x == 0:
+    if not x:
         return "0"
     rounded = _rounded(x, digits, rounding)
     decade = _decade(rounded)

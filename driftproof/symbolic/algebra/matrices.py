@@ -7,7 +7,7 @@ from typing import TypeAlias
 
 from flint import fmpq, fmpq_mat
 
-from driftproof.symbolic.algebra.polynomials import ZERO, Polynomial, Scalar, descend, dot
+from driftproof.symbolic.algebra.polynomials import ONE, ZERO, Polynomial, Scalar, descend, dot
 from driftproof.symbolic.algebra.rational_functions import RationalFunction, fraction
 
 # Entries in a commutative ring that contains Q, such as scalars or polynomials.
@@ -50,7 +50,7 @@ def matrix_determinant(rows: MatrixRows) -> Scalar:
 def of_matrix(r: RationalFunction, rows: MatrixRows) -> StepMatrix:
     """R(hA) = P(hA) Q(hA)⁻¹ for a square matrix A of exact scalars; its entries are rational functions of h."""
     num, den = _at_matrix(r.num, rows), _at_matrix(r.den, rows)
-    if r.den.degree() <= 0:
+    if r.den == ONE:
         return tuple(tuple(fraction(x, r.den) for x in row) for row in num)
     (*_, last), (*_, adjugate) = faddeev_leverrier(den)  # the inverse is -Mₙ/cₙ
     return tuple(tuple(fraction(descend(-x), last) for x in row) for row in matrix_product(num, adjugate))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from fractions import Fraction
 from functools import cache
 from itertools import pairwise
@@ -94,9 +94,9 @@ class FieldPolynomial(ScalarExtension):
     def gcd(self, other: object) -> FieldPolynomial:
         """The monic greatest common divisor, by Euclid's algorithm."""
         a, b = self, self._coerce(other)
-        while b != 0:
+        while b:
             a, b = b, a % b
-        return a / a.leading_coefficient() if a != 0 else a
+        return a / a.leading_coefficient() if a else a
 
     def inverse(self) -> FieldPolynomial:
         """1/x for an element x of K. Raises ZeroDivisionError for 0, ValueError for a polynomial in z."""
@@ -125,8 +125,8 @@ class FieldPolynomial(ScalarExtension):
         Every root of this polynomial is one of its norm; the norm has further ones, the roots of the conjugates.
         """
         rows = list(zip(*(column.parts for column in self.multiples()), strict=True))
-        points = range(self.degree() * len(rows) + 1)
-        return interpolate([fmpq_mat([[p(fmpq(k)) for p in row] for row in rows]).det() for k in points])
+        values = lambda k: fmpq_mat([[p(fmpq(k)) for p in row] for row in rows]).det()
+        return interpolate(values, self.degree() * len(rows))
 
     def multiples(self) -> list[FieldPolynomial]:
         """This polynomial times 1, α, α**2, ...: the columns of multiplication by it."""
@@ -216,9 +216,9 @@ def sign(x: Scalar) -> int:
     return x.element().sign() if isinstance(x, FieldPolynomial) else int(x > 0) - int(x < 0)
 
 
-def interpolate(values: Sequence[fmpq]) -> Polynomial:
-    """The polynomial over Q of degree below n with the given values at 0, 1, ..., n - 1 (Newton's formula)."""
-    differences = [fmpq(v) for v in values]
+def interpolate(values: Callable[[int], fmpq], degree: int) -> Polynomial:
+    """The polynomial over Q of this degree at most with these values at 0, 1, ..., `degree` (Newton's formula)."""
+    differences = [values(k) for k in range(degree + 1)]
     for order in range(1, len(differences)):
         for k in reversed(range(order, len(differences))):
             differences[k] = (differences[k] - differences[k - 1]) / order
@@ -258,7 +258,7 @@ def odd_part(p: Polynomial) -> Polynomial:
 
 def deflate(p: Polynomial) -> Polynomial:
     """The e with p(z) = e(z²). Raises ValueError if an odd power occurs."""
-    if odd_part(p) != 0:
+    if odd_part(p):
         raise ValueError("an odd power occurs")
     return even_part(p)
 
@@ -273,7 +273,7 @@ def greatest_common_divisor(p: Polynomial, q: Polynomial) -> Polynomial:
     """The monic greatest common divisor; over the number field if either has coefficients there."""
     if isinstance(q, FieldPolynomial) and not isinstance(p, FieldPolynomial):
         p, q = q, p
-    if isinstance(p, FieldPolynomial) and p != 0 and q != 0 and coprime_modulo_a_prime(p, q):
+    if isinstance(p, FieldPolynomial) and p and q and coprime_modulo_a_prime(p, q):
         return ONE
     return descend(p.gcd(q))
 
@@ -288,12 +288,11 @@ def coprime_modulo_a_prime(p: FieldPolynomial, q: Polynomial) -> bool:
     prime, root = _image_of_generator(p.field.minimal)
     images = []
     for polynomial_ in (p, q):
-        image, power = nmod_poly([0], prime), 1
-        for part in polynomial_.parts if isinstance(polynomial_, FieldPolynomial) else (polynomial_,):
+        image = nmod_poly([0], prime)
+        for i, part in enumerate(polynomial_.parts if isinstance(polynomial_, FieldPolynomial) else (polynomial_,)):
             if int(part.denom()) % prime == 0:
                 return False
-            image += nmod_poly(part.numer(), prime) * (power * pow(int(part.denom()), -1, prime))
-            power = power * root % prime
+            image += nmod_poly(part.numer(), prime) * (pow(root, i, prime) * pow(int(part.denom()), -1, prime))
         images.append(image)
     return bool(images[0].degree() == p.degree() and images[0].gcd(images[1]).degree() == 0)
 
@@ -303,7 +302,7 @@ def _image_of_generator(minimal: tuple[int, ...]) -> tuple[int, int]:
     """A prime of 61 bits or so, and a simple root modulo it; there are such primes (Chebotarev), the first is taken."""
     prime = fmpz(2**61 - 1)
     while True:
-        roots = nmod_poly(list(minimal), prime).roots() if minimal[-1] % prime else []
+        roots = nmod_poly(list(minimal), prime).roots()
         simple = [int(root) for root, multiplicity in roots if multiplicity == 1]
         if simple:
             return int(prime), simple[0]
@@ -317,7 +316,7 @@ def quotient(p: Polynomial, q: Polynomial) -> Polynomial:
     if isinstance(q, FieldPolynomial) and not isinstance(p, FieldPolynomial):
         p = q * 0 + p
     result, rest = divmod(p, q)
-    if rest != 0:
+    if rest:
         raise ValueError("the division leaves a remainder")
     return descend(result)
 

@@ -8,7 +8,7 @@ from math import gcd
 from flint import arb, fmpz
 
 from driftproof.methods.number_field import Algebraic, Exact, as_fmpq
-from driftproof.symbolic.algebra.certified import settled, significant
+from driftproof.symbolic.algebra.certified import settled, sign_of_ball, significant
 from driftproof.symbolic.algebra.rational_functions import monomial_text, sum_text
 from driftproof.symbolic.algebra.real_roots import Minimal, RealRoot
 
@@ -23,7 +23,7 @@ def radical_form(root: RealRoot) -> str | None:
     E.g. "2*sqrt(2)", "1/2 + sqrt(5)/2", "sqrt(3 + 2*sqrt(3))", "2*3**(1/3)"; None also where radicands are long.
     """
     power = gcd(*(k for k, c in enumerate(root.minimal) if c))
-    if power > 1 and root.ball() < 0:
+    if power > 1 and sign_of_ball(root.ball()) == -1:
         text = radical_form(root.negated())
         return text and f"-{text}"
     reduced = root.minimal[::power]

@@ -42,7 +42,7 @@ class RationalFunction:
         excess = self.num.degree() - self.den.degree()
         if excess > 0:
             return None
-        return exact(self.num.leading_coefficient() / self.den.leading_coefficient()) if excess == 0 else Fraction(0)
+        return exact(self.num.leading_coefficient() / self.den.leading_coefficient()) if not excess else Fraction(0)
 
     def __call__(self, x: Scalar) -> Scalar:
         """The value at a scalar. Raises ZeroDivisionError at a pole."""
@@ -67,12 +67,12 @@ class RationalFunction:
 
 def fraction(num: Polynomial, den: Polynomial = ONE) -> RationalFunction:
     """num/den, reduced and normalised. Raises ZeroDivisionError if den is zero."""
-    if den == 0:
+    if not den:
         raise ZeroDivisionError("the denominator is the zero polynomial")
-    if den.degree() > 0:
+    if den != ONE:
         common = greatest_common_divisor(num, den)
         num, den = quotient(num, common), quotient(den, common)
-    unit = den[0] if den[0] != 0 else den.leading_coefficient()
+    unit = den[0] or den.leading_coefficient()
     return RationalFunction(descend(num / unit), descend(den / unit))
 
 
@@ -127,7 +127,7 @@ def series_root(a: PowerSeries) -> PowerSeries:
     result: PowerSeries = [fmpq(1)]
     for k in range(1, len(a)):
         result.append((a[k] - dot(result[1:], result[:0:-1])) / 2)
-    return result[: len(a)]
+    return result
 
 
 def series_integral(a: PowerSeries) -> PowerSeries:
@@ -156,7 +156,7 @@ def exact_text(x: Exact) -> str:
 
 def polynomial_text(p: Polynomial, name: str) -> str:
     """The polynomial, constant term first, e.g. "1/2 - h**2/8" or "(2 - sqrt(2))*h"."""
-    return sum_text(monomial_text(c, power, name) for power, c in enumerate(coefficients(p)) if c != 0)
+    return sum_text(monomial_text(c, power, name) for power, c in enumerate(coefficients(p)) if c)
 
 
 def sum_text(terms: Iterable[str]) -> str:
@@ -179,12 +179,13 @@ def rational_function_text(f: RationalFunction, name: str) -> str:
 
 def monomial_text(c: Exact, power: int, name: str) -> str:
     """c*name**power, with the sign in front."""
-    monomial = "" if power == 0 else name if power == 1 else f"{name}**{power}"
+    monomial = "" if not power else name if power == 1 else f"{name}**{power}"
     if not isinstance(c, Fraction):
         return f"({c})*{monomial}" if monomial else f"({c})"
     if not monomial:
         return exact_text(c)
-    sign, size = "-" if c < 0 else "", abs(c)
+    size = abs(c)
+    sign = "" if c == size else "-"
     factor = "" if size.numerator == 1 else f"{fmpz(size.numerator)}*"
     over = "" if size.denominator == 1 else f"/{fmpz(size.denominator)}"
     return f"{sign}{factor}{monomial}{over}"

@@ -13,6 +13,7 @@ from flint import arb, ctx, fmpq, fmpq_poly
 from driftproof.methods.number_field import Algebraic, Exact, NumberField, as_fmpq, dyadic, real_root_balls
 from driftproof.symbolic.algebra.certified import ISOLATING_BITS, settled, sign_of_ball
 from driftproof.symbolic.algebra.polynomials import (
+    ONE,
     Polynomial,
     X,
     at_ball,
@@ -84,7 +85,7 @@ class RealRoot:
 
     def negated(self) -> RealRoot:
         """The negative of the number."""
-        lead = 1 if self.degree % 2 == 0 else -1
+        lead = (-1) ** self.degree
         minimal = tuple(lead * (-c if k % 2 else c) for k, c in enumerate(self.minimal))
         return RealRoot(minimal, self.count - 1 - self.index)
 
@@ -95,7 +96,7 @@ class RealRoot:
             RealRoot(m, k) for m, _ in irreducible_factors_of(fmpq_poly(doubled)) for k in range(RealRoot(m, 0).count)
         ]
         try:
-            return the_one(candidates, lambda r: not r.ball() < 0 and (r.ball() * r.ball()).overlaps(self.ball()))
+            return the_one(candidates, lambda r: sign_of_ball(r.ball()) != -1 and (r.ball() ** 2).overlaps(self.ball()))
         except ValueError:
             raise ValueError("a negative number has no real square root") from None
 
@@ -155,12 +156,14 @@ def vanishes_at(p: Polynomial, root: RealRoot) -> bool:
     p and the minimal polynomial have the common divisor d, and minimal = d e with d, e coprime: the root is a root of
     exactly one of them, and balls tell which one it is not.
     """
-    if p == 0:
+    if not p:
         return True
     minimal = root.polynomial
     common = greatest_common_divisor(minimal, p)
-    if common.degree() in (0, minimal.degree()):
-        return bool(common.degree() > 0)
+    if common == ONE:
+        return False
+    if common.degree() == minimal.degree():
+        return True
     rest = quotient(minimal, common)
 
     def is_of_common() -> bool | None:
@@ -177,9 +180,7 @@ def sign_at(p: Polynomial, root: RealRoot) -> int:
 
 def irreducible_factors_of(p: Polynomial) -> list[tuple[Minimal, int]]:
     """The irreducible factors of a nonzero polynomial over Q, primitive over Z, each with its exponent."""
-    factors = p.numer().factor()[1]
-    signed = ((f if f.leading_coefficient() > 0 else -f, int(exponent)) for f, exponent in factors)
-    return [(tuple(int(c) for c in f.coeffs()), exponent) for f, exponent in signed]
+    return [(tuple(int(c) for c in f.coeffs()), int(exponent)) for f, exponent in p.numer().factor()[1]]
 
 
 def root_as_number(root: RealRoot, name: str = "alpha") -> Exact:
@@ -205,9 +206,9 @@ def root_of(x: Exact) -> RealRoot:
 def root_ratio(x: RealRoot, y: RealRoot) -> RealRoot:
     """x/y for positive x and y: a root of the product, over the conjugates of y, of m(yz), m the polynomial of x."""
     monic = y.polynomial / y.minimal[-1]  # so that the values stay those of one polynomial where the degree drops
-    points = range(x.degree * y.degree + 1)
     # The product over the conjugates is, up to a constant, a resultant: here by its values at integers z.
-    product = interpolate([monic.resultant(fmpq_poly([c * z**k for k, c in enumerate(x.minimal)])) for z in points])
+    values = lambda z: monic.resultant(fmpq_poly([c * z**k for k, c in enumerate(x.minimal)]))
+    product = interpolate(values, x.degree * y.degree)
     return the_one(positive_roots([product]), lambda root: (root.ball() * y.ball()).overlaps(x.ball()))
 
 
@@ -219,6 +220,6 @@ def the_one(candidates: Iterable[RealRoot], fits: Callable[[RealRoot], bool]) ->
         left[:] = [root for root in left if fits(root)]
         return None if len(left) > 1 else left
 
-    if not (found := settled(fitting)):
+    if (found := next(iter(settled(fitting)), None)) is None:
         raise ValueError("none of the roots is the number")
-    return found[0]
+    return found

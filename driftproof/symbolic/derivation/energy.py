@@ -40,7 +40,7 @@ def energy_multiplier(m: DomainMatrix) -> MatrixEntry:
     Raises StateDependentEnergy where there is none: that fact does not exist, so it is not returned.
     """
     after = energy_after(m)
-    if after.qv != 0 or after.q2 != after.v2:
+    if after.qv or after.q2 != after.v2:
         raise StateDependentEnergy(f"the energy change depends on the state: E after one step is {_show(after)}")
     return 2 * after.q2
 
@@ -60,7 +60,7 @@ def invariant_quadratic(m: DomainMatrix) -> EnergyForm:
     ]
     identity = [[RING.one if i == j else zero for j in range(3)] for i in range(3)]
     solutions = (matrix(pulled_back).to_field() - matrix(identity).to_field()).nullspace()
-    if solutions.shape[0] == 0:
+    if not solutions.shape[0]:
         raise ValueError("no quadratic form is conserved")
     if solutions.shape[0] != 1:
         raise ValueError(f"the conserved quadratics form a space of dimension {solutions.shape[0]}, not a line")
@@ -77,7 +77,7 @@ def _normalised(q2: StepPolynomial, qv: StepPolynomial, v2: StepPolynomial) -> E
         content = content.gcd(polynomial)
     cleared = [polynomial.exquo(content) for polynomial in cleared]
     at_zero = cleared[0].evaluate(H, 0)
-    if at_zero == 0 or cleared[2].evaluate(H, 0) != at_zero or cleared[1].evaluate(H, 0) != 0:
+    if not at_zero or cleared[2].evaluate(H, 0) != at_zero or cleared[1].evaluate(H, 0):
         raise ValueError("the conserved quadratic does not become the energy as h goes to 0")
     return EnergyForm(*(polynomial / (2 * at_zero) for polynomial in cleared))
 

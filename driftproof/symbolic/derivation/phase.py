@@ -41,7 +41,7 @@ def phase_error_series(m: DomainMatrix, terms: int) -> StepPolynomial:
     half_trace, area = (_series(f, terms + 2) for f in (trace(m) / 2, determinant(m)))
     squared_sine = rs_trunc(area - half_trace**2, H, terms + 2)  # h² (1 + ...) for a consistent method
     quotient, remainder = divmod(squared_sine, H**2)
-    if remainder != 0 or quotient.evaluate(H, 0) != 1 or half_trace.evaluate(H, 0) != 1:
+    if remainder or quotient.evaluate(H, 0) != 1 or half_trace.evaluate(H, 0) != 1:
         raise ValueError("the step is not a consistent rotation: its angle is not h + O(h**2)")
     sine = H * rs_nth_root(quotient, 2, H, terms)
     tangent = rs_trunc(sine * rs_series_inversion(half_trace, H, terms), H, terms)
@@ -56,7 +56,7 @@ def _series(f: MatrixEntry, terms: int) -> StepPolynomial:
 
 def leading_term(series: StepPolynomial) -> tuple[int, Any] | None:
     """(power, coefficient) of the lowest power of h in an element of Q[h]; None for zero."""
-    if series == 0:
+    if not series:
         return None
     (power,) = min(series.monoms())
     return power, series.coeff(H**power)

@@ -15,11 +15,11 @@ def roots_between(polynomial: StepPolynomial, low: Fraction | None, high: Fracti
     None stands for an infinite end. Exact: SymPy counts those between the ends, ends included, by Sturm's theorem
     (sturm-1835). Raises ValueError for the zero polynomial.
     """
-    if polynomial == 0:
+    if not polynomial:
         raise ValueError("the zero polynomial has no finite number of roots")
     low_end, high_end = (None if x is None else sympy.Rational(x.numerator, x.denominator) for x in (low, high))
     counted = int(sympy.Poly(expression(polynomial), expression(H)).sqf_part().count_roots(low_end, high_end))
-    return counted - sum(at_rational(polynomial, x) == 0 for x in {low, high} if x is not None)
+    return counted - sum(not at_rational(polynomial, x) for x in {low, high} if x is not None)
 
 
 def is_positive_between(polynomial: StepPolynomial, low: Fraction, high: Fraction | None) -> bool:
@@ -28,7 +28,7 @@ def is_positive_between(polynomial: StepPolynomial, low: Fraction, high: Fractio
     Decided: no root inside, and a positive value at one inner point.
     """
     inner = (low + high) / 2 if high is not None else low + 1
-    return roots_between(polynomial, low, high) == 0 and at_rational(polynomial, inner) > 0
+    return not roots_between(polynomial, low, high) and at_rational(polynomial, inner) > 0
 
 
 def in_square_of_h(polynomial: StepPolynomial) -> StepPolynomial:

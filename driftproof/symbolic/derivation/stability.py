@@ -107,7 +107,7 @@ class AtStep:
     def jordan_block(self) -> bool:
         """True when the two eigenvalues coincide and M(h) is not a multiple of the identity."""
         found = conditions(self.m)
-        return self._sign(found.merged) == 0 and any(self._sign(entry) != 0 for entry in found.off)
+        return not self._sign(found.merged) and any(self._sign(entry) for entry in found.off)
 
     @property
     def bounded(self) -> bool:
@@ -145,10 +145,10 @@ def stability_limit(m: DomainMatrix) -> sympy.Expr:
 
 def _is_bounded(found: BoundednessConditions, sign_of: Callable[[StepPolynomial], int]) -> bool:
     area = sign_of(found.area)
-    if area < 0 or sign_of(found.plus) < 0 or sign_of(found.minus) < 0 or sign_of(found.pole) == 0:
+    if area == -1 or sign_of(found.plus) == -1 or sign_of(found.minus) == -1 or not sign_of(found.pole):
         return False
     # Now every |λ| <= 1. A double root on the unit circle needs |det| = 1 and a zero discriminant.
-    return not (area == 0 and sign_of(found.merged) == 0 and any(sign_of(entry) != 0 for entry in found.off))
+    return not (not area and not sign_of(found.merged) and any(sign_of(entry) for entry in found.off))
 
 
 def _boundary(found: BoundednessConditions) -> sympy.Poly:
@@ -157,8 +157,8 @@ def _boundary(found: BoundednessConditions) -> sympy.Poly:
     So it can where M becomes a multiple of the identity, if its eigenvalues coincide for every h.
     """
     product = RING.one
-    for factor in (*found[:4], *(found.off if found.merged == 0 else ())):
-        product = product if factor == 0 else product.lcm(factor)
+    for factor in (*found[:4], *(() if found.merged else found.off)):
+        product = product.lcm(factor) if factor else product
     return _poly(product).sqf_part()
 
 
@@ -190,7 +190,7 @@ class _Root:
             count = len(real_root_balls(integer_coefficients(unknown), ISOLATING_BITS))
             roots = [sympy.CRootOf(unknown, k) for k in range(count)]
         if even:
-            roots = [_square_root(x) for x in roots if certified_sign(partial(enclose_expression, x)) > 0]
+            roots = [_square_root(x) for x in roots if certified_sign(partial(enclose_expression, x)) == 1]
         ends = (self.low, self.high)
         return next(x for x in roots if [certified_sign(partial(enclose_expression, x - y)) for y in ends] in _BETWEEN)
 
@@ -216,9 +216,9 @@ def _cells(boundary: Any) -> Iterator[tuple[sympy.Rational, _Root | None]]:
     """A rational point of each interval between 0, the positive roots and infinity, and the root at its end."""
     previous = sympy.Integer(0)
     for low, high in boundary.intervals(sqf=True, inf=0):
-        if high == 0:
+        if not high:
             continue
-        while low != high and (low <= previous or boundary.eval(high) == 0):
+        while low != high and (low <= previous or not boundary.eval(high)):
             low, high = boundary.refine_root(low, high, steps=1)
         yield (previous + low) / 2, _Root(_factor_between(boundary, low, high), low, high)
         previous = high

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from fractions import Fraction
-from itertools import pairwise
+from itertools import pairwise, zip_longest
 
 from flint import acb, acb_poly, arb, arb_poly, ctx, fmpq
 
 from driftproof.methods.number_field import as_fmpq, as_fraction, dyadic
 from driftproof.symbolic.algebra.bivariate import ParametricPair, critical_polynomial
-from driftproof.symbolic.algebra.certified import settled
+from driftproof.symbolic.algebra.certified import settled, sign_of_ball
 from driftproof.symbolic.algebra.polynomials import (
     ONE,
     ZERO,
@@ -55,7 +55,7 @@ def i_stability(r: RationalFunction) -> Decision:
     negative = negative_point(margin)
     if negative is not None:
         return Decision(False, "|Q(iy)|**2 - |P(iy)|**2 < 0 at the y**2 given", negative)
-    return Decision(True, "|R(iy)| = 1 for every y" if margin == 0 else "|Q(iy)|**2 - |P(iy)|**2 >= 0 for every y")
+    return Decision(True, "|Q(iy)|**2 - |P(iy)|**2 >= 0 for every y" if margin else "|R(iy)| = 1 for every y")
 
 
 def a_stability(r: RationalFunction) -> Decision:
@@ -86,10 +86,10 @@ def negative_point(p: Polynomial) -> Fraction | None:
 
     Between consecutive positive roots the sign is constant, so one rational point decides each interval.
     """
-    if p == 0:
+    if not p:
         return None
     for inner in samples(positive_roots([p])):
-        if sign(evaluate(p, inner)) < 0:
+        if sign(evaluate(p, inner)) == -1:
             return as_fraction(inner)
     return None
 
@@ -100,7 +100,7 @@ def is_hurwitz(p: Polynomial) -> bool:
     A zero in that column, the degenerate case, is met only if some root has Re >= 0 (gantmacher-1959, XV.4).
     Raises ValueError for the zero polynomial.
     """
-    if p == 0:
+    if not p:
         raise ValueError("the zero polynomial has every number as a root")
     descending = p.coeffs()[::-1]
     upper, lower = descending[::2], descending[1::2]
@@ -122,7 +122,6 @@ def _next_row(upper: list[Scalar], lower: list[Scalar]) -> list[Scalar]:
 FIRST_SECTOR_BITS, LAST_SECTOR_BITS = 64, 4096
 
 
-@dataclass(eq=False)
 class EnclosedTangent:
     """The number tan α, known by enclosures as narrow as asked for; `margin` is that of `sector.ray_margin`.
 
@@ -130,20 +129,16 @@ class EnclosedTangent:
     Lindelöf, as R is rational and bounded at infinity. Sectors are nested, so bisection in T finds the largest.
     """
 
-    r: RationalFunction
-    margin: list[Polynomial]
-    low: Fraction = field(default=Fraction(0), init=False)
-    high: Fraction = field(default=Fraction(1), init=False)
-    _bits: int = field(default=FIRST_SECTOR_BITS, init=False)
-    _poles: dict[int, list[acb]] = field(default_factory=dict, init=False)
-
-    def __post_init__(self) -> None:
+    def __init__(self, r: RationalFunction, margin: list[Polynomial]) -> None:
         """Enclose T between a sector that holds and one that does not. Raises ValueError if the axis itself fails."""
+        self.r, self.margin = r, margin
+        self.low, self.high = Fraction(0), Fraction(1)
+        self._bits, self._poles = FIRST_SECTOR_BITS, dict[int, list[acb]]()
         if not self.holds(self.low):
             raise ValueError("|R| > 1 somewhere on the negative real axis: there is no sector")
         while self.holds(self.high):
             self.low, self.high = self.high, 4 * self.high * self.high
-        while self.low == 0:
+        while not self.low:
             middle = self.high / 4
             self.low, self.high = (middle, self.high) if self.holds(middle) else (self.low, middle)
 
@@ -158,17 +153,20 @@ class EnclosedTangent:
         return low.union(high)
 
     def holds(self, square: Fraction) -> bool:
-        """|R| <= 1 in the closed sector with tan² = square: by balls if they tell, else exactly."""
+        """|R| <= 1 in the closed sector with tan² = square."""
+        return self._holds_on_rays(square) and not self._has_pole_inside(square)
+
+    def _holds_on_rays(self, square: Fraction) -> bool:
+        """By balls if they tell, else exactly."""
         while self._bits <= LAST_SECTOR_BITS:
             with ctx.workprec(self._bits):
                 x = arb(scalar(square))
                 verdict = positive_in_balls([at_ball(c, x) for c in self.margin])
             if verdict is not None:
-                return verdict and not self._has_pole_inside(square)
+                return verdict
             self._bits *= 2
         self._bits = FIRST_SECTOR_BITS
-        ray = _at(self.margin, scalar(square))
-        return negative_point(ray) is None and not self._has_pole_inside(square)
+        return negative_point(_at(self.margin, scalar(square))) is None
 
     def _has_pole_inside(self, square: Fraction) -> bool:
         """Some pole has Re < 0 and Im² <= square Re²; no pole has equality, as the margin would be negative there."""
@@ -188,15 +186,17 @@ def positive_in_balls(balls: list[arb]) -> bool | None:
     Yes if the leading coefficient is positive and no ball around a root meets the positive axis; no if p is negative
     at a point, looked for near the roots that may lie there and between them.
     """
-    if balls[-1].contains(0):
+    leading = sign_of_ball(balls[-1])
+    if leading is None:
         return None
     try:
         roots = acb_poly(balls).roots(tol=arb(2) ** (-ctx.prec // 4))
     except ValueError:  # the balls of the coefficients are too wide
         return None
-    near = sorted((x for z in roots if z.imag.contains(0) and (x := z.real.mid()) > 0), key=dyadic)
-    if not near and not any(z.imag.contains(0) and not z.real < 0 for z in roots):
-        return bool(balls[-1] > 0)
+    near = [z.real.abs_upper() for z in roots if z.imag.contains(0) and sign_of_ball(z.real) != -1]
+    if not near:
+        return leading == 1
+    near.sort(key=dyadic)
     p = arb_poly(balls)
     points = [*((a + b) / 2 for a, b in pairwise(near)), *(x / 2 for x in near[:1]), *(2 * x for x in near[-1:])]
     return False if any(p(x) < 0 for x in points) else None
@@ -205,9 +205,10 @@ def positive_in_balls(balls: list[arb]) -> bool | None:
 def _is_inside(z: acb, square: Fraction) -> bool | None:
     """The pole z lies in the sector; None where the ball does not tell."""
     reach = z.real**2 * arb(as_fmpq(square)) - z.imag**2
-    if z.real > 0 or reach < 0:
+    right, within = sign_of_ball(z.real), sign_of_ball(reach)
+    if right == 1 or within == -1:
         return False
-    return True if z.real < 0 and reach > 0 else None
+    return True if (right, within) == (-1, 1) else None
 
 
 # Bits of the critical polynomial, about: beyond, it would be longer than anybody reads, and soon take minutes.
@@ -249,8 +250,7 @@ def sector_tangent(r: RationalFunction) -> Limit | EnclosedTangent:
     on_axis = _at(margin, fmpq(0))
     if negative_point(on_axis) is not None:
         return NO_SECTOR
-    touches = on_axis[0] == 0 or on_axis.degree() < len(margin) - 1 or positive_roots([on_axis])
-    if critical_bits(margin) > LARGEST_EXACT_BITS and not touches:
+    if critical_bits(margin) > LARGEST_EXACT_BITS and not positive_roots([on_axis]):
         return EnclosedTangent(r, margin)
     return sector_tangent_by_rays(margin)
 
@@ -263,14 +263,10 @@ def sector_tangent_by_rays(margin: list[Polynomial]) -> Limit:
 
 def ray_margin(r: RationalFunction) -> list[Polynomial]:
     """|Q(z)|² - |P(z)|² at z = x(-1 + it), without common powers of x: coefficients in T = t², by powers of x."""
-    size = 2 * max(r.num.degree(), r.den.degree()) + 1
-    den, num = (_size_on_ray(p, size) for p in (r.den, r.num))
-    margin = [a - b for a, b in zip(den, num, strict=True)]
-    while margin and margin[-1] == 0:
-        margin.pop()
-    while margin and margin[0] == 0:
-        margin.pop(0)
-    return margin
+    den, num = (_size_on_ray(p) for p in (r.den, r.num))
+    margin = [a - b for a, b in zip_longest(den, num, fillvalue=ZERO)]
+    places = [k for k, c in enumerate(margin) if c]
+    return margin[min(places) : max(places) + 1]
 
 
 def critical_bits(margin: list[Polynomial]) -> int:
@@ -281,17 +277,17 @@ def critical_bits(margin: list[Polynomial]) -> int:
     return int(factors * factors * height * max(c.degree() for c in margin))
 
 
-def _size_on_ray(p: Polynomial, size: int) -> list[Polynomial]:
+def _size_on_ray(p: Polynomial) -> list[Polynomial]:
     """|p(x(-1 + it))|² by powers of x: (-1 + it)ᵏ = uₖ(T) + it vₖ(T)."""
     terms, u, v = [], ONE, ZERO
     for c in p.coeffs():
         terms.append((u * c, v * c))
         u, v = -u - X * v, u - v
-    square: list[Polynomial] = [ZERO] * size
+    square: dict[int, Polynomial] = {}
     for k, (real, imaginary) in enumerate(terms):
         for m, (other_real, other_imaginary) in enumerate(terms):
-            square[k + m] = square[k + m] + real * other_real + X * imaginary * other_imaginary
-    return square
+            square[k + m] = square.get(k + m, ZERO) + real * other_real + X * imaginary * other_imaginary
+    return list(square.values())
 
 
 def _at(margin: list[Polynomial], square: fmpq) -> Polynomial:
@@ -308,10 +304,8 @@ def _critical(margin: list[Polynomial]) -> list[Polynomial]:
         value = _rational_at(margin, square, conjugates)
         return value, value.derivative()
 
-    merging = (
-        critical_polynomial(ParametricPair(with_slope, (degree, degree - 1), (reach, reach))) if degree > 1 else None
-    )
-    return [margin[0], margin[-1], *([merging] if merging is not None else [])]
+    merging = critical_polynomial(ParametricPair(with_slope, (degree, degree - 1), (reach, reach)))
+    return [p for p in (margin[0], margin[-1], merging) if p]
 
 
 def _rational_at(margin: list[Polynomial], square: fmpq, conjugates: int) -> Polynomial:

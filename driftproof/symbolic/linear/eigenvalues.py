@@ -11,7 +11,7 @@ from typing import TypeAlias
 from flint import acb, ctx, fmpq, fmpq_mat, fmpz_poly
 
 from driftproof.methods.number_field import dyadic
-from driftproof.symbolic.algebra.certified import ISOLATING_BITS, settled
+from driftproof.symbolic.algebra.certified import ISOLATING_BITS, settled, sign_of_ball
 from driftproof.symbolic.algebra.real_roots import Minimal, RealRoot, irreducible_factors_of
 
 _Rows: TypeAlias = Sequence[Sequence[Fraction]]
@@ -77,8 +77,6 @@ def eigenvalues(rows: _Rows) -> list[Eigenvalue]:
 
 def root_places(minimal: Minimal) -> list[RootPlace]:
     """Every root of an irreducible polynomial, pairs of conjugates once: real, imaginary, then the others."""
-    if len(minimal) == 2:
-        return [RealRoot(minimal, 0)]
     real = [RealRoot(minimal, k) for k in range(RealRoot(minimal, 0).count)]
     imaginary = [Imaginary(minimal, size) for size in _on_imaginary_axis(minimal)]
     others = [Complex(minimal, k) for k in range(len(_upper_balls(minimal, ISOLATING_BITS)))]
@@ -89,25 +87,25 @@ def _on_imaginary_axis(minimal: Minimal) -> list[RealRoot]:
     """The ω > 0 with f(iω) = 0, ascending: an irreducible f with such a root is even, f(x) = g(x²), and ω² = -x²."""
     if any(minimal[1::2]):
         return []
-    inner = RealRoot(minimal[::2], 0)
-    below = [RealRoot(inner.minimal, k) for k in range(inner.count)] if inner.degree > 1 else [inner]
-    return [root.negated().square_root() for root in reversed(below) if root.ball() < 0]
+    inner = minimal[::2]
+    below = [RealRoot(inner, k) for k in range(RealRoot(inner, 0).count)]
+    return [root.negated().square_root() for root in reversed(below) if sign_of_ball(root.ball()) == -1]
 
 
-@lru_cache(maxsize=256)
+@lru_cache
 def _upper_balls(minimal: Minimal, bits: int) -> tuple[acb, ...]:
     """Balls around the roots above the real axis and not on the imaginary one, always in the same order."""
     on_axis = len(_on_imaginary_axis(minimal))
     first = () if bits == ISOLATING_BITS else _upper_balls(minimal, ISOLATING_BITS)
 
     def in_order() -> tuple[acb, ...] | None:
-        roots = [root for root, _ in fmpz_poly(list(minimal)).complex_roots() if root.imag > 0]
+        roots = [root for root, _ in fmpz_poly(list(minimal)).complex_roots() if sign_of_ball(root.imag) == 1]
         apart = [root for root in roots if not root.real.contains(0)]
         if len(roots) - len(apart) != on_axis:
             return None
         if not first:
             return tuple(sorted(apart, key=lambda root: (dyadic(root.real.mid()), dyadic(root.imag.mid()))))
-        matches = [[root for root in apart if root.overlaps(ball)] for ball in first]
-        return tuple(match[0] for match in matches) if all(len(match) == 1 for match in matches) else None
+        matches = [root for ball in first for root in apart if root.overlaps(ball)]
+        return tuple(matches) if len(matches) == len(first) else None
 
     return settled(in_order, bits)

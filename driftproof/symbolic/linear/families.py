@@ -21,6 +21,7 @@ from driftproof.symbolic.algebra.bivariate import (
     rows_in_x,
     without_root_zero,
 )
+from driftproof.symbolic.algebra.certified import sign_of_ball
 from driftproof.symbolic.algebra.matrices import faddeev_leverrier
 from driftproof.symbolic.algebra.polynomials import ONE, ZERO, Polynomial, descend, exact, reflected
 from driftproof.symbolic.algebra.polynomials import quotient as polynomial_quotient
@@ -150,7 +151,7 @@ class Line:
     def cut(cls, family: Family, polynomials: Iterable[Polynomial]) -> Line:
         """The line of the family's parameter, cut at its poles and at the roots of the nonzero ones of these."""
         common = poles(family)
-        return cls(_real_roots([p for p in (common, *polynomials) if p != 0]), common)
+        return cls(_real_roots([p for p in (common, *polynomials) if p]), common)
 
     def values(self) -> Iterator[Exact | None]:
         """A rational number of each open cell, and each point itself, ascending; None at a pole.
@@ -206,21 +207,21 @@ def critical_values(r: FamilyStability, margin: Bivariate, *pairs: tuple[Bivaria
     These are roots of P and Q, roots of the margin, and roots of the two in a pair.
     """
     merging = [merging_values(p, q) for p, q in ((r.num, r.den), *pairs, (margin, margin.derivative(0)))]
-    ends = [p for f in (r.num, r.den, margin) if f != 0 for p in (rows_in_x(f)[0], rows_in_x(f)[-1])]
+    ends = [p for f in (r.num, r.den, margin) if f for p in (rows_in_x(f)[0], rows_in_x(f)[-1])]
     return [p for p in (*ends, *merging) if p is not None]
 
 
 def _real_roots(polynomials: list[Polynomial]) -> list[RealRoot]:
     """All real roots, ascending."""
     negative = [root.negated() for root in positive_roots([reflected(p) for p in polynomials])]
-    middle = [ORIGIN] if any(p[0] == 0 for p in polynomials) else []
+    middle = [] if all(p[0] for p in polynomials) else [ORIGIN]
     return [*reversed(negative), *middle, *positive_roots(polynomials)]
 
 
 def _samples(points: list[RealRoot]) -> list[fmpq]:
     """A rational number in each of the open intervals that the ascending points cut the line into."""
-    negative = [p.negated() for p in points if p.ball() < 0][::-1]
-    positive = [p for p in points if p.ball() > 0]
+    negative = [p.negated() for p in points if sign_of_ball(p.ball()) == -1][::-1]
+    positive = [p for p in points if sign_of_ball(p.ball()) == 1]
     below, above = [-x for x in samples(negative)][::-1], samples(positive)
     return [*below, *above] if ORIGIN in points else [*below[:-1], fmpq(0), *above[1:]]
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import reduce
 
 from driftproof.symbolic.algebra.matrices import StepMatrix
 from driftproof.symbolic.algebra.polynomials import ONE, Polynomial, X, descend, greatest_common_divisor, quotient, sign
@@ -45,7 +46,7 @@ def quadratic_invariants(m: StepMatrix) -> list[QuadraticForm]:
 def definite_limit(form: QuadraticForm) -> Limit:
     """The largest H such that the form is positive definite for every h in (0, H): a > 0 and 4ac - b² > 0."""
     a, b, c = form.coefficients
-    return _positive_limit(a, c if b == 0 else 4 * a * c - b * b)
+    return _positive_limit(a, 4 * a * c - b * b)
 
 
 @dataclass(frozen=True)
@@ -84,11 +85,9 @@ def _form(*vector: RationalFunction) -> QuadraticForm:
     """The form in this direction, polynomial and without a common factor; its first nonzero value at h = 0 is 1/2."""
     common = common_denominator([vector])
     entries = [descend(x.num * quotient(common, x.den)) for x in vector]
-    content = entries[0] * 0
-    for entry in entries:
-        content = greatest_common_divisor(content, entry) if content != 0 else entry
+    content = reduce(greatest_common_divisor, entries)
     entries = [quotient(entry, content) for entry in entries]
-    unit = next(c[0] for c in entries if c[0] != 0)
+    unit = next(c[0] for c in entries if c[0])
     a, b, c = (descend(entry / (2 * unit)) for entry in entries)
     return QuadraticForm((a, b, c))
 
@@ -96,7 +95,7 @@ def _form(*vector: RationalFunction) -> QuadraticForm:
 def _positive_limit(*polynomials: Polynomial) -> Limit:
     """The largest H with all p > 0 on (0, H): the first positive root of any, if all are positive before it."""
     lowest = [next(filter(bool, p.coeffs()), None) for p in polynomials]
-    if any(c is None or sign(c) < 0 for c in lowest):
+    if any(c is None or sign(c) == -1 for c in lowest):
         return ZERO_ROOT
     roots = positive_roots(polynomials)
     return next((root for root in roots if any(vanishes_at(p, root) for p in polynomials)), INFINITY)

@@ -82,9 +82,9 @@ def monotonicity_conditions(stages: StageCoefficients) -> list[Polynomial]:
     common, terms = from_scalars(found), [matrix_product(rows, m) for m in matrices]
     entries = [[from_scalars([term[i][j] for term in terms]) for j in size] for i in range(len(rows))]
     slack = [common - (X * dot(row, [ONE] * len(row))) for row in entries]
-    distinct = {coefficients(p): descend(p) for p in (common, *(p for row in entries for p in row), *slack) if p != 0}
+    distinct = {coefficients(p): descend(p) for p in (common, *(p for row in entries for p in row), *slack) if p}
     return list(distinct.values())
 
 
 def _nonnegative_limit(p: Polynomial) -> Limit:
-    return first_failure([p], lambda r: sign(evaluate(p, r)) >= 0)
+    return first_failure([p], lambda r: sign(evaluate(p, r)) != -1)

@@ -104,7 +104,7 @@ class MultistepFacts(FactsOfFamily[Multistep]):
     def common_factor(self) -> ExactFunction | None:
         """The common factor of rho and sigma; None where the method is irreducible."""
         found = greatest_common_divisor(*self._written)
-        return None if found.degree() == 0 else ExactFunction(fraction(found), "zeta")
+        return None if not found.degree() else ExactFunction(fraction(found), "zeta")
 
     @cached_property
     def order(self) -> int:
@@ -120,7 +120,7 @@ class MultistepFacts(FactsOfFamily[Multistep]):
     def error_constant(self) -> Fraction | None:
         """C = C_{p+d}/σ(1): the global error begins like that of a method with local error C hᵖ⁺ᵈ y⁽ᵖ⁺ᵈ⁾ (III.2)."""
         total = sum(self.method.sigma)
-        return None if total == 0 else self.order_fails.residual / total
+        return None if not total else self.order_fails.residual / total
 
     @cached_property
     def zero_stable(self) -> bool:
@@ -248,10 +248,10 @@ class MultistepFacts(FactsOfFamily[Multistep]):
         common = greatest_common_divisor(m, k)
         top, bottom = quotient(k, common), quotient(m, common)
         slope = (top + 2 * X * top.derivative()) * bottom - 2 * X * top * bottom.derivative()
-        points = positive_roots([p for p in (m, top, slope, common) if p != 0])
-        below = [sign(m(x)) < 0 for x in samples(points)]
+        points = positive_roots([p for p in (m, top, slope, common) if p])
+        below = [sign(m(x)) == -1 for x in samples(points)]
         at_ends = (below[0] and valuation(bottom) <= valuation(top), below[-1] and bottom.degree() > top.degree())
-        if top == 0 or any(at_ends):
+        if not top or any(at_ends):
             return ZERO_ROOT
         near = [x for x, left, right in zip(points, below, below[1:], strict=False) if left or right]
         values = [_square_of_tangent(top, bottom, x) for x in near if not vanishes_at(bottom, x)]
@@ -263,7 +263,7 @@ class MultistepFacts(FactsOfFamily[Multistep]):
         _, s = self._in_half_plane
         square = as_fmpq(half * half)
         size = modulus_squared_on_imaginary_axis(s)(square)
-        if size == 0:
+        if not size:
             return None
         m, k = self._on_circle
         re, im = (as_fraction(p(square) / size) for p in (m, k))
@@ -294,7 +294,7 @@ def _square_of_tangent(top: Polynomial, bottom: Polynomial, s: RealRoot) -> Real
         x = as_fmpq(s.rational)
         return rational_root(as_fraction(x * (top(x) / bottom(x)) ** 2))
     monic = s.polynomial / s.minimal[-1]
-    product = interpolate([monic.resultant(X * top * top - bottom * bottom * t) for t in range(s.degree + 1)])
+    product = interpolate(lambda t: monic.resultant(X * top * top - bottom * bottom * t), s.degree)
 
     def fits(root: RealRoot) -> bool:
         x = s.ball()

@@ -95,7 +95,7 @@ def energy_factor(m: StepMatrix) -> RationalFunction | None:
     """The μ(h²) with E(Mz) = μ E(z) for every z, as a function of h²; None where the change depends on the state."""
     (qq, qv), (vq, vv) = m
     gained = qq * qq + vq * vq
-    if gained != qv * qv + vv * vv or (qq * qv + vq * vv).num != 0:
+    if gained != qv * qv + vv * vv or (qq * qv + vq * vv).num:
         return None
     return RationalFunction(deflate(gained.num), deflate(gained.den))
 
@@ -166,7 +166,7 @@ def stiffness_of(rows: Sequence[Sequence[Scalar]]) -> list[list[Scalar]] | None:
     """The K of a system q' = v, v' = Kq, that is of the matrix [[0, I], [K, 0]]; None for another matrix."""
     half, odd = divmod(len(rows), 2)
     expected = [[int(j == i + half) for j in range(2 * half)] for i in range(half)]
-    if odd or [list(row) for row in rows[:half]] != expected or any(x != 0 for row in rows[half:] for x in row[half:]):
+    if odd or [list(row) for row in rows[:half]] != expected or any(x for row in rows[half:] for x in row[half:]):
         return None
     return [list(row[:half]) for row in rows[half:]]
 

@@ -173,7 +173,7 @@ def leading_dissipation(m: StepMatrix) -> LeadingTerm | None:
 def modified_factor_series(m: StepMatrix, terms: int) -> PowerSeries:
     """θ / sin θ modulo h**terms, for det M = 1: the factor of the modified Hamiltonian."""
     angle = angle_error_series(m, terms + 1)
-    over_step = [c + 1 if k == 0 else c for k, c in enumerate(angle[1:])]
+    over_step = [c if k else c + 1 for k, c in enumerate(angle[1:])]
     return series_quotient(over_step, _cosine_and_sine(m, terms + 1)[1])
 
 
@@ -187,11 +187,11 @@ def _rotation(terms: int) -> tuple[tuple[PowerSeries, PowerSeries], tuple[PowerS
 def _leading_of(compute: Callable[[int], PowerSeries]) -> LeadingTerm:
     """The leading term of a series that is not zero, computed to twice the length until it shows."""
     terms = 8
-    while all(c == 0 for c in compute(terms)):
+    while not any(compute(terms)):
         terms *= 2
     return _leading(compute(terms))
 
 
 def _leading(series: PowerSeries) -> LeadingTerm:
-    power = next(k for k, c in enumerate(series) if c != 0)
+    power = next(k for k, c in enumerate(series) if c)
     return LeadingTerm(power, exact(series[power]))

@@ -97,8 +97,8 @@ def _ball(x: Exact, longest: int) -> arb:
 def _determinant(rows: list[list[arb]]) -> arb_poly:
     """det(I - zM) in balls, without the i in whose row or column all is 0: they only add powers of z times 0."""
     kept = list(range(len(rows)))
-    while (fewer := [i for i in kept if not all(rows[i][j] == 0 for j in kept)]) != kept or (
-        fewer := [j for j in kept if not all(rows[i][j] == 0 for i in kept)]
+    while (fewer := [i for i in kept if not all(rows[i][j].is_zero() for j in kept)]) != kept or (
+        fewer := [j for j in kept if not all(rows[i][j].is_zero() for i in kept)]
     ) != kept:
         kept = fewer
     inner = arb_mat([[rows[i][j] for j in kept] for i in kept])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Iterator
 from functools import lru_cache, reduce
 from itertools import combinations
@@ -14,13 +15,15 @@ from flint import fmpq, fmpq_mat
 from driftproof.methods.number_field import Exact, NumberField
 from driftproof.symbolic.algebra.certified import Uncertified, settled, sign_of_ball
 from driftproof.symbolic.algebra.polynomials import (
+    ONE,
+    ZERO,
     FieldPolynomial,
     Polynomial,
     Scalar,
     at_complex_ball,
     coefficients,
+    descend,
     evaluate,
-    from_scalars,
     interpolate,
     polynomial,
     sign,
@@ -55,14 +58,14 @@ def ray_bound(r: RationalFunction, total: Scalar, product: Scalar, block: int) -
     R', ..., of orders below the block's, vanish at xλ, and so do as many derivatives of P'Q - PQ' from the zeroth on.
     """
     margin, obstacles = ray_conditions(r, total, product, block)
-    if margin == 0:
+    if not margin:
         return ALWAYS if not any(obstacles) else NEVER
     roots = positive_roots([margin])
     for start, inner in zip([ZERO_ROOT, *roots], samples(roots), strict=True):
         touches = start != ZERO_ROOT and vanishes_at(margin, start)
         if touches and not all(vanishes_at(p, start) for p in obstacles):
             return Bound(start, False)
-        if sign(evaluate(margin, inner)) < 0:
+        if sign(evaluate(margin, inner)) == -1:
             return NEVER if start == ZERO_ROOT else Bound(start, True)
     return ALWAYS
 
@@ -79,16 +82,14 @@ def ray_conditions(
 def at_rest(r: RationalFunction, block: int) -> Bound:
     """The bound for a Jordan block of the eigenvalue 0: R(xJ) has to be the identity."""
     slope = r.num.derivative() * r.den - r.num * r.den.derivative()
-    return ALWAYS if all(p[0] == 0 for p in _derivatives(slope, block - 1)) else NEVER
+    return NEVER if any(p[0] for p in _derivatives(slope, block - 1)) else ALWAYS
 
 
 def modulus_squared_along(p: Polynomial, total: Scalar, product: Scalar) -> Polynomial:
     """|p(xλ)|² = Σ cⱼ cₖ xʲ⁺ᵏ λʲ λ̄ᵏ, as a polynomial in x, for λ + λ̄ = `total` and λλ̄ = `product`, p real."""
     scalars = p.coeffs()
-    square = [p[0] * 0] * max(2 * len(scalars) - 1, 0)
-    for j, k, power in _symmetric_powers(total, product, len(scalars)):
-        square[j + k] = square[j + k] + scalars[j] * scalars[k] * power
-    return from_scalars(square)
+    powers = _symmetric_powers(total, product, len(scalars))
+    return descend(sum(((ONE * scalars[j] * scalars[k] * power).left_shift(j + k) for j, k, power in powers), ZERO))
 
 
 def _derivatives(p: Polynomial, count: int) -> list[Polynomial]:
@@ -122,16 +123,16 @@ def pair_bound(r: RationalFunction, place: Complex) -> Bound:
     """
     roots = _critical_steps(coefficients(r.num), coefficients(r.den), place.minimal)
     for start, inner in zip([ZERO_ROOT, *roots], samples(roots), strict=True):
-        if margin_sign(r, place, inner) < 0:
+        if margin_sign(r, place, inner) == -1:
             return NEVER if start == ZERO_ROOT else Bound(start, True)
     return ALWAYS
 
 
-@lru_cache(maxsize=16)
+@lru_cache
 def _critical_steps(num: _Coefficients, den: _Coefficients, minimal: Minimal) -> list[RealRoot]:
     """The positive roots of the polynomial of pairs; all conjugates share them."""
     critical = pair_polynomial(RationalFunction(polynomial(num), polynomial(den)), minimal)
-    if critical == 0:
+    if not critical:
         raise UndecidedLimitError("R(hλ)R(hμ) = 1 for every h and some eigenvalues with λ + μ not 0: not decided")
     return positive_roots([critical])
 
@@ -161,7 +162,8 @@ def pair_polynomial(r: RationalFunction, minimal: Minimal) -> Polynomial:
     it is replaced by 1: there it would be 0 for R(z)R(-z) = 1. Over a number field the norm is taken.
     """
     generator = _powers_of_generator(_field(r))
-    degree = 2 * max(int(r.num.degree()), int(r.den.degree())) * comb(len(minimal) - 1, 2) * len(generator)
+    in_step = 2 * max(int(r.num.degree()), int(r.den.degree()))
+    degree = in_step * comb(len(minimal) - 1, 2) * len(generator)
     if degree > LARGEST_PAIR_DEGREE:
         raise UndecidedLimitError(
             f"a complex eigenvalue whose polynomial in h has degree {degree} > {LARGEST_PAIR_DEGREE}"
@@ -172,20 +174,19 @@ def pair_polynomial(r: RationalFunction, minimal: Minimal) -> Polynomial:
     idle = _projection_on_kernel(total)
     kept = total**0 - idle
     terms = _margin_terms(r, total, product, len(generator))
-    values = []
-    for h in range(degree + 1):
-        parts = [
-            reduce(add, (row[i] * fmpq(h) ** n for n, row in enumerate(terms))) * kept for i in range(len(generator))
-        ]
-        parts[0] = parts[0] + idle
-        values.append(reduce(add, map(_kronecker, parts, generator)).det())
-    return interpolate(values)
+
+    def at(h: int) -> fmpq:
+        first, *others = (
+            reduce(add, (row[i] * fmpq(h) ** n for n, row in terms.items())) * kept for i in range(len(generator))
+        )
+        return reduce(add, map(_kronecker, [first + idle, *others], generator)).det()
+
+    return interpolate(at, degree)
 
 
-def _margin_terms(r: RationalFunction, total: _Matrix, product: _Matrix, width: int) -> list[list[_Matrix]]:
+def _margin_terms(r: RationalFunction, total: _Matrix, product: _Matrix, width: int) -> dict[int, list[_Matrix]]:
     """The coefficients of hⁿ in |Q(hλ)|² - |P(hλ)|² as polynomials in S and D, each by its parts over the field."""
-    degree = 2 * max(int(r.num.degree()), int(r.den.degree()))
-    terms = [[total * 0 for _ in range(width)] for _ in range(degree + 1)]
+    terms: dict[int, list[_Matrix]] = defaultdict(lambda: [total * 0] * width)
     for p, factor in ((r.den, 1), (r.num, -1)):
         scalars = p.coeffs()
         for j, k, matrix in _symmetric_powers(total, product, len(scalars)):
@@ -223,7 +224,7 @@ def _on_pairs(a: _Matrix, b: _Matrix) -> _Matrix:
 def _projection_on_kernel(s: _Matrix) -> _Matrix:
     """q(S)/q(0), where xᵏq(x) is the characteristic polynomial of S, which is semisimple; 0 for k = 0."""
     coefficients = s.charpoly().coeffs()
-    lowest = next(c for c in coefficients if c != 0)
+    lowest = next(c for c in coefficients if c)
     value = s * 0
     for c in reversed(coefficients[coefficients.index(lowest) :]):
         value = value * s + s**0 * (c / lowest)

@@ -48,7 +48,7 @@ def reduced(stages: StageCoefficients) -> StageCoefficients:
         stages = smaller
 
 
-@lru_cache(maxsize=64)
+@lru_cache
 def reduced_stages_of(method: RungeKutta | Nystrom) -> StageCoefficients:
     """The coefficients of `method`, reduced: a table that several facts ask for."""
     return reduced(stages_of(method))
@@ -79,9 +79,9 @@ def _fits(stages: StageCoefficients, other: StageCoefficients, chosen: tuple[int
 
 def _restricted(stages: StageCoefficients) -> StageCoefficients:
     """The stages from which a chain of nonzero aᵢⱼ leads to a nonzero weight; at least one."""
-    counted = {i for row in stages.weights for i, x in enumerate(row) if x != 0}
+    counted = {i for row in stages.weights for i, x in enumerate(row) if x}
     while True:
-        reached = counted | {j for i in counted for j, x in enumerate(stages.a[i]) if x != 0}
+        reached = counted | {j for i in counted for j, x in enumerate(stages.a[i]) if x}
         if reached == counted:
             break
         counted = reached
@@ -190,16 +190,16 @@ def is_stiffly_accurate(method: Method) -> bool:
 def is_first_same_as_last(method: Method) -> bool:
     """The first slope of a step is the last one of the step before: a₁ⱼ = 0 and aₛⱼ = bⱼ for all j."""
     if isinstance(method, Collocation):
-        return is_stiffly_accurate(method) and method.node_polynomial[0] == 0
+        return is_stiffly_accurate(method) and not method.node_polynomial[0]
     return isinstance(method, RungeKutta) and is_stiffly_accurate(method) and not any(method.a[0])
 
 
 def reduced_word(method: Splitting) -> list[tuple[str, Exact]]:
     """The sub-steps without zeros, neighbours of one kind added up, until nothing changes."""
-    word = [(kind, c) for kind, c in method.parts if c != 0]
+    word = [(kind, c) for kind, c in method.parts if c]
     while True:
         grouped = [(kind, total(c for _, c in run)) for kind, run in groupby(word, key=lambda part: part[0])]
-        shorter = [(kind, c) for kind, c in grouped if c != 0]
+        shorter = [(kind, c) for kind, c in grouped if c]
         if shorter == word:
             return word
         word = shorter

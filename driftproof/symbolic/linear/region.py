@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from flint import acb, acb_poly, arb, ctx
 
-from driftproof.symbolic.algebra.certified import endpoints, fixed, settled
+from driftproof.symbolic.algebra.certified import endpoints, fixed, settled, sign_of_ball
 from driftproof.symbolic.algebra.polynomials import FieldPolynomial, Polynomial, scalar, squarefree
 from driftproof.symbolic.algebra.rational_functions import RationalFunction
 
@@ -46,7 +46,7 @@ def rounded_boundary(r: RationalFunction, count: int = COUNT, places: int = PLAC
     """
 
     def middles() -> list[tuple[Fraction, ...]] | None:
-        points = [point for point in boundary_points(r, count, ctx.prec) if not point.z.imag < 0]
+        points = [point for point in boundary_points(r, count, ctx.prec) if sign_of_ball(point.z.imag) != -1]
         parts = [tuple(endpoints(part) for part in (point.z.real, point.z.imag)) for point in points]
         if not all(8 * (high - low) * 10**places < 2 for pair in parts for low, high in pair):
             return None

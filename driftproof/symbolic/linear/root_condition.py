@@ -56,7 +56,7 @@ def root_condition(p: Polynomial, most: int = 1) -> RootCondition:
     ):
         return RootCondition(False, False, "a root is outside the unit circle")
     multiplicities = {"1": at_one, "-1": at_minus_one, "a pair of conjugates": _largest_multiplicity(paired)}
-    strong = at_one <= most and not at_minus_one and paired.degree() == 0
+    strong = at_one <= most and not at_minus_one and not paired.degree()
     for where, multiplicity in multiplicities.items():
         if multiplicity > most:
             return RootCondition(False, False, f"on the unit circle, {where} is a root {multiplicity} times")
@@ -67,7 +67,7 @@ def root_condition(p: Polynomial, most: int = 1) -> RootCondition:
 
 def valuation(p: Polynomial) -> int:
     """How often 0 is a root of a polynomial that is not zero."""
-    return next(k for k, c in enumerate(p.coeffs()) if c != 0)
+    return next(k for k, c in enumerate(p.coeffs()) if c)
 
 
 def _largest_multiplicity(p: Polynomial) -> int:
@@ -101,5 +101,5 @@ def root_condition_limit(a: Polynomial, b: Polynomial) -> Limit:
     leading = polynomial([as_fraction(p[degree]) for p in (a, b)])
     pairs = ((halves, (degree // 2, (degree - 1) // 2)), (with_slope, (degree, degree - 1)))
     merging = [critical_polynomial(ParametricPair(pair, degrees, (1, 1))) for pair, degrees in pairs]
-    critical = [p for p in (*ends, leading, *merging) if p is not None and p != 0]
+    critical = [p for p in (*ends, leading, *merging) if p]
     return first_failure(critical, lambda t: (a + b * t).degree() == degree and root_condition(a + b * t).holds)

@@ -75,8 +75,8 @@ class ScalarTableau:
         power, traces, found = self._matrix, [], [ONE[0]]
         for k in range(1, self.stages + 1):
             columns = power.tolist()
-            firsts = range(0, len(columns), self._degree)
-            diagonal = [[sum(columns[j + i][j] for j in firsts)] for i in range(self._degree)]
+            firsts = range(0, len(columns), self.field.degree)
+            diagonal = [[sum(columns[j + i][j] for j in firsts)] for i in range(self.field.degree)]
             traces.append(self._element(fmpq_mat(diagonal)))
             found.append(-dot(found, traces[::-1]) / k)
             power = power * self._matrix
@@ -97,19 +97,14 @@ class ScalarTableau:
     def _weights(self) -> RationalMatrix:
         return self._blocks((self.b,))
 
-    @property
-    def _degree(self) -> int:
-        return self.field.degree if self.field else 1
-
     def _blocks(self, rows: Sequence[Sequence[Scalar]]) -> RationalMatrix:
         if not self.field:
             return fmpq_mat([list(row) for row in rows])
-        d = self._degree
         blocks = [[_multiplication(x, self.field) for x in row] for row in rows]
-        return fmpq_mat([[x for block in row for x in block[i]] for row in blocks for i in range(d)])
+        return fmpq_mat([[x for block in row for x in block[i]] for row in blocks for i in range(self.field.degree)])
 
     def _column(self, vector: Sequence[Scalar]) -> RationalMatrix:
-        entries = [part for x in vector for part in _coordinates(x, self._degree)]
+        entries = [row[0] for x in vector for row in _multiplication(x, self.field)] if self.field else list(vector)
         return fmpq_mat(len(entries), 1, entries)
 
     def _element(self, column: RationalMatrix) -> Scalar:
@@ -151,12 +146,6 @@ def scalar_tableau(method: RungeKutta | Collocation) -> ScalarTableau:
     a = tuple(tuple(scalar(x) for x in row) for row in method.a)
     b, c = (tuple(scalar(x) for x in row) for row in (method.b, method.c))
     return ScalarTableau(a, b, c, method.field)
-
-
-def _coordinates(x: Scalar, degree: int) -> list[fmpq]:
-    if isinstance(x, FieldPolynomial):
-        return [p[0] for p in x.parts]
-    return [x, *[fmpq(0)] * (degree - 1)]
 
 
 def _multiplication(x: Scalar, field: NumberField) -> list[list[fmpq]]:

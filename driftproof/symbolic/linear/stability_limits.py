@@ -48,18 +48,18 @@ Limit: TypeAlias = RealRoot | Infinity
 def real_limit(r: RationalFunction) -> Limit:
     """The largest x₀ with |R(-x)| <= 1 for every x in [0, x₀]: Q² - P² = (Q - P)(Q + P) at -x has to stay >= 0."""
     num, den = reflected(r.num), reflected(r.den)
-    factors = [f for f in (den - num, den + num) if f != 0]
+    factors = [f for f in (den - num, den + num) if f]
     if len(factors) < 2:
         return INFINITY
-    return first_failure(factors, lambda x: _sign_of_product(factors, x) >= 0)
+    return first_failure(factors, lambda x: _sign_of_product(factors, x) != -1)
 
 
 def imaginary_limit(r: RationalFunction) -> Limit:
     """The largest y₀ with |R(iy)| <= 1 for every y in [0, y₀]: |Q|² - |P|², a polynomial in y², has to stay >= 0."""
     margin = imaginary_margin(r)
-    if margin == 0:
+    if not margin:
         return INFINITY
-    limit = first_failure([margin], lambda square: sign(evaluate(margin, square)) >= 0)
+    limit = first_failure([margin], lambda square: sign(evaluate(margin, square)) != -1)
     return limit if isinstance(limit, Infinity) else limit.square_root()
 
 
@@ -121,9 +121,9 @@ def bounded_limit(m: StepMatrix) -> Limit:
     """
     boundary = boundary_of(m)
     polynomials = [boundary.den, boundary.area, boundary.plus, boundary.minus]
-    if boundary.merged == 0:
+    if not boundary.merged:
         polynomials += boundary.off
-    roots = positive_roots([p for p in polynomials if p != 0])
+    roots = positive_roots([p for p in polynomials if p])
     for start, inner in zip([ZERO_ROOT, *roots], samples(roots), strict=True):
         if start != ZERO_ROOT and not is_bounded(boundary, partial(sign_at, root=start)):
             return start
@@ -137,13 +137,13 @@ def is_bounded(boundary: Boundary, sign_of: Callable[[Polynomial], int]) -> bool
 
     That is: no pole, every eigenvalue in the closed unit disc, and none on the circle with a Jordan block.
     """
-    if sign_of(boundary.den) == 0:
+    if not sign_of(boundary.den):
         return False
     area = sign_of(boundary.area)
-    if area < 0 or sign_of(boundary.plus) < 0 or sign_of(boundary.minus) < 0:
+    if area == -1 or sign_of(boundary.plus) == -1 or sign_of(boundary.minus) == -1:
         return False
     # Now every |λ| <= 1; a double root on the circle needs |det| = 1 and a zero discriminant.
-    jordan = area == 0 and sign_of(boundary.merged) == 0 and any(sign_of(p) for p in boundary.off)
+    jordan = not area and not sign_of(boundary.merged) and any(sign_of(p) for p in boundary.off)
     return not jordan
 
 
@@ -176,10 +176,9 @@ def spectral_radius(entries: Sequence[Fraction | Algebraic]) -> CertifiableReal:
     qq, qv, vq, vv = entries
     trace, area = (exact(scalar(x)) for x in (qq + vv, qq * vv - qv * vq))
     discriminant = exact(scalar(trace * trace - 4 * area))
-    if sign(scalar(discriminant)) < 0:
+    if sign(scalar(discriminant)) == -1:
         return _root(area)
-    trace = trace if sign(scalar(trace)) >= 0 else -trace
-    root = _root(discriminant)
+    root, trace = _root(discriminant), max(trace, -trace)
     if isinstance(trace, Fraction) and isinstance(root, Fraction):
         return (trace + root) / 2
     return lambda: (enclose(trace) + enclose(root)) / 2

@@ -11,7 +11,7 @@ from flint import acb, arb, fmpq
 
 from driftproof.methods.number_field import as_fmpq
 from driftproof.methods.schemes import Method
-from driftproof.symbolic.algebra.certified import CertifiableReal
+from driftproof.symbolic.algebra.certified import CertifiableReal, sign_of_ball
 from driftproof.symbolic.algebra.matrices import StepMatrix, matrix_determinant
 from driftproof.symbolic.algebra.polynomials import ONE, at_ball, at_complex_ball, descend, exact, quotient, scalar
 from driftproof.symbolic.algebra.rational_functions import RationalFunction, fraction
@@ -129,14 +129,14 @@ def _ray(place: RootPlace) -> tuple[fmpq, fmpq, RealRoot]:
         return *place.sum_and_product(), rational_root(Fraction(1))
     if isinstance(place, Imaginary):
         return fmpq(0), fmpq(1), place.size
-    return fmpq(2 if place.ball() > 0 else -2), fmpq(1), _size(place)
+    return fmpq(2 if sign_of_ball(place.ball()) == 1 else -2), fmpq(1), _size(place)
 
 
 def _size(place: RealRoot | Imaginary) -> RealRoot:
     """|λ|."""
     if isinstance(place, Imaginary):
         return place.size
-    return place if place.ball() > 0 else place.negated()
+    return place if sign_of_ball(place.ball()) == 1 else place.negated()
 
 
 def partitioned_bound(method: Method, place: RootPlace, block: int) -> Bound:
@@ -147,15 +147,15 @@ def partitioned_bound(method: Method, place: RootPlace, block: int) -> Bound:
     """
     m = oscillator_matrix(method)
     into_position, into_velocity = m[0][1].num[1], m[1][0].num[1]
-    if isinstance(place, Complex) and into_position != 0 and into_velocity != 0:
+    if isinstance(place, Complex) and into_position and into_velocity:
         # M = I + h[[0, β], [λ²γ, 0]] + O(h²): one of its eigenvalues 1 ± hλ sqrt(βγ) + O(h²) is above 1 in modulus,
         # as sqrt(βγ) is real or imaginary and λ neither.
         return NEVER
-    if place == ZERO_ROOT and into_position != 0:
+    if place == ZERO_ROOT and into_position:
         return NEVER
     if isinstance(place, Imaginary) and block == 1:
         return _per(power_bound(m), place.size)
-    if isinstance(place, Imaginary) and area_factor(m) == fraction(ONE) and into_position != 0:
+    if isinstance(place, Imaginary) and area_factor(m) == fraction(ONE) and into_position:
         # The eigenvalues lie on the circle and turn with ω: dθ/dω is not 0 but for single h.
         return NEVER
     if isinstance(place, RealRoot) and place != ZERO_ROOT:
@@ -227,12 +227,12 @@ def part_is_bounded(found: SystemFacts, eigenvalue: Eigenvalue, h: Fraction) -> 
         return at_rest(r, block) == ALWAYS
     if isinstance(place, Complex) and place.degree > 2:
         _demand_simple(block)
-        return margin_sign(r, place, as_fmpq(h)) > 0
+        return margin_sign(r, place, as_fmpq(h)) == 1
     total, product, size = _ray(place)
     margin, obstacles = ray_conditions(r, total, product, block)
     x = _times(size, h)
     inside = sign_at(margin, x)
-    return inside > 0 or (inside == 0 and all(sign_at(p, x) == 0 for p in obstacles))
+    return inside == 1 or (not inside and not any(sign_at(p, x) for p in obstacles))
 
 
 def _partitioned(found: SystemFacts, eigenvalue: Eigenvalue, h: Fraction) -> bool:

@@ -84,7 +84,7 @@ def adapted_norm(matrix: tuple[Exact, Exact, Exact, Exact]) -> AdaptedNorm:
     """
     qq, qv, vq, vv = matrix
     determinant = qq * vv - qv * vq
-    if qv == 0 and vq == 0 and qq == vv:
+    if not qv and not vq and qq == vv:
         return AdaptedNorm(Fraction(1), Fraction(0), Fraction(1), determinant)
     if (qq + vv) ** 2 - 4 * determinant >= 0:
         raise NoAdaptedNorm("the step has real eigenvectors, so it is not a rotation times a factor in any norm")
@@ -98,8 +98,6 @@ def root_above(exact: Exact) -> Fraction:
     For an irrational x within a relative 2**-GUARD_BITS.
     """
     x = rational_above(exact)
-    if x == 0:
-        return Fraction(0)
     shift = max(0, ROOT_BITS - (x.numerator.bit_length() - x.denominator.bit_length()) // 2)
     scaled = -(-(x.numerator << (2 * shift)) // x.denominator)
     root = isqrt(scaled)

@@ -158,7 +158,7 @@ def _differences(more: tuple[Columns, Columns], less: tuple[Columns, Columns]) -
     ]
 
 
-@lru_cache(maxsize=64)
+@lru_cache
 def any_order_columns(method: Method, fmt: FloatFormat, bits: int) -> list[Columns]:
     """The bound on |dq| and on |dv|, of programs that multiply out brackets, too, with some `bits` that are right.
 
@@ -171,7 +171,7 @@ def any_order_columns(method: Method, fmt: FloatFormat, bits: int) -> list[Colum
         return [[x + y for x, y in zip(*pair, strict=True)] for pair in zip(rounded, lost, strict=True)]
 
 
-@lru_cache(maxsize=64)
+@lru_cache
 def flushed_columns(method: Method, fmt: FloatFormat, bits: int) -> list[Columns]:
     """What flushing to zero adds: of a monomial with n factors and k roundings, n + k numbers may lose 2**emin each.
 
@@ -183,7 +183,7 @@ def flushed_columns(method: Method, fmt: FloatFormat, bits: int) -> list[Columns
         return _differences(_sizes(method, fmt, growth * loss, loss), _sizes(method, fmt, growth, arb(1)))
 
 
-@lru_cache(maxsize=64)
+@lru_cache
 def size_columns(method: Method, fmt: FloatFormat, bits: int) -> list[Columns]:
     """The sum of |monomials| of the definition's expressions, before anything cancels."""
     with ctx.workprec(bits):

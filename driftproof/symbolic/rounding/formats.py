@@ -46,7 +46,7 @@ class FloatFormat:
     def nearest(self, x: Fraction | int) -> Fraction:
         """The number of the format nearest to `x`, ties to even. Raises OverflowError where that would be infinite."""
         x = Fraction(x)
-        if x == 0:
+        if not x:
             return x
         quantum = power_of_two(max(exponent(x), self.emin) - self.precision + 1)
         rounded = round(x / quantum) * quantum
@@ -62,13 +62,12 @@ class FloatFormat:
 
 def power_of_two(k: int) -> Fraction:
     """2**k, exactly."""
-    return Fraction(1 << k) if k >= 0 else Fraction(1, 1 << -k)
+    return Fraction(2) ** k
 
 
 def is_power_of_two(x: Fraction) -> bool:
     """True when x = ±2**k for an integer k of either sign."""
-    n, d = abs(x.numerator), x.denominator
-    return n != 0 and n & (n - 1) == 0 and d & (d - 1) == 0
+    return x.numerator.bit_count() == x.denominator.bit_count() == 1
 
 
 def exponent(x: Fraction) -> int:

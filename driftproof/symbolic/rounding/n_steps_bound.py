@@ -124,7 +124,7 @@ def largest_safe_state(
 
 def safe_state_text(safe: Fraction) -> str:
     """The largest power of ten that is not above a safe state, e.g. "1e307"; "0" where only the origin is safe."""
-    if safe == 0:
+    if not safe:
         return "0"
     k = int(scientific(safe, 1).partition("e")[2])  # a rounding up may have led into the next decade
     return f"1e{k if Fraction(10) ** k <= safe else k - 1}"
@@ -147,13 +147,13 @@ class _Run(NamedTuple):
     @property
     def error(self) -> Fraction:
         """The bound on |e_N|, rounded up."""
-        if self.growth == 0 and self.underflow == 0:
+        if not self.growth and not self.underflow:
             return Fraction(0)
         return _above(lambda: enclose(self.length) * self._difference_of_powers() + self._spread())
 
     def reach(self) -> arb:
         """A bound on |q| and |v| of every state on the way: the powers grow or shrink monotonically."""
-        power = enclose(self.factor) ** self.steps if self.factor > 1 else arb(1)
+        power = enclose(max(self.factor, Fraction(1))) ** self.steps
         return enclose(self.norm.component_per_unit) * (enclose(self.length) * power + self._spread())
 
     def _difference_of_powers(self) -> arb:

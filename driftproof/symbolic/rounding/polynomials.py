@@ -88,7 +88,7 @@ def near_rational(p: ErrorPolynomial) -> tuple[ErrorPolynomial, ErrorPolynomial]
 
 def absolute_value(x: Exact) -> Exact:
     """|x|."""
-    return -x if x < 0 else x
+    return max(x, -x)
 
 
 @lru_cache(maxsize=1 << 12)

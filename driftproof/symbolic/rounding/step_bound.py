@@ -266,9 +266,10 @@ def _in_h(polynomial: ErrorPolynomial, column: tuple[int, int]) -> ByPower:
 def _differences(name: str, mine: ByPower, theirs: RationalFunction) -> list[str]:
     if theirs.den.degree() > 0:
         return [f"{name}: the definition's is no polynomial in h"]
-    expected = {k: c for k, c in enumerate(coefficients(theirs.num)) if c != 0}
+    expected = {k: c for k, c in enumerate(coefficients(theirs.num)) if c}
+    pairs = ((k, mine.get(k, 0), expected.get(k, 0)) for k in sorted(mine.keys() | expected.keys()))
     return [
-        f"{name}, coefficient of h**{k}: the program has {mine.get(k, 0)}, the definition {expected.get(k, 0)}"
-        for k in sorted(mine.keys() | expected.keys())
-        if mine.get(k, 0) != expected.get(k, 0)
+        f"{name}, coefficient of h**{k}: the program has {has}, the definition {wanted}"
+        for k, has, wanted in pairs
+        if has != wanted
     ]

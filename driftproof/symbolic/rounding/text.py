@@ -78,7 +78,7 @@ def _above(c: Fraction) -> str:
 
 
 def _power(name: str, k: int) -> str:
-    return "" if k == 0 else f"{name} " if k == 1 else f"{name}**{k} "
+    return "" if not k else f"{name} " if k == 1 else f"{name}**{k} "
 
 
 def _times(coefficient: str, state: str) -> str:

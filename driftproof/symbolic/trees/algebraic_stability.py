@@ -54,8 +54,6 @@ def semidefinite(matrix: _Matrix) -> Semidefinite:
         size, line = rest[pivot][pivot], tuple(x / rest[pivot][pivot] for x in rest[pivot])
         squares.append((pivot, size, line))
         for i, row in enumerate(rest):
-            if line[i] == 0:
-                continue
             rest[i] = [x - size * line[i] * line[j] for j, x in enumerate(row)]
     direction = _negative_direction(rest)
     if direction is not None:
@@ -70,12 +68,12 @@ def _negative_direction(rest: Sequence[Sequence[Exact]]) -> list[Exact] | None:
     """An x with x·Mx < 0 and no component on an empty row, for an M without positive diagonal; None if M = 0."""
     found: list[Exact] = [Fraction(0)] * len(rest)
     for i, row in enumerate(rest):
-        if row[i] != 0:
+        if row[i]:
             found[i] = Fraction(1)
             return found
     for i, row in enumerate(rest):
         for j, x in enumerate(row):
-            if x != 0:
+            if x:
                 found[i], found[j] = Fraction(1), Fraction(-1 if x > 0 else 1)
                 return found
     return None

@@ -194,10 +194,11 @@ class ElementaryWeights:
 
     def of_order(self, vertices: int) -> list[RingElement]:
         """Φ of the trees with so many vertices, in the order of the table."""
-        table, scalars = self.table(vertices), self.colours[0].scalars
+        table, (first, *_) = self.table(vertices), self.colours
         for n in range(1, vertices + 1):
             self._extend(table, n)
         weights = [self.colours[table.kind[t]].weigh(self._products[t]) for t in table.ids(vertices)]
+        scalars = first.scalars
         return [scalars.weight(x, vertices) for x in weights] if isinstance(scalars, IntegerScalars) else weights
 
     def residuals(self, vertices: int) -> list[tuple[int, RingElement]]:

@@ -13,6 +13,7 @@ from flint import fmpq, fmpq_poly
 
 from driftproof.methods.number_field import Exact, as_fraction
 from driftproof.methods.schemes import Collocation, RungeKutta
+from driftproof.symbolic.algebra.polynomials import dot
 from driftproof.symbolic.trees.elementary_weights import (
     EXACT,
     ElementaryWeights,
@@ -48,7 +49,7 @@ def collocation_order(nodes: Sequence[Exact]) -> QuadratureFact:
     polynomial = distinct_nodes(nodes)
     power = fmpq_poly([0, 1])
     moments = ((k, (polynomial * power**k).integral()(1)) for k in count())
-    k, moment = next(found for found in moments if found[1] != 0)  # at k = s, since M is not orthogonal to itself
+    k, moment = next(found for found in moments if found[1])  # at k = s, since M is not orthogonal to itself
     return QuadratureFact(int(polynomial.degree()) + k, as_fraction(moment / polynomial.leading_coefficient()))
 
 
@@ -180,7 +181,7 @@ def order_to_tolerance(conditions: Conditions[AnyTree], tolerance: Fraction | in
     highest = min(limit, conditions.bound)
     for n in range(1, highest + 1):
         found = (conditions.scalars.exact(x) for _, x in conditions.residuals(n) if x)
-        if any(x > tolerance or -x > tolerance for x in found):
+        if any(max(x, -x) > tolerance for x in found):
             return n - 1
     return highest
 
@@ -253,30 +254,27 @@ class _Conditions:
 
     def __init__(self, method: RungeKutta) -> None:
         lift = EXACT.lift
-        self.weights, nodes = [lift(x) for x in method.b], [lift(x) for x in method.c]
+        self.weights, self.nodes = [lift(x) for x in method.b], [lift(x) for x in method.c]
         self.rows = [[lift(x) for x in row] for row in method.a]
         self.columns = list(zip(*self.rows, strict=True))
-        self.powers = [[lift(1)] * len(nodes)]
-        for _ in range(2 * len(nodes) + 1):
-            self.powers.append([x * y for x, y in zip(self.powers[-1], nodes, strict=True)])
 
     def b(self, k: int) -> list[RingElement]:
-        return [_dot(self.weights, self.powers[k - 1]) - fmpq(1, k)]
+        return [dot(self.weights, self._powers(k - 1)) - fmpq(1, k)]
 
     def c(self, k: int) -> list[RingElement]:
         inverse = fmpq(1, k)
-        return [_dot(row, self.powers[k - 1]) - x * inverse for row, x in zip(self.rows, self.powers[k], strict=True)]
+        below = self._powers(k - 1)
+        return [dot(row, below) - x * inverse for row, x in zip(self.rows, self._powers(k), strict=True)]
 
     def d(self, k: int) -> list[RingElement]:
-        weighted = [w * x for w, x in zip(self.weights, self.powers[k - 1], strict=True)]
-        expected = [w * (1 - x) * fmpq(1, k) for w, x in zip(self.weights, self.powers[k], strict=True)]
-        return [_dot(weighted, column) - x for column, x in zip(self.columns, expected, strict=True)]
+        weighted = [w * x for w, x in zip(self.weights, self._powers(k - 1), strict=True)]
+        expected = [w * (1 - x) * fmpq(1, k) for w, x in zip(self.weights, self._powers(k), strict=True)]
+        return [dot(weighted, column) - x for column, x in zip(self.columns, expected, strict=True)]
+
+    def _powers(self, k: int) -> list[RingElement]:
+        return [x**k for x in self.nodes]
 
 
 def _degree(condition: Condition, last: int) -> int | None:
     """The largest k to which the conditions hold, or None if they hold to `last`."""
     return next((k - 1 for k in range(1, last + 1) if any(condition(k))), None)
-
-
-def _dot(u: list[RingElement], v: list[RingElement] | tuple[RingElement, ...]) -> RingElement:
-    return sum((x * y for x, y in zip(u, v, strict=True)), 0 * u[0])

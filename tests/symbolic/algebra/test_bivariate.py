@@ -58,6 +58,9 @@ def test_common_roots_change_only_where_the_critical_polynomial_vanishes() -> No
     assert [merging(fmpq(t)) == 0 for t in (-1, 0, 1)] == [False, True, False]
     assert [merging_values(X**2 - T, c + 0 * X) is None for c in (0, 1, -1)] == [True, False, False]
     assert [merging_values(c + 0 * X, X**2 - T) is None for c in (0, 1, -1)] == [True, False, False]
+    shared = merging_values((X - T) ** 2 * (X * T + 1), (X - T) * (X**2 + 3 * T**3))
+    assert shared == fmpq_poly([0, 0, 1, 3, 0, 0, 0, 3, 9]), "the factor x - t is common for all t"
+    assert merging_values(X**2 * T - X - 3 * T**2, X**3 - T * X + 1) == fmpq_poly([1, 0, 0, 12, 0, 0, -12])
     constants = ParametricPair(lambda t: (fmpq_poly([t]), fmpq_poly([1])), (0, 0), (1, 0))
     assert critical_polynomial(constants) == 1
 
@@ -65,4 +68,5 @@ def test_common_roots_change_only_where_the_critical_polynomial_vanishes() -> No
 def test_polynomials_print_with_the_highest_power_first() -> None:
     assert bivariate_text((1 - 2 * T) * X - 2, "x", "gamma") == "(1 - 2*gamma)*x - 2"
     assert bivariate_text(X**2 - X + T, "x", "t") == "x**2 - x + t"
+    assert bivariate_text(X * T + T - 1, "x", "t") == "t*x + (-1 + t)"
     assert bivariate_text(0 * X, "x", "t") == "0"

@@ -25,6 +25,7 @@ from driftproof.symbolic.algebra.certified import (
     fixed,
     is_less,
     scientific,
+    sign_of_ball,
     significant,
 )
 
@@ -166,6 +167,9 @@ def test_zero_that_no_ball_shows_is_uncertified_and_an_exact_zero_is_not() -> No
     with pytest.raises(Uncertified):
         is_less(lambda: arb(2).sqrt(), lambda: arb(2).sqrt())
     assert certified_sign(lambda: arb(0)) == certified_sign(Q(0)) == 0
+    assert [sign_of_ball(x) for x in (arb(0.5), arb(-0.5), arb(0), arb(0, 0.1))] == [1, -1, None, None]
+    assert [certified_sign(lambda x=x: arb(x, 4.5)) for x in (5, -5)] == [1, -1]
+    assert fixed(lambda: arb(2).sqrt() ** 2 - 2, 3) == "0.000"
     assert significant(lambda: arb(0), 5) == "0"
 
 
@@ -181,6 +185,10 @@ def test_number_too_long_to_write_out_is_refused_at_once(exponent: int) -> None:
     for read in (lambda x: fixed(x, 2), lambda x: significant(x, 3)):
         with pytest.raises(Uncertified, match="too long to write out"):
             read(lambda: arb(2) ** exponent)
+    longest = 2**18 if exponent > 0 else -(2**18)
+    assert endpoints(arb(2) ** longest)[0] == Q(2) ** longest
+    with pytest.raises(Uncertified, match="too long to write out"):
+        endpoints(arb(2) ** (longest + (1 if longest > 0 else -1)))
 
 
 def test_vague_ball_with_a_huge_radius_only_asks_for_more_precision() -> None:

@@ -7,7 +7,14 @@ from fractions import Fraction as Q
 import pytest
 import sympy
 
-from driftproof.symbolic.algebra.radicals import integer_polynomial_text, radical_form, root_decimal
+from driftproof.methods.number_field import NumberField
+from driftproof.symbolic.algebra.radicals import (
+    integer_polynomial_text,
+    is_readable,
+    perfect_part,
+    radical_form,
+    root_decimal,
+)
 from driftproof.symbolic.algebra.real_roots import ZERO_ROOT, RealRoot, rational_root
 
 RADICALS = {
@@ -20,6 +27,7 @@ RADICALS = {
     (-1, -1, 1): "1/2 + sqrt(5)/2",
     (1, -3, 1): "3/2 + sqrt(5)/2",
     (-3, 0, -6, 0, 1): "sqrt(3 + 2*sqrt(3))",
+    (-1, 0, 0, -2, 0, 0, 1): "(1 + sqrt(2))**(1/3)",
     (-24, 12, -4, 1): None,
 }
 
@@ -40,10 +48,19 @@ def test_radical_form_of_the_smaller_and_of_a_negative_root() -> None:
     assert radical_form(RealRoot((1, -3, 1), 0)) == "3/2 - sqrt(5)/2"
     assert radical_form(RealRoot((-8, 0, 1), 0)) == "-2*sqrt(2)"
     assert radical_form(RealRoot((-1, -1, 1), 0)) == "1/2 - sqrt(5)/2"
+    assert radical_form(RealRoot((-1, 0, 2), 0)) == "-sqrt(2)/2"
+    assert radical_form(RealRoot((-1, 0, 0, -2, 0, 0, 1), 0)) == "-(-1 + sqrt(2))**(1/3)"
 
 
 def test_radicals_that_nobody_can_read_are_left_out() -> None:
     assert radical_form(RealRoot((-(10**40 + 7), 0, 1), 1)) is None
+    assert (perfect_part(10**30, 2), perfect_part(10**30 + 1, 2)) == ((10**15, 1), None)
+    longest, longer = (NumberField("x", (-n, *[0] * 6, 1), Q(10**4), Q(10**5)) for n in (10**30, 10**30 + 1))
+    assert (is_readable(longest.generator), is_readable(longer.generator), is_readable(Q(10**31))) == (
+        True,
+        False,
+        True,
+    )
 
 
 def test_decimals_are_correctly_rounded() -> None:

@@ -53,12 +53,17 @@ def test_series_satisfy_their_equations() -> None:
     slope = [k * c for k, c in enumerate(series_logarithm(terms))]
     assert series_product(terms, slope) == [k * c for k, c in enumerate(terms)]
     assert [exact(c) for c in series_logarithm(exponential_series(9))] == [0, 1, 0, 0, 0, 0, 0, 0, 0]
-    with pytest.raises(ValueError, match="constant term"):
-        series_logarithm([fmpq(2)])
+    for of_series in (series_logarithm, series_root):
+        with pytest.raises(ValueError, match="constant term"):
+            of_series([fmpq(2)])
 
 
 def test_functions_print_in_sympys_syntax() -> None:
     assert polynomial_text(polynomial([Q(1, 2), 0, Q(-1, 8)]), "h") == "1/2 - h**2/8"
     assert polynomial_text(polynomial([0, Q(-1, 2)]), "h") == "-h/2"
     assert polynomial_text(polynomial([0, 2 - ROOT_2]), "h") == "(2 - sqrt(2))*h"
+    assert polynomial_text(polynomial([2 - ROOT_2, Q(3, 4), -3]), "h") == "(2 - sqrt(2)) + 3*h/4 - 3*h**2"
+    over = [(X**0, X), (X**0, X**2), (1 + X, 3 * X - 3), (X**0, 1 + X)]
+    texts = [rational_function_text(fraction(*parts), "h") for parts in over]
+    assert texts == ["1/h", "1/h**2", "(-1/3 - h/3)/(1 - h)", "1/(1 + h)"]
     assert rational_function_text(fraction(1 - X**2 / 4, 1 + X**2 / 4), "h") == "(1 - h**2/4)/(1 + h**2/4)"

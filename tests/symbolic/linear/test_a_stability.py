@@ -87,7 +87,8 @@ def test_contact_that_becomes_a_crossing_is_not_a_stable() -> None:
 
 def test_i_stable_with_poles_on_the_wrong_side_is_not_a_stable() -> None:
     r = fraction(1 - Z / 2, 1 + Z / 2)
-    assert i_stability(r)
+    assert i_stability(r).reason == "|R(iy)| = 1 for every y"
+    assert i_stability(contact(fmpq(0))).reason == "|Q(iy)|**2 - |P(iy)|**2 >= 0 for every y"
     assert not a_stability(r)
     assert "pole" in a_stability(r).reason
     assert real_limit(r) == ZERO_ROOT
@@ -288,6 +289,17 @@ def test_balls_decide_positivity_only_where_they_can() -> None:
     assert positive_in_balls([arb(1), arb(0, 1)]) is None, "the degree is not known"
     assert positive_in_balls([arb(-1), arb(0), arb(-1)]) is False
     assert positive_in_balls([arb(-1), arb(1)]) is False, "below its root alone"
+    assert positive_in_balls([arb(0), arb(1)]) is None, "whether its root is above 0"
+    for size in (0.5, -0.5):
+        assert positive_in_balls([arb(size), arb(size / 2)]) is (size > 0), "its root is negative"
+        assert positive_in_balls([arb(size) / 16, arb(-size), arb(2 * size)]) is False, "both roots are below 1/2"
+
+
+def test_bits_of_the_critical_polynomial_are_estimated_from_degrees_and_coefficients() -> None:
+    functions = (pade(0, 3), pade(1, 4), stability_function(sdirk(Q(1, 2) - ROOT_3 / 6)))
+    assert [critical_bits(ray_margin(r)) for r in functions] == [1458, 9464, 250]
+    in_t = [[2], [1], [Q(11, 24), Q(1, 8)], [Q(1, 8), Q(1, 8)], [Q(1, 48), Q(1, 24), Q(1, 48)]]
+    assert ray_margin(pade(1, 3)) == [polynomial(c) for c in (*in_t, [Q(k, 576) for k in (1, 3, 3, 1)])]
 
 
 def test_pole_inside_the_sector_ends_it() -> None:

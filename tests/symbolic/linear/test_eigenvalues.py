@@ -74,7 +74,17 @@ def _jordan(text: str) -> list[tuple[int, int]]:
 
 @pytest.mark.parametrize(
     "minimal",
-    [(5, 1, 2, 1), (1, 0, 0, 0, 1), (250, 35, 251, 15, 50), (2, 0, 2, 0, 1), (-2, 0, 0, 0, 1), (1, -3, 0, 0, 0, 1)],
+    [
+        (5, 1, 2, 1),
+        (1, 0, 0, 0, 1),
+        (250, 35, 251, 15, 50),
+        (2, 0, 2, 0, 1),
+        (-2, 0, 0, 0, 1),
+        (1, -3, 0, 0, 0, 1),
+        (5, 4, 20),
+        (1, 0, 4),
+        (-1, 0, 2),
+    ],
 )
 def test_places_are_the_roots_and_keep_their_order_at_every_precision(minimal: tuple[int, ...]) -> None:
     found = root_places(minimal)

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from fractions import Fraction as Q
+from typing import Any
 
 import pytest
 from flint import fmpq, fmpq_mat
 
 from driftproof.methods.schemes import RungeKutta
-from driftproof.symbolic.algebra.polynomials import scalar
+from driftproof.symbolic.algebra.polynomials import X, scalar
+from driftproof.symbolic.linear import monotonicity
 from driftproof.symbolic.linear.monotonicity import monotonicity_conditions, ssp_coefficient
 from driftproof.symbolic.linear.reduced_tableau import stages_of
 from tests.nine import NINE
@@ -49,6 +51,17 @@ SSP: dict[str, tuple[RungeKutta, str]] = {
 def test_ssp_coefficient_of(name: str) -> None:
     method, radius = SSP[name]
     assert limit_text(ssp_coefficient(method)) == radius
+
+
+@pytest.mark.parametrize(
+    ("second", "radius"),
+    [((X - 1) * (X - 3), "1"), ((X - 5) * (X - 6), "4"), ((X - 2) ** 2, "4"), (1 - 2 * X, "1/2"), (X, "4"), (-X, "0")],
+)
+def test_a_later_condition_counts_where_it_fails_before_the_others(
+    second: Any, radius: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(monotonicity, "monotonicity_conditions", lambda stages: [4 - X, second])
+    assert limit_text(ssp_coefficient(MIDPOINT)) == radius
 
 
 def ssp_10_4() -> RungeKutta:
