@@ -23,8 +23,8 @@ HABITS: dict[str, Callable[[Allowance], Allowance]] = {
 ROUNDED = "if its coefficients are rounded to"
 # Digits more and fewer than the size of an error tells are tried: h and the states weigh it by some powers of ten.
 _DIGITS_AROUND = 2
-# A source with fewer digits is no rounding of the method, and none of more differs from it in double precision.
-_FEWEST, _MOST = 5, 17
+# A source with fewer digits is no rounding of the method.
+_FEWEST = 5
 
 
 def explained(
@@ -62,7 +62,7 @@ def _of_few_digits(method: Method, error: float) -> Iterator[tuple[str, Method]]
     if not error:  # but in the range of underflow
         return
     middle = round(-log10(error))
-    for digits in range(min(_MOST, middle + _DIGITS_AROUND), max(_FEWEST, middle - _DIGITS_AROUND) - 1, -1):
+    for digits in range(middle + _DIGITS_AROUND, max(_FEWEST, middle - _DIGITS_AROUND) - 1, -1):
         for words, text in ((f"{digits} decimals", fixed), (f"{digits} significant digits", significant)):
             rounded = _with_coefficients(method, partial(_rounded, text, digits))
             if rounded is not None and rounded != method:

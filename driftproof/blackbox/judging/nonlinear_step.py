@@ -20,6 +20,7 @@ from driftproof.blackbox.judging.nonlinear_problems import (
 )
 from driftproof.blackbox.judging.tolerance import Allowance
 from driftproof.blackbox.probes.scripted_answers import Rounding
+from driftproof.blackbox.stepper.array_adapters import AnyNumber
 from driftproof.blackbox.stepper.calling_conventions import FIELD
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.methods.catalogue import METHODS
@@ -106,7 +107,7 @@ def _beside(
             said = own_step(method, problem, t, start, h)
             allowed = allowed_off(subject, method, allowance, 1 + max(map(abs, start)), h)
             seen = problem.stepped(subject, t, start, h)
-            off = [float(abs(arb(x) - exact).upper()) for x, exact in zip(seen, said, strict=True)]
+            off = [*map(distance, seen, said)]
             wrong = tuple(name for name, x in zip(problem.names, off, strict=True) if not x <= allowed)
             i = max(range(len(off)), key=lambda i: inf if isnan(off[i]) else off[i])
             if wrong and not off[i] <= found.largest:
@@ -115,6 +116,11 @@ def _beside(
                 found = replace(found, beyond=beyond, wrong=wrong)
             found = replace(found, largest=max(found.largest, off[i]))
     return found
+
+
+def distance(x: AnyNumber, exact: arb) -> float:
+    """A float just above |x - exact|."""
+    return float(abs(arb(x) - exact).upper())
 
 
 def allowed_off(subject: ForeignStepper, method: Method, allowance: Allowance, size: float, h: float) -> float:
@@ -143,14 +149,14 @@ def own_step(method: Method, problem: NonlinearProblem, t: float, y: Sequence[fl
 def _runge_kutta_step(
     method: RungeKutta | Collocation, problem: NonlinearProblem, t: arb, y: Sequence[arb], h: arb
 ) -> list[arb]:
-    """y + h Σ bᵢ kᵢ with the kᵢ = f(t + cᵢh, y + h Σ aᵢⱼ kⱼ) that the iteration from k = 0 comes to.
+    """y + h Σ bᵢ kᵢ with the kᵢ = f(t + cᵢh, y + h Σ aᵢⱼ kⱼ) that the iteration from k = y comes to.
 
     Explicit stages are taken in turn. Raises ArithmeticError where it does not converge.
     """
     tableau: Any = method.tableau(_BITS) if isinstance(method, Collocation) else (method.a, method.b, method.c)
     a = [[enclose(x) for x in row] for row in tableau[0]]
     b, c = ([enclose(x) for x in row] for row in tableau[1:])
-    slopes = [[arb(0) for _ in y] for _ in b]
+    slopes = [[*y] for _ in b]
     if method.explicit:
         for i, (node, row) in enumerate(zip(c, a, strict=True)):
             slopes[i] = [x.mid() for x in problem.rate(t + node * h, _moved(y, h, row[:i], slopes[:i]))]

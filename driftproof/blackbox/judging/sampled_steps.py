@@ -139,10 +139,10 @@ def _simpler(x: float, sizes: Sizes, *, signed: bool) -> list[float]:
     return sorted((y for y in within | ({0.0} if signed else set()) if _length(y) < _length(x)), key=_length)
 
 
-def _length(x: float) -> tuple[bool, float, float, bool]:
+def _length(x: float) -> tuple[float, ...]:
     """By which numbers are shorter: whole ones by their size, others by their bits and then their exponents."""
     if x == round(x):
-        return False, abs(x), 0, x < 0
+        return False, abs(x), x < 0
     significand, exponent = frexp(x)
     bits = significand.as_integer_ratio()[1].bit_length()
     return True, bits, abs(exponent), x < 0

@@ -166,10 +166,10 @@ class Tolerance:
         return [[*(arb_poly([abs(c) for c in num.coeffs()]) for num, _ in row), arb_poly([])] for row in self._matrix]
 
 
-def _judgement(error: arb, bound: arb, unit: arb) -> Judgement:
+def _judgement(error: arb, allowed: arb, unit: arb) -> Judgement:
     if not error.is_finite():
         return Judgement(False, inf, inf)
-    return Judgement(bool(error <= bound), _ratio(error, bound), _ratio(error, unit))
+    return Judgement(bool(error <= allowed), _ratio(error, allowed), _ratio(error, unit))
 
 
 def _ratio(error: arb, bound: arb) -> float:

@@ -26,7 +26,7 @@ from driftproof.blackbox.judging.nonlinear_problems import (
     pushed,
     walls,
 )
-from driftproof.blackbox.judging.nonlinear_step import allowed_off, own_step
+from driftproof.blackbox.judging.nonlinear_step import allowed_off, distance, own_step
 from driftproof.blackbox.judging.tolerance import Allowance
 from driftproof.blackbox.stepper.calling_conventions import FIELD, FORCE
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
@@ -77,7 +77,7 @@ class _Place:
 _PLACES = (
     _Place(),
     _Place((2.0**-20,), 12, 100.1),
-    _Place((1.0, -256.0, 2.0**-30, -8.0), 0, -7.3),
+    _Place((1.0, -256.0, 2.0**-30), 0, -7.3),
     _Place((256.0,), -4, 1000.1),
     _Place((-1.0,), 6, -0.7),
 )
@@ -178,7 +178,7 @@ class Walker:
         # Slopes change by about their size in a unit of the problem's own time: so much does a rounded time cost.
         size = 1 + max(abs(x / s) for x, s in zip(y, scales, strict=True)) + abs(t) * 2.0**place.pace
         allowed = self.allowed(size, len(y), h * 2.0**place.pace)
-        off = [float(abs(arb(x) - exact).upper()) / abs(s) for x, exact, s in zip(seen, said, scales, strict=True)]
+        off = [gap / abs(s) for gap, s in zip(map(distance, seen, said), scales, strict=True)]
         wrong = [i for i, x in enumerate(off) if not x <= allowed]
         if not wrong:
             return "", seen

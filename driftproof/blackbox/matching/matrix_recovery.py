@@ -33,7 +33,7 @@ class Coefficient:
     """A coefficient, known up to `error`; 0 where it is a simple rational, and taken to be that."""
 
     value: Fraction
-    error: Fraction
+    error: Fraction = Fraction(0)
 
     def __str__(self) -> str:
         """The number, with its error unless it is taken to be exact."""
@@ -42,7 +42,7 @@ class Coefficient:
         return f"{float(self.value):.15g} (up to {float(self.error):.1g})"
 
 
-_ZERO, _ONE = Coefficient(Fraction(0), Fraction(0)), Coefficient(Fraction(1), Fraction(0))
+_ZERO, _ONE = Coefficient(Fraction(0)), Coefficient(Fraction(1))
 
 
 @dataclass(frozen=True)
@@ -116,7 +116,7 @@ def _shapes(parity: int | None, most: int) -> Iterator[_Shape]:
     for size in range(1, most + 1):
         yield _Shape(powers[:size])
     below = tuple(range(stride, stride * (MOST_IN_DENOMINATOR + 1), stride))
-    for size in range(2, most + 1):
+    for size in range(most + 1):
         for q in range(1, min(size, MOST_IN_DENOMINATOR + 1)):
             yield _Shape(powers[: size - q], below[:q])
 
@@ -132,13 +132,13 @@ def _solved(
     inverse = matrix.inv()
     column = inverse * fmpq_mat(shape.size, 1, [scalar(values[x]) for x in nodes])
     solution = [Fraction(int(c.p), int(c.q)) for c in column.entries()]
-    first = _entry(shape, [Coefficient(c, Fraction(0)) for c in solution])
+    first = _entry(shape, [Coefficient(c) for c in solution])
     errors = [_allowed(first, x, values[x], u) for x in nodes]
     table = [[abs(Fraction(int(c.p), int(c.q))) for c in row] for row in inverse.table()]
     spread = [sum((b * e for b, e in zip(row, errors, strict=True)), Fraction(0)) for row in table]
     simple = [simple_rational(x, e) for x, e in zip(solution, spread, strict=True)]
     triples = zip(simple, solution, spread, strict=True)
-    return _entry(shape, [Coefficient(x, e) if s is None else Coefficient(s, Fraction(0)) for s, x, e in triples])
+    return _entry(shape, [Coefficient(x, e) if s is None else Coefficient(s) for s, x, e in triples])
 
 
 def _entry(shape: _Shape, coefficients: Sequence[Coefficient]) -> Recovered:

@@ -77,6 +77,8 @@ EXPLAINED = {
     "a velocity from positions": (verlet_by_positions, "velocity_verlet"),
     "few digits": (as_map(yoshida(lambda x: fixed(x, 6))), "yoshida4"),
     "too few": (as_map(yoshida(lambda x: fixed(x, 3))), "yoshida4"),
+    "five": (as_map(yoshida(lambda x: fixed(x, 5))), "yoshida4"),
+    "four": (as_map(yoshida(lambda x: significant(x, 4))), "yoshida4"),
     "all digits": (as_map(yoshida(lambda x: significant(x, 17))), "yoshida4"),
     "digits of another": (as_map(yoshida(lambda x: fixed(x, 6))), "ruth3"),
     "by collocation": (lambda q, v, h: (q + h * v, v - h * q), "gauss2"),

@@ -82,6 +82,15 @@ def test_the_simplest_step_lies_in_a_small_domain():
     assert simplest_step(lambda step: step[0] != 0, (0.6, 0.3, 0.05), *small) == (0.5, 0.0, 0.0625)
 
 
+@pytest.mark.parametrize(
+    ("low", "high", "simple"), [(1.0, 2.0, [1.0, 2.0, -1.0]), (2.5, 3.5, [3.5]), (4.0, 7.5, [4.0]), (1.5, 2.0, [2.0])]
+)
+def test_simple_numbers_lie_within_up_to_the_ends_or_are_the_largest_power_of_two_there_or_the_largest(
+    low, high, simple
+):
+    assert Sizes(low, high, BINARY64).simple(1.0, 2.0, -1.0, 0.5, 8.0) == simple
+
+
 FAILING = {
     "large": lambda q, v, h: abs(q) + abs(v) > 417.3,
     "steep": lambda q, v, h: abs(v) > 3.7 * abs(q) + 0.01,

@@ -8,7 +8,7 @@ from driftproof.blackbox.findings import UnsupportedCall
 from driftproof.blackbox.judging.agreement import NO_ALLOWANCE, ORDINARY_DOMAIN, Domain
 from driftproof.blackbox.judging.nonlinear_problems import driven
 from driftproof.blackbox.judging.tolerance import Allowance
-from driftproof.blackbox.judging.walks import Walker, _Place, back_and_on, walked
+from driftproof.blackbox.judging.walks import Walker, _Place, back_and_on, there_and_back, walked
 from driftproof.blackbox.stepper.opening import opened
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.stepping import stepper
@@ -184,6 +184,14 @@ def test_steps_back_are_looked_at_where_the_right_hand_side_is_ours():
     assert short == (True, "6 steps with h < 0 within the bound", "")
     built_in = back_and_on(opened(lambda q, v, h: (q + h * v, v - h * q)), METHODS["forward_euler"])
     assert built_in == (True, "6 steps with h < 0 within the bound", "")
+
+
+def test_few_steps_back_are_asked_for_where_those_ahead_are_right(as_before):
+    said = []
+    for step in (codes.rk4, rk4_at(lambda at, t: t + abs(at - t))):
+        asked, again = Asked(step), Asked(step)
+        said += [back_and_on(opened(asked.code), RK4), asked, there_and_back(Walker(opened(again.code), RK4)), again]
+    as_before(*said)
 
 
 def test_a_built_in_system_is_not_walked():

@@ -61,6 +61,15 @@ def test_a_wrong_estimate_says_what_is_wrong(case, as_before):
     as_before(found.data, asked)
 
 
+def test_a_call_beyond_the_stages_does_not_enter_an_estimate():
+    def asking_again(f, t, y, h):
+        y1, error = pair_step("fehlberg45")(f, t, y, h)
+        return y1 + 0 * np.array(f(t + h, y1)), error
+
+    found = judged(asking_again)
+    assert (found.pair, found.faults, found.order) == ("fehlberg45", (), 4)
+
+
 def test_reports_name_both_rows_and_the_fault():
     named = identify(pair_step("dormand_prince54_embedded"), isolate=False)
     assert named.verdict == (
