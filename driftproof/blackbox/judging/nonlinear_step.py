@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import chain, product
 from math import inf, isnan
+from operator import sub
 from typing import Any
 
 import numpy as np
@@ -164,7 +165,7 @@ def _runge_kutta_step(
     for _ in range(_ROUNDS):
         places = [(t + node * h, _moved(y, h, row, slopes)) for node, row in zip(c, a, strict=True)]
         before, slopes = slopes, [[x.mid() for x in problem.rate(*place)] for place in places]
-        if all(abs(x - old) <= _SETTLED for x, old in zip(chain(*slopes), chain(*before), strict=True)):
+        if all(abs(change) <= _SETTLED for change in map(sub, chain(*slopes), chain(*before))):
             return _moved(y, h, b, slopes)
     raise ArithmeticError(f"the stages of {method.key} do not converge")
 

@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import chain, islice
 from math import isfinite
+from operator import sub
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -108,7 +109,7 @@ def _near(
     with np.errstate(all="ignore"):
         made = program.step(force, *at)
     allowed = _INSIDE * rounding.of(1 + max(map(abs, (*seen, *made))))
-    return all(abs(x - y) <= allowed for x, y in zip(made, seen, strict=True))
+    return all(abs(gap) <= allowed for gap in map(sub, made, seen))
 
 
 def program_of(method: Method) -> Program:

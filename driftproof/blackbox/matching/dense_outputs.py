@@ -6,6 +6,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from math import prod
+from operator import sub
 
 from driftproof.blackbox.matching.match import match_tableau
 from driftproof.blackbox.matching.read_order import read_order
@@ -156,7 +157,7 @@ class _Polynomials:
             i
             for i, (row, c) in enumerate(zip(reading.step.a, reading.step.c or (), strict=False))
             if abs(c - 1) <= self.allowed
-            if max(abs(x - y) for x, y in zip(row, reading.own, strict=True)) <= self.allowed
+            if max(map(abs, map(sub, row, reading.own))) <= self.allowed
         ]
 
         def is_slope(end: int, call: int) -> bool:

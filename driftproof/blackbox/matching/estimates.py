@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from operator import sub
 from typing import Any, TypeAlias, TypeGuard, cast
 
 from driftproof.blackbox.matching.read_order import HIGHEST_ORDER, BallTableaux, read_order
@@ -128,7 +129,7 @@ def _stages_in_order(pair: Method, reading: TableauReading) -> TypeGuard[RungeKu
         return False
     rows = [*zip(pair.a, reading.a, strict=False), (pair.b, reading.b)]
     allowed = reading.rounding.of(1 + max(abs(float(x)) for row, _ in rows for x in row))
-    return all(abs(float(x) - y) <= allowed for exact, row in rows for x, y in zip(exact, row, strict=False))
+    return all(abs(gap) <= allowed for exact, row in rows for gap in map(sub, map(float, exact), row))
 
 
 def _differences(pair: RungeKutta, calls: int) -> list[Exact]:

@@ -166,7 +166,7 @@ def _error(
     """How far one matrix read is from the map's at h."""
     rates = Rates(float(h), float(position), float(stiffness))
     exact, allowed = each.matrix_at(h, position, stiffness), each.allowances(rates, fmt)
-    off = [float(abs(arb(x) - ball).upper()) for x, ball in zip(m, exact, strict=True)]
+    off = [*map(lambda x, ball: float(abs(arb(x) - ball).upper()), m, exact)]
     if not all(x < inf for x in off):  # a pole
         return Error(inf, inf)
     in_bounds = max(x / most for x, most in zip(off, allowed, strict=True))

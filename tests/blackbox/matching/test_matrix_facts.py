@@ -96,6 +96,7 @@ def test_the_order_is_that_of_the_first_power_in_which_any_entry_is_off(place, o
         assert order_on_linear_system(series, k, g) is None
         series[entry][place] += 2.0**-40
         assert order_on_linear_system(series, k, g) == order
+    assert order_on_linear_system([[arb(1)], [arb(0), arb(1)], [], [arb(1)]], Q(0), Q(0)) is None
 
 
 @pytest.mark.parametrize("key", ["velocity_verlet", "gauss2", "midpoint2"])
