@@ -177,7 +177,7 @@ def short_name(x: float) -> str:
     """x as a reader writes it: 100, 0.01, -2 pi, 0.1 in binary32; to the last bit where it has no short name."""
     for part, name in ((pi, "pi"), (2 * pi, "2 pi"), (pi / 2, "pi/2")):
         if abs(x) == part:
-            return f"{'-' * (x < 0)}{name}"
+            return f"{'-' * (x == -part)}{name}"
     if x == 0:
         return "0"
     for kind, fmt in ((np.float16, BINARY16), (np.float32, BINARY32)):

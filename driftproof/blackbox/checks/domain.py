@@ -84,9 +84,9 @@ def _outwards(short: NegligibleStep, component: int, sign: int, before: Sequence
     """
     base, e_max = short.state[component], short.runner.format.emax
     powers = {k for k in (*_OUTWARDS, e_max // 2 + 8, e_max - 24) if k < e_max}
-    points = [sign * ldexp(base, k) for k in [*([0] if sign < 0 else []), *sorted({*powers, e_max + 1})]]
+    points = [sign * ldexp(base, k) for k in [*([0] if sign == -1 else []), *sorted({*powers, e_max + 1})]]
     hints = [(sign * abs(inner), sign * abs(outer)) for inner, outer in (rule.ends for rule in before)]
-    seen = border(short, partial(short.along, component), base if sign > 0 else 0.0, points, hints)
+    seen = border(short, partial(short.along, component), base if sign == 1 else 0.0, points, hints)
     return _rule_of(short, component, seen) if seen else None
 
 

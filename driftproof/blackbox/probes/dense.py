@@ -75,9 +75,10 @@ def read_dense(subject: ForeignStepper) -> DenseReading:
         )
     except NotReadable as refusal:
         raise NotAlike(str(refusal)) from None
-    if len({reading.calls for reading in readings}) > 1 or own.calls > readings[-1].calls:
+    calls, *others = {reading.calls for reading in readings}
+    if others or own.calls > calls:
         raise NotReadable("how many calls the dense output makes depends on theta")
-    weights = (*own.b, *[0.0] * (readings[-1].calls - own.calls))
+    weights = (*own.b, *[0.0] * (calls - own.calls))
     remarks = () if own.remarks else next((reading.remarks for reading in readings if reading.remarks), ())
     step = replace(readings[-1], remarks=remarks)
     rows, further = (tuple(reading.b for reading in each) for each in (readings, between))

@@ -156,7 +156,7 @@ class _EstimateProbe(TableauProbe):
                     reading = replace(reading, power=0)
                     (seen, said, allowed), *others = self._predictions(reading, row, offset, control)
             except Misbehaviour:
-                if control.h > 0:
+                if control is not _LENGTHS[1]:
                     raise
                 break  # who refuses to step back has no estimate there
             if not abs(seen - said) <= allowed and not offset and self._depends_on_y(control):

@@ -158,9 +158,7 @@ def _moved(chains: StageChains, label: StageLabel | None) -> float:
 def _velocities(subject: ForeignStepper, weights: CoefficientRow) -> tuple[CoefficientRow, ...]:
     """The rows of the velocities that a force is given. Raises NotReadable where the stages are not those."""
     read, _ = told_by_chains(ForcedSteps(subject, of_velocity=True))
-    near = len(read.b) == len(weights) and all(
-        abs(x - y) <= 2 * read.rounding.of(1.0) for x, y in zip(read.b, weights, strict=True)
-    )
-    if not near:
+    allowed = 2 * read.rounding.of(1.0)
+    if len(read.b) != len(weights) or any(abs(x - y) > allowed for x, y in zip(read.b, weights, strict=True)):
         raise NotReadable(_OTHERWISE)
     return read.a

@@ -12,7 +12,7 @@ from driftproof.blackbox.probes.implicit_forces import read_implicit_forces
 from driftproof.blackbox.probes.implicit_tableau import read_implicit_tableau
 from driftproof.blackbox.probes.scripted_answers import NotReadable, Rounding, unit
 from driftproof.blackbox.probes.tableau import TableauReading, read_tableau
-from driftproof.blackbox.stepper.calling_conventions import FIELD, FORCE, TIME
+from driftproof.blackbox.stepper.calling_conventions import FIELD, TIME
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.blackbox.stepper.state_forms import TOGETHER
 
@@ -74,9 +74,9 @@ def _as_tableau(reading: ForceReading, *, timed: bool) -> TableauReading | None:
 
 def _demand_inertia(subject: ForeignStepper) -> None:
     """Raises NotReadable where numbers that belong together do not all keep their velocity: a force of one sees one."""
-    numbers = TOGETHER.get(subject.adapter.name, 1)
+    numbers = TOGETHER.get(subject.adapter.name, 0)
     allowed = Rounding(subject.format, numbers).of(1.0)
-    for i in range(numbers if numbers > 1 and subject.convention.kind == FORCE else 0):
+    for i in range(numbers):
         v = unit(numbers, i)
         end = subject.step_forced(lambda t, q: [0.0 * x for x in q], 0.0, [0.0] * numbers, v, 1.0)[numbers:]
         if any(abs(x - y) > allowed for x, y in zip(end, v, strict=True)):

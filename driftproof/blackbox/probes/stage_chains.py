@@ -7,7 +7,6 @@ from math import frexp, fsum
 from typing import NamedTuple, TypeAlias
 
 from driftproof.blackbox.probes.marked_stages import (
-    MarkedRun,
     MarkedSteps,
     Setting,
     StageLabel,
@@ -90,7 +89,7 @@ class StageChains:
         other end.
         """
         for setting, size in _VARIANTS:
-            self._demand(a, b, rounding, setting, backward=size < 0)
+            self._demand(a, b, rounding, setting, backward=size == -1.0)
 
     def _demand(
         self, a: Sequence[StageTable], b: StageTable, rounding: Rounding, setting: Setting, *, backward: bool
@@ -156,9 +155,9 @@ class StageChains:
             ]
             return [*own, *[0.0] * (len(moved) - links)]
 
-        run: MarkedRun = self.steps.run(self.marks, variant.setting, slopes, size=links)
+        result = self.steps.run(self.marks, variant.setting, slopes, size=links).result
         start, _, h = variant.setting
-        return (run.result[clocks + links - 1] - start) / (size * product * h**links)
+        return float((result[clocks + links - 1] - start) / (size * product * h**links))
 
     def _cleaned(self, x: float) -> float:
         return x if abs(x) > Rounding(self.steps.subject.format, 1, 4 * self.left).of(1.0) else 0.0

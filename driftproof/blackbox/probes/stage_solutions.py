@@ -110,7 +110,7 @@ def _summed(row: Sequence[float], slopes: Sequence[Sequence[float]], h: float) -
 
 
 def _power(errors: Sequence[float]) -> int:
-    """The whole power of the strength that the last of them are like, falling by halves; 0 if there is none."""
+    """The whole power of the strength that the last of them are like, falling by halves; NO_POWER if there is none."""
     slopes = [log2(x / y) for x, y in pairwise(errors)][-2:]
-    powers = {round(slope) if abs(slope - round(slope)) <= _SLACK else 0 for slope in slopes}
-    return powers.pop() if len(powers) == 1 else 0
+    powers = {round(slope) if abs(slope - round(slope)) <= _SLACK else NO_POWER for slope in slopes}
+    return powers.pop() if len(powers) == 1 else NO_POWER

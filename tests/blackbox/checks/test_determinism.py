@@ -36,13 +36,14 @@ def test_of_an_unsteady_stepper_nothing_else_is_asked():
     assert keys == ["same_answer_twice", "no_memory", "unsteady"]
 
 
-def test_random_numbers_of_everybody_are_put_back():
-    random.seed(7)
-    expected = [random.random(), random.random()]
-    random.seed(7)
-    random.random()
+@pytest.mark.parametrize(("seeded", "drawn"), [(random.seed, random.random), (np.random.seed, np.random.rand)])
+def test_random_numbers_of_everybody_are_put_back(seeded, drawn):
+    seeded(7)
+    expected = [drawn(), drawn()]
+    seeded(7)
+    drawn()
     results_of(UNREPEATABLE)
-    assert random.random() == expected[1]
+    assert drawn() == expected[1]
 
 
 def check(step, **options):

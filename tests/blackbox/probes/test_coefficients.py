@@ -33,6 +33,16 @@ def test_the_simplest_rational_of_an_interval_is_the_first_that_a_search_by_deno
         assert -(-low.numerator * denominator // low.denominator) > high * denominator
 
 
+@pytest.mark.parametrize(("low", "high"), [(Q(-3, 2), Q(0)), (Q(0), Q(3, 2)), (Q(0), Q(0)), (Q(-5, 2), Q(7, 3))])
+def test_of_an_interval_with_0_in_it_or_at_its_end_0_is_the_simplest(low, high):
+    assert simplest_in(low, high) == 0
+
+
+def test_a_rational_is_a_coincidence_from_one_chance_in_64_on():
+    assert [simple_rational(Q(x), x**2 * Q(1, 128)) for x in (Q(1), Q(1, 3))] == [1, Q(1, 3)]
+    assert [simple_rational(Q(x), x**2 * Q(1, 127)) for x in (Q(1), Q(1, 3))] == [None, None]
+
+
 def test_an_empty_interval_is_refused():
     with pytest.raises(ValueError, match="no number"):
         simplest_in(Q(1), Q(0))

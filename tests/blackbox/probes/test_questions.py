@@ -2,6 +2,7 @@
 
 import re
 
+import numpy as np
 import pytest
 
 from driftproof import identify, verify
@@ -21,6 +22,17 @@ def symplectic(f, t, y, h):
     return [y[0] + h * v, v]
 
 
+def turned(angle):
+    """Symplectic Euler on two numbers whose velocities are turned by an angle."""
+    turn = np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])
+
+    def step(force, q, v, h):
+        v = turn @ (v + h * force(q))
+        return q + h * v, v
+
+    return step
+
+
 def adaptive(f, t, y, h):
     return y + h * f(t, y) if abs(f(t, y)).max() < 0.5 else y + h * f(t, y + h * f(t, y))
 
@@ -37,7 +49,8 @@ def test_coefficients_are_those_of_a_tableau_or_of_forces():
 
 READ = dict(enumerate([step for step, *_ in (*RIGHT, *WRONG)]))
 READ |= {name: vars(codes)[name] for name in ("dopri5", "ssprk104_in_two_registers", "jameson", "rk4_without_time")}
-READ |= {"symplectic": symplectic, "adaptive": adaptive}
+READ |= {"symplectic": symplectic, "adaptive": adaptive, "turned by 0": turned(0.0), "turned": turned(0.1)}
+READ |= {f"turned by {k} roundings": turned(k * 2.0**-53) for k in (15, 17)}
 
 
 @pytest.mark.parametrize("name", READ)
