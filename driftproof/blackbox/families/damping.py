@@ -19,13 +19,14 @@ from driftproof.blackbox.probes.scripted_answers import NotReadable, Rounding
 from driftproof.blackbox.stepper.array_adapters import AnyNumber
 from driftproof.blackbox.stepper.calling_conventions import FORCE, MAP
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
+from driftproof.blackbox.stepper.second_functions import zeros
 from driftproof.blackbox.stepper.state_forms import TOGETHER
 from driftproof.support.plain_text import Json
 
 # Steps in which a loss is compared; and one in which a loss for each time is as good as linear in h, in binary64.
 _STEPS, _SHORT = (1.0, 0.5, 0.25, 2.0**-5, 2.0**-9), 2.0**-20
-# As far as a limit of short steps is known; what part of a rate is none, and eigenvectors that tell nothing of it.
-_DIGITS, _LITTLE, _WORST = 9, 2.0**-10, 2.0**10
+# What part of a rate is none, and of what is shown; and eigenvectors that tell nothing of it.
+_LITTLE, _NONE, _WORST = 2.0**-10, 2.0**-20, 2.0**10
 # What v is multiplied by in a step, by the rate c, as text and as the rate that the eigenvalues D of a step show.
 _LAWS: Mapping[str, Callable[[Any, float], Any]] = {
     "exp(-{c} h)": lambda d, h: -np.log(d) / h,
@@ -104,18 +105,17 @@ def read_damping(subject: ForeignStepper) -> Damping:
         raise UnsupportedCall("what a right-hand side does to v is its own")
     built_in = subject.convention.kind == MAP
     factor = _area_factor if built_in else _velocity_factor
-    rounding, longer = Rounding(subject.format, 1), _short(subject)
+    rounding, longer = _rounding(subject), _short(subject)
     shorter = longer / 2
     seen = {h: factor(subject, h) for h in (*_STEPS, longer, shorter)}
     one = np.eye(len(seen[shorter]))
     lost = [one - seen[h] for h in (longer, shorter)]
     sizes = [float(np.abs(part).max()) for part in lost]
     # Of a loss O(h²), as of a method that keeps no areas, half a step has a quarter.
-    if sizes[1] <= max(8 * rounding.of(4.0), 0.375 * sizes[0]):
+    if sizes[1] <= max(rounding.of(16.0), 0.375 * sizes[0]):
         raise UnsupportedCall("it takes nothing from v")
     if sizes[1] > 0.75 * sizes[0]:  # where half a step loses no less, not half as much
-        same = all((each == seen[shorter]).all() for each in seen.values())
-        at_once = seen[shorter] if same else np.round(one - 2 * lost[1] + lost[0], _DIGITS)
+        at_once = one - 2 * lost[1] + lost[0]
         values = np.linalg.eigvals(at_once)
         if np.abs(values).max() > 1 + _LITTLE or values.real.min() < 0:
             raise NotReadable(f"a step of h = 0 multiplies by {_shown(at_once)}: no damping")
@@ -131,6 +131,11 @@ def read_damping(subject: ForeignStepper) -> Damping:
     return found if built_in else replace(found, order=measured_on(subject, _with_drag(rate)))
 
 
+def _rounding(subject: ForeignStepper) -> Rounding:
+    """Of a step without a force, and of the determinant of one of two numbers."""
+    return Rounding(subject.format, 4)
+
+
 def _short(subject: ForeignStepper) -> float:
     """A step in which half of the digits are left to a loss."""
     return max(_SHORT, 4 * sqrt(float(subject.format.u)))
@@ -138,7 +143,7 @@ def _short(subject: ForeignStepper) -> float:
 
 def _shown(matrix: Array, text: Callable[[float], str] = "{:.6g}".format, *off: float) -> str:
     """The matrix in rows, as one number where it is that times 1; numbers that it may be off by are 0."""
-    slack = max([2.0**-20 * float(np.abs(matrix).max()), *off])
+    slack = max([_NONE * float(np.abs(matrix).max()), *off])
     if np.abs(matrix - matrix[0, 0] * np.eye(len(matrix))).max() <= slack:
         return text(float(matrix[0, 0]))
     rows = (", ".join(text(float(x)) if abs(x) > slack else "0" for x in row) for row in matrix)
@@ -156,17 +161,18 @@ def _is_turn(matrix: Array) -> bool:
 
 def _told(text: str, rate_of: Callable[[Any, float], Any], seen: Mapping[float, Array], rounding: Rounding) -> str:
     """The law with its rate, a matrix of the same eigenvectors as the step, if all steps show the same one."""
-    rates, slack = [], []
+    told = []
     for h in _STEPS:
         values, vectors = np.linalg.eig(seen[h].astype(complex))
         grown = float(np.linalg.cond(vectors))
-        if not grown < _WORST or any(abs(x) == 0 or (x.imag == 0 and x.real < 0) for x in values):
+        if not grown < _WORST or any(x.imag == 0 and x.real <= 0 for x in values):
             return ""
-        rates.append(vectors @ np.diag(rate_of(values, h)) @ np.linalg.inv(vectors))
-        slack.append(rounding.of(4.0 / h) * grown)
-    if any(np.abs(rate - rates[0]).max() > slack[0] + more for rate, more in zip(rates, slack, strict=True)):
+        rate = vectors @ np.diag(rate_of(values, h)) @ np.linalg.inv(vectors)
+        told.append((rate, rounding.of(2.0 / h) * grown))
+    (first, slack), *others = told
+    if any(np.abs(rate - first).max() > slack + more for rate, more in others):
         return ""
-    return text.format(c=_shown(rates[0].real, lambda x: coefficient_text(x, rounding.format, slack[0]), slack[0]))
+    return text.format(c=_shown(first.real, lambda x: coefficient_text(x, rounding.format, slack), slack))
 
 
 def _velocity_factor(subject: ForeignStepper, h: float) -> Array:
@@ -174,13 +180,12 @@ def _velocity_factor(subject: ForeignStepper, h: float) -> Array:
     n = TOGETHER.get(subject.adapter.name, 1)
 
     def stepped(v: Array) -> Array:
-        end = subject.step_forced(lambda t, q: [0.0 * x for x in q], 0.0, [0.0] * n, v.tolist(), h)
+        end = subject.step_forced(zeros, 0.0, [0.0] * n, v.tolist(), h)
         return np.array(end[n:])
 
     found = np.array([stepped(unit) for unit in np.eye(n)]).T
     other = np.array([-2.0, 0.5, 1.0][:n])
-    off = max(np.abs(stepped(0 * other)).max(), np.abs(stepped(other) - found @ other).max())
-    if off > Rounding(subject.format, n).of(4.0):
+    if np.abs(stepped(other) - found @ other).max() > _rounding(subject).of(4.0):
         raise NotReadable("without a force, the new velocity is no multiple of the old one")
     return found
 
@@ -189,7 +194,7 @@ def _area_factor(subject: ForeignStepper, h: float) -> Array:
     """The determinant of a step that is linear."""
     (a, c), (b, d), (x, y) = (subject.step(q, v, h) for q, v in ((1.0, 0.0), (0.0, 1.0), (-2.0, 3.0)))
     size = 8 * sum(map(abs, (a, b, c, d)))
-    if max(abs(x + 2 * a - 3 * b), abs(y + 2 * c - 3 * d)) > Rounding(subject.format, 4).of(size):
+    if max(abs(x + 2 * a - 3 * b), abs(y + 2 * c - 3 * d)) > _rounding(subject).of(size):
         raise NotReadable("the step is not linear")
     return np.array([[a * d - b * c]], dtype=float)
 
@@ -209,7 +214,7 @@ def _with_drag(rate: Array) -> NonlinearProblem:
 
     def pushed(t: AnyNumber, y: Sequence[AnyNumber]) -> list[AnyNumber]:
         n = len(rate)
-        near = [(-2 * q).exp() if isinstance(q, arb) else exp(-2 * max(q, 0.0)) for q in y[:n]]
+        near = [(-2 * q).exp() if isinstance(q, arb) else exp(-2 * abs(q)) for q in y[:n]]
         speeds = [(1 - x).sqrt() if isinstance(x, arb) else sqrt(1 - x) for x in near]
         drags = (sum((float(c) * v for c, v in zip(row, speeds, strict=True)), 0 * speeds[0]) for row in rate)
         return [*y[n:], *(x + drag for x, drag in zip(near, drags, strict=True))]

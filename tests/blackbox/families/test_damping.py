@@ -46,6 +46,7 @@ LAWS = [
     (lambda h: 1 / (1 + h / 4), "1/(1 + 1/4 h)", 0.25),
     (lambda h: (1 - h / 8) / (1 + h / 8), "(1 - 1/4 h/2)/(1 + 1/4 h/2)", 0.25),
     (lambda h: 1 / (1 + h / 4) ** 2, "a law of h that is none of exp(-c h)", 0.5),
+    (lambda h: 1 - h, "a law of h that is none of exp(-c h), 1 - c h", 1),  # with 0 at h = 1
 ]
 
 
@@ -64,12 +65,15 @@ def test_a_loss_for_each_time_is_told_by_its_law_and_is_no_fault(made, factor, l
 
 @pytest.mark.parametrize("made", [damped, of_oscillator])
 @pytest.mark.parametrize(
-    "factor", [lambda h: 0.99, lambda h: 0.5, lambda h: 0.999 * np.exp(-h)], ids=["a percent", "half", "both"]
+    "factor",
+    [lambda h: 0.99, lambda h: 0.5, lambda h: 0.0, lambda h: 0.9995 * np.exp(-h)],
+    ids=["a percent", "half", "all", "both"],
 )
 def test_a_loss_for_each_step_is_a_fault(made, factor):
     found = read_damping(opened(made(factor)))
     (fault,) = found.faults
     assert f"is multiplied by {factor(0):g} in each step, however short" in fault
+    assert found.at_once == pytest.approx(np.array([[factor(0)]]), rel=1e-11, abs=0.0)  # of h^2, and of 2^-20 in it
     report = identify(made(factor), isolate=False)
     assert fault in report.section("Faults").lines
     assert fault in report.verdict
@@ -108,8 +112,9 @@ def test_what_takes_nothing_from_v_or_no_multiple_of_it_is_refused():
         read_damping(opened(of_oscillator(lambda h: 1 + h)))
     with pytest.raises(NotReadable, match="small steps follow no drag"):
         read_damping(opened(lambda x, v, h: (x * (1 - h) + h * v, v - h * x)))
-    with pytest.raises(NotReadable, match="multiplies by 2: no damping"):
-        read_damping(opened(damped(lambda h: 2.0)))
+    for factor in (2.0, -0.5):
+        with pytest.raises(NotReadable, match=f"multiplies by {factor:g}: no damping"):
+            read_damping(opened(damped(lambda h, factor=factor: factor)))
     assert identify(damped(lambda h: exp(0)), isolate=False).data["damping"] is None
 
 
@@ -153,6 +158,8 @@ OF_VECTORS = [
     (of_vectors(lambda h: turned(h / 2)), "a force that turns v, of order 1", "-C v with C = [[0, -0.5], [0.5, 0]]"),
     (of_vectors(lambda h: turned(0.1)), "a turn for each step", "with half of h it turns twice as much"),
     (coriolis, "a force that turns v, of order 1", "by 1 - [[0, -1/2, 0], [1/2, 0, 0], [0, 0, 0]] h"),
+    (of_vectors(lambda h: turned(2 * h)), "a force that turns v, of order 1", "by exp(-[[0, -2], [2, 0]] h), as by"),
+    (of_vectors(lambda h: np.eye(2) - h * np.array([[0.25, 0.5], [0.0, 0.25]])), DRAG, "of [[0.25, 0.5], [0, 0.25]] v"),
     (strang, "with a drag, of order 2 as measured", "multiplied by a law of h that is none of"),
 ]  # fmt: skip
 
@@ -164,6 +171,39 @@ def test_a_matrix_of_drag_or_of_turning_is_told_and_is_no_method_of_one_number(s
     assert law in report.verdict
     assert report.data["method"] is None
     assert verify(step, "symplectic_euler", examples=20, isolate=False).passed is False
+
+
+U = 2.0**-53
+EACH, NONE = "in each step, however short", "a law of h that is none of exp"
+# Steps that are off by k, what is said of one that is off too far, and k before and behind the bound.
+BOUNDS = [
+    # Of 4 (4 + 2) = 24 roundings of numbers of size 16, as loss; of size 2/h, as rate; of size 4, beside v1 = D v.
+    (lambda k: damped(lambda h: 1 - k * U), EACH, (380, 388)),
+    (lambda k: of_oscillator(lambda h: 1 - k * U), "phase space", (380, 388)),
+    (lambda k: damped(lambda h: exp(-0.3 * h) * (1 + k * U * (h == 2.0**-9))), NONE, (48, 50)),
+    (lambda k: damped(lambda h: exp(-0.3 * h) * (1 + k * U * (h == 1))), NONE, (141, 145)),
+    (lambda k: lambda force, x, v, h: (x, (v + h * force(x)) * exp(-h) + k * U * v * v), "no multiple", (15.5, 16.5)),
+    # Of size 8 (|a| + |b| + |c| + |d|) beside a step that is linear, of its velocity and of its position.
+    (lambda k: lambda x, v, h: (x + h * v, v * exp(-h) - h * x + k * U * v * v), "not linear", (63, 66)),
+    (lambda k: lambda x, v, h: (x + h * v + k * U * v * v, v * exp(-h) - h * x), "not linear", (63, 66)),
+    # 9 h (1 + c + k)^2 of h = 2^-20 with c = 1/4 and the spring k = 1, for the slopes of x by x and by v.
+    (lambda k: lambda x, v, h: (x * (1 - k * h) + h * v, v / (1 + h / 4) - h * x), "no drag", (4.3e-5, 4.4e-5)),
+    (lambda k: lambda x, v, h: (x + h * v * (1 + k), v / (1 + h / 4) - h * x), "no drag", (4.3e-5, 4.4e-5)),
+    # Losses like h^p: half of h leaves more than 3/8 of a drag, and less than 3/4.
+    (lambda k: damped(lambda h: 1 - 0.01 * h**k), "takes nothing from v", (1.41, 1.42)),
+    (lambda k: damped(lambda h: 1 - 0.01 * h**k), EACH, (0.42, 0.41)),
+]
+
+
+@pytest.mark.parametrize(("made", "words", "places"), BOUNDS, ids=range(len(BOUNDS)))
+def test_what_may_be_rounding_has_a_bound(made, words, places):
+    def told(k):
+        try:
+            return read_damping(opened(made(k))).verdict
+        except (NotReadable, UnsupportedCall) as refusal:
+            return str(refusal)
+
+    assert [words in told(k) for k in places] == [False, True]
 
 
 def test_vectors_without_a_drag_take_nothing_from_v():
