@@ -24,16 +24,16 @@ from driftproof.symbolic.rounding.formats import FloatFormat
 RUN_LENGTH = 40
 # More than any method in use remembers.
 _MOST_STEPS = 8
-# Solvers in use stop at 1e-6 or below of numbers of size 1; an explicit recurrence holds to rounding. What is left of
-# one by a solver that stops earlier is less than the second, by other places of F more.
-_SOLVED, _UNSOLVED = 1e-6, 2.0**-10
+# An explicit recurrence holds to rounding; solvers in use stop at 1e-6 or below of numbers of size 1. What is left of
+# one by a solver that stops earlier is less than the third, by other places of F more.
+_EXACT, _SOLVED, _UNSOLVED = 0.0, 1e-6, 2.0**-10
 # Runs that keep a recurrence, too: h, the start, and how many steps. All times are exact, since h may be a difference.
-_OTHER_RUNS = (
-    *((0.5, 3.0, RUN_LENGTH), (0.75, 1.0, RUN_LENGTH), (0.75, 1.0, 5 * RUN_LENGTH)),
-    *((-0.5, 2.0, RUN_LENGTH), (2.0**-12, 117.5, RUN_LENGTH)),
-)
+_OTHER_RUNS = ((0.5, 3.0, RUN_LENGTH), (0.75, 1.0, RUN_LENGTH), (2.0**-12, 117.5, RUN_LENGTH))
+# The same where they can be made: numbers may grow, and many codes refuse to step back.
+_HARDER_RUNS = ((0.75, 1.0, 5 * RUN_LENGTH), (-0.5, 2.0, RUN_LENGTH))
 # Where coefficients are sought: as late as that; where errors grow, before one of them is all there is.
-_WINDOWS = (slice(RUN_LENGTH // 2, None), slice(_MOST_STEPS, 2 * _MOST_STEPS + 1))
+_LATER = slice(RUN_LENGTH // 2, None)
+_WINDOWS = (_LATER, slice(_MOST_STEPS, 2 * _MOST_STEPS + 1))
 # A method that differs in more coefficients than so many is another one.
 _FEW_DIFFERENCES = 2
 FORWARD_EULER = Multistep(
@@ -81,9 +81,13 @@ class Recurrence:
         sizes = np.sum(np.abs(terms), axis=0) + float(self.format.eta) / float(self.format.u)
         return np.asarray((np.abs(np.sum(terms, axis=0)) / sizes).max(axis=1))
 
-    def kept(self, run: SteadyRun, tolerance: float = 0.0) -> bool:
+    def left_later(self, run: SteadyRun) -> float:
+        """What the second half of a run leaves of it at most."""
+        return float(self.left(run)[_LATER].max())
+
+    def kept(self, run: SteadyRun, tolerance: float) -> bool:
         """Whether the second half of a run keeps it, to the tolerance, or to rounding where that is more."""
-        return bool((self.left(run)[RUN_LENGTH // 2 :] <= max(self.rounding, tolerance)).all())
+        return self.left_later(run) <= max(self.rounding, tolerance)
 
     @property
     def lines(self) -> list[str]:
@@ -105,7 +109,7 @@ class Recurrence:
             return None
         rho, sigma = (tuple(x for x in row if x is not None) for row in rows)
         try:
-            return Multistep("read", "read", 0, "", rho=rho, sigma=sigma, derivative=self.derivative)
+            return replace(FORWARD_EULER, rho=rho, sigma=sigma, derivative=self.derivative)
         except MethodError:
             return None
 
@@ -195,7 +199,7 @@ def candidates(derivative: int) -> Iterator[Multistep]:
 
 def tolerance_of(method: Multistep) -> float:
     """What a solver may leave of the recurrence: nothing of an explicit one."""
-    return 0.0 if method.explicit else _SOLVED
+    return _EXACT if method.explicit else _SOLVED
 
 
 def read_recurrence(runs: MarkedRuns, asked: Multistep | None = None) -> RecurrenceReading:
@@ -207,15 +211,16 @@ def read_recurrence(runs: MarkedRuns, asked: Multistep | None = None) -> Recurre
     read = _solved(marked, runs.derivative, fmt)
     own = [asked] if asked is not None and asked.derivative == runs.derivative else []
     known = [(Recurrence.of(m, fmt), m) for m in (*own, *candidates(runs.derivative))]
-    kept = [(r.left(marked)[RUN_LENGTH // 2 :].max(), r, m) for r, m in known if r.kept(marked, tolerance_of(m))]
-    _, exact, method = min(kept, key=lambda each: float(each[0]), default=(0.0, read, None))
+    kept = ((r, m) for r, m in known if r.kept(marked, tolerance_of(m)))
+    exact, method = min(kept, key=lambda each: each[0].left_later(marked), default=(read, None))
     # Of one that is not known, coefficients are off by what was read wrongly.
     tolerance = tolerance_of(method) if method is not None else 2 * (len(read.rho) + len(read.sigma)) * read.error
-    for h, t, steps in _OTHER_RUNS:
+    for trial in (*_OTHER_RUNS, *_HARDER_RUNS):
+        h, t, steps = trial
         try:
             other = runs.run(steps, h=h, t=t)
         except NotReadable:
-            if steps > RUN_LENGTH or h < 0:  # where numbers grow, or who refuses to step back
+            if trial in _HARDER_RUNS:
                 continue
             raise
         if not exact.kept(other, tolerance):
@@ -231,22 +236,20 @@ def _solved(run: SteadyRun, derivative: int, fmt: FloatFormat) -> Recurrence:
 
     Raises NoRecurrence.
     """
-    for window, tolerance, k in product(_WINDOWS, (0.0, _SOLVED), range(1, _MOST_STEPS + 1)):
+    for window, tolerance, k in product(_WINDOWS, (_EXACT, _SOLVED), range(1, _MOST_STEPS + 1)):
         states, slopes = run.states[window], run.slopes[window]
         rows = len(states) - k
         columns = [-states[j : rows + j].ravel() for j in range(k)]
         columns += [slopes[j : rows + j].ravel() for j in range(k + 1)]
         matrix, ends = np.array(columns).T, states[k:].ravel()
-        if len(ends) < len(columns):
-            continue
         sizes = np.abs(matrix).max(axis=1) + np.abs(ends)
         scaled, sought = matrix / sizes[:, None], ends / sizes
         found, _, rank, _ = np.linalg.lstsq(scaled, sought, rcond=None)
-        left, rounding = float(np.abs(scaled @ found - sought).max()), Rounding(fmt, k + 1)
-        each = max(left, rounding.of(float(np.abs(found).sum())))
-        if rank == len(found) and left <= max(tolerance, rounding.of(float(np.abs(found).sum()))):
+        left = float(np.abs(scaled @ found - sought).max())
+        rounding = Rounding(fmt, k + 1).of(float(np.abs(found).sum()))
+        if rank == len(found) and left <= max(tolerance, rounding):
             # What least squares make of errors of this size in each row.
-            error = float(np.abs(np.linalg.pinv(scaled)).sum(axis=1).max()) * each
+            error = float(np.abs(np.linalg.pinv(scaled)).sum(axis=1).max()) * max(left, rounding)
             clean = [0.0 if abs(x) <= error else float(x) for x in found]
             return Recurrence((*clean[:k], 1.0), tuple(clean[k:]), derivative, fmt, error)
     raise NoRecurrence(f"its steps keep no recurrence of up to {_MOST_STEPS} steps: no linear multistep method")
@@ -255,9 +258,9 @@ def _solved(run: SteadyRun, derivative: int, fmt: FloatFormat) -> Recurrence:
 def _with_places(reading: RecurrenceReading, runs: MarkedRuns, tolerance: float) -> RecurrenceReading:
     """The reading with where F is asked, which a run shows whose slopes are of the place, too."""
     run, exact = runs.run(RUN_LENGTH, bent=True), reading.recurrence
-    left = float(exact.left(run)[RUN_LENGTH // 2 :].max())
+    left = exact.left_later(run)
     if left <= max(exact.rounding, tolerance):
-        return replace(reading, left=left if left > exact.rounding and reading.method is not None else 0.0)
+        return replace(reading, left=left) if left > exact.rounding else reading
     implicit = exact.sigma[-1] != 0
     for predictor in (FORWARD_EULER, *(m for m in candidates(runs.derivative) if m.explicit)) if implicit else ():
         for corrections in (1, 2):
@@ -273,7 +276,7 @@ def _is_corrected(run: SteadyRun, runs: MarkedRuns, exact: Recurrence, predictor
     """Whether each yₙ₊ₖ is what the explicit method predicts, put into the recurrence so many times."""
     k, problem = exact.steps, runs.problem(1.0, 0.0, bent=True)
     allowed = Rounding(exact.format, 2 * (k + 2))
-    for n in range(RUN_LENGTH // 2, RUN_LENGTH):
+    for n in range(RUN_LENGTH)[_LATER]:
         before, at = slice(n + 1 - k, n + 1), slice(n + 1 - predictor.steps, n + 1)
         value = -np.dot(predictor.rho[:-1], run.states[at]) + np.dot(predictor.sigma[:-1], run.slopes[at])
         known = -np.dot(exact.rho[:-1], run.states[before]) + np.dot(exact.sigma[:-1], run.slopes[before])

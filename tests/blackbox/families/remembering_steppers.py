@@ -9,6 +9,9 @@ import numpy as np
 from driftproof.methods.catalogue import FACTS_ONLY
 from tests.blackbox.implicit_steppers import newton
 
+# Weights of the slopes, the newest first.
+BASHFORTH4 = [55 / 24, -59 / 24, 37 / 24, -9 / 24]
+
 
 def euler(f, t, y, h):
     return y + h * f(t, y)

@@ -12,12 +12,19 @@ from driftproof.blackbox.verify import verify
 from driftproof.methods.catalogue import FACTS_ONLY
 from driftproof.methods.multistep import Multistep
 from tests.blackbox.families import remembering_steppers as planted
-from tests.blackbox.families.remembering_steppers import Corrected, Displaced, Remembering, Stormer, euler, rk4_step
+from tests.blackbox.families.remembering_steppers import (
+    BASHFORTH4,
+    Corrected,
+    Displaced,
+    Remembering,
+    Stormer,
+    euler,
+    rk4_step,
+)
 
 EXPLICIT = [key for key, m in FACTS_ONLY.items() if isinstance(m, Multistep) and m.explicit and m.derivative == 1]
 IMPLICIT = ["adams_moulton2", "adams_moulton4", "bdf2", "bdf3", "bdf6", "milne_simpson"]
 
-BASHFORTH4 = [55 / 24, -59 / 24, 37 / 24, -9 / 24]
 NAMED = {
     "adams_bashforth2, started by forward_euler": lambda: Remembering("adams_bashforth2", euler).step,
     "adams_bashforth3, started by rk4": lambda: planted.run_of_adams_bashforth3,

@@ -1,26 +1,32 @@
 """rho and sigma are read to rounding, from objects and runs, of either kind of equation."""
 
+from dataclasses import replace
+
+import numpy as np
 import pytest
 
-from driftproof.blackbox.families.multistep_recurrence import NoRecurrence, Recurrence, read_recurrence
+from driftproof.blackbox.families.multistep_recurrence import FORWARD_EULER, NoRecurrence, Recurrence, read_recurrence
 from driftproof.blackbox.families.multistep_runs import MarkedRuns
 from driftproof.blackbox.probes.scripted_answers import NotReadable
 from driftproof.blackbox.stepper.opening import opened
 from driftproof.methods.catalogue import FACTS_ONLY
 from driftproof.symbolic.linear.multistep import MultistepFacts
 from driftproof.symbolic.rounding.formats import BINARY64
-from tests.blackbox.families.remembering_steppers import Remembering, euler, rk4_step
+from tests.blackbox.families.remembering_steppers import BASHFORTH4, Corrected, Remembering, euler, rk4_step
 from tests.looping import some
 
 
-@pytest.mark.parametrize("key", ["adams_bashforth5", "adams_moulton3", "bdf4"])
-def test_coefficients_are_read_that_no_method_of_the_catalogue_has(key):
+@pytest.mark.parametrize(
+    ("key", "error"), [("adams_bashforth5", 4.6995e-8), ("adams_moulton3", 3.7924e-12), ("bdf4", 4.7650e-11)]
+)
+def test_coefficients_are_read_that_no_method_of_the_catalogue_has(key, error):
     sigma = [float(x / FACTS_ONLY[key].rho[-1]) for x in FACTS_ONLY[key].sigma]
     sigma[0] += 1 / 64
     reading = read_recurrence(MarkedRuns.of(opened(Remembering(key, rk4_step, sigma=sigma).step)))
     assert reading.method is None
     for seen, right in some(zip(reading.recurrence.sigma, sigma, strict=True)):
-        assert abs(seen - right) <= reading.recurrence.error < 1e-7
+        assert abs(seen - right) <= reading.recurrence.error
+    assert reading.recurrence.error == pytest.approx(error, rel=1e-4)
     assert reading.near[0][0] == key
 
 
@@ -31,6 +37,7 @@ def test_exact_fractions_lead_to_exact_facts():
 
 
 def test_the_floats_of_a_method_are_its_own_fractions():
+    assert MultistepFacts(FORWARD_EULER).order == FORWARD_EULER.claimed_order
     for key in some(["adams_bashforth6", "bdf6", "cowell4"]):
         method = FACTS_ONLY[key]
         exact = Recurrence.of(method, BINARY64).exact
@@ -71,3 +78,85 @@ def test_a_recurrence_that_is_left_somewhere_is_none(when, instead):
     with pytest.raises(NotReadable, match="in a run of") as caught:
         read_recurrence(runs)
     assert (caught.type is NoRecurrence) is (instead is euler)
+
+
+def beside(made, off):
+    """The step, and this of its state and of h."""
+    return lambda f, t, y, h: made.step(f, t, y, h) + off(y, h)
+
+
+def adams_bashforth2(**how):
+    return Remembering("adams_bashforth2", rk4_step, **how)
+
+
+U, HALVES = 2.0**-53, [-0.25, 1.25, 0.0]
+# Steps that are off by k u, and k before and behind what is told as another than without.
+BOUNDS = [
+    (lambda k: adams_bashforth2(sigma=[k * U - 0.5, 1.5, 0.0]).step, (23, 24.5)),
+    (lambda k: beside(adams_bashforth2(), lambda y, h: k * U * abs(y)), (37, 46)),
+    (lambda k: beside(adams_bashforth2(), lambda y, h: k * U * (h == 0.75)), (8.5, 8.9)),
+    # Of one that is not known, what is read wrongly of 2 (3 + 3) coefficients.
+    (lambda k: beside(adams_bashforth2(sigma=HALVES), lambda y, h: k * U * (h == 0.75)), (5100, 5320)),
+    # With what solvers leave, 1e-6, of an implicit method.
+    (lambda k: beside(Remembering("adams_moulton2", rk4_step), lambda y, h: k * U), (2.6e9, 2.7e9)),
+    (
+        lambda k: beside(
+            Corrected("adams_moulton3", rk4_step, BASHFORTH4), lambda y, h: k * U * (np.arange(len(y)) == 0)
+        ),
+        (1395, 1430),
+    ),
+]
+
+
+@pytest.mark.parametrize(("made", "places"), BOUNDS, ids=range(len(BOUNDS)))
+def test_what_may_be_rounding_has_a_bound(made, places):
+    def told(k):
+        try:
+            return read_recurrence(MarkedRuns.of(opened(made(k)))).name
+        except NoRecurrence:
+            return "none"
+
+    assert [told(k) == told(0) for k in places] == [True, False]
+
+
+def test_a_coefficient_is_told_from_another_by_four_roundings_or_what_it_was_read_to():
+    method = FACTS_ONLY["adams_bashforth2"]
+    exact, one = Recurrence.of(method, BINARY64), "sigma[0]: -0.4999999999999995 instead of -1/2"
+    for sigma, found in (
+        ((-0.5 + 4 * U, 1.5, 0.0), ()),
+        ((-0.5 + 4.5 * U, 1.5, 0.0), (one,)),
+        ((-0.5, 1.5 + 6 * U, 0.0), ()),
+        ((-0.5, 1.5 + 8 * U, 0.0), ("sigma[1]: 1.5000000000000009 instead of 3/2",)),
+        ((-0.5, 2.0, 3.0), ("sigma[1]: 2 instead of 3/2", "sigma[2]: 3 instead of 0")),
+        ((1.0, 2.0, 3.0), None),
+    ):
+        assert replace(exact, sigma=sigma).differences(method) == found
+    assert replace(exact, sigma=(-0.5 + 90 * U, 1.5, 0.0), error=90 * U).differences(method) == ()
+    assert exact.differences(FACTS_ONLY["adams_bashforth3"]) is None
+    assert exact.differences(FACTS_ONLY["stormer2"]) is None
+
+
+def test_what_was_read_is_shown():
+    corrected = Corrected("adams_moulton3", rk4_step, BASHFORTH4).step
+    reading = read_recurrence(MarkedRuns.of(opened(corrected)))
+    assert (reading.late, reading.corrections, reading.predictor.key) == (0, 1, "adams_bashforth4")
+    assert reading.lines == [
+        "adams_moulton3: kept to rounding in runs of 40 steps, after the start",
+        "rho = 0, 0, -1, 1",
+        "sigma = 1/24, -5/24, 19/24, 3/8",
+        "F is asked at what adams_bashforth4 predicts, and at the states that it returns",
+        "steps of one length were looked at, no others",
+    ]
+
+    class Late(Remembering):
+        def step(self, f, t, y, h):
+            after = super().step(f, t, y, h)
+            return after if len(self.states) > 3 else rk4_step(f, t, y, h)
+
+    for made, line in (
+        (Late("adams_bashforth2", rk4_step), "the first 3 steps are others"),
+        (adams_bashforth2(sigma=[0.0, 1.0, 0.0]), "the first step is another"),
+    ):
+        assert read_recurrence(MarkedRuns.of(opened(made.step))).lines[-2] == line
+    solved = read_recurrence(MarkedRuns.of(opened(Remembering("bdf2", euler, most=2).step)))
+    assert solved.lines[0] == "bdf2: kept to 1.6e-09, as its equations are solved, in runs of 40 steps, after the start"
