@@ -158,9 +158,10 @@ def _departs(subject: ForeignStepper) -> bool:
     if subject.shortest > 1:
         return True
     runs = MarkedRuns.of(subject)
-    problem = runs.problem(1.0, 0.0, bent=True)
-    states = course(subject, problem, 0.0, runs.start(0.0), 1.0, _LOOKED_AT)
-    anew = [problem.stepped(subject.fresh(), float(n), y, 1.0) for n, y in enumerate(states[:-1])]
+    h, t = 1.0, 2.0
+    problem = runs.problem(h, t, bent=True)
+    states = course(subject, problem, t, runs.start(t), h, _LOOKED_AT)
+    anew = [problem.stepped(subject.fresh(), t + n * h, y, h) for n, y in enumerate(states[:-1])]
     off = np.abs(np.array(states[1:], dtype=float) - np.array(anew, dtype=float)).max()
     return bool(off > _ALIKE * np.abs(states).max())
 

@@ -1,5 +1,7 @@
 """Runs of marked slopes: as many steps as asked for, of one copy, and marks that tell the places in a step apart."""
 
+from itertools import accumulate, pairwise
+
 import numpy as np
 import pytest
 
@@ -32,6 +34,23 @@ def test_the_states_of_a_run_follow_from_the_slopes_that_come_with_them():
         assert len({*run.slopes[:, 0]}) == 13
 
 
+def test_marks_are_by_the_time_by_a_clock_or_by_the_place():
+    def of_two(y, f, h):
+        assert len(y) == 2
+        return y + h * f(y)
+
+    for step, told, start in (
+        (euler, (3, False, False, 1), [0.25, 0.5, 0.75]),
+        (lambda y, f, h: y + h * f(y), (2, True, False, 1), [0.25, 0.5, 2.0]),
+        (of_two, (1, True, False, 1), [0.25, 2.0]),
+        (Stormer().step, (1, False, True, 2), [0.25, 0.5]),
+        (lambda force, t, q, v, h: (q + h * v, v + h * force(t, q)), (1, False, False, 2), [0.25, 0.5]),
+    ):
+        runs = MarkedRuns.of(opened(step))
+        assert (runs.size, runs.clock, runs.by_place, runs.derivative) == told
+        assert runs.start(2.0) == start
+
+
 def test_a_code_of_one_number_is_run_on_one():
     """With marks in time, or by the place where it has none."""
     alone = lambda f, t, y, h: y + h * f(t, float(y))
@@ -43,9 +62,15 @@ def test_a_code_of_one_number_is_run_on_one():
 
 
 def test_single_steps_and_built_in_systems_are_no_runs():
-    assert later_steps(opened(euler))[0] is None
-    assert later_steps(opened(planted.run_of_adams_bashforth2))[0] is False
-    with pytest.raises(UnsupportedCall, match="built in"):
+    assert later_steps(opened(euler)) == (None, "single steps are made, not runs", "")
+    another = "a step after others is another one than from the same state at once: it remembers, or varies"
+    assert later_steps(opened(planted.run_of_adams_bashforth2)) == (False, another, "")
+
+    def run(f, y0, ts):
+        return list(accumulate(pairwise(ts), lambda y, pair: y + (pair[1] - pair[0]) * f(pair[0], y), initial=y0))
+
+    assert later_steps(opened(run)) == (True, "8 steps of a run, each as from its state at once", "")
+    with pytest.raises(UnsupportedCall, match="its system is built in: no right-hand side of ours marks its steps"):
         MarkedRuns.of(opened(lambda q, v, h: (q + h * v, v - h * q)))
 
 

@@ -36,3 +36,28 @@ def test_a_start_is_named_and_measured(step, methods, power, order):
     *_, first, whole = start.lines
     assert re.search(rf"of its first values fall like h\^{power} \(slopes: (-?\d+\.\d\d, )*-?\d+\.\d\d\)$", first)
     assert whole.startswith(f"order {order} is seen in whole runs, the start included, on ")
+
+
+def short_of(f, t, y, h):
+    return y + 0.875 * h * f(t, y)
+
+
+ERRORS = [
+    (
+        Remembering("adams_bashforth2", euler).step,
+        "1.74, 1.89, 1.95, 1.97, 1.99, 1.99, 2.00",
+        "1.82, 1.92, 1.97, 1.98, 1.99",
+    ),
+    (planted.run_of_adams_bashforth3, "3.84, 4.39, 4.61, 4.82, 4.92, 4.96, 4.98", "2.76, 2.90, 2.95, 2.97, 2.98"),
+    (Stormer(right=False).step, "1.96, 1.98, 1.99, 2.00, 2.00, 2.00, 2.00", "0.99, 1.00, 1.00, 1.00, 1.00"),
+    # Of one that needs no start, the first step is looked at.
+    (short_of, "1.47, 1.44, 1.32, 1.04, 0.97, 0.99, 0.99", "-0.20, -0.11, -0.06, -0.03, -0.01"),
+]
+
+
+@pytest.mark.parametrize(("step", "first", "whole"), ERRORS, ids=range(len(ERRORS)))
+def test_errors_are_of_the_last_first_value_and_of_the_end_of_a_run(step, first, whole):
+    runs = MarkedRuns.of(opened(step))
+    lines = read_start(runs, read_recurrence(runs)).lines
+    assert lines[-2].endswith(f" (slopes: {first})")
+    assert lines[-1].endswith(f" (slopes: {whole})")
