@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
@@ -73,11 +73,15 @@ class _Products:
             level, size, direct = gamma @ level, stored @ size, plain @ direct
         return found, sizes
 
+    def _rounding(self, reading: RosenbrockReading) -> Rounding:
+        """Of as many sums as there are stages, and calls."""
+        return Rounding(reading.format, len(self.table[1]) + reading.calls)
+
     def differences(self, reading: RosenbrockReading) -> list[str] | None:
         """The products that are others than the method's, in words; None where it asks f at other numbers of places."""
         if reading.calls != len(self.nodes):
             return None
-        rounding = Rounding(reading.format, len(self.table[1]) + reading.calls)
+        rounding = self._rounding(reading)
         names = [*(f"the place of call {i}" for i in range(reading.calls)), "the result"]
         found = []
         for power, level in enumerate(reading.weights):
@@ -96,19 +100,18 @@ class _Products:
         """Whether df/dt enters otherwise: to rounding where a function gives it, to that of differences else."""
         if reading.time_slope is None:
             return False
-        rounding = Rounding(reading.format, len(self.table[1]) + reading.calls)
-        slack = float(reading.format.u) ** 0.5 if reading.by == "differences" else 0.0
+        rounding = self._rounding(reading)
         levels = zip(reading.time_slope, self.time_slope, self.time_sizes, strict=True)
         return any(
-            abs(x - float(z)) > rounding.of(float(size)) + slack
+            abs(x - float(z)) > rounding.of(float(size)) + reading.slack
             for seen, said, sizes in levels
             for x, z, size in zip(seen, said[:, 0], sizes[:, 0], strict=True)
         )
 
 
 def _floats(method: Rosenbrock) -> tuple[Array, Array, Array]:
-    alpha, gamma, b = ([[float(x) for x in row] for row in rows] for rows in (method.alpha, method.gamma, [method.b]))
-    return np.array(alpha), np.array(gamma), np.array(b[0])
+    alpha, gamma = (np.array([[float(x) for x in row] for row in rows]) for rows in (method.alpha, method.gamma))
+    return alpha, gamma, np.array([float(x) for x in method.b])
 
 
 def _near(reading: RosenbrockReading, method: Rosenbrock) -> Iterator[str]:
@@ -136,9 +139,14 @@ def _near(reading: RosenbrockReading, method: Rosenbrock) -> Iterator[str]:
             by = float((turn * (seen - here.weights)).sum() / (turn * turn).sum())
             if by and changed(by).differences(reading) == []:
                 name = names[which] + "".join(f"[{i}]" for i in place)
-                slack = Rounding(reading.format, 4 * reading.calls).of(4.0)
-                value = coefficient_text(float(entries[place] + by), reading.format, slack)
+                value = _shown(reading, [float(entries[place] + by)])
                 yield f"{name}: {value} instead of {exact_shown(_entry(method, which, place))}"
+
+
+def _shown(reading: RosenbrockReading, numbers: Iterable[float]) -> str:
+    """Entries that are computed from what was read."""
+    slack = Rounding(reading.format, 4 * reading.calls).of(4.0)
+    return ", ".join(coefficient_text(float(x), reading.format, slack) for x in numbers)
 
 
 def _entry(method: Rosenbrock, which: int, place: tuple[int, ...]) -> Exact:
@@ -174,10 +182,11 @@ class RosenbrockIdentity:
     def faults(self) -> list[str]:
         """What is wrong with it, whichever method it is meant to be."""
         reading, known = self.reading, self._products
-        found = []
-        claimed = 0 if self.method is None else self.method.claimed_order
-        if reading.nodes is not None and not reading.by and self.order is not None and self.order < claimed:
-            found.append(f"df/dt is left out: order {self.order} is seen where f depends on t, not {claimed}")
+        found, order = [], self.order
+        left_out = reading.nodes is not None and not reading.by
+        if self.method is not None and left_out and order is not None and order < self.method.claimed_order:
+            claimed = self.method.claimed_order
+            found.append(f"df/dt is left out: order {order} is seen where f depends on t, not {claimed}")
         if known is not None and known.time_slope_differs(reading):
             found.append("df/dt enters with other weights than the row sums of gamma")
         at, place = reading.jacobian_at
@@ -220,11 +229,10 @@ class RosenbrockIdentity:
     def _table(self) -> list[str]:
         if self.method is not None or self.reading.table is None:
             return []
-        fmt, slack = self.reading.format, Rounding(self.reading.format, 4 * self.reading.calls).of(4.0)
         alpha, gamma, b = self.reading.table
         rows = [(f"alpha[{i}]", alpha[i, :i]) for i in range(1, len(alpha))]
         rows += [*((f"gamma[{i}]", gamma[i, : i + 1]) for i in range(len(gamma))), ("b", b)]
-        return [f"{name} = {', '.join(coefficient_text(float(x), fmt, slack) for x in row)}" for name, row in rows]
+        return [f"{name} = {_shown(self.reading, row)}" for name, row in rows]
 
     @property
     def _orders(self) -> list[str]:
@@ -282,11 +290,11 @@ def read_rosenbrock(subject: ForeignStepper, asked: Rosenbrock | None = None) ->
     known = [*(m for m in FACTS_ONLY.values() if isinstance(m, Rosenbrock)), *([asked] if asked else [])]
     found = next((m for m in known if _Products.of(m, len(reading.weights)).differences(reading) == []), None)
     near = "" if found else next((f"{m.key} but for {x}" for m in known for x in _near(reading, m)), "")
-    slack = float(reading.format.u) ** 0.5 if reading.by == "differences" else 0.0
     measured, with_half = (
-        measured_of_two(subject, kind, _HALVINGS, DIFFERENCES * slack) for kind in (WithJacobian, WithHalfJacobian)
+        measured_of_two(subject, kind, _HALVINGS, DIFFERENCES * reading.slack)
+        for kind in (WithJacobian, WithHalfJacobian)
     )
     walked = None
     if method := asked or found:
-        walked = there_and_back(RosenbrockWalker(subject, method, slack=slack, autonomous=not reading.by))
+        walked = there_and_back(RosenbrockWalker(subject, method, slack=reading.slack, autonomous=not reading.by))
     return RosenbrockIdentity(reading, found, near, measured, with_half.order, walked)

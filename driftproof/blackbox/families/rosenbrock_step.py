@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -45,6 +46,11 @@ class RosenbrockReading:
     def calls(self) -> int:
         """The number of different places at which f is asked."""
         return len(self.weights[0]) - 1
+
+    @property
+    def slack(self) -> float:
+        """What df/dt is off by that is had by differences in floats; else 0."""
+        return float(self.format.u) ** 0.5 if self.by == "differences" else 0.0
 
     @property
     def table(self) -> tuple[Array, Array, Array] | None:
@@ -175,7 +181,7 @@ class _Probe:
         """A step with other answers, another h, t and start, which must go as the products say. Raises NotReadable."""
         h, t = 0.5, 2.0
         slopes, start = varied(len(self.groups), 2), varied(self.size, 1)
-        answers = {i: slopes[g] for g, group in enumerate(self.groups) for i in group}
+        answers = defaultdict(float, {i: slopes[g] for g, group in enumerate(self.groups) for i in group})
         answers |= dict.fromkeys(self.differences, slopes[0])
         step = self._step(lambda i, t, y: [answers[i], *[0.0] * (self.size - 1)], start=start, t=t, h=h)
         demand_calls(self.calls, len(step.places))

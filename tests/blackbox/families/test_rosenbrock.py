@@ -3,9 +3,12 @@
 from dataclasses import replace
 from fractions import Fraction
 
+import numpy as np
 import pytest
 
+from driftproof.blackbox.families.rosenbrock import read_rosenbrock
 from driftproof.blackbox.identify import identify
+from driftproof.blackbox.stepper.opening import opened
 from driftproof.blackbox.verify import verify
 from driftproof.methods.catalogue import FACTS_ONLY
 from driftproof.methods.rosenbrock import Rosenbrock
@@ -58,6 +61,7 @@ def test_a_wrong_one_fails_with_its_cause(key, how, words):
 def test_of_several_wrong_entries_the_products_are_told_in_which_they_stand():
     report = verify(rosenbrock("rodas3", gamma=((2, 0), 1.5), b=(0, 2 / 3)), "rodas3", isolate=False)
     wrong = report.section("Coefficients: FAILED").lines
+    assert len(wrong) == 7
     assert wrong[1] == "the slope of call 0 enters the result with 1/2 instead of 0.666667"
     assert wrong[2] == "J h^2 times the slope of call 0 enters the place of call 2 with 5/8 instead of -0.25"
     assert wrong[4] == "J^2 h^3 times the slope of call 0 enters the place of call 2 with 3/8 instead of -0.5"
@@ -73,18 +77,25 @@ def test_a_w_method_may_leave_out_the_derivative_by_t():
     assert (report.passed, report.section("Coefficients: passed").lines[-1]) == (True, "no df/dt")
 
 
-def test_two_numbers_tell_no_more_than_the_first_power_of_gamma():
-    whole = rosenbrock("ros3p")
+@pytest.mark.parametrize(
+    ("most", "key", "stages"), [(2, "ros3p", 3), (3, "rodas3", 4), (2, "ros2", 2), (4, "rodas3", 4)]
+)
+def test_as_many_numbers_tell_no_more_than_as_many_powers_of_gamma(most, key, stages):
+    whole = rosenbrock(key)
 
-    def of_two(f, jac, dfdt, t, y, h):
-        if len(y) != 2:
-            raise ValueError("two numbers")
+    def of_few(f, jac, dfdt, t, y, h):
+        if len(y) > most:
+            raise ValueError("too many numbers")
         return whole(f, jac, dfdt, t, y, h)
 
-    assert identify(of_two, isolate=False).verdict == "it is, as far as 2 numbers tell, ros3p"
-    report = verify(of_two, "ros3p", isolate=False)
+    report = verify(of_few, key, isolate=False)
+    if most >= stages:
+        assert identify(of_few, isolate=False).verdict == f"it is {key}"
+        assert report.passed
+        return
+    assert identify(of_few, isolate=False).verdict == f"it is, as far as {most} numbers tell, {key}"
     assert report.passed is None
-    assert "a stepper of 3 numbers" in report.section("What would decide it").lines[0]
+    assert f"a stepper of {stages} numbers" in report.section("What would decide it").lines[0]
 
 
 def test_an_unknown_one_is_shown_with_its_coefficients_and_what_it_needs():
@@ -109,3 +120,61 @@ def test_another_method_and_a_step_without_a_jacobian_are_not_it():
     report = verify(lambda f, t, y, h: y + h * f(t, y), "ros2", isolate=False)
     assert report.passed is None
     assert report.section("What would decide it").lines == ("a stepper that takes a Jacobian, step(f, jac, t, y, h)",)
+
+
+def test_what_is_read_is_shown_with_the_orders():
+    two_off = identify(rosenbrock("ros3p", gamma=((1, 0), 1.5), alpha=((1, 0), 0.75)), isolate=False)
+    assert two_off.section("Coefficients").lines == (
+        "no Rosenbrock method of the catalogue",
+        "alpha[1] = 3/4",
+        "alpha[2] = 1, 0",
+        "gamma[0] = 0.7886751345948128",
+        "gamma[1] = 3/2, 0.7886751345948128",
+        "gamma[2] = -0.7886751345948139, -1.077350269189626, 0.788675134594813",
+        "b = 2/3, 0, 1/3",
+        "df/dt is from a function of its own",
+    )
+    right = identify(rosenbrock("ros2"), isolate=False)
+    seen = "on a nonlinear problem of 4 numbers, with t"
+    assert right.section("Order").lines == (
+        "order 2 with J = f', 2 with any matrix",
+        f"order 2 is seen with J = f' {seen} (slopes of the local error: 2.32, 2.87, 3.01, 3.03, 3.02, 3.01, 3.01)",
+        f"order 2 is seen with half of f' as J {seen}",
+    )
+    named = "ros2: products of alpha and b with gamma up to its power 7, to rounding"
+    assert right.section("Coefficients").lines[0] == named
+    data = [right.data[name] for name in ("method", "time_slope", "measured_order", "measured_w_order")]
+    assert (data, right.data["products"][0][2]) == (["ros2", "a function", 2, 2], ["0.5", "0.5"])
+
+
+# How far one number of ROS3P may be read off by rounding, in u: of the size of the terms that it is a sum of.
+BOUNDS = [
+    ("weights", (0, 1, 0), 29.0),
+    ("weights", (0, 2, 0), 101.5),
+    ("weights", (1, 1, 0), 22.5),
+    ("weights", (1, 2, 0), 138.7),
+    ("weights", (2, 1, 0), 17.5),
+    ("weights", (2, 2, 0), 165.9),
+    ("weights", (2, 2, 1), 37.75),
+    ("time_slope", (0, 2), 95.8),
+    ("time_slope", (1, 1), 17.5),
+    ("time_slope", (1, 2), 123.4),
+    ("nodes", (0,), 28.0),
+    ("nodes", (1,), 57.0),
+]
+
+
+@pytest.fixture(scope="module")
+def ros3p():
+    return read_rosenbrock(opened(rosenbrock("ros3p")))
+
+
+@pytest.mark.parametrize(("level", "place", "bound"), BOUNDS)
+def test_what_may_be_rounding_has_a_bound(ros3p, level, place, bound):
+    def passes(k):
+        numbers = np.array(getattr(ros3p.reading, level))
+        numbers[place] += k * 2.0**-53
+        found = replace(ros3p, reading=replace(ros3p.reading, **{level: numbers.tolist()}))
+        return found.criteria(FACTS_ONLY["ros3p"])[0].passed and not found.faults
+
+    assert [passes(0.97 * bound), passes(1.03 * bound)] == [True, False]
