@@ -117,7 +117,7 @@ class AdditiveFacts(FactsOfFamily[Additive]):
     @property
     def _embedded(self) -> ColouredConditions | None:
         rows = self.method.b_explicit_embedded, self.method.b_implicit_embedded
-        return None if rows[0] is None or rows[1] is None else self._conditions(rows[0], rows[1])
+        return None if None in rows else self._conditions(*rows)  # type: ignore[arg-type]
 
     def _conditions(self, b_explicit: Sequence[Exact], b_implicit: Sequence[Exact]) -> ColouredConditions:
         """Of the trees whose vertices are of f or of g, either with any branches (kennedy-carpenter-2003, 2)."""

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import cached_property
+from itertools import pairwise
 from typing import Any, NamedTuple, TypeAlias, TypeVar
 
 from flint import fmpq, fmpq_poly
@@ -278,10 +279,9 @@ def _pieces(
     limits = [None if v is None else limit_of(stability_function(family.member(v))) for v in values]
     cells = [_value(curves, v, x) for v, x in zip(values[::2], limits[::2], strict=True)]
     labels: list[_Value | None] = []
-    for k, cell in enumerate(cells):
-        labels.append(cell)
-        if k < len(line.points):
-            labels.append(_at_point(curves, values[2 * k + 1], limits[2 * k + 1], cells[k : k + 2]))
+    for beside, v, x in zip(pairwise(cells), values[1::2], limits[1::2], strict=True):
+        labels += [beside[0], _at_point(curves, v, x, beside)]
+    labels.append(cells[-1])
     return [_piece(curves, family.parameter, x, where) for x, where in line.runs(labels) if x is not None]
 
 
@@ -309,10 +309,10 @@ def _value(curves: list[Bivariate], value: Exact | None, limit: Limit | None) ->
 
 
 def _at_point(
-    curves: list[Bivariate], value: Exact | None, limit: Limit | None, beside: list[_Value | None]
+    curves: list[Bivariate], value: Exact | None, limit: Limit | None, beside: Sequence[_Value | None]
 ) -> _Value | None:
     """The value of a cell beside the point, left before right, if the limit at the point continues it."""
-    if value is None or limit is None:
+    if value is None:
         return None
     for cell in beside:
         if cell == limit:

@@ -37,6 +37,7 @@ def test_a_fact_is_an_exact_object_of_a_public_class() -> None:
     assert str(facts.energy_multiplier) == "1 - h**6/72 + h**8/576"
     assert facts.energy_multiplier(2) == Q(5, 9)
     assert facts.a_stability.witness == 9
+    assert len(Facts(METHODS["forward_euler"]).modified_equation) == 16, "of 17 trees, one has 0"
 
 
 def test_only_what_is_asked_for_is_derived() -> None:

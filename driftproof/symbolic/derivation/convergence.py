@@ -44,11 +44,10 @@ def local_error(m: DomainMatrix) -> LocalError:
     degree, at which exp(hJ) has an entry and M has none.
     """
     terms = 3 + max(polynomial.degree() for polynomial in entries(m))
-    difference = entries(m - exact_flow_series(terms))
-    powers = [leading[0] for polynomial in difference if (leading := leading_term(polynomial))]
-    power = min(powers)
-    coefficients = [RING.domain.to_sympy(polynomial.coeff(H**power)) for polynomial in difference]
-    return LocalError(power, sympy.ImmutableMatrix(2, 2, coefficients))
+    difference = m - exact_flow_series(terms)
+    power = min(leading[0] for polynomial in entries(difference) if (leading := leading_term(polynomial)))
+    coefficients = [[RING.domain.to_sympy(entry.coeff(H**power)) for entry in row] for row in difference.to_list()]
+    return LocalError(power, sympy.ImmutableMatrix(coefficients))
 
 
 def global_error_coefficient(local: LocalError) -> sympy.ImmutableMatrix:

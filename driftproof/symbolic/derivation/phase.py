@@ -7,15 +7,15 @@ from typing import Any
 import sympy
 from sympy import QQ
 from sympy.polys.matrices import DomainMatrix
-from sympy.polys.ring_series import rs_atan, rs_mul, rs_nth_root, rs_series_inversion, rs_trunc
+from sympy.polys.ring_series import rs_atan, rs_nth_root, rs_series_inversion, rs_trunc
 
+from driftproof.symbolic.derivation.formulas import as_matrix
 from driftproof.symbolic.derivation.one_step import (
     RING,
     H,
     MatrixEntry,
     StepPolynomial,
     determinant,
-    entries,
     expression,
     numerator_and_denominator,
     trace,
@@ -51,7 +51,7 @@ def phase_error_series(m: DomainMatrix, terms: int) -> StepPolynomial:
 def _series(f: MatrixEntry, terms: int) -> StepPolynomial:
     """The series of `f`, which has no pole at h = 0, modulo h**terms."""
     top, bottom = numerator_and_denominator(f)
-    return rs_mul(top, rs_series_inversion(bottom, H, terms), H, terms)
+    return rs_trunc(top * rs_series_inversion(bottom, H, terms), H, terms)
 
 
 def leading_term(series: StepPolynomial) -> tuple[int, Any] | None:
@@ -78,8 +78,7 @@ def closed_form(m: DomainMatrix) -> sympy.ImmutableMatrix:
     Holds wherever the two roots are complex, so that 0 < θ < π. By Cayley-Hamilton and induction on n.
     """
     rho, theta = sympy.sqrt(expression(determinant(m))), phase_per_step(m)
-    one_step = sympy.Matrix(2, 2, [expression(entry) for entry in entries(m)])
-    turned = sympy.sin(STEPS * theta) * one_step - rho * sympy.sin((STEPS - 1) * theta) * sympy.eye(2)
+    turned = sympy.sin(STEPS * theta) * as_matrix(m) - rho * sympy.sin((STEPS - 1) * theta) * sympy.eye(2)
     return sympy.ImmutableMatrix(rho ** (STEPS - 1) * turned / sympy.sin(theta))
 
 

@@ -91,7 +91,7 @@ class AtStep:
     @property
     def matrix(self) -> sympy.ImmutableMatrix:
         """M(h) with exact algebraic entries."""
-        return sympy.ImmutableMatrix(2, 2, [self._value(entry) for entry in entries(self.m)])
+        return sympy.ImmutableMatrix([[self._value(entry) for entry in row] for row in self.m.to_list()])
 
     @property
     def trace(self) -> sympy.Expr:

@@ -200,9 +200,8 @@ class LinearFacts:
     @cached_property
     def determinant(self) -> ExactFunction:
         """det M(h), the factor by which a step scales area."""
-        if self._r is None:
-            return ExactFunction(oscillator.area_factor(self.one_step_matrix), "h")
-        return ExactFunction(oscillator.energy_multiplier_of(self._r), "h", 2).inflated()  # det R(hJ) = |R(ih)|²
+        found = self.energy_multiplier  # μ, where MᵀM = μI
+        return ExactFunction(oscillator.area_factor(self.one_step_matrix), "h") if found is None else found.inflated()
 
     @cached_property
     def energy_multiplier(self) -> ExactFunction | None:

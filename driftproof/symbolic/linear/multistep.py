@@ -145,8 +145,8 @@ class MultistepFacts(FactsOfFamily[Multistep]):
         """
         if self.method.derivative != 1:
             return None
-        k, normalised = self.method.steps, self.method.sigma[-1] / self.method.rho[-1]
-        highest = k if normalised <= 0 else k + 2 - k % 2
+        k = self.method.steps
+        highest = k if self.method.sigma[-1] * self.method.rho[-1] <= 0 else k + 2 - k % 2
         if self.zero_stable and self.order > highest:
             raise AssertionError(f"{self.method.key}: order {self.order} is above Dahlquist's barrier {highest}")
         return Barrier(highest, self.zero_stable and self.order == highest)

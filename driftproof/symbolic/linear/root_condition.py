@@ -99,7 +99,8 @@ def root_condition_limit(a: Polynomial, b: Polynomial) -> Limit:
 
     ends = [polynomial([as_fraction(f[j]) for f in forms]) for j in (0, degree)]
     leading = polynomial([as_fraction(p[degree]) for p in (a, b)])
-    pairs = ((halves, (degree // 2, (degree - 1) // 2)), (with_slope, (degree, degree - 1)))
+    even, odd = (max(part(form).degree() for form in forms) for part in (even_part, odd_part))
+    pairs = ((halves, (even, odd)), (with_slope, (degree, degree - 1)))
     merging = [critical_polynomial(ParametricPair(pair, degrees, (1, 1))) for pair, degrees in pairs]
     critical = [p for p in (*ends, leading, *merging) if p]
     return first_failure(critical, lambda t: (a + b * t).degree() == degree and root_condition(a + b * t).holds)

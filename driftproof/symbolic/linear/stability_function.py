@@ -110,9 +110,7 @@ class ScalarTableau:
     def _element(self, column: RationalMatrix) -> Scalar:
         if not self.field:
             return column[0, 0]
-        element = FieldPolynomial(self.field, [fmpq_poly([x]) for x in column.entries()])
-        lowered = descend(element)
-        return element if lowered is element else lowered[0]
+        return FieldPolynomial(self.field, [fmpq_poly([x]) for x in column.entries()])
 
 
 @dataclass(frozen=True)

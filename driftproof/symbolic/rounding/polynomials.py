@@ -101,7 +101,7 @@ def rational_ends(x: Exact) -> tuple[Fraction, Fraction]:
     bits = 2 * GUARD_BITS
     while True:
         low, high = x.enclosure(bits)
-        if low * high > 0:
+        if high:
             # At most three units apart after rounding outwards, and |x| >= 2**exponent - unit.
             unit = power_of_two(exponent(high) - GUARD_BITS - 2)
             if high - low <= unit:

@@ -192,7 +192,7 @@ def residuals(conditions: Conditions[TreeType], vertices: int) -> tuple[tuple[Tr
     return tuple((conditions.tree(vertices, label), exact(x)) for label, x in conditions.residuals(vertices))
 
 
-def principal_error(conditions: Conditions[TreeType], order: int = 0) -> PrincipalError[TreeType]:
+def principal_error(conditions: Conditions[TreeType], order: int) -> PrincipalError[TreeType]:
     """The leading error coefficients: those of the trees with p + 1 vertices, p the order, known to be `order` or more.
 
     Raises TooManyTrees.

@@ -63,12 +63,13 @@ def test_facts_of_first_order_equations_are_none_of_second_order_ones():
 
 
 def test_what_contradicts_a_barrier_of_dahlquists_is_no_answer():
-    for order, name, barrier in (
-        (5, "first_barrier", "order 5 is above Dahlquist's barrier 4"),
-        (3, "a_stability", "second"),
+    for planted, value, name, barrier in (
+        ("order", 5, "first_barrier", "order 5 is above Dahlquist's barrier 4"),
+        ("order", 3, "a_stability", "second"),
+        ("error_constant", Q(-4, 49), "a_stability", "second"),
     ):
         found = of("bdf2")
-        found.__dict__["order"] = order
+        found.__dict__[planted] = value
         with pytest.raises(AssertionError, match=barrier):
             getattr(found, name)
 
@@ -163,7 +164,7 @@ def test_sectors_and_limits_hold_on_companion_matrices(key):
 
 
 def test_a_stability_of_theta_and_of_two_step_methods_ends_where_it_should():
-    for theta in some([Q(0), Q(1, 3), Q(499, 1000), Q(1, 2), Q(2, 3), Q(1)]):
+    for theta in some([Q(0), Q(1, 3), Q(499, 1000), Q(1, 2), Q(501, 1000), Q(2, 3), Q(1)]):
         facts = one_step("theta", (Q(-1), Q(1)), (1 - theta, theta))
         assert facts.a_stable == (theta >= Q(1, 2))
         assert facts.a_stability.holds == (facts.sector.tan is INFINITY)
@@ -196,6 +197,8 @@ def test_an_inconsistent_method_says_so():
     assert facts.inconsistencies == {"rho'(1) - sigma(1)": Q(1, 6)}
     assert (facts.order, facts.order_fails, facts.convergent) == (0, (1, Q(1, 6)), False)
     assert one_step("none", (-1, 2), (1, -1)).error_constant is None
+    assert one_step("trapezoid", (-2, 2), (1, 1)).error_constant == Q(-1, 12)
+    assert one_step("backward", (-1, 1), (0, 1)).convergent
 
 
 def test_facts_are_written_as_records():
@@ -203,9 +206,11 @@ def test_facts_are_written_as_records():
     assert found["rho"] == {"num": ["1/2", "-2", "3/2"], "den": ["1"]}
     assert found["order_fails"] == {"power": 3, "residual": "-1/3"}
     assert (found["sector"], found["method"]) == ({"tan": "oo", "degrees": "90"}, "bdf2")
-    (point, *_) = facts_of(FACTS_ONLY["bdf2"], ["root_locus"])["root_locus"]
-    z, unit = (complex(float(Q(point[a])), float(Q(point[b]))) for a, b in (("re", "im"), ("cosine", "sine")))
-    assert min(abs(root - unit) for root in roots(FIRST["bdf2"], z)) < 1e-12
+    for point in exactly(11, facts_of(FACTS_ONLY["bdf2"], ["root_locus"])["root_locus"]):
+        z, unit = (complex(float(Q(point[a])), float(Q(point[b]))) for a, b in (("re", "im"), ("cosine", "sine")))
+        assert abs(unit) == pytest.approx(1)
+        assert min(abs(root - unit) for root in roots(FIRST["bdf2"], z)) < 1e-12
+    assert [point.cosine for point in of("bdf2").root_locus[4:7]] == [Q(11, 61), 0, Q(-11, 61)]
     assert len(one_step("pole", (-1, 0, 1), (1, 0, 1)).root_locus) == len(of("bdf2").root_locus) - 1  # sigma(i) = 0
     assert tan(radians(86.03)) < float(of("bdf3").sector.tan.ball()) < tan(radians(86.04))
     with pytest.raises(ValueError, match="unknown fact 'symplectic'"):

@@ -114,6 +114,8 @@ def test_nothing_happens_in_no_steps_or_from_the_origin_but_underflow():
         ({"h": Q(5, 2)}, "at h = 5/2: the step has real eigenvectors"),
         ({"steps": -1}, "N = -1"),
         ({"start": (BINARY64.largest, Q(0))}, "overflow of binary64 cannot be excluded within 40 steps"),
+        ({"start": (BINARY64.largest, BINARY64.largest / 2)}, "reach 1.922e308, and a step is safe up to 1.438e308"),
+        ({"subject": forward_euler, "start": (BINARY64.largest / 2, BINARY64.largest / 8)}, "might reach 3.115e308"),
         ({"subject": forward_euler, "steps": 10**12}, r"states might reach 2\*\*43731420\d{3}, and a step is safe"),
     ],
 )

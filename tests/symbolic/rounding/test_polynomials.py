@@ -45,6 +45,8 @@ def test_a_number_that_cancels_to_almost_nothing_is_enclosed_relative_to_what_is
     left = (ROOT - 1) ** 400
     low, high = rational_ends(left)
     assert 0 < low < left < high
+    widths = [high - low for low, high in map(rational_ends, (ROOT, 3 * ROOT, -ROOT / 2))]
+    assert widths == [Q(1, 2**130), Q(1, 2**128), Q(1, 2**131)]
     assert (high - low) * 2**GUARD_BITS <= left < Q(1, 10**153)
 
 

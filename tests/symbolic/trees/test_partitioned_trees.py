@@ -100,7 +100,7 @@ def test_failing_tree_of_a_splitting_says_what_fails() -> None:
 
 def test_principal_error_of_verlet_is_the_printed_one() -> None:
     """Kick-drift-kick on q'' = F(q): v lacks h³/12 F''(v, v) one way, and F'F/6 - F'F/4 the other."""
-    error = principal_error(nystrom_conditions(entry("velocity_verlet")))
+    error = principal_error(nystrom_conditions(entry("velocity_verlet")), 0)
     found = {to_brackets(tree): x for tree, x in error.coefficients}
     assert found == {"[τ_q,τ_q]_v": Q(1, 12), "[[τ_v]_q]_v": Q(1, 12), "[[τ_q]_v]_q": Q(-1, 6)}
     assert error.squared_norm == Q(1, 144) + Q(1, 144) + Q(1, 36)
@@ -154,7 +154,7 @@ def test_order_of_verlet_is_that_of_its_nystrom_form() -> None:
     half, zero = Q(1, 2), Q(0)
     method = Nystrom("x", "X", 2, "test", (zero, Q(1)), ((zero, zero), (half, zero)), (half, zero), (half, half))
     assert nystrom_order(method) == nystrom_order(entry("velocity_verlet"))
-    first, second = (principal_error(nystrom_conditions(m)) for m in (method, entry("velocity_verlet")))
+    first, second = (principal_error(nystrom_conditions(m), 0) for m in (method, entry("velocity_verlet")))
     assert first == second
 
 
