@@ -122,7 +122,7 @@ def _begun(text: str) -> str:
 
 def plain_words(words: str) -> str:
     """A sentence with formulas in TeX as plain text: without dollars, backslashes and braces."""
-    return words.translate({ord(c): None for c in "$\\{}"})
+    return words.replace(r"\pm", "±").translate({ord(c): None for c in "$\\{}"})
 
 
 def _text(x: sympy.Basic) -> str:

@@ -41,6 +41,35 @@ LESSON = {  # multiplier, invariant, leading phase error, stability limit: as th
 }
 
 
+# Every formula of symplectic Euler, in the order of the steps.
+FORMULAS = """
+S_1 = [1, 0; -h, 1]
+S_2 = [1, h; 0, 1]
+M = S_2*S_1 = [1 - h**2, h; -h, 1]
+det M = M_qq*M_vv - M_qv*M_vq = 1
+M^T M = [1 - h**2 + h**4, -h**3; -h**3, 1 + h**2]
+E_1 = q**2*(1/2 + h**4/2 - h**2/2) + v**2*(1/2 + h**2/2) - q*v*h**3
+det(z, M z) = -h*q**2 - h*v**2 + q*v*h**2
+det M = 1
+I = q**2/2 + v**2/2 - h*q*v/2
+tr M = 2 - h**2
+det(lambda I - M) = lambda**2 - lambda*tr M + det M = lambda**2 - lambda*(2 - h**2) + 1
+Delta = tr M**2 - 4*det M = -4*h**2 + h**4 = h**2*(-2 + h)*(2 + h)
+lambda_1 = 1 + h*sqrt(-4 + h**2)/2 - h**2/2
+lambda_2 = 1 - h*sqrt(-4 + h**2)/2 - h**2/2
+cos(theta) = tr M/(2*sqrt(det M)) = 1 - h**2/2
+theta = acos(1 - h**2/2)
+tan(theta) = h*sqrt(4 - h**2)/(2*(1 - h**2/2))
+theta - h = h**3/24 + 3*h**5/640 + 5*h**7/7168 + O(h**8)
+h**3/24
+1 - det M = 0
+1 + det M + tr M = -(-2 + h)*(2 + h)
+1 + det M - tr M = h**2
+H = 2
+M = [-3, 2; -2, 1]
+"""
+
+
 def in_sympy(function: object) -> sympy.Expr:
     """A rational function of the FLINT engine in h."""
     top, bottom = (
@@ -59,6 +88,11 @@ def test_lesson_methods_have_the_lesson_s_formulas(key: str) -> None:
         assert wanted is None or sympy.expand(derived.value - wanted) == 0
     assert found.phase_error.steps[-1].chain == (leading,)
     assert found.stability_limit.value == limit
+
+
+def test_formulas_stand_in_the_order_in_which_they_are_read() -> None:
+    lines = derive("symplectic_euler").written("text").splitlines()
+    assert [line.strip() for line in lines if line.startswith(6 * " ")] == FORMULAS.split("\n")[1:-1]
 
 
 @pytest.mark.parametrize("key", FEW)

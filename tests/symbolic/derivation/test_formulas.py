@@ -50,6 +50,7 @@ def test_words_lose_what_only_tex_needs() -> None:
         plain_words(r"A step multiplies by $\det M$, and $E = |z|^{2}/2$.")
         == "A step multiplies by det M, and E = |z|^2/2."
     )
+    assert plain_words(r"They turn by $\pm\theta$.") == "They turn by ±theta."
 
 
 def test_missing_value_says_why_in_every_form() -> None:

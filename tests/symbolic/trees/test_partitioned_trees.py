@@ -8,10 +8,11 @@ from fractions import Fraction as Q
 
 import pytest
 
-from driftproof.methods.catalogue import METHODS
+from driftproof.methods.catalogue import FACTS_ONLY, METHODS
 from driftproof.methods.number_field import Exact
 from driftproof.methods.schemes import Nystrom, RungeKutta, Splitting
 from driftproof.symbolic.facts import general_order
+from driftproof.symbolic.rosenbrock import RosenbrockStages, WConditions
 from driftproof.symbolic.trees.elementary_weights import EXACT, TableauStages
 from driftproof.symbolic.trees.order_conditions import (
     order,
@@ -23,6 +24,7 @@ from driftproof.symbolic.trees.order_conditions import (
 from driftproof.symbolic.trees.partitioned_trees import (
     ColouredConditions,
     conditions_with_nodes,
+    general_conditions,
     nystrom_conditions,
     nystrom_order,
     separable_conditions,
@@ -96,6 +98,16 @@ def test_failing_tree_of_a_splitting_says_what_fails() -> None:
     assert (second.order, to_brackets(second.failing_tree), second.residual) == (1, "[τ_q]_v", Q(1, 2))
     idle = Splitting("idle", "Idle", 0, "test", (("drift", Q(1)),))
     assert (general_order(idle).order, to_brackets(general_order(idle).failing_tree)) == (0, "τ_v")
+
+
+def test_no_order_is_above_the_bound_of_so_many_stages() -> None:
+    drift = Splitting("drift", "Drift", 0, "test", (("drift", Q(1)),))
+    keys = ("forward_euler", "rk4", "implicit_midpoint", "gauss3", "velocity_verlet", "ruth3", "nystrom4")
+    bounds = [general_conditions(method).bound for method in (*map(entry, keys), drift)]
+    assert bounds == [1, 4, 2, 6, 4, 6, 6, 1]
+    assert [conditions_with_nodes(entry(key)).bound for key in ("rk4", "implicit_midpoint")] == [8, 2]
+    ros3p = FACTS_ONLY["ros3p"]
+    assert WConditions(ros3p).bound == RosenbrockStages(ros3p, ros3p.b).bound == 4
 
 
 def test_principal_error_of_verlet_is_the_printed_one() -> None:
