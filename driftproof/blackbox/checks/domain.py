@@ -83,7 +83,7 @@ def _outwards(short: NegligibleStep, component: int, sign: int, before: Sequence
     The way out starts from the state, or from 0 on the other side.
     """
     base, e_max = short.state[component], short.runner.format.emax
-    powers = {k for k in (*_OUTWARDS, e_max // 2 + 8, e_max - 24) if k < e_max}
+    powers = {*_OUTWARDS, e_max // 2 + 8, e_max - 24} & {*range(e_max)}
     points = [sign * ldexp(base, k) for k in [*([0] if sign == -1 else []), *sorted({*powers, e_max + 1})]]
     hints = [(sign * abs(inner), sign * abs(outer)) for inner, outer in (rule.ends for rule in before)]
     seen = border(short, partial(short.along, component), base if sign == 1 else 0.0, points, hints)

@@ -59,8 +59,10 @@ def test_a_double_that_is_no_simple_fraction_is_read_as_none(x):
 
 
 def test_numbers_are_shown_as_people_write_them():
-    shown = [short_rational(x) for x in (Q(1, 25), Q(1, 3), Q(10**6), Q(-2), Q(2**0.5))]
-    assert shown == ["0.04", "1/3", "1000000", "-2", "1.4142135623730951"]
+    million = 10**6
+    numbers = Q(1, 25), Q(1, 3), Q(million), Q(-2), Q(2**0.5), Q(1234567, million - 1), Q(1234567, million)
+    shown = ["0.04", "1/3", "1000000", "-2", "1.4142135623730951", "1234567/999999", "1.234567"]
+    assert [short_rational(x) for x in numbers] == shown
 
 
 NEAREST = [
@@ -105,6 +107,8 @@ def test_half_the_spacing_is_u_at_one_and_the_next_float_is_twice_as_far():
 
 def test_a_long_exact_number_is_shown_as_a_decimal():
     assert exact_shown(Q(1, 3)) == "1/3"
+    assert exact_shown(Q(10**21, 3)) == f"{10**21}/3"
+    assert exact_shown(Q(10**22, 3)) == repr(10**22 / 3)
     assert exact_shown(Q(10**30 + 1, 3 * 10**30)) == "0.3333333333333333"
 
 

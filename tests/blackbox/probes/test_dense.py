@@ -93,6 +93,8 @@ KINDS = {
     "with calls at some": of_another_kind(
         lambda linear, f, t, y, h: lambda theta: linear(t + theta * h) + (0 * f(t, y) if theta > 0.5 else 0 * y)
     ),
+    "nearly right": of_another_kind(lambda linear, f, t, y, h: lambda at: linear(at) + 0.9 / 64),
+    "nearly wrong": of_another_kind(lambda linear, f, t, y, h: lambda at: linear(at) + 1.1 / 64),
     "of one number": lambda f, t, y, h: (float(y) + h * f(t, y), lambda theta: float(y) + theta * h * f(t, y)),
     "raising": of_another_kind(lambda linear, f, t, y, h: lambda theta: 1 / 0),
 }

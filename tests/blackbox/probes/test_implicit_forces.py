@@ -197,7 +197,7 @@ def test_all_that_is_asked_of_implicit_steps_of_forces_and_said_is_as_before(nam
     asked = Asked(ASKED[name])
     try:
         reading = read(asked.code)
-        as_before(*reading.lines, f"{reading.stage_error:.1e}", asked)
+        as_before(reading, asked)
     except NotReadable as refusal:
         as_before(refusal, asked)
 

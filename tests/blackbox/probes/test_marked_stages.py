@@ -24,6 +24,17 @@ def test_nodes_are_the_times_of_the_calls_in_units_of_h():
     assert not steps(untimed(all_at_once(table("trapezoid")))).timed
 
 
+@pytest.mark.parametrize(("apart", "count"), [(2.0**-44, 2), (2.0**-45, 1), (2.0**-46, 1)])
+def test_nodes_are_one_that_are_no_more_than_256_roundings_apart(apart, count):
+    assert len(steps(lambda f, t, y, h: y + h / 2 * (f(t + h / 2, y) + f(t + h / 2 + apart, y))).nodes) == count
+
+
+@pytest.mark.parametrize(("apart", "count"), [(2.0**-15, 2), (2.0**-16, 1), (2.0**-17, 1)])
+def test_stages_are_one_that_differ_by_no_more_than_a_difference_quotient(apart, count):
+    (shown,) = steps(lambda f, t, y, h: y + h / 2 * (f(t, y) + f(t, y + apart))).marks(1).hands
+    assert [len(seen) for seen in shown.values()] == [count]
+
+
 def test_a_clock_shows_the_sum_of_a_row_times_its_slopes_at_each_stage():
     marks = steps(one_by_one(AT_ONE_TIME)).marks(1)
     (shown,) = marks.hands

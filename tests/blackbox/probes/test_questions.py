@@ -57,7 +57,8 @@ READ |= {f"turned by {k} roundings": turned(k * 2.0**-53) for k in (15, 17)}
 def test_all_that_is_asked_for_coefficients_and_said_is_as_before(name, as_before):
     asked = Asked(READ[name])
     try:
-        as_before(*read_coefficients(opened(asked.code)).lines, asked)
+        reading = read_coefficients(opened(asked.code))
+        as_before(*reading.lines, *getattr(reading, "stale_velocities", ()), reading, asked)
     except (NotReadable, UnsupportedCall) as refusal:
         as_before(refusal, asked)
 

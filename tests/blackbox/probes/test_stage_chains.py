@@ -23,6 +23,27 @@ def test_a_table_is_read_of_one_function_and_holds_its_own_control():
     chains.demand_chain((a,), (b,), Rounding(BINARY64, 2, 4 * chains.left))
 
 
+# For Gauss' rule, whose rows of |A| and b sum up to less than 1, and for Lobatto's with larger entries.
+@pytest.mark.parametrize("besides", [0.0, 1e-6, 1e-4])
+@pytest.mark.parametrize("key", ["gauss2", "lobatto_iiic3"])
+def test_so_far_a_chain_may_be_off_as_before(key, besides, as_before):
+    chains = chains_of(key)
+    (a,), (b,), _ = chains.tables()
+
+    def refused(error):
+        try:
+            chains.demand_chain((a,), (tuple(x * (1 + error) for x in b),), Rounding(BINARY64, 2, besides))
+        except NotReadable:
+            return True
+        return False
+
+    low, high = 0.0, 1.0
+    for _ in range(20):
+        middle = (low + high) / 2
+        low, high = (low, middle) if refused(middle) else (middle, high)
+    as_before(f"{high:.4g}")
+
+
 def test_another_table_is_refused_by_a_chain_through_all_stages():
     chains = chains_of("radau_iia2")
     (a,), (b,), _ = chains.tables()
