@@ -12,6 +12,7 @@ from driftproof.blackbox.identify import identify
 from driftproof.cli import main
 from tests.blackbox import broken_steppers
 from tests.blackbox.handwritten_steppers import rk4, rk38, velocity_verlet
+from tests.blackbox.transcripts import summed
 
 
 def with_drag(q, v, h):
@@ -41,8 +42,10 @@ def two_half_steps(q, v, h):
         (two_half_steps, "it is no method that is known here"),
     ],
 )
-def test_a_stepper_is_named(step, words):
-    assert words in identify(step).verdict
+def test_a_stepper_is_named(step, words, as_before):
+    report = identify(step)
+    assert words in report.verdict
+    as_before(*summed(report))
 
 
 def test_the_report_says_the_order_twice_and_the_rounding():

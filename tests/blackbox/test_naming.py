@@ -4,6 +4,7 @@ import pytest
 
 from driftproof.blackbox.identify import identify
 from tests.blackbox.handwritten_steppers import rk4
+from tests.blackbox.transcripts import summed
 
 
 def of_average(force, q, v, h):
@@ -27,10 +28,12 @@ def backward(force, q, v, h):
 @pytest.mark.parametrize(
     ("step", "said"), [(of_average, "those of implicit_midpoint, lobatto_iiib2"), (backward, "those of backward_euler")]
 )
-def test_implicit_steps_of_a_force_with_one_linear_step_are_told_apart_by_nonlinear_ones(step, said):
-    verdict = identify(step, isolate=False).verdict
+def test_implicit_steps_of_a_force_with_one_linear_step_are_told_apart_by_nonlinear_ones(step, said, as_before):
+    report = identify(step, isolate=False)
+    verdict = report.verdict
     assert verdict.startswith("it is, as far as linear steps tell, ")
     assert verdict.endswith(f"; its nonlinear steps are {said}")
+    as_before(*summed(report))
 
 
 def test_a_right_tableau_called_at_wrong_times_is_named_with_its_order():
@@ -67,16 +70,20 @@ def solved_by_iteration(theta, tolerance, *, relative):
         (1.0, 1e-5, True, "nearly backward_euler, to "),
     ],
 )
-def test_a_solver_that_stops_early_leaves_the_method_that_it_nearly_is(theta, tolerance, relative, nearly):
+def test_a_solver_that_stops_early_leaves_the_method_that_it_nearly_is(theta, tolerance, relative, nearly, as_before):
     step = solved_by_iteration(theta, tolerance, relative=relative)
-    assert f"it is, as far as linear steps tell, {nearly}" in identify(step, isolate=False).verdict
+    report = identify(step, isolate=False)
+    assert f"it is, as far as linear steps tell, {nearly}" in report.verdict
+    as_before(*summed(report))
     assert identify(lambda q, v, h: (q + h * v, v - h * 1.001 * q), isolate=False).verdict.find("nearly") == -1
 
 
 @pytest.mark.parametrize(("drag", "rate", "key"), [(0.0, 1.0, "symplectic_euler"), (0.04, 1.0, None), (0.0, 4.0, None)])
-def test_a_map_has_a_key_where_it_is_that_method_of_the_plain_oscillator(drag, rate, key):
+def test_a_map_has_a_key_where_it_is_that_method_of_the_plain_oscillator(drag, rate, key, as_before):
     def step(q, v, h):
         v = v - h * (rate * q + drag * v)
         return q + h * v, v
 
-    assert identify(step, isolate=False).data["method"] == key
+    report = identify(step, isolate=False)
+    assert report.data["method"] == key
+    as_before(*summed(report))

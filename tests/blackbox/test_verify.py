@@ -36,7 +36,7 @@ from tests.blackbox.implicit_steppers import (
 )
 from tests.blackbox.judging.test_nonlinear_step import kick_drift_kick
 from tests.blackbox.pair_steppers import pair_step
-from tests.blackbox.transcripts import checksum
+from tests.blackbox.transcripts import checksum, summed, titles
 
 FEW = 50
 SOLVED = Allowance(solver_tolerance=Fraction(1, 10**9))
@@ -226,13 +226,14 @@ VERDICTS = {
 
 
 @pytest.mark.parametrize("name", VERDICTS)
-def test_a_verdict_says_what_was_seen(name):
+def test_a_verdict_says_what_was_seen(name, as_before):
     step, method, passed, verdict, *rest = VERDICTS[name]
     how = rest.pop() if rest and isinstance(rest[-1], dict) else {}
     report = held(step, method, **how)
     assert report.passed is passed, report
     assert report.verdict.startswith(verdict), report
     assert "off by 0.0e" not in report.text()
+    as_before(*(titles if "allowance" in how else summed)(report))
     for title, words in zip(rest[::2], rest[1::2], strict=True):
         section = report.section(title)
         assert words in ("\n".join(section.lines) if section else report.verdict if not title else ""), (title, report)
@@ -291,12 +292,13 @@ def test_an_implicit_stepper_needs_a_tolerance_that_is_stated():
 
 
 @pytest.mark.parametrize("step", codes.RK4_AT_WRONG_TIMES.values(), ids=codes.RK4_AT_WRONG_TIMES)
-def test_wrong_times_and_numbers_left_out_fail_and_the_report_says_what_was_refused(step):
+def test_wrong_times_and_numbers_left_out_fail_and_the_report_says_what_was_refused(step, as_before):
     report = held(step, "rk4")
     assert report.passed is False
     assert "to roundoff" not in report.verdict
     assert report.section("Nonlinear step: FAILED")
     assert report.section("Coefficients: passed") is None
+    as_before(*summed(report))
 
 
 def test_a_refusal_that_only_a_force_gets_round_is_in_the_verdict():
@@ -334,18 +336,20 @@ TWINS = {
 
 
 @pytest.mark.parametrize("key", IMPLICIT)
-def test_an_implicit_step_of_a_right_hand_side_passes_by_its_coefficients_and_its_nonlinear_steps(key):
+def test_an_implicit_step_of_a_right_hand_side_passes_by_its_coefficients_and_its_nonlinear_steps(key, as_before):
     report = held(IMPLICIT[key], key, allowance=SOLVED, domain=SHORT)
     assert report.passed, report
     assert report.section("Nonlinear step: passed")
     closeness, solved = report.section("Coefficients: passed").lines
     assert closeness.startswith(f"{key}: every coefficient ")
     assert solved.startswith("its stages are solved to ")
-    assert identify(IMPLICIT[key], isolate=False).verdict == f"it is {key}"
+    named = identify(IMPLICIT[key], isolate=False)
+    assert named.verdict == f"it is {key}"
+    as_before(*titles(report), *titles(named))
 
 
 @pytest.mark.parametrize(("key", "step", "entry"), TWINS.values(), ids=TWINS)
-def test_what_only_a_nonlinear_problem_or_the_time_tells_apart_fails(key, step, entry):
+def test_what_only_a_nonlinear_problem_or_the_time_tells_apart_fails(key, step, entry, as_before):
     report = held(step, key, allowance=SOLVED, domain=SHORT)
     assert report.passed is False, report
     assert report.section("Rounding: passed")
@@ -353,6 +357,7 @@ def test_what_only_a_nonlinear_problem_or_the_time_tells_apart_fails(key, step, 
     lines = [" ".join(line.split()) for line in report.section("Coefficients: FAILED").lines]
     assert any(line.startswith(entry) for line in lines), lines
     assert not report.verdict.endswith(f"is not {key}; it is {key}")
+    as_before(*titles(report))
 
 
 EARLY = {
@@ -364,7 +369,7 @@ EARLY = {
 
 
 @pytest.mark.parametrize(("solver", "seen"), EARLY.values(), ids=EARLY)
-def test_a_solver_that_stops_early_fails_and_is_told_by_the_power_of_its_error(solver, seen):
+def test_a_solver_that_stops_early_fails_and_is_told_by_the_power_of_its_error(solver, seen, as_before):
     step = all_at_once(table("backward_euler"), solver)
     report = held(step, "backward_euler", allowance=SOLVED, domain=SHORT)
     assert report.passed is False
@@ -373,7 +378,9 @@ def test_a_solver_that_stops_early_fails_and_is_told_by_the_power_of_its_error(s
     )
     assert seen in report.verdict
     assert report.section("Coefficients: FAILED")
-    assert seen in identify(step, isolate=False).verdict
+    named = identify(step, isolate=False)
+    assert seen in named.verdict
+    as_before(report.verdict, *titles(report), named.verdict, *titles(named))
 
 
 def test_a_solver_that_stops_early_within_the_tolerance_stated_leaves_the_coefficients_undecided():

@@ -59,6 +59,17 @@ def checksum(text: str) -> str:
     return f"{len(text)} letters, {crc32(text.encode()):08x}"
 
 
+def summed(report: Any) -> tuple[str, ...]:
+    """The verdict of a report, and checksums of all that it says: of a code that calls no library for its sums."""
+    text = report.text(everything=True).partition("\n")[2]
+    return report.verdict, checksum(text), checksum(report.json())
+
+
+def titles(report: Any) -> tuple[str, ...]:
+    """The titles of a report's sections, which say what passed."""
+    return tuple(section.title for section in report.sections)
+
+
 def assert_as_before(place: Path, title: str, said: Iterable[object]) -> None:
     """The lines are those that stand under the title in the file."""
     parts = _TITLE.split(place.read_text(encoding="utf-8") if place.exists() else "")[1:]

@@ -57,9 +57,11 @@ RULES = {
 
 @pytest.mark.parametrize("law", ["as planted", "PI"])
 @pytest.mark.parametrize("name", RULES)
-def test_steps_after_rejections_that_are_not_of_the_law_are_said_with_it(name, law):
+def test_steps_after_rejections_that_are_not_of_the_law_are_said_with_it(name, law, as_before):
     rule, words = RULES[name]
-    found = read(adaptive(**LAWS[law][0], changed=rule)).law
+    reading = read(adaptive(**LAWS[law][0], changed=rule))
+    found = reading.law
+    as_before(*reading.lines, *reading.faults)
     assert (words in found.exception) if words else found.exception == ""
     assert found.words.endswith(f"PI){found.exception}")
 

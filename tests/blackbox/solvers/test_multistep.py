@@ -12,6 +12,7 @@ from driftproof.blackbox.solvers.multistep import read_memory
 from tests.blackbox.families import remembering_steppers as planted
 from tests.blackbox.families.remembering_steppers import Corrected, Remembering, euler, rk4_step
 from tests.blackbox.solvers.planted_solvers import adaptive
+from tests.blackbox.transcripts import Asked, summed
 from tests.looping import exactly, some
 
 BASHFORTH4 = [55 / 24, -59 / 24, 37 / 24, -9 / 24]
@@ -73,10 +74,13 @@ RIGHT = {
 
 
 @pytest.mark.parametrize("name", RIGHT)
-def test_a_right_one_is_named_without_alarm(name):
-    for solve in some(RIGHT[name]):
-        memory = read_memory(SolverTarget(solve).open())
+def test_a_right_one_is_named_without_alarm(name, as_before):
+    said = []
+    for asked in map(Asked, some(RIGHT[name])):
+        memory = read_memory(SolverTarget(asked.code).open())
         assert (memory.name, memory.faults) == (name, ())
+        said += [*memory.lines, memory.order, asked]
+    as_before(*said)
 
 
 WRONG = {
@@ -93,9 +97,10 @@ WRONG = {
 
 
 @pytest.mark.parametrize("words", WRONG)
-def test_a_wrong_one_is_caught_with_its_cause(words):
-    for kind in exactly(2, (by_number, of_its_own_length)):
-        assert words in identify_solver(kind(WRONG[words]), isolate=False).verdict
+def test_a_wrong_one_is_caught_with_its_cause(words, as_before):
+    found = [identify_solver(kind(WRONG[words]), isolate=False) for kind in exactly(2, (by_number, of_its_own_length))]
+    assert all(words in report.verdict for report in found)
+    as_before(*(line for report in found for line in summed(report)))
 
 
 def test_the_report_is_of_the_recurrence_and_finds_no_fault_in_a_solver_without_tolerances():

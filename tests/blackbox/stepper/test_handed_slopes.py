@@ -7,6 +7,7 @@ import pytest
 from driftproof.blackbox.identify import identify
 from driftproof.blackbox.stepper.handed_slopes import with_slopes_kept
 from driftproof.blackbox.verify import verify
+from tests.blackbox.transcripts import Asked, summed
 
 
 def bashforth2(f, t, y, h, f_prev):
@@ -83,8 +84,11 @@ SAID = {
 
 
 @pytest.mark.parametrize("step", SAID, ids=lambda step: step.__name__)
-def test_a_step_is_named_by_what_it_makes_of_the_slopes(step):
-    assert SAID[step] in identify(step, isolate=False).verdict
+def test_a_step_is_named_by_what_it_makes_of_the_slopes(step, as_before):
+    asked = Asked(step)
+    report = identify(asked.code, isolate=False)
+    assert SAID[step] in report.verdict
+    as_before(*summed(report), asked)
 
 
 def test_a_right_one_passes_and_its_start_is_whose_calls_it():

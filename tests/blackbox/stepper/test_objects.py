@@ -14,6 +14,7 @@ from driftproof.blackbox.identify import identify
 from driftproof.blackbox.probes.force import read_forces
 from driftproof.blackbox.stepper.objects import field_stepper_of, stepper_of
 from driftproof.blackbox.stepper.opening import opened
+from tests.blackbox.transcripts import summed
 
 
 class Body:
@@ -114,11 +115,12 @@ NAMED = {
 
 
 @pytest.mark.parametrize("name", NAMED)
-def test_an_object_is_named_like_the_step_that_it_makes(name):
+def test_an_object_is_named_like_the_step_that_it_makes(name, as_before):
     step, verdict = NAMED[name]
     report = identify(step)
     assert report.verdict == verdict
     assert report.section("Faults") is None
+    as_before(*summed(report))
 
 
 def test_what_one_step_leaves_that_is_not_finite_does_not_speak_for_the_others():

@@ -8,6 +8,7 @@ import pytest
 from driftproof import verify
 from driftproof.blackbox.stepper.opening import opened
 from driftproof.blackbox.stepper.plain_forms import plain_forms
+from tests.blackbox.transcripts import Asked, summed
 
 
 def springs(bodies, dt):
@@ -141,8 +142,10 @@ HELD = [
 
 
 @pytest.mark.parametrize(("step", "key", "wrong"), HELD, ids=range(len(HELD)))
-def test_a_step_is_opened_as_it_is_written_and_a_wrong_one_is_caught(step, key, wrong):
-    found = verify(step, key, examples=30, isolate=False)
+def test_a_step_is_opened_as_it_is_written_and_a_wrong_one_is_caught(step, key, wrong, as_before):
+    asked = Asked(step)
+    found = verify(asked.code, key, examples=30, isolate=False)
+    as_before(*summed(found), asked)
     assert found.passed is not bool(wrong)
     assert wrong in found.verdict
 
