@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from itertools import accumulate, pairwise
+from itertools import pairwise
 from math import exp, fsum, log
 from typing import Any, NamedTuple, TypeAlias
 
@@ -23,13 +23,16 @@ _Estimate: TypeAlias = Callable[[Sequence[float], float], float]
 # In a run of this length, with bumps and jumps at every unit of time, some hundred steps are seen, and rejections.
 _SPAN, _WIDTH = (0.0, 8.0), 12.0
 # |y| stays below 1, so that rtol moves the scale of errors by less than a part in 10^6.
-# The larger tolerance is for methods of low order, whose steps are too many at the smaller one.
-_RTOL, _ATOLS = 1e-13, (1e-7, 1e-4)
+_RTOL, _ATOL = 1e-13, 1e-7
+# Of methods of low order, whose steps are too many at that one.
+_LARGER_ATOL = 1e-4
 # A law holds where it gives every factor to this part: the scale is known so well, and its exponents are small.
 _CLOSE = 1e-4
+# Exponents are fitted to a part of that: of a ratio of errors up to 10^10 it makes no more.
+_EXPONENT = 1e-6
 # So near to a jump a step is not held to its slopes.
 _NEAR = 1e-6
-# Two lengths of a step of h at t are one if they agree to this: times are rounded to u t, and h is above 10^-6 t.
+# Two times in a step of h at t are one if they agree to this part of h: they are rounded to u t, h is above 10^-6 t.
 _SAME = 1e-8
 # So many attempts before the end may be made for the end.
 _LANDING = 3
@@ -37,13 +40,18 @@ _LEAST_REMEMBERED = 1e-3
 _NO_TOLERANCE = "it takes no tolerance: its steps are of one length"
 # Denominators of exponents as controllers in use have them: 1/5, 7/50, 17/100, ...
 _MOST_DENOMINATOR = 120
+# In units of rounding errors, of which t has up to 8: slopes change by up to 13 in a unit of time, and h times the sum
+# of the absolute weights is below 4. Who ends a step elsewhere is off by far more.
+_TRACE = 2.0**9
 
 
 class Attempt(NamedTuple):
-    """One attempt at a step: where it began, its length, whether it was accepted, and how the next is longer."""
+    """One attempt at a step: where it began, its length, how many in a row were rejected, itself among them, whether
+    it was accepted, and how much longer the next one is, None where that is not known."""
 
     start: float
     h: float
+    rejections: int
     accepted: bool
     factor: float | None
 
@@ -52,8 +60,7 @@ class Attempt(NamedTuple):
 class Law:
     """h_next = h · clip(safety · r^(-exponent) · r_before^(memory) · (h/h_before)^(filtered), smallest, largest).
 
-    r is the error over the tolerance, in the estimate of the pair `estimate`; the law was fitted to `seen` steps, none
-    of them cut or after a rejection. `smallest` and `largest` are None where no factor was cut. `after_rejection` says
+    r is the error over the tolerance, in the estimate of the pair `estimate`. `smallest` and `largest` are None where no factor was cut. `after_rejection` says
     that a step after a rejected one does not grow, `exception` which other steps are not of this law.
     """
 
@@ -65,7 +72,6 @@ class Law:
     smallest: float | None
     largest: float | None
     after_rejection: bool
-    seen: int
     exception: str
 
     @property
@@ -107,9 +113,9 @@ def read_controller(subject: ForeignSolver, steps: SolverSteps) -> ControllerRea
     factors = [each.factor for each in attempts if each.factor is not None]
     if silent := [pair.key for pair in steps.pairs if _is_silent(pair)]:
         raise NotReadable(f"the estimate of {silent[0]} is 0 wherever slopes depend on t alone: no law shows")
-    if len(factors) >= 2 and max(factors) - min(factors) <= _CLOSE:
+    if len(factors) > 1 and _is(max(factors), min(factors)):
         fault = f"the step size does not depend on the error: every step is {factors[0]:.6g} times the one before"
-        if abs(factors[0] - 1) <= _CLOSE:
+        if _is(factors[0], 1.0):
             if not subject.adaptive:
                 return ControllerReading(None, (_NO_TOLERANCE,), traces)
             fault = "the steps are all of one length, whatever the error"
@@ -117,19 +123,20 @@ def read_controller(subject: ForeignSolver, steps: SolverSteps) -> ControllerRea
     if len(factors) < 8:
         raise NotReadable(f"{len(factors)} step sizes are too few to see a law in")
     estimates = list(_estimates(steps))
-    laws = [law for name, estimate in estimates if (law := _law(name, estimate, attempts, atol)) is not None]
-    rejections = [0, *accumulate((not each.accepted for each in attempts), lambda n, more: (n + 1) * more)]
-    in_a_row = f", up to {max(rejections)} in a row" * (max(rejections) > 1)
-    counts = f"{len(attempts)} attempts at steps seen, {sum(map(bool, rejections))} rejected{in_a_row}"
-    if not laws:
+    laws = (law for name, estimate in estimates if (law := _law(name, estimate, attempts, atol)) is not None)
+    most = max(each.rejections for each in attempts)
+    in_a_row = f", up to {most} in a row" * (most > 1)
+    rejected = sum(not each.accepted for each in attempts)
+    counts = f"{len(attempts)} attempts at steps seen, {rejected} rejected{in_a_row}"
+    law = next(laws, None)
+    if law is None:
         pairs = ", ".join(name for name, _ in estimates) or "any pair of the catalogue"
         return ControllerReading(None, (f"no law in the estimate of {pairs} gives the step sizes", counts), traces)
-    best = max(laws, key=lambda law: law.seen)
     if traces:  # slopes that are not those of their times have other errors, too
-        best = replace(best, exception="")
-    after = ["a step after a rejected one does not grow"] if best.after_rejection else []
-    lines = (f"measured: {best.words}", f"r is the estimate of {best.estimate} over the tolerance", *after, counts)
-    return ControllerReading(best, lines, (*_of_another_order(best), *traces))
+        law = replace(law, exception="")
+    after = ["a step after a rejected one does not grow"] if law.after_rejection else []
+    lines = (f"measured: {law.words}", f"r is the estimate of {law.estimate} over the tolerance", *after, counts)
+    return ControllerReading(law, lines, (*_of_another_order(law), *traces))
 
 
 def _of_another_order(law: Law) -> Iterator[str]:
@@ -137,44 +144,50 @@ def _of_another_order(law: Law) -> Iterator[str]:
     method = METHODS.get(law.estimate)  # a blend has no order of its own
     if isinstance(method, RungeKutta) and method.embedded_order is not None and not law.memory and not law.filtered:
         power = 1 + min(method.claimed_order, method.embedded_order)
-        if abs(float(law.exponent) - 1 / power) > _CLOSE:
+        if not _is(float(law.exponent), 1 / power):
             right = f"of an estimate O(h^{power}) it is 1/{power}"
             yield f"the exponent of the step size control is {_shown(law.exponent)}, {right}"
 
 
 def _run(subject: ForeignSolver) -> tuple[Solution, float]:
     """The run, and its absolute tolerance. Raises DoesNotEnd at the larger one."""
-    for atol in _ATOLS:
-        try:
-            return subject.solve(lambda n, t, y: [bumps(t)], _SPAN, (0.0,), _RTOL, atol), atol
-        except DoesNotEnd as failure:
-            last = failure
-    raise last
+
+    def at(atol: float) -> tuple[Solution, float]:
+        return subject.solve(lambda n, t, y: [bumps(t)], _SPAN, (0.0,), _RTOL, atol), atol
+
+    try:
+        return at(_ATOL)
+    except DoesNotEnd:
+        return at(_LARGER_ATOL)
 
 
 def _attempts(run: Solution, steps: SolverSteps) -> Iterator[Attempt]:
     """Every attempt, in turn: as many calls as one makes, and those at its end; accepted is what ends at a step."""
     nodes, position = steps.nodes, 0
-    found: list[tuple[float, float, bool]] = []
+    found: list[Attempt] = []
     for start, end in pairwise(run.t):
         lengths: list[float] = []
-        while position < len(run.calls) and not (lengths and abs(lengths[-1] - (end - start)) <= _SAME * (end - start)):
-            group = [call.t - start for call in run.calls[position : position + len(nodes)]]
-            length = max(group) / max(nodes)
-            if length <= 0 or any(abs(t - c * length) > _SAME * length for t, c in zip(group, nodes, strict=False)):
+        while position < len(run.calls) and not (lengths and _at(start + lengths[-1], end, end - start)):
+            group = [call.t for call in run.calls[position : position + len(nodes)]]
+            length = (max(group) - start) / max(nodes)
+            if length <= 0 or not all(_at(t, start + c * length, length) for t, c in zip(group, nodes, strict=False)):
                 position += 1  # a call of none, as that for the first step size
                 continue
             position += len(nodes)
             lengths.append(length)
-            last = start + length
-            while position < len(run.calls) and abs(run.calls[position].t - last) <= _SAME * length:
+            while position < len(run.calls) and _at(run.calls[position].t, start + length, length):
                 position += 1
-        found += [*((start, length, False) for length in lengths[:-1]), (start, end - start, True)]
+        rejected = lengths[:-1]
+        found += [Attempt(start, length, n, False, None) for n, length in enumerate(rejected, 1)]
+        found.append(Attempt(start, end - start, len(rejected), True, None))
     # What would pass the end is cut to it; the last steps may be stretched, so that they land there.
-    lands = found[-_LANDING][0] if len(found) > _LANDING else run.t[0]
-    for this, (start, length, _) in pairwise(found):
-        free = this[0] < lands and start + length < run.t[-1] - _SAME * length
-        yield Attempt(*this, length / this[1] if free else None)
+    for this, after in pairwise(found):
+        free = this.start < found[-_LANDING:][0].start and after.start + after.h < run.t[-1] - _SAME * after.h
+        yield this._replace(factor=after.h / this.h if free else None)
+
+
+def _at(t: float, time: float, h: float) -> bool:
+    return abs(t - time) <= _SAME * h
 
 
 def _estimates(steps: SolverSteps) -> Iterator[tuple[str, _Estimate]]:
@@ -182,13 +195,13 @@ def _estimates(steps: SolverSteps) -> Iterator[tuple[str, _Estimate]]:
     pairs = {pair.key: pair for pair in steps.pairs}
     rows = {key: [*map(float, _row(pair))] for key, pair in pairs.items()}
     for key, row in rows.items():
-        yield key, lambda k, h, row=row: abs(h * fsum(e * x for e, x in zip(row, k, strict=False)))  # type: ignore[misc]
+        yield key, lambda k, h, row=row: h * abs(fsum(e * x for e, x in zip(row, k, strict=False)))  # type: ignore[misc]
     if {"dop853", "dop853_third"} <= set(rows):
         fifth, third = rows["dop853"], rows["dop853_third"]
 
         def blended(k: Sequence[float], h: float) -> float:
             a, b = (fsum(e * x for e, x in zip(row, k, strict=False)) for row in (fifth, third))
-            return abs(h) * a * a / (a * a + 0.01 * b * b) ** 0.5 if a or b else 0.0
+            return h * a * a / (a * a + 0.01 * b * b) ** 0.5 if a or b else 0.0
 
         yield "dop853 blended with dop853_third", blended
 
@@ -208,7 +221,7 @@ def _is_silent(pair: RungeKutta) -> bool:
 
 class _Point(NamedTuple):
     """One attempt beside the step that follows it: logarithms of its error, of that of the last accepted one and of
-    how much longer it is than that; the factor; and how many were rejected in a row, itself among them."""
+    how much longer it is than that; the factor; and how many were rejected."""
 
     error: float
     before: float
@@ -221,18 +234,16 @@ class _Point(NamedTuple):
 
 def _points(estimate: _Estimate, nodes: Sequence[float], attempts: Sequence[Attempt], atol: float) -> Iterator[_Point]:
     """The attempts whose error is known, and is not 0, if it is known how long the next step is."""
-    before, length, rejections = 0.0, attempts[0].h, 0
+    before, length = 0.0, attempts[0].h
     for each in attempts:
         times = [each.start + c * each.h for c in nodes]
         r = estimate([bumps(t) for t in times], each.h) / atol
-        rejections += not each.accepted
         if each.factor is not None and r > 0:
             at_jump = any(abs(t - round(t)) <= _NEAR for t in times)
             growth = log(each.h / length)
-            yield _Point(log(r), before, growth, each.factor, each.accepted, rejections, at_jump)
-        if each.accepted:
-            rejections = 0
-            before, length = (log(r), each.h) if r > 0 else (before, length)
+            yield _Point(log(r), before, growth, each.factor, each.accepted, each.rejections, at_jump)
+        if each.accepted and r > 0:
+            before, length = log(r), each.h
 
 
 def _law(name: str, estimate: _Estimate, attempts: Sequence[Attempt], atol: float) -> Law | None:
@@ -247,14 +258,14 @@ def _law(name: str, estimate: _Estimate, attempts: Sequence[Attempt], atol: floa
     ]
     # Without memory, if that suffices; some codes remember no error below 10^-4.
     remembered = [p for p in free if p.before > log(_LEAST_REMEMBERED)]
-    fits = (_fitted(free, 2), _fitted(free, 3), _fitted(remembered, 3), _fitted(free, 4))
+    fits = (_fitted(free, 2), _fitted(remembered, 3), _fitted(remembered, 4))
     found = next((fit for fit in fits if fit is not None), None)
     if found is None:
         return None
     exponent, memory, filtered = (_rational(x) for x in [*map(float, found[1:]), 0.0, 0.0][:3])
     held = [p.factor for p in points if p.accepted and p.rejections]
     safety, after = float(exp(found[0])), bool(held) and max(held) <= 1 + _CLOSE
-    law = Law(name, safety, exponent, memory, filtered, smallest, largest, after, len(free), "")
+    law = Law(name, safety, exponent, memory, filtered, smallest, largest, after, "")
     return replace(law, exception=_exception(points, law, min(factors), max(factors)))
 
 
@@ -270,9 +281,7 @@ def _exception(points: Sequence[_Point], law: Law, smallest: float, largest: flo
         forgetful = log(law.safety) - law.exponent * p.error
         remembering = forgetful + law.memory * p.before + law.filtered * p.growth
         said = [exp(min(max(x, log(smallest)), log(largest))) for x in (remembering, forgetful)]
-        # The safety is known to _CLOSE, exponents to a tenth of it.
-        allowed = _CLOSE * (1 + (abs(p.error) + abs(p.before) + abs(p.growth)) / 10)
-        if not any(abs(p.factor - x) <= allowed * x for x in (*said, 1.0)):
+        if not any(_is(p.factor, x) for x in (*said, 1.0)):
             others.append((p, said[0]))
     if not others:
         return ""
@@ -304,7 +313,7 @@ def _is(x: float, value: float | None) -> bool:
 
 def _rational(x: float) -> Fraction | float:
     near = Fraction(x).limit_denominator(_MOST_DENOMINATOR)
-    return near if abs(float(near) - x) <= _CLOSE / 10 else x
+    return near if abs(float(near) - x) <= _EXPONENT else x
 
 
 def _shown(x: Fraction | float) -> str:
@@ -313,6 +322,7 @@ def _shown(x: Fraction | float) -> str:
 
 def _traces(run: Solution, steps: SolverSteps, attempts: Sequence[Attempt]) -> tuple[str, ...]:
     """Steps that do not end where their weights say, the slopes being those of their own times."""
+    allowed = _TRACE * float(steps.reading.format.u)
     reading, tried = steps.reading, {each.start: each.h for each in attempts if not each.accepted}
     wrong_after = wrong_else = seen_after = stale = 0
     for (start, end), (y, y1) in zip(pairwise(run.t), pairwise(run.y), strict=True):
@@ -321,8 +331,6 @@ def _traces(run: Solution, steps: SolverSteps, attempts: Sequence[Attempt]) -> t
         h = end - start
         slopes = [bumps(start + c * h) for c in reading.c or ()]
         off = y1[0] - y[0] - h * fsum(b * k for b, k in zip(reading.b, slopes, strict=True))
-        # Times and y are rounded, the slope at a rounded time is at most 2 _WIDTH u t off; the weights by 4 u.
-        allowed = 64 * float(reading.format.u) * (abs(y[0]) + abs(y1[0]) + h * (1 + 2 * _WIDTH * end) + end)
         seen_after += start in tried
         if abs(off) <= allowed:
             continue

@@ -17,6 +17,7 @@ def adaptive(
     safety=0.8,
     exponent=1 / 3,
     memory=0.0,
+    filtered=0.0,
     least=0.25,
     most=4.0,
     estimate=lambda e: e,
@@ -46,7 +47,7 @@ def adaptive(
         rtol, atol = tolerances(rtol, atol)
         sign = 1.0 if t_span[1] > t_span[0] else -1.0
         t, end, y = clock(t_span[0]), clock(t_span[1]), np.array(y0, dtype=float)
-        times, states, h, before, rejections, failure = [float(t)], [y], sign * first_step, 1.0, 0, ""
+        times, states, h, before, rejections, failure = [float(t)], [y], sign * first_step, (1.0, sign * first_step), 0, ""
         first = f(float(t), y)
         while sign * (end - t) > 0:
             if sign * (t + h - end) > 0 and ending != "beyond":
@@ -67,10 +68,11 @@ def adaptive(
             if r == 0.0:
                 factor = most if growth_at_zero is None else growth_at_zero
             else:
-                factor = min(most, max(least, safety * r**-exponent * before**memory))
+                remembered = before[0] ** memory * (h / before[1]) ** filtered
+                factor = min(most, max(least, safety * r**-exponent * remembered))
             factor = changed(factor, rejections + (r > 1))
             if r <= 1:
-                t, y, before = clock(t + stepped(h)), y1, max(r, 1e-4)
+                t, y, before = clock(t + stepped(h)), y1, (max(r, 1e-4), h)
                 first = k[-1] if c[-1] == 1 and list(a[-1]) == list(b) else f(float(t), y)
                 factor = min(1.0, factor) if rejections and not grows_after_rejection else factor
                 rejections = 0
@@ -92,13 +94,17 @@ def adaptive(
     return solve
 
 
-def fixed(steps=100, *, extra=0, clock=float, order="heun"):
-    """Heun's method, or Euler's, with so many steps of one length; with `extra` ones beyond the end."""
+def fixed(steps=100, *, extra=0, clock=float, order="heun", ratio=1.0):
+    """Heun's method, or Euler's, with so many steps of one length; with `extra` ones beyond the end.
+
+    With another `ratio`, every second step is so much longer.
+    """
 
     def solve(f, t_span, y0, rtol, atol):
-        h, t, y = clock((t_span[1] - t_span[0]) / steps), clock(t_span[0]), np.array(y0, dtype=float)
+        average, t, y = clock((t_span[1] - t_span[0]) / steps), clock(t_span[0]), np.array(y0, dtype=float)
         times, states = [float(t)], [y]
-        for _ in range(steps + extra):
+        for n in range(steps + extra):
+            h = average * (ratio if n % 2 else 1)
             slope = f(float(t), y)
             slope = slope if order == "euler" else (slope + f(float(t + h), y + float(h) * slope)) / 2
             t, y = t + h, y + float(h) * slope
