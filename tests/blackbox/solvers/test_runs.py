@@ -7,6 +7,7 @@ from math import cos, sin
 import numpy as np
 import pytest
 
+from driftproof.blackbox.findings import NoAnswer
 from driftproof.blackbox.solvers.foreign_solver import ForeignSolver
 from driftproof.blackbox.solvers.identify_solver import identify_solver
 from driftproof.blackbox.solvers.runs import read_runs
@@ -201,12 +202,12 @@ def ending_at(time):
     return lambda f, rtol, t, y: ([*t[:-1], time], y)
 
 
-def erring(first, last):
+def erring(first, last, at=1e-5):
     """The solution of q'' = -q at t = 6 but for an error that goes from the first to the last with the tolerance."""
     end = cos(6.0), -sin(6.0)
     return lambda f, rtol, t, y: (
         [0.0, rtol, 6.0],
-        [y[0], y[0], (end[0] + (first if rtol > 1e-5 else last), end[1])],
+        [y[0], y[0], (end[0] + (first if rtol > at else last), end[1])],
     )
 
 
@@ -227,6 +228,31 @@ def in_hundredths(f, rtol, t, y):
     return times, [[t - 0.1, 0.0] for t in times]
 
 
+def apart(by):
+    """The fifth time is later by so much if the second number has the bump."""
+    return lambda f, rtol, t, y: ([*t[:5], t[5] + by * (y[-1][1] > 0), *t[6:]], y)
+
+
+def asking_at(time):
+    """What f is at that time, and at 1, is the end."""
+    return lambda f, rtol, t, y: (t, [*y[:-1], f(time, np.ones(1))])
+
+
+def asking_near(*pairs):
+    """Pairs of questions, at a time and so much later, at 1 and so much more; and the solution in long steps."""
+
+    def change(f, rtol, t, y):
+        for n, (later, more) in enumerate(pairs):
+            f(n / 8, np.ones(1)), f(n / 8 + later, np.ones(1) + more)
+        return following(15)(f, rtol, t, y)
+
+    return change
+
+
+def hanging(f, rtol, t, y):
+    raise NoAnswer("no time")
+
+
 def endless(f, rtol, t, y):
     while True:
         f(t[0], y[0])
@@ -237,6 +263,7 @@ def complaining(f, rtol, t, y):
 
 
 CONSTANT, CLOCK, BACKWARD, STIFF, CIRCLE, JUMP = (0.5,), (0.0, 0.0), (1.0,), (cos(0.1),), (1.0, 0.0), (0.0,)
+NUMBERS = (0.0,) * 5
 LITTLE_BOUGHT = "a tolerance 1000 times smaller"
 # Of a step of 0.017 the last one is cut, or one too many, or something else; a clock of 24 bits is no error.
 SAID = [
@@ -251,6 +278,11 @@ SAID = [
     (CLOCK, ending(by=1.8e-13), "drift apart by 1.8"),  # the bound is 4 u 200 calls of numbers up to 1.8
     (CLOCK, asking_beyond(2e-15), "f is called up to 2e-15 beyond the end"),
     (CLOCK, in_hundredths, "time is accumulated, t += h in binary64"),
+    (CLOCK, lambda f, rtol, t, y: ([*t, 1.817, 1.834], [*y, y[-1], y[-1]]), "the last step ends 0.034 from the end"),
+    (CLOCK, lambda f, rtol, t, y: (t[:1], y[:1]), "it makes no step"),
+    (CLOCK, lambda f, rtol, t, y: (t[::99], y[::99]), "the last step ends -0.017 from the end"),
+    (CLOCK, hanging, "not seen: no time"),
+    (NUMBERS, apart(2e-6), "where y[1] has a bump, it makes 100 steps, where y[0] has it, 100"),
     (CLOCK, endless, "clock: does_not_end: after 30000 calls of f it is at t = 0.1 of"),
     (JUMP, endless, "at a jump of f it does not end: after 30000 calls"),
     (JUMP, complaining, "it says: too steep"),
@@ -259,10 +291,13 @@ SAID = [
     (BACKWARD, ending(by=0.2), "backward in time, from 1 to 0, it ends at t = "),
     (BACKWARD, ending(shift=1e-3), "and does not say so"),
     (CIRCLE, erring(1e-3, 1.1e-4), LITTLE_BOUGHT),
-    (CIRCLE, erring(2e-12, 2e-12), LITTLE_BOUGHT),
+    (CIRCLE, erring(1.16e-12, 1.16e-12), LITTLE_BOUGHT),  # ten times 2^10 u
+    (CIRCLE, erring(1e-3, 0.0, 5e-4), "at rtol = 0.0001: error 0, 0 of it"),
+    (CIRCLE, erring(1e-3, 0.0), "errors fall like rtol^0.00"),
     (CIRCLE, erring(1e-3, 5e-5), "at rtol = 1e-06: error 5e-05, 50 of it"),
     (STIFF, following(15), "it solves for its steps"),
     (STIFF, following(15, off=0.05), "it solves for its steps"),
+    (STIFF, asking_near((0, 2e-7), (0, 0.0), (0, 3e-7), (0, 2e-7), (0.01, 2e-7)), "of f in y, 2 times"),
 ]
 NOT_SAID = [
     (CONSTANT, ending(by=3e-4), "u' = 0 ends at"),
@@ -271,7 +306,12 @@ NOT_SAID = [
     (CLOCK, ending(by=1.4e-13), "drift apart"),
     (BACKWARD, ending(shift=1e-4, by=0.05), "backward in time, from"),
     (CIRCLE, erring(1e-3, 0.9e-4), LITTLE_BOUGHT),
-    (CIRCLE, erring(1e-12, 1e-12), LITTLE_BOUGHT),
+    (CIRCLE, erring(1.1e-12, 1.1e-12), LITTLE_BOUGHT),
+    (CLOCK, lambda f, rtol, t, y: ([*t, t[-1]], [*y, y[-1]]), "one step too many"),
+    (NUMBERS, apart(5e-7), "do not count alike"),
+    (BACKWARD, asking_at((0.1 + (0.1 + 1.7)) / 2), "where f becomes NaN it returns NaN"),
+    (JUMP, asking_at(2.0 / 3.0), "off by 0.13"),
+    (STIFF, asking_near((0, 2e-7)), "it asks for differences"),
     (STIFF, following(19), "it solves for its steps"),
     (STIFF, following(15, off=0.2), "it solves for its steps"),
 ]
