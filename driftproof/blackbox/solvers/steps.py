@@ -122,12 +122,12 @@ def _elsewhere(subject: ForeignSolver, reading: TableauReading) -> Iterator[str]
         except Misbehaviour:  # who cannot do this says so, or is told of it elsewhere
             continue
         for (t, after), (y, y1) in zip(pairwise(run.t), pairwise(run.y), strict=True):
-            h, said = after - t, _stepped(reading, problem.rate, t, after - t, y)
+            said = _stepped(reading, problem.rate, t, after - t, y)
             wrong = [
                 i
                 for i, (x, z, s) in enumerate(zip(y1, said, problem.scales, strict=True))
-                # Slopes are up to some 16 times the numbers, and a time is rounded to u t.
-                if not abs(x - z) <= 16 * reading.rounding.of(abs(s) * (2 + abs(h) * 16 + abs(t)))
+                # Slopes of 16 times the numbers move them by 64 of them in a step of 4; and a time is rounded to u t.
+                if not abs(x - z) <= reading.rounding.of(64 * max(abs(s), abs(z)) * (1 + abs(t)))
             ]
             if wrong:
                 i = wrong[0]
@@ -181,7 +181,7 @@ class _Marked:
         # The slope at the start may be asked for before what the dense output of the step before asks for.
         within = [n for n, call in enumerate(calls) if self.start <= call.t <= self.end]
         self.near = [n for n in within if n > since or calls[n].t == self.start]
-        earlier = self.silent.t[max(self.place - 1, 0)]
+        earlier = self.silent.t[self.place - 1]  # of the first step the end of all, before which there is no start
         self.earlier = [n for n, call in enumerate(self.silent.calls) if earlier <= call.t < self.start]
         elsewhere = next((call for n in self.near if any((call := self.silent.calls[n]).y)), None)
         if elsewhere is not None and self.place:
@@ -214,7 +214,7 @@ class _Marked:
         if not stages:
             raise NotReadable("no call moves the step in which it is made")
         self.first = next((n for n in stages if self.silent.calls[n].t > self.start), self.near[-1])
-        if len(c) > _AT_ONE_TIME and len({*c[-_AT_ONE_TIME:]}) == 1:
+        if c[-_AT_ONE_TIME:] == c[-1:] * _AT_ONE_TIME:
             raise NotReadable(f"{len(c)} calls in one step, the last {_AT_ONE_TIME} at one time: it iterates")
         reading = TableauReading(a, tuple(weights[n] for n in stages), c, self.format)
         self._control(reading, stages)
@@ -262,7 +262,7 @@ class _Marked:
         seen = run.y[self.place + 1][0] - run.y[self.place][0]
         said = self.h * fsum(x * k for x, k in zip(reading.b, answers, strict=True))
         size = self.h * fsum(abs(x * k) for x, k in zip(reading.b, answers, strict=True))
-        if not abs(seen - said) <= reading.rounding.of(2 * size):
+        if not abs(seen - said) <= reading.rounding.of(size):
             raise NotReadable(
                 f"with other answers a step ends at {seen:.6g} where the coefficients read say {said:.6g}: "
                 "it is not linear in its slopes: an iteration, or a limiter"
@@ -274,8 +274,8 @@ class _Marked:
         for (t, end), (before, after) in zip(pairwise(run.t), pairwise(run.y), strict=True):
             h = end - t
             (said,) = _stepped(reading, _bent, t, h, before)
-            size = 1 + abs(before[0]) + abs(h) * fsum(abs(x) for row in (*reading.a, reading.b) for x in row)
-            if not abs(after[0] - said) <= rounding.of(4 * size):
+            size = abs(before[0]) + h * fsum(abs(x) for row in (*reading.a, reading.b) for x in row)
+            if not abs(after[0] - said) <= rounding.of(size):
                 raise NotReadable(
                     f"on a nonlinear problem a step ends at {after[0]:.9g} where the explicit stages read say "
                     f"{said:.9g}: it iterates, or takes other stages than with slopes of ours"

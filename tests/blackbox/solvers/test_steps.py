@@ -20,7 +20,7 @@ PAIRS = ["heun_euler21", "bogacki_shampine32", "fehlberg45", "cash_karp54", "dor
 def test_the_pair_and_its_row_are_named(key, as_before):
     asked = Asked(adaptive(key))
     steps = read_steps(ForeignSolver(asked.code))
-    as_before(*steps.lines, steps.reading, asked)
+    as_before(*steps.lines, steps.reading, steps.nodes, asked)
     assert steps.name == key
     assert key in [pair.key for pair in steps.pairs]
     assert steps.order.order == METHODS[key].claimed_order
@@ -120,6 +120,10 @@ OTHERS = {
     "at times that stand": (lambda f, t_span, y0, *_: ([t_span[0]] * 3, [y0] * 3), "its times do not increase"),
     "at rest elsewhere": (lambda f, t_span, y0, *_: ([*t_span], [y0, y0 + 1.0]), "y = 0 does not stay"),
     "of no calls": (lambda f, t_span, y0, *_: ([*np.linspace(*t_span, 5)], [y0] * 5), "no call moves the step"),
+    "only the start": (lambda f, t_span, y0, *_: ([t_span[0]], [y0]), "does not return the times of its steps"),
+    "from elsewhere": (lambda f, t_span, y0, *_: ([0.5, *t_span], [y0] * 3), "does not return the times of its steps"),
+    "of rk4, without the last stage of a pair": (of_stages(*codes.floats(METHODS["rk4"])), "rk4"),
+    "at the floats before": (of_slopes(lambda f, t, y: f(np.nextafter(t, -1.0), y)), "heun_euler21"),
     "no times": (lambda f, t_span, y0, *_: ([1.0], [y0]), "does not return the times of its steps"),
     "only the end": (only_the_end, "calls fall in one step: an iteration, or it does not return its steps"),
     "multistep": (adams_bashforth, "moves the next, too, by -0.5 h: it is a multistep method"),
@@ -206,8 +210,20 @@ def spoiled(when):
         (lambda t, y, back: 0, []),
     ],
 )
-def test_steps_that_are_others_elsewhere_are_at_fault(when, words):
+def test_steps_that_are_others_elsewhere_are_at_fault(when, words, as_before):
     found = read_steps(ForeignSolver(spoiled(when)))
     assert found.name == "dormand_prince54"
     assert [fault.partition(",")[0] for fault in found.faults] == words
-    assert all("where the stages read say" in fault for fault in found.faults)
+    as_before(*found.faults)
+
+
+@pytest.mark.parametrize(("share", "faults"), [(0.95, []), (1.05, ["of five numbers"])])
+def test_a_step_may_be_off_by_what_rounding_explains_of_slopes_16_times_the_numbers(share, faults):
+    def solve(f, t_span, y0, rtol, atol):
+        times, states = fixed(20)(f, t_span, y0, rtol, atol)
+        if len(y0) > 4:
+            states[9:] = [y + [off * (1 + times[8]) * max(1.0, abs(states[9][0])), 0, 0, 0, 0] for y in states[9:]]
+        return times, states
+
+    off = share * 64 * read_steps(ForeignSolver(fixed(20))).reading.rounding.of(1.0)
+    assert [fault.partition(",")[0] for fault in read_steps(ForeignSolver(solve)).faults] == faults
