@@ -93,7 +93,8 @@ class ForeignSolver:
         def slopes(t: Any, y: Any, *_: Any) -> Any:
             if len(calls) >= MOST_CALLS_OF_A_RUN:
                 raise DoesNotEnd(f"after {MOST_CALLS_OF_A_RUN} calls of f it is at t = {calls[-1].t:.6g} of {t_span}")
-            asked = Call(self.adapter.read(t, 1)[0], tuple(self.adapter.read(y, len(y0))))
+            (at,) = self.adapter.read(t, 1)
+            asked = Call(at, tuple(self.adapter.read(y, len(y0))))
             calls.append(asked)
             return self.adapter.write(rate(len(calls) - 1, *asked))
 
@@ -140,7 +141,8 @@ def taken_by(solve: Callable[..., Any]) -> str:
 def _solution(answer: Any, y0: tuple[float, ...], calls: tuple[Call, ...]) -> Solution:
     """The answer's parts: a pair (t, y), a mapping, or an object with them under usual names."""
     if isinstance(answer, tuple | list) and len(answer) >= 2:
-        times, states, dense = answer[0], answer[1], next(filter(callable, answer[2:]), None)
+        times, states, *further = answer
+        dense = next(filter(callable, further), None)
     else:
         times, states, dense = (_part(answer, names) for names in (_TIMES, _STATES, _DENSE))
         if times is None or states is None:
@@ -163,7 +165,7 @@ def _rows(y: np.ndarray[Any, Any], times: int, y0: tuple[float, ...]) -> tuple[t
     if y.size != times * size:
         raise WrongShape(f"{times} times came with {y.size} numbers, of states of {size}")
     by_time = y.reshape(times, size)
-    if y.ndim == 2 and y.shape == (size, times) and (size != times or tuple(y[:, 0]) == y0):
+    if y.shape == (size, times) and (size != times or tuple(y[:, 0]) == y0):
         by_time = y.T
     return tuple(map(tuple, by_time.tolist()))
 

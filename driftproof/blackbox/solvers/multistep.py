@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import pairwise
-from math import cos, sin
+from math import cos, isclose, sin
 from typing import Any
 
 import numpy as np
@@ -25,8 +25,8 @@ from driftproof.methods.multistep import Multistep
 
 # Of slopes that are a function of t alone every correction is the first: what is left of a recurrence is rounding.
 _SPAN, _TOLERANCES = (0.0, 24.0), (1e-6, 1e-4, 1e-8)
-# Two steps that end at t are of one length if their times, rounded to u t, and sums of some, cannot tell them apart.
-_SAME = 2.0**-49
+# Two steps are of one length if their times, up to 24 and rounded to u t, and sums of some, cannot tell them apart.
+_SAME = 2.0**-45
 # t is up to 24, rounded to u t, and the slopes change as fast as t; a method is told where what the solution itself
 # leaves of its recurrence, its truncation error, is more by far.
 _OF_TIMES, _BY_FAR = 32.0, 2.0**10
@@ -119,12 +119,15 @@ def _equal_steps(subject: ForeignSolver) -> SolverRuns | None:
     runs = [subject.solve(lambda n, t, y: _quadrature(t), (0.0, end), (0.0, 0.0)) for end in (1.5, 3.0)]
     lengths = [[b - a for a, b in pairwise(run.t)] for run in runs]
     # The last step is cut to the end.
-    if any(len(h) < 2 or max(h[:-1]) - min(h[:-1]) > 3.0 * _SAME for h in lengths):
+    if not all(len(h) > 1 and _is_same(max(h[:-1]), min(h[:-1])) for h in lengths):
         return None
     if len(lengths[0]) == len(lengths[1]):
         return SolverRuns(subject, len(lengths[0]), None)
-    same = abs(lengths[0][0] - lengths[1][0]) <= 3.0 * _SAME
-    return SolverRuns(subject, None, lengths[0][0]) if same else None
+    return SolverRuns(subject, None, lengths[0][0]) if _is_same(lengths[0][0], lengths[1][0]) else None
+
+
+def _is_same(h: float, length: float) -> bool:
+    return isclose(h, length, rel_tol=0.0, abs_tol=_SAME)
 
 
 def _quadrature(t: float) -> list[float]:
@@ -176,7 +179,7 @@ def _of_stretches(run: Solution, known: Sequence[Multistep]) -> Iterator[str]:
     recurrences = [(m.key, Recurrence.of(m, run.format)) for m in known]
     equal = 0
     for n, h in enumerate(lengths):
-        equal = equal + 1 if n and abs(h - lengths[n - 1]) <= _SAME * max(1.0, run.t[n + 1]) else 1
+        equal = equal + 1 if _is_same(h, lengths[n - 1]) else 1
         kept = []
         for key, each in recurrences:
             if each.steps <= equal:

@@ -64,14 +64,15 @@ def as_array(value: Foreign) -> np.ndarray[Any, Any]:
 def type_of(value: Foreign) -> str:
     """What the value's own library calls the type of its numbers: float, float64, torch.float32, ..."""
     if isinstance(value, list | tuple) and value:
-        return type_of(value[0])
+        return type_of(next(iter(value)))
     return str(getattr(value, "dtype", type(value).__name__))
 
 
 def _one(numbers: Sequence[AnyNumber]) -> AnyNumber:
     if len(numbers) != 1:
         raise WrongShape(f"a scalar holds one number, not {len(numbers)}")
-    return numbers[0]
+    (number,) = numbers
+    return number
 
 
 class _Parted(np.ndarray[Any, Any]):

@@ -7,7 +7,7 @@ import sys
 from contextlib import suppress
 from typing import Any
 
-_SMALLEST, _SMALLEST_NORMAL = 5e-324, sys.float_info.min
+_SMALLEST_NORMAL = sys.float_info.min
 # 1 + 3/4 ulp lies nearer to the next number than to 1: what becomes of it on either side of 0 tells the four modes.
 _NEARLY_AN_ULP = 3 * 2.0**-54
 _MODES = {
@@ -30,7 +30,7 @@ def arithmetic_seen() -> str:
     """
     up, down, one, ulp = 1.0 + _NEARLY_AN_ULP, -1.0 - _NEARLY_AN_ULP, 1.0, 2.0**-52
     rounding = _MODES[up == one + ulp, down == -(one + ulp)]
-    lost = _SMALLEST * one == 0.0 or _SMALLEST_NORMAL * 0.5 == 0.0
+    lost = _SMALLEST_NORMAL / 2 * 2 == 0.0  # whether results are flushed, or what is given
     return " and ".join(filter(None, [rounding, "flushes subnormal numbers to zero" if lost else ""]))
 
 

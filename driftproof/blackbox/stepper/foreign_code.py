@@ -92,7 +92,7 @@ class ForeignCode:
             except NotANumber as refusal:
                 place = str(refusal).replace("it returns", "it asks for its right-hand side at")
                 raise NotANumber(place) from None
-            at = self.adapter.read(arguments[time], 1)[0] if len(arguments) > 1 else t
+            (at,) = self.adapter.read(arguments[time], 1) if len(arguments) > 1 else (t,)
             return write(rate(at, asked))
 
         return self.adapter.function(called)

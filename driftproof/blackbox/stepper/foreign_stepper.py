@@ -172,7 +172,7 @@ class ForeignStepper(ForeignCode):
             position = given[POSITION]
             size = 1 if size_of(position) == 1 else len(q)
             asked = adapter.read(position, size)
-            at = adapter.read(given[TIME], 1)[0] if TIME in order and TIME in given else t
+            (at,) = adapter.read(given[TIME], 1) if TIME in order and TIME in given else (t,)
             moving = adapter.read(given[VELOCITY], size) if VELOCITY in given else []
             answering = SCALARS if adapter is ARRAYS and np.ndim(position) == 0 else adapter
             return answering.write(scaled(force(at, asked, moving)))

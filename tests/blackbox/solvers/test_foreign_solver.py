@@ -8,7 +8,18 @@ import numpy as np
 import pytest
 
 from driftproof.blackbox.findings import Misbehaviour, StepRaised
-from driftproof.blackbox.solvers.foreign_solver import DoesNotEnd, ForeignSolver, SolverTarget, in_binary32
+from driftproof.blackbox.solvers.foreign_solver import (
+    COUNT,
+    LENGTH,
+    NOTHING,
+    TOLERANCE,
+    TOLERANCES,
+    DoesNotEnd,
+    ForeignSolver,
+    SolverTarget,
+    in_binary32,
+    taken_by,
+)
 from driftproof.symbolic.rounding.formats import BINARY32, BINARY64
 from tests.blackbox.solvers.planted_solvers import adaptive, fixed
 from tests.looping import exactly
@@ -60,6 +71,32 @@ def test_what_comes_instead_of_an_answer_is_named():
         ForeignSolver(endless).solve(lambda n, t, y: [1.0], (0.0, 1.0), (1.0,))
 
 
+TAKEN = {
+    TOLERANCES: (lambda f, t_span, y0, rtol, atol: 0, "rtol=0.25, atol=0.5", (0.25, 0.5)),
+    TOLERANCE: (lambda f, t_span, y0, tol, **options: 0, "tol=0.5", (0.5,)),
+    LENGTH: (lambda f, t_span, y0, _DT, more=2: 0, "h=0.375", (0.375,)),
+    COUNT: (lambda f, t_span, y0, N: 0, "n=8", (8,)),
+    NOTHING: (lambda f, t_span, y0, **options: 0, "", ()),
+}
+
+
+@pytest.mark.parametrize("takes", TAKEN)
+def test_a_run_is_told_before_and_after_with_what_the_solver_takes(takes):
+    solve, words, values = TAKEN[takes]
+    told, taken = [], []
+
+    def noting(f, t_span, y0, *given):
+        taken.append((t_span, [*y0], given))
+        return T, [[1.0], [2.0], [3.0]]
+
+    subject = ForeignSolver(noting, takes=taken_by(solve), before=told.append, after=lambda: told.append("over"))
+    assert (subject.takes, subject.adaptive) == (takes, takes in (TOLERANCES, TOLERANCE))
+    assert subject.solve(lambda n, t, y: y, (1.0, 4.0), (1.0,), 0.25, 0.5, 8).y == ((1.0,), (2.0,), (3.0,))
+    assert taken == [((1.0, 4.0), [1.0], values)]
+    assert told == [", ".join(filter(None, ["f, t_span=(1.0, 4.0), y0=[1.0]", words])), "over"]
+    assert taken_by(lambda *arguments: 0) == TOLERANCES
+
+
 def test_a_failure_that_is_said_is_kept():
     for said in exactly(2, [{"success": False, "message": "no"}, {"status": -1, "message": "no"}]):
         answer = SimpleNamespace(t=T, y=[1.0, 2.0, 3.0], **said)
@@ -97,6 +134,10 @@ ANSWERS = {
     "another start": ([0.0, 0.5, 1.0], [[9.0, 2.0], [3.0, 4.0], [5.0, 6.0]]),
     "NaN": ([0.0, 1.0], [[1.0, 2.0], [float("nan"), 4.0]]),
     "flat": (T, [1.0, 2.0, 3.0, 4.0, 5.0, 6.0]),
+    "one alone": ([0.0, 1.0],),
+    "a good status": {"t": T, "y": Y, "status": 0, "message": "the end"},
+    "a status alone": {"t": T, "y": Y, "status": -1},
+    "a success in spite of its status": {"t": T, "y": Y, "status": -1, "success": True, "message": "no"},
     "a status": {"t": T, "y": Y, "status": 1, "message": "an event"},
     "a failure": {"t": T, "y": Y, "status": -1, "message": "step size"},
     "no message": {"t": T, "y": Y, "success": False},
@@ -119,7 +160,7 @@ def test_what_is_made_of_an_answer_is_what_it_was(name, as_before):
 
 
 def stubborn(f, t_span, y0, rtol, atol):
-    raise TypeError("no arrays, no lists")
+    raise TypeError(f"no {type(y0).__name__}")
 
 
 def not_finite(f, t_span, y0, rtol, atol):

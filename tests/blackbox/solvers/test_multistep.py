@@ -127,6 +127,34 @@ def test_the_methods_of_a_solver_of_several_orders_are_told_where_its_steps_are_
     assert memory.order is None
 
 
+def of_two_lengths(f, t_span, y0, rtol, atol):
+    """Begun anew with steps of half the length."""
+    t, y, times, states = t_span[0], np.array(y0), [t_span[0]], [np.array(y0)]
+    for part, h in ((0.4, 0.5 * rtol**0.1), (1.0, 0.25 * rtol**0.1)):
+        step = adams_bashforth2()
+        while t < part * t_span[1]:
+            y, t = step(f, t, y, h), t + h
+            times.append(t)
+            states.append(y)
+    return times, states
+
+
+def test_steps_of_two_lengths_are_told_and_counted(as_before):
+    asked = Asked(of_two_lengths)
+    memory = read_memory(SolverTarget(asked.code).open())
+    assert memory.name == "forward_euler, adams_bashforth2 where its steps are of one length"
+    as_before(*memory.lines, memory.order, memory.faults, asked)
+
+
+@pytest.mark.parametrize(("by", "name"), [(2.0**-46, STARTED), (2.0**-44, "where its steps are of one length")])
+def test_lengths_are_one_if_their_times_cannot_tell_them_apart(by, name):
+    def solve(f, t_span, y0, rtol, atol):
+        times, states = run(adams_bashforth2, f, t_span, y0, 100)
+        return [*times[:50], *(t + by for t in times[50:])], states
+
+    assert read_memory(SolverTarget(solve).open()).name.endswith(name)
+
+
 def test_a_solver_of_stages_keeps_no_recurrence_by_chance():
     with pytest.raises(NotReadable, match="none that follows others of its length keeps a recurrence known here"):
         read_memory(SolverTarget(adaptive("dormand_prince54", exponent=0.2)).open())
@@ -138,7 +166,9 @@ def test_weights_alone_are_no_name():
     def solve(f, t_span, y0, rtol, atol):
         t, y, times, states = t_span[0], np.array(y0), [t_span[0]], [np.array(y0)]
         while t < t_span[1]:
-            h = min(t_span[1] - t, 0.5 * rtol ** (1 / 3) * (1.0 if t < t_span[1] / 2 else 1.5))
+            h = min(t_span[1] - t, 5 * rtol ** (1 / 3) * (1.0 if t < t_span[1] / 2 else 1.5))
+            while rtol < 1e-7:
+                f(t, y)
             slope = f(t, y)
             t, y = t + h, y + h / 2 * (slope + f(t + h, y + h * slope))
             times.append(t)
@@ -149,9 +179,12 @@ def test_weights_alone_are_no_name():
         read_memory(SolverTarget(solve).open())
 
 
-def test_too_few_steps_of_its_own_are_said():
-    few = lambda f, t_span, y0: run(adams_bashforth2, f, t_span, y0, 10)
-    with pytest.raises(NotReadable, match="it returns 11 states in a run of 40 steps"):
+@pytest.mark.parametrize(
+    ("steps", "words"), [(10, "it returns 11 states in a run of 40"), (2, "it returns 3 states"), (1, "its steps are those of forward_euler, as")]
+)
+def test_too_few_steps_of_its_own_are_said(steps, words):
+    few = lambda f, t_span, y0: run(adams_bashforth2, f, t_span, y0, steps)
+    with pytest.raises(NotReadable, match=words):
         read_memory(SolverTarget(few).open())
 
 

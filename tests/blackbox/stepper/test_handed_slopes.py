@@ -62,6 +62,15 @@ def exchanged(f, t, y, h, f_prev):
     return y + h * (1.5 * f_prev - 0.5 * f(t, y))
 
 
+def of_the_end_with_its_time(f, t, y, h, f_prev):
+    return t + h, *of_the_end(f, t, y, h, f_prev)
+
+
+def of_the_middle(f, t, y, h, f_prev):
+    middle = f(t + h / 2, y + h / 2 * f(t, y))
+    return y + h * (1.5 * middle - 0.5 * f_prev), middle
+
+
 def of_the_wrong_end(f, t, y, h, f_prev):
     after = y + h * (1.5 * f(t, y) - 0.5 * f_prev)
     return after, f(t + h, after)
@@ -77,6 +86,8 @@ SAID = {
     history_returned: "it is adams_bashforth2, started by forward_euler",
     bashforth4: "it is adams_bashforth4",
     of_the_end: "it is heun2, the same step as ssprk22, heun_euler21",
+    of_the_end_with_its_time: "it is heun2, the same step as ssprk22, heun_euler21",
+    of_the_middle: "it is no method that is known here",
     stale: "it is a multistep method of 2 steps that is not known here; it is not zero-stable",
     exchanged: "adams_bashforth2 but for sigma[0]: 3/2 instead of -1/2; sigma[1]: -1/2 instead of 3/2",
     of_the_wrong_end: "it is forward_euler",
@@ -105,13 +116,18 @@ def test_a_step_of_no_earlier_slopes_is_left_alone():
 
 def test_a_history_that_is_too_short_for_good_is_no_start():
     def deep(f, t, y, h, history):
-        return y + h * history[-20]
+        return y + h * history[-9]
+
+    def as_deep_as_allowed(f, t, y, h, history):
+        return y + h * history[-8]
 
     def later(f, t, y, h, history):
         return y + h * history[-2] if history else y
 
     with pytest.raises(IndexError):
         with_slopes_kept(deep)(lambda t, y: y, 0.0, 1.0, 0.5)
+    step = with_slopes_kept(as_deep_as_allowed)
+    assert [step(lambda t, y: n, 0.0, 1.0, 0.5) for n in range(10)] == [1.0] * 9 + [1.5]
     step = with_slopes_kept(later)
     assert step(lambda t, y: y, 0.0, 1.0, 0.5) == 1.0
     with pytest.raises(IndexError):
