@@ -10,6 +10,7 @@ import sys
 import tempfile
 import traceback
 import warnings
+from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, field, replace
@@ -105,14 +106,13 @@ class IsolatedRunner:
         A stepper that cannot even be opened is tried once: that outcome is the outcome of all. A probe whose call hangs
         is begun anew, and answers without it.
         """
-        asked, outcomes, hangs = [opens, *probes], list[Outcome](), 0
+        asked, outcomes, hangs = [opens, *probes], list[Outcome](), Counter[int]()
         while len(outcomes) < len(asked):
             known = len(self.hung)
             for outcome in self._some(asked[len(outcomes) :]):
-                if len(self.hung) > known and outcomes and hangs < _MOST_HANGS:
-                    hangs += 1
+                if len(self.hung) > known and outcomes and hangs[len(outcomes)] < _MOST_HANGS:
+                    hangs[len(outcomes)] += 1
                     break
-                hangs = 0
                 outcomes.append(outcome)
             if outcomes and outcomes[0].failed:
                 return outcomes[:1] * len(probes)

@@ -186,7 +186,7 @@ def _tried(subject: ForeignStepper, trial: TrialStep) -> ForeignStepper:
         if [np.allclose(x, TRIAL_STATE[::-1], rtol=0, atol=4 * _TINY) for x in ends] == [True, False]:
             return _tried(_of_velocity_first(subject), trial)
     moved = np.max(np.abs(end))
-    if 0 < moved < _SUSPICIOUS * TRIAL_STATE[0] and np.max(np.abs(trial(subject, _TINY))) < 4 * _TINY:
+    if 0 < moved < _SUSPICIOUS and np.max(np.abs(trial(subject, _TINY))) < 4 * _TINY:
         raise Increment(f"as h goes to 0 it returns 0, not the state: an increment{increment_wrapper(subject)}")
     types, asks = subject.log.types, subject.log.asks
     subject.format = next((fmt for name, fmt in _FORMATS.items() if any(t.endswith(name) for t in types)), BINARY64)

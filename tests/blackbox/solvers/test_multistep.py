@@ -180,7 +180,12 @@ def test_weights_alone_are_no_name():
 
 
 @pytest.mark.parametrize(
-    ("steps", "words"), [(10, "it returns 11 states in a run of 40"), (2, "it returns 3 states"), (1, "its steps are those of forward_euler, as")]
+    ("steps", "words"),
+    [
+        (10, "it returns 11 states in a run of 40"),
+        (2, "it returns 3 states"),
+        (1, "its steps are those of forward_euler, as"),
+    ],
 )
 def test_too_few_steps_of_its_own_are_said(steps, words):
     few = lambda f, t_span, y0: run(adams_bashforth2, f, t_span, y0, steps)

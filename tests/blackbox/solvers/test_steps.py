@@ -222,7 +222,8 @@ def test_a_step_may_be_off_by_what_rounding_explains_of_slopes_16_times_the_numb
     def solve(f, t_span, y0, rtol, atol):
         times, states = fixed(20)(f, t_span, y0, rtol, atol)
         if len(y0) > 4:
-            states[9:] = [y + [off * (1 + times[8]) * max(1.0, abs(states[9][0])), 0, 0, 0, 0] for y in states[9:]]
+            more = np.array([off * (1 + times[8]) * max(1.0, abs(states[9][0])), 0, 0, 0, 0])
+            states[9:] = [y + more for y in states[9:]]
         return times, states
 
     off = share * 64 * read_steps(ForeignSolver(fixed(20))).reading.rounding.of(1.0)

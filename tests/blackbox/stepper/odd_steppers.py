@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 from typing import NamedTuple, TypedDict
 
@@ -111,6 +112,22 @@ def of_rows(f, t, y, h):
     return y + h * f(t, y)
 
 
+def of_one_number(f, t, y, k1, h):
+    after = math.fsum([y, h * k1])
+    return after, f(t + h, after)
+
+
+def of_one_number_stale(f, t, y, k1, h):
+    if not isinstance(y, float):
+        raise TypeError("of one number")
+    return math.fsum([y, h * k1]), k1
+
+
+handing_on_nearly = lambda f, t, y, k1, h: (y + h * k1, f(t + h, y + h * k1) * (1 + 2.0**-9))
+handing_on_another = lambda f, t, y, k1, h: (y + h * k1, f(t + h, y + h * k1) * (1 + 2.0**-7))
+handing_on_too_few = lambda f, t, y, k1, h: (y + h * k1, f(t + h, y + h * k1)[:1])
+handing_on_nothing = lambda f, t, y, k1, h: (y + h * f(t, y),)
+to_rest = lambda q, v, h: (0.0 * q, 0.0 * v)
 increment_of_a_state = lambda y, h: h * np.array([y[1], -y[0]])
 increment_of_a_field = lambda f, t, y, h: h * f(t, y)
 

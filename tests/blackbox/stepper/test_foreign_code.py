@@ -9,6 +9,7 @@ import pytest
 from driftproof.blackbox.findings import Misbehaviour, NotANumber, NotFinite, StepRaised, WrongShape
 from driftproof.blackbox.stepper.opening import opened
 from tests.blackbox.stepper import euler_steps
+from tests.looping import exactly
 
 STATE, H = (1.0, 0.75), 0.25
 
@@ -46,6 +47,7 @@ def test_nan_in_an_argument_is_no_change_of_it():
         ((1.0, 2.0, 3.0), WrongShape, "it returns (1.0, 2.0, 3.0), not a pair (q1, v1)"),
         ((1.0, [2.0, 3.0]), WrongShape, "1 number went in, 2 came out"),
         (np.zeros(100), WrongShape, "..."),
+        ([1.0] * 12, WrongShape, "1.0], not a pair"),  # of 60 letters, all of which are shown
         ("ab", NotANumber, "it returns str with entries of type <U1, not real numbers"),
         ((1.0, None), NotANumber, "it returns None"),
         ((1.0, 2j), NotANumber, "entries of type complex128, not real numbers"),
@@ -78,6 +80,7 @@ ANSWERS = [
     (lambda t, y1, error: (y1, error, "accepted"), 2),
     (lambda t, y1, error: (y1, max(error)), 1),
     (lambda t, y1, error: (t, y1), 0),
+    (lambda t, y1, error: (y1, np.zeros(3)), 0),
     (lambda t, y1, error: (y1, "accepted"), 0),
     (lambda t, y1, error: y1, 0),
 ]
@@ -99,8 +102,9 @@ def test_of_one_number_too_the_time_is_told_from_the_state():
     subject = replace(opened(with_time), function=lambda f, t, y, h: (y + h * f(t, y), 0.0))
     assert subject.step_field(lambda t, y: [-y[0]], 2.0, [1.0], H) == [0.75]
     assert subject.log.beside == [0.0]
-    near = replace(opened(with_time), function=lambda f, t, y, h: (1.02 * (t + h), 0.5))  # a state, beside its error
-    assert near.step_field(lambda t, y: [-y[0]], 2.0, [1.0], H) == [1.02 * (2 + H)]
+    for off, y1 in exactly(2, ((1.02, [1.02 * (2 + H)]), (1.01, [0.5]))):  # a state, beside its error; or a time
+        near = replace(opened(with_time), function=lambda f, t, y, h, off=off: (off * (t + h), 0.5))
+        assert near.step_field(lambda t, y: [-y[0]], 2.0, [1.0], H) == y1
 
 
 def test_exceptions_of_the_stepper_come_in_one_line():
@@ -141,15 +145,29 @@ def test_each_call_is_said_to_be_over_also_where_it_raises():
     [
         lambda q, v, h, n: ([0.0, h], [q, q + h * v], [v, v - h * q]),
         lambda q, v, h, n: [(q, v), (q + h * v, v - h * q)],
+        lambda q, v, h, n: ([q, q + h * v], [v, v - h * q]),
         lambda q, v, h, n: (q + h * v, v - h * q),
         lambda f, y0, h, n: ([0.0, h], [[*y0], [*(y0 + h * f(0.0, y0))]]),
         lambda f, y0, ts: [[a, b] for a, b in zip(y0, y0 + ts[1] * f(0.0, y0), strict=True)],
     ],
-    ids=["times and columns", "rows", "the end alone", "times and rows", "columns"],
+    ids=["times and columns", "rows", "columns apart", "the end alone", "times and rows", "columns"],
 )
 def test_the_end_of_a_run_is_found_in_rows_and_columns_with_and_without_times(run):
     subject = opened(run)
     assert (subject.shortest, subject.step(1.0, 0.75, 0.25)) == (1, (1.1875, 0.5))
+
+
+def test_a_run_of_no_fewer_than_eight_steps_is_opened_with_eight():
+    def run(q, v, h, n):
+        if n < 8:
+            raise ValueError("too few")
+        states = [(q, v)]
+        for _ in range(n):
+            states.append(euler_steps.map_of_numbers(*states[-1], h))
+        return states
+
+    subject = opened(run)
+    assert (subject.shortest, subject.convention.steps) == (8, 1)
 
 
 def test_a_run_that_is_not_of_one_step_is_refused_in_words():

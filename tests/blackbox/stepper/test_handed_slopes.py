@@ -127,7 +127,7 @@ def test_a_history_that_is_too_short_for_good_is_no_start():
     with pytest.raises(IndexError):
         with_slopes_kept(deep)(lambda t, y: y, 0.0, 1.0, 0.5)
     step = with_slopes_kept(as_deep_as_allowed)
-    assert [step(lambda t, y: n, 0.0, 1.0, 0.5) for n in range(10)] == [1.0] * 9 + [1.5]
+    assert [step(lambda t, y, n=n: n, 0.0, 1.0, 0.5) for n in range(10)] == [1.0] * 9 + [1.5]
     step = with_slopes_kept(later)
     assert step(lambda t, y: y, 0.0, 1.0, 0.5) == 1.0
     with pytest.raises(IndexError):

@@ -1,5 +1,6 @@
 """A stepper by its name or as a callable: what is imported, and what is refused in one line."""
 
+import inspect
 import re
 import sys
 from types import SimpleNamespace
@@ -14,6 +15,7 @@ from driftproof.blackbox.stepper.wrappers import wrapper_line
 from driftproof.symbolic.rounding.formats import BINARY32
 from tests.blackbox.stepper.euler_steps import Tensor
 from tests.blackbox.stepper.odd_steppers import ODD
+from tests.blackbox.transcripts import Asked
 
 
 def local_step(q, v, h):
@@ -61,20 +63,24 @@ def test_a_name_without_a_stepper_is_refused_in_one_line(name, message):
 @pytest.mark.parametrize("name", ODD)
 def test_what_is_seldom_met_is_opened_or_refused_as_before(name, as_before, monkeypatch):
     monkeypatch.setitem(sys.modules, "torch", SimpleNamespace(tensor=lambda x, dtype: Tensor(x), float64="double"))
+    asked = Asked(ODD[name])
+    step = asked.code if inspect.isfunction(ODD[name]) else ODD[name]
     try:
-        subject = opened(ODD[name])
+        subject = opened(step)
     except (ValueError, Misbehaviour) as refusal:
         as_before(
             type(refusal).__name__,
             re.split(" is not one of these| fits no calling", str(refusal))[0],
-            wrapper_line(ODD[name]),
+            wrapper_line(step),
+            asked,
         )
     else:
-        steps = [subject.step(1.0, 0.75, 0.25), subject.step(-3.0, 0.5, 1.5)]
+        steps = [] if subject.single else [subject.step(1.0, 0.75, 0.25), subject.step(-3.0, 0.5, 1.5)]
         as_before(
             subject.adapter.name,
             call_text(subject, 1.0, 0.75, 0.25),
             *steps,
             subject.log.changes_its_arguments,
             *subject.log.types,
+            asked,
         )

@@ -1,5 +1,6 @@
 """Thirty-seven correct steppers in different styles, those of docs/steppers.md: opened, and named."""
 
+import inspect
 import re
 import sys
 from types import SimpleNamespace
@@ -12,6 +13,7 @@ from driftproof.blackbox.stepper.call_text import call_text
 from driftproof.blackbox.stepper.opening import opened
 from driftproof.blackbox.stepper.state_forms import CompiledCallback
 from tests.blackbox.stepper.styles import STYLES, defined, keys_of, namespace
+from tests.blackbox.transcripts import Asked
 
 
 @pytest.mark.parametrize("style", [s for s in STYLES if not s.wrapper], ids=lambda style: style.title)
@@ -20,10 +22,10 @@ def test_a_style_is_opened_as_it_is_written_and_named(style, as_before):
         pytest.skip(f"{package} is not installed")
     step = defined(style.code)
     assert style.key in keys_of(step)
-    subject = opened(step)
-    as_before(
-        subject.adapter.name, subject.convention.kind, subject.convention.order, call_text(subject, 1.0, 0.75, 0.25)
-    )
+    asked = Asked(step)
+    subject = opened(asked.code if inspect.isfunction(step) else step)
+    call = call_text(subject, 1.0, 0.75, 0.25)
+    as_before(subject.adapter.name, subject.convention.kind, subject.convention.order, call, asked)
 
 
 @pytest.mark.parametrize("title", ["A dataclass", "A named tuple", "A dict", "A complex number", "Bodies in space"])

@@ -19,6 +19,14 @@ def test_every_style_moves_as_the_plain_one(step):
     assert (seen.x, seen.v) == (pytest.approx(said.x, abs=1e-14), pytest.approx(said.v, abs=1e-14))
 
 
+def test_a_call_is_told_with_all_that_is_given():
+    pushed, turned = [], []
+    step_in_fields(opened(codes.boris(), before=pushed.append), PUSH)
+    turn_quaternion(opened(codes.quaternion("rk4"), before=turned.append), [1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 1.0], 0.5)
+    assert pushed[-1] == "x=[1.0, 2.0, 3.0], v=[0.0, 1.0, -1.0], E=[0.5, 0.0, 1.0], B=[0.0, 2.0, 1.0], h=0.5"
+    assert turned[-1] == "q=[1.0, 0.0, 0.0, 0.0], omega=[0.0, 0.0, 1.0], h=0.5"
+
+
 def test_a_charge_and_a_mass_are_made_good_by_the_fields():
     assert step_in_fields(opened(codes.kinetic), PUSH).v == pytest.approx(
         step_in_fields(opened(codes.boris()), PUSH).v, abs=1e-14

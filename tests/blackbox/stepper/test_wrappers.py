@@ -10,6 +10,7 @@ from driftproof.blackbox.findings import Increment, Misbehaviour
 from driftproof.blackbox.stepper.opening import opened
 from driftproof.blackbox.stepper.wrappers import wrapper_line
 from tests.blackbox.stepper.styles import STYLES, keys_of, namespace
+from tests.blackbox.transcripts import summed
 
 
 @pytest.mark.parametrize("style", [s for s in STYLES if s.wrapper], ids=lambda style: style.title)
@@ -52,16 +53,21 @@ def exchanged(force, q, v, h):
     return verlet_velocity_first(force, v, q, h)
 
 
-def test_a_step_of_velocities_first_is_read_so_where_its_arguments_say_it_and_else_shown_how_to_turn_them():
+def test_a_step_of_velocities_first_is_read_so_where_its_arguments_say_it_and_else_shown_how_to_turn_them(
+    as_before,
+):
     first = verify(verlet_velocity_first, "velocity_verlet", examples=50, isolate=False)
     assert first.passed
     assert "and comes back as (v1, q1)" in first.section("State: passed").lines[0]
+    said = [*summed(first)]
     for step in (exchanged, verlet_of_an_array, verlet_of_a_state):
         report = verify(step, "velocity_verlet", examples=50, isolate=False)
         assert report.passed is False
+        said += summed(report)
         names = {step.__name__: step}
         exec("def wrapped(" + report.verdict.partition("write: def wrapped(")[2].partition("; the state is")[0], names)
         assert verify(names["wrapped"], "velocity_verlet", examples=50, isolate=False).passed
+    as_before(*said)
 
 
 def test_a_whole_solver_is_sent_to_its_own_command_and_nothing_is_said_of_the_unknown():
