@@ -60,9 +60,9 @@ class Attempt(NamedTuple):
 class Law:
     """h_next = h · clip(safety · r^(-exponent) · r_before^(memory) · (h/h_before)^(filtered), smallest, largest).
 
-    r is the error over the tolerance, in the estimate of the pair `estimate`. `smallest` and `largest` are None where no
-    factor was cut. `after_rejection` says that a step after a rejected one does not grow, `exception` which other steps
-    are not of this law.
+    r is the error over the tolerance, in the estimate of the pair `estimate`. `smallest` and `largest` are None where
+    no factor was cut. `after_rejection` says that a step after a rejected one does not grow, `exception` which other
+    steps are not of this law.
     """
 
     estimate: str
