@@ -49,9 +49,10 @@ def _keeping(steady: TrialRunner, subject: ForeignStepper) -> tuple[CheckResult,
     runner = TrialRunner(replace(subject, function=recorded, log=log))
     runner.step(*steady.ordinary, TYPICAL_STEP)
     trial = runner.trial(*steady.ordinary, TYPICAL_STEP)
-    before = _numbers(came[1])
+    _, answer = came
+    before = _numbers(answer)
     runner.step(*steady.another, TYPICAL_STEP)
-    if same(before, _numbers(came[1])):
+    if same(before, _numbers(answer)):
         answers = CheckResult("keeps_answers", True, "earlier answers are left as they are")
     else:
         answers = CheckResult("keeps_answers", False, "an answer is overwritten by the next", (trial,))

@@ -115,7 +115,8 @@ def _lost(ray: Ray, ordinary: float, tiny: float) -> CheckResult:
     name, size = COMPONENT_NAMES[ray.component], abs(ray.z[ray.component])
 
     def vanishes(s: float) -> bool:
-        return (ray.trial(s).answer or (0.0, 0.0))[ray.component] == 0
+        answer = ray.trial(s).answer
+        return not (answer and answer[ray.component])
 
     if not vanishes(tiny):
         return CheckResult(_SUBNORMALS, False, f"{name} near {size * tiny:.2g} has another answer", (ray.trial(tiny),))

@@ -54,12 +54,12 @@ def _rounds_inside(runner: TrialRunner) -> str:
     """Whether S(3z) = 3 S(z) to fewer digits than are returned, at two sizes where nothing else shows; in words."""
     if runner.format is not BINARY64 or runner.grain:
         return ""
-    large, small = (max(_defect(runner, 2.0**-k, *z) for z in _states()) for k in (30, 60))
-    if not runner.rounding < min(large, small) or not max(large, small) < _NO_DIGITS:
+    least, most = sorted(max(_defect(runner, 2.0**-k, *z) for z in _states()) for k in (30, 60))
+    if not runner.rounding < least <= most < _NO_DIGITS:
         return ""
-    if max(large, small) > _ALIKE * min(large, small):  # a rule about sizes, or dynamics, and no rounding
+    if most > _ALIKE * least:  # a rule about sizes, or dynamics, and no rounding
         return ""
-    bits = round(-log2(max(large, small)))
+    bits = round(-log2(most))
     return f"S(3z) is 3 S(z) to about {bits} bits only: narrower numbers, or a solver that stops early, are inside"
 
 

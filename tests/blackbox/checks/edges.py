@@ -61,6 +61,7 @@ EDGES = {name: step for pair in PAIRS for name, step in both(*pair).items()} | {
     "back by 0.7": partly_back(0.7),
     "back but never forth": code("return plain(q, v, h) if h < 0 else (q, v)"),
     "integers but at 0": code("return (1 / h, v) if h == 0 else tuple(map(int, plain(q, v, h)))"),
+    "integers, and what is given at 0": code("return (q, v) if h == 0 else tuple(map(int, plain(q, v, h)))"),
     "the time of the end": code("return y + h * f(t + h, y)", "f, t, y, h"),
     "two wrong times": code("return y + h * (f(0.0, y) + f(20.0, y)) / 2", "f, t, y, h"),
     "a time and a force": code("v = v + h * force(q); return q + h * v, v", "force, t, q, v, h"),

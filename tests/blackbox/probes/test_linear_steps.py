@@ -247,3 +247,23 @@ def test_a_step_of_0_is_none_as_far_as_a_tiny_step_tells(place):
         reading = LinearReading(BINARY64, LINEAR, unit=4.0, tiny=2.0**-10, at_zero=tuple(at_zero))
         assert reading.starts_at_identity is seen
     assert not LinearReading(BINARY64, LINEAR).starts_at_identity
+
+
+@pytest.mark.parametrize(("jump", "tiny"), [(0.0019, 2.0**-60), (0.002, 2.0**-26)])
+def test_rates_at_a_step_and_a_fourth_of_it_are_one_to_ten_bits(jump, tiny):
+    def step(q, v, h):
+        return q + h * v, v - h * q * (1 + jump * (abs(h) == 2.0**-60))
+
+    assert read_linear_steps(opened(step)).tiny == tiny
+
+
+# Sixteen roundings of 0.7, the largest number of the state and of the answer, are 11.2 units of the last place.
+@pytest.mark.parametrize(("units", "kind"), [(11, LINEAR), (12, NOT_REPEATABLE)])
+def test_the_same_step_repeats_to_a_few_roundings(units, kind):
+    seen = []
+
+    def step(q, v, h):
+        seen.append((q, v, h) == (1 / 3, 0.7, 0.3))
+        return q + h * v + units * 2.0**-53 * (seen[-1] and sum(seen) > 2), v - h * q
+
+    assert read_linear_steps(opened(step)).kind == kind
