@@ -20,7 +20,7 @@ from driftproof.blackbox.judging.nonlinear_problems import (
     field_problem,
     force_problem,
 )
-from driftproof.blackbox.judging.nonlinear_step import distance
+from driftproof.blackbox.judging.nonlinear_step import off_by
 from driftproof.blackbox.stepper.array_adapters import AnyNumber, ArrayAdapter
 from driftproof.blackbox.stepper.calling_conventions import FIELD
 from driftproof.blackbox.stepper.foreign_code import CallLog
@@ -112,7 +112,7 @@ def _errors(subject: ForeignStepper, problem: NonlinearProblem, steps: Sequence[
     for h in steps:
         answer = problem.stepped(subject, START, start, h)
         exact = problem.solution(arb(START) + h)
-        found.append(max(map(distance, answer, exact)))
+        found.append(max(map(off_by, answer, exact)))
     return found
 
 

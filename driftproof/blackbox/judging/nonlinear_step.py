@@ -108,7 +108,7 @@ def _beside(
             said = own_step(method, problem, t, start, h)
             allowed = allowed_off(subject, method, allowance, 1 + max(map(abs, start)), h)
             seen = problem.stepped(subject, t, start, h)
-            off = [*map(distance, seen, said)]
+            off = [*map(off_by, seen, said)]
             wrong = tuple(name for name, x in zip(problem.names, off, strict=True) if not x <= allowed)
             i = max(range(len(off)), key=lambda i: inf if isnan(off[i]) else off[i])
             if wrong and not off[i] <= found.largest:
@@ -119,7 +119,7 @@ def _beside(
     return found
 
 
-def distance(x: AnyNumber, exact: arb) -> float:
+def off_by(x: AnyNumber, exact: arb) -> float:
     """A float just above |x - exact|."""
     return float(abs(arb(x) - exact).upper())
 

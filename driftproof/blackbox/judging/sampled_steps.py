@@ -130,7 +130,7 @@ def simplest_step(fails: Callable[[Arguments], bool], failing: Arguments, steps:
 
 def _simpler(x: float, sizes: Sizes, *, signed: bool) -> list[float]:
     """What is simpler than x, the simplest first: whole numbers, then fewer bits, then a size nearer to 1."""
-    exponent = frexp(x)[1] - 1 if x else 0
+    exponent = frexp(x)[1] - 1
     near = [0.0, abs(x), *(x - copysign(abs(x) // 2**k, x) for k in range(1, 13)), x // 1, -(-x // 1)]
     bits = [(way, n) for way in (floor, ceil) for n in (0, 1, 2, 3, 5, 8, 13, 21, 34)]
     short = [ldexp(way(ldexp(x, n - exponent)), exponent - n) for way, n in bits]

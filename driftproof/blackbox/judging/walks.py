@@ -26,7 +26,7 @@ from driftproof.blackbox.judging.nonlinear_problems import (
     pushed,
     walls,
 )
-from driftproof.blackbox.judging.nonlinear_step import allowed_off, distance, own_step
+from driftproof.blackbox.judging.nonlinear_step import allowed_off, off_by, own_step
 from driftproof.blackbox.judging.tolerance import Allowance
 from driftproof.blackbox.stepper.calling_conventions import FIELD, FORCE
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
@@ -178,7 +178,7 @@ class Walker:
         # Slopes change by about their size in a unit of the problem's own time: so much does a rounded time cost.
         size = 1 + max(abs(x / s) for x, s in zip(y, scales, strict=True)) + abs(t) * 2.0**place.pace
         allowed = self.allowed(size, len(y), h * 2.0**place.pace)
-        off = [gap / abs(s) for gap, s in zip(map(distance, seen, said), scales, strict=True)]
+        off = [gap / abs(s) for gap, s in zip(map(off_by, seen, said), scales, strict=True)]
         wrong = [i for i, x in enumerate(off) if not x <= allowed]
         if not wrong:
             return "", seen

@@ -80,6 +80,9 @@ def test_the_simplest_step_that_fails_is_of_few_short_numbers(fails, failing, si
 def test_the_simplest_step_lies_in_a_small_domain():
     small = Sizes(0.01, 0.1, BINARY64), Sizes(1e-3, 0.7, BINARY64)
     assert simplest_step(lambda step: step[0] != 0, (0.6, 0.3, 0.05), *small) == (0.5, 0.0, 0.0625)
+    ends = Sizes(0.3125, 0.3125, BINARY64), Sizes(0.625, 7.0, BINARY64)
+    assert simplest_step(lambda step: 0 < step[0] < 0.7, (0.6999, 3.3, 0.3125), *ends) == (0.625, 0.0, 0.3125)
+    assert simplest_step(lambda step: step[0] > 6.5, (6.77, 3.3, 0.3125), *ends) == (7.0, 0.0, 0.3125)
 
 
 @pytest.mark.parametrize(

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from driftproof.blackbox.matching.match import match_forces, match_tableau
 from driftproof.blackbox.probes.force import read_forces
-from driftproof.blackbox.probes.tableau import read_tableau
+from driftproof.blackbox.probes.tableau import TableauReading, read_tableau
 from driftproof.blackbox.stepper.opening import opened
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.schemes import RungeKutta, Splitting
+from driftproof.symbolic.rounding.formats import BINARY64
+from tests.blackbox.handwritten_steppers import floats
 
 EXPLICIT = [key for key, method in METHODS.items() if method.explicit]
 TABLEAUX = [key for key in EXPLICIT if isinstance(METHODS[key], RungeKutta)]
@@ -32,6 +34,15 @@ def in_field(step):
 
 def on_force(step):
     return match_forces(read_forces(opened(step)))
+
+
+def read_with(key, *places, by=0.125, timed=True, in_format=BINARY64):
+    """What is read of a method with so much more in some places, such as ("a", 2, 1)."""
+    numbers = dict(zip("abc", floats(METHODS[key]), strict=True))
+    for name, *rows, last in places:
+        (numbers[name][rows[0]] if rows else numbers[name])[last] += by
+    a, b, c = numbers.values()
+    return TableauReading(tuple(map(tuple, a)), tuple(b), tuple(c) if timed else None, in_format)
 
 
 def counted(method):

@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import replace
 from fractions import Fraction as Q
 
-import numpy as np
 import pytest
 
 from driftproof.blackbox.matching.entries import mended, other_velocities, rational_method, side_by_side
@@ -20,8 +19,9 @@ from driftproof.symbolic.rounding.formats import BINARY32, BINARY64
 from driftproof.symbolic.trees.order_conditions import order
 from tests.blackbox import handwritten_steppers as codes
 from tests.blackbox.dragged_steppers import of_stages
+from tests.blackbox.matching.readings import read_with
 
-RK4, DOPRI5 = METHODS["rk4"], METHODS["dormand_prince54"]
+RK4 = METHODS["rk4"]
 
 
 def with_entry(i, j, value):
@@ -84,55 +84,35 @@ def shifted(method, by, *, timed=True, every=1):
     return TableauReading(rows, weights, tuple(map(float, c)) if timed else None, BINARY64)
 
 
-def one_off(key, name, by):
-    """What is read in binary32 of a method with one number off: in A, row by row, in b or in c."""
-    numbers = dict(zip("abc", ([*map(float, np.ravel(part))] for part in codes.floats(METHODS[key])), strict=True))
-    numbers[name[0]][int(name[1:])] += by
-    a, n = numbers["a"], len(numbers["b"])
-    rows = tuple(tuple(a[i * n : (i + 1) * n]) for i in range(n))
-    return TableauReading(rows, tuple(numbers["b"]), tuple(numbers["c"]), BINARY32)
-
-
-# Beside the name of the number, the size that rounding is allowed for; a row's sum has that of its terms and its time.
-@pytest.mark.parametrize(("key", "name", "size"), [("rk4", "b1", 1.0), ("ralston4", "a14", 3.83286476)])
-@pytest.mark.parametrize(("share", "same"), [(0.99, True), (1.01, False), (-1.01, False)])
-def test_an_entry_is_the_claimed_one_to_rounding(key, name, size, share, same):
-    reading = one_off(key, name, share * Rounding(BINARY32, 4).of(size))
-    assert (side_by_side(reading, METHODS[key])[:1] == []) == same
-
-
-@pytest.mark.parametrize(("key", "size"), [("kutta3", 3 + 1), ("heun3", 2 / 3 + 2 / 3)])
-@pytest.mark.parametrize(("share", "same"), [(0.99, True), (1.01, False), (-1.01, False)])
-def test_a_row_sums_to_its_time_to_the_rounding_of_its_terms(key, size, share, same):
-    reading = one_off(key, "c2", share * Rounding(BINARY32, 3).of(size))
-    told = [line for line in side_by_side(reading, METHODS[key]) if line.startswith("row 2 of A sums to ")]
-    assert (told == []) == same
-
-
-@pytest.mark.parametrize(("share", "b"), [(0.99, (Q(1, 4), Q(0), Q(3, 4))), (1.01, None)])
-def test_an_entry_is_a_simple_rational_to_its_own_rounding(share, b):
-    found = rational_method(one_off("heun3", "b0", share * Rounding(BINARY32, 3).of(0.25)), "mine")
-    assert (found and found.b) == b
-
-
-@pytest.mark.parametrize(("share", "same"), [(0.99, True), (1.01, False)])
-def test_a_velocity_is_that_of_a_stage_to_rounding(share, same):
-    rows = [list(row) for row in codes.floats(RK4)[0]]
-    rows[3][2] += share * Rounding(BINARY32, 4).of(1 + 1)
+def velocities_with(more):
+    """What is said of the velocities of RK4's stages, the last but one entry being so much more."""
     late = read_coefficients(opened(of_stages("rk4", lambda i, stage, v: v if i == 3 else stage)))
-    late = replace(late, format=BINARY32, a_velocity=tuple(map(tuple, rows)))
-    (line,) = other_velocities(RK4, late)
-    assert line.startswith("its positions are not" if same else "the velocity of call 3 holds F[2]: 1.0000")
+    return other_velocities(RK4, replace(late, format=BINARY32, a_velocity=read_with("rk4", ("a", 3, 2), by=more).a))
+
+
+# A number of a method, and the size that rounding is allowed for; a row's sum has that of its terms and its time.
+SIZES = {"rk4": (("b", 1), 1.0), "ralston4": (("a", 3, 2), 3.83286476)}
+SIZES |= {"kutta3": (("c", 2), 3 + 1), "heun3": (("c", 2), 2 / 3 + 2 / 3)}
+
+
+@pytest.mark.parametrize("share", [0.99, 1.01, -1.01])
+def test_what_is_off_is_told_where_it_is_beyond_its_rounding(share):
+    for key, (place, size) in SIZES.items():
+        off = share * Rounding(BINARY32, METHODS[key].stages).of(size)
+        told = side_by_side(read_with(key, place, by=off, in_format=BINARY32), METHODS[key])
+        begin = "row 2 of A sums to " if place[0] == "c" else f"{place[0]}["
+        assert any(line.startswith(begin) for line in told) == (abs(share) > 1), key
+    simple = rational_method(read_with("heun3", ("b", 0), by=share * 20 * 2.0**-26, in_format=BINARY32), "mine")
+    assert (simple and simple.b) == (None if abs(share) > 1 else METHODS["heun3"].b)
+    (velocity,) = velocities_with(share * Rounding(BINARY32, 4).of(1 + 1))
+    assert velocity.startswith("the velocity of call 3 holds F[2]: " if abs(share) > 1 else "its positions are not")
 
 
 def test_of_many_entries_twelve_are_shown_and_none_is_mended_of_more_than_seven_stages():
-    for more in (0, 1):
-        rows, weights, nodes = codes.floats(DOPRI5)
-        rows[5], weights = [x + 1 for x in rows[5][:5]] + [0.0] * 2, [x + 1 for x in weights]
-        nodes[6] += more
-        lines = side_by_side(TableauReading(tuple(map(tuple, rows)), tuple(weights), tuple(nodes), BINARY64), DOPRI5)
-        assert (len(lines[1:13]), lines[13:][:more]) == (12, ["and 1 more"] * more)
-        assert ("and 1 more" in lines) == bool(more)
+    twelve = [*(("a", 5, j) for j in range(5)), *(("b", j) for j in range(7))]
+    for places, more in ((twelve, []), ([*twelve, ("c", 6)], ["and 1 more"])):
+        lines = side_by_side(read_with("dormand_prince54", *places), METHODS["dormand_prince54"])
+        assert [line for line in lines if not line.startswith("row ")][13:] == more
     assert mended(replace(METHODS["verner65"], b=(Q(1, 7), *METHODS["verner65"].b[1:])), 2) == []
 
 

@@ -164,7 +164,13 @@ def test_all_that_is_said_of_an_estimate_is_what_it_was(name, form, as_before):
 # A third of the weights may be off, of four one, but no more than three.
 @pytest.mark.parametrize(
     ("key", "off", "named"),
-    [("bogacki_shampine32", 1, 1), ("bogacki_shampine32", 2, 0), ("fehlberg78", 3, 3), ("fehlberg78", 4, 0)],
+    [
+        ("heun_euler21", 1, 1),
+        ("bogacki_shampine32", 1, 1),
+        ("bogacki_shampine32", 2, 0),
+        ("fehlberg78", 3, 3),
+        ("fehlberg78", 4, 0),
+    ],
 )
 def test_the_weights_that_are_off_are_named_where_they_are_few(key, off, named):
     step = pair_step(key, estimate=lambda e: [x + 0.1 * (i < off) for i, x in enumerate(e)])

@@ -67,15 +67,15 @@ def test_a_weight_off_by_1e_10_is_read_as_a_decimal_with_its_error():
     assert found.facts is None
 
 
-@pytest.mark.parametrize(
-    ("num", "den", "text"),
-    [
-        ([Q("1" * 120)], [1], "1" * 120),
-        ([Q("1" * 121)], [1], "1.111111111e+120"),
-        ([Q("9" * 121), Q(-2, 3), 0, 1], [1], "1e+121 - 0.6666666667*h + 1*h**3"),
-        ([Q("8" * 121)], [1, Q(-1, 3)], "(8.888888889e+120)/(1 - 0.3333333333*h)"),
-    ],
-)
+LONG = [
+    ([Q("1" * 120)], [1], "1" * 120),
+    ([Q("1" * 121)], [1], "1.111111111e+120"),
+    ([Q("9" * 121), Q(-2, 3), 0, 1], [1], "1e+121 - 0.6666666667*h + 1*h**3"),
+    ([Q("8" * 121)], [1, Q(-1, 3)], "(8.888888889e+120)/(1 - 0.3333333333*h)"),
+]
+
+
+@pytest.mark.parametrize(("num", "den", "text"), LONG)
 def test_a_function_is_written_exactly_up_to_a_line_and_in_decimals_beyond(num, den, text):
     assert text_of(fraction(*(polynomial(list(map(Q, part))) for part in (num, den)))) == text
 
