@@ -118,16 +118,6 @@ def test_a_dense_output_that_is_no_sum_of_slopes_alike_in_all_numbers_leaves_it_
     assert report.section("What would decide it").lines[0].startswith("dense output: a dense output that is a sum of ")
 
 
-def test_a_kink_is_said_and_is_no_fault():
-    def linear(f, t, y, h):
-        slope = f(t, y)
-        return y + h * slope, lambda theta: y + theta * h * slope
-
-    found = judged(linear)
-    assert (found.order, found.faults) == (1, ())
-    assert found.lines[-1].endswith("the slope there is f(t, y)")
-
-
 def test_reports_have_a_section_for_it():
     step = extension_step("dormand_prince54_shampine")
     assert identify(step, isolate=False).section("Dense output").lines[0].startswith("dormand_prince54_shampine")

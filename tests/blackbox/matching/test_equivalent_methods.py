@@ -17,7 +17,6 @@ from driftproof.blackbox.matching.equivalent_methods import (
     adjoint_methods,
     all_matrices,
     equivalent_methods,
-    tallies_of,
 )
 from driftproof.blackbox.probes.linear_steps import LINEARITY_ROUNDINGS, LINEARITY_STEP
 from driftproof.methods.catalogue import METHODS
@@ -39,10 +38,6 @@ def test_the_bound_of_a_method_is_nowhere_below_its_any_order_bound(key, h):
     its = columns[0][0], columns[1][0], columns[0][1], columns[1][1]
     allowed = each.allowances(Rates(h, 1.0, 1.0), BINARY64)
     assert all(x <= y for x, y in zip(its, allowed, strict=True))
-
-
-def test_a_bound_is_not_wide_for_nothing():
-    assert tallies_of(METHODS["rk4"])[0](0.25) < 1.05
 
 
 X = FloatTally(CountedSizes(np.array([0.75, 0.5]), 3), additions=2)

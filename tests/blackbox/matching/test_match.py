@@ -129,13 +129,6 @@ def test_how_near_a_match_is_is_said_of_the_first_of_several(as_before):
     as_before(*(line for each in found for line in (*each.lines, each.keys)))
 
 
-def test_a_third_with_fifteen_digits_is_recognised_and_named():
-    rows, weights, nodes = codes.floats(METHODS["rk38"])
-    rows[1][0] = nodes[1] = 0.333333333333333
-    (line,) = in_field(codes.tableau(rows, weights, nodes)).lines
-    assert line.startswith("rk38: the coefficients as sums make them: c[1] is ")
-
-
 def test_a_stage_at_a_wrong_time_and_a_stopped_clock_are_named():
     rows, weights, nodes = codes.floats(METHODS["rk38"])
     nodes[1] = 0.5

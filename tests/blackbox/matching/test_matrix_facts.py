@@ -41,13 +41,6 @@ def test_what_no_method_explains_is_recovered_with_the_system_that_it_follows():
     assert fit(lambda force, q, v, h: rk4(force, *symplectic_euler(force, q, v, h / 2), h / 2)).facts.linear_order == 1
 
 
-def test_facts_of_a_method_are_those_of_its_exact_matrix():
-    found = fit(lambda force, q, v, h: rk4(force, q, v, h))
-    assert found.facts.entries[:2] == ("1 - h**2/2 + h**4/24", "h - h**3/6")
-    assert found.facts.determinant == found.facts.energy_multiplier == "1 - h**6/72 + h**8/576"
-    assert found.facts.linear_order == 4
-
-
 def test_a_wrong_weight_is_read_as_the_fraction_that_it_is():
     found = fit(like_rk4(1 / 23))
     assert found.best is None

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from driftproof.blackbox.matching.candidates import in_field as candidate_in_field
-from driftproof.blackbox.matching.match import match_forces, match_method, matched
+from driftproof.blackbox.matching.match import match_forces, match_method
 from driftproof.blackbox.matching.near_misses import near_misses, typed_in
 from driftproof.blackbox.matching.tables import Fingerprint
 from driftproof.blackbox.probes.force import ForceReading, read_forces
@@ -24,32 +24,6 @@ from driftproof.symbolic.linear.reduced_tableau import StageCoefficients
 from driftproof.symbolic.rounding.formats import BINARY32, BINARY64
 from tests.blackbox import handwritten_steppers as codes
 from tests.blackbox.matching.readings import EXPLICIT, SHORT, SPLITTINGS, counted, in_field, on_force
-
-RALSTON = (0.4, 0.45573725), (0.29697761, 0.15875964), (0.21810040, -3.05096516, 3.83286476)
-WEIGHTS = (0.17476028, -0.55148066, 1.20553560, 0.17118478)
-
-
-def ralston(nodes, second, third, weights):
-    def step(f, t, y, h):
-        k = [f(t, y)]
-        k.append(f(t + nodes[0] * h, y + h * nodes[0] * k[0]))
-        k.append(f(t + nodes[1] * h, y + h * (second[0] * k[0] + second[1] * k[1])))
-        k.append(f(t + h, y + h * (third[0] * k[0] + third[1] * k[1] + third[2] * k[2])))
-        return y + h * sum(b * slope for b, slope in zip(weights, k, strict=True))
-
-    return step
-
-
-def test_a_tableau_of_eight_decimals_is_named_with_them():
-    near = matched(read_tableau(opened(ralston(*RALSTON, WEIGHTS)))).near
-    assert [(n.key, n.differences) for n in near] == [
-        ("ralston4", ("coefficients of 8 decimals, the last up to 2 off",))
-    ]
-
-
-def test_a_tableau_of_many_wrong_digits_is_not_said_to_be_rounded():
-    changed = tuple(b + 3e-7 * (-1) ** i for i, b in enumerate(WEIGHTS))
-    assert matched(read_tableau(opened(ralston(*RALSTON, changed)))).near == ()
 
 
 def changed_tableaux(method):
