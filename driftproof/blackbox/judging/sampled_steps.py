@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from bisect import bisect
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from fractions import Fraction
@@ -15,10 +16,10 @@ from driftproof.symbolic.rounding.formats import FloatFormat
 
 # q, v and h.
 Arguments: TypeAlias = tuple[float, float, float]
-# Of a size: a corner up to the first, any number from end to end up to the second, else one by its exponent.
-_CORNER, _UNIFORM = 0.12, 0.3
+# How likely kinds are, summed up. Of a size: a corner; any number from end to end; else one by its exponent.
+_SIZES = (0.12, 0.3)
 # Of a state: 0 in both, one, the other; |q| = |v|; what cancels q + h v or v - h q; sizes alike; else any sizes.
-_ORIGIN, _NO_POSITION, _NO_VELOCITY, _EQUAL, _CANCELLED, _ALIKE = 0.015, 0.12, 0.23, 0.3, 0.38, 0.65
+_STATES = (0.015, 0.12, 0.23, 0.3, 0.38, 0.65)
 # Simpler steps that are asked for before the simplest of them is taken: some hundred shorten three numbers to a digit.
 _MOST_ASKED = 600
 
@@ -50,14 +51,14 @@ class Sizes:
         return sorted({self.inside(x * (1 + k * u)) for x in spots for k in (-1, 0, 2)})
 
     def rounded(self, x: float) -> float:
-        """The number of the format nearest to x > 0."""
+        """The number of the format nearest to x >= 0."""
         significand, exponent = frexp(x)
-        bits = min(self.format.precision, max(0, exponent - self.format.emin + self.format.precision - 1))
+        bits = min(self.format.precision, exponent - self.format.emin + self.format.precision - 1)
         return ldexp(round(ldexp(significand, bits)), exponent - bits)
 
     def inside(self, x: float) -> float:
         """The number within that is nearest to |x|."""
-        return max(self.rounded(min(abs(x), self.most)), self.least) if x else self.least
+        return max(self.rounded(min(abs(x), self.most)), self.least)
 
     def significand(self, draw: Random) -> float:
         """From 1 to 2, of few bits or of all, at times of ones only."""
@@ -67,10 +68,10 @@ class Sizes:
 
     def drawn(self, draw: Random) -> float:
         """One of them: a corner, or each size, or each order of magnitude alike."""
-        kind = draw.random()
-        if kind < _CORNER:
+        kind = bisect(_SIZES, draw.random())
+        if kind == 0:
             return draw.choice(self.corners)
-        if kind < _UNIFORM:
+        if kind == 1:
             return self.inside(draw.uniform(self.least, self.most))
         exponent = draw.randint(frexp(self.least)[1], frexp(self.most)[1]) - 1
         return self.inside(ldexp(self.significand(draw), exponent))
@@ -89,19 +90,17 @@ def steps_within(steps: Sizes, states: Sizes) -> Iterator[Arguments]:
     """
     draw = Random(0)
     while True:
-        h, q, v, kind = steps.drawn(draw), states.drawn(draw), states.drawn(draw), draw.random()
-        if kind < _ORIGIN:
-            q = v = 0.0
-        elif kind < _NO_POSITION:
+        h, q, v, kind = steps.drawn(draw), states.drawn(draw), states.drawn(draw), bisect(_STATES, draw.random())
+        if kind in (0, 1):
             q = 0.0
-        elif kind < _NO_VELOCITY:
+        if kind in (0, 2):
             v = 0.0
-        elif kind < _EQUAL:
+        elif kind == 3:
             v = q
-        elif kind < _CANCELLED:
+        elif kind == 4:
             near = 1 + draw.choice((0, 1, -1)) * ldexp(1.0, -draw.randint(1, states.format.precision - 1))
             q, v = (states.inside(h * v * near), v) if draw.random() < 1 / 2 else (q, states.inside(h * q * near))
-        elif kind < _ALIKE:
+        elif kind == 5:
             v = states.inside(ldexp(states.significand(draw), frexp(q)[1] - draw.randint(1, 3)))
         yield copysign(q, draw.random() - 1 / 2), copysign(v, draw.random() - 1 / 2), h
 

@@ -55,8 +55,8 @@ class Match:
     roundings: int
     farthest: str
     summed: bool
-    beside: tuple[str, ...] = ()
-    within: float = 0.0
+    beside: tuple[str, ...]
+    within: float
 
     @property
     def name(self) -> str:

@@ -79,7 +79,9 @@ def test_narrow_formats_are_tried_away_from_underflow():
     assert result.worst.h >= 2.0**-7
 
 
-@pytest.mark.parametrize("bad", [{"largest_step": 0.0}, {"largest_state": inf}, {"largest_step": nan}])
+@pytest.mark.parametrize(
+    "bad", [{"largest_step": 2.0**-20}, {"largest_state": inf}, {"largest_step": nan}, {"smallest_step": -1}]
+)
 def test_a_domain_without_steps_or_states_is_refused(bad):
     with pytest.raises(ValueError, match="sizes go from 0 or more up"):
         Domain(**bad)

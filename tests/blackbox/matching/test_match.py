@@ -119,12 +119,12 @@ def test_a_method_is_near_that_differs_in_a_third_of_its_numbers_or_in_three(key
         assert [len(each.differences) for each in near] == [count] * (count == most)
 
 
-SAID = [Match("a", "", 0, "b[0]", True, within=1.0), Match("a", "so", 2, "b[0]", True, within=2e-7)]
-SAID += [Match("a", EMBEDDED if n == 1 else "", n, "b[0]", summed) for n in (1, 2) for summed in (False, True)]
+SAID = [Match("a", "", 0, "b[0]", True, (), 1.0), Match("a", "so", 2, "b[0]", True, (), 2e-7)]
+SAID += [Match("a", EMBEDDED if n == 1 else "", n, "b[0]", summed, (), 0.0) for n in (1, 2) for summed in (False, True)]
 
 
 def test_how_near_a_match_is_is_said_of_the_first_of_several(as_before):
-    other = Match("z", "", 3, "c[0]", False, beside=("this", "that"))
+    other = Match("z", "", 3, "c[0]", False, ("this", "that"), 0.0)
     found = [identity for match in SAID for identity in (Identity((match,)), Identity((match, other)))]
     as_before(*(line for each in found for line in (*each.lines, each.keys)))
 
