@@ -49,7 +49,7 @@ class Program:
 
     def step(self, force: Callable[[float], float], q: float, v: float, h: float) -> tuple[float, float]:
         """(q₁, v₁)."""
-        room = [None] * (len(self.lines) + 1)
+        room = [None] * len(self.lines)
         known: dict[str, Any] = {**self.tables, "h": h, "k": [*room], "Y": [*room], "Q": [*room], "F": force}
         known |= {"q": q, "v": v} if "c" in self.tables else {"q": [q], "v": [v]}
         known |= {"y": np.array([q, v]), "f": lambda y: np.array([y[1], force(y[0])])}

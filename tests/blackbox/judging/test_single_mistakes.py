@@ -10,6 +10,7 @@ from tests.blackbox import handwritten_steppers as codes
 from tests.blackbox.transcripts import Asked
 from tests.looping import some
 
+THIRTEEN = codes.floats(METHODS["fehlberg78"])
 EXPLICIT = [key for key, method in METHODS.items() if method.explicit]
 
 
@@ -77,6 +78,10 @@ WRONG = {
     "kicked back": (verlet(kick=lambda v, a, h: v - h / 2 * a), "velocity_verlet", "kick 2: -1/2 instead of 1/2"),
     "not kicked": (verlet(kick=lambda v, a, h: v), "velocity_verlet", "* F(q[1]) is left out"),
     "new velocity": (nystrom4_with_new_velocity, "nystrom4", "v1 moves the position in place of v"),
+    "drifted too far": (codes.composed([("drift", 0.5), ("kick", 1), ("drift", 0.625)]), "position_verlet",
+        "drift 2: 5/8 instead of 1/2"),
+    "of thirteen stages": (codes.tableau(THIRTEEN[0], [1 / 7, *THIRTEEN[1][1:]], THIRTEEN[2]), "fehlberg78",
+        "b[0]: 1/7 instead of"),
     "all kicks": (codes.composed([("kick", 0.55), ("drift", 1), ("kick", 0.55)]), "velocity_verlet",
         "all kicks times 11/10"),
 }  # fmt: skip

@@ -8,11 +8,12 @@ import pytest
 from driftproof.blackbox.matching.match import match_tableau
 from driftproof.blackbox.matching.read_order import ReadOrder, read_order
 from driftproof.blackbox.probes.force import read_forces
-from driftproof.blackbox.probes.tableau import read_tableau
+from driftproof.blackbox.probes.tableau import TableauReading, read_tableau
 from driftproof.blackbox.stepper.opening import opened
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.schemes import RungeKutta
 from driftproof.methods.stepping import stepper
+from driftproof.symbolic.rounding.formats import BINARY64
 from driftproof.symbolic.trees.order_conditions import order
 from driftproof.symbolic.trees.partitioned_trees import nystrom_order
 from driftproof.symbolic.trees.rooted_trees import to_brackets
@@ -101,6 +102,12 @@ def test_an_order_on_linear_problems_only_is_told_apart():
     found = in_field(codes.jameson)
     assert (found.order, found.linear_order) == (2, 4)
     assert found.lines == ["order 2: the condition of tree [τ,τ] fails by -1/12", "order 4 on linear problems"]
+
+
+def test_the_order_on_linear_problems_is_looked_for_up_to_12():
+    rows = tuple(tuple(1 / (14 - i) * (j == i - 1) for j in range(13)) for i in range(13))
+    found = read_order(TableauReading(rows, (*[0.0] * 12, 1.0), tuple(map(sum, rows)), BINARY64))
+    assert (found.order, found.linear_order) == (2, 12)
 
 
 def test_an_order_of_which_no_condition_is_seen_to_fail_says_so():
