@@ -159,7 +159,7 @@ def _large(runner: TrialRunner, rules: Sequence[Rule]) -> CheckResult:
 
 def _small(short: NegligibleStep) -> CheckResult:
     """Whether small values of one component, or small states, are put to rest."""
-    shrinking = [2.0**-k for k in _INWARDS if 3 * k < short.runner.format.emax]
+    shrinking = [2.0**-k for k in _INWARDS if k in range(short.runner.format.emax // 3)]
     for component in (1, 0):
         base = short.state[component]
         seen = border(short, partial(short.along, component), base, [base * s for s in shrinking])

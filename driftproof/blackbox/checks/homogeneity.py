@@ -57,7 +57,7 @@ def homogeneity(subject: ForeignStepper) -> tuple[CheckResult, ...]:
 def _linear(runner: TrialRunner, rays: Sequence[Ray]) -> tuple[CheckResult, ...]:
     """Proportional along the rays, if need be from ordinary size on, odd and additive."""
     small = next(filter(None, map(_absolute_rounding, rays)), None)
-    exponents = [*(() if small else _SMALL[:-1]), *(k for k in _LARGE if k < runner.format.emax - 3)]
+    exponents = [*(() if small else _SMALL[:-1]), *(k for k in _LARGE if k in range(runner.format.emax))]
     broken = [(ray, *pair) for ray in rays for pair in [_first_break(ray, exponents)] if pair]
     found = _departing(broken) if broken else _odd_and_additive(runner, rays)
     return found, small or CheckResult(_DIGITS, True, "small states keep all their digits")

@@ -175,14 +175,14 @@ def _walks_in_halves(runner: TrialRunner, h: float, whole: Sequence[float]) -> b
     """
     middle = runner.step(*runner.ordinary, h / 2)
     halves = [*_places(runner, h / 2), *_places(runner, h / 2, middle)]
-    near = runner.rounding * max(map(abs, (*whole, *halves)))
-    mine, its = _moves(whole, near), _moves(halves, near)
-    return len(mine) == len(its) and all(abs(x - y) <= near for x, y in zip(mine, its, strict=True))
+    allowed = runner.rounding * max(map(abs, (*whole, *halves)))
+    mine, its = _moves(whole, allowed), _moves(halves, allowed)
+    return len(mine) == len(its) and all(abs(x - y) <= allowed for x, y in zip(mine, its, strict=True))
 
 
-def _moves(places: Sequence[float], near: float) -> list[float]:
+def _moves(places: Sequence[float], allowed: float) -> list[float]:
     """The places without those that repeat the one before."""
-    return [x for i, x in enumerate(places) if i == 0 or abs(x - places[i - 1]) > near]
+    return [x for i, x in enumerate(places) if i == 0 or abs(x - places[i - 1]) > allowed]
 
 
 def _closes_in(places: Sequence[float]) -> bool:

@@ -125,8 +125,7 @@ def steady_runner(subject: ForeignStepper) -> TrialRunner:
         raise Unsteady("the same call does not give the same answer again")
     numbers = [*first, *between]
     narrow, grain = narrow_format(numbers), quantisation_of(numbers)
-    fmt = narrow if narrow is not None and narrow.precision < subject.format.precision else subject.format
-    found = TrialRunner(subject, fmt, grain.size if grain else 0.0, made={})
+    found = TrialRunner(subject, narrow or subject.format, grain.size if grain else 0.0, made={})
     return replace(found, size=_size(found))
 
 

@@ -102,7 +102,7 @@ def _linearised(subject: ForeignStepper, fmt: FloatFormat, at_identity: bool) ->
 
     At the first size products of two states are below a rounding of one, and still ordinary numbers.
     """
-    if fmt.emin >= -4 * fmt.precision:
+    if fmt == BINARY16:  # which has no numbers so small
         return None
     for bits in (fmt.precision + 7, fmt.precision // 2 + 4, 2 * fmt.precision // 5):
         tiny = _at_amplitude(subject, LinearReading(fmt, LINEARISED, ldexp(1.0, -bits)))
@@ -115,8 +115,7 @@ def _linearised(subject: ForeignStepper, fmt: FloatFormat, at_identity: bool) ->
 def _own_format(subject: ForeignStepper) -> FloatFormat:
     """The narrowest format that holds the answers to a generic step: that in which it was computed."""
     answers = [Fraction(x) for x in subject.step(*STATE, STEP)]
-    narrower = (f for f in (BINARY16, BINARY32) if f.precision < subject.format.precision)
-    return next((f for f in narrower if any(answers) and all(map(f.holds, answers))), subject.format)
+    return next((f for f in (BINARY16, BINARY32) if any(answers) and all(map(f.holds, answers))), subject.format)
 
 
 def _repeats(subject: ForeignStepper, fmt: FloatFormat) -> bool:

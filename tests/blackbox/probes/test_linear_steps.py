@@ -158,6 +158,10 @@ def stops_at_long_steps(q, v, h):
     return q + h * v, v - h * q
 
 
+def stops_at_half(q, v, h):
+    return (q + h * v, v - h * q) if h != 0.5 else 1 / 0
+
+
 def stops_backwards(q, v, h):
     if h <= 0:
         raise ValueError("forwards only")
@@ -203,7 +207,15 @@ def stays(q, v, h):
     return q, v
 
 
-READ = [cubic_far_out, pendulum, stops_at_long_steps, stops_backwards, stops_at_short_steps, at_rest_below_a_speed]
+READ = [
+    cubic_far_out,
+    pendulum,
+    stops_at_half,
+    stops_at_long_steps,
+    stops_backwards,
+    stops_at_short_steps,
+    at_rest_below_a_speed,
+]
 READ += [fast, limited_far_out, falls, bent, bent_in_h, stays]
 READ += [with_a_rate_that_falls_to_its_half, with_a_rate_that_falls_less]
 
