@@ -216,6 +216,8 @@ def facts_only(method: FactsOnly, names: Sequence[str] = (), tolerance: Fraction
     """
     make, known, on_request = _FACTS_ONLY[type(method)]
     facts = make(method)
+    if others := [name for name in names if name in FACTS and name not in (*known, *on_request)]:
+        raise ValueError(f"{method.key} is {method.kind}, and has no {others[0]}; choose from {', '.join(known)}")
     found = facts_by_name(facts, names or known, (*known, *on_request))
     if tolerance is not None:
         if not hasattr(facts, "orders_within"):

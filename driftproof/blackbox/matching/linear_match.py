@@ -267,12 +267,16 @@ def _rates(fit: LinearFit) -> Iterator[str]:
         return
     if fit.position != 1:
         yield f"order 0: the position moves by {_times(fit.position, 'h v')}"
-    drag = f" {'-' if damping > 0 else '+'} {_times(abs(damping), 'v')}" if damping else ""
-    yield f"small steps follow q' = {_times(fit.position, 'v')}, v' = {_times(-fit.stiffness, 'q')}{drag}"
+    force = _times(-fit.stiffness, "q") if fit.stiffness or not damping else ""
+    sign = f" {'-' if damping > 0 else '+'} " if force else "-" if damping > 0 else ""
+    drag = f"{sign}{_times(abs(damping), 'v')}" if damping else ""
+    yield f"small steps follow q' = {_times(fit.position, 'v')}, v' = {force}{drag}"
 
 
 def _times(x: Fraction, of: str) -> str:
-    """The product in words: 2 v, -v."""
+    """The product in words: 2 v, -v, 0."""
+    if x == 0:
+        return "0"
     if abs(x) == 1:
         return of if x == 1 else f"-{of}"
     return f"{short_rational(x)} {of}"

@@ -13,7 +13,7 @@ from driftproof.texts.questions.answer import Answer, as_printed
 from driftproof.texts.questions.errors import QuestionError, refused_at
 from driftproof.texts.questions.parser import Node, Query, parse_question
 from driftproof.texts.questions.query_context import QueryContext
-from driftproof.texts.questions.wording import AMBIGUOUS_FACTS, COEFFICIENT
+from driftproof.texts.questions.wording import COEFFICIENT
 
 if TYPE_CHECKING:
     from driftproof.methods.schemes import Method
@@ -191,11 +191,11 @@ def _exact(context: QueryContext) -> Answer:
     from driftproof.texts.questions.runs import EXACT_READOUTS
 
     context.demand_only("t", start=True, readout=True, problem=True)
+    if other := context.query.subject or context.query.at:
+        raise context.error(other, "the exact flow belongs to no method, as in exact t=10 : q")
     if context.about_problem is not None:
         t = context.setting("t", "t=10")
         return _of_problem(context, None, t, t)
-    if other := context.query.subject or context.query.at:
-        raise context.error(other, "the exact flow belongs to no method, as in exact t=10 : q")
     return context.readout(EXACT_READOUTS)(context.start, context.setting("t", "t=10"))
 
 
@@ -208,8 +208,6 @@ def _roundoff(context: QueryContext) -> Answer:
 def _fact(context: QueryContext) -> Answer:
     from driftproof.texts.questions.facts import FACT_NAMES, coefficient, fact
 
-    if context.head in AMBIGUOUS_FACTS:
-        raise context.error(None, f"{context.head} may mean {AMBIGUOUS_FACTS[context.head]}: say which")
     if COEFFICIENT.fullmatch(context.head):
         return coefficient(context)
     if context.head not in FACT_NAMES:

@@ -16,7 +16,6 @@ and a setting, and words such as "with" between any parts; "error of rk4 ..." as
 
 from __future__ import annotations
 
-import re
 from collections import defaultdict
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -27,25 +26,23 @@ from unicodedata import normalize
 
 from driftproof.methods.catalogue import keys_of_name
 from driftproof.methods.expression_tree import (
-    END,
     NAME,
     NUMBER,
     ExpressionNode,
-    ExpressionParser,
     NameNode,
     NumberNode,
     Token,
 )
 from driftproof.support.plain_text import did_you_mean
 from driftproof.texts.questions import wording
-from driftproof.texts.questions.errors import QuestionError
+from driftproof.texts.questions.pieces import OWN_PI, WORDS, PieceParser
 
-# Words that may stand alone between head and readout.
-WORDS = ("sharp",)
 SETTINGS = ("h", "t", "N", "steps", "error", "z", "lambda")
 PROBLEM, RATES = ("problem", "rates")
 _WITHOUT_SIGN = {*SETTINGS, *wording.OTHER_SETTINGS}
 _HEADS = ("step", "run", "exact", "roundoff")
+_WITH_EQUATION = "as in run heun2 y'=-y y(0)=1 h=0.1 t=1 : error"
+_OF_METHOD = "order rk4, or run rk4 h=0.1 t=1 : q"
 # (17/16)**1000 is a growth that texts have; what is too long to write out is enclosed.
 LARGEST_POWER_ASKED = 10**6
 
@@ -82,25 +79,24 @@ def parse_question(question: str) -> Node:
     return node
 
 
-class _QuestionParser(ExpressionParser):
+class _QuestionParser(PieceParser):
     """One pass over the tokens; each method reads what its name says."""
 
-    what = "a question"
-    example = "ask for example: step rk4 h=1/2 : q"
-    refusal = QuestionError
-    # The prime of y' is a sign, π and λ are names.
-    tokens_are = re.compile(
-        f"(?P<prime>')|{ExpressionParser.tokens_are.pattern.replace('[A-Za-z_]', '[A-Za-z_πλ]')}", re.ASCII
-    )
     in_rate = False
 
     def named(self, name: Token) -> Node:
         """A published value by its id, or a query from after its head on."""
         while name.text.lower() in wording.ASKING | wording.SAY_NOTHING and self.next.kind == NAME and not self.in_rate:
             name = self.take()
-        of_somebody = self.next.text == "'" and self._after(self.at).text == "s"
+            if self.accept("("):
+                return self._call(name)
+        of_somebody = self.next.text == "'" and self.after(self.at).text == "s"
         hyphened = self.next.text == "-" and self.next.column == name.end and self._has_hyphen(name)
+        if not self.in_rate and self.next.text == "'" and self.after(self.at).text == "=":
+            raise self.error(name, f"an equation asks for nothing yet; {_WITH_EQUATION}")
         if self.in_rate or not (self.next.kind == NAME or self.next.text == ":" or of_somebody or hyphened):
+            if not self.in_rate and keys_of_name(name.text):
+                raise self.error(name, f"{name.text} is a method; ask something about it, as in {_OF_METHOD}")
             return NameNode(name.column, "pi" if name.text == "π" else name.text)
         parts: dict[str, Any] = defaultdict(dict)
         return self.query(name, self.head(name, parts), parts)
@@ -122,6 +118,8 @@ class _QuestionParser(ExpressionParser):
             parts["readout"] = name._replace(text=wording.READOUT_WORDS.get(name.text, name.text))
             return self.query(name, name._replace(text="run"), parts)
         if name.text != "R":
+            if keys_of_name(name.text):
+                raise self.error(name, f"{name.text} is a method, and no function; ask for example: {_OF_METHOD}")
             return super()._call(name)
         head = "limit_at_infinity" if self.accept("oo", "infinity") else wording.FACT_WORDS["r"]
         if head == wording.FACT_WORDS["r"] and not self.accept("z"):
@@ -132,7 +130,11 @@ class _QuestionParser(ExpressionParser):
     def query(self, name: Token, head: Token, parts: dict[str, Any]) -> Query:
         """The query that begins with this name, from after its head on."""
         while self._another_part():
-            self.part(self.take(), parts)
+            token = self.take()
+            if token.text == "per" and self.accept("step"):
+                head = head._replace(text=head.text.removesuffix(wording.PER_STEP) + wording.PER_STEP)
+            else:
+                self.part(token, parts)
         if self.accept(":"):
             self.put(parts, self.next, "readout", self.readout)
             if self.next.kind == NAME:
@@ -173,13 +175,16 @@ class _QuestionParser(ExpressionParser):
             hint = did_you_mean("_".join(words), (*_HEADS, *sorted(wording.names_that_ask())))
             what = f"{' '.join(words)[:40]!r} is nothing that can be asked{hint}"
             raise self.error(name, f"{what} (`driftproof value --list` shows what can)")
+        if text in wording.AMBIGUOUS_FACTS:
+            raise self.error(name, f"{text} may mean {wording.AMBIGUOUS_FACTS[text]}: say which")
         return name._replace(text=wording.FACT_WORDS.get(text, text or "run"))
 
     def _another_part(self) -> bool:
         """Whether a part comes next. A comma before an equation or a setting, where no list goes on, is used up."""
         if self.next.text == ",":
             name, *after = (token.text for token in self.tokens[self.at + 1 : self.at + 4])
-            if after[:1] == ["="] or after in (["'", "="], ["(", "0"]) or name == "from":
+            said = name in wording.SAY_NOTHING or after[:1] == ["steps"] or self._setting_name(self.at + 1)[1]
+            if said or after[:1] == ["="] or after in (["'", "="], ["(", "0"]) or name in ("at", "from"):
                 self.take()
         return self.next.kind == NAME or (self.next.kind == NUMBER and self.tokens[self.at + 1].text == "steps")
 
@@ -195,14 +200,30 @@ class _QuestionParser(ExpressionParser):
         rates = tuple(rates.values()) if names else tuple(rates)
         return {**parts, "rates": rates, "start": start or None, "unknowns": names}
 
+    def _setting_name(self, at: int) -> tuple[str, int]:
+        """The name of a setting that stands there before a number or =, of how many words; ("", 0) where none does."""
+        words = [token.text for token in self.tokens[at : at + 2]]
+        for count in (2, 1):
+            name, after = "_".join(words[:count]), self.tokens[min(at + count, len(self.tokens) - 1)]
+            if name in _WITHOUT_SIGN and (after.kind == NUMBER or after.text == "="):
+                return name, count
+        return "", 0
+
     def part(self, token: Token, parts: dict[str, Any]) -> None:
-        after = self._after(self.at)
+        setting, words = self._setting_name(self.at - 1)
+        if words == 2:
+            self.take()
+        after = self.after(self.at)
         key = {"at": "at", "from": "start"}.get(token.text, "subject")
         if token.kind == NUMBER:
             count = NumberNode(token.column, self.rational(token.text, token))
             self.put(parts["settings"], self.take(), "N", lambda: count)
         elif token.text in wording.SAY_NOTHING or (key == "at" and self.next.kind == NAME and after.text in "='"):
             pass
+        elif f"{token.text}_{self.next.text}" in wording.OTHER_SETTINGS and not setting:  # step size h=0.1
+            self.take()
+        elif token.text == "steps" and "N" in parts["settings"] and not setting:  # N=10 steps
+            return
         elif self.next.text == "'" and after.text in ("=", "(", "'"):
             self.put(parts["rates"], token, token.text, self.rate)
         elif token.text[:1] == "d" and (self.next.text, after.text) == ("/", "dt"):
@@ -218,14 +239,20 @@ class _QuestionParser(ExpressionParser):
             self.put(parts, token, PROBLEM, lambda: self.adjacent(self.take()))
         elif token.text == RATES and self.accept("="):
             self.put(parts, token, RATES, self.rates)
-        elif key != "at" and (self.next.text == "=" or (self.next.kind == NUMBER and token.text in _WITHOUT_SIGN)):
-            self.setting(token, parts["settings"])
+        elif setting or (key != "at" and self.next.text == "="):
+            self.setting(token._replace(text=setting or token.text), parts["settings"])
         elif token.text in WORDS:
             parts["words"][token.text] = token
         elif key == "start":
             self.put(parts, token, key, self.start)
+        elif "period" in (token.text, self.next.text):
+            raise self.error(token, f"a period is no whole number of steps: {OWN_PI}")
         elif key in parts:
-            hint = "" if ":" in self.text else ", as in run heun2 y'=-y y(0)=1 h=0.1 t=1 : error"
+            from driftproof.numeric.problems.catalogue import PROBLEMS
+
+            hint = "" if ":" in self.text else f", {_WITH_EQUATION}"
+            if token.text in PROBLEMS:
+                raise self.error(token, f"a problem is named by problem={token.text}")
             raise self.error(token, f"{token.shown} has no place here; a colon and a readout may follow{hint}")
         else:
             parts[key] = self.method_name(token) if key == "subject" else self.value()
@@ -246,37 +273,6 @@ class _QuestionParser(ExpressionParser):
             raise self.error(self.next, f"a product has its sign: {last.text}*{self.next.text}")
         return self.piece(first.column, self.tokens[self.at - 1].end)
 
-    def method_name(self, first: Token) -> Token:
-        """The longest name of a method that begins here, of words, hyphens and numbers; a file; else the one word."""
-        found, at = self.adjacent(first), self.at
-        alone, last = keys_of_name(first.text), first
-        for i in range(at, len(self.tokens)):
-            token, after = self.tokens[i], self._after(i)
-            if token.text in "=:,()" or after.text == "=" or token.text in (*wording.SAY_NOTHING, *WORDS, "at", "from"):
-                break
-            if token.kind not in (NAME, NUMBER) and token.text != "'" and (len(alone) == 1 or token.column > last.end):
-                break
-            last = token
-            piece = self.piece(first.column, token.end)
-            if keys_of_name(piece.text):
-                found, self.at = piece, i + 1
-        return found
-
-    def _after(self, at: int) -> Token:
-        return self.tokens[min(at + 1, len(self.tokens) - 1)]
-
-    def adjacent(self, first: Token) -> Token:
-        """The name of a .toml file that begins here, with its folders and hyphens; else the one word."""
-        last = first
-        for i in range(self.at, len(self.tokens)):
-            if first.text.endswith(".toml") or self.tokens[i].column != last.end or self.tokens[i].kind == END:
-                break
-            last = self.tokens[i]
-            if last.text.endswith(".toml"):
-                self.at = i + 1
-                return self.piece(first.column, last.end)
-        return first
-
     def setting(self, name: Token, settings: dict[str, NumberNode]) -> None:
         """NAME=LITERAL, from the equals sign on, which may be left out; steps is another word for N."""
         self.accept("=")
@@ -284,7 +280,7 @@ class _QuestionParser(ExpressionParser):
         if key not in SETTINGS:
             raise self.error(name, f"{name.shown} is no setting; there are {', '.join((*SETTINGS, PROBLEM, RATES))}")
         self.put(settings, name, key, lambda: NumberNode(name.column, self.literal(name.text)))
-        before, after = self.tokens[self.at - 1], self._after(self.at)
+        before, after = self.tokens[self.at - 1], self.after(self.at)
         if (self.next.text, self.next.column, after.kind, after.column) == (",", before.end, NUMBER, self.next.end):
             raise self.error(self.next, f"a decimal has a point: {before.text}.{after.text}")
 
@@ -293,76 +289,3 @@ class _QuestionParser(ExpressionParser):
         if not isinstance(found, dict) or found.get(key, {}) != {}:
             raise self.error(name, f"{name.shown} is given twice")
         found[key] = read()
-
-    def start(self) -> tuple[Fraction, ...]:
-        found = [self.literal("start")]
-        while self.accept(","):
-            found.append(self.literal("start"))
-        return tuple(found)
-
-    def value(self) -> Token:
-        """The text of a parameter's value: a literal, or an expression in brackets, of which only the end is sought."""
-        self.accept("=")
-        first = self.next
-        if first.text != "(":
-            self.literal("value")
-            last = self.tokens[self.at - 1]
-        else:
-            *_, last = self.bracketed()
-        return self.piece(first.column, last.end)
-
-    def rates(self) -> tuple[Token, ...]:
-        """The texts of the components of y', between brackets and parted by commas."""
-        if self.next.text != "(":
-            raise self.error(self.next, "rates are one or more, parted by commas, in brackets, like (y1, -sin(y0))")
-        first, *inside, last = self.bracketed()
-        ends, depth = [first.end], 0
-        for token in inside:
-            depth += (token.text == "(") - (token.text == ")")
-            ends += [token.column, token.end] if token.text == "," and not depth else []
-        ends.append(last.column)
-        return tuple(self.piece(*ends[i : i + 2]) for i in range(0, len(ends), 2))
-
-    def bracketed(self) -> list[Token]:
-        """The tokens from the opening bracket that comes next to its closing one, used up."""
-        found, open_brackets = [self.take()], 1
-        while open_brackets:
-            token = self.take()
-            if token.kind == END:
-                raise self.error(found[0], "a bracket is not closed")
-            open_brackets += (token.text == "(") - (token.text == ")")
-            found.append(token)
-        return found
-
-    def piece(self, start: int, end: int) -> Token:
-        """What stands from one column to before another."""
-        return Token(NUMBER, self.text[start - 1 : end - 1], start)
-
-    def literal(self, what: str) -> Fraction:
-        """A rational number, for the setting `what`: 10, -1/4 or 0.25."""
-        first = self.next
-        sign = self.accept("-", "+")
-        token = self.take()
-        if token.kind == NUMBER and self.next.text in ("i", "j"):
-            raise self.error(first, f"{what} is real here; |R(iy)|^2 is energy_multiplier METHOD h=y")
-        if token.kind != NUMBER:
-            raise self.error(token, f"{what}: a number like 1/4 or 0.25 stands here, not {token.shown}")
-        text = (sign.text if sign else "") + token.text
-        if self.next.text == "/" and self.next.column == token.end and self.tokens[self.at + 1].kind == NUMBER:
-            self.take()
-            token = self.take()
-            text += f"/{token.text}"
-        if self.next.kind != END and self.next.column == token.end and self.next.text not in "):,":
-            raise self.error(self.next, f"{self.next.shown} has no place in a number; put brackets around the question")
-        return self.rational(text, first)
-
-    def readout(self) -> Token:
-        """The name of a readout, used up, of two words where they are one: "phase error"."""
-        if self.next.kind != NAME:
-            what = "the name of a readout, such as q, comes after the colon"
-            raise self.error(self.next, f"{what}; {self.next.shown} stands there")
-        first = self.take()
-        if (both := f"{first.text}_{self.next.text}") in wording.READOUT_WORDS:
-            self.take()
-            first = first._replace(text=both)
-        return first._replace(text=wording.READOUT_WORDS.get(first.text, first.text))

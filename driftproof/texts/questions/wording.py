@@ -68,6 +68,8 @@ FACT_WORDS = {
     **dict.fromkeys(("algebraic_stability", "algebraically_stability"), "algebraically_stable"),
     "stiff_decay": "l_stable",
     **dict.fromkeys(("rounding_error", "roundoff_error"), "roundoff"),
+    **dict.fromkeys(("solution", "exact_solution", "true_solution"), "exact"),
+    **dict.fromkeys(("reversible", "time_reversible", "self_adjoint"), "symmetric"),
 }
 
 # Word -> the facts that it may mean.
@@ -77,10 +79,23 @@ _KEPT = (
     "energy_multiplier (1 where each step keeps the oscillator's), invariant (what is kept near it) or energy_change"
 )
 _TABLEAU = "one of its entries, as a21, b1, bhat1 or c2; `driftproof facts METHOD --all` has the whole of it"
+_OBSERVED = (
+    "ratio(run METHOD h=1/10 t=1 : error, run METHOD h=1/20 t=1 : error), or log2 of that, the order that is observed"
+)
+_NORM = "sqrt(principal_error METHOD : squared_norm)"
+_SPECTRUM = "stability_function (y' = λy, z = hλ) or one_step_matrix (of the oscillator)"
+_ENERGY_ERRORS = ("energy_error", "energy_change", "energy_drift")
+_AT_THE_END = "energy_change, which is that at the end of a run; of all steps there is largest_error, of the state"
 AMBIGUOUS_FACTS = {
     **dict.fromkeys(("limit", "stability_limit", "stability_interval", "absolute_stability_interval"), _LIMITS),
     **dict.fromkeys(("interval_of_stability", "interval_of_absolute_stability", "cfl", "cfl_number"), _LIMITS),
-    **dict.fromkeys(("cfl_limit", "cfl_condition", "largest_step", "largest_stable_step", "maximum_step"), _LIMITS),
+    **dict.fromkeys(("cfl_limit", "cfl_condition"), _LIMITS),
+    **{
+        f"{most}_{what}": _LIMITS
+        for most in ("largest", "largest_stable", "maximal", "maximal_stable", "maximum", "maximum_stable", "critical")
+        for what in ("h", "step", "step_size", "time_step")
+    },
+    **dict.fromkeys(("stability_region", "stability_bound", "time_step_limit", "step_size_limit"), _LIMITS),
     **dict.fromkeys(("conserve_energy", "preserve_energy", "energy_conservation"), _KEPT),
     **dict.fromkeys(("butcher_tableau", "tableau", "coefficients", "b_coefficients", "weights", "nodes"), _TABLEAU),
     "first_step": "step METHOD h=1/2 : q, or v, energy, k1.q; with y'=-y y(0)=1 on a problem",
@@ -88,17 +103,27 @@ AMBIGUOUS_FACTS = {
     **dict.fromkeys(
         ("b_stable", "b_stability"), "algebraically_stable, which is the same where no stage is superfluous"
     ),
-    "principal_error_norm": "sqrt(principal_error METHOD : squared_norm)",
+    **dict.fromkeys(("principal_error_norm", "principal_error_constant"), _NORM),
+    **dict.fromkeys(("observed_order", "experimental_order", "error_ratio", "ratio_of_errors"), _OBSERVED),
+    **dict.fromkeys(("spectral_radius", "eigenvalue", "eigenvalues"), _SPECTRUM),
+    **{f"{most}_{what}": _AT_THE_END for most in ("largest", "max", "maximum", "maximal") for what in _ENERGY_ERRORS},
+    "cost": "stages, evaluations_per_step, or evaluations of a run",
+    "machine_epsilon": "2**-52, from 1 to the next binary64 number, or 2**-53, the unit roundoff u",
 }
 
 # Other name of a setting -> its name.
-OTHER_SETTINGS = {"steps": "N", "n": "N", "dt": "h", "T": "t", "λ": "lambda", "tol": "error", "tolerance": "error"}
+OTHER_SETTINGS = {
+    **{"steps": "N", "n": "N", "dt": "h", "T": "t", "λ": "lambda", "tol": "error", "tolerance": "error"},
+    **dict.fromkeys(("step", "stepsize", "step_size", "timestep", "time_step"), "h"),
+    **dict.fromkeys(("hλ", "h_λ", "h_lambda"), "z"),
+}
 
 # Words that may stand between the parts of a question, and say nothing there.
-SAY_NOTHING = {"of", "with", "on", "after", "to", "for", "and", "until", "by", "using"}
+SAY_NOTHING = {"of", "with", "on", "after", "to", "for", "and", "until", "by", "using", "over", "in", "the"}
 SAY_NOTHING |= {"does", "do", "have", "need", "take", "reach"}
 # And before a question, or within a name.
 ASKING = {"what", "is", "the", "a", "how", "many", "large", "does", "do", "are", "has", "have", "value", "slope"}
+ASKING |= {"approximate", "calculate", "compute", "find"}
 _LONGEST_NAME = 6
 # Coefficients of a tableau: a21, or a_10_2 with two digits, b1, the second row bhat1, c3. A slope of the first step.
 COEFFICIENT = re.compile(r"(?P<a>a)(?:_?([1-9])([1-9])|_([1-9][0-9]?)_([1-9][0-9]?))|(?P<row>bhat|b|c)_?([1-9][0-9]?)")

@@ -78,19 +78,12 @@ REFUSED = [
     ("2 ** x", 6, "an exponent is an integer"),
     ("1e999999999", 1, "is too long"),
     ("order rk4 rk4", 11, "'rk4' has no place here; a colon and a readout may follow"),
-    ("order sdirk_order_2 at (1", 24, "a bracket is not closed"),
-    ("order sdirk_order_2 at sqrt(2)", 24, "a number like 1/4 or 0.25 stands here, not 'sqrt'"),
-    ("step :", 7, "the name of a readout, such as q, comes after the colon"),
     ("step rk4 h=1/2 h=1/4 : q", 16, "'h' is given twice"),
     ("step rk4 N=2 steps=2 h=1 : q", 14, "'steps' is given twice"),
     ("step rk4 k=1/2 : q", 10, "'k' is no setting; there are h, t, N, steps, error, z, lambda, problem"),
-    ("step rk4 h=1/2/3 : q", 15, "'/' has no place in a number"),
-    ("step rk4 h=1/2x : q", 15, "'x' has no place in a number"),
-    ("step rk4 h=0,1 : q", 13, "a decimal has a point: 0.1"),
     ("R(-2)", 1, "stability_function is about a method"),
     ("R(2*2) rk4", 4, "'*' has no place in a number"),
     ("R(-2 rk4", 6, "the bracket of R is not closed; 'rk4' stands there"),
-    ("step rk4 h=-: q", 13, "h: a number like 1/4 or 0.25 stands here, not ':'"),
     ("step rk4 h=1/2 from 1 : q", 1, "a start is a position, a comma and a velocity"),
     ("step rk4 h=1/2 from 1,0 from 1,0 : q", 25, "'from' is given twice"),
 ]
@@ -116,10 +109,3 @@ def test_question_too_long_or_nested_too_deep_is_refused_before_anything_is_comp
 def test_tokens_know_their_columns() -> None:
     tokens = " ".join(f"{token.text}@{token.column}" for token in ExpressionParser("2**(−x.y) ").tokens)
     assert tokens == "2@1 **@2 (@4 -@5 x.y@6 )@9 @11"
-
-
-def test_numbers_are_ascii_and_exact() -> None:
-    assert value("0.1 * 10").exact == 1
-    for foreign in ("٣", "1²", "½", "１"):
-        with pytest.raises(QuestionError, match="has no place"):
-            value(foreign)

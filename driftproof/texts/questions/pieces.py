@@ -1,0 +1,136 @@
+"""The pieces of a question: numbers, lists of them, the names of methods, files and readouts."""
+
+from __future__ import annotations
+
+import re
+from fractions import Fraction
+
+from driftproof.methods.catalogue import keys_of_name
+from driftproof.methods.expression_tree import END, NAME, NUMBER, ExpressionParser, Token
+from driftproof.texts.questions import wording
+from driftproof.texts.questions.errors import QuestionError
+
+# Words that may stand alone between head and readout.
+WORDS = ("sharp",)
+OWN_PI = "steps and times are rational, so round pi yourself, as in h=0.01 t=6.28"
+
+
+class PieceParser(ExpressionParser):
+    """One pass over the tokens of a question; each method reads what its name says, or refuses it with its column."""
+
+    what = "a question"
+    example = "ask for example: step rk4 h=1/2 : q"
+    refusal = QuestionError
+    # The prime of y' is a sign, π and λ are names.
+    tokens_are = re.compile(
+        f"(?P<prime>')|{ExpressionParser.tokens_are.pattern.replace('[A-Za-z_]', '[A-Za-z_πλ]')}", re.ASCII
+    )
+
+    def method_name(self, first: Token) -> Token:
+        """The longest name of a method that begins here, of words, hyphens and numbers; a file; else the one word."""
+        found, at = self.adjacent(first), self.at
+        alone, last = keys_of_name(first.text), first
+        for i in range(at, len(self.tokens)):
+            token, after = self.tokens[i], self.after(i)
+            if token.text in "=:,()" or after.text == "=" or token.text in (*wording.SAY_NOTHING, *WORDS, "at", "from"):
+                break
+            if token.kind not in (NAME, NUMBER) and token.text != "'" and (len(alone) == 1 or token.column > last.end):
+                break
+            last = token
+            piece = self.piece(first.column, token.end)
+            if keys_of_name(piece.text):
+                found, self.at = piece, i + 1
+        return found
+
+    def adjacent(self, first: Token) -> Token:
+        """The name of a .toml file that begins here, with its folders and hyphens; else the one word."""
+        last = first
+        for i in range(self.at, len(self.tokens)):
+            if first.text.endswith(".toml") or self.tokens[i].column != last.end or self.tokens[i].kind == END:
+                break
+            last = self.tokens[i]
+            if last.text.endswith(".toml"):
+                self.at = i + 1
+                return self.piece(first.column, last.end)
+        return first
+
+    def value(self) -> Token:
+        """The text of a parameter's value: a literal, or an expression in brackets, of which only the end is sought."""
+        self.accept("=")
+        first = self.next
+        if first.text != "(":
+            self.literal("value")
+            last = self.tokens[self.at - 1]
+        else:
+            *_, last = self.bracketed()
+        return self.piece(first.column, last.end)
+
+    def start(self) -> tuple[Fraction, ...]:
+        """One or more numbers, parted by commas: a state."""
+        found = [self.literal("start")]
+        while self.accept(","):
+            found.append(self.literal("start"))
+        return tuple(found)
+
+    def rates(self) -> tuple[Token, ...]:
+        """The texts of the components of y', between brackets and parted by commas."""
+        if self.next.text != "(":
+            raise self.error(self.next, "rates are one or more, parted by commas, in brackets, like (y1, -sin(y0))")
+        first, *inside, last = self.bracketed()
+        ends, depth = [first.end], 0
+        for token in inside:
+            depth += (token.text == "(") - (token.text == ")")
+            ends += [token.column, token.end] if token.text == "," and not depth else []
+        ends.append(last.column)
+        return tuple(self.piece(*ends[i : i + 2]) for i in range(0, len(ends), 2))
+
+    def bracketed(self) -> list[Token]:
+        """The tokens from the opening bracket that comes next to its closing one, used up."""
+        found, open_brackets = [self.take()], 1
+        while open_brackets:
+            token = self.take()
+            if token.kind == END:
+                raise self.error(found[0], "a bracket is not closed")
+            open_brackets += (token.text == "(") - (token.text == ")")
+            found.append(token)
+        return found
+
+    def piece(self, start: int, end: int) -> Token:
+        """What stands from one column to before another."""
+        return Token(NUMBER, self.text[start - 1 : end - 1], start)
+
+    def literal(self, what: str) -> Fraction:
+        """A rational number, for the setting `what`: 10, -1/4 or 0.25."""
+        first = self.next
+        sign = self.accept("-", "+")
+        token = self.take()
+        if token.kind == NUMBER and self.next.text in ("i", "j"):
+            raise self.error(first, f"{what} is real here; |R(iy)|^2 is energy_multiplier METHOD h=y")
+        if token.kind != NUMBER:
+            pi = f"; {OWN_PI}" if token.text in ("pi", "π") else ""
+            raise self.error(token, f"{what}: a number like 1/4 or 0.25 stands here, not {token.shown}{pi}")
+        text = (sign.text if sign else "") + token.text
+        if self.next.text == "/" and self.next.column == token.end and self.tokens[self.at + 1].kind == NUMBER:
+            self.take()
+            token = self.take()
+            text += f"/{token.text}"
+        if self.next.kind != END and self.next.column == token.end and self.next.text not in "):,":
+            pi = {"pi", "π"} & {self.next.text, self.after(self.at).text}
+            hint = OWN_PI if pi else "put brackets around the question"
+            raise self.error(self.next, f"{self.next.shown} has no place in a number; {hint}")
+        return self.rational(text, first)
+
+    def readout(self) -> Token:
+        """The name of a readout, used up, of two words where they are one: "phase error"."""
+        if self.next.kind != NAME:
+            what = "the name of a readout, such as q, comes after the colon"
+            raise self.error(self.next, f"{what}; {self.next.shown} stands there")
+        first = self.take()
+        if (both := f"{first.text}_{self.next.text}") in wording.READOUT_WORDS:
+            self.take()
+            first = first._replace(text=both)
+        return first._replace(text=wording.READOUT_WORDS.get(first.text, first.text))
+
+    def after(self, at: int) -> Token:
+        """The token behind the one at this place; the end stays the last."""
+        return self.tokens[min(at + 1, len(self.tokens) - 1)]

@@ -1,0 +1,36 @@
+"""Numbers, lists, names of methods and readouts in a question, and what is said where they are none."""
+
+from __future__ import annotations
+
+import pytest
+
+from driftproof.texts.questions.errors import QuestionError
+from driftproof.texts.questions.evaluate import value
+from tests.texts.questions.refusals import demand_refusal
+
+_ROUNDED = "steps and times are rational, so round pi yourself, as in h=0.01 t=6.28"
+REFUSED = [
+    ("order sdirk_order_2 at (1", 24, "a bracket is not closed"),
+    ("order sdirk_order_2 at sqrt(2)", 24, "a number like 1/4 or 0.25 stands here, not 'sqrt'"),
+    ("step :", 7, "the name of a readout, such as q, comes after the colon"),
+    ("step rk4 h=1/2/3 : q", 15, "'/' has no place in a number"),
+    ("step rk4 h=1/2x : q", 15, "'x' has no place in a number"),
+    ("step rk4 h=0,1 : q", 13, "a decimal has a point: 0.1"),
+    ("step rk4 h=-: q", 13, "h: a number like 1/4 or 0.25 stands here, not ':'"),
+    ("run rk4 h=pi/50 N=100 : q", 11, f"stands here, not 'pi'; {_ROUNDED}"),
+    ("run rk4 N=100 t=2*pi : q", 18, f"'*' has no place in a number; {_ROUNDED}"),
+    ("run rk4 N=100 t=2π : q", 18, f"'π' has no place in a number; {_ROUNDED}"),
+    ("run rk4 rates=-y0 from 1 h=1 t=1 : y0", 15, "rates are one or more, parted by commas, in brackets"),
+]
+
+
+@pytest.mark.parametrize(("question", "column", "reason"), REFUSED)
+def test_what_is_no_piece_of_a_question_is_refused_at_its_column(question: str, column: int, reason: str) -> None:
+    demand_refusal(question, column, reason)
+
+
+def test_numbers_are_ascii_and_exact() -> None:
+    assert value("0.1 * 10").exact == 1
+    for foreign in ("٣", "1²", "½", "１"):
+        with pytest.raises(QuestionError, match="has no place"):
+            value(foreign)
