@@ -64,11 +64,11 @@ NOT_ELSEWHERE = "sympy"
 BUDGETS = {
     "support": 1167,
     "methods": 5313,
-    "symbolic": 10386,
+    "symbolic": 10388,
     "numeric": 4186,
-    "blackbox": 17605,
+    "blackbox": 17611,
     "enclosure": 3130,
-    "texts": 7171,
+    "texts": 7256,
 }
 BUDGET_OF_REPORTS_AND_FRONT = 5547
 # The goal is 65 of 100. Independent witnesses, campaigns and guards, 6,000 lines, are among the tests.

@@ -89,7 +89,8 @@ class _QuestionParser(PieceParser):
         while name.text.lower() in wording.ASKING | wording.SAY_NOTHING and self.next.kind == NAME and not self.in_rate:
             name = self.take()
             if self.accept("("):
-                return self._call(name)
+                called: Node = self._call(name)
+                return called
         of_somebody = self.next.text == "'" and self.after(self.at).text == "s"
         hyphened = self.next.text == "-" and self.next.column == name.end and self._has_hyphen(name)
         if not self.in_rate and self.next.text == "'" and self.after(self.at).text == "=":

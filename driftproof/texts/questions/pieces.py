@@ -115,8 +115,8 @@ class PieceParser(ExpressionParser):
             token = self.take()
             text += f"/{token.text}"
         if self.next.kind != END and self.next.column == token.end and self.next.text not in "):,":
-            pi = {"pi", "π"} & {self.next.text, self.after(self.at).text}
-            hint = OWN_PI if pi else "put brackets around the question"
+            has_pi = not {"pi", "π"}.isdisjoint((self.next.text, self.after(self.at).text))
+            hint = OWN_PI if has_pi else "put brackets around the question"
             raise self.error(self.next, f"{self.next.shown} has no place in a number; {hint}")
         return self.rational(text, first)
 

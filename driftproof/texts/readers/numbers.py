@@ -19,7 +19,7 @@ _NUMBER = re.compile(
 _REFERENCE = re.compile(
     r"(?:\b(?:chapters?|sections?|sec\.|figures?|figs?\.|tables?|equations?|eqs?\.|exercises?|problems?|theorems?|"
     r"lemmas?|corollary|propositions?|definitions?|examples?|listings?|algorithms?|appendix|parts?|pages?|pp?\.|"
-    r"versions?|volumes?|vol\.|no\.|issues?|cells?|footnotes?)[ \n]?\(?|[§#] ?)$",
+    r"versions?|volumes?|vol\.|no\.|issues?|cells?|footnotes?)[ \n]?\(?|§ ?|#)$",
     re.IGNORECASE,
 )
 _LONGEST_REFERENCE, _BEFORE_REFERENCE = len("propositions ("), tuple(" \n(§#")
@@ -28,6 +28,7 @@ _LABELS = {
     re.compile(r"_\{[^{}]{0,40}\}"): "an index",
     re.compile(r"(?:https?://|www\.|doi:)[^\s<>\"]+", re.IGNORECASE): "part of an address",
     re.compile(r"^ ?\(?[0-9]{1,3}[.)](?= )", re.MULTILINE): "the number of an item",
+    re.compile(r"^#+ [0-9]{1,2}(?:\.[0-9]{1,2})*(?=\.? [A-Z])", re.MULTILINE): "the number of a heading",
     re.compile(r"\[\^?[0-9]+\]"): "an index or a reference in brackets",
     re.compile(r"[:%][-+,<>^ ]?[0-9]*\.[0-9]+[a-zA-Z%]"): "a format",
 }
@@ -64,8 +65,8 @@ def numbers_in(text: str) -> list[TextNumber]:
 
     Read are integers, decimals, fractions, exponents, powers and groups of three digits; words are for number_words.
     A label is a whole number that follows a letter (RK4, float64), an index (q_1), what follows a word such as Section,
-    Figure or Exercise, a version or a date, the number of an item at the start of a line, one number in square
-    brackets, what is in an address, and the digits of a format such as :.6f.
+    Figure or Exercise, a version or a date, the number of an item or of a heading at the start of a line, one number in
+    square brackets, what is in an address, and the digits of a format such as :.6f.
     """
     inside = bytearray(len(text))  # of each character, which of _LABELS holds, counted from 1
     for k, pattern in reversed([*enumerate(_LABELS, 1)]):
@@ -86,6 +87,7 @@ def _label(text: str, match: re.Match[str], place: str | None) -> str | None:
     if place is None and match[0].isdigit() and (before.isalpha() or before == "_"):
         return "part of a name" if before.isalpha() else "an index"
     refers = match["number"] and before in _BEFORE_REFERENCE and match[0][0] not in "+-"
+    refers = refers and (before != "#" or match[0].isdigit())  # x = 1 #2.5 is a comment
     if place is None and refers and _REFERENCE.search(text, max(0, start - _LONGEST_REFERENCE), start):
         return "a reference"
     return place
