@@ -22,7 +22,7 @@ from driftproof.symbolic.rosenbrock import ROSENBROCK_FACTS, RosenbrockFacts
 from driftproof.symbolic.trees import order_conditions, partitioned_trees
 from driftproof.symbolic.trees.algebraic_stability import algebraic_stability
 from driftproof.symbolic.trees.modified_equation import modified_equation
-from driftproof.symbolic.trees.order_conditions import Conditions, OrderFact
+from driftproof.symbolic.trees.order_conditions import TOLERANCE_ORDER, Conditions, OrderFact
 from driftproof.symbolic.trees.order_in_balls import RoundedOrder, order_but_for_rounding
 from driftproof.symbolic.trees.partitioned_trees import general_conditions
 from driftproof.symbolic.trees.rooted_trees import TooManyTrees, Tree
@@ -30,8 +30,6 @@ from driftproof.symbolic.trees.rooted_trees import TooManyTrees, Tree
 FAMILY_NAMES = {RungeKutta: "runge_kutta", Splitting: "splitting", Nystrom: "nystrom", Collocation: "collocation"}
 # Vertices of the trees in the modified equation: 17 trees; those with six vertices would be 20 more.
 MODIFIED_ORDER = 5
-# Vertices to which an order to a tolerance goes: beyond the exact order, no further.
-TOLERANCE_ORDER = 12
 
 
 # The other facts are the same of both.
@@ -102,8 +100,8 @@ class Facts(LinearFacts):
     @cached_property
     def order_but_for_rounding(self) -> RoundedOrder | None:
         """The order that rounded coefficients miss by their rounding alone; None where there is nothing of the kind."""
-        method = self.method
-        if isinstance(method, Collocation) or method.field or self.order == method.claimed_order != 0:
+        method, claimed = self.method, self.method.claimed_order
+        if isinstance(method, Collocation) or method.field or (claimed and self.order == claimed):
             return None
         return order_but_for_rounding(method, TOLERANCE_ORDER)
 
@@ -257,15 +255,14 @@ def order_within(method: Method, tolerance: Fraction) -> OrderWithin:
     if tolerance < 0:
         raise ValueError(f"tolerance {tolerance} is below zero")
 
-    def within(conditions: Conditions[Any], order: int = 0) -> int:
-        if order >= TOLERANCE_ORDER:
-            return order
-        return order_conditions.order_to_tolerance(conditions, tolerance, TOLERANCE_ORDER)
+    def within(conditions: Conditions[Any]) -> int:
+        return order_conditions.order_to_tolerance(conditions, tolerance)
 
+    exact_order = general_order(method).order
     second = order_conditions.embedded_conditions(method) if isinstance(method, RungeKutta) else None
     return OrderWithin(
         tolerance,
-        within(general_conditions(method), general_order(method).order),
+        exact_order if exact_order >= TOLERANCE_ORDER else within(general_conditions(method)),
         within(partitioned_trees.nystrom_conditions(method)) if isinstance(method, Splitting) else None,
         None if second is None else within(second),
     )

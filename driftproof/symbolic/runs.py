@@ -101,7 +101,7 @@ def apply(matrix: Entries, q: Any, v: Any) -> tuple[Any, Any]:
     return matrix[0] * q + matrix[1] * v, matrix[2] * q + matrix[3] * v
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True)
 class TrigonometricNumber(EnclosedReal):
     """The real number cosine·cos t + sine·sin t for rational t != 0, its coefficients rational and not both zero.
 
@@ -118,7 +118,7 @@ class TrigonometricNumber(EnclosedReal):
 
     def __str__(self) -> str:
         """The terms in ascending order of their values."""
-        terms = [(self.cosine, "cos"), (self.sine if self.t > 0 else -self.sine, "sin")]
+        terms = [(self.cosine, "cos"), (self.sine if self.t == abs(self.t) else -self.sine, "sin")]
         if all(c for c, _ in terms) and certified_sign(TrigonometricNumber(self.cosine, -self.sine, self.t)) == 1:
             terms.reverse()
         return " + ".join(_term(c, f"{name}({abs(self.t)})") for c, name in terms if c).replace("+ -", "- ")

@@ -115,8 +115,9 @@ def variants(node: ast.AST, digits: bool) -> Iterator[str]:
             at, text = match.start(1), str(node.value)
             yield repr(f"{text[:at]}{(int(text[at]) + 1) % 10}{text[at + 1 :]}")
     elif isinstance(node, ast.Call) and len(node.args) > 1 and ast.unparse(node.func).split(".")[-1] not in SYMMETRIC:
-        if not any(isinstance(x, ast.Starred) for x in node.args):
-            yield ast.unparse(ast.Call(node.func, [node.args[1], node.args[0], *node.args[2:]], node.keywords))
+        swapped = ast.Call(node.func, [node.args[1], node.args[0], *node.args[2:]], node.keywords)
+        if not any(isinstance(x, ast.Starred) for x in node.args) and ast.dump(swapped) != ast.dump(node):
+            yield ast.unparse(swapped)
     elif isinstance(node, ast.AugAssign | ast.Raise | ast.Break | ast.Continue | ast.Expr | ast.Assign):
         kept = ast.Constant | ast.Yield | ast.YieldFrom  # docstrings, and what makes a generator of a function
         names = isinstance(node, ast.Assign) and isinstance(node.targets[0], ast.Name | ast.Tuple)

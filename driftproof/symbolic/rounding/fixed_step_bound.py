@@ -25,7 +25,6 @@ from driftproof.symbolic.rounding.formats import BINARY64, FloatFormat
 from driftproof.symbolic.rounding.number import Rounded
 from driftproof.symbolic.rounding.polynomials import ETA, ONE, ZERO, D, ErrorPolynomial, majorant, near_rational, terms
 from driftproof.symbolic.rounding.step_bound import (
-    COLUMNS,
     LinearBound,
     StepOrMethod,
     Terms,
@@ -33,6 +32,7 @@ from driftproof.symbolic.rounding.step_bound import (
     demand_linear,
     in_format,
     linear_bound,
+    linear_form,
     operations_of,
     trace_step,
 )
@@ -92,7 +92,7 @@ def _parts(output: Rounded, fmt: FloatFormat) -> tuple[tuple[Form, ...], Terms]:
     """The leading forms and the rest of one output."""
     derivatives = _derivatives(output)
     roundings = [near_rational(rounding) for rounding in _roundings(derivatives)]
-    forms = (_form(_state_terms(middle, fmt)) for middle, _ in roundings)
+    forms = (linear_form(_state_terms(middle, fmt)) for middle, _ in roundings)
     rest = _remainder(derivatives) + sum((radius for _, radius in roundings), ZERO)
     return tuple(form for form in forms if any(form)), _state_terms(rest, fmt)
 
@@ -138,12 +138,6 @@ def _row(exact: ErrorPolynomial) -> tuple[Exact, Exact]:
 def _state_terms(polynomial: ErrorPolynomial, fmt: FloatFormat) -> Terms:
     """The polynomial in (q, v) in this format; h does not occur, for it was a constant of the program."""
     return at_step(in_format(polynomial, fmt), Fraction(1))
-
-
-def _form(by_state: Terms) -> Form:
-    demand_linear(by_state)
-    a, b, c = (by_state.get(column, Fraction(0)) for column in COLUMNS)
-    return a, b, c
 
 
 def _rows(bound: LinearBound) -> tuple[Form, Form]:

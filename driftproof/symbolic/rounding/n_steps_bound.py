@@ -28,7 +28,7 @@ from driftproof.symbolic.rounding.step_bound import (
     StepOrMethod,
     at_step,
     in_format,
-    linear_bound,
+    linear_form,
     magnitude,
     operations_of,
     trace_step,
@@ -112,13 +112,11 @@ def largest_safe_state(
     """
     safe = fmt.largest
     for x in operations_of(trace_step(subject, fmt, force, h)):
-        terms = at_step(in_format(magnitude(x), fmt), Fraction(1))  # h is a constant of the program
-        row = linear_bound(terms, terms)
-        slope, free = sum(row.error[0]), row.underflow[0]
+        a, b, free = linear_form(at_step(in_format(magnitude(x), fmt), Fraction(1)))  # h is a constant of the program
         if free > fmt.largest:
             raise OverflowError(f"at h = {h} the step overflows {fmt.name} from every state")
-        if slope > 0:
-            safe = min(safe, (fmt.largest - free) / slope)
+        if a or b:
+            safe = min(safe, (fmt.largest - free) / (a + b))
     return safe
 
 

@@ -236,10 +236,15 @@ def at_state(by_powers: Terms, q: Fraction, v: Fraction) -> Fraction:
 
 def linear_bound(dq: Terms, dv: Terms) -> LinearBound:
     """Two bounds that are linear in (|q|, |v|), as a matrix and a vector. Raises NotLinear."""
-    for bound in (dq, dv):
-        demand_linear(bound)
-    (qq, qv, rq), (vq, vv, rv) = ([bound.get(column, Fraction(0)) for column in COLUMNS] for bound in (dq, dv))
+    (qq, qv, rq), (vq, vv, rv) = linear_form(dq), linear_form(dv)
     return LinearBound(((qq, qv), (vq, vv)), (rq, rv))
+
+
+def linear_form(by_state: Terms) -> tuple[Fraction, Fraction, Fraction]:
+    """The coefficients of q, v and 1. Raises NotLinear."""
+    demand_linear(by_state)
+    a, b, c = (by_state.get(column, Fraction(0)) for column in COLUMNS)
+    return a, b, c
 
 
 def demand_linear(powers: Iterable[tuple[int, ...]]) -> None:

@@ -165,7 +165,8 @@ def stage_algebra(method: TreeMethod) -> StageAlgebra:
     """The stages of a method that is given by its node polynomial, or else by its tableau."""
     if isinstance(method, Collocation):
         return NodeStages(method.node_polynomial)
-    return tableau_stages(method.a, method.b)[0]
+    (stages,) = tableau_stages(method.a, method.b)
+    return stages
 
 
 def tableau_stages(a: Sequence[Sequence[Exact]], *weights: Sequence[Exact]) -> list[TableauStages]:
@@ -195,7 +196,7 @@ class ElementaryWeights:
     def of_order(self, vertices: int) -> list[RingElement]:
         """Φ of the trees with so many vertices, in the order of the table."""
         table, (first, *_) = self.table(vertices), self.colours
-        for n in range(1, vertices + 1):
+        for n in range(vertices + 1):
             self._extend(table, n)
         weights = [self.colours[table.kind[t]].weigh(self._products[t]) for t in table.ids(vertices)]
         scalars = first.scalars

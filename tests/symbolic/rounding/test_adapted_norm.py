@@ -72,6 +72,8 @@ def test_a_root_is_rounded_up_by_less_than_its_last_bits(x, scale):
     assert (root * (1 - Q(1, 2**190))) ** 2 <= x
     assert root_above(x * x) >= x
     assert root_above(Q(25, 4)) == Q(5, 2)
+    ends = [root_above(x).denominator for x in (Q(2), Q(3, 2**300), Q(3 * 2**900), Q(1, 3))]
+    assert ends == [2**200, 2**347, 1, 2**197], "as many bits as are promised, and no more"
 
 
 @pytest.mark.parametrize("key", ["symplectic_euler", "velocity_verlet", "position_verlet"])

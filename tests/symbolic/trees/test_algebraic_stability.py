@@ -115,7 +115,7 @@ def test_semidefinite_notices_a_diagonal_entry_that_is_less_than_nothing(matrix:
     check(broken, semidefinite(broken))
 
 
-@pytest.mark.parametrize("entry", [Q(1), Q(-1)])
+@pytest.mark.parametrize("entry", [Q(1), Q(-1), Q(1, 2), Q(-1, 2)])
 def test_semidefinite_refutes_a_matrix_with_nothing_on_its_diagonal(entry: Q) -> None:
     matrix = ((Q(0), entry), (entry, Q(0)))
     assert not semidefinite(matrix).holds
