@@ -33,7 +33,6 @@ _SOLVED = 1e-6
 # Below the second nobody minds what a solver leaves; what it leaves elsewhere is so many times as much at most, since
 # it stops by the same change or residual.
 _SOLVER, _WELL_SOLVED = 64, 2.0**-30
-_Entry = tuple[str, Exact]
 
 
 @dataclass(frozen=True)
@@ -65,9 +64,9 @@ class ImexIdentity:
     @property
     def near(self) -> str:
         """The method that it is but for few entries, with these; "" for none."""
-        told = [(m.key, _differences(m, self.reading)) for m in _methods()]
+        told = ((m.key, _differences(m, self.reading)) for m in _methods())
         few = [(key, found) for key, found in told if found and len(found) <= _FEW_DIFFERENCES]
-        key, found = min(few, key=lambda each: len(each[1] or ()), default=("", None))
+        key, found = min(few, key=lambda each: len(each[1]), default=("", []))
         return f"{key} but for {'; '.join(found)}" if found else ""
 
     @property
@@ -93,16 +92,11 @@ class ImexIdentity:
         reading, slack = self.reading, self.reading.rounding.of(1.0)
         named = f"{key}: every entry within {slack:.1e}, as its stages are solved"
         nearest = [f"nearest: {self.near}"] if not key and self.near else []
-        rows: list[tuple[str, CoefficientRow]] = []
+        rows: list[tuple[str, CoefficientRow]] = [] if reading.c is None else [("c", reading.c)]
         for part, a, b in zip(IMEX_PARTS, reading.a, reading.b, strict=True):
             rows += [(f"a_{part}[{i}]", row[: i + 1]) for i, row in enumerate(a) if any(row)]
             rows.append((f"b_{part}", b))
-        clock = ("c", reading.c)
-        shown = [clock, *rows] if reading.c is not None else rows
-        texts = [
-            f"{name} = {', '.join(coefficient_text(x, reading.format, slack) for x in row or ())}"
-            for name, row in shown
-        ]
+        texts = [f"{name} = {', '.join(coefficient_text(x, reading.format, slack) for x in row)}" for name, row in rows]
         curved = f"a step on nonlinear functions is these stages to {reading.curved:.1e}"
         first = named if key else "no IMEX method of the catalogue"
         return [first, *nearest, *texts, curved, *([] if reading.c else ["it is given no time"])]
@@ -200,7 +194,7 @@ def _in_order(reading: ImexReading) -> ImexReading:
     left = list(range(reading.stages))
     while left:
         ready = [i for i in left if not any(a[i][j] for a in reading.a for j in left if j != i)]
-        order.append((ready or left)[0])
+        order.append(next(iter(ready or left)))
         left.remove(order[-1])
 
     def sorted_row(row: Sequence[float]) -> CoefficientRow:

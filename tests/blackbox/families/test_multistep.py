@@ -21,6 +21,7 @@ from tests.blackbox.families.remembering_steppers import (
     euler,
     rk4_step,
 )
+from tests.looping import some
 
 EXPLICIT = [key for key, m in FACTS_ONLY.items() if isinstance(m, Multistep) and m.explicit and m.derivative == 1]
 IMPLICIT = ["adams_moulton2", "adams_moulton4", "bdf2", "bdf3", "bdf6", "milne_simpson"]
@@ -178,3 +179,79 @@ def test_a_stepper_with_its_system_built_in_leaves_it_undecided():
     report = verify(lambda q, v, h: (q + h * v, v - h * q), "bdf2", isolate=False)
     assert report.passed is None
     assert "its system is built in" in report.verdict
+
+
+ROWS = ("rho = 0, -1, 1", "sigma = -1/2, 3/2, 0")
+KEPT, OTHERS = "kept to rounding in runs of 40 steps, after the start", "steps of one length were looked at, no others"
+BASHFORTH2 = (f"adams_bashforth2: {KEPT}", *ROWS, OTHERS)
+LATE = "its start is not good enough: first values are off like h^2, and whole runs have order 2, not 3"
+CHECKS = [
+    (
+        Remembering("adams_bashforth3", euler).step,
+        "adams_bashforth3",
+        {
+            "Recurrence: passed": (
+                f"adams_bashforth3: {KEPT}",
+                "rho = 0, 0, -1, 1",
+                "sigma = 5/12, -4/3, 23/12, 0",
+                OTHERS,
+            ),
+            "Right-hand side: passed": ("F is asked at the states that it returns",),
+            "Start: FAILED": (LATE, "step 1 is forward_euler", "step 2 is forward_euler"),
+            "Order: FAILED": ("adams_bashforth3 has order 3; in whole runs order 2 is seen",),
+        },
+    ),
+    (
+        Remembering("adams_bashforth2", euler).step,
+        "adams_bashforth2",
+        {
+            "Recurrence: passed": BASHFORTH2,
+            "Start: passed": ("step 1 is forward_euler",),
+            "Order: passed": ("adams_bashforth2 has order 2; in whole runs order 2 is seen",),
+        },
+    ),
+    (
+        Remembering("adams_bashforth2", euler).step,
+        "adams_bashforth3",
+        {"Recurrence: FAILED": ("not that of adams_bashforth3", *BASHFORTH2)},
+    ),
+    (
+        Displaced("adams_bashforth2", euler).step,
+        "adams_bashforth2",
+        {
+            "Right-hand side: FAILED": ("its right-hand side is not asked at the states that it returns",),
+            "Order: FAILED": ("adams_bashforth2 has order 2; in whole runs order 1 is seen",),
+        },
+    ),
+    (
+        Remembering("adams_bashforth2", euler, sigma=[-1 / 3, 3 / 2, 0.0]).step,
+        "adams_bashforth2",
+        {
+            "Recurrence: FAILED": (
+                "not that of adams_bashforth2",
+                "sigma[0]: -1/3 instead of -1/2",
+                "no multistep method of the catalogue",
+                "nearest: adams_bashforth2 but for sigma[0]: -1/3 instead of -1/2",
+            )
+        },
+    ),
+]
+
+
+@pytest.mark.parametrize(("step", "key", "sections"), CHECKS, ids=range(len(CHECKS)))
+def test_each_check_shows_its_evidence(step, key, sections):
+    report = verify(step, key, isolate=False)
+    for title, lines in some(sections.items()):
+        assert report.section(title).lines[: len(lines)] == lines
+
+
+def test_the_order_of_what_was_read_is_shown_and_order_1_is_consistent():
+    report = identify(Remembering("adams_bashforth2", euler).step, isolate=False)
+    assert report.section("Order").lines == ("order 2 of the recurrence: on y = t^3/3! it leaves 5/12",)
+    names = ("method", "rho", "sigma", "derivative", "order", "start", "measured_order")
+    rows = (["0.0", "-1.0", "1.0"], ["-0.5", "1.5", "0.0"])
+    assert [report.data[name] for name in names] == ["adams_bashforth2", *rows, 1, 2, ["forward_euler"], 2]
+    of_order_1 = identify(Remembering("adams_bashforth2", euler, sigma=[-0.25, 1.25, 0.0]).step, isolate=False)
+    assert of_order_1.data["faults"] == []
+    assert identify(Stormer().step, isolate=False).data["derivative"] == 2
+    assert identify(Displaced("adams_bashforth2", euler).step, isolate=False).data["method"] is None
