@@ -87,11 +87,9 @@ class Damping:
         """The law."""
         law = self.law or f"a law of h that is none of {', '.join(text.format(c='c') for text in _LAWS)}"
         what = "areas in phase space are" if self.built_in else "without a force, v is"
-        return [f"{what} multiplied by {law}, as by {'the force -C v with C =' * self.turns or 'a drag of'} {self._c}"]
-
-    @property
-    def _c(self) -> str:
-        return _shown(np.array(self.rate)) if self.turns else f"{_shown(np.array(self.rate))} v"
+        rate = _shown(np.array(self.rate))
+        by = f"the force -C v with C = {rate}" if self.turns else f"a drag of {rate} v"
+        return [f"{what} multiplied by {law}, as by {by}"]
 
     @property
     def data(self) -> dict[str, Json]:

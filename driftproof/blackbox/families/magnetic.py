@@ -159,8 +159,8 @@ class MagneticReading:
     def parts(self) -> list[tuple[str, list[str]]]:
         """The evidence, by title."""
         turn = self.turn.lines("h B")
-        kept = turn[1] if self.turn.growth else f"|v| is kept in steps with E = 0: off by {self.kept:.1e} at most"
-        area = ["areas across B, and so volumes of velocities, are kept"] if self.turn.growth is None else []
+        kept = f"|v| is kept in steps with E = 0: off by {self.kept:.1e} at most"
+        size = turn[1:] if self.turn.growth else [kept, "areas across B, and so volumes of velocities, are kept"]
         kick, drift, where = self.kick, self.drift, "for B along (0, 0, 1), " if self.uneven else ""
         kicks = [] if kick is None else [f"kick {self._text(kick[0])} h E, rotation, kick {self._text(kick[1])} h E"]
         if self._is(kick, (1.0, 0.0), (0.0, 1.0)) and not self.affine:
@@ -173,7 +173,7 @@ class MagneticReading:
         places = dict.fromkeys(map(self._place, self.asked))
         moved += [f"the fields are asked at {' and at '.join(places)}"] if places and self._leapfrog else []
         return [
-            ("Rotation", [f"{where}{self.turn.name}: {turn[0]}", kept, *area]),
+            ("Rotation", [f"{where}{self.turn.name}: {turn[0]}", *size]),
             ("Kicks", kicks),
             ("Position", moved),
         ]
@@ -232,7 +232,6 @@ class MagneticReading:
 
     @property
     def _off(self) -> float:
-        """What a part of a kick or of a drift may be off by."""
         return self.rounding.of(4.0)
 
     def _near(self, x: float, y: float) -> bool:

@@ -41,7 +41,7 @@ class _Probe:
         self.rounding = Rounding(subject.format, 8)  # some 40 operations
         self.frames: list[Array] = [_frame(np.array(axis)) for axis in axes] if axes else [np.eye(2)]
         self.electric = ELECTRIC in subject.convention.order
-        self.step(1.0, self.frames[0][0])
+        self.step(1.0)
 
     def step(
         self,

@@ -49,10 +49,6 @@ class MultistepReading:
         return self.start.fault(facts.order, self.recurrence.recurrence.derivative)
 
     @property
-    def _unseen(self) -> str:
-        return _HANDED if self.handed else _NO_START
-
-    @property
     def verdict(self) -> str:
         """What it is, in one line."""
         started = f", started by {self.start.name}" if self.start is not None and self.start.name else ""
@@ -75,7 +71,7 @@ class MultistepReading:
         return [
             ("Recurrence", self.recurrence.lines),
             ("Order", orders),
-            ("Start", [self._unseen] if self.start is None else self.start.lines),
+            ("Start", self.start.lines if self.start else [_HANDED if self.handed else _NO_START]),
         ]
 
     @property
@@ -99,11 +95,10 @@ class MultistepReading:
         near = found.recurrence.differences(method) if not same else None
         differences = [f"not that of {method.key}", *(near or ())]
         checks = [Criterion("Recurrence", same, tuple(found.lines if same else [*differences, *found.lines]), {})]
-        if same:
-            at = found.asked or "F is asked at the states that it returns"
-            checks.append(Criterion("Right-hand side", not found.asked, (at,), {}))
         if not same:
             return checks
+        at = found.asked or "F is asked at the states that it returns"
+        checks.append(Criterion("Right-hand side", not found.asked, (at,), {}))
         if self.handed:
             return [*checks, Criterion("Start", True, (_HANDED,), {})]
         if start is None:

@@ -6,6 +6,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -25,7 +26,6 @@ from driftproof.blackbox.probes.scripted_answers import Rounding
 from driftproof.blackbox.report import Criterion
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.methods.catalogue import FACTS_ONLY
-from driftproof.methods.number_field import Exact
 from driftproof.methods.rosenbrock import Rosenbrock
 from driftproof.support.plain_text import Json
 from driftproof.symbolic.rosenbrock import RosenbrockFacts
@@ -117,7 +117,7 @@ def _floats(method: Rosenbrock) -> tuple[Array, Array, Array]:
 def _near(reading: RosenbrockReading, method: Rosenbrock) -> Iterator[str]:
     """The entries of a method that alone, with other values, give what was read: the products are affine in each.
 
-    A path through a triangular matrix takes each entry below the diagonal once at most.
+    A path through a triangular matrix takes each entry below the diagonal once at most; no other one passes.
     """
     names, floats, powers = ("alpha", "gamma", "b"), _floats(method), len(reading.weights)
     if len(_Products(*floats, powers).nodes) != reading.calls:
@@ -125,8 +125,6 @@ def _near(reading: RosenbrockReading, method: Rosenbrock) -> Iterator[str]:
     seen = np.array(reading.weights)
     for which, entries in enumerate(floats):
         for place in np.ndindex(entries.shape):
-            if which < 2 and place[0] <= place[1]:
-                continue
 
             def changed(by: float, which: int = which, place: tuple[int, ...] = place) -> _Products:
                 moved = [part.copy() for part in floats]
@@ -139,19 +137,16 @@ def _near(reading: RosenbrockReading, method: Rosenbrock) -> Iterator[str]:
             by = float((turn * (seen - here.weights)).sum() / (turn * turn).sum())
             if by and changed(by).differences(reading) == []:
                 name = names[which] + "".join(f"[{i}]" for i in place)
-                value = _shown(reading, [float(entries[place] + by)])
-                yield f"{name}: {value} instead of {exact_shown(_entry(method, which, place))}"
+                exact: Any = (method.alpha, method.gamma, method.b)[which]
+                for i in place:
+                    exact = exact[i]
+                yield f"{name}: {_shown(reading, [float(entries[place] + by)])} instead of {exact_shown(exact)}"
 
 
 def _shown(reading: RosenbrockReading, numbers: Iterable[float]) -> str:
     """Entries that are computed from what was read."""
     slack = Rounding(reading.format, 4 * reading.calls).of(4.0)
     return ", ".join(coefficient_text(float(x), reading.format, slack) for x in numbers)
-
-
-def _entry(method: Rosenbrock, which: int, place: tuple[int, ...]) -> Exact:
-    rows = (method.alpha, method.gamma)
-    return method.b[place[0]] if which == len(rows) else rows[which][place[0]][place[1]]
 
 
 @dataclass(frozen=True)

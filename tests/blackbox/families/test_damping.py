@@ -13,6 +13,7 @@ from driftproof.blackbox.families.damping import read_damping
 from driftproof.blackbox.findings import UnsupportedCall
 from driftproof.blackbox.probes.scripted_answers import NotReadable
 from driftproof.blackbox.stepper.opening import opened
+from tests.blackbox.families.bounds import U, parted
 
 
 def damped(factor: Callable[[float], float]):
@@ -173,7 +174,6 @@ def test_a_matrix_of_drag_or_of_turning_is_told_and_is_no_method_of_one_number(s
     assert verify(step, "symplectic_euler", examples=20, isolate=False).passed is False
 
 
-U = 2.0**-53
 EACH, NONE = "in each step, however short", "a law of h that is none of exp"
 # Steps that are off by k, what is said of one that is off too far, and k before and behind the bound.
 BOUNDS = [
@@ -197,13 +197,7 @@ BOUNDS = [
 
 @pytest.mark.parametrize(("made", "words", "places"), BOUNDS, ids=range(len(BOUNDS)))
 def test_what_may_be_rounding_has_a_bound(made, words, places):
-    def told(k):
-        try:
-            return read_damping(opened(made(k))).verdict
-        except (NotReadable, UnsupportedCall) as refusal:
-            return str(refusal)
-
-    assert [words in told(k) for k in places] == [False, True]
+    assert parted(lambda subject: read_damping(subject).verdict, made, words, places)
 
 
 def test_vectors_without_a_drag_take_nothing_from_v():

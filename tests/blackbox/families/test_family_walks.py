@@ -5,14 +5,8 @@ import pytest
 from flint import ctx
 
 from driftproof import verify
-from driftproof.blackbox.families.family_walks import (
-    ImexWalker,
-    RosenbrockWalker,
-    WithDamping,
-    WithHalfJacobian,
-    WithJacobian,
-    derivatives,
-)
+from driftproof.blackbox.families import family_walks as walks
+from driftproof.blackbox.families.family_walks import ImexWalker, WithDamping, derivatives
 from driftproof.blackbox.judging.nonlinear_problems import driven
 from driftproof.blackbox.stepper.opening import opened
 from driftproof.methods.catalogue import FACTS_ONLY
@@ -109,13 +103,13 @@ def test_how_well_stages_are_solved_is_told(key, most, words):
 def test_what_a_step_elsewhere_may_be_off_by_grows_with_the_numbers_and_what_a_solver_leaves():
     """4 (calls + 2) u of twice the size; and four errors of df/dt in h^2, or what is left of the equations."""
     subject, u = opened(rosenbrock("ros2")), 2.0**-53
-    linear = RosenbrockWalker(subject, FACTS_ONLY["ros2"], slack=2.0**-26)
+    linear = walks.RosenbrockWalker(subject, FACTS_ONLY["ros2"], slack=2.0**-26)
     assert linear.allowed(3.0, 5, 0.5) == pytest.approx(4 * (2 * 6 + 2) * u * 6 + 4 * 2.0**-26 * 0.25 * 3, rel=1e-12)
     split = ImexWalker(subject, FACTS_ONLY["ars222"], solved=2.0**-40)
     assert split.allowed(3.0, 5, 0.5) == pytest.approx(4 * (2 * 3 + 2) * u * 6 + 2.0**-40 * 3, rel=1e-12)
 
 
-@pytest.mark.parametrize(("kind", "share"), [(WithJacobian, 1.0), (WithHalfJacobian, 0.5)])
+@pytest.mark.parametrize(("kind", "share"), [(walks.WithJacobian, 1.0), (walks.WithHalfJacobian, 0.5)])
 def test_a_step_is_given_the_jacobian_or_half_of_it(kind, share):
     """Backward Euler's equation made linear, of 4 (1 + t) y^2/(1 + y^2) and what makes its solution known."""
     problem, y, h = kind(**vars(driven(1, timed=True))), 0.25, 0.125

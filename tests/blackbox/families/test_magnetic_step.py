@@ -10,6 +10,7 @@ from driftproof.blackbox.families.magnetic_step import read_magnetic
 from driftproof.blackbox.probes.scripted_answers import NotReadable
 from driftproof.blackbox.stepper.opening import opened
 from tests.blackbox.families import turning_steppers as codes
+from tests.blackbox.families.bounds import U, parted
 
 
 def test_where_fields_are_asked_is_read_where_they_are_functions():
@@ -37,7 +38,7 @@ def test_what_is_not_linear_or_remembers_is_refused():
     assert identify(codes.relativistic, isolate=False).verdict.startswith("it is no method that is known here: twice")
 
 
-U, BORIS, RK4 = 2.0**-53, codes.boris(), codes.runge_kutta("rk4")
+BORIS, RK4 = codes.boris(), codes.runge_kutta("rk4")
 OTHER, LAW = "with both fields, and elsewhere, ", "the position moves by another law"
 
 
@@ -81,10 +82,4 @@ BOUNDS = [
 
 @pytest.mark.parametrize(("made", "words", "places"), BOUNDS, ids=range(len(BOUNDS)))
 def test_what_may_be_rounding_has_a_bound(made, words, places):
-    def told(k):
-        try:
-            return read_magnetic(opened(made(k))).verdict
-        except NotReadable as refusal:
-            return str(refusal)
-
-    assert [words in told(k) for k in places] == [False, True]
+    assert parted(lambda subject: read_magnetic(subject).verdict, made, words, places)

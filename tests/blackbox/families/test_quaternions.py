@@ -10,6 +10,7 @@ from driftproof.blackbox.families.quaternions import read_quaternion
 from driftproof.blackbox.probes.scripted_answers import NotReadable
 from driftproof.blackbox.stepper.opening import opened
 from tests.blackbox.families import turning_steppers as codes
+from tests.blackbox.families.bounds import U, parted
 
 
 def test_length_and_order_are_told():
@@ -53,7 +54,7 @@ def test_what_is_no_linear_step_is_refused():
         read_quaternion(opened(remembering))
 
 
-RK4, UNIT, U, X = codes.quaternion("rk4"), codes.quaternion("rk4", unit=True), 2.0**-53, np.eye(4)[1]
+RK4, UNIT, X = codes.quaternion("rk4"), codes.quaternion("rk4", unit=True), np.eye(4)[1]
 # Steps that are off by k, what is said of one that is off too far, and k before and behind the bound.
 BOUNDS = [
     # 4 (12 + 2) roundings of numbers of size 8: the step is linear in q, or its length is 1 whatever goes in.
@@ -71,13 +72,7 @@ BOUNDS = [
 
 @pytest.mark.parametrize(("made", "words", "places"), BOUNDS, ids=range(len(BOUNDS)))
 def test_what_may_be_rounding_has_a_bound(made, words, places):
-    def told(k):
-        try:
-            return "; ".join(read_quaternion(opened(made(k))).faults)
-        except NotReadable as refusal:
-            return str(refusal)
-
-    assert [words in told(k) for k in places] == [False, True]
+    assert parted(lambda subject: "; ".join(read_quaternion(subject).faults), made, words, places)
 
 
 def test_a_length_that_is_made_another_and_a_rotation_by_the_length_are_refused():

@@ -19,16 +19,6 @@ def _raising(f, t, y, h):
     raise RuntimeError("no")
 
 
-def test_a_program_is_told_the_coefficients_the_order_and_the_faults():
-    data = json.loads(identify(Remembering("adams_bashforth3", euler).step, isolate=False).json())
-    assert data["method"] == "adams_bashforth3"
-    assert (data["order"], data["measured_order"]) == (3, 2)
-    assert [float(x) for x in data["sigma"]] == [5 / 12, -4 / 3, 23 / 12, 0.0]
-    assert data["faults"] == [
-        "its start is not good enough: first values are off like h^2, and whole runs have order 2, not 3"
-    ]
-
-
 def test_a_report_says_what_to_do_and_how_it_was_called():
     report = identify(Remembering("adams_bashforth2", euler).step, isolate=False)
     assert report.section("What to do").lines[0].endswith("--method adams_bashforth2")
