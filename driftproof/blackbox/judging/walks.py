@@ -38,6 +38,8 @@ _BITS = 192
 _NUMBERS, _POSITIONS, _SOLVED_FOR = (1, 2, 3, 5, 17), (1, 2, 3, 5, 9), (1, 2, 3, 5)
 # In units of the problem's own time, so short that numbers stay of its size; of many bits, one of them taken twice.
 _LENGTHS, _BACK = (0.1, 0.1, 1 / 30, 0.07), (-0.07, -0.03)
+# What a step comes after: one of its own run, or one of a run whose state was then moved, as events move states.
+_GOES_ON, _MOVED = "goes on from the one before", "begins when the one before ended, in another state,"
 # Another arithmetic, or a convention of the caller's: nothing is said against what is not stepped at all.
 _REFUSALS = (StepRaised, WrongShape, NotANumber)
 
@@ -94,7 +96,7 @@ class _Step:
     t: float
     y: tuple[float, ...]
     h: float
-    first: bool
+    before: str
     words: str
 
 
@@ -155,16 +157,17 @@ class Walker:
     def walk(self, problem: NonlinearProblem, place: _Place, lengths: Sequence[float]) -> _Step | None:
         """The first step that is not the method's; None if all are. Raises the Misbehaviour that comes instead."""
         there, t = place.problem(problem), place.origin + START * 2.0**-place.pace
-        y = _start(there, t)
+        y = start = _start(there, t)
         # Another right-hand side from there: who remembers by t, y and h alone goes wrong.
         replace(there, rate=lambda t, y: [0.0 * x for x in y]).stepped(
             self.subject, t, y, lengths[0] * 2.0**-place.pace
         )
-        for n, length in enumerate(lengths):
-            h = length * 2.0**-place.pace
+        after = ["", *[_GOES_ON] * (len(lengths) - 1), _MOVED]
+        for length, before in zip((*lengths, lengths[-1]), after, strict=True):
+            h, y = length * 2.0**-place.pace, start if before == _MOVED else y
             words, end = self.compared(there, place, t, y, h)
             if words:
-                return _Step(place, there.positions or len(y), t, tuple(y), h, n == 0, words)
+                return _Step(place, there.positions or len(y), t, tuple(y), h, before, words)
             t, y = t + h, end
         return None
 
@@ -198,10 +201,10 @@ class Walker:
     def why(self, step: _Step, problem: NonlinearProblem, of_numbers: _ByNumber) -> str:
         """What it takes for a step to be wrong, where that is one thing. Raises what comes of other steps."""
         there = step.place.problem(problem)
-        if not step.first:
+        if step.before:
             there.stepped(self.subject, step.t + 1, [x / 2 for x in step.y], step.h)
             if not self.compared(there, step.place, step.t, step.y, step.h)[0]:
-                return "a step that goes on from the one before is another than from the same state at once"
+                return f"a step that {step.before} is another than from the same state at once"
         lengths = _LENGTHS if step.h > 0 else _BACK
         if self.walk(problem, _Place(), lengths):
             others = [found[0] for n, found in of_numbers.items() if n in (1, 2, 3) and n != step.numbers]
@@ -274,7 +277,8 @@ def _walked_on(walker: Walker, lengths: Sequence[float], most: int | None) -> Wa
         return None, f"no such step is taken: {refused}" if refused else "the domain is too small for it", ""
     sizes = ", ".join([*map(str, sorted(set(taken) - {max(taken)})), walker.counted(max(taken))])
     also = f"; not all are taken: {refused}" if refused else ""
-    words = f"{len(taken)} times {len(lengths)} steps, each from the end of the one before, of {sizes}"
+    steps = f"{len(lengths)} steps, each from the end of the one before, then one from another state"
+    words = f"{len(taken)} times {steps}, of {sizes}"
     when = f", at times from {min(times):g} to {max(times):g}" if times else ""
     return True, f"{words}{when}{also}", ""
 

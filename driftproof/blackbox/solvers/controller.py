@@ -37,6 +37,8 @@ _SAME = 1e-8
 # So many attempts before the end may be made for the end.
 _LANDING = 3
 _LEAST_REMEMBERED = 1e-3
+# What is just accepted is followed by a step as many times as long as the safety says: 0.8 to 1 in most codes.
+_LEAST_SAFETY = 0.5
 _NO_TOLERANCE = "it takes no tolerance: its steps are of one length"
 # Denominators of exponents as controllers in use have them: 1/5, 7/50, 17/100, ...
 _MOST_DENOMINATOR = 120
@@ -62,7 +64,7 @@ class Law:
 
     r is the error over the tolerance, in the estimate of the pair `estimate`. `smallest` and `largest` are None where
     no factor was cut. `after_rejection` says that a step after a rejected one does not grow, `exception` which other
-    steps are not of this law.
+    steps are not of this law. `accepted` is the largest r of a step that is taken.
     """
 
     estimate: str
@@ -73,6 +75,7 @@ class Law:
     smallest: float | None
     largest: float | None
     after_rejection: bool
+    accepted: float
     exception: str
 
     @property
@@ -137,7 +140,15 @@ def read_controller(subject: ForeignSolver, steps: SolverSteps) -> ControllerRea
         law = replace(law, exception="")
     after = ["a step after a rejected one does not grow"] if law.after_rejection else []
     lines = (f"measured: {law.words}", f"r is the estimate of {law.estimate} over the tolerance", *after, counts)
-    return ControllerReading(law, lines, (*_of_another_order(law), *traces))
+    return ControllerReading(law, lines, (*_of_another_order(law), *(traces or _accepted_beyond(law))))
+
+
+def _accepted_beyond(law: Law) -> Iterator[str]:
+    """That the largest error of a step that is accepted is one after which the law asks for far shorter steps."""
+    factor = law.safety * law.accepted ** -float(law.exponent)
+    if factor < _LEAST_SAFETY:
+        asked = f"after which its law asks for {factor:.2g} h"
+        yield f"steps are accepted with {law.accepted:.3g} times the tolerance, {asked}"
 
 
 def _of_another_order(law: Law) -> Iterator[str]:
@@ -265,8 +276,9 @@ def _law(name: str, estimate: _Estimate, attempts: Sequence[Attempt], atol: floa
         return None
     exponent, memory, filtered = (_rational(x) for x in [*map(float, found[1:]), 0.0, 0.0][:3])
     held = [p.factor for p in points if p.accepted and p.rejections]
+    accepted = exp(max(p.error for p in points if p.accepted and not p.at_jump))
     safety, after = float(exp(found[0])), bool(held) and max(held) <= 1 + _CLOSE
-    law = Law(name, safety, exponent, memory, filtered, smallest, largest, after, "")
+    law = Law(name, safety, exponent, memory, filtered, smallest, largest, after, accepted, "")
     return replace(law, exception=_exception(points, law, min(factors), max(factors)))
 
 

@@ -16,7 +16,15 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from driftproof.blackbox.findings import Exchanged, Increment, Misbehaviour, StaleSlope, WrongShape
-from driftproof.blackbox.stepper.array_adapters import ARRAYS, LISTS, SCALARS, ArrayAdapter, adapters_of, as_array
+from driftproof.blackbox.stepper.array_adapters import (
+    ARRAYS,
+    LISTS,
+    SCALARS,
+    AnyNumber,
+    ArrayAdapter,
+    adapters_of,
+    as_array,
+)
 from driftproof.blackbox.stepper.calling_conventions import (
     BESIDES,
     FIELD,
@@ -181,6 +189,7 @@ def _tried(subject: ForeignStepper, trial: TrialStep) -> ForeignStepper:
         raise WrongShape("z moves as q - i v")
     if subject.log.carried is not None:
         _held_to_its_end(subject.log.carried, end, subject.convention)
+        _held_to_its_time(subject, TRIAL_STATE[: len(end)])
     if subject.convention.kind in (MAP, FORCE) and end[0] < end[1] and not subject.convention.velocity_first:
         ends = trial(subject, _TINY), end  # a longer step moves on
         if [np.allclose(x, TRIAL_STATE[::-1], rtol=0, atol=4 * _TINY) for x in ends] == [True, False]:
@@ -230,6 +239,25 @@ def _held_to_its_end(carried: Any, end: Sequence[float], convention: CallingConv
     if found.size < len(expected) or not np.allclose(found[: len(expected)], expected, rtol=_AS_CARRIED, atol=0):
         shown, right = (", ".join(f"{x:g}" for x in numbers) for numbers in (found, expected))
         raise StaleSlope(f"it hands on {shown} as the slope at its end, where it is {right}")
+
+
+def _held_to_its_time(subject: ForeignStepper, state: Sequence[float]) -> None:
+    """Hold the time of the slope that a step hands on to that of its end, if it asks at any. Raises StaleSlope."""
+    if subject.convention.kind not in (FIELD, FORCE):
+        return
+    start, asked = 1.0, list[AnyNumber]()
+
+    def clock(t: AnyNumber, y: Sequence[AnyNumber]) -> list[AnyNumber]:
+        asked.append(t)
+        return [t for _ in y]
+
+    if subject.convention.kind == FIELD:
+        subject.step_field(clock, start, state, TRIAL_STEP)
+    else:
+        subject.step_forced(clock, start, state[:1], state[1:], TRIAL_STEP)
+    seen = float(as_array(subject.log.carried).ravel()[-1]) / subject.convention.factor
+    if any(t != start for t in asked) and not np.isclose(seen, start + TRIAL_STEP, rtol=_AS_CARRIED, atol=0):
+        raise StaleSlope(f"it hands on the slope at t + {seen - start:g} as that at its end, t + {TRIAL_STEP:g}")
 
 
 @dataclass(frozen=True)

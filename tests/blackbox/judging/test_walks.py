@@ -39,6 +39,14 @@ def going_on(f, t, y, h, last={}):  # noqa: B006
     return y + h * (k1 + 2 * k2 + 2 * k3 + k4) / 6
 
 
+def remembering_the_time_alone(f, t, y, h, last={}):  # noqa: B006
+    """Heun's method, which keeps the slope at its end, and takes it wherever the next step begins at that time."""
+    k1 = last["slope"] if last.get("t") == t and len(last["slope"]) == len(y) else f(t, y)
+    end = y + h * (k1 + f(t + h, y + h * k1)) / 2
+    last.update(t=t + h, slope=f(t + h, end))
+    return end
+
+
 def positions_from_the_fourth_stay(force, q, v, h):
     end, speed = codes.velocity_verlet(force, q, v, h)
     return np.append(end[:3], q[3:]) if np.size(q) > 3 else end, speed
@@ -67,6 +75,8 @@ WRONG = {
     "no small slopes": (rk4_ending(lambda end, y, h: np.where(abs(end - y) < 1e-8, y, end) if len(y) > 2 else end),
         *(RK4, "with numbers of other sizes it is another step")),
     "a stale slope": (going_on, RK4, "a step that goes on from the one before is another than from the same state"),
+    "a slope of its time": (remembering_the_time_alone, METHODS["heun2"],
+        "a step that begins when the one before ended, in another state, is another than from the same state at once"),
     "the fourth position": (positions_from_the_fourth_stay, VERLET, "of 5 positions it is another step"),
     "NaN": (rk4_ending(lambda end, y, h: end * (np.nan if len(y) == 3 else 1)), RK4, "it returns nan"),
 }  # fmt: skip
@@ -86,7 +96,10 @@ def test_explicit_methods_are_themselves_everywhere_by_their_force(key, as_befor
     asked = Asked(stepper(METHODS[key], float))
     passed, words, _ = walked(opened(asked.code, "force"), METHODS[key])
     as_before(asked)
-    assert (passed, words) == (True, "9 times 4 steps, each from the end of the one before, of 1, 2, 3, 5, 9 positions")
+    assert (passed, words) == (
+        True,
+        "9 times 4 steps, each from the end of the one before, then one from another state, of 1, 2, 3, 5, 9 positions",
+    )
 
 
 @pytest.mark.parametrize(
@@ -94,7 +107,7 @@ def test_explicit_methods_are_themselves_everywhere_by_their_force(key, as_befor
     [
         (codes.rk4, RK4, "of 1, 2, 3, 5, 17 numbers"),
         (codes.rk4_without_time, RK4, "of 1, 2, 3, 5, 17 numbers"),
-        (codes.rk4_of_one_number, RK4, "before, of 1 number, at times from -7.3 to 1000.1"),
+        (codes.rk4_of_one_number, RK4, "state, of 1 number, at times from -7.3 to 1000.1"),
         (codes.in_precision(codes.rk4, np.float32), RK4, "of 1, 2, 3, 5, 17 numbers"),
         (codes.velocity_verlet_in_time, VERLET, "of 1, 2, 3, 5, 9 positions"),
         (one_position_after_the_other, VERLET, "of 1, 2, 3, 5, 9 positions"),

@@ -31,12 +31,15 @@ def adaptive(
     growth_at_zero=None,
     first_step=1e-3,
     stepped=lambda h: h,
+    norm=np.max,
+    accepted=1.0,
 ):
     """The solver of a pair whose last stage is the first of the next step, with a controller of that law.
 
     Wrong: `stale`, k1 after a rejection is the last slope of the rejected attempt; `clock`, another number format of t;
     `ending` "beyond" or "tiny"; `on_nan` "accept", "silent" or "retry"; `growth_at_zero` of an estimate that is 0;
-    `stepped`, the length by which t advances; `changed`, the factor after so many rejections in a row.
+    `stepped`, the length by which t advances; `changed`, the factor after so many rejections in a row; `norm` of the
+    errors; `accepted`, the largest error of a step that is taken.
     """
     pair = METHODS[key]
     a, c = [[float(x) for x in row] for row in pair.a], [float(x) for x in pair.c]
@@ -64,7 +67,7 @@ def adaptive(
                 k.append(f(float(t) + c[i] * h, y + h * sum(a[i][j] * k[j] for j in range(i))))
             y1, scale = y + h * (b @ np.array(k)), None
             scale = atol + rtol * np.maximum(abs(y), abs(y1))
-            r = float(np.max(abs(h * (e @ np.array(k))) / scale))
+            r = float(norm(abs(h * (e @ np.array(k))) / scale))
             if not np.isfinite(r):
                 if on_nan == "fail":
                     failure = "the error is not finite"
@@ -77,8 +80,8 @@ def adaptive(
             else:
                 remembered = before[0] ** memory * (h / before[1]) ** filtered
                 factor = min(most, max(least, safety * r**-exponent * remembered))
-            factor = changed(factor, rejections + (r > 1))
-            if r <= 1:
+            factor = changed(factor, rejections + (r > accepted))
+            if r <= accepted:
                 t, y, before = clock(t + stepped(h)), y1, (max(r, 1e-4), h)
                 first = k[-1] if c[-1] == 1 and list(a[-1]) == list(b) else f(float(t), y)
                 factor = min(1.0, factor) if rejections and not grows_after_rejection else factor

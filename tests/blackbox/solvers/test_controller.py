@@ -135,6 +135,7 @@ OTHERS = {
     "begins with a long step": (adaptive(first_step=0.5), "measured: h_next/h = 0.8 r^(-1/3)"),
     "stale": (adaptive("fehlberg45", stale=True, exponent=0.2), "a rejected step leaves traces"),
     "stale at an end": (adaptive(stale=True), TAIL),
+    "accepts large errors": (adaptive(accepted=100.0), "times the tolerance, after which its law asks for 0.19 h"),
     "deaf": (adaptive(tolerances=lambda rtol, atol: (1e-5, 1e-8)), "no law in the estimate"),
     "deaf to its error": (adaptive(estimate=lambda e: [0.0] * len(e)), "every step is 4 times the one before"),
     "another scale": (adaptive(estimate=lambda e: [1.5 * x for x in e]), "h_next/h = 0.6989 r^(-1/3)"),

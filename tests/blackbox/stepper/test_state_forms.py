@@ -48,10 +48,41 @@ def verlet_handing_on(acceleration):
     return step
 
 
-def test_a_slope_handed_on_that_is_not_that_at_the_end_is_a_fault():
-    assert "velocity_verlet" in keys_of(verlet_handing_on(lambda force, x, x1: force(x1)))
-    with pytest.raises(StaleSlope, match=re.escape("hands on -1 as the slope at its end, where it is -1.15625")):
-        opened(verlet_handing_on(lambda force, x, x1: force(x)))
+def timed_verlet_handing_on(later):
+    def step(force, t, x, v, a, dt):
+        x1 = x + dt * v + dt**2 / 2 * a
+        return x1, v + dt / 2 * (a + force(t + dt, x1)), force(t + later * dt, x1)
+
+    return step
+
+
+def heun_handing_on(later):
+    def step(f, t, y, k1, h):
+        y1 = y + h / 2 * (k1 + f(t + h, y + h * k1))
+        return y1, f(t + later * h, y1)
+
+    return step
+
+
+@pytest.mark.parametrize(
+    ("right", "wrong", "key", "said"),
+    [
+        (
+            verlet_handing_on(lambda force, x, x1: force(x1)),
+            verlet_handing_on(lambda force, x, x1: force(x)),
+            *("velocity_verlet", "hands on -1 as the slope at its end, where it is -1.15625"),
+        ),
+        *(
+            (kind(1.0), kind(later), key, f"hands on the slope at t + {later / 4:g} as that at its end, t + 0.25")
+            for kind, key in ((timed_verlet_handing_on, "velocity_verlet"), (heun_handing_on, "heun2"))
+            for later in (0.0, 0.5)
+        ),
+    ],
+)
+def test_a_slope_handed_on_that_is_not_that_at_the_end_is_a_fault(right, wrong, key, said):
+    assert key in keys_of(right)
+    with pytest.raises(StaleSlope, match=re.escape(said)):
+        opened(wrong)
 
 
 def test_a_force_that_is_not_divided_by_its_mass_is_seen():
