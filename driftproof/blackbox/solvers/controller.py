@@ -6,7 +6,8 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import pairwise
-from math import exp, fsum, log
+from math import exp, fsum, isclose, log
+from operator import sub
 from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
@@ -199,7 +200,7 @@ def _attempts(run: Solution, steps: SolverSteps) -> Iterator[Attempt]:
 
 
 def _at(t: float, time: float, h: float) -> bool:
-    return abs(t - time) <= _SAME * h
+    return isclose(t, time, rel_tol=0.0, abs_tol=_SAME * h)
 
 
 def _estimates(steps: SolverSteps) -> Iterator[tuple[str, _Estimate]]:
@@ -220,7 +221,7 @@ def _estimates(steps: SolverSteps) -> Iterator[tuple[str, _Estimate]]:
 
 def _row(pair: RungeKutta) -> list[Exact]:
     assert pair.b_embedded is not None
-    return [x - y for x, y in zip(pair.b, pair.b_embedded, strict=True)]
+    return [*map(sub, pair.b, pair.b_embedded)]
 
 
 def _is_silent(pair: RungeKutta) -> bool:
@@ -321,12 +322,12 @@ def _repeated(factors: Sequence[float], value: float) -> float | None:
 
 
 def _is(x: float, value: float | None) -> bool:
-    return value is not None and abs(x - value) <= _CLOSE * value
+    return value is not None and isclose(x, value, rel_tol=_CLOSE)
 
 
 def _rational(x: float) -> Fraction | float:
     near = Fraction(x).limit_denominator(_MOST_DENOMINATOR)
-    return near if abs(float(near) - x) <= _EXPONENT else x
+    return near if isclose(near, x, abs_tol=_EXPONENT) else x
 
 
 def _shown(x: Fraction | float) -> str:

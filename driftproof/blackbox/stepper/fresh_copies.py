@@ -41,7 +41,6 @@ def _copied(x: Any, memo: dict[int, Any]) -> Any:
         memo[id(x)] = made = FunctionType(x.__code__, x.__globals__, x.__name__, deepcopy(x.__defaults__, memo), cells)
         made.__kwdefaults__ = deepcopy(x.__kwdefaults__, memo)
         made.__dict__.update(x.__dict__)
-        made.__qualname__, made.__module__ = x.__qualname__, x.__module__
     return memo[id(x)]
 
 

@@ -68,6 +68,10 @@ def of_nobody(state: Nobody, dt):  # noqa: F821
     return {"x": state["x"] + dt * state["v"], "v": state["v"] - dt * state["x"]}
 
 
+def of_keys_into_a_record(state, dt: float) -> Sided:
+    return Sided(state["x"] + dt * state["v"], state["v"] - dt * state["x"])
+
+
 def of_attributes(state, dt):
     state.x, state.v = state.x + dt * state.v, state.v - dt * state.x
     return state

@@ -23,13 +23,27 @@ def counter_in_a_default(seen=[]):  # noqa: B006
     return len(seen)
 
 
+def counter_in_a_keyword(*, seen=[]):  # noqa: B006
+    seen.append(0)
+    return len(seen)
+
+
+def counting_on_itself():
+    def step():
+        step.steps += 1
+        return step.steps
+
+    step.steps = 0
+    return step
+
+
 def counting():
     seen = []
     return lambda: seen.append(0) or len(seen)
 
 
 def test_a_method_a_closure_and_a_default_are_copied_with_what_they_hold():
-    for step in (Counter().step, counter_in_a_default, counting()):
+    for step in (Counter().step, counter_in_a_default, counter_in_a_keyword, counting_on_itself(), counting()):
         first = fresh_copy(step)
         assert [first(), first(), fresh_copy(step)(), step()] == [1, 2, 1, 1]
 
