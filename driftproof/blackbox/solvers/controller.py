@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from functools import partial
 from itertools import pairwise
 from math import exp, fsum, isclose, log
 from operator import sub
@@ -24,9 +25,8 @@ _Estimate: TypeAlias = Callable[[Sequence[float], float], float]
 # In a run of this length, with bumps and jumps at every unit of time, some hundred steps are seen, and rejections.
 _SPAN, _WIDTH = (0.0, 8.0), 12.0
 # |y| stays below 1, so that rtol moves the scale of errors by less than a part in 10^6.
-_RTOL, _ATOL = 1e-13, 1e-7
-# Of methods of low order, whose steps are too many at that one.
-_LARGER_ATOL = 1e-4
+# The larger tolerance is for methods of low order, whose steps are too many at the other.
+_RTOL, _ATOL, _LARGER_ATOL = 1e-13, 1e-7, 1e-4
 # A law holds where it gives every factor to this part: the scale is known so well, and its exponents are small.
 _CLOSE = 1e-4
 # Exponents are fitted to a part of that: of a ratio of errors up to 10^10 it makes no more.
@@ -128,12 +128,11 @@ def read_controller(subject: ForeignSolver, steps: SolverSteps) -> ControllerRea
     if len(factors) < 8:
         raise NotReadable(f"{len(factors)} step sizes are too few to see a law in")
     estimates = list(_estimates(steps))
-    laws = (law for name, estimate in estimates if (law := _law(name, estimate, attempts, atol)) is not None)
     most = max(each.rejections for each in attempts)
     in_a_row = f", up to {most} in a row" * (most > 1)
     rejected = sum(not each.accepted for each in attempts)
     counts = f"{len(attempts)} attempts at steps seen, {rejected} rejected{in_a_row}"
-    law = next(laws, None)
+    law = next(filter(None, (_law(name, estimate, attempts, atol) for name, estimate in estimates)), None)
     if law is None:
         pairs = ", ".join(name for name, _ in estimates) or "any pair of the catalogue"
         return ControllerReading(None, (f"no law in the estimate of {pairs} gives the step sizes", counts), traces)
@@ -164,14 +163,11 @@ def _of_another_order(law: Law) -> Iterator[str]:
 
 def _run(subject: ForeignSolver) -> tuple[Solution, float]:
     """The run, and its absolute tolerance. Raises DoesNotEnd at the larger one."""
-
-    def at(atol: float) -> tuple[Solution, float]:
-        return subject.solve(lambda n, t, y: [bumps(t)], _SPAN, (0.0,), _RTOL, atol), atol
-
+    solved = partial(subject.solve, lambda n, t, y: [bumps(t)], _SPAN, (0.0,), _RTOL)
     try:
-        return at(_ATOL)
+        return solved(_ATOL), _ATOL
     except DoesNotEnd:
-        return at(_LARGER_ATOL)
+        return solved(_LARGER_ATOL), _LARGER_ATOL
 
 
 def _attempts(run: Solution, steps: SolverSteps) -> Iterator[Attempt]:
@@ -266,9 +262,8 @@ def _law(name: str, estimate: _Estimate, attempts: Sequence[Attempt], atol: floa
     points = list(_points(estimate, [float(x) for x in method.c], attempts, atol))
     factors = [p.factor for p in points if p.rejections <= 1]
     largest, smallest = _repeated(factors, max(factors)), _repeated(factors, min(factors))
-    free = [
-        p for p in points if not p.rejections and not any(_is(p.factor, limit) for limit in (largest, smallest, 1.0))
-    ]
+    limits = (largest, smallest, 1.0)
+    free = [p for p in points if not p.rejections and not any(_is(p.factor, limit) for limit in limits)]
     # Without memory, if that suffices; some codes remember no error below 10^-4.
     remembered = [p for p in free if p.before > log(_LEAST_REMEMBERED)]
     fits = (_fitted(free, 2), _fitted(remembered, 3), _fitted(remembered, 4))
@@ -356,7 +351,6 @@ def _traces(run: Solution, steps: SolverSteps, attempts: Sequence[Attempt]) -> t
         cause = ": its first slope is the last one of the rejected attempt" if stale == wrong_after else ""
         return (f"a rejected step leaves traces: {wrong_after} of {seen_after} steps after one end elsewhere{cause}",)
     if wrong_else:
-        return (
-            f"{wrong_else} of {len(run.t) - 1} steps are not of this method: they do not end where its weights say",
-        )
+        count = f"{wrong_else} of {len(run.t) - 1} steps"
+        return (f"{count} are not of this method: they do not end where its weights say",)
     return ()

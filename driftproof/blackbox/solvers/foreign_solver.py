@@ -22,11 +22,9 @@ TOLERANCES, TOLERANCE, LENGTH, COUNT, NOTHING = "tolerances", "tolerance", "leng
 # So many steps are asked for where nobody needs another number of them.
 _USUAL = 128
 # Under these names an answer has its times, its states, its dense output, and whether it is one.
-_TIMES, _STATES, _DENSE = (
-    ("t", "ts", "times", "time"),
-    ("y", "ys", "u", "x", "states"),
-    ("sol", "dense", "interpolation"),
-)
+_TIMES = ("t", "ts", "times", "time")
+_STATES = ("y", "ys", "u", "x", "states")
+_DENSE = ("sol", "dense", "interpolation")
 
 
 class DoesNotEnd(Misbehaviour):

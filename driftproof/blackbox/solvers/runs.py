@@ -171,9 +171,8 @@ def _numbers(subject: ForeignSolver) -> tuple[list[str], list[str]]:
     for place, found in enumerate(times[1:], 1):
         pairs = zip(found, times[0], strict=False)
         if len(found) != len(times[0]) or not all(isclose(a, b, abs_tol=_SAME_TIME) for a, b in pairs):
-            seen = (
-                f"where y[{place}] has a bump, it makes {len(found) - 1} steps, where y[0] has it, {len(times[0]) - 1}"
-            )
+            made, other = len(found) - 1, len(times[0]) - 1
+            seen = f"where y[{place}] has a bump, it makes {made} steps, where y[0] has it, {other}"
             return [], [f"the errors of all numbers do not count alike: {seen}"]
     return [f"a bump in any of {_NUMBERS} numbers makes the same {len(times[0]) - 1} steps"], []
 

@@ -103,9 +103,8 @@ def read_steps(subject: ForeignSolver) -> SolverSteps:
     order = read_order(reading, next(iter(identity.matches), None))
     dense = marked.dense()
     judged = None if dense is None else judged_reading(dense)
-    return SolverSteps(
-        reading, identity, order, marked.nodes, judged, tuple(_elsewhere(subject, reading)), subject.adaptive
-    )
+    faults = tuple(_elsewhere(subject, reading))
+    return SolverSteps(reading, identity, order, marked.nodes, judged, faults, subject.adaptive)
 
 
 def _elsewhere(subject: ForeignSolver, reading: TableauReading) -> Iterator[str]:

@@ -68,7 +68,7 @@ def type_of(value: Foreign) -> str:
     return str(getattr(value, "dtype", type(value).__name__))
 
 
-def only_number(numbers: Sequence[AnyNumber]) -> AnyNumber:
+def one_number(numbers: Sequence[AnyNumber]) -> AnyNumber:
     """The one number that there is. Raises WrongShape for several."""
     if len(numbers) != 1:
         raise WrongShape(f"a scalar holds one number, not {len(numbers)}")
@@ -90,7 +90,7 @@ class _Parted(np.ndarray[Any, Any]):
         return answer.view(_Parted) if np.ndim(answer) else answer
 
 
-SCALARS = ArrayAdapter("Python floats", lambda numbers: float(only_number(numbers)), floats_in)
+SCALARS = ArrayAdapter("Python floats", lambda numbers: float(one_number(numbers)), floats_in)
 ARRAYS = ArrayAdapter("NumPy arrays", lambda numbers: np.array(numbers, dtype=np.float64), floats_in)
 PARTED = ArrayAdapter("numbers of parts", lambda numbers: np.array(numbers, float).view(_Parted), floats_in)
 LISTS = ArrayAdapter("lists", lambda numbers: [float(x) for x in numbers], floats_in)
@@ -100,6 +100,4 @@ TUPLES = ArrayAdapter("tuples", lambda numbers: tuple(float(x) for x in numbers)
 def adapters_of(make: Callable[[Any], Foreign]) -> tuple[ArrayAdapter, ArrayAdapter]:
     """The adapters whose numbers `make` makes, of a list of floats (torch.tensor) or of one float (numpy.float32)."""
     name = f"{getattr(make, '__module__', '')}.{getattr(make, '__name__', 'array')}"
-    return ArrayAdapter(name, make, floats_in), ArrayAdapter(
-        name, lambda numbers: make(only_number(numbers)), floats_in
-    )
+    return ArrayAdapter(name, make, floats_in), ArrayAdapter(name, lambda numbers: make(one_number(numbers)), floats_in)

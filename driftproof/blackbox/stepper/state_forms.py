@@ -14,14 +14,7 @@ from typing import Any, get_type_hints
 import numpy as np
 
 from driftproof.blackbox.findings import WrongShape
-from driftproof.blackbox.stepper.array_adapters import (
-    AnyNumber,
-    ArrayAdapter,
-    Foreign,
-    as_array,
-    floats_in,
-    only_number,
-)
+from driftproof.blackbox.stepper.array_adapters import AnyNumber, ArrayAdapter, Foreign, as_array, floats_in, one_number
 from driftproof.blackbox.stepper.calling_conventions import (
     FIELD,
     MAP,
@@ -117,7 +110,7 @@ def _tensors(torch: Any) -> Iterator[ArrayAdapter]:
 
     shown = "torch.tensor({}, dtype=torch.float64)"
     yield ArrayAdapter("torch tensors", lambda x: tensor(list(x)), floats_in, shown=shown.replace("{}", "[{}]"))
-    yield ArrayAdapter("torch scalars", lambda x: tensor(only_number(x)), floats_in, shown=shown)
+    yield ArrayAdapter("torch scalars", lambda x: tensor(one_number(x)), floats_in, shown=shown)
 
 
 def _compiled(numpy: Any) -> Iterator[ArrayAdapter]:
@@ -125,7 +118,7 @@ def _compiled(numpy: Any) -> Iterator[ArrayAdapter]:
     callback = CompiledCallback()
     for name, shown, write in (
         ("JAX arrays", "jax.numpy.array([{}])", lambda x: numpy.array(list(x))),
-        ("JAX scalars", "jax.numpy.array({})", lambda x: numpy.array(only_number(x))),
+        ("JAX scalars", "jax.numpy.array({})", lambda x: numpy.array(one_number(x))),
     ):
         yield ArrayAdapter(name, write, floats_in, function=callback.calling, shown=shown)
 
