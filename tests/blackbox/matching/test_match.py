@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from driftproof.blackbox.matching.candidates import EMBEDDED
 from driftproof.blackbox.matching.match import Identity, Match, match_method
+from driftproof.blackbox.probes.tableau import StageSolution
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.stepping import stepper
 from tests.blackbox import handwritten_steppers as codes
@@ -105,6 +108,12 @@ def test_a_last_bit_is_said_and_a_wrong_digit_makes_another_method(error, named)
 def test_coefficients_that_take_four_operations_are_told_from_those_that_sums_make(roundings, closeness):
     found = match_method(read_with("rk38", ("a", 2, 1), by=-roundings * 2.0**-53), METHODS["rk38"])
     assert found.matches[0].closeness.startswith(closeness)
+
+
+def test_what_a_solver_leaves_in_a_coefficient_is_told_relative_to_it():
+    reading = replace(read_with("sdirk2", ("a", 0, 0), by=1e-9), stage_error=1e-9, solved=StageSolution(0.0, 0.0))
+    closeness = f"every coefficient within {1e-9 / (1 - 0.5**0.5):.1e}, as its stages are solved"
+    assert match_method(reading, METHODS["sdirk2"]).matches[0].closeness == closeness
 
 
 OFF = (("b", 1), ("b", 0), ("a", 1, 0), ("c", 1), ("b", 2))
