@@ -46,7 +46,7 @@ SWAPS: dict[type[ast.AST], type[ast.AST]] = {
 }
 # Functions that do not know the order of their arguments.
 SYMMETRIC = ("max", "min", "maximum", "minimum", "hypot", "gcd", "lcm", "greatest_common_divisor", "dot", "distance")
-SYMMETRIC += ("same", "isclose")  # that of math; NumPy's is not
+SYMMETRIC += ("same", "suppress", "isclose")  # the last is that of math; NumPy's is not
 # Keywords that declare an intent: no answer of a program that is right changes with them.
 DECLARED = {"zip": ("strict",), "dataclass": ("frozen", "slots"), "TypeVar": ("covariant", "contravariant")}
 

@@ -80,14 +80,15 @@ class Comparison:
     def _in_floats(self) -> tuple[Array, Array, Array]:
         """Both tables, where the nodes count these below, and how far the entries may be apart."""
         read, exact = self.read.values, self.exact.values
-        columns = [self._most(scale) for scale in self.exact.scales.tolist()]
+        columns = [self.allowed(scale) for scale in self.exact.scales.tolist()]
         allowed = [columns] * len(exact)
         if self.exact.nodes is not None:
             read, exact = np.vstack([read, self.read.node_values]), np.vstack([exact, self.exact.node_values])
-            allowed = [*allowed, [self._most(self.exact.length)] * len(columns)]
+            allowed = [*allowed, [self.allowed(self.exact.length)] * len(columns)]
         return read, exact, np.array(allowed)
 
-    def _most(self, scale: float) -> float:
+    def allowed(self, scale: float) -> float:
+        """How far numbers may be apart that scale with this one."""
         # One more than the program's: the exact numbers are compared as the doubles next to them.
         return self.rounding.of(scale) * (1 + 1 / self.rounding.most)
 
@@ -96,7 +97,7 @@ class Comparison:
         read, exact = self.read.drift, self.exact.drift
         if read is None or exact is None:
             return read is exact
-        return abs(float(read.value) - float(exact.value)) <= self._most(exact.size)
+        return abs(float(read.value) - float(exact.value)) <= self.allowed(exact.size)
 
     def _extended(self, chosen: tuple[int, ...]) -> Iterator[tuple[int, ...]]:
         """The arrangements that begin with these stages, found one stage at a time, the order that stands first."""

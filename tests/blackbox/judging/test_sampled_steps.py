@@ -85,6 +85,13 @@ def test_the_simplest_step_lies_in_a_small_domain():
     assert simplest_step(lambda step: step[0] > 6.5, (6.77, 3.3, 0.3125), *ends) == (7.0, 0.0, 0.3125)
 
 
+def test_after_the_simplest_of_all_six_hundred_simpler_steps_are_asked_for_at_most():
+    asked: list[object] = []
+    fails = lambda step: asked.append(step) or (len(asked) > 4**3 and len(asked) % 29 == 0)
+    assert simplest_step(fails, (612.7183, -3.2512345, 0.0123456), STEPS, STATES) == (514.0, 0.0, 0.0123456)
+    assert len(asked) == 4**3 + 600
+
+
 def test_simple_numbers_lie_within_up_to_the_ends_or_are_the_largest_power_of_two_there_or_the_largest():
     ends = {(1.0, 2.0): [1.0, 2.0, -1.0], (2.5, 3.5): [3.5], (4.0, 7.5): [4.0], (1.5, 2.0): [2.0]}
     assert {each: Sizes(*each, BINARY64).simple(1.0, 2.0, -1.0, 0.5, 8.0) for each in ends} == ends

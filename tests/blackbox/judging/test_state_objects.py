@@ -38,6 +38,10 @@ def spoiling(f, t, y, h):
     return end
 
 
+def spoiling_by_name(f, t, *, y, h):
+    return spoiling(f, t, y, h)
+
+
 def spoiling_at_the_second_call(f, t, y, h, calls=[]):  # noqa: B006
     calls.append(t)
     return spoiling(f, t, y, h) if len(calls) > 1 else codes.rk4(f, t, y, h)
@@ -92,6 +96,7 @@ FOUND = {
     "one number": (codes.rk4_of_one_number, "rk4", True, "the state is given as Python floats"),
     "a buffer of stages": (in_a_buffer, "rk4", False, "from the very object that the step before returned it is no "),
     "spoilt": (spoiling, "rk4", False, "it spoils its arguments: what it was given is neither what it was nor "),
+    "spoilt by name": (spoiling_by_name, "rk4", False, "it spoils its arguments: "),
     "spoilt later": (spoiling_at_the_second_call, "rk4", False, "it spoils its arguments: "),
     "arrays alone": (twice_a_list, "ralston2", False, "the state is given as NumPy arrays; of lists it is another st"),
     "lists alone": (copied_as_a_list, "midpoint2", False, "it is where the state comes as lists; the state is given a"),
