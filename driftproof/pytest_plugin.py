@@ -83,7 +83,7 @@ class _Reports:
     def __init__(self, folder: Path, *, is_worker: bool) -> None:
         """`is_worker`: of pytest-xdist, whose controller writes the summary."""
         self.folder, self.is_worker, self.found = folder, is_worker, list[AssertedVerdict]()
-        self.tests: set[str] = set()
+        self.tests, self.failed = set[str](), set[str]()
 
     @pytest.hookimpl(wrapper=True)
     def pytest_runtest_protocol(self, item: pytest.Item) -> Generator[None, Any, Any]:
@@ -103,23 +103,35 @@ class _Reports:
                 self._write(self._file_of(item.nodeid), as_json({"test": item.nodeid, "verdicts": told}))
 
     def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
-        """Keep which tests ran, in whatever process."""
+        """Keep which tests ran, in whatever process, and which failed."""
         self.tests.add(report.nodeid)
+        if report.failed:
+            self.failed.add(report.nodeid)
 
     def pytest_sessionfinish(self) -> None:
-        """Write the summary of the tests that ran: a line for each verdict, what did not pass first."""
+        """Write the summary of the tests that ran: a line for each verdict, what did not pass first.
+
+        A verdict that does not hold in a test that did not fail is what that test expects: xfail, `pytest.raises`.
+        """
         if self.is_worker:
             return
         paths = filter(Path.exists, map(self._file_of, sorted(self.tests)))
         told = [json.loads(path.read_text(encoding="utf-8")) for path in paths]
         found = [(each["test"], one) for each in told for one in each["verdicts"]]
-        found.sort(key=lambda pair: pair[1]["passed"] is True)
-        words = {True: "passed", False: "FAILED", None: "undecided"}
-        cells = [(words[one["passed"]], f"`{name}`", f"{one['subject']} {one['verdict']}") for name, one in found]
-        rows = [f"| {' | '.join(cell.replace('|', chr(92) + '|') for cell in row)} |" for row in cells]
+        found.sort(key=lambda pair: (pair[1]["passed"] is True, pair[0] not in self.failed))
+        rows = []
+        for name, one in found:
+            cells = (self._word(name, one["passed"]), f"`{name}`", f"{one['subject']} {one['verdict']}")
+            rows.append(f"| {' | '.join(cell.replace('|', chr(92) + '|') for cell in cells)} |")
         parts = ["| | test | verdict |\n| --- | --- | --- |\n" + "\n".join(rows)] if rows else ["no verdict"]
         parts += [f"### `{name}`\n\n```\n{one['report']}\n```" for name, one in found]
         self._write(self.folder / SUMMARY, "\n\n".join(parts) + "\n")
+
+    def _word(self, test: str, passed: bool | None) -> str:
+        if passed:
+            return "passed"
+        word = "undecided" if passed is None else "FAILED"
+        return word if test in self.failed else f"{word.lower()}, as expected"
 
     def _file_of(self, test: str) -> Path:
         """Named after the test, and by a digest, as names of tests may have characters that those of files have not."""

@@ -26,6 +26,14 @@ def test_right():
 def test_wrong():
     assert_verified(euler, "rk4", examples=20)
 
+@pytest.mark.xfail
+def test_wrong_as_known():
+    assert_verified(euler, "rk4", examples=20)
+
+def test_told_apart():
+    with pytest.raises(AssertionError, match="is not rk4"):
+        assert_verified(euler, "rk4", examples=20)
+
 @pytest.mark.driftproof(time_limit=1)
 def test_slow():
     assert_verified(hangs, "forward_euler")
@@ -74,17 +82,19 @@ def test_the_marker_is_the_time_limit_of_the_test(run):
 def test_the_folder_has_a_file_for_each_test_that_found_something_and_a_summary(run):
     found = {path.name: json.loads(path.read_text()) for path in run[1].glob("*.json")}
     passed = {told["test"].partition("::")[2]: told["verdicts"][0]["passed"] for told in found.values()}
-    assert passed == {"test_right": True, "test_wrong": False, "test_slow": None}
+    known = dict.fromkeys(["test_wrong", "test_wrong_as_known", "test_told_apart"], False)
+    assert passed == {"test_right": True, **known, "test_slow": None}
     summary = (run[1] / "summary.md").read_text()
-    assert summary.count("### `test_steps.py::test_") == 3
-    assert [line.split()[1] for line in summary.splitlines()[2:5]] == ["undecided", "FAILED", "passed"]
+    assert summary.count("### `test_steps.py::test_") == 5
+    words = [line.split(" | ")[0][2:] for line in summary.splitlines()[2:7]]
+    assert words == ["undecided", "FAILED", *["failed, as expected"] * 2, "passed"]
     assert "is not rk4" in summary
 
 
 def test_workers_write_the_same_folder(run, tmp_path):
     pytest_in(tmp_path, "-p", "xdist", "-n", "2", "--driftproof-report=found")
     paths = [path.name for path in run[1].iterdir()]
-    assert len(paths) == 4
+    assert len(paths) == 6
     for path in paths:
         assert (tmp_path / "found" / path).read_text() == (run[1] / path).read_text()
 

@@ -135,7 +135,11 @@ def _what_to_do(name: str, seen: Seen) -> list[str]:
     """The next step, from what was found; nothing where nothing is known to help."""
     held = f"driftproof verify {name} --method"
     if seen.introduction.failed:
-        helps = {"time_limit": "give it more time: --time-limit", "instrument_failed": "report this to us"}
+        helps = {
+            "time_limit": "give it more time: --time-limit",
+            "killed": "ask again where nobody ends its process; want of memory ends processes, too",
+            "instrument_failed": "report this to us",
+        }
         return [helps.get(seen.introduction.kind or "", "make this one call answer; then ask again")]
     lines = ["see to the faults first"] if any(check.is_fault for check in seen.checks) else []
     near = seen.read.identity.near if seen.read is not None else ()

@@ -46,6 +46,10 @@ def crashes(q, v, h):
     os.kill(os.getpid(), signal.SIGSEGV)
 
 
+def is_killed(q, v, h):
+    os.kill(os.getpid(), signal.SIGKILL)
+
+
 def crashes_backwards(q, v, h):
     if h < 0:
         os._exit(3)

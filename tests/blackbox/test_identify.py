@@ -78,6 +78,11 @@ def test_a_rogue_is_a_finding(step, seen):
     assert len(lines) == len(set(lines)) < 4
 
 
+def test_an_end_from_outside_asks_for_no_more_time():
+    lines = identify(broken_steppers.is_killed).section("What to do").lines
+    assert lines == ("ask again where nobody ends its process; want of memory ends processes, too",)
+
+
 def test_the_report_is_json_markdown_and_text():
     report = identify(rk38)
     data = json.loads(report.json())

@@ -31,6 +31,17 @@ def test_the_version_is_one():
     assert cited["license"] == project["license"]
 
 
+def test_a_release_has_a_public_address_and_none_is_made_up_before():
+    cited = yaml.safe_load((ROOT / "CITATION.cff").read_text(encoding="utf-8"))
+    urls = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"].get("urls", {})
+    newest = re.search(r"(?m)^## (.+)", (ROOT / "CHANGELOG.md").read_text(encoding="utf-8"))[1]
+    assert urls or newest.endswith("unreleased"), "CONTRIBUTING.md, A release, 3"
+    assert cited.get("repository-code") in (urls.values() or [None])
+    pages = some([*ROOT.glob("*.*[dlf]"), *(ROOT / "docs").rglob("*.md")], 20)
+    named = [re.findall(r"https?://[^\s)>\"]*driftproof", path.read_text(encoding="utf-8")) for path in pages]
+    assert {address for found in named for address in found} <= set(urls.values())
+
+
 def test_workflows_run_what_is_there():
     jobs = yaml.safe_load((ROOT / ".github/workflows/ci.yml").read_text(encoding="utf-8"))["jobs"]
     commands = [step["run"] for job in jobs.values() for step in job["steps"] if "run" in step]

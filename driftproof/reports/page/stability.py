@@ -32,8 +32,7 @@ from driftproof.texts.writing.records import number_record
 
 # How long powers are followed, in lengths of the scene, and at how many places.
 LENGTHS, PLACES = 10, 200
-# Methods beyond these share colours and dashes.
-LINE_STYLES = 6
+_LINE_STYLES = 6
 LIMIT_DIGITS, GROWTH_DIGITS = 10, 3
 
 
@@ -105,6 +104,12 @@ def beside(limit: Limit, h: Fraction) -> str:
     return "at the limit" if limit == step else "below" if smallest([limit, step]) == step else "above"
 
 
+def line_style(index: int) -> str:
+    """The class of a curve, a colour and dashes; those of the seventh are the first's again, broader."""
+    again, hue = divmod(index, _LINE_STYLES)
+    return f"m{hue}{' again' if again else ''}"
+
+
 def growth_figure(scene: Scene, verdicts: Sequence[Verdict], identity: str) -> Figure:
     """‖Mⁿ‖ over n, in decades: the root mean square of |Mⁿz|/|z| over all directions of z, from M exact."""
     end = max(LENGTHS * scene.steps, 1)
@@ -116,7 +121,7 @@ def growth_figure(scene: Scene, verdicts: Sequence[Verdict], identity: str) -> F
     x = linear(Fraction(0), Fraction(end), "steps n", WIDE[0])
     plot = Plot(x, decades(low, high, "growth after n steps", WIDE[1]))
     for i, curve in enumerate(curves.values()):
-        plot.line(curve, f"path m{i % LINE_STYLES}")
+        plot.line(curve, f"path {line_style(i)}")
     ends = [f"{method_of(key).title} {10 ** curve[-1][1]:.3g}" for key, curve in curves.items() if curve[-1][1] < 300]
     return Figure(
         identity=f"{identity}-growth",
@@ -125,7 +130,7 @@ def growth_figure(scene: Scene, verdicts: Sequence[Verdict], identity: str) -> F
         description=f"Size of the n-th power of the one-step matrix, n from 0 to {end}, logarithmic axis from "
         f"{ten_to(low)} to {ten_to(high)}. At the end: {', '.join(ends)}.",
         plot=plot,
-        legend=[(f"line path m{i % LINE_STYLES}", method_of(key).title) for i, key in enumerate(curves)],
+        legend=[(f"line path {line_style(i)}", method_of(key).title) for i, key in enumerate(curves)],
         note=f"{LENGTHS} times as many steps as the scene has. A line that keeps climbing is an unbounded method's.",
         data=_data(counts, curves),
         data_title="Growth, as powers of ten",

@@ -14,7 +14,7 @@ from driftproof.numeric.work_precision.curves import Curve, Point, curves
 from driftproof.reports.page.figure import Figure
 from driftproof.reports.page.markup import html_table
 from driftproof.reports.page.plot import WIDE, Plot, decades_of, ten_to
-from driftproof.reports.page.stability import LINE_STYLES
+from driftproof.reports.page.stability import line_style
 from driftproof.support.plain_text import short
 from driftproof.symbolic.algebra.certified import significant
 from driftproof.symbolic.runs import OscillatorRun
@@ -81,10 +81,10 @@ def work_figure(
     for i, curve in enumerate(found):
         points = places[curve.key]
         if points:
-            plot.line(points.values(), f"path m{i % LINE_STYLES}")
-            plot.dots(points.values(), f"dots m{i % LINE_STYLES}")
+            plot.line(points.values(), f"path {line_style(i)}")
+            plot.dots(points.values(), f"dots {line_style(i)}")
         if own in points:
-            plot.disc(points[own], 6, f"own m{i % LINE_STYLES}", f"{curve.title} at {ringed}")
+            plot.disc(points[own], 6, f"own {line_style(i)}", f"{curve.title} at {ringed}")
     return Figure(
         identity=f"{identity}-work",
         kind="wide",
@@ -92,7 +92,7 @@ def work_figure(
         description=f"Distance from the exact state at t = {t} against {cost}, both axes logarithmic. "
         f"{f'Rings: {ringed}. ' if ringed else ''}{' '.join(map(_sentence, found))}",
         plot=plot,
-        legend=[(f"line path m{i % LINE_STYLES}", curve.title) for i, curve in enumerate(found)],
+        legend=[(f"line path {line_style(i)}", curve.title) for i, curve in enumerate(found)],
         note=f"{f'Ringed: {ringed}. ' if ringed else ''}Along a line each point has half the step of the one before.",
         data=_data(found, cost),
         data_title=f"Error and {cost}",

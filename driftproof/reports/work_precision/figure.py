@@ -11,7 +11,7 @@ from driftproof.numeric.work_precision.curves import Curve
 from driftproof.numeric.work_precision.integrators import COMPILED, ENSEMBLE, PYTHON
 from driftproof.reports.page.figure import write_picture
 from driftproof.reports.page.plot import WIDE, Plot, decades, decades_of
-from driftproof.reports.page.stability import LINE_STYLES
+from driftproof.reports.page.stability import line_style
 from driftproof.reports.work_precision.study import EVALUATIONS, Measured, Study
 
 _WHAT = {STATE: "error of the state", ENERGY: "error of the energy", PHASE: "error of the phase, degrees"}
@@ -77,9 +77,7 @@ def _panel(
 
 
 def _style(measured: Measured, key: str) -> str:
-    """A colour and dashes; those of the seventh curve are the first's again, broader and paler."""
-    again, hue = divmod(list(measured.curves).index(key), LINE_STYLES)
-    return f"m{hue}{' again' if again else ''}"
+    return line_style(list(measured.curves).index(key))
 
 
 def _limits(study: Study, measured: Measured, quantity: str) -> tuple[int, int]:

@@ -12,7 +12,7 @@ import sympy
 
 from driftproof.methods.catalogue import METHODS
 from driftproof.numeric.scenes import PRESETS
-from driftproof.reports.page.stability import beside, growth_figure, verdict, verdicts_table
+from driftproof.reports.page.stability import beside, growth_figure, line_style, verdict, verdicts_table
 from driftproof.symbolic.algebra.certified import enclose
 from driftproof.symbolic.derivation.one_step import one_step_matrix
 from driftproof.symbolic.derivation.stability import AtStep
@@ -31,6 +31,11 @@ VERDICTS = [
     ("backward_euler", Q(1), True, "below"),
     ("symplectic_euler", Q(-1), True, "backwards"),
 ]
+
+
+def test_twelve_curves_are_told_apart() -> None:
+    assert [line_style(i) for i in (0, 5, 6)] == ["m0", "m5", "m0 again"]
+    assert len({line_style(i) for i in range(12)}) == 12
 
 
 @pytest.mark.parametrize(("key", "h", "bounded", "where"), VERDICTS)
