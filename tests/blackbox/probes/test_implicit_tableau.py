@@ -200,6 +200,8 @@ READ = {
     "untimed": untimed(all_at_once(table("radau_iia3"))),
     "without a weight": one_by_one(([[0.5, 0.0], [0.25, 0.5]], [0.0, 1.0], [0.5, 0.75])),
     "unused": one_by_one(([[0.5, 0.0], [0.25, 0.5]], [1.0, 0.0], [0.5, 0.75])),
+    "loose": all_at_once(table("gauss2"), partial(SOLVERS["a Jacobian that is kept"], tolerance=0.01)),
+    "too loose": all_at_once(table("trapezoid"), partial(SOLVERS["a Jacobian that is kept"], tolerance=0.01)),
     "nine iterations": all_at_once(table("implicit_midpoint"), partial(fixed_point, most=9, tolerance=0)),
     "only forward": lambda f, t, y, h: 1 / 0 if h < 0 else all_at_once(table("gauss2"))(f, t, y, h),
 }
