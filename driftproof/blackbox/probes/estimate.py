@@ -144,7 +144,7 @@ class _EstimateProbe(TableauProbe):
         for j, x in enumerate(sizes):
             both = self._both([float(i in (first, j)) for i in range(self.calls)])[1]
             same = abs(both - (sizes[first] + x)) <= abs(both - abs(sizes[first] - x))
-            signed[j] = x if same or j == first else -x
+            signed[j] = x if same else -x
         return signed
 
     def _controlled_reading(self, reading: EstimateReading, row: Sequence[float], offset: float) -> EstimateReading:
