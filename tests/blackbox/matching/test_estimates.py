@@ -178,3 +178,9 @@ def test_the_weights_that_are_off_are_named_where_they_are_few(key, off, named):
     step = pair_step(key, estimate=lambda e: [x + 0.1 * (i < off) for i, x in enumerate(e)])
     (words,) = (each for each in judged(step).faults if each.startswith(f"the error estimate is not that of {key}"))
     assert words.count(" instead of ") == named
+
+
+def test_the_other_row_is_found_of_either_sign_of_an_estimate_that_is_of_no_known_pair():
+    step = pair_step("dormand_prince54_embedded", estimate=SPOILED["backwards"])
+    found = judged_estimate(opened(step, "field"), METHODS["fehlberg45"])
+    assert (found.pair, found.propagated_order, found.other_order) == (None, 4, 5)
