@@ -130,7 +130,7 @@ class Recurrence:
 class RecurrenceReading:
     """The recurrence of a stepper, the method that it is, if it is one, and where its right-hand side is asked.
 
-    `late` counts the steps after the first k - 1 that do not keep it yet. `left` is what implicit steps leave of it,
+    `late` counts the steps after the first k - 1 that do not keep it yet. `left` is what later steps leave of it,
     relative to its terms, 0 where that is rounding. `asked` says where F is asked where that is not at the states it
     returns: `predictor` is then the explicit method whose values are taken, and `corrections` how often, if that is
     what was seen.

@@ -28,6 +28,7 @@ def test_coefficients_are_read_that_no_method_of_the_catalogue_has(key, error):
     for seen, right in some(zip(reading.recurrence.sigma, sigma, strict=True)):
         assert abs(seen - right) <= reading.recurrence.error
     assert reading.recurrence.error == pytest.approx(error, rel=1e-4)
+    assert (reading.late, reading.predictor, reading.corrections) == (0, None, 0)
     assert reading.near[0][0] == key
 
 
