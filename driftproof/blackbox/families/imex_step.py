@@ -18,7 +18,7 @@ from driftproof.symbolic.rounding.formats import FloatFormat
 
 IMEX_PARTS = ("explicit", "implicit")
 # Where two clocks tell no stages apart that one does not, more of them do not either but in contrived tables.
-_MOST_CLOCKS = 2
+_FEWER_CLOCKS = 3
 # Of h times f' and g', so that our own iteration contracts; and rounds after which it has, below 2**-80.
 _BEND, _ROUNDS = 0.125, 80
 # A solver that is worth its name leaves less of bent equations, and other stages leave more.
@@ -80,7 +80,7 @@ def read_imex_step(subject: ForeignStepper) -> ImexReading:
         raise UnsupportedCall(f"the stepper is called by {subject.convention.kind!r}, which takes one right-hand side")
     steps = _SplitSteps(subject)
     refusals: list[NotReadable] = []
-    for clocks in range(not steps.timed, min(_MOST_CLOCKS, steps.size - 1) + 1):
+    for clocks in range(not steps.timed, min(_FEWER_CLOCKS, steps.size)):
         try:
             return _read(steps, clocks)
         except NotReadable as refusal:
