@@ -109,7 +109,7 @@ class _Probe:
     def _halves(self, factors: Sequence[complex], seen: Sequence[complex]) -> Halves | None:
         """(k, l) where what was seen is k R + l at every angle."""
         (r, s), allowed = (factors[1], seen[1]), self.rounding.of(16.0)
-        k = s.imag / r.imag if r.imag else 0.0
+        k = s.imag / r.imag if abs(r.imag) > allowed else 0.0
         last = s.real - k * r.real
         pairs = zip(factors, seen, strict=True)
         return (k, last) if all(abs(k * r + last - s) <= allowed * (1 + abs(s)) for r, s in pairs) else None

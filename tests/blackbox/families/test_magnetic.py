@@ -79,5 +79,6 @@ def test_the_evidence_is_shown(step, key, lines):
     assert ("|".join([*kicks, *position]), found.key) == (lines, key)
 
 
-def test_a_position_is_held_to_no_splitting():
+def test_a_position_is_held_to_no_splitting_and_a_step_that_leaves_b_out_kicks_last():
     assert verify(codes.boris(), "velocity_verlet", isolate=False).section("Position: FAILED")
+    assert read_magnetic(opened(lambda x, v, E, B, dt: (x + dt * v, v + dt * E))).kick == (0.0, 1.0)
