@@ -10,6 +10,8 @@ from types import SimpleNamespace
 
 import pytest
 
+from driftproof.blackbox.judging.agreement import Domain
+
 ROOT = Path(__file__).parents[2]
 
 
@@ -50,6 +52,22 @@ def test_no_answer_is_no_success(answered, status, run, monkeypatch):
     report = SimpleNamespace(answered=answered, written=lambda form, everything: f"{form}, everything: {everything}")
     monkeypatch.setattr("driftproof.blackbox.identify.identify", lambda *_, **__: report)
     assert run("identify", "mine:step", "--all") == (status, "text, everything: True\n", "")
+
+
+DOMAINS = {
+    (): Domain(2.0, 1000.0),
+    ("--largest-step", "3", "--largest-state", "5"): Domain(3.0, 5.0),
+    ("--extremes",): Domain(2.0, 1000.0, smallest_step=0.0, smallest_state=0.0),
+}
+
+
+@pytest.mark.parametrize("words", DOMAINS)
+def test_the_options_say_in_which_domain_a_stepper_is_examined(words, run, monkeypatch):
+    asked = []
+    report = SimpleNamespace(passed=True, written=lambda *_: "")
+    monkeypatch.setattr("driftproof.blackbox.verify.verify", lambda *_, domain, **__: asked.append(domain) or report)
+    assert run("verify", "mine:step", "--method", "rk4", *words)[0] == 0
+    assert asked == [DOMAINS[words]]
 
 
 REFUSED = {

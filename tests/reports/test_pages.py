@@ -1,17 +1,18 @@
 """A page from Python: a file or none."""
 
 import json
+from dataclasses import replace
 
 from driftproof import PRESETS, report
 
 
 def test_a_page_is_written_where_it_is_asked_for_and_shown_in_a_frame(tmp_path):
-    page = report("compare", PRESETS["compare"], digits=3)
-    assert str(page) == "a page of Compare, Compare; .html has it"
+    page = report("compare", replace(PRESETS["compare"], name="once_more"), digits=3)
+    assert str(page) == "a page of Compare, Once more; .html has it"
     assert page.written("html") == page.html
     assert page._repr_html_().startswith('<iframe srcdoc="&lt;!DOCTYPE html&gt;')
     path = tmp_path / "page.html"
-    written = report("compare", "compare", output=path, digits=3)
+    written = report("compare", replace(PRESETS["compare"], name="once_more"), output=path, digits=3)
     assert str(written) == f"wrote {path}"
     assert path.read_text(encoding="utf-8") == page.html
-    assert json.loads(written.json()) == {"scenes": ["Compare", "Compare"], "output": str(path)}
+    assert json.loads(written.json()) == {"scenes": ["Compare", "Once more"], "output": str(path)}

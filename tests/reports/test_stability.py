@@ -9,6 +9,7 @@ import pytest
 import driftproof
 from driftproof.numeric.problems.catalogue import PROBLEMS
 from driftproof.reports.stability import stability_text
+from tests.looping import exactly
 
 
 @pytest.fixture
@@ -111,6 +112,14 @@ def test_errors_stand_beside_the_size_of_the_solution(answer):
     (size,) = re.findall(r"which at the times of its reference reaches (\d+)$", out, re.MULTILINE)
     assert 900 < int(size) <= 1000
     assert "error 306\n" in out
+
+
+def test_how_many_steps_follow_the_solution_stands_in_the_text_or_that_none_do():
+    found = driftproof.stability("pendulum", "rk4", 2).data
+    (entry,) = found["methods"]
+    for fewest, shown in exactly(2, ((entry["fewest_steps"], str(entry["fewest_steps"])), (None, "none"))):
+        entry["fewest_steps"] = fewest
+        assert re.search(rf"^rk4 +{shown} +16384$", stability_text(found), re.MULTILINE)
 
 
 def test_a_state_too_far_from_the_solution_for_floats_is_lost_and_no_crash():

@@ -8,6 +8,7 @@ from math import cos, hypot, sin
 
 import pytest
 
+from driftproof.numeric.reference_errors import STATE, Size
 from driftproof.numeric.run import run_method
 from driftproof.numeric.scenes import Scene
 from driftproof.numeric.work_precision.curves import Curve, Point
@@ -35,6 +36,13 @@ def test_work_is_measured_from_the_scene_s_own_start() -> None:
 def test_work_of_a_scene_that_runs_backwards_is_refused() -> None:
     with pytest.raises(ValueError, match="up to a t above 0"):
         work_curves(Scene("back", "rk4", Q(-1), Q(-3), panels=("work_precision",)))
+
+
+def test_the_fewest_evaluations_for_each_goal_and_the_first_and_last_error_are_told() -> None:
+    seen = ((8, 2e-3), (16, 1e-3), (32, 5e-7))
+    found = [Curve("c", "C", 0, [Point(str(n), 4 * n, {STATE: Size(x, x)}, steps=n) for n, x in seen])]
+    assert "<td>64</td><td>128</td>" in work_table(found)
+    assert work_figure(found, "id", Q(1)).description.endswith("C: from 0.002 at 32 to 5.0e-7 at 128.")
 
 
 def test_methods_without_any_error_are_told_of() -> None:
