@@ -15,7 +15,7 @@ from driftproof.texts.values.published import published_values
 _QUANTITIES = {
     "imaginary_limit": ("imaginary", "real"),
     "real_limit": ("real", "imaginary"),
-    "error_constant": ("error constant", "dispersion|dissipation|limit"),
+    "error_constant": ("error constant", "dispersion|dissipation|limit|r"),
     "state_error": ("state|distance|off", "phase|energy|angle"),
     "phase_error": ("phase|angle", "state|distance|energy"),
     "energy": ("energy", "phase|imaginary|error"),
@@ -54,8 +54,10 @@ def contradicted(question: str, text: str, start: int, end: int) -> bool:
     own, other = _QUANTITIES.get(quantity, ("", ""))
     if own and _denied(_words(own, before), _words(other, before), before, _words(other, after), _words(own, after)):
         return True
-    in_formula = re.search(r"[+*/^]\s?\Z", before) or re.match(r"\s?[+*/^]", after)
-    if quantity in _COUNTED and (in_formula or _next_to(before, after) not in ("", _COUNTED[quantity])):
+    in_formula = re.search(r"[+*/^√]\(?\s?\Z", before) or re.match(r"\s?[+*/^√]", after)
+    if in_formula and (end - start == 1 or quantity in _COUNTED):  # the 2 of 2√2
+        return True
+    if quantity in _COUNTED and _next_to(before, after) not in ("", _COUNTED[quantity]):
         return True
     found = _COMPONENT.search(before) if quantity in ("q", "v") else None
     if found and (quantity == "q") != (found[1] in ("q", "x") or bool(found[2])):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+from bisect import bisect_right
 from collections import Counter
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
@@ -87,13 +88,16 @@ def draft(document: Document, name: str, asked: Iterable[str] = ()) -> str:
     suggestions, search = Suggestions(text, asked), _Search(text)
     members = [_Member.of(number, suggestions, text) for number in search.numbers if number.label is None]
     code = {at for span in document.code for at in range(*span)}
-    left_out = sum(member.number.start in code and not member.strong for member in members)
+    left_out = [member.number for member in members if member.number.start in code and not member.strong]
     members = [member for member in members if member.number.start not in code or member.strong]
+    fences = sorted({0, len(text), *(number.start for number in left_out), *(number.end for number in left_out)})
     drafted, covered, named = [_HEADER.format(name=" ".join(name.split()))], set[int](), Counter[str]()
-    groups = [*_groups(text, members)]
+    groups = [*_groups(text, members, fences)]
     ends = [0, *(group[-1].number.end for group in groups)]
     starts = [*(group[0].number.start for group in groups[1:]), len(text)]
     for before, after, group in zip(ends, starts, groups, strict=False):
+        at = bisect_right(fences, group[0].number.start)  # what is left out is in no phrase
+        before, after = max(before, fences[at - 1]), min(after, fences[at])
         for *room, part in _uncovered(before, after, group, covered):
             if len(drafted) > MOST_CLAIMS:
                 raise ValueError(f"claims for more than {MOST_CLAIMS} groups of numbers are not drafted")
@@ -121,7 +125,7 @@ def draft(document: Document, name: str, asked: Iterable[str] = ()) -> str:
             drafted.append("".join([*remarks, *(f"{line}\n" for line in lines)]))
     nowhere = [f"#   {question}, {answer.digits(_SHOWN_DIGITS)}\n" for question, answer in suggestions.nowhere()]
     drafted += ["# Asked for, and no number of the text:\n" + "".join(nowhere)] * bool(nowhere)
-    drafted += [f"# What programs are given claims nothing, and is left out: {left_out} of the numbers.\n"] * bool(
+    drafted += [f"# What programs are given claims nothing, and is left out: {len(left_out)} of the numbers.\n"] * bool(
         left_out
     )
     return "\n".join(drafted).rstrip("\n")
@@ -136,14 +140,16 @@ def _uncovered(before: int, after: int, group: _Group, covered: set[int]) -> Ite
             yield ends[part[0]], [*starts, after][part[-1] + 1], group[part[0] : part[-1] + 1]
 
 
-def _groups(text: str, members: list[_Member]) -> Iterator[_Group]:
+def _groups(text: str, members: list[_Member], fences: list[int]) -> Iterator[_Group]:
+    """Each lies between two of the `fences`, ends of numbers that are in no phrase."""
     group: _Group = []
     for member in members:
         if group:
             between = text[group[-1].number.end : member.number.start]
             together = "\n" not in between and len(between) <= _WIDEST_GAP and not re.search(r"[.;?!] ", between)
             alike = group[-1].strong == member.strong and not (group[-1].chosen or member.chosen)
-            if not (together and alike and len(group) < _MOST_IN_PHRASE):
+            fenced = bisect_right(fences, group[-1].number.start) != bisect_right(fences, member.number.start)
+            if not (together and alike and not fenced and len(group) < _MOST_IN_PHRASE):
                 yield group
                 group = []
         group.append(member)

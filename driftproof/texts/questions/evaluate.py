@@ -28,7 +28,7 @@ def value(question: str) -> Answer:
     >>> value("step rk4 h=1/2 : q").exact
     Fraction(337, 384)
     """
-    if ".toml" in question or "problem" in question:  # another file may have that name by now
+    if ".toml" in question:  # another file may have that name by now
         return _asked.__wrapped__(question)
     return _asked(question)
 

@@ -117,7 +117,7 @@ def _without_repetition(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
 def changes(old: dict[str, Any], new: dict[str, Any]) -> list[Change]:
     """Every difference, by place. A number is an object with the key "decimal"; all else is compared leaf by leaf.
 
-    A number changed in value if both exact forms are rational and differ, or the decimals cannot be roundings of one
+    A number changed in value if its exact forms are two rationals or two formulas, or the decimals cannot be roundings of one
     number; in digits if they can, and are not of one length; in wording otherwise. Other leaves changed in value
     unless they spell the same rational, or stand under a key that only words a number.
     """
@@ -156,8 +156,9 @@ def _of_leaf(name: str, key: str, old: Any, new: Any) -> Iterator[Change]:
 def _of_number(name: str, old: dict[str, Any], new: dict[str, Any]) -> Iterator[Change]:
     """How exact form and decimal together changed, then unit, words and the texts in which claims print the number."""
     decimals, forms = (old["decimal"], new["decimal"]), (old.get("exact"), new.get("exact"))
-    exact = [*map(_number, forms)]  # of a formula None: it is no rational, and may be spelled otherwise
-    if (None not in forms and exact[0] != exact[1]) or not _agree(*decimals):
+    exact = [*map(_number, forms)]  # of a formula None, which is compared as it is spelled
+    respelled = forms[0] == forms[1] or (exact[0] is not None and exact[0] == exact[1])
+    if not (respelled or None in forms) or not _agree(*decimals):
         yield Change("value", name, "", _shown(old), _shown(new))
     elif decimals[0] != decimals[1] or forms[0] != forms[1]:
         yield Change("digits" if decimals[0] != decimals[1] else "wording", name, "", _shown(old), _shown(new))

@@ -121,7 +121,7 @@ def test_numbers_of_programs_are_labels_where_nobody_claims_them() -> None:
     outcomes = check_claims(document, [claim("error = 5", "given = true")])
     accounts = [f"{one.number.text}:{one.kind}:{one.by}" for one in coverage(document, outcomes).numbers]
     program = "label:what a program is given"
-    assert accounts == [f"0.33:{program}", f"7:{program}", "8:label:a reference", "5:given:a"]
+    assert accounts == [f"0.33:{program}", f"7:{program}", "8:uncovered:", "5:given:a"]
 
 
 def test_numbers_that_run_together_are_counted_one_by_one() -> None:

@@ -27,6 +27,9 @@ DENIED = [
     ("RK4 of order {4}: 4 stages", "stages rk4"),
     ("The trapezoid of order 2 has R(z) = (1+z/{2})/(1-z/2)", "order trapezoid"),
     ("BDF4 is of order {3}", "order bdf3"),
+    ("The axis of imaginary values is met up to {2}√2", "imaginary_limit symplectic_euler"),
+    ("The axis of imaginary values is met up to √({2})", "imaginary_limit symplectic_euler"),
+    ("Backward Euler has R(-1) = {0.5}", "error_constant backward_euler"),
     ("Velocity Verlet has order 2 and is stable for h < {2}", "order velocity_verlet"),
 ]
 MEANT = [
@@ -43,6 +46,7 @@ MEANT = [
     ("RK4 has order {4} and takes 4 evaluations per step", "order rk4"),
     ("RK4 has order 4 and takes {4} evaluations per step", "rk4.evaluations_per_step"),
     ("RK4 counts {4}", "order rk4"),
+    ("RK4's real limit / 2 is 2.785294 / 2, it reaches {2.785294} / 1", REAL),
 ]
 
 

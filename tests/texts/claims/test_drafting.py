@@ -51,6 +51,15 @@ def test_drafted_claims_notice_a_changed_digit() -> None:
     assert [(finding.expected, finding.found) for finding in findings] == [("5.151", "5.152")]
 
 
+def test_phrase_in_a_program_holds_no_number_that_is_left_out() -> None:
+    """Of such a number nothing can be claimed: the claims were refused that had it in their phrases."""
+    listing = "y = 1.0\ny = y - 2*0.1*y  # 0.877604 after 3 of 0.875 and 5\nz = 4*0.877604\nz = 0.875 + 6 * 0.877604\n"
+    document = document_of(f"RK4:\n\n```python\n{listing}```\n", "markdown")
+    drafted = draft(document, "a", ["step rk4 h=1/2 : q", "1 - 1/8"])
+    assert held(document, drafted)[WORKED_OUT] == 5
+    assert drafted.endswith("is left out: 5 of the numbers.")
+
+
 def test_phrase_has_three_words_before_its_numbers_and_after_them_what_belongs_to_them() -> None:
     text = "RK4 ends at 0.877604 here. One step of RK4 ends at 0.499895, and a step of RK4 ends at 0.877604 again."
     drafted = draft(document_of(f"{text} That is 0.33 % of all."), "a")
