@@ -95,7 +95,7 @@ def _root(a: Answer, degree: int) -> Answer:
         if split is not None and (split[1] == 1 or degree in FIELDS):
             outer, inner = split
             return Answer("", Fraction(outer, x.denominator) * (FIELDS[degree](inner) if inner > 1 else 1), a.evidence)
-    return _enclosed(a, arb.sqrt if degree == 2 else lambda ball: ball ** (arb(1) / degree))
+    return _enclosed(a, lambda ball: ball.root(degree))
 
 
 def _logarithm(a: Answer, base: int = 0) -> Answer:

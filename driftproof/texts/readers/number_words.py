@@ -93,5 +93,5 @@ def _cardinal(n: int) -> str:
         return _TENS[n // 10 - 2] + (f"-{_SMALL[n % 10]}" if n % 10 else "")
     size, name = next(((s, name) for s, name in _SCALES.items() if n >= s), (100, "hundred"))
     rest = n % size
-    joined = " and " if 0 < rest < 100 and size == 100 else " "
+    joined = " and " if size == 100 else " "
     return f"{_cardinal(n // size)} {name}" + (f"{joined}{_cardinal(rest)}" if rest else "")

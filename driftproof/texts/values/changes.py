@@ -117,7 +117,7 @@ def _without_repetition(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
 def changes(old: dict[str, Any], new: dict[str, Any]) -> list[Change]:
     """Every difference, by place. A number is an object with the key "decimal"; all else is compared leaf by leaf.
 
-    A number changed in value if its exact forms are two rationals or two formulas, or the decimals cannot be roundings of one
+    A number changed in value if both exact forms are there and differ, or the decimals cannot be roundings of one
     number; in digits if they can, and are not of one length; in wording otherwise. Other leaves changed in value
     unless they spell the same rational, or stand under a key that only words a number.
     """

@@ -42,6 +42,7 @@ ARITHMETIC = {
     "(1 + sqrt(5)) * (1 - sqrt(5))": Q(-4),
     "2 ** (1/3) * 2 ** (1/3) * 2 ** (1/3)": Q(2),
     "order rk4 + stages rk4 * 2": Q(12),
+    "(run rk4 y'=1 y(0)=1 h=1 t=1 : y) + order rk4": Q(6),
     "R(-2) of rk4 - R(-2) heun2": Q(1, 3) - 1,
     "R(-1/2) of sdirk_order_2 at 1/4": Q(49, 81),
     "step rk4 h=1/2 : q - 1": Q(337, 384) - 1,

@@ -17,6 +17,7 @@ REFUSED = [
     ("step rk4 h=1/2x : q", 15, "'x' has no place in a number"),
     ("step rk4 h=0,1 : q", 13, "a decimal has a point: 0.1"),
     ("step rk4 h=-: q", 13, "h: a number like 1/4 or 0.25 stands here, not ':'"),
+    ("step rk4 h=1/x : q", 13, "'/' has no place in a number"),
     ("run rk4 h=pi/50 N=100 : q", 11, f"stands here, not 'pi'; {_ROUNDED}"),
     ("run rk4 N=100 t=2*pi : q", 18, f"'*' has no place in a number; {_ROUNDED}"),
     ("run rk4 N=100 t=2π : q", 18, f"'π' has no place in a number; {_ROUNDED}"),
