@@ -18,7 +18,7 @@ from driftproof.blackbox.judging.tolerance import Allowance
 from driftproof.blackbox.judging.walks import Walked, back_and_on, walked
 from driftproof.blackbox.matching.dense_outputs import JudgedDense, judged_dense
 from driftproof.blackbox.matching.entries import mended, other_velocities, rational_method, side_by_side
-from driftproof.blackbox.matching.estimates import JudgedEstimate, judged_estimate
+from driftproof.blackbox.matching.estimates import JudgedEstimate, is_pair, judged_estimate
 from driftproof.blackbox.matching.match import Identity, match_method
 from driftproof.blackbox.probes.dense import NotAlike
 from driftproof.blackbox.probes.force import NO_TABLEAU, ForceReading
@@ -78,7 +78,7 @@ class Question(NamedTuple):
 def questions_of(method: Method, allowance: Allowance, domain: Domain, examples: int) -> list[Question]:
     """All that is asked of a stepper, in the order in which it is told."""
     of_method: dict[str, Any] = {"method": method, "allowance": allowance}
-    within, estimate = {**of_method, "domain": domain}, _READABLE_ESTIMATE * _is_pair(method)
+    within, estimate = {**of_method, "domain": domain}, _READABLE_ESTIMATE * is_pair(method)
     return [
         Question(ROUNDING, partial(explained, **within, examples=examples), _judge_rounding),
         Question(COEFFICIENTS, read_coefficients, partial(_judge_coefficients, allowance=allowance), "", _READABLE),
@@ -155,16 +155,12 @@ def _judge_order(method: Method, measured: Sequence[MeasuredOrder]) -> Judged:
 def _judge_estimate(method: Method, found: JudgedEstimate) -> Judged:
     """A pair claims both of its rows; of another method, what is returned beside y1 is nobody's claim."""
     lines = [*found.lines, *found.faults]
-    if not _is_pair(method):
+    if not is_pair(method):
         return None, [f"{method.key} has none", *lines], found.data, ""
     if found.faults or found.pair:
         return not found.faults, lines, found.data, ""
     unheld = f"it is not held to that of {method.key}: its step is not that of the stages of the pair in their order"
     return None, [*lines, unheld], found.data, _READABLE_ESTIMATE
-
-
-def _is_pair(method: Method) -> bool:
-    return isinstance(method, RungeKutta) and method.b_embedded is not None
 
 
 def _judge_dense(method: Method, found: JudgedDense) -> Judged:

@@ -89,6 +89,11 @@ class IsolatedRunner:
     _process: tuple[ExitStack, Session, _CallLog] | None = None
     _here: Serving | None = None
 
+    def __post_init__(self) -> None:
+        """Refuse a time limit that leaves no time: ValueError."""
+        if not self.time_limit > 0:
+            raise ValueError(f"a time limit of {self.time_limit:g} s leaves no time; write a number above 0")
+
     def __enter__(self) -> IsolatedRunner:
         """From now on one process is kept."""
         self._kept = True
@@ -164,7 +169,7 @@ class IsolatedRunner:
         try:
             while True:
                 try:
-                    outcome: Outcome = decode(ask(_LOOK), "driftproof")
+                    outcome: Outcome = decode(ask(min(_LOOK, limit)), "driftproof")
                     self._longest = max(self._longest, monotonic() - start)
                     return outcome
                 except ProcessEnded as ended:

@@ -151,7 +151,7 @@ def assert_verified(
             examples=examples,
             domain=domain,
             allowance=allowance,
-            time_limit=time_limit or time_limit_of_test.get() or TIME_LIMIT,
+            time_limit=(time_limit_of_test.get() or TIME_LIMIT) if time_limit is None else time_limit,
             isolate=isolate,
         )
     except ValueError as error:  # pytest shows the user's line, and the message

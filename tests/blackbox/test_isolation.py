@@ -7,10 +7,12 @@ import sys
 import threading
 from contextlib import nullcontext
 from functools import partial
+from itertools import product
 from time import monotonic
 
 import pytest
 
+from driftproof import assert_verified, identify, verify
 from driftproof.blackbox.checks.special_arguments import negative_step, zero_step
 from driftproof.blackbox.checks.suite import CHECKS
 from driftproof.blackbox.checks.trials import steady_runner
@@ -19,7 +21,7 @@ from driftproof.blackbox.isolation import IsolatedRunner, Serving, _CallLog, _no
 from driftproof.blackbox.stepper.opening import Target
 from driftproof.support.messages import MessageError, encode
 from driftproof.support.processes import ProcessEnded
-from tests.blackbox import broken_steppers
+from tests.blackbox import broken_steppers, handwritten_steppers
 from tests.blackbox.checks.habits import all_checks
 
 # A hang is waited for; everything else is over long before its limit.
@@ -335,6 +337,15 @@ def test_limits_of_calls_questions_and_runs_are_kept_and_told(name, monkeypatch)
     rogue, far, outcomes = told(monkeypatch, *script)
     seen = [outcome.seen if outcome.failed else outcome.result for outcome in outcomes]
     assert (seen, rogue.spent, far.started) == (expected, seconds, processes)
+
+
+def test_of_too_little_time_nothing_is_said_and_none_is_refused():
+    step = handwritten_steppers.velocity_verlet
+    for answer in (verify(step, "velocity_verlet", time_limit=1e-9), identify(step, time_limit=1e-9)):
+        assert (answer.passed, answer.verdict[:9]) == (None, "undecided")
+    for time_limit, ask in product((0, -1.0, float("nan")), (verify, assert_verified)):
+        with pytest.raises(ValueError, match=f"a time limit of {time_limit:g} s leaves no time; write a number above"):
+            ask(step, "velocity_verlet", time_limit=time_limit)
 
 
 ENDS = {"exit": "crashes", "signal": "crashes", "memory": "crashes", "answer": "crashes", "no message": "crashes"}

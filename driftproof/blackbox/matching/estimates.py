@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from operator import sub
 from typing import Any, TypeAlias, TypeGuard, cast
 
+from driftproof.blackbox.matching.candidates import ExactTable
+from driftproof.blackbox.matching.comparing import Comparison
 from driftproof.blackbox.matching.read_order import HIGHEST_ORDER, BallTableaux, read_order
+from driftproof.blackbox.matching.tables import exact_tableau, timed_stages
 from driftproof.blackbox.probes.coefficients import coefficient_difference, coefficient_text, simple_rational
 from driftproof.blackbox.probes.estimate import ABSOLUTE, NORM, EstimateReading, read_estimate
 from driftproof.blackbox.probes.scripted_answers import Rounding
@@ -111,8 +114,9 @@ def _shown(estimate: EstimateReading) -> str:
 
 def _pair_of(estimate: EstimateReading, reading: TableauReading, method: Method | None) -> _Fit:
     """The pair that has the tableau; of several, the one whose estimate fits."""
-    pairs = [pair for pair in ([method] if method else _explicit_pairs()) if _stages_in_order(pair, reading)]
-    found = [_compared(pair.key, _differences(pair, reading.calls), estimate) for pair in pairs]
+    pairs = (pair for pair in ([method] if method else _explicit_pairs()) if is_pair(pair))
+    arranged = [(pair, order) for pair in pairs if (order := _stages_called(pair, reading)) is not None]
+    found = [_compared(pair.key, _differences(pair, order), estimate) for pair, order in arranged]
     return min(found, key=lambda each: len(each[3]), default=(None, 1.0, [], []))
 
 
@@ -123,19 +127,33 @@ def _explicit_pairs() -> Iterator[RungeKutta]:
             yield from (method, cast(RungeKutta, METHODS[key + EMBEDDED_SUFFIX]))
 
 
-def _stages_in_order(pair: Method, reading: TableauReading) -> TypeGuard[RungeKutta]:
-    """True of a pair with this tableau, call i being stage i: with calls beyond, as the slope of a next step."""
-    if not isinstance(pair, RungeKutta) or pair.b_embedded is None or reading.calls < pair.stages:
-        return False
+def is_pair(method: Method) -> TypeGuard[RungeKutta]:
+    """True of a method with a second row of weights."""
+    return isinstance(method, RungeKutta) and method.b_embedded is not None
+
+
+def _stages_called(pair: RungeKutta, reading: TableauReading) -> Sequence[int] | None:
+    """The stage that each call is, of a pair with this tableau; None of another one.
+
+    Calls beyond the stages, as that of the slope of a next step, come after all of them, in their order.
+    """
+    if reading.calls < pair.stages:
+        return None
     rows = [*zip(pair.a, reading.a, strict=False), (pair.b, reading.b)]
     allowed = reading.rounding.of(1 + max(abs(float(x)) for row, _ in rows for x in row))
-    return all(abs(gap) <= allowed for exact, row in rows for gap in map(sub, map(float, exact), row))
+    if all(abs(gap) <= allowed for exact, row in rows for gap in map(sub, map(float, exact), row)):
+        return range(reading.calls)
+    if reading.calls > pair.stages:
+        return None
+    called = reading.stages
+    exact = timed_stages(exact_tableau(pair), len(called.weights) > 1)
+    return Comparison(ExactTable.of(called, None), ExactTable.of(exact, None), reading.rounding).arrangement()
 
 
-def _differences(pair: RungeKutta, calls: int) -> list[Exact]:
+def _differences(pair: RungeKutta, order: Sequence[int]) -> list[Exact]:
     assert pair.b_embedded is not None
-    row: list[Exact] = [x - y for x, y in zip(pair.b, pair.b_embedded, strict=True)]
-    return [*row, *[Fraction(0)] * (calls - len(row))]
+    row = dict(enumerate(x - y for x, y in zip(pair.b, pair.b_embedded, strict=True)))
+    return [row.get(stage, Fraction(0)) for stage in order]
 
 
 def _compared(key: str, exact: list[Exact], estimate: EstimateReading) -> _Fit:

@@ -125,10 +125,15 @@ def cut(y1, error, h, y):
     return y1, np.minimum(error, 1e-3)
 
 
-def test_an_estimate_of_stages_called_in_another_order_is_undecided():
-    step = pair_step("verner65", order=[0, 1, 2, 3, 4, 6, 5, 7])
-    report = verify(step, "verner65", examples=20, isolate=False)
-    assert report.section("Error estimate: undecided").lines[-1].startswith("it is not held to that of verner65")
+@pytest.mark.parametrize("key", ["verner65", "verner76", "fehlberg78"])
+def test_an_estimate_of_stages_called_in_another_order_is_held_to_the_stages_that_they_are(key):
+    stages = [*range(METHODS[key].stages)]
+    late = max(i for i in stages if METHODS[key].a[i][i - 1] == 0)
+    order = [*stages[: late - 1], late, *stages[late - 1 : late], *stages[late + 1 :]]
+    assert verify(pair_step(key, order=order), key, examples=20, isolate=False).passed
+    spoiled = pair_step(key, order=order, estimate=but_one(late, 1 / 7))
+    verdict = verify(spoiled, key, examples=20, isolate=False).verdict
+    assert verdict.startswith(f"is {key}, but the error estimate is not that of {key}, but for e[{late - 1}]: 1/7")
 
 
 @pytest.mark.parametrize(("key", "passed"), [("bogacki_shampine32", None), ("ralston3", True)])
