@@ -267,6 +267,8 @@ def _call(name: str, names: Sequence[str], given: dict[Any, str], kind: str) -> 
     arguments = ", ".join(given.get(each, each.upper()) for each in names)
     left = [each for each in names if each not in given]
     said = f"  # write values for {', '.join(map(str.upper, left))}" if left else ""
+    if kind == MAP and "h" not in given.values():
+        said = "  # its h is built in: let it be an argument, or make the step anew for every h"
     if kind == MAP and any(each.lower().strip("_") in BODY_LISTS for each in left):
         said = "  # what moves its bodies is built in: let their force be an argument, which can then be given"
     return f"def wrapped({_HEADS[kind]}): return {name}({arguments}){said}"

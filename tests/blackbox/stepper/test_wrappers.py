@@ -173,6 +173,12 @@ WRAPPED = {
 REMEMBERING = {**dict.fromkeys(("AB2", "KeptAB2", "TimedAB2", "make_ab2"), "adams_bashforth2"), "Stormer": "stormer2"}
 
 
+def test_of_a_step_whose_h_is_built_in_the_wrapper_says_what_to_do():
+    names = namespace("def made(h):\n    return lambda q, v: (q + h * v, v - h * q)\n")
+    with pytest.raises(ValueError, match=r"# its h is built in: let it be an argument, or make the step anew"):
+        opened(names["made"](0.25))
+
+
 @pytest.mark.parametrize("name", WRAPPED)
 def test_a_class_a_maker_and_a_solver_of_n_steps_are_refused_with_a_wrapper_that_works_and_forgets_nothing(name):
     names = namespace(CLASSES)
