@@ -58,7 +58,9 @@ READ |= {f"turned by {k} roundings": turned(k * 2.0**-53) for k in (15, 17)}
 def test_all_that_is_asked_for_coefficients_and_said_is_as_before(name, as_before):
     asked = Asked(READ[name])
     try:
-        reading = read_coefficients(opened(asked.code))
+        subject = opened(asked.code)
+        asked.count, asked.checksum = 0, 0  # how it is opened is another matter
+        reading = read_coefficients(subject)
         as_before(*reading.lines, *getattr(reading, "stale_velocities", ()), reading, asked)
     except (NotReadable, Misbehaviour) as refusal:
         as_before(refusal, asked)
