@@ -38,8 +38,9 @@ def phase_error_series(m: DomainMatrix, terms: int) -> StepPolynomial:
 
     From tan θ = sqrt(det M - (tr M / 2)²) / (tr M / 2). Raises ValueError unless M(h) = I + hJ + O(h²).
     """
-    half_trace, area = (_series(f, terms + 2) for f in (trace(m) / 2, determinant(m)))
-    squared_sine = rs_trunc(area - half_trace**2, H, terms + 2)  # h² (1 + ...) for a consistent method
+    longer = terms + 2  # as h² is divided by
+    half_trace, area = (_series(f, longer) for f in (trace(m) / 2, determinant(m)))
+    squared_sine = rs_trunc(area - half_trace**2, H, longer)  # h² (1 + ...) for a consistent method
     quotient, remainder = divmod(squared_sine, H**2)
     if remainder or quotient.evaluate(H, 0) != 1 or half_trace.evaluate(H, 0) != 1:
         raise ValueError("the step is not a consistent rotation: its angle is not h + O(h**2)")

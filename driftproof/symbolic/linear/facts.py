@@ -284,7 +284,7 @@ class LinearFacts:
     def linear_order(self) -> int:
         """The order on linear problems: of R(z), or of M(h) on the oscillator."""
         if self._r is None:
-            return phase.matrix_error(self.one_step_matrix)[0] - 1
+            return phase.matrix_error(self.one_step_matrix) - 1
         return phase.error_constant(self._r).power - 1
 
     error_constant = _of_r(phase.error_constant)

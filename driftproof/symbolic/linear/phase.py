@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from fractions import Fraction
+from itertools import chain
 from math import isqrt
 
 from driftproof.methods.number_field import Exact
@@ -49,20 +50,15 @@ def error_constant(r: RationalFunction) -> LeadingTerm:
     return _leading([a - b for a, b in zip(taylor(r, terms), exponential_series(terms), strict=True)])
 
 
-def matrix_error(m: StepMatrix) -> tuple[int, tuple[tuple[Exact, Exact], tuple[Exact, Exact]]]:
-    """(power, C) with M(h) - exp(hJ) = C h**power + ..., C not zero; the order on the oscillator is power - 1."""
+def matrix_error(m: StepMatrix) -> int:
+    """The first power of h at which M(h) and exp(hJ) differ; the order on the oscillator is one less."""
     terms = 2
     while True:
         terms *= 2
-        turn = _rotation(terms)
-        rows = [
-            [[a - b for a, b in zip(taylor(f, terms), e, strict=True)] for f, e in zip(row, exact_row, strict=True)]
-            for row, exact_row in zip(m, turn, strict=True)
-        ]
-        for power in range(terms):
-            (a, b), (c, d) = ([exact(x[power]) for x in row] for row in rows)
-            if any((a, b, c, d)):
-                return power, ((a, b), (c, d))
+        entries = zip(chain.from_iterable(m), chain.from_iterable(_rotation(terms)), strict=True)
+        pairs = ((k, x, y) for f, e in entries for k, (x, y) in enumerate(zip(taylor(f, terms), e, strict=True)))
+        if differing := [k for k, x, y in pairs if x != y]:
+            return min(differing)
 
 
 def modified_rate(r: RationalFunction, terms: int) -> PowerSeries:
@@ -75,14 +71,13 @@ def modified_rate(r: RationalFunction, terms: int) -> PowerSeries:
 
 def dispersion_series(r: RationalFunction, terms: int) -> PowerSeries:
     """arg R(ih) - h modulo h**terms, from the odd powers of log R."""
-    logs = modified_rate(r, terms)
-    turned = [c * (-1) ** (k // 2) if k % 2 else c * 0 for k, c in enumerate(logs)]
+    _, turned = _real_and_imaginary(modified_rate(r, terms))
     return [c - 1 if k == 1 else c for k, c in enumerate(turned)]
 
 
 def dissipation_series(r: RationalFunction, terms: int) -> PowerSeries:
     """log |R(ih)| modulo h**terms, from the even powers of log R."""
-    return [c * 0 if k % 2 else c * (-1) ** (k // 2) for k, c in enumerate(modified_rate(r, terms))]
+    return _real_and_imaginary(modified_rate(r, terms))[0]
 
 
 def dispersion(r: RationalFunction) -> LeadingTerm:
@@ -108,7 +103,7 @@ def angle_error_series(m: StepMatrix, terms: int) -> PowerSeries:
     From θ' = -(cos θ)' / sin θ. An inconsistent splitting turns by θ = σh + O(h²) with σ = sqrt(Σ kicks Σ drifts); its
     series lies in Q(σ). Raises NoRotationError unless σ² is rational and positive.
     """
-    cosine, sine = _cosine_and_sine(m, max(terms, 2))
+    cosine, sine = _cosine_and_sine(m, terms)
     slope = series_quotient([-c for c in series_derivative(cosine)[1:]], sine)
     return [c - 1 if k == 1 else c for k, c in enumerate(series_integral(slope)[:terms])]
 
@@ -178,10 +173,14 @@ def modified_factor_series(m: StepMatrix, terms: int) -> PowerSeries:
 
 
 def _rotation(terms: int) -> tuple[tuple[PowerSeries, PowerSeries], tuple[PowerSeries, PowerSeries]]:
-    series = exponential_series(terms)
-    cosine = [c * 0 if k % 2 else c * (-1) ** (k // 2) for k, c in enumerate(series)]
-    sine = [c * (-1) ** (k // 2) if k % 2 else c * 0 for k, c in enumerate(series)]
+    cosine, sine = _real_and_imaginary(exponential_series(terms))
     return (cosine, sine), ([-c for c in sine], cosine)
+
+
+def _real_and_imaginary(series: PowerSeries) -> tuple[PowerSeries, PowerSeries]:
+    """The parts of Σ cₖ (ih)ᵏ as series in h."""
+    signed = [(k % 2, c * (-1) ** (k // 2)) for k, c in enumerate(series)]
+    return [c * (1 - odd) for odd, c in signed], [c * odd for odd, c in signed]
 
 
 def _leading_of(compute: Callable[[int], PowerSeries]) -> LeadingTerm:

@@ -111,7 +111,7 @@ def _merged(stages: StageCoefficients) -> StageCoefficients:
 
 def _coarsest_partition(stages: StageCoefficients) -> list[int]:
     """For each stage the first stage of its class: classes are split until the sums over them agree."""
-    labels = _labels(stages.c if len(stages.weights) > 1 else (0,) * len(stages.a))
+    labels = _labels(stages.c if len(stages.weights) > 1 else (None,) * len(stages.a))
     while True:
         classes = [[j for j, k in enumerate(labels) if k == first] for first in sorted({*labels})]
         sums = [tuple(total(row[j] for j in group) for group in classes) for row in stages.a]

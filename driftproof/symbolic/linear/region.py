@@ -58,11 +58,7 @@ def rounded_boundary(r: RationalFunction, count: int = COUNT, places: int = PLAC
 
 def points_at(r: RationalFunction, cosine: Fraction, bits: int = 64) -> list[acb]:
     """Balls around every z with |R(z)| = 1 and Re R(z) = cosine, radii about 2**-bits, relative or absolute."""
-    if abs(cosine) == 1:
-        level = r.num - r.den * int(cosine)
-    else:
-        level = r.num * r.num - r.num * r.den * (2 * scalar(cosine)) + r.den * r.den
-    return complex_roots(level, bits)
+    return complex_roots(r.num * r.num - r.num * r.den * (2 * scalar(cosine)) + r.den * r.den, bits)
 
 
 def complex_roots(p: Polynomial, bits: int) -> list[acb]:

@@ -116,7 +116,7 @@ class Rounded:
         divisor = self._operand(other, "division")
         if divisor.stored_value is None:
             _refuse("division by something that depends on q, v or h")
-        if divisor.stored_value == 0 or not divisor.exact:
+        if not divisor.stored_value or not divisor.exact:
             _refuse("division by zero")
         return _product(self, _reciprocal(divisor))
 
@@ -180,7 +180,7 @@ def constant(exact: Exact | int, fmt: FloatFormat) -> Rounded:
 def _shortened(bound: ErrorPolynomial, fmt: FloatFormat) -> ErrorPolynomial:
     """A bound nowhere below `bound` without the highest powers, since d <= 1/2, and eta <= 1 in all but toy formats."""
     beyond = [powers for powers in bound.monoms() if powers[0] > MOST_D or powers[1] > MOST_ETA]
-    if fmt.eta > 1 or not beyond:
+    if fmt.eta > 1:
         return bound
     left, short = {powers: bound[powers] for powers in beyond}, dict[tuple[int, ...], Any]()
     for (in_d, in_eta, *powers), c in left.items():
@@ -193,11 +193,16 @@ def _sum(x: Rounded, y: Rounded, sign: int) -> Rounded:
     exact = x.exact + sign * y.exact
     if x.stored_value is not None and y.stored_value is not None:
         return _known(x.format, exact, _nearest(x.format, x.stored_value + sign * y.stored_value))
-    if y.stored_value == 0 and y.error == 0:  # sum(...) starts from 0
+    if _is_zero(y):
         return x
-    if x.stored_value == 0 and x.error == 0:
-        return y if sign > 0 else -y
+    if _is_zero(x):
+        return y if sign == 1 else -y
     return Rounded(x.format, exact, ((x, ONE), (y, ONE * sign)), rounds=True)
+
+
+def _is_zero(x: Rounded) -> bool:
+    """An exact constant 0, from which sum(...) starts."""
+    return not (x.exact or x.error or x.operands)
 
 
 def _product(x: Rounded, y: Rounded) -> Rounded:

@@ -88,6 +88,7 @@ def test_lesson_methods_have_the_lesson_s_formulas(key: str) -> None:
         assert wanted is None or sympy.expand(derived.value - wanted) == 0
     assert found.phase_error.steps[-1].chain == (leading,)
     assert found.stability_limit.value == limit
+    assert found.stability_limit.steps[-1].because.startswith("From" if limit == 0 else "At $H$")
 
 
 def test_formulas_stand_in_the_order_in_which_they_are_read() -> None:

@@ -49,6 +49,8 @@ def test_boundary_in_decimals_goes_from_one_to_minus_one() -> None:
         *(("-3/5", "-1.600", "0.800"), ("-1", "-2.000", "0.000")),
     ]
     assert rounded_boundary(r, 3, 30)[1][2] == "0.600000000000000000000000000000"
+    fact = rounded_boundary(r)
+    assert (len(fact), fact[1]) == (25, ("143/145", "-0.013793103448276", "0.165517241379310"))
 
 
 def test_multiple_boundary_points_are_found_once() -> None:

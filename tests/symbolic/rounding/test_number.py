@@ -74,6 +74,9 @@ def test_each_coefficient_is_rounded_correctly_and_owns_up_to_just_its_distance(
         distance = absolute_value(c - lifted.stored_value)
         assert distance <= error <= distance * (1 + 2 * fmt.u**2)
         assert error <= fmt.u * absolute_value(c)
+    third, d = constant(Q(1, 3), fmt), fmt.relative_error
+    error = sum(k * d**in_d for (in_d, *_), k in terms(third.error))
+    assert error == abs(Q(1, 3) - third.stored_value) / fmt.u * (d + d**2 + 2 * d**3)
 
 
 def test_what_divides_by_an_irrational_constant_has_the_exact_quotient():
