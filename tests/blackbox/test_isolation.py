@@ -9,15 +9,16 @@ from contextlib import nullcontext
 from functools import partial
 from itertools import product
 from time import monotonic
+from types import SimpleNamespace
 
 import pytest
 
-from driftproof import assert_verified, identify, verify
+from driftproof import assert_verified, cli, identify, verify
 from driftproof.blackbox.checks.special_arguments import negative_step, zero_step
 from driftproof.blackbox.checks.suite import CHECKS
 from driftproof.blackbox.checks.trials import steady_runner
 from driftproof.blackbox.findings import NoAnswer, Outcome, StepRaised
-from driftproof.blackbox.isolation import IsolatedRunner, Serving, _CallLog, _not_again
+from driftproof.blackbox.isolation import IsolatedRunner, Serving, _CallLog, _is_command_alone, _not_again
 from driftproof.blackbox.stepper.opening import Target
 from driftproof.support.messages import MessageError, encode
 from driftproof.support.processes import ProcessEnded
@@ -198,6 +199,22 @@ def test_our_command_alone_forks_and_with_modules_of_others_a_new_interpreter_is
         [sys.executable, "-c", command], cwd=tmp_path, capture_output=True, text=True, check=False, timeout=60
     )
     assert f"who:step cannot be imported: ImportError: {forked}" in run.stderr
+
+
+@pytest.mark.parametrize(
+    ("main", "loaded", "alone"),
+    [
+        (cli.main, ["os", "numpy.linalg", "_sitecustomize", "driftproof.cli"], True),
+        (cli.main, ["os", "numpy.linalg", "mine.steps"], False),
+        (encode, ["os"], False),
+        (None, ["os"], False),
+    ],
+)
+def test_our_command_is_alone_where_nobody_else_s_modules_are_loaded(main, loaded, alone, monkeypatch):
+    modules = {"__main__": SimpleNamespace(main=main), **dict.fromkeys(loaded)}
+    seen = SimpleNamespace(modules=modules, stdlib_module_names=sys.stdlib_module_names)
+    monkeypatch.setattr("driftproof.blackbox.isolation.sys", seen)
+    assert _is_command_alone() is alone
 
 
 HUNG = {

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from fractions import Fraction
+from math import exp
 
 import pytest
 
 from driftproof.blackbox.probes.scripted_answers import NotReadable
-from driftproof.blackbox.solvers.controller import bumps, read_controller
+from driftproof.blackbox.solvers.controller import _fitted, _Point, bumps, read_controller
 from driftproof.blackbox.solvers.foreign_solver import ForeignSolver, SolverTarget, taken_by
 from driftproof.blackbox.solvers.steps import read_steps
 from tests.blackbox.solvers.planted_solvers import adaptive, fixed
@@ -49,6 +50,22 @@ def test_the_law_comes_out_as_it_went_in(name, as_before):
 def test_a_method_of_low_order_is_held_to_a_larger_tolerance():
     words = "h_next/h = 0.8 r^(-1/2), at least 0.25, at most 4 (not PI)"
     assert read(adaptive("heun_euler21", exponent=0.5)).law.words == words
+
+
+@pytest.mark.parametrize("terms", [2, 3, 4])
+def test_a_law_is_fitted_to_three_steps_more_than_it_has_numbers_all_of_which_are_close(terms):
+    numbers = [0.25, 0.5, 0.125, 0.0625][:terms]  # log of safety, exponent, memory, filter
+
+    def points(count, off=0.0):
+        for n in range(count):
+            error, before, growth = 1.0 + n, n * n / 7, (-1.0) ** (n // 2)
+            logs = zip(numbers, (1.0, -error, before, growth), strict=False)
+            yield _Point(error, before, growth, exp(sum(x * y for x, y in logs) + off * (n == 9)), True, 0, False)
+
+    assert _fitted([*points(terms + 2)], terms) is None
+    assert _fitted([*points(terms + 3)], terms) == pytest.approx(numbers)
+    assert _fitted([*points(40, 0.9e-4)], terms) == pytest.approx(numbers, abs=1e-4)
+    assert _fitted([*points(40, 1.5e-4)], terms) is None
 
 
 RULES = {
