@@ -73,6 +73,7 @@ def test_a_rogue_is_a_finding(step, seen):
     text = identify(step, time_limit=2.0 if step is broken_steppers.hangs else 60.0).text()
     assert seen in text
     assert "--all" not in text
+    assert ("give it more time: --time-limit" in text) == (step is broken_steppers.hangs)
     _, _, unanswered = text.partition("Not answered\n")
     lines = unanswered.splitlines()
     assert len(lines) == len(set(lines)) < 4
