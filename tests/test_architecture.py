@@ -68,7 +68,7 @@ BUDGETS = {
     "numeric": 4186,
     "blackbox": 17643,
     "enclosure": 3130,
-    "texts": 7265,
+    "texts": 7268,
 }
 BUDGET_OF_REPORTS_AND_FRONT = 5562
 # The goal is 65 of 100. Independent witnesses, campaigns and guards, 6,000 lines, are among the tests.

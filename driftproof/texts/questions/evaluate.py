@@ -22,12 +22,15 @@ if TYPE_CHECKING:
 def value(question: str) -> Answer:
     """The answer to a question of the language that docs/language.md describes, or the published value of that id.
 
-    Raises QuestionError, one line with the column, for a question that has no answer. Nothing is evaluated as code.
+    Raises QuestionError, one line with the column, for a question that has no answer, and TypeError for what is no
+    text. Nothing is evaluated as code.
 
     >>> from driftproof import value
     >>> value("step rk4 h=1/2 : q").exact
     Fraction(337, 384)
     """
+    if not isinstance(question, str):
+        raise TypeError(f"a question is text, such as 'order rk4', and not {question!r:.60}")
     if ".toml" in question:  # another file may have that name by now
         return _asked.__wrapped__(question)
     return _asked(question)

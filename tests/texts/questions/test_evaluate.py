@@ -97,6 +97,11 @@ def test_fuzzing_reaches_answers_and_not_only_refusals() -> None:
     assert answered >= len(QUESTIONS) - len(REFUSED)
 
 
+def test_a_question_is_text() -> None:
+    with pytest.raises(TypeError, match="a question is text, such as 'order rk4', and not 3"):
+        value(3)
+
+
 def test_same_question_is_answered_once() -> None:
     assert value("order rk4") is value("order rk4")
 
