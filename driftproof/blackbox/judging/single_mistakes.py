@@ -223,9 +223,8 @@ def _too_early(program: Program) -> Iterator[Mistake]:
         early = f"{y} + {weights}[{i}] * k[{i}]"
         for words, starts in (("stages", "YQ"), ("stages and the result", "YQyq")):
             wrong = [each.replace(f" = {y}", f" = ({early})", 1) if each[0] in starts else each for each in lines]
-            formed = tuple(
-                late if n // 2 > i else line for n, (line, late) in enumerate(zip(lines, wrong, strict=True))
-            )
+            pairs = enumerate(zip(lines, wrong, strict=True))
+            formed = tuple(late if n // 2 > i else line for n, (line, late) in pairs)
             yield Mistake(f"after k[{i}], {words} are formed of {early}", replace(program, lines=formed))
         for weight in (f"b[{i}]", f"a[{i + 1}][{i}]") if runge_kutta else ():
             if weight in "".join(lines):

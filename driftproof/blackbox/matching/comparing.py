@@ -88,8 +88,7 @@ class Comparison:
         return read, exact, np.array(allowed)
 
     def allowed(self, scale: float) -> float:
-        """How far numbers may be apart that scale with this one."""
-        # One more than the program's: the exact numbers are compared as the doubles next to them.
+        """How far apart: one more than the program's, exact numbers being compared as the doubles next to them."""
         return self.rounding.of(scale) * (1 + 1 / self.rounding.most)
 
     @property
