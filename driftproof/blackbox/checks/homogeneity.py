@@ -57,22 +57,27 @@ def homogeneity(subject: ForeignStepper) -> tuple[CheckResult, ...]:
 def _linear(runner: TrialRunner, rays: Sequence[Ray]) -> tuple[CheckResult, ...]:
     """Proportional along the rays, if need be from ordinary size on, odd and additive."""
     small = next(filter(None, map(_absolute_rounding, rays)), None)
-    exponents = [*(() if small else _SMALL[:-1]), *(k for k in _LARGE if k in range(runner.format.emax))]
+    exponents = [*(() if small else _small(runner)[:-1]), *(k for k in _LARGE if k in range(runner.format.emax))]
     broken = [(ray, *pair) for ray in rays for pair in [_first_break(ray, exponents)] if pair]
     found = _departing(broken) if broken else _odd_and_additive(runner, rays)
     return found, small or CheckResult(_DIGITS, True, "small states keep all their digits")
 
 
+def _small(runner: TrialRunner) -> list[int]:
+    """The small exponents at which rounding is relative: below _SUMS 2**emin, eta/2 a sum is more than u of it."""
+    return [k for k in _SMALL if 2.0**k >= _SUMS * 2.0**runner.format.emin]
+
+
 def _absolute_rounding(ray: Ray) -> CheckResult | None:
     """A check if small states have errors as of a sum with a number of ordinary size, and no others."""
-    once = ray.over(1.0)
-    errors = [(apart(ray.over(2.0**k), once), 2.0**k) for k in _SMALL]
+    once, small = ray.over(1.0), _small(ray.runner)
+    errors = [(apart(ray.over(2.0**k), once), 2.0**k) for k in small]
     largest = max(error * s for error, s in errors)
     allowed = _SUMS * max(float(ray.runner.format.u), ray.runner.grain)
     if max(error for error, _ in errors) <= ray.runner.rounding or largest > allowed:
         return None
     words = f"small states lose digits: the error stays at up to {largest:.1g} however small they are"
-    return CheckResult(_DIGITS, False, words, (ray.trial(1.0), ray.trial(2.0 ** _SMALL[0])))
+    return CheckResult(_DIGITS, False, words, (ray.trial(1.0), ray.trial(2.0 ** small[0])))
 
 
 def _first_break(ray: Ray, exponents: Sequence[int]) -> tuple[float, float] | None:

@@ -20,6 +20,7 @@ from driftproof.blackbox.checks.trials import (
 )
 from driftproof.blackbox.stepper.calling_conventions import MAP
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
+from driftproof.symbolic.rounding.formats import power_of_two
 
 _KEY = "step_size"
 # From a position of 0 it goes h v at once: every bit of h shows. One speed is of ordinary size, one small: long steps
@@ -27,8 +28,8 @@ _KEY = "step_size"
 _SPEEDS = (0.5671432904097838, 0.5671432904097838 * 2.0**-20)
 # Long enough for any bound in use, and short enough for a stepper that takes sub-steps of 1/10000.
 _LONGEST, _SHORTEST = 16.0, 2.0**-40
-# Between them a step is looked for that is another, so that an edge lies in between.
-_LENGTHS = (_SHORTEST, 2.0**-20, 2.0**-10, TYPICAL_STEP, 1.0, 4.0, _LONGEST)
+# Between the shortest and the longest a step is looked for that is another, so that an edge lies in between.
+_LENGTHS = (2.0**-20, 2.0**-10, TYPICAL_STEP, 1.0, 4.0, _LONGEST)
 # Fixed steps with names: 1/60, 1/240, ...
 _DENOMINATORS = 1000
 # An answer may be the same for a few neighbouring h: it has as many bits as h, and is made by a few roundings.
@@ -38,11 +39,11 @@ _ULPS = 16
 def step_size(subject: ForeignStepper) -> tuple[CheckResult, ...]:
     """Whether the answer depends on h, for long and short steps and for nearly equal ones."""
     taken = _Taken(steady_runner(subject))
-    if all(taken.alike(h, TYPICAL_STEP) for h in (_SHORTEST, 2.0**-10, 1.0, _LONGEST)):
+    if all(taken.alike(h, TYPICAL_STEP) for h in (taken.shortest, 2.0**-10, 1.0, _LONGEST)):
         return (_ignored(taken),)
     capped = _capped(taken)
     found = [rule for rule in (_raised(taken), capped or _in_whole_steps(taken)) if rule]
-    for trial in map(taken.trial, () if found else (_SHORTEST, _LONGEST)):
+    for trial in map(taken.trial, () if found else (taken.shortest, _LONGEST)):
         if trial.answer is None:
             return (CheckResult(_KEY, None, f"h = {trial.given[2]:.3g} is refused: {trial.refusal}", (trial,)),)
     if not found:
@@ -56,6 +57,11 @@ class _Taken:
     """The answers to one state, by h."""
 
     runner: TrialRunner
+
+    @property
+    def shortest(self) -> float:
+        """The shortest step that is asked, h v being a normal number at ordinary speed: 2**-12 in binary16."""
+        return max(_SHORTEST, 4 * float(power_of_two(self.runner.format.emin)))
 
     def trial(self, h: float, speed: float = _SPEEDS[0]) -> Trial:
         """The step of h."""
@@ -104,14 +110,15 @@ def _capped(taken: _Taken) -> _Found | None:
 
 def _raised(taken: _Taken) -> _Found | None:
     """Whether all short steps are one step, or none."""
-    if taken.runner.grain or not taken.alike(_SHORTEST, 2.0**-30):
+    least = taken.shortest
+    if taken.runner.grain or not taken.alike(least, 2.0**10 * least):
         return None
-    unlike = next(h for h in _LENGTHS if not taken.alike(h, _SHORTEST))
-    shortest = taken.trial(_SHORTEST)
+    unlike = next(h for h in _LENGTHS if not taken.alike(h, least))
+    shortest = taken.trial(least)
     if not same(shortest.answer, shortest.given[:2]):
-        least = taken.bound(_SHORTEST, unlike)
-        return f"h is raised to {short_name(least)}", (taken.trial(_SHORTEST), taken.trial(least))
-    ends = taken.edge_of(_SHORTEST, unlike)
+        bound = taken.bound(least, unlike)
+        return f"h is raised to {short_name(bound)}", (shortest, taken.trial(bound))
+    ends = taken.edge_of(least, unlike)
     limit = rounder(*ends)
     where = "below" if limit == ends[0] else "up to"
     return f"h {where} {short_name(limit)} does nothing", (taken.trial(ends[1]), taken.trial(ends[0]))
@@ -119,10 +126,10 @@ def _raised(taken: _Taken) -> _Found | None:
 
 def _in_whole_steps(taken: _Taken) -> _Found | None:
     """Whether nearly equal h give the same answer."""
-    alike = [taken.alike(TYPICAL_STEP, h) for h in (TYPICAL_STEP * (1 + 2.0**-10), _SHORTEST, _LONGEST)]
+    alike = [taken.alike(TYPICAL_STEP, h) for h in (TYPICAL_STEP * (1 + 2.0**-10), taken.shortest, _LONGEST)]
     if taken.runner.grain or alike != [True, False, False]:
         return None
-    least, most = taken.bound(TYPICAL_STEP, _SHORTEST), taken.bound(TYPICAL_STEP, _LONGEST)
+    least, most = taken.bound(TYPICAL_STEP, taken.shortest), taken.bound(TYPICAL_STEP, _LONGEST)
     words = f"h is taken in whole steps: every h from {least:.6g} to {most:.6g} gives the same answer"
     return words, (taken.trial(least), taken.trial(most))
 
