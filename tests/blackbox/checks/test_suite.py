@@ -36,6 +36,7 @@ ALL_FAULTS = [
     (habits.DIVIDES_BY_H, {"zero_step"}),
     (habits.ABSOLUTE_STEP, {"negative_step"}),
     (habits.SINGLE, {"full_precision"}),
+    (habits.HALF, {"full_precision"}),
     (habits.SIX_DECIMALS, {"full_precision", "small_digits"}),
     (habits.ADDS_INTO_ITS_ARGUMENTS, {"keeps_arguments"}),
     (habits.own_buffer, {"keeps_answers"}),
