@@ -101,6 +101,10 @@ UNMIRRORED: dict[str, str] = {
             ),
         )
     },
+    **{
+        f"blackbox/checks/{name}.py": "all that it says of each planted habit: tests/blackbox/checks/test_suite.py"
+        for name in ("arguments", "homogeneity", "output_precision", "special_arguments")
+    },
     "__main__.py": "tests/commands runs python -m driftproof",
 }
 

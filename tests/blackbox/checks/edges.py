@@ -29,6 +29,8 @@ PAIRS = [
     # Three times the state goes otherwise by 0.0888 of the larger error.
     ("18 bits", 2.0**-18 / 0.0888, _PARTS),
     ("43 bits", ROUNDING / 0.0888, _PARTS),
+    # Errors of two sizes are alike, and rounding, if one is no more than 64 times the other; else a rule about sizes.
+    ("errors of two sizes", 1e-7 / 64, _PARTS.replace("e * (", "1e-7 * (", 1).replace("e / 2", "e"), 0.64, 1.33),
     ("a power near 2", 0.125, "k = 1 + 1e-3 * abs(h) ** (2 + e); return q * k, v * k"),
     ("a large entry", 250.0**2 * ROUNDING, "return q + 1000 * h * v, v * (1 + e)"),
     ("a spread", ROUNDING / 2, "return q * (1 + e), v * (1 - e)"),

@@ -5,36 +5,7 @@ import pytest
 
 from driftproof.blackbox.checks.step_size import sub_steps
 from driftproof.blackbox.stepper.opening import opened
-from tests.blackbox.checks.habits import assert_fault, code, identified, result
-
-FAULTS = [
-    (
-        code("v = v + force(q) / 240; return q + v / 240, v", "force, q, v, h"),
-        "step_size",
-        "h is ignored: a step of 1/240 is always taken",
-    ),
-    (code("return plain(q, v, max(h, 1e-4) if h > 0 else h)"), "step_size", "h is raised to 0.0001"),
-    (code("return plain(q, v, max(h, 0.3))"), "step_size", "h is raised to 0.3"),
-    (
-        code("for _ in range(int(h / 0.01)): q, v = plain(q, v, 0.01)\nreturn q, v"),
-        "step_size",
-        "h below 0.01 does nothing; h is taken in whole steps: every h from 0.25 to 0.26",
-    ),
-    (
-        code(
-            "n = max(1, math.ceil(abs(h) / 0.05))\n"
-            "for _ in range(n):\n    v = v + h / n * force(q)\n    q = q + h / n * v\nreturn q, v",
-            "force, q, v, h",
-        ),
-        "sub_steps",
-        "above h = 0.05 it takes sub-steps: 1 of its force calls become 2",
-    ),
-]
-
-
-@pytest.mark.parametrize(("step", "key", "words"), FAULTS, ids=identified)
-def test_another_step_than_h_is_told(step, key, words):
-    assert_fault(step, key, words)
+from tests.blackbox.checks.habits import code, result
 
 
 def test_long_steps_that_are_refused_are_not_made_of_shorter_ones_nor_taken_as_they_are():

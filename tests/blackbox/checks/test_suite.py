@@ -2,7 +2,6 @@
 
 import json
 import warnings
-from textwrap import shorten
 
 import numpy as np
 import pytest
@@ -15,44 +14,10 @@ from driftproof.blackbox.stepper.opening import Target
 from driftproof.methods.catalogue import METHODS
 from driftproof.numeric.steppers import float_stepper
 from tests.blackbox import handwritten_steppers as codes
-from tests.blackbox.checks import (
-    habits,
-    test_arguments,
-    test_domain,
-    test_homogeneity,
-    test_special_arguments,
-    test_step_size,
-)
+from tests.blackbox.checks import habits
 from tests.blackbox.checks.edges import EDGES, EDGES_IN_BINARY32
 from tests.blackbox.transcripts import Asked
 from tests.looping import some
-
-ALL_FAULTS = [
-    (habits.CAR_IN_A_VALLEY, {"position_range", "velocity_range", "not_a_number", "not_a_number_step", "infinity"}),
-    (habits.SPEED_CAPPED, {"velocity_range"}),
-    (habits.SLOW_SPEEDS_REST, {"small_states"}),
-    (habits.CAPPED_STEP, {"step_size"}),
-    (habits.SUB_STEPS, {"sub_steps"}),
-    (habits.DIVIDES_BY_H, {"zero_step"}),
-    (habits.ABSOLUTE_STEP, {"negative_step"}),
-    (habits.SINGLE, {"full_precision"}),
-    (habits.HALF, {"full_precision"}),
-    (habits.SIX_DECIMALS, {"full_precision", "small_digits"}),
-    (habits.ADDS_INTO_ITS_ARGUMENTS, {"keeps_arguments"}),
-    (habits.own_buffer, {"keeps_answers"}),
-    (habits.then("q = max(q, 0.0)"), {"position_range"}),
-    (habits.WRAPPED, {"position_range", "small_digits"}),
-    (habits.PENDULUM, set()),
-    (habits.FALLS, set()),
-    (habits.ITERATES, set()),
-    (habits.POSITIVE_STEPS_ONLY, set()),
-]
-
-
-@pytest.mark.parametrize(("step", "keys"), ALL_FAULTS, ids=habits.identified)
-def test_a_planted_fault_is_told_and_no_other(step, keys):
-    assert {seen.key for seen in habits.results_of(step) if seen.is_fault} == keys
-
 
 CLEAN = {key: float_stepper(key) for key in ("forward_euler", "symplectic_euler", "rk4", "velocity_verlet", "yoshida8")}
 CLEAN |= {"called as a map": habits.plain, "called with a field": habits.TOLD_THE_TIME}
@@ -69,12 +34,6 @@ def test_a_clean_stepper_has_no_fault_and_leaves_no_question_open(step):
 def test_no_explicit_method_of_the_catalogue_has_a_fault():
     explicit = some([key for key, method in METHODS.items() if method.explicit][::3], 27)
     assert [key for key in explicit for seen in some(habits.results_of(float_stepper(key))) if seen.is_fault] == []
-
-
-def test_the_same_clauses_hold_in_binary32_with_arrays_of_that_type():
-    found = habits.results_of(habits.plain, array=np.float32)
-    assert [seen.words for seen in found if seen.is_fault] == []
-    assert "returns float32" in [seen.words for seen in found]
 
 
 @pytest.mark.parametrize("step", [*CLEAN.values(), habits.PENDULUM, habits.SPEED_CAPPED], ids=[*CLEAN, "bent", "cap"])
@@ -185,9 +144,7 @@ HABITS = {name: step for name, step in vars(habits).items() if name.isupper() an
 }
 HABITS |= {f"the {name} of others": vars(codes)[name] for name in ("rk4", "velocity_verlet", "rk4_in_lists")}
 UNREPEATABLE = HABITS.pop("UNREPEATABLE")
-for module in (test_arguments, test_domain, test_homogeneity, test_special_arguments, test_step_size):
-    HABITS |= {shorten(words, 60): step for step, *_, words in module.FAULTS if step not in HABITS.values()}
-HABITS |= {shorten(words, 60): step for step, words in test_homogeneity.NONLINEAR} | EDGES | EDGES_IN_BINARY32
+HABITS |= habits.RULES | EDGES | EDGES_IN_BINARY32
 
 
 IN_BINARY32 = ("plain", "SPEED_CAPPED", "SLOW_SPEEDS_REST", "EPISODE", "WRAPPED", "FORCE_LIMITED", "PENDULUM")
