@@ -70,8 +70,6 @@ def test_what_is_no_dense_output_is_said():
         read_dense(opened(lambda q, v, h: (q + h * v, v - h * q)))
     with pytest.raises(UnsupportedCall, match="returns no dense output"):
         read(rk4)
-    with pytest.raises(NotReadable, match="is right neither half-way nor at the end"):
-        read(lambda f, t, y, h: (y + h * f(t, y), lambda theta: 0 * y))
 
 
 def of_another_kind(change):
