@@ -207,6 +207,23 @@ READ = {
 }
 
 
+READ |= {
+    "explicit": codes.rk4,
+    "fixed iterations": codes.midpoint_iterated(3),
+    "eight iterations": all_at_once(table("implicit_midpoint"), partial(fixed_point, most=8, tolerance=0)),
+    "adaptive": adaptive,
+    "remembers": bdf2(),
+    "linearly implicit": linearly_implicit,
+    "symplectic": symplectic,
+    "one number": alone,
+    "another time": late,
+    "never near": all_at_once(table("gauss2"), lambda residual, x: newton(residual, x) + 1e-4),
+    "drag": dragged,
+    "never calls": lambda f, t, y, h: y,
+    "no weight": lambda f, t, y, h: y + 0.0 * f(t, y),
+}
+
+
 @pytest.mark.parametrize("name", READ)
 def test_all_that_is_asked_of_implicit_steps_and_read_is_as_before(name, as_before):
     asked = Asked(READ[name])
@@ -217,33 +234,6 @@ def test_all_that_is_asked_of_implicit_steps_and_read_is_as_before(name, as_befo
         return
     left = reading.stage_error, reading.solved.linear, reading.solved.curved
     as_before(reading.a, reading.b, reading.c, reading.remarks, *left, reading.solved.power, asked)
-
-
-REFUSED = {
-    "explicit": (codes.rk4, "not solved, so the step is explicit|none of its stages|another step"),
-    "fixed iterations": (codes.midpoint_iterated(3), "explicit|another step than of these stages"),
-    "eight iterations": (all_at_once(table("implicit_midpoint"), partial(fixed_point, most=8, tolerance=0)),
-        "linear stage equations are off by .* after as many calls as simpler ones"),
-    "adaptive": (adaptive, "does not scale with h|the step depends on|is called at"),
-    "remembers": (bdf2(), "another start, time, h and size"),
-    "linearly implicit": (linearly_implicit, "another step than of these stages"),
-    "symplectic": (symplectic, "no stage of it has a weight|another start"),
-    "one number": (alone, "with its stages marked, step.* raises"),
-    "another time": (late, "its times do not scale with h"),
-    "never near": (all_at_once(table("gauss2"), lambda residual, x: newton(residual, x) + 1e-4),
-        "nonlinear problems|other"),
-    "drag": (dragged, "another start"),
-    "never calls": (lambda f, t, y, h: y, "the right-hand side is never called"),
-    "no weight": (lambda f, t, y, h: y + 0.0 * f(t, y), "no stage of it has a weight"),
-}  # fmt: skip
-
-
-@pytest.mark.parametrize(("step", "seen"), REFUSED.values(), ids=REFUSED)
-def test_what_is_no_implicit_step_is_refused(step, seen, as_before):
-    asked = Asked(step)
-    with pytest.raises(NotReadable, match=seen) as refused:
-        read(asked.code)
-    as_before(refused.value, asked)
 
 
 def test_a_call_that_does_not_come_back_is_not_taken_for_a_refusal():
