@@ -56,6 +56,8 @@ def as_array(value: Foreign) -> np.ndarray[Any, Any]:
         raise NotANumber(f"it returns {type(value).__name__}, which is not read as numbers: {error}") from None
     if array.dtype == object and all(isinstance(x, Real | Decimal) for x in array.ravel()):
         array = array.astype(float)  # fractions, decimals, numbers of mpmath
+    if array.dtype.kind == "c" and not array.imag.any():
+        array = array.real
     if array.dtype.kind not in "fiub":
         raise NotANumber(f"it returns {type(value).__name__} with entries of type {array.dtype}, not real numbers")
     return array
