@@ -11,6 +11,7 @@ import numpy as np
 from driftproof.blackbox.matching.tables import exact_tableau
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.schemes import Collocation, RungeKutta
+from tests.plain_algebra import product, solved
 
 Array: TypeAlias = "np.ndarray[Any, Any]"
 # From a residual and a first guess to where the residual is about 0.
@@ -46,7 +47,7 @@ def _jacobian(residual: Callable[[Array], Array], x: Array) -> Array:
 def newton(residual: Callable[[Array], Array], x: Array, *, most: int = 50, tolerance: float = 1e-12) -> Array:
     """Newton's method until a change is below the tolerance, or after so many iterations; so the others."""
     for _ in range(most):
-        change = np.linalg.solve(_jacobian(residual, x), residual(x))
+        change = solved(_jacobian(residual, x), residual(x))
         x = x - change
         if np.abs(change).max() < tolerance:
             break
@@ -57,7 +58,7 @@ def simplified(residual: Callable[[Array], Array], x: Array, *, most: int = 50, 
     """Newton's method with the first Jacobian kept."""
     jacobian = _jacobian(residual, x)
     for _ in range(most):
-        change = np.linalg.solve(jacobian, residual(x))
+        change = solved(jacobian, residual(x))
         x = x - change
         if np.abs(change).max() < tolerance:
             break
@@ -78,9 +79,9 @@ def broyden(residual: Callable[[Array], Array], x: Array, *, tolerance: float = 
     """Broyden's method from a Jacobian by differences, to a relative tolerance: what MINPACK's hybrd does."""
     jacobian, at = _jacobian(residual, x), residual(x)
     for _ in range(100):
-        change = -np.linalg.solve(jacobian, at)
+        change = -solved(jacobian, at)
         x, after = x + change, residual(x + change)
-        jacobian, at = jacobian + np.outer(after, change) / max(change @ change, 1e-300), after
+        jacobian, at = jacobian + np.outer(after, change) / max(product(change, change), 1e-300), after
         if np.abs(change).max() <= tolerance * np.abs(x).max():
             break
     return x
@@ -106,11 +107,11 @@ def all_at_once(coefficients: Table, solver: Solver = newton) -> Callable[..., A
         shape = (len(b), len(start))
 
         def residual(k: Array) -> Array:
-            places = start + h * (a @ k.reshape(shape))
+            places = start + h * product(a, k.reshape(shape))
             return k - np.array([f(t + node * h, place) for node, place in zip(c, places, strict=True)]).ravel()
 
         slopes: Array = solver(residual, np.zeros(shape[0] * shape[1])).reshape(shape)
-        return start + h * (b @ slopes)
+        return start + h * product(b, slopes)
 
     return step
 
@@ -149,12 +150,12 @@ def of_force(table: Nystrom, solver: Solver = newton, *, timed: bool = True) -> 
         shape = (len(c), len(q))
 
         def residual(k: Array) -> Array:
-            places = q + np.outer(c, dt * w) + dt**2 * (a @ k.reshape(shape))
+            places = q + np.outer(c, dt * w) + dt**2 * product(a, k.reshape(shape))
             asked = (force(y, t + node * dt) if timed else force(y) for node, y in zip(c, places, strict=True))
             return k - np.array([*asked]).ravel()
 
         pushes = solver(residual, np.zeros(shape[0] * shape[1])).reshape(shape)
-        return q + dt * w + dt**2 * (b_position @ pushes), w + dt * (b_velocity @ pushes)
+        return q + dt * w + dt**2 * product(b_position, pushes), w + dt * product(b_velocity, pushes)
 
     return step if timed else lambda force, x, v, dt: step(force, x, v, 0.0, dt)
 
@@ -162,4 +163,4 @@ def of_force(table: Nystrom, solver: Solver = newton, *, timed: bool = True) -> 
 def induced(key: str) -> Nystrom:
     """A Runge-Kutta method as one of q'' = F(t, q)."""
     a, b, c = (np.array(x) for x in table(key))
-    return c, a @ a, b @ a, b
+    return c, product(a, a), product(b, a), b

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from driftproof.methods.catalogue import METHODS
+from tests.plain_algebra import product
 
 
 def pair_step(key, answer=lambda y1, error, h, y: (y1, error), *, estimate=lambda e: e, order=None):
@@ -21,7 +22,7 @@ def pair_step(key, answer=lambda y1, error, h, y: (y1, error), *, estimate=lambd
         k = [0 * y] * len(c)
         for i in order or range(len(c)):
             k[i] = f(t + c[i] * h, y + h * sum((a[i][j] * k[j] for j in range(i)), 0 * y))
-        return answer(y + h * (b @ np.array(k)), h * (e @ np.array(k)), h, y)
+        return answer(y + h * product(b, k), h * product(e, k), h, y)
 
     return step
 

@@ -65,6 +65,11 @@ def summed(report: Any) -> tuple[str, ...]:
     return report.verdict, checksum(text), checksum(report.json())
 
 
+def to_twelve_digits(text: str) -> str:
+    """What was fitted, without the digits that other machines' linear algebra has otherwise."""
+    return re.sub(r"\d+\.\d{12,}", lambda match: f"{float(match[0]):.12g}", text)
+
+
 def titles(report: Any) -> tuple[str, ...]:
     """The titles of a report's sections, which say what passed."""
     return tuple(section.title for section in report.sections)

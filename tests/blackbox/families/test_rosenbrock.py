@@ -14,6 +14,7 @@ from driftproof.methods.catalogue import FACTS_ONLY
 from driftproof.methods.rosenbrock import Rosenbrock
 from tests.blackbox.families.bounds import U
 from tests.blackbox.families.linearised_steppers import linearly_implicit_euler, ros2_by_hand, rosenbrock
+from tests.blackbox.transcripts import to_twelve_digits
 from tests.looping import some
 
 KEYS = [key for key, method in FACTS_ONLY.items() if isinstance(method, Rosenbrock)]
@@ -123,9 +124,9 @@ def test_another_method_and_a_step_without_a_jacobian_are_not_it():
 def test_what_is_read_is_shown_with_the_orders():
     off = rosenbrock("ros3p", gamma=((1, 0), 1.5), alpha=((1, 0), 0.75))
     off = identify(off, isolate=False).section("Coefficients")
-    diagonal, last = "0.7886751345948128", "-0.7886751345948139, -1.077350269189626, 0.788675134594813"
+    diagonal, last = "0.788675134595", "-0.788675134595, -1.07735026919, 0.788675134595"
     rows = f"gamma[0] = {diagonal}|gamma[1] = 3/2, {diagonal}|gamma[2] = {last}|b = 2/3, 0, 1/3"
-    assert "|".join(off.lines[1:-1]) == f"alpha[1] = 3/4|alpha[2] = 1, 0|{rows}"
+    assert to_twelve_digits("|".join(off.lines[1:-1])) == f"alpha[1] = 3/4|alpha[2] = 1, 0|{rows}"
     right, seen = identify(rosenbrock("ros2"), isolate=False), "on a nonlinear problem of 4 numbers, with t"
     slopes = (
         "(slopes of the local error: 2.32, 2.87, 3.01, 3.03, 3.02, 3.01, 3.01)|order 2 is seen with half of f' as J"

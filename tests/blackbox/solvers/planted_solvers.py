@@ -7,6 +7,7 @@ from collections import namedtuple
 import numpy as np
 
 from driftproof.methods.catalogue import METHODS
+from tests.plain_algebra import product
 
 Answer = namedtuple("Answer", "t y success message")
 
@@ -65,9 +66,9 @@ def adaptive(
             k = [first]
             for i in range(1, len(c)):
                 k.append(f(float(t) + c[i] * h, y + h * sum(a[i][j] * k[j] for j in range(i))))
-            y1, scale = y + h * (b @ np.array(k)), None
+            y1, scale = y + h * product(b, k), None
             scale = atol + rtol * np.maximum(abs(y), abs(y1))
-            r = float(norm(abs(h * (e @ np.array(k))) / scale))
+            r = float(norm(abs(h * product(e, k)) / scale))
             if not np.isfinite(r):
                 if on_nan == "fail":
                     failure = "the error is not finite"

@@ -7,7 +7,7 @@ import pytest
 from driftproof.blackbox.identify import identify
 from driftproof.blackbox.stepper.handed_slopes import with_slopes_kept
 from driftproof.blackbox.verify import verify
-from tests.blackbox.transcripts import Asked, summed
+from tests.blackbox.transcripts import Asked, summed, titles
 
 
 def bashforth2(f, t, y, h, f_prev):
@@ -99,7 +99,8 @@ def test_a_step_is_named_by_what_it_makes_of_the_slopes(step, as_before):
     asked = Asked(step)
     report = identify(asked.code, isolate=False)
     assert SAID[step] in report.verdict
-    as_before(*summed(report), asked)
+    fitted = step in (stale, exchanged)  # to digits that are not those of every machine
+    as_before(*(titles(report) if fitted else summed(report)), asked)
 
 
 def test_a_right_one_passes_and_its_start_is_whose_calls_it():
