@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from driftproof.blackbox.findings import NotANumber
 from driftproof.blackbox.stepper.opening import opened
 from driftproof.symbolic.rounding.formats import BINARY16, BINARY32, BINARY64
 from tests.blackbox.stepper.euler_steps import EULER, Tensor, field, force_of_numbers, map_of_numbers
@@ -45,3 +46,11 @@ def test_a_tensor_beside_the_time_is_read():
 def test_the_format_is_that_of_the_answer(array, fmt):
     assert opened(map_of_numbers, array=array).format is fmt
     assert opened(field, array=array).format is fmt
+
+
+def test_complex_numbers_without_imaginary_parts_are_real_ones_and_others_are_not():
+    subject = opened(lambda f, t, y, h: y + 0j + h * np.asarray(f(t, y + 0j)))
+    assert subject.step(*STATE, H) == EULER
+    assert subject.log.types == {"complex128"}
+    with pytest.raises(NotANumber, match="it asks for its right-hand side at ndarray with entries of type complex128"):
+        opened(lambda f, t, y, h: y + h * np.asarray(f(t, y + 2.0**-60 * 1j)))
