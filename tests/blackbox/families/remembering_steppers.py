@@ -113,34 +113,24 @@ def run_of_adams_bashforth3(f, y0, ts):
     return ys
 
 
-def run_of_adams_bashforth2(f, y0, ts):
-    """A run whose first step is Euler's."""
-    ys, old = [np.array(y0)], None
-    for t, after in pairwise(ts):
-        slope = f(t, ys[-1])
-        ys.append(ys[-1] + (after - t) * (slope if old is None else 1.5 * slope - 0.5 * old))
-        old = slope
-    return np.array(ys)
+def run_of(weights):
+    """A run whose step of length h takes the newest slopes with a row of weights(h): the last, or as far as it is."""
+
+    def run(f, y0, ts):
+        ys, slopes = [np.array(y0)], []
+        for t, after in pairwise(ts):
+            slopes.insert(0, f(t, ys[-1]))
+            row = weights(after - t)[: len(slopes)][-1]
+            ys.append(ys[-1] + (after - t) * sum(b * k for b, k in zip(row, slopes, strict=False)))
+        return np.array(ys)
+
+    return run
 
 
-def run_of_weights_that_change_with_h(f, y0, ts):
-    """No linear multistep method: its weights are those of Adams and Bashforth at h = 1 only."""
-    ys, old = [np.array(y0)], None
-    for t, after in pairwise(ts):
-        slope, h = f(t, ys[-1]), after - t
-        ys.append(ys[-1] + h * (slope if old is None else (1 + h / 2) * slope - h / 2 * old))
-        old = slope
-    return np.array(ys)
-
-
-def run_of_three_methods(f, y0, ts):
-    """Adams-Bashforth's of three steps, begun by that of two, begun by Euler's."""
-    weights, ys, slopes = ([1.0], [1.5, -0.5], [23 / 12, -16 / 12, 5 / 12]), [np.array(y0)], []
-    for t, after in pairwise(ts):
-        slopes.insert(0, f(t, ys[-1]))
-        row = weights[min(len(slopes), 3) - 1]
-        ys.append(ys[-1] + (after - t) * sum(b * k for b, k in zip(row, slopes, strict=False)))
-    return np.array(ys)
+run_of_adams_bashforth2 = run_of(lambda h: [[1.0], [1.5, -0.5]])
+run_of_three_methods = run_of(lambda h: [[1.0], [1.5, -0.5], [23 / 12, -16 / 12, 5 / 12]])
+# No linear multistep method: its weights are those of Adams and Bashforth at h = 1 only.
+run_of_weights_that_change_with_h = run_of(lambda h: [[1.0], [1 + h / 2, -h / 2]])
 
 
 def generated_adams_bashforth2(f, t, y, h):

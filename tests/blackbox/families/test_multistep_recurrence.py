@@ -140,11 +140,7 @@ LINES = [
     (predicted_and_corrected(), -2, "F is asked at what adams_bashforth4 predicts, and at the states that it returns"),
     (Late("adams_bashforth2", rk4_step), -2, "the first 3 steps are others"),
     (adams_bashforth2(sigma=[0.0, 1.0, 0.0]), -2, "the first step is another"),
-    (
-        Remembering("bdf2", euler, most=2),
-        0,
-        "bdf2: kept to 1.6e-09, as its equations are solved, in runs of 40",
-    ),
+    (Remembering("bdf2", euler, most=2), 0, "bdf2: kept to 1.6e-09, as its equations are solved, in runs of 40"),
 ]
 
 

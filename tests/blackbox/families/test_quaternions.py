@@ -17,13 +17,13 @@ def test_length_and_order_are_told():
     def lines(step):
         return dict(read_quaternion(opened(step)).parts)["Rotation"]
 
-    assert lines(codes.quaternion("rk4"))[1:] == [
-        "its length is multiplied by 1 - phi^6/144 + ...",
-        "order 4 at a constant omega",
-    ]
-    unit = lines(codes.quaternion("forward_euler", unit=True))
-    assert unit[1:] == ["what comes out has length 1, whatever goes in", "order 2 at a constant omega"]
-    assert lines(codes.turned_by(lambda x: x))[1:] == ["its length is kept to rounding", "no error"]
+    for step, length, order in (
+        (RK4, "its length is multiplied by 1 - phi^6/144 + ...", "order 4 at a constant omega"),
+        (codes.quaternion("forward_euler", unit=True), "what comes out has length 1, whatever goes in",
+         "order 2 at a constant omega"),
+        (codes.turned_by(lambda x: x), "its length is kept to rounding", "no error"),
+    ):  # fmt: skip
+        assert lines(step)[1:] == [length, order]
 
 
 def test_a_step_is_held_to_a_method_by_its_factor():

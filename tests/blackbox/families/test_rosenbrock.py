@@ -21,11 +21,7 @@ KEYS = [key for key, method in FACTS_ONLY.items() if isinstance(method, Rosenbro
 
 
 @pytest.mark.parametrize("key", KEYS)
-@pytest.mark.parametrize(
-    "how",
-    [{}, {"reuse": True}, {"stored": True}, {"time_slope": "differences"}],
-    ids=["k", "reuse", "u", "differences"],
-)
+@pytest.mark.parametrize("how", [{}, {"reuse": True}, {"stored": True}, {"time_slope": "differences"}], ids=str)
 def test_a_method_passes_however_it_is_written(key, how):
     report = verify(rosenbrock(key, **how), key, isolate=False)
     assert report.passed, report.text()
@@ -76,10 +72,8 @@ def test_a_w_method_may_leave_out_the_derivative_by_t():
     assert (report.passed, report.section("Coefficients: passed").lines[-1]) == (True, "no df/dt")
 
 
-@pytest.mark.parametrize(
-    ("most", "key", "stages"), [(2, "ros3p", 3), (3, "rodas3", 4), (2, "ros2", 2), (4, "rodas3", 4)]
-)
-def test_as_many_numbers_tell_no_more_than_as_many_powers_of_gamma(most, key, stages):
+@pytest.mark.parametrize(("most", "key"), [(2, "ros3p"), (3, "rodas3"), (2, "ros2"), (4, "rodas3")])
+def test_as_many_numbers_tell_no_more_than_as_many_powers_of_gamma(most, key):
     whole = rosenbrock(key)
 
     def of_few(f, jac, dfdt, t, y, h):
@@ -87,7 +81,7 @@ def test_as_many_numbers_tell_no_more_than_as_many_powers_of_gamma(most, key, st
             raise ValueError("too many numbers")
         return whole(f, jac, dfdt, t, y, h)
 
-    report = verify(of_few, key, isolate=False)
+    report, stages = verify(of_few, key, isolate=False), len(FACTS_ONLY[key].b)
     if most >= stages:
         assert identify(of_few, isolate=False).verdict == f"it is {key}"
         assert report.passed
@@ -122,11 +116,11 @@ def test_another_method_and_a_step_without_a_jacobian_are_not_it():
 
 
 def test_what_is_read_is_shown_with_the_orders():
-    off = rosenbrock("ros3p", gamma=((1, 0), 1.5), alpha=((1, 0), 0.75))
-    off = identify(off, isolate=False).section("Coefficients")
+    off = identify(rosenbrock("ros3p", gamma=((1, 0), 1.5), alpha=((1, 0), 0.75)), isolate=False)
     diagonal, last = "0.788675134595", "-0.788675134595, -1.07735026919, 0.788675134595"
     rows = f"gamma[0] = {diagonal}|gamma[1] = 3/2, {diagonal}|gamma[2] = {last}|b = 2/3, 0, 1/3"
-    assert to_twelve_digits("|".join(off.lines[1:-1])) == f"alpha[1] = 3/4|alpha[2] = 1, 0|{rows}"
+    shown = to_twelve_digits("|".join(off.section("Coefficients").lines[1:-1]))
+    assert shown == f"alpha[1] = 3/4|alpha[2] = 1, 0|{rows}"
     right, seen = identify(rosenbrock("ros2"), isolate=False), "on a nonlinear problem of 4 numbers, with t"
     slopes = (
         "(slopes of the local error: 2.32, 2.87, 3.01, 3.03, 3.02, 3.01, 3.01)|order 2 is seen with half of f' as J"

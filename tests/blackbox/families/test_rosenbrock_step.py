@@ -7,14 +7,13 @@ from driftproof.blackbox.families.rosenbrock_step import read_rosenbrock_step
 from driftproof.blackbox.findings import UnsupportedCall
 from driftproof.blackbox.probes.scripted_answers import NotReadable
 from driftproof.blackbox.stepper.opening import opened
+from driftproof.methods.catalogue import FACTS_ONLY
 from tests.blackbox.families.linearised_steppers import floats, linearly_implicit_euler, ros2_by_hand, rosenbrock
 from tests.looping import some
 
 
 @pytest.mark.parametrize("key", ["ros2", "rodas4"])
 def test_alpha_gamma_and_b_are_read_where_each_stage_has_a_call(key):
-    from driftproof.methods.catalogue import FACTS_ONLY
-
     method = FACTS_ONLY[key]
     read = read_rosenbrock_step(opened(rosenbrock(key))).table
     for seen, exact in some(zip(read, (method.alpha, method.gamma, [method.b]), strict=True)):
@@ -30,8 +29,7 @@ def test_how_the_derivative_by_t_is_had_is_seen(way, by):
 def test_no_time_is_no_node_and_the_place_of_the_jacobian_is_told():
     assert read_rosenbrock_step(opened(ros2_by_hand)).nodes is None
     assert read_rosenbrock_step(opened(linearly_implicit_euler)).jacobian_at == (0.0, 0.0)
-    late = read_rosenbrock_step(opened(rosenbrock("ros2", at_end=True)))
-    assert late.jacobian_at == (1.0, 0.0)
+    assert read_rosenbrock_step(opened(rosenbrock("ros2", at_end=True))).jacobian_at == (1.0, 0.0)
 
 
 def test_what_is_no_such_step_is_refused_in_words():
@@ -44,10 +42,7 @@ def test_what_is_no_such_step_is_refused_in_words():
         [
             (limited, "not linear in its slopes"),
             (lambda f, jac, t, y, h: ros2(f, jac, t, y, h) + (h != 1), scales),
-            (
-                lambda f, jac, t, y, h: ros2(f, jac, t, y, h) + 0 * (h != 1 and f(t, y)),
-                r"depends on the answers: 2, then 3",
-            ),
+            (lambda f, jac, t, y, h: ros2(f, jac, t, y, h) + 0 * (h != 1 and f(t, y)), "on the answers: 2, then 3"),
             (lambda f, jac, t, y, h: ros2(f, jac, t, y, h) + 0 * (any(f(t, y)) and f(t + h, y)), "answers: 4, then 3"),
             (lambda f, jac, t, y, h: y + h * f(t, y), "never asks for"),
             (lambda f, jac, t, y, h: y + h * (f(t, y) + 0 * jac(t, y)[0] + 1), "y = 0 does not stay"),
