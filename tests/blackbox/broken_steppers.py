@@ -5,7 +5,6 @@ import random
 import signal
 import subprocess
 import sys
-import time
 from itertools import count
 
 import numpy as np
@@ -21,17 +20,6 @@ def hangs(q, v, h):
 def hangs_at_zero(q, v, h):
     while h == 0:
         pass
-    return q + h * v, v - h * q
-
-
-def hangs_at_nan(q, v, h):
-    while h != h:
-        pass
-    return q + h * v, v - h * q
-
-
-def dawdles(q, v, h):
-    time.sleep(0.02)
     return q + h * v, v - h * q
 
 

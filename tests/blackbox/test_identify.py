@@ -31,21 +31,9 @@ def two_half_steps(q, v, h):
     return q, v
 
 
-@pytest.mark.parametrize(
-    ("step", "words"),
-    [
-        (rk4, "it is rk4"),
-        (rk38, "it is rk38"),
-        (velocity_verlet, "it is velocity_verlet"),
-        (with_drag, "with a drag: areas in phase space are multiplied by 1 - 1/25 h"),
-        (half_moved, "the position moves by 0.5 h v"),
-        (two_half_steps, "it is no method that is known here"),
-    ],
-)
-def test_a_stepper_is_named(step, words, as_before):
-    report = identify(step)
-    assert words in report.verdict
-    as_before(*summed(report))
+@pytest.mark.parametrize("step", [rk4, rk38, velocity_verlet, with_drag, half_moved, two_half_steps])
+def test_a_stepper_is_named(step, as_before):
+    as_before(*summed(identify(step)))
 
 
 def test_the_report_says_the_order_twice_and_the_rounding():

@@ -9,7 +9,7 @@ import pytest
 
 from driftproof.blackbox.probes.scripted_answers import NotReadable
 from driftproof.blackbox.solvers.controller import _fitted, _Point, bumps, read_controller
-from driftproof.blackbox.solvers.foreign_solver import ForeignSolver, SolverTarget, taken_by
+from driftproof.blackbox.solvers.foreign_solver import ForeignSolver, taken_by
 from driftproof.blackbox.solvers.steps import read_steps
 from tests.blackbox.solvers.planted_solvers import adaptive, fixed
 from tests.blackbox.transcripts import Asked
@@ -28,6 +28,7 @@ LAWS = {
     "PI": (PI, (0.9, Fraction(17, 100), Fraction(1, 25), 0.2, 10.0)),
     "PI after a long step": ({**PI, "first_step": 0.21}, (0.9, Fraction(17, 100), Fraction(1, 25), 0.2, 10.0)),
     "filtered": ({**PI, "filtered": 0.125}, (0.9, Fraction(17, 100), Fraction(1, 25), 0.2, 10.0)),
+    "of low order": ({"key": "heun_euler21", "exponent": 0.5}, (0.8, Fraction(1, 2), 0, 0.25, 4.0)),
     "of another pair": ({"key": "cash_karp54", "exponent": 0.2}, (0.8, Fraction(1, 5), 0, 0.25, 4.0)),
 }
 
@@ -45,11 +46,6 @@ def test_the_law_comes_out_as_it_went_in(name, as_before):
     assert law.after_rejection
     assert found.faults == ()
     assert ("(PI)" if memory else "(not PI)") in found.lines[0]
-
-
-def test_a_method_of_low_order_is_held_to_a_larger_tolerance():
-    words = "h_next/h = 0.8 r^(-1/2), at least 0.25, at most 4 (not PI)"
-    assert read(adaptive("heun_euler21", exponent=0.5)).law.words == words
 
 
 @pytest.mark.parametrize("terms", [2, 3, 4])
@@ -128,72 +124,48 @@ def test_scipy_has_the_law_that_its_source_says(method, estimate, exponent):
     assert found.faults == ()
 
 
-TAIL = "its first slope is the last one of the rejected attempt"
 OTHERS = {
-    "cut at 2": (adaptive(most=2.0), "at most 2 (not PI)"),
-    "cut at a half": (adaptive(least=0.5, safety=0.9), "at least 0.5,"),
-    "longer or shorter": (
-        adaptive(changed=lambda factor, rejections: 4.0 if factor > 1 else 0.25),
-        "no law in the estimate of bogacki_shampine32",
-    ),
-    "leaping": (
-        adaptive(changed=lambda factor, rejections: 4.0 if 2 < factor < 2.5 else factor),
-        " steps are others: one is 4 times as long in place of 2.",
-    ),
-    "cautious": (adaptive("dormand_prince54", safety=0.5, exponent=0.2), "measured: h_next/h = 0.5 r^(-1/5)"),
-    "PI of another": (adaptive("cash_karp54", exponent=0.14, memory=0.08), "r^(-7/50) r_before^(2/25)"),
-    "of the other order": (adaptive("fehlberg45", exponent=0.25), "r^(-1/4)"),
-    "of another order": (
-        adaptive("cash_karp54", exponent=0.25),
-        "the exponent of the step size control is 1/4, of an estimate O(h^5) it is 1/5",
-    ),
-    "grows after a rejection": (adaptive(grows_after_rejection=True), "measured"),
-    "doubles at 0": (adaptive(growth_at_zero=2.0), "with other slopes it makes other steps"),
-    "begins with a long step": (adaptive(first_step=0.5), "measured: h_next/h = 0.8 r^(-1/3)"),
-    "stale": (adaptive("fehlberg45", stale=True, exponent=0.2), "a rejected step leaves traces"),
-    "stale at an end": (adaptive(stale=True), TAIL),
-    "accepts large errors": (adaptive(accepted=100.0), "times the tolerance, after which its law asks for 0.19 h"),
-    "deaf": (adaptive(tolerances=lambda rtol, atol: (1e-5, 1e-8)), "no law in the estimate"),
-    "deaf to its error": (adaptive(estimate=lambda e: [0.0] * len(e)), "every step is 4 times the one before"),
-    "another scale": (adaptive(estimate=lambda e: [1.5 * x for x in e]), "h_next/h = 0.6989 r^(-1/3)"),
-    "of a blend": (
-        adaptive(estimate=lambda e: [e[0], 2 * e[1] + e[0], *e[2:-1], e[-1] - e[1] - e[0]]),
-        "no law in the estimate of bogacki_shampine32",
-    ),
-    "of one length": (fixed(40), "the steps are all of one length, whatever the error"),
-    "of so many steps": (lambda f, t_span, y0, n: fixed(n)(f, t_span, y0, 0, 0), "it takes no tolerance"),
-    "of few steps": (fixed(2), "0 step sizes are too few to see a law in"),
-    "of four": (fixed(4), "1 step sizes are too few to see a law in"),
-    "of five": (fixed(5), "the steps are all of one length, whatever the error"),
-    "of ten lengths": (fixed(10, ratio=1.1), "7 step sizes are too few to see a law in"),
-    "of eleven": (fixed(11, ratio=1.1), "no law in the estimate of heun_euler21 gives the step sizes"),
-    "beyond the end": (adaptive(ending="beyond"), "measured: h_next/h = 0.8 r^(-1/3)"),
-    "silent": (
-        adaptive("fehlberg78", exponent=1 / 8),
-        "the estimate of fehlberg78 is 0 wherever slopes depend on t alone",
-    ),
+    "cut at 2": adaptive(most=2.0),
+    "cut at a half": adaptive(least=0.5, safety=0.9),
+    "longer or shorter": adaptive(changed=lambda factor, rejections: 4.0 if factor > 1 else 0.25),
+    "leaping": adaptive(changed=lambda factor, rejections: 4.0 if 2 < factor < 2.5 else factor),
+    "cautious": adaptive("dormand_prince54", safety=0.5, exponent=0.2),
+    "PI of another": adaptive("cash_karp54", exponent=0.14, memory=0.08),
+    "of the other order": adaptive("fehlberg45", exponent=0.25),
+    "of another order": adaptive("cash_karp54", exponent=0.25),
+    "grows after a rejection": adaptive(grows_after_rejection=True),
+    "doubles at 0": adaptive(growth_at_zero=2.0),
+    "begins with a long step": adaptive(first_step=0.5),
+    "stale": adaptive("fehlberg45", stale=True, exponent=0.2),
+    "stale at an end": adaptive(stale=True),
+    "accepts large errors": adaptive(accepted=100.0),
+    "deaf": adaptive(tolerances=lambda rtol, atol: (1e-5, 1e-8)),
+    "deaf to its error": adaptive(estimate=lambda e: [0.0] * len(e)),
+    "another scale": adaptive(estimate=lambda e: [1.5 * x for x in e]),
+    "of a blend": adaptive(estimate=lambda e: [e[0], 2 * e[1] + e[0], *e[2:-1], e[-1] - e[1] - e[0]]),
+    "of one length": fixed(40),
+    "of so many steps": lambda f, t_span, y0, n: fixed(n)(f, t_span, y0, 0, 0),
+    "of few steps": fixed(2),
+    "of four": fixed(4),
+    "of five": fixed(5),
+    "of ten lengths": fixed(10, ratio=1.1),
+    "of eleven": fixed(11, ratio=1.1),
+    "of one tolerance": lambda f, t_span, y0, tol: adaptive("cash_karp54", exponent=1 / 5)(f, t_span, y0, 0.0, tol),
+    "beyond the end": adaptive(ending="beyond"),
+    "silent": adaptive("fehlberg78", exponent=1 / 8),
 }
 
 
 @pytest.mark.parametrize("name", OTHERS)
 def test_what_is_seen_of_step_sizes_is_said(name, as_before):
-    solve, words = OTHERS[name]
-    asked = Asked(solve)
+    asked = Asked(OTHERS[name])
     try:
         found = read(asked.code)
         said = [*found.lines, *found.faults]
         assert (found.law is None) == (not said[0].startswith("measured"))
     except NotReadable as refusal:
         said = [str(refusal)]
-    assert any(words in line for line in said)
     assert ("a step after a rejected one does not grow" in said) == (
         said[0].startswith("measured") and name != "grows after a rejection"
     )
     as_before(*said, asked)
-
-
-def test_the_law_of_a_solver_of_one_tolerance_is_read():
-    both = adaptive("cash_karp54", exponent=1 / 5)
-    subject = SolverTarget(lambda f, t_span, y0, tol: both(f, t_span, y0, 0.0, tol)).open()
-    law = read_controller(subject, read_steps(subject)).law
-    assert (law.estimate, law.exponent) == ("cash_karp54", Fraction(1, 5))

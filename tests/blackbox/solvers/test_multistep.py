@@ -155,42 +155,18 @@ def test_lengths_are_one_if_their_times_cannot_tell_them_apart(by, name):
     assert read_memory(SolverTarget(solve).open()).name.endswith(name)
 
 
-def test_a_solver_of_stages_keeps_no_recurrence_by_chance():
-    with pytest.raises(NotReadable, match="none that follows others of its length keeps a recurrence known here"):
-        read_memory(SolverTarget(adaptive("dormand_prince54", exponent=0.2)).open())
-
-
-def test_weights_alone_are_no_name():
+def of_heun(f, t_span, y0, rtol, atol):
     """Heun's slopes are the trapezoid's where they depend on t alone."""
-
-    def solve(f, t_span, y0, rtol, atol):
-        t, y, times, states = t_span[0], np.array(y0), [t_span[0]], [np.array(y0)]
-        while t < t_span[1]:
-            h = min(t_span[1] - t, 5 * rtol ** (1 / 3) * (1.0 if t < t_span[1] / 2 else 1.5))
-            while rtol < 1e-7:
-                f(t, y)
-            slope = f(t, y)
-            t, y = t + h, y + h / 2 * (slope + f(t + h, y + h * slope))
-            times.append(t)
-            states.append(y)
-        return times, states
-
-    with pytest.raises(NotReadable, match="its steps are those of trapezoid, as are those of every method with these"):
-        read_memory(SolverTarget(solve).open())
-
-
-@pytest.mark.parametrize(
-    ("steps", "words"),
-    [
-        (10, "it returns 11 states in a run of 40"),
-        (2, "it returns 3 states"),
-        (1, "its steps are those of forward_euler, as"),
-    ],
-)
-def test_too_few_steps_of_its_own_are_said(steps, words):
-    few = lambda f, t_span, y0: run(adams_bashforth2, f, t_span, y0, steps)
-    with pytest.raises(NotReadable, match=words):
-        read_memory(SolverTarget(few).open())
+    t, y, times, states = t_span[0], np.array(y0), [t_span[0]], [np.array(y0)]
+    while t < t_span[1]:
+        h = min(t_span[1] - t, 5 * rtol ** (1 / 3) * (1.0 if t < t_span[1] / 2 else 1.5))
+        while rtol < 1e-7:
+            f(t, y)
+        slope = f(t, y)
+        t, y = t + h, y + h / 2 * (slope + f(t + h, y + h * slope))
+        times.append(t)
+        states.append(y)
+    return times, states
 
 
 def stuck(f, t_span, y0, rtol, atol):
@@ -200,17 +176,27 @@ def stuck(f, t_span, y0, rtol, atol):
     return adaptive()(f, t_span, y0, rtol, atol)
 
 
-@pytest.mark.parametrize(
-    ("solve", "words"),
-    [
-        (
-            by_number(lambda: lambda f, t, y, h: y + h * (0.3 * f(t, y) + 0.7 * f(t + h, y + h * f(t, y)))),
-            "each step is made of the state before alone",
-        ),
-        (stuck, "after 30000 calls of f"),
-    ],
-    ids=["of one step", "stuck"],
-)
+def of_few(steps):
+    return lambda f, t_span, y0: run(adams_bashforth2, f, t_span, y0, steps)
+
+
+def of_one_step(f, t, y, h):
+    return y + h * (0.3 * f(t, y) + 0.7 * f(t + h, y + h * f(t, y)))
+
+
+STAGES = adaptive("dormand_prince54", exponent=0.2)
+NO_MEMORY = {
+    "of stages": (STAGES, "none that follows others of its length keeps a recurrence known here"),
+    "of weights": (of_heun, "its steps are those of trapezoid, as are those of every method with these"),
+    "of ten steps": (of_few(10), "it returns 11 states in a run of 40"),
+    "of two steps": (of_few(2), "it returns 3 states"),
+    "of a step": (of_few(1), "its steps are those of forward_euler, as"),
+    "of one step": (by_number(lambda: of_one_step), "each step is made of the state before alone"),
+    "stuck": (stuck, "after 30000 calls of f"),
+}
+
+
+@pytest.mark.parametrize(("solve", "words"), NO_MEMORY.values(), ids=NO_MEMORY)
 def test_what_is_no_memory_says_what_was_seen(solve, words):
     with pytest.raises(NotReadable, match=words):
         read_memory(SolverTarget(solve).open())

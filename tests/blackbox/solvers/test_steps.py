@@ -16,18 +16,6 @@ from tests.blackbox.transcripts import Asked
 PAIRS = ["heun_euler21", "bogacki_shampine32", "fehlberg45", "cash_karp54", "dormand_prince54", "tsitouras54", "dop853"]
 
 
-@pytest.mark.parametrize("key", [*PAIRS, "fehlberg45_embedded", "dormand_prince54_embedded"])
-def test_the_pair_and_its_row_are_named(key, as_before):
-    asked = Asked(adaptive(key))
-    steps = read_steps(ForeignSolver(asked.code))
-    as_before(*steps.lines, steps.reading, steps.nodes, asked)
-    assert steps.name == key
-    assert key in [pair.key for pair in steps.pairs]
-    assert steps.order.order == METHODS[key].claimed_order
-    row = f"propagated is the row of order {METHODS[key].claimed_order} of the pair {key}"
-    assert row in steps.lines
-
-
 def only_the_end(f, t_span, y0, rtol, atol):
     found = fixed(300)(f, t_span, y0, rtol, atol)
     return [found[0][0], found[0][-1]], [found[1][0], found[1][-1]]
@@ -104,52 +92,45 @@ def of_stages(a, b, c):
 
 
 TEN_TIMES = [[float(i == j + 1) for j in range(10)] for i in range(10)], [0.0] * 9 + [1.0], [0.0, *[1.0] * 9]
-BENT = "on a nonlinear problem a step ends at"
 OTHERS = {
-    "at times that stand": (lambda f, t_span, y0, *_: ([t_span[0]] * 3, [y0] * 3), "its times do not increase"),
-    "at rest elsewhere": (lambda f, t_span, y0, *_: ([*t_span], [y0, y0 + 1.0]), "y = 0 does not stay"),
-    "of no calls": (lambda f, t_span, y0, *_: ([*np.linspace(*t_span, 5)], [y0] * 5), "no call moves the step"),
-    "only the start": (lambda f, t_span, y0, *_: ([t_span[0]], [y0]), "does not return the times of its steps"),
-    "from elsewhere": (lambda f, t_span, y0, *_: ([0.5, *t_span], [y0] * 3), "does not return the times of its steps"),
-    "of rk4, without the last stage of a pair": (of_stages(*codes.floats(METHODS["rk4"])), "rk4"),
-    "at the floats before": (of_slopes(lambda f, t, y: f(np.nextafter(t, -1.0), y)), "heun_euler21"),
-    "no times": (lambda f, t_span, y0, *_: ([1.0], [y0]), "does not return the times of its steps"),
-    "only the end": (only_the_end, "calls fall in one step: an iteration, or it does not return its steps"),
-    "multistep": (adams_bashforth, "moves the next, too, by -0.5 h: it is a multistep method"),
-    "implicit": (implicit, "with other slopes it makes other steps"),
-    "iterated": (of_stages(*TEN_TIMES), "10 calls in one step, the last 8 at one time: it iterates"),
-    "clipped": (limited, BENT),
-    "limited": (of_slopes(lambda f, t, y: np.clip(f(t, y), -1.5, 1.5)), "heun_euler21"),
-    "bent": (of_slopes(lambda f, t, y: np.asarray(f(t, y)) ** 3), "it is not linear in its slopes"),
-    "with a Jacobian": (
-        of_slopes(lambda f, t, y: np.asarray(f(t, y)) + 0 * np.asarray(f(t, y + 1e-8))),
-        "it asks at y = 1e-08: the differences of a Jacobian",
-    ),
-    "of nobody's weights": (
-        of_stages([[0, 0], [0.5, 0]], [0.25, 0.75], [0, 0.5]),
-        "no explicit method of the catalogue",
-    ),
-    "in binary32": (fixed(20, clock=np.float32), "heun_euler21"),
-    "one step": (fixed(1), "heun_euler21"),
-    "Euler": (fixed(order="euler"), "forward_euler"),
-    "two steps": (fixed(2), "heun_euler21"),
-    "three": (fixed(3, order="euler"), "forward_euler"),
-    "beyond": (adaptive("cash_karp54", ending="beyond"), "cash_karp54"),
-    "tiny": (adaptive(ending="tiny"), BENT),
-    "with calls around": (with_calls_around, "heun_euler21"),
+    **{key: adaptive(key) for key in (*PAIRS, "fehlberg45_embedded", "dormand_prince54_embedded")},
+    "at times that stand": lambda f, t_span, y0, *_: ([t_span[0]] * 3, [y0] * 3),
+    "at rest elsewhere": lambda f, t_span, y0, *_: ([*t_span], [y0, y0 + 1.0]),
+    "of no calls": lambda f, t_span, y0, *_: ([*np.linspace(*t_span, 5)], [y0] * 5),
+    "only the start": lambda f, t_span, y0, *_: ([t_span[0]], [y0]),
+    "from elsewhere": lambda f, t_span, y0, *_: ([0.5, *t_span], [y0] * 3),
+    "of rk4, without the last stage of a pair": of_stages(*codes.floats(METHODS["rk4"])),
+    "at the floats before": of_slopes(lambda f, t, y: f(np.nextafter(t, -1.0), y)),
+    "no times": lambda f, t_span, y0, *_: ([1.0], [y0]),
+    "only the end": only_the_end,
+    "multistep": adams_bashforth,
+    "implicit": implicit,
+    "iterated": of_stages(*TEN_TIMES),
+    "clipped": limited,
+    "limited": of_slopes(lambda f, t, y: np.clip(f(t, y), -1.5, 1.5)),
+    "bent": of_slopes(lambda f, t, y: np.asarray(f(t, y)) ** 3),
+    "with a Jacobian": of_slopes(lambda f, t, y: np.asarray(f(t, y)) + 0 * np.asarray(f(t, y + 1e-8))),
+    "of nobody's weights": of_stages([[0, 0], [0.5, 0]], [0.25, 0.75], [0, 0.5]),
+    "in binary32": fixed(20, clock=np.float32),
+    "one step": fixed(1),
+    "Euler": fixed(order="euler"),
+    "two steps": fixed(2),
+    "three": fixed(3, order="euler"),
+    "beyond": adaptive("cash_karp54", ending="beyond"),
+    "tiny": adaptive(ending="tiny"),
+    "with calls around": with_calls_around,
 }
 
 
 @pytest.mark.parametrize("name", OTHERS)
 def test_a_step_is_named_or_what_was_seen_instead(name, as_before):
-    solve, words = OTHERS[name]
-    asked = Asked(solve)
+    asked = Asked(OTHERS[name])
     try:
         found = read_steps(ForeignSolver(asked.code))
-        said = [found.name, *found.lines, found.reading]
+        said = [found.name, *found.lines, found.reading, found.nodes, [pair.key for pair in found.pairs]]
+        assert name not in METHODS or found.order.order == METHODS[name].claimed_order
     except NotReadable as refusal:
         said = [str(refusal)]
-    assert words in said[0]
     as_before(*said, asked)
 
 
@@ -191,19 +172,19 @@ def spoiled(when):
 
 
 @pytest.mark.parametrize(
-    ("when", "words"),
+    "when",
     [
-        (lambda t, y, back: back, ["backward in time"]),
-        (lambda t, y, back: t > 20, ["long after the time 0"]),
-        (lambda t, y, back: t < -5, ["before the time 0"]),
-        (lambda t, y, back: len(y) > 4, ["of five numbers"]),
-        (lambda t, y, back: 0, []),
+        lambda t, y, back: back,
+        lambda t, y, back: t > 20,
+        lambda t, y, back: t < -5,
+        lambda t, y, back: len(y) > 4,
+        lambda t, y, back: 0,
     ],
+    ids=["backward", "late", "before 0", "of five", "never"],
 )
-def test_steps_that_are_others_elsewhere_are_at_fault(when, words, as_before):
+def test_steps_that_are_others_elsewhere_are_at_fault(when, as_before):
     found = read_steps(ForeignSolver(spoiled(when)))
     assert found.name == "dormand_prince54"
-    assert [fault.partition(",")[0] for fault in found.faults] == words
     as_before(*found.faults)
 
 

@@ -15,36 +15,37 @@ from driftproof.blackbox.stepper.calling_conventions import (
     conventions_of,
 )
 from driftproof.blackbox.stepper.opening import opened
+from tests.looping import some
 
-WILD = [
-    ("q, v, h", MAP, "position velocity step"),
-    ("x, v, dt", MAP, "position velocity step"),
-    ("q, p, h", MAP, "position velocity step"),
-    ("pos, vel, dt", MAP, "position velocity step"),
-    ("theta, omega, dt", MAP, "position velocity step"),
-    ("v, x, dt", MAP, "velocity position step"),
-    ("dt, x, v", MAP, "step position velocity"),
-    ("t, x, v, dt", MAP, "time position velocity step"),
-    ("X, V, dT", MAP, "position velocity step"),
-    ("_q, _v, _h", MAP, "position velocity step"),
-    ("state, dt", MAP, "state step"),
-    ("y, h", MAP, "state step"),
-    ("y, t, h", MAP, "state time step"),
-    ("z, tau", MAP, "state step"),
-    ("force, q, v, h", FORCE, "function position velocity step"),
-    ("x, v, dt, accel", FORCE, "position velocity step function"),
-    ("x, v, a, dt", FORCE, "position velocity function step"),
-    ("get_acceleration, r, v, timestep", FORCE, "function position velocity step"),
-    ("acc, t, x, v, dt", FORCE, "function time position velocity step"),
-    ("f, t, y, h", FIELD, "function time state step"),
-    ("f, y, t, dt", FIELD, "function state time step"),
-    ("t, y, h, f", FIELD, "time state step function"),
-    ("rhs, u, dt", FIELD, "function state step"),
-    ("fun, t0, y0, step_size", FIELD, "function time state step"),
-    ("dydt, tn, yn, h", FIELD, "function time state step"),
-    ("deriv, y, t, dt, args=()", FIELD, "function state time step"),
-    ("f, t, y, h, *, atol=1e-8, **options", FIELD, "function time state step"),
-]
+WILD = {
+    (MAP, "position velocity step"): [
+        "q, v, h",
+        "x, v, dt",
+        "q, p, h",
+        "pos, vel, dt",
+        "theta, omega, dt",
+        "X, V, dT",
+        "_q, _v, _h",
+    ],
+    (MAP, "velocity position step"): ["v, x, dt"],
+    (MAP, "step position velocity"): ["dt, x, v"],
+    (MAP, "time position velocity step"): ["t, x, v, dt"],
+    (MAP, "state step"): ["state, dt", "y, h", "z, tau"],
+    (MAP, "state time step"): ["y, t, h"],
+    (FORCE, "function position velocity step"): ["force, q, v, h", "get_acceleration, r, v, timestep"],
+    (FORCE, "position velocity step function"): ["x, v, dt, accel"],
+    (FORCE, "position velocity function step"): ["x, v, a, dt"],
+    (FORCE, "function time position velocity step"): ["acc, t, x, v, dt"],
+    (FIELD, "function time state step"): [
+        "f, t, y, h",
+        "fun, t0, y0, step_size",
+        "dydt, tn, yn, h",
+        "f, t, y, h, *, atol=1e-8, **options",
+    ],
+    (FIELD, "function state time step"): ["f, y, t, dt", "deriv, y, t, dt, args=()"],
+    (FIELD, "time state step function"): ["t, y, h, f"],
+    (FIELD, "function state step"): ["rhs, u, dt"],
+}
 
 
 def convention_of(step, kind=None):
@@ -60,9 +61,10 @@ def with_parameters(parameters):
     return eval(f"lambda {parameters}: None")
 
 
-@pytest.mark.parametrize(("parameters", "kind", "order"), WILD)
-def test_names_in_the_wild_tell_the_calling_convention(parameters, kind, order):
-    assert convention_of(with_parameters(parameters)) == CallingConvention(kind, tuple(order.split()))
+@pytest.mark.parametrize(("kind", "order"), WILD)
+def test_names_in_the_wild_tell_the_calling_convention(kind, order):
+    for parameters in some(WILD[kind, order]):
+        assert convention_of(with_parameters(parameters)) == CallingConvention(kind, tuple(order.split()))
 
 
 @pytest.mark.parametrize(

@@ -9,11 +9,9 @@ class Counter:
     """Counts its steps."""
 
     def __init__(self):
-        """None yet."""
         self.steps = 0
 
     def step(self, by=1):
-        """One more."""
         self.steps += by
         return self.steps
 

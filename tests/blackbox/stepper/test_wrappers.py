@@ -53,9 +53,7 @@ def exchanged(force, q, v, h):
     return verlet_velocity_first(force, v, q, h)
 
 
-def test_a_step_of_velocities_first_is_read_so_where_its_arguments_say_it_and_else_shown_how_to_turn_them(
-    as_before,
-):
+def test_a_step_of_velocities_first_is_read_so_where_its_arguments_say_it_and_else_shown_how_to_turn_them(as_before):
     first = verify(verlet_velocity_first, "velocity_verlet", examples=50, isolate=False)
     assert first.passed
     assert "and comes back as (v1, q1)" in first.section("State: passed").lines[0]
