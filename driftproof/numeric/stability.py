@@ -29,6 +29,7 @@ SMALLEST, LARGEST = -20, 30
 SQUARINGS, GROWTH, DECIMALS = 48, 1e9, 45
 # Floats decide first, over 2**FEWER powers: what falls below 1/GROWTH stays there, what exceeds GROWTH has grown.
 FEWER = 36
+_U = 2.0**-53
 
 
 @dataclass(frozen=True)
@@ -86,15 +87,20 @@ def powers_stay_bounded(matrix: _Matrix) -> bool:
 
 
 def _by_floats(matrix: _Matrix) -> bool | None:
-    """The verdict where floats suffice: the powers have vanished, or have grown before rounding could have."""
-    power = matrix
+    """The verdict where floats suffice: the powers have vanished, whatever rounding did, or have grown before it could.
+
+    `off` bounds the error of each entry of a power P of n rows: of P² it is n (2 |P| off + off² + n u |P|²), whatever
+    the order of the sums. Where n (|P| + off) < 1, the powers of the true P vanish.
+    """
+    power, off, n = matrix, 0.0, len(matrix)
     with np.errstate(over="ignore", invalid="ignore", under="ignore"):
-        for n in range(FEWER):
+        for squared in range(FEWER):
             largest = float(np.abs(power).max())
             if not largest < GROWTH:  # NaN is not
-                return False if n < FEWER // 2 else None
+                return False if squared < FEWER // 2 else None
             if largest < 1 / GROWTH:
-                return True
+                return True if n * (largest + off) < 1 else None
+            off = n * (2 * largest * off + off * off + n * _U * largest * largest)
             power = power @ power
     return None
 
