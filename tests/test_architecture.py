@@ -65,14 +65,14 @@ BUDGETS = {
     "support": 1167,
     "methods": 5314,
     "symbolic": 10388,
-    "numeric": 4186,
+    "numeric": 4192,
     "blackbox": 17661,
     "enclosure": 3130,
     "texts": 7268,
 }
 BUDGET_OF_REPORTS_AND_FRONT = 5562
 # The goal is 65 of 100. Independent witnesses, campaigns and guards, 6,000 lines, are among the tests.
-TESTS_PER_LINE_OF_SOURCE = Fraction(92, 100)
+TESTS_PER_LINE_OF_SOURCE = Fraction(95, 100)
 
 # A file of fewer lines needs a reason.
 SMALLEST = 40
