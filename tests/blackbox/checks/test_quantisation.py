@@ -24,7 +24,6 @@ STATES = [0.7390851332151607, -123.45678901234567, 0.0009876543210987654, 5.5512
         (lambda x: float(np.float32(x)), None, None),
         (lambda x: float(np.float16(x)), None, None),
     ],
-    ids=str,
 )
 def test_a_rule_that_rounds_is_seen_in_the_numbers(rule, size, words):
     grain = quantisation_of([float(rule(x)) for x in STATES])
