@@ -9,22 +9,22 @@ from driftproof.symbolic.rounding.formats import BINARY16, BINARY32
 STATES = [0.7390851332151607, -123.45678901234567, 0.0009876543210987654, 5.551234567890123]
 
 
-@pytest.mark.parametrize(
-    ("rule", "size", "words"),
-    [
-        (float, None, None),
-        (round, 1.0, "answers are whole numbers"),
-        (lambda x: round(x, 1), 0.1, "answers are rounded to 1 decimal"),
-        (lambda x: round(x, 9), 1e-9, "answers are rounded to 9 decimals"),
-        (lambda x: round(x, 11), 1e-11, "answers are rounded to 11 decimals"),
-        (lambda x: round(x, 12), None, None),
-        (lambda x: round(x * 2**20) / 2**20, 2.0**-20, "answers are multiples of 2**-20"),
-        (lambda x: round(x * 2**40) / 2**40, 2.0**-40, "answers are multiples of 2**-40"),
-        (lambda x: round(x * 2**41) / 2**41, None, None),
-        (lambda x: float(np.float32(x)), None, None),
-        (lambda x: float(np.float16(x)), None, None),
-    ],
-)
+RULES = [
+    (float, None, None),
+    (round, 1.0, "answers are whole numbers"),
+    (lambda x: round(x, 1), 0.1, "answers are rounded to 1 decimal"),
+    (lambda x: round(x, 9), 1e-9, "answers are rounded to 9 decimals"),
+    (lambda x: round(x, 11), 1e-11, "answers are rounded to 11 decimals"),
+    (lambda x: round(x, 12), None, None),
+    (lambda x: round(x * 2**20) / 2**20, 2.0**-20, "answers are multiples of 2**-20"),
+    (lambda x: round(x * 2**40) / 2**40, 2.0**-40, "answers are multiples of 2**-40"),
+    (lambda x: round(x * 2**41) / 2**41, None, None),
+    (lambda x: float(np.float32(x)), None, None),
+    (lambda x: float(np.float16(x)), None, None),
+]
+
+
+@pytest.mark.parametrize(("rule", "size", "words"), RULES, ids=range(len(RULES)))
 def test_a_rule_that_rounds_is_seen_in_the_numbers(rule, size, words):
     grain = quantisation_of([float(rule(x)) for x in STATES])
     assert (grain and grain.size, grain and grain.words) == (size, words)
