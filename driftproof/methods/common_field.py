@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from fractions import Fraction
 from functools import cache, reduce
+from itertools import count
+from math import floor
 from typing import Any
 
 from driftproof.methods.number_field import (
@@ -13,7 +15,6 @@ from driftproof.methods.number_field import (
     Exact,
     NumberField,
     UndecidedError,
-    as_fmpq,
     dyadic,
     integer_root,
     real_root_balls,
@@ -31,30 +32,28 @@ def in_one_field(values: Sequence[Exact]) -> list[Exact]:
 def common_field(values: Iterable[Exact]) -> NumberField | None:
     """A field in which all of the numbers lie; None if all are rational."""
     fields = list(dict.fromkeys(x.field for x in values if isinstance(x, Algebraic)))
-    return reduce(lambda one, other: compositum(one, other)[0], fields) if fields else None
+    return reduce(compositum, fields) if fields else None
 
 
 def element_of(x: Exact, field: NumberField | None) -> Exact:
     """x as an element of a field that `common_field` made of its own and others."""
-    if not isinstance(x, Algebraic) or field is None or x.field == field:
-        return x
-    return _at(x, _generators(field)[x.field])
+    return _at(x, _generators(field)[x.field]) if isinstance(x, Algebraic) and field else x
 
 
-def _at(x: Algebraic, generator: Algebraic) -> Exact:
+def _at(x: Algebraic, generator: Algebraic) -> Any:
     """x with this number in the place of its field's generator."""
-    found: Exact = Fraction(0)
+    found: Any = Fraction(0)
     for c in reversed(x.coefficients):
         found = found * generator + c
     return found
 
 
 @cache
-def compositum(one: NumberField, other: NumberField) -> tuple[NumberField, Algebraic, Algebraic]:
-    """Q(α, β) and in it α and β: by γ = α + kβ, whose powers span Q[x, y]/(p(x), q(y)) for almost every k.
+def compositum(one: NumberField, other: NumberField) -> NumberField:
+    """Q(α, β), by γ = α + kβ, whose powers span Q[x, y]/(p(x), q(y)) for almost every k.
 
     There x and y are polynomials in γ modulo γ's characteristic polynomial, and so they are modulo its factor that has
-    the real number γ as a root. Raises UndecidedError for a degree above LARGEST_FIELD_DEGREE.
+    the real number γ as a root, which is irrational. Raises UndecidedError for a degree above LARGEST_FIELD_DEGREE.
     """
     from flint import arb, ctx, fmpq, fmpq_mat, fmpq_poly
 
@@ -62,49 +61,43 @@ def compositum(one: NumberField, other: NumberField) -> tuple[NumberField, Algeb
     size = d * e
     if size > LARGEST_PRODUCT:
         raise UndecidedError(f"{one.name} and {other.name} together may have degree {size}; write one field")
-    k = 0
-    while True:
-        k += 1
-        rows: list[list[Any]] = [[fmpq(0)] * size for _ in range(size + 1)]
-        power = {(0, 0): fmpq(1)}
-        for n in range(size + 1):
-            for (i, j), c in power.items():
-                rows[n][i * e + j] = c
+    for k in count(1):
+        rows, power = list[list[Any]](), {(0, 0): fmpq(1)}
+        while len(rows) <= size:
+            rows.append([power.get((i, j), fmpq(0)) for i in range(d) for j in range(e)])
             power = _times_sum(power, one, other, k)
         spanned = fmpq_mat(rows[:size]).transpose()
         if spanned.det() != 0:
             break
-    unit = [[fmpq(int(m == e)), fmpq(int(m == 1)), rows[size][m]] for m in range(size)]
-    found = spanned.solve(fmpq_mat(unit))
+    units = [[fmpq(int(m == e)), fmpq(int(m == 1)), rows[size][m]] for m in range(size)]
+    found = spanned.solve(fmpq_mat(units))
     alpha, beta, top = ([found[m, column] for m in range(size)] for column in range(3))
     characteristic = fmpq_poly([*(-c for c in top), 1]).numer()
     factors = [tuple(int(c) for c in factor.coeffs()) for factor, _ in characteristic.factor()[1]]
     bits, near = 32, list[tuple[int, ...]]()
     while len(near) != 1:  # no other root of the characteristic polynomial lies within the ends
-        bits, unit = 2 * bits, 2**bits
+        unit = 2**bits
+        bits *= 2
         with ctx.workprec(bits):
             gamma = one.ball() + k * other.ball()
-            low = Fraction(dyadic(gamma.lower()) * unit // 1 - 1, unit)
-            high = Fraction(dyadic(gamma.upper()) * unit // 1 + 2, unit)
-            around = arb(as_fmpq((low + high) / 2), as_fmpq((high - low) / 2))
+            low, high = floor(dyadic(gamma.lower()) * unit) - 1, floor(dyadic(gamma.upper()) * unit) + 2
+            around = (arb(low) / unit).union(arb(high) / unit)
             near = [p for p in factors for ball in real_root_balls(p, bits) if ball.overlaps(around)]
     (minimal,) = near
     name = f"({one.name} + {other.name if k == 1 else f'{k}*{other.name}'})"
-    field = NumberField(name, minimal, low, high)
+    field = NumberField(name, minimal, Fraction(low, unit), Fraction(high, unit))
     modulus = fmpq_poly(list(minimal))
-    first, second = (Algebraic(field, (fmpq_poly(parts) % modulus).coeffs()) for parts in (alpha, beta))
-    _generators(field).update({one: first, other: second})
-    for known, element in (*_generators(one).items(), *_generators(other).items()):
-        lifted = _at(element, first if known in _generators(one) else second)
-        assert isinstance(lifted, Algebraic)
-        _generators(field).setdefault(known, lifted)
-    return field, first, second
+    for old, parts in ((one, alpha), (other, beta)):
+        generator = Algebraic(field, (fmpq_poly(parts) % modulus).coeffs())
+        lifted = {known: _at(element, generator) for known, element in _generators(old).items()}
+        _generators(field).update(lifted)
+    return field
 
 
 @cache
 def _generators(field: NumberField) -> dict[NumberField, Algebraic]:
-    """The generators of the fields of which this one was made."""
-    return {}
+    """The generators of the fields of which this one was made, itself among them."""
+    return {field: field.generator}
 
 
 def _times_sum(power: dict[tuple[int, int], Any], one: NumberField, other: NumberField, k: int) -> dict[Any, Any]:
@@ -119,7 +112,7 @@ def _times_sum(power: dict[tuple[int, int], Any], one: NumberField, other: Numbe
             for m in range(j):
                 add(i, m, -c * other.minimal[m] / other.minimal[-1])
         else:
-            found[i, j] = found.get((i, j), c * 0) + c
+            found[i, j] = found.get((i, j), 0) + c
 
     for (i, j), c in power.items():
         add(i + 1, j, c)

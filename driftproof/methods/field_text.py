@@ -20,7 +20,7 @@ from driftproof.methods.expression_tree import (
     PowerNode,
 )
 from driftproof.methods.expressions import parse_number
-from driftproof.methods.number_field import Exact, dyadic
+from driftproof.methods.number_field import Exact, ends_of
 from driftproof.methods.schemes import MethodError
 from driftproof.methods.vector_fields import FUNCTIONS, VectorField
 from driftproof.support.toml_tables import (
@@ -61,7 +61,7 @@ class _Pi:
 
         with ctx.workprec(bits):
             ball = self()
-        return dyadic(ball.mid()) - dyadic(ball.rad()), dyadic(ball.mid()) + dyadic(ball.rad())
+        return ends_of(ball)
 
 
 # No element of a number field, and yet exact: fields take it where they take those.

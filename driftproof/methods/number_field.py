@@ -46,7 +46,8 @@ class NumberField:
 
         p = fmpz_poly(list(self.minimal))
         at_low, at_high = p(as_fmpq(self.low)), p(as_fmpq(self.high))
-        if len(self.minimal) < 3 or not self.minimal[-1] or not (self.low < self.high and at_low * at_high < 0):
+        reversed_ends = max(self.low, self.high) != self.high
+        if len(self.minimal) < 3 or not self.minimal[-1] or reversed_ends or at_low * at_high >= 0:
             raise ValueError(f"{self.name}: needs degree 2 or more, and a change of sign on the interval")
         if len(_roots_between(self, _FIRST_BITS)) != 1:
             raise ValueError(f"{self.name}: several roots lie between {self.low} and {self.high}; narrow the interval")
@@ -69,7 +70,8 @@ class NumberField:
         """A ball around α, at Arb's current precision."""
         from flint import ctx
 
-        return _roots_between(self, ctx.prec)[0]
+        (found,) = _roots_between(self, ctx.prec)
+        return found
 
     @cached_property
     def reductions(self) -> list[list[fmpq]]:
@@ -101,11 +103,11 @@ class ScalarExtension:
     __slots__ = ("field", "parts")
 
     def __init__(self, field: NumberField, parts: Sequence[Any]) -> None:
-        """Reduce the powers of α from the field's degree d on, at most α**(2d - 2), by its minimal polynomial."""
-        d, low = field.degree, parts
-        if len(parts) != d:
-            low = [*parts[:d], *(self.part(0) for _ in range(d - len(parts)))]
-            for high, row in zip(parts[d:], field.reductions, strict=False):
+        """Reduce the powers of α from the field's degree d on, α**(2d - 2) the last, by its minimal polynomial."""
+        d = field.degree
+        low = [*parts[:d], *(self.part(0) for _ in range(d - len(parts)))]
+        if len(parts) > d:
+            for high, row in zip(parts[d:], field.reductions, strict=True):
                 low = [p + high * c for p, c in zip(low, row, strict=True)]
         self.field = field
         self.parts: tuple[Any, ...] = tuple(low)
@@ -240,17 +242,19 @@ class Algebraic(ScalarExtension):
 
     def __lt__(self, other: object) -> bool:
         """Less as real numbers, decided by enclosing the difference, which is zero only if it is the zero element."""
-        return (self - other).sign() < 0
+        return (self - other).sign() == -1
 
     def sign(self) -> int:
         """-1, 0 or 1."""
+        from flint import ctx
+
         bits = _FIRST_BITS
-        while self:
-            low, high = self.enclosure(bits)
-            if low > 0 or high < 0:
-                return 1 if low > 0 else -1
+        while True:
+            with ctx.workprec(bits):
+                sign = self.ball().sgn().unique_fmpz()
+            if sign is not None:
+                return int(sign)
             bits *= 2
-        return 0
 
     def __float__(self) -> float:
         """The double nearest to the number: the enclosure shrinks until both its ends round to the same double.
@@ -278,7 +282,7 @@ class Algebraic(ScalarExtension):
             return self.as_fraction(), self.as_fraction()
         with ctx.workprec(bits):
             ball = self.ball()
-        return dyadic(ball.mid()) - dyadic(ball.rad()), dyadic(ball.mid()) + dyadic(ball.rad())
+        return ends_of(ball)
 
     def __str__(self) -> str:
         """E.g. "1/2 - 1/6*sqrt(3)"."""
@@ -288,7 +292,8 @@ class Algebraic(ScalarExtension):
                 name = self.field.name
                 root = name if power == 1 else f"{name if name[0] == '(' else f'({name})'}**{power}"
                 body = str(abs(c)) if power == 0 else root if abs(c) == 1 else f"{abs(c)}*{root}"
-                text += f" {'-' if c < 0 else '+'} {body}" if text else f"{'-' if c < 0 else ''}{body}"
+                sign = "+" if c == abs(c) else "-"
+                text += f" {sign} {body}" if text else f"{sign}{body}".removeprefix("+")
         return text or "0"
 
     def __repr__(self) -> str:
@@ -323,9 +328,9 @@ def integer_root(n: int, degree: int) -> Algebraic:
     """n ** (1/degree) for an integer n > 1 that is no such power. Raises ValueError for another n."""
     from flint import fmpz
 
-    floor = int(fmpz(n).root(degree)) if n > 1 else n
+    floor = int(fmpz(abs(n)).root(degree))
     name = f"sqrt({n})" if degree == 2 else f"{n}**(1/{degree})"
-    if floor**degree == n or n < 2:
+    if floor**degree == abs(n) or abs(n) != n:
         raise ValueError(
             f"{name}: the number must be above 1 and no {({2: 'square', 3: 'cube'}).get(degree, 'such power')}"
         )
@@ -348,9 +353,9 @@ def real_root_balls(coefficients: tuple[int, ...], bits: int) -> tuple[arb, ...]
             else:
                 balls += [root.real for root, _ in factor.complex_roots() if root.imag.is_zero()]
     balls.sort(key=lambda ball: dyadic(ball.mid()))
-    if all(left < right for left, right in pairwise(balls)):
-        return tuple(balls)
-    return real_root_balls(coefficients, 2 * bits)
+    if any(left.overlaps(right) for left, right in pairwise(balls)):
+        return real_root_balls(coefficients, 2 * bits)
+    return tuple(balls)
 
 
 @cache
@@ -384,5 +389,10 @@ def as_fraction(x: fmpq) -> Fraction:
 
 def dyadic(exact_ball: arb) -> Fraction:
     """The number at which a ball of radius 0 lies."""
-    mantissa, exponent = (int(part) for part in exact_ball.man_exp())
-    return Fraction(mantissa * 2**exponent) if exponent >= 0 else Fraction(mantissa, 2**-exponent)
+    return as_fraction(exact_ball.fmpq())
+
+
+def ends_of(ball: arb) -> tuple[Fraction, Fraction]:
+    """The two ends of a ball."""
+    middle, radius = dyadic(ball.mid()), dyadic(ball.rad())
+    return middle - radius, middle + radius
