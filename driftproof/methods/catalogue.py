@@ -18,7 +18,7 @@ from driftproof.methods.multistep import Multistep
 from driftproof.methods.names import keys_called, plain_name
 from driftproof.methods.rosenbrock import Rosenbrock
 from driftproof.methods.schemes import Method, RungeKutta
-from driftproof.support.plain_text import did_you_mean
+from driftproof.support.plain_text import did_you_mean, shortened
 
 # The tables of `driftproof.methods.tables`, in the order in which the methods are listed.
 TABLES = (
@@ -120,9 +120,9 @@ def entry_named(name: str) -> Method | FactsOnly:
         return entries[0]
     if entries:
         meant = " or ".join(f"{each.key} ({each.title})" for each in entries)
-        raise ValueError(f"{name[:60]!r} may mean {meant}: say which")
+        raise ValueError(f"{shortened(name)!r} may mean {meant}: say which")
     near = did_you_mean(name, (*METHODS, *FACTS_ONLY))
-    raise ValueError(f"unknown method {name[:60]!r}{near} (`driftproof methods` lists all)")
+    raise ValueError(f"unknown method {shortened(name)!r}{near} (`driftproof methods` lists all)")
 
 
 def keys_of_name(name: str) -> tuple[str, ...]:

@@ -27,8 +27,7 @@ LONGEST_FORM = 100_000
 DEEPEST_NESTING = 40
 LARGEST_POWER = 64
 LARGEST_POWER_OF_FORM = 9999
-# A text is quoted in a refusal no further than this, and a reason, which may hold a formula, said no further.
-_MOST_QUOTED = 60
+# Of the reason of a refusal, which may hold a formula.
 _MOST_SAID = 500
 NUMBER, NAME, SIGN, END = "number", "name", "sign", "end"
 
@@ -47,7 +46,7 @@ class ExpressionError(ValueError):
         """The line is "TEXT, column N: REASON"."""
         self.text, self.column = text, column
         self.reason = shortened(" ".join(reason.split()), _MOST_SAID)
-        super().__init__(f"{shortened(' '.join(text.split()), _MOST_QUOTED)!r}, column {column}: {self.reason}")
+        super().__init__(f"{shortened(' '.join(text.split()))!r}, column {column}: {self.reason}")
 
 
 class Token(NamedTuple):
@@ -65,7 +64,7 @@ class Token(NamedTuple):
     @property
     def shown(self) -> str:
         """How a refusal names it."""
-        return "the end" if self.kind == END else repr(shortened(self.text, 40))
+        return "the end" if self.kind == END else repr(shortened(self.text))
 
 
 @dataclass(frozen=True)

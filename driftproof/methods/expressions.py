@@ -21,6 +21,7 @@ from driftproof.methods.expression_tree import (
     Token,
 )
 from driftproof.methods.number_field import Algebraic, Exact, UndecidedError, cube_root, square_root
+from driftproof.support.plain_text import shortened
 
 # A power of a power of a power would ask for gigabytes; no published coefficient comes near.
 LARGEST_BITS = 20_000
@@ -100,7 +101,7 @@ class _Evaluation:
                 return node.value
             case NameNode():
                 if node.name not in self.names:
-                    raise self.error(node.column, f"{node.name[:40]!r} {self.unknown}")
+                    raise self.error(node.column, f"{shortened(node.name)!r} {self.unknown}")
                 return self.names[node.name]
             case NegatedNode():
                 return -self.value(node.node)
@@ -138,26 +139,27 @@ class _Evaluation:
                 return self.small(rational_power(base, node.exponent), node.column)
             except ValueError as error:
                 raise self.error(node.column, str(error)) from None
-        if n < 0 and not base:
-            raise self.error(node.column, "it divides by zero")
+        if n < 0:
+            if not base:
+                raise self.error(node.column, "it divides by zero")
+            base = 1 / base
         value: _Value = Fraction(1)
         for _ in range(abs(n)):
             value = self.small(value * base, node.column)
-        return 1 / value if n < 0 else value
+        return value
 
     def radical(self, node: CallNode) -> _Value:
         """A root of a whole number."""
         name = node.function
         if name not in RADICALS:
-            raise self.error(node.column, f"{name[:40]!r} is no function; there are {' and '.join(RADICALS)}")
-        inside = node.arguments[0]
-        whole = isinstance(inside, NumberNode) and inside.value.denominator == 1 and inside.value < _LARGEST_RADICAND
-        if len(node.arguments) != 1 or not whole:
-            raise self.error(node.column, f"{name} takes one integer, as in {name}(2)")
-        try:
-            return RADICALS[name](int(inside.value))
-        except ValueError as error:
-            raise self.error(node.column, str(error)) from None
+            raise self.error(node.column, f"{shortened(name)!r} is no function; there are {' and '.join(RADICALS)}")
+        match node.arguments:
+            case (NumberNode(value=n),) if n.denominator == 1 and n < _LARGEST_RADICAND:
+                try:
+                    return RADICALS[name](int(n))
+                except ValueError as error:
+                    raise self.error(node.column, str(error)) from None
+        raise self.error(node.column, f"{name} takes one integer, as in {name}(2)")
 
     def small(self, value: _Value, column: int) -> _Value:
         """The value, unless its numbers have grown beyond all reason."""

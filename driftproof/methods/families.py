@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, TypeAlias
 from driftproof.methods.expressions import evaluate_expression
 from driftproof.methods.number_field import Exact, as_fmpq, as_fraction
 from driftproof.methods.schemes import MethodError, RungeKutta
+from driftproof.support.plain_text import shortened
 
 if TYPE_CHECKING:
     from flint import fmpq, fmpq_poly
@@ -119,7 +120,7 @@ def parse_function(text: str, parameter: str, what: str) -> ParameterFunction:
     unknown = f"is an unknown name; the parameter is {parameter}"
     value = evaluate_expression(text, {parameter: parameter_function((0, 1))}, what, unknown)
     if not isinstance(value, ParameterFunction | Fraction):
-        raise ValueError(f"{what}: {text[:60]!r} is irrational; beside a parameter, numbers are rational")
+        raise ValueError(f"{what}: {shortened(text)!r} is irrational; beside a parameter, numbers are rational")
     return value if isinstance(value, ParameterFunction) else parameter_function((value,))
 
 

@@ -38,7 +38,7 @@ def parse_rational(text: str, what: str = "number") -> Fraction:
     allowed = "write an integer, a fraction like 1/4 or a decimal like 0.25"
     text = text.strip().replace("\N{MINUS SIGN}", "-")
     exponent = _EXPONENT.search(text)
-    shown = shortened(text, LONGEST_SHOWN)
+    shown = brief(text)
     if len(text) > LONGEST_TEXT or (exponent and abs(int(exponent[1].replace("_", ""))) > LARGEST_EXPONENT):
         raise ValueError(
             f"{what}: {shown!r} is too long; at most {LONGEST_TEXT} characters, exponent {LARGEST_EXPONENT}"
@@ -73,7 +73,7 @@ def exact_number(given: ExactNumber, what: str = "number") -> Fraction:
         raise ValueError(f"{what}: the double {text} is not {text} exactly; {meant}")
     if isinstance(given, Rational) and str(given) not in ("True", "False"):
         return Fraction(int(given.numerator), int(given.denominator))
-    raise ValueError(f"{what} is {str(given)[:LONGEST_SHOWN]!r}; give a Fraction, an int, or text such as '1/4'")
+    raise ValueError(f"{what} is {brief(given)!r}; give a Fraction, an int, or text such as '1/4'")
 
 
 def step_of(given: ExactNumber) -> Fraction:
@@ -115,7 +115,7 @@ def state_of(given: GivenState) -> tuple[Fraction, Fraction]:
     """A state, as a pair or written as position,velocity. Raises ValueError."""
     parts = given.split(",") if isinstance(given, str) else given
     if len(parts) != 2:
-        raise ValueError(f"{str(given)[:40]!r} is not a state; write position,velocity like 1,0")
+        raise ValueError(f"{brief(given)!r} is not a state; write position,velocity like 1,0")
     return exact_number(parts[0], "q"), exact_number(parts[1], "v")
 
 
@@ -139,6 +139,6 @@ def step_count(t: Fraction, h: Fraction) -> int:
     )
 
 
-def brief(x: Fraction | int) -> str:
-    """The number for a message: cut off where it is too long to be read."""
+def brief(x: object) -> str:
+    """The number, or what was given for one, for a message: cut off where it is too long to be read."""
     return shortened(str(x), LONGEST_SHOWN)

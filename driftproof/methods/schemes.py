@@ -19,6 +19,7 @@ from driftproof.methods.number_field import (
     real_root_balls,
     total,
 )
+from driftproof.support.plain_text import shortened
 
 if TYPE_CHECKING:
     from flint import arb
@@ -328,9 +329,8 @@ Method: TypeAlias = RungeKutta | Splitting | Nystrom | Collocation
 def demand_method(given: object, table: str = "METHODS") -> None:
     """Raises TypeError, with what to write, for the name of a method, or of a family, where itself is meant."""
     if isinstance(given, str):
-        raise TypeError(
-            f"{given[:60]!r} is a string, and a method is needed: {table}[...], or read_method(...) of a .toml file"
-        )
+        need = f"a method is needed: {table}[...], or read_method(...) of a .toml file"
+        raise TypeError(f"{shortened(given)!r} is a string, and {need}")
 
 
 def is_strictly_lower(a: Sequence[Sequence[object]]) -> bool:

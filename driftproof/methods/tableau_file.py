@@ -36,6 +36,7 @@ from driftproof.methods.multistep import Multistep
 from driftproof.methods.number_field import Algebraic, Exact, NumberField
 from driftproof.methods.rosenbrock import Rosenbrock
 from driftproof.methods.schemes import SUBSTEPS, Collocation, Method, MethodError, Nystrom, RungeKutta, Splitting
+from driftproof.support.plain_text import shortened
 from driftproof.support.toml_tables import (
     TomlTable,
     as_choice,
@@ -343,7 +344,7 @@ def subject_of(given: str | Path | Method | Family | FactsOnly) -> Method | Fami
     if isinstance(given, Method | Family | FactsOnly):
         return given
     if not isinstance(given, str | Path):
-        raise ValueError(f"{str(given)[:60]!r} is no method: give a key, the path of a .toml file, or a method")
+        raise ValueError(f"{shortened(str(given))!r} is no method: give a key, the path of a .toml file, or a method")
     name = str(given)
     if name.endswith(".toml"):
         return read_method(Path(name))

@@ -12,6 +12,8 @@ from dataclasses import fields, is_dataclass
 from fractions import Fraction
 from typing import Any
 
+from driftproof.support.plain_text import shortened
+
 Plain = Any
 # Integers up to this size are JSON's own; json refuses to read decimals of more than 4300 digits.
 _SHORT_INTEGER = 10**15
@@ -109,7 +111,7 @@ def _value(plain: Plain, package: str) -> Plain:
             for field in fields(made):
                 object.__setattr__(made, field.name, _value(content[1][field.name], package))
             return made
-    raise MessageError(f"no message: {str(kind)[:40]!r} is no kind of value")
+    raise MessageError(f"no message: {shortened(str(kind))!r} is no kind of value")
 
 
 def _class(named: str, package: str) -> Any:
@@ -120,4 +122,4 @@ def _class(named: str, package: str) -> Any:
         found = vars(found)[part] if found is not None else None
     if isinstance(found, type) and (is_dataclass(found) or (issubclass(found, tuple) and hasattr(found, "_fields"))):
         return found
-    raise MessageError(f"no message: {named[:80]!r} is no plain class of ours")
+    raise MessageError(f"no message: {shortened(named)!r} is no plain class of ours")

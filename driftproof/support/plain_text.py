@@ -25,8 +25,8 @@ def printable(text: str) -> str:
     return _UNPRINTABLE.sub(lambda match: f"\\u{ord(match[0]):04x}", text)
 
 
-def shortened(text: str, longest: int) -> str:
-    """The text, cut off where it is too long to be read."""
+def shortened(text: str, longest: int = 60) -> str:
+    """The text, cut off where it is too long to be read: as a message quotes it."""
     return text if len(text) <= longest else f"{text[: longest - 3]}..."
 
 

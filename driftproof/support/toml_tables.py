@@ -18,8 +18,6 @@ _T = TypeVar("_T")
 
 # tomllib takes the square of the time for a key of many parts, which are parted by dots: 1 ms for so many.
 MOST_DOTS = 300
-# Of a value, or a key, in a refusal.
-LONGEST_QUOTED = 60
 _DECIMAL = re.compile(rb"(?<![\w.])\d+\.\d+(?![\w.])")
 
 
@@ -66,7 +64,7 @@ _BARE_FRACTION = re.compile(rb"[\[,=]\s*-?\d+\s*/\s*\d")
 def quoted(value: object) -> str:
     """The value as a refusal shows it."""
     try:
-        return shortened(repr(value), LONGEST_QUOTED)
+        return shortened(repr(value))
     except ValueError:  # an integer of more digits than Python will print
         return "a huge number"
 

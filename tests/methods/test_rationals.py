@@ -9,9 +9,6 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from driftproof.methods.rationals import (
-    LARGEST_EXPONENT,
-    LONGEST_SHOWN,
-    LONGEST_TEXT,
     brief,
     exact_number,
     exact_numbers,
@@ -94,8 +91,8 @@ def test_zero_denominator_is_refused() -> None:
     assert refusal("1/0").startswith("h: '1/0' divides by zero; write")
 
 
-TOO_LONG = ["1e999999999", "1e-999999999", "1e999_999_999", "1E+1201", "1e-1_201", "1" * (LONGEST_TEXT + 1)]
-TOO_LONG += ["1e" + "9" * 1000, f"2.5e{LARGEST_EXPONENT + 1} "]
+TOO_LONG = ["1e999999999", "1e-999999999", "1e999_999_999", "1E+1201", "1e-1_201", "1" * 1201]
+TOO_LONG += ["1e" + "9" * 1000, "2.5e1201 "]
 
 
 @pytest.mark.parametrize("text", TOO_LONG, ids=lambda text: text[:20])
@@ -104,13 +101,14 @@ def test_short_text_for_a_huge_number_is_refused_at_once(text: str) -> None:
 
 
 def test_refusal_shows_forty_characters_at_most_and_no_line_break() -> None:
-    assert len(refusal("x" * 500)) < 200
+    assert refusal("x" * 41).startswith(f"h: '{'x' * 37}...' is not")
     refusal("1\n2")
 
 
 def test_number_in_a_message_is_cut_where_it_is_too_long_and_only_there() -> None:
-    longest = Q(10 ** (LONGEST_SHOWN - 1))
-    assert (brief(longest), brief(-longest)) == (str(longest), f"{str(-longest)[: LONGEST_SHOWN - 3]}...")
+    longest = Q(10**39)
+    assert (brief(longest), brief(-longest)) == (str(longest), f"-1{35 * '0'}...")
+    assert parse_rational("0" * 1199 + "7") == 7
 
 
 def refusal(text: str) -> str:
@@ -149,7 +147,7 @@ def test_step_longer_than_the_interval_names_the_interval_itself() -> None:
 
 def test_step_count_messages_name_the_way_out() -> None:
     assert step_count_refusal(Q(1), Q(0)) == "h = 0 never reaches t = 1; choose h with t / h a whole number"
-    assert step_count_refusal(Q(1), Q(-1, 2)) == "h = -1/2 leads away from t = 1; give h the sign of t"
+    assert step_count_refusal(Q(1), Q(-2)) == "h = -2 leads away from t = 1; give h the sign of t"
     assert step_count_refusal(Q(10), Q(3, 10)).endswith("(t / h = 100/3); nearest that do: 10/33 and 5/17")
 
 
@@ -171,6 +169,7 @@ def test_number_that_is_given_is_taken_exactly() -> None:
         assert type(exact_number(number)) is Q
     assert exact_numbers("1/4, 0.5", "h") == exact_numbers(["1/4", 0.5], "h") == [Q(1, 4), Q(1, 2)]
     assert steps_of(2) == exact_numbers(Q(2), "h") == [Q(2)]
+    assert (steps_of("1,2"), steps_of("0.5,1")) == ([1, 2], [Q(1, 2), 1])
     assert state_of("1, -1/2") == state_of((1, Q(-1, 2))) == (1, Q(-1, 2))
 
 
