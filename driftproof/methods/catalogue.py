@@ -116,8 +116,9 @@ def entry_named(name: str) -> Method | FactsOnly:
     """The method that `method_named` finds, or one that has facts only. Raises ValueError."""
     keys = keys_of_name(name)
     entries: list[Method | FactsOnly] = [METHODS[key] if key in METHODS else FACTS_ONLY[key] for key in keys]
-    if len(entries) == 1:
-        return entries[0]
+    match entries:
+        case [entry]:
+            return entry
     if entries:
         meant = " or ".join(f"{each.key} ({each.title})" for each in entries)
         raise ValueError(f"{shortened(name)!r} may mean {meant}: say which")

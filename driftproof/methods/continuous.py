@@ -10,6 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
+from itertools import zip_longest
 
 from driftproof.methods.number_field import Exact
 from driftproof.methods.schemes import Definition, MethodError, RungeKutta
@@ -53,8 +54,7 @@ class ContinuousExtension(Definition):
     @cached_property
     def columns(self) -> tuple[tuple[Exact, ...], ...]:
         """For each power of θ from 0, the row of its coefficients in all weights."""
-        filled = [(*weight, *[Fraction(0)] * (self.degree + 1 - len(weight))) for weight in self.weights]
-        return tuple(zip(*filled, strict=True))
+        return tuple(zip_longest(*self.weights, fillvalue=Fraction(0)))
 
     def step_to(self, theta: Fraction) -> RungeKutta:
         """The method whose step of length θh ends where the extension is at θ: A/θ, b(θ)/θ and c/θ. θ is not 0."""

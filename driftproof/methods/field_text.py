@@ -153,8 +153,9 @@ def _parameters(table: TomlTable) -> tuple[dict[str, Exact], dict[str, str]]:
     """The parameters that are numbers, and what stands for the other names: y0, y1, ..., and expressions."""
     given = as_table(table.get("parameters", {}), "parameters")
     names = _names(_rates(table), given)
-    if wrong := [name for name in names if not _WORD.fullmatch(name) or name in ("t", "pi", *FUNCTIONS, *given)]:
-        raise ValueError(f"rates: {quoted(wrong[0])} is no name for an unknown, or is something else already")
+    for name in names:
+        if not _WORD.fullmatch(name) or name in ("t", "pi", *FUNCTIONS, *given):
+            raise ValueError(f"rates: {quoted(name)} is no name for an unknown, or is something else already")
     parameters: dict[str, Exact] = {}
     for name, value in given.items():
         try:

@@ -36,7 +36,8 @@ class Rosenbrock(Staged):
 
     def linear_twin(self) -> RungeKutta:
         """The Runge-Kutta method with A = α + γ: the same step on every linear problem with constant coefficients."""
-        a = tuple(tuple(x + y for x, y in zip(*rows, strict=True)) for rows in zip(self.alpha, self.gamma, strict=True))
+        summands = (getattr(self, name) for name in self.matrices)
+        a = tuple(tuple(map(total, zip(*rows, strict=True))) for rows in zip(*summands, strict=True))
         return RungeKutta(
             self.key, self.title, self.claimed_order, self.source, a, self.b, tuple(map(total, a)), decimal=self.decimal
         )

@@ -94,7 +94,7 @@ class Staged(_OverOneField):
                 where = "above" if first else "on or above"
                 raise MethodError(f"{self.key}: {name} has an entry {where} its diagonal; stages come in order")
         pair = [name for name in (*self.rows, "embedded_order") if "embedded" in name]
-        if len({getattr(self, name, None) is None for name in pair}) > 1:
+        if [getattr(self, name, None) for name in pair].count(None) not in (0, len(pair)):
             raise MethodError(f"{self.key}: {', '.join(pair[:-1])} and {pair[-1]} come together")
 
     @property

@@ -42,7 +42,7 @@ class Source:
 
     lines: tuple[str, ...]
     coefficients: tuple[tuple[str, Exact], ...]
-    compensated: bool = False
+    compensated: bool
 
     @property
     def names(self) -> tuple[str, ...]:

@@ -107,10 +107,8 @@ def _method(table: TomlTable, name: str) -> Method | Family | FactsOnly:
 
     try:
         return build(table, dict(common), remembered)
-    except (MethodError, TypeError):
-        if parametric or len({x.field for x in seen if isinstance(x, Algebraic)}) < 2:
-            raise
-    field = common_field(seen)
+    except (MethodError, TypeError):  # of two fields perhaps; what is wrong in one field is so again
+        field = common_field(seen)
     return build(table, common, lambda text, where: element_of(read(text, where), field))
 
 

@@ -265,7 +265,8 @@ def _derivative(x: ast.expr, name: str) -> ast.expr:
     if isinstance(x, ast.BinOp):
         return _OF_OPERATION[type(x.op)](x.left, x.right, _derivative(x.left, name), _derivative(x.right, name))
     if isinstance(x, ast.Call) and isinstance(x.func, ast.Name):
-        return _product(_OF_FUNCTION[x.func.id](x.args[0]), _derivative(x.args[0], name))
+        (argument,) = x.args
+        return _product(_OF_FUNCTION[x.func.id](argument), _derivative(argument, name))
     return ZERO
 
 

@@ -11,6 +11,7 @@ from flint import arb, ctx
 from driftproof.methods.field_text import (
     PI,
     energy_of_table,
+    field_of_file,
     field_of_table,
     field_of_text,
     rate_of_text,
@@ -26,6 +27,7 @@ WRITTEN = {
     "1/y0^(3/2)": "1 / (y0 * sqrt(y0))",
     "y0^-1": "(1 / (y0))",
     "y0^0 + t": "1 + t",
+    "y0^1 + y0^0.5": "y0 + sqrt(y0)",
     "sqrt(1 + y0)*(2 - t)": "sqrt(1 + y0) * (2 - t)",
 }
 
@@ -38,12 +40,16 @@ def test_expression_is_written_in_products(text):
 
 def test_components_are_parted_by_semicolons_or_listed():
     assert field_of_text("y1; -y0") == field_of_text(["y1", "-y0"])
+    assert len(rate_of_text("1 + x", {"x": 99_996 * "y"})) == 100_000
+    with pytest.raises(ValueError, match="column 6: written out it has more than 100000 characters"):
+        rate_of_text("t - (1 + x)", {"x": 99_997 * "y"})
 
 
 REFUSED = {
     "tan(y0)": r"column 1: there are the functions sin, cos, exp, log, sqrt, of one number",
     "sin(y0, t)": r"column 1: there are the functions",
     "y0^(1/3)": r"column 1: an exponent is a whole number, or half of one",
+    "y; y1": r"rate 0, 'y': 'y' has no place",
     "y0; ": r"the right-hand side is empty",
     "y7": r"rate 0, 'y7': 'y7' has no place",
     "__import__('os')": r"has no place in a right-hand side",
@@ -64,6 +70,15 @@ def test_table_holds_rates_and_exact_parameters():
     for wrong, said in (({}, "rates is missing"), ({"rates": ["y0"], "parameters": {"k": "x"}}, "parameters.k")):
         with pytest.raises(ValueError, match=said):
             field_of_table(wrong)
+
+
+def test_file_of_a_problem_is_read_within_a_limit(tmp_path):
+    path = tmp_path / "x.toml"
+    path.write_text('rates = ["-y"]'.ljust(100_000), encoding="utf-8")
+    assert field_of_file(path).rates == ("-y0",)
+    path.write_text(100_001 * " ", encoding="utf-8")
+    with pytest.raises(ValueError, match="too large; at most 100000 bytes are read"):
+        field_of_file(path)
 
 
 def test_pi_is_enclosed_in_balls_and_the_nearest_double_in_floats():
@@ -89,13 +104,14 @@ def test_unknowns_have_names_and_parameters_may_be_expressions():
     of_energy = {"rates": ["-y"], "energy": "pi * y"}
     assert (field_of_table(of_energy).parameters, energy_of_table(of_energy)) == ((("pi", PI),), "pi * y0")
     assert field_of_table({"rates": ["-pi*y"], "parameters": {"pi": 3}}).parameters == (("pi", 3),)
+    assert field_of_table({"rates": ["-y*y0"], "parameters": {"y": 3}}).rates == ("-y * y0",)
 
 
 REFUSED_TABLES = [
     ({"rates": ["-e*y"]}, r"'e' has no place; write \+ - \* / with t, y0; names of your own: rates\.x"),
     ({"rates": {"x": "-x", "t": "1"}}, "rates: 't' is no name for an unknown"),
     ({"rates": {"x": "-a*x", "a": "1"}, "parameters": {"a": 2}}, "rates: 'a' is no name for an unknown"),
-    ({"rates": {"x y": "1"}}, "rates: 'x y' is no name"),
+    ({"rates": {"x y": "1", "t": "1"}}, "rates: 'x y' is no name"),
     ({"rates": ["y"], "parameters": {"w": "2*pie"}}, "parameters.w"),
     ({"rates": ["w*y"], "parameters": {"w": "2*v", "v": "pi"}}, "parameters.w"),
 ]

@@ -26,6 +26,8 @@ def test_a_file_is_read_and_refused_in_one_line(write, refusal):
     assert isinstance(mine, Rosenbrock)
     assert (mine.alpha, mine.gamma, mine.b, mine.b_embedded) == (known.alpha, known.gamma, known.b, known.b_embedded)
     assert (known.linear_twin().key, known.linear_twin().title) == (known.key, known.title)
+    gamma = mine.gamma[0][0]
+    assert known.linear_twin().a == ((gamma, 0), (1 - 2 * gamma, gamma))
     assert facts_of(mine, ["order", "w_order", "l_stable"]) == {"order": 2, "w_order": 2, "l_stable": True}
     for old, new, words in exactly(4, [
         ("[1, 0]]", "[1, 1]]", "alpha has an entry on or above"),

@@ -79,6 +79,11 @@ def test_a_stage_that_only_the_embedded_row_needs_is_left_out():
 
 
 def test_coefficients_of_one_are_signs():
+    back = RungeKutta("back", "back", 0, "a test", ((0, 0), (-1, 0)), (0, -1), (0, -1))
+    assert step_source(back).lines == (
+        *("k1_v = force(q)", "k2_q = v + h * (-k1_v)", "q_2 = q + h * (-v)", "k2_v = force(q_2)"),
+        *("q1 = q + h * (-k2_q)", "v1 = v + h * (-k2_v)"),
+    )
     leapfrog = Splitting("kd", "kick and drift", 1, "a test", (("kick", -1), ("drift", 1), ("kick", Q(1, 2))))
     lines = step_source(leapfrog).lines
     assert lines[:3] == ("v_1 = v - h * force(q)", "q_2 = q + h * v_1", "v_3 = v_1 + (c3 * h) * force(q_2)")

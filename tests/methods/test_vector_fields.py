@@ -88,6 +88,14 @@ def test_a_time_is_written_where_it_is_another_one_and_read(key, times):
         assert [name for name in (line.partition(" = ")[0] for line in lines) if name.startswith("t_")] == wanted
 
 
+def test_what_an_embedded_row_leads_away_by_is_written_where_it_is_asked_for():
+    plain = ("k1_y0 = -y0", "y0_2 = y0 + h * k1_y0", "k2_y0 = -y0_2", "y0_new = y0 + h * (b_1 * k1_y0 + b_2 * k2_y0)")
+    field = VectorField(("-y0",))
+    assert field_source(METHODS["heun_euler21"], field).lines == plain
+    estimated = field_source(METHODS["heun_euler21"], field, estimated=True).lines
+    assert estimated == (*plain, "y0_off = h * (d_1 * k1_y0 + d_2 * k2_y0)")
+
+
 def test_a_compiled_run_of_a_system_has_the_same_bits():
     pytest.importorskip("numba")
     for field in (VAN_DER_POL, LORENZ):
@@ -148,6 +156,7 @@ def test_a_parameter_with_a_name_of_the_text_is_refused(name):
         *(("y0 * y1", "y1"), ("y1 * y0", "y1"), ("y1 - y0", "-1"), ("sin(y1) * 2", "0"), ("exp(y0)", "exp(y0)")),
         *(("y0 + y1", "1"), ("t + y0", "1"), ("y0 - t", "1"), ("-y0", "-1"), ("-t", "0"), ("y0 * y0", "y0 + y0")),
         *(("sin(y0)", "cos(y0)"), ("cos(y0)", "-sin(y0)"), ("log(y0)", "1 / y0"), ("sqrt(y0)", "1 / (2 * sqrt(y0))")),
+        *(("y0 + y0", "1 + 1"), ("y0 - y0", "1 - 1"), ("y0 * 1", "1"), ("exp(2 * y0)", "exp(2 * y0) * 2")),
         *(("y0 / y1", "1 / y1"), ("y1 / y0", "-(y1 / y0 * (1 / y0))"), ("exp(-y0)", "exp(-y0) * -1"), ("y1 / t", "0")),
     ],
 )

@@ -56,7 +56,7 @@ def test_a_reason_of_the_caller_and_one_of_the_system_name_the_file(tmp_path: Pa
 
 FITS: list[tuple[Any, Any]] = [
     (toml.as_text("", "x"), ""),
-    (toml.as_line(" a b ", "x", 9), "a b"),
+    (toml.as_line("  a  b   ", "x", 9), "a  b"),
     (toml.as_texts(["a", "b"], "x"), ("a", "b")),
     (toml.as_flag(False, "x"), False),
     (toml.as_whole(9, "x", 0, 9), 9),

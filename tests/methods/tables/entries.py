@@ -41,4 +41,6 @@ def fingerprint(method: Method) -> str:
     of_facts = ["weights", "rho", "sigma", "derivative", "alpha", "gamma", *Additive.matrices, *Additive.rows]
     names = (*rows, "claimed_order", "source", *of_facts)
     meant = {name: getattr(method, name) for name in names if hasattr(method, name)}
+    if field := getattr(method, "field", None):  # and of the ends between which its root lies
+        meant["field"] = field
     return sha256(str(meant).encode()).hexdigest()[:12]

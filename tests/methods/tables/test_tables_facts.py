@@ -177,6 +177,7 @@ def test_families_refuse_too_few_stages(stages: int) -> None:
         chebyshev_first_order(0)
     with pytest.raises(ValueError, match="0"):
         gauss_nodes(0)
+    assert [ssprk_second_order(s).key for s in (9, 10)] == ["ssprk92", "ssprk10_2"]
 
 
 @pytest.mark.parametrize(
