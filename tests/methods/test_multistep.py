@@ -49,7 +49,7 @@ def test_a_file_of_your_own_is_read_and_refused_in_one_line(write, refusal):
     assert [FACTS_ONLY[key].explicit for key in ("adams_bashforth2", "bdf2")] == [True, False]
     for old, new, words in exactly(4, [
         ("[0, 0, 1]", "[0, 1]", "sigma 2; both have one more"), ('"3/2"', '"sqrt(3)"', "a rational number is needed"),
-        ("sigma", "sigmas", "a multistep has no key 'sigmas'"), 
+        ("sigma", "sigmas", "a multistep has no key 'sigmas'"),
         ("rho", "derivative = 3\nrho", "derivative is 3; write a whole number from 1 to 2"),
     ]):  # fmt: skip
         assert words in refusal(BDF2.replace(old, new))
