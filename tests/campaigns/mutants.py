@@ -21,9 +21,10 @@ import threading
 import time
 import tomllib
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Container, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
+from functools import cache
 from pathlib import Path
 from queue import SimpleQueue
 from textwrap import shorten
@@ -47,6 +48,8 @@ SWAPS: dict[type[ast.AST], type[ast.AST]] = {
 # Functions that do not know the order of their arguments.
 SYMMETRIC = ("max", "min", "maximum", "minimum", "hypot", "gcd", "lcm", "greatest_common_divisor", "dot", "distance")
 SYMMETRIC += ("same", "suppress", "isclose")  # the last is that of math; NumPy's is not
+# What a bound on rounding errors is called; and how constants are written that bound what is measured.
+BOUND, SMALL = re.compile(r"\.of\(|\.u\b|\b(allowed|rounding|slack|noise)\b"), re.compile(r"2\.0 \*\* \(-\d+\)|1e-\d+")
 # Keywords that declare an intent: no answer of a program that is right changes with them.
 DECLARED = {"zip": ("strict",), "dataclass": ("frozen", "slots"), "TypeVar": ("covariant", "contravariant")}
 
@@ -63,7 +66,7 @@ Nothing is planted in what declares an intent and changes no answer of a right p
 `slots` of dataclasses, what an `assert` would say. The score leaves out what no test could notice, each with its
 reason: `tests/campaigns/equivalent.toml`; there stand, too, the lines of numbers that were chosen, states, steps, bits
 of balls, where others do as well: what survives in one of them is equivalent, and so is the very edge of a bound on
-rounding errors. What the time limit ended, and what failed without the mutant too, is tried once more; what is
+what is measured. What the time limit ended, and what failed without the mutant too, is tried once more; what is
 undecided then counts as not killed. Survivors that were met have got tests since: only a seed that nobody has tried
 says what share of new errors would be noticed.
 
@@ -143,21 +146,21 @@ def _is_alias(node: ast.AST) -> bool:
     return isinstance(node, ast.AnnAssign) and "TypeAlias" in ast.unparse(node.annotation)
 
 
-def mutants_of(root: Path, place: str) -> list[Mutant]:
-    """Every mutant of the file that still compiles."""
+def mutants_of(root: Path, place: str, only: Container[str] | None = None) -> list[Mutant]:
+    """Every mutant of the file that still compiles; of the lines in `only`, given without their blanks, if it is."""
     source = (root / place).read_bytes()
-    begins = [0]
-    for line in source.splitlines(keepends=True):
-        begins.append(begins[-1] + len(line))
+    begins, lines = [0], source.splitlines(keepends=True)
+    for text in lines:
+        begins.append(begins[-1] + len(text))
     found, named = [], Counter[tuple[str, ...]]()
     for node in nodes(ast.parse(source)):
-        for new in variants(node, "/tables/" in place):
+        line = lines[node.lineno - 1].decode().strip() if hasattr(node, "lineno") else ""
+        for new in variants(node, "/tables/" in place) if only is None or line in only else ():
             first, last = begins[node.lineno - 1], begins[node.end_lineno - 1]  # type: ignore[attr-defined]
             start, end = first + node.col_offset, last + node.end_col_offset  # type: ignore[attr-defined]
             new = f"({new})" if isinstance(node, ast.BinOp | ast.BoolOp | ast.Compare | ast.UnaryOp) else new
             with suppress(SyntaxError, ValueError):
                 compile(source[:start] + new.encode() + source[end:], place, "exec")
-                line = source[first:].decode().partition("\n")[0].strip()
                 words = (place, line, " ".join(source[start:end].decode().split()), new)
                 named[words] += 1
                 found.append(Mutant(place, start, end, words[2], new, line, named[words]))
@@ -259,12 +262,40 @@ def chosen() -> dict[str, str]:
     return {line: group["because"] for group in groups for line in group["lines"]}
 
 
+def edge(mutant: Mutant) -> list[str]:
+    """Both sides of the comparison whose edge alone it moves, < to <= and the like; [] where it does another thing."""
+    if re.search(r"[<>]", mutant.new):
+        old, new = (ast.parse(text, mode="eval").body for text in (mutant.old, mutant.new))
+        if isinstance(old, ast.Compare) and isinstance(new, ast.Compare):
+            sides = [ast.unparse(x) for x in (old.left, *old.comparators)]
+            for i, (x, y) in enumerate(zip(old.ops, new.ops, strict=True)):
+                if type(x) is not type(y) and isinstance(x, ast.Lt | ast.LtE | ast.Gt | ast.GtE):
+                    return sides[i : i + 2]
+    return []
+
+
+@cache
+def small_floats(place: str) -> frozenset[str]:
+    """The file's constants 2.0**-n and 1e-n, and those that it imports: what is measured is compared with them."""
+    found = set[str]()
+    for node in ast.parse((ROOT / place).read_text(encoding="utf-8")).body:
+        if isinstance(node, ast.Assign) and isinstance(node.targets[0], ast.Name | ast.Tuple):
+            names = ast.unparse(node.targets[0]).strip("()").split(", ")
+            values = node.value.elts if isinstance(node.value, ast.Tuple) else [node.value]
+            found |= {x for x, y in zip(names, values, strict=False) if SMALL.fullmatch(ast.unparse(y))}
+        elif isinstance(node, ast.ImportFrom):
+            path = f"{(node.module or '').replace('.', '/')}.py"
+            found |= {x.name for x in node.names if (ROOT / path).is_file() and x.name in small_floats(path)}
+    return frozenset(found)
+
+
 def reason(mutant: Mutant) -> str:
     """Why no test could notice it, "" where one could."""
-    if re.search(r"\.of\(|\b(allowed|rounding)\b", mutant.old) and re.search(r"[<>]", mutant.new):
-        bounds = (re.sub(r"([<>])=", r"\1", ast.unparse(ast.parse(x))) for x in (mutant.old, mutant.new))
-        if next(bounds) == next(bounds):
-            return "Whether a bound on rounding errors is itself allowed: no error meets it."
+    for side in edge(mutant):
+        if BOUND.search(side) or small_floats(mutant.place).intersection(re.findall(r"\w+", side)):
+            return (
+                "Whether a bound on what is measured, or on its rounding, is itself allowed: nothing measured meets it."
+            )
     return judged().get(mutant.name) or chosen().get(mutant.where, "")
 
 

@@ -70,17 +70,35 @@ def test_page_leaves_out_of_the_score_what_is_equivalent() -> None:
     assert text.count(f"`{survived.new}`") >= 1
 
 
-def test_the_edge_of_a_bound_on_rounding_is_equivalent_and_another_side_is_not(tmp_path: Path) -> None:
-    place = "driftproof/methods/a.py"
-    (tmp_path / place).parent.mkdir(parents=True)
-    (tmp_path / place).write_text("x = abs(a - b) <= rounding.of(c)\ny = a <= b\n", encoding="utf-8")
-    edges = [m.new for m in mutants_of(tmp_path, place) if reason(m)]
-    assert edges == ["(abs(a - b) < rounding.of(c))"]
+EDGES = """\
+from driftproof.methods.a import _FAR, NEAR
+_SMALL, _COUNT = 1e-6, 3
+x = abs(a - b) <= rounding.of(c)
+y = a <= b
+z = abs(a) > NEAR * size and abs(b) > _COUNT
+w = 0 < abs(a) < 2 * _SMALL
+v = abs(a - b) == _SMALL, a * _SMALL
+u = abs(a) > _FAR
+"""
+
+
+def test_the_edge_of_what_is_measured_is_equivalent_and_another_side_is_not(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("tests.campaigns.mutants.ROOT", tmp_path)
+    place = tmp_path / "driftproof" / "methods" / "a.py"
+    place.parent.mkdir(parents=True)
+    place.write_text("_FAR, NEAR = 8.0, 2.0**-10\n", encoding="utf-8")
+    place.with_name("b.py").write_text(EDGES, encoding="utf-8")
+    edges = [m.new for m in mutants_of(tmp_path, "driftproof/methods/b.py") if reason(m)]
+    assert edges == ["(abs(a - b) < rounding.of(c))", "(abs(a) >= NEAR * size)", "(0 < abs(a) <= 2 * _SMALL)"]
 
 
 def test_every_judgement_names_a_mutant_and_says_why() -> None:
-    planted = {name.partition(" | ")[0] for name in judged()}
-    assert set(judged()) <= {m.name for place in planted for m in mutants_of(ROOT, place)}
+    lines: dict[str, set[str]] = {}
+    for place, line, _ in some((name.split(" | ", 2) for name in judged()), 40):
+        lines.setdefault(place, set()).add(line)
+    assert set(judged()) <= {m.name for place, only in lines.items() for m in mutants_of(ROOT, place, only)}
     for place, line in some((where.split(" | ") for where in chosen()), 40):
         assert line in map(str.strip, (ROOT / place).read_text(encoding="utf-8").splitlines())
     assert all(reason.endswith(".") for reason in (*judged().values(), *chosen().values()))
