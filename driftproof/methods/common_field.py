@@ -86,11 +86,9 @@ def compositum(one: NumberField, other: NumberField) -> NumberField:
     (minimal,) = near
     name = f"({one.name} + {other.name if k == 1 else f'{k}*{other.name}'})"
     field = NumberField(name, minimal, Fraction(low, unit), Fraction(high, unit))
-    modulus = fmpq_poly(list(minimal))
     for old, parts in ((one, alpha), (other, beta)):
-        generator = Algebraic(field, (fmpq_poly(parts) % modulus).coeffs())
-        lifted = {known: _at(element, generator) for known, element in _generators(old).items()}
-        _generators(field).update(lifted)
+        generator = Algebraic(field, (fmpq_poly(parts) % fmpq_poly(list(minimal))).coeffs())
+        _generators(field).update({known: _at(element, generator) for known, element in _generators(old).items()})
     return field
 
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import ClassVar
 
-from driftproof.methods.number_field import Exact
+from driftproof.methods.number_field import Exact, total
 from driftproof.methods.schemes import Definition, MethodError, nonzero_residuals, rational_row
 
 
@@ -55,10 +55,8 @@ class Multistep(Definition):
 
     def inconsistencies(self) -> dict[str, Exact]:
         """The residuals, where not zero, of the conditions of order 1: facts about the data, not errors."""
-        rho, zero = list(enumerate(self.rho)), Fraction(0)
-        at_one, slope = sum((x for _, x in rho), zero), sum((j * x for j, x in rho), zero)
-        bend = sum((j * (j - 1) * x for j, x in rho), zero)
-        total = sum(self.sigma, zero)
+        at_one, slope, sigma = total(self.rho), total(j * x for j, x in enumerate(self.rho)), total(self.sigma)
         if self.derivative == 1:
-            return nonzero_residuals({"rho(1)": at_one, "rho'(1) - sigma(1)": slope - total})
-        return nonzero_residuals({"rho(1)": at_one, "rho'(1)": slope, "rho''(1) - 2*sigma(1)": bend - 2 * total})
+            return nonzero_residuals({"rho(1)": at_one, "rho'(1) - sigma(1)": slope - sigma})
+        bend = total(j * (j - 1) * x for j, x in enumerate(self.rho))
+        return nonzero_residuals({"rho(1)": at_one, "rho'(1)": slope, "rho''(1) - 2*sigma(1)": bend - 2 * sigma})

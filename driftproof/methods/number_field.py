@@ -45,9 +45,8 @@ class NumberField:
         from flint import fmpz_poly
 
         p = fmpz_poly(list(self.minimal))
-        at_low, at_high = p(as_fmpq(self.low)), p(as_fmpq(self.high))
-        reversed_ends = max(self.low, self.high) != self.high
-        if len(self.minimal) < 3 or not self.minimal[-1] or reversed_ends or at_low * at_high >= 0:
+        change = p(as_fmpq(self.low)) * p(as_fmpq(self.high))
+        if len(self.minimal) < 3 or not self.minimal[-1] or max(self.low, self.high) != self.high or change >= 0:
             raise ValueError(f"{self.name}: needs degree 2 or more, and a change of sign on the interval")
         if len(_roots_between(self, _FIRST_BITS)) != 1:
             raise ValueError(f"{self.name}: several roots lie between {self.low} and {self.high}; narrow the interval")
@@ -307,10 +306,7 @@ Exact: TypeAlias = Fraction | Algebraic
 
 def total(values: Iterable[Exact]) -> Exact:
     """The sum."""
-    found: Exact = Fraction(0)
-    for value in values:
-        found = found + value
-    return found
+    return sum(values, Fraction(0))
 
 
 def square_root(n: int) -> Algebraic:

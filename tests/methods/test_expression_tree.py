@@ -49,6 +49,7 @@ REFUSED = [
     ("1e9999", 1, "number: '1e9999' is too long; at most 1200 characters, exponent 1200"),
     ("\u0663", 1, "'\u0663' has no place in an expression"),
     ("(" * 41 + "1", 42, "it is nested deeper than 40 levels"),
+    ("-" * 41 + "1", 42, "it is nested deeper than 40 levels"),
     ("1" * 2001, 2001, "an expression has at most 2000 characters, not 2001"),
 ]
 

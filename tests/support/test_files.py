@@ -50,13 +50,6 @@ def test_new_file_obeys_the_umask_and_a_replaced_one_keeps_its_mode(tmp_path, um
     assert new.stat().st_mode & 0o7777 == 0o666 & ~umask
 
 
-def test_file_of_the_users_that_is_called_a_draft_is_not_touched(tmp_path):
-    (tmp_path / "a.draft").write_text("mine", encoding="utf-8")
-    with atomic_write(tmp_path / "a") as draft:
-        Path(draft).write_text("x", encoding="utf-8")
-    assert (tmp_path / "a.draft").read_text(encoding="utf-8") == "mine"
-
-
 def test_last_of_two_writers_wins_with_the_whole_of_its_file(tmp_path):
     path = tmp_path / "a"
     with atomic_write(path) as first:
