@@ -29,8 +29,8 @@ def machine_description() -> str:
     """The processor and the system, in words, without a name of the machine or a path on it."""
     cpuinfo = Path("/proc/cpuinfo")
     lines = cpuinfo.read_text(encoding="utf-8").splitlines() if cpuinfo.exists() else []
-    models = [line.partition(":")[2].strip() for line in lines if line.startswith("model name")]
-    model = models[0] if models else platform.processor() or platform.machine()
+    models = (line.partition(":")[2].strip() for line in lines if line.startswith("model name"))
+    model = next(models, "") or platform.processor() or platform.machine()
     return f"{model}, {os.cpu_count()} processors, {platform.system()} {platform.machine()}"
 
 

@@ -76,9 +76,13 @@ def test_file_of_a_problem_is_read_within_a_limit(tmp_path):
     path = tmp_path / "x.toml"
     path.write_text('rates = ["-y"]'.ljust(100_000), encoding="utf-8")
     assert field_of_file(path).rates == ("-y0",)
-    path.write_text(100_001 * " ", encoding="utf-8")
-    with pytest.raises(ValueError, match="too large; at most 100000 bytes are read"):
-        field_of_file(path)
+    for text, said in (
+        (100_001 * " ", "too large; at most 100000 bytes are read"),
+        ("rate = 1", "has no key 'rate'; th"),
+    ):
+        path.write_text(text, encoding="utf-8")
+        with pytest.raises(ValueError, match=said):
+            field_of_file(path)
 
 
 def test_pi_is_enclosed_in_balls_and_the_nearest_double_in_floats():

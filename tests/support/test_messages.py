@@ -60,6 +60,7 @@ def test_floats_come_back_to_the_last_bit():
     assert (copysign(1, zero), infinite, tiny) == (-1, -inf, 5e-324)
     assert isnan(decode(encode(float("nan"))))
     assert decode(encode(10**5000)) == 10**5000
+    assert encode([10**15 - 1, -(10**15)]) == f'[{10**15 - 1}, {{"int": "-0x38d7ea4c68000"}}]'
 
 
 @pytest.mark.parametrize("value", [Found((0.1, inf), {"a": Fraction(1, 3)}), Pair(3, "x"), [Pair(1, "")]])

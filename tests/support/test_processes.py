@@ -57,6 +57,7 @@ def test_the_cause_of_a_death_is_told(name, cause, words, way):
 @pytest.mark.parametrize("way", WAYS)
 def test_memory_and_processor_time_are_bounded(way):
     limits = Limits(seconds=60, memory=64 * misbehaving.MEGABYTE, processor_seconds=0.1)
+    assert cause_of("is_killed", way, limits) == ("killed", "the process ended (signal 9, SIGKILL)")
     assert cause_of("hoards", way, limits) == ("memory", "more than 6.71e+07 bytes of memory")
     assert cause_of("hangs", way, limits) == ("processor", "more than 0.1 s of processor time")
 
@@ -70,6 +71,12 @@ def test_the_answers_of_a_session_have_their_processor_time_each():
 def test_an_answer_is_bounded_in_size(name):
     limits = Limits(seconds=60, answer=4 * misbehaving.MEGABYTE)
     assert cause_of(name, "by name", limits) == ("answer", "an answer of more than 4194304 bytes")
+
+
+def test_limits_that_nobody_names_are_a_minute_and_64_megabytes_of_answer():
+    assert Limits() == Limits(
+        seconds=60, processor_seconds=None, memory=None, answer=64 * misbehaving.MEGABYTE, file=None
+    )
 
 
 def test_a_file_is_bounded_in_size(tmp_path):

@@ -31,6 +31,15 @@ def alive(process):
         return False
 
 
+def all_ended_in_time(folder):
+    """Who is not a child of the supervisor's dies in its own time."""
+    for _ in range(1000):
+        if not any(map(alive, noted(folder))):
+            return
+        time.sleep(0.01)
+    raise AssertionError("some process was left")
+
+
 @linux
 def test_a_daemon_in_a_session_of_its_own_is_ended(tmp_path):
     assert ask_once(misbehaving.leaves_a_daemon, str(tmp_path), LONG) == "answered"
@@ -58,11 +67,14 @@ def test_without_a_subreaper_or_process_descriptors_the_group_is_ended(tmp_path,
         ask_once(misbehaving.exits, None, LONG)
     with pytest.raises(ProcessEnded, match="no answer within 1 s"):
         ask_once(misbehaving.forks_without_end, str(tmp_path), Limits(seconds=1))
-    for _ in range(1000):  # who is not a child of the supervisor's dies in its own time
-        if not any(map(alive, noted(tmp_path))):
-            return
-        time.sleep(0.01)
-    raise AssertionError("some process was left")
+    all_ended_in_time(tmp_path)
+
+
+@linux
+def test_the_end_of_the_supervisor_is_the_end_of_the_worker(tmp_path):
+    with pytest.raises(ProcessEnded, match="its supervisor is gone"):
+        ask_once(misbehaving.kills_its_supervisor, str(tmp_path), LONG)
+    all_ended_in_time(tmp_path)
 
 
 def test_the_end_of_the_parent_is_the_end_of_the_worker(tmp_path):

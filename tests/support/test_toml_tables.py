@@ -16,9 +16,9 @@ class Refused(ValueError):
 
 
 def test_decimals_stay_as_they_are_written() -> None:
-    assert toml.parse_toml(b"x = 0.1\ny = [1, 2e-3]", 100) == {"x": "0.1", "y": [1, "2e-3"]}
-    row = b"x = [" + b"0.125, " * (2 * toml.MOST_DOTS) + b"]"
-    assert toml.parse_toml(row, 10_000)["x"] == ["0.125"] * (2 * toml.MOST_DOTS)
+    assert toml.parse_toml(b"x = 0.1\ny = [1, 2e-3]", 21) == {"x": "0.1", "y": [1, "2e-3"]}
+    assert toml.parse_toml(b"x = [" + b"0.125, " * 600 + b"]", 10_000)["x"] == ["0.125"] * 600
+    assert toml.parse_toml(b"a" + b".a" * 300 + b" = 1", 10_000)
 
 
 @pytest.mark.parametrize(
@@ -29,8 +29,8 @@ def test_decimals_stay_as_they_are_written() -> None:
         (b"x = '\xff'", "byte 5 is not UTF-8 text"),
         (b"x = " + b"[" * 9000, "nested too deeply"),
         (b"#" * 10_001, "too large; at most 10000 bytes are read"),
-        (b"a" + b".a" * (toml.MOST_DOTS + 1) + b" = 1", f"more than {toml.MOST_DOTS} dots in one line"),
-        (b"'1.1'" + b".'1.1'" * (toml.MOST_DOTS + 1) + b" = 1", f"more than {toml.MOST_DOTS} dots in one line"),
+        (b"a" + b".a" * 301 + b" = 1", "more than 300 dots in one line"),
+        (b"'1.1'" + b".'1.1'" * 301 + b" = 1", "more than 300 dots in one line"),
         (b"x = " + b"9" * 5000, "not TOML: Exceeds the limit"),
     ],
 )
@@ -59,7 +59,7 @@ FITS: list[tuple[Any, Any]] = [
     (toml.as_line("  a  b   ", "x", 9), "a  b"),
     (toml.as_texts(["a", "b"], "x"), ("a", "b")),
     (toml.as_flag(False, "x"), False),
-    (toml.as_whole(9, "x", 0, 9), 9),
+    (toml.as_whole(9, "x", 0, 9) - toml.as_whole(0, "x", 0, 9), 9),
     (toml.as_choice("a", "x", ("a", "b")), "a"),
     (toml.as_table({}, "x"), {}),
     (toml.as_list([1, 2], "x", 2, 2), [1, 2]),
