@@ -51,8 +51,10 @@ def test_a_slope_at_the_end_is_a_stage_of_its_own_only_where_the_method_has_none
 
 def test_what_does_not_begin_with_the_method_is_refused():
     extension = EXTENSIONS["rk4_hermite"]
-    with pytest.raises(MethodError, match="the first stages are not those of heun2"):
-        replace(extension, method=METHODS["heun2"])
+    other = replace(METHODS["rk4"], c=(*METHODS["rk4"].c[:3], 2))
+    for method in exactly(2, (METHODS["heun2"], other)):
+        with pytest.raises(MethodError, match=f"the first stages are not those of {method.key}"):
+            replace(extension, method=method)
     with pytest.raises(MethodError, match="as many entries as there are stages"):
         replace(extension, weights=extension.weights[1:])
 

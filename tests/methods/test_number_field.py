@@ -176,13 +176,11 @@ def test_rational_elements_are_equal_to_their_fractions_and_hash_alike() -> None
     assert x == Q(1, 2)
     assert hash(x) == hash(Q(1, 2))
     assert {x, Q(1, 2)} == {Q(1, 2)}
-    assert x.is_rational
-    assert x.as_fraction() == Q(1, 2)
+    assert (x.is_rational, x.as_fraction()) == (True, Q(1, 2))
     assert (x - x).as_fraction() == 0
     with pytest.raises(ValueError, match="irrational"):
         square_root(3).as_fraction()
     assert bool(x - x) is False
-    assert square_root(3) is square_root(3)
 
 
 @pytest.mark.parametrize(("n", "k"), [(n, k) for n in (-2, -1, 0, 1, 64) for k in (2, 3)])

@@ -11,7 +11,7 @@ import pytest
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.schemes import MethodError, RungeKutta
 from driftproof.methods.vector_fields import VectorField, array_step, field_source, partial_derivative
-from driftproof.numeric.engine import compiled_field_runner, field_runner, runner
+from driftproof.numeric.engine import field_runner, runner
 from tests.float_bits import bits
 
 EXPLICIT = [method for method in METHODS.values() if method.explicit]
@@ -93,14 +93,6 @@ def test_what_an_embedded_row_leads_away_by_is_written_where_it_is_asked_for():
     assert field_source(METHODS["heun_euler21"], field).lines == plain
     estimated = field_source(METHODS["heun_euler21"], field, estimated=True).lines
     assert estimated == (*plain, "y0_off = h * (d_1 * k1_y0 + d_2 * k2_y0)")
-
-
-def test_a_compiled_run_of_a_system_has_the_same_bits():
-    pytest.importorskip("numba")
-    for field in (VAN_DER_POL, LORENZ):
-        start = FIELDS[field][1]
-        compiled = compiled_field_runner(METHODS["rk4"], field)
-        assert bits(*compiled(start, 0.01, 0, 400)) == bits(*field_runner(METHODS["rk4"], field)(start, 0.01, 0, 400))
 
 
 def test_a_run_of_a_system_goes_on_where_it_stopped_bit_for_bit():

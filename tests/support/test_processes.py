@@ -69,14 +69,9 @@ def test_the_answers_of_a_session_have_their_processor_time_each():
 
 @pytest.mark.parametrize("name", ["floods", "floods_its_pipe"])
 def test_an_answer_is_bounded_in_size(name):
+    assert Limits() == Limits(seconds=60, processor_seconds=None, memory=None, answer=64 * misbehaving.MEGABYTE)
     limits = Limits(seconds=60, answer=4 * misbehaving.MEGABYTE)
     assert cause_of(name, "by name", limits) == ("answer", "an answer of more than 4194304 bytes")
-
-
-def test_limits_that_nobody_names_are_a_minute_and_64_megabytes_of_answer():
-    assert Limits() == Limits(
-        seconds=60, processor_seconds=None, memory=None, answer=64 * misbehaving.MEGABYTE, file=None
-    )
 
 
 def test_a_file_is_bounded_in_size(tmp_path):

@@ -91,16 +91,6 @@ def symplectic_defects(method: Any, other: Any) -> list[Any]:
     ]
 
 
-@pytest.mark.parametrize("key", ["implicit_midpoint", "gauss2", "gauss3", "qin_zhang2"])
-def test_method_is_symplectic(key: str) -> None:
-    assert not any(some(symplectic_defects(entry(key), entry(key))))
-
-
-@pytest.mark.parametrize("key", ["trapezoid", "radau_iia2", "lobatto_iiia3", "sdirk2", "crouzeix3"])
-def test_method_is_not_symplectic(key: str) -> None:
-    assert any(symplectic_defects(entry(key), entry(key)))
-
-
 @pytest.mark.parametrize(
     ("first", "second"),
     [("trapezoid", "lobatto_iiib2"), ("lobatto_iiia3", "lobatto_iiib3"), ("lobatto_iiia4", "lobatto_iiib4")],
@@ -234,13 +224,6 @@ def test_estimate_of_fehlberg78_is_blind_to_time() -> None:
         by_node[c] = by_node.get(c, 0) + x - y
     assert not any(by_node.values())
     assert any(x != y for x, y in zip(pair.b, pair.b_embedded, strict=True))
-
-
-@pytest.mark.parametrize("key", ["fehlberg12", "fehlberg23", "bogacki_shampine32", "dormand_prince54", "tsitouras54"])
-def test_last_stage_of_pair_is_the_first_of_the_next_step(key: str) -> None:
-    pair = entry(key)
-    assert pair.a[-1] == pair.b
-    assert entry("cash_karp54").a[-1] != entry("cash_karp54").b
 
 
 # Yoshida's weights to 25 digits, outermost first: Newton's method on the order conditions, from the ones in print.
