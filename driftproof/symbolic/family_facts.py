@@ -319,7 +319,7 @@ def _at_point(
             return cell
         if isinstance(cell, Branch) and limit is not INFINITY:
             roots = _roots(curves[cell.curve], value)
-            if limit in roots[cell.root - 1 : cell.root]:
+            if roots[cell.root - 1 : cell.root] == [limit]:
                 return cell
     return limit
 

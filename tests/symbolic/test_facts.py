@@ -11,7 +11,7 @@ import driftproof
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.schemes import RungeKutta
 from driftproof.symbolic.facts import FACTS, ON_REQUEST, WHY_NONE, Facts, OrderWithin, general_order, order_within
-from driftproof.symbolic.linear.facts import facts_by_name
+from driftproof.symbolic.linear.facts import LinearFacts, fact_names, facts_by_name
 from driftproof.symbolic.trees.rooted_trees import TooManyTrees, to_brackets
 
 # The keys that the output format promises for every method.
@@ -24,6 +24,7 @@ SCHEMA = (
 def test_every_key_that_is_promised_is_a_fact_and_has_a_sentence() -> None:
     assert set(FACTS) >= set(SCHEMA.split())
     assert set(WHY_NONE) <= {*FACTS, *ON_REQUEST}
+    assert {*fact_names(LinearFacts)} - {*FACTS} == {*ON_REQUEST}
     of_facts = [getattr(Facts, name) for name in (*FACTS, *ON_REQUEST) if hasattr(Facts, name)]
     assert len(of_facts) > 35
     assert all(fact.__doc__.rstrip().endswith(".") for fact in of_facts)

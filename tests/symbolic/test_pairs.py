@@ -47,6 +47,8 @@ def test_a_wrong_digit_of_an_extension_shows():
     assert found.step_residual == found.largest_residual == Fraction(1, 29380423)
     assert found.slope_residual == Fraction(4, 29380423)
     hermite = EXTENSIONS["rk4_hermite"]
+    flat = replace(hermite, claimed_order=1, weights=((Fraction(1),), *hermite.weights[1:]))
+    assert facts_of_extension(flat).largest_residual == Fraction(3, 2)
     assert facts_of_extension(replace(hermite, c=(*hermite.c[:-1], Fraction(1, 2)))).slope_residual is None
 
 

@@ -50,10 +50,9 @@ def rounded_boundary(r: RationalFunction, count: int = COUNT, places: int = PLAC
         parts = [tuple(endpoints(part) for part in (point.z.real, point.z.imag)) for point in points]
         if not all(8 * (high - low) * 10**places < 2 for pair in parts for low, high in pair):
             return None
-        return [(p.cosine, *((low + high) / 2 for low, high in pair)) for p, pair in zip(points, parts, strict=True)]
+        return [(-p.cosine, *((low + high) / 2 for low, high in pair)) for p, pair in zip(points, parts, strict=True)]
 
-    found = settled(middles)
-    return [(str(c), fixed(x, places), fixed(y, places)) for c, x, y in sorted(found, key=lambda p: (-p[0], *p[1:]))]
+    return [(str(-c), fixed(x, places), fixed(y, places)) for c, x, y in sorted(settled(middles))]
 
 
 def points_at(r: RationalFunction, cosine: Fraction, bits: int = 64) -> list[acb]:

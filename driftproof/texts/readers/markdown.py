@@ -103,7 +103,7 @@ def _fenced(source: SourceText, match: re.Match[str], depth: int) -> list[Block]
         return [Block(PROSE, tex_prose(body))]
     if name in _UNREAD:
         return []
-    if depth < _DEEPEST and (name in _READ or name.startswith(("prf:", "proof:")) or match["fence"][0] == ":"):
+    if depth < _DEEPEST and (name in _READ or name.startswith(("prf:", "proof:")) or match["fence"].startswith(":")):
         title = source[match.start("info") + (directive.end() if directive else 0) : match.end("info")]
         read = [] if name in _NO_TITLES or not directive else [Block(PROSE, markdown_prose(title))]
         return [*read, *_parts(body, depth + 1)]

@@ -41,8 +41,9 @@ def kind_of(path: Path) -> TextKind:
 
 
 def _markdown_table(rows: CellRows) -> str:
-    rule = ["---", *["---:"] * (len(rows[0]) - 1)]
-    return "\n".join(f"| {' | '.join(row)} |" for row in (rows[0], rule, *rows[1:]))
+    header, *body = rows
+    rule = ["---", *("---:" for _ in header[1:])]
+    return "\n".join(f"| {' | '.join(row)} |" for row in (header, rule, *body))
 
 
 def _html_table(rows: CellRows) -> str:

@@ -71,6 +71,7 @@ def test_gcd_over_a_number_field_finds_the_irrational_common_root() -> None:
     assert greatest_common_divisor(polynomial([-3, 0, 1]), common * other) == common
     assert greatest_common_divisor(polynomial([-3, 0, 1]), other).degree() == 0
     assert squarefree(common * common * other) == common * polynomial([1, 1])
+    assert quotient(polynomial([-3, 0, 1]), common) == polynomial([ROOT_3, 1])
     with pytest.raises(ValueError, match="remainder"):
         quotient(other, common)
 

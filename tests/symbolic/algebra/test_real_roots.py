@@ -75,6 +75,7 @@ def test_square_root_of_an_algebraic_number() -> None:
     assert golden.square_root().minimal == (-1, 0, -1, 0, 1)
     assert rational_root(Q(9, 4)).square_root() == rational_root(Q(3, 2))
     assert RealRoot((-3, -2, 1), 0) != rational_root(Q(3))
+    assert (golden.negated(), rational_root(Q(2)).negated()) == (RealRoot((-1, 1, 1), 0), rational_root(Q(-2)))
     square = RealRoot((1, -3, 1), 1)  # golden ** 2
     assert square.square_root() == golden
     assert ZERO_ROOT.square_root() == ZERO_ROOT

@@ -75,6 +75,13 @@ def test_stages_satisfy_their_equations(key: str) -> None:
     assert (moved - after).applyfunc(sympy.cancel) == sympy.zeros(2, 1)
 
 
+def test_products_and_sums_are_written_in_the_order_in_which_they_act() -> None:
+    verlet, nystrom = (derived_matrix(METHODS[key])[1] for key in ("velocity_verlet", "nystrom4"))
+    assert [str(step.chain[0]) for step in verlet] == ["S_1", "S_2", "S_3", "M"]
+    assert str(verlet[-1].chain[1]) == "S_3*S_2*S_1"
+    assert str(nystrom[1].chain[1]) == "-(h**2*k_1/8 + h*v/2 + q)"
+
+
 @pytest.mark.parametrize("key", ["nystrom4", "nystrom5"])
 def test_forces_of_a_nystrom_method_make_each_chain_equal(key: str) -> None:
     steps = derived_matrix(METHODS[key])[1][:-1]

@@ -231,6 +231,7 @@ POWERS: dict[str, tuple[StepMatrix, str]] = {
     "trace touches -2 and returns, through minus the identity": (sheared(Z * (1 - Z), -1), "2"),
     "an irrational boundary": (step_matrix(0, 0, 0, (Z**2 - 2) / 3), "sqrt(5)"),
     "a boundary without radicals": (step_matrix(0, 0, 0, (Z**5 - Z) / 3), "x**5 - x - 3"),
+    "a trace without terms in between": (companion(Z**3), "2**(1/3)"),
     "a pole at 3": (((fraction(1 - Z, 3 - Z), fraction(Z * 0)), (fraction(Z * 0), fraction(Z * 0))), "2"),
 }
 

@@ -16,7 +16,7 @@ READ = [
     ("<math><mfrac><mrow><mi>a</mi><mo>+</mo><mn>1</mn></mrow><mn>2</mn></mfrac></math>", "(a+1)/2"),
     ("<math><msup><mi>h</mi><mn>6</mn></msup><msqrt><mn>2</mn></msqrt></math>", "h^6√(2)"),
     ("<math><mfrac><msup><mrow><mi>a</mi><mi>b</mi></mrow><mn>2</mn></msup><mn>3</mn></mfrac></math>", "ab^2/3"),
-    ("<span class='katex-html'>9<span>8</span>7</span>6<template>5</template>", "6"),
+    ("<span class='katex-html'>9<span>8<i>4</i></span><span/>7</span>6<template>5</template>", "6"),
     ("<td>1<td>2", "1 | 2"),
     ("<b>0.090</b>40", "0.09040"),
     ("<math><msubsup><mi>q</mi><mn>1</mn><mn>2</mn></msubsup></math>", "q_1^2"),

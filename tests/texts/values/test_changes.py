@@ -169,7 +169,7 @@ BAD = {
     "list": (b"[]", "holds no JSON object"),
     "bytes": (b"\xff\xfe", "not UTF-8 at byte 0"),
     "deep": (b"[" * 10**6, "nested too deeply"),
-    "twice": (b'{"values": {"a": 1, "a": 2}}', "the key 'a' stands twice"),
+    "twice": (b'{"values": {"b": 0, "a": 1, "a": 2}}', "the key 'a' stands twice"),
     "empty": (b"", "no JSON"),
 }
 
