@@ -118,6 +118,7 @@ def test_mathml_is_well_formed_and_its_fractions_have_two_parts() -> None:
 
 def test_decimals_in_tex_and_mathml_have_powers_of_ten() -> None:
     assert decimal_markup("-6.7e-5", TEX) == r"-6.7 \cdot 10^{-5}"
+    assert decimal_markup("0.479", MATHML) == "<mn>0.479</mn>"
     assert decimal_markup("1.2e30", MATHML) == "<mrow><mn>1.2</mn><mo>·</mo><msup><mn>10</mn><mn>30</mn></msup></mrow>"
     assert value("rk4.first_step.v").tex(digits=3) == "-0.479"
     assert value("-1/8").tex(places=2, style=Style("tofixed")) == "-0.13"
