@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Collection, Iterable
 from functools import wraps
 from pathlib import Path
 from typing import Any
@@ -75,14 +75,15 @@ def titles(report: Any) -> tuple[str, ...]:
     return tuple(section.title for section in report.sections)
 
 
-def assert_as_before(place: Path, title: str, said: Iterable[object]) -> None:
-    """The lines are those that stand under the title in the file."""
+def assert_as_before(place: Path, title: str, said: Iterable[object], tests: Collection[str] = ()) -> None:
+    """The lines are those that stand under the title in the file, and none of its titles is of no test, if all are told."""
     parts = _TITLE.split(place.read_text(encoding="utf-8") if place.exists() else "")[1:]
     kept = dict(zip(parts[::2], parts[1::2], strict=True))
     text = "".join(f"{line}\n" for line in "\n".join(map(str, said)).splitlines())
     if os.environ.get("WRITE_TRANSCRIPTS"):
         kept[title] = text
+        kept = {name: kept[name] for name in kept if not tests or name in tests}
         place.write_text("".join(f"== {name}\n{kept[name]}" for name in kept), encoding="utf-8")
-    assert kept.get(title) == text, (
-        f"not as in {place.name}; where it is meant: WRITE_TRANSCRIPTS=1, and read the change"
-    )
+    again = f"not as in {place.name}; where it is meant: WRITE_TRANSCRIPTS=1, and read the change"
+    assert kept.get(title) == text, again
+    assert not tests or kept.keys() <= set(tests), again

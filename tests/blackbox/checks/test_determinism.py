@@ -7,7 +7,8 @@ import pytest
 
 from driftproof.blackbox.checks.determinism import repeats, several_states
 from driftproof.blackbox.stepper.opening import opened
-from tests.blackbox.checks.habits import UNREPEATABLE, Counter, Multistep, SharedMultistep, results_of
+from tests.blackbox.checks.habits import UNREPEATABLE, Counter, Multistep, SharedMultistep, plain, results_of
+from tests.blackbox.handwritten_steppers import velocity_verlet
 
 
 class Slip:
@@ -46,45 +47,35 @@ def test_random_numbers_of_everybody_are_put_back(seeded, drawn):
     assert drawn() == expected[1]
 
 
-def check(step, **options):
-    found = several_states(opened(step, **options))
-    return found[0] if found else None
+def of_one_state(q, v, h):
+    return (q + h * v, v - h * q) if q != 0 else (h * v, v)
 
 
-def verlet(force, q, v, h):
-    v = v + h / 2 * force(q)
-    q = q + h * v
-    return q, v + h / 2 * force(q)
+def limited_by_the_largest(q, v, h):
+    """Of the batch, as a norm over all of it is."""
+    q, v = plain(q, v, h)
+    return q, v / max(1.0, float(np.max(np.abs(v))))
 
 
-def test_arithmetic_that_broadcasts_takes_batches():
-    assert check(verlet).holds is True
-    assert check(lambda q, v, h: (q + h * v, v - h * q)).holds is True
-    assert check(verlet, array=np.float32).holds is True
+BATCHES = [
+    (velocity_verlet, None, True, "come out as they do one by one"),
+    (velocity_verlet, np.float32, True, "come out as they do one by one"),
+    (plain, None, True, "come out as they do one by one"),
+    (of_one_state, None, None, "takes one state at a time"),
+    (limited_by_the_largest, None, False, "otherwise than one by one"),
+]
 
 
-def test_a_step_for_one_state_says_so():
-    def branching(q, v, h):
-        return (q + h * v, v - h * q) if q != 0 else (h * v, v)
-
-    assert check(branching).holds is None
-    assert check(branching).words == "takes one state at a time"
-
-
-def test_states_that_mix_are_a_fault():
-    def limited(q, v, h):  # by the largest of the batch, as a norm over all of it is
-        v = v - h * q
-        return q + h * v, v / max(1.0, float(np.max(np.abs(v))))
-
-    found = check(limited)
-    assert found.holds is False
-    assert found.is_fault
-    assert "otherwise than one by one" in found.words
+@pytest.mark.parametrize(("step", "array", "holds", "words"), BATCHES)
+def test_several_states_at_once_come_out_as_one_by_one_or_not(step, array, holds, words):
+    (found,) = several_states(opened(step, array=array))
+    assert (found.holds, found.is_fault) == (holds, holds is False)
+    assert words in found.words
 
 
 def test_a_state_in_one_array_is_no_batch():
-    assert check(lambda state, h: [state[0] + h * state[1], state[1] - h * state[0]]) is None
-    assert check(lambda f, t, y, h: y + h * f(t, y)) is None
+    assert several_states(opened(lambda state, h: [state[0] + h * state[1], state[1] - h * state[0]])) == ()
+    assert several_states(opened(lambda f, t, y, h: y + h * f(t, y))) == ()
 
 
 class Uncopied(Multistep):

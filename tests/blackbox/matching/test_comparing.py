@@ -67,9 +67,7 @@ def table(name="", off=Q(0)):
 def test_a_number_is_the_same_up_to_the_roundings_of_its_column(name, sign):
     exact, rounding = table(), Rounding(BINARY16, 2)
     value, scale = NUMBERS[name]
-    for roundings in some(
-        (rounding.most + Q(9, 10), rounding.most + Q(11, 10))
-    ):  # one more than a program's is allowed
+    for roundings in some((rounding.most + Q(9, 10), rounding.most + Q(11, 10))):  # one more than a program's
         compared = Comparison(table(name, sign * roundings * BINARY16.u * scale), exact, rounding)
         same = roundings < rounding.most + 1
         assert [place.name for place in compared.differences()] == [name] * (not same)

@@ -25,8 +25,7 @@ RK4 = METHODS["rk4"]
 
 
 def with_entry(i, j, value):
-    row = (*RK4.a[i][:j], value, *RK4.a[i][j + 1 :])
-    a = (*RK4.a[:i], row, *RK4.a[i + 1 :])
+    a = tuple(tuple(value if (k, m) == (i, j) else x for m, x in enumerate(row)) for k, row in enumerate(RK4.a))
     return replace(RK4, key="mine", a=a, c=tuple(sum(r, Q(0)) for r in a))
 
 
@@ -67,10 +66,12 @@ def test_a_row_whose_sum_is_not_its_time_is_told():
     assert rational_method(reading, "read").b == RK4.b
 
 
+LATE = read_coefficients(opened(of_stages("rk4", lambda i, stage, v: v if i == 3 else stage)))
+
+
 def test_the_velocities_that_are_off_are_told_and_no_others():
-    late = read_coefficients(opened(of_stages("rk4", lambda i, stage, v: v if i == 3 else stage)))
-    assert other_velocities(RK4, late) == ["the velocity of call 3 holds F[2]: 0 instead of 1"]
-    assert other_velocities(METHODS["heun2"], late) == [
+    assert other_velocities(RK4, LATE) == ["the velocity of call 3 holds F[2]: 0 instead of 1"]
+    assert other_velocities(METHODS["heun2"], LATE) == [
         "the velocities that its force is given are not those of the stages of heun2"
     ]
 
@@ -86,8 +87,7 @@ def shifted(method, by, *, timed=True, every=1):
 
 def velocities_with(more):
     """What is said of the velocities of RK4's stages, the last but one entry being so much more."""
-    late = read_coefficients(opened(of_stages("rk4", lambda i, stage, v: v if i == 3 else stage)))
-    return other_velocities(RK4, replace(late, format=BINARY32, a_velocity=read_with("rk4", ("a", 3, 2), by=more).a))
+    return other_velocities(RK4, replace(LATE, format=BINARY32, a_velocity=read_with("rk4", ("a", 3, 2), by=more).a))
 
 
 # A number of a method, and the size that rounding is allowed for; a row's sum has that of its terms and its time.

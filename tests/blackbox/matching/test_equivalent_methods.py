@@ -22,7 +22,7 @@ from driftproof.blackbox.probes.linear_steps import LINEARITY_ROUNDINGS, LINEARI
 from driftproof.methods.catalogue import METHODS
 from driftproof.symbolic.linear.reduced_tableau import is_symmetric
 from driftproof.symbolic.rounding.formats import BINARY32, BINARY64
-from tests.blackbox.matching.readings import EXPLICIT
+from tests.blackbox.matching.readings import EXPLICIT, TOLD
 from tests.looping import exactly, some
 from tests.witnesses.any_order import any_order
 
@@ -106,7 +106,9 @@ RATES = {"of h": Rates(0.75, 1.0, 1.0), "of all": Rates(-0.375, 2.0, -0.8), "of 
 
 @pytest.mark.parametrize("name", RATES)
 def test_what_a_map_allows_is_what_it_was(name, as_before):
-    allowed = [(each, each.allowances(RATES[name], BINARY32)) for each in MAPS]
+    allowed = [
+        (each, each.allowances(RATES[name], BINARY32)) for each in MAPS if {*getattr(each, "keys", TOLD)} & {*TOLD}
+    ]
     as_before(*(f"{getattr(each, 'keys', 'exact')[0]} {' '.join(f'{x:.6g}' for x in most)}" for each, most in allowed))
 
 

@@ -51,9 +51,9 @@ def test_a_method_with_one_coefficient_wrong_is_not_named_that_method(key, chang
 def test_a_method_with_its_step_or_its_rates_wrong_is_named(step, words, as_before):
     asked = Asked(step)
     found = fit(asked.code)
-    as_before(*found.lines, asked)
     assert (found.best.words, found.best.extras) == (words, 1)
     assert found.best.error.in_bounds <= 1
+    as_before(*found.lines, asked)
 
 
 def test_a_sloppy_solver_is_not_called_the_adjoint_of_a_method_that_is_its_own():
@@ -106,9 +106,8 @@ RATES = [(1, 1), (-1, -1), (-1, 4), (Q(1, 4), Q(1, 4)), (1, 3), (2, 2)]
 
 
 def test_a_candidate_is_said_with_all_that_makes_it_differ(as_before):
-    kinds = product(
-        (("heun3", "kutta3"), ("symplectic_euler",), ()), (False, True), RATES, (False, True), ("", "but so")
-    )
+    keys = ("heun3", "kutta3"), ("symplectic_euler",), ()
+    kinds = product(keys, (False, True), RATES, (False, True), ("", "but so"))
     found = [LinearCandidate(keys, turned, *ak, known, Error(1.0, 0), less) for keys, turned, ak, known, less in kinds]
     as_before(*(f"{each.words}: {each.extras}{', right' * each.rates_are_right}" for each in found))
     assert (Error(0.99, 0.0).is_rounding, Error(1.01, 0.0).is_rounding) == (True, False)

@@ -13,7 +13,7 @@ from driftproof.blackbox.probes.tableau import StageSolution
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.stepping import stepper
 from tests.blackbox import handwritten_steppers as codes
-from tests.blackbox.matching.readings import EXPLICIT, TABLEAUX, in_field, on_force, read_with, ties_of
+from tests.blackbox.matching.readings import EXPLICIT, TABLEAUX, TOLD, in_field, on_force, read_with, ties_of
 from tests.blackbox.transcripts import Asked
 from tests.looping import some
 
@@ -22,7 +22,8 @@ from tests.looping import some
 def test_every_method_is_recognised_by_its_forces_and_none_is_taken_for_another(key, as_before):
     identity = on_force(stepper(METHODS[key], float))
     assert set(identity.keys) == ties_of(key)
-    as_before(*identity.lines)
+    if key in TOLD:
+        as_before(*identity.lines)
 
 
 @pytest.mark.parametrize("key", TABLEAUX)
@@ -30,62 +31,30 @@ def test_every_tableau_is_recognised_by_its_slopes_and_none_is_taken_for_another
     identity = in_field(codes.tableau(*codes.floats(METHODS[key])))
     assert set(identity.keys) == ties_of(key)
     assert identity.matches[0].closeness == "every coefficient correctly rounded"
-    as_before(*identity.lines)
+    if key in TOLD:
+        as_before(*identity.lines)
 
 
-BY_HAND = [
-    (codes.euler, {"forward_euler"}),
-    (codes.rk4, ties_of("rk4")),
-    (codes.rk4_without_time, ties_of("rk4")),
-    (codes.rk4_in_lists, ties_of("rk4")),
-    (codes.rk4_of_one_number, ties_of("rk4")),
-    (codes.rk38, {"rk38"}),
-    (codes.heun, ties_of("heun2")),
-    (codes.midpoint, {"midpoint2"}),
-    (codes.ralston, {"ralston2"}),
-    (codes.dopri5, {"dormand_prince54"}),
-    (codes.ssprk33_in_convex_combinations, {"ssprk33"}),
-    (codes.ssprk104_in_two_registers, {"ssprk104"}),
-]
+BY_HAND = [codes.euler, codes.rk4, codes.rk4_without_time, codes.rk4_in_lists, codes.rk4_of_one_number, codes.rk38]
+BY_HAND += [codes.heun, codes.midpoint, codes.ralston, codes.dopri5, codes.ssprk33_in_convex_combinations]
+BY_HAND += [codes.ssprk104_in_two_registers, codes.rk4_on_a_stopped_clock]
+ON_FORCES = [codes.symplectic_euler, codes.velocity_from_positions, codes.symplectic_euler_in_a_field]
+ON_FORCES += [codes.velocity_verlet, codes.velocity_verlet_by_acceleration, codes.position_verlet_calling_twice]
 
 
-@pytest.mark.parametrize(("step", "keys"), BY_HAND)
-def test_a_code_written_by_hand_is_recognised(step, keys, as_before):
+@pytest.mark.parametrize(
+    ("read", "step"), [*((in_field, step) for step in BY_HAND), *((on_force, step) for step in ON_FORCES)]
+)
+def test_a_code_written_by_hand_is_recognised(read, step, as_before):
     asked = Asked(step)
-    identity = in_field(asked.code)
-    as_before(*identity.lines, asked)
-    assert set(identity.keys) == keys
-    assert identity.lines[0].startswith("called in this way" if len(keys) > 1 else min(keys))
-
-
-BY_HAND_ON_FORCES = [
-    (codes.symplectic_euler, "symplectic_euler"),
-    (codes.velocity_from_positions, "symplectic_euler"),
-    (codes.symplectic_euler_in_a_field, "symplectic_euler"),
-    (codes.velocity_verlet, "velocity_verlet"),
-    (codes.velocity_verlet_by_acceleration, "velocity_verlet"),
-    (codes.position_verlet_calling_twice, "position_verlet"),
-]
-
-
-@pytest.mark.parametrize(("step", "key"), BY_HAND_ON_FORCES)
-def test_a_splitting_written_by_hand_is_recognised(step, key, as_before):
-    asked = Asked(step)
-    identity = on_force(asked.code)
-    assert identity.keys == (key,)
-    as_before(*identity.lines, asked)
+    identity = read(asked.code)
+    as_before(*identity.lines, identity.keys, asked)
 
 
 @pytest.mark.parametrize("kind", [np.float32, np.float16])
 def test_narrow_floats_are_recognised_by_their_own_rounding(kind):
     assert set(in_field(codes.in_precision(codes.rk4, kind)).keys) == ties_of("rk4")
     assert in_field(codes.in_precision(codes.rk38, kind)).keys == ("rk38",)
-
-
-def test_among_equals_the_one_that_makes_as_many_calls_comes_first():
-    pair = codes.floats(METHODS["zonneveld43"])
-    assert in_field(codes.tableau(*pair)).keys == ("zonneveld43", "rk4")
-    assert in_field(codes.rk4).keys == ("rk4", "zonneveld43")
 
 
 @pytest.mark.parametrize(("error", "named"), [(2.0**-53, True), (1e-13, False)])
@@ -139,12 +108,10 @@ def test_how_near_a_match_is_is_said_of_the_first_of_several(as_before):
     as_before(*(line for each in found for line in (*each.lines, each.keys)))
 
 
-def test_a_stage_at_a_wrong_time_and_a_stopped_clock_are_named():
+def test_a_stage_at_a_wrong_time_is_named():
     rows, weights, nodes = codes.floats(METHODS["rk38"])
     nodes[1] = 0.5
     assert in_field(codes.tableau(rows, weights, nodes)).lines[1] == "nearest: rk38 but for c[1]: 1/2 instead of 1/3"
-    stopped = "nearest: rk4 or zonneveld43 but for c[1]: 0 instead of 1/2; c[2]: 0 instead of 1/2; c[3]: 0 instead of 1"
-    assert in_field(codes.rk4_on_a_stopped_clock).lines == ["no method of the catalogue", stopped]
 
 
 def test_a_wrong_stage_of_an_error_estimate_is_said_beside_the_step():

@@ -21,28 +21,22 @@ def rational(q, v, h):
     return ((1 - h * h / 3) * q + h * v) / d, ((1 - h * h / 3) * v - h * q) / d
 
 
-def test_a_quotient_is_recovered_with_its_denominator():
-    found = fit(rational)
-    assert found.best is None
-    assert found.facts.entries[:2] == ("(1 - h**2/3)/(1 + h**2/5)", "h/(1 + h**2/5)")
-    assert found.facts.determinant == found.facts.energy_multiplier
-    assert found.facts.linear_order == 1
-
-
 def odd_and_even(q, v, h):
     return q + h * v - h * h * q / 3 + h**3 * v / 7, v - h * q - h * v / 5 + 2 * h * h * v / 9
 
 
-def test_odd_powers_where_a_map_without_damping_has_none_are_recovered():
-    found = fit(odd_and_even)
-    assert found.facts.entries == ("1 - h**2/3", "h + h**3/7", "-h", "1 - h/5 + 2*h**2/9")
-    assert found.damping == Q(1, 5)
+RECOVERED = {
+    "a quotient": rational,
+    "odd powers": odd_and_even,
+    "another unit of time": lambda q, v, h: (q + h * v - h**2 * 10**6 * q / 3, v - h * 10**6 * q),
+}
 
 
-def test_the_unit_of_time_does_not_matter():
-    found = fit(lambda q, v, h: (q + h * v - h**2 * 10**6 * q / 3, v - h * 10**6 * q))
-    assert found.stiffness == 10**6
-    assert found.facts.entries == ("1 - 1000000*h**2/3", "h", "-1000000*h", "1")
+@pytest.mark.parametrize("name", RECOVERED)
+def test_a_matrix_is_recovered_with_its_denominator_its_odd_powers_and_its_unit(name, as_before):
+    found = fit(RECOVERED[name])
+    assert found.best is None
+    as_before(found.facts, found.damping, found.stiffness)
 
 
 def test_what_is_no_function_of_low_degree_is_not_recovered():
@@ -65,10 +59,8 @@ def irrational(q, v, h):
     """Entries that are even, odd, a quotient, and of all powers, of coefficients that no program prints."""
     s = h * h
     quotient = h * (1 - s * 0.2718281828459045) / (1 + s * 0.5772156649015329)
-    qq, vv = (
-        1 - s * 0.3141592653589793 + s * s * 0.0223606797749979,
-        (1 + h * 0.1414213562373095) / (1 + h * 0.1732050807568877),
-    )
+    vv = (1 + h * 0.1414213562373095) / (1 + h * 0.1732050807568877)
+    qq = 1 - s * 0.3141592653589793 + s * s * 0.0223606797749979
     return qq * q + quotient * v, -h * (1 + s * 0.1098612288668110) * q + vv * v
 
 

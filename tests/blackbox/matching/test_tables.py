@@ -20,6 +20,7 @@ from driftproof.blackbox.probes.scripted_answers import Rounding
 from driftproof.methods.catalogue import METHODS
 from driftproof.symbolic.linear.reduced_tableau import StageCoefficients, reduced
 from driftproof.symbolic.rounding.formats import BINARY64
+from tests.blackbox.matching.readings import TOLD
 from tests.looping import some
 
 
@@ -32,10 +33,8 @@ def test_sizes_add_up_where_values_cancel():
 
 def test_reduction_keeps_sizes():
     third, rest = bounded(Q(1, 3)), bounded(Q(-1, 3))
-    stages = StageCoefficients(
-        ((bounded(0), bounded(0)), (bounded(0), bounded(0))), ((third, rest),), (bounded(0), bounded(0))
-    )
-    ((merged,),) = reduced(stages).weights
+    nothing = (bounded(0), bounded(0))
+    ((merged,),) = reduced(StageCoefficients((nothing, nothing), ((third, rest),), nothing)).weights
     assert (merged.value, merged.size) == (0, 2 * (1 / 3))
 
 
@@ -82,7 +81,7 @@ def test_the_quick_test_follows_slopes_over_two_stages_and_counts_no_stage_that_
 
 def test_the_fingerprints_of_the_catalogue_are_what_they_were(as_before):
     tables = (*field_methods(True), *field_methods(False, implicit=True), *force_methods(), *force_methods(True))
-    pairs = [(each.key, each.fingerprint) for each in tables]
+    pairs = [(each.key, each.fingerprint) for each in tables if each.key in TOLD]
     as_before(*(f"{key} {one.calls} {one.used} {one.length:.9g} {one.scale:.9g}" for key, one in pairs))
 
 

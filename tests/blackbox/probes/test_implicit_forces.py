@@ -190,6 +190,9 @@ ASKED = {
     "halving": halving,
     "one by one": one_by_one,
     "never asks, in arrays": lambda force, x, v, dt: (x.copy() + dt * v, v),
+    "explicit": of_force(([0.0, 1.0], [[0.0, 0.0], [0.5, 0.0]], [0.5, 0.0], [0.5, 0.5])),
+    "explicit with velocities": dragged_steppers.verlet(lambda v, a, dt: v + dt * a),
+    "without a weight": of_force(([0.5, 0.75], [[0.25, 0.0], [0.25, 0.25]], [0.0, 0.5], [0.0, 1.0])),
     "never asks": lambda force, x, v, dt: (x + dt * v, v),
 }
 
@@ -204,12 +207,6 @@ def test_all_that_is_asked_of_implicit_steps_of_forces_and_said_is_as_before(nam
         as_before(refusal, asked)
 
 
-def test_what_is_no_implicit_step_of_forces_is_refused():
-    with pytest.raises(NotReadable, match="none of its stages is implicit"):
-        read(of_force(([0.0, 1.0], [[0.0, 0.0], [0.5, 0.0]], [0.5, 0.0], [0.5, 0.5])))
+def test_what_is_no_step_of_forces_at_all_is_refused_as_one_with_implicit_stages():
     with pytest.raises(NotReadable, match="as one with implicit stages: without a force"):
         read_coefficients(opened(drag))
-    with pytest.raises(NotReadable, match="none of its stages is implicit"):
-        read(dragged_steppers.verlet(lambda v, a, dt: v + dt * a))
-    with pytest.raises(NotReadable, match="a stage of it has no weight"):
-        read(of_force(([0.5, 0.75], [[0.25, 0.0], [0.25, 0.25]], [0.0, 0.5], [0.0, 1.0])))
