@@ -59,6 +59,11 @@ def checksum(text: str) -> str:
     return f"{len(text)} letters, {crc32(text.encode()):08x}"
 
 
+def shortened(lines: Iterable[object], told: bool) -> list[object]:
+    """What is told, and the checksum of what is like it."""
+    return [*lines] if told else [checksum("\n".join(map(str, lines)))]
+
+
 def summed(report: Any) -> tuple[str, ...]:
     """The verdict of a report, and checksums of all that it says: of a code that calls no library for its sums."""
     text = report.text(everything=True).partition("\n")[2]

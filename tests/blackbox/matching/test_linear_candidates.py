@@ -44,7 +44,7 @@ def test_a_method_with_one_coefficient_wrong_is_not_named_that_method(key, chang
     each = next(each for each in equivalent_methods() if key in each.keys)
     explained = explained_by(each, reading, *rates_of(reading), known=True)
     assert explained.error.in_bounds > 1 or explained.restriction or not explained.rates_are_right
-    as_before(explained.words, f"{explained.error.in_bounds:.3g} bounds")
+    as_before(f"{explained.words}, {explained.error.in_bounds:.3g} bounds")
 
 
 @pytest.mark.parametrize(("step", "words"), VARIANTS, ids=[words for _, words in VARIANTS])

@@ -186,9 +186,8 @@ def test_what_is_read_of_linear_steps_is_what_it_was(name, array, size, as_befor
         return
     rates = [f"{x:.9g}" for x in found.at_zero or ()]
     shown = found.kind, found.amplitude, found.unit, found.tiny, found.identifiable, found.starts_at_identity
-    as_before(
-        *shown, rates, next(iter(found.ordinary), None), len(found.steps), *found.steps[::6], *found.remarks, asked
-    )
+    ordinary = next(iter(found.ordinary), None)
+    as_before(shown, rates, (ordinary, len(found.steps)), found.steps[::6], *found.remarks, asked)
 
 
 @pytest.mark.parametrize("component", [0, 1])
