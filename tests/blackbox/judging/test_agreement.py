@@ -16,7 +16,7 @@ from driftproof.blackbox.judging.tolerance import Allowance
 from driftproof.blackbox.stepper.opening import opened
 from driftproof.methods.catalogue import METHODS
 from tests.blackbox import handwritten_steppers as codes
-from tests.blackbox.transcripts import Asked
+from tests.blackbox.transcripts import Asked, shortened
 
 FEW = 100
 
@@ -123,4 +123,4 @@ def test_all_that_is_asked_and_said_of_steps_is_as_before(name, array, as_before
     if step is codes.rk4:
         said += [single_mistakes(subject, METHODS["rk38"]), *map(attrgetter("words"), measured_orders(subject))]
         said += [nonlinear_agreement(subject, METHODS[other], NO_ALLOWANCE) for other in ("rk4", "rk38")]
-    as_before(*said, asked)
+    as_before(said[0], *shortened(said[1:], array is None), asked)

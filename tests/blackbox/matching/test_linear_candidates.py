@@ -28,23 +28,19 @@ from tests.blackbox.catalogue_steppers import float_subject, with_one_changed
 from tests.blackbox.matching.linear_fits import VARIANTS, fit
 from tests.blackbox.transcripts import Asked
 
-CHANGES = {"off by 1e-10": lambda c: c + Q(1, 10**10), "sign flipped": lambda c: -c}
-# Nodes that change sign are no nodes of a collocation method.
-CHANGED = [
-    pytest.param(key, change, id=f"{key} {name}")
-    for key, method in METHODS.items()
-    for name, change in CHANGES.items()
-    if not (isinstance(method, Collocation) and name == "sign flipped")
-]
+CHANGES = (lambda c: c + Q(1, 10**10), lambda c: -c)
 
 
-@pytest.mark.parametrize(("key", "change"), CHANGED)
-def test_a_method_with_one_coefficient_wrong_is_not_named_that_method(key, change, as_before):
-    reading = read_linear_steps(float_subject(with_one_changed(METHODS[key], change)))
-    each = next(each for each in equivalent_methods() if key in each.keys)
-    explained = explained_by(each, reading, *rates_of(reading), known=True)
-    assert explained.error.in_bounds > 1 or explained.restriction or not explained.rates_are_right
-    as_before(f"{explained.words}, {explained.error.in_bounds:.3g} bounds")
+@pytest.mark.parametrize("key", METHODS)
+def test_a_method_with_one_coefficient_wrong_is_not_named_that_method(key, as_before):
+    each, said = next(each for each in equivalent_methods() if key in each.keys), []
+    # Nodes that change sign are no nodes of a collocation method.
+    for change in CHANGES[: 1 if isinstance(METHODS[key], Collocation) else 2]:
+        reading = read_linear_steps(float_subject(with_one_changed(METHODS[key], change)))
+        explained = explained_by(each, reading, *rates_of(reading), known=True)
+        assert explained.error.in_bounds > 1 or explained.restriction or not explained.rates_are_right
+        said.append(f"{explained.words}, {explained.error.in_bounds:.3g} bounds")
+    as_before(*said)
 
 
 @pytest.mark.parametrize(("step", "words"), VARIANTS, ids=[words for _, words in VARIANTS])

@@ -172,7 +172,8 @@ def test_a_step_is_named_as_what_it_is_and_all_else_is_as_it_was(name, array, as
     found = linear_fit(opened(asked.code, array=array))
     rates, state = (found.position, found.stiffness, found.damping), (found.kind, found.doubts, found.is_disturbed)
     told = [(c.words, c.extras, c.restriction, f"{c.error.in_bounds:.3g}") for c in found.candidates]
-    as_before(*found.lines, (found.amplitude, *state, *map(str, rates)), found.nearest, *told, asked)
+    said = [*found.lines, (found.amplitude, *state, *map(str, rates)), found.nearest, *told]
+    as_before(*shortened(said, array is None), asked)
 
 
 def seen_near(matrix, loose=0.0, h=0.25):

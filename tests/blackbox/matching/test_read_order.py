@@ -47,7 +47,7 @@ def test_the_slopes_of_a_method_give_its_order_and_the_tree_that_fails(key, as_b
     unknown, known = read_order(reading), read_order(reading, match_tableau(reading).matches[0])
     assert unknown.order == known.order == known.untimed_order == method.claimed_order
     if key in TOLD:
-        as_before(*unknown.lines, *known.lines, unknown.linear_order, known.linear_order)
+        as_before(*unknown.lines, *known.lines, (unknown.linear_order, known.linear_order))
     if not method.decimal:
         exact = order(method)
         for found in (unknown, known):
@@ -81,7 +81,7 @@ ORDERS = {
 @pytest.mark.parametrize("name", ORDERS)
 def test_the_order_of_a_code_is_that_of_what_it_does_and_not_of_its_rounding(name, as_before):
     found = in_field(ORDERS[name])
-    as_before(found, *found.lines, found.beside(4), found.beside(5))
+    as_before(found, *found.lines, (found.beside(4), found.beside(5)))
 
 
 def test_the_order_on_linear_problems_is_looked_for_up_to_12():

@@ -77,10 +77,7 @@ def test_what_is_seldom_met_is_opened_or_refused_as_before(name, as_before, monk
     else:
         steps = [] if subject.single else [subject.step(1.0, 0.75, 0.25), subject.step(-3.0, 0.5, 1.5)]
         as_before(
-            subject.adapter.name,
-            call_text(subject, 1.0, 0.75, 0.25),
-            *steps,
-            subject.log.changes_its_arguments,
-            *subject.log.types,
+            f"{subject.adapter.name}: {call_text(subject, 1.0, 0.75, 0.25)}",
+            (*steps, subject.log.changes_its_arguments, *subject.log.types),
             asked,
         )

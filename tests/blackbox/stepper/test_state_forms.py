@@ -25,7 +25,7 @@ def test_a_style_is_opened_as_it_is_written_and_named(style, as_before):
     asked = Asked(step)
     subject = opened(asked.code if inspect.isfunction(step) else step)
     call = call_text(subject, 1.0, 0.75, 0.25)
-    as_before(subject.adapter.name, subject.convention.kind, subject.convention.order, call, asked)
+    as_before((subject.adapter.name, subject.convention.kind, *subject.convention.order), call, asked)
 
 
 @pytest.mark.parametrize("title", ["A dataclass", "A named tuple", "A dict", "A complex number", "Bodies in space"])
