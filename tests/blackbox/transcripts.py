@@ -81,7 +81,7 @@ def titles(report: Any) -> tuple[str, ...]:
 
 
 def assert_as_before(place: Path, title: str, said: Iterable[object], tests: Collection[str] = ()) -> None:
-    """The lines are those under the title in the file; of its titles, none is of no test, where all of these are given."""
+    """The lines are those under the title in the file, and each of its titles is one of `tests`, if these are known."""
     parts = _TITLE.split(place.read_text(encoding="utf-8") if place.exists() else "")[1:]
     kept = dict(zip(parts[::2], parts[1::2], strict=True))
     text = "".join(f"{line}\n" for line in "\n".join(map(str, said)).splitlines())
