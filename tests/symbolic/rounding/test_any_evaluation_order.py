@@ -79,10 +79,7 @@ def test_it_covers_the_program_over_a_field_too(key: str):
 def test_the_price_of_any_order_is_small():
     at = Q(1, 4), Q(1), Q(1)
     for key, factor in (("forward_euler", Q(1)), ("symplectic_euler", Q(1)), ("rk4", Q(5, 4))):
-        own, every = (
-            step_bound(HAND_WRITTEN[key]).error_of(*at)[0],
-            any_order(NINE[key]).error_of(*at)[0],
-        )
+        own, every = (step_bound(HAND_WRITTEN[key]).error_of(*at)[0], any_order(NINE[key]).error_of(*at)[0])
         assert own <= every <= own * factor * (1 + 8 * BINARY64.u)
 
 
