@@ -91,6 +91,24 @@ def moved(problem: NonlinearProblem, sizes: Sequence[float], pace: float, origin
     return replace(problem, rate=rate, solution=solution, scales=tuple(scales(len(problem.solution(arb(START))))))
 
 
+def turned(problem: NonlinearProblem) -> NonlinearProblem:
+    """The same with its numbers, or positions, turned by half of them where they are three or more.
+
+    A clock that stands last, and that no force moves, then stands in the midst: what is wrong with the last shows.
+    """
+
+    def by(numbers: Sequence[AnyNumber], back: int) -> _State:
+        rows = (numbers[: problem.positions], numbers[problem.positions :]) if problem.positions else (numbers,)
+        turns = [back * (len(row) // 2) if len(row) > 2 else 0 for row in rows]
+        return [x for row, k in zip(rows, turns, strict=True) for x in [*row[k:], *row[:k]]]
+
+    return replace(
+        problem,
+        rate=lambda t, y: by(problem.rate(t, by(y, -1)), 1),
+        solution=lambda t: by(problem.solution(t), 1),
+    )
+
+
 def field_problem(subject: ForeignStepper) -> NonlinearProblem:
     """The problem of as many numbers as a step(f, t, y, h) takes; with t if it hands on any.
 

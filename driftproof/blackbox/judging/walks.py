@@ -24,6 +24,7 @@ from driftproof.blackbox.judging.nonlinear_problems import (
     in_each_order,
     moved,
     pushed,
+    turned,
     walls,
 )
 from driftproof.blackbox.judging.nonlinear_step import allowed_off, off_by, own_step
@@ -144,13 +145,15 @@ class Walker:
         """
         if not self.partitioned:
             with suppress(*_REFUSALS):
-                return [driven(numbers, timed=hands_on_time(self.subject, numbers))]
+                timed = hands_on_time(self.subject, numbers)
+                return [driven(numbers, timed=timed) if timed else turned(driven(numbers, timed=timed))]
             return []
         timed = gives_force_times(self.subject)
         if self.subject.gives_velocities and not isinstance(self.method, Splitting | Nystrom):
             found = [dragged_problem(self.subject, numbers)]
         else:
             found = [pushed(numbers, timed=timed)] if timed or numbers > 1 else []
+            found = found if timed else [turned(problem) for problem in found]
             found += [] if timed or self.subject.convention.kind == FIELD else [walls(numbers)]
         return in_each_order(self.subject, found)
 

@@ -26,7 +26,8 @@ from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 def call_text(stepper: ForeignStepper, q: float, v: float, h: float) -> str:
     """The call of a step as a line of Python, `step` being the stepper."""
     calls = stepper.convention
-    state_first = {STATE, TIME} <= {*calls.order} and calls.order.index(STATE) < calls.order.index(TIME)
+    seen = calls.asks or calls.order
+    state_first = {STATE, TIME} <= {*seen} and seen.index(STATE) < seen.index(TIME)
     rates = f"lambda {'y, t' if state_first else 't, y'}: {_made(stepper, ('y[1]', '-y[0]'), True)}"
     names = {POSITION: "q", VELOCITY: "v", TIME: "t"}
     asked = ", ".join(names.get(role, f"_{place}") for place, role in enumerate(calls.asks or (POSITION,)))

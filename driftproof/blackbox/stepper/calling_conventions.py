@@ -38,6 +38,7 @@ VARIANTS = (
     (FORCE, (FUNCTION, POSITION, VELOCITY, STEP)),
     (FIELD, (FUNCTION, STATE, STEP)),
     (FORCE, (FUNCTION, POSITION, VELOCITY, CARRIED, STEP)),
+    (FORCE, (CARRIED, FUNCTION, POSITION, VELOCITY, STEP)),
     (MAP, (POSITION, VELOCITY, CARRIED, STEP)),
     (FIELD, (FUNCTION, STATE, CARRIED, STEP)),
     (FIELD, (FUNCTION, STATE, GRID)),
@@ -175,9 +176,9 @@ def required_names(step: Callable[..., Any]) -> list[str] | None:
 
 
 def parameters_of(step: Callable[..., Any]) -> Mapping[str, inspect.Parameter] | None:
-    """By name; those of a torch module are its forward's."""
+    """By name; those of a torch module are its forward's, of a compiled function those of what was compiled."""
     try:
-        return inspect.signature(getattr(step, "forward", step)).parameters
+        return inspect.signature(getattr(step, "forward", getattr(step, "py_func", step))).parameters
     except (TypeError, ValueError):
         return None
 

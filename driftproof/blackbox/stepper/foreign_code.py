@@ -78,11 +78,20 @@ class ForeignCode:
     def callback(
         self, rate: FieldFunction, t: AnyNumber, size: int, write: Callable[[Any], Foreign]
     ) -> Callable[..., Foreign]:
-        """What the code calls for rate(t, y), as it calls it: f(t, y), f(y, t), or f(y), of which t is the time."""
+        """What the code calls for rate(t, y), as it calls it: f(t, y), f(y, t), or f(y), of which t is the time.
+
+        Which of the two comes first is not seen by one number: there it is as in the first call of all, in which the
+        time is what is nearer to that at which the step begins.
+        """
         order = self.convention.order
-        time_first = TIME not in order or order.index(TIME) < order.index(STATE)
 
         def called(*arguments: Foreign) -> Foreign:
+            known = self.convention.asks or self.log.asks
+            likely = known or order
+            time_first = TIME not in likely or likely.index(TIME) < likely.index(STATE)
+            if not known and size == 1 and len(arguments) > 1:
+                first, last = (abs(self.adapter.read(arguments[i], 1)[0] - t) for i in (0, -1))
+                time_first = first < last or (first == last and time_first)
             state, time = (-1, 0) if time_first else (0, -1)
             try:
                 asked = self.adapter.read(arguments[state], size)
@@ -92,6 +101,8 @@ class ForeignCode:
             except NotANumber as refusal:
                 place = str(refusal).replace("it returns", "it asks for its right-hand side at")
                 raise NotANumber(place) from None
+            if len(arguments) > 1 and not known:
+                self.log.asks = (STATE, TIME) if time else (TIME, STATE)
             (at,) = self.adapter.read(arguments[time], 1) if len(arguments) > 1 else (t,)
             return write(rate(at, asked))
 
@@ -130,7 +141,9 @@ class ForeignCode:
 
     def _ended(self, answer: Foreign, start: Sequence[AnyNumber]) -> Foreign:
         """What stands at the end of the step: of a run its last state, of a generator the one after the start."""
-        if CARRIED in self.convention.order and isinstance(answer, tuple) and len(answer) > 1:
+        parts = len(answer) if isinstance(answer, tuple) and CARRIED in self.convention.order else 0
+        pair = parts == 2 and POSITION in self.convention.order and size_of(answer[0]) == len(start) // 2
+        if parts > 1 and not pair:
             self.log.carried, answer = answer[-1], answer[:-1] if len(answer) > 2 else answer[0]
         steps = self.convention.steps
         if hasattr(answer, "__next__"):

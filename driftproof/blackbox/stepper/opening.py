@@ -118,7 +118,7 @@ def opened(
         raise ValueError(f"{_unfitting(step)}{line}")
     if found := as_plain():
         return found
-    raise failures[0]
+    raise next((failure for failure in failures if isinstance(failure, StaleSlope)), failures[0])
 
 
 def _unfitting(step: Callable[..., Any]) -> str:

@@ -43,8 +43,10 @@ _VERBS = r"^(get|compute|calc|calculate|eval|update)_|_(fn|func|function)$"
 _INTO = re.compile(r"^(out|result|res|dest)_?|_?(out|new|next|1)$")
 # A step that moves back what a spring pulls, whatever the method.
 _SHORT = 2.0**-10
-# A mass that is not 1 shows whether a force is divided by it.
-_HEAVY = 2.0
+# Masses that are not 1, nor all the same, show whether a force is divided by each one's own; what returns accelerations
+# is not divided.
+_HEAVY = (2.0, 4.0, 8.0)
+_ACCELERATIONS, _TRIAL = "acc", np.arange(1.0, 7.0)
 
 
 def plain_forms(step: Callable[..., Any]) -> Iterator[Callable[..., Any]]:
@@ -69,6 +71,9 @@ def plain_forms(step: Callable[..., Any]) -> Iterator[Callable[..., Any]]:
         call, of_force = _Call(step, names, roles), FUNCTION in held
         if _BODIES in held or {POSITION, VELOCITY} <= held:
             if of_force:
+                for places in (_TRIAL, _TRIAL.reshape(2, 3)):  # whether it asks at one place, and does not say whose
+                    with suppress(Exception):
+                        call.moved(np.negative, places, places, _SHORT)
                 yield lambda force, q, v, h, call=call: call.moved(force, q, v, h)
             elif _pulls_back(call):
                 yield lambda q, v, h, call=call: call.moved(None, q, v, h)
@@ -118,7 +123,8 @@ class _Call:
     def __init__(self, step: Callable[..., Any], names: Sequence[str], roles: Mapping[str, str]) -> None:
         self.step, self.names, self.roles = step, names, roles
         function = next((name for name, role in roles.items() if role == FUNCTION), "")
-        self.of_force = "force" in function.lower()
+        self.of_force, self.alike = "force" in function.lower(), False
+        self.heavy = _HEAVY if self.of_force or _ACCELERATIONS in function.lower() else (1.0,)
 
     def solved(self, f: Callable[..., Any] | None, t: float, y: Foreign, h: float) -> Foreign:
         """A step of y' = f(t, y), or of a system that is built in."""
@@ -137,26 +143,32 @@ class _Call:
 
     def moved(self, force: Callable[..., Any] | None, q: Foreign, v: Foreign, h: float) -> Foreign:
         """A step of q'' = force(q), or of a system that is built in."""
+        alike = self.alike
         places, speeds = (np.array(x, dtype=float, ndmin=1) for x in (q, v))
-        shape, mass = np.shape(q), _HEAVY if self.of_force else 1.0
+        shape, masses = np.shape(q), np.resize(self.heavy[:1] if self.alike else self.heavy, len(places))
+        factors = masses.reshape(-1, *[1] * (places.ndim - 1)) ** self.of_force
 
-        def pushes(at: Any) -> Any:
-            """The forces at these places, in their shape, times the mass where they are no accelerations."""
+        def pushes(at: Any, whose: int | None = None) -> Any:
+            """The forces at these places, in their shape, times the masses where they are no accelerations."""
             pushed = -at if force is None else np.asarray(force(at.reshape(shape) if at.size == places.size else at))
-            return mass * np.asarray(pushed, float).reshape(np.shape(at))
+            if at.size == places.size:
+                return (np.asarray(pushed, float).reshape(places.shape) * factors).reshape(at.shape)
+            self.alike |= whose is None
+            return np.asarray(pushed, float).reshape(at.shape) * factors[whose or 0]
 
-        bodies = _bodies(places, speeds, mass) if _BODIES in self.roles.values() else []
+        bodies = _bodies(places, speeds, masses) if _BODIES in self.roles.values() else []
 
         def asked(*arguments: Foreign) -> Foreign:
             if bodies:
                 return _answer_of_bodies(pushes, arguments, bodies)
-            arrays = [x for x in _sorted(arguments, places.size)[0] if x is not masses]
+            arrays = [x for x in _sorted(arguments, places.size)[0] if x is not masses] or arguments
             return _written(pushes(np.asarray(arrays[0], float)), [x for x in arrays[1:] if x is not speeds])
 
-        masses = np.full(len(places), mass)
         given: dict[str, Foreign] = {POSITION: places, VELOCITY: speeds, STEP: h, FUNCTION: asked, _MASS: masses}
         given |= {_BODIES: bodies, TIME: 0.0, CARRIED: pushes(places) if CARRIED in self.roles.values() else None}
         answer, outs = self._made(given, places)
+        if self.alike > alike:  # begin again, with masses between which nothing has to tell
+            return self.moved(force, q, v, h)
         if bodies:
             moved = answer if isinstance(answer, list | tuple) and len(answer) == len(bodies) else bodies
             return tuple(np.array([getattr(b, role) for b in moved]).reshape(shape) for role in ("pos", "vel"))
@@ -208,16 +220,18 @@ def _attribute(name: str) -> str:
     return next((kind for kind, names in kinds.items() if name.lower() in names), name)
 
 
-def _bodies(places: Any, speeds: Any, mass: float) -> list[_Body]:
+def _bodies(places: Any, speeds: Any, masses: Any) -> list[_Body]:
     one: Callable[[Any], Any] = lambda x: x.copy() if np.ndim(x) else float(x)
-    return [_Body(one(q), one(v), mass) for q, v in zip(places, speeds, strict=True)]
+    return [_Body(one(q), one(v), float(mass)) for q, v, mass in zip(places, speeds, masses, strict=True)]
 
 
-def _answer_of_bodies(pushes: Callable[[Any], Any], asked: Sequence[Foreign], bodies: Sequence[_Body]) -> Foreign:
+def _answer_of_bodies(pushes: Callable[..., Any], asked: Sequence[Foreign], bodies: Sequence[_Body]) -> Foreign:
     """The force on an object alone, on one among all of a list, on all of these, or at a place."""
     first = asked[0]
     among = next((x for x in asked if isinstance(x, list | tuple) and len(x) == len(bodies)), None)
     if among is None:  # of one alone, a force knows nothing of the others
-        return pushes(np.asarray(first.pos if isinstance(first, _Body) else first, float))
+        alone = first.pos if isinstance(first, _Body) else first
+        known = [i for i, body in enumerate(bodies) if body is first or np.array_equal(body.pos, alone)]
+        return pushes(np.asarray(alone, float), *(known if len(known) == 1 else ()))
     found = pushes(np.array([body.pos for body in among], float))
     return found if first is among else found[next(i for i, body in enumerate(among) if body is first)]

@@ -2,6 +2,7 @@
 
 import functools
 import inspect
+from types import SimpleNamespace
 
 import pytest
 
@@ -36,6 +37,7 @@ WILD = {
     (FORCE, "position velocity step function"): ["x, v, dt, accel"],
     (FORCE, "position velocity function step"): ["x, v, a, dt"],
     (FORCE, "function time position velocity step"): ["acc, t, x, v, dt"],
+    (FORCE, "position velocity carried step function"): ["q, p, f0, h, force"],
     (FIELD, "function time state step"): [
         "f, t, y, h",
         "fun, t0, y0, step_size",
@@ -160,6 +162,7 @@ def test_methods_objects_and_bound_functions_are_steppers():
     assert convention_of(functools.partial(general, lambda t, y: -y)) == CallingConvention(
         MAP, ("time", "state", "step")
     )
+    assert convention_of(SimpleNamespace(py_func=general)).kind == FIELD  # as numba compiles
     assert convention_of(functools.wraps(general)(lambda *arguments: general(*arguments))).kind == FIELD
 
 

@@ -31,6 +31,8 @@ def test_every_way_to_write_forward_euler_is_forward_euler(step, as_before):
 def test_a_right_hand_side_of_one_number_may_be_all_it_takes():
     subject = opened(lambda f, t, y, h: math.fsum([y, h * f(t, y)]))
     assert subject.step_field(lambda t, y: [-y[0]], 0.0, [1.0], H) == [0.75]
+    for other in (lambda y, *, f, t, h: math.fsum([y, h * f(t, y)]), lambda y, *, f, t, h: y + h * f(t, y)):
+        assert opened(other).step_field(lambda t, y: [t - y[0]], 2.0, [1.0], H) == [1.25]  # called f(t, y) all the same
     with pytest.raises(WrongShape, match="a scalar holds one number, not 2"):
         subject.step(*STATE, H)
 

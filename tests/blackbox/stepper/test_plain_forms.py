@@ -54,6 +54,29 @@ def mass_forgotten(bodies, force, dt):
         b.pos = b.pos + dt * b.vel
 
 
+def first_mass(pos, vel, mass, get_force, dt):
+    vel += dt * get_force(pos) / mass[0]
+    pos += dt * vel
+
+
+def first_mass_of_bodies(bodies, force, dt):
+    for b in bodies:
+        b.v += dt * force(b.x) / bodies[0].m
+        b.x += dt * b.v
+
+
+def divided_again(bodies, accelerations, dt):
+    for b, a in zip(bodies, accelerations(bodies), strict=True):
+        b.v += dt * a / b.m
+        b.x += dt * b.v
+
+
+def one_by_one(q, v, m, force, h):
+    for i in range(len(q)):
+        v[i] += h * force(q[i]) / m[i]
+        q[i] += h * v[i]
+
+
 def in_space(particles, dt, force):
     for p in particles:
         p.v[[0, 1, 2]] += dt * force(p.r) / p.mass
@@ -135,6 +158,10 @@ HELD = [
     (lambda out, y, f, t, h: out.__setitem__(slice(None), y + h * f(t, y)), "forward_euler", ""),
     (two_arrays, "symplectic_euler", ""),
     (with_masses, "velocity_verlet", ""),
+    (one_by_one, "symplectic_euler", ""),
+    (first_mass, "symplectic_euler", "its coefficients are, but on a nonlinear q'' = F(q) of 3 positions"),
+    (first_mass_of_bodies, "symplectic_euler", "its coefficients are, but on q'' = exp(-2q) of 2 positions"),
+    (divided_again, "symplectic_euler", "kick 0: 1/2 instead of 1"),
     (one_after_the_other, "symplectic_euler", "its coefficients are, but on a nonlinear q'' = F(q) of 3 positions"),
     (mass_forgotten, "symplectic_euler", "kick 0: 2 instead of 1"),
     (stale_pushes, "velocity_verlet", "is not velocity_verlet"),

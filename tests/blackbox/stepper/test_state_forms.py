@@ -48,6 +48,17 @@ def verlet_handing_on(acceleration):
     return step
 
 
+def verlet_beside(acceleration=None):
+    """Beside a function a is a slope; where none comes back, the caller asks for it."""
+
+    def step(x, v, a, dt, acc):
+        x1 = x + dt * v + dt**2 / 2 * a
+        moved = x1, v + dt / 2 * (a + acc(x1))
+        return (*moved, acceleration(acc, x, x1)) if acceleration else moved
+
+    return step
+
+
 def timed_verlet_handing_on(later):
     def step(force, t, x, v, a, dt):
         x1 = x + dt * v + dt**2 / 2 * a
@@ -67,10 +78,10 @@ def heun_handing_on(later):
 @pytest.mark.parametrize(
     ("right", "wrong", "key", "said"),
     [
-        (
-            verlet_handing_on(lambda force, x, x1: force(x1)),
-            verlet_handing_on(lambda force, x, x1: force(x)),
-            *("velocity_verlet", "hands on -1 as the slope at its end, where it is -1.15625"),
+        *(
+            (right, kind(lambda f, x, x1: f(x)), "velocity_verlet", "-1 as the slope at its end, where it is -1.15625")
+            for kind in (verlet_handing_on, verlet_beside)
+            for right in (kind(lambda f, x, x1: f(x1)), verlet_beside())
         ),
         *(
             (kind(1.0), kind(later), key, f"hands on the slope at t + {later / 4:g} as that at its end, t + 0.25")
@@ -78,6 +89,7 @@ def heun_handing_on(later):
             for later in (0.0, 0.5)
         ),
     ],
+    ids=range(8),
 )
 def test_a_slope_handed_on_that_is_not_that_at_the_end_is_a_fault(right, wrong, key, said):
     assert key in keys_of(right)
