@@ -272,8 +272,8 @@ def _refuted(
 
 def _right_form(outcomes: Mapping[str, Outcome]) -> str:
     """In which other form of the state it is the method's step after all; "" for none."""
-    passed, words, _ = outcomes[STATE_FORMS].result or (None, "", "")
-    return words if passed is False and words.startswith(RIGHT_AS) else ""
+    _, words, _ = outcomes[STATE_FORMS].result or (None, "", "")
+    return words if words.startswith(RIGHT_AS) else ""
 
 
 def _report(

@@ -47,7 +47,7 @@ SWAPS: dict[type[ast.AST], type[ast.AST]] = {
 }
 # Functions that do not know the order of their arguments.
 SYMMETRIC = ("max", "min", "maximum", "minimum", "hypot", "gcd", "lcm", "greatest_common_divisor", "dot", "distance")
-SYMMETRIC += ("same", "suppress", "isclose")  # the last is that of math; NumPy's is not
+SYMMETRIC += ("same", "_is_same", "suppress", "isclose")  # the last is that of math; NumPy's is not
 # What a bound on rounding errors is called; and how constants are written that bound what is measured.
 BOUND, SMALL = re.compile(r"\.of\(|\.u\b|\b(allowed|rounding|slack|noise)\b"), re.compile(r"2\.0 \*\* \(-\d+\)|1e-\d+")
 # Keywords that declare an intent: no answer of a program that is right changes with them.

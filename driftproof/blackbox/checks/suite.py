@@ -37,9 +37,10 @@ _BITWISE = frozenset(("time", "batches", "takes_integers"))
 
 def checks_of(outcomes: Sequence[Outcome]) -> tuple[CheckResult, ...]:
     """The checks found by the checks, in their order; one check `answers` where none of them got an answer."""
-    if all(outcome == outcomes[0] for outcome in outcomes) and outcomes[0].failed:
-        holds = None if outcomes[0].kind in NO_EVIDENCE else False
-        return (CheckResult("answers", holds, f"no question could be put: {outcomes[0].seen}"),)
+    first, *others = outcomes
+    if first.failed and all(outcome == first for outcome in others):
+        holds = None if first.kind in NO_EVIDENCE else False
+        return (CheckResult("answers", holds, f"no question could be put: {first.seen}"),)
     found: list[CheckResult] = []
     for key, outcome in zip(CHECKS, outcomes, strict=True):
         if outcome.kind != Unsteady.kind:

@@ -162,7 +162,7 @@ def _methods() -> Iterator[Additive]:
 
 def _used(method: Additive) -> list[int]:
     """The stages that count in y₁, by way of whichever others."""
-    used = {j for j in range(method.stages) if method.b_explicit[j] != 0 or method.b_implicit[j] != 0}
+    used = {j for b in (method.b_explicit, method.b_implicit) for j, x in enumerate(b) if x != 0}
     tables = (method.a_explicit, method.a_implicit)
     while more := {j for i in used for a in tables for j, x in enumerate(a[i]) if x != 0} - used:
         used |= more

@@ -73,10 +73,10 @@ class MagneticReading:
         if growth is not None and not self.affine and not self.uneven:
             hint = ", as in Boris' step without 1/(1 + t^2)" if turn.method == "midpoint2" else ""
             found.append(f"|v| is not kept without an electric field{hint}: {turn.lines('h B')[1]}")
-        if not self._near(self.push, 1):
-            half = ": one of two half kicks is missing" if self._near(self.push, 0.5) else ""
+        if not self._is_same(self.push, 1):
+            half = ": one of two half kicks is missing" if self._is_same(self.push, 0.5) else ""
             found.append(f"without B the electric field gives h E times {self._text(self.push)}{half}")
-        if self.drift is not None and not self._near(sum(self.drift), 1):
+        if self.drift is not None and not self._is_same(sum(self.drift), 1):
             found.append(f"without fields the position moves by {self._text(sum(self.drift))} h v")
         elif self._is(self.drift, _AHEAD) and not any(self.asked) and (self.boris or not self.affine):
             found.append("the position moves with the old velocity: no leapfrog, with fields at the old position")
@@ -101,7 +101,7 @@ class MagneticReading:
     def _misplaced(self) -> str:
         """Where a field is asked for that belongs elsewhere, of a leapfrog."""
         meant = self._leapfrog[0] if self._leapfrog else 0.0
-        return next((self._place(c) for c in self.asked if not self._near(c, meant)), "")
+        return next((self._place(c) for c in self.asked if not self._is_same(c, meant)), "")
 
     @property
     def _staggered(self) -> bool:
@@ -234,8 +234,8 @@ class MagneticReading:
     def _off(self) -> float:
         return self.rounding.of(4.0)
 
-    def _near(self, x: float, y: float) -> bool:
+    def _is_same(self, x: float, y: float) -> bool:
         return abs(x - y) <= self._off
 
     def _is(self, halves: Halves | None, *said: Halves) -> bool:
-        return halves is not None and any(all(map(self._near, halves, each)) for each in said)
+        return halves is not None and any(all(map(self._is_same, halves, each)) for each in said)

@@ -10,6 +10,7 @@ from math import log2
 
 import numpy as np
 
+from driftproof.blackbox.judging.measured_order import CLEARANCE
 from driftproof.blackbox.matching.tables import exact_tableau
 from driftproof.blackbox.probes.scripted_answers import Rounding
 from driftproof.blackbox.report import Criterion
@@ -128,7 +129,7 @@ def _factor(times: float, parts: int, normalised: bool, method: str, angle: floa
 
 def _leading(errors: Sequence[float], noise: Sequence[float]) -> tuple[int, float] | None:
     """Power and coefficient of what errors at halved angles are to leading order, from the last two above the noise."""
-    seen = [(x, e) for x, e, n in zip(TURN_ANGLES, errors, noise, strict=True) if abs(e) > 64 * n]
+    seen = [(x, e) for x, e, allowed in zip(TURN_ANGLES, errors, noise, strict=True) if abs(e) > CLEARANCE * allowed]
     if len(seen) < 2:
         return None
     (_, before), (x, last) = seen[-2:]

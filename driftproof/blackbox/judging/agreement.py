@@ -252,12 +252,12 @@ class _Seen:
         self.examples = 0
         self.worst: Example | None = None
         self.failing: Example | None = None
-        self.largest_scaled_error = 0.0
+        self.scaled_errors = list[float]()
 
     def add(self, example: Example) -> bool:
         """Take note of it; whether it fails."""
         self.examples += self.failing is None
-        self.largest_scaled_error = max(self.largest_scaled_error, example.scaled_error)
+        self.scaled_errors.append(example.scaled_error)
         if _fails(example):
             self.failing = example
         if self.worst is None or example.error_over_bound > self.worst.error_over_bound:
@@ -268,7 +268,7 @@ class _Seen:
         assert self.worst is not None
         worst = _in_full(self.worst, tolerance, subject)
         failing = None if self.failing is None else _in_full(self.failing, tolerance, subject)
-        return Agreement(tolerance.method.key, domain, self.examples, worst, failing, self.largest_scaled_error)
+        return Agreement(tolerance.method.key, domain, self.examples, worst, failing, max(self.scaled_errors))
 
 
 def _fails(example: Example) -> bool:

@@ -90,9 +90,9 @@ def single_mistakes(subject: ForeignStepper, method: Method) -> tuple[str, ...]:
     program = program_of(method)
     if agrees(program):
         return ()
-    solved = (_solved(one, force, seen[0], rounding) for one in _one_parameter(method, program))
-    found = (each.words for each in chain(_edits(method, program), solved) if each and agrees(each.program))
-    return tuple(islice(found, MOST_TOLD))
+    edited = (each.words for each in _edits(method, program) if agrees(each.program))
+    solved = (_solved(one, force, seen[0], rounding, agrees) for one in _one_parameter(method, program))
+    return tuple(islice(chain(edited, filter(None, solved)), MOST_TOLD))
 
 
 def _wall(q: float) -> float:
@@ -283,9 +283,13 @@ def _one_parameter(method: Method, program: Program) -> Iterator[_Parameter]:
 
 
 def _solved(
-    one: _Parameter, force: Callable[[float], float], seen: Sequence[float], rounding: Rounding
-) -> Mistake | None:
-    """The program with the x that makes its first step the one seen, by the secant method; None if there is none."""
+    one: _Parameter,
+    force: Callable[[float], float],
+    seen: Sequence[float],
+    rounding: Rounding,
+    agrees: Callable[[Program], bool],
+) -> str:
+    """The x that makes the first step the one seen, by the secant method, in words; "" if it is not right elsewhere."""
 
     def gap(x: float, m: int) -> float:
         return one.at(x).step(force, *_STEPS[0])[m] - seen[m]
@@ -300,7 +304,7 @@ def _solved(
                     break
                 x, before = x - off * (x - before) / (off - off_before), x
                 off, off_before = gap(x, m), off
-            if x != start and abs(off) <= _INSIDE * rounding.of(1 + abs(seen[m])):
+            if x != start and agrees(one.at(x)):
                 found = simple_rational(x, _INSIDE * rounding.of(max(1.0, abs(x))))
-                return Mistake(one.words.format(f"{x:.12g}" if found is None else found), one.at(x))
-    return None
+                return one.words.format(f"{x:.12g}" if found is None else found)
+    return ""

@@ -46,11 +46,10 @@ class Allowance:
     solver_tolerance: Fraction | float | None = None
 
     def __post_init__(self) -> None:
-        """Take a float for the number that it is. Raises ValueError for one that is none, or below zero."""
+        """Raise ValueError for a `solver_tolerance` that is no number, or below zero."""
         given = self.solver_tolerance
         if given is not None and not 0 <= given < inf:
             raise ValueError(f"solver_tolerance={given}: it is a number from 0 on, e.g. 1e-10")
-        object.__setattr__(self, "solver_tolerance", None if given is None else Fraction(given))
 
 
 class Judgement(NamedTuple):

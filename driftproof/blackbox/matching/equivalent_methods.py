@@ -21,7 +21,7 @@ from math import exp, expm1, inf, log1p
 from typing import TypeAlias
 
 import numpy as np
-from flint import arb, arb_poly, ctx
+from flint import acb, arb, arb_poly, ctx
 from numpy.typing import NDArray
 
 from driftproof.methods.catalogue import METHODS
@@ -220,15 +220,15 @@ class LinearlyEquivalentMethods:
 
 @dataclass(frozen=True)
 class ExactFlowMap:
-    """The exact solution of q' = a v, v' = -k q, with cosines and sines or their hyperbolic sisters."""
+    """The exact solution of q' = a v, v' = -k q, cosines and sines or their hyperbolic sisters by the sign of -ak."""
 
     def matrix_at(self, h: Fraction, position: Fraction, stiffness: Fraction) -> list[arb]:
         """exp(hL), in balls."""
         with ctx.workprec(CERTIFYING_BITS):
             in_position, in_velocity = enclose(position * h), enclose(stiffness * h)
-            turn = abs(in_position * in_velocity).sqrt()
-            cosine, sine = (turn.cos(), turn.sin()) if position * stiffness > 0 else (turn.cosh(), turn.sinh())
-            return [cosine, in_position * sine / turn, -in_velocity * sine / turn, cosine]
+            turn = acb(-in_position * in_velocity).sqrt()
+            cosine, over_turn = turn.cosh().real, (turn.sinh() / turn).real
+            return [cosine, in_position * over_turn, -in_velocity * over_turn, cosine]
 
     def allowances(self, rates: Rates, fmt: FloatFormat) -> Four:
         """With x = |h| sqrt|ak|, an argument in error by u x moves a function by at most (1 + x) e^x of its first term.

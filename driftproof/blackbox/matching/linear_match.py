@@ -157,8 +157,7 @@ def fitted(reading: LinearReading, *, known: bool) -> LinearFit:
         (off, each), *_ = _by_distance(h, m, rates)
         start = replace(start, nearest=Nearest(each.keys, h, off, ()))
     found = linear_candidates(reading, known=known) if position and stiffness else []
-    several = len(found) > 1 and all(each.restriction for each in found)
-    if (several or not found) and (nearly := nearly_exact(reading, known=known)):
+    if all(each.restriction for each in found) and (nearly := nearly_exact(reading, known=known)):
         return replace(start, candidates=(nearly,), position=nearly.position, stiffness=nearly.stiffness)
     if found and start.kind == LINEAR:
         return _explained(replace(start, nearly=None), found)

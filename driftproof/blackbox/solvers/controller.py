@@ -334,12 +334,12 @@ def _traces(run: Solution, steps: SolverSteps, attempts: Sequence[Attempt]) -> t
     allowed = _TRACE * float(steps.reading.format.u)
     reading, tried = steps.reading, {each.start: each.h for each in attempts if not each.accepted}
     wrong_after = wrong_else = seen_after = stale = 0
-    for (start, end), (y, y1) in zip(pairwise(run.t), pairwise(run.y), strict=True):
+    for (start, end), ((y,), (y1,)) in zip(pairwise(run.t), pairwise(run.y), strict=True):
         if int(start - _NEAR) != int(end + _NEAR):  # across a jump, or up to it, where rounding of a time matters
             continue
         h = end - start
         slopes = [bumps(start + c * h) for c in reading.c or ()]
-        off = y1[0] - y[0] - h * fsum(b * k for b, k in zip(reading.b, slopes, strict=True))
+        off = y1 - y - h * fsum(b * k for b, k in zip(reading.b, slopes, strict=True))
         seen_after += start in tried
         if abs(off) <= allowed:
             continue

@@ -134,6 +134,10 @@ def _quadrature(t: float) -> list[float]:
     return [cos(t), sin(2 * t) / 2]
 
 
+def _solution(t: float) -> list[float]:
+    return [sin(t), sin(t) ** 2 / 2]
+
+
 def _varying(subject: ForeignSolver) -> SolverMemory:
     """The methods of the steps that follow enough others of their own length. Raises NotReadable if there are none."""
     known = [FORWARD_EULER, BACKWARD_EULER, TRAPEZOID, *candidates(1)]
@@ -173,7 +177,7 @@ def _varying(subject: ForeignSolver) -> SolverMemory:
 
 def _of_stretches(run: Solution, known: Sequence[Multistep]) -> Iterator[str]:
     """The method of each step that only one of these methods gives from those before it, all of its length."""
-    states, true = np.array(run.y), np.array([[sin(t), sin(t) ** 2 / 2] for t in run.t])
+    states, true = np.array(run.y), np.array([*map(_solution, run.t)])
     slopes = np.array([_quadrature(t) for t in run.t])
     lengths = np.diff(run.t)
     recurrences = [(m.key, Recurrence.of(m, run.format)) for m in known]
@@ -184,7 +188,7 @@ def _of_stretches(run: Solution, known: Sequence[Multistep]) -> Iterator[str]:
         for key, each in recurrences:
             if each.steps <= equal:
                 rows, allowed = slice(n + 1 - each.steps, n + 2), _OF_TIMES * each.rounding
-                left, error = (each.left(SteadyRun(y[rows], h * slopes[rows]))[0] for y in (states, true))
+                left, error = (each.left(SteadyRun(y[rows], h * slopes[rows])).item() for y in (states, true))
                 kept += [key] if left <= allowed and error > _BY_FAR * allowed else []
         if len(kept) == 1:
             yield kept[0]

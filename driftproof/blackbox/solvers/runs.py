@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from math import cos, e, hypot, isclose, isfinite, log, log2, nan, sin
@@ -18,6 +18,7 @@ from driftproof.blackbox.solvers.foreign_solver import (
     TOLERANCES,
     DoesNotEnd,
     ForeignSolver,
+    RunSlopes,
     Solution,
     in_binary32,
 )
@@ -87,13 +88,19 @@ def _constant_slopes(subject: ForeignSolver) -> tuple[list[str], list[str]]:
             estimate = ", as where the weights of an error estimate do not add up to 0" if slope else ""
             faults.append(f"it cannot integrate {name}: {failure}{estimate}")
             continue
-        if run.t[0] == _SPAN[0] and abs(run.y[0][0] - start) > float(run.format.u) * start:
-            faults.append(f"it begins at u = {run.y[0][0]!r} in place of {start!r}")
+        (begun,), (last,) = run.y[0], run.y[-1]
+        if run.t[0] == _SPAN[0] and not isclose(begun, start, rel_tol=float(run.format.u)):
+            faults.append(f"it begins at u = {begun!r} in place of {start!r}")
         end = start + slope * (run.t[-1] - _SPAN[0])
-        if not isclose(run.y[-1][0], end, abs_tol=_GROSS * (1 + abs(end))):
-            faults.append(f"{name} ends at u = {run.y[-1][0]:.9g} in place of {end:.9g}")
-        lines.append(f"{name}: {len(run.t) - 1} steps, {len(run.calls)} calls, off by {abs(run.y[-1][0] - end):.2g}")
+        if not isclose(last, end, abs_tol=_GROSS * (1 + abs(end))):
+            faults.append(f"{name} ends at u = {last:.9g} in place of {end:.9g}")
+        lines.append(f"{name}: {len(run.t) - 1} steps, {len(run.calls)} calls, off by {abs(last - end):.2g}")
     return lines, faults
+
+
+def _of_one(slope: Callable[[float, float], float]) -> RunSlopes:
+    """u' = slope(t, u) of one number."""
+    return lambda n, t, y: [slope(t, *y)]
 
 
 def _clock(subject: ForeignSolver) -> tuple[list[str], list[str]]:
@@ -146,10 +153,11 @@ def _accumulated(times: Sequence[float]) -> str:
 def _backward(subject: ForeignSolver) -> tuple[list[str], list[str]]:
     """From t = 1 to 0, where y' = -y grows."""
     try:
-        run = subject.solve(lambda n, t, y: [-y[0]], (1.0, 0.0), (1.0,), _RTOL, _ATOL)
+        run = subject.solve(_of_one(lambda t, u: -u), (1.0, 0.0), (1.0,), _RTOL, _ATOL)
     except Misbehaviour as failure:
         return [f"backward in time it gives no answer: {failure.kind}"], []
-    off = abs(run.y[-1][0] - e)
+    (last,) = run.y[-1]
+    off = abs(last - e)
     if off < _FOLLOWED and isclose(run.t[-1], 0.0, abs_tol=_GROSS):
         return ["it integrates backward in time"], []
     return [], [f"backward in time, from 1 to 0, it ends at t = {run.t[-1]:.6g}, off by {off:.3g}, and does not say so"]
@@ -185,7 +193,7 @@ def _nan(subject: ForeignSolver) -> tuple[list[str], list[str]]:
     """A right-hand side that is NaN from the middle on: an answer that ends there, or refuses, is one."""
     middle = sum(_SPAN) / 2
     try:
-        run = subject.solve(lambda n, t, y: [nan if t > middle else -y[0]], _SPAN, (1.0,), _RTOL, _ATOL)
+        run = subject.solve(_of_one(lambda t, u: nan if t > middle else -u), _SPAN, (1.0,), _RTOL, _ATOL)
     except DoesNotEnd as failure:
         return [], [f"where f is NaN it does not end: {failure}"]
     except Misbehaviour as failure:
@@ -204,7 +212,8 @@ def _jump(subject: ForeignSolver) -> tuple[list[str], list[str]]:
         run = subject.solve(lambda n, t, y: [float(t > at)], _SPAN, (0.0,), _RTOL, _ATOL)
     except DoesNotEnd as failure:
         return [], [f"at a jump of f it does not end: {failure}"]
-    off = abs(run.y[-1][0] - (run.t[-1] - at))
+    (last,) = run.y[-1]
+    off = abs(last - (run.t[-1] - at))
     lines = [f"across a jump of f: {len(run.t) - 1} steps, {len(run.calls)} calls, off by {off:.2g}"]
     if run.complaint:
         return [*lines, f"it says: {run.complaint}"], []
@@ -290,17 +299,19 @@ def _error(run: Solution, problem: NonlinearProblem) -> float:
 def _stiffness(subject: ForeignSolver) -> tuple[list[str], list[str]]:
     """y' = -1000 (y - cos t) - sin t from cos t: an explicit method follows it in steps of some thousandths only."""
     try:
-        run = subject.solve(lambda n, t, y: [-_STIFF * (y[0] - cos(t)) - sin(t)], _SPAN, (cos(_SPAN[0]),), 1e-3, 1e-6)
+        slopes = _of_one(lambda t, u: -_STIFF * (u - cos(t)) - sin(t))
+        run = subject.solve(slopes, _SPAN, (cos(_SPAN[0]),), 1e-3, 1e-6)
     except DoesNotEnd as failure:
         return [f"on y' = -1000 (y - cos t) - sin t it does not end: {failure}"], []
     longest = _STIFF * max((b - a for a, b in pairwise(run.t)), default=0.0)
-    off = abs(run.y[-1][0] - cos(run.t[-1]))
+    (last,) = run.y[-1]
+    off = abs(last - cos(run.t[-1]))
     lines = [f"on y' = -1000 (y - cos t) - sin t its longest step is {longest:.3g}/1000, off by {off:.2g} at the end"]
     if longest > _EXPLICIT and off < _FOLLOWED:  # a solver that is deaf to its error takes long steps, too
         lines.append("it solves for its steps: no explicit method of up to 7 stages is stable so")
         # Of an explicit pair the last two stages lie at one time, and as near.
-        pairs = pairwise(run.calls)
-        apart = sum(a.t == b.t and 0 < abs(a.y[0] - b.y[0]) < _NEARBY * (1 + abs(a.y[0])) for a, b in pairs)
+        pairs = pairwise((call.t, *call.y) for call in run.calls)
+        apart = sum(t == s and 0 < abs(u - v) < _NEARBY * (1 + abs(u)) for (t, u), (s, v) in pairs)
         lines += [f"it asks for differences of f in y, {apart} times, as for a Jacobian"] if apart > 1 else []
     return lines, []
 

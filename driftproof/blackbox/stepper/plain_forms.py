@@ -131,9 +131,9 @@ class _Call:
         state = np.array(y, dtype=float)
 
         def rate(*asked: Foreign) -> Foreign:
-            arrays, times = _sorted(asked, state.size)
+            (place, *others), times = _sorted(asked, state.size)
             assert f is not None
-            return _written(np.asarray(f(times[0] if times else t, arrays[0]), float), arrays[1:])
+            return _written(np.asarray(f(next(iter(times), t), place), float), others)
 
         given = {STATE: state, TIME: t, STEP: h, FUNCTION: rate}
         if CARRIED in self.roles.values() and f is not None:
@@ -161,8 +161,9 @@ class _Call:
         def asked(*arguments: Foreign) -> Foreign:
             if bodies:
                 return _answer_of_bodies(pushes, arguments, bodies)
-            arrays = [x for x in _sorted(arguments, places.size)[0] if x is not masses] or arguments
-            return _written(pushes(np.asarray(arrays[0], float)), [x for x in arrays[1:] if x is not speeds])
+            arrays, _ = _sorted(arguments, places.size)
+            place, *others = [x for x in arrays if x is not masses] or arguments
+            return _written(pushes(np.asarray(place, float)), [x for x in others if x is not speeds])
 
         given: dict[str, Foreign] = {POSITION: places, VELOCITY: speeds, STEP: h, FUNCTION: asked, _MASS: masses}
         given |= {_BODIES: bodies, TIME: 0.0, CARRIED: pushes(places) if CARRIED in self.roles.values() else None}

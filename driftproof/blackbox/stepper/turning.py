@@ -34,7 +34,6 @@ class Push:
     electric: Sequence[float]
     magnetic: Sequence[float]
     h: float
-    t: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -52,7 +51,7 @@ def step_in_fields(subject: ForeignStepper, push: Push) -> Pushed:
         raise UnsupportedCall("it takes no magnetic field")
     order, factor, write, size = subject.convention.order, subject.convention.factor, subject.adapter.write, len(push.v)
     fields: list[_Field] = []
-    roles: dict[str, Foreign] = {POSITION: write(push.x), VELOCITY: write(push.v), STEP: push.h, TIME: push.t}
+    roles: dict[str, Foreign] = {POSITION: write(push.x), VELOCITY: write(push.v), STEP: push.h, TIME: 0.0}
     for role, numbers in ((ELECTRIC, push.electric), (MAGNETIC_FIELD, push.magnetic)):
         scaled = np.multiply(factor, numbers)
         made = _Field(as_array(write(scaled.tolist())) if len(numbers) > 1 else scaled[0])

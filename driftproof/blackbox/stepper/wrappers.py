@@ -228,10 +228,10 @@ def _of_names(step: Callable[..., Any]) -> str:
     kind = MAP if FUNCTION not in roles else FIELD if of_state else FORCE
     if not (given := _by_role(names, kind)):
         return ""
-    ends = [each for each, word in zip(names, words, strict=True) if word in _ENDS]
-    counts = [each for each, word in zip(names, words, strict=True) if word in _COUNTED]
-    if kind == FIELD and ends and counts and "h" not in given.values():
-        given |= {ends[0]: "t + h", counts[0]: "1"}
+    pairs = [*zip(names, words, strict=True)]
+    end, count = (next((each for each, word in pairs if word in known), None) for known in (_ENDS, _COUNTED))
+    if kind == FIELD and None not in (end, count) and "h" not in given.values():
+        given |= {end: "t + h", count: "1"}
         return f"{_call(name, names, given, kind)}{_last_state(step, names, given)}"
     return _call(name, names, given, kind)
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from driftproof.blackbox.families.multistep_runs import MarkedRuns, later_steps, remembers
-from driftproof.blackbox.findings import UnsupportedCall
+from driftproof.blackbox.findings import StepRaised, UnsupportedCall
 from driftproof.blackbox.stepper.opening import opened
 from tests.blackbox.families import remembering_steppers as planted
 from tests.blackbox.families.remembering_steppers import Remembering, Stormer, euler
@@ -80,5 +80,9 @@ def test_a_run_that_cannot_go_on_is_not_said_to_go_on_as_it_begins():
             raise RuntimeError("one step only")
         return [y0, y0 + (ts[1] - ts[0]) * f(ts[0], y0)]
 
-    assert later_steps(opened(once))[:2][0] is None
+    assert later_steps(opened(once))[0] is None
     assert "no run of 8 steps is seen" in later_steps(opened(once))[1]
+    subject = opened(euler)
+    subject.pristine = lambda f, t, y, h: 1 // 0
+    with pytest.raises(StepRaised, match="ZeroDivisionError"):
+        MarkedRuns.of(subject)

@@ -6,7 +6,7 @@ from fractions import Fraction as Q
 
 import pytest
 
-from driftproof.blackbox.matching.candidates import ExactTable, newmark
+from driftproof.blackbox.matching.candidates import ExactTable, field_variants, force_variants, newmark
 from driftproof.blackbox.matching.match import match_forces
 from driftproof.blackbox.probes.force import read_forces
 from driftproof.blackbox.stepper.opening import opened
@@ -57,6 +57,34 @@ def test_a_variant_is_named_through_both_conventions_and_a_stranger_as_none(name
     as_before(*(line for each in found for line in (*each.lines, each.keys)))
     named = int(name not in ("midpoint2 five times", "no step", "none of ours"))
     assert [len(each.matches) for each in found] == [named, named]
+
+
+TIMES = [f"{n} steps of h/{n}" for n in range(5)]
+ITERATED = "with 5 fixed-point iterations from the slope at the start: explicit"
+# Through fields and through forces; the last stage of one step may be the first of the next, three times.
+VARIANTS = {
+    "heun2": TIMES[3:],
+    "kutta3": TIMES[2:3],
+    "fehlberg45": ["with the embedded weights propagated"],
+    "butcher5": ["with the step 1/3 h in place of h"],
+    "implicit_midpoint": [ITERATED],
+    "gauss2": [],
+}
+SPLIT = {
+    "velocity_verlet": TIMES[3:],
+    "ruth3": TIMES[2:3],
+    "mclachlan4": ["kicks and drifts exchanged", "its adjoint, kicks and drifts exchanged"],
+}
+
+
+def test_variants_are_those_that_have_so_many_stages_that_count():
+    """Of six calls."""
+    for said, variants in (
+        (VARIANTS, field_variants(True, 6, Q(1, 3), implicit=False)),
+        (VARIANTS | SPLIT, force_variants(6, Q(1, 3))),
+    ):
+        found = [(each.key, each.relation) for each in variants if each.key in said]
+        assert {key: [relation for name, relation in found if name == key] for key in said} == said
 
 
 def rearranged(key, change):

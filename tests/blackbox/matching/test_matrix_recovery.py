@@ -8,7 +8,7 @@ from math import sin
 import numpy as np
 import pytest
 
-from driftproof.blackbox.matching.matrix_recovery import recovered
+from driftproof.blackbox.matching.matrix_recovery import _shapes, recovered
 from driftproof.blackbox.probes.linear_steps import DYADIC, LINEAR, NOT_DYADIC, LinearReading, read_linear_steps
 from driftproof.blackbox.stepper.opening import opened
 from driftproof.symbolic.algebra.polynomials import scalar
@@ -42,6 +42,15 @@ def test_a_matrix_is_recovered_with_its_denominator_its_odd_powers_and_its_unit(
 def test_what_is_no_function_of_low_degree_is_not_recovered():
     reading = read_linear_steps(opened(lambda q, v, h: (q + sin(h) * v, v - sin(3 * h) * q)))
     assert recovered(reading) is None
+
+
+def test_polynomials_are_tried_before_quotients_and_small_ones_first():
+    told = [[(shape.num, shape.den) for shape in _shapes(*given)] for given in ((None, 3), (1, 3))]
+    assert told == [
+        [((0,), ()), ((0, 1), ()), ((0, 1, 2), ()), ((0,), (1,)), ((0, 1), (1,)), ((0,), (1, 2))],
+        [((1,), ()), ((1, 3), ()), ((1, 3, 5), ()), ((1,), (2,)), ((1, 3), (2,)), ((1,), (2, 4))],
+    ]
+    assert max(len(shape.den) for shape in _shapes(0, 9)) == 4
 
 
 @pytest.mark.parametrize("step", [rational, like_rk4(1 / 23), odd_and_even])

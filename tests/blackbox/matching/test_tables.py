@@ -11,6 +11,7 @@ from driftproof.blackbox.matching.tables import (
     Fingerprint,
     bounded,
     induced_by_nystrom,
+    induced_by_parts,
     induced_by_tableau,
     induced_repeated,
     tableau_of,
@@ -41,6 +42,11 @@ def test_reduction_keeps_sizes():
 def test_a_table_repeated_and_then_squared_is_one_squared_and_then_repeated():
     tableau = tableau_of(METHODS["kutta3"], Q)
     assert induced_by_tableau(tableau_repeated(tableau, 3)) == induced_repeated(induced_by_tableau(tableau), 3)
+
+
+def test_a_splitting_without_kicks_drifts_and_does_nothing_else():
+    nothing = StageCoefficients(((0,),), ((0,), (0,)), (Q(3, 4),))
+    assert induced_by_parts([("drift", Q(1, 2)), ("kick", Q(0)), ("drift", Q(1, 4))], Q) == (nothing, Q(3, 4))
 
 
 def test_a_nystrom_method_keeps_its_weights_apart():

@@ -8,9 +8,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from driftproof.blackbox.findings import UnsupportedCall
-from driftproof.blackbox.probes.force import read_forces
-from driftproof.blackbox.probes.scripted_answers import NotReadable
+from driftproof.blackbox.probes.force import ForceReading, _Probe, _Run, read_forces
+from driftproof.blackbox.probes.scripted_answers import Control, NotReadable, Rounding
 from driftproof.blackbox.stepper.opening import opened
+from driftproof.symbolic.rounding.formats import BINARY64
 from tests.blackbox import handwritten_steppers as codes
 from tests.blackbox.transcripts import Asked
 
@@ -175,6 +176,27 @@ def test_all_that_is_asked_of_a_step_and_said_is_as_before(name, as_before):
         as_before(reading, *reading.lines, asked)
     except NotReadable as refused:
         as_before(refused, asked)
+
+
+# Three nodes and drifts, of which the largest counts, if it is no less than 1; each force moves a place by so much.
+@pytest.mark.parametrize(
+    ("nodes", "drift", "length", "pushes"),
+    [((0.0, -3.0), 2.0, 3.0, (5.0, 12.0)), ((0.5, 0.25), -4.0, 4.0, (5.0, 16.0)), ((0.5, 0.0), 0.5, 1.0, (5.0, 7.0))],
+)
+def test_a_control_may_be_off_by_the_rounding_of_all_that_it_adds(nodes, drift, length, pushes, monkeypatch):
+    probe = _Probe(opened(codes.velocity_verlet), 1.0)
+    rows = ((0.0, 0.0), (-5.0, 0.0))
+    reading = ForceReading(nodes, rows, (2.0, -7.0), (1.0, -4.0), drift, BINARY64, stage_error=2.0**-30)
+    size, of = 11 + 0.5 * length * 13 + 0.25 * (pushes[0] * 17 + pushes[1] * 19), Rounding(BINARY64, 2).of
+    allowed = probe._allowed(reading, -11.0, -13.0, -0.5, [17.0, -19.0])
+    assert allowed == (of(2 * size), of(2 * (13 + 2 * size / 0.5)))
+    assert reading.rounding == Rounding(BINARY64, 2, 2.0**-28)
+    control = Control("", "", h=-0.5, time=-7.0)
+    for share, held in ((0.95, True), (1.05, False)):
+        off = share * of(2 * (7 + 0.5 * max(map(abs, nodes))))
+        times = [-7 - 0.5 * nodes[0], -7 - 0.5 * nodes[1] + off]
+        monkeypatch.setattr(probe, "_controlled", lambda control, times=times: _Run([], 0.0, 0.0, times, []))
+        assert (probe._wrong_time(reading, control) == "") is held
 
 
 def test_a_map_has_no_force():

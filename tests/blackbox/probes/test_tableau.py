@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+from contextlib import nullcontext
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from driftproof.blackbox.findings import Misbehaviour, UnsupportedCall
-from driftproof.blackbox.probes.scripted_answers import NotReadable
-from driftproof.blackbox.probes.tableau import read_tableau
+from driftproof.blackbox.probes.scripted_answers import Control, NotReadable, Rounding
+from driftproof.blackbox.probes.tableau import ScriptedStep, TableauProbe, read_tableau
 from driftproof.blackbox.stepper.opening import opened
+from driftproof.symbolic.rounding.formats import BINARY64
 from tests.blackbox import handwritten_steppers as codes
 from tests.blackbox.transcripts import Asked
 
@@ -148,6 +152,23 @@ def test_all_that_is_asked_of_a_step_and_said_is_as_before(name, as_before):
         as_before(reading, *reading.lines, asked)
     except (NotReadable, Misbehaviour) as refused:
         as_before(type(refused).__name__, refused, asked)
+
+
+# Of Heun's method, whose first slope is taken once, in a stage, and the second by half.
+@pytest.mark.parametrize(("share", "held"), [(0.95, True), (1.05, False)])
+@pytest.mark.parametrize("place", range(5))
+def test_a_control_may_be_off_by_the_rounding_of_all_that_it_adds(place, share, held):
+    probe, control = TableauProbe(opened(codes.heun, "field"), 1.0), Control("", "", h=-0.75, time=-3.0)
+    reading, y, slopes = probe.reading(), -7.0, [-5.0, 11.0]
+    seen, times = [y, y - 0.75 * slopes[0], y - 0.75 * sum(slopes) / 2], [-3.0, -3.75]
+    if place < 3:
+        seen[place] += share * probe.rounding.of(2 * (7 + 0.75 * (5 + 11 / 2)))
+    else:
+        times[place - 3] -= share * probe.rounding.of(2 * (3 + 0.75))
+    with nullcontext() if held else pytest.raises(NotReadable):
+        probe._compare(reading, control, y, slopes, seen)
+        probe._compare_times(reading, control, ScriptedStep(times, [], []))
+    assert replace(reading, stage_error=2.0**-30).rounding == Rounding(BINARY64, 2, 2.0**-28)
 
 
 def test_other_conventions_have_no_right_hand_side():

@@ -6,9 +6,11 @@ import numpy as np
 import pytest
 
 from driftproof import identify_solver
+from driftproof.blackbox.families.multistep_recurrence import FORWARD_EULER
 from driftproof.blackbox.probes.scripted_answers import NotReadable
 from driftproof.blackbox.solvers.foreign_solver import SolverTarget
-from driftproof.blackbox.solvers.multistep import read_memory
+from driftproof.blackbox.solvers.multistep import BACKWARD_EULER, TRAPEZOID, _quadrature, _solution, read_memory
+from driftproof.symbolic.linear.multistep import MultistepFacts
 from tests.blackbox.families import remembering_steppers as planted
 from tests.blackbox.families.remembering_steppers import Corrected, Remembering, euler, rk4_step
 from tests.blackbox.solvers.planted_solvers import adaptive
@@ -55,13 +57,25 @@ def of_its_own_length(make):
     return solve
 
 
+def of_whole_steps(make):
+    """A solver of as many steps of 0.47 as their quotient has in its whole part: of 40 times that, which is 39.99..."""
+
+    def solve(f, t_span, y0):
+        steps = int((t_span[1] - t_span[0]) / 0.47)
+        return run(make, f, (t_span[0], t_span[0] + 0.47 * steps), y0, steps)
+
+    return solve
+
+
 def adams_bashforth2():
     return Remembering("adams_bashforth2", euler).step
 
 
 STARTED = "adams_bashforth2, started by forward_euler"
 RIGHT = {
-    STARTED: [kind(adams_bashforth2) for kind in (by_number, by_length, of_its_own_number, of_its_own_length)],
+    STARTED: [
+        kind(adams_bashforth2) for kind in (by_number, by_length, of_its_own_number, of_its_own_length, of_whole_steps)
+    ],
     "adams_bashforth4, started by rk4": [by_length(lambda: Remembering("adams_bashforth4", rk4_step).step)],
     "two_step_leapfrog, started by forward_euler": [by_number(lambda: Remembering("two_step_leapfrog", euler).step)],
     "bdf2, started by backward_euler": [by_number(lambda: Remembering("bdf2", planted.implicit_euler).step)],
@@ -109,6 +123,13 @@ def test_the_report_is_of_the_recurrence_and_finds_no_fault_in_a_solver_without_
     assert report.data["steps"] == {"name": STARTED, "order": 2}
     assert report.section("Not answered") is None
     assert "q'' = -q to t = 6: with 128 steps: error 0.0056, order 2.01" in report.section("Tolerance, measured").lines
+
+
+def test_known_recurrences_have_the_order_they_say_and_the_runs_the_solution_they_are_held_to():
+    known = (FORWARD_EULER, BACKWARD_EULER, TRAPEZOID)
+    assert [m.claimed_order for m in known] == [MultistepFacts(m).order for m in known] == [1, 1, 2]
+    slopes = np.subtract(_solution(0.7 + 1e-5), _solution(0.7 - 1e-5)) / 2e-5
+    assert [*slopes, *_solution(0.0)] == pytest.approx([*_quadrature(0.7), 0.0, 0.0], abs=1e-9)
 
 
 VARYING = {"BDF": {"ndf1", "ndf2", "ndf3", "ndf4", "bdf5"}, "LSODA": {"adams_moulton2", "adams_moulton5"}}

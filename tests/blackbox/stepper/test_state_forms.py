@@ -8,10 +8,10 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from driftproof.blackbox.findings import StaleSlope
+from driftproof.blackbox.findings import StaleSlope, WrongShape
 from driftproof.blackbox.stepper.call_text import call_text
 from driftproof.blackbox.stepper.opening import opened
-from driftproof.blackbox.stepper.state_forms import CompiledCallback
+from driftproof.blackbox.stepper.state_forms import VECTORS, CompiledCallback
 from tests.blackbox.stepper.styles import STYLES, defined, keys_of, namespace
 from tests.blackbox.transcripts import Asked
 
@@ -38,6 +38,13 @@ def test_the_call_that_a_report_shows_works(title):
 
 def test_most_styles_are_opened_as_they_are_written():
     assert sum(not style.wrapper for style in STYLES) >= 32
+
+
+def test_a_vector_holds_no_more_numbers_than_it_has():
+    for vector, size in zip(VECTORS, (2, 3), strict=True):
+        assert vector.write([0.25] * (size - 1)).tolist() == [*[0.25] * (size - 1), 0.0]
+        with pytest.raises(WrongShape, match=f"a vector of {size} numbers holds no {size + 1}"):
+            vector.write([0.25] * (size + 1))
 
 
 def verlet_handing_on(acceleration):

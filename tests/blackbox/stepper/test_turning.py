@@ -13,7 +13,15 @@ from tests.blackbox.families import turning_steppers as codes
 PUSH = Push((1.0, 2.0, 3.0), (0.0, 1.0, -1.0), (0.5, 0.0, 1.0), (0.0, 2.0, 1.0), 0.5)
 
 
-@pytest.mark.parametrize("step", [codes.by_ratio, codes.solved, codes.in_place, codes.in_rows])
+def timed(t, x, v, E, B, dt):
+    return codes.boris()(x, v, E + t, B, dt)
+
+
+def timed_turn(t, q, omega, dt):
+    return codes.quaternion("rk4")(q, omega + t, dt)
+
+
+@pytest.mark.parametrize("step", [timed, codes.by_ratio, codes.solved, codes.in_place, codes.in_rows])
 def test_every_style_moves_as_the_plain_one(step):
     said, seen = step_in_fields(opened(codes.boris()), PUSH), step_in_fields(opened(step), PUSH)
     assert (seen.x, seen.v) == (pytest.approx(said.x, abs=1e-14), pytest.approx(said.v, abs=1e-14))
@@ -22,7 +30,7 @@ def test_every_style_moves_as_the_plain_one(step):
 def test_a_call_is_told_with_all_that_is_given():
     pushed, turned = [], []
     step_in_fields(opened(codes.boris(), before=pushed.append), PUSH)
-    turn_quaternion(opened(codes.quaternion("rk4"), before=turned.append), [1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 1.0], 0.5)
+    turn_quaternion(opened(timed_turn, before=turned.append), [1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 1.0], 0.5)
     assert pushed[-1] == "x=[1.0, 2.0, 3.0], v=[0.0, 1.0, -1.0], E=[0.5, 0.0, 1.0], B=[0.0, 2.0, 1.0], h=0.5"
     assert turned[-1] == "q=[1.0, 0.0, 0.0, 0.0], omega=[0.0, 0.0, 1.0], h=0.5"
 
