@@ -117,7 +117,7 @@ class ForceReading:
         return [*lines, *self.remarks, *([f"{NO_TABLEAU}: {self.refused}"] if self.refused else [])]
 
     def _text(self, x: float) -> str:
-        return coefficient_text(x, self.format, 4 * self.stage_error)
+        return coefficient_text(x, self.format, self.rounding.besides)
 
     def _velocity(self, i: int) -> str:
         """The velocity that call i is given, as "v + 1/2 h F[0]"."""

@@ -122,7 +122,7 @@ class TableauReading:
         return [*rows, *unused, *clock, *solved, *self.remarks]
 
     def _row(self, row: CoefficientRow) -> str:
-        return ", ".join(coefficient_text(x, self.format, 4 * self.stage_error) for x in row)
+        return ", ".join(coefficient_text(x, self.format, self.rounding.besides) for x in row)
 
 
 def read_tableau(subject: ForeignStepper) -> TableauReading:

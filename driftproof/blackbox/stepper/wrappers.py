@@ -230,7 +230,7 @@ def _of_names(step: Callable[..., Any]) -> str:
         return ""
     pairs = [*zip(names, words, strict=True)]
     end, count = (next((each for each, word in pairs if word in known), None) for known in (_ENDS, _COUNTED))
-    if kind == FIELD and None not in (end, count) and "h" not in given.values():
+    if kind == FIELD and end is not None and count is not None and "h" not in given.values():
         given |= {end: "t + h", count: "1"}
         return f"{_call(name, names, given, kind)}{_last_state(step, names, given)}"
     return _call(name, names, given, kind)

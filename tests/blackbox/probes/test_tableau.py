@@ -94,7 +94,11 @@ def slightly_nonlinear(f, t, y, h):
 
 
 def crossed(f, t, y, h):
-    return y + h * f(t, y)[::-1]
+    return y + h * np.roll(f(t, y), 1)
+
+
+def refusing(f, t, y, h):
+    raise ValueError(f"no {len(y)} numbers")
 
 
 def falling(f, t, y, h):
@@ -135,7 +139,18 @@ UNTRIED = {"remembering": Remembering(), "anticipating": Anticipating().step, "n
 UNTRIED |= {
     step.__name__: step
     for step in (
-        *(iterated_to_the_end, adaptive, without_h, slightly_nonlinear, limited, crossed, falling, endless, wandering),
+        *(
+            iterated_to_the_end,
+            adaptive,
+            without_h,
+            slightly_nonlinear,
+            limited,
+            crossed,
+            refusing,
+            falling,
+            endless,
+            wandering,
+        ),
         *(aware_of_the_time, codes.symplectic_euler_in_a_field),
     )
 }
