@@ -18,7 +18,7 @@ class ProgramText:
     component's; `tests/witnesses/compensated.py` derives what that is good for.
     """
 
-    def __init__(self, *, compensated: bool = False) -> None:
+    def __init__(self, *, compensated: bool) -> None:
         """Start with neither."""
         self.compensated = compensated
         self.lines: list[str] = []

@@ -44,6 +44,7 @@ def test_splitting_parts_may_come_from_a_generator() -> None:
     parts = (("kick", 1), ("drift", Q(1)))
     assert splitting(part for part in parts).parts == parts
     assert all(type(c) is Q for _, c in splitting(list(parts)).parts)
+    assert [KICKS.quadratic_kinetic, *(method.decimal for method in (KICKS, NYSTROM, HEUN))] == 4 * [False]
 
 
 INEXACT = [0.5, np.float64(0.5), np.int64(1), sympy.Rational(1, 2), "1/2", True, None, 1j]

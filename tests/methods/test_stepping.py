@@ -97,3 +97,5 @@ def test_the_force_may_be_written_into_the_text():
 def test_an_implicit_method_has_no_text(key):
     with pytest.raises(MethodError, match="is implicit"):
         step_source(METHODS[key])
+    with pytest.raises(TypeError, match=f"'{key}' is a string, and a method is needed: METHODS"):
+        stepper(key, float)

@@ -36,11 +36,12 @@ def by_key(method: Method) -> str:
 
 
 def fingerprint(method: Method) -> str:
-    """The first digits of a checksum: any digit of any coefficient counts, and of the source."""
+    """The first digits of a checksum: any digit of any coefficient counts, the source, and what is said of it."""
     rows = ["c", "a", "b", "b_embedded", "embedded_order", "b_position", "b_velocity", "parts", "node_polynomial"]
     of_facts = ["weights", "rho", "sigma", "derivative", "alpha", "gamma", *Additive.matrices, *Additive.rows]
     names = (*rows, "claimed_order", "source", *of_facts)
     meant = {name: getattr(method, name) for name in names if hasattr(method, name)}
-    if field := getattr(method, "field", None):  # and of the ends between which its root lies
-        meant["field"] = field
+    for name in ("field", "decimal", "quadratic_kinetic"):  # the field with the ends between which its root lies
+        if said := getattr(method, name, None):
+            meant[name] = said
     return sha256(str(meant).encode()).hexdigest()[:12]
