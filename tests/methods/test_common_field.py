@@ -67,6 +67,7 @@ def test_field_of_too_large_a_degree_is_refused() -> None:
         ("8**(2/3)", Q(4)),
         ("(1/2)**(1/2)", square_root(2) / 2),
         ("4**(1/4)", square_root(2)),
+        ("(4/9)**(1/2)", Q(2, 3)),
         ("2**(-1/3)", cube_root(4) / 2),
         ("(1/3)**(1/3)", cube_root(9) / 3),
         ("1**(1/2)", Q(1)),
