@@ -129,13 +129,14 @@ def variants(node: ast.AST, digits: bool) -> Iterator[str]:
 
 
 def nodes(tree: ast.AST) -> Iterator[ast.AST]:
-    """Every node that says what is computed: no annotation, declaration or imported name, no part of an f-string."""
+    """Every node that says what is computed: no annotation, declaration, docstring or import, no part of f-strings."""
     declared = DECLARED.get(ast.unparse(tree.func), ()) if isinstance(tree, ast.Call) else ()
     for field, value in ast.iter_fields(tree):
         if field in ("annotation", "returns", "type_params", "msg") or (field == "value" and _is_alias(tree)):
             continue
         for child in value if isinstance(value, list) else [value]:
-            if isinstance(child, ast.keyword) and child.arg in declared:
+            docstring = isinstance(child, ast.Expr) and isinstance(child.value, ast.Constant)
+            if docstring or (isinstance(child, ast.keyword) and child.arg in declared):
                 continue
             if isinstance(child, ast.AST) and not isinstance(child, ast.JoinedStr | ast.Import | ast.ImportFrom):
                 yield child

@@ -21,7 +21,7 @@ from tests.campaigns.mutants import (
 )
 from tests.looping import some
 
-SOURCE = '''"""A docstring 1 + 1."""
+SOURCE = '''"""A docstring 1 + 1.5."""
 LIMIT: int = 3
 def f(a: "x < y", b):
     if a < b and not g(a, b):
@@ -39,7 +39,7 @@ not g(a, b) -> (g(a, b)); g(a, b) -> g(b, a); raise ValueError("1 < 2") -> pass;
 
 
 def test_every_kind_of_error_is_planted_where_it_stands_and_nowhere_else(tmp_path: Path) -> None:
-    place = "driftproof/methods/a.py"
+    place = "driftproof/methods/tables/a.py"
     (tmp_path / place).parent.mkdir(parents=True)
     (tmp_path / place).write_text(SOURCE, encoding="utf-8")
     found = mutants_of(tmp_path, place)

@@ -28,6 +28,7 @@ def test_tree_is_as_written() -> None:
     quarter = ChainNode(13, NumberNode(13, Q(1)), ((Token("sign", "/", 14), NumberNode(15, Q(4))),))
     power = PowerNode(8, CallNode(8, "f", (NameNode(10, "x"), quarter)), Q(2, 3))
     product = ChainNode(6, NumberNode(6, Q(2)), ((Token("sign", "*", 7), power),))
+    assert Token("sign", "**", 7).end == 9
     assert tree == ChainNode(1, NegatedNode(1, NameNode(2, "a")), ((Token("sign", "+", 4), product),))
     for text, exponent in (("^-3", Q(-3)), ("**(-3/1)", Q(-3)), ("**1.25", Q(5, 4)), ("**0.015625", Q(1, 64))):
         assert ExpressionParser(f"2{text}").tree() == PowerNode(1, NumberNode(1, Q(2)), exponent)
