@@ -4,7 +4,7 @@ The grammar of `driftproof.methods.expression_tree`, in which a name may begin a
 
 query   = head part* [":" readout [unit]]
 part    = subject | "at" value | name "=" (literal | name | rates) | number "steps" | start | "sharp" | equation
-start   = "from" literal ("," literal)*
+start   = "from" ["("] literal ("," literal)* [")"]
 rates   = "(" sum ("," sum)* ")"
 equation = name "'" "=" sum | name "(" "0" ")" "=" literal
 literal = ["-" | "+"] number ["/" number]
@@ -35,6 +35,7 @@ from driftproof.methods.expression_tree import (
 )
 from driftproof.support.plain_text import did_you_mean
 from driftproof.texts.questions import wording
+from driftproof.texts.questions.errors import QuestionError
 from driftproof.texts.questions.pieces import OWN_PI, WORDS, PieceParser
 
 SETTINGS = ("h", "t", "N", "steps", "error", "z", "lambda")
@@ -75,6 +76,10 @@ Node: TypeAlias = ExpressionNode | Query
 def parse_question(question: str) -> Node:
     """The tree of the question, whose letters may have accents. Raises QuestionError."""
     plain = "".join(normalize("NFKD", c)[0] if c.isalpha() else c for c in question)
+    if rounded := wording.ROUNDED.search(plain):
+        kind = "digits" if rounded["digits"] else "places"
+        how = f"{kind} are said beside a question: --{kind} 6, or | {kind}(6) in a template"
+        raise QuestionError(question, rounded.start() + 1, how)
     node: Node = _QuestionParser(plain.removesuffix("?"), largest_power=LARGEST_POWER_ASKED).tree()
     return node
 
@@ -187,7 +192,12 @@ class _QuestionParser(PieceParser):
             said = name in wording.SAY_NOTHING or after[:1] == ["steps"] or self._setting_name(self.at + 1)[1]
             if said or after[:1] == ["="] or after in (["'", "="], ["(", "0"]) or name in ("at", "from"):
                 self.take()
-        return self.next.kind == NAME or (self.next.kind == NUMBER and self.tokens[self.at + 1].text == "steps")
+        return self.next.kind == NAME or self._is_count(self.at)
+
+    def _is_count(self, at: int) -> bool:
+        """Whether a number of steps stands there, in digits or as a word, or one of periods."""
+        token = self.tokens[at]
+        return (token.kind == NUMBER or token.text in wording.COUNTS) and self.after(at).text in wording.COUNTED
 
     def with_unknowns(self, head: Token, parts: dict[str, Any]) -> dict[str, Any]:
         """The parts of a query, its equations as rates and a start in the order of their unknowns."""
@@ -216,8 +226,9 @@ class _QuestionParser(PieceParser):
             self.take()
         after = self.after(self.at)
         key = {"at": "at", "from": "start"}.get(token.text, "subject")
-        if token.kind == NUMBER:
-            count = NumberNode(token.column, self.rational(token.text, token))
+        if self._is_count(self.at - 1) and self.next.text.startswith("step"):
+            steps = self.rational(token.text, token) if token.kind == NUMBER else wording.COUNTS[token.text]
+            count = NumberNode(token.column, Fraction(steps))
             self.put(parts["settings"], self.take(), "N", lambda: count)
         elif token.text in wording.SAY_NOTHING or (key == "at" and self.next.kind == NAME and after.text in "='"):
             pass
@@ -246,7 +257,7 @@ class _QuestionParser(PieceParser):
             parts["words"][token.text] = token
         elif key == "start":
             self.put(parts, token, key, self.start)
-        elif "period" in (token.text, self.next.text):
+        elif not wording.PERIODS.isdisjoint((token.text, self.next.text)):
             raise self.error(token, f"a period is no whole number of steps: {OWN_PI}")
         elif key in parts:
             from driftproof.numeric.problems.catalogue import PROBLEMS

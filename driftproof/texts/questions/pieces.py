@@ -66,10 +66,13 @@ class PieceParser(ExpressionParser):
         return self.piece(first.column, last.end)
 
     def start(self) -> tuple[Fraction, ...]:
-        """One or more numbers, parted by commas: a state."""
+        """One or more numbers, parted by commas, in brackets or without: a state."""
+        bracket = self.accept("(")
         found = [self.literal("start")]
         while self.accept(","):
             found.append(self.literal("start"))
+        if bracket:
+            self.expect(")", "the bracket of a start is not closed")
         return tuple(found)
 
     def rates(self) -> tuple[Token, ...]:

@@ -28,7 +28,7 @@ READOUT_WORDS = {
     **dict.fromkeys(_LARGEST, "largest_error"),
     **dict.fromkeys(("energy_error", "energy_drift"), "energy_change"),
     **dict.fromkeys(("function_evaluations", "number_of_evaluations"), "evaluations"),
-    "number_of_function_evaluations": "evaluations",
+    **dict.fromkeys(("number_of_function_evaluations", "evaluations_of_f", "f_evaluations"), "evaluations"),
     "number_of_steps": "steps",
     "step_size": "h",
     "position": "q",
@@ -56,8 +56,9 @@ FACT_WORDS = {
     **dict.fromkeys(("order_of_convergence", "convergence_order", "convergence_rate", "order_of_accuracy"), "order"),
     **dict.fromkeys(("order_of_error_estimate", "order_of_estimate", "error_estimate_order"), "estimate:order"),
     **dict.fromkeys(("order_of_embedded_method", "order_of_embedded_formula"), "embedded_order"),
-    **dict.fromkeys(("local_error_constant", "truncation_error_constant"), "error_constant"),
-    **dict.fromkeys(("number_of_stages", "stage_number"), "stages"),
+    **dict.fromkeys(("local_error_constant", "local_truncation_error_constant"), "error_constant"),
+    "truncation_error_constant": "error_constant",
+    **dict.fromkeys(("number_of_stages", "stage_number", "stage_count"), "stages"),
     **dict.fromkeys(("dispersion_error", "phase_lag"), "dispersion"),
     "dissipation_error": "dissipation",
     "dispersion_order": "dispersion:power",
@@ -86,6 +87,8 @@ _NORM = "sqrt(principal_error METHOD : squared_norm)"
 _SPECTRUM = "stability_function (y' = λy, z = hλ) or one_step_matrix (of the oscillator)"
 _ENERGY_ERRORS = ("energy_error", "energy_change", "energy_drift")
 _AT_THE_END = "energy_change, which is that at the end of a run; of all steps there is largest_error, of the state"
+_TURNING = ("period", "frequency")
+_TURNS = "dispersion, the leading term of the phase error of a step, or phase_error of a run or a step"
 AMBIGUOUS_FACTS = {
     **dict.fromkeys(("limit", "stability_limit", "stability_interval", "absolute_stability_interval"), _LIMITS),
     **dict.fromkeys(("interval_of_stability", "interval_of_absolute_stability", "cfl", "cfl_number"), _LIMITS),
@@ -96,6 +99,7 @@ AMBIGUOUS_FACTS = {
         for what in ("h", "step", "step_size", "time_step")
     },
     **dict.fromkeys(("stability_region", "stability_bound", "time_step_limit", "step_size_limit"), _LIMITS),
+    **dict.fromkeys(("h_limit", "step_limit"), _LIMITS),
     **dict.fromkeys(("conserve_energy", "preserve_energy", "energy_conservation"), _KEPT),
     **dict.fromkeys(("butcher_tableau", "tableau", "coefficients", "b_coefficients", "weights", "nodes"), _TABLEAU),
     "first_step": "step METHOD h=1/2 : q, or v, energy, k1.q; with y'=-y y(0)=1 on a problem",
@@ -108,7 +112,9 @@ AMBIGUOUS_FACTS = {
     **dict.fromkeys(("spectral_radius", "eigenvalue", "eigenvalues"), _SPECTRUM),
     **{f"{most}_{what}": _AT_THE_END for most in ("largest", "max", "maximum", "maximal") for what in _ENERGY_ERRORS},
     "cost": "stages, evaluations_per_step, or evaluations of a run",
+    **{f"{of}{what}{error}": _TURNS for of in ("", "numerical_") for what in _TURNING for error in ("", "_error")},
     "machine_epsilon": "2**-52, from 1 to the next binary64 number, or 2**-53, the unit roundoff u",
+    "unit_roundoff": "2**-53, of binary64, or 2**-24, of binary32",
 }
 
 # Other name of a setting -> its name.
@@ -120,10 +126,19 @@ OTHER_SETTINGS = {
 
 # Words that may stand between the parts of a question, and say nothing there.
 SAY_NOTHING = {"of", "with", "on", "after", "to", "for", "and", "until", "by", "using", "over", "in", "the"}
-SAY_NOTHING |= {"does", "do", "have", "need", "take", "reach"}
+SAY_NOTHING |= {"does", "do", "have", "need", "needed", "required", "take", "reach"}
 # And before a question, or within a name.
 ASKING = {"what", "is", "the", "a", "how", "many", "large", "does", "do", "are", "has", "have", "value", "slope"}
-ASKING |= {"approximate", "calculate", "compute", "find"}
+ASKING |= {"approximate", "calculate", "compute", "find", "solve"}
+# Steps are counted in digits or in words; periods are no whole number of them.
+_COUNTED = ("one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten")
+COUNTS = {word: n for n, word in enumerate(_COUNTED, start=1)}
+PERIODS = {"period", "periods", "cycle", "cycles"}
+COUNTED = {"step", "steps", *PERIODS}
+# How many digits a number gets is said beside the question.
+ROUNDED = re.compile(
+    r"(?:,? rounded)? to \d+ (?:significant |decimal )?(?:(?P<digits>digits|figures)|places|decimals)\b"
+)
 _LONGEST_NAME = 6
 # Coefficients of a tableau: a21, or a_10_2 with two digits, b1, the second row bhat1, c3. A slope of the first step.
 COEFFICIENT = re.compile(r"(?P<a>a)(?:_?([1-9])([1-9])|_([1-9][0-9]?)_([1-9][0-9]?))|(?P<row>bhat|b|c)_?([1-9][0-9]?)")

@@ -92,6 +92,10 @@ SAME = {
     "error of RK4 h=1/2 per step": "step rk4 h=1/2 : state_error",
     "is velocity Verlet time reversible": "symmetric velocity_verlet",
     "what is sqrt(2)": "sqrt(2)",
+    "velocity after one step of velocity Verlet from (3, 4) with h=1/2": "run velocity_verlet h=1/2 N=1 from 3,4 : v",
+    "evaluations of f for RK4 in ten steps with h=0.01": "40",
+    "steps needed by Euler for error 1e-2 at t=2": "steps of Euler error=1e-2 t=2",
+    "local truncation error constant of Heun": "error_constant heun2",
 }
 
 
@@ -119,8 +123,14 @@ REFUSED = [
     ("run rk4 y'=-y y(1)=1 h=1 t=1 : y", 17, "time begins at 0: y(0) = ... is the start"),
     ("relative error of RK4 h=1/4 t=10 from 0,0", 1, "the exact state is the origin"),
     ("order rk4 rk4", 11, "as in run heun2 y'=-y y(0)=1 h=0.1 t=1 : error"),
-    ("period of pendulum", 1, "'period' is nothing that can be asked"),
-    ("frequency error of velocity Verlet h=0.1", 1, "'frequency error' is nothing that can be asked; did you mean"),
+    ("period of velocity Verlet", 1, "period may mean dispersion, the leading term"),
+    ("energy of RK4 after 1000 cycles", 21, "a period is no whole number of steps"),
+    ("run rk4 h=1 t=1 from (1,0 : q", 27, "the bracket of a start is not closed"),
+    ("1/3 rounded to 5 digits", 4, "digits are said beside a question: --digits 6, or | digits(6) in a template"),
+    ("pi to 4 decimal places", 3, "places are said beside a question: --places 6, or | places(6) in a template"),
+    ("h limit of Euler", 1, "h_limit may mean real_limit"),
+    ("unit roundoff", 1, "unit_roundoff may mean 2**-53, of binary64"),
+    ("frequency error of velocity Verlet h=0.1", 1, "frequency_error may mean dispersion"),
     ("CFL number of RK4", 1, "cfl_number may mean real_limit (y' = -λy, hλ at most) or imaginary_limit"),
     ("R(2i) of RK4", 3, "z is real here; |R(iy)|^2 is energy_multiplier METHOD h=y"),
     ("bhat1 of RK4", 1, "rk4 has no bhat1"),
