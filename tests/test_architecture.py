@@ -567,14 +567,3 @@ def test_strategies_register_no_profile_on_import(fresh_python: Callable[[str], 
     profiles = "sorted(hypothesis.settings._profiles)"
     code = f"import hypothesis\nbefore = {profiles}\nimport driftproof.strategies\nprint(before == {profiles})"
     assert fresh_python(code) == "True"
-
-
-def test_every_public_name_of_driftproof_resolves() -> None:
-    import driftproof
-
-    assert driftproof.__all__
-    for name in driftproof.__all__:
-        assert getattr(driftproof, name) is not None
-    assert set(driftproof.__all__) < set(dir(driftproof))
-    with pytest.raises(AttributeError, match="no attribute 'missing'"):
-        _ = driftproof.missing
