@@ -118,9 +118,9 @@ def read_controller(subject: ForeignSolver, steps: SolverSteps) -> ControllerRea
     factors = [each.factor for each in attempts if each.factor is not None]
     if silent := [pair.key for pair in steps.pairs if _is_silent(pair)]:
         raise NotReadable(f"the estimate of {silent[0]} is 0 wherever slopes depend on t alone: no law shows")
-    if len(factors) > 1 and _is(max(factors), min(factors)):
+    if len(factors) > 1 and _is_same(max(factors), min(factors)):
         fault = f"the step size does not depend on the error: every step is {factors[0]:.6g} times the one before"
-        if _is(factors[0], 1.0):
+        if _is_same(factors[0], 1.0):
             if not subject.adaptive:
                 return ControllerReading(None, (_NO_TOLERANCE,), traces)
             fault = "the steps are all of one length, whatever the error"
@@ -156,7 +156,7 @@ def _of_another_order(law: Law) -> Iterator[str]:
     method = METHODS.get(law.estimate)  # a blend has no order of its own
     if isinstance(method, RungeKutta) and method.embedded_order is not None and not law.memory and not law.filtered:
         power = 1 + min(method.claimed_order, method.embedded_order)
-        if not _is(float(law.exponent), 1 / power):
+        if not _is_same(float(law.exponent), 1 / power):
             right = f"of an estimate O(h^{power}) it is 1/{power}"
             yield f"the exponent of the step size control is {_shown(law.exponent)}, {right}"
 
@@ -263,7 +263,7 @@ def _law(name: str, estimate: _Estimate, attempts: Sequence[Attempt], atol: floa
     factors = [p.factor for p in points if p.rejections <= 1]
     largest, smallest = _repeated(factors, max(factors)), _repeated(factors, min(factors))
     limits = (largest, smallest, 1.0)
-    free = [p for p in points if not p.rejections and not any(_is(p.factor, limit) for limit in limits)]
+    free = [p for p in points if not p.rejections and not any(_is_same(p.factor, limit) for limit in limits)]
     # Without memory, if that suffices; some codes remember no error below 10^-4.
     remembered = [p for p in free if p.before > log(_LEAST_REMEMBERED)]
     fits = (_fitted(free, 2), _fitted(remembered, 3), _fitted(remembered, 4))
@@ -290,7 +290,7 @@ def _exception(points: Sequence[_Point], law: Law, smallest: float, largest: flo
         forgetful = log(law.safety) - law.exponent * p.error
         remembering = forgetful + law.memory * p.before + law.filtered * p.growth
         said = [exp(min(max(x, log(smallest)), log(largest))) for x in (remembering, forgetful)]
-        if not any(_is(p.factor, x) for x in (*said, 1.0)):
+        if not any(_is_same(p.factor, x) for x in (*said, 1.0)):
             others.append((p, said[0]))
     if not others:
         return ""
@@ -313,10 +313,10 @@ def _fitted(points: Sequence[_Point], terms: int) -> Any:
 
 def _repeated(factors: Sequence[float], value: float) -> float | None:
     """The extreme factor, if several steps have it: a limit."""
-    return value if sum(_is(x, value) for x in factors) > 1 else None
+    return value if sum(_is_same(x, value) for x in factors) > 1 else None
 
 
-def _is(x: float, value: float | None) -> bool:
+def _is_same(x: float, value: float | None) -> bool:
     return value is not None and isclose(x, value, rel_tol=_CLOSE)
 
 

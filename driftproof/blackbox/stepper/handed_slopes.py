@@ -69,10 +69,9 @@ class HandedSlopes:
             given[name] = self.kept[-back] if back <= len(self.kept) else slope
         answer = self.step(**given)
         if isinstance(answer, tuple) and len(answer) > 1 and np.shape(answer[-1]) == np.shape(slope):
-            end, answer = answer[-1], answer[0] if len(answer) == 2 else answer[:-1]
+            answer, end = answer[:-1], answer[-1]
             if self.of_end is None:
-                y1 = answer[-1] if isinstance(answer, tuple) else answer
-                at_end = self._slope({**given, self.roles[STATE]: y1}, given[self.roles[STEP]])
+                at_end = self._slope({**given, self.roles[STATE]: answer[-1]}, given[self.roles[STEP]])
                 self.of_end = np.allclose(end, at_end, _ALIKE) and not np.allclose(end, slope, _ALIKE)
             slope = end
         if self.of_end:
@@ -92,7 +91,7 @@ class HandedSlopes:
             answer = self.step(**given, **{self.history: self.kept})
         last = answer[-1] if isinstance(answer, tuple) and len(answer) > 1 else None
         if last is not None and (last is self.kept or np.ndim(last) > np.ndim(slope)):
-            self.kept, answer = last, answer[0] if len(answer) == 2 else answer[:-1]
+            self.kept, answer = last, answer[:-1]
         elif len(self.kept) == len(before) and all(x is y for x, y in zip(self.kept, before, strict=True)):
             self.kept = [*before, slope][-_AT_FIRST:]
         return answer

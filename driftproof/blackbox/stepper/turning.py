@@ -64,7 +64,7 @@ def step_in_fields(subject: ForeignStepper, push: Push) -> Pushed:
     asked = [made.asked[-1] for made in fields if made.asked]
     if POSITION not in order:
         return Pushed([], subject.finite(subject.read(answer, size), push.v), asked)
-    if getattr(answer, "size", 0) == 2 * size and len(answer) > 2:  # one state, the position before the velocity
+    if getattr(answer, "shape", ()) == (2 * size,):  # one state, the position before the velocity
         answer = answer[:size], answer[size:]
     x, v = (subject.read(part, size) for part in subject.two_parts(answer))
     subject.finite([*x, *v], [*push.x, *push.v])

@@ -81,5 +81,6 @@ def test_the_evidence_is_shown(step, key, lines):
 
 def test_a_position_is_held_to_no_splitting_and_a_step_that_leaves_b_out_kicks_last():
     assert verify(codes.boris(), "velocity_verlet", isolate=False).section("Position: FAILED")
+    assert verify(codes.boris(drift=(0.25, 0.75)), "boris", isolate=False).section("Position: FAILED")
     found = read_magnetic(opened(lambda x, v, E, B, dt: (x + dt * v, v + dt * E)))
     assert (found.kick, found.faults[0]) == ((0.0, 1.0), "it turns by 0 times h B for short steps, not by h B")

@@ -89,6 +89,10 @@ def test_programs_are_told_the_method_the_product_and_how_fast_it_turns():
     assert tuple(read_quaternion(opened(RK4)).data) == names
     back = codes.quaternion("kutta3", lambda q, w: -codes.space(q, w))
     assert data(back)[:2] == ("kutta3", "-omega q (scalar first)")
+    for product, rate in ((once, codes.body), ("omega q (scalar first)", codes.space)):
+        last = lambda q, w, rate=rate: np.roll(rate(np.roll(q, 1), w), -1)
+        assert data(codes.quaternion("kutta3", rate))[1] == product
+        assert data(codes.quaternion("kutta3", last))[1] == product.replace("first", "last")
     assert data(UNIT) == (None, once, "rk4, made one of length 1 again", 4, True, "1")
     assert data(codes.turned_by(lambda x: x)) == (None, once, "exact", None, False, "1")
     halved = codes.turned_by(lambda x: 4 * np.arctan(x / 4))

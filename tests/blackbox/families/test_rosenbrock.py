@@ -129,6 +129,8 @@ def test_what_is_read_is_shown_with_the_orders():
     assert "|".join(right.section("Order").lines) == orders
     named = "ros2: products of alpha and b with gamma up to its power 7, to rounding"
     assert right.section("Coefficients").lines[0] == named
+    held = verify(rosenbrock("ros2"), "ros2", isolate=False).section("Derivatives: passed")
+    assert held.lines == ("J at the start", "df/dt is from a function of its own")
     data = [right.data[name] for name in ("method", "time_slope", "measured_order", "measured_w_order")]
     assert (data, right.data["products"][0][2]) == (["ros2", "a function", 2, 2], ["0.5", "0.5"])
 
