@@ -62,15 +62,15 @@ NOT_ELSEWHERE = "sympy"
 # of `derive` and facts as typed properties; blackbox verdicts that say what was seen, and implicit
 # stages, its own sampler of steps, 100 lines, and in which objects a state comes, 300; texts what docs and help show.
 BUDGETS = {
-    "support": 1167,
+    "support": 1197,
     "methods": 5314,
     "symbolic": 10388,
     "numeric": 4192,
     "blackbox": 17730,
-    "enclosure": 3130,
+    "enclosure": 3141,
     "texts": 7268,
 }
-BUDGET_OF_REPORTS_AND_FRONT = 5562
+BUDGET_OF_REPORTS_AND_FRONT = 5567
 # The goal is 65 of 100. Independent witnesses, campaigns and guards, 6,000 lines, are among the tests.
 TESTS_PER_LINE_OF_SOURCE = Fraction(95, 100)
 

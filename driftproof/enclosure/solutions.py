@@ -28,6 +28,7 @@ from driftproof.enclosure.steps import (
     size,
 )
 from driftproof.enclosure.stiff import StiffPath
+from driftproof.support.progress import stage
 from driftproof.symbolic.algebra.certified import enclose
 
 # Bits of the first attempt.
@@ -81,13 +82,23 @@ def enclose_solution(
         path: _Path | StiffPath = explicit
         try:
             try:
-                states = [explicit.states_at(t) for t in times]
+                states = _states(path, times)
             except Stiff:
                 path = StiffPath(function, balls, times[0], times[-1], 16 * explicit.lengths[-1])
-                states = [path.states_at(t) for t in times]
+                states = _states(path, times)
         except (OverflowError, ZeroDivisionError, np.linalg.LinAlgError):  # in what is guessed, not in what is proved
             raise Refused("f or the solution has sizes beyond those of doubles") from None
         return Enclosure(tuple(times), tuple(states), bits, path.steps, tuple(sorted(explicit.doubles | path.doubles)))
+
+
+def _states(path: _Path | StiffPath, times: Sequence[Fraction]) -> list[tuple[arb, ...]]:
+    """The solution at each time; whoever waits is told how far it is."""
+    states = []
+    with stage(f"enclosing the solution in {ctx.prec} bits") as told:
+        for t in times:
+            states.append(path.states_at(t))
+            told.part = float((t - times[0]) / (times[-1] - times[0] or 1))
+    return states
 
 
 class _Path:

@@ -20,6 +20,7 @@ from driftproof.methods.schemes import MethodError
 from driftproof.methods.vector_fields import VectorField
 from driftproof.numeric.problems.catalogue import problem_named
 from driftproof.numeric.problems.problem import CERTIFIED, Problem, Reference
+from driftproof.support.progress import working
 from driftproof.support.toml_tables import TomlTable, as_line, as_table, as_text, demand_keys, quoted, read_toml
 from driftproof.symbolic.algebra.certified import Uncertified, significant
 
@@ -85,6 +86,7 @@ def _field(table: TomlTable, components: int) -> VectorField:
     return field
 
 
+@working("a problem of your own")
 def enclosed_reference(field: VectorField, start: Sequence[Fraction], times: Sequence[Fraction]) -> Reference:
     """The solution from `start` at 0, to ENCLOSED_DIGITS digits at each time. Raises Refused."""
     f, bits, refusal = field_function(field), BITS_AT_FIRST, None

@@ -6,6 +6,7 @@ import os
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
+from dataclasses import dataclass, field
 from threading import Event, Lock, Thread
 from time import monotonic, time
 from typing import TextIO
@@ -15,6 +16,8 @@ SILENCE, BEAT = 2.0, 1.0
 _BACK = "\b"
 # Held while somebody is told: what is done within says nothing of its own.
 _TELLING = Lock()
+# What is done at the moment, the outermost first.
+_STAGES: list[Stage] = []
 
 
 def on_terminal(stream: TextIO | None = None) -> bool:
@@ -45,6 +48,31 @@ def working(name: str, stream: TextIO | None = None) -> Iterator[None]:
         _TELLING.release()
 
 
+@dataclass
+class Stage:
+    """What is done while a block lasts, in words, and which part of it by now."""
+
+    words: str
+    part: float = 0.0
+    since: float = field(default_factory=monotonic)
+
+    def left(self) -> str:
+        """About how long it will take yet, in words, where that can be told."""
+        left = (monotonic() - self.since) * (1 - self.part) / self.part if self.part else 0.0
+        return f", about {left:.0f} s to go" if self.part else ""
+
+
+@contextmanager
+def stage(words: str) -> Iterator[Stage]:
+    """While the block lasts, whoever is told of anything is told of this, and of the part that the block says."""
+    found = Stage(words)
+    _STAGES.append(found)
+    try:
+        yield found
+    finally:
+        _STAGES.remove(found)
+
+
 def _tell(name: str, done: Event, place: int) -> None:
     """Written past Python's own buffer, whose lock a process that is forked at that moment would never get."""
     start, told, pause = monotonic(), 0, SILENCE
@@ -54,9 +82,11 @@ def _tell(name: str, done: Event, place: int) -> None:
         moving = any(time() - bar.last_print_t < SILENCE for bar in bars)
         done_of = f", {bars[-1].n} of {bars[-1].total} {bars[-1].unit}s" if bars else ""
         seconds = f"{monotonic() - start:.0f} s"
-        line = f"{name}: working, {seconds}{done_of} (Ctrl-C ends it)" if name else f" {seconds}"
+        what, left = (_STAGES[-1].words, _STAGES[-1].left()) if _STAGES else ("working", " (Ctrl-C ends it)")
+        line = f"{name}: {what}, {seconds}{done_of}{left}" if name else f" {seconds}"
         with suppress(OSError):
             if not bars:  # what stands before it stays, and the cursor behind that
+                line = line.ljust(told)
                 os.write(place, f"{line}{_BACK * len(line)}".encode())
             elif not moving:  # the line covers a bar that stands still
                 os.write(place, f"\r{line.ljust(os.get_terminal_size(place).columns - 1)}\r".encode())

@@ -2,6 +2,7 @@
 
 import os
 import sys
+from time import monotonic
 
 import pytest
 from tqdm import tqdm
@@ -10,10 +11,18 @@ from driftproof.support import progress
 
 
 @pytest.mark.parametrize(
-    ("name", "line"), [("driftproof verify", "driftproof verify: working, 0 s (Ctrl-C ends it)"), ("", " 0 s")]
+    ("name", "part", "line"),
+    [
+        ("driftproof verify", None, "driftproof verify: working, 0 s (Ctrl-C ends it)"),
+        ("driftproof sweep", 0.0, "driftproof sweep: enclosing, 0 s"),
+        ("driftproof sweep", 0.25, "driftproof sweep: enclosing, 0 s, about 3000 s to go"),
+        ("", 0.5, " 0 s"),
+    ],
 )
-def test_silence_on_a_terminal_is_broken_by_a_line_that_goes_again(name, line, monkeypatch):
+def test_silence_on_a_terminal_is_broken_by_a_line_that_goes_again(name, part, line, monkeypatch):
     """A pseudo-terminal is what is written to; what works within another says nothing of its own."""
+    if part is not None:  # a quarter of it took 1000 s
+        monkeypatch.setattr(progress, "_STAGES", [progress.Stage("enclosing", part, monotonic() - 1000)])
     outer, inner = os.openpty()
     monkeypatch.setattr(progress, "SILENCE", 0.01)
     monkeypatch.setattr(progress, "BEAT", 0.01)

@@ -33,6 +33,7 @@ from driftproof.numeric.work_precision.timing import ROUNDS, SEED, Timing, inter
 from driftproof.reports.work_precision.peers import TOLERANCES, ControlledSolver, Peer, Solver
 from driftproof.support.environment import machine_description, versions_of
 from driftproof.support.files import atomic_write
+from driftproof.support.progress import stage
 
 # A run for its error, which is made once, may take so many evaluations for each second that a point may be timed for:
 # ten times as many as compiled code makes in a second. For solvers see `peers.Solver`.
@@ -245,13 +246,15 @@ def measure(study: Study, folder: Path | None, say: Say, progress: Progress = la
     progress(len(everybody), 0)
     for one in everybody:
         if one.key not in measured.curves:
-            measured.curves[one.key] = one.curve()
+            with stage(f"errors of {one.key}"):
+                measured.curves[one.key] = one.curve()
             store.save()
         progress(0, 1)
     for one in everybody:
-        made, absent = one.calls()
-        measured.absent |= {timing_name(one.key, kind): why for kind, why in absent.items()}
-        calls |= _begin_timings(study, measured, measured.curves[one.key], made)
+        with stage(f"compiling {one.key}"):
+            made, absent = one.calls()
+            measured.absent |= {timing_name(one.key, kind): why for kind, why in absent.items()}
+            calls |= _begin_timings(study, measured, measured.curves[one.key], made)
     store.save()
     wanted = [name for name in calls if needs_more_samples(measured.timings[name], ROUNDS, study.limit)]
     progress(sum(ROUNDS - len(measured.timings[name].samples) for name in wanted), 0)
