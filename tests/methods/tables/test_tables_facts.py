@@ -18,8 +18,7 @@ from driftproof.methods.tables.stabilised import chebyshev_first_order, ssprk_se
 from driftproof.symbolic.facts import general_order
 from driftproof.symbolic.trees.order_conditions import residuals
 from driftproof.symbolic.trees.partitioned_trees import separable_conditions
-from tests.looping import some
-from tests.methods.tables.entries import by_key, entry
+from tests.methods.tables.entries import entry
 
 Polynomial: TypeAlias = tuple[Q, ...]
 
@@ -260,8 +259,3 @@ def test_last_digits_of_yoshidas_tables_are_wrong(key: str) -> None:
     worst = [max(abs(x) for p in range(3, 6) for _, x in residuals(each, p)) for each in conditions]
     assert worst[0] < Q("1e-21")
     assert worst[1] > Q("1e-16")
-
-
-@pytest.mark.parametrize("method", [entry("ssprk33"), entry("ssprk43"), entry("ssprk104")], ids=by_key)
-def test_entries_of_ssp_methods_are_not_negative(method: RungeKutta) -> None:
-    assert all(x >= 0 for x in some([*method.b, *(x for given in method.a for x in given)], 6))
