@@ -35,7 +35,7 @@ def _rodrigues(name: str, stages: int, fewest: int, at_zero: int, at_one: int) -
     if stages < fewest:
         raise ValueError(f"{name}({stages}): at least {fewest} stages are needed")
     times = at_zero + at_one - stages
-    terms = [(k, (-1) ** (at_one - k) * comb(at_one, k) * perm(at_zero + k, times)) for k in range(at_one + 1)]
+    terms = [(k, (-1) ** k * comb(at_one, k) * perm(at_zero + k, times)) for k in range(at_one + 1)]
     by_power = {at_zero + k - times: Fraction(c, terms[-1][1]) for k, c in terms}
     return tuple(by_power.get(power, Fraction(0)) for power in range(stages + 1))
 

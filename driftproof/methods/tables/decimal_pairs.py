@@ -101,7 +101,7 @@ def _tsitouras54() -> RungeKutta:
         claimed_order=5,
         source="tsitouras-2011, Table 1",
         c=c,
-        a=tuple((*given, *(7 - len(given)) * row("0")) for given in (*rows, b[:6])),
+        a=tuple((*given, *(7 - len(given)) * row("0")) for given in (*rows, b)),
         b=b,
         b_embedded=tuple(x - y for x, y in zip(b, difference, strict=True)),
         embedded_order=4,

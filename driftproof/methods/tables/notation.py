@@ -64,7 +64,7 @@ def _tableau(lines: Sequence[str], decimal: bool) -> RungeKutta:
     nodes, rows = zip(*(map(exact_row, line.split("|")) for line in lines[1:]), strict=True)
     c = tuple(c for node in nodes for c in node)
     a, (b, *embedded) = padded(*rows[: len(c)]), rows[len(c) :]
-    return RungeKutta(**heading(lines[0]), c=c, a=a, b=b, b_embedded=embedded[0] if embedded else None, decimal=decimal)
+    return RungeKutta(**heading(lines[0]), c=c, a=a, b=b, b_embedded=next(iter(embedded), None), decimal=decimal)
 
 
 def exact_row(text: str) -> tuple[Exact, ...]:

@@ -18,6 +18,7 @@ from driftproof.methods.tables.collocation import (
     radau_left_nodes,
     radau_right_nodes,
 )
+from tests.looping import exactly
 
 
 def test_gauss_polynomials_are_orthogonal_to_each_other() -> None:
@@ -44,8 +45,11 @@ def test_ends_are_nodes_where_the_names_say_so() -> None:
         at_zero = [make(stages)[0] == 0 for make in (gauss_nodes, radau_left_nodes, radau_right_nodes, lobatto_nodes)]
         at_one = [sum(make(stages)) == 0 for make in (gauss_nodes, radau_left_nodes, radau_right_nodes, lobatto_nodes)]
         assert (at_zero, at_one) == ([False, True, False, True], [False, False, True, True])
-    with pytest.raises(ValueError, match="at least 2 stages are needed"):
-        lobatto_nodes(1)
+    fewest = {gauss_nodes: 1, radau_left_nodes: 1, radau_right_nodes: 1, lobatto_nodes: 2}
+    for make, stages in exactly(4, fewest.items()):
+        assert len(make(stages)) == stages + 1
+        with pytest.raises(ValueError, match=rf"{make.__name__}\({stages - 1}\): at least {stages} stages are needed"):
+            make(stages - 1)
 
 
 def test_tableau_of_given_precision_has_the_moments_of_its_order() -> None:

