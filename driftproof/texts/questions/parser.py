@@ -76,7 +76,7 @@ Node: TypeAlias = ExpressionNode | Query
 def parse_question(question: str) -> Node:
     """The tree of the question, whose letters may have accents. Raises QuestionError."""
     plain = "".join(normalize("NFKD", c)[0] if c.isalpha() else c for c in question)
-    if rounded := wording.ROUNDED.search(plain):
+    if rounded := wording.TO_DIGITS.search(plain):
         kind = "digits" if rounded["digits"] else "places"
         how = f"{kind} are said beside a question: --{kind} 6, or | {kind}(6) in a template"
         raise QuestionError(question, rounded.start() + 1, how)
@@ -197,7 +197,7 @@ class _QuestionParser(PieceParser):
     def _is_count(self, at: int) -> bool:
         """Whether a number of steps stands there, in digits or as a word, or one of periods."""
         token = self.tokens[at]
-        return (token.kind == NUMBER or token.text in wording.COUNTS) and self.after(at).text in wording.COUNTED
+        return (token.kind == NUMBER or token.text in wording.WORDED_COUNTS) and self.after(at).text in wording.COUNTED
 
     def with_unknowns(self, head: Token, parts: dict[str, Any]) -> dict[str, Any]:
         """The parts of a query, its equations as rates and a start in the order of their unknowns."""
@@ -227,7 +227,7 @@ class _QuestionParser(PieceParser):
         after = self.after(self.at)
         key = {"at": "at", "from": "start"}.get(token.text, "subject")
         if self._is_count(self.at - 1) and self.next.text.startswith("step"):
-            steps = self.rational(token.text, token) if token.kind == NUMBER else wording.COUNTS[token.text]
+            steps = self.rational(token.text, token) if token.kind == NUMBER else wording.WORDED_COUNTS[token.text]
             count = NumberNode(token.column, Fraction(steps))
             self.put(parts["settings"], self.take(), "N", lambda: count)
         elif token.text in wording.SAY_NOTHING or (key == "at" and self.next.kind == NAME and after.text in "='"):

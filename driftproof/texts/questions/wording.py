@@ -132,11 +132,11 @@ ASKING = {"what", "is", "the", "a", "how", "many", "large", "does", "do", "are",
 ASKING |= {"approximate", "calculate", "compute", "find", "solve"}
 # Steps are counted in digits or in words; periods are no whole number of them.
 _COUNTED = ("one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten")
-COUNTS = {word: n for n, word in enumerate(_COUNTED, start=1)}
+WORDED_COUNTS = {word: n for n, word in enumerate(_COUNTED, start=1)}
 PERIODS = {"period", "periods", "cycle", "cycles"}
 COUNTED = {"step", "steps", *PERIODS}
 # How many digits a number gets is said beside the question.
-ROUNDED = re.compile(
+TO_DIGITS = re.compile(
     r"(?:,? rounded)? to \d+ (?:significant |decimal )?(?:(?P<digits>digits|figures)|places|decimals)\b"
 )
 _LONGEST_NAME = 6
