@@ -135,8 +135,8 @@ def check_command(options: Namespace) -> str:
 
     if options.init and (options.run or options.coverage or options.format != "text"):
         raise ValueError("--init drafts claims; --run, --coverage and --format need --claims")
-    if len(options.text) > 1 and (options.init or options.claims):
-        raise ValueError("--init and --claims are for one text; several have their claims beside them")
+    if (options.init or options.claims) and (len(options.text) > 1 or options.text[0].is_dir()):
+        raise ValueError("--init and --claims are for one text, no folder; several have their claims beside them")
     if options.init:
         return str(check(options.text[0], init=True, ask=options.ask))
     how = {name: getattr(options, name) for name in ("ask", "coverage", "run", "time_limit")}

@@ -21,7 +21,7 @@ REFUSED = {
     ("check", "none.md", "--init", "--run"): "--init drafts claims; --run, --coverage and --format need --claims",
     ("check", "none.md", "--claims", "none.toml"): "none.toml: No such file or directory",
     ("check", "none.md", "--claims", "README.md"): "README.md: not TOML",
-    ("check", "..", "--init"): "Is a directory",
+    ("check", "..", "--init"): "--init and --claims are for one text, no folder",
     ("check", "README.md", "--claims", "c.toml", "--time-limit", "0"): "is no time limit",
     ("check", "README.md", "--claims", "c.toml", "--format", "xml"): "invalid choice",
 }

@@ -89,6 +89,7 @@ class TextReport(Printable):
             "coverage": {**self.coverage.counts, "share": _percent(self.coverage.share)},
             "numbers": [self._accounted(one) for one in self.coverage.numbers],
             "words": [self._placed(word) for word in self.coverage.unread],
+            "not_read": self.document.other_files,
         }
 
     def _placed(self, found: TextNumber | TextWord) -> dict[str, Any]:
@@ -118,6 +119,8 @@ class TextReport(Printable):
         if unread := Counter(word.text.lower() for word in self.coverage.unread):
             words = [word for word, _ in unread.most_common(_MOST_WORDS)] + ["..."] * (len(unread) > _MOST_WORDS)
             yield f"not held: {_counted(unread.total(), 'word')} for numbers or growth ({', '.join(words)})"
+        if others := self.document.other_files:
+            yield f"not read: {', '.join(others)}, which the text takes in: to be checked by itself"
 
     def _annotations(self) -> Iterator[str]:
         for one in self.findings:

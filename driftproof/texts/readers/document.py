@@ -32,6 +32,13 @@ _ENDINGS = {
     ".ipynb": "notebook",
 }
 _CODE = re.compile(r"^[^\n#]*[^\s#]", re.MULTILINE)
+# What follows a percent sign is a comment in TeX and in MyST.
+_COMMENT = re.compile(r"(?<!\\)%.*")
+_TAKEN_IN = re.compile(
+    r"\\(?:input|include|subfile|lstinputlisting)\b(?:\[[^\]\n]*\])?\s*\{([^{}\n]+)\}|"
+    r"^[ \t]*[`~:]{3,}\{(?:include|literalinclude)\}[ \t]*(\S+)",
+    re.MULTILINE,
+)
 # A long book has 2 MB of text; the patterns of the readers take seconds for twice as much.
 LARGEST_DOCUMENT = 4 * 2**20
 
@@ -81,6 +88,11 @@ class Document:
             for m in _CODE.finditer(block.text.text)
         )
         return tuple(map(self.span, lines))
+
+    @cached_property
+    def other_files(self) -> list[str]:
+        r"""The files that the text takes in, by \input{...} or an include directive, and that are not read with it."""
+        return list(dict.fromkeys(a or b for a, b in _TAKEN_IN.findall(_COMMENT.sub("", self.source))))
 
     @cached_property
     def _line_starts(self) -> list[int]:

@@ -30,6 +30,8 @@ def test_report_says_what_is_wrong_and_what_is_covered() -> None:
     words = TextReport.of("a.txt", document_of(TEXT + " Two, two and ten."), CLAIMS)
     assert words.written("text").splitlines()[2] == "not held: 3 words for numbers or growth (two, ten)"
     assert json.loads(words.written("json"))["words"][2] == {"text": "ten", "line": 3, "column": 58}
+    parts = TextReport.of("a.txt", document_of(TEXT + r"\input{b} \input{c}"), CLAIMS)
+    assert parts.written("text").splitlines()[2] == "not read: b, c, which the text takes in: to be checked by itself"
     wrong = TextReport.of("a.txt", document_of(TEXT.replace("0.33", "0.34")), CLAIMS)
     assert wrong.written("text").splitlines()[:2] == [
         "a.txt:2:30: a: expected 0.33, found 0.34",

@@ -32,6 +32,17 @@ def test_code_is_a_listing_in_a_language_and_no_session(fence: str, code: int) -
     assert [document.text.text[slice(*span)].strip() for span in document.code] == ["x = 1"] * code
 
 
+def test_what_a_text_takes_in_from_other_files_is_named() -> None:
+    tex = (
+        r"50\% of \input{one} and \include{two}, % not \input{three}"
+        "\n"
+        r"\lstinputlisting[language=C]{a.c} \input{one}"
+    )
+    assert document_of(tex, "tex").other_files == ["one", "two", "a.c"]
+    markdown = "```{include} part.md\n```\n:::{literalinclude} b.py\n:::\nan {include} and ```{code}```"
+    assert document_of(markdown, "markdown").other_files == ["part.md", "b.py"]
+
+
 def test_reader_is_chosen_by_the_ending(tmp_path: Path) -> None:
     for name, text in (("a.md", "*b*"), ("a.html", "<i>b</i>"), ("a.TEX", "\\emph{b}"), ("a.txt", "b"), ("a", "b")):
         (tmp_path / name).write_text(text, encoding="utf-8")
