@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -15,7 +16,7 @@ from driftproof.reports.page.problem import problem_part, stiff_part
 from driftproof.reports.progress import count_steps
 from driftproof.reports.scenes import scene_given
 from driftproof.reports.stability import STABILITY_METHODS
-from driftproof.reports.user_problem import problem_given
+from driftproof.reports.user_problem import GivenProblem, problem_given
 from driftproof.support.files import atomic_write, require_file
 from driftproof.support.plain_text import as_json
 from driftproof.support.results import Printable
@@ -46,7 +47,7 @@ class Page(Printable):
 
 
 def report(
-    *scenes: str | Path | Scene | Problem,
+    *scenes: GivenProblem | Scene,
     output: str | Path | None = None,
     digits: int = 15,
     methods: GivenMethods = (),
@@ -72,10 +73,10 @@ def report(
     return page
 
 
-def _part(given: str | Path | Scene | Problem, methods: GivenMethods) -> Scene | Part:
+def _part(given: GivenProblem | Scene, methods: GivenMethods) -> Scene | Part:
     """Of a file, a scene says what it shows, and a problem when it ends."""
-    if isinstance(given, Problem):
-        return problem_part(given, methods_of(methods))
+    if isinstance(given, Problem | Mapping) or callable(given):
+        return problem_part(problem_given(given), methods_of(methods))
     if isinstance(given, Scene):
         return given
     if (name := str(given)) == "stiff":

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from fractions import Fraction
 from math import inf, isfinite
-from pathlib import Path
 
 from flint import ctx
 
@@ -18,7 +17,7 @@ from driftproof.numeric.problems.problem import Problem
 from driftproof.numeric.reference_errors import distance_from_digits
 from driftproof.numeric.stability import Observed, euclidean_norm, fewest_steps, largest_bounded, observe, stays_bounded
 from driftproof.reports.progress import with_progress
-from driftproof.reports.user_problem import problem_given
+from driftproof.reports.user_problem import GivenProblem, problem_given
 from driftproof.support.plain_text import Json, table, with_digits
 from driftproof.support.results import Answered
 from driftproof.symbolic.algebra.certified import HALF_EVEN, CertifiableReal, enclose, significant
@@ -45,9 +44,11 @@ _LOST = 1e6
 
 
 def stability(
-    problem: str | Path | Problem | None = None, methods: GivenMethods = (), h: ExactNumber | Sequence[ExactNumber] = ()
+    problem: GivenProblem | None = None, methods: GivenMethods = (), h: ExactNumber | Sequence[ExactNumber] = ()
 ) -> Answered:
     """Which steps methods can take on a problem, where their runs end, and what is expected; without one, the problems.
+
+    A problem is a key, a .toml file, or a dict of what that would say, its function one of Python.
 
     The data are {"problem", "title", "linear", "size", "methods": [...]}, one entry a method. `h` are step sizes that
     divide t; without them runs of _SHOWN steps are shown. On a linear problem, per method: `limit`, `attained`,

@@ -8,10 +8,9 @@ from contextlib import ExitStack
 from pathlib import Path
 
 from driftproof.methods.tableau_file import GivenMethods, methods_of
-from driftproof.numeric.problems.problem import Problem
 from driftproof.numeric.reference_errors import floors
 from driftproof.reports.progress import progress_bar
-from driftproof.reports.user_problem import problem_given
+from driftproof.reports.user_problem import GivenProblem, problem_given
 from driftproof.reports.work_precision.peers import peers_named
 from driftproof.reports.work_precision.report import errors_json, study_text, times_json, write_study
 from driftproof.reports.work_precision.study import Study, measure
@@ -27,7 +26,7 @@ WORK_PRECISION_METHODS = (
 
 
 def work_precision(
-    problem: str | Path | Problem = "harmonic_oscillator",
+    problem: GivenProblem = "harmonic_oscillator",
     methods: GivenMethods = (),
     *,
     peers: Sequence[str] = (),

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from pathlib import Path
+from typing import Any, TypeAlias
 
+import numpy as np
 from flint import arb, ctx
 
 from driftproof.blackbox.stepper.opening import imported
@@ -15,7 +17,14 @@ from driftproof.enclosure.solutions import BITS_AT_FIRST, enclose_solution
 from driftproof.enclosure.text_fields import field_function
 from driftproof.enclosure.traced_fields import field_of_function
 from driftproof.methods.expressions import parse_number
-from driftproof.methods.field_text import LONGEST_PROBLEM, PROBLEM_KEYS, energy_of_table, field_of_table, start_of_table
+from driftproof.methods.field_text import (
+    LONGEST_PROBLEM,
+    PROBLEM_KEYS,
+    energy_of_table,
+    field_of_table,
+    rate_of_text,
+    start_of_table,
+)
 from driftproof.methods.schemes import MethodError
 from driftproof.methods.vector_fields import VectorField
 from driftproof.numeric.problems.catalogue import problem_named
@@ -33,8 +42,12 @@ _MOST_ATTEMPTS = 5
 _LONGEST_TITLE = 200
 
 
-def problem_given(given: str | Path | Problem) -> Problem:
-    """A problem by its key, or by a .toml file of its equations. Raises ValueError in one line, and Refused.
+# A problem by its key, by its file, or by what its file would say, in which the function may be one of Python.
+GivenProblem: TypeAlias = str | Path | Problem | Mapping[str, Any]
+
+
+def problem_given(given: GivenProblem) -> Problem:
+    """A problem by its key, or by a .toml file or a dict of its equations. Raises ValueError in one line, and Refused.
 
     The file has start and end, rates or in their place a Python function, "module:f", which is run once on names; and,
     if you like, parameters, of a function its keywords as doubles, a title and an energy:
@@ -44,41 +57,74 @@ def problem_given(given: str | Path | Problem) -> Problem:
     end = "10"
     energy = "y1^2/2 - g * cos(y0)"
     parameters.g = "9.81"
+
+    A dict has the same; its function may be a Python function itself, and its decimals are floats.
     """
     if isinstance(given, Problem):
         return given
+    if isinstance(given, Mapping):
+        return _problem(_as_read(given), getattr(given.get("function"), "__name__", "own"))
+    own: Any = given
+    if callable(own):
+        said = f"{{'function': {getattr(own, '__name__', 'f')}, 'start': [1, 0], 'end': 10}}"
+        raise ValueError(f"a function alone is no problem; write {said}, with its start and its end")
     if not (name := str(given)).endswith(".toml"):
         return problem_named(name)
 
-    def read(table: TomlTable) -> Problem:
-        demand_keys(table, PROBLEM_KEYS, "a problem")
-        start = tuple(_rational(x, f"start[{i}]") for i, x in enumerate(start_of_table(table)))
-        end = _rational(table.get("end"), "end")
-        field = _field(table, len(start))
-        if end <= 0:
-            raise ValueError(f"end is {end}; problems run from 0 to a time above it")
-        title = as_line(table.get("title", name), "title", _LONGEST_TITLE)
-        return Problem(
-            key=name,
-            title=title,
-            field=field,
-            start=start,
-            reference=enclosed_reference(field, start, [end * k / PARTS for k in range(1, PARTS + 1)]),
-            source=name,
-            energy=energy_of_table(table),
-            second_order=_is_second_order(field),
-        )
+    return read_toml(name, LONGEST_PROBLEM, lambda table: _problem(table, name))
 
-    return read_toml(name, LONGEST_PROBLEM, read)
+
+def _problem(table: TomlTable, name: str) -> Problem:
+    demand_keys(table, PROBLEM_KEYS, "a problem")
+    start = tuple(_rational(x, f"start[{i}]") for i, x in enumerate(start_of_table(table)))
+    end = _rational(table.get("end"), "end")
+    field = _field(table, len(start))
+    if end <= 0:
+        raise ValueError(f"end is {end}; problems run from 0 to a time above it")
+    title = as_line(table.get("title", name), "title", _LONGEST_TITLE)
+    return Problem(
+        key=name,
+        title=title,
+        field=field,
+        start=start,
+        reference=enclosed_reference(field, start, [end * k / PARTS for k in range(1, PARTS + 1)]),
+        source=name,
+        energy=_energy(table),
+        second_order=_is_second_order(field),
+    )
+
+
+def _energy(table: TomlTable) -> str | None:
+    """Where the rates are a function's, in y0, y1, ... and its parameters, the doubles that it is given."""
+    if "rates" in table or "energy" not in table:
+        return energy_of_table(table)
+    doubles = {name: Fraction(x) for name, x in _doubles(table).items()}
+    names = {name: f"({x.numerator} / {x.denominator})" for name, x in doubles.items()}
+    return rate_of_text(as_text(table["energy"], "energy"), names)
+
+
+def _doubles(table: TomlTable) -> dict[str, float]:
+    """The parameters of a function."""
+    given = as_table(table.get("parameters", {}), "parameters")
+    return {name: float(_rational(x, f"parameters.{name}")) for name, x in given.items()}
+
+
+def _as_read(value: Any) -> Any:
+    """What a dict holds as TOML is read: lists, and decimals as they are written."""
+    if isinstance(value, Mapping):
+        return {key: _as_read(each) for key, each in value.items()}
+    if isinstance(value, tuple | list | np.ndarray):
+        return [_as_read(each) for each in value]
+    return str(value) if isinstance(value, float | Fraction) else value
 
 
 def _field(table: TomlTable, components: int) -> VectorField:
     if "function" in table:
         if "rates" in table:
             raise ValueError("function stands in the place of rates; give one of them")
-        function = rebound(imported(as_text(table["function"], "function"), "function"))
-        given = as_table(table.get("parameters", {}), "parameters")
-        parameters = {name: float(_rational(x, f"parameters.{name}")) for name, x in given.items()}
+        own = table["function"]
+        function = rebound(own if callable(own) else imported(as_text(own, "function"), "function"))
+        parameters = _doubles(table)
         return field_of_function(lambda t, y: function(t, y, **parameters), components)
     field = field_of_table(table)
     if len(field.rates) != components:

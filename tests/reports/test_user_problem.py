@@ -7,6 +7,7 @@ from dataclasses import replace
 from decimal import Decimal
 from fractions import Fraction
 
+import numpy as np
 import pytest
 
 from driftproof.enclosure.numbers import Refused
@@ -53,6 +54,23 @@ def test_reference_of_a_file_is_enclosed(tmp_path):
     # A quarter of the period 2 pi sqrt(1/9.81) (1 + 1/64 + ...) = 2.038 s is at 0.5095: theta is small and positive.
     assert 0 < Decimal(found.states[-1][0]) < Decimal("0.02")
     assert {len(Decimal(text).as_tuple().digits) for text in found.states[-1]} == {ENCLOSED_DIGITS}
+
+
+def swing(t, y, g=1.0):
+    return [y[1], -g * np.sin(y[0])]
+
+
+def test_a_problem_may_be_a_dict_with_a_function_of_python(tmp_path):
+    path, own = tmp_path / "mine.toml", {"start": (0.5, 0), "end": 0.5, "parameters": {"g": 9.5}, "title": "Own"}
+    path.write_text('rates = ["y1", "-g * sin(y0)"]\nstart = [0.5, 0]\nend = 0.5\nparameters.g = 9.5')
+    energy = {"energy": "y1^2/2 - g * cos(y0)"}
+    found = [problem_given(own | energy | {"function": swing}), problem_given(str(path))]
+    assert differing(*(each.reference for each in found)) == []
+    assert (found[0].key, found[0].start, found[0].t) == ("swing", found[1].start, found[1].t)
+    assert decimal_energy(found[0], [0, 1]) == -9
+    assert problem_given(own | {"rates": ["y1", "-g * sin(y0)"], "start": np.array([0.5, 0])}).key == "own"
+    with pytest.raises(ValueError, match=r"write \{'function': swing, 'start': \[1, 0\], 'end': 10\}, with its start"):
+        problem_given(swing)
 
 
 @pytest.mark.parametrize("key", ["harmonic_oscillator", "pendulum", "henon_heiles"])
