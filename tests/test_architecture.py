@@ -70,7 +70,7 @@ BUDGETS = {
     "enclosure": 3141,
     "texts": 7313,
 }
-BUDGET_OF_REPORTS_AND_FRONT = 5567
+BUDGET_OF_REPORTS_AND_FRONT = 5614
 # The goal is 65 of 100. Independent witnesses, campaigns and guards, 6,000 lines, are among the tests.
 TESTS_PER_LINE_OF_SOURCE = Fraction(95, 100)
 
