@@ -109,20 +109,3 @@ def test_reports_have_a_section_for_it():
     assert report.data["dense_output"]["order"] == 4
     wrong = verify(WRONG["moved too early"], "dormand_prince54", examples=20, isolate=False)
     assert wrong.verdict.startswith("is dormand_prince54, but the dense output is not y1 at theta = 1")
-
-
-@pytest.mark.parametrize(
-    ("name", "extension"),
-    [("RK23", "bogacki_shampine32_hermite"), ("RK45", "dormand_prince54_shampine"), ("DOP853", "dop853_dense")],
-)
-def test_scipy_has_the_extensions_that_it_says(name, extension):
-    solver = getattr(pytest.importorskip("scipy.integrate"), name)
-
-    def step(f, t, y, h):
-        end = t + (1e30 if h > 0 else -1e30)
-        made = solver(f, t, np.array(y), end, first_step=abs(h), max_step=abs(h), rtol=1e3, atol=1e300)
-        made.step()
-        return made.y, made.dense_output()
-
-    assert judged(step).extension == extension
-    assert judged(step).faults == ()

@@ -43,11 +43,9 @@ MANY_STAGES = (
 # Kvaerno's pair of order 3 and 2: two stages at t + h, one for each row of weights.
 _G3 = 0.4358665215084589994160194511935568
 _PAIR = [
-    [0.0, 0.0, 0.0, 0.0],
-    [_G3, _G3, 0.0, 0.0],
-    [0.490563388419108, 0.073570090080892, _G3, 0.0],
+    [0.0, 0.0, 0.0, 0.0], [_G3, _G3, 0.0, 0.0], [0.490563388419108, 0.073570090080892, _G3, 0.0],
     [0.308809969973036, 1.490563388254106, -1.235239879727145, _G3],
-]
+]  # fmt: skip
 TWO_AT_ONE_TIME = (_PAIR, _PAIR[3], [0.0, 2 * _G3, 1.0, 1.0])
 # The trapezoidal rule with f(t, y1): on linear problems the midpoint rule at t.
 BOTH_AT_START = (table("trapezoid")[0], [0.5, 0.5], [0.0, 0.0])
@@ -104,12 +102,6 @@ def test_stages_that_only_a_nonlinear_step_tells_apart_are_not_read_as_one(solve
     assert the_same(read(one_by_one(BOTH_AT_START, solver)), BOTH_AT_START, 1e-9)
 
 
-def test_what_a_solver_that_stops_early_does_not_tell_apart_is_said():
-    (remark,) = read(one_by_one(BOTH_AT_START, partial(newton, most=1))).remarks
-    assert "read as one: its solver does not tell them apart" in remark
-    assert not read(all_at_once(table("sdirk2"), partial(newton, most=1))).remarks
-
-
 @pytest.mark.parametrize("key", ["backward_euler", "trapezoid", "radau_iia3"])
 def test_without_a_time_the_stages_are_told_apart_by_the_sums_of_their_rows(key):
     reading = read(untimed(all_at_once(table(key))))
@@ -123,20 +115,6 @@ def test_guesses_that_are_no_stages_are_left_out_of_what_the_clocks_show():
     assert len(chains.marks.labels) == 3
     _, (b,), _ = chains.tables()
     assert len(b) == len(chains.marks.labels) == 2
-
-
-def test_stages_that_are_equal_on_every_problem_are_one():
-    midpoint_twice = ([[0.25, 0.25], [0.25, 0.25]], [0.5, 0.5], [0.5, 0.5])
-    reading = read(all_at_once(midpoint_twice))
-    assert reading.calls == 1
-    assert match_tableau(reading).keys == ("implicit_midpoint",)
-
-
-def test_a_stage_without_a_weight_counts_where_another_one_uses_it():
-    two = ([[0.5, 0.0], [0.25, 0.5]], [0.0, 1.0], [0.5, 0.75])
-    assert the_same(read(one_by_one(two)), two, 8 * 2.0**-53)
-    unused = ([[0.5, 0.0], [0.25, 0.5]], [1.0, 0.0], [0.5, 0.75])
-    assert read(one_by_one(unused)).calls == 1
 
 
 def adaptive(f, t, y, h):
@@ -190,14 +168,14 @@ def dragged(f, t, y, h):
 
 
 READ = {
-    "gauss2": all_at_once(table("gauss2"), fixed_point),
-    "lobatto_iiic3": all_at_once(table("lobatto_iiic3")),
+    "gauss2": all_at_once(table("gauss2"), fixed_point), "lobatto_iiic3": all_at_once(table("lobatto_iiic3")),
     "tr_bdf2": one_by_one(table("tr_bdf2"), fixed_point),
     "kept": one_by_one(table("crouzeix3"), SOLVERS["a Jacobian that is kept"]),
     "to a tolerance": one_by_one(table("sdirk2"), partial(fixed_point, tolerance=1e-6)),
-    "two at one time": one_by_one(TWO_AT_ONE_TIME),
-    "both at the start": one_by_one(BOTH_AT_START),
+    "two at one time": one_by_one(TWO_AT_ONE_TIME), "both at the start": one_by_one(BOTH_AT_START),
     "stopped early": one_by_one(BOTH_AT_START, partial(newton, most=1)),
+    "stopped as early, but told apart": all_at_once(table("sdirk2"), partial(newton, most=1)),
+    "the midpoint rule twice": all_at_once(([[0.25, 0.25], [0.25, 0.25]], [0.5, 0.5], [0.5, 0.5])),
     "untimed": untimed(all_at_once(table("radau_iia3"))),
     "without a weight": one_by_one(([[0.5, 0.0], [0.25, 0.5]], [0.0, 1.0], [0.5, 0.75])),
     "unused": one_by_one(([[0.5, 0.0], [0.25, 0.5]], [1.0, 0.0], [0.5, 0.75])),
@@ -205,24 +183,19 @@ READ = {
     "too loose": all_at_once(table("trapezoid"), partial(SOLVERS["a Jacobian that is kept"], tolerance=0.01)),
     "nine iterations": all_at_once(table("implicit_midpoint"), partial(fixed_point, most=9, tolerance=0)),
     "only forward": lambda f, t, y, h: 1 / 0 if h < 0 else all_at_once(table("gauss2"))(f, t, y, h),
-}
+}  # fmt: skip
 
 
 READ |= {
-    "explicit": codes.rk4,
-    "fixed iterations": codes.midpoint_iterated(3),
+    "explicit": codes.rk4, "fixed iterations": codes.midpoint_iterated(3),
     "eight iterations": all_at_once(table("implicit_midpoint"), partial(fixed_point, most=8, tolerance=0)),
-    "adaptive": adaptive,
-    "remembers": bdf2(),
-    "linearly implicit": linearly_implicit,
-    "symplectic": symplectic,
-    "one number": alone,
-    "another time": late,
+    "adaptive": adaptive, "remembers": bdf2(), "linearly implicit": linearly_implicit, "symplectic": symplectic,
+    "one number": alone, "another time": late,
     "never near": all_at_once(table("gauss2"), lambda residual, x: newton(residual, x) + 1e-4),
     "drag": dragged,
     "never calls": lambda f, t, y, h: y,
     "no weight": lambda f, t, y, h: y + 0.0 * f(t, y),
-}
+}  # fmt: skip
 
 
 @pytest.mark.parametrize("name", READ)
@@ -233,8 +206,8 @@ def test_all_that_is_asked_of_implicit_steps_and_read_is_as_before(name, as_befo
     except NotReadable as refusal:
         as_before(refusal, asked)
         return
-    left = reading.stage_error, reading.solved.linear, reading.solved.curved
-    as_before(reading.a, reading.b, reading.c, reading.remarks, *left, reading.solved.power, asked)
+    left = reading.stage_error, reading.solved.linear, reading.solved.curved, reading.solved.power
+    as_before(reading.a, reading.b, reading.c, reading.remarks, left, asked)
 
 
 def test_a_call_that_does_not_come_back_is_not_taken_for_a_refusal():
