@@ -12,18 +12,11 @@ from driftproof.symbolic.derivation.one_step import RING, H, matrix, one_step_ma
 NINE: dict[str, RungeKutta | Splitting] = {
     key: method
     for key in (
-        "forward_euler",
-        "symplectic_euler",
-        "symplectic_euler_position_first",
-        "velocity_verlet",
-        "position_verlet",
-        "heun2",
-        "midpoint2",
-        "rk4",
-        "rk38",
+        "forward_euler", "symplectic_euler", "symplectic_euler_position_first", "velocity_verlet", "position_verlet",
+        "heun2", "midpoint2", "rk4", "rk38",
     )
     if isinstance(method := METHODS[key], RungeKutta | Splitting)
-}
+}  # fmt: skip
 
 # R(z) of the Runge-Kutta methods and the product of shears of the splittings as they stand in the books: the powers of
 # h in M_qq, M_qv, M_vq, M_vv, ascending.
@@ -36,11 +29,8 @@ PRINTED: dict[str, list[list[Q | int]]] = {
 }
 PRINTED["heun2"] = PRINTED["midpoint2"] = [[1, 0, Q(-1, 2)], [0, 1], [0, -1], [1, 0, Q(-1, 2)]]
 PRINTED["rk4"] = PRINTED["rk38"] = [
-    [1, 0, Q(-1, 2), 0, Q(1, 24)],
-    [0, 1, 0, Q(-1, 6)],
-    [0, -1, 0, Q(1, 6)],
-    [1, 0, Q(-1, 2), 0, Q(1, 24)],
-]
+    [1, 0, Q(-1, 2), 0, Q(1, 24)], [0, 1, 0, Q(-1, 6)], [0, -1, 0, Q(1, 6)], [1, 0, Q(-1, 2), 0, Q(1, 24)],
+]  # fmt: skip
 
 
 def polynomial(ascending: list[Q | int]) -> Any:

@@ -455,8 +455,7 @@ PLANTED: list[tuple[Guard, str, str]] = [
     (storeys_climbed, "driftproof/symbolic/linear/b.py", "import driftproof.symbolic.c"),
     (circles, "driftproof/methods/a.py", "import driftproof.methods.b"),
     (circles, "driftproof/symbolic/linear/d.py", "import driftproof.symbolic.algebra.e"),
-    (over_budget, "driftproof/support/a.py", LONG * 200),
-    (over_budget, "driftproof/commands/a.py", LONG * 200),
+    (over_budget, "driftproof/support/a.py", LONG * 200), (over_budget, "driftproof/commands/a.py", LONG * 200),
     (over_budget, "tests/test_a.py", LONG * 200),
     (too_small, "driftproof/methods/tiny.py", '"""Tiny."""\n'),
     (unmirrored, "driftproof/methods/lonely.py", LONG),
@@ -464,8 +463,7 @@ PLANTED: list[tuple[Guard, str, str]] = [
     (defined_twice, "driftproof/numeric/a.py", "class public: ..."),
     (defined_twice, "driftproof/numeric/a.py", "public: int = 1"),
     (inexact_literals, "driftproof/methods/a.py", "x = 0.5"),
-    (inexact_literals, "proofs/a.py", "x = -1e-12"),
-    (inexact_literals, "proofs/a.py", "h = 0.1"),
+    (inexact_literals, "proofs/a.py", "x = -1e-12"), (inexact_literals, "proofs/a.py", "h = 0.1"),
     (inexact_literals, "proofs/a.py", "h = 2j"),
     (inexact_literals, "driftproof/symbolic/a.py", "x = 1j"),
     (guessing_calls, "driftproof/symbolic/a.py", "import sympy\nsympy.nsimplify(x)"),
@@ -487,7 +485,7 @@ PLANTED: list[tuple[Guard, str, str]] = [
     (words_of_our_own, "docs/a.md", "Doors are many."),
     (idle_loops, "tests/a/test_b.py", "def test_c():\n    for x in found():\n        assert x"),
     (idle_loops, "proofs/test_a.py", "def test_b():\n    assert all(x for x in found())"),
-]
+]  # fmt: skip
 
 
 @pytest.mark.parametrize(("guard", "file", "text"), PLANTED)
@@ -509,13 +507,11 @@ def test_guard_passes_a_clean_tree(guard: Guard, tmp_path: Path) -> None:
 def _plant(root: Path, file: str, text: str) -> None:
     """The file, in a small house that keeps every rule."""
     modules = {
-        "methods/b": "import driftproof.methods.a",
-        "methods/p": "def public():\n    '''Public.'''",
+        "methods/b": "import driftproof.methods.a", "methods/p": "def public():\n    '''Public.'''",
         "symbolic/linear/b": "import driftproof.symbolic.algebra.f",
-        "symbolic/algebra/e": "import driftproof.methods.b",
-        "symbolic/algebra/f": "",
+        "symbolic/algebra/e": "import driftproof.methods.b", "symbolic/algebra/f": "",
         "symbolic/c": "import driftproof.symbolic.linear.b",
-    }
+    }  # fmt: skip
     if file.endswith("linear/d.py"):
         modules["symbolic/algebra/f"] = "import driftproof.symbolic.linear.d"
     house = {f"driftproof/{name}.py": f'"""A module."""\n{text}\n{LONG}' for name, text in modules.items()}

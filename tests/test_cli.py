@@ -275,18 +275,12 @@ def test_help_of_a_command_loads_that_command_alone(command, modules_after):
 
 # What an answer may need of the heavy libraries, and no more.
 NEEDED = {
-    "methods": {"flint"},
-    "scenes": {"flint", "numpy"},
-    "values --only rk4.first_step.q": set(),
-    "step rk4 --h 1/2": {"flint"},
-    "run rk4 --h 1/4 --t 10": {"flint"},
-    "facts rk4 --only order": {"flint"},
-    "value rk4.first_step.q": {"flint"},
-    "roundoff rk4 --h 1/4": {"flint", "numpy"},
-    "stability": {"flint", "numpy"},
+    "methods": {"flint"}, "scenes": {"flint", "numpy"}, "values --only rk4.first_step.q": set(),
+    "step rk4 --h 1/2": {"flint"}, "run rk4 --h 1/4 --t 10": {"flint"}, "facts rk4 --only order": {"flint"},
+    "value rk4.first_step.q": {"flint"}, "roundoff rk4 --h 1/4": {"flint", "numpy"}, "stability": {"flint", "numpy"},
     "derive rk4 --only determinant": {"flint", "sympy", "mpmath"},
     "sweep default --h 1/4": {"numpy"},
-}
+}  # fmt: skip
 
 
 @pytest.mark.parametrize("line", NEEDED)

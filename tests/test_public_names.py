@@ -38,16 +38,14 @@ WRONG = {
     "driftproof.METHODS['rk4'].no_such_fact": "union-attr",
     "driftproof.assert_verified(3)": "call-arg",
     "driftproof.order_within(driftproof.METHODS['rk4'], 'small')": "arg-type",
-    "driftproof.Scene(name='mine')": "call-arg",
-    "driftproof.published_values(3)": "arg-type",
+    "driftproof.Scene(name='mine')": "call-arg", "driftproof.published_values(3)": "arg-type",
     "driftproof.verify(str, 'rk4', exampels=3)": "call-arg",
     "driftproof.assert_verified(str, 'rk4', exampels=3)": "call-arg",
     "driftproof.value(3)": "arg-type",
     "driftproof.facts('rk4').no_such_fact": "attr-defined",
-    "driftproof.step('rk4', None)": "arg-type",
-    "driftproof.sweep('default', steps=[1])": "call-arg",
+    "driftproof.step('rk4', None)": "arg-type", "driftproof.sweep('default', steps=[1])": "call-arg",
     "driftproof.check('a.md', init=1)": "call-overload",
-}
+}  # fmt: skip
 
 # In one process, which sets up once what all of them share.
 pytestmark = pytest.mark.xdist_group("types")

@@ -137,13 +137,11 @@ print(settings().derandomize, settings().max_examples)
 @pytest.mark.parametrize(
     ("env", "chosen"),
     [
-        ({}, "False 100"),
-        ({"CI": "true"}, "True 100"),
-        ({"CI": "false"}, "False 100"),
+        ({}, "False 100"), ({"CI": "true"}, "True 100"), ({"CI": "false"}, "False 100"),
         ({"HYPOTHESIS_PROFILE": "thorough", "CI": "true"}, "False 2000"),
     ],
     ids=["nothing", "CI", "CI off", "named"],
-)
+)  # fmt: skip
 def test_profile_is_chosen_by_the_environment(
     env: dict[str, str], chosen: str, fresh_python: Callable[[str], str]
 ) -> None:

@@ -54,11 +54,9 @@ def with_one_changed(method: Method, change: Callable[[Exact], Exact]) -> Method
 
 def _places(method: Method) -> Iterator[tuple[str, tuple[int, ...]]]:
     names = {
-        Collocation: ("node_polynomial",),
-        Splitting: ("parts",),
-        RungeKutta: ("a", "b"),
+        Collocation: ("node_polynomial",), Splitting: ("parts",), RungeKutta: ("a", "b"),
         Nystrom: ("a", "c", "b_position", "b_velocity"),
-    }
+    }  # fmt: skip
     for name in names[type(method)]:
         for i, row in enumerate(getattr(method, name)):
             if name == "a":

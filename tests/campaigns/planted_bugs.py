@@ -133,12 +133,9 @@ def drawn(kind: str, key: str, draw: Random) -> Bug | None:
     places = {
         "time": stages,
         "order of updates": stages if isinstance(method, RungeKutta) else [max(updates)],
-        "stage reuse": stages[1:],
-        "stale force": stages[:1],
-        "state overwritten": [] if splits else stages[:-1],
-        "missing factor": updates,
-        "component left out": updates,
-    }[kind]
+        "stage reuse": stages[1:], "stale force": stages[:1], "state overwritten": [] if splits else stages[:-1],
+        "missing factor": updates, "component left out": updates,
+    }[kind]  # fmt: skip
     if not places:
         return None
     variants = {"time": ("t", "t + c", "t + c h**2", "t + h", "c h"), "missing factor": ("no h", "h twice")}
@@ -257,15 +254,11 @@ def page(tallies: dict[str, Tally]) -> str:
     stories = [f"- {kind}: {story}" for kind, tally in tallies.items() for story in dict.fromkeys(tally.stories)]
     return "\n".join(
         [
-            HEAD,
-            f"| kind | {' | '.join(COLUMNS)} |",
-            "|---" * (1 + len(COLUMNS)) + "|",
-            *lines,
-            "",
+            HEAD, f"| kind | {' | '.join(COLUMNS)} |", "|---" * (1 + len(COLUMNS)) + "|", *lines, "",
             *(stories or ["Each bug was caught, and each twin passed."]),
             "",
         ]
-    )
+    )  # fmt: skip
 
 
 HEAD = """# Planted bugs

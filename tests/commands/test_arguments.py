@@ -12,16 +12,12 @@ digits = cli.integer_in(1, 10000, "digits")
 MINUS = "\N{MINUS SIGN}"
 
 READ = [
-    (cli.exactly("t"), "0.1", Q(1, 10)),
-    (cli.exactly("t"), f"{MINUS}1/4", Q(-1, 4)),
-    (cli.nonzero_step, "-.25", Q(-1, 4)),
-    (cli.initial_state, "-1/3, 2", (Q(-1, 3), Q(2))),
-    (digits, "10000", 10000),
-    (cli.integer_in(0, 9, "places"), "0", 0),
-    (cli.positive_number("limit"), "1/4", 0.25),
+    (cli.exactly("t"), "0.1", Q(1, 10)), (cli.exactly("t"), f"{MINUS}1/4", Q(-1, 4)),
+    (cli.nonzero_step, "-.25", Q(-1, 4)), (cli.initial_state, "-1/3, 2", (Q(-1, 3), Q(2))), (digits, "10000", 10000),
+    (cli.integer_in(0, 9, "places"), "0", 0), (cli.positive_number("limit"), "1/4", 0.25),
     (cli.several(cli.nonzero_step), "1/4, 1/8", [Q(1, 4), Q(1, 8)]),
     (cli.read_by(Q), "1/3", Q(1, 3)),
-]
+]  # fmt: skip
 
 
 @pytest.mark.parametrize(("reader", "text", "value"), READ, ids=range(len(READ)))

@@ -79,13 +79,11 @@ BAD = {
     ("y1; -sinn(y0)", RUN): "'-sinn(y0)', column 3: there are the functions sin, cos",
     ("certified_model:nothing", RUN): "cannot be imported: AttributeError",
     ("a b:c", RUN): "'a b:c' names no function; write package.module:function",
-    ("no.toml", RUN): "no.toml: No such file",
-    (TEXT, "no.csv"): "no.csv: No such file",
+    ("no.toml", RUN): "no.toml: No such file", (TEXT, "no.csv"): "no.csv: No such file",
     (TEXT, RUN, "--h", "0x1..8"): "'0x1..8' is no number",
     (TEXT, RUN, "--method", "rk5"): "unknown method 'rk5'",
-    (TEXT, RUN, "--tolerance", "0"): "is no tolerance",
-    (TEXT, RUN, "--figure", "error.png"): "ends in .svg",
-}
+    (TEXT, RUN, "--tolerance", "0"): "is no tolerance", (TEXT, RUN, "--figure", "error.png"): "ends in .svg",
+}  # fmt: skip
 
 
 @pytest.mark.parametrize("words", BAD, ids=range(len(BAD)))

@@ -10,16 +10,11 @@ from tests.looping import some
 
 # Words before the cursor, and what bash then offers.
 OFFERED = {
-    "fa": ["facts"],
-    "facts --on": ["--only"],
-    "facts rk3": ["rk38"],
-    "facts rk4 --format t": ["text", "tex"],
+    "fa": ["facts"], "facts --on": ["--only"], "facts rk3": ["rk38"], "facts rk4 --format t": ["text", "tex"],
     "verify mine:step --method velo": ["velocity_verlet"],
     "stability kepler_": ["kepler_eccentric", "kepler_extreme"],
-    "scene com": ["compare"],
-    "value --styl": ["--style"],
-    "facts mine.tom": [],
-}
+    "scene com": ["compare"], "value --styl": ["--style"], "facts mine.tom": [],
+}  # fmt: skip
 
 
 @pytest.mark.parametrize("typed", OFFERED)

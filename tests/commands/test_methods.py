@@ -44,14 +44,11 @@ def test_a_family_is_answered_as_functions_and_sets(facts, answer):
     assert found["l_stable"]["set"] == "{1 - sqrt(2)/2} U {1 + sqrt(2)/2}"
     text = answer("facts", "sdirk_order_2", "--only", "real_limit,order_sets,error_constant")
     assert text.splitlines() == [
-        "real limit      2/(1 - 4*gamma) on (-oo, 1/4)",
-        "                oo on [1/4, oo)",
-        "order sets      1 on (-oo, oo)",
-        "                2 on (-oo, oo)",
+        "real limit      2/(1 - 4*gamma) on (-oo, 1/4)", "                oo on [1/4, oo)",
+        "order sets      1 on (-oo, oo)", "                2 on (-oo, oo)",
         "                3 on {1/2 - sqrt(3)/6} U {1/2 + sqrt(3)/6}",
-        "                4 nowhere",
-        "error constant  (-1/6 + gamma - gamma**2) h^3",
-    ]
+        "                4 nowhere", "error constant  (-1/6 + gamma - gamma**2) h^3",
+    ]  # fmt: skip
 
 
 def test_a_member_of_a_family_is_a_method_and_the_family_no_single_one(facts):
@@ -70,12 +67,9 @@ def test_a_multistep_method_is_answered_and_options_that_are_not_for_it_refused(
     assert facts("BDF2") == driftproof.facts_of(FACTS_ONLY["bdf2"])
     text = answer("facts", "adams_bashforth2", "--only", "rho,sigma,order,error_constant,real_limit")
     assert text.splitlines() == [
-        "rho             -zeta + zeta^2",
-        "sigma           -1/2 + 3/2 zeta",
-        "order           2",
-        "error constant  5/12",
-        "real limit      1",
-    ]
+        "rho             -zeta + zeta^2", "sigma           -1/2 + 3/2 zeta", "order           2",
+        "error constant  5/12", "real limit      1",
+    ]  # fmt: skip
     words = "bdf2 is a linear multistep method; `system` is not for it"
     assert words in refusal("facts", "bdf2", "--system", DAMPED)
 

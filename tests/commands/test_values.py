@@ -11,23 +11,18 @@ from driftproof.texts.questions.runs import RUN_READOUTS
 
 ANSWERS = {
     "rk4.first_step.q": "0.877604166666667, exactly 337/384  (PROVED)",
-    "rk4.first_step.q --digits 6": "0.877604",
-    "rk4.first_step.v --places 3": "-0.479",
+    "rk4.first_step.q --digits 6": "0.877604", "rk4.first_step.v --places 3": "-0.479",
     "rk4.first_step.v --places 3 --style printed": "−0.479",
-    "'1/30000000' --digits 2 --style printed": "3.3×10⁻⁸",
-    "'1/8' --places 2 --rounding half-even": "0.12",
-    "'1/8' --places 2 --rounding half-away": "0.13",
-    "'1.005' --places 2 --rounding tofixed": "1.00",
-    "'5/2' --places 0 --rounding away": "3",
-    "'-2.5' --places 0 --rounding half-even": "-2",
+    "'1/30000000' --digits 2 --style printed": "3.3×10⁻⁸", "'1/8' --places 2 --rounding half-even": "0.12",
+    "'1/8' --places 2 --rounding half-away": "0.13", "'1.005' --places 2 --rounding tofixed": "1.00",
+    "'5/2' --places 0 --rounding away": "3", "'-2.5' --places 0 --rounding half-even": "-2",
     "'1/2'": "0.500000000000000, exactly 1/2  (PROVED)",
     "'run rk4 h=1/4 t=10 : evaluations'": "160  (COUNTED)",
     "'step symplectic_euler h=2 N=5 : v' --style printed": "−10  (PROVED)",
     "'energy_multiplier rk4'": "1 - h**6/72 + h**8/576  (PROVED)",
     "'energy_multiplier rk4' --format tex": r"1-\frac{h^{6}}{72}+\frac{h^{8}}{576}",
     "'energy_multiplier rk4' --format md": r"$1-\frac{h^{6}}{72}+\frac{h^{8}}{576}$",
-    "rk4.first_step.q --format tex --digits 3": "0.878",
-    "rk4.first_step.q --format md --digits 3": "0.878",
+    "rk4.first_step.q --format tex --digits 3": "0.878", "rk4.first_step.q --format md --digits 3": "0.878",
     "'1/2' --format mathml": "<math><mfrac><mn>1</mn><mn>2</mn></mfrac></math>",
     "'sqrt(2)' --format mathml": "<math><msqrt><mn>2</mn></msqrt></math>",
     "'2**(1/3)' --format mathml": "<math><mroot><mn>2</mn><mn>3</mn></mroot></math>",
@@ -35,7 +30,7 @@ ANSWERS = {
     "'run forward_euler h=1/4 t=10 : phase_error deg' --places 3": "-11.508",
     "'a_stable radau_iia2'": "yes  (PROVED)",
     "'roundoff symplectic_euler h=1/4 : qq' --digits 3": "1.25",
-}
+}  # fmt: skip
 
 
 @pytest.mark.parametrize("line", ANSWERS)
@@ -45,13 +40,9 @@ def test_answers_to_the_letter(line, answer):
 
 def test_json_says_everything(answer):
     assert json.loads(answer("value", "step rk4 h=1/2 : v", "--digits", "3", "--format", "json")) == {
-        "question": "step rk4 h=1/2 : v",
-        "exact": "-23/48",
-        "decimal": "-0.479",
-        "rounding": "half-even",
-        "unit": None,
-        "evidence": "PROVED",
-    }
+        "question": "step rk4 h=1/2 : v", "exact": "-23/48", "decimal": "-0.479", "rounding": "half-even",
+        "unit": None, "evidence": "PROVED",
+    }  # fmt: skip
     formula = json.loads(answer("value", "energy_multiplier rk4", "--format", "json"))
     assert (formula["exact"], formula["decimal"]) == ("1 - h**6/72 + h**8/576", None)
     bound = json.loads(answer("value", "roundoff rk4 h=1/4 : qq", "--format", "json"))

@@ -80,12 +80,10 @@ def test_largest_is_a_ball_of_the_largest_size():
 @pytest.mark.parametrize(
     ("error", "true", "digits"),
     [
-        ((arb(0), arb(0)), (arb(1), arb(2)), ALL_DIGITS),
-        ((arb(1e-7), arb(0)), (arb(1), arb(100)), 9),
-        ((arb(10), arb(0)), (arb(1), arb(0)), 0),
-        ((arb(1), arb(0)), (arb(0), arb(0)), 0),
+        ((arb(0), arb(0)), (arb(1), arb(2)), ALL_DIGITS), ((arb(1e-7), arb(0)), (arb(1), arb(100)), 9),
+        ((arb(10), arb(0)), (arb(1), arb(0)), 0), ((arb(1), arb(0)), (arb(0), arb(0)), 0),
     ],
-)
+)  # fmt: skip
 def test_digits_are_those_of_the_largest_component(error, true, digits):
     with ctx.workprec(128):
         assert right_digits(error, true) == digits

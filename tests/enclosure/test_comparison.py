@@ -12,11 +12,9 @@ from tests.enclosure.mutants import mutant
 
 # e' = Ae + d with |d| <= δ: what turns, what is fast, and what grows.
 SYSTEMS = {
-    "turning": ([[-1, -3], [2, -1]], [0.5, 0.25]),
-    "stiff": ([[-0.5, -1], [-40, -1000]], [0.01, 2]),
-    "pushed": ([[-1, 0], [0, -2]], [1, 1]),
-    "growing": ([[0.5, -1], [1, 0.25]], [0, 0]),
-}
+    "turning": ([[-1, -3], [2, -1]], [0.5, 0.25]), "stiff": ([[-0.5, -1], [-40, -1000]], [0.01, 2]),
+    "pushed": ([[-1, 0], [0, -2]], [1, 1]), "growing": ([[0.5, -1], [1, 0.25]], [0, 0]),
+}  # fmt: skip
 START = (0.5, 0.125)
 
 
@@ -35,11 +33,8 @@ def is_bounded(module, name):
     """By the bound at the end, and on the way by that of the whole step."""
     A, d = SYSTEMS[name]
     M, start, source, step = (
-        module.quasi_monotone(arb_mat(A)),
-        arb_mat([[x] for x in START]),
-        arb_mat([[x] for x in d]),
-        arb(1),
-    )
+        module.quasi_monotone(arb_mat(A)), arb_mat([[x] for x in START]), arb_mat([[x] for x in d]), arb(1),
+    )  # fmt: skip
     grown, added = module.at_the_end(M, source, step)
     at_end = (grown * start + added).entries()
     on_the_way = module.along_the_step(M, start, source, step).entries()

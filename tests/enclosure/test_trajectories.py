@@ -21,13 +21,10 @@ from driftproof.enclosure.trajectories import (
 TIMES = np.array([0.0, 0.1, 0.3])
 STATES = np.array([[1.0, 0.0], [0.9, -0.1], [0.7, -0.3]])
 SAME = {
-    "rows": (TIMES, STATES),
-    "columns": (TIMES, STATES.T),
-    "lists": (TIMES.tolist(), STATES.tolist()),
-    "scipy": (SimpleNamespace(t=TIMES, y=STATES.T),),
-    "diffrax": (SimpleNamespace(ts=TIMES, ys=STATES),),
+    "rows": (TIMES, STATES), "columns": (TIMES, STATES.T), "lists": (TIMES.tolist(), STATES.tolist()),
+    "scipy": (SimpleNamespace(t=TIMES, y=STATES.T),), "diffrax": (SimpleNamespace(ts=TIMES, ys=STATES),),
     "filled up": (SimpleNamespace(ts=[*TIMES, np.inf], ys=[*STATES, [np.inf, np.inf]]),),
-}
+}  # fmt: skip
 FILES = {
     "commas": "t,q,v\n0,1,0\n0.1,0.9,-0.1\n0.3,0.7,-0.3\n",
     "blanks and a remark": "# by hand\n0 1 0\n\n.1\t9e-1 -0.1\n 0.3  0.7   -.3\n",

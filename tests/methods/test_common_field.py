@@ -63,20 +63,12 @@ def test_field_of_too_large_a_degree_is_refused() -> None:
 @pytest.mark.parametrize(
     ("text", "value"),
     [
-        ("2**(1/3)", cube_root(2)),
-        ("8**(2/3)", Q(4)),
-        ("(1/2)**(1/2)", square_root(2) / 2),
-        ("4**(1/4)", square_root(2)),
-        ("(4/9)**(1/2)", Q(2, 3)),
-        ("2**(-1/3)", cube_root(4) / 2),
-        ("(1/3)**(1/3)", cube_root(9) / 3),
-        ("1**(1/2)", Q(1)),
-        ("4096**(1/12)", Q(2)),
-        ("32**(1/5)", Q(2)),
-        ("128**(1/7)", Q(2)),
-        ("2048**(1/11)", Q(2)),
+        ("2**(1/3)", cube_root(2)), ("8**(2/3)", Q(4)), ("(1/2)**(1/2)", square_root(2) / 2),
+        ("4**(1/4)", square_root(2)), ("(4/9)**(1/2)", Q(2, 3)), ("2**(-1/3)", cube_root(4) / 2),
+        ("(1/3)**(1/3)", cube_root(9) / 3), ("1**(1/2)", Q(1)), ("4096**(1/12)", Q(2)), ("32**(1/5)", Q(2)),
+        ("128**(1/7)", Q(2)), ("2048**(1/11)", Q(2)),
     ],
-)
+)  # fmt: skip
 def test_fractional_powers_of_rationals_are_exact(text: str, value: Q | Algebraic) -> None:
     assert parse_number(text, "x") == value
 

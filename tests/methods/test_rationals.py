@@ -21,23 +21,10 @@ from driftproof.methods.rationals import (
 from driftproof.strategies import finite_floats, rational_steps, rationals
 
 SPELLED = {
-    "1/4": Q(1, 4),
-    "0.25": Q(1, 4),
-    "0.1": Q(1, 10),
-    "-1/2": Q(-1, 2),
-    "\N{MINUS SIGN}1/2": Q(-1, 2),
-    " 3 ": Q(3),
-    "2.5e-3": Q(1, 400),
-    "1E3": Q(1000),
-    "+7": Q(7),
-    "-0": Q(0),
-    ".5": Q(1, 2),
-    "5.": Q(5),
-    "1_000.5": Q(2001, 2),
-    "1e1200": Q(10**1200),
-    "1e-1200": Q(1, 10**1200),
-    "1e1_0": Q(10**10),
-}
+    "1/4": Q(1, 4), "0.25": Q(1, 4), "0.1": Q(1, 10), "-1/2": Q(-1, 2), "\N{MINUS SIGN}1/2": Q(-1, 2), " 3 ": Q(3),
+    "2.5e-3": Q(1, 400), "1E3": Q(1000), "+7": Q(7), "-0": Q(0), ".5": Q(1, 2), "5.": Q(5), "1_000.5": Q(2001, 2),
+    "1e1200": Q(10**1200), "1e-1200": Q(1, 10**1200), "1e1_0": Q(10**10),
+}  # fmt: skip
 
 
 @pytest.mark.parametrize(("text", "value"), SPELLED.items())
@@ -176,16 +163,13 @@ def test_number_that_is_given_is_taken_exactly() -> None:
         (exact_number, 0.1, '^number: the double 0.1 is not 0.1 exactly; write "0.1" for the decimal'),
         (exact_number, True, "^number is 'True'; give a Fraction, an int, or text"),
         (exact_number, float("nan"), "^number is 'nan'; give"),
-        (exact_number, 0.5j, "^number is '0.5j'; give"),
-        (step_of, "0", "^a step of size 0 goes nowhere"),
+        (exact_number, 0.5j, "^number is '0.5j'; give"), (step_of, "0", "^a step of size 0 goes nowhere"),
         (steps_of, "1/4,0.0", "^a step of size 0 goes nowhere"),
         (steps_of, "1/4,x", "^h: 'x' is not"),
         (state_of, "1", "^'1' is not a state; write position,velocity like 1,0"),
-        (state_of, (1, 0, 0), "is not a state"),
-        (state_of, "x,0", "^q: 'x'"),
-        (state_of, "0,x", "^v: 'x'"),
+        (state_of, (1, 0, 0), "is not a state"), (state_of, "x,0", "^q: 'x'"), (state_of, "0,x", "^v: 'x'"),
     ],
-)
+)  # fmt: skip
 def test_number_that_is_not_plainly_meant_is_refused(read, wrong, reason) -> None:  # type: ignore[no-untyped-def]
     with pytest.raises(ValueError, match=reason):
         read(wrong)

@@ -77,10 +77,8 @@ ROOTS = "node_polynomial has a complex or a multiple root; nodes are real, disti
         (HEUN, {"a": ((0, 0),)}, "a has 1 entries, b has 2; they must agree"),
         (HEUN, {"a": ((0, 0), (1,))}, "a[1] has 1 entries, b has 2; they must agree"),
         (HEUN, {"c": (0, 1, 2)}, "c has 3 entries, b has 2; they must agree"),
-        (HEUN, {"a": 5}, f"a is 5; {TUPLE}"),
-        (HEUN, {"a": "00"}, f"a is '00'; {TUPLE}"),
-        (HEUN, {"a": (0, 1)}, f"a[0] is 0; {TUPLE}"),
-        (HEUN, {"b": "11"}, f"b is '11'; {TUPLE}"),
+        (HEUN, {"a": 5}, f"a is 5; {TUPLE}"), (HEUN, {"a": "00"}, f"a is '00'; {TUPLE}"),
+        (HEUN, {"a": (0, 1)}, f"a[0] is 0; {TUPLE}"), (HEUN, {"b": "11"}, f"b is '11'; {TUPLE}"),
         (HEUN, {"a": ((0, 0), (ROOT_3, 0)), "b": (1, ROOT_2)}, FIELDS),
         (HEUN, {"b_embedded": (1, 0)}, "b_embedded and embedded_order come together"),
         (HEUN, PAIR, "b_embedded and embedded_order come together"),
@@ -96,15 +94,14 @@ ROOTS = "node_polynomial has a complex or a multiple root; nodes are real, disti
         (NYSTROM, {"b_position": (1, 2)}, "b_position has 2 entries, b_velocity has 1; they must agree"),
         (NYSTROM, {"b_velocity": ()}, "b_velocity is empty; a method has at least one stage"),
         (GAUSS, {"node_polynomial": (1, 0)}, "node_polynomial is constant; a method has at least one node"),
-        (GAUSS, {"node_polynomial": (1, 0, 1)}, ROOTS),
-        (GAUSS, {"node_polynomial": (1, -2, 1)}, ROOTS),
+        (GAUSS, {"node_polynomial": (1, 0, 1)}, ROOTS), (GAUSS, {"node_polynomial": (1, -2, 1)}, ROOTS),
         (
             GAUSS,
             {"node_polynomial": (ROOT_3, 1)},
             "node_polynomial has irrational coefficients; rational ones are needed",
         ),
     ],
-)
+)  # fmt: skip
 def test_malformed_definition_is_refused_in_one_line(method: Any, changes: dict[str, Any], message: str) -> None:
     assert refusal(lambda: dataclasses.replace(method, **changes)) == f"mine: {message}"
 

@@ -93,12 +93,10 @@ def test_dividing_by_zero_raises_in_python_and_goes_on_in_arrays():
 @pytest.mark.parametrize(
     ("q", "v"),
     [
-        (np.ones(3), np.ones(4)),
-        (np.ones((2, 2)), np.ones((2, 2))),
-        (np.ones(3), np.ones(3, np.float32)),
+        (np.ones(3), np.ones(4)), (np.ones((2, 2)), np.ones((2, 2))), (np.ones(3), np.ones(3, np.float32)),
         (np.ones(3, int), np.ones(3, int)),
     ],
-)
+)  # fmt: skip
 def test_arrays_that_are_no_ensemble_are_refused_in_one_line(q, v):
     for build in (ensemble_runner, compiled_ensemble_runner):
         with pytest.raises(ValueError, match="two one-dimensional arrays of floats") as caught:

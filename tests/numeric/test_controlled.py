@@ -33,12 +33,9 @@ def test_a_smaller_tolerance_takes_more_steps_and_errs_less(key):
 
 
 POWERS = [
-    ("dormand_prince54", 5, 1),
-    ("merson45", 4, 1),
-    ("heun_euler21", 2, 1),
-    ("radau_iia3", 4, 1.2),
+    ("dormand_prince54", 5, 1), ("merson45", 4, 1), ("heun_euler21", 2, 1), ("radau_iia3", 4, 1.2),
     ("gauss2", 3, 1.2),
-]
+]  # fmt: skip
 
 
 @pytest.mark.parametrize(("key", "power", "steady"), POWERS)

@@ -91,11 +91,8 @@ def test_phase_error_neither_overflows_nor_underflows(a: tuple[float, float], b:
 
 
 OPPOSITE = [
-    ((-1.0, 0.0), (1.0, 0.0)),
-    ((-1.0, -0.0), (1.0, 0.0)),
-    ((0.0, 2.0), (0.0, -2.0)),
-    ((-3.0, 4.0), (3.0, -4.0)),
-]
+    ((-1.0, 0.0), (1.0, 0.0)), ((-1.0, -0.0), (1.0, 0.0)), ((0.0, 2.0), (0.0, -2.0)), ((-3.0, 4.0), (3.0, -4.0)),
+]  # fmt: skip
 
 
 @pytest.mark.parametrize(("numerical", "exact"), OPPOSITE)

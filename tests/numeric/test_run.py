@@ -40,12 +40,9 @@ def scene(**changed: Any) -> Scene:
 
 
 SPIED = {
-    "exact_state": {"exact_state"},
-    "state_error": {"exact_state", "state_error"},
-    "energy": {"energy"},
-    "energy_change": {"float_energy_change", "energy"},
-    "phase_error": {"exact_state", "phase_error"},
-}
+    "exact_state": {"exact_state"}, "state_error": {"exact_state", "state_error"}, "energy": {"energy"},
+    "energy_change": {"float_energy_change", "energy"}, "phase_error": {"exact_state", "phase_error"},
+}  # fmt: skip
 
 
 @pytest.mark.parametrize("asked", READOUTS)

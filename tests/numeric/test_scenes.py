@@ -35,11 +35,9 @@ def written(folder: Path, text: str) -> Path:
 def test_presets_are_those_of_the_lesson() -> None:
     shown = {name: (scene.selected, scene.h, scene.t, scene.steps) for name, scene in PRESETS.items()}
     assert shown == {
-        "default": ("forward_euler", Q(1, 4), 10, 40),
-        "small_steps": ("forward_euler", Q(1, 10), 10, 100),
-        "compare": ("forward_euler", Q(1, 2), 10, 20),
-        "stability_boundary": ("symplectic_euler", 2, 10, 5),
-    }
+        "default": ("forward_euler", Q(1, 4), 10, 40), "small_steps": ("forward_euler", Q(1, 10), 10, 100),
+        "compare": ("forward_euler", Q(1, 2), 10, 20), "stability_boundary": ("symplectic_euler", 2, 10, 5),
+    }  # fmt: skip
     assert all(scene.methods == ("forward_euler", "symplectic_euler", "rk4") for scene in PRESETS.values())
     assert all(0 < scene.h <= LARGEST_LESSON_H == Q(5, 2) for scene in PRESETS.values())
     assert all(name == scene.name and scene.start == (1, 0) for name, scene in PRESETS.items())
@@ -80,8 +78,7 @@ def test_decimal_in_a_file_is_not_the_nearest_double(tmp_path: Path) -> None:
 
 
 BAD_FILES = {
-    "h = 1\nt = 1\n" + ASKED: "'selected' is missing",
-    'selected = "rk4"\nt = 1\n' + ASKED: "'h' is missing",
+    "h = 1\nt = 1\n" + ASKED: "'selected' is missing", 'selected = "rk4"\nt = 1\n' + ASKED: "'h' is missing",
     'selected = "rk4"\nh = 1\n' + ASKED: "'t' is missing",
     'selected = "rk4"\nh = 1\nt = 1\n': "scene 'mine' asks for nothing; name readouts, certified or panels",
     MINIMAL + "colour = 1": "a scene has no key 'colour'; there are name, selected, h, t, start",
@@ -111,11 +108,10 @@ BAD_FILES = {
     MINIMAL + 'name = "../elsewhere"': "scene '../elsewhere': a name has no folders in it",
     MINIMAL + "name = 5": "name is 5; write a text in quotes",
     MINIMAL + 'name = "two"\nname = "names"': "not TOML: a key is given twice",
-    "h = ": "not TOML: Invalid value",
-    "x = " + "[" * 20_000: "nested too deeply",
+    "h = ": "not TOML: Invalid value", "x = " + "[" * 20_000: "nested too deeply",
     "x = " + "9" * 5000: "not TOML: Exceeds the limit",
     "#" * (LONGEST_FILE + 1): f"too large; at most {LONGEST_FILE} bytes are read",
-}
+}  # fmt: skip
 
 
 @pytest.mark.parametrize("text", BAD_FILES, ids=range(len(BAD_FILES)))

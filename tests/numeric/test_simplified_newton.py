@@ -102,14 +102,10 @@ def test_iterations_start_on_the_polynomial_of_the_step_before(key):
 # y' = -y by backward Euler with h = 1, J such that iterations leave a part `left`: the first moves by (1 - left)/2, and
 # after n more left^n (1 - left)/2 / tolerance times left/(1 - left), at most 0.01, is left; J is wanted anew if slow.
 ITERATIONS = [
-    (5e-4, 1e-8, 3, 0.0),
-    (0.1, 10.0, 2, 0.0),
-    (0.1, 1.0, 2, 0.0),
-    (0.1, 1e-2, 4, 1.0),
-    (0.3, 0.02, 7, 1.0),
+    (5e-4, 1e-8, 3, 0.0), (0.1, 10.0, 2, 0.0), (0.1, 1.0, 2, 0.0), (0.1, 1e-2, 4, 1.0), (0.3, 0.02, 7, 1.0),
     (0.5, 1.0, 6, 1.0),
     *((0.3, 0.01, 2, None), (0.5, 0.1, 2, None), (0.9, 1.0, 2, None), (1.5, 1.0, 2, None)),
-]
+]  # fmt: skip
 
 
 @pytest.mark.parametrize(("left", "absolute", "iterations", "wanted"), ITERATIONS)

@@ -76,21 +76,16 @@ def test_row_says_where_goals_are_missed_and_who_answers_otherwise() -> None:
     subject = Subject("question", both, 1.5, {("ours", "peer"): 0.25, ("peer", "ours"): 3})
     row = Row(subject, {"ours": timing(4e-3, 2e-3, 3e-3), "peer": timing(5e-3, 9e-3)}, {"ours": "8", "peer": "7"})
     assert list(row.goals()) == [
-        Goal("question", "≤ 1.5 ms", "2 ms", False),
-        Goal("question: peer over ours", "≥ 4", "2.5", False),
-        Goal("question: peer over ours", "≤ 3", "2.5", True),
-        Goal("question: peer", "our bits", "others", False),
-    ]
+        Goal("question", "≤ 1.5 ms", "2 ms", False), Goal("question: peer over ours", "≥ 4", "2.5", False),
+        Goal("question: peer over ours", "≤ 3", "2.5", True), Goal("question: peer", "our bits", "others", False),
+    ]  # fmt: skip
     assert list(row.lines()) == [
         ["question", "ours", "2 ms", "3 ms", "33 %", "3", "", "8"],
         ["", "peer", "5 ms", "7 ms", "29 %", "2", "2.5", "7"],
     ]
     assert [goal.met for goal in Row(subject, row.times, {"ours": "8", "peer": "8"}).goals()] == [
-        False,
-        False,
-        True,
-        True,
-    ]
+        False, False, True, True,
+    ]  # fmt: skip
 
 
 def test_goal_of_a_contestant_that_is_absent_is_not_asked() -> None:
@@ -267,13 +262,10 @@ def test_comparison_counts_what_a_peer_answers_and_where_it_differs(monkeypatch:
 @pytest.mark.parametrize(
     ("theirs", "mine", "same"),
     [
-        ("2.78529", "2.78529", True),
-        ("5.9999995", "6", True),
-        ("5.999", "6", False),
-        ("inf", "inf", True),
+        ("2.78529", "2.78529", True), ("5.9999995", "6", True), ("5.999", "6", False), ("inf", "inf", True),
         ("yes", "no", False),
     ],
-)
+)  # fmt: skip
 def test_reals_are_compared_as_far_as_floats_go(theirs: str, mine: str, same: bool) -> None:
     assert answers.same(theirs, mine) is same
 

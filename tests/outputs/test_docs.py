@@ -93,15 +93,11 @@ def test_every_statement_in_print_is_reproduced_or_known_to_differ() -> None:
 @pytest.mark.parametrize(
     ("says", "value", "same"),
     [
-        (True, True, True),
-        (True, False, False),
-        ("2.785", {"decimal": "2.78529"}, True),
-        ("2.786", {"decimal": "2.78529"}, False),
-        ("-2.0", {"decimal": "2.00000"}, False),
-        ("2", "oo", False),
+        (True, True, True), (True, False, False), ("2.785", {"decimal": "2.78529"}, True),
+        ("2.786", {"decimal": "2.78529"}, False), ("-2.0", {"decimal": "2.00000"}, False), ("2", "oo", False),
         ("oo", "oo", True),
     ],
-)
+)  # fmt: skip
 def test_statement_agrees_in_all_the_digits_that_are_printed(says: object, value: object, same: bool) -> None:
     assert agrees(says, value) is same
 

@@ -62,11 +62,9 @@ RUNS = {
 
 def project(folder: Path, decoys: list[str]) -> Path:
     files = {
-        "springs.py": SPRINGS,
-        "lesson.md.j2": TEMPLATE,
-        "lesson.md": "RK4 leads to q = 337/384 at once.\n",
+        "springs.py": SPRINGS, "lesson.md.j2": TEMPLATE, "lesson.md": "RK4 leads to q = 337/384 at once.\n",
         "claims.toml": CLAIMS,
-    }
+    }  # fmt: skip
     for name, text in {**files, **dict.fromkeys(decoys, "X = 1\n")}.items():
         path = folder / name
         path.parent.mkdir(parents=True, exist_ok=True)

@@ -22,18 +22,11 @@ def test_default_scene_shows_what_the_lesson_shows() -> None:
 
 
 LESSON_DEFAULT = [
-    "Numerical (q, v) (-3.129, 1.229)",
-    "Exact (q, v) (-0.839, 0.544)",
-    "State error 2.390297",
-    "Final energy 5.651029",
-    "Energy change 5.151029",
-    "Wrapped phase error (degrees) -11.508",
-    "Steps 40",
-    "Acceleration evaluations 40",
-    "Forward Euler 2.390 5.151 40",
-    "Symplectic Euler 0.090 -0.054 40",
+    "Numerical (q, v) (-3.129, 1.229)", "Exact (q, v) (-0.839, 0.544)", "State error 2.390297",
+    "Final energy 5.651029", "Energy change 5.151029", "Wrapped phase error (degrees) -11.508", "Steps 40",
+    "Acceleration evaluations 40", "Forward Euler 2.390 5.151 40", "Symplectic Euler 0.090 -0.054 40",
     "Classical RK4 3.3e-4 -6.7e-5 160",
-]
+]  # fmt: skip
 
 
 def test_shown_parts_are_those_named() -> None:

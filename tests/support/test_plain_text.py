@@ -25,14 +25,10 @@ def test_digits_are_significant_and_zeros_among_them(x, digits, text):
 @pytest.mark.parametrize(
     ("x", "text"),
     [
-        (0.0, "0.000"),
-        (2.3903, "2.390"),
-        (-0.001, "-0.001"),
-        (9.99e-4, "1.0e-3"),
-        (1e9, "1.0e9"),
+        (0.0, "0.000"), (2.3903, "2.390"), (-0.001, "-0.001"), (9.99e-4, "1.0e-3"), (1e9, "1.0e9"),
         (1e9 - 1, f"{10**9 - 1}.000"),
     ],
-)
+)  # fmt: skip
 def test_short_numbers_are_as_the_lesson_shows_them_and_never_a_zero_that_is_none(x, text):
     assert short(x) == text
 

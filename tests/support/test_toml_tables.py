@@ -55,15 +55,12 @@ def test_a_reason_of_the_caller_and_one_of_the_system_name_the_file(tmp_path: Pa
 
 
 FITS: list[tuple[Any, Any]] = [
-    (toml.as_text("", "x"), ""),
-    (toml.as_line("  a  b   ", "x", 9), "a  b"),
-    (toml.as_texts(["a", "b"], "x"), ("a", "b")),
-    (toml.as_flag(False, "x"), False),
+    (toml.as_text("", "x"), ""), (toml.as_line("  a  b   ", "x", 9), "a  b"),
+    (toml.as_texts(["a", "b"], "x"), ("a", "b")), (toml.as_flag(False, "x"), False),
     (toml.as_whole(9, "x", 0, 9) - toml.as_whole(0, "x", 0, 9), 9),
-    (toml.as_choice("a", "x", ("a", "b")), "a"),
-    (toml.as_table({}, "x"), {}),
+    (toml.as_choice("a", "x", ("a", "b")), "a"), (toml.as_table({}, "x"), {}),
     (toml.as_list([1, 2], "x", 2, 2), [1, 2]),
-]
+]  # fmt: skip
 REFUSALS: list[tuple[Callable[[], Any], str]] = [
     (lambda: toml.as_text(1, "x"), "x is 1; write a text in quotes"),
     (lambda: toml.as_text(None, "x"), "x is missing; write a text in quotes"),

@@ -123,13 +123,10 @@ def test_mistake_that_is_no_rounding_leaves_no_order_but_for_rounding() -> None:
 @pytest.mark.parametrize(
     ("key", "order", "second"),
     [
-        ("pefrl", 4, 4),
-        ("blanes_moan_rkn6a", 4, 6),
-        ("suzuki_umeno8", 8, 8),
-        ("gauss9", 18, None),
+        ("pefrl", 4, 4), ("blanes_moan_rkn6a", 4, 6), ("suzuki_umeno8", 8, 8), ("gauss9", 18, None),
         ("nystrom4", 4, None),
     ],
-)
+)  # fmt: skip
 def test_order_to_a_tolerance_of_every_kind_of_method(key: str, order: int, second: int | None) -> None:
     found = order_within(METHODS[key], Q(1, 10**12))
     assert (found.order, found.order_second_order_problems, found.embedded_order) == (order, second, None)

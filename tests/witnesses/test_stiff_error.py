@@ -18,16 +18,12 @@ Tableau = RungeKutta | Collocation
 TABLEAUX = {key: m for key, m in METHODS.items() if isinstance(m, Tableau)}
 # Local error C h^k (h lambda)^-m, R(oo), order on stiff problems.
 REDUCED = {
-    "backward_euler": (2, 1, Fraction(1, 2), 0, 1),
-    "implicit_midpoint": (2, 0, Fraction(1, 4), -1, 2),
-    "trapezoid": (3, 1, Fraction(1, 6), -1, 2),
-    "gauss2": (3, 0, Fraction(1, 36), 1, 2),
-    "gauss3": (4, 0, Fraction(1, 480), -1, 4),
-    "radau_ia3": (3, 0, Fraction(1, 60), 0, 3),
-    "radau_iia2": (3, 1, Fraction(1, 9), 0, 2),
-    "radau_iia3": (4, 1, Fraction(1, 80), 0, 3),
+    "backward_euler": (2, 1, Fraction(1, 2), 0, 1), "implicit_midpoint": (2, 0, Fraction(1, 4), -1, 2),
+    "trapezoid": (3, 1, Fraction(1, 6), -1, 2), "gauss2": (3, 0, Fraction(1, 36), 1, 2),
+    "gauss3": (4, 0, Fraction(1, 480), -1, 4), "radau_ia3": (3, 0, Fraction(1, 60), 0, 3),
+    "radau_iia2": (3, 1, Fraction(1, 9), 0, 2), "radau_iia3": (4, 1, Fraction(1, 80), 0, 3),
     "lobatto_iiic3": (3, 1, Fraction(1, 12), 0, 2),
-}
+}  # fmt: skip
 
 
 @pytest.mark.parametrize("key", REDUCED)

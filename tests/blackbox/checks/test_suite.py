@@ -47,14 +47,10 @@ def test_all_checks_take_a_few_hundred_calls(step):
 
 
 REPEATED = [
-    (habits.SPEED_CAPPED, "velocity_range"),
-    (habits.WRAPPED, "position_range"),
-    (habits.CAPPED_STEP, "step_size"),
-    (habits.REPAIRS_NAN, "not_a_number"),
-    (CLEAN["rk4"], "symmetric"),
-    (CLEAN["rk4"], "large_states"),
+    (habits.SPEED_CAPPED, "velocity_range"), (habits.WRAPPED, "position_range"), (habits.CAPPED_STEP, "step_size"),
+    (habits.REPAIRS_NAN, "not_a_number"), (CLEAN["rk4"], "symmetric"), (CLEAN["rk4"], "large_states"),
     (habits.TOLD_THE_TIME, "area_preserving"),
-]
+]  # fmt: skip
 
 
 @pytest.mark.parametrize(("step", "key"), REPEATED, ids=habits.identified)
@@ -70,11 +66,9 @@ def test_clauses_are_json_with_numbers_as_strings():
     seen = habits.result(habits.SPEED_CAPPED, "velocity_range").as_dict()
     assert json.loads(json.dumps(seen, allow_nan=False)) == seen
     assert seen["example"][0] == {
-        "call": "step(0.3125, 100.0, 5e-324)",
-        "given": {"q": "0.3125", "v": "100.0", "h": "5e-324"},
-        "answer": ["0.3125", "100.0"],
-        "failure": None,
-    }
+        "call": "step(0.3125, 100.0, 5e-324)", "given": {"q": "0.3125", "v": "100.0", "h": "5e-324"},
+        "answer": ["0.3125", "100.0"], "failure": None,
+    }  # fmt: skip
     nan = habits.result(habits.REPAIRS_NAN, "not_a_number").as_dict()
     assert nan["example"][0]["given"]["q"] == "nan"
 
@@ -96,21 +90,13 @@ def test_outcomes_without_result_are_clauses_of_their_own():
 HANGING = {
     "q=0.7390851332151607, v=0.5671432904097838, h=0.2": set(CHECKS) - {"time_argument"},
     "q=[1.0, -0.625, 0.1], v=[0.75, 0.25, -1.3], h=0.2": {"several_states"},
-    "q=3, v=1, h=0.25": {"types"},
-    "q=3.0, v=1.0, h=0.25": {"types"},
+    "q=3, v=1, h=0.25": {"types"}, "q=3.0, v=1.0, h=0.25": {"types"},
     f"q={1000 * 0.7390851332151607!r}, v={10 * 0.5671432904097838!r}, h=0.2": {"digits"},
-    "h=0.0": {"zero_step"},
-    "h=-0.25": {"negative_step", "reversal"},
-    "h=-1.0": {"reversal"},
-    "h=16.0": {"step_size"},
+    "h=0.0": {"zero_step"}, "h=-0.25": {"negative_step", "reversal"}, "h=-1.0": {"reversal"}, "h=16.0": {"step_size"},
     "q=0.7390851332151607, v=0.5671432904097838, h=8.0": {"sub_steps"},
-    "h=5e-324": set(),
-    "q=0.625, v=0.375, h=5e-324": {"domain"},
-    "q=0.0, v=0.0, h=0.25": {"area", "homogeneity"},
-    "q=nan, v=0.75, h=0.25": {"not_a_number"},
-    "q=-inf, v=0.75, h=0.25": {"infinity"},
-    "h=nan": {"not_a_number_step"},
-}
+    "h=5e-324": set(), "q=0.625, v=0.375, h=5e-324": {"domain"}, "q=0.0, v=0.0, h=0.25": {"area", "homogeneity"},
+    "q=nan, v=0.75, h=0.25": {"not_a_number"}, "q=-inf, v=0.75, h=0.25": {"infinity"}, "h=nan": {"not_a_number_step"},
+}  # fmt: skip
 
 
 @pytest.mark.parametrize("hung", HANGING)

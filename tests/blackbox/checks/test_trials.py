@@ -13,15 +13,11 @@ from tests.blackbox.checks import habits
 @pytest.mark.parametrize(
     ("step", "fmt", "grain"),
     [
-        (habits.plain, BINARY64, 0.0),
-        (habits.SINGLE, BINARY32, 0.0),
-        (habits.ROUNDED_TO_SINGLE, BINARY32, 0.0),
-        (habits.SIX_DECIMALS, BINARY64, 1e-6),
-        (habits.FIXED_POINT, BINARY64, 2.0**-16),
-        (habits.INTEGERS, BINARY64, 1.0),
-        (habits.CAR_IN_A_VALLEY, BINARY64, 0.0),
+        (habits.plain, BINARY64, 0.0), (habits.SINGLE, BINARY32, 0.0), (habits.ROUNDED_TO_SINGLE, BINARY32, 0.0),
+        (habits.SIX_DECIMALS, BINARY64, 1e-6), (habits.FIXED_POINT, BINARY64, 2.0**-16),
+        (habits.INTEGERS, BINARY64, 1.0), (habits.CAR_IN_A_VALLEY, BINARY64, 0.0),
     ],
-)
+)  # fmt: skip
 def test_the_arithmetic_of_a_stepper_is_seen(step, fmt, grain):
     runner = steady_runner(opened(step))
     assert (runner.format, runner.grain) == (fmt, grain)

@@ -12,14 +12,11 @@ from tests.blackbox.families import remembering_steppers as planted
 from tests.blackbox.families.remembering_steppers import Remembering, Stormer, euler
 
 STEPS = [
-    (euler, False),
-    (Remembering("adams_bashforth2", euler).step, True),
-    (planted.in_a_closure(), True),
-    (planted.run_of_adams_bashforth3, True),
-    (Stormer().step, True),
+    (euler, False), (Remembering("adams_bashforth2", euler).step, True), (planted.in_a_closure(), True),
+    (planted.run_of_adams_bashforth3, True), (Stormer().step, True),
     (lambda force, q, v, h: (q + h * (v - h * q), v - h * q), False),
     (lambda q, v, h: (q + h * v, v - h * q), False),
-]
+]  # fmt: skip
 
 
 @pytest.mark.parametrize(("step", "does"), STEPS, ids=range(len(STEPS)))

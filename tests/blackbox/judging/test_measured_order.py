@@ -52,12 +52,10 @@ def right_on_the_oscillator(force, q, v, h):
 
 
 MEASURED = codes.RK4_AT_WRONG_TIMES | {
-    "half moved": codes.half_moved,
-    "right on the oscillator": right_on_the_oscillator,
-    "midpoint": codes.midpoint,
+    "half moved": codes.half_moved, "right on the oscillator": right_on_the_oscillator, "midpoint": codes.midpoint,
     "one number": codes.rk4_of_one_number,
     "one number without t": lambda f, y, h: math.fsum([y, h * f(y)]),
-}
+}  # fmt: skip
 
 
 @pytest.mark.parametrize("name", MEASURED)
@@ -90,14 +88,12 @@ def test_a_built_in_system_is_not_asked():
 @pytest.mark.parametrize(
     ("errors", "noise", "seen"),
     [
-        ([1.0, 0.5, math.nan, 0.1], 0.0, (None, (1.0,))),
-        ([1.0, 0.5, math.inf, 0.1], 0.0, (None, (1.0,))),
-        ([8.0, 4.0, 1.0, 0.25], 0.2, (2, (1.0, 2.0, 2.0))),
-        ([8.0, 4.0, 1.0, 0.25], 0.25, (None, (1.0, 2.0))),
+        ([1.0, 0.5, math.nan, 0.1], 0.0, (None, (1.0,))), ([1.0, 0.5, math.inf, 0.1], 0.0, (None, (1.0,))),
+        ([8.0, 4.0, 1.0, 0.25], 0.2, (2, (1.0, 2.0, 2.0))), ([8.0, 4.0, 1.0, 0.25], 0.25, (None, (1.0, 2.0))),
         ([4.0, 1.0], 0.5, (None, (2.0,))),
         ([1.0, 2.0**-2.25, 2.0**-4.5], 0.0, (2, (2.25, 2.25))),
         ([1.0, 2.0**-2.375, 2.0**-4.75], 0.0, (None, (2.375, 2.375))),
     ],
-)
+)  # fmt: skip
 def test_the_slopes_end_in_the_noise_and_two_that_agree_show_a_power(errors, noise, seen):
     assert power_of_errors(errors, [noise] * len(errors)) == seen

@@ -121,14 +121,11 @@ def one_by_one(force, q, v, h):
 
 
 SHAPES = {
-    codes.velocity_verlet: [(3, False, True)],
-    of_two_positions: [(2, False, True)],
-    floats_only: [(1, False, False)],
-    one_by_one: [(2, False, False)],
-    codes.symplectic_euler_in_a_field: [(1, False, True)],
+    codes.velocity_verlet: [(3, False, True)], of_two_positions: [(2, False, True)], floats_only: [(1, False, False)],
+    one_by_one: [(2, False, False)], codes.symplectic_euler_in_a_field: [(1, False, True)],
     codes.rk4: [(2, False, True), (2, True, True)],
     codes.rk4_without_time: [(3, False, True), (3, True, True)],
-}
+}  # fmt: skip
 
 
 @pytest.mark.parametrize(("step", "shapes"), SHAPES.items(), ids=lambda step: getattr(step, "__name__", ""))

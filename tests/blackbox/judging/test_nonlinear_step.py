@@ -145,20 +145,16 @@ def with_times(last):
 
 
 OF_SEVERAL = {
-    "halves": kick_drift_kick("halves"),
-    "pairs": kick_drift_kick("pairs"),
+    "halves": kick_drift_kick("halves"), "pairs": kick_drift_kick("pairs"),
     "a position left out": kick_drift_kick("halves", left=1),
     "the other left out": kick_drift_kick("pairs", left=0),
     "a clock that stands": kick_drift_kick("halves", times=(0, 0)),
     "times exchanged": kick_drift_kick("pairs", times=(1, 0)),
-    "a force": by_force(),
-    "a force, a position left out": by_force(left=1),
-    "a force, rows exchanged": by_force(swapped=True),
-    "a force of time": with_times(1),
-    "a force of the wrong time": with_times(0),
-    "drift first": drift_first,
+    "a force": by_force(), "a force, a position left out": by_force(left=1),
+    "a force, rows exchanged": by_force(swapped=True), "a force of time": with_times(1),
+    "a force of the wrong time": with_times(0), "drift first": drift_first,
     "drift first, kicked early": lambda f, t, y, h: drift_first(lambda at, z: f(t, z), t, y, h),
-}
+}  # fmt: skip
 RIGHT = ("halves", "pairs", "a force", "a force of time", "drift first")
 
 

@@ -92,16 +92,12 @@ FOUND = {
     "in place and returned": (in_place_and_returned, "rk4", True),
     "sequences": (one_by_one, "heun2", True),
     "floats": (codes.velocity_verlet, "velocity_verlet", True),
-    "one number": (codes.rk4_of_one_number, "rk4", True),
-    "a buffer of stages": (in_a_buffer, "rk4", False),
-    "spoilt": (spoiling, "rk4", False),
-    "spoilt by name": (spoiling_by_name, "rk4", False),
+    "one number": (codes.rk4_of_one_number, "rk4", True), "a buffer of stages": (in_a_buffer, "rk4", False),
+    "spoilt": (spoiling, "rk4", False), "spoilt by name": (spoiling_by_name, "rk4", False),
     "spoilt later": (spoiling_at_the_second_call, "rk4", False),
-    "arrays alone": (twice_a_list, "ralston2", False),
-    "lists alone": (copied_as_a_list, "midpoint2", False),
-    "(v, q)": (velocity_first, "velocity_verlet", False),
-    "another": (codes.rk4, "heun2", None),
-}
+    "arrays alone": (twice_a_list, "ralston2", False), "lists alone": (copied_as_a_list, "midpoint2", False),
+    "(v, q)": (velocity_first, "velocity_verlet", False), "another": (codes.rk4, "heun2", None),
+}  # fmt: skip
 
 
 @pytest.mark.parametrize(("step", "key", "holds"), FOUND.values(), ids=FOUND)

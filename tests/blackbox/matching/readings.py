@@ -21,11 +21,9 @@ TOLD += ["ssprk104", "chebyshev10_1", "symplectic_euler", "velocity_verlet", "yo
 TOLD += ["backward_euler", "gauss2", "sdirk2", "lobatto_iiia3"]
 # The same step under several names: a pair propagates it, or it was found twice.
 TIES = [
-    {"heun2", "ssprk22", "heun_euler21"},
-    {"rk4", "zonneveld43"},
-    {"ralston3", "bogacki_shampine32"},
+    {"heun2", "ssprk22", "heun_euler21"}, {"rk4", "zonneveld43"}, {"ralston3", "bogacki_shampine32"},
     {"dop853", "dop853_third"},
-]
+]  # fmt: skip
 
 
 def ties_of(key):

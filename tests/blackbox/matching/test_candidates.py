@@ -40,15 +40,13 @@ RELATIVES = {
     "midpoint2 four times": codes.repeated(codes.midpoint, 4),
     "midpoint2 five times": codes.repeated(codes.midpoint, 5),
     "dormand_prince54 twice": codes.repeated(codes.dopri5, 2),
-    "rk38 of h/2": with_step(codes.rk38, 0.5),
-    "rk38 of -h": with_step(codes.rk38, -1),
-    "rk38 of h/3": with_step(codes.rk38, 1 / 3),
-    "fehlberg45, embedded": embedded("fehlberg45"),
+    "rk38 of h/2": with_step(codes.rk38, 0.5), "rk38 of -h": with_step(codes.rk38, -1),
+    "rk38 of h/3": with_step(codes.rk38, 1 / 3), "fehlberg45, embedded": embedded("fehlberg45"),
     "implicit_midpoint in 3 iterations": codes.midpoint_iterated(3),
     "backward_euler in 1 iteration": codes.tableau([[0, 0], [1, 0]], [0, 1], [0, 1]),
     "no step": lambda f, t, y, h: y + 0 * f(t, y),
     "none of ours": in_three_registers,
-}
+}  # fmt: skip
 
 
 @pytest.mark.parametrize("name", RELATIVES)
@@ -63,13 +61,10 @@ TIMES = [f"{n} steps of h/{n}" for n in range(5)]
 ITERATED = "with 5 fixed-point iterations from the slope at the start: explicit"
 # Through fields and through forces; the last stage of one step may be the first of the next, three times.
 VARIANTS = {
-    "heun2": TIMES[3:],
-    "kutta3": TIMES[2:3],
+    "heun2": TIMES[3:], "kutta3": TIMES[2:3],
     "fehlberg45": ["with the embedded weights propagated"],
-    "butcher5": ["with the step 1/3 h in place of h"],
-    "implicit_midpoint": [ITERATED],
-    "gauss2": [],
-}
+    "butcher5": ["with the step 1/3 h in place of h"], "implicit_midpoint": [ITERATED], "gauss2": [],
+}  # fmt: skip
 SPLIT = {
     "velocity_verlet": TIMES[3:],
     "ruth3": TIMES[2:3],

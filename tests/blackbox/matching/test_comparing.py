@@ -46,15 +46,10 @@ def test_stages_called_in_another_order_without_their_weights_are_another_method
 
 # Each number of a table, and the largest of its column: a kick moves a place by itself times what is drifted since.
 NUMBERS = {
-    "a[1][0]": (Q(1, 2), Q(1, 2)),
-    "b_position[0]": (Q(1, 4), Q(1, 2)),
-    "b_position[1]": (Q(3, 4), Q(3, 2)),
-    "b_velocity[0]": (Q(1, 8), Q(1, 2)),
-    "b_velocity[1]": (Q(1), Q(3, 2)),
-    "c[0]": (Q(0), Q(3, 2)),
-    "c[1]": (Q(3, 2), Q(3, 2)),
-    "drift": (Q(1), Q(1)),
-}
+    "a[1][0]": (Q(1, 2), Q(1, 2)), "b_position[0]": (Q(1, 4), Q(1, 2)), "b_position[1]": (Q(3, 4), Q(3, 2)),
+    "b_velocity[0]": (Q(1, 8), Q(1, 2)), "b_velocity[1]": (Q(1), Q(3, 2)), "c[0]": (Q(0), Q(3, 2)),
+    "c[1]": (Q(3, 2), Q(3, 2)), "drift": (Q(1), Q(1)),
+}  # fmt: skip
 
 
 def table(name="", off=Q(0)):

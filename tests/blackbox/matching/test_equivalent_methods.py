@@ -48,13 +48,10 @@ NOTHING, ONE = FloatTally(CountedSizes(np.zeros(0))), FloatTally(CountedSizes(np
 @pytest.mark.parametrize(
     ("made", "sizes", "roundings"),
     [
-        (X + Y, [4.75, 0.5], 3 + 2 + 0 + 1),
-        (X * Y, [3.0, 2.0], 5 + 1 + 1),
-        (X + NOTHING, [0.75, 0.5], 5),
-        (X * NOTHING, [], 0),
-        (X * ONE, [0.75, 0.5], 5),
+        (X + Y, [4.75, 0.5], 3 + 2 + 0 + 1), (X * Y, [3.0, 2.0], 5 + 1 + 1), (X + NOTHING, [0.75, 0.5], 5),
+        (X * NOTHING, [], 0), (X * ONE, [0.75, 0.5], 5),
     ],
-)
+)  # fmt: skip
 def test_each_operation_adds_up_sizes_and_roundings(made, sizes, roundings):
     assert (made.finished.sizes.tolist(), made.finished.count) == (sizes, roundings)
 

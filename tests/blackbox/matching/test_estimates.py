@@ -49,17 +49,15 @@ WRONG = {
     "always 0": {"answer": lambda y1, error, h, y: (y1, 0 * y)},
     "twice": {"answer": lambda y1, error, h, y: (y1, 2 * error)},
     "per unit step": {"answer": lambda y1, error, h, y: (y1, error / h)},
-    "relative": {"answer": relative},
-    "another sign": {"estimate": but_one(2, 71 / 16695)},
+    "relative": {"answer": relative}, "another sign": {"estimate": but_one(2, 71 / 16695)},
     # The weights of the other row in place of the difference, of the kind of OrdinaryDiffEq.jl#4403.
     "a row": {"estimate": lambda e: [5179 / 57600, 0, 7571 / 16695, 393 / 640, -92097 / 339200, 187 / 2100, 1 / 40]},
-    "the last sign": {"estimate": but_one(6, 1 / 40)},
-    "0 in one number": {"answer": second(0)},
+    "the last sign": {"estimate": but_one(6, 1 / 40)}, "0 in one number": {"answer": second(0)},
     "twice in one number": {"answer": second(2)},
     "of one number": {"answer": lambda y1, error, h, y: (y1, abs(error[0]))},
     "half in short steps": {"answer": lambda y1, error, h, y: (y1, error if h > 0.3 else error / 2)},
     "another one back": {"answer": lambda y1, error, h, y: (y1, error if h > 0 else -2 * error)},
-}
+}  # fmt: skip
 
 
 @pytest.mark.parametrize("name", WRONG)

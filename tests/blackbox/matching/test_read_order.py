@@ -64,18 +64,14 @@ def rk4_off(*places):
 
 
 ORDERS = {
-    "rk4": codes.rk4,
-    "rk38": codes.rk38,
-    "in lists": codes.rk4_in_lists,
-    "without time": codes.rk4_without_time,
+    "rk4": codes.rk4, "rk38": codes.rk38, "in lists": codes.rk4_in_lists, "without time": codes.rk4_without_time,
     "a weight off": rk4_off((None, 0, 1e-10)),
     "made up for": rk4_off((None, 0, 1e-10), (None, 1, -1e-10)),
     "a last bit off": rk4_off((None, 0, 2.0**-55), (2, 1, -(2.0**-54))),
-    "a stopped clock": codes.rk4_on_a_stopped_clock,
-    "on linear problems": codes.jameson,
+    "a stopped clock": codes.rk4_on_a_stopped_clock, "on linear problems": codes.jameson,
     "low storage": codes.ssprk104_in_two_registers,
     "low storage in binary32": codes.in_precision(codes.ssprk104_in_two_registers, np.float32),
-} | {f"{times} iterations": codes.midpoint_iterated(times) for times in range(4)}
+} | {f"{times} iterations": codes.midpoint_iterated(times) for times in range(4)}  # fmt: skip
 
 
 @pytest.mark.parametrize("name", ORDERS)

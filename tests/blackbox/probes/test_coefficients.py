@@ -66,14 +66,10 @@ def test_numbers_are_shown_as_people_write_them():
 
 
 NEAREST = [
-    (1 / 3, Q(1, 3), BINARY64, True),
-    (np.nextafter(1 / 3, 1), Q(1, 3), BINARY64, False),
-    (float(np.float32(1 / 3)), Q(1, 3), BINARY32, True),
-    (float(np.float32(1 / 3)), Q(1, 3), BINARY64, False),
-    (2**0.5, square_root(2), BINARY64, True),
-    (1.4142, square_root(2), BINARY64, False),
-    (0.0, Q(0), BINARY16, True),
-]
+    (1 / 3, Q(1, 3), BINARY64, True), (np.nextafter(1 / 3, 1), Q(1, 3), BINARY64, False),
+    (float(np.float32(1 / 3)), Q(1, 3), BINARY32, True), (float(np.float32(1 / 3)), Q(1, 3), BINARY64, False),
+    (2**0.5, square_root(2), BINARY64, True), (1.4142, square_root(2), BINARY64, False), (0.0, Q(0), BINARY16, True),
+]  # fmt: skip
 
 
 @pytest.mark.parametrize(("x", "exact", "fmt", "nearest"), NEAREST)

@@ -101,13 +101,11 @@ def late(force, x, v, dt):
 
 
 VERDICTS = [
-    (scalar(), "it is trapezoid"),
-    (scalar(solver="newton"), "it is trapezoid"),
+    (scalar(), "it is trapezoid"), (scalar(solver="newton"), "it is trapezoid"),
     (scalar(1 / 6), "it is newmark, with beta = 1/6 and gamma = 1/2"),
     (scalar(0.3, 0.55, solver="newton"), "it is newmark, with beta = 3/10 and gamma = 11/20"),
-    (midpoint, "it is implicit_midpoint"),
-    (half_implicit, "it is velocity_verlet"),
-]
+    (midpoint, "it is implicit_midpoint"), (half_implicit, "it is velocity_verlet"),
+]  # fmt: skip
 
 
 @pytest.mark.parametrize(("step", "verdict"), VERDICTS, ids=range(len(VERDICTS)))
@@ -185,16 +183,13 @@ ASKED = {
     "late": late,
     "stopped early": of_force(induced("gauss2"), partial(newton, most=1)),
     "moved by half": lambda force, x, v, dt: scalar(0.25, 0.5)(force, x, v / 2, dt),
-    "at another time": at_another_time,
-    "drag": drag,
-    "halving": halving,
-    "one by one": one_by_one,
+    "at another time": at_another_time, "drag": drag, "halving": halving, "one by one": one_by_one,
     "never asks, in arrays": lambda force, x, v, dt: (x.copy() + dt * v, v),
     "explicit": of_force(([0.0, 1.0], [[0.0, 0.0], [0.5, 0.0]], [0.5, 0.0], [0.5, 0.5])),
     "explicit with velocities": dragged_steppers.verlet(lambda v, a, dt: v + dt * a),
     "without a weight": of_force(([0.5, 0.75], [[0.25, 0.0], [0.25, 0.25]], [0.0, 0.5], [0.0, 1.0])),
     "never asks": lambda force, x, v, dt: (x + dt * v, v),
-}
+}  # fmt: skip
 
 
 @pytest.mark.parametrize("name", ASKED)

@@ -52,13 +52,8 @@ def adaptive(
         sign = 1.0 if t_span[1] > t_span[0] else -1.0
         t, end, y = clock(t_span[0]), clock(t_span[1]), np.array(y0, dtype=float)
         times, states, h, before, rejections, failure = (
-            [float(t)],
-            [y],
-            sign * first_step,
-            (1.0, sign * first_step),
-            0,
-            "",
-        )
+            [float(t)], [y], sign * first_step, (1.0, sign * first_step), 0, "",
+        )  # fmt: skip
         first = f(float(t), y)
         while sign * (end - t) > 0:
             if sign * (t + h - end) > 0 and ending != "beyond":

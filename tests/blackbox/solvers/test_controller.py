@@ -125,8 +125,7 @@ def test_scipy_has_the_law_that_its_source_says(method, estimate, exponent):
 
 
 OTHERS = {
-    "cut at 2": adaptive(most=2.0),
-    "cut at a half": adaptive(least=0.5, safety=0.9),
+    "cut at 2": adaptive(most=2.0), "cut at a half": adaptive(least=0.5, safety=0.9),
     "longer or shorter": adaptive(changed=lambda factor, rejections: 4.0 if factor > 1 else 0.25),
     "leaping": adaptive(changed=lambda factor, rejections: 4.0 if 2 < factor < 2.5 else factor),
     "cautious": adaptive("dormand_prince54", safety=0.5, exponent=0.2),
@@ -134,26 +133,20 @@ OTHERS = {
     "of the other order": adaptive("fehlberg45", exponent=0.25),
     "of another order": adaptive("cash_karp54", exponent=0.25),
     "grows after a rejection": adaptive(grows_after_rejection=True),
-    "doubles at 0": adaptive(growth_at_zero=2.0),
-    "begins with a long step": adaptive(first_step=0.5),
+    "doubles at 0": adaptive(growth_at_zero=2.0), "begins with a long step": adaptive(first_step=0.5),
     "stale": adaptive("fehlberg45", stale=True, exponent=0.2),
-    "stale at an end": adaptive(stale=True),
-    "accepts large errors": adaptive(accepted=100.0),
+    "stale at an end": adaptive(stale=True), "accepts large errors": adaptive(accepted=100.0),
     "deaf": adaptive(tolerances=lambda rtol, atol: (1e-5, 1e-8)),
     "deaf to its error": adaptive(estimate=lambda e: [0.0] * len(e)),
     "another scale": adaptive(estimate=lambda e: [1.5 * x for x in e]),
     "of a blend": adaptive(estimate=lambda e: [e[0], 2 * e[1] + e[0], *e[2:-1], e[-1] - e[1] - e[0]]),
     "of one length": fixed(40),
     "of so many steps": lambda f, t_span, y0, n: fixed(n)(f, t_span, y0, 0, 0),
-    "of few steps": fixed(2),
-    "of four": fixed(4),
-    "of five": fixed(5),
-    "of ten lengths": fixed(10, ratio=1.1),
+    "of few steps": fixed(2), "of four": fixed(4), "of five": fixed(5), "of ten lengths": fixed(10, ratio=1.1),
     "of eleven": fixed(11, ratio=1.1),
     "of one tolerance": lambda f, t_span, y0, tol: adaptive("cash_karp54", exponent=1 / 5)(f, t_span, y0, 0.0, tol),
-    "beyond the end": adaptive(ending="beyond"),
-    "silent": adaptive("fehlberg78", exponent=1 / 8),
-}
+    "beyond the end": adaptive(ending="beyond"), "silent": adaptive("fehlberg78", exponent=1 / 8),
+}  # fmt: skip
 
 
 @pytest.mark.parametrize("name", OTHERS)

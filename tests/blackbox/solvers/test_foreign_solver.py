@@ -106,15 +106,11 @@ def test_numbers_of_binary32_are_told():
 
 
 ANSWERS = {
-    "nothing": None,
-    "a string": "done",
-    "text inside": ("a", "b"),
-    "one time": ([0.0], [[1.0, 2.0]]),
+    "nothing": None, "a string": "done", "text inside": ("a", "b"), "one time": ([0.0], [[1.0, 2.0]]),
     "a longer start": ([0.0, 1.0], [[1.0, 2.0, 3.0], [3.0, 4.0, 5.0]]),
     "another start": ([0.0, 0.5, 1.0], [[9.0, 2.0], [3.0, 4.0], [5.0, 6.0]]),
     "NaN": ([0.0, 1.0], [[1.0, 2.0], [float("nan"), 4.0]]),
-    "flat": (T, [1.0, 2.0, 3.0, 4.0, 5.0, 6.0]),
-    "one alone": ([0.0, 1.0],),
+    "flat": (T, [1.0, 2.0, 3.0, 4.0, 5.0, 6.0]), "one alone": ([0.0, 1.0],),
     "a good status": {"t": T, "y": Y, "status": 0, "message": "the end"},
     "a status alone": {"t": T, "y": Y, "status": -1},
     "a success in spite of its status": {"t": T, "y": Y, "status": -1, "success": True, "message": "no"},
@@ -122,9 +118,8 @@ ANSWERS = {
     "a failure": {"t": T, "y": Y, "status": -1, "message": "step size"},
     "no message": {"t": T, "y": Y, "success": False},
     "a return code": SimpleNamespace(t=T, u=Y, retcode="MaxIters"),
-    "times behind": {"states": Y, "times": T},
-    "complex": (T, [[1j, 2.0], [3.0, 4.0], [5.0, 6.0]]),
-}
+    "times behind": {"states": Y, "times": T}, "complex": (T, [[1j, 2.0], [3.0, 4.0], [5.0, 6.0]]),
+}  # fmt: skip
 
 
 @pytest.mark.parametrize("name", ANSWERS)

@@ -9,16 +9,14 @@ from tests.blackbox.solvers.planted_solvers import adaptive, fixed
 from tests.blackbox.transcripts import checksum, shortened
 
 SOLVERS = {
-    "as planted": adaptive(),
-    "right": adaptive("dormand_prince54", exponent=0.2),
+    "as planted": adaptive(), "right": adaptive("dormand_prince54", exponent=0.2),
     "of another order": adaptive("cash_karp54", exponent=0.25),
     "stale": adaptive(stale=True, on_nan="silent"),
     "deaf to the error": adaptive(estimate=lambda e: [0.0] * len(e)),
-    "of one length": fixed(),
-    "of two steps": fixed(2),
+    "of one length": fixed(), "of two steps": fixed(2),
     "of no pair": adaptive(estimate=lambda e: [2 * e[0], *e[1:-1], e[-1] - e[0]]),
     "without an answer": lambda *_: 7,
-}
+}  # fmt: skip
 IN_WORDS = ("as planted", "stale", "of one length", "of no pair", "without an answer")
 
 

@@ -94,18 +94,13 @@ def always_raises(f, t_span, y0, rtol, atol):
 
 
 OTHERS = {
-    "one error": of_the_first_number,
-    "the least error": adaptive(norm=np.min),
+    "one error": of_the_first_number, "the least error": adaptive(norm=np.min),
     "another start": lambda f, t_span, y0, rtol, atol: adaptive()(f, t_span, np.float32(y0), rtol, atol),
     "u' = 1": adaptive(estimate=lambda e: [*e[:-1], 0.0]),
-    "binary32": fixed(clock=np.float32),
-    "one too many": fixed(extra=1),
-    "one too few": fixed(extra=-1),
-    "not cut": adaptive(ending="beyond"),
-    "a tiny one": adaptive(ending="tiny"),
+    "binary32": fixed(clock=np.float32), "one too many": fixed(extra=1), "one too few": fixed(extra=-1),
+    "not cut": adaptive(ending="beyond"), "a tiny one": adaptive(ending="tiny"),
     "another clock": adaptive(stepped=lambda h: h * (1 + 1e-6)),
-    "silent at NaN": adaptive(on_nan="silent"),
-    "endless at NaN": adaptive(on_nan="retry"),
+    "silent at NaN": adaptive(on_nan="silent"), "endless at NaN": adaptive(on_nan="retry"),
     "over a jump": adaptive(estimate=lambda e: [0.0] * 4),
     "deaf": adaptive(tolerances=lambda rtol, atol: (1e-5, 1e-8)),
     "deaf to one": adaptive(tolerances=lambda rtol, atol: (1e-6, atol)),
@@ -114,17 +109,14 @@ OTHERS = {
     "hard of hearing": adaptive(tolerances=lambda rtol, atol: (1e-4 + rtol / 1e3, 1e-7)),
     **{each.__name__: each for each in (refuses_backward, raises_at_nan, gives_up_at_a_jump, not_sorted)},
     **{each.__name__: each for each in (nan_at_the_end, loses_a_state, always_raises)},
-    "Euler": fixed(50, order="euler"),
-    "few steps": fixed(3),
+    "Euler": fixed(50, order="euler"), "few steps": fixed(3),
     "binary32 and one too many": fixed(60, extra=1, clock=np.float32),
     "asks beyond": adaptive("fehlberg45", ending="beyond"),
     "coarse": adaptive(tolerances=lambda rtol, atol: (max(rtol, 1e-3), atol)),
-    "retries": adaptive(on_nan="accept"),
-    "accumulates": fixed(),
-    "gives up": gives_up,
+    "retries": adaptive(on_nan="accept"), "accumulates": fixed(), "gives up": gives_up,
     "deaf to its error": adaptive(growth_at_zero=4.0, estimate=lambda e: [0.0] * 4),  # and no implicit one
     **{key: adaptive(key, exponent=0.2) for key in ("bogacki_shampine32", "fehlberg45", "dormand_prince54")},
-}
+}  # fmt: skip
 
 
 @pytest.mark.parametrize("name", OTHERS)
@@ -248,13 +240,10 @@ SAID = [
     (STIFF, asking_near((0, 2e-7), (0, 0.0), (0, 3e-7), (0, 2e-7), (0.01, 2e-7)), "of f in y, 2 times"),
 ]
 NOT_SAID = [
-    (CONSTANT, ending(by=3e-4), "u' = 0 ends at"),
-    (CLOCK, ending_at(1.8 - 1e-15), "f is called up to"),
-    (CLOCK, asking_beyond(1.2e-15), "f is called up to"),
-    (CLOCK, ending(by=1.4e-13), "drift apart"),
+    (CONSTANT, ending(by=3e-4), "u' = 0 ends at"), (CLOCK, ending_at(1.8 - 1e-15), "f is called up to"),
+    (CLOCK, asking_beyond(1.2e-15), "f is called up to"), (CLOCK, ending(by=1.4e-13), "drift apart"),
     (BACKWARD, ending(shift=1e-4, by=0.05), "backward in time, from"),
-    (CIRCLE, erring(1e-3, 0.9e-4), LITTLE_BOUGHT),
-    (CIRCLE, erring(1.1e-12, 1.1e-12), LITTLE_BOUGHT),
+    (CIRCLE, erring(1e-3, 0.9e-4), LITTLE_BOUGHT), (CIRCLE, erring(1.1e-12, 1.1e-12), LITTLE_BOUGHT),
     (CLOCK, lambda f, rtol, t, y: ([*t, t[-1]], [*y, y[-1]]), "one step too many"),
     (NUMBERS, apart(5e-7), "do not count alike"),
     (BACKWARD, asking_at((0.1 + (0.1 + 1.7)) / 2), "where f becomes NaN it returns NaN"),
@@ -262,7 +251,7 @@ NOT_SAID = [
     (STIFF, asking_near((0, 2e-7)), "it asks for differences"),
     (STIFF, following(19), "it solves for its steps"),
     (STIFF, following(15, off=0.2), "it solves for its steps"),
-]
+]  # fmt: skip
 
 
 def lines_of(reading):

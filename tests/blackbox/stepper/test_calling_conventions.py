@@ -28,10 +28,8 @@ WILD = {
         "X, V, dT",
         "_q, _v, _h",
     ],
-    (MAP, "velocity position step"): ["v, x, dt"],
-    (MAP, "step position velocity"): ["dt, x, v"],
-    (MAP, "time position velocity step"): ["t, x, v, dt"],
-    (MAP, "state step"): ["state, dt", "y, h", "z, tau"],
+    (MAP, "velocity position step"): ["v, x, dt"], (MAP, "step position velocity"): ["dt, x, v"],
+    (MAP, "time position velocity step"): ["t, x, v, dt"], (MAP, "state step"): ["state, dt", "y, h", "z, tau"],
     (MAP, "state time step"): ["y, t, h"],
     (FORCE, "function position velocity step"): ["force, q, v, h", "get_acceleration, r, v, timestep"],
     (FORCE, "position velocity step function"): ["x, v, dt, accel"],
@@ -45,9 +43,8 @@ WILD = {
         "f, t, y, h, *, atol=1e-8, **options",
     ],
     (FIELD, "function state time step"): ["f, y, t, dt", "deriv, y, t, dt, args=()"],
-    (FIELD, "time state step function"): ["t, y, h, f"],
-    (FIELD, "function state step"): ["rhs, u, dt"],
-}
+    (FIELD, "time state step function"): ["t, y, h, f"], (FIELD, "function state step"): ["rhs, u, dt"],
+}  # fmt: skip
 
 
 def convention_of(step, kind=None):

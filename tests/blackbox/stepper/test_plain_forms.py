@@ -146,26 +146,18 @@ def with_masses(pos, vel, mass, dt, N, get_acc):
 
 
 HELD = [
-    (springs, "symplectic_euler", ""),
-    (of_one_body, "velocity_verlet", ""),
-    (of_all_bodies, "symplectic_euler", ""),
-    (among_bodies, "symplectic_euler", ""),
-    (in_space, "symplectic_euler", ""),
-    (halves_of_y, "symplectic_euler", ""),
-    (carried, "velocity_verlet", ""),
-    (recipe, "heun3", ""),
-    (pushes_written, "velocity_verlet", ""),
+    (springs, "symplectic_euler", ""), (of_one_body, "velocity_verlet", ""), (of_all_bodies, "symplectic_euler", ""),
+    (among_bodies, "symplectic_euler", ""), (in_space, "symplectic_euler", ""), (halves_of_y, "symplectic_euler", ""),
+    (carried, "velocity_verlet", ""), (recipe, "heun3", ""), (pushes_written, "velocity_verlet", ""),
     (lambda out, y, f, t, h: out.__setitem__(slice(None), y + h * f(t, y)), "forward_euler", ""),
-    (two_arrays, "symplectic_euler", ""),
-    (with_masses, "velocity_verlet", ""),
-    (one_by_one, "symplectic_euler", ""),
+    (two_arrays, "symplectic_euler", ""), (with_masses, "velocity_verlet", ""), (one_by_one, "symplectic_euler", ""),
     (first_mass, "symplectic_euler", "its coefficients are, but on a nonlinear q'' = F(q) of 3 positions"),
     (first_mass_of_bodies, "symplectic_euler", "its coefficients are, but on q'' = exp(-2q) of 2 positions"),
     (divided_again, "symplectic_euler", "kick 0: 1/2 instead of 1"),
     (one_after_the_other, "symplectic_euler", "its coefficients are, but on a nonlinear q'' = F(q) of 3 positions"),
     (mass_forgotten, "symplectic_euler", "kick 0: 2 instead of 1"),
     (stale_pushes, "velocity_verlet", "is not velocity_verlet"),
-]
+]  # fmt: skip
 
 
 @pytest.mark.parametrize(("step", "key", "wrong"), HELD, ids=range(len(HELD)))

@@ -168,9 +168,7 @@ def test_families_refuse_too_few_stages() -> None:
 @pytest.mark.parametrize(
     ("value", "printed"),
     [
-        (ALEXANDER_GAMMA, "0.4358665215"),
-        (CROUZEIX_GAMMA, "1.0685790213"),
-        (entry("sdirk2").c[0], "0.2928932188"),
+        (ALEXANDER_GAMMA, "0.4358665215"), (CROUZEIX_GAMMA, "1.0685790213"), (entry("sdirk2").c[0], "0.2928932188"),
         (entry("forest_ruth").parts[0][1], "0.6756035959798288170"),
         (entry("forest_ruth").parts[1][1], "1.3512071919596576340"),
         (entry("suzuki4").parts[1][1], "0.41449077179437573714"),
@@ -182,7 +180,7 @@ def test_families_refuse_too_few_stages() -> None:
         (entry("mclachlan4").parts[4][1], "0.50806658841042026313"),
         (entry("mclachlan_atela2").parts[1][1], "0.7071067811865475244"),
     ],
-)
+)  # fmt: skip
 def test_algebraic_coefficient_has_the_digits_that_are_in_print(value: Any, printed: str) -> None:
     half_a_unit = Q(1, 2 * 10 ** len(printed.split(".")[1]))
     assert -half_a_unit < value - Q(printed) < half_a_unit
@@ -235,12 +233,9 @@ RECOMPUTED = {
 }
 # The largest error of a weight in print. 15 digits are printed: in Table 1, 14 of them are right, in Table 2, 12.
 PRINTED_WITHIN = {
-    "yoshida6": ("2.7e-15", "2.8e-15"),
-    "yoshida6_b": ("1.1e-14", "1.2e-14"),
-    "yoshida6_c": ("2.0e-15", "2.1e-15"),
-    "yoshida8": ("2.3e-13", "2.4e-13"),
-    "yoshida8_a": ("1.0e-12", "1.1e-12"),
-}
+    "yoshida6": ("2.7e-15", "2.8e-15"), "yoshida6_b": ("1.1e-14", "1.2e-14"), "yoshida6_c": ("2.0e-15", "2.1e-15"),
+    "yoshida8": ("2.3e-13", "2.4e-13"), "yoshida8_a": ("1.0e-12", "1.1e-12"),
+}  # fmt: skip
 
 
 @pytest.mark.parametrize("key", RECOMPUTED)

@@ -69,16 +69,10 @@ def test_a_method_with_one_coefficient_wrong_is_flagged() -> None:
 @pytest.mark.parametrize(
     ("orders", "verdict", "slopes"),
     [
-        ((2, 0.3, 7.6), "not settled", 3),
-        ((2, 1), "not settled", 2),
-        ((1.5, 2.25), "", 2),
-        ((9, 9, 2, 2, 2), "", 3),
-        ((3, 3), "above the order 2 claimed", 2),
-        ((2, 2, None), "", 2),
-        ((2, None, 7), "", 1),
-        ((None,), "", 0),
+        ((2, 0.3, 7.6), "not settled", 3), ((2, 1), "not settled", 2), ((1.5, 2.25), "", 2), ((9, 9, 2, 2, 2), "", 3),
+        ((3, 3), "above the order 2 claimed", 2), ((2, 2, None), "", 2), ((2, None, 7), "", 1), ((None,), "", 0),
     ],
-)
+)  # fmt: skip
 def test_order_is_of_the_three_finest_slopes_unless_they_lie_a_whole_order_apart(
     orders: tuple[float | None, ...], verdict: str, slopes: int
 ) -> None:

@@ -74,12 +74,10 @@ def test_page_is_well_formed_and_every_reference_has_its_target(page: str) -> No
 @pytest.mark.parametrize(
     ("planted", "found"),
     [
-        ("<p id='a'></p><p id='a'></p>", "twice"),
-        ("<div>", "open"),
-        ("</p>", "closed"),
+        ("<p id='a'></p><p id='a'></p>", "twice"), ("<div>", "open"), ("</p>", "closed"),
         ("<label for='b'></label>", "nowhere"),
     ],
-)
+)  # fmt: skip
 def test_a_broken_page_is_noticed(planted: str, found: str) -> None:
     assert any(found in complaint for complaint in Read(planted).wrong)
 
@@ -149,13 +147,11 @@ def heads(scene: Scene) -> set[str]:
 @pytest.mark.parametrize(
     ("panel", "expected"),
     [
-        ("table", {"Side by side"}),
-        ("position", {"Classical RK4", "position"}),
-        ("phase_plane", {"Classical RK4", "phase_plane"}),
-        ("work_precision", {"Work", "work"}),
+        ("table", {"Side by side"}), ("position", {"Classical RK4", "position"}),
+        ("phase_plane", {"Classical RK4", "phase_plane"}), ("work_precision", {"Work", "work"}),
         ("stability", {"Stability", "growth"}),
     ],
-)
+)  # fmt: skip
 def test_page_has_the_panel_that_the_scene_names_and_no_other(panel: str, expected: set[str]) -> None:
     methods = ("rk4",) if panel == "table" else ()
     assert heads(Scene("one", "rk4", Q(1, 4), Q(1), methods=methods, panels=(panel,))) == expected

@@ -21,16 +21,12 @@ from driftproof.symbolic.linear.stability_limits import spectral_radius
 from driftproof.symbolic.runs import exact_matrix_at
 
 VERDICTS = [
-    ("forward_euler", Q(1, 4), False, "above"),
-    ("symplectic_euler", Q(1, 4), True, "below"),
-    ("symplectic_euler", Q(2), False, "at the limit"),
-    ("symplectic_euler", Q(5, 2), False, "above"),
-    ("rk4", Q(2828427124, 10**9), True, "below"),
-    ("rk4", Q(2828427125, 10**9), False, "above"),
-    ("implicit_midpoint", Q(10**6), True, "below"),
-    ("backward_euler", Q(1), True, "below"),
+    ("forward_euler", Q(1, 4), False, "above"), ("symplectic_euler", Q(1, 4), True, "below"),
+    ("symplectic_euler", Q(2), False, "at the limit"), ("symplectic_euler", Q(5, 2), False, "above"),
+    ("rk4", Q(2828427124, 10**9), True, "below"), ("rk4", Q(2828427125, 10**9), False, "above"),
+    ("implicit_midpoint", Q(10**6), True, "below"), ("backward_euler", Q(1), True, "below"),
     ("symplectic_euler", Q(-1), True, "backwards"),
-]
+]  # fmt: skip
 
 
 def test_twelve_curves_are_told_apart() -> None:

@@ -19,13 +19,10 @@ from driftproof.symbolic.algebra.real_roots import RealRoot, root_as_number, roo
 @pytest.mark.parametrize(
     ("x", "y", "text"),
     [
-        ((-8, 0, 1), (-3, 0, 1), "2*sqrt(6)/3"),
-        ((-8, 0, 1), (-8, 0, 1), "1"),
-        ((-3, 0, 1), (-3, 2), "2*sqrt(3)/3"),
-        ((-2, 0, 0, 1), (-2, 0, 0, 1), "1"),
-        ((-2, 0, 0, 1), (-5, 3), "3*2**(1/3)/5"),
+        ((-8, 0, 1), (-3, 0, 1), "2*sqrt(6)/3"), ((-8, 0, 1), (-8, 0, 1), "1"), ((-3, 0, 1), (-3, 2), "2*sqrt(3)/3"),
+        ((-2, 0, 0, 1), (-2, 0, 0, 1), "1"), ((-2, 0, 0, 1), (-5, 3), "3*2**(1/3)/5"),
     ],
-)
+)  # fmt: skip
 def test_ratio_of_roots(x: tuple[int, ...], y: tuple[int, ...], text: str) -> None:
     largest = [RealRoot(m, RealRoot(m, 0).count - 1) for m in (x, y)]
     assert radical_form(root_ratio(*largest)) == text

@@ -18,18 +18,10 @@ from driftproof.symbolic.algebra.radicals import (
 from driftproof.symbolic.algebra.real_roots import ZERO_ROOT, RealRoot, rational_root
 
 RADICALS = {
-    (0, 1): "0",
-    (-2, 1): "2",
-    (-1, 3): "1/3",
-    (-8, 0, 1): "2*sqrt(2)",
-    (-8, 0, 3): "2*sqrt(6)/3",
-    (-8, 0, 0, 3): "2*9**(1/3)/3",
-    (-1, -1, 1): "1/2 + sqrt(5)/2",
-    (1, -3, 1): "3/2 + sqrt(5)/2",
-    (-3, 0, -6, 0, 1): "sqrt(3 + 2*sqrt(3))",
-    (-1, 0, 0, -2, 0, 0, 1): "(1 + sqrt(2))**(1/3)",
-    (-24, 12, -4, 1): None,
-}
+    (0, 1): "0", (-2, 1): "2", (-1, 3): "1/3", (-8, 0, 1): "2*sqrt(2)", (-8, 0, 3): "2*sqrt(6)/3",
+    (-8, 0, 0, 3): "2*9**(1/3)/3", (-1, -1, 1): "1/2 + sqrt(5)/2", (1, -3, 1): "3/2 + sqrt(5)/2",
+    (-3, 0, -6, 0, 1): "sqrt(3 + 2*sqrt(3))", (-1, 0, 0, -2, 0, 0, 1): "(1 + sqrt(2))**(1/3)", (-24, 12, -4, 1): None,
+}  # fmt: skip
 
 
 @pytest.mark.parametrize("minimal", RADICALS)

@@ -131,13 +131,9 @@ def test_every_result_has_steps_and_the_last_of_a_value_ends_in_it(key: str) -> 
     """What stands in one chain is equal, at h = 3/7, where trace, determinant and angle are those of the matrix."""
     m = derive(key).one_step_matrix.value.subs(AT)
     known = {
-        **AT,
-        q: sympy.Rational(2, 5),
-        v: sympy.Rational(7, 11),
-        TRACE: m.trace(),
-        DET: m.det(),
+        **AT, q: sympy.Rational(2, 5), v: sympy.Rational(7, 11), TRACE: m.trace(), DET: m.det(),
         DISCRIMINANT: m.trace() ** 2 - 4 * m.det(),
-    }
+    }  # fmt: skip
     z, half_root = sympy.Matrix([q, v]), sympy.sqrt(known[DISCRIMINANT]) / 2
     known |= {LAMBDA: sympy.Rational(2, 3), ENERGY_RATIO: (m.T * m)[0, 0]}
     known[CHARACTERISTIC] = (known[LAMBDA] * sympy.eye(2) - m).det()

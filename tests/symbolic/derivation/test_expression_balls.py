@@ -53,13 +53,11 @@ SMALL = st.fractions(-3, 3, max_denominator=50).filter(bool)
 LEAVES = SMALL.map(lambda x: sympy.Rational(x.numerator, x.denominator)) | st.just(sympy.pi) | st.just(sympy.E)
 # exp and log of bounded arguments only: towers of exponentials need more memory than there is, in mpmath too.
 FUNCTIONS = (
-    sympy.sin,
-    sympy.cos,
-    sympy.atan,
+    sympy.sin, sympy.cos, sympy.atan,
     lambda x: sympy.exp(sympy.sin(x)),
     lambda x: sympy.log(2 + sympy.cos(x)),
     lambda x: sympy.sqrt(1 + x**2),
-)
+)  # fmt: skip
 EXPRESSIONS = st.recursive(
     LEAVES,
     lambda inner: st.one_of(

@@ -46,12 +46,9 @@ def test_phase_series_is_the_closed_form_to_its_last_term(key: str) -> None:
 
 
 LEADING = {
-    "forward_euler": (3, Q(-1, 3)),
-    "symplectic_euler": (3, Q(1, 24)),
-    "velocity_verlet": (3, Q(1, 24)),
-    "midpoint2": (3, Q(1, 6)),
-    "rk4": (5, Q(-1, 120)),
-}
+    "forward_euler": (3, Q(-1, 3)), "symplectic_euler": (3, Q(1, 24)), "velocity_verlet": (3, Q(1, 24)),
+    "midpoint2": (3, Q(1, 6)), "rk4": (5, Q(-1, 120)),
+}  # fmt: skip
 
 
 @pytest.mark.parametrize("key", LEADING)

@@ -154,16 +154,13 @@ def test_bounded_agrees_with_the_spectral_radius_in_floats(rows: tuple[Q, Q, Q, 
 
 
 JORDAN = [
-    (matrix([[1, 1], [0, 1]]), True, False),
-    (matrix([[-1, 0], [5, -1]]), True, False),
-    (matrix([[1, 0], [0, 1]]), False, True),
-    (matrix([[-1, 0], [0, -1]]), False, True),
+    (matrix([[1, 1], [0, 1]]), True, False), (matrix([[-1, 0], [5, -1]]), True, False),
+    (matrix([[1, 0], [0, 1]]), False, True), (matrix([[-1, 0], [0, -1]]), False, True),
     (matrix([[THIRD, 1], [0, THIRD]]), True, True),  # a Jordan block inside the circle does no harm
-    (matrix([[2, 0], [0, 2]]), False, False),
-    (matrix([[1, 0], [0, -1]]), False, True),
+    (matrix([[2, 0], [0, 2]]), False, False), (matrix([[1, 0], [0, -1]]), False, True),
     (matrix([[2, 0], [0, rational(Q(1, 2))]]), False, False),  # determinant 1, and a root outside
     (matrix([[-2, 0], [0, rational(Q(1, 2))]]), False, False),
-]
+]  # fmt: skip
 
 
 @pytest.mark.parametrize(("m", "jordan", "bounded"), JORDAN, ids=range(len(JORDAN)))

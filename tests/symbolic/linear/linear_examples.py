@@ -116,15 +116,9 @@ def triple_jump() -> Splitting:
 
 
 EVERY: dict[str, Method] = {
-    **NINE,
-    "gauss2": GAUSS_2,
-    "midpoint": MIDPOINT,
-    "backward": BACKWARD,
-    "gauss3": GAUSS_3,
-    "triple_jump": triple_jump(),
-    "nystrom_implicit": MIDPOINT_NYSTROM,
-    "nystrom_explicit": NYSTROM_4,
-}
+    **NINE, "gauss2": GAUSS_2, "midpoint": MIDPOINT, "backward": BACKWARD, "gauss3": GAUSS_3,
+    "triple_jump": triple_jump(), "nystrom_implicit": MIDPOINT_NYSTROM, "nystrom_explicit": NYSTROM_4,
+}  # fmt: skip
 
 # Systems z' = Az, by their rows.
 SPRINGS = "0 0 1 0; 0 0 0 1; -2 1 0 0; 1 -2 0 0"

@@ -127,19 +127,11 @@ def test_l_stable_over_a_number_field_needs_the_leading_coefficient_exactly_zero
 
 
 HURWITZ = {
-    (1,): True,
-    (1, 1): True,
-    (0, 1): False,
-    (-1, -1): True,
-    (1, 0, 1): False,
+    (1,): True, (1, 1): True, (0, 1): False, (-1, -1): True, (1, 0, 1): False,
     (1, 1, 1, 1): False,  # ±i: the degenerate case
-    (1, 2, 1): True,
-    (1, 5, 10, 10, 5, 1): True,
-    (1, 0, 2, 0, 1): False,
-    (6, 11, 6, 1): True,
-    (-6, 11, -6, 1): False,
+    (1, 2, 1): True, (1, 5, 10, 10, 5, 1): True, (1, 0, 2, 0, 1): False, (6, 11, 6, 1): True, (-6, 11, -6, 1): False,
     (2, 3, 0, 1): False,
-}
+}  # fmt: skip
 
 
 @pytest.mark.parametrize("p", HURWITZ)

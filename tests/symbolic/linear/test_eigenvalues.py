@@ -15,17 +15,12 @@ from driftproof.texts.writing.records import record
 from tests.symbolic.linear.linear_examples import DAMPED, SPRINGS, STUCK
 
 BLOCKS = {
-    "-1 1; 0 -1": [("-1", 2, 2)],
-    "-1 0; 0 -1": [("-1", 2, 1)],
-    "0 1; 0 0": [("0", 2, 2)],
-    "0 1; -1 0": [("I", 1, 1)],
-    DAMPED: [("-1/20 + sqrt(399)/20*I", 1, 1)],
-    SPRINGS: [("I", 1, 1), ("sqrt(3)*I", 1, 1)],
-    STUCK: [("I", 2, 2)],
+    "-1 1; 0 -1": [("-1", 2, 2)], "-1 0; 0 -1": [("-1", 2, 1)], "0 1; 0 0": [("0", 2, 2)], "0 1; -1 0": [("I", 1, 1)],
+    DAMPED: [("-1/20 + sqrt(399)/20*I", 1, 1)], SPRINGS: [("I", 1, 1), ("sqrt(3)*I", 1, 1)], STUCK: [("I", 2, 2)],
     "2 0 0; 0 2 1; 0 0 2": [("2", 3, 2)],
     "1 2; 3 4": [("5/2 - sqrt(33)/2", 1, 1), ("5/2 + sqrt(33)/2", 1, 1)],
     "-4 4 0 0; -9 8 0 0; 0 0 2 0; 0 0 0 1/2": [("2", 3, 2), ("1/2", 1, 1)],
-}
+}  # fmt: skip
 
 
 @pytest.mark.parametrize("linear", [0, 1])
@@ -75,17 +70,10 @@ def _jordan(text: str) -> list[tuple[int, int]]:
 @pytest.mark.parametrize(
     "minimal",
     [
-        (5, 1, 2, 1),
-        (1, 0, 0, 0, 1),
-        (250, 35, 251, 15, 50),
-        (2, 0, 2, 0, 1),
-        (-2, 0, 0, 0, 1),
-        (1, -3, 0, 0, 0, 1),
-        (5, 4, 20),
-        (1, 0, 4),
-        (-1, 0, 2),
+        (5, 1, 2, 1), (1, 0, 0, 0, 1), (250, 35, 251, 15, 50), (2, 0, 2, 0, 1), (-2, 0, 0, 0, 1), (1, -3, 0, 0, 0, 1),
+        (5, 4, 20), (1, 0, 4), (-1, 0, 2),
     ],
-)
+)  # fmt: skip
 def test_places_are_the_roots_and_keep_their_order_at_every_precision(minimal: tuple[int, ...]) -> None:
     found = root_places(minimal)
     wanted = sympy.Poly(list(reversed(minimal)), sympy.Symbol("x")).nroots(30)

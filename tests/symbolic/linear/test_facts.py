@@ -43,36 +43,22 @@ def test_two_formulas_for_r(key: str) -> None:
 
 # (key, fact): value, as printed in the sources, or derived in them.
 PUBLISHED: dict[tuple[str, str], str] = {
-    ("rk4", "imaginary_limit"): "2*sqrt(2)",
-    ("kutta3", "imaginary_limit"): "sqrt(3)",
-    ("ssprk33", "imaginary_limit"): "sqrt(3)",
-    ("chebyshev10_1", "real_limit"): "200",
-    ("ssprk40_2", "real_limit"): "78",
-    ("heun2", "imaginary_limit"): "0",
-    ("ssprk22", "ssp_coefficient"): "1",
-    ("ssprk33", "ssp_coefficient"): "1",
-    ("ssprk43", "ssp_coefficient"): "2",
-    ("ssprk104", "ssp_coefficient"): "6",
-    ("ssprk40_2", "ssp_coefficient"): "39",
-    ("rk4", "ssp_coefficient"): "0",
-    ("velocity_verlet", "imaginary_limit"): "2",
-    ("symplectic_euler", "imaginary_limit"): "2",
-    ("backward_euler", "real_limit"): "oo",
-    ("backward_euler", "imaginary_limit"): "oo",
-    ("gauss2", "imaginary_limit"): "oo",
-    ("bogacki_shampine32", "imaginary_limit"): "sqrt(3)",
+    ("rk4", "imaginary_limit"): "2*sqrt(2)", ("kutta3", "imaginary_limit"): "sqrt(3)",
+    ("ssprk33", "imaginary_limit"): "sqrt(3)", ("chebyshev10_1", "real_limit"): "200",
+    ("ssprk40_2", "real_limit"): "78", ("heun2", "imaginary_limit"): "0", ("ssprk22", "ssp_coefficient"): "1",
+    ("ssprk33", "ssp_coefficient"): "1", ("ssprk43", "ssp_coefficient"): "2", ("ssprk104", "ssp_coefficient"): "6",
+    ("ssprk40_2", "ssp_coefficient"): "39", ("rk4", "ssp_coefficient"): "0",
+    ("velocity_verlet", "imaginary_limit"): "2", ("symplectic_euler", "imaginary_limit"): "2",
+    ("backward_euler", "real_limit"): "oo", ("backward_euler", "imaginary_limit"): "oo",
+    ("gauss2", "imaginary_limit"): "oo", ("bogacki_shampine32", "imaginary_limit"): "sqrt(3)",
     ("merson45", "imaginary_limit"): "2*sqrt(3)",
-}
+}  # fmt: skip
 # Two to five digits as papers print them.
 PRINTED: dict[tuple[str, str], str] = {
-    ("rk4", "real_limit"): "2.785",
-    ("kutta3", "real_limit"): "2.512",
-    ("dormand_prince54", "real_limit"): "3.306",
-    ("fehlberg45", "real_limit"): "3.02",
-    ("ssprk104", "real_limit"): "13.91",
-    ("forest_ruth", "imaginary_limit"): "1.573",
-    ("pefrl", "imaginary_limit"): "2.98",
-}
+    ("rk4", "real_limit"): "2.785", ("kutta3", "real_limit"): "2.512", ("dormand_prince54", "real_limit"): "3.306",
+    ("fehlberg45", "real_limit"): "3.02", ("ssprk104", "real_limit"): "13.91",
+    ("forest_ruth", "imaginary_limit"): "1.573", ("pefrl", "imaginary_limit"): "2.98",
+}  # fmt: skip
 
 
 @pytest.mark.parametrize("where", PUBLISHED)
@@ -88,20 +74,11 @@ def test_printed_digits(where: tuple[str, str]) -> None:
 
 
 A_AND_L = {
-    "gauss": (True, False),
-    "radau_ia": (True, True),
-    "radau_iia": (True, True),
-    "lobatto_iiia": (True, False),
-    "lobatto_iiib": (True, False),
-    "lobatto_iiic": (True, True),
-    "sdirk2": (True, True),
-    "sdirk4": (True, True),
-    "alexander3": (True, True),
-    "crouzeix": (True, False),
-    "tr_bdf2": (True, True),
-    "trapezoid": (True, False),
+    "gauss": (True, False), "radau_ia": (True, True), "radau_iia": (True, True), "lobatto_iiia": (True, False),
+    "lobatto_iiib": (True, False), "lobatto_iiic": (True, True), "sdirk2": (True, True), "sdirk4": (True, True),
+    "alexander3": (True, True), "crouzeix": (True, False), "tr_bdf2": (True, True), "trapezoid": (True, False),
     "backward_euler": (True, True),
-}
+}  # fmt: skip
 
 
 @pytest.mark.parametrize("key", WITH_R)
@@ -123,40 +100,24 @@ def test_facts_of_rk4_are_those_of_the_design() -> None:
     facts = LinearFacts(METHODS["rk4"])
     wanted: dict[str, Any] = {
         "energy_multiplier": {"num": ["1", "0", "0", "-1/72", "1/576"], "den": ["1"]},
-        "a_stable": False,
-        "l_stable": False,
-        "symplectic": False,
+        "a_stable": False, "l_stable": False, "symplectic": False,
         "error_constant": {"power": 5, "coefficient": "-1/120"},
-        "dispersion": {"power": 5, "coefficient": "-1/120"},
-        "dissipation": {"power": 6, "coefficient": "-1/144"},
-        "invariant": None,
-        "linear_order": 4,
-        "limit_at_infinity": "oo",
-    }
+        "dispersion": {"power": 5, "coefficient": "-1/120"}, "dissipation": {"power": 6, "coefficient": "-1/144"},
+        "invariant": None, "linear_order": 4, "limit_at_infinity": "oo",
+    }  # fmt: skip
     assert {name: record(getattr(facts, name)) for name in wanted} == wanted
 
 
 def test_facts_of_symplectic_euler_are_those_of_the_design() -> None:
     facts = LinearFacts(METHODS["symplectic_euler"])
     wanted: dict[str, Any] = {
-        "stability_function": None,
-        "real_limit": None,
-        "a_stable": None,
-        "a_stability": None,
-        "sector": None,
-        "limit_at_infinity": None,
-        "modified_rate": None,
-        "ssp_coefficient": None,
-        "error_constant": None,
-        "energy_multiplier": None,
-        "invariant": {"q2": "1/2", "qv": "-h/2", "v2": "1/2"},
-        "determinant": {"num": ["1"], "den": ["1"]},
-        "dissipation": None,
-        "dispersion": {"power": 3, "coefficient": "1/24"},
-        "symplectic": True,
-        "symmetric": False,
+        "stability_function": None, "real_limit": None, "a_stable": None, "a_stability": None, "sector": None,
+        "limit_at_infinity": None, "modified_rate": None, "ssp_coefficient": None, "error_constant": None,
+        "energy_multiplier": None, "invariant": {"q2": "1/2", "qv": "-h/2", "v2": "1/2"},
+        "determinant": {"num": ["1"], "den": ["1"]}, "dissipation": None,
+        "dispersion": {"power": 3, "coefficient": "1/24"}, "symplectic": True, "symmetric": False,
         "linearly_symmetric": False,
-    }
+    }  # fmt: skip
     assert {name: record(getattr(facts, name)) for name in wanted} == wanted
 
 

@@ -51,13 +51,10 @@ HALF, SLOPE = fraction(fmpq_poly([fmpq(1, 2)])), fraction(Z)
 DEGENERATE: list[tuple[StepMatrix, list[str]]] = [
     (((ONE, NIL), (NIL, ONE)), ["1/2 0 0", "0 1/2 0", "0 0 1/2"]),
     (((-ONE, NIL), (NIL, -ONE)), ["1/2 0 0", "0 1/2 0", "0 0 1/2"]),
-    (((ONE, NIL), (NIL, -ONE)), ["1/2 0 0", "0 0 1/2"]),
-    (((ONE, NIL), (NIL, HALF)), ["1/2 0 0"]),
-    (((-ONE, NIL), (NIL, HALF)), ["1/2 0 0"]),
-    (((ONE, SLOPE), (NIL, ONE)), ["0 0 1/2"]),
-    (((-ONE, NIL), (SLOPE, -ONE)), ["1/2 0 0"]),
-    (((ONE, SLOPE), (NIL, HALF)), ["1/2 2*h 2*h**2"]),
-]
+    (((ONE, NIL), (NIL, -ONE)), ["1/2 0 0", "0 0 1/2"]), (((ONE, NIL), (NIL, HALF)), ["1/2 0 0"]),
+    (((-ONE, NIL), (NIL, HALF)), ["1/2 0 0"]), (((ONE, SLOPE), (NIL, ONE)), ["0 0 1/2"]),
+    (((-ONE, NIL), (SLOPE, -ONE)), ["1/2 0 0"]), (((ONE, SLOPE), (NIL, HALF)), ["1/2 2*h 2*h**2"]),
+]  # fmt: skip
 
 
 @pytest.mark.parametrize(("m", "wanted"), DEGENERATE, ids=range(len(DEGENERATE)))

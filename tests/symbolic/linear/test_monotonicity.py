@@ -25,8 +25,7 @@ from tests.symbolic.linear.linear_examples import (
 )
 
 SSP: dict[str, tuple[RungeKutta, str]] = {
-    "forward Euler": (NINE["forward_euler"], "1"),
-    "SSP(2,2)": (NINE["heun2"], "1"),
+    "forward Euler": (NINE["forward_euler"], "1"), "SSP(2,2)": (NINE["heun2"], "1"),
     "SSP(3,3)": (runge_kutta(((0, 0, 0), (1, 0, 0), (Q(1, 4), Q(1, 4), 0)), (Q(1, 6), Q(1, 6), Q(2, 3))), "1"),
     "SSP(3,2)": (runge_kutta(((0, 0, 0), (Q(1, 2), 0, 0), (Q(1, 2), Q(1, 2), 0)), (Q(1, 3), Q(1, 3), Q(1, 3))), "2"),
     "SSP(4,3)": (
@@ -36,14 +35,10 @@ SSP: dict[str, tuple[RungeKutta, str]] = {
         ),
         "2",
     ),
-    "classical RK4": (NINE["rk4"], "0"),
-    "explicit midpoint": (NINE["midpoint2"], "0"),
+    "classical RK4": (NINE["rk4"], "0"), "explicit midpoint": (NINE["midpoint2"], "0"),
     "Ralston": (runge_kutta(((0, 0), (Q(2, 3), 0)), (Q(1, 4), Q(3, 4))), "1/2"),
-    "backward Euler": (runge_kutta(((1,),), (1,)), "oo"),
-    "implicit midpoint": (MIDPOINT, "2"),
-    "trapezoid": (TRAPEZOID, "2"),
-    "SDIRK with sqrt(2)": (SDIRK, "1 + sqrt(2)"),
-    "Gauss 2": (GAUSS_2, "0"),
+    "backward Euler": (runge_kutta(((1,),), (1,)), "oo"), "implicit midpoint": (MIDPOINT, "2"),
+    "trapezoid": (TRAPEZOID, "2"), "SDIRK with sqrt(2)": (SDIRK, "1 + sqrt(2)"), "Gauss 2": (GAUSS_2, "0"),
 }  # fmt: skip
 
 

@@ -31,14 +31,11 @@ from tests.nine import NINE
 from tests.symbolic.linear.linear_examples import EVERY, at, ball
 
 PHASES: dict[str, tuple[int, str, tuple[int, str], tuple[int, str] | None]] = {
-    "forward_euler": (2, "-1/2", (3, "-1/3"), (2, "1/2")),
-    "backward": (2, "1/2", (3, "-1/3"), (2, "-1/2")),
-    "midpoint": (3, "1/12", (3, "-1/12"), None),
-    "rk4": (5, "-1/120", (5, "-1/120"), (6, "-1/144")),
-    "rk38": (5, "-1/120", (5, "-1/120"), (6, "-1/144")),
-    "gauss2": (5, "-1/720", (5, "-1/720"), None),
+    "forward_euler": (2, "-1/2", (3, "-1/3"), (2, "1/2")), "backward": (2, "1/2", (3, "-1/3"), (2, "-1/2")),
+    "midpoint": (3, "1/12", (3, "-1/12"), None), "rk4": (5, "-1/120", (5, "-1/120"), (6, "-1/144")),
+    "rk38": (5, "-1/120", (5, "-1/120"), (6, "-1/144")), "gauss2": (5, "-1/720", (5, "-1/720"), None),
     "gauss3": (7, "1/100800", (7, "-1/100800"), None),
-}
+}  # fmt: skip
 
 
 @pytest.mark.parametrize("key", PHASES)

@@ -50,22 +50,15 @@ from tests.symbolic.linear.linear_examples import (
 from tests.witnesses.b_series import symplectic_to_order
 
 EXAMPLES = {
-    "gauss2": (GAUSS_2, True, True),
-    "midpoint": (MIDPOINT, True, True),
-    "trapezoid": (TRAPEZOID, False, True),
+    "gauss2": (GAUSS_2, True, True), "midpoint": (MIDPOINT, True, True), "trapezoid": (TRAPEZOID, False, True),
     "midpoint with three stages": (MIDPOINT_THRICE, True, True),
     "lobatto_iiib2, the midpoint rule in disguise": (LOBATTO_IIIB_2, True, True),
-    "radau_iia2": (RADAU_IIA_2, False, False),
-    "qin_zhang": (QIN_ZHANG, True, True),
-    "gauss3": (GAUSS_3, True, True),
-    "radau3": (RADAU_3, False, False),
-    "lobatto3": (LOBATTO_3, False, True),
-    "stormer": (STORMER, True, True),
-    "nystrom4": (NYSTROM_4, False, False),
-    "rk4": (NINE["rk4"], False, False),
+    "radau_iia2": (RADAU_IIA_2, False, False), "qin_zhang": (QIN_ZHANG, True, True), "gauss3": (GAUSS_3, True, True),
+    "radau3": (RADAU_3, False, False), "lobatto3": (LOBATTO_3, False, True), "stormer": (STORMER, True, True),
+    "nystrom4": (NYSTROM_4, False, False), "rk4": (NINE["rk4"], False, False),
     "velocity_verlet": (NINE["velocity_verlet"], True, True),
     "symplectic_euler": (NINE["symplectic_euler"], True, False),
-}
+}  # fmt: skip
 
 
 @pytest.mark.parametrize("name", EXAMPLES)

@@ -128,25 +128,14 @@ def radius(found: SystemFacts, h: arb) -> arb:
 
 # Systems with distinct eigenvalues of M near the limit, so that balls separate them: exact text, or decimal.
 LIMITS = {
-    ("rk4", DAMPED): "2.909799685490394332749367463504",
-    ("rk4", COUPLED): "1.527433714783494202181090494221",
-    ("forward_euler", DAMPED): "1/10",
-    ("heun3", COUPLED): None,
-    ("rk4", SPRINGS): "2*sqrt(6)/3",
-    ("velocity_verlet", SPRINGS): "2*sqrt(3)/3",
-    ("symplectic_euler", "0 1; -9/4 0"): "4/3",
-    ("forest_ruth", CHAIN): None,
-    ("nystrom4", CHAIN): None,
-    ("rk4", "-21 19 -20; 19 -21 20; 40 -40 -40"): None,
-    ("rk4", "-2 1 0; 1 -2 1; 0 1 -2"): None,
-    ("sdirk2", DAMPED): "oo",
-    ("gauss2", COUPLED): "oo",
-    ("rk4", TWISTED): "0",
-    ("velocity_verlet", TWISTED): "0",
-    ("velocity_verlet", "0 1; 2 0"): "0",
-    ("rk4", "0 1 0; 0 0 1; -5 -1 -1/2"): "0",
-    ("dormand_prince54", "0 1 0; 0 0 1; -1 -3 -2"): None,
-}
+    ("rk4", DAMPED): "2.909799685490394332749367463504", ("rk4", COUPLED): "1.527433714783494202181090494221",
+    ("forward_euler", DAMPED): "1/10", ("heun3", COUPLED): None, ("rk4", SPRINGS): "2*sqrt(6)/3",
+    ("velocity_verlet", SPRINGS): "2*sqrt(3)/3", ("symplectic_euler", "0 1; -9/4 0"): "4/3",
+    ("forest_ruth", CHAIN): None, ("nystrom4", CHAIN): None, ("rk4", "-21 19 -20; 19 -21 20; 40 -40 -40"): None,
+    ("rk4", "-2 1 0; 1 -2 1; 0 1 -2"): None, ("sdirk2", DAMPED): "oo", ("gauss2", COUPLED): "oo",
+    ("rk4", TWISTED): "0", ("velocity_verlet", TWISTED): "0", ("velocity_verlet", "0 1; 2 0"): "0",
+    ("rk4", "0 1 0; 0 0 1; -5 -1 -1/2"): "0", ("dormand_prince54", "0 1 0; 0 0 1; -1 -3 -2"): None,
+}  # fmt: skip
 
 
 @pytest.mark.parametrize(("key", "text"), LIMITS)
@@ -176,25 +165,20 @@ def test_limit_is_the_least_of_those_of_the_eigenvalues() -> None:
 # (method, system): the limit, and whether powers are bounded there.
 JORDAN = {
     ("rk4", "-1 1; 0 -1"): ("x**3 - 4*x**2 + 12*x - 24", False),
-    ("rk4", STUCK): ("2*sqrt(2)", False),
-    ("gauss2", STUCK): ("0", None),
-    ("gauss2", "-1 1; 0 -1"): ("oo", None),
-    ("velocity_verlet", STUCK): ("0", None),
-    ("velocity_verlet", "0 1; 0 0"): ("0", None),
-    ("backward_euler", "0 1; 0 0"): ("0", None),
-    ("rk4", "0 1; -1 0"): ("2*sqrt(2)", True),
+    ("rk4", STUCK): ("2*sqrt(2)", False), ("gauss2", STUCK): ("0", None), ("gauss2", "-1 1; 0 -1"): ("oo", None),
+    ("velocity_verlet", STUCK): ("0", None), ("velocity_verlet", "0 1; 0 0"): ("0", None),
+    ("backward_euler", "0 1; 0 0"): ("0", None), ("rk4", "0 1; -1 0"): ("2*sqrt(2)", True),
     ("velocity_verlet", "0 1; -1 0"): ("2", False),
     ("velocity_verlet", "0 0 1 0; 0 0 0 1; 1 1 0 0; 0 1 0 0"): ("0", None),
     ("chebyshev10_1", "-1 1; 0 -1"): ("200", False),
     ("forward_euler", "-1 -1 1 0; 1 -1 0 1; 0 0 -1 -1; 0 0 1 -1"): ("1", False),
     ("heun2", "-1 -1 1 0; 1 -1 0 1; 0 0 -1 -1; 0 0 1 -1"): ("x**3 - 2*x**2 + 2*x - 2", False),
-    ("forward_euler", DAMPED): ("1/10", True),
-    ("forward_euler", "-1 0; 0 -2"): ("1", True),
+    ("forward_euler", DAMPED): ("1/10", True), ("forward_euler", "-1 0; 0 -2"): ("1", True),
     ("symplectic_euler", "0 1; -9/4 0"): ("4/3", False),
     # Two eigenvalues with one limit, which one of them attains; and one that does not, with a limit farther out.
     ("forward_euler", "-1 -1 1 0 0; 1 -1 0 1 0; 0 0 -1 -1 0; 0 0 1 -1 0; 0 0 0 0 -2"): ("1", False),
     ("forward_euler", "-1 1 0; 0 -1 0; 0 0 -2"): ("1", True),
-}
+}  # fmt: skip
 
 
 @pytest.mark.parametrize(("key", "text"), JORDAN)

@@ -114,13 +114,9 @@ REFUSED = {
 def test_arithmetic_of_constants_is_that_of_floats():
     c = constant(Q(1, 3), BINARY64)
     pairs = (
-        (2 / c, 2 / (1 / 3)),
-        (-c, -(1 / 3)),
-        (c - 1, 1 / 3 - 1),
-        (1 - c, 1 - 1 / 3),
-        (+c, 1 / 3),
+        (2 / c, 2 / (1 / 3)), (-c, -(1 / 3)), (c - 1, 1 / 3 - 1), (1 - c, 1 - 1 / 3), (+c, 1 / 3),
         (c * c, (1 / 3) ** 2),
-    )
+    )  # fmt: skip
     for x, wanted in pairs:
         assert x.stored_value == Q(wanted)
     with pytest.raises(AttributeError, match="__array__"):

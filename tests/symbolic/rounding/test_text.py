@@ -18,15 +18,9 @@ def test_a_reader_sees_the_formula():
         "|dv| <= u ((37/6 h + 3/2 h**3) |q| + (1 + 23/6 h**2 + 5/12 h**4) |v|)",
     ]
     assert full_text(step_bound(forward_euler)) == [
-        "|dq|: d (|q| + 2 h |v|)",
-        "|dq|: d**2 (h |v|)",
-        "|dq|: eta (1/2)",
-        "|dq|: eta d (1/2)",
-        "|dv|: d (2 h |q| + |v|)",
-        "|dv|: d**2 (h |q|)",
-        "|dv|: eta (1/2)",
-        "|dv|: eta d (1/2)",
-    ]
+        "|dq|: d (|q| + 2 h |v|)", "|dq|: d**2 (h |v|)", "|dq|: eta (1/2)", "|dq|: eta d (1/2)",
+        "|dv|: d (2 h |q| + |v|)", "|dv|: d**2 (h |q|)", "|dv|: eta (1/2)", "|dv|: eta d (1/2)",
+    ]  # fmt: skip
     assert full_text(step_bound(rk4))[-1].startswith("and 30 lines")
     assert len(full_text(step_bound(rk4), powers=None)) == len(full_text(step_bound(rk4))) - 1 + 30
     assert format_text(step_bound(rk4, BINARY16)) == "binary16: u = 2**-11, d = u/(1 + u), eta = 2**-24"

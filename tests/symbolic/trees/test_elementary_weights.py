@@ -80,14 +80,10 @@ def test_order_by_orthogonality_is_the_order_by_trees(family: Callable[[int], Co
 @pytest.mark.parametrize(
     ("key", "nodes"),
     [
-        ("gauss2", gauss(2)),
-        ("gauss3", gauss(3)),
-        ("radau_iia2", radau_iia(2)),
-        ("radau_iia3", radau_iia(3)),
-        ("lobatto_iiia3", lobatto_iiia(3)),
-        ("lobatto_iiia4", lobatto_iiia(4)),
+        ("gauss2", gauss(2)), ("gauss3", gauss(3)), ("radau_iia2", radau_iia(2)), ("radau_iia3", radau_iia(3)),
+        ("lobatto_iiia3", lobatto_iiia(3)), ("lobatto_iiia4", lobatto_iiia(4)),
     ],
-)
+)  # fmt: skip
 def test_nodes_polynomial_and_tableau_are_one_method(key: str, nodes: Collocation) -> None:
     tableau = entry(key)
     for n in range(1, 8):

@@ -147,16 +147,10 @@ def test_principal_error_is_residual_over_symmetry(key: str) -> None:
 
 # hairer-norsett-wanner-1993, II.7 and hairer-wanner-1996, IV.5: B, C, D and stage order of the classical families.
 ASSUMPTIONS = {
-    "gauss2": (4, 2, 2, 2),
-    "gauss3": (6, 3, 3, 3),
-    "radau_ia3": (5, 2, 3, 2),
-    "radau_iia3": (5, 3, 2, 3),
-    "lobatto_iiia4": (6, 4, 2, 4),
-    "lobatto_iiib4": (6, 2, 4, 2),
-    "lobatto_iiic4": (6, 3, 3, 3),
-    "rk4": (4, 1, 1, 1),
+    "gauss2": (4, 2, 2, 2), "gauss3": (6, 3, 3, 3), "radau_ia3": (5, 2, 3, 2), "radau_iia3": (5, 3, 2, 3),
+    "lobatto_iiia4": (6, 4, 2, 4), "lobatto_iiib4": (6, 2, 4, 2), "lobatto_iiic4": (6, 3, 3, 3), "rk4": (4, 1, 1, 1),
     "forward_euler": (1, None, 0, 1),
-}
+}  # fmt: skip
 
 
 @pytest.mark.parametrize("key", ASSUMPTIONS)

@@ -65,8 +65,7 @@ BAD = [
     ("claim = 1", "claim is 1; write a list"),
     ("[claim]\nid = 'a'", "claim is {'id': 'a'}; write a list"),
     ("[[claim]]\nphrase = 'a'", "id of claim 1 is missing; write a line of text of 1 to 200 characters"),
-    (CLAIM + CLAIM, "claim 'a' stands in it twice"),
-    (CLAIM + "plases = 3", "a claim has no key 'plases'"),
+    (CLAIM + CLAIM, "claim 'a' stands in it twice"), (CLAIM + "plases = 3", "a claim has no key 'plases'"),
     (CLAIM + "places = 3\ndigits = 4", "it says places and digits; one of them is enough"),
     (CLAIM + "places = 1000000000", "places is 1000000000; write a whole number from 0 to 1000"),
     (CLAIM + "digits = 0", "digits is 0; write a whole number from 1 to 1000"),
@@ -103,13 +102,12 @@ BAD = [
     ("[text]\nformat = 'word'", "format of text is 'word'; write 'plain' or 'markdown'"),
     ("[text]\ncoverage = '101%'", "coverage of text is a percentage"),
     ("[text]\ncoverage = 0.5", "coverage of text is a percentage"),
-    ("a = " + "[" * 100_000, "nested too deep"),
-    ("a = " + "{a=" * 100_000, "nested too deep"),
+    ("a = " + "[" * 100_000, "nested too deep"), ("a = " + "{a=" * 100_000, "nested too deep"),
     ("a" + ".a" * 500_000 + " = 1", "dots in one line"),
     ("#" * (2**20 + 1), "too large; at most 1048576 bytes are read"),
     ("x = ", "Invalid value"),
     ("[[claim]]\n" * 5001, "claim has 5001 entries; at most 5000 are read"),
-]
+]  # fmt: skip
 
 
 @pytest.mark.parametrize(("text", "message"), BAD, ids=range(len(BAD)))

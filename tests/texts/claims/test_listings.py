@@ -66,12 +66,10 @@ NOTEBOOK = {
 TEX = "\\begin{lstlisting}[language=Python]\nprint(1/4)\n\\end{lstlisting}\n\\begin{verbatim}\n0.25\n\\end{verbatim}"
 HTML = '<pre><code class="language-python">print(&quot;0.25&quot;)</code></pre><p>gives</p><pre>0.25</pre>'
 TEXTS = {
-    "markdown": (MARKDOWN, "0.75", 2, 13),
-    "plain": (PLAIN, "2 0.5", 1, 12),
+    "markdown": (MARKDOWN, "0.75", 2, 13), "plain": (PLAIN, "2 0.5", 1, 12),
     "notebook": (json.dumps(NOTEBOOK, indent=1), '"3"', 2, None),
-    "tex": (TEX, "0.25\n", 1, 5),
-    "html": (HTML, "<pre>0.25", 1, 1),
-}
+    "tex": (TEX, "0.25\n", 1, 5), "html": (HTML, "<pre>0.25", 1, 1),
+}  # fmt: skip
 
 
 @pytest.mark.parametrize("form", TEXTS)
@@ -106,18 +104,16 @@ def outcome(program: str, printed: str = "x", time_limit: float = 10.0) -> str:
         ("x = 1\nraise ValueError('a\\nb')", "ValueError: a b (line 2 of the listing)"),
         ("print('a'", "SyntaxError"),
         ("x = '\\0'\nprint(open('/nowhere'))", "FileNotFoundError"),
-        ("input()", "EOFError"),
-        ("'x'", "the listing prints '', the text says 'x'"),
+        ("input()", "EOFError"), ("'x'", "the listing prints '', the text says 'x'"),
         ("a = 'x' * 10**10", "MemoryError"),
         ("while True: print('x' * 10**5)", "it prints more than anybody reads"),
         ("import os; os._exit(3)", "the process ended (exit status 3)"),
         ("import os; os.kill(os.getpid(), 9)", "the process ended (signal 9, SIGKILL)"),
         ("def f(): f()\nf()", "RecursionError"),
         ("import sys; sys.exit(1)", "the listing prints '', the text says 'x'"),
-        ("open('big', 'wb').write(b'0' * 10**8)", "OSError"),
-        ("[" * 5000, "the listing"),
+        ("open('big', 'wb').write(b'0' * 10**8)", "OSError"), ("[" * 5000, "the listing"),
     ],
-)
+)  # fmt: skip
 def test_listing_that_misbehaves_is_told_in_words(program: str, message: str) -> None:
     assert message in outcome(program)
 

@@ -70,10 +70,8 @@ def test_value_that_cannot_be_written_so_is_refused_in_one_line(question: str, f
 @pytest.mark.parametrize(
     ("question", "form", "spellings"),
     [
-        ("1/2", NumberForm(), ["0.5"]),
-        ("40", NumberForm(), ["40"]),
-        ("337/384", NumberForm(exact=True), ["337/384"]),
-        ("337/384", NumberForm(places=3), ["0.878"]),
+        ("1/2", NumberForm(), ["0.5"]), ("40", NumberForm(), ["40"]),
+        ("337/384", NumberForm(exact=True), ["337/384"]), ("337/384", NumberForm(places=3), ["0.878"]),
         ("-1/3000", NumberForm(digits=2), ["-0.00033", "-3.3e-4"]),
         ("5651", NumberForm(digits=2), ["5700", "5.7e3"]),
         ("1/8", NumberForm(places=2, rounding="half-away"), ["0.13"]),
@@ -82,7 +80,7 @@ def test_value_that_cannot_be_written_so_is_refused_in_one_line(question: str, f
         ("imaginary_limit rk4", NumberForm(exact=True), ["2√2", "2*sqrt(2)"]),
         ("energy_multiplier rk4", NumberForm(places=3), ["1 - h^6/72 + h^8/576", "1 - h**6/72 + h**8/576"]),
     ],
-)
+)  # fmt: skip
 def test_value_is_spelled_in_every_way_that_means_the_same(question, form, spellings):
     assert form.spellings(value(question)) == spellings
 

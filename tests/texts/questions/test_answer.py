@@ -19,15 +19,10 @@ HALF_EVEN = Style(rounding="half-even")
 
 # Published ids, and a free question that has the same answer.
 EQUIVALENT = {
-    "compare.h": "1/2",
-    "exact.energy": "exact t=10 : energy",
-    "exact.first_step.q": "exact t=1/2 : q",
-    "exact.first_step.v": "exact t=1/2 : v",
-    "exact.default.q": "exact t=10 : q",
-    "exact.default.v": "run rk4 h=1/4 t=10 : exact.v",
-    "default.steps": "run rk4 h=1/4 t=10 : steps",
-    "small_steps.steps": "run rk4 h=1/10 t=10 : steps",
-    "rk4.stages": "stages rk4",
+    "compare.h": "1/2", "exact.energy": "exact t=10 : energy", "exact.first_step.q": "exact t=1/2 : q",
+    "exact.first_step.v": "exact t=1/2 : v", "exact.default.q": "exact t=10 : q",
+    "exact.default.v": "run rk4 h=1/4 t=10 : exact.v", "default.steps": "run rk4 h=1/4 t=10 : steps",
+    "small_steps.steps": "run rk4 h=1/10 t=10 : steps", "rk4.stages": "stages rk4",
     "rk4.exercise_2.evaluations": "run rk4 N=25 t=10 : evaluations",
     "forward_euler.exercise_2.evaluations": "run forward_euler N=100 t=10 : evaluations",
     "forward_euler.exercise_1.q": "step forward_euler h=1/2 from 0,1 : q",
@@ -50,7 +45,7 @@ EQUIVALENT = {
         for n in (1, 2, 3, 5)
         for x in "qv"
     },
-}
+}  # fmt: skip
 
 
 @pytest.mark.parametrize("key", EQUIVALENT)

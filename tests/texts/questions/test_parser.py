@@ -12,47 +12,21 @@ from driftproof.texts.questions.evaluate import value
 from tests.texts.questions.refusals import demand_refusal
 
 ARITHMETIC = {
-    "1 + 2 * 3": Q(7),
-    "(1 + 2) * 3": Q(9),
-    "8 / 4 / 2": Q(1),
-    "1 - 2 - 3": Q(-4),
-    "-2 ** 2": Q(-4),
-    "(-2) ** 2": Q(4),
-    "2 ^ -3": Q(1, 8),
-    "2 ** (-3)": Q(1, 8),
-    "8 ** (2/3)": Q(4),
-    "(8/27) ** (1/3)": Q(2, 3),
-    "((1/2) ** (1/3)) ** 3": Q(1, 2),
-    "- - 3": Q(3),
-    "+0.25e1 − 1/2": Q(2),
-    ".5": Q(1, 2),
-    "sqrt(9/4)": Q(3, 2),
-    "sqrt(0)": Q(0),
-    "abs(-1/3) + abs(1/3)": Q(2, 3),
-    "log10(1/1000)": Q(-3),
-    "log2(1024) / log10(10)": Q(10),
-    "log2(1)": Q(0),
-    "exp(0) - ln(1)": Q(1),
-    "log10(10**60000)": Q(60000),
-    "run rk4 h=1e-17 t=10 : steps": Q(10**18),
-    "cos(0) - 2 * sin(0)": Q(1),
-    "ratio(-3, 4)": Q(3, 4),
-    "percent(1, 8)": Q(25, 2),
-    "sqrt(2) * sqrt(2)": Q(2),
-    "(1 + sqrt(5)) * (1 - sqrt(5))": Q(-4),
-    "2 ** (1/3) * 2 ** (1/3) * 2 ** (1/3)": Q(2),
-    "order rk4 + stages rk4 * 2": Q(12),
-    "(run rk4 y'=1 y(0)=1 h=1 t=1 : y) + order rk4": Q(6),
-    "R(-2) of rk4 - R(-2) heun2": Q(1, 3) - 1,
-    "R(-1/2) of sdirk_order_2 at 1/4": Q(49, 81),
+    "1 + 2 * 3": Q(7), "(1 + 2) * 3": Q(9), "8 / 4 / 2": Q(1), "1 - 2 - 3": Q(-4), "-2 ** 2": Q(-4),
+    "(-2) ** 2": Q(4), "2 ^ -3": Q(1, 8), "2 ** (-3)": Q(1, 8), "8 ** (2/3)": Q(4), "(8/27) ** (1/3)": Q(2, 3),
+    "((1/2) ** (1/3)) ** 3": Q(1, 2), "- - 3": Q(3), "+0.25e1 − 1/2": Q(2), ".5": Q(1, 2), "sqrt(9/4)": Q(3, 2),
+    "sqrt(0)": Q(0), "abs(-1/3) + abs(1/3)": Q(2, 3), "log10(1/1000)": Q(-3), "log2(1024) / log10(10)": Q(10),
+    "log2(1)": Q(0), "exp(0) - ln(1)": Q(1), "log10(10**60000)": Q(60000), "run rk4 h=1e-17 t=10 : steps": Q(10**18),
+    "cos(0) - 2 * sin(0)": Q(1), "ratio(-3, 4)": Q(3, 4), "percent(1, 8)": Q(25, 2), "sqrt(2) * sqrt(2)": Q(2),
+    "(1 + sqrt(5)) * (1 - sqrt(5))": Q(-4), "2 ** (1/3) * 2 ** (1/3) * 2 ** (1/3)": Q(2),
+    "order rk4 + stages rk4 * 2": Q(12), "(run rk4 y'=1 y(0)=1 h=1 t=1 : y) + order rk4": Q(6),
+    "R(-2) of rk4 - R(-2) heun2": Q(1, 3) - 1, "R(-1/2) of sdirk_order_2 at 1/4": Q(49, 81),
     "step rk4 h=1/2 : q - 1": Q(337, 384) - 1,
     "energy_multiplier forward_euler h=1/4 / 2": Q(17, 32),
-    "2*step forward_euler h=1/2:q": Q(2),
-    "0 ** 0": Q(1),
-    "4 ^ 1.5 + 4 ** (-0.5)": Q(17, 2),
+    "2*step forward_euler h=1/2:q": Q(2), "0 ** 0": Q(1), "4 ^ 1.5 + 4 ** (-0.5)": Q(17, 2),
     "(2**64) ** (1/64)": Q(2),
     "run rk4 rates=((y0)*(y1), (-y0)) from 1,1 h=1/4 t=1/4 : y1": Q(2262647, 3145728),
-}
+}  # fmt: skip
 
 
 @pytest.mark.parametrize("question", ARITHMETIC)
@@ -61,13 +35,10 @@ def test_arithmetic_is_read_as_mathematics_writes_it(question: str) -> None:
 
 
 REFUSED = [
-    ("", 1, "the question is empty"),
-    ("   ", 4, "the question is empty"),
+    ("", 1, "the question is empty"), ("   ", 4, "the question is empty"),
     ("1 +", 4, "the end stands where a number, a name or a bracket should"),
-    ("(1", 3, "a bracket is not closed"),
-    ("1 2", 3, "'2' has no place here; an operator"),
-    ("1)", 2, "')' has no place"),
-    ("1 $ 2", 3, "'$' has no place in a question"),
+    ("(1", 3, "a bracket is not closed"), ("1 2", 3, "'2' has no place here; an operator"),
+    ("1)", 2, "')' has no place"), ("1 $ 2", 3, "'$' has no place in a question"),
     ("__import__('os').system('ls')", 17, "'.' has no place in a question"),
     ("__import__('os')", 12, '"\'" stands where a number, a name or a bracket should'),
     ("2 ** 1000001", 6, "an exponent is an integer from -1000000 to 1000000"),
@@ -76,18 +47,16 @@ REFUSED = [
     ("run rk4 problem=a problem=b h=1 : y0", 19, "'problem' is given twice"),
     ("2 ** 1.23456789", 6, "an exponent is an integer"),
     ("2 ** (1/0)", 10, "an exponent is an integer or a fraction of two"),
-    ("2 ** x", 6, "an exponent is an integer"),
-    ("1e999999999", 1, "is too long"),
+    ("2 ** x", 6, "an exponent is an integer"), ("1e999999999", 1, "is too long"),
     ("order rk4 rk4", 11, "'rk4' has no place here; a colon and a readout may follow"),
     ("step rk4 h=1/2 h=1/4 : q", 16, "'h' is given twice"),
     ("step rk4 N=2 steps=2 h=1 : q", 14, "'steps' is given twice"),
     ("step rk4 k=1/2 : q", 10, "'k' is no setting; there are h, t, N, steps, error, z, lambda, problem"),
-    ("R(-2)", 1, "stability_function is about a method"),
-    ("R(2*2) rk4", 4, "'*' has no place in a number"),
+    ("R(-2)", 1, "stability_function is about a method"), ("R(2*2) rk4", 4, "'*' has no place in a number"),
     ("R(-2 rk4", 6, "the bracket of R is not closed; 'rk4' stands there"),
     ("step rk4 h=1/2 from 1 : q", 1, "a start is a position, a comma and a velocity"),
     ("step rk4 h=1/2 from 1,0 from 1,0 : q", 25, "'from' is given twice"),
-]
+]  # fmt: skip
 
 
 @pytest.mark.parametrize(("question", "column", "reason"), REFUSED)

@@ -10,10 +10,8 @@ REFUSED = [
     ("rk4.__class__", 1, "is no id of a published value"),
     ("rk4.first_step.w", 1, "did you mean rk4.first_step.v"),
     ("eval(1)", 1, "'eval' is no function; there are abs, sqrt"),
-    ("abs(1, 2)", 1, "abs takes 1 number"),
-    ("ratio(1)", 1, "ratio takes 2 numbers"),
-    ("1/0", 2, "it divides by zero"),
-    ("0 ** -1", 1, "it divides by zero"),
+    ("abs(1, 2)", 1, "abs takes 1 number"), ("ratio(1)", 1, "ratio takes 2 numbers"),
+    ("1/0", 2, "it divides by zero"), ("0 ** -1", 1, "it divides by zero"),
     ("(-2) ** (1/2)", 1, "a number below zero has no real root"),
     ("sqrt(-1)", 1, "a number below zero has no real root"),
     ("log10(0)", 1, "only a number above zero has a logarithm"),
@@ -47,10 +45,8 @@ REFUSED = [
     ("invariant symplectic_euler from 1,0", 1, "the value of the invariant at a state needs h"),
     ("dissipation implicit_midpoint", 1, "implicit_midpoint has no dissipation: the whole series vanishes"),
     ("one_step_matrix rk4", 1, "there are M_qq, M_qv, M_vq, M_vv"),
-    ("step", 1, "is no id of a published value"),
-    ("step : q", 1, "step needs h"),
-    ("step h=1/2 : q", 1, "step is about a method"),
-    ("step rk4 : q", 1, "step needs h"),
+    ("step", 1, "is no id of a published value"), ("step : q", 1, "step needs h"),
+    ("step h=1/2 : q", 1, "step is about a method"), ("step rk4 : q", 1, "step needs h"),
     ("step rk4 h=1/2", 1, "needs a readout after a colon"),
     ("step rk4 h=1/2 : speed", 18, "'speed' is no readout of step; there are q, v"),
     ("step rk4 h=0 : q", 1, "a step of size 0 goes nowhere"),
@@ -72,8 +68,7 @@ REFUSED = [
     ("exact rk4 t=10 : q", 7, "the exact flow belongs to no method"),
     ("exact at 1/4 t=10 : q", 10, "the exact flow belongs to no method"),
     ("exact h=10 : q", 7, "exact has no setting h here; it takes t"),
-    ("exact from 1,0 : q", 1, "exact needs t"),
-    ("roundoff gauss2 h=1/4 : qq", 1, "is implicit"),
+    ("exact from 1,0 : q", 1, "exact needs t"), ("roundoff gauss2 h=1/4 : qq", 1, "is implicit"),
     ("roundoff rk4 h=1e400 : qq", 1, "overflows"),
     ("roundoff rk4 h=1e-400 : qq", 1, "a step of size 0 goes nowhere"),
     ("roundoff rk4 h=1/4 : foo", 22, "there are qq, qv, vq, vv, q, v, c"),
@@ -89,7 +84,7 @@ REFUSED = [
     ("exact t=1 : q deg", 15, "'deg' has no place; only angles have units"),
     ("run rk4 lambda=-1 h=1/4 t=0 : y", 1, "h = 1/4 does not divide t = 0 (t / h = 0)"),
     ("run rk4 lambda=-1 h=-1/4 t=1 : y", 1, "h = -1/4 does not divide t = 1 (t / h = -4)"),
-]
+]  # fmt: skip
 
 
 @pytest.mark.parametrize(("question", "column", "reason"), REFUSED)

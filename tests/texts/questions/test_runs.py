@@ -36,14 +36,9 @@ def test_errors_of_a_run_are_those_of_mpmath_to_forty_digits(key: str) -> None:
         turn = mpmath.degrees(mpmath.atan2(q * s - v * c, q * c + v * s))
         distance = mpmath.sqrt((q - c) ** 2 + (v - s) ** 2)
         witness = {
-            "state_error": distance,
-            "phase_error": turn,
-            "phase_error deg": turn,
-            "phase_error rad": mpmath.radians(turn),
-            "phase_error turns": turn / 360,
-            "exact.q": c,
-            "exact.v": s,
-        }
+            "state_error": distance, "phase_error": turn, "phase_error deg": turn,
+            "phase_error rad": mpmath.radians(turn), "phase_error turns": turn / 360, "exact.q": c, "exact.v": s,
+        }  # fmt: skip
         for readout, expected in witness.items():
             for asked in ("h=1/4 t=10", "h=0.25 N=40", "N=40 t=10"):
                 found = mpmath.mpf(value(f"run {key} {asked} : {readout}").digits(40))

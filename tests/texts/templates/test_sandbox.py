@@ -21,12 +21,10 @@ HOSTILE = [
     ("{{ value('1/2')['_value'] }}", 4, "access to attribute '_value'"),
     ("{{ '{0.__class__}'.format(value) }}", 4, "a template calls value, methods_table, range, namespace and its own"),
     ("{{ 'a'.center(1000000000) }}", 4, "a template calls value"),
-    ("{{ lipsum(1000) }}", 4, "'lipsum' is undefined"),
-    ("{{ 'a' * 9 }}", 4, "* is not for a template"),
+    ("{{ lipsum(1000) }}", 4, "'lipsum' is undefined"), ("{{ 'a' * 9 }}", 4, "* is not for a template"),
     ("{{ [0] * 10 }}", 4, "* is not for a template"),
     ("{{ '%999999999d' % 1 }}", 4, "% is not for a template"),
-    ("{{ '%d' % 'a' }}", 4, "% is not for a template"),
-    ("{{ [1] + [2] }}", 4, "+ is not for a template"),
+    ("{{ '%d' % 'a' }}", 4, "% is not for a template"), ("{{ [1] + [2] }}", 4, "+ is not for a template"),
     ("{{ 10**10**10 }}", 4, "** is not for a template"),
     ("{{ 1/3 }}", 4, "/ is not for a template; value('1/3 + 1/6') computes exactly"),
     ("{{ 1 // 0 }}", 4, "integer division or modulo by zero"),
@@ -36,7 +34,7 @@ HOSTILE = [
     ("{% include 'link' %}", 4, "'link' lies outside the folder of the template"),
     ("{% include 'none' %}", 4, "there is no template 'none' beside this one"),
     ("{% include 't.j2' %}", 4, "nested too deeply, or a template includes itself"),
-]
+]  # fmt: skip
 
 
 @pytest.mark.parametrize(("template", "column", "reason"), HOSTILE)

@@ -20,8 +20,7 @@ Become = Callable[..., str]
 
 # Template, line, column, reason.
 PROBLEMS = [
-    ("a\n  {{ nope }}", 2, 6, "'nope' is undefined"),
-    ("{{ value(nope) }}", 1, 10, "'nope' is undefined"),
+    ("a\n  {{ nope }}", 2, 6, "'nope' is undefined"), ("{{ value(nope) }}", 1, 10, "'nope' is undefined"),
     ("{{ 'a' ~\n nope | upper }}", 2, 2, "'nope' is undefined"),
     ('{{ 1 }}{{ value("rk4.first.step.q") }}', 1, 18, "is no id of a published value; did you mean rk4.first_step.q"),
     ('{{ value("run rk4 h=1/4 : q") }}', 1, 11, "run needs two of h, t and N"),
@@ -42,8 +41,7 @@ PROBLEMS = [
     ('{% if value("1/2") %}x{% endif %}', 1, 4, "'1/2' is no condition and is not compared"),
     ('{{ value("1/2") == value("1/2") }}', 1, 4, "'1/2' is no condition"),
     ("{{ none }}", 1, 4, "a NoneType is nothing to print"),
-    ("{{ [1] }}", 1, 4, "a list is nothing to print"),
-    ("{{ 0.5 }}", 1, 4, "a float is nothing to print"),
+    ("{{ [1] }}", 1, 4, "a list is nothing to print"), ("{{ 0.5 }}", 1, 4, "a float is nothing to print"),
     ("{{ value }}", 1, 4, "a function is nothing to print"),
     ('{{ value("1/2" }}', 1, 16, "unexpected '}', expected ')'"),
     ("x {% endfor %}", 1, 6, "Encountered unknown tag 'endfor'."),
@@ -57,7 +55,7 @@ PROBLEMS = [
     ("{{ methods_table(['rk4'], [3]) }}", 1, 4, "columns are a list"),
     ("{{ methods_table(['backward_euler'], ['evaluations'], h='1/4', t='1') }}", 1, 4, "backward_euler is implicit"),
     ("x\n\ufdd0", 2, 1, "the noncharacter U+FDD0 has no place in a text"),
-]
+]  # fmt: skip
 
 
 @pytest.mark.parametrize(("template", "line", "column", "reason"), PROBLEMS, ids=range(len(PROBLEMS)))

@@ -31,19 +31,13 @@ def of_number(**change: Any) -> list[tuple[str, str]]:
 @pytest.mark.parametrize(
     ("change", "kinds"),
     [
-        ({}, []),
-        ({"exact": "337/385"}, [("value", "")]),
+        ({}, []), ({"exact": "337/385"}, [("value", "")]),
         ({"exact": "-337/384", "decimal": "-0.877604"}, [("value", "")]),
-        ({"decimal": "0.877605"}, [("value", "")]),
-        ({"decimal": "0.8776041667"}, [("digits", "")]),
-        ({"decimal": "0.88"}, [("digits", "")]),
-        ({"decimal": "0.87"}, [("value", "")]),
-        ({"decimal": "8.776e-1"}, [("digits", "")]),
-        ({"decimal": "8.776e-2"}, [("value", "")]),
-        ({"decimal": "8.77604e-1"}, [("digits", "")]),
-        ({"exact": "sqrt(3)/2"}, [("value", "")]),
-        ({"decimal": "nan"}, [("value", "")]),
-        ({"exact": "674/768"}, [("wording", "")]),
+        ({"decimal": "0.877605"}, [("value", "")]), ({"decimal": "0.8776041667"}, [("digits", "")]),
+        ({"decimal": "0.88"}, [("digits", "")]), ({"decimal": "0.87"}, [("value", "")]),
+        ({"decimal": "8.776e-1"}, [("digits", "")]), ({"decimal": "8.776e-2"}, [("value", "")]),
+        ({"decimal": "8.77604e-1"}, [("digits", "")]), ({"exact": "sqrt(3)/2"}, [("value", "")]),
+        ({"decimal": "nan"}, [("value", "")]), ({"exact": "674/768"}, [("wording", "")]),
         ({"exact": None}, [("wording", "")]),
         ({"evidence": "CERTIFIED"}, [("wording", "evidence")]),
         ({"unit": "degrees"}, [("value", "unit")]),
@@ -53,7 +47,7 @@ def of_number(**change: Any) -> list[tuple[str, str]]:
         ({"printed": {}}, [("wording", "printed L080")]),
         ({"exact": "1/3", "decimal": "0.333333", "evidence": "?"}, [("value", ""), ("wording", "evidence")]),
     ],
-)
+)  # fmt: skip
 def test_change_of_a_number_is_named(change: dict[str, Any], kinds: list[tuple[str, str]]) -> None:
     assert of_number(**change) == kinds
 
@@ -61,24 +55,19 @@ def test_change_of_a_number_is_named(change: dict[str, Any], kinds: list[tuple[s
 @pytest.mark.parametrize(
     ("old", "new", "kind"),
     [
-        ({"order": 4}, {"order": 5}, "value"),
-        ({"a_stable": True}, {"a_stable": False}, "value"),
-        ({"limit": None}, {"limit": "oo"}, "value"),
-        ({"c": ["1", "1/2"]}, {"c": ["1", "2/4"]}, "wording"),
-        ({"c": ["1", "1/2"]}, {"c": ["1", "1/3"]}, "value"),
-        ({"c": ["1"]}, {"c": ["1", "1/3"]}, "added"),
+        ({"order": 4}, {"order": 5}, "value"), ({"a_stable": True}, {"a_stable": False}, "value"),
+        ({"limit": None}, {"limit": "oo"}, "value"), ({"c": ["1", "1/2"]}, {"c": ["1", "2/4"]}, "wording"),
+        ({"c": ["1", "1/2"]}, {"c": ["1", "1/3"]}, "value"), ({"c": ["1"]}, {"c": ["1", "1/3"]}, "added"),
         ({"title": "RK4"}, {"title": "Classical RK4"}, "wording"),
-        ({"digits": 15}, {"digits": 30}, "digits"),
-        ({"x": 0.25}, {"x": 0.5}, "value"),
+        ({"digits": 15}, {"digits": 30}, "digits"), ({"x": 0.25}, {"x": 0.5}, "value"),
         ({"limit": {"decimal": "2.83", "exact": "2*sqrt(2)"}}, {"limit": "0"}, "value"),
         ({"x": {"decimal": "1.4", "exact": "sqrt(2)"}}, {"x": {"decimal": "1.4", "exact": "sqrt(3)"}}, "value"),
         ({"x": {"decimal": "1.4", "exact": "sqrt(2)"}}, {"x": {"decimal": "1.4", "exact": None}}, "wording"),
         ({"x": {"decimal": "1.4", "exact": "sqrt(2)"}}, {"x": {"decimal": "1.41", "exact": "sqrt(2)"}}, "digits"),
-        ({"limit": {"decimal": "2.83"}}, {}, "removed"),
-        ({"values": 3}, {"values": 4}, "value"),
+        ({"limit": {"decimal": "2.83"}}, {}, "removed"), ({"values": 3}, {"values": 4}, "value"),
         ({"values": {}}, {"values": {"a": NUMBER}}, "added"),
     ],
-)
+)  # fmt: skip
 def test_leaves_of_any_document_are_compared(old, new, kind, tmp_path):
     read = []
     for name, document in (("old", old), ("new", new)):

@@ -22,13 +22,9 @@ pytestmark = pytest.mark.skipif(NODE is None, reason="there is no Node.js to run
 # Whole, halves that are ties, carries, small, large, negative, and numbers that only a decimal is known of.
 RATIONALS = ["0", "1", "-7", "1/2", "5/8", "-15/16", "1/3", "99999/100000", "-2/30000000", "123456789", "1/64", "-5/2"]
 DECIMALS = {
-    "pi": "3.14159265358979323846264338328",
-    "small": "0.0000123456789",
-    "tiny": "-6.72826070465768687e-7",
-    "large": "1.2346e12",
-    "carry": "0.99996",
-    "tie": "2500.0",
-}
+    "pi": "3.14159265358979323846264338328", "small": "0.0000123456789", "tiny": "-6.72826070465768687e-7",
+    "large": "1.2346e12", "carry": "0.99996", "tie": "2500.0",
+}  # fmt: skip
 
 Script = Callable[[dict[str, Any], str], Any]
 

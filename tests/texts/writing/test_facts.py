@@ -25,13 +25,10 @@ from tests.symbolic.linear.linear_examples import pade
 RK4, GAUSS, SDIRK = Facts(METHODS["rk4"]), Facts(METHODS["gauss2"]), FamilyFacts(FAMILIES["sdirk_order_2"])
 # A fact, as text, as TeX.
 WRITTEN: list[tuple[Any, str, str]] = [
-    (None, "none", "none"),
-    (True, "yes", "yes"),
-    ("runge_kutta", "runge_kutta", r"runge\_kutta"),
+    (None, "none", "none"), (True, "yes", "yes"), ("runge_kutta", "runge_kutta", r"runge\_kutta"),
     (Q(-1, 120), "-1/120", r"$-\frac{1}{120}$"),
     (1 - square_root(2) / 2, "1 - 1/2*sqrt(2)", r"$1-\frac{\sqrt{2}}{2}$"),
-    (INFINITY, "oo", r"$\infty$"),
-    ([], "none", "none"),
+    (INFINITY, "oo", r"$\infty$"), ([], "none", "none"),
     ((Q(0), Q(1, 2)), "[0, 1/2]", r"[$0$, $\frac{1}{2}$]"),
     (RK4.imaginary_limit, "2*sqrt(2) = 2.828427124746190097603377448419", r"$2 \sqrt{2} \approx 2.82842712$"),
     (GAUSS.stability_function, "(1 + 1/2 z + 1/12 z^2)/(1 - 1/2 z + 1/12", r"$\frac{1+\frac{z}{2}+\frac{z^{2}}{12}}"),
@@ -42,10 +39,9 @@ WRITTEN: list[tuple[Any, str, str]] = [
     (SDIRK.stability_function, "(1 + (1 - 2*gamma) z + ", r"$\frac{1+(1-2 \gamma) z+"),
     (SDIRK.error_constant, "(-1/6 + gamma - gamma**2) h^3", r"$\left(-\frac{1}{6}+\gamma-\gamma^{2}\right) h^{3}$"),
     (SDIRK.l_stable, "{1 - sqrt(2)/2} U {1 + sqrt(2)/2}", r"$\{1-\frac{\sqrt{2}}{2}\} \cup \{1+\frac{\sqrt{2}}{2}\}$"),
-    (ParameterSet(()), "empty", r"$\emptyset$"),
-    (SDIRK.order_sets[-1], "4 nowhere", "4 nowhere"),
+    (ParameterSet(()), "empty", r"$\emptyset$"), (SDIRK.order_sets[-1], "4 nowhere", "4 nowhere"),
     (ArithmeticError("too_long"), "not decided: too_long", r"not decided: too\_long"),
-]
+]  # fmt: skip
 
 
 @pytest.mark.parametrize(("fact", "text", "tex"), WRITTEN, ids=range(len(WRITTEN)))

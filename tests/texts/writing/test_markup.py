@@ -18,30 +18,16 @@ from driftproof.texts.questions.evaluate import value
 from driftproof.texts.writing.markup import MATHML, TEX, decimal_markup, formula
 
 IN_TEX = {
-    "337/384": r"\frac{337}{384}",
-    "-23/48": r"-\frac{23}{48}",
-    "-h/2": r"-\frac{h}{2}",
-    "1 - (-2*h)": "1-(-2 h)",
+    "337/384": r"\frac{337}{384}", "-23/48": r"-\frac{23}{48}", "-h/2": r"-\frac{h}{2}", "1 - (-2*h)": "1-(-2 h)",
     "1 - h**6/72 + h**8/576": r"1-\frac{h^{6}}{72}+\frac{h^{8}}{576}",
     "(1 + z/3)/(1 - 2*z/3 + z**2/6)": r"\frac{1+\frac{z}{3}}{1-\frac{2 z}{3}+\frac{z^{2}}{6}}",
-    "2*sqrt(2)": r"2 \sqrt{2}",
-    "-2*sqrt(6)/3": r"-\frac{2 \sqrt{6}}{3}",
-    "sqrt(3 + 2*sqrt(3))": r"\sqrt{3+2 \sqrt{3}}",
-    "2*3**(1/3)": r"2 \sqrt[3]{3}",
-    "2*3": r"2 \cdot 3",
-    "2*3**2": r"2 \cdot 3^{2}",
-    "2*(3*h)": r"2 \cdot 3 h",
-    "2*(3/h)": r"2 \frac{3}{h}",
-    "-sin(10)": r"-\sin(10)",
+    "2*sqrt(2)": r"2 \sqrt{2}", "-2*sqrt(6)/3": r"-\frac{2 \sqrt{6}}{3}",
+    "sqrt(3 + 2*sqrt(3))": r"\sqrt{3+2 \sqrt{3}}", "2*3**(1/3)": r"2 \sqrt[3]{3}", "2*3": r"2 \cdot 3",
+    "2*3**2": r"2 \cdot 3^{2}", "2*(3*h)": r"2 \cdot 3 h", "2*(3/h)": r"2 \frac{3}{h}", "-sin(10)": r"-\sin(10)",
     "3*cos(1/2)/5": r"\frac{3 \cos\left(\frac{1}{2}\right)}{5}",
-    "acos(1 - h)": r"\arccos(1-h)",
-    "1 - (1 - h)": "1-(1-h)",
-    "1 - (-h)": "1-(-h)",
-    "(-h)**2": "(-h)^{2}",
-    "(2 - sqrt(2))*h": r"(2-\sqrt{2}) h",
-    "1/2*gamma": r"\frac{\gamma}{2}",
-    "oo": r"\infty",
-}
+    "acos(1 - h)": r"\arccos(1-h)", "1 - (1 - h)": "1-(1-h)", "1 - (-h)": "1-(-h)", "(-h)**2": "(-h)^{2}",
+    "(2 - sqrt(2))*h": r"(2-\sqrt{2}) h", "1/2*gamma": r"\frac{\gamma}{2}", "oo": r"\infty",
+}  # fmt: skip
 
 
 @pytest.mark.parametrize("form", IN_TEX)

@@ -24,13 +24,10 @@ from tests.symbolic.linear.family_examples import THETA
 @pytest.mark.parametrize(
     ("key", "name", "wanted"),
     [
-        ("forward_euler", "imaginary_limit", "0"),
-        ("backward_euler", "real_limit", "oo"),
-        ("gauss2", "imaginary_limit", "oo"),
-        ("rk4", "ssp_coefficient", "0"),
-        ("velocity_verlet", "real_limit", None),
+        ("forward_euler", "imaginary_limit", "0"), ("backward_euler", "real_limit", "oo"),
+        ("gauss2", "imaginary_limit", "oo"), ("rk4", "ssp_coefficient", "0"), ("velocity_verlet", "real_limit", None),
     ],
-)
+)  # fmt: skip
 def test_a_limit_that_is_none_or_always_is_a_bare_string(key: str, name: str, wanted: Any) -> None:
     assert facts_of(METHODS[key], (name,))[name] == wanted
 
@@ -38,11 +35,9 @@ def test_a_limit_that_is_none_or_always_is_a_bare_string(key: str, name: str, wa
 def test_a_limit_that_is_a_number_is_a_record() -> None:
     found = facts_of(METHODS["rk4"], ("imaginary_limit", "real_limit"))
     assert found["imaginary_limit"] == {
-        "exact": "2*sqrt(2)",
-        "minpoly": "x**2 - 8",
-        "interval": ["2", "3"],
+        "exact": "2*sqrt(2)", "minpoly": "x**2 - 8", "interval": ["2", "3"],
         "decimal": "2.828427124746190097603377448419",
-    }
+    }  # fmt: skip
     assert found["real_limit"]["exact"] is None
     assert found["real_limit"]["minpoly"] == "x**3 - 4*x**2 + 12*x - 24"
 

@@ -106,21 +106,11 @@ def pendulum(speed: Fraction) -> State:
 
 
 CLOSED_FORMS: dict[str, State] = {
-    "harmonic_oscillator": oscillation(1),
-    "dahlquist_1": exponential(-1),
-    "dahlquist_1e3": exponential(-1000),
-    "dahlquist_1e6": exponential(-1000000),
-    "stiff_oscillator": oscillation(1000),
-    "separated_oscillators": separated,
-    "stiff_pair": stiff_pair,
-    "overdamped_oscillator": overdamped,
-    "critically_damped_oscillator": critically_damped,
-    "heat_equation": heat(15),
-    "prothero_robinson": cosine,
-    "kaps": kaps,
-    "kepler": kepler(Fraction(3, 5)),
-    "kepler_eccentric": kepler(Fraction(9, 10)),
-    "kepler_extreme": kepler(Fraction(99, 100)),
+    "harmonic_oscillator": oscillation(1), "dahlquist_1": exponential(-1), "dahlquist_1e3": exponential(-1000),
+    "dahlquist_1e6": exponential(-1000000), "stiff_oscillator": oscillation(1000), "separated_oscillators": separated,
+    "stiff_pair": stiff_pair, "overdamped_oscillator": overdamped, "critically_damped_oscillator": critically_damped,
+    "heat_equation": heat(15), "prothero_robinson": cosine, "kaps": kaps, "kepler": kepler(Fraction(3, 5)),
+    "kepler_eccentric": kepler(Fraction(9, 10)), "kepler_extreme": kepler(Fraction(99, 100)),
     "pendulum": pendulum(Fraction(1)),
     "pendulum_near_separatrix": pendulum(2 - Fraction(1, 2**20)),
-}
+}  # fmt: skip
