@@ -60,9 +60,9 @@ def identify(
         of_run = partial(read_family, runs_only=True)
         read, order, dense, family = runner.run([read_coefficients, measured_orders, judged_dense, of_run])
         if read.failed and read.kind not in (UnsupportedCall.kind, *NO_EVIDENCE):
-            family = runner.run([read_family])[0]
+            family = runner.outcome_of(read_family)
         if family.result is not None or read.kind == UnsupportedCall.kind:
-            opened = runner.run([introduction])[0].result
+            opened = runner.outcome_of(introduction).result
             if family.result is not None:
                 return family_report(runner.target.name, opened, family.result)
             if opened is not None and opened.calls in OF_FAMILIES:
@@ -82,11 +82,11 @@ def identified(runner: IsolatedRunner, read: Outcome, order: Outcome, dense: Out
         [introduction, linear_fit, judged_estimate, *CHECKS.values()]
     )
     checks, arithmetic = checks_of(answers), arithmetic_of([read, order, dense, *outcomes])
-    damping = runner.run([read_damping])[0] if read.failed and not introduced.failed else Outcome()
+    damping = runner.outcome_of(read_damping) if read.failed and not introduced.failed else Outcome()
     known = isinstance(read.result, TableauReading) or getattr(read.result, "implicit", False)
     best = None if fit.failed or known else fit.result.nearly or fit.result.best
     implicit = [key for key in (best.methods if best is not None else ()) if not METHODS[key].explicit]
-    twins = runner.run([partial(nonlinear_twins, keys=implicit)])[0] if implicit else Outcome()
+    twins = runner.outcome_of(partial(nonlinear_twins, keys=implicit)) if implicit else Outcome()
     seen = Seen(introduced, read, fit, order, estimate, dense, damping, twins, tuple(checks), arithmetic)
     explicit = METHODS[seen.key] if seen.key is not None and METHODS[seen.key].explicit else None
     rounding = None if explicit is None else _rounding(runner, explicit, seen.size)
@@ -97,7 +97,7 @@ def identified(runner: IsolatedRunner, read: Outcome, order: Outcome, dense: Out
 
 def _rounding(runner: IsolatedRunner, method: Method, size: float) -> Outcome:
     domain = ORDINARY_DOMAIN if size >= 1 else replace(ORDINARY_DOMAIN, largest_state=size)
-    return runner.run([partial(explained, method=method, domain=domain, examples=_EXAMPLES)])[0]
+    return runner.outcome_of(partial(explained, method=method, domain=domain, examples=_EXAMPLES))
 
 
 def _sections(name: str, seen: Seen, rounding: Outcome | None) -> tuple[Section, ...]:

@@ -123,6 +123,11 @@ class IsolatedRunner:
                 return outcomes[:1] * len(probes)
         return outcomes[1:]
 
+    def outcome_of(self, probe: Probe) -> Outcome:
+        """That of one."""
+        (outcome,) = self.run([probe])
+        return outcome
+
     def _some(self, probes: Sequence[Probe]) -> Iterator[Outcome]:
         """The outcomes of the first few, at least of one: of all, or up to a hang or a crash."""
         if not self.isolate or not hasattr(os, "fork"):

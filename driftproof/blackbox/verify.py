@@ -89,7 +89,7 @@ def verify(
         rounding = outcomes[ROUNDING]
         if rounding.kind == "bad_input":
             raise ValueError(rounding.seen)
-        if rounding.kind == UnsupportedCall.kind and runner.run([turns])[0].result:
+        if rounding.kind == UnsupportedCall.kind and runner.outcome_of(turns).result:
             return verify_family(runner, asked)
         checks = {question.title: question.criterion(asked, outcomes[question.title]) for question in questions}
         if checks[ROUNDING].passed is False or checks[ROUNDING].missing:
@@ -102,7 +102,7 @@ def verify(
 
             read, order, dense = outcomes[COEFFICIENTS], outcomes[ORDER], outcomes[DENSE_OUTPUT]
             instead = identified(runner, read, order, dense)
-            mistakes = runner.run([partial(single_mistakes, method=asked)])[0].result or ()
+            mistakes = runner.outcome_of(partial(single_mistakes, method=asked)).result or ()
             same_steps = [*mistakes, *filter(None, [_right_form(outcomes)])]
             refuted = _refuted(asked, questions, checks, outcomes, instead, mistakes)
             named = refuted if arithmetic in refuted else f"{refuted}; {arithmetic}"

@@ -17,6 +17,7 @@ from driftproof.blackbox.stepper.array_adapters import (
     ArrayAdapter,
     Foreign,
     as_array,
+    one_number,
 )
 from driftproof.blackbox.stepper.foreign_code import CallLog
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
@@ -119,7 +120,7 @@ def _whole(numbers: Sequence[AnyNumber]) -> list[AnyNumber]:
 
 # Numbers that are whole go in as integers; the others, as of a force, as they are.
 _INTEGERS = {
-    SCALARS.name: ArrayAdapter("int", lambda numbers: _whole(numbers)[0], SCALARS.read),
+    SCALARS.name: ArrayAdapter("int", lambda numbers: one_number(_whole(numbers)), SCALARS.read),
     ARRAYS.name: ArrayAdapter("numpy.array", lambda numbers: np.array(_whole(numbers)), ARRAYS.read),
     LISTS.name: ArrayAdapter("list", _whole, LISTS.read),
 }

@@ -120,7 +120,7 @@ def turns(subject: ForeignStepper) -> bool:
 
 def verify_family(runner: IsolatedRunner, method: Method | FactsOnly | Boris) -> Report:
     """The report of `verify` for a method of a family. Raises ValueError where the stepper cannot be imported."""
-    outcome = runner.run([partial(read_family, asked=method)])[0]
+    outcome = runner.outcome_of(partial(read_family, asked=method))
     if outcome.kind == "bad_input":
         raise ValueError(outcome.seen)
     name = runner.target.name

@@ -130,7 +130,7 @@ def driven(size: int, *, timed: bool) -> NonlinearProblem:
         words = f"a nonlinear problem of {numbers}, {'with t' if timed else 'without t: the code hands on no time'}"
         return NonlinearProblem(words, _bells(timed), _solution(size, timed), timed=timed)
     words = "y' = exp(-y), without t: the code hands on no time"
-    return NonlinearProblem(words, lambda t, y: [capped_exp(-y[0])], lambda t: [(1 + t).log()])
+    return NonlinearProblem(words, lambda t, y: [capped_exp(-x) for x in y], lambda t: [(1 + t).log()])
 
 
 def force_problem(subject: ForeignStepper) -> NonlinearProblem:

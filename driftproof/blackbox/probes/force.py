@@ -227,7 +227,7 @@ class _Probe:
             # A callback that is given no time hands on the very object that it was made with.
             times.append(None if t is clock else t)
             velocities.extend(y / size - v for y in moving[:1])
-            return [script(x[0])]
+            return [script(*x)]
 
         start, subject = ([size * q], [size * v]), self.subject
         stepped = subject.step_dragged if subject.gives_velocities else subject.step_forced

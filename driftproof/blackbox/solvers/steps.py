@@ -270,13 +270,13 @@ class _Marked:
     def _control_bent(self, reading: TableauReading) -> None:
         """A run of a nonlinear problem, all of whose steps must be those of the stages read, and no others' iterate."""
         run, rounding = self.subject.solve(lambda n, t, y: _bent(t, y), _SPAN, (0.25,), **_LAX), reading.rounding
-        for (t, end), (before, after) in zip(pairwise(run.t), pairwise(run.y), strict=True):
+        for (t, end), ((before,), (after,)) in zip(pairwise(run.t), pairwise(run.y), strict=True):
             h = end - t
-            (said,) = _stepped(reading, _bent, t, h, before)
-            size = abs(before[0]) + h * fsum(abs(x) for row in (*reading.a, reading.b) for x in row)
-            if not abs(after[0] - said) <= rounding.of(size):
+            (said,) = _stepped(reading, _bent, t, h, [before])
+            size = abs(before) + h * fsum(abs(x) for row in (*reading.a, reading.b) for x in row)
+            if not abs(after - said) <= rounding.of(size):
                 raise NotReadable(
-                    f"on a nonlinear problem a step ends at {after[0]:.9g} where the explicit stages read say "
+                    f"on a nonlinear problem a step ends at {after:.9g} where the explicit stages read say "
                     f"{said:.9g}: it iterates, or takes other stages than with slopes of ours"
                 )
 

@@ -90,7 +90,7 @@ class ForeignCode:
             likely = known or order
             time_first = TIME not in likely or likely.index(TIME) < likely.index(STATE)
             if not known and size == 1 and len(arguments) > 1:
-                first, last = (abs(self.adapter.read(arguments[i], 1)[0] - t) for i in (0, -1))
+                first, last = (abs(x - t) for i in (0, -1) for x in self.adapter.read(arguments[i], 1))
                 time_first = first < last or (first == last and time_first)
             state, time = (-1, 0) if time_first else (0, -1)
             try:
@@ -182,7 +182,9 @@ class ForeignCode:
         parts = [part for part in answer if not callable(part)] if isinstance(answer, tuple) else []
         self.log.dense = next(filter(callable, answer), None) if isinstance(answer, tuple) else None
         sizes, self.log.beside = [size_of(part) for part in parts], None
-        if sizes[:2] == [1, size] and (size > 1 or abs(self.adapter.read(parts[0], 1)[0] - end) <= _ABOUT * abs(end)):
+        if sizes[:2] == [1, size] and (
+            size > 1 or any(abs(x - end) <= _ABOUT * abs(end) for x in self.adapter.read(parts[0], 1))
+        ):
             parts, sizes = parts[1:], sizes[1:]
         if sizes[:1] != [size]:
             return self.read(answer, size)

@@ -61,7 +61,7 @@ class ForeignStepper(ForeignCode):
 
     def step_with(self, force: ForceFunction, q: AnyNumber, v: AnyNumber, h: AnyNumber) -> tuple[AnyNumber, AnyNumber]:
         """One step of q' = v, v' = force(q). Raises UnsupportedCall where the system is built in."""
-        q1, v1 = self.step_forced(lambda t, x: [force(x[0])], self.adapter.number(0.0), [q], [v], h)
+        q1, v1 = self.step_forced(lambda t, x: [force(*x)], self.adapter.number(0.0), [q], [v], h)
         return q1, v1
 
     def step_forced(
