@@ -69,18 +69,16 @@ def identify(
                 return unread_report(runner.target.name, family)
         # A run whose later steps remember, but keep no recurrence: what was read is its first step.
         remembering = family.kind in (NotReadable.kind, NoRecurrence.kind)
-        return identified(
-            runner, read, order, dense, f"that is its first step only: {family.seen}" if remembering else ""
-        )
+        later = f"that is its first step only: {family.seen}" if remembering else ""
+        return identified(runner, read, order, dense, later)
 
 
 def identified(runner: IsolatedRunner, read: Outcome, order: Outcome, dense: Outcome, later: str = "") -> Report:
     """The report on the runner's stepper, of which some questions are answered, in the time that it has left."""
     if read.kind == "bad_input":
         raise ValueError(read.seen)
-    introduced, fit, estimate, *answers = outcomes = runner.run(
-        [introduction, linear_fit, judged_estimate, *CHECKS.values()]
-    )
+    asked = [introduction, linear_fit, judged_estimate, *CHECKS.values()]
+    introduced, fit, estimate, *answers = outcomes = runner.run(asked)
     checks, arithmetic = checks_of(answers), arithmetic_of([read, order, dense, *outcomes])
     damping = runner.outcome_of(read_damping) if read.failed and not introduced.failed else Outcome()
     known = isinstance(read.result, TableauReading) or getattr(read.result, "implicit", False)

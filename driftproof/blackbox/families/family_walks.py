@@ -136,9 +136,7 @@ class RosenbrockWalker(_OfTwoFunctions):
         slopes = [0.0] * len(y) if self.autonomous else slopes
         jacobian, time_slope, n = arb_mat(rows), arb_mat([[x] for x in slopes]), len(y)
         one = arb_mat([[float(i == j) for j in range(n)] for i in range(n)])
-        alpha, gamma = (
-            [[enclose(x) for x in row] for row in table] for table in (self.method.alpha, self.method.gamma)
-        )
+        alpha, gamma = ([[enclose(x) for x in row] for row in part] for part in (self.method.alpha, self.method.gamma))
         stages: list[arb_mat] = []
 
         def moved(weights: Sequence[arb]) -> arb_mat:

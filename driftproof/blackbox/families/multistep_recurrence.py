@@ -93,9 +93,7 @@ class Recurrence:
     def lines(self) -> list[str]:
         """ρ and σ, each as the fraction that it is the rounding of where there is a telling one."""
         rows = (("rho", self.rho), ("sigma", self.sigma))
-        return [
-            f"{name} = {', '.join(coefficient_text(x, self.format, self.error) for x in row)}" for name, row in rows
-        ]
+        return [f"{name} = {', '.join(coefficient_text(x, self.format, self.error) for x in xs)}" for name, xs in rows]
 
     def off(self, x: float) -> float:
         """What a coefficient may be off by, a few roundings at least: codes divide by what multiplies the new value."""
@@ -186,9 +184,7 @@ class RecurrenceReading:
         nearest = [f"nearest: {key} but for {'; '.join(words)}" for key, words in self.near]
         asked = [self.asked] if self.asked else []
         first = self.recurrence.steps - 1 + self.late
-        late = (
-            ["the first step is another" if first == 1 else f"the first {first} steps are others"] if self.late else []
-        )
+        late = ["the first step is another" if first == 1 else f"the first {first} steps are others"] * bool(self.late)
         return [named, *nearest, *self.recurrence.lines, *asked, *late, "steps of one length were looked at, no others"]
 
 

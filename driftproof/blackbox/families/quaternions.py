@@ -86,12 +86,10 @@ class QuaternionReading:
         """The evidence, by title."""
         if not self.product:
             return []
-        turn, order = self.turn.lines("phi"), self.turn.order
-        length = (
-            "what comes out has length 1, whatever goes in" if self.normalised else turn[1].replace("size", "length")
-        )
+        (turn, size), order = self.turn.lines("phi"), self.turn.order
+        length = "what comes out has length 1, whatever goes in" if self.normalised else size.replace("size", "length")
         shown = "no error" if order is None else f"order {order} at a constant omega"
-        return [("Rotation", [f"{self.turn.name}: {turn[0]}, phi = h |omega|/2", length, shown])]
+        return [("Rotation", [f"{self.turn.name}: {turn}, phi = h |omega|/2", length, shown])]
 
     @property
     def data(self) -> dict[str, Json]:

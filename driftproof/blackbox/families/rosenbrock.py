@@ -269,9 +269,8 @@ class RosenbrockIdentity:
         passed = same if whole or not same else None
         checks = [Criterion("Coefficients", passed, tuple(shown), {"differences": list(differences)}, told)]
         faults = self.faults if same else []
-        checks.append(
-            Criterion("Derivatives", not faults, tuple(faults or ["J at the start", self._coefficients[-1]]), {})
-        )
+        seen = tuple(faults or ["J at the start", self._coefficients[-1]])
+        checks.append(Criterion("Derivatives", not faults, seen, {}))
         reached = None if self.order is None else self.order >= method.claimed_order
         checks.append(Criterion("Order", reached, tuple(self._orders), {"measured": self.order}))
         if same and not faults and self.walked is not None:

@@ -162,9 +162,8 @@ class Walker:
         there, t = place.problem(problem), place.origin + START * 2.0**-place.pace
         y = start = _start(there, t)
         # Another right-hand side from there: who remembers by t, y and h alone goes wrong.
-        replace(there, rate=lambda t, y: [0.0 * x for x in y]).stepped(
-            self.subject, t, y, lengths[0] * 2.0**-place.pace
-        )
+        rest = replace(there, rate=lambda t, y: [0.0 * x for x in y])
+        rest.stepped(self.subject, t, y, lengths[0] * 2.0**-place.pace)
         after = ["", *[_GOES_ON] * (len(lengths) - 1), _MOVED]
         for length, before in zip((*lengths, lengths[-1]), after, strict=True):
             h, y = length * 2.0**-place.pace, start if before == _MOVED else y

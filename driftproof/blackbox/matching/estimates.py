@@ -72,9 +72,8 @@ def judged_estimate(subject: ForeignStepper, method: Method | None = None) -> Ju
         faults = ["the error estimate is divided by h: per unit step, of one order less", *faults]
     if estimate.fault:
         faults = [f"the error estimate is not the same everywhere: {estimate.fault}", *faults]
-    vanishing = vanishing_order(
-        BallTableaux(reading, None).tableau(reading)._replace(b=_balls(estimate)), HIGHEST_ORDER
-    )
+    tableau = BallTableaux(reading, None).tableau(reading)._replace(b=_balls(estimate))
+    vanishing = vanishing_order(tableau, HIGHEST_ORDER)
     if vanishing.order == 0:
         total = sum(estimate.row, Fraction(0))
         slack = reading.rounding.of(max(estimate.sizes))

@@ -77,9 +77,8 @@ def matrix_facts(matrix: StepMatrix, stiffness: Fraction, damping: Fraction) -> 
     series = [[exact(c) for c in taylor(entry, SERIES_LENGTH)] for row in matrix for entry in row]
     with ctx.workprec(CERTIFYING_BITS):
         order = order_on_linear_system([[enclose(c) for c in each] for each in series], stiffness, damping)
-    return MatrixFacts(
-        (qq, qv, vq, vv), text_of(area_factor(matrix)), text_of(multiplier) if multiplier else None, order
-    )
+    energy = text_of(multiplier) if multiplier else None
+    return MatrixFacts((qq, qv, vq, vv), text_of(area_factor(matrix)), energy, order)
 
 
 def order_on_linear_system(series: Sequence[Sequence[arb]], stiffness: Fraction, damping: Fraction) -> int | None:

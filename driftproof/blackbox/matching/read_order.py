@@ -112,9 +112,8 @@ class BallTableaux:
 
     def nystrom(self, reading: ForceReading) -> BallNystrom:
         """c, A, both rows of weights, the drift."""
-        *a, b_position, b_velocity = (
-            self._row(row, self.scales) for row in (*reading.a, reading.b_position, reading.b_velocity)
-        )
+        rows = (*reading.a, reading.b_position, reading.b_velocity)
+        *a, b_position, b_velocity = (self._row(row, self.scales) for row in rows)
         (drift,) = self._nodes((reading.drift,))
         return BallNystrom(self._nodes(reading.c), tuple(a), b_position, b_velocity, drift)
 

@@ -257,7 +257,7 @@ def _points(estimate: _Estimate, nodes: Sequence[float], attempts: Sequence[Atte
 
 def _law(name: str, estimate: _Estimate, attempts: Sequence[Attempt], atol: float) -> Law | None:
     """The law in this estimate, if there is one: fitted where no limit cuts, then held against every step seen."""
-    method = METHODS[name.split()[0]]
+    method = METHODS[name.partition(" ")[0]]
     assert isinstance(method, RungeKutta)
     points = list(_points(estimate, [float(x) for x in method.c], attempts, atol))
     factors = [p.factor for p in points if p.rejections <= 1]

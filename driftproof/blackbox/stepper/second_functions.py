@@ -44,9 +44,8 @@ def with_functions(
                 write = partial(_matrix, subject) if role == JACOBIAN else subject.adapter.write
                 given[place] = subject.callback(functions[role], t, size, write)
         values = [given[place] for place in range(len(order))]
-        return (
-            subject.function(**dict(zip(names, values, strict=True)), **named) if names else subject.function(*values)
-        )
+        by_name = dict(zip(names, values, strict=True)) if names else {}
+        return subject.function(*([] if names else values), **by_name, **named)
 
     field = replace(
         subject.convention,
