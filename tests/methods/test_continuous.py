@@ -44,6 +44,8 @@ def test_the_cubic_interpolates_any_cubic(theta):
 def test_a_slope_at_the_end_is_a_stage_of_its_own_only_where_the_method_has_none():
     assert len(hermite(METHODS["bogacki_shampine32"]).a) == 4
     assert len(hermite(METHODS["heun2"]).a) == 3
+    uneven = replace(hermite(METHODS["heun2"]), weights=((0, 1), (0,), (0, 0, 1)))
+    assert uneven.columns == ((0, 0, 0), (1, 0, 0), (0, 0, 1))
     for key in exactly(2, ("backward_euler", "lobatto_iiic2")):  # of which the second has its first node at 0
         with pytest.raises(MethodError, match=rf"^{key}: its first stage is not f\(t, y\)"):
             hermite(METHODS[key])
