@@ -36,8 +36,11 @@ def common_field(values: Iterable[Exact]) -> NumberField | None:
 
 
 def element_of(x: Exact, field: NumberField | None) -> Exact:
-    """x as an element of a field that `common_field` made of its own and others."""
-    return _at(x, _generators(field)[x.field]) if isinstance(x, Algebraic) and field else x
+    """x as an element of a field that `common_field` made of its own and others; x itself where that was of others."""
+    if not isinstance(x, Algebraic) or field is None or x.field not in _generators(field):
+        return x
+    lifted: Exact = _at(x, _generators(field)[x.field])
+    return lifted
 
 
 def _at(x: Algebraic, generator: Algebraic) -> Any:

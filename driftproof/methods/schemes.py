@@ -192,6 +192,7 @@ class Splitting(_OverOneField):
     parts: tuple[tuple[str, Exact], ...]
     quadratic_kinetic: bool = False
     decimal: bool = False
+    explicit: ClassVar[bool] = True  # each kick and each drift is a formula in what was known before it
 
     def __post_init__(self) -> None:
         """Promote integers, then refuse unknown sub-steps and inexact coefficients."""
@@ -206,11 +207,6 @@ class Splitting(_OverOneField):
         kinds = (kind for kind, _ in parts)
         object.__setattr__(self, "parts", tuple(zip(kinds, coefficients, strict=True)))
         self._demand_one_field()
-
-    @property
-    def explicit(self) -> bool:
-        """True: each kick and each drift is a formula in what was known before it."""
-        return True
 
     def _coefficients(self) -> Iterable[Exact]:
         return (c for _, c in self.parts)
@@ -264,6 +260,8 @@ class Collocation(Definition):
 
     node_polynomial: tuple[Fraction, ...]
     decimal: ClassVar[bool] = False
+    # The collocation conditions are equations, even where, as for the one node 0, they solve themselves.
+    explicit: ClassVar[bool] = False
 
     def __post_init__(self) -> None:
         """Make the polynomial monic; refuse one that is constant, inexact, or has a complex or a multiple root."""
@@ -280,11 +278,6 @@ class Collocation(Definition):
     def stages(self) -> int:
         """The number s of nodes."""
         return len(self.node_polynomial) - 1
-
-    @property
-    def explicit(self) -> bool:
-        """False: the collocation conditions are equations, even where, as for the one node 0, they solve themselves."""
-        return False
 
     @property
     def field(self) -> NumberField | None:

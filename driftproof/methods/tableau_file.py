@@ -100,16 +100,19 @@ def _method(table: TomlTable, name: str) -> Method | Family | FactsOnly:
     demand_keys(table, (*_COMMON, *entries), f"a {family}", "`driftproof facts --help` shows one")
     common, read = _common(table, name), _reader(table)
     seen: list[Exact] = []
+    field: NumberField | None = None
 
     def remembered(text: str, where: str) -> Any:
         seen.append(read(text, where))
-        return seen[-1]
+        return element_of(seen[-1], field)
 
-    try:
-        return build(table, dict(common), remembered)
-    except (MethodError, TypeError):  # of two fields perhaps; what is wrong in one field is so again
-        field = common_field(seen)
-    return build(table, common, lambda text, where: element_of(read(text, where), field))
+    while True:
+        try:
+            return build(table, dict(common), remembered)
+        except (MethodError, TypeError):  # of several fields, perhaps: those that were read so far have one
+            if (wider := common_field(seen)) == field:
+                raise
+            field = wider
 
 
 def _reader(table: TomlTable) -> Read:

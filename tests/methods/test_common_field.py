@@ -87,13 +87,16 @@ def test_expression_mixes_fields() -> None:
             parse_number(bad, "x")
 
 
-def test_table_over_two_square_roots_has_its_facts(write: Write) -> None:
-    """Two stages of weight one half, at nodes that sum to 1: order 2, whatever roots they hold."""
+def test_table_over_three_square_roots_has_its_facts(write: Write) -> None:
+    """Two stages of weight one half, at nodes that sum to 1: order 2, whatever roots they hold.
+
+    The third is met only after the sums of a row have shown that there are two.
+    """
     mine = write(
         'family = "runge_kutta"\nA = [["r/4", "1/4"], ["s/8", "3/4 - r/4 - s/8 + 2**(1/2)*0"]]\n'
-        'b = ["1/2", "1/2"]\n[roots]\nr = "sqrt(2)"\ns = "sqrt(3)"\n'
+        'b = ["1/2", "1/2"]\nb_embedded = ["sqrt(5)", "1 - sqrt(5)"]\n[roots]\nr = "sqrt(2)"\ns = "sqrt(3)"\n'
     )
     facts = Facts(read_method(mine))  # type: ignore[arg-type]
     assert facts.order == 2
     assert facts.method.field is not None
-    assert facts.method.field.degree == 4
+    assert facts.method.field.degree == 8
