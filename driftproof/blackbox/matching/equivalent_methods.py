@@ -153,7 +153,7 @@ class LinearlyEquivalentMethods:
         numerators = deflate(qq.num), odd_part(qv.num), odd_part(vq.num), deflate(vv.num)
         denominators = (deflate(entry.den) for entry in (qq, qv, vq, vv))
         pairs = zip(numerators, denominators, strict=True)
-        return [list(coefficients(p)) or [Fraction(0)] for p in chain.from_iterable(pairs)]
+        return [list(coefficients(p)) for p in chain.from_iterable(pairs)]
 
     @cached_property
     def _in_balls(self) -> list[arb_poly]:
