@@ -90,14 +90,8 @@ UNMIRRORED: dict[str, str] = {
         for name in (
             *("basic", "explicit", "embedded", "high_order_pairs", "decimal_pairs", "implicit", "nystrom"),
             *(
-                "diagonally_implicit",
-                "splittings",
-                "decimal_splittings",
-                "stabilised",
-                "continuous",
-                "multistep",
-                "rosenbrock",
-                "additive",
+                "diagonally_implicit", "splittings", "decimal_splittings", "stabilised", "continuous", "multistep",
+                "rosenbrock", "additive",
             ),
         )
     },
@@ -106,7 +100,7 @@ UNMIRRORED: dict[str, str] = {
         for name in ("arguments", "homogeneity", "output_precision", "special_arguments")
     },
     "__main__.py": "tests/commands runs python -m driftproof",
-}
+}  # fmt: skip
 
 # Names that every module of a folder has: its protocol.
 PROTOCOL = {"methods.tables": {"ENTRIES"}, "commands": {"add", "answer"}}

@@ -74,18 +74,15 @@ CASES = {
     "henon_heiles": (henon_heiles, [0.0, 0.1, 0.375, 0.25], ["henon_heiles_energy"], set()),
     "pendulum": (pendulum, [2.0, 0.0], {"energy": lambda y: y[1] ** 2 / 2 - np.cos(y[0])}, set()),
     "two bodies": (
-        bodies((1, 0.5)),
-        [0.25, 0.0, -0.5, 0.0, 0.0, 0.5, 0.0, -0.875],
-        n_body_integrals((1, 0.5), dimension=2),
+        bodies((1, 0.5)), [0.25, 0.0, -0.5, 0.0, 0.0, 0.5, 0.0, -0.875], n_body_integrals((1, 0.5), dimension=2),
         {"momentum_x", "momentum_y", "angular_momentum_xy"},
     ),
     "three bodies": (
         bodies((1, 0.5, 0.25)),
         [1.0, 0.0, -1.0, 0.0, 0.0, 2.0, 0.0, 0.25, 0.0, -0.5, 0.25, 0.0],
-        n_body_integrals((1, 0.5, 0.25), dimension=2),
-        {"momentum_x", "momentum_y", "angular_momentum_xy"},
+        n_body_integrals((1, 0.5, 0.25), dimension=2), {"momentum_x", "momentum_y", "angular_momentum_xy"},
     ),
-}
+}  # fmt: skip
 
 
 @pytest.mark.parametrize(

@@ -136,12 +136,10 @@ WRONG = {
     "the box not checked": (holds_what_leaves, BOX, "if True:"),
     "the Jacobian on v alone": (holds_what_leaves, "arb(0, b.upper()) for p, b", "arb(0) for p, b"),
     "the Jacobian's tail omitted": (
-        jacobian_is_bounded,
-        "quasi_monotone(J + _around",
-        "quasi_monotone(J + 0 * _around",
+        jacobian_is_bounded, "quasi_monotone(J + _around", "quasi_monotone(J + 0 * _around",
     ),
     "what follows the flow of v alone": (holds_what_bends, "return M, source +", "return M, 0 * source +"),
-}
+}  # fmt: skip
 
 
 @pytest.mark.parametrize("check", CHECKS, ids=lambda check: check.__name__)

@@ -138,16 +138,11 @@ def test_what_is_read_is_shown_with_the_orders():
 # How far one number of ROS3P may be read off by rounding, in u: of the size of the terms that it is a sum of.
 BOUNDS = {
     "weights": {
-        (0, 1, 0): 29.0,
-        (0, 2, 0): 101.5,
-        (1, 1, 0): 22.5,
-        (1, 2, 0): 138.7,
-        (2, 1, 0): 17.5,
-        (2, 2, 1): 37.75,
+        (0, 1, 0): 29.0, (0, 2, 0): 101.5, (1, 1, 0): 22.5, (1, 2, 0): 138.7, (2, 1, 0): 17.5, (2, 2, 1): 37.75,
     },
     "time_slope": {(0, 2): 95.8, (1, 1): 17.5, (1, 2): 123.4},
     "nodes": {(0,): 28.0, (1,): 57.0},
-}
+}  # fmt: skip
 
 
 def test_what_may_be_rounding_has_a_bound():

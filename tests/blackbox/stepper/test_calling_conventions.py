@@ -20,13 +20,7 @@ from tests.looping import some
 
 WILD = {
     (MAP, "position velocity step"): [
-        "q, v, h",
-        "x, v, dt",
-        "q, p, h",
-        "pos, vel, dt",
-        "theta, omega, dt",
-        "X, V, dT",
-        "_q, _v, _h",
+        "q, v, h", "x, v, dt", "q, p, h", "pos, vel, dt", "theta, omega, dt", "X, V, dT", "_q, _v, _h",
     ],
     (MAP, "velocity position step"): ["v, x, dt"], (MAP, "step position velocity"): ["dt, x, v"],
     (MAP, "time position velocity step"): ["t, x, v, dt"], (MAP, "state step"): ["state, dt", "y, h", "z, tau"],
@@ -37,10 +31,7 @@ WILD = {
     (FORCE, "function time position velocity step"): ["acc, t, x, v, dt"],
     (FORCE, "position velocity carried step function"): ["q, p, f0, h, force"],
     (FIELD, "function time state step"): [
-        "f, t, y, h",
-        "fun, t0, y0, step_size",
-        "dydt, tn, yn, h",
-        "f, t, y, h, *, atol=1e-8, **options",
+        "f, t, y, h", "fun, t0, y0, step_size", "dydt, tn, yn, h", "f, t, y, h, *, atol=1e-8, **options",
     ],
     (FIELD, "function state time step"): ["f, y, t, dt", "deriv, y, t, dt, args=()"],
     (FIELD, "time state step function"): ["t, y, h, f"], (FIELD, "function state step"): ["rhs, u, dt"],

@@ -111,20 +111,14 @@ def test_same_question_is_answered_once() -> None:
     [
         (
             'family = "runge_kutta"\nA = [[0, 0], ["1/2", 0]]\nb = [0, 1]\n',
-            "step mine.toml h=1/2 : q",
-            ("[0, 1]", "[1, 0]"),
-            Fraction(7, 8),
-            1,
+            "step mine.toml h=1/2 : q", ("[0, 1]", "[1, 0]"), Fraction(7, 8), 1,
         ),
         (
-            'rates = ["-y0"]\nstart = ["1"]\nend = "1"\n',
-            "run forward_euler problem=mine.toml h=1/2 t=1 : y0",
-            ("-y0", "y0"),
-            Fraction(1, 4),
-            Fraction(9, 4),
+            'rates = ["-y0"]\nstart = ["1"]\nend = "1"\n', "run forward_euler problem=mine.toml h=1/2 t=1 : y0",
+            ("-y0", "y0"), Fraction(1, 4), Fraction(9, 4),
         ),
     ],
-)
+)  # fmt: skip
 def test_file_that_was_edited_is_read_anew(
     text: str,
     question: str,
