@@ -407,6 +407,19 @@ def words_of_our_own(root: Path) -> list[str]:
     ]
 
 
+NARROWING = re.compile(r".* is not None|(not )?isinstance\(.*\)")
+
+
+def deciding_asserts(root: Path) -> list[str]:
+    """Assert statements, which python -O leaves out: in the package they narrow types and decide nothing."""
+    return [
+        f"{path.name}:{node.lineno} asserts {ast.unparse(node.test)}"
+        for path in house(root)
+        for node in ast.walk(parsed(path))
+        if isinstance(node, ast.Assert) and not NARROWING.fullmatch(ast.unparse(node.test))
+    ]
+
+
 def idle_loops(root: Path) -> list[str]:
     """Tests, and helpers of tests, that would pass if what they loop over were empty."""
     return [found for path in (*files(root, "tests"), *files(root, "proofs")) for found in idle_tests(root, path)]
@@ -415,7 +428,7 @@ def idle_loops(root: Path) -> list[str]:
 GUARDS: list[Guard] = [
     *(imports_up, imports_through_the_links, foreign_imports, storeys_climbed, circles, over_budget, too_small),
     *(unmirrored, defined_twice, inexact_literals, guessing_calls, tolerances, undocumented, dangling_citations),
-    *(talking_inits, words_of_our_own, idle_loops),
+    *(talking_inits, words_of_our_own, deciding_asserts, idle_loops),
 ]
 
 
@@ -477,6 +490,7 @@ PLANTED: list[tuple[Guard, str, str]] = [
     (talking_inits, "driftproof/symbolic/deeper/__init__.py", ""),
     (words_of_our_own, "driftproof/blackbox/a.py", '"""The door of a stepper."""'),
     (words_of_our_own, "docs/a.md", "Doors are many."),
+    (deciding_asserts, "driftproof/texts/a.py", "assert 1 < 2"),
     (idle_loops, "tests/a/test_b.py", "def test_c():\n    for x in found():\n        assert x"),
     (idle_loops, "proofs/test_a.py", "def test_b():\n    assert all(x for x in found())"),
 ]  # fmt: skip
