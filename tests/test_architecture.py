@@ -72,7 +72,7 @@ BUDGETS = {
 }
 BUDGET_OF_REPORTS_AND_FRONT = 5614
 # The goal is 65 of 100. Independent witnesses, campaigns and guards, 6,000 lines, are among the tests.
-TESTS_PER_LINE_OF_SOURCE = Fraction(95, 100)
+TESTS_PER_LINE_OF_SOURCE = Fraction(93, 100)
 
 # A file of fewer lines needs a reason.
 SMALLEST = 40
