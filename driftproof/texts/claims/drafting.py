@@ -23,10 +23,10 @@ _WORDS = 3
 _LONGEST_ID = 150
 # Digits of a value that the text does not have.
 _SHOWN_DIGITS = 8
-# What the author of a text chooses, before its number: nobody works out that h = 0.1.
+# What the author of a text chooses, before its number: nobody works out that h = 0.1, or where a run starts from (1, 0).
 _SETTING = re.compile(
     r"(?<![\w.])(?:(?:h|dt|Δt|[tTNnkλμω]|lambda|mu|omega|[ra]?tol|t_?(?:end|max|final)|n(?:um)?_?steps) ?= ?"
-    r"|step ?size (?:of |= )?|[Aa]fter )\Z"
+    r"|step ?size (?:of |= )?|[Aa]fter |from \((?:[-+]?[0-9./]+, ?)*)\Z"
 )
 _LONGEST_SETTING = 20
 # Numbers on one line that are no further apart stand in one phrase.
@@ -61,9 +61,13 @@ class _Member:
         return bool(self.alike) and self.alike[0].strong
 
     @property
+    def chosen_at(self) -> int | None:
+        """Where the setting begins, if the text gives it: what looks like a value is none."""
+        return None if self.strong else self.setting
+
+    @property
     def chosen(self) -> bool:
-        """Whether the text gives it: a setting that looks like no value."""
-        return self.setting is not None and not self.strong
+        return self.chosen_at is not None
 
     def remark(self) -> str:
         """What else it looks like, two of them by name."""
@@ -74,7 +78,7 @@ class _Member:
         return f"# {self.number.text} looks {also}like {', '.join(others[:2])}{more}\n" if shown else ""
 
 
-# Neighbours on one line, all of which look like values, or none of which do; or one number that is chosen.
+# Neighbours on one line, all of which look like values, or none of which do; or those of one setting.
 _Group: TypeAlias = list[_Member]
 
 
@@ -147,7 +151,7 @@ def _groups(text: str, members: list[_Member], fences: list[int]) -> Iterator[_G
         if group:
             between = text[group[-1].number.end : member.number.start]
             together = "\n" not in between and len(between) <= _WIDEST_GAP and not re.search(r"[.;?!] ", between)
-            alike = group[-1].strong == member.strong and not (group[-1].chosen or member.chosen)
+            alike = group[-1].strong == member.strong and group[-1].chosen_at == member.chosen_at
             fenced = bisect_right(fences, group[-1].number.start) != bisect_right(fences, member.number.start)
             if not (together and alike and not fenced and len(group) < _MOST_IN_PHRASE):
                 yield group

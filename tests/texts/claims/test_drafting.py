@@ -106,6 +106,13 @@ def test_what_the_text_chooses_is_given_and_what_looks_like_a_value_is_not(setti
     assert limit["value"] == "imaginary_limit rk4"
 
 
+def test_a_start_in_brackets_is_given_as_one() -> None:
+    document = document_of("It runs from (1, -0.3) with h = 0.3 to (1, -0.3), from 1 on.")
+    text = draft(document, "a")
+    assert held(document, text) == {"value": 0, "given": 3, "run": 0, "label": 0, "uncovered": 3}
+    assert [claim["phrase"] for claim in tomllib.loads(text)["claim"]] == ["from (1, -0.3", "h = 0.3"]
+
+
 def test_draft_says_what_was_asked_for_and_is_nowhere_and_its_ids_are_short() -> None:
     asked = "run forward_euler rates=(t+y0+0*(t+y0+t+y0+t+y0)) from 0 h=0.2 t={0.4,0.6,1.0} : {y0,state_error}"
     document = document_of("| 0.4 | 0.04 | 0.052 |\n| 0.6 | 0.128 | 0.094 |\n| 1.0 | 0.489 | 0.229 |\n")
