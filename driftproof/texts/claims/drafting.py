@@ -23,7 +23,7 @@ _WORDS = 3
 _LONGEST_ID = 150
 # Digits of a value that the text does not have.
 _SHOWN_DIGITS = 8
-# What the author of a text chooses, before its number: nobody works out that h = 0.1, or where a run starts from (1, 0).
+# What the author of a text chooses, before its number: nobody works out h = 0.1, or that a run starts from (1, 0).
 _SETTING = re.compile(
     r"(?<![\w.])(?:(?:h|dt|Δt|[tTNnkλμω]|lambda|mu|omega|[ra]?tol|t_?(?:end|max|final)|n(?:um)?_?steps) ?= ?"
     r"|step ?size (?:of |= )?|[Aa]fter |from \((?:[-+]?[0-9./]+, ?)*)\Z"
