@@ -50,11 +50,6 @@ class RealRoot:
         return fmpq_poly(list(self.minimal))
 
     @property
-    def count(self) -> int:
-        """The number of real roots of the minimal polynomial."""
-        return len(real_root_balls(self.minimal, ISOLATING_BITS))
-
-    @property
     def degree(self) -> int:
         """The degree of the number over Q."""
         return len(self.minimal) - 1
@@ -87,14 +82,12 @@ class RealRoot:
         """The negative of the number."""
         lead = (-1) ** self.degree
         minimal = tuple(lead * (-c if k % 2 else c) for k, c in enumerate(self.minimal))
-        return RealRoot(minimal, self.count - 1 - self.index)
+        return every_real_root(minimal)[-1 - self.index]
 
     def square_root(self) -> RealRoot:
         """The non-negative square root. Raises ValueError for a negative number."""
         doubled = [c for coefficient in self.minimal for c in (coefficient, 0)][:-1]
-        candidates = [
-            RealRoot(m, k) for m, _ in irreducible_factors_of(fmpq_poly(doubled)) for k in range(RealRoot(m, 0).count)
-        ]
+        candidates = [root for m, _ in irreducible_factors_of(fmpq_poly(doubled)) for root in every_real_root(m)]
         try:
             return the_one(candidates, lambda r: sign_of_ball(r.ball()) != -1 and (r.ball() ** 2).overlaps(self.ball()))
         except ValueError:
@@ -107,6 +100,11 @@ ZERO_ROOT = RealRoot((0, 1), 0)
 def rational_root(x: Fraction) -> RealRoot:
     """The rational number x as a root of its minimal polynomial."""
     return RealRoot((-x.numerator, x.denominator), 0)
+
+
+def every_real_root(minimal: Minimal) -> list[RealRoot]:
+    """The real roots of an irreducible primitive polynomial over Z, ascending."""
+    return [RealRoot(minimal, k) for k in range(len(real_root_balls(minimal, ISOLATING_BITS)))]
 
 
 def positive_roots(polynomials: Iterable[Polynomial]) -> list[RealRoot]:

@@ -12,7 +12,7 @@ from flint import acb, ctx, fmpq, fmpq_mat, fmpz_poly
 
 from driftproof.methods.number_field import dyadic
 from driftproof.symbolic.algebra.certified import ISOLATING_BITS, settled, sign_of_ball
-from driftproof.symbolic.algebra.real_roots import Minimal, RealRoot, irreducible_factors_of
+from driftproof.symbolic.algebra.real_roots import Minimal, RealRoot, every_real_root, irreducible_factors_of
 
 _Rows: TypeAlias = Sequence[Sequence[Fraction]]
 
@@ -77,19 +77,17 @@ def eigenvalues(rows: _Rows) -> list[Eigenvalue]:
 
 def root_places(minimal: Minimal) -> list[RootPlace]:
     """Every root of an irreducible polynomial, pairs of conjugates once: real, imaginary, then the others."""
-    real = [RealRoot(minimal, k) for k in range(RealRoot(minimal, 0).count)]
     imaginary = [Imaginary(minimal, size) for size in _on_imaginary_axis(minimal)]
     others = [Complex(minimal, k) for k in range(len(_upper_balls(minimal, ISOLATING_BITS)))]
-    return [*real, *imaginary, *others]
+    return [*every_real_root(minimal), *imaginary, *others]
 
 
 def _on_imaginary_axis(minimal: Minimal) -> list[RealRoot]:
     """The ω > 0 with f(iω) = 0, ascending: an irreducible f with such a root is even, f(x) = g(x²), and ω² = -x²."""
     if any(minimal[1::2]):
         return []
-    inner = minimal[::2]
-    below = [RealRoot(inner, k) for k in range(RealRoot(inner, 0).count)]
-    return [root.negated().square_root() for root in reversed(below) if sign_of_ball(root.ball()) == -1]
+    below = reversed(every_real_root(minimal[::2]))
+    return [root.negated().square_root() for root in below if sign_of_ball(root.ball()) == -1]
 
 
 @lru_cache

@@ -72,13 +72,13 @@ class TreeTable:
     @cached_property
     def symmetry(self) -> Column:
         """σ(t) = Π σ(branch) Π (multiplicity)!, of every tree (hairer-lubich-wanner-2006, III.1.2)."""
-        symmetry, copies = [1] * self.kinds, [0] * self.kinds  # `copies`: how often the largest branch occurs
+        symmetry = copies = (1,) * self.kinds  # `copies`: how often the largest branch occurs, of those that have one
         for n in range(2, self.order + 1):
             rest, branch = self._column(self.rest, n), self._column(self.branch, n)
-            new = [copies[r] + 1 if self.branch[r] == b else 1 for r, b in zip(rest, branch, strict=True)]
-            symmetry += [symmetry[r] * symmetry[b] * k for r, b, k in zip(rest, branch, new, strict=True)]
+            new = tuple(copies[r] + 1 if self.branch[r] == b else 1 for r, b in zip(rest, branch, strict=True))
+            symmetry += tuple(symmetry[r] * symmetry[b] * k for r, b, k in zip(rest, branch, new, strict=True))
             copies += new
-        return tuple(symmetry)
+        return symmetry
 
     def _column(self, column: Column, vertices: int) -> Column:
         return column[self.first[vertices] : self.first[vertices + 1]]

@@ -50,7 +50,10 @@ def test_ssp_coefficient_of(name: str) -> None:
 
 @pytest.mark.parametrize(
     ("second", "radius"),
-    [((X - 1) * (X - 3), "1"), ((X - 5) * (X - 6), "4"), ((X - 2) ** 2, "4"), (1 - 2 * X, "1/2"), (X, "4"), (-X, "0")],
+    [
+        *[((X - 1) * (X - 3), "1"), ((2 * X - 1) * (X - 1), "1/2"), ((X - 5) * (X - 6), "4"), ((X - 2) ** 2, "4")],
+        *[(1 - 2 * X, "1/2"), (X, "4"), (-X, "0")],
+    ],
 )
 def test_a_later_condition_counts_where_it_fails_before_the_others(
     second: Any, radius: str, monkeypatch: pytest.MonkeyPatch

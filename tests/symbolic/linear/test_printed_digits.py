@@ -118,6 +118,8 @@ def test_provable_growth_is_excluded_by_the_digits_and_exact_tables_have_no_digi
     rows = ((Q(0), Q(0)), (Q(0), Q("0.25")))
     growing = RungeKutta("g", "g", 1, "", rows, (Q(1, 2), Q(1, 2)), (Q(0), Q("0.25")), decimal=True)
     assert stability_within_digits(growing) is None, "R has no limit"
+    one_stage = RungeKutta("o", "o", 1, "", ((Q("0.501"),),), (Q(1),), (Q("0.501"),), decimal=True)
+    assert stability_within_digits(one_stage) == (True, True, False, "-9.96e-1", "9.99e-1")  # 0.4995/0.5005
 
 
 def test_unused_stages_and_exact_short_decimals_do_not_widen_the_balls() -> None:

@@ -58,23 +58,22 @@ def test_rk4_at_five_halves_is_bounded_by_22_u_where_the_plain_form_says_80():
 
 def test_rk4_at_five_halves_comes_within_a_factor_of_two_of_that():
     """So little is left to gain: states are found whose error is more than half of the sharper bound."""
-    found = envelope(rk4, Q(5, 2))
-    found = search(rk4, found, np.float64, (2.5, 2.5), seed=1)
+    found = search(rk4, envelope(rk4, Q(5, 2)), np.float64, (2.5, 2.5), seed=1, population=1 << 11)
     assert found.violations == 0
     assert found.ratio > 1 / 2
 
 
 @pytest.mark.parametrize("key", PROGRAMS)
-@pytest.mark.parametrize("h", [0.25, 0.1, 1.9, 2.5, 1e-8])
+@pytest.mark.parametrize("h", [0.25, 1.9, 2.5, 1e-8])
 def test_no_step_of_a_search_exceeds_the_sharper_bound(key, h):
     subject = PROGRAMS[key]
     step = subject if callable(subject) else stepper(subject, float)
-    at = {"dtype": np.float64, "h_range": (h, h), "seed": 2, "generations": 6, "population": 1 << 11}
+    at = {"dtype": np.float64, "h_range": (h, h), "seed": 2, "generations": 6, "population": 1 << 10}
     assert search(step, envelope(subject, Q(h)), **at).violations == 0
 
 
 @pytest.mark.parametrize("key", PROGRAMS)
-@settings(max_examples=40)
+@settings(max_examples=16)
 @given(h=st.floats(-2.5, 2.5).map(Q), q=st.floats(-1, 1).map(Q), v=st.floats(-1, 1).map(Q))
 def test_the_sharper_bound_holds_for_the_very_state_and_is_hardly_ever_above_the_plain_one(key, h, q, v):
     subject = PROGRAMS[key]
@@ -105,7 +104,7 @@ def test_its_matrix_is_the_definition_s_at_that_h(key):
 @pytest.mark.parametrize("step", [*HAND_WRITTEN.values(), leapfrog])
 @pytest.mark.parametrize("fmt", [COARSE, BFLOAT16], ids=lambda fmt: fmt.name)
 def test_it_holds_in_coarse_formats_where_second_order_counts_fused_or_not(step, fusing, fmt):
-    numbers = [fmt.nearest(Q(n, 7)) for n in range(-9, 10, 2)]
+    numbers = [fmt.nearest(Q(n, 7)) for n in (-9, -4, -1, 2, 7)]
     lift = soft_lift(fmt, fusing)
     for h in (fmt.nearest(Q(n, 8)) for n in (1, 3, 5, 7, 11)):
         bound = fixed_step_bound(step, h, fmt)

@@ -6,11 +6,10 @@ from dataclasses import replace
 from fractions import Fraction as Q
 from functools import cache
 from itertools import product
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from hypothesis import assume, given
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from tqdm import tqdm
 
@@ -24,8 +23,8 @@ from driftproof.symbolic.algebra.rational_functions import fraction
 from driftproof.symbolic.linear.oscillator import oscillator_matrix
 from driftproof.symbolic.rounding.formats import BFLOAT16, BINARY16, BINARY32, BINARY64, FloatFormat, power_of_two
 from driftproof.symbolic.rounding.number import RefusedOperation
-from driftproof.symbolic.rounding.polynomials import ONE, H, constant_polynomial, from_terms, terms
-from driftproof.symbolic.rounding.step_bound import NotLinear, StepBound, step_bound
+from driftproof.symbolic.rounding.polynomials import ONE, H, constant_polynomial
+from driftproof.symbolic.rounding.step_bound import NotLinear, step_bound
 from driftproof.symbolic.runs import apply
 from tests.changes import coefficients, first_weight, moved
 from tests.nine import NINE
@@ -211,27 +210,20 @@ def _steps_of_every_state(step, fmt: FloatFormat, fusing: bool):
             yield h, q, v, None
 
 
-def _without_underflow(bound: StepBound) -> StepBound:
-    """The bound without the terms in eta."""
-    errors = [from_terms((p, c) for p, c in terms(x.error) if p[1] == 0) for x in bound.outputs]
-    outputs = [SimpleNamespace(exact=x.exact, error=e) for x, e in zip(bound.outputs, errors, strict=True)]
-    return replace(bound, outputs=tuple(outputs))
-
-
 @pytest.mark.parametrize("fusing", [False, True])
 @pytest.mark.parametrize("step", [forward_euler, symplectic_euler, leapfrog])
 def test_no_state_of_a_coarse_format_leaves_the_bound(step, fusing):
     """3-bit floats, exhaustively: the bound holds, fused or not; not so without eta; and nothing safe overflows."""
     bound = step_bound(step, COARSE)
-    without_eta = _without_underflow(bound)
+    at = cache(bound.at)
     checked = outside = 0
     for h, q, v, errors in _steps_of_every_state(step, COARSE, fusing):
         if errors is None:
             assert not bound.is_safe(h, q, v)
             continue
         checked += 1
-        assert all_within(errors, bound.error_of(h, q, v))
-        outside += not all_within(errors, without_eta.error_of(h, q, v))
+        assert all_within(errors, at(h).of(q, v))
+        outside += not all_within(errors, at(h)._replace(underflow=(Q(0), Q(0))).of(q, v))
     assert checked > 1000
     assert outside > 0
 
@@ -267,6 +259,7 @@ def emulated(key: str, fmt: FloatFormat, h: Q, q: Q, v: Q) -> list[Q]:
 
 @FORMATS
 @pytest.mark.parametrize("key", PROGRAMS)
+@settings(max_examples=40)
 @given(data=st.data())
 def test_a_float_step_is_within_its_bound_at_every_scale(key, fmt, data):
     """Exactly, in fractions; on the machine's own floats where it has the format, else on emulated ones."""
@@ -291,10 +284,11 @@ def test_the_machine_lifts_each_coefficient_to_the_float_that_the_bound_assumes(
 @NATIVE_FORMATS
 @pytest.mark.parametrize("key", PROGRAMS)
 def test_no_step_of_a_search_that_climbs_exceeds_the_bound(key, fmt):
-    """About 8 million steps in all, over all exponents and the subnormals, |h| up to 4."""
-    found = search(in_floats(key), envelope(key, fmt), NATIVE[fmt], (0.0, 4.0), seed=3, generations=12)
+    """About 2 million steps in all, over all exponents and the subnormals, |h| up to 4."""
+    at = {"h_range": (0.0, 4.0), "seed": 3, "generations": 14, "population": 1 << 12}
+    found = search(in_floats(key), envelope(key, fmt), NATIVE[fmt], **at)
     assert found.violations == 0
-    assert found.checked - found.overflowed > 200_000
+    assert found.checked - found.overflowed > 50_000
     assert 1 / 2 < found.ratio <= 1
 
 
@@ -302,7 +296,8 @@ def test_no_step_of_a_search_that_climbs_exceeds_the_bound(key, fmt):
 @pytest.mark.parametrize("h_range", [(0.0, 1 / 4), (1 / 4, 1 / 4)], ids=["up to 1/4", "at 1/4"])
 @pytest.mark.parametrize("key", HAND_WRITTEN)
 def test_the_bound_is_within_a_factor_2_of_the_worst_error_found(key, h_range, fmt):
-    found = search(in_floats(key), envelope(key, fmt), NATIVE[fmt], h_range, seed=5, generations=8)
+    at = {"h_range": h_range, "seed": 5, "generations": 10, "population": 1 << 12}
+    found = search(in_floats(key), envelope(key, fmt), NATIVE[fmt], **at)
     assert found.violations == 0
     assert found.ratio >= 1 / 2
 
@@ -326,7 +321,7 @@ SCALES = [(1.0, 0.0), (0.0, 1.0), (0.0, 0.0), (6e-8, 0.0), (0.0, 6e-8), (6e-5, -
 def test_every_finite_binary16_step_size_is_within_the_bound(key):
     """Exhaustive in h, 63488 of them, for states of all scales, the subnormals and zero included."""
     rng = np.random.default_rng(7)
-    q, v = (random_floats(rng, np.dtype(np.float16), 9) for _ in range(2))
+    q, v = (random_floats(rng, np.dtype(np.float16), 3) for _ in range(2))
     states = [(float(np.float16(a)), float(np.float16(b))) for a, b in [*SCALES, *zip(q, v, strict=True)]]
     found = exhaust(in_floats(key), envelope(key, BINARY16), every_finite(np.float16), states)
     assert found.checked == len(states) * 63488
@@ -346,17 +341,6 @@ def test_every_finite_binary32_step_size_is_within_the_bound(key):
 
 
 # --- a missing underflow term is noticed ----------------------------------------------------------------------------
-
-
-def test_a_missing_underflow_term_is_caught_by_one_subnormal():
-    """Forward Euler from (0, eta) at h = 1/4: h v rounds to 0, an error of eta/4 where u|z| is far below."""
-    at = tuple(np.array([x]) for x in (0.25, 0.0, float(BINARY64.eta)))
-    whole = envelope("forward_euler")
-    found = [
-        worst_of(error_ratios(forward_euler, e, *at), *at).violations
-        for e in (whole, whole._replace(underflow=((), ())))
-    ]
-    assert found == [0, 1]
 
 
 @pytest.mark.parametrize("key", HAND_WRITTEN)
