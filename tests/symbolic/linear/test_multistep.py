@@ -199,6 +199,9 @@ def test_an_inconsistent_method_says_so():
     assert one_step("none", (-1, 2), (1, -1)).error_constant is None
     assert one_step("trapezoid", (-2, 2), (1, 1)).error_constant == Q(-1, 12)
     assert one_step("backward", (-1, 1), (0, 1)).convergent
+    # ρ/σ < 0 at 1 and > 0 at -1, and the other way round.
+    for rho, sigma in (((-3, 1), (3, 4)), ((3, 1), (-3, 4))):
+        assert radical_form(one_step("off", rho, sigma).sector.tan) == "0"
 
 
 def test_facts_are_written_as_records():

@@ -210,6 +210,8 @@ def test_a_step_size_that_overflows_by_itself_leaves_no_safe_state():
     resting = step_bound(lambda force, q, v, h: (q, v), BINARY16)
     for more in ((0, 0), (0, 1), (1, 0)):
         assert resting.is_safe(Q(1), huge + more[0], huge + more[1]) == (more == (0, 0))
+    pushed = largest_safe_state(lambda force, q, v, h: (q + 32, v), Q(1), BINARY16)
+    assert pushed == BINARY16.largest / (1 + BINARY16.relative_error) - 32
     huge = Q(BINARY64.largest)
     with pytest.raises(OverflowError, match="overflows binary64 from every state"):
         largest_safe_state(lambda force, q, v, h: (q + huge + huge, v), Q(1))
