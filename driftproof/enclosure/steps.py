@@ -112,8 +112,10 @@ class Expansion:
         """So many coefficients of p in s, thin, some from those before; whatever the weights, what is said holds."""
         self.f, self.t, self.length, self.decided, self.weights = f, t, length, decided, weights
         self.rows, slopes, most = [[x] for x in y], list[arb_mat](), _slopes_that_pay(len(y), length)
-        while (known := len(self.rows[0])) < length:
-            slopes = self._extend(min(length, known + min(known, most) + 1), slopes)
+        known = 1
+        while known < length:
+            after = min(length, known + min(known, most) + 1)
+            slopes, known = self._extend(known, after, slopes), after
 
     def step(self, longest: Fraction, errors: Sequence[arb]) -> EnclosedStep:
         """A step of `longest` at most that holds for every start of the point and its errors.
@@ -173,12 +175,12 @@ class Expansion:
             multiple = arb((2 * multiple.max(tube.growth(step))).upper())
         return None
 
-    def _extend(self, length: int, slopes: list[arb_mat]) -> list[arb_mat]:
+    def _extend(self, known: int, length: int, slopes: list[arb_mat]) -> list[arb_mat]:
         """Make it so many coefficients, of which `length` - k - 1, at most k, are coefficients of ∂f/∂y: these, or new.
 
         With k coefficients right, e = y - p = O(s^k) has e' = f(p) - p' + ∂f/∂y e + O(s^2k) (Newton's method).
         """
-        known, wanted = len(self.rows[0]), min(len(self.rows[0]), length - len(self.rows[0]) - 1)
+        wanted = min(known, length - known - 1)
         rates, partials = self._on_series(length - 1, slopes=len(slopes) < wanted)
         if len(slopes) < wanted:
             slopes = [arb_mat([[_coefficient(x, k) for x in row] for row in partials]).mid() for k in range(wanted)]

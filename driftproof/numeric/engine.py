@@ -118,12 +118,12 @@ def compiled_field_ensemble_runner(method: Method, field: VectorField, *, thread
     def run_blocks(y: FloatArray, h: float, first: int, last: int) -> None:
         demand_ensemble(y, len(source.components))
         run = _compiled_field_blocks(source)
-        in_threads(lambda start, stop: run(y, h, first, last, start, stop), y.shape[1], threads)
+        in_threads(lambda start, stop: run(y, h, first, last, start, stop), y.shape[1], threads, BLOCK)
 
     return run_blocks
 
 
-def in_threads(run: Callable[[int, int], None], members: int, threads: int, block: int = BLOCK) -> None:
+def in_threads(run: Callable[[int, int], None], members: int, threads: int, block: int = 1) -> None:
     """run(start, stop) over all members, in as many parts of whole blocks as there are threads; in this one alone."""
     part = block * max(1, -(-members // (block * threads)))
     starts = range(0, members, part)

@@ -186,7 +186,7 @@ def compiled_implicit_ensemble_runner(method: Method, field: VectorField, *, thr
             loop(y, h, first, last, arrays, report, start, stop)
             _demand_done(method, report, 0.0, h, f"system {int(report[newton.SYSTEM])}: ")
 
-        in_threads(run_part, y.shape[1], threads, 1)
+        in_threads(run_part, y.shape[1], threads)
 
     return run_systems
 

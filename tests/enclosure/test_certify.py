@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import sys
+from fractions import Fraction
 from itertools import pairwise
 from types import SimpleNamespace
 
@@ -109,6 +110,25 @@ def test_more_bits_are_taken_where_the_radius_is_not_small(monkeypatch):
         certify(decay, TIMES, classical(decay, TIMES, [1.0]))
 
 
+# Where each attempt refused, and how many there are: a tenth of the way is too little, and the fifth is the last.
+@pytest.mark.parametrize(
+    ("refused_at", "tried"),
+    [((None,), 1), ((10,), 1), ((11,), 1), ((12, 13), 2), ((12, 14, 15), 3), ((12, 14, 16, 18, 20), 5)],
+)
+def test_more_bits_are_taken_where_they_lead_further(refused_at, tried, monkeypatch):
+    seen = []
+
+    def enclose(f, start, times, bits):
+        seen.append(bits)
+        raise Refused("no further", refused_at[len(seen) - 1])
+
+    monkeypatch.setattr(module, "enclose_solution", enclose)
+    monkeypatch.setattr(module, "FURTHER", Fraction(1, 10))
+    with pytest.raises(Refused, match="no further"):
+        certify(decay, [10.0, 20.0], [[1.0], [0.4]])
+    assert seen == [128 * 2**k for k in range(tried)]
+
+
 def test_trajectory_without_error_has_every_digit():
     found = certify(lambda t, y: 0 * y, [0.0, 1.0], [[1.0], [1.0]])
     assert (found.digits, float(found.largest_error)) == (17, 0.0)
@@ -173,6 +193,7 @@ def test_who_waits_at_a_terminal_is_told_that_something_is_done(monkeypatch):
 
 
 def test_tolerance_within_the_ball_of_the_error_is_refused():
+    assert module.within(SimpleNamespace(largest_error=arb(1)), 1.0)
     with pytest.raises(Refused, match=r"the largest error is 1\.0+, too near the tolerance 1\.0 to tell"):
         module.within(SimpleNamespace(largest_error=arb(1, 2.0**-40)), 1.0)
 

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import pytest
-from flint import acb, acb_poly, arb, arb_poly, ctx
+from flint import acb, acb_poly, arb, arb_mat, arb_poly, ctx
 
 from driftproof.enclosure import models
-from driftproof.enclosure.models import TaylorModel
+from driftproof.enclosure.models import TaylorModel, value_at
 from driftproof.enclosure.numbers import Refused
 from tests.enclosure.mutants import mutant
 
@@ -62,6 +62,12 @@ def test_bound_of_what_is_small_is_nearly_attained(name):
     with ctx.workprec(400):
         for least, tail, curve in ((SHARP[name][0], 0, (0.5, 2.0**-8)), (SHARP[name][1], 2.0**-20, (0.5,))):
             assert least == 0 or least < held(models, name, tail, curve) <= 1 + 2.0**-50
+        # Of both at once, about as large and of either sign, so that they add up in one case: no difference of them.
+        both = FUNCTIONS[name][0](TaylorModel([arb(x) for x in (0.5, 2.0**-8)], LENGTH)).tail
+        assert (
+            name == "product"
+            or max(held(models, name, sign * both, (0.5, 2.0**-8)) for sign in (-1, 1)) <= 1 + 2.0**-50
+        )
 
 
 TAILS = {
@@ -104,6 +110,10 @@ def test_sums_and_constants():
     assert (str(found.polynomial), found.tail) == (str(arb_poly([-1, -6])), arb(2.5))
     assert (found.norm, found.coefficient(1), found.is_finite()) == (9.5, -6, True)
     assert not TaylorModel([arb("nan")], 2).is_finite()
+
+
+def test_value_of_a_polynomial_of_matrices():
+    assert value_at([arb_mat([[k, 2**k]]) for k in range(5)], arb(-0.5)) == arb_mat([[-0.125, 1]])
 
 
 def test_comparison_is_of_the_whole_step():

@@ -9,7 +9,7 @@ from flint import arb, arb_mat, ctx
 
 from driftproof.enclosure import steps
 from driftproof.enclosure.numbers import Refused
-from driftproof.enclosure.steps import size
+from driftproof.enclosure.steps import balanced, size
 from driftproof.symbolic.algebra.certified import enclose
 from tests.enclosure.mutants import mutant
 
@@ -150,6 +150,21 @@ def test_step_holds(check):
 def test_wrong_step_is_caught(name):
     check, *replaced = WRONG[name]
     assert not check(mutant("steps", *replaced))
+
+
+@pytest.mark.parametrize(
+    ("rows", "weights"),
+    [
+        ([[5, 2.0**-8], [2.0**-2, 9]], [0.25, 4]),
+        ([[5, 2.0**8], [2.0**2, 9]], [16, 4]),
+        ([[5, 2.0**-8], [0, 9]], [2, 4]),
+        ([[5, 0], [2.0**-2, 9]], [2, 4]),
+        ([[5, arb("inf")], [2.0**-2, 9]], [2, 4]),
+        ([[5, 2.0**-2], [arb("inf"), 9]], [2, 4]),
+    ],
+)
+def test_what_is_coupled_both_ways_is_balanced(rows, weights):
+    assert balanced([[arb(x) for x in row] for row in rows], [arb(2), arb(4)]) == weights
 
 
 def test_size_keeps_what_is_not_a_number():

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from driftproof.methods.catalogue import METHODS
-from driftproof.methods.stepping import oscillator
+from driftproof.methods.stepping import oscillator, step_source
+from driftproof.numeric.array_text import array_run
 from driftproof.numeric.engine import ARRAY_BLOCK, compiled_ensemble_runner, ensemble_runner, lifted, runner
 from tests.float_bits import bits
 from tests.numeric.engine_runs import ensemble, step_by_step
@@ -30,6 +31,13 @@ def test_blocks_of_any_length_are_stepped(length):
     whole = step_by_step(METHODS["rk4"], oscillator, q, v, 0.3, 5)
     ensemble_runner(METHODS["rk4"])(q, v, 0.3, 5)
     assert bits(q, v) == bits(*whole)
+
+
+def test_buffers_are_as_few_as_can_be_and_no_array_is_copied():
+    wanted = {"forward_euler": 2, "symplectic_euler": 1, "velocity_verlet": 2, "yoshida4": 3, "nystrom5": 7, "rk4": 9}
+    found = {key: array_run(step_source(METHODS[key])) for key in wanted}
+    assert {key: count for key, (_, count) in found.items()} == wanted
+    assert not any("copyto" in text for text, _ in found.values())
 
 
 def test_a_compensated_ensemble_has_the_bits_of_its_members():

@@ -205,11 +205,14 @@ def test_an_ensemble_on_arrays_of_any_library_is_within_the_derived_bound(name, 
     assert (found == plain).all() or fuses(array, keep), f"{name} rounds otherwise, and fuses nothing"
 
 
-@pytest.mark.parametrize(("members", "threads", "size"), [(0, 2, 0), (BLOCK, 4, BLOCK), (9 * BLOCK + 1, 4, 3 * BLOCK)])
+@pytest.mark.parametrize(("members", "threads", "size"), [(0, 2, 0), (8, 4, 8), (73, 4, 24)])
 def test_threads_take_parts_of_whole_blocks(members, threads, size):
     parts = []
-    in_threads(lambda *part: parts.append(part), members, threads)
+    in_threads(lambda *part: parts.append(part), members, threads, 8)
     assert sorted(parts) == [(i, min(i + size, members)) for i in range(0, members, size or 1)] or parts == [(0, 0)]
+    parts.clear()
+    in_threads(lambda *part: parts.append(part), 3, 3)
+    assert sorted(parts) == [(0, 1), (1, 2), (2, 3)]
 
 
 def test_an_ensemble_of_systems_is_rows_of_doubles():

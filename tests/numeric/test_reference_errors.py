@@ -118,7 +118,7 @@ def test_doubt_grows_with_the_steps_and_covers_the_rounding_of_a_run_whose_metho
 def test_doubt_is_of_the_steps_the_times_and_the_last_digit() -> None:
     """(N + 1) u Q, Q the largest size at the start or later, u t times the speed, and half a unit of the digits."""
     for start, state, largest in ((Q(3), "0.5", 3), (Q(1, 4), "2.5", 2.5)):
-        problem = replace(DECAY, start=(start,), reference=Reference((Q(2),), ((state,),), EXACT, ""))
+        problem = replace(DECAY, start=(start,), reference=Reference((Q(1), Q(2)), (("0",), (state,)), EXACT, ""))
         assert doubt(problem, 2**50, 2.0**52) == pytest.approx((2**50 + 1) * 2.0**-53 * largest + 1 + 0.05, rel=1e-15)
-        exact = replace(problem, reference=replace(problem.reference, states=((state + "0" * 40,),)))
+        exact = replace(problem, reference=replace(problem.reference, states=(("0",), (state + "0" * 40,))))
         assert doubt(exact, 7, 0.0) == pytest.approx(8 * 2.0**-53 * largest, rel=1e-15)

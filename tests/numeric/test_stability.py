@@ -17,6 +17,7 @@ from driftproof.numeric.stability import (
     DECIMALS,
     GROWTH,
     SQUARINGS,
+    _by_floats,
     fewest_steps,
     largest_bounded,
     observe,
@@ -157,6 +158,13 @@ def test_growth_is_seen_from_its_resolution_on() -> None:
     assert Q(GROWTH) ** 2 / 10**DECIMALS == Q(1, 10**27)
     assert not powers_stay_bounded(diagonal(1 + 2 * resolution))
     assert powers_stay_bounded(diagonal(1 + resolution / 2))
+
+
+@pytest.mark.parametrize(("n", "edge"), [(2, (2**53 / 8) ** 0.5), (3, (2**53 / 189) ** 0.25)])
+def test_floats_decide_what_vanishes_where_rounding_is_bounded_by_a_part_of_one(n: int, edge: float) -> None:
+    """L above the diagonal: off = 4uL² in two rows; in three 9uL², then 3(2L² off + 3uL⁴) = 63uL⁴; n off is below 1."""
+    found = [_by_floats(np.diag([x * edge] * (n - 1), 1)) for x in (1 - 1e-6, 1 + 1e-6)]
+    assert found == [True, None]
 
 
 def test_a_jordan_block_on_the_circle_grows_and_one_inside_does_not() -> None:

@@ -113,11 +113,14 @@ def test_a_run_that_overflows_is_a_point_that_says_so() -> None:
     assert "finite" in first.remark or "range" in first.remark
 
 
-def test_climb_ends_at_the_floor() -> None:
+def test_climb_ends_at_the_floor(monkeypatch: pytest.MonkeyPatch) -> None:
     (curve,) = curves(HARMONIC, ["dop853"])
     at_floor = [point for point in curve.points if point.error <= point.doubt]
     assert len(at_floor) == FLOOR_POINTS == 3
     assert curve.points[-1] is at_floor[-1]
+    on_it = lambda problem, runs, steps: dataclasses.replace(_point(steps, 1.0), doubt=1.0)
+    monkeypatch.setattr(curves_module, "measured", on_it)
+    assert len(measure_curve(HARMONIC, Integrator({}, {}, {}), RUNGS)) == FLOOR_POINTS
 
 
 def test_an_implicit_method_climbs_to_1024_steps(monkeypatch: pytest.MonkeyPatch) -> None:
