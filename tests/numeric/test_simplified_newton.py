@@ -9,7 +9,7 @@ import pytest
 
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.schemes import MethodError
-from driftproof.numeric.elimination import FULL
+from driftproof.numeric.elimination import FULL, Band
 from driftproof.numeric.simplified_newton import WANTED, collocation_attempts, collocation_table, work_for
 from driftproof.numeric.step_control import EVALUATIONS, Tolerances
 from driftproof.numeric.tableaux import float_tableau
@@ -128,6 +128,27 @@ def test_a_singular_matrix_and_a_slope_that_is_infinite_are_infinitely_wrong(slo
     given, report = Tolerances(0.0, 1.0, 2.0), [0.0] * 5
     assert attempt(0.0, [1.0], 1.0, True, [0.0], given, table, work_for(1, table, FULL), report) == inf
     assert report[EVALUATIONS] == (1 if derivative else 2)
+
+
+@pytest.mark.parametrize("key", ["backward_euler", "radau_iia3", "gauss2"])
+@pytest.mark.parametrize("band", [Band(1, 2), Band(2, 1), Band(0, 0)])
+def test_in_a_band_an_attempt_has_the_bits_of_full_matrices(key, band):
+    """Entries beside the diagonal are large, so that rows are exchanged, and fill in."""
+    n, (lower, upper), table, found = 7, band, collocation_table(METHODS[key]), []
+    entry = lambda i, j: (5.0 + (3 * i + 5 * j) % 7 if i != j else -1.0 - i) if -lower <= j - i <= upper else 0.0
+    matrix = [[entry(i, j) for j in range(n)] for i in range(n)]
+
+    def rate(t, y, f):
+        f[:] = [sum(a * x for a, x in zip(row, y, strict=False)) for row in matrix]
+
+    for given in (FULL, band):
+        within = [row[max(0, i - given.lower) : i + given.upper + 1] for i, row in enumerate(matrix)]
+        attempt = collocation_attempts(rate, lambda t, y, m, rows=within: m.__setitem__(slice(n), rows), given)
+        new, work = [0.0] * n, work_for(n, table, given)
+        start, tolerances = [1.0 - i / 4 for i in range(n)], Tolerances(0.0, 1.0, 2.0)
+        found.append((attempt(0.0, start, 0.75, True, new, tolerances, table, work, [0.0] * 5), new))
+    assert found[0] == found[1]
+    assert 0 < found[0][0] < inf
 
 
 def test_an_attempt_without_stages_is_infinitely_wrong():
