@@ -60,10 +60,13 @@ $(PEERS): requirements.lock benchmarks/peers.txt
 	-$(PEERS)/bin/python -m pip install --quiet --disable-pip-version-check 'RKkit[passagemath]==0.1.8'
 	touch $(PEERS)
 
+# On a terminal the seconds stand in the line where nothing else does, until the shell has ended.
+SECONDS_TOLD = if test -t 2; then (s=0; while sleep 2 && kill -0 $$$$ 2>&-; do s=$$((s + 2)); printf '%s s\r' $$s >&2; done) & fi
+
 .venv: requirements.lock pyproject.toml
 	@echo "making .venv with what the proofs and tests need, once: a minute or two"
-	$(PYTHON) -m venv .venv
-	$(BIN)/python -m pip install --disable-pip-version-check --require-hashes -r requirements.lock
+	@set -e; $(SECONDS_TOLD); set -x; $(PYTHON) -m venv .venv; \
+	$(BIN)/python -m pip install --disable-pip-version-check --require-hashes -r requirements.lock; \
 	$(BIN)/python -m pip install --disable-pip-version-check --no-build-isolation --no-deps -e .
 	touch .venv
 
