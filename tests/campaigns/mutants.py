@@ -46,7 +46,7 @@ SWAPS: dict[type[ast.AST], type[ast.AST]] = {
     **{ast.NotEq: ast.Eq, ast.Is: ast.IsNot, ast.IsNot: ast.Is, ast.In: ast.NotIn, ast.NotIn: ast.In},
 }
 # Functions that do not know the order of their arguments.
-SYMMETRIC = ("max", "min", "maximum", "minimum", "hypot", "gcd", "lcm", "greatest_common_divisor", "dot", "distance")
+SYMMETRIC = ("max", "min", "maximum", "minimum", "hypot", "gcd", "lcm", "divisor", "dot", "distance")
 SYMMETRIC += ("same", "_is_same", "suppress", "isclose")  # the last is that of math; NumPy's is not
 # What a bound on rounding errors is called; and how constants are written that bound what is measured.
 BOUND, SMALL = re.compile(r"\.of\(|\.u\b|\b(allowed|rounding|slack|noise)\b"), re.compile(r"2\.0 \*\* \(-\d+\)|1e-\d+")
@@ -117,7 +117,7 @@ def variants(node: ast.AST, digits: bool) -> Iterator[str]:
         for match in list(re.finditer(r"\.\d*(\d)", str(node.value)))[-1:]:  # its last digit after the point
             at, text = match.start(1), str(node.value)
             yield repr(f"{text[:at]}{(int(text[at]) + 1) % 10}{text[at + 1 :]}")
-    elif isinstance(node, ast.Call) and len(node.args) > 1 and ast.unparse(node.func).split(".")[-1] not in SYMMETRIC:
+    elif isinstance(node, ast.Call) and len(node.args) > 1 and _called(node) not in SYMMETRIC:
         swapped = ast.Call(node.func, [node.args[1], node.args[0], *node.args[2:]], node.keywords)
         if not any(isinstance(x, ast.Starred) for x in node.args) and ast.dump(swapped) != ast.dump(node):
             yield ast.unparse(swapped)
@@ -141,6 +141,11 @@ def nodes(tree: ast.AST) -> Iterator[ast.AST]:
             if isinstance(child, ast.AST) and not isinstance(child, ast.JoinedStr | ast.Import | ast.ImportFrom):
                 yield child
                 yield from nodes(child)
+
+
+def _called(node: ast.Call) -> str:
+    """The last word of the name that is called, as in greatest_common_divisor."""
+    return re.split("[._]", ast.unparse(node.func))[-1]
 
 
 def _is_alias(node: ast.AST) -> bool:

@@ -31,7 +31,7 @@ def f(a: "x < y", b):
     return f"{a + b}", max(a, b)
 @dataclass(frozen=True, slots=True, order=True)
 class C:
-    pairs = zip(f(a, b, strict=True), strict=True), np.hypot(a, b)
+    pairs = zip(f(a, b, strict=True), strict=True), np.hypot(a, b), _distance(a, b)
 '''
 PLANTED = """3 -> 4; 3 -> 2; a < b and not g(a, b) -> (a < b or not g(a, b)); a < b -> (a <= b);
 not g(a, b) -> (g(a, b)); g(a, b) -> g(b, a); raise ValueError("1 < 2") -> pass; a[0] = -b -> pass;

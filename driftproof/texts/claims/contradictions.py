@@ -88,7 +88,7 @@ def _next_to(before: str, after: str) -> str:
     for kind in _COUNTED.values():
         gaps += [(len(before) - match.end(), kind) for match in re.finditer(rf"\b(?:{kind})\b", before)]
         gaps += [(gap, kind) for gap in _words(kind, after)]
-    return min(gaps, default=(0, ""))[1]
+    return min(gaps)[1] if gaps else ""
 
 
 def _words(pattern: str, text: str) -> list[int]:

@@ -141,9 +141,9 @@ class TextReport(Printable):
 
     def _context(self, number: TextNumber) -> str:
         text = self.document.text.text
-        start = max(text.rfind("\n", 0, number.start) + 1, number.start - _CONTEXT)
-        end = text.find("\n", number.end)
-        return text[start : min(len(text) if end < 0 else end, number.end + _CONTEXT)]
+        before = text[max(number.start - _CONTEXT, 0) : number.start].rpartition("\n")[2]
+        after = text[number.end : number.end + _CONTEXT].partition("\n")[0]
+        return before + text[number.start : number.end] + after
 
 
 @overload

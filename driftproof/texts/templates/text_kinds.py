@@ -54,7 +54,7 @@ def _html_table(rows: CellRows) -> str:
 
 def _tex_table(rows: CellRows) -> str:
     header, *body = [f"{' & '.join(row)} \\\\" for row in rows]
-    columns = "l" + "r" * (len(rows[0]) - 1)
+    columns = "l" + "r" * len(rows[0][1:])
     return "\n".join([f"\\begin{{tabular}}{{{columns}}}", header, r"\hline", *body, r"\end{tabular}"])
 
 

@@ -20,6 +20,7 @@ STANDS = [
     ("v = {value}", "-0.5", "v = −0.5", ["v = 0.5", "v = - 0.5", "v = −0.55", "v = −0,5"]),
     ("v = {value}", "-0.5", "v = -0.5", ["v = +0.5"]),
     ("{value} steps", "12345678", "12,345,678 steps", ["1,2345,678 steps", "12,345678 steps", "12,34,5678 steps"]),
+    ("{value} steps", "123456", "123,456 steps", ["1234,56 steps"]),
     ("in {value} steps", "5651", "in 5,651 steps", ["in 56,51 steps", "in 5651.0 steps", "in 5 651 steps"]),
     ("in {value} steps", "5651", "in 5\u202f651 steps", ["in 5\u202f652 steps"]),
     ("is {value}", "3.3e-4", "is 3.3×10⁻⁴.", ["is 3.3×10⁻³.", "is 3.3×10⁴.", "is 3.3"]),

@@ -118,6 +118,8 @@ REFUSED = [
     ("period of velocity Verlet", 1, "period may mean dispersion, the leading term"),
     ("energy of RK4 after 1000 cycles", 21, "a period is no whole number of steps"),
     ("run rk4 h=1 t=1 from (1,0 : q", 27, "the bracket of a start is not closed"),
+    ("invariant symplectic_euler z=1", 28, "invariant has no setting z here"),
+    ("run rk4 h=1 t=1 z=2 : q", 17, "run has no setting z here"),
     ("1/3 rounded to 5 digits", 4, "digits are said beside a question: --digits 6, or | digits(6) in a template"),
     ("pi to 4 decimal places", 3, "places are said beside a question: --places 6, or | places(6) in a template"),
     ("h limit of Euler", 1, "h_limit may mean real_limit"),
