@@ -287,8 +287,7 @@ def test_the_machine_lifts_each_coefficient_to_the_float_that_the_bound_assumes(
 @pytest.mark.parametrize("key", PROGRAMS)
 def test_no_step_of_a_search_that_climbs_exceeds_the_bound(key, fmt):
     """About 2 million steps in all, over all exponents and the subnormals, |h| up to 4."""
-    at = {"h_range": (0.0, 4.0), "seed": 3, "generations": 14, "population": 1 << 12}
-    found = search(in_floats(key), envelope(key, fmt), NATIVE[fmt], **at)
+    found = search(in_floats(key), envelope(key, fmt), NATIVE[fmt], (0.0, 4.0), 3, generations=14, population=1 << 12)
     assert found.violations == 0
     assert found.checked - found.overflowed > 50_000
     assert 1 / 2 < found.ratio <= 1
@@ -298,8 +297,7 @@ def test_no_step_of_a_search_that_climbs_exceeds_the_bound(key, fmt):
 @pytest.mark.parametrize("h_range", [(0.0, 1 / 4), (1 / 4, 1 / 4)], ids=["up to 1/4", "at 1/4"])
 @pytest.mark.parametrize("key", HAND_WRITTEN)
 def test_the_bound_is_within_a_factor_2_of_the_worst_error_found(key, h_range, fmt):
-    at = {"h_range": h_range, "seed": 5, "generations": 10, "population": 1 << 12}
-    found = search(in_floats(key), envelope(key, fmt), NATIVE[fmt], **at)
+    found = search(in_floats(key), envelope(key, fmt), NATIVE[fmt], h_range, 5, generations=10, population=1 << 12)
     assert found.violations == 0
     assert found.ratio >= 1 / 2
 
