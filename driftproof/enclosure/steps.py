@@ -111,11 +111,9 @@ class Expansion:
     ) -> None:
         """So many coefficients of p in s, thin, some from those before; whatever the weights, what is said holds."""
         self.f, self.t, self.length, self.decided, self.weights = f, t, length, decided, weights
-        self.rows, slopes, most = [[x] for x in y], list[arb_mat](), _slopes_that_pay(len(y), length)
-        known = 1
+        self.rows, slopes, known, most = [[x] for x in y], list[arb_mat](), 1, _slopes_that_pay(len(y), length)
         while known < length:
-            after = min(length, known + min(known, most) + 1)
-            slopes, known = self._extend(known, after, slopes), after
+            slopes, known = self._extend(known, min(length, known + min(known, most) + 1), slopes)
 
     def step(self, longest: Fraction, errors: Sequence[arb]) -> EnclosedStep:
         """A step of `longest` at most that holds for every start of the point and its errors.
@@ -175,7 +173,7 @@ class Expansion:
             multiple = arb((2 * multiple.max(tube.growth(step))).upper())
         return None
 
-    def _extend(self, known: int, length: int, slopes: list[arb_mat]) -> list[arb_mat]:
+    def _extend(self, known: int, length: int, slopes: list[arb_mat]) -> tuple[list[arb_mat], int]:
         """Make it so many coefficients, of which `length` - k - 1, at most k, are coefficients of ∂f/∂y: these, or new.
 
         With k coefficients right, e = y - p = O(s^k) has e' = f(p) - p' + ∂f/∂y e + O(s^2k) (Newton's method).
@@ -191,7 +189,7 @@ class Expansion:
             found.append((left * (1 / arb(k))).mid())
         for row, *more in zip(self.rows, *(e.entries() for e in found), strict=True):
             row += more
-        return slopes
+        return slopes, length
 
     def _on_series(self, length: int, *, slopes: bool) -> tuple[list[Any], list[list[Any]]]:
         cap, ctx.cap = ctx.cap, length
