@@ -14,7 +14,7 @@ kernel: .venv
 	$(BIN)/python -m proofs.kernel
 
 test: .venv
-	$(BIN)/python -m pytest -n 2 --dist loadgroup
+	$(BIN)/python -m pytest -n 2 --dist loadfile --no-loadscope-reorder
 
 lint: .venv
 	$(BIN)/ruff check .
@@ -22,10 +22,10 @@ lint: .venv
 	$(BIN)/mypy
 
 thorough: .venv
-	HYPOTHESIS_PROFILE=thorough $(BIN)/python -m pytest -n 2 --dist loadgroup
+	HYPOTHESIS_PROFILE=thorough $(BIN)/python -m pytest -n 2 --dist loadfile --no-loadscope-reorder
 
 long: .venv
-	$(BIN)/python -m pytest -n 2 --dist loadgroup -m long
+	$(BIN)/python -m pytest -n 2 --dist loadfile --no-loadscope-reorder -m long
 
 # Small errors planted in copies of the package, and whether the tests notice: an hour, and docs/mutants.md.
 mutants: .venv

@@ -47,9 +47,6 @@ WRONG = {
     "driftproof.check('a.md', init=1)": "call-overload",
 }  # fmt: skip
 
-# In one process, which sets up once what all of them share.
-pytestmark = pytest.mark.xdist_group("types")
-
 
 @pytest.fixture(scope="module")
 def checked(tmp_path_factory):

@@ -56,10 +56,6 @@ def pytest_in(folder, *words, project=PROJECT):
     )  # fmt: skip
 
 
-# In one process, which sets up once what all of them share.
-pytestmark = pytest.mark.xdist_group("plugin")
-
-
 @pytest.fixture(scope="module")
 def run(tmp_path_factory):
     folder = tmp_path_factory.mktemp("project")

@@ -24,9 +24,6 @@ SHEET, SHEET_WIDTH = (297 - 2 * 12) / 25.4 * 96, int((210 - 2 * 13) / 25.4 * 96)
 # Of two scenes with three methods each: two figures a method, one of work, two of growth.
 FIGURES = 2 * 3 * 2 + 1 + 2
 
-# In one process, which sets up once what all of them share.
-pytestmark = pytest.mark.xdist_group("browser")
-
 
 @pytest.fixture(scope="module")
 def chromium() -> Iterator[Browser]:

@@ -5,7 +5,6 @@ import pytest
 from docs.pages import COMMAND, TUTORIALS, journey
 from tests.looping import some
 
-pytestmark = pytest.mark.xdist_group("wheel")
 PAGES = {path.stem: path.read_text(encoding="utf-8") for path in TUTORIALS if "```console" in path.read_text()}
 
 

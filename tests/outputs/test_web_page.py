@@ -25,10 +25,6 @@ class Silent(SimpleHTTPRequestHandler):
         """Nothing."""
 
 
-# In one process, which sets up once what all of them share.
-pytestmark = pytest.mark.xdist_group("browser")
-
-
 @pytest.fixture(scope="module")
 def chromium() -> Iterator[Browser]:
     with started() as browser:

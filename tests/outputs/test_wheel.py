@@ -8,8 +8,6 @@ from pathlib import Path
 
 import pytest
 
-pytestmark = pytest.mark.xdist_group("wheel")
-
 SPRINGS = """\
 def step(q, v, h):
     return q + h * v, v - h * q
