@@ -121,4 +121,4 @@ def test_doubt_is_of_the_steps_the_times_and_the_last_digit() -> None:
         problem = replace(DECAY, start=(start,), reference=Reference((Q(1), Q(2)), (("0",), (state,)), EXACT, ""))
         assert doubt(problem, 2**50, 2.0**52) == pytest.approx((2**50 + 1) * 2.0**-53 * largest + 1 + 0.05, rel=1e-15)
         exact = replace(problem, reference=replace(problem.reference, states=(("0",), (state + "0" * 40,))))
-        assert doubt(exact, 7, 0.0) == pytest.approx(8 * 2.0**-53 * largest, rel=1e-15)
+        assert doubt(exact, 7, 0.0) == pytest.approx(8 * 2.0**-53 * largest, rel=1e-15, abs=0)
