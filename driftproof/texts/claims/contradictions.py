@@ -76,9 +76,9 @@ def _denied(
     """Where words of the value's own stand, and of others; those behind the number count where none stand before."""
     if not own:
         return bool(other or other_after) and not own_after
-    if not other or other[-1] < own[-1]:
+    if not other or max(other) < max(own):
         return False
-    between = re.sub(r"[a-z]+[0-9]+", "", before[own[-1] : other[-1]])  # without numbers of names: RK4, k1, 3/8 rule
+    between = re.sub(r"[a-z]+[0-9]+", "", before[max(own) : max(other)])  # without numbers of names: RK4, k1, 3/8 rule
     return bool(re.search("[0-9]", _spoken_names().sub("", _flat(between))))
 
 

@@ -72,7 +72,7 @@ class _Member:
     def remark(self) -> str:
         """What else it looks like, two of them by name."""
         others = [alike.question for alike in self.alike[self.strong :]]
-        more = f" and {len(others) - 2} more" if len(others) > 2 else ""
+        more = f" and {len(rest)} more" if (rest := others[2:]) else ""
         also = "also " * self.strong
         shown = others and not self.chosen
         return f"# {self.number.text} looks {also}like {', '.join(others[:2])}{more}\n" if shown else ""

@@ -38,7 +38,7 @@ def same_formula(a: str, b: str) -> bool:
     for name in names:
         degrees = {each: _Degree(each == name) for each in names}
         (n, d), (m, e) = (_at(formula, degrees, lambda _: _Degree(0)) for formula in (first, second))
-        ranges.append(range(int(n * e + m * d) + 1))
+        ranges.append(range(int(max(n * e, m * d)) + 1))
     if (count := prod(map(len, ranges))) > _MOST_POINTS:
         raise ValueError(f"the formulas are too long to compare: {count} points")
     defined = [False, False]

@@ -133,7 +133,7 @@ class Suggestions:
             fit, asked = fits[known.question], known.chosen is not None
             rivals = sum(fits[other.question] >= fit for other in self._known if (other.chosen is not None) >= asked)
             odds = _ODDS_OF_ASKED if asked else _ODDS
-            likely = digits > 0 and rivals * odds <= 9 * 10 ** (digits - 1)
+            likely = rivals * odds <= 9 * 10 ** (digits - 1)
             named = fit == len(known.names) + len(known.numbers) and fit > (digits < 2 or not asked)
             # Roots of small numbers are no random digits; and what the sentence denies is not meant, however it looks.
             near = asked or fit > 0 or isinstance(known.answer.exact, Fraction)
@@ -176,12 +176,12 @@ class Suggestions:
     def _lines(self) -> list[list[tuple[int, Fraction]]]:
         """Of each line its numbers, each with its place."""
         lines, at = list[list[tuple[int, Fraction]]](), 0
-        for line in self.text.split("\n"):
+        for line in re.split("(?<=\n)", self.text):
             lines.append([])
             for number in numbers_in(line):
                 with suppress(ValueError, ZeroDivisionError):
                     lines[-1].append((at + number.start, number.value))
-            at += len(line) + 1
+            at += len(line)
         return lines
 
     def _written(self, form: NumberForm) -> dict[str, list[_Known]]:

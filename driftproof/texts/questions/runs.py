@@ -139,12 +139,11 @@ def steps_to_error(method: Method, t: Fraction, start: _State, error: Fraction) 
 
     if error <= 0:
         raise ValueError("an error to be reached is above 0")
-    steps = 1
+    low = steps = 1
     while not reached(steps):
-        steps *= 2
+        low, steps = steps, 2 * steps
         if steps > LARGEST_STEP_COUNT:
             raise ValueError(f"{method.key} reaches no such error with {LARGEST_STEP_COUNT} steps")
-    low = steps // 2
     while steps - low > 1:
         middle = (low + steps) // 2
         low, steps = (low, middle) if reached(middle) else (middle, steps)
