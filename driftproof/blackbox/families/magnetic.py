@@ -209,8 +209,10 @@ class MagneticReading:
 
     def _moved_as(self, method: object) -> tuple[bool, str]:
         """Whether the position moves as in a Runge-Kutta method for the whole, and in words."""
-        if self.moved is None or not isinstance(method, RungeKutta | Collocation):
+        if self.moved is None:
             return False, "it moves no position"
+        if not isinstance(method, RungeKutta | Collocation):
+            return False, f"{getattr(method, 'key', 'the method')} says nothing of {_ALL}: hold it to boris"
         factors, pulled = zip(*(factors_of(method, 1j * x) for x in TURN_ANGLES), strict=True)
         same = self._of_one_method(factors, pulled)
         law = "by another law" if self.drift is None else f"by {self._drift}"
@@ -222,7 +224,7 @@ class MagneticReading:
         """The position's part of the step."""
         pairs = zip(self.drift or (), ("v", "v1"), strict=False)
         parts = [f"{self._text(x)} {v}".removeprefix("1 ") for x, v in pairs if x]
-        return f"h ({' + '.join(parts)})" if len(parts) > 1 else f"h {''.join(parts)}"
+        return f"h ({' + '.join(parts)})" if len(parts) > 1 else f"h {parts[0]}" if parts else "0"
 
     def _text(self, x: float) -> str:
         return coefficient_text(x, self.rounding.format, self._off)

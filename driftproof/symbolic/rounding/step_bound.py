@@ -15,7 +15,7 @@ from functools import cached_property
 from typing import NamedTuple, TypeAlias
 
 from driftproof.methods.number_field import Exact
-from driftproof.methods.schemes import Method
+from driftproof.methods.schemes import Method, MethodError
 from driftproof.methods.stepping import Force, Lift, Step, oscillator, stepper
 from driftproof.symbolic.algebra.certified import decide_by_enclosure
 from driftproof.symbolic.algebra.matrices import StepMatrix
@@ -168,10 +168,13 @@ def trace_step(
     """[q1, v1] of one step from symbolic (q, v), by running the step itself; `subject` is it, or a method.
 
     With `h` given (a number of the format) the step size is that constant rather than a symbol. Raises
-    RefusedOperation where the step does what cannot be bounded.
+    RefusedOperation where the step does what cannot be bounded, and MethodError for an implicit method.
     """
     size = Rounded(fmt, H) if h is None else constant(h, fmt)
-    step = subject if callable(subject) else stepper(subject, lift_to(fmt))
+    try:
+        step = subject if callable(subject) else stepper(subject, lift_to(fmt))
+    except MethodError as error:
+        raise MethodError(f"{error}; `driftproof certify` encloses the error of a run, rounding and all") from None
     result = step(force, Rounded(fmt, Q), Rounded(fmt, V), size)
     outputs = list(result) if isinstance(result, Iterable) else []
     if len(outputs) != 2:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import replace
 from fractions import Fraction
-from functools import lru_cache
 from typing import TYPE_CHECKING
 
 from driftproof.methods.expression_tree import CallNode, ChainNode, NameNode, NegatedNode, NumberNode, PowerNode
@@ -31,13 +30,6 @@ def value(question: str) -> Answer:
     """
     if not isinstance(question, str):
         raise TypeError(f"a question is text, such as 'order rk4', and not {question!r:.60}")
-    if ".toml" in question:  # another file may have that name by now
-        return _asked.__wrapped__(question)
-    return _asked(question)
-
-
-@lru_cache(maxsize=1024)  # around a function of its own, because it hides the parameters from type checkers
-def _asked(question: str) -> Answer:
     return replace(_answer(parse_question(question), question), question=question)
 
 

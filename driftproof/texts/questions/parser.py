@@ -78,8 +78,12 @@ def parse_question(question: str) -> Node:
     plain = "".join(normalize("NFKD", c)[0] if c.isalpha() else c for c in question)
     if rounded := wording.TO_DIGITS.search(plain):
         kind = "digits" if rounded["digits"] else "places"
-        how = f"{kind} are said beside a question: --{kind} 6, or | {kind}(6) in a template"
+        count = rounded["count"]
+        how = f"{kind} are said beside a question: --{kind} {count}, or | {kind}({count}) in a template"
         raise QuestionError(question, rounded.start() + 1, how)
+    if "[" in plain:
+        reason = "'[' has no place in a question; coefficients are b2 and a21, counted from 1, and starts from 1,0"
+        raise QuestionError(question, plain.index("[") + 1, reason)
     node: Node = _QuestionParser(plain.removesuffix("?"), largest_power=LARGEST_POWER_ASKED).tree()
     return node
 
@@ -265,6 +269,8 @@ class _QuestionParser(PieceParser):
             hint = "" if ":" in self.text else f", {_WITH_EQUATION}"
             if token.text in PROBLEMS:
                 raise self.error(token, f"a problem is named by problem={token.text}")
+            if token.text in wording.ASKED_ELSEWHERE:
+                raise self.error(token, wording.ASKED_ELSEWHERE[token.text])
             raise self.error(token, f"{token.shown} has no place here; a colon and a readout may follow{hint}")
         else:
             parts[key] = self.method_name(token) if key == "subject" else self.value()

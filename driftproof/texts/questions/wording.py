@@ -56,13 +56,9 @@ FACT_WORDS = {
     **dict.fromkeys(("order_of_convergence", "convergence_order", "convergence_rate", "order_of_accuracy"), "order"),
     **dict.fromkeys(("order_of_error_estimate", "order_of_estimate", "error_estimate_order"), "estimate:order"),
     **dict.fromkeys(("order_of_embedded_method", "order_of_embedded_formula"), "embedded_order"),
-    **dict.fromkeys(("local_error_constant", "local_truncation_error_constant"), "error_constant"),
-    "truncation_error_constant": "error_constant",
     **dict.fromkeys(("number_of_stages", "stage_number", "stage_count"), "stages"),
     **dict.fromkeys(("dispersion_error", "phase_lag"), "dispersion"),
     "dissipation_error": "dissipation",
-    "dispersion_order": "dispersion:power",
-    "dissipation_order": "dissipation:power",
     **dict.fromkeys(("angle", "alpha", "stability_angle", "angle_of_stability"), "sector:degrees"),
     **dict.fromkeys(("ssp_constant", "radius_of_absolute_monotonicity"), "ssp_coefficient"),
     **dict.fromkeys(("modified_energy", "shadow_hamiltonian", "shadow_energy"), "modified_hamiltonian"),
@@ -83,7 +79,15 @@ _TABLEAU = "one of its entries, as a21, b1, bhat1 or c2; `driftproof facts METHO
 _OBSERVED = (
     "ratio(run METHOD h=1/10 t=1 : error, run METHOD h=1/20 t=1 : error), or log2 of that, the order that is observed"
 )
+_FIRST_STEP = "step METHOD h=1/2 : q, or v, energy, k1.q; with y'=-y y(0)=1 on a problem"
+_DIGITS = (
+    "relative_error of a run, by what a method loses, or roundoff METHOD h=1/4 : c, u times which each step rounds"
+)
 _NORM = "sqrt(principal_error METHOD : squared_norm)"
+_SIGNED = (
+    "error_constant, or that with a minus: of one step it is that of R(z) - e^z, as computed less exact; of a linear "
+    "multistep method, as exact less computed"
+)
 _SPECTRUM = "stability_function (y' = λy, z = hλ) or one_step_matrix (of the oscillator)"
 _ENERGY_ERRORS = ("energy_error", "energy_change", "energy_drift")
 _AT_THE_END = "energy_change, which is that at the end of a run; of all steps there is largest_error, of the state"
@@ -102,12 +106,18 @@ AMBIGUOUS_FACTS = {
     **dict.fromkeys(("h_limit", "step_limit"), _LIMITS),
     **dict.fromkeys(("conserve_energy", "preserve_energy", "energy_conservation"), _KEPT),
     **dict.fromkeys(("butcher_tableau", "tableau", "coefficients", "b_coefficients", "weights", "nodes"), _TABLEAU),
-    "first_step": "step METHOD h=1/2 : q, or v, energy, k1.q; with y'=-y y(0)=1 on a problem",
+    **dict.fromkeys(("first_step", "one_step", "single_step"), _FIRST_STEP),
+    **dict.fromkeys(("digits", "number_of_digits"), _DIGITS),
     **dict.fromkeys(("damping", "damping_ratio", "damping_factor", "growth", "growth_per_step"), _DAMPING),
     **dict.fromkeys(
         ("b_stable", "b_stability"), "algebraically_stable, which is the same where no stage is superfluous"
     ),
     **dict.fromkeys(("principal_error_norm", "principal_error_constant"), _NORM),
+    **dict.fromkeys(("truncation_error_constant", "local_truncation_error_constant", "local_error_constant"), _SIGNED),
+    **{
+        f"{what}_order": f"{what} METHOD : power, the power of h it begins with, or one less, as in most papers"
+        for what in ("dispersion", "dissipation")
+    },
     **dict.fromkeys(("observed_order", "experimental_order", "error_ratio", "ratio_of_errors"), _OBSERVED),
     **dict.fromkeys(("spectral_radius", "eigenvalue", "eigenvalues"), _SPECTRUM),
     **{f"{most}_{what}": _AT_THE_END for most in ("largest", "max", "maximum", "maximal") for what in _ENERGY_ERRORS},
@@ -135,9 +145,11 @@ _COUNTED = ("one", "two", "three", "four", "five", "six", "seven", "eight", "nin
 WORDED_COUNTS = {word: n for n, word in enumerate(_COUNTED, start=1)}
 PERIODS = {"period", "periods", "cycle", "cycles"}
 COUNTED = {"step", "steps", *PERIODS}
+# What people add to a question that another one answers.
+ASKED_ELSEWHERE = {"stiff": "what is left of an order on stiff problems is stage_order, as in stage_order gauss4"}
 # How many digits a number gets is said beside the question.
 TO_DIGITS = re.compile(
-    r"(?:,? rounded)? to \d+ (?:significant |decimal )?(?:(?P<digits>digits|figures)|places|decimals)\b"
+    r"(?:,? rounded)? to (?P<count>\d+) (?:significant |decimal )?(?:(?P<digits>digits|figures)|places|decimals)\b"
 )
 _LONGEST_NAME = 6
 # Coefficients of a tableau: a21, or a_10_2 with two digits, b1, the second row bhat1, c3. A slope of the first step.

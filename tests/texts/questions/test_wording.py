@@ -87,7 +87,6 @@ SAME = {
     "velocity after one step of velocity Verlet from (3, 4) with h=1/2": "run velocity_verlet h=1/2 N=1 from 3,4 : v",
     "evaluations of f for RK4 in ten steps with h=0.01": "40",
     "steps needed by Euler for error 1e-2 at t=2": "steps of Euler error=1e-2 t=2",
-    "local truncation error constant of Heun": "error_constant heun2",
 }  # fmt: skip
 
 
@@ -120,8 +119,15 @@ REFUSED = [
     ("run rk4 h=1 t=1 from (1,0 : q", 27, "the bracket of a start is not closed"),
     ("invariant symplectic_euler z=1", 28, "invariant has no setting z here"),
     ("run rk4 h=1 t=1 z=2 : q", 17, "run has no setting z here"),
-    ("1/3 rounded to 5 digits", 4, "digits are said beside a question: --digits 6, or | digits(6) in a template"),
-    ("pi to 4 decimal places", 3, "places are said beside a question: --places 6, or | places(6) in a template"),
+    ("1/3 rounded to 5 digits", 4, "digits are said beside a question: --digits 5, or | digits(5) in a template"),
+    ("pi to 4 decimal places", 3, "places are said beside a question: --places 4, or | places(4) in a template"),
+    ("local truncation error constant of Heun", 1, "may mean error_constant, or that with a minus: of one step"),
+    ("dispersion order of RK4", 1, "may mean dispersion METHOD : power, the power of h it begins with, or one less"),
+    ("one step of RK4 with h=0.5", 1, "one_step may mean step METHOD h=1/2 : q"),
+    ("how many digits does RK4 lose in 1000 steps", 10, "digits may mean relative_error of a run"),
+    ("order of gauss4 for stiff problems", 21, "what is left of an order on stiff problems is stage_order"),
+    ("b[2] of RK4", 2, "coefficients are b2 and a21, counted from 1"),
+    ("roundoff gauss2 h=1/4 : q", 1, "no explicit step; `driftproof certify` encloses the error of a run"),
     ("h limit of Euler", 1, "h_limit may mean real_limit"),
     ("unit roundoff", 1, "unit_roundoff may mean 2**-53, of binary64"),
     ("frequency error of velocity Verlet h=0.1", 1, "frequency_error may mean dispersion"),
