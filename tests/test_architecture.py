@@ -66,9 +66,9 @@ BUDGETS = {
     "methods": 5314,
     "symbolic": 10383,
     "numeric": 4192,
-    "blackbox": 17721,
+    "blackbox": 17723,
     "enclosure": 3141,
-    "texts": 7313,
+    "texts": 7327,
 }
 BUDGET_OF_REPORTS_AND_FRONT = 5614
 # The goal is 65 of 100. Independent witnesses, campaigns and guards, 6,000 lines, are among the tests.
