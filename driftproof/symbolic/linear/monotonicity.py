@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from fractions import Fraction
 
 from flint import fmpq_poly
 
-from driftproof.methods.number_field import as_fmpq, dyadic
+from driftproof.methods.number_field import Exact, as_fmpq, dyadic
 from driftproof.methods.schemes import Collocation, RungeKutta
 from driftproof.symbolic.algebra.matrices import faddeev_leverrier, matrix_product
 from driftproof.symbolic.algebra.polynomials import (
@@ -34,11 +35,8 @@ def ssp_coefficient(method: RungeKutta | Collocation) -> Limit:
     functional from growing for forward Euler with h <= h₀ does so for this method with h <= r h₀. A negative entry of
     K gives 0.
     """
-    if isinstance(method, Collocation):
-        found = _tableau(method)
-        return ZERO_LIMIT if found is None else ssp_coefficient(found)
-    stages = reduced_stages_of(method)
-    if any(x < 0 for row in (*stages.a, *stages.weights) for x in row):
+    stages = _stages(method) if isinstance(method, Collocation) else reduced_stages_of(method)
+    if stages is None or any(x < 0 for row in (*stages.a, *stages.weights) for x in row):
         return ZERO_LIMIT
     limit: Limit = INFINITY
     for p in monotonicity_conditions(stages):
@@ -52,11 +50,11 @@ def _is_positive_to(p: Polynomial, limit: Limit) -> bool:
         return limit == ZERO_LIMIT  # nothing is less
     end = as_fmpq(dyadic(limit.ball().upper()))
     moved = fmpq_poly(p(fmpq_poly([0, end])).coeffs()[::-1])(fmpq_poly([1, 1]))
-    return bool(moved.leading_coefficient() > 0) and not sign_changes(moved)
+    return sign(moved.leading_coefficient()) == 1 and not sign_changes(moved)
 
 
-def _tableau(method: Collocation) -> RungeKutta | None:
-    """The tableau of collocation at one node, or at 0 and another; None for the others, where K has a negative entry.
+def _stages(method: Collocation) -> StageCoefficients | None:
+    """Those of collocation at one node, or at 0 and another; None for the others, where K has a negative entry.
 
     For if K >= 0, no node is negative, as cᵢ = Σⱼ aᵢⱼ. Let c be the smallest positive node, in the row i. If no node is
     0, then c²/2 = Σⱼ aᵢⱼcⱼ >= c Σⱼ aᵢⱼ = c². If one is 0 and s >= 3, then c³/3 = Σⱼ aᵢⱼcⱼ² >= c Σⱼ aᵢⱼcⱼ = c³/2. Stages
@@ -64,14 +62,15 @@ def _tableau(method: Collocation) -> RungeKutta | None:
     """
     constant, *others = method.node_polynomial
     if len(others) == 1:
-        rows, weights, nodes = [[-constant]], [Fraction(1)], [-constant]
-    elif len(others) == 2 and constant == 0:
+        return _of_rows([(-constant,)], (Fraction(1),))
+    if len(others) == 2 and not constant:
         x = -others[0]
-        rows, weights, nodes = [[Fraction(0)] * 2, [x / 2] * 2], [1 - 1 / (2 * x), 1 / (2 * x)], [Fraction(0), x]
-    else:
-        return None
-    a = tuple(map(tuple, rows))
-    return RungeKutta(method.key, method.title, 0, method.source, a, tuple(weights), tuple(nodes))
+        return _of_rows([(Fraction(0),) * 2, (x / 2,) * 2], (1 - 1 / (2 * x), 1 / (2 * x)))
+    return None
+
+
+def _of_rows(a: Sequence[tuple[Exact, ...]], weights: tuple[Exact, ...]) -> StageCoefficients:
+    return StageCoefficients(tuple(a), (weights,), tuple(sum(row, Fraction(0)) for row in a))
 
 
 def monotonicity_conditions(stages: StageCoefficients) -> list[Polynomial]:

@@ -242,7 +242,9 @@ def _field(r: RationalFunction) -> NumberField | None:
 
 def _powers_of_generator(field: NumberField | None) -> list[_Matrix]:
     """1, α, α², ... below the degree, as matrices of multiplication; 1 over Q."""
-    alpha = _companion(field.minimal) if field else fmpq_mat([[1]])
+    if field is None:
+        return [fmpq_mat([[1]])]
+    alpha = _companion(field.minimal)
     return [alpha**k for k in range(alpha.nrows())]
 
 

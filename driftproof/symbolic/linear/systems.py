@@ -88,11 +88,11 @@ class SystemFacts:
     def step_limit(self) -> Bound:
         """The largest H such that the powers of M(h) are bounded for every h in (0, H). Raises UndecidedLimitError."""
         decided = [bound for _, bound in self.bounds if isinstance(bound, Bound)]
-        undecided = [bound for _, bound in self.bounds if isinstance(bound, UndecidedLimitError)]
+        undecided = next((bound for _, bound in self.bounds if isinstance(bound, UndecidedLimitError)), None)
         if NEVER in decided:
             return NEVER
         if undecided:
-            raise undecided[0]
+            raise undecided
         limit = smallest([bound.limit for bound in decided])
         attained = all(b.attained for b in decided if b.limit == limit)
         return ALWAYS if isinstance(limit, Infinity) else Bound(limit, attained)
