@@ -64,11 +64,11 @@ NOT_ELSEWHERE = "sympy"
 BUDGETS = {
     "support": 1197,
     "methods": 5314,
-    "symbolic": 10384,
+    "symbolic": 10387,
     "numeric": 4192,
     "blackbox": 17723,
     "enclosure": 3141,
-    "texts": 7327,
+    "texts": 7326,
 }
 BUDGET_OF_REPORTS_AND_FRONT = 5614
 # The goal is 65 of 100. Independent witnesses, campaigns and guards, 6,000 lines, are among the tests.

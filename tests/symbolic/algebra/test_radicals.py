@@ -15,7 +15,7 @@ from driftproof.symbolic.algebra.radicals import (
     radical_form,
     root_decimal,
 )
-from driftproof.symbolic.algebra.real_roots import ZERO_ROOT, RealRoot, rational_root
+from driftproof.symbolic.algebra.real_roots import ZERO_ROOT, RealRoot, every_real_root, rational_root
 
 RADICALS = {
     (0, 1): "0", (-2, 1): "2", (-1, 3): "1/3", (-8, 0, 1): "2*sqrt(2)", (-8, 0, 3): "2*sqrt(6)/3",
@@ -26,7 +26,7 @@ RADICALS = {
 
 @pytest.mark.parametrize("minimal", RADICALS)
 def test_radical_form_is_the_number(minimal: tuple[int, ...]) -> None:
-    largest = RealRoot(minimal, RealRoot(minimal, 0).count - 1)
+    largest = every_real_root(minimal)[-1]
     text = radical_form(largest)
     assert text == RADICALS[minimal]
     if text is not None:
