@@ -14,7 +14,7 @@ kernel: .venv
 	$(BIN)/python -m proofs.kernel
 
 test: .venv
-	$(BIN)/python -m pytest -n 2 --dist loadfile --no-loadscope-reorder
+	$(BIN)/python -m pytest -n 2
 
 lint: .venv
 	$(BIN)/ruff check .
@@ -22,10 +22,10 @@ lint: .venv
 	$(BIN)/mypy
 
 thorough: .venv
-	HYPOTHESIS_PROFILE=thorough $(BIN)/python -m pytest -n 2 --dist loadfile --no-loadscope-reorder
+	HYPOTHESIS_PROFILE=thorough $(BIN)/python -m pytest -n 2
 
 long: .venv
-	$(BIN)/python -m pytest -n 2 --dist loadfile --no-loadscope-reorder -m long
+	$(BIN)/python -m pytest -n 2 -m long
 
 # Small errors planted in copies of the package, and whether the tests notice: an hour, and docs/mutants.md.
 mutants: .venv

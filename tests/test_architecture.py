@@ -68,7 +68,7 @@ BUDGETS = {
     "numeric": 4192,
     "blackbox": 17723,
     "enclosure": 3141,
-    "texts": 7326,
+    "texts": 7332,
 }
 BUDGET_OF_REPORTS_AND_FRONT = 5614
 # The goal is 65 of 100. Independent witnesses, campaigns and guards, 6,000 lines, are among the tests.

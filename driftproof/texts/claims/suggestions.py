@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from functools import cached_property
+from functools import cache, cached_property
 from itertools import product
 from math import prod
 
@@ -203,7 +203,7 @@ class Suggestions:
         found = []
         for question in (ids := published_values()) | dict.fromkeys(self._questions()):
             with suppress(ValueError):  # of a question that a method has no answer to
-                found.append(_Known(question, question in ids, value(question)))
+                found.append(_Known(question, question in ids, _usual(question)))
         asked = self.asked.items()
         return [*found, *(_Known(question, False, _of_few_bits(value(question)), chosen) for question, chosen in asked)]
 
@@ -223,6 +223,12 @@ class Suggestions:
                     readouts = [readout for readout in _RUN_READOUTS if readout != "steps" or end.startswith("t")]
                     yield from (f"run {method} h={h} {end} : {readout}" for readout in readouts)
         yield from (f"exact t={t} : {readout}" for t in (*times, *sizes) for readout in "qv")
+
+
+@cache
+def _usual(question: str) -> Answer:
+    """The answer to a question that names no file, worked out once for all texts."""
+    return value(question)
 
 
 def _of_few_bits(answer: Answer) -> Answer:
