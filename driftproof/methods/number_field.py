@@ -46,7 +46,7 @@ class NumberField:
 
         p = fmpz_poly(list(self.minimal))
         change = p(as_fmpq(self.low)) * p(as_fmpq(self.high))
-        if len(self.minimal) < 3 or not self.minimal[-1] or max(self.low, self.high) != self.high or change >= 0:
+        if len(self.minimal) < 3 or not self.minimal[-1] or self.low > self.high or change >= 0:
             raise ValueError(f"{self.name}: needs degree 2 or more, and a change of sign on the interval")
         if len(_roots_between(self, _FIRST_BITS)) != 1:
             raise ValueError(f"{self.name}: several roots lie between {self.low} and {self.high}; narrow the interval")
@@ -291,7 +291,7 @@ class Algebraic(ScalarExtension):
                 name = self.field.name
                 root = name if power == 1 else f"{name if name[0] == '(' else f'({name})'}**{power}"
                 body = str(abs(c)) if power == 0 else root if abs(c) == 1 else f"{abs(c)}*{root}"
-                sign = "+" if c == abs(c) else "-"
+                sign = "-" if c < 0 else "+"
                 text += f" {sign} {body}" if text else f"{sign}{body}".removeprefix("+")
         return text or "0"
 
@@ -324,9 +324,9 @@ def integer_root(n: int, degree: int) -> Algebraic:
     """n ** (1/degree) for an integer n > 1 that is no such power. Raises ValueError for another n."""
     from flint import fmpz
 
-    floor = int(fmpz(abs(n)).root(degree))
+    floor = int(fmpz(n).root(degree)) if n > 1 else n
     name = f"sqrt({n})" if degree == 2 else f"{n}**(1/{degree})"
-    if floor**degree == abs(n) or abs(n) != n:
+    if n < 2 or floor**degree == n:
         raise ValueError(
             f"{name}: the number must be above 1 and no {({2: 'square', 3: 'cube'}).get(degree, 'such power')}"
         )
