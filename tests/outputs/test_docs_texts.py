@@ -107,6 +107,6 @@ def test_hooks_are_commands_that_the_page_names() -> None:
         "driftproof render --check",
         "driftproof check",
     ]
-    assert all(f"`{name}`" in PAGE for name in names)
+    assert all(f"      - id: {name}\n" in PAGE for name in names)
     dependencies = re.findall(r"^  additional_dependencies: (\S+)", hooks, re.MULTILINE)
     assert dependencies == ["&same", "*same"], "or pre-commit makes two environments"

@@ -159,9 +159,9 @@ def fitted(reading: LinearReading, *, known: bool) -> LinearFit:
     found = linear_candidates(reading, known=known) if position and stiffness else []
     if all(each.restriction for each in found) and (nearly := nearly_exact(reading, known=known)):
         return replace(start, candidates=(nearly,), position=nearly.position, stiffness=nearly.stiffness)
-    if found and start.kind == LINEAR:
-        return _explained(replace(start, nearly=None), found)
-    return _explained(start, found) if found else _unexplained(start, reading, known=known)
+    if not found:
+        return _unexplained(start, reading, known=known)
+    return _explained(replace(start, nearly=None) if start.kind == LINEAR else start, found)
 
 
 def _explained(start: LinearFit, found: Sequence[LinearCandidate]) -> LinearFit:

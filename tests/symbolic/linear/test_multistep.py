@@ -196,6 +196,7 @@ def test_an_inconsistent_method_says_so():
     facts = one_step("off", (-1, 1), (Q(1, 2), Q(1, 3)))
     assert facts.inconsistencies == {"rho'(1) - sigma(1)": Q(1, 6)}
     assert (facts.order, facts.order_fails, facts.convergent) == (0, (1, Q(1, 6)), False)
+    assert (str(facts.rho), str(facts.sigma)) == ("-1 + zeta", "1/2 + zeta/3")
     assert one_step("none", (-1, 2), (1, -1)).error_constant is None
     assert one_step("trapezoid", (-2, 2), (1, 1)).error_constant == Q(-1, 12)
     assert one_step("backward", (-1, 1), (0, 1)).convergent
