@@ -5,8 +5,11 @@ import re
 import subprocess
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
+
+from driftproof.pytest_plugin import pytest_runtest_call
 
 ROOT = Path(__file__).parents[1]
 PROJECT = """
@@ -34,7 +37,7 @@ def test_told_apart():
     with pytest.raises(AssertionError, match="is not rk4"):
         assert_verified(euler, "rk4", examples=20)
 
-@pytest.mark.driftproof(time_limit=1)
+@pytest.mark.driftproof(time_limit=0.5)
 def test_slow():
     assert_verified(hangs, "forward_euler")
 
@@ -48,11 +51,12 @@ def test_asked_without_sense():
 
 def pytest_in(folder, *words, project=PROJECT):
     (folder / "test_steps.py").write_text(project)
-    # By its module, so that it is this checkout's; an installed one is told apart by its name.
-    plugin = ["-p", "no:driftproof", "-p", "driftproof.pytest_plugin", "-p", "no:cacheprovider"]
+    # By its module, so that it is this checkout's; an installed one is not loaded, nor is any other's.
+    plugin = ["-p", "driftproof.pytest_plugin", "-p", "no:cacheprovider"]
+    env = {"PYTHONPATH": str(ROOT), "PATH": "", "CI": "1", "PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1"}
     return subprocess.run(
         [sys.executable, "-m", "pytest", "-q", *plugin, *words],
-        cwd=folder, capture_output=True, text=True, env={"PYTHONPATH": str(ROOT), "PATH": "", "CI": "1"},
+        cwd=folder, capture_output=True, text=True, env=env,
     )  # fmt: skip
 
 
@@ -114,7 +118,8 @@ def test_names_that_files_cannot_have_lose_nothing_and_a_verdict_of_another_time
     rows = (tmp_path / "found" / "summary.md").read_text().splitlines()[2:4]
     assert [row.split()[1] for row in rows] == ["FAILED", "passed"]
     assert r"`test_steps.py::test_named_alike[a\|b]`" in rows[1]
-    pytest_in(tmp_path, "--driftproof-report=found", "-k", "test_it", project=f"{ALIKE}\ndef test_it():\n    pass\n")
+    project = f"{ALIKE}\ndef test_it():\n    pass\n"
+    assert pytest_in(tmp_path, "--driftproof-report=found", "-k", "test_it", project=project).returncode == 0
     assert (tmp_path / "found" / "summary.md").read_text() == "no verdict\n"
     pytest_in(tmp_path, "--driftproof-report=found", project=ALIKE.replace("os.chdir(tmp_path)", "raise OSError"))
     assert [path.name for path in (tmp_path / "found").iterdir()] == ["summary.md"]
@@ -125,18 +130,12 @@ def test_a_folder_that_is_none_is_refused_in_a_line(tmp_path):
     assert done.stderr == "ERROR: --driftproof-report: test_steps.py is a file; name a folder\n\n"
 
 
-@pytest.mark.parametrize("limit", ["", "time_limit=0", "time_limit=True", "time_limit='long'"])
-def test_a_mark_without_seconds_is_refused(tmp_path, limit):
-    project = f"import pytest\n\n@pytest.mark.driftproof({limit})\ndef test_it():\n    pass\n"
-    done = pytest_in(tmp_path, project=project)
-    assert done.returncode
-    assert "test_steps.py::test_it: mark it driftproof(time_limit=SECONDS)" in done.stdout
-
-
-def test_without_verdicts_the_summary_says_so(tmp_path):
-    done = pytest_in(tmp_path, "--driftproof-report=found", project="def test_it():\n    pass\n")
-    assert done.returncode == 0
-    assert (tmp_path / "found" / "summary.md").read_text() == "no verdict\n"
+@pytest.mark.parametrize("given", [{}, *({"time_limit": limit} for limit in (0, True, "long"))], ids=str)
+def test_a_mark_without_seconds_is_refused(given):
+    mark = pytest.mark.driftproof(**given).mark
+    item = SimpleNamespace(nodeid="test_steps.py::test_it", get_closest_marker=lambda name: mark)
+    with pytest.raises(pytest.UsageError, match=r"^test_steps\.py::test_it: mark it driftproof\(time_limit=SECONDS\)"):
+        next(pytest_runtest_call(item))
 
 
 def test_the_verdict_on_a_trajectory_is_written_too(tmp_path):
