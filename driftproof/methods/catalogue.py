@@ -7,8 +7,9 @@
 
 from __future__ import annotations
 
-from collections import deque
+from collections import defaultdict, deque
 from collections.abc import Iterable, Iterator, Mapping
+from functools import cache
 from importlib import import_module
 from typing import Any, Generic, TypeAlias, TypeVar
 
@@ -83,11 +84,8 @@ EXTENSIONS: Catalogue[ContinuousExtension] = Catalogue(["continuous"])
 
 def extensions_of(method: RungeKutta) -> tuple[ContinuousExtension, ...]:
     """The continuous extensions of a method, those of the same tableau under another key among them."""
-    return tuple(
-        each
-        for each in EXTENSIONS.values()
-        if (each.method.a, each.method.b, each.method.c) == (method.a, method.b, method.c)
-    )
+    tableau = (method.a, method.b, method.c)
+    return tuple(each for each in EXTENSIONS.values() if (each.method.a, each.method.b, each.method.c) == tableau)
 
 
 def method_named(name: str) -> Method:
@@ -116,9 +114,8 @@ def entry_named(name: str) -> Method | FactsOnly:
     """The method that `method_named` finds, or one that has facts only. Raises ValueError."""
     keys = keys_of_name(name)
     entries: list[Method | FactsOnly] = [METHODS[key] if key in METHODS else FACTS_ONLY[key] for key in keys]
-    match entries:
-        case [entry]:
-            return entry
+    if len(entries) == 1:
+        return entries[0]
     if entries:
         meant = " or ".join(f"{each.key} ({each.title})" for each in entries)
         raise ValueError(f"{shortened(name)!r} may mean {meant}: say which")
@@ -130,10 +127,13 @@ def keys_of_name(name: str) -> tuple[str, ...]:
     """The keys of the entries that a key, a title or another name may mean: none for a name that is unknown."""
     if name in METHODS or name in FACTS_ONLY:
         return (name,)
-    return keys_called(name) or tuple(_keys_by_title(plain_name(name)))
+    return keys_called(name) or tuple(_keys_by_title().get(plain_name(name), ()))
 
 
-def _keys_by_title(plain: str) -> Iterator[str]:
+@cache
+def _keys_by_title() -> dict[str, list[str]]:
+    found = defaultdict[str, list[str]](list)
     for key, method in (*METHODS.items(), *FACTS_ONLY.items()):
-        if plain in (plain_name(key), plain_name(method.title)):
-            yield key
+        for plain in {plain_name(key), plain_name(method.title)}:
+            found[plain].append(key)
+    return found

@@ -200,10 +200,8 @@ class Suggestions:
 
         Raises QuestionError for one that the author asks for, and that has no answer.
         """
-        found = []
-        for question in (ids := published_values()) | dict.fromkeys(self._questions()):
-            with suppress(ValueError):  # of a question that a method has no answer to
-                found.append(_Known(question, question in ids, _usual(question)))
+        questions = (ids := published_values()) | dict.fromkeys(self._questions())
+        found = [_Known(each, each in ids, answer) for each in questions if (answer := _usual(each))]
         asked = self.asked.items()
         return [*found, *(_Known(question, False, _of_few_bits(value(question)), chosen) for question, chosen in asked)]
 
@@ -226,9 +224,11 @@ class Suggestions:
 
 
 @cache
-def _usual(question: str) -> Answer:
-    """The answer to a question that names no file, worked out once for all texts."""
-    return value(question)
+def _usual(question: str) -> Answer | None:
+    """The answer to a question that names no file, worked out once for all texts; None where a method has none."""
+    with suppress(ValueError):
+        return value(question)
+    return None
 
 
 def _of_few_bits(answer: Answer) -> Answer:
