@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import os
 
 import pytest
@@ -26,3 +27,9 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
     for item in items:
         if item.get_closest_marker("long"):
             item.add_marker(pytest.mark.skip(reason="long; run with -m long"))
+
+
+def pytest_collection_finish() -> None:
+    """Let the garbage collector leave alone what was imported, which it would look through again and again."""
+    gc.freeze()
+    gc.set_threshold(20_000)

@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterator
 from fractions import Fraction
 from functools import cache
 from graphlib import CycleError, TopologicalSorter
+from itertools import chain
 from pathlib import Path
 
 import pytest
@@ -133,17 +134,19 @@ def room_of(root: Path, path: Path) -> str:
 
 @cache
 def imported(path: Path) -> tuple[str, ...]:
-    """Every name that the file imports, anywhere in it, in full."""
+    """Every name that the file imports, in any of its statements, in full."""
     return tuple(_imported(parsed(path)))
 
 
-def _imported(tree: ast.Module) -> Iterator[str]:
-    for node in ast.walk(tree):
-        if isinstance(node, ast.Import):
-            yield from (alias.name for alias in node.names)
-        elif isinstance(node, ast.ImportFrom):
-            yield ("." * node.level) + (node.module or "")
-            yield from (f"{node.module}.{alias.name}" for alias in node.names)
+def _imported(node: ast.AST) -> Iterator[str]:
+    if isinstance(node, ast.Import):
+        yield from (alias.name for alias in node.names)
+    elif isinstance(node, ast.ImportFrom):
+        yield ("." * node.level) + (node.module or "")
+        yield from (f"{node.module}.{alias.name}" for alias in node.names)
+    else:
+        inner = (getattr(node, part, ()) for part in ("body", "orelse", "handlers", "finalbody", "cases"))
+        yield from chain.from_iterable(map(_imported, chain.from_iterable(inner)))
 
 
 def module_name(root: Path, path: Path) -> str:
@@ -220,20 +223,18 @@ def circles(root: Path) -> list[str]:
     modules = {module_name(root, path): path for path in house(root) if path.name != "__init__.py"}
     folders: dict[str, set[str]] = defaultdict(set)
     graph: dict[str, set[str]] = {}
-    parents = {path.parent for path in modules.values()}
+    homes = {parent for path in modules.values() for parent in path.parent.parents}
     for name, path in modules.items():
         graph[name] = {other for other in imported(path) if other in modules} - {name}
     for name, others in graph.items():
-        folders[_node(name, modules, parents)] |= {_node(other, modules, parents) for other in others}
+        folders[_node(name, modules, homes)] |= {_node(other, modules, homes) for other in others}
     for name in folders:
         folders[name] = folders[name] - {name}
     return [*_circle(graph), *_circle(folders)]
 
 
-def _node(name: str, modules: dict[str, Path], folders: set[Path]) -> str:
-    folder = modules[name].parent
-    has_sub_folders = any(folder in other.parents for other in folders)
-    return name if has_sub_folders else name.rpartition(".")[0]
+def _node(name: str, modules: dict[str, Path], with_sub_folders: set[Path]) -> str:
+    return name if modules[name].parent in with_sub_folders else name.rpartition(".")[0]
 
 
 def _circle(graph: dict[str, set[str]]) -> list[str]:

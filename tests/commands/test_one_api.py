@@ -40,8 +40,8 @@ SAME = {
     "certify 'y1; -sin(y0)' RUN --method RK45": "certify('y1; -sin(y0)', RUN, method='RK45')",
     "check text.md --claims claims.toml": "check('text.md', 'claims.toml')",
     "diff old.json old.json": "diff('old.json', Path('old.json'))",
-    "identify tests.commands.test_one_api:euler": "identify('tests.commands.test_one_api:euler')",
-    "verify tests.commands.test_one_api:euler --method Euler": "verify(euler, 'Euler')",
+    "identify steps:euler": "identify('steps:euler')",
+    "verify steps:euler --method Euler": "verify(__import__('steps').euler, 'Euler')",
 }
 NAMES = {
     **{name: getattr(driftproof, name) for name in driftproof.__all__},
@@ -65,26 +65,22 @@ OTHERWISE = {
 }
 
 
-def euler(q, v, h):
-    return q + h * v, v - h * q
-
-
 @pytest.fixture
 def folder(tmp_path, monkeypatch):
+    (tmp_path / "steps.py").write_text("def euler(q, v, h):\n    return q + h * v, v - h * q\n")
     (tmp_path / "mine.toml").write_text('family = "runge_kutta"\nA = [[0, 0], ["2/3", 0]]\nb = ["1/4", "3/4"]\n')
     (tmp_path / "text.md").write_text("The order is 4.\n")
     (tmp_path / "claims.toml").write_text('[[claim]]\nid = "o"\nphrase = "order is {value}"\nvalue = "order rk4"\n')
     (tmp_path / "old.json").write_text('{"values": {"x": {"exact": "1", "decimal": "1"}}}')
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setenv("PYTHONPATH", str(ROOT))
+    monkeypatch.syspath_prepend(tmp_path)
 
 
 @pytest.mark.usefixtures("folder")
 @pytest.mark.parametrize("line", SAME)
-def test_function_answers_what_the_command_prints(line, answer, monkeypatch):
-    monkeypatch.syspath_prepend(str(ROOT))
+def test_function_answers_what_the_command_prints(line, answer):
     words = [RUN if word == "RUN" else word for word in shlex.split(line)]
-    found = eval(SAME[line], {**NAMES, "euler": euler})
+    found = eval(SAME[line], NAMES)
     shown = json.loads(answer(*words, "--format", "json"))
     told = json.loads(found.json())
     if "target" in told:  # named by where it was imported from, or by what it is called
@@ -112,14 +108,16 @@ def test_words_are_the_same(name):
     assert options - OTHERWISE.get(name, set()) <= parameters
 
 
+@pytest.mark.usefixtures("folder")
 def test_commands_that_were_merged_keep_their_names(answer):
     shown = answer("values", "--only", "rk4.*")
     assert shown == answer("value", "--only", "rk4.*")
     assert json.loads(shown)["values"] == driftproof.published_values("rk4.*")
     assert answer("values").startswith("{")
     assert answer("scenes") == answer("scene")
-    held = answer("identify", "tests.commands.test_one_api:euler", "--method", "Euler")
-    assert held == answer("verify", "tests.commands.test_one_api:euler", "--method", "Euler")
+    assert answer("identify", "steps:euler", "--method", "Euler") == answer(
+        "verify", "steps:euler", "--method", "Euler"
+    )
 
 
 REFUSED = {
