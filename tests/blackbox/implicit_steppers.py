@@ -49,7 +49,7 @@ def newton(residual: Callable[[Array], Array], x: Array, *, most: int = 50, tole
     for _ in range(most):
         change = solved(_jacobian(residual, x), residual(x))
         x = x - change
-        if np.abs(change).max() < tolerance:
+        if not np.abs(change).max() >= tolerance:
             break
     return x
 
@@ -60,7 +60,7 @@ def simplified(residual: Callable[[Array], Array], x: Array, *, most: int = 50, 
     for _ in range(most):
         change = solved(jacobian, residual(x))
         x = x - change
-        if np.abs(change).max() < tolerance:
+        if not np.abs(change).max() >= tolerance:
             break
     return x
 
@@ -70,7 +70,7 @@ def fixed_point(residual: Callable[[Array], Array], x: Array, *, most: int = 200
     for _ in range(most):
         change = residual(x)
         x = x - change
-        if np.abs(change).max() < tolerance:
+        if not np.abs(change).max() >= tolerance:
             break
     return x
 
@@ -82,7 +82,7 @@ def broyden(residual: Callable[[Array], Array], x: Array, *, tolerance: float = 
         change = -solved(jacobian, at)
         x, after = x + change, residual(x + change)
         jacobian, at = jacobian + np.outer(after, change) / max(product(change, change), 1e-300), after
-        if np.abs(change).max() <= tolerance * np.abs(x).max():
+        if not np.abs(change).max() > tolerance * np.abs(x).max():
             break
     return x
 

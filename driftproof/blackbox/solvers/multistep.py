@@ -180,15 +180,15 @@ def _of_stretches(run: Solution, known: Sequence[Multistep]) -> Iterator[str]:
     states, true = np.array(run.y), np.array([*map(_solution, run.t)])
     slopes = np.array([_quadrature(t) for t in run.t])
     lengths = np.diff(run.t)
-    recurrences = [(m.key, Recurrence.of(m, run.format)) for m in known]
+    recurrences = [(m.key, each, _OF_TIMES * each.rounding) for m in known for each in [Recurrence.of(m, run.format)]]
     equal = 0
     for n, h in enumerate(lengths):
         equal = equal + 1 if _is_same(h, lengths[n - 1]) else 1
         kept = []
-        for key, each in recurrences:
+        for key, each, allowed in recurrences:
             if each.steps <= equal:
-                rows, allowed = slice(n + 1 - each.steps, n + 2), _OF_TIMES * each.rounding
-                left, error = (each.left(SteadyRun(y[rows], h * slopes[rows])).item() for y in (states, true))
-                kept += [key] if left <= allowed and error > _BY_FAR * allowed else []
+                rows = slice(n + 1 - each.steps, n + 2)
+                left = (each.left(SteadyRun(y[rows], h * slopes[rows])).item() for y in (states, true))
+                kept += [key] if next(left) <= allowed and next(left) > _BY_FAR * allowed else []
         if len(kept) == 1:
             yield kept[0]

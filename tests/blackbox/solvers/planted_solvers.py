@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import namedtuple
+from math import isfinite
 
 import numpy as np
 
@@ -46,6 +47,7 @@ def adaptive(
     a, c = [[float(x) for x in row] for row in pair.a], [float(x) for x in pair.c]
     b = np.array([*map(float, pair.b)])
     e = np.array(estimate([float(x - y) for x, y in zip(pair.b, pair.b_embedded, strict=True)]))
+    first_same_as_last = c[-1] == 1 and a[-1] == [*b]
 
     def solve(f, t_span, y0, rtol, atol):
         rtol, atol = tolerances(rtol, atol)
@@ -61,10 +63,10 @@ def adaptive(
             k = [first]
             for i in range(1, len(c)):
                 k.append(f(float(t) + c[i] * h, y + h * sum(a[i][j] * k[j] for j in range(i))))
-            y1, scale = y + h * product(b, k), None
+            y1 = y + h * product(b, k)
             scale = atol + rtol * np.maximum(abs(y), abs(y1))
             r = float(norm(abs(h * product(e, k)) / scale))
-            if not np.isfinite(r):
+            if not isfinite(r):
                 if on_nan == "fail":
                     failure = "the error is not finite"
                     break
@@ -79,7 +81,7 @@ def adaptive(
             factor = changed(factor, rejections + (r > accepted))
             if r <= accepted:
                 t, y, before = clock(t + stepped(h)), y1, (max(r, 1e-4), h)
-                first = k[-1] if c[-1] == 1 and list(a[-1]) == list(b) else f(float(t), y)
+                first = k[-1] if first_same_as_last else f(float(t), y)
                 factor = min(1.0, factor) if rejections and not grows_after_rejection else factor
                 rejections = 0
                 times.append(float(t))
