@@ -58,7 +58,7 @@ class Solution(NamedTuple):
 RunSlopes = Callable[[int, float, tuple[float, ...]], Sequence[float]]
 
 
-@dataclass
+@dataclass(eq=False)
 class ForeignSolver:
     """A solver with the hooks of an isolated process: `before` is told each call, `after` hears when it is over."""
 

@@ -13,11 +13,9 @@ SOLVERS = {
     "of another order": adaptive("cash_karp54", exponent=0.25),
     "stale": adaptive(stale=True, on_nan="silent"),
     "deaf to the error": adaptive(estimate=lambda e: [0.0] * len(e)),
-    "of one length": fixed(), "of two steps": fixed(2),
-    "of no pair": adaptive(estimate=lambda e: [2 * e[0], *e[1:-1], e[-1] - e[0]]),
-    "without an answer": lambda *_: 7,
+    "of one length": fixed(), "of two steps": fixed(2), "without an answer": lambda *_: 7,
 }  # fmt: skip
-IN_WORDS = ("as planted", "stale", "of one length", "of no pair", "without an answer")
+IN_WORDS = ("as planted", "stale", "of one length", "without an answer")
 
 
 @pytest.mark.parametrize("name", SOLVERS)
@@ -32,7 +30,7 @@ def test_a_hang_and_a_refusal_are_told():
         while True:
             pass
 
-    assert identify_solver(hangs, time_limit=2.0).verdict.startswith("undecided: no answer within")
+    assert identify_solver(hangs, time_limit=1.0).verdict.startswith("undecided: no answer within")
     assert identify_solver(lambda *_: 7, isolate=False).verdict.startswith("gives no answer: it returns int")
     with pytest.raises(ValueError, match="cannot be imported"):
         identify_solver("no.such:solver")

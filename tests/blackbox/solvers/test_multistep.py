@@ -77,13 +77,10 @@ RIGHT = {
         kind(adams_bashforth2) for kind in (by_number, by_length, of_its_own_number, of_its_own_length, of_whole_steps)
     ],
     "adams_bashforth4, started by rk4": [by_length(lambda: Remembering("adams_bashforth4", rk4_step).step)],
-    "two_step_leapfrog, started by forward_euler": [by_number(lambda: Remembering("two_step_leapfrog", euler).step)],
     "bdf2, started by backward_euler": [by_number(lambda: Remembering("bdf2", planted.implicit_euler).step)],
-    "bdf4, started by rk4": [by_number(lambda: Remembering("bdf4", rk4_step).step)],
     "adams_moulton3, corrected once from what adams_bashforth4 predicts (PECE), started by rk4": [
         by_number(lambda: Corrected("adams_moulton3", rk4_step, BASHFORTH4).step)
     ],
-    "backward_euler": [by_number(lambda: planted.implicit_euler)],
 }
 
 

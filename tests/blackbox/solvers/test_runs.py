@@ -103,7 +103,6 @@ OTHERS = {
     "silent at NaN": adaptive(on_nan="silent"), "endless at NaN": adaptive(on_nan="retry"),
     "over a jump": adaptive(estimate=lambda e: [0.0] * 4),
     "deaf": adaptive(tolerances=lambda rtol, atol: (1e-5, 1e-8)),
-    "deaf to one": adaptive(tolerances=lambda rtol, atol: (1e-6, atol)),
     "deaf to the other": adaptive(tolerances=lambda rtol, atol: (rtol, 1e-9)),
     "of other units": adaptive(tolerances=lambda rtol, atol: (1e6 * rtol, 1e6 * atol)),
     "hard of hearing": adaptive(tolerances=lambda rtol, atol: (1e-4 + rtol / 1e3, 1e-7)),
@@ -111,11 +110,10 @@ OTHERS = {
     **{each.__name__: each for each in (nan_at_the_end, loses_a_state, always_raises)},
     "Euler": fixed(50, order="euler"), "few steps": fixed(3),
     "binary32 and one too many": fixed(60, extra=1, clock=np.float32),
-    "asks beyond": adaptive("fehlberg45", ending="beyond"),
     "coarse": adaptive(tolerances=lambda rtol, atol: (max(rtol, 1e-3), atol)),
-    "retries": adaptive(on_nan="accept"), "accumulates": fixed(), "gives up": gives_up,
+    "gives up": gives_up,
     "deaf to its error": adaptive(growth_at_zero=4.0, estimate=lambda e: [0.0] * 4),  # and no implicit one
-    **{key: adaptive(key, exponent=0.2) for key in ("bogacki_shampine32", "fehlberg45", "dormand_prince54")},
+    "dormand_prince54": adaptive("dormand_prince54", exponent=0.2),
 }  # fmt: skip
 
 
