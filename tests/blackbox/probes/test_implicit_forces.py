@@ -36,8 +36,9 @@ def the_same(reading, table, error):
     return max(np.abs(np.array(seen) - np.array(said)).max() for seen, said in rows) <= error
 
 
-@pytest.mark.parametrize("timed", [True, False])
-@pytest.mark.parametrize("key", ["implicit_midpoint", "trapezoid", "gauss2", "radau_iia2", "lobatto_iiic3", "sdirk2"])
+@pytest.mark.parametrize(
+    ("key", "timed"), [("implicit_midpoint", False), ("trapezoid", True), ("gauss2", False), ("lobatto_iiic3", True)]
+)
 def test_every_coefficient_is_read_to_rounding_and_the_method_is_named(key, timed):
     reading = read(of_force(induced(key), timed=timed))
     assert the_same(reading, induced(key), 32 * 2.0**-53)
@@ -113,21 +114,20 @@ def test_implicit_steps_of_a_force_are_named_as_they_are_written(step, verdict):
     assert identify(step, isolate=False).verdict == verdict
 
 
-@pytest.mark.parametrize("key", ["implicit_midpoint", "gauss2", "radau_iia2"])
-@pytest.mark.parametrize("row", [0, 1, 2, 3])
-def test_a_wrong_entry_stands_beside_the_one_claimed(key, row):
-    table = [np.array(part, dtype=float) for part in induced(key)]
-    table[row].flat[0] += 1 / 64
-    name = ("c[0]", "a[0][0]", "b_position[0]", "b_velocity[0]")[row]
+@pytest.mark.parametrize("row", [None, 0, 1, 2, 3])
+def test_a_wrong_entry_stands_beside_the_one_claimed_and_a_right_one_does_not(row):
+    table = [np.array(part, dtype=float) for part in induced("gauss2")]
+    if row is not None:
+        table[row].flat[0] += 1 / 64
     reading = read(of_force(tuple(table)))
-    assert not match_method(reading, METHODS[key]).matches
-    beside = side_by_side(reading, METHODS[key])
-    assert any(line.startswith(f"{name} ") for line in beside)
-    assert side_by_side(read(of_force(induced(key))), METHODS[key]) == []
+    assert bool(match_method(reading, METHODS["gauss2"]).matches) == (row is None)
+    names = ("c[0]", "a[0][0]", "b_position[0]", "b_velocity[0]")
+    beside = side_by_side(reading, METHODS["gauss2"])
+    assert (beside == []) if row is None else any(line.startswith(f"{names[row]} ") for line in beside)
 
 
 def test_a_right_step_is_verified_and_a_wrong_one_is_not():
-    right = verify(of_force(induced("radau_iia2")), "radau_iia2", examples=20, isolate=False, allowance=SOLVED)
+    right = verify(of_force(induced("trapezoid")), "trapezoid", examples=20, isolate=False, allowance=SOLVED)
     assert right.passed is True
     c, a, *weights = induced("implicit_midpoint")
     wrong = of_force((c, a + 1 / 64, *weights))
@@ -179,7 +179,6 @@ def at_another_time(force, x, v, t, dt):
 ASKED = {
     **{verdict: step for step, verdict in VERDICTS},
     "two stages": of_force(induced("radau_iia2"), fixed_point),
-    "untimed": of_force(induced("lobatto_iiic3"), timed=False),
     "late": late,
     "stopped early": of_force(induced("gauss2"), partial(newton, most=1)),
     "moved by half": lambda force, x, v, dt: scalar(0.25, 0.5)(force, x, v / 2, dt),

@@ -30,16 +30,26 @@ from tests.blackbox.transcripts import Asked
 from tests.looping import some
 from tests.plain_algebra import solved
 
-# Up to six stages, of every family; larger ones take seconds.
+# Of few stages and of every family: irrational, with an explicit stage, without an entry in a row, with A singular.
+FAMILIES = (
+    "backward_euler",
+    "trapezoid",
+    "gauss2",
+    "radau_iia2",
+    "lobatto_iiib2",
+    "lobatto_iiic3",
+    "sdirk2",
+    "tr_bdf2",
+)
 FEW_STAGES = (
-    *("backward_euler", "implicit_midpoint", "trapezoid", "gauss2", "gauss3", "radau_ia2", "radau_ia3", "radau_iia2"),
-    *("radau_iia3", "lobatto_iiia3", "lobatto_iiib2", "lobatto_iiib3", "lobatto_iiic2", "lobatto_iiic3", "sdirk2"),
-    *("qin_zhang2", "crouzeix3", "alexander3", "crouzeix4", "tr_bdf2", "radau_i2", "radau_i3"),
+    *(*FAMILIES, "implicit_midpoint", "gauss3", "radau_ia2", "radau_ia3", "radau_iia3", "lobatto_iiia3"),
+    *("lobatto_iiib3", "lobatto_iiic2", "qin_zhang2", "crouzeix3", "alexander3", "crouzeix4", "radau_i2", "radau_i3"),
 )
 MANY_STAGES = (
     *("sdirk4", "esdirk43", "gauss4", "gauss6"),
     *("radau_iia4", "lobatto_iiia5", "lobatto_iiic4", "lobatto_iiib4"),
 )
+OTHERS = [pytest.param(key, marks=pytest.mark.long) for key in (*FEW_STAGES[len(FAMILIES) :], *MANY_STAGES)]
 # Kvaerno's pair of order 3 and 2: two stages at t + h, one for each row of weights.
 _G3 = 0.4358665215084589994160194511935568
 _PAIR = [
@@ -61,7 +71,7 @@ def the_same(reading, coefficients, error):
     return max(apart) <= error
 
 
-@pytest.mark.parametrize("key", [*FEW_STAGES, *(pytest.param(key, marks=pytest.mark.long) for key in MANY_STAGES)])
+@pytest.mark.parametrize("key", [*FAMILIES, *OTHERS])
 def test_every_coefficient_of_an_implicit_method_is_read_to_rounding(key):
     reading = read(all_at_once(table(key)))
     # Elimination in a dozen unknowns, then a quotient of two numbers that were read.
@@ -70,13 +80,12 @@ def test_every_coefficient_of_an_implicit_method_is_read_to_rounding(key):
 
 
 @pytest.mark.parametrize("solver", SOLVERS.values(), ids=SOLVERS)
-@pytest.mark.parametrize("key", ["trapezoid", "sdirk2", "tr_bdf2"])
-def test_the_coefficients_do_not_depend_on_what_solves_the_stages(key, solver):
+def test_the_coefficients_do_not_depend_on_what_solves_the_stages(solver):
     for way in some((all_at_once, one_by_one)):
-        reading = read(way(table(key), solver))
-        assert the_same(reading, table(key), 4 * reading.stage_error)
+        reading = read(way(table("sdirk2"), solver))
+        assert the_same(reading, table("sdirk2"), 4 * reading.stage_error)
         assert reading.stage_error < 1e-9
-        assert match_tableau(reading).keys[0] == key
+        assert match_tableau(reading).keys[0] == "sdirk2"
 
 
 def test_the_solver_leaves_what_two_readings_differ_by():
@@ -102,7 +111,7 @@ def test_stages_that_only_a_nonlinear_step_tells_apart_are_not_read_as_one(solve
     assert the_same(read(one_by_one(BOTH_AT_START, solver)), BOTH_AT_START, 1e-9)
 
 
-@pytest.mark.parametrize("key", ["backward_euler", "trapezoid", "radau_iia3"])
+@pytest.mark.parametrize("key", ["trapezoid", "radau_iia2"])
 def test_without_a_time_the_stages_are_told_apart_by_the_sums_of_their_rows(key):
     reading = read(untimed(all_at_once(table(key))))
     assert reading.c is None
@@ -168,18 +177,16 @@ def dragged(f, t, y, h):
 
 
 READ = {
-    "gauss2": all_at_once(table("gauss2"), fixed_point), "lobatto_iiic3": all_at_once(table("lobatto_iiic3")),
-    "tr_bdf2": one_by_one(table("tr_bdf2"), fixed_point),
+    "gauss2": all_at_once(table("gauss2"), fixed_point), "tr_bdf2": one_by_one(table("tr_bdf2"), fixed_point),
     "kept": one_by_one(table("crouzeix3"), SOLVERS["a Jacobian that is kept"]),
     "to a tolerance": one_by_one(table("sdirk2"), partial(fixed_point, tolerance=1e-6)),
     "two at one time": one_by_one(TWO_AT_ONE_TIME), "both at the start": one_by_one(BOTH_AT_START),
     "stopped early": one_by_one(BOTH_AT_START, partial(newton, most=1)),
     "stopped as early, but told apart": all_at_once(table("sdirk2"), partial(newton, most=1)),
     "the midpoint rule twice": all_at_once(([[0.25, 0.25], [0.25, 0.25]], [0.5, 0.5], [0.5, 0.5])),
-    "untimed": untimed(all_at_once(table("radau_iia3"))),
+    "untimed": untimed(all_at_once(table("radau_iia2"))),
     "without a weight": one_by_one(([[0.5, 0.0], [0.25, 0.5]], [0.0, 1.0], [0.5, 0.75])),
     "unused": one_by_one(([[0.5, 0.0], [0.25, 0.5]], [1.0, 0.0], [0.5, 0.75])),
-    "loose": all_at_once(table("gauss2"), partial(SOLVERS["a Jacobian that is kept"], tolerance=0.01)),
     "too loose": all_at_once(table("trapezoid"), partial(SOLVERS["a Jacobian that is kept"], tolerance=0.01)),
     "nine iterations": all_at_once(table("implicit_midpoint"), partial(fixed_point, most=9, tolerance=0)),
     "only forward": lambda f, t, y, h: 1 / 0 if h < 0 else all_at_once(table("gauss2"))(f, t, y, h),
