@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
-from functools import lru_cache
 from typing import Any
 
 from driftproof.blackbox.findings import NO_EVIDENCE, Outcome
@@ -60,14 +59,10 @@ def identify_solver(solve: Callable[..., Any] | str, *, time_limit: float = TIME
     )
 
 
-# Both questions about its steps begin with them.
-_read = lru_cache(maxsize=1)(read_steps)
-
-
 def _steps(subject: ForeignSolver) -> SolverSteps | SolverMemory:
     """What its steps are: stages, or else what is made of more than the state before. Raises NotReadable of both."""
     try:
-        return _read(subject)
+        return read_steps(subject)
     except NotReadable as refusal:
         try:
             memory = read_memory(subject)
@@ -82,7 +77,7 @@ def _order(steps: SolverSteps | SolverMemory) -> int | None:
 
 def _controlled(subject: ForeignSolver) -> ControllerReading:
     """The law of the step sizes of the pair that is read first."""
-    return read_controller(subject, _read(subject))
+    return read_controller(subject, read_steps(subject))
 
 
 def _faults(steps: Outcome, controller: Outcome, runs: Outcome) -> tuple[str, ...]:

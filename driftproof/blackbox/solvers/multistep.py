@@ -161,14 +161,13 @@ def _varying(subject: ForeignSolver) -> SolverMemory:
         told_alike = f"where slopes depend on t alone, its steps are those of {', '.join(sorted(seen))}"
         raise NotReadable(f"{told_alike}, as are those of every method with these weights")
     names = sorted(seen, key=lambda key: (orders[key], key))
-    counted = [f"{seen[key]} steps are of {key}" for key in names]
     return SolverMemory(
         f"{', '.join(names)} where its steps are of one length",
         None,
         (
             "on y' = (cos t, sin(2 t)/2), which does not tell how well it solves for its steps,",
             f"to t = {_SPAN[1]:g} at rtol = {', '.join(f'{x:g}' for x in _TOLERANCES)}:",
-            *counted,
+            *(f"{seen[key]} steps are of {key}" for key in names),
             f"so {told} of {steps} steps are told: those after enough others of their length, and long enough that "
             "methods differ by more than rounding; coefficients between steps of several lengths are not read",
         ),
@@ -179,9 +178,8 @@ def _of_stretches(run: Solution, known: Sequence[Multistep]) -> Iterator[str]:
     """The method of each step that only one of these methods gives from those before it, all of its length."""
     states, true = np.array(run.y), np.array([*map(_solution, run.t)])
     slopes = np.array([_quadrature(t) for t in run.t])
-    lengths = np.diff(run.t)
     recurrences = [(m.key, each, _OF_TIMES * each.rounding) for m in known for each in [Recurrence.of(m, run.format)]]
-    equal = 0
+    lengths, equal = np.diff(run.t), 0
     for n, h in enumerate(lengths):
         equal = equal + 1 if _is_same(h, lengths[n - 1]) else 1
         kept = []

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import lru_cache
 from itertools import pairwise
 from math import fsum, inf
 from typing import Any, TypeAlias
@@ -95,6 +96,7 @@ class SolverSteps:
         return coefficient_text(x, self.reading.format, _ROUNDINGS * float(self.reading.format.u) * max(1.0, abs(x)))
 
 
+@lru_cache(maxsize=1)  # of one solver both questions about its steps begin so
 def read_steps(subject: ForeignSolver) -> SolverSteps:
     """The steps of a solver that returns where it stepped. Raises NotReadable, saying what was seen instead."""
     marked = _Marked(subject)

