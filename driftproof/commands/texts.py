@@ -90,7 +90,7 @@ def check_command(options: Namespace) -> str:
     attributes are left out. Numbers are integers, decimals, fractions, percentages, powers and what has an exponent;
     words for numbers and growth are counted apart, and held where a claim says spelled. Labels by themselves are whole
     numbers after a letter (RK4), indices (q₁), what follows Section, Figure and the like, versions, dates, numbers of
-    items, [1], addresses and formats such as :.6f. MyST roles and directives and macros of TeX are read as set.
+    items, [1], addresses, arguments as in y(1), formats such as :.6f. MyST and macros of TeX are read as they are set.
 
     --init drafts what looks like our values, or like those that --ask names, each brace standing for its choices: a
     number beside those that were chosen is the likelier. What it may only guess is a comment. Of a problem that the

@@ -10,7 +10,7 @@ from fractions import Fraction
 from itertools import islice
 
 from driftproof.texts.claims.claims import Claim, NumberLabel
-from driftproof.texts.claims.phrases import Spellings
+from driftproof.texts.claims.phrases import Spellings, decimal_spellings, spelled_alike
 from driftproof.texts.readers.document import Document, Position
 from driftproof.texts.readers.number_words import TextWord, words_in
 from driftproof.texts.readers.numbers import TextNumber, numbers_in
@@ -101,9 +101,10 @@ def _missing(
     for names in (True, False):  # a name with another number in it comes close, too, where nothing comes closer
         expected = claim.phrase.numbers(spellings, names)
         shape = claim.phrase.shape(spellings, claim.ignore_case, names)
+        shape = re.compile(f"(?={shape.pattern})", shape.flags)  # in a row of a table one begins inside another
         found = islice(shape.finditer(document.text.text), _MOST_COMPARED)
         near = [match for match in found if match.start() not in known]
-        near.sort(key=lambda match: -sum(a == b for a, b in zip(expected, match.groups(), strict=True)))
+        near.sort(key=lambda match: -sum(map(spelled_alike, expected, match.groups())))
         if near:
             nearest = near[: min(missing, _MOST_FINDINGS)]
             yield from (_difference(document, claim, expected, match) for match in nearest)
@@ -122,8 +123,11 @@ def _missing(
 
 
 def _difference(document: Document, claim: Claim, expected: list[str], match: re.Match[str]) -> Finding:
-    pairs = zip(expected, match.groups(), strict=True)
-    i, right, found = next((i, right, found) for i, (right, found) in enumerate(pairs, 1) if right != found)
+    pairs = enumerate(zip(expected, match.groups(), strict=True), 1)
+    wrong = [(i, right, found) for i, (right, found) in pairs if right != found]
+    i, right, found = next((one for one in wrong if not spelled_alike(*one[1:])), wrong[0])
+    if re.search("[eE×·]", found) and re.fullmatch("-?[0-9.]+", right):
+        right = decimal_spellings(right)[-1]
     return Finding(claim.id, *document.position(match.start(i)), right, found, f"expected {right}, found {found}")
 
 

@@ -19,14 +19,14 @@ from driftproof.texts.readers.numbers import TextNumber, numbers_in
 
 # Words of a phrase before its first number: enough to say in a table or a sentence which number is meant.
 _WORDS = 3
-# A claim whose questions are longer is called by its place.
+# A claim whose questions are longer is called by its phrase.
 _LONGEST_ID = 150
 # Digits of a value that the text does not have.
 _SHOWN_DIGITS = 8
 # What the author of a text chooses, before its number: nobody works out h = 0.1, or that a run starts from (1, 0).
 _SETTING = re.compile(
     r"(?<![\w.])(?:(?:h|dt|Δt|[tTNnkλμω]|lambda|mu|omega|[ra]?tol|t_?(?:end|max|final)|n(?:um)?_?steps) ?= ?"
-    r"|step ?size (?:of |= )?|[Aa]fter |from \((?:[-+]?[0-9./]+, ?)*)\Z"
+    r"|[^\W\d_]'{0,2}\(0\) ?= ?|step ?size (?:of |= )?|[Aa]fter |from \((?:[-+]?[0-9./]+, ?)*)\Z"
 )
 _LONGEST_SETTING = 20
 # Numbers on one line that are no further apart stand in one phrase.
@@ -113,8 +113,8 @@ def draft(document: Document, name: str, asked: Iterable[str] = ()) -> str:
                 drafted.append(f"# {place}: no phrase can be drafted for {part[0].number.text}\n")
                 continue
             asked = ", ".join(member.alike[0].question for member in part if member.strong)
-            if part[0].chosen or (part[0].strong and len(asked) <= _LONGEST_ID):
-                place = asked or phrase
+            if part[0].chosen or part[0].strong:
+                place = asked if 0 < len(asked) <= _LONGEST_ID else phrase
                 named[place] += 1
                 place += f" ({named[place]})" if named[place] > 1 else ""
             lines = ["[[claim]]", f"id = {_quoted(place)}", f"phrase = {_quoted(phrase)}"]
@@ -150,7 +150,7 @@ def _groups(text: str, members: list[_Member], fences: list[int]) -> Iterator[_G
     for member in members:
         if group:
             between = text[group[-1].number.end : member.number.start]
-            together = "\n" not in between and len(between) <= _WIDEST_GAP and not re.search(r"[.;?!] ", between)
+            together = len(between) <= _WIDEST_GAP and not re.search(r"[.;?!] |\S.*\n|\n.*\S", between)
             alike = group[-1].strong == member.strong and group[-1].chosen_at == member.chosen_at
             fenced = bisect_right(fences, group[-1].number.start) != bisect_right(fences, member.number.start)
             if not (together and alike and not fenced and len(group) < _MOST_IN_PHRASE):

@@ -71,7 +71,7 @@ class NumberForm:
         if self.places is not None:
             return [value.places(self.places, style)]
         if self.digits is not None:
-            return _decimal_spellings(value.digits(self.digits, style))
+            return decimal_spellings(value.digits(self.digits, style))
         if isinstance(x, Fraction) and 10**MOST_DECIMALS % x.denominator == 0:
             return [value.places(next(n for n in range(MOST_DECIMALS + 1) if 10**n % x.denominator == 0))]
         raise ValueError("the value has no decimal that ends; say places, digits or exact")
@@ -103,7 +103,7 @@ def _exact_spellings(value: Answer) -> list[str]:
     return list(dict.fromkeys((printed, text)))
 
 
-def _decimal_spellings(decimal: str) -> list[str]:
+def decimal_spellings(decimal: str) -> list[str]:
     """The same digits with and without an exponent: 0.00033 and 3.3e-4."""
     x = Decimal(decimal)
     if not x:
@@ -129,6 +129,12 @@ def _spelling_pattern(spelling: str) -> str:
     sign, raised = ("-", exponent) if exponent.startswith("-") else (r"\+?", exponent)
     raised = raised if len(raised) == 1 else rf"\{{{raised}\}}"
     return text + rf"(?:[eE]{sign}0{{0,2}}{exponent.lstrip('-')}| ?[×·] ?10\^{raised})"
+
+
+def spelled_alike(plain: str, found: str) -> bool:
+    """Whether a number is another spelling of the one that is `plain`, with the same digits: 3.3e-4 of 0.00033."""
+    others = decimal_spellings(plain) if _DECIMAL.fullmatch(plain) else []
+    return plain == found or any(re.fullmatch(_spelling_pattern(other), found) for other in others)
 
 
 def _literal_pattern(text: str) -> str:

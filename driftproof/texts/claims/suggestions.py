@@ -103,7 +103,8 @@ class _Known:
     def names(self) -> list[str]:
         """What the value is called, but for single letters and what is said of every value."""
         if self.chosen is not None:
-            return [word for text in self.chosen for word in text.lower().split("_") if re.fullmatch("[a-z]{2,}", word)]
+            words = re.split("[^a-z0-9]+", " ".join(self.chosen).lower())
+            return [word for word in words if re.fullmatch("[a-z]{2,}[0-9]*", word)]
         words = re.split(r"[^a-z0-9]+", re.sub(r"\b(?:run|step|from) |[htN]=\S+", "", self.question))
         return [word for word in dict.fromkeys(words) if len(word) > 1 and not word.isdigit()]
 

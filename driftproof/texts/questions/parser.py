@@ -25,14 +25,7 @@ from typing import Any, TypeAlias
 from unicodedata import normalize
 
 from driftproof.methods.catalogue import keys_of_name
-from driftproof.methods.expression_tree import (
-    NAME,
-    NUMBER,
-    ExpressionNode,
-    NameNode,
-    NumberNode,
-    Token,
-)
+from driftproof.methods.expression_tree import NAME, NUMBER, ExpressionNode, NameNode, NumberNode, Token
 from driftproof.support.plain_text import did_you_mean
 from driftproof.texts.questions import wording
 from driftproof.texts.questions.errors import QuestionError

@@ -37,20 +37,11 @@ READOUT_WORDS = {
     "exact.velocity": "exact.v",
 }
 
+_STABLE = ("stability", "stability_limit", "stability_interval", "stability_boundary", "interval_of_stability")
 # Other name of a fact -> its name, and the part of it that is meant.
 FACT_WORDS = {
     **dict.fromkeys(("amplification_factor", "growth_factor", "stability_polynomial", "r"), "stability_function"),
-    **{
-        f"{of}_{what}": f"{of}_limit"
-        for of in ("real", "imaginary")
-        for what in (
-            "stability_limit",
-            "stability_interval",
-            "stability_boundary",
-            "interval_of_stability",
-            "stability",
-        )
-    },
+    **{f"{of}_{what}": f"{of}_limit" for of in ("real", "imaginary") for what in _STABLE},
     **dict.fromkeys(("r_at_infinity", "stability_function_at_infinity", "damping_at_infinity"), "limit_at_infinity"),
     "energy_factor": "energy_multiplier",
     **dict.fromkeys(("order_of_convergence", "convergence_order", "convergence_rate", "order_of_accuracy"), "order"),
@@ -96,14 +87,13 @@ _TURNS = "dispersion, the leading term of the phase error of a step, or phase_er
 AMBIGUOUS_FACTS = {
     **dict.fromkeys(("limit", "stability_limit", "stability_interval", "absolute_stability_interval"), _LIMITS),
     **dict.fromkeys(("interval_of_stability", "interval_of_absolute_stability", "cfl", "cfl_number"), _LIMITS),
-    **dict.fromkeys(("cfl_limit", "cfl_condition"), _LIMITS),
+    **dict.fromkeys(("cfl_limit", "cfl_condition", "h_limit", "step_limit"), _LIMITS),
     **{
         f"{most}_{what}": _LIMITS
         for most in ("largest", "largest_stable", "maximal", "maximal_stable", "maximum", "maximum_stable", "critical")
         for what in ("h", "step", "step_size", "time_step")
     },
     **dict.fromkeys(("stability_region", "stability_bound", "time_step_limit", "step_size_limit"), _LIMITS),
-    **dict.fromkeys(("h_limit", "step_limit"), _LIMITS),
     **dict.fromkeys(("conserve_energy", "preserve_energy", "energy_conservation"), _KEPT),
     **dict.fromkeys(("butcher_tableau", "tableau", "coefficients", "b_coefficients", "weights", "nodes"), _TABLEAU),
     **dict.fromkeys(("first_step", "one_step", "single_step"), _FIRST_STEP),

@@ -15,8 +15,6 @@ from driftproof.texts.templates.text_kinds import kind_of
 
 # No example of ours takes a second; a thousand questions take some.
 RENDERING_SECONDS, RENDERING_MEMORY, LONGEST_RENDERED = 120.0, 2 * 10**9, 10**7
-
-
 TEMPLATE_SUFFIX = ".j2"
 
 

@@ -50,10 +50,14 @@ FOUND = [
     (ENERGY, "", f"{NEAR}falls slowly", [(2, 1, "the\nenergy grows by 0.33", "the energy is near, and ")]),
     (ENERGY, "", "nothing of it", [(1, 1, "the\nenergy grows by 0.33", "")]),
     (HERE, "", "a\nthe error was 0.33 here", [(2, 1, "the error is 0.33 here", "the error was 0.33 her")]),
+    ("| error {value}", "", "a | b", [(1, 1, "| error 0.33", "")]),
     (HERE, "", "nothing", [(1, 1, "the error is 0.33 here", "")]),
     # Cells that run together are shown as one run.
     ("Euler2.390{value}", "", "Euler2.3900.34", [(1, 6, "2.3900.33", "2.3900.34")]),
     ("0.5: Euler2.390{value}", "", "0.5: Euler2.3900.34", [(1, 11, "2.3900.33", "2.3900.34")]),
+    # A number that is right is, however it is spelled, and in a row of a table; what is expected is spelled likewise.
+    ("| {value} | 5", "", "| 6 | 0.34 | 5 |", [(1, 7, "0.33", "0.34")]),
+    ("{value} to 0.00051", "", "3.3e-1 to 5.2e-4", [(1, 11, "5.1e-4", "5.2e-4")]),
     # A name with another number comes close where nothing comes closer.
     ("RK4 ends at {value}", "", "RK5 ends at 0.33", [(1, 3, "4", "5")]),
     ("RK4 ends at {value}", "", "RK5 ends at 0.33\nRK4 ends at 0.34", [(2, 13, "0.33", "0.34")]),

@@ -116,6 +116,8 @@ def test_values_that_the_author_asks_for_are_strong_on_the_line_of_what_was_chos
         assert (found[number][0].question, found[number][0].strong) == (f"{run} {question}", True), number
     assert not found["0.489"], "0.48832 is 0.488"
     assert [q.rpartition("t=")[2] for q, _ in suggestions.nowhere()] == ["1.0 : y0", "1.0 : state_error"]
+    rows = Suggestions("| RK4 | 1.64872 |\n| Heun | 1.64745 |", ["run {Heun,RK4} lambda=1 h=1/10 t=1/2 : {exact.y,y}"])
+    assert rows.of(numbers_in(rows.text)[1])[0].question == "run RK4 lambda=1 h=1/10 t=1/2 : y"
     alone = Suggestions("0.128 and 0.052", ASKED)
     assert [one.strong for n in numbers_in(alone.text) for one in alone.of(n)[:1]] == [True, False]
 
