@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
+from functools import cache
 from pathlib import Path
 from typing import NamedTuple
 
@@ -26,6 +27,7 @@ class Held(NamedTuple):
     should_be: str | None
 
 
+@cache
 def numbers_held(asked: str, printed: str) -> list[Held]:
     """The numbers of a row, one for each choice from its braces, in order. Raises ValueError for too many."""
     questions = questions_in(asked.strip("`"))

@@ -18,24 +18,17 @@ PAGE = (ROOT / "docs" / "differences.md").read_text(encoding="utf-8")
 PROSE = TABLE.sub("", SESSION.sub("", CONSOLE.sub("", PAGE)))
 
 
-def test_page_is_what_its_generator_writes() -> None:
-    assert refreshed(PAGE, TABLES) == PAGE, "run `make docs`"
-
-
-@pytest.mark.parametrize(
-    ("shown", "planted"),
-    [
+def test_page_is_what_its_generator_writes_and_wrong_numbers_are_put_right() -> None:
+    wrong = PAGE
+    for shown, planted in (
         ("\n3.69e-18\n", "\n3.68e-18\n"),
         ("real limit       78\n", "real limit       60\n"),
         ("| `tsitouras54` | 5 | 0 |", "| `tsitouras54` | 5 | 5 |"),
         ("-1/8; 1/4*sqrt(2)", "1/8; 1/4*sqrt(2)"),
-    ],
-)
-def test_a_wrong_number_is_noticed_and_put_right(shown: str, planted: str) -> None:
-    wrong = PAGE.replace(shown, planted)
-    assert wrong != PAGE
-    quick = {name: (lambda _, name=name: written(name)) for name in TABLES}
-    assert refreshed(wrong, quick) == PAGE
+    ):
+        assert shown in PAGE
+        wrong = wrong.replace(shown, planted)
+    assert refreshed(wrong, TABLES) == PAGE, "run `make docs`"
 
 
 def written(name: str) -> list[list[str]]:

@@ -5,8 +5,6 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
-import pytest
-
 from docs.language_tables import TABLES, questions_of
 from docs.pages import refreshed
 from driftproof.methods import expression_tree
@@ -18,18 +16,12 @@ from driftproof.texts.questions.runs import RUN_READOUTS, UNITS
 PAGE = (Path(__file__).parents[2] / "docs" / "language.md").read_text(encoding="utf-8")
 
 
-def test_page_is_what_its_generator_writes() -> None:
-    assert refreshed(PAGE, TABLES) == PAGE, "run `make docs`"
-
-
-@pytest.mark.parametrize(
-    ("shown", "planted"),
-    [("exactly 337/384", "exactly 337/385"), ("−0.053697", "−0.053698"), ("3.99999832274553", "4.0")],
-)
-def test_a_wrong_answer_is_noticed_and_put_right(shown: str, planted: str) -> None:
-    wrong = PAGE.replace(shown, planted)
-    assert wrong != PAGE
-    assert refreshed(wrong, TABLES) == PAGE
+def test_page_is_what_its_generator_writes_and_wrong_answers_are_put_right() -> None:
+    wrong = PAGE
+    for shown in ("exactly 337/384", "−0.053697", "3.99999832274553"):
+        assert shown in PAGE
+        wrong = wrong.replace(shown, f"{shown}1")
+    assert refreshed(wrong, TABLES) == PAGE, "run `make docs`"
 
 
 def test_page_names_every_function_readout_unit_and_policy() -> None:
