@@ -21,6 +21,8 @@ from tests.outputs.gallery_expected import EXPECTED, FIELDS, FORCES, MAPS, Expec
 
 TARGETS = run.targets()
 PRESENT = [name for name, entry in TARGETS.items() if run.installed(entry) is not None]
+# Some seconds together: by default two, and all with -m long.
+ASKED = [pytest.param(name, marks=pytest.mark.long if i % 3 else ()) for i, name in enumerate(PRESENT)]
 CALLS = {"field": FIELDS, "force": FORCES, "map": MAPS}
 # A step is some dozens of roundings of numbers about 1.
 NOISE = {"binary64": 64 * 2.0**-53, "binary32": 64 * 2.0**-24}
@@ -85,7 +87,7 @@ def test_table_is_markdown_with_a_row_for_each_target() -> None:
 
 
 @pytest.mark.parametrize(
-    "name", PRESENT or [pytest.param("", marks=pytest.mark.skip("no package of the gallery is here"))]
+    "name", ASKED or [pytest.param("", marks=pytest.mark.skip("no package of the gallery is here"))]
 )
 def test_one_step_is_as_expected(name: str) -> None:
     entry, expected = TARGETS[name], EXPECTED[name]

@@ -26,6 +26,7 @@ def test_every_command_is_on_the_tour_or_in_the_readme():
     told = (
         README + TOUR + "".join(path.read_text(encoding="utf-8") for path in (*TUTORIALS, ROOT / "docs" / "texts.md"))
     )
+    assert len(BLOCKS) == 12
     missing = [name for name in COMMANDS if f"driftproof {name}" not in told and f"`{name}`" not in told]
     assert missing == []
 
@@ -35,12 +36,6 @@ def test_links_lead_to_files():
     links |= {(ROOT / "docs", link) for link in re.findall(r"\]\(([^)]+)\)", TOUR)}
     assert len(links) >= 10
     assert [link for folder, link in links if not (folder / link).exists()] == []
-
-
-def test_a_stale_readme_would_be_noticed():
-    command, shown = BLOCKS[0]
-    assert printed(command) != shown.replace("exactly 0.5", "exactly 0.6") != shown
-    assert len(BLOCKS) == 12
 
 
 def test_map_names_every_folder_of_the_house():

@@ -44,26 +44,22 @@ DECOYS = [
     *("commands.py", "blackbox/__init__.py", "enclosure.py", "cli.py", "proofs.py"),
 ]
 
-# What is run in both projects; one line of what it prints, so that two failures alike are no success.
+# What is run there, and what it says.
 RUNS = {
     "assert_verified": (["-c", THREE_LINES], "verified"),
-    "verify": (
-        ["-m", "driftproof", "verify", "springs:step", "--method", "forward_euler", "--examples", "5"],
-        "is forward_euler",
-    ),
-    "identify": (["-m", "driftproof", "identify", "springs:step"], "forward_euler"),
+    "identify": (["-m", "driftproof", "identify", "springs:step"], "it is, as far as linear steps tell, forward_euler"),
     "render": (["-c", RENDER_AND_SHOW], "q = 337/384 and v = -23/48"),
     "check": (["-m", "driftproof", "check", "lesson.md", "--claims", "claims.toml"], "1 claim"),
     "facts": (["-m", "driftproof", "facts", "rk4", "--only", "order"], "4"),
 }
 
 
-def project(folder: Path, decoys: list[str]) -> Path:
+def project(folder: Path) -> Path:
     files = {
         "springs.py": SPRINGS, "lesson.md.j2": TEMPLATE, "lesson.md": "RK4 leads to q = 337/384 at once.\n",
         "claims.toml": CLAIMS,
     }  # fmt: skip
-    for name, text in {**files, **dict.fromkeys(decoys, "X = 1\n")}.items():
+    for name, text in {**files, **dict.fromkeys(DECOYS, "X = 1\n")}.items():
         path = folder / name
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(text, encoding="utf-8")
@@ -91,14 +87,13 @@ def test_environment_is_that_of_the_wheel(installed: Path, tmp_path: Path) -> No
 
 
 @pytest.mark.parametrize("name", RUNS)
-def test_answer_beside_decoys_is_that_without(name: str, installed: Path, tmp_path: Path) -> None:
+def test_answer_beside_decoys_is_right(name: str, installed: Path, tmp_path: Path) -> None:
     arguments, part = RUNS[name]
-    plain = said(installed, arguments, project(tmp_path / "plain", []))
-    assert plain[0] == 0, plain[2]
-    assert part in plain[1]
-    assert said(installed, arguments, project(tmp_path / "decoys", DECOYS)) == plain
+    status, out, err = said(installed, arguments, project(tmp_path))
+    assert (status, err) == (0, "")
+    assert part in out
 
 
 def test_decoys_would_shadow_what_is_not_in_the_package(installed: Path, tmp_path: Path) -> None:
-    folder = project(tmp_path, DECOYS)
+    folder = project(tmp_path)
     assert said(installed, ["-c", "import methods; print(methods.X)"], folder)[1] == "1\n"

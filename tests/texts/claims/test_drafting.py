@@ -180,14 +180,14 @@ def test_draft_of_twice_the_text_takes_twice_the_steps(line: str) -> None:
         steps[lines] += frame.f_trace_opcodes
         return trace if frame.f_trace_opcodes else None
 
-    for lines in (40, 80):
+    for lines in (30, 60):
         document, before = document_of("".join(line.replace("{}", str(1000 + i)) for i in range(lines))), sys.gettrace()
         sys.settrace(trace)
         try:
             assert "[[claim]]" in draft(document, "a")
         finally:
             sys.settrace(before)
-    assert steps[40] < steps[80] < 2.2 * steps[40]
+    assert steps[30] < steps[60] < 2.2 * steps[30]
 
 
 def test_more_claims_than_a_file_may_have_are_not_drafted(monkeypatch: pytest.MonkeyPatch) -> None:
