@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from math import inf, isfinite
 from typing import Any
 
@@ -116,11 +117,11 @@ class TrialRunner:
         return float(np.nextafter(kind(x), kind(towards)))
 
 
+@lru_cache(maxsize=1)  # all checks of a stepper begin so
 def steady_runner(subject: ForeignStepper) -> TrialRunner:
     """The runner of a stepper whose call gives the same bits again, with another call in between. Raises Unsteady."""
-    runner = TrialRunner(subject)
     small: PhasePoint = (ANOTHER[0] * _SMALLER, ANOTHER[1] * _SMALLER)
-    first, between, again = (runner.step(*z, IRREGULAR_STEP) for z in (ORDINARY_STATE, small, ORDINARY_STATE))
+    first, between, again = (subject.step(*z, IRREGULAR_STEP) for z in (ORDINARY_STATE, small, ORDINARY_STATE))
     if not same(first, again):
         raise Unsteady("the same call does not give the same answer again")
     numbers = [*first, *between]
@@ -143,9 +144,7 @@ def _size(runner: TrialRunner) -> float:
 
 def same(first: Sequence[float] | None, second: Sequence[float] | None) -> bool:
     """True when both are the same numbers, NaN and the signs of zeros included, or none."""
-    if first is None or second is None:
-        return first is second
-    return list(map(repr, first)) == list(map(repr, second))
+    return first is second if first is None or second is None else [*map(repr, first)] == [*map(repr, second)]
 
 
 # What methods have or have not. All other checks are what anybody expects of a stepper without asking.

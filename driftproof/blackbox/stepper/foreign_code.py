@@ -55,7 +55,7 @@ class CallLog:
     states: Sequence[Sequence[AnyNumber]] = ()  # of the last run, the start among them where all are returned
 
 
-@dataclass
+@dataclass(eq=False)
 class ForeignCode:
     """Somebody's code, called in its own way; what it does instead of answering comes as a `Misbehaviour`.
 

@@ -38,7 +38,7 @@ DraggedForce: TypeAlias = Callable[[AnyNumber, list[AnyNumber], list[AnyNumber]]
 _UNLIKE, _MOST_ASKED = 0.3, 4
 
 
-@dataclass
+@dataclass(eq=False)
 class ForeignStepper(ForeignCode):
     """Somebody's stepper: its steps of systems of ours, in numbers of its adapter, floats as a rule."""
 
