@@ -48,9 +48,7 @@ def render_command(options: Namespace) -> str:
         if diffs := list(filter(None, (each.difference() for each in rendered))):
             raise cli.Refuted("\n".join(diffs))
         return "\n".join(f"{each.output} is what {each.template} renders" for each in rendered)
-    for each in rendered:
-        each.write()
-    return "\n".join(map(str, rendered))
+    return "\n".join(each.write() for each in rendered)
 
 
 @cli.command(

@@ -35,7 +35,7 @@ def test_refusal_is_one_line(words, refusal):
 def test_numbers_are_rendered_then_drafted_as_claims_that_hold(answer, run, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "a.md.j2").write_text('q = {{ value("rk4.first_step.q") | digits(6) }}\n', encoding="utf-8")
-    assert answer("render", "a.md.j2") == "a.md: 1 values\n"
+    assert answer("render", "a.md.j2") == "a.md: 1 value\n"
     assert answer("render", "a.md.j2", "--check") == "a.md is what a.md.j2 renders\n"
     (tmp_path / "claims.toml").write_text(answer("check", "a.md", "--init"), encoding="utf-8")
     assert answer("check", "a.md", "--claims", "claims.toml")

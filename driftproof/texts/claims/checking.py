@@ -123,8 +123,7 @@ def _missing(
 
 
 def _difference(document: Document, claim: Claim, expected: list[str], match: re.Match[str]) -> Finding:
-    pairs = enumerate(zip(expected, match.groups(), strict=True), 1)
-    wrong = [(i, right, found) for i, (right, found) in pairs if right != found]
+    wrong = [(i, *pair) for i, pair in enumerate(zip(expected, match.groups(), strict=True), 1) if pair[0] != pair[1]]
     i, right, found = next((one for one in wrong if not spelled_alike(*one[1:])), wrong[0])
     if re.search("[eE×·]", found) and re.fullmatch("-?[0-9.]+", right):
         right = decimal_spellings(right)[-1]

@@ -129,9 +129,8 @@ def draft(document: Document, name: str, asked: Iterable[str] = ()) -> str:
             drafted.append("".join([*remarks, *(f"{line}\n" for line in lines)]))
     nowhere = [f"#   {question}, {answer.digits(_SHOWN_DIGITS)}\n" for question, answer in suggestions.nowhere()]
     drafted += ["# Asked for, and no number of the text:\n" + "".join(nowhere)] * bool(nowhere)
-    drafted += [f"# What programs are given claims nothing, and is left out: {len(left_out)} of the numbers.\n"] * bool(
-        left_out
-    )
+    if left_out:
+        drafted.append(f"# What programs are given claims nothing, and is left out: {len(left_out)} of the numbers.\n")
     return "\n".join(drafted).rstrip("\n")
 
 

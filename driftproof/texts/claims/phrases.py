@@ -96,9 +96,7 @@ def _exact_spellings(value: Answer) -> list[str]:
         raise ValueError("the value has no exact form; say places or digits")
     if len(text) > _LONGEST_EXACT:
         raise ValueError(f"the exact form has {len(text)} characters; say places or digits")
-    printed = re.sub(
-        r"\*\*\(?(-?\w+)\)?", lambda power: f"^{power[1]}" if len(power[1]) == 1 else f"^{{{power[1]}}}", text
-    )
+    printed = re.sub(r"\*\*\(?(-?\w+)\)?", lambda to: f"^{to[1]}" if len(to[1]) == 1 else f"^{{{to[1]}}}", text)
     printed = re.sub(r"sqrt\((\w+)\)", r"√\1", printed).replace("sqrt(", "√(").replace("*", "")
     return list(dict.fromkeys((printed, text)))
 

@@ -25,7 +25,7 @@ from typing import Any, TypeAlias
 from unicodedata import normalize
 
 from driftproof.methods.catalogue import keys_of_name
-from driftproof.methods.expression_tree import NAME, NUMBER, ExpressionNode, NameNode, NumberNode, Token
+from driftproof.methods.expression_tree import END, NAME, NUMBER, CallNode, ExpressionNode, NameNode, NumberNode, Token
 from driftproof.support.plain_text import did_you_mean
 from driftproof.texts.questions import wording
 from driftproof.texts.questions.errors import QuestionError
@@ -116,9 +116,7 @@ class _QuestionParser(PieceParser):
         parts: dict[str, Any] = defaultdict(dict)
         after = [token.kind for token in self.tokens[self.at : self.at + 3]]
         if name.text != "R" and after[::2] == [NUMBER, NAME] and not self.in_rate:
-            parts["settings"]["t"] = NumberNode(self.next.column, self.literal("t"))
-            self.expect(")", "a bracket is not closed")
-            parts["readout"] = name._replace(text=wording.READOUT_WORDS.get(name.text, name.text))
+            self._at_time(name, parts)
             return self.query(name, name._replace(text="run"), parts)
         if name.text != "R":
             if keys_of_name(name.text):
@@ -130,7 +128,13 @@ class _QuestionParser(PieceParser):
         self.expect(")", "the bracket of R is not closed")
         return self.query(name, name._replace(text=head), parts)
 
-    def query(self, name: Token, head: Token, parts: dict[str, Any]) -> Query:
+    def _at_time(self, name: Token, parts: dict[str, Any]) -> None:
+        """The readout y at t = 1, which is y(1), from after its bracket on."""
+        self.put(parts["settings"], name, "t", lambda: NumberNode(self.next.column, self.literal("t")))
+        self.expect(")", "a bracket is not closed")
+        self.put(parts, name, "readout", lambda: name._replace(text=wording.READOUT_WORDS.get(name.text, name.text)))
+
+    def query(self, name: Token, head: Token, parts: dict[str, Any]) -> Node:
         """The query that begins with this name, from after its head on."""
         while self._another_part():
             token = self.take()
@@ -148,9 +152,9 @@ class _QuestionParser(PieceParser):
         elif wording.SLOPE.fullmatch(head.text):
             parts["readout"], head = head, head._replace(text="step")
         elif ":" in head.text:
-            parts["readout"] = head._replace(text=head.text.partition(":")[2])
-        head = head._replace(text=head.text.partition(":")[0])
-        return Query(head, **self.with_unknowns(name, parts))
+            parts["readout"] = head._replace(text=head.text.split(":")[1])
+        found = Query(head._replace(text=head.text.partition(":")[0]), **self.with_unknowns(name, parts))
+        return CallNode(name.column, "sqrt", (found,)) if head.text.endswith(":sqrt") else found
 
     def head(self, name: Token, parts: dict[str, Any]) -> Token:
         """The head that begins with this name, of several words: "real limit of RK4", or "RK4 real limit", or run."""
@@ -171,13 +175,14 @@ class _QuestionParser(PieceParser):
             if any(a.text == name.text and b.text == "'" for a, b in pairwise(self.tokens)):
                 parts["readout"] = name  # an unknown: y at t=1 of rk4 on y'=-y
                 return name._replace(text="run")
-            after = takewhile(
-                lambda token: token.kind == NAME and token.text not in wording.SAY_NOTHING, self.tokens[start:]
-            )
+            after = takewhile(lambda x: x.kind == NAME and x.text not in wording.SAY_NOTHING, self.tokens[start:])
             words = [name.text, *(token.text for token in after if not keys_of_name(token.text))]
             hint = did_you_mean("_".join(words), (*_HEADS, *sorted(wording.names_that_ask())))
             what = f"{' '.join(words)[:40]!r} is nothing that can be asked{hint}"
             raise self.error(name, f"{what} (`driftproof value --list` shows what can)")
+        axis = next((i for i, token in enumerate(self.tokens) if token.text == "axis"), 0)
+        if (of := self.tokens[axis - 1].text) in wording.AXIS and wording.AMBIGUOUS_FACTS.get(text) == wording.LIMITS:
+            text, self.tokens[axis - 1 : axis + 1] = f"{of}_limit", []
         if text in wording.AMBIGUOUS_FACTS:
             raise self.error(name, f"{text} may mean {wording.AMBIGUOUS_FACTS[text]}: say which")
         return name._replace(text=wording.FACT_WORDS.get(text, text or "run"))
@@ -187,6 +192,7 @@ class _QuestionParser(PieceParser):
         if self.next.text == ",":
             name, *after = (token.text for token in self.tokens[self.at + 1 : self.at + 4])
             said = name in wording.SAY_NOTHING or after[:1] == ["steps"] or self._setting_name(self.at + 1)[1]
+            said = said or (after[:1] == ["("] and len(self.tokens) == self.at + 6)  # y(1) at the end
             if said or after[:1] == ["="] or after in (["'", "="], ["(", "0"]) or name in ("at", "from"):
                 self.take()
         return self.next.kind == NAME or self._is_count(self.at)
@@ -227,7 +233,9 @@ class _QuestionParser(PieceParser):
             steps = self.rational(token.text, token) if token.kind == NUMBER else wording.WORDED_COUNTS[token.text]
             count = NumberNode(token.column, Fraction(steps))
             self.put(parts["settings"], self.take(), "N", lambda: count)
-        elif token.text in wording.SAY_NOTHING or (key == "at" and self.next.kind == NAME and after.text in "='"):
+        elif (token.text in wording.SAY_NOTHING and not setting) or (
+            key == "at" and self.next.kind == NAME and after.text in "='"
+        ):
             pass
         elif f"{token.text}_{self.next.text}" in wording.OTHER_SETTINGS and not setting:  # step size h=0.1
             self.take()
@@ -239,6 +247,9 @@ class _QuestionParser(PieceParser):
             self.take()
             self.put(parts["rates"], token, token.text[1:], self.rate)
         elif key == "subject" and self.next.text == "(" and after.kind == NUMBER:
+            if self.after(self.at + 2).kind == END:
+                self.take()
+                return self._at_time(token, parts)
             if after.text != "0":
                 raise self.error(after, f"time begins at 0: {token.text}(0) = ... is the start")
             self.take(), self.take(), self.expect(")", "a bracket is not closed")

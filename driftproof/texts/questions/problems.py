@@ -140,9 +140,7 @@ def problem_run(
     """
     rates, start = problem[0], given or problem[1]
     if len(start) != len(rates.rates):
-        raise ValueError(
-            f"the start has {len(start)} entries, {len(rates.rates)} are needed: y(0)=1, from 1, from 1,0, ..."
-        )
+        raise ValueError(f"the start has {len(start)} entries, {len(rates.rates)} are needed: y(0)=1, from 1, from 1,0")
     steps = t / h if h else t
     if steps.denominator != 1 or steps < (method is not None):
         raise ValueError(f"h = {h} does not divide t = {t}: t / h = {steps}")
@@ -153,10 +151,8 @@ def problem_run(
     return _remembered(ProblemRun(method, rates, start, h, int(steps)))
 
 
-@lru_cache(maxsize=64)
-def _remembered(run: ProblemRun) -> ProblemRun:
-    """The run that is equal to this one and was asked for before."""
-    return run
+# The run that is equal to this one and was asked for before.
+_remembered: Callable[[ProblemRun], ProblemRun] = lru_cache(maxsize=64)(lambda run: run)
 
 
 def problem_readouts(run: ProblemRun, unknowns: Sequence[str] = ()) -> dict[str, Callable[[ProblemRun], Answer]]:

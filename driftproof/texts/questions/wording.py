@@ -14,8 +14,6 @@ from driftproof.methods.expression_tree import NAME, Token
 # A local error is that of one step: as the head of a question it asks for a step, the others for a run.
 LOCAL = ("local_error", "local_truncation_error", "one_step_error")
 PER_STEP = "_per_step"
-_ERRORS = ("error", "errors", "global_error", *LOCAL)
-_LARGEST = ("max_error", "maximum_error", "maximal_error")
 _NAMES = (
     *("q", "v", "h", "state_error", "phase_error", "largest_error", "relative_error"),
     *("energy", "energy_change", "steps", "evaluations"),
@@ -24,8 +22,8 @@ _NAMES = (
 # Name or other name of a readout -> its name. Before "of METHOD" it is what a run is asked for.
 READOUT_WORDS = {
     **dict(zip(_NAMES, _NAMES, strict=True)),
-    **dict.fromkeys(_ERRORS, "state_error"),
-    **dict.fromkeys(_LARGEST, "largest_error"),
+    **dict.fromkeys(("error", "errors", "global_error", *LOCAL), "state_error"),
+    **dict.fromkeys(("max_error", "maximum_error", "maximal_error"), "largest_error"),
     **dict.fromkeys(("energy_error", "energy_drift"), "energy_change"),
     **dict.fromkeys(("function_evaluations", "number_of_evaluations"), "evaluations"),
     **dict.fromkeys(("number_of_function_evaluations", "evaluations_of_f", "f_evaluations"), "evaluations"),
@@ -37,11 +35,12 @@ READOUT_WORDS = {
     "exact.velocity": "exact.v",
 }
 
+AXIS = ("real", "imaginary")
 _STABLE = ("stability", "stability_limit", "stability_interval", "stability_boundary", "interval_of_stability")
 # Other name of a fact -> its name, and the part of it that is meant.
 FACT_WORDS = {
     **dict.fromkeys(("amplification_factor", "growth_factor", "stability_polynomial", "r"), "stability_function"),
-    **{f"{of}_{what}": f"{of}_limit" for of in ("real", "imaginary") for what in _STABLE},
+    **{f"{of}_{what}": f"{of}_limit" for of in AXIS for what in _STABLE},
     **dict.fromkeys(("r_at_infinity", "stability_function_at_infinity", "damping_at_infinity"), "limit_at_infinity"),
     "energy_factor": "energy_multiplier",
     **dict.fromkeys(("order_of_convergence", "convergence_order", "convergence_rate", "order_of_accuracy"), "order"),
@@ -54,6 +53,7 @@ FACT_WORDS = {
     **dict.fromkeys(("ssp_constant", "radius_of_absolute_monotonicity"), "ssp_coefficient"),
     **dict.fromkeys(("modified_energy", "shadow_hamiltonian", "shadow_energy"), "modified_hamiltonian"),
     **dict.fromkeys(("algebraic_stability", "algebraically_stability"), "algebraically_stable"),
+    **dict.fromkeys(("principal_error_norm", "principal_error_constant"), "principal_error:squared_norm:sqrt"),
     "stiff_decay": "l_stable",
     **dict.fromkeys(("rounding_error", "roundoff_error"), "roundoff"),
     **dict.fromkeys(("solution", "exact_solution", "true_solution"), "exact"),
@@ -61,48 +61,38 @@ FACT_WORDS = {
 }
 
 # Word -> the facts that it may mean.
-_LIMITS = "real_limit (y' = -λy, hλ at most) or imaginary_limit (y' = iωy, hω at most)"
+LIMITS = "real_limit (y' = -λy, hλ at most) or imaginary_limit (y' = iωy, hω at most)"
 _DAMPING = "energy_multiplier (of the oscillator's energy, in h) or dissipation (of its amplitude, the leading term)"
-_KEPT = (
-    "energy_multiplier (1 where each step keeps the oscillator's), invariant (what is kept near it) or energy_change"
-)
+_KEPT = "energy_multiplier (1 where a step keeps the oscillator's), invariant (what is kept near it) or energy_change"
 _TABLEAU = "one of its entries, as a21, b1, bhat1 or c2; `driftproof facts METHOD --all` has the whole of it"
-_OBSERVED = (
-    "ratio(run METHOD h=1/10 t=1 : error, run METHOD h=1/20 t=1 : error), or log2 of that, the order that is observed"
-)
+_OBSERVED = "ratio(run METHOD h=1/10 t=1 : error, run METHOD h=1/20 t=1 : error), or log2 of it, the observed order"
 _FIRST_STEP = "step METHOD h=1/2 : q, or v, energy, k1.q; with y'=-y y(0)=1 on a problem"
-_DIGITS = (
-    "relative_error of a run, by what a method loses, or roundoff METHOD h=1/4 : c, u times which each step rounds"
-)
-_NORM = "sqrt(principal_error METHOD : squared_norm)"
-_SIGNED = (
-    "error_constant, or that with a minus: of one step it is that of R(z) - e^z, as computed less exact; of a linear "
-    "multistep method, as exact less computed"
-)
+_DIGITS = "relative_error of a run, what a method loses, or roundoff METHOD h=1/4 : c, u times which each step rounds"
+_GROWS = "energy_multiplier METHOD h=1/4, the factor of each step, or step METHOD h=1/4 : energy_change, what it adds"
+_SIGNED = "error_constant, or that with a minus: of one step computed less exact, of multistep exact less computed"
+_B_STABLE = "algebraically_stable, which is the same where no stage is superfluous"
 _SPECTRUM = "stability_function (y' = λy, z = hλ) or one_step_matrix (of the oscillator)"
 _ENERGY_ERRORS = ("energy_error", "energy_change", "energy_drift")
 _AT_THE_END = "energy_change, which is that at the end of a run; of all steps there is largest_error, of the state"
 _TURNING = ("period", "frequency")
 _TURNS = "dispersion, the leading term of the phase error of a step, or phase_error of a run or a step"
 AMBIGUOUS_FACTS = {
-    **dict.fromkeys(("limit", "stability_limit", "stability_interval", "absolute_stability_interval"), _LIMITS),
-    **dict.fromkeys(("interval_of_stability", "interval_of_absolute_stability", "cfl", "cfl_number"), _LIMITS),
-    **dict.fromkeys(("cfl_limit", "cfl_condition", "h_limit", "step_limit"), _LIMITS),
+    **dict.fromkeys(("limit", "stability_limit", "stability_interval", "absolute_stability_interval"), LIMITS),
+    **dict.fromkeys(("interval_of_stability", "interval_of_absolute_stability", "cfl", "cfl_number"), LIMITS),
+    **dict.fromkeys(("cfl_limit", "cfl_condition", "h_limit", "step_limit"), LIMITS),
     **{
-        f"{most}_{what}": _LIMITS
+        f"{most}_{what}": LIMITS
         for most in ("largest", "largest_stable", "maximal", "maximal_stable", "maximum", "maximum_stable", "critical")
         for what in ("h", "step", "step_size", "time_step")
     },
-    **dict.fromkeys(("stability_region", "stability_bound", "time_step_limit", "step_size_limit"), _LIMITS),
+    **dict.fromkeys(("stability_region", "stability_bound", "time_step_limit", "step_size_limit"), LIMITS),
     **dict.fromkeys(("conserve_energy", "preserve_energy", "energy_conservation"), _KEPT),
     **dict.fromkeys(("butcher_tableau", "tableau", "coefficients", "b_coefficients", "weights", "nodes"), _TABLEAU),
     **dict.fromkeys(("first_step", "one_step", "single_step"), _FIRST_STEP),
     **dict.fromkeys(("digits", "number_of_digits"), _DIGITS),
     **dict.fromkeys(("damping", "damping_ratio", "damping_factor", "growth", "growth_per_step"), _DAMPING),
-    **dict.fromkeys(
-        ("b_stable", "b_stability"), "algebraically_stable, which is the same where no stage is superfluous"
-    ),
-    **dict.fromkeys(("principal_error_norm", "principal_error_constant"), _NORM),
+    **dict.fromkeys(("b_stable", "b_stability"), _B_STABLE),
+    **dict.fromkeys(("energy_growth", "energy_growth_per_step"), _GROWS),
     **dict.fromkeys(("truncation_error_constant", "local_truncation_error_constant", "local_error_constant"), _SIGNED),
     **{
         f"{what}_order": f"{what} METHOD : power, the power of h it begins with, or one less, as in most papers"
@@ -119,17 +109,26 @@ AMBIGUOUS_FACTS = {
 
 # Other name of a setting -> its name.
 OTHER_SETTINGS = {
-    **{"steps": "N", "n": "N", "dt": "h", "T": "t", "λ": "lambda", "tol": "error", "tolerance": "error"},
+    **{
+        "steps": "N",
+        "n": "N",
+        "dt": "h",
+        "T": "t",
+        "λ": "lambda",
+        "tol": "error",
+        "tolerance": "error",
+        "reach": "error",
+    },
     **dict.fromkeys(("step", "stepsize", "step_size", "timestep", "time_step"), "h"),
     **dict.fromkeys(("hλ", "h_λ", "h_lambda"), "z"),
 }
 
 # Words that may stand between the parts of a question, and say nothing there.
 SAY_NOTHING = {"of", "with", "on", "after", "to", "for", "and", "until", "by", "using", "over", "in", "the"}
-SAY_NOTHING |= {"does", "do", "have", "need", "needed", "required", "take", "reach"}
+SAY_NOTHING |= {"does", "do", "have", "need", "needs", "needed", "required", "take", "reach"}
 # And before a question, or within a name.
 ASKING = {"what", "is", "the", "a", "how", "many", "large", "does", "do", "are", "has", "have", "value", "slope"}
-ASKING |= {"approximate", "calculate", "compute", "find", "solve"}
+ASKING |= {"approximate", "calculate", "compute", "find", "solve", "solve_ivp", "scipy"}
 # Steps are counted in digits or in words; periods are no whole number of them.
 _COUNTED = ("one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten")
 WORDED_COUNTS = {word: n for n, word in enumerate(_COUNTED, start=1)}

@@ -12,9 +12,7 @@ RAISED = dict(zip("⁰¹²³⁴⁵⁶⁷⁸⁹⁺⁻⁼⁽⁾ⁿⁱ", "012345678
 LOWERED = dict(zip("₀₁₂₃₄₅₆₇₈₉₊₋₌₍₎ₐₑₕᵢⱼₖₗₘₙₒₚᵣₛₜᵤᵥₓ", "0123456789+-=()aehijklmnoprstuvx", strict=True))
 FRACTIONS = "½⅓⅔¼¾⅕⅖⅗⅘⅙⅚⅐⅛⅜⅝⅞⅑⅒"
 _ONE_SIGN = {
-    **dict.fromkeys(
-        "\u2212\u2010\u2011\u2012\u2013\ufe63\uff0d", "-"
-    ),  # minus signs, and the dashes that stand in for them
+    **dict.fromkeys("\u2212\u2010\u2011\u2012\u2013\ufe63\uff0d", "-"),  # minus signs, and dashes
     **dict.fromkeys("⁄∕", "/"),
     **dict.fromkeys("’‘′", "'"),
     **dict.fromkeys("“”″", '"'),

@@ -28,10 +28,9 @@ _LABELS = {
     re.compile(r"_\{[^{}]{0,40}\}"): "an index",
     re.compile(r"(?:https?://|www\.|doi:)[^\s<>\"]+", re.IGNORECASE): "part of an address",
     re.compile(r"^ ?\(?[0-9]{1,3}[.)](?= )", re.MULTILINE): "the number of an item",
+    re.compile(r"^#+ [0-9]{1,2}(?:\.[0-9]{1,2})*(?=\.? [A-Z])", re.MULTILINE): "the number of a heading",
     re.compile(
-        r"^#+ [0-9]{1,2}(?:\.[0-9]{1,2})*(?=\.? [A-Z])"
-        r"|(?<=[.:!?)]\n)[0-9]{1,2}(?:\.[0-9]{1,2})+(?=\.? [A-Z][a-z ][^\n]{0,80}[^\n.,;:]\n)",
-        re.MULTILINE,
+        r"(?<=[.:!?)]\n)[0-9]{1,2}(?:\.[0-9]{1,2})+(?=\.? [A-Z][a-z ].{0,80}[^.,;:\n]\n)"
     ): "the number of a heading",
     re.compile(r"(?<![^\W_])[^\W\d_]'{0,2}\(-?[0-9]+(?:[./][0-9]+)?\)"): "the argument of a function",
     re.compile(r"\[\^?[0-9]+\]"): "an index or a reference in brackets",

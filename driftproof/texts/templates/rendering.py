@@ -27,10 +27,12 @@ class RenderedText(Printable):
     template: Path
     output: Path
 
-    def write(self) -> None:
-        """Write the file, whole or not at all."""
+    def write(self) -> str:
+        """Write the file, whole or not at all; how many values are in it, and how many of its lines are others."""
+        told = str(self)
         with atomic_write(self.output) as draft:
             Path(draft).write_bytes(self.text.encode("utf-8"))
+        return told
 
     def difference(self) -> str:
         """A unified diff from what the file holds to the text; empty if they are the same."""
@@ -43,10 +45,12 @@ class RenderedText(Printable):
         return "".join(line if line.endswith("\n") else f"{line}\n\\ no end of line\n" for line in lines).rstrip("\n")
 
     def written(self, form: str) -> str:
-        """In "text" the file and how many values are in it; in "json" the text, too."""
+        """In "text" the file, how many values are in it, how many lines would change; in "json" the text, too."""
         if form == "json":
             return as_json({"output": str(self.output), "values": self.asked, "text": self.text})
-        return f"{self.output}: {self.asked} values"
+        signs = [line[0] for line in self.difference().splitlines()[2:]]
+        lines = f", {max(map(signs.count, '+-'))} of its lines changed" if self.output.exists() else ""
+        return f"{self.output}: {self.asked} value{'s' * (self.asked != 1)}{lines}"
 
 
 def render(

@@ -86,6 +86,11 @@ SAME = {
     "what is sqrt(2)": "sqrt(2)",
     "velocity after one step of velocity Verlet from (3, 4) with h=1/2": "run velocity_verlet h=1/2 N=1 from 3,4 : v",
     "evaluations of f for RK4 in ten steps with h=0.01": "40",
+    "principal error norm of RK4": "sqrt(principal_error rk4 : squared_norm)",
+    "stability interval of RK4 on the imaginary axis": "imaginary_limit rk4", "solve_ivp RK45 order": "5",
+    "Euler method y'=y, y(0)=1, h=0.1, y(1)": "(11/10)**10", "RK4 h=1/4, q(10)": "run rk4 h=1/4 t=10 : q",
+    "ratio(q of RK4 h=1 t=1, q(2) of RK4 h=1)": "ratio(run rk4 h=1 t=1 : q, run rk4 h=1 t=2 : q)",
+    "steps RK4 needs to reach 1e-3 at t=2": "steps of RK4 t=2 error=1e-3",
     "steps needed by Euler for error 1e-2 at t=2": "steps of Euler error=1e-2 t=2",
 }  # fmt: skip
 
@@ -157,6 +162,8 @@ REFUSED = [
     ("k2 of RK4 for y'=y, y(0)=1, h=0.1", 1, "'k2' is no readout of step; there are y, exact.y"),
     ("rounding error of RK4 with h=0.1", 1, "roundoff needs a readout after a colon; there are qq"),
     ("f(1) + 1", 1, "'f' is no function; there are abs"),
+    ("order of RK4 on the real axis", 21, "'real' has no place here"),
+    ("energy growth per step of Euler", 1, "may mean energy_multiplier METHOD h=1/4, the factor of each step"),
     ("z(1) of Heun for y'=-y, y(0)=1, h=0.1", 1, "'z' is no readout of run; there are y"),
 ]
 

@@ -29,7 +29,7 @@ def test_check_passes_what_was_rendered_and_shows_what_was_changed(lesson: Path,
     status, out, _ = run("render", "lesson.md.j2", "--check")
     assert status == REFUTED
     assert out.startswith("--- lesson.md (which is not there)\n+++ lesson.md as lesson.md.j2 renders it\n")
-    assert run("render", "lesson.md.j2") == (0, "lesson.md: 1 values\n", "")
+    assert run("render", "lesson.md.j2") == (0, "lesson.md: 1 value\n", "")
     assert run("render", "lesson.md.j2", "--check") == (0, "lesson.md is what lesson.md.j2 renders\n", "")
     text = Path("lesson.md").read_text(encoding="utf-8")
     assert text == "q = 0.877604\nv\n"
@@ -46,6 +46,8 @@ def test_check_passes_what_was_rendered_and_shows_what_was_changed(lesson: Path,
         "\\ no end of line\n+q = 0.877604\n+v\n",
         "",
     )
+    for lines in (2, 0):
+        assert run("render", "lesson.md.j2") == (0, f"lesson.md: 1 value, {lines} of its lines changed\n", "")
 
 
 def test_nothing_is_written_where_a_template_has_a_problem(lesson: Path, run: Run) -> None:
