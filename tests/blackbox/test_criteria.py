@@ -24,7 +24,7 @@ def dying_far_from_home(f, t, y, h):
 
 
 def slow_far_from_home(f, t, y, h):
-    time.sleep(60 * (t > 1000))
+    time.sleep(20 * (t > 1000))
     return codes.rk4(f, t, y, h)
 
 
@@ -52,7 +52,7 @@ def forwards_only(f, t, y, h):
     ],
 )  # fmt: skip
 def test_what_a_further_question_comes_to(step, passed, verdict, section):
-    report = verify(step, "rk4", examples=50, time_limit=10)
+    report = verify(step, "rk4", examples=50, time_limit=4)
     assert report.passed is passed, report
     assert report.verdict.startswith(verdict), report
     marks = [part.title.rpartition(": ")[2] for part in report.sections if part.title.startswith("Steps ")]
@@ -74,7 +74,7 @@ class HangingOnce:
         return subject
 
 
-@pytest.mark.parametrize("nth", [0, 1, 4, 12, 40])
+@pytest.mark.parametrize("nth", [0, 1, 12])
 @pytest.mark.parametrize(("step", "key"), [(codes.rk4, "rk4"), (codes.velocity_verlet, "velocity_verlet")])
 def test_a_call_that_does_not_come_back_refutes_nothing_and_is_no_refusal(step, key, nth):
     method = METHODS[key]

@@ -11,7 +11,7 @@ import pytest
 from driftproof.blackbox.identify import identify
 from driftproof.cli import main
 from tests.blackbox import broken_steppers
-from tests.blackbox.handwritten_steppers import rk4, rk38, velocity_verlet
+from tests.blackbox.handwritten_steppers import rk38, velocity_verlet
 from tests.blackbox.transcripts import summed
 
 
@@ -31,7 +31,7 @@ def two_half_steps(q, v, h):
     return q, v
 
 
-@pytest.mark.parametrize("step", [rk4, rk38, velocity_verlet, with_drag, half_moved, two_half_steps])
+@pytest.mark.parametrize("step", [rk38, with_drag, half_moved, two_half_steps])
 def test_a_stepper_is_named(step, as_before):
     as_before(*summed(identify(step)))
 
@@ -58,7 +58,7 @@ def test_a_built_in_system_leaves_the_order_open():
     ],
 )
 def test_a_rogue_is_a_finding(step, seen):
-    text = identify(step, time_limit=2.0 if step is broken_steppers.hangs else 60.0).text()
+    text = identify(step, time_limit=1.0 if step is broken_steppers.hangs else 60.0).text()
     assert seen in text
     assert "--all" not in text
     assert ("give it more time: --time-limit" in text) == (step is broken_steppers.hangs)
@@ -94,8 +94,8 @@ def test_on_the_command_line_a_stepper_is_given_by_its_name(capsys):
     [
         ("rk38", "write package.module:function"),
         ("no.such.module:step", "cannot be imported"),
-        ("tests.blackbox.test_identify:nothing", "cannot be imported"),
-        ("tests.blackbox.test_identify:pytest", "cannot be called"),
+        ("json:tool", "cannot be imported"),
+        ("json:decoder", "cannot be called"),
         ("json:dumps", "is not one of these"),
     ],
 )

@@ -11,10 +11,28 @@ from tests.campaigns.public_step_bugs import STEPS
 from tests.looping import some
 
 PAGE = Path(__file__).parents[2] / "docs" / "public_bugs.md"
-EACH = (*STEPS, *FAMILIES)
+# What is seen on the same way as another one of them is examined in the long tier.
+LATER = (
+    *("psi4/psi4numpy#103", "FourierFlows/FourierFlows.jl#97", "thunil/mantaflow#10", "openrocket/openrocket#3013"),
+    *("AMReX-Codes/amrex#5326", "probabilistic-numerics/probnum#252", "NumericalEarth/Breeze.jl#980"),
+    *("MPAS-Dev/MPAS-Model#375", "erayzesen/godot-quarkphysics#38", "pafuhana1213/KawaiiPhysics#81"),
+    *(
+        "dhewm/dhewm3#585",
+        "avianphysics/avian#818",
+        "espressomd/espresso#4930",
+        "ufz/ogs5#25",
+        "OPALX-project/OPAL#1375",
+    ),
+    *("Pele-Suite/PelePhysics#300", "pmgbergen/porepy#939", "KratosMultiphysics/Kratos#5515"),
+    "SciML/OrdinaryDiffEq.jl#4329",
+)
+EACH = [
+    pytest.param(each, id=f"{each.reference}: {each.about}", marks=[pytest.mark.long] * (each.reference in LATER))
+    for each in (*STEPS, *FAMILIES)
+]
 
 
-@pytest.mark.parametrize("replay", EACH, ids=[f"{replay.reference}: {replay.about}" for replay in EACH])
+@pytest.mark.parametrize("replay", EACH)
 def test_the_bug_is_caught_its_cause_is_named_and_its_mended_twin_raises_no_alarm(replay):
     found = outcome(replay)
     assert found[:3] == (True, True, False)

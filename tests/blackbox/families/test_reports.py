@@ -26,7 +26,7 @@ def test_a_report_says_what_to_do_and_how_it_was_called():
 
 
 def test_a_stepper_that_hangs_is_undecided_and_one_that_raises_gives_no_answer():
-    assert verify(broken_steppers.hangs, "bdf2", time_limit=2.0).passed is None
+    assert verify(broken_steppers.hangs, "bdf2", time_limit=1.0).passed is None
     report = verify(_raising, "bdf2", isolate=False)
     assert report.passed is False
     assert report.verdict.startswith("gives no answer")

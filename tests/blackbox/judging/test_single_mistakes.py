@@ -94,7 +94,7 @@ def gives_up(q, v, h):
 
 @pytest.mark.parametrize(
     ("step", "key"),
-    [(codes.rk4, "rk4"), (codes.rk38, "dormand_prince54"), (codes.rk4, "gauss2"), (codes.velocity_verlet, "ssprk104")],
+    [(codes.rk4, "rk4"), (codes.rk38, "dormand_prince54"), (codes.rk4, "gauss2"), (codes.velocity_verlet, "rk4")],
 )
 def test_nothing_is_said_of_a_right_step_or_of_one_that_is_far_off(step, key):
     assert single_mistakes(opened(step), METHODS[key]) == ()

@@ -10,6 +10,7 @@ from driftproof.methods.catalogue import METHODS
 from driftproof.methods.schemes import RungeKutta, Splitting
 from driftproof.symbolic.rounding.formats import BINARY64
 from tests.blackbox.handwritten_steppers import floats
+from tests.catalogue.representatives import THOROUGH
 
 EXPLICIT = [key for key, method in METHODS.items() if method.explicit]
 TABLEAUX = [key for key in EXPLICIT if isinstance(METHODS[key], RungeKutta)]
@@ -19,6 +20,7 @@ SPLITTINGS = [key for key in EXPLICIT if isinstance(METHODS[key], Splitting)]
 TOLD = ["forward_euler", "rk4", "zonneveld43", "ralston4", "luther6", "fehlberg45", "dormand_prince54", "dop853"]
 TOLD += ["ssprk104", "chebyshev10_1", "symplectic_euler", "velocity_verlet", "yoshida4", "mclachlan4", "nystrom4"]
 TOLD += ["backward_euler", "gauss2", "sdirk2", "lobatto_iiia3"]
+EACH = [*METHODS] if THOROUGH else TOLD
 # The same step under several names: a pair propagates it, or it was found twice.
 TIES = [
     {"heun2", "ssprk22", "heun_euler21"}, {"rk4", "zonneveld43"}, {"ralston3", "bogacki_shampine32"},

@@ -109,7 +109,7 @@ def cut(y1, error, h, y):
     return y1, np.minimum(error, 1e-3)
 
 
-@pytest.mark.parametrize("key", ["verner65", "verner76", "fehlberg78"])
+@pytest.mark.parametrize("key", ["verner65", "verner76"])
 def test_an_estimate_of_stages_called_in_another_order_is_held_to_the_stages_that_they_are(key):
     stages = [*range(METHODS[key].stages)]
     late = max(i for i in stages if METHODS[key].a[i][i - 1] == 0)
@@ -142,14 +142,12 @@ SPOILED = {
 
 
 @pytest.mark.parametrize("name", SPOILED)
-@pytest.mark.parametrize("form", ["a difference", "absolute", "the largest"])
+@pytest.mark.parametrize("form", ["a difference", "absolute"])
 def test_all_that_is_said_of_an_estimate_is_what_it_was(name, form, as_before):
     step = pair_step("dormand_prince54", FORMS[form][0], estimate=SPOILED[name])
-    for held in (None, METHODS["dormand_prince54"], METHODS["fehlberg45"]):
-        found = judged_estimate(opened(step, "field"), held)
-        assert found.lines
-    own = judged_estimate(opened(step, "field"))
-    as_before(own.data, found.data)
+    found = [judged_estimate(opened(step, "field"), held) for held in (None, METHODS["fehlberg45"])]
+    assert all(each.lines for each in found)
+    as_before(*(each.data for each in found))
 
 
 # A third of the weights may be off, of four one, but no more than three.

@@ -26,13 +26,14 @@ from driftproof.numeric.steppers import rk4
 from driftproof.symbolic.rounding.formats import BINARY64
 from tests.blackbox.catalogue_steppers import float_subject, with_one_changed
 from tests.blackbox.matching.linear_fits import VARIANTS, fit
+from tests.blackbox.matching.readings import EACH, TOLD
 from tests.blackbox.transcripts import Asked
 from tests.looping import some
 
 CHANGES = (lambda c: c + Q(1, 10**10), lambda c: -c)
 
 
-@pytest.mark.parametrize("key", METHODS)
+@pytest.mark.parametrize("key", EACH)
 def test_a_method_with_one_coefficient_wrong_is_not_named_that_method(key, as_before):
     each, said = next(each for each in equivalent_methods() if key in each.keys), []
     # Nodes that change sign are no nodes of a collocation method.
@@ -41,7 +42,8 @@ def test_a_method_with_one_coefficient_wrong_is_not_named_that_method(key, as_be
         explained = explained_by(each, reading, *rates_of(reading), known=True)
         assert explained.error.in_bounds > 1 or explained.restriction or not explained.rates_are_right
         said.append(f"{explained.words}, {explained.error.in_bounds:.3g} bounds")
-    as_before(*said)
+    if key in TOLD:
+        as_before(*said)
 
 
 @pytest.mark.parametrize(("step", "words"), VARIANTS, ids=[words for _, words in VARIANTS])

@@ -60,13 +60,14 @@ def sample(changed, key):
     return found[sum(map(ord, key)) % len(found)]
 
 
-@pytest.mark.parametrize("key", SHORT[::3])
+@pytest.mark.parametrize("key", SHORT[::4])
 def test_a_wrong_coefficient_is_named_through_both_conventions(key, as_before):
     name, wrong = sample(changed_tableaux(METHODS[key]), key)
     step = codes.tableau(*codes.floats(wrong))
-    demand_that_it_is_named(in_field(step), key, name)
-    demand_that_it_is_named(match_forces(read_forces(opened(step, "field"))), key, name)
-    as_before(*in_field(step).lines, *match_forces(read_forces(opened(step, "field"))).lines)
+    found = in_field(step), match_forces(read_forces(opened(step, "field")))
+    for identity in found:
+        demand_that_it_is_named(identity, key, name)
+    as_before(*(line for identity in found for line in identity.lines))
 
 
 @pytest.mark.long
@@ -139,7 +140,7 @@ def test_what_is_said_of_rounded_tables_is_what_it_was(key, as_before):
     as_before(*said)
 
 
-@pytest.mark.parametrize("key", ["ruth3", "velocity_verlet", "nystrom4", "rk4", "heun3"])
+@pytest.mark.parametrize("key", ["ruth3", "nystrom4", "heun3"])
 @pytest.mark.parametrize("off", [1e-12, 0.1])
 def test_what_is_said_of_forces_that_are_off_is_what_it_was(key, off, as_before):
     method = METHODS[key]

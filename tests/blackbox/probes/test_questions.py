@@ -75,11 +75,15 @@ def test_what_has_none_is_refused():
 
 @pytest.mark.parametrize(("step", "key"), RIGHT, ids=range(len(RIGHT)))
 def test_a_step_whose_force_is_given_right_velocities_is_its_method_and_raises_no_alarm(step, key):
-    found = verify(step, key, examples=20, isolate=False)
-    assert found.passed, found.text()
     report = identify(step, isolate=False)
     assert re.match(rf"it is {key}\b(?!.* but )", report.verdict)
     assert report.section("Faults") is None
+
+
+@pytest.mark.parametrize(("step", "key"), RIGHT[::4], ids=range(len(RIGHT[::4])))
+def test_a_step_whose_force_is_given_right_velocities_passes_as_its_method(step, key):
+    found = verify(step, key, examples=20, isolate=False)
+    assert found.passed, found.text()
 
 
 @pytest.mark.parametrize(("step", "key", "words"), WRONG, ids=[f"{key}: {words}" for _, key, words in WRONG])
