@@ -8,7 +8,7 @@ from fractions import Fraction
 from functools import cache
 
 from driftproof.methods.catalogue import FACTS_ONLY, METHODS
-from driftproof.methods.names import also_known_as
+from driftproof.methods.names import also_known_as, keys_called
 from driftproof.texts.values.published import published_values
 
 # Words of a quantity, and of those that it is taken for.
@@ -37,12 +37,12 @@ _LONGEST = 400
 _GIVEN = {x: re.compile(rf"(?<![a-z]){x}\s?=\s?([0-9]+(?:\.[0-9]+|/[1-9][0-9]*)?)(?![\w/])") for x in "ht"}
 
 
-def contradicted(question: str, text: str, start: int, end: int) -> bool:
+def contradicted(question: str, text: str, start: int, end: int, asked: bool = False) -> bool:
     """Whether the sentence around the number from `start` to `end` speaks of another value than the question's.
 
     Of another method, length of step, time, component or quantity: the last one before the number that is named, and
-    where none is, the first behind it. Where several are listed before any number, nothing is denied. The text is in
-    lower case.
+    where none is, the first behind it. Where several are listed before any number, nothing is denied. What the author
+    `asked` for is denied by a method before it only. The text is in lower case.
 
     >>> contradicted("real_limit rk4", text := "rk4's imaginary limit is 2.785", text.index("2."), len(text))
     True
@@ -50,6 +50,11 @@ def contradicted(question: str, text: str, start: int, end: int) -> bool:
     before = _ENDS.split(text[max(0, start - _LONGEST) : start])[-1]
     after = _ENDS.split(text[end : end + _LONGEST])[0]
     head, _, readout = question.rpartition(" : ") if " : " in question else (question, "", question.split(" ")[0])
+    key = min(methods_named(question.lower()), default="")
+    (own_before, other_before), (own_after, other_after) = (_methods(part, key) for part in (before, after))
+    denied = bool(key) and _denied(own_before, other_before, before, () if asked else other_after, own_after)
+    if asked or denied:
+        return denied
     quantity = readout.rpartition(".")[2]
     own, other = _QUANTITIES.get(quantity, ("", ""))
     if own and _denied(_words(own, before), _words(other, before), before, _words(other, after), _words(own, after)):
@@ -62,11 +67,6 @@ def contradicted(question: str, text: str, start: int, end: int) -> bool:
     found = _COMPONENT.search(before) if quantity in ("q", "v") else None
     if found and (quantity == "q") != (found[1] in ("q", "x") or bool(found[2])):
         return True
-    key = next((word for word in re.split(r"[ .]", head) if word in METHODS or word in FACTS_ONLY), "")
-    if key:
-        (own_before, other_before), (own_after, other_after) = (_methods(part, key) for part in (before, after))
-        if _denied(own_before, other_before, before, other_after, own_after):
-            return True
     return any(_of_another(letter, head, before, after) for letter in "ht")
 
 
@@ -113,12 +113,12 @@ def methods_named(text: str) -> set[str]:
 
 
 def _flat(text: str) -> str:
-    return re.sub("[-_\n]", " ", text)
+    return re.sub("--+|[-_\n]", " ", text)
 
 
 @cache
 def _names() -> dict[str, set[str]]:
-    found: dict[str, set[str]] = {}
+    found = {"leapfrog": {*keys_called("leapfrog")}}
     for key, method in (*METHODS.items(), *FACTS_ONLY.items()):
         for name in (key, method.title, *also_known_as(key)):
             found.setdefault(_flat(name.lower()), set()).add(key)

@@ -138,7 +138,7 @@ class Suggestions:
             named = fit == len(known.names) + len(known.numbers) and fit > (digits < 2 or not asked)
             # Roots of small numbers are no random digits; and what the sentence denies is not meant, however it looks.
             near = asked or fit > 0 or isinstance(known.answer.exact, Fraction)
-            denied = not asked and contradicted(known.question, self._lower, number.start, number.end)
+            denied = contradicted(known.question, self._lower, number.start, number.end, asked)
             # What a text of ours chose, another may choose, too.
             chosen = known.answer.evidence == GIVEN
             strong = (likely or (known.answer.exact == x and named)) and near and not (denied or chosen)

@@ -118,6 +118,11 @@ def test_values_that_the_author_asks_for_are_strong_on_the_line_of_what_was_chos
     assert [q.rpartition("t=")[2] for q, _ in suggestions.nowhere()] == ["1.0 : y0", "1.0 : state_error"]
     rows = Suggestions("| RK4 | 1.64872 |\n| Heun | 1.64745 |", ["run {Heun,RK4} lambda=1 h=1/10 t=1/2 : {exact.y,y}"])
     assert rows.of(numbers_in(rows.text)[1])[0].question == "run RK4 lambda=1 h=1/10 t=1/2 : y"
+    constants = Suggestions(
+        "It is -1/2 for Euler and -1/3 for Heun. BDF2 has -1/3.", ["error constant of {Euler,BDF2}"]
+    )
+    assert [each.strong for n in numbers_in(constants.text)[1:2] for each in constants.of(n)[:1]] == [False]
+    assert constants.of(numbers_in(constants.text)[-1])[0].strong
     alone = Suggestions("0.128 and 0.052", ASKED)
     assert [one.strong for n in numbers_in(alone.text) for one in alone.of(n)[:1]] == [True, False]
 
