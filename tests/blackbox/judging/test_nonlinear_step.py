@@ -18,6 +18,7 @@ from driftproof.methods.stepping import stepper
 from tests.blackbox import handwritten_steppers as codes
 from tests.blackbox.implicit_steppers import all_at_once, fixed_point, table
 from tests.blackbox.transcripts import Asked
+from tests.catalogue.representatives import THOROUGH
 
 SOLVED = Allowance(solver_tolerance=Fraction(1, 10**12))
 
@@ -42,7 +43,7 @@ def test_an_explicit_method_agrees_with_itself_by_its_force_or_its_right_hand_si
 IMPLICIT = [key for key, method in METHODS.items() if not method.explicit and type(method).__name__ != "Nystrom"]
 
 
-@pytest.mark.parametrize("key", IMPLICIT)
+@pytest.mark.parametrize("key", IMPLICIT if THOROUGH else IMPLICIT[::3])
 def test_an_implicit_method_agrees_with_itself_and_with_no_neighbour(key):
     method = METHODS[key]
     subject = opened(iterated(key), "field")
