@@ -55,8 +55,7 @@ SILENT = {
 }
 
 
-@pytest.mark.parametrize("way", WAYS)
-@pytest.mark.parametrize("rogue", SILENT)
+@pytest.mark.parametrize(("rogue", "way"), [*product(SILENT, WAYS[:1]), (broken_steppers.hoards, "by name")])
 def test_a_rogue_without_an_answer_has_one_check(rogue, way):
     checks = all_checks(runner(rogue, way))
     assert [(check.key, check.holds) for check in checks] == [("answers", False)]
@@ -78,8 +77,7 @@ SAID = {
 }
 
 
-@pytest.mark.parametrize("way", WAYS)
-@pytest.mark.parametrize("rogue", SAID)
+@pytest.mark.parametrize(("rogue", "way"), [*product(SAID, WAYS[:1]), (broken_steppers.remembers, "by name")])
 def test_a_rogue_that_answers_is_described(rogue, way):
     assert any(SAID[rogue] in words for words in faults(all_checks(runner(rogue, way))))
 
