@@ -45,10 +45,6 @@ def test_the_report_says_the_order_twice_and_the_rounding():
     assert report.section("Faults") is None
 
 
-def test_a_built_in_system_leaves_the_order_open():
-    assert identify(two_half_steps).section("Order").lines == ("on other than linear problems the order is not known",)
-
-
 @pytest.mark.parametrize(
     ("step", "seen"),
     [

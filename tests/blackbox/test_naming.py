@@ -3,7 +3,6 @@
 import pytest
 
 from driftproof.blackbox.identify import identify
-from tests.blackbox.handwritten_steppers import rk4
 from tests.blackbox.transcripts import summed
 
 
@@ -28,15 +27,6 @@ def backward(force, q, v, h):
 @pytest.mark.parametrize("step", [of_average, backward])
 def test_implicit_steps_of_a_force_with_one_linear_step_are_told_apart_by_nonlinear_ones(step, as_before):
     as_before(*summed(identify(step, isolate=False)))
-
-
-def test_a_right_tableau_called_at_wrong_times_is_named_with_its_order():
-    def late(f, t, y, h):
-        return rk4(lambda s, z: f(s + h, z), t, y, h)
-
-    report = identify(late)
-    assert report.verdict.startswith("it is rk4 called at wrong times: order 1 where")
-    assert report.data["order"] == 1
 
 
 def solved_by_iteration(theta, tolerance, *, relative):

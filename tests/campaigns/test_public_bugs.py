@@ -12,14 +12,8 @@ from tests.looping import some
 
 PAGE = Path(__file__).parents[2] / "docs" / "public_bugs.md"
 # What is seen on the same way as another one of them is examined in the long tier.
-LATER = (
-    *("psi4/psi4numpy#103", "FourierFlows/FourierFlows.jl#97", "thunil/mantaflow#10", "openrocket/openrocket#3013"),
-    *("AMReX-Codes/amrex#5326", "probabilistic-numerics/probnum#252", "NumericalEarth/Breeze.jl#980"),
-    *("MPAS-Dev/MPAS-Model#375", "erayzesen/godot-quarkphysics#38", "pafuhana1213/KawaiiPhysics#81"),
-    *("dhewm/dhewm3#585", "avianphysics/avian#818", "espressomd/espresso#4930", "ufz/ogs5#25"),
-    *("OPALX-project/OPAL#1375", "Pele-Suite/PelePhysics#300", "pmgbergen/porepy#939"),
-    *("KratosMultiphysics/Kratos#5515", "SciML/OrdinaryDiffEq.jl#4329"),
-)
+LATER = ("pafuhana1213/KawaiiPhysics#81", "ufz/ogs5#25", "OPALX-project/OPAL#1375", "Pele-Suite/PelePhysics#300")
+LATER += ("pmgbergen/porepy#939", "KratosMultiphysics/Kratos#5515", "SciML/OrdinaryDiffEq.jl#4329")
 EACH = [
     pytest.param(each, id=f"{each.reference}: {each.about}", marks=[pytest.mark.long] * (each.reference in LATER))
     for each in (*STEPS, *FAMILIES)

@@ -166,10 +166,6 @@ def test_a_matrix_of_drag_or_of_turning_is_told_and_is_no_method_of_one_number(s
     assert report.data["method"] is None
 
 
-def test_what_has_a_drag_is_no_method_of_forces_alone():
-    assert verify(OF_VECTORS[0][0], "symplectic_euler", examples=20, isolate=False).passed is False
-
-
 EACH, NONE = "in each step, however short", "a law of h that is none of exp"
 # Steps that are off by k, what is said of one that is off too far, and k before and behind the bound.
 BOUNDS = [

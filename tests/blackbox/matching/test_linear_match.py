@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from fractions import Fraction as Q
-from itertools import product
 from math import cos, cosh, sin, sinh
 
 import numpy as np
@@ -164,12 +163,11 @@ LINEAR_STEPS = {
 }  # fmt: skip
 
 
-# Those that are read as in binary64.
-IN_BINARY64_ALONE = ("dragged", "iterated", "adaptive", "repelled", "near_rk4", "shortly_forwards")
-IN_BINARY32 = [name for name in LINEAR_STEPS if name not in IN_BINARY64_ALONE]
+ALIKE = ("dragged", "iterated", "adaptive", "repelled", "near_rk4", "shortly_forwards")  # in binary32 and in binary64
+CASES = [(each, name) for name in LINEAR_STEPS for each in (None, np.float32) if each is None or name not in ALIKE]
 
 
-@pytest.mark.parametrize(("array", "name"), [*product([None], LINEAR_STEPS), *product([np.float32], IN_BINARY32)])
+@pytest.mark.parametrize(("array", "name"), CASES)
 def test_a_step_is_named_as_what_it_is_and_all_else_is_as_it_was(name, array, as_before):
     asked = Asked(LINEAR_STEPS[name])
     found = linear_fit(opened(asked.code, array=array))

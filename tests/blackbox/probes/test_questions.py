@@ -78,12 +78,7 @@ def test_a_step_whose_force_is_given_right_velocities_is_its_method_and_raises_n
     report = identify(step, isolate=False)
     assert re.match(rf"it is {key}\b(?!.* but )", report.verdict)
     assert report.section("Faults") is None
-
-
-@pytest.mark.parametrize(("step", "key"), RIGHT[::4], ids=range(len(RIGHT[::4])))
-def test_a_step_whose_force_is_given_right_velocities_passes_as_its_method(step, key):
-    found = verify(step, key, examples=20, isolate=False)
-    assert found.passed, found.text()
+    assert (step, key) not in RIGHT[::4] or verify(step, key, examples=20, isolate=False).passed
 
 
 @pytest.mark.parametrize(("step", "key", "words"), WRONG, ids=[f"{key}: {words}" for _, key, words in WRONG])
