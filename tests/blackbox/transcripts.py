@@ -49,8 +49,11 @@ def _shown(x: Any) -> str:
     """Numbers to the last bit; of a ball, whose last digits are nobody's promise, only what it is."""
     if isinstance(x, int | float | np.floating | np.integer):
         return f"{type(x).__name__} {float(x)!r}"
+    if isinstance(x, np.ndarray) and x.ndim == 1 and x.dtype == float:  # the usual case, at once
+        return f"{type(x).__name__}[{' '.join([f'float64 {each!r}' for each in x.tolist()])}]"
     if isinstance(x, list | tuple | np.ndarray):
-        return f"{type(x).__name__}[{' '.join(map(_shown, x if np.ndim(x) else [x.item()]))}]"
+        parts = [x.item()] if isinstance(x, np.ndarray) and x.ndim == 0 else x
+        return f"{type(x).__name__}[{' '.join(map(_shown, parts))}]"
     return type(x).__name__
 
 

@@ -42,7 +42,7 @@ def floats_in(value: Foreign, size: int) -> list[float]:
     array = as_array(value)
     if array.size != size:
         raise WrongShape(f"{size} number{'s' * (size != 1)} went in, {array.size} came out (shape {array.shape})")
-    return [float(x) for x in array.ravel()]
+    return array.astype(float, copy=False).ravel().tolist()
 
 
 def as_array(value: Foreign) -> np.ndarray[Any, Any]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import cached_property
 
 
 @dataclass(frozen=True)
@@ -20,12 +21,12 @@ class FloatFormat:
     emin: int
     emax: int
 
-    @property
+    @cached_property
     def u(self) -> Fraction:
         """u = 2**-p, the unit roundoff: half the distance from 1 to the next number."""
         return power_of_two(-self.precision)
 
-    @property
+    @cached_property
     def relative_error(self) -> Fraction:
         """u/(1+u), the largest relative error of one rounding to nearest of a number not in the underflow range.
 
@@ -33,12 +34,12 @@ class FloatFormat:
         """
         return self.u / (1 + self.u)
 
-    @property
+    @cached_property
     def eta(self) -> Fraction:
         """2**(emin - p + 1), the smallest subnormal: below 2**emin one rounding errs by at most eta/2."""
         return power_of_two(self.emin - self.precision + 1)
 
-    @property
+    @cached_property
     def largest(self) -> Fraction:
         """(2 - 2u) 2**emax, the largest finite number."""
         return (2 - 2 * self.u) * power_of_two(self.emax)
@@ -56,13 +57,12 @@ class FloatFormat:
 
     def holds(self, x: Fraction | int) -> bool:
         """True when `x` is one of the format's finite numbers."""
-        x = Fraction(x)
-        return abs(x) <= self.largest and self.nearest(x) == x
+        return -self.largest <= x <= self.largest and self.nearest(x) == x
 
 
 def power_of_two(k: int) -> Fraction:
     """2**k, exactly."""
-    return Fraction(2) ** k
+    return Fraction(1 << k) if k > 0 else Fraction(1, 1 << -k)
 
 
 def is_power_of_two(x: Fraction) -> bool:
