@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import logging
 import re
-from collections.abc import Iterator, Sequence
-from concurrent.futures import CancelledError, Executor
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import CancelledError, Executor, Future
 from contextlib import AbstractContextManager, contextmanager, nullcontext
 from pathlib import Path
 from typing import Any
@@ -101,6 +101,32 @@ def _cells(readouts: Readouts, names: list[str]) -> list[str]:
     return ["undefined" if x is None else with_digits(x, _DIGITS) if isinstance(x, float) else str(x) for x in values]
 
 
+class _ClusterExecutor(Executor):
+    """An executor on a dask client that survives the death of a worker between the end of a task and its delivery.
+
+    `Client.get_executor` does not: it looks at the future's status after the result has arrived, and takes the result
+    of a future that is "lost" by then for an exception.
+    """
+
+    def __init__(self, client: Any) -> None:
+        self._client = client
+
+    def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
+        """Run fn on a worker; cancelling the future cancels the task."""
+        task, future = self._client.submit(fn, *args, pure=False, **kwargs), Future[Any]()
+
+        def deliver(_: object) -> None:
+            if future.set_running_or_notify_cancel():
+                try:
+                    future.set_result(task.result())
+                except BaseException as error:
+                    future.set_exception(error)
+
+        future.add_done_callback(lambda done: task.cancel() if done.cancelled() else None)
+        task.add_done_callback(deliver)
+        return future
+
+
 @contextmanager
 def cluster_executor(address: str) -> Iterator[Executor]:
     """An executor on the cluster whose scheduler is at `address`, such as tcp://10.0.0.1:8786, while the block lasts.
@@ -118,7 +144,7 @@ def cluster_executor(address: str) -> Iterator[Executor]:
     logging.disable()  # what went wrong is raised, and distributed logs it once more with its own traceback
     try:
         with Client(address, timeout=_PATIENCE, set_as_default=False) as client:
-            yield client.get_executor(pure=False)
+            yield _ClusterExecutor(client)
     except KilledWorker as error:
         raise ChildProcessError(f"the workers at {address} died of a batch: {error}") from None
     except CancelledError:

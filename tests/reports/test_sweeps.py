@@ -79,6 +79,43 @@ def test_of_a_sweep_with_a_worker_killed_every_point_is_answered_once(cluster, t
     assert [SweepAnswer(p, kept[i]) for i, p in enumerate(points)] == sweeping.run_grid(SCENE, GRID, None, path)
 
 
+class Task:
+    """What a dask client gives for a task that has ended: its result, or the error that fetching it raises."""
+
+    def __init__(self, outcome):
+        self.outcome, self.cancelled, self.status = outcome, False, "lost"
+
+    def add_done_callback(self, call):
+        self.deliver = lambda: call(self)
+
+    def cancel(self):
+        self.cancelled = True
+
+    def result(self):
+        if isinstance(self.outcome, Exception):
+            raise self.outcome
+        return self.outcome
+
+
+@pytest.mark.parametrize("outcome", [(["an answer"], 0.5), KeyError("of the worker"), CancelledError()])
+def test_a_result_is_delivered_whatever_the_status_of_its_task_has_become(outcome):
+    task = Task(outcome)
+    future = sweeps._ClusterExecutor(SimpleNamespace(submit=lambda *_, **__: task)).submit(print)
+    assert not future.done()
+    task.deliver()
+    delivered = future.exception() if isinstance(outcome, Exception) else future.result()
+    assert (delivered, task.cancelled) == (outcome, False)
+
+
+def test_a_cancelled_future_cancels_its_task_and_takes_no_result():
+    task = Task("too late")
+    future = sweeps._ClusterExecutor(SimpleNamespace(submit=lambda *_, **__: task)).submit(print)
+    assert future.cancel()
+    assert task.cancelled
+    task.deliver()
+    assert future.cancelled()
+
+
 @pytest.mark.parametrize(
     ("error", "kind", "line"),
     [
@@ -87,8 +124,7 @@ def test_of_a_sweep_with_a_worker_killed_every_point_is_answered_once(cluster, t
     ],
 )
 def test_what_distributed_logs_of_its_end_is_not_said_twice(error, kind, line, monkeypatch, caplog):
-    client = SimpleNamespace(get_executor=lambda pure: None)
-    fake = SimpleNamespace(Client=lambda *_, **__: nullcontext(client), KilledWorker=KeyError)
+    fake = SimpleNamespace(Client=lambda *_, **__: nullcontext(), KilledWorker=KeyError)
     monkeypatch.setitem(sys.modules, "distributed", fake)
     monkeypatch.setattr(sweeps, "require_package", lambda *_: None)
 
