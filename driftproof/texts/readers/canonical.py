@@ -34,9 +34,9 @@ _SPECIAL = re.compile(
 def canonical_spelling(text: SourceText) -> SourceText:
     """The text in canonical spelling, with the places of its characters kept.
 
-    White space is " " or, with a line break in it, "\\n"; minus signs and dashes are "-", primes and apostrophes "'", and
-    no-break spaces between groups of digits ","; h⁶ is h^6, 10⁻⁴ is 10^{-4}, q₁ is q_1, vₙ₊₁ is v_{n+1}, ½ is 1/2; all
-    digits are 0 to 9.
+    White space is " " or, with a line break in it, "\\n"; minus signs and dashes are "-"; primes and apostrophes are ';
+    no-break spaces between groups of digits are commas; h⁶ is h^6, 10⁻⁴ is 10^{-4}, q₁ is q_1, vₙ₊₁ is v_{n+1}, ½ is
+    1/2; all digits are 0 to 9.
     """
     return text.rewritten(_SPECIAL, _pieces)
 

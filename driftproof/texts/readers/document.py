@@ -64,7 +64,7 @@ class Document:
 
     @cached_property
     def _ranges(self) -> list[tuple[int, int, int]]:
-        """The origin in the file and the span in the text of each block, by origin: notebooks may store outputs first."""
+        """The origin in the file and the span in the text of each block, sorted: notebooks may store outputs first."""
         ends = (*self.starts, len(self.text.text))[1:]
         blocks = ((self.text.origin(start), start, end) for start, end in zip(self.starts, ends, strict=True))
         return [(-1, 0, 0), *sorted(blocks)]
