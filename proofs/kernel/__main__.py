@@ -39,7 +39,7 @@ def main(arguments: list[str] | None = None) -> int:
         for claim in options.claims:
             if claim not in rows:
                 parser.error(f"{claim} is no claim of {LEDGER.name}")
-            print(_beside(claim, rows[claim][0]))
+            print(_claim_text(claim, rows[claim][0]))
         return 0
     if (advice := missing_programs()) is not None:
         print(advice, file=sys.stderr)
@@ -51,7 +51,7 @@ def main(arguments: list[str] | None = None) -> int:
         return 1
 
 
-def _beside(claim: str, sentence: str) -> str:
+def _claim_text(claim: str, sentence: str) -> str:
     certificate = certificates().get(claim)
     if certificate is None:
         return f"{claim}  {sentence}\n      no certificate: docs/kernel.md says why"

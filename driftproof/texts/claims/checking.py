@@ -203,11 +203,11 @@ def coverage(
         holders += [(*span, LABEL, label.why) for span in found]
     holders += [(*span, RUN, "running the listing") for span in ran]
     holders += [(*span, LABEL, IN_PROGRAM) for span in document.code]
-    numbers = [number for span, how in values.items() for number in _of_value(text, span, *how)]
+    numbers = [number for span, how in values.items() for number in _numbers_of_value(text, span, *how)]
     rest = list(text)
     for start, end in values:  # replaced by private-use characters, part of no number and no word
         rest[start:end] = "\uf8ff" * (end - start)
-    numbers += _of_rest("".join(rest), holders)
+    numbers += _other_numbers("".join(rest), holders)
     held = set[int]()
     for start, end in {(start, end) for start, end, *_ in holders}.difference(unheld) | values.keys():
         held.update(range(start, end))
@@ -215,7 +215,7 @@ def coverage(
     return Coverage(tuple(sorted(numbers, key=lambda accounted: accounted.number.start)), unread)
 
 
-def _of_value(text: str, span: Span, kind: str, by: str) -> Iterator[Accounted]:
+def _numbers_of_value(text: str, span: Span, kind: str, by: str) -> Iterator[Accounted]:
     """The numbers within one value: a formula may hold several."""
     start, end = span
     for number in numbers_in(text[start:end]):
@@ -223,7 +223,7 @@ def _of_value(text: str, span: Span, kind: str, by: str) -> Iterator[Accounted]:
             yield Accounted(replace(number, start=start + number.start, end=start + number.end), kind, by)
 
 
-def _of_rest(text: str, holders: list[tuple[int, int, str, str]]) -> Iterator[Accounted]:
+def _other_numbers(text: str, holders: list[tuple[int, int, str, str]]) -> Iterator[Accounted]:
     held: list[tuple[int, str, str] | None] = [None] * len(text)  # per character: end, kind and reason
     for start, end, kind, by in sorted(holders, key=lambda holder: (holder[3] == IN_PROGRAM, holder[0]), reverse=True):
         held[start:end] = [(end, kind, by)] * (end - start)

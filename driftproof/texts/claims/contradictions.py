@@ -52,12 +52,12 @@ def contradicted(question: str, text: str, start: int, end: int, asked: bool = F
     head, _, readout = question.rpartition(" : ") if " : " in question else (question, "", question.split(" ")[0])
     key = min(methods_named(question.lower()), default="")
     (own_before, other_before), (own_after, other_after) = (_methods(part, key) for part in (before, after))
-    denied = bool(key) and _denied(own_before, other_before, before, () if asked else other_after, own_after)
-    if asked or denied:
-        return denied
+    other_method = bool(key) and _differs(own_before, other_before, before, () if asked else other_after, own_after)
+    if asked or other_method:
+        return other_method
     quantity = readout.rpartition(".")[2]
     own, other = _QUANTITIES.get(quantity, ("", ""))
-    if own and _denied(_words(own, before), _words(other, before), before, _words(other, after), _words(own, after)):
+    if own and _differs(_words(own, before), _words(other, before), before, _words(other, after), _words(own, after)):
         return True
     in_formula = re.search(r"[+*/^√]\(?\s?\Z", before) or re.match(r"\s?[+*/^√]", after)
     if in_formula and (end - start == 1 or quantity in _COUNTED):  # the 2 of 2√2
@@ -67,10 +67,10 @@ def contradicted(question: str, text: str, start: int, end: int, asked: bool = F
     found = _COMPONENT.search(before) if quantity in ("q", "v") else None
     if found and (quantity == "q") != (found[1] in ("q", "x") or bool(found[2])):
         return True
-    return any(_of_another(letter, head, before, after) for letter in "ht")
+    return any(_gives_another_value(letter, head, before, after) for letter in "ht")
 
 
-def _denied(
+def _differs(
     own: Sequence[int], other: Sequence[int], before: str, other_after: Sequence[int], own_after: Sequence[int]
 ) -> bool:
     """True if the words name another quantity rather than this one; words after the number are a fallback."""
@@ -131,7 +131,7 @@ def _spoken_names() -> re.Pattern[str]:
     return re.compile(rf"\b(?:{'|'.join(map(re.escape, sorted(_names(), key=len, reverse=True)))})\b")
 
 
-def _of_another(letter: str, head: str, before: str, after: str) -> bool:
+def _gives_another_value(letter: str, head: str, before: str, after: str) -> bool:
     """True if the sentence gives `letter`, h or t, another value than the question does."""
     said = _GIVEN[letter].findall(before)[-1:] or _GIVEN[letter].findall(after)[:1]
     asked = re.search(rf"(?<![a-z]){letter}=(\S+)", head)

@@ -37,14 +37,14 @@ def same_formula(a: str, b: str) -> bool:
     ranges = []
     for name in names:
         degrees = {each: _Degree(each == name) for each in names}
-        (n, d), (m, e) = (_at(formula, degrees, lambda _: _Degree(0)) for formula in (first, second))
+        (n, d), (m, e) = (_ratio(formula, degrees, lambda _: _Degree(0)) for formula in (first, second))
         ranges.append(range(int(max(n * e, m * d)) + 1))
     if (count := prod(map(len, ranges))) > _MOST_POINTS:
         raise ValueError(f"the formulas are too long to compare: {count} points")
     defined = [False, False]
     for point in product(*ranges):
         values = dict(zip(names, map(Fraction, point), strict=True))
-        (n, d), (m, e) = _at(first, values, Fraction), _at(second, values, Fraction)
+        (n, d), (m, e) = _ratio(first, values, Fraction), _ratio(second, values, Fraction)
         if n * e != m * d:
             return False
         defined = [defined[0] or d != 0, defined[1] or e != 0]
@@ -87,7 +87,7 @@ class _Degree(int):
         return _Degree(int(self) * n)
 
 
-def _at(node: tree.ExpressionNode, values: Mapping[str, Any], number: Callable[[Fraction], Any]) -> tuple[Any, Any]:
+def _ratio(node: tree.ExpressionNode, values: Mapping[str, Any], number: Callable[[Fraction], Any]) -> tuple[Any, Any]:
     """Numerator and denominator at `values`, without any division, so that degree bounds serve as values as well.
 
     A function call does not occur: `_names` has refused it. Raises ValueError for a root.
@@ -98,18 +98,18 @@ def _at(node: tree.ExpressionNode, values: Mapping[str, Any], number: Callable[[
         case tree.NameNode(name=name):
             return values[name], number(Fraction(1))
         case tree.NegatedNode(node=inner):
-            num, den = _at(inner, values, number)
+            num, den = _ratio(inner, values, number)
             return number(Fraction(-1)) * num, den
         case tree.PowerNode(base=base, exponent=exponent):
             if exponent.denominator > 1:
                 raise ValueError("a root stands in it; only rational functions are compared")
-            num, den = _at(base, values, number)
+            num, den = _ratio(base, values, number)
             n = abs(int(exponent))
             return (num**n, den**n) if exponent >= 0 else (den**n, num**n)
         case tree.ChainNode(first=first, rest=rest):
-            num, den = _at(first, values, number)
+            num, den = _ratio(first, values, number)
             for sign, part in rest:
-                a, b = _at(part, values, number)
+                a, b = _ratio(part, values, number)
                 if sign.text in "+-":
                     num, den = num * b + a * den if sign.text == "+" else num * b - a * den, den * b
                 else:

@@ -182,7 +182,7 @@ def _line_origin(text: SourceText, number: int) -> int:
 _NAMES: dict[str, Any] = {"__name__": "__main__"}
 
 
-class _Paper(io.StringIO):
+class _LimitedOutput(io.StringIO):
     """The output of a listing, limited in length."""
 
     def write(self, text: str) -> int:
@@ -194,8 +194,8 @@ class _Paper(io.StringIO):
 
 def run_listing(request: dict[str, Any]) -> dict[str, str | None]:
     """Run a program: return its output, with its last value if the request says `shows`, and its error."""
-    paper, error = _Paper(), None
-    with redirect_stdout(paper):
+    output, error = _LimitedOutput(), None
+    with redirect_stdout(output):
         try:
             tree = ast.parse(request["program"])
             last = tree.body.pop() if request["shows"] and tree.body and isinstance(tree.body[-1], ast.Expr) else None
@@ -209,4 +209,4 @@ def run_listing(request: dict[str, Any]) -> dict[str, str | None]:
             where = [frame.lineno for frame in frames if frame.filename == "listing"]
             line = where[0] if where else getattr(raised, "lineno", None)
             error = f"{type(raised).__name__}: {raised}"[:500] + (f" (line {line} of the listing)" if line else "")
-    return {"printed": paper.getvalue(), "error": error}
+    return {"printed": output.getvalue(), "error": error}

@@ -119,7 +119,7 @@ class Suggestions:
         self._spelled: dict[NumberForm, dict[str, list[_Known]]] = {}
 
     def of(self, number: TextNumber) -> list[LookAlike]:
-        """Every value that is written like the number, the best first: more of its names nearby, then equality."""
+        """Every value written like the number, best first: asked, not contradicted, more of its names nearby, equal."""
         try:
             x = number.value
         except (ValueError, ZeroDivisionError):
@@ -149,7 +149,7 @@ class Suggestions:
         """The asked questions, with answers, that no number matches strongly or on a line with the chosen numbers."""
         asked = {known.question: known for known in self._known if known.chosen is not None}
         for number in numbers_in(self.text) if asked else ():
-            beside = self._beside(number)
+            beside = self._on_line_of(number)
             for alike in self.of(number) if number.label is None else ():
                 if alike.question in asked and (alike.strong or beside.issuperset(asked[alike.question].numbers)):
                     del asked[alike.question]
@@ -159,7 +159,7 @@ class Suggestions:
         """For each value, how many of its names stand near the number plus how many of its numbers on the same line."""
         near = self.text[max(0, number.start - _NEIGHBOURHOOD) : number.end + _NEIGHBOURHOOD].lower()
         stand = {name for name in self._all_names if re.search(rf"(?<![a-z]){name}", near)}
-        line = self._beside(number) if self.asked else set()
+        line = self._on_line_of(number) if self.asked else set()
         return {
             known.question: sum(name in stand for name in known.names) + sum(x in line for x in known.numbers)
             for known in self._known
@@ -169,7 +169,7 @@ class Suggestions:
     def _all_names(self) -> set[str]:
         return {name for known in self._known for name in known.names}
 
-    def _beside(self, number: TextNumber) -> set[Fraction]:
+    def _on_line_of(self, number: TextNumber) -> set[Fraction]:
         return {x for start, x in self._lines[self.text.count("\n", 0, number.start)] if start != number.start}
 
     @cached_property
@@ -202,8 +202,8 @@ class Suggestions:
         """
         questions = (ids := published_values()) | dict.fromkeys(self._questions())
         found = [_Known(each, each in ids, answer) for each in questions if (answer := _usual(each))]
-        asked = self.asked.items()
-        return [*found, *(_Known(question, False, _of_few_bits(value(question)), chosen) for question, chosen in asked)]
+        asked = [_Known(question, False, _limited(value(question)), chosen) for question, chosen in self.asked.items()]
+        return [*found, *asked]
 
     def _questions(self) -> Iterator[str]:
         sizes, times = _given(_H, self.text, _USUAL_STEPS)[:_MOST_SIZES], _given(_T, self.text, ("10",))[:_MOST_TIMES]
@@ -231,7 +231,7 @@ def _usual(question: str) -> Answer | None:
     return None
 
 
-def _of_few_bits(answer: Answer) -> Answer:
+def _limited(answer: Answer) -> Answer:
     """The answer with its enclosure limited in precision, so that a tie ends early and is not suggested."""
     x = answer.exact
     if x is None or not callable(x):

@@ -45,7 +45,7 @@ def _divide(a: Answer, b: Answer) -> Answer:
 
 
 def negate(a: Answer) -> Answer:
-    """-a."""
+    """The negative of a."""
     x = _number(a)
     return Answer("", (lambda: -enclose(x)) if callable(x) else -x, a.evidence, a.unit)
 
@@ -70,7 +70,7 @@ def raised(a: Answer, exponent: Fraction) -> Answer:
         if abs(enclose(x)).log() / arb(2).log() * abs(n) < LARGEST_BINARY_EXPONENT:
             return Answer("", lambda: enclose(x) ** n, CERTIFIED, a.unit)
         raise ValueError(f"the power is too long to write out: more than {LARGEST_BINARY_EXPONENT} bits")
-    return Answer("", _short(x**n), a.evidence, a.unit)
+    return Answer("", _normalized(x**n), a.evidence, a.unit)
 
 
 def _number(a: Answer) -> CertifiableReal:
@@ -86,7 +86,7 @@ def _absolute(a: Answer) -> Answer:
 
 def _root(a: Answer, degree: int) -> Answer:
     """The root of this degree: exact if rational or in one of FIELDS, else enclosed. Raises ValueError for a < 0."""
-    x = _pure(a)
+    x = _unitless(a)
     if certified_sign(x) < 0:
         raise ValueError("a number below zero has no real root")
     if x == 0:
@@ -101,7 +101,7 @@ def _root(a: Answer, degree: int) -> Answer:
 
 def _logarithm(a: Answer, base: int = 0) -> Answer:
     """The logarithm to base 2 or 10, exact for their powers, or 0 for e. Raises ValueError for a <= 0."""
-    x = _pure(a)
+    x = _unitless(a)
     if certified_sign(x) <= 0:
         raise ValueError("only a number above zero has a logarithm")
     if not base:
@@ -117,7 +117,7 @@ def _logarithm(a: Answer, base: int = 0) -> Answer:
 
 def _entire(a: Answer, name: str, at_zero: int) -> Answer:
     """exp a, cos a or sin a, with a in radians; rational only for a = 0."""
-    return Answer("", Fraction(at_zero), a.evidence) if _pure(a) == 0 else _enclosed(a, getattr(arb, name), name)
+    return Answer("", Fraction(at_zero), a.evidence) if _unitless(a) == 0 else _enclosed(a, getattr(arb, name), name)
 
 
 def _percent(a: Answer, b: Answer) -> Answer:
@@ -158,7 +158,7 @@ OPERATIONS: dict[str, Callable[[Answer, Answer], Answer]] = {
 }
 
 
-def _pure(a: Answer) -> CertifiableReal:
+def _unitless(a: Answer) -> CertifiableReal:
     """The number of an answer without a unit. Raises ValueError if it has one."""
     if a.unit:
         raise ValueError(f"a function of {a.unit} is not defined; divide by a number with that unit first")
@@ -177,13 +177,13 @@ def _combined(a: Answer, b: Answer, operation: Callable[[Any, Any], Any]) -> Ans
     evidence = max(a.evidence, b.evidence, key=EVIDENCE_KINDS.index)
     if not (callable(x) or callable(y)):
         try:
-            return Answer("", _short(operation(x, y)), evidence)
+            return Answer("", _normalized(operation(x, y)), evidence)
         except TypeError:
             evidence = CERTIFIED
     return Answer("", lambda: operation(enclose(x), enclose(y)), evidence)
 
 
-def _short(x: CertifiableReal) -> CertifiableReal:
+def _normalized(x: CertifiableReal) -> CertifiableReal:
     """x, as a Fraction if it is rational. Raises ValueError if it is too long to write out."""
     if isinstance(x, Algebraic) and x.is_rational:
         x = x.as_fraction()

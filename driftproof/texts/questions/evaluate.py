@@ -100,7 +100,7 @@ def _step(context: QueryContext) -> Answer:
     context.demand_only("h", "N", "lambda", start=True, readout=True, unit=True, problem=True)
     counted = context.query.readout is not None and context.query.readout.text == "evaluations"
     h = Fraction(1) if counted and "h" not in context.query.settings else context.setting("h", "h=1/2")
-    return _of_run(context, h, h * (_whole_number(context) if "N" in context.query.settings else 1))
+    return _run_answer(context, h, h * (_whole_number(context) if "N" in context.query.settings else 1))
 
 
 def _run(context: QueryContext) -> Answer:
@@ -119,7 +119,7 @@ def _run(context: QueryContext) -> Answer:
     if len(given) != 2:
         raise context.error(None, "run needs two of h, t and N, as in h=1/4 t=10")
     h = given["h"] if "h" in given else given["t"] / _whole_number(context)
-    return _of_run(context, h, given["t"] if "t" in given else h * _whole_number(context))
+    return _run_answer(context, h, given["t"] if "t" in given else h * _whole_number(context))
 
 
 def _whole_number(context: QueryContext) -> int:
@@ -129,14 +129,14 @@ def _whole_number(context: QueryContext) -> int:
     return int(n.value)
 
 
-def _of_run(context: QueryContext, h: Fraction, t: Fraction) -> Answer:
+def _run_answer(context: QueryContext, h: Fraction, t: Fraction) -> Answer:
     from driftproof.texts.questions.runs import ANGLES, RUN_READOUTS, UNITS, in_unit, run_of, stage_slope
 
     readout, unit = context.query.readout, context.query.unit
     if h == 0:
         raise context.error(None, "a step of size 0 goes nowhere; give a nonzero h")
     if context.about_problem is not None or "lambda" in context.query.settings:
-        return _of_problem(context, context.method() if context.about_problem is not None else None, h, t)
+        return _problem_answer(context, context.method() if context.about_problem is not None else None, h, t)
     method = context.method()
     if unit is not None and (readout is None or readout.text not in ANGLES):
         raise context.error(unit, f"{unit.shown} has no place; only angles have units to choose")
@@ -151,7 +151,7 @@ def _of_run(context: QueryContext, h: Fraction, t: Fraction) -> Answer:
         return found if unit is None else in_unit(found, UNITS[unit.text])
 
 
-def _of_problem(context: QueryContext, method: Method | None, h: Fraction, t: Fraction) -> Answer:
+def _problem_answer(context: QueryContext, method: Method | None, h: Fraction, t: Fraction) -> Answer:
     """Answer for a problem by name, for y' = f(t, y) with its rates written out, or for y' = λy from 1."""
     from driftproof.texts.questions import problems
 
@@ -190,7 +190,7 @@ def _exact(context: QueryContext) -> Answer:
         raise context.error(other, "the exact flow belongs to no method, as in exact t=10 : q")
     if context.about_problem is not None:
         t = context.setting("t", "t=10")
-        return _of_problem(context, None, t, t)
+        return _problem_answer(context, None, t, t)
     return context.readout(EXACT_READOUTS)(context.start, context.setting("t", "t=10"))
 
 

@@ -169,7 +169,7 @@ def problem_readouts(run: ProblemRun, unknowns: Sequence[str] = ()) -> dict[str,
     solution = {f"{exact}{y}": partial(_solution, end, i) for i, y in components}
     if run.method is None:
         return {**solution}
-    read: dict[str, _OfLastState] = {"slope": lambda run, end: run.rate(run.t, end)}
+    read: dict[str, _StateFunction] = {"slope": lambda run, end: run.rate(run.t, end)}
     if isinstance(run.method, RungeKutta) and run.method.explicit:
         read |= {f"k{j}": partial(_slope, j - 1) for j in range(1, len(run.method.b) + 1)}
     return {
@@ -185,10 +185,10 @@ def problem_readouts(run: ProblemRun, unknowns: Sequence[str] = ()) -> dict[str,
     }
 
 
-_OfLastState = Callable[[ProblemRun, _Row], _Row]
+_StateFunction = Callable[[ProblemRun, _Row], _Row]
 
 
-def _component(read: _OfLastState, index: int, run: ProblemRun) -> Answer:
+def _component(read: _StateFunction, index: int, run: ProblemRun) -> Answer:
     if run.exactly is not None:
         return Answer("", read(run, run.exactly)[index])
     return _enclosed(lambda: read(run, run.numerical()[-1])[index])

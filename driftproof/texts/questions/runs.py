@@ -45,7 +45,7 @@ EXACT_READOUTS: dict[str, Callable[[_State, Fraction], Answer]] = {
 }
 
 
-def _of(x: CertifiableReal | None) -> Answer:
+def _answer(x: CertifiableReal | None) -> Answer:
     return Answer("", x, CERTIFIED if callable(x) else PROVED)
 
 
@@ -53,7 +53,7 @@ def _phase_error(run: OscillatorRun) -> Answer:
     found = run.phase_error
     if found is None:
         raise ValueError("the phase error is undefined, as a state is the origin")
-    return replace(_of(found), unit=DEGREES)
+    return replace(_answer(found), unit=DEGREES)
 
 
 def _relative_error(run: OscillatorRun) -> Answer:
@@ -61,7 +61,7 @@ def _relative_error(run: OscillatorRun) -> Answer:
     q, v = run.start
     if not (q or v):
         raise ValueError("the exact state is the origin, beside which no error is relative")
-    return NUMBER_FUNCTIONS["ratio"][0](_of(run.state_error), NUMBER_FUNCTIONS["sqrt"][0](Answer("", q**2 + v**2)))
+    return NUMBER_FUNCTIONS["ratio"][0](_answer(run.state_error), NUMBER_FUNCTIONS["sqrt"][0](Answer("", q**2 + v**2)))
 
 
 def _evaluations(run: OscillatorRun) -> Answer:
@@ -75,11 +75,11 @@ def _evaluations(run: OscillatorRun) -> Answer:
 
 
 RUN_READOUTS: dict[str, Callable[[OscillatorRun], Answer]] = {
-    "q": lambda run: _of(run.final_state[0]),
-    "v": lambda run: _of(run.final_state[1]),
-    "energy": lambda run: _of(run.energy),
-    "energy_change": lambda run: _of(run.energy_change),
-    "state_error": lambda run: _of(run.state_error),
+    "q": lambda run: _answer(run.final_state[0]),
+    "v": lambda run: _answer(run.final_state[1]),
+    "energy": lambda run: _answer(run.energy),
+    "energy_change": lambda run: _answer(run.energy_change),
+    "state_error": lambda run: _answer(run.state_error),
     "relative_error": _relative_error,
     "phase_error": _phase_error,
     "exact.q": lambda run: _exact_component(run.start, run.t, 0),
@@ -111,7 +111,7 @@ def stage_slope(run: OscillatorRun, readout: str) -> Answer | None:
         sums = (sum((a * k[i] for a, k in zip(row, slopes, strict=False)), Fraction(0)) for i in (0, 1))
         q, v = (x + run.h * total for x, total in zip(run.start, sums, strict=True))
         slopes.append((v, -q))
-    return _of(slopes[-1]["qv".index(named[2])])
+    return _answer(slopes[-1]["qv".index(named[2])])
 
 
 def in_unit(angle: Answer, unit: str) -> Answer:

@@ -130,8 +130,8 @@ SAY_NOTHING |= {"does", "do", "have", "need", "needs", "needed", "required", "ta
 ASKING = {"what", "is", "the", "a", "how", "many", "large", "does", "do", "are", "has", "have", "value", "slope"}
 ASKING |= {"approximate", "calculate", "compute", "find", "solve", "solve_ivp", "scipy"}
 # Steps may be counted in words; a period is refused, because it is no whole number of steps.
-_COUNTED = ("one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten")
-WORDED_COUNTS = {word: n for n, word in enumerate(_COUNTED, start=1)}
+_COUNT_WORDS = ("one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten")
+WORDED_COUNTS = {word: n for n, word in enumerate(_COUNT_WORDS, start=1)}
 PERIODS = {"period", "periods", "cycle", "cycles"}
 COUNTED = {"step", "steps", *PERIODS}
 # Word that has no place in a question -> the question that answers it.

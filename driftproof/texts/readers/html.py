@@ -56,7 +56,7 @@ class _Open:
 
 @dataclass
 class _Page:
-    """One pass over the tags of a page."""
+    """The state of one pass over the tags of a page."""
 
     source: SourceText
     done: list[Block] = field(default_factory=list)

@@ -12,7 +12,7 @@ from driftproof.texts.readers.source_text import LISTING, OUTPUT, Block, SourceT
 
 _TOKEN = re.compile(r'"(?P<string>(?:[^"\\]++|\\.)*+)"|(?P<open>[\[{])|(?P<close>[\]}])|(?P<comma>,)|(?P<colon>:)')
 _ESCAPE = re.compile(r"\\(?:u[dD][89abAB]\w\w\\u\w{4}|u\w{4}|.)")
-_LONE = re.compile("[\ud800-\udfff]")
+_LONE_SURROGATE = re.compile("[\ud800-\udfff]")
 # The keys of a cell that hold text; pictures are ignored.
 _READ = ("cell_type", "source", "text", "text/plain", "text/html")
 Key = str | int
@@ -72,7 +72,7 @@ def _strings(source: SourceText) -> Iterator[tuple[tuple[Key, ...], SourceText]]
 
 def _decoded(string: SourceText) -> SourceText:
     """A JSON string with its escapes decoded; half of a surrogate pair becomes U+FFFD."""
-    return string.rewritten(_ESCAPE, lambda match: [_LONE.sub("\ufffd", json.loads(f'"{match[0]}"'))])
+    return string.rewritten(_ESCAPE, lambda match: [_LONE_SURROGATE.sub("\ufffd", json.loads(f'"{match[0]}"'))])
 
 
 def _blocks_of(cell: dict[tuple[Key, ...], list[SourceText]], language: str) -> list[Block]:

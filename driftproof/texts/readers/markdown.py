@@ -25,12 +25,12 @@ _NO_TITLES = {"grid", "figure", "image", "csv-table", "literalinclude", "include
 _UNREAD = {"image", "literalinclude", "include", "toctree", "tableofcontents", "contents", "bibliography", "raw"} | {
     "index", "video", "iframe", "mermaid", "glue:figure", "bokeh-plot", "footbibliography", "tags",
 }  # fmt: skip
-_OF_PROSE = """
+_PROSE_DIRECTIVES = """
 note tip hint warning important caution danger error attention seealso todo admonition topic figure table list-table
 csv-table epigraph pull-quote sidebar margin aside dropdown card grid grid-item tab-set tab-item exercise solution
 example versionadded versionchanged deprecated glossary container div
 """
-_READ = frozenset(_OF_PROSE.split())
+_READ = frozenset(_PROSE_DIRECTIVES.split())
 # Roles whose text is a key that is not shown, unless a text precedes it: {ref}`the figure <fig-1>`.
 _KEYS = {"ref", "numref", "eq", "doc", "label", "download", "nb-download", "footcite", "footcitet", "eval", "glue"}
 # Also not shown: targets, comments, substitutions, block breaks, and the label after a displayed equation.

@@ -147,13 +147,13 @@ class Sandbox(SandboxedEnvironment):
             if called in self.placed:
                 question = next((x for x in call.args if called == "value" and isinstance(x, nodes.Const)), None)
                 at = question.lineno + 1 if question else _first(call)  # after the quotation mark
-                call.kwargs.append(_told(name, at, question is not None))
+                call.kwargs.append(_place_keyword(name, at, question is not None))
         for applied in source.find_all(nodes.Filter):
             if applied.name not in self.filters:
                 unknown = f"there is no filter {applied.name[:40]!r}; there are {', '.join(self.filters)}"
                 raise TemplateSyntaxError(unknown, applied.lineno, name, filename)
             if applied.name in self.placed:
-                applied.kwargs.append(_told(name, applied.lineno))  # type: ignore[arg-type]
+                applied.kwargs.append(_place_keyword(name, applied.lineno))  # type: ignore[arg-type]
         for output in source.find_all(nodes.Output):
             for child in output.nodes:
                 child.lineno = _first(child)
@@ -181,7 +181,7 @@ class Sandbox(SandboxedEnvironment):
         return super().call_binop(context, operator, left, right)
 
 
-def _told(name: str | None, at: int, of_question: bool = False) -> nodes.Keyword:
+def _place_keyword(name: str | None, at: int, of_question: bool = False) -> nodes.Keyword:
     """The keyword argument with the place, as a plain tuple, because the compiled template writes out constants."""
     return nodes.Keyword(PLACE, nodes.Const((name, at - 1, of_question)), lineno=at)
 

@@ -75,12 +75,12 @@ def read_values(path: Path) -> dict[str, Any]:
     if not isinstance(read, dict):
         raise ValueError(f"{path}: holds no JSON object; give what `driftproof values` prints")
     for place, leaf in _leaves(read):
-        if isinstance(leaf, dict) and leaf and (wrong := _no_number(leaf)):
+        if isinstance(leaf, dict) and leaf and (wrong := _part_that_is_no_number(leaf)):
             raise ValueError(f"{path}: {_name(place)}: {wrong} is {str(leaf[wrong])[:60]!r}, which is no number")
     return read
 
 
-def _no_number(number: dict[str, Any]) -> str | None:
+def _part_that_is_no_number(number: dict[str, Any]) -> str | None:
     """The part of a number entry, decimal or exact, that is not a number; None if both are. exact may be a formula."""
     if _rounded(number["decimal"]) is None:
         return "decimal"
@@ -126,7 +126,7 @@ def changes(old: dict[str, Any], new: dict[str, Any]) -> list[Change]:
     for place in sorted(before.keys() | after.keys()):
         name = _name(place)
         if place in before and place in after:
-            found += _of_leaf(name, place[-1], before[place], after[place])
+            found += _leaf_changes(name, place[-1], before[place], after[place])
         else:
             kind, shown = "added" if place in after else "removed", (_shown(x.get(place)) for x in (before, after))
             found.append(Change(kind, name, "", *shown))
@@ -144,16 +144,16 @@ def _leaves(node: Any, place: tuple[str, ...] = ()) -> Iterator[Leaf]:
         yield place, node
 
 
-def _of_leaf(name: str, key: str, old: Any, new: Any) -> Iterator[Change]:
+def _leaf_changes(name: str, key: str, old: Any, new: Any) -> Iterator[Change]:
     if isinstance(old, dict) and isinstance(new, dict) and old and new:
-        yield from _of_number(name, old, new)
+        yield from _number_changes(name, old, new)
     elif old != new:
         same = _number(old) is not None and _number(old) == _number(new)
         kind = "digits" if key == "digits" else "wording" if key in _WORDS or same else "value"
         yield Change(kind, name, "", _shown(old), _shown(new))
 
 
-def _of_number(name: str, old: dict[str, Any], new: dict[str, Any]) -> Iterator[Change]:
+def _number_changes(name: str, old: dict[str, Any], new: dict[str, Any]) -> Iterator[Change]:
     """The change of exact form and decimal, then of unit, of words, and of the texts that claims print."""
     decimals, forms = (old["decimal"], new["decimal"]), (old.get("exact"), new.get("exact"))
     exact = [*map(_number, forms)]  # None for a formula, which is compared as text

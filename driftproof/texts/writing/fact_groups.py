@@ -99,7 +99,7 @@ def grouped_facts_text(facts: Mapping[str, Any], everything: bool = False) -> st
     rest = {name: value for name, value in facts.items() if name not in shown}
     parts = []
     for heading, group in groups.items():
-        named = {_PLAIN[name]: value for name, value in group.items() if everything or _tells(name, value)}
+        named = {_PLAIN[name]: value for name, value in group.items() if everything or _is_shown(name, value)}
         parts += [_under(heading, _called(named, facts["method"]) if "method" in group else named)]
     if everything:
         parts += [_under("Everything else", rest)]
@@ -108,7 +108,7 @@ def grouped_facts_text(facts: Mapping[str, Any], everything: bool = False) -> st
     return "\n\n".join(filter(None, parts))
 
 
-def _tells(name: str, value: Any) -> bool:
+def _is_shown(name: str, value: Any) -> bool:
     """False for a fact that the method lacks, and for a sector of 0 or 90 degrees, which A-stability already says."""
     return fact_text(value) != "none" and (name != "sector" or callable(value.degrees.exact))
 

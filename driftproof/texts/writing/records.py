@@ -106,7 +106,7 @@ def parts(value: Any) -> Mapping[str, Any] | None:
     return value._asdict() if hasattr(value, "_asdict") else None
 
 
-def _of_hamiltonian(found: ModifiedEnergy) -> dict[str, Any]:
+def _hamiltonian_parts(found: ModifiedEnergy) -> dict[str, Any]:
     """H̃ = factor*(q2 q² + qv qv + v2 v²), as in `ModifiedHamiltonian`; the factor also as a series."""
     cosine = ExactFunction(found.hamiltonian.cosine, "h")
     forms = {name: ExactFunction(getattr(found.hamiltonian, name), "h") for name in ("q2", "qv", "v2")}
@@ -118,7 +118,7 @@ def _of_hamiltonian(found: ModifiedEnergy) -> dict[str, Any]:
     }
 
 
-def _of_eigenvalue(found: EigenvalueLimit) -> dict[str, Any]:
+def _eigenvalue_parts(found: EigenvalueLimit) -> dict[str, Any]:
     """The eigenvalue, for a pair the one above the real axis, and the limit of h for which its powers stay bounded."""
     eigenvalue, bound = found
     limit, attained = (bound, None) if isinstance(bound, Exception) else bound
@@ -136,19 +136,19 @@ def number_record(value: RealRoot, digits: int = PRINTED_DIGITS) -> dict[str, An
     return {"exact": exact, "minpoly": minimal, "interval": ends, "decimal": root_decimal(value, digits)}
 
 
-def _of_enclosed(value: EnclosedTangent) -> dict[str, Any]:
+def _tangent_parts(value: EnclosedTangent) -> dict[str, Any]:
     billionths = decide_by_enclosure(value.ball, lambda x: int(x * 10**9))
     ends = [str(Fraction(n, 10**9)) for n in (billionths, billionths + 1)]
     return {"exact": None, "minpoly": None, "interval": ends, "decimal": significant(value.ball, PRINTED_DIGITS)}
 
 
-def _of_field(field: NumberField) -> dict[str, Any]:
+def _field_parts(field: NumberField) -> dict[str, Any]:
     ends, digits = [str(field.low), str(field.high)], significant(field.generator, PRINTED_DIGITS)
     minimal = integer_polynomial_text(field.minimal)
     return {"generator": field.name, "minpoly": minimal, "interval": ends, "decimal": digits}
 
 
-def _of_place(place: Imaginary | Complex) -> dict[str, Any]:
+def _place_parts(place: Imaginary | Complex) -> dict[str, Any]:
     """A non-real eigenvalue, the one above the real axis."""
     exact = None
     if isinstance(place, Imaginary):
@@ -186,7 +186,7 @@ _PARTS: dict[type, Callable[[Any], dict[str, Any]]] = {
         name: ExactFunction(fraction(c), "h").as_formula()
         for name, c in zip(("q2", "qv", "v2"), x.coefficients, strict=True)
     },
-    ModifiedEnergy: _of_hamiltonian,
+    ModifiedEnergy: _hamiltonian_parts,
     LeadingTerm: lambda x: {
         "power": x.power,
         "coefficient": x.coefficient if is_readable(x.coefficient) else root_of(x.coefficient),
@@ -204,12 +204,12 @@ _PARTS: dict[type, Callable[[Any], dict[str, Any]]] = {
         "high_closed": x.high_closed,
     },
     LimitPiece: lambda x: {**x._asdict(), "where": str(x.where), "interval": x.where},
-    EigenvalueLimit: _of_eigenvalue,
+    EigenvalueLimit: _eigenvalue_parts,
     RealRoot: number_record,
-    EnclosedTangent: _of_enclosed,
-    NumberField: _of_field,
-    Imaginary: _of_place,
-    Complex: _of_place,
+    EnclosedTangent: _tangent_parts,
+    NumberField: _field_parts,
+    Imaginary: _place_parts,
+    Complex: _place_parts,
 }
 # Types without parts that str() does not write, and their writers.
 _SIMPLE: tuple[tuple[Any, Callable[[Any], Json]], ...] = (
