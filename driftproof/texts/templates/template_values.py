@@ -47,13 +47,7 @@ class NumberStyle:
         """The decimal that `write` returns for this style; in TeX the printed style is set in mathematics."""
         if self.kind is not LATEX or self.style == "plain":
             return write(replace(_STYLES[self.style], rounding=self.rounding))
-        return _in_mathematics(write(Style(self.rounding)))
-
-
-def _in_mathematics(decimal: str) -> str:
-    """A decimal in TeX: digits as they are; with a sign or an exponent in \\ensuremath, for text and formulas alike."""
-    plain = decimal.replace(".", "").isdigit()
-    return decimal if plain else rf"\ensuremath{{{markup.decimal_markup(decimal, markup.TEX)}}}"
+        return markup.in_any_mode(markup.decimal_markup(write(Style(self.rounding)), markup.TEX))
 
 
 class TemplateValue:
@@ -77,7 +71,7 @@ class TemplateValue:
         value, text = self._value, self._value.exact_text or ""
         short = isinstance(value.exact, Fraction) and len(text) <= markup.LONGEST_IN_TEXT
         if short and self._kind is LATEX:
-            return text.replace("-", r"\ensuremath{-}") if "/" in text else _in_mathematics(text)
+            return text.replace("-", r"\ensuremath{-}") if "/" in text else markup.in_any_mode(text)
         if short or (not value.is_number and text.replace(" ", "").isalpha()):
             return text
         ways = "| digits(6), | places(6), | exact, | tex or | mathml"

@@ -77,21 +77,16 @@ def _as_tex(values: PublishedValues) -> str:
 
     lines = []
     for key, value in values.items():
-        exact = _mathematics(markup.formula(value["exact"], markup.TEX)) if value["exact"] else ""
+        exact = markup.in_any_mode(markup.formula(value["exact"], markup.TEX)) if value["exact"] else ""
         # The printed form is the longest decimal without an exponent in any claim, else the certified decimal.
         decimals = [text for text in value["printed"].values() if text.lstrip("-").replace(".", "").isdigit()]
         printed, *rounded = (
-            _mathematics(markup.decimal_markup(decimal, markup.TEX))
+            markup.in_any_mode(markup.decimal_markup(decimal, markup.TEX))
             for decimal in (max(decimals, key=len, default=str(value["decimal"])), *_rounded(key, value))
         )
         digits = "".join(f"\\or {text}" for text in rounded)
         lines.append(f"\\driftproofvalue{{{key}}}{{{exact}}}{{{printed}}}{{{digits}}}")
     return MACROS_FILE.read_text(encoding="utf-8") + "\n".join(lines)
-
-
-def _mathematics(formula: str) -> str:
-    """The formula in \\ensuremath, unless it is digits only, which look alike in text and in mathematics."""
-    return formula if formula.replace(".", "").isdigit() else rf"\ensuremath{{{formula}}}"
 
 
 def _rounded(key: str, value: Mapping[str, Any]) -> list[str]:

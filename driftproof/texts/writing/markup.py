@@ -103,6 +103,11 @@ def decimal_markup(text: str, write: Writer) -> str:
     return write.row(parts)
 
 
+def in_any_mode(tex: str) -> str:
+    """TeX for text and mathematics alike: a formula in \\ensuremath, and plain digits as they are."""
+    return tex if tex.replace(".", "").isdigit() else rf"\ensuremath{{{tex}}}"
+
+
 class _Formula:
     """A writer of formulas: one method per kind of node."""
 
