@@ -220,9 +220,7 @@ def test_readouts_have_finer_digits_than_the_table_of_large_values() -> None:
         for compared, shown in shown_twice(values).items():
             if abs(Q(values[compared])) >= Q(1, 10**4):
                 assert unit(shown[0]) < unit(shown[1])
-    for exponent in range(
-        -4, 9
-    ):  # each decade from the smallest that is needed, at its lower end, where digits are few
+    for exponent in range(-4, 9):  # one value for each decade, from the smallest that is claimed on
         shown = shown_twice(
             {"state_error": float(10**exponent), "energy_change": -float(10**exponent), "evaluations": 1}
         )

@@ -39,22 +39,7 @@ def test_printed_texts_and_decimals_are_those_of_the_lesson() -> None:
         theirs = inventory[row.claim]["decimal"]
         assert Fraction(theirs) == _rounded_as(theirs, row.quantity.value())
     printed = {key for key, entry in inventory.items() if entry["printed"] is not None}
-    others = {
-        "L005",
-        "L137",
-        "L050",
-        "L058",
-        "L092",
-        "L093",
-        "L094",
-        "L155",
-        "L179",
-        "L191",
-        "L194",
-        "L203",
-        "L209",
-        "L246",
-    }
+    others = {f"L{n:03}" for n in (5, 50, 58, 92, 93, 94, 137, 155, 179, 191, 194, 203, 209, 246)}
     assert printed - {row.claim for row in ROWS} == others
 
 
