@@ -130,8 +130,8 @@ UNITS = {"deg": DEGREES, DEGREES: DEGREES, "rad": RADIANS, RADIANS: RADIANS, TUR
 def steps_to_error(method: Method, t: Fraction, start: _State, error: Fraction) -> int:
     """A number N of steps to t that reaches a state error of at most `error`, while N - 1 steps do not.
 
-    The search doubles the number of steps until it suffices, then bisects. Raises ValueError if that takes more than
-    LARGEST_STEP_COUNT steps, and for error <= 0.
+    The search doubles the number of steps until it suffices, then bisects. Raises ValueError if LARGEST_STEP_COUNT
+    steps do not suffice, and for error <= 0.
     """
 
     def reached(steps: int) -> bool:
@@ -142,9 +142,9 @@ def steps_to_error(method: Method, t: Fraction, start: _State, error: Fraction) 
         raise ValueError("an error to be reached is above 0")
     low = steps = 1
     while not reached(steps):
-        low, steps = steps, 2 * steps
-        if steps > LARGEST_STEP_COUNT:
+        if steps == LARGEST_STEP_COUNT:
             raise ValueError(f"{method.key} reaches no such error with {LARGEST_STEP_COUNT} steps")
+        low, steps = steps, min(2 * steps, LARGEST_STEP_COUNT)
     while steps - low > 1:
         middle = (low + steps) // 2
         low, steps = (low, middle) if reached(middle) else (middle, steps)
