@@ -24,7 +24,7 @@ from driftproof.texts.readers.numbers import TextNumber
 _CONTEXT, _MOST_NAMED = 24, 3
 # At most this many uncovered numbers are listed: the search for look-alikes takes about 1 ms each.
 _MOST_LISTED = 5000
-# Unchecked words for numbers that are shown by name.
+# At most this many unchecked words for numbers are shown.
 _MOST_WORDS = 5
 
 

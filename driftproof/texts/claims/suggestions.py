@@ -263,8 +263,8 @@ def form_of(number: TextNumber) -> NumberForm:
 def _digits(text: str, telling: bool = False) -> int:
     """The number of significant digits of a number as text.
 
-    With `telling`, a final .0 or final zeros of decimals, if two or more, do not count: the round number 4.000 is
-    likelier than one in 9000.
+    With `telling`, the zeros of a final .0 and of two or more final zeros after the point do not count: a round number
+    such as 4.000 is likelier than one in 9000.
     """
     mantissa = re.split(r"[eE]| ?[×·]", text)[0]
     mantissa = re.sub(r"(?<=\.)0$|00+$", "", mantissa) if telling and "." in mantissa else mantissa

@@ -100,7 +100,7 @@ def _root(a: Answer, degree: int) -> Answer:
 
 
 def _logarithm(a: Answer, base: int = 0) -> Answer:
-    """The logarithm to base 2 or 10, exact for their powers, or 0 for e. Raises ValueError for a <= 0."""
+    """The logarithm of a to `base` 2 or 10, exact for powers of it, or to e for 0. Raises ValueError for a <= 0."""
     x = _unitless(a)
     if certified_sign(x) <= 0:
         raise ValueError("only a number above zero has a logarithm")

@@ -70,7 +70,7 @@ def system_facts(
 ) -> dict[str, Json]:
     """The named facts of the method on z' = Az, A given by rows, as JSON: one-step matrix, eigenvalues, limits of h.
 
-    Raises ValueError for an unknown name, a matrix that is not square, and a system that the method cannot solve.
+    Raises ValueError for an unknown name, a matrix that is not square, and a system that the method does not apply to.
 
     >>> from fractions import Fraction
     >>> from driftproof import METHODS, system_facts
@@ -224,7 +224,7 @@ _SIMPLE: tuple[tuple[Any, Callable[[Any], Json]], ...] = (
 
 
 def is_long(value: Any) -> bool:
-    """True for a number with an exact form too long to read, which is therefore always written with a decimal."""
+    """True for a number with an exact form too long to read, which needs a decimal beside it."""
     return isinstance(value, Fraction | Algebraic) and len(exact_text(value)) > LONGEST_BARE
 
 
