@@ -64,7 +64,7 @@ class LookAlike:
 def questions_in(asked: str) -> dict[str, tuple[str, ...]]:
     """Expand the braces of a question: each question with one choice per brace -> these choices.
 
-    Equal braces take equal choices. Raises ValueError for more than 2000 questions.
+    Equal braces take equal choices. Raises ValueError for more than 2000 questions, and for an empty range.
 
     >>> questions_in("step rk4 h=1/{2,4} N={1..2} : q - {1..2}")["step rk4 h=1/4 N=2 : q - 2"]
     ('4', '2')
@@ -73,7 +73,7 @@ def questions_in(asked: str) -> dict[str, tuple[str, ...]]:
     for brace in _BRACES.findall(asked):
         ends = re.fullmatch(r"([0-9]{1,6})\.\.([0-9]{1,6})", brace)
         choices[brace] = [*map(str, range(int(ends[1]), int(ends[2]) + 1))] if ends else brace.split(",")
-    if (count := prod(map(len, choices.values()))) > _MOST_ASKED:
+    if not 0 < (count := prod(map(len, choices.values()))) <= _MOST_ASKED:
         raise ValueError(f"{asked[:60]!r} asks for {count} values; at most {_MOST_ASKED} are asked for at once")
     found = {}
     for chosen in product(*choices.values()):
