@@ -1,1 +1,1 @@
-"""What the lesson says: one test per claim, a ledger of what each is worth, and the values that the text may print."""
+"""Proofs of the lesson's claims: one test per claim, a ledger of the evidence, and the values that texts may print."""

@@ -1,4 +1,4 @@
-"""How a proof names its claim and its evidence, and which statements are claims."""
+"""The marker @claim, the kinds of evidence, and the list of statements that need a proof."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ FUZZED = "FUZZED"  # sampled: evidence, not proof
 GIVEN = "GIVEN"  # a constant that the lesson chooses, and that the toolkit holds: there is nothing to derive
 EVIDENCE = (PROVED, RESTRICTED, CERTIFIED, COUNTED, FUZZED, GIVEN)
 
-# Sentences of the lesson that state nothing to verify, and why.
+# Sentences of the lesson that need no proof, and what they are instead.
 NOT_VERIFIABLE = {
     "L001": "title",
     "L004": "reading time",
@@ -41,7 +41,7 @@ NOT_VERIFIABLE = {
     "L249": "heading of the sources",
 }
 
-# The statements of the lesson as it is. A proof of L250 adds one, a proof of T06 a claim of the toolkit about itself.
+# The statements of the present lesson. A proof marked L250 adds one, a proof marked T06 a claim about the toolkit.
 STATEMENTS = tuple(f"L{number:03}" for number in range(1, 250))
 REQUIRED = tuple(key for key in STATEMENTS if key not in NOT_VERIFIABLE)
 _CLAIM = re.compile(r"L\d{3}|T\d{2}")
@@ -49,7 +49,7 @@ HOW_TO_ADD = "a claim is a function in the file of its subject in proofs/, marke
 
 
 def required_claims(proved: Iterable[str]) -> tuple[tuple[str, ...], tuple[str, ...]]:
-    """What has to be proved, of the lesson and of the toolkit, where these ids are claimed: all up to the last of each.
+    """The claims of the lesson and of the toolkit that need a proof: all up to the last of the `proved` ids of each.
 
     >>> required_claims(["L250", "T02"]) == ((*REQUIRED, "L250"), ("T01", "T02"))
     True
@@ -62,9 +62,10 @@ def required_claims(proved: Iterable[str]) -> tuple[tuple[str, ...], tuple[str, 
 
 
 def claim(*ids: str, evidence: str, by: str) -> pytest.MarkDecorator:
-    """Mark a proof with the ids of the statements it settles, the kind of evidence, and the technique in three words.
+    """Mark a proof with the ids of the statements that it settles, its kind of evidence, and its technique in brief.
 
-    The statement in the ledger is the first line of the proof's docstring, or the text given to `proofs.printed`.
+    The ledger quotes the first line of the proof's docstring, or the sentence of a row of `proofs.printed`. Raises
+    ValueError for an unknown kind of evidence and for an id that is not one of a claim.
     """
     if evidence not in EVIDENCE:
         raise ValueError(f"evidence {evidence!r} is none of {', '.join(EVIDENCE)}")

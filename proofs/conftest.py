@@ -1,4 +1,4 @@
-"""Keeps the ledger while the proofs run, prints it, and publishes values when, and only when, all of them pass."""
+"""pytest hooks that keep and print the ledger, and publish the values if and only if all proofs pass."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def pytest_configure(config: pytest.Config) -> None:
 
 @pytest.hookimpl(wrapper=True, tryfirst=True)
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> Iterator[None]:
-    # Before -k and -m deselect, so that what is left out can be called "not run".
+    # Before -k and -m deselect, so that the ledger can list deselected claims as "not run".
     here = [item for item in items if Path(__file__).parent in item.path.parents]
     entries = [entry for item in here for entry in _entries(item)]
     try:
@@ -52,7 +52,7 @@ def _entries(item: pytest.Item) -> list[Entry]:
 
 
 def _statement(docstring: str | None, evidence: str, test: str) -> str:
-    """The first line of the docstring; of a restricted claim, the hypothesis it needs as well."""
+    """The first line of the docstring; for a RESTRICTED claim also the hypothesis after "Needed:"."""
     first, _, rest = (docstring or "").strip().partition("\n")
     if evidence != RESTRICTED:
         return first
@@ -64,18 +64,18 @@ def _statement(docstring: str | None, evidence: str, test: str) -> str:
 
 @pytest.fixture
 def publish(request: pytest.FixtureRequest) -> Any:
-    """publish(id, claim, text, value, evidence): hand a proved value, as an exact number, to values.json.
+    """Return publish(id, claim, text, value, evidence), which records a proved exact value for values.json.
 
-    Its digits are worked out from it; the file is written only if the whole run is green.
+    Its digits are computed from the value; the file is written only if every proof of the whole run passes.
     """
     return lambda *value: request.node.user_properties.append((PUBLISHED, published(*value)))
 
 
 @pytest.hookimpl(wrapper=True)
 def pytest_runtest_protocol(item: pytest.Item) -> Iterator[Any]:
-    """Whoever waits at a terminal sees the seconds of a proof that takes some, behind the dots of its file."""
+    """Show the seconds of a long proof at a terminal, after the dots of its file."""
     terminal: Any = item.config.get_terminal_writer()
-    with working("", terminal._file):  # what is captured does not reach it
+    with working("", terminal._file):  # captured output does not reach the terminal
         return (yield)
 
 
@@ -122,7 +122,7 @@ def pytest_sessionstart(session: pytest.Session) -> None:
 
 
 def _publish(ledger: Ledger, exitstatus: int) -> str:
-    """Write values.json and ledger.md if every proof passed; say in one line what became of them."""
+    """Write values.json and ledger.md if every proof passed; return one line that says what was done."""
     if exitstatus != 0 or not ledger.complete:
         return f"{VALUES_FILE.name} not written: only a whole run in which every proof passes may publish"
     changed = [path.name for path, text in _files(ledger) if _write_if_changed(path, text)]

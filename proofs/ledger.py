@@ -1,4 +1,4 @@
-"""The ledger: what each claim is worth after a run of the proofs, as a table, and the values the run may publish."""
+"""The ledger: the evidence for each claim after a run of the proofs, as tables, and the values to publish."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ from proofs.kernel.certificates import technique
 
 NOT_RUN = "not run"
 ROUNDING = "half-even"
-# A statement is cut to the terminal, but never to fewer characters than still make sense.
+# Statements are cut to the width of the terminal, but not to fewer characters than this.
 SHORTEST = 80
 
 
 @dataclass(frozen=True)
 class Entry:
-    """A claim as its proof states it: the test that settles it, the evidence that a pass gives, and how."""
+    """A claim as its proof states it, with the test, the evidence that a pass gives, and the technique."""
 
     claim: str
     test: str
@@ -31,7 +31,7 @@ class Entry:
 
 @dataclass
 class Ledger:
-    """The entries of all collected proofs, the outcome of each test that ran, and what the passing ones published."""
+    """The entries of all collected proofs, the outcomes of the tests that ran, and the values published."""
 
     entries: dict[str, Entry] = field(default_factory=dict)
     tests: set[str] = field(default_factory=set)
@@ -39,7 +39,7 @@ class Ledger:
     published: list[dict[str, Any]] = field(default_factory=list)
 
     def add(self, tests: Iterable[str], entries: Iterable[Entry]) -> None:
-        """Take in what was collected. Raises ValueError if two tests claim the same statement."""
+        """Add collected tests and entries. Raises ValueError if two tests claim the same statement."""
         self.tests.update(tests)
         for entry in entries:
             known = self.entries.setdefault(entry.claim, entry)
@@ -47,7 +47,7 @@ class Ledger:
                 raise ValueError(f"{entry.claim} is claimed by both {known.test} and {entry.test}")
 
     def record(self, test: str, outcome: str) -> None:
-        """Note one phase of a test; a failure in any phase outweighs passes."""
+        """Record the outcome of one phase of a test; a failure in any phase outweighs passes."""
         if self.outcomes.get(test) in (None, "passed"):
             self.outcomes[test] = outcome
 
@@ -69,7 +69,7 @@ class Ledger:
         )
 
     def totals(self) -> str:
-        """One line: how many claims of the lesson, and how many about the toolkit, stand how."""
+        """One line with the number of claims of the lesson, and about the toolkit, per kind of evidence."""
         lesson, toolkit = (f"{len(claims)} %s: {self._counts(claims)}" for claims in required_claims(self.entries))
         about_itself = f"; {toolkit % 'about the toolkit'}" if required_claims(self.entries)[1] else ""
         return f"{lesson % 'claims'}{about_itself}"
@@ -80,7 +80,7 @@ class Ledger:
         return ", ".join(f"{counts[standing]} {standing}" for standing in order if counts[standing])
 
     def text(self, width: int) -> str:
-        """The table for a terminal of `width` columns, then what was not run, and the totals."""
+        """The table for a terminal of `width` columns, then the claims that were not run, and the totals."""
         rows = [["claim", "evidence", "technique", "statement"]]
         used = max(len(entry.technique) for entry in self.entries.values()) + 23  # the other columns and the gaps
         required = [claim for claims in required_claims(self.entries) for claim in claims]
@@ -95,7 +95,7 @@ class Ledger:
         return "\n".join([*lines, self.totals()])
 
     def markdown(self) -> str:
-        """The same table, statements in full, for a file that is read in a browser."""
+        """The content of ledger.md: the table with full statements, in Markdown."""
         lesson, toolkit = required_claims(self.entries)
         lines = [
             "# Ledger",
@@ -125,7 +125,7 @@ class Ledger:
         return lines
 
     def values(self) -> str:
-        """values.json: every published value by id, with what each claim prints. Byte-stable.
+        """The content of values.json: every published value by id, with the text that each claim prints; deterministic.
 
         Raises ValueError if two proofs publish different values under one id, or one claim twice.
         """

@@ -1,4 +1,4 @@
-"""Every number the lesson prints: which claim prints it, how it is spelled, and what it is. One row each."""
+"""Every number that the lesson prints, one row each: its claim, its text, and the quantity that it stands for."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ TECHNIQUES = {
 
 @dataclass(frozen=True)
 class Printed:
-    """A number in the lesson: claim, "=" if the text spells the value itself or "≈" if it rounds it, text, id."""
+    """A number in the lesson: claim, "=" if the text is the exact value or "≈" if it is rounded, text, quantity id."""
 
     claim: str
     relation: str
@@ -32,17 +32,17 @@ class Printed:
 
     @property
     def quantity(self) -> Quantity:
-        """What the text stands for."""
+        """The quantity that the text stands for."""
         return QUANTITIES[self.id]
 
     @property
     def sentence(self) -> str:
-        """The claim in words, for the ledger."""
+        """The claim as a sentence, for the ledger."""
         words = self.quantity.words
         return f"{words[0].upper()}{words[1:]} {self.relation} {self.text}."
 
     def spelling(self, text: str) -> str:
-        """How the value is spelled in the manner of `text`: itself where `text` equals it, else in as many digits."""
+        """The value in the format of `text`: exact for "=", else rounded to as many digits."""
         value = self.quantity.value()
         if self.relation == EQUALS:
             return text if parse_rational(text) == value else str(value)
@@ -52,7 +52,7 @@ class Printed:
 
 
 def published(key: str, claim: str, text: str, value: CertifiableReal, evidence: str) -> dict[str, Any]:
-    """A value as values.json holds it, worked out here and now, with the claim that prints it as `text`."""
+    """The entry of values.json for a value, with the claim that prints it as `text`; the digits are computed here."""
     answer = exact_and_decimal(value, DIGITS)
     assert answer is not None
     return {"id": key, "claim": claim, "text": text, "evidence": evidence, **answer}

@@ -1,7 +1,7 @@
 """The experiment as a program that needs nothing but Python: `python proofs/program.py` prints its seven lines.
 
-It imports `math` and nothing of ours, so that the proofs hold the library and a program that was written without it to
-the same digits. Where the lesson lies beside the checkout, its own listing is run as well and held to the same output.
+It imports nothing but `math`, so that the proofs can compare the library with an independent program digit by digit. If
+the lesson lies beside the checkout, the proofs also run its own listing and compare that output.
 """
 
 from math import cos, hypot, sin
@@ -10,13 +10,13 @@ METHODS = ("Euler", "Symplectic", "RK4")
 
 
 def rates(state: tuple[float, float]) -> tuple[float, float]:
-    """F(q, v) = (v, -q)."""
+    """The right-hand side F(q, v) = (v, -q)."""
     position, velocity = state
     return velocity, -position
 
 
 def moved(state: tuple[float, float], rate: tuple[float, float], h: float) -> tuple[float, float]:
-    """The state after moving for a time h at a rate."""
+    """The state after moving at a constant rate for a time h."""
     return state[0] + h * rate[0], state[1] + h * rate[1]
 
 
@@ -38,7 +38,7 @@ def step(method: str, state: tuple[float, float], h: float) -> tuple[float, floa
 
 
 def final_state(method: str, h: float, steps: int) -> tuple[float, float]:
-    """The state after a whole number of steps from (1, 0): each method starts afresh, and nothing adds up times."""
+    """The state after a number of steps from (1, 0); no sum of times is formed."""
     state = (1.0, 0.0)
     for _ in range(steps):
         state = step(method, state, h)
@@ -46,12 +46,12 @@ def final_state(method: str, h: float, steps: int) -> tuple[float, float]:
 
 
 def energy(state: tuple[float, float]) -> float:
-    """½(q² + v²)."""
+    """The energy ½(q² + v²)."""
     return (state[0] ** 2 + state[1] ** 2) / 2
 
 
 def lines() -> list[tuple[float, ...]]:
-    """Three first steps with their energies, the exact end, and the error and energy of three runs to t = 10."""
+    """Per method the first step with its energy; the exact final state; per method the error and energy at t = 10."""
     firsts = [step(method, (1.0, 0.0), 0.5) for method in METHODS]
     exact = (cos(10), -sin(10))
     ends = [final_state(method, 0.25, 40) for method in METHODS]

@@ -1,4 +1,4 @@
-"""Every quantity whose value the lesson prints, by stable id: what it is in words, and its exact value."""
+"""Every quantity that the lesson prints, by stable id: its description and its exact value."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ COMPONENTS = {"q": "position", "v": "velocity"}
 
 @dataclass(frozen=True)
 class Quantity:
-    """A number with a stable id: what it is in words, its exact value, and what kind of evidence the value is."""
+    """A quantity: its stable id, a description, a function that returns its exact value, and the kind of evidence."""
 
     id: str
     words: str

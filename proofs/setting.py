@@ -1,4 +1,4 @@
-"""The lesson's setting: its methods, its start and interval, and its runs, as the exact side sees them."""
+"""The setting of the lesson in exact numbers: methods, start, interval, step sizes and runs."""
 
 from __future__ import annotations
 
@@ -33,21 +33,21 @@ DEFAULT_H, SMALL_H, COMPARE_H, BOUNDARY_H = (
 @total_ordering
 @dataclass(frozen=True)
 class Real:
-    """A number that a ball encloses: where two of them are not in the order that a proof says, it shows both."""
+    """A real number to compare by enclosures; in failed assertions it shows as a decimal."""
 
     value: CertifiableReal
 
     def __lt__(self, other: Real) -> bool:
-        """Decided by balls that do not meet."""
+        """True if disjoint balls show that self is less than other."""
         return is_less(self.value, other.value)
 
     def __repr__(self) -> str:
-        """Twenty digits."""
+        """The number to twenty significant digits."""
         return significant(self.value, 20)
 
 
 def M(key: str) -> DomainMatrix:
-    """The one-step matrix of the method `key`, over Q[h]. Looked up at each call, so that a planted error is seen."""
+    """The one-step matrix of the method `key`, over Q[h]. Looked up per call, so that planted errors take effect."""
     return one_step_matrix(METHODS[key])
 
 
@@ -62,7 +62,7 @@ def run(key: str, h: Q, t: Q = END, start: tuple[Q, Q] = START) -> OscillatorRun
 
 
 def state_after(key: str, n: int, h: Q, start: tuple[Q, Q] = START) -> tuple[Q, Q]:
-    """The state after n steps, as fractions."""
+    """The exact state after n steps."""
     return apply(power(matrix_at(M(key), h), n), *start)
 
 
@@ -76,11 +76,11 @@ def rates(key: str, h: Q, start: tuple[Q, Q] = START) -> list[tuple[Q, Q]]:
 
 
 def counted_evaluations(key: str, h: Q) -> int:
-    """The calls of the force that a float run over the lesson's interval really makes."""
+    """The number of calls of the force, counted during a float run over the interval of the lesson."""
     scene = Scene("cost", key, h, END, START, readouts=("evaluations",))
     return int(run_method(scene, key)["evaluations"])
 
 
 def energy(q: Q, v: Q) -> Q:
-    """½(q² + v²)."""
+    """The energy ½(q² + v²)."""
     return (q * q + v * v) / 2

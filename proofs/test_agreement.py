@@ -1,4 +1,4 @@
-"""The float steppers against the exact expressions, within rounding bounds that are derived from the steppers."""
+"""The float steppers agree with the exact steps within rounding bounds derived from the steppers themselves."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from driftproof.symbolic.runs import apply
 from proofs.claims import FUZZED, claim
 from proofs.setting import EULER, LESSON_METHODS, RK4, SYMPLECTIC, M
 
-# The double nearest to 1/10, and the smallest subnormal: named, because no literal would say which number it is.
+# The double nearest to 1/10, and the smallest subnormal.
 TENTH = float(Q(1, 10))
 TINY = float.fromhex("0x1p-1074")
 floats = st.floats(allow_nan=False, allow_infinity=False)
@@ -26,7 +26,7 @@ BOUNDS = {key: step_bound(HAND_WRITTEN[key]) for key in LESSON_METHODS}
 
 
 def rounding_error(key: str, h: float, q: float, v: float) -> tuple[Q, Q]:
-    """|float step - exact step|, component by component, from the very doubles that the step was given."""
+    """|float step - exact step| by component, both from the same doubles."""
     reached = HAND_WRITTEN[key](oscillator, q, v, h)
     exact = apply(matrix_at(M(key), Q(h)), Q(q), Q(v))
     return abs(Q(reached[0]) - exact[0]), abs(Q(reached[1]) - exact[1])
@@ -57,7 +57,7 @@ def test_modified_quadratic_kept_up_to_rounding(h: float, q: float, v: float) ->
 
 @given(key=st.sampled_from(LESSON_METHODS), h=floats, q=floats, v=floats)
 def test_float_steppers_agree_with_exact_steps_to_roundoff(key: str, h: float, q: float, v: float) -> None:
-    """Every float step from any state with any h stays within the bound derived by running the stepper itself."""
+    """Every float step from any safe state with any h stays within the bound derived from the stepper."""
     bound = BOUNDS[key]
     assume(bound.is_safe(Q(h), Q(q), Q(v)))
     (error_of_q, error_of_v), (limit_of_q, limit_of_v) = rounding_error(key, h, q, v), bound.error_of(Q(h), Q(q), Q(v))
@@ -66,7 +66,7 @@ def test_float_steppers_agree_with_exact_steps_to_roundoff(key: str, h: float, q
 
 
 def test_bound_notices_a_step_of_another_method() -> None:
-    """The bound is no blank cheque: a step that uses the old velocity breaks it."""
+    """The bound is not too generous: a step that uses the old velocity exceeds it."""
     h, q, v = 0.25, 1.0, 0.5
     wrong = HAND_WRITTEN[EULER](oscillator, q, v, h)
     exact = apply(matrix_at(M(SYMPLECTIC), Q(h)), Q(q), Q(v))

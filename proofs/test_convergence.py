@@ -1,4 +1,4 @@
-"""How errors fall with the step: orders with their leading terms, and where a smaller step does not help."""
+"""How errors fall with the step size: orders, leading terms, and cases where a smaller step does not help."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ h = sympy.Symbol("h", positive=True)
 
 
 def leading_state_error(key: str, at: sympy.Expr = FINAL_TIME) -> sympy.Expr:
-    """The coefficient of hᵖ in the state error at time `at` from (1, 0), a Euclidean norm."""
+    """The coefficient of hᵖ in the state error, a Euclidean norm, at time `at` from (1, 0)."""
     error = global_error_coefficient(local_error(M(key))).subs(FINAL_TIME, at) * START_COLUMN
     return sympy.sqrt(sympy.trigsimp(error.dot(error)))
 
@@ -174,27 +174,27 @@ def test_one_step_errors_are_h_squared_and_h_to_the_fifth() -> None:
         assert error.coefficient.T * error.coefficient == size**2 * sympy.eye(2)
 
 
-# A smooth field at the start of the step, as symbols: q' = G(v), v' = F(q), or y' = F(y), with first derivatives.
+# Symbols for a smooth field and its first derivative at the start of a step: q' = G(v), v' = F(q), or y' = F(y).
 _F, _G, _F1, _G1 = sympy.symbols("F G F1 G1")
 
 
 def _forward_euler_local_error() -> tuple[sympy.Expr, int]:
-    """(coefficient, power) of the first term in which y + hF misses y(h) = y + hF + h²F'F/2 + O(h³), for y' = F(y)."""
+    """(coefficient, power) of the leading term of y(h) - (y + hF), where y(h) = y + hF + h²F'F/2 + O(h³), y' = F(y)."""
     flow = h * _F + h**2 * _F1 * _F / 2
     return sympy.expand((flow - _on_taylor(EULER)) / h**2), 2
 
 
 def _symplectic_local_error() -> tuple[tuple[sympy.Expr, sympy.Expr], int]:
-    """The same for q' = G(v), v' = F(q), whose flow has the terms h²G'F/2 and h²F'G/2: both components."""
+    """(coefficients, power) of the leading error for q' = G(v), v' = F(q), whose flow has h²G'F/2 and h²F'G/2."""
     q1, v1 = _on_taylor(SYMPLECTIC)
-    # what is beyond h² is not looked at: the hand-written step adds h G(v₁), and G(v₁) = G + G'(v₁ - v) + O(h²)
+    # terms beyond h² are dropped: the hand-written step adds h G(v₁), and G(v₁) = G + G'(v₁ - v) + O(h²)
     missed = (q1 - h * _G - h**2 * _G1 * _F / 2, v1 - h * _F - h**2 * _F1 * _G / 2)
     first, second = (sympy.expand(part / h**2) for part in missed)
     return (first, second), 2
 
 
 def _on_taylor(key: str) -> Any:
-    """The change that a step of `key` makes, up to h², for a field known by its value and its first derivative."""
+    """The change in a step of `key` up to h², for a field given by its value and its first derivative."""
     if key == EULER:
         (row,), (weight,) = METHODS[key].a, METHODS[key].b
         assert row == (0,)  # its one stage is the start
@@ -229,7 +229,7 @@ def test_orders_are_for_smooth_problems_over_fixed_intervals() -> None:
 
 
 def _error_of_a_jump(k: int) -> Q:
-    """|RK4's y(1) - 2/3| for y' = 1 from t = 1/3 on and 0 before, y(0) = 0, with 2ᵏ steps."""
+    """RK4's error |y(1) - 2/3| with 2ᵏ steps, for y' = 0 before t = 1/3 and y' = 1 from then on, y(0) = 0."""
     rk4, size = METHODS[RK4], Q(1, 2**k)
     asked = [(b, (i + c) * size) for i in range(2**k) for b, c in zip(rk4.b, rk4.c, strict=True)]
     return abs(sum(b * size for b, t in asked if t >= Q(1, 3)) - Q(2, 3))
@@ -305,7 +305,7 @@ def test_observed_ratio_can_be_changed_three_ways() -> None:
 
 
 def _binary32_error(step: Q) -> CertifiableReal:
-    """How far the state of RK4's run in binary32 is from the exact one at t = 10: the sum of both components."""
+    """The error of RK4's run in binary32 at t = 10, as the sum over both components."""
     state, size = (np.float32(1), np.float32(0)), np.float32(float(step))
     assert Q(float(size)) == step
     for _ in range(int(END / step)):
@@ -355,7 +355,7 @@ def test_coarse_segments_skip_much_of_the_motion() -> None:
 
 
 def test_closed_form_of_symplectic_euler_from_the_start() -> None:
-    """From (1, 0): qₙ = cos((n + ½)θ)/cos(θ/2), vₙ = -sin(nθ)/cos(θ/2) with 2 sin(θ/2) = h: obeys one more step."""
+    """From (1, 0): qₙ = cos((n + ½)θ)/cos(θ/2), vₙ = -sin(nθ)/cos(θ/2) with 2 sin(θ/2) = h, by induction on n."""
     theta, n = sympy.symbols("theta n", real=True)
     step = 2 * sympy.sin(theta / 2)
 

@@ -1,4 +1,4 @@
-"""Steps and evaluations: counted, and what a count does not say."""
+"""Counts of steps and evaluations, and what they leave open."""
 
 from __future__ import annotations
 
@@ -30,10 +30,10 @@ from proofs.setting import (
 
 
 class Tally:
-    """A number that counts the operations made with it, into a counter shared by all that come of it."""
+    """A number that counts the operations on it in a counter that all results share."""
 
     def __init__(self, operations: Counter[str]) -> None:
-        """Start with the shared counter."""
+        """Take the shared counter."""
         self.operations = operations
 
     def _count(self, name: str) -> Tally:
@@ -56,7 +56,7 @@ class Tally:
 
 
 def operations_of(key: str) -> Counter[str]:
-    """What one step of the hand-written stepper does, the calls of the force under "F"."""
+    """The counts of the operations of one hand-written step, with calls of the force under "F"."""
     operations: Counter[str] = Counter()
     number = Tally(operations)
     HAND_WRITTEN[key](lambda q: q._count("F"), number, number, number)

@@ -1,4 +1,4 @@
-"""What the diagrams of the scenes show: read back from the page that draws them, and held against the exact runs."""
+"""The diagrams of the scenes, read back from the page and compared with the exact runs."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from driftproof.symbolic.runs import apply
 from proofs.claims import COUNTED, claim
 from proofs.setting import END, EULER, LESSON_METHODS, RK4, START, M, run
 
-# The last digit of a place in a picture.
+# A unit of the last digit of a coordinate in a picture.
 HUNDREDTH = Q(1, 100)
 EVERY = tuple(product(PRESETS, LESSON_METHODS))
 TICK = re.compile(r'<text class="tick ([xy])"[^>]*>([^<]*)</text>')
@@ -46,35 +46,36 @@ def exact_samples(name: str, key: str) -> list[tuple[Q, Q]]:
 
 
 def reach(plot: Plot) -> Q:
-    """L, where the vertical axis goes from -L to L."""
+    """The limit L of a vertical axis from -L to L."""
     assert plot.y.scale.low == -plot.y.scale.high
     return plot.y.scale.high
 
 
 def places(plot: Plot, class_: str) -> list[tuple[str, str]]:
-    """Where the points of a path lie in the picture."""
+    """The coordinates of the points of a path, as texts."""
     (path,) = re.findall(rf'<path class="{class_}" d="([^"]*)"', "".join(plot.drawn))
     return re.findall(r"(-?[\d.]+) (-?[\d.]+)", path)
 
 
 def is_at(found: str, scale: Scale, x: CertifiableReal, within: Q = HUNDREDTH) -> bool:
-    """True if a mark is at x to a hundredth of a unit of the picture: places are rounded to hundredths, once.
+    """True if the coordinate `found` is that of x to within a hundredth of a unit of the picture.
 
-    Half of one is lost in that; what is left is for the rounding of the run, so that a tie may fall either way.
+    Rounding to hundredths takes half of that; the other half is for the rounding of the run, so ties may go either way.
     """
     return is_less(lambda: abs(enclose(scale(Q(0)) - Q(found)) + enclose(x) * enclose(scale.per_unit)), within)
 
 
 def is_near(found: str, scale: Scale, x: CertifiableReal) -> bool:
-    """As `is_at`, to two hundredths: the place along the t axis is rounded, too, by half of one at most.
+    """True if the coordinate is that of x to within two hundredths, as the coordinate of t is rounded as well.
 
-    In that time the curve, whose slope is at most 1, moves by one at most: a unit of q is shorter than two units of t.
+    That rounding is at most half a hundredth, in which the curve of slope at most 1 moves by at most a whole one: a
+    unit of q is shorter than two units of t.
     """
     return is_at(found, scale, x, within=2 * HUNDREDTH)
 
 
 def are_drawn(samples: list[tuple[Q, Q]], plot: Plot) -> bool:
-    """True if the plot has a dot at each of these points, in this order, and no other."""
+    """True if the dots of the plot are exactly these points, in this order."""
     dots = places(plot, "samples dots")
     return len(dots) == len(samples) and all(
         is_at(x, plot.x.scale, sample[0]) and is_at(y, plot.y.scale, sample[1])
@@ -83,7 +84,7 @@ def are_drawn(samples: list[tuple[Q, Q]], plot: Plot) -> bool:
 
 
 def labels(figure: Figure, axis: str) -> list[str]:
-    """What stands at the ticks of an axis, from left to right or upwards."""
+    """The labels of the ticks of an axis, from left to right or upwards."""
     return [unescape(words) for name, words in TICK.findall(figure.markup()) if name == axis]
 
 
@@ -193,7 +194,7 @@ def test_final_states_are_marked_apart_on_one_scale() -> None:
 
 
 def circle(plot: Plot, class_: str) -> tuple[str, str, str]:
-    """Centre and radius of the one circle of this class."""
+    """The centre and radius of the only circle of this class."""
     ((x, y, radius),) = re.findall(
         rf'<circle class="{class_}" cx="([^"]*)" cy="([^"]*)" r="([^"]*)"', "".join(plot.drawn)
     )
@@ -201,7 +202,7 @@ def circle(plot: Plot, class_: str) -> tuple[str, str, str]:
 
 
 def hues(page: str, name: str) -> list[str]:
-    """What a colour of the style sheet is called, in the light and in the dark scheme."""
+    """The hue of a colour of the style sheet, in the light and in the dark scheme."""
     colours = [[int(c[i : i + 2], 16) for i in (0, 2, 4)] for c in re.findall(rf"--{name}: #([0-9a-f]{{6}})", page)]
     return ["blue" if b > g > r else "amber" if r > g > b else "other" for r, g, b in colours]
 
@@ -219,9 +220,7 @@ def test_readouts_have_finer_digits_than_the_table_of_large_values() -> None:
         for compared, shown in shown_twice(values).items():
             if abs(Q(values[compared])) >= Q(1, 10**4):
                 assert unit(shown[0]) < unit(shown[1])
-    for exponent in range(
-        -4, 9
-    ):  # each decade from the smallest that is needed, at its lower end, where digits are few
+    for exponent in range(-4, 9):  # one value for each decade, from the smallest that is claimed on
         shown = shown_twice(
             {"state_error": float(10**exponent), "energy_change": -float(10**exponent), "evaluations": 1}
         )
@@ -232,7 +231,7 @@ def test_readouts_have_finer_digits_than_the_table_of_large_values() -> None:
 
 
 def shown_twice(values: Readouts) -> dict[str, tuple[str, str]]:
-    """State error and energy change as the readouts show them, and as the table does."""
+    """State error and energy change, each as text of the readouts and of the table."""
     _, row = comparison_rows({EULER: values})
     return {
         name: (readout_rows({name: values[name]})[0][1], cell)

@@ -1,4 +1,4 @@
-"""What a step does to the energy, and what symplectic Euler keeps instead."""
+"""The change of the energy in a step, and the quadratic that symplectic Euler conserves."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ h, q, v = STATE_H, STATE_Q, STATE_V
 
 
 def E(x: Any, y: Any) -> Any:
-    """½(x² + y²)."""
+    """The energy ½(x² + y²)."""
     return (x**2 + y**2) / 2
 
 
@@ -88,7 +88,7 @@ def _apply(m: Any) -> tuple[Any, Any]:
 
 
 def _lift(polynomial: Any) -> Any:
-    """An element of Q[h] in Q[q, v, h]."""
+    """An element of Q[h] as one of Q[q, v, h]."""
     return sum((coefficient * h**power for (power,), coefficient in polynomial.terms()), 0 * h)
 
 
@@ -129,12 +129,12 @@ def test_symplectic_step_keeps_oriented_area_of_any_force() -> None:
     assert sympy.trigsimp(flow.det()) == 1
 
 
-# F'(q) at the one place where an Euler method asks for the force; it may be any number.
+# F'(q) at the only position where an Euler method evaluates the force; a symbol, so it may be any number.
 _SLOPE = v
 
 
 class _Jet:
-    """A value's derivatives with respect to q and v: sums, and products with the constant h, by the rules."""
+    """The derivatives of a value with respect to q and v, with the rules for sums and for products with h."""
 
     def __init__(self, of_q: Any, of_v: Any) -> None:
         """Take the two derivatives."""
@@ -145,7 +145,7 @@ class _Jet:
         return _Jet(self.of_q + other.of_q, self.of_v + other.of_v)
 
     def __rmul__(self, step: Any) -> _Jet:
-        """Multiply both by a constant."""
+        """Multiply the derivatives by a constant."""
         return _Jet(step * self.of_q, step * self.of_v)
 
 
@@ -158,7 +158,7 @@ class _Constant:
 
 
 def _jacobian_determinant(key: str) -> Any:
-    """det ∂(q₁, v₁)/∂(q, v) of the hand-written step, of a force whose slope where it is asked is _SLOPE."""
+    """The determinant of ∂(q₁, v₁)/∂(q, v) of the hand-written step, for a force with the derivative _SLOPE."""
     one, zero = h**0, 0 * h
     force = lambda position: _Jet(_SLOPE * position.of_q, _SLOPE * position.of_v)
     new_q, new_v = HAND_WRITTEN[key](force, _Jet(one, zero), _Jet(zero, one), _Constant())

@@ -1,4 +1,4 @@
-"""The oscillator, its exact solution, its energy, and where its units come from."""
+"""The oscillator: its equations, exact solution, energy and units."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ POSITION, VELOCITY = cos(t), -sin(t)
 
 
 def rate(q: sympy.Expr, v: sympy.Expr) -> tuple[sympy.Expr, sympy.Expr]:
-    """F(q, v) = (v, -q), from the force that every stepper is given."""
+    """The right-hand side F(q, v) = (v, -q), with the force that all steppers use."""
     return v, oscillator(q)
 
 
@@ -197,7 +197,7 @@ def test_dimensionless_step_lasts_h_over_omega() -> None:
 
 
 def test_float_readout_of_the_exact_state_is_the_same_solution() -> None:
-    """The exact state that the float side compares with is the flow proved here, run on symbols."""
+    """The exact state in floats is the flow proved here: shown by running its code on symbols."""
     c, s = sympy.Symbol("c"), sympy.Symbol("s")
 
     class Angle:

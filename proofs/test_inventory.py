@@ -1,4 +1,4 @@
-"""The list of claims is complete: what is not proved is named, and nothing else waits."""
+"""The list of claims is complete: every statement is required or listed as not verifiable."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ LESSON = Path(__file__).parents[2] / "shared" / "lesson" / "claims.json"
 
 
 def test_statements_are_required_or_not_verifiable() -> None:
-    """249 statements: 228 to prove, 21 that state nothing to verify, and none that waits."""
+    """Of the 249 statements, 228 are required and 21 are not verifiable."""
     assert (len(STATEMENTS), len(REQUIRED), len(NOT_VERIFIABLE)) == (249, 228, 21)
     assert set(REQUIRED) | set(NOT_VERIFIABLE) == set(STATEMENTS)
 
 
 @pytest.mark.skipif(not LESSON.exists(), reason="the lesson's own list of claims is not beside this checkout")
 def test_required_are_the_verifiable_claims_of_the_lesson() -> None:
-    """Against the lesson's own inventory: what it calls verifiable is what is proved."""
+    """The required claims are those that the lesson's own inventory calls verifiable."""
     inventory = json.loads(LESSON.read_text(encoding="utf-8"))["claims"]
     verifiable = {entry["id"] for entry in inventory if entry["verifiable"]}
     assert verifiable == set(REQUIRED)
@@ -32,40 +32,25 @@ def test_required_are_the_verifiable_claims_of_the_lesson() -> None:
 
 @pytest.mark.skipif(not LESSON.exists(), reason="the lesson's own list of claims is not beside this checkout")
 def test_printed_texts_and_decimals_are_those_of_the_lesson() -> None:
-    """Against the lesson's own inventory: the texts we prove are the texts it prints, the values those it lists."""
+    """The printed texts and decimals are those of the lesson's own inventory."""
     inventory = {entry["id"]: entry for entry in json.loads(LESSON.read_text(encoding="utf-8"))["claims"]}
     for row in ROWS:
         assert inventory[row.claim]["printed"] == row.text
         theirs = inventory[row.claim]["decimal"]
         assert Fraction(theirs) == _rounded_as(theirs, row.quantity.value())
     printed = {key for key, entry in inventory.items() if entry["printed"] is not None}
-    others = {
-        "L005",
-        "L137",
-        "L050",
-        "L058",
-        "L092",
-        "L093",
-        "L094",
-        "L155",
-        "L179",
-        "L191",
-        "L194",
-        "L203",
-        "L209",
-        "L246",
-    }
+    others = {f"L{n:03}" for n in (5, 50, 58, 92, 93, 94, 137, 155, 179, 191, 194, 203, 209, 246)}
     assert printed - {row.claim for row in ROWS} == others
 
 
 def _rounded_as(theirs: str, value: CertifiableReal) -> Fraction:
-    """The value, correctly rounded to as many digits as their decimal shows."""
+    """The value, correctly rounded to as many digits as the decimal of the lesson has."""
     digits = len(theirs.lstrip("-0.").replace(".", ""))
     return Fraction(significant(value, max(1, digits)))
 
 
 def test_claim_refuses_an_unknown_id_and_unknown_evidence() -> None:
-    """A proof cannot be marked with a claim that does not exist, nor with evidence of no known kind."""
+    """A proof cannot be marked with an invalid claim id or an unknown kind of evidence."""
     with pytest.raises(
         ValueError, match=r"L52 is no id of a claim: L and three digits .* a new one takes the next number"
     ):
@@ -77,7 +62,7 @@ def test_claim_refuses_an_unknown_id_and_unknown_evidence() -> None:
 
 
 def test_ledger_tells_failed_and_not_run_from_proved() -> None:
-    """The ledger calls a claim proved only when its test passed, and is incomplete otherwise."""
+    """The ledger counts a claim as proved only if its test passed, and is incomplete otherwise."""
     ledger = Ledger()
     ledger.add(
         ["a", "b"], [Entry("L010", "a", "first", "PROVED", "how"), Entry("L036", "b", "second", "PROVED", "how")]
@@ -93,7 +78,7 @@ def test_ledger_tells_failed_and_not_run_from_proved() -> None:
 
 
 def test_new_claim_needs_its_proof_alone_and_one_that_is_missing_says_what_to_do() -> None:
-    """A proof of a statement beyond the list adds it to the ledger, and what lies between waits for proofs."""
+    """A proof of a statement beyond the list adds it to the ledger and requires all statements before it."""
     ledger = Ledger()
     proofs = [Entry(key, key, "a statement", "PROVED", "how") for key in (*REQUIRED, "L250", "T01", "T02")]
     ledger.add([entry.test for entry in proofs], proofs)

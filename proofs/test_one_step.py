@@ -1,4 +1,4 @@
-"""What one step of each method is: the formulas of the lesson, as identities over Q[h, q, v]."""
+"""One step of each method: the formulas of the lesson as identities over Q[h, q, v]."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ h, q, v = STATE_H, STATE_Q, STATE_V
 
 
 def rk4_slopes() -> list[tuple[Any, Any]]:
-    """The four rates as the lesson writes them, polynomials in h, q and v: each from the one before."""
+    """The four slopes of RK4 as the lesson writes them, polynomials in h, q and v."""
     k1 = (v, -q)
     k2 = (v + h * k1[1] / 2, -(q + h * k1[0] / 2))
     k3 = (v + h * k2[1] / 2, -(q + h * k2[0] / 2))

@@ -1,4 +1,4 @@
-"""Distance and angle: what the state error, the energy and the wrapped phase each see, and what they cannot."""
+"""State error, energy and wrapped phase error: what each of them shows and what it cannot show."""
 
 from __future__ import annotations
 
@@ -69,7 +69,7 @@ OCTANTS = ((1.0, 0.0), (1.0, -1.0), (0.0, -1.0), (-1.0, -1.0), (-1.0, 0.0), (-1.
 
 
 def _wrapped(degrees: int) -> int:
-    """The one of degrees + 360k that is in [-180, 180)."""
+    """The angle degrees + 360k that lies in [-180, 180)."""
     return (degrees + 180) % 360 - 180
 
 

@@ -1,4 +1,4 @@
-"""The numbers that the lesson prints are the correctly rounded values of what they stand for."""
+"""The numbers that the lesson prints are the correctly rounded values of the quantities that they stand for."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def test_printed_number_spells_the_value(row: Printed, publish: Any) -> None:
 
 @pytest.mark.parametrize("row", ROWS, ids=lambda row: row.claim)
 def test_every_other_digit_is_noticed(row: Printed) -> None:
-    """No number that differs from a printed one in a single digit, or in its sign, passes for it."""
+    """A number that differs from a printed one in a single digit or in its sign is rejected."""
     misprints = [text for text in _misprints(row.text) if text == row.spelling(text)]
     assert misprints == []
 

@@ -1,4 +1,4 @@
-"""The experiment as a program: what it needs, prints and refuses; ours, and the lesson's own where it is at hand."""
+"""The experiment as a program, ours and the lesson's own if available: what it imports, prints and refuses."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from proofs.setting import DEFAULT_H, END, LESSON_METHODS
 
 PROGRAM = Path(program.__file__)
 LESSON = Path(__file__).parents[2] / "shared" / "lesson" / "lesson.txt"
-# Runs a file as a program, and says after its output what it imported that does not come with Python.
+# Runs a file as a program, then prints the modules that it imported from outside the standard library.
 AUDIT = """\
 import runpy, sys
 before = set(sys.modules)
@@ -33,13 +33,13 @@ print("foreign:", sorted(tops - set(sys.stdlib_module_names) - {"__main__"}))
 
 
 def output(file: Path) -> list[str]:
-    """What the file prints, run by an interpreter that sees neither this checkout nor any package, and the audit."""
+    """The output of the file and then of AUDIT, in an interpreter that sees neither this checkout nor any package."""
     command = [sys.executable, "-I", "-S", "-c", AUDIT, str(file)]
     return subprocess.run(command, capture_output=True, text=True, check=True, timeout=60).stdout.splitlines()
 
 
 def numbers(line: str) -> list[str]:
-    """The decimals of a line."""
+    """The decimal numbers of a line."""
     return re.findall(r"-?\d+\.\d+", line)
 
 
@@ -56,7 +56,7 @@ def listing(folder: Path) -> Path:
 def test_program_needs_only_the_standard_library(tmp_path: Path) -> None:
     """A program of the standard library alone implements all three updates: it runs without any other package."""
     assert output(PROGRAM)[-1] == "foreign: []"
-    other = tmp_path / "other.py"  # the audit can tell
+    other = tmp_path / "other.py"  # the audit notices other imports
     (tmp_path / "methods.py").write_text("", encoding="utf-8")
     other.write_text(f"import sys; sys.path.insert(0, {str(tmp_path)!r}); import methods\n", encoding="utf-8")
     assert output(other)[-1] == "foreign: ['methods']"
@@ -99,7 +99,7 @@ def test_unknown_method_is_refused() -> None:
     for name in ("Leapfrog", "euler", "RK 4", "rk4", "", "Symplectic "):
         with pytest.raises(ValueError, match=r"^Unknown method$"):
             program.step(name, (1.0, 0.0), 0.5)
-    for name in ("Leapfrog", "", "Symplectic "):  # one may mean two methods, the others none
+    for name in ("Leapfrog", "", "Symplectic "):  # the first is ambiguous, the others are unknown
         with pytest.raises(ValueError, match=f"^(unknown method )?{name!r}"):
             method_named(name)
     assert [program.step(name, (1.0, 0.0), 0.5)[1] < 0 for name in program.METHODS] == [True] * 3

@@ -1,4 +1,4 @@
-"""For which steps the methods stay bounded, and what happens at the boundary and beyond."""
+"""The step sizes for which the methods stay bounded, and their behaviour at the limit and beyond."""
 
 from __future__ import annotations
 
@@ -202,7 +202,7 @@ def test_higher_order_is_neither_exact_nor_unrestricted() -> None:
 
 
 def test_growth_at_boundary_scene_is_linear_not_exponential() -> None:
-    """The boundary preset sits exactly at the Jordan block: energies 4n² + 2n + ½."""
+    """In the preset at the Jordan block the energies are 4n² + 2n + ½: growth that is polynomial, not exponential."""
     energies = [energy(*state_after(SYMPLECTIC, n, BOUNDARY_H)) for n in range(6)]
     assert energies == [4 * n * n + 2 * n + Q(1, 2) for n in range(6)]
     assert M(SYMPLECTIC) != matrix([[1, 0], [0, 1]])

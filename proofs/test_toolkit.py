@@ -1,4 +1,4 @@
-"""Claims about the toolkit itself: its two exact engines, its float runs, its bounds and its digits."""
+"""Claims about the toolkit itself: its two exact engines, float runs, bounds and digits."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from proofs.claims import CERTIFIED, COUNTED, FUZZED, PROVED, claim
 from proofs.kernel.engines import ascending, both_matrices, rational_methods
 from proofs.setting import EULER, LESSON_METHODS, RK4, SYMPLECTIC, M
 
-# How far below its bound the worst rounding error may be that SAMPLES random steps show; they show half of it and more.
+# The least ratio of the worst rounding error of SAMPLES random steps to its bound; chosen: they reach half and more.
 LOOSEST = Q(1, 3)
 SAMPLES = 300
 floats = st.floats(allow_nan=False, allow_infinity=False, width=32)
@@ -42,14 +42,14 @@ def test_both_exact_engines_have_the_same_matrix_of_every_rational_method() -> N
 
 
 def test_engines_that_differ_would_be_told_apart() -> None:
-    """The comparison is of polynomials: RK4's entries are not those of the 3/8 rule with one sign changed."""
+    """The comparison notices a wrong sign in the last coefficient of an entry of RK4's matrix."""
     top, bottom = (ascending(p) for p in numerator_and_denominator(entries(M(RK4))[0]))
     assert _product(top, [Q(1)]) == top
     assert _product(top, [Q(1)]) != _product(bottom, [*top[:-1], -top[-1]])
 
 
 def _product(a: list[Q], b: list[Q]) -> list[Q]:
-    """The product of two polynomials, ascending, without zeros at the end: school arithmetic."""
+    """The product of two polynomials, constant term first, without trailing zeros."""
     total = [Q(0)] * (len(a) + len(b))
     for i, x in enumerate(a):
         for j, y in enumerate(b):
@@ -99,9 +99,9 @@ def _distance_squared(state: tuple[float, float], exact: tuple[Q, Q]) -> Q:
 
 
 def _check_readouts(state: tuple[float, float], start: tuple[float, float], t: Q, bound: RunBound) -> None:
-    """Energy, energy change, state error and phase error of the floats, against those of the exact run."""
+    """Compare energy, energy change, state error and phase error in floats with those of the exact run."""
     true_energy = lambda z: (Q(z[0]) ** 2 + Q(z[1]) ** 2) / 2
-    # Two squares, a sum and a half: at most three roundings a term, and underflow of each square.
+    # Two squares, a sum and a halving: at most three roundings per term, and an underflow of each square.
     within = lambda found, z: abs(Q(found) - true_energy(z)) <= 4 * U * true_energy(z) + 2 * ETA
     final, first = readouts.energy(state), readouts.energy(start)
     assert within(final, state)
@@ -147,7 +147,7 @@ def test_bounds_of_one_step_are_not_loose() -> None:
 
 
 def _worst_of_samples(key: str) -> Q:
-    """The largest error over its bound, of seeded random steps."""
+    """The largest ratio of error to bound over seeded random steps."""
     bound, random_numbers = step_bound(HAND_WRITTEN[key]), random.Random(20260101)
     ratios = []
     for _ in range(SAMPLES):

@@ -1,1 +1,1 @@
-"""Numbers in texts: asked for, written, published, and held to claims."""
+"""Numbers in texts: questions and answers, formatting, published values, and checks of texts against claims."""

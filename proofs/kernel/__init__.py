@@ -1,1 +1,1 @@
-"""Certificates of the ledger's claims for Coq: theory by hand, statements written from the project's exact objects."""
+"""Coq certificates of the ledger's claims: hand-written theory, and statements generated from exact objects."""

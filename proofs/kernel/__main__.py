@@ -1,4 +1,4 @@
-"""`python -m proofs.kernel`: has Coq read every certificate; with a claim's id, shows what Coq accepts for it."""
+"""`python -m proofs.kernel`: check every certificate with Coq; with claims, show the statement that Coq accepts."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from proofs.kernel.mutants import mutants
 
 START = time.perf_counter()
 LEDGER = Path(__file__).parents[1] / "ledger.md"
-# What Coq accepts beside the claims -> how such statements read.
+# Further theorems that are counted -> the pattern of their statements.
 BESIDE = {
     "orders of exact tables": r"has_order \w+ \d+",
     "orders but for rounding of tables of decimals": r"has_rounded_order .+",
@@ -26,7 +26,7 @@ _ROW = re.compile(r"^\| ([LT]\d+) \| (.*) \| (\w+) \| ([^|]*) \| ([^|]*) \|$", r
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Compile, count and try the mutants; or print the statements of the claims that are named."""
+    """Compile everything, count the claims and try the mutants; or print the statements of the given claims."""
     parser = argparse.ArgumentParser(prog="python -m proofs.kernel", description=__doc__)
     parser.add_argument("claims", nargs="*", metavar="CLAIM", help="show this claim's sentence and its Coq statement")
     parser.add_argument("--packages", action="store_true", help="print the Debian packages that it needs")
@@ -39,7 +39,7 @@ def main(arguments: list[str] | None = None) -> int:
         for claim in options.claims:
             if claim not in rows:
                 parser.error(f"{claim} is no claim of {LEDGER.name}")
-            print(_beside(claim, rows[claim][0]))
+            print(_claim_text(claim, rows[claim][0]))
         return 0
     if (advice := missing_programs()) is not None:
         print(advice, file=sys.stderr)
@@ -51,7 +51,7 @@ def main(arguments: list[str] | None = None) -> int:
         return 1
 
 
-def _beside(claim: str, sentence: str) -> str:
+def _claim_text(claim: str, sentence: str) -> str:
     certificate = certificates().get(claim)
     if certificate is None:
         return f"{claim}  {sentence}\n      no certificate: docs/kernel.md says why"
@@ -86,7 +86,7 @@ def _check(rows: dict[str, tuple[str, str]]) -> int:
 
 
 def _seconds() -> str:
-    """The seconds since the start: of the processor in Coq, and on the clock."""
+    """The CPU seconds of Coq and the wall-clock seconds since the start, as text."""
     used = resource.getrusage(resource.RUSAGE_CHILDREN)
     return f"{used.ru_utime + used.ru_stime:.0f} CPU seconds, {time.perf_counter() - START:.0f} on the clock"
 

@@ -1,4 +1,4 @@
-"""AStability.v: which implicit methods are A-stable, stated of their tables or of the polynomial of their nodes."""
+"""Write AStability.v: theorems on which implicit methods are A-stable, from their tables or node polynomials."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def a_stability() -> str:
 
 
 def verdicts() -> Iterator[Theorem]:
-    """The verdict on every implicit method; a table is the one whose order OrdersOfTables.v states."""
+    """One theorem per implicit method of the catalogue; its table is the one defined in OrdersOfTables.v."""
     for key, method in METHODS.items():
         if isinstance(method, RungeKutta | Collocation) and not method.explicit:
             words, proof = ("a_stable", "by_sign.") if Facts(method).a_stable else ("not_a_stable", "by_growth.")
@@ -34,6 +34,6 @@ def verdicts() -> Iterator[Theorem]:
 
 
 def _nodes(method: Collocation) -> str:
-    """The polynomial of the nodes with integer coefficients, constant term first."""
+    """The polynomial of the nodes as a Coq list of integer coefficients, constant term first."""
     common = lcm(*(x.denominator for x in method.node_polynomial))
     return coq_list(str(int(x * common)) for x in method.node_polynomial)

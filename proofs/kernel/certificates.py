@@ -1,4 +1,4 @@
-"""All that Coq is given, in the order in which it is read: theory by hand, and what is written from exact objects."""
+"""All files for Coq, in the order of compilation: hand-written theory, and files generated from exact objects."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ ORDER = (
     *("Problems", "Jets", "OneStepErrors", "GlobalErrors", "LeadingErrors"),
     *("LeftHalfPlane", "Contraction", "AStability", "FloatRuns", "Halving", "Rounding", "Engines"),
 )
-# Claims whose statement says less than the sentence, and what it leaves out.
+# Claims whose Coq statement is weaker than the sentence, and what it leaves out.
 IN_PART = {
     "L039": "that the steps 2 and 5/2 are on offer is given",
     "L064": "that no consistent method errs where y' = 1 is said of Runge-Kutta methods, not of splittings",
@@ -50,7 +50,7 @@ _DEFINED = re.compile(r"^ *(?:Definition|Fixpoint|Inductive|Record) (\w+)", re.M
 
 @dataclass(frozen=True)
 class Certificate:
-    """A theorem that is named for claims, and the file that holds it."""
+    """A theorem and the name of the file that holds it."""
 
     file: str
     theorem: Theorem
@@ -58,13 +58,13 @@ class Certificate:
 
 @cache
 def source(name: str) -> str:
-    """The text of a file."""
+    """The text of the file with this name."""
     return WRITTEN[name]() if name in WRITTEN else (THEORY / f"{name}.v").read_text(encoding="utf-8")
 
 
 @cache
 def all_theorems() -> tuple[Certificate, ...]:
-    """Every theorem, in order."""
+    """Every theorem of every file, in order."""
     return tuple(Certificate(name, theorem) for name in ORDER for theorem in theorems(source(name)))
 
 
@@ -81,7 +81,7 @@ def certificates() -> dict[str, Certificate]:
 
 
 def definitions(certificate: Certificate) -> dict[str, list[str]]:
-    """File -> the words of the statement that it defines: those that have to be read to know what Coq accepts."""
+    """File -> the words of the certificate's statement that it defines, needed to understand the statement."""
     place = {}
     for name in ORDER[: ORDER.index(certificate.file) + 1]:
         place |= dict.fromkeys(_DEFINED.findall(source(name)), name)
@@ -93,6 +93,6 @@ def definitions(certificate: Certificate) -> dict[str, list[str]]:
 
 
 def technique(claim: str) -> str:
-    """How the claim's certificate is right, and whether it says less than the claim; "-" where there is none."""
+    """The technique of the claim's certificate, with ", in part" if it is weaker than the claim; "-" without one."""
     certificate = certificates().get(claim)
     return "-" if certificate is None else certificate.theorem.technique + ", in part" * (claim in IN_PART)

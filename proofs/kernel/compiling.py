@@ -1,4 +1,4 @@
-"""Coq over the files: what is accepted, on which axioms, and which planted errors are refused."""
+"""Run Coq: compile the files, list the axioms that the theorems rest on, and check that planted errors fail."""
 
 from __future__ import annotations
 
@@ -15,22 +15,22 @@ from proofs.kernel.coq import Theorem
 
 BUILD = Path(__file__).parents[2] / "build" / "kernel"
 PACKAGES = ("coq", "libcoq-interval", "libcoq-flocq", "libcoq-coquelicot", "libcoq-bignums", "libcoq-gappa", "gappa")
-# What the theorems may rest on: the axioms of the reals, and those of the processor's integers and floats.
+# The allowed axioms: those of the reals, and those of machine integers and floats.
 AXIOMS = re.compile(
     r"(ClassicalDedekindReals\.sig_(not|forall)_dec|FunctionalExtensionality\.functional_extensionality_dep"
     r"|Classical_Prop\.classic|(PrimInt63|Uint63|PrimFloat|FloatAxioms|FloatOps)\.\w+)$"
 )
-# A certificate that takes longer than this has gone astray: the slowest takes two seconds.
+# Chosen: far above the slowest certificate, which takes two seconds.
 SECONDS_PER_FILE = 300
 SECONDS_PER_MUTANT = 20
 
 
 class Refused(Exception):
-    """Coq does not accept what it should, or accepts what it should not."""
+    """Coq rejects a file, or its answers show that a check did not work."""
 
 
 def missing_programs() -> str | None:
-    """What to install where Coq or one of its libraries is not there; None if all is."""
+    """Advice on what to install if Coq or one of its libraries is missing; None if all are there."""
     if shutil.which("coqc"):
         where = Path(_coq("coqc", "-where").strip())
         if all(
@@ -42,7 +42,7 @@ def missing_programs() -> str | None:
 
 
 def compile_all(folder: Path = BUILD) -> None:
-    """Write every file and compile those that changed, and what comes after them. Raises Refused."""
+    """Write all files; compile those that changed and all after them. Raises Refused if Coq rejects one."""
     folder.mkdir(parents=True, exist_ok=True)
     newest = 0.0
     for name in (bar := tqdm(ORDER, unit="file", disable=None)):
@@ -59,7 +59,7 @@ def compile_all(folder: Path = BUILD) -> None:
 
 
 def foreign_axioms(folder: Path = BUILD) -> list[str]:
-    """Axioms that some theorem rests on and that are none of AXIOMS; without them all is as it should be."""
+    """The axioms that some theorem rests on and that AXIOMS does not allow; should be empty."""
     names = ", ".join(f"{found.file}.{found.theorem.name}" for found in all_theorems())
     files = " ".join(dict.fromkeys(found.file for found in all_theorems()))
     script = f"From driftproof Require {files}.\nDefinition everything := ({names}).\nPrint Assumptions everything.\n"
@@ -72,10 +72,9 @@ def foreign_axioms(folder: Path = BUILD) -> list[str]:
 
 
 def accepted_mutants(mutants: Sequence[tuple[Certificate, Theorem]], folder: Path = BUILD) -> list[str]:
-    """The statements of those planted errors that Coq accepts, with the proof of the right theorem: none, one hopes.
+    """The mutated statements that Coq accepts with the proof of the right theorem; should be empty.
 
-    Each must be a statement that Coq can read. Raises Refused if one is none, and if a right theorem is not accepted
-    where its mutants are tried.
+    Raises Refused if Coq cannot read a mutated statement, or rejects a right theorem where its mutants are tried.
     """
     found = []
     for name in (bar := tqdm(dict.fromkeys(certificate.file for certificate, _ in mutants), unit="file", disable=None)):
@@ -103,18 +102,18 @@ def _attempt(name: str, theorem: Theorem) -> str:
 
 
 def _preamble(name: str) -> list[str]:
-    """The imports of a file, and the file itself."""
+    """The import sentences of a file, and one that imports the file itself."""
     imports = re.findall(r"^(?:From|Import|Open) [^.]*\.", source(name), re.M)
     return [*imports, f"From driftproof Require Import {name}."]
 
 
 def _talk(script: str, folder: Path) -> str:
-    """What Coq answers to sentences one by one; an error stops none of those that follow."""
+    """The answers of coqtop to a script; an error in one sentence does not stop the following ones."""
     answers = _coq("coqtop", "-color", "no", *_IN_FOLDER, folder=folder, script=script)
     return re.sub(r"^(\w+ < )+", "", answers, flags=re.M)
 
 
-# Paths are relative and the folder is the one to run in: Coq's tactics leave caches where they are.
+# Relative paths, to be run in the folder itself: some tactics of Coq leave caches in the current folder.
 _IN_FOLDER = ("-q", "-w", "none", "-Q", ".", "driftproof")
 
 

@@ -1,4 +1,4 @@
-"""How numbers, lists and theorems are written in Coq, and how theorems are read back out of a file."""
+"""Write numbers, lists and theorems in the syntax of Coq, and read theorems back from a file."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 RING, VM, SIGN, INTERVAL, SCRIPT = "ring", "vm", "sign", "interval", "script"
-# The tactic that ends a proof by itself, once words are unfolded -> the way in which it is right; others are scripts.
+# Tactic that completes a proof after unfolding -> the technique of the proof; other proofs are scripts.
 TECHNIQUES = {
     "by_ring": RING,
     "by_circle": RING,
@@ -31,7 +31,7 @@ _CLAIM = re.compile(r"[LT]\d+")
 
 @dataclass(frozen=True)
 class Theorem:
-    """A statement and its proof, as Coq reads them; the name holds the claims that it is a certificate for."""
+    """A theorem in Coq syntax: name, statement and proof; the name lists the claims that it certifies."""
 
     name: str
     statement: str
@@ -39,18 +39,18 @@ class Theorem:
 
     @property
     def claims(self) -> tuple[str, ...]:
-        """The claims of the ledger that the name lists; none if it names something else."""
+        """The ids of claims in the name; empty if the theorem certifies no claim."""
         parts = self.name.split("_")
         return tuple(parts) if all(_CLAIM.fullmatch(part) for part in parts) else ()
 
     @property
     def technique(self) -> str:
-        """The way in which the proof is right."""
+        """The technique of the proof, one of TECHNIQUES or SCRIPT."""
         sentence = re.fullmatch(r"(?:(?:unfold|cbv)\b[^.]*\.\s)*(\w+)[^.]*\.", self.proof)
         return TECHNIQUES.get(sentence[1], SCRIPT) if sentence else SCRIPT
 
     def text(self) -> str:
-        """The theorem as it stands in a file."""
+        """The theorem as the text of a file."""
         return f"Theorem {self.name} : {self.statement}.\nProof. {self.proof} Qed.\n"
 
 
@@ -60,22 +60,22 @@ def theorems(text: str) -> Iterator[Theorem]:
 
 
 def rational(x: Fraction) -> str:
-    """A rational number in Q_scope: 3, -1#2."""
+    """A rational number in Q_scope, such as 3, 1#2 or (-1#2)."""
     return str(x).replace("/", "#") if x >= 0 else f"(-{rational(-x)})"
 
 
 def argument(x: Fraction) -> str:
-    """The same where an argument of a function stands."""
+    """A rational number as an argument of a function, in brackets if needed."""
     return f"({rational(x)})" if "#" in rational(x) and x >= 0 else rational(x)
 
 
 def coq_list(items: Iterable[str]) -> str:
-    """[a; b; c]."""
+    """A Coq list [a; b; c]."""
     return f"[{'; '.join(items)}]"
 
 
 def file_text(purpose: str, imports: str, body: Iterable[str]) -> str:
-    """A file that says what it is for and that nobody wrote it by hand."""
+    """The text of a generated file, with a comment that states its purpose and its generator."""
     return "\n".join(
         [f"(** {purpose} Written by `make kernel`: change the emitter, not this. *)", "", imports, "", *body]
     )

@@ -1,4 +1,4 @@
-"""Engines.v: the one-step matrices of both exact engines, entry by entry, of every rational method."""
+"""Write Engines.v: the one-step matrices of every rational method from both exact engines, entry by entry."""
 
 from __future__ import annotations
 
@@ -27,19 +27,19 @@ Definition fraction : Type := list Z * list Z.
 (** A number by its digits to the base 2^60, the last one first: Coq reads the processor's integers fastest. *)
 Definition long (digits : list int) : Z := fold_right (fun digit number => to_Z digit + 2 ^ 60 * number) 0 digits."""
 
-# Numbers of up to so many characters stand where they belong; of others so many hexadecimal characters are a digit.
+# Numbers of at most SHORT characters are written in place; others as digits of DIGIT hexadecimal characters.
 SHORT, DIGIT = 12, 15
 
 Fraction = tuple[list[Q], list[Q]]
 
 
 def rational_methods() -> list[str]:
-    """The methods whose every coefficient is a fraction; a collocation method has none before it has nodes."""
+    """The keys of the methods with rational coefficients, except collocation methods, which are given by nodes."""
     return [key for key, method in METHODS.items() if not isinstance(method, Collocation) and method.field is None]
 
 
 def both_matrices(key: str) -> Iterator[tuple[Fraction, Fraction]]:
-    """SymPy's and FLINT's entry, row by row: numerator and denominator, polynomials in h, constant term first."""
+    """Pairs of SymPy's and FLINT's entries, row by row: numerator and denominator in h, constant term first."""
     derived, _ = derived_matrix(METHODS[key])
     for mine, theirs in zip(entries(derived), (x for row in flint_matrix(METHODS[key]) for x in row), strict=True):
         top, bottom = map(ascending, numerator_and_denominator(mine))
@@ -47,7 +47,7 @@ def both_matrices(key: str) -> Iterator[tuple[Fraction, Fraction]]:
 
 
 def ascending(polynomial: sympy.polys.rings.PolyElement) -> list[Q]:
-    """The coefficients of a polynomial of SymPy's, constant term first."""
+    """The coefficients of a SymPy polynomial, constant term first."""
     found = {power: Q(int(c.numerator), int(c.denominator)) for (power,), c in polynomial.terms()}
     return [found.get(power, Q(0)) for power in range(max(found, default=0) + 1)]
 
@@ -72,14 +72,14 @@ def engines() -> str:
 
 
 def _entry(fraction: Fraction, names: dict[str, str]) -> str:
-    """Numerator and denominator in integers without a common factor, long ones by their names."""
+    """Numerator and denominator as lists of integers over a common denominator, long integers by name."""
     top, bottom = ([x / fraction[1][0] for x in polynomial] for polynomial in fraction)
     common = lcm(*(x.denominator for x in (*top, *bottom)))
     return "({}, {})".format(*(coq_list(_number(int(x * common), names) for x in part) for part in (top, bottom)))
 
 
 def _number(x: int, names: dict[str, str]) -> str:
-    """A short number as it is; a long one once, digit by digit."""
+    """A short number in decimal; the name of a long one, whose digits are recorded in `names`."""
     if len(str(x)) <= SHORT:
         return str(x)
     written = f"{abs(x):x}"

@@ -1,4 +1,4 @@
-"""FloatRuns.v: the lesson's float runs, bit for bit, as the hand-written steppers make them."""
+"""Write FloatRuns.v: theorems that state the float runs of the hand-written steppers bit for bit."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ Definition single_rk4 (n : positive) : Q * Q :=
                   (@over _ single_arithmetic (number 10%positive) (number n)) (Pos.to_nat n)
                   (number 1%positive, single_of_Z 0) in
   (rational_of q, rational_of v)."""
-# Steps that NumPy makes in binary32, too; 10/n is dyadic.
+# Numbers n of steps of the runs in binary32 that NumPy makes; 10/n is dyadic.
 BINARY32_STEPS = (640, 1280)
 
 
@@ -47,7 +47,7 @@ def float_runs() -> str:
 
 
 def _binary32_run(n: int) -> Theorem:
-    """The run of n steps as NumPy makes it."""
+    """The theorem that states the result of NumPy's run of n steps in binary32."""
     state = np.float32(1), np.float32(0)
     for _ in range(n):
         state = HAND_WRITTEN[RK4](oscillator, *state, np.float32(END / n))

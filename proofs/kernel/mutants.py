@@ -1,4 +1,4 @@
-"""Errors to plant in the certificates, of every class: Coq must refuse each with the proof of the right statement."""
+"""Errors planted in the certificates, of every class: Coq must reject each with the proof of the right statement."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from proofs.kernel.certificates import Certificate, all_theorems
 from proofs.kernel.coq import Theorem
 from proofs.printed import ROWS
 
-# RK4 with its last weights 1/6 and 2/6 changed places with 2/6 and 1/6.
+# RK4 with its last two weights exchanged.
 WRONG_WEIGHT = (
     "{| written_relation := [0]; low := 0; high := 0; denominator := 6; written_matrix := "
     "[[[0]; [0]; [0]; [0]]; [[3]; [0]; [0]; [0]]; [[0]; [3]; [0]; [0]]; [[0]; [0]; [6]; [0]]]; "
@@ -23,7 +23,7 @@ ANOTHER_ROOT = (
     "high := (9539033999320594 # 10000000000000000)%Q; denominator := 24; "
     "written_matrix := written_matrix alexander3; written_weights := written_weights alexander3 |}"
 )
-# Theorem -> what its statement says, and what a wrong one says instead.
+# Theorem, a part of its statement, and the wrong text that replaces the part.
 PLANTED: tuple[tuple[str, str, str], ...] = (
     # a wrong sign, coefficient or power in an identity
     ("L033_L204", "(q + h * v, v - h * q) /\\ forward", "(q + h * v, v + h * q) /\\ forward"),
@@ -114,7 +114,7 @@ PLANTED: tuple[tuple[str, str, str], ...] = (
 
 
 def mutants() -> list[tuple[Certificate, Theorem]]:
-    """Every right theorem that has one, with each of its mutants."""
+    """Pairs of a right theorem and one of its mutants."""
     by_name = {certificate.theorem.name: certificate for certificate in all_theorems()}
     planted = [*PLANTED, *_last_digits(), *_rounded_orders()]
     return [(by_name[name], _changed(by_name[name].theorem, right, wrong)) for name, right, wrong in planted]
@@ -127,7 +127,7 @@ def _changed(theorem: Theorem, right: str, wrong: str) -> Theorem:
 
 
 def _last_digits() -> Iterator[tuple[str, str, str]]:
-    """Each printed number with its last digit one off."""
+    """Replacements that change the last digit of each printed number by one."""
     names = {certificate.theorem.name for certificate in all_theorems()}
     for row in ROWS:
         if row.claim in names:
@@ -142,7 +142,7 @@ def _last_digits() -> Iterator[tuple[str, str, str]]:
 
 
 def _rounded_orders() -> Iterator[tuple[str, str, str]]:
-    """Each table of decimals with an order one too high, and with either bound one off in its last digit."""
+    """Replacements for each table of decimals: an order one too high, and either bound off by one in its last digit."""
     for found in all_theorems():
         if found.theorem.statement.startswith("has_rounded_order"):
             _, table, order, missed, exceeded = found.theorem.statement.split()

@@ -1,4 +1,4 @@
-"""OrdersOfTables.v: the order of every Runge-Kutta table of the catalogue, embedded ones among them."""
+"""Write OrdersOfTables.v: theorems on the order of every Runge-Kutta table of the catalogue and every embedded one."""
 
 from __future__ import annotations
 
@@ -23,12 +23,12 @@ From Coq Require Import QArith ZArith List.
 From driftproof Require Import Methods Trees Orders RoundedOrders.
 Import ListNotations.
 Open Scope Z_scope."""
-# How closely the root of a number field is enclosed: enough to tell a residual of the catalogue from zero.
+# Bits of the enclosure of a generator of a number field: enough to tell every residual of the catalogue from zero.
 BITS = 80
 
 
 def runge_kutta_tables() -> Iterator[RungeKutta]:
-    """The tables of coefficients, each followed by the embedded one that it has."""
+    """The Runge-Kutta tables of the catalogue, each followed by its embedded table if it has one."""
     for method in METHODS.values():
         if isinstance(method, RungeKutta):
             yield method
@@ -43,7 +43,7 @@ def orders() -> str:
 
 
 def _exact_entry(method: RungeKutta) -> str:
-    """A table and the theorem on its order."""
+    """The Coq definition of an exact table and the theorem on its order."""
     fact = general_order(method)
     proof = f"by_order ({tree_text(fact.failing_tree)})."
     theorem = Theorem(f"order_of_{method.key}", f"has_order {method.key} {fact.order}", proof)
@@ -51,7 +51,7 @@ def _exact_entry(method: RungeKutta) -> str:
 
 
 def _rounded_entry(method: RungeKutta) -> str:
-    """A table of decimals and the theorem on its order but for rounding: what conditions miss."""
+    """The Coq definition of a table of decimals and the theorem on its order but for rounding, with two bounds."""
     fact = Facts(method).order_but_for_rounding
     if fact is None:
         raise ValueError(f"{method.key} has no order but for rounding")
@@ -65,14 +65,14 @@ def _rounded_entry(method: RungeKutta) -> str:
 
 
 def three_digits(x: RingElement, rounding: str) -> str:
-    """A rational number as a decimal that is no smaller, or no larger: 2.68e-5 and 2.67e-5 of 2.675e-5."""
+    """A rational number rounded up or down: 2.675e-5 becomes 2.68e-5 or 2.67e-5."""
     exact = as_fraction(x)
     context = Context(RESIDUAL_DIGITS, rounding)
     return f"{context.divide(Decimal(exact.numerator), Decimal(exact.denominator)):e}"
 
 
 def in_integers(method: RungeKutta) -> str:
-    """The table as integers of its field over a common denominator."""
+    """The Coq definition of the table, in integers of its number field over a common denominator."""
     integers = [_integer_coordinates(x, method.field) for x in (*(x for row in method.a for x in row), *method.b)]
     denominator = lcm(*(x.denominator for coordinates in integers for x in coordinates))
     written = iter(coq_list(str(int(x * denominator)) for x in coordinates) for coordinates in integers)
@@ -88,7 +88,7 @@ def in_integers(method: RungeKutta) -> str:
 
 
 def tree_text(tree: Tree) -> str:
-    """An ordered drawing of the tree: its branches grafted one after the other."""
+    """The tree in Coq syntax: its branches grafted onto a vertex one after the other."""
     text = "vertex"
     for branch in tree:
         left, right = (f"({part})" if " " in part else part for part in (text, tree_text(branch)))
@@ -97,9 +97,9 @@ def tree_text(tree: Tree) -> str:
 
 
 def _root(field: NumberField | None) -> tuple[list[int], Fraction, Fraction]:
-    """r with X^n = r_0 + r_1 X + ... for L times the field's generator, L its leading coefficient; and its enclosure.
+    """The relation r and an enclosure of X = L times the generator of the field: X^n = r_0 + r_1 X + ...
 
-    L times the generator is an algebraic integer, so that integers of the field stay integers. Rationals take X = 0.
+    L is the leading coefficient of the minimal polynomial, so X is an algebraic integer. Without a field, X = 0.
     """
     if field is None:
         return [0], Fraction(0), Fraction(0)
@@ -109,7 +109,7 @@ def _root(field: NumberField | None) -> tuple[list[int], Fraction, Fraction]:
 
 
 def _integer_coordinates(x: Exact, field: NumberField | None) -> list[Fraction]:
-    """The coefficients of x in the powers of L times the generator."""
+    """The coefficients of x in the powers of X: see `_root`."""
     if isinstance(x, Fraction):
         return [x]
     assert field is not None

@@ -1,4 +1,4 @@
-"""The hand-written steppers and the energy readout, as Coq programs in Tables.v, traced by running them on names."""
+"""Write the hand-written steppers and the energy readout as Coq programs, by tracing their operations on symbols."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from driftproof.methods.stepping import oscillator
 from driftproof.numeric import readouts
 from driftproof.numeric.steppers import HAND_WRITTEN
 
-# With the instance in its place from the start: found anew for each of forty operations, it takes Coq minutes.
+# The notations name the instance: to infer it for each of forty operations would take Coq minutes.
 HEAD = """\
 (** The steppers as they are written by hand, operation by operation. *)
 Section Programs.
@@ -21,48 +21,48 @@ Local Notation integer := (@integer T A)."""
 
 
 class Trace:
-    """The operations made so far, one line each."""
+    """The operations recorded so far, one line each."""
 
     def __init__(self) -> None:
-        """Start with none."""
+        """Start with no operation."""
         self.lines: list[str] = []
 
     def result(self, operation: str) -> Name:
-        """A name for what the operation gives."""
+        """Record the operation and return a new name for its result."""
         name = f"x{len(self.lines) + 1}"
         self.lines.append(f"  let {name} := {operation} in")
         return Name(self, name)
 
 
 class Name:
-    """A number by its name: operations with it are written down, in the order in which the program makes them."""
+    """A symbolic number: operations on it are recorded in the order in which the program makes them."""
 
     def __init__(self, trace: Trace, text: str) -> None:
-        """A name that stands for an argument or for a result."""
+        """Name an argument or a result."""
         self.trace, self.text = trace, text
 
     def __add__(self, other: Name | int) -> Name:
-        """Write an addition."""
+        """Record a sum."""
         return self._operation("+", self, other)
 
     def __mul__(self, other: Name | int) -> Name:
-        """Write a product."""
+        """Record a product."""
         return self._operation("*", self, other)
 
     def __rmul__(self, other: Name | int) -> Name:
-        """Write a product with an integer."""
+        """Record a product with an integer on the left."""
         return self._operation("*", other, self)
 
     def __truediv__(self, other: Name | int) -> Name:
-        """Write a quotient."""
+        """Record a quotient."""
         return self._operation("/", self, other)
 
     def __neg__(self) -> Name:
-        """Write a negative."""
+        """Record a negation."""
         return self.trace.result(f"- {self.text}")
 
     def __pow__(self, exponent: int) -> Name:
-        """Write a square. Raises ValueError for any other power."""
+        """Record a square. Raises ValueError for any other power."""
         if exponent != 2:
             raise ValueError(f"the power {exponent} is no square")
         return self * self
@@ -76,7 +76,7 @@ def _argument(x: Name | int) -> str:
 
 
 def program(name: str, arguments: str, run: Callable[..., object]) -> str:
-    """The definition of what `run` computes from arguments of these names."""
+    """The Coq definition `name`_program of the function `run` with these arguments."""
     trace = Trace()
     result = run(*(Name(trace, argument) for argument in arguments.split()))
     returned = f"({', '.join(map(_argument, result))})" if isinstance(result, tuple) else _argument(result)  # type: ignore[arg-type]
@@ -85,7 +85,7 @@ def program(name: str, arguments: str, run: Callable[..., object]) -> str:
 
 
 def programs() -> list[str]:
-    """The section of them."""
+    """The lines of the Coq section with all programs."""
     steppers = (
         program(key, "h q v", lambda h, q, v, step=step: step(oscillator, q, v, h))
         for key, step in HAND_WRITTEN.items()

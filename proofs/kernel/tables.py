@@ -1,4 +1,4 @@
-"""Tables.v: the lesson's methods as Coq data, from the tables that the steppers read; and the steppers as programs."""
+"""Write Tables.v: the methods of the lesson as Coq data, its scenes, and the hand-written steppers as programs."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def explicit_rows(method: RungeKutta) -> list[list[Fraction]]:
 
 
 def definition(method: Method) -> str:
-    """A method as a definition of the same name."""
+    """The Coq definition of a method, under its key. Raises ValueError for other than Runge-Kutta and splitting."""
     if isinstance(method, RungeKutta):
         rows = coq_list(coq_list(map(rational, row)) for row in explicit_rows(method))
         body = f"RungeKutta {rows} {coq_list(map(rational, _rational(method.b)))}"
@@ -41,7 +41,7 @@ def definition(method: Method) -> str:
 
 
 def scenes() -> str:
-    """The presets of the lesson."""
+    """The Coq definition of the presets of the lesson."""
     shown = (
         f"{{| methods := {coq_list(scene.methods)}; initial := ({', '.join(map(rational, scene.start))}); "
         f"size := {rational(scene.h)}; steps := {scene.steps}%nat; duration := {rational(scene.t)} |}}"

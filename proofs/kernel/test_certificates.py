@@ -1,4 +1,4 @@
-"""The certificates without Coq: they are written alike each time, and say what the sentences say."""
+"""Checks of the certificates without Coq: deterministic files, complete claims, correct printed numbers."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from proofs.kernel.coq import Theorem, theorems
 from proofs.kernel.mutants import mutants
 from proofs.printed import ROWS
 
-# Words by which a file of Coq may claim without proof.
+# Words of Coq that assert or allow something without proof.
 UNPROVED = re.compile(r"\b(Admitted|admit|Axiom|Axioms|Parameter|Parameters|Conjecture|Abort|give_up|Unset)\b")
-# A second writing, in a process of its own with another seed of hashes.
+# Generates all files again, in another process with another hash seed.
 WRITE = "from proofs.kernel.certificates import ORDER, source; print(*map(source, ORDER), sep='', end='')"
 
 
 def test_files_are_written_byte_for_byte_alike() -> None:
-    """Another process writes the same bytes."""
+    """Another process generates the same bytes."""
     command = [sys.executable, "-c", WRITE]
     root = Path(__file__).parents[2]
     again = subprocess.run(command, cwd=root, env={"PYTHONHASHSEED": "7"}, capture_output=True, check=True).stdout
@@ -28,13 +28,13 @@ def test_files_are_written_byte_for_byte_alike() -> None:
 
 
 def test_nothing_is_taken_for_granted() -> None:
-    """No file holds a word by which Coq takes a statement without proof, and every file of the theory is read."""
+    """No file contains a word of UNPROVED, and every file of the theory is compiled."""
     assert {path.stem for path in THEORY.iterdir()} | set(WRITTEN) == set(ORDER)
     assert [name for name in ORDER if UNPROVED.search(source(name))] == []
 
 
 def test_every_theorem_that_is_named_for_a_claim_is_found_once() -> None:
-    """The names of theorems are claims of the ledger, and none escapes the pattern that reads them."""
+    """The pattern of theorems finds every theorem that is named for claims, and all these claims exist."""
     named = [name for file in ORDER for name in re.findall(r"^Theorem ([LT]\d\w*)", source(file), re.M)]
     assert named == [found.theorem.name for found in all_theorems() if found.theorem.claims]
     assert {key for key in certificates() if key[0] != "T"} <= set(REQUIRED)
@@ -42,7 +42,7 @@ def test_every_theorem_that_is_named_for_a_claim_is_found_once() -> None:
 
 
 def test_printed_numbers_are_the_numbers_of_the_statements() -> None:
-    """The decimal that the lesson prints stands in the statement as it is printed, after "=" or after "rounds to"."""
+    """The statement ends with the decimal as the lesson prints it, after "=", "==" or "≈" for "rounds to"."""
     shown = [row for row in ROWS if row.quantity.evidence != GIVEN]
     assert len(shown) > 80
     for row in shown:
@@ -55,7 +55,7 @@ COUNTED = {row.id for row in ROWS if row.id.endswith(("evaluations", "stages"))}
 
 
 def test_every_way_of_being_right_has_errors_planted() -> None:
-    """Each technique of the ledger's column has mutants, each of them another statement than the right one."""
+    """Each technique in the ledger has mutants, and each mutant differs from the right statement."""
     planted = mutants()
     techniques = {found.theorem.technique for found in all_theorems() if found.theorem.claims}
     assert techniques <= {right.theorem.technique for right, _ in planted}
@@ -63,7 +63,7 @@ def test_every_way_of_being_right_has_errors_planted() -> None:
 
 
 def test_a_theorem_is_read_as_it_is_written() -> None:
-    """Statement, proof and claims survive the way to a file and back; one that is not finished is none."""
+    """A theorem written to a file is read back unchanged; an unfinished one is not read."""
     mine = Theorem("L035_L036", "1 + 1 = 2", "by_ring.")
     assert list(theorems(f"(* *)\n{mine.text()}\n")) == [mine]
     assert (mine.claims, mine.technique) == (("L035", "L036"), "ring")

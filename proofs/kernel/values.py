@@ -1,4 +1,4 @@
-"""Values.v: the numbers that the lesson prints, each as a statement on the exact run that it is read out of."""
+"""Write Values.v: each number that the lesson prints, as a theorem on the exact run that it comes from."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from proofs.setting import BOUNDARY_H, END, FIRST_H, RK4
 IMPORTS = (
     "From Coq Require Import QArith Reals List.\nFrom driftproof Require Import Runs Tables.\nImport ListNotations."
 )
-# Steps up to which a run is computed as it is defined; longer ones go by the matrix of one step.
+# Runs of at most this many steps are computed by definition, longer ones with the one-step matrix.
 FEW_STEPS = 5
 COMPONENTS = {"q": "fst", "v": "snd"}
 
@@ -27,7 +27,7 @@ def values() -> str:
 
 
 def value_theorems() -> Iterator[Theorem]:
-    """One theorem for each printed number that is not simply given."""
+    """One theorem for each printed number that is not GIVEN."""
     return (_theorem(row) for row in ROWS if row.quantity.evidence != GIVEN)
 
 
@@ -49,7 +49,7 @@ def _run(key: str, h: Fraction, steps: int, start: str = "start") -> str:
 
 
 def _scene_run(key: str, scene: str) -> tuple[str, int]:
-    """The run of a scene, or of the first step, and its steps."""
+    """The Coq expression of the run of a scene, the first step or exercise 1, and its number of steps."""
     if scene == "first_step":
         return _run(key, FIRST_H, 1), 1
     if scene == "exercise_1":
@@ -59,7 +59,7 @@ def _scene_run(key: str, scene: str) -> tuple[str, int]:
 
 
 def _rational_value(quantity: str) -> tuple[str, int]:
-    """The expression of a rational quantity in Q_scope, and how many steps it takes."""
+    """The Coq expression of a rational quantity in Q_scope, and the number of steps of its run."""
     match quantity.split("."):
         case [scene, "steps"]:
             return f"{rational(END)} / {argument(PRESETS[scene].h)}", 0
@@ -82,7 +82,7 @@ def _rational_value(quantity: str) -> tuple[str, int]:
 
 
 def _enclosed(quantity: str) -> str:
-    """The expression of an irrational quantity in R_scope."""
+    """The Coq expression of an irrational quantity in R_scope."""
     match quantity.split("."):
         case ["exact", scene, component]:
             return f"{COMPONENTS[component]} (flow {_time(scene)})"
@@ -98,7 +98,7 @@ def _time(scene: str) -> str:
 
 
 def _counted(quantity: str) -> str:
-    """The expression of a count in nat."""
+    """The Coq expression of a count in nat."""
     match quantity.split("."):
         case [_, "stages"]:
             return f"length (rates {RK4} {argument(FIRST_H)}%Q start)"

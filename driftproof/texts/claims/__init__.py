@@ -1,1 +1,1 @@
-"""Texts held to claims about what each of their numbers is: checked, covered, drafted."""
+"""Claims about the numbers of a text: checking them, measuring their coverage, drafting them."""

@@ -1,4 +1,4 @@
-"""Whether a text says what its claims say, and which of its numbers the claims answer for."""
+"""Check a text against its claims, and account for each of its numbers."""
 
 from __future__ import annotations
 
@@ -15,15 +15,15 @@ from driftproof.texts.readers.document import Document, Position
 from driftproof.texts.readers.number_words import TextWord, words_in
 from driftproof.texts.readers.numbers import TextNumber, numbers_in
 
-# How a number is accounted for: worked out here, given, printed by a listing that was run, part of a name, or not.
+# How a number is accounted for: computed here, given, printed by a listing that was run, part of a name, not at all.
 WORKED_OUT, GIVEN, RUN, LABEL, UNCOVERED = ACCOUNTS = ("value", "given", "run", "label", "uncovered")
-# Of a number in the code of a listing, which says what is run: why it is a label where nobody claims anything of it.
+# Why a number in the code of a listing is a label unless some claim covers it.
 IN_PROGRAM = "what a program is given"
-# What is shown of the text where a phrase begins as it should and then goes on differently.
+# Characters of the text that are shown where only the beginning of a phrase was found.
 _SHOWN = 60
-# Places of a text that have the shape of one phrase: of more, the first are compared.
+# At most this many places with the shape of a phrase are compared, in the order of the text.
 _MOST_COMPARED = 2000
-# What is wrong more often than that is wrong in the same way.
+# At most this many findings are reported for one claim: further ones would repeat them.
 _MOST_FINDINGS = 3
 
 Span = tuple[int, int]
@@ -31,7 +31,7 @@ Span = tuple[int, int]
 
 @dataclass(frozen=True)
 class Occurrence:
-    """Where a phrase stands in the text, and where in it its values do."""
+    """A place where a phrase stands in the text, and the spans of its values there."""
 
     start: int
     end: int
@@ -40,7 +40,7 @@ class Occurrence:
 
 @dataclass(frozen=True)
 class Finding:
-    """One thing that is wrong: the claim, the place, what is expected there, what is found, and the same in words."""
+    """A discrepancy: the claim, the place, the expected text, the text found, and a message that says both."""
 
     claim: str
     line: int
@@ -52,7 +52,7 @@ class Finding:
 
 @dataclass(frozen=True)
 class CheckedClaim:
-    """A claim held to a text: where it stands, and what is wrong with it."""
+    """A claim checked against a text: its occurrences and its findings."""
 
     claim: Claim
     occurrences: tuple[Occurrence, ...]
@@ -60,12 +60,12 @@ class CheckedClaim:
 
 
 def check_claims(document: Document, claims: Iterable[Claim]) -> list[CheckedClaim]:
-    """Every claim held to the text. Raises ValueError where a claim has no value."""
+    """Check every claim against the text. Raises ValueError if a claim has no value."""
     return [check_claim(document, claim, claim.spellings()) for claim in claims]
 
 
 def check_claim(document: Document, claim: Claim, spellings: Spellings) -> CheckedClaim:
-    """The claim, whose values are spelled so, held to the text."""
+    """Check one claim, with the accepted spellings of its values, against the text."""
     found = occurrences_of(document, claim, spellings)
     wrong = _surplus if len(found) > claim.count else _missing
     findings = () if len(found) == claim.count else tuple(wrong(document, claim, spellings, found))
@@ -73,7 +73,7 @@ def check_claim(document: Document, claim: Claim, spellings: Spellings) -> Check
 
 
 def occurrences_of(document: Document, claim: Claim, spellings: Spellings) -> tuple[Occurrence, ...]:
-    """Everywhere that the phrase stands with its values, spelled so."""
+    """All places where the phrase stands with one of the accepted spellings of each value."""
     return tuple(
         Occurrence(*match.span(), tuple(match.span(name) for name in claim.phrase.names))
         for match in claim.phrase.exact(spellings, claim.ignore_case).finditer(document.text.text)
@@ -96,12 +96,12 @@ def _surplus(
 def _missing(
     document: Document, claim: Claim, spellings: Spellings, occurrences: tuple[Occurrence, ...]
 ) -> Iterator[Finding]:
-    """As many as are missing of the places that come closest: the most numbers right, and the first such."""
+    """One finding for each missing occurrence, at the places with the most correct numbers, the earliest first."""
     missing, known = claim.count - len(occurrences), {occurrence.start for occurrence in occurrences}
-    for names in (True, False):  # a name with another number in it comes close, too, where nothing comes closer
+    for names in (True, False):  # second, names such as RK4 may have another number
         expected = claim.phrase.numbers(spellings, names)
         shape = claim.phrase.shape(spellings, claim.ignore_case, names)
-        shape = re.compile(f"(?={shape.pattern})", shape.flags)  # in a row of a table one begins inside another
+        shape = re.compile(f"(?={shape.pattern})", shape.flags)  # a lookahead, because matches may overlap
         found = islice(shape.finditer(document.text.text), _MOST_COMPARED)
         near = [match for match in found if match.start() not in known]
         near.sort(key=lambda match: -sum(map(spelled_alike, expected, match.groups())))
@@ -131,7 +131,7 @@ def _difference(document: Document, claim: Claim, expected: list[str], match: re
 
 
 def _beginning(document: Document, written: str) -> tuple[Position, str]:
-    """Where the longest run of first words of a phrase stands, and what does; the first place and "" if none does."""
+    """The place of the longest run of first words of the phrase, and the text there; the start and "" for none."""
     flat = document.text.text.replace("\n", " ")
     for word in reversed([*re.finditer(r"\S+", written)]):
         at = flat.find(written[: word.end()].replace("\n", " "))
@@ -142,7 +142,7 @@ def _beginning(document: Document, written: str) -> tuple[Position, str]:
 
 @dataclass(frozen=True)
 class Accounted:
-    """A number, how it is accounted for (one of ACCOUNTS), and by what: a claim's id, or why it is a label."""
+    """A number, how it is accounted for (one of ACCOUNTS), and by what: a claim's id or the reason for a label."""
 
     number: TextNumber
     kind: str
@@ -151,39 +151,39 @@ class Accounted:
 
 @dataclass(frozen=True)
 class Coverage:
-    """Every number of a text, accounted for, in order; and its words for numbers and growth that no phrase holds."""
+    """How the numbers of a text are accounted for, in order, and the words for numbers or growth left over."""
 
     numbers: tuple[Accounted, ...]
     unread: tuple[TextWord, ...] = ()
 
     @property
     def counts(self) -> dict[str, int]:
-        """How many there are of each kind."""
+        """The count of numbers for each of ACCOUNTS."""
         found = Counter(accounted.kind for accounted in self.numbers)
         return {kind: found[kind] for kind in ACCOUNTS}
 
     @property
     def share(self) -> Fraction:
-        """The part of the numbers, labels apart, that is covered: values, given and run. All of none is 1."""
+        """The share of numbers, labels excluded, that are values, given or run; 1 if there are none."""
         of = len(self.numbers) - self.counts[LABEL]
         return 1 - Fraction(len(self.uncovered), of) if of else Fraction(1)
 
     @property
     def uncovered(self) -> list[TextNumber]:
-        """The numbers that nobody answers for."""
+        """The numbers that nothing accounts for."""
         return [accounted.number for accounted in self.numbers if accounted.kind == UNCOVERED]
 
 
 def coverage(
     document: Document, checked: Iterable[CheckedClaim], labels: Iterable[NumberLabel] = (), ran: Iterable[Span] = ()
 ) -> Coverage:
-    """Every number of the text; `ran` are the spans of what listings print and were seen to print.
+    """Account for every number of the text; `ran` are the spans of listing output that a run reproduced.
 
-    A number counts for the value it stands in, else as a label by rule, else for what it stands in first: the phrase of
-    a claim, which gives it, that of a label, or what was run; and else, in the code of a listing, as a label. A word
-    for a number or for growth that stands in a phrase is held only where it is a value, or the claim says why its
-    numbers are given: nobody worked it out otherwise.
-    Raises ValueError for a label that stands nowhere.
+    A number belongs to the value that contains it; otherwise it is a label if a rule of `numbers_in` says so; otherwise
+    it belongs to the first span that contains it: the phrase of a claim (as given), the phrase of a label, or the
+    output of a run; a remaining number in the code of a listing is a label. A word for a number or for growth in the
+    phrase of a claim counts as checked only if it is a value, or if the claim says why its numbers are given.
+    Raises ValueError for a label that occurs nowhere.
     """
     text = document.text.text
     values: dict[Span, tuple[str, str]] = {}
@@ -203,11 +203,11 @@ def coverage(
         holders += [(*span, LABEL, label.why) for span in found]
     holders += [(*span, RUN, "running the listing") for span in ran]
     holders += [(*span, LABEL, IN_PROGRAM) for span in document.code]
-    numbers = [number for span, how in values.items() for number in _of_value(text, span, *how)]
+    numbers = [number for span, how in values.items() for number in _numbers_of_value(text, span, *how)]
     rest = list(text)
-    for start, end in values:  # where these stand, signs of no number and no word, from Unicode's private use
+    for start, end in values:  # replaced by private-use characters, part of no number and no word
         rest[start:end] = "\uf8ff" * (end - start)
-    numbers += _of_rest("".join(rest), holders)
+    numbers += _other_numbers("".join(rest), holders)
     held = set[int]()
     for start, end in {(start, end) for start, end, *_ in holders}.difference(unheld) | values.keys():
         held.update(range(start, end))
@@ -215,16 +215,16 @@ def coverage(
     return Coverage(tuple(sorted(numbers, key=lambda accounted: accounted.number.start)), unread)
 
 
-def _of_value(text: str, span: Span, kind: str, by: str) -> Iterator[Accounted]:
-    """The numbers of one value: of a formula there are several."""
+def _numbers_of_value(text: str, span: Span, kind: str, by: str) -> Iterator[Accounted]:
+    """The numbers within one value: a formula may hold several."""
     start, end = span
     for number in numbers_in(text[start:end]):
         if number.label is None:
             yield Accounted(replace(number, start=start + number.start, end=start + number.end), kind, by)
 
 
-def _of_rest(text: str, holders: list[tuple[int, int, str, str]]) -> Iterator[Accounted]:
-    held: list[tuple[int, str, str] | None] = [None] * len(text)  # of each character, by what, and where that ends
+def _other_numbers(text: str, holders: list[tuple[int, int, str, str]]) -> Iterator[Accounted]:
+    held: list[tuple[int, str, str] | None] = [None] * len(text)  # per character: end, kind and reason
     for start, end, kind, by in sorted(holders, key=lambda holder: (holder[3] == IN_PROGRAM, holder[0]), reverse=True):
         held[start:end] = [(end, kind, by)] * (end - start)
     for number in numbers_in(text):

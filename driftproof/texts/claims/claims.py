@@ -1,4 +1,4 @@
-"""A claims file: what the numbers of a text are, read from TOML, every mistake told in one line."""
+"""Claims files: TOML that states what each number of a text is; every mistake is reported in one line."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from driftproof.texts.readers.canonical import canonical_text
 from driftproof.texts.readers.document import READERS
 from driftproof.texts.readers.numbers import numbers_in
 
-# A book of 5000 claims is read in a second.
+# Limits on a claims file; 5000 claims are read in about a second.
 _LARGEST_FILE = 2**20
 MOST_CLAIMS = 5000
 _MOST_OCCURRENCES = 10_000
@@ -30,7 +30,7 @@ _FORM = ("places", "digits", "exact", "rounding", "spelled")
 
 @dataclass(frozen=True)
 class Expected:
-    """What a value of a phrase is: the answer to a question in some form, or, without one, a number that is given."""
+    """The expected value at one place of a phrase: the answer to a question in some form, or a given number."""
 
     question: str | None
     given: str | None
@@ -38,9 +38,9 @@ class Expected:
     written: str | None = None
 
     def spellings(self) -> list[str]:
-        """Every way to write it, in canonical spelling. Raises ValueError where the question has no such answer.
+        """All accepted spellings, in canonical form. Raises ValueError if the answer has no such form.
 
-        A formula is also right as it is `written`, where that is the same function.
+        A formula may also stand as it is `written` if that is the same rational function.
         """
         from driftproof.texts.questions.evaluate import value
 
@@ -55,7 +55,7 @@ class Expected:
 
 @dataclass(frozen=True)
 class Claim:
-    """A phrase that stands `count` times in the text, its values, and why its other numbers are given, if they are."""
+    """A phrase that stands `count` times in the text, its values, and the reason why its other numbers are given."""
 
     id: str
     phrase: Phrase
@@ -65,14 +65,14 @@ class Claim:
     ignore_case: bool
 
     def spellings(self) -> dict[str, list[str]]:
-        """Every way to write each value. Raises ValueError, in one line that names the claim."""
+        """All accepted spellings of each value. Raises ValueError, with a line that names the claim."""
         with _refused_in(f"claim {self.id!r}"):
             return {name: expected.spellings() for name, expected in self.values.items()}
 
 
 @dataclass(frozen=True)
 class NumberLabel:
-    """A phrase whose numbers belong to names: of these nothing is claimed."""
+    """A phrase whose numbers are parts of names, about which nothing is claimed."""
 
     phrase: Phrase
     why: str
@@ -80,7 +80,7 @@ class NumberLabel:
 
 @dataclass(frozen=True)
 class Claims:
-    """A claims file: its claims and labels, how the text is read, and how much of it has to be covered."""
+    """The contents of a claims file: claims, labels, the format of the text, and the coverage it requires."""
 
     claims: tuple[Claim, ...] = ()
     labels: tuple[NumberLabel, ...] = ()
@@ -89,18 +89,18 @@ class Claims:
 
 
 def read_claims(path: str | Path) -> Claims:
-    """The claims file at `path`. Raises ValueError, in one line, for anything else than a claims file."""
+    """Read the claims file at `path`. Raises ValueError, with one line, if it is not a valid claims file."""
     return toml.read_toml(path, _LARGEST_FILE, _claims)
 
 
 def parse_claims(content: bytes) -> Claims:
-    """The claims that a TOML file with this content states. Raises ValueError, in one line."""
+    """Parse the content of a claims file. Raises ValueError, with one line, if it is not valid."""
     return _claims(toml.parse_toml(content, _LARGEST_FILE))
 
 
 @contextmanager
 def _refused_in(what: str) -> Iterator[None]:
-    """What is refused inside is said to be wrong with this part of the file."""
+    """Prefix every ValueError raised inside with the part of the file that is at fault."""
     try:
         yield
     except ValueError as error:
@@ -181,7 +181,7 @@ def _values(entry: TomlTable, phrase: Phrase) -> dict[str, Expected]:
 
 
 def _expected(value: Any, default: TomlTable) -> Expected:
-    """A question, or a table of a question and its form, or of a given number."""
+    """Parse a value: a question, a table with a question and its form, or a table with a given number."""
     entry = {"ask": value} if isinstance(value, str) else value
     if not isinstance(entry, dict) or ("ask" in entry) == ("given" in entry):
         raise ValueError('a value is a question, {ask = "...", places = 3}, or {given = "0.25"}')

@@ -1,4 +1,4 @@
-"""What a sentence says of a number that a value denies: another method, another step, another quantity."""
+"""Detect that a sentence cannot mean a value: it names another method, step size, time, component or quantity."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from driftproof.methods.catalogue import FACTS_ONLY, METHODS
 from driftproof.methods.names import also_known_as, keys_called
 from driftproof.texts.values.published import published_values
 
-# Words of a quantity, and of those that it is taken for.
+# Quantity -> the words that name it, and the words of quantities that are confused with it.
 _QUANTITIES = {
     "imaginary_limit": ("imaginary", "real"),
     "real_limit": ("real", "imaginary"),
@@ -24,25 +24,25 @@ _QUANTITIES = {
     "steps": ("steps?", "calls?|evaluations?"),
     "evaluations": ("calls?|evaluations?", "steps?"),
 }
-# What is counted, in so small numbers that many a count is the same: the word next to the number says which it is.
+# Counts are small integers that often coincide, so the word nearest to the number decides which count is meant.
 _COUNTED = {
     **{"order": "orders?", "stages": "stages?", "steps": "steps?"},
     **dict.fromkeys(("evaluations", "evaluations_per_step"), "calls?|evaluations?"),
 }
-# Right before a number, which component it is.
+# The name of a component right before a number.
 _COMPONENT = re.compile(r"(?:(?<![a-z])([qxvp])|(position)|(velocity))(?: is| of| to)?\s*[=≈:]?\s*\Z")
 _ENDS = re.compile(r"[.;?!]\s|\n")
-# Longer than a sentence is not looked at.
+# Characters on each side of a number that may belong to its sentence.
 _LONGEST = 400
 _GIVEN = {x: re.compile(rf"(?<![a-z]){x}\s?=\s?([0-9]+(?:\.[0-9]+|/[1-9][0-9]*)?)(?![\w/])") for x in "ht"}
 
 
 def contradicted(question: str, text: str, start: int, end: int, asked: bool = False) -> bool:
-    """Whether the sentence around the number from `start` to `end` speaks of another value than the question's.
+    """True if the sentence around the number from `start` to `end` names something other than the question does.
 
-    Of another method, length of step, time, component or quantity: the last one before the number that is named, and
-    where none is, the first behind it. Where several are listed before any number, nothing is denied. What the author
-    `asked` for is denied by a method before it only. The text is in lower case.
+    Compared are the method, step size, time, component and quantity: the last one named before the number counts or, if
+    there is none, the first one after it. Several of them listed before the first number contradict nothing. A question
+    that the author `asked` is contradicted only by a method named before the number. The text is in lower case.
 
     >>> contradicted("real_limit rk4", text := "rk4's imaginary limit is 2.785", text.index("2."), len(text))
     True
@@ -52,12 +52,12 @@ def contradicted(question: str, text: str, start: int, end: int, asked: bool = F
     head, _, readout = question.rpartition(" : ") if " : " in question else (question, "", question.split(" ")[0])
     key = min(methods_named(question.lower()), default="")
     (own_before, other_before), (own_after, other_after) = (_methods(part, key) for part in (before, after))
-    denied = bool(key) and _denied(own_before, other_before, before, () if asked else other_after, own_after)
-    if asked or denied:
-        return denied
+    other_method = bool(key) and _differs(own_before, other_before, before, () if asked else other_after, own_after)
+    if asked or other_method:
+        return other_method
     quantity = readout.rpartition(".")[2]
     own, other = _QUANTITIES.get(quantity, ("", ""))
-    if own and _denied(_words(own, before), _words(other, before), before, _words(other, after), _words(own, after)):
+    if own and _differs(_words(own, before), _words(other, before), before, _words(other, after), _words(own, after)):
         return True
     in_formula = re.search(r"[+*/^√]\(?\s?\Z", before) or re.match(r"\s?[+*/^√]", after)
     if in_formula and (end - start == 1 or quantity in _COUNTED):  # the 2 of 2√2
@@ -67,23 +67,23 @@ def contradicted(question: str, text: str, start: int, end: int, asked: bool = F
     found = _COMPONENT.search(before) if quantity in ("q", "v") else None
     if found and (quantity == "q") != (found[1] in ("q", "x") or bool(found[2])):
         return True
-    return any(_of_another(letter, head, before, after) for letter in "ht")
+    return any(_gives_another_value(letter, head, before, after) for letter in "ht")
 
 
-def _denied(
+def _differs(
     own: Sequence[int], other: Sequence[int], before: str, other_after: Sequence[int], own_after: Sequence[int]
 ) -> bool:
-    """Where words of the value's own stand, and of others; those behind the number count where none stand before."""
+    """True if the words name another quantity rather than this one; words after the number are a fallback."""
     if not own:
         return bool(other or other_after) and not own_after
     if not other or max(other) < max(own):
         return False
-    between = re.sub(r"[a-z]+[0-9]+", "", before[max(own) : max(other)])  # without numbers of names: RK4, k1, 3/8 rule
+    between = re.sub(r"[a-z]+[0-9]+", "", before[max(own) : max(other)])  # ignore numbers in names: RK4, k1, 3/8 rule
     return bool(re.search("[0-9]", _spoken_names().sub("", _flat(between))))
 
 
 def _next_to(before: str, after: str) -> str:
-    """The kind of count whose word stands nearest to the number, "" for none."""
+    """The kind of count whose word stands nearest to the number; "" if there is none."""
     gaps: list[tuple[int, str]] = []
     for kind in _COUNTED.values():
         gaps += [(len(before) - match.end(), kind) for match in re.finditer(rf"\b(?:{kind})\b", before)]
@@ -96,7 +96,7 @@ def _words(pattern: str, text: str) -> list[int]:
 
 
 def _methods(text: str, key: str) -> tuple[list[int], list[int]]:
-    """Where the method is named, and where others are, whose names are not its own, too."""
+    """The positions that name the method, and those that name other methods only."""
     own, other = list[int](), list[int]()
     for match in _spoken_names().finditer(_flat(text)):
         (own if key in _names()[match[0]] else other).append(match.start())
@@ -104,7 +104,7 @@ def _methods(text: str, key: str) -> tuple[list[int], list[int]]:
 
 
 def methods_named(text: str) -> set[str]:
-    """The keys of the methods whose keys, titles or other names stand in the text, in lower case.
+    """The keys of all methods named in the lower-case text by key, title or another name.
 
     >>> sorted(methods_named("bdf2 and dormand-prince"))
     ['bdf2', 'dormand_prince54']
@@ -127,15 +127,15 @@ def _names() -> dict[str, set[str]]:
 
 @cache
 def _spoken_names() -> re.Pattern[str]:
-    """The longest name at each place."""
+    """A pattern that matches the longest method name at each place."""
     return re.compile(rf"\b(?:{'|'.join(map(re.escape, sorted(_names(), key=len, reverse=True)))})\b")
 
 
-def _of_another(letter: str, head: str, before: str, after: str) -> bool:
-    """Whether the sentence gives h, or t, another value than the question has."""
+def _gives_another_value(letter: str, head: str, before: str, after: str) -> bool:
+    """True if the sentence gives `letter`, h or t, another value than the question does."""
     said = _GIVEN[letter].findall(before)[-1:] or _GIVEN[letter].findall(after)[:1]
     asked = re.search(rf"(?<![a-z]){letter}=(\S+)", head)
     run = head.split(".")[-2:-1] if letter == "h" else []
-    published = published_values().get(f"{run[0]}.h") if run else None  # with which a published value is run
+    published = published_values().get(f"{run[0]}.h") if run else None  # the step size of a published run
     own = asked[1] if asked else str(published["exact"]) if published else ""
     return bool(said and own) and Fraction(said[0]) != Fraction(own)

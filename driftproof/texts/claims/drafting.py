@@ -1,4 +1,4 @@
-"""Claims drafted from a text, of what its numbers look like: to be read and completed."""
+"""Draft a claims file from the values that the numbers of a text look like, for its author to complete."""
 
 from __future__ import annotations
 
@@ -17,19 +17,19 @@ from driftproof.texts.claims.suggestions import LookAlike, Suggestions
 from driftproof.texts.readers.document import Document
 from driftproof.texts.readers.numbers import TextNumber, numbers_in
 
-# Words of a phrase before its first number: enough to say in a table or a sentence which number is meant.
+# Words of a phrase before its first number: enough to tell which number of a table or a sentence is meant.
 _WORDS = 3
-# A claim whose questions are longer is called by its phrase.
+# A claim with longer questions takes its phrase as its id.
 _LONGEST_ID = 150
-# Digits of a value that the text does not have.
+# Significant digits shown of a value that the text does not contain.
 _SHOWN_DIGITS = 8
-# What the author of a text chooses, before its number: nobody works out h = 0.1, or that a run starts from (1, 0).
+# Words before a number that the author chooses rather than computes, as in h = 0.1 or a start from (1, 0).
 _SETTING = re.compile(
     r"(?<![\w.])(?:(?:h|dt|Δt|[tTNnkλμω]|lambda|mu|omega|[ra]?tol|t_?(?:end|max|final)|n(?:um)?_?steps) ?= ?"
     r"|[^\W\d_]'{0,2}\(0\) ?= ?|step ?size (?:of |= )?|[Aa]fter |from \((?:[-+]?[0-9./]+, ?)*)\Z"
 )
 _LONGEST_SETTING = 20
-# Numbers on one line that are no further apart stand in one phrase.
+# Numbers on one line with gaps of at most this many characters share a phrase, up to this many of them.
 _WIDEST_GAP, _MOST_IN_PHRASE = 25, 8
 
 _HEADER = """\
@@ -44,7 +44,7 @@ _HEADER = """\
 
 @dataclass(frozen=True)
 class _Member:
-    """A number, the values that it looks like, and where the setting before it begins, such as h in h = 0.1."""
+    """A number, the values that it looks like, and the position of a setting before it, such as h in h = 0.1."""
 
     number: TextNumber
     alike: list[LookAlike]
@@ -62,7 +62,7 @@ class _Member:
 
     @property
     def chosen_at(self) -> int | None:
-        """Where the setting begins, if the text gives it: what looks like a value is none."""
+        """The position of the setting before the number; None without one, or if the number is a strong look-alike."""
         return None if self.strong else self.setting
 
     @property
@@ -70,7 +70,7 @@ class _Member:
         return self.chosen_at is not None
 
     def remark(self) -> str:
-        """What else it looks like, two of them by name."""
+        """A comment line with the other values that the number looks like, at most two of them by name."""
         others = [alike.question for alike in self.alike[self.strong :]]
         more = f" and {len(rest)} more" if (rest := others[2:]) else ""
         also = "also " * self.strong
@@ -78,15 +78,15 @@ class _Member:
         return f"# {self.number.text} looks {also}like {', '.join(others[:2])}{more}\n" if shown else ""
 
 
-# Neighbours on one line, all of which look like values, or none of which do; or those of one setting.
+# Neighbouring numbers of one line that go into one phrase: all strong look-alikes, all of one setting, or neither.
 _Group: TypeAlias = list[_Member]
 
 
 def draft(document: Document, name: str, asked: Iterable[str] = ()) -> str:
-    """The text of a claims file for a text called `name`: one claim for each group of numbers that none before covers.
+    """The draft of a claims file for the text called `name`, with one claim for each group of uncovered numbers.
 
-    Of the questions that are `asked`, those whose values stand nowhere are named at its end. Raises ValueError where
-    that would be more claims than a file may have, and for a question without an answer.
+    The `asked` questions whose values the text does not contain are listed at the end. Raises ValueError if there would
+    be more claims than a file may have, and for a question without an answer.
     """
     text = document.text.text
     suggestions, search = Suggestions(text, asked), _Search(text)
@@ -100,7 +100,7 @@ def draft(document: Document, name: str, asked: Iterable[str] = ()) -> str:
     ends = [0, *(group[-1].number.end for group in groups)]
     starts = [*(group[0].number.start for group in groups[1:]), len(text)]
     for before, after, group in zip(ends, starts, groups, strict=False):
-        at = bisect_right(fences, group[0].number.start)  # what is left out is in no phrase
+        at = bisect_right(fences, group[0].number.start)  # a number that is left out may stand in no phrase
         before, after = max(before, fences[at - 1]), min(after, fences[at])
         for *room, part in _uncovered(before, after, group, covered):
             if len(drafted) > MOST_CLAIMS:
@@ -135,7 +135,7 @@ def draft(document: Document, name: str, asked: Iterable[str] = ()) -> str:
 
 
 def _uncovered(before: int, after: int, group: _Group, covered: set[int]) -> Iterator[tuple[int, int, _Group]]:
-    """The parts of a group that no phrase drafted so far covers, each between what stands before it and after it."""
+    """The runs of a group that no drafted phrase covers, each with the bounds that its phrase must stay within."""
     ends, starts = [before, *(member.number.end for member in group)], [member.number.start for member in group]
     for is_covered, run in groupby(range(len(group)), lambda i: starts[i] in covered):
         part = [*run]
@@ -144,7 +144,7 @@ def _uncovered(before: int, after: int, group: _Group, covered: set[int]) -> Ite
 
 
 def _groups(text: str, members: list[_Member], fences: list[int]) -> Iterator[_Group]:
-    """Each lies between two of the `fences`, ends of numbers that are in no phrase."""
+    """The groups of the members; none extends over a fence, an end of a number that may stand in no phrase."""
     group: _Group = []
     for member in members:
         if group:
@@ -161,7 +161,7 @@ def _groups(text: str, members: list[_Member], fences: list[int]) -> Iterator[_G
 
 
 class _Search:
-    """Where phrases stand. To search the whole text for each of them would take the square of its length."""
+    """An index of the places of phrases: a search of the whole text for each phrase would take quadratic time."""
 
     def __init__(self, text: str) -> None:
         self.text, self.flat, self.numbers = text, text.replace("\n", " "), numbers_in(text)
@@ -172,11 +172,11 @@ class _Search:
         self._stands: dict[tuple[str, str], set[int]] = {}
 
     def phrase(self, room: list[int], group: _Group) -> tuple[str, set[int]]:
-        """A phrase with the group's numbers, and where the first of them stands; ("", {}) if none stands there.
+        """A phrase with the group's numbers and all positions of its first number; ("", set()) if none matches here.
 
-        It lies within `room` and begins with _WORDS before the first number, or with its setting; what follows the last
-        is in it only where it belongs to the number, as " %". Numbers are places for values if they are strong, else
-        they stand in it.
+        The phrase lies within `room` and begins up to _WORDS words before the first number, or with its setting. Text
+        after the last number is included only if it belongs to the number, as in " %". Strong look-alikes become
+        placeholders for values; other numbers stand in the phrase literally.
         """
         text, start, end = self.text, group[0].number.start, group[-1].number.end
         words = [room[0] + match.start() for match in re.finditer(r"\S+", text[room[0] : start])]
@@ -199,7 +199,7 @@ class _Search:
         return "", set()
 
     def _found(self, phrase: str, group: _Group, first: int, last: int) -> set[int]:
-        """Where the first number stands in the phrase, which is made of the text from `first` to `last`."""
+        """The positions of the first number in all matches of the phrase, which was drafted from text[first:last]."""
         key = phrase, self.flat[first:last]
         if key not in self._stands:
             stands, done, before = self._stands.setdefault(key, set()), 0, group[0].number.start - first
@@ -207,7 +207,7 @@ class _Search:
                 parsed = Phrase.of(phrase)
             except ValueError:  # too long
                 return stands
-            if not (parsed.names or parsed.free_numbers):  # its numbers run together to what is no number, as 0.50.5
+            if not (parsed.names or parsed.free_numbers):  # its numbers run together, as in 0.50.5
                 return stands
             pattern = parsed.exact({name: [m.number.text] for name, m in zip(_names(group), group, strict=True)})
             for place in self._places(before, last - first, group[0].number.text).get(key[1], ()):
@@ -217,7 +217,7 @@ class _Search:
         return self._stands[key]
 
     def _places(self, before: int, length: int, number: str) -> dict[str, list[int]]:
-        """Where the number stands, by the `length` characters that begin so many before it."""
+        """The positions of the number, keyed by the `length` characters that begin `before` characters ahead of it."""
         shape = before, length, number
         if shape not in self._alike:
             places = self._alike[shape] = {}

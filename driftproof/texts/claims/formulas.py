@@ -1,4 +1,4 @@
-"""Whether two formulas are the same rational function: 1 - h^6/72 + h^8/576 and (576 - 8h^6 + h^8)/576 are."""
+"""Decide whether two formulas are the same rational function, as 1 + h/2 and (2 + h)/2 are."""
 
 from __future__ import annotations
 
@@ -11,23 +11,23 @@ from typing import Any
 
 from driftproof.methods import expression_tree as tree
 
-# Points at which two formulas are compared; a fact of ours that is longer than a line has fewer.
+# At most this many points are compared; even facts of this package that are longer than a line need fewer.
 _MOST_POINTS = 20_000
 _GREEK = str.maketrans(
     {"α": "alpha", "β": "beta", "γ": "gamma", "δ": "delta", "θ": "theta", "λ": "lambda", "·": "*", "×": "*"}
 )
 _SUPERSCRIPT = re.compile(r"\^\{(-?[0-9]+)\}")
-# Side by side is a product: a number and a name, a bracket and what follows it, two names with a space between.
+# An implied product: a number and a name, a bracket and its neighbour, or two names with a space between.
 _SIDE_BY_SIDE = re.compile(
     r"(?<=[0-9)]) ?(?=[A-Za-z(])|(?<=[a-z]) (?=[A-Za-z(])|(?<=\)) ?(?=[0-9])|(?<![a-z])(?<=[a-z])(?=\()"
 )
 
 
 def same_formula(a: str, b: str) -> bool:
-    """Whether the two are one rational function of their names, exactly: n₁d₂ - n₂d₁ is the polynomial 0.
+    """True if a = n₁/d₁ and b = n₂/d₂ are the same rational function: the polynomial n₁d₂ - n₂d₁ is exactly 0.
 
-    It is of degree D in a name at most, and so it is 0 if it vanishes at D + 1 values of each. b may be as on paper,
-    with products side by side. Raises ValueError for what is no rational function, and where it is too long.
+    A polynomial of degree at most D in each name is 0 if it vanishes on a grid of D + 1 values of each. b may have
+    implied products, as on paper. Raises ValueError for another function and for formulas that are too long.
 
     >>> same_formula("1 - h**6/72 + h**8/576", "(576 - 8h^6 + h^8)/576"), same_formula("1 + h**2", "1 + h^3")
     (True, False)
@@ -37,14 +37,14 @@ def same_formula(a: str, b: str) -> bool:
     ranges = []
     for name in names:
         degrees = {each: _Degree(each == name) for each in names}
-        (n, d), (m, e) = (_at(formula, degrees, lambda _: _Degree(0)) for formula in (first, second))
+        (n, d), (m, e) = (_ratio(formula, degrees, lambda _: _Degree(0)) for formula in (first, second))
         ranges.append(range(int(max(n * e, m * d)) + 1))
     if (count := prod(map(len, ranges))) > _MOST_POINTS:
         raise ValueError(f"the formulas are too long to compare: {count} points")
     defined = [False, False]
     for point in product(*ranges):
         values = dict(zip(names, map(Fraction, point), strict=True))
-        (n, d), (m, e) = _at(first, values, Fraction), _at(second, values, Fraction)
+        (n, d), (m, e) = _ratio(first, values, Fraction), _ratio(second, values, Fraction)
         if n * e != m * d:
             return False
         defined = [defined[0] or d != 0, defined[1] or e != 0]
@@ -73,7 +73,7 @@ def _names(node: tree.ExpressionNode) -> set[str]:
 
 
 class _Degree(int):
-    """A bound of the degree of what `_at` forms: that of a sum is the larger one, that of a product the sum."""
+    """A degree bound with the arithmetic of polynomials: + and - take the maximum, * adds, ** multiplies."""
 
     def __add__(self, other: int) -> _Degree:
         return _Degree(max(self, other))
@@ -87,10 +87,10 @@ class _Degree(int):
         return _Degree(int(self) * n)
 
 
-def _at(node: tree.ExpressionNode, values: Mapping[str, Any], number: Callable[[Fraction], Any]) -> tuple[Any, Any]:
-    """Numerator and denominator there, neither ever divided out; numbers and degrees are formed alike.
+def _ratio(node: tree.ExpressionNode, values: Mapping[str, Any], number: Callable[[Fraction], Any]) -> tuple[Any, Any]:
+    """Numerator and denominator at `values`, without any division, so that degree bounds serve as values as well.
 
-    Of no function, which `_names` has refused. Raises ValueError for a root.
+    A function call does not occur: `_names` has refused it. Raises ValueError for a root.
     """
     match node:
         case tree.NumberNode(value=value):
@@ -98,18 +98,18 @@ def _at(node: tree.ExpressionNode, values: Mapping[str, Any], number: Callable[[
         case tree.NameNode(name=name):
             return values[name], number(Fraction(1))
         case tree.NegatedNode(node=inner):
-            num, den = _at(inner, values, number)
+            num, den = _ratio(inner, values, number)
             return number(Fraction(-1)) * num, den
         case tree.PowerNode(base=base, exponent=exponent):
             if exponent.denominator > 1:
                 raise ValueError("a root stands in it; only rational functions are compared")
-            num, den = _at(base, values, number)
+            num, den = _ratio(base, values, number)
             n = abs(int(exponent))
             return (num**n, den**n) if exponent >= 0 else (den**n, num**n)
         case tree.ChainNode(first=first, rest=rest):
-            num, den = _at(first, values, number)
+            num, den = _ratio(first, values, number)
             for sign, part in rest:
-                a, b = _at(part, values, number)
+                a, b = _ratio(part, values, number)
                 if sign.text in "+-":
                     num, den = num * b + a * den if sign.text == "+" else num * b - a * den, den * b
                 else:

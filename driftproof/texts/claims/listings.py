@@ -1,6 +1,6 @@
-"""The Python listings of a text, run in an isolated process, and what they print compared with what the text shows.
+"""Run the Python listings of a text in a separate process and compare their output with the output that it shows.
 
-This runs the code of the text with the rights of whoever asks for it: limits of time and memory are no sandbox.
+The code runs with the rights of the caller: limits of time and memory are no sandbox.
 """
 
 from __future__ import annotations
@@ -27,25 +27,25 @@ from driftproof.texts.readers.source_text import LISTING, OF_OUTPUT, OUTPUT, PRO
 
 _PYTHON = {"python", "py", "python3", "ipython", "ipython3"}
 
-# A block with more prose before it belongs to something else.
+# Output that follows a listing after more characters of prose than this belongs to something else.
 _MOST_PROSE = 300
 _MOST_LISTINGS = 200
-# Lines of plain text above the words "Expected output:" that are tried for a listing's first: a parse takes a ms.
+# Lines above "Expected output:" that are tried as the first of a listing: each parse takes about 1 ms.
 _MOST_TRIES = 60
 _HEADING = re.compile(r"^[ \t]*(?:\w+ )?output:?[ \t]*$\n?", re.IGNORECASE | re.MULTILINE)
 _FIRST_LINE = re.compile(
     r"^(?:(?:from|import|def|class|for|while|with|if|try)\b|@|print\(|[A-Za-z_]\w*(?:, ?\w+)* =)", re.MULTILINE
 )
 
-# Enough for NumPy and an animation of the lesson's; the output is read by people.
+# Bytes of memory and of a file, enough for NumPy and an animation; characters printed, more than people read.
 _MEMORY, _LARGEST_FILE, _MOST_PRINTED = 2 * 2**30, 2**26, 2**20
-# What the process is given of our environment: enough to find its libraries and a language, nothing secret.
+# The environment variables that the process inherits: enough to find libraries and a language, nothing secret.
 _KEPT = ("PATH", "HOME", "LANG", "LC_ALL", "TMPDIR", "SYSTEMROOT")
 
 
 @dataclass(frozen=True)
 class Listing:
-    """A program, where it begins in the file, and what it should print; `shows` its last value too, as a cell does."""
+    """A program, its offset in the file, and its expected output; `shows` if it prints its last value, as cells do."""
 
     program: str
     origin: int
@@ -55,7 +55,7 @@ class Listing:
 
 @dataclass(frozen=True)
 class Ran:
-    """What came of the listings: what is wrong, how many ran, and the spans of the text that were seen printed."""
+    """The outcome of running the listings: findings, the number run, and the spans of output that were reproduced."""
 
     findings: tuple[Finding, ...]
     count: int
@@ -63,11 +63,12 @@ class Ran:
 
 
 def listings_in(document: Document) -> list[Listing]:
-    """The listings in order. What one prints is in the block that follows it.
+    """The Python listings of the document in order, each with its expected output if the text shows any.
 
-    That is what a cell of a notebook has printed; in other texts the next listing, if it is in no language and no more
-    than 300 characters on. In plain text a listing is what stands above a line such as "Expected output:", as far up as
-    it is Python, and what it prints are the lines below, to the next empty one.
+    In a notebook the expected output is the output of the cell; in other texts it is the next listing, if that names no
+    programming language and at most 300 characters of prose come before it. In plain text a listing is the longest
+    valid Python right above a line such as "Expected output:", and its output is the paragraph below that line. Raises
+    ValueError for more than 200 listings.
     """
     blocks = document.blocks
     code = [i for i, block in enumerate(blocks) if block.kind == LISTING and block.language in _PYTHON]
@@ -102,7 +103,7 @@ def _under_headings(text: SourceText) -> Iterator[Listing]:
 
 
 def _is_python(text: str) -> bool:
-    with warnings.catch_warnings():  # what is odd about somebody's program is not for us to say
+    with warnings.catch_warnings():  # warnings about the style of the program are not ours to report
         warnings.simplefilter("ignore")
         try:
             return bool(ast.parse(text).body)
@@ -111,7 +112,7 @@ def _is_python(text: str) -> bool:
 
 
 def run_listings(document: Document, time_limit: float = 10.0) -> Ran:
-    """Every Python listing of the text run, in order, in one process, within `time_limit` seconds together."""
+    """Run every Python listing of the text, in order, in one process, within `time_limit` seconds in total."""
     found = listings_in(document)
     outcomes = _outcomes(found, time_limit) if found else []
     compared = [
@@ -123,9 +124,9 @@ def run_listings(document: Document, time_limit: float = 10.0) -> Ran:
 
 
 def _outcomes(found: Sequence[Listing], time_limit: float) -> list[dict[str, Any]]:
-    """What each printed, and the error it ended with, None if it ended well."""
+    """The output of each listing and the error that ended it, None if there was none."""
     environment = {key: os.environ[key] for key in _KEPT if key in os.environ}
-    environment["OPENBLAS_NUM_THREADS"] = "1"  # each thread of it takes room that is never used
+    environment["OPENBLAS_NUM_THREADS"] = "1"  # each thread of OpenBLAS reserves memory that is never used
     ours = {os.path.abspath(entry) for entry in ("", *os.environ.get("PYTHONPATH", "").split(os.pathsep))}
     path = [entry for entry in sys.path if os.path.abspath(entry) not in ours]
     limits = Limits(seconds=time_limit, memory=_MEMORY, file=_LARGEST_FILE)
@@ -135,7 +136,7 @@ def _outcomes(found: Sequence[Listing], time_limit: float) -> list[dict[str, Any
         Session(f"{__name__}:run_listing", limits, environment=environment, folder=folder, path=path) as session,
     ):
         try:
-            session.ask({"program": "", "shows": False})  # so that the time of its start is not the listings'
+            session.ask({"program": "", "shows": False})  # so that the start of the process does not count
             end = monotonic() + time_limit
             for listing in found:
                 request = {"program": listing.program, "shows": listing.shows}
@@ -150,7 +151,7 @@ def _outcomes(found: Sequence[Listing], time_limit: float) -> list[dict[str, Any
 
 
 def _compared(document: Document, name: str, listing: Listing, outcome: dict[str, Any]) -> Finding | None:
-    """What is wrong, if anything: an error, or the first line that differs."""
+    """The finding for one listing: its error, or the first line that differs; None if its output is as shown."""
     if outcome["error"] is not None:
         error, place = " ".join(str(outcome["error"]).split()), document.position_of_origin(listing.origin)
         return Finding(name, *place, "an end without error", error, f"running this listing: {error}")
@@ -170,31 +171,31 @@ def _lines(text: str) -> list[str]:
 
 
 def _line_origin(text: SourceText, number: int) -> int:
-    """Where in the file the line of this number begins, from the first that is not empty; the last for one beyond."""
+    """The offset in the file of line `number`, counted from the first non-empty one; the last line if beyond."""
     start = len(text.text) - len(text.text.lstrip())
     for _ in range(number):
         start = text.text.find("\n", start) + 1 or start
     return text.origin(min(start, max(len(text.text) - 1, 0)))
 
 
-# What follows runs in the isolated process: each listing in the names that the ones before have left.
+# The rest runs in the separate process. All listings share this namespace, as the cells of a notebook do.
 _NAMES: dict[str, Any] = {"__name__": "__main__"}
 
 
-class _Paper(io.StringIO):
-    """What a listing prints, up to a limit."""
+class _LimitedOutput(io.StringIO):
+    """The output of a listing, limited in length."""
 
     def write(self, text: str) -> int:
-        """Raises MemoryError beyond the limit."""
+        """Append the text. Raises MemoryError if the output exceeds its limit."""
         if self.tell() + len(text) > _MOST_PRINTED:
             raise MemoryError("it prints more than anybody reads")
         return super().write(text)
 
 
 def run_listing(request: dict[str, Any]) -> dict[str, str | None]:
-    """What the program of the request prints, its last value too if it `shows` that, and the error it ends with."""
-    paper, error = _Paper(), None
-    with redirect_stdout(paper):
+    """Run a program: return its output, with its last value if the request says `shows`, and its error."""
+    output, error = _LimitedOutput(), None
+    with redirect_stdout(output):
         try:
             tree = ast.parse(request["program"])
             last = tree.body.pop() if request["shows"] and tree.body and isinstance(tree.body[-1], ast.Expr) else None
@@ -208,4 +209,4 @@ def run_listing(request: dict[str, Any]) -> dict[str, str | None]:
             where = [frame.lineno for frame in frames if frame.filename == "listing"]
             line = where[0] if where else getattr(raised, "lineno", None)
             error = f"{type(raised).__name__}: {raised}"[:500] + (f" (line {line} of the listing)" if line else "")
-    return {"printed": paper.getvalue(), "error": error}
+    return {"printed": output.getvalue(), "error": error}

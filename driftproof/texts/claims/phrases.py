@@ -1,6 +1,6 @@
-"""A phrase of a text with places for values: the ways to spell each, and the pattern of what must stand there.
+"""Phrases with placeholders for values: the accepted spellings of each value, and the patterns to search for.
 
-No value is spelled as another number can be.
+No accepted spelling of a value can be read as another number.
 """
 
 from __future__ import annotations
@@ -20,34 +20,33 @@ from driftproof.texts.readers.numbers import numbers_in
 if TYPE_CHECKING:
     from driftproof.texts.questions.answer import Answer
 
-# A phrase is a few words around its numbers, or a row of a table; of decimals nobody prints so many.
+# Limits, chosen above all that texts need: a phrase is a few words around its numbers, or a row of a table.
 LONGEST_PHRASE = 400
 MOST_VALUES = 20
 MOST_DECIMALS = 1000
-# A value as words: sixteen, a third, twice; or as what it says of a change: grows, shrinks, stays.
+# A value in words, such as sixteen, a third or twice; or the sign of a change: grows, shrinks, stays.
 SPELLED = WORDS, TREND = ("words", "trend")
-# An exact form longer than this is nothing that a text prints.
+# No text prints a longer exact form.
 _LONGEST_EXACT = 400
-# The ways to write each value, by its name, the plainest first.
+# Name of a value -> its accepted spellings, the plainest first.
 Spellings: TypeAlias = Mapping[str, list[str]]
 
 _PLACEHOLDER = re.compile(r"\{\{|\}\}|\{(?P<name>[a-z][a-z0-9_]*)\}|[{}]")
 _DECIMAL = re.compile(r"(?P<sign>-?)(?P<whole>[0-9]+)(?:\.(?P<rest>[0-9]+))?(?:e(?P<exponent>-?[0-9]+))?")
-# Any number, or several that run together; a power is no part of a fraction. It gives nothing back, so that no search
-# takes long.
+# Any number, or several that run together; an exponent is no part of a fraction. Possessive, to avoid backtracking.
 ANY_NUMBER = (
     r"(?>(?:(?<=\^)[0-9]++|[-+]?(?:[0-9]++(?:[.,'/][0-9]++)*+|\.[0-9]++)(?:[eE][-+]?[0-9]++)?+"
     r"(?: ?[×·] ?10\^(?:\{-?[0-9]++\}|[0-9]))?+)++)"
 )
 _ANY_WORD = rf"(?i:{words.WORDED_NUMBER}|{words.WORDED_TREND})|{ANY_NUMBER}"
-# A number is not torn out of a longer one, nor out of a product, a power or a percentage of which it is a part.
+# A match must not be a part of a longer number, a product, a power or a percentage.
 _NUMBER_BEGINS = r"(?<![0-9][,'/])(?<![\w.^_√+-])"
 _NUMBER_ENDS = r"(?!\w)(?![.,'/][0-9])(?!/[\w(])(?![\^_√])(?! ?[×·] ?10\^)(?! ?%)"
 
 
 @dataclass(frozen=True)
 class NumberForm:
-    """How a number stands in a text: so many places, or digits, or exactly; with none of them as it is, in full."""
+    """How a text writes a number: to some places or digits, exactly, or in words; by default as a full decimal."""
 
     places: int | None = None
     digits: int | None = None
@@ -56,10 +55,10 @@ class NumberForm:
     spelled: str | None = None  # one of SPELLED
 
     def spellings(self, value: Answer) -> list[str]:
-        """Every way to write the value so, in canonical spelling, the plainest first.
+        """All spellings of the value in this form, in canonical spelling, the plainest first.
 
-        Raises ValueError for a number that cannot be written so: an irrational one in full, a tie between two policies
-        of rounding.
+        Raises ValueError for a value without this form: a full decimal that does not end, or a tie for which no
+        rounding policy is named.
         """
         from driftproof.texts.questions.decimals import Style
 
@@ -78,7 +77,7 @@ class NumberForm:
 
 
 def _in_words(value: Answer, spelled: str) -> list[str]:
-    """A whole number or a fraction in words, or the words for a change of the value's sign."""
+    """The spellings of a rational number in words, or the words for a change with the sign of the value."""
     from driftproof.symbolic.algebra.certified import certified_sign
 
     x = value.exact
@@ -90,7 +89,7 @@ def _in_words(value: Answer, spelled: str) -> list[str]:
 
 
 def _exact_spellings(value: Answer) -> list[str]:
-    """3/8, or a formula: as on paper, or with * and ** as in a program."""
+    """The exact form as on paper, such as 3/8 or 2√2, and in program syntax with * and **."""
     text = value.exact_text
     if text is None:
         raise ValueError("the value has no exact form; say places or digits")
@@ -102,7 +101,7 @@ def _exact_spellings(value: Answer) -> list[str]:
 
 
 def decimal_spellings(decimal: str) -> list[str]:
-    """The same digits with and without an exponent: 0.00033 and 3.3e-4."""
+    """The decimal without and with an exponent, such as 0.00033 and 3.3e-4."""
     x = Decimal(decimal)
     if not x:
         return [decimal]
@@ -111,7 +110,7 @@ def decimal_spellings(decimal: str) -> list[str]:
 
 
 def _spelling_pattern(spelling: str) -> str:
-    """A regular expression for one spelling: groups of three digits may be set apart, × or · stand for e, .5 is 0.5."""
+    """A regular expression for one spelling that also allows digit groups, ×10^ or ·10^ for e, and .5 for 0.5."""
     match = _DECIMAL.fullmatch(spelling)
     if match is None:
         return _literal_pattern(spelling)
@@ -130,29 +129,26 @@ def _spelling_pattern(spelling: str) -> str:
 
 
 def spelled_alike(plain: str, found: str) -> bool:
-    """Whether a number is another spelling of the one that is `plain`, with the same digits: 3.3e-4 of 0.00033."""
+    """True if `found` is a spelling of the number `plain` with the same digits, as 3.3e-4 is of 0.00033."""
     others = decimal_spellings(plain) if _DECIMAL.fullmatch(plain) else []
     return plain == found or any(re.fullmatch(_spelling_pattern(other), found) for other in others)
 
 
 def _literal_pattern(text: str) -> str:
-    """A regular expression for a text in canonical spelling, whose spaces may be ends of lines."""
+    """A regular expression for a text in canonical spelling that lets each space be a line break."""
     return re.sub(r"(?:\\?[ \n])+", lambda space: "[ \\n]", re.escape(text))
 
 
 @dataclass(frozen=True)
 class Phrase:
-    """Literal texts in canonical spelling, and between each and the next the name of a value."""
+    """Literal texts in canonical spelling, and the names of the values between them."""
 
     literals: tuple[str, ...]
     names: tuple[str, ...]
 
     @classmethod
     def of(cls, text: str) -> Phrase:
-        """The phrase that `text` spells: {name} is the place of a value, {{ and }} are braces.
-
-        Raises ValueError, in one line.
-        """
+        """Parse a phrase: {name} is a placeholder for a value, {{ and }} are braces. Raises ValueError."""
         if len(text) > LONGEST_PHRASE:
             raise ValueError(f"it has {len(text)} characters; at most {LONGEST_PHRASE} are allowed")
         literals, names, done = [""], list[str](), 0
@@ -177,35 +173,35 @@ class Phrase:
 
     @property
     def free_numbers(self) -> list[str]:
-        """The numbers of the literal texts, labels apart, for which no value answers."""
+        """The numbers in the literal texts, labels excluded."""
         return [number.text for text in self.literals for number in numbers_in(text) if number.label is None]
 
     def exact(self, spellings: Spellings, ignore_case: bool = False) -> re.Pattern[str]:
-        """The pattern of the phrase as it must stand, each value in one of its spellings, as a group of its name."""
+        """A pattern of the phrase with each value in one of its spellings, captured in a group of its name."""
         values = (f"(?P<{name}>{'|'.join(map(_spelling_pattern, spellings[name]))})" for name in self.names)
         return self._pattern(_alternating(map(_literal_pattern, self.literals), values), ignore_case)
 
     def shape(self, spellings: Spellings, ignore_case: bool = False, names: bool = True) -> re.Pattern[str]:
-        """The pattern of the phrase with any numbers for its own, each a group; `names` such as RK4 keep theirs."""
+        """A pattern of the phrase with any numbers, each a group; with `names`, numbers in names such as RK4 stay."""
         texts, found = self._texts_and_numbers(spellings, names)
         numbers = (f"({_ANY_WORD if words.is_worded(number) else ANY_NUMBER})" for number in found)
         return self._pattern(_alternating(map(_literal_pattern, texts), numbers), ignore_case)
 
     def any_numbers(self) -> re.Pattern[str]:
-        """The pattern of the phrase with any number for each value, and its own literal numbers."""
+        """A pattern of the phrase with any number for each value; literal numbers stay."""
         numbers = [f"({ANY_NUMBER})"] * len(self.names)
         return self._pattern(_alternating(map(_literal_pattern, self.literals), numbers))
 
     def numbers(self, spellings: Spellings, names: bool = True) -> list[str]:
-        """What the groups of the shape are where every number is right."""
+        """The correct numbers, in the order of the groups of `shape`."""
         return self._texts_and_numbers(spellings, names)[1]
 
     def written(self, spellings: Spellings) -> str:
-        """The phrase with the plainest spelling of each value."""
+        """The phrase with each value in its plainest spelling."""
         return "".join(_alternating(self.literals, (spellings[name][0] for name in self.names)))
 
     def _texts_and_numbers(self, spellings: Spellings, names: bool) -> tuple[list[str], list[str]]:
-        """The phrase cut at its numbers, those that run together being one: n + 1 texts and n numbers."""
+        """The phrase cut at its n numbers into n + 1 texts; numbers that run together count as one."""
         texts, found = [""], list[str]()
         values = [spellings[name][0] for name in self.names]
         for place, part in enumerate(_alternating(self.literals, values)):
@@ -227,7 +223,7 @@ class Phrase:
         return texts, found
 
     def _pattern(self, parts: Iterable[str], ignore_case: bool = False) -> re.Pattern[str]:
-        """The parts as one pattern; a word or a number at either end is whole."""
+        """The parts joined into one pattern that matches no partial word or number at its ends."""
         first, last = self.literals[0], self.literals[-1]
         begins = r"(?<!\w)" if re.match(r"\w", first) else ""
         ends = r"(?!\w)" if re.search(r"\w\Z", last) else ""
@@ -235,7 +231,7 @@ class Phrase:
             begins = _NUMBER_BEGINS
         if not last or last[-1].isdigit():
             ends = _NUMBER_ENDS
-        # Letters first, then what is not before them: re finds what begins with letters ten times as fast.
+        # Put the lookbehind after the first letters: re searches ten times as fast for a literal prefix.
         pattern = re.sub(r"\A\(\?<!\\w\)([A-Za-z]+)", r"\1(?<!\\w\1)", begins + "".join(parts) + ends)
         return re.compile(pattern, re.IGNORECASE if ignore_case else 0)
 

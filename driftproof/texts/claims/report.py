@@ -1,4 +1,4 @@
-"""What came of holding a text to its claims: as text, JSON, and annotations that GitHub shows beside the lines."""
+"""Check a text against its claims, and report the result as text, JSON or GitHub annotations."""
 
 from __future__ import annotations
 
@@ -20,17 +20,17 @@ from driftproof.texts.readers.document import Document, read_document
 from driftproof.texts.readers.number_words import TextWord
 from driftproof.texts.readers.numbers import TextNumber
 
-# Characters of the text that are shown on each side of a number, and the values that are named of those it looks like.
+# Characters of context shown on each side of a number; look-alike values named for it.
 _CONTEXT, _MOST_NAMED = 24, 3
-# Uncovered numbers for which values are looked for: a millisecond each.
+# At most this many uncovered numbers are listed: the search for look-alikes takes about 1 ms each.
 _MOST_LISTED = 5000
-# Words for numbers that are named of those that no claim holds.
+# At most this many unchecked words for numbers are shown.
 _MOST_WORDS = 5
 
 
 @dataclass(frozen=True, repr=False)
 class TextReport(Printable):
-    """A text called `file`, held to claims: the outcomes, the coverage, and what running its listings showed."""
+    """The result of checking the text called `file`: checked claims, coverage, and the outcome of its listings."""
 
     file: str
     document: Document
@@ -44,9 +44,9 @@ class TextReport(Printable):
     def of(
         cls, file: str, document: Document, claims: Claims, ran: Ran | None = None, suggest: bool = False
     ) -> TextReport:
-        """The claims checked. With `suggest` it says which values each uncovered number looks like.
+        """Check the claims; with `suggest`, also look for the values that each uncovered number may be.
 
-        Raises ValueError where a claim has no value, a label stands nowhere, or there is too much to suggest.
+        Raises ValueError if a claim has no value, a label occurs nowhere, or too many numbers need suggestions.
         """
         checked = check_claims(document, claims.claims)
         covered = coverage(document, checked, claims.labels, ran.spans if ran else ())
@@ -57,12 +57,12 @@ class TextReport(Printable):
 
     @property
     def passed(self) -> bool:
-        """Whether every claim holds, and enough numbers are covered."""
+        """True if there is no finding: claims and listings hold, and the coverage is high enough."""
         return not self.findings
 
     @property
     def findings(self) -> list[Finding]:
-        """Everything that is wrong, in the order of the file."""
+        """All findings, in the order of the file."""
         found = [finding for one in self.checked for finding in one.findings]
         found += self.ran.findings if self.ran else ()
         if self.coverage.share < self.least_coverage:
@@ -73,13 +73,13 @@ class TextReport(Printable):
         return sorted(found, key=lambda finding: (finding.line, finding.column))
 
     def written(self, form: str) -> str:
-        """The report as text, json or github."""
+        """The report as "text", "json" or "github"."""
         if form == "json":
             return as_json(self.as_dict())
         return "\n".join(self._annotations() if form == "github" else self._lines())
 
     def as_dict(self) -> dict[str, Any]:
-        """What the JSON report says: claims, findings, coverage, and every number with how it is accounted for."""
+        """The content of the JSON report: claims, findings, coverage, and how each number is accounted for."""
         return {
             "file": self.file,
             "passed": self.passed,
@@ -131,7 +131,7 @@ class TextReport(Printable):
             yield annotation("notice", message, file=self.file, line=line, col=column, title="coverage")
 
     def _suggested(self) -> Iterator[tuple[TextNumber, str]]:
-        """Every number that no claim covers, where suggestions are asked for, and what it looks like."""
+        """Every uncovered number with the values that it looks like; nothing if no suggestions were requested."""
         if self.suggestions is None:
             return
         for number in self.coverage.uncovered:
@@ -162,13 +162,13 @@ def check(
     run: bool = False,
     time_limit: float = 10.0,
 ) -> TextReport | Answered:
-    """A text held to a file of claims, which is drafted with `init`: each phrase stands as often as it says.
+    """Check that each phrase of a claims file occurs in a text with the right values; with `init`, draft such a file.
 
-    Without `claims` they are in the file beside it, chapter.md.claims.toml beside chapter.md.
-
-    Of the questions in `ask`, braces in them, a draft looks for the values, and names those that the text has not.
-    With `coverage` the numbers that no claim covers are listed, with suggestions; with `run` the Python listings of the
-    text are run within the time limit, with your rights. Raises ValueError for claims or a text that make no sense.
+    Without `claims`, the claims of chapter.md are read from chapter.md.claims.toml beside it. With `coverage`, the
+    numbers that no claim covers are listed with suggestions. With `run`, the Python listings of the text run within
+    `time_limit` seconds, with your rights. A draft looks for the values of the questions in `ask`, which may hold
+    braces, and lists those that the text does not contain. Raises ValueError for an invalid claims file or text and for
+    options that exclude each other.
 
     >>> from pathlib import Path
     >>> from tempfile import TemporaryDirectory
@@ -193,7 +193,7 @@ def check(
 
 
 def claims_beside(text: str | Path) -> Path:
-    """Where the claims of a text are, unless another file is named. Raises ValueError where none are."""
+    """The default path of the claims of a text. Raises ValueError if there is no such file."""
     path = Path(f"{text}.claims.toml")
     if not path.is_file():
         draft = f"where there are none yet, draft them with: driftproof check {text} --init > {path}"
@@ -202,7 +202,7 @@ def claims_beside(text: str | Path) -> Path:
 
 
 def texts_with_claims(given: Path) -> list[Path]:
-    """The text itself; of a folder every text in it that has claims beside it. Raises ValueError where none has."""
+    """The given text, or all texts of the given folder with claims beside them. Raises ValueError if there are none."""
     if not given.is_dir():
         return [given]
     found = sorted(path.with_name(path.name.removesuffix(".claims.toml")) for path in given.rglob("*.claims.toml"))
@@ -216,6 +216,6 @@ def _counted(count: int, noun: str) -> str:
 
 
 def _percent(share: Fraction) -> str:
-    """A share to a tenth of a percent, rounded down: 100% is said of nothing less."""
+    """A share to a tenth of a percent, rounded down so that only full coverage shows as 100%."""
     tenths = int(share * 1000)
     return f"{tenths // 10}%" if tenths % 10 == 0 else f"{tenths // 10}.{tenths % 10}%"

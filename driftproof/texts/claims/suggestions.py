@@ -1,4 +1,4 @@
-"""What the numbers of a text might be: our values, and those an author asks for, written as the numbers are."""
+"""Suggest values that the numbers of a text may be: published ones, usual ones, and those that its author asks for."""
 
 from __future__ import annotations
 
@@ -22,25 +22,25 @@ from driftproof.texts.questions.evaluate import value
 from driftproof.texts.readers.numbers import TextNumber, numbers_in
 from driftproof.texts.values.published import published_values
 
-# What is asked, of the methods of which a text is taken to speak where it names none that we know.
+# The usual questions: about the methods that the text names, else about these, with its step sizes, then with these.
 _USUAL_METHODS = ("forward_euler", "symplectic_euler", "velocity_verlet", "rk4")
 _USUAL_STEPS = ("1/4", "1/2", "1/10")
 _RUN_READOUTS = ("state_error", "energy", "energy_change", "phase_error", "q", "v", "steps", "evaluations")
 _STEP_READOUTS = ("q", "v", "energy")
 _USUAL_FACTS = ("imaginary_limit", "real_limit", "order", "error_constant", "limit_at_infinity", "angle")
-# A few hundred questions, which take a second or two; runs of more steps are not cheap.
+# Limits that keep this to a few hundred questions of cheap runs, a second or two in all.
 _MOST_METHODS, _MOST_RUN, _MOST_SIZES, _MOST_TIMES, _MOST_COUNTS = 12, 6, 4, 2, 2
 _LONGEST_RUN = 10_000
-# Of so many numbers with these digits one at most, drawn at random, would look like a value whose names stand as near.
+# Chosen: a look-alike is strong if at most one in 100 random numbers with as many digits would look as good.
 _ODDS = 100
-# And of such values as an author says that the text has, so that chance is the less likely.
+# The same for values that the author asked for, which the text is known to contain.
 _ODDS_OF_ASKED = 20
-# Questions that an author may ask for at once, in braces; a run for each.
+# At most this many questions may come of one with braces: each may take a run.
 _MOST_ASKED = 2000
-# Enough for the digits of any number of a text.
+# Bits of precision: enough for the digits of any number of a text.
 _MOST_BITS = 256
 _BRACES = re.compile(r"\{([^{}]*)\}")
-# Characters on each side of a number in which the names of a value are looked for: about a line.
+# Characters on each side of a number that are searched for the names of a value: about a line.
 _NEIGHBOURHOOD = 100
 
 _H, _T = (re.compile(rf"\b{letter} ?= ?([0-9]+(?:\.[0-9]+|/[1-9][0-9]*)?)(?![\w./])") for letter in "ht")
@@ -49,11 +49,11 @@ _N = re.compile(r"(?:\bN ?= ?|\b(?=[0-9]+ (?:time )?steps\b))([0-9]{1,5})\b")
 
 @dataclass(frozen=True)
 class LookAlike:
-    """A value that looks like a number when written in `form`: its id or question.
+    """A value that looks like a number of the text when written in `form`, given by its id or its question.
 
-    It is `strong`, no guess, where chance would make so few numbers of as many digits look like a value as near by
-    its names, or where the number is the value itself and all its names are near; and where its sentence names no other
-    method, step or quantity.
+    It is `strong` if a match with so many digits is unlikely to be chance, given how many values have as many of their
+    names nearby, or if the number equals the value and all names of the value are nearby; and if the sentence names no
+    other method, step size or quantity.
     """
 
     question: str
@@ -62,9 +62,9 @@ class LookAlike:
 
 
 def questions_in(asked: str) -> dict[str, tuple[str, ...]]:
-    """Each question that stands for one choice from every pair of braces, alike where they are, with what was chosen.
+    """Expand the braces of a question: each question with one choice per brace -> these choices.
 
-    Raises ValueError for more than 2000 of them.
+    Equal braces take equal choices. Raises ValueError for more than 2000 questions, and for an empty range.
 
     >>> questions_in("step rk4 h=1/{2,4} N={1..2} : q - {1..2}")["step rk4 h=1/4 N=2 : q - 2"]
     ('4', '2')
@@ -73,7 +73,7 @@ def questions_in(asked: str) -> dict[str, tuple[str, ...]]:
     for brace in _BRACES.findall(asked):
         ends = re.fullmatch(r"([0-9]{1,6})\.\.([0-9]{1,6})", brace)
         choices[brace] = [*map(str, range(int(ends[1]), int(ends[2]) + 1))] if ends else brace.split(",")
-    if (count := prod(map(len, choices.values()))) > _MOST_ASKED:
+    if not 0 < (count := prod(map(len, choices.values()))) <= _MOST_ASKED:
         raise ValueError(f"{asked[:60]!r} asks for {count} values; at most {_MOST_ASKED} are asked for at once")
     found = {}
     for chosen in product(*choices.values()):
@@ -84,9 +84,9 @@ def questions_in(asked: str) -> dict[str, tuple[str, ...]]:
 
 @dataclass(frozen=True)
 class _Known:
-    """A value that a number might be: its question, or its id where it is published, and the answer.
+    """A value that a number may be: its question, or its id if it is published, and the answer.
 
-    Of a value that an author asked for, `chosen` is what stood in braces: what tells the value from the others.
+    For a value that the author asked for, `chosen` holds the choices from the braces, which identify it.
     """
 
     question: str
@@ -96,12 +96,12 @@ class _Known:
 
     @cached_property
     def numbers(self) -> list[Fraction]:
-        """The numbers that were chosen for it, which stand beside it in a table."""
+        """The chosen numbers, which stand beside the value in a table."""
         return [number.value for text in self.chosen or () for number in numbers_in(text) if number.text == text]
 
     @cached_property
     def names(self) -> list[str]:
-        """What the value is called, but for single letters and what is said of every value."""
+        """The words that name the value, without single letters and words common to all questions."""
         if self.chosen is not None:
             words = re.split("[^a-z0-9]+", " ".join(self.chosen).lower())
             return [word for word in words if re.fullmatch("[a-z]{2,}[0-9]*", word)]
@@ -110,17 +110,16 @@ class _Known:
 
 
 class Suggestions:
-    """What the numbers of a text might be."""
+    """The values that the numbers of one text may be."""
 
     def __init__(self, text: str, asked: Iterable[str] = ()) -> None:
-        """The text is in canonical spelling; `asked` are questions, braces in them, of which its author knows that it
-        has their values."""
+        """Take a text in canonical spelling, and questions, braces allowed, whose values its author says it has."""
         self.text, self._lower = text, text.lower()
         self.asked = {question: chosen for one in asked for question, chosen in questions_in(one).items()}
         self._spelled: dict[NumberForm, dict[str, list[_Known]]] = {}
 
     def of(self, number: TextNumber) -> list[LookAlike]:
-        """Every value that is written like the number, the best first: its names stand nearby, or it is equal."""
+        """Every value written like the number, best first: asked, not contradicted, more of its names nearby, equal."""
         try:
             x = number.value
         except (ValueError, ZeroDivisionError):
@@ -136,10 +135,10 @@ class Suggestions:
             odds = _ODDS_OF_ASKED if asked else _ODDS
             likely = rivals * odds <= 9 * 10 ** (digits - 1)
             named = fit == len(known.names) + len(known.numbers) and fit > (digits < 2 or not asked)
-            # Roots of small numbers are no random digits; and what the sentence denies is not meant, however it looks.
+            # Digits of roots of small numbers are not random, so an irrational value needs a name nearby.
             near = asked or fit > 0 or isinstance(known.answer.exact, Fraction)
             denied = contradicted(known.question, self._lower, number.start, number.end, asked)
-            # What a text of ours chose, another may choose, too.
+            # A constant that the lesson chose may be chosen by another text, too, without being meant.
             chosen = known.answer.evidence == GIVEN
             strong = (likely or (known.answer.exact == x and named)) and near and not (denied or chosen)
             last = known.answer.exact != x, not known.published, len(known.question), known.question
@@ -147,20 +146,20 @@ class Suggestions:
         return [alike for _, alike in sorted(found, key=lambda pair: pair[0])]
 
     def nowhere(self) -> list[tuple[str, Answer]]:
-        """What was asked for, and is no number of the text, nor one on a line with the numbers chosen for it."""
+        """The asked questions, with answers, that no number matches strongly or on a line with the chosen numbers."""
         asked = {known.question: known for known in self._known if known.chosen is not None}
         for number in numbers_in(self.text) if asked else ():
-            beside = self._beside(number)
+            beside = self._on_line_of(number)
             for alike in self.of(number) if number.label is None else ():
                 if alike.question in asked and (alike.strong or beside.issuperset(asked[alike.question].numbers)):
                     del asked[alike.question]
         return [(known.question, known.answer) for known in asked.values()]
 
     def _fits(self, number: TextNumber) -> dict[str, int]:
-        """Of every value, how many of its names stand near the number, and of its numbers on the number's line."""
+        """For each value, how many of its names stand near the number plus how many of its numbers on the same line."""
         near = self.text[max(0, number.start - _NEIGHBOURHOOD) : number.end + _NEIGHBOURHOOD].lower()
         stand = {name for name in self._all_names if re.search(rf"(?<![a-z]){name}", near)}
-        line = self._beside(number) if self.asked else set()
+        line = self._on_line_of(number) if self.asked else set()
         return {
             known.question: sum(name in stand for name in known.names) + sum(x in line for x in known.numbers)
             for known in self._known
@@ -170,12 +169,12 @@ class Suggestions:
     def _all_names(self) -> set[str]:
         return {name for known in self._known for name in known.names}
 
-    def _beside(self, number: TextNumber) -> set[Fraction]:
+    def _on_line_of(self, number: TextNumber) -> set[Fraction]:
         return {x for start, x in self._lines[self.text.count("\n", 0, number.start)] if start != number.start}
 
     @cached_property
     def _lines(self) -> list[list[tuple[int, Fraction]]]:
-        """Of each line its numbers, each with its place."""
+        """For each line of the text, its numbers with their positions."""
         lines, at = list[list[tuple[int, Fraction]]](), 0
         for line in re.split("(?<=\n)", self.text):
             lines.append([])
@@ -186,7 +185,7 @@ class Suggestions:
         return lines
 
     def _written(self, form: NumberForm) -> dict[str, list[_Known]]:
-        """The values by their spellings in this form; one that cannot be written so, as a tie, is left out."""
+        """Spelling -> the values spelled so in this form; a value without this form, such as a tie, is left out."""
         if form not in self._spelled:
             table = self._spelled[form] = {}
             for known in self._known:
@@ -197,14 +196,14 @@ class Suggestions:
 
     @cached_property
     def _known(self) -> list[_Known]:
-        """The published values, those of the usual questions about methods, steps and times of the text, those asked.
+        """The published values, the usual ones for the methods, step sizes and times of the text, and the asked ones.
 
-        Raises QuestionError for one that the author asks for, and that has no answer.
+        Raises QuestionError if a question of the author has no answer.
         """
         questions = (ids := published_values()) | dict.fromkeys(self._questions())
         found = [_Known(each, each in ids, answer) for each in questions if (answer := _usual(each))]
-        asked = self.asked.items()
-        return [*found, *(_Known(question, False, _of_few_bits(value(question)), chosen) for question, chosen in asked)]
+        asked = [_Known(question, False, _limited(value(question)), chosen) for question, chosen in self.asked.items()]
+        return [*found, *asked]
 
     def _questions(self) -> Iterator[str]:
         sizes, times = _given(_H, self.text, _USUAL_STEPS)[:_MOST_SIZES], _given(_T, self.text, ("10",))[:_MOST_TIMES]
@@ -226,14 +225,14 @@ class Suggestions:
 
 @cache
 def _usual(question: str) -> Answer | None:
-    """The answer to a question that names no file, worked out once for all texts; None where a method has none."""
+    """The answer to a question that names no file, computed once for all texts; None if there is none."""
     with suppress(ValueError):
         return value(question)
     return None
 
 
-def _of_few_bits(answer: Answer) -> Answer:
-    """The answer, without one that needs many: a tie, which is no suggestion."""
+def _limited(answer: Answer) -> Answer:
+    """The answer with its enclosure limited in precision, so that a tie ends early and is not suggested."""
     x = answer.exact
     if x is None or not callable(x):
         return answer
@@ -247,13 +246,13 @@ def _of_few_bits(answer: Answer) -> Answer:
 
 
 def _given(pattern: re.Pattern[str], text: str, default: Iterable[str]) -> list[str]:
-    """The positive numbers that the text gives to a letter, then the default ones, each once."""
+    """The positive numbers that the text gives to a letter, then the default ones, without repetition."""
     spelled = [number for number in (*pattern.findall(text), *default) if len(number) < 20]
     return [str(x) for x in dict.fromkeys(map(Fraction, spelled)) if x]
 
 
 def form_of(number: TextNumber) -> NumberForm:
-    """The form in which the number stands."""
+    """The form in which the text writes the number."""
     if "/" in number.text:
         return NumberForm(exact=True)
     if number.places is None:
@@ -262,9 +261,10 @@ def form_of(number: TextNumber) -> NumberForm:
 
 
 def _digits(text: str, telling: bool = False) -> int:
-    """How many digits it has from the first that is not 0, without those of an exponent.
+    """The number of significant digits of a number as text.
 
-    With `telling` those that tell a number drawn at random: 4.000 is a round number, which is likelier than 1 in 9000.
+    With `telling`, the zeros of a final .0 and of two or more final zeros after the point do not count: a round number
+    such as 4.000 is likelier than one in 9000.
     """
     mantissa = re.split(r"[eE]| ?[×·]", text)[0]
     mantissa = re.sub(r"(?<=\.)0$|00+$", "", mantissa) if telling and "." in mantissa else mantissa

@@ -1,1 +1,1 @@
-"""Questions about methods and runs in a small language: parsed, answered exactly, written in a named style."""
+"""A small language of questions about methods and runs: parsing, exact answers, and their decimals."""

@@ -1,4 +1,4 @@
-"""The answer to a question: a number known exactly, a formula or a word, with evidence and unit; how it is printed."""
+"""Answers to questions: an exact number, a formula or words, with evidence and unit, and their printed forms."""
 
 from __future__ import annotations
 
@@ -20,22 +20,21 @@ if TYPE_CHECKING:
     from driftproof.symbolic.algebra.certified import CertifiableReal
 
 LONGEST_DECIMAL = 10_000
-# Significant digits of a decimal that nobody asked for.
+# Significant digits of a decimal if the caller names no length.
 DIGITS_UNASKED = 15
 GIVEN, PROVED, COUNTED, CERTIFIED, STATED = "GIVEN", "PROVED", "COUNTED", "CERTIFIED", "STATED"
-# From what is exact to what nobody checked: an answer made of several has the last of theirs.
+# From exact to unchecked; an answer computed from several others has the weakest evidence among them.
 EVIDENCE_KINDS = (GIVEN, PROVED, COUNTED, CERTIFIED, STATED)
 
 
 @dataclass(frozen=True, repr=False)
 class Answer(Printable):
-    """The answer to `question`. `exact` is the number, None where the answer is a formula or a word.
+    """The answer to `question`: `exact` is the number, None if the answer is a formula or words.
 
-    `evidence`: GIVEN for what a text chose, PROVED for what is exact, COUNTED for what was counted, CERTIFIED for what
-    is enclosed, STATED for what the catalogue says of a method and nobody proves, as its title. `form` is the exact
-    form in SymPy's syntax where `exact` does not say it, and `words` the TeX of a `form` that is no formula. `is_bound`
-    marks a bound, which is rounded away from zero where the style names no policy. `remark` is what a reader has to
-    know beside the evidence.
+    `evidence` is GIVEN for a number that a text chose, PROVED for an exact one, COUNTED for a count, CERTIFIED for an
+    enclosed number, and STATED for an unproved statement of the catalogue, such as a title. `form` is the exact form in
+    SymPy's syntax if `exact` does not give it, and `words` the TeX of a `form` that is no formula. `is_bound` marks a
+    bound, which is rounded away from zero unless the style names a policy. `remark` qualifies the evidence.
     """
 
     question: str
@@ -48,11 +47,11 @@ class Answer(Printable):
     remark: str | None = None
 
     def written(self, form: str) -> str:
-        """As "text", "json", "tex", "mathml" or "md". Raises what `tex` raises."""
+        """The answer as "text", "json", "tex", "mathml" or "md". Raises what `tex` raises."""
         return format_answer(self, OutputOptions(None, None, PLAIN), form)
 
     def __float__(self) -> float:
-        """The double nearest to the number. Raises QuestionError for what is no number."""
+        """The double nearest to the number. Raises QuestionError for a formula or words."""
         from driftproof.symbolic.algebra.certified import decide_by_enclosure
 
         return decide_by_enclosure(self._number(), float)
@@ -64,27 +63,27 @@ class Answer(Printable):
 
     @property
     def is_number(self) -> bool:
-        """False for a formula and for a word, which have no decimals."""
+        """True for a number; False for a formula or words, which have no decimals."""
         return self.exact is not None
 
     @property
     def exact_text(self) -> str | None:
-        """The exact form, e.g. "337/384", "2*sqrt(2)", "1 - h**6/72 + h**8/576" or "yes"; None where there is none."""
+        """The exact form, e.g. "337/384", "2*sqrt(2)", "1 - h**6/72 + h**8/576" or "yes"; None if there is none."""
         if self.form is not None:
             return self.form
         if isinstance(self.exact, Fraction):
             from driftproof.symbolic.algebra.rational_functions import exact_text
 
             return exact_text(self.exact)
-        # A generator such as "gamma3" says nothing by itself; roots do.
+        # A form in a generator such as "gamma3" is meaningless by itself, unlike one in roots.
         named = not isinstance(self.exact, Algebraic) or self.exact.field.name.isidentifier()
         return None if named else str(self.exact)
 
     def digits(self, n: int, style: Style = PLAIN) -> str:
         """The number correctly rounded to n significant digits, certified.
 
-        Raises AmbiguousRounding on a tie for which the style names no policy, QuestionError for what is no number, for
-        n below 1 or above LONGEST_DECIMAL, and where no enclosure decides.
+        Raises AmbiguousRounding on a tie for which the style names no policy; QuestionError for a formula or words,
+        for n below 1 or above LONGEST_DECIMAL, and if no enclosure decides the digits.
         """
         return self._decimal(to_digits, n, style)
 
@@ -93,14 +92,14 @@ class Answer(Printable):
         return self._decimal(to_places, n, style)
 
     def tex(self, *, digits: int | None = None, places: int | None = None, style: Style = PLAIN) -> str:
-        """What stands between dollar signs: the exact form, or a decimal if digits or places are asked for.
+        """The TeX to put between dollar signs: the exact form, or a decimal if `digits` or `places` is given.
 
-        Raises what `digits` raises, and QuestionError where there is no exact form.
+        Raises what `digits` raises, and QuestionError if there is no exact form.
         """
         return self._marked_up(markup.TEX, OutputOptions(digits, places, style))
 
     def mathml(self, *, digits: int | None = None, places: int | None = None, style: Style = PLAIN) -> str:
-        """A <math> element with what `tex` says. Raises what `tex` raises."""
+        """The content of `tex` as a <math> element. Raises what `tex` raises."""
         return f"<math>{self._marked_up(markup.MATHML, OutputOptions(digits, places, style))}</math>"
 
     def _marked_up(self, write: markup.Writer, options: OutputOptions) -> str:
@@ -130,9 +129,9 @@ class Answer(Printable):
 
 
 def as_printed(entry: dict[str, Any]) -> Answer:
-    """A published number known only by its decimal, correctly rounded: within half a unit of the last digit.
+    """The answer for a published number known only by its decimal, to within half a unit of the last digit.
 
-    Digits beyond it raise ValueError.
+    More digits than it decides raise ValueError.
     """
     from flint import arb, ctx, fmpq
 
@@ -153,7 +152,7 @@ def as_printed(entry: dict[str, Any]) -> Answer:
 
 @dataclass(frozen=True)
 class OutputOptions:
-    """How an answer is printed: to significant digits, or places after the point, or neither; and the style."""
+    """Options of a printed answer: significant digits, places after the point or neither, and the style."""
 
     digits: int | None
     places: int | None
@@ -161,11 +160,11 @@ class OutputOptions:
 
     @property
     def names_a_length(self) -> bool:
-        """True where digits or places are asked for."""
+        """True if digits or places are given."""
         return self.digits is not None or self.places is not None
 
     def decimal(self, answer: Answer) -> str:
-        """The number to the length asked for, else to DIGITS_UNASKED; then a tie is no error. Raises QuestionError."""
+        """The decimal to the given length, else to DIGITS_UNASKED, where a tie is no error. Raises QuestionError."""
         if self.places is not None:
             return answer.places(self.places, self.style)
         if self.digits is not None:
@@ -173,12 +172,12 @@ class OutputOptions:
         return answer.digits(DIGITS_UNASKED, replace(self.style, rounding=self.rounding(answer)))
 
     def rounding(self, answer: Answer) -> str:
-        """The rounding policy that is used; a tie under half-even is an error only where digits are asked for."""
+        """The rounding policy in effect: the one of the style, else away for bounds and half-even for other numbers."""
         return self.style.rounding or (AWAY if answer.is_bound else HALF_EVEN)
 
 
 def format_answer(answer: Answer, options: OutputOptions, form: str) -> str:
-    """The answer as text, json, tex, mathml or md. Raises what the methods of Answer raise."""
+    """The answer as "text", "json", "tex", "mathml" or "md". Raises what the methods of Answer raise."""
     if form == "json":
         decimal = options.decimal(answer) if answer.is_number or options.names_a_length else None
         said = {"question": answer.question, "exact": answer.exact_text, "decimal": decimal}
@@ -192,7 +191,7 @@ def format_answer(answer: Answer, options: OutputOptions, form: str) -> str:
 
 
 def _as_text(answer: Answer, options: OutputOptions) -> str:
-    """The number with its unit, its exact form where that is short, and the evidence."""
+    """The answer with its unit, its exact form if that is short, and the evidence."""
     exact = answer.exact_text
     if not answer.is_number or (isinstance(answer.exact, Fraction) and answer.exact.denominator == 1):
         shown, exact = options.style.written(str(exact)) if answer.is_number else str(exact), None

@@ -1,4 +1,4 @@
-"""Arithmetic on answers: exact where both sides are, enclosed by balls elsewhere; units kept apart; sizes bounded."""
+"""Arithmetic on answers: exact for exact operands, else in balls; with units, and with bounds on sizes."""
 
 from __future__ import annotations
 
@@ -17,26 +17,26 @@ from driftproof.symbolic.algebra.radicals import perfect_part
 from driftproof.texts.questions.answer import CERTIFIED, EVIDENCE_KINDS, Answer
 
 PERCENT = "%"
-# Roots that are kept exact: degree -> the root of an integer that is no power of this degree.
+# Degree -> the exact root of that degree of an integer that is no perfect power of it.
 FIELDS = {2: square_root, 3: cube_root}
 
 
 def _sum(a: Answer, b: Answer, operation: Callable[[Any, Any], Any]) -> Answer:
-    """a + b or a - b. Raises ValueError for two different units; a number without a unit takes the other's."""
+    """a + b or a - b; a number without a unit takes the other's. Raises ValueError for two different units."""
     if a.unit and b.unit and a.unit != b.unit:
         raise ValueError(f"{a.unit} and {b.unit} do not add")
     return replace(_combined(a, b, operation), unit=a.unit or b.unit)
 
 
 def _multiply(a: Answer, b: Answer) -> Answer:
-    """a b. Raises ValueError where both have a unit."""
+    """a b. Raises ValueError if both have a unit."""
     if a.unit and b.unit:
         raise ValueError(f"{a.unit} times {b.unit} has no unit of its own")
     return replace(_combined(a, b, operator.mul), unit=a.unit or b.unit)
 
 
 def _divide(a: Answer, b: Answer) -> Answer:
-    """a / b, without a unit where both have the same. Raises ValueError for b = 0 and for another unit below."""
+    """a / b, dimensionless if both have the same unit. Raises ValueError for b = 0 and for any other unit of b."""
     if b.unit and a.unit != b.unit:
         raise ValueError(f"{a.unit or 'a number without a unit'} over {b.unit} has no unit of its own")
     if certified_sign(_number(b)) == 0:
@@ -45,15 +45,16 @@ def _divide(a: Answer, b: Answer) -> Answer:
 
 
 def negate(a: Answer) -> Answer:
-    """-a."""
+    """The negative of a."""
     x = _number(a)
     return Answer("", (lambda: -enclose(x)) if callable(x) else -x, a.evidence, a.unit)
 
 
 def raised(a: Answer, exponent: Fraction) -> Answer:
-    """a**exponent, exact for a whole exponent and where a root is rational.
+    """a**exponent, exact for a whole exponent and for roots that `_root` keeps exact.
 
-    Raises ValueError for 0 to a power below 0, a root of a number below 0, a number with a unit, a power too long.
+    Raises ValueError for 0 to a negative power, a root of a negative number, a number with a unit, and a power that is
+    too long to write out.
     """
     x = _number(a)
     if a.unit and exponent != 1:
@@ -69,11 +70,11 @@ def raised(a: Answer, exponent: Fraction) -> Answer:
         if abs(enclose(x)).log() / arb(2).log() * abs(n) < LARGEST_BINARY_EXPONENT:
             return Answer("", lambda: enclose(x) ** n, CERTIFIED, a.unit)
         raise ValueError(f"the power is too long to write out: more than {LARGEST_BINARY_EXPONENT} bits")
-    return Answer("", _short(x**n), a.evidence, a.unit)
+    return Answer("", _normalized(x**n), a.evidence, a.unit)
 
 
 def _number(a: Answer) -> CertifiableReal:
-    """The number that a is. Raises ValueError for a formula and for a word."""
+    """The number of an answer. Raises ValueError for a formula and for words."""
     if a.exact is None:
         raise ValueError(f"{a.exact_text} is no number")
     return a.exact
@@ -84,8 +85,8 @@ def _absolute(a: Answer) -> Answer:
 
 
 def _root(a: Answer, degree: int) -> Answer:
-    """The root of this degree: exact where it is rational or in one of FIELDS, else enclosed."""
-    x = _pure(a)
+    """The root of this degree: exact if rational or in one of FIELDS, else enclosed. Raises ValueError for a < 0."""
+    x = _unitless(a)
     if certified_sign(x) < 0:
         raise ValueError("a number below zero has no real root")
     if x == 0:
@@ -99,15 +100,15 @@ def _root(a: Answer, degree: int) -> Answer:
 
 
 def _logarithm(a: Answer, base: int = 0) -> Answer:
-    """The logarithm to the base 2 or 10, rational where a is a power of it, or to e. Raises ValueError for a <= 0."""
-    x = _pure(a)
+    """The logarithm of a to `base` 2 or 10, exact for powers of it, or to e for 0. Raises ValueError for a <= 0."""
+    x = _unitless(a)
     if certified_sign(x) <= 0:
         raise ValueError("only a number above zero has a logarithm")
     if not base:
         return Answer("", Fraction(0), a.evidence) if x == 1 else _enclosed(a, arb.log, "log")
     if isinstance(x, Fraction) and 1 in (x.numerator, x.denominator):
         size = max(x.numerator, x.denominator)
-        # 10^k has more than k log2(10) bits, and at most one more: 0.30103 = log10(2) of them are k and less than 1.
+        # 10^k has floor(k log2(10)) + 1 bits, so its bits times 0.30103, about log10(2), lie between k and k + 1.
         exponent = size.bit_length() - 1 if base == 2 else size.bit_length() * 30103 // 100000
         if base**exponent == size:
             return Answer("", Fraction(exponent if x >= 1 else -exponent), a.evidence)
@@ -115,19 +116,19 @@ def _logarithm(a: Answer, base: int = 0) -> Answer:
 
 
 def _entire(a: Answer, name: str, at_zero: int) -> Answer:
-    """exp a, cos a or sin a, a in radians, which is rational at 0 alone."""
-    return Answer("", Fraction(at_zero), a.evidence) if _pure(a) == 0 else _enclosed(a, getattr(arb, name), name)
+    """exp a, cos a or sin a, with a in radians; rational only for a = 0."""
+    return Answer("", Fraction(at_zero), a.evidence) if _unitless(a) == 0 else _enclosed(a, getattr(arb, name), name)
 
 
 def _percent(a: Answer, b: Answer) -> Answer:
-    """100 a / b, in percent."""
+    """100 a / b, in percent. Raises ValueError unless the units cancel."""
     found = _divide(a, b)
     if found.unit:
         raise ValueError(f"percent compares two numbers of one unit; {found.unit} is left")
     return replace(_multiply(Answer("", Fraction(100)), found), unit=PERCENT)
 
 
-# Name -> the function, and how many numbers it takes.
+# Name -> the function and its number of arguments.
 NUMBER_FUNCTIONS: dict[str, tuple[Callable[..., Answer], int]] = {
     "abs": (_absolute, 1),
     "sqrt": (lambda a: _root(a, 2), 1),
@@ -142,7 +143,7 @@ NUMBER_FUNCTIONS: dict[str, tuple[Callable[..., Answer], int]] = {
     "percent": (_percent, 2),
 }
 
-# Numbers by name.
+# Name -> the number.
 CONSTANTS = {
     "pi": Answer("", arb.pi, CERTIFIED, form="pi"),
     "e": Answer("", lambda: arb(1).exp(), CERTIFIED, form="exp(1)"),
@@ -157,8 +158,8 @@ OPERATIONS: dict[str, Callable[[Answer, Answer], Answer]] = {
 }
 
 
-def _pure(a: Answer) -> CertifiableReal:
-    """The number. Raises ValueError where it has a unit."""
+def _unitless(a: Answer) -> CertifiableReal:
+    """The number of an answer without a unit. Raises ValueError if it has one."""
     if a.unit:
         raise ValueError(f"a function of {a.unit} is not defined; divide by a number with that unit first")
     return _number(a)
@@ -171,19 +172,19 @@ def _enclosed(a: Answer, function: Callable[[arb], arb], name: str | None = None
 
 
 def _combined(a: Answer, b: Answer, operation: Callable[[Any, Any], Any]) -> Answer:
-    """The operation in exact arithmetic, in balls where one of the two is a procedure or the fields differ."""
+    """The operation, exact if both operands are exact in a common field, else in balls."""
     x, y = _number(a), _number(b)
     evidence = max(a.evidence, b.evidence, key=EVIDENCE_KINDS.index)
     if not (callable(x) or callable(y)):
         try:
-            return Answer("", _short(operation(x, y)), evidence)
+            return Answer("", _normalized(operation(x, y)), evidence)
         except TypeError:
             evidence = CERTIFIED
     return Answer("", lambda: operation(enclose(x), enclose(y)), evidence)
 
 
-def _short(x: CertifiableReal) -> CertifiableReal:
-    """x itself, as a Fraction where it is rational. Raises ValueError where it is too long to write out."""
+def _normalized(x: CertifiableReal) -> CertifiableReal:
+    """x, as a Fraction if it is rational. Raises ValueError if it is too long to write out."""
     if isinstance(x, Algebraic) and x.is_rational:
         x = x.as_fraction()
     if _bits(x) > LARGEST_BINARY_EXPONENT:

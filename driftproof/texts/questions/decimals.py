@@ -1,4 +1,4 @@
-"""Exact numbers as decimals: rounding policies by name, ties refused where none is named, the sign and the exponent.
+"""Decimals of exact numbers: named rounding policies, refusal of ties, and the style of signs and exponents.
 
 >>> from driftproof import PRINTED
 >>> PRINTED.written("-6.7e-5")
@@ -21,17 +21,18 @@ ROUNDING_POLICIES = (HALF_EVEN, HALF_AWAY, TOFIXED, AWAY)
 _SUPERSCRIPTS = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
 # Number.prototype.toFixed refuses more digits after the point (ecma-262-2025, 21.1.3.3).
 MOST_PLACES_OF_TOFIXED = 100
-# From here on toFixed writes an exponent.
+# For numbers from this on, toFixed writes an exponent.
 LARGEST_OF_TOFIXED = 10**21
 
 
 @dataclass(frozen=True)
 class Style:
-    """`rounding`, one of ROUNDING_POLICIES or None for none named; `minus`, "-" or "−"; `exponent`, "e" or "×10".
+    """A style of decimals: `rounding`, one of ROUNDING_POLICIES or None; `minus`, "-" or "−"; `exponent`, "e" or "×10".
 
-    half-even and half-away round to the nearest decimal and differ on ties, away rounds every number away from 0, and
-    tofixed does what JavaScript's toFixed and toPrecision do: it rounds the binary64 number nearest to the exact
-    value, a tie away from 0. With None the rounding is half-even, and a tie is refused. Raises ValueError for others.
+    The policies half-even and half-away round to the nearest decimal and differ on ties; away rounds every number away
+    from 0; tofixed does what JavaScript's toFixed and toPrecision do: it rounds the binary64 number nearest to the
+    exact value, ties away from 0. With None the rounding is half-even and a tie is refused. Raises ValueError for other
+    names.
 
     >>> from driftproof import Style, value
     >>> value("1/8").places(2, Style("half-away"))
@@ -43,7 +44,7 @@ class Style:
     exponent: str = E
 
     def __post_init__(self) -> None:
-        """Refuse unknown names."""
+        """Raise ValueError for an unknown name."""
         allowed = {"rounding": ROUNDING_POLICIES, "minus": (HYPHEN, MINUS), "exponent": (E, TIMES_TEN)}
         for what, names in allowed.items():
             if (chosen := getattr(self, what)) not in names and (what, chosen) != ("rounding", None):
@@ -65,19 +66,20 @@ PRINTED = Style(minus=MINUS, exponent=TIMES_TEN)
 
 
 class Tie(ValueError):
-    """The number is half-way between two decimals and no policy was named."""
+    """A number half-way between two decimals, for which no rounding policy was named."""
 
 
 def to_digits(x: CertifiableReal, digits: int, style: Style, default: str | None = None) -> str:
-    """x to so many significant digits. `default` is the rounding where the style names none; None: ties are refused.
+    """x, rounded to `digits` significant digits.
 
-    Raises ValueError for a count below one, Tie, and Uncertified.
+    `default` is the rounding policy if the style names none; with None, ties are refused. Raises ValueError for a count
+    below one, Tie, and Uncertified.
     """
     return _decimal("significant", x, digits, style, default)
 
 
 def to_places(x: CertifiableReal, places: int, style: Style, default: str | None = None) -> str:
-    """x to so many digits after the point. Raises ValueError for a count below zero, Tie, and Uncertified."""
+    """x, rounded to `places` digits after the point. Raises ValueError for a count below zero, Tie, and Uncertified."""
     return _decimal("fixed", x, places, style, default)
 
 
@@ -96,14 +98,14 @@ def _decimal(form: str, x: CertifiableReal, count: int, style: Style, default: s
     if rounding is not None:
         return style.written(write(x, count, rounding))
     even = write(x, count, HALF_EVEN)
-    # Irrational numbers lie on no tie; of an enclosed rational one, settle says that it is undecided.
+    # Irrational numbers are never ties; an enclosed rational one on a tie has already raised Uncertified.
     if isinstance(x, Fraction) and even != (away := write(x, count, HALF_AWAY)):
         raise Tie(f"the number is half-way: half-even gives {even}, half-away {away}; name a rounding")
     return style.written(even)
 
 
 def _nearest_double(x: CertifiableReal) -> Fraction:
-    """The binary64 number nearest to x, as a fraction; 0 where x underflows. Raises ValueError where it overflows."""
+    """The binary64 number nearest to x, as a fraction; 0 if x underflows. Raises ValueError if x overflows."""
     from driftproof.symbolic.algebra.certified import decide_by_enclosure
 
     try:

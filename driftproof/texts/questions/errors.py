@@ -1,4 +1,4 @@
-"""What goes wrong with a question: one line, the column, and what is allowed; and a limit of time."""
+"""Errors of questions, with the column and the reason in one line, and a time limit for answers."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ from types import FrameType
 
 from driftproof.methods.expression_tree import ExpressionError
 
-# What can be foreseen to be too long is refused before it begins; every question of the documentation takes below one.
+# Chosen: questions of the documentation take less than one second, and foreseeably long ones are refused earlier.
 QUESTION_SECONDS = 60
 
 
 class QuestionError(ExpressionError):
-    """A question that is not answered: its `text`, the 1-based `column` in it, and the `reason`, on one line.
+    """A question without an answer: its `text`, the 1-based `column` of the problem, and the `reason` in one line.
 
     >>> from driftproof import QuestionError, value
     >>> try:
@@ -27,17 +27,17 @@ class QuestionError(ExpressionError):
 
     @property
     def question(self) -> str:
-        """The text that was refused."""
+        """The text of the question."""
         return self.text
 
 
 class AmbiguousRounding(QuestionError):
-    """A number half-way between two decimals, where half-even and half-away differ and no policy was named."""
+    """A number half-way between two decimals, for which the question names no rounding policy."""
 
 
 @contextmanager
 def refused_at(question: str, column: int) -> Iterator[None]:
-    """Whatever is refused inside is refused as a QuestionError at this column."""
+    """Turn every ValueError and ArithmeticError raised inside into a QuestionError at this column."""
     try:
         yield
     except QuestionError:
@@ -47,14 +47,14 @@ def refused_at(question: str, column: int) -> Iterator[None]:
 
 
 class _Alarm(BaseException):
-    """Time is up; no handler of errors on the way may take it for one."""
+    """The time limit has passed. A BaseException, so that no handler of errors catches it on the way."""
 
 
 @contextmanager
 def time_limit(question: str, seconds: float) -> Iterator[None]:
-    """What is done inside ends with a QuestionError after so many seconds.
+    """Raise QuestionError if the body takes longer than `seconds`.
 
-    By an interval timer: without effect outside the main thread, and on systems that have none.
+    This uses an interval timer, so it has no effect outside the main thread or on systems without such timers.
     """
     if not hasattr(signal, "setitimer") or threading.current_thread() is not threading.main_thread():
         yield

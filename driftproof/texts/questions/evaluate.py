@@ -1,4 +1,4 @@
-"""A question answered: value("step rk4 h=1/2 from 1,0 : q"). What a kind of query needs is imported with it."""
+"""Answer questions such as value("step rk4 h=1/2 from 1,0 : q"); each kind of query imports only what it needs."""
 
 from __future__ import annotations
 
@@ -19,10 +19,10 @@ if TYPE_CHECKING:
 
 
 def value(question: str) -> Answer:
-    """The answer to a question of the language that docs/language.md describes, or the published value of that id.
+    """The answer to a question in the language of docs/language.md; the id of a published value is a question, too.
 
-    Raises QuestionError, one line with the column, for a question that has no answer, and TypeError for what is no
-    text. Nothing is evaluated as code.
+    Raises QuestionError, with one line and the column, for a question without an answer, and TypeError if it is not a
+    string. No part of the question is evaluated as Python code.
 
     >>> from driftproof import value
     >>> value("step rk4 h=1/2 : q").exact
@@ -64,7 +64,7 @@ def _answer(node: Node, question: str) -> Answer:
 
 
 def _published(node: NameNode, question: str) -> Answer:
-    """The exact form of a published value is itself a question, of which the answer is enclosed to any length."""
+    """The published value: its exact form, answered as a question, or else its decimal; or a constant such as pi."""
     from driftproof.texts.questions.arithmetic import CONSTANTS
     from driftproof.texts.values.published import published_values
 
@@ -100,13 +100,13 @@ def _step(context: QueryContext) -> Answer:
     context.demand_only("h", "N", "lambda", start=True, readout=True, unit=True, problem=True)
     counted = context.query.readout is not None and context.query.readout.text == "evaluations"
     h = Fraction(1) if counted and "h" not in context.query.settings else context.setting("h", "h=1/2")
-    return _of_run(context, h, h * (_whole_number(context) if "N" in context.query.settings else 1))
+    return _run_answer(context, h, h * (_whole_number(context) if "N" in context.query.settings else 1))
 
 
 def _run(context: QueryContext) -> Answer:
     """Answers `run METHOD [problem=NAME | rates=(-y0) | lambda=-2] h=1/4 t=10 [from q,v] : READOUT [UNIT]`.
 
-    Two of h, t and N are given; of the oscillator error in place of h, what is reached with the fewest steps.
+    The query gives two of h, t and N. On the oscillator it may give t and error: see `steps_to_error`.
     """
     context.demand_only("h", "t", "N", "error", "lambda", start=True, readout=True, unit=True, problem=True)
     given = {name: number.value for name, number in context.query.settings.items() if name != "lambda"}
@@ -119,7 +119,7 @@ def _run(context: QueryContext) -> Answer:
     if len(given) != 2:
         raise context.error(None, "run needs two of h, t and N, as in h=1/4 t=10")
     h = given["h"] if "h" in given else given["t"] / _whole_number(context)
-    return _of_run(context, h, given["t"] if "t" in given else h * _whole_number(context))
+    return _run_answer(context, h, given["t"] if "t" in given else h * _whole_number(context))
 
 
 def _whole_number(context: QueryContext) -> int:
@@ -129,14 +129,14 @@ def _whole_number(context: QueryContext) -> int:
     return int(n.value)
 
 
-def _of_run(context: QueryContext, h: Fraction, t: Fraction) -> Answer:
+def _run_answer(context: QueryContext, h: Fraction, t: Fraction) -> Answer:
     from driftproof.texts.questions.runs import ANGLES, RUN_READOUTS, UNITS, in_unit, run_of, stage_slope
 
     readout, unit = context.query.readout, context.query.unit
     if h == 0:
         raise context.error(None, "a step of size 0 goes nowhere; give a nonzero h")
     if context.about_problem is not None or "lambda" in context.query.settings:
-        return _of_problem(context, context.method() if context.about_problem is not None else None, h, t)
+        return _problem_answer(context, context.method() if context.about_problem is not None else None, h, t)
     method = context.method()
     if unit is not None and (readout is None or readout.text not in ANGLES):
         raise context.error(unit, f"{unit.shown} has no place; only angles have units to choose")
@@ -151,8 +151,8 @@ def _of_run(context: QueryContext, h: Fraction, t: Fraction) -> Answer:
         return found if unit is None else in_unit(found, UNITS[unit.text])
 
 
-def _of_problem(context: QueryContext, method: Method | None, h: Fraction, t: Fraction) -> Answer:
-    """Of y' = f(t, y) of a problem, from its own start, of rates that are written out, or of y' = λy from 1."""
+def _problem_answer(context: QueryContext, method: Method | None, h: Fraction, t: Fraction) -> Answer:
+    """Answer for a problem by name, for y' = f(t, y) with its rates written out, or for y' = λy from 1."""
     from driftproof.texts.questions import problems
 
     query, named = context.query, context.about_problem
@@ -190,7 +190,7 @@ def _exact(context: QueryContext) -> Answer:
         raise context.error(other, "the exact flow belongs to no method, as in exact t=10 : q")
     if context.about_problem is not None:
         t = context.setting("t", "t=10")
-        return _of_problem(context, None, t, t)
+        return _problem_answer(context, None, t, t)
     return context.readout(EXACT_READOUTS)(context.start, context.setting("t", "t=10"))
 
 
@@ -211,12 +211,12 @@ def _fact(context: QueryContext) -> Answer:
     return fact(context)
 
 
-# What a question may begin with that is no fact.
+# Heads of queries that are not facts -> the function that answers them.
 _QUERY_KINDS = {"step": _step, "run": _run, "exact": _exact, "roundoff": _roundoff}
 
 
 def vocabulary() -> str:
-    """Every name that a question may use: readouts, facts, functions, families and ids, a line or more for each."""
+    """A text with every name that a question may use: readouts, units, facts, functions, families and ids."""
     from driftproof.methods.families import FAMILIES
     from driftproof.texts.questions.arithmetic import CONSTANTS, NUMBER_FUNCTIONS
     from driftproof.texts.questions.facts import FACT_NAMES

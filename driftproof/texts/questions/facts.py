@@ -1,4 +1,4 @@
-"""Answers that are facts of a method or of a family, by the names that `driftproof facts` uses."""
+"""Answers about facts of methods and families, by the names that `driftproof facts` uses."""
 
 from __future__ import annotations
 
@@ -29,16 +29,16 @@ from driftproof.texts.writing.facts import fact_tex, fact_text
 from driftproof.texts.writing.records import parts
 
 FACT_NAMES = tuple(dict.fromkeys((*FACTS, *ON_REQUEST, *FAMILY_FACTS, *OTHER_FACTS)))
-# Facts that were counted, and those that are only what the source says: the others are derived.
+# Fact -> its evidence: counted, or stated by the source; all others are derived.
 _EVIDENCE = {"stages": COUNTED} | dict.fromkeys(("method", "title", "family", "source", "claimed_order"), STATED)
 _ORDERS = ("order", "embedded_order")
 _AS_ROUNDED = "as its rounded coefficients stand; order_but_for_rounding looks past that"
-# Leading terms that are written with their power of h; of others the coefficient is asked for.
+# Leading terms that are answered with their power of h; for others the coefficient alone is the answer.
 WITH_POWER = ("dispersion", "dissipation")
 
 
 def fact(context: QueryContext) -> Answer:
-    """Answers `FACT METHOD [at VALUE] [h=1/4] [: PART]`. Raises QuestionError, also where there is no such fact."""
+    """Answers `FACT METHOD [at VALUE] [h=1/4] [: PART]`. Raises QuestionError if the method has no such fact."""
     name, subject = context.head, context.subject()
     with context.refused():
         if isinstance(subject, Family):
@@ -75,7 +75,7 @@ def coefficient(context: QueryContext) -> Answer:
 
 
 def _part(context: QueryContext, found: Any, key: str) -> tuple[str, Any]:
-    """The part that the readout names, with its own name."""
+    """The name and the value of the part that the readout names, else of the whole fact."""
     name, token = context.head, context.query.readout
     if name == "one_step_matrix":
         entries = (ExactFunction(entry, "h") for row in found for entry in row)
@@ -94,7 +94,7 @@ def _part(context: QueryContext, found: Any, key: str) -> tuple[str, Any]:
 
 
 def _answer(context: QueryContext, name: str, found: Any) -> Answer:
-    """A number or a formula where it is one, else words; a function has a value where its variable is set."""
+    """The answer for a part of a fact: a number, a formula or words; a function is evaluated if its variable is set."""
     function = found.function if isinstance(found, Formula) else found
     if isinstance(function, ExactFunction):
         context.demand_only(function.variable, readout=True)
@@ -112,7 +112,7 @@ def _answer(context: QueryContext, name: str, found: Any) -> Answer:
 
 
 def _at_setting(context: QueryContext, f: ExactFunction) -> Any:
-    """The value of f where its variable is set or f is constant, else f as a formula."""
+    """The value of f if its variable is set or f is constant, else f as a formula. Raises ValueError at a pole."""
     number = context.query.settings.get(f.variable)
     if number is None and (f.f.num.degree() > 0 or f.f.den.degree() > 0):
         return Formula(str(f))
@@ -123,7 +123,7 @@ def _at_setting(context: QueryContext, f: ExactFunction) -> Any:
 
 
 def _quadratic(context: QueryContext, form: QuadraticForm) -> Answer:
-    """The conserved quadratic: a formula in h, q and v, or its value at h and a state."""
+    """The conserved quadratic as a formula in h, q and v, or its value for the given h and state."""
     context.demand_only("h", start=True)
     h, polynomials = context.query.settings.get("h"), form.coefficients
     if h is not None:
@@ -140,7 +140,7 @@ def _quadratic(context: QueryContext, form: QuadraticForm) -> Answer:
 
 
 def _times(p: Polynomial, monomial: str) -> str:
-    """p(h)*monomial in SymPy's syntax, a single term with its number in front and its denominator behind."""
+    """The nonzero p(h) times a monomial in SymPy's syntax; a single term as in -h*q*v/2."""
     terms = [(k, c) for k, c in enumerate(coefficients(p)) if c]
     if len(terms) > 1:
         return f"({polynomial_text(p, 'h')})*{monomial}"
@@ -150,7 +150,7 @@ def _times(p: Polynomial, monomial: str) -> str:
 
 
 def of_number(x: Any) -> Answer | None:
-    """A number of any kind that facts consist of, with its radicals where it has some; oo is no number."""
+    """The answer for any type of number in facts, with radicals if there are some; for oo, a form; None for others."""
     if isinstance(x, Infinity):
         return Answer("", None, form="oo")
     if isinstance(x, Angle):
@@ -159,7 +159,7 @@ def of_number(x: Any) -> Answer | None:
         return Answer("", x.ball, CERTIFIED)
     if isinstance(x, RealRoot) and x.rational is None:
         form = radical_form(x)
-        # In its quadratic field where it lies in one, so that arithmetic with it stays exact.
+        # A root of degree 2 is given in its quadratic field, so that arithmetic with it stays exact.
         return Answer("", parse_number(form, "root") if form and len(x.minimal) == 3 else x.ball, form=form)
     if isinstance(x, RealRoot):
         return Answer("", x.rational)

@@ -1,6 +1,6 @@
-"""Questions as trees: arithmetic whose atoms may be published values and queries; nothing is evaluated.
+"""Parse questions into trees of arithmetic on numbers, published values and queries, without evaluating anything.
 
-The grammar of `driftproof.methods.expression_tree`, in which a name may begin a query:
+The grammar is that of `driftproof.methods.expression_tree`, in which a name may also begin a query:
 
 query   = head part* [":" readout [unit]]
 part    = subject | "at" value | name "=" (literal | name | rates) | number "steps" | start | "sharp" | equation
@@ -10,8 +10,8 @@ equation = name "'" "=" sum | name "(" "0" ")" "=" literal
 literal = ["-" | "+"] number ["/" number]
 value   = literal | "(" expression of driftproof.methods.expressions ")"
 
-A head and a subject may have several words, "stability function of forward Euler"; a comma may stand before an equation
-and a setting, and words such as "with" between any parts; "error of rk4 ..." asks for "run rk4 ... : error".
+Heads and subjects may have several words, as in "stability function of forward Euler"; a comma may precede an equation
+or a setting, and words such as "with" may stand between any parts; "error of rk4 ..." means "run rk4 ... : error".
 """
 
 from __future__ import annotations
@@ -37,17 +37,17 @@ _WITHOUT_SIGN = {*SETTINGS, *wording.OTHER_SETTINGS}
 _HEADS = ("step", "run", "exact", "roundoff")
 _WITH_EQUATION = "as in run heun2 y'=-y y(0)=1 h=0.1 t=1 : error"
 _OF_METHOD = "order rk4, or run rk4 h=0.1 t=1 : q"
-# (17/16)**1000 is a growth that texts have; what is too long to write out is enclosed.
+# Texts have powers such as (17/16)**1000; powers that are too long to write out are enclosed.
 LARGEST_POWER_ASKED = 10**6
 
 
 @dataclass(frozen=True)
 class Query:
-    """HEAD SUBJECT [at VALUE] [NAME=NUMBER ...] [from q,v] [: READOUT [UNIT]]; subject and parts None where absent.
+    """The query HEAD SUBJECT [at VALUE] [NAME=NUMBER ...] [from q,v] [: READOUT [UNIT]]; absent parts are None.
 
-    `at` is the text of the parameter's value, which `driftproof.methods.expressions` reads; `rates` are the texts of
-    the components of y', which `driftproof.methods.field_text` reads; `unknowns` are their names where y' = ... says
-    them, and else y0, y1, ...
+    `at` is the value of a family's parameter as text, for `driftproof.methods.expressions`; `rates` are the components
+    of y' as text, for `driftproof.methods.field_text`; `unknowns` are their names if y' = ... gives them, else empty,
+    for y0, y1, ...
     """
 
     head: Token
@@ -67,7 +67,7 @@ Node: TypeAlias = ExpressionNode | Query
 
 
 def parse_question(question: str) -> Node:
-    """The tree of the question, whose letters may have accents. Raises QuestionError."""
+    """Parse a question into its tree; accents on letters are ignored. Raises QuestionError."""
     plain = "".join(normalize("NFKD", c)[0] if c.isalpha() else c for c in question)
     if rounded := wording.TO_DIGITS.search(plain):
         kind = "digits" if rounded["digits"] else "places"
@@ -82,12 +82,12 @@ def parse_question(question: str) -> Node:
 
 
 class _QuestionParser(PieceParser):
-    """One pass over the tokens; each method reads what its name says."""
+    """A parser of questions; each method consumes the tokens of the construct that it is named after."""
 
     in_rate = False
 
     def named(self, name: Token) -> Node:
-        """A published value by its id, or a query from after its head on."""
+        """Parse a name that was just taken: the id of a published value, or the beginning of a query."""
         while name.text.lower() in wording.ASKING | wording.SAY_NOTHING and self.next.kind == NAME and not self.in_rate:
             name = self.take()
             if self.accept("("):
@@ -105,14 +105,14 @@ class _QuestionParser(PieceParser):
         return self.query(name, self.head(name, parts), parts)
 
     def _has_hyphen(self, name: Token) -> bool:
-        """Whether the name of a fact or of a method that begins here has one, as Crank-Nicolson: it is no minus."""
+        """True if the next hyphen belongs to the name of a fact or method, such as Crank-Nicolson: it is no minus."""
         start = self.at
         self.method_name(name)
         longer, self.at = self.at > start, start
         return longer or wording.longest_name(self.tokens[start - 1 :])[1] > 1
 
     def _call(self, name: Token) -> Any:
-        """A function from after its bracket on; of a method is R(-2) of rk4, and of a run y(1) of rk4 y'=-y y(0)=1."""
+        """Parse a call after its opening bracket: a function, R(-2) of rk4, or y(1) of rk4 y'=-y y(0)=1."""
         parts: dict[str, Any] = defaultdict(dict)
         after = [token.kind for token in self.tokens[self.at : self.at + 3]]
         if name.text != "R" and after[::2] == [NUMBER, NAME] and not self.in_rate:
@@ -129,13 +129,13 @@ class _QuestionParser(PieceParser):
         return self.query(name, name._replace(text=head), parts)
 
     def _at_time(self, name: Token, parts: dict[str, Any]) -> None:
-        """The readout y at t = 1, which is y(1), from after its bracket on."""
+        """Parse a value such as y(1) after its opening bracket: the readout y at t = 1."""
         self.put(parts["settings"], name, "t", lambda: NumberNode(self.next.column, self.literal("t")))
         self.expect(")", "a bracket is not closed")
         self.put(parts, name, "readout", lambda: name._replace(text=wording.READOUT_WORDS.get(name.text, name.text)))
 
     def query(self, name: Token, head: Token, parts: dict[str, Any]) -> Node:
-        """The query that begins with this name, from after its head on."""
+        """Parse the rest of a query, which began at `name`, after its head."""
         while self._another_part():
             token = self.take()
             if token.text == "per" and self.accept("step"):
@@ -157,7 +157,7 @@ class _QuestionParser(PieceParser):
         return CallNode(name.column, "sqrt", (found,)) if head.text.endswith(":sqrt") else found
 
     def head(self, name: Token, parts: dict[str, Any]) -> Token:
-        """The head that begins with this name, of several words: "real limit of RK4", or "RK4 real limit", or run."""
+        """Parse a head of several words; it may follow its method, as in "RK4 real limit", or be missing, for run."""
         start, (text, count) = self.at, wording.longest_name(self.tokens[self.at - 1 :])
         if (name.text in _HEADS and not text) or self.next.text == ":":
             return name._replace(text=wording.FACT_WORDS.get(name.text, name.text))
@@ -188,7 +188,7 @@ class _QuestionParser(PieceParser):
         return name._replace(text=wording.FACT_WORDS.get(text, text or "run"))
 
     def _another_part(self) -> bool:
-        """Whether a part comes next. A comma before an equation or a setting, where no list goes on, is used up."""
+        """True if another part of the query follows; consumes a comma before an equation, a setting, at or from."""
         if self.next.text == ",":
             name, *after = (token.text for token in self.tokens[self.at + 1 : self.at + 4])
             said = name in wording.SAY_NOTHING or after[:1] == ["steps"] or self._setting_name(self.at + 1)[1]
@@ -198,12 +198,12 @@ class _QuestionParser(PieceParser):
         return self.next.kind == NAME or self._is_count(self.at)
 
     def _is_count(self, at: int) -> bool:
-        """Whether a number of steps stands there, in digits or as a word, or one of periods."""
+        """True if a count of steps or periods, in digits or as a word, begins at this token."""
         token = self.tokens[at]
         return (token.kind == NUMBER or token.text in wording.WORDED_COUNTS) and self.after(at).text in wording.COUNTED
 
     def with_unknowns(self, head: Token, parts: dict[str, Any]) -> dict[str, Any]:
-        """The parts of a query, its equations as rates and a start in the order of their unknowns."""
+        """The parts of a query, with rates and start taken from its equations, in the order of the unknowns."""
         rates, start = parts["rates"], parts["start"]
         names = tuple(rates) if isinstance(rates, dict) else ()
         if isinstance(start, dict):
@@ -215,7 +215,7 @@ class _QuestionParser(PieceParser):
         return {**parts, "rates": rates, "start": start or None, "unknowns": names}
 
     def _setting_name(self, at: int) -> tuple[str, int]:
-        """The name of a setting that stands there before a number or =, of how many words; ("", 0) where none does."""
+        """The name of the setting at this token, before a number or =, and its number of words; ("", 0) for none."""
         words = [token.text for token in self.tokens[at : at + 2]]
         for count in (2, 1):
             name, after = "_".join(words[:count]), self.tokens[min(at + count, len(self.tokens) - 1)]
@@ -280,7 +280,7 @@ class _QuestionParser(PieceParser):
             parts[key] = self.method_name(token) if key == "subject" else self.value()
 
     def rate(self) -> Token:
-        """The text after y' = or y'(t) = or dy/dt =, from the prime or dt on; in it a name is no query."""
+        """Parse the rate after y' =, y'(t) = or dy/dt =, from the prime or dt on; a name in it begins no query."""
         prime = self.take()
         if self.next.text == "'":
             raise self.error(prime, "equations are of first order; y'' = -y is y'=v, v'=-y")
@@ -296,7 +296,7 @@ class _QuestionParser(PieceParser):
         return self.piece(first.column, self.tokens[self.at - 1].end)
 
     def setting(self, name: Token, settings: dict[str, NumberNode]) -> None:
-        """NAME=LITERAL, from the equals sign on, which may be left out; steps is another word for N."""
+        """Parse a setting NAME=LITERAL after its name; the equals sign is optional, and steps means N."""
         self.accept("=")
         key = wording.OTHER_SETTINGS.get(name.text, name.text)
         if key not in SETTINGS:
@@ -307,7 +307,7 @@ class _QuestionParser(PieceParser):
             raise self.error(self.next, f"a decimal has a point: {before.text}.{after.text}")
 
     def put(self, found: Any, name: Token, key: str, read: Callable[[], Any]) -> None:
-        """What is read, by its key, once; equations stand beside neither rates= nor from."""
+        """Store under `key` what `read` returns; refuse a second one, and equations together with rates= or from."""
         if not isinstance(found, dict) or found.get(key, {}) != {}:
             raise self.error(name, f"{name.shown} is given twice")
         found[key] = read()

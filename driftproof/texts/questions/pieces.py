@@ -1,4 +1,4 @@
-"""The pieces of a question: numbers, lists of them, the names of methods, files and readouts."""
+"""Parse the parts of a question: numbers, lists, and the names of methods, files and readouts."""
 
 from __future__ import annotations
 
@@ -10,24 +10,24 @@ from driftproof.methods.expression_tree import END, NAME, NUMBER, ExpressionPars
 from driftproof.texts.questions import wording
 from driftproof.texts.questions.errors import QuestionError
 
-# Words that may stand alone between head and readout.
+# Words that are parts of a query by themselves.
 WORDS = ("sharp",)
 OWN_PI = "steps and times are rational, so round pi yourself, as in h=0.01 t=6.28"
 
 
 class PieceParser(ExpressionParser):
-    """One pass over the tokens of a question; each method reads what its name says, or refuses it with its column."""
+    """A parser of the parts of a question; each method consumes its tokens or raises QuestionError at their column."""
 
     what = "a question"
     example = "ask for example: step rk4 h=1/2 : q"
     refusal = QuestionError
-    # The prime of y' is a sign, π and λ are names.
+    # The prime of y' is a sign; π and λ are names.
     tokens_are = re.compile(
         f"(?P<prime>')|{ExpressionParser.tokens_are.pattern.replace('[A-Za-z_]', '[A-Za-z_πλ]')}", re.ASCII
     )
 
     def method_name(self, first: Token) -> Token:
-        """The longest name of a method that begins here, of words, hyphens and numbers; a file; else the one word."""
+        """The longest method name or file name that begins with this token, else the token itself."""
         found, at = self.adjacent(first), self.at
         alone, last = keys_of_name(first.text), first
         for i in range(at, len(self.tokens)):
@@ -43,7 +43,7 @@ class PieceParser(ExpressionParser):
         return found
 
     def adjacent(self, first: Token) -> Token:
-        """The name of a .toml file that begins here, with its folders and hyphens; else the one word."""
+        """The name of a .toml file, with folders and hyphens, that begins with this token, else the token itself."""
         last = first
         for i in range(self.at, len(self.tokens)):
             if first.text.endswith(".toml") or self.tokens[i].column != last.end or self.tokens[i].kind == END:
@@ -55,7 +55,7 @@ class PieceParser(ExpressionParser):
         return first
 
     def value(self) -> Token:
-        """The text of a parameter's value: a literal, or an expression in brackets, of which only the end is sought."""
+        """The value of a parameter as text: a literal, or an expression in brackets, which is not parsed here."""
         self.accept("=")
         first = self.next
         if first.text != "(":
@@ -66,7 +66,7 @@ class PieceParser(ExpressionParser):
         return self.piece(first.column, last.end)
 
     def start(self) -> tuple[Fraction, ...]:
-        """One or more numbers, parted by commas, in brackets or without: a state."""
+        """Parse a state: one or more numbers, separated by commas, with or without brackets."""
         bracket = self.accept("(")
         found = [self.literal("start")]
         while self.accept(","):
@@ -76,7 +76,7 @@ class PieceParser(ExpressionParser):
         return tuple(found)
 
     def rates(self) -> tuple[Token, ...]:
-        """The texts of the components of y', between brackets and parted by commas."""
+        """The components of y' as texts, given in brackets and separated by commas."""
         if self.next.text != "(":
             raise self.error(self.next, "rates are one or more, parted by commas, in brackets, like (y1, -sin(y0))")
         first, *inside, last = self.bracketed()
@@ -88,7 +88,7 @@ class PieceParser(ExpressionParser):
         return tuple(self.piece(*ends[i : i + 2]) for i in range(0, len(ends), 2))
 
     def bracketed(self) -> list[Token]:
-        """The tokens from the opening bracket that comes next to its closing one, used up."""
+        """Consume and return the tokens from the next one, an opening bracket, to its closing bracket."""
         found, open_brackets = [self.take()], 1
         while open_brackets:
             token = self.take()
@@ -99,11 +99,11 @@ class PieceParser(ExpressionParser):
         return found
 
     def piece(self, start: int, end: int) -> Token:
-        """What stands from one column to before another."""
+        """The text from column `start` to before column `end`, as a token."""
         return Token(NUMBER, self.text[start - 1 : end - 1], start)
 
     def literal(self, what: str) -> Fraction:
-        """A rational number, for the setting `what`: 10, -1/4 or 0.25."""
+        """Parse a rational number such as 10, -1/4 or 0.25; errors call it `what`."""
         first = self.next
         sign = self.accept("-", "+")
         token = self.take()
@@ -124,7 +124,7 @@ class PieceParser(ExpressionParser):
         return self.rational(text, first)
 
     def readout(self) -> Token:
-        """The name of a readout, used up, of two words where they are one: "phase error"."""
+        """Parse the name of a readout, of one word or two, such as "phase error"."""
         if self.next.kind != NAME:
             what = "the name of a readout, such as q, comes after the colon"
             raise self.error(self.next, f"{what}; {self.next.shown} stands there")
@@ -135,5 +135,5 @@ class PieceParser(ExpressionParser):
         return first._replace(text=wording.READOUT_WORDS.get(first.text, first.text))
 
     def after(self, at: int) -> Token:
-        """The token behind the one at this place; the end stays the last."""
+        """The token after the one at this index; the end token follows itself."""
         return self.tokens[min(at + 1, len(self.tokens) - 1)]

@@ -1,4 +1,4 @@
-"""Answers about y' = f(t, y), a problem, a .toml file or rates written out, and y' = λy: runs in balls, solutions."""
+"""Answers about problems y' = f(t, y), from the catalogue, a file or the question: enclosed runs and solutions."""
 
 from __future__ import annotations
 
@@ -24,25 +24,25 @@ from driftproof.symbolic.algebra.certified import CertifiableReal, Uncertified, 
 from driftproof.texts.questions.answer import CERTIFIED, Answer
 from driftproof.texts.questions.arithmetic import NUMBER_FUNCTIONS, OPERATIONS, raised
 
-# Some minutes in balls of a few hundred bits.
+# At most this many steps: some minutes in balls of a few hundred bits.
 MOST_STEPS_OF_PROBLEM = 10**5
-# A number beyond these, some 300 digits, takes minutes; a solution that is a whole number is undecided at any.
+# Chosen: 300 digits or so; more take minutes, and a solution that is a whole number stays undecided at any precision.
 _MOST_BITS_OF_SOLUTION = 1024
-# A state in Fractions is kept while its numbers are below so many bits: those of y' = y² double with every step.
+# Chosen: a longer state is not kept in Fractions, as its length may double with every step, as for y' = y².
 _LONGEST_EXACT = 4096
-# What may be read of a run, with any index for 0, and of explicit Runge-Kutta methods any stage for 1.
+# Readouts of a run: 0 stands for any index and 1 for any stage, of explicit Runge-Kutta methods only.
 PROBLEM_READOUTS = ("y0", "exact.y0", "slope.y0", "k1.y0", "state_error", "relative_error", "largest_error", "steps")
-# Field and start, and the names of its unknowns where they are not y0, y1, ...
+# Vector field, start, and the names of the unknowns, empty for y0, y1, ...
 FieldAndStart = tuple[VectorField, tuple[Fraction, ...], tuple[str, ...]]
-# Of balls, or of Fractions.
+# A vector of balls or of Fractions.
 _Row = Sequence[Any]
 
 
 @dataclass(frozen=True)
 class ProblemRun:
-    """A method on y' = f(t, y), y(0) = start, with `steps` steps of size h; all enclosed, to any number of bits.
+    """A run of a method, None for the solution alone, on y' = f(t, y), y(0) = start, with `steps` steps of size h.
 
-    What is found of it is kept, for the readouts that are asked for next.
+    States and solutions are enclosed at Arb's current precision; `known` caches them for other readouts.
     """
 
     method: Method | None
@@ -54,11 +54,11 @@ class ProblemRun:
 
     @property
     def t(self) -> Fraction:
-        """The end."""
+        """The final time."""
         return self.h * self.steps
 
     def numerical(self) -> list[_Row]:
-        """The method's states, the start first, without rounding, in balls of the present precision."""
+        """Enclosures of the states of the exact run, the start first, in balls of the current precision."""
 
         def stepped() -> list[_Row]:
             assert self.method is not None
@@ -71,7 +71,7 @@ class ProblemRun:
         return self._kept("numerical", stepped)
 
     def true(self, steps: range) -> list[_Row]:
-        """The solution after each of these numbers of steps, which increase, enclosed."""
+        """Enclosures of the solution after these increasing numbers of steps. Raises Uncertified at too many bits."""
         bits, times = max(ctx.prec, BITS_AT_FIRST), [Fraction(0), *(n * self.h for n in steps if n)]
         if bits > _MOST_BITS_OF_SOLUTION:
             raise Uncertified(f"undecided at {_MOST_BITS_OF_SOLUTION} bits: too many digits of a solution, or a tie")
@@ -83,7 +83,7 @@ class ProblemRun:
 
     @cached_property
     def exactly(self) -> _Row | None:
-        """The method's last state in Fractions; None where it is none, or longer than anybody reads."""
+        """The final state in Fractions; None if it is not rational, not from an explicit method, or too long."""
         y: _Row = self.start
         try:
             for n in range(self.steps):
@@ -92,14 +92,14 @@ class ProblemRun:
                 y = [x + sum(b * k[i] for b, k in zip(weights, slopes, strict=True)) for i, x in enumerate(y)]
                 if sum(x.numerator.bit_length() + x.denominator.bit_length() for x in y) > _LONGEST_EXACT:
                     return None
-        except (TypeError, ZeroDivisionError):  # of an irrational coefficient, or a function in a rate
+        except (TypeError, ZeroDivisionError):  # an irrational coefficient, or a function in a rate
             return None
         return y
 
     def slopes(self, t: Fraction, y: _Row) -> list[_Row]:
-        """k_j = f(t + c_j h, y + h sum a_jl k_l) of an explicit Runge-Kutta method, in the numbers of y.
+        """The slopes k_j = f(t + c_j h, y + h sum a_jl k_l) of an explicit Runge-Kutta step, in the type of y.
 
-        Raises TypeError for other methods, and for Fractions that do not lead to Fractions.
+        Raises TypeError for other methods, and if Fractions do not lead to Fractions.
         """
         if not isinstance(self.method, RungeKutta) or not self.method.explicit:
             raise TypeError("no explicit Runge-Kutta method")
@@ -112,7 +112,7 @@ class ProblemRun:
         return found
 
     def rate(self, t: Any, y: _Row) -> _Row:
-        """f(t, y), in the numbers of y. Raises TypeError where a rate has no value in Fractions."""
+        """f(t, y), in the type of y. Raises TypeError if y is in Fractions and a rate has no value in them."""
         if isinstance(y[0], Fraction):
             return [*self._function(t, y)]
         evaluation = Evaluation()
@@ -133,10 +133,10 @@ class ProblemRun:
 def problem_run(
     method: Method | None, problem: FieldAndStart, given: tuple[Fraction, ...] | None, h: Fraction, t: Fraction
 ) -> ProblemRun:
-    """The run to t by steps of h, from a `given` start or the problem's own; without a method, the solution.
+    """The run to time t with steps of size h from the `given` start, else that of the problem; see ProblemRun.
 
-    Raises ValueError for a method that cannot take the problem, a start of another length, and more steps than anybody
-    waits for.
+    Raises ValueError for a method that is not for the problem, a start of another dimension, an h that does not divide
+    t, and more than MOST_STEPS_OF_PROBLEM steps.
     """
     rates, start = problem[0], given or problem[1]
     if len(start) != len(rates.rates):
@@ -151,15 +151,16 @@ def problem_run(
     return _remembered(ProblemRun(method, rates, start, h, int(steps)))
 
 
-# The run that is equal to this one and was asked for before.
+# An equal run that was constructed before, with its cache, if there is one.
 _remembered: Callable[[ProblemRun], ProblemRun] = lru_cache(maxsize=64)(lambda run: run)
 
 
 def problem_readouts(run: ProblemRun, unknowns: Sequence[str] = ()) -> dict[str, Callable[[ProblemRun], Answer]]:
-    """By name, what can be read of the run, with the names of its unknowns in the place of y0, y1, ...
+    """The readouts of a run by name; `unknowns` replace the names y0, y1, ...
 
-    y0, y1, ..., exact.y0, ...; and where a method steps, slope.y0, ..., f(t, y) after the last step; state_error;
-    largest_error, of all steps; steps; and k1.y0, k2.y0, ..., of the first step of an explicit Runge-Kutta method.
+    Without a method these are the components of the solution. With one they are y0, ... and exact.y0, ... at the end;
+    slope.y0, ..., which is f(t, y) there; state_error, relative_error, largest_error over all steps, and steps; and
+    k1.y0, k2.y0, ... of the first step of an explicit Runge-Kutta method.
     """
     all_steps = range(run.steps + 1)
     end = all_steps[-1:]
@@ -168,7 +169,7 @@ def problem_readouts(run: ProblemRun, unknowns: Sequence[str] = ()) -> dict[str,
     solution = {f"{exact}{y}": partial(_solution, end, i) for i, y in components}
     if run.method is None:
         return {**solution}
-    read: dict[str, _OfLastState] = {"slope": lambda run, end: run.rate(run.t, end)}
+    read: dict[str, _StateFunction] = {"slope": lambda run, end: run.rate(run.t, end)}
     if isinstance(run.method, RungeKutta) and run.method.explicit:
         read |= {f"k{j}": partial(_slope, j - 1) for j in range(1, len(run.method.b) + 1)}
     return {
@@ -184,10 +185,10 @@ def problem_readouts(run: ProblemRun, unknowns: Sequence[str] = ()) -> dict[str,
     }
 
 
-_OfLastState = Callable[[ProblemRun, _Row], _Row]
+_StateFunction = Callable[[ProblemRun, _Row], _Row]
 
 
-def _component(read: _OfLastState, index: int, run: ProblemRun) -> Answer:
+def _component(read: _StateFunction, index: int, run: ProblemRun) -> Answer:
     if run.exactly is not None:
         return Answer("", read(run, run.exactly)[index])
     return _enclosed(lambda: read(run, run.numerical()[-1])[index])
@@ -198,13 +199,13 @@ def _solution(end: range, index: int, run: ProblemRun) -> Answer:
 
 
 def _slope(stage: int, run: ProblemRun, end: _Row) -> _Row:
-    """Of the first step, in the numbers of the last state."""
+    """The slope of a stage of the first step, in the type of the last state."""
     first = run.start if isinstance(end[0], Fraction) else [enclose(x) for x in run.start]
     return run.slopes(Fraction(0), first)[stage]
 
 
 def _largest(a: Sequence[_Row], b: Sequence[_Row]) -> arb:
-    """The largest distance of two states of one time: no end of its ball is below that of another distance."""
+    """The maximum over time of the distance of two states, enclosed: arb.max bounds both ends of the ball."""
     largest = arb(0)
     for x, y in zip(a, b, strict=True):
         largest = largest.max(_distance(x, y))
@@ -220,7 +221,7 @@ def _enclosed(x: CertifiableReal) -> Answer:
 
 
 def decay_readouts(factor: Answer, rate: Fraction, h: Fraction, steps: int) -> dict[str, Callable[[], Answer]]:
-    """Of y' = λy, y(0) = 1: y after the steps, R(hλ)^N; exact.y, exp(λt); and state_error, how far apart they are."""
+    """The readouts of y' = λy, y(0) = 1, by name: y = R(hλ)^N, exact.y = exp(λt), two errors, and steps."""
 
     def exact() -> Answer:
         return NUMBER_FUNCTIONS["exp"][0](Answer("", rate * h * steps))
@@ -238,12 +239,12 @@ def decay_readouts(factor: Answer, rate: Fraction, h: Fraction, steps: int) -> d
 
 
 def problem_of_rates(rates: Sequence[str], unknowns: Sequence[str] = ()) -> FieldAndStart:
-    """What is written out, of y0, y1, ... or of unknowns with names, without a start. Raises ValueError."""
+    """The problem of rates in y0, y1, ... or in the named unknowns, without a start. Raises ValueError."""
     return field_of_text(rates, names={name: f"y{i}" for i, name in enumerate(unknowns)}), (), tuple(unknowns)
 
 
 def problem_of_name(name: str) -> FieldAndStart:
-    """Field and start of a problem of ours, or of a file. Raises ValueError for an unknown one."""
+    """The problem with this name in the catalogue, or in this .toml file. Raises ValueError if there is none."""
     if not name.endswith(".toml"):
         from driftproof.numeric.problems.catalogue import problem_named
 

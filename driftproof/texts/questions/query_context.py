@@ -1,4 +1,4 @@
-"""A query and what it names: method, settings, start and readout, each refused at its own column."""
+"""Resolve what a query names: method, settings, start and readout; errors point to the column of the part."""
 
 from __future__ import annotations
 
@@ -23,15 +23,15 @@ START_AT_REST = (Fraction(1), Fraction(0))
 
 
 class QueryContext:
-    """The part of the question `text` that has a head."""
+    """A query within the question `text`."""
 
     def __init__(self, query: Query, text: str) -> None:
-        """Nothing is looked at yet."""
+        """Keep the query; nothing is resolved yet."""
         self.query, self.text, self.head = query, text, query.head.text
 
     @property
     def start(self) -> tuple[Fraction, Fraction]:
-        """The state of the oscillator from which steps are taken, (1, 0) where none is given."""
+        """The initial state of the oscillator, (1, 0) by default. Raises QuestionError for another dimension."""
         if self.query.start is None:
             return START_AT_REST
         if len(self.query.start) != 2:
@@ -40,19 +40,19 @@ class QueryContext:
 
     @property
     def about_problem(self) -> Token | None:
-        """Where the query says which y' = f(t, y) it is about; None for the oscillator and for y' = lambda y."""
+        """The token that names or begins a problem y' = f(t, y); None for the oscillator and for y' = lambda y."""
         return self.query.problem or next(iter(self.query.rates), None)
 
     def error(self, token: Token | None, reason: str) -> QuestionError:
-        """A refusal at a token, at the head where it is absent."""
+        """A QuestionError at the token, at the head for None."""
         return QuestionError(self.text, (token or self.query.head).column, reason)
 
     def refused(self, token: Token | None = None) -> AbstractContextManager[None]:
-        """What is refused inside is refused at the token, at the head where it is absent."""
+        """Turn errors raised inside into QuestionErrors at the token, at the head for None."""
         return refused_at(self.text, (token or self.query.head).column)
 
     def method(self) -> Method:
-        """The one method that is asked about."""
+        """The method that the query names. Raises QuestionError for a family without a value of its parameter."""
         from driftproof.methods.families import Family
         from driftproof.methods.tableau_file import method_of
 
@@ -64,7 +64,7 @@ class QueryContext:
             return method_of(subject)  # which refuses what has facts only
 
     def subject(self) -> Method | Family | FactsOnly:
-        """What facts are asked of: a family where no value of its parameter is given."""
+        """The method, or the family if no value of its parameter is given. Raises QuestionError for an unknown one."""
         from driftproof.methods.expressions import parse_number
         from driftproof.methods.families import Family
         from driftproof.methods.tableau_file import subject_of
@@ -90,7 +90,7 @@ class QueryContext:
         unit: bool = False,
         problem: bool = False,
     ) -> None:
-        """Refuse what this head does not take: other settings, a start, words, a readout and its unit, a problem."""
+        """Raise QuestionError for any part that is not allowed; setting and word names, and flags, say what is."""
         query = self.query
         if self.about_problem is not None and not problem:
             raise self.error(self.about_problem, f"{self.head} is about no problem here; leave it out")
@@ -109,13 +109,13 @@ class QueryContext:
             raise self.error(query.unit, f"{query.unit.shown} has no place; only angles have units to choose")
 
     def setting(self, name: str, example: str) -> Fraction:
-        """A setting that must be there."""
+        """The value of a required setting; `example` is for the error message."""
         if name not in self.query.settings:
             raise self.error(None, f"{self.head} needs {name}, as in {example}")
         return self.query.settings[name].value
 
     def readout(self, table: Mapping[str, _Entry], more: str = "") -> _Entry:
-        """The entry of the table that the readout names."""
+        """The entry of the table that the readout names; without a readout, the only entry. Raises QuestionError."""
         token = self.query.readout
         if token is None and len(table) == 1:
             return next(iter(table.values()))

@@ -1,4 +1,4 @@
-"""Answers about steps, runs, rounding and the exact flow of the oscillator: what may be read out of them, by name."""
+"""Answers about the oscillator: readouts of steps, runs and the exact flow, and bounds of rounding errors."""
 
 from __future__ import annotations
 
@@ -22,12 +22,12 @@ from driftproof.texts.questions.query_context import START_AT_REST, QueryContext
 _State = tuple[Fraction, Fraction]
 
 DEGREES, RADIANS, TURNS = "degrees", "radians", "turns"
-# A number of steps beyond this is no run that anybody means.
+# Chosen: a run of more steps must be a mistake.
 LARGEST_STEP_COUNT = 10**18
 
 
 def _exact_component(start: _State, t: Fraction, index: int) -> Answer:
-    """q cos t + v sin t, or v cos t - q sin t."""
+    """The exact flow at time t: q cos t + v sin t for index 0, v cos t - q sin t for index 1."""
     q, v = start
     of_cosine, of_sine = ((q, v), (v, -q))[index]
     if t == 0 or not any(start):
@@ -37,7 +37,7 @@ def _exact_component(start: _State, t: Fraction, index: int) -> Answer:
     return Answer("", lambda: exact_flow(start, t)[index], CERTIFIED, form=form)
 
 
-# Of the exact flow: a readout of the start and of t.
+# Readout -> the function of start and time that gives it for the exact flow.
 EXACT_READOUTS: dict[str, Callable[[_State, Fraction], Answer]] = {
     "q": lambda start, t: _exact_component(start, t, 0),
     "v": lambda start, t: _exact_component(start, t, 1),
@@ -45,7 +45,7 @@ EXACT_READOUTS: dict[str, Callable[[_State, Fraction], Answer]] = {
 }
 
 
-def _of(x: CertifiableReal | None) -> Answer:
+def _answer(x: CertifiableReal | None) -> Answer:
     return Answer("", x, CERTIFIED if callable(x) else PROVED)
 
 
@@ -53,19 +53,19 @@ def _phase_error(run: OscillatorRun) -> Answer:
     found = run.phase_error
     if found is None:
         raise ValueError("the phase error is undefined, as a state is the origin")
-    return replace(_of(found), unit=DEGREES)
+    return replace(_answer(found), unit=DEGREES)
 
 
 def _relative_error(run: OscillatorRun) -> Answer:
-    """The state error over the distance of the exact state from the origin, which is that of the start."""
+    """The state error over the radius of the exact state, which equals that of the start."""
     q, v = run.start
     if not (q or v):
         raise ValueError("the exact state is the origin, beside which no error is relative")
-    return NUMBER_FUNCTIONS["ratio"][0](_of(run.state_error), NUMBER_FUNCTIONS["sqrt"][0](Answer("", q**2 + v**2)))
+    return NUMBER_FUNCTIONS["ratio"][0](_answer(run.state_error), NUMBER_FUNCTIONS["sqrt"][0](Answer("", q**2 + v**2)))
 
 
 def _evaluations(run: OscillatorRun) -> Answer:
-    """Calls of the acceleration, counted on a real step; only where the method says by itself how many it makes."""
+    """The calls of the acceleration, counted on a float step. Raises ValueError for an implicit method."""
     from driftproof.numeric.steppers import evaluations_per_step
 
     method = run.method
@@ -75,11 +75,11 @@ def _evaluations(run: OscillatorRun) -> Answer:
 
 
 RUN_READOUTS: dict[str, Callable[[OscillatorRun], Answer]] = {
-    "q": lambda run: _of(run.final_state[0]),
-    "v": lambda run: _of(run.final_state[1]),
-    "energy": lambda run: _of(run.energy),
-    "energy_change": lambda run: _of(run.energy_change),
-    "state_error": lambda run: _of(run.state_error),
+    "q": lambda run: _answer(run.final_state[0]),
+    "v": lambda run: _answer(run.final_state[1]),
+    "energy": lambda run: _answer(run.energy),
+    "energy_change": lambda run: _answer(run.energy_change),
+    "state_error": lambda run: _answer(run.state_error),
     "relative_error": _relative_error,
     "phase_error": _phase_error,
     "exact.q": lambda run: _exact_component(run.start, run.t, 0),
@@ -94,9 +94,9 @@ _SLOPE = re.compile(r"k([1-9][0-9]{0,2})\.([qv])")
 
 
 def stage_slope(run: OscillatorRun, readout: str) -> Answer | None:
-    """kᵢ.q or kᵢ.v of the first step of an explicit Runge-Kutta method, as `k2.v`; None for another readout.
+    """A slope kᵢ.q or kᵢ.v of the first step of an explicit Runge-Kutta method; None if that is not the readout.
 
-    kᵢ = F(z + h Σⱼ aᵢⱼ kⱼ) with F(q, v) = (v, -q). Raises ValueError for another method, and a stage it has not.
+    kᵢ = F(z + h Σⱼ aᵢⱼ kⱼ) with F(q, v) = (v, -q). Raises ValueError for other methods and for stages beyond the last.
     """
     named = _SLOPE.fullmatch(readout)
     if named is None:
@@ -111,11 +111,11 @@ def stage_slope(run: OscillatorRun, readout: str) -> Answer | None:
         sums = (sum((a * k[i] for a, k in zip(row, slopes, strict=False)), Fraction(0)) for i in (0, 1))
         q, v = (x + run.h * total for x, total in zip(run.start, sums, strict=True))
         slopes.append((v, -q))
-    return _of(slopes[-1]["qv".index(named[2])])
+    return _answer(slopes[-1]["qv".index(named[2])])
 
 
 def in_unit(angle: Answer, unit: str) -> Answer:
-    """An angle in degrees in another unit."""
+    """The angle, given in degrees, in another unit."""
     x = angle.exact
     if unit == DEGREES or x is None or x == 0:
         return Answer("", x, angle.evidence, unit)
@@ -123,14 +123,15 @@ def in_unit(angle: Answer, unit: str) -> Answer:
     return Answer("", lambda: enclose(x) * factor(), angle.evidence, unit)
 
 
-# As an author writes it -> as it is called.
+# Unit as written -> its name.
 UNITS = {"deg": DEGREES, DEGREES: DEGREES, "rad": RADIANS, RADIANS: RADIANS, TURNS: TURNS}
 
 
 def steps_to_error(method: Method, t: Fraction, start: _State, error: Fraction) -> int:
-    """The N with a state error of at most `error` at t after N steps, and a larger one after N - 1.
+    """A number N of steps to t that reaches a state error of at most `error`, while N - 1 steps do not.
 
-    The steps are doubled until it is reached, and then bisected. Raises ValueError where that takes too many.
+    The search doubles the number of steps until it suffices, then bisects. Raises ValueError if LARGEST_STEP_COUNT
+    steps do not suffice, and for error <= 0.
     """
 
     def reached(steps: int) -> bool:
@@ -141,9 +142,9 @@ def steps_to_error(method: Method, t: Fraction, start: _State, error: Fraction) 
         raise ValueError("an error to be reached is above 0")
     low = steps = 1
     while not reached(steps):
-        low, steps = steps, 2 * steps
-        if steps > LARGEST_STEP_COUNT:
+        if steps == LARGEST_STEP_COUNT:
             raise ValueError(f"{method.key} reaches no such error with {LARGEST_STEP_COUNT} steps")
+        low, steps = steps, min(2 * steps, LARGEST_STEP_COUNT)
     while steps - low > 1:
         middle = (low + steps) // 2
         low, steps = (low, middle) if reached(middle) else (middle, steps)
@@ -151,25 +152,25 @@ def steps_to_error(method: Method, t: Fraction, start: _State, error: Fraction) 
 
 
 def run_of(method: Method, h: Fraction, t: Fraction, start: _State) -> OscillatorRun:
-    """The run. Raises ValueError where h does not divide t, where M has a pole at h, and for too many steps."""
+    """The exact run. Raises ValueError if h does not divide t, M has a pole at h, or the steps are too many."""
     run = OscillatorRun(method, h, t, start)
     if run.steps > LARGEST_STEP_COUNT:
         raise ValueError("more than 10**18 steps are asked for; at most that many are taken")
-    _ = run.final_state  # a pole is refused here, and not where digits are asked for
+    _ = run.final_state  # evaluated now, so that a pole raises here and not later
     return run
 
 
-# What a rounding bound is of: the entries of E(h) by row and column, the components of a state, the growth of a step.
+# Readouts of a rounding bound: entries of E(h) by row and column, components of a state, and the growth per step.
 BOUND_ENTRIES = {"qq": (0, 0), "qv": (0, 1), "vq": (1, 0), "vv": (1, 1)}
 BOUND_READOUTS = (*BOUND_ENTRIES, "q", "v", "c")
 
 
 def rounding_bound(context: QueryContext) -> Answer:
-    """Answers `roundoff METHOD h=1/4 [sharp] [from q,v] : READOUT` with a number that bounds a rounding error, over u.
+    """Answers `roundoff METHOD h=1/4 [sharp] [from q,v] : READOUT`: a bound of a rounding error, in units of u.
 
-    qq, qv, vq and vv are the entries of E(h) in |dz| <= E(h)|z| + r(h); q and v are |dq| and |dv| from the start, r
-    included; c is the growth per step in the step's own norm. h and the start are rounded to the nearest doubles. All
-    of it holds for states from which nothing in the step overflows; a start that may overflow is refused.
+    qq, qv, vq and vv are the entries of E(h) in |dz| <= E(h)|z| + r(h); q and v bound |dq| and |dv| of a step from the
+    start, r(h) included; c is the growth per step in the norm of the step. h and the start are rounded to the nearest
+    doubles. The bounds hold for states from which no operation of the step overflows; other starts are refused.
     """
     from driftproof.numeric.steppers import hand_written
     from driftproof.symbolic.rounding.fixed_step_bound import fixed_step_bound

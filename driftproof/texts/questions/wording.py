@@ -1,6 +1,6 @@
-"""What people call readouts, facts and settings in a question, beside the names that they have.
+"""Synonyms of readouts, facts and settings that questions may use.
 
-A head or a readout of several words is one name, with "_" between: "phase error" is phase_error, "A-stable" a_stable.
+Several words form one name with "_" between them: "phase error" is phase_error, "A-stable" is a_stable.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from functools import cache
 
 from driftproof.methods.expression_tree import NAME, Token
 
-# A local error is that of one step: as the head of a question it asks for a step, the others for a run.
+# Names of the error of one step: as the head of a question they mean a step, other errors a run.
 LOCAL = ("local_error", "local_truncation_error", "one_step_error")
 PER_STEP = "_per_step"
 _NAMES = (
@@ -19,7 +19,7 @@ _NAMES = (
     *("energy", "energy_change", "steps", "evaluations"),
 )
 
-# Name or other name of a readout -> its name. Before "of METHOD" it is what a run is asked for.
+# Readout or synonym -> readout. Before "of METHOD" it asks for a readout of a run.
 READOUT_WORDS = {
     **dict(zip(_NAMES, _NAMES, strict=True)),
     **dict.fromkeys(("error", "errors", "global_error", *LOCAL), "state_error"),
@@ -37,7 +37,7 @@ READOUT_WORDS = {
 
 AXIS = ("real", "imaginary")
 _STABLE = ("stability", "stability_limit", "stability_interval", "stability_boundary", "interval_of_stability")
-# Other name of a fact -> its name, and the part of it that is meant.
+# Synonym -> fact, with ":" and the part that it means.
 FACT_WORDS = {
     **dict.fromkeys(("amplification_factor", "growth_factor", "stability_polynomial", "r"), "stability_function"),
     **{f"{of}_{what}": f"{of}_limit" for of in AXIS for what in _STABLE},
@@ -60,7 +60,7 @@ FACT_WORDS = {
     **dict.fromkeys(("reversible", "time_reversible", "self_adjoint"), "symmetric"),
 }
 
-# Word -> the facts that it may mean.
+# Ambiguous name -> what it may mean, as error messages show it.
 LIMITS = "real_limit (y' = -λy, hλ at most) or imaginary_limit (y' = iωy, hω at most)"
 _DAMPING = "energy_multiplier (of the oscillator's energy, in h) or dissipation (of its amplitude, the leading term)"
 _KEPT = "energy_multiplier (1 where a step keeps the oscillator's), invariant (what is kept near it) or energy_change"
@@ -107,7 +107,7 @@ AMBIGUOUS_FACTS = {
     "unit_roundoff": "2**-53, of binary64, or 2**-24, of binary32",
 }
 
-# Other name of a setting -> its name.
+# Synonym -> setting.
 OTHER_SETTINGS = {
     **{
         "steps": "N",
@@ -123,32 +123,32 @@ OTHER_SETTINGS = {
     **dict.fromkeys(("hλ", "h_λ", "h_lambda"), "z"),
 }
 
-# Words that may stand between the parts of a question, and say nothing there.
+# Words that are skipped between the parts of a question.
 SAY_NOTHING = {"of", "with", "on", "after", "to", "for", "and", "until", "by", "using", "over", "in", "the"}
 SAY_NOTHING |= {"does", "do", "have", "need", "needs", "needed", "required", "take", "reach"}
-# And before a question, or within a name.
+# Words that are skipped before a question and within a name.
 ASKING = {"what", "is", "the", "a", "how", "many", "large", "does", "do", "are", "has", "have", "value", "slope"}
 ASKING |= {"approximate", "calculate", "compute", "find", "solve", "solve_ivp", "scipy"}
-# Steps are counted in digits or in words; periods are no whole number of them.
-_COUNTED = ("one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten")
-WORDED_COUNTS = {word: n for n, word in enumerate(_COUNTED, start=1)}
+# Steps may be counted in words; a period is refused, because it is no whole number of steps.
+_COUNT_WORDS = ("one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten")
+WORDED_COUNTS = {word: n for n, word in enumerate(_COUNT_WORDS, start=1)}
 PERIODS = {"period", "periods", "cycle", "cycles"}
 COUNTED = {"step", "steps", *PERIODS}
-# What people add to a question that another one answers.
+# Word that has no place in a question -> the question that answers it.
 ASKED_ELSEWHERE = {"stiff": "what is left of an order on stiff problems is stage_order, as in stage_order gauss4"}
-# How many digits a number gets is said beside the question.
+# A number of digits, which is an option and not part of a question.
 TO_DIGITS = re.compile(
     r"(?:,? rounded)? to (?P<count>\d+) (?:significant |decimal )?(?:(?P<digits>digits|figures)|places|decimals)\b"
 )
 _LONGEST_NAME = 6
-# Coefficients of a tableau: a21, or a_10_2 with two digits, b1, the second row bhat1, c3. A slope of the first step.
+# Coefficients of a tableau: a21, a_10_2, b1, bhat1 of the embedded weights, c3; and slopes such as k1.q.
 COEFFICIENT = re.compile(r"(?P<a>a)(?:_?([1-9])([1-9])|_([1-9][0-9]?)_([1-9][0-9]?))|(?P<row>bhat|b|c)_?([1-9][0-9]?)")
 SLOPE = re.compile(r"k[1-9][0-9]{0,2}(?:\.[A-Za-z][A-Za-z0-9]*)?")
 
 
 @cache
 def names_that_ask() -> frozenset[str]:
-    """Every name that a question may begin with, but for step, run, exact and roundoff."""
+    """Every name that a question may begin with, except step, run, exact and roundoff."""
     from driftproof.symbolic.facts import FACTS, ON_REQUEST, OTHER_FACTS
     from driftproof.symbolic.family_facts import FAMILY_FACTS
 
@@ -158,9 +158,9 @@ def names_that_ask() -> frozenset[str]:
 
 
 def longest_name(tokens: Sequence[Token]) -> tuple[str, int]:
-    """The longest of these names that the tokens begin with, and of how many it is; ("", 0) where there is none.
+    """The longest of these names that the tokens begin with, and its number of tokens; ("", 0) if there is none.
 
-    Its words are parted by spaces or hyphens; case counts for nothing, nor does "the".
+    Spaces or hyphens separate its words; case and the words of ASKING, such as "the", are ignored.
     """
     found, words = ("", 0), list[str]()
     for i, token in enumerate(tokens[: 2 * _LONGEST_NAME]):

@@ -1,1 +1,1 @@
-"""Files as their reader sees them: prose, listings and numbers, each character with its place in the file."""
+"""Readers of text formats: prose, listings and numbers as people see them, with their places in the file."""

@@ -1,4 +1,4 @@
-"""One spelling for what a reader takes for the same: spaces, minus signs, raised and lowered digits, fractions."""
+"""Canonical spelling: one form each for spaces, minus signs, quotes, superscripts, subscripts and fractions."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ _ONE_SIGN = {
     **dict.fromkeys("’‘′", "'"),
     **dict.fromkeys("“”″", '"'),
     **dict.fromkeys("⋅∙", "·"),
-    **dict.fromkeys("\u200b\u200c\u200d\u2060\u2061\u2062\u2063\u2064\ufeff\u00ad", ""),  # these take no room
+    **dict.fromkeys("\u200b\u200c\u200d\u2060\u2061\u2062\u2063\u2064\ufeff\u00ad", ""),  # of zero width
 }
-# A space between two groups of three digits is no space between two numbers where it does not break a line.
+# A no-break space before a group of three digits separates thousands, not two numbers.
 _GROUP = r"(?P<group>(?<=[0-9])[\u00a0\u2009\u202f](?=[0-9]{3}(?![0-9])))"
 _SPECIAL = re.compile(
     _GROUP
@@ -32,10 +32,11 @@ _SPECIAL = re.compile(
 
 
 def canonical_spelling(text: SourceText) -> SourceText:
-    """The text with one spelling of each thing, every character with its place.
+    """The text in canonical spelling, with the places of its characters kept.
 
-    Space is " " or, where a line ends, "\\n"; minus is "-"; h⁶ is h^6, 10⁻⁴ is 10^{-4}, q₁ is q_1, vₙ₊₁ is v_{n+1}; ½
-    is 1/2; prime and apostrophe are '; a no-break space between groups of digits is a comma; digits are 0 to 9.
+    White space is " " or, with a line break in it, "\\n"; minus signs and dashes are "-"; primes and apostrophes are ';
+    no-break spaces between groups of digits are commas; h⁶ is h^6, 10⁻⁴ is 10^{-4}, q₁ is q_1, vₙ₊₁ is v_{n+1}, ½ is
+    1/2; all digits are 0 to 9.
     """
     return text.rewritten(_SPECIAL, _pieces)
 
@@ -44,7 +45,7 @@ def _pieces(match: re.Match[str]) -> Iterable[Piece]:
     kind, found = match.lastgroup, match[0]
     if kind in _SCRIPTS:
         return _script(*_SCRIPTS[kind], match)
-    if kind == "script":  # as `_script`, of what is written with ^ or _ already
+    if kind == "script":  # ASCII ^ and _, with braces as `_script` sets them
         start, end = match.span()
         head = (start, start + 1)
         return [head, (start + 2, end - 1)] if found[1] == "{" else [head, "{", (start + 1, end), "}"]
@@ -61,7 +62,7 @@ _SCRIPTS = {"raised": ("^", RAISED), "lowered": ("_", LOWERED)}
 
 
 def _script(sign: str, table: dict[str, str], match: re.Match[str]) -> Iterator[Piece]:
-    """^ or _ before one character, braces around more, and around one that another digit follows."""
+    """^ or _ and the characters, in braces if there are several or a digit follows."""
     braces = len(match[0]) > 1 or _is_digit(match.string[match.end() : match.end() + 1])
     yield sign + "{" * braces
     yield from (Insertion(table[character], i) for i, character in enumerate(match[0], match.start()))
@@ -69,17 +70,17 @@ def _script(sign: str, table: dict[str, str], match: re.Match[str]) -> Iterator[
 
 
 def _fraction(match: re.Match[str]) -> str:
-    """½ as 1/2, with a space beside a whole number: 1½ is 1 1/2."""
+    """½ as 1/2, with a space between it and a neighbouring digit: 1½ is 1 1/2."""
     before, after = match.string[match.start() - 1 : match.start()], match.string[match.end() : match.end() + 1]
     spelled = unicodedata.normalize("NFKC", match[0]).replace("\N{FRACTION SLASH}", "/")
     return " " * _is_digit(before) + spelled + " " * (_is_digit(after) and after not in FRACTIONS)
 
 
 def _is_digit(character: str) -> bool:
-    """Whether a digit stands there, or a fraction, which begins and ends with one."""
+    """True for a digit, and for a fraction such as ½, which is spelled with a digit at both ends."""
     return character.isdecimal() or (character != "" and character in FRACTIONS)
 
 
 def canonical_text(text: str) -> str:
-    """A text in this spelling, of whose places nothing is asked."""
+    """A string in canonical spelling, without places."""
     return canonical_spelling(SourceText.of(text)).text

@@ -1,4 +1,4 @@
-"""A file as its reader sees it: which format, its text in canonical spelling, and where each character stands."""
+"""Documents: a file read in one of several formats, in canonical spelling, with the position of each character."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ _ENDINGS = {
     ".ipynb": "notebook",
 }
 _CODE = re.compile(r"^[^\n#]*[^\s#]", re.MULTILINE)
-# What follows a percent sign is a comment in TeX and in MyST.
+# Comments in TeX and MyST begin with a percent sign.
 _COMMENT = re.compile(r"(?<!\\)%.*")
 _TAKEN_IN = re.compile(
     r"\\(?:input|include|subfile|lstinputlisting)\b(?:\[[^\]\n]*\])?\s*\{([^{}\n]+)\}|"
@@ -44,7 +44,7 @@ LARGEST_DOCUMENT = 4 * 2**20
 
 
 class Position(NamedTuple):
-    """Where something stands in a file, both counted from 1."""
+    """A position in a file, line and column counted from 1."""
 
     line: int
     column: int
@@ -52,25 +52,25 @@ class Position(NamedTuple):
 
 @dataclass(frozen=True)
 class Document:
-    """What a reader sees of the file `source`: its `blocks` as they were read, and `text`, all of them in one spelling.
+    """A file with content `source`: its `blocks` as read, and `text`, all of them joined in canonical spelling.
 
-    Every character of `text` knows its place in the file.
+    Every character of `text` keeps its place in the file.
     """
 
     source: str
     text: SourceText
     blocks: tuple[Block, ...]
-    starts: tuple[int, ...]  # of the blocks that are not empty, in the text
+    starts: tuple[int, ...]  # where each non-empty block begins in `text`
 
     @cached_property
     def _ranges(self) -> list[tuple[int, int, int]]:
-        """Where each block begins in the file, and its ends in the text; in notebooks outputs may precede code."""
+        """The origin in the file and the span in the text of each block, sorted: notebooks may store outputs first."""
         ends = (*self.starts, len(self.text.text))[1:]
         blocks = ((self.text.origin(start), start, end) for start, end in zip(self.starts, ends, strict=True))
         return [(-1, 0, 0), *sorted(blocks)]
 
     def span(self, piece: SourceText) -> tuple[int, int]:
-        """From where to where a piece of the blocks stands in the text."""
+        """The span of `text` that a piece of a block occupies."""
         start, end = (self._index(piece.origin(at)) for at in (0, len(piece.text)))
         return start, end
 
@@ -80,7 +80,7 @@ class Document:
 
     @cached_property
     def code(self) -> tuple[tuple[int, int], ...]:
-        """Where the lines of programs stand in the text, without their comments: what they are given claims nothing."""
+        """The spans of the lines of programs in the text, comments excluded: numbers there are inputs, not claims."""
         lines = (
             block.text[slice(*m.span())]
             for block in self.blocks
@@ -91,7 +91,7 @@ class Document:
 
     @cached_property
     def other_files(self) -> list[str]:
-        r"""The files that the text takes in, by \input{...} or an include directive, and that are not read with it."""
+        r"""The files that the text includes, by \input{...} or an include directive; they are not read."""
         return list(dict.fromkeys(a or b for a, b in _TAKEN_IN.findall(_COMMENT.sub("", self.source))))
 
     @cached_property
@@ -99,17 +99,17 @@ class Document:
         return [0, *(i + 1 for i, character in enumerate(self.source) if character == "\n")]
 
     def position(self, index: int) -> Position:
-        """Line and column in the file of the character at `index` of the text."""
+        """The position in the file of the character text[index]."""
         return self.position_of_origin(self.text.origin(index))
 
     def position_of_origin(self, origin: int) -> Position:
-        """Line and column of a place in the file."""
+        """The position of an offset in the file."""
         line = bisect_right(self._line_starts, origin)
         return Position(line, origin - self._line_starts[line - 1] + 1)
 
 
 def document_of(source: str, form: str = "plain") -> Document:
-    """The text `source`, read as `form`, one of READERS. Raises ValueError for what the reader cannot take."""
+    """Read `source` in the format `form`, one of READERS. Raises ValueError if it is not in that format."""
     if form not in READERS:
         raise ValueError(f"format: {form!r} is unknown; choose one of {', '.join(READERS)}")
     blocks = tuple(READERS[form](SourceText.of(source)))
@@ -120,15 +120,14 @@ def document_of(source: str, form: str = "plain") -> Document:
         if text.text:
             pieces += [Insertion("\n", text.origin(0)), text] if pieces else [text]
             starts.append(end)
-            end += len(text.text) + 1  # and the end of a line
+            end += len(text.text) + 1  # one for the line break between blocks
     return Document(source, joined(pieces), blocks, tuple(starts))
 
 
 def read_document(path: str | Path, form: str | None = None) -> Document:
-    """The file at `path`, read as `form` or as its ending says, plain if that says nothing.
+    """Read the file at `path` in the format `form`, by default the one of its suffix, plain for unknown suffixes.
 
-    Raises OSError, and ValueError for a file of more than LARGEST_DOCUMENT bytes, one that is not UTF-8, and for what
-    the reader cannot take.
+    Raises OSError; ValueError for a file of more than LARGEST_DOCUMENT bytes, not in UTF-8, or not in the format.
     """
     path = Path(path)
     source = read_utf8(path, LARGEST_DOCUMENT)

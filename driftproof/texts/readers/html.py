@@ -1,7 +1,7 @@
-"""HTML as its reader sees it: tags, scripts and styles gone, cells of a table apart, MathML as one line.
+"""HTML as people see it: no tags, scripts or styles, table cells separated, MathML on one line.
 
-The tags are found here, in time that grows with the length of the page: `html.parser` needs the square of it for
-markup that never ends, and stops at some declarations.
+Tags are matched here in time linear in the length of the page: `html.parser` takes quadratic time for markup that
+never ends, and stops at some declarations.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ _TOKEN = re.compile(
 _CLASS = re.compile(r"\bclass\s*=\s*(?:\"([^\"]*)\"|'([^']*)'|([^\s\"'>]+))", re.IGNORECASE)
 _LANGUAGE = re.compile(r"(?:language|lang|highlight|sourceCode|brush)[-: ]\s*([A-Za-z]\w*)")
 _HIDDEN = ("template", "annotation", "annotation-xml")
-# Parts of a page that repeat its mathematics for the eye, beside the MathML.
+# Classes of elements that repeat, for display, mathematics that is also there as MathML.
 _REPEATING = ("katex-html",)
 _INLINE = {
     "a", "abbr", "b", "bdi", "bdo", "cite", "code", "del", "dfn", "em", "font", "i", "ins", "kbd", "label", "mark",
@@ -30,24 +30,24 @@ _INLINE = {
     "mn", "mo", "mrow", "mstyle", "mtext", "mspace", "mpadded", "semantics", "tspan",
 }  # fmt: skip
 _CELLS = ("td", "th", "mtd")
-# What is written before the first child, between it and the next, and so on, and at the end.
+# Element -> the text before its first child, before its second and third, and after its last.
 _SCHEMES = {
     "mfrac": ("", "/", "", ""), "msup": ("", "^{", "", "}"), "msub": ("", "_{", "", "}"), "msqrt": ("√(", "", "", ")"),
     "msubsup": ("", "_{", "}^{", "}"), "sup": ("^{", "", "", "}"),
     "sub": ("_{", "", "", "}"),
 }  # fmt: skip
-# Formulas nest a few levels deep; markup that never ends is not followed further.
+# Formulas nest a few levels deep; the limit guards against markup that never ends.
 _DEEPEST = 100
 
 
 def html_blocks(source: SourceText) -> list[Block]:
-    """Prose as it is read, and preformatted text as listings; what attributes say is left out."""
+    """The blocks of a page: prose without markup, and preformatted text as listings. Attributes are ignored."""
     return _Page(source).blocks()
 
 
 @dataclass
 class _Open:
-    """An element that writes around its children, and how many of these are done."""
+    """An open element of _SCHEMES: children finished so far, and elements open inside it."""
 
     name: str
     children: int = 0
@@ -56,13 +56,13 @@ class _Open:
 
 @dataclass
 class _Page:
-    """One pass over the tags of a page."""
+    """The state of one pass over the tags of a page."""
 
     source: SourceText
     done: list[Block] = field(default_factory=list)
     pieces: list[SourceText | Insertion] = field(default_factory=list)
     schemes: list[_Open] = field(default_factory=list)
-    hidden: str = ""  # the element in which nothing is seen, and how many of its name are open
+    hidden: str = ""  # the name of the invisible element, and how many of that name are open
     hidden_depth: int = field(init=False)
     language: str = ""
     listing: bool = False
@@ -142,12 +142,12 @@ class _Page:
             self.write("\n", index)
 
     def bracket(self, sign: str, name: str, index: int) -> None:
-        """A bracket around the terms of a numerator or a denominator."""
+        """Write a bracket around a numerator or a denominator of several terms."""
         if name == "mrow" and self.schemes[-1].name == "mfrac" and self.schemes[-1].depth == 1:
             self.write(sign, index)
 
     def child_done(self, index: int) -> None:
-        """What stands between the children of the innermost element that writes around them."""
+        """Write what separates two children of the innermost element of _SCHEMES."""
         if self.schemes and self.schemes[-1].depth == 0:
             self.schemes[-1].children += 1
             if self.schemes[-1].children in (1, 2):

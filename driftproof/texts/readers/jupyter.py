@@ -1,4 +1,4 @@
-"""Notebooks: their Markdown cells, their code and what it printed, each character with its place in the file."""
+"""Jupyter notebooks: Markdown cells, code and its output, each character with its place in the file."""
 
 from __future__ import annotations
 
@@ -12,26 +12,26 @@ from driftproof.texts.readers.source_text import LISTING, OUTPUT, Block, SourceT
 
 _TOKEN = re.compile(r'"(?P<string>(?:[^"\\]++|\\.)*+)"|(?P<open>[\[{])|(?P<close>[\]}])|(?P<comma>,)|(?P<colon>:)')
 _ESCAPE = re.compile(r"\\(?:u[dD][89abAB]\w\w\\u\w{4}|u\w{4}|.)")
-_LONE = re.compile("[\ud800-\udfff]")
-# What is read of a cell: of pictures there is nothing to read.
+_LONE_SURROGATE = re.compile("[\ud800-\udfff]")
+# The keys of a cell that hold text; pictures are ignored.
 _READ = ("cell_type", "source", "text", "text/plain", "text/html")
 Key = str | int
 
 
 def notebook_blocks(source: SourceText) -> list[Block]:
-    """The cells in order. Raises ValueError, in one line, for what is no notebook."""
+    """The blocks of the cells in order. Raises ValueError, with one line, if the source is not a notebook."""
     language = _checked(source.text)
     cells: dict[int, dict[tuple[Key, ...], list[SourceText]]] = {}
     for path, string in _strings(source):
         if len(path) > 2 and path[0] == "cells" and isinstance(path[1], int):
-            last = path[:-1] if isinstance(path[-1], int) else path  # of lines, what they are lines of
+            last = path[:-1] if isinstance(path[-1], int) else path  # without the number of the line
             if last[-1] in _READ:
                 cells.setdefault(path[1], {}).setdefault(last[2:], []).append(_decoded(string))
     return [block for cell in cells.values() for block in _blocks_of(cell, language)]
 
 
 def _checked(text: str) -> str:
-    """The language of the notebook's code, which its kernel names where the notebook itself does not; or Python."""
+    """Check that the text is a notebook, else raise ValueError; return the language of its code, by default Python."""
     try:
         content = json.loads(text)
     except RecursionError:
@@ -49,7 +49,7 @@ def _checked(text: str) -> str:
 
 
 def _strings(source: SourceText) -> Iterator[tuple[tuple[Key, ...], SourceText]]:
-    """Every string value of a valid JSON text, as it is spelled, with the keys and indices that lead to it."""
+    """Every string value of a valid JSON text, escapes not decoded, after the path of keys and indices to it."""
     path: list[Key] = []
     pending: SourceText | None = None  # a string that is a key if a colon follows
     for match in _TOKEN.finditer(source.text):
@@ -71,8 +71,8 @@ def _strings(source: SourceText) -> Iterator[tuple[tuple[Key, ...], SourceText]]
 
 
 def _decoded(string: SourceText) -> SourceText:
-    """A JSON string's characters: escapes decoded, half of a pair as a sign that something is missing."""
-    return string.rewritten(_ESCAPE, lambda match: [_LONE.sub("\ufffd", json.loads(f'"{match[0]}"'))])
+    """A JSON string with its escapes decoded; half of a surrogate pair becomes U+FFFD."""
+    return string.rewritten(_ESCAPE, lambda match: [_LONE_SURROGATE.sub("\ufffd", json.loads(f'"{match[0]}"'))])
 
 
 def _blocks_of(cell: dict[tuple[Key, ...], list[SourceText]], language: str) -> list[Block]:
@@ -83,7 +83,7 @@ def _blocks_of(cell: dict[tuple[Key, ...], list[SourceText]], language: str) -> 
 
 
 def _outputs(cell: dict[tuple[Key, ...], list[SourceText]]) -> Iterator[Block]:
-    """What the code printed and showed; of what is shown in several forms the plain one, else the page."""
+    """The printed output and the results of a cell; results as plain text if available, else as HTML."""
     shown = {path[1] for path in cell if path[0] == "outputs" and path[-1] == "text/plain"}
     for path, strings in cell.items():
         if path[0] != "outputs":

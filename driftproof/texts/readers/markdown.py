@@ -1,4 +1,4 @@
-"""Markdown as its reader sees it, and MyST: markup gone, mathematics read as TeX, fences as listings."""
+"""Markdown and MyST as people see them: no markup, mathematics read as TeX, fenced code as listings."""
 
 from __future__ import annotations
 
@@ -15,25 +15,25 @@ _FENCE = re.compile(
     re.DOTALL | re.MULTILINE,
 )
 _NAME = re.compile(r"[A-Za-z][\w+-]*")
-# MyST: the name of a directive and its argument; its options, which are for the machine.
+# MyST: the name of a directive before its argument, and its options, which are not shown.
 _DIRECTIVE = re.compile(r"[ \t]*\{(?P<name>[A-Za-z][\w:.-]*)\}[ \t]*")
 _OPTIONS = re.compile(
     r"(?:[ \t]*---[ \t]*\n.*?\n[ \t]*---[ \t]*(?:\n|\Z)|(?:[ \t]*:[\w-]+:[^\n]*(?:\n|\Z))+)", re.DOTALL
 )
-# Directives whose argument is no title but a number of columns or a file; of which nothing is read; whose body is read.
+# Directives whose argument is a file or a number of columns; that are not read at all; whose body is read as prose.
 _NO_TITLES = {"grid", "figure", "image", "csv-table", "literalinclude", "include", "video", "iframe", "download"}
 _UNREAD = {"image", "literalinclude", "include", "toctree", "tableofcontents", "contents", "bibliography", "raw"} | {
     "index", "video", "iframe", "mermaid", "glue:figure", "bokeh-plot", "footbibliography", "tags",
 }  # fmt: skip
-_OF_PROSE = """
+_PROSE_DIRECTIVES = """
 note tip hint warning important caution danger error attention seealso todo admonition topic figure table list-table
 csv-table epigraph pull-quote sidebar margin aside dropdown card grid grid-item tab-set tab-item exercise solution
 example versionadded versionchanged deprecated glossary container div
 """
-_READ = frozenset(_OF_PROSE.split())
-# Roles whose text is a key of the machine's, unless a text stands before it: {ref}`the figure <fig-1>`.
+_READ = frozenset(_PROSE_DIRECTIVES.split())
+# Roles whose text is a key that is not shown, unless a text precedes it: {ref}`the figure <fig-1>`.
 _KEYS = {"ref", "numref", "eq", "doc", "label", "download", "nb-download", "footcite", "footcitet", "eval", "glue"}
-# And targets, comments, substitutions, breaks between blocks, and the name of an equation after its dollar signs.
+# Also not shown: targets, comments, substitutions, block breaks, and the label after a displayed equation.
 _TARGET = re.compile(
     r"^\([\w:.-]+\)=[ \t]*$\n?|^% [^\n]*$\n?|\{\{ [^{}\n]{1,200} \}\}|^\+\+\+(?: [^\n]*)?$\n?"
     r"|(?<=\$\$) \([\w:.-]+\)[ \t]*$",
@@ -49,15 +49,15 @@ _KEPT = re.compile(
     re.DOTALL | re.IGNORECASE,
 )
 _SHOWN = re.compile(r"(?P<a>[^<]*\S)\s*<[^<>]*>\Z")
-# Directives inside directives: grids of cards of tabs are no deeper.
+# Levels of directives inside directives: more than a grid of cards of tabs has.
 _DEEPEST = 8
 _MATHEMATICS = ("amsmath", "display", "bracket", "paren", "inline")
-# Punctuation that is not to be taken for markup is moved out of the way meanwhile, to characters of no other use.
+# Punctuation that is not markup is shielded: mapped to private-use characters until the markup is gone.
 _PUNCTUATION = re.compile(r"[!-/:-@\[-`{-~]")
 _FIRST_SHIELD = ord("\ue100")
 _SHIELDED = re.compile(f"[{chr(_FIRST_SHIELD)}-{chr(_FIRST_SHIELD + ord('~'))}]")
 
-# Its first run gives nothing back: tried at each of n marks, the look ahead to the end of the line would be n² steps.
+# The first run is possessive: with backtracking, the lookahead would take n² steps for n marks.
 _DELIMITER_ROW = re.compile(r"^[ \t>]*+\|?(?=[^\n]*\|)[ \t]*:?-{2,}[-:| \t]*$\n?", re.MULTILINE)
 _DEFINITION = re.compile(r"^ {0,3}\[[^\]\n]{1,200}\]:[ \t]+\S+[^\n]*$", re.MULTILINE)
 _LINE_MARK = re.compile(r"^[ \t]*(?:>[ \t]?)*(?:#{1,6}[ \t]+|[-*+][ \t]+)?", re.MULTILINE)
@@ -75,14 +75,14 @@ _STRESSED = re.compile(
 
 
 def markdown_blocks(source: SourceText) -> list[Block]:
-    """Prose as it is read, and fenced listings; front matter is for the machine and is left out."""
+    """The blocks of a Markdown text: prose without markup, and fenced listings; front matter is left out."""
     source = with_macros_expanded(source)
     front = _FRONT_MATTER.match(source.text)
     return _parts(source[front.end() if front else 0 :], 0)
 
 
 def _parts(source: SourceText, depth: int) -> list[Block]:
-    """Prose, listings and directives, whose bodies may hold others, down to the depth of Markdown's own lists."""
+    """The blocks of a part of the text; bodies of directives are read recursively, at most _DEEPEST levels deep."""
     blocks: list[Block] = []
     done = 0
     for match in _FENCE.finditer(source.text):
@@ -93,7 +93,7 @@ def _parts(source: SourceText, depth: int) -> list[Block]:
 
 
 def _fenced(source: SourceText, match: re.Match[str], depth: int) -> list[Block]:
-    """What stands in a fence: mathematics, a listing, or the prose of a directive, without its options."""
+    """The blocks of a fence: mathematics, a listing, or the body of a directive without its options."""
     directive, start = _DIRECTIVE.match(match["info"]), match.start("body")
     name = directive["name"].lower() if directive else ""
     if directive and (options := _OPTIONS.match(match["body"])):
@@ -112,11 +112,11 @@ def _fenced(source: SourceText, match: re.Match[str], depth: int) -> list[Block]
 
 
 def markdown_prose(text: SourceText) -> SourceText:
-    """A piece of Markdown without fences, as it is read."""
+    """A piece of Markdown without fences, its markup removed."""
     text = _code_and_mathematics_shielded(text.removed(_TARGET))
     text = text.removed(_DELIMITER_ROW).removed(_DEFINITION).removed(_LINE_MARK)
     text = text.rewritten(_ESCAPED, lambda match: [_shield(match[1])]).removed(_ADDRESS)
-    for pattern in (_LINK, _LINK, _STRONG, _STRESSED):  # a link may be the text of a link: a picture is
+    for pattern in (_LINK, _LINK, _STRONG, _STRESSED):  # twice, as the text of a link may be a link or a picture
         text = text.rewritten(pattern, _inside)
     text = text.rewritten(_TAG, _tag).rewritten(_ENTITY, lambda match: [html.unescape(match[0])])
     return text.rewritten(_SHIELDED, lambda match: [chr(ord(match[0]) - _FIRST_SHIELD)])
@@ -150,7 +150,7 @@ def _inside(match: re.Match[str]) -> Iterable[Piece]:
     return [match.span("b" if match["a"] is None else "a")]
 
 
-# Tags that part what stands around them.
+# Tags that separate the text around them, and the separators.
 _PARTING = {
     "br": "\n", "p": "\n", "div": "\n", "tr": "\n", "table": "\n", "li": "\n", "ul": "\n", "ol": "\n", "hr": "\n",
     "td": " | ", "th": " | ",

@@ -1,4 +1,4 @@
-"""Numbers and trends as words: "sixteen", "a third", "twice", "grows": how each is spelled, and which a text has."""
+"""Numbers and trends in words, such as "sixteen", "a third", "twice" or "grows": writing and finding them."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ twenty thirty forty fifty sixty seventy eighty ninety
 _SMALL, _TENS = _NAMES.split()[:20], _NAMES.split()[20:]
 _SCALES = {10**9: "billion", 10**6: "million", 1000: "thousand"}
 _PARTS = dict(enumerate(("half", "third", "quarter", "fifth", "sixth", "seventh", "eighth", "ninth", "tenth"), 2))
-# What says the sign of a change; the first of each is the plainest.
+# Sign of a change -> the words for it, the plainest first.
 _TRENDS = {
     1: "grows grow grew growing increases increase increased increasing rises rise rose rising gains gain gained",
     -1: "shrinks shrink shrank shrinking decreases decrease decreased decreasing falls fall fell falling loses lose "
@@ -36,7 +36,7 @@ _COUNTED = re.compile(r"\b(?:uses|needs|takes|costs|makes|has|only|exactly)\s$",
 
 
 class TextWord(NamedTuple):
-    """A number or a trend that a text has in words: where, and as it stands there."""
+    """A number or a trend in words: its span in the text, and the words."""
 
     start: int
     end: int
@@ -44,7 +44,7 @@ class TextWord(NamedTuple):
 
 
 def worded_number(x: Fraction) -> list[str]:
-    """Every way to write the number in words, the plainest first. Raises ValueError where nobody does.
+    """The accepted ways to write the number in words, the plainest first. Raises ValueError if there are none.
 
     >>> worded_number(Fraction(16)), worded_number(Fraction(2, 3))[:2], worded_number(Fraction(1, 3))[0]
     (['sixteen', 'Sixteen'], ['two thirds', 'Two thirds'], 'a third')
@@ -71,12 +71,12 @@ def worded_trend(sign: int) -> list[str]:
 
 
 def is_worded(text: str) -> bool:
-    """True where the text is nothing but one number or one trend in words."""
+    """True if the whole text is one number or one trend in words."""
     return bool(_NUMBER.fullmatch(text) or _TREND.fullmatch(text))
 
 
 def words_in(text: str) -> list[TextWord]:
-    """The numbers of the text that stand in words, and its words for growth and decay, in order.
+    """The numbers in words and the words for growth or decay in the text, in order.
 
     >>> [word.text for word in words_in("Sixteen steps; it uses one of two, and the energy grows by a third.")]
     ['Sixteen', 'one', 'two', 'grows', 'a third']

@@ -1,4 +1,4 @@
-"""The numbers of a text, and which of them are parts of names: labels, of which nothing is claimed."""
+"""Find the numbers of a text, and tell which are labels: parts of names, about which nothing is claimed."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from fractions import Fraction
 # 3.3e-4, 3.3×10^{-4}, 3.3·10^4
 _EXPONENT = r"(?:[eE][-+]?[0-9]++(?!\.?[0-9])| ?[×·] ?10\^(?:\{[-+]?[0-9]+\}|[0-9]))?"
 _WHOLE = r"(?:[1-9][0-9]{0,2}(?:[,'][0-9]{3})++(?![0-9])|[0-9]++)"
-# A minus is a sign where nothing stands before it that it could be subtracted from.
+# A minus is a sign unless something to subtract from stands before it.
 _NUMBER = re.compile(
     r"(?P<version>(?<![0-9.])[0-9]{1,3}+(?:\.[0-9]{1,3}+){2,}(?![0-9.])|(?<![0-9-])[12][0-9]{3}-[01][0-9]-[0-3][0-9](?![0-9]))"
     r"|(?P<power>(?<=\^)[0-9]|(?<=\^\{)[-+]?[0-9]++(?=\}))"
@@ -23,7 +23,7 @@ _REFERENCE = re.compile(
     re.IGNORECASE,
 )
 _LONGEST_REFERENCE, _BEFORE_REFERENCE = len("propositions ("), tuple(" \n(§#")
-# Why a number in one of these is a label, as coverage says it; the first that holds counts.
+# Pattern -> why a number within its match is a label, as shown by coverage; the first pattern that matches counts.
 _LABELS = {
     re.compile(r"_\{[^{}]{0,40}\}"): "an index",
     re.compile(r"(?:https?://|www\.|doi:)[^\s<>\"]+", re.IGNORECASE): "part of an address",
@@ -40,7 +40,7 @@ _LABELS = {
 
 @dataclass(frozen=True)
 class TextNumber:
-    """A number of a text: where, as it stands there, and why it is a label, or None."""
+    """A number of a text: its span, its spelling there, and why it is a label, None if it is not one."""
 
     start: int
     end: int
@@ -49,7 +49,7 @@ class TextNumber:
 
     @property
     def value(self) -> Fraction:
-        """What it spells. Raises ZeroDivisionError for n/0, ValueError for an exponent nobody writes."""
+        """The value as a fraction. Raises ZeroDivisionError for n/0, ValueError for too many digits."""
         text = re.sub(r" ?[×·] ?10\^\{?([-+]?[0-9]+)\}?", r"e\1", self.text).replace(",", "").replace("'", "")
         exponent = re.search(r"[eE][-+]?0*([0-9]+)", text)
         if len(text) > 1000 or (exponent and len(exponent[1]) > 3):
@@ -58,7 +58,7 @@ class TextNumber:
 
     @property
     def places(self) -> int | None:
-        """How many digits stand after the point, None for a fraction and for a number with an exponent."""
+        """The number of digits after the decimal point, None for a fraction or a number with an exponent."""
         if re.search(r"[/eE^]", self.text):
             return None
         return len(self.text.partition(".")[2])
@@ -67,12 +67,12 @@ class TextNumber:
 def numbers_in(text: str) -> list[TextNumber]:
     """Every number of a text in canonical spelling, in order.
 
-    Read are integers, decimals, fractions, exponents, powers and groups of three digits; words are for number_words.
-    A label is a whole number that follows a letter (RK4, float64), an index (q_1), what follows a word such as Section,
-    Figure or Exercise, a version or a date, the number of an item or of a heading at the start of a line, one number in
-    square brackets, what is in an address, and the digits of a format such as :.6f.
+    Numbers are integers, also with groups of three digits, decimals, fractions, exponents and powers; `number_words`
+    finds numbers in words. A label is a whole number after a letter (RK4, float64), an index (q_1), a number after a
+    word such as Section, Figure or Exercise, a version, a date, the number of an item or a heading, the argument of a
+    function, a number alone in square brackets, a part of an address, or the digits of a format such as :.6f.
     """
-    inside = bytearray(len(text))  # of each character, which of _LABELS holds, counted from 1
+    inside = bytearray(len(text))  # for each character, which of _LABELS matches there, from 1
     for k, pattern in reversed([*enumerate(_LABELS, 1)]):
         for match in pattern.finditer(text):
             inside[slice(*match.span())] = bytes([k]) * len(match[0])
@@ -84,7 +84,7 @@ def numbers_in(text: str) -> list[TextNumber]:
 
 
 def _label(text: str, match: re.Match[str], place: str | None) -> str | None:
-    """Why the number is a label: what it is, what it stands in, or what stands before it."""
+    """The reason why the number is a label, None if it is not one."""
     if match["version"]:
         return "a version or a date"
     start, before = match.start(), text[match.start() - 1 : match.start()]

@@ -1,4 +1,4 @@
-"""A text that knows from which place of its file each character came, however often it was rewritten."""
+"""A text whose characters keep their places in the file through any number of rewritings."""
 
 from __future__ import annotations
 
@@ -9,50 +9,50 @@ from dataclasses import dataclass
 from typing import NamedTuple, TypeAlias
 
 PROSE, LISTING, OUTPUT = "prose", "listing", "output"
-# What a listing is called where it shows what a program prints.
+# Names of languages that mark a listing as the output of a program.
 OF_OUTPUT = {"", "text", "txt", "output", "console", "stdout", "none", "plaintext", "default"}
 
 
 class Insertion(NamedTuple):
-    """New text that stands for the character at `at`: of the text it replaces, or, when joined, of the file."""
+    """New text in place of a character: `at` is its index in the old text or, in `joined`, its offset in the file."""
 
     text: str
     at: int
 
 
-# What a match becomes: a span of the old text copied, or new text, which stands for where the last piece ended.
+# Part of a replacement: a span of the old text to copy, or new text, whose place is the end of the last piece.
 Piece: TypeAlias = "str | tuple[int, int] | Insertion"
 
 
 @dataclass(frozen=True)
 class SourceText:
-    """`text`, whose character i came from the place origins[i] of the file."""
+    """A text whose character text[i] comes from the offset origins[i] of the file."""
 
     text: str
     origins: array[int]
 
     @classmethod
     def of(cls, source: str) -> SourceText:
-        """A file's text as it stands."""
+        """The whole text of a file."""
         return cls(source, array("I", range(len(source))))
 
     def origin(self, index: int) -> int:
-        """The place in the file from which the character at `index` came; of the end, that after the last one."""
+        """The offset in the file of the character at `index`; at the end, one more than the last offset."""
         if index < len(self.text):
             return self.origins[index]
         return self.origins[-1] + 1 if self.text else 0
 
     def __getitem__(self, span: slice) -> SourceText:
-        """The characters of a span, with their places."""
+        """The slice of the text, with its places."""
         return SourceText(self.text[span], self.origins[span])
 
     def stripped(self) -> SourceText:
-        """The text without the space around it."""
+        """The text without leading and trailing white space."""
         start = len(self.text) - len(self.text.lstrip())
         return self[start : max(start, len(self.text.rstrip()))]
 
     def rewritten(self, pattern: re.Pattern[str], become: Callable[[re.Match[str]], Iterable[Piece]]) -> SourceText:
-        """The text with every match replaced by the pieces that `become` gives for it, places kept."""
+        """The text with each match replaced by the pieces that `become` returns for it, with places kept."""
         found: list[SourceText | Insertion] = []
         done = 0
         for match in pattern.finditer(self.text):
@@ -71,12 +71,12 @@ class SourceText:
         return joined([*found, self[done:]])
 
     def removed(self, pattern: re.Pattern[str]) -> SourceText:
-        """The text without what matches."""
+        """The text without the matches of the pattern."""
         return self.rewritten(pattern, lambda match: ())
 
 
 def joined(pieces: Iterable[SourceText | Insertion]) -> SourceText:
-    """Pieces one after the other."""
+    """The concatenation of the pieces."""
     texts, origins = [], array("I")
     for piece in pieces:
         texts.append(piece.text)
@@ -89,7 +89,7 @@ def joined(pieces: Iterable[SourceText | Insertion]) -> SourceText:
 
 @dataclass(frozen=True)
 class Block:
-    """A piece of a text: its kind, and of a listing its language as the text names it ("" where it names none)."""
+    """A part of a document: prose, a listing or output, and the language that a listing names, "" if none."""
 
     kind: str
     text: SourceText
@@ -97,5 +97,5 @@ class Block:
 
     @property
     def is_program(self) -> bool:
-        """Whether it is a listing in a language of programs, and no session with what it printed."""
+        """True for a listing that names a programming language and is not an interactive session."""
         return self.kind == LISTING and self.language not in OF_OUTPUT and ">>>" not in self.text.text

@@ -1,4 +1,4 @@
-r"""TeX as its reader sees it: comments and commands gone, \frac{a}{b} as a/b, \num{...} as the number, h^{6} as h^6."""
+r"""TeX as people see it: no comments or commands, \frac{a}{b} as a/b, \num{...} as the number, h^{6} as h^6."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from functools import partial
 
 from driftproof.texts.readers.source_text import LISTING, PROSE, Block, Piece, SourceText
 
-# Braces are opened one level at a time; no text that people write is nested deeper.
+# Nested braces are resolved one level at a time; no text that people write is nested deeper.
 _DEEPEST = 20
 
 _VERBATIM = re.compile(
@@ -19,7 +19,7 @@ _VERBATIM = re.compile(
 )
 _LANGUAGE = re.compile(r"language\s*=\s*(\w+)|\{(\w+)\}")
 _COMMENT = re.compile(r"(?<!\\)(?P<a>(?:\\\\)*)%[^\n]*\n?[ \t]*")
-# Commands whose argument is for the machine.
+# Commands whose argument is not shown.
 _UNSEEN = re.compile(
     r"\\(?:begin|end|label|[A-Za-z]*ref|cite[a-z]*|includegraphics|usepackage|documentclass|input|"
     r"include|bibliography(?:style)?|driftproof|hspace|vspace|setlength|color|textcolor|url)\*?"
@@ -45,10 +45,10 @@ _SIGNS = {
 _COMMAND = re.compile(
     r"\\(?:(?P<name>[A-Za-z]+)\*?[ \t]*|(?P<break>\\)(?:\[[^\]\n]{0,200}\])?|(?P<sign>[\s\S]))|(?P<other>[~&$])"
 )
-# Raised and lowered groups, kept apart from the braces that only group.
+# Stand-ins for the braces of superscripts and subscripts while braces that only group are removed.
 _OPEN, _CLOSE = "\ue010", "\ue011"
 
-# The body of a macro of the author's: braces inside it to a depth of four.
+# The body of a macro that the author defines, with up to three levels of nested braces.
 _INNER = r"[^{}]*+(?:\{[^{}]*+\}[^{}]*+)*+"
 _BODY = rf"[^{{}}]*+(?:\{{{_INNER}(?:\{{{_INNER}\}}{_INNER})*+\}}[^{{}}]*+)*+"
 _DEFINITION = re.compile(
@@ -56,12 +56,12 @@ _DEFINITION = re.compile(
     rf"\s*(?:\[(?P<count>[1-9])\])?\s*\{{(?P<body>{_BODY})\}}"
     rf"|\\def\s*\\(?P<plain>[A-Za-z]+)(?P<places>(?:\#[1-9])*)\s*\{{(?P<inside>{_BODY})\}}"
 )
-# A macro may use others; what grows beyond this, or goes on and on, is left as it stands.
+# Macros may use others: at most so many rounds of expansion, and only up to so many times the length of the text.
 _MOST_ROUNDS, _MOST_GROWTH = 5, 4
 
 
 def with_macros_expanded(text: SourceText) -> SourceText:
-    r"""The text with \newcommand, \def and \DeclareMathOperator of its own put in where they are used."""
+    r"""The text with the macros that it defines by \newcommand, \def or \DeclareMathOperator expanded."""
     macros = {}
     for match in _DEFINITION.finditer(text.text):
         count = int(match["count"] or 0) if match["plain"] is None else len(match["places"]) // 2
@@ -83,7 +83,7 @@ def with_macros_expanded(text: SourceText) -> SourceText:
 
 
 def _expanded(body: str, match: re.Match[str]) -> Iterator[Piece]:
-    """The body with the arguments of this use at their places, in braces."""
+    """The body of a macro in braces, with the arguments of one use inserted."""
     yield "{"
     for piece in re.split(r"(#[1-9])", body):
         if re.fullmatch(r"#[1-9]", piece) and f"b{piece[1]}" in match.re.groupindex:
@@ -94,7 +94,7 @@ def _expanded(body: str, match: re.Match[str]) -> Iterator[Piece]:
 
 
 def tex_blocks(source: SourceText) -> list[Block]:
-    """Prose and mathematics as they are read, and verbatim environments as listings."""
+    """The blocks of a TeX text: prose and mathematics without markup, and verbatim environments as listings."""
     source = with_macros_expanded(source)
     blocks, done = [], 0
     for match in _VERBATIM.finditer(source.text):
@@ -107,7 +107,7 @@ def tex_blocks(source: SourceText) -> list[Block]:
 
 
 def tex_prose(text: SourceText) -> SourceText:
-    """A piece of TeX without listings, as it is read."""
+    """A piece of TeX without listings, its markup removed."""
     text = text.rewritten(_COMMENT, _inside).removed(_UNSEEN).rewritten(_THIN, lambda match: [","])
     for _ in range(_DEEPEST):  # from the inside out
         before = text.text
@@ -124,7 +124,7 @@ def _inside(match: re.Match[str]) -> Iterable[Piece]:
 
 
 def _in_brackets(match: re.Match[str], *names: str) -> Iterable[Piece]:
-    """The first of these groups that is there, in brackets unless it is one number or name."""
+    """The first of these groups that matched, in brackets unless it is a single number or name."""
     name = next(name for name in names if match[name] is not None)
     return [match.span(name)] if match[name].strip().isalnum() else ["(", match.span(name), ")"]
 
@@ -138,7 +138,7 @@ _STEPS: tuple[tuple[re.Pattern[str], Callable[[re.Match[str]], Iterable[Piece]]]
 
 
 def _command(match: re.Match[str]) -> Iterable[Piece]:
-    """A sign for a command that stands for one, the character for an escaped one, nothing for the rest."""
+    """The sign that a command stands for, the character that it escapes, or nothing."""
     if match["name"]:
         return [_SIGNS.get(match["name"], "")]
     if match["break"]:

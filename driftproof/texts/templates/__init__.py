@@ -1,1 +1,1 @@
-"""Texts with questions in them, rendered: Jinja in a sandbox, in a process of its own."""
+"""Templates with questions in them, rendered by a Jinja sandbox in a separate process."""

@@ -1,4 +1,4 @@
-"""A template rendered in an isolated process, within limits, and the difference from what a file holds."""
+"""Render a template in a separate process with limits, and compare the result with the output file."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from driftproof.support.processes import Limits, ProcessEnded, ask_once
 from driftproof.support.results import Printable
 from driftproof.texts.templates.text_kinds import kind_of
 
-# No example of ours takes a second; a thousand questions take some.
+# Chosen: examples take less than one second, a thousand questions some seconds.
 RENDERING_SECONDS, RENDERING_MEMORY, LONGEST_RENDERED = 120.0, 2 * 10**9, 10**7
 TEMPLATE_SUFFIX = ".j2"
 
 
 @dataclass(frozen=True, repr=False)
 class RenderedText(Printable):
-    """The text that a template becomes, how many values it asked for, and the file that it is to be."""
+    """The rendered text of a template, the number of values that it asked for, and the output file."""
 
     text: str
     asked: int
@@ -28,14 +28,14 @@ class RenderedText(Printable):
     output: Path
 
     def write(self) -> str:
-        """Write the file, whole or not at all; how many values are in it, and how many of its lines are others."""
+        """Write the output file atomically; return a line with the number of values and of changed lines."""
         told = str(self)
         with atomic_write(self.output) as draft:
             Path(draft).write_bytes(self.text.encode("utf-8"))
         return told
 
     def difference(self) -> str:
-        """A unified diff from what the file holds to the text; empty if they are the same."""
+        """A unified diff from the present content of the output file to the text; empty if they are equal."""
         held = self.output.read_bytes().decode("utf-8", errors="replace") if self.output.exists() else ""
         if held == self.text and self.output.exists():
             return ""
@@ -45,7 +45,7 @@ class RenderedText(Printable):
         return "".join(line if line.endswith("\n") else f"{line}\n\\ no end of line\n" for line in lines).rstrip("\n")
 
     def written(self, form: str) -> str:
-        """In "text" the file, how many values are in it, how many lines would change; in "json" the text, too."""
+        """As "text", the output file and the numbers of values and changed lines; as "json", also the rendered text."""
         if form == "json":
             return as_json({"output": str(self.output), "values": self.asked, "text": self.text})
         signs = [line[0] for line in self.difference().splitlines()[2:]]
@@ -60,13 +60,11 @@ def render(
     rounding: str | None = None,
     time_limit: float = RENDERING_SECONDS,
 ) -> RenderedText:
-    """The text of a file `output`, by default the template's name without .j2, as the template renders it.
+    """Render a template as the text for the file `output`, by default the template's name without .j2.
 
-    Nothing is written but by `write` of what is returned. `style` is "plain" or "printed", `rounding` what a tie
-    becomes. Needs the extra `text`.
-
-    Raises ValueError with one line, which holds the place in the template wherever there is one; OSError for a
-    template that cannot be read.
+    The file is written only by the method `write` of the result. `style` is "plain" or "printed", `rounding` a policy
+    for ties. Needs the extra `text`. Raises ValueError, with one line that names the place in the template if it is
+    known, and OSError for a template that cannot be read.
 
     >>> from pathlib import Path
     >>> from tempfile import TemporaryDirectory
@@ -94,7 +92,7 @@ def render(
 
 
 def output_of(template: str | Path, output: str | Path | None = None) -> Path:
-    """The file that is rendered, by default the template's name without .j2. Raises ValueError for one of no kind."""
+    """The output file, by default the template's name without .j2. Raises ValueError for a suffix of no text kind."""
     if output is None and Path(template).suffix != TEMPLATE_SUFFIX:
         raise ValueError(f"{template}: the name does not end in {TEMPLATE_SUFFIX}; name the output with -o")
     found = Path(template).with_suffix("") if output is None else Path(output)

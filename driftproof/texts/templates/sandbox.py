@@ -1,4 +1,4 @@
-"""The Jinja2 environment of a template: what it may call, compute and include, and where each of its parts stands."""
+"""The sandbox of templates: restricts calls, arithmetic and includes, and locates errors to the character."""
 
 from __future__ import annotations
 
@@ -18,21 +18,21 @@ from jinja2.utils import Namespace
 from driftproof.support.files import read_utf8
 from driftproof.texts.templates.text_kinds import HTML, LATEX, TextKind
 
-# Larger than any text that people read.
+# Bytes of a template: more than any text that people read.
 _LARGEST_TEMPLATE = 10**7
-# Of Jinja2's own filters those that need no bound; `default` would make a blank of what is missing.
+# The allowed filters of Jinja2: those that need no limit, without `default`, which would hide what is missing.
 FILTERS = ("capitalize", "join", "length", "lower", "replace", "sort", "title", "trim", "upper")
-# The argument through which a call or a filter of ours learns where it stands.
+# The keyword argument that passes the place of a call to our functions and filters.
 PLACE = "driftproof_place"
-# What TeX writes and Jinja2 would read: an argument {#1}, and a brace before the end of a line {%. Noncharacters of
-# Unicode hold their places meanwhile.
+# TeX that Jinja2 would read as its own: an argument {#1}, and a brace and a comment sign {% at the end of a line.
+# Noncharacters of Unicode replace the signs during the lexing.
 _OF_TEX = ((re.compile(r"(?<=\{)#(?=#*[0-9])"), "\ufdd0", "#"), (re.compile(r"(?<=\{)%(?=[ \t]*\r?\n)"), "\ufdd1", "%"))
 
 
 class TemplatePlace(NamedTuple):
-    """A character of a template: the template's name, and the offset from its beginning.
+    """A place in a template: the template's name and the offset of a character.
 
-    `of_question` is true where a question begins there, whose own columns then count from that character.
+    `of_question` is true if a question begins there, so that its columns count from that character.
     """
 
     template: str
@@ -41,30 +41,30 @@ class TemplatePlace(NamedTuple):
 
 
 class Refusal(ValueError):
-    """What a template asks for is not done; whoever knows the place makes a TemplateProblem of it."""
+    """A request of a template that is refused; callers that know its place turn it into a TemplateProblem."""
 
 
 class TemplateProblem(ValueError):
-    """A template that cannot be rendered; the message is the whole line: file, line, column, reason."""
+    """A template that cannot be rendered; the message is one line with file, line, column and reason."""
 
     @classmethod
     def at(cls, place: TemplatePlace, source: str, reason: str) -> TemplateProblem:
-        """The problem at a place in the source of its template; lines and columns count from 1."""
+        """The problem at a place of the template with this source; lines and columns count from 1."""
         before = source[: place.offset]
         line, column = before.count("\n") + 1, place.offset - before.rfind("\n")
         return cls(f"{place.template}, line {line}, column {column}: {' '.join(reason.split())}")
 
 
 class FolderLoader(BaseLoader):
-    """Templates from one folder; `sources` keeps the text of each that was read, line ends as \\n."""
+    """A loader of templates from one folder; `sources` keeps each text read, with \\n as line ends."""
 
     def __init__(self, template: Path) -> None:
-        """The folder is that of the template, which itself may be a link to elsewhere."""
+        """Take the folder of the template; the template itself may be a link out of it."""
         self.template, self.folder = template.name, template.parent
         self.sources: dict[str, str] = {}
 
     def get_source(self, environment: Environment, template: str) -> tuple[str, str, None]:
-        """The text of a template. Raises Refusal for a path that leads out of the folder, ValueError for no text."""
+        """Read a template. Raises Refusal for a path out of the folder, ValueError if the file is not UTF-8."""
         path = self.folder / template
         if template != self.template and not path.resolve().is_relative_to(self.folder.resolve()):
             raise Refusal(f"{template[:60]!r} lies outside the folder of the template")
@@ -76,7 +76,7 @@ class FolderLoader(BaseLoader):
 
 
 class _Lexer(Lexer):
-    """A lexer whose tokens are numbered by their offset plus one instead of their line."""
+    """A lexer that numbers tokens by their offset plus one instead of their line."""
 
     def __init__(self, environment: Environment, tex: bool) -> None:
         super().__init__(environment)
@@ -85,7 +85,7 @@ class _Lexer(Lexer):
     def tokeniter(
         self, source: str, name: str | None, filename: str | None = None, state: str | None = None
     ) -> Iterator[tuple[int, str, str]]:
-        """The tokens in order; between two of them stands white space at most, which Jinja2 has stripped."""
+        """The tokens in order, each located by search, as only white space that Jinja2 stripped lies between them."""
         for pattern, mark, _ in _OF_TEX:
             if mark in source:
                 reason = f"the noncharacter U+{ord(mark):04X} has no place in a text"
@@ -100,14 +100,14 @@ class _Lexer(Lexer):
                     text = text.replace(mark, sign)
                 yield offset + 1, token, text
         except TemplateSyntaxError as error:
-            # Jinja2 knows the line: it fails at what follows the last token, or at that one if it is never closed.
+            # Jinja2 names a line only. The error is at the text after the last token, or at an unclosed last token.
             follows = len(source) - len(source[end:].lstrip())
             error.lineno = 1 + (offset if "Missing end" in str(error.message) else follows)
             raise
 
 
 class Sandbox(SandboxedEnvironment):
-    """Templates that call `functions` and their own macros, apply `filters`, and compute with whole numbers."""
+    """An environment whose templates may call our functions and their own macros, and add texts and whole numbers."""
 
     intercepted_binops = frozenset(SandboxedEnvironment.default_binop_table)
 
@@ -119,7 +119,7 @@ class Sandbox(SandboxedEnvironment):
         filters: dict[str, Callable[..., Any]],
         finalize: Callable[[Any], Any],
     ) -> None:
-        """`functions` and `filters` take the keyword PLACE; `finalize` makes text of what is printed."""
+        """Take functions and filters that accept the keyword PLACE; `finalize` turns printed values into text."""
         super().__init__(
             loader=loader,
             undefined=StrictUndefined,
@@ -135,57 +135,57 @@ class Sandbox(SandboxedEnvironment):
 
     @property
     def lexer(self) -> Lexer:
-        """The lexer that keeps offsets."""
+        """The lexer that numbers tokens by offset."""
         return self.places
 
     def _generate(
         self, source: nodes.Template, name: str | None, filename: str | None, defer_init: bool = False
     ) -> str:
-        """Compile; every expression stands where its first token does, and our own calls and filters are told where."""
+        """Compile; locate every expression at its first token, and pass our functions and filters their place."""
         for call in source.find_all(nodes.Call):
             called = getattr(call.node, "name", None)
             if called in self.placed:
                 question = next((x for x in call.args if called == "value" and isinstance(x, nodes.Const)), None)
                 at = question.lineno + 1 if question else _first(call)  # after the quotation mark
-                call.kwargs.append(_told(name, at, question is not None))
+                call.kwargs.append(_place_keyword(name, at, question is not None))
         for applied in source.find_all(nodes.Filter):
             if applied.name not in self.filters:
                 unknown = f"there is no filter {applied.name[:40]!r}; there are {', '.join(self.filters)}"
                 raise TemplateSyntaxError(unknown, applied.lineno, name, filename)
             if applied.name in self.placed:
-                applied.kwargs.append(_told(name, applied.lineno))  # type: ignore[arg-type]
+                applied.kwargs.append(_place_keyword(name, applied.lineno))  # type: ignore[arg-type]
         for output in source.find_all(nodes.Output):
             for child in output.nodes:
                 child.lineno = _first(child)
         return super()._generate(source, name, filename, defer_init)
 
     def is_safe_callable(self, obj: Any) -> bool:
-        """Our functions, and what Jinja2 makes of macros, loops and blocks; no method of any other object."""
+        """True for our functions and for macros, loops and blocks of Jinja2; False for methods of any other object."""
         of_loop = isinstance(obj, MethodType) and isinstance(obj.__self__, LoopContext)
         ours = any(obj is function for function in self.globals.values())
-        # What is undefined says so when it is called.
+        # A call of an undefined name raises UndefinedError by itself.
         return ours or of_loop or isinstance(obj, Macro | LoopContext | BlockReference | StrictUndefined)
 
     def call(__self, __context: Context, __obj: Any, *args: Any, **kwargs: Any) -> Any:  # noqa: N805
-        """Call what is safe; say in words what is."""
+        """Call a safe object. Raises SecurityError, which lists what may be called, for any other."""
         if not __self.is_safe_callable(__obj):
             names = ", ".join(__self.globals)
             raise SecurityError(f"a template calls {names} and its own macros, and nothing else")
         return super().call(__context, __obj, *args, **kwargs)
 
     def call_binop(self, context: Context, operator: str, left: Any, right: Any) -> Any:
-        """Whole numbers are added, subtracted, multiplied, divided with a remainder; text is added to text."""
+        """Compute with two whole numbers, / and ** excluded, or join two texts by +. Raises Refusal for all else."""
         whole = type(left) is type(right) is int and operator not in ("/", "**")
         if not whole and not (type(left) is type(right) is str and operator == "+"):
             raise Refusal(f"{operator} is not for a template; value('1/3 + 1/6') computes exactly")
         return super().call_binop(context, operator, left, right)
 
 
-def _told(name: str | None, at: int, of_question: bool = False) -> nodes.Keyword:
-    """The keyword that tells a call its place; a plain tuple, as the compiled template spells constants out."""
+def _place_keyword(name: str | None, at: int, of_question: bool = False) -> nodes.Keyword:
+    """The keyword argument with the place, as a plain tuple, because the compiled template writes out constants."""
     return nodes.Keyword(PLACE, nodes.Const((name, at - 1, of_question)), lineno=at)
 
 
 def _first(node: nodes.Node) -> int:
-    """Where the first token of an expression stands."""
+    """The number of the first token of an expression, its offset plus one."""
     return min([node.lineno or _LARGEST_TEMPLATE, *map(_first, node.iter_child_nodes())])

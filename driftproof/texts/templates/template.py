@@ -1,4 +1,4 @@
-"""The rendering of one template: its values, its output piece by piece, and every error at its place."""
+"""Render one template: answer its questions, format its output, and give every error its place."""
 
 from __future__ import annotations
 
@@ -23,10 +23,10 @@ from driftproof.texts.templates.text_kinds import HTML, MARKDOWN, TextKind, is_c
 
 
 class Template:
-    """A template and what it becomes; `asked` counts the values that it asked for."""
+    """A template to render; `asked` counts the values that it asks for."""
 
     def __init__(self, template: Path, kind: TextKind, style: str | None, rounding: str | None) -> None:
-        """`style` and `rounding` are those of the command; the template may set others."""
+        """Take the style and the rounding policy of the command; the template may set others."""
         self.asked = 0
         self.style = NumberStyle(kind, style or kind.style, rounding)
         self.loader = FolderLoader(template)
@@ -40,7 +40,7 @@ class Template:
         self.sandbox = Sandbox(self.loader, kind, functions, filters, self._finalized)
 
     def text(self) -> str:
-        """What the template becomes. Raises TemplateProblem, or ValueError where its file cannot be read."""
+        """The rendered text. Raises TemplateProblem for any error in the template."""
         try:
             return self.sandbox.get_template(self.loader.template).render()
         except TemplateProblem:
@@ -59,7 +59,7 @@ class Template:
         return TemplateProblem.at(place, source, _in_words(error))
 
     def _place(self, error: Exception) -> TemplatePlace | None:
-        """Where Jinja2 failed: its lines are our offsets plus one."""
+        """The place of a Jinja2 error, whose line numbers are our offsets plus one; None if it is unknown."""
         places = [(frame.filename, frame.lineno or 0) for frame in traceback.extract_tb(error.__traceback__)]
         if isinstance(error, TemplateSyntaxError):
             places = [(error.name or "", error.lineno)]
@@ -67,9 +67,9 @@ class Template:
         return known[-1] if known else None
 
     def _placed(self, function: Callable[..., Any], markup: bool = False) -> Callable[..., Any]:
-        """The function, which takes the style in force first, as a template calls it: what it refuses has a place.
+        """Wrap a function for templates: pass it the current NumberStyle first, and give its errors their place.
 
-        What is `markup` HTML takes as it is.
+        A result that is `markup` is not escaped in HTML.
         """
 
         @pass_context
@@ -82,7 +82,7 @@ class Template:
         return call
 
     def _style(self, context: Context, style: Any, rounding: Any, place: tuple[str, int, bool] | None) -> NumberStyle:
-        """As the call says, else as the template has set it, else as the command or the kind of text says."""
+        """The style of the call, else of the template, else of the command or of the kind of text."""
         known, kind = context.get_all(), self.style.kind
         in_code = kind is MARKDOWN and place is not None and is_code(self.loader.sources[place[0]], place[1])
         return NumberStyle(
@@ -94,7 +94,7 @@ class Template:
 
     @contextmanager
     def _at(self, place: tuple[str, int, bool] | None) -> Iterator[None]:
-        """Whatever is refused inside is refused at this place, if it is known."""
+        """Turn errors raised inside into a TemplateProblem at this place; without a place they pass."""
         try:
             yield
         except (Refusal, QuestionError, ArithmeticError) as error:
@@ -116,7 +116,7 @@ class Template:
         return template_values.methods_table(style, partial(self._value, style), *arguments, **named)
 
     def _finalized(self, printed: object) -> object:
-        """What an expression prints: text, a whole number, or a value that prints itself."""
+        """The printed form of an expression: a text, a whole number or a value. Raises Refusal for others."""
         if isinstance(printed, TemplateValue):
             return str(printed)
         if isinstance(printed, str) or (isinstance(printed, int) and not isinstance(printed, bool)):
@@ -126,7 +126,7 @@ class Template:
 
 
 def _demand(x: object) -> None:
-    """Raises UndefinedError, which says what is missing, for what a template leaves undefined."""
+    """Raise UndefinedError, which names what is missing, if x is undefined in the template."""
     if isinstance(x, Undefined):
         str(x)
 
@@ -143,7 +143,7 @@ def _in_words(error: Exception) -> str:
 
 
 def render_order(order: dict[str, Any]) -> dict[str, Any]:
-    """The answer to the order of `rendering.render`, in the isolated process: {"text", "asked"} or {"problem"}."""
+    """Carry out an order of `rendering.render` in the separate process: {"text", "asked"} or {"problem"}."""
     try:
         kind = kind_of(Path(order["output"]))
         template = Template(Path(order["template"]), kind, order["style"], order["rounding"])

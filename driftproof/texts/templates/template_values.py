@@ -1,4 +1,4 @@
-"""Values in a template: what value(...) is, how filters write it, and a table of methods."""
+"""Values in templates: the result of value(...), the filters that format it, and tables of methods."""
 
 from __future__ import annotations
 
@@ -24,9 +24,9 @@ _COLUMN = re.compile(r"(?P<asked>.*?)(?: (?P<form>(?:digits|places)(?= [0-9]{1,6
 
 @dataclass(frozen=True)
 class NumberStyle:
-    """How numbers are written: the kind of text, "plain" or "printed", and the rounding policy, None for none named.
+    """The style of numbers: the kind of text, "plain" or "printed", and a rounding policy or None.
 
-    `in_code` is true where nothing is escaped.
+    `in_code` is true inside Markdown code, where nothing is escaped.
     """
 
     kind: TextKind
@@ -35,7 +35,7 @@ class NumberStyle:
     in_code: bool = False
 
     def __post_init__(self) -> None:
-        """Refuse unknown names."""
+        """Raise Refusal for an unknown style or rounding policy."""
         if self.style not in _STYLES:
             raise Refusal(f"the style {str(self.style)[:20]!r} is unknown; choose one of {', '.join(_STYLES)}")
         try:
@@ -44,40 +44,34 @@ class NumberStyle:
             raise Refusal(str(error)) from None
 
     def decimal(self, write: Callable[[Style], str]) -> str:
-        """What `write` makes of a style. In TeX the printed style is mathematics wherever it stands."""
+        """The decimal that `write` returns for this style; in TeX the printed style is set in mathematics."""
         if self.kind is not LATEX or self.style == "plain":
             return write(replace(_STYLES[self.style], rounding=self.rounding))
-        return _in_mathematics(write(Style(self.rounding)))
-
-
-def _in_mathematics(decimal: str) -> str:
-    """A decimal in TeX: digits as they are; with a sign or an exponent mathematics, in a text and in a formula."""
-    plain = decimal.replace(".", "").isdigit()
-    return decimal if plain else rf"\ensuremath{{{markup.decimal_markup(decimal, markup.TEX)}}}"
+        return markup.in_any_mode(markup.decimal_markup(write(Style(self.rounding)), markup.TEX))
 
 
 class TemplateValue:
-    """What value(...) is in a template: it prints itself where there is one obvious way, and is no condition."""
+    """The result of value(...): prints itself if there is one obvious way, and refuses to be a condition."""
 
     def __init__(self, value: Answer, kind: TextKind) -> None:
-        """Raises Refusal for a value that is not proved."""
+        """Take the answer. Raises Refusal for one that is only STATED."""
         if value.evidence not in (GIVEN, PROVED, COUNTED, CERTIFIED):
             raise Refusal(f"{value.question!r} is only {value.evidence}; a text prints what is proved")
         self._value, self._kind = value, kind
 
     @property
     def unit(self) -> str:
-        """Its unit in words. Raises Refusal where it has none."""
+        """The name of the unit. Raises Refusal if there is none."""
         if self._value.unit is None:
             raise Refusal(f"{self._value.question!r} has no unit")
         return self._value.unit
 
     def __str__(self) -> str:
-        """A short rational, or a word. Raises Refusal for others."""
+        """The text of a short rational number or of words. Raises Refusal for other values."""
         value, text = self._value, self._value.exact_text or ""
         short = isinstance(value.exact, Fraction) and len(text) <= markup.LONGEST_IN_TEXT
         if short and self._kind is LATEX:
-            return text.replace("-", r"\ensuremath{-}") if "/" in text else _in_mathematics(text)
+            return text.replace("-", r"\ensuremath{-}") if "/" in text else markup.in_any_mode(text)
         if short or (not value.is_number and text.replace(" ", "").isalpha()):
             return text
         ways = "| digits(6), | places(6), | exact, | tex or | mathml"
@@ -91,7 +85,7 @@ class TemplateValue:
 
 
 def _decimal_filter(name: str, least: int) -> Callable[..., str]:
-    """The filter that asks a value for `digits` or `places`, a number of them from `least` on."""
+    """The filter `name`, digits or places, which takes a count from `least` to LONGEST_DECIMAL."""
 
     def apply(style: NumberStyle, x: object, count: object) -> str:
         value = _value_of(x)
@@ -105,16 +99,16 @@ def _decimal_filter(name: str, least: int) -> Callable[..., str]:
 
 
 def exact_filter(style: NumberStyle, x: object) -> str:
-    """The exact form in SymPy's syntax, as it stands in code, else so that nothing in it is markup."""
+    """The exact form in SymPy's syntax, with markup escaped except in code. Raises Refusal if there is none."""
     text = _value_of(x).exact_text
     if text is None:
         raise Refusal(f"{_value_of(x).question!r} has no exact form; write | digits(6)")
-    # Of HTML the template itself escapes what is no markup.
+    # In HTML the template escapes it.
     return style.kind.escape(text) if style.kind in (MARKDOWN, LATEX) and not style.in_code else text
 
 
 def mathml_filter(style: NumberStyle, x: object) -> str:
-    """The exact form as a <math> element."""
+    """The exact form as a <math> element. Raises Refusal in TeX."""
     if style.kind is LATEX:
         raise Refusal("MathML has no place in TeX; write | tex")
     return _written(_value_of(x).mathml)
@@ -136,7 +130,7 @@ def _value_of(x: object) -> Answer:
 
 
 def _written(write: Callable[[], str], call: str = "") -> str:
-    """What `write` gives, its refusals for the author of a template who called it so."""
+    """The result of `write`; its errors become Refusals that suggest what the author of the template can write."""
     try:
         return write()
     except AmbiguousRounding as error:
@@ -153,10 +147,10 @@ def methods_table(
     h: str | None = None,
     t: str | None = None,
 ) -> str:
-    """A row for each method, and a column for each readout of the run to t by steps of h, or fact.
+    """A table with a row per method and a column per fact, or per readout of the run to t with steps of size h.
 
-    A column says how its numbers are written: "state_error digits 4", "energy_change places 3", "imaginary_limit
-    exact"; where it says nothing, they must be short. A mapping names the columns: {"Calls": "evaluations"}. Raises
+    A column may say how to write its numbers: "state_error digits 4", "energy_change places 3", "imaginary_limit
+    exact"; otherwise they must be short. A mapping gives the titles of the columns: {"Calls": "evaluations"}. Raises
     Refusal, and what `ask` raises.
     """
     if isinstance(methods, str) or not all(isinstance(key, str) for key in methods):

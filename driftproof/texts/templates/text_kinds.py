@@ -1,4 +1,4 @@
-"""The kinds of text that are rendered: how each writes a number, a word that is no markup, and a table."""
+"""The kinds of text that templates render: suffixes, default style, escaping and tables."""
 
 from __future__ import annotations
 
@@ -18,10 +18,9 @@ _ESCAPES = str.maketrans({c: rf"\{c}" for c in "_#&%${}"} | {"^": r"\^{}", "~": 
 
 @dataclass(frozen=True)
 class TextKind:
-    """A kind of text: its name, the suffixes of its files, and its style where a template names none.
+    """A kind of text: its name, the suffixes of its files, and its default style.
 
-    `escape` writes words so that none of them is markup; `table` takes rows of cells that are written already, the
-    header first.
+    `escape` escapes the markup in words; `table` formats rows of cells that are escaped already, the header first.
     """
 
     name: str
@@ -32,7 +31,7 @@ class TextKind:
 
 
 def kind_of(path: Path) -> TextKind:
-    """The kind of text that a file of this name holds. Raises ValueError for other names."""
+    """The kind of text of a file, by its suffix. Raises ValueError for other suffixes."""
     for kind in TEXT_KINDS:
         if path.suffix.lower() in kind.suffixes:
             return kind
@@ -67,9 +66,9 @@ TEXT_KINDS = (MARKDOWN, HTML, LATEX)
 
 
 def is_code(source: str, offset: int) -> bool:
-    """True if the character of a Markdown text stands in a code span or a fenced block, where nothing is escaped.
+    """True if the character at `offset` of a Markdown text lies in a code span or a fenced block.
 
-    A span is looked for on the character's own line: an odd number of backticks before it and one after it.
+    A span must lie on one line: an odd number of backticks before the character and at least one after it.
     """
     line_start, fence = source.rfind("\n", 0, offset) + 1, ""
     for line in source[:line_start].splitlines():

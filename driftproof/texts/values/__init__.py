@@ -1,1 +1,1 @@
-"""The values that the proofs publish, in every format, and what changed between two files of them."""
+"""The values that the proofs publish, in several formats, and the comparison of two files of values."""

@@ -1,4 +1,4 @@
-"""What changed between two documents of values: in value, only in digits or in wording; what came and what went."""
+"""Compare two files of values: changes of values, of digits or of wording only, additions and removals."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from driftproof.support.files import read_utf8
 from driftproof.support.plain_text import annotation, as_json, table
 from driftproof.support.results import Printable
 
-# Kind of change -> the words for one and for several, and the level of its annotation; the gravest first.
+# Kind of change -> its words in the singular and plural, and the level of its annotation; the most serious first.
 CHANGES = {
     "value": ("value changed", "values changed", "error"),
     "digits": ("only in digits", "only in digits", "notice"),
@@ -26,26 +26,26 @@ CHANGES = {
     "added": ("added", "added", "notice"),
     "removed": ("removed", "removed", "warning"),
 }
-# Documents beyond these are refused: a file of 64 MB holds some hundred thousand values.
+# Larger files are refused: 64 MB hold some hundred thousand values.
 _LARGEST_FILE = 64 * 10**6
-# Beyond this a power of ten fills the memory before it is compared.
+# A larger power of ten fills the memory before it is compared.
 _LARGEST_EXPONENT = 10**5
-# A text longer than this is cut in the middle of a report, not in JSON.
+# A longer text is shortened in the middle in reports, but not in JSON.
 _LONGEST_TEXT = 40
-# Keys of words about a number, which is the same number under other words.
+# Keys of texts about a number: changes in them do not change the number.
 _WORDS = {"evidence", "statement", "title", "source", "technique", "rounding", "reason", "generator"}
 _DECIMAL = re.compile(r"(-?)([0-9]+)(?:\.([0-9]+))?(?:[eE]([+-]?[0-9]{1,6}))?")
 _FRACTION = re.compile(r"(-?[0-9]+)/([0-9]+)")
-# What the exact form of an irrational number may be made of.
+# Names that the exact form of an irrational number may contain.
 _NAMES = frozenset(("sqrt", "cbrt", "exp", "log", "log2", "log10", "sin", "cos", "atan", "atan2", "abs", "Abs", "pi"))
 
-# "values" -> id, or the keys and list positions that lead to a leaf; what stands there.
+# The keys and list positions that lead to a leaf of the document, and the leaf.
 Leaf: TypeAlias = tuple[tuple[str, ...], Any]
 
 
 @dataclass(frozen=True)
 class Change:
-    """One difference: its kind, one of CHANGES; the id or path; the part of it, "" for the number; both texts."""
+    """A difference: its kind, one of CHANGES; the id or path; the part, "" for the number itself; old and new text."""
 
     kind: str
     id: str
@@ -54,7 +54,7 @@ class Change:
     new: str | None
 
     def __str__(self) -> str:
-        """In one line, without kind and id."""
+        """The change in one line, without kind and id."""
         part = f"{self.part}: " if self.part else ""
         if self.kind in ("added", "removed"):
             return part + _cut(self.new if self.kind == "added" else self.old)
@@ -62,7 +62,7 @@ class Change:
 
 
 def read_values(path: Path) -> dict[str, Any]:
-    """The JSON object in the file; numbers stay text, so that none is rounded. Raises ValueError with one line."""
+    """Read a JSON object, with numbers kept as text so that none is rounded. Raises ValueError with one line."""
     try:
         text, hook = read_utf8(path, _LARGEST_FILE), _without_repetition
     except OSError as error:
@@ -75,13 +75,13 @@ def read_values(path: Path) -> dict[str, Any]:
     if not isinstance(read, dict):
         raise ValueError(f"{path}: holds no JSON object; give what `driftproof values` prints")
     for place, leaf in _leaves(read):
-        if isinstance(leaf, dict) and leaf and (wrong := _no_number(leaf)):
+        if isinstance(leaf, dict) and leaf and (wrong := _part_that_is_no_number(leaf)):
             raise ValueError(f"{path}: {_name(place)}: {wrong} is {str(leaf[wrong])[:60]!r}, which is no number")
     return read
 
 
-def _no_number(number: dict[str, Any]) -> str | None:
-    """The part of a number that is none, as garbage equals nothing. An exact form may be a formula, or null."""
+def _part_that_is_no_number(number: dict[str, Any]) -> str | None:
+    """The part of a number entry, decimal or exact, that is not a number; None if both are. exact may be a formula."""
     if _rounded(number["decimal"]) is None:
         return "decimal"
     exact = number.get("exact")
@@ -89,10 +89,10 @@ def _no_number(number: dict[str, Any]) -> str | None:
 
 
 def _is_formula(text: Any) -> bool:
-    """True for sums, products, powers and functions of integers that divide by no 0 written as such."""
+    """True for a formula in integers and the functions of _NAMES that does not divide by a literal 0."""
     if not isinstance(text, str):
         return False
-    # A run of digits may be longer than Python's own int() reads; only whether it is 0 matters.
+    # Integers may have more digits than int() accepts; only whether they are 0 matters here.
     short = re.sub("(?<![a-z0-9])[0-9]+", lambda run: "1" if run[0].strip("0") else "0", text)
     try:
         parse_form(short)
@@ -102,7 +102,7 @@ def _is_formula(text: Any) -> bool:
 
 
 def _name(place: tuple[str, ...]) -> str:
-    """The id of a value, or the path to it."""
+    """The id of a value, or the path to another leaf."""
     return ".".join(place[1:] if place[0] == "values" and len(place) > 1 else place).replace(".[", "[")
 
 
@@ -115,18 +115,18 @@ def _without_repetition(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
 
 
 def changes(old: dict[str, Any], new: dict[str, Any]) -> list[Change]:
-    """Every difference, by place. A number is an object with the key "decimal"; all else is compared leaf by leaf.
+    """All differences, by path. An object with the key "decimal" is a number; everything else is compared leaf by leaf.
 
-    A number changed in value if both exact forms are there and differ, or the decimals cannot be roundings of one
-    number; in digits if they can, and are not of one length; in wording otherwise. Other leaves changed in value
-    unless they spell the same rational, or stand under a key that only words a number.
+    A number changed in value if both exact forms are given and differ, or if the decimals cannot be roundings of one
+    number; in digits if the decimals can but differ; in wording if only the spelling of the exact form differs. Any
+    other leaf changed in value unless both spell the same rational or its key is one of _WORDS.
     """
     before, after = dict(_leaves(old)), dict(_leaves(new))
     found: list[Change] = []
     for place in sorted(before.keys() | after.keys()):
         name = _name(place)
         if place in before and place in after:
-            found += _of_leaf(name, place[-1], before[place], after[place])
+            found += _leaf_changes(name, place[-1], before[place], after[place])
         else:
             kind, shown = "added" if place in after else "removed", (_shown(x.get(place)) for x in (before, after))
             found.append(Change(kind, name, "", *shown))
@@ -144,19 +144,19 @@ def _leaves(node: Any, place: tuple[str, ...] = ()) -> Iterator[Leaf]:
         yield place, node
 
 
-def _of_leaf(name: str, key: str, old: Any, new: Any) -> Iterator[Change]:
+def _leaf_changes(name: str, key: str, old: Any, new: Any) -> Iterator[Change]:
     if isinstance(old, dict) and isinstance(new, dict) and old and new:
-        yield from _of_number(name, old, new)
+        yield from _number_changes(name, old, new)
     elif old != new:
         same = _number(old) is not None and _number(old) == _number(new)
         kind = "digits" if key == "digits" else "wording" if key in _WORDS or same else "value"
         yield Change(kind, name, "", _shown(old), _shown(new))
 
 
-def _of_number(name: str, old: dict[str, Any], new: dict[str, Any]) -> Iterator[Change]:
-    """How exact form and decimal together changed, then unit, words and the texts in which claims print the number."""
+def _number_changes(name: str, old: dict[str, Any], new: dict[str, Any]) -> Iterator[Change]:
+    """The change of exact form and decimal, then of unit, of words, and of the texts that claims print."""
     decimals, forms = (old["decimal"], new["decimal"]), (old.get("exact"), new.get("exact"))
-    exact = [*map(_number, forms)]  # of a formula None, which is compared as it is spelled
+    exact = [*map(_number, forms)]  # None for a formula, which is compared as text
     respelled = forms[0] == forms[1] or (exact[0] is not None and exact[0] == exact[1])
     if not (respelled or None in forms) or not _agree(*decimals):
         yield Change("value", name, "", _shown(old), _shown(new))
@@ -175,9 +175,9 @@ def _of_number(name: str, old: dict[str, Any], new: dict[str, Any]) -> Iterator[
 
 
 def _agree(old: Any, new: Any) -> bool:
-    """True if both texts can be correct roundings of one number, and not two different ones to one length.
+    """True if both texts can be correct roundings of one number; texts of equal precision must be equal.
 
-    A decimal with last digit 10**-k stands for its value up to 10**-k/2 either way, a fraction for itself.
+    A decimal with last digit 10**-k stands for any number within 10**-k/2 of it, a fraction for itself.
     """
     before, after = _rounded(old), _rounded(new)
     if old == new or before is None or after is None:
@@ -189,16 +189,16 @@ def _agree(old: Any, new: Any) -> bool:
 
 
 def _number(text: Any) -> Fraction | None:
-    """The rational that the text spells, a decimal being itself; None for other text."""
+    """The rational number that the text spells as a fraction or a decimal; None for other text."""
     found = _rounded(text)
     return found[0] if found else None
 
 
 def _rounded(text: Any) -> tuple[Fraction, Fraction] | None:
-    """The number that the text spells and half a unit of its last digit, 0 for a fraction; None for other text."""
+    """The rational that the text spells, and half a unit of its last digit, 0 for a fraction; None for other text."""
     if not isinstance(text, str):
         return None
-    # fmpz reads integers of any length; Python's own int() refuses beyond 4300 digits.
+    # fmpz reads integers of any length; int() refuses more than 4300 digits.
     if match := _FRACTION.fullmatch(text):
         top, bottom = (int(fmpz(part)) for part in match.groups())
         return (Fraction(top, bottom), Fraction(0)) if bottom else None
@@ -212,7 +212,7 @@ def _rounded(text: Any) -> tuple[Fraction, Fraction] | None:
 
 
 def _shown(leaf: Any) -> str | None:
-    """A number as exact = decimal, other leaves as they are spelled in JSON."""
+    """A number as "exact = decimal", any other leaf as JSON spells it."""
     if leaf is None or isinstance(leaf, str):
         return leaf
     if isinstance(leaf, dict) and leaf:
@@ -237,11 +237,11 @@ class Changes(Printable):
 
     @property
     def same(self) -> bool:
-        """Whether no value changed; digits and wording may have."""
+        """True if no change is one of value; numbers may have come, gone, or changed in digits or wording."""
         return all(change.kind != "value" for change in self.found)
 
     def written(self, form: str) -> str:
-        """As "text", the gravest first; as "json"; or for "github", as annotations on the lines of the new file."""
+        """As "text", the most serious changes first; as "json"; or as "github" annotations on the new file."""
         counts = Counter(change.kind for change in self.found)
         if form == "json":
             files = {"old": str(self.old), "new": str(self.new)}
@@ -256,7 +256,7 @@ class Changes(Printable):
 
 
 def diff(old: str | Path, new: str | Path) -> Changes:
-    """What changed between two files of values: what in value, what only in digits or wording. Raises ValueError.
+    """Compare two files of values: which changed in value, which only in digits or wording. Raises ValueError.
 
     >>> from pathlib import Path
     >>> from tempfile import TemporaryDirectory
@@ -272,7 +272,7 @@ def diff(old: str | Path, new: str | Path) -> Changes:
 
 
 def _annotations(changes: Sequence[Change], new: Path) -> Iterator[str]:
-    """One for each change, on the first line that opens with its id or the first part of its path, else on line 1."""
+    """An annotation per change, on the first line that begins with its id or first key, else on line 1."""
     lines: dict[str, int] = {}
     for number, line in enumerate(new.read_text(encoding="utf-8-sig").splitlines(), start=1):
         if match := re.match(r'\s*"([^"]*)":', line):

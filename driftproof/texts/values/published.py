@@ -1,4 +1,4 @@
-"""The published values: every number the lesson prints, by stable id, proved by the proofs and kept in values.json."""
+"""The published values: every number that the lesson prints, by stable id, from values.json, which the proofs write."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ VALUES_FILE = Path(__file__).with_name("values.json")
 # The module for web pages; its line NO_VALUES is where the values go.
 MODULE_FILE = Path(__file__).with_name("driftproof.mjs")
 NO_VALUES = "export const values = {};"
-# The macros for LaTeX, which say the number of digits in words, too.
+# The LaTeX macros, whose text also names this number of digits.
 MACROS_FILE = Path(__file__).with_name("driftproof.tex")
 MOST_MACRO_DIGITS = 12
 
@@ -46,7 +46,7 @@ def published_values(pattern: str = "*") -> PublishedValues:
 
 
 def render_values(values: PublishedValues, form: str) -> str:
-    """The values in one of VALUE_FORMATS; JSON is canonical, the others are renderings of it."""
+    """The values in one of VALUE_FORMATS; JSON is the complete one."""
     return VALUE_FORMATS[form](values)
 
 
@@ -72,16 +72,16 @@ def _prints(value: Mapping[str, Any]) -> Iterable[str]:
 
 
 def _as_tex(values: PublishedValues) -> str:
-    """The macros \\driftproof, \\driftproofdigits and \\driftproofexact, and one line per value, which they look up."""
+    """The LaTeX macros \\driftproof, \\driftproofdigits and \\driftproofexact, then one line of data per value."""
     from driftproof.texts.writing import markup
 
     lines = []
     for key, value in values.items():
-        exact = _mathematics(markup.formula(value["exact"], markup.TEX)) if value["exact"] else ""
-        # Printed is the longest decimal without an exponent that a claim prints; the certified one where none does.
+        exact = markup.in_any_mode(markup.formula(value["exact"], markup.TEX)) if value["exact"] else ""
+        # The printed form is the longest decimal without an exponent in any claim, else the certified decimal.
         decimals = [text for text in value["printed"].values() if text.lstrip("-").replace(".", "").isdigit()]
         printed, *rounded = (
-            _mathematics(markup.decimal_markup(decimal, markup.TEX))
+            markup.in_any_mode(markup.decimal_markup(decimal, markup.TEX))
             for decimal in (max(decimals, key=len, default=str(value["decimal"])), *_rounded(key, value))
         )
         digits = "".join(f"\\or {text}" for text in rounded)
@@ -89,13 +89,8 @@ def _as_tex(values: PublishedValues) -> str:
     return MACROS_FILE.read_text(encoding="utf-8") + "\n".join(lines)
 
 
-def _mathematics(formula: str) -> str:
-    """What reads the same in text and in mathematics stays; the rest is mathematics wherever it stands."""
-    return formula if formula.replace(".", "").isdigit() else rf"\ensuremath{{{formula}}}"
-
-
 def _rounded(key: str, value: Mapping[str, Any]) -> list[str]:
-    """The number to 1, 2, ... digits. Raises ValueError where the certified decimal does not settle all of them."""
+    """The number rounded to 1, 2, ... digits. Raises ValueError if the certified decimal does not decide them all."""
     from driftproof.methods.rationals import parse_rational
     from driftproof.symbolic.algebra.certified import HALF_AWAY, significant
 
@@ -114,7 +109,7 @@ VALUE_FORMATS: dict[str, Callable[[PublishedValues], str]] = {
     "json": lambda values: as_json({**_document(), "values": values}),
     "md": _as_markdown,
     "tex": _as_tex,
-    # An ES module that holds the values, and rounds and shows them.
+    # An ES module with the values and functions that round and show them.
     "js": lambda values: (
         MODULE_FILE.read_text(encoding="utf-8")
         .replace(NO_VALUES, f"export const values = {as_json(values)};")

@@ -1,1 +1,1 @@
-"""Exact answers and facts in print: text, TeX, MathML and JSON."""
+"""Writers of exact answers and facts as text, TeX, MathML and JSON."""

@@ -1,4 +1,4 @@
-"""Certified answers about steps and runs, JSON-ready: numbers are strings, with their exact forms; and as text."""
+"""Write certified answers about steps and runs as text, and as JSON with numbers as strings."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ from driftproof.symbolic.algebra.rational_functions import exact_text
 from driftproof.symbolic.runs import OscillatorRun, TrigonometricNumber
 from driftproof.texts.writing.markup import LONGEST_IN_TEXT
 
-# What a step and a run are asked for, in the order in which a reader wants it.
+# The entries of an answer that are shown as text, in this order.
 _SHOWN = ["final_state", "exact_state", "state_error", "energy", "energy_change", "phase_error", "steps", "evaluations"]
 
 
 def exact_and_decimal(
     value: CertifiableReal | None, digits: int, rounding: str = HALF_EVEN, unit: str | None = None
 ) -> Json | None:
-    """{"exact": "337/384" or None, "decimal": correctly rounded digits, "unit": ...}; None for an undefined value."""
+    """{"exact": "337/384" or None, "decimal": correctly rounded, "unit": ... if given}; None for an undefined value."""
     if value is None:
         return None
     trigonometric = isinstance(value, TrigonometricNumber)
@@ -28,7 +28,7 @@ def exact_and_decimal(
 
 
 def step_answer(run: OscillatorRun, digits: int, rounding: str) -> Json:
-    """A run of one step: the state and its energy, exact and in decimals."""
+    """The answer about a step: the state, its energy and the energy change, exact and in decimals."""
     return {
         "method": run.method.key,
         "title": run.method.title,
@@ -43,9 +43,9 @@ def step_answer(run: OscillatorRun, digits: int, rounding: str) -> Json:
 
 
 def run_answer(run: OscillatorRun, digits: int, rounding: str) -> Json:
-    """N = t/h steps: final and exact state, errors, energy, phase, steps, and evaluations of an explicit method.
+    """The answer about a run of N = t/h steps: that of `step_answer`, exact state, errors, steps and evaluations.
 
-    Those of an implicit one depend on how its equations are solved.
+    Evaluations are left out for an implicit method, as they depend on how its equations are solved.
     """
     counted = {"evaluations": run.steps * evaluations_per_step(run.method)} if run.method.explicit else {}
     return {
@@ -64,7 +64,7 @@ def _pair(state: tuple[CertifiableReal, CertifiableReal], digits: int, rounding:
 
 
 def answer_text(answer: Json) -> str:
-    """The answer of `driftproof step` or `driftproof run`, as a titled table."""
+    """The answer of `driftproof step` or `driftproof run` as a table with a title."""
     start = ", ".join(answer["start"])
     steps = f"{answer['steps']} steps" if "steps" in answer else "one step"
     until = f" to t = {answer['t']}" if "t" in answer else ""

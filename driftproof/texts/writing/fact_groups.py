@@ -1,6 +1,6 @@
-"""The facts of a method for a reader: what it is, accuracy, stability and structure, in plain words beside the field's.
+"""Write the facts of a method in four groups, with plain words beside the technical names.
 
-What a method has nothing of is left out; `--all` has every fact under its name.
+Facts that the method does not have are left out; `--all` shows every fact.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from driftproof.methods.catalogue import FACTS_ONLY, METHODS
 from driftproof.methods.names import also_known_as, not_to_be_confused_with
 from driftproof.texts.writing.facts import fact_text, facts_text
 
-# Heading, then fact | what it says to who does not know its name. The oscillator is q' = v, v' = -q.
+# Heading, then fact | its label, for readers who may not know its name. The oscillator is q' = v, v' = -q.
 _GROUPS = """
 What it is
 method | name
@@ -77,7 +77,7 @@ _PLAIN = dict(line.split(" | ") for _, *lines in _READ for line in lines)
 
 
 def grouped_facts_text(facts: Mapping[str, Any], everything: bool = False) -> str:
-    """Facts under four headings, what the method is called with the first; then the others, or how many there are.
+    """Facts under four headings, with other names of the method under the first; then all others, or their count.
 
     >>> facts = {"method": METHODS["trapezoid"], "order": 2, "symmetric": True, "decimal": False}
     >>> print(grouped_facts_text(facts))
@@ -99,7 +99,7 @@ def grouped_facts_text(facts: Mapping[str, Any], everything: bool = False) -> st
     rest = {name: value for name, value in facts.items() if name not in shown}
     parts = []
     for heading, group in groups.items():
-        named = {_PLAIN[name]: value for name, value in group.items() if everything or _tells(name, value)}
+        named = {_PLAIN[name]: value for name, value in group.items() if everything or _is_shown(name, value)}
         parts += [_under(heading, _called(named, facts["method"]) if "method" in group else named)]
     if everything:
         parts += [_under("Everything else", rest)]
@@ -108,13 +108,13 @@ def grouped_facts_text(facts: Mapping[str, Any], everything: bool = False) -> st
     return "\n\n".join(filter(None, parts))
 
 
-def _tells(name: str, value: Any) -> bool:
-    """False of what the method has not, and of a sector of 0 or 90 degrees, as A-stability stands beside it."""
+def _is_shown(name: str, value: Any) -> bool:
+    """False for a fact that the method lacks, and for a sector of 0 or 90 degrees, which A-stability already says."""
     return fact_text(value) != "none" and (name != "sector" or callable(value.degrees.exact))
 
 
 def _called(named: Mapping[str, Any], method: Any) -> dict[str, Any]:
-    """The group with what people call a method of the catalogue, at its end."""
+    """The group with other names of a method of the catalogue, and methods not to confuse it with, at its end."""
     if method not in (METHODS.get(fact_text(method)), FACTS_ONLY.get(fact_text(method))):
         return dict(named)
     names, others = also_known_as(method.key), not_to_be_confused_with(method.key)

@@ -1,4 +1,4 @@
-"""The facts of a method as text and as TeX: one writer over the types of facts, with two ways to write a formula."""
+"""Write the facts of a method as text or TeX: one writer per language over the types of facts."""
 
 from __future__ import annotations
 
@@ -25,19 +25,19 @@ from driftproof.symbolic.linear.systems import EigenvalueLimit
 from driftproof.texts.writing.markup import TEX, formula
 from driftproof.texts.writing.records import is_long, parts, record
 
-# A list of trees or of points longer than this is left to --format json.
+# Entries shown of a list of trees or points; --format json has all.
 MOST_ITEMS_SHOWN = 12
-# Characters of a formula, and digits of a coefficient in one that would be longer: JSON has it exactly.
+# Characters of a formula; digits of the coefficients of a longer one, which JSON has exactly.
 LONGEST_FORMULA, COEFFICIENT_DIGITS = 400, 17
-# TeX is pasted: it is exact much longer.
+# Characters of an exact formula in TeX, which is pasted rather than read.
 LONGEST_TEX = 20_000
-# Characters of a decimal that stands in TeX beside an exact form.
+# Characters of a decimal beside an exact form in TeX.
 DECIMALS_IN_TEX = 10
 _ESCAPED = str.maketrans({"_": r"\_", "^": r"\^{}", "#": r"\#", "&": r"\&", "%": r"\%", "τ": r"$\tau$"})
 
 
 def facts_text(facts: Mapping[str, Any]) -> str:
-    """One line per fact: its name in words, its value; a list of records or a matrix takes a line for each row."""
+    """One line per fact with its name and value; a list or a matrix takes a line per entry or row."""
     rows = []
     for name, value in facts.items():
         listed = value if _is_list(value) and value else [value]
@@ -49,28 +49,28 @@ def facts_text(facts: Mapping[str, Any]) -> str:
 
 
 def facts_tex(facts: Mapping[str, Any]) -> str:
-    """A tabular with one row per fact, formulas in mathematics."""
+    """A LaTeX tabular with one row per fact and formulas in mathematics."""
     rows = [rf"  {name.replace('_', ' ')} & {fact_tex(value)} \\" for name, value in facts.items()]
     return "\n".join([r"\begin{tabular}{ll}", *rows, r"\end{tabular}"])
 
 
 def fact_text(value: Any) -> str:
-    """One fact, or what facts consist of, in one line."""
+    """A fact, or a part of one, as one line of text."""
     return _Text().of(value)
 
 
 def fact_tex(value: Any) -> str:
-    """The same in TeX: formulas between dollar signs, words with TeX's own characters escaped."""
+    """A fact, or a part of one, as TeX: formulas between dollar signs, special characters in words escaped."""
     return _Tex().of(value)
 
 
 def _is_list(value: object) -> bool:
-    """True for a list, and for a tuple whose entries have no names."""
+    """True for a list or a plain tuple, not for a named tuple."""
     return isinstance(value, list | tuple) and not hasattr(value, "_fields")
 
 
 class _Text:
-    """Facts in plain text; `_Tex` writes forms, decimals, functions, intervals and matrices in another way."""
+    """A writer of facts as plain text; `_Tex` overrides the formatting of formulas, numbers and intervals."""
 
     def of(self, value: Any) -> str:
         for kinds, method in _BY_TYPE:
@@ -90,11 +90,11 @@ class _Text:
         return text
 
     def form(self, value: Any) -> str:
-        """A number or a formula whose record is a text in SymPy's syntax, or such a text."""
+        """A formula in SymPy's syntax, or a value whose record is one."""
         return str(record(value))
 
     def scalar(self, value: Fraction | Algebraic | Infinity | Formula) -> str:
-        """A number or a formula; a long number with its decimal, and a still longer one by it alone."""
+        """A number or a formula; a long number with its decimal, a very long one by its decimal alone."""
         if isinstance(value, Formula) and len(value.text) > LONGEST_FORMULA:
             return self.function(value.function) if value.function else f"a formula of {len(value.text)} characters"
         if not is_long(value):
@@ -108,7 +108,7 @@ class _Text:
         return text
 
     def items(self, values: Sequence[Any]) -> str:
-        """Numbers and functions in brackets, other things one after the other."""
+        """Numbers and functions as a list in brackets, other values separated by semicolons."""
         if any(map(is_long, values)):
             return self.math(f"[{', '.join(_coefficients(values))}]")
         entries = [self.of(x) for x in values]
@@ -117,7 +117,7 @@ class _Text:
         return "; ".join(entries)
 
     def number(self, value: RealRoot | EnclosedTangent | NumberField) -> str:
-        """2*sqrt(2) = 2.828..., or the polynomial and the interval where there are no radicals."""
+        """2*sqrt(2) = 2.828..., or the polynomial and the interval if there are no radicals."""
         found = record(value)
         if isinstance(found, str):
             return self.form(found)
@@ -130,11 +130,11 @@ class _Text:
         return self.about(place, found["decimal"])
 
     def radicals(self, exact: str, digits: str) -> str:
-        """A number with its exact form, which of a whole number says all."""
+        """The exact form and the decimal; the exact form alone if the decimal adds nothing."""
         return exact if _says_all(exact, digits) else f"{exact} = {digits}"
 
     def about(self, place: str, real: str, imaginary: str = "") -> str:
-        """A number without an exact form, where it lies, with its digits."""
+        """A number without an exact form: a description and its decimal."""
         return f"{place} = {real} + {imaginary}*I" if imaginary else f"{place} = {real}"
 
     def complex_number(self, value: Imaginary | Complex) -> str:
@@ -144,7 +144,7 @@ class _Text:
         return self.about(f"a root of {self.form(found['minpoly'])}", found["real"], found["imaginary"])
 
     def function(self, value: RationalFunction | ExactFunction | FamilyFunction) -> str:
-        """(numerator)/(denominator), without the denominator where it is 1."""
+        """(numerator)/(denominator), or the numerator alone if the denominator is 1."""
         if isinstance(value, FamilyFunction):
             num, den = (_polynomial(_coefficients(row), "z") for row in value)
         else:
@@ -154,7 +154,7 @@ class _Text:
         return num if den == "1" else f"({num})/({den})"
 
     def series(self, value: TruncatedSeries) -> str:
-        """The terms that are known, and the order of the others."""
+        """The known terms, and the order of the remainder."""
         known = _polynomial(_coefficients(value.coefficients), value.variable)
         return f"{known} + O({_power(value.variable, len(value.coefficients))})"
 
@@ -176,7 +176,7 @@ class _Text:
         return f"{found} on {self.of(value.where)}"
 
     def eigenvalue(self, value: EigenvalueLimit) -> str:
-        """The eigenvalue, how often it occurs, and for which h the powers of its part of the step stay bounded."""
+        """The eigenvalue, its multiplicity, its block, and the h for which the powers of its part stay bounded."""
         eigenvalue, bound = value
         often = f", {eigenvalue.multiplicity} times" if eigenvalue.multiplicity > 1 else ""
         block = f", Jordan block of size {eigenvalue.block}" if eigenvalue.block > 1 else ""
@@ -189,7 +189,7 @@ class _Text:
         return f"{self.of(eigenvalue.place)}{often}{block}: {until}"
 
     def below(self, attained: bool | None) -> str:
-        """The beginning of h <= limit."""
+        """The left side and the relation of h <= limit."""
         return f"h {'<=' if attained else '<'}"
 
     def boundary(self, value: RegionBoundary) -> str:
@@ -202,7 +202,7 @@ class _Text:
 
 
 class _Tex(_Text):
-    """Facts in TeX."""
+    """A writer of facts as TeX."""
 
     def words(self, text: str) -> str:
         return text.replace("**", "^").translate(_ESCAPED)
@@ -285,13 +285,13 @@ _BY_TYPE: tuple[tuple[Any, str], ...] = (
 
 
 def _more(found: Sized) -> str:
-    """What follows the first MOST_ITEMS_SHOWN of these."""
+    """The remark about entries beyond the first MOST_ITEMS_SHOWN; "" if there are none."""
     more = len(found) - MOST_ITEMS_SHOWN
     return f", and {more} more (--format json has all)" if more > 0 else ""
 
 
 def _coefficients(values: Sequence[Any]) -> list[str]:
-    """The coefficients as text; if all together are too long, the long ones as decimals that end in "..."."""
+    """The coefficients as text; if their total length is too large, long ones as decimals that end in "..."."""
     exact = [exact_text(x) if isinstance(x, Fraction) else str(x) for x in values]
     if sum(map(len, exact)) <= LONGEST_FORMULA:
         return exact
@@ -300,17 +300,17 @@ def _coefficients(values: Sequence[Any]) -> list[str]:
 
 
 def _in_tex(text: str) -> str:
-    """Powers and exponents of a polynomial with decimal coefficients as TeX has them."""
+    """The text of a polynomial with decimal coefficients as TeX."""
     return re.sub(r"e(-?\d+)", r" \\cdot 10^{\1}", re.sub(r"\^(\d+)", r"^{\1}", text)).replace("...", r"\ldots ")
 
 
 def _says_all(exact: str, digits: str) -> bool:
-    """Whether the digits add nothing to the exact form: it is a whole number, or they are the same."""
+    """True if the decimal adds nothing to the exact form, as for a whole number."""
     return exact in (digits, digits.rstrip("0").rstrip("."))
 
 
 def _cut(digits: str) -> str:
-    """The first digits of a decimal, with its exponent if it has one."""
+    """The first digits of a decimal as TeX, with its exponent if it has one."""
     mantissa, _, exponent = digits.partition("e")
     return mantissa[:DECIMALS_IN_TEX] + (rf" \cdot 10^{{{exponent}}}" if exponent else "")
 
@@ -322,9 +322,9 @@ def _end(root: RealRoot) -> str:
 
 
 def _polynomial(ascending: Sequence[str], variable: str, step: int = 1, signs: tuple[str, str] = (" ", "^")) -> str:
-    """1 - 1/2 h^2 + ..., from coefficients of powers of variable^step as text, constant first, zeros left out.
+    """The polynomial 1 - 1/2 h^2 + ... in variable^step, from its coefficients as text, the constant first.
 
-    `signs` are written for a product and for a power; sums in a number field stand in brackets.
+    `signs` are the signs of products and of powers; a coefficient that is a sum is put in brackets.
     """
     terms = []
     for power, coefficient in enumerate(ascending):

@@ -1,4 +1,4 @@
-"""Exact forms and decimals as TeX and as MathML: the parser's tree of a form, written by one of two writers."""
+"""Write exact forms and decimals as TeX or MathML, from the parsed tree of a form."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from html import escape
 
 from driftproof.methods import expression_tree as tree
 
-# An exact form longer than this is left out of texts.
+# Characters of an exact form that is shown beside a decimal in texts.
 LONGEST_IN_TEXT = 24
 GREEK = {
     **{"alpha": "α", "beta": "β", "gamma": "γ", "delta": "δ", "theta": "θ"},
@@ -19,9 +19,9 @@ GREEK = {
 
 @dataclass(frozen=True)
 class Writer:
-    """How the parts of a formula are written; arguments are parts that are written already, but for names and digits.
+    """Functions that write the parts of a formula; except for names and digits, arguments are already written.
 
-    `operator` writes one of + - · and, for a product that needs no sign, the empty string; `words`, what is no formula.
+    `operator` writes +, -, ·, or the empty string for a product without a sign; `words` writes text that is no formula.
     """
 
     number: Callable[[str], str]
@@ -81,19 +81,19 @@ MATHML = Writer(
 
 
 def formula(text: str, write: Writer) -> str:
-    """An exact form in SymPy's syntax, e.g. "2*sqrt(2)/3". Raises ExpressionError for what is no formula."""
+    """Write an exact form in SymPy's syntax, e.g. "2*sqrt(2)/3". Raises ExpressionError if it is no formula."""
     return _Formula(write).of(tree.parse_form(text))
 
 
 def rational_markup(numerator: str, denominator: str, write: Writer) -> str:
-    """A fraction from its integers as text, the sign in front."""
+    """Write a fraction, given as two integers in decimal, with its sign in front."""
     size = numerator.removeprefix("-")
     body = write.number(size) if denominator == "1" else write.fraction(write.number(size), write.number(denominator))
     return body if size == numerator else write.row([write.operator("-"), body])
 
 
 def decimal_markup(text: str, write: Writer) -> str:
-    """A decimal such as "-6.7e-5"."""
+    """Write a decimal such as "-6.7e-5"."""
     mantissa, _, exponent = text.partition("e")
     size = mantissa.removeprefix("-")
     parts = [write.operator("-")] if size != mantissa else []
@@ -103,8 +103,13 @@ def decimal_markup(text: str, write: Writer) -> str:
     return write.row(parts)
 
 
+def in_any_mode(tex: str) -> str:
+    """TeX for text and mathematics alike: a formula in \\ensuremath, and plain digits as they are."""
+    return tex if tex.replace(".", "").isdigit() else rf"\ensuremath{{{tex}}}"
+
+
 class _Formula:
-    """One pass over a tree."""
+    """A writer of formulas: one method per kind of node."""
 
     def __init__(self, write: Writer) -> None:
         self.write = write
@@ -127,7 +132,7 @@ class _Formula:
                 return self.sum(node) if _is_sum(node) else self.product(node)
 
     def factor(self, node: tree.ExpressionNode) -> str:
-        """A node as a factor, or as a term after the first: sums and what begins with a sign in brackets."""
+        """Write a factor, or a term after the first: in brackets if it is a sum or begins with a sign."""
         return self.write.bracket(self.of(node)) if _is_sum(node) or _is_negative(node) else self.of(node)
 
     def sum(self, node: tree.ChainNode) -> str:
@@ -137,7 +142,7 @@ class _Formula:
         return self.write.row(parts)
 
     def product(self, node: tree.ChainNode) -> str:
-        """Factors side by side, divisors below a line, a sign in front of all."""
+        """Write factors side by side, divisors in a denominator, and a sign in front of all."""
         first = node.first.node if isinstance(node.first, tree.NegatedNode) else node.first
         factors = [first, *(factor for sign, factor in node.rest if sign.text == "*")]
         above = [factor for factor in factors if getattr(factor, "value", 0) != 1] or factors[:1]
@@ -148,7 +153,7 @@ class _Formula:
         return body if first is node.first else self.write.row([self.write.operator("-"), body])
 
     def side_by_side(self, factors: Sequence[tree.ExpressionNode]) -> str:
-        """Factors with a sign between where two numbers would run together."""
+        """Write factors, with a sign between those that would run together as numbers."""
         if len(factors) == 1:
             return self.of(factors[0])
         parts = [self.factor(factors[0])]
@@ -157,7 +162,7 @@ class _Formula:
         return self.write.row(parts)
 
     def power(self, base: tree.ExpressionNode, exponent: Fraction) -> str:
-        """A power, or a root where the exponent is 1/n."""
+        """Write a power, or a root if the exponent is 1/n."""
         if exponent.denominator > 1 and exponent.numerator == 1:
             return self.write.root(self.of(base), exponent.denominator)
         plain = isinstance(base, tree.NameNode) or (isinstance(base, tree.NumberNode) and base.value.denominator == 1)
@@ -172,14 +177,14 @@ def _is_sum(node: tree.ExpressionNode) -> bool:
 
 
 def _is_negative(node: tree.ExpressionNode) -> bool:
-    """True where the writing begins with a minus sign."""
+    """True if the written node begins with a minus sign."""
     return isinstance(node, tree.NegatedNode) or (
         isinstance(node, tree.ChainNode) and not _is_sum(node) and _is_negative(node.first)
     )
 
 
 def _begins_with_digit(node: tree.ExpressionNode) -> bool:
-    """True where a factor before it would run into it."""
+    """True if the written node begins with a digit, so that it would run into a number before it."""
     if isinstance(node, tree.PowerNode):
         return node.exponent.denominator == 1 and isinstance(node.base, tree.NumberNode)
     if isinstance(node, tree.ChainNode) and not _is_sum(node):

@@ -1,4 +1,4 @@
-"""Facts as records, JSON-ready: exact numbers as strings, polynomials as lists with the constant term first."""
+"""Write facts as JSON: exact numbers as strings, polynomials as lists with the constant term first."""
 
 from __future__ import annotations
 
@@ -43,18 +43,18 @@ from driftproof.symbolic.linear.systems import SYSTEM_FACTS, EigenvalueLimit, fa
 from driftproof.symbolic.trees.order_conditions import OrderFact, PrincipalError, Simplifying
 from driftproof.symbolic.trees.rooted_trees import to_brackets
 
-# Characters of a number that somebody may read: two integers of thirty digits, or a few terms with a root.
+# Characters of a number that people may read: two integers of thirty digits, or a few terms with a root.
 LONGEST_BARE = 60
 # The 1842 trees of order 11 take 100 kB; those of order 15, of a method of 7 stages, took 5 MB.
 MOST_TREES_READ = 2000
 
 
 def facts_of(method: Method | FactsOnly, names: Sequence[str] = (), terms: int = TERMS) -> dict[str, Json]:
-    """The named facts of the method, else all, JSON-ready: numbers are strings, null is what the method has not.
+    """The named facts of the method, by default all, as JSON: numbers are strings, a fact that it lacks is None.
 
-    Only those asked for are computed. `terms` is the length of series. Beside FACTS, points of the boundary of the
-    stability region may be named, "region_boundary", of a multistep method "root_locus". Raises ValueError for an
-    unknown name.
+    Only the named facts are computed. `terms` is the length of series. Besides FACTS, `names` may hold those of
+    ON_REQUEST, such as "region_boundary", points of the boundary of the stability region, or "root_locus" of a
+    multistep method. Raises ValueError for an unknown name.
 
     >>> from driftproof import METHODS, facts_of
     >>> facts_of(METHODS["rk4"], ["order", "stability_function"])
@@ -68,9 +68,9 @@ def facts_of(method: Method | FactsOnly, names: Sequence[str] = (), terms: int =
 def system_facts(
     method: Method, rows: Sequence[Sequence[Fraction]], names: Sequence[str] = tuple(SYSTEM_FACTS)
 ) -> dict[str, Json]:
-    """The named facts of the method on z' = Az, A given by its rows: one-step matrix, eigenvalues, limits of h.
+    """The named facts of the method on z' = Az, A given by rows, as JSON: one-step matrix, eigenvalues, limits of h.
 
-    Raises ValueError for an unknown name, a matrix that is not square, and a system that the method is not for.
+    Raises ValueError for an unknown name, a matrix that is not square, and a system that the method does not apply to.
 
     >>> from fractions import Fraction
     >>> from driftproof import METHODS, system_facts
@@ -81,9 +81,10 @@ def system_facts(
 
 
 def family_facts(family: Family, names: Sequence[str] = FAMILY_FACTS) -> dict[str, Json]:
-    """The named facts of the family, for almost all or for which values of the parameter; those of a member differ.
+    """The named facts of the family as JSON: what holds for almost all values of its parameter, or for which.
 
-    Sets are exact unions of intervals, functions in SymPy's syntax. Raises ValueError for an unknown name.
+    The facts of a single member may differ. Sets are exact unions of intervals, functions in SymPy's syntax. Raises
+    ValueError for an unknown name.
 
     >>> from driftproof import FAMILIES, family_facts
     >>> family_facts(FAMILIES["sdirk_order_2"], ["a_stable"])["a_stable"]["set"]
@@ -93,11 +94,11 @@ def family_facts(family: Family, names: Sequence[str] = FAMILY_FACTS) -> dict[st
     return record(facts_by_name(FamilyFacts(family), names, FAMILY_FACTS))  # type: ignore[no-any-return]
 
 
-# --- what facts consist of
+# --- the parts of facts
 
 
 def parts(value: Any) -> Mapping[str, Any] | None:
-    """The parts of a fact that has some, by name; None for a number, a word, a formula, a list."""
+    """The parts of a composite fact, by name; None for a number, words, a formula or a list."""
     if type(value) in _PARTS:
         return _PARTS[type(value)](value)
     if isinstance(value, Mapping):
@@ -105,8 +106,8 @@ def parts(value: Any) -> Mapping[str, Any] | None:
     return value._asdict() if hasattr(value, "_asdict") else None
 
 
-def _of_hamiltonian(found: ModifiedEnergy) -> dict[str, Any]:
-    """H̃ = factor*(q2 q² + qv qv + v2 v²), in the words of `ModifiedHamiltonian`; the factor also as a series."""
+def _hamiltonian_parts(found: ModifiedEnergy) -> dict[str, Any]:
+    """H̃ = factor*(q2 q² + qv qv + v2 v²), as in `ModifiedHamiltonian`; the factor also as a series."""
     cosine = ExactFunction(found.hamiltonian.cosine, "h")
     forms = {name: ExactFunction(getattr(found.hamiltonian, name), "h") for name in ("q2", "qv", "v2")}
     return {
@@ -117,8 +118,8 @@ def _of_hamiltonian(found: ModifiedEnergy) -> dict[str, Any]:
     }
 
 
-def _of_eigenvalue(found: EigenvalueLimit) -> dict[str, Any]:
-    """The eigenvalue, of a pair the one above the real axis, and for which h its part of the step stays bounded."""
+def _eigenvalue_parts(found: EigenvalueLimit) -> dict[str, Any]:
+    """The eigenvalue, for a pair the one above the real axis, and the limit of h for which its powers stay bounded."""
     eigenvalue, bound = found
     limit, attained = (bound, None) if isinstance(bound, Exception) else bound
     names = ("value", "multiplicity", "largest_block", "limit", "attained")
@@ -126,29 +127,29 @@ def _of_eigenvalue(found: EigenvalueLimit) -> dict[str, Any]:
 
 
 def number_record(value: RealRoot, digits: int = PRINTED_DIGITS) -> dict[str, Any]:
-    """{"exact", "minpoly", "interval", "decimal"}: radicals in SymPy's syntax or None, polynomial in x.
+    """{"exact", "minpoly", "interval", "decimal"} of an algebraic number: radicals or None, and its polynomial in x.
 
-    The number is the one root of its polynomial in the closed interval; the decimal is rounded correctly.
+    The number is the only root of the polynomial in the closed interval; the decimal is rounded correctly.
     """
     exact, minimal = radical_form(value), integer_polynomial_text(value.minimal)
     ends = [str(end) for end in value.interval()]
     return {"exact": exact, "minpoly": minimal, "interval": ends, "decimal": root_decimal(value, digits)}
 
 
-def _of_enclosed(value: EnclosedTangent) -> dict[str, Any]:
+def _tangent_parts(value: EnclosedTangent) -> dict[str, Any]:
     billionths = decide_by_enclosure(value.ball, lambda x: int(x * 10**9))
     ends = [str(Fraction(n, 10**9)) for n in (billionths, billionths + 1)]
     return {"exact": None, "minpoly": None, "interval": ends, "decimal": significant(value.ball, PRINTED_DIGITS)}
 
 
-def _of_field(field: NumberField) -> dict[str, Any]:
+def _field_parts(field: NumberField) -> dict[str, Any]:
     ends, digits = [str(field.low), str(field.high)], significant(field.generator, PRINTED_DIGITS)
     minimal = integer_polynomial_text(field.minimal)
     return {"generator": field.name, "minpoly": minimal, "interval": ends, "decimal": digits}
 
 
-def _of_place(place: Imaginary | Complex) -> dict[str, Any]:
-    """An eigenvalue off the real axis, the one above it."""
+def _place_parts(place: Imaginary | Complex) -> dict[str, Any]:
+    """A non-real eigenvalue, the one above the real axis."""
     exact = None
     if isinstance(place, Imaginary):
         size = radical_form(place.size)
@@ -166,7 +167,7 @@ def _of_place(place: Imaginary | Complex) -> dict[str, Any]:
 
 
 def _times_i(size: str) -> str:
-    """The number times i, e.g. "sqrt(399)/20*I"."""
+    """The text of a number times i, e.g. "sqrt(399)/20*I"."""
     return "I" if size == "1" else f"({size})*I" if " " in size else f"{size}*I"
 
 
@@ -185,7 +186,7 @@ _PARTS: dict[type, Callable[[Any], dict[str, Any]]] = {
         name: ExactFunction(fraction(c), "h").as_formula()
         for name, c in zip(("q2", "qv", "v2"), x.coefficients, strict=True)
     },
-    ModifiedEnergy: _of_hamiltonian,
+    ModifiedEnergy: _hamiltonian_parts,
     LeadingTerm: lambda x: {
         "power": x.power,
         "coefficient": x.coefficient if is_readable(x.coefficient) else root_of(x.coefficient),
@@ -203,14 +204,14 @@ _PARTS: dict[type, Callable[[Any], dict[str, Any]]] = {
         "high_closed": x.high_closed,
     },
     LimitPiece: lambda x: {**x._asdict(), "where": str(x.where), "interval": x.where},
-    EigenvalueLimit: _of_eigenvalue,
+    EigenvalueLimit: _eigenvalue_parts,
     RealRoot: number_record,
-    EnclosedTangent: _of_enclosed,
-    NumberField: _of_field,
-    Imaginary: _of_place,
-    Complex: _of_place,
+    EnclosedTangent: _tangent_parts,
+    NumberField: _field_parts,
+    Imaginary: _place_parts,
+    Complex: _place_parts,
 }
-# What has no parts and is not written as it prints itself.
+# Types without parts that str() does not write, and their writers.
 _SIMPLE: tuple[tuple[Any, Callable[[Any], Json]], ...] = (
     (RungeKutta | Splitting | Nystrom | Collocation | Family | FactsOnly, lambda x: x.key),
     (RationalFunction, RationalFunction.data),
@@ -223,14 +224,14 @@ _SIMPLE: tuple[tuple[Any, Callable[[Any], Json]], ...] = (
 
 
 def is_long(value: Any) -> bool:
-    """True for a number whose exact form nobody reads: it never stands without its decimal."""
+    """True for a number with an exact form too long to read, which needs a decimal beside it."""
     return isinstance(value, Fraction | Algebraic) and len(exact_text(value)) > LONGEST_BARE
 
 
 def record(value: Any) -> Json:
-    """A fact, or what facts consist of, as JSON has it: null, true, counts, words, "1/2", [...], {...}.
+    """A fact or a part of one as JSON: null, true, counts, words, "1/2", [...], {...}.
 
-    A number of more than LONGEST_BARE characters is {"exact", "decimal"}, but in a list of coefficients.
+    A number of more than LONGEST_BARE characters is {"exact", "decimal"}, except in a list of coefficients.
     """
     if is_long(value):
         return {"exact": exact_text(value), "decimal": significant(value, PRINTED_DIGITS)}

@@ -135,6 +135,8 @@ def test_braces_are_chosen_from_in_every_way_and_equal_braces_alike() -> None:
     assert questions_in("1/3") == {"1/3": ()}
     with pytest.raises(ValueError, match="asks for 2001 values"):
         questions_in("{1..2001}")
+    with pytest.raises(ValueError, match="asks for 0 values"):
+        questions_in("a - {3..1}")
     with pytest.raises(QuestionError, match="unknown method"):
         Suggestions("1.5", ["step {nope} h=1 : q"]).of(numbers_in("1.5")[0])
 

@@ -189,3 +189,7 @@ def test_number_of_steps_to_an_error_is_one_with_which_it_is_reached_and_with_on
     assert off[0] <= float(error)
     assert off[1] > float(error) or n == 1
     assert value(f"run {method} to t=10 with tol={error} : h").exact * n == 10
+
+
+def test_an_error_is_refused_only_if_the_largest_number_of_steps_does_not_reach_it():
+    assert 2**59 < value("steps of forward_euler to t=10 with error=1/16000000000000000").exact < 10**18
