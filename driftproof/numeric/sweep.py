@@ -140,7 +140,7 @@ class Workers(ProcessPoolExecutor):
 
 
 def processes(workers: int | None = None) -> Workers:
-    """A pool of so many processes, by default one for each processor."""
+    """A pool of `workers` processes, by default one for each processor."""
     return Workers(workers, mp_context=get_context("spawn"))
 
 

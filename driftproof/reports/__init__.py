@@ -1,1 +1,1 @@
-"""What one would rather look at: pages, figures and studies."""
+"""Answers to be looked at: pages, figures and studies."""
