@@ -273,11 +273,11 @@ def _outcome(run: Json) -> str:
 
 
 def _expected_text(_: Json, entries: Sequence[Json]) -> str:
-    told: dict[str, list[str]] = {}
+    methods_of_sentence: dict[str, list[str]] = {}
     for entry in entries:
         if entry["expected"]:
-            told.setdefault(entry["expected"], []).append(entry["method"])
-    lines = [f"{', '.join(methods)}: {sentence}" for sentence, methods in told.items()]
+            methods_of_sentence.setdefault(entry["expected"], []).append(entry["method"])
+    lines = [f"{', '.join(methods)}: {sentence}" for sentence, methods in methods_of_sentence.items()]
     return "Expected\n\n" + "\n".join(lines) if lines else ""
 
 
@@ -293,6 +293,6 @@ def problems_json(problems: Iterable[Problem]) -> list[Json]:
 def problems_text(listed: Sequence[Json]) -> str:
     """The problems listed by `problems_json`, as a table."""
     kinds = {"linear": "linear", "stiff": "stiff", "second_order": "q'' = F(q)"}
-    told = [", ".join(words for name, words in kinds.items() if entry[name]) for entry in listed]
-    rows = [[entry["problem"], kind, entry["title"]] for entry, kind in zip(listed, told, strict=True)]
+    shown = [", ".join(words for name, words in kinds.items() if entry[name]) for entry in listed]
+    rows = [[entry["problem"], kind, entry["title"]] for entry, kind in zip(listed, shown, strict=True)]
     return table([["problem", "kind", "title"], *rows])

@@ -41,8 +41,8 @@ def _problem(problem: Problem, methods: Sequence[Method], identity: str) -> str:
     figure = work_figure(found, identity, problem.t, cost=_EVALUATIONS).markup()
     work = element("div", figure, work_table(found), class_="beside")
     rows = [[each.title, _steps(problem, each), expected_of(problem, each)] for each in methods]
-    told = slice(None) if any(row[-1] for row in rows) else slice(-1)
-    rows = [row[told] for row in (["Method", "Steps that it can take", "Expected"], *rows)]
+    columns = slice(None) if any(row[-1] for row in rows) else slice(-1)
+    rows = [row[columns] for row in (["Method", "Steps that it can take", "Expected"], *rows)]
     table = html_table(rows, _about(problem), "words")
     return "".join(
         [
