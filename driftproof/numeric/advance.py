@@ -83,8 +83,8 @@ def field_rate(field: VectorField, functions: Mapping[str, Any] | None = None) -
 def counted_evaluations(method: Method, problem: Problem, steps: int) -> int:
     """The number of evaluations of f, or of the accelerations, in `steps` steps, counted on the text that is run.
 
-    The text is a loop over straight-line code, so every step makes as many. One is run with a function that counts its
-    calls in the place of the last rate.
+    The text is a loop over straight-line code, so that all steps make the same number of calls. One step is run with a
+    function that counts its calls as the last rate.
     """
     return steps * _calls_of_a_step(method, len(problem.start), problem.second_order)
 

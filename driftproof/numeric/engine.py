@@ -52,7 +52,7 @@ def runner(method: Method, force: str = OSCILLATOR, *, compensated: bool = False
     """Return run(q, v, h, steps) of `method` in plain Python floats: `steps` steps of `stepping.stepper` in one loop.
 
     `force` is the text of F(x) with {} for x, of names, numbers, operators and `vector_fields.FUNCTIONS`. It is
-    executed, so no user's text may get there. `compensated` carries along what the additions to the state round off
+    executed, so no user's text may get there. `compensated` carries along what additions to the state round off
     (bounded in `tests/witnesses/compensated.py`). A negative h runs back in time. Raises MethodError for implicit
     methods.
     """
@@ -111,8 +111,7 @@ def compiled_field_ensemble_runner(method: Method, field: VectorField, *, thread
     """Return run(y, h, first, last) on many systems: y has a row for each component and a column for each system.
 
     y, of binary64, is overwritten with the states after steps first to last - 1, step i from t = i h, with the bits of
-    `field_runner`. The systems are shared among `threads` threads. Needs the extra `fast`. Raises ValueError for
-    another y.
+    `field_runner`. `threads` threads share the systems. Needs the extra `fast`. Raises ValueError for another y.
     """
     source = field_source(method, field)
 

@@ -108,6 +108,6 @@ def _repeated(relative: Sequence[Sequence[str]], at: int, period: int) -> int:
 
 
 def _shifted(line: str, component: int, place: int) -> str:
-    """The line of a component with i in the place of its number less its place in the period."""
+    """The line of a component with i in place of its number minus its place in the period."""
     near = re.sub(r"\by(\d+)\b", lambda found: f"y[i{int(found[1]) - component + place:+d}]", line)
     return near.replace("{i}", f"i + {place}" if place else "i")

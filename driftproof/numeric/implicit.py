@@ -211,8 +211,7 @@ def _table(method: Method) -> StepTable:
 def _groups(table: FloatTableau) -> tuple[tuple[int, int], ...]:
     """Groups (first, end) of stages solved together. Explicit ones at the head, and all of a triangular A, are alone.
 
-    In a larger group an explicit stage would be an equation almost free of rounding, which no elimination solves
-    exactly.
+    Among others an explicit stage would be an equation almost without rounding, which no elimination solves exactly.
     """
     ahead = next((i for i, row in enumerate(table.a) if row[i:].any()), table.stages)
     if not np.triu(table.a, 1).any():

@@ -97,8 +97,8 @@ def doubt(problem: Problem, steps: int, speed: float) -> float:
 
     Q is the `largest_state_size`: rounding the start, and each of N additions to the state, costs up to u Q. The steps,
     h = fl(t/N), end within u t of t (`advance.StepTimes`), where the solution moves at `speed` = ‖f(t, y(t))‖. The last
-    term is the reference's. To first order, and not magnified by the flow: a threshold that a stiff or chaotic problem
-    may exceed.
+    term is the reference's. The sum is to first order and leaves out what the flow magnifies: it is a threshold, which
+    a stiff or chaotic problem may exceed.
     """
     moved = float(U * problem.t) * speed
     return (steps + 1) * float(U) * largest_state_size(problem) + moved + half_unit(problem.reference.states[-1])

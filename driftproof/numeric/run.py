@@ -92,8 +92,7 @@ def demand_few(steps: int) -> None:
 def run_method(scene: Scene, key: str, counter: Counter = range) -> Readouts:
     """The scene's readouts for the method `key`, computed in binary64; nothing else is computed or kept.
 
-    Raises NonFiniteState, NonFiniteReadout, and ValueError if the scene asks for no readout or for more than
-    MOST_FLOAT_STEPS steps.
+    Raises RunEnded, and ValueError if the scene asks for no readout or for more than MOST_FLOAT_STEPS steps.
     """
     if not scene.readouts:
         raise ValueError(f"scene {scene.name!r} asks for no readout; name at least one")

@@ -33,7 +33,7 @@ def run_scene(scene: Scene, key: str, counter: Counter = range) -> Readouts:
     """The scene's readouts for the method `key`, in binary64; nothing else is computed or kept.
 
     For a problem, `exact_state` is the reference rounded once, and `state_error` the Euclidean distance of the floats
-    from its digits. Raises RunEnded, and ValueError as `run_method` does and for a method that does not apply to the
+    from its digits. Raises RunEnded, and ValueError as `run_method` and for a method that does not apply to the
     problem.
     """
     if scene.problem is None:

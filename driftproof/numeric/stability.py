@@ -49,7 +49,7 @@ class Observed:
 
 
 def observe(advance: Advance, start: State, h: float, steps: int, enough: float = inf) -> Observed:
-    """Run, looking at the state after 1, 2, 4, ... more steps; stop if it is not finite, or larger than `enough`."""
+    """Run, looking at the state after 1, 2, 4, ... more steps; stop if its norm is not finite or above `enough`."""
     y, done, stride, largest = start, 0, 1, euclidean_norm(start)
     while done < steps and largest <= enough:
         last = min(steps, done + stride)
@@ -87,7 +87,7 @@ def powers_stay_bounded(matrix: _Matrix) -> bool:
 
 
 def _by_floats(matrix: _Matrix) -> bool | None:
-    """The verdict if floats suffice: the powers vanish whatever rounding did, or grow before it could; else None.
+    """True if the powers vanish whatever rounding did, False if they grow before it could, None if undecided.
 
     `off` bounds the error of each entry of a power P with n rows. For P² the bound is n (2 |P| off + off² + n u |P|²),
     whatever the order of the sums. Where n (|P| + off) < 1, the powers of the true P vanish.
@@ -121,7 +121,7 @@ def _square(a: _Rows) -> _Rows:
 
 
 def largest_bounded(is_bounded: Callable[[float], bool], scale: float) -> tuple[float, float]:
-    """Neighbouring doubles, bounded at the first and not at the next, by bisection where growth first shows.
+    """Two neighbouring doubles, bounded at the first but not at the next, by bisection where growth first shows.
 
     Looks at h = 2ⁿ scale for n from SMALLEST to LARGEST. Returns (0, h) if the smallest is not bounded, and (h, inf) if
     all are. The pair is one change from bounded to not: the first, unless two lie between neighbouring powers of two.

@@ -70,7 +70,7 @@ def controlled_steps(rate: Callable[..., None], attempt: StepAttempt, kind: Numb
 
     @compiled
     def first_step(y: Any, end: float, given: Tolerances, report: Any) -> float:
-        """An h over which y, and f, change by about a hundredth of their scale (hairer-norsett-wanner-1993, II.4)."""
+        """The initial step size of (hairer-norsett-wanner-1993, II.4), from the sizes of y, f and the change of f."""
         n = len(y)
         place, slope, other = rows(3, n)
         rate(0.0, y, slope)

@@ -58,7 +58,7 @@ def float_stepper(method: Method | str) -> Step:
 
 
 def evaluations_per_step(method: Method | str) -> int:
-    """The calls of the force in one step, counted on one. No step branches on a value, so every step makes as many."""
+    """The number of force calls per step, counted on one; no step branches on a value, so that all make as many."""
     force = CountedForce(oscillator)
     float_stepper(method)(force, *map(float, range(3)))
     return force.calls

@@ -1,11 +1,11 @@
 """Run a scene at every point of a grid, on the workers of any executor; results are in the order of the grid.
 
-The result of a point depends on the point alone: the executor, the number of its workers and interruptions change none.
+The result of a point depends on the point alone, not on the executor, the number of its workers or an interruption.
 
 Results are kept in a file of JSON lines, which survives whatever ends the sweep. The first line says what is swept, by
 which version; every other line holds the result of one point, with a checksum of the first line and of itself. Lines
 are written whole and synchronised, a batch at a time: only the last one can be cut off, and it is then dropped. Floats
-are strings, to the last bit. While a sweep writes the file, no other sweep may.
+are strings, exact to the last bit. While a sweep writes the file, no other sweep may.
 """
 
 from __future__ import annotations

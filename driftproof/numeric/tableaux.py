@@ -21,8 +21,7 @@ NODE_BITS = 220
 class FloatTableau:
     """The tableau in binary64: A as s rows of s entries, b and c with s, and d = A⁻ᵀ b, or None if A is singular.
 
-    With Zᵢ = h Σ aᵢⱼ fⱼ the step z₁ = z + h Σ bᵢ fᵢ is z + Σ dᵢ Zᵢ, which evaluates no slope again (hairer-wanner-1996,
-    IV.8).
+    With Zᵢ = h Σ aᵢⱼ fⱼ, z + h Σ bᵢ fᵢ is z + Σ dᵢ Zᵢ, which evaluates no slope again (hairer-wanner-1996, IV.8).
     """
 
     a: NDArray[np.float64]
@@ -43,10 +42,7 @@ class FloatTableau:
 
 @cache
 def float_tableau(method: Method) -> FloatTableau:
-    """The tableau of a Runge-Kutta method, or of a collocation method from its node polynomial.
-
-    Raises MethodError for splittings and Nyström methods.
-    """
+    """The tableau of a Runge-Kutta method, or of a collocation method by its nodes. Raises MethodError for others."""
     if isinstance(method, RungeKutta):
         return _floats(method.a, method.b, method.c)
     if not isinstance(method, Collocation):

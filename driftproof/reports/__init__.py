@@ -1,1 +1,1 @@
-"""Answers to be looked at: pages, figures and studies."""
+"""Results for readers: printed answers, pages, figures and studies."""

@@ -52,9 +52,9 @@ def stability(
     A problem is a key, a .toml file, or a dict with the contents of one, whose function may be a Python function.
 
     The data are {"problem", "title", "linear", "size", "methods": [...]}, with one entry per method. `h` are step sizes
-    that divide t; without them runs of _SHOWN steps are shown. On a linear problem an entry has `limit`, `attained` and
-    `at_infinity`, which are proved, and `seen`, the neighbouring doubles between which powers of the float step begin
-    to grow; on any other, `fewest_steps`, from which on runs follow the solution to its end. Raises ValueError.
+    that divide t; without them runs of _SHOWN steps are shown. For a linear problem `limit`, `attained` and
+    `at_infinity` are proved, and powers of the float step begin to grow between the neighbouring doubles `seen`; for
+    others, runs of `fewest_steps` and more follow the solution to its end. Raises ValueError.
 
     >>> from driftproof import stability
     >>> stability("dahlquist_1e3", ["rk4"])["methods"][0]["limit"]["decimal"]
@@ -78,7 +78,6 @@ def stability(
 
 
 def _method_answer(problem: Problem, method: Method, counts: Sequence[int]) -> Json:
-    """The entry of one method, or the reason why it does not apply."""
     header = {"method": method.key, "title": method.title}
     try:
         runs = advance(method, problem)

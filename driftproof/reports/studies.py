@@ -35,9 +35,8 @@ def work_precision(
 ) -> Answered:
     """The errors that methods reach on a problem, with how many evaluations of f, in what time; `found` has the points.
 
-    `time_limit` is the number of seconds for which a point may be timed; runs for errors may take 10⁸ evaluations for
-    each of them. `output` is a folder for files and figures, from which an interrupted study goes on. Raises
-    ValueError.
+    A point may be timed for `time_limit` seconds; runs for errors may take 10⁸ evaluations for each of these seconds.
+    `output` is a folder for files and figures, from which an interrupted study goes on. Raises ValueError.
 
     >>> from driftproof import work_precision
     >>> study = work_precision("dahlquist_1", ["forward_euler"], time_limit=1e-4)

@@ -55,7 +55,6 @@ def reference(key: str, evidence: str, source: str) -> Reference:
 
 @cache
 def _digits() -> Any:
-    """The decimals of all references, by problem and by time."""
     return json.loads((Path(__file__).parent / "digits.json").read_text(encoding="utf-8"))
 
 

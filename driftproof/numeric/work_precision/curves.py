@@ -53,7 +53,7 @@ class Point:
 
 @dataclass(frozen=True)
 class Order:
-    """The slopes of log error over log 1/N between neighbours that count (see `counts`), the finest SLOPES of them."""
+    """Median, least and largest of the finest SLOPES slopes of log error over log 1/N between neighbours that count."""
 
     median: float
     least: float

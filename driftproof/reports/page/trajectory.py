@@ -182,7 +182,7 @@ def _exact_curve(run: SampledRun) -> list[tuple[float, float]]:
 
 
 def _draw_path(plot: Plot, run: SampledRun, pixel: float) -> tuple[str, str]:
-    """Draw the samples: all joined; of a long run those a pixel apart, joined; if these are too many, some, not joined.
+    """Draw the samples: all, joined; of a long run those a pixel apart, joined; or, if these are too many, specks.
 
     Returns the mark for the legend, and a sentence on what has been drawn.
     """

@@ -29,10 +29,7 @@ _GOALS = (-3, -6)
 
 
 def work_curves(scene: Scene) -> list[Curve]:
-    """The curve of each method of the scene, at its own number of steps, halved and doubled.
-
-    Raises ValueError for a scene with t <= 0, which is no problem to be solved.
-    """
+    """Each method's curve at the scene's number of steps, halved and doubled. Raises ValueError for t <= 0."""
     if scene.t <= 0:
         raise ValueError(f"scene {scene.name!r}: work is compared up to a t above 0")
     problem, found = problem_of(scene), list[Curve]()

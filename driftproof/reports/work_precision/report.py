@@ -29,10 +29,7 @@ _Costs: TypeAlias = Mapping[str, Mapping[str, Sequence[Priced]]]
 
 
 def priced(measured: Measured, cost: str) -> dict[str, list[Priced]]:
-    """The points of each curve with their cost, which is infinite if it was not measured.
-
-    Points with an error as large as the solution are left out.
-    """
+    """The points of each curve with errors below the solution's size, and their cost, infinite if not measured."""
     found: dict[str, list[Priced]] = {}
     for key, curve in measured.curves.items():
         costs, counted = measured.costs(curve, cost), cost == EVALUATIONS
