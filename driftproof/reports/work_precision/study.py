@@ -16,7 +16,7 @@ from typing import Any, TypeAlias
 
 from driftproof import __version__
 from driftproof.methods.schemes import Method, MethodError
-from driftproof.numeric.advance import State
+from driftproof.numeric.advance import State, error_summary
 from driftproof.numeric.problems.problem import Problem
 from driftproof.numeric.reference_errors import Size, distance_from_digits, doubt, errors, largest_state_size
 from driftproof.numeric.sweep import digest
@@ -235,7 +235,7 @@ def solver_point(solver: Solver, tolerance: float, study: Study) -> Point:
         }
         sizes = errors(problem, states)
     except (ArithmeticError, ValueError) as error:  # math.log of a negative number is a ValueError
-        return Point(setting, None, remark=" ".join(str(error).split()))
+        return Point(setting, None, remark=error_summary(error))
     return Point(setting, evaluations, sizes, doubt(problem, 0, speed(problem)), largest_state_size(problem))
 
 
