@@ -36,14 +36,13 @@ class Part:
 def document(parts: Sequence[Scene | Part], digits: int, counter: Counter = range) -> str:
     """The page as HTML, with the same bytes for the same scenes. Raises ValueError for a scene that cannot be shown."""
     options = []
-    for i, part in enumerate(parts, 1):
+    for identity, part in ((f"scene-{i}", part) for i, part in enumerate(parts, 1)):
         if isinstance(part, Scene):
-            content = scene_section(part, f"scene-{i}", digits, counter)
-            options.append(Option(f"scene-{i}", scene_title(part), content))
+            title, content = scene_title(part), scene_section(part, identity, digits, counter)
         else:
-            head = element("h2", escaped(part.title))
-            content = element("section", head, part.content(f"scene-{i}"), class_="scene")
-            options.append(Option(f"scene-{i}", part.title, content))
+            title, heading = part.title, element("h2", escaped(part.title))
+            content = element("section", heading, part.content(identity), class_="scene")
+        options.append(Option(identity, title, content))
     if all(isinstance(part, Scene) for part in parts):
         equations = "<i>q</i>′ = <i>v</i>, <i>v</i>′ = −<i>q</i>"
         about = element("p", f"{equations}: what each method computes, beside the exact motion.")
