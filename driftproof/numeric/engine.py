@@ -44,7 +44,7 @@ BLOCK, ARRAY_BLOCK = 512, 4096
 # The number formats that compiled loops support.
 COMPILED = (np.float32, np.float64)
 OF_FLOATS = {name: getattr(math, name) for name in FUNCTIONS}
-_OF_ARRAYS = {name: getattr(np, name) for name in (*FUNCTIONS, *UFUNCS.values(), "negative", "copyto")}
+_ARRAY_FUNCTIONS = {name: getattr(np, name) for name in (*FUNCTIONS, *UFUNCS.values(), "negative", "copyto")}
 
 
 @cache
@@ -207,7 +207,7 @@ def _format_of(q: FloatArray, v: FloatArray) -> Format:
 @cache
 def _array_run(source: Source, number: Format) -> tuple[Callable[..., None], int]:
     text, buffers = array_run(source)
-    return program_function(text, "ensemble", source.coefficients, _OF_ARRAYS, number), buffers
+    return program_function(text, "ensemble", source.coefficients, _ARRAY_FUNCTIONS, number), buffers
 
 
 @cache

@@ -84,7 +84,7 @@ def implicit_stepper(method: Method, rate: _Rate, jacobian: Jacobian | None = No
     than return what is not solved to rounding, and ValueError for a rate of another length than y. Raises MethodError
     for splittings and Nyström methods.
     """
-    given = _Given(rate, jacobian)
+    given = _UserFunctions(rate, jacobian)
     steps = implicit_steps(given.write_rate, given.write_derivatives)
     table = _table(method)
 
@@ -100,7 +100,7 @@ def implicit_stepper(method: Method, rate: _Rate, jacobian: Jacobian | None = No
 
 
 @dataclass
-class _Given:
+class _UserFunctions:
     """A user's rate and Jacobian in the form that the loops call; `h`, the present step size, scales differences."""
 
     rate: _Rate

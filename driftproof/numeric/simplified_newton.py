@@ -263,7 +263,7 @@ def collocation_table(method: Method) -> CollocationTable:
     c = method.tableau(NODE_BITS)[2] if isinstance(method, Collocation) else _nodes(method)
     if not c or 0 in c:
         raise MethodError(f"{method.key} has no estimate of its error here: it neither is a pair nor collocates")
-    powers = [list(row) for row in zip(*[_through(x, c) for x in c], strict=True)]
+    powers = [list(row) for row in zip(*[_basis_polynomial(x, c) for x in c], strict=True)]
     columns = list(zip(*powers, strict=True))
     inverse = [[total((k + 1) * x * node**k for k, x in enumerate(column)) for column in columns] for node in c]
     given = inverse, [[-x for x in powers[0]], list(map(total, columns)), c], powers
@@ -287,7 +287,7 @@ def _nodes(method: Method) -> Sequence[Exact]:
     return c if all(x == y for x, y in moments) else ()
 
 
-def _through(node: Exact, c: Sequence[Exact]) -> list[Exact]:
+def _basis_polynomial(node: Exact, c: Sequence[Exact]) -> list[Exact]:
     """The polynomial without a constant term that is 1 at this node and 0 at the others, from x¹ on."""
     found: list[Exact] = [1 / node]
     for other in c:

@@ -105,7 +105,7 @@ def sweep_batches(
     """Yield batches of (index of the point, its result) in the order in which they come; arguments as in `run_grid`."""
     points = points_of(scene, grid)
     if checkpoint is None:
-        yield from _spread(scene, points, deque(range(len(points))), executor)
+        yield from _all_batches(scene, points, deque(range(len(points))), executor)
         return
     require_file(checkpoint)
     checkpoint.parent.mkdir(parents=True, exist_ok=True)
@@ -114,7 +114,7 @@ def sweep_batches(
         kept = Checkpoint(checkpoint, scene, grid, points)
         yield list(kept.found.items())
         left = deque(i for i in range(len(points)) if i not in kept.found)
-        for batch in _spread(scene, points, left, executor):
+        for batch in _all_batches(scene, points, left, executor):
             kept.add(batch)
             yield batch
         kept.finish()
@@ -144,18 +144,18 @@ def processes(workers: int | None = None) -> Workers:
     return Workers(workers, mp_context=get_context("spawn"))
 
 
-def _spread(scene: Scene, points: list[Values], left: deque[int], executor: Executor | None) -> Iterator[Batch]:
+def _all_batches(scene: Scene, points: list[Values], left: deque[int], executor: Executor | None) -> Iterator[Batch]:
     if executor is not None:
-        yield from _answered(scene, points, left, executor)
+        yield from _batches_on(scene, points, left, executor)
         return
     found, _ = run_points(scene, [points[i] for i in left])
     yield [(left.popleft(), answer) for answer in found]
     if left:
         with processes() as pool:
-            yield from _answered(scene, points, left, pool)
+            yield from _batches_on(scene, points, left, pool)
 
 
-def _answered(scene: Scene, points: list[Values], left: deque[int], executor: Executor) -> Iterator[Batch]:
+def _batches_on(scene: Scene, points: list[Values], left: deque[int], executor: Executor) -> Iterator[Batch]:
     """Yield batches, of double the size until one takes SHORTEST; what a worker hands back is sent next."""
     running: dict[Future[tuple[list[Found], float]], list[int]] = {}
     size = 1

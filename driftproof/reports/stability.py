@@ -172,11 +172,11 @@ def _proved_at(found: SystemFacts, h: Fraction) -> Json:
     return {
         "bounded": bounded,
         "factor": exact_and_decimal(factor, _DIGITS, HALF_EVEN),
-        "factor_less_one": _less_one(factor),
+        "factor_less_one": _minus_one(factor),
     }
 
 
-def _less_one(factor: CertifiableReal) -> str | None:
+def _minus_one(factor: CertifiableReal) -> str | None:
     """The factor minus 1, to two digits; None if its ball of _ONE_BITS bits contains 1."""
     with ctx.workprec(_ONE_BITS):
         if (enclose(factor) - 1).contains(0):

@@ -30,7 +30,7 @@ _DIGITS = 4
 _AXES, _LABELS = {"selected": "method"}, {"phase_error": "phase error (degrees)"}
 # The form of a scheduler's address, and the seconds in which it has to answer.
 _ADDRESS = re.compile(r"(\w+://)?[^/\s]+:\d+")
-_PATIENCE = 10
+_SECONDS_TO_CONNECT = 10
 
 
 def sweep(
@@ -117,7 +117,7 @@ def cluster_executor(address: str) -> Iterator[Executor]:
     before = logging.root.manager.disable
     logging.disable()  # what went wrong is raised, and distributed logs it once more with its own traceback
     try:
-        with Client(address, timeout=_PATIENCE, set_as_default=False) as client:
+        with Client(address, timeout=_SECONDS_TO_CONNECT, set_as_default=False) as client:
             yield client.get_executor(pure=False)
     except KilledWorker as error:
         raise ChildProcessError(f"the workers at {address} died of a batch: {error}") from None

@@ -63,11 +63,11 @@ def problem_given(given: GivenProblem) -> Problem:
     if isinstance(given, Problem):
         return given
     if isinstance(given, Mapping):
-        return _problem(_as_read(given), getattr(given.get("function"), "__name__", "own"))
+        return _problem(_as_toml(given), getattr(given.get("function"), "__name__", "own"))
     own: Any = given
     if callable(own):
-        said = f"{{'function': {getattr(own, '__name__', 'f')}, 'start': [1, 0], 'end': 10}}"
-        raise ValueError(f"a function alone is no problem; write {said}, with its start and its end")
+        example = f"{{'function': {getattr(own, '__name__', 'f')}, 'start': [1, 0], 'end': 10}}"
+        raise ValueError(f"a function alone is no problem; write {example}, with its start and its end")
     if not (name := str(given)).endswith(".toml"):
         return problem_named(name)
 
@@ -109,12 +109,12 @@ def _doubles(table: TomlTable) -> dict[str, float]:
     return {name: float(_rational(x, f"parameters.{name}")) for name, x in given.items()}
 
 
-def _as_read(value: Any) -> Any:
+def _as_toml(value: Any) -> Any:
     """The contents of a dict as TOML would give them: lists, and decimals as text."""
     if isinstance(value, Mapping):
-        return {key: _as_read(each) for key, each in value.items()}
+        return {key: _as_toml(each) for key, each in value.items()}
     if isinstance(value, tuple | list | np.ndarray):
-        return [_as_read(each) for each in value]
+        return [_as_toml(each) for each in value]
     return str(value) if isinstance(value, float | Fraction) else value
 
 

@@ -54,10 +54,10 @@ def verdict(key: str, h: Fraction) -> Verdict:
     facts = LinearFacts(method_of(key))
     growth = spectral_radius(exact_matrix_at(facts.method, h))
     bounded = is_bounded(boundary_of(facts.one_step_matrix), lambda p: sign(evaluate(p, scalar(h))))
-    return Verdict(key, facts.imaginary_limit, bounded, _less_one(growth))
+    return Verdict(key, facts.imaginary_limit, bounded, _minus_one(growth))
 
 
-def _less_one(x: CertifiableReal) -> CertifiableReal:
+def _minus_one(x: CertifiableReal) -> CertifiableReal:
     return x - 1 if isinstance(x, Fraction) else lambda: enclose(x) - 1
 
 

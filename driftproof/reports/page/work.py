@@ -96,21 +96,21 @@ def work_figure(
     )
 
 
-def _paid(curve: Curve) -> list[tuple[Point, int]]:
+def _plotted(curve: Curve) -> list[tuple[Point, int]]:
     """The points that have a place on logarithmic axes, each with its evaluations."""
     return [(p, p.evaluations) for p in curve.points if p.evaluations and 0 < p.error and isfinite(p.error)]
 
 
 def _places(curve: Curve) -> dict[int | None, tuple[float, float]]:
     """log₁₀ of evaluations and error, by the number of steps."""
-    return {point.steps: (log10(spent), log10(point.error)) for point, spent in _paid(curve)}
+    return {point.steps: (log10(spent), log10(point.error)) for point, spent in _plotted(curve)}
 
 
 def _sentence(curve: Curve) -> str:
-    paid = _paid(curve)
-    if not paid:
+    plotted = _plotted(curve)
+    if not plotted:
         return f"{curve.title}: none."
-    words = [f"{short(point.error)} at {spent}" for point, spent in (paid[0], paid[-1])]
+    words = [f"{short(point.error)} at {spent}" for point, spent in (plotted[0], plotted[-1])]
     return f"{curve.title}: from {words[0]} to {words[1]}."
 
 

@@ -14,7 +14,7 @@ from driftproof.reports.page.plot import WIDE, Plot, decades, decades_of
 from driftproof.reports.page.stability import line_style
 from driftproof.reports.work_precision.study import EVALUATIONS, Measured, Study
 
-_WHAT = {STATE: "error of the state", ENERGY: "error of the energy", PHASE: "error of the phase, degrees"}
+_ERRORS = {STATE: "error of the state", ENERGY: "error of the energy", PHASE: "error of the phase, degrees"}
 _COSTS = {
     EVALUATIONS: "evaluations of f",
     COMPILED: "seconds, compiled",
@@ -41,7 +41,7 @@ def draw_study(study: Study, measured: Measured, quantity: str, folder: Path) ->
     keys = [key for key, curve in measured.curves.items() if any(_places(measured, curve, quantity, c) for c in _COSTS)]
     legend = [(f"line path {_style(measured, key)}", key) for key in keys]
     legend += [_THIN, *((f"line {mark}", words) for mark, words, _ in lines)]
-    what = _WHAT[quantity]
+    what = _ERRORS[quantity]
     return write_picture(
         folder / f"work_precision_{quantity}.svg",
         f"{what.capitalize()} against work",
@@ -59,7 +59,7 @@ def _panel(
     places = {key: _places(measured, curve, quantity, cost) for key, curve in measured.curves.items()}
     shown = {key: [p for p in found if low <= p[1] <= high] for key, found in places.items()}
     costs = [x for found in shown.values() for x, _, _ in found]
-    x, y = decades_of(costs or [0.0], _COSTS[cost], WIDE[0]), decades(low, high, _WHAT[quantity], WIDE[1])
+    x, y = decades_of(costs or [0.0], _COSTS[cost], WIDE[0]), decades(low, high, _ERRORS[quantity], WIDE[1])
     plot = Plot(x, y)
     for key, found in shown.items():
         if found:

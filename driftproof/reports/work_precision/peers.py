@@ -45,7 +45,7 @@ class Solver:
 
         Evaluations for differences in Jacobian matrices are included. None if f is not called but expanded in series.
         """
-        rate = _Watched(self.rate, most)
+        rate = _CountedRate(self.rate, most)
         self._solved(rate, tolerance, t)
         return rate.calls
 
@@ -217,7 +217,7 @@ class Diffrax(Solver):
         self.calls += 1
 
 
-class _Watched:
+class _CountedRate:
     """A rate that counts its calls, and raises ArithmeticError after more than `most` of them."""
 
     def __init__(self, rate: Rate, most: float) -> None:

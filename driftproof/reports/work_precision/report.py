@@ -60,15 +60,15 @@ def errors_json(study: Study, measured: Measured) -> Json:
 
 
 def _curve_json(curve: Curve) -> Json:
-    points = [{name: getattr(point, name) for name in _OF_POINT} for point in curve.points]
+    points = [{name: getattr(point, name) for name in _POINT_FIELDS} for point in curve.points]
     for entry in points:
         entry["errors"] = {name: size._asdict() for name, size in entry["errors"].items()}
     order = {"measured_order": vars(curve.order) if curve.order else None}
-    return {**{name: getattr(curve, name) for name in _OF_CURVE}, **order, "points": points}
+    return {**{name: getattr(curve, name) for name in _CURVE_FIELDS}, **order, "points": points}
 
 
-_OF_CURVE = ("key", "title", "claimed_order", "verdict", "refused")
-_OF_POINT = ("setting", "evaluations", "errors", "doubt", "remark")
+_CURVE_FIELDS = ("key", "title", "claimed_order", "verdict", "refused")
+_POINT_FIELDS = ("setting", "evaluations", "errors", "doubt", "remark")
 
 
 def times_json(study: Study, measured: Measured) -> Json:
