@@ -15,7 +15,8 @@ from driftproof.numeric.elimination import FULL, PYTHON_FLOATS, Band, NumberKind
 from driftproof.numeric.engine import compiled_function, program_function
 from driftproof.numeric.newton import RateWriter
 
-# Systems of at least LOOPED components are written in loops, with periods of at most LONGEST_PERIOD components.
+# Systems of at least LOOPED components are written in loops, with periods of at most LONGEST_PERIOD components; chosen:
+# shorter systems compile fast as they stand.
 LOOPED, LONGEST_PERIOD = 24, 4
 
 

@@ -16,6 +16,7 @@ from driftproof.numeric.elimination import FULL, PYTHON_FLOATS, Band, NumberKind
 
 UNIT = float(np.finfo(np.float64).epsneg)  # u = 2⁻⁵³
 ETA = float(np.finfo(np.float64).smallest_subnormal)
+# m, iterations and rates of convergence in `numeric.implicit`; m is chosen: a larger one accepts larger residuals.
 RATE_ROUNDINGS = 16
 MOST_ITERATIONS = 128
 SHRINKS, HALVES = 0.125, 0.5

@@ -27,13 +27,14 @@ from driftproof.numeric.elimination import FULL, PYTHON_FLOATS, Band, NumberKind
 from driftproof.numeric.step_control import EVALUATIONS, StepAttempt, Tolerances, error_size
 from driftproof.numeric.tableaux import NODE_BITS
 
-# The error that may be left in the moves: PART of the tolerance or, if that is more, ROUNDINGS of |y|, some roundings.
+# The error that may be left in the moves: PART of the tolerance (chosen: less takes more iterations, more adds to the
+# error estimate) or, if that is more, ROUNDINGS of |y|, some roundings.
 PART, ROUNDINGS = 0.01, 2.0**-49
-# The most iterations with one matrix. J is kept for the next step if two were enough, or if the last one shrank the
-# correction to at most SLOW of the one before.
+# The most iterations with one matrix. J is kept for the next step if two were enough, or if the last correction was at
+# most SLOW times the previous one. Both numbers are those of the program RADAU5 (hairer-wanner-1996, IV.8).
 MOST_ITERATIONS, SLOW = 7, 1e-3
-# Indices in `Work.memory`: h of the matrices, of the last attempt, of the last accepted step; whether J is that of y,
-# and whether it is to be; and the last ratio of what is left of the iteration to its last correction.
+# Indices in `Work.memory`: h of the matrices, of the last attempt and of the last accepted step; whether J is that of
+# y, and whether it is to be; and the ratio of the error left by the last iteration to its last correction.
 FACTORED, TRIED, BEFORE, CURRENT, WANTED, LEFT = range(6)
 
 

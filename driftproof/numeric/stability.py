@@ -16,7 +16,7 @@ from driftproof.numeric.advance import Advance, State, error_summary
 _Matrix: TypeAlias = NDArray[np.float64]
 _Rows: TypeAlias = list[list[Decimal]]
 
-# The most steps between two looks at the state; the first state that is not finite is then found by going back.
+# The most steps between two looks at the state (chosen: to find the first that is not finite repeats about as many).
 BETWEEN_LOOKS = 1 << 12
 # The step sizes at which growth is first looked for, as powers of two times 1/|A|.
 SMALLEST, LARGEST = -20, 30

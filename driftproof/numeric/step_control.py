@@ -14,6 +14,7 @@ from typing import Any, NamedTuple, TypeAlias
 
 from driftproof.numeric.elimination import PYTHON_FLOATS, NumberKind
 
+# The limits and the safety factor of the change of h (hairer-norsett-wanner-1993, II.4).
 MOST_LONGER, MOST_SHORTER, SAFETY = 5.0, 0.2, 0.9
 # Smaller errors are taken as this, the logarithm of 0 being undefined; it makes the next step MOST_LONGER already.
 SMALLEST = 1e-10

@@ -19,12 +19,12 @@ from driftproof.numeric.work_precision.integrators import Integrator, integrator
 FEWEST, MOST, MOST_IMPLICIT = 8, 2**20, 2**10
 # Numbers of steps that would have to be multiples of more than this land on the last of the reference's times only.
 LARGEST_UNIT = 64
-# A curve ends after this many points whose whole error rounding may explain: they show its floor.
+# A curve ends after this many points whose whole error rounding may explain: its floor (chosen: one may be luck).
 FLOOR_POINTS = 3
 # A point counts if its error is more than ABOVE times its doubt. The method's own error is then within 1/32 of what is
 # seen, and a slope over a doubling within log2(33/31) = 0.09 of the method's own.
 ABOVE = 32
-# The number of slopes, the finest ones, that an order is read from.
+# The number of finest slopes that an order is read from.
 SLOPES = 3
 
 

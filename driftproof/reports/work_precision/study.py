@@ -156,7 +156,7 @@ def _from_json(held: dict[str, Any]) -> Measured:
     return Measured(curves, timings, held["warm_up"], held["absent"])
 
 
-# The function that returns what is called for a point of a curve; those functions by kind.
+# The function that returns the call to be timed for a point of a curve; those functions by kind.
 _CallAt: TypeAlias = Callable[[Point], Callable[[], State]]
 _Calls: TypeAlias = Mapping[str, _CallAt]
 
