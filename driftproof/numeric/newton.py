@@ -242,7 +242,7 @@ def implicit_steps(
                 for k in range(n):
                     moves[first + i][k] = found[i][k]
             if stages == 1 and implicit:
-                # h f for later stages, from the equation: evaluating f again would magnify rounding if it is stiff
+                # h f for later stages, from the equation: evaluating a stiff f again would magnify rounding
                 for k in range(n):
                     slopes[first][k] = (found[0][k] - known[0][k]) / a[0][0]
             elif stages == 1:

@@ -34,7 +34,7 @@ _U = 2.0**-53
 
 @dataclass(frozen=True)
 class Observed:
-    """A run of `steps` steps of the float h: its last state or, if it failed, at which step and why (`remark`).
+    """A run of `steps` steps of the float h: its last state and, if it failed, at which step and why (`remark`).
 
     `failed_after` is the number of the first step whose state is not finite or could not be computed; None if there is
     none. `largest` is the largest norm of a state seen, at looks up to BETWEEN_LOOKS steps apart.

@@ -113,7 +113,7 @@ class ResultStore:
     """The file in which points are stored as soon as they are measured, whole or not at all; none without a folder."""
 
     def __init__(self, folder: Path | None, question: dict[str, Any], say: Say) -> None:
-        """Take over the folder's results on the same question; if they answer another one, `say` so in a line."""
+        """Take over the folder's results; `say` in a line if they answer another question or cannot be read."""
         self.path = folder / "points.json" if folder else None
         self.question, self.measured = question, Measured()
         if self.path is not None and self.path.exists():
