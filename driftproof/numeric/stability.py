@@ -60,7 +60,7 @@ def observe(advance: Advance, start: State, h: float, steps: int, enough: float 
                 return Observed(h, steps, y, largest, last, error_summary(error))
             stride = 1
             continue
-        if not isfinite(euclidean_norm(reached)):
+        if not all(map(isfinite, reached)):
             if last == done + 1:
                 return Observed(h, steps, reached, inf, last, "not finite")
             stride = (last - done) // 2
