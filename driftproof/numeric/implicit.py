@@ -8,7 +8,7 @@ is rounded to floats. One iteration with a matrix M in the place of G' leaves |�
 the norm of I - G'M⁻¹. Let κ ≤ 1/2. As long as |ĝ| > 8E + 4R, the next residual is at most |ĝ|/2 + |ĝ|/4 = 3|ĝ|/4. So
 
     solved        |ĝ| ≤ 8E + 4R in every component, which iterations with κ ≤ 1/2 reach;
-    simplified    M is made from one Jacobian matrix, at the start of the iteration, as long as |ĝ| shrinks to 1/8;
+    simplified    M is made from one Jacobian matrix, at the start of the iteration, while each one shrinks |ĝ| to 1/8;
     full          otherwise M is made anew at the present stages, which costs less than slow iterations;
     damped        after 128 iterations, as (3/4)¹²⁸ < 2⁻⁵³, or if a number is not finite, the iteration starts again,
                   full, and with shortened corrections where the next one would not be shorter;

@@ -17,7 +17,7 @@ from driftproof.reports.page.plot import COLUMNS_OF_PIXELS, WIDE, Plot, decades,
 _MOST_DOTS = 60
 # At most this many decades below the largest error are shown: no double is that much better than another.
 _DEEPEST = 40
-# No more digits of an error are claimed: its radius is only made small enough for these.
+# No more digits of an error are claimed: RADIUS_TO_ERROR of `enclosure.certify`, 2⁻⁴⁰, leaves twelve.
 PROVED_DIGITS = 12
 _MARKS = ("path m0", "path m1", "path m2")
 
