@@ -252,10 +252,7 @@ def _blocks_lines(arrays: Mapping[str, tuple[str, str]], steps: Sequence[str], l
 
 
 def compiled_function(function: Callable[..., Any]) -> Callable[..., Any]:
-    """Compile the function by numba, keeping its order of operations and IEEE 754's divisions by zero.
-
-    Raises ImportError without numba.
-    """
+    """Compile the function by numba in its order of operations; 1/0 is infinite. Raises ImportError without numba."""
     try:
         from numba import njit
     except ImportError:

@@ -49,7 +49,7 @@ class Observed:
 
 
 def observe(advance: Advance, start: State, h: float, steps: int, enough: float = inf) -> Observed:
-    """Run, looking at the state after 1, 2, 4, ... more steps; stop if it is not finite or its norm exceeds `enough`."""
+    """Run, looking at the state after 1, 2, 4, ... more steps; stop if it is not finite or larger than `enough`."""
     y, done, stride, largest = start, 0, 1, euclidean_norm(start)
     while done < steps and largest <= enough:
         last = min(steps, done + stride)

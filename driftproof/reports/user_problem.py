@@ -40,8 +40,6 @@ PARTS = 10
 # Each attempt has half as many bits more: 128, 192, 288, 432, 648. For most problems one of the first two is enough.
 _MOST_ATTEMPTS = 5
 _LONGEST_TITLE = 200
-
-
 # A problem by its key, by its file, or by the contents of one, whose function may be a Python function.
 GivenProblem: TypeAlias = str | Path | Problem | Mapping[str, Any]
 
@@ -70,7 +68,6 @@ def problem_given(given: GivenProblem) -> Problem:
         raise ValueError(f"a function alone is no problem; write {example}, with its start and its end")
     if not (name := str(given)).endswith(".toml"):
         return problem_named(name)
-
     return read_toml(name, LONGEST_PROBLEM, lambda table: _problem(table, name))
 
 

@@ -63,14 +63,11 @@ class Order:
 
 @dataclass(frozen=True)
 class Curve:
-    """The points of a method on a problem, N rising. `refused` says why there are none: the method does not apply.
-
-    `claimed_order` is 0 if no order is claimed.
-    """
+    """The points of a method on a problem, N rising. `refused` says why there are none: the method does not apply."""
 
     key: str
     title: str
-    claimed_order: int
+    claimed_order: int  # 0 if no order is claimed
     points: Sequence[Point] = ()
     refused: str = ""
 

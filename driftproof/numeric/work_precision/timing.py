@@ -18,14 +18,11 @@ SEED = 1
 
 @dataclass
 class Timing:
-    """The seconds of one call, one sample per round, each the mean of a batch of `batch` calls.
-
-    Without samples, `remark` says why the call was not timed.
-    """
+    """The seconds of one call, one sample per round, each the mean of a batch of `batch` calls."""
 
     batch: int = 1
     samples: list[float] = field(default_factory=list)
-    remark: str = ""
+    remark: str = ""  # why the call was not timed
 
     @property
     def best(self) -> float:
