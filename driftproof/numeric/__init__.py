@@ -1,1 +1,1 @@
-"""What floats do: step, run and read out, with NumPy and without SymPy."""
+"""Everything in floats: steps, runs and readouts, with NumPy and without SymPy."""

@@ -1,4 +1,4 @@
-"""Any method on any problem, step after step: explicit ones by program text, implicit ones by Newton's method."""
+"""Run any method on any problem step by step: explicit methods by program text, implicit ones by Newton's method."""
 
 from __future__ import annotations
 
@@ -17,15 +17,15 @@ from driftproof.numeric.run import nearest_double
 
 State: TypeAlias = tuple[float, ...]
 Rate: TypeAlias = Callable[[float, Any], list[float]]
-# advance(y, h, first, last) -> y: steps first to last - 1, the i-th from t = i h.
+# advance(y, h, first, last) -> y after steps first to last - 1, step i starting at t = i h.
 Advance: TypeAlias = Callable[[State, float, int, int], State]
 
 
 def advance(method: Method, problem: Problem, *, compiled: bool = False) -> Advance:
-    """advance(y, h, first, last) -> y of the method on the problem, in floats: Python's, or compiled by numba.
+    """Return advance(y, h, first, last) -> y of the method on the problem, in Python floats or compiled by numba.
 
-    Raises MethodError where the method does not apply: a splitting where the problem is of first order. What it returns
-    may raise ArithmeticError or ValueError where floats end or stages are not found.
+    Raises MethodError if the method does not apply, such as a splitting on a problem of first order. The function that
+    it returns raises ArithmeticError or ValueError if floats overflow, f is undefined or stages are not found.
     """
     if method.explicit:
         return (compiled_field_runner if compiled else field_runner)(method, problem.field)
@@ -33,20 +33,20 @@ def advance(method: Method, problem: Problem, *, compiled: bool = False) -> Adva
 
 
 def evaluations_of(run: Advance, method: Method, problem: Problem, steps: int) -> int:
-    """How often such a run, new before its so many steps, has evaluated f."""
+    """The number of evaluations of f by `run`, which has taken `steps` steps since it was made."""
     return run.calls if isinstance(run, ImplicitRun) else counted_evaluations(method, problem, steps)
 
 
 def error_summary(error: Exception) -> str:
-    """Why a run could not go on, in one line: what the method says in a few words, else the error's own text."""
+    """Why a run could not go on, in one line: the `reason` of the error if it has one, else its message."""
     return getattr(error, "reason", "") or " ".join(str(error).split())
 
 
 class StepTimes(NamedTuple):
-    """N steps from 0 towards t: `h` is the double that is run, `end` the time N h at which they end, exactly.
+    """N steps from 0 towards t: `h` is the double used as step size, `end` the time N h at which they end, exactly.
 
-    With |h - t/N| <= u|t/N|, unless h is subnormal, |end - t| <= u|t|: as if t itself were rounded. To separate the
-    error of a run from that of its times, compare with the solution at `end`. The time fl(i h) of step i is within
+    Unless h is subnormal, |h - t/N| <= u|t/N| and so |end - t| <= u|t|, as if t itself were rounded. To separate the
+    error of a run from the error of its times, compare with the solution at `end`. The time fl(i h) of step i is within
     (2u + u²)|i t/N| of i t/N, while a sum of i times h may be off by i²u|h|/2 more.
     """
 
@@ -55,7 +55,7 @@ class StepTimes(NamedTuple):
 
 
 def step_times(t: Fraction, steps: int) -> StepTimes:
-    """The times of `steps` steps to t. Raises ValueError for no step, and for an h that no double is near to."""
+    """Step size and end of `steps` steps to t. Raises ValueError for no step, or an h that no double is near to."""
     if steps < 1:
         raise ValueError(f"steps is {steps}; at least one step leads to t")
     h = nearest_double(t / steps, "h = t / steps")
@@ -63,14 +63,14 @@ def step_times(t: Fraction, steps: int) -> StepTimes:
 
 
 def float_start(problem: Problem) -> State:
-    """The start, each component rounded once."""
+    """The start of the problem in floats, each component rounded once."""
     return tuple(nearest_double(x, f"start y{i}") for i, x in enumerate(problem.start))
 
 
 def field_rate(field: VectorField, functions: Mapping[str, Any] | None = None) -> Rate:
-    """f(t, y) of the field as a function of a number and of a sequence of numbers; a list.
+    """Return f(t, y) of the field as a function of a number and a sequence of numbers, whose value is a list.
 
-    `functions` are those of the numbers, by the names in `fields.FUNCTIONS`. Without them the numbers are taken as
+    `functions` maps the names in `vector_fields.FUNCTIONS` to functions of such numbers. Without it y is converted to
     Python floats, whose overflows and divisions by zero raise.
     """
     names = [name for name, _ in field.parameters]
@@ -81,10 +81,10 @@ def field_rate(field: VectorField, functions: Mapping[str, Any] | None = None) -
 
 
 def counted_evaluations(method: Method, problem: Problem, steps: int) -> int:
-    """How often a run of so many steps computes f, or the accelerations, counted on the very text that is run.
+    """The number of evaluations of f, or of the accelerations, in `steps` steps, counted on the text that is run.
 
-    The text is a loop over straight lines, so that one step, in which a function stands where the last rate was and
-    counts, tells those of N.
+    The text is a loop over straight-line code, so that all steps make the same number of calls. One step is run with a
+    function that counts its calls as the last rate.
     """
     return steps * _calls_of_a_step(method, len(problem.start), problem.second_order)
 

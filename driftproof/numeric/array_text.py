@@ -1,7 +1,8 @@
-"""The program text of a step as calls of NumPy's ufuncs into given buffers: the same operations, and nothing allocated.
+"""Rewrite the program text of a step as calls of NumPy's ufuncs into given buffers, so that nothing is allocated.
 
-An expression of arrays leaves a new array behind at each operation, which costs more than the operation does. Here
-every result goes into a buffer that is free, and what depends on coefficients and h only is formed before the loop.
+An expression of arrays allocates a new array for each operation, which costs more than the operation. Here every result
+goes into a free buffer, and values that depend on coefficients and h only are computed before the loop. The operations
+and their order stay the same.
 """
 
 from __future__ import annotations
@@ -21,10 +22,10 @@ LOST = ("e_q", "e_v")
 
 
 def array_run(source: Source) -> tuple[str, int]:
-    """The text of make(coefficients...) -> run(q, v, h, steps, buffers), and how many buffers it needs.
+    """Return the text of make(coefficients...) -> run(q, v, h, steps, buffers), and how many buffers it needs.
 
-    run changes the arrays q and v. `buffers` are arrays of their shape and format; a compensated run takes the first
-    two for what is lost, zeros at the start.
+    run overwrites the arrays q and v. `buffers` are arrays of their shape and format. A compensated run uses the first
+    two for what additions have lost; they must start as zeros.
     """
     writer = _Writer({*source.names, "h"})
     fixed = LOST if source.compensated else ()
@@ -43,7 +44,7 @@ def array_run(source: Source) -> tuple[str, int]:
 
 
 def _without_last_names(lines: Sequence[str]) -> list[str]:
-    """The lines without "q1 = q_4", q_4 being called q1 where it is made and read."""
+    """The lines without copies such as "q1 = q_4": q_4 is called q1 wherever it stands."""
     lines = list(lines)
     for new in STATE.values():
         match = next((m for line in lines if (m := re.fullmatch(rf"{new} = (\w+)", line))), None)
@@ -59,19 +60,19 @@ class _Writer:
     scalars: set[str]
     lines: list[str] = field(default_factory=list)
     before: list[str] = field(default_factory=list)
-    # Name of an array -> where it is; buffers that hold nothing any more.
+    # The buffer or array that holds each named array; `free` lists the buffers that may be overwritten.
     places: dict[str, str] = field(default_factory=dict)
     free: list[str] = field(default_factory=list)
     made: int = 0
     formed: dict[str, str] = field(default_factory=dict)
 
     def assign(self, name: str, tree: ast.expr, later: Sequence[str]) -> None:
-        """name = tree; buffers of names that no later line reads become free, first among them those that it reads."""
+        """Write name = tree, then release the buffers of those names in `tree` that no later line reads."""
         read = {node.id for node in ast.walk(tree) if isinstance(node, ast.Name)}
         dead = [x for x in read if x in self.places and not _occurs(x, later)]
         own = next((old for old, new in STATE.items() if new == name and not _occurs(old, later)), None)
         target = name if name in LOST else own
-        if isinstance(tree, ast.Name):  # an array of two names would not be free when one of them is
+        if isinstance(tree, ast.Name):  # copied, because a buffer with two names could not be released with one of them
             place = target or self.new()
             self.lines.append(f"copyto({place}, {self.value(tree)})")
         else:
@@ -82,7 +83,7 @@ class _Writer:
                 self.release(self.places.pop(x))
 
     def value(self, tree: ast.expr, target: str | None = None) -> str:
-        """Where the value of the expression is: of an operation in `target`, or in a buffer."""
+        """Write the operations of an expression; return where its value is: a name, `target`, or a buffer."""
         if self.is_scalar(tree):
             return self.scalar(tree)
         if isinstance(tree, ast.Name):
@@ -97,21 +98,19 @@ class _Writer:
         return result
 
     def new(self) -> str:
-        """A further buffer."""
         self.made += 1
         return f"b{self.made - 1}"
 
     def release(self, place: str) -> None:
-        """The buffer holds nothing any more; arrays of the state are no buffers."""
+        """Mark a buffer as free; arrays of the state are not buffers."""
         if re.fullmatch(r"b\d+", place) and place not in self.free:
             self.free.append(place)
 
     def is_scalar(self, tree: ast.expr) -> bool:
-        """True when the value depends on coefficients and h only."""
         return all(node.id in self.scalars for node in ast.walk(tree) if isinstance(node, ast.Name))
 
     def scalar(self, tree: ast.expr) -> str:
-        """A name for it, formed before the loop."""
+        """Return a name or number for a scalar expression, which is computed before the loop."""
         text = ast.unparse(tree)
         if isinstance(tree, ast.Name | ast.Constant):
             return text
@@ -122,12 +121,12 @@ class _Writer:
 
 
 def _occurs(name: str, lines: Sequence[str]) -> bool:
-    """True when a line reads the name, and of the new state, which is read at the end."""
+    """True if a line reads the name; always True for the new state, which is read at the end."""
     return name in STATE.values() or any(re.search(rf"\b{name}\b", line.partition(" = ")[2]) for line in lines)
 
 
 def _operation(tree: Any) -> tuple[str, list[ast.expr]]:
-    """What a step is written of: a + b and its like, -a, and f(a)."""
+    """The ufunc and the operands of an operation in a step: a + b and its like, -a, or f(a)."""
     if isinstance(tree, ast.BinOp):
         return UFUNCS[type(tree.op)], [tree.left, tree.right]
     if isinstance(tree, ast.UnaryOp):

@@ -1,4 +1,4 @@
-"""Whole runs in steps of controlled size, compiled or in Python: explicit pairs, Gauss's and Radau IIA methods."""
+"""Whole runs with step-size control, compiled or in Python: explicit pairs, Gauss's and Radau IIA methods."""
 
 from __future__ import annotations
 
@@ -20,16 +20,16 @@ from driftproof.numeric.field_loops import FieldWriters, field_writers
 from driftproof.numeric.simplified_newton import CollocationTable, collocation_attempts, collocation_table, work_for
 from driftproof.numeric.step_control import Controlled, Tolerances, controlled_steps, pair_attempts
 
-# Steps that would grow by no more stay, and with them the matrices of an implicit method (hairer-wanner-1996, IV.8).
+# Growth of the step size up to this factor is not used, so that matrices can be kept (hairer-wanner-1996, IV.8).
 STEADY = 1.2
 
 
 @dataclass
 class ControlledRun:
-    """run(y, end, relative, absolute) -> y at t = end > 0, from t = 0, in steps with errors within the tolerances.
+    """run(y, end, relative, absolute) -> y at t = end > 0, from t = 0, the error of each step within the tolerances.
 
-    `steps`, `rejected` ones and `calls` of f are those of the last run. Raises ArithmeticError where there is no such
-    step, and where more than `most` calls were not enough.
+    `steps`, `rejected` (steps) and `calls` (of f) are those of the last run. Raises ArithmeticError if no step size
+    meets the tolerances, and if the run is given up after more than `most` calls.
     """
 
     method: Method
@@ -46,7 +46,7 @@ class ControlledRun:
     def __call__(
         self, y: tuple[float, ...], end: float, relative: float, absolute: float, most: float = inf
     ) -> tuple[float, ...]:
-        """The state at the end."""
+        """Return the state at t = `end`."""
         state, report = self.made(y), self.made([0.0] * 5)
         given = Tolerances(relative, absolute, self.power, self.steady, most)
         self.loop(state, end, given, self.table, self.work(len(y)), report)
@@ -61,7 +61,7 @@ class ControlledRun:
 def controlled_runner(method: Method, field: VectorField, *, compiled: bool = False) -> ControlledRun:
     """The run of an explicit pair, or of a collocation method without the node 0, in floats or compiled by numba.
 
-    The first call of a compiled one compiles. Raises MethodError for methods that do not tell their error.
+    A compiled run compiles at its first call. Raises MethodError for methods without an error estimate.
     """
     made: Callable[[Any], Any] = (lambda x: np.array(x, np.float64)) if compiled else list
     if isinstance(method, RungeKutta) and method.explicit and method.b_embedded is not None:
@@ -78,7 +78,7 @@ def controlled_runner(method: Method, field: VectorField, *, compiled: bool = Fa
 
 
 def _keeps_last(method: RungeKutta) -> bool:
-    """True where the last stage is f at the new state, and so the first of the next step."""
+    """True if the last stage is f at the new state, and so the first stage of the next step."""
     return method.a[-1] == method.b and method.c[-1] == 1
 
 
@@ -96,14 +96,15 @@ def _pair_loop(method: RungeKutta, field: VectorField, *, compiled: bool) -> tup
 
 
 def _pair_step(method: RungeKutta, field: VectorField) -> Callable[..., None]:
-    """step(t, y, h, first, last, begin_, end_): f at the state, then f of the last stage, state and error."""
+    """Return step(t, y, h, first, last, begin_, end_): reads `first`, f(t, y); writes last f, new state, error."""
     source = field_source(method, field, estimated=True)
     lines = [line for line in source.lines if not line.startswith("k1_")]
-    given = [f"{x} = {row}[{i}]" for row, of in (("y", "{}"), ("first", "k1_{}")) for i, x in _numbered(source, of)]
-    told = [("begin_", "{}_new"), ("end_", "{}_off"), *([("last", f"k{len(method.b)}_{{}}")] * _keeps_last(method))]
-    ends = [f"{row}[{i}] = {x}" for row, of in told for i, x in _numbered(source, of)]
+    inputs = [("y", "{}"), ("first", "k1_{}")]
+    outputs = [("begin_", "{}_new"), ("end_", "{}_off"), *([("last", f"k{len(method.b)}_{{}}")] * _keeps_last(method))]
+    reads = [f"{x} = {row}[{i}]" for row, names in inputs for i, x in _numbered(source, names)]
+    writes = [f"{row}[{i}] = {x}" for row, names in outputs for i, x in _numbered(source, names)]
     head = "def run(t, y, h, first, last, begin_, end_):"
-    text = maker_text(dict(source.coefficients), "run", [head, *indented([*given, *lines, *ends])])
+    text = maker_text(dict(source.coefficients), "run", [head, *indented([*reads, *lines, *writes])])
     return program_function(text, method.key, source.coefficients)
 
 

@@ -1,8 +1,8 @@
-"""Linear systems by elimination, full or banded, rows exchanged: loops that Python runs and numba compiles.
+"""Linear systems by elimination with row exchanges, full or banded: loops that Python runs and numba compiles.
 
 In Python rows are lists of floats, compiled they are arrays; the operations and their order are the same, and so are
-the bits. Of a matrix whose entries are zero but in a band, row i holds its columns from max(0, i - lower) on; a full
-one is a band that is wide enough, and its rows are whole.
+the bits. Row i of a banded matrix holds its columns from max(0, i - lower) on; a full matrix is a band that is wide
+enough, with whole rows.
 """
 
 from __future__ import annotations
@@ -12,18 +12,18 @@ from typing import Any, NamedTuple, TypeAlias
 
 
 class Band(NamedTuple):
-    """Entries lie at most so many columns left and right of the diagonal."""
+    """A band: entries lie at most `lower` columns left and `upper` columns right of the diagonal."""
 
     lower: int
     upper: int
 
 
-# As wide as any matrix.
+# A band as wide as any matrix.
 FULL = Band(2**40, 2**40)
 
 
 class NumberKind(NamedTuple):
-    """What makes numbers of one kind, all 0: `rows(n, m)`, `blocks(k, n, m)`, and `numbers(k, n)`, which are whole."""
+    """How loops are compiled and zeros allocated: `rows(n, m)`, `blocks(k, n, m)`, and `numbers(k, n)` of integers."""
 
     compiled: Callable[[Any], Any]
     rows: Callable[[int, int], Any]
@@ -37,19 +37,19 @@ PYTHON_FLOATS = NumberKind(
     lambda k, n, m: [[[0.0] * m for _ in range(n)] for _ in range(k)],
     lambda k, n: [[0] * n for _ in range(k)],
 )
-# factored(m, exchanged, n, lower, upper) and solve(m, exchanged, n, x, lower, upper), of the first n rows.
+# factored(m, exchanged, n, lower, upper) and solve(m, exchanged, n, x, lower, upper) use the first n rows of m.
 Elimination: TypeAlias = tuple[Callable[..., bool], Callable[..., None]]
 
 
 def elimination(kind: NumberKind = PYTHON_FLOATS) -> Elimination:
-    """The function that factors a matrix, and the one that solves with it: both in place."""
+    """Return the function that factors a matrix and the one that solves a system with the factors, both in place."""
     compiled = kind.compiled
 
     @compiled
     def factored(m: Any, exchanged: Any, n: int, lower: int, upper: int) -> bool:
-        """M = LU, at step k with the row `exchanged[k]` of the largest entry in its column; False for a zero pivot.
+        """Overwrite M with LU, exchanging rows k and `exchanged[k]` for the largest pivot; False for a zero pivot.
 
-        Exchanges fill in: a row is to hold `lower` zeros more, as far as there are columns.
+        Exchanges cause fill-in: each row must have room for `lower` more entries, as far as there are columns.
         """
         for k in range(n):
             row, first, end = m[k], max(0, k - lower), min(n, k + lower + upper + 1)
@@ -76,7 +76,7 @@ def elimination(kind: NumberKind = PYTHON_FLOATS) -> Elimination:
 
     @compiled
     def solve(m: Any, exchanged: Any, n: int, x: Any, lower: int, upper: int) -> None:
-        """x becomes M⁻¹ x."""
+        """Overwrite x with M⁻¹ x, given the factors of M."""
         for k in range(n):
             best = exchanged[k]
             x[k], x[best] = x[best], x[k]

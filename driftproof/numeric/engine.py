@@ -1,10 +1,9 @@
-"""Many steps fast: a method's program text in one loop, run by Python or compiled, for one state or for an ensemble.
+"""Fast loops over many steps: a method's program text run by Python, NumPy or numba, for one state or an ensemble.
 
-The same text and therefore the same bits everywhere: nothing is reordered, no product is fused into a sum. What a
-compiler is given is the text; what it may not do (contract, reassociate) is left switched off. That holds for + - * /
-and square roots, which IEEE 754 defines; sin, cos, exp and log are whatever the library at hand computes: the same one
-for Python floats and for compiled loops, another for arrays. Where Python raises, dividing by zero say, compiled loops
-and arrays go on with infinities and NaN.
+All of them execute the same text and give the same bits: numba is not allowed to reassociate operations, or to fuse a
+product and a sum into one. That holds for + - * / and square roots, which IEEE 754 defines; sin, cos, exp and log are
+those of the library at hand: one for Python floats and compiled loops, another for arrays. Where Python raises, as in a
+division by zero, compiled loops and arrays go on with infinities and NaN.
 """
 
 from __future__ import annotations
@@ -25,36 +24,37 @@ from driftproof.methods.stepping import Source, step_source
 from driftproof.methods.vector_fields import FUNCTIONS, FieldSource, VectorField, field_source
 from driftproof.numeric.array_text import UFUNCS, array_run
 
-# The force -q, as text with the place to be filled in.
+# The force F(x) = -x as program text, {} standing for x.
 OSCILLATOR = "(-{})"
 FloatArray: TypeAlias = NDArray[np.floating[Any]]
-# np.float16, float32, float64 or longdouble; not typed so, because NumPy's types are no keys of a cache.
+# np.float16, float32, float64 or longdouble; Any, because for type checkers NumPy's types cannot be keys of a cache.
 Format: TypeAlias = Any
 # run(q, v, h, steps) -> (q, v)
 Run: TypeAlias = Callable[[Any, Any, Any, int], tuple[Any, Any]]
-# run(q, v, h, steps): the arrays q and v become those after so many steps.
+# run(q, v, h, steps) overwrites the arrays q and v with the states after `steps` steps.
 EnsembleRun: TypeAlias = Callable[[FloatArray, FloatArray, float, int], None]
-# run(y, h, first, last): the array y becomes that after steps first to last - 1.
+# run(y, h, first, last) overwrites the array y with the states after steps first to last - 1.
 FieldEnsembleRun: TypeAlias = Callable[[FloatArray, float, int, int], None]
-# run(y, h, first, last) -> y: steps first to last - 1.
+# run(y, h, first, last) -> y after steps first to last - 1.
 FieldRun: TypeAlias = Callable[[tuple[float, ...], float, int, int], tuple[float, ...]]
 
-# States of an ensemble that are stepped together: compiled, a block stays in the fastest cache; in NumPy, where each
-# operation is a pass over a block, the second cache holds it and its stages, and passes are long enough to pay.
+# How many states of an ensemble are stepped together. A compiled block stays in the fastest cache. In NumPy, where each
+# operation is a pass over a block, the second cache holds the block and its stages, and a pass outweighs its call.
 BLOCK, ARRAY_BLOCK = 512, 4096
-# The formats that compiled loops know.
+# The number formats that compiled loops support.
 COMPILED = (np.float32, np.float64)
 OF_FLOATS = {name: getattr(math, name) for name in FUNCTIONS}
-_OF_ARRAYS = {name: getattr(np, name) for name in (*FUNCTIONS, *UFUNCS.values(), "negative", "copyto")}
+_ARRAY_FUNCTIONS = {name: getattr(np, name) for name in (*FUNCTIONS, *UFUNCS.values(), "negative", "copyto")}
 
 
 @cache
 def runner(method: Method, force: str = OSCILLATOR, *, compensated: bool = False) -> Run:
-    """The loop run(q, v, h, steps) of `method` in plain Python, on floats: the steps of `stepping.stepper`, in a row.
+    """Return run(q, v, h, steps) of `method` in plain Python floats: `steps` steps of `stepping.stepper` in one loop.
 
-    `force` is the text of F(x) with {} for x, built from names, numbers, operators and `fields.FUNCTIONS`, of our own
-    writing. `compensated` carries along what the additions to the state round off (bounded in
-    `tests/witnesses/compensated.py`). A negative h runs back in time. Raises MethodError for an implicit method.
+    `force` is the text of F(x) with {} for x, of names, numbers, operators and `vector_fields.FUNCTIONS`. It is
+    executed, so no user's text may get there. `compensated` carries along what additions to the state round off
+    (bounded in `tests/witnesses/compensated.py`). A negative h runs back in time. Raises MethodError for implicit
+    methods.
     """
     source = step_source(method, force, compensated=compensated)
     return program_function(source.run(), method.key, source.coefficients)
@@ -62,19 +62,19 @@ def runner(method: Method, force: str = OSCILLATOR, *, compensated: bool = False
 
 @cache
 def compiled_runner(method: Method, force: str = OSCILLATOR, *, compensated: bool = False) -> Run:
-    """The same loop compiled by numba: the same bits, at the processor's latency. Needs the extra `fast`.
+    """Return the loop of `runner` compiled by numba: the same bits, at the processor's latency. Needs the extra `fast`.
 
-    The first call compiles, which takes from half a second to some seconds; `compiled_runner(m)(0.0, 0.0, 0.0, 0)`
-    does nothing else. Raises ImportError without numba.
+    The first call compiles, which takes from half a second to some seconds; `compiled_runner(m)(0.0, 0.0, 0.0, 0)` does
+    nothing else. Raises ImportError without numba.
     """
     return compiled_function(runner(method, force, compensated=compensated))
 
 
 def ensemble_runner(method: Method, force: str = OSCILLATOR, *, compensated: bool = False) -> EnsembleRun:
-    """run(q, v, h, steps) on arrays, block by block in NumPy: each block takes all steps while it is in the cache.
+    """Return run(q, v, h, steps) on arrays in NumPy. Each block of states takes all its steps while it is in the cache.
 
-    q and v are one-dimensional, of one length and of one format, in which everything is computed, h included. Overflow
-    is infinite, silently. Raises ValueError for other arrays, MethodError for an implicit method.
+    q and v are one-dimensional, of one length and one format, in which everything is computed, h included. Overflow
+    gives infinities, silently. Raises ValueError for other arrays, MethodError for an implicit method.
     """
     source = step_source(method, force, compensated=compensated)
 
@@ -92,9 +92,9 @@ def ensemble_runner(method: Method, force: str = OSCILLATOR, *, compensated: boo
 
 
 def compiled_ensemble_runner(method: Method, force: str = OSCILLATOR, *, compensated: bool = False) -> EnsembleRun:
-    """The same, compiled by numba: within a block the innermost loop goes over states, many to an instruction.
+    """Return the loop of `ensemble_runner` compiled by numba: its innermost loop runs over states and is vectorised.
 
-    Needs the extra `fast`; for binary32 and binary64, or ValueError.
+    Needs the extra `fast`. Raises ValueError for formats other than binary32 and binary64.
     """
     source = step_source(method, force, compensated=compensated)
 
@@ -108,10 +108,10 @@ def compiled_ensemble_runner(method: Method, force: str = OSCILLATOR, *, compens
 
 
 def compiled_field_ensemble_runner(method: Method, field: VectorField, *, threads: int = 1) -> FieldEnsembleRun:
-    """run(y, h, first, last) on many systems at once: a row of y for each component, a column for each system.
+    """Return run(y, h, first, last) on many systems: y has a row for each component and a column for each system.
 
-    y, of binary64, becomes the states after steps first to last - 1, from times i h, with the bits of `field_runner`.
-    So many threads take blocks of systems in turn. Needs the extra `fast`. Raises ValueError for another y.
+    y, of binary64, is overwritten with the states after steps first to last - 1, step i from t = i h, with the bits of
+    `field_runner`. `threads` threads share the systems. Needs the extra `fast`. Raises ValueError for another y.
     """
     source = field_source(method, field)
 
@@ -124,7 +124,7 @@ def compiled_field_ensemble_runner(method: Method, field: VectorField, *, thread
 
 
 def in_threads(run: Callable[[int, int], None], members: int, threads: int, block: int = 1) -> None:
-    """run(start, stop) over all members, in as many parts of whole blocks as there are threads; in this one alone."""
+    """Call run(start, stop) over all members, in up to `threads` parts of whole blocks; a single part runs here."""
     part = block * max(1, -(-members // (block * threads)))
     starts = range(0, members, part)
     if len(starts) < 2:
@@ -137,16 +137,16 @@ def in_threads(run: Callable[[int, int], None], members: int, threads: int, bloc
 
 
 def demand_ensemble(y: FloatArray, rows: int) -> None:
-    """Raises ValueError for what is not so many rows of float64, one after another."""
+    """Raise ValueError unless y consists of `rows` rows of float64, one after another in memory."""
     if y.ndim != 2 or len(y) != rows or y.dtype != np.float64 or not y.flags.c_contiguous:
         raise ValueError(f"y is {y.dtype}{list(y.shape)}; an ensemble is {rows} rows of float64, one after another")
 
 
 def array_field_runner(method: Method, field: VectorField, library: Any) -> FieldRun:
-    """run(y, h, first, last) with a tuple of arrays of any library that has the functions of the array API standard.
+    """Return run(y, h, first, last) on a tuple of arrays of any library with the functions of the array API standard.
 
-    The text of `field_runner`, an operation at a time on whole arrays, of binary64 or whatever they hold: the same bits
-    of + - * / in NumPy, torch and JAX, and others, within the derived bound, where `jax.jit` fuses products into sums.
+    It executes the text of `field_runner`, one operation at a time on whole arrays. In NumPy, torch and JAX the four
+    operations have the same bits; if `jax.jit` fuses products into sums, results differ within the derived bound.
     """
     source = field_source(method, field)
     functions = {name: getattr(library, name) for name in FUNCTIONS}
@@ -155,12 +155,12 @@ def array_field_runner(method: Method, field: VectorField, library: Any) -> Fiel
 
 @cache
 def field_runner(method: Method, field: VectorField, *, compensated: bool = False) -> FieldRun:
-    """The loop run(y, h, first, last) of an explicit method for y' = f(t, y), in plain Python.
+    """Return run(y, h, first, last) of an explicit method for y' = f(t, y), in plain Python floats.
 
-    y is a tuple of floats: any, for a Runge-Kutta method; positions and then velocities of a second-order system, for a
-    splitting or a Nyström method. Steps first to last - 1 are taken, from times i h; run(y, h, 0, n) and then
-    run(..., h, n, m) is run(y, h, 0, m), bit for bit, unless `compensated`: what additions lost is forgotten in
-    between. Raises MethodError as `field_source`.
+    y is a tuple: any state for a Runge-Kutta method; positions, then velocities, of a second-order system for a
+    splitting or a Nyström method. Steps first to last - 1 are taken, step i from t = i h. Splitting a run changes no
+    bit: run(run(y, h, 0, n), h, n, m) is run(y, h, 0, m), unless `compensated`, where what additions lost is forgotten
+    in between. Raises MethodError as `field_source` does.
     """
     source = field_source(method, field, compensated=compensated)
     return program_function(source.run(), method.key, source.coefficients)
@@ -168,15 +168,15 @@ def field_runner(method: Method, field: VectorField, *, compensated: bool = Fals
 
 @cache
 def compiled_field_runner(method: Method, field: VectorField, *, compensated: bool = False) -> FieldRun:
-    """The same loop compiled by numba, the same bits. Needs the extra `fast`."""
+    """Return the loop of `field_runner` compiled by numba, with the same bits. Needs the extra `fast`."""
     return compiled_function(field_runner(method, field, compensated=compensated))
 
 
 def lifted(c: Exact, number: Format) -> Any:
-    """The coefficient in the format `number`: the nearest double first, which binary64 is and narrower formats round.
+    """The coefficient c in the format `number`: the nearest double, rounded once more for a narrower format.
 
-    A wider format also gets the nearest double of what that leaves: c within 2⁻¹⁰⁶ of itself, relatively, which is
-    then rounded once. In binary64 the result is a Python float, which is faster alone and the same in arrays.
+    A wider format adds the double nearest to the remainder, which gives c to 2⁻¹⁰⁶ relatively, and rounds the sum once.
+    For binary64 the result is a Python float, which is faster in scalar arithmetic and gives the same bits with arrays.
     """
     nearest = float(c)
     if np.finfo(number).nmant <= np.finfo(np.float64).nmant:
@@ -191,13 +191,13 @@ def program_function(
     functions: Mapping[str, Any] = OF_FLOATS,
     number: Format = np.float64,
 ) -> Callable[..., Any]:
-    """The function that a program text makes of its coefficients in a format; see `maker`."""
+    """Build the function of a program text with its coefficients in the format `number`; see `maker`."""
     made: Callable[..., Any] = maker(text, key, functions)(*[lifted(c, number) for _, c in coefficients])
     return made
 
 
 def _format_of(q: FloatArray, v: FloatArray) -> Format:
-    """The common format. Raises ValueError for arrays that are not alike, one-dimensional and of floats."""
+    """The common format. Raises ValueError unless both are one-dimensional float arrays of one length and format."""
     if q.shape != v.shape or q.ndim != 1 or q.dtype != v.dtype or not issubclass(q.dtype.type, np.floating):
         shown = f"{q.dtype}{list(q.shape)} and {v.dtype}{list(v.shape)}"
         raise ValueError(f"q and v are {shown}; an ensemble is two one-dimensional arrays of floats, of one length")
@@ -207,7 +207,7 @@ def _format_of(q: FloatArray, v: FloatArray) -> Format:
 @cache
 def _array_run(source: Source, number: Format) -> tuple[Callable[..., None], int]:
     text, buffers = array_run(source)
-    return program_function(text, "ensemble", source.coefficients, _OF_ARRAYS, number), buffers
+    return program_function(text, "ensemble", source.coefficients, _ARRAY_FUNCTIONS, number), buffers
 
 
 @cache
@@ -217,7 +217,7 @@ def _compiled_blocks(source: Source, number: Format) -> Callable[..., Any]:
 
 
 def _blocks_text(source: Source) -> str:
-    """make(coefficients...) -> run(qs, vs, h, steps, begin, end), on the members from `begin` to before `end`."""
+    """The text of make(coefficients...) -> run(qs, vs, h, steps, begin, end), which steps members begin to end - 1."""
     arrays = {"q": ("qs", "q1"), "v": ("vs", "v1")}
     prepare = []
     if source.compensated:
@@ -229,7 +229,7 @@ def _blocks_text(source: Source) -> str:
 
 @cache
 def _compiled_field_blocks(source: FieldSource) -> Callable[..., Any]:
-    """run(y, h, first, last, begin, end), on the columns of y from `begin` to before `end`."""
+    """Compile run(y, h, first, last, begin, end), which steps columns begin to end - 1 of y."""
     arrays = {name: (f"y[{k}]", f"{name}_new") for k, name in enumerate(source.components)}
     lines = _blocks_lines(arrays, ["for i in range(first, last):", *indented(["t = i * h"])], source.lines)
     names = [name for name, _ in source.coefficients]
@@ -238,10 +238,10 @@ def _compiled_field_blocks(source: FieldSource) -> Callable[..., Any]:
 
 
 def _blocks_lines(arrays: Mapping[str, tuple[str, str]], steps: Sequence[str], lines: Iterable[str]) -> list[str]:
-    """The loop over blocks: in each, all steps; in a step, the lines between reading and writing one member.
+    """The lines of a loop over blocks, in it over steps, and in it over members, each of which is advanced by `lines`.
 
-    `arrays` has for each name of the lines the array and the name of what it becomes. The inner loop counts from zero
-    over a slice: over part of the whole array it would not be vectorised.
+    `arrays` maps each variable in `lines` to its array and to the variable that holds its new value. The inner loop
+    counts from zero over a slice: over part of the whole array it would not be vectorised.
     """
     stop = f"min(start_ + {BLOCK}, end_)"
     cut = [f"{x}_block = {array}[start_:{stop}]" for x, (array, _) in arrays.items()]
@@ -252,10 +252,7 @@ def _blocks_lines(arrays: Mapping[str, tuple[str, str]], steps: Sequence[str], l
 
 
 def compiled_function(function: Callable[..., Any]) -> Callable[..., Any]:
-    """The function compiled by numba, in its order of operations and with IEEE 754's divisions by zero.
-
-    Raises ImportError without numba.
-    """
+    """Compile the function by numba in its order of operations; 1/0 is infinite. Raises ImportError without numba."""
     try:
         from numba import njit
     except ImportError:

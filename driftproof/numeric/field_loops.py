@@ -1,4 +1,4 @@
-"""A vector field as the loops over numbers read it: f and its derivatives, written into rows, in Python or compiled."""
+"""A vector field for the loops over numbers: f and its derivatives, written into rows, in Python or compiled."""
 
 from __future__ import annotations
 
@@ -15,12 +15,13 @@ from driftproof.numeric.elimination import FULL, PYTHON_FLOATS, Band, NumberKind
 from driftproof.numeric.engine import compiled_function, program_function
 from driftproof.numeric.newton import RateWriter
 
-# Systems of so many components are written in loops; a period is of at most so many.
+# Systems of at least LOOPED components are written in loops, with periods of at most LONGEST_PERIOD components; chosen:
+# shorter systems compile fast as they stand.
 LOOPED, LONGEST_PERIOD = 24, 4
 
 
 class FieldWriters(NamedTuple):
-    """What loops are made of."""
+    """The functions that write f and its Jacobian, the band of the Jacobian, and the kind of numbers."""
 
     rate: RateWriter
     jacobian: RateWriter
@@ -29,7 +30,7 @@ class FieldWriters(NamedTuple):
 
 
 def number_kind(*, compiled: bool) -> NumberKind:
-    """Lists of Python floats, or what numba compiles, on arrays; needs the extra `fast`."""
+    """The kind for lists of Python floats or, compiled by numba, for arrays, which needs the extra `fast`."""
     if not compiled:
         return PYTHON_FLOATS
     return NumberKind(
@@ -41,9 +42,9 @@ def number_kind(*, compiled: bool) -> NumberKind:
 
 
 def field_writers(field: VectorField, *, compiled: bool) -> FieldWriters:
-    """f and its derivatives, by exact formulas, as functions that write into what they are given.
+    """Return functions that write f and its derivatives, from exact formulas, into the rows that they are given.
 
-    Rows of derivatives are a band where the text shows one that is worth it.
+    The rows of derivatives are a band if the text of the field shows one that saves enough work.
     """
     kind, reads = number_kind(compiled=compiled), field.dependence()
     band = band_of(reads)
@@ -57,24 +58,24 @@ def field_writers(field: VectorField, *, compiled: bool) -> FieldWriters:
 
 
 def _column(i: int, j: int, band: Band) -> str:
-    """The place of column j in row i, {i} being its number."""
+    """The index of column j in row i as text, where {i} stands for the number i."""
     return f"{{i}}{j - i:+d}" if band == FULL else str(j - max(0, i - band.lower))
 
 
 def band_of(reads: Sequence[Collection[int]]) -> Band:
-    """The band of a matrix whose row i has entries in the columns `reads[i]`; FULL unless that is much less to do.
+    """The band of a matrix whose row i has entries in the columns `reads[i]`; FULL unless the band saves much work.
 
-    Elimination in a band costs some (lower + upper)² n, and without one n³/3.
+    Elimination takes about (lower + upper)² n operations in a band, and n³/3 without one.
     """
     lower, upper = (max((0, *(sign * (i - j) for i, row in enumerate(reads) for j in row))) for sign in (1, -1))
     return Band(lower, upper) if 2 * (2 * lower + upper + 1) <= len(reads) else FULL
 
 
 def _writer(field: VectorField, rows: Sequence[Sequence[str]]) -> RateWriter:
-    """The function whose lines `rows` holds by component, {i} being its number.
+    """Build run(t, y, last) from the lines in `rows`, listed by component, where {i} stands for its number.
 
-    Its names of its own are those that no parameter may have. Rows that are repeated, the neighbours that they read
-    shifted by as much, become loops: a thousand of them would take a compiler minutes.
+    The local names in it are those that no parameter may have. Rows that repeat with the indices shifted become loops,
+    because a compiler would take minutes for a thousand rows.
     """
     names = [name for name, _ in field.parameters]
     if len(rows) < LOOPED or any(re.fullmatch(r"y\d+", name) for name in names):
@@ -87,7 +88,7 @@ def _writer(field: VectorField, rows: Sequence[Sequence[str]]) -> RateWriter:
 
 
 def _looped(rows: Sequence[Sequence[str]]) -> Iterator[str]:
-    """The lines of all components, as loops over periods of up to LONGEST_PERIOD of them."""
+    """Yield the lines of all components as loops over periods of up to LONGEST_PERIOD components."""
     relative = [[_shifted(line, i, 0) for line in lines] for i, lines in enumerate(rows)]
     at = 0
     while at < len(rows):
@@ -100,7 +101,7 @@ def _looped(rows: Sequence[Sequence[str]]) -> Iterator[str]:
 
 
 def _repeated(relative: Sequence[Sequence[str]], at: int, period: int) -> int:
-    """How often the rows from `at` on are repeated with that period, the first time included."""
+    """How often the rows from `at` on repeat with that period, counting the first time."""
     end = at + period
     while end < len(relative) and relative[end] == relative[end - period]:
         end += 1
@@ -108,6 +109,6 @@ def _repeated(relative: Sequence[Sequence[str]], at: int, period: int) -> int:
 
 
 def _shifted(line: str, component: int, place: int) -> str:
-    """The line of a component with i for its number less its place in the period."""
+    """The line of a component with i in place of its number minus its place in the period."""
     near = re.sub(r"\by(\d+)\b", lambda found: f"y[i{int(found[1]) - component + place:+d}]", line)
     return near.replace("{i}", f"i + {place}" if place else "i")

@@ -1,28 +1,27 @@
 """Implicit Runge-Kutta and collocation methods on y' = f(t, y): stage equations by Newton's method, residual reported.
 
-The unknowns are the moves Zᵢ = h Σⱼ aᵢⱼ f(t + cⱼ h, y + Zⱼ) (hairer-wanner-1996, IV.8). A lower triangular A is solved
-stage by stage, any other at once but for explicit stages at its head.
+The unknowns are the stage increments Zᵢ = h Σⱼ aᵢⱼ f(t + cⱼ h, y + Zⱼ) (hairer-wanner-1996, IV.8), `moves` in the code.
+If A is lower triangular, stages are solved one by one, otherwise all together except explicit ones at the head.
 
-When is it solved? With E a bound on the rounding error of the computed residual ĝ, and R on what moving Z to the
-nearest floats changes in it, one iteration with a matrix M for G' leaves |ĝ(Z⁺)| ≤ κ|ĝ(Z)| + 2E + R, where κ is the
-size of I - G'M⁻¹. Let κ ≤ 1/2. As long as |ĝ| > 8E + 4R, the next is at most |ĝ|/2 + |ĝ|/4: it shrinks to 3/4. So
+When does a step count as solved? Let E bound the rounding error of the computed residual ĝ, and R its change when Z
+is rounded to floats. One iteration with a matrix M in the place of G' leaves |ĝ(Z⁺)| ≤ κ|ĝ(Z)| + 2E + R, where κ is
+the norm of I - G'M⁻¹. Let κ ≤ 1/2. As long as |ĝ| > 8E + 4R, the next residual is at most |ĝ|/2 + |ĝ|/4 = 3|ĝ|/4. So
 
-    solved        |ĝ| ≤ 8E + 4R in every component, which an iteration with κ ≤ 1/2 reaches;
-    simplified    M is made of one Jacobian matrix, where the iteration starts, as long as |ĝ| shrinks to 1/8;
-    full          else M is made anew at the present stages, which costs less than slow iterations;
-    damped        after 128 iterations, for (3/4)¹²⁸ < 2⁻⁵³, or where something is no longer finite, all starts again,
-                  full, and with corrections in part where the next one would not be shorter;
-    failed        after so many more.
+    solved        |ĝ| ≤ 8E + 4R in every component, which iterations with κ ≤ 1/2 reach;
+    simplified    M is made from one Jacobian matrix, at the start of the iteration, while each one shrinks |ĝ| to 1/8;
+    full          otherwise M is made anew at the present stages, which costs less than slow iterations;
+    damped        after 128 iterations, as (3/4)¹²⁸ < 2⁻⁵³, or if a number is not finite, the iteration starts again,
+                  full, and with shortened corrections where the next one would not be shorter;
+    failed        after another 128 iterations.
 
-A solved step goes on while the residual still halves, and keeps the best. Where the equations have several solutions,
-it is one of them; as h tends to 0, the one near the start. Norms are of ĝ divided by 8E + 4R.
+The iteration of a solved step goes on while the residual still halves, and the best Z is kept. Of several solutions it
+finds one; as h tends to 0, the one near the start. Norms are of ĝ divided by 8E + 4R.
 
-E: of g = Z - w - h Σ aᵢⱼ fⱼ, w known, the terms a f pass 1 rounding of a, s of the products and the sum, 1 of h, 2 of
-the differences, so s + 4, Z and w at most 2. The rate is taken to be computed as f(y(1 + α))(1 + β) with |α|, |β| at
-most m u, m = _RATE_ROUNDINGS, and its argument y + Z is rounded once. J being the matrix in use for f',
+E: in g = Z - w - h Σ aᵢⱼ fⱼ with w known, the terms a f undergo 1 rounding of a, s of the products and the sum, 1 of h
+and 2 of the differences, s + 4 together; Z and w at most 2. The rate is assumed to be computed as f(y(1 + α))(1 + β)
+with |α|, |β| ≤ m u, m = newton.RATE_ROUNDINGS, and its argument y + Z is rounded once. With J the matrix used for f',
 E = u (2|Z| + 2|w| + (s + 4 + m) |h||A||f| + (m + 1)|h||A||J||y + Z|) + (s + 1)(1 + |h|) eta, the last for underflow;
-R = u (|Z| + |h||A||J||Z|) + eta (1 + |h||A||J|1), the last where Z is subnormal. Terms in
-u² are left out: they are 10⁻¹³ of these.
+R = u (|Z| + |h||A||J||Z|) + eta (1 + |h||A||J|1), the last for subnormal Z. Terms in u², 10⁻¹³ of these, are left out.
 """
 
 from __future__ import annotations
@@ -50,22 +49,22 @@ Jacobian: TypeAlias = Callable[[float, _Vector], Any]
 
 
 class StageEquationsUnsolved(ArithmeticError):
-    """Newton's method found no stages: the step is too large, the start too far, or there are none.
+    """Newton's method found no stages: the step is too large, the start too far away, or there is no solution.
 
-    `reason` says it in a few words, without which step it was and how far it came.
+    `reason` says so in a few words, without the step and the residual.
     """
 
     def __init__(self, message: str, reason: str = "") -> None:
-        """Keep both; a copy that is made of the message alone, as pickle does, gets its reason afterwards."""
+        """Keep both; a copy made from the message alone, as pickle makes it, gets its reason afterwards."""
         super().__init__(message)
         self.reason = reason
 
 
 class ImplicitStep(NamedTuple):
-    """What a step found.
+    """The result of an implicit step.
 
-    `residual` is the largest |g| left in a stage equation, in the units of y; `over_floor` the largest over what its
-    rounding explains, at most 1.
+    `residual` is the largest |g| left in a stage equation, in the units of y; `over_floor` is the largest ratio of |g|
+    to what rounding explains, 8E + 4R, and at most 1.
     """
 
     y: _Vector
@@ -78,14 +77,14 @@ ImplicitStepper: TypeAlias = Callable[[float, Any, float], ImplicitStep]
 
 
 def implicit_stepper(method: Method, rate: _Rate, jacobian: Jacobian | None = None) -> ImplicitStepper:
-    """step(t, y, h) of a Runge-Kutta or collocation method, y one-dimensional; h may be negative.
+    """Return step(t, y, h) of a Runge-Kutta or collocation method for one-dimensional y; h may be negative.
 
-    Without a `jacobian` it is formed by differences, on which only the number of iterations depends. Collocation
-    methods are run by their tableau, formed of the nodes. The step raises StageEquationsUnsolved, and never returns
-    what is not solved to rounding, and ValueError for a rate of another length. Raises MethodError for a splitting and
-    for a Nyström method.
+    Without `jacobian` derivatives are approximated by differences, which affects the number of iterations only.
+    Collocation methods are run by the tableau that their nodes determine. The step raises StageEquationsUnsolved rather
+    than return what is not solved to rounding, and ValueError for a rate of another length than y. Raises MethodError
+    for splittings and Nyström methods.
     """
-    given = _Given(rate, jacobian)
+    given = _UserFunctions(rate, jacobian)
     steps = implicit_steps(given.write_rate, given.write_derivatives)
     table = _table(method)
 
@@ -101,8 +100,8 @@ def implicit_stepper(method: Method, rate: _Rate, jacobian: Jacobian | None = No
 
 
 @dataclass
-class _Given:
-    """Somebody's functions as the loops call them; h is that of the step."""
+class _UserFunctions:
+    """A user's rate and Jacobian in the form that the loops call; `h`, the present step size, scales differences."""
 
     rate: _Rate
     jacobian: Jacobian | None
@@ -135,7 +134,7 @@ class _Given:
 
 @dataclass
 class ImplicitRun:
-    """run(y, h, first, last) -> y of an implicit method for y' = f(t, y): steps first to last - 1, from times i h.
+    """run(y, h, first, last) -> y of an implicit method for y' = f(t, y): steps first to last - 1, step i from i h.
 
     `calls` counts the evaluations of f so far. Raises StageEquationsUnsolved.
     """
@@ -147,7 +146,7 @@ class ImplicitRun:
     calls: int = 0
 
     def __call__(self, y: tuple[float, ...], h: float, first: int, last: int) -> tuple[float, ...]:
-        """The state after these steps."""
+        """Return the state after steps first to last - 1."""
         state, report = self.made(y), self.made(_report())
         self.steps(0.0, state, h, first, last, self.table, report)
         self.calls += int(report[newton.EVALUATIONS])
@@ -156,14 +155,14 @@ class ImplicitRun:
 
 
 def implicit_runner(method: Method, field: VectorField) -> ImplicitRun:
-    """The loop of an implicit method in plain Python, on floats; Jacobian matrices by exact formulas."""
+    """The loop of an implicit method in plain Python, on floats, with Jacobian matrices by exact formulas."""
     return ImplicitRun(method, _steps_on(field, compiled=False), _table(method), list)
 
 
 def compiled_implicit_runner(method: Method, field: VectorField) -> ImplicitRun:
-    """The same loop compiled by numba, the same bits. Needs the extra `fast`.
+    """The loop of `implicit_runner` compiled by numba, with the same bits. Needs the extra `fast`.
 
-    The first call of the first method on a field compiles, which takes some ten seconds; other methods need no more.
+    The first call on a field compiles, which takes some ten seconds; other methods on that field need no more.
     """
     table = _table(method)
     arrays = StepTable._make((*map(np.array, table[:4]), table.way))
@@ -171,10 +170,10 @@ def compiled_implicit_runner(method: Method, field: VectorField) -> ImplicitRun:
 
 
 def compiled_implicit_ensemble_runner(method: Method, field: VectorField, *, threads: int = 1) -> FieldEnsembleRun:
-    """run(y, h, first, last) on many systems, as `engine.compiled_field_ensemble_runner`: those of an implicit method.
+    """Return run(y, h, first, last) of an implicit method on many systems, as `engine.compiled_field_ensemble_runner`.
 
-    Each system has its own matrices and iterations. Raises StageEquationsUnsolved, which names a system that fails;
-    others are then anywhere.
+    Each system has its own matrices and iterations. Raises StageEquationsUnsolved, which names a system that fails; the
+    states of the others are then undefined.
     """
     arrays, loop = compiled_implicit_runner(method, field).table, _ensemble_on(field)
 
@@ -210,9 +209,9 @@ def _table(method: Method) -> StepTable:
 
 
 def _groups(table: FloatTableau) -> tuple[tuple[int, int], ...]:
-    """The stages that are solved together: explicit ones at the head, and all of a lower triangular A, one by one.
+    """Groups (first, end) of stages solved together. Explicit ones at the head, and all of a triangular A, are alone.
 
-    An explicit stage among others would be an equation without any rounding, which no elimination solves exactly.
+    Among others an explicit stage would be an equation almost without rounding, which no elimination solves exactly.
     """
     ahead = next((i for i, row in enumerate(table.a) if row[i:].any()), table.stages)
     if not np.triu(table.a, 1).any():
@@ -226,7 +225,7 @@ def _report() -> list[float]:
 
 
 def _demand_done(method: Method, report: Any, t: float, h: float, whose: str = "") -> None:
-    """Raise the error of a step that failed, in one line."""
+    """Raise StageEquationsUnsolved, in one line, if the step failed."""
     name = f"{method.key}: {whose}"
     if report[newton.STATE] == newton.OVERFLOWS:
         where, reason = f"the step from t = {t + report[newton.STEP] * h:g} by h = {h:g}", "overflows binary64"

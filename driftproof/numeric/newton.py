@@ -1,7 +1,7 @@
 """Newton's method for the stage equations of implicit steps: loops over numbers, which Python runs and numba compiles.
 
-What these loops find, when it is solved, and why, is said in `numeric.implicit`, whose words are used here. In Python
-rows are lists of floats, compiled they are arrays; the operations and their order are the same, and so are the bits.
+`numeric.implicit` says what these loops solve and when a step counts as solved; its terms are used here. In Python rows
+are lists of floats, compiled they are arrays; the operations and their order are the same, and so are the bits.
 """
 
 from __future__ import annotations
@@ -16,41 +16,42 @@ from driftproof.numeric.elimination import FULL, PYTHON_FLOATS, Band, NumberKind
 
 UNIT = float(np.finfo(np.float64).epsneg)  # u = 2⁻⁵³
 ETA = float(np.finfo(np.float64).smallest_subnormal)
+# m, iterations and rates of convergence in `numeric.implicit`; m is chosen: a larger one accepts larger residuals.
 RATE_ROUNDINGS = 16
 MOST_ITERATIONS = 128
 SHRINKS, HALVES = 0.125, 0.5
-# A correction of which no more than this part is a step forward leads nowhere.
+# Damping shortens no correction further than this: one that helps only in a smaller part leads nowhere.
 SHORTEST = 2.0**-20
 
-# rate(t, y, f) writes f(t, y) into f, jacobian(t, y, matrix) the derivatives into the rows of a band.
+# rate(t, y, f) writes f(t, y) into f; jacobian(t, y, matrix) writes the derivatives into the rows of a band.
 RateWriter: TypeAlias = Callable[[float, Any, Any], None]
-# steps(t, y, h, first, last, table, report): y becomes the state after steps first to last - 1, the i-th from t + i h.
+# steps(t, y, h, first, last, table, report) overwrites y with that after steps first to last - 1, step i from t + i h.
 Steps: TypeAlias = Callable[..., None]
-# Places in a report, which holds what steps did: counts of all of them, the worst that was left in an equation, and
-# of a step that fails the state, its number, and of its attempt without damping the iterations, what is left, the time.
+# Indices in a report: counts over all steps, the largest residual, and, for a step that fails, its outcome, its number
+# and the iterations, residual and time of its undamped attempt; the number of its system in an ensemble.
 ITERATIONS, EVALUATIONS, RESIDUAL, OVER_FLOOR, STATE, STEP, TRIED, LEFT, LEFT_OVER_FLOOR, TIME, SYSTEM = range(11)
 DONE, UNSOLVED, OVERFLOWS = 0.0, 1.0, 2.0
-# How the new state is formed: the last stage, from the moves, or from the slopes.
+# How the new state is formed: it is the last stage, or is formed from the moves, or from the slopes.
 LAST, MOVES, SLOPES = 0, 1, 2
 
 
 class StepTable(NamedTuple):
-    """A tableau as the loops read it: stages from `first` to `last` of a group are solved together."""
+    """A tableau in the form that the loops read; stages first to last - 1 of a group are solved together."""
 
     a: Any
     weights: Any  # d or b
     c: Any
-    groups: Any  # (first, last) of each
+    groups: Any  # (first, last) of each group
     way: int
 
 
 def residual_of(rate: RateWriter, band: Band = FULL, kind: NumberKind = PYTHON_FLOATS) -> Callable[..., float]:
-    """The function that writes what is left in the equations of one group, and says how much that is."""
+    """Return the function that computes the residual of the equations of one group, and its size."""
     (compiled, rows, _, _), (lower, upper) = kind, band
 
     @compiled
     def residual(t: float, y: Any, h: float, a: Any, c: Any, moves: Any, known: Any, jacobians: Any, g: Any) -> float:
-        """g = Z - w - h A f, and its largest part over the floor, 8E + 4R; infinite for what is not finite."""
+        """Write g = Z - w - h A f; return the largest |g| over its floor, 8E + 4R, or inf if one is not finite."""
         n, stages, size = len(y), len(a), abs(h)
         slopes, at_place, at_move, whole = rows(stages, n), rows(stages, n), rows(stages, n), rows(stages, n)
         place = rows(1, n)[0]
@@ -92,14 +93,14 @@ def residual_of(rate: RateWriter, band: Band = FULL, kind: NumberKind = PYTHON_F
 def implicit_steps(
     rate: RateWriter, jacobian: RateWriter, band: Band = FULL, kind: NumberKind = PYTHON_FLOATS
 ) -> Steps:
-    """The loop over steps for a problem; the method comes with each call, as a `StepTable`."""
+    """Return the loop over steps for a problem; the method comes with each call, as a `StepTable`."""
     (compiled, rows, blocks, numbers), (lower, upper) = kind, band
     residual = residual_of(rate, band, kind)
     factored, solve = elimination(kind)
 
     @compiled
     def corrected(m: Any, order: Any, g: Any, x: Any, wide: Any) -> float:
-        """x = M⁻¹ g, and its square."""
+        """Write x = M⁻¹ g; return |x|²."""
         stage, component, below, above = wide
         for i in range(len(g)):
             for k in range(len(g[0])):
@@ -112,7 +113,7 @@ def implicit_steps(
 
     @compiled
     def derivatives(t: float, y: Any, h: float, c: Any, moves: Any, found: Any) -> None:
-        """f' at each stage."""
+        """Write f' at each stage into `found`."""
         place = rows(1, len(y))[0]
         for i in range(len(moves)):
             for k in range(len(y)):
@@ -121,7 +122,7 @@ def implicit_steps(
 
     @compiled
     def newton_matrix(h: float, a: Any, jacobians: Any, m: Any, wide: Any) -> None:
-        """M = I - h (aᵢⱼ Jⱼ)."""
+        """Write M = I - h (aᵢⱼ Jⱼ)."""
         n, (stage, component, below, _) = len(jacobians[0]), wide
         for row in m:
             for k in range(len(row)):
@@ -138,7 +139,7 @@ def implicit_steps(
 
     @compiled
     def largest(g: Any) -> float:
-        """The largest entry, in size."""
+        """The largest entry in absolute value."""
         found = 0.0
         for i in range(len(g)):
             for k in range(len(g[0])):
@@ -148,13 +149,13 @@ def implicit_steps(
 
     @compiled
     def iterated(t: float, y: Any, h: float, a: Any, c: Any, known: Any, moves: Any, report: Any, damped: bool) -> bool:
-        """The moves Z of one group of stages, from rest; what is left, and the iterations, into the report.
+        """Solve for the moves Z of one group of stages, from Z = w; report residual and iterations. True if solved.
 
-        Damped, the matrix is always made anew, and a correction taken in part where otherwise the next, by the same
-        matrix, would not be shorter: the natural test (hairer-wanner-1996, IV.8).
+        Damped, the matrix is made anew in each iteration, and a correction is shortened until the next one, by the same
+        matrix, is shorter than it: the natural test (hairer-wanner-1996, IV.8).
         """
         n, stages, width = len(y), len(a), min(len(y), lower + upper + 1)
-        # Stage by stage, or, for the matrix to be a band, component by component.
+        # The unknowns are ordered stage by stage or, for the matrix to be a band, component by component.
         wide = (n, 1, lower, upper) if lower >= n else (1, stages, stages * (lower + 1) - 1, stages * (upper + 1) - 1)
         (stage, component, below, above), size = wide, stages * n
         jacobians, m, order = (
@@ -216,7 +217,7 @@ def implicit_steps(
 
     @compiled
     def step(t: float, y: Any, h: float, table: StepTable, report: Any) -> float:
-        """One step, in place."""
+        """Take one step in place; return DONE, UNSOLVED or OVERFLOWS."""
         n, moves, slopes = len(y), rows(len(table.c), len(y)), rows(len(table.c), len(y))
         place = rows(1, n)[0]
         for group in table.groups:
@@ -241,7 +242,7 @@ def implicit_steps(
                 for k in range(n):
                     moves[first + i][k] = found[i][k]
             if stages == 1 and implicit:
-                # h f, for the stages to come; not evaluated again, which in a stiff problem magnifies rounding
+                # h f for later stages, from the equation: evaluating a stiff f again would magnify rounding
                 for k in range(n):
                     slopes[first][k] = (found[0][k] - known[0][k]) / a[0][0]
             elif stages == 1:
@@ -269,7 +270,7 @@ def implicit_steps(
 
     @compiled
     def steps(t: float, y: Any, h: float, first: int, last: int, table: StepTable, report: Any) -> None:
-        """Steps first to last - 1, the i-th from t + i h; an end at the first that fails."""
+        """Take steps first to last - 1, step i from t + i h; stop at the first that fails."""
         for i in range(first, last):
             report[STATE] = step(t + i * h, y, h, table, report)
             if report[STATE] != DONE:
@@ -280,7 +281,7 @@ def implicit_steps(
 
 
 def ensemble_steps(steps: Steps, kind: NumberKind) -> Callable[..., None]:
-    """The loop over the columns of y from `begin` to before `end`, each of which takes these steps."""
+    """Return the loop over columns begin to end - 1 of y, each of which takes these steps."""
     compiled, rows, _, _ = kind
 
     @compiled

@@ -1,4 +1,4 @@
-"""What is read out of a final state: errors, energy, phase. Floats or arrays in, the same out."""
+"""Readouts of a final state: errors, energy, phase. Floats or arrays in, the same out."""
 
 from __future__ import annotations
 
@@ -19,17 +19,18 @@ def exact_state(start: FloatState, t: FloatOrArray) -> FloatState:
 
 
 def state_error(state: FloatState, exact: FloatState) -> FloatOrArray:
-    """The Euclidean distance between two states; does not overflow where it is representable (hypot)."""
+    """The Euclidean distance between two states, by hypot, which does not overflow where it is representable."""
     return np.hypot(state[0] - exact[0], state[1] - exact[1])
 
 
 def energy(state: FloatState) -> FloatOrArray:
-    """½(q² + v²), inf or 0 only where no float is nearer: from |q| about 1.9e154 on, and below 3e-162.
+    """½(q² + v²); inf or 0 only where no float is nearer: for |q| from about 1.9e154 on, and below 3e-162.
 
-    Squares of components divided by a power of two, which rounds nothing, neither overflow nor vanish before their sum.
+    The components are divided by a power of two, which rounds nothing, so that their squares neither overflow nor
+    vanish before they are added.
     """
     q, v = state
-    if {np.asarray(x).dtype.kind for x in state} != {"f"}:  # exact numbers end nowhere
+    if {np.asarray(x).dtype.kind for x in state} != {"f"}:  # exact numbers do not overflow
         return (q * q + v * v) / 2
     _, exponent = np.frexp(np.maximum(np.abs(q), np.abs(v)))
     q, v = np.ldexp(q, -exponent), np.ldexp(v, -exponent)
@@ -37,7 +38,7 @@ def energy(state: FloatState) -> FloatOrArray:
 
 
 def float_energy_change(state: FloatState, start: FloatState) -> FloatOrArray:
-    """½(q² + v²) at `state` minus the same at `start`."""
+    """½(q² + v²) at `state` minus that at `start`."""
     return energy(state) - energy(start)
 
 

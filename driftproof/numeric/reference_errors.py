@@ -1,8 +1,8 @@
-"""How far the state of a float run is from a reference's digits, exactly; and how much of that rounding may explain.
+"""The exact distance of a float state from a reference's digits, and how much of it rounding may explain.
 
-A float is a fraction and so is a decimal: their difference is formed without rounding, and its size is rounded once, in
-Decimal with _DIGITS digits. An energy is computed in the same Decimals, functions included, which round each operation
-by 10⁻⁶⁰ of it: forty digits below what binary64 can show.
+Floats and decimals are fractions: their difference is formed without rounding, and its size is rounded once, in Decimal
+with _DIGITS digits. An energy is computed in the same Decimals, functions included, which round each operation by 10⁻⁶⁰
+of it: forty digits below what binary64 can show.
 """
 
 from __future__ import annotations
@@ -29,18 +29,18 @@ _OSCILLATOR = ((Fraction(0), Fraction(1)), (Fraction(-1), Fraction(0)))
 
 
 class Size(NamedTuple):
-    """An error: at the end, and the largest at those of the reference's times that the run has landed on."""
+    """An error at the end, and the largest one at those of the reference's times that the run has landed on."""
 
     final: float
     largest: float
 
 
 def errors(problem: Problem, states: Mapping[Fraction, _Floats]) -> dict[str, Size]:
-    """The sizes of the errors of the states that a run has at some of the reference's times, the last among them.
+    """The sizes of the errors of a run, from its states at some of the reference's times, the last one among them.
 
-    `state`: Euclidean distance. `energy`: |E(y) - E(y(0))|, where the problem has one. `phase`: degrees, of the
-    oscillator only; undefined at the origin, where it counts as half a turn. Raises ArithmeticError for a state that
-    is not finite.
+    `state`: Euclidean distance. `energy`: |E(y) - E(y(0))|, if the problem has an energy. `phase`: degrees, for the
+    oscillator only; undefined at the origin, where it counts as half a turn. Raises ArithmeticError for a state that is
+    not finite.
     """
     if not all(isfinite(x) for state in states.values() for x in state):
         raise ArithmeticError("the state is no longer finite")
@@ -65,16 +65,16 @@ def distance_from_digits(state: _Floats, digits: Digits) -> float:
 
 
 def half_unit(digits: Digits) -> float:
-    """How far the exact state may be from these decimals: half a unit of the last digit in every component."""
+    """The most that the exact state may be off these decimals: half a unit of the last digit in every component."""
     places = [Decimal(text).as_tuple().exponent for text in digits]
     return _length(Fraction(10) ** int(place) / 2 for place in places)
 
 
 def floors(problem: Problem) -> dict[str, float]:
-    """What rounding the exact result y to binary64 may cost, to first order in u: no method is better but by luck.
+    """The error of rounding the exact result y to binary64, to first order in u: no method is better but by luck.
 
-    Each component is off by at most u|yᵢ|. Hence of the state u ‖y‖, of the energy u Σ |∂E/∂yᵢ||yᵢ|, and of the phase
-    u in radians, because a chord of u ‖y‖ at distance ‖y‖ is seen at that angle.
+    Each component is off by at most u|yᵢ|. Hence the state is off by u ‖y‖, the energy by u Σ |∂E/∂yᵢ||yᵢ|, and the
+    phase by u in radians, the angle at which a chord of u ‖y‖ is seen from the distance ‖y‖.
     """
     y = [Fraction(text) for text in problem.reference.states[-1]]
     found = {STATE: _length(U * x for x in y)}
@@ -88,24 +88,24 @@ def floors(problem: Problem) -> dict[str, float]:
 
 
 def largest_state_size(problem: Problem) -> float:
-    """Q, the largest size of the start and of the reference's states: larger errors say nothing of the solution."""
+    """Q, the largest norm of the start and of the reference's states: larger errors say nothing about the solution."""
     return max(_length(problem.start), *(_length(map(Fraction, state)) for state in problem.reference.states))
 
 
 def doubt(problem: Problem, steps: int, speed: float) -> float:
-    """(N + 1) u Q + u t ‖f‖ + half a unit: how much of an error need not be the method's own.
+    """(N + 1) u Q + u t ‖f‖ + half a unit: the part of an error that need not be the method's own.
 
-    Q is the `largest_state_size`: the start is rounded once, and each of N additions to the state by u Q. The steps,
-    h = fl(t/N), end within u t of t (`advance.StepTimes`), where the solution moves at `speed` = ‖f(t, y(t))‖. The
-    last term is the reference's. To first order, and not magnified by the flow: a threshold, which a stiff or a chaotic
-    problem may exceed.
+    Q is the `largest_state_size`: rounding the start, and each of N additions to the state, costs up to u Q. The steps,
+    h = fl(t/N), end within u t of t (`advance.StepTimes`), where the solution moves at `speed` = ‖f(t, y(t))‖. The last
+    term is the reference's. The sum is to first order and leaves out what the flow magnifies: it is a threshold, which
+    a stiff or chaotic problem may exceed.
     """
     moved = float(U * problem.t) * speed
     return (steps + 1) * float(U) * largest_state_size(problem) + moved + half_unit(problem.reference.states[-1])
 
 
 def decimal_energy(problem: Problem, state: Iterable[float | Fraction]) -> Decimal:
-    """E of a state of floats or fractions. Raises ArithmeticError where a function of it is undefined."""
+    """E of a state of floats or fractions. Raises ArithmeticError if a function in E is undefined there."""
     return _evaluated(problem, problem.energy or "0", state)
 
 
@@ -118,7 +118,7 @@ def _evaluated(problem: Problem, text: str, state: Iterable[float | Fraction]) -
 
 
 def _phase(state: _Floats, digits: Digits) -> float:
-    """Dot and cross product are exact, and so is the angle between (dot, cross) and the axis, but for one rounding."""
+    """The size of the phase error in degrees, from exact dot and cross products rounded once; 180 if undefined."""
     (q, v), (q_exact, v_exact) = map(Fraction, state), map(Fraction, digits)
     ahead = phase_error((float(q * q_exact + v * v_exact), -float(q * v_exact - v * q_exact)), (1.0, 0.0))
     return 180.0 if ahead is None else abs(float(ahead))
@@ -136,7 +136,7 @@ def _decimal(x: Exact) -> Decimal:
 
 
 def _value(node: Any, names: Mapping[str, Decimal]) -> Decimal:
-    """An expression of `VectorField` in Decimals: a number, a name, -x, an operation or a function."""
+    """Evaluate an expression of `VectorField` in Decimals: a number, a name, -x, an operation or a function."""
     match node:
         case ast.Constant(value=int(number)):
             return Decimal(number)
@@ -151,7 +151,7 @@ def _value(node: Any, names: Mapping[str, Decimal]) -> Decimal:
 
 
 def _sin(x: Decimal) -> Decimal:
-    """By Taylor's series below 1 in size, to which x is brought by sin 3x = 3 sin x - 4 sin³x."""
+    """sin x by Taylor's series for |x| <= 1, to which sin 3x = 3 sin x - 4 sin³x brings any x."""
     if abs(x) > 1:
         third = _sin(x / 3)
         return 3 * third - 4 * third * third * third
@@ -163,7 +163,7 @@ def _sin(x: Decimal) -> Decimal:
 
 
 def _cos(x: Decimal) -> Decimal:
-    """1 - 2 sin²(x/2)."""
+    """cos x = 1 - 2 sin²(x/2)."""
     half = _sin(x / 2)
     return 1 - 2 * half * half
 

@@ -1,4 +1,4 @@
-"""Run a scene in floats, and compute only the readouts that it asks for."""
+"""Run an oscillator's scene in floats, and compute only the readouts that it asks for."""
 
 from __future__ import annotations
 
@@ -26,22 +26,22 @@ Counter: TypeAlias = Callable[[int], Iterable[int]]
 
 # About a minute of pure Python. The certified run answers any N at once, by squaring.
 MOST_FLOAT_STEPS = 10**8
-# Rounding t moves the exact state by at most this much (its speed is 1 on the unit circle).
+# The most that rounding t may move the exact state, whose speed is 1 on the unit circle; chosen: below what is shown.
 COARSEST_TIME = Fraction(1, 2**30)
 
 
 class RunEnded(ArithmeticError):
-    """A float run that did not come to its end, or of which a readout is no float; in one line."""
+    """A float run that did not reach its end, or whose readout is not a finite float; the message is one line."""
 
 
 class NonFiniteState(RunEnded):
-    """The float range ended at step `step`. That is overflow of the number format; it says nothing of stability.
+    """The state left the range of floats at step `step`: overflow of the number format, not evidence of instability.
 
-    Step 0 is the start, which was not finite before anything was computed.
+    Step 0 is a start that is not finite, before anything is computed.
     """
 
     def __init__(self, step: int, state: tuple[FloatOrArray, ...]) -> None:
-        """Say at which step the first non-finite state appeared."""
+        """Keep the first non-finite state and the number of its step."""
         overflow = f"overflow: the state is no longer finite after step {step}"
         super().__init__(overflow if step else "the start itself is not finite")
         self.step = step
@@ -49,7 +49,7 @@ class NonFiniteState(RunEnded):
 
 
 class NonFiniteReadout(RunEnded):
-    """The state is finite, but a readout of it overflows the number format, or underflows to 0 that is not 0."""
+    """The state is finite, but a readout of it overflows the number format, or underflows to 0 without being 0."""
 
 
 def integrate(
@@ -63,8 +63,8 @@ def integrate(
 ) -> FloatState:
     """The state after `steps` steps of size h, each in the precision of its arguments.
 
-    `record(q, v)` is called after each step; `counter` is `range` or a progress bar like it. Raises NonFiniteState
-    at the first state that is not finite, the start included (in an ensemble: of any member).
+    `record(q, v)` is called after each step; `counter` is `range` or a progress bar like it. Raises NonFiniteState at
+    the first state that is not finite, the start included; in an ensemble, at that of any member.
     """
     q, v = start
     finite = isfinite if isinstance(q, float) and isinstance(v, float) else _all_finite
@@ -81,7 +81,7 @@ def integrate(
 
 
 def demand_few(steps: int) -> None:
-    """Refuse a float run of more than MOST_FLOAT_STEPS steps. Raises ValueError."""
+    """Raise ValueError for a float run of more than MOST_FLOAT_STEPS steps."""
     if steps > MOST_FLOAT_STEPS:
         raise ValueError(
             f"{brief(steps)} steps are more than {MOST_FLOAT_STEPS}; "
@@ -92,8 +92,7 @@ def demand_few(steps: int) -> None:
 def run_method(scene: Scene, key: str, counter: Counter = range) -> Readouts:
     """The scene's readouts for the method `key`, computed in binary64; nothing else is computed or kept.
 
-    Raises ValueError if the scene asks for no readout or for more than MOST_FLOAT_STEPS steps, NonFiniteState,
-    NonFiniteReadout.
+    Raises RunEnded, and ValueError if the scene asks for no readout or for more than MOST_FLOAT_STEPS steps.
     """
     if not scene.readouts:
         raise ValueError(f"scene {scene.name!r} asks for no readout; name at least one")
@@ -109,7 +108,7 @@ def run_method(scene: Scene, key: str, counter: Counter = range) -> Readouts:
 
 
 def _float_step(key: str) -> Step:
-    """The method's step; an implicit method has its stages solved by Newton's method, and the force asked as often."""
+    """The method's step; an implicit one solves its stages by Newton's method, whose calls of the force count."""
     if (method := method_of(key)).explicit:
         return float_stepper(method)
     from driftproof.numeric.implicit import StageEquationsUnsolved, implicit_stepper
@@ -129,9 +128,9 @@ def _float_step(key: str) -> Step:
 
 
 def times_of_steps(h: Fraction, steps: int) -> Any:
-    """The times i·h for i = 0..steps, each rounded once: an array of binary64. Never accumulated.
+    """The times i·h for i = 0..steps in binary64, each rounded once and never accumulated.
 
-    Exact in the numerator as long as steps times h's numerator stays below 2**53; raises OverflowError beyond.
+    Raises OverflowError unless steps times h's numerator, and h's denominator, stay below 2**53, where they are exact.
     """
     if max(steps * abs(h.numerator), h.denominator) >= 2**53:
         raise OverflowError(f"the times {steps} * {h} do not round once; use a shorter run or a simpler h")
@@ -181,7 +180,7 @@ def _finite_readout(name: str, finished: _Finished) -> Any:
 
 
 def nearest_double(x: Fraction, what: str) -> float:
-    """The double nearest to x. Raises ValueError where that would be infinite, or zero for an x that is not."""
+    """The double nearest to x. Raises ValueError if it is infinite, or if it is 0 although x is not."""
     try:
         nearest = float(x)
     except OverflowError:
@@ -192,7 +191,7 @@ def nearest_double(x: Fraction, what: str) -> float:
 
 
 def _nearest_time(t: Fraction) -> float:
-    """The double nearest to t, if that is near enough for cos and sin to mean anything; else ValueError."""
+    """The double nearest to t. Raises ValueError unless it is near enough for its cosine and sine to mean anything."""
     nearest = nearest_double(t, "t")
     if abs(Fraction(nearest) - t) > COARSEST_TIME:
         raise ValueError("t is too large for binary64 to hold its fraction; `driftproof run` answers it, certified")

@@ -1,4 +1,4 @@
-"""A scene's run, whatever it is of: the oscillator, or a problem, whose readouts are beside its reference's digits."""
+"""Run a scene of either kind: of the oscillator, or of a problem, whose state is compared with a reference's digits."""
 
 from __future__ import annotations
 
@@ -25,15 +25,16 @@ from driftproof.numeric.run import (
 )
 from driftproof.numeric.scenes import TRAJECTORY, Scene
 
-# Steps are taken in one call, more each time, until a call lasts so many seconds, for which progress may wait.
+# Seconds that progress may wait: the steps of one call double until it lasts as long.
 UNSEEN = 0.05
 
 
 def run_scene(scene: Scene, key: str, counter: Counter = range) -> Readouts:
     """The scene's readouts for the method `key`, in binary64; nothing else is computed or kept.
 
-    Of a problem, `exact_state` is the reference's, rounded once, and `state_error` the Euclidean distance of the floats
-    from its digits. Raises ValueError as `run_method`, and for a method that does not apply to the problem; RunEnded.
+    For a problem, `exact_state` is the reference rounded once, and `state_error` the Euclidean distance of the floats
+    from its digits. Raises RunEnded, and ValueError as `run_method` and for a method that does not apply to the
+    problem.
     """
     if scene.problem is None:
         return run_method(scene, key, counter)
@@ -51,7 +52,7 @@ def _run_problem(scene: Scene, problem: Problem, key: str, counter: Counter) -> 
     path, ticks = [y], iter(counter(scene.steps))
 
     def advanced(y: State, first: int, last: int) -> State:
-        """Steps first to last - 1 in one call; where they do not come to their end, that of the first to fail."""
+        """Take steps first to last - 1 in one call; if it fails, singly, to raise the error of the first to fail."""
         try:
             after = run(y, h, first, last)
             if all(map(isfinite, after)):

@@ -1,4 +1,4 @@
-"""Scenes: what to run, from where, and which readouts and panels to pay for. The lesson's presets, and a user's own.
+"""Scenes: what to run, from where, and which readouts and panels to compute. The lesson's presets, and a user's own.
 
 >>> from driftproof import PRESETS
 >>> PRESETS["default"].h, PRESETS["default"].steps
@@ -19,33 +19,33 @@ from driftproof.numeric.problems.problem import Problem
 from driftproof.support.toml_tables import TomlTable, as_list, as_text, as_texts, demand_keys, quoted, read_toml
 
 TRAJECTORY = "trajectory"
-# Those that the exact side can certify to any number of digits; and all.
+# The readouts that can be certified to any number of digits; then all readouts.
 CERTIFIABLE = ("final_state", "exact_state", "state_error", "energy", "energy_change", "phase_error")
 READOUTS = (*CERTIFIABLE, "steps", "evaluations", TRAJECTORY)
 TABLE = "table"
 FIGURES = ("position", "phase_plane")
-# Of the scene's methods on the page: error against evaluations, and what is proved of their powers at this h.
+# Panels about all methods of a scene: error against evaluations, and what is proved about their powers at this h.
 WORK_PRECISION, STABILITY = "work_precision", "stability"
 PANELS = (TABLE, *FIGURES, WORK_PRECISION, STABILITY)
 
-# The largest step that the lesson's slider offers. Scenes of a user's own may exceed it.
+# The largest step size that the lesson's slider offers. A user's own scenes may exceed it.
 LARGEST_LESSON_H = Fraction(5, 2)
 LONGEST_FILE = 65_536
 _LESSON_START = (Fraction(1), Fraction(0))
 
 
 class SceneError(ValueError):
-    """A scene that cannot be run as described: an unknown name, no readout, an h that does not divide t."""
+    """A scene that cannot be run as described: an unknown name, no readout, or an h that does not divide t."""
 
 
 @dataclass(frozen=True)
 class Scene:
-    """N = t/h steps of each method on q' = v, v' = -q from `start`, or on a problem from its own, and what to show.
+    """N = t/h steps of each method on q' = v, v' = -q from `start`, or on a problem from its start, and what to show.
 
-    `selected` is the method whose readouts and figures are shown; `methods` are those compared in the table panel.
-    Everything is exact: h, t and start are Fractions. `readouts` are computed in floats, `certified` ones to any
-    number of digits by the exact side; `panels` are drawn. What is not named is not computed. With a `problem`, t is
-    one of its reference's times, and certified readouts, phases and drawn panels there are none. Raises SceneError.
+    `selected` is the method whose readouts and figures are shown; `methods` are compared in the table panel. h, t and
+    start are exact: Fractions. `readouts` are computed in floats, `certified` ones exactly, to any number of digits;
+    `panels` are drawn. Nothing else is computed. With a `problem`, t is one of its reference's times, and there are no
+    certified readouts, phase errors or drawn panels. Raises SceneError.
 
     >>> from fractions import Fraction
     >>> from driftproof import Scene
@@ -65,7 +65,7 @@ class Scene:
     problem: Problem | None = None
 
     def __post_init__(self) -> None:
-        """Refuse unknown names, an empty request and an h that does not divide t."""
+        """Raise SceneError for an unknown name, an empty request, or an h that does not divide t."""
         if Path(self.name).name != self.name:
             raise SceneError(f"scene {self.name!r}: a name has no folders in it; figures are named after it")
         if not (self.readouts or self.certified or self.panels):
@@ -85,7 +85,7 @@ class Scene:
             raise SceneError(f"scene {self.name!r}: {error}") from None
 
     def _check_problem(self, problem: Problem) -> None:
-        """Refuse what only the oscillator has, and a time at which the problem's solution is not at hand."""
+        """Raise SceneError for what only the oscillator has, and for a time without a reference solution."""
         if self.start != _LESSON_START:
             raise SceneError(f"scene {self.name!r}: the start is the problem's; leave start away")
         if self.certified:
@@ -101,12 +101,12 @@ class Scene:
 
     @property
     def steps(self) -> int:
-        """N = t / h, exact."""
+        """The number of steps N = t / h, exact."""
         return step_count(self.t, self.h)
 
     @property
     def every_method(self) -> tuple[str, ...]:
-        """The methods compared, each once; before them the selected one, if it is not among them."""
+        """The methods compared, each once, after the selected one if it is not among them."""
         compared = tuple(dict.fromkeys(self.methods))
         return compared if self.selected in compared else (self.selected, *compared)
 
@@ -140,9 +140,9 @@ def _problem_of_ours(key: str) -> Problem:
 
 
 def scene_named(given: str | Path | Scene, problem_of: Callable[[str], Problem] = _problem_of_ours) -> Scene:
-    """The preset of this name, or the scene in the TOML file if it ends in .toml. Raises SceneError.
+    """The preset of this name, or the scene in a file whose name ends in .toml. Raises SceneError.
 
-    `problem_of` makes a problem of what a file names as its problem: by default, its key.
+    `problem_of` returns the Problem that a file names; by default, it looks up a key of the catalogue.
     """
     if isinstance(given, Scene):
         return given
@@ -156,9 +156,9 @@ def scene_named(given: str | Path | Scene, problem_of: Callable[[str], Problem] 
 
 
 def read_scene(path: Path, problem_of: Callable[[str], Problem] = _problem_of_ours) -> Scene:
-    """The scene described by a TOML file, decimals read exactly. Raises SceneError with one line that says where.
+    """Read a scene from a TOML file, its decimals exactly. Raises SceneError with one line that says where.
 
-    `problem_of`: as of `scene_named`.
+    `problem_of` is that of `scene_named`.
 
     >>> from pathlib import Path
     >>> from tempfile import TemporaryDirectory

@@ -1,14 +1,14 @@
-"""Attempts of collocation methods at a step, solved to a tolerance: one matrix for all stages, kept while it converges.
+"""Adaptive steps of collocation methods: an error estimate, and stages solved to a tolerance with one matrix for all.
 
-The stages' moves solve Z = h A F(y + Z), and with J = f' at one point a simplified iteration corrects them by
-(A⁻¹/h - J)⁻¹ (F - A⁻¹ Z / h). T⁻¹ A⁻¹ T is diagonal, but for 2 x 2 blocks of complex eigenvalues, and so there are
-systems of n and 2n equations to solve, and none of s n (hairer-wanner-1996, IV.8). T and the eigenvalues are in the
-corrections only: they are rounded to binary32, so that they do not depend on who found them.
+The stage increments, `moves` in the code, solve Z = h A F(y + Z). With J = f' at one point, a simplified iteration
+corrects them by (A⁻¹/h - J)⁻¹ (F - A⁻¹ Z / h). T⁻¹ A⁻¹ T is diagonal, except for 2 x 2 blocks of complex eigenvalues,
+so that systems of n and 2n equations are solved, and none of s n (hairer-wanner-1996, IV.8). T and the eigenvalues
+enter the corrections only. They are rounded to binary32, so that they do not depend on the library that finds them.
 
-The iteration starts on the polynomial of the step before. It is done where the next corrections, a geometric series,
-are within a part of the tolerance, and given up where they will not be; then J, unless it is that of y, is made anew.
-The error of a step is estimated by (1 - h J/γ)⁻¹ h (f(t, y) + Σ eᵢ Zᵢ / h) / γ, the difference from a formula of order
-s that has the weight 1/γ at f(t, y), filtered as the stiff part of it demands.
+The iteration starts on the polynomial of the previous step. It is done if the corrections still to come, taken as a
+geometric series, are within a part of the tolerance, and given up if they will not be; then J is evaluated anew, unless
+it is that of y already. The error of a step is estimated by (1 - h J/γ)⁻¹ h (f(t, y) + Σ eᵢ Zᵢ / h) / γ, the difference
+from a formula of order s with the weight 1/γ at f(t, y), filtered as its stiff part demands.
 """
 
 from __future__ import annotations
@@ -27,30 +27,33 @@ from driftproof.numeric.elimination import FULL, PYTHON_FLOATS, Band, NumberKind
 from driftproof.numeric.step_control import EVALUATIONS, StepAttempt, Tolerances, error_size
 from driftproof.numeric.tableaux import NODE_BITS
 
-# How much of the tolerance may be left in the moves, and of |y|, where that is more: some roundings.
+# The error that may be left in the moves: PART of the tolerance (chosen: less takes more iterations, more adds to the
+# error estimate) or, if that is more, ROUNDINGS of |y|, some roundings.
 PART, ROUNDINGS = 0.01, 2.0**-49
-# Iterations with one matrix; J is kept for the next step when two were enough, or when each leaves SLOW at most.
+# The most iterations with one matrix. J is kept for the next step if two were enough, or if the last correction was at
+# most SLOW times the previous one. Both numbers are those of the program RADAU5 (hairer-wanner-1996, IV.8).
 MOST_ITERATIONS, SLOW = 7, 1e-3
-# Places in what is remembered between attempts.
+# Indices in `Work.memory`: h of the matrices, of the last attempt and of the last accepted step; whether J is that of
+# y, and whether it is to be; and the ratio of the error left by the last iteration to its last correction.
 FACTORED, TRIED, BEFORE, CURRENT, WANTED, LEFT = range(6)
 
 
 class CollocationTable(NamedTuple):
-    """A collocation method as the loop reads it, s rows each."""
+    """A collocation method with s stages in the form that the loops read."""
 
     c: Any
     inverse: Any  # A⁻¹
     weights: Any  # d = A⁻ᵀ b: the step is y + Σ dᵢ Zᵢ
     estimate: Any  # e
-    powers: Any  # of the polynomial Σ pₖ xᵏ⁺¹ that is Zᵢ at cᵢ, p = `powers` Z
+    powers: Any  # p = `powers` Z: the polynomial Σ pₖ xᵏ⁺¹ is Zᵢ at cᵢ
     to_blocks: Any  # T⁻¹
     from_blocks: Any  # T
-    blocks: Any  # (first, number of rows) of each, the first with γ, maybe for no row
-    eigenvalues: Any  # (real part, imaginary part) of each
+    blocks: Any  # (first row, number of rows) of each; the first block has γ, and may have no row
+    eigenvalues: Any  # (real part, imaginary part) of each block
 
 
 class Work(NamedTuple):
-    """What attempts keep, and room for numbers."""
+    """What is kept between attempts, and the workspace of one."""
 
     memory: Any
     jacobian: Any
@@ -64,7 +67,7 @@ class Work(NamedTuple):
 
 
 def work_for(n: int, table: CollocationTable, band: Band, kind: NumberKind = PYTHON_FLOATS) -> Work:
-    """Of n equations."""
+    """Allocate the workspace for a system of n equations."""
     stages, count = len(table.c), len(table.blocks)
     width, wide = min(n, band.lower + band.upper + 1), min(2 * n, 4 * band.lower + 2 * band.upper + 4)
     _, rows, blocks, numbers = kind
@@ -78,13 +81,13 @@ def work_for(n: int, table: CollocationTable, band: Band, kind: NumberKind = PYT
 def collocation_attempts(
     rate: Callable[..., None], jacobian: Callable[..., None], band: Band = FULL, kind: NumberKind = PYTHON_FLOATS
 ) -> StepAttempt:
-    """attempt(t, y, h, moved, new, given, table, work, report), see `numeric.step_control`."""
+    """Return attempt(t, y, h, moved, new, given, table, work, report); see `numeric.step_control`."""
     compiled, (lower, upper) = kind.compiled, band
     size, (factored, solve) = error_size(kind), elimination(kind)
 
     @compiled
     def factor_blocks(n: int, h: float, table: CollocationTable, work: Work) -> bool:
-        """The matrices [[α/h - J, β/h], [-β/h, α/h - J]], component by component, so that bands remain."""
+        """Factor [[α/h - J, β/h], [-β/h, α/h - J]] for each block, ordered by component so that bands remain."""
         regular = True
         for b in range(len(table.blocks)):
             two = max(1, table.blocks[b][1])
@@ -106,7 +109,7 @@ def collocation_attempts(
 
     @compiled
     def combined(weights: Any, rows: Any, k: int) -> float:
-        """Σ wᵢ times the k-th number of row i."""
+        """Σ wᵢ times the k-th entry of row i."""
         total = 0.0
         for i in range(len(weights)):
             total += weights[i] * rows[i][k]
@@ -114,7 +117,7 @@ def collocation_attempts(
 
     @compiled
     def multiply(matrix: Any, rows: Any, n: int, x: Any) -> None:
-        """The rows, of n numbers each, become the matrix times them; x has room for a number of each row."""
+        """Overwrite the rows, of n entries each, with the matrix times them; x has room for an entry of each row."""
         for k in range(n):
             for i in range(len(matrix)):
                 x[i] = combined(matrix[i], rows, k)
@@ -123,7 +126,7 @@ def collocation_attempts(
 
     @compiled
     def correct(n: int, table: CollocationTable, work: Work) -> None:
-        """Corrections become T (blocks)⁻¹ T⁻¹ of themselves."""
+        """Overwrite the corrections with T (blocks)⁻¹ T⁻¹ times them."""
         changes, x = work.corrections, work.vectors[0]
         multiply(table.to_blocks, changes, n, x)
         for b in range(len(table.blocks)):
@@ -143,11 +146,11 @@ def collocation_attempts(
     def solved_stages(
         t: float, y: Any, h: float, given: Tolerances, table: CollocationTable, work: Work, report: Any
     ) -> bool:
-        """True when the moves are within a part of the tolerance; what they were before is where it starts."""
+        """Iterate from the present moves; True if they end within a part of the tolerance."""
         part = max(PART, ROUNDINGS / given.relative) if given.relative > 0 else PART
         n, stages, memory, changes = len(y), len(table.c), work.memory, work.corrections
         moves, slopes, place, before, rate_of_change = work.moves, work.slopes, work.vectors[0], inf, inf
-        # A series whose quotient is not known yet is taken to be that of the step before, a little worse.
+        # As long as the quotient of the series is not known, take that of the previous step, a little worse.
         left = exp(0.8 * log(max(memory[LEFT], 1e-16)))
         for iteration in range(MOST_ITERATIONS):
             for i in range(stages):
@@ -185,7 +188,7 @@ def collocation_attempts(
 
     @compiled
     def start(n: int, h: float, table: CollocationTable, work: Work) -> None:
-        """The moves by which the polynomial of the step before goes on, or none."""
+        """Set the moves by extrapolating the polynomial of the previous step; to 0 if there is none."""
         ratio, polynomial = h / work.memory[BEFORE] if work.memory[BEFORE] > 0 else 0.0, work.polynomial
         for i in range(len(table.c)):
             x = 1 + ratio * table.c[i]
@@ -198,7 +201,7 @@ def collocation_attempts(
 
     @compiled
     def estimated(n: int, h: float, slope: Any, table: CollocationTable, work: Work, off: Any) -> None:
-        """(γ/h - J)⁻¹ (the slope + Σ eᵢ Zᵢ / h), by the first block."""
+        """Write (γ/h - J)⁻¹ (slope + Σ eᵢ Zᵢ / h) into `off`, by the first block."""
         x = work.vectors[0]
         for k in range(n):
             x[k] = slope[k] + combined(table.estimate, work.moves, k) / h
@@ -253,15 +256,15 @@ def collocation_attempts(
 
 @cache
 def collocation_table(method: Method) -> CollocationTable:
-    """The table of a collocation method without the node 0, such as Gauss's and Radau IIA; or MethodError.
+    """The table of a collocation method without the node 0, as Gauss's and Radau IIA. Raises MethodError for others.
 
-    With Lagrange's polynomials through 0, Σ pₖᵢ xᵏ⁺¹ is 1 at cᵢ, A⁻¹ holds their slopes at the nodes, d their values
-    at 1. Their slopes at 0, turned round, are e: h f of the polynomial of the stages there, beside that of the state.
+    The Lagrange polynomials through 0, Σ pₖᵢ xᵏ⁺¹ with the value 1 at cᵢ, give A⁻¹ as their slopes at the nodes and d
+    as their values at 1. e, minus their slopes at 0, compares the slope of the stages' polynomial there with f(t, y).
     """
     c = method.tableau(NODE_BITS)[2] if isinstance(method, Collocation) else _nodes(method)
     if not c or 0 in c:
         raise MethodError(f"{method.key} has no estimate of its error here: it neither is a pair nor collocates")
-    powers = [list(row) for row in zip(*[_through(x, c) for x in c], strict=True)]
+    powers = [list(row) for row in zip(*[_basis_polynomial(x, c) for x in c], strict=True)]
     columns = list(zip(*powers, strict=True))
     inverse = [[total((k + 1) * x * node**k for k, x in enumerate(column)) for column in columns] for node in c]
     given = inverse, [[-x for x in powers[0]], list(map(total, columns)), c], powers
@@ -272,7 +275,7 @@ def collocation_table(method: Method) -> CollocationTable:
 
 
 def _nodes(method: Method) -> Sequence[Exact]:
-    """c of a Runge-Kutta method that has Σⱼ aᵢⱼ cⱼᵏ⁻¹ = cᵢᵏ/k, and 1/k with b, for k up to s, at nodes that differ."""
+    """The distinct c of a collocating Runge-Kutta method, else (): Σⱼ aᵢⱼ cⱼᵏ⁻¹ = cᵢᵏ/k, and 1/k with b, for k <= s."""
     if not isinstance(method, RungeKutta) or any(x == y for i, x in enumerate(method.c) for y in method.c[:i]):
         return ()
     c = method.c
@@ -285,8 +288,8 @@ def _nodes(method: Method) -> Sequence[Exact]:
     return c if all(x == y for x, y in moments) else ()
 
 
-def _through(node: Exact, c: Sequence[Exact]) -> list[Exact]:
-    """The polynomial without a constant term that is 1 at this node and 0 at the others, lowest power first."""
+def _basis_polynomial(node: Exact, c: Sequence[Exact]) -> list[Exact]:
+    """The polynomial without a constant term that is 1 at this node and 0 at the others, from x¹ on."""
     found: list[Exact] = [1 / node]
     for other in c:
         if other != node:
@@ -296,7 +299,7 @@ def _through(node: Exact, c: Sequence[Exact]) -> list[Exact]:
 
 
 def _blocks(inverse: list[list[float]]) -> tuple[Any, list[list[int]], list[list[float]]]:
-    """T, its blocks and their eigenvalues, the real one first, or, where there is none, one that no row has."""
+    """T, its blocks and their eigenvalues, the real one first; if there is none, a modulus first, for no row."""
     values, vectors = np.linalg.eig(inverse)
     columns, blocks, eigenvalues = list[Any](), list[list[int]](), list[list[float]]()
     for i in sorted(np.flatnonzero(values.imag >= 0), key=lambda i: values.imag[i]):

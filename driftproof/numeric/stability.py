@@ -1,4 +1,4 @@
-"""What float runs show of stability: where they end, how a linear step grows, the largest step that stays bounded."""
+"""Stability as float runs show it: where runs end, whether powers of a linear step stay bounded, and up to which h."""
 
 from __future__ import annotations
 
@@ -16,28 +16,28 @@ from driftproof.numeric.advance import Advance, State, error_summary
 _Matrix: TypeAlias = NDArray[np.float64]
 _Rows: TypeAlias = list[list[Decimal]]
 
-# Steps that a run takes between looks at its state, at most: a state that is not finite is found by going back.
+# The most steps between two looks at the state (chosen: to find the first that is not finite repeats about as many).
 BETWEEN_LOOKS = 1 << 12
-# Steps looked at for a first growth, in powers of two times 1/|A|.
+# The step sizes at which growth is first looked for, as powers of two times 1/|A|.
 SMALLEST, LARGEST = -20, 30
 
-# Powers 2**n, n up to SQUARINGS, are bounded if they stay below GROWTH. A radius ρ > 1 is seen from
+# Powers 2**n, n up to SQUARINGS, count as bounded if they stay below GROWTH. A spectral radius ρ > 1 is detected from
 # ρ - 1 = log(GROWTH)/2**SQUARINGS = 7e-14 on: more squarings would show how the entries of a float step were rounded,
-# which moves ρ by some u. A Jordan block on the circle grows to 2**SQUARINGS.
-# Rounding: entries of size up to GROWTH lose GROWTH² 10^-DECIMALS = 1e-27 relatively in a squaring, and 2**48 of it at
-# the end, 3e-13. Powers near a limit where two eigenvalues meet stay below GROWTH down to a distance of 1e-18.
+# which moves ρ by some u. A Jordan block on the unit circle grows to 2**SQUARINGS.
+# Rounding: entries of size up to GROWTH lose GROWTH² 10^-DECIMALS = 1e-27 relatively in one squaring, and 2**48 times
+# as much by the end, 3e-13. Powers near a limit where two eigenvalues meet stay below GROWTH to a distance of 1e-18.
 SQUARINGS, GROWTH, DECIMALS = 48, 1e9, 45
-# Floats decide first, over 2**FEWER powers: what falls below 1/GROWTH stays there, what exceeds GROWTH has grown.
+# Floats decide first, over 2**FEWER powers: those that fall below 1/GROWTH stay there, those above GROWTH have grown.
 FEWER = 36
 _U = 2.0**-53
 
 
 @dataclass(frozen=True)
 class Observed:
-    """A run of `steps` steps of the float h: its last state, or after how many steps it ended, and of what.
+    """A run of `steps` steps of the float h: its last state and, if it failed, at which step and why (`remark`).
 
-    `failed_after` is the number of the first step whose state is not finite, or which could not be made; None if all
-    were. `largest`: the largest size of a state seen, at looks up to BETWEEN_LOOKS steps apart.
+    `failed_after` is the number of the first step whose state is not finite or could not be computed; None if there is
+    none. `largest` is the largest norm of a state seen, at looks up to BETWEEN_LOOKS steps apart.
     """
 
     h: float
@@ -49,7 +49,7 @@ class Observed:
 
 
 def observe(advance: Advance, start: State, h: float, steps: int, enough: float = inf) -> Observed:
-    """Run, looking after 1, 2, 4, ... more steps; it stops at a state that is not finite, or larger than `enough`."""
+    """Run, looking at the state after 1, 2, 4, ... more steps; stop if it is not finite or larger than `enough`."""
     y, done, stride, largest = start, 0, 1, euclidean_norm(start)
     while done < steps and largest <= enough:
         last = min(steps, done + stride)
@@ -60,7 +60,7 @@ def observe(advance: Advance, start: State, h: float, steps: int, enough: float 
                 return Observed(h, steps, y, largest, last, error_summary(error))
             stride = 1
             continue
-        if not isfinite(euclidean_norm(reached)):
+        if not all(map(isfinite, reached)):
             if last == done + 1:
                 return Observed(h, steps, reached, inf, last, "not finite")
             stride = (last - done) // 2
@@ -71,26 +71,26 @@ def observe(advance: Advance, start: State, h: float, steps: int, enough: float 
 
 
 def euclidean_norm(y: State) -> float:
-    """The Euclidean length; infinite or NaN where a component is, and also where only the length overflows: inf."""
+    """The Euclidean norm of y; inf or NaN where a component is, and inf where only the norm overflows."""
     return hypot(*y)
 
 
 def stays_bounded(advance: Advance, components: int, h: float) -> bool:
-    """The powers of a linear problem's float step stay bounded: of the matrix of the steps of the unit vectors."""
+    """True if the powers of a linear problem's float step, the matrix of its steps from unit vectors, stay bounded."""
     return powers_stay_bounded(np.array([advance(tuple(unit), h, 0, 1) for unit in np.eye(components).tolist()]).T)
 
 
 def powers_stay_bounded(matrix: _Matrix) -> bool:
-    """The powers 1, 2, 4, ..., 2**SQUARINGS of the matrix stay below GROWTH; False if an entry is not finite."""
+    """True if the powers 1, 2, 4, ..., 2**SQUARINGS of the matrix stay below GROWTH; False for entries not finite."""
     verdict = _by_floats(matrix)
     return _by_decimals(matrix) if verdict is None else verdict
 
 
 def _by_floats(matrix: _Matrix) -> bool | None:
-    """The verdict where floats suffice: the powers have vanished, whatever rounding did, or have grown before it could.
+    """True if the powers vanish whatever rounding did, False if they grow before it could, None if undecided.
 
-    `off` bounds the error of each entry of a power P of n rows: of P² it is n (2 |P| off + off² + n u |P|²), whatever
-    the order of the sums. Where n (|P| + off) < 1, the powers of the true P vanish.
+    `off` bounds the error of each entry of a power P with n rows. For P² the bound is n (2 |P| off + off² + n u |P|²),
+    whatever the order of the sums. Where n (|P| + off) < 1, the powers of the true P vanish.
     """
     power, off, n = matrix, 0.0, len(matrix)
     with np.errstate(over="ignore", invalid="ignore", under="ignore"):
@@ -121,10 +121,10 @@ def _square(a: _Rows) -> _Rows:
 
 
 def largest_bounded(is_bounded: Callable[[float], bool], scale: float) -> tuple[float, float]:
-    """Neighbouring doubles, h bounded and the next one not, by bisection where growth first shows; (h, inf) if nowhere.
+    """Two neighbouring doubles, bounded at the first but not at the next, by bisection where growth first shows.
 
-    Looked for over h = 2ⁿ scale, n from SMALLEST to LARGEST; (0, h) if already the smallest is not bounded. What is
-    found is one change from bounded to not: the first, unless two lie between powers of two.
+    Looks at h = 2ⁿ scale for n from SMALLEST to LARGEST. Returns (0, h) if the smallest is not bounded, and (h, inf) if
+    all are. The pair is one change from bounded to not: the first, unless two lie between neighbouring powers of two.
     """
     low = 0.0
     for exponent in range(SMALLEST, LARGEST + 1):
@@ -141,10 +141,10 @@ def largest_bounded(is_bounded: Callable[[float], bool], scale: float) -> tuple[
 
 
 def fewest_steps(is_good: Callable[[int], bool], most: int) -> int | None:
-    """An N with N good and N - 1 not, found between a power of 2 and the next, from which on all up to `most` are good.
+    """An N such that N is good and N - 1 is not; 1 if all are good, and None if `most`, a power of 2, is not.
 
-    By halving from `most`, a power of 2, so that none is found that is good by luck below others that are not; None if
-    `most` itself is not good. Then by bisection; 1 if all are good.
+    All powers of 2 from N to `most` are good: halving from `most` down avoids an N that is good by luck below others
+    that are not. Bisection between the last good power of 2 and the next lower one then finds N.
     """
     if not is_good(most):
         return None

@@ -1,9 +1,9 @@
-"""Steps of controlled size: a plain controller, over attempts whose error is told by the method itself.
+"""Steps of controlled size: the controller's loop, and attempts of explicit pairs, which estimate their own error.
 
-An attempt tells the size of its error, at most 1 where it is right: the largest over components of what it is off over
-`absolute` + `relative` |y|. It is repeated shorter where it is not; the next h is SAFETY (1 / error)^(1 / power) of
-the last, within limits (hairer-norsett-wanner-1993, II.4). What attempts of explicit pairs are is here; those of
-implicit methods are in `numeric.simplified_newton`. Loops over numbers, as in `numeric.newton`: the same bits compiled.
+An attempt returns the size of its error: the largest over components of the estimate over `absolute` + `relative` |y|.
+It is accepted if that is at most 1, and else repeated with a shorter h; the next h is SAFETY (1 / error)^(1 / power)
+times the last, within limits (hairer-norsett-wanner-1993, II.4). Attempts of implicit methods are in
+`numeric.simplified_newton`. The loops are over numbers, as in `numeric.newton`: the same bits when compiled.
 """
 
 from __future__ import annotations
@@ -14,21 +14,22 @@ from typing import Any, NamedTuple, TypeAlias
 
 from driftproof.numeric.elimination import PYTHON_FLOATS, NumberKind
 
+# The limits and the safety factor of the change of h (hairer-norsett-wanner-1993, II.4).
 MOST_LONGER, MOST_SHORTER, SAFETY = 5.0, 0.2, 0.9
-# The logarithm is taken of no error below this, which makes a step MOST_LONGER.
+# Smaller errors are taken as this, the logarithm of 0 being undefined; it makes the next step MOST_LONGER already.
 SMALLEST = 1e-10
-# No problem needs a step that is so much shorter than the run; from t = 0 they would get shorter for ever.
+# No problem needs a step that is this much shorter than the run; at t = 0 steps would otherwise shrink for ever.
 LEAST_STEP = 1e-30
-# Places in a report, and how a run has ended.
+# Indices in a report, and the values of its STATE.
 EVALUATIONS, STEPS, REJECTED, STATE, TIME = range(5)
 DONE, TOO_SHORT, GIVEN_UP = 0.0, 1.0, 2.0
 
 
 class Tolerances(NamedTuple):
-    """An error of a step is right that is at most `absolute` + `relative` |y| in every component.
+    """The tolerances of a run: an error of at most `absolute` + `relative` |y| in every component is accepted.
 
-    `power` is that of h in it. Steps that may grow by no more than `steady` times stay as they are. After `most`
-    evaluations the run is given up.
+    The error of a step is of order h to the `power`. A step size that would grow by no more than the factor `steady` is
+    kept. The run is given up after `most` evaluations.
     """
 
     relative: float
@@ -38,19 +39,19 @@ class Tolerances(NamedTuple):
     most: float = inf
 
 
-# attempt(t, y, h, moved, new, given, table, work, report) writes the state at t + h and returns the size of its error;
-# `moved` tells that y is another than in the attempt before.
+# attempt(t, y, h, moved, new, given, table, work, report) writes the state at t + h into `new` and returns the size of
+# its error; `moved` says that y is not that of the previous attempt.
 StepAttempt: TypeAlias = Callable[..., float]
-# run(y, end, given, table, work, report): y becomes the state at the end, in steps from t = 0.
+# run(y, end, given, table, work, report) overwrites y, the state at t = 0, with that at `end`.
 Controlled: TypeAlias = Callable[..., None]
 
 
 def error_size(kind: NumberKind = PYTHON_FLOATS) -> Callable[..., float]:
-    """The function that measures what a step is off."""
+    """Return the function that measures the error of a step against the tolerances."""
 
     @kind.compiled
     def size(off: Any, y: Any, new: Any, given: Tolerances) -> float:
-        """The largest |off| / (absolute + relative max(|y|, |new|)); infinite for what is not finite."""
+        """The largest |off| / (absolute + relative max(|y|, |new|)); inf if a component is not finite."""
         largest = 0.0
         for k in range(len(y)):
             scale = given.absolute + given.relative * max(abs(y[k]), abs(new[k]))
@@ -64,13 +65,13 @@ def error_size(kind: NumberKind = PYTHON_FLOATS) -> Callable[..., float]:
 
 
 def controlled_steps(rate: Callable[..., None], attempt: StepAttempt, kind: NumberKind = PYTHON_FLOATS) -> Controlled:
-    """The loop over steps from t = 0 to the end."""
+    """Return the loop over steps from t = 0 to the end."""
     compiled, rows, _, _ = kind
     size = error_size(kind)
 
     @compiled
     def first_step(y: Any, end: float, given: Tolerances, report: Any) -> float:
-        """A step in which y and f move by a hundredth of what is right (hairer-norsett-wanner-1993, II.4)."""
+        """The initial step size of (hairer-norsett-wanner-1993, II.4), from the sizes of y, f and the change of f."""
         n = len(y)
         place, slope, other = rows(3, n)
         rate(0.0, y, slope)
@@ -113,10 +114,10 @@ def controlled_steps(rate: Callable[..., None], attempt: StepAttempt, kind: Numb
 def pair_attempts(
     rate: Callable[..., None], step: Callable[..., None], kind: NumberKind = PYTHON_FLOATS
 ) -> StepAttempt:
-    """The attempts of an explicit pair, whose step(t, y, h, first, last, new, off) gets f(t, y) and tells the last f.
+    """Return the attempts of an explicit pair, from its step(t, y, h, first, last, new, off); `first` holds f(t, y).
 
-    `table` is (calls of f in a step but the first, whether the last is at the new state); `work` a row for each of
-    both, and one for the error.
+    `table` is (calls of f in a step but the first, whether the last one is at the new state); `work` has a row for f at
+    the start, one for the last f, and one for the error.
     """
     size = error_size(kind)
 

@@ -1,9 +1,9 @@
-"""The float steppers: three written out by hand in the lesson's order of operations, the rest from their definitions.
+"""The float steppers: three written by hand in the lesson's order of operations, the rest made from their definitions.
 
-Each takes (force, q, v, h) and returns (q₁, v₁); `force(q)` is the acceleration. They hold integers only, so they run
-unchanged on a float, on arrays of states and of h (by broadcasting), and in the precision of their arguments. h = 0
+Each takes (force, q, v, h) and returns (q₁, v₁); `force(q)` is the acceleration. Their constants are integers, so they
+run unchanged on a float, on arrays of states and of h (by broadcasting), and in the precision of their arguments. h = 0
 returns the state, up to the signs of zeros and as long as no sum of slopes overflows; a negative h steps back in time;
-infinities and NaN pass through by the rules of IEEE 754.
+infinities and NaN propagate by the rules of IEEE 754.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from driftproof.methods.stepping import Force, Number, Step, oscillator, stepper
 
 
 def forward_euler(force: Force, q: Number, v: Number, h: Number) -> tuple[Number, Number]:
-    """(q + h v, v + h F(q)): both rates from the old state."""
+    """(q + h v, v + h F(q)): both rates are taken at the old state."""
     return q + h * v, v + h * force(q)
 
 
@@ -27,7 +27,7 @@ def rk4(force: Force, q: Number, v: Number, h: Number) -> tuple[Number, Number]:
     """z + h (k₁ + 2k₂ + 2k₃ + k₄) / 6, the classical method.
 
     Halves are formed as (h k)/2 and the sum is divided by 6 last, as in the lesson's listing: another order of
-    operations is the same polynomial but rounds differently.
+    operations gives the same polynomial but rounds differently.
     """
     k1_q, k1_v = v, force(q)
     k2_q, k2_v = v + h * k1_v / 2, force(q + h * k1_q / 2)
@@ -42,7 +42,7 @@ HAND_WRITTEN: dict[str, Step] = {"forward_euler": forward_euler, "symplectic_eul
 
 
 def hand_written(method: Method) -> Step | None:
-    """The hand-written step of a method of the catalogue; a method of a user's own that has its key is another."""
+    """The hand-written step of a catalogue method, or None; a user's own method with the same key has none."""
     from driftproof.methods.catalogue import METHODS
 
     written = HAND_WRITTEN.get(method.key)
@@ -50,7 +50,7 @@ def hand_written(method: Method) -> Step | None:
 
 
 def float_stepper(method: Method | str) -> Step:
-    """The stepper that float runs of a method use, or of that of this name: the hand-written one where there is one."""
+    """The stepper of a method, given itself or by name, in float runs: the hand-written step if there is one."""
     from driftproof.methods.tableau_file import method_of  # loads the catalogue and the reader of files
 
     method = method_of(method)
@@ -58,9 +58,7 @@ def float_stepper(method: Method | str) -> Step:
 
 
 def evaluations_per_step(method: Method | str) -> int:
-    """How often one step calls the force, counted on a real step. No step branches on a value, so it is the same for
-    every step.
-    """
+    """The number of force calls per step, counted on one; no step branches on a value, so that all make as many."""
     force = CountedForce(oscillator)
     float_stepper(method)(force, *map(float, range(3)))
     return force.calls
@@ -75,6 +73,6 @@ class CountedForce:
         self.calls = 0
 
     def __call__(self, q: Number) -> Number:
-        """force(q), counted."""
+        """Return force(q) and count the call."""
         self.calls += 1
         return self.force(q)

@@ -1,12 +1,11 @@
-"""A scene at every point of a grid, on the workers of any executor: each point answered once, in the order of the grid.
+"""Run a scene at every point of a grid, on the workers of any executor; results are in the order of the grid.
 
-What a point answers depends on the point alone, so the executor, the number of its workers and an interruption change
-nothing in the result.
+The result of a point depends on the point alone, not on the executor, the number of its workers or an interruption.
 
-Answers are kept in a file of JSON lines, which survives whatever ends the sweep and says what it is of. The first line
-says what is swept, by which version, each other one what a point of it found, with a checksum of the first line and of
-itself. Lines are written whole and synchronised, a batch at a time: only the last one can be cut off, and then it is
-dropped. Floats are strings, to the last bit. While a sweep writes the file no other one may.
+Results are kept in a file of JSON lines, which survives whatever ends the sweep. The first line says what is swept, by
+which version; every other line holds the result of one point, with a checksum of the first line and of itself. Lines
+are written whole and synchronised, a batch at a time: only the last one can be cut off, and it is then dropped. Floats
+are strings, exact to the last bit. While a sweep writes the file, no other sweep may.
 """
 
 from __future__ import annotations
@@ -33,23 +32,23 @@ from driftproof.numeric.scene_run import run_scene
 from driftproof.numeric.scenes import TRAJECTORY, Scene
 from driftproof.support.files import atomic_write, naming, require_file, sole_writer
 
-# Names of fields of a scene, and the values of one point.
+# The values of one point, by the names of fields of a scene.
 Values: TypeAlias = dict[str, Any]
-# The readouts, or the message of what stopped the run.
+# The readouts, or the message of the error that stopped the run.
 Found: TypeAlias = Readouts | str
 Grid: TypeAlias = Mapping[str, Sequence[Any]]
 Batch: TypeAlias = list[tuple[int, Found]]
 
 AXES = ("selected", "h", "t", "start")
-# Seconds that a batch should take at least, so that sending it is a small part, and at which it stops and hands the
-# rest back, so that no worker sits on many slow points.
+# A batch should take at least SHORTEST seconds, so that sending it is a small part of them. After LONGEST it stops and
+# hands the rest back, so that no worker keeps many slow points.
 SHORTEST, LONGEST = 0.2, 1.0
 # Batches under way at a time: enough for as many workers.
 WAITING = 64
 
 
 class SweepAnswer(NamedTuple):
-    """A point of the grid, `values` by field of the scene; `found` is its readouts, or what stopped it, in a line."""
+    """A point of the grid: its `values` by field of the scene, and `found`, its readouts or the error message."""
 
     values: Values
     found: Found
@@ -65,11 +64,11 @@ def run_grid(
     """The scene's readouts for its selected method at every point of `grid`, the last name varying fastest.
 
     `grid` maps names among selected, h, t and start to their values: keys, Fractions, and pairs of Fractions. A run
-    that overflows, or that there is none of, as where h does not divide t, is answered by its message. `executor` is
-    any of `concurrent.futures`, and left open; without one, what is not done within a second goes to processes on this
+    that overflows, or does not exist because h does not divide t, has a message as its answer. `executor` is any of
+    `concurrent.futures`, and is left open; without one, what is not done within a second goes to processes on this
     machine. `checkpoint` names a file in which answers are kept as they come, and from which the same sweep goes on.
-    `answered` is told how many points are, each time that some come. Raises ValueError for a grid that is none, a scene
-    without readouts, and a file that is not of this sweep; OSError where a process ends.
+    `answered` is called with the number of answers whenever some come. Raises ValueError for an invalid grid, a scene
+    without readouts, and the file of another sweep; OSError if a process dies.
 
     >>> from fractions import Fraction
     >>> from driftproof import PRESETS
@@ -85,7 +84,7 @@ def run_grid(
 
 
 def points_of(scene: Scene, grid: Grid) -> list[Values]:
-    """The points of the grid in their order. Raises as `run_grid`."""
+    """The points of the grid in their order. Raises ValueError as `run_grid` does."""
     if not scene.readouts or TRAJECTORY in scene.readouts:
         raise ValueError(f"scene {scene.name!r}: a sweep needs readouts, and keeps no trajectory")
     for name, values in grid.items():
@@ -103,10 +102,10 @@ def points_of(scene: Scene, grid: Grid) -> list[Values]:
 def sweep_batches(
     scene: Scene, grid: Grid, executor: Executor | None = None, checkpoint: Path | None = None
 ) -> Iterator[Batch]:
-    """(index of the point, what it found) for every point, in the order in which they come; as `run_grid`."""
+    """Yield batches of (index of the point, its result) in the order in which they come; arguments as in `run_grid`."""
     points = points_of(scene, grid)
     if checkpoint is None:
-        yield from _spread(scene, points, deque(range(len(points))), executor)
+        yield from _all_batches(scene, points, deque(range(len(points))), executor)
         return
     require_file(checkpoint)
     checkpoint.parent.mkdir(parents=True, exist_ok=True)
@@ -115,18 +114,18 @@ def sweep_batches(
         kept = Checkpoint(checkpoint, scene, grid, points)
         yield list(kept.found.items())
         left = deque(i for i in range(len(points)) if i not in kept.found)
-        for batch in _spread(scene, points, left, executor):
+        for batch in _all_batches(scene, points, left, executor):
             kept.add(batch)
             yield batch
         kept.finish()
 
 
 class Workers(ProcessPoolExecutor):
-    """Fresh processes on this machine, which inherit no threads or locks. Ctrl-C is for their parent, who ends them."""
+    """Fresh processes on this machine, which inherit no threads or locks and ignore Ctrl-C; their parent ends them."""
 
     def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
-        """As usual; the first call starts the processes, deaf to an interrupt from their first instruction on."""
-        resource_tracker.ensure_running()  # which would hear of interrupts again
+        """Submit as usual; the first call starts the processes, in which interrupts are blocked from the start."""
+        resource_tracker.ensure_running()  # started later, it would unblock them
         before = signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGINT])
         try:
             return super().submit(fn, *args, **kwargs)
@@ -134,30 +133,30 @@ class Workers(ProcessPoolExecutor):
             signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
     def stop(self) -> None:
-        """End the processes, whatever they are at."""
+        """Kill the processes, whatever they are doing."""
         for process in list((self._processes or {}).values()):
             process.kill()
         self.shutdown()
 
 
 def processes(workers: int | None = None) -> Workers:
-    """So many processes, by default one for each processor."""
+    """A pool of `workers` processes, by default one for each processor."""
     return Workers(workers, mp_context=get_context("spawn"))
 
 
-def _spread(scene: Scene, points: list[Values], left: deque[int], executor: Executor | None) -> Iterator[Batch]:
+def _all_batches(scene: Scene, points: list[Values], left: deque[int], executor: Executor | None) -> Iterator[Batch]:
     if executor is not None:
-        yield from _answered(scene, points, left, executor)
+        yield from _batches_on(scene, points, left, executor)
         return
     found, _ = run_points(scene, [points[i] for i in left])
     yield [(left.popleft(), answer) for answer in found]
     if left:
         with processes() as pool:
-            yield from _answered(scene, points, left, pool)
+            yield from _batches_on(scene, points, left, pool)
 
 
-def _answered(scene: Scene, points: list[Values], left: deque[int], executor: Executor) -> Iterator[Batch]:
-    """Batches double until one takes `SHORTEST`; what a worker hands back goes to the front of the queue."""
+def _batches_on(scene: Scene, points: list[Values], left: deque[int], executor: Executor) -> Iterator[Batch]:
+    """Yield batches, of double the size until one takes SHORTEST; what a worker hands back is sent next."""
     running: dict[Future[tuple[list[Found], float]], list[int]] = {}
     size = 1
     try:
@@ -166,7 +165,7 @@ def _answered(scene: Scene, points: list[Values], left: deque[int], executor: Ex
                 batch = [left.popleft() for _ in range(min(size, len(left)))]
                 running[executor.submit(run_points, scene, [points[i] for i in batch])] = batch
             done = wait(running, return_when=FIRST_COMPLETED).done
-            for future in [each for each in running if each in done]:  # as sent, so that a run can be told again
+            for future in [each for each in running if each in done]:  # in the order sent, so that runs can be repeated
                 batch = running.pop(future)
                 found, seconds = future.result()
                 if len(found) < len(batch):
@@ -186,7 +185,7 @@ def _answered(scene: Scene, points: list[Values], left: deque[int], executor: Ex
 
 
 def run_points(scene: Scene, points: Sequence[Values]) -> tuple[list[Found], float]:
-    """What the points find, as far as they were reached within `LONGEST`, and the seconds it took: a worker's part."""
+    """The results of the points reached within LONGEST seconds, and the seconds taken: a worker's part."""
     start, found = perf_counter(), list[Found]()
     for values in points:
         found.append(_run_point(scene, values))
@@ -204,7 +203,7 @@ def _run_point(scene: Scene, values: Values) -> Found:
 
 
 def _check_value(name: str, value: object) -> None:
-    """Raises ValueError, or for a method that is not in the catalogue the suggestion of `method_of`."""
+    """Raise ValueError for a value of the wrong type, or an unknown method, with the suggestion of `method_of`."""
     if name == "selected":
         method_of(str(value))
     elif name == "start":
@@ -215,12 +214,12 @@ def _check_value(name: str, value: object) -> None:
 
 
 class Checkpoint:
-    """The file, and in `found` what it holds by index of the point."""
+    """The file of a sweep; `found` has the results in it by index of the point."""
 
     def __init__(
         self, path: Path, scene: Scene, grid: Mapping[str, Sequence[Any]], points: Sequence[Mapping[str, Any]]
     ) -> None:
-        """Read the file, or start one. Raises ValueError where there is another, or one whose lines are no answers."""
+        """Read the file, or start one. Raises ValueError for another sweep's, or for lines that are not answers."""
         self.path, self.points, self.readouts = path, points, scene.readouts
         self.head = _line(
             {
@@ -235,13 +234,13 @@ class Checkpoint:
         self._open()
 
     def add(self, batch: Iterable[tuple[int, Any]]) -> None:
-        """Append what the points of a batch found."""
+        """Append the results of a batch."""
         batch = list(batch)
         self._append(b"".join(self._of_point(i, found) for i, found in batch))
         self.found.update(batch)
 
     def finish(self) -> None:
-        """Put the lines in the order of the grid, so that every run of the sweep leaves the same bytes."""
+        """Sort the lines in the order of the grid, so that every run of the sweep leaves the same bytes."""
         with atomic_write(self.path) as draft:
             text = self.head + b"".join(self._of_point(i, self.found[i]) for i in sorted(self.found))
             Path(draft).write_bytes(text)
@@ -272,7 +271,7 @@ class Checkpoint:
         return _line({**entry, "checksum": sha256(self.head + _line(entry)).hexdigest()[:16]})
 
     def _read(self, number: int, line: bytes) -> None:
-        """Keep what a line says. It has to be the very line that is written for it."""
+        """Keep the result in a line. Raises ValueError unless it is the very line that is written for that result."""
         try:
             entry = json.loads(line)
             i, found = entry["point"], entry.get("message")
@@ -287,7 +286,7 @@ class Checkpoint:
 
 
 def digest(data: object) -> str:
-    """What tells problems and methods apart of which only the names are kept, such as a file's."""
+    """A hash that tells apart problems or methods of which only the names are kept, such as those of a file."""
     return sha256(repr(data).encode()).hexdigest()[:16]
 
 
@@ -296,7 +295,7 @@ def _line(entry: dict[str, Any]) -> bytes:
 
 
 def strings(value: Any) -> Any:
-    """The value with Fractions and floats as strings, floats to the last bit, arrays as lists; the rest as it is."""
+    """The value with Fractions and floats as strings, exact to the last bit, arrays as lists, the rest unchanged."""
     if isinstance(value, Mapping):
         return {name: strings(x) for name, x in value.items()}
     if isinstance(value, tuple | list):

@@ -1,4 +1,4 @@
-"""The tableau (A, b, c) of a Runge-Kutta or collocation method in floats, each entry the exact one rounded once."""
+"""The tableau (A, b, c) of a Runge-Kutta or collocation method in floats, each exact entry rounded once."""
 
 from __future__ import annotations
 
@@ -12,17 +12,16 @@ from numpy.typing import NDArray
 
 from driftproof.methods.schemes import Collocation, Method, MethodError, RungeKutta
 
-# Nodes are known to so many bits before weights are formed of them. What that leaves of a weight's error is below
-# 2**-200 times the condition of Lagrange's basis, about 10**4 for ten nodes.
+# Nodes are computed to this many bits before weights are formed from them. The error of a weight is then below 2**-200
+# times the condition of Lagrange's basis, about 10**4 for ten nodes.
 NODE_BITS = 220
 
 
 @dataclass(frozen=True)
 class FloatTableau:
-    """A as s rows of s, b and c with s entries, in binary64; and d = A⁻ᵀ b, or None where A is singular.
+    """The tableau in binary64: A as s rows of s entries, b and c with s, and d = A⁻ᵀ b, or None if A is singular.
 
-    As z₁ = z + h Σ bᵢ fᵢ and Zᵢ = h Σ aᵢⱼ fⱼ, z₁ = z + Σ dᵢ Zᵢ, which evaluates no slope again (hairer-wanner-1996,
-    IV.8).
+    With Zᵢ = h Σ aᵢⱼ fⱼ, z + h Σ bᵢ fᵢ is z + Σ dᵢ Zᵢ, which evaluates no slope again (hairer-wanner-1996, IV.8).
     """
 
     a: NDArray[np.float64]
@@ -32,21 +31,18 @@ class FloatTableau:
 
     @property
     def stages(self) -> int:
-        """s."""
+        """The number of stages, s."""
         return len(self.b)
 
     @property
     def stiffly_accurate(self) -> bool:
-        """True when the last stage is the result: the last row of A is b."""
+        """True if the last stage is the result: the last row of A is b."""
         return bool((self.a[-1] == self.b).all())
 
 
 @cache
 def float_tableau(method: Method) -> FloatTableau:
-    """The tableau of a Runge-Kutta method, or of a collocation method from its node polynomial.
-
-    Raises MethodError for splittings and Nyström methods.
-    """
+    """The tableau of a Runge-Kutta method, or of a collocation method by its nodes. Raises MethodError for others."""
     if isinstance(method, RungeKutta):
         return _floats(method.a, method.b, method.c)
     if not isinstance(method, Collocation):
@@ -60,7 +56,7 @@ def _floats(a: Sequence[Sequence[Any]], b: Sequence[Any], c: Sequence[Any]) -> F
 
 
 def solved(matrix: Sequence[Sequence[Any]], right: Sequence[Any]) -> list[Any] | None:
-    """The x with `matrix` x = `right`, exact where the entries are, by elimination; None for a singular matrix."""
+    """The solution x of `matrix` x = `right` by elimination, exact if the entries are; None for a singular matrix."""
     rows = [[*row, value] for row, value in zip(matrix, right, strict=True)]
     for k in range(len(rows)):
         pivot = next((i for i in range(k, len(rows)) if rows[i][k] != 0), None)

@@ -1,1 +1,1 @@
-"""What one would rather look at: pages, figures and studies."""
+"""Results for readers: printed answers, pages, figures and studies."""

@@ -1,4 +1,4 @@
-"""The figure of a certificate: the error against time on a logarithmic axis, as it is enclosed, and its two parts."""
+"""The figure of a certificate: bounds of the error and of its two parts against time, on a logarithmic axis."""
 
 from __future__ import annotations
 
@@ -13,17 +13,17 @@ from driftproof.enclosure.certificate import BallRows, Certificate, decimal
 from driftproof.reports.page.figure import Figure
 from driftproof.reports.page.plot import COLUMNS_OF_PIXELS, WIDE, Plot, decades, linear
 
-# Points are drawn one by one up to so many; of more, the largest and the smallest of each column of pixels.
+# Up to this many points of a line also get a dot each.
 _MOST_DOTS = 60
-# Decades below the largest error that are shown: no double is that much better than another.
+# At most this many decades below the largest error are shown: no double is that much better than another.
 _DEEPEST = 40
-# No more digits of an error are claimed, because the radius is made as small as that.
+# No more digits of an error are claimed: RADIUS_TO_ERROR of `enclosure.certify`, 2⁻⁴⁰, leaves twelve.
 PROVED_DIGITS = 12
 _MARKS = ("path m0", "path m1", "path m2")
 
 
 def draw_certificate(found: Certificate, title: str, path: Path) -> Path:
-    """Write the figure as an SVG file and return its path. Raises ValueError for another name, or nothing to draw."""
+    """Write the figure as an SVG file; return its path. Raises ValueError for another file name, or nothing to draw."""
     figure = certificate_figure(found, title)
     largest, at = found.largest_error, found.t[found.worst[0]]
     proved = min(PROVED_DIGITS, int(largest.rel_accuracy_bits() * log10(2)))
@@ -31,9 +31,9 @@ def draw_certificate(found: Certificate, title: str, path: Path) -> Path:
 
 
 def certificate_figure(found: Certificate, title: str) -> Figure:
-    """The largest component of error, truncation and rounding at each time, between its two bounds.
+    """The largest component of error, truncation and rounding at each time, between its two proved bounds.
 
-    Bounds that are 0 have no place on the axis. Raises ValueError where all are.
+    Bounds that are 0 have no place on a logarithmic axis. Raises ValueError if all are.
     """
     parts: list[tuple[str, BallRows]] = [("error", found.errors)]
     if found.split is not None:
@@ -70,7 +70,7 @@ def certificate_figure(found: Certificate, title: str) -> Figure:
 
 
 def _bounds(row: Sequence[arb]) -> tuple[float, float]:
-    """Below and above the largest size in the row."""
+    """Lower and upper bound of the largest component in the row, in size."""
     largest = arb(0)
     for x in row:
         largest = largest.max(abs(x))
@@ -78,7 +78,7 @@ def _bounds(row: Sequence[arb]) -> tuple[float, float]:
 
 
 def _thinned(places: list[tuple[float, float]], t: Sequence[float]) -> list[tuple[float, float]]:
-    """The largest and the smallest of each column of pixels, in order of time."""
+    """The largest and the smallest point of each column of pixels, in order of time; all points if they are few."""
     if len(places) <= 2 * COLUMNS_OF_PIXELS:
         return places
     columns: dict[int, list[tuple[float, float]]] = {}

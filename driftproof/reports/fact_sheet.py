@@ -30,10 +30,10 @@ _Derive: TypeAlias = Callable[[Sequence[str]], dict[str, Any]]
 
 
 class FactSheet(Printable):
-    """Facts by name, in brackets or as attributes, each derived when it is asked for; printed, those of `only`."""
+    """Facts by name, in brackets or as attributes, each derived when it is asked for; `only` names those printed."""
 
     def __init__(self, derive: _Derive, only: Sequence[str], *, grouped: bool = True) -> None:
-        """Derive nothing yet; not `grouped` are facts about something else than a method."""
+        """Derive nothing yet. `grouped` is False for facts about something other than a method."""
         self._derive, self._only, self._grouped = derive, tuple(only), grouped and not only
 
     @cached_property
@@ -42,13 +42,13 @@ class FactSheet(Printable):
         return self._derive(self._only)
 
     def __getitem__(self, name: str) -> Any:
-        """The fact of this name. Raises ValueError for an unknown one."""
+        """The fact of this name. Raises ValueError for an unknown name."""
         return self.shown[name] if "shown" in self.__dict__ and name in self.shown else self._derive((name,))[name]
 
     if not TYPE_CHECKING:  # checkers know the facts of a method by their types
 
         def __getattr__(self, name: str) -> Any:
-            """The fact of this name, or what the method has by it."""
+            """The fact of this name. Raises AttributeError for an unknown name."""
             if name.startswith("_"):
                 raise AttributeError(name)
             try:
@@ -57,7 +57,7 @@ class FactSheet(Printable):
                 raise AttributeError(str(error)) from None
 
     def written(self, form: str, everything: bool = False) -> str:
-        """As "text", "json" or "tex"; in groups, `everything` leaves out none."""
+        """The facts as "text", "json" or "tex"; `everything` shows also those that groups of text leave out."""
         if form == "json":
             return as_json(record(self.shown))
         if form == "tex":
@@ -66,7 +66,7 @@ class FactSheet(Printable):
 
 
 class MethodFacts(FactSheet, Facts):
-    """The facts of a method as typed attributes, `order` and `imaginary_limit` among them; printed, as a sheet."""
+    """The facts of a method as typed attributes, such as `order` and `imaginary_limit`; printed, a sheet of facts."""
 
     def __init__(self, method: Method, only: Sequence[str], tolerance: ExactNumber | None, terms: int) -> None:
         """Derive nothing yet; `terms` is the length of series."""
@@ -76,11 +76,11 @@ class MethodFacts(FactSheet, Facts):
 
     @cached_property
     def order_to_tolerance(self) -> OrderWithin | None:
-        """The order up to residuals of the size that was asked for."""
+        """The order if residuals up to the given tolerance count as zero; None without a tolerance."""
         return None if self._tolerance is None else order_within(self.method, self._tolerance)
 
     def _by_name(self, names: Sequence[str]) -> dict[str, Any]:
-        """With those named of which it matters, where a stage is superfluous, whether they are of the table."""
+        """The named facts, with `reduction` if some of them depend on whether superfluous stages are removed."""
         found = facts_by_name(self, names or FACTS, (*FACTS, *ON_REQUEST))
         if names and "reduction" not in names and self.reduction is not None:
             stages, *named = self.reduction
@@ -119,12 +119,12 @@ def facts(
     order_tolerance: ExactNumber | None = None,
     terms: int = TERMS,
 ) -> FactSheet:
-    """The exact facts of a method: of its key or name, of a .toml file, or of the method itself.
+    """The exact facts of a method, given as its key or name, a .toml file, or itself.
 
-    Of a family, `at` chooses one method; without it the facts are functions of its parameter. With `system`, a matrix
-    such as "0 1; -1 -1/10", they are about z' = Az. `only` names the facts that are printed; of each name there is an
-    attribute. Families and methods that have facts only, and systems, have other names than methods; give the object,
-    `FAMILIES["sdirk_order_2"]`, for its type. Raises ValueError for what makes no sense.
+    For a family, `at` chooses one method; without it the facts are functions of its parameter. With `system`, a matrix
+    such as "0 1; -1 -1/10", they are about z' = Az. `only` names the facts that are printed; each fact is also an
+    attribute. The facts of families, of methods that have facts only, and on systems have names of their own; for their
+    type give the object, such as `FAMILIES["sdirk_order_2"]`. Raises ValueError for arguments that do not fit together.
 
     >>> from driftproof import facts
     >>> found = facts("RK4", only=["order", "imaginary_limit"])

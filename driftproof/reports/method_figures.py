@@ -20,13 +20,13 @@ from driftproof.symbolic.linear.region import boundary_points
 
 # Certified points on the boundary: 2 count + 1 values of Re R(z).
 _POINTS = 24
-# Rows of a shaded square, a unit of the picture each, and columns, half of one.
+# Rows and columns of a shaded square: a row is one unit of the picture high, a column half a unit wide.
 _ROWS, _COLUMNS = 264, 528
 # Values of h at which phase and growth are computed.
 _VALUES = 601
-# The boundary of an A-stable method goes to infinity; the picture does not.
+# The boundary of an A-stable method goes to infinity; points farther from 0 than this are not drawn.
 _FARTHEST = 12
-# What a line of the phase picture may reach; R(ih) may have zeros.
+# Lines of the phase picture are cut off at this size; log |R(ih)| is infinite at a zero of R(ih).
 _DEEPEST = 10.0
 
 _Legend = list[tuple[str, str]]
@@ -77,13 +77,13 @@ PICTURES = {"region": _region, "order-star": _order_star, "phase": _phase}
 
 
 def _plane(middle: Sequence[float], reach: float) -> Plot:
-    """A square of the complex plane around a point."""
+    """A plot of the square of the complex plane with this middle, from -reach to reach around it."""
     (left, right), (low, high) = ([Fraction(float(c + d)) for d in (-reach, reach)] for c in middle)
     return Plot(linear(left, right, "Re z", SQUARE[0]), linear(low, high, "Im z", SQUARE[1]))
 
 
 def _shade(plot: Plot, inside: Any) -> None:
-    """Strokes side by side over the points of the square that are `inside`, and the axes of the plane upon them."""
+    """Shade the points z of the square with `inside(z)` by horizontal strokes, and draw the axes on top."""
     x, y = (
         np.linspace(float(axis.scale.low), float(axis.scale.high), n)
         for axis, n in ((plot.x, _COLUMNS), (plot.y, _ROWS))
@@ -103,7 +103,7 @@ def _shade(plot: Plot, inside: Any) -> None:
 
 
 def _values(r: RationalFunction, z: Any) -> Any:
-    """R(z) in floats, for the eye; where it has a pole the value is infinite."""
+    """R(z) in floats, for drawing only; not finite at a pole."""
     top, bottom = ([float(c) for c in coefficients(p)] for p in (r.num, r.den))
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.polynomial.polynomial.polyval(z, top) / np.polynomial.polynomial.polyval(z, bottom)

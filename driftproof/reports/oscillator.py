@@ -1,4 +1,4 @@
-"""The oscillator's steps and runs, answered exactly; beside a run in floats, its error, split and bounded."""
+"""Steps and runs on the oscillator, answered exactly; on request, the error of the same run in floats, bounded."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ from driftproof.texts.writing.answers import answer_text, run_answer, step_answe
 
 @dataclass(frozen=True, repr=False)
 class RunAnswer(Printable, OscillatorRun):
-    """A run, or one step, whose quantities are exact, and which is printed with so many digits.
+    """A run, or one step, whose quantities are exact; printed, they have `digits` digits.
 
-    `budget` holds the error of the same run in floats, where that is asked for.
+    `budget` holds the error of the same run in floats, if it was asked for.
     """
 
     digits: int = 15
@@ -29,7 +29,7 @@ class RunAnswer(Printable, OscillatorRun):
     one_step: bool = False
 
     def written(self, form: str) -> str:
-        """As "text" or "json"."""
+        """The answer as "text" or "json"."""
         answer = (step_answer if self.one_step else run_answer)(self, self.digits, self.rounding)
         if form == "json":
             return as_json(answer if self.budget is None else {**answer, "budget": self.budget})
@@ -48,7 +48,7 @@ def step(
     digits: int = 15,
     rounding: str = HALF_EVEN,
 ) -> RunAnswer:
-    """One step of q' = v, v' = -q by a method: its key or name, a .toml file, or the method itself. Raises ValueError.
+    """One step of q' = v, v' = -q by a method, given as its key or name, a .toml file, or itself. Raises ValueError.
 
     >>> from driftproof import step
     >>> step("rk4", "1/2").final_state
@@ -68,10 +68,10 @@ def run(
     rounding: str = HALF_EVEN,
     budget: bool = False,
 ) -> RunAnswer:
-    """t/h steps of q' = v, v' = -q, of any number: final and exact state, errors, energy, phase, all exactly.
+    """t/h steps of q' = v, v' = -q: final and exact state, errors, energy and phase, all exact for any number of steps.
 
-    With `budget` the run is made in floats, too, and its error split into truncation and rounding. Raises ValueError
-    where h does not divide t.
+    With `budget` the run is also made in floats, and its error split into truncation and rounding. Raises ValueError if
+    h does not divide t.
 
     >>> from driftproof import run
     >>> found = run("forward_euler", "1/4", 10)

@@ -32,7 +32,7 @@ class Page(Printable):
     output: Path | None = None
 
     def written(self, form: str) -> str:
-        """The page as "html"; as "text" or "json" where it is."""
+        """The page as "html"; as "text" or "json", where it was written."""
         if form == "html":
             return self.html
         if form == "json":
@@ -52,9 +52,9 @@ def report(
     digits: int = 15,
     methods: GivenMethods = (),
 ) -> Page:
-    """Scenes and problems as one page of HTML, written to `output`; the presets where none is named.
+    """Scenes and problems as one page of HTML, written to `output`; the presets if none is named.
 
-    A scene is a preset or a .toml file, a problem one of ours, or a .toml file of your own, shown with `methods`;
+    A scene is a preset or a .toml file; a problem is one of ours, or a .toml file of your own, shown with `methods`;
     "stiff" is a table of all stiff problems. Raises ValueError for what cannot be shown.
 
     >>> from driftproof import report
@@ -74,7 +74,7 @@ def report(
 
 
 def _part(given: GivenProblem | Scene, methods: GivenMethods) -> Scene | Part:
-    """Of a file, a scene says what it shows, and a problem when it ends."""
+    """The scene, or the part of the page for a problem; a file with an `end` is a problem."""
     if isinstance(given, Problem | Mapping) or callable(given):
         return problem_part(problem_given(given), methods_of(methods))
     if isinstance(given, Scene):

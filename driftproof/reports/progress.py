@@ -15,7 +15,7 @@ LONG_RUN = 10**6
 
 
 def progress_bar(total: int, unit: str) -> AbstractContextManager[Any]:
-    """A bar on a terminal; elsewhere what has its methods, and tqdm is not imported."""
+    """A bar on a terminal; elsewhere an object with its methods, and tqdm is not imported."""
     if not on_terminal():
         return nullcontext(SimpleNamespace(total=0, update=lambda done: None))
     from tqdm import tqdm
@@ -35,5 +35,5 @@ def with_progress(items: Sequence[_T], unit: str) -> Iterable[_T]:
 
 
 def count_steps(steps: int) -> Iterable[int]:
-    """range(steps), with a progress bar when it will take a while."""
+    """range(steps), with a progress bar on a terminal from LONG_RUN steps on."""
     return range(steps) if steps < LONG_RUN else with_progress(range(steps), "step")

@@ -1,4 +1,4 @@
-"""Rounding, answered: the bound that a step's own program gives, and the error budget of one float run."""
+"""Answers about rounding: the bound derived from a step's own program, and the error budget of one float run."""
 
 from __future__ import annotations
 
@@ -32,9 +32,9 @@ if TYPE_CHECKING:
 _DECIMAL = re.compile(r"\d\.\d")
 # Bounds are quoted, not compared: few digits say enough.
 BOUND_DIGITS = 6
-# What is measured of a float run, or null where it overflows.
+# The keys of what is measured in a float run; their values are null if it overflows.
 MEASURED = ("final_state", "state_error", "truncation", "rounding", "rounding_in_u", "bound")
-# What the rows of a table are about: `as_held` is there only for a program that rounds coefficients.
+# The labels of the rows of a table; `as_held` is there only for a program that rounds coefficients.
 ROWS = {"plain": "plain", "sharp": "sharp", "as_held": "as held"}
 
 
@@ -43,10 +43,10 @@ def roundoff(
 ) -> Answered:
     """The rounding bound of one step of a method, derived by running it: as formulas, and at each step size of `h`.
 
-    Binary64 takes the program that float runs use, hand-written where there is one; other formats the generic step,
-    with its coefficients rounded to the format. All bounds are about the definition's exact M(h), the rounding of the
-    coefficients included, but for `as_held`: the sharp bound about the polynomial with the coefficients that the
-    program holds. Where it holds them all exactly, there is no such row. Raises ValueError.
+    For binary64 it is about the program that float runs use, hand-written if there is one; for other formats about the
+    generic step, with its coefficients rounded to the format. All bounds are about the definition's exact M(h), so that
+    they include the rounding of the coefficients. Only `as_held` is about the polynomial with the coefficients that the
+    program holds; the row is left out if the program holds all of them exactly. Raises ValueError.
 
     >>> from driftproof import roundoff
     >>> roundoff("symplectic_euler", "1/4").found.format.name
@@ -72,7 +72,7 @@ def roundoff(
 
 
 def _program(method: Method) -> StepOrMethod:
-    """What a binary64 run executes: the hand-written step, or the definition with its coefficients rounded."""
+    """The program of a binary64 run: the hand-written step, or the method itself for the generic one."""
     return hand_written(method) or method
 
 
@@ -106,10 +106,10 @@ def _per_step(subject: Any, h: Fraction, fmt: FloatFormat) -> Json:
 
 
 def budget_answer(asked: OscillatorRun, digits: int, rounding: str, counter: Counter) -> Json:
-    """The error of one binary64 run, truncation and rounding apart, each certified, beside the theorem's bound.
+    """The error of one binary64 run, split into truncation and rounding, each certified, and the theorem's bound.
 
-    The run uses the double nearest to h, and the state is compared at N times that double: what is reported is
-    the error of the numbers that the program really has. A run that overflows has no such error: then only "reason".
+    The run uses the double nearest to h, and its state is compared at N times that double, so that the error is that of
+    the numbers which the program really has. A run that overflows has no such error, only a "reason".
     """
     from driftproof.numeric.run import NonFiniteState, demand_few, integrate, nearest_double  # loads NumPy
 
@@ -161,7 +161,7 @@ def roundoff_text(answer: Json) -> str:
 
 
 def _about(answer: Json) -> str:
-    """What the bounds are about: whose polynomial the program evaluates."""
+    """What the bounds are about: the definition's polynomial, or another one that the program evaluates."""
     if different := answer["differences_from_definition"]:
         return "\n".join(["The program is NOT the definition:", *different])
     if not answer["rounds_coefficients"]:

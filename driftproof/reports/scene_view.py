@@ -1,4 +1,4 @@
-"""A scene, run and shown as text or JSON: its readouts, its table of methods; nothing that it does not name."""
+"""A scene, run and shown as text or JSON: its readouts and its table of methods, and nothing that it does not name."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from driftproof.support.plain_text import LARGEST_PLAIN, short, table, with_digi
 
 _COMPARED = {"state_error": "State error", "energy_change": "Energy change", "evaluations": "Calls"}
 COMPARED_READOUTS = tuple(_COMPARED)
-# Of the components of a problem's state.
+# Digits of the components of a problem's state.
 _DIGITS = 6
 UNDEFINED = "undefined at the origin"
 
@@ -25,8 +25,8 @@ UNDEFINED = "undefined at the origin"
 def show_scene(scene: Scene, digits: int, counter: Counter = range) -> dict[str, Any]:
     """{"readouts", "certified", "table"} of the scene, each present only if the scene asks for it.
 
-    A method whose run overflows, or that a problem has no steps for, has the message in place of its readouts; the
-    others are still shown.
+    A method whose run overflows, or that does not apply to the problem, has the message in the place of its readouts;
+    the others are still shown.
     """
     shown: dict[str, Any] = {}
     if scene.readouts:
@@ -43,7 +43,7 @@ def show_scene(scene: Scene, digits: int, counter: Counter = range) -> dict[str,
 def runs_of(
     scene: Scene, readouts: Iterable[str], keys: Iterable[str], counter: Counter = range
 ) -> dict[str, Readouts | str]:
-    """These readouts of the scene's run by each of these methods; where it overflows, the message."""
+    """The named readouts of the scene's run by each of the methods, or the message if the run fails."""
     asked, found = asking_for(scene, readouts), dict[str, Readouts | str]()
     for key in keys:
         try:
@@ -82,7 +82,7 @@ def asking_for(scene: Scene, readouts: Iterable[str]) -> Scene:
 
 
 def certified(scene: Scene, digits: int) -> dict[str, Any]:
-    """The certified readouts of the scene's selected method, with so many digits."""
+    """The certified readouts of the scene's selected method, with `digits` digits."""
     from driftproof.symbolic.algebra.certified import HALF_EVEN
     from driftproof.symbolic.runs import OscillatorRun
     from driftproof.texts.writing.answers import run_answer
@@ -93,7 +93,7 @@ def certified(scene: Scene, digits: int) -> dict[str, Any]:
 
 
 def _fixed(places: int) -> Callable[[float], str]:
-    """How x is shown: a zero, also one that rounding makes, has no sign (the option z)."""
+    """The formatter with `places` places. A zero has no sign, not even one that rounding makes (the option z)."""
     return lambda x: f"{x:z.{places}f}" if abs(x) < LARGEST_PLAIN else f"{x:.{places}e}"
 
 
@@ -116,7 +116,7 @@ _SHOWN: dict[str, tuple[str, Callable[[Any], str]]] = {
 
 
 _components = _pair(lambda x: with_digits(x, _DIGITS))
-# Those of a problem, whose components may be of any size.
+# The same for a problem, whose components may be of any size.
 _SHOWN_OF_PROBLEM: dict[str, tuple[str, Callable[[Any], str]]] = {
     "final_state": ("Numerical y", _components),
     "exact_state": ("Exact y", _components),
@@ -135,7 +135,7 @@ def readout_rows(readouts: Readouts, problem: Problem | None = None) -> list[lis
 
 
 def certified_rows(certified: dict[str, Any]) -> list[list[str]]:
-    """Label and value of each certified readout; a state is two of them."""
+    """Label and value of each certified readout; a state has a row for each of its two components."""
     rows = []
     for name, value in certified.items():
         parts = {"": value} if value is None or "decimal" in value else value
@@ -146,7 +146,7 @@ def certified_rows(certified: dict[str, Any]) -> list[list[str]]:
 
 
 def comparison_rows(rows: dict[str, Readouts | str]) -> list[list[str]]:
-    """The header of the table of methods, and a row for each; a run that overflowed has its message in cell two."""
+    """The header of the table of methods, and a row for each; a run that failed has its message in the second cell."""
     given = [readouts for readouts in rows.values() if not isinstance(readouts, str)]
     names = [name for name in _COMPARED if not given or name in given[0]]
     lines = [["Method", *(_COMPARED[name] for name in names)]]

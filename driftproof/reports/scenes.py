@@ -1,4 +1,4 @@
-"""A scene, run and shown: only what it names is computed, and only what that needs is imported."""
+"""Run a scene and show it: only what it names is computed, and only what that needs is imported."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from driftproof.support.results import Answered
 
 
 def scene_given(given: str | Path | Scene) -> Scene:
-    """A preset, or the scene in a .toml file, whose problem is ours or your own. Raises ValueError."""
+    """The scene itself, a preset, or the scene in a .toml file, on a problem of ours or your own. Raises ValueError."""
 
     def problem(name: str) -> Problem:
         from driftproof.reports.user_problem import problem_given
@@ -35,10 +35,10 @@ def scene(
 ) -> Answered:
     """A preset, or a scene of your own, run in floats: the readouts, certified readouts and table that it asks for.
 
-    Of `methods` the first is shown, and all are compared, in place of the scene's own. Without a name, the presets:
+    `methods` replace those of the scene: the first is shown, all are compared. Without a name, the presets are listed:
     the method shown, h, t and the number of steps.
 
-    `found` has them as numbers. `figures` names a folder for the scene's figures, as SVG. Raises ValueError.
+    `found` has the results as numbers. `figures` names a folder for the scene's figures, as SVG. Raises ValueError.
 
     >>> from driftproof import scene
     >>> scene("stability_boundary").found["readouts"]["final_state"]

@@ -1,4 +1,4 @@
-"""Stability of methods on a problem: what is proved where it is linear, what float runs show, and where they end."""
+"""Stability of methods on a problem: what is proved if it is linear, what float runs show, and where they end."""
 
 from __future__ import annotations
 
@@ -31,15 +31,16 @@ from driftproof.texts.writing.records import record
 # One of each behaviour, and the lesson's three among them.
 STABILITY_METHODS = ("forward_euler", "rk4", "symplectic_euler", "backward_euler", "implicit_midpoint", "radau_iia2")
 _DIGITS = 6
-# Steps of the runs that are looked for, and of those that are shown: implicit steps take a thousand times as long.
+# The most steps of a run in the search for the fewest, of an explicit and of an implicit method, whose steps take a
+# thousand times as long; and the most steps of a run that is shown.
 _MOST_EXPLICIT, _MOST_IMPLICIT, _MOST_SHOWN = 1 << 14, 1 << 9, 10**6
-# Steps of the runs that are shown where no h is asked for.
+# The numbers of steps that are shown if no h is given.
 _SHOWN = (10, 100, 1000)
-# Far more than the 53 of h: a factor that is not told from 1 is printed as that.
+# Far more than the 53 bits of h: a factor whose ball contains 1 even with these is printed as 1.
 _ONE_BITS = 1024
-# An error of so much of the size of the solution still follows it; one of all its size is lost.
+# A run whose error is up to this part of the size of the solution follows it; with an error above that size it is lost.
 _FOLLOWS = 0.1
-# A run that has grown so many times beyond the solution is not run to its end where only its verdict is asked for.
+# In the search for the fewest steps a run is stopped once it is this many times as large as the solution.
 _LOST = 1e6
 
 
@@ -48,12 +49,12 @@ def stability(
 ) -> Answered:
     """Which steps methods can take on a problem, where their runs end, and what is expected; without one, the problems.
 
-    A problem is a key, a .toml file, or a dict of what that would say, its function one of Python.
+    A problem is a key, a .toml file, or a dict with the contents of one, whose function may be a Python function.
 
-    The data are {"problem", "title", "linear", "size", "methods": [...]}, one entry a method. `h` are step sizes that
-    divide t; without them runs of _SHOWN steps are shown. On a linear problem, per method: `limit`, `attained`,
-    `at_infinity` as proved, `seen`, the neighbouring doubles between which powers of the float step begin to grow. On
-    any other, the `fewest_steps` that follow the solution to its end, as longer runs do. Raises ValueError.
+    The data are {"problem", "title", "linear", "size", "methods": [...]}, with one entry per method. `h` are step sizes
+    that divide t; without them runs of _SHOWN steps are shown. For a linear problem `limit`, `attained` and
+    `at_infinity` are proved, and powers of the float step begin to grow between the neighbouring doubles `seen`; for
+    others, runs of `fewest_steps` and more follow the solution to its end. Raises ValueError.
 
     >>> from driftproof import stability
     >>> stability("dahlquist_1e3", ["rk4"])["methods"][0]["limit"]["decimal"]
@@ -77,7 +78,6 @@ def stability(
 
 
 def _method_answer(problem: Problem, method: Method, counts: Sequence[int]) -> Json:
-    """One method, or the reason why it does not apply."""
     header = {"method": method.key, "title": method.title}
     try:
         runs = advance(method, problem)
@@ -93,12 +93,12 @@ def _method_answer(problem: Problem, method: Method, counts: Sequence[int]) -> J
 
 
 def expected_of(problem: Problem, method: Method) -> str:
-    """What is said of methods of this kind on the problem, if anything is."""
+    """What the problem says is expected of methods of this kind; "" if nothing."""
     return problem.expected.get(behaviour(method, problem), "")
 
 
 def steps_in_words(problem: Problem, method: Method) -> str:
-    """Which steps the method can take: proved on a linear problem, else how many follow the solution to its end."""
+    """The steps that the method can take: proved on a linear problem, else how many follow the solution to its end."""
     try:
         runs = advance(method, problem)
     except MethodError as reason:
@@ -115,7 +115,7 @@ def _proved_limit(found: SystemFacts) -> Json:
 
 
 def behaviour(method: Method, problem: Problem) -> str:
-    """The name under which `Problem.expected` speaks of the method: the most telling that it has."""
+    """The key of `Problem.expected` for the method: its strongest proved property there, else explicit or implicit."""
     facts = Facts(method)
     known = [name for name in ("symplectic", "l_stable", "a_stable") if getattr(facts, name)]
     return next((name for name in known if name in problem.expected), "explicit" if method.explicit else "implicit")
@@ -172,12 +172,12 @@ def _proved_at(found: SystemFacts, h: Fraction) -> Json:
     return {
         "bounded": bounded,
         "factor": exact_and_decimal(factor, _DIGITS, HALF_EVEN),
-        "factor_less_one": _less_one(factor),
+        "factor_less_one": _minus_one(factor),
     }
 
 
-def _less_one(factor: CertifiableReal) -> str | None:
-    """The factor less 1, to two digits; None where so small a ball as _ONE_BITS give holds 1."""
+def _minus_one(factor: CertifiableReal) -> str | None:
+    """The factor minus 1, to two digits; None if its ball of _ONE_BITS bits contains 1."""
     with ctx.workprec(_ONE_BITS):
         if (enclose(factor) - 1).contains(0):
             return None
@@ -190,7 +190,7 @@ def error_of(problem: Problem, seen: Observed) -> float:
 
 
 def solution_size(problem: Problem) -> float:
-    """The largest size of the start and of the reference's states: an error as large says that nothing is right."""
+    """The largest norm of the start, in floats, and of the reference's states: a run with a larger error is lost."""
     origin = (0.0,) * len(problem.start)
     states = problem.reference.states
     return max(euclidean_norm(float_start(problem)), *(distance_from_digits(origin, state) for state in states))
@@ -255,7 +255,7 @@ def _runs_text(answer: Json, entries: Sequence[Json]) -> str:
 
 
 def _factor_text(run: Json) -> str:
-    """The decimal, or by how much the factor is not 1 where the decimal does not say."""
+    """The decimal, or the difference of the factor from 1 if the decimal is 1."""
     decimal, rest = run["factor"]["decimal"], run["factor_less_one"]
     if rest is None or Fraction(decimal) != 1:
         return str(decimal)
@@ -272,11 +272,11 @@ def _outcome(run: Json) -> str:
 
 
 def _expected_text(_: Json, entries: Sequence[Json]) -> str:
-    told: dict[str, list[str]] = {}
+    methods_of_sentence: dict[str, list[str]] = {}
     for entry in entries:
         if entry["expected"]:
-            told.setdefault(entry["expected"], []).append(entry["method"])
-    lines = [f"{', '.join(methods)}: {sentence}" for sentence, methods in told.items()]
+            methods_of_sentence.setdefault(entry["expected"], []).append(entry["method"])
+    lines = [f"{', '.join(methods)}: {sentence}" for sentence, methods in methods_of_sentence.items()]
     return "Expected\n\n" + "\n".join(lines) if lines else ""
 
 
@@ -290,8 +290,8 @@ def problems_json(problems: Iterable[Problem]) -> list[Json]:
 
 
 def problems_text(listed: Sequence[Json]) -> str:
-    """What `problems_json` lists, as a table."""
+    """The problems listed by `problems_json`, as a table."""
     kinds = {"linear": "linear", "stiff": "stiff", "second_order": "q'' = F(q)"}
-    told = [", ".join(words for name, words in kinds.items() if entry[name]) for entry in listed]
-    rows = [[entry["problem"], kind, entry["title"]] for entry, kind in zip(listed, told, strict=True)]
+    shown = [", ".join(words for name, words in kinds.items() if entry[name]) for entry in listed]
+    rows = [[entry["problem"], kind, entry["title"]] for entry, kind in zip(listed, shown, strict=True)]
     return table([["problem", "kind", "title"], *rows])

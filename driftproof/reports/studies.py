@@ -1,4 +1,4 @@
-"""Error against work, asked for: a study measured, told of and written to a folder."""
+"""Studies of error against work: measured, printed, and written to a folder."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from driftproof.support.files import require_folder, sole_writer
 from driftproof.support.plain_text import printable
 from driftproof.support.results import Answered
 
-# The lesson's three, and one of each kind beside them.
+# The lesson's three, and one method of each further kind.
 WORK_PRECISION_METHODS = (
     *("forward_euler", "symplectic_euler", "rk4"),
     *("velocity_verlet", "dormand_prince54", "blanes_moan6", "gauss2"),
@@ -33,9 +33,9 @@ def work_precision(
     time_limit: float = 0.1,
     output: str | Path | None = None,
 ) -> Answered:
-    """What error methods reach on a problem, at how many evaluations of f, in what time; `found` holds the points.
+    """The errors that methods reach on a problem, with how many evaluations of f, in what time; `found` has the points.
 
-    `time_limit` is the seconds that a point may be timed for; errors are seen up to 10⁸ evaluations for each of them.
+    A point may be timed for `time_limit` seconds; runs for errors may take 10⁸ evaluations for each of these seconds.
     `output` is a folder for files and figures, from which an interrupted study goes on. Raises ValueError.
 
     >>> from driftproof import work_precision

@@ -1,4 +1,4 @@
-"""A sweep shown: a row for each point of its grid, as text or as JSON; and the workers of a dask cluster."""
+"""A sweep as text or JSON, with a row for each point of its grid; and an executor on a dask cluster."""
 
 from __future__ import annotations
 
@@ -24,13 +24,13 @@ from driftproof.support.results import Answered
 
 # Pairs would widen the table; they are in the JSON.
 _STATES = ("final_state", "exact_state")
-# Enough to compare errors at neighbouring h.
+# Digits: enough to compare errors at neighbouring h.
 _DIGITS = 4
-# What stands over a column, where it is not the name of the axis or of the readout.
+# The headings of columns that are not the name of the axis or of the readout.
 _AXES, _LABELS = {"selected": "method"}, {"phase_error": "phase error (degrees)"}
-# How the address of a scheduler is written, and the seconds in which it has to answer.
+# The form of a scheduler's address, and the seconds in which it has to answer.
 _ADDRESS = re.compile(r"(\w+://)?[^/\s]+:\d+")
-_PATIENCE = 10
+_SECONDS_TO_CONNECT = 10
 
 
 def sweep(
@@ -46,9 +46,9 @@ def sweep(
 ) -> Answered:
     """A scene in floats at every point of a grid, in parallel; `found` has a `SweepAnswer` for each point in order.
 
-    The grid has a point for each combination, h varying fastest; what is not given is as in the scene. `output` is a
-    file in which answers are kept as they come, and from which the same sweep goes on. `workers` are processes, or an
-    executor of your own; `cluster` the address of a dask scheduler. Raises ValueError.
+    The grid has a point for each combination, h varying fastest; values that are not given are the scene's. `output` is
+    a file in which answers are kept as they come, and from which the same sweep goes on. `workers` is a number of
+    processes, or an executor of your own; `cluster` is the address of a dask scheduler. Raises ValueError.
 
     >>> from driftproof import sweep
     >>> [answer.found["final_state"] for answer in sweep("stability_boundary", h=[1, 2]).found]
@@ -65,14 +65,14 @@ def sweep(
 
 
 def _executor(workers: int | Executor | None, cluster: str | None) -> AbstractContextManager[Executor | None]:
-    """What runs the points; None leaves that to the sweep."""
+    """The executor to use; None leaves the choice to the sweep."""
     if cluster:
         return cluster_executor(cluster)
     return processes(workers) if isinstance(workers, int) else nullcontext(workers)
 
 
 def sweep_json(scene: Scene, found: list[SweepAnswer]) -> dict[str, Any]:
-    """The scene and its points in the order of the grid; numbers are strings, floats to the last bit."""
+    """The scene and its points in the order of the grid; numbers are strings, floats exact to the last bit."""
     points = [
         strings(answer.values)
         | ({"message": answer.found} if isinstance(answer.found, str) else {"readouts": answer.found})
@@ -82,7 +82,7 @@ def sweep_json(scene: Scene, found: list[SweepAnswer]) -> dict[str, Any]:
 
 
 def sweep_text(scene: Scene, found: list[SweepAnswer]) -> str:
-    """A table: what varies, then the readouts; where there are none, the message."""
+    """A table with a row for each point: the values that vary, then the readouts or, if the run failed, the message."""
     names = [name for name in scene.readouts if name not in _STATES]
     axes = [_AXES.get(name, name) for name in found[0].values]
     rows = [[*axes, *(_LABELS.get(name, name.replace("_", " ")) for name in names), ""]]
@@ -129,11 +129,11 @@ class _ClusterExecutor(Executor):
 
 @contextmanager
 def cluster_executor(address: str) -> Iterator[Executor]:
-    """An executor on the cluster whose scheduler is at `address`, such as tcp://10.0.0.1:8786, while the block lasts.
+    """An executor on the cluster with its scheduler at `address`, such as tcp://10.0.0.1:8786, during the block.
 
-    Its workers need driftproof installed in the same version. Work of one that is lost is given to others. Raises
-    ValueError without the extra `cluster` and for an address that is none, OSError where there is no scheduler, where
-    it goes away, and where a task has taken several workers with it.
+    Its workers need the same version of driftproof. Work of a worker that is lost is given to others. Raises ValueError
+    for an invalid address and without the extra `cluster`; OSError if there is no scheduler, if it goes away, or if a
+    task has taken several workers with it.
     """
     if not _ADDRESS.fullmatch(address):
         raise ValueError(f"{address!r} is no address of a scheduler; write it like tcp://10.0.0.1:8786")
@@ -143,7 +143,7 @@ def cluster_executor(address: str) -> Iterator[Executor]:
     before = logging.root.manager.disable
     logging.disable()  # what went wrong is raised, and distributed logs it once more with its own traceback
     try:
-        with Client(address, timeout=_PATIENCE, set_as_default=False) as client:
+        with Client(address, timeout=_SECONDS_TO_CONNECT, set_as_default=False) as client:
             yield _ClusterExecutor(client)
     except KilledWorker as error:
         raise ChildProcessError(f"the workers at {address} died of a batch: {error}") from None

@@ -1,4 +1,4 @@
-"""A user's own problem from a .toml file: its reference is the true solution, enclosed until its digits are settled."""
+"""A user's own problem, from a file or a dict: its reference is the solution, enclosed until its digits are certain."""
 
 from __future__ import annotations
 
@@ -33,44 +33,41 @@ from driftproof.support.progress import working
 from driftproof.support.toml_tables import TomlTable, as_line, as_table, as_text, demand_keys, quoted, read_toml
 from driftproof.symbolic.algebra.certified import Uncertified, significant
 
-# As the references of our own problems have them.
+# As many as the references of our own problems have.
 ENCLOSED_DIGITS = 20
-# The reference's times are so many equal parts of the interval.
+# The reference's times divide the interval into this many equal parts.
 PARTS = 10
-# Each with half as many bits more: 128, 192, 288, 432, 648. 20 digits of most problems need one of the first two.
+# Each attempt has half as many bits more: 128, 192, 288, 432, 648. For most problems one of the first two is enough.
 _MOST_ATTEMPTS = 5
 _LONGEST_TITLE = 200
-
-
-# A problem by its key, by its file, or by what its file would say, in which the function may be one of Python.
+# A problem by its key, by its file, or by the contents of one, whose function may be a Python function.
 GivenProblem: TypeAlias = str | Path | Problem | Mapping[str, Any]
 
 
 def problem_given(given: GivenProblem) -> Problem:
-    """A problem by its key, or by a .toml file or a dict of its equations. Raises ValueError in one line, and Refused.
+    """A problem by its key, or by a .toml file or a dict of its equations. Raises Refused, and ValueError in one line.
 
-    The file has start and end, rates or in their place a Python function, "module:f", which is run once on names; and,
-    if you like, parameters, of a function its keywords as doubles, a title and an energy:
+    The file has start and end, and rates or in their place a Python function, "module:f", which is run once on symbols.
+    Optional are parameters (a function gets them as keywords, as doubles), a title and an energy:
 
-    rates = ["y1", "-g * sin(y0)"]
-    start = ["2", "0"]
-    end = "10"
-    energy = "y1^2/2 - g * cos(y0)"
-    parameters.g = "9.81"
+        rates = ["y1", "-g * sin(y0)"]
+        start = ["2", "0"]
+        end = "10"
+        energy = "y1^2/2 - g * cos(y0)"
+        parameters.g = "9.81"
 
-    A dict has the same; its function may be a Python function itself, and its decimals are floats.
+    A dict has the same keys; its function may be a Python function itself, and its decimals are floats.
     """
     if isinstance(given, Problem):
         return given
     if isinstance(given, Mapping):
-        return _problem(_as_read(given), getattr(given.get("function"), "__name__", "own"))
+        return _problem(_as_toml(given), getattr(given.get("function"), "__name__", "own"))
     own: Any = given
     if callable(own):
-        said = f"{{'function': {getattr(own, '__name__', 'f')}, 'start': [1, 0], 'end': 10}}"
-        raise ValueError(f"a function alone is no problem; write {said}, with its start and its end")
+        example = f"{{'function': {getattr(own, '__name__', 'f')}, 'start': [1, 0], 'end': 10}}"
+        raise ValueError(f"a function alone is no problem; write {example}, with its start and its end")
     if not (name := str(given)).endswith(".toml"):
         return problem_named(name)
-
     return read_toml(name, LONGEST_PROBLEM, lambda table: _problem(table, name))
 
 
@@ -95,7 +92,7 @@ def _problem(table: TomlTable, name: str) -> Problem:
 
 
 def _energy(table: TomlTable) -> str | None:
-    """Where the rates are a function's, in y0, y1, ... and its parameters, the doubles that it is given."""
+    """The energy in terms of y0, y1, ...; if the rates are a function's, its parameters stand there as doubles."""
     if "rates" in table or "energy" not in table:
         return energy_of_table(table)
     doubles = {name: Fraction(x) for name, x in _doubles(table).items()}
@@ -104,17 +101,17 @@ def _energy(table: TomlTable) -> str | None:
 
 
 def _doubles(table: TomlTable) -> dict[str, float]:
-    """The parameters of a function."""
+    """The parameters of a function, as doubles."""
     given = as_table(table.get("parameters", {}), "parameters")
     return {name: float(_rational(x, f"parameters.{name}")) for name, x in given.items()}
 
 
-def _as_read(value: Any) -> Any:
-    """What a dict holds as TOML is read: lists, and decimals as they are written."""
+def _as_toml(value: Any) -> Any:
+    """The contents of a dict as TOML would give them: lists, and decimals as text."""
     if isinstance(value, Mapping):
-        return {key: _as_read(each) for key, each in value.items()}
+        return {key: _as_toml(each) for key, each in value.items()}
     if isinstance(value, tuple | list | np.ndarray):
-        return [_as_read(each) for each in value]
+        return [_as_toml(each) for each in value]
     return str(value) if isinstance(value, float | Fraction) else value
 
 
@@ -153,7 +150,7 @@ def enclosed_reference(field: VectorField, start: Sequence[Fraction], times: Seq
 
 
 def _digits(x: arb) -> str:
-    """Correctly rounded; of a ball around 0 a zero whose last place says how near it is. Raises Uncertified."""
+    """x correctly rounded; for a ball around 0, a zero whose exponent says how near. Raises Uncertified."""
     if not x.contains(0):
         return significant(lambda: x, ENCLOSED_DIGITS)
     if x.is_zero():

@@ -52,6 +52,15 @@ def test_overflow_is_found_at_the_very_step(h: float) -> None:
     assert short.failed_after is None
 
 
+def test_a_finite_state_whose_length_overflows_is_no_failure() -> None:
+    def doubled(y: State, h: float, first: int, last: int) -> State:
+        return tuple(x * 2.0 ** (last - first) for x in y)
+
+    seen = observe(doubled, (1.5 * 2.0**1000,) * 2, 0.1, 23)
+    assert (seen.failed_after, seen.state, seen.largest) == (None, (1.5 * 2.0**1023,) * 2, inf)
+    assert observe(doubled, (1.5 * 2.0**1000,) * 2, 0.1, 30).failed_after == 24
+
+
 def test_a_run_that_raises_says_after_which_step() -> None:
     def fragile(y: State, h: float, first: int, last: int) -> State:
         if last > 1234:

@@ -1,1 +1,1 @@
-"""Problems to integrate: stiff, nonlinear, extreme, each with a reference solution whose digits are accounted for."""
+"""Problems to integrate: stiff, nonlinear, extreme, each with a reference solution and the evidence for its digits."""

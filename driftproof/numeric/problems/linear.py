@@ -130,7 +130,7 @@ CRITICAL = Problem(
 
 
 def _heat(points: int) -> Problem:
-    """u_t = u_xx on (0, 1), u = 0 at both ends, u(x, 0) = 4x(1 - x), by central differences at so many points."""
+    """u_t = u_xx on (0, 1), u = 0 at both ends, u(x, 0) = 4x(1 - x), by central differences at `points` points."""
     per_square, width = Fraction((points + 1) ** 2), range(points)
     beside = [[f"y{j}" for j in (i - 1, i + 1) if j in width] for i in width]
     rates = tuple(f"{per_square} * ({' + '.join(beside[i])} - 2 * y{i})" for i in width)

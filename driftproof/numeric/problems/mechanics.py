@@ -1,4 +1,4 @@
-"""Problems of mechanics, q'' = F(q): planets close to their sun, pendulums close to the top, chains, chaos."""
+"""Problems of mechanics, q'' = F(q): planets near their sun, pendulums near the top, chains, chaos."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ CONSERVATIVE = {
 
 
 def _kepler(name: str, eccentricity: Fraction, t: str, expected: dict[str, str]) -> Problem:
-    """Semi-major axis 1, gravitating mass 1 - e²: all data rational, period 2 pi / sqrt(1 - e²)."""
+    """Kepler's problem, semi-major axis 1, mass 1 - e²: all data are rational, the period is 2 pi / sqrt(1 - e²)."""
     cubed = "((y0 * y0 + y1 * y1) * sqrt(y0 * y0 + y1 * y1))"
     return Problem(
         key=name,
@@ -74,7 +74,7 @@ HENON_HEILES = Problem(
 
 
 def _fermi_pasta_ulam() -> Problem:
-    """Three stiff springs, frequency 50, among four soft ones: y0 to y2 their middles, y3 to y5 their lengths."""
+    """Three stiff springs of frequency 50 among four soft ones: y0 to y2 their centres, y3 to y5 their elongations."""
     soft = ("(y0 - y3)", "(y1 - y4 - y0 - y3)", "(y2 - y5 - y1 - y4)", "(y2 + y5)")
     a, b, c, d = (f"{x} * {x} * {x}" for x in soft)
     forces = (f"{b} - {a}", f"{c} - {b}", f"-({c} + {d})", f"{a} + {b}", f"{b} + {c}", f"{c} - {d}")

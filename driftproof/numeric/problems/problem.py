@@ -1,4 +1,4 @@
-"""What a problem is: equations, start, interval, a reference with its evidence, and what methods are expected to do."""
+"""What a problem is: equations, start, interval, a reference with its evidence, and what is expected of methods."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ from typing import Any, TypeAlias
 
 from driftproof.methods.vector_fields import VectorField
 
-# Where a reference comes from, best first.
+# The kinds of evidence for a reference, best first.
 EXACT, CERTIFIED, TWICE = "exact", "certified", "computed twice"
 KINDS_OF_EVIDENCE = (EXACT, CERTIFIED, TWICE)
 
-# One decimal a component, as text: the digits are all meant.
+# One decimal per component, as text: every digit is significant.
 Digits: TypeAlias = tuple[str, ...]
 
 
@@ -26,7 +26,7 @@ class Reference:
     """y at some times: `states[i]` is y(times[i]), each component within half a unit of its last digit.
 
     `evidence` is EXACT (decimals of a closed form, certified), CERTIFIED (enclosed in balls) or TWICE (two independent
-    methods agree on every digit given). `source` says which, and where published digits differ.
+    methods agree on every digit given). `source` names them, and says where published digits differ.
     """
 
     times: tuple[Fraction, ...]
@@ -35,7 +35,7 @@ class Reference:
     source: str
 
     def __post_init__(self) -> None:
-        """Refuse times that do not rise, and rows of different lengths."""
+        """Raise ValueError unless times rise, states have one length and the evidence is known."""
         if not self.times or list(self.times) != sorted(set(self.times)) or len(self.times) != len(self.states):
             raise ValueError("a reference has rising times, and one state at each")
         if len({len(state) for state in self.states}) != 1:
@@ -45,7 +45,7 @@ class Reference:
 
 
 def reference(key: str, evidence: str, source: str) -> Reference:
-    """The reference of the problem `key`, y to 20 digits where it has a closed form; 0e-400 is y below that in size.
+    """The reference of the problem `key`, to 20 digits if it has a closed form; 0e-400 is a y of smaller size.
 
     Raises KeyError if digits.json has none.
     """
@@ -55,7 +55,6 @@ def reference(key: str, evidence: str, source: str) -> Reference:
 
 @cache
 def _digits() -> Any:
-    """The references' decimals, time by time."""
     return json.loads((Path(__file__).parent / "digits.json").read_text(encoding="utf-8"))
 
 
@@ -64,9 +63,9 @@ class Problem:
     """y' = f(t, y), y(0) = start, up to the last time of the reference.
 
     `energy` is an expression in y0, y1, ... that the exact solution conserves, or None. `second_order`: the first half
-    of y are positions and the second half their velocities, f of the first half being exactly the second, so that
-    splittings and Nyström methods apply. `matrix` holds A where f(t, y) = Ay, and only there: stability is then proved.
-    `expected` maps a family of behaviour ("explicit", "a_stable", ...) to what is expected of it, in a sentence.
+    of y are positions, and their rates are exactly the second half, so that splittings and Nyström methods apply.
+    `matrix` is A if f(t, y) = Ay, in which case stability is proved, and else None. `expected` maps a kind of method
+    ("explicit", "a_stable", ...) to a sentence on how it should behave.
     """
 
     key: str
@@ -82,7 +81,7 @@ class Problem:
     expected: Mapping[str, str] = dataclasses.field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        """Refuse a start or a reference of another length than the field."""
+        """Raise ValueError for a start or a reference of another length than the field."""
         components = len(self.field.rates)
         if any(len(state) != components for state in (self.start, *self.reference.states)):
             raise ValueError(f"{self.key}: {components} rates need a start and a reference of {components} components")

@@ -1,4 +1,4 @@
-"""Stiff problems: with a smooth exact solution in their midst, and of chemistry and relaxation oscillations."""
+"""Stiff problems: some with a smooth exact solution, reactions of chemistry, and relaxation oscillations."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ KAPS = Problem(
     },
 )
 
-# The programs of tests/witnesses/references that agree on every digit given, of some 24 computed.
+# The programs in tests/witnesses/references that agree on every digit given, out of some 24 computed.
 TWO_METHODS = (
     "Radau IIA collocation, 24 stages, binary, 64 digits; Chebyshev collocation, 32 stages, decimal, 52 digits"
 )
@@ -59,7 +59,7 @@ SLOW_THEN_FAST = {
 
 
 def _van_der_pol(name: str, mu: int, shown: str, in_print: str = "") -> Problem:
-    """In the time of Liénard, t = physical time / mu, in which the period tends to 3 - 2 log 2: epsilon = 1/mu^2."""
+    """The oscillator in Liénard's time, t = physical time / mu: its period tends to 3 - 2 log 2, epsilon = 1/mu^2."""
     return Problem(
         key=f"van_der_pol_{name}",
         title=f"Van der Pol's oscillator, mu = {shown}, in the time t = physical time / mu, to t = 2",

@@ -1,1 +1,1 @@
-"""Error against work: what methods reach on a problem, at how many evaluations, in what time."""
+"""Error against work: the errors that methods reach on a problem, with how many evaluations, in what time."""

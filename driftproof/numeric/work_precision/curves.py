@@ -1,4 +1,4 @@
-"""Errors of methods on a problem over numbers of steps that double, beside the evaluations that they took."""
+"""Errors of methods on a problem, and the evaluations that they take, while the number of steps doubles."""
 
 from __future__ import annotations
 
@@ -15,16 +15,16 @@ from driftproof.numeric.problems.problem import Problem
 from driftproof.numeric.reference_errors import STATE, Size, doubt, errors, largest_state_size
 from driftproof.numeric.work_precision.integrators import Integrator, integrator
 
-# Numbers of steps double; implicit methods, in Python, get less far.
+# The numbers of steps with which doubling starts and ends; implicit methods, in Python, get less far.
 FEWEST, MOST, MOST_IMPLICIT = 8, 2**20, 2**10
-# Numbers that would have to be multiples of more than this land on the last of the reference's times only.
+# Numbers of steps that would have to be multiples of more than this land on the last of the reference's times only.
 LARGEST_UNIT = 64
-# So many points at which rounding may explain the whole error end a curve: they show its floor.
+# A curve ends after this many points whose whole error rounding may explain: its floor (chosen: one may be luck).
 FLOOR_POINTS = 3
-# A point counts while its error is so many times its doubt. The error of the method itself is then within
-# 1/32 of what is seen, and a slope over a doubling within log2(33/31) = 0.09 of its own.
+# A point counts if its error is more than ABOVE times its doubt. The method's own error is then within 1/32 of what is
+# seen, and a slope over a doubling within log2(33/31) = 0.09 of the method's own.
 ABOVE = 32
-# The slopes that an order is read from.
+# The number of finest slopes that an order is read from.
 SLOPES = 3
 
 
@@ -32,8 +32,9 @@ SLOPES = 3
 class Point:
     """One run of `steps` steps, or of an adaptive method at tolerance `setting`.
 
-    `errors` by the names of `reference_errors.QUANTITIES`; empty where `remark` says why there are none: not finite,
-    not solved, or not run because it would take too long. `doubt` and `scale`: see there in `reference_errors`.
+    `errors` has the names of `reference_errors.QUANTITIES` as keys. It is empty if `remark` says why: not finite, not
+    solved, or not run because it would take too long. `doubt` and `scale` are `doubt` and `largest_state_size` of
+    `reference_errors`.
     """
 
     setting: str
@@ -46,13 +47,13 @@ class Point:
 
     @property
     def error(self) -> float:
-        """The final error of the state; infinite where there is none."""
+        """The error of the state at the end; infinite if there is none."""
         return self.errors[STATE].final if self.errors else inf
 
 
 @dataclass(frozen=True)
 class Order:
-    """Slopes of log error over log N between neighbouring points that count (`counts`), the finest SLOPES of them."""
+    """Median, least and largest of the finest SLOPES slopes of log error over log 1/N between neighbours that count."""
 
     median: float
     least: float
@@ -62,20 +63,17 @@ class Order:
 
 @dataclass(frozen=True)
 class Curve:
-    """The points of a method on a problem, N rising. `refused` says why there are none: the method does not apply.
-
-    `claimed_order` is 0 where nobody claims one.
-    """
+    """The points of a method on a problem, N rising. `refused` says why there are none: the method does not apply."""
 
     key: str
     title: str
-    claimed_order: int
+    claimed_order: int  # 0 if no order is claimed
     points: Sequence[Point] = ()
     refused: str = ""
 
     @property
     def order(self) -> Order | None:
-        """The measured order; None without two neighbours that count."""
+        """The measured order; None unless two neighbouring points count."""
         slopes = [
             log2(coarse.error / fine.error) / log2(fine.steps / coarse.steps)
             for coarse, fine in pairwise(self.points)
@@ -85,9 +83,9 @@ class Curve:
 
     @property
     def verdict(self) -> str:
-        """What the measured order says of the claimed one: "" where they agree to the nearest whole number.
+        """How the measured order differs from the claim; "" if they agree to the nearest integer, or one is missing.
 
-        Nothing is said against it by slopes that lie a whole order apart: they are not settled.
+        Slopes that lie a whole order apart contradict no claim: they are "not settled".
         """
         found = self.order
         if found is None or not self.claimed_order:
@@ -100,7 +98,7 @@ class Curve:
 
 
 def counts(point: Point) -> bool:
-    """True where an error tells the order: neither as large as the solution, nor near the floor.
+    """True if the error shows the order: it is smaller than the solution and well above the floor.
 
     Rounding, and the reference's last digit, then explain no more than 1/ABOVE of it.
     """
@@ -108,10 +106,10 @@ def counts(point: Point) -> bool:
 
 
 def step_counts(problem: Problem, most: int = MOST, fewest: int = FEWEST) -> tuple[int, ...]:
-    """Numbers of steps from `fewest` to `most`, each twice the one before, that land on the reference's times.
+    """Numbers of steps from `fewest` to `most`, each twice the previous one, that land on the reference's times.
 
-    They are multiples of the common denominator of tᵢ/t, unless that is above LARGEST_UNIT: then they land on t, and on
-    those others that happen to be whole numbers of steps.
+    They are multiples of the common denominator of tᵢ/t. If that is above LARGEST_UNIT they land on t, and on those
+    other times that happen to be whole numbers of steps.
     """
     unit = lcm(*((t / problem.t).denominator for t in problem.reference.times))
     unit = unit if unit <= LARGEST_UNIT else 1
@@ -123,10 +121,10 @@ def step_counts(problem: Problem, most: int = MOST, fewest: int = FEWEST) -> tup
 def curves(
     problem: Problem, keys: Iterable[str], steps: Sequence[int] | None = None, *, compiled: bool = False
 ) -> list[Curve]:
-    """The curve of each method, by name or TOML file; errors and evaluations only. Raises ValueError.
+    """The curve of each method, given by name or TOML file; errors and evaluations only. Raises ValueError.
 
     `steps` rise; by default they are the `step_counts` of the problem. A method that does not apply has a curve without
-    points, which says why. `compiled` runs by numba, where it is installed: the same numbers, sooner for many steps.
+    points, which says why. `compiled` runs by numba, if it is installed: the same numbers, sooner for many steps.
     """
     return [curve_of(method_of(key), problem, steps, compiled=compiled) for key in keys]
 
@@ -147,8 +145,8 @@ def curve_of(
 def measure_curve(problem: Problem, runs: Integrator, steps_of_runs: Sequence[int], most: float = inf) -> list[Point]:
     """The points of one method, until FLOOR_POINTS of them are at the floor.
 
-    A run that the one before lets expect to take more than `most` evaluations is not made, and neither are longer ones:
-    its point says so. Nothing is decided by a clock, so that every machine, busy or not, has the same points.
+    A run that should take more than `most` evaluations, going by the previous run, is not made, and neither are longer
+    ones: its point says so. Nothing is decided by a clock, so that every machine, busy or not, has the same points.
     """
     found: list[Point] = []
     at_floor, of_a_step = 0, 0.0
@@ -166,7 +164,7 @@ def measure_curve(problem: Problem, runs: Integrator, steps_of_runs: Sequence[in
 
 
 def measured(problem: Problem, runs: Integrator, steps: int) -> Point:
-    """The point of one run."""
+    """The point of a run of `steps` steps."""
     try:
         run = runs.run(steps)
         sizes = errors(problem, run.states)
@@ -177,6 +175,6 @@ def measured(problem: Problem, runs: Integrator, steps: int) -> Point:
 
 
 def speed(problem: Problem) -> float:
-    """‖f(t, y(t))‖ at the end, in floats."""
+    """‖f(t, y(t))‖ at the end of the problem, in floats."""
     last = [float(x) for x in problem.reference.states[-1]]
     return hypot(*field_rate(problem.field)(float(problem.t), last))

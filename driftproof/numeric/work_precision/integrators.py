@@ -1,4 +1,4 @@
-"""How a catalogue method runs on a problem: states on the way, evaluations counted, and the calls that are timed."""
+"""A catalogue method as it runs on a problem: its states, counted evaluations, and the calls that are timed."""
 
 from __future__ import annotations
 
@@ -25,18 +25,18 @@ from driftproof.numeric.engine import (
 from driftproof.numeric.implicit import compiled_implicit_ensemble_runner
 from driftproof.numeric.problems.problem import Problem
 
-# What is timed: one trajectory, compiled and in plain Python, and a state of an ensemble of MEMBERS.
+# What is timed: one trajectory, compiled or in plain Python, and a state of an ensemble of MEMBERS.
 COMPILED, PYTHON, ENSEMBLE = "compiled", "python", "ensemble"
 KINDS = (COMPILED, PYTHON, ENSEMBLE)
 MEMBERS = BLOCK
 
-# call(steps) -> a function without arguments, one call of which is what is timed: it returns the final state.
+# call(steps) -> a function without arguments that returns the final state; calling it is what is timed.
 TimedCall: TypeAlias = Callable[[int], Callable[[], State]]
 
 
 @dataclass(frozen=True)
 class CountedRun:
-    """What one run of N steps has: its states at the reference's times that N lands on, and how often it called f."""
+    """A run of N steps: its states at those of the reference's times that it lands on, and its evaluations of f."""
 
     states: Mapping[Fraction, State]
     evaluations: int
@@ -46,9 +46,9 @@ class CountedRun:
 class Integrator:
     """A method on a problem.
 
-    `run(steps)` is for errors, and may raise ArithmeticError or ValueError where floats end or stages are not found.
-    `calls` holds what is timed, by kind; one call of ENSEMBLE integrates MEMBERS states, all from the same start.
-    `absent` says why a kind is not there.
+    `run(steps)` is for errors, and raises ArithmeticError or ValueError if floats overflow or stages are not solved.
+    `calls` maps each kind to what is timed; a call of kind ENSEMBLE integrates MEMBERS states, all from the same start.
+    `absent` says why a kind is missing.
     """
 
     run: Callable[[int], CountedRun]
@@ -57,20 +57,20 @@ class Integrator:
 
 
 def has_numba() -> bool:
-    """True where the extra `fast` is installed."""
+    """True if the extra `fast` is installed."""
     return find_spec("numba") is not None
 
 
 def kinds_of_trajectories() -> tuple[str, ...]:
-    """What is timed of one trajectory here, the fastest last."""
+    """The kinds in which one trajectory can be timed here, the fastest last."""
     return (PYTHON, COMPILED) if has_numba() else (PYTHON,)
 
 
 def integrator(method: Method, problem: Problem, *, compiled: bool = False) -> Integrator:
-    """The method as it runs on the problem; `compiled` also prepares what numba compiles, and takes errors from that.
+    """The method as it runs on the problem; `compiled` adds numba's runs, which give the errors of explicit methods.
 
-    Of implicit methods errors are taken from Python, which is done with them before they are compiled. Raises
-    MethodError with the reason where the method does not apply: a splitting where the problem is of first order.
+    Errors of implicit methods are computed in Python, which takes less time than compiling them. Raises MethodError
+    with the reason if the method does not apply, such as a splitting on a problem of first order.
     """
     fast = compiled and has_numba()
     runs = {PYTHON: advance(method, problem), **({COMPILED: advance(method, problem, compiled=True)} if fast else {})}
@@ -100,13 +100,13 @@ def integrator(method: Method, problem: Problem, *, compiled: bool = False) -> I
 
 
 def landed(problem: Problem, steps: int) -> list[tuple[Fraction, int]]:
-    """Those of the reference's times that are whole numbers of steps, and these numbers."""
+    """(time, number of steps) for each of the reference's times that is a whole number of steps."""
     parts = [(t, t / problem.t * steps) for t in problem.reference.times]
     return [(t, int(part)) for t, part in parts if part.denominator == 1]
 
 
 def _ensemble(method: Method, problem: Problem, *, fast: bool) -> TimedCall | str:
-    """The call for MEMBERS states, or why there is none."""
+    """The call for MEMBERS states, or the reason why there is none."""
     start = np.array(float_start(problem))[:, None]
     run: FieldEnsembleRun
     if fast:

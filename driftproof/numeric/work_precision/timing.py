@@ -1,4 +1,4 @@
-"""Calls timed side by side: short ones in batches, in random order, several rounds, garbage collection off."""
+"""Time calls side by side: short ones in batches, in random order, in several rounds, garbage collection off."""
 
 from __future__ import annotations
 
@@ -11,35 +11,32 @@ from statistics import median, quantiles
 from time import perf_counter
 
 ROUNDS = 5
-# A call shorter than SHORT seconds is repeated in a batch that lasts about BATCH, beside which the clock costs nothing.
+# A call shorter than SHORT seconds is repeated in a batch of about BATCH seconds, long enough to hide the clock's cost.
 SHORT, BATCH = 10e-6, 100e-6
 SEED = 1
 
 
 @dataclass
 class Timing:
-    """Seconds of one call, one sample a round, each the mean of a batch of `batch` calls.
-
-    Without samples, `remark` says why the call was not timed.
-    """
+    """The seconds of one call, one sample per round, each the mean of a batch of `batch` calls."""
 
     batch: int = 1
     samples: list[float] = field(default_factory=list)
-    remark: str = ""
+    remark: str = ""  # why the call was not timed
 
     @property
     def best(self) -> float:
-        """The minimum, which is the estimate: what disturbs a run only makes it longer."""
+        """The minimum, which is the estimate, because disturbances only make a run longer."""
         return min(self.samples)
 
     @property
     def median(self) -> float:
-        """The median."""
+        """The median of the samples."""
         return median(self.samples)
 
     @property
     def spread(self) -> float | None:
-        """The middle half of the samples, from end to end, over their median; None for a single sample."""
+        """The interquartile range of the samples over their median; None for a single sample."""
         if len(self.samples) < 2:
             return None
         low, _, high = quantiles(self.samples, n=4, method="inclusive")
@@ -50,7 +47,7 @@ TimeSource = Callable[[], float]
 
 
 def started(call: Callable[[], object], clock: TimeSource = perf_counter) -> tuple[Timing, float]:
-    """A timing without samples yet, its batch chosen by a call that is not kept; and what that call took."""
+    """Return a timing without samples, its batch chosen by a trial call, and the seconds which that call took."""
     seconds = _seconds(call, 1, clock)
     batch = 1 if seconds >= SHORT else round(BATCH / max(seconds, SHORT / 100))
     return Timing(batch), seconds
@@ -65,10 +62,10 @@ def interleave(
     seed: int = SEED,
     clock: TimeSource = perf_counter,
 ) -> Iterator[str]:
-    """One sample more for each call that has fewer than `rounds`, in every round in another random order.
+    """Take one more sample of each call that has fewer than `rounds`, in every round in a new random order.
 
-    A busy moment of the machine meets all of them, because turns interleave. One that has spent `limit` seconds gets no
-    further turn. Yields the name after each sample, which stands in `timings` by then; "" after each round.
+    Turns interleave, so that a busy moment of the machine meets all calls. A call that has spent `limit` seconds gets
+    no further turn. Yields the name after each sample, which is in `timings` by then, and "" after each round.
     """
     order = Random(seed)
     for _ in range(rounds):
@@ -82,13 +79,12 @@ def interleave(
 
 
 def needs_more_samples(timing: Timing, rounds: int, limit: float) -> bool:
-    """True for a timing with too few samples that has not spent its time; never for one with a remark."""
+    """True if a timing has too few samples, time left to spend, and no remark."""
     spent = sum(timing.samples) * timing.batch
     return not timing.remark and len(timing.samples) < rounds and spent < limit
 
 
 def _seconds(call: Callable[[], object], batch: int, clock: TimeSource) -> float:
-    """The mean of a batch."""
     with collector_off():
         before = clock()
         for _ in range(batch):
@@ -98,7 +94,7 @@ def _seconds(call: Callable[[], object], batch: int, clock: TimeSource) -> float
 
 @contextmanager
 def collector_off() -> Iterator[None]:
-    """No garbage is collected meanwhile, as in `timeit`."""
+    """Turn garbage collection off in a block, as `timeit` does."""
     enabled = gc.isenabled()
     gc.disable()
     try:

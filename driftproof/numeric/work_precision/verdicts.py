@@ -1,4 +1,4 @@
-"""What a table says of error against cost: the cheapest measured point for a goal, and who is never worth choosing."""
+"""Verdicts on error against cost: the cheapest measured point for a goal, and methods that others dominate."""
 
 from __future__ import annotations
 
@@ -11,23 +11,23 @@ Name = TypeVar("Name")
 
 
 class Priced(NamedTuple):
-    """A point: its error and what it cost, in evaluations or in seconds; infinite where it was not timed."""
+    """A point: its error and its cost, in evaluations or in seconds; the cost is infinite if it was not timed."""
 
     error: float
     cost: float
 
 
 def cheapest(points: Sequence[Priced], goal: float) -> Priced | None:
-    """The cheapest of the points measured whose error is at most `goal`, or None. Nothing is interpolated."""
+    """The cheapest measured point whose error is at most `goal`, or None. Nothing is interpolated."""
     measured = (point for point in points if point.error <= goal and isfinite(point.cost))
     return min(measured, key=lambda point: point.cost, default=None)
 
 
 def dominators(curves: Mapping[Name, Sequence[Priced]]) -> dict[Name, list[Name]]:
-    """For each method that is dominated, those that do it, the one that beats most of its points first.
+    """For each dominated method the methods that dominate it, the one that beats most of its points first.
 
-    A point is dominated when a point of another method has no larger error and no larger cost, and is smaller in one
-    of them (Pareto); a method, when it has finite points and all of them are. The others have no entry. A point of
+    A point is dominated if a point of another method has no larger error, no larger cost, and one of them smaller
+    (Pareto). A method is dominated if it has finite points and all of them are. The others have no entry. A point of
     infinite cost dominates none.
     """
     found = {}
@@ -44,7 +44,7 @@ def dominators(curves: Mapping[Name, Sequence[Priced]]) -> dict[Name, list[Name]
 
 
 def _fewest(beaten: Mapping[Name, set[int]]) -> list[Name]:
-    """Enough of the others to beat every point, each the one that adds most."""
+    """Enough of the other methods to beat every point, each the one that adds most."""
     chosen, left = [], set[int]().union(*beaten.values())
     while left:
         best = max(beaten, key=lambda other: len(beaten[other] & left))

@@ -1,1 +1,1 @@
-"""Scenes as one page of HTML that needs nothing else: figures are drawn as SVG here, styles are beside this file."""
+"""Scenes as one self-contained page of HTML: figures are drawn as SVG here, the style sheet is in this folder."""

@@ -1,4 +1,4 @@
-"""The page: scenes, one at a time, in a document that asks nobody for anything."""
+"""The page: scenes, one at a time, in a document that loads nothing."""
 
 from __future__ import annotations
 
@@ -21,32 +21,28 @@ from driftproof.reports.scene_view import (
     runs_of,
 )
 
-# The browser is told to load nothing at all: the style sheet is in the page, the icon is empty, there is no script.
+# Browsers may load nothing at all: the style sheet is in the page, the icon is empty, there is no script.
 POLICY = "default-src 'none'; style-src 'unsafe-inline'; img-src data:"
 
 
 @dataclass(frozen=True)
 class Part:
-    """A part of the page that is no scene: its title, and its content from what begins the ids in it."""
+    """A part of the page that is not a scene: its title, and its content as a function of the prefix of its ids."""
 
     title: str
     content: Callable[[str], str]
 
 
 def document(parts: Sequence[Scene | Part], digits: int, counter: Counter = range) -> str:
-    """The page as HTML, the same bytes for the same scenes.
-
-    Raises ValueError for a scene that cannot be shown.
-    """
+    """The page as HTML, with the same bytes for the same scenes. Raises ValueError for a scene that cannot be shown."""
     options = []
-    for i, part in enumerate(parts, 1):
+    for identity, part in ((f"scene-{i}", part) for i, part in enumerate(parts, 1)):
         if isinstance(part, Scene):
-            content = scene_section(part, f"scene-{i}", digits, counter)
-            options.append(Option(f"scene-{i}", scene_title(part), content))
+            title, content = scene_title(part), scene_section(part, identity, digits, counter)
         else:
-            head = element("h2", escaped(part.title))
-            content = element("section", head, part.content(f"scene-{i}"), class_="scene")
-            options.append(Option(f"scene-{i}", part.title, content))
+            title, heading = part.title, element("h2", escaped(part.title))
+            content = element("section", heading, part.content(identity), class_="scene")
+        options.append(Option(identity, title, content))
     if all(isinstance(part, Scene) for part in parts):
         equations = "<i>q</i>′ = <i>v</i>, <i>v</i>′ = −<i>q</i>"
         about = element("p", f"{equations}: what each method computes, beside the exact motion.")
@@ -81,9 +77,9 @@ class Option:
 
 
 def choice(options: Sequence[Option], name: str, first: int = 0) -> str:
-    """The options, one at a time, `first` to begin with: radio buttons and a rule of the style sheet, no script.
+    """The options, shown one at a time, at first `first`, by radio buttons and a rule of the style sheet, not a script.
 
-    Without the style sheet they stand one after the other. A single option is no choice.
+    Without the style sheet they follow each other. A single option gets no button.
     """
     if len(options) == 1:
         return element("div", options[0].content, id=options[0].identity)
@@ -101,7 +97,7 @@ def choice(options: Sequence[Option], name: str, first: int = 0) -> str:
 
 @dataclass(frozen=True)
 class _Shown:
-    """A scene with its runs; `identity` begins the ids of its parts."""
+    """A scene with its runs; `identity` is the prefix of the ids of its parts."""
 
     scene: Scene
     identity: str
@@ -109,12 +105,12 @@ class _Shown:
     runs: Mapping[str, Readouts | str]
 
     def identity_of(self, key: str) -> str:
-        """What begins the ids of a method's parts: its key, or the letters of its file's name."""
+        """The prefix of the ids of a method's parts: its key, or its file's name with hyphens for other characters."""
         return f"{self.identity}-{re.sub(r'[^A-Za-z0-9_]+', '-', key)}"
 
 
 def scene_section(scene: Scene, identity: str, digits: int, counter: Counter = range) -> str:
-    """The scene under a heading: readouts and figures of each of its methods, then the panels that are about all."""
+    """The scene under a heading: readouts and figures of each method, then the panels about all methods."""
     shown = _Shown(scene, identity, digits, _runs(scene, counter))
     parts = [element("h2", escaped(scene_title(scene))), element("p", escaped(setting(scene)), class_="setting")]
     if scene.readouts or scene.certified or set(FIGURES) & set(scene.panels):
@@ -130,13 +126,13 @@ def scene_section(scene: Scene, identity: str, digits: int, counter: Counter = r
 
 
 def scene_title(scene: Scene) -> str:
-    """What a scene is called on the page: its name in words."""
+    """The title of a scene on the page: its name in words."""
     words = scene.name.replace("_", " ")
     return words[:1].upper() + words[1:]
 
 
 def _runs(scene: Scene, counter: Counter) -> dict[str, Readouts | str]:
-    """One run of each method that the scene shows or compares, which yields all that is asked of it."""
+    """One run of each method that the scene shows or compares, with all the readouts that it needs."""
     wanted = dict.fromkeys(scene.readouts)
     if set(FIGURES) & set(scene.panels):
         wanted[TRAJECTORY] = None

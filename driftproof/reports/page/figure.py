@@ -1,4 +1,4 @@
-"""A figure: a plot with its heading, legend, note and numbers, as part of a page; plots as files of SVG."""
+"""A figure: a plot with heading, legend, note and numbers as part of a page; and plots as SVG files."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ from driftproof.reports.page.markup import details, element, escaped, html_table
 from driftproof.reports.page.plot import LEFT, Plot, place
 from driftproof.support.files import atomic_write
 
-# Units of the picture that a file has above its plot for two lines, below it for two entries of the legend,
-# and at the foot.
+# Units of the picture that a file has above its plots for two lines, below them for each row of the legend, and at the
+# foot.
 _HEADING, _LEGEND_ROW, _FOOT = 44, 20, 8
 _SWATCHES = {
     "line": '<path class="{mark}" d="M1 7H27"/>',
@@ -26,7 +26,7 @@ _SWATCHES = {
 
 @dataclass(frozen=True)
 class Figure:
-    """A plot with its words. `legend` pairs the class of a mark with what it stands for; `data` is headed by a row."""
+    """A plot with its words. `legend` pairs the class of a mark with its meaning; `data` begins with a header row."""
 
     identity: str
     kind: str
@@ -57,7 +57,7 @@ class Figure:
         )
 
     def write(self, path: Path, setting: str) -> Path:
-        """Write the same picture as a file, `setting` below its title; as `write_picture`."""
+        """Write the same picture as a file, with `setting` below its title, as `write_picture` does."""
         return write_picture(path, self.title, setting, self.description, [self.plot], self.legend)
 
 
@@ -66,7 +66,7 @@ def write_picture(
 ) -> Path:
     """Write the plots, all of one size, two in a row, as an SVG file, whole or not at all; return its path.
 
-    Title and `setting` stand above, the legend below, in light colours. Raises ValueError for another kind of file.
+    Title and `setting` stand above, the legend below, in light colours. Raises ValueError unless the name ends in .svg.
     """
     if path.suffix.lower() != ".svg":
         raise ValueError(f"{path}: the name of a picture ends in .svg")
@@ -121,7 +121,7 @@ def style_sheet() -> str:
 
 
 def _style_of_pictures() -> str:
-    """The rules of the style sheet that are about pictures, with the light colours in the place of their names."""
+    """The rules of the style sheet that are about pictures, with the names of colours replaced by the light colours."""
     sheet = style_sheet()
     colours = dict(re.findall(r"(--\w+): (#\w+);", sheet.partition("@media")[0]))
     rules = "\n".join(re.findall(r"^svg .*", sheet, re.MULTILINE))

@@ -1,4 +1,4 @@
-"""HTML, written out: text that can close no tag, elements, tables, and what is folded away."""
+"""HTML, written out: text that can close no tag, elements, tables, and content that is folded away."""
 
 from __future__ import annotations
 
@@ -6,9 +6,9 @@ import re
 from collections.abc import Sequence
 from html import escape
 
-# Characters that HTML does not allow, whatever somebody named a scene.
+# Characters that HTML does not allow, but that the name of a scene may have.
 _FORBIDDEN = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\ud800-\udfff\ufffe\uffff]")
-# Elements of HTML that nothing closes.
+# Elements of HTML without an end tag.
 _VOID = {"input"}
 
 
@@ -18,7 +18,7 @@ def escaped(content: object) -> str:
 
 
 def element(name: str, /, *children: str, **attributes: object) -> str:
-    """<name key="value">children</name>; underscores in keys are hyphens, a last one is dropped, as in class_.
+    """<name key="value">children</name>; underscores in keys become hyphens, a last one is dropped, as in class_.
 
     Attributes that are None are left out. Children are markup: text goes through `escaped` first.
     """
@@ -28,9 +28,9 @@ def element(name: str, /, *children: str, **attributes: object) -> str:
 
 
 def html_table(rows: Sequence[Sequence[str]], title: str, class_: str | None = None) -> str:
-    """A table with a header row, in a container that scrolls where it is too wide; its first column names the rows.
+    """A table with a header row, in a container that scrolls if it is too wide; the first column names the rows.
 
-    An empty cell lets the one before it reach over its column.
+    Empty cells are covered by the cell before them.
     """
     header, *body = rows
     head = element("tr", *(element("th", escaped(cell), scope="col") for cell in header))
@@ -60,5 +60,5 @@ def _cells(row: Sequence[str]) -> list[str]:
 
 
 def details(summary: str, content: str) -> str:
-    """A summary line, under which the content is folded away until somebody asks for it."""
+    """A summary line, under which the content is folded away until a reader opens it."""
     return element("details", element("summary", escaped(summary)), content)

@@ -1,6 +1,6 @@
-"""A plot with axes as SVG: round limits, few round ticks with exact labels, exact scales, and what is drawn into it.
+"""A plot with axes as SVG: round limits, a few round ticks with exact labels, exact scales, and what is drawn into it.
 
-Places in the picture are exact fractions until they are written, and rounded to hundredths then, once.
+Places in the picture are exact fractions until they are written, which rounds them once, to hundredths.
 """
 
 from __future__ import annotations
@@ -15,17 +15,17 @@ from typing import TypeAlias
 
 from driftproof.reports.page.markup import element, escaped
 
-# Mantissas of the distances between ticks, and of the ends of a symmetric axis; each is at most twice the one before.
+# Mantissas of the distances between ticks, and of the ends of a symmetric axis. Each is at most twice the previous one.
 TICK_STEPS = (1, 2, 4, 5)
 AXIS_ENDS = tuple(Fraction(m, 4) for m in (4, 5, 6, 8, 10, 12, 16, 20, 24, 32))
-# Two ticks do not show whether an axis is linear; on a logarithmic one, between three of them one reads off badly.
+# Two ticks do not show whether an axis is linear; on a logarithmic axis three are too few to read values off.
 FEWEST_TICKS, FEWEST_DECADES = 3, 4
-# Mantissa of the distance between ticks -> the parts into which marks without a label divide it; and their length.
+# Mantissa of the distance between ticks -> the number of parts into which marks divide it; and the length of a mark.
 _PARTS, _MARK = {1: 5, 2: 2, 4: 4, 5: 5}, 4
-# Numbers of these decades are written out, others with a power of ten.
+# Numbers in these decades are written out, others with a power of ten.
 _WRITTEN_OUT = range(-4, 6)
 _SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
-# What is between the frame of a plot and the edge of its picture: left, right, above, below.
+# The margins between the frame of a plot and the edge of its picture.
 LEFT, RIGHT, ABOVE, BELOW = 52, 16, 26, 46
 
 
@@ -40,11 +40,11 @@ class Scale:
 
     @cached_property
     def per_unit(self) -> Fraction:
-        """The signed length of one unit of the axis."""
+        """The signed length of one unit of the axis in the picture."""
         return (self.end - self.start) / (self.high - self.low)
 
     def __call__(self, x: float | Fraction) -> Fraction:
-        """The place of x. Raises OverflowError or ValueError for a float that is not finite."""
+        """The place of x in the picture. Raises OverflowError or ValueError for a float that is not finite."""
         return self.start + (Fraction(x) - self.low) * self.per_unit
 
 
@@ -55,7 +55,7 @@ def decade(x: Fraction) -> int:
 
 
 def symmetric_limit(largest: Fraction) -> Fraction:
-    """The least m 10ᵏ, m in AXIS_ENDS, a twentieth or more beyond `largest`: the end of an axis from -L to L, 1 for 0.
+    """The end L of an axis from -L to L: the least m 10ᵏ, m in AXIS_ENDS, that is >= 21/20 · largest; 1 for 0.
 
     AXIS_ENDS grow by a third at most, so L <= 4/3 · 21/20 · largest: what is drawn reaches over 5/7 of the axis.
     """
@@ -67,7 +67,7 @@ def symmetric_limit(largest: Fraction) -> Fraction:
 
 
 def ticks(low: Fraction, high: Fraction, fewest: int = FEWEST_TICKS) -> list[Fraction]:
-    """The multiples in [low, high] of the coarsest m 10ᵏ, m in TICK_STEPS, of which there are at least `fewest`.
+    """The multiples in [low, high] of the coarsest m 10ᵏ, m in TICK_STEPS, that has at least `fewest` of them there.
 
     There are at most twice as many: the next coarser step is at most twice as long, and too few of its multiples fit.
     Raises ValueError for an interval without length.
@@ -87,7 +87,7 @@ def _steps_down(span: Fraction) -> Iterator[Fraction]:
 
 
 def label(x: Fraction) -> str:
-    """x in full, plain in ordinary decades, else like 4·10⁷. For decimals of at most 28 digits, which ticks are."""
+    """x in full in ordinary decades, else like 4·10⁷. For decimals of at most 28 digits, as ticks are."""
     if x == 0:
         return "0"
     e = decade(abs(x))
@@ -107,7 +107,7 @@ def _decimal(x: Fraction) -> str:
 
 
 def place(x: Fraction) -> str:
-    """x rounded to hundredths, without trailing zeros."""
+    """x rounded to hundredths, as text without trailing zeros."""
     hundredths = round(x * 100)
     return f"{hundredths / 100:.2f}".rstrip("0").rstrip(".") if hundredths else "0"
 
@@ -117,7 +117,7 @@ _Place: TypeAlias = tuple[float | Fraction, float | Fraction]
 
 @dataclass(frozen=True)
 class Axis:
-    """A scale with its name and its ticks; `labels` stands in for what the ticks themselves say."""
+    """A scale with its name and its ticks; `labels` replaces the numbers at the ticks."""
 
     scale: Scale
     name: str
@@ -125,11 +125,11 @@ class Axis:
     labels: Sequence[str] | None = None
 
     def labelled(self) -> Iterable[tuple[Fraction, str]]:
-        """The ticks with what stands at them."""
+        """The ticks with their labels."""
         return zip(self.ticks, self.labels or [label(tick) for tick in self.ticks], strict=True)
 
     def marks(self) -> list[Fraction]:
-        """Where the marks without a label are: at every power of ten of a logarithmic axis, else between the ticks."""
+        """The places of marks without a label: every power of ten on a logarithmic axis, else between the ticks."""
         step = self.ticks[1] - self.ticks[0]
         parts = step if self.labels else _PARTS[int(step / Fraction(10) ** decade(step))]
         unit, (low, high) = step / parts, (self.scale.low, self.scale.high)
@@ -137,7 +137,7 @@ class Axis:
         return [x for x in every if x not in self.ticks]
 
     def line_at(self, tick: Fraction) -> str:
-        """What the line through a tick is: part of the grid, or where the other axis runs."""
+        """The CSS class of the line through a tick: part of the grid, or "axis" at 0, where the other axis runs."""
         return "grid" if tick or self.labels else "axis"
 
 
@@ -147,14 +147,14 @@ def linear(low: Fraction, high: Fraction, name: str, places: tuple[Fraction, Fra
 
 
 def decades_of(values: Iterable[float], name: str, places: tuple[Fraction, Fraction]) -> Axis:
-    """A logarithmic axis that holds these exponents of ten, at least two decades long."""
+    """A logarithmic axis that contains these exponents of ten, at least two decades long."""
     found = list(values)
     low = floor(min(found))
     return decades(low, max(ceil(max(found)), low + 2), name, places)
 
 
 def decades(low: int, high: int, name: str, places: tuple[Fraction, Fraction]) -> Axis:
-    """A logarithmic axis: exponents of ten from `low` to `high`, which is larger by two at least."""
+    """A logarithmic axis with exponents of ten from `low` to `high`, which is larger by two at least."""
     scale = Scale(Fraction(low), Fraction(high), *places)
     at = ticks(scale.low, scale.high, min(FEWEST_DECADES, high - low + 1))
     return Axis(scale, name, at, [ten_to(int(tick)) for tick in at])
@@ -162,7 +162,7 @@ def decades(low: int, high: int, name: str, places: tuple[Fraction, Fraction]) -
 
 @dataclass
 class Plot:
-    """A frame with axes, and what is drawn into it, in the order drawn."""
+    """A frame with axes, and what has been drawn into it, in order."""
 
     x: Axis
     y: Axis
@@ -174,38 +174,38 @@ class Plot:
         return self.x.scale.end + RIGHT, self.y.scale.start + BELOW
 
     def at(self, point: _Place) -> tuple[str, str]:
-        """The place of a point, as text."""
+        """The place of a point in the picture, as text."""
         return place(self.x.scale(point[0])), place(self.y.scale(point[1]))
 
     def line(self, points: Iterable[_Place], class_: str) -> None:
-        """The points, joined by straight segments."""
+        """Draw the points joined by straight segments."""
         self._path("L".join(" ".join(self.at(point)) for point in points), class_)
 
     def dots(self, points: Iterable[_Place], class_: str) -> None:
-        """A dot at each point: strokes of length zero with round ends, so that one element holds them all."""
+        """Draw a dot at each point: strokes of length zero with round ends, so that one element holds them all."""
         self._path("M".join(f"{' '.join(self.at(point))}h0" for point in points), class_)
 
     def _path(self, content: str, class_: str) -> None:
         self.drawn.append(element("path", class_=class_, d=f"M{content}"))
 
     def disc(self, centre: _Place, radius: int, class_: str, title: str) -> None:
-        """A circle of this radius in units of the picture, with a title that a pointer shows."""
+        """Draw a circle with this radius in units of the picture, and a title that a pointer shows."""
         cx, cy = self.at(centre)
         self.drawn.append(element("circle", element("title", escaped(title)), class_=class_, cx=cx, cy=cy, r=radius))
 
     def words(self, text: str) -> None:
-        """A line of text in the middle, where there is nothing to draw."""
+        """Write a line of text in the middle, if there is nothing to draw."""
         x, y = ((scale.start + scale.end) / 2 for scale in (self.x.scale, self.y.scale))
         self.drawn.append(element("text", escaped(text), class_="name x", x=place(x), y=place(y)))
 
     def circle(self, radius: float | Fraction, class_: str) -> None:
-        """The circle around the origin with this radius, in units of the axes: both scales have to be equal."""
+        """Draw the circle around the origin with this radius in units of the axes, whose scales have to be equal."""
         cx, cy = self.at((0, 0))
         reach = place(abs(Fraction(radius) * self.x.scale.per_unit))
         self.drawn.append(element("circle", class_=class_, cx=cx, cy=cy, r=reach))
 
     def picture(self, identity: str, title: str, description: str) -> str:
-        """The whole as an svg element, with its title and description for those who do not see it."""
+        """The whole as an svg element, with a title and a description for those who do not see it."""
         width, height = map(place, self.size)
         return element(
             "svg",
@@ -220,7 +220,7 @@ class Plot:
         )
 
     def axes(self) -> Iterator[str]:
-        """Grid, ticks and names."""
+        """The elements of grid, ticks, marks and names."""
         x, y = self.x.scale, self.y.scale
         left, right, bottom, top = map(place, (x.start, x.end, y.start, y.end))
         for tick, words in self.x.labelled():
@@ -246,6 +246,6 @@ def frame(width: int, height: int) -> tuple[tuple[Fraction, Fraction], tuple[Fra
     return (Fraction(LEFT), Fraction(LEFT + width)), (Fraction(ABOVE + height), Fraction(ABOVE))
 
 
-# The frames of a figure that is wider than high, and of a square one; 346 columns of the first are so many pixels.
+# The frames of a wide figure, with one unit per column of pixels, and of a square one.
 COLUMNS_OF_PIXELS = 346
 WIDE, SQUARE = frame(COLUMNS_OF_PIXELS, 228), frame(264, 264)

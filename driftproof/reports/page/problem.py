@@ -1,4 +1,4 @@
-"""Problems on the page: what error methods reach on one, which steps they can take; and all stiff ones in a table."""
+"""Problems on the page: the errors of methods, and the steps that they can take; and a table of all stiff problems."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ from driftproof.reports.page.work import FINEST, FINEST_IMPLICIT, work_figure, w
 from driftproof.reports.progress import with_progress
 from driftproof.reports.stability import expected_of, steps_in_words
 
-# One explicit method, and implicit ones that are L-stable, A-stable alone, and L-stable of a higher order.
+# One explicit method, and implicit ones that are L-stable, A-stable only, and L-stable of a higher order.
 STIFF_METHODS = ("rk4", "backward_euler", "trapezoid", "radau_iia2")
 _EVALUATIONS = "evaluations of f"
-# Some three lines on the page.
+# Characters: some three lines on the page.
 _LONGEST_EQUATIONS = 300
 
 
@@ -30,7 +30,7 @@ def problem_part(problem: Problem, methods: Sequence[Method]) -> Part:
 
 
 def stiff_part() -> Part:
-    """The stiff problems of the catalogue, and which steps methods can take on each."""
+    """The stiff problems of the catalogue, and the steps that methods can take on each."""
     return Part("Stiff problems", lambda _: _stiff())
 
 
@@ -41,8 +41,8 @@ def _problem(problem: Problem, methods: Sequence[Method], identity: str) -> str:
     figure = work_figure(found, identity, problem.t, cost=_EVALUATIONS).markup()
     work = element("div", figure, work_table(found), class_="beside")
     rows = [[each.title, _steps(problem, each), expected_of(problem, each)] for each in methods]
-    told = slice(None) if any(row[-1] for row in rows) else slice(-1)
-    rows = [row[told] for row in (["Method", "Steps that it can take", "Expected"], *rows)]
+    columns = slice(None) if any(row[-1] for row in rows) else slice(-1)
+    rows = [row[columns] for row in (["Method", "Steps that it can take", "Expected"], *rows)]
     table = html_table(rows, _about(problem), "words")
     return "".join(
         [
@@ -54,7 +54,7 @@ def _problem(problem: Problem, methods: Sequence[Method], identity: str) -> str:
 
 
 def _setting(problem: Problem) -> str:
-    """Equations, start and parameters where they are short enough to be read; the end; and the source."""
+    """Equations, start and parameters if they are short enough to be read; the end; and the source."""
     field = problem.field
     rates = [f"{y}′ = {rate}" for y, rate in zip(field.components, field.rates, strict=True)]
     start = [f"{y}(0) = {x}" for y, x in zip(field.components, problem.start, strict=True)]

@@ -30,7 +30,7 @@ from driftproof.symbolic.linear.stability_limits import (
 from driftproof.symbolic.runs import as_balls, exact_matrix_at, power
 from driftproof.texts.writing.records import number_record
 
-# How long powers are followed, in lengths of the scene, and at how many places.
+# For how many times the scene's steps powers are followed, and at how many places.
 LENGTHS, PLACES = 10, 200
 _LINE_STYLES = 6
 LIMIT_DIGITS, GROWTH_DIGITS = 10, 3
@@ -38,9 +38,9 @@ LIMIT_DIGITS, GROWTH_DIGITS = 10, 3
 
 @dataclass(frozen=True)
 class Verdict:
-    """What is proved of the powers of M(h) at one h: `bounded`, and `growth`, the spectral radius minus 1.
+    """What is proved about the powers of M(h) at one h: `bounded`, and `growth`, the spectral radius minus 1.
 
-    `limit` is the largest H with bounded powers for every h in (0, H).
+    `limit` is the largest H such that powers are bounded for every h in (0, H).
     """
 
     key: str
@@ -50,19 +50,19 @@ class Verdict:
 
 
 def verdict(key: str, h: Fraction) -> Verdict:
-    """The verdict on the method `key` at this very h. Raises ValueError at a pole of M(h)."""
+    """The verdict on the method `key` at exactly this h. Raises ValueError at a pole of M(h)."""
     facts = LinearFacts(method_of(key))
     growth = spectral_radius(exact_matrix_at(facts.method, h))
     bounded = is_bounded(boundary_of(facts.one_step_matrix), lambda p: sign(evaluate(p, scalar(h))))
-    return Verdict(key, facts.imaginary_limit, bounded, _less_one(growth))
+    return Verdict(key, facts.imaginary_limit, bounded, _minus_one(growth))
 
 
-def _less_one(x: CertifiableReal) -> CertifiableReal:
+def _minus_one(x: CertifiableReal) -> CertifiableReal:
     return x - 1 if isinstance(x, Fraction) else lambda: enclose(x) - 1
 
 
 def verdicts_table(scene: Scene, verdicts: Sequence[Verdict]) -> str:
-    """A row for each method: its limit, exact and in decimals, where h is beside it, the verdict, and max |λ| - 1."""
+    """A row per method: its limit, exact and in decimals, whether h is below it, the verdict, and max |λ| - 1."""
     about_h = (f"h = {scene.h} is", "powers at this h", "max\u00a0|λ|\u00a0−\u00a01")
     rows = [["Method", "Bounded for h below", "that is", *about_h]]
     for found in verdicts:
@@ -83,7 +83,7 @@ def _limit(limit: Limit) -> tuple[str, str]:
 
 
 def with_roots(text: str) -> str:
-    """A number in SymPy's syntax as it is set: "2*sqrt(2)" as 2√2.
+    """A number in SymPy's syntax with root signs: "2*sqrt(2)" as 2√2.
 
     >>> with_roots("2*sqrt(6)/3 - sqrt(2*sqrt(3) - 3)")
     '2√6/3 − √(2√3 − 3)'
@@ -93,7 +93,7 @@ def with_roots(text: str) -> str:
 
 
 def beside(limit: Limit, h: Fraction) -> str:
-    """Where h is beside the limit, decided exactly; limits are about h > 0."""
+    """Whether h is below, at or above the limit, decided exactly; "backwards" for h < 0, as limits are for h > 0."""
     if h < 0:
         return "backwards"
     if isinstance(limit, Infinity):
@@ -105,13 +105,13 @@ def beside(limit: Limit, h: Fraction) -> str:
 
 
 def line_style(index: int) -> str:
-    """The class of a curve, a colour and dashes; those of the seventh are the first's again, broader."""
+    """The CSS class of a curve, a colour with dashes; from the seventh on they repeat, broader."""
     again, hue = divmod(index, _LINE_STYLES)
     return f"m{hue}{' again' if again else ''}"
 
 
 def growth_figure(scene: Scene, verdicts: Sequence[Verdict], identity: str) -> Figure:
-    """‖Mⁿ‖ over n, in decades: the root mean square of |Mⁿz|/|z| over all directions of z, from M exact."""
+    """‖Mⁿ‖ over n, in decades: the root mean square of |Mⁿz|/|z| over all directions of z, from the exact M."""
     end = max(LENGTHS * scene.steps, 1)
     counts = sorted({end * i // PLACES for i in range(PLACES + 1)})
     curves = {found.key: _growth(found.key, scene.h, counts) for found in verdicts}
@@ -138,7 +138,7 @@ def growth_figure(scene: Scene, verdicts: Sequence[Verdict], identity: str) -> F
 
 
 def _growth(key: str, h: Fraction, counts: Sequence[int]) -> list[tuple[float, float]]:
-    """(n, log₁₀ ‖Mⁿ‖/√2 in the norm of Frobenius), as long as the power is not zero to FIRST_BITS."""
+    """(n, log₁₀ of the Frobenius norm of Mⁿ over √2), as long as the power is not zero to FIRST_BITS bits."""
     matrix, found = exact_matrix_at(method_of(key), h), []
     with ctx.workprec(FIRST_BITS):
         balls = as_balls(matrix)

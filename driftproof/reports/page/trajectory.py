@@ -1,4 +1,4 @@
-"""The figures of a run: position over time, and the phase plane at equal scales, beside the exact motion.
+"""The figures of a run: position over time, and the phase plane at equal scales, with the exact motion.
 
 A page shows them, and `write_figures` writes the same pictures as files of their own.
 """
@@ -24,9 +24,9 @@ from driftproof.reports.page.markup import details, html_table
 from driftproof.reports.page.plot import COLUMNS_OF_PIXELS, SQUARE, WIDE, Plot, label, linear, symmetric_limit
 from driftproof.reports.scene_view import asking_for
 
-# A run is kept whole to be drawn; the samples of a longer one would fill the memory.
+# A drawn run is kept whole in memory, which the samples of a longer one would fill.
 MOST_DRAWN_STEPS = 10**6
-# More samples than this are drawn without dots, which would cover the line; more than this many marks, thinned.
+# More than MOST_DOTS samples are drawn without dots, which would cover the line; more than MOST_MARKS are thinned.
 MOST_DOTS, MOST_MARKS = 400, 4000
 MOST_ROWS = 200
 _DOTTED, _LINE = "dotted samples", "line samples path"
@@ -52,7 +52,7 @@ class SampledRun:
 
     @property
     def radius(self) -> float:
-        """The distance from the origin that the exact motion keeps."""
+        """The distance from the origin, which the exact motion keeps."""
         return hypot(*self.start)
 
     @property
@@ -62,7 +62,7 @@ class SampledRun:
 
     @property
     def thin(self) -> bool:
-        """True where not every sample has a mark of its own."""
+        """True if not every sample has a mark of its own."""
         return len(self.times) > MOST_DOTS
 
     @property
@@ -71,14 +71,14 @@ class SampledRun:
         return method_of(self.key).title
 
     def data(self, component: int) -> list[list[str]]:
-        """Step, time, computed and exact value of the samples; of a long run, of at most MOST_ROWS and one of them."""
+        """Step, time, computed and exact value of the samples; of a long run, of at most MOST_ROWS and the last."""
         name, kept = "qv"[component], evenly_spaced(len(self.times), MOST_ROWS)
         columns = (kept, self.times[kept], self.states[kept, component], self.exact[kept, component])
         rows = [[str(i), f"{t:.6g}", _number(x), _number(y)] for i, t, x, y in zip(*columns, strict=True)]
         return [["step", "t", f"computed {name}", f"exact {name}"], *rows]
 
     def samples_table(self) -> str:
-        """The samples of a scene that asks for them but for no figure."""
+        """The samples as tables, for a scene that asks for them but for no figure."""
         titles = (f"Positions, {self.method}", f"Velocities, {self.method}")
         return "".join(details(title, html_table(self.data(i), title)) for i, title in enumerate(titles))
 
@@ -112,7 +112,7 @@ def position(run: SampledRun) -> Figure:
 
 
 def phase_plane(run: SampledRun) -> Figure:
-    """v against q at one scale for both axes, with the exact circle dashed and the two final states marked apart."""
+    """v against q at one scale for both axes, with the exact circle dashed and both final states marked."""
     reach = symmetric_limit(Fraction(max(run.radius, float(np.abs(run.states).max()))))
     plot = Plot(linear(-reach, reach, "position q", SQUARE[0]), linear(-reach, reach, "velocity v", SQUARE[1]))
     mark, drawn = _draw_path(plot, run, float(2 * reach / (SQUARE[0][1] - SQUARE[0][0])))
@@ -147,9 +147,9 @@ DRAWN: dict[str, Callable[[SampledRun], Figure]] = {"position": position, "phase
 
 
 def write_figures(scene: Scene, folder: Path) -> list[Path]:
-    """Write the figures that the scene names as SVG files into `folder`, each whole or not at all; byte-stable.
+    """Write the figures that the scene names as SVG files into `folder`, each whole or not at all, with stable bytes.
 
-    Raises as `demand_drawable` and `run_method`.
+    Raises ValueError as `demand_drawable`, and as `run_method` does.
     """
     if not set(DRAWN) & set(scene.panels):
         return []
@@ -161,7 +161,7 @@ def write_figures(scene: Scene, folder: Path) -> list[Path]:
 
 
 def demand_drawable(scene: Scene) -> None:
-    """Raises ValueError for a scene of more than MOST_DRAWN_STEPS."""
+    """Raise ValueError for a scene of more than MOST_DRAWN_STEPS steps."""
     if scene.steps > MOST_DRAWN_STEPS:
         raise ValueError(f"scene {scene.name!r}: at most {MOST_DRAWN_STEPS} steps are drawn, not {scene.steps}")
 
@@ -182,9 +182,9 @@ def _exact_curve(run: SampledRun) -> list[tuple[float, float]]:
 
 
 def _draw_path(plot: Plot, run: SampledRun, pixel: float) -> tuple[str, str]:
-    """The samples joined; of a long run those a pixel apart; where they are too many still, some specks, not joined.
+    """Draw the samples: all, joined; of a long run those a pixel apart, joined; or, if these are too many, specks.
 
-    Returns the mark for the legend, and what has been drawn in words.
+    Returns the mark for the legend, and a sentence on what has been drawn.
     """
     if not run.thin:
         plot.line(map(tuple, run.states), "samples path")
@@ -212,10 +212,10 @@ def _pair(state: Any) -> str:
 
 
 def downsample(values: Any, columns: int) -> Any:
-    """Indices of the first, the least, the largest and the last sample in each of `columns` equal parts of them.
+    """Indices of the first, the least, the largest and the last sample in each of `columns` equal parts.
 
-    Joined by segments they cover in each column of pixels what all samples cover, if the columns are as wide as those
-    (jugel-et-al-2014, the aggregation M4). Where there are not more samples than that, all are kept.
+    Joined by segments they cover in each column of pixels what all samples cover, if columns are pixels wide
+    (jugel-et-al-2014, the aggregation M4). All samples are kept if there are at most four per column.
     """
     if len(values) <= 4 * columns:
         return np.arange(len(values))
@@ -235,6 +235,6 @@ def one_per_square(states: Any, distance: float) -> Any:
 
 
 def evenly_spaced(count: int, most: int) -> Any:
-    """At most `most` + 1 of `count` indices, equally far apart, and the last one with them."""
+    """At most `most` of `count` indices, equally far apart, and the last one with them."""
     apart = -(-count // most)
     return np.unique(np.append(np.arange(0, count, apart), count - 1))

@@ -1,4 +1,4 @@
-"""The panel of error against work: a scene's methods at its own step, halved and doubled, and their orders."""
+"""The panel of error against work: a scene's methods at its own step size, halved and doubled, and their orders."""
 
 from __future__ import annotations
 
@@ -19,8 +19,8 @@ from driftproof.support.plain_text import short
 from driftproof.symbolic.algebra.certified import significant
 from driftproof.symbolic.runs import OscillatorRun
 
-# Steps are halved down to COARSEST of them for the whole interval, and doubled up to FINEST, implicit ones, which are
-# solved in Python, to FINEST_IMPLICIT of them.
+# The number of steps over the interval is halved down to COARSEST, and doubled up to FINEST, or to FINEST_IMPLICIT for
+# implicit methods, which are solved in Python.
 COARSEST, FINEST, FINEST_IMPLICIT = 5, 10_000, 600
 REFERENCE_DIGITS = 30
 ACCELERATIONS = "calls of the acceleration"
@@ -29,10 +29,7 @@ _GOALS = (-3, -6)
 
 
 def work_curves(scene: Scene) -> list[Curve]:
-    """The curve of each method of the scene, at numbers of steps that are the scene's own, halved and doubled.
-
-    Raises ValueError for a scene that runs backwards or nowhere, which has no problem to be solved.
-    """
+    """Each method's curve at the scene's number of steps, halved and doubled. Raises ValueError for t <= 0."""
     if scene.t <= 0:
         raise ValueError(f"scene {scene.name!r}: work is compared up to a t above 0")
     problem, found = problem_of(scene), list[Curve]()
@@ -44,7 +41,7 @@ def work_curves(scene: Scene) -> list[Curve]:
 
 
 def halved_and_doubled(steps: int, finest: int = FINEST) -> list[int]:
-    """N/2ᵏ while that is whole and COARSEST or more, N itself, and 2ᵏN up to `finest`."""
+    """N/2ᵏ while it is an integer and at least COARSEST, N itself, and 2ᵏN up to `finest`."""
     down = [steps]
     while down[-1] % 2 == 0 and down[-1] // 2 >= COARSEST:
         down.append(down[-1] // 2)
@@ -53,7 +50,7 @@ def halved_and_doubled(steps: int, finest: int = FINEST) -> list[int]:
 
 
 def problem_of(scene: Scene) -> Problem:
-    """The oscillator from the scene's start to its t, where the exact state is certified to REFERENCE_DIGITS."""
+    """The oscillator from the scene's start to its t; the reference is the exact state, to REFERENCE_DIGITS digits."""
     exact = OscillatorRun(method_of(scene.selected), scene.h, scene.t, scene.start).exact_state
     q, v = (significant(x, REFERENCE_DIGITS) for x in exact)
     reference = Reference((scene.t,), ((q, v),), EXACT, "the closed form, certified in balls")
@@ -72,7 +69,7 @@ def problem_of(scene: Scene) -> Problem:
 def work_figure(
     found: Sequence[Curve], identity: str, t: Fraction, own: int | None = None, cost: str = ACCELERATIONS
 ) -> Figure:
-    """Error at t against evaluations, both logarithmic; a ring around the points of `own` steps, if there is one."""
+    """Error at t against evaluations, both logarithmic; rings mark the points with `own` steps, if any."""
     places = {curve.key: _places(curve) for curve in found}
     every = [place for points in places.values() for place in points.values()] or [(0.0, 0.0)]
     names = (cost, "error at the end")
@@ -99,26 +96,26 @@ def work_figure(
     )
 
 
-def _paid(curve: Curve) -> list[tuple[Point, int]]:
+def _plotted(curve: Curve) -> list[tuple[Point, int]]:
     """The points that have a place on logarithmic axes, each with its evaluations."""
     return [(p, p.evaluations) for p in curve.points if p.evaluations and 0 < p.error and isfinite(p.error)]
 
 
 def _places(curve: Curve) -> dict[int | None, tuple[float, float]]:
     """log₁₀ of evaluations and error, by the number of steps."""
-    return {point.steps: (log10(spent), log10(point.error)) for point, spent in _paid(curve)}
+    return {point.steps: (log10(spent), log10(point.error)) for point, spent in _plotted(curve)}
 
 
 def _sentence(curve: Curve) -> str:
-    paid = _paid(curve)
-    if not paid:
+    plotted = _plotted(curve)
+    if not plotted:
         return f"{curve.title}: none."
-    words = [f"{short(point.error)} at {spent}" for point, spent in (paid[0], paid[-1])]
+    words = [f"{short(point.error)} at {spent}" for point, spent in (plotted[0], plotted[-1])]
     return f"{curve.title}: from {words[0]} to {words[1]}."
 
 
 def work_table(found: Sequence[Curve]) -> str:
-    """A row for each method: the order claimed and measured, and the fewest evaluations seen to reach each goal."""
+    """A row per method: the order claimed and measured, and the fewest evaluations seen to reach each goal."""
     header = ["Method", "order", "measured", *(f"calls for {ten_to(goal)}" for goal in _GOALS)]
     rows = []
     for curve in found:

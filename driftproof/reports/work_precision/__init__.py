@@ -1,1 +1,1 @@
-"""Error against work, measured beside other packages, as tables and figures."""
+"""Error against work, measured for our methods and other packages, as tables and figures."""

@@ -1,4 +1,4 @@
-"""The figures of error against work: one for each quantity, a panel for evaluations and for each kind of time."""
+"""The figures of error against work: one per quantity, with a panel for evaluations and for each kind of time."""
 
 from __future__ import annotations
 
@@ -14,34 +14,34 @@ from driftproof.reports.page.plot import WIDE, Plot, decades, decades_of
 from driftproof.reports.page.stability import line_style
 from driftproof.reports.work_precision.study import EVALUATIONS, Measured, Study
 
-_WHAT = {STATE: "error of the state", ENERGY: "error of the energy", PHASE: "error of the phase, degrees"}
+_ERRORS = {STATE: "error of the state", ENERGY: "error of the energy", PHASE: "error of the phase, degrees"}
 _COSTS = {
     EVALUATIONS: "evaluations of f",
     COMPILED: "seconds, compiled",
     PYTHON: "seconds, Python",
     ENSEMBLE: "seconds a state, ensemble",
 }
-# What leaves at the top has blown up, to so many times the size of the solution.
+# Errors above this many times the size of the solution, of runs that have blown up, are not shown.
 _FARTHEST = 1000
-# What fits above a panel.
+# Characters that fit above a panel.
 _CHARACTERS = 66
 _NO_RUN = "no run to show here"
 _THIN = ("line thin mark", "thin: largest on the way")
 
 
 def draw_study(study: Study, measured: Measured, quantity: str, folder: Path) -> Path:
-    """Write the figure of the quantity as an SVG file and return its path. Points without error or cost have no place.
+    """Write the figure of a quantity as an SVG file; return its path. Points without error or cost are left out.
 
-    Lines with dots are errors at the end, thin ones the largest at the reference's times. The floor is what rounding
-    the exact result may cost, `reference_errors.floors`; where the reference's own digits say less than that, they are
-    the floor.
+    Lines with dots show errors at the end, thin ones the largest at the reference's times. The floor is what rounding
+    the exact result may cost, `reference_errors.floors`; if the reference's own digits are less accurate, they are the
+    floor.
     """
     limits, lines = _limits(study, measured, quantity), _floors(study, quantity)
     plots = [_panel(measured, quantity, cost, limits, lines) for cost in (EVALUATIONS, *measured.kinds)]
     keys = [key for key, curve in measured.curves.items() if any(_places(measured, curve, quantity, c) for c in _COSTS)]
     legend = [(f"line path {_style(measured, key)}", key) for key in keys]
     legend += [_THIN, *((f"line {mark}", words) for mark, words, _ in lines)]
-    what = _WHAT[quantity]
+    what = _ERRORS[quantity]
     return write_picture(
         folder / f"work_precision_{quantity}.svg",
         f"{what.capitalize()} against work",
@@ -59,7 +59,7 @@ def _panel(
     places = {key: _places(measured, curve, quantity, cost) for key, curve in measured.curves.items()}
     shown = {key: [p for p in found if low <= p[1] <= high] for key, found in places.items()}
     costs = [x for found in shown.values() for x, _, _ in found]
-    x, y = decades_of(costs or [0.0], _COSTS[cost], WIDE[0]), decades(low, high, _WHAT[quantity], WIDE[1])
+    x, y = decades_of(costs or [0.0], _COSTS[cost], WIDE[0]), decades(low, high, _ERRORS[quantity], WIDE[1])
     plot = Plot(x, y)
     for key, found in shown.items():
         if found:
@@ -81,7 +81,7 @@ def _style(measured: Measured, key: str) -> str:
 
 
 def _limits(study: Study, measured: Measured, quantity: str) -> tuple[int, int]:
-    """Powers of ten: what leaves at the bottom has decayed below u² of the solution's size."""
+    """Exponents of ten at the ends of the axis; errors below u² of the solution's size have decayed off it."""
     found = [point.errors[quantity] for c in measured.curves.values() for point in c.points if point.errors]
     lows = [x for x in (*(size.final for size in found), floors(study.problem)[quantity]) if x > 0]
     whole = _scale(study, quantity)
@@ -94,7 +94,7 @@ def _limits(study: Study, measured: Measured, quantity: str) -> tuple[int, int]:
 
 
 def _scale(study: Study, quantity: str) -> float:
-    """The size of the solution, of an energy the sum of |yᵢ ∂E/∂yᵢ|, or half a turn."""
+    """The size of the solution; of an energy, the sum of |yᵢ ∂E/∂yᵢ|; of a phase, half a turn."""
     if quantity == ENERGY:
         return floors(study.problem)[ENERGY] / float(U)
     return 180.0 if quantity == PHASE else largest_state_size(study.problem)
@@ -111,7 +111,7 @@ def _places(measured: Measured, curve: Curve, quantity: str, cost: str) -> list[
 
 
 def _floors(study: Study, quantity: str) -> list[tuple[str, str, float]]:
-    """Mark, words and log₁₀ of what no method is below but by luck."""
+    """Mark, words and log₁₀ of each floor, below which no method is but by luck."""
     rounding, digits = floors(study.problem).get(quantity, 0.0), half_unit(study.problem.reference.states[-1])
     found = []
     if rounding > 0:

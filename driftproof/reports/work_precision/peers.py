@@ -1,7 +1,7 @@
-"""Solvers on our problems, one small adapter each: our own, and other people's, imported only when they are asked for.
+"""Solvers on our problems, with one small adapter each: our own, and other packages', imported only when asked for.
 
-Every one of these gets the problem's rates as functions of its own numbers, the start in binary64, and one tolerance,
-absolute and relative; it chooses its steps itself. What is to be compiled, the first call compiles, which is not timed.
+Each solver gets the problem's rates as functions of its own numbers, the start in binary64, and one tolerance, absolute
+and relative; it chooses its steps itself. What has to be compiled is compiled by the first call, which is not timed.
 """
 
 from __future__ import annotations
@@ -24,16 +24,16 @@ from driftproof.support.environment import how_to_install
 from driftproof.support.plain_text import did_you_mean
 
 TOLERANCES = tuple(10.0**-k for k in range(3, 14))
-# The packages that run outside Python cannot be stopped by the clock, but by the number of their steps.
+# Packages that run outside Python cannot be stopped after some evaluations, but after a number of steps.
 _MOST_STEPS = 10**5
 INSTALL = f"not installed; {how_to_install('peers')}"
 
 
 class Solver:
-    """A solver of a peer on a problem. Both methods raise ArithmeticError with its words where it does not arrive."""
+    """A solver on a problem. Both methods raise ArithmeticError with the solver's message if it does not arrive."""
 
     rate: Rate
-    # So many evaluations a run may take for each second that is given: as many as Python makes in ten.
+    # The evaluations that a run for errors may take per second of the time limit: as many as Python makes in ten.
     once = 10**6
 
     def solve(self, tolerance: float, t: float) -> State:
@@ -41,11 +41,11 @@ class Solver:
         return self._solved(self.rate, tolerance, t)
 
     def counted(self, tolerance: float, t: float, most: float = inf) -> int | None:
-        """The evaluations of f that a solve really makes, counted; it is given up after `most` of them.
+        """The evaluations of f that a solve really makes, counted; the solve is given up after `most` of them.
 
-        Those for differences in Jacobian matrices are among them. None where f is not called, but expanded in series.
+        Evaluations for differences in Jacobian matrices are included. None if f is not called but expanded in series.
         """
-        rate = _Watched(self.rate, most)
+        rate = _CountedRate(self.rate, most)
         self._solved(rate, tolerance, t)
         return rate.calls
 
@@ -55,7 +55,7 @@ class Solver:
 
 @dataclass(frozen=True)
 class Peer:
-    """A package, the names of the solvers that are measured, and whose times theirs compare with."""
+    """A package, the names of the solvers that are measured, and the kind of times that theirs compare with."""
 
     name: str
     solvers: tuple[str, ...]
@@ -64,7 +64,7 @@ class Peer:
 
     @property
     def installed(self) -> bool:
-        """True where it can be imported."""
+        """True if the package can be imported."""
         return find_spec(self.name) is not None
 
     @property
@@ -85,12 +85,12 @@ def peers_named(names: Iterable[str]) -> list[Peer]:
 
 
 class ControlledSolver(Solver):
-    """Our own method in controlled steps, with the bits of Python also where it is compiled."""
+    """Our own method with step-size control; compiled, it has the same bits as in Python."""
 
     once = 10**7
 
     def __init__(self, method: Method, problem: Problem, *, compiled: bool) -> None:
-        """Nothing is compiled yet. Raises MethodError for a method that does not tell its error."""
+        """Compile nothing yet. Raises MethodError for a method without an error estimate."""
         self.run = controlled_runner(method, problem.field, compiled=compiled)
         self.start = float_start(problem)
 
@@ -99,16 +99,16 @@ class ControlledSolver(Solver):
         return self.run(self.start, t, tolerance, tolerance)
 
     def counted(self, tolerance: float, t: float, most: float = inf) -> int | None:
-        """The calls of the run."""
+        """The evaluations of f in a run."""
         self.run(self.start, t, tolerance, tolerance, most)
         return self.run.calls
 
 
 class Scipy(Solver):
-    """scipy.integrate.solve_ivp, the rate in plain Python."""
+    """scipy.integrate.solve_ivp, with the rate in plain Python."""
 
     def __init__(self, problem: Problem, solver: str) -> None:
-        """Keep both."""
+        """Import SciPy; prepare the rate and the start."""
         self.solve_ivp = import_module("scipy.integrate").solve_ivp
         self.rate, self.start, self.solver = field_rate(problem.field), float_start(problem), solver
 
@@ -123,7 +123,7 @@ class TorchDiffEq(Solver):
     """torchdiffeq.odeint on tensors of binary64; a result at t is interpolated in the step that passes it."""
 
     def __init__(self, problem: Problem, solver: str) -> None:
-        """Keep both."""
+        """Import torch and torchdiffeq; prepare the rate and the start."""
         self.torch, self.odeint = import_module("torch"), import_module("torchdiffeq").odeint
         self.rate = field_rate(problem.field, {name: getattr(self.torch, name) for name in FUNCTIONS})
         self.start = self.torch.tensor(float_start(problem), dtype=self.torch.float64)
@@ -135,7 +135,7 @@ class TorchDiffEq(Solver):
         try:
             with self.torch.no_grad():
                 found = self.odeint(stacked, self.start, times, rtol=tolerance, atol=tolerance, method=self.solver)
-        except AssertionError as error:  # how it says that its step has become too small
+        except AssertionError as error:  # raised when its step has become too small
             raise ArithmeticError(str(error)) from None
         return tuple(found[-1].tolist())
 
@@ -144,7 +144,7 @@ class Heyoka(Solver):
     """heyoka's Taylor integrator, compiled once for each tolerance, which sets its order."""
 
     def __init__(self, problem: Problem, solver: str) -> None:
-        """Write the rates as expressions; nothing is compiled yet."""
+        """Write the rates as expressions; compile nothing yet."""
         self.heyoka, self.start = import_module("heyoka"), float_start(problem)
         variables = [self.heyoka.expression(name) for name in problem.field.components]
         rate = field_rate(problem.field, {name: getattr(self.heyoka, name) for name in FUNCTIONS})
@@ -159,12 +159,12 @@ class Heyoka(Solver):
         stepper.time = 0.0
         stepper.state[:] = self.start
         outcome = stepper.propagate_until(t, max_steps=_MOST_STEPS)[0]
-        if outcome != self.heyoka.taylor_outcome.time_limit:  # what it calls the end of the interval
+        if outcome != self.heyoka.taylor_outcome.time_limit:  # its name for the end of the interval
             raise ArithmeticError(f"{outcome} within {_MOST_STEPS} steps")
         return tuple(map(float, stepper.state))
 
     def counted(self, tolerance: float, t: float, most: float = inf) -> int | None:
-        """None: Taylor series call no rate."""
+        """None, because Taylor series call no rate."""
         return None
 
 
@@ -172,7 +172,7 @@ class Diffrax(Solver):
     """diffrax.diffeqsolve compiled by jax, once for all tolerances, in binary64."""
 
     def __init__(self, problem: Problem, solver: str) -> None:
-        """Nothing is compiled yet."""
+        """Import jax and diffrax; compile nothing yet."""
         self.jax, self.diffrax, self.solver = import_module("jax"), import_module("diffrax"), solver
         self.jax.config.update("jax_enable_x64", True)
         self.numpy = self.jax.numpy
@@ -185,7 +185,7 @@ class Diffrax(Solver):
         return self._result(self.compiled(t, tolerance))
 
     def counted(self, tolerance: float, t: float, most: float = inf) -> int | None:
-        """How often the compiled code comes by f, reported by it: slowly, so only for a solve that arrives."""
+        """The calls of f in the compiled code, counted by a callback: slowly, so only for a solve that arrives."""
         self.solve(tolerance, t)
         self.calls = 0
         self._result(self.counting(t, tolerance))
@@ -217,8 +217,8 @@ class Diffrax(Solver):
         self.calls += 1
 
 
-class _Watched:
-    """A rate that counts its calls, and ends a solve that makes more than `most` of them."""
+class _CountedRate:
+    """A rate that counts its calls, and raises ArithmeticError after more than `most` of them."""
 
     def __init__(self, rate: Rate, most: float) -> None:
         self.rate, self.most, self.calls = rate, most, 0

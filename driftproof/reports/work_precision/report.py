@@ -1,4 +1,4 @@
-"""What a study of error against work has found: tables, JSON and CSV, measured seconds apart from what stays."""
+"""The results of a study of error against work as tables, JSON and CSV; seconds are apart from what is reproducible."""
 
 from __future__ import annotations
 
@@ -24,15 +24,12 @@ from driftproof.support.plain_text import Json, as_json, table, with_digits
 _LABELS = {EVALUATIONS: EVALUATIONS, "compiled": "compiled", "python": "Python", ENSEMBLE: "ensemble, a state"}
 _Key = TypeVar("_Key")
 _Member = TypeVar("_Member")
-# By cost and by curve.
+# The points by kind of cost and by curve.
 _Costs: TypeAlias = Mapping[str, Mapping[str, Sequence[Priced]]]
 
 
 def priced(measured: Measured, cost: str) -> dict[str, list[Priced]]:
-    """The points of each curve with what they cost; infinite where that was not measured.
-
-    Left out are those that err by as much as the solution is large.
-    """
+    """The points of each curve with errors below the solution's size, and their cost, infinite if not measured."""
     found: dict[str, list[Priced]] = {}
     for key, curve in measured.curves.items():
         costs, counted = measured.costs(curve, cost), cost == EVALUATIONS
@@ -43,7 +40,7 @@ def priced(measured: Measured, cost: str) -> dict[str, list[Priced]]:
 
 
 def errors_json(study: Study, measured: Measured) -> Json:
-    """What is the same in every run: errors, evaluations, orders. Numbers are strings, floats to the last bit."""
+    """What is the same in every run: errors, evaluations, orders. Numbers are strings, floats exact to the last bit."""
     problem, reference = study.problem, study.problem.reference
     return strings(
         {
@@ -63,19 +60,19 @@ def errors_json(study: Study, measured: Measured) -> Json:
 
 
 def _curve_json(curve: Curve) -> Json:
-    points = [{name: getattr(point, name) for name in _OF_POINT} for point in curve.points]
+    points = [{name: getattr(point, name) for name in _POINT_FIELDS} for point in curve.points]
     for entry in points:
         entry["errors"] = {name: size._asdict() for name, size in entry["errors"].items()}
     order = {"measured_order": vars(curve.order) if curve.order else None}
-    return {**{name: getattr(curve, name) for name in _OF_CURVE}, **order, "points": points}
+    return {**{name: getattr(curve, name) for name in _CURVE_FIELDS}, **order, "points": points}
 
 
-_OF_CURVE = ("key", "title", "claimed_order", "verdict", "refused")
-_OF_POINT = ("setting", "evaluations", "errors", "doubt", "remark")
+_CURVE_FIELDS = ("key", "title", "claimed_order", "verdict", "refused")
+_POINT_FIELDS = ("setting", "evaluations", "errors", "doubt", "remark")
 
 
 def times_json(study: Study, measured: Measured) -> Json:
-    """What was measured in seconds, and on what: of ensembles, the seconds of all MEMBERS states."""
+    """What was measured in seconds, and on which machine; for ensembles, the seconds of all MEMBERS states."""
     absent = dict(measured.absent) | {peer.name: INSTALL for peer in study.peers if not peer.installed}
     return strings(
         {
@@ -96,7 +93,7 @@ def _timing_json(timing: Timing) -> Json:
 
 
 def csv_text(measured: Measured) -> str:
-    """One row a point: errors, evaluations, and of each kind minimum, median and spread in seconds of one state."""
+    """One row per point: errors, evaluations, and for each kind minimum, median and spread, in seconds of one state."""
     kinds = measured.kinds
     sizes = [f"{name}_{which}" for name in QUANTITIES for which in ("final", "largest")]
     costs = [f"{kind}_{what}" for kind in kinds for what in ("minimum", "median", "spread")]
@@ -121,7 +118,7 @@ def _seconds(kind: str, timing: Timing | None) -> list[Any]:
 
 
 def write_study(study: Study, measured: Measured, folder: Path) -> list[Path]:
-    """Write the files beside the figures, each whole or not at all, and return their paths."""
+    """Write the files next to the figures, each whole or not at all, and return their paths."""
     contents = {
         "errors.json": as_json(errors_json(study, measured)) + "\n",
         "times.json": as_json(times_json(study, measured)) + "\n",
@@ -134,7 +131,7 @@ def write_study(study: Study, measured: Measured, folder: Path) -> list[Path]:
 
 
 def study_text(study: Study, measured: Measured) -> str:
-    """The tables: orders and who is dominated, the least work for each goal, and what was not run, and why."""
+    """The tables: orders, dominated methods, and the least work for each goal; then what was not run, and why."""
     costs = [EVALUATIONS, *measured.kinds]
     by_cost = {cost: priced(measured, cost) for cost in costs}
     parts = [_head(study), table(order_rows(measured), right=(1,))]
@@ -162,7 +159,7 @@ def _head(study: Study) -> str:
 
 
 def order_rows(measured: Measured) -> list[list[str]]:
-    """Claimed and measured order with the least and the largest slope, and the least error seen."""
+    """Claimed and measured order, with the least and the largest slope, and the least error seen."""
     rows = [["method", "order", "measured", "least error", ""]]
     for key, curve in measured.curves.items():
         order = curve.order
@@ -172,7 +169,7 @@ def order_rows(measured: Measured) -> list[list[str]]:
 
 
 def dominated_rows(by_cost: _Costs) -> list[list[str]]:
-    """The methods that are dominated in some cost, and by whom."""
+    """The methods that are dominated in some cost, and the methods that dominate them."""
     dominated = [dominators(curves) for curves in by_cost.values()]
     keys = list(dict.fromkeys(key for found in dominated for key in found))
     rows = [[key, *(f"by {', '.join(found[key])}" if key in found else "" for found in dominated)] for key in keys]
@@ -213,7 +210,7 @@ def _error(value: float) -> str:
 
 
 def seconds_text(seconds: float) -> str:
-    """Three digits, in ns, µs, ms or s."""
+    """The seconds with three digits, in ns, µs, ms or s."""
     for unit, size in (("s", 1.0), ("ms", 1e-3), ("µs", 1e-6)):
         if seconds >= size:
             return f"{with_digits(seconds / size, 3)} {unit}"
@@ -221,7 +218,7 @@ def seconds_text(seconds: float) -> str:
 
 
 def _remarks(study: Study, measured: Measured) -> list[str]:
-    """What does not apply, what was not run, what is absent; and how times were taken."""
+    """What does not apply, what was not run and what is absent; then how times were taken."""
     lines = [f"{key}: not applicable: {c.refused}" for key, c in measured.curves.items() if c.refused]
     for key, curve in measured.curves.items():
         by_remark = _grouped((point.remark, point) for point in curve.points if point.remark)
@@ -248,7 +245,7 @@ def _remarks(study: Study, measured: Measured) -> list[str]:
 
 
 def _settings(curve: Curve, points: Sequence[Point]) -> str:
-    """The settings of some points of a curve, neighbours by the first and the last of them."""
+    """The settings of some points of a curve, with neighbouring ones given by the first and the last."""
     runs: list[list[Point]] = []
     for point in points:
         if runs and curve.points.index(point) == curve.points.index(runs[-1][-1]) + 1:
@@ -260,7 +257,7 @@ def _settings(curve: Curve, points: Sequence[Point]) -> str:
 
 
 def _grouped(pairs: Iterable[tuple[_Key, _Member]]) -> dict[_Key, list[_Member]]:
-    """Everything that stands under one key, in the order in which it comes."""
+    """The members of each key, in the order in which they come."""
     found: dict[_Key, list[_Member]] = {}
     for key, member in pairs:
         found.setdefault(key, []).append(member)

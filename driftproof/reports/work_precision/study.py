@@ -1,4 +1,4 @@
-"""Error against work, measured: errors and evaluations of every run, then times, in turns, kept as they come."""
+"""Measure error against work: first errors and evaluations of all runs, then times, in turns, stored as they come."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from typing import Any, TypeAlias
 
 from driftproof import __version__
 from driftproof.methods.schemes import Method, MethodError
-from driftproof.numeric.advance import State
+from driftproof.numeric.advance import State, error_summary
 from driftproof.numeric.problems.problem import Problem
 from driftproof.numeric.reference_errors import Size, distance_from_digits, doubt, errors, largest_state_size
 from driftproof.numeric.sweep import digest
@@ -35,12 +35,12 @@ from driftproof.support.environment import machine_description, versions_of
 from driftproof.support.files import atomic_write
 from driftproof.support.progress import stage
 
-# A run for its error, which is made once, may take so many evaluations for each second that a point may be timed for:
-# ten times as many as compiled code makes in a second. For solvers see `peers.Solver`.
+# The evaluations that a run for errors, made once, may take per second of the time limit: ten times as many as compiled
+# code makes in a second. For solvers see `peers.Solver.once`.
 ONCE = 10**8
 EVALUATIONS = "evaluations"
 Say: TypeAlias = Callable[[str], object]
-# Told how many more points are expected, and how many are done, for a progress bar.
+# progress(more, done), for a progress bar: how many more points are expected, and how many have been done.
 Progress: TypeAlias = Callable[[int, int], object]
 
 
@@ -48,9 +48,9 @@ Progress: TypeAlias = Callable[[int, int], object]
 class Measured:
     """What has been measured so far.
 
-    `curves` by method or by peer and solver, as in "scipy DOP853", in the order asked for. `timings` by
-    "curve | kind | setting". By "curve | kind": `warm_up` holds the seconds of the first call of all, in which
-    compilers compile, and `absent` why there are no times of that kind.
+    The keys of `curves` are methods, or peer and solver, as in "scipy DOP853", in the order asked for; those of
+    `timings` are "curve | kind | setting". Those of `warm_up` and `absent` are "curve | kind": the seconds of the very
+    first call, in which compilers compile, and why there are no times of that kind.
     """
 
     curves: dict[str, Curve] = field(default_factory=dict)
@@ -59,24 +59,24 @@ class Measured:
     absent: dict[str, str] = field(default_factory=dict)
 
     def timed(self, curve: Curve, kind: str) -> dict[str, Timing]:
-        """The timings of a curve, by the settings of its points; without those that were not timed."""
+        """The timings of a curve by the settings of its points, without those that were not timed."""
         names = {point.setting: timing_name(curve.key, kind, point.setting) for point in curve.points}
         return {s: self.timings[n] for s, n in names.items() if n in self.timings and self.timings[n].samples}
 
     def costs(self, curve: Curve, cost: str) -> dict[str, float]:
-        """What the points of a curve cost, by setting: EVALUATIONS, or the least seconds of one state, of a kind."""
+        """The cost of a curve's points by setting: evaluations or, for a kind of time, the least seconds of a state."""
         if cost == EVALUATIONS:
             return {point.setting: point.evaluations for point in curve.points if point.evaluations}
         return {setting: per_state(cost, timing.best) for setting, timing in self.timed(curve, cost).items()}
 
     @property
     def kinds(self) -> list[str]:
-        """The kinds of which there is any timing."""
+        """The kinds of time with at least one timing."""
         return [kind for kind in KINDS if any(self.timed(curve, kind) for curve in self.curves.values())]
 
 
 def timing_name(*parts: str) -> str:
-    """The name of a timing."""
+    """The key of a timing."""
     return " | ".join(parts)
 
 
@@ -87,7 +87,7 @@ def per_state(kind: str, seconds: float) -> float:
 
 @dataclass(frozen=True)
 class Study:
-    """What is asked: the methods and peers, the problem, and how many seconds a point may be timed for."""
+    """The question: the methods and peers, the problem, and for how many seconds a point may be timed."""
 
     problem: Problem
     methods: Sequence[Method]
@@ -95,7 +95,7 @@ class Study:
     limit: float
 
     def question(self) -> dict[str, Any]:
-        """All that the answers depend on, as JSON: the points of another question are not taken over."""
+        """All that the answers depend on, as JSON; points that answer another question are not reused."""
         packages = ("numpy", "numba", *(peer.name for peer in self.peers))
         return {
             "problem": self.problem.key,
@@ -110,17 +110,17 @@ class Study:
 
 
 class ResultStore:
-    """The file in which points are kept as soon as they are measured, whole or not at all; without a folder, none."""
+    """The file in which points are stored as soon as they are measured, whole or not at all; none without a folder."""
 
     def __init__(self, folder: Path | None, question: dict[str, Any], say: Say) -> None:
-        """Take over what the folder holds on the same question; say so in a line when it is another one."""
+        """Take over the folder's results; `say` in a line if they answer another question or cannot be read."""
         self.path = folder / "points.json" if folder else None
         self.question, self.measured = question, Measured()
         if self.path is not None and self.path.exists():
             self._take_over(self.path, say)
 
     def save(self) -> None:
-        """Write down everything that is known by now."""
+        """Write everything measured so far."""
         if self.path is not None:
             content = {"question": self.question, **asdict(self.measured)}
             content["checksum"] = _checksum(content)
@@ -156,14 +156,14 @@ def _from_json(held: dict[str, Any]) -> Measured:
     return Measured(curves, timings, held["warm_up"], held["absent"])
 
 
-# What is called for a point of a curve, and that by kind.
+# The function that returns the call to be timed for a point of a curve; those functions by kind.
 _CallAt: TypeAlias = Callable[[Point], Callable[[], State]]
 _Calls: TypeAlias = Mapping[str, _CallAt]
 
 
 @dataclass(frozen=True)
 class _Contestant:
-    """A method, in given or in its own steps, or a solver of a peer: its curve, what is timed by kind, or why not."""
+    """A method, in given or in its own steps, or a peer's solver: its curve, and what is timed by kind, or why not."""
 
     key: str
     curve: Callable[[], Curve]
@@ -171,24 +171,24 @@ class _Contestant:
 
 
 def _contestants(study: Study) -> list[_Contestant]:
-    """All whose curves are made, in the order in which they are shown."""
+    """All whose curves are measured, in the order in which they are shown."""
     problem, once = study.problem, ONCE * study.limit
     found = list[_Contestant]()
     for method in study.methods:
         curve = partial(curve_of, method, problem, compiled=True, most=once)
         found.append(_Contestant(method.key, curve, partial(_calls_of_method, method, problem)))
-        with suppress(MethodError):  # of a method that does not tell its error
+        with suppress(MethodError):  # of a method without an error estimate
             found.append(_controlled(method, study))
     for peer in (peer for peer in study.peers if peer.installed):
         for name in peer.solvers:
-            key, solver = f"{peer.name} {name}", cache(partial(peer.on, problem, name))  # made when it is first used
+            key, solver = f"{peer.name} {name}", cache(partial(peer.on, problem, name))  # constructed when first used
             calls = partial(_calls_of_solvers, {peer.kind: solver}, float(problem.t))
             found.append(_Contestant(key, partial(_solver_curve, key, solver, study), calls))
     return found
 
 
 def _controlled(method: Method, study: Study) -> _Contestant:
-    """The method in steps of its own choice. Raises MethodError."""
+    """The method with step-size control. Raises MethodError."""
     solvers: dict[str, Callable[[], Solver]] = {
         kind: cache(partial(ControlledSolver, method, study.problem, compiled=kind == COMPILED))
         for kind in kinds_of_trajectories()
@@ -203,7 +203,7 @@ def _controlled(method: Method, study: Study) -> _Contestant:
 def _calls_of_method(method: Method, problem: Problem) -> tuple[_Calls, Mapping[str, str]]:
     try:
         runs = integrator(method, problem, compiled=True)
-    except MethodError:  # said by its curve
+    except MethodError:  # its curve says why
         return {}, {}
     return {kind: lambda point, call=call: call(point.steps or 0) for kind, call in runs.calls.items()}, runs.absent
 
@@ -226,7 +226,7 @@ def _solver_curve(key: str, solver: Callable[[], Solver], study: Study) -> Curve
 
 
 def solver_point(solver: Solver, tolerance: float, study: Study) -> Point:
-    """Errors and evaluations of one solve; where it does not arrive, the solver's own words."""
+    """Errors and evaluations of one solve; if it does not arrive, the solver's own message."""
     problem, setting = study.problem, f"{tolerance:.0e}"
     try:
         evaluations = solver.counted(tolerance, float(problem.t), solver.once * study.limit)
@@ -235,12 +235,12 @@ def solver_point(solver: Solver, tolerance: float, study: Study) -> Point:
         }
         sizes = errors(problem, states)
     except (ArithmeticError, ValueError) as error:  # math.log of a negative number is a ValueError
-        return Point(setting, None, remark=" ".join(str(error).split()))
+        return Point(setting, None, remark=error_summary(error))
     return Point(setting, evaluations, sizes, doubt(problem, 0, speed(problem)), largest_state_size(problem))
 
 
 def measure(study: Study, folder: Path | None, say: Say, progress: Progress = lambda more, done: None) -> Measured:
-    """All that the study asks for and `folder` does not hold already: first every error, then times in turns."""
+    """Measure all that the study asks for and `folder` does not have: first every error, then times in turns."""
     everybody, store = _contestants(study), ResultStore(folder, study.question(), say)
     measured, calls = store.measured, dict[str, Callable[[], object]]()
     progress(len(everybody), 0)
@@ -268,7 +268,7 @@ def measure(study: Study, folder: Path | None, say: Say, progress: Progress = la
 
 
 def _begin_timings(study: Study, measured: Measured, curve: Curve, made: _Calls) -> dict[str, Callable[[], object]]:
-    """The calls of the points that have errors, each with a timing begun; those not to be timed have a remark."""
+    """The calls of the points that have errors, each with a timing begun; those not to be timed get a remark."""
     calls: dict[str, Callable[[], object]] = {}
     points = [point for point in curve.points if isfinite(point.error)]
     for kind, call_at in (made if points else {}).items():
@@ -294,9 +294,9 @@ def _begin_timings(study: Study, measured: Measured, curve: Curve, made: _Calls)
 
 
 def doubtful(problem: Problem, point: Point, call: Callable[[], State]) -> str:
-    """A remark if what is to be timed does not reach the very state whose error is known; it may compile in that call.
+    """A remark if the timed call does not reach the very state whose error is known; that call may compile.
 
-    Of an ensemble that is not asked: functions of arrays round otherwise than functions of floats.
+    Ensembles are not checked: functions of arrays round otherwise than functions of floats.
     """
     try:
         same = distance_from_digits(call(), problem.reference.states[-1]) == point.error
@@ -306,11 +306,11 @@ def doubtful(problem: Problem, point: Point, call: Callable[[], State]) -> str:
 
 
 def _warm_up(measured: Measured, curve: Curve, kind: str, call_at: _CallAt, points: Sequence[Point]) -> float:
-    """The seconds of a second call at the first point; those of the first are kept apart."""
+    """The seconds of a second call at the first point; those of the first call are stored apart."""
     call, taken = call_at(points[0]), []
     for _ in range(2):
         before = perf_counter()
-        with suppress(ArithmeticError, ValueError):  # told apart by `doubtful`
+        with suppress(ArithmeticError, ValueError):  # reported by `doubtful`
             call()
         taken.append(perf_counter() - before)
     measured.warm_up.setdefault(timing_name(curve.key, kind), taken[0])
