@@ -23,7 +23,7 @@ _NEAR = 2.0**-6
 
 
 def _matrix(omega: Array, *, body: bool, last: bool) -> Array:
-    """The matrix of q -> q omega if `body`, else omega q; the scalar of q is its last number if `last`, or its first."""
+    """The matrix of q -> q omega if `body`, else omega q; the scalar of q is its last number if `last`, else the first."""
     x, y, z = omega
     sign = 1 if body else -1
     rows = [[0, -x, -y, -z], [x, 0, sign * z, -sign * y], [y, -sign * z, 0, sign * x], [z, sign * y, -sign * x, 0]]
