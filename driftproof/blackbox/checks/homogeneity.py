@@ -81,7 +81,7 @@ def _absolute_rounding(ray: Ray) -> CheckResult | None:
 
 
 def _first_break(ray: Ray, exponents: Sequence[int]) -> tuple[float, float] | None:
-    """The first neighbouring powers of two between which S(sz)/s changes by more than rounding; None if it never does."""
+    """The first neighbouring powers of two between which S(sz)/s changes by more than rounding; None if none do."""
     for k, m in pairwise(exponents):
         if apart(ray.over(2.0**m), ray.over(2.0**k)) > ray.runner.rounding:
             return 2.0**k, 2.0**m

@@ -23,9 +23,9 @@ from driftproof.blackbox.stepper.second_functions import zeros
 from driftproof.blackbox.stepper.state_forms import TOGETHER
 from driftproof.support.plain_text import Json
 
-# Step sizes at which the loss is compared; and one so short that a loss for each time is linear in h, in binary64.
+# Step sizes at which the loss is compared; and one so short that a loss per unit of time is linear in h, in binary64.
 _STEPS, _SHORT = (1.0, 0.5, 0.25, 2.0**-5, 2.0**-9), 2.0**-20
-# The parts of a rate and of a shown matrix that count as 0; the condition from which eigenvectors are useless.
+# The parts of a rate and of a shown matrix that count as 0; the condition number from which eigenvectors are useless.
 _LITTLE, _NONE, _WORST = 2.0**-10, 2.0**-20, 2.0**10
 # The factor of v in a step by the rate c: as text, and the rate from the eigenvalues D of a step.
 _LAWS: Mapping[str, Callable[[Any, float], Any]] = {
@@ -43,9 +43,9 @@ _Rows: TypeAlias = tuple[tuple[float, ...], ...]
 class Damping:
     """The factor of v in a step without a force: the `law` of h, 1 - `rate` h to first order, times `at_once`.
 
-    Both are matrices, 1 by 1 for a number; `at_once` is the factor of a step of no length, 1 for a drag. If the system
-    is built in, the factor is that of areas in phase space. `order` is the one measured with the drag -c v besides the
-    force, None if it was not measured.
+    Both are matrices, 1 by 1 for a scalar v; `at_once` is the factor in the limit h -> 0, the identity for a true drag.
+    If the system is built in, the factor is that of areas in phase space. `order` is measured with the drag -c v added
+    to the force, None if it was not.
     """
 
     law: str
@@ -56,7 +56,7 @@ class Damping:
 
     @property
     def faults(self) -> list[str]:
-        """The fault of a factor in each step, however short: the loss in a time then depends on h."""
+        """The fault of a factor that every step has, however short: the loss per unit of time then depends on h."""
         if (np.array(self.at_once) == np.eye(len(self.at_once))).all():
             return []
         what = "the area in phase space" if self.built_in else "the velocity"
@@ -93,12 +93,12 @@ class Damping:
 
     @property
     def data(self) -> dict[str, Json]:
-        """The law and the faults for programs."""
+        """The law, the rate and the faults for programs."""
         return {"law": self.law or None, "rate": _shown(np.array(self.rate)), "faults": list(self.faults)}
 
 
 def read_damping(subject: ForeignStepper) -> Damping:
-    """Read what a step takes from v besides its force. Raises UnsupportedCall if that is nothing, and NotReadable."""
+    """Read the factor that a step applies to v. Raises UnsupportedCall if there is none, NotReadable if it is no drag."""
     if subject.convention.kind not in (FORCE, MAP):
         raise UnsupportedCall("what a right-hand side does to v is its own")
     built_in = subject.convention.kind == MAP
@@ -140,7 +140,7 @@ def _short(subject: ForeignStepper) -> float:
 
 
 def _shown(matrix: Array, text: Callable[[float], str] = "{:.6g}".format, *off: float) -> str:
-    """The matrix in rows, a multiple of 1 as one number; entries that may be rounding or `off` are 0."""
+    """The matrix as text, a multiple of the identity as one number; entries within rounding or `off` are shown as 0."""
     slack = max([_NONE * float(np.abs(matrix).max()), *off])
     if np.abs(matrix - matrix[0, 0] * np.eye(len(matrix))).max() <= slack:
         return text(float(matrix[0, 0]))
@@ -198,7 +198,7 @@ def _area_factor(subject: ForeignStepper, h: float) -> Array:
 
 
 def _follows_drag(subject: ForeignStepper, rate: float) -> bool:
-    """True if short steps follow q' = v, v' = -k q - c v with any k > 0, as far as h and rounding show."""
+    """True if short steps follow q' = v, v' = -k q - c v for some k > 0, as far as h and rounding show."""
     h = _short(subject)
     (a, c), (b, d) = subject.step(1.0, 0.0, h), subject.step(0.0, 1.0, h)
     slopes = zip((a - 1, b, d - 1), (0.0, 1.0, -rate), strict=True)

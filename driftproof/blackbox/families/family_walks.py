@@ -20,9 +20,9 @@ from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.blackbox.stepper.second_functions import SecondFunction, with_functions, zeros
 from driftproof.symbolic.algebra.certified import enclose
 
-# The bits of a difference in balls, so short that the quotient is right to the last bit where numbers are of size 1.
+# The precision and the length of a difference in balls: its quotient is right to the last bit of a float of size 1.
 _BITS, _STEP = 256, 2.0**-100
-# The most iterations of stages: each gains a bit at least, as h g' contracts, until they are settled.
+# The most iterations of the stages, and when they have settled: each gains at least a bit, since h g' contracts.
 _ROUNDS, _SETTLED = 400, 2.0**-150
 # A difference quotient for df/dt in floats is off by a few times the square root of u.
 DIFFERENCES = 4

@@ -22,16 +22,16 @@ from driftproof.symbolic.additive import AdditiveFacts
 
 # The step sizes at which errors are measured: h = 2**-k.
 _HALVINGS = range(2, 9)
-# Order conditions of coefficients as read, or as printed, leave no more than this.
+# Order conditions count as satisfied up to this: errors of reading, and of printed decimals, leave less.
 _READ = Fraction(1, 10**9)
 # A method that differs in more entries than this is another one.
 _FEW_DIFFERENCES = 2
-# The most differences shown: chosen for a reader.
+# The most differences shown: chosen, as readers take in no more.
 _MOST_SHOWN = 6
 # Solvers in use stop at an error of 1e-6 or less for numbers of size 1.
 _SOLVED = 1e-6
-# Elsewhere a solver leaves at most this many times as much as here, since it stops by the same change or residual; an
-# error below the second number does not matter.
+# In steps elsewhere a solver may leave this many times the error seen here, since it stops by the same change or
+# residual; errors below the second number do not matter.
 _SOLVER, _WELL_SOLVED = 64, 2.0**-30
 
 

@@ -17,9 +17,9 @@ from driftproof.blackbox.stepper.second_functions import SecondFunction, with_fu
 from driftproof.symbolic.rounding.formats import FloatFormat
 
 IMEX_PARTS = ("explicit", "implicit")
-# Fewer clocks than this suffice: but in contrived tables, stages that two of them do not tell apart are equal.
+# Fewer clocks than this are tried: except in contrived tables, stages that two do not tell apart are equal.
 _FEWER_CLOCKS = 3
-# The size of h f' and h g', so that our own iteration contracts, and the rounds after which 2**-80 is left.
+# The size of h f' and h g', so that our own iteration contracts, and the rounds after which less than 2**-80 is left.
 _BEND, _ROUNDS = 0.125, 80
 # A solver that converges leaves less in nonlinear equations, and other stages leave more.
 _UNSOLVED = 2.0**-14

@@ -149,7 +149,7 @@ class MagneticReading:
 
     @property
     def _kicks(self) -> str:
-        """The kicks in words, if they are no half kicks; else ""."""
+        """The kicks in words if they are not half kicks; else ""."""
         if not self.electric or self._is(self.kick, _BOTH_HALVES) or self.faults:
             return ""
         whole = {(1.0, 0.0): "the whole kick before it", (0.0, 1.0): "the whole kick after it"}

@@ -16,7 +16,7 @@ from driftproof.blackbox.stepper.calling_conventions import ELECTRIC
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.blackbox.stepper.turning import Push, Pushed, step_in_fields
 
-# Axes of B of whole lengths, two of them oblique: its length counts, and not its components.
+# Axes of B whose lengths are whole numbers, two of them oblique: only |B| may count, and not its components.
 _AXES = ((0.0, 0.0, 1.0), (1.0, 2.0, 2.0), (-6.0, 2.0, 3.0))
 # Two step sizes with the same h B, and so with the same rotation.
 _STEPS = (1.0, 0.25)
@@ -34,7 +34,7 @@ def read_magnetic(subject: ForeignStepper) -> MagneticReading:
 
 
 class _Probe:
-    """Steps in fields of ours, with B along these axes, or without axes in the plane, with B across it."""
+    """Steps in fields of ours, with B along these axes; without axes in the plane, with B across it."""
 
     def __init__(self, subject: ForeignStepper, axes: Sequence[Sequence[float]] | None) -> None:
         self.subject = subject
@@ -143,7 +143,7 @@ class _Probe:
     def _other_elsewhere(
         self, r: complex, kick: complex, push: float, moved: tuple[complex, complex, Sequence[float]] | None
     ) -> str:
-        """What shows that a step from another x, with both fields oblique, is not made of what was read; or ""."""
+        """What shows that a step elsewhere, with both fields oblique, is not made of what was read; "" if it is."""
         axis, h, allowed = len(self.frames) - 1, 0.5, self.rounding.of(32.0)
         frame = self.frames[axis]
         along = frame[2:].sum(axis=0)

@@ -27,7 +27,7 @@ _MOST_STEPS = 8
 # The residual of an explicit recurrence is rounding; that of solvers in use is 1e-6 or less for numbers of size 1. A
 # solver that stops earlier leaves less than the third, an F evaluated elsewhere more.
 _EXACT, _SOLVED, _UNSOLVED = 0.0, 1e-6, 2.0**-10
-# Further runs to satisfy a recurrence: h, the start, and how many steps; h may be a difference, so times are exact.
+# Further runs that must satisfy it: h, the start, and how many steps. Times are exact, since h may be a difference.
 _OTHER_RUNS = ((0.5, 3.0, RUN_LENGTH), (0.75, 1.0, RUN_LENGTH), (2.0**-12, 117.5, RUN_LENGTH))
 # Runs that may fail: numbers may grow, and many codes refuse to step back.
 _HARDER_RUNS = ((0.75, 1.0, 5 * RUN_LENGTH), (-0.5, 2.0, RUN_LENGTH))
@@ -42,7 +42,7 @@ FORWARD_EULER = Multistep(
 
 
 class NoRecurrence(NotReadable):
-    """The steps satisfy no linear recurrence, whichever its coefficients."""
+    """The steps satisfy no linear recurrence, whatever its coefficients."""
 
     kind = "no_recurrence"
 
@@ -129,9 +129,8 @@ class RecurrenceReading:
     """The recurrence of a stepper, the method that has it (or None), and where its right-hand side F is evaluated.
 
     `late` counts the steps after the first k - 1 that do not satisfy it yet. `left` is the residual of later steps,
-    relative to the terms, or 0 if it is rounding. `asked` says where F is evaluated if not at the returned states. If
-    that is at predicted states, `predictor` is the explicit method that predicts them, and `corrections` counts
-    corrections.
+    relative to the terms, or 0 if it is rounding. `asked` says where F is evaluated if not at the returned states; if
+    that is at predicted ones, `predictor` is the explicit method, and `corrections` the number of corrections.
     """
 
     recurrence: Recurrence
@@ -209,7 +208,7 @@ def read_recurrence(runs: MarkedRuns, asked: Multistep | None = None) -> Recurre
     known = [(Recurrence.of(m, fmt), m) for m in (*own, *candidates(runs.derivative))]
     kept = ((r, m) for r, m in known if r.kept(marked, tolerance_of(m)))
     exact, method = min(kept, key=lambda each: each[0].left_later(marked), default=(read, None))
-    # Errors of reading are in the coefficients of a method that is not known.
+    # The coefficients of an unknown method carry the errors of reading.
     tolerance = tolerance_of(method) if method is not None else 2 * (len(read.rho) + len(read.sigma)) * read.error
     for trial in (*_OTHER_RUNS, *_HARDER_RUNS):
         h, t, steps = trial

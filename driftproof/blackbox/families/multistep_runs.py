@@ -17,9 +17,9 @@ from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 
 # The multiples of the golden mean, modulo 1, lie far apart: no two answers of a run are alike, and no few related.
 _GOLDEN = 0.6180339887498949
-# Answers differ from sixteenth to sixteenth of a step, so that the stages of the first steps get their own ones.
+# Answers differ between sixteenths of a step, so that the stages of the first steps get different ones.
 _PLACES = 16
-# How many numbers a right-hand side has, the largest count first; some codes take one.
+# The numbers of components to try, the largest first; some codes take only one.
 _SIZES = (3, 2, 1)
 # The steps compared: more than the start of any method of the catalogue has.
 _LOOKED_AT = 8
@@ -58,9 +58,9 @@ def course(
 
 @dataclass(frozen=True)
 class MarkedRuns:
-    """Runs of one subject on slopes that are marked by the time, by a clock among its numbers, or else by the state.
+    """Runs of one subject on slopes that are marked by the time, by a clock in y, or else by the state.
 
-    `size` is how many numbers it has, or positions for y'' = F(y), without the clock.
+    `size` is the number of components, or of positions for y'' = F(y), without the clock.
     """
 
     subject: ForeignStepper
@@ -70,7 +70,7 @@ class MarkedRuns:
 
     @classmethod
     def of(cls, subject: ForeignStepper) -> MarkedRuns:
-        """Runs with as many numbers as the subject takes. Raises UnsupportedCall, or the Misbehaviour of one number."""
+        """Runs with as many components as the subject takes. Raises UnsupportedCall, or the Misbehaviour with one."""
         if subject.convention.kind == FORCE:
             timed = gives_force_times(subject.fresh(subject.shortest))
             return cls(subject, 1, clock=False, by_place=not timed)
@@ -141,12 +141,12 @@ class MarkedRuns:
 
 
 def _mark(number: int, place: AnyNumber) -> float:
-    """A number between -1 and 1, a different one for each place and each number of y."""
+    """A number between -1 and 1, a different one for each place and each component."""
     return 2 * ((round(float(place)) * _GOLDEN * (number + 1) + 0.3 * number) % 1.0) - 1
 
 
 def remembers(subject: ForeignStepper) -> bool:
-    """True if a step after others differs from one from the same state at once; False if that cannot be seen."""
+    """True if a step after others differs from one taken afresh from that state; False if that cannot be seen."""
     try:
         return _departs(subject)
     except (UnsupportedCall, Misbehaviour):
@@ -154,7 +154,7 @@ def remembers(subject: ForeignStepper) -> bool:
 
 
 def _departs(subject: ForeignStepper) -> bool:
-    """The same as `remembers`. Raises UnsupportedCall, or the Misbehaviour that comes instead of a step."""
+    """Like `remembers`, but raises UnsupportedCall, or the Misbehaviour that comes instead of a step."""
     if subject.shortest > 1:
         return True
     runs = MarkedRuns.of(subject)
@@ -167,7 +167,7 @@ def _departs(subject: ForeignStepper) -> bool:
 
 
 def later_steps(subject: ForeignStepper) -> tuple[bool | None, str, str]:
-    """Whether a run goes on as it begins, in words; None for single steps, or if there is no long run."""
+    """Whether later steps of a run are like its first, in words; None for single steps, or if no run is seen."""
     if not subject.convention.run:
         return None, "single steps are made, not runs", ""
     try:

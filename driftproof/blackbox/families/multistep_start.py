@@ -1,4 +1,4 @@
-"""The start of a multistep stepper: which method makes its first steps, and what their errors cost a run."""
+"""The start of a multistep stepper: which method makes its first steps, and the order that their errors leave."""
 
 from __future__ import annotations
 
@@ -142,7 +142,7 @@ def _same_step(
 
 
 def _error(subject: ForeignStepper, problem: NonlinearProblem, h: float, steps: int) -> float:
-    """The largest error after this many steps: of all numbers, or of the positions if y'' = F."""
+    """The largest error after this many steps: of all components, or of the positions if y'' = F."""
     start = [float(x.mid()) for x in problem.solution(arb(START))]
     end = course(subject, problem, START, start, h, max(steps, subject.shortest))[steps]
     exact = problem.solution(arb(START) + h * steps)

@@ -16,14 +16,14 @@ from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.blackbox.stepper.turning import turn_quaternion
 from driftproof.support.plain_text import Json
 
-# Two axes of length 1 to one rounding, no two components alike: a step must not prefer one.
+# Two unit vectors, exact to one rounding, with no two components alike: a step must not prefer one.
 _AXES = (np.array([2.0, 3.0, 6.0]) / 7, np.array([-6.0, 2.0, 3.0]) / 7)
 # The relative error allowed in a rate that is read from a short step, which errs by O(h) and by u/h.
 _NEAR = 2.0**-6
 
 
 def _matrix(omega: Array, *, body: bool, last: bool) -> Array:
-    """The matrix of q -> q omega if `body`, else omega q; the scalar of q is its last number if `last`, else the first."""
+    """The matrix of q -> q omega if `body`, else omega q; the scalar of q is its last number if `last`."""
     x, y, z = omega
     sign = 1 if body else -1
     rows = [[0, -x, -y, -z], [x, 0, sign * z, -sign * y], [y, -sign * z, 0, sign * x], [z, sign * y, -sign * x, 0]]
@@ -156,7 +156,7 @@ def _columns(subject: ForeignStepper, omega: Array, h: float) -> Array:
 
 
 def _normalised(subject: ForeignStepper, rounding: Rounding) -> bool:
-    """True if the step sets the length to 1. Raises NotReadable if it is not linear otherwise, or remembers."""
+    """True if the step sets the length to 1. Raises NotReadable if it is otherwise not linear, or remembers."""
     q, omega = [0.5, -0.5, 0.5, 0.5], [0.5, 1.0, -0.25]
     one, two, again = (np.array(turn_quaternion(subject, [k * x for x in q], omega, 0.5)) for k in (1, 2, 1))
     if (one != again).any():

@@ -32,9 +32,9 @@ from driftproof.symbolic.rosenbrock import RosenbrockFacts
 
 # The step sizes at which errors are measured: h = 2**-k.
 _HALVINGS = range(1, 9)
-# Order conditions of a table printed in decimals leave no more than this.
+# Order conditions count as satisfied up to this: errors of printed decimals leave less.
 _PRINTED = Fraction(1, 10**9)
-# The most differences shown: chosen for a reader.
+# The most differences shown: chosen, as readers take in no more.
 _MOST_SHOWN = 6
 
 
@@ -97,7 +97,7 @@ class _Products:
         return found
 
     def time_slope_differs(self, reading: RosenbrockReading) -> bool:
-        """True if df/dt enters with other weights, to rounding, or to the error of differences if it is by these."""
+        """True if df/dt enters with other weights, to rounding, or to the error of differences if it is made of these."""
         if reading.time_slope is None:
             return False
         rounding = self._rounding(reading)
@@ -117,8 +117,7 @@ def _floats(method: Rosenbrock) -> tuple[Array, Array, Array]:
 def _near(reading: RosenbrockReading, method: Rosenbrock) -> Iterator[str]:
     """The single entries of a method that, with another value, give what was read: the products are affine in each.
 
-    A path through a triangular matrix takes an entry below its diagonal at most once; other entries fail the
-    comparison.
+    A path through a triangular matrix takes an entry below its diagonal at most once; others fail the comparison.
     """
     names, floats, powers = ("alpha", "gamma", "b"), _floats(method), len(reading.weights)
     if len(_Products(*floats, powers).nodes) != reading.calls:
@@ -154,8 +153,8 @@ def _shown(reading: RosenbrockReading, numbers: Iterable[float]) -> str:
 class RosenbrockIdentity:
     """The products of a step, the method that has them, and the orders measured with f' and with half of it as J.
 
-    `method` is of the catalogue, or the one asked for, or None if none has them; `near` says which method has them but
-    for one entry.
+    `method` is of the catalogue, or the one asked for, or None if none has them; `near` is one that differs in one
+    entry, in words.
     """
 
     reading: RosenbrockReading

@@ -17,7 +17,7 @@ from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.blackbox.stepper.second_functions import with_functions
 from driftproof.symbolic.rounding.formats import FloatFormat
 
-# How many numbers y has, the largest count first: n of them show the powers of gamma up to n - 1.
+# The numbers of components to try, the largest first: n of them show the powers of gamma up to n - 1.
 _SIZES = (8, 4, 3, 2)
 # Calls at the start but nearer to its time than this part of h are differences for df/dt.
 _DIFFERENCE = 2.0**-6
@@ -49,7 +49,7 @@ class RosenbrockReading:
 
     @property
     def slack(self) -> float:
-        """The error of a df/dt by differences in floats; 0 if it is had otherwise."""
+        """The error of a df/dt by differences in floats; 0 if there are none."""
         return float(self.format.u) ** 0.5 if self.by == "differences" else 0.0
 
     @property
@@ -103,7 +103,7 @@ class _Step:
 
 class _Probe:
     def __init__(self, subject: ForeignStepper) -> None:
-        """Take a first step, on as many numbers as the stepper takes, and tell its calls apart."""
+        """Take a first step, with as many components as the stepper takes, and tell its calls apart."""
         self.subject = subject
         for self.size in _SIZES:
             try:

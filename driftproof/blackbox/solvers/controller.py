@@ -43,15 +43,16 @@ _LEAST_SAFETY = 0.5
 _NO_TOLERANCE = "it takes no tolerance: its steps are of one length"
 # The largest denominator of an exponent: controllers in use have 1/5, 7/50, 17/100, ...
 _MOST_DENOMINATOR = 120
-# In units of u, for t up to 8: slopes change by up to 13 in a unit of time, and h times the sum of the absolute weights
-# is below 4. A step that ends elsewhere is off by far more.
+# In units of u: t is up to 8, slopes change by up to 13 in a unit of time, and h times the sum of the absolute weights
+# is below 4, so that rounding makes 416. A step that ends elsewhere is off by far more.
 _TRACE = 2.0**9
 
 
 class Attempt(NamedTuple):
     """One attempt at a step; `accepted` if the run goes on from its end.
 
-    `rejections` counts the rejected attempts in a row, this one included; `factor` is the next h over this, or None.
+    `rejections` counts the rejected attempts in a row, this one included. `factor` is h of the next attempt over h of
+    this one, or None if that is not known.
     """
 
     start: float
@@ -164,7 +165,7 @@ def _of_another_order(law: Law) -> Iterator[str]:
 
 
 def _run(subject: ForeignSolver) -> tuple[Solution, float]:
-    """The run and its absolute tolerance. Raises DoesNotEnd if it ends at neither of two."""
+    """The run and its absolute tolerance, the larger one if need be. Raises DoesNotEnd if both are too small."""
     solved = partial(subject.solve, lambda n, t, y: [bumps(t)], _SPAN, (0.0,), _RTOL)
     try:
         return solved(_ATOL), _ATOL

@@ -175,7 +175,7 @@ def _varying(subject: ForeignSolver) -> SolverMemory:
 
 
 def _of_stretches(run: Solution, known: Sequence[Multistep]) -> Iterator[str]:
-    """The key of the one known method that gives a step from those of its size before it, for each such step."""
+    """For each step after others of its size, the key of its method, if exactly one known method gives it."""
     states, true = np.array(run.y), np.array([*map(_solution, run.t)])
     slopes = np.array([_quadrature(t) for t in run.t])
     recurrences = [(m.key, each, _OF_TIMES * each.rounding) for m in known for each in [Recurrence.of(m, run.format)]]

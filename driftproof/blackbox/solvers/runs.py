@@ -104,7 +104,7 @@ def _of_one(slope: Callable[[float, float], float]) -> RunSlopes:
 
 
 def _clock(subject: ForeignSolver) -> tuple[list[str], list[str]]:
-    """See where the last step ends, whether there is one too many, and in which format time is kept."""
+    """Check where the last step ends, whether there is one too many, and in which format time is kept."""
     run = subject.solve(lambda n, t, y: [1.0, y[0]], _SPAN, (0.0, 0.0), _RTOL, _ATOL)
     end, t = _SPAN[1], run.t
     if len(t) < 2:
@@ -236,7 +236,7 @@ def _tolerance(subject: ForeignSolver) -> tuple[list[str], list[str]]:
 def _requested(
     subject: ForeignSolver, problem: NonlinearProblem, span: tuple[float, float]
 ) -> tuple[list[str], list[str]]:
-    """The error at the end for each rtol, also over rtol, and the power of rtol that the errors follow."""
+    """For each rtol, the error at the end and its multiple of rtol; then the power of rtol that the errors follow."""
     runs = [_solved(subject, problem, span, rtol=rtol, atol=rtol * 1e-3) for rtol in _TOLERANCES]
     if failed := next((run for run in runs if run.complaint), None):
         return [f"it ends at t = {failed.t[-1]:.6g} and says: {failed.complaint}"], []
