@@ -1,6 +1,6 @@
 """Borders between states that a negligible step leaves unchanged and states that it changes, found to the float.
 
-What a step too short to move anything changes is no dynamics but a rule about states, such as a cap or a reset.
+A step too short to move anything changes a state only by a rule about states, such as a cap or a reset.
 """
 
 from __future__ import annotations
@@ -103,7 +103,7 @@ def border(
 ) -> Border | None:
     """The first border on the way from `start`, which is left unchanged, along the points; None if there is none.
 
-    Overflow is such a border as well, from the first state without a finite answer. The `hints` are likely places.
+    Overflow is such a border as well, from the first state without a finite answer. The `hints` are tried first.
     """
     last = start
     for place, x in enumerate(points):
@@ -132,7 +132,7 @@ def _beyond_as(trial: Trial, short: NegligibleStep, at: Callable[[float], Trial]
 def edge(
     changed: Callable[[float], bool], kept: float, gone: float, runner: TrialRunner, hints: Sequence[Neighbours] = ()
 ) -> Neighbours:
-    """Neighbours a, b of the format between `kept` and `gone`, with a not changed and b changed, as the two ends are.
+    """Neighbours a, b of the format between `kept` and `gone`, with a unchanged and b changed, as these ends are.
 
     Both ends have one sign, or `kept` is 0. The hints, which are neighbours in the same order, are tried first, then
     numbers with few digits, as most thresholds have.

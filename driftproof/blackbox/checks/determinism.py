@@ -27,7 +27,7 @@ from driftproof.symbolic.rounding.formats import FloatFormat
 
 # A last bit at random is the same in this many calls once in 128.
 _REPETITIONS = 8
-# Up to this many ulp are those of another order of summation: no sum in the catalogue has more than 18 terms.
+# Differences up to this many ulp are those of another order of summation: no sum in the catalogue has over 18 terms.
 _FEW_ULPS = 16
 _THIRD: PhasePoint = (-1.4142135623730951, -0.2360679774997898)
 CALL_BEFORE = "the answer depends on the call before"

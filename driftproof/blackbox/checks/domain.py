@@ -22,8 +22,7 @@ from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 CAPPED, RESET, REFUSED, OVERFLOWS, CHANGED = "capped", "reset", "refused", "overflows", "changed"
 _RANGES = ("position_range", "velocity_range")
 _PLURALS = ("positions", "velocities")
-# Far out, a rule changes a state by more than this part of its size, a strong force in so short a step only by
-# rounding.
+# Far out, a rule changes a state by more than this part of its size, a strong force in so short a step by rounding.
 _PLAIN = 2.0**-10
 # Sums of stages overflow a few binades early; a step that overflows earlier by this factor multiplies states.
 _EARLY = 2.0**-24
@@ -78,7 +77,7 @@ def domain(subject: ForeignStepper) -> tuple[CheckResult, ...]:
 
 
 def _outwards(short: NegligibleStep, component: int, sign: int, before: Sequence[Rule]) -> Rule | None:
-    """The rule for large values of one component and sign; the borders found `before` are often those here, too.
+    """The rule for large values of one component and sign; the borders of the rules found `before` are tried first.
 
     The way out starts from the state, or from 0 for the other sign.
     """
@@ -91,7 +90,7 @@ def _outwards(short: NegligibleStep, component: int, sign: int, before: Sequence
 
 
 def _rule_of(short: NegligibleStep, component: int, seen: Border) -> Rule | None:
-    """The rule behind the border; None if it is only a strong force that begins to act."""
+    """The rule behind the border; None if it is only a strong force that begins to be felt."""
     first = seen.beyond[0]
     if first.answer is None and not first.overflowed:
         return Rule(REFUSED, component, seen, more=first.refusal)

@@ -30,7 +30,7 @@ _LARGE = (0, 1, 3, 5, 8, 12, 20, 40, 100, 300, 700)
 # At _SOON times the size at which it shows first, a smooth departure, as the sixth power of the size or less, has grown
 # by less than _SHARP; one that begins at a border has grown by more, or is above _PLAIN of the whole.
 _SOON, _SHARP, _PLAIN = 4.0, 2.0**16, 2.0**-4
-# If the step changes within this factor, it is the same nowhere.
+# A step that changes within this factor is linear nowhere.
 _NEXT = 1 + 2.0**-20
 
 
@@ -194,7 +194,7 @@ def _departure(ray: Ray, low: float, s: float) -> float:
 
 
 def _leaves_domain(short: NegligibleStep, ray: Ray, low: float, s: float) -> bool:
-    """True if a rule changes the state itself, or the one that a linear step would reach, without any motion."""
+    """True if a rule about states changes the state itself, or the one that a linear step would reach."""
     straight = ray.over(low)
     states = [ray.z] if straight is None else [ray.z, straight]
     scaled = [[ray.runner.number(s * x) for x in z] for z in states]

@@ -100,7 +100,7 @@ def _ignored(taken: _Taken) -> CheckResult:
 
 
 def _capped(taken: _Taken) -> _Found | None:
-    """The finding that all long steps are one step; None if they are not."""
+    """The finding that all long steps are taken with one h; None if they are not."""
     if not taken.alike(_LONGEST / 2, _LONGEST):
         return None
     unlike = next(h for h in reversed(_LENGTHS) if not taken.alike(h, _LONGEST))
@@ -109,7 +109,7 @@ def _capped(taken: _Taken) -> _Found | None:
 
 
 def _raised(taken: _Taken) -> _Found | None:
-    """The finding that all short steps are one step, or none; None if they are not."""
+    """The finding that all short steps are taken with one h, or do nothing; None if neither is so."""
     least = taken.shortest
     if taken.runner.grain or not taken.alike(least, 2.0**10 * least):
         return None
@@ -201,7 +201,7 @@ def _closes_in(places: Sequence[float]) -> bool:
 
 
 def _by_halves(runner: TrialRunner) -> CheckResult:
-    """Check where S(h) = S(h/2) S(h/2) begins to hold: only for an even number of sub-steps, or the exact flow.
+    """Check where S(h) = S(h/2) S(h/2) begins to hold, as it does only for sub-steps in even number or the exact flow.
 
     For very short steps it holds to rounding for every method: what counts is that it begins to hold as h grows.
     """

@@ -52,7 +52,7 @@ def checks_of(outcomes: Sequence[Outcome]) -> tuple[CheckResult, ...]:
 
 
 def _unanswered(key: str, outcome: Outcome) -> tuple[CheckResult, ...]:
-    """The results of a check without an answer: it stays open, and a crash is a fault besides."""
+    """The results of a check without an answer: it stays open, and a crash is a fault as well."""
     title = key.replace("_", " ")
     if outcome.kind in NO_EVIDENCE:
         return (CheckResult(key, None, f"{title}: undecided: {outcome.seen}"),)

@@ -25,8 +25,8 @@ TYPICAL_STEP = 0.25
 # A step size with many bits.
 IRREGULAR_STEP = 0.2
 # Defects up to this many u count as rounding: a term of the longest step in the catalogue (ssprk40_2) passes some 1060
-# roundings if every order is the worst and every coefficient is computed, and a solver of implicit stages that aims at
-# full accuracy stops below.
+# roundings in the worst order with every coefficient computed, and an implicit solver that aims at full accuracy stops
+# below.
 _ROUNDINGS = 1024
 # Sizes of states: a stepper may be made for a small domain, as a car in a valley has speeds below 0.07.
 SIZES = (1.0, 2.0**-3, 2.0**-6, 2.0**-9)
@@ -50,8 +50,7 @@ class TrialRunner:
     """A stepper on trial; `format` is that of the numbers it returns, or a narrower one that holds them all.
 
     `grain` is the spacing of its answers if a rule rounds them, else 0. `size` is 1, or a smaller power of two that
-    brings ordinary states into a small domain. `made` keeps the trials if a call is known to give the same answer
-    again.
+    brings ordinary states into a small domain. `made` keeps the trials if calls are known to repeat.
     """
 
     subject: ForeignStepper
@@ -196,7 +195,7 @@ class Trial:
 class CheckResult:
     """One sentence about a stepper; `key` says what it is about.
 
-    `holds` is True if a duty is done or a trait is there, False if not, and None if that was not or cannot be decided.
+    `holds` is True if a duty is fulfilled or a trait is there, False if not, and None if that was not decided.
     """
 
     key: str
