@@ -64,7 +64,7 @@ def _linear(runner: TrialRunner, rays: Sequence[Ray]) -> tuple[CheckResult, ...]
 
 
 def _small(runner: TrialRunner) -> list[int]:
-    """The small exponents at which rounding is relative: below _SUMS 2**emin, eta/2 a sum is more than u of it."""
+    """The small exponents with relative rounding: below _SUMS 2**emin, eta/2 for a sum is more than u of it."""
     return [k for k in _SMALL if 2.0**k >= _SUMS * 2.0**runner.format.emin]
 
 

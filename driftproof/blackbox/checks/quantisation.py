@@ -32,7 +32,7 @@ def quantisation_of(numbers: Sequence[float]) -> Quantisation | None:
     decimals = next((k for k in range(1, _DECIMALS) if all(round(x, k) == x for x in numbers)), None)
     if decimals is not None:
         return Quantisation(10.0**-decimals, f"answers are rounded to {decimals} decimal{'s' * (decimals > 1)}")
-    last = max(Fraction(x).denominator.bit_length() - 1 for x in numbers)  # bits behind the point
+    last = max(Fraction(x).denominator.bit_length() - 1 for x in numbers)  # bits after the point
     if last <= _FIXED_POINT and not _fills_a_format(numbers):
         return Quantisation(2.0**-last, f"answers are multiples of 2**-{last}")
     return None

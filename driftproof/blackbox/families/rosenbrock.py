@@ -97,7 +97,7 @@ class _Products:
         return found
 
     def time_slope_differs(self, reading: RosenbrockReading) -> bool:
-        """True if df/dt enters with other weights, to rounding and to the error of the differences that it is made of."""
+        """True if df/dt enters with other weights, to rounding, and to the error of differences if these make it."""
         if reading.time_slope is None:
             return False
         rounding = self._rounding(reading)

@@ -108,7 +108,7 @@ def factors_of(method: RungeKutta | Collocation, z: complex) -> tuple[complex, c
 
 
 def turn_of(factors: Sequence[complex], rounding: Rounding) -> Turn:
-    """The rotation with these factors at TURN_ANGLES: the first method that fits them all, with or without a mistake."""
+    """The rotation with these factors at TURN_ANGLES: the first method that fits them all, perhaps with a mistake."""
     allowed, pairs = rounding.of(4.0), list(zip(TURN_ANGLES, factors, strict=True))
     candidates = product(_TIMES, (1, 2), (False, True), _METHODS)
     fits = (made for made in candidates if all(abs(_factor(*made, x) - r) <= allowed * (1 + abs(r)) for x, r in pairs))
