@@ -42,8 +42,6 @@ ROUNDING, COEFFICIENTS, NONLINEAR_STEP, ORDER = "Rounding", "Coefficients", "Non
 ERROR_ESTIMATE, DENSE_OUTPUT, STATE_FORMS = "Error estimate", "Dense output", "State"
 # The criteria of a single step, which decide whether it is the method's; the other criteria must not fail.
 OF_ONE_STEP = (ROUNDING, COEFFICIENTS, NONLINEAR_STEP, ORDER)
-
-
 # Whether an answer passes (None: not seen), the finding as lines and as JSON data, and what would decide it.
 Judged: TypeAlias = tuple[bool | None, Sequence[str], dict[str, Any], str]
 

@@ -109,10 +109,10 @@ def _sections(name: str, seen: Seen, rounding: Outcome | None) -> tuple[Section,
         ("Order", _orders(seen)),
         ("One-step matrix", [] if seen.fit is None else seen.fit.lines),
         ("Damping", damping.lines if damping and not damping.faults else []),
-        ("Error estimate", _beside(seen.estimate)),
-        ("Dense output", _beside(seen.dense)),
+        ("Error estimate", _returned_besides_y1(seen.estimate)),
+        ("Dense output", _returned_besides_y1(seen.dense)),
         ("Rounding", [] if rounding is None or rounding.failed else rounding.result.lines),
-        ("Stepper", [*_introduced(seen), *filter(None, [seen.arithmetic])]),
+        ("Stepper", [*_stepper_lines(seen), *filter(None, [seen.arithmetic])]),
     )
     answers = sections(("Not answered", each_once(f"{o.kind}: {o.seen}" for o in failed)))
     return (*evidence, *_checks([check for check in seen.checks if not check.is_fault]), *answers)
@@ -160,14 +160,14 @@ def _questions(seen: Seen, rounding: Outcome | None) -> Sequence[Outcome]:
     return questions if rounding is None else (*questions, rounding)
 
 
-def _introduced(seen: Seen) -> list[str]:
+def _stepper_lines(seen: Seen) -> list[str]:
     if seen.introduction.failed:
         return []
     opened: Introduction = seen.introduction.result
     return [SIGNATURES[opened.calls], f"takes {opened.numbers}, works in {opened.format}"]
 
 
-def _beside(outcome: Outcome) -> list[str]:
+def _returned_besides_y1(outcome: Outcome) -> list[str]:
     """The lines on an error estimate or a dense output, which is returned besides y1."""
     found: JudgedEstimate | JudgedDense | None = outcome.result
     return [] if found is None else [*found.lines, *found.faults]

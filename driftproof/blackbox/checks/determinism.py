@@ -37,8 +37,8 @@ SAME, _MEMORY = "same_answer_twice", "no_memory"
 def repeats(subject: ForeignStepper) -> tuple[CheckResult, ...]:
     """Check that a call gives the same bits again, at once and after other calls."""
     runner = TrialRunner(subject)
-    at_once = [_asked(runner) for _ in range(3)]
-    after = [_asked(runner, other) for other in (ANOTHER, _THIRD, ANOTHER, _THIRD)]
+    at_once = [_fixed_call(runner) for _ in range(3)]
+    after = [_fixed_call(runner, other) for other in (ANOTHER, _THIRD, ANOTHER, _THIRD)]
     if all(same(answer, at_once[0]) for answer in (*at_once, *after)):
         return (
             CheckResult(SAME, True, "the same call gives the same bits"),
@@ -49,7 +49,7 @@ def repeats(subject: ForeignStepper) -> tuple[CheckResult, ...]:
     return _varies(runner)
 
 
-def _asked(runner: TrialRunner, before: PhasePoint | None = None) -> PhasePoint:
+def _fixed_call(runner: TrialRunner, before: PhasePoint | None = None) -> PhasePoint:
     """The answer to one fixed call, made after another one if `before` is given."""
     if before is not None:
         runner.step(*before, IRREGULAR_STEP)
@@ -71,10 +71,10 @@ def _memory_of_another(runner: TrialRunner) -> tuple[CheckResult, ...]:
     other = _copy(runner)
     if other is None:
         return ()
-    alone = _asked(runner, ANOTHER)
+    alone = _fixed_call(runner, ANOTHER)
     runner.step(*ANOTHER, IRREGULAR_STEP)
     other.step(*_THIRD, IRREGULAR_STEP)
-    if same(_asked(runner), alone):
+    if same(_fixed_call(runner), alone):
         return (CheckResult("own_memory", True, "a second object has a memory of its own"),)
     return (CheckResult("own_memory", False, "a second object shares the memory"),)
 
@@ -114,7 +114,7 @@ def _distance(spread: float, answer: tuple[float, ...], fmt: FloatFormat) -> str
 
 def _repeats_when(runner: TrialRunner, prepared: Callable[[TrialRunner], TrialRunner | None]) -> bool:
     """True if two series of the same calls agree, each begun from the same preparation."""
-    series = [[_asked(ready) for _ in range(3)] for _ in range(2) if (ready := prepared(runner)) is not None]
+    series = [[_fixed_call(ready) for _ in range(3)] for _ in range(2) if (ready := prepared(runner)) is not None]
     return len(series) == 2 and all(map(same, *series))
 
 

@@ -163,7 +163,7 @@ def _small(short: NegligibleStep) -> CheckResult:
         base = short.state[component]
         seen = border(short, partial(short.along, component), base, [base * s for s in shrinking])
         if seen is not None:
-            return _small_check(_asleep(short, component, seen), seen)
+            return _small_check(_put_to_rest(short, component, seen), seen)
     # Where a rule rounds, as a wrapped angle does, small states lose digits without being put to rest.
     seen = None if short.slack else border(short, short.scaled, 1.0, shrinking)
     if seen is None:
@@ -175,7 +175,7 @@ def _small_check(words: str, seen: Border) -> CheckResult:
     return CheckResult("small_states", False, words, (seen.kept, seen.beyond[0]))
 
 
-def _asleep(short: NegligibleStep, component: int, seen: Border) -> str:
+def _put_to_rest(short: NegligibleStep, component: int, seen: Border) -> str:
     """What small values of a component become, in words: "|v| below 0.01 becomes 0"."""
     name, kept, first = COMPONENT_NAMES[component], seen.kept.given[component], seen.beyond[0]
     given = first.given[component]

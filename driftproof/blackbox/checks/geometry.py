@@ -136,10 +136,10 @@ def _columns(runner: TrialRunner, h: float) -> _Columns | None:
 
 def _area(runner: TrialRunner, m: _Columns) -> CheckResult:
     where = f"in a step of h = {Fraction(m.h)}"
-    return _of_determinant(m.a * m.d - m.b * m.c, runner.rounding * m.size, where, m.trials)
+    return _determinant_check(m.a * m.d - m.b * m.c, runner.rounding * m.size, where, m.trials)
 
 
-def _of_determinant(determinant: Fraction, allowed: float, where: str, trials: tuple[Trial, ...]) -> CheckResult:
+def _determinant_check(determinant: Fraction, allowed: float, where: str, trials: tuple[Trial, ...]) -> CheckResult:
     if abs(determinant - 1) <= allowed:
         return CheckResult(_AREA, True, f"areas are kept, to rounding, {where}", trials)
     turned = " and are turned over" if determinant < 0 else ""
@@ -174,4 +174,4 @@ def _by_differences(runner: TrialRunner) -> CheckResult:
     steps = [[tuple(map(Fraction, runner.step(*z, h))) for z in pair] for pair in ends]
     (a, c), (b, e) = ([(x - y) / Fraction(2 * d) for x, y in zip(*pair, strict=True)] for pair in steps)
     where = f"in a step of h = {Fraction(h)} from near ({q:.3g}, {v:.3g})"
-    return _of_determinant(a * e - b * c, _TERMS * part * part, where, (runner.trial(q, v, h),))
+    return _determinant_check(a * e - b * c, _TERMS * part * part, where, (runner.trial(q, v, h),))

@@ -114,7 +114,7 @@ def time_argument(subject: ForeignStepper) -> tuple[CheckResult, ...]:
             words = f"the answer depends on t: from the same state, t = 0 gives {start}, t = {t} gives {later.seen}"
             return (CheckResult(_KEY, False, words),)
     independent = CheckResult(_KEY, True, "the answer does not depend on t")
-    return (_told(subject) if subject.convention.kind == FIELD else independent,)
+    return (_times_in_the_step(subject) if subject.convention.kind == FIELD else independent,)
 
 
 def _at(subject: ForeignStepper, t: float) -> ForeignStepper:
@@ -129,7 +129,7 @@ def _at(subject: ForeignStepper, t: float) -> ForeignStepper:
     return replace(subject, function=later)
 
 
-def _told(subject: ForeignStepper) -> CheckResult:
+def _times_in_the_step(subject: ForeignStepper) -> CheckResult:
     """Check that the right-hand side is evaluated at a time within the step."""
     asked: list[float] = []
     t, h = 8.0, TYPICAL_STEP

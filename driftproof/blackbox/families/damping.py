@@ -34,8 +34,6 @@ _LAWS: Mapping[str, Callable[[Any, float], Any]] = {
     "1/(1 + {c} h)": lambda d, h: (1 / d - 1) / h,
     "(1 - {c} h/2)/(1 + {c} h/2)": lambda d, h: 2 * (1 - d) / (1 + d) / h,
 }
-
-
 _Rows: TypeAlias = tuple[tuple[float, ...], ...]
 
 
@@ -124,7 +122,7 @@ def read_damping(subject: ForeignStepper) -> Damping:
         raise NotReadable(f"areas grow as 1 + {grown:.6g} h: no drag")
     if built_in and not _follows_drag(subject, -grown):
         raise NotReadable("small steps follow no drag")
-    laws = (_told(text, rate_of, seen, rounding) for text, rate_of in _LAWS.items())
+    laws = (_law(text, rate_of, seen, rounding) for text, rate_of in _LAWS.items())
     found = Damping(next(filter(None, laws), ""), _rows(rate), _rows(one), built_in)
     return found if built_in else replace(found, order=measured_on(subject, _with_drag(rate)))
 
@@ -157,7 +155,7 @@ def _is_turn(matrix: Array) -> bool:
     return len(matrix) > 1 and float(np.abs(matrix @ matrix.T - np.eye(len(matrix))).max()) < _LITTLE
 
 
-def _told(text: str, rate_of: Callable[[Any, float], Any], seen: Mapping[float, Array], rounding: Rounding) -> str:
+def _law(text: str, rate_of: Callable[[Any, float], Any], seen: Mapping[float, Array], rounding: Rounding) -> str:
     """The law with its rate, on the eigenvectors of the step; "" if steps of different sizes show different rates."""
     told = []
     for h in _STEPS:

@@ -98,7 +98,7 @@ def measured_of_two(
     return measured_in_floats(subject, problem, [2.0**-k for k in halvings], slack)
 
 
-class _OfTwoFunctions(Walker):
+class _TwoFunctionWalker(Walker):
     """A walk on y' = f(t, y), with few and with many numbers."""
 
     kind: ClassVar[type[NonlinearProblem]]
@@ -118,7 +118,7 @@ class _OfTwoFunctions(Walker):
 
 
 @dataclass(frozen=True)
-class RosenbrockWalker(_OfTwoFunctions):
+class RosenbrockWalker(_TwoFunctionWalker):
     """A walk beside a Rosenbrock method; `slack` is the error of a df/dt by differences, `autonomous` leaves it out."""
 
     kind = WithJacobian
@@ -152,7 +152,7 @@ class RosenbrockWalker(_OfTwoFunctions):
 
 
 @dataclass(frozen=True)
-class ImexWalker(_OfTwoFunctions):
+class ImexWalker(_TwoFunctionWalker):
     """A walk beside an IMEX method, whose stages are solved to the error `solved`."""
 
     kind = _InTwoParts

@@ -36,8 +36,6 @@ _NEEDED: dict[type, str] = {
     Additive: "a stepper that takes two right-hand sides, step(f_explicit, f_implicit, t, y, h)",
 }
 _TURNING_NEEDED = "a stepper that remembers nothing, and is linear in what it turns"
-
-
 _TURNING: dict[str, Callable[[ForeignStepper], FamilyReading]] = {MAGNETIC: read_magnetic, ROTATION: read_quaternion}
 
 

@@ -143,7 +143,7 @@ def read_controller(subject: ForeignSolver, steps: SolverSteps) -> ControllerRea
         law = replace(law, exception="")
     after = ["a step after a rejected one does not grow"] if law.after_rejection else []
     lines = (f"measured: {law.words}", f"r is the estimate of {law.estimate} over the tolerance", *after, counts)
-    return ControllerReading(law, lines, (*_of_another_order(law), *(traces or _accepted_beyond(law))))
+    return ControllerReading(law, lines, (*_wrong_exponent(law), *(traces or _accepted_beyond(law))))
 
 
 def _accepted_beyond(law: Law) -> Iterator[str]:
@@ -154,7 +154,7 @@ def _accepted_beyond(law: Law) -> Iterator[str]:
         yield f"steps are accepted with {law.accepted:.3g} times the tolerance, {asked}"
 
 
-def _of_another_order(law: Law) -> Iterator[str]:
+def _wrong_exponent(law: Law) -> Iterator[str]:
     """Say that the exponent of a law without memory is not 1/p, as an estimate r ~ h^p needs."""
     method = METHODS.get(law.estimate)  # a blend has no order of its own
     if isinstance(method, RungeKutta) and method.embedded_order is not None and not law.memory and not law.filtered:

@@ -151,7 +151,7 @@ def _varying(subject: ForeignSolver) -> SolverMemory:
                 raise NotReadable(str(failure)) from None
             break
         steps += len(run.t) - 1
-        for kept in _of_stretches(run, known):
+        for kept in _recognised_steps(run, known):
             told += 1
             seen.update([kept])
         if not seen:
@@ -174,7 +174,7 @@ def _varying(subject: ForeignSolver) -> SolverMemory:
     )
 
 
-def _of_stretches(run: Solution, known: Sequence[Multistep]) -> Iterator[str]:
+def _recognised_steps(run: Solution, known: Sequence[Multistep]) -> Iterator[str]:
     """For each step after others of its size, the key of its method, if exactly one known method gives it."""
     states, true = np.array(run.y), np.array([*map(_solution, run.t)])
     slopes = np.array([_quadrature(t) for t in run.t])

@@ -98,7 +98,7 @@ def _constant_slopes(subject: ForeignSolver) -> tuple[list[str], list[str]]:
     return lines, faults
 
 
-def _of_one(slope: Callable[[float, float], float]) -> RunSlopes:
+def _scalar(slope: Callable[[float, float], float]) -> RunSlopes:
     """The right-hand side of u' = slope(t, u) for one number."""
     return lambda n, t, y: [slope(t, *y)]
 
@@ -153,7 +153,7 @@ def _accumulated(times: Sequence[float]) -> str:
 def _backward(subject: ForeignSolver) -> tuple[list[str], list[str]]:
     """Solve y' = -y, which grows backward in time, from t = 1 to 0."""
     try:
-        run = subject.solve(_of_one(lambda t, u: -u), (1.0, 0.0), (1.0,), _RTOL, _ATOL)
+        run = subject.solve(_scalar(lambda t, u: -u), (1.0, 0.0), (1.0,), _RTOL, _ATOL)
     except Misbehaviour as failure:
         return [f"backward in time it gives no answer: {failure.kind}"], []
     (last,) = run.y[-1]
@@ -193,7 +193,7 @@ def _nan(subject: ForeignSolver) -> tuple[list[str], list[str]]:
     """Solve with a right-hand side that is NaN from the middle on: the solver should return NaN or report failure."""
     middle = sum(_SPAN) / 2
     try:
-        run = subject.solve(_of_one(lambda t, u: nan if t > middle else -u), _SPAN, (1.0,), _RTOL, _ATOL)
+        run = subject.solve(_scalar(lambda t, u: nan if t > middle else -u), _SPAN, (1.0,), _RTOL, _ATOL)
     except DoesNotEnd as failure:
         return [], [f"where f is NaN it does not end: {failure}"]
     except Misbehaviour as failure:
@@ -229,8 +229,8 @@ def _tolerance(subject: ForeignSolver) -> tuple[list[str], list[str]]:
         seen, faults = (_requested if subject.adaptive else _shortened)(subject, problem, span)
         lines += [f"{words}: {line}" for line in seen]
         if faults:
-            return lines, faults if any("is ignored" in fault for fault in faults) else [*faults, *_deaf(subject)]
-    return lines, _deaf(subject)
+            return lines, faults if any("is ignored" in fault for fault in faults) else [*faults, *_ignored(subject)]
+    return lines, _ignored(subject)
 
 
 def _requested(
@@ -273,7 +273,7 @@ def _shortened(
     return lines, []
 
 
-def _deaf(subject: ForeignSolver) -> list[str]:
+def _ignored(subject: ForeignSolver) -> list[str]:
     """The tolerances that are ignored: one of them is changed while the other is too small to matter."""
     if subject.takes != TOLERANCES:
         return []
@@ -299,7 +299,7 @@ def _error(run: Solution, problem: NonlinearProblem) -> float:
 def _stiffness(subject: ForeignSolver) -> tuple[list[str], list[str]]:
     """Solve y' = -1000 (y - cos t) - sin t, which an explicit method follows only in steps of a few thousandths."""
     try:
-        slopes = _of_one(lambda t, u: -_STIFF * (u - cos(t)) - sin(t))
+        slopes = _scalar(lambda t, u: -_STIFF * (u - cos(t)) - sin(t))
         run = subject.solve(slopes, _SPAN, (cos(_SPAN[0]),), 1e-3, 1e-6)
     except DoesNotEnd as failure:
         return [f"on y' = -1000 (y - cos t) - sin t it does not end: {failure}"], []
