@@ -156,6 +156,8 @@ def _backward(subject: ForeignSolver) -> tuple[list[str], list[str]]:
         run = subject.solve(_scalar(lambda t, u: -u), (1.0, 0.0), (1.0,), _RTOL, _ATOL)
     except Misbehaviour as failure:
         return [f"backward in time it gives no answer: {failure.kind}"], []
+    if run.complaint:
+        return [f"backward in time it ends at t = {run.t[-1]:.6g} and says: {run.complaint}"], []
     (last,) = run.y[-1]
     off = abs(last - e)
     if off < _FOLLOWED and isclose(run.t[-1], 0.0, abs_tol=_GROSS):
