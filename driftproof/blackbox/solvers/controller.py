@@ -37,8 +37,9 @@ _NEAR = 1e-6
 _SAME = 1e-8
 # The last attempts of a run may be made to land on its end.
 _LANDING = 3
+# Fits with memory leave out steps after a smaller r: some codes remember no error below 10^-4.
 _LEAST_REMEMBERED = 1e-3
-# The factor after a step that is just accepted is the safety: 0.8 to 1 in most codes.
+# The least factor after a step that is just accepted, which is the safety: 0.8 to 1 in most codes; chosen with room.
 _LEAST_SAFETY = 0.5
 _NO_TOLERANCE = "it takes no tolerance: its steps are of one length"
 # The largest denominator of an exponent: controllers in use have 1/5, 7/50, 17/100, ...
@@ -269,7 +270,6 @@ def _law(name: str, estimate: _Estimate, attempts: Sequence[Attempt], atol: floa
     largest, smallest = _repeated(factors, max(factors)), _repeated(factors, min(factors))
     limits = (largest, smallest, 1.0)
     free = [p for p in points if not p.rejections and not any(_is_same(p.factor, limit) for limit in limits)]
-    # Fits without memory come first; some codes remember no error below 10^-4.
     remembered = [p for p in free if p.before > log(_LEAST_REMEMBERED)]
     fits = (_fitted(free, 2), _fitted(remembered, 3), _fitted(remembered, 4))
     found = next((fit for fit in fits if fit is not None), None)
