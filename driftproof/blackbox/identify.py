@@ -1,4 +1,4 @@
-"""`identify`: the questions to a stepper of which nothing is claimed, and the report with its name and the evidence."""
+"""`identify`: the questions put to a stepper of unknown method, and the report with its name and the evidence."""
 
 from __future__ import annotations
 
@@ -73,7 +73,7 @@ def identify(
 
 
 def identified(runner: IsolatedRunner, read: Outcome, order: Outcome, dense: Outcome, later: str = "") -> Report:
-    """The report on the runner's stepper, three questions of which are answered; asks the others in the time left."""
+    """Report on the runner's stepper, given three answers; the other questions are asked in the time that is left."""
     if read.kind == "bad_input":
         raise ValueError(read.seen)
     asked = [introduction, linear_fit, judged_estimate, *CHECKS.values()]

@@ -171,7 +171,7 @@ def _decided(checks: Mapping[str, Criterion]) -> bool | None:
 
 
 def _open(checks: Mapping[str, Criterion]) -> list[Criterion]:
-    """The criteria that keep the verdict open: those of a single step, or else others that something is missing for."""
+    """The criteria that keep the verdict open: those of a single step, or else others whose answer is missing."""
     rounding, coefficients, nonlinear = of_step = [checks[title] for title in (ROUNDING, COEFFICIENTS, NONLINEAR_STEP)]
     if rounding.mark == "not asked":  # the stepper takes one number only
         seen = coefficients.passed and nonlinear.passed
