@@ -20,7 +20,7 @@ _Round = Callable[[TrialRunner, PhasePoint, float], PhasePoint]
 
 
 def reversal(subject: ForeignStepper) -> tuple[CheckResult, ...]:
-    """Check S(-h) S(h) = 1, which makes a method symmetric, and (R S(h))² = 1 with R (q, v) = (q, -v), reversible."""
+    """Check symmetry, S(-h) S(h) = 1, and reversibility, (R S(h))² = 1 with R (q, v) = (q, -v)."""
     runner = steady_runner(subject)
     return (
         _check(runner, _SYMMETRIC, "S(-h) undoes S(h)", _back_in_time),
@@ -57,7 +57,7 @@ def _defect(runner: TrialRunner, back: _Round, h: float) -> float:
 
 
 def _shown(runner: TrialRunner, defects: list[float]) -> str:
-    """The defect in words at h = 1/4, or at the next step at which it is more than rounding, with its leading power."""
+    """The defect in words, at h = 1/4 or the nearest step size where it is more than rounding, and its leading power."""
     seen = [(h, defect) for h, defect in zip(_STEPS, defects, strict=True) if defect > runner.rounding]
     h, defect = min(seen, key=lambda pair: abs(log2(pair[0]) - log2(TYPICAL_STEP)))
     words = f"a defect of {defect:.2g} at h = {Fraction(h)}"
@@ -120,7 +120,7 @@ class _Columns:
 
 
 def _columns(runner: TrialRunner, h: float) -> _Columns | None:
-    """The columns of a step that is linear but for a constant; None if it is not, to rounding."""
+    """The columns of a linear or affine step; None if the step is neither, to rounding."""
     units = (runner.size, 0.0), (0.0, runner.size)
     origin, first, second = (runner.step(*z, h) for z in ((0.0, 0.0), *units))
     q0, v0 = map(Fraction, origin)

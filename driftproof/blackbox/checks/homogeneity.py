@@ -69,7 +69,7 @@ def _small(runner: TrialRunner) -> list[int]:
 
 
 def _absolute_rounding(ray: Ray) -> CheckResult | None:
-    """The failed check if small states have errors as of a sum with a number of ordinary size, and no others."""
+    """The failed check if the errors of small states are those of a sum with a number of ordinary size; else None."""
     once, small = ray.over(1.0), _small(ray.runner)
     errors = [(apart(ray.over(2.0**k), once), 2.0**k) for k in small]
     largest = max(error * s for error, s in errors)

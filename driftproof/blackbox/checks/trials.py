@@ -25,8 +25,7 @@ TYPICAL_STEP = 0.25
 # A step size with many bits.
 IRREGULAR_STEP = 0.2
 # Defects up to this many u count as rounding: a term of the longest step in the catalogue (ssprk40_2) passes some 1060
-# roundings in the worst order with every coefficient computed, and an implicit solver that aims at full accuracy stops
-# below.
+# roundings in the worst order with every coefficient computed; implicit solvers to full accuracy stop below.
 _ROUNDINGS = 1024
 # Sizes of states: a stepper may be made for a small domain, as a car in a valley has speeds below 0.07.
 SIZES = (1.0, 2.0**-3, 2.0**-6, 2.0**-9)

@@ -96,7 +96,7 @@ class Damping:
 
 
 def read_damping(subject: ForeignStepper) -> Damping:
-    """Read what a step does to v besides its force. Raises UnsupportedCall for nothing, NotReadable for no drag."""
+    """Read what a step does to v besides its force. Raises UnsupportedCall if nothing, NotReadable if no drag."""
     if subject.convention.kind not in (FORCE, MAP):
         raise UnsupportedCall("what a right-hand side does to v is its own")
     built_in = subject.convention.kind == MAP

@@ -39,12 +39,12 @@ class Boris:
 class MagneticReading:
     """The step v1 = R v + h (k R + l) E, x1 = x + h (m v + n v1), where R is a rotation about B, described by `turn`.
 
-    `kick` is (k, l), or None without E or under another law; `affine` is true if the kick is (R - 1)/z, as in one
-    method for the whole of v' = E + v x B, `electric` if the stepper takes an E. `push` is the kick of a step without
-    B, over h E. `drift` is (m, n), or None without x or under another law; with an x, `moved` is what v and what E move
-    it by, as factors of h v and h² E at TURN_ANGLES. `asked` holds the c of the places x + c h v at which the fields
-    are evaluated. `uneven` says in words that the rotation depends on more than h B, `at_rest` what goes wrong where B
-    is 0; `kept` is the largest change of |v| seen without E.
+    `kick` is (k, l), None if there is no E or another law; `affine` is true if the kick is (R - 1)/z, as in one method
+    for the whole of v' = E + v x B, `electric` if the stepper takes an E. `push` is the kick of a step without B, over
+    h E. `drift` is (m, n), None if there is no x or another law; with an x, `moved` is what v and what E move it by, as
+    factors of h v and h² E at TURN_ANGLES. `asked` holds the c of the places x + c h v at which the fields are
+    evaluated. `uneven` says in words that the rotation depends on more than h B, `at_rest` what goes wrong where B is
+    0; `kept` is the largest change of |v| seen without E.
     """
 
     turn: Turn

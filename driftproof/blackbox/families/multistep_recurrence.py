@@ -27,9 +27,10 @@ _MOST_STEPS = 8
 # The residual of an explicit recurrence is rounding; that of solvers in use is 1e-6 or less for numbers of size 1. A
 # solver that stops earlier leaves less than the third, an F evaluated elsewhere more.
 _EXACT, _SOLVED, _UNSOLVED = 0.0, 1e-6, 2.0**-10
-# Further runs that must satisfy it: h, the start, and how many steps. Times are exact, since h may be a difference.
+# Further runs that must satisfy it: h, the start, and how many steps. Times are exact, as codes may subtract them for
+# h.
 _OTHER_RUNS = ((0.5, 3.0, RUN_LENGTH), (0.75, 1.0, RUN_LENGTH), (2.0**-12, 117.5, RUN_LENGTH))
-# Runs that may fail: numbers may grow, and many codes refuse to step back.
+# Further runs that are left out if they fail: numbers may grow, and many codes refuse to step back.
 _HARDER_RUNS = ((0.75, 1.0, 5 * RUN_LENGTH), (-0.5, 2.0, RUN_LENGTH))
 # The steps in which coefficients are sought: late ones; and early ones, before a growing error is all there is.
 _LATER = slice(RUN_LENGTH // 2, None)

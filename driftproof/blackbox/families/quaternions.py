@@ -44,8 +44,8 @@ _PRODUCTS: Mapping[str, tuple[bool, bool]] = {
 class QuaternionReading:
     """The step a + b G, where G is the matrix of a `product` with omega/|omega|; `turn` is a + ib at h |omega|/2.
 
-    `product` is "" if the rate is none. `normalised` is true if the result always has length 1. `uneven` says in words
-    what else the step depends on, `at_rest` that it moves with omega = 0.
+    `product` is "" if the rate is no product. `normalised` is true if the result always has length 1. `uneven` says in
+    words what else the step depends on, `at_rest` that it moves with omega = 0.
     """
 
     product: str

@@ -58,7 +58,7 @@ class _Products:
     def _levels(self, entering: Array, powers: int) -> tuple[list[Array], list[Array]]:
         """C Γᶜ times `entering`, and the sizes of the terms in programs that store αΓ⁻¹, I/γᵢᵢ - Γ⁻¹ and bΓ⁻¹.
 
-        Their stages are sums with |terms| up to W = (I - |D| |I/γᵢᵢ - Γ⁻¹|)⁻¹ |D|, D the diagonal of Γ.
+        The terms of their stages are bounded by W = (I - |D| |I/γᵢᵢ - Γ⁻¹|)⁻¹ |D|, with D the diagonal of Γ.
         """
         c, gamma = self.table
         inverse = np.linalg.pinv(gamma)
@@ -97,7 +97,7 @@ class _Products:
         return found
 
     def time_slope_differs(self, reading: RosenbrockReading) -> bool:
-        """True if df/dt enters with other weights, to rounding, and to the error of differences if these make it."""
+        """True if df/dt enters with other weights, beyond rounding and the error of its differences."""
         if reading.time_slope is None:
             return False
         rounding = self._rounding(reading)
