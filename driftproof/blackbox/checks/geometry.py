@@ -57,7 +57,7 @@ def _defect(runner: TrialRunner, back: _Round, h: float) -> float:
 
 
 def _shown(runner: TrialRunner, defects: list[float]) -> str:
-    """The defect in words, at h = 1/4 or the nearest step size where it is more than rounding, and its leading power."""
+    """The defect in words, at h = 1/4 or the nearest h where it is more than rounding, and its leading power."""
     seen = [(h, defect) for h, defect in zip(_STEPS, defects, strict=True) if defect > runner.rounding]
     h, defect = min(seen, key=lambda pair: abs(log2(pair[0]) - log2(TYPICAL_STEP)))
     words = f"a defect of {defect:.2g} at h = {Fraction(h)}"

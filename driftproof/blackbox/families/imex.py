@@ -37,7 +37,7 @@ _SOLVER, _WELL_SOLVED = 64, 2.0**-30
 
 @dataclass(frozen=True)
 class ImexIdentity:
-    """Both tables of a step, the catalogue method that has them (or None), its measured order, and its steps elsewhere."""
+    """Both tables of a step, the catalogue method that has them (or None), the measured order, and a walk of steps."""
 
     reading: ImexReading
     known: Additive | None

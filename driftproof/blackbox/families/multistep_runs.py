@@ -70,7 +70,7 @@ class MarkedRuns:
 
     @classmethod
     def of(cls, subject: ForeignStepper) -> MarkedRuns:
-        """Runs with as many components as the subject takes. Raises UnsupportedCall, or the Misbehaviour with only one."""
+        """Runs with as many components as the subject takes. Raises UnsupportedCall, or Misbehaviour with only one."""
         if subject.convention.kind == FORCE:
             timed = gives_force_times(subject.fresh(subject.shortest))
             return cls(subject, 1, clock=False, by_place=not timed)
