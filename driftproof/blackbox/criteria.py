@@ -1,4 +1,4 @@
-"""What a stepper is asked in order to be held to a method, and how each answer is judged: a criterion by its title."""
+"""The questions by which `verify` compares a stepper with a method, and how each answer becomes a criterion."""
 
 from __future__ import annotations
 
@@ -28,31 +28,29 @@ from driftproof.blackbox.probes.tableau import TableauReading
 from driftproof.blackbox.report import Criterion
 from driftproof.methods.schemes import Collocation, Method, Nystrom, RungeKutta, Splitting
 
-# What leaves any question open, and what would answer it.
+# Outcomes that leave any question open, and what would decide it.
 _OPEN = {
     NotAlike.kind: "a dense output that is a sum of slopes, alike in all numbers, as the step is",
     "crashes": "a step that does not end its process",
     **NO_EVIDENCE,
 }
-# And what would answer one where the reading was refused.
+# What would decide a question whose reading was refused.
 _READABLE = "a step without what refused the reading"
 _READABLE_ESTIMATE = "an estimate that is a sum of the slopes of the pair's own stages, or one norm of such a sum"
-# The titles of what a verdict speaks of by name.
+# The titles that verdicts refer to.
 ROUNDING, COEFFICIENTS, NONLINEAR_STEP, ORDER = "Rounding", "Coefficients", "Nonlinear step", "Order"
 ERROR_ESTIMATE, DENSE_OUTPUT, STATE_FORMS = "Error estimate", "Dense output", "State"
-# What decides whether it is the method, by what is seen of one step; all else has to be asked as well.
+# The criteria of a single step, which decide whether it is the method's; the other criteria must not fail.
 OF_ONE_STEP = (ROUNDING, COEFFICIENTS, NONLINEAR_STEP, ORDER)
-
-
-# Whether an answer is as it should be, None where that was not seen; in lines; for programs; and what would decide it.
+# Whether an answer passes (None: not seen), the finding as lines and as JSON data, and what would decide it.
 Judged: TypeAlias = tuple[bool | None, Sequence[str], dict[str, Any], str]
 
 
 class Question(NamedTuple):
-    """A question, how its answer is judged, and how a verdict says that it alone is against a stepper: is rk4`only`.
+    """A question to a stepper, how its answer is judged, and how a verdict words it if this question alone fails.
 
-    Questions with an `only` are of further steps, which say nothing of a map that is not the method's. Where no reading
-    is no answer, `readable` says of what there would be one.
+    The verdict is then "is rk4" with `only` behind it. Questions with an `only` concern further steps, and say nothing
+    if one step is not the method's. `readable` is what would decide the question where no coefficients could be read.
     """
 
     title: str
@@ -62,13 +60,13 @@ class Question(NamedTuple):
     readable: str = ""
 
     def criterion(self, method: Method, outcome: Outcome) -> Criterion:
-        """The answer judged. One step has to be taken, and to be readable; all else a stepper may refuse."""
+        """The criterion. A refusal counts against the stepper only in a criterion of a single step."""
         kind, lines, of_step = outcome.kind, (outcome.seen,), self.title in OF_ONE_STEP
         if kind is None:
             passed, seen, data, missing = self.judge(method, outcome.result)
             return Criterion(self.title, passed, tuple(seen), data, missing)
         missing = _OPEN.get(kind, self.readable if kind == NotReadable.kind else "")
-        if kind == UnsupportedCall.kind:  # who returns nothing beside y1 is not told so
+        if kind == UnsupportedCall.kind:  # a stepper that returns y1 alone needs no line
             return Criterion(self.title, None, () if self.title in (ERROR_ESTIMATE, DENSE_OUTPUT) else lines, {})
         if of_step and not missing:
             return Criterion(self.title, False, (f"{kind}: {outcome.seen}",), {})
@@ -76,7 +74,7 @@ class Question(NamedTuple):
 
 
 def questions_of(method: Method, allowance: Allowance, domain: Domain, examples: int) -> list[Question]:
-    """All that is asked of a stepper, in the order in which it is told."""
+    """The questions that `verify` asks of a stepper, in the order of the report."""
     of_method: dict[str, Any] = {"method": method, "allowance": allowance}
     within, estimate = {**of_method, "domain": domain}, _READABLE_ESTIMATE * is_pair(method)
     return [
@@ -99,7 +97,7 @@ def _judge_rounding(method: Method, found: Agreement) -> Judged:
 
 
 def _judge_coefficients(method: Method, reading: CoefficientReading, allowance: Allowance) -> Judged:
-    """No refusal is dropped: what a force shows of a step that a right-hand side refutes is no tableau."""
+    """Compare the coefficients; those read from a force are no tableau if a right-hand side could not be read."""
     solved = reading.solved
     if not method.explicit and solved is None:
         line = f"read as {reading.calls} explicit stages: iterations that are not counted by what they have come to"
@@ -120,8 +118,8 @@ def _judge_coefficients(method: Method, reading: CoefficientReading, allowance: 
             return False, ["order 1 where the force depends on the velocity", *reading.stale_velocities], {}, ""
     if solved is None:
         return True, lines, {}, ""
-    # A solver that does not look has the method's coefficients, but not its step; one that stops early may be off by as
-    # much as on the nonlinear problem, numbers being of size 1.
+    # A solver with a fixed number of iterations has the method's coefficients, but not its step. A solver that stops
+    # early may leave the same error as on the nonlinear problem, where numbers have size 1.
     early = solved.power and solved.curved > BEYOND_TOLERANCE * float(allowance.solver_tolerance or 0)
     passed = False if early else None if solved.power else True
     better = "a solver that looks at what is left of its equations"
@@ -153,7 +151,7 @@ def _judge_order(method: Method, measured: Sequence[MeasuredOrder]) -> Judged:
 
 
 def _judge_estimate(method: Method, found: JudgedEstimate) -> Judged:
-    """A pair claims both of its rows; of another method, what is returned beside y1 is nobody's claim."""
+    """Judge both rows of a pair; for other methods the estimate is only described, since they define none."""
     lines = [*found.lines, *found.faults]
     if not is_pair(method):
         return None, [f"{method.key} has none", *lines], found.data, ""
@@ -164,7 +162,7 @@ def _judge_estimate(method: Method, found: JudgedEstimate) -> Judged:
 
 
 def _judge_dense(method: Method, found: JudgedDense) -> Judged:
-    """Nobody claims a dense output by the name of a method: what fails is one that does not fit to the steps."""
+    """Fail a dense output that does not fit the steps; the name of a method implies nothing else about it."""
     return not found.faults, [*found.lines, *found.faults], found.data, ""
 
 
@@ -174,7 +172,7 @@ def _judge_calls(method: Method, found: Walked) -> Judged:
 
 
 def _claimed_order(method: Method) -> int:
-    """The order claimed; where nobody claims one, the one derived."""
+    """The order that the method claims, or else the derived one."""
     from driftproof.symbolic.facts import general_order
 
     return method.claimed_order or general_order(method).order

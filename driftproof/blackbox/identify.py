@@ -1,4 +1,4 @@
-"""A stepper of which nothing is claimed: what it is asked, and the report: its name, what to do, and the evidence."""
+"""`identify`: the questions put to a stepper of unknown method, and the report with its name and the evidence."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ from driftproof.methods.catalogue import METHODS
 from driftproof.methods.schemes import Method
 from driftproof.support.plain_text import Json
 
-# Examples of the rounding errors of a method that was recognised: a fifth of what `verify` takes shows their size.
+# Examples of a recognised method's rounding errors: a fifth of those in `verify` shows their size.
 _EXAMPLES = 200
 
 
@@ -44,13 +44,12 @@ def identify(
     time_limit: float = TIME_LIMIT,
     isolate: bool = True,
 ) -> Report:
-    """Which method a float stepper is, of which order, how near to roundoff, and what it does besides.
+    """Identify the method of a float stepper, its order, its rounding errors, and what else it does.
 
-    `step` is a callable or "package.module:name". Its coefficients are read where it takes a right-hand side or a
-    force, its one-step matrix in any case; what is read is compared with the catalogue and with variants of it. Of a
-    stepper that remembers, the recurrence of many steps is read, and its start.
-    `calls`, `array`, `time_limit` and `isolate` are as for `verify`. Raises ValueError where the stepper cannot be
-    imported, or is called in no known way.
+    `step` is a callable or "package.module:name". If it takes a right-hand side or a force, its coefficients are read;
+    its one-step matrix is read in any case. Both are compared with the catalogue and with variants of its methods. If
+    the stepper remembers earlier steps, the recurrence of many steps and its start are read. `calls`, `array`,
+    `time_limit` and `isolate` are as for `verify`. Raises ValueError if the stepper cannot be imported or called.
 
     >>> from driftproof import identify
     >>> print(identify(lambda q, v, h: (q + h * v, v - h * q), isolate=False).verdict)
@@ -67,14 +66,14 @@ def identify(
                 return family_report(runner.target.name, opened, family.result)
             if opened is not None and opened.calls in OF_FAMILIES:
                 return unread_report(runner.target.name, family)
-        # A run whose later steps remember, but keep no recurrence: what was read is its first step.
+        # If later steps depend on earlier ones by no known recurrence, only the first step was read.
         remembering = family.kind in (NotReadable.kind, NoRecurrence.kind)
         later = f"that is its first step only: {family.seen}" if remembering else ""
         return identified(runner, read, order, dense, later)
 
 
 def identified(runner: IsolatedRunner, read: Outcome, order: Outcome, dense: Outcome, later: str = "") -> Report:
-    """The report on the runner's stepper, of which some questions are answered, in the time that it has left."""
+    """Report on the runner's stepper, given three answers; the other questions are asked in the time that is left."""
     if read.kind == "bad_input":
         raise ValueError(read.seen)
     asked = [introduction, linear_fit, judged_estimate, *CHECKS.values()]
@@ -99,7 +98,7 @@ def _rounding(runner: IsolatedRunner, method: Method, size: float) -> Outcome:
 
 
 def _sections(name: str, seen: Seen, rounding: Outcome | None) -> tuple[Section, ...]:
-    """What to do, then the evidence, the weightiest first."""
+    """The sections of the report: what to do first, then the evidence, the most important first."""
     damping: Damping | None = seen.damping.result
     faults = [*(damping.faults if damping else ()), *(check.words for check in seen.checks if check.is_fault)]
     failed = [o for o in _questions(seen, rounding) if o.failed and o.kind != "unsupported_call"]
@@ -110,17 +109,17 @@ def _sections(name: str, seen: Seen, rounding: Outcome | None) -> tuple[Section,
         ("Order", _orders(seen)),
         ("One-step matrix", [] if seen.fit is None else seen.fit.lines),
         ("Damping", damping.lines if damping and not damping.faults else []),
-        ("Error estimate", _beside(seen.estimate)),
-        ("Dense output", _beside(seen.dense)),
+        ("Error estimate", _returned_besides_y1(seen.estimate)),
+        ("Dense output", _returned_besides_y1(seen.dense)),
         ("Rounding", [] if rounding is None or rounding.failed else rounding.result.lines),
-        ("Stepper", [*_introduced(seen), *filter(None, [seen.arithmetic])]),
+        ("Stepper", [*_stepper_lines(seen), *filter(None, [seen.arithmetic])]),
     )
     answers = sections(("Not answered", each_once(f"{o.kind}: {o.seen}" for o in failed)))
     return (*evidence, *_checks([check for check in seen.checks if not check.is_fault]), *answers)
 
 
 def _checks(checks: Sequence[CheckResult]) -> tuple[Section, ...]:
-    """The checks that find no fault, and in one line how many are kept, tell a trait, or were not decided."""
+    """The section of the checks that found no fault, with one line that counts those kept, traits and undecided."""
     traits = sum(check.key in TRAITS and check.holds is not None for check in checks)
     undecided = sum(check.holds is None for check in checks)
     counts = {"kept": len(checks) - traits - undecided, "of traits such as areas": traits, "open": undecided}
@@ -130,7 +129,7 @@ def _checks(checks: Sequence[CheckResult]) -> tuple[Section, ...]:
 
 
 def _what_to_do(name: str, seen: Seen) -> list[str]:
-    """The next step, from what was found; nothing where nothing is known to help."""
+    """The next steps that the findings suggest."""
     held = f"driftproof verify {name} --method"
     if seen.introduction.failed:
         helps = {
@@ -161,15 +160,15 @@ def _questions(seen: Seen, rounding: Outcome | None) -> Sequence[Outcome]:
     return questions if rounding is None else (*questions, rounding)
 
 
-def _introduced(seen: Seen) -> list[str]:
+def _stepper_lines(seen: Seen) -> list[str]:
     if seen.introduction.failed:
         return []
     opened: Introduction = seen.introduction.result
     return [SIGNATURES[opened.calls], f"takes {opened.numbers}, works in {opened.format}"]
 
 
-def _beside(outcome: Outcome) -> list[str]:
-    """What is said of something that is returned beside y1."""
+def _returned_besides_y1(outcome: Outcome) -> list[str]:
+    """The lines on an error estimate or a dense output, which is returned besides y1."""
     found: JudgedEstimate | JudgedDense | None = outcome.result
     return [] if found is None else [*found.lines, *found.faults]
 

@@ -1,4 +1,4 @@
-"""Which method a stepper is, in one line: from what came of each question, the surest first."""
+"""The verdict of `identify`: which method a stepper is, in one line, by the most certain answer."""
 
 from __future__ import annotations
 
@@ -24,12 +24,12 @@ from driftproof.blackbox.report import NO_ANSWER, UNDECIDED
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.schemes import RungeKutta
 
-# Solvers in use stop at 1e-6 or below of numbers of size 1.
+# Solvers in use stop at an error of 1e-6 or less for numbers of size 1.
 _SOLVED = 1e-6
 
 
 class Recognised(NamedTuple):
-    """Coefficients, the methods that have them, and the order that they give; `untimed` are those but for the times."""
+    """The coefficients read, the methods that have them, and their order; `untimed` ignores the nodes."""
 
     reading: CoefficientReading
     identity: Identity
@@ -38,7 +38,7 @@ class Recognised(NamedTuple):
 
     @property
     def row(self) -> str:
-        """Of a pair whose embedded weights are propagated, which order that is."""
+        """The remark that a pair propagates its embedded row, with the orders of both; "" if it does not."""
         match = self.identity.matches[0]
         pair = METHODS[match.key] if match.relation == EMBEDDED else None
         if not isinstance(pair, RungeKutta):
@@ -47,12 +47,12 @@ class Recognised(NamedTuple):
 
     @property
     def solved(self) -> str:
-        """How well its implicit stages are solved, where that is not as well as solvers do by default."""
+        """The remark that the implicit stages are solved less accurately than by most solvers; "" if they are not."""
         solved = self.reading.solved
         return f", but {solved.words}" if solved is not None and solved.curved > _SOLVED else ""
 
     def beyond_plain_forces(self, measured: Sequence[MeasuredOrder]) -> str:
-        """Of coefficients that a force showed, what it is not beyond q'' = F(q): its tableau, times or velocities."""
+        """How coefficients read from a force fail beyond q'' = F(q): as a tableau, in times or for velocities."""
         reading = self.reading
         if not isinstance(reading, ForceReading):
             return ""
@@ -71,7 +71,7 @@ class Recognised(NamedTuple):
 
 @dataclass(frozen=True)
 class Seen:
-    """What came of each question; `damping` and `twins` are asked only of what is no tableau."""
+    """The outcome of each question; `damping` and `twins` are asked only where no tableau was read."""
 
     introduction: Outcome
     coefficients: Outcome
@@ -82,11 +82,11 @@ class Seen:
     damping: Outcome
     twins: Outcome
     checks: tuple[CheckResult, ...]
-    arithmetic: str = ""  # who changed the rounding mode, or what becomes of subnormal numbers
+    arithmetic: str = ""  # a change of the rounding mode or of subnormal numbers, in words
 
     @cached_property
     def read(self) -> Recognised | None:
-        """The coefficients, where its calls let them be read and there are any, and what they are."""
+        """The coefficients with the methods that have them; None if none were read."""
         reading: CoefficientReading | None = self.coefficients.result
         if reading is None:
             return None
@@ -98,16 +98,16 @@ class Seen:
 
     @property
     def fit(self) -> LinearFit | None:
-        """The linear fit, where the stepper answered."""
+        """The fit to linear steps; None if there was no answer."""
         fit: LinearFit | None = self.linear.result
         return fit
 
     @property
     def key(self) -> str | None:
-        """The one method of the catalogue that it is, as it stands and on the plain oscillator, if it is one.
+        """The catalogue key of the unchanged method that it is on the plain oscillator; None if it is none.
 
-        An implicit one only by its coefficients. Where several have the same ones, or the same matrix, the first:
-        they have one rounding bound here.
+        An implicit method is recognised by its coefficients only. Of several methods with the same coefficients or the
+        same matrix the first is named: they have one rounding bound here.
         """
         if self.read is not None:
             keys: Sequence[str] = self.read.identity.keys
@@ -120,13 +120,13 @@ class Seen:
 
     @property
     def size(self) -> float:
-        """The size of the states at which it is that method, where larger ones meet a limit; else 1."""
+        """The size of the states at which it is that method: less than 1 if larger states meet a limit."""
         read = 1.0 if self.read is None else self.read.reading.amplitude
         return min(read, self.fit.amplitude) if self.fit is not None and self.fit.kind == LINEAR else read
 
     @property
     def verdict(self) -> str:
-        """Which method it is, in one line."""
+        """The verdict in one line."""
         if self.introduction.kind in NO_EVIDENCE:
             return f"{UNDECIDED}: {self.introduction.seen}"
         if self.introduction.failed:
@@ -158,18 +158,18 @@ class Seen:
 
     @property
     def _besides_one_number(self) -> bool:
-        """Whether it does to vectors what linear steps of one number do not show."""
+        """True if it acts on vectors in a way that linear steps of one number do not show."""
         found: Damping | None = self.damping.result
         return found is not None and len(found.at_once) > 1
 
     @property
     def _unknown(self) -> str:
-        """No method of the catalogue; or what it takes from v, which a method does not."""
+        """The verdict without a method of the catalogue: the damping, if it was read."""
         found: Damping | None = self.damping.result
         return "it is no method that is known here" if found is None else found.verdict
 
     def _unknown_stages(self, read: Recognised) -> str:
-        """What is near to implicit stages of no method known here; or how many they are, and what they are linearly."""
+        """The nearest method to unknown implicit stages, or else their number, their order and their linear method."""
         if read.identity.near:
             return read.identity.near[0].name
         stages = f"{read.reading.calls} implicit stage{'s' * (read.reading.calls > 1)}"
@@ -179,14 +179,14 @@ class Seen:
 
     @property
     def measured(self) -> tuple[MeasuredOrder, ...]:
-        """The orders measured, if there are any, first the one on problems of the kind that it is read on."""
+        """The orders measured, first that on problems of the kind that the coefficients were read on."""
         orders: tuple[MeasuredOrder, ...] = self.order.result or ()
         partitioned = self.read is not None and isinstance(self.read.reading, ForceReading)
         return orders[::-1] if partitioned else orders
 
 
 def _in_words(fit: LinearFit, best: LinearCandidate) -> str:
-    """The candidate, with its keys where it is a method as it stands, and at which states if not at all of them."""
+    """The candidate in words, with its keys if it is an unchanged method, and the size of states that it is seen at."""
     others = [key for key in best.methods if key != best.words]
     keys = f" ({', '.join(others)})" if others and best.extras == 0 else ""
     nearest = fit.nearly or fit.nearest

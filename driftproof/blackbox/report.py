@@ -1,4 +1,4 @@
-"""What was found out about a stepper, as text for a terminal, Markdown for an issue, and JSON for a program."""
+"""Reports on a stepper or a solver: text for a terminal, Markdown for an issue, JSON for a program."""
 
 from __future__ import annotations
 
@@ -9,29 +9,29 @@ from dataclasses import dataclass, field
 from driftproof.support.plain_text import Json, as_json, printable
 from driftproof.support.results import Printable
 
-# How a verdict begins that says no more.
+# How a verdict begins if it says no more than this.
 UNDECIDED, NO_ANSWER = "undecided", "gives no answer"
 
 
 @dataclass(frozen=True)
 class Section:
-    """Lines under a heading; `brief`, where it is not empty, stands for them unless everything is asked for."""
+    """Lines under a heading; a `brief` that is not empty replaces them unless everything is asked for."""
 
     title: str
     lines: tuple[str, ...]
     brief: str = ""
 
     def shown(self, everything: bool) -> tuple[str, ...]:
-        """All lines, or the one that stands for them."""
+        """All lines, or the brief one instead."""
         return self.lines if everything or not self.brief else (self.brief,)
 
 
 @dataclass(frozen=True, repr=False)
 class Report(Printable):
-    """The verdict on a stepper in one line, whether it passed what was asked, and the sections that say why.
+    """The verdict on a stepper in one line, whether it passed, and the sections that say why.
 
-    `passed` is None where that is undecided, or nothing was asked but what it is. `data` is the same for programs:
-    numbers are strings.
+    `passed` is None if that is undecided, or if no method was given to compare with. `data` is for programs, with
+    floats as strings.
     """
 
     target: str
@@ -42,15 +42,15 @@ class Report(Printable):
 
     @property
     def answered(self) -> bool | None:
-        """None where the verdict is that nothing is decided, False where the subject gives no answer."""
+        """True if the verdict says what was found; None if it is undecided, False if the subject gives no answer."""
         return {UNDECIDED: None, NO_ANSWER: False}.get(self.verdict.partition(":")[0], True)
 
     def section(self, title: str) -> Section | None:
-        """The section with this title, if there is one."""
+        """The section with this title; None if there is none."""
         return next((section for section in self.sections if section.title == title), None)
 
     def text(self, everything: bool = False) -> str:
-        """The report for a terminal, over which what the stepper wrote has no say."""
+        """The report for a terminal, in which control characters from the stepper are spelled out."""
         parts = [f"{self.target}\n  {self.verdict}"]
         for section in self.sections:
             parts.append("\n  ".join([section.title, *section.shown(everything)]))
@@ -65,19 +65,19 @@ class Report(Printable):
         return "\n\n".join(parts)
 
     def written(self, form: str, everything: bool = False) -> str:
-        """The report as "text", "markdown" or "json", which is always whole."""
+        """The report as "text", "markdown" or "json"; JSON always holds everything."""
         if form == "json":
             return as_json({"target": self.target, "verdict": self.verdict, "passed": self.passed, **self.data})
         return {"text": self.text, "markdown": self.markdown}[form](everything)
 
 
 def sections(*parts: tuple[str, Sequence[str]]) -> tuple[Section, ...]:
-    """The sections that have lines."""
+    """A section for each part that has lines."""
     return tuple(Section(title, tuple(lines)) for title, lines in parts if lines)
 
 
 def each_once(lines: Iterable[str]) -> list[str]:
-    """The lines, equal ones as one with how many there are."""
+    """The lines without duplicates, each repeated one with its count."""
     return [f"{line} ({often} times)" if often > 1 else line for line, often in Counter(lines).items()]
 
 
@@ -88,9 +88,9 @@ def _escaped(line: str) -> str:
 
 @dataclass(frozen=True)
 class Criterion:
-    """One way to hold a stepper to a method: whether it passed, None where that was not seen, and what was seen.
+    """One criterion of a comparison with a method: whether it passed, None if that is open, and what was seen.
 
-    `missing` is what would decide it, and empty where the calls of the stepper do not allow the question.
+    `missing` says what would decide it; it is empty if the calls of the stepper do not allow the question.
     """
 
     title: str
@@ -101,16 +101,16 @@ class Criterion:
 
     @property
     def mark(self) -> str:
-        """The outcome in two words at most."""
+        """The outcome in at most two words."""
         return {True: "passed", False: "FAILED", None: "undecided" if self.missing else "not asked"}[self.passed]
 
 
 def criteria_parts(
     checks: Sequence[Criterion], passed: bool | None
 ) -> tuple[list[tuple[str, Sequence[str]]], dict[str, Json]]:
-    """The criteria as titles with lines, with what would decide it where that is open; and the same for programs.
+    """The criteria as titles with lines, and as data for programs; if `passed` is None, with what would decide them.
 
-    Those that were not decided for one and the same reason stand together.
+    Criteria that are open for the same reason share a title.
     """
     alike: dict[tuple[str, object], list[Criterion]] = {}
     for check in checks:

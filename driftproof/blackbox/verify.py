@@ -1,4 +1,4 @@
-"""Does this code do what its name says, to roundoff? Coefficients, rounding and order against the exact method."""
+"""`verify` and `assert_verified`: a stepper's coefficients, rounding errors and order against those of a method."""
 
 from __future__ import annotations
 
@@ -53,19 +53,19 @@ def verify(
     time_limit: float = TIME_LIMIT,
     isolate: bool = True,
 ) -> Report:
-    """Whether a float stepper is `method`: on q'' = -q to the definition's any-order rounding bound, and elsewhere.
+    """Verify that a float stepper is `method`: on q'' = -q to the method's any-order rounding bound, and elsewhere.
 
-    `step` is a callable or "package.module:name", `method` a catalogue key, a .toml file or a method, or "boris" of a
-    step in a magnetic field. It is tried at `examples` floats of the `domain`, with what `allowance` adds to the bound.
-    Where it takes a force or a right-hand side, its coefficients are read, it is held to the method's own step on a
-    nonlinear problem with t, and its order is measured there; where its system is built in, its step of q'' = -q is all
-    that is seen, and all that is said.
+    `step` is a callable or "package.module:name"; `method` is a catalogue key, a .toml file, a method, or "boris" for a
+    step in a magnetic field. The stepper is tried at `examples` floats from the `domain`; `allowance` adds to the
+    bound. If it takes a force or a right-hand side, its coefficients are read, its steps of a nonlinear problem with t
+    are compared with the method's own, and its order is measured there. If its system is built in, only its steps of
+    q'' = -q are seen, and the verdict says no more.
 
-    The report's `passed` is True, False, or None: undecided, because neither the coefficients nor the nonlinear steps
-    were seen. If it is False, the report says what the stepper is instead; if it is None, what would decide it. `calls`
-    ("map", "force" or "field") and `array` are for steppers whose parameters do not tell how they are called.
-    The whole of it takes `time_limit` seconds at most; what they do not suffice for was not seen. With `isolate` false
-    it runs in this process, without a limit.
+    The report's `passed` is True, False, or None for undecided, as when neither coefficients nor nonlinear steps were
+    seen. If it is False, the report says what the stepper is instead; if it is None, what would decide it. `calls`
+    ("map", "force" or "field") and `array` are for steppers whose parameters do not show how they are called. All
+    questions together take at most `time_limit` seconds; those left without time count as not seen. If `isolate` is
+    false, the stepper runs in this process, without a limit.
 
     Raises ValueError for a method, calls or an allowance that makes no sense, and for a domain that overflows.
 
@@ -78,10 +78,10 @@ def verify(
     if isinstance(found, FactsOnly | Boris):
         with IsolatedRunner(Target(step, calls, array), time_limit, isolate) as runner:
             return verify_family(runner, found)
-    asked = method_of(found)  # which refuses a family
-    if METHODS.get(asked.key, asked) != asked:  # somebody's own, called as one that it is not
+    asked = method_of(found)  # raises ValueError for a family
+    if METHODS.get(asked.key, asked) != asked:  # a user's method under the key of another one
         asked = replace(asked, key=f"own_{asked.key}")
-    Tolerance(asked, allowance=allowance)  # a question without sense is refused before anything runs
+    Tolerance(asked, allowance=allowance)  # an allowance without meaning is refused before anything runs
     with IsolatedRunner(Target(step, calls, array), time_limit, isolate) as runner:
         questions = questions_of(asked, allowance, domain, examples)
         *answers, remarks = runner.run([*(question.ask for question in questions), arguments])
@@ -132,10 +132,10 @@ def assert_verified(
     time_limit: float | None = None,
     isolate: bool = True,
 ) -> None:
-    """`verify`, for a test: raises AssertionError with the whole report unless the stepper passes.
+    """Raise AssertionError with the whole report of `verify` unless the stepper passes: for a test.
 
-    What is undecided fails, too, and the report says what would decide it; not so with `allow_undecided`. The time
-    limit is that of the test's mark, `@pytest.mark.driftproof(time_limit=30)`, where none is given.
+    An undecided verdict fails as well, and the report says what would decide it, unless `allow_undecided` is true. The
+    default time limit is that of the test's mark, `@pytest.mark.driftproof(time_limit=30)`, or else that of `verify`.
 
     >>> from driftproof import assert_verified
     >>> step = lambda q, v, h: (q + h * v, v - h * q)
@@ -154,16 +154,16 @@ def assert_verified(
             time_limit=(time_limit_of_test.get() or TIME_LIMIT) if time_limit is None else time_limit,
             isolate=isolate,
         )
-    except ValueError as error:  # pytest shows the user's line, and the message
+    except ValueError as error:  # so that pytest shows the user's line and the message
         raise ValueError(str(error)) from None
     found = AssertedVerdict(report.target, report.verdict, report.passed, report.text(), report.data)
     demand(found, holds=report.passed is True or (report.passed is None and allow_undecided))
 
 
 def _decided(checks: Mapping[str, Criterion]) -> bool | None:
-    """False where one failed. True where all that could be asked for was seen; coefficients or nonlinear steps will do.
+    """False if a criterion failed, None if one is open that decides; else True.
 
-    A stepper with its system built in shows its steps of that system alone, and no more is said of it.
+    Coefficients or nonlinear steps suffice. A stepper with its system built in is judged by its steps of that system.
     """
     if any(check.passed is False for check in checks.values()):
         return False
@@ -171,9 +171,9 @@ def _decided(checks: Mapping[str, Criterion]) -> bool | None:
 
 
 def _open(checks: Mapping[str, Criterion]) -> list[Criterion]:
-    """What keeps it from being decided: of its one step; else what time or our instruments did not suffice for."""
+    """The criteria that keep the verdict open: those of a single step, or else others whose answer is missing."""
     rounding, coefficients, nonlinear = of_step = [checks[title] for title in (ROUNDING, COEFFICIENTS, NONLINEAR_STEP)]
-    if rounding.mark == "not asked":  # of one number only
+    if rounding.mark == "not asked":  # the stepper takes one number only
         seen = coefficients.passed and nonlinear.passed
     else:
         built_in = not (coefficients.missing or nonlinear.missing)
@@ -212,7 +212,7 @@ def _refuted(
     instead: Report,
     mistakes: Sequence[str],
 ) -> str:
-    """What it is not, and why; where nothing but the rounding errors is wrong, how they come, as far as is known."""
+    """The verdict on a stepper that failed: what it is not and why, or what explains its rounding errors."""
     rounding, coefficients, nonlinear, order = (checks[title] for title in OF_ONE_STEP)
     beside = [checks[ERROR_ESTIMATE], checks[DENSE_OUTPUT]]
     found: Agreement | None = outcomes[ROUNDING].result
@@ -271,7 +271,7 @@ def _refuted(
 
 
 def _right_form(outcomes: Mapping[str, Outcome]) -> str:
-    """In which other form of the state it is the method's step after all; "" for none."""
+    """The other form of the state in which the step is the method's; "" if there is none."""
     _, words, _ = outcomes[STATE_FORMS].result or (None, "", "")
     return words if words.startswith(RIGHT_AS) else ""
 

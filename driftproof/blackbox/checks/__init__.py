@@ -1,1 +1,1 @@
-"""What a stepper does at the edges of its domain and with its arguments, check by check, whatever its method."""
+"""Checks that every stepper should pass, whatever its method: arguments, step sizes, domain, repeatability."""

@@ -1,4 +1,4 @@
-"""What a stepper does to its arguments and to its earlier answers, and what types it takes and gives."""
+"""Checks of a stepper's arguments and answers: what it does to them, and of what types they are."""
 
 from __future__ import annotations
 
@@ -27,14 +27,14 @@ _WHOLE = (3, 1)
 
 
 def arguments(subject: ForeignStepper) -> tuple[CheckResult, ...]:
-    """Whether arguments and earlier answers are left alone, also of a stepper of scalars that is given arrays."""
+    """Check that arguments and earlier answers are left as they are, also by a stepper of scalars on arrays."""
     runner = steady_runner(subject)
     own = _keeping(runner, subject)
     if subject.adapter is not SCALARS:
         return own
     try:
         arrays = _keeping(runner, replace(subject, adapter=ARRAYS))
-    except Misbehaviour:  # it takes no arrays, as it need not
+    except Misbehaviour:  # a stepper of scalars need not take arrays
         return own
     return tuple(a if a.holds else replace(a, words=f"given arrays, {a.words}") for a in arrays)
 
@@ -69,7 +69,7 @@ def _arguments_check(log: CallLog, trial: Trial) -> CheckResult:
 
 
 def _numbers(answer: Foreign) -> list[float]:
-    """All numbers in an answer as they are now; none where they are not to be read."""
+    """All numbers in an answer as they are now; an empty list if it cannot be read."""
     parts = answer if isinstance(answer, tuple | list) else [answer]
     try:
         return [float(x) for part in parts for x in as_array(part).ravel()]
@@ -78,7 +78,7 @@ def _numbers(answer: Foreign) -> list[float]:
 
 
 def types(subject: ForeignStepper) -> tuple[CheckResult, ...]:
-    """What types of numbers come back, and whether integers may be given."""
+    """Check what types of numbers come back, and whether integers may be given."""
     runner = steady_runner(subject)
     log = CallLog(works_in_place=subject.log.works_in_place)
     logged = TrialRunner(replace(subject, log=log))
@@ -95,7 +95,7 @@ def types(subject: ForeignStepper) -> tuple[CheckResult, ...]:
 
 
 def _integers(runner: TrialRunner) -> tuple[CheckResult, ...]:
-    """Whether integers give what the floats give; nothing for numbers that are neither."""
+    """Check that integers give what the floats give; nothing for adapters that cannot pass integers."""
     adapter = _INTEGERS.get(runner.subject.adapter.name)
     if adapter is None:
         return ()
@@ -118,7 +118,7 @@ def _whole(numbers: Sequence[AnyNumber]) -> list[AnyNumber]:
     return [int(x) for x in numbers] if all(x == int(x) for x in numbers) else list(numbers)
 
 
-# Numbers that are whole go in as integers; the others, as of a force, as they are.
+# Adapters that pass whole numbers as integers, and others, such as those of a force, as they are.
 _INTEGERS = {
     SCALARS.name: ArrayAdapter("int", lambda numbers: one_number(_whole(numbers)), SCALARS.read),
     ARRAYS.name: ArrayAdapter("numpy.array", lambda numbers: np.array(_whole(numbers)), ARRAYS.read),

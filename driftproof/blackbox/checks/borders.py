@@ -1,6 +1,6 @@
-"""Borders between states that a negligible step leaves alone and states that it changes, found to the float.
+"""Borders between states that a negligible step leaves unchanged and states that it changes, found to the float.
 
-Whatever a step changes that is too short to move anything is no dynamics but a rule about states.
+A step too short to move anything changes a state only by a rule about states, such as a cap or a reset.
 """
 
 from __future__ import annotations
@@ -19,20 +19,20 @@ from driftproof.symbolic.rounding.formats import BINARY16, BINARY32, power_of_tw
 
 Neighbours = tuple[float, float]
 COMPONENT_NAMES = ("q", "v")
-# Few bits, so that a rule which rounds spares them; then states with all their bits.
+# A state with few bits, which a rule that rounds leaves unchanged; then states with all their bits.
 _STATES: tuple[PhasePoint, ...] = (
     (0.3125, 0.375),
     (0.27182818284590454, 0.31415926535897931),
     (0.2236067977499790, 0.3),
 )
-# Sums of the stepper's own, as of an angle and pi before it is wrapped and after, round by a few u of numbers up to 4
-# times the state: by this many u at most.
+# Sums inside the stepper, such as an angle plus pi before and after it is wrapped, round numbers up to 4 times the
+# state, by this many u at most.
 _SLACK = 16
 
 
 @dataclass(frozen=True)
 class NegligibleStep:
-    """A state, and a step `h` that leaves it alone to the last bit; or, if `slack` is not 0, to rounding by a rule."""
+    """A state, and a step `h` that leaves it unchanged to the last bit, or to `slack` where a rule rounds."""
 
     runner: TrialRunner
     h: float
@@ -50,24 +50,24 @@ class NegligibleStep:
         return self.runner.trial(q, v, self.h)
 
     def keeps(self, trial: Trial) -> bool:
-        """True when the state came back, but for what so short a step of an oscillator may do, and for rounding."""
+        """True if the state came back, but for rounding and what so short a step of an oscillator may do."""
         return self.change(trial) <= 4 * abs(self.h) * _size(trial) + self.slack * max(1.0, _size(trial))
 
     def keeps_other(self, component: int, trial: Trial) -> bool:
-        """True when the other component came back, as in `keeps`."""
+        """True if the other component came back, as in `keeps`."""
         assert trial.answer is not None
         other, size = 1 - component, abs(trial.given[component])
         return abs(trial.answer[other] - trial.given[other]) <= 4 * self.h * size + self.slack * max(1.0, size)
 
     def change(self, trial: Trial) -> float:
-        """How far the state went, in the larger component; infinite where there is none."""
+        """How far the state went, in the larger component; infinite if there is no finite answer."""
         if trial.answer is None or not trial.finite:
             return inf
         return max(abs(after - before) for after, before in zip(trial.answer, trial.given, strict=False))
 
 
 def negligible_step(runner: TrialRunner) -> NegligibleStep | None:
-    """A short step and a state that it leaves alone; None if there is no such step."""
+    """A short step and a state that it leaves unchanged; None if there is no such step."""
     if runner.is_coarse:
         return None
     smallest = runner.format.eta, power_of_two(runner.format.emin), power_of_two(runner.format.emin // 8), Fraction(0)
@@ -88,7 +88,7 @@ def _size(trial: Trial) -> float:
 
 @dataclass(frozen=True)
 class Border:
-    """Where a ray of states leaves the part that is left alone: the last trial there; the first beyond, and more."""
+    """The border of a ray of states: the last trial that leaves its state unchanged; the first beyond, and more."""
 
     kept: Trial
     beyond: tuple[Trial, ...]
@@ -101,10 +101,9 @@ def border(
     points: Sequence[float],
     hints: Sequence[Neighbours] = (),
 ) -> Border | None:
-    """The first border on the way from `start`, which is left alone, along the points; None if there is none.
+    """The first border on the way from `start`, which is left unchanged, along the points; None if there is none.
 
-    Overflow is such a border, too: from the first state on that has no finite answer. The `hints` are places where it
-    may be.
+    Overflow is such a border as well, from the first state without a finite answer. The `hints` are tried first.
     """
     last = start
     for place, x in enumerate(points):
@@ -113,7 +112,7 @@ def border(
             last = x
             continue
         beyond = _beyond_as(trial, short, at)
-        # Next to 0 the short step itself moves by more than the distance of floats.
+        # Next to 0 even the short step moves the state by more than the distance of floats.
         tiny = copysign(2.0 ** (short.runner.format.emin // 2), x)
         at_zero = last == 0 and beyond(tiny)
         kept, gone = (last, tiny) if at_zero else edge(beyond, last, x, short.runner, hints)
@@ -122,7 +121,7 @@ def border(
 
 
 def _beyond_as(trial: Trial, short: NegligibleStep, at: Callable[[float], Trial]) -> Callable[[float], bool]:
-    """Whether a state is on the far side as the trial is: without an answer, or a finite one, or else changed."""
+    """The test for states beyond the border like this trial: no answer, no finite one, or else a changed state."""
     if trial.answer is None:
         return lambda x: at(x).answer is None
     if not trial.finite:
@@ -133,10 +132,10 @@ def _beyond_as(trial: Trial, short: NegligibleStep, at: Callable[[float], Trial]
 def edge(
     changed: Callable[[float], bool], kept: float, gone: float, runner: TrialRunner, hints: Sequence[Neighbours] = ()
 ) -> Neighbours:
-    """The neighbours a, b of the format, a not changed and b changed, between `kept`, which is not, and `gone`.
+    """Neighbours a, b of the format between `kept` and `gone`, with a unchanged and b changed, as these ends are.
 
-    Both ends have one sign, or `kept` is 0. Numbers with few digits are tried first, since most thresholds are such,
-    and before them the hints, neighbours in the same sense.
+    Both ends have one sign, or `kept` is 0. The hints, which are neighbours in the same order, are tried first, then
+    numbers with few digits, as most thresholds have.
     """
     low, high = kept, gone
 
@@ -156,14 +155,14 @@ def edge(
 
 
 def _by_roundness(centre: float, runner: TrialRunner) -> Iterator[float]:
-    """Numbers near the centre that somebody may have chosen, those with the fewest digits first."""
+    """Numbers near the centre that a programmer may have chosen, those with the fewest digits first."""
     yield from (runner.number(copysign(x, centre)) for x in (pi, 2 * pi, pi / 2))
     # Beyond six digits nobody chose the number, and halving is quicker.
     yield from (runner.number(float(f"{centre:.{digits}e}")) for digits in range(6))
 
 
 def _middle(low: float, high: float, runner: TrialRunner) -> float:
-    """Halfway in magnitude while the ends are far apart, then halfway."""
+    """The geometric mean while the ends are far apart, then the arithmetic mean."""
     small, large = sorted((abs(low), abs(high)))
     if small == 0:
         small = float(runner.format.eta)
@@ -174,7 +173,7 @@ def _middle(low: float, high: float, runner: TrialRunner) -> float:
 
 
 def short_name(x: float) -> str:
-    """x as a reader writes it: 100, 0.01, -2 pi, 0.1 in binary32; to the last bit where it has no short name."""
+    """x as a reader writes it: 100, 0.01, -2 pi, 0.1 in binary32; with all digits if it has no short name."""
     for part, name in ((pi, "pi"), (2 * pi, "2 pi"), (pi / 2, "pi/2")):
         if abs(x) == part:
             return f"{'-' * (x == -part)}{name}"
@@ -187,5 +186,5 @@ def short_name(x: float) -> str:
 
 
 def rounder(first: float, second: float) -> float:
-    """The one that is named in fewer characters; the first of equals."""
+    """The number with the shorter name; the first if both are equally short."""
     return min((first, second), key=lambda x: len(short_name(x)))

@@ -1,4 +1,4 @@
-"""Whether the same call gives the same answer: noise, memory of the calls before, and whose memory it is."""
+"""Checks that the same call gives the same answer: noise, memory of earlier calls, copies, several states at once."""
 
 from __future__ import annotations
 
@@ -25,9 +25,9 @@ from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.blackbox.stepper.fresh_copies import fresh_copy
 from driftproof.symbolic.rounding.formats import FloatFormat
 
-# Random last bits, which come out alike in half of all pairs, are alike in so many calls once in 128.
+# A last bit at random is the same in this many calls once in 128.
 _REPETITIONS = 8
-# So many and fewer are those of sums taken in another order: no sum in the catalogue has more than 18 terms.
+# Differences up to this many ulp are those of another order of summation: no sum in the catalogue has over 18 terms.
 _FEW_ULPS = 16
 _THIRD: PhasePoint = (-1.4142135623730951, -0.2360679774997898)
 CALL_BEFORE = "the answer depends on the call before"
@@ -35,10 +35,10 @@ SAME, _MEMORY = "same_answer_twice", "no_memory"
 
 
 def repeats(subject: ForeignStepper) -> tuple[CheckResult, ...]:
-    """Whether a call gives the same bits again, at once and after other calls."""
+    """Check that a call gives the same bits again, at once and after other calls."""
     runner = TrialRunner(subject)
-    at_once = [_asked(runner) for _ in range(3)]
-    after = [_asked(runner, other) for other in (ANOTHER, _THIRD, ANOTHER, _THIRD)]
+    at_once = [_fixed_call(runner) for _ in range(3)]
+    after = [_fixed_call(runner, other) for other in (ANOTHER, _THIRD, ANOTHER, _THIRD)]
     if all(same(answer, at_once[0]) for answer in (*at_once, *after)):
         return (
             CheckResult(SAME, True, "the same call gives the same bits"),
@@ -49,15 +49,15 @@ def repeats(subject: ForeignStepper) -> tuple[CheckResult, ...]:
     return _varies(runner)
 
 
-def _asked(runner: TrialRunner, before: PhasePoint | None = None) -> PhasePoint:
-    """The answer to one and the same call, made after another one."""
+def _fixed_call(runner: TrialRunner, before: PhasePoint | None = None) -> PhasePoint:
+    """The answer to one fixed call, made after another one if `before` is given."""
     if before is not None:
         runner.step(*before, IRREGULAR_STEP)
     return runner.step(*ORDINARY_STATE, IRREGULAR_STEP)
 
 
 def _remembers(runner: TrialRunner) -> tuple[CheckResult, ...]:
-    """The answer depends on the call before, and on nothing else that changes."""
+    """The checks of a stepper whose answer depends on the call before, and on nothing else that changes."""
     example = tuple(runner.trial(*z, IRREGULAR_STEP) for before in (ANOTHER, _THIRD) for z in (before, ORDINARY_STATE))
     found = (
         CheckResult(SAME, True, "the same call gives the same bits after the same call before"),
@@ -67,27 +67,27 @@ def _remembers(runner: TrialRunner) -> tuple[CheckResult, ...]:
 
 
 def _memory_of_another(runner: TrialRunner) -> tuple[CheckResult, ...]:
-    """Whether a copy of the stepper changes what this one remembers; nothing where there is no copy."""
+    """Check that a copy of the stepper leaves this one's memory alone; nothing if it has no copy."""
     other = _copy(runner)
     if other is None:
         return ()
-    alone = _asked(runner, ANOTHER)
+    alone = _fixed_call(runner, ANOTHER)
     runner.step(*ANOTHER, IRREGULAR_STEP)
     other.step(*_THIRD, IRREGULAR_STEP)
-    if same(_asked(runner), alone):
+    if same(_fixed_call(runner), alone):
         return (CheckResult("own_memory", True, "a second object has a memory of its own"),)
     return (CheckResult("own_memory", False, "a second object shares the memory"),)
 
 
 def _copy(runner: TrialRunner) -> TrialRunner | None:
-    """The runner of a second object; None of a function, or where a copy is the same object or cannot be made."""
+    """The runner of a copy; None for a function, and if a copy cannot be made or is the same object."""
     function = runner.subject.function
     other = None if isinstance(function, FunctionType) else fresh_copy(function)
     return None if other is None or other is function else TrialRunner(replace(runner.subject, function=other))
 
 
 def _varies(runner: TrialRunner) -> tuple[CheckResult, ...]:
-    """Every call gives another answer: drawn at random, by a count of its own, or for no reason seen from outside."""
+    """The checks of a stepper whose answers all differ: by random numbers, by its memory, or for no reason seen."""
     trials = tuple(runner.trial(*ORDINARY_STATE, IRREGULAR_STEP) for _ in range(_REPETITIONS))
     answers = [trial.answer for trial in trials if trial.answer is not None]
     spread = max(max(part) - min(part) for part in zip(*answers, strict=True))
@@ -105,7 +105,7 @@ def _varies(runner: TrialRunner) -> tuple[CheckResult, ...]:
 
 
 def _distance(spread: float, answer: tuple[float, ...], fmt: FloatFormat) -> str:
-    """Up to 2 ulp, where it is a few of them; else relative to the size of ordinary states."""
+    """The distance in words: in ulp if it is a few of them, else relative to the size of ordinary states."""
     ulps = round(spread / (2 * float(half_spacing(max(map(abs, answer)), fmt))))
     if ulps <= _FEW_ULPS:
         return f"up to {max(1, ulps)} ulp"
@@ -113,13 +113,13 @@ def _distance(spread: float, answer: tuple[float, ...], fmt: FloatFormat) -> str
 
 
 def _repeats_when(runner: TrialRunner, prepared: Callable[[TrialRunner], TrialRunner | None]) -> bool:
-    """True when two series of the same calls agree, each begun from the same preparation."""
-    series = [[_asked(ready) for _ in range(3)] for _ in range(2) if (ready := prepared(runner)) is not None]
+    """True if two series of the same calls agree, each begun from the same preparation."""
+    series = [[_fixed_call(ready) for _ in range(3)] for _ in range(2) if (ready := prepared(runner)) is not None]
     return len(series) == 2 and all(map(same, *series))
 
 
 def _draws(runner: TrialRunner) -> bool:
-    """True when the answers come from the generators of random numbers that everybody shares; these are put back."""
+    """True if the answers come from the global random numbers of Python or NumPy; restores their states."""
     pythons, numpys = random.getstate(), np.random.get_state()
     try:
         return _repeats_when(runner, _seeded)
@@ -139,7 +139,7 @@ _STATES = ((1.0, 0.75), (-0.625, 0.25), (0.1, -1.3))
 
 
 def several_states(subject: ForeignStepper) -> tuple[CheckResult, ...]:
-    """Arrays of three states against the same three, one after the other: the same bits, or said not to be."""
+    """Check that three states in arrays give the same bits as one by one; nothing if no arrays can be passed."""
     runner = steady_runner(subject)
     states = [(runner.size * q, runner.size * v) for q, v in _STATES]
     h = runner.number(IRREGULAR_STEP)

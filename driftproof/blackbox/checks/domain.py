@@ -1,4 +1,4 @@
-"""What becomes of large and of small states before anything moves: caps, resets, refusals, overflow, rest."""
+"""Checks of the domain: large states that are capped, reset, refused or overflow, and small ones put to rest."""
 
 from __future__ import annotations
 
@@ -22,14 +22,13 @@ from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 CAPPED, RESET, REFUSED, OVERFLOWS, CHANGED = "capped", "reset", "refused", "overflows", "changed"
 _RANGES = ("position_range", "velocity_range")
 _PLURALS = ("positions", "velocities")
-# Further out, a rule changes a state by a good part of its size, more than a thousandth; a strong force in a step as
-# short as the smallest number, by rounding.
+# Far out, a rule changes a state by more than this part of its size, a strong force in so short a step by rounding.
 _PLAIN = 2.0**-10
-# Sums of stages overflow a few binades early. What overflows earlier by more than this multiplies states.
+# Sums of stages overflow a few binades early; a step that overflows earlier by this factor multiplies states.
 _EARLY = 2.0**-24
-# Powers of two on the way out: closely spaced where limits are, for angles, speeds and lengths of everyday things.
+# Powers of two on the way out, closely spaced where the limits on everyday angles, speeds and lengths are.
 _OUTWARDS = (1, 2, 3, 4, 6, 8, 10, 13, 20, 30, 50)
-# And on the way in, as far as binary64 goes.
+# Powers of two on the way in, as far as binary64 goes.
 _INWARDS = (1, 2, 3, 4, 6, 8, 10, 13, 17, 20, 27, 33, 50, 100, 300)
 
 
@@ -37,7 +36,7 @@ _INWARDS = (1, 2, 3, 4, 6, 8, 10, 13, 17, 20, 27, 33, 50, 100, 300)
 class Rule:
     """What happens to one component beyond a border.
 
-    `value` is where the component is put (CAPPED); `more` is in words what happens otherwise.
+    `value` is what the component becomes if it is CAPPED; otherwise `more` says in words what happens.
     """
 
     kind: str
@@ -48,23 +47,23 @@ class Rule:
 
     @property
     def ends(self) -> tuple[float, float]:
-        """The last value that is left alone, and the first beyond."""
+        """The last value that is left unchanged, and the first beyond."""
         kept, beyond = (trial.given[self.component] for trial in (self.border.kept, self.border.beyond[0]))
         return kept, beyond
 
     @property
     def limit(self) -> float:
-        """The border as somebody may have written it: the one of the two with the shorter name."""
+        """The border as a programmer may have written it: the end with the shorter name."""
         return rounder(*self.ends)
 
     @property
     def example(self) -> tuple[Trial, ...]:
-        """The last state that is left alone and the first that is not."""
+        """The trials of the last state that is left unchanged and of the first that is not."""
         return self.border.kept, self.border.beyond[0]
 
 
 def domain(subject: ForeignStepper) -> tuple[CheckResult, ...]:
-    """What becomes of large positions and velocities, of small ones, and from where on the arithmetic overflows."""
+    """Check what large and small positions and velocities become, and from where on the arithmetic overflows."""
     runner = steady_runner(subject)
     short = negligible_step(runner)
     if short is None:
@@ -78,9 +77,9 @@ def domain(subject: ForeignStepper) -> tuple[CheckResult, ...]:
 
 
 def _outwards(short: NegligibleStep, component: int, sign: int, before: Sequence[Rule]) -> Rule | None:
-    """The rule for large values of one component and sign; often one has been found elsewhere before.
+    """The rule for large values of one component and sign; the borders of the rules found `before` are tried first.
 
-    The way out starts from the state, or from 0 on the other side.
+    The way out starts from the state, or from 0 for the other sign.
     """
     base, e_max = short.state[component], short.runner.format.emax
     powers = {*_OUTWARDS, e_max // 2 + 8, e_max - 24} & {*range(e_max)}
@@ -91,7 +90,7 @@ def _outwards(short: NegligibleStep, component: int, sign: int, before: Sequence
 
 
 def _rule_of(short: NegligibleStep, component: int, seen: Border) -> Rule | None:
-    """The rule that the border shows; None where it is only a strong force that begins to be felt."""
+    """The rule behind the border; None if it is only a strong force that begins to be felt."""
     first = seen.beyond[0]
     if first.answer is None and not first.overflowed:
         return Rule(REFUSED, component, seen, more=first.refusal)
@@ -122,7 +121,7 @@ def _range_check(component: int, found: Sequence[Rule]) -> CheckResult:
 
 
 def _in_words(name: str, rules: Sequence[Rule]) -> str:
-    """What happens to the component called `name` beyond its one or two borders; one sentence if they are alike."""
+    """What happens to the component called `name` beyond its one or two borders, in one sentence if they are alike."""
     if len(rules) == 2 and rules[0].kind == rules[1].kind and rules[0].limit == -rules[1].limit:
         above, below = rules
         if above.kind == CAPPED and above.value == -below.value and above.value in above.ends:
@@ -133,7 +132,7 @@ def _in_words(name: str, rules: Sequence[Rule]) -> str:
 
 
 def _one_side(name: str, rule: Rule) -> str:
-    """q beyond 2.4, from 2.4 on, below -2.4, from -2.4 down: the border, on its side, and what happens there."""
+    """The border on its side, such as "q beyond 2.4" or "q from -2.4 down", and what happens there."""
     inner, outer = rule.ends
     above, limit = outer > inner, short_name(rule.limit)
     where = f"from {limit} {'on' if above else 'down'}"
@@ -145,7 +144,7 @@ def _one_side(name: str, rule: Rule) -> str:
 
 
 def _large(runner: TrialRunner, rules: Sequence[Rule]) -> CheckResult:
-    """From where on finite states have no finite answer, though they are hardly moved."""
+    """Check where finite states begin to have no finite answer, though the step hardly moves them."""
     overflows = [rule for rule in rules if rule.kind == OVERFLOWS]
     if not overflows:
         return CheckResult("large_states", True, "large states have finite answers")
@@ -158,13 +157,13 @@ def _large(runner: TrialRunner, rules: Sequence[Rule]) -> CheckResult:
 
 
 def _small(short: NegligibleStep) -> CheckResult:
-    """Whether small values of one component, or small states, are put to rest."""
+    """Check whether small values of one component, or small states, are put to rest."""
     shrinking = [2.0**-k for k in _INWARDS if k in range(short.runner.format.emax // 3)]
     for component in (1, 0):
         base = short.state[component]
         seen = border(short, partial(short.along, component), base, [base * s for s in shrinking])
         if seen is not None:
-            return _small_check(_asleep(short, component, seen), seen)
+            return _small_check(_put_to_rest(short, component, seen), seen)
     # Where a rule rounds, as a wrapped angle does, small states lose digits without being put to rest.
     seen = None if short.slack else border(short, short.scaled, 1.0, shrinking)
     if seen is None:
@@ -176,8 +175,8 @@ def _small_check(words: str, seen: Border) -> CheckResult:
     return CheckResult("small_states", False, words, (seen.kept, seen.beyond[0]))
 
 
-def _asleep(short: NegligibleStep, component: int, seen: Border) -> str:
-    """|v| below 0.01 becomes 0."""
+def _put_to_rest(short: NegligibleStep, component: int, seen: Border) -> str:
+    """What small values of a component become, in words: "|v| below 0.01 becomes 0"."""
     name, kept, first = COMPONENT_NAMES[component], seen.kept.given[component], seen.beyond[0]
     given = first.given[component]
     answers = (trial.answer or (None, None) for trial in (first, short.along(component, -given)))

@@ -1,4 +1,4 @@
-"""Whether a step can be taken back: by a step of -h, and by turning the velocity round and stepping on."""
+"""Checks of geometry: whether a step is symmetric and reversible, and whether it keeps areas and norms."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 
 _SYMMETRIC = "symmetric"
 _STEPS = (1.0, 0.5, 0.25, 0.125, 0.0625)
-# Measured powers of the methods of the catalogue are nearer than this to the true ones, or no leading term rules yet.
+# Measured powers of catalogue methods are nearer to a whole number than this, unless no leading term shows yet.
 _NEAR = 1 / 8
-# There and back from a state with one h.
+# A step from a state and another one back, with one h.
 _Round = Callable[[TrialRunner, PhasePoint, float], PhasePoint]
 
 
 def reversal(subject: ForeignStepper) -> tuple[CheckResult, ...]:
-    """S(-h) S(h) = 1, which makes a method symmetric, and (R S(h))² = 1 with R (q, v) = (q, -v), reversible."""
+    """Check symmetry, S(-h) S(h) = 1, and reversibility, (R S(h))² = 1 with R (q, v) = (q, -v)."""
     runner = steady_runner(subject)
     return (
         _check(runner, _SYMMETRIC, "S(-h) undoes S(h)", _back_in_time),
@@ -57,7 +57,7 @@ def _defect(runner: TrialRunner, back: _Round, h: float) -> float:
 
 
 def _shown(runner: TrialRunner, defects: list[float]) -> str:
-    """The defect at h = 1/4, or at the next longer step at which it is more than rounding, and its leading power."""
+    """The defect in words, at h = 1/4 or the nearest h where it is more than rounding, and its leading power."""
     seen = [(h, defect) for h, defect in zip(_STEPS, defects, strict=True) if defect > runner.rounding]
     h, defect = min(seen, key=lambda pair: abs(log2(pair[0]) - log2(TYPICAL_STEP)))
     words = f"a defect of {defect:.2g} at h = {Fraction(h)}"
@@ -68,7 +68,7 @@ def _shown(runner: TrialRunner, defects: list[float]) -> str:
 
 
 def _power(defects: list[float]) -> int | None:
-    """k where the defects at h, h/2, h/4, ... fall as h**k; None where no whole k is near."""
+    """The k for which the defects at h, h/2, h/4, ... fall as h**k; None if no whole k is near."""
     if len(defects) < 2:
         return None
     power = log2(defects[-2] / defects[-1])
@@ -84,14 +84,14 @@ def _example(runner: TrialRunner, key: str) -> tuple[Trial, ...]:
 
 
 _AREA, _NORM = "area_preserving", "norm_preserving"
-# What a method of high order changes is lost in rounding at the first.
+# The second step shows changes by methods of high order, which are lost in rounding at the first.
 _AREA_STEPS = (TYPICAL_STEP, 1.0)
 # Each of four differences is off by d²/6 times a third derivative of the step: room for one of size 100.
 _TERMS = 64
 
 
 def area(subject: ForeignStepper) -> tuple[CheckResult, ...]:
-    """The determinant of a step, and what it does to q² + v², twice the oscillator's energy."""
+    """Check the determinant of a step, and what it does to q² + v², twice the oscillator's energy."""
     runner = steady_runner(subject)
     columns = [found for found in (_columns(runner, h) for h in _AREA_STEPS) if found is not None]
     if len(columns) < len(_AREA_STEPS):
@@ -115,12 +115,12 @@ class _Columns:
 
     @property
     def size(self) -> float:
-        """The sizes that are added in the determinant and in the lengths of columns; at least 1."""
+        """The size of the terms in the determinant and in the lengths of columns; at least 1."""
         return max(1.0, float(max(abs(x) for x in (self.a, self.b, self.c, self.d)) ** 2))
 
 
 def _columns(runner: TrialRunner, h: float) -> _Columns | None:
-    """The columns of a step that is linear, or linear but for a constant; None if it is not, to rounding."""
+    """The columns of a linear or affine step; None if the step is neither, to rounding."""
     units = (runner.size, 0.0), (0.0, runner.size)
     origin, first, second = (runner.step(*z, h) for z in ((0.0, 0.0), *units))
     q0, v0 = map(Fraction, origin)
@@ -136,10 +136,10 @@ def _columns(runner: TrialRunner, h: float) -> _Columns | None:
 
 def _area(runner: TrialRunner, m: _Columns) -> CheckResult:
     where = f"in a step of h = {Fraction(m.h)}"
-    return _of_determinant(m.a * m.d - m.b * m.c, runner.rounding * m.size, where, m.trials)
+    return _determinant_check(m.a * m.d - m.b * m.c, runner.rounding * m.size, where, m.trials)
 
 
-def _of_determinant(determinant: Fraction, allowed: float, where: str, trials: tuple[Trial, ...]) -> CheckResult:
+def _determinant_check(determinant: Fraction, allowed: float, where: str, trials: tuple[Trial, ...]) -> CheckResult:
     if abs(determinant - 1) <= allowed:
         return CheckResult(_AREA, True, f"areas are kept, to rounding, {where}", trials)
     turned = " and are turned over" if determinant < 0 else ""
@@ -149,7 +149,7 @@ def _of_determinant(determinant: Fraction, allowed: float, where: str, trials: t
 
 
 def _norm(runner: TrialRunner, m: _Columns) -> CheckResult:
-    """From the matrix MᵀM: the least and the largest value of |Mz|²/|z|² are its eigenvalues."""
+    """Check q² + v² by the matrix MᵀM: its eigenvalues are the least and the largest value of |Mz|²/|z|²."""
     p, r, s = m.a**2 + m.c**2, m.a * m.b + m.c * m.d, m.b**2 + m.d**2
     mean, spread = (p + s) / 2, sqrt(((p - s) / 2) ** 2 + r**2)
     where, allowed = f"in a step of h = {Fraction(m.h)}", runner.rounding * m.size
@@ -164,9 +164,9 @@ def _norm(runner: TrialRunner, m: _Columns) -> CheckResult:
 
 
 def _by_differences(runner: TrialRunner) -> CheckResult:
-    """The determinant near a state, from central differences.
+    """Check the determinant near a state, from central differences.
 
-    With d = u**(1/3) the terms that they leave out, of the size d², and their rounding, u/d, balance.
+    With d = u**(1/3) their truncation errors, of size d², and their rounding errors, u/d, balance.
     """
     part = 2.0 ** -(runner.format.precision // 3)
     d, (q, v), h = runner.size * part, runner.ordinary, TYPICAL_STEP
@@ -174,4 +174,4 @@ def _by_differences(runner: TrialRunner) -> CheckResult:
     steps = [[tuple(map(Fraction, runner.step(*z, h))) for z in pair] for pair in ends]
     (a, c), (b, e) = ([(x - y) / Fraction(2 * d) for x, y in zip(*pair, strict=True)] for pair in steps)
     where = f"in a step of h = {Fraction(h)} from near ({q:.3g}, {v:.3g})"
-    return _of_determinant(a * e - b * c, _TERMS * part * part, where, (runner.trial(q, v, h),))
+    return _determinant_check(a * e - b * c, _TERMS * part * part, where, (runner.trial(q, v, h),))

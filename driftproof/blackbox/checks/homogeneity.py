@@ -1,4 +1,4 @@
-"""Whether a step is proportional to the state, from the smallest numbers to the largest, and up to where."""
+"""Checks that a step is proportional to the state, from the smallest numbers to the largest, or up to where it is."""
 
 from __future__ import annotations
 
@@ -21,21 +21,21 @@ from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.symbolic.rounding.formats import power_of_two
 
 LINEAR, _REST, _DIGITS, _SUBNORMALS = "linear", "rest", "small_digits", "subnormals"
-# So many roundings of sums with a number of ordinary size, or units of the smallest number, are no rule: no sum of the
-# catalogue has more than 18 terms (kahan_li8), each rounded three times or less in a program's own units.
+# Up to this many roundings of sums with a number of ordinary size, or units of the smallest number, are no rule: no sum
+# of the catalogue has more than 18 terms (kahan_li8), each rounded three times or less in a program's own units.
 _SUMS = 64
 # Exponents of two at which states are tried: closely spaced where rules and bends begin, widely where only overflow is.
 _SMALL = (-30, -20, -12, -8, -5, -3, -1, 0)
 _LARGE = (0, 1, 3, 5, 8, 12, 20, 40, 100, 300, 700)
-# At four times the size at which it shows first, a departure that bends, as the sixth power of the size or less, is not
-# this much larger; one that begins at a border is, or a good part of the whole.
+# At _SOON times the size at which it shows first, a smooth departure, as the sixth power of the size or less, has grown
+# by less than _SHARP; one that begins at a border has grown by more, or is above _PLAIN of the whole.
 _SOON, _SHARP, _PLAIN = 4.0, 2.0**16, 2.0**-4
-# Where the step is another so soon, there is no part in which it is the same.
+# A step that changes within this factor is linear nowhere.
 _NEXT = 1 + 2.0**-20
 
 
 def homogeneity(subject: ForeignStepper) -> tuple[CheckResult, ...]:
-    """Whether (0, 0) stays at rest, whether S(sz) = s S(z), and whether the smallest numbers survive."""
+    """Check that (0, 0) stays at rest, that S(sz) = s S(z), and that the smallest numbers survive."""
     runner = steady_runner(subject)
     origin = runner.trial(0.0, 0.0, TYPICAL_STEP)
     if origin.answer is None or not origin.finite:
@@ -55,7 +55,7 @@ def homogeneity(subject: ForeignStepper) -> tuple[CheckResult, ...]:
 
 
 def _linear(runner: TrialRunner, rays: Sequence[Ray]) -> tuple[CheckResult, ...]:
-    """Proportional along the rays, if need be from ordinary size on, odd and additive."""
+    """Check that the step is proportional along the rays, if need be from ordinary size on, and odd and additive."""
     small = next(filter(None, map(_absolute_rounding, rays)), None)
     exponents = [*(() if small else _small(runner)[:-1]), *(k for k in _LARGE if k in range(runner.format.emax))]
     broken = [(ray, *pair) for ray in rays for pair in [_first_break(ray, exponents)] if pair]
@@ -64,12 +64,12 @@ def _linear(runner: TrialRunner, rays: Sequence[Ray]) -> tuple[CheckResult, ...]
 
 
 def _small(runner: TrialRunner) -> list[int]:
-    """The small exponents at which rounding is relative: below _SUMS 2**emin, eta/2 a sum is more than u of it."""
+    """The small exponents with relative rounding: below _SUMS 2**emin, eta/2 for a sum is more than u of it."""
     return [k for k in _SMALL if 2.0**k >= _SUMS * 2.0**runner.format.emin]
 
 
 def _absolute_rounding(ray: Ray) -> CheckResult | None:
-    """A check if small states have errors as of a sum with a number of ordinary size, and no others."""
+    """The failed check if the errors of small states are those of a sum with a number of ordinary size; else None."""
     once, small = ray.over(1.0), _small(ray.runner)
     errors = [(apart(ray.over(2.0**k), once), 2.0**k) for k in small]
     largest = max(error * s for error, s in errors)
@@ -81,7 +81,7 @@ def _absolute_rounding(ray: Ray) -> CheckResult | None:
 
 
 def _first_break(ray: Ray, exponents: Sequence[int]) -> tuple[float, float] | None:
-    """The first neighbouring powers of two between which S(sz)/s changes by more than rounding."""
+    """The first neighbouring powers of two between which S(sz)/s changes by more than rounding; None if none do."""
     for k, m in pairwise(exponents):
         if apart(ray.over(2.0**m), ray.over(2.0**k)) > ray.runner.rounding:
             return 2.0**k, 2.0**m
@@ -89,7 +89,7 @@ def _first_break(ray: Ray, exponents: Sequence[int]) -> tuple[float, float] | No
 
 
 def _odd_and_additive(runner: TrialRunner, rays: Sequence[Ray]) -> CheckResult:
-    """Along the rays all is proportional: what is left is S(-z) = -S(z) and S(q, v) = S(q, 0) + S(0, v)."""
+    """Check S(-z) = -S(z) and S(q, v) = S(q, 0) + S(0, v) of a step that is proportional along the rays."""
     (q, minus_q, v, minus_v), both = (ray.trial(1.0) for ray in rays), runner.trial(*ORDINARY_STATE, TYPICAL_STEP)
     for one, other in ((q, minus_q), (v, minus_v)):
         if one.answer and other.answer and apart([-x for x in other.answer], one.answer) > runner.rounding:
@@ -102,7 +102,7 @@ def _odd_and_additive(runner: TrialRunner, rays: Sequence[Ray]) -> CheckResult:
 
 
 def _subnormals(runner: TrialRunner, rays: Sequence[Ray]) -> tuple[CheckResult, ...]:
-    """Whether results below the normal numbers are there to a few units of the smallest number."""
+    """Check that results below the normal numbers are right to a few units of the smallest number."""
     e_min = runner.format.emin
     ordinary, tiny = 2.0 ** (e_min // 4), 2.0 ** (e_min - 9)
     asked = [ray for ray in rays if apart(ray.over(ordinary), ray.over(16 * ordinary)) <= runner.rounding]
@@ -116,7 +116,7 @@ def _subnormals(runner: TrialRunner, rays: Sequence[Ray]) -> tuple[CheckResult, 
 
 
 def _lost(ray: Ray, ordinary: float, tiny: float) -> CheckResult:
-    """The check where numbers below the normal ones, or long before, become 0 or something else."""
+    """The failed check of a step whose results below the normal numbers, or larger ones, become 0 or something else."""
     name, size = COMPONENT_NAMES[ray.component], abs(ray.z[ray.component])
 
     def vanishes(s: float) -> bool:
@@ -134,7 +134,7 @@ def _lost(ray: Ray, ordinary: float, tiny: float) -> CheckResult:
 
 @dataclass(frozen=True)
 class Ray:
-    """The states s z, s > 0."""
+    """The states s z with s > 0."""
 
     runner: TrialRunner
     z: PhasePoint
@@ -150,13 +150,13 @@ class Ray:
         return self.runner.trial(q, v, TYPICAL_STEP)
 
     def over(self, s: float) -> tuple[float, float] | None:
-        """S(sz)/s; None where there is no finite answer."""
+        """S(sz)/s; None if there is no finite answer."""
         trial = self.trial(s)
         return (trial.answer[0] / s, trial.answer[1] / s) if trial.answer and trial.finite else None
 
 
 def apart(first: Sequence[float] | None, second: Sequence[float] | None) -> float:
-    """How far one is from the other, relative to it; 0 where there is none, which is another matter."""
+    """The distance of the two, relative to the second; 0 if one of them is missing, which other checks report."""
     if first is None or second is None or first == second:
         return 0.0
     distance, size = max(abs(x - y) for x, y in zip(first, second, strict=True)), max(map(abs, second))
@@ -164,18 +164,18 @@ def apart(first: Sequence[float] | None, second: Sequence[float] | None) -> floa
 
 
 def _departing(broken: Sequence[tuple[Ray, float, float]]) -> CheckResult:
-    """Of a step that is linear up to borders only, or nowhere: of rays with the two s in between."""
+    """The check of a step that is linear only up to borders, or nowhere; each ray has a change between its two s."""
     short, borders = negligible_step(broken[0][0].runner), []
     for ray, low, high in broken:
         if short is not None and _leaves_domain(short, ray, low, high):
-            continue  # that is told by another check
+            continue  # another check reports that
         s, name = _beginning(ray, low, high), COMPONENT_NAMES[ray.component]
         if s <= low * _NEXT or _departure(ray, low, _SOON * s) <= min(_SHARP * ray.runner.rounding, _PLAIN):
             at = max(1.0, low * _SOON)
             where = f"at {name} = {at * ray.z[ray.component]:.3g}"
             bent = f"nonlinear: {where} it departs from proportionality by {_departure(ray, low, at):.2g}"
             return CheckResult(LINEAR, False, bent, (ray.trial(low), ray.trial(at)))
-        digits = round(-log10(ray.runner.rounding)) - 2  # so many show the border, not the rounding
+        digits = round(-log10(ray.runner.rounding)) - 2  # digits that show the border, not the rounding
         border = f"linear up to {name} = {s * ray.z[ray.component]:.{digits}g} and no further"
         borders.append((border, (ray.trial(s), ray.trial(_SOON * s))))
     if not borders:
@@ -185,7 +185,7 @@ def _departing(broken: Sequence[tuple[Ray, float, float]]) -> CheckResult:
 
 
 def _beginning(ray: Ray, low: float, high: float) -> float:
-    """The first s at which the step is not as at `low`."""
+    """The first s at which the step differs from that at `low`."""
     return edge(lambda s: _departure(ray, low, s) > ray.runner.rounding, low, high, ray.runner)[1]
 
 
@@ -194,7 +194,7 @@ def _departure(ray: Ray, low: float, s: float) -> float:
 
 
 def _leaves_domain(short: NegligibleStep, ray: Ray, low: float, s: float) -> bool:
-    """True when a rule changes the state itself, or the one where a linear step would go, before anything moves."""
+    """True if a rule about states changes the state itself, or the one that a linear step would reach."""
     straight = ray.over(low)
     states = [ray.z] if straight is None else [ray.z, straight]
     scaled = [[ray.runner.number(s * x) for x in z] for z in states]

@@ -1,4 +1,4 @@
-"""Whether answers have all the digits of their format, or a rule has rounded them, in front or inside."""
+"""The check that answers have all digits of their format: that no rule rounds them or numbers inside the step."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.symbolic.rounding.formats import BINARY64
 
 _KEY = "full_precision"
-# What is not even right to 18 bits is no matter of rounding: binary32, inside, leaves 24 less a few. Errors that are
-# alike at two sizes differ by this factor at most, having six bits of chance.
+# A larger error is no matter of rounding: binary32 inside a step leaves 24 bits less a few. Rounding errors at two
+# sizes differ by at most the second factor, six bits of chance.
 _NO_DIGITS, _ALIKE = 2.0**-18, 2.0**6
 _DOUBLES = (SCALARS, ARRAYS, LISTS)
 
 
 def digits(subject: ForeignStepper) -> tuple[CheckResult, ...]:
-    """Whether answers are whole, decimal, fixed-point or narrower numbers, or were formed of such."""
+    """Check whether answers are whole, decimal, fixed-point or narrower numbers, or were computed from such."""
     runner = steady_runner(subject)
     trials = [trial for trial in (runner.trial(*z, IRREGULAR_STEP) for z in _states()) if trial.finite]
     numbers = [x for trial in trials for x in trial.answer or ()]
@@ -37,12 +37,12 @@ def digits(subject: ForeignStepper) -> tuple[CheckResult, ...]:
 
 
 def _states() -> list[tuple[float, float]]:
-    """States of ordinary size, with all their bits, and of a thousand times and a thousandth of it."""
+    """States with all their bits, of ordinary size, of up to a thousand times and down to a thousandth of it."""
     return [(a * q, b * v) for q, v in (ORDINARY_STATE, ANOTHER) for a, b in ((1, 1), (1000, 10), (0.01, 0.001))]
 
 
 def _rounded(numbers: Sequence[float], subject: ForeignStepper) -> str:
-    """The rule by which all numbers are rounded, in words; empty if there is none."""
+    """The rule by which all numbers are rounded, in words; "" if there is none."""
     grain, narrow = quantisation_of(numbers), narrow_format(numbers)
     given = BINARY64 if subject.adapter in _DOUBLES else subject.format
     if grain is not None:
@@ -51,7 +51,7 @@ def _rounded(numbers: Sequence[float], subject: ForeignStepper) -> str:
 
 
 def _rounds_inside(runner: TrialRunner) -> str:
-    """Whether S(3z) = 3 S(z) to fewer digits than are returned, at two sizes where nothing else shows; in words."""
+    """The remark that S(3z) = 3 S(z) holds to fewer digits than are returned, alike at two sizes; "" if not."""
     if runner.format is not BINARY64 or runner.grain:
         return ""
     least, most = sorted(max(_defect(runner, 2.0**-k, *z) for z in _states()) for k in (30, 60))
@@ -64,7 +64,7 @@ def _rounds_inside(runner: TrialRunner) -> str:
 
 
 def _defect(runner: TrialRunner, size: float, q: float, v: float) -> float:
-    """|S(3z) - 3 S(z)| over |S(3z)|, the largest component each, for a state of that size."""
+    """|S(3z) - 3 S(z)| over |S(3z)|, each in its largest component, for z of that size."""
     once = runner.trial(size * q, size * v, IRREGULAR_STEP).answer
     thrice = runner.trial(3 * size * q, 3 * size * v, IRREGULAR_STEP).answer
     if once is None or thrice is None or not any(thrice):

@@ -1,4 +1,4 @@
-"""Answers that a rule has rounded: to whole numbers, decimals, multiples of a power of two, narrower floats."""
+"""Numbers that a rule has rounded: to whole numbers, decimals, multiples of a power of two, or narrower floats."""
 
 from __future__ import annotations
 
@@ -8,38 +8,38 @@ from fractions import Fraction
 
 from driftproof.symbolic.rounding.formats import BINARY16, BINARY32, FloatFormat
 
-# The last decimal that is looked for; numbers of size 1000 have no more after the point.
+# No decimals from here on are looked for: numbers of size 1000 have no more after the point.
 _DECIMALS = 12
-# With numbers down to 1/1000, a fixed point further down than this is none.
+# With numbers down to 1/1000, more bits after the point than this are not those of a fixed point.
 _FIXED_POINT = 40
-# Numbers of a format have nearly all of its bits as a rule, and those of a fixed point as many as fit: the last five
-# bits of one number in 32 are 0 by chance.
+# Floats have nearly all bits of their format as a rule, fixed-point numbers as many as fit: the last five bits of one
+# float in 32 are 0 by chance.
 _BITS_TO_SPARE = 5
 
 
 @dataclass(frozen=True)
 class Quantisation:
-    """The distance of the numbers between which a rule chooses, and the rule in words."""
+    """A rule that rounds: the spacing of its numbers, and the rule in words."""
 
     size: float
     words: str
 
 
 def quantisation_of(numbers: Sequence[float]) -> Quantisation | None:
-    """The coarsest grain on which all numbers lie; None if they lie on none, as those of a format do."""
+    """The coarsest spacing that all numbers are multiples of; None if there is none, as for plain floats."""
     if all(x.is_integer() for x in numbers):
         return Quantisation(1.0, "answers are whole numbers")
     decimals = next((k for k in range(1, _DECIMALS) if all(round(x, k) == x for x in numbers)), None)
     if decimals is not None:
         return Quantisation(10.0**-decimals, f"answers are rounded to {decimals} decimal{'s' * (decimals > 1)}")
-    last = max(Fraction(x).denominator.bit_length() - 1 for x in numbers)  # bits behind the point
+    last = max(Fraction(x).denominator.bit_length() - 1 for x in numbers)  # bits after the point
     if last <= _FIXED_POINT and not _fills_a_format(numbers):
         return Quantisation(2.0**-last, f"answers are multiples of 2**-{last}")
     return None
 
 
 def narrow_format(numbers: Sequence[float]) -> FloatFormat | None:
-    """The narrowest format up to binary32 that holds all of these; None if none does, or if they lie on a grain."""
+    """The narrowest format up to binary32 that holds all of these; None if none does, or if a coarser rule does."""
     if quantisation_of(numbers) is not None:
         return None
     widest = max(map(significant_bits, numbers))
@@ -47,7 +47,7 @@ def narrow_format(numbers: Sequence[float]) -> FloatFormat | None:
 
 
 def _fills_a_format(numbers: Sequence[float]) -> bool:
-    """True when small numbers have nearly as many bits as large ones."""
+    """True if three numbers in four have nearly as many bits as the longest, as floats do."""
     bits = sorted(significant_bits(x) for x in numbers if x)
     return bits[len(bits) // 4] >= bits[-1] - _BITS_TO_SPARE
 

@@ -1,4 +1,4 @@
-"""What a stepper does with an h of 0 and with one below 0."""
+"""Checks of special arguments: h = 0, h < 0, NaN, infinity, and the time t."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _ZERO, _NEGATIVE = "zero_step", "negative_step"
 
 
 def zero_step(subject: ForeignStepper) -> tuple[CheckResult, ...]:
-    """Whether h = 0 gives the state back."""
+    """Check that h = 0 gives the state back."""
     runner = steady_runner(subject)
     trials = [runner.trial(q, v, 0.0) for q, v in (runner.scaled((1.0, 0.75)), runner.ordinary)]
     trial = next((trial for trial in trials if trial.answer != trial.given[:2]), None)
@@ -43,7 +43,7 @@ def zero_step(subject: ForeignStepper) -> tuple[CheckResult, ...]:
 
 
 def negative_step(subject: ForeignStepper) -> tuple[CheckResult, ...]:
-    """Whether h < 0 steps back in time."""
+    """Check that h < 0 steps back in time."""
     runner = steady_runner(subject)
     forth, back = (runner.trial(*runner.ordinary, sign * TYPICAL_STEP) for sign in (1, -1))
     if back.answer is None:
@@ -58,7 +58,7 @@ def negative_step(subject: ForeignStepper) -> tuple[CheckResult, ...]:
 
 
 def _backward(runner: TrialRunner, shown: Trial) -> CheckResult:
-    """Whether a short step back is opposite to the short step forth, as it is for every consistent method."""
+    """Check that a short step back is opposite to the short step forth, as it is for every consistent method."""
     for h in (TYPICAL_STEP, 2.0**-10):
         forth, back = (runner.trial(*runner.ordinary, sign * h).answer for sign in (1, -1))
         if forth is None or back is None:
@@ -71,17 +71,17 @@ def _backward(runner: TrialRunner, shown: Trial) -> CheckResult:
 
 
 def not_a_number(subject: ForeignStepper) -> tuple[CheckResult, ...]:
-    """What becomes of a NaN."""
+    """Check that a NaN is handed on or refused."""
     return (_noticed(subject, "not_a_number", "NaN", ((nan, 0.75), (1.0, nan))),)
 
 
 def infinity(subject: ForeignStepper) -> tuple[CheckResult, ...]:
-    """What becomes of an infinite position or velocity."""
+    """Check that an infinite position or velocity is handed on or refused."""
     return (_noticed(subject, "infinity", "an infinity", ((inf, 0.75), (1.0, inf), (-inf, 0.75), (1.0, -inf))),)
 
 
 def not_a_number_step(subject: ForeignStepper) -> tuple[CheckResult, ...]:
-    """What becomes of h = NaN."""
+    """Check that h = NaN is handed on or refused."""
     return (_noticed(subject, "not_a_number_step", "h = NaN", ((1.0, 0.75),), nan),)
 
 
@@ -103,7 +103,7 @@ _LATE = (1.0, 1000.0, -0.25)
 
 
 def time_argument(subject: ForeignStepper) -> tuple[CheckResult, ...]:
-    """Whether the answer depends on t though the system does not, and whether the right-hand side is told t."""
+    """Check that the answer does not depend on t, as the system does not, and that the right-hand side gets t."""
     if TIME not in subject.convention.order:
         return ()
     runner = steady_runner(subject)
@@ -114,11 +114,11 @@ def time_argument(subject: ForeignStepper) -> tuple[CheckResult, ...]:
             words = f"the answer depends on t: from the same state, t = 0 gives {start}, t = {t} gives {later.seen}"
             return (CheckResult(_KEY, False, words),)
     independent = CheckResult(_KEY, True, "the answer does not depend on t")
-    return (_told(subject) if subject.convention.kind == FIELD else independent,)
+    return (_times_in_the_step(subject) if subject.convention.kind == FIELD else independent,)
 
 
 def _at(subject: ForeignStepper, t: float) -> ForeignStepper:
-    """The same stepper at another time."""
+    """The same stepper, called at the time t."""
     place = subject.convention.order.index(TIME)
 
     def later(*arguments: Any, **named: Any) -> Any:
@@ -129,8 +129,8 @@ def _at(subject: ForeignStepper, t: float) -> ForeignStepper:
     return replace(subject, function=later)
 
 
-def _told(subject: ForeignStepper) -> CheckResult:
-    """Whether the times at which the right-hand side is asked lie in the step."""
+def _times_in_the_step(subject: ForeignStepper) -> CheckResult:
+    """Check that the right-hand side is evaluated at a time within the step."""
     asked: list[float] = []
     t, h = 8.0, TYPICAL_STEP
 

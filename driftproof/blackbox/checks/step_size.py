@@ -1,4 +1,4 @@
-"""Whether a stepper takes the h that it is given, or another: a fixed one, one within bounds, whole steps."""
+"""Checks of the step size: whether h is taken as it is, or fixed, bounded, rounded, or split into sub-steps."""
 
 from __future__ import annotations
 
@@ -23,21 +23,21 @@ from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.symbolic.rounding.formats import power_of_two
 
 _KEY = "step_size"
-# From a position of 0 it goes h v at once: every bit of h shows. One speed is of ordinary size, one small: long steps
-# may end at a border of the domain, and small speeds be put to rest, whatever h is.
+# From the position 0 a step moves by h v, which shows every bit of h. One speed is of ordinary size, one small: long
+# steps may end at a border of the domain, and small speeds may be put to rest, whatever h is.
 _SPEEDS = (0.5671432904097838, 0.5671432904097838 * 2.0**-20)
 # Long enough for any bound in use, and short enough for a stepper that takes sub-steps of 1/10000.
 _LONGEST, _SHORTEST = 16.0, 2.0**-40
-# Between the shortest and the longest a step is looked for that is another, so that an edge lies in between.
+# Among these, a step is sought that gives another answer than the longest or shortest: the bound lies in between.
 _LENGTHS = (2.0**-20, 2.0**-10, TYPICAL_STEP, 1.0, 4.0, _LONGEST)
-# Fixed steps with names: 1/60, 1/240, ...
+# The largest denominator of a fixed step that is shown as a fraction: 1/60, 1/240, ...
 _DENOMINATORS = 1000
 # An answer may be the same for a few neighbouring h: it has as many bits as h, and is made by a few roundings.
 _ULPS = 16
 
 
 def step_size(subject: ForeignStepper) -> tuple[CheckResult, ...]:
-    """Whether the answer depends on h, for long and short steps and for nearly equal ones."""
+    """Check that the answer depends on h, for long and short steps and for nearly equal ones."""
     taken = _Taken(steady_runner(subject))
     if all(taken.alike(h, TYPICAL_STEP) for h in (taken.shortest, 2.0**-10, 1.0, _LONGEST)):
         return (_ignored(taken),)
@@ -54,21 +54,21 @@ def step_size(subject: ForeignStepper) -> tuple[CheckResult, ...]:
 
 @dataclass(frozen=True)
 class _Taken:
-    """The answers to one state, by h."""
+    """The answers from one state, at two speeds, as functions of h."""
 
     runner: TrialRunner
 
     @property
     def shortest(self) -> float:
-        """The shortest step that is asked, h v being a normal number at ordinary speed: 2**-12 in binary16."""
+        """The shortest h that is tried, so that h v is a normal number at ordinary speed: 2**-12 in binary16."""
         return max(_SHORTEST, 4 * float(power_of_two(self.runner.format.emin)))
 
     def trial(self, h: float, speed: float = _SPEEDS[0]) -> Trial:
-        """The step of h."""
+        """The step of size h."""
         return self.runner.trial(*self.runner.scaled((0.0, speed)), h)
 
     def alike(self, h: float, other: float) -> bool:
-        """True when both give the same finite answers."""
+        """True if both give the same finite answers."""
         pairs = ((self.trial(h, speed), self.trial(other, speed)) for speed in _SPEEDS)
         return all(one.finite and same(one.answer, two.answer) for one, two in pairs)
 
@@ -77,7 +77,7 @@ class _Taken:
         return edge(lambda h: self.alike(h, like), unlike, like, self.runner)
 
     def bound(self, like: float, unlike: float) -> float:
-        """The last h with the same answer, on the way to the other; by its short name if that makes no difference."""
+        """The last h with the answer of `like`, on the way to `unlike`; in 12 digits if that makes no difference."""
         last = self.edge_of(like, unlike)[1]
         short = float(f"{last:.12g}")
         return short if abs(short - last) <= _ULPS * ulp(last) and self.alike(short, like) else last
@@ -87,7 +87,7 @@ _Found = tuple[str, tuple[Trial, ...]]
 
 
 def _ignored(taken: _Taken) -> CheckResult:
-    """A check with the step that is always taken: read from a free motion, of which every method gives h v."""
+    """The failed check with the step that is always taken, read from a free motion, which every method moves by h v."""
     runner, subject = taken.runner, taken.runner.subject
     if subject.convention.kind == MAP:
         length, words = runner.step(0.0, 1.0, TYPICAL_STEP)[0], "the step by which (0, 1) moves by"
@@ -100,7 +100,7 @@ def _ignored(taken: _Taken) -> CheckResult:
 
 
 def _capped(taken: _Taken) -> _Found | None:
-    """Whether all long steps are one step."""
+    """The finding that all long steps are taken with one h; None if they are not."""
     if not taken.alike(_LONGEST / 2, _LONGEST):
         return None
     unlike = next(h for h in reversed(_LENGTHS) if not taken.alike(h, _LONGEST))
@@ -109,7 +109,7 @@ def _capped(taken: _Taken) -> _Found | None:
 
 
 def _raised(taken: _Taken) -> _Found | None:
-    """Whether all short steps are one step, or none."""
+    """The finding that all short steps are taken with one h, or do nothing; None if neither is so."""
     least = taken.shortest
     if taken.runner.grain or not taken.alike(least, 2.0**10 * least):
         return None
@@ -125,7 +125,7 @@ def _raised(taken: _Taken) -> _Found | None:
 
 
 def _in_whole_steps(taken: _Taken) -> _Found | None:
-    """Whether nearly equal h give the same answer."""
+    """The finding that nearly equal h give the same answer; None if they do not."""
     alike = [taken.alike(TYPICAL_STEP, h) for h in (TYPICAL_STEP * (1 + 2.0**-10), taken.shortest, _LONGEST)]
     if taken.runner.grain or alike != [True, False, False]:
         return None
@@ -135,13 +135,13 @@ def _in_whole_steps(taken: _Taken) -> _Found | None:
 
 
 _SUB_STEPS = "sub_steps"
-# Calls nearer to each other than this part of the way of all are of one group: different nodes of a method are farther
+# Calls nearer to each other than this part of the range of all are one group: different nodes of a method are farther
 # apart as a rule. An iteration makes three or more at one place: a guess, a correction, and one that changes nothing.
 _CLOSE, _CALLS_IN_GROUP = 2.0**-6, 3
 
 
 def sub_steps(subject: ForeignStepper) -> tuple[CheckResult, ...]:
-    """Whether steps above some length are made of shorter ones."""
+    """Check whether steps above some length are made of shorter ones."""
     runner = steady_runner(subject)
     return (_by_halves(runner) if subject.convention.kind == MAP else _by_calls(runner),)
 
@@ -163,7 +163,7 @@ def _by_calls(runner: TrialRunner) -> CheckResult:
 
 
 def _places(runner: TrialRunner, h: float, state: PhasePoint | None = None) -> list[float]:
-    """Where a step calls the force, in order."""
+    """The positions at which a step evaluates the force, in order."""
     places: list[float] = []
 
     def force(q: float) -> float:
@@ -175,10 +175,10 @@ def _places(runner: TrialRunner, h: float, state: PhasePoint | None = None) -> l
 
 
 def _walks_in_halves(runner: TrialRunner, h: float, whole: Sequence[float]) -> bool:
-    """True when the step of h calls the force where two steps of h/2 do, in that order.
+    """True if the step of h evaluates the force where two steps of h/2 do, in that order.
 
-    That the ends agree tells nothing of a method of high order and a short step. Where the last call of a step is the
-    next one's first, it may be made once.
+    Equal ends prove nothing for a method of high order and a short step. If the last call of a step is the first one of
+    the next, it may be made once.
     """
     middle = runner.step(*runner.ordinary, h / 2)
     halves = [*_places(runner, h / 2), *_places(runner, h / 2, middle)]
@@ -193,7 +193,7 @@ def _moves(places: Sequence[float], allowed: float) -> list[float]:
 
 
 def _closes_in(places: Sequence[float]) -> bool:
-    """True when most calls are made close together, as those of an iteration are, seen from all its calls."""
+    """True if most calls are made close together, relative to the range of all, as those of an iteration are."""
     ordered = sorted(places)
     gap = _CLOSE * (ordered[-1] - ordered[0])
     groups = 1 + sum(y - x > gap for x, y in pairwise(ordered))
@@ -201,9 +201,9 @@ def _closes_in(places: Sequence[float]) -> bool:
 
 
 def _by_halves(runner: TrialRunner) -> CheckResult:
-    """S(h) = S(h/2) S(h/2) is true of a step of h made of an even number of steps, and of no other but the exact flow.
+    """Check where S(h) = S(h/2) S(h/2) begins to hold, as it does only for sub-steps in even number or the exact flow.
 
-    It is true of very short steps of all methods, to rounding: what tells is that it becomes true as h grows.
+    For very short steps it holds to rounding for every method: what counts is that it begins to hold as h grows.
     """
     lengths = [2.0**k for k in range(-14, 4)]
     agree = [_halves_agree(runner, h) for h in lengths]
@@ -215,7 +215,7 @@ def _by_halves(runner: TrialRunner) -> CheckResult:
 
 
 def _halves_agree(runner: TrialRunner, h: float) -> bool:
-    """True when one step of h is two steps of h/2, to rounding."""
+    """True if one step of h is two steps of h/2, to rounding."""
     whole = runner.trial(*runner.ordinary, h).answer
     half = runner.trial(*runner.ordinary, h / 2).answer
     twice = None if half is None else runner.trial(half[0], half[1], h / 2).answer

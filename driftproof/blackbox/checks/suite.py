@@ -1,4 +1,4 @@
-"""All checks of a stepper: what they find, with a result for each that hung, crashed or was refused."""
+"""All checks of a stepper and their results, including the checks that hung, crashed or were refused."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from driftproof.blackbox.checks.trials import CheckResult, Unsteady
 from driftproof.blackbox.findings import NO_EVIDENCE, Outcome
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 
-# By the key of the check that stands for a check without result.
+# The checks by their names, which are the keys of results where they give none.
 CHECKS: Mapping[str, Callable[[ForeignStepper], tuple[CheckResult, ...]]] = {
     check.__name__: check
     for check in (
@@ -31,12 +31,12 @@ CHECKS: Mapping[str, Callable[[ForeignStepper], tuple[CheckResult, ...]]] = {
         *(time_argument, reversal, area, domain, homogeneity, not_a_number, infinity, not_a_number_step),
     )
 }
-# These compare answers bit by bit: where the same call gives other bits again, they tell nothing.
+# Results that compare answers bit by bit, and say nothing if the same call gives other bits again.
 _BITWISE = frozenset(("time", "batches", "takes_integers"))
 
 
 def checks_of(outcomes: Sequence[Outcome]) -> tuple[CheckResult, ...]:
-    """The checks found by the checks, in their order; one check `answers` where none of them got an answer."""
+    """The results of all checks in order; one result `answers` if none of them got an answer, for the same reason."""
     first, *others = outcomes
     if first.failed and all(outcome == first for outcome in others):
         holds = None if first.kind in NO_EVIDENCE else False
@@ -52,7 +52,7 @@ def checks_of(outcomes: Sequence[Outcome]) -> tuple[CheckResult, ...]:
 
 
 def _unanswered(key: str, outcome: Outcome) -> tuple[CheckResult, ...]:
-    """The question is open, whatever kept it from its answer; that a call crashes is a fault beside it."""
+    """The results of a check without an answer: it stays open, and a crash is a fault as well."""
     title = key.replace("_", " ")
     if outcome.kind in NO_EVIDENCE:
         return (CheckResult(key, None, f"{title}: undecided: {outcome.seen}"),)

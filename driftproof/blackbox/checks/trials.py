@@ -1,4 +1,4 @@
-"""What all checks work with: steps that may fail, steps that repeat, and the numbers of the stepper's own format."""
+"""What all checks share: trial steps that may fail, the stepper's own number format, and the results of checks."""
 
 from __future__ import annotations
 
@@ -22,36 +22,34 @@ PhasePoint = tuple[float, float]
 ORDINARY_STATE: PhasePoint = (0.7390851332151607, 0.5671432904097838)
 ANOTHER: PhasePoint = (0.5772156649015329, -0.9159655941772190)
 TYPICAL_STEP = 0.25
-# A step whose own bits are not few.
+# A step size with many bits.
 IRREGULAR_STEP = 0.2
-# Defects up to this many u count as rounding: a term of the longest step in the catalogue passes some 1060 roundings if
-# every order is the worst and every coefficient worked out (ssprk40_2), and a solver of implicit stages that means to
-# be exact stops below.
+# Defects up to this many u count as rounding: a term of the longest step in the catalogue (ssprk40_2) passes some 1060
+# roundings in the worst order with every coefficient computed; implicit solvers to full accuracy stop below.
 _ROUNDINGS = 1024
-# A stepper may be made for a small domain: a car in a valley has speeds below 0.07.
+# Sizes of states: a stepper may be made for a small domain, as a car in a valley has speeds below 0.07.
 SIZES = (1.0, 2.0**-3, 2.0**-6, 2.0**-9)
-# Beside a state of ordinary size, one by which a fixed point is told from a floating one: it has seven bits less there.
+# The size of a second state, in which numbers of a fixed point have seven bits less, and those of a format do not.
 _SMALLER = 2.0**-7
 # In binary16, 1024 u would be half of the number: there a defect counts as rounding up to 64 u.
 _MOST_ROUNDING = 2.0**-5
-# Rounded answers of up to eight calls, each off by half a grain.
+# In units of the grain: up to eight rounded answers, each off by half of it.
 _GRAINS = 4
 _TYPES: dict[FloatFormat, type[np.floating]] = {BINARY64: np.float64, BINARY32: np.float32, BINARY16: np.float16}
 
 
 class Unsteady(Misbehaviour):
-    """The same call gives different answers, so that no other question can be asked."""
+    """The same call gives different answers, so that no other check can be made."""
 
     kind = "unsteady"
 
 
 @dataclass(frozen=True)
 class TrialRunner:
-    """A stepper on the runner; `format` is that of the numbers it returns, or a narrower one in which they all lie.
+    """A stepper on trial; `format` is that of the numbers it returns, or a narrower one that holds them all.
 
-    `grain` is the distance between its answers where a rule rounds them, else 0. `size` is 1, or a power of two below
-    it by which ordinary states lie in a smaller domain. Where a call is known to give the same answer again, `made`
-    keeps the trials that were made.
+    `grain` is the spacing of its answers if a rule rounds them, else 0. `size` is 1, or a smaller power of two that
+    brings ordinary states into a small domain. `made` keeps the trials if calls are known to repeat.
     """
 
     subject: ForeignStepper
@@ -80,11 +78,11 @@ class TrialRunner:
         return min(_ROUNDINGS * float(self.format.u), _MOST_ROUNDING) + _GRAINS * self.grain
 
     def step(self, q: float, v: float, h: float) -> PhasePoint:
-        """One step where nothing should go wrong. Raises the `Misbehaviour` if something does."""
+        """One step that should succeed. Raises a `Misbehaviour` if it does not."""
         return self.subject.step(q, v, h)
 
     def trial(self, q: float, v: float, h: float) -> Trial:
-        """One step where anything may come. Raises NoAnswer: of a call that hangs, nothing is known."""
+        """One step that may fail. Raises NoAnswer if the call hangs, which is evidence of nothing."""
         made = {} if self.made is None else self.made
         if (q, v, h) not in made:
             made[q, v, h] = self._trial(q, v, h)
@@ -104,7 +102,7 @@ class TrialRunner:
 
     @property
     def is_coarse(self) -> bool:
-        """True when answers are rounded so that a state of ordinary size has no more than a few digits."""
+        """True if answers are rounded so that a state of ordinary size has no more than a few digits."""
         return self.grain > _SMALLER
 
     def number(self, x: float) -> float:
@@ -117,9 +115,9 @@ class TrialRunner:
         return float(np.nextafter(kind(x), kind(towards)))
 
 
-@lru_cache(maxsize=1)  # all checks of a stepper begin so
+@lru_cache(maxsize=1)  # all checks of a stepper begin with it
 def steady_runner(subject: ForeignStepper) -> TrialRunner:
-    """The runner of a stepper whose call gives the same bits again, with another call in between. Raises Unsteady."""
+    """The runner of a stepper that gives the same bits again after another call. Raises Unsteady if it does not."""
     small: PhasePoint = (ANOTHER[0] * _SMALLER, ANOTHER[1] * _SMALLER)
     first, between, again = (subject.step(*z, IRREGULAR_STEP) for z in (ORDINARY_STATE, small, ORDINARY_STATE))
     if not same(first, again):
@@ -143,20 +141,17 @@ def _size(runner: TrialRunner) -> float:
 
 
 def same(first: Sequence[float] | None, second: Sequence[float] | None) -> bool:
-    """True when both are the same numbers, NaN and the signs of zeros included, or none."""
+    """True if both are None, or the same numbers, NaN and the signs of zeros included."""
     return first is second if first is None or second is None else [*map(repr, first)] == [*map(repr, second)]
 
 
-# What methods have or have not. All other checks are what anybody expects of a stepper without asking.
+# The traits that a method may have or not. All other checks are of what everybody expects of a stepper.
 TRAITS = frozenset(("symmetric", "reversible", "area_preserving", "norm_preserving", "linear"))
 
 
 @dataclass(frozen=True)
 class Trial:
-    """One call, as a line of Python, and what came of it: numbers; or, where there are none, what was seen instead.
-
-    `given` is (q, v, h).
-    """
+    """One call, as a line of Python, with its answer in numbers, or else its `failure`; `given` is (q, v, h)."""
 
     call: str
     given: tuple[float, float, float]
@@ -165,31 +160,31 @@ class Trial:
 
     @property
     def finite(self) -> bool:
-        """True when numbers came, none of them NaN or infinite."""
+        """True if the answer is numbers, none of them NaN or infinite."""
         return self.answer is not None and all(map(isfinite, self.answer))
 
     @property
     def overflowed(self) -> bool:
-        """True where Python's own powers and functions say so instead of returning infinity."""
+        """True if OverflowError came instead of infinity, as from Python's own powers and functions."""
         return self.failure.startswith("raises OverflowError")
 
     @property
     def seen(self) -> str:
-        """What came, as a reader writes it: (1.0, 0.75), or `raises ValueError: ...`."""
+        """The answer or the failure as text: "(1.0, 0.75)", "raises ValueError: ..."."""
         return self.failure if self.answer is None else pair_text(self.answer)
 
     @property
     def refusal(self) -> str:
-        """What was seen instead of numbers, as the end of a sentence."""
+        """The failure as the end of a sentence."""
         return f"it {self.failure}" if self.failure.startswith(("raises", "returns")) else self.failure
 
     @property
     def line(self) -> str:
-        """The call and what came, to be tried again."""
+        """The call and its result, to be tried again."""
         return f"{self.call} -> {self.seen}"
 
     def as_dict(self) -> dict[str, Any]:
-        """For JSON; numbers are strings which give them back to the last bit."""
+        """The trial for JSON; numbers are strings which give them back to the last bit."""
         answer = None if self.answer is None else [repr(x) for x in self.answer]
         given = dict(zip("qvh", map(repr, self.given), strict=True))
         return {"call": self.call, "given": given, "answer": answer, "failure": self.failure or None}
@@ -197,9 +192,9 @@ class Trial:
 
 @dataclass(frozen=True)
 class CheckResult:
-    """One sentence about a stepper; `key` says what it is about, `holds` is None where it was not or cannot be asked.
+    """One sentence about a stepper; `key` says what it is about.
 
-    `holds` is True where a duty is done, and where a trait is there.
+    `holds` is True if a duty is fulfilled or a trait is there, False if not, and None if that was not decided.
     """
 
     key: str
@@ -209,15 +204,15 @@ class CheckResult:
 
     @property
     def is_fault(self) -> bool:
-        """True when something does not hold that anybody expects to."""
+        """True if something fails that everybody expects of a stepper."""
         return self.holds is False and self.key not in TRAITS
 
     def as_dict(self) -> dict[str, Any]:
-        """For JSON."""
+        """The result for JSON."""
         example = [trial.as_dict() for trial in self.example]
         return {"key": self.key, "holds": self.holds, "words": self.words, "example": example}
 
 
 def pair_text(numbers: tuple[float, ...]) -> str:
-    """(1.0, 0.75), to the last bit."""
+    """The numbers as "(1.0, 0.75)", to the last bit."""
     return f"({', '.join(map(repr, numbers))})"

@@ -1,1 +1,1 @@
-"""Steppers that no single tableau describes: those that remember, that take a Jacobian, that take two functions."""
+"""Steppers that no single tableau describes: multistep, Rosenbrock and IMEX methods, rotations, damped steps."""

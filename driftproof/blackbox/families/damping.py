@@ -1,4 +1,4 @@
-"""A step that loses or turns velocity of its own: by which law of h, and whether for each time, or for each step."""
+"""Steps with a drag or a turn of v built in: its law in h, and whether it acts per unit of time or per step."""
 
 from __future__ import annotations
 
@@ -23,29 +23,27 @@ from driftproof.blackbox.stepper.second_functions import zeros
 from driftproof.blackbox.stepper.state_forms import TOGETHER
 from driftproof.support.plain_text import Json
 
-# Steps in which a loss is compared; and one in which a loss for each time is as good as linear in h, in binary64.
+# Step sizes at which the loss is compared; and one so short that a loss per unit of time is linear in h, in binary64.
 _STEPS, _SHORT = (1.0, 0.5, 0.25, 2.0**-5, 2.0**-9), 2.0**-20
-# What part of a rate is none, and of what is shown; and eigenvectors that tell nothing of it.
+# The parts of a rate and of a shown matrix that count as 0; the condition number from which eigenvectors are useless.
 _LITTLE, _NONE, _WORST = 2.0**-10, 2.0**-20, 2.0**10
-# What v is multiplied by in a step, by the rate c, as text and as the rate that the eigenvalues D of a step show.
+# The factor of v in a step by the rate c: as text, and the rate from the eigenvalues D of a step.
 _LAWS: Mapping[str, Callable[[Any, float], Any]] = {
     "exp(-{c} h)": lambda d, h: -np.log(d) / h,
     "1 - {c} h": lambda d, h: (1 - d) / h,
     "1/(1 + {c} h)": lambda d, h: (1 / d - 1) / h,
     "(1 - {c} h/2)/(1 + {c} h/2)": lambda d, h: 2 * (1 - d) / (1 + d) / h,
 }
-
-
 _Rows: TypeAlias = tuple[tuple[float, ...], ...]
 
 
 @dataclass(frozen=True)
 class Damping:
-    """In a step without a force v is multiplied by the `law` of h, to first order 1 - `rate` h; a step loses `at_once`.
+    """The factor of v in a step without a force: the `law` of h, 1 - `rate` h to first order, times `at_once`.
 
-    Of one number all are numbers; of vectors, the rate is a matrix and `at_once` what multiplies v in no time. Where
-    the system is built in, it is the area in phase space that is multiplied so. `order` is the one measured with the
-    drag -c v beside the force, None where it was not.
+    Both are matrices, 1 by 1 for a scalar v; `at_once` is the factor in the limit h -> 0, the identity for a true drag.
+    If the system is built in, the factor is that of areas in phase space. `order` is measured with the drag -c v added
+    to the force, None if it was not.
     """
 
     law: str
@@ -56,7 +54,7 @@ class Damping:
 
     @property
     def faults(self) -> list[str]:
-        """A loss in each step, however short: how much is lost in a time then depends on h."""
+        """The fault of a factor that every step has, however short: the loss per unit of time then depends on h."""
         if (np.array(self.at_once) == np.eye(len(self.at_once))).all():
             return []
         what = "the area in phase space" if self.built_in else "the velocity"
@@ -69,13 +67,13 @@ class Damping:
 
     @property
     def turns(self) -> bool:
-        """Whether v is turned, as by Coriolis' force: C is antisymmetric."""
+        """True if v is turned, as by the Coriolis force: C is antisymmetric."""
         rate = np.array(self.rate)
         return bool(np.abs(rate + rate.T).max() < _LITTLE * np.abs(rate).max())
 
     @property
     def verdict(self) -> str:
-        """What it is, in one line."""
+        """The verdict in one line."""
         if self.faults:
             return f"it is no method that is known here: {self.faults[0]}"
         seen = "" if self.order is None or self.order.order is None else f", of order {self.order.order} as measured"
@@ -84,7 +82,7 @@ class Damping:
 
     @property
     def lines(self) -> list[str]:
-        """The law."""
+        """The law as a line of text."""
         law = self.law or f"a law of h that is none of {', '.join(text.format(c='c') for text in _LAWS)}"
         what = "areas in phase space are" if self.built_in else "without a force, v is"
         rate = _shown(np.array(self.rate))
@@ -93,12 +91,12 @@ class Damping:
 
     @property
     def data(self) -> dict[str, Json]:
-        """The same for programs."""
+        """The law, the rate and the faults for programs."""
         return {"law": self.law or None, "rate": _shown(np.array(self.rate)), "faults": list(self.faults)}
 
 
 def read_damping(subject: ForeignStepper) -> Damping:
-    """What a step takes from v besides its force. Raises UnsupportedCall where it takes nothing, NotReadable."""
+    """Read what a step does to v besides its force. Raises UnsupportedCall if nothing, NotReadable if no drag."""
     if subject.convention.kind not in (FORCE, MAP):
         raise UnsupportedCall("what a right-hand side does to v is its own")
     built_in = subject.convention.kind == MAP
@@ -109,7 +107,7 @@ def read_damping(subject: ForeignStepper) -> Damping:
     one = np.eye(len(seen[shorter]))
     lost = [one - seen[h] for h in (longer, shorter)]
     sizes = [float(np.abs(part).max()) for part in lost]
-    # Of a loss O(h²), as of a method that keeps no areas, half a step has a quarter.
+    # If the loss is O(h²), as in methods that do not keep areas, half a step has a quarter of it.
     if sizes[1] <= max(rounding.of(16.0), 0.375 * sizes[0]):
         raise UnsupportedCall("it takes nothing from v")
     if sizes[1] > 0.75 * sizes[0]:  # where half a step loses no less, not half as much
@@ -124,23 +122,23 @@ def read_damping(subject: ForeignStepper) -> Damping:
         raise NotReadable(f"areas grow as 1 + {grown:.6g} h: no drag")
     if built_in and not _follows_drag(subject, -grown):
         raise NotReadable("small steps follow no drag")
-    laws = (_told(text, rate_of, seen, rounding) for text, rate_of in _LAWS.items())
+    laws = (_law(text, rate_of, seen, rounding) for text, rate_of in _LAWS.items())
     found = Damping(next(filter(None, laws), ""), _rows(rate), _rows(one), built_in)
     return found if built_in else replace(found, order=measured_on(subject, _with_drag(rate)))
 
 
 def _rounding(subject: ForeignStepper) -> Rounding:
-    """Of a step without a force, and of the determinant of one of two numbers."""
+    """The rounding of a step without a force, and of a determinant of two rows."""
     return Rounding(subject.format, 4)
 
 
 def _short(subject: ForeignStepper) -> float:
-    """A step in which half of the digits are left to a loss."""
+    """A step size that leaves half of the digits to a loss."""
     return max(_SHORT, 4 * sqrt(float(subject.format.u)))
 
 
 def _shown(matrix: Array, text: Callable[[float], str] = "{:.6g}".format, *off: float) -> str:
-    """The matrix in rows, as one number where it is that times 1; numbers that it may be off by are 0."""
+    """The matrix as text, a multiple of the identity as one number; entries within rounding or `off` are shown as 0."""
     slack = max([_NONE * float(np.abs(matrix).max()), *off])
     if np.abs(matrix - matrix[0, 0] * np.eye(len(matrix))).max() <= slack:
         return text(float(matrix[0, 0]))
@@ -153,12 +151,12 @@ def _rows(matrix: Array) -> _Rows:
 
 
 def _is_turn(matrix: Array) -> bool:
-    """Whether lengths are kept."""
+    """True if the matrix keeps lengths."""
     return len(matrix) > 1 and float(np.abs(matrix @ matrix.T - np.eye(len(matrix))).max()) < _LITTLE
 
 
-def _told(text: str, rate_of: Callable[[Any, float], Any], seen: Mapping[float, Array], rounding: Rounding) -> str:
-    """The law with its rate, a matrix of the same eigenvectors as the step, if all steps show the same one."""
+def _law(text: str, rate_of: Callable[[Any, float], Any], seen: Mapping[float, Array], rounding: Rounding) -> str:
+    """The law with its rate, on the eigenvectors of the step; "" if steps of different sizes show different rates."""
     told = []
     for h in _STEPS:
         values, vectors = np.linalg.eig(seen[h].astype(complex))
@@ -174,7 +172,7 @@ def _told(text: str, rate_of: Callable[[Any, float], Any], seen: Mapping[float, 
 
 
 def _velocity_factor(subject: ForeignStepper, h: float) -> Array:
-    """The matrix of v1 = D v without a force. Raises NotReadable where it is not the same for all v."""
+    """The matrix D of v1 = D v without a force. Raises NotReadable if it is not the same for all v."""
     n = TOGETHER.get(subject.adapter.name, 1)
 
     def stepped(v: Array) -> Array:
@@ -189,7 +187,7 @@ def _velocity_factor(subject: ForeignStepper, h: float) -> Array:
 
 
 def _area_factor(subject: ForeignStepper, h: float) -> Array:
-    """The determinant of a step that is linear."""
+    """The determinant of a linear step. Raises NotReadable if the step is not linear."""
     (a, c), (b, d), (x, y) = (subject.step(q, v, h) for q, v in ((1.0, 0.0), (0.0, 1.0), (-2.0, 3.0)))
     size = 8 * sum(map(abs, (a, b, c, d)))
     if max(abs(x + 2 * a - 3 * b), abs(y + 2 * c - 3 * d)) > _rounding(subject).of(size):
@@ -198,7 +196,7 @@ def _area_factor(subject: ForeignStepper, h: float) -> Array:
 
 
 def _follows_drag(subject: ForeignStepper, rate: float) -> bool:
-    """Whether small steps follow q' = v, v' = -k q - c v with any k > 0, as far as h and the digits tell."""
+    """True if short steps follow q' = v, v' = -k q - c v for some k > 0, as far as h and rounding show."""
     h = _short(subject)
     (a, c), (b, d) = subject.step(1.0, 0.0, h), subject.step(0.0, 1.0, h)
     slopes = zip((a - 1, b, d - 1), (0.0, 1.0, -rate), strict=True)
@@ -207,7 +205,7 @@ def _follows_drag(subject: ForeignStepper, rate: float) -> bool:
 
 
 def _with_drag(rate: Array) -> NonlinearProblem:
-    """q'' = F(q) - C v with F = exp(-2q) + C sqrt(1 - exp(-2q)), which makes good the drag: solved by log cosh."""
+    """q'' = F(q) - C v with F = exp(-2q) + C sqrt(1 - exp(-2q)), which balances the drag: solved by log cosh."""
     still = walls(len(rate))
 
     def pushed(t: AnyNumber, y: Sequence[AnyNumber]) -> list[AnyNumber]:

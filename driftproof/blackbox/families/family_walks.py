@@ -1,4 +1,4 @@
-"""Steps far from home of two families: with a Jacobian, and of two right-hand sides, beside the method's own step."""
+"""Walks of Rosenbrock and IMEX steppers: their steps beside the method's own, on many problems and in balls."""
 
 from __future__ import annotations
 
@@ -20,16 +20,16 @@ from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.blackbox.stepper.second_functions import SecondFunction, with_functions, zeros
 from driftproof.symbolic.algebra.certified import enclose
 
-# A difference in balls, so short that in floats the quotient is right to the last bit where numbers are of size 1.
+# The precision and the length of a difference in balls: its quotient is right to the last bit of a float of size 1.
 _BITS, _STEP = 256, 2.0**-100
-# Slopes of stages settle by a bit a round at least, as h times those of g contracts.
+# The most iterations of the stages, and when they have settled: each gains at least a bit, since h g' contracts.
 _ROUNDS, _SETTLED = 400, 2.0**-150
-# A difference quotient of df/dt in floats is off by some roots of u.
+# A difference quotient for df/dt in floats is off by a few times the square root of u.
 DIFFERENCES = 4
 
 
 def derivatives(problem: NonlinearProblem, t: AnyNumber, y: Any) -> tuple[list[list[float]], list[float]]:
-    """∂f/∂y and ∂f/∂t, by differences in balls, so small that they are right to the last bit of a float."""
+    """∂f/∂y and ∂f/∂t by differences in balls, so small that they are right to the last bit of a float."""
     with ctx.workprec(_BITS):
         at, state = arb(float(t)), [arb(float(x)) for x in y]
         here = problem.rate(at, state)
@@ -43,12 +43,12 @@ def derivatives(problem: NonlinearProblem, t: AnyNumber, y: Any) -> tuple[list[l
 
 
 class WithJacobian(NonlinearProblem):
-    """A problem for a step that takes f' and df/dt."""
+    """A problem that gives the stepper a `share` of the Jacobian f', and df/dt."""
 
     share = 1.0
 
     def stepped(self, subject: ForeignStepper, t: float, y: Sequence[AnyNumber], h: float) -> list[AnyNumber]:
-        """One step, which is given this share of f'."""
+        """The end of a step with this share of f' as its Jacobian."""
         functions: dict[str, SecondFunction] = {
             JACOBIAN: lambda t, y: (self.share * np.array(derivatives(self, t, y)[0])).tolist(),
             TIME_SLOPE: lambda t, y: derivatives(self, t, y)[1],
@@ -57,16 +57,16 @@ class WithJacobian(NonlinearProblem):
 
 
 class WithHalfJacobian(WithJacobian):
-    """A problem for a step that is given half of f'."""
+    """A problem that gives the stepper half of f', which changes the order of all but W methods."""
 
     share = 0.5
 
 
 class _InTwoParts(NonlinearProblem):
-    """A problem for a step of f + g: of each number, a part of its slope is solved for."""
+    """A problem y' = f + g, where g, which is solved for, is a fixed part of each slope."""
 
     def part(self, t: AnyNumber, y: Sequence[AnyNumber], implicit: bool) -> list[AnyNumber]:
-        """The slopes of g, or those of f."""
+        """The slopes of g if `implicit`, else those of f."""
         shares = [0.25 * (1 + i % 3) for i in range(len(y))]
         return [(s if implicit else 1 - s) * k for s, k in zip(shares, self.rate(t, [*y]), strict=True)]
 
@@ -76,16 +76,16 @@ class _InTwoParts(NonlinearProblem):
 
 
 class WithDamping(_InTwoParts):
-    """A problem for a step of f + g, g damping each number by what the next one is."""
+    """A problem y' = f + g, where g damps each number at a rate that depends on the next one."""
 
     def part(self, t: AnyNumber, y: Sequence[AnyNumber], implicit: bool) -> list[AnyNumber]:
-        """The slopes of g, or those of f."""
+        """The slopes of g if `implicit`, else those of f."""
         damping = [-x * (1 + z * z) for x, z in zip(y, [*y[1:], y[0]], strict=True)]
         return damping if implicit else [k - g for k, g in zip(self.rate(t, [*y]), damping, strict=True)]
 
 
 def _alone(subject: ForeignStepper) -> ForeignStepper:
-    """The subject as a step(f, t, y, h), its other functions being 0."""
+    """The subject as a step(f, t, y, h), with zeros for its other functions."""
     still = {JACOBIAN: lambda t, y: [zeros(t, y)] * len(y), TIME_SLOPE: zeros, IMPLICIT: zeros}
     return with_functions(subject, still)
 
@@ -93,13 +93,13 @@ def _alone(subject: ForeignStepper) -> ForeignStepper:
 def measured_of_two(
     subject: ForeignStepper, kind: type[NonlinearProblem], halvings: Sequence[int], slack: float = 0.0
 ) -> MeasuredOrder:
-    """The order of steps h = 2⁻ᵏ of a stepper of two functions, in its own floats, on a problem of this kind."""
+    """The measured order of a stepper of two functions, with h = 2⁻ᵏ in its own floats, on this kind of problem."""
     problem = kind(**vars(field_problem(_alone(subject))))
     return measured_in_floats(subject, problem, [2.0**-k for k in halvings], slack)
 
 
-class _OfTwoFunctions(Walker):
-    """Held to y' = f(t, y), of few and of many numbers."""
+class _TwoFunctionWalker(Walker):
+    """A walk on y' = f(t, y), with few and with many numbers."""
 
     kind: ClassVar[type[NonlinearProblem]]
 
@@ -112,26 +112,26 @@ class _OfTwoFunctions(Walker):
         return (1, 2, 3, 5, 9)
 
     def problems(self, numbers: int) -> list[NonlinearProblem]:
-        """With the functions that there are beside f."""
+        """The problems of a plain walk, with the functions that the stepper takes besides f."""
         alone = Walker(_alone(self.subject), self.method)
         return [self.kind(**vars(problem)) for problem in alone.problems(numbers)]
 
 
 @dataclass(frozen=True)
-class RosenbrockWalker(_OfTwoFunctions):
-    """Beside a Rosenbrock method; df/dt is off by the slack where it is had by differences, or left out."""
+class RosenbrockWalker(_TwoFunctionWalker):
+    """A walk beside a Rosenbrock method; `slack` is the error of a df/dt by differences, `autonomous` leaves it out."""
 
     kind = WithJacobian
     slack: float = 0.0
     autonomous: bool = False
 
     def allowed(self, size: float, numbers: int, h: float) -> float:
-        """Systems of so many numbers are solved, whose rounding grows with these."""
+        """The error allowed: rounding, which grows with the linear systems to be solved, and that of df/dt."""
         rounding = Rounding(self.subject.format, self.method.stages * (1 + numbers))
         return rounding.of(2 * size) + DIFFERENCES * self.slack * h * h * size
 
     def own_step(self, problem: NonlinearProblem, t: float, y: Sequence[float], h: float) -> list[arb]:
-        """kᵢ = f(t + αᵢh, y + h Σ αᵢⱼ kⱼ) + h J Σ γᵢⱼ kⱼ + h γᵢ df/dt, with the J and the df/dt that are given."""
+        """The step with kᵢ = f(t + αᵢh, y + h Σ αᵢⱼ kⱼ) + h J Σ γᵢⱼ kⱼ + h γᵢ df/dt, and with the J and df/dt given."""
         rows, slopes = derivatives(problem, t, y)
         slopes = [0.0] * len(y) if self.autonomous else slopes
         jacobian, time_slope, n = arb_mat(rows), arb_mat([[x] for x in slopes]), len(y)
@@ -152,18 +152,18 @@ class RosenbrockWalker(_OfTwoFunctions):
 
 
 @dataclass(frozen=True)
-class ImexWalker(_OfTwoFunctions):
-    """Beside an IMEX method, whose stages are solved to this."""
+class ImexWalker(_TwoFunctionWalker):
+    """A walk beside an IMEX method, whose stages are solved to the error `solved`."""
 
     kind = _InTwoParts
     solved: float = inf
 
     def allowed(self, size: float, numbers: int, h: float) -> float:
-        """What its solver leaves, and the rounding."""
+        """The error allowed: rounding, and what the stepper's solver leaves."""
         return Rounding(self.subject.format, 2 * self.method.stages).of(2 * size) + self.solved * size
 
     def own_step(self, problem: NonlinearProblem, t: float, y: Sequence[float], h: float) -> list[arb]:
-        """y + h Σ (bᵢ f(Yᵢ) + b̂ᵢ g(Yᵢ)), the stages iterated. Raises ArithmeticError where that does not converge."""
+        """y + h Σ (bᵢ f(Yᵢ) + b̂ᵢ g(Yᵢ)), by iteration. Raises ArithmeticError if the stages do not converge."""
         assert isinstance(problem, _InTwoParts)
         method, parts = self.method, (False, True)
         tables = [[[enclose(x) for x in row] for row in a] for a in (method.a_explicit, method.a_implicit)]

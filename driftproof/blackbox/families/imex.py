@@ -1,4 +1,4 @@
-"""A step of two right-hand sides, one of them solved for: which IMEX method it is, and of which order on their sum."""
+"""IMEX steppers, which solve for one of two right-hand sides: which method it is, and its order on their sum."""
 
 from __future__ import annotations
 
@@ -20,24 +20,24 @@ from driftproof.methods.number_field import Exact
 from driftproof.support.plain_text import Json
 from driftproof.symbolic.additive import AdditiveFacts
 
-# Lengths of the steps whose errors are measured: h = 2**-k.
+# The step sizes at which errors are measured: h = 2**-k.
 _HALVINGS = range(2, 9)
-# Of coefficients as they are read, and of printed ones, order conditions leave no more.
+# Order conditions count as satisfied up to this: errors of reading, and of printed decimals, leave less.
 _READ = Fraction(1, 10**9)
-# A method that differs in more entries than so many is another one.
+# A method that differs in more entries than this is another one.
 _FEW_DIFFERENCES = 2
-# Differences that a reader takes in.
+# The most differences shown: chosen, as readers take in no more.
 _MOST_SHOWN = 6
-# Solvers in use stop at 1e-6 or below of numbers of size 1.
+# Solvers in use stop at an error of 1e-6 or less for numbers of size 1.
 _SOLVED = 1e-6
-# Below the second nobody minds what a solver leaves; what it leaves elsewhere is so many times as much at most, since
-# it stops by the same change or residual.
+# In steps elsewhere a solver may leave this many times the error seen here, since it stops by the same change or
+# residual; errors below the second number do not matter.
 _SOLVER, _WELL_SOLVED = 64, 2.0**-30
 
 
 @dataclass(frozen=True)
 class ImexIdentity:
-    """Both tables of a step, the method of the catalogue that has them, None for none, and the order measured."""
+    """Both tables of a step, the catalogue method that has them (or None), the measured order, and a walk of steps."""
 
     reading: ImexReading
     known: Additive | None
@@ -46,7 +46,7 @@ class ImexIdentity:
 
     @property
     def faults(self) -> list[str]:
-        """What is wrong with it, whichever method it is meant to be: times that are not those of its stages."""
+        """The faults under any method: nodes that are not the row sums of the tables."""
         reading, rounding = self.reading, self.reading.rounding
         if reading.c is None:
             return []
@@ -63,7 +63,7 @@ class ImexIdentity:
 
     @property
     def near(self) -> str:
-        """The method that it is but for few entries, with these; "" for none."""
+        """The nearest method, with the few entries that differ; "" if there is none."""
         told = ((m.key, _differences(m, self.reading)) for m in _methods())
         few = [(key, found) for key, found in told if found and len(found) <= _FEW_DIFFERENCES]
         key, found = min(few, key=lambda each: len(each[1]), default=("", []))
@@ -71,12 +71,12 @@ class ImexIdentity:
 
     @property
     def key(self) -> str | None:
-        """The key of the method that it is without a fault."""
+        """The catalogue key of the method, if it has no fault; else None."""
         return self.known.key if self.known and not self.faults else None
 
     @property
     def verdict(self) -> str:
-        """What it is, in one line."""
+        """The verdict in one line."""
         unknown = f"an IMEX method of {self.reading.stages} stages that is not known here"
         name = self.known.key if self.known else self.near or unknown
         solved = f", its stages solved to {self.reading.curved:.1e}" if self.reading.curved > _WELL_SOLVED else ""
@@ -84,11 +84,11 @@ class ImexIdentity:
 
     @property
     def parts(self) -> list[tuple[str, list[str]]]:
-        """The evidence, by title."""
+        """The evidence: titles with lines."""
         return [("Coefficients", self._coefficients(self.known.key if self.known else "")), ("Order", self._orders)]
 
     def _coefficients(self, key: str) -> list[str]:
-        """Both tables, which are those of this method, if it is one."""
+        """Both tables as lines, for the method with this key, or for none if it is ""."""
         reading, slack = self.reading, self.reading.rounding.of(1.0)
         named = f"{key}: every entry within {slack:.1e}, as its stages are solved"
         nearest = [f"nearest: {self.near}"] if not key and self.near else []
@@ -103,7 +103,7 @@ class ImexIdentity:
 
     @property
     def _orders(self) -> list[str]:
-        """Of the method, or of the floats read: of both tables together, then of each."""
+        """The order by the tables (those of the method, or as read), together and alone, and the order measured."""
         facts, measured = AdditiveFacts(self.known or _as_read(self.reading)), self.measured
         found = facts.orders_within(_READ) if facts.method.decimal else facts
         alone = f"its tables alone of order {found.explicit_order} and {found.implicit_order}"
@@ -113,14 +113,14 @@ class ImexIdentity:
 
     @property
     def data(self) -> dict[str, Json]:
-        """The same for programs."""
+        """The tables and the order for programs."""
         reading, tables = self.reading, dict[str, Json]()
         for part, a, b in zip(IMEX_PARTS, reading.a, reading.b, strict=True):
             tables |= {f"a_{part}": [[repr(x) for x in row] for row in a], f"b_{part}": [repr(x) for x in b]}
         return {"method": self.key, **tables, "measured_order": self.measured.order}
 
     def criteria(self, method: Additive) -> list[Criterion]:
-        """How it holds to a method: both tables, the times, the order."""
+        """The criteria of a method: both tables, the nodes, the order, and how the steps go elsewhere."""
         found = _differences(method, self.reading)
         shown = (
             self._coefficients(method.key)
@@ -140,7 +140,7 @@ class ImexIdentity:
         ]
 
     def _steps(self, same: bool) -> Iterator[Criterion]:
-        """Of a step that has the tables: how well its stages are solved, and whether it is the method's elsewhere."""
+        """The criteria of a step that has the tables: how well its stages are solved, and its steps elsewhere."""
         if same and self.reading.curved > _SOLVED:
             yield Criterion("Stages", False, (f"its equations are solved to {self.reading.curved:.1e} only",), {})
         elif same and not self.faults and self.walked is not None:
@@ -148,7 +148,7 @@ class ImexIdentity:
 
 
 def read_imex(subject: ForeignStepper, asked: Additive | None = None) -> ImexIdentity:
-    """What a step of two right-hand sides is. Raises NotReadable, UnsupportedCall, and a Misbehaviour of its own."""
+    """Identify a step of two right-hand sides. Raises NotReadable, UnsupportedCall, or the stepper's Misbehaviour."""
     reading = _in_order(read_imex_step(subject))
     known, walked = next((m for m in _methods() if _differences(m, reading) == []), None), None
     if (method := asked or known) and _differences(method, reading) == []:
@@ -161,7 +161,7 @@ def _methods() -> Iterator[Additive]:
 
 
 def _used(method: Additive) -> list[int]:
-    """The stages that count in y₁, by way of whichever others."""
+    """The stages that y₁ depends on, directly or through others."""
     used = {j for b in (method.b_explicit, method.b_implicit) for j, x in enumerate(b) if x != 0}
     tables = (method.a_explicit, method.a_implicit)
     while more := {j for i in used for a in tables for j, x in enumerate(a[i]) if x != 0} - used:
@@ -170,7 +170,7 @@ def _used(method: Additive) -> list[int]:
 
 
 def _differences(method: Additive, reading: ImexReading) -> list[str] | None:
-    """The entries and times that are not the method's, in words; None where the stages that count are more or fewer."""
+    """The entries that are not the method's, in words; None if y₁ depends on another number of stages."""
     used = _used(method)
     if len(used) != reading.stages:
         return None
@@ -189,7 +189,7 @@ def _differences(method: Additive, reading: ImexReading) -> list[str] | None:
 
 
 def _in_order(reading: ImexReading) -> ImexReading:
-    """The stages so that each comes after those that it needs, else as they were first asked."""
+    """The stages sorted so that each comes after those that it needs, else in the order of their first call."""
     order: list[int] = []
     left = list(range(reading.stages))
     while left:
@@ -207,7 +207,7 @@ def _in_order(reading: ImexReading) -> ImexReading:
 
 
 def _as_read(reading: ImexReading) -> Additive:
-    """The method of the very floats that were read: what a table must not have is 0 there, to rounding."""
+    """The method with the floats read as exact entries, and 0 in place of rounding where a table has no entry."""
     (a, a_implicit), (b, b_implicit) = reading.a, reading.b
     exact = [
         [[Fraction(x) if j < i + diagonal else Fraction(0) for j, x in enumerate(row)] for i, row in enumerate(table)]

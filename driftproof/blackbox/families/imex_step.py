@@ -1,4 +1,4 @@
-"""Both tables of a step of two right-hand sides, one of them solved for, read by marking its stages in each."""
+"""Both tables of an IMEX step, read by marking its stages in each of its two right-hand sides."""
 
 from __future__ import annotations
 
@@ -17,20 +17,20 @@ from driftproof.blackbox.stepper.second_functions import SecondFunction, with_fu
 from driftproof.symbolic.rounding.formats import FloatFormat
 
 IMEX_PARTS = ("explicit", "implicit")
-# Where two clocks tell no stages apart that one does not, more of them do not either but in contrived tables.
+# Fewer clocks than this are tried: except in contrived tables, stages that two do not tell apart are equal.
 _FEWER_CLOCKS = 3
-# Of h times f' and g', so that our own iteration contracts; and rounds after which it has, below 2**-80.
+# The size of h f' and h g', so that our own iteration contracts, and the rounds after which less than 2**-80 is left.
 _BEND, _ROUNDS = 0.125, 80
-# A solver that is worth its name leaves less of bent equations, and other stages leave more.
+# A solver that converges leaves less in nonlinear equations, and other stages leave more.
 _UNSOLVED = 2.0**-14
 
 
 @dataclass(frozen=True)
 class ImexReading:
-    """aᵢⱼ and bⱼ of f, which is explicit, and of g, which is solved for, for stages at t + cᵢh that they share.
+    """The tables aᵢⱼ and bⱼ of f, which is explicit, and of g, which is solved for, with the same stages at t + cᵢh.
 
-    `c` is None where they are given no time. `stage_error` is what entries may be off by, as the stages are solved, and
-    `curved` what a step on nonlinear f and g was off by.
+    `c` is None if the functions get no time. `stage_error` is the error that the solver leaves in the entries, `curved`
+    the error of a step with nonlinear f and g.
     """
 
     a: tuple[StageTable, StageTable]
@@ -42,22 +42,22 @@ class ImexReading:
 
     @property
     def stages(self) -> int:
-        """How many stages count."""
+        """The number of stages that y₁ depends on."""
         return len(self.b[0])
 
     @property
     def rounding(self) -> Rounding:
-        """How far entries may be off: four times what two readings differ by."""
+        """How far entries may be off: rounding, and four times the difference of two readings."""
         return Rounding(self.format, self.stages, 4 * self.stage_error)
 
 
 class _SplitSteps(MarkedSteps):
-    """Steps of y' = f + g: `part` is 0 while f is asked, 1 while g is."""
+    """Steps of y' = f + g: `part` is 0 while f is called, 1 while g is."""
 
     parts = 2
 
     def step(self, rate: FieldFunction, t: float, y: list[float], h: float) -> list[float]:
-        """One step, in which both functions answer by `rate`."""
+        """One step in which both functions answer by `rate`."""
 
         def asked(part: int) -> SecondFunction:
             def answered(at: float, z: Sequence[float]) -> Sequence[float]:
@@ -71,10 +71,10 @@ class _SplitSteps(MarkedSteps):
 
 
 def read_imex_step(subject: ForeignStepper) -> ImexReading:
-    """Both tables of a step(f_explicit, f_implicit, t, y, h), as near as its solver comes to them.
+    """Read both tables of a step(f_explicit, f_implicit, t, y, h), as exactly as its solver allows.
 
-    As of implicit stages (`probes.implicit_tableau`), each link of a chain being in f or in g: so the entries of one
-    table show in stages that only the other one weighs. Raises NotReadable, UnsupportedCall.
+    They are read like implicit stages (`probes.implicit_tableau`), with each link of a chain in f or in g, so that
+    entries of one table show in stages that only the other one weights. Raises NotReadable, UnsupportedCall.
     """
     if subject.convention.kind != IMEX:
         raise UnsupportedCall(f"the stepper is called by {subject.convention.kind!r}, which takes one right-hand side")
@@ -103,7 +103,7 @@ def _read(steps: _SplitSteps, clocks: int) -> ImexReading:
 
 
 def _bent(steps: _SplitSteps, reading: ImexReading, setting: Setting) -> float:
-    """By how much a step on nonlinear f and g is off our own iteration of its stages."""
+    """The difference of a step with nonlinear f and g from our own iteration of its stages."""
     h = setting.h
 
     def rates(node: float | None, moved: Sequence[float], part: int) -> list[float]:

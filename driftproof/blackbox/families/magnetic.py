@@ -1,4 +1,4 @@
-"""A step of a velocity in an electric and a magnetic field: Boris' step and its kin, by rotation, kicks and drifts."""
+"""Steps of a velocity in an electric and a magnetic field: Boris' step and others, by rotation, kicks and drifts."""
 
 from __future__ import annotations
 
@@ -13,38 +13,38 @@ from driftproof.methods.catalogue import METHODS
 from driftproof.methods.schemes import Collocation, RungeKutta
 from driftproof.support.plain_text import Json
 
-# Both parts of a drift, or of a kick: before the rotation, or with the old velocity; and after it.
+# The parts of a kick before and after the rotation, or of a drift with the old and with the new velocity.
 Halves = tuple[float, float]
 _ALL = "x' = v, v' = E + v x B"
 _WHOLE = "the electric field enters as in one method for the whole of v' = E + v x B"
 _LEAPFROG, _BOTH_HALVES, _AHEAD = (0.0, 1.0), (0.5, 0.5), (1.0, 0.0)
-# Where leapfrogs ask for the fields, in units of h v from x, by their drift; and at which times v and x are.
+# For each drift of a leapfrog: where the fields are evaluated, in units of h v from x, and the times of v and x.
 _TIMES: Mapping[Halves, tuple[float, str]] = {
     _LEAPFROG: (0.0, "v stands half a step behind x"),
     _BOTH_HALVES: (0.5, "half a drift on either side of the push: x and v are at one time"),
     _AHEAD: (1.0, "v stands half a step ahead of x"),
 }
-# What a user may call it.
+# The names that users may give to Boris' step.
 BORIS_NAMES = ("boris", "boris push", "boris pusher", "boris step")
 
 
 @dataclass(frozen=True)
 class Boris:
-    """Boris' step, to which a stepper is held: half kicks about a rotation by 2 atan(h B/2), and a leapfrog's drift."""
+    """Boris' step as a method to compare with: half kicks about a rotation by 2 atan(h B/2), and a leapfrog's drift."""
 
     key: str = "boris"
 
 
 @dataclass(frozen=True)
 class MagneticReading:
-    """v1 = R v + h (k R + l) E, and x1 = x + h (m v + n v1): R a rotation about B, by the name of `turn`.
+    """The step v1 = R v + h (k R + l) E, x1 = x + h (m v + n v1), where R is a rotation about B, described by `turn`.
 
-    `kick` is (k, l), None where there is no E, or another law; `affine` is true where the kick is (R - 1)/z, as of one
-    method for the whole of v' = E + v x B, `electric` where there is an E. `push` is what a step without B gives, as
-    part of h E. `drift` is (m, n), None where there is no x, or another law; of a step with an x, `moved` is what v and
-    what E move it by, as factors of h v and h² E at TURN_ANGLES. `asked` are c where E and B are called, at x + c h v.
-    `uneven` tells a rotation that depends on more than h B, `at_rest` what goes wrong where B is 0; `kept` is by how
-    much |v| was seen to change without E.
+    `kick` is (k, l), None if there is no E or another law; `affine` is true if the kick is (R - 1)/z, as in one method
+    for the whole of v' = E + v x B, `electric` if the stepper takes an E. `push` is the kick of a step without B, over
+    h E. `drift` is (m, n), None if there is no x or another law; with an x, `moved` is what v and what E move it by, as
+    factors of h v and h² E at TURN_ANGLES. `asked` holds the c of the places x + c h v at which the fields are
+    evaluated. `uneven` says in words that the rotation depends on more than h B, `at_rest` what goes wrong where B is
+    0; `kept` is the largest change of |v| seen without E.
     """
 
     turn: Turn
@@ -62,7 +62,7 @@ class MagneticReading:
 
     @property
     def faults(self) -> list[str]:
-        """What is wrong with it, whichever method it is meant to be."""
+        """The faults, whatever method it is meant to be."""
         found = [*filter(None, [self.uneven, self.at_rest])]
         turn, growth = self.turn, self.turn.growth
         if turn.scale < 0:
@@ -94,22 +94,22 @@ class MagneticReading:
 
     @property
     def _leapfrog(self) -> tuple[float, str] | None:
-        """Where the fields belong, and the times of v and x, of a drift of the leapfrogs."""
+        """For the drift of a leapfrog: where the fields belong, and the times of v and x; else None."""
         return next((times for said, times in _TIMES.items() if self._is(self.drift, said)), None)
 
     @property
     def _misplaced(self) -> str:
-        """Where a field is asked for that belongs elsewhere, of a leapfrog."""
+        """The place of a field evaluation that is not the leapfrog's; "" if there is none."""
         meant = self._leapfrog[0] if self._leapfrog else 0.0
         return next((self._place(c) for c in self.asked if not self._is_same(c, meant)), "")
 
     @property
     def _staggered(self) -> bool:
-        """Whether x and v are half a step apart."""
+        """True if x and v are half a step apart."""
         return self._is(self.drift, _LEAPFROG) or (self._is(self.drift, _AHEAD) and any(self.asked))
 
     def _of_one_method(self, factors: Sequence[complex], pulled: Sequence[complex] | None = None) -> bool:
-        """Whether x moves by (R - 1)/z h v with the R given, and by what is `pulled` of h² E, or ((R - 1)/z - 1)/z."""
+        """True if x moves by (R - 1)/z h v with this R, and by `pulled` times h² E, usually ((R - 1)/z - 1)/z."""
         assert self.moved is not None
         said = [(r - 1) / (1j * x) for x, r in zip(TURN_ANGLES, factors, strict=True)]
         pulled = pulled or [(d - 1) / (1j * x) for x, d in zip(TURN_ANGLES, said, strict=True)]
@@ -119,17 +119,17 @@ class MagneticReading:
 
     @property
     def boris(self) -> bool:
-        """True where rotation and kicks are those of Boris' step."""
+        """True if rotation and kicks are those of Boris' step."""
         return self.turn.known and self.turn.name == "implicit_midpoint" and self._is(self.kick, _BOTH_HALVES)
 
     @property
     def key(self) -> str | None:
-        """What it can be held to as it stands."""
+        """The key of Boris' step, if it is that and has no fault; else None."""
         return "boris" if self.boris and not self.faults else None
 
     @property
     def verdict(self) -> str:
-        """What it is, in one line."""
+        """The verdict in one line."""
         staggered = self._leapfrog[1] if self._leapfrog and self._staggered else ""
         if self.uneven:
             name = "no step that is known here"
@@ -149,7 +149,7 @@ class MagneticReading:
 
     @property
     def _kicks(self) -> str:
-        """Where they are no half kicks."""
+        """The kicks in words if they are not half kicks; else ""."""
         if not self.electric or self._is(self.kick, _BOTH_HALVES) or self.faults:
             return ""
         whole = {(1.0, 0.0): "the whole kick before it", (0.0, 1.0): "the whole kick after it"}
@@ -157,7 +157,7 @@ class MagneticReading:
 
     @property
     def parts(self) -> list[tuple[str, list[str]]]:
-        """The evidence, by title."""
+        """The evidence: titles with lines."""
         turn = self.turn.lines("h B")
         kept = f"|v| is kept in steps with E = 0: off by {self.kept:.1e} at most"
         size = turn[1:] if self.turn.growth else [kept, "areas across B, and so volumes of velocities, are kept"]
@@ -180,7 +180,7 @@ class MagneticReading:
 
     @property
     def data(self) -> dict[str, Json]:
-        """The same for programs."""
+        """The rotation, the kick and the drift for programs."""
         return {
             "method": self.key,
             "rotation": self.turn.name,
@@ -190,7 +190,7 @@ class MagneticReading:
         }
 
     def criteria(self, method: object) -> list[Criterion]:
-        """In constant fields: its rotation, how E enters, how x moves; and where the fields are asked for."""
+        """The criteria of a method in constant fields: the rotation, how E enters, and how x moves."""
         if isinstance(method, Boris):
             halves = self._is(self.kick, _BOTH_HALVES)
             words = ("half a kick of E on either side of the rotation" if halves else "E enters by no half kicks",)
@@ -208,7 +208,7 @@ class MagneticReading:
         return [*checks, Criterion("Position", drift if self.moved else None, (moved,), {})]
 
     def _moved_as(self, method: object) -> tuple[bool, str]:
-        """Whether the position moves as in a Runge-Kutta method for the whole, and in words."""
+        """Whether x moves as in this method for x and v together, and the same in words."""
         if self.moved is None:
             return False, "it moves no position"
         if not isinstance(method, RungeKutta | Collocation):
@@ -221,7 +221,7 @@ class MagneticReading:
 
     @property
     def _drift(self) -> str:
-        """The position's part of the step."""
+        """The movement of x in a step, as a formula."""
         pairs = zip(self.drift or (), ("v", "v1"), strict=False)
         parts = [f"{self._text(x)} {v}".removeprefix("1 ") for x, v in pairs if x]
         return f"h ({' + '.join(parts)})" if len(parts) > 1 else f"h {parts[0]}" if parts else "0"

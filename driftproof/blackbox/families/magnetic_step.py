@@ -1,4 +1,4 @@
-"""Steps of a velocity in fields of ours: what is read of one that turns, kicks and drifts, with controls elsewhere."""
+"""The reading of steps in an electric and a magnetic field: rotation, kicks and drift, with controls elsewhere."""
 
 from __future__ import annotations
 
@@ -16,16 +16,16 @@ from driftproof.blackbox.stepper.calling_conventions import ELECTRIC
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.blackbox.stepper.turning import Push, Pushed, step_in_fields
 
-# Oblique axes of B with numbers that are exact, so that the length of B counts, and not its components.
+# Axes of B whose lengths are whole numbers, two of them oblique: only |B| may count, and not its components.
 _AXES = ((0.0, 0.0, 1.0), (1.0, 2.0, 2.0), (-6.0, 2.0, 3.0))
-# Two factors of h at one h B, and times at which nothing may change.
+# Two step sizes with the same h B, and so with the same rotation.
 _STEPS = (1.0, 0.25)
-# An angle that does nothing.
+# An angle too small to turn anything.
 _STILL = 2.0**-60
 
 
 def read_magnetic(subject: ForeignStepper) -> MagneticReading:
-    """What a step in an electric and a magnetic field is, in space or else in the plane. Raises NotReadable."""
+    """Read a step in an electric and a magnetic field, in space or else in the plane. Raises NotReadable."""
     try:
         probe = _Probe(subject, _AXES)
     except Misbehaviour:
@@ -34,7 +34,7 @@ def read_magnetic(subject: ForeignStepper) -> MagneticReading:
 
 
 class _Probe:
-    """Steps in fields of ours; without axes in the plane, across which B points."""
+    """Steps in fields of ours, with B along these axes; without axes in the plane, with B across it."""
 
     def __init__(self, subject: ForeignStepper, axes: Sequence[Sequence[float]] | None) -> None:
         self.subject = subject
@@ -52,14 +52,14 @@ class _Probe:
         axis: int = 0,
         h: float = 1.0,
     ) -> Pushed:
-        """One step with h B of this size along an axis; what is not given is 0."""
+        """One step with h B = `angle` along an axis; arguments left out are 0."""
         frame, b = self.frames[axis], angle / h
         place, velocity, electric = ([0.0] * len(frame) if part is None else part.tolist() for part in (x, v, e))
         magnetic = (b * frame[2]).tolist() if len(frame) > 2 else [b]
         return step_in_fields(self.subject, Push(place, velocity, electric, magnetic, h))
 
     def reading(self) -> MagneticReading:
-        """Rotation, kicks and drift, controlled."""
+        """Read rotation, kicks and drift, and compare them with steps elsewhere."""
         one, affine, push = self.frames[0][0], False, 1.0
         self._demand_linear(one)
         runs = [self.step(x, one) for x in TURN_ANGLES]
@@ -88,7 +88,7 @@ class _Probe:
         return MagneticReading(turn, kick, affine, push, drift, *flags, asked, uneven, at_rest, kept, self.rounding)
 
     def _at_rest(self, one: Array) -> str:
-        """What a step without fields does to v where it does not leave it as it is."""
+        """What a step without fields does to v, in words; "" if it leaves v as it is."""
         with np.errstate(all="ignore"):
             try:
                 seen = self.step(0.0, one).v
@@ -98,7 +98,7 @@ class _Probe:
         return f"with B = 0, the velocity 1 becomes {self._across(seen).real:g}" if moved else ""
 
     def _across(self, v: Sequence[float], axis: int = 0) -> complex:
-        """The part across B, as a number of which v x B is i times, with B = 1."""
+        """The part of v across B as a complex number z, so that v x B is iz for |B| = 1."""
         one, other = self.frames[axis][:2]
         return complex(float(one @ np.array(v)), -float(other @ np.array(v)))
 
@@ -107,7 +107,7 @@ class _Probe:
         return np.array(z.real * one - z.imag * other)
 
     def _halves(self, factors: Sequence[complex], seen: Sequence[complex]) -> Halves | None:
-        """(k, l) where what was seen is k R + l at every angle."""
+        """The (k, l) for which k R + l was seen at every angle; None if there is none."""
         (r, s), allowed = (factors[1], seen[1]), self.rounding.of(16.0)
         k = s.imag / r.imag if abs(r.imag) > allowed else 0.0
         last = s.real - k * r.real
@@ -115,7 +115,7 @@ class _Probe:
         return (k, last) if all(abs(k * r + last - s) <= allowed * (1 + abs(s)) for r, s in pairs) else None
 
     def _demand_linear(self, one: Array) -> None:
-        """Raises NotReadable if it remembers, or is not linear in v, as a relativistic one."""
+        """Raise NotReadable if the step remembers, or is not linear in v, as a relativistic one."""
         first, second, again, rest = (self.step(0.5, k * one) for k in (1.0, -2.0, 1.0, 0.0))
         if max(map(abs, [*rest.v, *rest.x])) > 0:
             raise NotReadable("at rest at 0 and without an electric field, the step does not stay")
@@ -125,7 +125,7 @@ class _Probe:
             raise NotReadable("twice the velocity does not become twice the new velocity: relativistic, or limited")
 
     def _uneven(self, factors: Sequence[complex]) -> str:
-        """What shows that it is no rotation about B by an angle that depends on h |B| alone."""
+        """What shows that it is no rotation about B by an angle that depends on h |B| alone; "" if nothing does."""
         for axis, h in product(range(len(self.frames)), _STEPS):
             for x, r in zip(TURN_ANGLES[1:4], factors[1:4], strict=True):
                 turned = [self._vector(r, axis), self._vector(-1j * r, axis), *self.frames[axis][2:]]
@@ -143,7 +143,7 @@ class _Probe:
     def _other_elsewhere(
         self, r: complex, kick: complex, push: float, moved: tuple[complex, complex, Sequence[float]] | None
     ) -> str:
-        """What shows that a step from any x, with both fields in any direction, is not made of what was read."""
+        """What shows that a step elsewhere, with both fields oblique, is not made of what was read; "" if it is."""
         axis, h, allowed = len(self.frames) - 1, 0.5, self.rounding.of(32.0)
         frame = self.frames[axis]
         along = frame[2:].sum(axis=0)

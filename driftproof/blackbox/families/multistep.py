@@ -1,4 +1,4 @@
-"""A stepper that remembers: which linear multistep method it is, how it starts, and of which order it is so."""
+"""Multistep steppers: which linear multistep method it is, how it starts, and the order that comes of it."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ from driftproof.support.plain_text import Json
 
 @dataclass(frozen=True)
 class MultistepReading:
-    """The recurrence of a stepper's steps, and its start where that could be run.
+    """The recurrence of a stepper's steps, and its start if that was seen.
 
-    Where it is `handed` the slopes before its first step, its start is none of its own.
+    A stepper that is `handed` the slopes before its first step has no start of its own.
     """
 
     recurrence: RecurrenceReading
@@ -29,7 +29,7 @@ class MultistepReading:
 
     @property
     def faults(self) -> list[str]:
-        """What is wrong with it, whichever method it is meant to be."""
+        """The faults, whatever method it is meant to be."""
         facts, own = self.recurrence.facts, self.recurrence.recurrence
         found = [self._start_fault] if self._start_fault else []
         if facts is not None and not facts.zero_stable:
@@ -50,20 +50,20 @@ class MultistepReading:
 
     @property
     def verdict(self) -> str:
-        """What it is, in one line."""
+        """The verdict in one line."""
         started = f", started by {self.start.name}" if self.start is not None and self.start.name else ""
         name = self.recurrence.name
         return "; ".join([f"it is {name}{started}", *(fault for fault in self.faults if not name.endswith(fault))])
 
     @property
     def key(self) -> str | None:
-        """The key of the method that it is as it stands; None where F is asked elsewhere."""
+        """The catalogue key of the method; None if it is none, or if F is evaluated elsewhere."""
         found = self.recurrence
         return found.method.key if found.method is not None and not found.asked else None
 
     @property
     def parts(self) -> list[tuple[str, list[str]]]:
-        """The evidence, by title."""
+        """The evidence: titles with lines."""
         facts, orders = self.recurrence.facts, []
         if facts is not None:
             power, left = facts.order_fails
@@ -76,7 +76,7 @@ class MultistepReading:
 
     @property
     def data(self) -> dict[str, Json]:
-        """The same for programs."""
+        """The recurrence, its order and its start for programs."""
         own, facts = self.recurrence.recurrence, self.recurrence.facts
         return {
             "method": self.key,
@@ -89,7 +89,7 @@ class MultistepReading:
         }
 
     def criteria(self, method: Multistep) -> list[Criterion]:
-        """How it holds to a method: its recurrence, the places of F, the start, the order of whole runs."""
+        """The criteria of a method: the recurrence, where F is evaluated, the start, the order of whole runs."""
         found, start = self.recurrence, self.start
         same = found.method is not None and (found.method.rho, found.method.sigma) == (method.rho, method.sigma)
         near = found.recurrence.differences(method) if not same else None
@@ -112,14 +112,14 @@ class MultistepReading:
         return [*checks, Criterion("Start", begun, lines, {}, needed), ends]
 
 
-# What is said where copies share what they remember, so that none begins anew.
+# The lines for copies that share their memory, so that no run begins anew, and for slopes handed in.
 _NO_START = "its start was not seen: what it remembers outlives a copy of it, as in a module, or it cannot begin anew"
 _HANDED = "its start is whose calls it: it is handed earlier slopes from the first step on"
 _WITH_START = "a stepper that keeps what it remembers in an object of its own"
 
 
 def read_multistep(subject: ForeignStepper, asked: Multistep | None = None) -> MultistepReading:
-    """The recurrence and the start of a stepper. Raises NotReadable, UnsupportedCall, Misbehaviour."""
+    """Read the recurrence and the start of a stepper. Raises NotReadable, UnsupportedCall, Misbehaviour."""
     runs = MarkedRuns.of(subject)
     recurrence = read_recurrence(runs, asked)
     start, handed = None, isinstance(subject.function, HandedSlopes) and subject.function.handed

@@ -1,4 +1,4 @@
-"""The recurrence of a stepper that remembers: rho and sigma, read from a run on marked slopes, and which they are."""
+"""The recurrence of a multistep stepper: rho and sigma, read from a run on marked slopes, and their method."""
 
 from __future__ import annotations
 
@@ -20,21 +20,22 @@ from driftproof.methods.schemes import MethodError
 from driftproof.symbolic.linear.multistep import MultistepFacts
 from driftproof.symbolic.rounding.formats import FloatFormat
 
-# The recurrence is looked for in the second half of so many steps: by then every start in use is over.
+# The steps of a run; the recurrence is sought in its second half, by which every start in use is over.
 RUN_LENGTH = 40
-# More than any method in use remembers.
+# More steps than any method in use remembers.
 _MOST_STEPS = 8
-# An explicit recurrence holds to rounding; solvers in use stop at 1e-6 or below of numbers of size 1. What is left of
-# one by a solver that stops earlier is less than the third, by other places of F more.
+# The residual of an explicit recurrence is rounding; that of solvers in use is 1e-6 or less for numbers of size 1. A
+# solver that stops earlier leaves less than the third, an F evaluated elsewhere more.
 _EXACT, _SOLVED, _UNSOLVED = 0.0, 1e-6, 2.0**-10
-# Runs that keep a recurrence, too: h, the start, and how many steps. All times are exact, since h may be a difference.
+# Further runs that must satisfy it: h, the start, and how many steps. Times are exact, as codes may subtract them for
+# h.
 _OTHER_RUNS = ((0.5, 3.0, RUN_LENGTH), (0.75, 1.0, RUN_LENGTH), (2.0**-12, 117.5, RUN_LENGTH))
-# The same where they can be made: numbers may grow, and many codes refuse to step back.
+# Further runs that are left out if they fail: numbers may grow, and many codes refuse to step back.
 _HARDER_RUNS = ((0.75, 1.0, 5 * RUN_LENGTH), (-0.5, 2.0, RUN_LENGTH))
-# Where coefficients are sought: as late as that; where errors grow, before one of them is all there is.
+# The steps in which coefficients are sought: late ones; and early ones, before a growing error is all there is.
 _LATER = slice(RUN_LENGTH // 2, None)
 _WINDOWS = (_LATER, slice(_MOST_STEPS, 2 * _MOST_STEPS + 1))
-# A method that differs in more coefficients than so many is another one.
+# A method that differs in more coefficients than this is another one.
 _FEW_DIFFERENCES = 2
 FORWARD_EULER = Multistep(
     "forward_euler", "Forward Euler", 1, "", rho=(Fraction(-1), Fraction(1)), sigma=(Fraction(1), Fraction(0))
@@ -42,14 +43,14 @@ FORWARD_EULER = Multistep(
 
 
 class NoRecurrence(NotReadable):
-    """The steps keep no linear recurrence, whichever its coefficients."""
+    """The steps satisfy no linear recurrence, whatever its coefficients."""
 
     kind = "no_recurrence"
 
 
 @dataclass(frozen=True)
 class Recurrence:
-    """Σⱼ ρⱼ yₙ₊ⱼ = hᵈ Σⱼ σⱼ F(yₙ₊ⱼ) with ρₖ = 1, as floats, oldest first; `error` is what each may be off by."""
+    """Σⱼ ρⱼ yₙ₊ⱼ = hᵈ Σⱼ σⱼ F(yₙ₊ⱼ) with ρₖ = 1, in floats, oldest first; each may be off by `error`."""
 
     rho: tuple[float, ...]
     sigma: tuple[float, ...]
@@ -59,22 +60,22 @@ class Recurrence:
 
     @classmethod
     def of(cls, method: Multistep, fmt: FloatFormat) -> Recurrence:
-        """That of a method."""
+        """The recurrence of a method."""
         rho, sigma = ([float(x / method.rho[-1]) for x in row] for row in (method.rho, method.sigma))
         return cls(tuple(rho), tuple(sigma), method.derivative, fmt)
 
     @property
     def steps(self) -> int:
-        """k."""
+        """The number of steps k."""
         return len(self.rho) - 1
 
     @property
     def rounding(self) -> float:
-        """What rounding may leave of it, relative to its terms."""
+        """The residual that rounding may leave, relative to the terms."""
         return Rounding(self.format, self.steps + 1).of(1.0)
 
     def left(self, run: SteadyRun) -> Array:
-        """What each step of a run that ends k or more after the start leaves of it, relative to its terms."""
+        """The residual of each step of a run from the k-th on, relative to the terms."""
         rows = len(run.states) - self.steps
         terms = [x * run.states[j : rows + j] for j, x in enumerate(self.rho)]
         terms += [-x * run.slopes[j : rows + j] for j, x in enumerate(self.sigma)]
@@ -82,26 +83,26 @@ class Recurrence:
         return np.asarray((np.abs(np.sum(terms, axis=0)) / sizes).max(axis=1))
 
     def left_later(self, run: SteadyRun) -> float:
-        """What the second half of a run leaves of it at most."""
+        """The largest residual in the second half of a run."""
         return float(self.left(run)[_LATER].max())
 
     def kept(self, run: SteadyRun, tolerance: float) -> bool:
-        """Whether the second half of a run keeps it, to the tolerance, or to rounding where that is more."""
+        """True if the second half of a run satisfies it to the tolerance, or to rounding if that is more."""
         return self.left_later(run) <= max(self.rounding, tolerance)
 
     @property
     def lines(self) -> list[str]:
-        """ρ and σ, each as the fraction that it is the rounding of where there is a telling one."""
+        """ρ and σ, with the simple fractions that they are the roundings of, if there are any."""
         rows = (("rho", self.rho), ("sigma", self.sigma))
         return [f"{name} = {', '.join(coefficient_text(x, self.format, self.error) for x in xs)}" for name, xs in rows]
 
     def off(self, x: float) -> float:
-        """What a coefficient may be off by, a few roundings at least: codes divide by what multiplies the new value."""
+        """How far a coefficient may be off, a few roundings at least: codes divide by the factor of the new value."""
         return max(self.error, 4 * float(self.format.u) * max(1.0, abs(x)))
 
     @property
     def exact(self) -> Multistep | None:
-        """The method of the simple fractions that these are the roundings of; None where one is not."""
+        """The method with the simple fractions that these are the roundings of; None if one of them is not."""
         rows = [[simple_rational(x, self.off(x)) for x in row] for row in (self.rho, self.sigma)]
         if any(x is None for row in rows for x in row):
             return None
@@ -112,7 +113,7 @@ class Recurrence:
             return None
 
     def differences(self, method: Multistep) -> tuple[str, ...] | None:
-        """The few coefficients that are another method's, in words; None where they are more, or k is another."""
+        """The few coefficients that are not the method's, in words; None if they are many, or if k or d differs."""
         if (method.steps, method.derivative) != (self.steps, self.derivative):
             return None
         found = []
@@ -126,12 +127,11 @@ class Recurrence:
 
 @dataclass(frozen=True)
 class RecurrenceReading:
-    """The recurrence of a stepper, the method that it is, if it is one, and where its right-hand side is asked.
+    """The recurrence of a stepper, the method that has it (or None), and where its right-hand side F is evaluated.
 
-    `late` counts the steps after the first k - 1 that do not keep it yet. `left` is what later steps leave of it,
-    relative to its terms, 0 where that is rounding. `asked` says where F is asked where that is not at the states it
-    returns: `predictor` is then the explicit method whose values are taken, and `corrections` how often, if that is
-    what was seen.
+    `late` counts the steps after the first k - 1 that do not satisfy it yet. `left` is the residual of later steps,
+    relative to the terms, or 0 if it is rounding. `asked` says where F is evaluated if not at the returned states; if
+    that is at predicted ones, `predictor` is the explicit method, and `corrections` the number of corrections.
     """
 
     recurrence: Recurrence
@@ -144,7 +144,7 @@ class RecurrenceReading:
 
     @property
     def near(self) -> tuple[tuple[str, tuple[str, ...]], ...]:
-        """The methods that it is but for few coefficients, with these."""
+        """The nearest methods, with the few coefficients that differ."""
         if self.method is not None:
             return ()
         found = [(m.key, self.recurrence.differences(m)) for m in candidates(self.recurrence.derivative)]
@@ -154,7 +154,7 @@ class RecurrenceReading:
 
     @property
     def name(self) -> str:
-        """What it is."""
+        """The method in words, or what is known of it."""
         k = self.recurrence.steps
         if self.method is not None and self.predictor is not None:
             often = "once" if self.corrections == 1 else f"{self.corrections} times"
@@ -170,13 +170,13 @@ class RecurrenceReading:
 
     @cached_property
     def facts(self) -> MultistepFacts | None:
-        """Of the method, or of the fractions read."""
+        """The facts of the method, or of the fractions read; None if there are neither."""
         method = self.method or self.recurrence.exact
         return None if method is None else MultistepFacts(method)
 
     @property
     def lines(self) -> list[str]:
-        """What it is, in words."""
+        """The recurrence as lines."""
         held = f"to {self.left:.1e}, as its equations are solved," if self.left else "to rounding"
         named = "no multistep method of the catalogue"
         if self.method is not None:
@@ -189,19 +189,19 @@ class RecurrenceReading:
 
 
 def candidates(derivative: int) -> Iterator[Multistep]:
-    """The multistep methods of the catalogue for y' = F, or for y'' = F."""
+    """The multistep methods of the catalogue for y' = F (derivative 1) or for y'' = F (derivative 2)."""
     return (m for m in FACTS_ONLY.values() if isinstance(m, Multistep) and m.derivative == derivative)
 
 
 def tolerance_of(method: Multistep) -> float:
-    """What a solver may leave of the recurrence: nothing of an explicit one."""
+    """The residual that a solver of the method may leave: 0 if it is explicit."""
     return _EXACT if method.explicit else _SOLVED
 
 
 def read_recurrence(runs: MarkedRuns, asked: Multistep | None = None) -> RecurrenceReading:
-    """The recurrence that a long run keeps, its slopes being marks; `asked` is one more method that it may be.
+    """Read the recurrence that a long run on marked slopes satisfies; `asked` is a further method that it may be.
 
-    Raises NoRecurrence where there is none of up to _MOST_STEPS steps, or where other runs do not keep it.
+    Raises NoRecurrence if there is none of up to _MOST_STEPS steps, or if other runs do not satisfy it.
     """
     marked, fmt = runs.run(RUN_LENGTH), runs.subject.format
     read = _solved(marked, runs.derivative, fmt)
@@ -209,7 +209,7 @@ def read_recurrence(runs: MarkedRuns, asked: Multistep | None = None) -> Recurre
     known = [(Recurrence.of(m, fmt), m) for m in (*own, *candidates(runs.derivative))]
     kept = ((r, m) for r, m in known if r.kept(marked, tolerance_of(m)))
     exact, method = min(kept, key=lambda each: each[0].left_later(marked), default=(read, None))
-    # Of one that is not known, coefficients are off by what was read wrongly.
+    # The coefficients of an unknown method carry the errors of reading.
     tolerance = tolerance_of(method) if method is not None else 2 * (len(read.rho) + len(read.sigma)) * read.error
     for trial in (*_OTHER_RUNS, *_HARDER_RUNS):
         h, t, steps = trial
@@ -228,10 +228,7 @@ def read_recurrence(runs: MarkedRuns, asked: Multistep | None = None) -> Recurre
 
 
 def _solved(run: SteadyRun, derivative: int, fmt: FloatFormat) -> Recurrence:
-    """The shortest recurrence that a part of the run keeps, to rounding, or else as solvers leave it.
-
-    Raises NoRecurrence.
-    """
+    """The shortest recurrence that part of the run satisfies, to rounding or else to 1e-6. Raises NoRecurrence."""
     for window, tolerance, k in product(_WINDOWS, (_EXACT, _SOLVED), range(1, _MOST_STEPS + 1)):
         states, slopes = run.states[window], run.slopes[window]
         rows = len(states) - k
@@ -244,7 +241,7 @@ def _solved(run: SteadyRun, derivative: int, fmt: FloatFormat) -> Recurrence:
         left = float(np.abs(scaled @ found - sought).max())
         rounding = Rounding(fmt, k + 1).of(float(np.abs(found).sum()))
         if rank == len(found) and left <= max(tolerance, rounding):
-            # What least squares make of errors of this size in each row.
+            # The error of the least-squares solution, from errors of this size in each row.
             error = float(np.abs(np.linalg.pinv(scaled)).sum(axis=1).max()) * max(left, rounding)
             clean = [0.0 if abs(x) <= error else float(x) for x in found]
             return Recurrence((*clean[:k], 1.0), tuple(clean[k:]), derivative, fmt, error)
@@ -252,7 +249,7 @@ def _solved(run: SteadyRun, derivative: int, fmt: FloatFormat) -> Recurrence:
 
 
 def _with_places(reading: RecurrenceReading, runs: MarkedRuns, tolerance: float) -> RecurrenceReading:
-    """The reading with where F is asked, which a run shows whose slopes are of the place, too."""
+    """The reading with where F is evaluated, which a run shows whose slopes depend on the state as well."""
     run, exact = runs.run(RUN_LENGTH, bent=True), reading.recurrence
     left = exact.left_later(run)
     if left <= max(exact.rounding, tolerance):
@@ -269,7 +266,7 @@ def _with_places(reading: RecurrenceReading, runs: MarkedRuns, tolerance: float)
 
 
 def _is_corrected(run: SteadyRun, runs: MarkedRuns, exact: Recurrence, predictor: Recurrence, corrections: int) -> bool:
-    """Whether each yₙ₊ₖ is what the explicit method predicts, put into the recurrence so many times."""
+    """True if each yₙ₊ₖ is what the explicit method predicts, put into the recurrence this many times."""
     k, problem = exact.steps, runs.problem(1.0, 0.0, bent=True)
     allowed = Rounding(exact.format, 2 * (k + 2))
     for n in range(RUN_LENGTH)[_LATER]:

@@ -1,4 +1,4 @@
-"""Runs of a stepper on right-hand sides that answer otherwise at every step: what a recurrence is read from."""
+"""Runs of a stepper on right-hand sides that answer differently at every step, to read a recurrence from."""
 
 from __future__ import annotations
 
@@ -15,23 +15,23 @@ from driftproof.blackbox.stepper.array_adapters import AnyNumber
 from driftproof.blackbox.stepper.calling_conventions import FIELD, FORCE
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 
-# The golden mean's multiples lie far apart: no two of a run's answers are alike, and no few of them are related.
+# The multiples of the golden mean, modulo 1, lie far apart: no two answers of a run are alike, and no few related.
 _GOLDEN = 0.6180339887498949
-# Where in a step f is asked is told to a sixteenth of it: stages of the first steps are answered each in its own way.
+# Answers differ between sixteenths of a step, so that the stages of the first steps get different ones.
 _PLACES = 16
-# How many numbers a right-hand side has, the most first; some codes take one.
+# The numbers of components to try, the largest first; some codes take only one.
 _SIZES = (3, 2, 1)
-# One more than the start of any method of the catalogue is long, and one more to look at.
+# The steps compared: more than the start of any method of the catalogue has.
 _LOOKED_AT = 8
-# A solver of stages that begins with its last solution leaves less, another method more.
+# A solver that begins with its last solution changes a step by less than this part, a method with memory by more.
 _ALIKE = 2.0**-10
-# The slopes are bent by less than so much of the state, so that h times that contracts with the h of 1 of these runs.
+# A bound on the derivative of the slopes by the state, so that iterations contract with the h of 1 of these runs.
 _BEND = 0.125
 
 
 @dataclass(frozen=True)
 class SteadyRun:
-    """y₀, ..., y_N at equal steps of somebody's stepper, and hᵈF(yₙ) there, d being 1 for y' = F, 2 for y'' = F."""
+    """The states y₀, ..., y_N of equal steps, and hᵈF(yₙ) there, with d = 1 for y' = F and d = 2 for y'' = F."""
 
     states: Array
     slopes: Array
@@ -40,9 +40,9 @@ class SteadyRun:
 def course(
     subject: ForeignStepper, problem: NonlinearProblem, t: float, y: Sequence[float], h: float, steps: int
 ) -> list[list[AnyNumber]]:
-    """y₀, ..., y_N: a whole run of a code that makes runs, else N steps of one copy that remembers nothing before.
+    """The states y₀, ..., y_N of a whole run of a code that makes runs, or of N steps of one fresh copy.
 
-    Raises UnsupportedCall where it cannot be copied, and the Misbehaviour that comes instead of a step.
+    Raises UnsupportedCall if the stepper cannot be copied, and the Misbehaviour that comes instead of a step.
     """
     moving = subject.fresh(steps)
     if moving.convention.run:
@@ -58,9 +58,9 @@ def course(
 
 @dataclass(frozen=True)
 class MarkedRuns:
-    """Runs of one subject on slopes that are marked by the time, or by a clock among its numbers; else by the place.
+    """Runs of one subject on slopes that are marked by the time, by a clock in y, or else by the state.
 
-    `size` counts the numbers, the positions of y'' = F(y), without the clock.
+    `size` is the number of components, or of positions for y'' = F(y), without the clock.
     """
 
     subject: ForeignStepper
@@ -70,7 +70,7 @@ class MarkedRuns:
 
     @classmethod
     def of(cls, subject: ForeignStepper) -> MarkedRuns:
-        """Of as many numbers as the subject takes. Raises UnsupportedCall, or the Misbehaviour of one number."""
+        """Runs with as many components as the subject takes. Raises UnsupportedCall, or Misbehaviour with only one."""
         if subject.convention.kind == FORCE:
             timed = gives_force_times(subject.fresh(subject.shortest))
             return cls(subject, 1, clock=False, by_place=not timed)
@@ -88,11 +88,11 @@ class MarkedRuns:
 
     @property
     def derivative(self) -> int:
-        """d of y⁽ᵈ⁾ = F."""
+        """The d of y⁽ᵈ⁾ = F."""
         return 2 if self.subject.convention.kind == FORCE else 1
 
     def run(self, steps: int, *, h: float = 1.0, t: float = 0.0, bent: bool = False) -> SteadyRun:
-        """One run; the slopes are of the marks alone, or where `bent` of the place, too. Raises NotReadable."""
+        """One run, whose slopes depend on the marks, and if `bent` on the state as well. Raises NotReadable."""
         problem = self.problem(h, t, bent=bent)
         try:
             states = course(self.subject, problem, t, self.start(t), h, steps)
@@ -103,7 +103,7 @@ class MarkedRuns:
         return SteadyRun(numbers, np.array(slopes, dtype=float) * h**self.derivative)
 
     def begins_anew(self) -> bool:
-        """Whether a run is the same after another one: copies share nothing."""
+        """True if a run is the same after another one, so that copies share nothing."""
         first, _, again = (self.run(_LOOKED_AT, h=h) for h in (1.0, 0.5, 1.0))
         return bool(np.array_equal(first.states, again.states))
 
@@ -113,12 +113,12 @@ class MarkedRuns:
         return [*numbers, *([t] if self.clock else []), *([0.5] * self.size if self.derivative == 2 else [])]
 
     def slopes(self, problem: NonlinearProblem, t: float, y: Sequence[AnyNumber]) -> list[float]:
-        """F at a state, number by number."""
+        """F at a state, without the clock."""
         rate = problem.rate(t, list(y))
         return [float(x) for x in (rate[-self.size :] if self.derivative == 2 else rate[: self.size])]
 
     def problem(self, h: float, t: float, *, bent: bool) -> NonlinearProblem:
-        """y' = F or y'' = F with these slopes, from the time t on."""
+        """The problem y' = F or y'' = F with these slopes, from the time t on."""
 
         def marked(at: AnyNumber, y: Sequence[AnyNumber]) -> list[AnyNumber]:
             state = list(y[: self.size])
@@ -141,12 +141,12 @@ class MarkedRuns:
 
 
 def _mark(number: int, place: AnyNumber) -> float:
-    """Between -1 and 1, another one at each place and for each number."""
+    """A number between -1 and 1, a different one for each place and each component."""
     return 2 * ((round(float(place)) * _GOLDEN * (number + 1) + 0.3 * number) % 1.0) - 1
 
 
 def remembers(subject: ForeignStepper) -> bool:
-    """Whether a step after others is another one than from the same state at once; False where that cannot be told."""
+    """True if a step after others differs from one taken afresh from that state; False if that cannot be seen."""
     try:
         return _departs(subject)
     except (UnsupportedCall, Misbehaviour):
@@ -154,7 +154,7 @@ def remembers(subject: ForeignStepper) -> bool:
 
 
 def _departs(subject: ForeignStepper) -> bool:
-    """As `remembers`. Raises UnsupportedCall, or the Misbehaviour that comes instead of a step."""
+    """Like `remembers`, but raises UnsupportedCall, or the Misbehaviour that comes instead of a step."""
     if subject.shortest > 1:
         return True
     runs = MarkedRuns.of(subject)
@@ -167,7 +167,7 @@ def _departs(subject: ForeignStepper) -> bool:
 
 
 def later_steps(subject: ForeignStepper) -> tuple[bool | None, str, str]:
-    """Whether a run goes on as it begins, in words; None of what makes single steps, or no longer run."""
+    """Whether later steps of a run are like its first, in words; None for single steps, or if no run is seen."""
     if not subject.convention.run:
         return None, "single steps are made, not runs", ""
     try:

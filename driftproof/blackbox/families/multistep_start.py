@@ -1,4 +1,4 @@
-"""How a stepper that remembers begins: which method makes its first steps, and what their errors cost a run."""
+"""The start of a multistep stepper: which method makes its first steps, and the order that their errors leave."""
 
 from __future__ import annotations
 
@@ -23,16 +23,16 @@ from driftproof.blackbox.stepper.calling_conventions import FIELD, FORCE, STANDA
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.methods.catalogue import METHODS
 
-# Lengths of the first steps, and of those of whole runs of a length of 1/2: h = 2**-k.
+# The step sizes h = 2**-k of first steps and of whole runs, and the length of these runs.
 _FIRST, _WHOLE, _LENGTH = range(2, 10), range(4, 10), 0.5
 
 
 @dataclass(frozen=True)
 class StartReading:
-    """The methods of the first steps, "" for one that is not known, and the powers of h that errors fall with.
+    """The methods of the first steps, "" for an unknown one, and the powers of h that the errors follow.
 
-    `power` is of the error of the values that the first recurrence begins with, `order` of the end of whole runs; None
-    where none is seen. What a method of order p needs is the power p of both, for y'' = F(y) p + 1 of the first.
+    `power` is that of the starting values, `order` that of the end of whole runs; None if none is seen. A method of
+    order p needs the power p for both, and p + 1 for the starting values of y'' = F(y).
     """
 
     methods: tuple[str, ...]
@@ -44,13 +44,13 @@ class StartReading:
 
     @property
     def name(self) -> str:
-        """Who makes the first steps."""
+        """The methods of the first steps by name; "" if one is unknown."""
         named = list(dict.fromkeys(self.methods))
         return " and ".join(named) if named and all(named) else ""
 
     @property
     def lines(self) -> list[str]:
-        """In words."""
+        """The methods and the powers as lines."""
         steps = [f"step {i} is {name or 'of no method that is known here'}" for i, name in enumerate(self.methods, 1)]
         power = "no power of h" if self.power is None else f"like h^{self.power}"
         return [
@@ -61,7 +61,7 @@ class StartReading:
         ]
 
     def fault(self, order: int, derivative: int) -> str:
-        """What is wrong with it for a method of that order, if anything is."""
+        """The fault of a start that is not accurate enough for a method of this order; "" if it is."""
         if self.power is None or self.power >= order + derivative - 1:
             return ""
         whole = f"whole runs have order {self.order}" if self.order is not None else "that limits whole runs"
@@ -69,7 +69,7 @@ class StartReading:
 
 
 def read_start(runs: MarkedRuns, reading: RecurrenceReading) -> StartReading:
-    """The first steps of runs that keep this recurrence later, beside methods known here, and the errors they leave.
+    """Identify the first steps of runs that satisfy this recurrence later, and measure the errors that they leave.
 
     Raises the Misbehaviour that comes instead of a step.
     """
@@ -80,7 +80,7 @@ def read_start(runs: MarkedRuns, reading: RecurrenceReading) -> StartReading:
     noise = CLEARANCE * float(subject.format.u)
     firsts = [_error(subject, problem, 2.0**-k, max(length, 1)) for k in _FIRST]
     ends: list[float] = []
-    with suppress(Misbehaviour):  # whose runs have a number of steps of their own makes no longer ones
+    with suppress(Misbehaviour):  # a solver with a fixed number of steps makes no longer runs
         ends += (_error(subject, problem, 2.0**-k, round(_LENGTH * 2**k)) for k in _WHOLE)
     power, slopes = power_of_errors(firsts, [noise] * len(firsts))
     order, order_slopes = power_of_errors(ends, [noise] * len(ends))
@@ -88,7 +88,7 @@ def read_start(runs: MarkedRuns, reading: RecurrenceReading) -> StartReading:
 
 
 def _methods(runs: MarkedRuns, length: int) -> tuple[str, ...]:
-    """The method of each of the first steps: one of the first kept on, or a multistep method of fewer steps."""
+    """The method of each first step: that of the very first again, or a multistep method of fewer steps."""
     if not length:
         return ()
     first, steps = _one_step(runs.subject), runs.run(max(length + 1, runs.subject.shortest), bent=not runs.by_place)
@@ -105,7 +105,7 @@ def _methods(runs: MarkedRuns, length: int) -> tuple[str, ...]:
 
 
 def _one_step(subject: ForeignStepper) -> str:
-    """The method of the first step of a copy that remembers nothing; "" where it is none that is known."""
+    """The method of the first step of a fresh copy; "" if it is not known."""
     steps = subject.shortest
 
     def first(*arguments: Any, **named: Any) -> Any:
@@ -124,7 +124,7 @@ def _one_step(subject: ForeignStepper) -> str:
         found, times = matched(reading).matches, ""
         if not found and isinstance(reading, TableauReading) and reading.c is not None:
             found, times = match_tableau(replace(reading, c=None)).matches, " called at wrong times"
-        # Of methods that take the same step, the one with the fewest stages: a call may be made for later steps.
+        # Of methods with the same step, the one with the fewest stages: a further call may serve later steps.
         return min(found, key=lambda m: getattr(METHODS[m.key], "stages", 0)).name + times if found else ""
     except (NotReadable, UnsupportedCall, Misbehaviour):
         return ""
@@ -142,7 +142,7 @@ def _same_step(
 
 
 def _error(subject: ForeignStepper, problem: NonlinearProblem, h: float, steps: int) -> float:
-    """The error of the numbers, of y'' = F of the positions, after so many steps."""
+    """The largest error after this many steps: of all components, or of the positions if y'' = F."""
     start = [float(x.mid()) for x in problem.solution(arb(START))]
     end = course(subject, problem, START, start, h, max(steps, subject.shortest))[steps]
     exact = problem.solution(arb(START) + h * steps)

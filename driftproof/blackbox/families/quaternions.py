@@ -1,4 +1,4 @@
-"""A step of a quaternion at an angular velocity: the factor 1/2, the length, the order, and which product it takes."""
+"""Steps of a quaternion at an angular velocity: the factor 1/2, the length, the order, and which product is taken."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.blackbox.stepper.turning import turn_quaternion
 from driftproof.support.plain_text import Json
 
-# Of length 1 in floats but for one rounding, no two components alike; and one more, to see that none is preferred.
+# Two unit vectors, exact to one rounding, with no two components alike: a step must not prefer one.
 _AXES = (np.array([2.0, 3.0, 6.0]) / 7, np.array([-6.0, 2.0, 3.0]) / 7)
-# By how much a rate may be off, as part of it, where it is read from a short step: that errs by O(h), and by u/h.
+# The relative error allowed in a rate that is read from a short step, which errs by O(h) and by u/h.
 _NEAR = 2.0**-6
 
 
 def _matrix(omega: Array, *, body: bool, last: bool) -> Array:
-    """q -> q omega, or omega q, as a matrix; the scalar of q is its first number, or its last."""
+    """The matrix of q -> q omega if `body`, else omega q; the scalar of q is its last number if `last`."""
     x, y, z = omega
     sign = 1 if body else -1
     rows = [[0, -x, -y, -z], [x, 0, sign * z, -sign * y], [y, -sign * z, 0, sign * x], [z, sign * y, -sign * x, 0]]
@@ -31,7 +31,7 @@ def _matrix(omega: Array, *, body: bool, last: bool) -> Array:
     return np.array(rows, dtype=np.float64)[np.ix_(place, place)]
 
 
-# The products with omega, in words.
+# The products with omega: the arguments `body` and `last` of their matrices.
 _PRODUCTS: Mapping[str, tuple[bool, bool]] = {
     "q omega (scalar first)": (True, False),
     "omega q (scalar first)": (False, False),
@@ -42,10 +42,10 @@ _PRODUCTS: Mapping[str, tuple[bool, bool]] = {
 
 @dataclass(frozen=True)
 class QuaternionReading:
-    """A step is a + b G with G the matrix of a `product` with omega of length 1; a + ib is `turn`, at h |omega|/2.
+    """The step a + b G, where G is the matrix of a `product` with omega/|omega|; `turn` is a + ib at h |omega|/2.
 
-    `product` is "" where the rate is none. `normalised` is true where the length of what comes out is always 1;
-    `at_rest` tells a step with omega = 0 that moves.
+    `product` is "" if the rate is no product. `normalised` is true if the result always has length 1. `uneven` says in
+    words what else the step depends on, `at_rest` that it moves with omega = 0.
     """
 
     product: str
@@ -56,7 +56,7 @@ class QuaternionReading:
 
     @property
     def faults(self) -> list[str]:
-        """What is wrong with it, whichever method it is meant to be."""
+        """The faults, whatever method it is meant to be."""
         found, scale = [*filter(None, [self.uneven, self.at_rest])], self.turn.scale
         if not self.uneven and scale != 1:
             half = {2.0: ": the factor 1/2 is missing", 0.5: ": the factor 1/2 stands twice"}.get(scale, "")
@@ -65,13 +65,13 @@ class QuaternionReading:
 
     @property
     def key(self) -> str | None:
-        """The key of the method that it is, where there is one of the catalogue."""
+        """The catalogue key of the method, if there is one and it has no fault; else None."""
         known = self.turn.known and not self.turn.normalised and self.turn.parts == 1 and self.turn.method != "exact"
         return self.turn.method if known and not self.faults else None
 
     @property
     def verdict(self) -> str:
-        """What it is, in one line."""
+        """The verdict in one line."""
         if not self.product:
             return f"it is no step of a quaternion that is known here; {self.uneven}"
         rate = f"q' = {self.product.replace(' (', '/2 (')}"
@@ -83,7 +83,7 @@ class QuaternionReading:
 
     @property
     def parts(self) -> list[tuple[str, list[str]]]:
-        """The evidence, by title."""
+        """The evidence: titles with lines."""
         if not self.product:
             return []
         (turn, size), order = self.turn.lines("phi"), self.turn.order
@@ -93,19 +93,19 @@ class QuaternionReading:
 
     @property
     def data(self) -> dict[str, Json]:
-        """The same for programs."""
+        """The product and the rotation for programs."""
         turn = self.turn
         told = {"rotation": turn.name, "order": turn.order, "normalised": self.normalised, "scale": f"{turn.scale:.6g}"}
         return {"method": self.key, "product": self.product or None, **told}
 
     def criteria(self, method: object) -> list[Criterion]:
-        """Its rotation, and whether there is a fault."""
+        """The criteria of a method: the rotation, and a rate without faults."""
         rate = tuple(self.faults) or (f"that of q' = {self.product.replace(' (', '/2 (')}",)
         return [self.turn.held_to(method), Criterion("Rate", not self.faults, rate, {})]
 
 
 def read_quaternion(subject: ForeignStepper) -> QuaternionReading:
-    """What a step of a quaternion is, at constant angular velocities. Raises NotReadable, and a Misbehaviour."""
+    """Read a step of a quaternion at constant angular velocities. Raises NotReadable, or the stepper's Misbehaviour."""
     rounding = Rounding(subject.format, 12)  # some 60 operations
     normalised = _normalised(subject, rounding)
     short = float(subject.format.u) ** 0.5
@@ -140,7 +140,7 @@ def read_quaternion(subject: ForeignStepper) -> QuaternionReading:
 
 
 def _at_rest(subject: ForeignStepper) -> str:
-    """What a step with omega = 0 does where it does not leave q as it is."""
+    """What a step with omega = 0 does to q, in words; "" if it leaves q as it is."""
     with np.errstate(all="ignore"):
         try:
             seen = turn_quaternion(subject, (0.5, 0.5, 0.5, 0.5), (0.0, 0.0, 0.0), 0.5)
@@ -151,12 +151,12 @@ def _at_rest(subject: ForeignStepper) -> str:
 
 
 def _columns(subject: ForeignStepper, omega: Array, h: float) -> Array:
-    """The step of each of the four units."""
+    """The matrix of a step, from the steps of the four units."""
     return np.array([turn_quaternion(subject, unit.tolist(), omega.tolist(), h) for unit in np.eye(4)]).T
 
 
 def _normalised(subject: ForeignStepper, rounding: Rounding) -> bool:
-    """Whether the length is made 1. Raises NotReadable where the step is not linear but for that, or remembers."""
+    """True if the step sets the length to 1. Raises NotReadable if it is otherwise not linear, or remembers."""
     q, omega = [0.5, -0.5, 0.5, 0.5], [0.5, 1.0, -0.25]
     one, two, again = (np.array(turn_quaternion(subject, [k * x for x in q], omega, 0.5)) for k in (1, 2, 1))
     if (one != again).any():

@@ -1,4 +1,4 @@
-"""Reports on steppers that no single tableau describes: which method of a family they are, and whether it is that."""
+"""The reports of `identify` and `verify` on steppers that no single tableau describes."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ from driftproof.methods.rosenbrock import Rosenbrock
 from driftproof.methods.schemes import Method
 from driftproof.support.plain_text import Json
 
-# What a stepper of each kind of method has to look like.
+# The steppers that each kind of method can be compared with.
 _NEEDED: dict[type, str] = {
     Multistep: "a stepper that takes a right-hand side or a force, and a copy of which remembers nothing",
     Rosenbrock: "a stepper that takes a Jacobian, step(f, jac, t, y, h)",
@@ -36,44 +36,42 @@ _NEEDED: dict[type, str] = {
     Additive: "a stepper that takes two right-hand sides, step(f_explicit, f_implicit, t, y, h)",
 }
 _TURNING_NEEDED = "a stepper that remembers nothing, and is linear in what it turns"
-
-
 _TURNING: dict[str, Callable[[ForeignStepper], FamilyReading]] = {MAGNETIC: read_magnetic, ROTATION: read_quaternion}
 
 
 class FamilyReading(Protocol):
-    """What was read of a stepper: in one line, with the evidence by title, and beside a method."""
+    """What was read of a stepper: the verdict, the evidence, and how it compares with a method."""
 
     @property
     def verdict(self) -> str:
-        """What it is, in one line."""
+        """The verdict in one line."""
 
     @property
     def key(self) -> str | None:
-        """The key of the method that it is as it stands."""
+        """The key of the method, if it is one without changes; else None."""
 
     @property
     def faults(self) -> list[str]:
-        """What is wrong with it, whichever method it is meant to be."""
+        """The faults, whatever method it is meant to be."""
 
     @property
     def parts(self) -> Sequence[tuple[str, Sequence[str]]]:
-        """The evidence."""
+        """The evidence: titles with lines."""
 
     @property
     def data(self) -> dict[str, Json]:
-        """The same for programs."""
+        """The reading for programs."""
 
     def criteria(self, method: Any) -> list[Criterion]:
-        """How it holds to a method of its family."""
+        """The criteria of a method of its family."""
 
 
 def read_family(
     subject: ForeignStepper, asked: Method | FactsOnly | Boris | None = None, *, runs_only: bool = False
 ) -> FamilyReading | None:
-    """What the stepper is among the families, if its steps remember; None where they do not.
+    """Read the stepper as one of the family of `asked`, or of its calls; None if it is an ordinary one-step method.
 
-    With `runs_only`, nothing is asked of single steps. Raises NotReadable, UnsupportedCall, Misbehaviour.
+    If `runs_only`, single steps are not tried for memory. Raises NotReadable, UnsupportedCall, Misbehaviour.
     """
     if isinstance(asked, Boris):
         return read_magnetic(subject)
@@ -91,7 +89,7 @@ def read_family(
 
 
 def family_report(name: str, introduced: Introduction, read: FamilyReading) -> Report:
-    """The report of `identify`."""
+    """The report of `identify` on a stepper of one of the families."""
     held = f"driftproof verify {name} --method"
     to_do = f"if it should be {read.key}, hold it there: {held} {read.key}" if read.key else ""
     first = "see to the faults first" if read.faults else ""
@@ -107,19 +105,19 @@ def family_report(name: str, introduced: Introduction, read: FamilyReading) -> R
 
 
 def unread_report(name: str, outcome: Outcome) -> Report:
-    """The report of `identify` on a stepper of two functions that was not read, and why."""
+    """The report of `identify` on a stepper that is called like one of a family but could not be read, and why."""
     words = {NotReadable.kind: "it is no method that is known here", **dict.fromkeys(NO_EVIDENCE, UNDECIDED)}
     verdict = f"{words.get(outcome.kind or '', NO_ANSWER)}: {outcome.seen}"
     return Report(name, verdict, None, (), {"not_answered": [{"kind": outcome.kind, "seen": outcome.seen}]})
 
 
 def turns(subject: ForeignStepper) -> bool:
-    """True of a step of a quaternion, or of a velocity in a magnetic field."""
+    """True if the stepper turns a quaternion, or a velocity in a magnetic field."""
     return subject.convention.kind in _TURNING
 
 
 def verify_family(runner: IsolatedRunner, method: Method | FactsOnly | Boris) -> Report:
-    """The report of `verify` for a method of a family. Raises ValueError where the stepper cannot be imported."""
+    """The report of `verify` for a method of a family. Raises ValueError if the stepper cannot be imported."""
     outcome = runner.outcome_of(partial(read_family, asked=method))
     if outcome.kind == "bad_input":
         raise ValueError(outcome.seen)
@@ -148,7 +146,7 @@ def verify_family(runner: IsolatedRunner, method: Method | FactsOnly | Boris) ->
 
 
 def _not_read(name: str, outcome: Outcome, method: Method | FactsOnly | Boris) -> Report:
-    """What comes of a stepper that no reading was made of: it gives no answer, or it is undecided, and why."""
+    """The report of `verify` on a stepper that could not be read, and why: refuted, no answer, or undecided."""
     if outcome.kind == NoRecurrence.kind:
         return Report(name, f"is not {method.key}: {outcome.seen}", False, (), {"not_answered": outcome.seen})
     open_kinds = (NotReadable.kind, UnsupportedCall.kind, *NO_EVIDENCE)

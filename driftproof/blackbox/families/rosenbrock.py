@@ -1,4 +1,4 @@
-"""A step that takes a Jacobian: which Rosenbrock method it is, what it does with df/dt, and of which order it is."""
+"""Rosenbrock steppers, which take a Jacobian: which method it is, what it does with df/dt, and its order."""
 
 from __future__ import annotations
 
@@ -30,16 +30,16 @@ from driftproof.methods.rosenbrock import Rosenbrock
 from driftproof.support.plain_text import Json
 from driftproof.symbolic.rosenbrock import RosenbrockFacts
 
-# Lengths of the steps whose errors are measured: h = 2**-k.
+# The step sizes at which errors are measured: h = 2**-k.
 _HALVINGS = range(1, 9)
-# Of decimals, as the orders of a printed table are told: digits that are printed leave less.
+# Order conditions count as satisfied up to this: errors of printed decimals leave less.
 _PRINTED = Fraction(1, 10**9)
-# Differences that a reader takes in.
+# The most differences shown: chosen, as readers take in no more.
 _MOST_SHOWN = 6
 
 
 class _Products:
-    """C Γᶜ E and C Γᶜ γ of a method, as a reading has them, with the sizes of the terms that they are sums of."""
+    """The products C Γᶜ E and C Γᶜ γ of a method, as in a reading, with the sizes of their terms."""
 
     def __init__(self, alpha: Array, gamma: Array, b: Array, powers: int) -> None:
         places = list(dict.fromkeys(map(tuple, alpha)))
@@ -52,13 +52,13 @@ class _Products:
 
     @classmethod
     def of(cls, method: Rosenbrock, powers: int) -> _Products:
-        """Those of a method."""
+        """The products of a method."""
         return cls(*_floats(method), powers)
 
     def _levels(self, entering: Array, powers: int) -> tuple[list[Array], list[Array]]:
-        """C Γᶜ times what enters, and the sizes of the terms of programs that store αΓ⁻¹, I/γᵢᵢ - Γ⁻¹ and bΓ⁻¹.
+        """C Γᶜ times `entering`, and the sizes of the terms in programs that store αΓ⁻¹, I/γᵢᵢ - Γ⁻¹ and bΓ⁻¹.
 
-        Their stages are sums with |terms| up to W = (I - |D| |I/γᵢᵢ - Γ⁻¹|)⁻¹ |D|, D the diagonal of Γ.
+        The terms of their stages are bounded by W = (I - |D| |I/γᵢᵢ - Γ⁻¹|)⁻¹ |D|, with D the diagonal of Γ.
         """
         c, gamma = self.table
         inverse = np.linalg.pinv(gamma)
@@ -74,11 +74,11 @@ class _Products:
         return found, sizes
 
     def _rounding(self, reading: RosenbrockReading) -> Rounding:
-        """Of as many sums as there are stages, and calls."""
+        """The rounding of a sum for each stage and each call."""
         return Rounding(reading.format, len(self.table[1]) + reading.calls)
 
     def differences(self, reading: RosenbrockReading) -> list[str] | None:
-        """The products that are others than the method's, in words; None where it asks f at other numbers of places."""
+        """The products that are not the method's, in words; None if it evaluates f at another number of places."""
         if reading.calls != len(self.nodes):
             return None
         rounding = self._rounding(reading)
@@ -97,7 +97,7 @@ class _Products:
         return found
 
     def time_slope_differs(self, reading: RosenbrockReading) -> bool:
-        """Whether df/dt enters otherwise: to rounding where a function gives it, to that of differences else."""
+        """True if df/dt enters with other weights, beyond rounding and the error of its differences."""
         if reading.time_slope is None:
             return False
         rounding = self._rounding(reading)
@@ -115,9 +115,9 @@ def _floats(method: Rosenbrock) -> tuple[Array, Array, Array]:
 
 
 def _near(reading: RosenbrockReading, method: Rosenbrock) -> Iterator[str]:
-    """The entries of a method that alone, with other values, give what was read: the products are affine in each.
+    """The single entries of a method that, with another value, give what was read: the products are affine in each.
 
-    A path through a triangular matrix takes each entry below the diagonal once at most; no other one passes.
+    A path through a triangular matrix takes an entry below its diagonal at most once; others fail the comparison.
     """
     names, floats, powers = ("alpha", "gamma", "b"), _floats(method), len(reading.weights)
     if len(_Products(*floats, powers).nodes) != reading.calls:
@@ -144,7 +144,7 @@ def _near(reading: RosenbrockReading, method: Rosenbrock) -> Iterator[str]:
 
 
 def _shown(reading: RosenbrockReading, numbers: Iterable[float]) -> str:
-    """Entries that are computed from what was read."""
+    """Entries that are computed from the reading, as text."""
     slack = Rounding(reading.format, 4 * reading.calls).of(4.0)
     return ", ".join(coefficient_text(float(x), reading.format, slack) for x in numbers)
 
@@ -153,8 +153,8 @@ def _shown(reading: RosenbrockReading, numbers: Iterable[float]) -> str:
 class RosenbrockIdentity:
     """The products of a step, the method that has them, and the orders measured with f' and with half of it as J.
 
-    `method` is of the catalogue, or the one asked for, None where none has them; `near` is one that has them but for
-    one entry, in words.
+    `method` is of the catalogue, or the one asked for, or None if none has them; `near` is one that differs in one
+    entry, in words.
     """
 
     reading: RosenbrockReading
@@ -166,7 +166,7 @@ class RosenbrockIdentity:
 
     @property
     def order(self) -> int | None:
-        """The one that is measured with f'."""
+        """The order measured with J = f'."""
         return self.measured.order
 
     @cached_property
@@ -175,7 +175,7 @@ class RosenbrockIdentity:
 
     @property
     def faults(self) -> list[str]:
-        """What is wrong with it, whichever method it is meant to be."""
+        """The faults, whatever method it is meant to be."""
         reading, known = self.reading, self._products
         found, order = [], self.order
         left_out = reading.nodes is not None and not reading.by
@@ -191,7 +191,7 @@ class RosenbrockIdentity:
 
     @property
     def verdict(self) -> str:
-        """What it is, in one line."""
+        """The verdict in one line."""
         name = self.method.key if self.method is not None else self.near or "no Rosenbrock method that is known here"
         measured = f", of order {self.order} as measured" if self.method is None and self.order is not None else ""
         powers = len(self.reading.weights)
@@ -201,12 +201,12 @@ class RosenbrockIdentity:
 
     @property
     def key(self) -> str | None:
-        """The key of the method that it is without a fault."""
+        """The catalogue key of the method, if it has no fault; else None."""
         return self.method.key if self.method is not None and not self.faults else None
 
     @property
     def parts(self) -> list[tuple[str, list[str]]]:
-        """The evidence, by title."""
+        """The evidence: titles with lines."""
         return [("Coefficients", self._coefficients), ("Order", self._orders)]
 
     @property
@@ -244,7 +244,7 @@ class RosenbrockIdentity:
 
     @property
     def data(self) -> dict[str, Json]:
-        """The same for programs."""
+        """The products and the orders for programs."""
         return {
             "method": self.key,
             "products": [[[repr(x) for x in row] for row in level] for level in self.reading.weights],
@@ -254,7 +254,7 @@ class RosenbrockIdentity:
         }
 
     def criteria(self, method: Rosenbrock) -> list[Criterion]:
-        """How it holds to a method: its products, what it does with df/dt and the Jacobian, its order."""
+        """The criteria of a method: the products, the use of df/dt and of the Jacobian, the order, steps elsewhere."""
         products = _Products.of(method, len(self.reading.weights))
         differences = products.differences(self.reading)
         if differences is None:
@@ -279,7 +279,7 @@ class RosenbrockIdentity:
 
 
 def read_rosenbrock(subject: ForeignStepper, asked: Rosenbrock | None = None) -> RosenbrockIdentity:
-    """What a step with a Jacobian is. Raises NotReadable, and the Misbehaviour that comes instead of a step."""
+    """Identify a step with a Jacobian. Raises NotReadable, UnsupportedCall, or the stepper's Misbehaviour."""
     reading = read_rosenbrock_step(subject)
     known = [*(m for m in FACTS_ONLY.values() if isinstance(m, Rosenbrock)), *([asked] if asked else [])]
     found = next((m for m in known if _Products.of(m, len(reading.weights)).differences(reading) == []), None)

@@ -1,4 +1,4 @@
-"""What a step with a Jacobian makes of marked slopes and of a nilpotent matrix: the products of alpha, gamma and b."""
+"""The products of alpha, gamma and b of a Rosenbrock step, read with marked slopes and a nilpotent Jacobian."""
 
 from __future__ import annotations
 
@@ -17,22 +17,22 @@ from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.blackbox.stepper.second_functions import with_functions
 from driftproof.symbolic.rounding.formats import FloatFormat
 
-# Numbers of y, the most first: with a chain of so many, gamma counts up to that power less one.
+# The numbers of components to try, the largest first: n of them show the powers of gamma up to n - 1.
 _SIZES = (8, 4, 3, 2)
-# Calls nearer in time to the start than this part of h, from the same place, are differences for df/dt.
+# Calls at the start but nearer to its time than this part of h are differences for df/dt.
 _DIFFERENCE = 2.0**-6
-# Two calls this near in places and times are of one stage: rounding parts them by less, stages by more.
+# Calls with places and times this close are of one stage: rounding separates them by less, stages by more.
 _SAME = 2.0**-30
 
 
 @dataclass(frozen=True)
 class RosenbrockReading:
-    """C Γᶜ E, for c = 0, 1, ...: how hᶜ⁺¹ Jᶜ times the slope of each call enters the place of each, and the result.
+    """C Γᶜ E for c = 0, 1, ...: the weight of hᶜ⁺¹ Jᶜ times each call's slope in the place of each call and the result.
 
-    Stages at one place are one call. Row i of C is that of α of call i, the last one b; E adds stages up that share a
-    call, so that E = 1 where there are none; `nodes` are the times of the calls, None where f is given none.
-    `time_slope` is C Γᶜ γ, with γ the row sums of Γ, as ∂f/∂t enters, `by` how it is had: "a function", "differences",
-    or "" where it is not asked for. `jacobian_at` are the node and the place, in h, at which the Jacobian is asked.
+    Stages at one place are one call. Row i of C is the row of α for call i, its last row is b; E adds up the stages
+    that share a call, so that E = 1 if none do. `nodes` are the times of the calls, None if f gets none. `time_slope`
+    is C Γᶜ γ, the weights of ∂f/∂t, with γ the row sums of Γ; `by` is its source, "a function" or "differences", or ""
+    if there is none. `jacobian_at` is the node at which the Jacobian is evaluated, and how far from the start.
     """
 
     weights: tuple[tuple[tuple[float, ...], ...], ...]
@@ -44,17 +44,17 @@ class RosenbrockReading:
 
     @property
     def calls(self) -> int:
-        """The number of different places at which f is asked."""
+        """The number of different places at which f is evaluated."""
         return len(self.weights[0]) - 1
 
     @property
     def slack(self) -> float:
-        """What df/dt is off by that is had by differences in floats; else 0."""
+        """The error of a df/dt by differences in floats; 0 if there are none."""
         return float(self.format.u) ** 0.5 if self.by == "differences" else 0.0
 
     @property
     def table(self) -> tuple[Array, Array, Array] | None:
-        """α, Γ and b by least squares, where each stage has a call of its own and shows; else None."""
+        """α, Γ and b by least squares, if each stage has a call of its own that shows; else None."""
         levels = [np.array(level) for level in self.weights]
         seen, moved = np.vstack(levels[:-1]), np.vstack(levels[1:])
         gamma, _, rank, _ = np.linalg.lstsq(seen, moved, rcond=_SAME)
@@ -64,9 +64,9 @@ class RosenbrockReading:
 
 
 def read_rosenbrock_step(subject: ForeignStepper) -> RosenbrockReading:
-    """The products, by steps from t = 0, y = 0 with h = 1, in which one call at a time is answered by 1.
+    """Read the products from steps with t = 0, y = 0 and h = 1, in which one call at a time is answered by 1.
 
-    The Jacobian is y₁ -> y₂ -> y₃ -> ..., whatever f is: so it tells a W method's products. Raises NotReadable.
+    The Jacobian is y₁ -> y₂ -> y₃ -> ..., whatever f is, as W methods allow. Raises NotReadable, UnsupportedCall.
     """
     if JACOBIAN not in subject.convention.order:
         raise UnsupportedCall(f"the stepper is called by {subject.convention.kind!r}, which takes no Jacobian")
@@ -74,7 +74,7 @@ def read_rosenbrock_step(subject: ForeignStepper) -> RosenbrockReading:
 
 
 class _Step:
-    """One step: where it asked f and its Jacobian, and what it returned."""
+    """One step: where it evaluated f and the Jacobian, and its result."""
 
     def __init__(self, subject: ForeignStepper, answer: Callable[[int, float, Array], Sequence[float]], **given: Any):
         rows: Sequence[Any] = given["jacobian"]
@@ -103,7 +103,7 @@ class _Step:
 
 class _Probe:
     def __init__(self, subject: ForeignStepper) -> None:
-        """A first step on so many numbers as it takes, which tells its calls apart."""
+        """Take a first step, with as many components as the stepper takes, and tell its calls apart."""
         self.subject = subject
         for self.size in _SIZES:
             try:
@@ -141,13 +141,13 @@ class _Probe:
         return _Step(self.subject, answer, **{**usual, **given})
 
     def _seen(self, answer: Callable[[int, float, Array], Sequence[float]], **given: Any) -> Array:
-        """All numbers of a step from 0: a row for the place of each group, and one for the result."""
+        """The numbers of a step from 0: a row for the place of each group, and one for the result."""
         step = self._step(answer, **given)
         demand_calls(self.calls, len(step.places))
         return np.array([*(step.places[group[0]] for group in self.groups), step.result])
 
     def reading(self) -> RosenbrockReading:
-        """The products of all groups that move anything, controlled by a step with other answers, h and t."""
+        """The products of all groups that move anything, confirmed by a step with other answers, h and t."""
         zero = [0.0] * self.size
         one = [1.0, *zero[1:]]
         if np.abs(self._seen(lambda i, t, y: zero)).max() > 0:
@@ -178,7 +178,7 @@ class _Probe:
         )
 
     def _control(self, columns: Array) -> None:
-        """A step with other answers, another h, t and start, which must go as the products say. Raises NotReadable."""
+        """Raise NotReadable if a step with other answers, h, t and start does not end where the products say."""
         h, t = 0.5, 2.0
         slopes, start = varied(len(self.groups), 2), varied(self.size, 1)
         answers = defaultdict(float, {i: slopes[g] for g, group in enumerate(self.groups) for i in group})

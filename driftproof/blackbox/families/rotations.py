@@ -1,4 +1,4 @@
-"""What a step turns by, as a complex factor R(θ) of the angle θ that is meant: its name, its angle, its size."""
+"""The rotation of a step as a complex factor R(θ) of the angle θ that is meant: its method, its angle, its size."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ from driftproof.blackbox.probes.scripted_answers import Rounding
 from driftproof.blackbox.report import Criterion
 from driftproof.methods.schemes import Collocation, RungeKutta
 
-# Angles that a factor is compared at; the short ones show leading powers, with an error O(θ²).
+# The angles at which factors are compared; the short ones show leading powers, with an error O(θ²).
 TURN_ANGLES = (2.0, 1.0, 0.5, 0.25, 2.0**-3, 2.0**-4, 2.0**-5, 2.0**-6, 2.0**-7)
-# R as a function of z, which is i θ in steps of z' = iz.
+# R as a function of z = i θ, for steps of y' = iy.
 _METHODS: dict[str, Callable[[complex], complex]] = {
     "exact": cmath.exp,
     "implicit_midpoint": lambda z: (1 + z / 2) / (1 - z / 2),
@@ -28,18 +28,18 @@ _METHODS: dict[str, Callable[[complex], complex]] = {
     "kutta3": lambda z: 1 + z + z * z / 2 + z**3 / 6,
     "rk4": lambda z: 1 + z + z * z / 2 + z**3 / 6 + z**4 / 24,
 }
-# How often the angle a mistake turns by, as words.
+# The multiples of the angle that mistakes turn by, in words.
 _TIMES = {1.0: "", 2.0: "twice the angle", 0.5: "half the angle", 4.0: "four times the angle", -1.0: "the other way"}
 _TIMES |= {-2.0: "twice the angle the other way", -0.5: "half the angle the other way"}
 
 
 @dataclass(frozen=True)
 class Turn:
-    """The `method` of z' = iz whose factor it is at `times` the angle, in so many `parts`, its size made 1 or not.
+    """A rotation by R(θ): that of `method` at `times` the angle, in `parts` equal parts, with size 1 if `normalised`.
 
-    `method` is "" where it is none that is known here. `angle` is arg R/θ - 1 and `growth` |R| - 1 to leading order, as
-    (power of θ, coefficient), None where they are 0 to rounding; `scale` is arg R/θ for small θ, or the multiple of 1/2
-    that is near it. `factors` are R itself, at TURN_ANGLES.
+    `method` is "" if it is not known. `angle` is arg R/θ - 1 and `growth` is |R| - 1 to leading order, as (power of θ,
+    coefficient), or None if it is 0 to rounding; `scale` is arg R/θ for small θ, or a multiple of 1/2 that is near it.
+    `factors` holds R at TURN_ANGLES.
     """
 
     times: float
@@ -54,12 +54,12 @@ class Turn:
 
     @property
     def known(self) -> bool:
-        """True where it is a method at the right angle."""
+        """True if it is a known method at the right angle."""
         return bool(self.method) and self.times == 1
 
     @property
     def order(self) -> int | None:
-        """The order on z' = iz; None for all."""
+        """The order on z' = iz; 0 if the angle is wrong, None if there is no error."""
         if self.scale != 1:
             return 0
         powers = [p for p in (self.angle and self.angle[0], self.growth and self.growth[0] - 1) if p is not None]
@@ -67,7 +67,7 @@ class Turn:
 
     @property
     def name(self) -> str:
-        """In words."""
+        """The rotation in words."""
         if not self.method:
             return "no rotation that is known here"
         made = f"{self.method}{', made one of length 1 again' if self.normalised else ''}"
@@ -75,7 +75,7 @@ class Turn:
         return f"{made} at {_TIMES[self.times]}" if self.times not in (1.0, -1.0) else made
 
     def held_to(self, method: object) -> Criterion:
-        """Whether R is 1 + z b (1 - zA)⁻¹ 1 of a Runge-Kutta method at every angle."""
+        """The criterion that R is 1 + z b (1 - zA)⁻¹ 1 of a Runge-Kutta method at every angle."""
         if not isinstance(method, RungeKutta | Collocation):
             words = "a splitting or a Nyström method turns no vector"
             return Criterion("Rotation", False, (words,), {})
@@ -88,7 +88,7 @@ class Turn:
         return Criterion("Rotation", same, (words if same else other,), {})
 
     def lines(self, angle: str) -> list[str]:
-        """Angle and size, for an angle of that name."""
+        """The angle and the size as lines, for an angle of this name."""
         if self.scale != 1:
             turns = f"it turns by {self.scale:.4g} times {angle} for short steps, not by {angle}"
         else:
@@ -108,7 +108,7 @@ def factors_of(method: RungeKutta | Collocation, z: complex) -> tuple[complex, c
 
 
 def turn_of(factors: Sequence[complex], rounding: Rounding) -> Turn:
-    """What the factors at TURN_ANGLES are: the first method that fits at all of them, as it is or changed."""
+    """The rotation with these factors at TURN_ANGLES: the first method that fits them all, perhaps with a mistake."""
     allowed, pairs = rounding.of(4.0), list(zip(TURN_ANGLES, factors, strict=True))
     candidates = product(_TIMES, (1, 2), (False, True), _METHODS)
     fits = (made for made in candidates if all(abs(_factor(*made, x) - r) <= allowed * (1 + abs(r)) for x, r in pairs))
@@ -122,13 +122,13 @@ def turn_of(factors: Sequence[complex], rounding: Rounding) -> Turn:
 
 
 def _factor(times: float, parts: int, normalised: bool, method: str, angle: float) -> complex:
-    """R of a method at so many times the angle, in equal parts, and its size made 1 or not."""
+    """R of a method at `times` the angle, in equal parts, its size made 1 if `normalised`."""
     made = _METHODS[method](times / parts * 1j * angle) ** parts
     return made / abs(made) if normalised else made
 
 
 def _leading(errors: Sequence[float], noise: Sequence[float]) -> tuple[int, float] | None:
-    """Power and coefficient of what errors at halved angles are to leading order, from the last two above the noise."""
+    """The power and coefficient of the leading term of errors at halved angles, from the last two above the noise."""
     seen = [(x, e) for x, e, allowed in zip(TURN_ANGLES, errors, noise, strict=True) if abs(e) > CLEARANCE * allowed]
     if len(seen) < 2:
         return None

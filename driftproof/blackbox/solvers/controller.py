@@ -1,4 +1,4 @@
-"""The step size control of a solver as a law, measured: where slopes depend on t alone, every estimate is known."""
+"""The law of a solver's step sizes, measured on slopes that depend on t alone, for which every estimate is known."""
 
 from __future__ import annotations
 
@@ -20,37 +20,41 @@ from driftproof.methods.catalogue import METHODS
 from driftproof.methods.number_field import Exact
 from driftproof.methods.schemes import RungeKutta
 
-# The error of a step of length h whose slopes are k: of the stages, the last of which is the slope at its end.
+# The error estimate of a step of size h from the slopes k of its stages.
 _Estimate: TypeAlias = Callable[[Sequence[float], float], float]
-# In a run of this length, with bumps and jumps at every unit of time, some hundred steps are seen, and rejections.
+# The span of the run: bumps and jumps at every unit of time make some hundred steps, some of them rejected.
 _SPAN, _WIDTH = (0.0, 8.0), 12.0
-# |y| stays below 1, so that rtol moves the scale of errors by less than a part in 10^6.
-# The larger tolerance is for methods of low order, whose steps are too many at the other.
+# |y| stays below 1, so that rtol changes the scale of errors by less than one part in 10^6. The larger atol is for
+# methods of low order, which take too many steps at the smaller one.
 _RTOL, _ATOL, _LARGER_ATOL = 1e-13, 1e-7, 1e-4
-# A law holds where it gives every factor to this part: the scale is known so well, and its exponents are small.
+# A law must give every factor to this relative accuracy: the scale is known better, and its exponents are small.
 _CLOSE = 1e-4
-# Exponents are fitted to a part of that: of a ratio of errors up to 10^10 it makes no more.
+# Exponents are fitted more closely: over ratios of errors up to 10^10 they then change a factor by less than that.
 _EXPONENT = 1e-6
-# So near to a jump a step is not held to its slopes.
+# Steps this near to a jump are not compared with their slopes.
 _NEAR = 1e-6
-# Two times in a step of h at t are one if they agree to this part of h: they are rounded to u t, h is above 10^-6 t.
+# Times in a step of h at t are equal to this part of h: they are rounded to u t, and h is above 10^-6 t.
 _SAME = 1e-8
-# So many attempts before the end may be made for the end.
+# The last attempts of a run may be made to land on its end.
 _LANDING = 3
+# Fits with memory leave out steps after a smaller r: some codes remember no error below 10^-4.
 _LEAST_REMEMBERED = 1e-3
-# What is just accepted is followed by a step as many times as long as the safety says: 0.8 to 1 in most codes.
+# The least factor after a step that is just accepted, which is the safety: 0.8 to 1 in most codes; chosen with room.
 _LEAST_SAFETY = 0.5
 _NO_TOLERANCE = "it takes no tolerance: its steps are of one length"
-# Denominators of exponents as controllers in use have them: 1/5, 7/50, 17/100, ...
+# The largest denominator of an exponent: controllers in use have 1/5, 7/50, 17/100, ...
 _MOST_DENOMINATOR = 120
-# In units of rounding errors, of which t has up to 8: slopes change by up to 13 in a unit of time, and h times the sum
-# of the absolute weights is below 4. Who ends a step elsewhere is off by far more.
+# In units of u: t is up to 8, slopes change by up to 13 in a unit of time, and h times the sum of the absolute weights
+# is below 4, so that rounding makes 416. A step that ends elsewhere is off by far more.
 _TRACE = 2.0**9
 
 
 class Attempt(NamedTuple):
-    """One attempt at a step: where it began, its length, how many in a row were rejected, itself among them, whether
-    it was accepted, and how much longer the next one is, None where that is not known."""
+    """One attempt at a step; `accepted` if the run goes on from its end.
+
+    `rejections` counts the rejected attempts in a row, this one included. `factor` is h of the next attempt over h of
+    this one, or None if that is not known.
+    """
 
     start: float
     h: float
@@ -63,9 +67,9 @@ class Attempt(NamedTuple):
 class Law:
     """h_next = h · clip(safety · r^(-exponent) · r_before^(memory) · (h/h_before)^(filtered), smallest, largest).
 
-    r is the error over the tolerance, in the estimate of the pair `estimate`. `smallest` and `largest` are None where
-    no factor was cut. `after_rejection` says that a step after a rejected one does not grow, `exception` which other
-    steps are not of this law. `accepted` is the largest r of a step that is taken.
+    r is the error over the tolerance, by the estimate of the pair `estimate`. `smallest` and `largest` are None if no
+    factor was clipped there. `after_rejection` is true if steps after a rejected one do not grow, `exception` says
+    which other steps do not follow the law. `accepted` is the largest r of an accepted step.
     """
 
     estimate: str
@@ -93,7 +97,7 @@ class Law:
 
 @dataclass(frozen=True)
 class ControllerReading:
-    """What was measured of the step size control: the law, or why there is none; `lines` in words, and `faults`."""
+    """The step size control as measured: its law, if one was found, the evidence as lines, and the faults."""
 
     law: Law | None
     lines: tuple[str, ...]
@@ -101,16 +105,16 @@ class ControllerReading:
 
 
 def bumps(t: float) -> float:
-    """A slope with a bump in the middle of every unit of time, flat between, and a jump at its end, of both signs."""
+    """A slope with a bump in the middle of every unit of time, flat between, whose sign jumps at every whole time."""
     unit = int(t)
     return (-1.0) ** unit * (0.5 + 1.0 / (1.0 + (_WIDTH * (t - unit - 0.5)) ** 4))
 
 
 def read_controller(subject: ForeignSolver, steps: SolverSteps) -> ControllerReading:
-    """The law of the step sizes in a run of y' = bumps(t), for a pair of the catalogue. Raises NotReadable.
+    """Read the law of the step sizes, for a pair of the catalogue, from a run of y' = bumps(t). Raises NotReadable.
 
-    The slopes depend on t alone, so that the estimate of each attempt follows from the pair's two rows: r is known, the
-    factors are seen. Rejected attempts show in the times of the calls.
+    The slopes depend on t alone: the estimate of each attempt, and with it r, follows from the two rows of the pair,
+    and the factors are observed. Rejected attempts show in the times of the calls.
     """
     run, atol = _run(subject)
     attempts = list(_attempts(run, steps))
@@ -136,23 +140,23 @@ def read_controller(subject: ForeignSolver, steps: SolverSteps) -> ControllerRea
     if law is None:
         pairs = ", ".join(name for name, _ in estimates) or "any pair of the catalogue"
         return ControllerReading(None, (f"no law in the estimate of {pairs} gives the step sizes", counts), traces)
-    if traces:  # slopes that are not those of their times have other errors, too
+    if traces:  # with slopes of other times, errors differ as well
         law = replace(law, exception="")
     after = ["a step after a rejected one does not grow"] if law.after_rejection else []
     lines = (f"measured: {law.words}", f"r is the estimate of {law.estimate} over the tolerance", *after, counts)
-    return ControllerReading(law, lines, (*_of_another_order(law), *(traces or _accepted_beyond(law))))
+    return ControllerReading(law, lines, (*_wrong_exponent(law), *(traces or _accepted_beyond(law))))
 
 
 def _accepted_beyond(law: Law) -> Iterator[str]:
-    """That the largest error of a step that is accepted is one after which the law asks for far shorter steps."""
+    """Say that a step was accepted although the controller's own law asks for a far shorter one after it."""
     factor = law.safety * law.accepted ** -float(law.exponent)
     if factor < _LEAST_SAFETY:
         asked = f"after which its law asks for {factor:.2g} h"
         yield f"steps are accepted with {law.accepted:.3g} times the tolerance, {asked}"
 
 
-def _of_another_order(law: Law) -> Iterator[str]:
-    """The exponent without memory that is not that of the estimate: r ~ h^p asks for 1/p."""
+def _wrong_exponent(law: Law) -> Iterator[str]:
+    """Say that the exponent of a law without memory is not 1/p, as an estimate r ~ h^p needs."""
     method = METHODS.get(law.estimate)  # a blend has no order of its own
     if isinstance(method, RungeKutta) and method.embedded_order is not None and not law.memory and not law.filtered:
         power = 1 + min(method.claimed_order, method.embedded_order)
@@ -162,7 +166,7 @@ def _of_another_order(law: Law) -> Iterator[str]:
 
 
 def _run(subject: ForeignSolver) -> tuple[Solution, float]:
-    """The run, and its absolute tolerance. Raises DoesNotEnd at the larger one."""
+    """The run and its absolute tolerance, the larger one if need be. Raises DoesNotEnd if both are too small."""
     solved = partial(subject.solve, lambda n, t, y: [bumps(t)], _SPAN, (0.0,), _RTOL)
     try:
         return solved(_ATOL), _ATOL
@@ -171,7 +175,7 @@ def _run(subject: ForeignSolver) -> tuple[Solution, float]:
 
 
 def _attempts(run: Solution, steps: SolverSteps) -> Iterator[Attempt]:
-    """Every attempt, in turn: as many calls as one makes, and those at its end; accepted is what ends at a step."""
+    """All attempts in order, told apart by the times of their calls; those that end at a returned time are accepted."""
     nodes, position = steps.nodes, 0
     found: list[Attempt] = []
     for start, end in pairwise(run.t):
@@ -180,7 +184,7 @@ def _attempts(run: Solution, steps: SolverSteps) -> Iterator[Attempt]:
             group = [call.t for call in run.calls[position : position + len(nodes)]]
             length = (max(group) - start) / max(nodes)
             if length <= 0 or not all(_at(t, start + c * length, length) for t, c in zip(group, nodes, strict=False)):
-                position += 1  # a call of none, as that for the first step size
+                position += 1  # a call outside all attempts, as for the first step size
                 continue
             position += len(nodes)
             lengths.append(length)
@@ -189,7 +193,7 @@ def _attempts(run: Solution, steps: SolverSteps) -> Iterator[Attempt]:
         rejected = lengths[:-1]
         found += [Attempt(start, length, n, False, None) for n, length in enumerate(rejected, 1)]
         found.append(Attempt(start, end - start, len(rejected), True, None))
-    # What would pass the end is cut to it; the last steps may be stretched, so that they land there.
+    # A step that would pass the end is shortened, and the last ones may be stretched to land there.
     for this, after in pairwise(found):
         free = this.start < found[-_LANDING:][0].start and after.start + after.h < run.t[-1] - _SAME * after.h
         yield this._replace(factor=after.h / this.h if free else None)
@@ -200,7 +204,7 @@ def _at(t: float, time: float, h: float) -> bool:
 
 
 def _estimates(steps: SolverSteps) -> Iterator[tuple[str, _Estimate]]:
-    """The estimates of the pairs whose tableau was read; DOP853's programs blend those of two."""
+    """The error estimates of the pairs that were read; DOP853 programs blend those of two."""
     pairs = {pair.key: pair for pair in steps.pairs}
     rows = {key: [*map(float, _row(pair))] for key, pair in pairs.items()}
     for key, row in rows.items():
@@ -221,7 +225,7 @@ def _row(pair: RungeKutta) -> list[Exact]:
 
 
 def _is_silent(pair: RungeKutta) -> bool:
-    """Whether the weights of its estimate cancel at every node, as those of Fehlberg's pair 7(8) do."""
+    """True if the weights of the estimate cancel at every node, as in Fehlberg's pair 7(8)."""
     by_node: dict[Exact, Exact] = {}
     for c, e in zip(pair.c, _row(pair), strict=True):
         by_node[c] = by_node.get(c, Fraction(0)) + e
@@ -229,8 +233,10 @@ def _is_silent(pair: RungeKutta) -> bool:
 
 
 class _Point(NamedTuple):
-    """One attempt beside the step that follows it: logarithms of its error, of that of the last accepted one and of
-    how much longer it is than that; the factor; and how many were rejected."""
+    """An attempt and the `factor` of the step size after it.
+
+    `error` and `before` are log r of this and of the last accepted step, `growth` is the log of h over the h of that.
+    """
 
     error: float
     before: float
@@ -242,7 +248,7 @@ class _Point(NamedTuple):
 
 
 def _points(estimate: _Estimate, nodes: Sequence[float], attempts: Sequence[Attempt], atol: float) -> Iterator[_Point]:
-    """The attempts whose error is known, and is not 0, if it is known how long the next step is."""
+    """The attempts whose error is known and not 0, and whose factor is known."""
     before, length = 0.0, attempts[0].h
     for each in attempts:
         times = [each.start + c * each.h for c in nodes]
@@ -256,7 +262,7 @@ def _points(estimate: _Estimate, nodes: Sequence[float], attempts: Sequence[Atte
 
 
 def _law(name: str, estimate: _Estimate, attempts: Sequence[Attempt], atol: float) -> Law | None:
-    """The law in this estimate, if there is one: fitted where no limit cuts, then held against every step seen."""
+    """The law in this estimate, or None: fitted to the steps that no limit clips, then compared with all."""
     method = METHODS[name.partition(" ")[0]]
     assert isinstance(method, RungeKutta)
     points = list(_points(estimate, [float(x) for x in method.c], attempts, atol))
@@ -264,7 +270,6 @@ def _law(name: str, estimate: _Estimate, attempts: Sequence[Attempt], atol: floa
     largest, smallest = _repeated(factors, max(factors)), _repeated(factors, min(factors))
     limits = (largest, smallest, 1.0)
     free = [p for p in points if not p.rejections and not any(_is_same(p.factor, limit) for limit in limits)]
-    # Without memory, if that suffices; some codes remember no error below 10^-4.
     remembered = [p for p in free if p.before > log(_LEAST_REMEMBERED)]
     fits = (_fitted(free, 2), _fitted(remembered, 3), _fitted(remembered, 4))
     found = next((fit for fit in fits if fit is not None), None)
@@ -279,10 +284,10 @@ def _law(name: str, estimate: _Estimate, attempts: Sequence[Attempt], atol: floa
 
 
 def _exception(points: Sequence[_Point], law: Law, smallest: float, largest: float) -> str:
-    """Which steps are not of the law, in words, by the rejections in a row before them.
+    """The steps that do not follow the law, in words, by the rejections in a row before them; "" if there are none.
 
-    A step may stay as long as it is, and a law may forget what came before where a step is rejected. Of one that
-    remembers, steps are left out that remember less than is known.
+    A step may keep its size, and a law may forget its memory after a rejection. For a law with memory, steps after an
+    error too small to be remembered are left out.
     """
     known = [p for p in points if not p.at_jump and (not law.memory or p.before > log(_LEAST_REMEMBERED))]
     others: list[tuple[_Point, float]] = []
@@ -302,7 +307,7 @@ def _exception(points: Sequence[_Point], law: Law, smallest: float, largest: flo
 
 
 def _fitted(points: Sequence[_Point], terms: int) -> Any:
-    """log of safety, exponent and, further terms, memory, that give all the factors; None if there are none."""
+    """The log of the safety, the exponent and the further terms that give all factors; None if none do."""
     if len(points) < terms + 3:
         return None
     matrix = np.array([[1.0, -p.error, p.before, p.growth] for p in points])[:, :terms]
@@ -312,7 +317,7 @@ def _fitted(points: Sequence[_Point], terms: int) -> Any:
 
 
 def _repeated(factors: Sequence[float], value: float) -> float | None:
-    """The extreme factor, if several steps have it: a limit."""
+    """The extreme factor, which is a limit, if several steps have it; else None."""
     return value if sum(_is_same(x, value) for x in factors) > 1 else None
 
 
@@ -330,7 +335,7 @@ def _shown(x: Fraction | float) -> str:
 
 
 def _traces(run: Solution, steps: SolverSteps, attempts: Sequence[Attempt]) -> tuple[str, ...]:
-    """Steps that do not end where their weights say, the slopes being those of their own times."""
+    """The faults of steps that do not end where their weights and the slopes at their own times say."""
     allowed = _TRACE * float(steps.reading.format.u)
     reading, tried = steps.reading, {each.start: each.h for each in attempts if not each.accepted}
     wrong_after = wrong_else = seen_after = stale = 0

@@ -1,4 +1,4 @@
-"""Somebody's solver, solve(f, t_span, y0, ...), called with a right-hand side that keeps what it is asked."""
+"""A user's solver, solve(f, t_span, y0, ...), called with right-hand sides that record every call."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ from driftproof.blackbox.stepper.calling_conventions import COUNTS, ROLES, STEP,
 from driftproof.blackbox.stepper.opening import Target, imported
 from driftproof.symbolic.rounding.formats import BINARY32, BINARY64, FloatFormat
 
-# More calls than a solver of these short problems makes: it does not end.
+# A solver that makes more calls on these short problems is said not to end.
 MOST_CALLS_OF_A_RUN = 30_000
-# What a solver takes after f, t_span and y0: rtol and atol, one tolerance, how long its steps are, how many, nothing.
+# What a solver takes after f, t_span and y0: rtol and atol, one tolerance, a step size, a number of steps, nothing.
 TOLERANCES, TOLERANCE, LENGTH, COUNT, NOTHING = "tolerances", "tolerance", "length", "count", "nothing"
-# So many steps are asked for where nobody needs another number of them.
+# The default number of steps for solvers that take a step size or a number.
 _USUAL = 128
-# Under these names an answer has its times, its states, its dense output, and whether it is one.
+# The names under which an answer may hold its times, its states and its dense output.
 _TIMES = ("t", "ts", "times", "time")
 _STATES = ("y", "ys", "u", "x", "states")
 _DENSE = ("sol", "dense", "interpolation")
@@ -34,16 +34,16 @@ class DoesNotEnd(Misbehaviour):
 
 
 class Call(NamedTuple):
-    """One call of the right-hand side: when, and where."""
+    """One call of the right-hand side: its time and its state."""
 
     t: float
     y: tuple[float, ...]
 
 
 class Solution(NamedTuple):
-    """What a solver returned, and what it asked: times, the state at each, its dense output, whether it says it failed.
+    """What a solver returned: times, a state at each, its dense output; and the calls of f that it made.
 
-    `complaint` is its message where it says that it failed, "" where it says nothing or that it succeeded.
+    `complaint` is the message of a solver that reports failure, "" if it reports success or nothing.
     """
 
     t: tuple[float, ...]
@@ -54,13 +54,13 @@ class Solution(NamedTuple):
     format: FloatFormat = BINARY64
 
 
-# The right-hand side of ours: the number of the call, t and y to the slopes.
+# Our right-hand side: from the number of the call, t and y to the slopes.
 RunSlopes = Callable[[int, float, tuple[float, ...]], Sequence[float]]
 
 
 @dataclass(eq=False)
 class ForeignSolver:
-    """A solver with the hooks of an isolated process: `before` is told each call, `after` hears when it is over."""
+    """A solver with the hooks of an isolated process: `before` gets the text of each call, `after` runs at its end."""
 
     function: Callable[..., Any]
     adapter: ArrayAdapter = ARRAYS
@@ -70,7 +70,7 @@ class ForeignSolver:
 
     @property
     def adaptive(self) -> bool:
-        """Whether it takes tolerances, so that its steps are to follow the error."""
+        """True if it takes tolerances, so that its step sizes should follow the error."""
         return self.takes in (TOLERANCES, TOLERANCE)
 
     def solve(
@@ -82,9 +82,9 @@ class ForeignSolver:
         atol: float = 1e-9,
         steps: int = _USUAL,
     ) -> Solution:
-        """One run, of so many `steps` where it takes their length or number, else to the tolerances, if it takes them.
+        """Return one run: with `steps` steps if the solver takes their size or number, else to the tolerances it takes.
 
-        Raises the `Misbehaviour` that comes instead of an answer.
+        Raises a `Misbehaviour` if there is no usable answer.
         """
         calls: list[Call] = []
 
@@ -99,7 +99,7 @@ class ForeignSolver:
         length = (t_span[1] - t_span[0]) / steps
         settings: dict[str, dict[str, float]] = {
             TOLERANCES: {"rtol": rtol, "atol": atol},
-            TOLERANCE: {"tol": max(rtol, atol)},  # of errors of numbers of size 1
+            TOLERANCE: {"tol": max(rtol, atol)},  # at numbers of size 1
             LENGTH: {"h": length},
             COUNT: {"n": steps},
             NOTHING: {},
@@ -120,7 +120,7 @@ class ForeignSolver:
 
 
 def taken_by(solve: Callable[..., Any]) -> str:
-    """What a solver takes after f, t_span and y0, by the names of its parameters.
+    """What a solver takes after f, t_span and y0, judged by the names of its parameters.
 
     >>> taken_by(lambda f, t_span, y0, h: None), taken_by(lambda f, t_span, y0, rtol=1e-6, atol=1e-9: None)
     ('length', 'tolerances')
@@ -137,7 +137,7 @@ def taken_by(solve: Callable[..., Any]) -> str:
 
 
 def _solution(answer: Any, y0: tuple[float, ...], calls: tuple[Call, ...]) -> Solution:
-    """The answer's parts: a pair (t, y), a mapping, or an object with them under usual names."""
+    """The solution in an answer: a pair (t, y), a mapping, or an object with the usual names."""
     if isinstance(answer, tuple | list) and len(answer) >= 2:
         times, states, *further = answer
         dense = next(filter(callable, further), None)
@@ -151,14 +151,14 @@ def _solution(answer: Any, y0: tuple[float, ...], calls: tuple[Call, ...]) -> So
 
 
 def _part(answer: Any, names: Sequence[str]) -> Any:
-    """The first of these that a mapping or an object has; None for none."""
+    """The first of these that a mapping or an object has; None if it has none of them."""
     if isinstance(answer, Mapping):
         return next((answer[name] for name in names if name in answer), None)
     return next((getattr(answer, name) for name in names if hasattr(answer, name)), None)
 
 
 def _rows(y: np.ndarray[Any, Any], times: int, y0: tuple[float, ...]) -> tuple[tuple[float, ...], ...]:
-    """The states by time, whichever axis that is; where both have as many entries, the one that begins with y0."""
+    """The states by time, whichever axis that is; of a square array, the orientation that begins with y0."""
     size = len(y0)
     if y.size != times * size:
         raise WrongShape(f"{times} times came with {y.size} numbers, of states of {size}")
@@ -169,7 +169,7 @@ def _rows(y: np.ndarray[Any, Any], times: int, y0: tuple[float, ...]) -> tuple[t
 
 
 def _complaint(answer: Any) -> str:
-    """What an answer says of its failure: a success that is false, a status below 0, with its message."""
+    """The message of an answer with a false `success` or a negative `status`; "" if it reports no failure."""
     success, status, message = (_part(answer, (name,)) for name in ("success", "status", "message"))
     failed = success is not None and not success
     if not failed and (success is not None or not isinstance(status, int) or status >= 0):
@@ -178,30 +178,30 @@ def _complaint(answer: Any) -> str:
 
 
 def in_binary32(times: Sequence[float]) -> bool:
-    """True if every one is a number of binary32: of those of binary64 that are no short fractions one in 2^29 is."""
+    """True if all times are numbers of binary32; of numbers in binary64 one in 2^29 is, by chance."""
     return all(float(np.float32(t)) == t for t in times)
 
 
 @dataclass(frozen=True)
 class SolverTarget:
-    """What to examine: a solver, or `package.module:name`; as `stepper.opening.Target` is for steppers."""
+    """The solver to examine, or its `package.module:name`: the counterpart of `stepper.opening.Target`."""
 
     solver: Callable[..., Any] | str
 
     @property
     def name(self) -> str:
-        """What a report calls it."""
+        """The name in reports."""
         return Target(self.solver).name
 
     @property
     def by_name(self) -> bool:
-        """True when another interpreter can import it."""
+        """True if another interpreter can import it."""
         return isinstance(self.solver, str)
 
     def open(
         self, before: Callable[[str], None] = lambda call: None, after: Callable[[], None] = lambda: None
     ) -> ForeignSolver:
-        """The solver after a first run, of y' = 0, on arrays or on lists. Raises ValueError or a `Misbehaviour`."""
+        """The solver after a first run of y' = 0, on arrays or on lists. Raises ValueError or a `Misbehaviour`."""
         failures: list[Misbehaviour] = []
         solve = imported(self.solver)
         for adapter in (ARRAYS, LISTS):

@@ -1,4 +1,4 @@
-"""What somebody's solver is: which pair advances, by which law it chooses its steps, and what else it does."""
+"""`identify_solver`: which method a solver advances, the law of its step sizes, and what else it does."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ from driftproof.blackbox.solvers.steps import SolverSteps, read_steps
 
 
 def identify_solver(solve: Callable[..., Any] | str, *, time_limit: float = TIME_LIMIT, isolate: bool = True) -> Report:
-    """Which method a whole solver advances, the law of its step sizes, and whether its clock and its tolerances hold.
+    """Identify the method that a solver advances, the law of its step sizes, and faults of its clock and tolerances.
 
     `solve(f, t_span, y0, rtol, atol)`, a callable or "package.module:name", returns (t, y), or an object with t and y,
-    at the steps that it makes; f(t, y) is of ours. In place of rtol and atol it may take one tolerance, the length of
-    its steps as h or dt, their number as n or steps, or nothing. The tableau of its steps is read through marked
-    answers, to the few roundings of quotients; of steps that remember, the recurrence and the start. The step size
-    control, and all runs whose solution is known, are measured, and the report says so. Raises ValueError where the
-    solver cannot be imported or does not solve y' = 0.
+    at every step that it makes; f(t, y) is supplied here. In place of rtol and atol it may take one tolerance, a step
+    size as h or dt, a number of steps as n or steps, or nothing. The tableau of its steps is read through marked
+    answers, up to a few roundings; of multistep methods, the recurrence and the start are read. The step size control
+    and runs with known solutions are measured, and the report says so. Raises ValueError if the solver cannot be
+    imported or does not solve y' = 0.
 
     >>> from driftproof import identify_solver
     >>> def solve(f, t_span, y0, rtol, atol):
@@ -42,7 +42,7 @@ def identify_solver(solve: Callable[..., Any] | str, *, time_limit: float = TIME
     steps, controller, runs = runner.run([_steps, _controlled, read_runs])
     if steps.kind == "bad_input":
         raise ValueError(steps.seen)
-    if isinstance(steps.result, SolverMemory):  # a law in the estimate of a pair is not looked for
+    if isinstance(steps.result, SolverMemory):  # there is no pair whose estimate could be in a law
         controller = Outcome()
     return Report(
         runner.target.name,
@@ -60,7 +60,7 @@ def identify_solver(solve: Callable[..., Any] | str, *, time_limit: float = TIME
 
 
 def _steps(subject: ForeignSolver) -> SolverSteps | SolverMemory:
-    """What its steps are: stages, or else what is made of more than the state before. Raises NotReadable of both."""
+    """The tableau of its steps, or else its multistep method. Raises NotReadable with both reasons."""
     try:
         return read_steps(subject)
     except NotReadable as refusal:
@@ -76,7 +76,7 @@ def _order(steps: SolverSteps | SolverMemory) -> int | None:
 
 
 def _controlled(subject: ForeignSolver) -> ControllerReading:
-    """The law of the step sizes of the pair that is read first."""
+    """The law of the step sizes, by the estimate of the pair that is read first."""
     return read_controller(subject, read_steps(subject))
 
 
@@ -106,7 +106,7 @@ def _verdict(steps: Outcome, controller: Outcome, runs: Outcome) -> str:
 
 
 def _implicit(runs: Outcome) -> str:
-    """What is seen of an implicit solver, whose steps no explicit tableau tells."""
+    """The lines on an implicit solver, whose steps have no explicit tableau; "" for an explicit one."""
     lines = () if runs.failed else runs.result.seen.get("Stiffness", ())
     return "".join(f"; {line}" for line in lines if line.startswith("it solves"))
 

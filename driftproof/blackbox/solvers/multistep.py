@@ -1,4 +1,4 @@
-"""Solvers whose steps remember: which multistep method advances, how it starts; or which ones, where steps vary."""
+"""Multistep solvers: which method advances and how it starts, or which methods, where step sizes vary."""
 
 from __future__ import annotations
 
@@ -23,14 +23,14 @@ from driftproof.blackbox.stepper.calling_conventions import FIELD, FUNCTION, GRI
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.methods.multistep import Multistep
 
-# Of slopes that are a function of t alone every correction is the first: what is left of a recurrence is rounding.
+# If slopes depend on t alone, the first correction is exact: the residual of a recurrence is rounding.
 _SPAN, _TOLERANCES = (0.0, 24.0), (1e-6, 1e-4, 1e-8)
-# Two steps are of one length if their times, up to 24 and rounded to u t, and sums of some, cannot tell them apart.
+# Step sizes this close are equal: times up to 24 are rounded to u t, and some are sums of many steps.
 _SAME = 2.0**-45
-# t is up to 24, rounded to u t, and the slopes change as fast as t; a method is told where what the solution itself
-# leaves of its recurrence, its truncation error, is more by far.
+# The first bounds the rounding of slopes, which follow t up to 24. A method is recognised only if the exact solution
+# leaves a residual, its truncation error, that is larger by the second factor.
 _OF_TIMES, _BY_FAR = 32.0, 2.0**10
-# Of one step, as Adams-Moulton's and BDF's families begin.
+# The one-step methods with which the Adams-Moulton and the BDF families begin.
 _ENDS = (Fraction(-1), Fraction(1))
 BACKWARD_EULER = Multistep("backward_euler", "Backward Euler", 1, "", _ENDS, (Fraction(0), Fraction(1)))
 TRAPEZOID = Multistep("trapezoid", "Trapezoid", 2, "", _ENDS, (Fraction(1, 2), Fraction(1, 2)))
@@ -38,10 +38,10 @@ TRAPEZOID = Multistep("trapezoid", "Trapezoid", 2, "", _ENDS, (Fraction(1, 2), F
 
 @dataclass(frozen=True)
 class SolverMemory:
-    """What the steps of a solver are that are made of more than the state before: by name, of which order, in words.
+    """The multistep method of a solver's steps: its name, its order, and the evidence as lines.
 
-    The order is None where several methods take turns, or none is known; `faults` are of that method and its start.
-    `settled` is False where f is asked neither at the states that the solver returns nor at predicted ones.
+    The order is None if several methods take turns, or if none is known; `faults` are those of the method and its
+    start. `settled` is False if f is called neither at the states that the solver returns nor at predicted ones.
     """
 
     name: str
@@ -53,7 +53,7 @@ class SolverMemory:
 
 
 def read_memory(subject: ForeignSolver) -> SolverMemory:
-    """The multistep methods of a solver's steps. Raises NotReadable where they are others, saying what was seen."""
+    """Read the multistep methods of a solver's steps. Raises NotReadable, saying what was seen instead."""
     runs = _equal_steps(subject)
     if runs is None:
         return _varying(subject)
@@ -73,10 +73,10 @@ def read_memory(subject: ForeignSolver) -> SolverMemory:
 
 @dataclass(frozen=True)
 class SolverRuns:
-    """Runs of a solver of as many steps, and of the length, that are asked for: run(f, y0, ts).
+    """Runs of a solver, run(f, y0, ts), with any number of equal steps of any size.
 
-    A solver with a number of steps of its own, `count`, is given so long a span; one with a `length` of its own an
-    equation in another time, in which the steps asked for are so long.
+    If the solver always makes `count` steps, the span is chosen for that; if its steps always have the same `length`,
+    the equation is solved in a rescaled time.
     """
 
     subject: ForeignSolver
@@ -84,11 +84,11 @@ class SolverRuns:
     length: float | None
 
     def __deepcopy__(self, memo: dict[int, Any]) -> SolverRuns:
-        """Itself: a solver begins anew in every run."""
+        """The same object: a solver starts anew in every run."""
         return self
 
     def __call__(self, f: Callable[..., Any], y0: Sequence[float], ts: Sequence[float]) -> np.ndarray[Any, Any]:
-        """The states at all of ts. Raises WrongShape where the solver makes fewer steps."""
+        """The states at all of ts. Raises WrongShape if the solver makes fewer steps."""
         steps, start, h = len(ts) - 1, float(ts[0]), float(ts[1] - ts[0])
         stretch, made = 1.0 if self.length is None else h / self.length, self.count or steps
 
@@ -96,7 +96,7 @@ class SolverRuns:
             time = at if self.length is None else start + at * stretch
             return [stretch * float(x) for x in f(time, np.array(y))]
 
-        for length in (made, made + 1):  # whose number of steps is the whole part of a quotient may make one less
+        for length in (made, made + 1):  # a solver that rounds span/h down may make one step less
             span = (start, start + length * h) if self.length is None else (0.0, length * self.length)
             found = self.subject.solve(rate, span, y0, steps=length).y
             if len(found) > steps:
@@ -106,19 +106,19 @@ class SolverRuns:
         raise WrongShape(f"it returns {len(found)} states in a run of {steps} steps")
 
     def stepper(self) -> ForeignStepper:
-        """The same for the instruments that read steps."""
+        """The runs as a stepper, for the instruments that read steps."""
         seen = self.subject.solve(lambda n, t, y: [0.0], (0.0, 1.0), (0.5,))
         calls = CallingConvention(FIELD, (FUNCTION, STATE, GRID), run=True)
         return ForeignStepper(self, calls, ARRAYS, seen.format, pristine=self)
 
 
 def _equal_steps(subject: ForeignSolver) -> SolverRuns | None:
-    """The solver as one that makes steps of one length, told from two runs; None where its lengths vary."""
+    """The runs of a solver whose steps have one size, judged by two of them; None if its step sizes vary."""
     if subject.takes in (LENGTH, COUNT):
         return SolverRuns(subject, None, None)
     runs = [subject.solve(lambda n, t, y: _quadrature(t), (0.0, end), (0.0, 0.0)) for end in (1.5, 3.0)]
     lengths = [[b - a for a, b in pairwise(run.t)] for run in runs]
-    # The last step is cut to the end.
+    # The last step is shortened to the end.
     if not all(len(h) > 1 and _is_same(max(h[:-1]), min(h[:-1])) for h in lengths):
         return None
     if len(lengths[0]) == len(lengths[1]):
@@ -139,19 +139,19 @@ def _solution(t: float) -> list[float]:
 
 
 def _varying(subject: ForeignSolver) -> SolverMemory:
-    """The methods of the steps that follow enough others of their own length. Raises NotReadable if there are none."""
+    """The methods of steps that follow enough others of their size. Raises NotReadable if none is recognised."""
     known = [FORWARD_EULER, BACKWARD_EULER, TRAPEZOID, *candidates(1)]
     seen: Counter[str] = Counter()
     told = steps = 0
     for tolerance in _TOLERANCES:
         try:
             run = subject.solve(lambda n, t, y: _quadrature(t), _SPAN, (0.0, 0.0), tolerance, tolerance)
-        except DoesNotEnd as failure:  # of low order
+        except DoesNotEnd as failure:  # a method of low order makes too many steps
             if not seen:
                 raise NotReadable(str(failure)) from None
             break
         steps += len(run.t) - 1
-        for kept in _of_stretches(run, known):
+        for kept in _recognised_steps(run, known):
             told += 1
             seen.update([kept])
         if not seen:
@@ -174,8 +174,8 @@ def _varying(subject: ForeignSolver) -> SolverMemory:
     )
 
 
-def _of_stretches(run: Solution, known: Sequence[Multistep]) -> Iterator[str]:
-    """The method of each step that only one of these methods gives from those before it, all of its length."""
+def _recognised_steps(run: Solution, known: Sequence[Multistep]) -> Iterator[str]:
+    """For each step after others of its size, the key of its method, if exactly one known method gives it."""
     states, true = np.array(run.y), np.array([*map(_solution, run.t)])
     slopes = np.array([_quadrature(t) for t in run.t])
     recurrences = [(m.key, each, _OF_TIMES * each.rounding) for m in known for each in [Recurrence.of(m, run.format)]]

@@ -1,4 +1,4 @@
-"""What a solver does on runs whose solutions we know: constant slopes, its clock, NaN, a jump, smaller tolerances."""
+"""Runs of a solver with known solutions: constant slopes, its clock, backward, NaN, a jump, tolerances, stiffness."""
 
 from __future__ import annotations
 
@@ -23,44 +23,44 @@ from driftproof.blackbox.solvers.foreign_solver import (
     in_binary32,
 )
 
-# Neither end, nor the length, is a number of few bits.
+# The start, the end and the length all have many bits.
 _SPAN = (0.1, 0.1 + 1.7)
 _RTOL, _ATOL = 1e-6, 1e-9
 _TOLERANCES = (1e-3, 1e-4, 1e-5, 1e-6)
-# Of these pairs of rtol and atol only the one that is named matters.
+# In each of these pairs of rtol and atol only the tolerance named is large enough to matter.
 _ONE_AT_A_TIME = {"rtol": ((1e-3, 1e-12), (1e-6, 1e-12)), "atol": ((1e-12, 1e-3), (1e-12, 1e-6))}
 _OSCILLATOR = NonlinearProblem("q'' = -q", lambda t, y: [y[1], -y[0]], lambda t: [t.cos(), -t.sin()])
 _KNOWN = (("q'' = -q to t = 6", _OSCILLATOR, (0.0, 6.0)), ("q'' = exp(-2 q) to t = 3", walls(1), (-2.0, 3.0)))
-# Errors of 10^4 steps, each of the tolerance, may add up; who is farther off does something else.
+# Errors of 10^4 steps, each as large as the tolerance, may add up; ten times that is a fault.
 _FAR = 1e5
-# A jump costs an error of about the slope's change times a step, which the estimate is to bound by the tolerance.
+# A jump costs about its height times a step, which the estimate should bound by the tolerance: chosen with room.
 _OF_A_JUMP = 1e3
-# What a clock of 24 bits may cost in some thousand steps is no error of the method.
+# A clock of 24 bits costs up to this in some thousand steps (2^12 u), which is no error of the method.
 _GROSS = 2.0**-12
-# A decay so fast that an explicit method of s stages is stable up to 2 s^2/1000 at most: one of seven below the second.
+# The rate of a decay: an explicit method of s stages is stable up to h = 2 s^2/1000 at most, of seven below 100/1000.
 _STIFF, _EXPLICIT = 1000.0, 100.0
-# Solutions are of size 1: any method gives them to a tenth, and who is not stable is off by far more.
+# Solutions have size 1: every stable method follows them to a tenth, an unstable one is off by far more.
 _FOLLOWED = 0.1
-# A difference for a Jacobian is some roots of u long.
+# Differences for a Jacobian are a few times the square root of u long, or less.
 _NEARBY = 2.0**-23
-# Of a step that is no step: so small a part of the run.
+# A last step that is a smaller part of the run than this is one too many.
 _TINY = 1e-9
-# Rounding of an estimate of high order moves steps by 1e-8; an error that counts less moves them by parts of a step.
+# Rounding in estimates of high order moves steps by 1e-8; an error that counts less moves them by part of a step.
 _SAME_TIME = 1e-6
-# One more than the widest of short loops that are written out.
+# One more number than the widest unrolled loops have.
 _NUMBERS = 5
 
 
 @dataclass(frozen=True)
 class RunsReading:
-    """What was seen in these runs, by subject, and what is wrong of it. All of it is measured, on the runs named."""
+    """What was seen in these runs, by subject, and the faults; all of it is measured on the runs named."""
 
     seen: dict[str, tuple[str, ...]]
     faults: tuple[str, ...]
 
 
 def read_runs(subject: ForeignSolver) -> RunsReading:
-    """The runs, one after the other; a run that fails says so and costs no other."""
+    """Make the runs one after the other; a run that fails is reported and does not stop the others."""
     seen: dict[str, tuple[str, ...]] = {}
     faults: list[str] = []
     for title, question in _QUESTIONS.items():
@@ -72,15 +72,15 @@ def read_runs(subject: ForeignSolver) -> RunsReading:
             lines, wrong = [], [f"{title.lower()}: {failure.kind}: {failure}"]
         seen[title] = tuple(lines)
         faults += wrong
-        if any("cannot integrate" in words for words in wrong):  # nor anything else
+        if any("cannot integrate" in words for words in wrong):  # other runs would show nothing else
             break
     return RunsReading(seen, tuple(faults))
 
 
 def _constant_slopes(subject: ForeignSolver) -> tuple[list[str], list[str]]:
-    """u' = 0 and u' = 1: the estimates of both are 0 but for rounding, and every method is exact."""
+    """Make runs of u' = 0 and u' = 1, where every method is exact and its error estimate is rounding."""
     lines, faults = [], []
-    for slope, start in ((0.0, 1 / 3), (1.0, 0.5)):  # of all bits, and of one
+    for slope, start in ((0.0, 1 / 3), (1.0, 0.5)):  # many bits, and one
         name = f"u' = {slope:g}"
         try:
             run = subject.solve(lambda n, t, y, slope=slope: [slope], _SPAN, (start,), _RTOL, _ATOL)  # type: ignore[misc]
@@ -98,13 +98,13 @@ def _constant_slopes(subject: ForeignSolver) -> tuple[list[str], list[str]]:
     return lines, faults
 
 
-def _of_one(slope: Callable[[float, float], float]) -> RunSlopes:
-    """u' = slope(t, u) of one number."""
+def _scalar(slope: Callable[[float, float], float]) -> RunSlopes:
+    """The right-hand side of u' = slope(t, u) for one number."""
     return lambda n, t, y: [slope(t, *y)]
 
 
 def _clock(subject: ForeignSolver) -> tuple[list[str], list[str]]:
-    """Where the last step ends, whether one is too many, and in which numbers time is kept."""
+    """Check where the last step ends, whether there is one too many, and in which format time is kept."""
     run = subject.solve(lambda n, t, y: [1.0, y[0]], _SPAN, (0.0, 0.0), _RTOL, _ATOL)
     end, t = _SPAN[1], run.t
     if len(t) < 2:
@@ -140,7 +140,7 @@ def _clock(subject: ForeignSolver) -> tuple[list[str], list[str]]:
 
 
 def _accumulated(times: Sequence[float]) -> str:
-    """Where all steps are of one length, whether the times are exactly those that t += h makes, in either format."""
+    """The remark that the times are exactly those of t += h in one of the formats; "" if they are not."""
     count = len(times) - 1
     for number, name in ((np.float64, "binary64"), (np.float32, "binary32")):
         for h in {number((_SPAN[1] - _SPAN[0]) / count), number(times[1] - times[0]), number(0.01)}:
@@ -151,11 +151,13 @@ def _accumulated(times: Sequence[float]) -> str:
 
 
 def _backward(subject: ForeignSolver) -> tuple[list[str], list[str]]:
-    """From t = 1 to 0, where y' = -y grows."""
+    """Solve y' = -y, which grows backward in time, from t = 1 to 0."""
     try:
-        run = subject.solve(_of_one(lambda t, u: -u), (1.0, 0.0), (1.0,), _RTOL, _ATOL)
+        run = subject.solve(_scalar(lambda t, u: -u), (1.0, 0.0), (1.0,), _RTOL, _ATOL)
     except Misbehaviour as failure:
         return [f"backward in time it gives no answer: {failure.kind}"], []
+    if run.complaint:
+        return [f"backward in time it ends at t = {run.t[-1]:.6g} and says: {run.complaint}"], []
     (last,) = run.y[-1]
     off = abs(last - e)
     if off < _FOLLOWED and isclose(run.t[-1], 0.0, abs_tol=_GROSS):
@@ -164,9 +166,9 @@ def _backward(subject: ForeignSolver) -> tuple[list[str], list[str]]:
 
 
 def _numbers(subject: ForeignSolver) -> tuple[list[str], list[str]]:
-    """Runs in which one of five numbers has a bump, and the others rest: the step sizes are the same for each.
+    """Compare the step sizes of runs in which one of five numbers has a bump: they should be the same for each.
 
-    Where all have it, a norm of the errors is at most five times that of one, and r ~ h^p asks for no more steps.
+    If all have it, a norm of the errors is at most five times as large, which takes at most five times as many steps.
     """
     times, all_of_them = [], range(_NUMBERS)
     for places in [*([place] for place in all_of_them), all_of_them]:
@@ -190,10 +192,10 @@ def _bump(t: float) -> float:
 
 
 def _nan(subject: ForeignSolver) -> tuple[list[str], list[str]]:
-    """A right-hand side that is NaN from the middle on: an answer that ends there, or refuses, is one."""
+    """Solve with a right-hand side that is NaN from the middle on: the solver should return NaN or report failure."""
     middle = sum(_SPAN) / 2
     try:
-        run = subject.solve(_of_one(lambda t, u: nan if t > middle else -u), _SPAN, (1.0,), _RTOL, _ATOL)
+        run = subject.solve(_scalar(lambda t, u: nan if t > middle else -u), _SPAN, (1.0,), _RTOL, _ATOL)
     except DoesNotEnd as failure:
         return [], [f"where f is NaN it does not end: {failure}"]
     except Misbehaviour as failure:
@@ -206,7 +208,7 @@ def _nan(subject: ForeignSolver) -> tuple[list[str], list[str]]:
 
 
 def _jump(subject: ForeignSolver) -> tuple[list[str], list[str]]:
-    """u' = 0 before 2/3, 1 after it: the end is known, and every step across the jump has a large error."""
+    """Solve u' = 0 before t = 2/3 and u' = 1 after it, where every step across the jump has a large error."""
     at = 2.0 / 3.0
     try:
         run = subject.solve(lambda n, t, y: [float(t > at)], _SPAN, (0.0,), _RTOL, _ATOL)
@@ -223,20 +225,20 @@ def _jump(subject: ForeignSolver) -> tuple[list[str], list[str]]:
 
 
 def _tolerance(subject: ForeignSolver) -> tuple[list[str], list[str]]:
-    """What smaller tolerances, or shorter steps, buy on two problems whose solution is known, enclosed in balls."""
+    """Measure the effect of smaller tolerances or steps on two problems whose solutions are enclosed in balls."""
     lines: list[str] = []
     for words, problem, span in _KNOWN:
         seen, faults = (_requested if subject.adaptive else _shortened)(subject, problem, span)
         lines += [f"{words}: {line}" for line in seen]
         if faults:
-            return lines, faults if any("is ignored" in fault for fault in faults) else [*faults, *_deaf(subject)]
-    return lines, _deaf(subject)
+            return lines, faults if any("is ignored" in fault for fault in faults) else [*faults, *_ignored(subject)]
+    return lines, _ignored(subject)
 
 
 def _requested(
     subject: ForeignSolver, problem: NonlinearProblem, span: tuple[float, float]
 ) -> tuple[list[str], list[str]]:
-    """The largest error over each rtol, beside it, and the power of rtol that errors fall with."""
+    """For each rtol, the error at the end and its multiple of rtol; then the power of rtol that the errors follow."""
     runs = [_solved(subject, problem, span, rtol=rtol, atol=rtol * 1e-3) for rtol in _TOLERANCES]
     if failed := next((run for run in runs if run.complaint), None):
         return [f"it ends at t = {failed.t[-1]:.6g} and says: {failed.complaint}"], []
@@ -247,7 +249,7 @@ def _requested(
     ]
     if len({run.t for run in runs}) == 1:
         return lines, ["rtol is ignored: the steps are the same at every tolerance"]
-    # Rounding of a few hundred steps may hide what the last tolerance buys.
+    # Rounding of a few hundred steps may hide the effect of the last tolerance.
     floor = max(float(run.format.u) for run in runs) * 2.0**10
     if max(errors[-1], floor) > errors[0] / 10 and errors[0] > 10 * floor:
         return lines, ["a tolerance 1000 times smaller does not make the error 10 times smaller"]
@@ -262,7 +264,7 @@ def _requested(
 def _shortened(
     subject: ForeignSolver, problem: NonlinearProblem, span: tuple[float, float]
 ) -> tuple[list[str], list[str]]:
-    """The errors with more and more steps of one length, where their number can be asked for."""
+    """The errors with more and more equal steps, if the solver takes their size or number."""
     lines, before = [], 0.0
     for steps in (64, 128, 256) if subject.takes != NOTHING else (64,):
         run = _solved(subject, problem, span, steps=steps)
@@ -273,15 +275,16 @@ def _shortened(
     return lines, []
 
 
-def _deaf(subject: ForeignSolver) -> list[str]:
-    """Which of two tolerances is not listened to: one changes, the other does not, and is too small to matter."""
+def _ignored(subject: ForeignSolver) -> list[str]:
+    """The tolerances that are ignored: one of them is changed while the other is too small to matter."""
     if subject.takes != TOLERANCES:
         return []
     _, problem, span = _KNOWN[0]
     found = []
     for name, pairs in _ONE_AT_A_TIME.items():
-        steps = {_solved(subject, problem, span, rtol=rtol, atol=atol).t for rtol, atol in pairs}
-        found += [f"{name} is ignored: the steps are the same whatever it is"] if len(steps) == 1 else []
+        one, other = (_solved(subject, problem, span, rtol=rtol, atol=atol) for rtol, atol in pairs)
+        if one.t == other.t and not one.complaint and not other.complaint:  # a refusal shows no steps
+            found.append(f"{name} is ignored: the steps are the same whatever it is")
     return found
 
 
@@ -291,15 +294,15 @@ def _solved(subject: ForeignSolver, problem: NonlinearProblem, span: tuple[float
 
 
 def _error(run: Solution, problem: NonlinearProblem) -> float:
-    """The distance of the last state from the solution, whose enclosure is narrower by far than what is shown."""
+    """The distance of the last state from the solution, whose enclosure is far narrower than the digits shown."""
     true = problem.solution(arb(run.t[-1]))
     return hypot(*(float((arb(x) - y).mid()) for x, y in zip(run.y[-1], true, strict=True)))
 
 
 def _stiffness(subject: ForeignSolver) -> tuple[list[str], list[str]]:
-    """y' = -1000 (y - cos t) - sin t from cos t: an explicit method follows it in steps of some thousandths only."""
+    """Solve y' = -1000 (y - cos t) - sin t, which an explicit method follows only in steps of a few thousandths."""
     try:
-        slopes = _of_one(lambda t, u: -_STIFF * (u - cos(t)) - sin(t))
+        slopes = _scalar(lambda t, u: -_STIFF * (u - cos(t)) - sin(t))
         run = subject.solve(slopes, _SPAN, (cos(_SPAN[0]),), 1e-3, 1e-6)
     except DoesNotEnd as failure:
         return [f"on y' = -1000 (y - cos t) - sin t it does not end: {failure}"], []
@@ -307,9 +310,9 @@ def _stiffness(subject: ForeignSolver) -> tuple[list[str], list[str]]:
     (last,) = run.y[-1]
     off = abs(last - cos(run.t[-1]))
     lines = [f"on y' = -1000 (y - cos t) - sin t its longest step is {longest:.3g}/1000, off by {off:.2g} at the end"]
-    if longest > _EXPLICIT and off < _FOLLOWED:  # a solver that is deaf to its error takes long steps, too
+    if longest > _EXPLICIT and off < _FOLLOWED:  # long steps alone may ignore the error
         lines.append("it solves for its steps: no explicit method of up to 7 stages is stable so")
-        # Of an explicit pair the last two stages lie at one time, and as near.
+        # Asked of implicit solvers only: the last two stages of an explicit pair are as near, at one time.
         pairs = pairwise((call.t, *call.y) for call in run.calls)
         apart = sum(t == s and 0 < abs(u - v) < _NEARBY * (1 + abs(u)) for (t, u), (s, v) in pairs)
         lines += [f"it asks for differences of f in y, {apart} times, as for a Jacobian"] if apart > 1 else []

@@ -1,4 +1,4 @@
-"""The tableau of a solver's steps, read from one step of a run whose calls are answered by 0, but one of them by 1."""
+"""The tableau of a solver's steps, read from runs in which f returns 0 at every call but one, and 1 at that."""
 
 from __future__ import annotations
 
@@ -27,8 +27,8 @@ from driftproof.methods.catalogue import METHODS
 from driftproof.methods.schemes import RungeKutta
 from driftproof.symbolic.rounding.formats import BINARY32
 
-# Runs of a problem whose numbers are of all signs and sizes: in words, from where its time counts, from when to when,
-# and of how many numbers.
+# Runs of a problem whose numbers have all signs and sizes: in words, the origin of its time, start and end, and how
+# many numbers.
 _RUNS = (
     ("of five numbers", 0.0, (-1.0, 2.0), 5),
     ("before the time 0", -7.3, (0.25, 2.0), 2),
@@ -36,29 +36,29 @@ _RUNS = (
     ("backward in time", 0.0, (1.5, -0.5), 3),
 )
 _SIZES, _TOLERANCE = (1.0, -8.0, 2.0**-10), 1e-6
-# With these no slope of size 1 makes an error: every step is accepted, and as long as it may be. Who is told how many
-# steps to make is told so many.
+# With these tolerances a slope of size 1 makes no error: every step is accepted, and as long as the solver allows.
+# `steps` is for solvers that take a number of steps.
 _LAX: dict[str, Any] = {"rtol": 1.0, "atol": 2.0**100, "steps": 16}
 _SPAN = (0.0, 1.0)
-# So small that a solver that is deaf to its tolerances accepts them, too.
+# A mark so small that even a solver that ignores its tolerances accepts its error.
 _MARK = 2.0**-80
-# Its start, its end and its length have many bits: none of its times is a number of binary32 by chance.
+# The start, the end and the length have many bits: no time is a number of binary32 by chance.
 _ODD_SPAN = (0.1, 1.8)
-# No explicit method in use asks for so many slopes in turn at one time.
+# No explicit method in use makes so many calls in a row at one time.
 _AT_ONE_TIME = 8
 _Rate: TypeAlias = Callable[[float, list[float]], Sequence[float]]
-# A coefficient times h, and the difference of two times by which it is divided, are rounded, and so is the quotient.
+# The roundings in a coefficient: times h, the difference of two times that it is divided by, and the quotient.
 _ROUNDINGS = 4
 
 
 @dataclass(frozen=True)
 class SolverSteps:
-    """The tableau of a step of a solver, its methods, and its order.
+    """The tableau of a solver's steps, the methods that have it, and its order.
 
-    The numbers are quotients by the length of the step: within a few roundings of the code's own. `nodes` are the
-    places of all calls that an attempt makes after its start, in turn, without those at its end that follow all others.
-    `dense` is the dense output of that step, where one is returned; `faults` tell where steps are others than these. A
-    solver that is not `adaptive` has no use for the other row of a pair.
+    The coefficients are quotients by the step size, within a few roundings of the code's own. `nodes` are those of all
+    calls that an attempt makes after its start, in order, without the last ones at its end. `dense` is the dense output
+    of that step if one is returned; `faults` say where other steps differ. A solver that is not `adaptive` makes no use
+    of the embedded row of a pair.
     """
 
     reading: TableauReading
@@ -71,7 +71,7 @@ class SolverSteps:
 
     @property
     def pairs(self) -> tuple[RungeKutta, ...]:
-        """The pairs of the catalogue whose propagated row is that of these stages, and all of whose calls are made."""
+        """The catalogue pairs that propagate these stages, if an attempt makes all the calls that they need."""
         methods = [METHODS[key] for key in self.identity.keys] if self.adaptive else []
         inner = sum(0 < c < 1 for c in self.nodes)
         pairs = (m for m in methods if isinstance(m, RungeKutta) and m.b_embedded is not None)
@@ -79,14 +79,14 @@ class SolverSteps:
 
     @property
     def name(self) -> str:
-        """What advances: a pair of the catalogue, or another method of it; or none, with the order read."""
+        """The pair that advances, or else another method of the catalogue; or that it is none."""
         if not self.identity.matches:
             return "no explicit method of the catalogue, as its calls tell"
         return self.pairs[0].key if self.pairs else self.identity.matches[0].name
 
     @property
     def lines(self) -> list[str]:
-        """In words; numbers as the fractions that they are a few roundings from, where those are telling."""
+        """The tableau as lines, with fractions for numbers within a few roundings of simple ones."""
         rows = [("c", self.reading.c or ()), *((f"a[{i}]", row[:i]) for i, row in enumerate(self.reading.a))]
         shown = [f"{name} = {', '.join(map(self._shown, row))}" for name, row in [*rows, ("b", self.reading.b)] if row]
         other = [f"propagated is the row of order {p.claimed_order} of the pair {p.key}" for p in self.pairs[:1]]
@@ -96,9 +96,9 @@ class SolverSteps:
         return coefficient_text(x, self.reading.format, _ROUNDINGS * float(self.reading.format.u) * max(1.0, abs(x)))
 
 
-@lru_cache(maxsize=1)  # of one solver both questions about its steps begin so
+@lru_cache(maxsize=1)  # two questions about a solver begin with its steps
 def read_steps(subject: ForeignSolver) -> SolverSteps:
-    """The steps of a solver that returns where it stepped. Raises NotReadable, saying what was seen instead."""
+    """Read the steps of a solver that returns the times of its steps. Raises NotReadable, saying what was seen."""
     marked = _Marked(subject)
     reading = marked.reading()
     identity = match_tableau(reading)
@@ -110,9 +110,9 @@ def read_steps(subject: ForeignSolver) -> SolverSteps:
 
 
 def _elsewhere(subject: ForeignSolver, reading: TableauReading) -> Iterator[str]:
-    """Steps that are not those of the stages read: of several numbers, before the time 0 and long after, and backward.
+    """The faults of steps that are not those of the stages read: several numbers, early and late times, backward.
 
-    At a tolerance in use, so that some are rejected.
+    The tolerance is one in use, so that some steps are rejected.
     """
     for words, origin, ends, numbers in _RUNS:
         problem = moved(driven(numbers, timed=True), _SIZES, 1.0, origin)
@@ -120,14 +120,14 @@ def _elsewhere(subject: ForeignSolver, reading: TableauReading) -> Iterator[str]
         y0 = [float(x.mid()) for x in problem.solution(arb(start))]
         try:
             run = subject.solve(lambda n, t, y, problem=problem: problem.rate(t, list(y)), (start, end), y0, _TOLERANCE)  # type: ignore[misc]
-        except Misbehaviour:  # who cannot do this says so, or is told of it elsewhere
+        except Misbehaviour:  # a run that fails is reported elsewhere
             continue
         for (t, after), (y, y1) in zip(pairwise(run.t), pairwise(run.y), strict=True):
             said = _stepped(reading, problem.rate, t, after - t, y)
             wrong = [
                 i
                 for i, (x, z, s) in enumerate(zip(y1, said, problem.scales, strict=True))
-                # Slopes of 16 times the numbers move them by 64 of them in a step of 4; and a time is rounded to u t.
+                # Slopes up to 16 times the numbers move them by 64 times in a step of 4; a time is rounded to u t.
                 if not abs(x - z) <= reading.rounding.of(64 * max(abs(s), abs(z)) * (1 + abs(t)))
             ]
             if wrong:
@@ -138,7 +138,7 @@ def _elsewhere(subject: ForeignSolver, reading: TableauReading) -> Iterator[str]
 
 
 def _stepped(reading: TableauReading, rate: _Rate, t: float, h: float, y: Sequence[float]) -> list[float]:
-    """Where the stages read say that a step ends."""
+    """The end of a step by the stages read."""
     slopes: list[Sequence[float]] = []
     for row, c in zip(reading.a, reading.c or (), strict=True):
         slopes.append(rate(t + c * h, _moved(y, h, row, slopes)))
@@ -150,12 +150,12 @@ def _moved(y: Sequence[float], h: float, row: Sequence[float], slopes: Sequence[
 
 
 def _bent(t: float, y: Sequence[float]) -> list[float]:
-    """A slope of both t and y, of size 1, and smooth."""
+    """A smooth slope of size 1 that depends on both t and y."""
     return [(1 - 2 * y[0] * y[0]) / (1 + t + y[0] * y[0])]
 
 
 class _Marked:
-    """Runs of y' = f with f = 0 but for marked calls, and the one step of them that is looked at."""
+    """Runs of y' = f where f is 0 except at marked calls, and the one step of them that is examined."""
 
     def __init__(self, subject: ForeignSolver) -> None:
         self.subject = subject
@@ -167,22 +167,22 @@ class _Marked:
             raise NotReadable("it does not return the times of its steps from the start on")
         if any(any(y) for y in self.silent.y):
             raise NotReadable("with all slopes 0, y = 0 does not stay")
-        # Not the last, which is cut to the end, nor the first, which has no step before it, if there are others.
+        # If there are others: not the last step, which is shortened to the end, nor the first, which has none before.
         inner = range(1, len(t) - 2) if len(t) > 3 else range(len(t) - 1)
         self.place = max(inner, key=lambda n: (t[n + 1] - t[n]) / (t[n + 1] or inf))
         self.start, self.end = t[self.place], t[self.place + 1]
         self.h = self.end - self.start
         if not self.h > 0:
             raise NotReadable(f"its times do not increase: {self.start!r} is followed by {self.end!r}")
-        # Who asks at the float before the end of a step means its end.
+        # A call within rounding of the start, such as the end of the step before, is one at the start.
         calls = tuple(call._replace(t=self.start) if self._is_start(call.t) else call for call in self.silent.calls)
         self.silent = self.silent._replace(calls=calls)
-        # Calls for the first step size are made before those of the steps, and may lie in this one.
+        # The calls that choose the first step size come before those of the steps, and may lie in this one.
         since = max((n for n, call in enumerate(calls) if call.t < self.start), default=-1)
-        # The slope at the start may be asked for before what the dense output of the step before asks for.
+        # The slope at the start may be needed before the extra stages of the previous step's dense output.
         within = [n for n, call in enumerate(calls) if self.start <= call.t <= self.end]
         self.near = [n for n in within if n > since or calls[n].t == self.start]
-        earlier = self.silent.t[self.place - 1]  # of the first step the end of all, before which there is no start
+        earlier = self.silent.t[self.place - 1]  # in the first step t[-1]: the range is empty
         self.earlier = [n for n, call in enumerate(self.silent.calls) if earlier <= call.t < self.start]
         elsewhere = next((call for n in self.near if any((call := self.silent.calls[n]).y)), None)
         if elsewhere is not None and self.place:
@@ -196,7 +196,7 @@ class _Marked:
 
     @property
     def nodes(self) -> tuple[float, ...]:
-        """The places of the calls from the first stage after the start on, those at the end left out but for one."""
+        """The nodes of the calls from the first stage after the start on, without the last ones at the end."""
         times = [self.silent.calls[n].t for n in self.near if n >= self.first]
         while len(times) > 1 and times[-1] == self.end:
             times.pop()
@@ -223,7 +223,7 @@ class _Marked:
         return reading
 
     def dense(self) -> DenseReading | None:
-        """The dense output within the step, after `reading`: as a function of the time; None where there is none."""
+        """The dense output within the step as a function of time, after `reading`; None if there is none."""
         rows: dict[int, list[float]] = {}
         times = [self.start + float(theta) * self.h for theta in (*THETAS, *BETWEEN)]
         for n in self.weights:
@@ -241,7 +241,7 @@ class _Marked:
         return DenseReading("the time", step, sixteenths, tuple(self.weights[n] for n in stages), between)
 
     def _stages(self, used: set[int]) -> tuple[list[int], tuple[CoefficientRow, ...], CoefficientRow]:
-        """These calls and all that they depend on, in turn, with their A and c."""
+        """These calls and all that they depend on, in order, with their A and c."""
         while not used >= (further := {m for n in used for m in self.entries[n]}):
             used = used | further
         stages = sorted(used)
@@ -249,7 +249,7 @@ class _Marked:
         return stages, a, tuple((self.silent.calls[n].t - self.start) / self.h for n in stages)
 
     def _demand_no_memory(self, runs: Sequence[Solution]) -> None:
-        """Raises NotReadable if an answer that moves the start of the step moves its end by another amount."""
+        """Raise NotReadable if an answer that moves the start of the step moves its end by another amount."""
         for run in runs:
             before, after = run.y[self.place][0], run.y[self.place + 1][0]
             if before and after != before:
@@ -257,7 +257,7 @@ class _Marked:
                 raise NotReadable(f"{share}: it is a multistep method, or takes a last stage for the slope at the end")
 
     def _control(self, reading: TableauReading, stages: list[int]) -> None:
-        """A run with other answers to all these calls, which must end where the coefficients say."""
+        """Raise NotReadable if a run with other answers does not end where the coefficients say."""
         answers = varied(len(stages), 2)
         run = self._run(dict(zip(stages, answers, strict=True)))
         seen = run.y[self.place + 1][0] - run.y[self.place][0]
@@ -270,7 +270,7 @@ class _Marked:
             )
 
     def _control_bent(self, reading: TableauReading) -> None:
-        """A run of a nonlinear problem, all of whose steps must be those of the stages read, and no others' iterate."""
+        """Raise NotReadable if a step of a nonlinear problem is not that of the stages read, as in an iteration."""
         run, rounding = self.subject.solve(lambda n, t, y: _bent(t, y), _SPAN, (0.25,), **_LAX), reading.rounding
         for (t, end), ((before,), (after,)) in zip(pairwise(run.t), pairwise(run.y), strict=True):
             h = end - t

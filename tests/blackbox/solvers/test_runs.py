@@ -58,6 +58,26 @@ def refuses_backward(f, t_span, y0, rtol, atol):
     return adaptive()(f, t_span, y0, rtol, atol)
 
 
+def test_a_solver_that_ends_early_and_says_so_is_not_said_to_be_silent():
+    def solve(f, t_span, y0, rtol, atol):
+        if t_span[1] < t_span[0]:
+            return Answer(np.array(t_span[:1]), np.array([y0]), False, "only forward")
+        return adaptive()(f, t_span, y0, rtol, atol)
+
+    found = read(solve)
+    assert found.seen["Backward"] == ("backward in time it ends at t = 1 and says: only forward",)
+    assert found.faults == ()
+
+
+def test_a_tolerance_that_is_refused_is_not_said_to_be_ignored():
+    def solve(f, t_span, y0, rtol, atol):
+        if rtol < 1e-9:
+            return Answer(np.array(t_span[:1]), np.array([y0]), False, "too much accuracy")
+        return adaptive()(f, t_span, y0, rtol, atol)
+
+    assert read(solve).faults == ()
+
+
 def raises_at_nan(f, t_span, y0, rtol, atol):
     def checked(t, y):
         slopes = f(t, y)
