@@ -1,4 +1,4 @@
-"""`driftproof certify`: the true error of somebody's trajectory, enclosed, from a function and a file."""
+"""`driftproof certify`: an enclosure of the true error of a trajectory, from a function and a file."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from driftproof.support.plain_text import as_json
 
 @cli.read_by
 def _step(text: str) -> Fraction:
-    """A step: exact, or the double that hexadecimal digits spell."""
+    """A step size: an exact number, or the double that a hexadecimal float spells."""
     from driftproof.enclosure.trajectories import float_of_text
     from driftproof.methods.rationals import parse_rational
 

@@ -1,4 +1,4 @@
-"""`driftproof methods`, `facts` and `derive`: the catalogue, every exact fact of a method, and how some come about."""
+"""`driftproof methods`, `facts` and `derive`: the catalogue, the exact facts of a method, and derivations of some."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from pathlib import Path
 
 from driftproof.commands import arguments as cli
 
-# For most methods a second; those with irrational coefficients take minutes.
+# Terms of a series: this many take a second for most methods, and minutes for those with irrational coefficients.
 MOST_TERMS = 1000
 
 

@@ -1,4 +1,4 @@
-"""`driftproof step`, `run` and `roundoff`: the oscillator's step and runs, exactly, and what rounding may add."""
+"""`driftproof step`, `run` and `roundoff`: exact steps and runs on the oscillator, and bounds on rounding errors."""
 
 from __future__ import annotations
 

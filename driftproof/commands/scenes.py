@@ -1,4 +1,4 @@
-"""`driftproof scene`, `sweep` and `report`: float runs as a scene describes them, one or many, or a page."""
+"""`driftproof scene`, `sweep` and `report`: the float runs of a scene, a grid of them, or a page about them."""
 
 from __future__ import annotations
 

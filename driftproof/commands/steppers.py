@@ -1,4 +1,4 @@
-"""`driftproof identify` and `verify`: which method a float stepper is, and whether it is the one its name says."""
+"""`driftproof identify` and `verify`: which method a float stepper is, and whether it is the given one."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ TARGET = (
     ),
 )
 HELD_TO = partial(cli.option, "--method")
-# What only a stepper that is held to a method is asked for.
+# Options that only apply to a stepper that is held to a method.
 WITH_A_METHOD = ("examples", "extremes", "step_in_binary32", "velocity_from_positions", "flush_to_zero")
 
 
@@ -96,7 +96,7 @@ def verify_command(options: Namespace) -> str:
 
 
 def _examined(options: Namespace) -> str:
-    """What the stepper is; or whether it is the method, where one is named. Raises Refuted, Undecided, ValueError."""
+    """The report of `identify`, or of `verify` if a method is given. Raises Refuted, Undecided or ValueError."""
     from driftproof.blackbox.identify import identify
     from driftproof.blackbox.judging.agreement import EXAMPLES, Domain
     from driftproof.blackbox.judging.tolerance import Allowance
@@ -121,7 +121,7 @@ def _examined(options: Namespace) -> str:
 
 
 def _told(report: Report, good: bool | None, options: Namespace) -> str:
-    """The report. Raises Refuted where the outcome is not good, Undecided where nothing was decided."""
+    """The report as text. Raises Refuted with it if `good` is False, Undecided if `good` is None."""
     words = report.written(options.format, options.all)
     if not good:
         raise cli.Undecided(words) if good is None else cli.Refuted(words)

@@ -1,4 +1,4 @@
-"""`driftproof render` and `check`: a text from its template, and a text held to a file of claims."""
+"""`driftproof render` and `check`: a text rendered from its template, and a text checked against its claims."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ def render_command(options: Namespace) -> str:
         raise ValueError("--output names one file, and there are several templates; render them one by one")
     outputs, taken = [output_of(each, options.output) for each in options.templates], list[Path]()
     for out in outputs:
-        require_file(out)  # whose links, if they lead in a circle, cannot be resolved
+        require_file(out)  # first, because circular links cannot be resolved
         if out.resolve() in (*taken, *(template.resolve() for template in options.templates)):
             raise ValueError(f"{out} is already a template or an output here; name another with -o")
         taken.append(out.resolve())

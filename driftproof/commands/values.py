@@ -1,4 +1,4 @@
-"""`driftproof value` and `diff`: numbers for a text, asked for, published, and compared with older ones."""
+"""`driftproof value` and `diff`: numbers for a text, computed or published, and compared with older ones."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from pathlib import Path
 
 from driftproof.commands import arguments as cli
 
-# The formats of one answer, and those that only a table of published values has.
+# The formats of one answer, and those that are only for a table of published values.
 OF_ONE, OF_SEVERAL = ("text", "json", "tex", "mathml", "md"), ("csv", "js")
 
 
