@@ -98,7 +98,7 @@ def _look(path: Path) -> None:
 
 
 def read_utf8(path: Path, most: int) -> str:
-    """The text of a UTF-8 file of at most `most` bytes. Raises OSError and ValueError, in a line that names the file."""
+    """The text of a UTF-8 file of at most `most` bytes. Raises OSError and ValueError, in one line naming the file."""
     with naming(path), path.open("rb") as file:
         content = file.read(most + 1)
     if len(content) > most:
