@@ -33,7 +33,7 @@ def _step(text: str) -> Fraction:
 )
 def certify_command(options: Namespace) -> str:
     """Enclose the true error of a float trajectory of y' = f(t, y), from any solver in any language.
-    The true solution starts from the first point of the file as it stands there.
+    The true solution starts exactly at the first point of the file.
 
     examples:
       driftproof certify mylib.models:pendulum run.csv
@@ -47,18 +47,18 @@ def certify_command(options: Namespace) -> str:
     f runs in this process, as in your own tests: it is your code, and Ctrl-C stops it.
 
     what the file holds:
-      .csv   a line for each time: t, then the components; parted by commas, semicolons or blanks. One line of names
-             first, and lines that begin with #, are passed over. Write decimals of 17 digits (Fortran's 1.5D0 is
-             understood), or hexadecimal floats such as 0x1.8p+0, as C and C++ print with %a, to the last bit.
+      .csv   a line for each time: t, then the components, separated by commas, semicolons or blanks. A first line of
+             names is skipped, and so are lines that begin with #. Write decimals of 17 digits (Fortran's 1.5D0 is
+             understood), or hexadecimal floats such as 0x1.8p+0, as C and C++ print with %a, which keep every bit.
       .npz   the arrays t and y (or ts and ys), a row or a column for each time
 
-    With --method, total = truncation + rounding, each enclosed: the method is run exactly on the steps of the run, from
-    point to point, or of size --h. Points that are no steps of the method are refused.
-    With --invariant, the drift of a quantity that the solution keeps, split likewise: energy='y1^2/2 - cos(y0)', or
+    With --method, total = truncation + rounding, each enclosed: the method is run exactly on the steps of the run,
+    which lead from point to point, or have the size --h. Points that are not steps of the method are refused.
+    With --invariant, the drift of a first integral is enclosed, split likewise: energy='y1^2/2 - cos(y0)', or
     oscillator_energy, pendulum_energy, kepler_energy, angular_momentum, henon_heiles_energy.
 
-    exit status: 0 if enclosed, and within --tolerance if there is one; 1 if beyond it; 2 if the question makes no
-    sense; 3 if nothing can be proved, with the reason: a pole ahead, a branch that is reached, no proof of a step.
+    exit status: 0 if the error is enclosed, and within --tolerance if that is given; 1 if it is beyond; 2 if the
+    question makes no sense; 3 if nothing can be proved, with the reason, such as a pole ahead or a step without proof.
     """
     from driftproof.blackbox.stepper.opening import imported
     from driftproof.enclosure.certify import certify, within

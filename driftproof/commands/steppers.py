@@ -44,7 +44,7 @@ WITH_A_METHOD = ("examples", "extremes", "step_in_binary32", "velocity_from_posi
     ),
 )
 def identify_command(options: Namespace) -> str:
-    """Read a stepper from outside and say which method it is, of which order, and what it does besides.
+    """Examine a stepper as a black box and say which method it is, of which order, and what else it does.
 
     examples:
       driftproof identify mylib.integrators:step
@@ -57,16 +57,16 @@ def identify_command(options: Namespace) -> str:
       step(force, q, v, h) -> (q1, v1)     q'' = force(q)
       step(f, t, y, h) -> y1               y' = f(t, y); also without t; or (y1, error), (y1, y1_hat), (y1, dense)
       step(f, jac, t, y, h) -> y1          a Rosenbrock method; step(f_explicit, f_implicit, t, y, h): an IMEX one
-    An object with a state, a method that advances it and a force that it calls, or that is given to it, is made one by
+    An object with a state, a method that advances it, and a force that it calls or is given, is made a stepper by
       from driftproof import stepper_of
       step = stepper_of(lambda force: Body(acceleration=force), position="x", velocity="v", advance="update")
       step = stepper_of(Body, position="x", velocity="v", push="apply_force", advance="update")
-    (field_stepper_of for y' = f(t, y)). What remembers is read from runs. Wrap anything else in two lines.
-    It runs in an isolated process: a crash is a finding, a hang is told.
+    (field_stepper_of for y' = f(t, y)). A stepper that remembers earlier steps is read from whole runs. Wrap anything
+    else in two lines. The stepper runs in an isolated process, and the report says if it crashes or hangs.
 
-    With --method it is held to that method: `driftproof verify --help` says what is looked at, and what is allowed for.
+    With --method the stepper is held to that method: `driftproof verify --help` says what is checked and allowed for.
 
-    exit status: 1 if it gives no answer, 3 if the time is over before anything is decided.
+    exit status: 1 if the stepper gives no answer, 3 if the time is over before anything is decided.
     """
     if not options.solver:
         return _examined(options)
@@ -79,17 +79,17 @@ def identify_command(options: Namespace) -> str:
 @cli.command(*TARGET, HELD_TO("a key that `driftproof methods` lists, boris, or a .toml file", required=True))
 def verify_command(options: Namespace) -> str:
     """Hold a stepper to a method: its coefficients, its rounding errors against a derived bound, its order.
-    The bound holds for the definition's sums and products in any order, fused or not. Of a step(q, v, h) that has its
-    system built in, the step of q'' = -q is all that is seen, and all that is said. Implicit stages of a
-    step(f, t, y, h) are read to what their solver leaves, and the report says how much that is.
+    The bound holds for the definition's sums and products in any order, fused or not. For a step(q, v, h) with its
+    system built in, only the step of q'' = -q can be seen, and the verdict is about that step alone. Implicit stages of
+    a step(f, t, y, h) are read up to the residual that their solver leaves, whose size the report states.
 
     examples:
       driftproof verify mylib.integrators:step --method velocity_verlet
       driftproof verify mylib.integrators:rk_step --method tableau.toml --examples 5000
       driftproof verify mylib.implicit:step --method backward_euler --solver-tolerance 1e-10
 
-    exit status: 0 if it agrees, 1 if it does not, 2 if the question makes no sense, 3 if it is undecided: what was not
-    seen, and what would decide it, stands in the report.
+    exit status: 0 if it agrees, 1 if it does not, 2 if the question makes no sense, 3 if it is undecided: the report
+    then says what was not seen, and what would decide it.
     `driftproof identify --help` says what a stepper may look like.
     """
     return _examined(options)
