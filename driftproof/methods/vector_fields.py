@@ -237,7 +237,7 @@ def _names(tree: ast.AST) -> set[str]:
 
 
 def _out_of_place(tree: ast.Expression, known: Collection[str]) -> Iterator[str]:
-    """The parts that a rate may not have: unknown names, calls of other than `FUNCTIONS`, numbers that are not whole."""
+    """The parts that a rate may not have: unknown names, calls other than of `FUNCTIONS`, numbers not whole."""
     called = {node.func for node in ast.walk(tree) if isinstance(node, ast.Call)}
     for node in ast.walk(tree):
         if isinstance(node, ast.Constant) and type(node.value) is int:
