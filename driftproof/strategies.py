@@ -186,5 +186,5 @@ def _differences(cuts: list[Fraction]) -> list[Fraction]:
 
 
 def _coefficients() -> SearchStrategy[Fraction]:
-    """Small fractions such as tableaux have, with many zeros, which shape the program of a step."""
+    """Small fractions such as tableaux have, zero often enough to matter."""
     return st.just(Fraction(0)) | st.fractions(-2, 2, max_denominator=12)

@@ -201,7 +201,6 @@ class ExpressionParser:
         return ChainNode(column, first, tuple(rest)) if rest else first
 
     def _factor(self) -> Any:
-        """Read a power with signs before it."""
         sign = self.accept("+", "-")
         if sign is None:
             return self._power()
@@ -209,7 +208,6 @@ class ExpressionParser:
         return NegatedNode(sign.column, node) if sign.text == "-" else node
 
     def _power(self) -> Any:
-        """Read an atom, and the exponent if one follows."""
         column, base = self.next.column, self._atom()
         if not self.accept("**", "^"):
             return base
@@ -237,7 +235,6 @@ class ExpressionParser:
         return -number if negative else number
 
     def _atom(self) -> Any:
-        """Read a number, a name, a call of a function, or a sum in brackets."""
         token = self.take()
         if token.kind == NUMBER:
             return NumberNode(token.column, self.rational(token.text, token))

@@ -179,7 +179,6 @@ class _Writer(ExpressionParser):
         self.names = names
 
     def written(self) -> str:
-        """The rewritten expression."""
         return self._bare_text(self.tree())
 
     def _bare_text(self, node: Any) -> str:

@@ -31,7 +31,6 @@ class Printable:
         return str(self)
 
     def _repr_html_(self) -> str | None:
-        """The answer as HTML, which a notebook shows."""
         return html_of(str(self))
 
 
