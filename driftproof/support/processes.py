@@ -96,7 +96,8 @@ class Session:
         try:
             if isinstance(handler, str):
                 self._pid, self._wait = _spawned(theirs, environment, folder)
-                self._send({"handler": handler, "path": _path(path)})
+                found = [os.getcwd(), *sys.path] if path is None else path
+                self._send({"handler": handler, "path": [entry or os.getcwd() for entry in found]})
             else:
                 self._pid, self._wait = self._forked(theirs, handler)
         finally:
@@ -227,11 +228,6 @@ class Session:
 
     def _memory_words(self) -> str:
         return f"more than {self.limits.memory or 0:.3g} bytes of memory"
-
-
-def _path(path: Iterable[str] | None) -> list[str]:
-    """The import path of a fresh interpreter, by default this process's, with the current directory by its name."""
-    return [entry or os.getcwd() for entry in ([os.getcwd(), *sys.path] if path is None else path)]
 
 
 def _spawned(
