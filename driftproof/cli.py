@@ -78,7 +78,7 @@ def _answer(prog: str, name: str, words: list[str]) -> int:
     except (Help, Refuted) as shown:
         answer, status = str(shown), shown.status if isinstance(shown, Refuted) else 0
     except OSError as error:
-        return _complain(prog, _in_words(error), BAD_INPUT)
+        return _complain(prog, _message_of(error), BAD_INPUT)
     except ValueError as error:
         return _complain(prog, str(error), BAD_INPUT)
     except ArithmeticError as error:
@@ -97,11 +97,11 @@ def _print(text: str, prog: str) -> int:
             os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         if isinstance(error, BrokenPipeError):  # `| head` has read what it wanted
             return CUT_SHORT
-        return _complain(prog, f"the answer is lost: standard output: {_in_words(error)}", LOST)
+        return _complain(prog, f"the answer is lost: standard output: {_message_of(error)}", LOST)
     return 0
 
 
-def _in_words(error: Exception) -> str:
+def _message_of(error: Exception) -> str:
     """The message of the error; for an OSError the file and the reason, without the error number."""
     if isinstance(error, OSError) and error.strerror:
         return f"{error.filename}: {error.strerror}" if error.filename else error.strerror

@@ -96,11 +96,11 @@ class _Reports:
         finally:
             listeners.remove(self.found.append)
             if self.found:
-                told = [
+                verdicts = [
                     {"subject": x.subject, "verdict": x.words, "passed": x.passed, "report": x.report, **x.data}
                     for x in self.found
                 ]
-                self._write(self._file_of(item.nodeid), as_json({"test": item.nodeid, "verdicts": told}))
+                self._write(self._file_of(item.nodeid), as_json({"test": item.nodeid, "verdicts": verdicts}))
 
     def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
         """Record which tests ran, in this process or in a worker, and which of them failed."""
@@ -116,8 +116,8 @@ class _Reports:
         if self.is_worker:
             return
         paths = filter(Path.exists, map(self._file_of, sorted(self.tests)))
-        told = [json.loads(path.read_text(encoding="utf-8")) for path in paths]
-        found = [(each["test"], one) for each in told for one in each["verdicts"]]
+        reports = [json.loads(path.read_text(encoding="utf-8")) for path in paths]
+        found = [(each["test"], one) for each in reports for one in each["verdicts"]]
         found.sort(key=lambda pair: (pair[1]["passed"] is True, pair[0] not in self.failed))
         rows = []
         for name, one in found:

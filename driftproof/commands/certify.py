@@ -75,8 +75,8 @@ def certify_command(options: Namespace) -> str:
         within_it = {} if options.tolerance is None else {"tolerance": repr(options.tolerance), "within": good}
         written = as_json(found.record() | within_it)
     else:
-        told = f"{'within' if good else 'BEYOND'} the tolerance {options.tolerance}" if options.tolerance else ""
-        written = "\n".join(filter(None, [found.text(), told, f"wrote {drawn}" if drawn else ""]))
+        verdict = f"{'within' if good else 'BEYOND'} the tolerance {options.tolerance}" if options.tolerance else ""
+        written = "\n".join(filter(None, [found.text(), verdict, f"wrote {drawn}" if drawn else ""]))
     if not good:
         raise cli.Refuted(written)
     return written

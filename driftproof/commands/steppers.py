@@ -73,7 +73,7 @@ def identify_command(options: Namespace) -> str:
     from driftproof.blackbox.solvers.identify_solver import identify_solver
 
     report = identify_solver(options.step, time_limit=options.time_limit)
-    return _told(report, report.answered, options)
+    return _written(report, report.answered, options)
 
 
 @cli.command(*TARGET, HELD_TO("a key that `driftproof methods` lists, boris, or a .toml file", required=True))
@@ -107,7 +107,7 @@ def _examined(options: Namespace) -> str:
         if asked := [name for name in WITH_A_METHOD if getattr(options, name)]:
             raise ValueError(f"--{asked[0].replace('_', '-')} is for a stepper that is held to a method: --method")
         report = identify(options.step, **how)
-        return _told(report, report.answered, options)
+        return _written(report, report.answered, options)
     if options.solver_tolerance is not None and options.solver_tolerance < 0:
         raise ValueError(f"solver tolerance {options.solver_tolerance} is below zero")
     smallest = {"smallest_step": 0.0, "smallest_state": 0.0} if options.extremes else {}
@@ -117,10 +117,10 @@ def _examined(options: Namespace) -> str:
     )
     examples = options.examples or EXAMPLES
     report = verify(options.step, options.method, examples=examples, domain=domain, allowance=allowance, **how)
-    return _told(report, report.passed, options)
+    return _written(report, report.passed, options)
 
 
-def _told(report: Report, good: bool | None, options: Namespace) -> str:
+def _written(report: Report, good: bool | None, options: Namespace) -> str:
     """The report as text. Raises Refuted with it if `good` is False, Undecided if `good` is None."""
     words = report.written(options.format, options.all)
     if not good:

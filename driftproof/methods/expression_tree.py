@@ -28,7 +28,7 @@ DEEPEST_NESTING = 40
 LARGEST_POWER = 64
 LARGEST_POWER_OF_FORM = 9999
 # Characters of the reason in an error message, which may contain a formula.
-_MOST_SAID = 500
+_LONGEST_REASON = 500
 NUMBER, NAME, SIGN, END = "number", "name", "sign", "end"
 
 _TOKEN = re.compile(
@@ -45,7 +45,7 @@ class ExpressionError(ValueError):
     def __init__(self, text: str, column: int, reason: str) -> None:
         """Make the message "TEXT, column N: REASON"."""
         self.text, self.column = text, column
-        self.reason = shortened(" ".join(reason.split()), _MOST_SAID)
+        self.reason = shortened(" ".join(reason.split()), _LONGEST_REASON)
         super().__init__(f"{shortened(' '.join(text.split()))!r}, column {column}: {self.reason}")
 
 

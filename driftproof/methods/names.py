@@ -8,7 +8,7 @@ from __future__ import annotations
 import re
 import unicodedata
 
-_SAY_NOTHING = {"the", "of", "method", "methods", "rule", "scheme", "integrator"}
+_FILLER_WORDS = {"the", "of", "method", "methods", "rule", "scheme", "integrator"}
 
 # Key | other names.
 _OTHER_NAMES = """
@@ -140,7 +140,7 @@ def plain_name(name: str) -> str:
     """
     letters = "".join(c for c in unicodedata.normalize("NFKD", name.casefold()) if not unicodedata.combining(c))
     words = re.findall(r"[a-z0-9]+", re.sub(r"['’]s\b", "", letters))
-    return "".join(word for word in words if word not in _SAY_NOTHING)
+    return "".join(word for word in words if word not in _FILLER_WORDS)
 
 
 def keys_called(name: str) -> tuple[str, ...]:

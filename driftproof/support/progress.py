@@ -15,7 +15,7 @@ from typing import TextIO
 SILENCE, BEAT = 2.0, 1.0
 _BACK = "\b"
 # Held by the `working` block that shows the line; blocks within it show none of their own.
-_TELLING = Lock()
+_SHOWING = Lock()
 # The stages that are in progress, the outermost first.
 _STAGES: list[Stage] = []
 
@@ -33,19 +33,19 @@ def working(name: str, stream: TextIO | None = None) -> Iterator[None]:
     Of nested blocks only the outermost shows a line. `stream` is standard error by default. If `name` is empty, only
     the seconds are shown, after the text that the line already has.
     """
-    if not on_terminal(stream) or not _TELLING.acquire(blocking=False):
+    if not on_terminal(stream) or not _SHOWING.acquire(blocking=False):
         yield
         return
     done, place = Event(), os.dup((stream or sys.stderr).fileno())  # a test runner may replace the file meanwhile
-    teller = Thread(target=_tell, args=(name, done, place), daemon=True)
-    teller.start()
+    thread = Thread(target=_show, args=(name, done, place), daemon=True)
+    thread.start()
     try:
         yield
     finally:
         done.set()
-        teller.join()
+        thread.join()
         os.close(place)
-        _TELLING.release()
+        _SHOWING.release()
 
 
 @dataclass
@@ -73,9 +73,9 @@ def stage(words: str) -> Iterator[Stage]:
         _STAGES.remove(found)
 
 
-def _tell(name: str, done: Event, place: int) -> None:
+def _show(name: str, done: Event, place: int) -> None:
     """Write the line until `done` is set, past Python's buffer: a process forked meanwhile would never get its lock."""
-    start, told, pause = monotonic(), 0, SILENCE
+    start, shown, pause = monotonic(), 0, SILENCE
     while not done.wait(pause):
         pause = BEAT
         bars = list(getattr(getattr(sys.modules.get("tqdm"), "tqdm", None), "_instances", ()))
@@ -86,11 +86,11 @@ def _tell(name: str, done: Event, place: int) -> None:
         line = f"{name}: {what}, {seconds}{done_of}{left}" if name else f" {seconds}"
         with suppress(OSError):
             if not bars:  # the text before the line is kept, and the cursor returns to its end
-                line = line.ljust(told)
+                line = line.ljust(shown)
                 os.write(place, f"{line}{_BACK * len(line)}".encode())
             elif not moving:  # the line is written over a bar that has stopped
                 os.write(place, f"\r{line.ljust(os.get_terminal_size(place).columns - 1)}\r".encode())
-        told = 0 if moving else len(line)
-    if told:
+        shown = 0 if moving else len(line)
+    if shown:
         with suppress(OSError):
-            os.write(place, f"{' ' * told}{_BACK * told}".encode())
+            os.write(place, f"{' ' * shown}{_BACK * shown}".encode())

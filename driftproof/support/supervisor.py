@@ -129,9 +129,9 @@ def _work(theirs: Ends, handler: Handler | None) -> None:
         answering = _imported(json.loads(requests.readline())) if handler is None else handler
         limits = json.loads(requests.readline())
         _limit(limits["memory"], limits["file"])
-        _tell(answers, json.dumps({"answer": None}))
+        _send(answers, json.dumps({"answer": None}))
     except Exception as error:
-        _tell(answers, _raised(error))
+        _send(answers, _raised(error))
         return
     for line in requests:
         _limit_processor(limits["processor"])
@@ -139,18 +139,18 @@ def _work(theirs: Ends, handler: Handler | None) -> None:
             text = json.dumps({"answer": answering(json.loads(line))})
         except Exception as error:
             text = _raised(error)
-        _tell(answers, text)
+        _send(answers, text)
 
 
-def _tell(answers: int, text: str) -> None:
+def _send(answers: int, text: str) -> None:
     rest = memoryview(f"{text}\n".encode())
     while rest:
         rest = rest[os.write(answers, rest) :]
 
 
 def _raised(error: Exception) -> str:
-    said = f"{type(error).__name__}: {' '.join(str(error).split())}"[:2000]
-    return json.dumps({"raised": said, "memory": isinstance(error, MemoryError)})
+    words = f"{type(error).__name__}: {' '.join(str(error).split())}"[:2000]
+    return json.dumps({"raised": words, "memory": isinstance(error, MemoryError)})
 
 
 def _imported(order: dict[str, Any]) -> Handler:

@@ -25,7 +25,7 @@ def palindrome(half: Sequence[Exact]) -> tuple[Exact, ...]:
 
 
 def verlet_composition(first: str, weights: Sequence[Exact]) -> Parts:
-    """Verlet steps of sizes w₁h, w₂h, ..., with half a sub-step `first` at both ends of each; adjacent halves are joined."""
+    """Verlet steps of sizes w₁h, ..., with half a sub-step `first` at both ends of each; adjacent halves are joined."""
     halves = [w * Q(1, 2) for w in weights]
     outer = [halves[0], *(x + y for x, y in pairwise(halves)), halves[-1]]
     coefficients = [outer[0]]
