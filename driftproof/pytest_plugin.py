@@ -78,7 +78,7 @@ def _time_limit(item: pytest.Item, marker: pytest.Mark) -> float:
 
 
 class _Reports:
-    """Writes the verdicts of each test to a JSON file, and in the end a summary of all in Markdown."""
+    """The plugin that writes the verdicts of each test to a JSON file, and in the end a summary of all in Markdown."""
 
     def __init__(self, folder: Path, *, is_worker: bool) -> None:
         """`is_worker` is True in the workers of pytest-xdist, whose controller writes the summary."""

@@ -321,7 +321,7 @@ def cube_root(n: int) -> Algebraic:
 
 @cache
 def integer_root(n: int, degree: int) -> Algebraic:
-    """The number n ** (1/degree) for an integer n > 1 that is no perfect power. Raises ValueError for any other n."""
+    """The number n ** (1/degree) for an integer n > 1 that is no such power. Raises ValueError for any other n."""
     from flint import fmpz
 
     floor = int(fmpz(n).root(degree)) if n > 1 else n

@@ -30,7 +30,7 @@ class VectorField:
 
     An expression contains t, y0, y1, ..., named parameters, whole numbers, + - * / and `FUNCTIONS`, as in van der Pol's
     VectorField(("y1", "mu * (1 - y0 * y0) * y1 - y0"), (("mu", Fraction(5)),)). Powers are written as products, because
-    a compiler computes them otherwise than Python. Parameters are exact. Raises MethodError for any other expression.
+    compilers and Python compute them differently. Parameters are exact. Raises MethodError for any other expression.
     """
 
     rates: tuple[str, ...]

@@ -40,8 +40,8 @@ def tableaux(text: str, *, decimal: bool = False) -> tuple[RungeKutta, ...]:
           | 1/2 1/2
           | 1 0
 
-    has the key, the title, the order with that of the embedded row in brackets, and the source; then rows cᵢ | aᵢ₁ aᵢ₂
-    ..., without zeros at the end; then the weights and the embedded weights. A line that begins with # is a comment.
+    The names are the key, the title, the order with that of the embedded row in brackets, and the source. Rows are
+    cᵢ | aᵢ₁ aᵢ₂ ..., without zeros at the end; then the weights and the embedded weights. Lines with # are comments.
     """
     lines = [line.strip() for line in text.splitlines() if not line.lstrip().startswith("#")]
     return tuple(_tableau(entry.splitlines(), decimal) for entry in "\n".join(lines).strip().split("\n\n"))
