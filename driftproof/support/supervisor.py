@@ -31,7 +31,7 @@ _PR_SET_PDEATHSIG, _PR_SET_CHILD_SUBREAPER = 1, 36  # linux/prctl.h
 
 
 class Ends(NamedTuple):
-    """The file descriptors from which requests are read, to which answers are written, and of the line to the parent."""
+    """The file descriptors from which requests are read, to which answers are written, and of the parent socket."""
 
     requests: int
     answers: int
