@@ -32,8 +32,10 @@ TARGET = (
     ),
 )
 HELD_TO = partial(cli.option, "--method")
-# Options that only apply to a stepper that is held to a method.
-WITH_A_METHOD = ("examples", "extremes", "step_in_binary32", "velocity_from_positions", "flush_to_zero")
+# Options that only apply to a stepper that is held to a method, and those that do not apply to a whole solver.
+ALLOWANCES = ("step_in_binary32", "velocity_from_positions", "flush_to_zero", "solver_tolerance")
+WITH_A_METHOD = ("examples", "extremes", *ALLOWANCES)
+WITH_A_STEPPER = ("calls", "array", *WITH_A_METHOD)
 
 
 @cli.command(
@@ -72,6 +74,7 @@ def identify_command(options: Namespace) -> str:
         return _examined(options)
     from driftproof.blackbox.solvers.identify_solver import identify_solver
 
+    _refuse(options, WITH_A_STEPPER, "a stepper, not for a whole solver")
     report = identify_solver(options.step, time_limit=options.time_limit)
     return _written(report, report.answered, options)
 
@@ -104,20 +107,22 @@ def _examined(options: Namespace) -> str:
 
     how = {name: getattr(options, name) for name in ("calls", "array", "time_limit")}
     if options.method is None:
-        if asked := [name for name in WITH_A_METHOD if getattr(options, name)]:
-            raise ValueError(f"--{asked[0].replace('_', '-')} is for a stepper that is held to a method: --method")
+        _refuse(options, WITH_A_METHOD, "a stepper that is held to a method: --method")
         report = identify(options.step, **how)
         return _written(report, report.answered, options)
     if options.solver_tolerance is not None and options.solver_tolerance < 0:
         raise ValueError(f"solver tolerance {options.solver_tolerance} is below zero")
     smallest = {"smallest_step": 0.0, "smallest_state": 0.0} if options.extremes else {}
     domain = Domain(options.largest_step, options.largest_state, **smallest)
-    allowance = Allowance(
-        options.step_in_binary32, options.velocity_from_positions, options.flush_to_zero, options.solver_tolerance
-    )
+    allowance = Allowance(**{name: getattr(options, name) for name in ALLOWANCES})
     examples = options.examples or EXAMPLES
     report = verify(options.step, options.method, examples=examples, domain=domain, allowance=allowance, **how)
     return _written(report, report.passed, options)
+
+
+def _refuse(options: Namespace, names: tuple[str, ...], what: str) -> None:
+    if asked := [name for name in names if getattr(options, name)]:
+        raise ValueError(f"--{asked[0].replace('_', '-')} is for {what}")
 
 
 def _written(report: Report, good: bool | None, options: Namespace) -> str:
