@@ -77,7 +77,7 @@ REFUSED = {
     ("identify", "os:getcwd", "--solver", "--method", "rk4"): "not allowed with argument --solver",
     ("identify", "os:getcwd", "--flush-to-zero"): "--flush-to-zero is for a stepper that is held to a method: --method",
     ("identify", "os:getcwd", "--solver-tolerance", "1e-9"): "--solver-tolerance is for a stepper that is held to a",
-    ("identify", "os:getcwd", "--solver", "--array", "numpy:float32"): "--array is for a stepper, not for a whole solver",
+    ("identify", "os:getcwd", "--solver", "--array", "os:a"): "--array is for a stepper, not for a whole solver",
     ("identify", "os:getcwd", "--solver", "--examples", "9"): "--examples is for a stepper, not for a whole solver",
     ("verify", "os:getcwd", "--method", "rk5"): "unknown method 'rk5'; did you mean rk4 or ",
     ("verify", "os:getcwd", "--method", "rk4", "--examples", "0"): "'0' is not a number of examples from 1 to 1000000",
