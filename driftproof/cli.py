@@ -77,10 +77,8 @@ def _answer(prog: str, name: str, words: list[str]) -> int:
             answer, status = command.answer(options), 0
     except (Help, Refuted) as shown:
         answer, status = str(shown), shown.status if isinstance(shown, Refuted) else 0
-    except OSError as error:
+    except (OSError, ValueError) as error:
         return _complain(prog, _message_of(error), BAD_INPUT)
-    except ValueError as error:
-        return _complain(prog, str(error), BAD_INPUT)
     except ArithmeticError as error:
         return _complain(prog, str(error), NO_ANSWER)
     return _print(printable(answer), prog) or status

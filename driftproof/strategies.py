@@ -125,8 +125,7 @@ def rational_states(max_size: int = 100, max_denominator: int = 1000) -> SearchS
 def runge_kutta_methods(min_stages: int = 1, max_stages: int = 4) -> SearchStrategy[RungeKutta]:
     """Explicit, consistent Runge-Kutta methods: A strictly lower triangular, c its row sums, weights that sum to 1.
 
-    The claimed order is 1, and the order is higher only by accident. Raises ValueError unless
-    1 <= min_stages <= max_stages.
+    The claimed order is 1; a higher one is an accident. Raises ValueError unless 1 <= min_stages <= max_stages.
     """
     if not 1 <= min_stages <= max_stages:
         raise ValueError(f"{min_stages} to {max_stages} stages: need 1 <= min_stages <= max_stages")

@@ -5,7 +5,6 @@ from __future__ import annotations
 import argparse
 import re
 from collections.abc import Callable
-from fractions import Fraction
 from functools import partial
 from importlib import import_module
 from pathlib import Path
@@ -118,11 +117,8 @@ def read_by(parse: Callable[..., _T], *more: Any) -> Callable[[str], _T]:
     return read
 
 
-def exactly(what: str) -> Callable[[str], Fraction]:
-    """A reader of exact numbers, named `what` in its complaints."""
-    return read_by(parse_rational, what)
-
-
+# Readers of exact values; the name of a number in complaints is the argument of `exactly`.
+exactly = partial(read_by, parse_rational)
 nonzero_step = read_by(step_of)
 initial_state = read_by(state_of)
 
