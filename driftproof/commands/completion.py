@@ -60,12 +60,10 @@ def _names() -> dict[str, Sequence[str]]:
     from driftproof.numeric.problems.catalogue import PROBLEMS
     from driftproof.numeric.scenes import PRESETS
 
-    methods, scenes = (*METHODS, *FACTS_ONLY), tuple(PRESETS)
     return {
-        "method": methods,
-        "methods": methods,
-        "problem": (*PROBLEMS,),
-        **dict.fromkeys(("scene", "scenes", "name"), scenes),
+        **dict.fromkeys(("method", "methods"), (*METHODS, *FACTS_ONLY)),
+        **dict.fromkeys(("scene", "scenes", "name"), tuple(PRESETS)),
+        "problem": tuple(PROBLEMS),
     }
 
 
