@@ -84,6 +84,8 @@ def _published(options: Namespace) -> str:
     form = options.format or "json"
     if options.question is not None:
         raise ValueError("--only is for published values; leave out the question")
+    if given := [name for name in ("digits", "places", "rounding") if getattr(options, name) is not None]:
+        raise ValueError(f"--only prints the published values as they are; leave out --{given[0]}")
     if form not in VALUE_FORMATS:
         raise ValueError(f"--format {form} is for one value; of several there are {', '.join(VALUE_FORMATS)}")
     return render_values(published_values(options.only), form)
