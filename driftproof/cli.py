@@ -91,7 +91,7 @@ def _print(text: str, prog: str) -> int:
     try:
         print(text, flush=True)
     except (OSError, ValueError) as error:
-        with suppress(OSError, ValueError):  # what is left in the buffer must not fail a second time, at exit
+        with suppress(OSError, ValueError):  # or the rest of the buffer would fail again at exit
             os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         if isinstance(error, BrokenPipeError):  # `| head` has read what it wanted
             return CUT_SHORT

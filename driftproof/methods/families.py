@@ -176,7 +176,7 @@ _TABLES = {
         gamma     | gamma, 0
         1 - gamma | 1 - 2*gamma, gamma
                   | 1/2, 1/2""",
-    # The last stage is the result; order 2 for gamma = 1 ± sqrt(2)/2 only.
+    # The last stage is the result; the order is 2 only for gamma = 1 ± sqrt(2)/2.
     "sdirk_stiffly_accurate": """Two-stage stiffly accurate SDIRK methods | gamma | 1 | hairer-wanner-1996, IV.6
         gamma | gamma, 0
         1     | 1 - gamma, gamma

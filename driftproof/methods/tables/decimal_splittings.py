@@ -105,7 +105,7 @@ _COMPOSITIONS = _read(
     """,
 )
 
-# Table 2 of the source is reported to have the first two kicks of this one swapped (principia-2026).
+# In Table 2 of the source the first two kicks of this method are swapped, according to principia-2026.
 _THIRD_ORDER = _read(
     alternating,
     """
