@@ -41,7 +41,7 @@ def certify_command(options: Namespace) -> str:
       driftproof certify pendulum.toml run.csv --figure error.svg --format json
 
     what f may be:
-      module:f        your own Python function f(t, y), unchanged: arithmetic, math and NumPy; found from here
+      module:f        your own Python function f(t, y), unchanged: arithmetic, math, NumPy; imported from this folder
       'y1; -sin(y0)'  a rate for each component in t, y0, y1, ...; with sin, cos, exp, log, sqrt; numbers are exact
       file.toml       rates = ["y1", "-g * sin(y0)"], and [parameters] with g = "9.81"
     f runs in this process, as in your own tests: it is your code, and Ctrl-C stops it.
@@ -57,8 +57,8 @@ def certify_command(options: Namespace) -> str:
     With --invariant, the drift of a first integral is enclosed, split likewise: energy='y1^2/2 - cos(y0)', or
     oscillator_energy, pendulum_energy, kepler_energy, angular_momentum, henon_heiles_energy.
 
-    exit status: 0 if the error is enclosed, and within --tolerance if that is given; 1 if it is beyond; 2 if the
-    question makes no sense; 3 if nothing can be proved, with the reason, such as a pole ahead or a step without proof.
+    exit status: 0 if the error is enclosed, and within --tolerance if that is given; 1 if it exceeds --tolerance; 2 if
+    the question makes no sense; 3 if nothing can be proved, with the reason, such as a pole or a step without proof.
     """
     from driftproof.blackbox.stepper.opening import imported
     from driftproof.enclosure.certify import certify, within

@@ -64,11 +64,11 @@ def identify_command(options: Namespace) -> str:
       step = stepper_of(lambda force: Body(acceleration=force), position="x", velocity="v", advance="update")
       step = stepper_of(Body, position="x", velocity="v", push="apply_force", advance="update")
     (field_stepper_of for y' = f(t, y)). A stepper that remembers earlier steps is read from whole runs. Wrap anything
-    else in two lines. The stepper runs in an isolated process, and the report says if it crashes or hangs.
+    else in a function of two lines. The stepper runs in an isolated process; the report says if it crashes or hangs.
 
     With --method the stepper is held to that method: `driftproof verify --help` says what is checked and allowed for.
 
-    exit status: 1 if the stepper gives no answer, 3 if the time is over before anything is decided.
+    exit status: 0 with an answer, 1 if the stepper gives none, 3 if the time is over before anything is decided.
     """
     if not options.solver:
         return _examined(options)
