@@ -21,6 +21,7 @@ from typing import Any, ClassVar, NamedTuple, TypeAlias
 from driftproof.methods.rationals import parse_rational
 from driftproof.support.plain_text import shortened
 
+# Chosen far above published tableaux: the limits keep the time and the stack that reading takes small.
 LONGEST_EXPRESSION = 2000
 # Exact forms that driftproof has written may be longer than what users type.
 LONGEST_FORM = 100_000

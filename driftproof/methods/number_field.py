@@ -102,7 +102,7 @@ class ScalarExtension:
     __slots__ = ("field", "parts")
 
     def __init__(self, field: NumberField, parts: Sequence[Any]) -> None:
-        """Take at most 2d - 1 parts, d the degree of the field, and reduce α**d, ..., α**(2d - 2) to lower powers."""
+        """Take at most d parts, d the degree of the field, or 2d - 1, whose powers from α**d on are then reduced."""
         d = field.degree
         low = [*parts[:d], *(self.part(0) for _ in range(d - len(parts)))]
         if len(parts) > d:

@@ -49,6 +49,7 @@ from driftproof.support.toml_tables import (
     read_toml,
 )
 
+# Chosen far above published methods: the limits keep the time and the memory that reading takes small.
 LARGEST_FILE = 2_000_000
 MOST_STAGES = 200
 MOST_NODES = 50
