@@ -1,15 +1,15 @@
-"""Verification of numerical integration: any method, any code, any run, any text; from Python and the command line.
+"""Verification of numerical integrators: methods, code, runs and texts, from Python and from the command line.
 
-Everything heavy is imported when it is first asked for, so `import driftproof` costs next to nothing.
+Every public name is imported on first use, so `import driftproof` costs next to nothing.
 """
 
 from __future__ import annotations
 
 __version__ = "0.2.0"
 
-TYPE_CHECKING = False  # known to type checkers by its name; the module typing is slower to import than all of this
+TYPE_CHECKING = False  # type checkers know it by its name; importing typing would cost more than this whole module
 if TYPE_CHECKING:
-    # The public names. Type checkers read these lines as they are; at run time `_modules` does.
+    # The public names. Type checkers follow these imports; at run time `_modules` parses them.
     from driftproof.blackbox.identify import identify as identify
     from driftproof.blackbox.judging.agreement import Domain as Domain
     from driftproof.blackbox.judging.tolerance import Allowance as Allowance
@@ -84,7 +84,7 @@ _MODULES: dict[str, str] = {}
 
 
 def _modules() -> dict[str, str]:
-    """Public name -> the module that has it, read once from the imports above, so that each name stands once."""
+    """The module of each public name, parsed once from the imports above, so that no name is listed twice."""
     if not _MODULES:
         import ast
 

@@ -1,4 +1,4 @@
-"""`python -m driftproof` is the command line."""
+"""The command line, run by `python -m driftproof`."""
 
 import sys
 

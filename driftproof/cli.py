@@ -1,6 +1,6 @@
-"""The command line: parse, ask, print. One line and a non-zero exit for anything that cannot be answered.
+"""The command line: parse the arguments, run one command, print its answer or a complaint of one line.
 
-What is not asked for is not imported: neither other commands nor, for --help and --version, the parser of any.
+Only the module of that command is imported; --help and --version import no parser at all.
 """
 
 from __future__ import annotations
@@ -12,8 +12,8 @@ from contextlib import suppress
 from driftproof import __version__
 from driftproof.commands.listing import ALIASES, COMMANDS, command_named
 
-# Exit statuses, beside those in `commands.arguments`: no answer, as an answer that did not arrive is none; those of
-# a shell for Ctrl-C, and for a reader that has gone (128 + SIGPIPE).
+# Exit statuses in addition to those of `commands.arguments`: an answer that could not be written counts as no answer;
+# the other two are a shell's for Ctrl-C (128 + SIGINT) and for a pipe whose reader has gone (128 + SIGPIPE).
 LOST, INTERRUPTED, CUT_SHORT = 3, 130, 141
 
 HELP = """\
@@ -46,9 +46,9 @@ Numbers are read exactly: 0.1 is 1/10, and 1/4 is a quarter. `driftproof COMMAND
 
 
 def main(arguments: list[str] | tuple[str, ...] | None = None) -> int:
-    """Run the command line; the status is 0 if answered, 1 if the answer is no, 2 for bad input, 3 for no answer.
+    """Run the command line and return its status: 0 answered, 1 the answer is no, 2 bad input, 3 no answer.
 
-    An answer that could not be written is none.
+    Status 3 also means that the answer could not be written.
     """
     name, *words = (sys.argv[1:] if arguments is None else arguments) or ("",)
     prog = f"driftproof {name}" if name in COMMANDS or name in ALIASES else "driftproof"
@@ -60,12 +60,12 @@ def main(arguments: list[str] | tuple[str, ...] | None = None) -> int:
         if name == "--version":
             return _print(f"driftproof {__version__}", prog)
         return _answer(prog, name, words)
-    except KeyboardInterrupt:  # also while something is imported
+    except KeyboardInterrupt:  # may be raised during an import, too
         return _complain(prog, "interrupted", INTERRUPTED)
 
 
 def _answer(prog: str, name: str, words: list[str]) -> int:
-    """Parse the words of one command, print its answer or one line of complaint."""
+    """Parse the arguments of one command, print its answer or a complaint of one line, and return the exit status."""
     from driftproof.commands.arguments import BAD_INPUT, NO_ANSWER, Help, Refuted
     from driftproof.support.plain_text import printable
     from driftproof.support.progress import working
@@ -77,32 +77,30 @@ def _answer(prog: str, name: str, words: list[str]) -> int:
             answer, status = command.answer(options), 0
     except (Help, Refuted) as shown:
         answer, status = str(shown), shown.status if isinstance(shown, Refuted) else 0
-    except OSError as error:
-        return _complain(prog, _in_words(error), BAD_INPUT)
-    except ValueError as error:
-        return _complain(prog, str(error), BAD_INPUT)
+    except (OSError, ValueError) as error:
+        return _complain(prog, _message_of(error), BAD_INPUT)
     except ArithmeticError as error:
         return _complain(prog, str(error), NO_ANSWER)
     return _print(printable(answer), prog) or status
 
 
 def _print(text: str, prog: str) -> int:
-    """0 where the text has arrived; else one line about it."""
+    """Print the text and return 0, or return the exit status for a text that could not be written."""
     if sys.stdout is None:
         return _complain(prog, "the answer is lost: standard output is closed", LOST)
     try:
         print(text, flush=True)
     except (OSError, ValueError) as error:
-        with suppress(OSError, ValueError):  # what is left in the buffer must not fail a second time, at exit
+        with suppress(OSError, ValueError):  # or the rest of the buffer would fail again at exit
             os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         if isinstance(error, BrokenPipeError):  # `| head` has read what it wanted
             return CUT_SHORT
-        return _complain(prog, f"the answer is lost: standard output: {_in_words(error)}", LOST)
+        return _complain(prog, f"the answer is lost: standard output: {_message_of(error)}", LOST)
     return 0
 
 
-def _in_words(error: Exception) -> str:
-    """As elsewhere: the file, then what is wrong with it, without the number of the error."""
+def _message_of(error: Exception) -> str:
+    """The message of the error; for an OSError the file and the reason, without the error number."""
     if isinstance(error, OSError) and error.strerror:
         return f"{error.filename}: {error.strerror}" if error.filename else error.strerror
     return str(error)

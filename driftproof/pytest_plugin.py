@@ -1,6 +1,6 @@
-"""For pytest: the verdict in the short summary, time limits by a marker, and a folder of reports for CI.
+"""The pytest plugin: verdicts in the short summary, a marker for time limits, and a folder of reports for CI.
 
-Loaded by pytest wherever driftproof is installed; it imports nothing else of the package before a test does.
+pytest loads it wherever driftproof is installed; therefore it imports only `driftproof.support`.
 """
 
 from __future__ import annotations
@@ -20,12 +20,12 @@ from driftproof.support.plain_text import as_json
 
 MARKER = "driftproof(time_limit): seconds that assert_verified may take in this test"
 SUMMARY = "summary.md"
-# Of the part of a file's name that is the test's: on most systems a name has 255 bytes.
+# Characters of a report's file name that come from the name of the test; most systems allow names of 255 bytes.
 _LONGEST_NAME = 180
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
-    """Add --driftproof-report."""
+    """Add the option --driftproof-report."""
     group = parser.getgroup("driftproof")
     words = (
         "write what assert_verified and assert_accurate found into FOLDER: a JSON file for each test, and summary.md"
@@ -34,7 +34,7 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """Make the marker known, and listen where a folder is asked for."""
+    """Register the marker, and collect verdicts if a folder for reports is given."""
     config.addinivalue_line("markers", MARKER)
     folder = config.getoption("--driftproof-report")
     if folder is not None:
@@ -43,13 +43,13 @@ def pytest_configure(config: pytest.Config) -> None:
             Path(folder).mkdir(parents=True, exist_ok=True)
         except (OSError, ValueError) as error:
             raise pytest.UsageError(f"--driftproof-report: {error}") from None
-        # Absolute: a test may go to another folder, and stay there.
+        # The path is made absolute because a test may change the working directory for good.
         config.pluginmanager.register(_Reports(Path(folder).absolute(), is_worker=hasattr(config, "workerinput")))
 
 
 @pytest.hookimpl(wrapper=True)
 def pytest_runtest_call(item: pytest.Item) -> Generator[None, Any, Any]:
-    """Give the test the time limit of its marker."""
+    """Run the test with the time limit of its marker."""
     marker = item.get_closest_marker("driftproof")
     given = None if marker is None else _time_limit(item, marker)
     token = time_limit_of_test.set(given)
@@ -61,7 +61,7 @@ def pytest_runtest_call(item: pytest.Item) -> Generator[None, Any, Any]:
 
 @pytest.hookimpl(wrapper=True)
 def pytest_runtest_makereport(call: pytest.CallInfo[Any]) -> Generator[None, Any, Any]:
-    """Let the short summary begin with the verdict, where pytest would write the name of the exception."""
+    """Begin the line of the short summary with the verdict instead of the name of the exception."""
     report: Any = yield
     error = None if call.excinfo is None else call.excinfo.value
     crash = getattr(report.longrepr, "reprcrash", None)
@@ -78,16 +78,16 @@ def _time_limit(item: pytest.Item, marker: pytest.Mark) -> float:
 
 
 class _Reports:
-    """Writes the verdicts of each test as one JSON file, and at the end all of them as Markdown."""
+    """The plugin that writes the verdicts of each test to a JSON file, and in the end a summary of all in Markdown."""
 
     def __init__(self, folder: Path, *, is_worker: bool) -> None:
-        """`is_worker`: of pytest-xdist, whose controller writes the summary."""
+        """`is_worker` is True in the workers of pytest-xdist, whose controller writes the summary."""
         self.folder, self.is_worker, self.found = folder, is_worker, list[AssertedVerdict]()
         self.tests, self.failed = set[str](), set[str]()
 
     @pytest.hookimpl(wrapper=True)
     def pytest_runtest_protocol(self, item: pytest.Item) -> Generator[None, Any, Any]:
-        """Listen while the test runs, and write down what it found, in the place of what it found another time."""
+        """Collect the verdicts of the test, and write them to its file in place of those of an earlier run."""
         self.found.clear()
         self._file_of(item.nodeid).unlink(missing_ok=True)
         listeners.append(self.found.append)
@@ -96,28 +96,28 @@ class _Reports:
         finally:
             listeners.remove(self.found.append)
             if self.found:
-                told = [
+                verdicts = [
                     {"subject": x.subject, "verdict": x.words, "passed": x.passed, "report": x.report, **x.data}
                     for x in self.found
                 ]
-                self._write(self._file_of(item.nodeid), as_json({"test": item.nodeid, "verdicts": told}))
+                self._write(self._file_of(item.nodeid), as_json({"test": item.nodeid, "verdicts": verdicts}))
 
     def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
-        """Keep which tests ran, in whatever process, and which failed."""
+        """Record which tests ran, in this process or in a worker, and which of them failed."""
         self.tests.add(report.nodeid)
         if report.failed:
             self.failed.add(report.nodeid)
 
     def pytest_sessionfinish(self) -> None:
-        """Write the summary of the tests that ran: a line for each verdict, what did not pass first.
+        """Write the summary of the tests that ran: a line for each verdict, those that did not pass first.
 
-        A verdict that does not hold in a test that did not fail is what that test expects: xfail, `pytest.raises`.
+        If a verdict does not hold but its test did not fail, the test expected that, by xfail or `pytest.raises`.
         """
         if self.is_worker:
             return
         paths = filter(Path.exists, map(self._file_of, sorted(self.tests)))
-        told = [json.loads(path.read_text(encoding="utf-8")) for path in paths]
-        found = [(each["test"], one) for each in told for one in each["verdicts"]]
+        reports = [json.loads(path.read_text(encoding="utf-8")) for path in paths]
+        found = [(each["test"], one) for each in reports for one in each["verdicts"]]
         found.sort(key=lambda pair: (pair[1]["passed"] is True, pair[0] not in self.failed))
         rows = []
         for name, one in found:
@@ -134,7 +134,7 @@ class _Reports:
         return word if test in self.failed else f"{word.lower()}, as expected"
 
     def _file_of(self, test: str) -> Path:
-        """Named after the test, and by a digest, as names of tests may have characters that those of files have not."""
+        """The file of a test's verdicts: its name without special characters, and a digest that tells tests apart."""
         named = re.sub(r"[^\w.-]+", "_", test)[-_LONGEST_NAME:]
         return self.folder / f"{named}-{sha256(test.encode()).hexdigest()[:8]}.json"
 

@@ -1,7 +1,7 @@
-"""Hypothesis strategies for users' own tests and ours: steps and states of every size, exact numbers, random methods.
+"""Hypothesis strategies for tests of integrators: step sizes, states, exact numbers and random methods.
 
-Impossible arguments raise ValueError when the strategy is asked for, rather than weaken a test unnoticed. No profile is
-registered here: how many examples to run is for the test suite that draws them.
+Impossible arguments raise ValueError when a strategy is built, rather than weaken a test unnoticed. No profile is
+registered here: the test suite that draws the examples decides on their number.
 
 >>> from hypothesis import given
 >>> from driftproof import METHODS, stepper, strategies
@@ -28,15 +28,15 @@ MIN_EXPONENT = sys.float_info.min_exp - 1
 MAX_EXPONENT = sys.float_info.max_exp - 1
 MANTISSA_BITS = sys.float_info.mant_dig
 
-# The largest stable steps of symplectic Euler, 2, and of RK4, 2 sqrt 2; the latter is no double, this one is nearest.
+# The largest stable steps on the oscillator: 2 of symplectic Euler, and the double nearest to 2 sqrt 2 of RK4.
 STABILITY_LIMITS = (2.0, 2 * 2**0.5)
 
 
 def finite_floats(min_exponent: int = MIN_EXPONENT, max_exponent: int = MAX_EXPONENT) -> SearchStrategy[float]:
-    """Doubles 0.0, -0.0 and ±m·2^e, 1 <= m < 2, all exponents alike, so that most are tiny or huge.
+    """Finite doubles: 0.0, -0.0, and ±m·2^e with 1 <= m < 2 and any e in the range, so that most are tiny or huge.
 
-    The subnormals are among them if min_exponent is the smallest, as it is by default. Raises ValueError for exponents
-    that no double has.
+    Subnormal numbers are included if min_exponent is the smallest exponent, which is the default. Raises ValueError for
+    exponents that no double has.
     """
     if not MIN_EXPONENT <= min_exponent <= max_exponent <= MAX_EXPONENT:
         raise ValueError(
@@ -59,7 +59,7 @@ def _sizes(min_exponent: int, max_exponent: int) -> SearchStrategy[float]:
 
 
 def states(min_exponent: int = MIN_EXPONENT, max_exponent: int = MAX_EXPONENT) -> SearchStrategy[tuple[float, float]]:
-    """Pairs (q, v) of `finite_floats`, and pairs of similar size, in which sums cancel."""
+    """States (q, v): independent pairs of `finite_floats`, and pairs of almost the same size, whose sums cancel."""
     floats = finite_floats(min_exponent, max_exponent)
     alike = st.builds(_nearby, floats, st.integers(-4, 4), st.booleans())
     return st.tuples(floats, floats) | alike
@@ -85,19 +85,19 @@ def steps(min_value: float = -4.0, max_value: float = 4.0) -> SearchStrategy[flo
 
 
 def steps_near(centre: float, ulps: int = 4) -> SearchStrategy[float]:
-    """The doubles at most `ulps` steps of nextafter from `centre`. Raises ValueError if one is not, or ulps < 0."""
+    """Doubles at most `ulps` steps of nextafter from `centre`. Raises ValueError if one is not finite, or ulps < 0."""
     if ulps < 0 or not all(isfinite(step_by_ulps(centre, k)) for k in (-ulps, ulps)):
         raise ValueError(f"{ulps} ulps around {centre}: give a finite centre and ulps >= 0 that stay finite")
     return st.integers(-ulps, ulps).map(lambda k: step_by_ulps(centre, k))
 
 
 def steps_near_stability_limits(ulps: int = 4) -> SearchStrategy[float]:
-    """The doubles at most `ulps` around 2 and around 2 sqrt 2, where the lesson's methods stop being stable."""
+    """The doubles at most `ulps` steps of nextafter from 2 or 2 sqrt 2, the limits of symplectic Euler and RK4."""
     return st.one_of(*(steps_near(limit, ulps) for limit in STABILITY_LIMITS))
 
 
 def step_by_ulps(x: float, ulps: int) -> float:
-    """The double `ulps` steps of nextafter above x, or below it for a negative number."""
+    """The double `ulps` steps of nextafter above x, or below x if `ulps` is negative."""
     for _ in range(abs(ulps)):
         x = nextafter(x, inf if ulps > 0 else -inf)
     return x
@@ -111,22 +111,21 @@ def rationals(max_size: int = 100, max_denominator: int = 1000) -> SearchStrateg
 
 
 def rational_steps(max_size: int = 4, max_denominator: int = 1000) -> SearchStrategy[Fraction]:
-    """Nonzero fractions h with |h| <= max_size. Raises ValueError where there is none."""
+    """Nonzero fractions h with |h| <= max_size. Raises ValueError if there is none."""
     if max_size * max_denominator < 1:
         raise ValueError(f"no nonzero step with |h| <= {max_size} and denominator <= {max_denominator}")
     return rationals(max_size, max_denominator).filter(bool)
 
 
 def rational_states(max_size: int = 100, max_denominator: int = 1000) -> SearchStrategy[tuple[Fraction, Fraction]]:
-    """Pairs (q, v) of `rationals`, the origin among them."""
+    """States (q, v) of `rationals`, including the origin."""
     return st.tuples(*2 * [rationals(max_size, max_denominator)])
 
 
 def runge_kutta_methods(min_stages: int = 1, max_stages: int = 4) -> SearchStrategy[RungeKutta]:
-    """Explicit, consistent Runge-Kutta methods: A strictly lower triangular, c its row sums, the weights adding to 1.
+    """Explicit, consistent Runge-Kutta methods: A strictly lower triangular, c its row sums, weights that sum to 1.
 
-    Of order at least 1, as claimed; of higher order only by accident. Raises ValueError unless
-    1 <= min_stages <= max_stages.
+    The claimed order is 1; a higher one is an accident. Raises ValueError unless 1 <= min_stages <= max_stages.
     """
     if not 1 <= min_stages <= max_stages:
         raise ValueError(f"{min_stages} to {max_stages} stages: need 1 <= min_stages <= max_stages")
@@ -153,7 +152,7 @@ def _consistent_tableau(rows: tuple[tuple[Fraction, ...], ...], weights: tuple[F
 
 
 def splittings(max_pairs: int = 3) -> SearchStrategy[Splitting]:
-    """Splittings of up to `max_pairs` kicks and as many drifts, either first; kicks add to 1, and so do drifts.
+    """Consistent splittings of up to `max_pairs` kicks and as many drifts, either first; each kind sums to 1.
 
     Raises ValueError unless max_pairs >= 1.
     """
@@ -181,10 +180,10 @@ def _consistent_splitting(kick_cuts: list[Fraction], drift_cuts: list[Fraction],
 
 
 def _differences(cuts: list[Fraction]) -> list[Fraction]:
-    """The lengths, in order, of the pieces that the cuts make of [0, 1]; pieces may run backwards."""
+    """The lengths of the pieces into which the cuts divide [0, 1]; unsorted cuts give negative lengths."""
     return [end - start for start, end in zip([Fraction(0), *cuts], [*cuts, Fraction(1)], strict=True)]
 
 
 def _coefficients() -> SearchStrategy[Fraction]:
-    """Small fractions as tableaux have them, zero often enough to matter."""
+    """Small fractions such as tableaux have, zero often enough to matter."""
     return st.just(Fraction(0)) | st.fractions(-2, 2, max_denominator=12)

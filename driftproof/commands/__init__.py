@@ -1,1 +1,1 @@
-"""The sub-commands of the command line, one module each: `add` describes the command, `answer` answers it."""
+"""The sub-commands of the command line; `listing` says which module has which of them."""

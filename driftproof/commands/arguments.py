@@ -1,11 +1,10 @@
-"""What commands are made of: options as data, numbers read exactly, a parser that complains in one line, statuses."""
+"""The parts of commands: options, readers of exact numbers, a parser that complains in one line, exit statuses."""
 
 from __future__ import annotations
 
 import argparse
 import re
 from collections.abc import Callable
-from fractions import Fraction
 from functools import partial
 from importlib import import_module
 from pathlib import Path
@@ -16,7 +15,7 @@ from driftproof.methods.rationals import parse_rational, state_of, step_of, step
 from driftproof.support.plain_text import printable
 
 _T = TypeVar("_T")
-# What adds one option, or several that exclude each other, to a parser.
+# A function that adds one option, or several that exclude each other, to a parser.
 CommandOption: TypeAlias = "Callable[[argparse._ActionsContainer], object]"
 
 REFUTED, BAD_INPUT, NO_ANSWER = 1, 2, 3
@@ -24,23 +23,23 @@ _MOST_DIGITS = 10_000
 
 
 class Refuted(Exception):
-    """The answer is no: the text is the whole answer, as it is printed, and `status` the exit status."""
+    """Raised if the answer is no: the message is the whole answer as it is printed, `status` the exit status."""
 
     status = REFUTED
 
 
 class Undecided(Refuted):
-    """The answer is neither yes nor no, and the text says what was not seen."""
+    """Raised if the answer is neither yes nor no; the message says what could not be examined."""
 
     status = NO_ANSWER
 
 
 class Help(Exception):
-    """Help is asked for: the text is the whole answer."""
+    """Raised if help is asked for; the message is the help text."""
 
 
 class Parser(argparse.ArgumentParser):
-    """An argument parser that complains in one line, and takes -1/2 and -1,0 for values rather than options."""
+    """An argument parser that complains in one line, and reads -1/2 and -1,0 as values rather than as options."""
 
     def __init__(self, prog: str, description: str, epilog: str) -> None:
         """Keep the line breaks of descriptions and examples."""
@@ -54,19 +53,19 @@ class Parser(argparse.ArgumentParser):
         self.exit(BAD_INPUT, f"{self.prog}: {line} (`{self.prog} --help` shows how)\n")
 
     def print_help(self, file: object = None) -> None:
-        """Raise Help: what is printed, and whether it arrives, is for the command line to see to."""
+        """Raise Help with the text, which `driftproof.cli` prints like any answer."""
         raise Help(self.format_help().removesuffix("\n"))
 
 
 class Command(NamedTuple):
-    """A command: what answers it, whose docstring is its --help, and the options that it takes."""
+    """A command: the function that answers it, whose docstring is its --help, and its options."""
 
     answer: Callable[[argparse.Namespace], str]
     options: tuple[CommandOption, ...]
 
     def parser(self, prog: str) -> Parser:
-        """The parser of this command: the first paragraph of the docstring above the options, the rest below them."""
-        first, _, rest = (self.answer.__doc__ or "").partition("\n")  # Python 3.13 has taken the indent away already
+        """The parser of the command; its help has the docstring's first paragraph above the options, the rest below."""
+        first, _, rest = (self.answer.__doc__ or "").partition("\n")  # Python 3.13 removes the indent itself
         about, _, examples = f"{first}\n{dedent(rest)}".partition("\n\n")
         parser = Parser(prog, about, examples)
         for add in self.options:
@@ -75,12 +74,12 @@ class Command(NamedTuple):
 
 
 def command(*options: CommandOption) -> Callable[[Callable[[argparse.Namespace], str]], Command]:
-    """Makes a command of the function that answers it."""
+    """A decorator that makes a Command of the function that answers it."""
     return lambda answer: Command(answer, options)
 
 
 def option(names: str, words: str | None = None, **settings: Any) -> CommandOption:
-    """An option, or a positional argument, as argparse describes it; `choices` may be a function that lists them."""
+    """An option or a positional argument, with argparse's settings; `choices` may be a function that lists them."""
 
     def add(parser: argparse._ActionsContainer) -> None:
         choices = settings.get("choices")
@@ -91,7 +90,7 @@ def option(names: str, words: str | None = None, **settings: Any) -> CommandOpti
 
 
 def one_of(*options: CommandOption, required: bool = False) -> CommandOption:
-    """Options that exclude each other."""
+    """A group of options that exclude each other."""
 
     def add(parser: argparse._ActionsContainer) -> None:
         group = parser.add_mutually_exclusive_group(required=required)
@@ -102,12 +101,12 @@ def one_of(*options: CommandOption, required: bool = False) -> CommandOption:
 
 
 def names_in(module: str, table: str) -> Callable[[], tuple[str, ...]]:
-    """The names in a table of a module, which is imported when the command's parser is made."""
+    """A function that lists the names in a table of a module, which is only imported when the parser is made."""
     return lambda: tuple(getattr(import_module(module), table))
 
 
 def read_by(parse: Callable[..., _T], *more: Any) -> Callable[[str], _T]:
-    """`parse` as argparse takes it: what it raises becomes the complaint about the option."""
+    """`parse` as a type of argparse: the ValueError that it raises becomes the complaint about the option."""
 
     def read(text: str) -> _T:
         try:
@@ -118,17 +117,14 @@ def read_by(parse: Callable[..., _T], *more: Any) -> Callable[[str], _T]:
     return read
 
 
-def exactly(what: str) -> Callable[[str], Fraction]:
-    """A reader of exact numbers, named `what` in its complaints."""
-    return read_by(parse_rational, what)
-
-
+# Readers of exact values; the name of a number in complaints is the argument of `exactly`.
+exactly = partial(read_by, parse_rational)
 nonzero_step = read_by(step_of)
 initial_state = read_by(state_of)
 
 
 def integer_in(least: int, most: int, what: str) -> Callable[[str], int]:
-    """A reader of whole numbers from `least` to `most`, which count `what`: "digits", say."""
+    """A reader of whole numbers from `least` to `most` that count `what`, such as "digits"."""
 
     def parse(text: str) -> int:
         if not (text.isascii() and text.isdigit() and len(text) < 9 and least <= int(text) <= most):
@@ -154,16 +150,16 @@ def positive_number(what: str) -> Callable[[str], float]:
 
 
 def several(read: Callable[[str], Any]) -> Callable[[str], list[Any]]:
-    """A reader of values that commas part."""
+    """A reader of a list of values, separated by commas."""
     return lambda text: [read(part.strip()) for part in text.split(",")]
 
 
 def format_option(choices: str, words: str | None = "json is canonical") -> CommandOption:
-    """--format; the first choice is the default."""
+    """The option --format, whose first choice is the default."""
     return option("--format", words, choices=choices.split(), default=choices.split()[0])
 
 
-# What several commands take; each says in its own words what it is for.
+# Options that several commands have; each command words their help for itself.
 METHOD = option("method", "a key that `driftproof methods` lists, e.g. rk4")
 TEXT_OR_JSON = format_option("text json", "json is canonical, text is for you")
 flag = partial(option, action="store_true")
@@ -180,7 +176,7 @@ time_limit_option = partial(option, "--time-limit", type=positive_number("time l
 
 
 def answer_of(name: str, options: argparse.Namespace) -> str:
-    """What the function of driftproof of this name answers to the options, in the form that is asked for."""
+    """Call the public function `name` of driftproof with the options, and return its answer in their --format."""
     import driftproof
 
     given = {option: value for option, value in vars(options).items() if option != "format"}

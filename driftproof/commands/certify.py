@@ -1,4 +1,4 @@
-"""`driftproof certify`: the true error of somebody's trajectory, enclosed, from a function and a file."""
+"""`driftproof certify`: an enclosure of the true error of a trajectory, from a function and a file."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from driftproof.support.plain_text import as_json
 
 @cli.read_by
 def _step(text: str) -> Fraction:
-    """A step: exact, or the double that hexadecimal digits spell."""
+    """A step size: an exact number, or the double that a hexadecimal float spells."""
     from driftproof.enclosure.trajectories import float_of_text
     from driftproof.methods.rationals import parse_rational
 
@@ -33,7 +33,7 @@ def _step(text: str) -> Fraction:
 )
 def certify_command(options: Namespace) -> str:
     """Enclose the true error of a float trajectory of y' = f(t, y), from any solver in any language.
-    The true solution starts from the first point of the file as it stands there.
+    The true solution starts exactly at the first point of the file.
 
     examples:
       driftproof certify mylib.models:pendulum run.csv
@@ -41,24 +41,24 @@ def certify_command(options: Namespace) -> str:
       driftproof certify pendulum.toml run.csv --figure error.svg --format json
 
     what f may be:
-      module:f        your own Python function f(t, y), unchanged: arithmetic, math and NumPy; found from here
+      module:f        your own Python function f(t, y), unchanged: arithmetic, math, NumPy; imported from this folder
       'y1; -sin(y0)'  a rate for each component in t, y0, y1, ...; with sin, cos, exp, log, sqrt; numbers are exact
       file.toml       rates = ["y1", "-g * sin(y0)"], and [parameters] with g = "9.81"
     f runs in this process, as in your own tests: it is your code, and Ctrl-C stops it.
 
     what the file holds:
-      .csv   a line for each time: t, then the components; parted by commas, semicolons or blanks. One line of names
-             first, and lines that begin with #, are passed over. Write decimals of 17 digits (Fortran's 1.5D0 is
-             understood), or hexadecimal floats such as 0x1.8p+0, as C and C++ print with %a, to the last bit.
+      .csv   a line for each time: t, then the components, separated by commas, semicolons or blanks. A first line of
+             names is skipped, and so are lines that begin with #. Write decimals of 17 digits (Fortran's 1.5D0 is
+             understood), or hexadecimal floats such as 0x1.8p+0, as C and C++ print with %a, which keep every bit.
       .npz   the arrays t and y (or ts and ys), a row or a column for each time
 
-    With --method, total = truncation + rounding, each enclosed: the method is run exactly on the steps of the run, from
-    point to point, or of size --h. Points that are no steps of the method are refused.
-    With --invariant, the drift of a quantity that the solution keeps, split likewise: energy='y1^2/2 - cos(y0)', or
+    With --method, total = truncation + rounding, each enclosed: the method is run exactly on the steps of the run,
+    which lead from point to point, or have the size --h. Points that are not steps of the method are refused.
+    With --invariant, the drift of a first integral is enclosed, split likewise: energy='y1^2/2 - cos(y0)', or
     oscillator_energy, pendulum_energy, kepler_energy, angular_momentum, henon_heiles_energy.
 
-    exit status: 0 if enclosed, and within --tolerance if there is one; 1 if beyond it; 2 if the question makes no
-    sense; 3 if nothing can be proved, with the reason: a pole ahead, a branch that is reached, no proof of a step.
+    exit status: 0 if the error is enclosed, and within --tolerance if that is given; 1 if it exceeds --tolerance; 2 if
+    the question makes no sense; 3 if nothing can be proved, with the reason, such as a pole or a step without proof.
     """
     from driftproof.blackbox.stepper.opening import imported
     from driftproof.enclosure.certify import certify, within
@@ -75,8 +75,8 @@ def certify_command(options: Namespace) -> str:
         within_it = {} if options.tolerance is None else {"tolerance": repr(options.tolerance), "within": good}
         written = as_json(found.record() | within_it)
     else:
-        told = f"{'within' if good else 'BEYOND'} the tolerance {options.tolerance}" if options.tolerance else ""
-        written = "\n".join(filter(None, [found.text(), told, f"wrote {drawn}" if drawn else ""]))
+        verdict = f"{'within' if good else 'BEYOND'} the tolerance {options.tolerance}" if options.tolerance else ""
+        written = "\n".join(filter(None, [found.text(), verdict, f"wrote {drawn}" if drawn else ""]))
     if not good:
         raise cli.Refuted(written)
     return written

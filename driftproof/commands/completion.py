@@ -1,4 +1,4 @@
-"""`driftproof completion`: scripts with which a shell completes commands, options, their choices and names."""
+"""`driftproof completion`: scripts that let bash, zsh and fish complete commands, options, their choices and names."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ def completion_command(options: Namespace) -> str:
 
 
 def _completed(name: str) -> Iterator[tuple[str, Sequence[str]]]:
-    """Option -> what may follow it; "" -> the options of the command, and the names that it takes."""
+    """Pairs of an option and the words that may follow it; "" comes with the command's options and own arguments."""
     actions, own = command_named(name).parser("")._actions, list[str]()
     names = _names()
     for action in actions:
@@ -55,17 +55,15 @@ def _completed(name: str) -> Iterator[tuple[str, Sequence[str]]]:
 
 
 def _names() -> dict[str, Sequence[str]]:
-    """By what an option or an argument is called, the names that it takes."""
+    """The names that each option or argument takes, by its own name."""
     from driftproof.methods.catalogue import FACTS_ONLY, METHODS
     from driftproof.numeric.problems.catalogue import PROBLEMS
     from driftproof.numeric.scenes import PRESETS
 
-    methods, scenes = (*METHODS, *FACTS_ONLY), tuple(PRESETS)
     return {
-        "method": methods,
-        "methods": methods,
-        "problem": (*PROBLEMS,),
-        **dict.fromkeys(("scene", "scenes", "name"), scenes),
+        **dict.fromkeys(("method", "methods"), (*METHODS, *FACTS_ONLY)),
+        **dict.fromkeys(("scene", "scenes", "name"), tuple(PRESETS)),
+        "problem": tuple(PROBLEMS),
     }
 
 

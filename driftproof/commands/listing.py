@@ -1,4 +1,4 @@
-"""Every command: its module here, what it is for, and what a script may call it."""
+"""The list of commands, with the module of each and a line of description, and their aliases."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from driftproof import TYPE_CHECKING
 if TYPE_CHECKING:
     from driftproof.commands.arguments import Command
 
-# Command -> the module of driftproof.commands that has it, and what it is for.
+# Command -> the module of driftproof.commands that has it, and its line in `driftproof --help`.
 COMMANDS = {
     "methods": ("methods", "list the methods, and the families with a free parameter"),
     "facts": ("methods", "every exact fact of a method or of a family of methods"),
@@ -29,12 +29,12 @@ COMMANDS = {
     "diff": ("values", "what changed between two files of values: value, digits or wording"),
     "completion": ("completion", "a script that completes commands and options in bash, zsh or fish"),
 }
-# What a script may call a command: the command, and the words that come first.
+# Alias -> the command, and arguments that are put before those given.
 ALIASES = {"scenes": ("scene",), "values": ("value", "--only", "*")}
 
 
 def command_named(name: str) -> Command:
-    """The command, its module imported now. Raises ValueError, with the names nearest to it, if there is none."""
+    """Import and return the command. Raises ValueError, with the names nearest to it, for one that does not exist."""
     from importlib import import_module
 
     from driftproof.support.plain_text import did_you_mean

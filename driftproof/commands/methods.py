@@ -1,4 +1,4 @@
-"""`driftproof methods`, `facts` and `derive`: the catalogue, every exact fact of a method, and how some come about."""
+"""`driftproof methods`, `facts` and `derive`: the catalogue, the exact facts of a method, and derivations of some."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from pathlib import Path
 
 from driftproof.commands import arguments as cli
 
-# For most methods a second; those with irrational coefficients take minutes.
+# Terms of a series: this many take a second for most methods, and minutes for those with irrational coefficients.
 MOST_TERMS = 1000
 
 
@@ -58,7 +58,7 @@ def facts_command(options: Namespace) -> str:
       driftproof facts rk4
       driftproof facts rk4 --all
       driftproof facts rk4 --only order,stability_function,imaginary_limit
-      driftproof facts rk4 --system '0 1; -1 -1/10'            on z' = Az: R(hA), its determinant, limits of h
+      driftproof facts rk4 --system '0 1; -1 -1/10'            on z' = Az: R(hA), its determinant, limits on h
       driftproof facts sdirk_order_2                           a family, as a function of its parameter
       driftproof facts sdirk_order_2 --at '1 - sqrt(2)/2'      one member of it
       driftproof facts tsitouras54 --only order,order_fails --order-tolerance 1e-12
@@ -72,7 +72,7 @@ def facts_command(options: Namespace) -> str:
     tableau.toml:
       family = "runge_kutta"            or splitting, nystrom, collocation, multistep, rosenbrock, additive
       A = [[0, 0], ["2/3", 0]]
-      b = ["1/4", "3/4"]                c may be left out: then the row sums of A
+      b = ["1/4", "3/4"]                c may be left out; it is then the row sums of A
       [roots]                           if coefficients need one, e.g. s3 = "sqrt(3)"; then write "1/4 - s3/6"
     """
     from driftproof.reports.fact_sheet import MethodFacts, facts
@@ -96,7 +96,7 @@ def facts_command(options: Namespace) -> str:
     cli.format_option("text tex json", "text, TeX to paste, or json"),
 )
 def derive_command(options: Namespace) -> str:
-    """Derive what a method with rational coefficients does to q' = v, v' = -q, line by line, in the symbol h:
+    """Derive the behaviour of a method with rational coefficients on q' = v, v' = -q, line by line, in the symbol h:
     one-step matrix, determinant, energy multiplier, invariant, roots, phase and stability limit.
 
     examples:

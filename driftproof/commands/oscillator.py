@@ -1,4 +1,4 @@
-"""`driftproof step`, `run` and `roundoff`: the oscillator's step and runs, exactly, and what rounding may add."""
+"""`driftproof step`, `run` and `roundoff`: exact steps and runs on the oscillator, and bounds on rounding errors."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def step_command(options: Namespace) -> str:
 )
 def run_command(options: Namespace) -> str:
     """Take t/h steps exactly and certify the final state, its errors, energy and phase.
-    Long runs are answered by repeated squaring: ten million steps take a moment.
+    Long runs are computed by repeated squaring: ten million steps take a moment.
 
     examples:
       driftproof run forward_euler --h 1/4 --t 10 --digits 30
@@ -52,9 +52,9 @@ def run_command(options: Namespace) -> str:
     cli.TEXT_OR_JSON,
 )
 def roundoff_command(options: Namespace) -> str:
-    """Derive the rounding bound of one step from its own program: as a formula, to first order and in full,
-    and in units of u at the step sizes asked for. It bounds the distance to the definition's exact step;
-    where the program rounds coefficients, also that to the step with the coefficients that it holds.
+    """Derive the rounding bound of one step from its program: as a formula, to first order and in full,
+    and in units of u at the given step sizes. It bounds the distance to the exact step of the method's definition;
+    if the program rounds coefficients, also the distance to the exact step with the rounded coefficients.
 
     examples:
       driftproof roundoff rk4

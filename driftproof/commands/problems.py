@@ -16,7 +16,7 @@ from driftproof.commands import arguments as cli
     cli.TEXT_OR_JSON,
 )
 def stability_command(options: Namespace) -> str:
-    """Which steps methods can take on a stiff or extreme problem, where runs end, and what is expected.
+    """Show which steps methods can take on a stiff or extreme problem, where their runs end, and what is expected.
 
     examples:
       driftproof stability                                        lists the problems
@@ -24,8 +24,8 @@ def stability_command(options: Namespace) -> str:
       driftproof stability dahlquist_1e3 --h 1/500,1/256 --methods forward_euler,rk4,backward_euler
       driftproof stability kepler_eccentric --methods rk4,velocity_verlet,yoshida4 --format json
 
-    On a linear problem y' = Ay the verdicts are proved, at exactly the double h that is run, read as a fraction. The
-    largest step is also found by bisection on the float step itself. On any other problem, what was seen is said.
+    On a linear problem y' = Ay the verdicts are proved, for the exact value of the double h that is run. The largest
+    step is also found by bisection on the float step itself. On any other problem the verdicts are observations.
 
     your own problem, in mine.toml, whose true solution is enclosed to 20 digits:
       title = "A pendulum of 1 m"
@@ -33,9 +33,9 @@ def stability_command(options: Namespace) -> str:
       start = ["1/2", "0"]                  at t = 0
       end = "10"
       energy = "y1^2/2 - g * cos(y0)"       may be left out, as may the title
-      parameters.g = "9.81"                 a number, or an expression such as "2*pi*f" in pi and parameters before it
+      parameters.g = "9.81"                 a number, or an expression such as "2*pi*f" in pi and earlier parameters
     or by names: rates.x = "v", rates.v = "-g * sin(x)", start.x = "1/2", start.v = 0; a single unknown is also called y
-    in the place of rates: function = "mylib.models:pendulum", your own f(t, y), parameters being its keywords
+    instead of rates: function = "mylib.models:pendulum", your own f(t, y), with the parameters as keyword arguments
     """
     return cli.answer_of("stability", options)
 
@@ -59,7 +59,7 @@ def stability_command(options: Namespace) -> str:
     cli.TEXT_OR_JSON,
 )
 def work_precision_command(options: Namespace) -> str:
-    """What error methods reach on a problem, at how many evaluations of f, in what time.
+    """Measure the errors that methods reach on a problem, against evaluations of f and against run time.
 
     examples:
       driftproof work-precision --methods rk4,velocity_verlet --time-limit 0.01
@@ -67,19 +67,19 @@ def work_precision_command(options: Namespace) -> str:
 
     Without any argument: seven methods on the harmonic oscillator, in about twenty seconds.
 
-    Each method runs at numbers of steps that double, until rounding is all that is left of its error. Errors are formed
-    exactly, against digits that are certified; evaluations of f are counted. Explicit pairs, Gauss's methods and Radau
-    IIA also run in controlled steps, at tolerances from 1e-3 to 1e-13. Times are of one trajectory, compiled
-    (extra `fast`) and in plain Python, and of one state of an ensemble; they are measured in turns, in random order.
+    Each method runs with doubling numbers of steps, until only rounding is left of its error. Errors are computed
+    exactly, from certified digits of the solution; evaluations of f are counted. Explicit pairs, Gauss methods and
+    Radau IIA also run with step-size control, at tolerances from 1e-3 to 1e-13. Times are of one trajectory, compiled
+    (extra `fast`) and in plain Python, and of one state of an ensemble; methods are timed in turns, in random order.
 
-    A method is dominated when each of its points is beaten by a point of another with no more error for no more cost.
+    A method is dominated if each of its points is beaten by a point of another method, of no larger error or cost.
 
     -o writes into the folder
       errors.json                errors, evaluations, measured orders: the same in every run
       times.json                 all that was measured in seconds, with machine and versions
-      work_precision.csv         both, one row a point
+      work_precision.csv         both, in one row for each point
       work_precision_state.svg   the figures: state, energy, phase
-      points.json                what an interrupted study goes on from
-    --peers runs scipy, diffrax, heyoka or torchdiffeq beside ours (extra `peers`), at tolerances from 1e-3 to 1e-13.
+      points.json                the points from which an interrupted study is resumed
+    --peers also runs scipy, diffrax, heyoka or torchdiffeq (extra `peers`), at tolerances from 1e-3 to 1e-13.
     """
     return cli.answer_of("work_precision", options)

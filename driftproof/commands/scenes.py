@@ -1,4 +1,4 @@
-"""`driftproof scene`, `sweep` and `report`: float runs as a scene describes them, one or many, or a page."""
+"""`driftproof scene`, `sweep` and `report`: the float runs of a scene, a grid of them, or a page about them."""
 
 from __future__ import annotations
 
@@ -29,8 +29,8 @@ def scene_command(options: Namespace) -> str:
       driftproof scene default --figures pictures/
       driftproof scene mine.toml
 
-    With problem = "kepler", say, a scene is of that problem, one that `driftproof stability` lists or a .toml file of
-    your own (`driftproof stability --help` shows one), in place of start, certified and figures.
+    A scene may have a problem instead of start, certified and figures: problem = "kepler", say, one that `driftproof
+    stability` lists, or a .toml file of your own (`driftproof stability --help` shows one).
 
     mine.toml:
       selected = "rk4"                  the method whose readouts are shown
@@ -38,7 +38,7 @@ def scene_command(options: Namespace) -> str:
       t = 10
       start = [1, 0]
       readouts = ["state_error", "evaluations"]
-      certified = ["phase_error"]       to any number of --digits, by the exact side
+      certified = ["phase_error"]       computed exactly, to as many digits as --digits asks for
       methods = ["rk4", "velocity_verlet"]
       panels = ["table"]                table, position, phase_plane; for a report also work_precision, stability
     """
@@ -69,11 +69,11 @@ def sweep_command(options: Namespace) -> str:
     examples:
       driftproof sweep default --h 1/4,1/8,1/16 --methods rk4,velocity_verlet
       driftproof sweep default --h 1/8,1/16 --t 10,20 --state 1,0 --state 0,1 --format json
-      driftproof sweep default --methods rk4 --h 1/4,1/8 -o answers.jsonl      run it again to go on where it stopped
+      driftproof sweep default --methods rk4 --h 1/4,1/8 -o answers.jsonl      run it again to resume where it stopped
 
-    The grid has a point for each combination, --h varying fastest; what is not given is as in the scene. A run that
-    overflows, or an h that does not divide t, is answered by its message. Nothing in the result depends on --workers,
-    or on --cluster tcp://HOST:8786, the scheduler of a dask cluster (extra: pip install 'driftproof[cluster]').
+    The grid has a point for each combination, --h varying fastest; what is not given is as in the scene. For a run that
+    overflows, or an h that does not divide t, the answer is a message. The result does not depend on --workers, nor on
+    --cluster tcp://HOST:8786, the scheduler of a dask cluster (extra: pip install 'driftproof[cluster]').
     """
     return cli.answer_of("sweep", options)
 
@@ -94,10 +94,10 @@ def report_command(options: Namespace) -> str:
       driftproof report kepler --methods rk4,velocity_verlet -o report.html
       driftproof report stiff -o report.html            stiff problems, and which steps methods can take on each
 
-    The page is one file that loads nothing, with figures, tables and the numbers behind them; it runs no script. It has
+    The page is one file without scripts or external resources, with figures, tables and the numbers behind them. It has
     the panels that the scenes name: table, position, phase_plane, work_precision, stability (`driftproof scene --help`
-    shows a scene). A problem (`driftproof stability --help` shows one) has the errors of methods against their work,
-    and the steps that they can take. The same scenes make the same bytes; printed, everything is shown.
+    shows a scene). For a problem (`driftproof stability --help` shows one) it has the errors of methods against their
+    work, and the steps that they can take. The same scenes give the same bytes; a printed page shows everything.
     """
     import driftproof
 

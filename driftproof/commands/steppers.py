@@ -1,4 +1,4 @@
-"""`driftproof identify` and `verify`: which method a float stepper is, and whether it is the one its name says."""
+"""`driftproof identify` and `verify`: which method a float stepper is, and whether it is the given one."""
 
 from __future__ import annotations
 
@@ -32,8 +32,10 @@ TARGET = (
     ),
 )
 HELD_TO = partial(cli.option, "--method")
-# What only a stepper that is held to a method is asked for.
-WITH_A_METHOD = ("examples", "extremes", "step_in_binary32", "velocity_from_positions", "flush_to_zero")
+# Options that only apply to a stepper that is held to a method, and those that do not apply to a whole solver.
+ALLOWANCES = ("step_in_binary32", "velocity_from_positions", "flush_to_zero", "solver_tolerance")
+WITH_A_METHOD = ("examples", "extremes", *ALLOWANCES)
+WITH_A_STEPPER = ("calls", "array", *WITH_A_METHOD)
 
 
 @cli.command(
@@ -44,7 +46,7 @@ WITH_A_METHOD = ("examples", "extremes", "step_in_binary32", "velocity_from_posi
     ),
 )
 def identify_command(options: Namespace) -> str:
-    """Read a stepper from outside and say which method it is, of which order, and what it does besides.
+    """Examine a stepper as a black box and say which method it is, of which order, and what else it does.
 
     examples:
       driftproof identify mylib.integrators:step
@@ -57,46 +59,47 @@ def identify_command(options: Namespace) -> str:
       step(force, q, v, h) -> (q1, v1)     q'' = force(q)
       step(f, t, y, h) -> y1               y' = f(t, y); also without t; or (y1, error), (y1, y1_hat), (y1, dense)
       step(f, jac, t, y, h) -> y1          a Rosenbrock method; step(f_explicit, f_implicit, t, y, h): an IMEX one
-    An object with a state, a method that advances it and a force that it calls, or that is given to it, is made one by
+    An object with a state, a method that advances it, and a force that it calls or is given, is made a stepper by
       from driftproof import stepper_of
       step = stepper_of(lambda force: Body(acceleration=force), position="x", velocity="v", advance="update")
       step = stepper_of(Body, position="x", velocity="v", push="apply_force", advance="update")
-    (field_stepper_of for y' = f(t, y)). What remembers is read from runs. Wrap anything else in two lines.
-    It runs in an isolated process: a crash is a finding, a hang is told.
+    (field_stepper_of for y' = f(t, y)). A stepper that remembers earlier steps is read from whole runs. Wrap anything
+    else in a function of two lines. The stepper runs in an isolated process; the report says if it crashes or hangs.
 
-    With --method it is held to that method: `driftproof verify --help` says what is looked at, and what is allowed for.
+    With --method the stepper is held to that method: `driftproof verify --help` says what is checked and allowed for.
 
-    exit status: 1 if it gives no answer, 3 if the time is over before anything is decided.
+    exit status: 0 with an answer, 1 if the stepper gives none, 3 if the time is over before anything is decided.
     """
     if not options.solver:
         return _examined(options)
     from driftproof.blackbox.solvers.identify_solver import identify_solver
 
+    _refuse(options, WITH_A_STEPPER, "a stepper, not for a whole solver")
     report = identify_solver(options.step, time_limit=options.time_limit)
-    return _told(report, report.answered, options)
+    return _written(report, report.answered, options)
 
 
 @cli.command(*TARGET, HELD_TO("a key that `driftproof methods` lists, boris, or a .toml file", required=True))
 def verify_command(options: Namespace) -> str:
     """Hold a stepper to a method: its coefficients, its rounding errors against a derived bound, its order.
-    The bound holds for the definition's sums and products in any order, fused or not. Of a step(q, v, h) that has its
-    system built in, the step of q'' = -q is all that is seen, and all that is said. Implicit stages of a
-    step(f, t, y, h) are read to what their solver leaves, and the report says how much that is.
+    The bound holds for the definition's sums and products in any order, fused or not. For a step(q, v, h) with its
+    system built in, only the step of q'' = -q can be seen, and the verdict is about that step alone. Implicit stages of
+    a step(f, t, y, h) are read up to the residual that their solver leaves, whose size the report states.
 
     examples:
       driftproof verify mylib.integrators:step --method velocity_verlet
       driftproof verify mylib.integrators:rk_step --method tableau.toml --examples 5000
       driftproof verify mylib.implicit:step --method backward_euler --solver-tolerance 1e-10
 
-    exit status: 0 if it agrees, 1 if it does not, 2 if the question makes no sense, 3 if it is undecided: what was not
-    seen, and what would decide it, stands in the report.
+    exit status: 0 if it agrees, 1 if it does not, 2 if the question makes no sense, 3 if it is undecided: the report
+    then says what was not seen, and what would decide it.
     `driftproof identify --help` says what a stepper may look like.
     """
     return _examined(options)
 
 
 def _examined(options: Namespace) -> str:
-    """What the stepper is; or whether it is the method, where one is named. Raises Refuted, Undecided, ValueError."""
+    """The report of `identify`, or of `verify` if a method is given. Raises Refuted, Undecided or ValueError."""
     from driftproof.blackbox.identify import identify
     from driftproof.blackbox.judging.agreement import EXAMPLES, Domain
     from driftproof.blackbox.judging.tolerance import Allowance
@@ -104,24 +107,26 @@ def _examined(options: Namespace) -> str:
 
     how = {name: getattr(options, name) for name in ("calls", "array", "time_limit")}
     if options.method is None:
-        if asked := [name for name in WITH_A_METHOD if getattr(options, name)]:
-            raise ValueError(f"--{asked[0].replace('_', '-')} is for a stepper that is held to a method: --method")
+        _refuse(options, WITH_A_METHOD, "a stepper that is held to a method: --method")
         report = identify(options.step, **how)
-        return _told(report, report.answered, options)
+        return _written(report, report.answered, options)
     if options.solver_tolerance is not None and options.solver_tolerance < 0:
         raise ValueError(f"solver tolerance {options.solver_tolerance} is below zero")
     smallest = {"smallest_step": 0.0, "smallest_state": 0.0} if options.extremes else {}
     domain = Domain(options.largest_step, options.largest_state, **smallest)
-    allowance = Allowance(
-        options.step_in_binary32, options.velocity_from_positions, options.flush_to_zero, options.solver_tolerance
-    )
+    allowance = Allowance(**{name: getattr(options, name) for name in ALLOWANCES})
     examples = options.examples or EXAMPLES
     report = verify(options.step, options.method, examples=examples, domain=domain, allowance=allowance, **how)
-    return _told(report, report.passed, options)
+    return _written(report, report.passed, options)
 
 
-def _told(report: Report, good: bool | None, options: Namespace) -> str:
-    """The report. Raises Refuted where the outcome is not good, Undecided where nothing was decided."""
+def _refuse(options: Namespace, names: tuple[str, ...], what: str) -> None:
+    if asked := [name for name in names if getattr(options, name)]:
+        raise ValueError(f"--{asked[0].replace('_', '-')} is for {what}")
+
+
+def _written(report: Report, good: bool | None, options: Namespace) -> str:
+    """The report as text. Raises Refuted with it if `good` is False, Undecided if `good` is None."""
     words = report.written(options.format, options.all)
     if not good:
         raise cli.Undecided(words) if good is None else cli.Refuted(words)

@@ -1,4 +1,4 @@
-"""`driftproof render` and `check`: a text from its template, and a text held to a file of claims."""
+"""`driftproof render` and `check`: a text rendered from its template, and a text checked against its claims."""
 
 from __future__ import annotations
 
@@ -22,11 +22,11 @@ def render_command(options: Namespace) -> str:
     examples:
       driftproof render lesson.md.j2
       driftproof render lesson.md.j2 -o lesson.html
-      driftproof render lesson.md.j2 --check          is lesson.md what it renders? else a diff, and status 1
+      driftproof render lesson.md.j2 --check          is lesson.md up to date? if not: a diff, and status 1
 
-    The name of the output says what it is: Markdown (.md, .markdown, .myst), HTML (.html, .htm) or TeX (.tex). In the
-    template, value("...") takes an id of `driftproof values` or a question of `driftproof value`, and | digits(6),
-    | places(3), | exact, | tex or | mathml say how it is written. docs/texts.md teaches the rest.
+    The ending of the output decides its kind: Markdown (.md, .markdown, .myst), HTML (.html, .htm) or TeX (.tex). In
+    the template, value("...") takes an id of `driftproof values` or a question of `driftproof value`, and | digits(6),
+    | places(3), | exact, | tex or | mathml decide how it is written. docs/texts.md teaches the rest.
 
     lesson.md.j2:
       q = {{ value("rk4.first_step.q") | digits(6) }}, which is {{ value("step rk4 h=1/2 : q") }}.
@@ -39,7 +39,7 @@ def render_command(options: Namespace) -> str:
         raise ValueError("--output names one file, and there are several templates; render them one by one")
     outputs, taken = [output_of(each, options.output) for each in options.templates], list[Path]()
     for out in outputs:
-        require_file(out)  # whose links, if they lead in a circle, cannot be resolved
+        require_file(out)  # first, because circular links cannot be resolved
         if out.resolve() in (*taken, *(template.resolve() for template in options.templates)):
             raise ValueError(f"{out} is already a template or an output here; name another with -o")
         taken.append(out.resolve())
@@ -70,29 +70,31 @@ def render_command(options: Namespace) -> str:
     cli.format_option("text json github"),
 )
 def check_command(options: Namespace) -> str:
-    """Hold a text to a file of claims: each phrase, with its values worked out and rounded here, has to stand
-    in the text exactly as often as it says. Reports line, column, expected and found, and the coverage.
+    """Hold a text to a file of claims: each phrase, with its values computed and rounded here, has to occur
+    in the text exactly as often as the claim says. Reports line, column, expected and found, and the coverage.
 
     examples:
-      driftproof check chapter.md --init                     claims drafted from the text, to be read and completed
+      driftproof check chapter.md --init                     draft claims from the text, to be read and completed
       driftproof check chapter.md --init --ask 'run rk4 rates=(-y0) from 1 h=0.1 N={1..10} : {y0,state_error}'
       driftproof check chapter.md --claims claims.toml
-      driftproof check book/                                  all texts in it that have claims beside them
+      driftproof check book/                                  all texts in it that have a file of claims
       driftproof check chapter.md --claims claims.toml --coverage
       driftproof check chapter.md --claims claims.toml --run --format github
 
-    A phrase stands as the text does, but for minus signs, kinds of space, ends of lines and raised or lowered digits,
-    and never inside a longer word or number. A value is an id or a question, which `driftproof value --help` teaches.
+    A phrase is written as in the text, but for minus signs, kinds of space, ends of lines and raised or lowered digits,
+    and never matches inside a longer word or number. A value is an id or a question; see `driftproof value --help`.
 
-    Read are plain text, Markdown, HTML, TeX and notebooks, by the file's ending: markup, comments, front matter and
-    attributes are left out. Numbers are integers, decimals, fractions, percentages, powers and what has an exponent;
-    words for numbers and growth are counted apart, and held where a claim says spelled. Labels by themselves are whole
-    numbers after a letter (RK4), indices (q₁), what follows Section, Figure and the like, versions, dates, numbers of
-    items, [1], addresses, arguments as in y(1), formats such as :.6f. MyST and macros of TeX are read as they are set.
+    The file's ending decides whether it is read as plain text, Markdown, HTML, TeX or a notebook; markup, comments,
+    front matter and attributes are left out. Numbers are integers, decimals, fractions, percentages, powers and numbers
+    with an exponent; words for numbers and growth are counted apart, and checked where a claim says spelled. Labels,
+    which need no claim, are whole numbers after a letter (RK4), indices (q₁), numbers after Section, Figure and the
+    like, versions, dates, numbers of items, [1], addresses, arguments as in y(1), and formats such as :.6f. MyST and
+    macros of TeX are read as they are typeset.
 
-    --init drafts what looks like our values, or like those that --ask names, each brace standing for its choices: a
-    number beside those that were chosen is the likelier. What it may only guess is a comment. Of a problem that the
-    text solves itself only --ask knows: --ask "error of Heun with h={1/10,1/20} at t=1 on y'=-y, y(0)=1".
+    --init drafts claims for numbers that look like the values driftproof knows, or like those that --ask names, where
+    braces stand for each of their choices; a value is likelier if its choices stand near the number. A mere guess
+    becomes a comment. A problem that the text itself solves has to be named:
+    --ask "error of Heun with h={1/10,1/20} at t=1 on y'=-y, y(0)=1".
 
     --run runs the Python listings of the text, in order, in one process without a shell, within the time limit and
     2 GiB, and compares what each prints with the block that follows it, or with the lines under "Expected output:".
@@ -105,9 +107,9 @@ def check_command(options: Namespace) -> str:
       coverage = "95%"                              # with fewer numbers covered it fails; format = "tex" is possible
       [[claim]]
       id = "rk4 state"
-      phrase = "the state is ({q}, {v}) after"      # stands once, or as often as count says
+      phrase = "the state is ({q}, {v}) after"      # occurs once, or as often as count says
       values = { q = "rk4.first_step.q", v = "step rk4 h=1/2 : v" }
-      exact = true                                  # or places = 6, or digits = 2; with none of them the number in full
+      exact = true                                  # or places = 6, or digits = 2; without any, the number in full
       [[claim]]
       id = "error at ten"
       phrase = "off by {value} at the end"
@@ -117,7 +119,7 @@ def check_command(options: Namespace) -> str:
       id = "steps"
       phrase = "takes {steps} steps of h = 0.25"
       values = { steps = "run rk4 h=1/4 t=10 : steps" }
-      given = "our choice of h"                     # why a number of the phrase is no value; true will do
+      given = "our choice of h"                     # why a number of the phrase is not computed; or just true
       [[claim]]
       id = "calls"
       phrase = "makes {value} calls"                # sixteen, a third; spelled = "trend": grows, shrinks, by the sign

@@ -1,4 +1,4 @@
-"""`driftproof value` and `diff`: numbers for a text, asked for, published, and compared with older ones."""
+"""`driftproof value` and `diff`: numbers for a text, computed or published, and compared with older ones."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from pathlib import Path
 
 from driftproof.commands import arguments as cli
 
-# The formats of one answer, and those that only a table of published values has.
+# The formats of one answer, and those that are only for a table of published values.
 OF_ONE, OF_SEVERAL = ("text", "json", "tex", "mathml", "md"), ("csv", "js")
 
 
@@ -23,7 +23,7 @@ OF_ONE, OF_SEVERAL = ("text", "json", "tex", "mathml", "md"), ("csv", "js")
     cli.option("--only", "print the published values whose ids match", metavar="PATTERN"),
 )
 def value_command(options: Namespace) -> str:
-    r"""Answer one question exactly, and print the number as a text wants it: digits, rounding, style.
+    r"""Answer one question exactly, and print the number in the form that a text needs: digits, rounding, style.
 
     what can be asked, with [optional parts] and any of a|b:
       ID                                                       a published value, as `driftproof values` lists them
@@ -39,7 +39,7 @@ def value_command(options: Namespace) -> str:
       + - * / ** ( ) pi e abs sqrt exp ln log2 log10 cos sin   on all of these; ratio(a, b) = |a|/|b|, percent(a, b)
     METHOD is a key, a .toml file or what people call it: Heun, velocity Verlet. "error of Heun with h=0.1 at t=1 on
     y'=-y, y(0)=1", "local error of", "amplification factor of RK4 at z=-2" are understood, and error for state_error.
-    Of h, t and N (or steps), two make a run. A start not given is 1,0. phase_error may end in deg, rad or turns.
+    Give two of h, t and N (or steps) for a run. The default start is 1,0. phase_error may end in deg, rad or turns.
 
     examples:
       driftproof value rk4.first_step.q --digits 6
@@ -55,7 +55,7 @@ def value_command(options: Namespace) -> str:
       driftproof value --only '*' --format tex         definitions for \driftproof{id}: save it as values.tex
 
     With --digits or --places only the number is printed, ready for a text. A tie is refused unless --rounding says what
-    it becomes; tofixed does what JavaScript's toFixed does, away is for bounds. docs/language.md has the whole of it.
+    it becomes; tofixed does what JavaScript's toFixed does, away is for bounds. docs/language.md has the full language.
     """
     from dataclasses import replace
 
@@ -84,6 +84,8 @@ def _published(options: Namespace) -> str:
     form = options.format or "json"
     if options.question is not None:
         raise ValueError("--only is for published values; leave out the question")
+    if given := [name for name in ("digits", "places", "rounding") if getattr(options, name) is not None]:
+        raise ValueError(f"--only prints the published values as they are; leave out --{given[0]}")
     if form not in VALUE_FORMATS:
         raise ValueError(f"--format {form} is for one value; of several there are {', '.join(VALUE_FORMATS)}")
     return render_values(published_values(options.only), form)
@@ -95,7 +97,7 @@ def _published(options: Namespace) -> str:
     cli.format_option("text json github", "text, json, or annotations for github"),
 )
 def diff_command(options: Namespace) -> str:
-    """Compare two files of values: what changed in value, what only in digits or wording, what is new and what is gone.
+    """Compare two files of values: which changed in value, which only in digits or wording, which are new or gone.
 
     examples:
       driftproof diff old.json new.json

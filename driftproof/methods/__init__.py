@@ -1,1 +1,1 @@
-"""What the integrators are: exact data, one program text each, one parser of exact numbers."""
+"""Integration methods as exact data: definitions, published tables, readers of users' files, and program texts."""

@@ -1,4 +1,4 @@
-"""Additive Runge-Kutta methods, IMEX pairs among them, for y' = f(y) + g(y): frozen, exact, validated data."""
+"""Additive (IMEX) Runge-Kutta methods for y' = f(y) + g(y), as frozen, exact, validated data."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ from driftproof.methods.schemes import RungeKutta, Staged
 class Additive(Staged):
     """Yᵢ = y + h Σⱼ (aᵢⱼ f(Yⱼ) + âᵢⱼ g(Yⱼ)), y₁ = y + h Σ (bᵢ f(Yᵢ) + b̂ᵢ g(Yᵢ)): f explicit, g diagonally implicit.
 
-    `a_explicit`, `b_explicit` are of f, `a_implicit`, `b_implicit` of g, with as many stages: a stage that one of them
-    has not is a row of zeros. Where f and g depend on t, stage i is at t + h times its row sum. The rows that end in
-    `_embedded`, of order `embedded_order`, are the second ones of a pair. Other fields as in `RungeKutta`
-    (ascher-ruuth-spiteri-1997). Raises MethodError.
+    `a_explicit` and `b_explicit` belong to f, `a_implicit` and `b_implicit` to g, with the same number of stages: a
+    stage that only one of them has is a row of zeros in the other. If f and g depend on t, stage i is at t + h times
+    its row sum. The rows `..._embedded`, of order `embedded_order`, are the second weights of a pair. Other fields as
+    in `RungeKutta` (ascher-ruuth-spiteri-1997). Raises MethodError.
     """
 
     matrices: ClassVar[tuple[str, ...]] = ("a_explicit", "a_implicit")
@@ -34,7 +34,7 @@ class Additive(Staged):
     decimal: bool = False
 
     def table(self, part: str) -> RungeKutta:
-        """The Runge-Kutta method of one part, "explicit" or "implicit": what the step is where the other is zero."""
+        """The Runge-Kutta method of one part, "explicit" or "implicit": the step if the other right-hand side is 0."""
         a, b = getattr(self, f"a_{part}"), getattr(self, f"b_{part}")
         words = (f"{self.key}, {part} part", f"{self.title}, {part} part", self.claimed_order, self.source)
         return RungeKutta(*words, a, b, tuple(map(total, a)), decimal=self.decimal)

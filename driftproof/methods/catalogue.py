@@ -1,4 +1,4 @@
-"""The methods by key. To add one, add an entry to the table of its family in `methods/tables`, and nothing else.
+"""The catalogue of methods by key. To add a method, add an entry to its family's file in `methods/tables`.
 
 >>> from driftproof import METHODS
 >>> METHODS["rk4"].title
@@ -26,29 +26,29 @@ TABLES = (
     *("basic", "explicit", "stabilised", "embedded", "high_order_pairs", "decimal_pairs", "implicit"),
     *("diagonally_implicit", "collocation", "splittings", "decimal_splittings", "nystrom"),
 )
-# Those of methods whose step is no map of one state by f alone: they have facts, and are not run, read or identified.
+# The tables of methods whose step takes more than one state and f: there are facts of them, but no runs or derivations.
 TABLES_OF_FACTS = ("multistep", "rosenbrock", "additive")
 FactsOnly: TypeAlias = Multistep | Rosenbrock | Additive
 _Entry = TypeVar("_Entry")
 
-# What is written behind the key of a pair for the method that propagates its other row of weights.
+# Appended to the key of a pair for the method that propagates its embedded weights.
 EMBEDDED_SUFFIX = "_embedded"
 
 
 class Catalogue(Mapping[str, _Entry], Generic[_Entry]):
-    """The methods of the tables by key. Tables are read one after the other, no further than to the key asked for.
+    """The methods of the tables by key. Tables are imported one after the other, until the key is found.
 
-    The other row of a pair has a key, too, fehlberg45_embedded; listed is the method of the row that `b` is.
+    The embedded weights of a pair have a key, too, such as fehlberg45_embedded, which iteration leaves out.
     """
 
     def __init__(self, tables: Iterable[str]) -> None:
-        """Nothing is read yet."""
+        """Take the names of the tables, without importing any."""
         self._unread = deque(tables)
         self._methods: dict[str, Any] = {}
         self._embedded: dict[str, Any] = {}
 
     def __getitem__(self, key: str) -> _Entry:
-        """The method. Raises KeyError."""
+        """The method with this key. Raises KeyError."""
         while key not in self._methods and self._unread:
             self._read_next()
         if key not in self._methods and key not in self._embedded:
@@ -66,7 +66,7 @@ class Catalogue(Mapping[str, _Entry], Generic[_Entry]):
         return iter(self._methods)
 
     def __len__(self) -> int:
-        """How many methods there are."""
+        """The number of methods."""
         return sum(1 for _ in self)
 
     def _read_next(self) -> None:
@@ -83,16 +83,16 @@ EXTENSIONS: Catalogue[ContinuousExtension] = Catalogue(["continuous"])
 
 
 def extensions_of(method: RungeKutta) -> tuple[ContinuousExtension, ...]:
-    """The continuous extensions of a method, those of the same tableau under another key among them."""
+    """The continuous extensions of a method, including those of the same tableau under another key."""
     tableau = (method.a, method.b, method.c)
     return tuple(each for each in EXTENSIONS.values() if (each.method.a, each.method.b, each.method.c) == tableau)
 
 
 def method_named(name: str) -> Method:
-    """The method with this key, or that people call so: "rk4", "Crank-Nicolson", or a title, case and hyphens aside.
+    """The method with this key, common name or title, such as "rk4" or "Crank-Nicolson", case and hyphens aside.
 
-    Raises ValueError for a word that may mean several methods, with their keys, and for one that means none or a method
-    that has facts only.
+    Raises ValueError for an unknown name, for one that several methods share, with their keys, and for a method of
+    which there are only facts.
 
     >>> method_named("semi-implicit Euler").key
     'symplectic_euler'
@@ -101,7 +101,7 @@ def method_named(name: str) -> Method:
 
 
 def of_one_state(method: Method | FactsOnly) -> Method:
-    """The method itself. Raises ValueError for one that has facts only."""
+    """Return the method. Raises ValueError if its step takes more than one state and f."""
     if isinstance(method, FactsOnly):
         raise ValueError(
             f"{method.key} is {method.kind}: there are facts of it (`driftproof facts`), and steppers are held to it "
@@ -111,7 +111,7 @@ def of_one_state(method: Method | FactsOnly) -> Method:
 
 
 def entry_named(name: str) -> Method | FactsOnly:
-    """The method that `method_named` finds, or one that has facts only. Raises ValueError."""
+    """The method that `method_named` finds, or one of which there are only facts. Raises ValueError."""
     keys = keys_of_name(name)
     entries: list[Method | FactsOnly] = [METHODS[key] if key in METHODS else FACTS_ONLY[key] for key in keys]
     if len(entries) == 1:
@@ -124,7 +124,7 @@ def entry_named(name: str) -> Method | FactsOnly:
 
 
 def keys_of_name(name: str) -> tuple[str, ...]:
-    """The keys of the entries that a key, a title or another name may mean: none for a name that is unknown."""
+    """The keys of the methods that a key, a title or another name may mean; () for an unknown name."""
     if name in METHODS or name in FACTS_ONLY:
         return (name,)
     return keys_called(name) or tuple(_keys_by_title().get(plain_name(name), ()))

@@ -1,4 +1,4 @@
-"""Continuous extensions of Runge-Kutta methods, the dense output of codes, as exact data.
+"""Continuous extensions of Runge-Kutta methods (dense output) as exact data.
 
 >>> from driftproof.methods.catalogue import EXTENSIONS
 >>> EXTENSIONS["bogacki_shampine32_hermite"].weights[0]
@@ -21,11 +21,11 @@ PolynomialInTheta = tuple[Exact, ...]
 
 @dataclass(frozen=True)
 class ContinuousExtension(Definition):
-    """y(t + θh) ≈ y + h Σ bᵢ(θ) kᵢ for 0 <= θ <= 1: what a code returns between its steps.
+    """The dense output y(t + θh) ≈ y + h Σ bᵢ(θ) kᵢ for 0 <= θ <= 1 of a Runge-Kutta method.
 
-    `a` and `c` are of all stages, those of `method` first and with them those that the extension adds; `weights` has
-    the polynomial bᵢ(θ) of each. `claimed_order` is the order that the source states for every θ. Other fields as in
-    `RungeKutta`. Raises MethodError where the stages of the method are not the first ones, or lengths differ.
+    `a` and `c` are of all stages: first those of `method`, then those that the extension adds. `weights` has the
+    polynomial bᵢ(θ) of each stage. `claimed_order` is the order that the source states for every θ. Other fields as in
+    `RungeKutta`. Raises MethodError if the first stages are not those of the method, or if lengths differ.
     """
 
     method: RungeKutta
@@ -34,7 +34,7 @@ class ContinuousExtension(Definition):
     weights: tuple[PolynomialInTheta, ...]
 
     def __post_init__(self) -> None:
-        """Refuse a table of which the method is not the first part."""
+        """Raise MethodError unless the lengths agree and the first stages are those of the method."""
         if {len(self.c), len(self.weights), *map(len, self.a)} != {len(self.a)}:
             raise MethodError(f"{self.key}: A, c and the weights need as many entries as there are stages")
         own = self.method.stages
@@ -43,12 +43,12 @@ class ContinuousExtension(Definition):
 
     @property
     def degree(self) -> int:
-        """The degree in θ."""
+        """The degree of the weights in θ."""
         return max(len(weight) for weight in self.weights) - 1
 
     @property
     def decimal(self) -> bool:
-        """True where coefficients of the method are rounded decimals."""
+        """True if coefficients of the method are rounded decimals."""
         return self.method.decimal
 
     @cached_property
@@ -57,7 +57,7 @@ class ContinuousExtension(Definition):
         return tuple(zip_longest(*self.weights, fillvalue=Fraction(0)))
 
     def step_to(self, theta: Fraction) -> RungeKutta:
-        """The method whose step of length θh ends where the extension is at θ: A/θ, b(θ)/θ and c/θ. θ is not 0."""
+        """The method (A/θ, b(θ)/θ, c/θ), whose step of size θh ends at the value of the extension; θ is not 0."""
         values = [sum((c * theta**k for k, c in enumerate(weight)), Fraction(0)) for weight in self.weights]
         part = 1 / theta
         a = tuple(tuple(x * part for x in row) for row in self.a)
@@ -67,9 +67,9 @@ class ContinuousExtension(Definition):
 
 
 def hermite(method: RungeKutta, source: str = "hairer-norsett-wanner-1993, II.6 (6.7)") -> ContinuousExtension:
-    """The cubic through y and y₁ with the slopes f(t, y) and f(t + h, y₁): of order 3 where the method has that order.
+    """The cubic through y and y₁ with the slopes f(t, y) and f(t + h, y₁): of order 3 if the method has that order.
 
-    The slope at the end is a stage of the method where its last one is that, else one more. Raises MethodError where
+    The slope at the end is added as a stage unless the last stage of the method is that slope. Raises MethodError if
     the first stage is not f(t, y).
     """
     if any(method.a[0]) or method.c[0]:
@@ -80,7 +80,7 @@ def hermite(method: RungeKutta, source: str = "hairer-norsett-wanner-1993, II.6 
         a, c = [*((*row, zero) for row in a), (*b, zero)], [*c, Fraction(1)]
         b = (*b, zero)
     last = len(b) - 1
-    # 3θ² - 2θ³ of y₁ - y, θ(1 - θ)² of the slope at the start, θ²(θ - 1) of that at the end.
+    # 3θ² - 2θ³ times y₁ - y, θ(1 - θ)² times the slope at the start, θ²(θ - 1) times the slope at the end.
     weights = [
         (Fraction(0), Fraction(i == 0), 3 * x - 2 * (i == 0) - (i == last), (i == 0) + (i == last) - 2 * x)
         for i, x in enumerate(b)

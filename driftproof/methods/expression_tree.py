@@ -1,4 +1,4 @@
-"""Expressions from users' text as trees: one tokenizer and one recursive-descent parser, in which nothing is evaluated.
+"""Users' expressions as trees: a tokenizer and a recursive-descent parser, which evaluate nothing.
 
 sum      = product (("+" | "-") product)*
 product  = factor (("*" | "/") factor)*
@@ -21,14 +21,15 @@ from typing import Any, ClassVar, NamedTuple, TypeAlias
 from driftproof.methods.rationals import parse_rational
 from driftproof.support.plain_text import shortened
 
+# Chosen far above published tableaux: the limits keep the time and the stack that reading takes small.
 LONGEST_EXPRESSION = 2000
-# An exact form of ours is never computed with, only written, and may be longer.
+# Exact forms that driftproof has written may be longer than what users type.
 LONGEST_FORM = 100_000
 DEEPEST_NESTING = 40
 LARGEST_POWER = 64
 LARGEST_POWER_OF_FORM = 9999
-# Of the reason of a refusal, which may hold a formula.
-_MOST_SAID = 500
+# Characters of the reason in an error message, which may contain a formula.
+_LONGEST_REASON = 500
 NUMBER, NAME, SIGN, END = "number", "name", "sign", "end"
 
 _TOKEN = re.compile(
@@ -40,17 +41,17 @@ _TOKEN = re.compile(
 
 
 class ExpressionError(ValueError):
-    """A text that is refused: the `text`, the 1-based `column` in it, and the `reason`, on one line."""
+    """An error in an expression: its `text`, the 1-based `column` in it, and the `reason`, on one line."""
 
     def __init__(self, text: str, column: int, reason: str) -> None:
-        """The line is "TEXT, column N: REASON"."""
+        """Make the message "TEXT, column N: REASON"."""
         self.text, self.column = text, column
-        self.reason = shortened(" ".join(reason.split()), _MOST_SAID)
+        self.reason = shortened(" ".join(reason.split()), _LONGEST_REASON)
         super().__init__(f"{shortened(' '.join(text.split()))!r}, column {column}: {self.reason}")
 
 
 class Token(NamedTuple):
-    """A piece of the text: its kind, its text, and the 1-based column at which it begins."""
+    """A token: its kind, its text, and the 1-based column at which it begins."""
 
     kind: str
     text: str
@@ -63,13 +64,13 @@ class Token(NamedTuple):
 
     @property
     def shown(self) -> str:
-        """How a refusal names it."""
+        """The token as an error message names it."""
         return "the end" if self.kind == END else repr(shortened(self.text))
 
 
 @dataclass(frozen=True)
 class NumberNode:
-    """A rational number written out."""
+    """A rational number."""
 
     column: int
     value: Fraction
@@ -85,7 +86,7 @@ class NameNode:
 
 @dataclass(frozen=True)
 class CallNode:
-    """A function of one or more numbers."""
+    """A call of a function with one or more arguments."""
 
     column: int
     function: str
@@ -94,7 +95,7 @@ class CallNode:
 
 @dataclass(frozen=True)
 class ChainNode:
-    """first (sign node)*, from the left, the signs being + and -, or * and /; each with its column."""
+    """The chain first (sign node)*, evaluated from the left, with signs + and - or * and /, each with its column."""
 
     column: int
     first: Any
@@ -103,7 +104,7 @@ class ChainNode:
 
 @dataclass(frozen=True)
 class NegatedNode:
-    """-node."""
+    """The negative of a node."""
 
     column: int
     node: Any
@@ -111,19 +112,19 @@ class NegatedNode:
 
 @dataclass(frozen=True)
 class PowerNode:
-    """base**exponent."""
+    """The power base**exponent, whose exponent is a rational number."""
 
     column: int
     base: Any
     exponent: Fraction
 
 
-# The leaves of a chain, a call, ... are nodes too, or those of a grammar that extends this one.
+# The parts of a chain, a call, ... are such nodes, or nodes of a grammar that extends this one.
 ExpressionNode: TypeAlias = NumberNode | NameNode | CallNode | ChainNode | NegatedNode | PowerNode
 
 
 class ExpressionParser:
-    """One pass over the tokens; each method reads what its name says, or refuses it in one line with a column."""
+    """A recursive-descent parser: each method reads the rule of its name and returns a node, or raises `refusal`."""
 
     what: ClassVar[str] = "an expression"
     example: ClassVar[str] = "write a number such as 1/4"
@@ -131,7 +132,7 @@ class ExpressionParser:
     tokens_are: ClassVar[re.Pattern[str]] = _TOKEN
 
     def __init__(self, text: str, longest: int = LONGEST_EXPRESSION, largest_power: int = LARGEST_POWER) -> None:
-        """Cut the text into tokens. Raises a `refusal` for a character that has no place, and for too long a text."""
+        """Cut the text into tokens. Raises `refusal` for a character that no token has, and for too long a text."""
         self.text, self.largest_power = text, largest_power
         if len(text) > longest:
             reason = f"{self.what} has at most {longest} characters, not {len(text)}"
@@ -140,7 +141,7 @@ class ExpressionParser:
         self.at = self.depth = 0
 
     def _cut_into_tokens(self) -> list[Token]:
-        """The tokens, an empty one of kind END last."""
+        """The tokens of the text, then an empty one of kind END."""
         text, at = self.text.replace("\N{MINUS SIGN}", "-"), 0
         found: list[Token] = []
         while at < len(text):
@@ -166,34 +167,34 @@ class ExpressionParser:
 
     @property
     def next(self) -> Token:
-        """The token to be read."""
+        """The next token, which stays the next one."""
         return self.tokens[self.at]
 
     def take(self) -> Token:
-        """The next token, used up; the end is never used up."""
+        """Consume the next token and return it; the token END is never consumed."""
         token = self.next
         self.at += token.kind != END
         return token
 
     def accept(self, *texts: str) -> Token | None:
-        """The next token if it is one of these signs or words, used up; else None."""
+        """Consume the next token and return it if it is one of these signs or words; otherwise return None."""
         return self.take() if self.next.text in texts else None
 
     def expect(self, text: str, what: str) -> Token:
-        """The sign `text`, used up."""
+        """Consume the sign `text` and return it. Raises `refusal` with the reason `what` if another token is next."""
         if self.next.text != text:
             raise self.error(self.next, f"{what}; {self.next.shown} stands there")
         return self.take()
 
     def sum(self) -> Any:
-        """Products added and subtracted."""
+        """Read products that are added and subtracted."""
         return self._chain(self._product, "+", "-")
 
     def _product(self) -> Any:
         return self._chain(self._factor, "*", "/")
 
     def _chain(self, read: Callable[[], Any], *signs: str) -> Any:
-        """What `read` reads, with the signs between."""
+        """Read operands by `read`, with one of the signs between two of them."""
         column, first = self.next.column, read()
         rest = []
         while sign := self.accept(*signs):
@@ -201,7 +202,6 @@ class ExpressionParser:
         return ChainNode(column, first, tuple(rest)) if rest else first
 
     def _factor(self) -> Any:
-        """A power with signs before it."""
         sign = self.accept("+", "-")
         if sign is None:
             return self._power()
@@ -209,7 +209,6 @@ class ExpressionParser:
         return NegatedNode(sign.column, node) if sign.text == "-" else node
 
     def _power(self) -> Any:
-        """An atom, raised to a small power if one follows."""
         column, base = self.next.column, self._atom()
         if not self.accept("**", "^"):
             return base
@@ -225,10 +224,10 @@ class ExpressionParser:
         return PowerNode(column, base, exponent)
 
     def _exponent(self) -> Fraction:
-        """An integer, or a decimal such as 0.5, of numerator and denominator within the largest power."""
+        """Read an integer, or a decimal such as 0.5; neither number nor denominator may exceed `largest_power`."""
         negative, token = self.accept("-"), self.take()
         try:
-            number = parse_rational(token.text)  # which refuses what is no number, and 1e999999999
+            number = parse_rational(token.text)  # raises ValueError for 1e999999999, too
         except ValueError:
             number = None
         if number is None or number > self.largest_power or number.denominator > self.largest_power:
@@ -237,7 +236,6 @@ class ExpressionParser:
         return -number if negative else number
 
     def _atom(self) -> Any:
-        """A number, what a name stands for, a function, or a sum in brackets."""
         token = self.take()
         if token.kind == NUMBER:
             return NumberNode(token.column, self.rational(token.text, token))
@@ -250,11 +248,11 @@ class ExpressionParser:
         return self._call(token) if self.accept("(") else self.named(token)
 
     def named(self, name: Token) -> Any:
-        """What begins with a name that is no function."""
+        """Return the node of a name that is not called; a grammar that extends this one may read on."""
         return NameNode(name.column, name.text)
 
     def _call(self, name: Token) -> CallNode:
-        """A function from after its bracket on."""
+        """Read the arguments of a function, from after the opening bracket."""
         arguments = [self.nested(self.sum)]
         while self.accept(","):
             arguments.append(self.nested(self.sum))
@@ -262,14 +260,14 @@ class ExpressionParser:
         return CallNode(name.column, name.text, tuple(arguments))
 
     def rational(self, text: str, token: Token) -> Fraction:
-        """The number that the text spells."""
+        """The number that the text of a token spells."""
         try:
             return parse_rational(text)
         except ValueError as error:
             raise self.error(token, str(error)) from None
 
     def nested(self, read: Callable[[], Any]) -> Any:
-        """One level deeper. Refuses depths at which Python's own stack would be at stake."""
+        """Call `read` one level deeper. Raises `refusal` below DEEPEST_NESTING, which protects Python's own stack."""
         self.depth += 1
         if self.depth > DEEPEST_NESTING:
             raise self.error(self.next, f"it is nested deeper than {DEEPEST_NESTING} levels")
@@ -278,19 +276,18 @@ class ExpressionParser:
         return node
 
     def error(self, token: Token, reason: str) -> ExpressionError:
-        """The refusal at a token."""
+        """The `refusal` to raise at a token."""
         return self.refusal(self.text, token.column, reason)
 
 
 class _FormParser(ExpressionParser):
-    """Reads what we have written: a number of a form may be longer than one that somebody types."""
+    """A parser of exact forms that driftproof has written; their numbers may be longer than those that users type."""
 
     def rational(self, text: str, token: Token) -> Fraction:
-        """The number, as long as it is."""
         return Fraction(text)
 
 
 def parse_form(form: str) -> ExpressionNode:
-    """The tree of an exact form, whose names are variables. Raises ExpressionError where it is none, or too long."""
+    """The tree of an exact form, whose names are variables. Raises ExpressionError for any other or too long a text."""
     node: ExpressionNode = _FormParser(form, LONGEST_FORM, LARGEST_POWER_OF_FORM).tree()
     return node

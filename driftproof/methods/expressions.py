@@ -23,9 +23,9 @@ from driftproof.methods.expression_tree import (
 from driftproof.methods.number_field import Algebraic, Exact, UndecidedError, cube_root, square_root
 from driftproof.support.plain_text import shortened
 
-# A power of a power of a power would ask for gigabytes; no published coefficient comes near.
+# Bits of a number, chosen far above any published coefficient: a power of a power of a power would need gigabytes.
 LARGEST_BITS = 20_000
-# Of a function of a parameter: numerator and denominator together.
+# Coefficients of a function of a parameter, in its numerator and denominator together.
 MOST_COEFFICIENTS = 100
 _LARGEST_RADICAND = 10**40
 RADICALS = {"sqrt": square_root, "cbrt": cube_root}
@@ -38,9 +38,9 @@ _Value: TypeAlias = Any
 
 
 def parse_exact(text: str, roots: Mapping[str, Exact], what: str) -> Exact:
-    """The number that `text` spells, `roots` being the names that may occur in it. Raises ValueError, in one line.
+    """The exact number that `text` spells, in which the names of `roots` may occur.
 
-    The line begins with `what`. All operations are exact: "0.1" is 1/10, and "(1 + s3)/2" an element of s3's field.
+    "0.1" is 1/10, and "(1 + s3)/2" lies in the field of s3. Raises ValueError in one line that begins with `what`.
     """
     known = f"declared in [roots]: {', '.join(roots)}" if roots else "nothing is declared in [roots]"
     value: Exact = evaluate_expression(text, roots, what, f"is an unknown root; {known}")
@@ -48,15 +48,15 @@ def parse_exact(text: str, roots: Mapping[str, Exact], what: str) -> Exact:
 
 
 def parse_number(text: str, what: str) -> Exact:
-    """The number that `text` spells without names, e.g. "1 - sqrt(2)/2". Raises ValueError, in one line."""
+    """The exact number that `text` spells without names, e.g. "1 - sqrt(2)/2". Raises ValueError in one line."""
     value: Exact = evaluate_expression(text, {}, what, "is a name; write numbers, sqrt(n) and cbrt(n)")
     return value
 
 
 def parse_system(text: str) -> System:
-    """The square matrix A that `text` spells, e.g. "0 1; -1 -1/10": rows by ";", entries by blanks or by ",".
+    """The square matrix A that `text` spells, e.g. "0 1; -1 -1/10", rows separated by ";", entries by blanks or ",".
 
-    An entry is an expression in rational numbers, such as -1/10, 0.1 or, between commas also with blanks, 2*(3 + 1).
+    An entry is an expression in rational numbers, such as -1/10, 0.1 or 2*(3+1); between commas it may have blanks.
     Raises ValueError in one line that names the place.
     """
     rows = [line.split(",") if "," in line else line.split() for line in text.strip().removesuffix(";").split(";")]
@@ -76,7 +76,7 @@ def _entry(text: str, where: str) -> Fraction:
 
 
 def evaluate_expression(text: str, names: Mapping[str, _Value], what: str, unknown: str) -> _Value:
-    """The value of the expression, `names` standing for numbers or functions, by their own exact arithmetic.
+    """Evaluate the expression in the exact arithmetic of the numbers or functions that `names` stand for.
 
     Raises ValueError in one line that begins with `what` and names the column; of another name it says `unknown`.
     """
@@ -88,14 +88,13 @@ def evaluate_expression(text: str, names: Mapping[str, _Value], what: str, unkno
 
 @dataclass(frozen=True)
 class _Evaluation:
-    """The value of a tree whose numbers stay small."""
+    """The evaluation of a tree; it raises ExpressionError if a number becomes too large."""
 
     text: str
     names: Mapping[str, _Value]
     unknown: str
 
     def value(self, node: ExpressionNode) -> _Value:
-        """The value of a node and all below it."""
         match node:
             case NumberNode():
                 return node.value
@@ -116,7 +115,6 @@ class _Evaluation:
                 return total
 
     def combined(self, a: _Value, sign: Token, b: _Value) -> _Value:
-        """a sign b."""
         if sign.text == "/" and not b:
             raise self.error(sign.column, "it divides by zero")
         try:
@@ -130,7 +128,7 @@ class _Evaluation:
         return self.small(value, sign.column)
 
     def power(self, node: PowerNode) -> _Value:
-        """A base to a whole power, or a positive rational one to a fractional power."""
+        """The value of a power: a fractional exponent needs a positive rational base."""
         base, n = self.value(node.base), int(node.exponent)
         if n != node.exponent:
             if not isinstance(base, Fraction):
@@ -149,7 +147,6 @@ class _Evaluation:
         return value
 
     def radical(self, node: CallNode) -> _Value:
-        """A root of a whole number."""
         name = node.function
         if name not in RADICALS:
             raise self.error(node.column, f"{shortened(name)!r} is no function; there are {' and '.join(RADICALS)}")
@@ -162,7 +159,7 @@ class _Evaluation:
         raise self.error(node.column, f"{name} takes one integer, as in {name}(2)")
 
     def small(self, value: _Value, column: int) -> _Value:
-        """The value, unless its numbers have grown beyond all reason."""
+        """Return the value. Raises ExpressionError if it has too many coefficients, or too many bits in one."""
         parts = (value,) if isinstance(value, Fraction) else value.coefficients
         if len(parts) > MOST_COEFFICIENTS:
             raise self.error(column, "its degree in the parameter is too large")
@@ -172,5 +169,4 @@ class _Evaluation:
         return value
 
     def error(self, column: int, reason: str) -> ExpressionError:
-        """The refusal at a column."""
         return ExpressionError(self.text, column, reason)

@@ -27,9 +27,9 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class ParameterFunction:
-    """num/den over Q in lowest terms, with den monic. Made by `parameter_function`.
+    """A rational function num/den over Q in lowest terms, with den monic, made by `parameter_function`.
 
-    Arithmetic with int, Fraction and its own kind; anything else raises TypeError.
+    Its arithmetic takes int, Fraction and its own kind; anything else raises TypeError.
     """
 
     num: fmpq_poly
@@ -37,11 +37,11 @@ class ParameterFunction:
 
     @property
     def coefficients(self) -> list[fmpq]:
-        """All coefficients, those of the denominator last."""
+        """The coefficients of the numerator, then those of the denominator."""
         return [*self.num.coeffs(), *self.den.coeffs()]
 
     def __call__(self, value: Exact) -> Exact:
-        """The value at a value of the parameter. Raises ZeroDivisionError at a pole."""
+        """The value of the function at a value of the parameter. Raises ZeroDivisionError at a pole."""
         if isinstance(value, Fraction):
             return as_fraction(self.num(as_fmpq(value)) / self.den(as_fmpq(value)))
         num, den = (
@@ -92,7 +92,7 @@ class ParameterFunction:
 def parameter_function(
     num: fmpq_poly | Sequence[object], den: fmpq_poly | Sequence[object] = (1,)
 ) -> ParameterFunction:
-    """num/den, polynomials or their coefficients, constant term first. Raises ZeroDivisionError if den is zero."""
+    """The function num/den of polynomials or coefficients, constant term first. Raises ZeroDivisionError if den = 0."""
     from flint import fmpq_poly
 
     top, bottom = (p if isinstance(p, fmpq_poly) else fmpq_poly([as_fmpq(x) for x in p]) for p in (num, den))
@@ -113,7 +113,7 @@ def _coerced(x: object) -> ParameterFunction:
 
 
 def parse_function(text: str, parameter: str, what: str) -> ParameterFunction:
-    """The rational function of the parameter that `text` spells, e.g. "1 - 1/(2*alpha)", its other numbers rational.
+    """The rational function of the parameter that `text` spells, e.g. "1 - 1/(2*alpha)", with rational numbers only.
 
     Raises ValueError, in one line that begins with `what`.
     """
@@ -126,9 +126,9 @@ def parse_function(text: str, parameter: str, what: str) -> ParameterFunction:
 
 @dataclass(frozen=True)
 class Family:
-    """The methods with tableau (A, b, c), whose entries are rational functions over Q of one real parameter.
+    """The Runge-Kutta methods with a tableau (A, b, c) of rational functions over Q of one real parameter.
 
-    `claimed_order` is what the source claims for every value, 0 where it claims nothing. `source` is a key of
+    `claimed_order` is the order that the source claims for every value, 0 if it claims none. `source` is a key of
     `references.bib` and a place in it. Raises MethodError for a tableau that is not square or has no stage.
     """
 
@@ -142,22 +142,22 @@ class Family:
     c: tuple[ParameterFunction, ...]
 
     def __post_init__(self) -> None:
-        """Refuse a tableau whose parts disagree in length."""
+        """Raise MethodError for a tableau whose parts differ in length."""
         if not self.b or {len(self.a), len(self.c), *map(len, self.a)} != {len(self.b)}:
             raise MethodError(f"{self.key}: A needs as many rows and columns as b and c have entries, one at least")
 
     @property
     def stages(self) -> int:
-        """The number s of slopes."""
+        """The number s of stages."""
         return len(self.b)
 
     @property
     def explicit(self) -> bool:
-        """True when no slope depends on itself or on a later one, whatever the parameter."""
+        """True if no stage depends on itself or on a later one, for any value of the parameter."""
         return not any(x for i, row in enumerate(self.a) for x in row[i:])
 
     def member(self, value: Exact) -> RungeKutta:
-        """The method at one value of the parameter, claimed order 0. Raises MethodError where an entry has a pole."""
+        """The method at one value of the parameter, with claimed order 0. Raises MethodError if an entry has a pole."""
         name = f"{self.key} at {self.parameter} = {value}"
         try:
             a = tuple(tuple(f(value) for f in row) for row in self.a)
@@ -169,14 +169,14 @@ class Family:
         return RungeKutta(key=name, title=name, claimed_order=0, source=self.source, a=a, b=b, c=c)
 
 
-# Title, parameter, order, source; then the tableau as books print it, its columns parted by commas.
+# Title, parameter, order, source; then the tableau as books print it, its columns separated by commas.
 _TABLES = {
     # Two equal diagonal entries; order 3 for gamma = 1/2 ± sqrt(3)/6.
     "sdirk_order_2": """Two-stage SDIRK methods of order 2 | gamma | 2 | hairer-wanner-1996, IV.6
         gamma     | gamma, 0
         1 - gamma | 1 - 2*gamma, gamma
                   | 1/2, 1/2""",
-    # The last stage is the result; order 2 for gamma = 1 ± sqrt(2)/2 only.
+    # The last stage is the result; the order is 2 only for gamma = 1 ± sqrt(2)/2.
     "sdirk_stiffly_accurate": """Two-stage stiffly accurate SDIRK methods | gamma | 1 | hairer-wanner-1996, IV.6
         gamma | gamma, 0
         1     | 1 - gamma, gamma
@@ -190,18 +190,15 @@ _TABLES = {
 
 
 class _Families(Mapping[str, Family]):
-    """The families by key, each read when it is first asked for."""
+    """The families by key, each read on its first use."""
 
     def __getitem__(self, key: str) -> Family:
-        """The family. Raises KeyError."""
         return _read(key)
 
     def __iter__(self) -> Iterator[str]:
-        """The keys."""
         return iter(_TABLES)
 
     def __len__(self) -> int:
-        """How many there are."""
         return len(_TABLES)
 
 

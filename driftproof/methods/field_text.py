@@ -1,4 +1,4 @@
-"""Right-hand sides as users write them, "y1; -sin(y0)" or a table of TOML, made a `VectorField`, exactly."""
+"""Users' right-hand sides, as text such as "y1; -sin(y0)" or as a table of TOML, read exactly into a `VectorField`."""
 
 from __future__ import annotations
 
@@ -34,15 +34,15 @@ from driftproof.support.toml_tables import (
     read_toml,
 )
 
-# A power of a power of a sum is written out as products, which no published right-hand side makes as long as this.
+# Characters of a rate, chosen far above any published one: a power of a power of a sum is written out as products.
 LONGEST_RATE = 100_000
-# What a file may say of a problem, in bytes, and by which keys; a right-hand side needs the first two of them.
+# The bytes and the keys that the file of a problem may have; a right-hand side needs only the first two keys.
 LONGEST_PROBLEM = 100_000
 PROBLEM_KEYS = ("rates", "parameters", "function", "title", "start", "end", "energy")
 
 
 class _Pi:
-    """π as a number of rates: a call encloses it at Arb's precision, and float() is its nearest double."""
+    """π as a parameter of rates: a call returns a ball at Arb's current precision, and float() the nearest double."""
 
     def __call__(self) -> Any:
         from flint import arb
@@ -56,7 +56,7 @@ class _Pi:
         return "pi"
 
     def enclosure(self, bits: int) -> tuple[Fraction, Fraction]:
-        """Two rationals around it, the nearer to each other the more bits."""
+        """Rational lower and upper bounds of π, closer for more bits."""
         from flint import ctx
 
         with ctx.workprec(bits):
@@ -64,7 +64,7 @@ class _Pi:
         return ends_of(ball)
 
 
-# No element of a number field, and yet exact: fields take it where they take those.
+# Not an element of a number field, and yet exact: a `VectorField` takes it as a parameter like those.
 PI: Any = _Pi()
 _WORD = re.compile(r"[A-Za-z_]\w*")
 
@@ -72,10 +72,11 @@ _WORD = re.compile(r"[A-Za-z_]\w*")
 def field_of_text(
     rates: str | Sequence[str], parameters: Mapping[str, Exact] | None = None, names: Mapping[str, str] | None = None
 ) -> VectorField:
-    """y' = f(t, y) of one text a component, or of one text parted by ";": in t, y0, y1, ..., pi and the parameters.
+    """The field y' = f(t, y) from a text for each component, or from one text with ";" between components.
 
-    `names` are other names of t, y0, y1, ...; a single component is also called y. Numbers are exact, 0.1 being 1/10;
-    powers by whole numbers and by halves are taken. Raises ValueError, in one line.
+    A text is an expression in t, y0, y1, ..., pi and the parameters. `names` maps further names to such expressions;
+    without it, a single component is also called y. Numbers are exact: 0.1 is 1/10. Exponents are whole numbers or
+    halves of them. Raises ValueError in one line.
 
     >>> field_of_text("y1; -0.5 * y0^2").rates
     ('y1', '-(1 / 2) * (y0 * y0)')
@@ -88,19 +89,19 @@ def field_of_text(
 
 
 def _names(rates: Sequence[str] | Mapping[str, str], parameters: Mapping[str, Any]) -> dict[str, str]:
-    """What stands for the names of the unknowns: those that the rates have, and y where there is one."""
+    """The components y0, y1, ... by the names of the unknowns: those of a table, or y if there is one component."""
     if isinstance(rates, Mapping):
         return {name: f"y{i}" for i, name in enumerate(rates)}
     return {"y": "y0"} if len(rates) == 1 and "y" not in parameters else {}
 
 
 def rate_of_text(text: str, names: Mapping[str, str] | None = None) -> str:
-    """The expression as a `VectorField` takes it, with other names: no decimals, no powers. Raises ExpressionError."""
+    """The expression as a `VectorField` takes it: names replaced, no decimals, no powers. Raises ExpressionError."""
     return _Writer(text, names or {}).written()
 
 
 def field_of_file(path: str | Path) -> VectorField:
-    """The field of a .toml file, whose other keys are those of a problem. Raises ValueError in one line."""
+    """The field of a .toml file, which may also have the other keys of a problem. Raises ValueError in one line."""
 
     def read(table: TomlTable) -> VectorField:
         demand_keys(table, PROBLEM_KEYS, "a right-hand side")
@@ -110,10 +111,10 @@ def field_of_file(path: str | Path) -> VectorField:
 
 
 def field_of_table(table: TomlTable) -> VectorField:
-    """The `rates` and `parameters` of a table of TOML, with a name for each unknown or a list for y0, y1, ...
+    """The field of a TOML table with `rates`, a list for y0, y1, ... or one for each named unknown, and `parameters`.
 
-    A parameter is a number, one as text, "sqrt(2)" say, or an expression in pi and those before it, "2*pi*f", which is
-    set in its place. Where only the `energy` reads pi, it is a parameter, too.
+    A parameter is a number, a number as text such as "sqrt(2)", or an expression in pi and earlier parameters such as
+    "2*pi*f", which is substituted for its name. pi becomes a parameter even if only the `energy` reads it.
     """
     parameters, names = _parameters(table)
     rates = _rates(table)
@@ -127,12 +128,12 @@ def field_of_table(table: TomlTable) -> VectorField:
 
 
 def energy_of_table(table: TomlTable) -> str | None:
-    """The `energy` of a table of TOML, written as its rates are; None where it has none."""
+    """The `energy` of a TOML table in the notation of its rates; None if it has none."""
     return rate_of_text(as_text(table["energy"], "energy"), _parameters(table)[1]) if "energy" in table else None
 
 
 def start_of_table(table: TomlTable) -> list[Any]:
-    """The `start` of a table of TOML: a list, one number, or a number for each name that its rates have."""
+    """The `start` of a TOML table: a list, one number, or a number for each name of its rates. Raises ValueError."""
     start, rates = table.get("start"), table.get("rates")
     if isinstance(start, dict):
         if not isinstance(rates, dict) or set(start) != set(rates):
@@ -142,7 +143,7 @@ def start_of_table(table: TomlTable) -> list[Any]:
 
 
 def _rates(table: TomlTable) -> list[str] | dict[str, str]:
-    """The texts of the rates; by the names of the unknowns where they have names."""
+    """The texts of the rates, as a list, or by the names of the unknowns if these are named."""
     rates = table.get("rates")
     if isinstance(rates, dict):
         return dict(zip(rates, as_texts([*rates.values()], "rates"), strict=True))
@@ -150,7 +151,7 @@ def _rates(table: TomlTable) -> list[str] | dict[str, str]:
 
 
 def _parameters(table: TomlTable) -> tuple[dict[str, Exact], dict[str, str]]:
-    """The parameters that are numbers, and what stands for the other names: y0, y1, ..., and expressions."""
+    """The parameters that are numbers, and the replacements of all other names: y0, y1, ... and expressions."""
     given = as_table(table.get("parameters", {}), "parameters")
     names = _names(_rates(table), given)
     for name in names:
@@ -168,21 +169,20 @@ def _parameters(table: TomlTable) -> tuple[dict[str, Exact], dict[str, str]]:
 
 
 class _Writer(ExpressionParser):
-    """Reads an expression, and writes it in sums, products and quotients of names and whole numbers."""
+    """A parser that rewrites an expression with sums, products, quotients and functions of names and whole numbers."""
 
     what, example = "a right-hand side", "write a rate such as y1 or -sin(y0)"
 
     def __init__(self, text: str, names: Mapping[str, str]) -> None:
-        """A name that `names` has is written as its value."""
+        """Take the expression, and the texts by which its `names` are replaced."""
         super().__init__(text)
         self.names = names
 
     def written(self) -> str:
-        """The whole expression."""
         return self._bare_text(self.tree())
 
     def _bare_text(self, node: Any) -> str:
-        """Without brackets around a chain."""
+        """The text of a node, without brackets around a chain."""
         return self._chain_text(node) if isinstance(node, ChainNode) else self._text(node)
 
     def _chain_text(self, node: ChainNode) -> str:

@@ -1,4 +1,4 @@
-"""Linear multistep methods, whose step remembers earlier ones: rho and sigma as frozen, exact, validated data."""
+"""Linear multistep methods, whose step remembers earlier values: rho and sigma as frozen, exact, validated data."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from driftproof.methods.schemes import Definition, MethodError, nonzero_residual
 
 @dataclass(frozen=True)
 class Multistep(Definition):
-    """Σⱼ ρⱼ yₙ₊ⱼ = hᵈ Σⱼ σⱼ F(yₙ₊ⱼ), j = 0, ..., k, for y' = F(y) where d = `derivative` is 1, for y'' = F(y) where 2.
+    """The method Σⱼ ρⱼ yₙ₊ⱼ = hᵈ Σⱼ σⱼ F(yₙ₊ⱼ), j = 0, ..., k, for y' = F(y) with d = 1, or y'' = F(y) with d = 2.
 
-    `rho` and `sigma` hold k + 1 rational numbers each, those of yₙ first; ρₖ is not 0, and neither are both of ρ₀ and
-    σ₀. ρₖ need not be 1: no fact but the residuals changes where both are multiplied. Other fields as in `RungeKutta`.
-    Raises MethodError.
+    `rho` and `sigma` have k + 1 rational numbers each, those of yₙ first, and `derivative` is d. ρₖ is not 0, and ρ₀
+    and σ₀ are not both 0. ρₖ need not be 1: a common factor of rho and sigma changes only the residuals. Other fields
+    as in `RungeKutta`. Raises MethodError.
 
     >>> Multistep("mine", "BDF2", 2, "", rho=(1, -4, 3), sigma=(0, 0, 2)).steps
     2
@@ -29,7 +29,7 @@ class Multistep(Definition):
     kind: ClassVar[str] = "a linear multistep method"
 
     def __post_init__(self) -> None:
-        """Promote integers; refuse what is inexact, of two lengths, or leaves a number of steps that is not k."""
+        """Promote integers, then raise MethodError for inexact numbers, unequal lengths, and zeros that change k."""
         for name in ("rho", "sigma"):
             object.__setattr__(self, name, rational_row(getattr(self, name), f"{self.key}: {name}"))
         if len(self.rho) != len(self.sigma) or len(self.rho) < 2:
@@ -45,16 +45,16 @@ class Multistep(Definition):
 
     @property
     def steps(self) -> int:
-        """The number k of values from which the next one is made."""
+        """The number k of earlier values from which the next one is computed."""
         return len(self.rho) - 1
 
     @property
     def explicit(self) -> bool:
-        """True when F is not evaluated at the new value."""
+        """True if F is not evaluated at the new value."""
         return self.sigma[-1] == 0
 
     def inconsistencies(self) -> dict[str, Exact]:
-        """The residuals, where not zero, of the conditions of order 1: facts about the data, not errors."""
+        """The nonzero residuals of the conditions of order 1: facts about the data, not errors."""
         at_one, slope, sigma = total(self.rho), total(j * x for j, x in enumerate(self.rho)), total(self.sigma)
         if self.derivative == 1:
             return nonzero_residuals({"rho(1)": at_one, "rho'(1) - sigma(1)": slope - sigma})

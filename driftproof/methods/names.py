@@ -1,6 +1,6 @@
-"""What people call the methods: other names of one, words that may mean several, and what must not be confused.
+"""Common names of the methods: synonyms, ambiguous names, and methods that are easily confused.
 
-A name is compared without case, accents, hyphens, spaces and words such as "the" and "method".
+Names are compared without case, accents, hyphens, spaces and words such as "the" and "method".
 """
 
 from __future__ import annotations
@@ -8,7 +8,7 @@ from __future__ import annotations
 import re
 import unicodedata
 
-_SAY_NOTHING = {"the", "of", "method", "methods", "rule", "scheme", "integrator"}
+_FILLER_WORDS = {"the", "of", "method", "methods", "rule", "scheme", "integrator"}
 
 # Key | other names.
 _OTHER_NAMES = """
@@ -72,7 +72,7 @@ ark436 | KenCarp4, ARK436L2SA
 ark548 | KenCarp5, ARK548L2SA
 """
 
-# Name | the keys of what it may mean. A number is the order to some, and the number of stages to others.
+# Name | the keys of the methods that it may mean. Some authors number methods by order, others by stages.
 _AMBIGUOUS = """
 Verlet | velocity_verlet position_verlet
 Störmer-Verlet | velocity_verlet position_verlet
@@ -111,7 +111,7 @@ AM5 | adams_moulton4 adams_moulton5
 AM6 | adams_moulton5 adams_moulton6
 """
 
-# Key | the keys of methods that share its name or its linear step, and are others.
+# Key | the keys of other methods that share its name, or its step on linear problems.
 _NOT_TO_BE_CONFUSED = """
 forward_euler | symplectic_euler backward_euler
 symplectic_euler | symplectic_euler_position_first forward_euler
@@ -133,18 +133,18 @@ dop853 | prince_dormand87
 
 
 def plain_name(name: str) -> str:
-    """The letters and digits of a name, without accents, case and the words that say nothing.
+    """The letters and digits of a name, without accents, case and words such as "the" and "method".
 
     >>> plain_name("Störmer-Verlet"), plain_name("the Euler-Cromer method"), plain_name("Heun's method")
     ('stormerverlet', 'eulercromer', 'heun')
     """
     letters = "".join(c for c in unicodedata.normalize("NFKD", name.casefold()) if not unicodedata.combining(c))
     words = re.findall(r"[a-z0-9]+", re.sub(r"['’]s\b", "", letters))
-    return "".join(word for word in words if word not in _SAY_NOTHING)
+    return "".join(word for word in words if word not in _FILLER_WORDS)
 
 
 def keys_called(name: str) -> tuple[str, ...]:
-    """The keys of the methods that people call so: one, several where the word is ambiguous, none where it is unknown.
+    """The keys of the methods with this common name: several if it is ambiguous, () if it is unknown.
 
     >>> keys_called("Crank-Nicolson"), keys_called("leapfrog"), keys_called("Laplace")
     (('trapezoid',), ('velocity_verlet', 'position_verlet', 'two_step_leapfrog'), ())
@@ -162,7 +162,7 @@ def also_known_as(key: str) -> tuple[str, ...]:
 
 
 def not_to_be_confused_with(key: str) -> tuple[str, ...]:
-    """The keys of methods that are taken for this one.
+    """The keys of methods that are easily taken for this one.
 
     >>> not_to_be_confused_with("trapezoid")
     ('implicit_midpoint', 'heun2')

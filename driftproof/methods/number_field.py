@@ -1,6 +1,6 @@
 """Exact real algebraic numbers: the elements of Q(α), for coefficients such as sqrt 3 or the cube root of 2.
 
-The arithmetic is FLINT's. It is loaded when the first field is made: methods of rational coefficients do without.
+The arithmetic is FLINT's, which is loaded when the first field is made: methods with rational coefficients need none.
 """
 
 from __future__ import annotations
@@ -16,23 +16,23 @@ from typing import TYPE_CHECKING, Any, Self, TypeAlias
 if TYPE_CHECKING:
     from flint import arb, fmpq
 
-# Arithmetic takes the square of the degree, and no published method comes near.
+# Chosen far above any published method: the time of an operation grows with the square of the degree.
 LARGEST_FIELD_DEGREE = 12
 _FIRST_BITS = 64
 
 
 class UndecidedError(ValueError):
-    """The polynomial has too large a degree for a number field."""
+    """The degree of a polynomial is too large for a number field."""
 
 
 @dataclass(frozen=True)
 class NumberField:
-    """Q(α), for the one real root α of an irreducible polynomial over Q that lies in a given rational interval.
+    """The field Q(α), where α is the one root of an irreducible polynomial over Q in a given rational interval.
 
     `minimal` has integer coefficients, constant term first; `low` < α < `high`, and the polynomial changes sign there.
-    `name` is how α is written, e.g. "sqrt(3)". Raises ValueError without a change of sign, for several roots in the
-    interval, and for a polynomial that factors, with which equality in the field would not be equality of numbers;
-    UndecidedError for a degree above LARGEST_DEGREE.
+    `name` is how α is written, e.g. "sqrt(3)". Raises ValueError if the polynomial does not change sign, has several
+    roots in the interval, or factors, since equality in the field would then not be equality of numbers; raises
+    UndecidedError for a degree above LARGEST_FIELD_DEGREE.
     """
 
     name: str
@@ -41,7 +41,7 @@ class NumberField:
     high: Fraction
 
     def __post_init__(self) -> None:
-        """Refuse an interval without a change of sign or with several roots, and a polynomial that factors."""
+        """Raise ValueError or UndecidedError unless the polynomial and the interval define a field."""
         from flint import fmpz_poly
 
         p = fmpz_poly(list(self.minimal))
@@ -62,7 +62,7 @@ class NumberField:
 
     @property
     def generator(self) -> Algebraic:
-        """α itself."""
+        """The number α as an element of the field."""
         return Algebraic(self, (0, 1))
 
     def ball(self) -> arb:
@@ -74,7 +74,7 @@ class NumberField:
 
     @cached_property
     def reductions(self) -> list[list[fmpq]]:
-        """Rows: the coefficients of α**d, α**(d + 1), ..., α**(2d - 2) in 1, α, ..., α**(d - 1)."""
+        """The coefficients of α**d, α**(d + 1), ..., α**(2d - 2) in 1, α, ..., α**(d - 1), a row for each."""
         from flint import fmpq_poly
 
         d, modulus = self.degree, fmpq_poly(list(self.minimal))
@@ -93,16 +93,16 @@ class NumberField:
 
 
 class ScalarExtension:
-    """Σ αⁱ pᵢ, i below the degree of K = Q(α), the pᵢ in a commutative ring R that holds Q: R with scalars from K.
+    """A sum Σ αⁱ pᵢ with i below the degree of K = Q(α) and pᵢ in a commutative ring R over Q: R with scalars from K.
 
-    A subclass names R by `part`. Arithmetic with whatever `part` takes and with its own kind over the same field;
-    anything else raises TypeError. Equality is exact.
+    A subclass defines R by `part`. Arithmetic takes what `part` accepts, and its own kind over the same field; anything
+    else raises TypeError. Equality is exact.
     """
 
     __slots__ = ("field", "parts")
 
     def __init__(self, field: NumberField, parts: Sequence[Any]) -> None:
-        """Reduce the powers of α from the field's degree d on, α**(2d - 2) the last, by its minimal polynomial."""
+        """Take at most d parts, d the degree of the field, or 2d - 1, whose powers from α**d on are then reduced."""
         d = field.degree
         low = [*parts[:d], *(self.part(0) for _ in range(d - len(parts)))]
         if len(parts) > d:
@@ -113,7 +113,7 @@ class ScalarExtension:
 
     @staticmethod
     def part(x: object) -> Any:
-        """`x` as an element of R; raises TypeError if it is none."""
+        """x as an element of R. Raises TypeError if it is none."""
         raise NotImplementedError
 
     def __neg__(self) -> Self:
@@ -148,7 +148,7 @@ class ScalarExtension:
     __rmul__ = __mul__
 
     def __pow__(self, exponent: int) -> Self:
-        """An integer power; negative ones by the inverse, where there is one."""
+        """An integer power; a negative one is a power of the inverse, which the subclass must have."""
         base: Any = self if exponent >= 0 else 1 / self  # type: ignore[operator]
         result = type(self)(self.field, [self.part(1)])
         for _ in range(abs(exponent)):
@@ -156,7 +156,7 @@ class ScalarExtension:
         return result
 
     def __eq__(self, other: object) -> bool:
-        """Equal over the real numbers, exactly: the minimal polynomial is irreducible."""
+        """True if all parts are equal, which is exact equality because the minimal polynomial is irreducible."""
         try:
             return self.parts == tuple(self._parts(other))
         except TypeError:
@@ -172,7 +172,7 @@ class ScalarExtension:
         return self._made([change(p) for p in self.parts])
 
     def _made(self, parts: Sequence[Any]) -> Self:
-        """An element of the same field; the parts are of R already."""
+        """An element over the same field, of parts that are in R already."""
         made = object.__new__(type(self))
         ScalarExtension.__init__(made, self.field, parts)
         return made
@@ -191,10 +191,10 @@ class ScalarExtension:
 
 @total_ordering
 class Algebraic(ScalarExtension):
-    """An element of a real number field, as a polynomial in its generator of smaller degree: exact, hashable.
+    """An exact, hashable element of a real number field, stored by its coefficients in powers of the generator.
 
-    Arithmetic with int, Fraction, FLINT's fmpq and elements of the same field; equality is exact, order is decided by
-    enclosures. Mixing fields raises TypeError, a float is refused like any other foreign number.
+    Arithmetic takes int, Fraction, FLINT's fmpq and elements of the same field; anything else, such as a float or an
+    element of another field, raises TypeError. Equality is exact, order is decided by enclosures.
     """
 
     __slots__ = ()
@@ -205,12 +205,12 @@ class Algebraic(ScalarExtension):
 
     @staticmethod
     def part(x: object) -> fmpq:
-        """The rational number as FLINT's."""
+        """The rational number as FLINT's fmpq."""
         return as_fmpq(x)
 
     @property
     def coefficients(self) -> tuple[Fraction, ...]:
-        """Those of 1, α, α**2, ..., without trailing zeros."""
+        """The coefficients of 1, α, α**2, ..., without trailing zeros."""
         end = len(self.parts)
         while end and not self.parts[end - 1]:
             end -= 1
@@ -218,7 +218,7 @@ class Algebraic(ScalarExtension):
 
     @property
     def is_rational(self) -> bool:
-        """True when no power of the generator occurs."""
+        """True if no power of the generator occurs."""
         return not any(self.parts[1:])
 
     def as_fraction(self) -> Fraction:
@@ -236,15 +236,15 @@ class Algebraic(ScalarExtension):
         return Algebraic(self.field, self.field.inverse(self.parts)) * other
 
     def __hash__(self) -> int:
-        """Equal numbers hash alike, rational ones like their Fraction."""
+        """The hash of the number; a rational one has that of its Fraction."""
         return hash(self.as_fraction()) if self.is_rational else hash(self.parts)
 
     def __lt__(self, other: object) -> bool:
-        """Less as real numbers, decided by enclosing the difference, which is zero only if it is the zero element."""
+        """True if self is the smaller real number, decided by the sign of the difference."""
         return (self - other).sign() == -1
 
     def sign(self) -> int:
-        """-1, 0 or 1."""
+        """The sign of the number: -1, 0 or 1."""
         from flint import ctx
 
         bits = _FIRST_BITS
@@ -258,7 +258,7 @@ class Algebraic(ScalarExtension):
     def __float__(self) -> float:
         """The double nearest to the number: the enclosure shrinks until both its ends round to the same double.
 
-        That happens, as an irrational number lies strictly between two ties. Raises OverflowError beyond the doubles.
+        This ends because an irrational number lies strictly between two ties. Raises OverflowError beyond all doubles.
         """
         bits = _FIRST_BITS
         while True:
@@ -274,7 +274,7 @@ class Algebraic(ScalarExtension):
         return arb_poly(list(self.parts))(self.field.ball())
 
     def enclosure(self, bits: int) -> tuple[Fraction, Fraction]:
-        """Rational ends with the number between them, the closer the higher `bits`; equal for a rational number."""
+        """Rational lower and upper bounds of the number, closer for more bits; equal for a rational number."""
         from flint import ctx
 
         if self.is_rational:
@@ -284,7 +284,7 @@ class Algebraic(ScalarExtension):
         return ends_of(ball)
 
     def __str__(self) -> str:
-        """E.g. "1/2 - 1/6*sqrt(3)"."""
+        """The number in powers of the generator, e.g. "1/2 - 1/6*sqrt(3)"."""
         text = ""
         for power, c in enumerate(self.coefficients):
             if c:
@@ -296,7 +296,7 @@ class Algebraic(ScalarExtension):
         return text or "0"
 
     def __repr__(self) -> str:
-        """The number and its kind."""
+        """The number as in "Algebraic(1/2 - 1/6*sqrt(3))"."""
         return f"Algebraic({self})"
 
 
@@ -305,23 +305,23 @@ Exact: TypeAlias = Fraction | Algebraic
 
 
 def total(values: Iterable[Exact]) -> Exact:
-    """The sum."""
+    """The sum of the values, 0 if there are none."""
     return sum(values, Fraction(0))
 
 
 def square_root(n: int) -> Algebraic:
-    """sqrt n for an integer n > 1 that is no square. Raises ValueError for another n."""
+    """The number sqrt(n) for an integer n > 1 that is no square. Raises ValueError for any other n."""
     return integer_root(n, 2)
 
 
 def cube_root(n: int) -> Algebraic:
-    """n ** (1/3) for an integer n > 1 that is no cube. Raises ValueError for another n."""
+    """The number n ** (1/3) for an integer n > 1 that is no cube. Raises ValueError for any other n."""
     return integer_root(n, 3)
 
 
 @cache
 def integer_root(n: int, degree: int) -> Algebraic:
-    """n ** (1/degree) for an integer n > 1 that is no such power. Raises ValueError for another n."""
+    """The number n ** (1/degree) for an integer n > 1 that is no such power. Raises ValueError for any other n."""
     from flint import fmpz
 
     floor = int(fmpz(n).root(degree)) if n > 1 else n
@@ -335,9 +335,9 @@ def integer_root(n: int, degree: int) -> Algebraic:
 
 @lru_cache(maxsize=4096)
 def real_root_balls(coefficients: tuple[int, ...], bits: int) -> tuple[arb, ...]:
-    """Balls of `bits` bits, or more, around the distinct real roots of an integer polynomial, ascending and apart.
+    """Disjoint balls, of at least `bits` bits, around the distinct real roots of an integer polynomial, ascending.
 
-    The polynomial's constant term comes first. A rational root with a power of two below it has radius 0.
+    The constant term comes first. The ball of a rational root whose denominator is a power of two has radius 0.
     """
     from flint import arb, ctx, fmpq, fmpz_poly
 
@@ -356,7 +356,7 @@ def real_root_balls(coefficients: tuple[int, ...], bits: int) -> tuple[arb, ...]
 
 @cache
 def _roots_between(field: NumberField, bits: int) -> list[arb]:
-    """Balls around the roots of the polynomial between the two ends, neither of which is a root."""
+    """Balls around the roots of the minimal polynomial between `low` and `high`, neither of which is a root."""
     from flint import arb, ctx
 
     with ctx.workprec(bits):
@@ -368,8 +368,8 @@ def _roots_between(field: NumberField, bits: int) -> list[arb]:
 
 
 def as_fmpq(x: object) -> fmpq:
-    """An integer, Fraction or fmpq as FLINT's rational. Raises TypeError for anything else."""
-    import flint  # faster than `from flint import fmpq`, a hundred thousand times
+    """An integer, Fraction or fmpq as an fmpq, FLINT's rational number. Raises TypeError for anything else."""
+    import flint  # faster than `from flint import fmpq`, which counts in a function that is called so often
 
     if isinstance(x, flint.fmpq):
         return x
@@ -379,16 +379,16 @@ def as_fmpq(x: object) -> fmpq:
 
 
 def as_fraction(x: fmpq) -> Fraction:
-    """FLINT's rational as Python's."""
+    """FLINT's rational number as a Fraction."""
     return Fraction(int(x.p), int(x.q))
 
 
 def dyadic(exact_ball: arb) -> Fraction:
-    """The number at which a ball of radius 0 lies."""
+    """The exact value of a ball of radius 0."""
     return as_fraction(exact_ball.fmpq())
 
 
 def ends_of(ball: arb) -> tuple[Fraction, Fraction]:
-    """The two ends of a ball."""
+    """The lower and the upper end of a ball, exactly."""
     middle, radius = dyadic(ball.mid()), dyadic(ball.rad())
     return middle - radius, middle + radius

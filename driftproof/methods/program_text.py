@@ -1,4 +1,4 @@
-"""What the program text of any step is made of: sums from the left, named coefficients, kicks, drifts and stages."""
+"""Building blocks of the program text of a step: sums from the left, named coefficients, kicks, drifts and stages."""
 
 from __future__ import annotations
 
@@ -12,27 +12,27 @@ from driftproof.methods.schemes import Nystrom, Splitting
 
 
 class ProgramText:
-    """Lines of a step and the coefficients that they name, as they come up.
+    """The lines of a step and the coefficients that they name, in the order in which they are written.
 
-    `compensated`: the additions that advance the state carry along what they round off, under names e_ and the
-    component's; `tests/witnesses/compensated.py` derives what that is good for.
+    In a `compensated` text the additions that advance a component y0 also keep their rounding error, as e_y0;
+    `tests/witnesses/compensated.py` derives what is gained.
     """
 
     def __init__(self, *, compensated: bool) -> None:
-        """Start with neither."""
+        """Start without lines and coefficients."""
         self.compensated = compensated
         self.lines: list[str] = []
         self.coefficients: dict[str, Exact] = {}
 
     def named(self, name: str, start: str, moved: str) -> str:
-        """A name for start + what it moved by: a new one, or that of the start if it did not."""
+        """The name of start + moved: `name`, which a new line defines, or `start` if nothing is added."""
         if not moved:
             return start
         self.lines.append(f"{name} = {start}{moved}")
         return name
 
     def sum(self, times: str, row: str, weights: Sequence[Exact], slopes: Mapping[int, str]) -> str:
-        """The text of times (Σ wⱼ kⱼ), from the left; nothing where all weights are zero."""
+        """The text of times (Σ wⱼ kⱼ), summed from the left; "" if all weights are zero."""
         text = ""
         for j, weight in enumerate(weights):
             if weight != 0:
@@ -41,14 +41,14 @@ class ProgramText:
         return f"{times} {f'({text})' if ' ' in text or '-' in text else text}" if text else ""
 
     def step(self, name: str, c: Exact) -> str:
-        """The text + (c h), or - h; nothing where c = 0."""
+        """The text of + c h, such as " + (c2 * h)" or " - h"; "" if c = 0."""
         if c == 0:
             return ""
         sign, factor = self._factor(name, c)
         return f" {sign} ({factor}h)" if factor else f" {sign} h"
 
     def advance(self, x: str, new: str, old: str, moved: str) -> None:
-        """The text new = old + what it moves by; compensated, with what was lost before, and what is lost now kept.
+        """Write new = old + moved; if compensated, also add the last rounding error and keep the new one.
 
         That is Knuth's exact sum (muller-2018, 4.3.2): six additions without a branch, whichever summand is larger.
         """
@@ -63,7 +63,7 @@ class ProgramText:
         ]
 
     def _factor(self, name: str, c: Exact) -> tuple[str, str]:
-        """A sign, and the coefficient with its sign for product: ("+", "name * "), or nothing to multiply by."""
+        """The sign and the factor of a product with c: ("+", "name * "), or a sign and "" if c is 1 or -1."""
         if c in (1, -1):
             return ("+" if c == 1 else "-"), ""
         self.coefficients[name] = c
@@ -71,7 +71,7 @@ class ProgramText:
 
 
 def used_stages(a: Sequence[Sequence[Exact]], weights: Iterable[Sequence[Exact]]) -> list[int]:
-    """The stages that the result depends on: those with a weight, and those that such stages are formed of."""
+    """The stages on which the result depends: those with a nonzero weight, and those that they use in turn."""
     open_rows, used = list(weights), set[int]()
     while open_rows:
         found = {j for j, x in enumerate(open_rows.pop()) if x != 0} - used
@@ -81,7 +81,7 @@ def used_stages(a: Sequence[Sequence[Exact]], weights: Iterable[Sequence[Exact]]
 
 
 def indented(lines: Iterable[str]) -> list[str]:
-    """The lines, four columns further in."""
+    """The lines, indented by four more columns."""
     return [f"    {line}" for line in lines]
 
 
@@ -91,16 +91,16 @@ def maker_text(arguments: Iterable[str], name: str, lines: Iterable[str]) -> str
 
 
 def looping_maker_text(arguments: Sequence[str], head: str, lines: Iterable[str]) -> str:
-    """The same of a function run that loops: it first takes the arguments of make over, into names that are faster."""
+    """As `maker_text` for a function run that loops: it first copies the arguments of make to faster local names."""
     name = lambda x: f"of_{x}"
     taken = [f"{', '.join(arguments)}, = {', '.join(map(name, arguments))},"] if arguments else []
     return maker_text(map(name, arguments), "run", [f"def run({head}):", *indented([*taken, *lines])])
 
 
 def maker(text: str, key: str, functions: Mapping[str, Callable[..., Any]] | None = None) -> Callable[..., Any]:
-    """The function make of such a text, in which `functions` are known by name; `key` stands in tracebacks.
+    """Execute such a text and return its function make; it knows `functions` by name, and tracebacks show `key`.
 
-    Only for text of our own writing, which is names, operators and integers: it is executed.
+    Only for text that driftproof has written, of names, operators and integers.
     """
     namespace: dict[str, Any] = dict(functions or {})
     exec(compile(text, f"<{key}>", "exec"), namespace)
@@ -110,9 +110,10 @@ def maker(text: str, key: str, functions: Mapping[str, Callable[..., Any]] | Non
 
 @dataclass(frozen=True)
 class SecondOrder:
-    """q' = v, v' = F(t, q) by names: `accelerations` writes F, given the names that t and the positions have now.
+    """The system q' = v, v' = F(t, q) by the names of its components.
 
-    `new` is what the names of a new state end with. `timed`: F reads t; otherwise times of stages are left out.
+    `accelerations` writes F, given the current names of t and the positions. The names of the new state end in `new`.
+    `timed` says that F reads t; otherwise the times of stages are left out.
     """
 
     positions: Sequence[str]
@@ -122,9 +123,9 @@ class SecondOrder:
     timed: bool = False
 
     def write(self, method: Splitting | Nystrom, text: ProgramText) -> None:
-        """The lines of one step, after which the names of the new state are known. The method is explicit.
+        """Write one step of an explicit method, which defines the names of the new state.
 
-        F is written at positions only, and once for each kick or stage.
+        F is evaluated at positions only, once for each kick or stage.
         """
         if isinstance(method, Splitting):
             self._splitting(method, text)
@@ -132,7 +133,7 @@ class SecondOrder:
             self._nystrom(method, text)
 
     def _splitting(self, method: Splitting, text: ProgramText) -> None:
-        """Kicks and drifts, each from what the last one left; time passes with the drifts."""
+        """Write the kicks and drifts one after the other; time advances with the drifts."""
         latest = {x: x for x in (*self.positions, *self.velocities, "t")}
         drifted: Exact = Fraction(0)
         for i, (kind, c) in enumerate(method.parts, 1):
@@ -150,7 +151,7 @@ class SecondOrder:
         text.lines += [f"{x}{self.new} = {latest[x]}" for x in (*self.positions, *self.velocities)]
 
     def _nystrom(self, method: Nystrom, text: ProgramText) -> None:
-        """Forces kᵢ at q + cᵢ h v + h² Σ aᵢⱼ kⱼ, then the two sums."""
+        """Write the forces kᵢ at q + cᵢ h v + h² Σ aᵢⱼ kⱼ, then the two sums."""
         pairs = list(zip(self.positions, self.velocities, strict=True))
         forces: dict[str, dict[int, str]] = {q: {} for q in self.positions}
         for i in used_stages(method.a, [method.b_position, method.b_velocity]):
@@ -171,5 +172,5 @@ class SecondOrder:
             text.advance(v, f"{v}{self.new}", v, text.sum(" + h *", "b", method.b_velocity, forces[q]))
 
     def _time(self, text: ProgramText, i: int, name: str, node: Exact) -> str:
-        """The name of t + c h, which is written where F reads it."""
+        """The name of t + c h, which is only written if F reads it."""
         return text.named(f"t_{i}", "t", text.step(name, node)) if self.timed else "t"

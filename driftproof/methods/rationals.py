@@ -1,4 +1,4 @@
-"""Rational numbers from users' text, and the number of steps as an exact quotient."""
+"""Rational numbers, step sizes and states from users' text, and the number of steps as an exact quotient."""
 
 from __future__ import annotations
 
@@ -11,21 +11,21 @@ from typing import TypeAlias
 
 from driftproof.support.plain_text import shortened
 
-# A number that is meant exactly, as Python has it: a float only where it is the decimal that it prints as.
+# A number that is taken exactly; a float is accepted only if it equals the decimal that it prints as.
 ExactNumber: TypeAlias = Fraction | int | float | str
-# Position and velocity as Python has them, or as the command line does: "1,0".
+# Position and velocity, as two numbers or as a text such as "1,0".
 GivenState: TypeAlias = str | Sequence[ExactNumber]
 
 # Enough for every binary64 written out in full (1074 fractional digits); beyond it a short string such as
-# "1e999999999" would ask for gigabytes.
+# "1e999999999" would need gigabytes.
 LONGEST_TEXT = 1200
 LARGEST_EXPONENT = 1200
-# Of a number in a message.
+# Characters of a number in a message.
 LONGEST_SHOWN = 40
 
 _EXPONENT = re.compile(r"[eE]([+-]?\d[\d_]*)\s*$")
 _DECIMAL_COMMA = re.compile(r"[+-]?\d+,\d+")
-# Of a range of step sizes; 2⁻⁶⁴ of a step is beyond what floats tell from 1.
+# Halvings in a range of step sizes: a double cannot tell 1 + 2⁻⁶⁴ from 1.
 MOST_HALVINGS = 64
 
 
@@ -53,9 +53,9 @@ def parse_rational(text: str, what: str = "number") -> Fraction:
 
 
 def exact_number(given: ExactNumber, what: str = "number") -> Fraction:
-    """The number that is given, exactly: text is parsed; of floats those are taken that are what they print as.
+    """The exact value of a number or text; a float is accepted only if it equals the decimal that it prints as.
 
-    0.25 is a quarter in binary, too, while the double 0.1 is not a tenth: which of the two is meant has to be said.
+    The double 0.25 is a quarter, but the double 0.1 is not a tenth: the caller has to say which of the two is meant.
     Raises ValueError with one line that names `what`.
 
     >>> exact_number("0.1"), exact_number(0.25)
@@ -85,18 +85,18 @@ def step_of(given: ExactNumber) -> Fraction:
 
 
 def exact_numbers(given: ExactNumber | Sequence[ExactNumber], what: str) -> list[Fraction]:
-    """One number or several, also in one text: "1/4,1/8". Raises ValueError."""
+    """A list of one number or several, which may be given in one text such as "1/4,1/8". Raises ValueError."""
     if isinstance(given, str):
         given = given.split(",")
     return [exact_number(x, what) for x in (given if isinstance(given, Sequence) else [given])]
 
 
 def steps_of(given: ExactNumber | Sequence[ExactNumber]) -> list[Fraction]:
-    """One step size or several, none of them 0; "1/4:1/64" halves from one to the other. Raises ValueError."""
+    """A list of one step size or several, none of them 0; "1/4:1/64" halves down to the last. Raises ValueError."""
     if not isinstance(given, str):
         return [step_of(h) for h in exact_numbers(given, "h")]
     if _DECIMAL_COMMA.fullmatch(given.strip()) and given.strip().startswith("0"):
-        return [parse_rational(given, "h")]  # which says that 0,1 is no list of steps
+        return [parse_rational(given, "h")]  # raises: 0,1 is a decimal comma rather than a list
     return [h for part in given.split(",") for h in (_halvings(part) if ":" in part else [step_of(part)])]
 
 
@@ -112,7 +112,7 @@ def _halvings(text: str) -> list[Fraction]:
 
 
 def state_of(given: GivenState) -> tuple[Fraction, Fraction]:
-    """A state, as a pair or written as position,velocity. Raises ValueError."""
+    """A state (q, v) from a pair or from the text "position,velocity". Raises ValueError."""
     parts = given.split(",") if isinstance(given, str) else given
     if len(parts) != 2:
         raise ValueError(f"{brief(given)!r} is not a state; write position,velocity like 1,0")
@@ -140,5 +140,5 @@ def step_count(t: Fraction, h: Fraction) -> int:
 
 
 def brief(x: object) -> str:
-    """The number, or what was given for one, for a message: cut off where it is too long to be read."""
+    """The number, or whatever was given in its place, shortened for a message."""
     return shortened(str(x), LONGEST_SHOWN)

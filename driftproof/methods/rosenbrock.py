@@ -11,10 +11,10 @@ from driftproof.methods.schemes import RungeKutta, Staged
 
 @dataclass(frozen=True)
 class Rosenbrock(Staged):
-    """kᵢ = f(y + h Σⱼ αᵢⱼ kⱼ) + hJ Σⱼ γᵢⱼ kⱼ, y₁ = y + h Σ bᵢ kᵢ, with J = f'(y), or any J: then it is a W method.
+    """kᵢ = f(y + h Σⱼ αᵢⱼ kⱼ) + hJ Σⱼ γᵢⱼ kⱼ, y₁ = y + h Σ bᵢ kᵢ, with J = f'(y), or with any J for a W method.
 
-    α is strictly lower triangular, γ lower triangular; γᵢᵢ = 0 makes a stage explicit. Where f depends on t, stage i is
-    at t + h Σⱼ αᵢⱼ and has a term h Σⱼ γᵢⱼ ∂f/∂t: so it is y' = f made autonomous. `b_embedded`, of order
+    α is strictly lower triangular, γ lower triangular; γᵢᵢ = 0 makes a stage explicit. If f depends on t, stage i is at
+    t + h Σⱼ αᵢⱼ and has the further term h Σⱼ γᵢⱼ ∂f/∂t, as for y' = f made autonomous. `b_embedded`, of order
     `embedded_order`, is the second row of weights of a pair. Other fields as in `RungeKutta`
     (hairer-wanner-1996, IV.7). Raises MethodError.
 
@@ -35,7 +35,7 @@ class Rosenbrock(Staged):
     decimal: bool = False
 
     def linear_twin(self) -> RungeKutta:
-        """The Runge-Kutta method with A = α + γ: the same step on every linear problem with constant coefficients."""
+        """The Runge-Kutta method with A = α + γ: the same step on linear problems with constant coefficients."""
         summands = (getattr(self, name) for name in self.matrices)
         a = tuple(tuple(map(total, zip(*rows, strict=True))) for rows in zip(*summands, strict=True))
         return RungeKutta(

@@ -33,7 +33,7 @@ class MethodError(ValueError):
 
 @dataclass(frozen=True)
 class Definition:
-    """What a method is called, the order that its source claims for it, 0 where it says nothing, and the source."""
+    """The key and title of a method, its source, and the order that the source claims, 0 if it claims none."""
 
     key: str
     title: str
@@ -61,10 +61,10 @@ class _OverOneField(Definition):
 
 
 class Staged(_OverOneField):
-    """A method of square matrices, and of rows of coefficients, as many as it has stages and `leading_row` has entries.
+    """A method with square matrices and rows of coefficients, all with an entry for each stage.
 
-    `zero_from` says of each matrix how far right of its diagonal the zeros begin that it has to have. A row may be None
-    where the method has none: the embedded ones of a pair, which come with their order.
+    The length of `leading_row` is the number of stages. An entry n of `zero_from` demands that row i of its matrix be 0
+    in the columns j >= i + n. The embedded rows are None unless the method is a pair; they come with their order.
     """
 
     matrices: ClassVar[tuple[str, ...]] = ("a",)
@@ -73,7 +73,7 @@ class Staged(_OverOneField):
     leading_row: ClassVar[str]
 
     def __post_init__(self) -> None:
-        """Promote integers, then refuse what is not exact, of another shape, in several fields, and half of a pair."""
+        """Promote integers, then raise MethodError for inexact entries, wrong shapes, several fields or half a pair."""
         for name in self.matrices:
             rows = getattr(self, name)
             _demand_iterable(rows, f"{self.key}: {name}")
@@ -99,16 +99,16 @@ class Staged(_OverOneField):
 
     @property
     def stages(self) -> int:
-        """The number s of evaluations of the right-hand side."""
+        """The number s of stages."""
         return len(getattr(self, self.leading_row))
 
     @property
     def explicit(self) -> bool:
-        """True when no stage depends on itself or on a later one: the last matrix is strictly lower triangular."""
+        """True if no stage depends on itself or on a later one: the last matrix is strictly lower triangular."""
         return is_strictly_lower(getattr(self, self.matrices[-1]))
 
     def inconsistencies(self) -> dict[str, Exact]:
-        """The residuals, where not zero, of Σ = 1 for each row of weights: facts about the data, not errors."""
+        """The nonzero residuals of Σ bᵢ = 1 for each row of weights: facts about the data, not errors."""
         weights = ((name, getattr(self, name)) for name in self.rows if name.startswith("b"))
         return nonzero_residuals({f"sum({name}) - 1": total(row) - 1 for name, row in weights if row is not None})
 
@@ -128,14 +128,14 @@ class Staged(_OverOneField):
 
 @dataclass(frozen=True)
 class RungeKutta(Staged):
-    """kᵢ = F(t + cᵢh, z + h Σⱼ aᵢⱼ kⱼ), then z + h Σᵢ bᵢ kᵢ: the Runge-Kutta method with tableau (A, b, c).
+    """The Runge-Kutta method with tableau (A, b, c): kᵢ = F(t + cᵢh, z + h Σⱼ aᵢⱼ kⱼ), then z + h Σᵢ bᵢ kᵢ.
 
-    `a` is s rows of s coefficients, `b` and `c` have s; integers and rational elements of a number field are promoted
-    to `Fraction`, anything inexact is refused, and so are coefficients of two fields. `claimed_order` is what the
-    source says, 0 where it says nothing, to be tested against the order that the coefficients have. `source` is a key
-    of `references.bib` and a place in it. `b_embedded`, of order `embedded_order`, is the second row of weights of a
-    pair, `b` the one that is propagated. `decimal` says that the source prints rounded numbers, and that those are
-    meant: the order conditions then hold up to residuals, which are facts about the table. Raises MethodError.
+    `a` has s rows of s coefficients, `b` and `c` have s; integers and rational elements of a number field are promoted
+    to `Fraction`. `claimed_order` is the order that the source claims, 0 if it claims none; the coefficients may have
+    another. `source` is a key of `references.bib` and a place in it. `b_embedded`, of order `embedded_order`, is the
+    second row of weights of a pair, of which `b` is propagated. `decimal` says that the source prints rounded numbers,
+    which are taken exactly: the order conditions then hold up to residuals, which are facts about the table. Raises
+    MethodError for inexact coefficients, coefficients of two fields, and wrong shapes.
 
     >>> from fractions import Fraction
     >>> from driftproof import Facts, RungeKutta
@@ -155,7 +155,7 @@ class RungeKutta(Staged):
     decimal: bool = False
 
     def embedded(self, suffix: str) -> RungeKutta:
-        """The method of a pair that propagates the other row of weights; `suffix` is added to the key."""
+        """The method that propagates the embedded weights of this pair; `suffix` is appended to the key."""
         assert self.b_embedded is not None
         assert self.embedded_order is not None
         method: RungeKutta = replace(
@@ -170,7 +170,7 @@ class RungeKutta(Staged):
         return method
 
     def inconsistencies(self) -> dict[str, Exact]:
-        """The residuals, where not zero, of Σb = 1 and of cᵢ = Σⱼ aᵢⱼ: facts about the data, not errors."""
+        """The nonzero residuals of Σ bᵢ = 1 and of cᵢ = Σⱼ aᵢⱼ: facts about the data, not errors."""
         nodes = {f"c[{i}] - sum(a[{i}])": c - total(row) for i, (c, row) in enumerate(zip(self.c, self.a, strict=True))}
         return super().inconsistencies() | nonzero_residuals(nodes)
 
@@ -179,9 +179,9 @@ class RungeKutta(Staged):
 class Splitting(_OverOneField):
     """A composition of kicks v ← v + c·h·F(q) and drifts q ← q + c·h·v, in the order given.
 
-    `parts` is pairs such as ("kick", 1/2). Every such composition is symplectic when F is a gradient.
+    `parts` has pairs such as ("kick", 1/2). Every such composition is symplectic if F is a gradient.
     `quadratic_kinetic` says that the source claims the order only for drifts that are linear in v, as they are here;
-    without it, the order is claimed for every Hamiltonian T(p) + V(q). Other fields as in `RungeKutta`.
+    otherwise it claims the order for every Hamiltonian T(p) + V(q). Other fields as in `RungeKutta`.
     Raises MethodError.
 
     >>> from driftproof import Facts, Splitting
@@ -192,10 +192,10 @@ class Splitting(_OverOneField):
     parts: tuple[tuple[str, Exact], ...]
     quadratic_kinetic: bool = False
     decimal: bool = False
-    explicit: ClassVar[bool] = True  # each kick and each drift is a formula in what was known before it
+    explicit: ClassVar[bool] = True  # each kick and each drift is a formula in the values before it
 
     def __post_init__(self) -> None:
-        """Promote integers, then refuse unknown sub-steps and inexact coefficients."""
+        """Promote integers, then raise MethodError for unknown sub-steps, inexact coefficients and several fields."""
         _demand_iterable(self.parts, f"{self.key}: parts")
         parts = tuple(self.parts)
         if not parts:
@@ -212,7 +212,7 @@ class Splitting(_OverOneField):
         return (c for _, c in self.parts)
 
     def inconsistencies(self) -> dict[str, Exact]:
-        """The residuals, where not zero, of Σ kicks = 1 and Σ drifts = 1: facts about the data, not errors."""
+        """The nonzero residuals of Σ kicks = 1 and Σ drifts = 1: facts about the data, not errors."""
         return nonzero_residuals(
             {f"sum({kind}s) - 1": total(c for part, c in self.parts if part == kind) - 1 for kind in SUBSTEPS}
         )
@@ -222,8 +222,8 @@ class Splitting(_OverOneField):
 class Nystrom(Staged):
     """kᵢ = F(q + cᵢhv + h² Σⱼ aᵢⱼ kⱼ), q₁ = q + hv + h² Σ b_positionᵢ kᵢ, v₁ = v + h Σ b_velocityᵢ kᵢ, for q'' = F(q).
 
-    A Runge-Kutta-Nyström method; `a` is s rows of s, `c`, `b_position` and `b_velocity` have s coefficients. Its order
-    is the smaller one of those in q and in v. Other fields as in `RungeKutta`. Raises MethodError.
+    This is a Runge-Kutta-Nyström method; `a` has s rows of s coefficients, `c`, `b_position` and `b_velocity` have s.
+    Its order is the smaller of the orders in q and in v. Other fields as in `RungeKutta`. Raises MethodError.
     """
 
     rows: ClassVar[tuple[str, ...]] = ("c", "b_position", "b_velocity")
@@ -235,9 +235,9 @@ class Nystrom(Staged):
     decimal: bool = False
 
     def inconsistencies(self) -> dict[str, Exact]:
-        """The residuals, where not zero, of Σ b_velocity = 1, Σ b_position = 1/2 and Σⱼ aᵢⱼ = cᵢ²/2: facts, not errors.
+        """The nonzero residuals of Σ b_velocity = 1, Σ b_position = 1/2 and Σⱼ aᵢⱼ = cᵢ²/2: facts, not errors.
 
-        The first two are the conditions of order 1 in v and of order 2 in q; the last says that stage i is as accurate.
+        The first two are the conditions of order 1 in v and order 2 in q; the last makes stage i accurate to order 2.
         """
         residuals = {
             "sum(b_velocity) - 1": total(self.b_velocity) - 1,
@@ -253,18 +253,18 @@ class Collocation(Definition):
     """The s-stage Runge-Kutta method whose nodes c₁ < ... < cₛ are the roots of `node_polynomial`, constant term first.
 
     z₁ = u(h), where u is the polynomial of degree s with u(0) = z and u'(cᵢh) = F(u(cᵢh)) (hairer-lubich-wanner-2006,
-    II.1.2). Given by the polynomial, because R(z), order and stability need no root of it. It is made monic; its
-    coefficients are rational, and all its roots real and distinct, or MethodError is raised. Other fields as in
-    `RungeKutta`; not to be confused with one that has these nodes but other weights, such as Radau IA.
+    II.1.2). The polynomial is given because R(z), order and stability need none of its roots. It is made monic. Raises
+    MethodError unless its coefficients are rational and its roots real and distinct. Other fields as in `RungeKutta`.
+    A method with these nodes but another A, such as Radau IA, is no collocation method.
     """
 
     node_polynomial: tuple[Fraction, ...]
     decimal: ClassVar[bool] = False
-    # The collocation conditions are equations, even where, as for the one node 0, they solve themselves.
+    # The collocation conditions are equations, although they are trivial for the single node 0.
     explicit: ClassVar[bool] = False
 
     def __post_init__(self) -> None:
-        """Make the polynomial monic; refuse one that is constant, inexact, or has a complex or a multiple root."""
+        """Make the polynomial monic, or raise MethodError if it is constant, inexact, or has unsuitable roots."""
         given = rational_row(self.node_polynomial, f"{self.key}: node_polynomial")
         while given and given[-1] == 0:
             given = given[:-1]
@@ -281,11 +281,11 @@ class Collocation(Definition):
 
     @property
     def field(self) -> NumberField | None:
-        """None: the node polynomial is rational, and nothing else is given."""
+        """None, because the node polynomial is rational."""
         return None
 
     def tableau(self, bits: int) -> tuple[list[list[Fraction]], list[Fraction], list[Fraction]]:
-        """(A, b, c) with the nodes to so many bits, 0, 1 and other short binary fractions exactly.
+        """The tableau (A, b, c) with nodes to this many bits; 0, 1 and other short binary fractions are exact.
 
         aᵢⱼ is the integral of Lagrange's j-th polynomial from 0 to cᵢ, bⱼ that from 0 to 1.
         """
@@ -297,17 +297,17 @@ class Collocation(Definition):
         return rows, [as_fraction(integral(as_fmpq(1))) for integral in integrals], [as_fraction(x) for x in nodes]
 
     def node_balls(self, bits: int) -> tuple[arb, ...]:
-        """Balls of so many bits around the nodes, ascending."""
+        """Balls of at least this many bits around the nodes, ascending."""
         common = lcm(*(x.denominator for x in self.node_polynomial))
         return real_root_balls(tuple(int(x * common) for x in self.node_polynomial), bits)
 
     def inconsistencies(self) -> dict[str, Exact]:
-        """None ever: the weights integrate constants exactly by construction, and so do the rows of A."""
+        """Always {}: the weights and the rows of A integrate constants exactly by construction."""
         return {}
 
 
 def lagrange_integrals(nodes: Sequence[Any], polynomial: Callable[[Sequence[Any]], Any]) -> list[Any]:
-    """The integrals from 0 of Lagrange's polynomials for these nodes, in the arithmetic of FLINT's `polynomial`."""
+    """The integrals from 0 of the Lagrange polynomials for these nodes, as FLINT polynomials of type `polynomial`."""
     found = []
     for i, node in enumerate(nodes):
         others = [x for j, x in enumerate(nodes) if j != i]
@@ -320,19 +320,19 @@ Method: TypeAlias = RungeKutta | Splitting | Nystrom | Collocation
 
 
 def demand_method(given: object, table: str = "METHODS") -> None:
-    """Raises TypeError, with what to write, for the name of a method, or of a family, where itself is meant."""
+    """Raise TypeError, with what to write, if the name of a method or family is given rather than the object."""
     if isinstance(given, str):
         need = f"a method is needed: {table}[...], or read_method(...) of a .toml file"
         raise TypeError(f"{shortened(given)!r} is a string, and {need}")
 
 
 def is_strictly_lower(a: Sequence[Sequence[object]]) -> bool:
-    """True when A has only zeros on and above its diagonal, so that stages can be computed one after the other."""
+    """True if A has only zeros on and above its diagonal, so that stages can be computed one after the other."""
     return all(x == 0 for i, row in enumerate(a) for x in row[i:])
 
 
 def rational_row(values: Iterable[object], where: str) -> tuple[Fraction, ...]:
-    """The values as fractions. Raises MethodError for what is inexact, and for what is irrational."""
+    """The values as fractions. Raises MethodError for an inexact or an irrational value."""
     exact = _exact(values, where)
     rational = tuple(x for x in exact if isinstance(x, Fraction))
     if len(rational) != len(exact):
@@ -363,6 +363,6 @@ def _exact_coefficient(value: object, where: str) -> Exact:
 
 
 def nonzero_residuals(residuals: dict[str, Exact]) -> dict[str, Exact]:
-    """Those that are not zero, an irrational element that is rational as a Fraction."""
+    """The residuals that are not zero; a rational element of a number field becomes a Fraction."""
     exact = {condition: _exact_coefficient(residual, condition) for condition, residual in residuals.items()}
     return {condition: residual for condition, residual in exact.items() if residual}

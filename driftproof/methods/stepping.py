@@ -1,7 +1,7 @@
-"""The step of a method as program text, straight-line Python with zeros dropped, and as a function over any numbers.
+"""The step of a method as straight-line Python text without zero terms, and as a function of numbers of any type.
 
-This one text is what floats run, what a compiler is given, what polynomials trace and what rounding bounds are derived
-from. It holds no number and no branch on a value, so it runs over whatever the coefficients are lifted into.
+The same text is run in floats, compiled, traced with polynomials, and used to derive rounding bounds. It contains no
+number and no branch on a value, so it works in every arithmetic to which the coefficients are converted.
 """
 
 from __future__ import annotations
@@ -28,16 +28,16 @@ FORCE = "force({})"
 Number: TypeAlias = Any
 Force: TypeAlias = Callable[[Number], Number]
 Step: TypeAlias = Callable[[Force, Number, Number, Number], tuple[Number, Number]]
-# From an Exact; not typed so, because an arithmetic may know rationals only and refuse the rest.
+# Converts an Exact; not typed so, because an arithmetic may accept rational coefficients only.
 Lift: TypeAlias = Callable[[Any], Number]
 
 
 @dataclass(frozen=True)
 class Source:
-    """The lines of a step, which end with q1 and v1 known, and the coefficients that they name.
+    """The lines of a step, which define q1 and v1, and the coefficients that they name.
 
-    The lines read q, v, h and the names, and write the force as they were told to. Those of a compensated step also
-    read and write e_q and e_v, what the additions so far have lost, and only a run of many can be made of them.
+    The lines read q, v, h and the coefficients. Those of a compensated step also update e_q and e_v, the rounding
+    errors of the additions so far; only `run` can use them.
     """
 
     lines: tuple[str, ...]
@@ -46,11 +46,11 @@ class Source:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """The names of the coefficients, in the order in which they come up."""
+        """The names of the coefficients, in the order of their first use."""
         return tuple(name for name, _ in self.coefficients)
 
     def run(self) -> str:
-        """The text of make(coefficients...) -> run(q, v, h, steps) -> (q, v): so many steps in one loop."""
+        """The text of make(coefficients...) -> run(q, v, h, steps) -> (q, v), which takes `steps` steps in one loop."""
         loop = ["for _ in range(steps):", *indented([*self.lines, "q, v = q1, v1"])]
         start = ["e_q, e_v = q - q, v - v"] if self.compensated else []
         return looping_maker_text(self.names, "q, v, h, steps", [*start, *loop, "return q, v"])
@@ -64,10 +64,10 @@ class Source:
 def step_source(method: Method, force: str = FORCE, *, compensated: bool = False) -> Source:
     """The step of `method` for q' = v, v' = F(q), with F(x) written as `force.format(x)`, x always a name.
 
-    Sums are taken from the left, h multiplies a sum once, and a coefficient of 1 or -1 is not multiplied by: that is
-    exact in every arithmetic. A stage that nothing uses is left out. `compensated`: the additions that advance the
-    state carry along what they round off; `tests/witnesses/compensated.py` derives what that is good for. Raises
-    MethodError for an implicit method, whose stages are equations rather than formulas.
+    Sums are taken from the left, h multiplies a sum once, and factors 1 and -1 are left out, which is exact in every
+    arithmetic. A stage that nothing uses is left out. In a `compensated` step the additions that advance the state keep
+    their rounding errors; `tests/witnesses/compensated.py` derives what is gained. Raises MethodError for an implicit
+    method, whose stages are equations rather than formulas.
     """
     if not method.explicit or isinstance(method, Collocation):
         raise MethodError(f"{method.key} is implicit: its stages are equations, so it has no explicit step")
@@ -80,7 +80,7 @@ def step_source(method: Method, force: str = FORCE, *, compensated: bool = False
 
 
 def _runge_kutta(method: RungeKutta, force: str, text: ProgramText) -> None:
-    """Stages qᵢ with slopes (kᵢ_q, kᵢ_v), then the sums of both components."""
+    """Write the stages qᵢ with slopes (kᵢ_q, kᵢ_v), then the sums of both components."""
     slopes: dict[str, dict[int, str]] = {"q": {}, "v": {}}
     for i in used_stages(method.a, [method.b]):
         moved = {x: text.sum(" + h *", f"a{i + 1}", method.a[i], slopes[x]) for x in slopes}
@@ -95,8 +95,8 @@ def _runge_kutta(method: RungeKutta, force: str, text: ProgramText) -> None:
 def stepper(method: Method, lift: Lift) -> Step:
     """The step (force, q, v, h) → (q₁, v₁) of `method` for q' = v, v' = force(q): the text of `step_source`.
 
-    `lift` carries each exact coefficient into the number type of q, v and h. It is the only way in: relying on
-    coercion would turn `Fraction * ndarray` into an object array and `Fraction * float32` into a Python float.
+    `lift` converts each exact coefficient to the number type of q, v and h. It is needed because coercion would turn
+    `Fraction * ndarray` into an object array and `Fraction * float32` into a Python float.
     Raises MethodError for an implicit method, whose stages are equations rather than formulas.
 
     >>> from fractions import Fraction

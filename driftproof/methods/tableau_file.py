@@ -1,22 +1,21 @@
-"""A user's own method from a TOML file: a tableau, a splitting or a Nyström table, exact, read without evaluating it.
+"""Users' own methods from TOML files: tableaux, splittings and other families, read exactly, with nothing executed.
 
     family = "runge_kutta"                    # or "splitting", "nystrom", "collocation", "multistep", "rosenbrock",
                                               # "additive"
     A = [["1/4", "1/4 - s3/6"], ["1/4 + s3/6", "1/4"]]
     b = ["1/2", "1/2"]
-    c = ["1/2 - s3/6", "1/2 + s3/6"]          # may be left out: then the row sums of A
+    c = ["1/2 - s3/6", "1/2 + s3/6"]          # may be left out; it is then the row sums of A
 
-    [roots]                                   # roots of several fields lie in one of degree 12 at most, which is found
+    [roots]                                   # those of several fields are joined in one field, of degree 12 at most
     s3 = "sqrt(3)"                            # or "cbrt(2)", or { minpoly = [-3, 0, 1], interval = ["1", "2"] }
 
-A number is an integer, a decimal, which is exact, or an expression in a string. Of all families: `key`, `title`,
-`source`, `claimed_order` (0: nothing is claimed) and `decimal`; of a pair: `b_embedded` with `embedded_order`; of a
-splitting: `parts = [["kick", "1/2"], ["drift", 1], ...]`; of a Nyström method: `c`, `A`, `b_position`, `b_velocity`;
-of a collocation method: `node_polynomial`, constant term first; of a linear multistep method: `rho` and `sigma`, from
-the oldest value to the new one, and `derivative = 2` where it is for y'' = F(y); of a Rosenbrock method: `alpha`,
-`gamma`, `b`, and of a pair as above; of an additive (IMEX) method: `A_explicit`, `A_implicit`, `b_explicit` and
-`b_implicit`. With `parameter = "gamma"` the entries
-of a Runge-Kutta tableau are rational functions of gamma, e.g. "1 - 2*gamma", and the file is a family of methods.
+A number is an integer, a decimal, which is exact, or an expression in a string. All families have the keys `key`,
+`title`, `source`, `claimed_order` (0: nothing is claimed) and `decimal`. A pair has `b_embedded` with `embedded_order`;
+a splitting `parts = [["kick", "1/2"], ["drift", 1], ...]`; a Nyström method `c`, `A`, `b_position` and `b_velocity`; a
+collocation method `node_polynomial`, constant term first; a linear multistep method `rho` and `sigma`, from the oldest
+value to the new one, and `derivative = 2` for y'' = F(y); a Rosenbrock method `alpha`, `gamma` and `b`, and the keys of
+a pair; an additive (IMEX) method `A_explicit`, `A_implicit`, `b_explicit` and `b_implicit`. With `parameter = "gamma"`
+a Runge-Kutta file is a family of methods, with entries that are rational functions of gamma, e.g. "1 - 2*gamma".
 """
 
 from __future__ import annotations
@@ -50,6 +49,7 @@ from driftproof.support.toml_tables import (
     read_toml,
 )
 
+# Chosen far above published methods: the limits keep the time and the memory that reading takes small.
 LARGEST_FILE = 2_000_000
 MOST_STAGES = 200
 MOST_NODES = 50
@@ -62,9 +62,9 @@ _NAME = re.compile(r"[A-Za-z_]\w{0,30}", re.ASCII)
 _RADICAL = re.compile(r"\s*(sqrt|cbrt)\s*\(\s*(\d{1,40})\s*\)\s*")
 _COMMON = ("family", "key", "title", "source", "claimed_order", "decimal", "roots")
 
-# Methods as users name them: a key or name, a file, the method itself; one or several.
+# Methods as users give them, one or several: a key or name, a file, the method itself.
 GivenMethods: TypeAlias = str | Path | Method | Sequence[str | Path | Method]
-# From an expression, and where it stands, to the number that it spells.
+# Maps an expression, and its place in the file, to the number that it spells.
 Read = Callable[[str, str], Any]
 
 
@@ -85,12 +85,12 @@ def read_method(path: str | Path) -> Method | Family | FactsOnly:
     return read_toml(path, LARGEST_FILE, lambda table: _method(table, Path(path).stem), MethodError)
 
 
-# What the weights of an estimate are called elsewhere.
+# Common other names of `b_embedded`.
 _OF_PAIR = ("b_hat", "bhat", "b_star", "b_err", "b2", "b_tilde", "be")
 
 
 def _method(table: TomlTable, name: str) -> Method | Family | FactsOnly:
-    """The method or family that a TOML table defines, `name` its key where it has none. Raises ValueError."""
+    """The method or family that a TOML table defines; `name` is its key if the table has none. Raises ValueError."""
     family = as_choice(table.get("family"), "family", _FAMILIES)
     parametric = "parameter" in table and family == "runge_kutta"
     entries, build = _PARAMETRIC if parametric else _FAMILIES[family]
@@ -109,14 +109,14 @@ def _method(table: TomlTable, name: str) -> Method | Family | FactsOnly:
     while True:
         try:
             return build(table, dict(common), remembered)
-        except (MethodError, TypeError):  # of several fields, perhaps: those that were read so far have one
+        except (MethodError, TypeError):  # perhaps numbers of several fields: join those read so far, and retry
             if (wider := common_field(seen)) == field:
                 raise
             field = wider
 
 
 def _reader(table: TomlTable) -> Read:
-    """The reader of numbers in the roots, or of functions of the parameter, that the table declares."""
+    """The reader of entries: numbers in the declared roots, or functions of the declared parameter."""
     if "parameter" in table:
         parameter = _parameter(table)
         return lambda text, where: parse_function(text, parameter, where)
@@ -201,7 +201,7 @@ def _number(value: object, where: str, read: Read) -> Any:
 
 def _square(table: TomlTable, read: Read, stages: int, name: str = "A") -> tuple[tuple[Any, ...], ...]:
     rows = [as_list(row, name, most=MOST_STAGES) for row in as_list(_entry(table, name), name, most=MOST_STAGES)]
-    for diagonal in (0, 1):  # only what stands below it, or below and on it
+    for diagonal in (0, 1):  # rows may end before the diagonal, or with it
         if all(len(row) == i + diagonal for i, row in enumerate(rows)):
             rows = [[*row, *[0] * (len(rows) - len(row))] for row in rows]
     for i, row in enumerate(rows):
@@ -225,7 +225,7 @@ def _runge_kutta(table: TomlTable, common: dict[str, Any], read: Read) -> Method
 
 
 def _second_row(table: TomlTable, read: Read, stages: int) -> dict[str, Any]:
-    """The other row of weights of a pair, and its order."""
+    """The embedded weights of a pair and their order; {} if there are none."""
     if not {"b_embedded", "embedded_order"} & set(table):
         return {}
     weights = _numbers(_entry(table, "b_embedded"), "b_embedded", read, stages)
@@ -234,7 +234,7 @@ def _second_row(table: TomlTable, read: Read, stages: int) -> dict[str, Any]:
 
 
 def _nodes(table: TomlTable, a: Sequence[Sequence[Any]], read: Read) -> tuple[Any, ...]:
-    """c, or the row sums of A where it is left out."""
+    """The nodes c, or the row sums of A if c is left out."""
     return _numbers(table["c"], "c", read, len(a)) if "c" in table else tuple(sum(row, Fraction(0)) for row in a)
 
 
@@ -316,9 +316,9 @@ _PARAMETRIC: tuple[tuple[str, ...], _Reader] = (("parameter", "A", "b", "c"), _f
 
 
 def method_of(given: str | Path | Method | Family | FactsOnly) -> Method:
-    """The method with this key or name, or in the TOML file if it ends in .toml; a method is itself.
+    """The method with this key or name, or in this .toml file; a method is returned as it is.
 
-    Raises ValueError, also of a family, and of a method that has facts only.
+    Raises ValueError for anything else, including a family and a method of which there are only facts.
     """
     subject = subject_of(given)
     if isinstance(subject, Family):
@@ -330,7 +330,7 @@ def method_of(given: str | Path | Method | Family | FactsOnly) -> Method:
 
 
 def methods_of(given: GivenMethods) -> list[Method]:
-    """One method or several, keys also in one text: "rk4,heun2". Raises ValueError."""
+    """A list of one method or several, whose keys may stand in one text: "rk4,heun2". Raises ValueError."""
     return [method_of(each) for each in _each(given)]
 
 
@@ -341,7 +341,7 @@ def _each(given: GivenMethods) -> Sequence[str | Path | Method]:
 
 
 def subject_of(given: str | Path | Method | Family | FactsOnly) -> Method | Family | FactsOnly:
-    """What facts are asked of: like `method_of`, families and methods that have facts only among it."""
+    """As `method_of`, but also for families and for methods of which there are only facts."""
     if isinstance(given, Method | Family | FactsOnly):
         return given
     if not isinstance(given, str | Path):
@@ -353,7 +353,7 @@ def subject_of(given: str | Path | Method | Family | FactsOnly) -> Method | Fami
 
 
 def names_of(given: GivenMethods) -> list[str]:
-    """What names one method or several to a scene: keys and files. Raises ValueError for one that only Python has."""
+    """The keys and files by which a scene names these methods. Raises ValueError for a method that has neither."""
     named = []
     for each in _each(given):
         if not isinstance(each, str | Path) and METHODS.get(each.key) != each:

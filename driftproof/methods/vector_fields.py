@@ -1,4 +1,4 @@
-"""Systems y' = f(t, y) given as text, their derivatives, and the step of an explicit method for one, as text, too."""
+"""Systems y' = f(t, y) given as text, their partial derivatives, and the program text of explicit steps for them."""
 
 from __future__ import annotations
 
@@ -19,25 +19,25 @@ from driftproof.methods.program_text import (
 )
 from driftproof.methods.schemes import Collocation, Method, MethodError, Nystrom, RungeKutta, Splitting
 
-# What a rate may call; numbers of every kind that a run is made of have these.
+# The functions that a rate may call; every type of numbers in which runs are computed has them.
 FUNCTIONS = ("sin", "cos", "exp", "log", "sqrt")
 _ALLOWED = (ast.Expression, ast.BinOp, ast.UnaryOp, ast.Name, ast.Load, ast.USub, ast.Add, ast.Sub, ast.Mult, ast.Div)
 
 
 @dataclass(frozen=True)
 class VectorField:
-    """y' = f(t, y): one expression a component in t, y0, y1, ..., named parameters, whole numbers and `FUNCTIONS`.
+    """The system y' = f(t, y), with an expression for each component of f.
 
-    E.g. Field(("y1", "mu * (1 - y0 * y0) * y1 - y0"), (("mu", Fraction(5)),)), van der Pol's oscillator. Of our own
-    writing, and read before it is run. Parameters are exact. There is no power: a compiler and Python form it
-    differently; write products. Raises MethodError for anything else in a rate.
+    An expression contains t, y0, y1, ..., named parameters, whole numbers, + - * / and `FUNCTIONS`, as in van der Pol's
+    VectorField(("y1", "mu * (1 - y0 * y0) * y1 - y0"), (("mu", Fraction(5)),)). Powers are written as products, because
+    compilers and Python compute them differently. Parameters are exact. Raises MethodError for any other expression.
     """
 
     rates: tuple[str, ...]
     parameters: tuple[tuple[str, Exact], ...] = ()
 
     def __post_init__(self) -> None:
-        """Refuse an empty system, and a rate that holds what the text of a step may not."""
+        """Raise MethodError for a system without rates, and for a rate that is no such expression."""
         if not self.rates:
             raise MethodError("a field has at least one rate")
         known = dict.fromkeys(("t", *self.components, *(name for name, _ in self.parameters)))
@@ -47,24 +47,24 @@ class VectorField:
 
     @property
     def components(self) -> tuple[str, ...]:
-        """y0, y1, ..."""
+        """The names of the components: y0, y1, ..."""
         return tuple(f"y{i}" for i in range(len(self.rates)))
 
     @property
     def autonomous(self) -> bool:
-        """True when no rate reads t."""
+        """True if no rate reads t."""
         return all("t" not in _names(_parsed(rate, i)) for i, rate in enumerate(self.rates))
 
     def dependence(self) -> list[set[int]]:
-        """Of each rate, the numbers of the components that it reads."""
+        """The indices of the components that each rate reads."""
         number = {name: i for i, name in enumerate(self.components)}
         return [{number[name] for name in _names(_parsed(r, i)) & number.keys()} for i, r in enumerate(self.rates)]
 
     def second_order(self) -> tuple[tuple[str, ...], tuple[str, ...]]:
-        """The positions and the velocities: the names of the first and of the second half of the components.
+        """The names of the positions and of the velocities: the first and the second half of the components.
 
-        Raises MethodError unless the rates of the first half are, as they are written, exactly the second half, and
-        those of the second half, the accelerations, read no velocity.
+        Raises MethodError unless the rates of the positions are written as exactly the velocities, and the rates of the
+        velocities, the accelerations, read no velocity.
         """
         half, odd = divmod(len(self.rates), 2)
         positions, velocities = self.components[:half], self.components[half:]
@@ -84,16 +84,16 @@ class VectorField:
         return positions, velocities
 
     def at(self, names: Mapping[str, str]) -> list[str]:
-        """The rates with other names for t, y0, y1, ..."""
+        """The rates with t, y0, y1, ... replaced by other names."""
         return [ast.unparse(_Renamed(names).visit(_parsed(rate, i))) for i, rate in enumerate(self.rates)]
 
 
 @dataclass(frozen=True)
 class FieldSource:
-    """The lines of a step, which read y0, y1, ..., t, h and the names and end with y0_new, ... known.
+    """The lines of a step, which read y0, y1, ..., t, h and the coefficients, and define y0_new, y1_new, ...
 
-    `coefficients` holds those of the method, then the parameters of the field. The lines of a compensated step also
-    read and write e_y0, e_y1, ..., what the additions so far have lost, and only a run can be made of them.
+    `coefficients` has those of the method, then the parameters of the field. The lines of a compensated step also
+    update e_y0, e_y1, ..., the rounding errors of the additions so far; only `run` can use them.
     """
 
     lines: tuple[str, ...]
@@ -102,9 +102,9 @@ class FieldSource:
     compensated: bool
 
     def run(self) -> str:
-        """The text of make(coefficients...) -> run(y, h, first, last) -> y: steps first to last - 1, from t = i h.
+        """The text of make(coefficients...) -> run(y, h, first, last) -> y: steps i = first to last - 1, from t = i h.
 
-        The time is formed anew in each step, with one rounding, and never accumulated.
+        The time is computed anew in each step, with one rounding, rather than accumulated.
         """
         body = ["t = i * h", *self.lines, f"{self._tuple('')} = {self._tuple('_new')}"]
         loop = ["for i in range(first, last):", *indented(body)]
@@ -128,12 +128,12 @@ class FieldSource:
 def field_source(
     method: Method, field: VectorField | _ArrayField, *, compensated: bool = False, estimated: bool = False
 ) -> FieldSource:
-    """The step of an explicit method, by component: of a Runge-Kutta method, or of a second-order system by any other.
+    """The program text of an explicit step for a system, component by component.
 
-    Splittings and Nyström methods take the accelerations only, at positions, as `Field.second_order` demands; time
-    passes with the drifts. In the order of operations of `step_source`: on q' = v, v' = F(q) the two
-    give the same bits. `compensated` as there; `estimated` also forms y0_off, ..., what the embedded weights of a pair
-    lead away by. Raises MethodError for an implicit method, and as `second_order`.
+    Splittings and Nyström methods need a second-order system, see `VectorField.second_order`, and evaluate only its
+    accelerations; time advances with the drifts. The order of operations is that of `step_source`: on q' = v, v' = F(q)
+    both give the same bits. `compensated` is as there; `estimated` adds the error estimates y0_off, ... of a pair.
+    Raises MethodError for an implicit method, and as `second_order` does.
     """
     if not method.explicit or isinstance(method, Collocation):
         raise MethodError(f"{method.key} is implicit: its stages are equations, so it has no explicit step")
@@ -149,7 +149,7 @@ def field_source(
 
 @dataclass(frozen=True)
 class _ArrayField:
-    """A system whose state is one array, or two of positions and velocities: a rate is a call of the function f."""
+    """A system whose state is one array y, or two arrays q and v, and whose rate is a call of the function f."""
 
     components: tuple[str, ...]
     parameters: tuple[tuple[str, Exact], ...] = ()
@@ -164,10 +164,10 @@ class _ArrayField:
 
 
 def array_step(method: Method, f: Callable[..., Any], lift: Callable[[Any], Any]) -> Callable[..., tuple[Any, ...]]:
-    """step((y,), t, h) -> (y₁,) of an explicit Runge-Kutta method for y' = f(t, y), y an array or any other vector.
+    """The function step((y,), t, h) -> (y₁,) of an explicit Runge-Kutta method for y' = f(t, y), y an array or vector.
 
-    Of a splitting or a Nyström method step((q, v), t, h) -> (q₁, v₁), for q'' = f(t, q). The text is that of
-    `field_source`. `lift` carries each coefficient into the arithmetic of y. Raises MethodError for an implicit method.
+    For a splitting or a Nyström method it is step((q, v), t, h) -> (q₁, v₁), for q'' = f(t, q). Its text is that of
+    `field_source`. `lift` converts each coefficient to the arithmetic of y. Raises MethodError for an implicit method.
     """
     field = _ArrayField(("y",) if isinstance(method, RungeKutta) else ("q", "v"))
     source = field_source(method, field)
@@ -179,7 +179,7 @@ def array_step(method: Method, f: Callable[..., Any], lift: Callable[[Any], Any]
 def _runge_kutta(
     method: RungeKutta, field: VectorField | _ArrayField, text: ProgramText, other: Sequence[Exact] | None
 ) -> None:
-    """kᵢ = f(t + cᵢ h, y + h Σ aᵢⱼ kⱼ), then y + h Σ bᵢ kᵢ; with other weights b̂, also h Σ (bᵢ - b̂ᵢ) kᵢ."""
+    """Write kᵢ = f(t + cᵢ h, y + h Σ aᵢⱼ kⱼ), then y + h Σ bᵢ kᵢ; with other weights b̂, also h Σ (bᵢ - b̂ᵢ) kᵢ."""
     components = field.components
     slopes: dict[str, dict[int, str]] = {name: {} for name in components}
     for i in used_stages(method.a, [method.b, *([] if other is None else [other])]):
@@ -199,7 +199,7 @@ def _runge_kutta(
 
 
 def _second_order(method: Splitting | Nystrom, field: VectorField | _ArrayField, text: ProgramText) -> None:
-    """q'' = F(t, q), with F in parentheses, because it is multiplied by."""
+    """Write the step for q'' = F(t, q), with F in parentheses because it is a factor."""
     positions, velocities = field.second_order()
 
     def accelerations(names: Mapping[str, str]) -> list[str]:
@@ -209,7 +209,7 @@ def _second_order(method: Splitting | Nystrom, field: VectorField | _ArrayField,
 
 
 def _demand_new_names(field: VectorField | _ArrayField, text: ProgramText) -> None:
-    """Refuse a parameter that is called like something in the text, such as h."""
+    """Raise MethodError for a parameter that has the name of something else in the text, such as h."""
     taken = {"t", "h", "i", "y", "first", "last", "range", "make", "run", "step", *FUNCTIONS, *field.components}
     taken |= {"start_", "end_", "begin_", "member_", *(f"{y}_block" for y in field.components)}
     taken |= {*text.coefficients, *(line.partition(" = ")[0] for line in text.lines)}
@@ -237,7 +237,7 @@ def _names(tree: ast.AST) -> set[str]:
 
 
 def _out_of_place(tree: ast.Expression, known: Collection[str]) -> Iterator[str]:
-    """What a rate may not hold: unknown names, calls of anything but `FUNCTIONS`, numbers that are not whole."""
+    """The parts that a rate may not have: unknown names, calls other than of `FUNCTIONS`, numbers not whole."""
     called = {node.func for node in ast.walk(tree) if isinstance(node, ast.Call)}
     for node in ast.walk(tree):
         if isinstance(node, ast.Constant) and type(node.value) is int:
@@ -250,7 +250,7 @@ def _out_of_place(tree: ast.Expression, known: Collection[str]) -> Iterator[str]
 
 
 def partial_derivative(expression: str, name: str) -> str:
-    """The derivative of a rate of a `VectorField` with respect to one of its names, the others held fixed."""
+    """The partial derivative of a rate of a `VectorField` with respect to one of its names, as a rate."""
     return ast.unparse(_derivative(ast.parse(expression, mode="eval").body, name))
 
 
@@ -305,7 +305,7 @@ _OF_OPERATION: dict[type[ast.operator], Callable[[ast.expr, ast.expr, ast.expr, 
     ast.Add: lambda a, b, da, db: _sum(da, db),
     ast.Sub: lambda a, b, da, db: _difference(da, db),
     ast.Mult: lambda a, b, da, db: _sum(_product(da, b), _product(a, db)),
-    # a'/b - (a/b)(b'/b): no square, which would overflow where the quotient does not.
+    # a'/b - (a/b)(b'/b): without b², which may overflow although the quotient does not.
     ast.Div: lambda a, b, da, db: _difference(_quotient(da, b), _product(_quotient(a, b), _quotient(db, b))),
 }
 _OF_FUNCTION: dict[str, Callable[[ast.expr], ast.expr]] = {

@@ -1,1 +1,1 @@
-"""Files, packages, names: what every room needs and nobody in the field would ask about."""
+"""Helpers without mathematics for all other folders: files, processes, messages, plain text and TOML."""

@@ -1,4 +1,4 @@
-"""What the assertions for tests found: raised where it does not hold, and told to whoever listens."""
+"""The verdicts of `assert_verified` and `assert_accurate`: passed to listeners, and raised if they do not hold."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ from driftproof.support.plain_text import Json
 
 @dataclass(frozen=True)
 class AssertedVerdict:
-    """A verdict on a stepper or a trajectory: in one line, as the whole report, and as data for a program.
+    """A verdict on a stepper or a trajectory: one line of words, the whole report, and data for a program.
 
-    `passed` is None where it is undecided.
+    `passed` is None if the verdict is undecided.
     """
 
     subject: str
@@ -33,28 +33,28 @@ class AssertedVerdict:
 
 
 class VerdictError(AssertionError):
-    """What a test held its code to does not hold; the message is the whole report, `verdict` what was found."""
+    """Raised for a verdict that does not hold, which is `verdict`; the message is its whole report."""
 
     def __init__(self, verdict: AssertedVerdict) -> None:
-        """Raised for a verdict that does not hold."""
+        """Take the message from the report of the verdict."""
         super().__init__(verdict.report)
         self.verdict = verdict
 
 
-# Called with every verdict of an assertion, whether it holds or not.
+# Functions that are called with every verdict, whether it holds or not.
 listeners: list[Callable[[AssertedVerdict], None]] = []
-# Seconds that a test gives an assertion which names no limit itself; None: the assertion's own default.
+# The time limit in seconds of assertions that name none themselves, set by a test; None: the assertion's default.
 time_limit_of_test: ContextVar[float | None] = ContextVar("time_limit_of_test", default=None)
 
 
 def tell(verdict: AssertedVerdict) -> None:
-    """Tell the listeners."""
+    """Pass the verdict to all listeners."""
     for listener in listeners:
         listener(verdict)
 
 
 def demand(verdict: AssertedVerdict, *, holds: bool) -> None:
-    """Tell the listeners, and raise VerdictError unless it holds.
+    """Pass the verdict to all listeners, and raise VerdictError unless it holds.
 
     >>> demand(AssertedVerdict("springs:step", "is rk4", True, "the whole report"), holds=True)
     """

@@ -1,4 +1,4 @@
-"""What is installed here and on what machine: optional packages, and what a time was measured on."""
+"""The environment: which packages are installed, in which versions, and on what machine times are measured."""
 
 from __future__ import annotations
 
@@ -10,23 +10,23 @@ from pathlib import Path
 
 
 def installed(package: str) -> bool:
-    """True where the package can be imported."""
+    """True if the package can be imported."""
     return find_spec(package) is not None
 
 
 def how_to_install(extra: str) -> str:
-    """What to type for an extra of ours."""
+    """The command that installs an extra of driftproof."""
     return f"pip install 'driftproof[{extra}]'"
 
 
 def require_package(package: str, extra: str, need: str) -> None:
-    """Raises ValueError with one line, `need` and what to type, if the package is not there: before work is done."""
+    """Raise ValueError if the package is missing, before any work is done; the message is `need` and how to install."""
     if not installed(package):
         raise ValueError(f"{need}; install it with {how_to_install(extra)}")
 
 
 def machine_description() -> str:
-    """The processor and the system, in words, without a name of the machine or a path on it."""
+    """The processor and the operating system in one line, without the name of the machine or a path on it."""
     cpuinfo = Path("/proc/cpuinfo")
     lines = cpuinfo.read_text(encoding="utf-8").splitlines() if cpuinfo.exists() else []
     models = (line.partition(":")[2].strip() for line in lines if line.startswith("model name"))
@@ -35,7 +35,7 @@ def machine_description() -> str:
 
 
 def versions_of(packages: Iterable[str]) -> dict[str, str]:
-    """The versions of Python and of these packages, "not installed" for one that is not there."""
+    """The versions of Python and of the packages, "not installed" for a missing one."""
     from importlib.metadata import PackageNotFoundError, version
 
     found = {"python": f"{platform.python_implementation()} {platform.python_version()}"}

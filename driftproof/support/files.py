@@ -1,4 +1,4 @@
-"""Files that appear whole or not at all."""
+"""Files: atomic writing, locks between processes, checks of paths, and reading with a limit."""
 
 from __future__ import annotations
 
@@ -13,16 +13,16 @@ from stat import S_IMODE
 
 @contextmanager
 def atomic_write(path: Path) -> Iterator[str]:
-    """The name of a draft beside `path`, with its suffix, that takes its place when the block ends without an error.
+    """Yield the name of a draft with the suffix of `path`, which replaces `path` if the block ends without an error.
 
-    Folders on the way are made. A file that is there keeps its mode, a new one has that of the umask; where `path` is a
-    link, the file that it leads to is replaced. Of several writers the last one wins, with the whole of its file.
-    Raises ValueError where `path` is something else than a file, OSError as usual, which names `path`.
+    Missing folders are created. An existing file keeps its mode, a new one has that of the umask; if `path` is a link,
+    its target is replaced. Of several writers the last one wins, with its whole file. Raises ValueError if `path`
+    exists and is no regular file; an OSError names `path` rather than the draft.
     """
     require_file(path)
-    target = path.resolve()  # a link keeps pointing where it does; a device would be replaced by a file
+    target = path.resolve()  # so that a link is kept, and its target replaced
     target.parent.mkdir(parents=True, exist_ok=True)
-    draft = str(target.with_name(f".{token_hex(8)}{target.suffix}"))  # a name that nobody has given
+    draft = str(target.with_name(f".{token_hex(8)}{target.suffix}"))  # a name that no other file has
     with naming(path, draft):
         os.close(os.open(draft, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o666))
         try:
@@ -37,7 +37,7 @@ def atomic_write(path: Path) -> Iterator[str]:
 
 @contextmanager
 def naming(path: Path, draft: str | None = None) -> Iterator[None]:
-    """An OSError of the block that names no file, or the draft of one, names `path`: a full disk, too many files."""
+    """Make an OSError of the block name `path` if it names no file, as for a full disk, or if it names the draft."""
     try:
         yield
     except OSError as error:
@@ -48,9 +48,9 @@ def naming(path: Path, draft: str | None = None) -> Iterator[None]:
 
 @contextmanager
 def sole_writer(path: Path) -> Iterator[None]:
-    """While the block lasts no other process enters it for this file or folder, which is there.
+    """Lock an existing file or folder for the duration of the block, against other processes that lock it.
 
-    Raises BlockingIOError where one has. The lock ends with the process; systems without fcntl have none.
+    Raises BlockingIOError if another process has the lock. The lock ends with the process; without fcntl there is none.
     """
     try:
         import fcntl
@@ -62,7 +62,7 @@ def sole_writer(path: Path) -> Iterator[None]:
         with naming(path):
             try:
                 fcntl.flock(held, fcntl.LOCK_EX | fcntl.LOCK_NB)
-                mine = os.path.samestat(os.fstat(held), path.stat())  # not one replaced since it was opened
+                mine = os.path.samestat(os.fstat(held), path.stat())  # False if it was replaced since it was opened
             except BlockingIOError:
                 mine = False
             if not mine:
@@ -73,16 +73,16 @@ def sole_writer(path: Path) -> Iterator[None]:
 
 
 def require_folder(path: Path) -> None:
-    """Raises ValueError if `path` is there and is no folder, OSError as `require_file`."""
+    """Raise ValueError if `path` exists and is no folder, and OSError as `require_file` does."""
     _look(path)
     if path.exists() and not path.is_dir():
         raise ValueError(f"{path} is a file; name a folder")
 
 
 def require_file(path: Path) -> None:
-    """Raises ValueError if `path` is there and is no file, so that nothing is computed for a name that cannot be.
+    """Raise ValueError if `path` exists and is no regular file, before anything is computed that could not be written.
 
-    Raises OSError for links that lead in a circle, and where nobody may look.
+    Raises OSError for circular links, and for a folder that may not be searched.
     """
     _look(path)
     if path.is_dir():
@@ -92,13 +92,13 @@ def require_file(path: Path) -> None:
 
 
 def _look(path: Path) -> None:
-    """Raises OSError that pathlib's questions keep to themselves."""
+    """Raise the OSError that `Path.exists`, `is_dir` and `is_file` suppress."""
     with suppress(FileNotFoundError):
         path.stat()
 
 
 def read_utf8(path: Path, most: int) -> str:
-    """The text of a file of at most so many bytes. Raises OSError, and ValueError, in one line that names the file."""
+    """The text of a UTF-8 file of at most `most` bytes. Raises OSError and ValueError, in one line naming the file."""
     with naming(path), path.open("rb") as file:
         content = file.read(most + 1)
     if len(content) > most:

@@ -1,7 +1,7 @@
-"""Plain values as one line of JSON and back, exactly: what processes tell each other, where nothing may be executed.
+"""Messages between processes: plain values as one line of JSON and back, exactly, with nothing executed on the way.
 
-JSON's own null, booleans, text, lists and integers stand for themselves; all else is {"kind": content}. A float is its
-hexadecimal form, so that NaN, the infinities, -0.0 and every bit survive; a dataclass is its name and its fields.
+JSON's null, booleans, strings, lists and short integers stand for themselves; any other value is {"kind": content}. A
+float is written in hexadecimal, which keeps every bit, NaN, the infinities and -0.0; a dataclass as name and fields.
 """
 
 from __future__ import annotations
@@ -15,16 +15,17 @@ from typing import Any
 from driftproof.support.plain_text import shortened
 
 Plain = Any
-# Integers up to this size are JSON's own; json refuses to read decimals of more than 4300 digits.
+# Larger integers are written in hexadecimal, because Python reads no decimal integer of more than 4300 digits.
+# Chosen: any bound below 10**4300 would do.
 _SHORT_INTEGER = 10**15
 
 
 class MessageError(ValueError):
-    """A text that is no message of ours."""
+    """A text that is not a message written by `encode`."""
 
 
 def encode(value: Plain) -> str:
-    """One line of JSON for None, bool, int, float, complex, str, Fraction, list, tuple, set, dict and dataclasses.
+    """The value as one line of JSON: None, bool, int, float, complex, str, Fraction, list, tuple, set, dict, dataclass.
 
     Raises TypeError for anything else.
 
@@ -37,8 +38,8 @@ def encode(value: Plain) -> str:
 def decode(text: str, package: str = "") -> Plain:
     """The value that `encode` wrote. Raises MessageError for any other text.
 
-    Of dataclasses only those are made that belong to modules of `package` which are loaded already, and those without
-    running their code: a text from a process that cannot be trusted executes nothing.
+    Dataclasses and named tuples are only made if their class belongs to a module of `package` that is already loaded,
+    and without running its code: a text from a process that cannot be trusted executes nothing.
 
     >>> decode(encode({"h": 0.1, "steps": (1, 2)}))
     {'h': 0.1, 'steps': (1, 2)}

@@ -1,4 +1,4 @@
-"""Plain text and JSON for a terminal: aligned tables, floats in few digits, canonical JSON, names nearly right."""
+"""Plain text and JSON for a terminal: aligned tables, floats in few digits, canonical JSON, hints for misspelt keys."""
 
 from __future__ import annotations
 
@@ -6,18 +6,19 @@ import re
 from collections.abc import Iterable, Sequence
 from typing import Any, TypeAlias
 
-# What JSON can say, as Python has it.
+# A Python value that JSON can express.
 Json: TypeAlias = Any
 # A float of this size or more is shown with an exponent.
 LARGEST_PLAIN = 1e9
 
-# What a terminal obeys instead of showing it: controls but for tab and end of line, directions of writing, separators
-# of lines. Halves of pairs, too, as in names of files that are no UTF-8: no output takes them.
+# Characters that a terminal obeys instead of showing them: control characters other than tab and newline, directions of
+# writing, line separators. Also lone surrogates, which stand for bytes of file names that are not UTF-8: no output
+# accepts these.
 _UNPRINTABLE = re.compile("[\0-\x08\x0b-\x1f\x7f-\x9f\u200e\u200f\u2028-\u202e\u2066-\u2069\ud800-\udfff]")
 
 
 def printable(text: str) -> str:
-    """The text with such characters spelled as in JSON: whoever wrote it has no say over the terminal that shows it.
+    """The text with unprintable characters escaped as in JSON, so that it cannot control the terminal that shows it.
 
     >>> print(printable("RK4\\x1b[2J"))
     RK4\\u001b[2J
@@ -26,7 +27,7 @@ def printable(text: str) -> str:
 
 
 def shortened(text: str, longest: int = 60) -> str:
-    """The text, cut off where it is too long to be read: as a message quotes it."""
+    """The text as a message quotes it: cut to `longest` characters, of which the last are then "..."."""
     return text if len(text) <= longest else f"{text[: longest - 3]}..."
 
 
@@ -47,13 +48,13 @@ def table(rows: Sequence[Sequence[str]], right: Sequence[int] = ()) -> str:
 
 
 def with_digits(x: float, digits: int) -> str:
-    """So many significant digits, zeros at the end among them; an exponent as in 1.5e-7, below 1e-4 and above them."""
+    """x to `digits` significant digits, zeros at the end included; as in 1.5e-7 below 1e-4 and from 10**digits on."""
     mantissa, _, exponent = f"{x:#.{digits}g}".partition("e")
     return mantissa.removesuffix(".") + (f"e{int(exponent)}" if exponent else "")
 
 
 def short(x: float) -> str:
-    """Three decimals as the lesson's table has them; two digits and an exponent below 1e-3, beyond LARGEST_PLAIN."""
+    """x to three decimals; to two digits with an exponent below 1e-3 and from LARGEST_PLAIN on."""
     if x == 0 or 1e-3 <= abs(x) < LARGEST_PLAIN:
         return f"{x:.3f}"
     mantissa, exponent = f"{x:.1e}".split("e")
@@ -61,7 +62,7 @@ def short(x: float) -> str:
 
 
 def did_you_mean(key: str, known: Iterable[str]) -> str:
-    """ "; did you mean a or b?" with the names nearest to `key`, or "" where none is near."""
+    """The hint "; did you mean a or b?" with the known names nearest to `key`, or "" if none is near."""
     from difflib import get_close_matches
 
     close = get_close_matches(key, known, n=2, cutoff=0.4)
@@ -69,7 +70,7 @@ def did_you_mean(key: str, known: Iterable[str]) -> str:
 
 
 def annotation(level: str, message: str, **properties: object) -> str:
-    """A workflow command of GitHub's, shown beside a line of a file: error, warning or notice, and where it belongs."""
+    """A GitHub workflow command: a message of level error, warning or notice, with `properties` that say where."""
     listed = ",".join(f"{key}={_escaped(str(value), ':,')}" for key, value in properties.items())
     return f"::{level} {listed}::{_escaped(message)}"
 

@@ -1,8 +1,8 @@
-"""Code that may hang, crash or hoard, in a process of its own: limits of time and memory, and nothing left behind.
+"""Code that may hang, crash or hoard memory, run in a process of its own with limits of time and memory.
 
 A `Session` starts a supervisor (see `supervisor`), which forks the worker. The worker answers requests, one at a time,
-and what it prints goes nowhere. Messages are JSON on pipes: nothing that comes from the worker is executed here. This
-is protection from accidents. It is no sandbox: the worker has the rights of the user.
+and its output is discarded. Messages are JSON on pipes: nothing that comes from the worker is executed here. This
+protects from accidents. It is no sandbox: the worker has the rights of the user.
 """
 
 from __future__ import annotations
@@ -26,18 +26,18 @@ from driftproof.support import supervisor
 from driftproof.support.plain_text import Json
 from driftproof.support.supervisor import LAST_ROUND, Ends, Handler, ready, supervise
 
-# What a fresh interpreter may need to import this package on a busy machine: no part of the time of an answer.
+# Seconds in which a fresh interpreter can import this package even on a busy machine; no answer is charged with them.
 START_UP = 60.0
-# From this part of its limit on, a process that was killed is said to have reached it: the kernel refuses the next
-# block, which for arrays is large, so that the last tenth may never have been in use.
+# A process that failed after using more than this fraction of its memory limit is reported to have reached the limit:
+# the kernel refuses a whole block, which is large for an array, so that the last tenth may never have been in use.
 _NEARLY_ALL = 0.9
 
 
 @dataclass(frozen=True)
 class Limits:
-    """What a worker may take: seconds an answer, by the clock and of the processor; bytes of memory, answers and files.
+    """The limits of a worker: clock and processor seconds per answer, and bytes of memory, of an answer and of a file.
 
-    The memory is private data (on Linux also that of mappings) beyond what the worker has when it starts.
+    Memory is private data (on Linux also in mappings) beyond that of the worker at its start.
     """
 
     seconds: float = 60.0
@@ -48,19 +48,19 @@ class Limits:
 
 
 class ProcessEnded(Exception):
-    """There is no answer; `cause` is one of time, processor, memory, exit, signal, killed, raised and answer.
+    """A request has no answer; `cause` is one of time, processor, memory, exit, signal, killed, raised and answer.
 
-    The message says the same with its numbers: "no answer within 10 s", "the process ended (signal 11, SIGSEGV)".
+    The message adds the numbers: "no answer within 10 s", "the process ended (signal 11, SIGSEGV)".
     """
 
     def __init__(self, cause: str, words: str) -> None:
-        """The cause in one word, and the message."""
+        """Take the cause, in one word, and the message."""
         super().__init__(words)
         self.cause = cause
 
 
 def ask_once(handler: str | Handler, request: Json, limits: Limits, **conditions: Any) -> Json:
-    """The answer to one request, in a process that ends with it. Raises ProcessEnded.
+    """The answer to one request, from a worker that is started for it. Raises ProcessEnded.
 
     >>> ask_once("math:sqrt", 2.25, Limits(seconds=30))
     1.5
@@ -70,12 +70,11 @@ def ask_once(handler: str | Handler, request: Json, limits: Limits, **conditions
 
 
 class Session:
-    """A worker and its requests: `with Session("package.module:function", limits) as session: session.ask(...)`.
+    """A worker that answers requests: `with Session("package.module:function", limits) as session: session.ask(...)`.
 
-    `handler` makes an answer of a request, both JSON. By its name it is imported by a fresh interpreter, whose import
-    path is the `path` (this process's, if it is not given) and which finds our own package before anything else of its
-    name; a callable is called in a fork of this process, with all that it knows. `environment` and `folder` are those
-    of a fresh interpreter, where they are not this process's.
+    `handler` returns the answer to a request, both JSON. A callable runs in a fork of this process. A name is imported
+    in a fresh interpreter, with the import `path`, `environment` and working `folder` that are given or else those of
+    this process; driftproof itself is loaded from where it is now, whatever the path holds.
     """
 
     def __init__(
@@ -87,7 +86,7 @@ class Session:
         folder: str | Path | None = None,
         path: Iterable[str] | None = None,
     ) -> None:
-        """Start it. Raises OSError where the system has no processes to fork."""
+        """Start the worker. Raises OSError if the system cannot fork a process."""
         if not hasattr(os, "fork"):
             raise OSError("this system cannot fork a process")
         self.limits = limits
@@ -97,7 +96,8 @@ class Session:
         try:
             if isinstance(handler, str):
                 self._pid, self._wait = _spawned(theirs, environment, folder)
-                self._send({"handler": handler, "path": _path(path)})
+                found = [os.getcwd(), *sys.path] if path is None else path
+                self._send({"handler": handler, "path": [entry or os.getcwd() for entry in found]})
             else:
                 self._pid, self._wait = self._forked(theirs, handler)
         finally:
@@ -112,13 +112,13 @@ class Session:
         return self
 
     def __exit__(self, *_: object) -> None:
-        """End it."""
+        """End the worker."""
         self.end()
 
     def ask(self, request: Json, seconds: float | None = None) -> Json:
-        """The answer, within `seconds` if they are given. Raises ProcessEnded; then nothing more can be asked.
+        """The answer to the request, within `seconds` or else the limit. Raises ProcessEnded; then ask nothing more.
 
-        After a lapse of time the worker still runs, until `end`, and `wait` goes on.
+        After a timeout the worker still runs, until `end`, and `wait` goes on waiting for the answer.
         """
         if not self._started:
             self.wait(START_UP)
@@ -127,7 +127,7 @@ class Session:
         return self.wait(self.limits.seconds if seconds is None else seconds)
 
     def wait(self, seconds: float) -> Json:
-        """The answer to what was asked before, within so many more seconds. Raises ProcessEnded."""
+        """The answer to the last request, within `seconds` from now. Raises ProcessEnded."""
         message = self._received(seconds)
         if "answer" in message:
             return message["answer"]
@@ -136,7 +136,7 @@ class Session:
         raise ProcessEnded(cause, words)
 
     def end(self) -> str:
-        """Kill the worker and what came of it; how it ended, in words."""
+        """Kill the worker and every process that it started; return how it ended, as a text."""
         if self._pid:
             with suppress(OSError):
                 self._control[0].shutdown(socket.SHUT_WR)
@@ -151,7 +151,7 @@ class Session:
         return str(self._cause())
 
     def _forked(self, theirs: Ends, handler: Handler) -> tuple[int, Callable[[], object]]:
-        with warnings.catch_warnings():  # of threads that some library of the caller's has running
+        with warnings.catch_warnings():  # about threads that some library of the caller has started
             warnings.simplefilter("ignore")
             pid = os.fork()
         if pid == 0:
@@ -165,7 +165,7 @@ class Session:
         return pid, partial(os.waitpid, pid, 0)
 
     def _send(self, message: Json) -> None:
-        """Write all of it, as far as somebody reads; who does not is noticed when no answer comes."""
+        """Write the message. A worker that does not read it is noticed later, when no answer comes."""
         rest = memoryview(f"{json.dumps(message)}\n".encode())
         os.set_blocking(self._requests[1], False)
         limit = monotonic() + START_UP
@@ -175,7 +175,7 @@ class Session:
                     rest = rest[os.write(self._requests[1], rest) :]
 
     def _received(self, seconds: float) -> dict[str, Json]:
-        """The next message of the worker's: one line, a JSON object. Raises ProcessEnded."""
+        """The next message of the worker, a JSON object in one line. Raises ProcessEnded."""
         answers, control, limit = self._answers[0], self._control[0].fileno(), monotonic() + seconds
         line, end, self._buffer = self._buffer.partition(b"\n")
         blocks, watched = [line], [answers, control]
@@ -184,7 +184,7 @@ class Session:
             if answers in there:
                 block, end, self._buffer = os.read(answers, 2**20).partition(b"\n")
                 blocks.append(block)
-                if not (block or end):  # closed, by its end or by a worker that closes what it finds
+                if not (block or end):  # closed: the worker has ended, or its code closed the pipe
                     watched = [control]
                 if sum(map(len, blocks)) > self.limits.answer:
                     raise ProcessEnded("answer", f"an answer of more than {self.limits.answer} bytes")
@@ -201,7 +201,7 @@ class Session:
         raise ProcessEnded("answer", "an answer that is none: the code wrote into our pipe")
 
     def _wait_for_status(self) -> None:
-        """What the supervisor tells at its end, empty if it was killed itself."""
+        """Receive the status that the supervisor sends when it ends; it stays empty if the supervisor was killed."""
         text, limit, control = b"", monotonic() + 2 * LAST_ROUND, self._control[0]
         while not self._status and ready(limit - monotonic(), control.fileno()):
             with suppress(ConnectionError):
@@ -213,7 +213,7 @@ class Session:
             self._status = self._status or json.loads(text)
 
     def _cause(self) -> ProcessEnded:
-        """How the worker ended of itself."""
+        """How the worker ended, by the status of the supervisor and the limits."""
         if not self._status:
             return ProcessEnded("killed", "the process ended (its supervisor is gone)")
         code, peak, limits = self._status["code"], self._status["peak"], self.limits
@@ -223,16 +223,11 @@ class Session:
             return ProcessEnded("memory", self._memory_words())
         if code >= 0:
             return ProcessEnded("exit", f"the process ended (exit status {code})")
-        cause = "killed" if -code in (signal.SIGKILL, signal.SIGTERM) else "signal"  # by others: no program's own fault
+        cause = "killed" if -code in (signal.SIGKILL, signal.SIGTERM) else "signal"  # killed: by another process
         return ProcessEnded(cause, f"the process ended (signal {-code}, {signal.Signals(-code).name})")
 
     def _memory_words(self) -> str:
         return f"more than {self.limits.memory or 0:.3g} bytes of memory"
-
-
-def _path(path: Iterable[str] | None) -> list[str]:
-    """The import path of a fresh interpreter: this one's, the current directory by its name."""
-    return [entry or os.getcwd() for entry in ([os.getcwd(), *sys.path] if path is None else path)]
 
 
 def _spawned(

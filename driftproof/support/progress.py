@@ -1,4 +1,4 @@
-"""A sign of life of whatever takes a while: a line of how long it has taken, on a terminal only."""
+"""The progress line of long computations, with the seconds that have passed; shown on a terminal only."""
 
 from __future__ import annotations
 
@@ -11,60 +11,60 @@ from threading import Event, Lock, Thread
 from time import monotonic, time
 from typing import TextIO
 
-# Seconds of silence after which who waits is told that something is done, and between two tellings.
+# Seconds before the progress line first appears, and between two updates of it.
 SILENCE, BEAT = 2.0, 1.0
 _BACK = "\b"
-# Held while somebody is told: what is done within says nothing of its own.
-_TELLING = Lock()
-# What is done at the moment, the outermost first.
+# Held by the `working` block that shows the line; blocks within it show none of their own.
+_SHOWING = Lock()
+# The stages that are in progress, the outermost first.
 _STAGES: list[Stage] = []
 
 
 def on_terminal(stream: TextIO | None = None) -> bool:
-    """Whether somebody sees the stream, by default standard error, as it is written."""
+    """True if the stream, by default standard error, is a terminal."""
     stream = stream or sys.stderr
     return stream is not None and stream.isatty()
 
 
 @contextmanager
 def working(name: str, stream: TextIO | None = None) -> Iterator[None]:
-    """While the block lasts, `name` and its seconds on a terminal, from SILENCE on and where no bar moves.
+    """Show `name` and the seconds that the block has taken on a terminal, after SILENCE and while no bar moves.
 
-    Of blocks within each other the outermost tells. `stream` is standard error if it is None. Where `name` is empty the
-    seconds are told alone, behind what stands in the line.
+    Of nested blocks only the outermost shows a line. `stream` is standard error by default. If `name` is empty, only
+    the seconds are shown, after the text that the line already has.
     """
-    if not on_terminal(stream) or not _TELLING.acquire(blocking=False):
+    if not on_terminal(stream) or not _SHOWING.acquire(blocking=False):
         yield
         return
-    done, place = Event(), os.dup((stream or sys.stderr).fileno())  # which is another file while a test runs
-    teller = Thread(target=_tell, args=(name, done, place), daemon=True)
-    teller.start()
+    done, place = Event(), os.dup((stream or sys.stderr).fileno())  # a test runner may replace the file meanwhile
+    thread = Thread(target=_show, args=(name, done, place), daemon=True)
+    thread.start()
     try:
         yield
     finally:
         done.set()
-        teller.join()
+        thread.join()
         os.close(place)
-        _TELLING.release()
+        _SHOWING.release()
 
 
 @dataclass
 class Stage:
-    """What is done while a block lasts, in words, and which part of it by now."""
+    """A stage of a long computation: its description, which part of it is done, and since when it has been running."""
 
     words: str
     part: float = 0.0
     since: float = field(default_factory=monotonic)
 
     def left(self) -> str:
-        """About how long it will take yet, in words, where that can be told."""
+        """The estimate of the time left, as in ", about 7 s to go", or "" before any part is done."""
         left = (monotonic() - self.since) * (1 - self.part) / self.part if self.part else 0.0
         return f", about {left:.0f} s to go" if self.part else ""
 
 
 @contextmanager
 def stage(words: str) -> Iterator[Stage]:
-    """While the block lasts, whoever is told of anything is told of this, and of the part that the block says."""
+    """Name this stage in the progress line while the block runs; the block may update the `part` that is done."""
     found = Stage(words)
     _STAGES.append(found)
     try:
@@ -73,9 +73,9 @@ def stage(words: str) -> Iterator[Stage]:
         _STAGES.remove(found)
 
 
-def _tell(name: str, done: Event, place: int) -> None:
-    """Written past Python's own buffer, whose lock a process that is forked at that moment would never get."""
-    start, told, pause = monotonic(), 0, SILENCE
+def _show(name: str, done: Event, place: int) -> None:
+    """Write the line until `done` is set, past Python's buffer: a process forked meanwhile would never get its lock."""
+    start, shown, pause = monotonic(), 0, SILENCE
     while not done.wait(pause):
         pause = BEAT
         bars = list(getattr(getattr(sys.modules.get("tqdm"), "tqdm", None), "_instances", ()))
@@ -85,12 +85,12 @@ def _tell(name: str, done: Event, place: int) -> None:
         what, left = (_STAGES[-1].words, _STAGES[-1].left()) if _STAGES else ("working", " (Ctrl-C ends it)")
         line = f"{name}: {what}, {seconds}{done_of}{left}" if name else f" {seconds}"
         with suppress(OSError):
-            if not bars:  # what stands before it stays, and the cursor behind that
-                line = line.ljust(told)
+            if not bars:  # the text before the line is kept, and the cursor returns to its end
+                line = line.ljust(shown)
                 os.write(place, f"{line}{_BACK * len(line)}".encode())
-            elif not moving:  # the line covers a bar that stands still
+            elif not moving:  # the line is written over a bar that has stopped
                 os.write(place, f"\r{line.ljust(os.get_terminal_size(place).columns - 1)}\r".encode())
-        told = 0 if moving else len(line)
-    if told:
+        shown = 0 if moving else len(line)
+    if shown:
         with suppress(OSError):
-            os.write(place, f"{' ' * told}{_BACK * told}".encode())
+            os.write(place, f"{' ' * shown}{_BACK * shown}".encode())

@@ -1,4 +1,4 @@
-"""What every answer can do: it prints as its command prints it, is HTML in a notebook, and JSON for a program."""
+"""The base classes of answers, which print as their command does, show as HTML in a notebook, and convert to JSON."""
 
 from __future__ import annotations
 
@@ -12,48 +12,47 @@ from driftproof.support.plain_text import Json, as_json
 
 
 class Printable:
-    """An answer, written in one of several forms: "text" is what its command prints, "json" is canonical."""
+    """An answer that can be written in several forms: "text" is what its command prints, "json" is canonical."""
 
     def written(self, form: str) -> str:
         """The answer in this form."""
         raise NotImplementedError
 
     def json(self) -> str:
-        """The answer for a program: keys sorted, numbers as strings."""
+        """The answer as JSON: keys sorted, numbers as strings."""
         return self.written("json")
 
     def __str__(self) -> str:
-        """As its command prints it."""
+        """The answer as its command prints it."""
         return self.written("text")
 
     def __repr__(self) -> str:
-        """The same, so that the prompt shows it."""
+        """The same text as str(), so that Python's prompt shows it."""
         return str(self)
 
     def _repr_html_(self) -> str | None:
-        """For a notebook."""
         return html_of(str(self))
 
 
 @dataclass(frozen=True, repr=False)
 class Answered(Printable):
-    """An answer that is `data`, whose entries stand in brackets: numbers are strings; `found` has them as numbers."""
+    """An answer made of `data`, with numbers as strings: answer["h"] is the entry h; `found` holds actual numbers."""
 
     data: Json
     text: Callable[[Json], str]
     found: Any = None
 
     def __getitem__(self, name: str) -> Json:
-        """The entry of the data."""
+        """The entry `name` of the data."""
         return self.data[name]
 
     def written(self, form: str) -> str:
-        """As "text" or "json"."""
+        """The answer as "text" or "json"."""
         return as_json(self.data) if form == "json" else self.text(self.data)
 
 
 def html_of(text: str) -> str:
-    """Plain text as HTML: aligned columns become tables, a line over indented ones their heading.
+    """Plain text as HTML: aligned columns become tables, a line above indented lines their heading.
 
     >>> html_of("Order\\n  rk4    4\\n  euler  1")
     '<div><p><b>Order</b></p><table><tr><td>rk4</td><td>4</td></tr><tr><td>euler</td><td>1</td></tr></table></div>'
@@ -69,7 +68,7 @@ def _block(lines: Sequence[str]) -> str:
         return "".join(f"<p>{escape(line)}</p>" for line in lines)
     columns = range(max(map(len, lines)))
     blank = "".join(" " if all(line[i : i + 1] in ("", " ") for line in lines) else "x" for i in columns)
-    spans = [match.span() for match in re.finditer(r"x+(?: x+)*", blank)]  # two blanks part columns, one parts words
+    spans = [match.span() for match in re.finditer(r"x+(?: x+)*", blank)]  # two blanks separate columns
     if len(spans) < 2:
         return f'<pre style="white-space: pre-wrap">{escape(chr(10).join(lines))}</pre>'
     rows = ("".join(f"<td>{escape(line[a:b].strip())}</td>" for a, b in spans) for line in lines)

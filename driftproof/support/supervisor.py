@@ -1,9 +1,9 @@
-"""The supervisor of code that may hang, crash or hoard, and its worker: the far side of `processes`.
+"""The supervisor and the worker of a `Session`, for code that may hang, crash or hoard memory; see `processes`.
 
-The supervisor forks the worker and waits until that ends or its session does. Then it kills every process that has come
-of the worker: on Linux, those that moved to a session of their own come back to it, as to a subreaper; elsewhere what
-is left of the worker's process group is killed. Run as a file, this is a supervisor in a fresh interpreter, which has
-nothing of ours to import; so it imports nothing of ours.
+The supervisor forks the worker and waits until either the worker or the session ends. Then it kills every process that
+the worker has started: on Linux even those that moved to a session of their own, because it is their subreaper;
+elsewhere those in the worker's process group. A fresh interpreter runs this module as a file, before driftproof can be
+imported; so it imports nothing of driftproof.
 """
 
 from __future__ import annotations
@@ -25,13 +25,13 @@ from typing import Any, NamedTuple
 
 _Json = Any
 Handler = Callable[[_Json], _Json]
-# Seconds in which the supervisor kills what is left: one kill takes microseconds, a fork bomb some rounds of them.
+# Seconds in which the supervisor kills what is left: a kill takes microseconds, and a fork bomb several rounds.
 LAST_ROUND = 10.0
 _PR_SET_PDEATHSIG, _PR_SET_CHILD_SUBREAPER = 1, 36  # linux/prctl.h
 
 
 class Ends(NamedTuple):
-    """The supervisor's and worker's ends: of the requests, the answers, and the supervisor's own line to the parent."""
+    """The file descriptors from which requests are read, to which answers are written, and of the parent socket."""
 
     requests: int
     answers: int
@@ -39,7 +39,7 @@ class Ends(NamedTuple):
 
 
 def ready(seconds: float | None, *readable: int, writable: int | None = None) -> list[int]:
-    """Those that can be read or written without waiting, or are closed at their other end; none after the time."""
+    """The descriptors that can be used without waiting, or whose other end is closed; [] if `seconds` pass first."""
     poll = select.poll()  # select.select refuses descriptors beyond 1023
     for descriptor in readable:
         poll.register(descriptor, select.POLLIN)
@@ -49,7 +49,7 @@ def ready(seconds: float | None, *readable: int, writable: int | None = None) ->
 
 
 def supervise(theirs: Ends, handler: Handler | None) -> None:
-    """Fork the worker, wait for its end or the session's, end all that came of it, and tell how the worker ended."""
+    """Fork the worker, wait until it or the session ends, kill all that it started, and report how it ended."""
     control = theirs[2]
     _prctl(_PR_SET_CHILD_SUBREAPER, 1)
     worker = os.fork()
@@ -60,7 +60,7 @@ def supervise(theirs: Ends, handler: Handler | None) -> None:
             _work(theirs, handler)
             status = 0
         os._exit(status)
-    with suppress(OSError):  # as the worker does itself, whoever is first
+    with suppress(OSError):  # the worker does the same; whichever process is first succeeds
         os.setpgid(worker, worker)
     for end in theirs[:2]:
         os.close(end)
@@ -71,17 +71,17 @@ def supervise(theirs: Ends, handler: Handler | None) -> None:
 
 
 def _wait_for_end(worker: int, control: int) -> None:
-    """Until the worker has ended, not yet reaped, or the session is closed."""
+    """Wait until the session is closed or the worker has ended, without reaping it."""
     try:
         ready(None, control, os.pidfd_open(worker))
-    except (AttributeError, OSError):  # not Linux, or an old one: look now and then
+    except (AttributeError, OSError):  # no pidfd, as on old kernels and systems other than Linux: poll
         while not ready(0.01, control):
             if os.waitid(os.P_PID, worker, os.WEXITED | os.WNOHANG | os.WNOWAIT):
                 return
 
 
 def _end_all(worker: int) -> tuple[int, int]:
-    """Kill and reap whatever came of the worker: the worker's exit code, or minus its signal, and its peak memory."""
+    """Kill and reap all that the worker started; return its exit code, or minus its signal, and its peak memory."""
     import resource
 
     code, peak, limit = -signal.SIGKILL, 0, monotonic() + LAST_ROUND
@@ -104,7 +104,7 @@ def _end_all(worker: int) -> tuple[int, int]:
 
 
 def _descendants() -> list[int]:
-    """All processes below this one, where there is a /proc to read."""
+    """The processes that descend from this one, by /proc; [] on systems without it."""
     parents: dict[int, int] = {}
     for entry in Path("/proc").glob("[0-9]*"):
         with suppress(OSError, ValueError, IndexError):
@@ -116,7 +116,7 @@ def _descendants() -> list[int]:
 
 
 def _work(theirs: Ends, handler: Handler | None) -> None:
-    """Answer requests until there are no more; what is printed meanwhile is thrown away."""
+    """Answer requests until there are no more, and discard what is printed meanwhile."""
     _prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
     os.setpgid(0, 0)
     faulthandler.disable()
@@ -124,14 +124,14 @@ def _work(theirs: Ends, handler: Handler | None) -> None:
     nowhere = os.open(os.devnull, os.O_RDWR)
     for descriptor in (0, 1, 2):
         os.dup2(nowhere, descriptor)
-    sys.stdout = sys.stderr = os.fdopen(nowhere, "w")  # a notebook's, or a test runner's, go elsewhere
+    sys.stdout = sys.stderr = os.fdopen(nowhere, "w")  # a notebook or a test runner may have replaced them
     try:
         answering = _imported(json.loads(requests.readline())) if handler is None else handler
         limits = json.loads(requests.readline())
         _limit(limits["memory"], limits["file"])
-        _tell(answers, json.dumps({"answer": None}))
+        _send(answers, json.dumps({"answer": None}))
     except Exception as error:
-        _tell(answers, _raised(error))
+        _send(answers, _raised(error))
         return
     for line in requests:
         _limit_processor(limits["processor"])
@@ -139,25 +139,25 @@ def _work(theirs: Ends, handler: Handler | None) -> None:
             text = json.dumps({"answer": answering(json.loads(line))})
         except Exception as error:
             text = _raised(error)
-        _tell(answers, text)
+        _send(answers, text)
 
 
-def _tell(answers: int, text: str) -> None:
+def _send(answers: int, text: str) -> None:
     rest = memoryview(f"{text}\n".encode())
     while rest:
         rest = rest[os.write(answers, rest) :]
 
 
 def _raised(error: Exception) -> str:
-    said = f"{type(error).__name__}: {' '.join(str(error).split())}"[:2000]
-    return json.dumps({"raised": said, "memory": isinstance(error, MemoryError)})
+    words = f"{type(error).__name__}: {' '.join(str(error).split())}"[:2000]
+    return json.dumps({"raised": words, "memory": isinstance(error, MemoryError)})
 
 
 def _imported(order: dict[str, Any]) -> Handler:
-    """The handler, on the import path of the order, our own package loaded before: from where this file is.
+    """Import the handler with the import path of the order, after loading driftproof from where this file lies.
 
-    Its modules are then found within it: nothing of the user's is taken for one of ours, whatever its name is, and
-    nothing that lies beside our package for one of the user's.
+    Modules of driftproof are then found in the loaded package: no module of the user is taken for one of driftproof,
+    and no file next to the package for a module of the user.
     """
     package = Path(__file__).parents[1]
     spec = importlib.util.spec_from_file_location(package.name, package / "__init__.py")
@@ -172,7 +172,7 @@ def _imported(order: dict[str, Any]) -> Handler:
 
 
 def _limit(memory: int | None, file: int | None) -> None:
-    """Bound the size of a file, and private data at `memory` bytes beyond what there is now."""
+    """Limit files to `file` bytes, and private data to `memory` bytes beyond what is in use now."""
     import resource
 
     used = 0
@@ -190,7 +190,7 @@ def _limit(memory: int | None, file: int | None) -> None:
 
 
 def _limit_processor(seconds: float | None) -> None:
-    """Bound processor time at so many seconds from now on."""
+    """Limit processor time to `seconds` from now on."""
     import resource
 
     if seconds is not None:

@@ -1,6 +1,7 @@
-"""TOML that users write: read within limits, decimals kept as written, each entry checked, each refusal one line.
+"""Users' TOML files: read within limits, with decimals kept as written, entries checked and errors of one line.
 
-A refusal is a ValueError that says what stands where, and what may: "count is -1; write a whole number from 0 to 9".
+Each function `as_...` returns the value of the entry `where` if it is of the right kind; otherwise it raises ValueError
+with what the entry is and what it may be: "count is -1; write a whole number from 0 to 9".
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ from driftproof.support.plain_text import shortened
 TomlTable: TypeAlias = dict[str, Any]
 _T = TypeVar("_T")
 
-# tomllib takes the square of the time for a key of many parts, which are parted by dots: 1 ms for so many.
+# The time that tomllib takes for a key grows with the square of the number of its dots: 1 ms for this many.
 MOST_DOTS = 300
 _DECIMAL = re.compile(rb"(?<![\w.])\d+\.\d+(?![\w.])")
 
@@ -24,7 +25,7 @@ _DECIMAL = re.compile(rb"(?<![\w.])\d+\.\d+(?![\w.])")
 def read_toml(
     path: str | Path, longest: int, make: Callable[[TomlTable], _T], refusal: type[ValueError] = ValueError
 ) -> _T:
-    """What `make` makes of the file's table. Whatever is wrong is a `refusal`, one line that names the file."""
+    """Return make(table) for the table in the file. Raises `refusal` for any error, in one line that names the file."""
     try:
         with Path(path).open("rb") as file:
             content = file.read(longest + 1)
@@ -37,9 +38,9 @@ def read_toml(
 
 
 def parse_toml(content: bytes, longest: int) -> TomlTable:
-    """The table that the content spells, a decimal as the string that stands there: 0.1 is to mean 1/10.
+    """Parse TOML, with each decimal kept as the string that is written there, because 0.1 is to mean 1/10.
 
-    Raises ValueError for more than `longest` bytes, and for anything that is not TOML.
+    Raises ValueError for more than `longest` bytes, and for content that is not TOML.
     """
     if len(content) > longest:
         raise ValueError(f"too large; at most {longest} bytes are read")
@@ -62,7 +63,7 @@ _BARE_FRACTION = re.compile(rb"[\[,=]\s*-?\d+\s*/\s*\d")
 
 
 def quoted(value: object) -> str:
-    """The value as a refusal shows it."""
+    """The value as an error message shows it."""
     try:
         return shortened(repr(value))
     except ValueError:  # an integer of more digits than Python will print
@@ -70,61 +71,61 @@ def quoted(value: object) -> str:
 
 
 def demand_keys(table: TomlTable, allowed: Collection[str], what: str, more: str = "") -> None:
-    """Refuse a key that is not among those allowed in `what`; `more` says where one is shown."""
+    """Raise ValueError for a key that is not allowed in `what`; `more` says where an example is shown."""
     if unknown := next((key for key in table if key not in allowed), None):
         shown = f" ({more})" if more else ""
         raise ValueError(f"{what} has no key {quoted(unknown)}; there are {', '.join(allowed)}{shown}")
 
 
 def as_text(value: object, where: str) -> str:
-    """Any text."""
+    """The value if it is a string."""
     if isinstance(value, str):
         return value
     raise _refusal(value, where, "a text in quotes")
 
 
 def as_line(value: object, where: str, longest: int) -> str:
-    """A text of one line, neither blank nor longer; blanks around it are dropped."""
+    """The value, without blanks around it, if it is one line of text of 1 to `longest` characters."""
     if isinstance(value, str) and value.strip() and len(value) <= longest and value.isprintable():
         return value.strip()
     raise _refusal(value, where, f"a line of text of 1 to {longest} characters, in quotes")
 
 
 def as_texts(value: object, where: str) -> tuple[str, ...]:
-    """A list of texts."""
+    """The value, as a tuple, if it is a list of strings."""
     return tuple(as_text(x, f"{where}[{i}]") for i, x in enumerate(as_list(value, where)))
 
 
 def as_flag(value: object, where: str) -> bool:
-    """True or false."""
+    """The value if it is true or false."""
     if isinstance(value, bool):
         return value
     raise _refusal(value, where, "true or false")
 
 
 def as_whole(value: object, where: str, least: int, most: int) -> int:
-    """A whole number between the two."""
+    """The value if it is a whole number from `least` to `most`."""
     if isinstance(value, int) and not isinstance(value, bool) and least <= value <= most:
         return value
     raise _refusal(value, where, f"a whole number from {least} to {most}")
 
 
 def as_choice(value: object, where: str, allowed: Collection[str]) -> str:
-    """One of the words allowed."""
+    """The value if it is one of the words allowed."""
     if isinstance(value, str) and value in allowed:
         return value
     raise _refusal(value, where, " or ".join(map(repr, allowed)))
 
 
 def as_table(value: object, where: str) -> TomlTable:
-    """A table."""
+    """The value if it is a table."""
     if isinstance(value, dict):
         return value
     raise _refusal(value, where, f"a table [{where}]")
 
 
 def as_list(value: object, where: str, length: int | None = None, most: int | None = None) -> list[Any]:
-    """A list of this length, or of at most so many entries; they are counted before any of them is looked at."""
+    """The value if it is a list of `length` entries, or of at most `most`, which are counted before any is read."""
     if not isinstance(value, list):
         raise _refusal(value, where, "a list")
     if most is not None and len(value) > most:
@@ -135,5 +136,5 @@ def as_list(value: object, where: str, length: int | None = None, most: int | No
 
 
 def _refusal(value: object, where: str, allowed: str) -> ValueError:
-    """In one line; None, which TOML cannot spell, is an entry that is not there."""
+    """The error for a wrong value; None, which TOML cannot express, stands for a missing entry."""
     return ValueError(f"{where} is {'missing' if value is None else quoted(value)}; write {allowed}")

@@ -76,6 +76,7 @@ REFUSED = {
     ("value", "step rk5 h=1/2 : q"): "'step rk5 h=1/2 : q', column 6: unknown method 'rk5'",
     ("value", "two\nlines rk4"): "'two lines rk4', column 1: 'two lines' is nothing that can be asked",
     ("value", "rk4.first_step.q", "--only", "*"): "--only is for published values; leave out the question",
+    ("value", "--only", "*", "--digits", "3"): "--only prints the published values as they are; leave out --digits",
     ("value", "1", "--format", "csv"): "--format csv is for the published values of --only PATTERN",
     ("value", "--only", "*", "--format", "mathml"): "--format mathml is for one value; of several there are json",
     ("values", "--only", "no such id"): "no published value has an id that matches 'no such id'",

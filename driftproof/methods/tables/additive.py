@@ -10,9 +10,9 @@ from driftproof.methods.tables.notation import exact_row, heading, numbers, padd
 
 
 def _imex(text: str) -> tuple[Additive, ...]:
-    """The methods of a text that a blank line separates: a line of names, then both tables side by side.
+    """The methods of a text, separated by blank lines: each is a line of names, then both tables side by side.
 
-    The explicit one is on the left; zeros at the end of a row are left out, and the last row is of weights.
+    The explicit table is on the left. Zeros at the end of a row are left out, and the last row has the weights.
     """
     found = []
     for entry in text.strip().split("\n\n"):
@@ -31,7 +31,7 @@ def _imex(text: str) -> tuple[Additive, ...]:
 
 
 def _ark(names: str, explicit: str, implicit: str) -> Additive:
-    """A pair with the same weights in both parts: the last row of the implicit one, below which the embedded row is."""
+    """A pair with the same weights in both parts: the last row of the implicit A, before the embedded weights."""
     *rows, b, embedded = (exact_row(line) for line in implicit.splitlines())
     return Additive(
         **heading(names),
@@ -45,8 +45,8 @@ def _ark(names: str, explicit: str, implicit: str) -> Additive:
     )
 
 
-# ARS(3,4,3): Alexander's method beside an explicit one with a free number, printed with ten digits; the last entry of
-# its third stage is what the condition of b A c = 1/6 leaves.
+# ARS(3,4,3): Alexander's method with an explicit one that has a free parameter, printed with ten digits; the last entry
+# of its third stage follows from the condition b A c = 1/6.
 _G4, _FREE = ALEXANDER_GAMMA, Fraction("0.5529291479")
 _ALEXANDER = numbers(0, (-6 * _G4 * _G4 + 16 * _G4 - 1) / 4, (6 * _G4 * _G4 - 20 * _G4 + 5) / 4, _G4)
 _LAST = (Fraction(1, 6) - _G4 * _FREE * (3 * _G4 + 1) / 2) / (_ALEXANDER[2] * _G4)

@@ -1,4 +1,4 @@
-"""The methods that every text begins with: the Euler methods, Verlet, Heun, midpoint, RK4 and the 3/8 rule."""
+"""The methods that every textbook begins with: the Euler methods, Verlet, Heun, midpoint, RK4 and the 3/8 rule."""
 
 from __future__ import annotations
 

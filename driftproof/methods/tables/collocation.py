@@ -16,22 +16,22 @@ def gauss_nodes(stages: int) -> tuple[Fraction, ...]:
 
 
 def radau_left_nodes(stages: int) -> tuple[Fraction, ...]:
-    """Radau's nodes with 0 among them, s >= 1: the (s-1)-st derivative of x^s (x - 1)^(s-1)."""
+    """The polynomial of the Radau nodes with 0, s >= 1, monic: the (s-1)-st derivative of x^s (x - 1)^(s-1)."""
     return _rodrigues("radau_left_nodes", stages, 1, stages, stages - 1)
 
 
 def radau_right_nodes(stages: int) -> tuple[Fraction, ...]:
-    """Radau's nodes with 1 among them, s >= 1: the (s-1)-st derivative of x^(s-1) (x - 1)^s."""
+    """The polynomial of the Radau nodes with 1, s >= 1, monic: the (s-1)-st derivative of x^(s-1) (x - 1)^s."""
     return _rodrigues("radau_right_nodes", stages, 1, stages - 1, stages)
 
 
 def lobatto_nodes(stages: int) -> tuple[Fraction, ...]:
-    """Lobatto's nodes, 0 and 1 among them, s >= 2: the (s-2)-nd derivative of x^(s-1) (x - 1)^(s-1)."""
+    """The polynomial of the Lobatto nodes, s >= 2, monic: the (s-2)-nd derivative of x^(s-1) (x - 1)^(s-1)."""
     return _rodrigues("lobatto_nodes", stages, 2, stages - 1, stages - 1)
 
 
 def _rodrigues(name: str, stages: int, fewest: int, at_zero: int, at_one: int) -> tuple[Fraction, ...]:
-    """x**at_zero (x - 1)**at_one, differentiated until its degree is `stages`, made monic."""
+    """The polynomial x**at_zero (x - 1)**at_one, differentiated down to degree `stages` and made monic."""
     if stages < fewest:
         raise ValueError(f"{name}({stages}): at least {fewest} stages are needed")
     times = at_zero + at_one - stages
@@ -46,7 +46,7 @@ def gauss(stages: int) -> Collocation:
 
 
 def radau_i(stages: int) -> Collocation:
-    """Collocation at the left Radau nodes, of order 2s - 1: Radau I, which is not Radau IA, whose A is another one."""
+    """The Radau I method of order 2s - 1: collocation at the left Radau nodes. Radau IA has another A."""
     return Collocation(
         key=f"radau_i{stages}",
         title=f"Radau I, {stages} stages",
@@ -70,7 +70,7 @@ def lobatto_iiia(stages: int) -> Collocation:
     )
 
 
-# Fewer stages are in driftproof/methods/tables/implicit.py as tableaux.
+# The methods with fewer stages are in driftproof/methods/tables/implicit.py, as tableaux.
 ENTRIES: tuple[Method, ...] = (
     *(gauss(stages) for stages in range(4, 11)),
     radau_i(2),

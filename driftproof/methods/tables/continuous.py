@@ -1,4 +1,4 @@
-"""Continuous extensions that codes in use have, in the coefficients that their sources print.
+"""Continuous extensions of codes in use, with the coefficients that their sources print.
 
 The digits of DOP853's are those of the program dop853.f of hairer-norsett-wanner-1993, Appendix.
 """
@@ -21,13 +21,13 @@ _METHODS = {method.key: method for method in (*BASIC, *PAIRS, *DECIMAL_PAIRS) if
 
 
 def _quartic(key: str, title: str, source: str, method: str, weights: str) -> ContinuousExtension:
-    """An extension of order 4 without further stages: a line of the coefficients of θ, θ², θ³, θ⁴ for each stage."""
+    """An extension of order 4 without further stages, by the coefficients of θ, θ², θ³, θ⁴ in a line for each stage."""
     polynomials = tuple((Fraction(0), *row(line)) for line in weights.strip().splitlines())
     base = _METHODS[method]
     return ContinuousExtension(key, title, 4, source, base, base.a, base.c, polynomials)
 
 
-# Of the quartics with this continuity the one whose error at θ = 1/2 is least; ode45, dopri5 and RK45 have it.
+# Among the quartics with this continuity, the one with the least error at θ = 1/2; ode45, dopri5 and RK45 use it.
 _SHAMPINE = _quartic(
     "dormand_prince54_shampine",
     "Dormand-Prince 5(4), Shampine's quartic",
@@ -42,7 +42,7 @@ _SHAMPINE = _quartic(
     0 40617522/29380423 -110615467/29380423 69997945/29380423""",
 )
 
-# The source prints products of factors; these are they multiplied out, in the digits of the programs that have them.
+# The source prints products of factors; here they are multiplied out, with the digits that programs use.
 _TSITOURAS = _quartic(
     "tsitouras54_quartic",
     "Tsitouras 5(4), its quartic",
@@ -113,7 +113,7 @@ _LAST_DIFFERENCES = _paragraphs(
 
 
 def _dop853() -> ContinuousExtension:
-    """y + θ(F₁ + (1-θ)(F₂ + θ(F₃ + (1-θ)(F₄ + θ(F₅ + (1-θ)(F₆ + θF₇)))))), as the program nests it.
+    """The extension y + θ(F₁ + (1-θ)(F₂ + θ(F₃ + (1-θ)(F₄ + θ(F₅ + (1-θ)(F₆ + θF₇)))))), nested as in the program.
 
     F₁ = y₁ - y, F₂ = h k₁ - F₁ and F₃ = 2 F₁ - h (k₁ + k₁₃); the other four are h times rows of coefficients.
     """
@@ -134,7 +134,7 @@ def _dop853() -> ContinuousExtension:
 
 
 def _nested(values: Sequence[Fraction]) -> PolynomialInTheta:
-    """θ(v₁ + (1-θ)(v₂ + θ(v₃ + ...))), multiplied out."""
+    """The polynomial θ(v₁ + (1-θ)(v₂ + θ(v₃ + ...))), multiplied out."""
     polynomial: list[Fraction] = [Fraction(0)]
     for i in range(len(values) - 1, -1, -1):
         polynomial[0] += values[i]

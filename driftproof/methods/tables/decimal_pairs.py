@@ -1,4 +1,4 @@
-"""Explicit pairs whose sources print decimals: the coefficients are exactly those decimals, and so are their residuals.
+"""Explicit pairs whose sources print decimals, which are taken as the exact coefficients.
 
 The digits of DOP853 are those of the program dop853.f of hairer-norsett-wanner-1993, Appendix.
 """
@@ -90,7 +90,7 @@ def _tsitouras54() -> RungeKutta:
         row("-12.92096931784711 8.159367898576159 -0.07158497328140100 -0.02826905039406838"),
     )
     rows = [(c_i - sum(tail), *tail) for c_i, tail in zip(c, printed, strict=False)]
-    # Printed as b̂, it is b - b̂; there the last entry has to be -1/66, as b̂ adds to 1, but +1/66 is printed.
+    # The source prints b - b̂ under the name b̂. The last entry has to be -1/66, since b̂ sums to 1, but +1/66 is printed.
     difference = row(
         """0.001780011052226 0.000816434459657 -0.007880878010262 0.144711007173263
         -0.582357165452555 0.458082105929187 -1/66"""

@@ -1,6 +1,6 @@
-"""Compositions of kicks and drifts whose sources print decimals: the coefficients are exactly those decimals.
+"""Compositions of kicks and drifts whose sources print decimals, which are taken as the exact coefficients.
 
-Where a source leaves the last coefficients to Σ kicks = Σ drifts = 1, so does this file, and the sums are exact.
+If a source determines the last coefficients by Σ kicks = Σ drifts = 1, so does this file, and the sums are exact.
 """
 
 from __future__ import annotations
@@ -16,9 +16,9 @@ from driftproof.methods.tables.splittings import Parts, alternating, palindrome,
 
 
 def _read(build: Callable[..., Parts], text: str, *, quadratic_kinetic: bool = False) -> tuple[Splitting, ...]:
-    """The decimal splittings of a text that a blank line separates: a line of names, the first sub-step, and numbers.
+    """The decimal splittings of a text, separated by blank lines: a line of names, the first sub-step, and numbers.
 
-    What is made of the numbers, and of several rows of them that a semicolon separates, `build` knows.
+    `build` makes the parts from the first sub-step and the rows of numbers, which semicolons separate.
     """
     found = []
     for entry in text.strip().split("\n\n"):
@@ -30,19 +30,19 @@ def _read(build: Callable[..., Parts], text: str, *, quadratic_kinetic: bool = F
 
 
 def _composition(first: str, outside_in: Sequence[Q]) -> Parts:
-    """Verlet steps with these weights, the middle one last, and then backwards."""
+    """The symmetric composition of Verlet steps with these weights, of which the last is in the middle."""
     return verlet_composition(first, palindrome(outside_in))
 
 
 def _completed(first: str, outside_in: Sequence[Q]) -> Parts:
-    """The same with the middle weight that makes all of them add to 1."""
+    """The symmetric composition of Verlet steps with these outer weights; the middle one makes the sum 1."""
     return _composition(first, (*outside_in, 1 - 2 * sum(outside_in, Q(0))))
 
 
 def _symmetric(first: str, outer: Sequence[Q], inner: Sequence[Q]) -> Parts:
-    """A palindrome of sub-steps `first` and the others in turn; the last coefficient of each kind follows from the sum.
+    """A palindrome of alternating sub-steps that begins with `first`; the innermost ones make the sums of each kind 1.
 
-    One kind has one sub-step in the middle, the other one the two beside it.
+    One kind has the single sub-step in the middle, the other kind the two next to it.
     """
     single, double = (outer, inner) if len(outer) > len(inner) else (inner, outer)
     middle, beside = 1 - 2 * sum(single, Q(0)), Q(1, 2) - sum(double, Q(0))
@@ -85,7 +85,7 @@ _YOSHIDA = _read(
     """,
 )
 
-# Here the middle weight is printed, too.
+# In these sources the middle weight is printed, too.
 _COMPOSITIONS = _read(
     _composition,
     """
@@ -105,7 +105,7 @@ _COMPOSITIONS = _read(
     """,
 )
 
-# Table 2 of the source is reported to have the first two kicks of this one swapped (principia-2026).
+# In Table 2 of the source the first two kicks of this method are swapped, according to principia-2026.
 _THIRD_ORDER = _read(
     alternating,
     """

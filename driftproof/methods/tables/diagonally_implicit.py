@@ -9,7 +9,7 @@ from driftproof.methods.schemes import Method, RungeKutta
 from driftproof.methods.tables.notation import numbers, padded, tableaux
 
 S2 = square_root(2)
-# The roots of γ³ - 3γ² + 3γ/2 - 1/6 and of γ³ - 3γ²/2 + γ/2 - 1/24: order 3 and 4 with one eigenvalue, three stages.
+# Roots of γ³ - 3γ² + 3γ/2 - 1/6 and of γ³ - 3γ²/2 + γ/2 - 1/24: orders 3 and 4 with three stages and one eigenvalue.
 ALEXANDER_GAMMA = NumberField("gamma3", (-1, 9, -18, 6), Q(2, 5), Q(1, 2)).generator
 CROUZEIX_GAMMA = NumberField("gamma4", (-1, 12, -36, 24), Q(1), Q(3, 2)).generator
 
@@ -61,7 +61,7 @@ def _tr_bdf2() -> RungeKutta:
 ENTRIES: tuple[Method, ...] = (
     *tableaux(
         """
-    # γ = 1 - sqrt(2)/2 of the two for which the method is L-stable: with 1 + sqrt(2)/2 the error is far larger.
+    # L-stable for γ = 1 ± sqrt(2)/2; this is the minus sign, because the other γ has a far larger error.
     sdirk2 | L-stable SDIRK method of order 2 | 2 | alexander-1977, the strongly S-stable method with two stages
     1-sqrt(2)/2 | 1-sqrt(2)/2
               1 | sqrt(2)/2 1-sqrt(2)/2

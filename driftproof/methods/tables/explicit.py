@@ -18,7 +18,7 @@ _LOW_ORDER: tuple[RungeKutta, ...] = tableaux(
     2/3 | 0 2/3
         | 1/4 0 3/4
 
-    # One stage more than order 3 needs.
+    # This method has one stage more than order 3 needs.
     runge3 | Runge's third-order method, four stages | 3 | hairer-norsett-wanner-1993, II.1 Table 1.1
       0 |
     1/2 | 1/2
@@ -38,7 +38,7 @@ _LOW_ORDER: tuple[RungeKutta, ...] = tableaux(
       1 | -1 2
         | 1/6 2/3 1/6
 
-    # RK4 rearranged so that three numbers a component suffice as storage.
+    # RK4 rearranged so that storage of three numbers per component suffices.
     gill4 | Gill's fourth-order method | 4 | gill-1951, the process with three storage registers
       0 |
     1/2 | 1/2

@@ -73,8 +73,8 @@ _VERNER_AND_FEHLBERG: tuple[RungeKutta, ...] = tableaux(
     """
 )
 
-# The source rounds the coefficients of its pair to fractions of about 18 digits, and says so; as printed the weights do
-# not even add to 1, and the order is 0.
+# The source rounds the coefficients of its pair to fractions of about 18 digits, and says so. The printed weights do
+# not even sum to 1, so that the exact order is 0.
 _PRINCE_DORMAND: tuple[RungeKutta, ...] = tableaux(
     """
     prince_dormand87 | Prince-Dormand 8(7), as printed | 8(7) | prince-dormand-1981, the RK8(7)13M pair

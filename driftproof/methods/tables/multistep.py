@@ -6,10 +6,10 @@ from driftproof.methods.multistep import Multistep
 from driftproof.methods.tables.notation import heading, row
 
 # Key | title | order | rho | sigma: both from the oldest value to the new one, over a common denominator as "/12: ...".
-# One step of BDF is backward_euler, of Adams-Bashforth forward_euler, of Adams-Moulton `trapezoid`. Adams-Moulton
-# methods are numbered by steps, k of them having order k + 1; other people number them by order. NDF of order k is
-# BDF of k steps less kappa (1 + ... + 1/k) times the backward difference of order k + 1, with kappa = -0.185, -1/9,
-# -0.0823, -0.0415.
+# BDF with one step is backward_euler, Adams-Bashforth forward_euler, Adams-Moulton `trapezoid`. Adams-Moulton methods
+# are numbered by their steps k, and have order k + 1; other authors number them by order. NDF of order k is BDF of k
+# steps less kappa (1 + ... + 1/k) times the backward difference of order k + 1, with kappa = -0.185, -1/9, -0.0823,
+# -0.0415.
 _FIRST_ORDER = """
 adams_bashforth2   | Adams-Bashforth, 2 steps | 2 | 0 -1 1         | /2: -1 3 0
 adams_bashforth3   | Adams-Bashforth, 3 steps | 3 | 0 0 -1 1       | /12: 5 -16 23 0
@@ -36,7 +36,7 @@ nystrom_multistep4 | Nyström's multistep method, 4 steps | 4 | 0 0 -1 0 1 | /3:
 milne_simpson      | Milne-Simpson            | 4 | -1 0 1         | /3: 1 4 1
 """
 
-# For y'' = F(y). `stormer2` makes the positions of velocity_verlet; `cowell2` is Numerov's method.
+# For y'' = F(y). `stormer2` gives the positions of velocity_verlet; `cowell2` is Numerov's method.
 _SECOND_ORDER = """
 stormer2 | Störmer, 2 steps | 2 | 1 -2 1     | 0 1 0
 stormer3 | Störmer, 3 steps | 3 | 0 1 -2 1   | /12: 1 -2 13 0

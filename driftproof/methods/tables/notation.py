@@ -1,4 +1,4 @@
-"""Tables written as they are printed: rows of exact numbers in a text, zeros at the end of a row left out."""
+"""The notation of the tables, close to print: texts with rows of exact numbers, without zeros at the end of a row."""
 
 from __future__ import annotations
 
@@ -12,27 +12,27 @@ from driftproof.methods.schemes import RungeKutta, Splitting
 
 
 def row(text: str) -> tuple[Fraction, ...]:
-    """The numbers of the text, which white space separates; "1/6", "0.1" and "2.5e-1" are exact, as everywhere."""
+    """The rational numbers of the text, separated by white space; "1/6", "0.1" and "2.5e-1" are exact."""
     return tuple(Fraction(word) for word in text.split())
 
 
 def square(text: str) -> tuple[tuple[Exact, ...], ...]:
-    """As many rows as the text has lines, each filled up with zeros to that length."""
+    """The square matrix with a row for each line of the text, filled up with zeros."""
     return padded(*(row(line) for line in text.strip().splitlines()))
 
 
 def numbers(*values: Exact | int) -> tuple[Exact, ...]:
-    """The values, integers among them as fractions: for rows in which irrational numbers occur."""
+    """The values with integers converted to fractions, for rows that contain irrational numbers."""
     return tuple(Fraction(x) if isinstance(x, int) else x for x in values)
 
 
 def padded(*rows: Sequence[Exact | int]) -> tuple[tuple[Exact, ...], ...]:
-    """The rows, each filled up with zeros to as many entries as there are rows."""
+    """The square matrix with these rows, filled up with zeros."""
     return tuple(numbers(*given, *[0] * (len(rows) - len(given))) for given in rows)
 
 
 def tableaux(text: str, *, decimal: bool = False) -> tuple[RungeKutta, ...]:
-    """The methods of a text that a blank line separates: a line of names, then the tableau as books print it.
+    """The methods of a text, separated by blank lines: each is a line of names, then the tableau as books print it.
 
         heun_euler21 | Heun-Euler 2(1) | 2(1) | hairer-norsett-wanner-1993, chapter II
         0 |
@@ -40,15 +40,15 @@ def tableaux(text: str, *, decimal: bool = False) -> tuple[RungeKutta, ...]:
           | 1/2 1/2
           | 1 0
 
-    are key, title, order with that of the embedded row in brackets, and source; cᵢ | aᵢ₁ aᵢ₂ ..., zeros at the end left
-    out; then the weights, and those of the embedded row. A line that begins with # is a remark.
+    The names are the key, the title, the order with that of the embedded row in brackets, and the source. Rows are
+    cᵢ | aᵢ₁ aᵢ₂ ..., without zeros at the end; then the weights and the embedded weights. Lines with # are comments.
     """
     lines = [line.strip() for line in text.splitlines() if not line.lstrip().startswith("#")]
     return tuple(_tableau(entry.splitlines(), decimal) for entry in "\n".join(lines).strip().split("\n\n"))
 
 
 def heading(names: str) -> dict[str, Any]:
-    """What the line "key | title | order | source" says; an order such as 4(3) is that of a pair."""
+    """The fields in the line "key | title | order | source"; an order such as 4(3) is that of a pair."""
     key, title, orders, source = (" ".join(part.split()) for part in names.split(" | "))
     order, _, embedded = orders.removesuffix(")").partition("(")
     found = {"key": key, "title": title, "claimed_order": int(order), "source": source}
@@ -56,7 +56,7 @@ def heading(names: str) -> dict[str, Any]:
 
 
 def splitting(names: str, parts: tuple[tuple[str, Exact], ...], *, quadratic_kinetic: bool = False) -> Splitting:
-    """The splitting with these parts, its key, title, order and source in a line as in `tableaux`."""
+    """The splitting with these parts, and with a line of names as in `tableaux`."""
     return Splitting(**heading(names), parts=parts, quadratic_kinetic=quadratic_kinetic)
 
 
@@ -68,5 +68,5 @@ def _tableau(lines: Sequence[str], decimal: bool) -> RungeKutta:
 
 
 def exact_row(text: str) -> tuple[Exact, ...]:
-    """A row in which roots may occur, as in "1/2-sqrt(3)/6"."""
+    """The exact numbers of the text, separated by white space; they may contain roots, as in "1/2-sqrt(3)/6"."""
     return tuple(parse_number(word, "table") if "(" in word else Fraction(word) for word in text.split())

@@ -15,9 +15,10 @@ def _product(u: Sequence[Q], rows: Sequence[Sequence[Q]]) -> tuple[Q, ...]:
 
 
 def _from_transformed(names: str, gamma: Q, a: str, c: str, m: str, *, decimal: bool = False) -> Rosenbrock:
-    """The method from what programs store: A = αΓ⁻¹, C = I/γ - Γ⁻¹ and m = bΓ⁻¹; the last stage is the estimate.
+    """The method from the matrices that programs store, A = αΓ⁻¹, C = I/γ - Γ⁻¹ and m = bΓ⁻¹.
 
-    So Γ = γ (I - γC)⁻¹, row by row, as C is strictly lower triangular (hairer-wanner-1996, IV.7 (7.25)).
+    Γ = γ (I - γC)⁻¹ follows row by row, because C is strictly lower triangular (hairer-wanner-1996, IV.7 (7.25)). The
+    last stage is the error estimate.
     """
     below = [row(line) for line in c.strip().splitlines()]
     size = len(below)

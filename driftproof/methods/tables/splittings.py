@@ -15,17 +15,17 @@ OTHER = {"kick": "drift", "drift": "kick"}
 
 
 def alternating(first: str, coefficients: Sequence[Exact]) -> Parts:
-    """Kicks and drifts in turn, from the one named `first`."""
+    """Alternating kicks and drifts, beginning with the kind named `first`."""
     return tuple((first if i % 2 == 0 else OTHER[first], c) for i, c in enumerate(coefficients))
 
 
 def palindrome(half: Sequence[Exact]) -> tuple[Exact, ...]:
-    """The coefficients, then all but the last of them backwards."""
+    """The coefficients, followed by all but the last of them in reverse order."""
     return (*half, *reversed(half[:-1]))
 
 
 def verlet_composition(first: str, weights: Sequence[Exact]) -> Parts:
-    """Verlet steps of w₁h, w₂h, ... that begin and end with half a sub-step `first`; neighbouring halves are joined."""
+    """Verlet steps of sizes w₁h, ..., with half a sub-step `first` at both ends of each; adjacent halves are joined."""
     halves = [w * Q(1, 2) for w in weights]
     outer = [halves[0], *(x + y for x, y in pairwise(halves)), halves[-1]]
     coefficients = [outer[0]]

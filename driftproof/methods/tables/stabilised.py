@@ -1,4 +1,4 @@
-"""Explicit methods whose stages buy stability: strong-stability-preserving families, and first-order Chebyshev."""
+"""Explicit methods whose additional stages increase stability: strong-stability-preserving, Chebyshev of order 1."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ from driftproof.methods.tables.notation import padded, row, tableaux
 
 
 def ssprk_second_order(stages: int) -> RungeKutta:
-    """The optimal SSP method of order 2 with s >= 2 stages: forward Euler steps of h/(s-1), averaged; coefficient s-1.
+    """The optimal SSP method of order 2 with s >= 2 stages, which averages forward Euler steps of size h/(s-1).
 
-    For s = 2 it is Heun's second-order method. Raises ValueError for fewer stages.
+    Its SSP coefficient is s-1. For s = 2 it is Heun's second-order method. Raises ValueError for fewer stages.
     """
     if stages < 2:
         raise ValueError(f"ssprk_second_order({stages}): two stages or more are needed for order 2")
@@ -28,7 +28,7 @@ def ssprk_second_order(stages: int) -> RungeKutta:
 
 
 def chebyshev_first_order(stages: int) -> RungeKutta:
-    """The method of order 1 with R(z) = T_s(1 + z/s²), |R| <= 1 on [-2s², 0]: no damping, s >= 1 stages.
+    """The undamped method of order 1 with s >= 1 stages and R(z) = T_s(1 + z/s²), so that |R| <= 1 on [-2s², 0].
 
     Written as Y₁ = Y₀ + h/s² F₀, Yⱼ = 2Yⱼ₋₁ - Yⱼ₋₂ + 2h/s² Fⱼ₋₁. Raises ValueError for no stage.
     """
