@@ -121,7 +121,9 @@ def certified_sign(value: CertifiableReal) -> int:
 
 
 def is_less(a: CertifiableReal, b: CertifiableReal) -> bool:
-    """True if a < b, certified by disjoint enclosures. Raises Uncertified if a = b and neither is rational."""
+    """True if a < b, certified by disjoint enclosures. Raises Uncertified if a = b, unless both are rationals."""
+    if isinstance(a, int | Fraction) and isinstance(b, int | Fraction):
+        return a < b
     return certified_sign(lambda: enclose(a) - enclose(b)) == -1
 
 
