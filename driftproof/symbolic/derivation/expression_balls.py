@@ -1,4 +1,4 @@
-"""SymPy expressions as Arb balls."""
+"""Certified enclosures of real SymPy expressions by Arb balls."""
 
 from __future__ import annotations
 
@@ -22,13 +22,14 @@ def certifiable(expr: sympy.Basic) -> CertifiableReal:
 
 
 def enclose_expression(expr: sympy.Basic) -> arb:
-    """An Arb ball that contains the real number `expr`, at Arb's current precision. Raises TypeError for a function
-    that is not listed here.
+    """An Arb ball that contains the real number `expr`, at Arb's current precision.
+
+    Raises TypeError for a function that is not in `_FUNCTIONS`.
     """
     if isinstance(expr, sympy.Rational):
         return arb(fmpq(int(expr.p), int(expr.q)))
     if isinstance(expr, sympy.CRootOf):
-        return _enclose_root(expr)
+        return real_root_balls(integer_coefficients(expr.poly), ctx.prec)[expr.index]  # both count ascending
     if expr == sympy.pi:
         return arb.pi()
     if expr == sympy.E:
@@ -41,13 +42,8 @@ def enclose_expression(expr: sympy.Basic) -> arb:
     return _FUNCTIONS[expr.func](*(enclose_expression(a) for a in expr.args))
 
 
-def _enclose_root(root: Any) -> arb:
-    """FLINT's ball around the real root with this index, in ascending order as SymPy's are."""
-    return real_root_balls(integer_coefficients(root.poly), ctx.prec)[root.index]
-
-
 def integer_coefficients(polynomial: sympy.Poly) -> tuple[int, ...]:
-    """Those of a multiple over Z of a polynomial over Q, constant term first."""
+    """The coefficients of an integer multiple of a polynomial over Q, constant term first."""
     return tuple(int(c) for c in polynomial.clear_denoms(convert=True)[1].all_coeffs()[::-1])
 
 
