@@ -230,10 +230,7 @@ def interpolate(values: Callable[[int], fmpq], degree: int) -> Polynomial:
 
 def dot(a: Sequence[Scalar], b: Sequence[Scalar]) -> Scalar:
     """Σ aᵢ bᵢ."""
-    total = fmpq(0)
-    for x, y in zip(a, b, strict=True):
-        total = total + x * y
-    return total
+    return sum((x * y for x, y in zip(a, b, strict=True)), fmpq(0))
 
 
 def norm(p: Polynomial) -> Polynomial:

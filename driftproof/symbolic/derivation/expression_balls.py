@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from fractions import Fraction
-from functools import partial
+from functools import partial, reduce
+from operator import add, mul
 from typing import Any
 
 import sympy
@@ -47,18 +48,9 @@ def integer_coefficients(polynomial: sympy.Poly) -> tuple[int, ...]:
     return tuple(int(c) for c in polynomial.clear_denoms(convert=True)[1].all_coeffs()[::-1])
 
 
-def _fold(operation: Callable[[arb, arb], arb]) -> Callable[..., arb]:
-    def fold(first: arb, *rest: arb) -> arb:
-        for ball in rest:
-            first = operation(first, ball)
-        return first
-
-    return fold
-
-
 _FUNCTIONS: dict[Any, Callable[..., arb]] = {
-    sympy.Add: _fold(lambda a, b: a + b),
-    sympy.Mul: _fold(lambda a, b: a * b),
+    sympy.Add: lambda *balls: reduce(add, balls),
+    sympy.Mul: lambda *balls: reduce(mul, balls),
     sympy.cos: arb.cos,
     sympy.sin: arb.sin,
     sympy.tan: arb.tan,

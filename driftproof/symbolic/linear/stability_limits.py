@@ -7,7 +7,7 @@ from enum import Enum
 from fractions import Fraction
 from functools import partial
 from itertools import chain
-from math import isqrt
+from math import isqrt, prod
 from typing import NamedTuple, TypeAlias
 
 from flint import fmpq
@@ -51,7 +51,7 @@ def real_limit(r: RationalFunction) -> Limit:
     factors = [f for f in (den - num, den + num) if f]
     if len(factors) < 2:
         return INFINITY
-    return first_failure(factors, lambda x: _sign_of_product(factors, x) != -1)
+    return first_failure(factors, lambda x: prod(sign(evaluate(f, x)) for f in factors) != -1)
 
 
 def imaginary_limit(r: RationalFunction) -> Limit:
@@ -88,13 +88,6 @@ def smallest(limits: Sequence[Limit]) -> Limit:
         return ZERO_ROOT if finite else INFINITY
     order = positive_roots([limit.polynomial for limit in finite])
     return next(root for root in order if root in finite)
-
-
-def _sign_of_product(factors: Sequence[Polynomial], x: fmpq) -> int:
-    product = 1
-    for factor in factors:
-        product *= sign(evaluate(factor, x))
-    return product
 
 
 class Boundary(NamedTuple):
