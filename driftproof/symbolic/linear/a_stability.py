@@ -61,7 +61,7 @@ def i_stability(r: RationalFunction) -> Decision:
 def a_stability(r: RationalFunction) -> Decision:
     """Decide whether |R(z)| <= 1 for every z with Re z <= 0: I-stable, and no pole there (hairer-wanner-1996, IV.3).
 
-    This is the maximum principle: a rational R that is bounded on the imaginary axis is bounded at infinity.
+    It follows from the maximum principle, as a rational R that is bounded on the imaginary axis is bounded at infinity.
     """
     on_axis = i_stability(r)
     if not on_axis:

@@ -1,4 +1,4 @@
-"""Families of Runge-Kutta methods with a parameter: R(z) with the parameter, and exact sets of stable values."""
+"""Families of Runge-Kutta methods with a parameter: R(z), and the exact sets of values with a kind of stability."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Facts about a linear multistep method, exact: order, root condition, A- and A(α)-stability, stability limits.
+"""The exact facts about a linear multistep method: order, root condition, A- and A(α)-stability, stability limits.
 
 Stability at z = hλ is decided by the values of the function ρ/σ outside the unit disc (hairer-wanner-1996, V.1).
 """

@@ -129,7 +129,7 @@ def inflated(p: Polynomial) -> Polynomial:
 
 
 def _implicit_nystrom_matrix(method: Nystrom) -> StepMatrix:
-    """M(h) of an implicit Nyström method, from k = -(I + h²A)⁻¹ (1 q + hc v), that is bᵀ(I - zA)⁻¹v at z = -h²."""
+    """M(h) of an implicit Nyström method, from bᵀ(I - zA)⁻¹v at z = -h², as k = -(I + h²A)⁻¹ (1 q + hc v)."""
     a = tuple(tuple(scalar(x) for x in row) for row in method.a)
     nodes, weights, rates = (tuple(scalar(x) for x in row) for row in (method.c, method.b_position, method.b_velocity))
 

@@ -1,4 +1,4 @@
-"""Exact limits of h > 0 up to which the powers of R(hλ), or of R of a Jordan block of λ, stay bounded."""
+"""Exact step size limits for bounded powers of R(hλ), or of R(hJ) for a Jordan block J of λ."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ from driftproof.symbolic.linear.stability_limits import INFINITY, Limit
 
 
 class Bound(NamedTuple):
-    """Powers are bounded for every h in (0, `limit`); `attained` says if at the limit too, None for 0 and oo."""
+    """Powers are bounded for every h in (0, `limit`); `attained` says whether for h = `limit`, None for 0 and oo."""
 
     limit: Limit
     attained: bool | None
@@ -52,7 +52,7 @@ NEVER, ALWAYS = Bound(ZERO_ROOT, None), Bound(INFINITY, None)
 
 
 def ray_bound(r: RationalFunction, total: Scalar, product: Scalar, block: int) -> Bound:
-    """The bound of x > 0 for powers of R(xJ), J a Jordan block of λ, with λ + λ̄ = `total` and λλ̄ = `product`.
+    """The bound of x > 0 for powers of R(xJ), J a Jordan block of size `block` for λ: λ + λ̄ = `total`, λλ̄ = `product`.
 
     They are bounded where |R(xλ)| < 1, and where |R(xλ)| = 1 and R(xJ) is a multiple of the identity. The latter means
     that R' and its derivatives of order below `block` - 1 vanish at xλ, equivalently those of P'Q - PQ'.
@@ -160,8 +160,7 @@ def pair_polynomial(r: RationalFunction, minimal: Minimal) -> Polynomial:
 
     It is a determinant on the second exterior power for the companion matrix C. There u∧v, for eigenvectors u and v, is
     an eigenvector of S: u∧v ↦ Cu∧v + u∧Cv and of D: u∧v ↦ Cu∧Cv, and the factor of λ and μ is a polynomial in S and D.
-    On the kernel of S, where R(z)R(-z) = 1 would make it 0, it is replaced by 1. Over a number field the result is the
-    norm.
+    On the kernel of S, where R(z)R(-z) = 1 would make it 0, it is replaced by 1. Over a number field the norm is taken.
     """
     generator = _powers_of_generator(_field(r))
     in_step = 2 * max(int(r.num.degree()), int(r.den.degree()))

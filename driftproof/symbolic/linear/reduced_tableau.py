@@ -131,8 +131,8 @@ def is_symplectic(method: Method) -> bool:
     """True if symplectic for every Hamiltonian; for splittings and Nyström methods, every one of the form T(p) + V(q).
 
     Runge-Kutta: bᵢaᵢⱼ + bⱼaⱼᵢ = bᵢbⱼ; Nyström: b̄ᵢ = bᵢ(1 - cᵢ) and bᵢ(b̄ⱼ - aᵢⱼ) = bⱼ(b̄ᵢ - aⱼᵢ). These conditions are
-    sufficient, and necessary for irreducible methods (hairer-lubich-wanner-2006, VI.4 and VI.7). Collocation methods
-    satisfy them exactly if the nodes are Gauss's, as the quadrature then is exact up to degree 2s - 1.
+    sufficient, and necessary for irreducible methods (hairer-lubich-wanner-2006, VI.4 and VI.7). For collocation
+    methods they say that the quadrature is exact to degree 2s - 1, that is that the nodes are Gauss's.
     """
     if isinstance(method, Splitting):
         return True
@@ -155,9 +155,9 @@ def symplectic_residuals(stages: StageCoefficients) -> Iterator[Exact]:
 def is_symmetric(method: Method) -> bool:
     """True if the step of -h undoes the step of h on every problem, that is if the method is its own adjoint.
 
-    Then some permutation of the stages turns the irreducible coefficients into those of the adjoint, bⱼ - aᵢⱼ for a
-    Runge-Kutta method (hairer-lubich-wanner-2006, V.2), the reduced word of a splitting is a palindrome, and the nodes
-    of a collocation method are symmetric about 1/2.
+    This is decided by a permutation of the stages that turns the irreducible coefficients into those of the adjoint,
+    bⱼ - aᵢⱼ for a Runge-Kutta method (hairer-lubich-wanner-2006, V.2). For a splitting the reduced word must be a
+    palindrome; for a collocation method the nodes must be symmetric about 1/2.
     """
     if isinstance(method, Splitting):
         word = reduced_word(method)

@@ -29,7 +29,7 @@ from driftproof.symbolic.linear.stability_limits import Limit, first_failure
 
 
 class RootCondition(NamedTuple):
-    """Whether no root is outside the unit circle and none on it too often; `strong` says that none on it but 1 is."""
+    """Whether no root lies outside the unit circle, nor too often on it; `strong` if no root but 1 lies on it."""
 
     holds: bool
     strong: bool

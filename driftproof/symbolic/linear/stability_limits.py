@@ -72,7 +72,7 @@ def first_failure(polynomials: Sequence[Polynomial], holds: Callable[[fmpq], boo
     """The left end of the first interval of positive numbers in which a closed condition fails; `oo` if there is none.
 
     `holds` must be constant between consecutive positive roots of the polynomials, so that one rational point decides
-    each interval. It must be true at a root with true on both sides, which therefore is no limit.
+    each interval. It must be true at a root if it is true on both sides of it: such a root is no limit.
     """
     roots = positive_roots(polynomials)
     for start, inner in zip([ZERO_ROOT, *roots], samples(roots), strict=True):
