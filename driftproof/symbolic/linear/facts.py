@@ -129,25 +129,25 @@ class RegionBoundary(NamedTuple):
     points: list[tuple[str, str, str]]
 
 
-def _of_r(derive: Callable[[RationalFunction], _T], says: str | None = None) -> cached_property[_T | None]:
+def _from_r(derive: Callable[[RationalFunction], _T], doc: str | None = None) -> cached_property[_T | None]:
     """A fact derived from R(z); None for a method without R(z)."""
-    return _as_fact(lambda facts: None if facts._r is None else derive(facts._r), says or derive.__doc__)
+    return _as_fact(lambda facts: None if facts._r is None else derive(facts._r), doc or derive.__doc__)
 
 
-def _of_step(of_r: Callable[[RationalFunction], _T], of_matrix: Callable[[StepMatrix], _T]) -> cached_property[_T]:
+def _from_step(of_r: Callable[[RationalFunction], _T], of_matrix: Callable[[StepMatrix], _T]) -> cached_property[_T]:
     """A fact derived from R(z), or from M(h) for a method without R(z)."""
     return _as_fact(
         lambda facts: of_matrix(facts.one_step_matrix) if facts._r is None else of_r(facts._r), of_r.__doc__
     )
 
 
-def _of_method(derive: Callable[[Method], _T]) -> cached_property[_T]:
+def _from_method(derive: Callable[[Method], _T]) -> cached_property[_T]:
     """A fact derived from the coefficients of the method."""
     return _as_fact(lambda facts: derive(facts.method), derive.__doc__)
 
 
-def _as_fact(fact: Callable[[LinearFacts], _T], says: str | None) -> cached_property[_T]:
-    fact.__doc__ = says
+def _as_fact(fact: Callable[[LinearFacts], _T], doc: str | None) -> cached_property[_T]:
+    fact.__doc__ = doc
     return cached_property(fact)
 
 
@@ -193,9 +193,9 @@ class LinearFacts:
         self.method = method
         self.terms = terms
 
-    stability_function = _of_r(ExactFunction, "R(z), with y₁ = R(hλ) y₀ on y' = λy.")
+    stability_function = _from_r(ExactFunction, "R(z), with y₁ = R(hλ) y₀ on y' = λy; None without it.")
 
-    one_step_matrix = _of_method(oscillator.oscillator_matrix)
+    one_step_matrix = _from_method(oscillator.oscillator_matrix)
 
     @cached_property
     def determinant(self) -> ExactFunction:
@@ -232,8 +232,8 @@ class LinearFacts:
             found, _series(phase.modified_factor_series(m, self.terms)) if self._turns_readably else None
         )
 
-    real_limit = _of_r(stability_limits.real_limit)
-    imaginary_limit = _of_step(stability_limits.imaginary_limit, bounded_limit)
+    real_limit = _from_r(stability_limits.real_limit)
+    imaginary_limit = _from_step(stability_limits.imaginary_limit, bounded_limit)
 
     @cached_property
     def a_stable(self) -> bool | None:
@@ -249,9 +249,9 @@ class LinearFacts:
         margin = coefficients(stability_limits.imaginary_margin(self._r))
         return AStability(found.holds, found.reason, found.witness, margin)
 
-    i_stable = _of_r(lambda r: half_plane.i_stability(r).holds, "True if |R(iy)| <= 1 for real y; None without R(z).")
+    i_stable = _from_r(lambda r: half_plane.i_stability(r).holds, "True if |R(iy)| <= 1 for real y; None without R(z).")
 
-    l_stable = _of_r(lambda r: half_plane.l_stability(r).holds, "True if A-stable and R(oo) = 0; None without R(z).")
+    l_stable = _from_r(lambda r: half_plane.l_stability(r).holds, "True if A-stable and R(oo) = 0; None without R(z).")
 
     @cached_property
     def stability_within_digits(self) -> StabilityWithinDigits | None:
@@ -272,13 +272,13 @@ class LinearFacts:
         tangent = INFINITY if self.a_stable else sector_tangent(self._r)
         return Sector(tangent, Angle(tangent))
 
-    limit_at_infinity = _of_r(lambda r: _at_infinity(r), "The limit of R(z) as z grows.")
+    limit_at_infinity = _from_r(lambda r: _at_infinity(r), "The limit of R(z) at infinity; None without R(z).")
 
-    stiffly_accurate = _of_method(reduced_tableau.is_stiffly_accurate)
-    first_same_as_last = _of_method(reduced_tableau.is_first_same_as_last)
-    symplectic = _of_method(reduced_tableau.is_symplectic)
-    symmetric = _of_method(reduced_tableau.is_symmetric)
-    linearly_symmetric = _of_step(phase.is_linearly_symmetric, oscillator.is_matrix_symmetric)
+    stiffly_accurate = _from_method(reduced_tableau.is_stiffly_accurate)
+    first_same_as_last = _from_method(reduced_tableau.is_first_same_as_last)
+    symplectic = _from_method(reduced_tableau.is_symplectic)
+    symmetric = _from_method(reduced_tableau.is_symmetric)
+    linearly_symmetric = _from_step(phase.is_linearly_symmetric, oscillator.is_matrix_symmetric)
 
     @cached_property
     def linear_order(self) -> int:
@@ -287,7 +287,7 @@ class LinearFacts:
             return phase.matrix_error(self.one_step_matrix) - 1
         return phase.error_constant(self._r).power - 1
 
-    error_constant = _of_r(phase.error_constant)
+    error_constant = _from_r(phase.error_constant)
 
     @cached_property
     def dispersion(self) -> phase.LeadingTerm | None:
@@ -296,7 +296,7 @@ class LinearFacts:
             return phase.dispersion(self._r)
         return None if self._turning_rate is None else phase.angle_error(self.one_step_matrix)
 
-    dissipation = _of_step(phase.dissipation, phase.leading_dissipation)
+    dissipation = _from_step(phase.dissipation, phase.leading_dissipation)
 
     @cached_property
     def dispersion_series(self) -> TruncatedSeries | None:
@@ -331,7 +331,7 @@ class LinearFacts:
         """The largest c such that the method preserves for h <= c h₀ what forward Euler preserves for h <= h₀."""
         return ssp_coefficient(self.method) if isinstance(self.method, RungeKutta | Collocation) else None
 
-    region_boundary = _of_r(
+    region_boundary = _from_r(
         lambda r: RegionBoundary(rounded_boundary(r)), "Points of the boundary |R(z)| = 1 of the stability region."
     )
 

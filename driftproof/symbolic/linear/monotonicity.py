@@ -62,14 +62,14 @@ def _stages(method: Collocation) -> StageCoefficients | None:
     """
     constant, *others = method.node_polynomial
     if len(others) == 1:
-        return _of_rows([(-constant,)], (Fraction(1),))
+        return _with_row_sums([(-constant,)], (Fraction(1),))
     if len(others) == 2 and not constant:
         x = -others[0]
-        return _of_rows([(Fraction(0),) * 2, (x / 2,) * 2], (1 - 1 / (2 * x), 1 / (2 * x)))
+        return _with_row_sums([(Fraction(0),) * 2, (x / 2,) * 2], (1 - 1 / (2 * x), 1 / (2 * x)))
     return None
 
 
-def _of_rows(a: Sequence[tuple[Exact, ...]], weights: tuple[Exact, ...]) -> StageCoefficients:
+def _with_row_sums(a: Sequence[tuple[Exact, ...]], weights: tuple[Exact, ...]) -> StageCoefficients:
     return StageCoefficients(tuple(a), (weights,), tuple(sum(row, Fraction(0)) for row in a))
 
 

@@ -115,7 +115,7 @@ def runge_kutta_bound(r: RationalFunction, place: RootPlace, block: int) -> Boun
         _demand_simple(block)
         return pair_bound(r, place)
     total, product, size = _ray(place)
-    return _per(ray_bound(r, total, product, block), size)
+    return _bound_of_step(ray_bound(r, total, product, block), size)
 
 
 def _demand_simple(block: int) -> None:
@@ -154,14 +154,14 @@ def partitioned_bound(method: Method, place: RootPlace, block: int) -> Bound:
     if place == ZERO_ROOT and into_position:
         return NEVER
     if isinstance(place, Imaginary) and block == 1:
-        return _per(power_bound(m), place.size)
+        return _bound_of_step(power_bound(m), place.size)
     if isinstance(place, Imaginary) and area_factor(m) == fraction(ONE) and into_position:
         # The eigenvalues lie on the unit circle and turn with ω: dθ/dω is 0 for isolated h only.
         return NEVER
     if isinstance(place, RealRoot) and place != ZERO_ROOT:
         bound = power_bound(_block(method, place))
         if block == 1 or bound == NEVER:
-            return _per(bound, _size(place))
+            return _bound_of_step(bound, _size(place))
     raise UndecidedLimitError("not decided for this method: a Jordan block, or a step without a kick or a drift")
 
 
@@ -173,7 +173,7 @@ def power_bound(m: StepMatrix) -> Bound:
     return NEVER if limit == ZERO_ROOT else Bound(limit, is_bounded(boundary_of(m), partial(sign_at, root=limit)))
 
 
-def _per(bound: Bound, size: RealRoot) -> Bound:
+def _bound_of_step(bound: Bound, size: RealRoot) -> Bound:
     """The bound for h that follows from a bound for y = h size, size > 0."""
     limit = bound.limit
     if not isinstance(limit, Infinity) and limit != ZERO_ROOT:
