@@ -47,7 +47,7 @@ def without_root_zero(p: Bivariate) -> Bivariate:
 
 
 def reflected_in_x(p: Bivariate) -> Bivariate:
-    """p(-x)."""
+    """The polynomial p(-x)."""
     return p.compose(-X_OF_TWO, T_OF_TWO)
 
 
@@ -65,7 +65,7 @@ def modulus_squared_in_x(p: Bivariate) -> Bivariate:
 
 
 def in_square_of_x(p: Bivariate) -> Bivariate:
-    """p(x**2)."""
+    """The polynomial p(x**2)."""
     return p.compose(X_OF_TWO**2, T_OF_TWO)
 
 

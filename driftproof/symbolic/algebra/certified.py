@@ -45,7 +45,7 @@ ROUNDINGS = (HALF_EVEN, HALF_AWAY, AWAY)
 # First precisions in bits, doubled until they suffice. Chosen: 64 to isolate roots and wherever no digits are printed;
 # 128, or 38 digits, where they are, as most numbers are printed to 31.
 ISOLATING_BITS, FIRST_BITS = 64, 128
-# The precision at which `settled` gives up: a printed number that is still undecided then is taken for a tie.
+# The precision at which `settled` gives up. Of the numbers that this project prints, only ties are undecided there.
 LAST_BITS = 1 << 17
 # Binary exponents beyond this are refused rather than written out as fractions of gigabytes.
 LARGEST_BINARY_EXPONENT = 1 << 18

@@ -229,7 +229,7 @@ def interpolate(values: Callable[[int], fmpq], degree: int) -> Polynomial:
 
 
 def dot(a: Sequence[Scalar], b: Sequence[Scalar]) -> Scalar:
-    """Σ aᵢ bᵢ."""
+    """The sum Σ aᵢ bᵢ."""
     return sum((x * y for x, y in zip(a, b, strict=True)), fmpq(0))
 
 
@@ -239,7 +239,7 @@ def norm(p: Polynomial) -> Polynomial:
 
 
 def reflected(p: Polynomial) -> Polynomial:
-    """p(-z)."""
+    """The polynomial p(-z)."""
     return from_scalars([-c if k % 2 else c for k, c in enumerate(p.coeffs())])
 
 

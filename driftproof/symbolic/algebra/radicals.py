@@ -12,6 +12,7 @@ from driftproof.symbolic.algebra.certified import settled, sign_of_ball, signifi
 from driftproof.symbolic.algebra.rational_functions import monomial_text, sum_text
 from driftproof.symbolic.algebra.real_roots import Minimal, RealRoot
 
+# Significant digits of a printed number that is not rational; chosen: as many as a double-double holds.
 PRINTED_DIGITS = 31
 # Radicands beyond this are neither readable nor quick to split into prime factors.
 LARGEST_RADICAND = 10**30

@@ -77,7 +77,7 @@ def fraction(num: Polynomial, den: Polynomial = ONE) -> RationalFunction:
 
 
 def reversed_sign(f: RationalFunction) -> RationalFunction:
-    """f(-z)."""
+    """The function f(-z)."""
     return fraction(reflected(f.num), reflected(f.den))
 
 
@@ -90,7 +90,7 @@ def taylor(f: RationalFunction, terms: int) -> PowerSeries:
 
 
 def exponential_series(terms: int) -> PowerSeries:
-    """1, 1, 1/2, 1/6, ...: the Taylor coefficients of exp."""
+    """The first `terms` Taylor coefficients of exp: 1, 1, 1/2, 1/6, ..."""
     coefficients = [fmpq(1)]
     for k in range(1, terms):
         coefficients.append(coefficients[-1] / k)

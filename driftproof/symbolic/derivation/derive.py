@@ -58,7 +58,7 @@ from driftproof.symbolic.derivation.stability import (
 from driftproof.symbolic.derivation.stages import derived_matrix
 from driftproof.symbolic.linear.facts import fact_names
 
-# Terms of the phase error, doubled while all are zero. This ends, as cos θ is algebraic in h and cos h is not.
+# Terms of the phase error; chosen, and doubled while all are zero, which ends: cos θ is algebraic in h, cos h is not.
 FIRST_TERMS = 8
 MONOMIALS = (POSITION**2, POSITION * VELOCITY, VELOCITY**2)
 

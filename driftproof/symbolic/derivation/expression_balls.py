@@ -16,7 +16,7 @@ from driftproof.symbolic.algebra.certified import CertifiableReal
 
 
 def certifiable(expr: sympy.Basic) -> CertifiableReal:
-    """The real number `expr` as `driftproof.symbolic.algebra.certified` takes it: a Fraction where it is rational."""
+    """The real number `expr` as a CertifiableReal: a Fraction if it is rational, else a procedure that encloses it."""
     if isinstance(expr, sympy.Rational):
         return Fraction(int(expr.p), int(expr.q))
     return partial(enclose_expression, expr)

@@ -14,7 +14,7 @@ from driftproof.symbolic.algebra.certified import significant
 from driftproof.symbolic.derivation.expression_balls import enclose_expression
 from driftproof.symbolic.derivation.one_step import expression
 
-# Significant digits shown of a number without radicals.
+# Significant digits shown of a number without radicals; chosen to fit into a formula.
 _DIGITS_SHOWN = 12
 # Plain text shows only the beginning of a longer formula; those of splittings with long decimals can reach 30 kB.
 _LONGEST_SHOWN, _BEGUN = 4000, 80

@@ -38,7 +38,7 @@ def phase_error_series(m: DomainMatrix, terms: int) -> StepPolynomial:
 
     It comes from tan θ = sqrt(det M - (tr M / 2)²) / (tr M / 2). Raises ValueError unless θ(h) = h + O(h²).
     """
-    longer = terms + 2  # as h² is divided by
+    longer = terms + 2  # two terms are lost in the division by h²
     half_trace, area = (_series(f, longer) for f in (trace(m) / 2, determinant(m)))
     squared_sine = rs_trunc(area - half_trace**2, H, longer)  # h² (1 + ...) for a consistent method
     quotient, remainder = divmod(squared_sine, H**2)

@@ -33,7 +33,7 @@ from driftproof.symbolic.linear.stability_function import stability_function
 from driftproof.symbolic.linear.stability_limits import common_denominator
 
 _NIL = fraction(ZERO)
-# Significant digits, in text, of an interval end without radicals; the records hold its minimal polynomial.
+# Significant digits, in text, of an interval end without radicals; chosen, as the records hold its minimal polynomial.
 DIGITS_OF_ENDS = 12
 _Label = TypeVar("_Label", bound=Hashable)
 

@@ -129,7 +129,7 @@ class MultistepFacts(FactsOfFamily[Multistep]):
 
     @cached_property
     def root_condition(self) -> RootCondition:
-        """The condition on the roots of rho, with its reason."""
+        """Whether the roots of rho satisfy the root condition, with the reason."""
         return root_condition(self._written[0], self.method.derivative)
 
     @cached_property

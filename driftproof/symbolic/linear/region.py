@@ -11,7 +11,7 @@ from driftproof.symbolic.algebra.certified import endpoints, fixed, settled, sig
 from driftproof.symbolic.algebra.polynomials import FieldPolynomial, Polynomial, scalar, squarefree
 from driftproof.symbolic.algebra.rational_functions import RationalFunction
 
-# The boundary as a fact: the number of values of Re R(z) on each side of 0, and of digits after the point.
+# The boundary as a fact: how many values of Re R(z) on each side of 0, and digits after the point; chosen for a plot.
 COUNT = 12
 PLACES = 15
 
