@@ -60,9 +60,10 @@ def root_condition(p: Polynomial, most: int = 1) -> RootCondition:
     for where, multiplicity in multiplicities.items():
         if multiplicity > most:
             return RootCondition(False, False, f"on the unit circle, {where} is a root {multiplicity} times")
-    others = [where for where, multiplicity in multiplicities.items() if multiplicity and where != "1"]
-    on = f"on the circle are 1 and {' and '.join(others)}" if others else "on the circle is 1 alone"
-    return RootCondition(True, strong, f"no root is outside the unit circle; {on}")
+    on = [where for where, multiplicity in multiplicities.items() if multiplicity]
+    only = f"on the circle is {on[0]} alone" if on else "none is on it"
+    found = f"on the circle are {' and '.join(on)}" if on[1:] else only
+    return RootCondition(True, strong, f"no root is outside the unit circle; {found}")
 
 
 def valuation(p: Polynomial) -> int:
