@@ -13,7 +13,7 @@ from driftproof.methods.number_field import as_fmpq
 from driftproof.methods.schemes import Method
 from driftproof.symbolic.algebra.certified import CertifiableReal, sign_of_ball
 from driftproof.symbolic.algebra.matrices import StepMatrix, matrix_determinant
-from driftproof.symbolic.algebra.polynomials import ONE, at_ball, at_complex_ball, descend, exact, quotient, scalar
+from driftproof.symbolic.algebra.polynomials import ONE, at_complex_ball, descend, exact, quotient, scalar
 from driftproof.symbolic.algebra.rational_functions import RationalFunction, fraction
 from driftproof.symbolic.algebra.real_roots import ZERO_ROOT, RealRoot, rational_root, root_ratio, sign_at
 from driftproof.symbolic.linear.eigenvalues import Complex, Eigenvalue, Imaginary, RootPlace, eigenvalues
@@ -254,7 +254,7 @@ def largest_eigenvalue(rows: Sequence[Sequence[Fraction]]) -> Eigenvalue:
 
 
 def factor_at(found: SystemFacts, eigenvalue: Eigenvalue, h: Fraction) -> CertifiableReal:
-    """The largest modulus of the eigenvalues of M(h) for this one of A: |R(hλ)|, or that of the 2x2 matrix at h|λ|.
+    """The largest modulus of the eigenvalues of M(h) that belong to this one of A: |R(hλ)|, or from a 2x2 matrix.
 
     It is a Fraction if found to be rational, as no ball could tell that the modulus is exactly 1 or 0.
     """
@@ -279,11 +279,12 @@ def _size_of_function(r: RationalFunction, eigenvalue: Eigenvalue, h: Fraction) 
 
 
 def _block(method: Method, place: RootPlace) -> StepMatrix:
-    """M(h) on q' = v, v' = -q, or on q' = v, v' = q for a real λ."""
+    """M(h) on q' = v, v' = q for a real λ, else on the oscillator."""
     return linear_step_matrix(method, [[0, 1], [1, 0]]) if isinstance(place, RealRoot) else oscillator_matrix(method)
 
 
 def _radius(matrix: StepMatrix, eigenvalue: Eigenvalue, h: Fraction) -> CertifiableReal:
+    """The spectral radius of the matrix of `_block`, at h|λ| for a real or imaginary λ, else at hλ/i."""
     place = eigenvalue.place
     size = place.size if isinstance(place, Imaginary) else place
     if isinstance(size, RealRoot) and size.rational is not None:
@@ -291,9 +292,10 @@ def _radius(matrix: StepMatrix, eigenvalue: Eigenvalue, h: Fraction) -> Certifia
         return spectral_radius([exact(entry(x)) for row in matrix for entry in row])
 
     def ball() -> arb:
-        y = abs(_ball(eigenvalue)) * as_fmpq(h)
-        (a, b), (c, d) = ([at_ball(e.num, y) / at_ball(e.den, y) for e in row] for row in matrix)
-        half, root = acb(a + d) / 2, acb((a - d) * (a - d) + 4 * b * c).sqrt() / 2
+        y = (_ball(eigenvalue) / acb(0, 1) if isinstance(place, Complex) else acb(abs(_ball(eigenvalue)))) * as_fmpq(h)
+        (a, b), (c, d) = ([at_complex_ball(e.num, y) / at_complex_ball(e.den, y) for e in row] for row in matrix)
+        half, square = (a + d) / 2, (a - d) * (a - d) + 4 * b * c
+        root = (square.sqrt() if square.real > 0 else (-square).sqrt() * acb(0, 1)) / 2  # off the branch cut
         return abs(half + root).max(abs(half - root))
 
     return ball
