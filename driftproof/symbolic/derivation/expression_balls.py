@@ -30,7 +30,7 @@ def enclose_expression(expr: sympy.Basic) -> arb:
     if isinstance(expr, sympy.Rational):
         return arb(fmpq(int(expr.p), int(expr.q)))
     if isinstance(expr, sympy.CRootOf):
-        return real_root_balls(integer_coefficients(expr.poly), ctx.prec)[expr.index]  # both count ascending
+        return real_root_balls(integer_coefficients(expr.poly), ctx.prec)[expr.index]  # ascending in both
     if expr == sympy.pi:
         return arb.pi()
     if expr == sympy.E:
