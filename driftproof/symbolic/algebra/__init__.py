@@ -1,1 +1,1 @@
-"""Exact algebra on FLINT: polynomials, their real roots, matrices, number fields, certified digits."""
+"""Exact algebra with FLINT: polynomials, their real roots, matrices, number fields, certified digits."""

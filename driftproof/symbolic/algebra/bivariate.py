@@ -1,4 +1,4 @@
-"""Polynomials over Q in x and a parameter t: FLINT's, and what they are as polynomials in x."""
+"""Polynomials over Q in x and a parameter t: rows of coefficients, factors, and where common roots can change."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from flint import fmpq, fmpq_mat, fmpq_mpoly_ctx, fmpq_poly
 from driftproof.symbolic.algebra.polynomials import ZERO, Polynomial, Scalar, evaluate, from_scalars, interpolate
 from driftproof.symbolic.algebra.rational_functions import polynomial_text, sum_text
 
-# An element of the ring; FLINT has no static types.
+# An element of Q[x, t]; FLINT has no static types.
 Bivariate: TypeAlias = Any
 
 _RING = fmpq_mpoly_ctx.get(("x", "t"))
@@ -19,12 +19,12 @@ X_OF_TWO, T_OF_TWO = _RING.gens()
 
 
 def from_rows(rows: Sequence[Polynomial]) -> Bivariate:
-    """The polynomial with these coefficients of 1, x, x**2, ..., polynomials in t."""
+    """The polynomial Σ rows[k] x**k, each row being a polynomial in t."""
     return _RING.from_dict({(k, j): c for k, row in enumerate(rows) for j, c in enumerate(row.coeffs())})
 
 
 def rows_in_x(p: Bivariate) -> list[Polynomial]:
-    """The coefficients of 1, x, x**2, ... up to the degree; none of zero."""
+    """The coefficients of 1, x, ..., x**degree as polynomials in t; an empty list for zero."""
     rows = [ZERO] * (degree_in_x(p) + 1)
     for (k, j), c in p.to_dict().items():
         rows[k] += fmpq_poly([c]).left_shift(j)
@@ -47,35 +47,35 @@ def without_root_zero(p: Bivariate) -> Bivariate:
 
 
 def reflected_in_x(p: Bivariate) -> Bivariate:
-    """p(-x)."""
+    """The polynomial p(-x)."""
     return p.compose(-X_OF_TWO, T_OF_TWO)
 
 
 def even_and_odd_part(p: Bivariate) -> tuple[Bivariate, Bivariate]:
-    """The e and o with p(iy) = e(y²) + iy o(y²)."""
+    """The pair (e, o) with p(iy) = e(y²) + iy o(y²), as polynomials in x = y²."""
     rows = rows_in_x(p)
     even, odd = (reflected_in_x(from_rows(rows[start::2])) for start in (0, 1))
     return even, odd
 
 
 def modulus_squared_in_x(p: Bivariate) -> Bivariate:
-    """|p(iy)|² by powers of x = y²."""
+    """|p(iy)|² as a polynomial in x = y²."""
     even, odd = even_and_odd_part(p)
     return even * even + X_OF_TWO * odd * odd
 
 
 def in_square_of_x(p: Bivariate) -> Bivariate:
-    """p(x**2)."""
+    """The polynomial p(x**2)."""
     return p.compose(X_OF_TWO**2, T_OF_TWO)
 
 
 def at_parameter(p: Bivariate, value: Scalar) -> Polynomial:
-    """The polynomial in x at a value of the parameter."""
+    """The polynomial in x that p becomes at t = `value`."""
     return from_scalars([evaluate(c, value) for c in rows_in_x(p)])
 
 
 def irreducible_factors(p: Bivariate) -> list[Bivariate]:
-    """The factors over Q that are irreducible and not free of x, each once, primitive over Z; of 0 none."""
+    """The distinct irreducible factors over Q that contain x, primitive over Z; an empty list for zero."""
     return [factor for factor, _ in p.factor()[1] if degree_in_x(factor)]
 
 
@@ -107,7 +107,7 @@ def _term(coefficient: Polynomial, power: int, variable: str, parameter: str) ->
 
 
 class ParametricPair(NamedTuple):
-    """Two polynomials over Q in x at a value of the parameter t, and bounds on their degrees in x and in t."""
+    """Two polynomials over Q in x, given by `at` at each value of t, with bounds on their degrees in x and in t."""
 
     at: Callable[[fmpq], tuple[Polynomial, Polynomial]]
     degrees: tuple[int, int]
@@ -117,8 +117,8 @@ class ParametricPair(NamedTuple):
 def critical_polynomial(pair: ParametricPair) -> Polynomial | None:
     """The first principal subresultant coefficient that is not zero for all t, a polynomial in t; None if all are.
 
-    Where it does not vanish, nor both leading coefficients, the greatest common divisor of the two has one degree, and
-    their common roots depend continuously on t (basu-pollack-roy-2006, chapter 4).
+    On an interval of t where it does not vanish, and the two leading coefficients do not vanish together, the greatest
+    common divisor has constant degree and the common roots are continuous in t (basu-pollack-roy-2006, chapter 4).
     """
     (m, n), (reach, other) = pair.degrees, pair.reaches
     values = cache(lambda k: pair.at(fmpq(k)))
@@ -131,10 +131,10 @@ def critical_polynomial(pair: ParametricPair) -> Polynomial | None:
 def _principal_subresultant(
     values: Callable[[int], tuple[Polynomial, Polynomial]], degrees: tuple[int, int], index: int, k: int
 ) -> Scalar:
-    """At t = k, the determinant of the shifts xⁱp, i < n - index, and xⁱq, i < m - index, without x**j for j < index.
+    """The determinant, at t = k, of xⁱp, i < n - index, and xⁱq, i < m - index, without the columns x**j, j < index.
 
-    p counts as of degree m and q as of degree n, whatever their leading coefficients: so the determinant is a
-    polynomial in the coefficients.
+    p is padded to degree m and q to degree n where a leading coefficient vanishes: the determinant then is one
+    polynomial in t.
     """
     (p, q), (m, n) = values(k), degrees
     shifts = [p.left_shift(i) for i in reversed(range(n - index))] + [

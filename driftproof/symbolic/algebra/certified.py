@@ -12,16 +12,16 @@ from flint import arb, ctx, fmpz
 from driftproof.methods.number_field import Algebraic, as_fmpq, dyadic
 
 # A real number, known exactly: a rational, an element of a number field, or a procedure that returns an Arb ball around
-# the number at Arb's current precision, the smaller the higher that is.
+# the number, which shrinks as Arb's current precision grows.
 CertifiableReal: TypeAlias = Fraction | Algebraic | Callable[[], arb]
 T = TypeVar("T")
 
 
 class EnclosedReal:
-    """A real number known by its enclosures: called, a ball at Arb's precision; printed, its first fifteen digits."""
+    """A real number known by enclosures: a call returns a ball at Arb's precision, `repr` fifteen digits."""
 
     def __init__(self, ball: Callable[[], arb]) -> None:
-        """Enclose nothing yet."""
+        """Keep the procedure that returns a ball; nothing is enclosed yet."""
         self._ball = ball
 
     def __call__(self) -> arb:
@@ -29,11 +29,11 @@ class EnclosedReal:
         return self._ball()
 
     def __float__(self) -> float:
-        """The double nearest to it."""
+        """The double nearest to the number."""
         return decide_by_enclosure(self, float)
 
     def __repr__(self) -> str:
-        """Fifteen digits, correctly rounded."""
+        """The number correctly rounded to fifteen significant digits."""
         return significant(self, 15)
 
 
@@ -42,9 +42,10 @@ HALF_AWAY = "half-away"
 AWAY = "away"
 ROUNDINGS = (HALF_EVEN, HALF_AWAY, AWAY)
 
-# To tell the roots of a polynomial apart, and to begin with elsewhere; and to begin with where digits are asked for.
+# First precisions in bits, doubled until they suffice. Chosen: 64 to isolate roots and wherever no digits are printed;
+# 128, or 38 digits, where they are, as most numbers are printed to 31.
 ISOLATING_BITS, FIRST_BITS = 64, 128
-# A number still undecided at this precision is, for every value this project prints, a tie: see `decide_by_enclosure`.
+# The precision at which `settled` gives up. Of the numbers that this project prints, only ties are undecided there.
 LAST_BITS = 1 << 17
 # Binary exponents beyond this are refused rather than written out as fractions of gigabytes.
 LARGEST_BINARY_EXPONENT = 1 << 18
@@ -55,18 +56,18 @@ class Uncertified(ArithmeticError):
 
 
 def enclose(value: CertifiableReal) -> arb:
-    """An Arb ball that contains `value`, at Arb's current precision. Raises TypeError for what is not exact."""
+    """An Arb ball that contains `value`, at Arb's current precision. Raises TypeError if `value` is not exact."""
     if callable(value):
         return value()
     return value.ball() if isinstance(value, Algebraic) else arb(as_fmpq(value))
 
 
 def decide_by_enclosure(value: CertifiableReal, read: Callable[[Fraction], T]) -> T:
-    """read(value), for a `read` that is constant on intervals, by Ziv's loop (ziv-1991, section 2).
+    """Return read(value) for a piecewise constant `read`, by Ziv's loop (ziv-1991, section 2).
 
-    The precision doubles until both ends of the enclosure read the same; a rational is read directly, so ties of
-    rationals are exact. Raises Uncertified if precision LAST_BITS does not separate the number from a jump of
-    `read`, which for an irrational number cannot happen for ever.
+    The precision doubles until `read` agrees at both ends of the enclosure; a rational is passed to `read` directly, so
+    ties of rationals are exact. Raises Uncertified if LAST_BITS do not separate the number from a jump of `read`.
+    If the number is irrational and the jumps are rational, more bits always would.
     """
     if isinstance(value, int | Fraction):
         return read(Fraction(value))
@@ -82,9 +83,9 @@ def decide_by_enclosure(value: CertifiableReal, read: Callable[[Fraction], T]) -
 
 
 def settled(read: Callable[[], T | None], bits: int = ISOLATING_BITS, last: int = LAST_BITS) -> T:
-    """The first answer of `read`, which is None while balls do not tell; Arb's precision doubles from `bits` to `last`.
+    """Return the first result of `read` that is not None, as Arb's precision doubles from `bits` to `last`.
 
-    Raises Uncertified where there is none.
+    `read` returns None while its balls are too wide to decide. Raises Uncertified if they are at every precision.
     """
     while bits <= last:
         with ctx.workprec(bits):
@@ -96,12 +97,12 @@ def settled(read: Callable[[], T | None], bits: int = ISOLATING_BITS, last: int 
 
 
 def sign_of_ball(ball: arb) -> int | None:
-    """1 or -1; None where the ball contains 0."""
+    """The common sign of all numbers in the ball, 1 or -1; None if the ball contains 0."""
     return (ball > 0) - (ball < 0) or None
 
 
 def _is_vague(ball: arb) -> bool:
-    """True when 0 lies in a ball wider than 2: it settles nothing, and its ends may be too long to write out."""
+    """True for a ball wider than 2 that contains 0: it settles nothing, and its ends may be too long to write out."""
     return bool(ball.rad() > 1) and bool(ball.contains(0))
 
 
@@ -115,12 +116,14 @@ def endpoints(ball: arb) -> tuple[Fraction, Fraction]:
 
 
 def certified_sign(value: CertifiableReal) -> int:
-    """-1, 0 or 1, certified. A zero is recognised only if it is rational or enclosed exactly; else Uncertified."""
+    """The sign -1, 0 or 1, certified. Raises Uncertified for a zero that is neither rational nor enclosed exactly."""
     return decide_by_enclosure(value, lambda x: (x > 0) - (x < 0))
 
 
 def is_less(a: CertifiableReal, b: CertifiableReal) -> bool:
-    """a < b, certified by disjoint enclosures. Raises Uncertified if a = b and neither is rational."""
+    """True if a < b, certified by disjoint enclosures. Raises Uncertified if a = b, unless both are rationals."""
+    if isinstance(a, int | Fraction) and isinstance(b, int | Fraction):
+        return a < b
     return certified_sign(lambda: enclose(a) - enclose(b)) == -1
 
 
@@ -177,7 +180,7 @@ def _demand_a_digit(digits: int) -> None:
 
 
 def _round_to_integer(x: Fraction, rounding: str) -> int:
-    """|x| rounded to an integer. Half-even sends a tie to the even neighbour, half-away outwards, away everything."""
+    """|x| rounded to an integer: up for AWAY, else to the nearest, ties up for HALF_AWAY and to even for HALF_EVEN."""
     if rounding not in ROUNDINGS:
         raise ValueError(f"unknown rounding {rounding!r}; choose one of {', '.join(ROUNDINGS)}")
     x = abs(x)

@@ -12,12 +12,12 @@ from driftproof.symbolic.algebra.rational_functions import RationalFunction, fra
 
 # Entries in a commutative ring that contains Q, such as scalars or polynomials.
 MatrixRows: TypeAlias = Sequence[Sequence[Scalar]]
-# Entries are rational functions of the step h.
+# Entries are rational functions of the step size h.
 StepMatrix: TypeAlias = tuple[tuple[RationalFunction, ...], ...]
 
 
 def matrix_product(a: MatrixRows, b: MatrixRows) -> list[list[Scalar]]:
-    """The matrix product; over Q by FLINT's matrices."""
+    """The matrix product; FLINT computes it if all entries are rational."""
     if all(isinstance(x, fmpq) for rows in (a, b) for row in rows for x in row):
         return list((fmpq_mat([*map(list, a)]) * fmpq_mat([*map(list, b)])).tolist())
     columns = list(zip(*b, strict=True))
@@ -25,9 +25,9 @@ def matrix_product(a: MatrixRows, b: MatrixRows) -> list[list[Scalar]]:
 
 
 def faddeev_leverrier(rows: MatrixRows) -> tuple[list[Scalar], list[list[list[Scalar]]]]:
-    """(1, c₁, ..., cₙ; M₁, ..., Mₙ) with det(λI - A) = Σ cₖ λⁿ⁻ᵏ and adj(λI - A) = Σ Mₖ λⁿ⁻ᵏ.
+    """Lists (1, c₁, ..., cₙ) and (M₁, ..., Mₙ) with det(λI - A) = Σ cₖ λⁿ⁻ᵏ and adj(λI - A) = Σ Mₖ λⁿ⁻ᵏ.
 
-    M₁ = I, cₖ = -tr(A Mₖ)/k, Mₖ₊₁ = A Mₖ + cₖ I: it divides by integers only.
+    M₁ = I, cₖ = -tr(A Mₖ)/k, Mₖ₊₁ = A Mₖ + cₖ I: the recursion divides by integers only.
     """
     size = len(rows)
     zero = rows[0][0] * 0
@@ -43,7 +43,7 @@ def faddeev_leverrier(rows: MatrixRows) -> tuple[list[Scalar], list[list[list[Sc
 
 
 def matrix_determinant(rows: MatrixRows) -> Scalar:
-    """det A."""
+    """The determinant of a square matrix."""
     return faddeev_leverrier(rows)[0][-1] * (-1) ** len(rows)
 
 

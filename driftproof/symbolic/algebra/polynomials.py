@@ -1,4 +1,4 @@
-"""Polynomials and scalars over Q or over a real number field, through one set of verbs."""
+"""Polynomials and scalars over Q or over a real number field, with the same functions for both."""
 
 from __future__ import annotations
 
@@ -23,16 +23,16 @@ ZERO = fmpq_poly()
 
 
 class FieldPolynomial(ScalarExtension):
-    """The element Σ αⁱ pᵢ(z) of K[z], pᵢ in Q[z], i below the degree of K; of degree 0 in z also K's own elements.
+    """A polynomial Σ αⁱ pᵢ(z) over a number field K = Q(α), pᵢ in Q[z]; one of degree 0 is an element of K.
 
-    Arithmetic, and the verbs of FLINT's polynomials, with int, fmpq, fmpq_poly and its own kind over the same field.
+    It has the methods of FLINT's polynomials, and arithmetic with int, fmpq, fmpq_poly and its own kind over K.
     """
 
     __slots__ = ()
 
     @staticmethod
     def part(x: object) -> Polynomial:
-        """The polynomial over Q; a number as a constant."""
+        """A rational operand as a polynomial over Q. Raises TypeError for any other operand."""
         if isinstance(x, fmpq_poly):
             return x
         if isinstance(x, int | fmpq) and not isinstance(x, bool):
@@ -56,21 +56,21 @@ class FieldPolynomial(ScalarExtension):
         return FieldPolynomial(self.field, [fmpq_poly([p[k]]) for p in self.parts])
 
     def derivative(self) -> FieldPolynomial:
-        """d/dz."""
+        """The derivative with respect to z."""
         return self._map(lambda p: p.derivative())
 
     def left_shift(self, k: int) -> FieldPolynomial:
-        """Times z**k."""
+        """The product with z**k."""
         return self._map(lambda p: p.left_shift(k))
 
     def __truediv__(self, other: object) -> FieldPolynomial:
-        """The quotient by an element of K. Raises ZeroDivisionError."""
+        """The quotient by an element of K. Raises ZeroDivisionError if that is 0."""
         if isinstance(other, int | fmpq):
             return self._map(lambda p: p / other)
         return self * self._coerce(other).inverse()
 
     def __rtruediv__(self, other: object) -> FieldPolynomial:
-        """The quotient by an element of K. Raises ZeroDivisionError."""
+        """The quotient of `other` by this element of K. Raises ZeroDivisionError if this is 0."""
         return self._coerce(other) * self.inverse()
 
     def __divmod__(self, other: object) -> tuple[FieldPolynomial, FieldPolynomial]:
@@ -122,14 +122,14 @@ class FieldPolynomial(ScalarExtension):
     def norm(self) -> Polynomial:
         """The product of all conjugates, in Q[z]: the determinant of multiplication by this polynomial.
 
-        Every root of this polynomial is one of its norm; the norm has further ones, the roots of the conjugates.
+        The roots of the norm are those of this polynomial and of its conjugates.
         """
         rows = list(zip(*(column.parts for column in self.multiples()), strict=True))
         values = lambda k: fmpq_mat([[p(fmpq(k)) for p in row] for row in rows]).det()
         return interpolate(values, self.degree() * len(rows))
 
     def multiples(self) -> list[FieldPolynomial]:
-        """This polynomial times 1, α, α**2, ...: the columns of multiplication by it."""
+        """The products with 1, α, α**2, ...: the columns of the matrix of multiplication by this polynomial."""
         found, alpha = [self], FieldPolynomial(self.field, [ZERO, ONE])
         while len(found) < self.field.degree:
             found.append(found[-1] * alpha)
@@ -145,7 +145,7 @@ def field_element(x: Algebraic) -> FieldPolynomial:
 
 
 def scalar(x: Exact | int) -> Scalar:
-    """`x` as an exact scalar. Refuses floats and whatever else is not exact."""
+    """`x` as an exact scalar. Raises TypeError for a float or anything else that is not exact."""
     if isinstance(x, Fraction):
         return fmpq(x.numerator, x.denominator)
     if isinstance(x, int) and not isinstance(x, bool):
@@ -156,7 +156,7 @@ def scalar(x: Exact | int) -> Scalar:
 
 
 def exact(x: Scalar) -> Exact:
-    """A scalar as exact data of `methods`: a Fraction, or an Algebraic where it is irrational."""
+    """A scalar as exact data of `methods`: a Fraction, or an Algebraic if it is irrational."""
     if isinstance(x, FieldPolynomial):
         element = x.element()
         return element.as_fraction() if element.is_rational else element
@@ -169,7 +169,7 @@ def polynomial(coefficients_: Iterable[Exact | int]) -> Polynomial:
 
 
 def from_scalars(scalars: Sequence[Scalar]) -> Polynomial:
-    """The polynomial with these scalars as coefficients, constant term first; over Q where all of them are rational."""
+    """The polynomial with these scalars as coefficients, constant term first; over Q if all of them are rational."""
     fields = {c.field for c in scalars if isinstance(c, FieldPolynomial)}
     if not fields:
         return fmpq_poly(list(scalars))
@@ -207,17 +207,17 @@ def at_ball(p: Polynomial, x: arb) -> arb:
 
 
 def at_complex_ball(p: Polynomial, z: acb) -> acb:
-    """The same at a complex ball z."""
+    """A ball around p(z) for a complex ball z, at Arb's current precision."""
     return acb_poly([at_ball(ONE * c, arb(0)) for c in p.coeffs()])(z)
 
 
 def sign(x: Scalar) -> int:
-    """-1, 0 or 1: zero is decided exactly, a nonzero irrational by balls that shrink until they exclude zero."""
+    """The sign -1, 0 or 1: zero is decided exactly, another irrational by balls that shrink until they exclude zero."""
     return x.element().sign() if isinstance(x, FieldPolynomial) else int(x > 0) - int(x < 0)
 
 
 def interpolate(values: Callable[[int], fmpq], degree: int) -> Polynomial:
-    """The polynomial over Q of this degree at most with these values at 0, 1, ..., `degree` (Newton's formula)."""
+    """The polynomial over Q of degree at most `degree` with these values at 0, 1, ..., `degree` (Newton's formula)."""
     differences = [values(k) for k in range(degree + 1)]
     for order in range(1, len(differences)):
         for k in reversed(range(order, len(differences))):
@@ -229,11 +229,8 @@ def interpolate(values: Callable[[int], fmpq], degree: int) -> Polynomial:
 
 
 def dot(a: Sequence[Scalar], b: Sequence[Scalar]) -> Scalar:
-    """Σ aᵢ bᵢ."""
-    total = fmpq(0)
-    for x, y in zip(a, b, strict=True):
-        total = total + x * y
-    return total
+    """The sum Σ aᵢ bᵢ."""
+    return sum((x * y for x, y in zip(a, b, strict=True)), fmpq(0))
 
 
 def norm(p: Polynomial) -> Polynomial:
@@ -242,22 +239,22 @@ def norm(p: Polynomial) -> Polynomial:
 
 
 def reflected(p: Polynomial) -> Polynomial:
-    """p(-z)."""
+    """The polynomial p(-z)."""
     return from_scalars([-c if k % 2 else c for k, c in enumerate(p.coeffs())])
 
 
 def even_part(p: Polynomial) -> Polynomial:
-    """The e with p(z) = e(z²) + z o(z²)."""
+    """The polynomial e with p(z) = e(z²) + z o(z²)."""
     return from_scalars(p.coeffs()[::2])
 
 
 def odd_part(p: Polynomial) -> Polynomial:
-    """The o with p(z) = e(z²) + z o(z²)."""
+    """The polynomial o with p(z) = e(z²) + z o(z²)."""
     return from_scalars(p.coeffs()[1::2])
 
 
 def deflate(p: Polynomial) -> Polynomial:
-    """The e with p(z) = e(z²). Raises ValueError if an odd power occurs."""
+    """The polynomial e with p(z) = e(z²). Raises ValueError if an odd power occurs."""
     if odd_part(p):
         raise ValueError("an odd power occurs")
     return even_part(p)
@@ -279,11 +276,11 @@ def greatest_common_divisor(p: Polynomial, q: Polynomial) -> Polynomial:
 
 
 def coprime_modulo_a_prime(p: FieldPolynomial, q: Polynomial) -> bool:
-    """True only if p and q, not zero, have no common factor: their images over a finite field have none.
+    """True if the images of p and q, not zero, over a finite field prove them coprime; False decides nothing.
 
-    The images under α -> a simple root of the minimal polynomial modulo a prime that divides no denominator, and not
-    the leading coefficient of p: then a common factor, made monic, has an image of its own degree that divides both.
-    Euclid's algorithm over the field would take coefficients of thousands of digits to the same end.
+    α maps to a simple root of its minimal polynomial modulo a prime that divides no denominator. If the image of p
+    keeps its degree, then so does that of a monic common factor, which divides both images. Euclid's algorithm over
+    the number field would need coefficients of thousands of digits.
     """
     prime, root = _image_of_generator(p.field.minimal)
     images = []
@@ -299,7 +296,7 @@ def coprime_modulo_a_prime(p: FieldPolynomial, q: Polynomial) -> bool:
 
 @cache
 def _image_of_generator(minimal: tuple[int, ...]) -> tuple[int, int]:
-    """A prime of 61 bits or so, and a simple root modulo it; there are such primes (Chebotarev), the first is taken."""
+    """The first prime from 2**61 - 1 on with a simple root of the polynomial (one exists: Chebotarev), and the root."""
     prime = fmpz(2**61 - 1)
     while True:
         roots = nmod_poly(list(minimal), prime).roots()
@@ -327,6 +324,6 @@ def squarefree(p: Polynomial) -> Polynomial:
 
 
 def sign_changes(p: Polynomial) -> int:
-    """Changes of sign along the coefficients, zeros skipped: an upper bound on the positive roots (Descartes)."""
+    """The number of sign changes of the coefficients, zeros skipped, a bound on that of positive roots (Descartes)."""
     signs = [s for c in p.coeffs() if (s := sign(c))]
     return sum(a != b for a, b in pairwise(signs))

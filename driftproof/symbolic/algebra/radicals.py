@@ -1,4 +1,4 @@
-"""Real algebraic numbers in print: radicals where they are short, minimal polynomials, certified decimals."""
+"""Real algebraic numbers as text: short radicals, minimal polynomials, certified decimals."""
 
 from __future__ import annotations
 
@@ -12,15 +12,16 @@ from driftproof.symbolic.algebra.certified import settled, sign_of_ball, signifi
 from driftproof.symbolic.algebra.rational_functions import monomial_text, sum_text
 from driftproof.symbolic.algebra.real_roots import Minimal, RealRoot
 
+# Significant digits of a printed number that is not rational; chosen: as many as a double-double holds.
 PRINTED_DIGITS = 31
 # Radicands beyond this are neither readable nor quick to split into prime factors.
 LARGEST_RADICAND = 10**30
 
 
 def radical_form(root: RealRoot) -> str | None:
-    """The number in radicals, in SymPy's syntax, where some power of it is rational or quadratic; else None.
+    """The number in radicals, in SymPy's syntax, if some power of it is rational or quadratic; else None.
 
-    E.g. "2*sqrt(2)", "1/2 + sqrt(5)/2", "sqrt(3 + 2*sqrt(3))", "2*3**(1/3)"; None also where radicands are long.
+    E.g. "2*sqrt(2)", "1/2 + sqrt(5)/2", "sqrt(3 + 2*sqrt(3))", "2*3**(1/3)"; None also if a radicand is too long.
     """
     power = gcd(*(k for k, c in enumerate(root.minimal) if c))
     if power > 1 and sign_of_ball(root.ball()) == -1:
@@ -46,12 +47,12 @@ def is_readable(x: Exact) -> bool:
 
 
 def root_decimal(root: RealRoot, digits: int = PRINTED_DIGITS) -> str:
-    """The number correctly rounded to so many significant digits, certified by balls; "0" for zero."""
+    """The number correctly rounded to `digits` significant digits, certified by balls; "0" for zero."""
     return significant(root.ball if root.rational is None else root.rational, digits)
 
 
 def _rational_power(x: Fraction, power: int) -> str | None:
-    """x**(1/power), powers drawn out, for a rational x, above 0 for roots: p/q = p q**(power - 1) / q**power."""
+    """x**(1/power) with perfect powers taken out of the root, by p/q = p q**(power - 1) / q**power; x > 0 for roots."""
     if power == 1:
         return str(x)
     split = perfect_part(x.numerator * x.denominator ** (power - 1), power)
@@ -80,7 +81,7 @@ def _quadratic(minimal: Minimal, root: RealRoot, power: int) -> str | None:
 
 
 def perfect_part(n: int, power: int) -> tuple[int, int] | None:
-    """(m, r) with n = m**power r and r free of such powers, for n > 0; None where n is too long to factor."""
+    """(m, r) with n = m**power r and r free of such powers, for n > 0; None if n is above LARGEST_RADICAND."""
     if n > LARGEST_RADICAND:
         return None
     outer, inner = 1, 1

@@ -1,4 +1,4 @@
-"""Rational functions in lowest terms over Q or a real number field, their power series, and both in SymPy's syntax."""
+"""Rational functions in lowest terms over Q or a real number field, power series, and their text in SymPy's syntax."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ from driftproof.symbolic.algebra.polynomials import (
 
 @dataclass(frozen=True)
 class RationalFunction:
-    """num/den in lowest terms, with den(0) = 1, or den monic where 0 is a pole. Made by `fraction`."""
+    """num/den in lowest terms, with den(0) = 1, or with den monic if 0 is a pole; `fraction` constructs it."""
 
     num: Polynomial
     den: Polynomial
@@ -38,7 +38,7 @@ class RationalFunction:
         return {"num": num, "den": den}
 
     def at_infinity(self) -> Exact | None:
-        """The limit as the variable grows; None where there is a pole at infinity."""
+        """The limit at infinity; None if there is a pole."""
         excess = self.num.degree() - self.den.degree()
         if excess > 0:
             return None
@@ -77,7 +77,7 @@ def fraction(num: Polynomial, den: Polynomial = ONE) -> RationalFunction:
 
 
 def reversed_sign(f: RationalFunction) -> RationalFunction:
-    """f(-z)."""
+    """The function f(-z)."""
     return fraction(reflected(f.num), reflected(f.den))
 
 
@@ -85,12 +85,12 @@ PowerSeries: TypeAlias = list[Scalar]
 
 
 def taylor(f: RationalFunction, terms: int) -> PowerSeries:
-    """The first `terms` Taylor coefficients of f at 0. Raises ZeroDivisionError where 0 is a pole."""
+    """The first `terms` Taylor coefficients of f at 0. Raises ZeroDivisionError if 0 is a pole."""
     return series_quotient(_padded(f.num.coeffs(), terms), _padded(f.den.coeffs(), terms))
 
 
 def exponential_series(terms: int) -> PowerSeries:
-    """1, 1, 1/2, 1/6, ...: the Taylor coefficients of exp."""
+    """The first `terms` Taylor coefficients of exp: 1, 1, 1/2, 1/6, ..."""
     coefficients = [fmpq(1)]
     for k in range(1, terms):
         coefficients.append(coefficients[-1] / k)
@@ -98,13 +98,13 @@ def exponential_series(terms: int) -> PowerSeries:
 
 
 def series_product(a: PowerSeries, b: PowerSeries) -> PowerSeries:
-    """The product, to the length of a."""
+    """The product of two series, truncated to the length of a."""
     b = _padded(b, len(a))
     return [dot(a[: k + 1], b[k::-1]) for k in range(len(a))]
 
 
 def series_quotient(a: PowerSeries, b: PowerSeries) -> PowerSeries:
-    """The quotient, to the length of a. Raises ZeroDivisionError where b(0) = 0."""
+    """The series a/b, truncated to the length of a. Raises ZeroDivisionError if b(0) = 0."""
     b = _padded(b, len(a))
     inverse, result = 1 / b[0], []  # type: tuple[Scalar, PowerSeries]
     for k, c in enumerate(a):
@@ -113,7 +113,7 @@ def series_quotient(a: PowerSeries, b: PowerSeries) -> PowerSeries:
 
 
 def series_logarithm(a: PowerSeries) -> PowerSeries:
-    """log a, for a(0) = 1: from a' = a (log a)'. Raises ValueError for another constant term."""
+    """The series log a, from a' = a (log a)'. Raises ValueError unless a(0) = 1."""
     _demand_one(a)
     slope: PowerSeries = []  # the coefficients k lₖ of z (log a)'
     for k, c in enumerate(a):
@@ -122,7 +122,7 @@ def series_logarithm(a: PowerSeries) -> PowerSeries:
 
 
 def series_root(a: PowerSeries) -> PowerSeries:
-    """The root with constant term 1, for a(0) = 1. Raises ValueError for another constant term."""
+    """The square root of a series, with constant term 1. Raises ValueError unless a(0) = 1."""
     _demand_one(a)
     result: PowerSeries = [fmpq(1)]
     for k in range(1, len(a)):
@@ -150,17 +150,17 @@ def _demand_one(a: PowerSeries) -> None:
 
 
 def exact_text(x: Exact) -> str:
-    """The number, also where Python's own conversion refuses so many digits."""
+    """The number as text; FLINT also converts the integers of over 4300 digits that Python's `str` refuses."""
     return str(as_fmpq(x) if isinstance(x, Fraction) else x)
 
 
 def polynomial_text(p: Polynomial, name: str) -> str:
-    """The polynomial, constant term first, e.g. "1/2 - h**2/8" or "(2 - sqrt(2))*h"."""
+    """The polynomial in SymPy's syntax, constant term first, e.g. "1/2 - h**2/8" or "(2 - sqrt(2))*h"."""
     return sum_text(monomial_text(c, power, name) for power, c in enumerate(coefficients(p)) if c)
 
 
 def sum_text(terms: Iterable[str]) -> str:
-    """The sum of terms with their signs in front: "1 - h" from "1" and "-h"; "0" of none."""
+    """The sum of terms that carry their signs in front: "1 - h" from "1" and "-h"; "0" without terms."""
     text = ""
     for term in terms:
         size = term.removeprefix("-")
@@ -169,7 +169,7 @@ def sum_text(terms: Iterable[str]) -> str:
 
 
 def rational_function_text(f: RationalFunction, name: str) -> str:
-    """The rational function, e.g. "(1 - h**2/4)/(1 + h**2/4)"."""
+    """The rational function in SymPy's syntax, e.g. "(1 - h**2/4)/(1 + h**2/4)"."""
     num, den = polynomial_text(f.num, name), polynomial_text(f.den, name)
     if den == "1":
         return num
@@ -178,7 +178,7 @@ def rational_function_text(f: RationalFunction, name: str) -> str:
 
 
 def monomial_text(c: Exact, power: int, name: str) -> str:
-    """c*name**power, with the sign in front."""
+    """The term c*name**power in SymPy's syntax, with its sign in front."""
     monomial = "" if not power else name if power == 1 else f"{name}**{power}"
     if not isinstance(c, Fraction):
         return f"({c})*{monomial}" if monomial else f"({c})"

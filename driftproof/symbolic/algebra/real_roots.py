@@ -1,4 +1,4 @@
-"""Real algebraic numbers as roots of irreducible integer polynomials; all positive roots of polynomials, in order."""
+"""Real algebraic numbers as roots of irreducible integer polynomials; the positive roots of polynomials, in order."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ class RealRoot:
     index: int
 
     def ball(self) -> arb:
-        """A ball around the number, at Arb's current precision or that of isolation, which is at hand."""
+        """A ball around the number, at Arb's current precision or ISOLATING_BITS, whichever is higher."""
         return real_root_balls(self.minimal, max(ctx.prec, ISOLATING_BITS))[self.index]
 
     @property
@@ -56,19 +56,19 @@ class RealRoot:
 
     @property
     def rational(self) -> Fraction | None:
-        """The number itself if it is rational."""
+        """The number itself if it is rational, else None."""
         return Fraction(-self.minimal[0], self.minimal[1]) if self.degree == 1 else None
 
     def interval(self) -> tuple[Fraction, Fraction]:
-        """Short dyadic ends with this root, and no other real root of the minimal polynomial, between them.
+        """Two short dyadic numbers between which lies this root, but no other real root of the minimal polynomial.
 
-        Both ends are the number itself if it is rational.
+        For a rational number, both are the number itself.
         """
         if self.rational is not None:
             return self.rational, self.rational
 
         def apart() -> list[tuple[Fraction, Fraction]] | None:
-            # lower() and upper() round to the precision
+            # lower() and upper() round outwards, so that balls that are apart may touch here
             ends = [(dyadic(b.lower()), dyadic(b.upper())) for b in real_root_balls(self.minimal, ctx.prec)]
             return ends if all(left[1] < right[0] for left, right in pairwise(ends)) else None
 
@@ -108,10 +108,10 @@ def every_real_root(minimal: Minimal) -> list[RealRoot]:
 
 
 def positive_roots(polynomials: Iterable[Polynomial]) -> list[RealRoot]:
-    """A list, ascending and without repetition, that holds every positive real root of the nonzero polynomials.
+    """The positive real roots of the nonzero polynomials, ascending and without repetition.
 
-    Over Q the list is exactly these roots; over a number field it also holds roots of conjugate polynomials.
-    Isolation is FLINT's, certified; distinct irreducible polynomials share no root, so precision separates them.
+    Over a number field, positive roots of the conjugate polynomials are in the list as well. FLINT isolates the roots
+    in certified balls; distinct irreducible polynomials share no root, so enough precision separates them.
     """
     minimals = {m for p in polynomials if sign_changes(p) for m, _ in irreducible_factors_of(norm(p))}
 
@@ -149,10 +149,10 @@ def simplest_between(low: Fraction, high: Fraction) -> Fraction:
 
 
 def vanishes_at(p: Polynomial, root: RealRoot) -> bool:
-    """p(root) = 0, decided exactly also for p over a number field.
+    """True if p(root) = 0, decided exactly, also for p over a number field.
 
-    p and the minimal polynomial have the common divisor d, and minimal = d e with d, e coprime: the root is a root of
-    exactly one of them, and balls tell which one it is not.
+    Let d be the greatest common divisor of p and the minimal polynomial, which is d e with d and e coprime: the root is
+    a root of exactly one of the two, and balls show which one does not vanish.
     """
     if not p:
         return True
@@ -182,7 +182,7 @@ def irreducible_factors_of(p: Polynomial) -> list[tuple[Minimal, int]]:
 
 
 def root_as_number(root: RealRoot, name: str = "alpha") -> Exact:
-    """The root as exact data of `methods`, `name` being the generator of its field.
+    """The root as exact data of `methods`; `name` is that of the generator of its field.
 
     Raises `driftproof.methods.number_field.UndecidedError` for a degree above 12.
     """
@@ -193,7 +193,7 @@ def root_as_number(root: RealRoot, name: str = "alpha") -> Exact:
 
 
 def root_of(x: Exact) -> RealRoot:
-    """The number as a root of its minimal polynomial, a factor of the norm of z - x."""
+    """The number x as a root of its minimal polynomial, a factor of the norm of z - x."""
     if not isinstance(x, Algebraic):
         return rational_root(x)
     polynomial = norm(X - scalar(x))
@@ -202,16 +202,16 @@ def root_of(x: Exact) -> RealRoot:
 
 
 def root_ratio(x: RealRoot, y: RealRoot) -> RealRoot:
-    """x/y for positive x and y: a root of the product, over the conjugates of y, of m(yz), m the polynomial of x."""
-    monic = y.polynomial / y.minimal[-1]  # so that the values stay those of one polynomial where the degree drops
-    # The product over the conjugates is, up to a constant, a resultant: here by its values at integers z.
+    """x/y for positive x and y: a root of the product of m(yz) over the conjugates of y, m the polynomial of x."""
+    monic = y.polynomial / y.minimal[-1]  # so that the values belong to one polynomial also where the degree drops
+    # Up to a constant, the product over the conjugates is a resultant, interpolated here from its values at integers z.
     values = lambda z: monic.resultant(fmpq_poly([c * z**k for k, c in enumerate(x.minimal)]))
     product = interpolate(values, x.degree * y.degree)
     return the_one(positive_roots([product]), lambda root: (root.ball() * y.ball()).overlaps(x.ball()))
 
 
 def the_one(candidates: Iterable[RealRoot], fits: Callable[[RealRoot], bool]) -> RealRoot:
-    """The only candidate that fits however small the balls are. Raises ValueError where none does."""
+    """The only candidate that `fits` at every precision. Raises ValueError if there is none."""
     left = list(candidates)
 
     def fitting() -> list[RealRoot] | None:

@@ -1,1 +1,1 @@
-"""The derivations that a reader can follow, in SymPy: the only folder that loads it."""
+"""Derivations step by step in SymPy, for people to read; no other folder imports SymPy."""

@@ -1,4 +1,4 @@
-"""Error of one step and of a whole interval, as h goes to 0: orders and exact leading coefficients."""
+"""The error of one step, and at a fixed final time, as h goes to 0: orders and exact leading coefficients."""
 
 from __future__ import annotations
 
@@ -40,8 +40,9 @@ class LocalError:
 
 
 def local_error(m: DomainMatrix) -> LocalError:
-    """The leading term of the error of one step that starts on the exact solution, by powers of h up to one beyond M's
-    degree, at which exp(hJ) has an entry and M has none.
+    """The leading term of M(h) - exp(hJ), the error of one step that starts on the exact solution, for M over Q[h].
+
+    There is one: exp(hJ) has every power of h, and M none above its degree.
     """
     terms = 3 + max(polynomial.degree() for polynomial in entries(m))
     difference = m - exact_flow_series(terms)

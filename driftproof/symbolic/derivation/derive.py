@@ -1,4 +1,4 @@
-"""What is true of a method on the oscillator, as SymPy objects, each with the steps that lead there."""
+"""Properties of a method on the oscillator as SymPy objects, each with the steps of its derivation."""
 
 from __future__ import annotations
 
@@ -58,16 +58,16 @@ from driftproof.symbolic.derivation.stability import (
 from driftproof.symbolic.derivation.stages import derived_matrix
 from driftproof.symbolic.linear.facts import fact_names
 
-# The first terms of the phase error; where they are all zero, twice as many: cos θ is algebraic in h, and cos h is not.
+# Terms of the phase error; chosen, and doubled while all are zero, which ends: cos θ is algebraic in h, cos h is not.
 FIRST_TERMS = 8
 MONOMIALS = (POSITION**2, POSITION * VELOCITY, VELOCITY**2)
 
 
 @dataclass(frozen=True, repr=False)
 class Derivation(Printable):
-    """Everything that is derived of `method` on q' = v, v' = -q, in the symbol h; each when it is first asked for.
+    """The derived properties of `method` on q' = v, v' = -q in the symbol h, each computed at its first use.
 
-    Printed are those of `only`, or all.
+    `only` names those that are printed, by default all.
     """
 
     method: Method
@@ -96,7 +96,7 @@ class Derivation(Printable):
 
     @cached_property
     def energy_multiplier(self) -> Derived:
-        """The μ(h) with E(Mz) = μ E(z) for every z, where there is one."""
+        """The factor μ(h) with E(Mz) = μ E(z) for every z, if there is one."""
         after, gram = energy_after(self._m), as_matrix(self._m.transpose() * self._m)
         square = ProofStep("A step multiplies by $M$, and $E = |z|^2/2$.", (GRAM, gram))
         try:
@@ -112,7 +112,7 @@ class Derivation(Printable):
 
     @cached_property
     def invariant(self) -> Derived:
-        """The quadratic that every step conserves and that becomes the energy as h goes to 0, where there is one."""
+        """The quadratic form that every step conserves and that becomes the energy as h goes to 0, if there is one."""
         qq, qv, vq, vv = (expression(x) for x in entries(self._m))
         area_form = vq * POSITION**2 + sympy.factor(vv - qq) * POSITION * VELOCITY - qv * VELOCITY**2
         steps = [
@@ -133,7 +133,7 @@ class Derivation(Printable):
 
     @cached_property
     def characteristic_polynomial(self) -> Derived:
-        """λ² - tr M λ + det M."""
+        """The characteristic polynomial λ² - tr M λ + det M."""
         value, sum_of_roots = characteristic_polynomial(self._m).as_expr(), expression(trace(self._m))
         forms = ((TRACE, DET), (sum_of_roots, expression(determinant(self._m))))
         chain = (sympy.Add(LAMBDA**2, -LAMBDA * t, d, evaluate=False) for t, d in forms)
@@ -171,7 +171,7 @@ class Derivation(Printable):
 
     @cached_property
     def phase_error(self) -> Derived:
-        """The first terms of θ(h) - h; a negative leading one means that the method lags."""
+        """The first terms of θ(h) - h; a negative leading coefficient means that the method lags."""
         symbol, half_trace = THETA - STEP_SIZE, expression(trace(self._m)) / 2
         factor, rest = square_root_of_discriminant(self._m)
         because = "The tangent is a series in $h$, and so is the arc tangent of it."
@@ -188,7 +188,7 @@ class Derivation(Printable):
 
     @cached_property
     def stability_limit(self) -> Derived:
-        """The largest H with the powers of M(h) bounded for every h in (0, H)."""
+        """The largest H such that the powers of M(h) are bounded for every h in (0, H)."""
         found = conditions(self._m)
         named = (
             ("The product of the roots is at most $1$ where this is not negative.", 1 - DET, found.area),
@@ -209,35 +209,35 @@ class Derivation(Printable):
         return Derived("stability_limit", LIMIT, value, (*steps, *_verdict(self._m, value)))
 
     def chosen(self, names: Sequence[str] = ()) -> tuple[Derived, ...]:
-        """Those of these names, all by default. Raises ValueError for an unknown one."""
+        """The derivations with these names, by default all. Raises ValueError for an unknown name."""
         for name in names:
             if name not in DERIVED:
                 raise ValueError(f"{name!r} is not derived; choose from {', '.join(DERIVED)}")
         return tuple(getattr(self, name) for name in names or DERIVED)
 
     def written(self, form: str) -> str:
-        """Each with the steps that lead there, as "text" or "tex"; as "json" what they lead to. Raises ValueError."""
+        """The chosen derivations with their steps, as "text", "tex" or "json". Raises ValueError for unknown names."""
         derived = self.chosen(self.only)
         if form == "json":
             return as_json({"method": self.method.key, "derived": {each.name: each.data() for each in derived}})
         return "\n\n".join(each.derivation_tex if form == "tex" else each.text for each in derived)
 
     def _repr_html_(self) -> None:
-        """A notebook takes the TeX."""
+        """Return None, so that a notebook shows the TeX."""
 
     def _repr_latex_(self) -> str:
         lines = r" \\ ".join(derived.tex for derived in self.chosen())
         return rf"$$\begin{{gathered}} {lines} \end{{gathered}}$$"
 
 
-# In the order in which a reader wants them.
+# The names of all derivations, in the order in which they are printed.
 DERIVED = fact_names(Derivation)
 
 
 def derive(method: str | Path | Method, *, only: Sequence[str] = ()) -> Derivation:
-    """Derive what is true of a method, by name or TOML file too, on the oscillator q' = v, v' = -q.
+    """Derive the properties of a method, also given by name or TOML file, on the oscillator q' = v, v' = -q.
 
-    Raises ValueError for an unknown name, and when something is asked of a method with irrational coefficients.
+    Raises ValueError for an unknown name; for irrational coefficients the properties of the result raise it.
 
     >>> from driftproof import derive
     >>> derive("forward_euler").energy_multiplier.value
@@ -247,7 +247,7 @@ def derive(method: str | Path | Method, *, only: Sequence[str] = ()) -> Derivati
 
 
 def _verdict(m: DomainMatrix, limit: sympy.Expr) -> list[ProofStep]:
-    """The steps from the conditions to the limit, and whether the powers are bounded there."""
+    """The steps from the boundedness conditions to the limit, and whether the powers are bounded at the limit."""
     if limit in (0, sympy.oo):
         because = "From $h = 0$ on one of them is negative, or the roots merge and the powers grow."
         return [ProofStep(because if limit == 0 else "None is negative for any $h > 0$.", (LIMIT, limit))]

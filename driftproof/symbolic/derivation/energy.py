@@ -1,4 +1,4 @@
-"""What one step does to energy, and the quadratic it conserves instead."""
+"""The change of energy in one step, and the quadratic form that a step conserves instead."""
 
 from __future__ import annotations
 
@@ -35,9 +35,9 @@ def energy_change(m: DomainMatrix) -> EnergyForm:
 
 
 def energy_multiplier(m: DomainMatrix) -> MatrixEntry:
-    """The μ(h) with E(Mz) = μ(h) E(z) for every state z.
+    """The factor μ(h) with E(Mz) = μ(h) E(z) for every state z.
 
-    Raises StateDependentEnergy where there is none: that fact does not exist, so it is not returned.
+    Raises StateDependentEnergy if the energy change depends on the state.
     """
     after = energy_after(m)
     if after.qv or after.q2 != after.v2:
@@ -46,10 +46,10 @@ def energy_multiplier(m: DomainMatrix) -> MatrixEntry:
 
 
 def invariant_quadratic(m: DomainMatrix) -> EnergyForm:
-    """The quadratic I with I(Mz) = I(z), found by solving MᵀSM = S over Q(h), equal to the energy at h = 0.
+    """The quadratic form I with I(Mz) = I(z) that equals the energy at h = 0, from MᵀSM = S over Q(h).
 
-    Denominators are cleared, so the coefficients lie in Q[h]. Raises ValueError unless the solutions form one line
-    that can be so normalised.
+    Denominators are cleared, so its coefficients lie in Q[h]. Raises ValueError unless the solutions form a line and
+    one of them becomes the energy.
     """
     qq, qv, vq, vv = entries(m)
     zero = RING.zero
@@ -83,7 +83,7 @@ def _normalised(q2: StepPolynomial, qv: StepPolynomial, v2: StepPolynomial) -> E
 
 
 def definiteness(invariant: EnergyForm) -> StepPolynomial:
-    """4·q2·v2 - qv², in Q[h]: the invariant's level curves are ellipses exactly where this and q2 are positive."""
+    """The polynomial 4·q2·v2 - qv² in Q[h]: the level curves are ellipses exactly where it and q2 are positive."""
     return 4 * invariant.q2 * invariant.v2 - invariant.qv**2
 
 

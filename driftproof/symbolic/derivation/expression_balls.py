@@ -1,10 +1,11 @@
-"""SymPy expressions as Arb balls."""
+"""Certified enclosures of real SymPy expressions by Arb balls."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from fractions import Fraction
-from functools import partial
+from functools import partial, reduce
+from operator import add, mul
 from typing import Any
 
 import sympy
@@ -15,20 +16,21 @@ from driftproof.symbolic.algebra.certified import CertifiableReal
 
 
 def certifiable(expr: sympy.Basic) -> CertifiableReal:
-    """The real number `expr` as `driftproof.symbolic.algebra.certified` takes it: a Fraction where it is rational."""
+    """The real number `expr` as a CertifiableReal: a Fraction if it is rational, else a procedure that encloses it."""
     if isinstance(expr, sympy.Rational):
         return Fraction(int(expr.p), int(expr.q))
     return partial(enclose_expression, expr)
 
 
 def enclose_expression(expr: sympy.Basic) -> arb:
-    """An Arb ball that contains the real number `expr`, at Arb's current precision. Raises TypeError for a function
-    that is not listed here.
+    """An Arb ball that contains the real number `expr`, at Arb's current precision.
+
+    Raises TypeError for a function that is not in `_FUNCTIONS`.
     """
     if isinstance(expr, sympy.Rational):
         return arb(fmpq(int(expr.p), int(expr.q)))
     if isinstance(expr, sympy.CRootOf):
-        return _enclose_root(expr)
+        return real_root_balls(integer_coefficients(expr.poly), ctx.prec)[expr.index]  # ascending in both
     if expr == sympy.pi:
         return arb.pi()
     if expr == sympy.E:
@@ -41,28 +43,14 @@ def enclose_expression(expr: sympy.Basic) -> arb:
     return _FUNCTIONS[expr.func](*(enclose_expression(a) for a in expr.args))
 
 
-def _enclose_root(root: Any) -> arb:
-    """FLINT's ball around the real root with this index, in ascending order as SymPy's are."""
-    return real_root_balls(integer_coefficients(root.poly), ctx.prec)[root.index]
-
-
 def integer_coefficients(polynomial: sympy.Poly) -> tuple[int, ...]:
-    """Those of a multiple over Z of a polynomial over Q, constant term first."""
+    """The coefficients of an integer multiple of a polynomial over Q, constant term first."""
     return tuple(int(c) for c in polynomial.clear_denoms(convert=True)[1].all_coeffs()[::-1])
 
 
-def _fold(operation: Callable[[arb, arb], arb]) -> Callable[..., arb]:
-    def fold(first: arb, *rest: arb) -> arb:
-        for ball in rest:
-            first = operation(first, ball)
-        return first
-
-    return fold
-
-
 _FUNCTIONS: dict[Any, Callable[..., arb]] = {
-    sympy.Add: _fold(lambda a, b: a + b),
-    sympy.Mul: _fold(lambda a, b: a * b),
+    sympy.Add: lambda *balls: reduce(add, balls),
+    sympy.Mul: lambda *balls: reduce(mul, balls),
     sympy.cos: arb.cos,
     sympy.sin: arb.sin,
     sympy.tan: arb.tan,

@@ -1,4 +1,4 @@
-"""Derivations as lines to read: the symbols, the steps, and what they look like in TeX, as text and in JSON."""
+"""Symbols and steps of derivations, and how they are written in TeX, as plain text and in JSON."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ from driftproof.symbolic.algebra.certified import significant
 from driftproof.symbolic.derivation.expression_balls import enclose_expression
 from driftproof.symbolic.derivation.one_step import expression
 
-# A number that has no radicals is shown with so many digits.
+# Significant digits shown of a number without radicals; chosen to fit into a formula.
 _DIGITS_SHOWN = 12
-# A formula longer than this, of splittings with long decimals, is only begun in plain text: nobody reads 30 kB.
+# Plain text shows only the beginning of a longer formula; those of splittings with long decimals can reach 30 kB.
 _LONGEST_SHOWN, _BEGUN = 4000, 80
 
-# The state, the size of the step, and the map J(q, v) = (v, -q), whose products with stages are kept in order.
+# The state, the step size, and the map J(q, v) = (v, -q), whose products with stages do not commute.
 POSITION, VELOCITY, STEP_SIZE = sympy.symbols("q v h")
 STATE, TURN = sympy.symbols("z J", commutative=False)
 MATRIX, NEW_STATE, STABILITY, ARGUMENT = sympy.symbols("M z_1 R z")
@@ -28,7 +28,7 @@ ROOTS = sympy.symbols("lambda_1 lambda_2")
 DET, TRACE, GRAM = sympy.Symbol("det M"), sympy.Symbol("tr M"), sympy.Symbol("M^T M")
 AREA_FORM, CHARACTERISTIC = sympy.Symbol("det(z, M z)"), sympy.Symbol("det(lambda I - M)")
 COSINE, TANGENT = sympy.Symbol("cos(theta)"), sympy.Symbol("tan(theta)")
-# What is no letter of its own has a name of its own in TeX.
+# The TeX of the symbols that stand for a formula.
 TEX_NAMES = {
     DET: r"\det M",
     TRACE: r"\operatorname{tr} M",
@@ -42,7 +42,7 @@ TEX_NAMES = {
 
 @dataclass(frozen=True)
 class ProofStep:
-    """One step of a derivation: why it holds, formulas in it between dollars, and a chain of equal expressions."""
+    """One step of a derivation: why it holds, with formulas between dollars, and a chain of equal expressions."""
 
     because: str
     chain: tuple[sympy.Basic, ...]
@@ -50,7 +50,7 @@ class ProofStep:
 
 @dataclass(frozen=True)
 class Derived:
-    """One thing derived: the SymPy object `value`, called `symbol`, and the steps; or None, and why there is none."""
+    """A derivation: `symbol` = `value` with its steps; or None for the value and, in `missing`, why there is none."""
 
     name: str
     symbol: sympy.Basic
@@ -60,12 +60,12 @@ class Derived:
 
     @property
     def tex(self) -> str:
-        """symbol = value in TeX, or the reason why there is none."""
+        """The equation symbol = value in TeX, or the reason why there is no value."""
         return chain_tex((self.symbol, self.value)) if self.value is not None else rf"\text{{none: {self.missing}}}"
 
     @property
     def derivation_tex(self) -> str:
-        """The steps as a paragraph to paste: a sentence and a displayed formula for each."""
+        """The steps as a LaTeX paragraph: a sentence and a displayed formula for each."""
         lines = [rf"\paragraph{{{self.title}}}"]
         for step in self.steps:
             lines += [step.because, rf"\[ {chain_tex(step.chain)} \]"]
@@ -73,7 +73,7 @@ class Derived:
 
     @property
     def text(self) -> str:
-        """The steps in plain text, formulas in SymPy's syntax, and what they lead to."""
+        """The title and the steps as plain text, with formulas in SymPy's syntax."""
         lines = [self.title]
         for step in self.steps:
             lines += [f"  {plain_words(step.because)}", f"      {chain_text(step.chain)}"]
@@ -85,7 +85,7 @@ class Derived:
         return self.name.replace("_", " ").capitalize()
 
     def data(self) -> dict[str, Any]:
-        """{"value", "tex", "missing", "steps"}, all strings; a value in SymPy's own syntax."""
+        """A dictionary for JSON: "value" in SymPy's syntax, "tex", "missing" and "steps"."""
         steps = [
             {"because": s.because, "chain": [str(x) for x in s.chain], "tex": chain_tex(s.chain)} for s in self.steps
         ]
@@ -97,12 +97,12 @@ class Derived:
 
 
 def as_matrix(m: DomainMatrix) -> sympy.ImmutableMatrix:
-    """The matrix with entries that are expressions in h."""
+    """The matrix as a SymPy matrix of expressions in h."""
     return sympy.ImmutableMatrix([[expression(x) for x in row] for row in m.to_list()])
 
 
 def chain_tex(chain: Sequence[sympy.Basic]) -> str:
-    """The expressions in TeX with signs of equality between them; polynomials ascend."""
+    """The expressions in TeX, joined by equals signs, with polynomials in ascending powers."""
     settings = {"symbol_names": TEX_NAMES, "mat_str": "pmatrix", "mat_delim": "", "inv_trig_style": "full"}
     return " = ".join(
         rf"{_digits(x)}\ldots" if _is_long(x) else sympy.latex(x, order=_order(x), **settings) for x in chain
@@ -110,7 +110,7 @@ def chain_tex(chain: Sequence[sympy.Basic]) -> str:
 
 
 def chain_text(chain: Iterable[sympy.Basic]) -> str:
-    """The expressions in SymPy's syntax, a matrix as its rows: [1, h; -h, 1]; of very long ones the beginning."""
+    """The expressions in SymPy's syntax, joined by equals signs, shortened if very long; matrices as [1, h; -h, 1]."""
     return " = ".join(_begun(_text(x)) for x in chain)
 
 
@@ -121,7 +121,7 @@ def _begun(text: str) -> str:
 
 
 def plain_words(words: str) -> str:
-    """A sentence with formulas in TeX as plain text: without dollars, backslashes and braces."""
+    """A sentence with TeX formulas as plain text, without dollars, backslashes and braces."""
     return words.replace(r"\pm", "±").translate({ord(c): None for c in "$\\{}"})
 
 
@@ -132,12 +132,12 @@ def _text(x: sympy.Basic) -> str:
 
 
 def _order(x: sympy.Basic) -> str:
-    """Polynomials in one letter ascend; the terms of other expressions stay as they were written."""
+    """The printing order of the terms: polynomials in h or in z ascend, other expressions stay as written."""
     return "rev-lex" if x.free_symbols <= {STEP_SIZE} or x.free_symbols <= {ARGUMENT} else "none"
 
 
 def _is_long(x: sympy.Basic) -> bool:
-    """True for a number that only an irreducible polynomial describes."""
+    """True for a number without radicals: it contains a root of an irreducible polynomial."""
     return bool(x.atoms(sympy.CRootOf)) and not x.free_symbols and not isinstance(x, sympy.MatrixBase)
 
 

@@ -1,6 +1,6 @@
 """The one-step matrix M(h) of a method on the oscillator, exact over Q[h], by running the step on polynomials.
 
-An implicit method has a matrix over Q(h), which `stages` derives; what is read off a matrix here holds for both.
+An implicit method has a matrix over Q(h), which `stages` derives; the functions of a matrix here accept both.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ STATE_RING, STATE_Q, STATE_V, STATE_H = ring("q, v, h", QQ)
 
 
 def rational(x: Fraction | int) -> Any:
-    """`x` in SymPy's field Q. Refuses floats, which SymPy's own conversion would silently turn into guesses."""
+    """`x` in SymPy's field Q. Raises TypeError for a float, which SymPy's own conversion would replace by a guess."""
     if isinstance(x, bool) or not isinstance(x, Fraction | int):
         raise TypeError(f"{x!r} is {type(x).__name__}; exact arithmetic takes int or Fraction")
     return QQ(x.numerator, x.denominator)
@@ -40,20 +40,20 @@ def one_step_matrix(method: Method) -> DomainMatrix:
 
 
 def exact_stepper(method: Method) -> Step:
-    """The step of `method` over Q[q, v, h]: its coefficients are rationals of that ring."""
+    """The step function of `method` over Q[q, v, h], with its coefficients as constants of that ring."""
     return stepper(method, lambda c: STATE_RING.ground_new(rational(c)))
 
 
 def symbolic_step(step: Step, force: Force = oscillator) -> tuple[StepPolynomial, StepPolynomial]:
-    """(q₁, v₁) as polynomials in Q[q, v, h]: the step run on the generators q, v and h."""
+    """(q₁, v₁) as polynomials in Q[q, v, h], by running the step on the generators q, v and h."""
     q1, v1 = step(force, STATE_Q, STATE_V, STATE_H)
     return q1, v1
 
 
 def matrix_of(step: Step, force: Force = oscillator) -> DomainMatrix:
-    """The matrix over Q[h] of a step function that is linear in (q, v), found by running it on polynomials.
+    """The matrix over Q[h] of a step function that is linear in (q, v), by running it on polynomials.
 
-    Raises ValueError if the step turns out not to be linear in the state.
+    Raises ValueError if the step is not linear in the state.
     """
     q1, v1 = symbolic_step(step, force)
     return DomainMatrix([_linear_coefficients(q1, "q"), _linear_coefficients(v1, "v")], (2, 2), MATRICES)
@@ -83,19 +83,19 @@ def over_common_denominator(m: DomainMatrix) -> tuple[DomainMatrix, StepPolynomi
 
 
 def entries(m: DomainMatrix) -> tuple[MatrixEntry, MatrixEntry, MatrixEntry, MatrixEntry]:
-    """(M_qq, M_qv, M_vq, M_vv)."""
+    """The entries (M_qq, M_qv, M_vq, M_vv)."""
     (qq, qv), (vq, vv) = m.to_list()
     return qq, qv, vq, vv
 
 
 def trace(m: DomainMatrix) -> MatrixEntry:
-    """M_qq + M_vv."""
+    """The trace M_qq + M_vv."""
     qq, _, _, vv = entries(m)
     return qq + vv
 
 
 def determinant(m: DomainMatrix) -> MatrixEntry:
-    """M_qq M_vv - M_qv M_vq: the factor by which one step scales area."""
+    """The determinant M_qq M_vv - M_qv M_vq, the factor by which one step scales area."""
     qq, qv, vq, vv = entries(m)
     return qq * vv - qv * vq
 
@@ -108,7 +108,7 @@ def at_rational(entry: MatrixEntry, h: Fraction) -> Fraction:
 
 
 def matrix_at(m: DomainMatrix, h: Fraction) -> tuple[Fraction, Fraction, Fraction, Fraction]:
-    """(M_qq, M_qv, M_vq, M_vv) at a rational h."""
+    """The entries (M_qq, M_qv, M_vq, M_vv) at a rational h."""
     qq, qv, vq, vv = (at_rational(entry, h) for entry in entries(m))
     return qq, qv, vq, vv
 

@@ -1,4 +1,4 @@
-"""How far one step turns the state: the angle, its series in h, and M to the N in closed form."""
+"""The angle by which one step turns the state, its series in h, and the powers of M in closed form."""
 
 from __future__ import annotations
 
@@ -34,11 +34,11 @@ def phase_per_step(m: DomainMatrix) -> sympy.Expr:
 
 
 def phase_error_series(m: DomainMatrix, terms: int) -> StepPolynomial:
-    """θ(h) - h modulo h**terms, exact in Q[h]: negative leading coefficient means that the method lags.
+    """θ(h) - h modulo h**terms, exact in Q[h]; a negative leading coefficient means that the method lags.
 
-    From tan θ = sqrt(det M - (tr M / 2)²) / (tr M / 2). Raises ValueError unless M(h) = I + hJ + O(h²).
+    It comes from tan θ = sqrt(det M - (tr M / 2)²) / (tr M / 2). Raises ValueError unless θ(h) = h + O(h²).
     """
-    longer = terms + 2  # as h² is divided by
+    longer = terms + 2  # two terms are lost in the division by h²
     half_trace, area = (_series(f, longer) for f in (trace(m) / 2, determinant(m)))
     squared_sine = rs_trunc(area - half_trace**2, H, longer)  # h² (1 + ...) for a consistent method
     quotient, remainder = divmod(squared_sine, H**2)
@@ -50,7 +50,7 @@ def phase_error_series(m: DomainMatrix, terms: int) -> StepPolynomial:
 
 
 def _series(f: MatrixEntry, terms: int) -> StepPolynomial:
-    """The series of `f`, which has no pole at h = 0, modulo h**terms."""
+    """The series of `f` modulo h**terms, for an `f` without a pole at h = 0."""
     top, bottom = numerator_and_denominator(f)
     return rs_trunc(top * rs_series_inversion(bottom, H, terms), H, terms)
 
@@ -76,7 +76,7 @@ def cosine_series(terms: int) -> StepPolynomial:
 def closed_form(m: DomainMatrix) -> sympy.ImmutableMatrix:
     """Mⁿ = ρⁿ⁻¹ (sin(nθ) M - ρ sin((n-1)θ) I) / sin θ, with ρ = sqrt(det M): entries in the symbols h and n.
 
-    Holds wherever the two roots are complex, so that 0 < θ < π. By Cayley-Hamilton and induction on n.
+    It holds wherever the two roots are complex, so that 0 < θ < π, by the Cayley-Hamilton theorem and induction on n.
     """
     rho, theta = sympy.sqrt(expression(determinant(m))), phase_per_step(m)
     turned = sympy.sin(STEPS * theta) * as_matrix(m) - rho * sympy.sin((STEPS - 1) * theta) * sympy.eye(2)

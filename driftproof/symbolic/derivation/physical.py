@@ -1,4 +1,4 @@
-"""From a spring with mass, stiffness and length to the normalised oscillator, and back."""
+"""Conversion between a spring with mass, stiffness and length and the normalised oscillator."""
 
 from __future__ import annotations
 
@@ -21,19 +21,19 @@ class Spring(NamedTuple):
 
     @property
     def omega(self) -> sympy.Expr:
-        """ω = sqrt(k/m), the angular frequency: dimensionless time is t = ω τ."""
+        """The angular frequency ω = sqrt(k/m): dimensionless time is t = ω τ."""
         return sympy.sqrt(self.k / self.m)
 
     def state(self, x: sympy.Expr, velocity: sympy.Expr) -> tuple[sympy.Expr, sympy.Expr]:
-        """(q, v) = (x / L, ẋ / (L ω)): both dimensionless."""
+        """The dimensionless state (q, v) = (x / L, ẋ / (L ω))."""
         return x / self.L, velocity / (self.L * self.omega)
 
     def energy(self, x: sympy.Expr, velocity: sympy.Expr) -> sympy.Expr:
-        """½ m ẋ² + ½ k x², the physical energy, which is k L² times the normalised ½(q² + v²)."""
+        """The physical energy ½ m ẋ² + ½ k x², which is k L² times the normalised ½(q² + v²)."""
         return (self.m * velocity**2 + self.k * x**2) / 2
 
     def duration(self, h: sympy.Expr) -> sympy.Expr:
-        """h / ω, the physical duration of a dimensionless step h."""
+        """The physical duration h / ω of a dimensionless step size h."""
         return h / self.omega
 
 

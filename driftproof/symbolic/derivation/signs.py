@@ -1,4 +1,4 @@
-"""Signs of polynomials on intervals, decided by counting roots (Sturm), never by sampling."""
+"""Signs of polynomials on intervals, decided by counting roots (Sturm) and not by sampling."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ from driftproof.symbolic.derivation.one_step import H, StepPolynomial, at_ration
 def roots_between(polynomial: StepPolynomial, low: Fraction | None, high: Fraction | None) -> int:
     """The number of distinct real roots of a nonzero element of Q[h] in the open interval (low, high).
 
-    None stands for an infinite end. Exact: SymPy counts those between the ends, ends included, by Sturm's theorem
-    (sturm-1835). Raises ValueError for the zero polynomial.
+    None stands for an infinite end. The number is exact: SymPy counts the roots in [low, high] by Sturm's theorem
+    (sturm-1835), and roots at the ends are subtracted. Raises ValueError for the zero polynomial.
     """
     if not polynomial:
         raise ValueError("the zero polynomial has no finite number of roots")
@@ -23,16 +23,16 @@ def roots_between(polynomial: StepPolynomial, low: Fraction | None, high: Fracti
 
 
 def is_positive_between(polynomial: StepPolynomial, low: Fraction, high: Fraction | None) -> bool:
-    """polynomial(h) > 0 for every h in the open interval (low, high); `high` None stands for infinity.
+    """True if polynomial(h) > 0 for every h in the open interval (low, high); `high` None stands for infinity.
 
-    Decided: no root inside, and a positive value at one inner point.
+    That is the case if there is no root inside and the value at one inner point is positive.
     """
     inner = (low + high) / 2 if high is not None else low + 1
     return not roots_between(polynomial, low, high) and at_rational(polynomial, inner) > 0
 
 
 def in_square_of_h(polynomial: StepPolynomial) -> StepPolynomial:
-    """The p with p(h²) = polynomial(h), so that ends such as 2 sqrt 2 become rational (h² = 8).
+    """The polynomial p with p(h²) = polynomial(h), for which ends such as h = 2 sqrt 2 become rational (h² = 8).
 
     Raises ValueError if an odd power of h occurs.
     """

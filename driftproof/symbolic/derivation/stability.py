@@ -1,4 +1,4 @@
-"""For which h the powers of M(h) stay bounded: characteristic polynomial, roots, and the first h where that ends."""
+"""Boundedness of the powers of M(h): characteristic polynomial, its roots, and the limit of the step size."""
 
 from __future__ import annotations
 
@@ -32,17 +32,17 @@ LAMBDA = sympy.Symbol("lambda")
 
 
 def characteristic_polynomial(m: DomainMatrix) -> sympy.Poly:
-    """λ² - tr M λ + det M, as a polynomial in λ: both components obey this recurrence."""
+    """The polynomial λ² - tr M λ + det M in λ; both components of the state satisfy the recurrence that it defines."""
     return sympy.Poly(LAMBDA**2 - expression(trace(m)) * LAMBDA + expression(determinant(m)), LAMBDA)
 
 
 def discriminant(m: DomainMatrix) -> MatrixEntry:
-    """(tr M)² - 4 det M: the roots are complex conjugate where it is negative, and merge where it is zero."""
+    """The discriminant (tr M)² - 4 det M: the roots are complex where it is negative, and coincide where it is zero."""
     return trace(m) ** 2 - 4 * determinant(m)
 
 
 def square_root_of_discriminant(m: DomainMatrix) -> tuple[sympy.Expr, sympy.Expr]:
-    """(s, r) with discriminant s² r, r without square factors: s is positive for small h > 0."""
+    """The pair (s, r) with discriminant s² r, where r is squarefree and s is positive for small h > 0."""
     factor, rest = RING.one, RING.one
     numerators, denominator = over_common_denominator(m)
     content, powers = discriminant(numerators).factor_list()
@@ -54,16 +54,17 @@ def square_root_of_discriminant(m: DomainMatrix) -> tuple[sympy.Expr, sympy.Expr
 
 
 def multipliers(m: DomainMatrix) -> tuple[sympy.Expr, sympy.Expr]:
-    """The two roots of the characteristic polynomial, half the trace ± half a root of the discriminant, in h."""
+    """The roots of the characteristic polynomial in h: half the trace ± half the square root of the discriminant."""
     half_trace, (factor, rest) = expression(trace(m)) / 2, square_root_of_discriminant(m)
     half_root = factor * sympy.sqrt(rest) / 2
     return half_trace + half_root, half_trace - half_root
 
 
 class BoundednessConditions(NamedTuple):
-    """Polynomials in h whose signs decide boundedness: 1 - det, 1 + det + tr and 1 + det - tr, all times d².
+    """Polynomials in h whose signs decide whether the powers of M = N / d are bounded; `pole` is d.
 
-    M = N / d; `merged` is d² times the discriminant, and `off` vanishes where M is a multiple of the identity.
+    `area`, `plus`, `minus` and `merged` are 1 - det, 1 + det + tr, 1 + det - tr and the discriminant, times d²; the
+    three of `off` vanish together exactly where M is a multiple of the identity.
     """
 
     pole: StepPolynomial
@@ -105,13 +106,13 @@ class AtStep:
 
     @property
     def jordan_block(self) -> bool:
-        """True when the two eigenvalues coincide and M(h) is not a multiple of the identity."""
+        """True if the two eigenvalues coincide and M(h) is not a multiple of the identity."""
         found = conditions(self.m)
         return not self._sign(found.merged) and any(self._sign(entry) for entry in found.off)
 
     @property
     def bounded(self) -> bool:
-        """True when sup over n of |M(h)ⁿ| is finite: every |λ| <= 1, and |λ| = 1 only without a Jordan block."""
+        """True if sup over n of |M(h)ⁿ| is finite: every |λ| <= 1, and |λ| = 1 only without a Jordan block."""
         return _is_bounded(conditions(self.m), self._sign)
 
     def _value(self, entry: MatrixEntry) -> sympy.Expr:
@@ -126,9 +127,9 @@ class AtStep:
 def stability_limit(m: DomainMatrix) -> sympy.Expr:
     """The largest H such that the powers of M(h) are bounded for every h in the open interval (0, H).
 
-    An exact real number: 0 if there is no such interval, `oo` if the powers are always bounded. Between
-    consecutive roots of the boundary polynomials no verdict can change, so one rational h decides each interval
-    and a root where the verdict holds (a touch) is passed over.
+    It is an exact real number: 0 if there is no such interval, `oo` if the powers are always bounded. Boundedness
+    cannot change between consecutive roots of the boundary polynomial, so one rational h decides each interval. A root
+    at which the powers are bounded, as on both sides of it, is no limit.
     """
     found = conditions(m)
     reached: sympy.Expr = sympy.Integer(0)
@@ -152,9 +153,9 @@ def _is_bounded(found: BoundednessConditions, sign_of: Callable[[StepPolynomial]
 
 
 def _boundary(found: BoundednessConditions) -> sympy.Poly:
-    """The product of the nonzero ones of the first four conditions, squarefree: a verdict can change at its roots.
+    """The squarefree product of the conditions, zero ones left out, at whose roots boundedness can change.
 
-    So it can where M becomes a multiple of the identity, if its eigenvalues coincide for every h.
+    Of the conditions `off` matters only if the eigenvalues coincide for every h, and `merged` never.
     """
     product = RING.one
     for factor in (*found[:4], *(() if found.merged else found.off)):
@@ -168,7 +169,7 @@ def _poly(polynomial: StepPolynomial) -> Any:
 
 @dataclass(frozen=True)
 class _Root:
-    """The only root of an irreducible polynomial in [low, high]; the ends are alike, or neither is a root."""
+    """The only root of an irreducible polynomial in [low, high]; the ends are equal, or neither is a root."""
 
     factor: Any
     low: sympy.Rational
@@ -176,10 +177,10 @@ class _Root:
 
     @cached_property
     def value(self) -> sympy.Expr:
-        """The root as an exact number: in radicals where SymPy has them, else with a CRootOf.
+        """The root as an exact number: in radicals if SymPy finds them, else with a CRootOf.
 
-        In an even polynomial h² is the unknown. A CRootOf is made by its index, as FLINT counts the real roots: where
-        coefficients are long, SymPy's own list of them takes minutes.
+        An even polynomial is solved for h². CRootOf is called with an index, and FLINT counts the real roots: SymPy's
+        own list of them takes minutes if the coefficients are long.
         """
         ascending = self.factor.all_coeffs()[::-1]
         even = not any(ascending[1::2])
@@ -195,7 +196,7 @@ class _Root:
         return next(x for x in roots if [certified_sign(partial(enclose_expression, x - y)) for y in ends] in _BETWEEN)
 
     def sign_of(self, polynomial: StepPolynomial) -> int:
-        """The sign at the root: zero where the irreducible polynomial divides."""
+        """The sign of `polynomial` at the root: zero exactly if the irreducible polynomial divides it."""
         p = _poly(polynomial)
         if p.rem(self.factor).is_zero:
             return 0
@@ -207,13 +208,13 @@ _BETWEEN = ([0, 0], [1, -1])
 
 
 def _square_root(x: sympy.Expr) -> sympy.Expr:
-    """The root of x > 0; of a CRootOf unevaluated, whose sign SymPy would ask for, by a list of all roots."""
+    """The square root of x > 0, unevaluated for a CRootOf: to find its sign, SymPy would list all roots."""
     factor, root = x.as_coeff_Mul()
     return sympy.sqrt(factor) * sympy.Pow(root, sympy.S.Half, evaluate=not root.atoms(sympy.CRootOf))
 
 
 def _cells(boundary: Any) -> Iterator[tuple[sympy.Rational, _Root | None]]:
-    """A rational point of each interval between 0, the positive roots and infinity, and the root at its end."""
+    """Yield a rational point of each interval between 0, the positive roots and infinity, and the root at its end."""
     previous = sympy.Integer(0)
     for low, high in boundary.intervals(sqf=True, inf=0):
         if not high:
@@ -226,12 +227,12 @@ def _cells(boundary: Any) -> Iterator[tuple[sympy.Rational, _Root | None]]:
 
 
 def _factor_between(boundary: Any, low: sympy.Rational, high: sympy.Rational) -> Any:
-    """The irreducible factor that changes its sign: all roots are simple, and only one is between the ends."""
+    """The irreducible factor with the root between the ends: all roots are simple, and only one lies there."""
     return next(f for f, _ in boundary.factor_list()[1] if f.eval(low) * f.eval(high) <= 0)
 
 
 def minimal_polynomial_of(m: DomainMatrix, limit: sympy.Expr) -> sympy.Poly:
-    """The irreducible polynomial in h of which a stability limit without radicals is a root."""
+    """The irreducible polynomial in h with the stability limit as a root, for a limit without radicals."""
     with ctx.workprec(256):
         ends = [sympy.Rational(x.numerator, x.denominator) for x in endpoints(enclose_expression(limit))]
     polynomial: sympy.Poly = _factor_between(_boundary(conditions(m)), *ends)
@@ -239,7 +240,7 @@ def minimal_polynomial_of(m: DomainMatrix, limit: sympy.Expr) -> sympy.Poly:
 
 
 def _in_field(polynomial: StepPolynomial, h: sympy.Expr) -> tuple[bool, sympy.Expr]:
-    """(is zero, value) of polynomial(h), by arithmetic in the number field Q(h), where equality is decidable."""
+    """Whether polynomial(h) is zero, and its value, by arithmetic in the field Q(h), where equality is decidable."""
     field: Any = QQ if h.is_Rational else QQ.algebraic_field(h)
     at, total = field.from_sympy(h), field.zero
     for coefficient in sympy.Poly(expression(polynomial), expression(H)).all_coeffs():

@@ -1,4 +1,4 @@
-"""How a step becomes a matrix: stage equations, the stages they have on the oscillator, and M(h), line by line."""
+"""The derivation of M(h), line by line: the stage equations of a method and their solution on the oscillator."""
 
 from __future__ import annotations
 
@@ -33,9 +33,9 @@ from driftproof.symbolic.derivation.one_step import (
 
 
 def derived_matrix(method: Method) -> tuple[DomainMatrix, list[ProofStep]]:
-    """M(h) over Q[h] or Q(h), and the steps that lead to it from the definition of the method.
+    """M(h) over Q[h] or Q(h), and the steps of its derivation from the definition of the method.
 
-    Raises ValueError where a coefficient is irrational: SymPy's fractions of polynomials are over Q here.
+    Raises ValueError for irrational coefficients: SymPy's rational functions are over Q here.
     """
     if method.field is not None:
         raise ValueError(
@@ -49,7 +49,7 @@ def derived_matrix(method: Method) -> tuple[DomainMatrix, list[ProofStep]]:
 
 
 def _runge_kutta(method: RungeKutta) -> tuple[DomainMatrix, list[ProofStep]]:
-    """The stages kᵢ = J(z + h Σ aᵢⱼ kⱼ) are Kᵢ z, where the blocks Kᵢ solve K = 1⊗J + (hA⊗J) K."""
+    """M(h) of a Runge-Kutta method: kᵢ = J(z + h Σ aᵢⱼ kⱼ) = Kᵢ z, where the blocks Kᵢ solve K = 1⊗J + (hA⊗J) K."""
     s = method.stages
     turn, one = [[0, 1], [-1, 0]], [[1, 0], [0, 1]]
     coupling = _matrix([[_times_h(x) * entry for x in row for entry in turned] for row in method.a for turned in turn])
@@ -69,7 +69,7 @@ def _runge_kutta(method: RungeKutta) -> tuple[DomainMatrix, list[ProofStep]]:
 
 
 def _nystrom(method: Nystrom) -> tuple[DomainMatrix, list[ProofStep]]:
-    """The forces kᵢ = -(q + cᵢhv + h² Σ aᵢⱼ kⱼ) solve k = -(1, hc) - h²A k."""
+    """M(h) of a Nyström method: the forces kᵢ = -(q + cᵢhv + h² Σ aᵢⱼ kⱼ) solve k = -(1, hc)(q, v)ᵀ - h²A k."""
     h = _times_h(1)
     coupling = _matrix([[-h * _times_h(x) for x in row] for row in method.a])
     stages = _solved(coupling, _matrix([[-1, -_times_h(c)] for c in method.c]))
@@ -91,7 +91,7 @@ def _nystrom(method: Nystrom) -> tuple[DomainMatrix, list[ProofStep]]:
 
 
 def _splitting(method: Splitting) -> tuple[DomainMatrix, list[ProofStep]]:
-    """Each kick and each drift is a shear, and M is their product, the last one first."""
+    """M(h) of a splitting: every kick and every drift is a shear, and M is their product with the last on the left."""
     total, steps = _matrix([[1, 0], [0, 1]]), []
     names: list[sympy.Symbol] = []
     for i, (kind, c) in enumerate(method.parts):
@@ -108,7 +108,7 @@ def _splitting(method: Splitting) -> tuple[DomainMatrix, list[ProofStep]]:
 
 
 def _collocation(method: Collocation) -> tuple[DomainMatrix, list[ProofStep]]:
-    """R(z) = Σ M⁽ˢ⁻ᵏ⁾(1) zᵏ / Σ M⁽ˢ⁻ᵏ⁾(0) zᵏ from the node polynomial M, and M(h) = R(hJ)."""
+    """M(h) = R(hJ) of a collocation method: R(z) = Σ N⁽ˢ⁻ᵏ⁾(1) zᵏ / Σ N⁽ˢ⁻ᵏ⁾(0) zᵏ for its node polynomial N."""
     nodes = sympy.Poly([_plain(c) for c in reversed(method.node_polynomial)], ARGUMENT)
     derivatives = [nodes]
     while len(derivatives) <= method.stages:
@@ -144,7 +144,7 @@ def _stage_steps(
 
 
 def _solved(coupling: DomainMatrix, right: DomainMatrix) -> DomainMatrix:
-    """The X with X = right + coupling·X: there is one, as the coupling is 0 at h = 0."""
+    """The solution of X = right + coupling·X, which is unique, as the coupling is 0 at h = 0."""
     return (DomainMatrix.eye(coupling.shape[0], FRACTION_FIELD) - coupling).lu_solve(right)
 
 
@@ -169,17 +169,17 @@ def _plain(x: Any) -> sympy.Rational:
 
 
 def _combined(coefficients: Sequence[Any], names: Sequence[sympy.Symbol]) -> sympy.Expr:
-    """The sum of the stages with these coefficients, in their order."""
+    """The linear combination of the stages with these coefficients, in their order."""
     return sympy.Add(*(_plain(c) * name for c, name in zip(coefficients, names, strict=True) if c), evaluate=False)
 
 
 def _forms(rows: DomainMatrix) -> list[sympy.Expr]:
-    """a q + b v for each row (a, b), written in this order."""
+    """The expression a q + b v for each row (a, b), written in this order."""
     pairs = [(expression(a) * POSITION, expression(b) * VELOCITY) for a, b in rows.to_list()]
     return [sympy.Add(*pair, evaluate=False) if all(pair) else sum(pair) for pair in pairs]
 
 
 def _as_polynomial(x: Any) -> Any:
-    """A fraction with a constant denominator as a polynomial; another one as it is."""
+    """A fraction with a constant denominator as a polynomial, any other fraction unchanged."""
     top, bottom = numerator_and_denominator(x)
     return top.quo_ground(bottom.LC) if bottom.is_ground else x

@@ -1,1 +1,1 @@
-"""What a method does on linear problems: one-step matrices, stability, phase, invariants."""
+"""Exact facts about methods on linear problems: one-step matrices, stability, phase, invariants."""

@@ -1,4 +1,4 @@
-"""I-, A-, L- and A(α)-stability of a rational stability function, decided exactly, with reasons that can be checked."""
+"""I-, A-, L- and A(α)-stability of a rational stability function, decided exactly and with checkable reasons."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ from driftproof.symbolic.linear.stability_limits import INFINITY, Infinity, Limi
 
 @dataclass(frozen=True)
 class Decision:
-    """A yes or no with its reason; `witness`, where a no has one, is a rational point that shows it."""
+    """A yes or no with its reason; `witness` is a rational point that proves a no, or None."""
 
     holds: bool
     reason: str
@@ -47,9 +47,9 @@ class Decision:
 
 
 def i_stability(r: RationalFunction) -> Decision:
-    """|R(iy)| <= 1 for every real y: |Q(iy)|² - |P(iy)|² >= 0; roots that touch are allowed, poles are not.
+    """Decide whether |R(iy)| <= 1 for every real y, that is |Q(iy)|² - |P(iy)|² >= 0: roots may touch, poles may not.
 
-    A witness is a y² where it is negative.
+    The witness of a no is a y² at which the difference is negative.
     """
     margin = imaginary_margin(r)
     negative = negative_point(margin)
@@ -59,9 +59,9 @@ def i_stability(r: RationalFunction) -> Decision:
 
 
 def a_stability(r: RationalFunction) -> Decision:
-    """|R(z)| <= 1 for every z with Re z <= 0: I-stable, and no pole there (hairer-wanner-1996, IV.3).
+    """Decide whether |R(z)| <= 1 for every z with Re z <= 0: I-stable, and no pole there (hairer-wanner-1996, IV.3).
 
-    By the maximum principle: R is bounded at infinity, as it is on the imaginary axis.
+    It follows from the maximum principle, as a rational R that is bounded on the imaginary axis is bounded at infinity.
     """
     on_axis = i_stability(r)
     if not on_axis:
@@ -72,7 +72,7 @@ def a_stability(r: RationalFunction) -> Decision:
 
 
 def l_stability(r: RationalFunction) -> Decision:
-    """A-stable, and R(z) -> 0 as z -> oo: deg P < deg Q."""
+    """Decide whether R is A-stable and R(z) -> 0 as z -> oo, that is deg P < deg Q."""
     half_plane = a_stability(r)
     if not half_plane:
         return half_plane
@@ -82,7 +82,7 @@ def l_stability(r: RationalFunction) -> Decision:
 
 
 def negative_point(p: Polynomial) -> Fraction | None:
-    """A rational x > 0 with p(x) < 0; None where p >= 0 on all of [0, oo).
+    """A rational x > 0 with p(x) < 0; None if p >= 0 on all of [0, oo).
 
     Between consecutive positive roots the sign is constant, so one rational point decides each interval.
     """
@@ -95,9 +95,9 @@ def negative_point(p: Polynomial) -> Fraction | None:
 
 
 def is_hurwitz(p: Polynomial) -> bool:
-    """True when every root of p has a negative real part: the first column of the Routh scheme is of one sign.
+    """True if every root of p has a negative real part: the first column of the Routh scheme has one sign.
 
-    A zero in that column, the degenerate case, is met only if some root has Re >= 0 (gantmacher-1959, XV.4).
+    A zero in that column, the degenerate case, occurs only if some root has Re >= 0 (gantmacher-1959, XV.4).
     Raises ValueError for the zero polynomial.
     """
     if not p:
@@ -118,19 +118,20 @@ def _next_row(upper: list[Scalar], lower: list[Scalar]) -> list[Scalar]:
     return [u - factor * v for u, v in zip(upper[1:], padded, strict=True)]
 
 
-# Balls of a double's precision to begin with; where 4096 bits do not tell, the ray may touch: that is decided exactly.
+# First and last precision, in bits, at which balls test a ray. If the last does not decide, |R| may touch 1 on the ray,
+# and the exact test follows. Chosen: the first is about a double; more than the last would only delay the exact test.
 FIRST_SECTOR_BITS, LAST_SECTOR_BITS = 64, 4096
 
 
 class EnclosedTangent:
-    """The number tan α, known by enclosures as narrow as asked for; `margin` is that of `sector.ray_margin`.
+    """The number tan α, enclosed by bisection to any precision; `margin` is the result of `ray_margin`.
 
-    |R| <= 1 in the closed sector up to T = tan² if it is so on its two rays and no pole lies inside: by Phragmén and
-    Lindelöf, as R is rational and bounded at infinity. Sectors are nested, so bisection in T finds the largest.
+    |R| <= 1 in the closed sector up to T = tan² if it holds on the two rays and no pole lies inside, by the theorem of
+    Phragmén and Lindelöf for a rational R bounded at infinity. Sectors are nested, so bisection in T finds the largest.
     """
 
     def __init__(self, r: RationalFunction, margin: list[Polynomial]) -> None:
-        """Enclose T between a sector that holds and one that does not. Raises ValueError if the axis itself fails."""
+        """Bracket T by a sector that is stable and one that is not. Raises ValueError if the negative axis is not."""
         self.r, self.margin = r, margin
         self.low, self.high = Fraction(0), Fraction(1)
         self._bits, self._poles = FIRST_SECTOR_BITS, dict[int, list[acb]]()
@@ -145,7 +146,7 @@ class EnclosedTangent:
     def ball(self) -> arb:
         """A ball around tan α, at Arb's current precision."""
         while (self.high - self.low) * 2**ctx.prec > self.low:
-            # Halving the exponent first, as T may be 1e-40 or 1e40.
+            # The exponents are bisected first, as T may be 1e-40 or 1e40.
             gap = (self.high // self.low).bit_length() // 2
             middle = self.low * 2**gap if gap > 1 else (self.low + self.high) / 2
             self.low, self.high = (middle, self.high) if self.holds(middle) else (self.low, middle)
@@ -153,11 +154,11 @@ class EnclosedTangent:
         return low.union(high)
 
     def holds(self, square: Fraction) -> bool:
-        """|R| <= 1 in the closed sector with tan² = square."""
+        """True if |R| <= 1 in the closed sector with tan² = square."""
         return self._holds_on_rays(square) and not self._has_pole_inside(square)
 
     def _holds_on_rays(self, square: Fraction) -> bool:
-        """By balls if they tell, else exactly."""
+        """True if |R| <= 1 on the two rays, decided by balls if they suffice, else exactly."""
         while self._bits <= LAST_SECTOR_BITS:
             with ctx.workprec(self._bits):
                 x = arb(scalar(square))
@@ -169,7 +170,7 @@ class EnclosedTangent:
         return negative_point(_at(self.margin, scalar(square))) is None
 
     def _has_pole_inside(self, square: Fraction) -> bool:
-        """Some pole has Re < 0 and Im² <= square Re²; no pole has equality, as the margin would be negative there."""
+        """True if some pole has Re < 0 and Im² < square Re². A pole with equality would make the margin negative."""
 
         def read() -> bool | None:
             if ctx.prec not in self._poles:
@@ -181,10 +182,10 @@ class EnclosedTangent:
 
 
 def positive_in_balls(balls: list[arb]) -> bool | None:
-    """p > 0 on all of (0, oo), for every p with coefficients in these balls, constant term first; None: not decided.
+    """Whether p > 0 on (0, oo) for every p with coefficients in these balls, constant term first; None if undecided.
 
-    Yes if the leading coefficient is positive and no ball around a root meets the positive axis; no if p is negative
-    at a point, looked for near the roots that may lie there and between them.
+    True if the leading coefficient is positive and no ball around a root meets the positive axis. False if p is
+    negative at one of some points near the roots that may lie on the axis and between them.
     """
     leading = sign_of_ball(balls[-1])
     if leading is None:
@@ -203,7 +204,7 @@ def positive_in_balls(balls: list[arb]) -> bool | None:
 
 
 def _is_inside(z: acb, square: Fraction) -> bool | None:
-    """The pole z lies in the sector; None where the ball does not tell."""
+    """True if the pole z lies in the sector with tan² = square; None if its ball does not decide."""
     reach = z.real**2 * arb(as_fmpq(square)) - z.imag**2
     right, within = sign_of_ball(z.real), sign_of_ball(reach)
     if right == 1 or within == -1:
@@ -211,24 +212,24 @@ def _is_inside(z: acb, square: Fraction) -> bool | None:
     return True if (right, within) == (-1, 1) else None
 
 
-# Bits of the critical polynomial, about: beyond, it would be longer than anybody reads, and soon take minutes.
+# Largest size in bits, by `critical_bits`, of the exact critical polynomial; chosen: longer ones soon take minutes.
 LARGEST_EXACT_BITS = 2**17
 
 
 @dataclass(frozen=True)
 class Angle:
-    """An angle of at most 90 degrees by its tangent."""
+    """An angle from 0 to 90 degrees, given by its tangent."""
 
     tangent: Limit | EnclosedTangent
 
     def ball(self) -> arb:
-        """The angle in degrees, at Arb's current precision; not of 0 and 90 degrees."""
+        """A ball around the angle in degrees, at Arb's current precision, for an angle below 90 degrees."""
         assert not isinstance(self.tangent, Infinity)
         return self.tangent.ball().atan() * 180 / arb.pi()
 
     @property
     def exact(self) -> Fraction | Callable[[], arb]:
-        """The angle in degrees as a number for `certified`."""
+        """The angle in degrees: 0 and 90 as a Fraction, any other as a procedure that returns a ball."""
         if isinstance(self.tangent, Infinity) or self.tangent == NO_SECTOR:
             return Fraction(90 if isinstance(self.tangent, Infinity) else 0)
         return self.ball
@@ -239,8 +240,8 @@ def sector_tangent(r: RationalFunction) -> Limit | EnclosedTangent:
 
     On the ray z = x(-1 + it) the margin |Q|² - |P|² is a polynomial in x and T = t². Its sign pattern in x > 0 can
     only change at a T where its leading, trailing or first nonzero principal subresultant coefficient vanishes; one
-    rational T decides each interval between (basu-pollack-roy-2006, chapter 5). Where that is a
-    polynomial of more than LARGEST_EXACT_BITS, bisection encloses the number, unless |R| = 1 on the negative axis.
+    rational T decides each interval between (basu-pollack-roy-2006, chapter 5). If that coefficient is a polynomial of
+    more than LARGEST_EXACT_BITS, bisection encloses the number, unless |R| = 1 somewhere on the negative axis.
     """
     if r.num.degree() > r.den.degree():
         return NO_SECTOR
@@ -256,13 +257,13 @@ def sector_tangent(r: RationalFunction) -> Limit | EnclosedTangent:
 
 
 def sector_tangent_by_rays(margin: list[Polynomial]) -> Limit:
-    """tan α from the margin on the rays; also where R is A-stable, and no constant."""
+    """tan α from the margin on the rays; also valid if R is A-stable, but not if R is constant."""
     limit = first_failure(_critical(margin), lambda square: negative_point(_at(margin, square)) is None)
     return limit.square_root() if isinstance(limit, RealRoot) else limit
 
 
 def ray_margin(r: RationalFunction) -> list[Polynomial]:
-    """|Q(z)|² - |P(z)|² at z = x(-1 + it), without common powers of x: coefficients in T = t², by powers of x."""
+    """|Q(z)|² - |P(z)|² at z = x(-1 + it), divided by powers of x: its coefficients in x, as polynomials in T = t²."""
     den, num = (_size_on_ray(p) for p in (r.den, r.num))
     margin = [a - b for a, b in zip_longest(den, num, fillvalue=ZERO)]
     places = [k for k, c in enumerate(margin) if c]
@@ -270,7 +271,7 @@ def ray_margin(r: RationalFunction) -> list[Polynomial]:
 
 
 def critical_bits(margin: list[Polynomial]) -> int:
-    """About the bits of a discriminant of the margin: its degree in T times the length of a coefficient."""
+    """An estimate in bits of a discriminant of the margin: its degree in T times the length of a coefficient."""
     factors = 2 * len(margin) - 3
     parts = [p for c in margin for p in (c.parts if isinstance(c, FieldPolynomial) else (c,))]
     height = max(int(n).bit_length() for p in parts for x in p.coeffs() for n in (x.p, x.q))
@@ -278,7 +279,7 @@ def critical_bits(margin: list[Polynomial]) -> int:
 
 
 def _size_on_ray(p: Polynomial) -> list[Polynomial]:
-    """|p(x(-1 + it))|² by powers of x: (-1 + it)ᵏ = uₖ(T) + it vₖ(T)."""
+    """The coefficients in x of |p(x(-1 + it))|², as polynomials in T = t², from (-1 + it)ᵏ = uₖ(T) + it vₖ(T)."""
     terms, u, v = [], ONE, ZERO
     for c in p.coeffs():
         terms.append((u * c, v * c))
@@ -309,6 +310,6 @@ def _critical(margin: list[Polynomial]) -> list[Polynomial]:
 
 
 def _rational_at(margin: list[Polynomial], square: fmpq, conjugates: int) -> Polynomial:
-    """The product of the conjugates of the margin at T = square: over Q, its coefficients polynomial in T."""
+    """The product of the conjugates of the margin at T = square: over Q, with coefficients that are polynomial in T."""
     value = _at(margin, square)
     return value.norm() if isinstance(value, FieldPolynomial) else value**conjugates

@@ -1,4 +1,4 @@
-"""The eigenvalues of a rational matrix: exact places, multiplicities and sizes of Jordan blocks."""
+"""The eigenvalues of a rational matrix, exact, with their multiplicities and the sizes of Jordan blocks."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class Imaginary:
 class Complex:
     """Two conjugate roots, neither real nor imaginary, of an irreducible polynomial over Z.
 
-    `index` numbers the upper ones, from 0, by real part and then by imaginary part.
+    `index` numbers such roots in the upper half-plane, from 0, by real part and then by imaginary part.
     """
 
     minimal: Minimal
@@ -41,11 +41,11 @@ class Complex:
         return len(self.minimal) - 1
 
     def ball(self) -> acb:
-        """A ball around the upper root, at Arb's current precision."""
+        """A ball around the root in the upper half-plane, at Arb's current precision."""
         return _upper_balls(self.minimal, ctx.prec)[self.index]
 
     def sum_and_product(self) -> tuple[fmpq, fmpq]:
-        """λ + λ̄ and λλ̄ for degree 2. Raises ValueError for another degree."""
+        """The rational numbers λ + λ̄ and λλ̄ for degree 2. Raises ValueError for any other degree."""
         if self.degree != 2:
             raise ValueError("the sum and the product of these conjugates are not rational")
         c, b, a = self.minimal
@@ -57,9 +57,9 @@ RootPlace: TypeAlias = RealRoot | Imaginary | Complex
 
 @dataclass(frozen=True)
 class Eigenvalue:
-    """A real eigenvalue, or a pair of conjugate ones; a root of the characteristic polynomial `multiplicity` times.
+    """A real eigenvalue or a conjugate pair, with its algebraic multiplicity.
 
-    `block` is the size of the largest Jordan block; 1 if the eigenvalue is semisimple.
+    `block` is the size of its largest Jordan block, 1 if the eigenvalue is semisimple.
     """
 
     place: RootPlace
@@ -68,7 +68,7 @@ class Eigenvalue:
 
 
 def eigenvalues(rows: _Rows) -> list[Eigenvalue]:
-    """All eigenvalues of the matrix, pairs of conjugates once, by factors of the characteristic polynomial."""
+    """All eigenvalues of the matrix, conjugate pairs once, from the factors of the characteristic polynomial."""
     matrix = fmpq_mat([[fmpq(*x.as_integer_ratio()) for x in row] for row in rows])
     blocks = dict(irreducible_factors_of(matrix.minpoly()))
     found = sorted(irreducible_factors_of(matrix.charpoly()), key=lambda item: (len(item[0]), item[0]))
@@ -76,14 +76,14 @@ def eigenvalues(rows: _Rows) -> list[Eigenvalue]:
 
 
 def root_places(minimal: Minimal) -> list[RootPlace]:
-    """Every root of an irreducible polynomial, pairs of conjugates once: real, imaginary, then the others."""
+    """Every root of an irreducible polynomial, conjugate pairs once: first real, then imaginary, then other roots."""
     imaginary = [Imaginary(minimal, size) for size in _on_imaginary_axis(minimal)]
     others = [Complex(minimal, k) for k in range(len(_upper_balls(minimal, ISOLATING_BITS)))]
     return [*every_real_root(minimal), *imaginary, *others]
 
 
 def _on_imaginary_axis(minimal: Minimal) -> list[RealRoot]:
-    """The ω > 0 with f(iω) = 0, ascending: an irreducible f with such a root is even, f(x) = g(x²), and ω² = -x²."""
+    """The ω > 0 with f(iω) = 0, ascending: an irreducible f with such a root is even, f(x) = g(x²), and g(-ω²) = 0."""
     if any(minimal[1::2]):
         return []
     below = reversed(every_real_root(minimal[::2]))
@@ -92,7 +92,7 @@ def _on_imaginary_axis(minimal: Minimal) -> list[RealRoot]:
 
 @lru_cache
 def _upper_balls(minimal: Minimal, bits: int) -> tuple[acb, ...]:
-    """Balls around the roots above the real axis and not on the imaginary one, always in the same order."""
+    """Balls around the roots above the real axis and off the imaginary axis, in the same order for any `bits`."""
     on_axis = len(_on_imaginary_axis(minimal))
     first = () if bits == ISOLATING_BITS else _upper_balls(minimal, ISOLATING_BITS)
 

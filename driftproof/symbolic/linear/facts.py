@@ -1,4 +1,4 @@
-"""The facts of a method on linear problems, as exact objects, each derived when it is first asked for."""
+"""The facts about a method on linear problems, as exact objects, each derived at its first use."""
 
 from __future__ import annotations
 
@@ -31,13 +31,13 @@ class _Checkable(Protocol):
 _T = TypeVar("_T")
 _M = TypeVar("_M", bound=_Checkable)
 
-# Terms of a series: those of a method of order 8, and a few of its error.
+# Terms of a series; chosen: those of a method of order 8 and a few of its error.
 TERMS = 12
 
 
 @dataclass(frozen=True)
 class ExactFunction:
-    """The rational function x -> f(x**power) for a power of 1 or 2, x being written `variable`."""
+    """The rational function x -> f(x**power) for a power of 1 or 2, with x written as `variable`."""
 
     f: RationalFunction
     variable: str = "z"
@@ -59,33 +59,33 @@ class ExactFunction:
         return ExactFunction(fraction(num, den), self.variable)
 
     def as_formula(self) -> Formula:
-        """The function as it is written."""
+        """The text of the function, together with the function."""
         return Formula(str(self), self)
 
 
 @dataclass(frozen=True)
 class Formula:
-    """A formula in SymPy's syntax, and the function that it is where it is one of one variable."""
+    """A formula in SymPy's syntax, and its rational function if it has one variable."""
 
     text: str
     function: ExactFunction | None = None
 
     def __str__(self) -> str:
-        """The formula."""
+        """The text of the formula."""
         return self.text
 
 
 class TruncatedSeries(NamedTuple):
-    """Σ cₖ xᵏ + O(xⁿ), with the n coefficients c₀, c₁, ..., x being written `variable`."""
+    """The series Σ cₖ xᵏ + O(xⁿ) by its n coefficients c₀, c₁, ..., with x written as `variable`."""
 
     coefficients: tuple[Exact, ...]
     variable: str = "h"
 
 
 class AStability(NamedTuple):
-    """Whether |R(z)| <= 1 for Re z <= 0, why, where not, and |Q(iy)|² - |P(iy)|² as a polynomial in y².
+    """Whether |R(z)| <= 1 for Re z <= 0, the reason, a witness of a no, and |Q(iy)|² - |P(iy)|² in powers of y².
 
-    Of a multistep method, Re(ρ/σ) on the unit circle, times a positive number, in tan²(arg ζ/2) stands for the latter.
+    For a multistep method, `margin` is Re(ρ/σ) on the unit circle, times a positive number, in powers of tan²(arg ζ/2).
     """
 
     holds: bool
@@ -95,28 +95,28 @@ class AStability(NamedTuple):
 
 
 class Sector(NamedTuple):
-    """The sector |arg(-z)| < α: tan α, and α."""
+    """The sector |arg(-z)| < α by tan α, and α in degrees."""
 
     tan: Limit | EnclosedTangent
     degrees: Angle
 
 
 class Conserved(NamedTuple):
-    """A conserved quadratic, and the largest H such that it is positive definite for h in (0, H)."""
+    """A conserved quadratic form, and the largest H such that it is positive definite for every h in (0, H)."""
 
     quadratic: invariants.QuadraticForm
     definite_limit: Limit
 
 
 class ModifiedEnergy(NamedTuple):
-    """The modified Hamiltonian, and its factor θ / sin θ as a series where its coefficients can be read."""
+    """The modified Hamiltonian, and its factor θ / sin θ as a series if the coefficients are short enough to read."""
 
     hamiltonian: invariants.ModifiedHamiltonian
     factor_series: TruncatedSeries | None
 
 
 class OrderReduction(NamedTuple):
-    """The function ψ of Prothero and Robinson with this number, and its limit at infinity."""
+    """The function ψₖ of Prothero and Robinson for k = `power`, and its limit at infinity."""
 
     power: int
     function: ExactFunction
@@ -124,35 +124,35 @@ class OrderReduction(NamedTuple):
 
 
 class RegionBoundary(NamedTuple):
-    """(Re R, Re z, Im z) for points z of the upper half-plane with |R(z)| = 1, z in decimals, off by 1e-15 at most."""
+    """(Re R, Re z, Im z) for points z with |R(z)| = 1 and Im z >= 0, as decimals with errors of z below 1e-15."""
 
     points: list[tuple[str, str, str]]
 
 
-def _of_r(derive: Callable[[RationalFunction], _T], says: str | None = None) -> cached_property[_T | None]:
-    """The fact that is derived from R(z); None for a method without R(z)."""
-    return _as_fact(lambda facts: None if facts._r is None else derive(facts._r), says or derive.__doc__)
+def _from_r(derive: Callable[[RationalFunction], _T], doc: str | None = None) -> cached_property[_T | None]:
+    """A fact derived from R(z); None for a method without R(z)."""
+    return _as_fact(lambda facts: None if facts._r is None else derive(facts._r), doc or derive.__doc__)
 
 
-def _of_step(of_r: Callable[[RationalFunction], _T], of_matrix: Callable[[StepMatrix], _T]) -> cached_property[_T]:
-    """The fact that is derived from R(z), without R(z) from M(h)."""
+def _from_step(of_r: Callable[[RationalFunction], _T], of_matrix: Callable[[StepMatrix], _T]) -> cached_property[_T]:
+    """A fact derived from R(z), or from M(h) for a method without R(z)."""
     return _as_fact(
         lambda facts: of_matrix(facts.one_step_matrix) if facts._r is None else of_r(facts._r), of_r.__doc__
     )
 
 
-def _of_method(derive: Callable[[Method], _T]) -> cached_property[_T]:
-    """The fact that is derived from the coefficients."""
+def _from_method(derive: Callable[[Method], _T]) -> cached_property[_T]:
+    """A fact derived from the coefficients of the method."""
     return _as_fact(lambda facts: derive(facts.method), derive.__doc__)
 
 
-def _as_fact(fact: Callable[[LinearFacts], _T], says: str | None) -> cached_property[_T]:
-    fact.__doc__ = says
+def _as_fact(fact: Callable[[LinearFacts], _T], doc: str | None) -> cached_property[_T]:
+    fact.__doc__ = doc
     return cached_property(fact)
 
 
 def fact_of_twin(twin: str, name: str) -> cached_property[Any]:
-    """The fact of that name of the Runge-Kutta method whose facts on linear problems are the attribute `twin`."""
+    """The fact called `name` of the attribute `twin`, the LinearFacts of a method that is equal on linear problems."""
 
     def fact(facts: Any) -> Any:
         return getattr(getattr(facts, twin), name)
@@ -162,40 +162,40 @@ def fact_of_twin(twin: str, name: str) -> cached_property[Any]:
 
 
 class FactsOfFamily(Generic[_M]):
-    """What the facts of every family of methods begin with; a class of them says which family it is of."""
+    """The facts that multistep, Rosenbrock and additive methods have in common; a subclass sets its `kind`."""
 
     kind: ClassVar[str]
 
     def __init__(self, method: _M) -> None:
-        """Compute nothing yet."""
+        """Keep the method; nothing is computed yet."""
         self.method = method
 
     @cached_property
     def family(self) -> str:
-        """The kind of method by which its coefficients are read."""
+        """The kind of method, which says how the coefficients are read."""
         return self.kind
 
     @cached_property
     def inconsistencies(self) -> dict[str, Exact]:
-        """What is not zero and should be, as sum(b) - 1, or rho(1)."""
+        """The nonzero residuals of the consistency conditions by name, such as sum(b) - 1 or rho(1)."""
         return self.method.inconsistencies()
 
 
 class LinearFacts:
-    """What a method does on linear problems; a fact is None where the method has none.
+    """The exact facts about a method on linear problems; a fact that the method does not have is None.
 
-    Where it has R(z), facts are about y' = λy, else about the oscillator q' = v, v' = -q, with the matrix M(h).
+    For a method with R(z) they are about y' = λy, else about the oscillator q' = v, v' = -q with the matrix M(h).
     """
 
     def __init__(self, method: Method, terms: int = TERMS) -> None:
-        """Compute nothing yet; `terms` is the length of the series."""
+        """Keep the method; nothing is computed yet. `terms` is the length of the series."""
         demand_method(method)
         self.method = method
         self.terms = terms
 
-    stability_function = _of_r(ExactFunction, "R(z), with y₁ = R(hλ) y₀ on y' = λy.")
+    stability_function = _from_r(ExactFunction, "R(z), with y₁ = R(hλ) y₀ on y' = λy; None without it.")
 
-    one_step_matrix = _of_method(oscillator.oscillator_matrix)
+    one_step_matrix = _from_method(oscillator.oscillator_matrix)
 
     @cached_property
     def determinant(self) -> ExactFunction:
@@ -205,7 +205,7 @@ class LinearFacts:
 
     @cached_property
     def energy_multiplier(self) -> ExactFunction | None:
-        """The factor by which a step multiplies q² + v², where it is the same for all states; given by h²."""
+        """The factor by which a step multiplies q² + v², a function of h²; None if it depends on the state."""
         if self._r is not None:
             return ExactFunction(oscillator.energy_multiplier_of(self._r), "h", 2)
         found = oscillator.energy_factor(self.one_step_matrix)
@@ -213,17 +213,17 @@ class LinearFacts:
 
     @cached_property
     def invariant(self) -> invariants.QuadraticForm | None:
-        """The quadratic form in q and v that a step conserves, where there is one up to a factor."""
+        """The quadratic form in q and v that a step conserves; None unless it is unique up to a factor."""
         return self._conserved[0] if len(self._conserved) == 1 else None
 
     @cached_property
     def conserved_quadratics(self) -> list[Conserved]:
-        """A basis of the quadratic forms that a step conserves, and how far each is definite."""
+        """A basis of the quadratic forms that a step conserves, with the limit up to which each is definite."""
         return [Conserved(form, invariants.definite_limit(form)) for form in self._conserved]
 
     @cached_property
     def modified_hamiltonian(self) -> ModifiedEnergy | None:
-        """The Hamiltonian whose exact flow over time h the step is, for det M = 1."""
+        """The quadratic Hamiltonian whose exact flow over time h is the step; None if there is none for small h."""
         m = self.one_step_matrix
         found = invariants.modified_hamiltonian(m) if self._keeps_area else None
         if found is None:
@@ -232,71 +232,71 @@ class LinearFacts:
             found, _series(phase.modified_factor_series(m, self.terms)) if self._turns_readably else None
         )
 
-    real_limit = _of_r(stability_limits.real_limit)
-    imaginary_limit = _of_step(stability_limits.imaginary_limit, bounded_limit)
+    real_limit = _from_r(stability_limits.real_limit)
+    imaginary_limit = _from_step(stability_limits.imaginary_limit, bounded_limit)
 
     @cached_property
     def a_stable(self) -> bool | None:
-        """Whether |R(z)| <= 1 for every z with Re z <= 0."""
+        """True if |R(z)| <= 1 for every z with Re z <= 0; None without R(z)."""
         return None if self.a_stability is None else self.a_stability.holds
 
     @cached_property
     def a_stability(self) -> AStability | None:
-        """A-stability with its reason, and a point where it fails."""
+        """A-stability with its reason and a witness of a no; None without R(z)."""
         if self._r is None:
             return None
         found = half_plane.a_stability(self._r)
         margin = coefficients(stability_limits.imaginary_margin(self._r))
         return AStability(found.holds, found.reason, found.witness, margin)
 
-    i_stable = _of_r(lambda r: half_plane.i_stability(r).holds, "Whether |R(iy)| <= 1 for every real y.")
+    i_stable = _from_r(lambda r: half_plane.i_stability(r).holds, "True if |R(iy)| <= 1 for real y; None without R(z).")
 
-    l_stable = _of_r(lambda r: half_plane.l_stability(r).holds, "A-stable, and R vanishes at infinity.")
+    l_stable = _from_r(lambda r: half_plane.l_stability(r).holds, "True if A-stable and R(oo) = 0; None without R(z).")
 
     @cached_property
     def stability_within_digits(self) -> StabilityWithinDigits | None:
-        """I-, A- and L-stability as far as rounded coefficients tell, and the R(oo) that their digits allow."""
+        """I-, A- and L-stability and |R(oo)| within the rounding of the coefficients; None if they are not rounded."""
         method = self.method
         return stability_within_digits(method) if isinstance(method, RungeKutta) and self._rounded else None
 
     @property
     def _rounded(self) -> bool:
-        """Whether the coefficients stand for others, which they round."""
+        """True if the coefficients are rounded from others."""
         return self.method.decimal
 
     @cached_property
     def sector(self) -> Sector | None:
-        """The widest sector in which |R(z)| <= 1: A(α)-stability."""
+        """The widest sector in which |R(z)| <= 1, for A(α)-stability; None without R(z)."""
         if self._r is None:
             return None
         tangent = INFINITY if self.a_stable else sector_tangent(self._r)
         return Sector(tangent, Angle(tangent))
 
-    limit_at_infinity = _of_r(lambda r: _at_infinity(r), "The limit of R(z) as z grows.")
+    limit_at_infinity = _from_r(lambda r: _at_infinity(r), "The limit of R(z) at infinity; None without R(z).")
 
-    stiffly_accurate = _of_method(reduced_tableau.is_stiffly_accurate)
-    first_same_as_last = _of_method(reduced_tableau.is_first_same_as_last)
-    symplectic = _of_method(reduced_tableau.is_symplectic)
-    symmetric = _of_method(reduced_tableau.is_symmetric)
-    linearly_symmetric = _of_step(phase.is_linearly_symmetric, oscillator.is_matrix_symmetric)
+    stiffly_accurate = _from_method(reduced_tableau.is_stiffly_accurate)
+    first_same_as_last = _from_method(reduced_tableau.is_first_same_as_last)
+    symplectic = _from_method(reduced_tableau.is_symplectic)
+    symmetric = _from_method(reduced_tableau.is_symmetric)
+    linearly_symmetric = _from_step(phase.is_linearly_symmetric, oscillator.is_matrix_symmetric)
 
     @cached_property
     def linear_order(self) -> int:
-        """The order on linear problems: of R(z), or of M(h) on the oscillator."""
+        """The order on linear problems: that of R(z), or without R(z) that of M(h) on the oscillator."""
         if self._r is None:
             return phase.matrix_error(self.one_step_matrix) - 1
         return phase.error_constant(self._r).power - 1
 
-    error_constant = _of_r(phase.error_constant)
+    error_constant = _from_r(phase.error_constant)
 
     @cached_property
     def dispersion(self) -> phase.LeadingTerm | None:
-        """The leading term of arg R(ih) - h; without R(z), of the angle of the eigenvalues of M(h) minus h."""
+        """The leading term of arg R(ih) - h, or without R(z) of the angle of the eigenvalues of M(h) minus h."""
         if self._r is not None:
             return phase.dispersion(self._r)
         return None if self._turning_rate is None else phase.angle_error(self.one_step_matrix)
 
-    dissipation = _of_step(phase.dissipation, phase.leading_dissipation)
+    dissipation = _from_step(phase.dissipation, phase.leading_dissipation)
 
     @cached_property
     def dispersion_series(self) -> TruncatedSeries | None:
@@ -314,12 +314,12 @@ class LinearFacts:
 
     @cached_property
     def modified_rate(self) -> TruncatedSeries | None:
-        """log R(z): on y' = λy the step is the exact flow of y' = (log R(hλ)/h) y."""
+        """The series of log R(z): on y' = λy the step is the exact flow of y' = (log R(hλ)/h) y; None without R(z)."""
         return None if self._r is None else _series(phase.modified_rate(self._r, self.terms), "z")
 
     @cached_property
     def order_reduction(self) -> list[OrderReduction] | None:
-        """The functions of Prothero and Robinson that are not zero, up to the power at which the linear order ends."""
+        """The nonzero functions ψₖ of Prothero and Robinson for k up to the linear order plus 1; None without R(z)."""
         method = self.method
         if not isinstance(method, RungeKutta | Collocation):
             return None
@@ -328,10 +328,10 @@ class LinearFacts:
 
     @cached_property
     def ssp_coefficient(self) -> Limit | None:
-        """The largest c such that steps up to c times that of forward Euler preserve what forward Euler preserves."""
+        """The largest c such that the method preserves for h <= c h₀ what forward Euler preserves for h <= h₀."""
         return ssp_coefficient(self.method) if isinstance(self.method, RungeKutta | Collocation) else None
 
-    region_boundary = _of_r(
+    region_boundary = _from_r(
         lambda r: RegionBoundary(rounded_boundary(r)), "Points of the boundary |R(z)| = 1 of the stability region."
     )
 
@@ -345,12 +345,12 @@ class LinearFacts:
 
     @property
     def _keeps_area(self) -> bool:
-        """False where det M = |R(ih)|² is not 1: nothing is conserved, as R(ih) = ±1 for all h has |R(ih)|² = 1."""
+        """False if det M = |R(ih)|² is not 1 for all h; then nothing is conserved, as that needs |R|² = 1 or R = ±1."""
         return self._r is None or phase.is_linearly_symmetric(self._r)
 
     @cached_property
     def _turning_rate(self) -> Exact | None:
-        """The σ of the eigenvalue angle σh + O(h²), 1 for a consistent method; None for a step that is no rotation."""
+        """The σ in the eigenvalue angle σh + O(h²), 1 for a consistent method; None for a step that is no rotation."""
         try:
             return phase.leading_frequency(self.one_step_matrix)
         except phase.NoRotationError:
@@ -358,7 +358,7 @@ class LinearFacts:
 
     @property
     def _turns_readably(self) -> bool:
-        """True where the series of the eigenvalue angle has coefficients that somebody can read."""
+        """True if the series of the eigenvalue angle has coefficients that are short enough to read."""
         return self._turning_rate is not None and is_readable(self._turning_rate)
 
 
@@ -368,9 +368,9 @@ def fact_names(kind: type) -> tuple[str, ...]:
 
 
 def facts_by_name(facts: Any, names: Sequence[str], known: Sequence[str]) -> dict[str, Any]:
-    """The facts with these names: what `facts`, or else its method, has by that name.
+    """The facts with these names, as attributes of `facts` or else of its method.
 
-    Raises ValueError for a name that is not known.
+    Raises ValueError for a name that is not in `known`.
     """
     demand_known(names, known)
     own = {*dir(type(facts)), *vars(facts)}
@@ -378,7 +378,7 @@ def facts_by_name(facts: Any, names: Sequence[str], known: Sequence[str]) -> dic
 
 
 def demand_known(names: Sequence[str], known: Iterable[str]) -> None:
-    """Raises ValueError for a name that is not known."""
+    """Raise ValueError for a name that is not in `known`."""
     for name in names:
         if name not in known:
             raise ValueError(f"unknown fact {name!r}; choose from {', '.join(known)}")

@@ -1,4 +1,4 @@
-"""Families of Runge-Kutta methods with a parameter: R(z) as a function of it, and stability as exact sets of values."""
+"""Families of Runge-Kutta methods with a parameter: R(z), and the exact sets of values with a kind of stability."""
 
 from __future__ import annotations
 
@@ -33,29 +33,29 @@ from driftproof.symbolic.linear.stability_function import stability_function
 from driftproof.symbolic.linear.stability_limits import common_denominator
 
 _NIL = fraction(ZERO)
-# Digits of an end without a radical form, in text; the records have them all.
+# Significant digits, in text, of an interval end without radicals; chosen, as the records hold its minimal polynomial.
 DIGITS_OF_ENDS = 12
 _Label = TypeVar("_Label", bound=Hashable)
 
 
 @dataclass(frozen=True)
 class FamilyStability:
-    """R(z) = P/Q, in lowest terms over Q(parameter): polynomials in x = z and in the parameter.
+    """R(z) = P/Q in lowest terms over Q(t) for the parameter t; `num` is P and `den` is Q, polynomials in x = z and t.
 
-    At single values of the parameter a further factor may cancel; at roots of Q(0) there may be no method.
+    At single values of t a further factor may cancel; at the roots of Q(z = 0) there may be no method.
     """
 
     num: Bivariate
     den: Bivariate
 
     def coefficients(self) -> tuple[list[RationalFunction], list[RationalFunction]]:
-        """The coefficients of numerator and denominator as functions of the parameter, the first of the latter 1."""
+        """The coefficients of P and Q in z as functions of the parameter, scaled such that Q(0) = 1."""
         first = rows_in_x(self.den)[0]
         num, den = ([fraction(c, first) for c in rows_in_x(p)] for p in (self.num, self.den))
         return num, den
 
     def taylor(self, terms: int) -> list[RationalFunction]:
-        """The first Taylor coefficients at z = 0, as functions of the parameter."""
+        """The first `terms` Taylor coefficients of R at z = 0, as functions of the parameter."""
         num, den = self.coefficients()
         found: list[RationalFunction] = []
         for k in range(terms):
@@ -66,12 +66,12 @@ class FamilyStability:
         return found
 
     def margin_on_axis(self) -> Bivariate:
-        """|Q(iy)|² - |P(iy)|² by powers of y², without common ones."""
+        """|Q(iy)|² - |P(iy)|² as a polynomial in x = y² and the parameter, divided by powers of x."""
         return without_root_zero(modulus_squared_in_x(self.den) - modulus_squared_in_x(self.num))
 
 
 def poles(family: Family) -> Polynomial:
-    """The least common multiple of the denominators of all entries: it vanishes where the method is not defined."""
+    """The least common multiple of the denominators of all coefficients: it vanishes where no method is defined."""
     return common_denominator([*family.a, family.b, family.c])
 
 
@@ -99,7 +99,7 @@ def _determinant(rows: Sequence[Sequence[Polynomial]], common: Polynomial) -> Bi
 def family_error_constant(family: Family) -> tuple[int, RationalFunction]:
     """(power, C) with R(z) - eᶻ = C(parameter) z**power + ..., C not zero; at the roots of C the order is higher.
 
-    There is one: R agrees with exp up to the power deg P + deg Q at most, as for a single method.
+    Such a term exists: R agrees with exp at most up to the power deg P + deg Q, as for a single method.
     """
     r = family_stability(family)
     terms = degree_in_x(r.num) + degree_in_x(r.den) + 3
@@ -111,7 +111,7 @@ def family_error_constant(family: Family) -> tuple[int, RationalFunction]:
 
 @dataclass(frozen=True)
 class Interval:
-    """The numbers between `low` and `high` (None: no bound), with the ends that are closed."""
+    """The numbers between `low` and `high` (None: unbounded), with each end closed or open."""
 
     low: RealRoot | None
     high: RealRoot | None
@@ -119,7 +119,7 @@ class Interval:
     high_closed: bool
 
     def __str__(self) -> str:
-        """E.g. "[1/4, oo)", "{1 - sqrt(2)/2}"."""
+        """The interval as text, e.g. "[1/4, oo)" or "{1 - sqrt(2)/2}"."""
         if self.low is not None and self.low == self.high:
             return f"{{{_text(self.low)}}}"
         left, right = "[" if self.low_closed else "(", "]" if self.high_closed else ")"
@@ -133,15 +133,15 @@ class ParameterSet(NamedTuple):
     intervals: tuple[Interval, ...]
 
     def __str__(self) -> str:
-        """The union, e.g. "[1/4, oo)"; "empty" for none."""
+        """The union as text, e.g. "[1/4, oo)"; "empty" without intervals."""
         return " U ".join(map(str, self.intervals)) or "empty"
 
 
 @dataclass(frozen=True)
 class Line:
-    """The line cut at the real roots of polynomials in the parameter: open cell 0, point 0, open cell 1, and so on.
+    """The line of the parameter, cut at `points`: open cell 0, point 0, open cell 1, and so on.
 
-    Points where the family has a pole are kept as points, and left out as values.
+    The roots of `poles` are among the points, but no method belongs to them.
     """
 
     points: list[RealRoot]
@@ -149,14 +149,14 @@ class Line:
 
     @classmethod
     def cut(cls, family: Family, polynomials: Iterable[Polynomial]) -> Line:
-        """The line of the family's parameter, cut at its poles and at the roots of the nonzero ones of these."""
+        """Cut the line of the family's parameter at its poles and at the real roots of the nonzero polynomials."""
         common = poles(family)
         return cls(_real_roots([p for p in (common, *polynomials) if p]), common)
 
     def values(self) -> Iterator[Exact | None]:
-        """A rational number of each open cell, and each point itself, ascending; None at a pole.
+        """Yield a rational number of each open cell and each point itself, ascending; None for a pole.
 
-        Raises `methods.number_field.UndecidedError` at a point of degree above 12, which has no number field here.
+        Raises `methods.number_field.UndecidedError` at a point of degree above 12, for which no number field is built.
         """
         for k, inner in enumerate(_samples(self.points)):
             yield exact(inner)
@@ -165,7 +165,7 @@ class Line:
                 yield None if vanishes_at(self.poles, point) else root_as_number(point)
 
     def runs(self, labels: Sequence[_Label]) -> list[tuple[_Label, Interval]]:
-        """Intervals of equal labels, ascending; label 2k is that of the open cell before point k, 2k + 1 its own."""
+        """The maximal intervals of equal labels; cell k before point k has labels[2k], point k has labels[2k + 1]."""
         found = []
         for label, run in groupby(enumerate(labels), key=lambda item: item[1]):
             places = [place for place, _ in run]
@@ -176,35 +176,36 @@ class Line:
         return found
 
     def where(self, holds: Callable[[Exact], object]) -> ParameterSet:
-        """The values at which `holds` is true, if it is constant on each open cell."""
+        """The set of values for which `holds` is true; `holds` must be constant on each open cell."""
         return self.marked([value is not None and bool(holds(value)) for value in self.values()])
 
     def marked(self, verdicts: Sequence[bool]) -> ParameterSet:
-        """The cells and points with the verdict True."""
+        """The union of the cells and points whose verdict is True."""
         return ParameterSet(tuple(interval for verdict, interval in self.runs(verdicts) if verdict))
 
 
 def parameter_set(family: Family, decide: Callable[[RationalFunction], object]) -> ParameterSet:
-    """The values of the parameter at which `decide` of R(z) is true.
+    """The set of values of the parameter for which decide(R) is true.
 
-    For A-, I- and L-stability and whatever else depends on the degrees of R in lowest terms, on the sign pattern of
-    |Q(iy)|² - |P(iy)|² and on the side of the imaginary axis where the poles lie: between critical values none of these
-    changes, so one rational value decides each interval; critical values are decided in their number fields.
+    `decide` may depend on the degrees of R in lowest terms, the sign pattern of |Q(iy)|² - |P(iy)|² and the side of the
+    imaginary axis on which each pole lies, as A-, I- and L-stability do. None of these changes between critical values,
+    so one rational value decides each interval; the critical values are decided in their number fields.
     """
     line = Line.cut(family, critical_polynomials(family))
     return line.where(lambda value: decide(stability_function(family.member(value))))
 
 
 def critical_polynomials(family: Family) -> list[Polynomial]:
-    """Polynomials in the parameter, one of which vanishes wherever the facts named in `parameter_set` can change."""
+    """Polynomials in the parameter, one of which vanishes wherever a property named in `parameter_set` can change."""
     r = family_stability(family)
     return critical_values(r, r.margin_on_axis(), even_and_odd_part(r.den))
 
 
 def critical_values(r: FamilyStability, margin: Bivariate, *pairs: tuple[Bivariate, Bivariate]) -> list[Polynomial]:
-    """Polynomials that vanish where the degree of P, Q or the margin changes, or where roots merge.
+    """Polynomials in the parameter that vanish where a degree changes, or a root becomes 0, or two roots merge.
 
-    These are roots of P and Q, roots of the margin, and roots of the two in a pair.
+    Degrees and zero roots are those of P, Q and the margin; roots merge if one is of P and one of Q, if both are of the
+    margin, or if each is of one polynomial of a pair.
     """
     merging = [merging_values(p, q) for p, q in ((r.num, r.den), *pairs, (margin, margin.derivative(0)))]
     ends = [p for f in (r.num, r.den, margin) if f for p in (rows_in_x(f)[0], rows_in_x(f)[-1])]
@@ -212,7 +213,7 @@ def critical_values(r: FamilyStability, margin: Bivariate, *pairs: tuple[Bivaria
 
 
 def _real_roots(polynomials: list[Polynomial]) -> list[RealRoot]:
-    """All real roots, ascending."""
+    """All real roots of the polynomials, ascending."""
     negative = [root.negated() for root in positive_roots([reflected(p) for p in polynomials])]
     middle = [] if all(p[0] for p in polynomials) else [ORIGIN]
     return [*reversed(negative), *middle, *positive_roots(polynomials)]
@@ -227,5 +228,5 @@ def _samples(points: list[RealRoot]) -> list[fmpq]:
 
 
 def _text(root: RealRoot) -> str:
-    """In radicals, or else with few digits and a sign that they are not all."""
+    """The number in radicals, or else rounded to DIGITS_OF_ENDS digits after a tilde."""
     return radical_form(root) or f"~{root_decimal(root, DIGITS_OF_ENDS)}"

@@ -1,4 +1,4 @@
-"""Quadratics that a step conserves on the oscillator: all of them, where they are definite, the modified energy."""
+"""Quadratic forms that a step conserves on the oscillator, where they are definite, and the modified Hamiltonian."""
 
 from __future__ import annotations
 
@@ -18,17 +18,17 @@ _UNIT = fraction(ONE)
 
 @dataclass(frozen=True)
 class QuadraticForm:
-    """a q² + b qv + c v² by its coefficients (a, b, c) in Q[h] or K[h], without a common factor."""
+    """The form a q² + b qv + c v² by its coefficients (a, b, c) in Q[h] or K[h], without a common factor."""
 
     coefficients: tuple[Polynomial, Polynomial, Polynomial]
 
 
 def quadratic_invariants(m: StepMatrix) -> list[QuadraticForm]:
-    """A basis over the field of rational functions of all quadratic forms I with I(M(h)z) = I(z).
+    """A basis of all quadratic forms I with I(M(h)z) = I(z), over the field of rational functions of h.
 
-    On quadratics M acts by λ₁², λ₁λ₂ and λ₂². So M = ±I conserves all, another M with an eigenvalue 1 or -1 for all h
-    the square of its left eigenvector, a row of M - λI with the other eigenvalue λ; and else, where det M = 1, M
-    conserves one, the area of z and Mz. It is scaled to be the energy (q² + v²)/2 at h = 0 where it can be.
+    M acts on quadratic forms by λ₁², λ₁λ₂ and λ₂². So M = ±I conserves all of them. Any other M with an eigenvalue 1 or
+    -1 for all h conserves the square of its left eigenvector, a row of M - λI with the other eigenvalue λ. Otherwise M
+    conserves one form if det M = 1, the area of z and Mz, scaled to the energy (q² + v²)/2 at h = 0 where possible.
     """
     (qq, qv), (vq, vv) = m
     area, turn = area_factor(m), matrix_trace(m)
@@ -44,16 +44,16 @@ def quadratic_invariants(m: StepMatrix) -> list[QuadraticForm]:
 
 
 def definite_limit(form: QuadraticForm) -> Limit:
-    """The largest H such that the form is positive definite for every h in (0, H): a > 0 and 4ac - b² > 0."""
+    """The largest H such that the form is positive definite, a > 0 and 4ac - b² > 0, for every h in (0, H)."""
     a, b, c = form.coefficients
     return _positive_limit(a, 4 * a * c - b * b)
 
 
 @dataclass(frozen=True)
 class ModifiedHamiltonian:
-    """H̃(z) = (θ / sin θ) (q2 q² + qv qv + v2 v²) with cos θ = `cosine`: the step is its exact flow over time h.
+    """H̃(z) = (θ / sin θ) (q2 q² + qv qv + v2 v²) with cos θ = `cosine`, whose exact flow over time h is the step.
 
-    Valid for h in (0, `limit`), where |cos θ| < 1 and θ, continuous from 0, lies in (0, π).
+    It is valid for h in (0, `limit`), where |cos θ| < 1 and θ, continuous from 0, lies in (0, π).
     """
 
     cosine: RationalFunction
@@ -64,10 +64,9 @@ class ModifiedHamiltonian:
 
 
 def modified_hamiltonian(m: StepMatrix) -> ModifiedHamiltonian | None:
-    """The quadratic Hamiltonian whose exact flow over time h is M(h), for det M = 1; None for another determinant.
+    """The quadratic Hamiltonian whose flow over time h is M(h); None unless det M = 1 and M is elliptic for small h.
 
     log M = (θ / sin θ)(M - cos θ I), and z' = J∇H̃ with J = [[0, 1], [-1, 0]] (hairer-lubich-wanner-2006, IX.3).
-    None also where M is not elliptic for small h.
     """
     if area_factor(m) != _UNIT:
         return None
@@ -82,7 +81,7 @@ def modified_hamiltonian(m: StepMatrix) -> ModifiedHamiltonian | None:
 
 
 def _form(*vector: RationalFunction) -> QuadraticForm:
-    """The form in this direction, polynomial and without a common factor; its first nonzero value at h = 0 is 1/2."""
+    """The form along `vector` with coprime polynomial coefficients; their first nonzero value at h = 0 is 1/2."""
     common = common_denominator([vector])
     entries = [descend(x.num * quotient(common, x.den)) for x in vector]
     content = reduce(greatest_common_divisor, entries)
@@ -93,7 +92,7 @@ def _form(*vector: RationalFunction) -> QuadraticForm:
 
 
 def _positive_limit(*polynomials: Polynomial) -> Limit:
-    """The largest H with all p > 0 on (0, H): the first positive root of any, if all are positive before it."""
+    """The largest H such that all polynomials are positive on (0, H): 0, or the first positive root of any, or `oo`."""
     lowest = [next(filter(bool, p.coeffs()), None) for p in polynomials]
     if any(c is None or sign(c) == -1 for c in lowest):
         return ZERO_ROOT

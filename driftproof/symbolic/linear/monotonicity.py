@@ -31,9 +31,9 @@ from driftproof.symbolic.linear.stability_limits import INFINITY, Infinity, Limi
 def ssp_coefficient(method: RungeKutta | Collocation) -> Limit:
     """The largest r with (I + ϱK)⁻¹ defined, K(I + ϱK)⁻¹ >= 0 and ϱK(I + ϱK)⁻¹e <= e for all ϱ in [0, r].
 
-    K is the irreducible A with bᵀ as a further row (kraaijevanger-1991, section 4). A step that keeps a convex
-    functional from growing for forward Euler with h <= h₀ does so for this method with h <= r h₀. A negative entry of
-    K gives 0.
+    K is the irreducible A with bᵀ as a further row (kraaijevanger-1991, section 4). If no step of forward Euler with
+    h <= h₀ increases a convex functional, then no step of this method with h <= r h₀ does. A negative entry of K
+    gives 0.
     """
     stages = _stages(method) if isinstance(method, Collocation) else reduced_stages_of(method)
     if stages is None or any(x < 0 for row in (*stages.a, *stages.weights) for x in row):
@@ -45,36 +45,36 @@ def ssp_coefficient(method: RungeKutta | Collocation) -> Limit:
 
 
 def _is_positive_to(p: Polynomial, limit: Limit) -> bool:
-    """True only if p > 0 on (0, limit): by Descartes' rule, as (1 + x)ⁿ p(limit/(1 + x)) has no change of sign."""
+    """True only if p > 0 on (0, limit), by Descartes' rule: (1 + x)ⁿ p(limit/(1 + x)) has no sign change."""
     if isinstance(limit, Infinity) or limit == ZERO_LIMIT or not isinstance(p, fmpq_poly):
-        return limit == ZERO_LIMIT  # nothing is less
+        return limit == ZERO_LIMIT  # (0, 0) is empty
     end = as_fmpq(dyadic(limit.ball().upper()))
     moved = fmpq_poly(p(fmpq_poly([0, end])).coeffs()[::-1])(fmpq_poly([1, 1]))
     return sign(moved.leading_coefficient()) == 1 and not sign_changes(moved)
 
 
 def _stages(method: Collocation) -> StageCoefficients | None:
-    """Those of collocation at one node, or at 0 and another; None for the others, where K has a negative entry.
+    """The coefficients of collocation at one node, or at 0 and another; None for other nodes: K has a negative entry.
 
-    For if K >= 0, no node is negative, as cᵢ = Σⱼ aᵢⱼ. Let c be the smallest positive node, in the row i. If no node is
-    0, then c²/2 = Σⱼ aᵢⱼcⱼ >= c Σⱼ aᵢⱼ = c². If one is 0 and s >= 3, then c³/3 = Σⱼ aᵢⱼcⱼ² >= c Σⱼ aᵢⱼcⱼ = c³/2. Stages
-    that do not count meet only zeros of A, and leaving them out changes nothing.
+    Proof: let K >= 0 and s >= 2. No node is negative, as cᵢ = Σⱼ aᵢⱼ. Let c be the smallest positive node, in row i. If
+    no node is 0, then c²/2 = Σⱼ aᵢⱼcⱼ >= c Σⱼ aᵢⱼ = c². If one is 0 and s >= 3, then c³/3 = Σⱼ aᵢⱼcⱼ² >= c Σⱼ aᵢⱼcⱼ =
+    c³/2. The sums are those of the irreducible A, as it leaves out only zeros of the rows that it keeps.
     """
     constant, *others = method.node_polynomial
     if len(others) == 1:
-        return _of_rows([(-constant,)], (Fraction(1),))
+        return _with_row_sums([(-constant,)], (Fraction(1),))
     if len(others) == 2 and not constant:
         x = -others[0]
-        return _of_rows([(Fraction(0),) * 2, (x / 2,) * 2], (1 - 1 / (2 * x), 1 / (2 * x)))
+        return _with_row_sums([(Fraction(0),) * 2, (x / 2,) * 2], (1 - 1 / (2 * x), 1 / (2 * x)))
     return None
 
 
-def _of_rows(a: Sequence[tuple[Exact, ...]], weights: tuple[Exact, ...]) -> StageCoefficients:
+def _with_row_sums(a: Sequence[tuple[Exact, ...]], weights: tuple[Exact, ...]) -> StageCoefficients:
     return StageCoefficients(tuple(a), (weights,), tuple(sum(row, Fraction(0)) for row in a))
 
 
 def monotonicity_conditions(stages: StageCoefficients) -> list[Polynomial]:
-    """What must be >= 0: det(I + rA), and times it the entries of K(I + rK)⁻¹ and of e - rK(I + rK)⁻¹e, in Q[r]."""
+    """The polynomials in r that must be >= 0: det(I + rA), and its multiples by K(I + rK)⁻¹ and e - rK(I + rK)⁻¹e."""
     a = [[scalar(x) for x in row] for row in stages.a]
     rows, size = [*a, [scalar(x) for x in stages.weights[0]]], range(len(a))
     found, matrices = faddeev_leverrier([[-x for x in row] for row in a])  # det(I + rA) and adj(I + rA), by powers of r

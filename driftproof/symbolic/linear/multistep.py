@@ -1,6 +1,6 @@
-"""What is true of a linear multistep method: order, root condition, A- and A(α)-stability, limits; all decided exactly.
+"""The exact facts about a linear multistep method: order, root condition, A- and A(α)-stability, stability limits.
 
-The tests in the complex plane of z = hλ are those of the function ρ/σ outside the unit disc (hairer-wanner-1996, V.1).
+Stability at z = hλ is decided by the values of the function ρ/σ outside the unit disc (hairer-wanner-1996, V.1).
 """
 
 from __future__ import annotations
@@ -49,26 +49,26 @@ from driftproof.symbolic.linear.root_condition import (
 )
 from driftproof.symbolic.linear.stability_limits import INFINITY, Limit, smallest
 
-# Points of the root locus as a fact: on either side of ζ = i.
+# Points of the root locus as a fact, on each side of ζ = i; chosen: enough to show its shape.
 _LOCUS_POINTS = 6
 
 
 class Residual(NamedTuple):
-    """Why the order is no higher: L(tᵖ⁺ᵈ)/(p + d)!, the first residual, on the polynomial solution of this `power`."""
+    """Why the order p is no higher: the first nonzero residual L(tᵏ)/k! on solutions tᵏ, with k = `power` = p + d."""
 
     power: int
     residual: Fraction
 
 
 class Barrier(NamedTuple):
-    """The highest order of zero-stable methods of so many steps (dahlquist-1956), and whether this one has it."""
+    """The highest order of zero-stable methods with as many steps (dahlquist-1956), and whether this one has it."""
 
     highest_order: int
     attained: bool
 
 
 class LocusPoint(NamedTuple):
-    """z = ρ(ζ)/σ(ζ) for the ζ on the unit circle with this real and imaginary part: all exact."""
+    """The point z = ρ(ζ)/σ(ζ) for ζ = cosine + i sine on the unit circle, exact."""
 
     cosine: Fraction
     sine: Fraction
@@ -77,10 +77,10 @@ class LocusPoint(NamedTuple):
 
 
 class MultistepFacts(FactsOfFamily[Multistep]):
-    """The exact facts about a linear multistep method, each derived when it is first asked for.
+    """The exact facts about a linear multistep method, each derived at its first use.
 
-    Those of y' = λy, z = hλ, are None of methods for y'' = F(y). Where rho and sigma have a common factor,
-    zero-stability is of rho as it is, stability at z is that of the method without the factor: `common_factor` says so.
+    Facts about y' = λy with z = hλ are None for methods for y'' = F(y). If rho and sigma have a `common_factor`, then
+    zero-stability is that of rho as written, but stability at z is that of the method without the factor.
 
     >>> from driftproof.methods.catalogue import FACTS_ONLY
     >>> facts = MultistepFacts(FACTS_ONLY["bdf2"])
@@ -92,56 +92,56 @@ class MultistepFacts(FactsOfFamily[Multistep]):
 
     @cached_property
     def rho(self) -> ExactFunction:
-        """ρ(ζ) = Σ ρⱼ ζʲ."""
+        """The polynomial ρ(ζ) = Σ ρⱼ ζʲ."""
         return ExactFunction(fraction(self._written[0]), "zeta")
 
     @cached_property
     def sigma(self) -> ExactFunction:
-        """σ(ζ) = Σ σⱼ ζʲ."""
+        """The polynomial σ(ζ) = Σ σⱼ ζʲ."""
         return ExactFunction(fraction(self._written[1]), "zeta")
 
     @cached_property
     def common_factor(self) -> ExactFunction | None:
-        """The common factor of rho and sigma; None where the method is irreducible."""
+        """The greatest common divisor of rho and sigma; None if the method is irreducible."""
         found = greatest_common_divisor(*self._written)
         return None if not found.degree() else ExactFunction(fraction(found), "zeta")
 
     @cached_property
     def order(self) -> int:
-        """The largest p such that every polynomial solution of degree p + d - 1 is followed exactly."""
+        """The largest p such that every polynomial solution of degree p + d - 1 is reproduced exactly, for y⁽ᵈ⁾ = F."""
         return self.order_fails.power - self.method.derivative
 
     @cached_property
     def order_fails(self) -> Residual:
-        """The first power of t on which the method fails, and by how much, for h = 1."""
+        """The first power of t that the method does not reproduce, with its residual for h = 1."""
         return next(Residual(power, x) for power in count() if (x := _residual(self.method, power)))
 
     @cached_property
     def error_constant(self) -> Fraction | None:
-        """C = C_{p+d}/σ(1): the global error begins like that of a method with local error C hᵖ⁺ᵈ y⁽ᵖ⁺ᵈ⁾ (III.2)."""
+        """C = C_{p+d}/σ(1): local errors C hᵖ⁺ᵈ y⁽ᵖ⁺ᵈ⁾ give the leading global error (III.2); None if σ(1) = 0."""
         total = sum(self.method.sigma)
         return None if not total else self.order_fails.residual / total
 
     @cached_property
     def zero_stable(self) -> bool:
-        """Whether its numbers stay bounded on y' = 0, or grow no faster than n on y'' = 0."""
+        """True if numerical solutions stay bounded on y' = 0, or grow no faster than n on y'' = 0."""
         return self.root_condition.holds
 
     @cached_property
     def root_condition(self) -> RootCondition:
-        """The condition on the roots of rho, with its reason."""
+        """Whether the roots of rho satisfy the root condition, with the reason."""
         return root_condition(self._written[0], self.method.derivative)
 
     @cached_property
     def convergent(self) -> bool:
-        """Zero-stable and of order 1 at least: that is necessary and sufficient (dahlquist-1956)."""
+        """True if zero-stable and of order 1 at least, which is necessary and sufficient (dahlquist-1956)."""
         return self.zero_stable and self.order >= 1
 
     @cached_property
     def first_barrier(self) -> Barrier | None:
-        """Of methods for y' = F(y): k + 2 for even k, k + 1 for odd, k for explicit ones; above it none is zero-stable.
+        """The first Dahlquist barrier for y' = F(y): k if σₖ/ρₖ <= 0, else k + 2 for even k and k + 1 for odd k.
 
-        Raises AssertionError where what was derived contradicts it.
+        It is None for y'' = F(y). Raises AssertionError if the facts derived here contradict it.
         """
         if self.method.derivative != 1:
             return None
@@ -153,15 +153,15 @@ class MultistepFacts(FactsOfFamily[Multistep]):
 
     @cached_property
     def a_stable(self) -> bool | None:
-        """Whether its numbers stay bounded on y' = λy for every z with Re z <= 0."""
+        """True if numerical solutions of y' = λy stay bounded for every z with Re z <= 0; None for y'' = F(y)."""
         return None if self.a_stability is None else self.a_stability.holds
 
     @cached_property
     def a_stability(self) -> AStability | None:
-        """A-stability with its reason; where it fails on the locus, `witness` is the tan²(arg ζ/2) of such a point.
+        """A-stability with its reason; if it fails on the locus, `witness` is the tan²(arg ζ/2) of a point there.
 
-        Exactly if ρ/σ is positive real outside the disc: Re(ρ/σ) >= 0 on the circle, no root of ρ + σ outside or on it.
-        Raises AssertionError where what was derived contradicts the second barrier (dahlquist-1963).
+        A method is A-stable exactly if ρ/σ is positive real outside the unit disc: Re(ρ/σ) >= 0 on the circle, and no
+        root of ρ + σ on or outside it. Raises AssertionError if this contradicts the second barrier (dahlquist-1963).
         """
         if self.method.derivative != 1:
             return None
@@ -173,7 +173,7 @@ class MultistepFacts(FactsOfFamily[Multistep]):
 
     @cached_property
     def sector(self) -> Sector | None:
-        """The widest sector |arg(-z)| < α in which it is stable: A(α)-stability."""
+        """The widest sector |arg(-z)| < α of stability, for A(α)-stability; None for y'' = F(y)."""
         if self.method.derivative != 1:
             return None
         tangent = INFINITY if self.a_stable else self._sector_tangent()
@@ -181,12 +181,12 @@ class MultistepFacts(FactsOfFamily[Multistep]):
 
     @cached_property
     def real_limit(self) -> Limit | None:
-        """The largest x₀ such that its numbers stay bounded for every z in (-x₀, 0)."""
+        """The largest x₀ such that numerical solutions stay bounded for every z in (-x₀, 0); None for y'' = F(y)."""
         return None if self.method.derivative != 1 else root_condition_limit(*self._irreducible)
 
     @cached_property
     def imaginary_limit(self) -> Limit:
-        """The largest y₀ such that they do for z = iy, 0 < y < y₀; on y'' = -ω²y, for 0 < hω < y₀."""
+        """The largest y₀ such that numerical solutions stay bounded for z = iy, or hω = y on y'' = -ω²y, 0 < y < y₀."""
         rho, sigma = self._irreducible
         squares = (rho * rho, sigma * sigma) if self.method.derivative == 1 else (rho, sigma)
         found = root_condition_limit(*squares)
@@ -194,7 +194,7 @@ class MultistepFacts(FactsOfFamily[Multistep]):
 
     @cached_property
     def root_locus(self) -> list[LocusPoint]:
-        """Points ρ(ζ)/σ(ζ) with |ζ| = 1, Im ζ > 0, where a root of the method crosses the circle; poles left out."""
+        """Points z = ρ(ζ)/σ(ζ) with |ζ| = 1 and Im ζ > 0, at which ζ is a root of ρ - zσ; poles are left out."""
         halves = [Fraction(k, _LOCUS_POINTS) for k in range(1, _LOCUS_POINTS)]
         found = (self._locus_point(t) for t in [*halves, Fraction(1), *(1 / t for t in reversed(halves))])
         return [point for point in found if point is not None]
@@ -216,13 +216,13 @@ class MultistepFacts(FactsOfFamily[Multistep]):
 
     @cached_property
     def _on_circle(self) -> tuple[Polynomial, Polynomial]:
-        """M and K with ρσ̄ ~ M(s) + iy K(s) at w = iy, s = y², times a positive number."""
+        """The polynomials M and K with ρσ̄ = M(s) + iy K(s) at w = iy, s = y², up to a positive factor."""
         r, s = self._in_half_plane
         product = r * reflected(s)
         return reflected(even_part(product)), reflected(odd_part(product))
 
     def _stable_at_minus_one(self) -> bool:
-        """Every root of ρ + σ is inside the circle."""
+        """True if every root of ρ + σ lies inside the unit circle, that is if the method is stable at z = -1."""
         rho, sigma = self._irreducible
         both = half_plane_form(rho + sigma, rho.degree())
         return both.degree() == rho.degree() and is_hurwitz(both)
@@ -236,11 +236,11 @@ class MultistepFacts(FactsOfFamily[Multistep]):
         return True, "Re(rho/sigma) >= 0 on the unit circle, and rho + sigma has all roots inside (Routh)", None
 
     def _sector_tangent(self) -> Limit:
-        """tan α: the least of |Im z|/|Re z| on the locus where Re z < 0, as ρ/σ maps |ζ| = 1 to its borders.
+        """tan α, the least |Im z|/|Re z| on the part of the locus with Re z < 0, which bounds the stability region.
 
-        A sector that meets the locus is not stable: near ζ₀ some |ζ| > 1 has its z there, as ρ/σ is open. On the locus
-        tan² = s K²/M², which is least at a root of its derivative, of M = K = 0, or at 0 or oo, where its limit is 0
-        or oo, as one of the two degrees is odd.
+        A sector that meets the locus at the z of some ζ₀ is not stable, as ρ/σ is open: it maps some ζ near ζ₀ with
+        |ζ| > 1 into the sector. On the locus tan² is s K²/M², which is least at a root of its derivative, at one of
+        M = K = 0, or at s = 0 or oo, where its limit is 0 or oo, as sK² and M² differ there by an odd power of s.
         """
         if not self._stable_at_minus_one():
             return ZERO_ROOT
@@ -259,7 +259,7 @@ class MultistepFacts(FactsOfFamily[Multistep]):
         return least.square_root() if isinstance(least, RealRoot) else least
 
     def _locus_point(self, half: Fraction) -> LocusPoint | None:
-        """ρ/σ at w = i tan(arg ζ/2)."""
+        """The point of the locus at w = i `half`, half = tan(arg ζ/2); None at a pole."""
         _, s = self._in_half_plane
         square = as_fmpq(half * half)
         size = modulus_squared_on_imaginary_axis(s)(square)
@@ -273,12 +273,12 @@ class MultistepFacts(FactsOfFamily[Multistep]):
 MULTISTEP_ON_REQUEST = ("root_locus",)
 _IDENTITY = ("method", "title", "family", "derivative", "source", "steps", "explicit", "decimal", "rho", "sigma")
 _DERIVED = (name for name in fact_names(MultistepFacts) if name not in MULTISTEP_ON_REQUEST)
-# Every fact by name, in the order in which a reader wants them.
+# The names of all facts, in the order in which they are printed.
 MULTISTEP_FACTS = tuple(dict.fromkeys((*_IDENTITY, "inconsistencies", "claimed_order", *_DERIVED)))
 
 
 def _residual(method: Multistep, power: int) -> Fraction:
-    """L(tᵖ)/p! at t = 0, h = 1: Σ ρⱼ jᵖ/p! - Σ σⱼ jᵖ⁻ᵈ/(p - d)!."""
+    """The residual L(tᵖ)/p! = Σ ρⱼ jᵖ/p! - Σ σⱼ jᵖ⁻ᵈ/(p - d)! at t = 0, h = 1, for p = `power`."""
     left = sum((x * j**power for j, x in enumerate(method.rho)), Fraction(0)) / factorial(power)
     lower = power - method.derivative
     if lower < 0:
@@ -287,7 +287,7 @@ def _residual(method: Multistep, power: int) -> Fraction:
 
 
 def _square_of_tangent(top: Polynomial, bottom: Polynomial, s: RealRoot) -> RealRoot:
-    """T = s K(s)²/M(s)², a root of the resultant of s's polynomial and sK² - TM²."""
+    """T = s K²/M² with K/M = top/bottom, a root of the resultant of the minimal polynomial of s and sK² - TM²."""
     if vanishes_at(top, s):
         return ZERO_ROOT
     if s.rational is not None:

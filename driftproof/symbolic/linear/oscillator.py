@@ -1,4 +1,4 @@
-"""The one-step matrix M(h) of any method on the oscillator, and on any linear system, with exact entries."""
+"""The exact one-step matrix M(h) of a method on the oscillator and on linear systems z' = Az."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ from driftproof.symbolic.linear.stability_function import (
 
 
 def stability_function_of(method: Method) -> RationalFunction | None:
-    """R(z) where the method has one: Runge-Kutta and collocation methods; None for splittings and Nyström methods.
+    """R(z) of a Runge-Kutta or collocation method; None for splittings and Nyström methods.
 
     >>> from driftproof import METHODS, stability_function_of
     >>> stability_function_of(METHODS["forward_euler"]).num
@@ -45,7 +45,7 @@ def stability_function_of(method: Method) -> RationalFunction | None:
 
 
 def oscillator_matrix(method: Method) -> StepMatrix:
-    """M(h) with (q₁, v₁)ᵀ = M(h) (q₀, v₀)ᵀ for q' = v, v' = -q, also for implicit methods: entries in Q(h) or K(h)."""
+    """M(h) with (q₁, v₁)ᵀ = M(h) (q₀, v₀)ᵀ for q' = v, v' = -q, entries in Q(h) or K(h); the method may be implicit."""
     r = stability_function_of(method)
     if r is not None:
         return rotation_like(r)
@@ -70,8 +70,8 @@ def rotation_like(r: RationalFunction) -> StepMatrix:
 def linear_step_matrix(method: Method, rows: Sequence[Sequence[Exact | int]]) -> StepMatrix:
     """M(h) with z₁ = M(h) z₀ for z' = Az, A given by its rows.
 
-    R(hA) for Runge-Kutta and collocation methods; splittings and Nyström methods need A = [[0, I], [K, 0]], that is
-    q' = v, v' = Kq. Raises ValueError for another A, and for one that is not square.
+    It is R(hA) for Runge-Kutta and collocation methods; splittings and Nyström methods need A = [[0, I], [K, 0]], that
+    is q' = v, v' = Kq. Raises ValueError for any other A, and for one that is not square.
     """
     exact_rows = [[scalar(x) for x in row] for row in rows]
     if not exact_rows or any(len(row) != len(exact_rows) for row in exact_rows):
@@ -81,18 +81,18 @@ def linear_step_matrix(method: Method, rows: Sequence[Sequence[Exact | int]]) ->
 
 
 def matrix_trace(m: StepMatrix) -> RationalFunction:
-    """tr M."""
+    """The trace of a 2x2 matrix."""
     return m[0][0] + m[1][1]
 
 
 def area_factor(m: StepMatrix) -> RationalFunction:
-    """det M, the factor by which one step scales area."""
+    """The determinant of a 2x2 matrix, the factor by which one step scales area."""
     (qq, qv), (vq, vv) = m
     return qq * vv - qv * vq
 
 
 def energy_factor(m: StepMatrix) -> RationalFunction | None:
-    """The μ(h²) with E(Mz) = μ E(z) for every z, as a function of h²; None where the change depends on the state."""
+    """The factor μ with E(Mz) = μ E(z) for every z, as a function of h²; None if it depends on the state."""
     (qq, qv), (vq, vv) = m
     gained = qq * qq + vq * vq
     if gained != qv * qv + vv * vv or (qq * qv + vq * vv).num:
@@ -101,7 +101,7 @@ def energy_factor(m: StepMatrix) -> RationalFunction | None:
 
 
 def is_matrix_symmetric(m: StepMatrix) -> bool:
-    """M(h) M(-h) = I: on the oscillator a step of -h undoes a step of h."""
+    """True if M(h) M(-h) = I: on the oscillator a step of -h undoes a step of h."""
     back = tuple(tuple(reversed_sign(x) for x in row) for row in m)
     (qq, qv), (vq, vv) = _product(m, back)
     one, nil = fraction(ONE), fraction(ZERO)
@@ -114,22 +114,22 @@ def _product(a: StepMatrix, b: StepMatrix) -> StepMatrix:
 
 
 def energy_multiplier_of(r: RationalFunction) -> RationalFunction:
-    """|R(ih)|² as a function of h²: what one step of a method with this R does to the energy of the oscillator."""
+    """|R(ih)|² as a function of h², the factor by which one step multiplies the energy of the oscillator."""
     return fraction(modulus_squared_on_imaginary_axis(r.num), modulus_squared_on_imaginary_axis(r.den))
 
 
 def _at_minus_square(p: Polynomial) -> Polynomial:
-    """p(-z²)."""
+    """The polynomial p(-z²)."""
     return inflated(reflected(p))
 
 
 def inflated(p: Polynomial) -> Polynomial:
-    """p(z²)."""
+    """The polynomial p(z²)."""
     return from_scalars([x for c in p.coeffs() for x in (c, c * 0)])
 
 
 def _implicit_nystrom_matrix(method: Nystrom) -> StepMatrix:
-    """k = -(I + h²A)⁻¹ (1 q + hc v): every entry is a resolvent bᵀ(I - zA)⁻¹v at z = -h²."""
+    """M(h) of an implicit Nyström method, from bᵀ(I - zA)⁻¹v at z = -h², as k = -(I + h²A)⁻¹ (1 q + hc v)."""
     a = tuple(tuple(scalar(x) for x in row) for row in method.a)
     nodes, weights, rates = (tuple(scalar(x) for x in row) for row in (method.c, method.b_position, method.b_velocity))
 
@@ -146,9 +146,9 @@ def _implicit_nystrom_matrix(method: Nystrom) -> StepMatrix:
 
 
 def _partitioned(method: Method, rows: list[list[Scalar]]) -> StepMatrix:
-    """[[α(h²K), hβ(h²K)], [hKγ(h²K), δ(h²K)]], where [[α(-h²), hβ(-h²)], [-hγ(-h²), δ(-h²)]] is the oscillator's M(h).
+    """M(h) on q' = v, v' = Kq: [[α(h²K), hβ(h²K)], [hKγ(h²K), δ(h²K)]].
 
-    The step is linear in (q, v) and scales like them: its entries are functions of h²K, as on the oscillator of -h².
+    The functions are those of the oscillator, K = -1, whose M(h) is [[α(-h²), hβ(-h²)], [-hγ(-h²), δ(-h²)]].
     """
     stiffness = stiffness_of(rows)
     if stiffness is None:
@@ -163,7 +163,7 @@ def _partitioned(method: Method, rows: list[list[Scalar]]) -> StepMatrix:
 
 
 def stiffness_of(rows: Sequence[Sequence[Scalar]]) -> list[list[Scalar]] | None:
-    """The K of a system q' = v, v' = Kq, that is of the matrix [[0, I], [K, 0]]; None for another matrix."""
+    """The block K of the matrix [[0, I], [K, 0]] of a system q' = v, v' = Kq; None for any other matrix."""
     half, odd = divmod(len(rows), 2)
     expected = [[int(j == i + half) for j in range(2 * half)] for i in range(half)]
     if odd or [list(row) for row in rows[:half]] != expected or any(x for row in rows[half:] for x in row[half:]):
@@ -172,7 +172,7 @@ def stiffness_of(rows: Sequence[Sequence[Scalar]]) -> list[list[Scalar]] | None:
 
 
 def _of_square(f: RationalFunction, stiffness: list[list[Scalar]], factor: RationalFunction) -> StepMatrix:
-    """factor(h) φ(h²K), where φ(-h²) = f(h), f even."""
+    """factor(h) φ(h²K), where φ(-h²) = f(h) for an even f."""
     phi = fraction(*(reflected(deflate(p)) for p in (f.num, f.den)))
     found = of_matrix(phi, stiffness)
     return tuple(tuple(fraction(inflated(x.num), inflated(x.den)) * factor for x in row) for row in found)

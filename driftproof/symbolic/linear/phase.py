@@ -1,4 +1,4 @@
-"""Error constants, dispersion and dissipation, and the modified equation on linear problems: exact series."""
+"""Exact series: error constants, dispersion, dissipation and the modified equation on linear problems."""
 
 from __future__ import annotations
 
@@ -30,12 +30,12 @@ from driftproof.symbolic.linear.oscillator import area_factor, matrix_trace
 
 
 class NoRotationError(ValueError):
-    """A step that for small h is no rotation, or turns by s*h + O(h**2) with s**2 no positive rational."""
+    """Raised for a step that for small h is no rotation, or turns by s*h + O(h**2) with s**2 no positive rational."""
 
 
 @dataclass(frozen=True)
 class LeadingTerm:
-    """coefficient * h**power, the lowest power of a series that is not zero."""
+    """The lowest term of a nonzero series: coefficient * h**power, or z**power for R(z)."""
 
     power: int
     coefficient: Exact
@@ -44,14 +44,14 @@ class LeadingTerm:
 def error_constant(r: RationalFunction) -> LeadingTerm:
     """C zᵖ⁺¹, the leading term of R(z) - eᶻ; p is the order on linear problems, never below the order.
 
-    There is one: R agrees with exp up to the power deg P + deg Q at most (Padé).
+    It exists: R agrees with exp at most up to the power deg P + deg Q (Padé).
     """
     terms = r.num.degree() + r.den.degree() + 2
     return _leading([a - b for a, b in zip(taylor(r, terms), exponential_series(terms), strict=True)])
 
 
 def matrix_error(m: StepMatrix) -> int:
-    """The first power of h at which M(h) and exp(hJ) differ; the order on the oscillator is one less."""
+    """The lowest power of h at which M(h) and exp(hJ) differ; the order on the oscillator is one less."""
     terms = 2
     while True:
         terms *= 2
@@ -62,9 +62,9 @@ def matrix_error(m: StepMatrix) -> int:
 
 
 def modified_rate(r: RationalFunction, terms: int) -> PowerSeries:
-    """log R(z) = z (1 + ...) as its first `terms` coefficients: the step is the exact flow of y' = (log R(hλ)/h) y.
+    """The first `terms` coefficients of log R(z) = z + ...: the step is the exact flow of y' = (log R(hλ)/h) y.
 
-    This is the modified equation on linear problems, to any length (hairer-lubich-wanner-2006, IX.1).
+    That is the modified equation on linear problems (hairer-lubich-wanner-2006, IX.1).
     """
     return series_logarithm(taylor(r, terms))
 
@@ -81,27 +81,27 @@ def dissipation_series(r: RationalFunction, terms: int) -> PowerSeries:
 
 
 def dispersion(r: RationalFunction) -> LeadingTerm:
-    """The leading term of arg R(ih) - h. There is one, as R(z)/R(-z) is rational and e²ᶻ is not."""
+    """The leading term of arg R(ih) - h, which exists, as R(z)/R(-z) is rational and e²ᶻ is not."""
     return _leading_of(lambda terms: dispersion_series(r, terms))
 
 
 def dissipation(r: RationalFunction) -> LeadingTerm | None:
-    """The leading term of log |R(ih)|; None where |R(ih)| = 1 for every h, that is R(z) R(-z) = 1."""
+    """The leading term of log |R(ih)|; None if |R(ih)| = 1 for every h, that is R(z) R(-z) = 1."""
     if is_linearly_symmetric(r):
         return None
     return _leading_of(lambda terms: dissipation_series(r, terms))
 
 
 def is_linearly_symmetric(r: RationalFunction) -> bool:
-    """R(z) R(-z) = 1: on linear problems a step of -h undoes a step of h."""
+    """True if R(z) R(-z) = 1: on linear problems a step of -h undoes a step of h."""
     return bool(r.num * reflected(r.num) == r.den * reflected(r.den))
 
 
 def angle_error_series(m: StepMatrix, terms: int) -> PowerSeries:
     """θ(h) - h modulo h**terms, θ the angle of the eigenvalues: cos θ = tr M / (2 sqrt(det M)).
 
-    From θ' = -(cos θ)' / sin θ. An inconsistent splitting turns by θ = σh + O(h²) with σ = sqrt(Σ kicks Σ drifts); its
-    series lies in Q(σ). Raises NoRotationError unless σ² is rational and positive.
+    It comes from θ' = -(cos θ)' / sin θ. An inconsistent splitting turns by θ = σh + O(h²), σ = sqrt(Σ kicks Σ drifts),
+    with a series over Q(σ). Raises NoRotationError unless σ² is rational and positive.
     """
     cosine, sine = _cosine_and_sine(m, terms)
     slope = series_quotient([-c for c in series_derivative(cosine)[1:]], sine)
@@ -109,12 +109,12 @@ def angle_error_series(m: StepMatrix, terms: int) -> PowerSeries:
 
 
 def leading_frequency(m: StepMatrix) -> Exact:
-    """The σ with θ = σh + O(h²); 1 for a consistent method. Raises NoRotationError unless σ² is rational, positive."""
+    """The σ in θ = σh + O(h²), 1 for a consistent method. Raises NoRotationError unless σ² is a positive rational."""
     return _square_root(exact(_square_of_sine(_cosine(m, 2))[0]))
 
 
 def _cosine(m: StepMatrix, terms: int) -> PowerSeries:
-    """cos θ = 1 + O(h²) modulo h**(terms + 1), as M = I + O(h), its trace and determinant 2 + O(h²) and 1 + O(h²)."""
+    """cos θ = 1 + O(h²) modulo h**(terms + 1), for M = I + O(h) with trace 2 + O(h²) and determinant 1 + O(h²)."""
     root = series_root(taylor(area_factor(m), terms + 1))
     return series_quotient([c / 2 for c in taylor(matrix_trace(m), terms + 1)], root)
 
@@ -134,7 +134,7 @@ def _cosine_and_sine(m: StepMatrix, terms: int) -> tuple[PowerSeries, PowerSerie
 
 
 def _square_root(x: Exact) -> Exact:
-    """The square root of a rational x > 0, exact. Raises NoRotationError for another x."""
+    """The exact square root of a rational x > 0. Raises NoRotationError for any other x."""
     if not isinstance(x, Fraction) or x <= 0:
         raise NoRotationError(f"the step turns by s*h + O(h**2) with s**2 = {x}: no positive rational")
     product = x.numerator * x.denominator
@@ -145,12 +145,12 @@ def _square_root(x: Exact) -> Exact:
 
 
 def damping_series(m: StepMatrix, terms: int) -> PowerSeries:
-    """½ log det M modulo h**terms: the growth rate per step of the eigenvalues' radius."""
+    """½ log det M modulo h**terms, the logarithm of the modulus of the complex eigenvalues."""
     return [c / 2 for c in series_logarithm(taylor(area_factor(m), terms))]
 
 
 def angle_error(m: StepMatrix) -> LeadingTerm:
-    """The leading term of θ(h) - h. There is one, as cos θ is algebraic in h and cos h is not.
+    """The leading term of θ(h) - h, which exists, as cos θ is algebraic in h and cos h is not.
 
     Raises NoRotationError as `leading_frequency` does.
     """
@@ -159,14 +159,14 @@ def angle_error(m: StepMatrix) -> LeadingTerm:
 
 
 def leading_dissipation(m: StepMatrix) -> LeadingTerm | None:
-    """The leading term of ½ log det M; None where det M = 1 for every h."""
+    """The leading term of ½ log det M; None if det M = 1 for every h."""
     if area_factor(m) == fraction(ONE):
         return None
     return _leading_of(lambda terms: damping_series(m, terms))
 
 
 def modified_factor_series(m: StepMatrix, terms: int) -> PowerSeries:
-    """θ / sin θ modulo h**terms, for det M = 1: the factor of the modified Hamiltonian."""
+    """θ / sin θ modulo h**terms, the factor of the modified Hamiltonian, for det M = 1."""
     angle = angle_error_series(m, terms + 1)
     over_step = [c if k else c + 1 for k, c in enumerate(angle[1:])]
     return series_quotient(over_step, _cosine_and_sine(m, terms + 1)[1])
@@ -178,13 +178,13 @@ def _rotation(terms: int) -> tuple[tuple[PowerSeries, PowerSeries], tuple[PowerS
 
 
 def _real_and_imaginary(series: PowerSeries) -> tuple[PowerSeries, PowerSeries]:
-    """The parts of Σ cₖ (ih)ᵏ as series in h."""
+    """The real and imaginary parts of Σ cₖ (ih)ᵏ as series in h."""
     signed = [(k % 2, c * (-1) ** (k // 2)) for k, c in enumerate(series)]
     return [c * (1 - odd) for odd, c in signed], [c * odd for odd, c in signed]
 
 
 def _leading_of(compute: Callable[[int], PowerSeries]) -> LeadingTerm:
-    """The leading term of a series that is not zero, computed to twice the length until it shows."""
+    """The leading term of a nonzero series, whose length is doubled until a nonzero term appears."""
     terms = 8
     while not any(compute(terms)):
         terms *= 2

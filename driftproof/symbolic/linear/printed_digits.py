@@ -1,4 +1,4 @@
-"""I-, A- and L-stability as far as the digits tell in which a table of rounded coefficients is printed."""
+"""I-, A- and L-stability of a table of rounded coefficients, as far as its printed digits decide them."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ from driftproof.symbolic.algebra.polynomials import reflected
 from driftproof.symbolic.linear.a_stability import is_hurwitz, negative_point
 from driftproof.symbolic.linear.stability_function import stability_function
 
-# Digits of R(oo) and of what the digits allow: they are sizes.
+# Significant digits of R(oo) and its bound; chosen: only their order of magnitude matters.
 SIZE_DIGITS = 3
-# Bits beside those of the digits: the radii, not the arithmetic, make the balls wide.
+# Bits of precision in addition to those of the digits, so that the width of the balls comes from the radii alone.
 SPARE_BITS = 64
 
 
 class StabilityWithinDigits(NamedTuple):
-    """What the printed digits do not exclude, and the largest |R(oo)| of any table that prints the same digits."""
+    """The stability that the printed digits do not exclude, R(oo) as written, and the largest |R(oo)| they allow."""
 
     i_stable: bool
     a_stable: bool
@@ -31,13 +31,14 @@ class StabilityWithinDigits(NamedTuple):
 
 
 def stability_within_digits(method: RungeKutta) -> StabilityWithinDigits | None:
-    """I-, A- and L-stability of the tables whose coefficients differ from rounded ones by their rounding at most.
+    """The I-, A- and L-stability that the rounding of the coefficients does not exclude.
 
-    That is half a unit of the last digit of a decimal, and 1/q² of a ratio p/q, as the convergents p/q of a number are
-    closer to it (hardy-wright-2008, 10.9). Balls around A and b, entries that are printed the same being the same
-    number, give balls around the coefficients of R = P/Q. I-stability is excluded where even the upper ends of
-    |Q(iy)|² - |P(iy)|² are negative at some y; for A-stability the written table has, besides, no pole with Re z <= 0;
-    for L-stability R(oo) may be 0. None where R has no limit. The coefficients have to be rational.
+    The rounding is at most half a unit of the last digit of a decimal, and 1/q² for a ratio p/q, as convergents of a
+    number are that close to it (hardy-wright-2008, 10.9). Balls of these radii around A and b give balls around the
+    coefficients of R = P/Q; entries that are printed alike count as equal. I-stability is excluded if even the upper
+    ends of |Q(iy)|² - |P(iy)|² are negative at some y. A-stability also needs that the written table has no pole with
+    Re z <= 0, and L-stability that the ball around R(oo) contains 0. None for explicit methods, for irrational
+    coefficients, and if R may have no limit.
     """
     if method.field or method.explicit:
         return None
@@ -66,14 +67,14 @@ def stability_within_digits(method: RungeKutta) -> StabilityWithinDigits | None:
 
 
 def _digits(x: Exact) -> int:
-    """The significant digits of a finite decimal; of another number, those of its denominator."""
+    """The number of significant digits of a finite decimal; for any other number, of digits of its denominator."""
     assert isinstance(x, Fraction)
     places = _places(x)
     return len(str(x.denominator if places is None else x * 10**places).lstrip("-0"))
 
 
 def _places(x: Exact) -> int | None:
-    """The digits after the point of a finite decimal."""
+    """The number of digits after the point of a finite decimal; None for any other number."""
     assert isinstance(x, Fraction)
     rest, places = x.denominator, 0
     for prime in (2, 5):
@@ -85,7 +86,7 @@ def _places(x: Exact) -> int | None:
 
 
 def _ball(x: Exact, longest: int) -> arb:
-    """x, up to its rounding: exact if it has less than half the digits of the longest, as 0.25 and 1/3."""
+    """x with its rounding as radius; exact if x has less than half the digits of the longest, such as 0.25 or 1/3."""
     assert isinstance(x, Fraction)
     places, middle = _places(x), arb(as_fmpq(x))
     if 2 * _digits(x) < longest:
@@ -95,7 +96,7 @@ def _ball(x: Exact, longest: int) -> arb:
 
 
 def _determinant(rows: list[list[arb]]) -> arb_poly:
-    """det(I - zM) in balls, without the i in whose row or column all is 0: they only add powers of z times 0."""
+    """det(I - zM) in balls, without the indices whose row or column is 0, which would only add terms with factor 0."""
     kept = list(range(len(rows)))
     while (fewer := [i for i in kept if not all(rows[i][j].is_zero() for j in kept)]) != kept or (
         fewer := [j for j in kept if not all(rows[i][j].is_zero() for i in kept)]
@@ -106,6 +107,6 @@ def _determinant(rows: list[list[arb]]) -> arb_poly:
 
 
 def _square_on_axis(p: arb_poly) -> arb_poly:
-    """|p(iy)|² by powers of y²."""
+    """|p(iy)|² as a polynomial in y²."""
     even, odd = (arb_poly([-c if k % 2 else c for k, c in enumerate(p.coeffs()[start::2])]) for start in (0, 1))
     return even * even + arb_poly([0, 1]) * odd * odd

@@ -1,4 +1,4 @@
-"""How far powers of R(hλ), and of R of a Jordan block, stay bounded for h > 0 and one eigenvalue λ: exact."""
+"""Exact step size limits for bounded powers of R(hλ), or of R(hJ) for a Jordan block J of λ."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ from driftproof.symbolic.linear.stability_limits import INFINITY, Limit
 
 
 class Bound(NamedTuple):
-    """Powers are bounded for every h in (0, `limit`); `attained`: at the limit, too; None where it is 0 or oo."""
+    """Powers are bounded for every h in (0, `limit`); `attained` says whether for h = `limit`, None for 0 and oo."""
 
     limit: Limit
     attained: bool | None
@@ -52,10 +52,10 @@ NEVER, ALWAYS = Bound(ZERO_ROOT, None), Bound(INFINITY, None)
 
 
 def ray_bound(r: RationalFunction, total: Scalar, product: Scalar, block: int) -> Bound:
-    """The bound for R(xJ), x > 0, J a Jordan block of size `block` for λ with λ + λ̄ = `total` and λλ̄ = `product`.
+    """The bound of x > 0 for powers of R(xJ), J a Jordan block of size `block` for λ: λ + λ̄ = `total`, λλ̄ = `product`.
 
-    Powers of R(xJ) are bounded where |R(xλ)| < 1, and where |R(xλ)| = 1 and R(xJ) is a multiple of the identity: there
-    R', ..., of orders below the block's, vanish at xλ, and so do as many derivatives of P'Q - PQ' from the zeroth on.
+    They are bounded where |R(xλ)| < 1, and where |R(xλ)| = 1 and R(xJ) is a multiple of the identity. The latter means
+    that R' and its derivatives of order below `block` - 1 vanish at xλ, equivalently those of P'Q - PQ'.
     """
     margin, obstacles = ray_conditions(r, total, product, block)
     if not margin:
@@ -73,14 +73,14 @@ def ray_bound(r: RationalFunction, total: Scalar, product: Scalar, block: int) -
 def ray_conditions(
     r: RationalFunction, total: Scalar, product: Scalar, block: int
 ) -> tuple[Polynomial, list[Polynomial]]:
-    """|Q|² - |P|² at xλ, whose sign decides where it is not 0; and what else has to vanish where it is, all in x."""
+    """|Q|² - |P|² at xλ, whose sign decides unless it is 0, and what must vanish where it is 0; polynomials in x."""
     margin = modulus_squared_along(r.den, total, product) - modulus_squared_along(r.num, total, product)
     slope = r.num.derivative() * r.den - r.num * r.den.derivative()
     return margin, [modulus_squared_along(p, total, product) for p in _derivatives(slope, block - 1)]
 
 
 def at_rest(r: RationalFunction, block: int) -> Bound:
-    """The bound for a Jordan block of the eigenvalue 0: R(xJ) has to be the identity."""
+    """The bound for a Jordan block J of the eigenvalue 0, where R(xJ) must be the identity."""
     slope = r.num.derivative() * r.den - r.num * r.den.derivative()
     return NEVER if any(p[0] for p in _derivatives(slope, block - 1)) else ALWAYS
 
@@ -93,7 +93,7 @@ def modulus_squared_along(p: Polynomial, total: Scalar, product: Scalar) -> Poly
 
 
 def _derivatives(p: Polynomial, count: int) -> list[Polynomial]:
-    """p, p', ..., so many of them."""
+    """The first `count` of p, p', p'', ..."""
     found = []
     for _ in range(count):
         found.append(p)
@@ -101,8 +101,9 @@ def _derivatives(p: Polynomial, count: int) -> list[Polynomial]:
     return found
 
 
-# Of the polynomial in h; beyond, its factors take minutes.
+# The largest degree of `pair_polynomial`; chosen: above it, factorisation takes minutes.
 LARGEST_PAIR_DEGREE = 300
+# The precision at which `margin_sign` gives up.
 LAST_MARGIN_BITS = 1 << 14
 
 # A square matrix over Q. FLINT's have no static types.
@@ -111,14 +112,14 @@ _Coefficients: TypeAlias = tuple[Exact, ...]
 
 
 class UndecidedLimitError(ValueError):
-    """A limit that is not decided here; the reason in one line."""
+    """Raised for a limit that is not decided here, with the reason in one line."""
 
 
 def pair_bound(r: RationalFunction, place: Complex) -> Bound:
-    """The largest h₀ with |R(hλ)| <= 1 for every h in (0, h₀], λ semisimple.
+    """The bound for a semisimple λ: the largest h₀ with |R(hλ)| <= 1 for every h in (0, h₀].
 
     Between positive roots of `pair_polynomial` the sign of |Q(hλ)|² - |P(hλ)|² is constant and not zero, so a ball at
-    one rational h decides it. Raises UndecidedLimitError where the polynomial is zero, or of degree above
+    one rational h decides it. Raises UndecidedLimitError if the polynomial is zero, or its degree above
     LARGEST_PAIR_DEGREE.
     """
     roots = _critical_steps(coefficients(r.num), coefficients(r.den), place.minimal)
@@ -130,7 +131,7 @@ def pair_bound(r: RationalFunction, place: Complex) -> Bound:
 
 @lru_cache
 def _critical_steps(num: _Coefficients, den: _Coefficients, minimal: Minimal) -> list[RealRoot]:
-    """The positive roots of the polynomial of pairs; all conjugates share them."""
+    """The positive roots of `pair_polynomial`, cached, as all conjugates share them."""
     critical = pair_polynomial(RationalFunction(polynomial(num), polynomial(den)), minimal)
     if not critical:
         raise UndecidedLimitError("R(hλ)R(hμ) = 1 for every h and some eigenvalues with λ + μ not 0: not decided")
@@ -138,9 +139,9 @@ def _critical_steps(num: _Coefficients, den: _Coefficients, minimal: Minimal) ->
 
 
 def margin_sign(r: RationalFunction, place: Complex, h: fmpq) -> int:
-    """The sign of |Q(hλ)|² - |P(hλ)|² where it is not zero, by balls that shrink until they exclude zero.
+    """The sign of |Q(hλ)|² - |P(hλ)|², which must not be zero, by balls that shrink until they exclude zero.
 
-    Raises UndecidedLimitError where LAST_MARGIN_BITS do not.
+    Raises UndecidedLimitError if they do not within LAST_MARGIN_BITS.
     """
 
     def read() -> int | None:
@@ -157,9 +158,9 @@ def margin_sign(r: RationalFunction, place: Complex, h: fmpq) -> int:
 def pair_polynomial(r: RationalFunction, minimal: Minimal) -> Polynomial:
     """Π (Q(hλ)Q(hμ) - P(hλ)P(hμ)) in Q[h], up to a constant, over unordered pairs of roots with λ + μ not 0.
 
-    On the second exterior power of C, the companion matrix, pairs of eigenvectors are eigenvectors of the sum
-    S: u∧v ↦ Cu∧v + u∧Cv and of the product D: u∧v ↦ Cu∧Cv, and a factor is a polynomial in S and D. On the kernel of S
-    it is replaced by 1: there it would be 0 for R(z)R(-z) = 1. Over a number field the norm is taken.
+    It is a determinant on the second exterior power for the companion matrix C. There u∧v, for eigenvectors u and v, is
+    an eigenvector of S: u∧v ↦ Cu∧v + u∧Cv and of D: u∧v ↦ Cu∧Cv, and the factor of λ and μ is a polynomial in S and D.
+    On the kernel of S, where R(z)R(-z) = 1 would make it 0, it is replaced by 1. Over a number field the norm is taken.
     """
     generator = _powers_of_generator(_field(r))
     in_step = 2 * max(int(r.num.degree()), int(r.den.degree()))
@@ -185,7 +186,7 @@ def pair_polynomial(r: RationalFunction, minimal: Minimal) -> Polynomial:
 
 
 def _margin_terms(r: RationalFunction, total: _Matrix, product: _Matrix, width: int) -> dict[int, list[_Matrix]]:
-    """The coefficients of hⁿ in |Q(hλ)|² - |P(hλ)|² as polynomials in S and D, each by its parts over the field."""
+    """The coefficients of hⁿ in Q(hλ)Q(hμ) - P(hλ)P(hμ) as polynomials in S and D, each by its parts over the field."""
     terms: dict[int, list[_Matrix]] = defaultdict(lambda: [total * 0] * width)
     for p, factor in ((r.den, 1), (r.num, -1)):
         scalars = p.coeffs()
@@ -196,8 +197,9 @@ def _margin_terms(r: RationalFunction, total: _Matrix, product: _Matrix, width: 
 
 
 def _symmetric_powers(total: Any, product: Any, count: int) -> Iterator[tuple[int, int, Any]]:
-    """(j, j, λʲμʲ) and (j, k, λʲμᵏ + λᵏμʲ) for j < k < count, in `total` = λ + μ and `product` = λμ: λⁿ + μⁿ follows
-    the recurrence of x² - total x + product.
+    """Yield (j, j, λʲμʲ) and (j, k, λʲμᵏ + λᵏμʲ), j < k < count, from `total` = λ + μ and `product` = λμ.
+
+    The sums λⁿ + μⁿ satisfy the recurrence of x² - total x + product.
     """
     sums = [product**0 * 2, total]
     while len(sums) < count:
@@ -216,13 +218,13 @@ def _companion(minimal: Minimal) -> _Matrix:
 
 
 def _on_pairs(a: _Matrix, b: _Matrix) -> _Matrix:
-    """eᵢ∧eⱼ ↦ Aeᵢ∧Beⱼ in the basis of the eᵢ∧eⱼ, i < j."""
+    """The matrix of eᵢ∧eⱼ ↦ Aeᵢ∧Beⱼ in the basis of the eᵢ∧eⱼ, i < j."""
     pairs = list(combinations(range(a.nrows()), 2))
     return fmpq_mat([[a[k, i] * b[m, j] - a[m, i] * b[k, j] for i, j in pairs] for k, m in pairs])
 
 
 def _projection_on_kernel(s: _Matrix) -> _Matrix:
-    """q(S)/q(0), where xᵏq(x) is the characteristic polynomial of S, which is semisimple; 0 for k = 0."""
+    """The projection q(S)/q(0), for a semisimple S with the characteristic polynomial xᵏq(x); 0 for k = 0."""
     coefficients = s.charpoly().coeffs()
     lowest = next(c for c in coefficients if c)
     value = s * 0
@@ -241,7 +243,7 @@ def _field(r: RationalFunction) -> NumberField | None:
 
 
 def _powers_of_generator(field: NumberField | None) -> list[_Matrix]:
-    """1, α, α², ... below the degree, as matrices of multiplication; 1 over Q."""
+    """The matrices of multiplication by 1, α, α², ... below the degree; [[1]] over Q."""
     if field is None:
         return [fmpq_mat([[1]])]
     alpha = _companion(field.minimal)
@@ -249,5 +251,5 @@ def _powers_of_generator(field: NumberField | None) -> list[_Matrix]:
 
 
 def _coordinates(x: Scalar) -> list[fmpq]:
-    """The coordinates in 1, α, α², ...; those left out are zero."""
+    """The coordinates with respect to 1, α, α², ..., without the zeros of a rational number."""
     return [p[0] for p in x.parts] if isinstance(x, FieldPolynomial) else [x]

@@ -1,4 +1,4 @@
-"""Reduced coefficients of a method, and what they alone decide: symplecticity, symmetry, stiff accuracy."""
+"""The irreducible coefficients of a method, and what they decide: symplecticity, symmetry, stiff accuracy."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _Row: TypeAlias = tuple[Exact, ...]
 
 
 class StageCoefficients(NamedTuple):
-    """A and c, and the rows of weights: (b,) of a Runge-Kutta method, (b_position, b_velocity) of a Nyström method."""
+    """A, c and the rows of weights: (b,) for a Runge-Kutta method, (b_position, b_velocity) for a Nyström method."""
 
     a: tuple[_Row, ...]
     weights: tuple[_Row, ...]
@@ -23,23 +23,23 @@ class StageCoefficients(NamedTuple):
 
     @property
     def b(self) -> _Row:
-        """The weights of a Runge-Kutta method; of a Nyström method, those of the velocity."""
+        """The weights b of a Runge-Kutta method, or b_velocity of a Nyström method."""
         return self.weights[-1]
 
 
 def stages_of(method: RungeKutta | Nystrom) -> StageCoefficients:
-    """The coefficients of `method`, b_embedded left out."""
+    """The coefficients of `method` without b_embedded."""
     if isinstance(method, Nystrom):
         return StageCoefficients(method.a, (method.b_position, method.b_velocity), method.c)
     return StageCoefficients(method.a, (method.b,), method.c)
 
 
 def reduced(stages: StageCoefficients) -> StageCoefficients:
-    """The same method without stages that do not count, and with stages merged that are equal on every problem.
+    """The irreducible form: stages that do not affect the result removed, stages equal on every problem merged.
 
-    The former make it DJ-reducible, the latter S-reducible (hairer-wanner-1996, IV.12). What holds for a method if and
-    only if it holds for its coefficients does so for these. Autonomous problems are meant: the c of a Runge-Kutta
-    method do not count.
+    The former make a method DJ-reducible, the latter S-reducible (hairer-wanner-1996, IV.12). Criteria that are
+    necessary and sufficient for irreducible coefficients, such as that of symplecticity, apply to the result. Problems
+    are autonomous: the c of a Runge-Kutta method are ignored.
     """
     while True:
         smaller = _merged(_restricted(stages))
@@ -50,14 +50,14 @@ def reduced(stages: StageCoefficients) -> StageCoefficients:
 
 @lru_cache
 def reduced_stages_of(method: RungeKutta | Nystrom) -> StageCoefficients:
-    """The coefficients of `method`, reduced: a table that several facts ask for."""
+    """The irreducible coefficients of `method`, cached for the facts that use them."""
     return reduced(stages_of(method))
 
 
 def matchings(
     stages: StageCoefficients, other: StageCoefficients, chosen: tuple[int, ...] = ()
 ) -> Iterator[tuple[int, ...]]:
-    """The orders p of the stages such that stage pᵢ of `other` has the coefficients of stage i, found one by one."""
+    """Yield the permutations p such that stage pᵢ of `other` has the coefficients of stage i, by backtracking."""
     i = len(chosen)
     if i == len(stages.a):
         yield chosen
@@ -67,7 +67,7 @@ def matchings(
 
 
 def _fits(stages: StageCoefficients, other: StageCoefficients, chosen: tuple[int, ...]) -> bool:
-    """The newest of the chosen stages agrees in its weights, and in its entries of A with those chosen before."""
+    """True if the last chosen stage agrees in its weights, and in the entries of A that it shares with earlier ones."""
     i, k = len(chosen) - 1, chosen[-1]
     if any(row[i] != matched[k] for row, matched in zip(stages.weights, other.weights, strict=True)):
         return False
@@ -78,7 +78,7 @@ def _fits(stages: StageCoefficients, other: StageCoefficients, chosen: tuple[int
 
 
 def _restricted(stages: StageCoefficients) -> StageCoefficients:
-    """The stages from which a chain of nonzero aᵢⱼ leads to a nonzero weight; at least one."""
+    """The tableau of the stages that affect the result, by a chain of nonzero aᵢⱼ to a nonzero weight; at least one."""
     counted = {i for row in stages.weights for i, x in enumerate(row) if x}
     while True:
         reached = counted | {j for i in counted for j, x in enumerate(stages.a[i]) if x}
@@ -94,9 +94,7 @@ def _restricted(stages: StageCoefficients) -> StageCoefficients:
 
 
 def _merged(stages: StageCoefficients) -> StageCoefficients:
-    """Stages are equal on every problem in one class of the coarsest partition in which Σ aᵢⱼ over each class depends
-    on the class of i only (for Nyström methods, c too).
-    """
+    """The tableau with stages merged that are equal on every problem, those of one class of `_coarsest_partition`."""
     labels = _coarsest_partition(stages)
     if len({*labels}) == len(labels):
         return stages
@@ -110,7 +108,10 @@ def _merged(stages: StageCoefficients) -> StageCoefficients:
 
 
 def _coarsest_partition(stages: StageCoefficients) -> list[int]:
-    """For each stage the first stage of its class: classes are split until the sums over them agree."""
+    """For each stage the first of its class, in the coarsest partition in which equal stages share a class.
+
+    Classes are split until Σⱼ aᵢⱼ over each class depends on the class of i only; for Nyström methods, c as well.
+    """
     labels = _labels(stages.c if len(stages.weights) > 1 else (None,) * len(stages.a))
     while True:
         classes = [[j for j, k in enumerate(labels) if k == first] for first in sorted({*labels})]
@@ -122,16 +123,16 @@ def _coarsest_partition(stages: StageCoefficients) -> list[int]:
 
 
 def _labels(values: Sequence[object]) -> list[int]:
-    """The index of the first equal value, for each."""
+    """For each value, the index of the first one equal to it."""
     return [values.index(value) for value in values]
 
 
 def is_symplectic(method: Method) -> bool:
-    """Symplectic for every Hamiltonian; splittings and Nyström methods: for every one of the form T(p) + V(q).
+    """True if symplectic for every Hamiltonian; for splittings and Nyström methods, every one of the form T(p) + V(q).
 
-    Runge-Kutta: bᵢaᵢⱼ + bⱼaⱼᵢ = bᵢbⱼ; Nyström: b̄ᵢ = bᵢ(1 - cᵢ) and bᵢ(b̄ⱼ - aᵢⱼ) = bⱼ(b̄ᵢ - aⱼᵢ). Sufficient, and for
-    irreducible methods necessary (hairer-lubich-wanner-2006, VI.4 and VI.7). Collocation: the nodes are Gauss's, since
-    the condition says that the quadrature is exact to degree 2s - 1.
+    Runge-Kutta: bᵢaᵢⱼ + bⱼaⱼᵢ = bᵢbⱼ; Nyström: b̄ᵢ = bᵢ(1 - cᵢ) and bᵢ(b̄ⱼ - aᵢⱼ) = bⱼ(b̄ᵢ - aⱼᵢ). These conditions are
+    sufficient, and necessary for irreducible methods (hairer-lubich-wanner-2006, VI.4 and VI.7). For collocation
+    methods they say that the quadrature is exact to degree 2s - 1, that is that the nodes are Gauss's.
     """
     if isinstance(method, Splitting):
         return True
@@ -141,7 +142,7 @@ def is_symplectic(method: Method) -> bool:
 
 
 def symplectic_residuals(stages: StageCoefficients) -> Iterator[Exact]:
-    """The residuals of the conditions of `is_symplectic` for the coefficients as they stand."""
+    """Yield the residuals of the conditions of `is_symplectic` for the coefficients as given."""
     a, b, pairs = stages.a, stages.b, combinations_with_replacement(range(len(stages.a)), 2)
     if len(stages.weights) == 1:
         yield from (b[i] * a[i][j] + b[j] * a[j][i] - b[i] * b[j] for i, j in pairs)
@@ -152,11 +153,11 @@ def symplectic_residuals(stages: StageCoefficients) -> Iterator[Exact]:
 
 
 def is_symmetric(method: Method) -> bool:
-    """The step of -h undoes the step of h on every problem: the method is its own adjoint.
+    """True if the step of -h undoes the step of h on every problem, that is if the method is its own adjoint.
 
-    Some order of the stages turns the irreducible coefficients into the adjoint's, bⱼ - aᵢⱼ for a Runge-Kutta method
-    (hairer-lubich-wanner-2006, V.2); a splitting's reduced word is a palindrome; a collocation method's nodes are
-    symmetric about 1/2.
+    This is decided by a permutation of the stages that turns the irreducible coefficients into those of the adjoint,
+    bⱼ - aᵢⱼ for a Runge-Kutta method (hairer-lubich-wanner-2006, V.2). For a splitting the reduced word must be a
+    palindrome; for a collocation method the nodes must be symmetric about 1/2.
     """
     if isinstance(method, Splitting):
         word = reduced_word(method)
@@ -169,7 +170,7 @@ def is_symmetric(method: Method) -> bool:
 
 
 def adjoint(stages: StageCoefficients) -> StageCoefficients:
-    """The coefficients of the adjoint method, stages in the same order: h for -h, start and end exchanged."""
+    """The coefficients of the adjoint method, which exchanges h with -h and start with end; same order of stages."""
     a, c = stages.a, tuple(1 - x for x in stages.c)
     *outer, b = stages.weights
     size = range(len(b))
@@ -181,21 +182,21 @@ def adjoint(stages: StageCoefficients) -> StageCoefficients:
 
 
 def is_stiffly_accurate(method: Method) -> bool:
-    """The last stage is the result: aₛⱼ = bⱼ for all j (hairer-wanner-1996, IV.3); False for other families."""
+    """True if the last stage is the result, aₛⱼ = bⱼ for all j (hairer-wanner-1996, IV.3); False for other families."""
     if isinstance(method, Collocation):
         return bool(polynomial(method.node_polynomial)(1) == 0)
     return isinstance(method, RungeKutta) and method.a[-1] == method.b
 
 
 def is_first_same_as_last(method: Method) -> bool:
-    """The first slope of a step is the last one of the step before: a₁ⱼ = 0 and aₛⱼ = bⱼ for all j."""
+    """True if the first slope of a step is the last one of the step before: a₁ⱼ = 0 and aₛⱼ = bⱼ for all j."""
     if isinstance(method, Collocation):
         return is_stiffly_accurate(method) and not method.node_polynomial[0]
     return isinstance(method, RungeKutta) and is_stiffly_accurate(method) and not any(method.a[0])
 
 
 def reduced_word(method: Splitting) -> list[tuple[str, Exact]]:
-    """The sub-steps without zeros, neighbours of one kind added up, until nothing changes."""
+    """The sub-steps with zeros removed and neighbours of one kind added, until nothing changes."""
     word = [(kind, c) for kind, c in method.parts if c]
     while True:
         grouped = [(kind, total(c for _, c in run)) for kind, run in groupby(word, key=lambda part: part[0])]
@@ -206,7 +207,7 @@ def reduced_word(method: Splitting) -> list[tuple[str, Exact]]:
 
 
 def _gauss_polynomial(degree: int) -> object:
-    """The monic Legendre polynomial on [0, 1], as the derivative of order `degree` of (x² - x)**degree."""
+    """The monic Legendre polynomial on [0, 1], from the derivative of order `degree` of (x² - x)**degree."""
     found = (X * X - X) ** degree
     for _ in range(degree):
         found = found.derivative()

@@ -11,7 +11,7 @@ from driftproof.symbolic.algebra.certified import endpoints, fixed, settled, sig
 from driftproof.symbolic.algebra.polynomials import FieldPolynomial, Polynomial, scalar, squarefree
 from driftproof.symbolic.algebra.rational_functions import RationalFunction
 
-# The boundary as a fact: values of Re R(z) on either side of 0, and digits after the point.
+# The boundary as a fact: how many values of Re R(z) on each side of 0, and digits after the point; chosen for a plot.
 COUNT = 12
 PLACES = 15
 
@@ -24,10 +24,11 @@ class BoundaryPoint(NamedTuple):
 
 
 def boundary_points(r: RationalFunction, count: int, bits: int = 64) -> list[BoundaryPoint]:
-    """Every z with |R(z)| = 1 and Re R(z) among 2 count + 1 rational numbers from -1 to 1, in balls.
+    """Balls around every z with |R(z)| = 1 and Re R(z) one of 2 count + 1 rational numbers from 1 to -1.
 
-    R(z) = c ± i sqrt(1 - c²) are the roots of P² - 2cPQ + Q², a polynomial with real exact coefficients; multiple roots
-    are separated exactly, so balls isolate what is left. c = (1 - t²)/(1 + t²) makes the angles of R(z) nearly even.
+    The z with R(z) = c ± i sqrt(1 - c²) are the roots of P² - 2cPQ + Q², a polynomial with real exact coefficients.
+    Multiple roots are separated exactly, so that balls isolate the others. The choice c = (1 - t²)/(1 + t²) spaces the
+    angles of R(z) nearly evenly.
 
     >>> from driftproof import METHODS, boundary_points, stability_function_of
     >>> [float(point.z.real) for point in boundary_points(stability_function_of(METHODS["forward_euler"]), 1)]
@@ -40,9 +41,9 @@ def boundary_points(r: RationalFunction, count: int, bits: int = 64) -> list[Bou
 
 
 def rounded_boundary(r: RationalFunction, count: int = COUNT, places: int = PLACES) -> list[tuple[str, str, str]]:
-    """(Re R(z), Re z, Im z) of the boundary points with Im z >= 0, as decimals: |error| < 10**-places in all of z.
+    """(Re R(z), Re z, Im z) of the boundary points with Im z >= 0, as text; the error of z is below 10**-places.
 
-    Each part of z is rounded, an error of 1/2 unit of the last place, from a ball of radius below 1/8 unit.
+    Each part of z is rounded, by at most 1/2 unit of the last place, from the centre of a ball of radius below 1/8.
     """
 
     def middles() -> list[tuple[Fraction, ...]] | None:
@@ -56,12 +57,12 @@ def rounded_boundary(r: RationalFunction, count: int = COUNT, places: int = PLAC
 
 
 def points_at(r: RationalFunction, cosine: Fraction, bits: int = 64) -> list[acb]:
-    """Balls around every z with |R(z)| = 1 and Re R(z) = cosine, radii about 2**-bits, relative or absolute."""
+    """Balls around every z with |R(z)| = 1 and Re R(z) = cosine, of relative or absolute radius about 2**-bits."""
     return complex_roots(r.num * r.num - r.num * r.den * (2 * scalar(cosine)) + r.den * r.den, bits)
 
 
 def complex_roots(p: Polynomial, bits: int) -> list[acb]:
-    """Balls around the distinct complex roots of p, real ones with imaginary part exactly 0 where p is over Q."""
+    """Balls around the distinct complex roots of p; if p is over Q, real roots have an imaginary part of exactly 0."""
     if p.degree() < 1:
         return []
     if not isinstance(p, FieldPolynomial):

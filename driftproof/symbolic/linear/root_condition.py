@@ -1,7 +1,7 @@
-"""Where the roots of a polynomial lie relative to the unit circle, decided exactly, and for how long they stay inside.
+"""The root condition: whether a polynomial has its roots in the unit disc, decided exactly, and up to which parameter.
 
-With ζ = (1 + w)/(1 - w) the unit disc is the half-plane Re w < 0, and its circle the imaginary axis with oo, which is
-ζ = -1: what holds of roots ζ is read off polynomials in w, by Routh's scheme and counts of real roots (jury-1964).
+ζ = (1 + w)/(1 - w) maps the half-plane Re w < 0 to the unit disc, and the imaginary axis to its circle, with w = oo
+going to ζ = -1. So roots ζ are located by polynomials in w, with Routh's scheme and counts of real roots (jury-1964).
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ from driftproof.symbolic.linear.stability_limits import Limit, first_failure
 
 
 class RootCondition(NamedTuple):
-    """Whether no root is outside the unit circle, and none on it too often; `strong`: none on it but 1."""
+    """Whether no root lies outside the unit circle, nor too often on it; `strong` if no root but 1 lies on it."""
 
     holds: bool
     strong: bool
@@ -37,17 +37,17 @@ class RootCondition(NamedTuple):
 
 
 def half_plane_form(p: Polynomial, degree: int) -> Polynomial:
-    """(1 - w)ᵏ p((1 + w)/(1 - w)), for k = `degree`: of lower degree where -1 is a root, which is then oo."""
+    """The polynomial (1 - w)ᵏ p((1 + w)/(1 - w)), k = `degree`; a root ζ = -1 lowers its degree, as its w is oo."""
     up, down = fmpq_poly([1, 1]), fmpq_poly([1, -1])
     return sum((c * up**j * down ** (degree - j) for j, c in enumerate(p.coeffs())), fmpq_poly())
 
 
 def root_condition(p: Polynomial, most: int = 1) -> RootCondition:
-    """No root of p has |ζ| > 1, and none with |ζ| = 1 is more than `most`-fold. Exact; for a p that is not zero."""
+    """Decide for a nonzero p whether no root has |ζ| > 1 and none with |ζ| = 1 has a multiplicity above `most`."""
     form = half_plane_form(p, p.degree())
     at_minus_one, at_one = p.degree() - form.degree(), valuation(form)
     rest = quotient(form, X**at_one)
-    # Roots w and -w, among them all imaginary ones, are those of a common factor of both parts, in s = w².
+    # Pairs of roots w and -w, all imaginary ones among them, are the roots of a common factor of both parts in s = w².
     paired = greatest_common_divisor(even_part(rest), odd_part(rest))
     on_circle = squarefree(paired)
     if (
@@ -60,18 +60,19 @@ def root_condition(p: Polynomial, most: int = 1) -> RootCondition:
     for where, multiplicity in multiplicities.items():
         if multiplicity > most:
             return RootCondition(False, False, f"on the unit circle, {where} is a root {multiplicity} times")
-    others = [where for where, multiplicity in multiplicities.items() if multiplicity and where != "1"]
-    on = f"on the circle are 1 and {' and '.join(others)}" if others else "on the circle is 1 alone"
-    return RootCondition(True, strong, f"no root is outside the unit circle; {on}")
+    on = [where for where, multiplicity in multiplicities.items() if multiplicity]
+    only = f"on the circle is {on[0]} alone" if on else "none is on it"
+    found = f"on the circle are {' and '.join(on)}" if on[1:] else only
+    return RootCondition(True, strong, f"no root is outside the unit circle; {found}")
 
 
 def valuation(p: Polynomial) -> int:
-    """How often 0 is a root of a polynomial that is not zero."""
+    """The multiplicity of the root 0 of a nonzero polynomial."""
     return next(k for k, c in enumerate(p.coeffs()) if c)
 
 
 def _largest_multiplicity(p: Polynomial) -> int:
-    """How often its most frequent root occurs; 0 of a constant."""
+    """The largest multiplicity of a root; 0 for a constant."""
     found = 0
     while p.degree() > 0:
         p, found = greatest_common_divisor(p, p.derivative()), found + 1
@@ -81,9 +82,9 @@ def _largest_multiplicity(p: Polynomial) -> int:
 def root_condition_limit(a: Polynomial, b: Polynomial) -> Limit:
     """The left end of the first interval of t > 0 in which a + t b does not satisfy the root condition.
 
-    Roots leave the disc only where the parts of its form in w have a common root, or its degree there falls, or where
-    two roots on the circle meet. A point between two intervals in which it holds is no limit: where two ζ meet, some t
-    near by, on one side, would have a ζ outside.
+    Roots leave the disc only at a t where the even and odd parts of the form in w have a common root, where its degree
+    falls, or where two roots on the circle meet. A t between two intervals in which the condition holds is no limit:
+    if two ζ on the circle met there, some t near by would have a ζ outside.
     """
     degree = max(a.degree(), b.degree())
     forms = half_plane_form(a, degree), half_plane_form(b, degree)

@@ -1,4 +1,4 @@
-"""R(z) of a Runge-Kutta method, y₁ = R(hλ) y₀ on y' = λy, by exact linear algebra with its tableau (A, b, c)."""
+"""R(z) of a Runge-Kutta method, with y₁ = R(hλ) y₀ on y' = λy, by exact linear algebra on its tableau (A, b, c)."""
 
 from __future__ import annotations
 
@@ -35,8 +35,8 @@ RationalMatrix: TypeAlias = Any
 class ScalarTableau:
     """(A, b, c) with exact scalars; `field` is the number field of the irrational ones, None over Q.
 
-    An element x of a field of degree d is also the d x d matrix over Q of multiplication by x; written so in blocks, a
-    matrix over the field is one over Q, and products of matrices are FLINT's. Raises TypeError for two fields at once.
+    Every element x of a field of degree d is written as the d x d matrix over Q of multiplication by x. A matrix over
+    the field thus is a block matrix over Q, which FLINT multiplies.
     """
 
     a: tuple[tuple[Scalar, ...], ...]
@@ -46,16 +46,16 @@ class ScalarTableau:
 
     @property
     def stages(self) -> int:
-        """s."""
+        """The number of stages s."""
         return len(self.b)
 
     @property
     def explicit(self) -> bool:
-        """True when A is strictly lower triangular."""
+        """True if A is strictly lower triangular."""
         return is_strictly_lower(self.a)
 
     def moments(self, start: Sequence[Scalar], count: int) -> list[Scalar]:
-        """bᵀ Aᵏ v for k below `count`, v = start."""
+        """The moments bᵀ Aᵏ v for k = 0, ..., count - 1 and v = `start`."""
         vector, found = self._column(start), []
         for k in range(count):
             if k:
@@ -64,12 +64,12 @@ class ScalarTableau:
         return found
 
     def power(self, k: int) -> tuple[Scalar, ...]:
-        """The vector of the cᵢᵏ; for k = 0 the vector of ones."""
+        """The vector of the powers cᵢᵏ; all ones for k = 0."""
         return tuple(c**k for c in self.c)
 
     @cached_property
     def denominator(self) -> Polynomial:
-        """det(I - zA); over a number field by Newton's identities from the traces of A's powers."""
+        """det(I - zA); over a number field from the traces of the powers of A, by Newton's identities."""
         if not self.field:
             return fmpq_poly(self._matrix.charpoly().coeffs()[::-1])
         power, traces, found = self._matrix, [], [ONE[0]]
@@ -83,7 +83,7 @@ class ScalarTableau:
         return from_scalars(found)
 
     def times_denominator(self, series: Sequence[Scalar]) -> RationalFunction:
-        """The rational function that begins with this series; its numerator by det(I - zA) has no further terms."""
+        """The rational function with this series and the denominator det(I - zA); its numerator has no more terms."""
         if self.explicit:  # the denominator is 1
             return RationalFunction(from_scalars(series), ONE)
         product = self.denominator * from_scalars(series)
@@ -115,21 +115,21 @@ class ScalarTableau:
 
 @dataclass(frozen=True)
 class NodeTableau(ScalarTableau):
-    """Collocation at the roots of M, in the basis 1, x, ..., xˢ⁻¹ of Q[x]/M instead of by values at the nodes.
+    """Collocation at the roots of M = `nodes`, in the basis 1, x, ..., xˢ⁻¹ of Q[x]/M instead of values at the nodes.
 
-    A is integration from 0, b integration from 0 to 1, and cᵏ the class of xᵏ: all rational where the nodes are not.
+    A is integration from 0, b integration from 0 to 1, and cᵏ the class of xᵏ: rational even if the nodes are not.
     """
 
     nodes: Polynomial
 
     def power(self, k: int) -> tuple[Scalar, ...]:
-        """The class of xᵏ."""
+        """The class of xᵏ in the basis 1, x, ..., xˢ⁻¹."""
         rest = fmpq_poly([0] * k + [1]) % self.nodes
         return tuple(rest[i] for i in range(self.stages))
 
     @classmethod
     def of(cls, nodes: Polynomial) -> NodeTableau:
-        """The tableau of the node polynomial M over Q, of degree s >= 1."""
+        """The tableau for a node polynomial M over Q of degree s >= 1."""
         size = nodes.degree()
         images = [fmpq_poly([0] * (j + 1) + [fmpq(1, j + 1)]) % nodes for j in range(size)]
         rows = tuple(tuple(image[i] for image in images) for i in range(size))
@@ -147,7 +147,7 @@ def scalar_tableau(method: RungeKutta | Collocation) -> ScalarTableau:
 
 
 def _multiplication(x: Scalar, field: NumberField) -> list[list[fmpq]]:
-    """Row i, column j: the coordinate i of x αʲ."""
+    """The matrix of multiplication by x: row i, column j holds the coordinate i of x αʲ."""
     d = field.degree
     if not isinstance(x, FieldPolynomial):
         return [[x if i == j else fmpq(0) for j in range(d)] for i in range(d)]
@@ -158,7 +158,7 @@ def _multiplication(x: Scalar, field: NumberField) -> list[list[fmpq]]:
 def stability_function(method: RungeKutta) -> RationalFunction:
     """R(z) = 1 + z bᵀ(I - zA)⁻¹1 in lowest terms (hairer-wanner-1996, IV.3).
 
-    Over Q an implicit method goes through characteristic polynomials, every other through moments.
+    It is computed from characteristic polynomials for implicit methods over Q, and from moments for all others.
     """
     data = scalar_tableau(method)
     if data.explicit or data.field:
@@ -167,9 +167,9 @@ def stability_function(method: RungeKutta) -> RationalFunction:
 
 
 def stability_function_by_moments(data: ScalarTableau) -> RationalFunction:
-    """R(z) from 1 + Σ zᵏ⁺¹ bᵀAᵏ1: a polynomial of degree s for an explicit method, else P/Q with degrees at most s.
+    """R(z) from the series 1 + Σ zᵏ⁺¹ bᵀAᵏ1, whose product with det(I - zA) ends at zˢ.
 
-    Times det(I - zA) the series ends at zˢ.
+    It is a polynomial of degree at most s for an explicit method, else P/Q with degrees at most s.
     """
     return data.times_denominator([ONE[0], *data.moments(data.power(0), data.stages)])
 
@@ -184,8 +184,7 @@ def stability_function_by_determinants(data: ScalarTableau) -> RationalFunction:
 def stability_function_of_collocation(node_polynomial: Sequence[Exact | int]) -> RationalFunction:
     """R(z) = Σ M⁽ˢ⁻ʲ⁾(1) zʲ / Σ M⁽ˢ⁻ʲ⁾(0) zʲ for collocation at the roots of M (hairer-wanner-1996, IV.3).
 
-    M has degree s; its coefficients are given constant term first, so no node need be known. Raises ValueError for a
-    constant M.
+    M has degree s and is given by its coefficients, constant term first. Raises ValueError for a constant M.
     """
     nodes = polynomial(node_polynomial)
     if nodes.degree() < 1:
@@ -199,7 +198,7 @@ def stability_function_of_collocation(node_polynomial: Sequence[Exact | int]) ->
 
 
 def resolvent(data: ScalarTableau, start: Sequence[Scalar]) -> RationalFunction:
-    """bᵀ(I - zA)⁻¹v for v = start, in lowest terms."""
+    """bᵀ(I - zA)⁻¹v for v = `start`, in lowest terms."""
     return data.times_denominator(data.moments(start, data.stages))
 
 
@@ -211,10 +210,10 @@ def _reversed_characteristic(data: ScalarTableau, rows: Sequence[Sequence[Scalar
 
 
 def prothero_robinson(method: RungeKutta | Collocation, power: int) -> RationalFunction:
-    """ψₖ(z) for k = `power` >= 1: on y' = λ(y - φ(t)) + φ'(t), started at φ(t), φ(t + h) - y₁ = Σₖ ψₖ(hλ) hᵏ φ⁽ᵏ⁾(t).
+    """ψₖ(z) for k = `power` >= 1, with φ(t + h) - y₁ = Σₖ ψₖ(hλ) hᵏ φ⁽ᵏ⁾(t) on y' = λ(y - φ(t)) + φ'(t), y₀ = φ(t).
 
     ψₖ = (z bᵀ(I - zA)⁻¹(cᵏ/k - A cᵏ⁻¹) + 1/k - bᵀcᵏ⁻¹) / (k - 1)! (hairer-wanner-1996, IV.15). It vanishes for k up
-    to the stage order; where it does not and k <= order, the order is reduced on stiff problems.
+    to the stage order; a nonzero ψₖ with k <= order reduces the order on stiff problems. Raises ValueError for k < 1.
     """
     if power < 1:
         raise ValueError(f"power = {power}; the functions are numbered from 1")

@@ -1,4 +1,4 @@
-"""Stability limits: how far |R| <= 1 on the axes, and how far powers of a 2x2 matrix M(h) stay bounded; all exact."""
+"""Exact stability limits: how far |R| <= 1 holds on the axes, and how far powers of a 2x2 M(h) stay bounded."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from enum import Enum
 from fractions import Fraction
 from functools import partial
 from itertools import chain
-from math import isqrt
+from math import isqrt, prod
 from typing import NamedTuple, TypeAlias
 
 from flint import fmpq
@@ -35,7 +35,7 @@ from driftproof.symbolic.algebra.real_roots import ZERO_ROOT, RealRoot, positive
 
 
 class Infinity(Enum):
-    """The limit that is never reached."""
+    """The limit of a condition that never fails."""
 
     INFINITY = "oo"
 
@@ -46,16 +46,16 @@ Limit: TypeAlias = RealRoot | Infinity
 
 
 def real_limit(r: RationalFunction) -> Limit:
-    """The largest x₀ with |R(-x)| <= 1 for every x in [0, x₀]: Q² - P² = (Q - P)(Q + P) at -x has to stay >= 0."""
+    """The largest x₀ with |R(-x)| <= 1 for every x in [0, x₀], where Q² - P² = (Q - P)(Q + P) >= 0 at -x."""
     num, den = reflected(r.num), reflected(r.den)
     factors = [f for f in (den - num, den + num) if f]
     if len(factors) < 2:
         return INFINITY
-    return first_failure(factors, lambda x: _sign_of_product(factors, x) != -1)
+    return first_failure(factors, lambda x: prod(sign(evaluate(f, x)) for f in factors) != -1)
 
 
 def imaginary_limit(r: RationalFunction) -> Limit:
-    """The largest y₀ with |R(iy)| <= 1 for every y in [0, y₀]: |Q|² - |P|², a polynomial in y², has to stay >= 0."""
+    """The largest y₀ with |R(iy)| <= 1 for every y in [0, y₀], where |Q|² - |P|², a polynomial in y², is >= 0."""
     margin = imaginary_margin(r)
     if not margin:
         return INFINITY
@@ -69,10 +69,10 @@ def imaginary_margin(r: RationalFunction) -> Polynomial:
 
 
 def first_failure(polynomials: Sequence[Polynomial], holds: Callable[[fmpq], bool]) -> Limit:
-    """The left end of the first interval in which a closed condition fails; `oo` if there is none.
+    """The left end of the first interval of positive numbers in which a closed condition fails; `oo` if there is none.
 
-    `holds` must be constant between consecutive positive roots of the polynomials, and must hold at a point where it
-    holds on both sides: then a root that touches is no limit, and one rational point decides each interval.
+    `holds` must be constant between consecutive positive roots of the polynomials, so that one rational point decides
+    each interval. It must be true at a root if it is true on both sides of it: such a root is no limit.
     """
     roots = positive_roots(polynomials)
     for start, inner in zip([ZERO_ROOT, *roots], samples(roots), strict=True):
@@ -82,7 +82,7 @@ def first_failure(polynomials: Sequence[Polynomial], holds: Callable[[fmpq], boo
 
 
 def smallest(limits: Sequence[Limit]) -> Limit:
-    """The least of some limits; `oo` of none."""
+    """The smallest of the limits; `oo` for an empty sequence."""
     finite = {limit for limit in limits if isinstance(limit, RealRoot)}
     if ZERO_ROOT in finite or not finite:
         return ZERO_ROOT if finite else INFINITY
@@ -90,18 +90,11 @@ def smallest(limits: Sequence[Limit]) -> Limit:
     return next(root for root in order if root in finite)
 
 
-def _sign_of_product(factors: Sequence[Polynomial], x: fmpq) -> int:
-    product = 1
-    for factor in factors:
-        product *= sign(evaluate(factor, x))
-    return product
-
-
 class Boundary(NamedTuple):
-    """Polynomials in h, multiples by squares of the common denominator `den`, whose signs decide boundedness.
+    """Polynomials in h whose signs decide whether the powers of M are bounded; `den` is the common denominator.
 
-    area ~ 1 - det, plus ~ 1 + det + tr, minus ~ 1 + det - tr, merged ~ tr² - 4 det; off the three entries that vanish
-    together where M is a multiple of the identity.
+    `area`, `plus`, `minus` and `merged` are 1 - det, 1 + det + tr, 1 + det - tr and tr² - 4 det, times den²; the three
+    of `off` vanish together exactly where M is a multiple of the identity.
     """
 
     den: Polynomial
@@ -113,11 +106,11 @@ class Boundary(NamedTuple):
 
 
 def bounded_limit(m: StepMatrix) -> Limit:
-    """The largest H with the powers of M(h) bounded for every h in (0, H); `oo` if always, 0 if there is none.
+    """The largest H such that the powers of M(h) are bounded for every h in (0, H); `oo` if always, 0 if there is none.
 
-    Between consecutive roots of the boundary polynomials no verdict changes, so one rational h decides each interval;
-    at a root itself the verdict comes from exact signs: there -1 or 1 may be an eigenvalue, twice without harm only
-    where M is ±I.
+    Boundedness cannot change between consecutive roots of the boundary polynomials, so one rational h decides each
+    interval. At the roots exact signs decide: there 1 or -1 may be an eigenvalue, and a double one is harmless only if
+    M = ±I.
     """
     boundary = boundary_of(m)
     polynomials = [boundary.den, boundary.area, boundary.plus, boundary.minus]
@@ -133,9 +126,9 @@ def bounded_limit(m: StepMatrix) -> Limit:
 
 
 def is_bounded(boundary: Boundary, sign_of: Callable[[Polynomial], int]) -> bool:
-    """The powers of M are bounded where the polynomials have the signs given (jury-1964, chapter 3).
+    """True if the powers of M are bounded where the polynomials have the signs `sign_of` (jury-1964, chapter 3).
 
-    That is: no pole, every eigenvalue in the closed unit disc, and none on the circle with a Jordan block.
+    Then there is no pole, every eigenvalue lies in the closed unit disc, and none on the circle has a Jordan block.
     """
     if not sign_of(boundary.den):
         return False
@@ -148,7 +141,7 @@ def is_bounded(boundary: Boundary, sign_of: Callable[[Polynomial], int]) -> bool
 
 
 def boundary_of(m: StepMatrix) -> Boundary:
-    """The boundary polynomials of M = N/d, d a common denominator: all are polynomial in the entries of N and d."""
+    """The boundary polynomials of M = N/d, computed from the entries of N and the common denominator d."""
     den = common_denominator(m)
     (qq, qv), (vq, vv) = ([descend(x.num * quotient(den, x.den)) for x in row] for row in m)
     square, area, trace = den * den, qq * vv - qv * vq, (qq + vv) * den
@@ -169,9 +162,9 @@ def common_denominator(rows: Iterable[Iterable[RationalFunction | ParameterFunct
 
 
 def spectral_radius(entries: Sequence[Fraction | Algebraic]) -> CertifiableReal:
-    """The largest |λ| of a 2x2 matrix, its entries in the order of reading; a Fraction if it is rational.
+    """The largest |λ| of a 2x2 matrix, given by its entries row by row; a Fraction if found to be rational.
 
-    sqrt(det) for complex eigenvalues, else (|tr| + sqrt(tr² - 4 det))/2.
+    It is sqrt(det) for complex eigenvalues, else (|tr| + sqrt(tr² - 4 det))/2.
     """
     qq, qv, vq, vv = entries
     trace, area = (exact(scalar(x)) for x in (qq + vv, qq * vv - qv * vq))

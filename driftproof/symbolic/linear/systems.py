@@ -1,4 +1,4 @@
-"""A method on a linear system z' = Az over Q: its one-step matrix, and for which h its powers stay bounded."""
+"""A method on a linear system z' = Az over Q: its one-step matrix M(h), and the h for which the powers stay bounded."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from driftproof.methods.number_field import as_fmpq
 from driftproof.methods.schemes import Method
 from driftproof.symbolic.algebra.certified import CertifiableReal, sign_of_ball
 from driftproof.symbolic.algebra.matrices import StepMatrix, matrix_determinant
-from driftproof.symbolic.algebra.polynomials import ONE, at_ball, at_complex_ball, descend, exact, quotient, scalar
+from driftproof.symbolic.algebra.polynomials import ONE, at_complex_ball, descend, exact, quotient, scalar
 from driftproof.symbolic.algebra.rational_functions import RationalFunction, fraction
 from driftproof.symbolic.algebra.real_roots import ZERO_ROOT, RealRoot, rational_root, root_ratio, sign_at
 from driftproof.symbolic.linear.eigenvalues import Complex, Eigenvalue, Imaginary, RootPlace, eigenvalues
@@ -48,20 +48,20 @@ from driftproof.symbolic.linear.stability_limits import (
 
 
 class EigenvalueLimit(NamedTuple):
-    """An eigenvalue of A with the bound for its part of M(h), or why that is not decided."""
+    """An eigenvalue of A with the bound for its part of M(h), or the reason why the bound is not decided."""
 
     eigenvalue: Eigenvalue
     bound: Bound | UndecidedLimitError
 
 
 class SystemFacts:
-    """The exact facts about `method` on z' = Az, A square with rational entries; each computed when first asked for.
+    """The exact facts about `method` on z' = Az, A square with rational entries; each is computed at its first use.
 
     Raises ValueError for a splitting or a Nyström method on a system that is not of the form q' = v, v' = Kq.
     """
 
     def __init__(self, method: Method, rows: Sequence[Sequence[Fraction]]) -> None:
-        """Compute nothing yet, but for a splitting or a Nyström method M(h), which not every system has."""
+        """Keep method and matrix; for a splitting or a Nyström method compute M(h), which not every system has."""
         self.method = method
         self.rows = rows
         if stability_function_of(method) is None:
@@ -69,7 +69,7 @@ class SystemFacts:
 
     @cached_property
     def matrix(self) -> StepMatrix:
-        """M(h), with z₁ = M(h) z₀."""
+        """The one-step matrix M(h), with z₁ = M(h) z₀."""
         return linear_step_matrix(self.method, self.rows)
 
     @cached_property
@@ -86,7 +86,7 @@ class SystemFacts:
 
     @cached_property
     def step_limit(self) -> Bound:
-        """The largest H such that the powers of M(h) are bounded for every h in (0, H). Raises UndecidedLimitError."""
+        """The largest H with the powers of M(h) bounded for every h in (0, H). May raise UndecidedLimitError."""
         decided = [bound for _, bound in self.bounds if isinstance(bound, Bound)]
         undecided = next((bound for _, bound in self.bounds if isinstance(bound, UndecidedLimitError)), None)
         if NEVER in decided:
@@ -108,14 +108,14 @@ class SystemFacts:
 
 
 def runge_kutta_bound(r: RationalFunction, place: RootPlace, block: int) -> Bound:
-    """The bound for powers of R(hJ), J a Jordan block of the eigenvalue, or a pair. Raises UndecidedLimitError."""
+    """The bound for powers of R(hJ), J a Jordan block of the eigenvalue or pair. May raise UndecidedLimitError."""
     if place == ZERO_ROOT:
         return at_rest(r, block)
     if isinstance(place, Complex) and place.degree > 2:
         _demand_simple(block)
         return pair_bound(r, place)
     total, product, size = _ray(place)
-    return _per(ray_bound(r, total, product, block), size)
+    return _bound_of_step(ray_bound(r, total, product, block), size)
 
 
 def _demand_simple(block: int) -> None:
@@ -124,7 +124,7 @@ def _demand_simple(block: int) -> None:
 
 
 def _ray(place: RootPlace) -> tuple[fmpq, fmpq, RealRoot]:
-    """e + ē, eē and x > 0 of an eigenvalue xe, not 0: e is ±1 or i, or itself of degree 2, then for x = 1."""
+    """(e + ē, eē, x) for a nonzero eigenvalue xe, x > 0: e is ±1 if real, i if imaginary, else xe itself with x = 1."""
     if isinstance(place, Complex):
         return *place.sum_and_product(), rational_root(Fraction(1))
     if isinstance(place, Imaginary):
@@ -140,28 +140,28 @@ def _size(place: RealRoot | Imaginary) -> RealRoot:
 
 
 def partitioned_bound(method: Method, place: RootPlace, block: int) -> Bound:
-    """The same for a method that is not Runge-Kutta, on q' = v, v' = Kq: λ² is an eigenvalue of K.
+    """The bound for powers of M(h) of a splitting or Nyström method on q' = v, v' = Kq, λ² being an eigenvalue of K.
 
-    For λ = iω it is the oscillator's bound over ω, for real λ that of q' = v, v' = q over |λ|. Raises
-    UndecidedLimitError.
+    For λ = iω it is that of the oscillator divided by ω, for real λ that of q' = v, v' = q divided by |λ|. Raises
+    UndecidedLimitError for a Jordan block, or a step without kicks or drifts, that these do not decide.
     """
     m = oscillator_matrix(method)
     into_position, into_velocity = m[0][1].num[1], m[1][0].num[1]
     if isinstance(place, Complex) and into_position and into_velocity:
-        # M = I + h[[0, β], [λ²γ, 0]] + O(h²): one of its eigenvalues 1 ± hλ sqrt(βγ) + O(h²) is above 1 in modulus,
-        # as sqrt(βγ) is real or imaginary and λ neither.
+        # M = I + h[[0, β], [λ²γ, 0]] + O(h²) has the eigenvalues 1 ± hλ sqrt(βγ) + O(h²). One of them is above 1 in
+        # modulus, as sqrt(βγ) is real or imaginary and λ is neither.
         return NEVER
     if place == ZERO_ROOT and into_position:
         return NEVER
     if isinstance(place, Imaginary) and block == 1:
-        return _per(power_bound(m), place.size)
+        return _bound_of_step(power_bound(m), place.size)
     if isinstance(place, Imaginary) and area_factor(m) == fraction(ONE) and into_position:
-        # The eigenvalues lie on the circle and turn with ω: dθ/dω is not 0 but for single h.
+        # The eigenvalues lie on the unit circle and turn with ω: dθ/dω is 0 for isolated h only.
         return NEVER
     if isinstance(place, RealRoot) and place != ZERO_ROOT:
         bound = power_bound(_block(method, place))
         if block == 1 or bound == NEVER:
-            return _per(bound, _size(place))
+            return _bound_of_step(bound, _size(place))
     raise UndecidedLimitError("not decided for this method: a Jordan block, or a step without a kick or a drift")
 
 
@@ -173,8 +173,8 @@ def power_bound(m: StepMatrix) -> Bound:
     return NEVER if limit == ZERO_ROOT else Bound(limit, is_bounded(boundary_of(m), partial(sign_at, root=limit)))
 
 
-def _per(bound: Bound, size: RealRoot) -> Bound:
-    """What the bound of y = h size says of h, for a size > 0."""
+def _bound_of_step(bound: Bound, size: RealRoot) -> Bound:
+    """The bound for h that follows from a bound for y = h size, size > 0."""
     limit = bound.limit
     if not isinstance(limit, Infinity) and limit != ZERO_ROOT:
         limit = root_ratio(limit, size)
@@ -188,7 +188,7 @@ def _limit(facts: SystemFacts) -> tuple[Limit | UndecidedLimitError, bool | None
         return reason, None
 
 
-# Every fact by name, in the order in which a reader wants them; an UndecidedLimitError is a fact, too.
+# Every fact by name, in the order in which they are printed; an UndecidedLimitError is returned as a fact.
 SYSTEM_FACTS: dict[str, Callable[[SystemFacts], Any]] = {
     "method": lambda facts: facts.method,
     "system": lambda facts: facts.rows,
@@ -203,9 +203,9 @@ SYSTEM_FACTS: dict[str, Callable[[SystemFacts], Any]] = {
 def facts_on_system(
     method: Method, rows: Sequence[Sequence[Fraction]], names: Sequence[str] | None = None
 ) -> dict[str, Any]:
-    """The facts with these names, or all, of the method on z' = Az, A given by its rows.
+    """The facts with these names, by default all, about the method on z' = Az, A given by its rows.
 
-    Raises ValueError for an unknown name, a matrix that is not square, and a system that the method is not for.
+    Raises ValueError for an unknown name, a matrix that is not square, or a system to which the method does not apply.
     """
     demand_known(names or (), SYSTEM_FACTS)
     facts = SystemFacts(method, rows)
@@ -213,12 +213,12 @@ def facts_on_system(
 
 
 def bounded_at(found: SystemFacts, h: Fraction) -> bool:
-    """The powers of M(h) are bounded, decided for each eigenvalue of A; h > 0. Raises UndecidedLimitError."""
+    """True if the powers of M(h) are bounded, h > 0; decided by eigenvalues of A. May raise UndecidedLimitError."""
     return all(part_is_bounded(found, eigenvalue, h) for eigenvalue, _ in found.bounds)
 
 
 def part_is_bounded(found: SystemFacts, eigenvalue: Eigenvalue, h: Fraction) -> bool:
-    """The same for the part of M(h) that belongs to one eigenvalue, or to a pair. Raises UndecidedLimitError."""
+    """True if the powers of the part of M(h) for one eigenvalue or pair are bounded. May raise UndecidedLimitError."""
     r = stability_function_of(found.method)
     if r is None:
         return _partitioned(found, eigenvalue, h)
@@ -236,7 +236,7 @@ def part_is_bounded(found: SystemFacts, eigenvalue: Eigenvalue, h: Fraction) -> 
 
 
 def _partitioned(found: SystemFacts, eigenvalue: Eigenvalue, h: Fraction) -> bool:
-    """On q' = v, v' = Kq: the oscillator's matrix at hω, or that of q' = v, v' = q at h|λ|, by its exact signs."""
+    """Decide boundedness on q' = v, v' = Kq by exact signs of the 2x2 matrix at h|λ|, see `_block`."""
     place = eigenvalue.place
     if eigenvalue.block > 1 or isinstance(place, Complex) or place == ZERO_ROOT:
         raise UndecidedLimitError("a method that is not Runge-Kutta: only simple real and imaginary eigenvalues")
@@ -244,19 +244,19 @@ def _partitioned(found: SystemFacts, eigenvalue: Eigenvalue, h: Fraction) -> boo
 
 
 def _times(size: RealRoot, h: Fraction) -> RealRoot:
-    """h times a positive number, h > 0."""
+    """The product of a positive number and h > 0."""
     return root_ratio(size, rational_root(1 / h))
 
 
 def largest_eigenvalue(rows: Sequence[Sequence[Fraction]]) -> Eigenvalue:
-    """The eigenvalue of A that is largest in size: the stiffest part of z' = Az, if it decays."""
+    """The eigenvalue of A of largest modulus: the stiffest component of z' = Az, if it decays."""
     return max(eigenvalues(rows), key=lambda e: float(abs(_ball(e)).mid()))
 
 
 def factor_at(found: SystemFacts, eigenvalue: Eigenvalue, h: Fraction) -> CertifiableReal:
-    """The largest size of an eigenvalue of M(h) that belongs to this one of A: |R(hλ)|, or of the 2x2 matrix at h|λ|.
+    """The largest modulus of the eigenvalues of M(h) that belong to this one of A: |R(hλ)|, or from a 2x2 matrix.
 
-    A Fraction where it is found to be rational: there no ball would tell a size of 1, or of 0.
+    It is a Fraction if found to be rational, as no ball could tell that the modulus is exactly 1 or 0.
     """
     r = stability_function_of(found.method)
     if r is None:
@@ -279,11 +279,12 @@ def _size_of_function(r: RationalFunction, eigenvalue: Eigenvalue, h: Fraction) 
 
 
 def _block(method: Method, place: RootPlace) -> StepMatrix:
-    """The step on q' = v, v' = -q, or v' = q where λ is real."""
+    """M(h) on q' = v, v' = q for a real λ, else on the oscillator."""
     return linear_step_matrix(method, [[0, 1], [1, 0]]) if isinstance(place, RealRoot) else oscillator_matrix(method)
 
 
 def _radius(matrix: StepMatrix, eigenvalue: Eigenvalue, h: Fraction) -> CertifiableReal:
+    """The spectral radius of the matrix of `_block`, at h|λ| for a real or imaginary λ, else at hλ/i."""
     place = eigenvalue.place
     size = place.size if isinstance(place, Imaginary) else place
     if isinstance(size, RealRoot) and size.rational is not None:
@@ -291,9 +292,10 @@ def _radius(matrix: StepMatrix, eigenvalue: Eigenvalue, h: Fraction) -> Certifia
         return spectral_radius([exact(entry(x)) for row in matrix for entry in row])
 
     def ball() -> arb:
-        y = abs(_ball(eigenvalue)) * as_fmpq(h)
-        (a, b), (c, d) = ([at_ball(e.num, y) / at_ball(e.den, y) for e in row] for row in matrix)
-        half, root = acb(a + d) / 2, acb((a - d) * (a - d) + 4 * b * c).sqrt() / 2
+        y = (_ball(eigenvalue) / acb(0, 1) if isinstance(place, Complex) else acb(abs(_ball(eigenvalue)))) * as_fmpq(h)
+        (a, b), (c, d) = ([at_complex_ball(e.num, y) / at_complex_ball(e.den, y) for e in row] for row in matrix)
+        half, square = (a + d) / 2, (a - d) * (a - d) + 4 * b * c
+        root = (square.sqrt() if square.real > 0 else (-square).sqrt() * acb(0, 1)) / 2  # off the branch cut
         return abs(half + root).max(abs(half - root))
 
     return ball

@@ -150,6 +150,7 @@ def test_zero_that_no_ball_shows_is_uncertified_and_an_exact_zero_is_not() -> No
         certified_sign(lambda: arb(2).sqrt() ** 2 - 2)
     with pytest.raises(Uncertified):
         is_less(lambda: arb(2).sqrt(), lambda: arb(2).sqrt())
+    assert not is_less(Q(1, 3), Q(1, 3))
     assert certified_sign(lambda: arb(0)) == certified_sign(Q(0)) == 0
     assert [sign_of_ball(x) for x in (arb(0.5), arb(-0.5), arb(0), arb(0, 0.1))] == [1, -1, None, None]
     assert [certified_sign(lambda x=x: arb(x, 4.5)) for x in (5, -5)] == [1, -1]

@@ -205,6 +205,11 @@ def test_an_inconsistent_method_says_so():
         assert radical_form(one_step("off", rho, sigma).sector.tan) == "0"
 
 
+def test_a_locus_that_meets_the_negative_axis_at_an_irrational_point_leaves_no_sector():
+    facts = one_step("leap", (-1, 0, 0, 0, 1), (1, 0, 0, 0, 0))  # z = ζ⁴ - 1 is -2 at arg ζ = π/4, tan²(π/8) = 3 - 2√2
+    assert [radical_form(x) for x in (facts.real_limit, facts.sector.tan)] == ["2", "0"]
+
+
 def test_facts_are_written_as_records():
     found = facts_of(FACTS_ONLY["bdf2"])
     assert found["rho"] == {"num": ["1/2", "-2", "3/2"], "den": ["1"]}

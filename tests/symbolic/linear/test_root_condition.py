@@ -44,6 +44,10 @@ def test_products_of_known_factors_are_judged_by_their_roots():
         (("1 0 1", "1 0 1", "0 1"), "on the unit circle, a pair of conjugates is a root 2 times"),
         (("1 3 1", "1 0 1"), "a root is outside the unit circle"),
         (("1 1", "-1 1", "1 0 1"), "no root is outside the unit circle; on the circle are 1 and -1 and a pair of"),
+        (("-1 1", "0 1"), "no root is outside the unit circle; on the circle is 1 alone"),
+        (("1 1", "0 1"), "no root is outside the unit circle; on the circle is -1 alone"),
+        (("1 1", "1 0 1"), "no root is outside the unit circle; on the circle are -1 and a pair of conjugates"),
+        (("-1/2 1", "0 1"), "no root is outside the unit circle; none is on it"),
     ],
 )
 def test_the_reason_names_what_was_found(factors, reason):

@@ -305,9 +305,9 @@ def test_factor_is_the_size_of_the_stability_function() -> None:
 
 @pytest.mark.parametrize("key", ["rk4", "symplectic_euler", "radau_iia2", "yoshida4", "implicit_nystrom"])
 @pytest.mark.parametrize("h", [Q(1, 3), Q(5, 2)])
-@pytest.mark.parametrize("text", ["0 1; -4 0", "0 1; -2 0", "0 1; 3 0"])
-def test_factor_is_the_spectral_radius_of_two_components(key: str, h: Q, text: str) -> None:
-    """At rational and at irrational frequencies, and where the solution grows."""
+@pytest.mark.parametrize("text", ["0 1; -4 0", "0 1; -2 0", "0 1; 3 0", "0 0 1 0; 0 0 0 1; 0 1 0 0; -1 0 0 0"])
+def test_factor_is_the_spectral_radius_of_the_matrix(key: str, h: Q, text: str) -> None:
+    """At rational and irrational frequencies, where the solution grows, and where an eigenvalue is truly complex."""
     found = SystemFacts(METHODS.get(key, MIDPOINT_NYSTROM), parse_system(text))
     low, high = radius_ends(found, h)
     with ctx.workprec(300):
