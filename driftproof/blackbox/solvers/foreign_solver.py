@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from math import isfinite
@@ -19,6 +20,13 @@ from driftproof.symbolic.rounding.formats import BINARY32, BINARY64, FloatFormat
 MOST_CALLS_OF_A_RUN = 30_000
 # What a solver takes after f, t_span and y0: rtol and atol, one tolerance, a step size, a number of steps, nothing.
 TOLERANCES, TOLERANCE, LENGTH, COUNT, NOTHING = "tolerances", "tolerance", "length", "count", "nothing"
+# The names that these settings go by, in the order in which a solver is asked whether it has them.
+_SETTINGS = {
+    TOLERANCES: (("rtol", "reltol", "rel_tol"), ("atol", "abstol", "abs_tol")),
+    TOLERANCE: (("tol", "tolerance", "eps", "epsilon", "accuracy", "rtol", "reltol", "rel_tol"),),
+    LENGTH: (ROLES[STEP],),
+    COUNT: (COUNTS,),
+}
 # The default number of steps for solvers that take a step size or a number.
 _USUAL = 128
 # The names under which an answer may hold its times, its states and its dense output.
@@ -65,6 +73,7 @@ class ForeignSolver:
     function: Callable[..., Any]
     adapter: ArrayAdapter = ARRAYS
     takes: str = TOLERANCES
+    names: tuple[str, ...] = ()  # of the parameters that take the settings; without them the settings go by position
     before: Callable[[str], None] = lambda call: None
     after: Callable[[], None] = lambda: None
 
@@ -108,7 +117,9 @@ class ForeignSolver:
         words = ", ".join([f"f, t_span={t_span!r}, y0={list(y0)!r}", *(f"{name}={x!r}" for name, x in given.items())])
         self.before(words)
         try:
-            answer = self.function(slopes, t_span, self.adapter.write(y0), *given.values())
+            by_name = dict(zip(self.names, given.values(), strict=False))
+            by_position = () if self.names else given.values()
+            answer = self.function(slopes, t_span, self.adapter.write(y0), *by_position, **by_name)
         except Misbehaviour:
             raise
         except (Exception, SystemExit) as error:
@@ -119,21 +130,32 @@ class ForeignSolver:
         return _solution(answer, tuple(y0), tuple(calls))
 
 
-def taken_by(solve: Callable[..., Any]) -> str:
-    """What a solver takes after f, t_span and y0, judged by the names of its parameters.
+def taken_by(solve: Callable[..., Any]) -> tuple[str, tuple[str, ...]]:
+    """What a solver takes after f, t_span and y0, and the names of these parameters; without names, by position.
 
-    >>> taken_by(lambda f, t_span, y0, h: None), taken_by(lambda f, t_span, y0, rtol=1e-6, atol=1e-9: None)
-    ('length', 'tolerances')
+    >>> taken_by(lambda f, t_span, y0, steps, method="rk4": None)
+    ('count', ('steps',))
+    >>> taken_by(lambda f, t_span, y0, method="RK45", **options: None)
+    ('tolerances', ('rtol', 'atol'))
     """
     parameters = parameters_of(solve)
     if parameters is None or any(p.kind is p.VAR_POSITIONAL for p in parameters.values()):
-        return TOLERANCES
-    further = [name.lower().strip("_") for name, p in parameters.items() if p.kind is not p.VAR_KEYWORD][3:]
-    if not further:
-        return NOTHING
-    if further[0] in (*ROLES[STEP], *COUNTS):
-        return COUNT if further[0] in COUNTS else LENGTH
-    return TOLERANCES if len(further) > 1 else TOLERANCE
+        return TOLERANCES, ()
+    open_ended = any(p.kind is p.VAR_KEYWORD for p in parameters.values())
+    further = {name.lower().strip("_"): name for name, p in parameters.items() if p.kind is not p.VAR_KEYWORD}
+    further = dict(list(further.items())[3:])
+    required = [name for name in further.values() if parameters[name].default is inspect.Parameter.empty]
+    known = {
+        taken: tuple(next((further[word] for word in words if word in further), "") for words in roles)
+        for taken, roles in _SETTINGS.items()
+    }
+    named = [(taken, names) for taken, names in known.items() if all(names)]
+    for taken, names in sorted(named, key=lambda each: not set(required) <= set(each[1])):
+        by_position = any(parameters[name].kind is inspect.Parameter.POSITIONAL_ONLY for name in names)
+        return taken, () if by_position else names
+    if not required:
+        return (TOLERANCES, ("rtol", "atol")) if open_ended and further else (NOTHING, ())
+    return TOLERANCES if len(required) > 1 else TOLERANCE, ()
 
 
 def _solution(answer: Any, y0: tuple[float, ...], calls: tuple[Call, ...]) -> Solution:
@@ -205,7 +227,7 @@ class SolverTarget:
         failures: list[Misbehaviour] = []
         solve = imported(self.solver)
         for adapter in (ARRAYS, LISTS):
-            subject = ForeignSolver(solve, adapter, taken_by(solve), before, after)
+            subject = ForeignSolver(solve, adapter, *taken_by(solve), before, after)
             try:
                 found = subject.solve(lambda n, t, y: [0.0 * x for x in y], (0.0, 1.0), (1.0, 0.5))
             except Misbehaviour as failure:

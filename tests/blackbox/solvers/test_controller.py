@@ -11,13 +11,14 @@ from driftproof.blackbox.probes.scripted_answers import NotReadable
 from driftproof.blackbox.solvers.controller import _fitted, _Point, bumps, read_controller
 from driftproof.blackbox.solvers.foreign_solver import ForeignSolver, taken_by
 from driftproof.blackbox.solvers.steps import read_steps
+from driftproof.blackbox.stepper.array_adapters import ARRAYS
 from tests.blackbox.solvers.planted_solvers import adaptive, fixed
 from tests.blackbox.transcripts import Asked
 from tests.looping import some
 
 
 def read(solve):
-    subject = ForeignSolver(solve, takes=taken_by(solve))
+    subject = ForeignSolver(solve, ARRAYS, *taken_by(solve))
     return read_controller(subject, read_steps(subject))
 
 

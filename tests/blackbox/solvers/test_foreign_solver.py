@@ -9,6 +9,7 @@ import pytest
 
 from driftproof.blackbox.findings import Misbehaviour, StepRaised
 from driftproof.blackbox.solvers.foreign_solver import DoesNotEnd, ForeignSolver, SolverTarget, in_binary32, taken_by
+from driftproof.blackbox.stepper.array_adapters import ARRAYS
 from driftproof.symbolic.rounding.formats import BINARY32, BINARY64
 from tests.blackbox.solvers.planted_solvers import adaptive, fixed
 from tests.looping import exactly
@@ -60,30 +61,51 @@ def test_what_comes_instead_of_an_answer_is_named():
         ForeignSolver(endless).solve(lambda n, t, y: [1.0], (0.0, 1.0), (1.0,))
 
 
+SOLVED = (T, [[1.0], [2.0], [3.0]])
+# A solver that keeps what it is given; what it takes; and with which values.
 TAKEN = {
-    "tolerances": (lambda f, t_span, y0, rtol, atol: 0, "rtol=0.25, atol=0.5", (0.25, 0.5)),
-    "tolerance": (lambda f, t_span, y0, tol, **options: 0, "tol=0.5", (0.5,)),
-    "length": (lambda f, t_span, y0, _DT, more=2: 0, "h=0.375", (0.375,)),
-    "count": (lambda f, t_span, y0, N: 0, "n=8", (8,)),
-    "nothing": (lambda f, t_span, y0, **options: 0, "", ()),
+    "both": (lambda f, t_span, y0, rtol, atol: (rtol, atol), "tolerances", (0.25, 0.5)),
+    "by keyword": (lambda f, t_span, y0, *, atol=1, rtol=1: (rtol, atol), "tolerances", (0.25, 0.5)),
+    "after others": (
+        lambda f, t_span, y0, method="RK", abstol=1, reltol=1: (reltol, abstol),
+        "tolerances",
+        (0.25, 0.5),
+    ),
+    "as options": (lambda f, t_span, y0, method="RK", **o: (o["rtol"], o["atol"]), "tolerances", (0.25, 0.5)),
+    "by position": (lambda f, t_span, y0, rtol, atol, /: (rtol, atol), "tolerances", (0.25, 0.5)),
+    "unnamed": (lambda f, t_span, y0, first, second: (first, second), "tolerances", (0.25, 0.5)),
+    "any": (lambda *given: given[3:], "tolerances", (0.25, 0.5)),
+    "one": (lambda f, t_span, y0, tol, **options: (tol,), "tolerance", (0.5,)),
+    "one of two": (lambda f, t_span, y0, h=None, eps=1: (h, eps), "tolerance", (None, 0.5)),
+    "one, unnamed": (lambda f, t_span, y0, small: (small,), "tolerance", (0.5,)),
+    "length": (lambda f, t_span, y0, _DT, more=2: (_DT, more), "length", (0.375, 2)),
+    "length after others": (lambda f, t_span, y0, args=(), dt=1: (args, dt), "length", ((), 0.375)),
+    "count": (lambda f, t_span, y0, N: (N,), "count", (8,)),
+    "nothing": (lambda f, t_span, y0, method="RK": (method,), "nothing", ("RK",)),
+    "only options": (lambda f, t_span, y0, **options: (options,), "nothing", ({},)),
 }
 
 
-@pytest.mark.parametrize("takes", TAKEN)
-def test_a_run_is_told_before_and_after_with_what_the_solver_takes(takes):
-    solve, words, values = TAKEN[takes]
+@pytest.mark.parametrize("form", TAKEN)
+def test_a_solver_is_given_what_it_takes_by_the_names_of_its_parameters(form):
+    solve, takes, values = TAKEN[form]
     told, taken = [], []
 
-    def noting(f, t_span, y0, *given):
-        taken.append((t_span, [*y0], given))
-        return T, [[1.0], [2.0], [3.0]]
+    def noting(*given, **named):
+        taken.append(solve(*given, **named))
+        return SOLVED
 
-    subject = ForeignSolver(noting, takes=taken_by(solve), before=told.append, after=lambda: told.append("over"))
+    subject = ForeignSolver(noting, ARRAYS, *taken_by(solve), told.append, lambda: told.append("over"))
     assert (subject.takes, subject.adaptive) == (takes, takes.startswith("tolerance"))
     assert subject.solve(lambda n, t, y: y, (1.0, 4.0), (1.0,), 0.25, 0.5, 8).y == ((1.0,), (2.0,), (3.0,))
-    assert taken == [((1.0, 4.0), [1.0], values)]
-    assert told == [", ".join(filter(None, ["f, t_span=(1.0, 4.0), y0=[1.0]", words])), "over"]
-    assert taken_by(lambda *arguments: 0) == "tolerances"
+    assert taken == [values]
+    words = {"tolerances": "rtol=0.25, atol=0.5", "tolerance": "tol=0.5", "length": "h=0.375", "count": "n=8"}
+    assert told == [", ".join(filter(None, ["f, t_span=(1.0, 4.0), y0=[1.0]", words.get(takes, "")])), "over"]
+
+
+def test_a_setting_that_is_not_known_is_named_by_the_error():
+    with pytest.raises(StepRaised, match="missing 1 required positional argument: 'h'"):
+        SolverTarget(lambda f, t_span, y0, h, tol: SOLVED).open()
 
 
 def test_a_solver_of_lists_is_opened_with_lists():
