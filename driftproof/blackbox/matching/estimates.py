@@ -112,11 +112,11 @@ def _shown(estimate: EstimateReading) -> str:
 
 
 def _pair_of(estimate: EstimateReading, reading: TableauReading, method: Method | None) -> _Fit:
-    """The pair that has the tableau; of several, the one whose estimate fits."""
+    """The pair that has the tableau; of several, the one whose estimate it is, if there is one, with fewest faults."""
     pairs = (pair for pair in ([method] if method else _explicit_pairs()) if is_pair(pair))
     arranged = [(pair, order) for pair in pairs if (order := _stages_called(pair, reading)) is not None]
     found = [_compared(pair.key, _differences(pair, order), estimate) for pair, order in arranged]
-    return min(found, key=lambda each: len(each[3]), default=(None, 1.0, [], []))
+    return min(found, key=lambda fit: (fit[0] is None, len(fit[3])), default=(None, 1.0, [], []))
 
 
 def _explicit_pairs() -> Iterator[RungeKutta]:
