@@ -1,4 +1,4 @@
-"""A tableau that was read beside the one that is claimed: entry by entry, its row sums, and the entry that mends it."""
+"""Differences between a tableau read and the one claimed: entries, row sums, and entries that restore the order."""
 
 from __future__ import annotations
 
@@ -24,14 +24,14 @@ from driftproof.methods.schemes import Collocation, RungeKutta
 from driftproof.support.plain_text import table
 from driftproof.symbolic.trees.order_conditions import order
 
-# Lines of a table that a reader takes in.
+# Chosen: a reader takes in this many entries of a table; the others are counted.
 _MOST_SHOWN = 12
-# An entry of a larger tableau is one of too many, and each costs the conditions of its order.
+# Chosen: a larger tableau has too many entries to try, each of which costs the evaluation of all order conditions.
 _MOST_STAGES = 7
 
 
 def side_by_side(reading: CoefficientReading, method: RungeKutta | Collocation) -> list[str]:
-    """The entries that differ, claimed and read; the rows of A that were read whose sum is not their time."""
+    """The entries that differ, claimed and read, as a table; then the rows of the A read that do not sum to their c."""
     if reading.calls != method.stages:
         return [f"{method.key} has {method.stages} stage{'s' * (method.stages > 1)}, {reading.calls} read"]
     rounding, fmt = reading.rounding, reading.format
@@ -55,7 +55,7 @@ def side_by_side(reading: CoefficientReading, method: RungeKutta | Collocation) 
 
 
 def other_velocities(method: RungeKutta, reading: ForceReading) -> list[str]:
-    """Which velocities are not those of the stages, where there are as many calls; else that they are not."""
+    """The entries in which the velocities of the calls differ from those of the stages, or one line that they do."""
     rows, rounding = reading.a_velocity or (), reading.rounding
     if len(rows) != method.stages:
         return [f"the velocities that its force is given are not those of the stages of {method.key}"]
@@ -70,7 +70,7 @@ def other_velocities(method: RungeKutta, reading: ForceReading) -> list[str]:
 def _entries(
     a: Sequence[Sequence[Any]], weights: Mapping[str, Sequence[Any]], c: Sequence[Any], *, full: bool
 ) -> list[tuple[str, Any]]:
-    """All of A, or what is below its diagonal, the weights and c, by name."""
+    """The entries of A (if not `full`, only those below the diagonal), of the weights and of c, with their names."""
     below = [(f"a[{i}][{j}]", x) for i, row in enumerate(a) for j, x in enumerate(row if full else row[:i])]
     return [*below, *((f"{name}[{i}]", x) for name, row in {**weights, "c": c}.items() for i, x in enumerate(row))]
 
@@ -86,7 +86,7 @@ def _row_sums(reading: TableauReading, rounding: Rounding) -> list[str]:
 
 
 def rational_method(reading: TableauReading, key: str) -> RungeKutta | None:
-    """The method that was read, where each entry is the rounding of a simple rational; None where one is not."""
+    """The method read, if every entry of A and b is the rounding of a simple rational, else None; c holds row sums."""
     rounding = reading.rounding
 
     def exact(row: Sequence[float]) -> list[Fraction | None]:
@@ -101,10 +101,10 @@ def rational_method(reading: TableauReading, key: str) -> RungeKutta | None:
 
 
 def mended(method: RungeKutta, claimed: int) -> list[str]:
-    """Each entry that alone, with another value, gives the order claimed, whose conditions are of A and b alone.
+    """The entries of A or b whose change alone restores the order claimed on y' = f(y), each as a line of text.
 
-    Every condition is of degree one in a weight, and those of the tall trees b Aᵏ 1 = 1/(k + 1)! in an entry of an
-    explicit A, too: the first that depends on the entry leaves one value, for which all conditions are then tried.
+    Every order condition is linear in a weight, and those of the tall trees, b Aᵏ 1 = 1/(k + 1)!, are also linear in an
+    entry of an explicit A. The first of these that depends on the entry leaves one value, for which all are checked.
     """
     if method.stages > _MOST_STAGES or not method.explicit or method.field or order(method).order >= claimed:
         return []
@@ -123,7 +123,7 @@ def mended(method: RungeKutta, claimed: int) -> list[str]:
 
 
 def _with(method: RungeKutta, i: int, j: int, value: Exact) -> RungeKutta:
-    """The method with another entry in row i of A, or in b, which stands below."""
+    """The method with entry j replaced in row i of A, or in b if i is the number of stages."""
     rows = [list(row) for row in (*method.a, method.b)]
     rows[i][j] = value
     *a, b = map(tuple, rows)
@@ -131,7 +131,7 @@ def _with(method: RungeKutta, i: int, j: int, value: Exact) -> RungeKutta:
 
 
 def _tall(method: RungeKutta) -> list[Exact]:
-    """b 1, b A 1, b A² 1, ..."""
+    """The elementary weights b 1, b A 1, b A² 1, ... of the tall trees."""
     stages: list[Exact] = [Fraction(1)] * method.stages
     found: list[Exact] = []
     for _ in range(method.stages):
