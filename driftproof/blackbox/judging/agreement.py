@@ -7,17 +7,15 @@ from decimal import Decimal
 from fractions import Fraction
 from itertools import islice
 from math import inf
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from driftproof.blackbox.findings import Misbehaviour, UnsupportedCall
 from driftproof.blackbox.judging.sampled_steps import Arguments, Sizes, simplest_step, steps_within
 from driftproof.blackbox.judging.tolerance import Allowance, Judgement, Tolerance
 from driftproof.blackbox.stepper.call_text import call_text
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
+from driftproof.methods.schemes import Method
 from driftproof.symbolic.algebra.certified import significant
-
-if TYPE_CHECKING:
-    from driftproof.methods.schemes import Method
 
 COMPONENTS = ("q", "v")
 # Chosen: among this many steps, an error that one state in 300 shows is missed once in 30 runs; they take 0.1 s.

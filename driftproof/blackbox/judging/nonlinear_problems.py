@@ -128,7 +128,7 @@ def driven(size: int, *, timed: bool) -> NonlinearProblem:
     if timed or size > 1:
         numbers = f"{size} number{'s' * (size > 1)}"
         words = f"a nonlinear problem of {numbers}, {'with t' if timed else 'without t: the code hands on no time'}"
-        return NonlinearProblem(words, _bells(timed), _solution(size, timed), timed=timed)
+        return NonlinearProblem(words, _bells(timed), lambda t: _bells_at(t, size, timed), timed=timed)
     words = "y' = exp(-y), without t: the code hands on no time"
     return NonlinearProblem(words, lambda t, y: [capped_exp(-x) for x in y], lambda t: [(1 + t).log()])
 
@@ -239,11 +239,8 @@ def _bells(timed: bool) -> Callable[[AnyNumber, Sequence[AnyNumber]], _State]:
     return rate
 
 
-def _solution(size: int, timed: bool) -> Callable[[arb], list[arb]]:
-    def solution(t: arb) -> list[arb]:
-        return [_bell(i, t)[1] for i in range(size)] if timed else [*(_bell(i, t)[1] for i in range(size - 1)), t]
-
-    return solution
+def _bells_at(t: arb, size: int, timed: bool) -> list[arb]:
+    return [_bell(i, t)[1] for i in range(size)] if timed else [*(_bell(i, t)[1] for i in range(size - 1)), t]
 
 
 def _product_of_others(q: Sequence[AnyNumber]) -> _State:

@@ -185,11 +185,8 @@ def _in_one_component(line: str) -> Iterator[tuple[str, str, str]]:
     for words, wrong in _wrong_factors(line) if line[0] in "Yy" else ():
         name, _, right = line.partition(" = ")
         for x, other in ("qv", "vq"):
-            yield (
-                f"in the {x}, {words}",
-                line,
-                f"{name} = ({right}) * {other}_only + ({wrong[len(name) + 3 :]}) * {x}_only",
-            )
+            mixed = f"{name} = ({right}) * {other}_only + ({wrong[len(name) + 3 :]}) * {x}_only"
+            yield f"in the {x}, {words}", line, mixed
 
 
 def _wrong_names(before: Sequence[str], line: str) -> Iterator[tuple[str, str]]:
@@ -250,13 +247,11 @@ class _Parameter:
 
     @property
     def row(self) -> list[float]:
-        """The row of the method."""
         table = self.program.tables[self.name]
         row: list[float] = table if self.i is None else table[self.i]
         return row
 
     def at(self, x: float) -> Program:
-        """The program with this value of x."""
         row = [(y * x if self.scaled else x) if j in self.chosen else y for j, y in enumerate(self.row)]
         table = self.program.tables[self.name]
         rows = row if self.i is None else [*table[: self.i], row, *table[self.i + 1 :]]

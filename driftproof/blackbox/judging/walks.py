@@ -44,10 +44,6 @@ _LENGTHS, _BACK = (0.1, 0.1, 1 / 30, 0.07), (-0.07, -0.03)
 _GOES_ON, _MOVED = "goes on from the one before", "begins when the one before ended, in another state,"
 # The stepper may use another arithmetic or convention; a step that it refuses to take is no evidence against it.
 _REFUSALS = (StepRaised, WrongShape, NotANumber)
-
-
-# For each number of components, its problems, one for each order in which y may hold them.
-_ByNumber: TypeAlias = dict[int, list[NonlinearProblem]]
 # True if all steps are the method's, False if one is not, None if none is taken; the words; a call that shows it or "".
 Walked: TypeAlias = tuple[bool | None, str, str]
 
@@ -201,7 +197,7 @@ class Walker:
         """The allowed error of a component, for components and slopes of this size and this number of components."""
         return allowed_off(self.subject, self.method, self.allowance, size, h)
 
-    def why(self, step: _Step, problem: NonlinearProblem, of_numbers: _ByNumber) -> str:
+    def why(self, step: _Step, problem: NonlinearProblem, of_numbers: dict[int, list[NonlinearProblem]]) -> str:
         """The one condition under which the step is wrong, "" if there is not just one. Raises a Misbehaviour."""
         there = step.place.problem(problem)
         if step.before:

@@ -89,15 +89,13 @@ def rational_method(reading: TableauReading, key: str) -> RungeKutta | None:
     """The method read, if every entry of A and b is the rounding of a simple rational, else None; c holds row sums."""
     rounding = reading.rounding
 
-    def exact(row: Sequence[float]) -> list[Fraction | None]:
-        return [Fraction(x) if x == int(x) else simple_rational(x, rounding.of(abs(x))) for x in row]
+    def exact(x: float) -> Fraction | None:
+        return Fraction(x) if x == int(x) else simple_rational(x, rounding.of(abs(x)))
 
-    rows, weights = [exact(row) for row in reading.a], exact(reading.b)
-    if any(x is None for row in (*rows, weights) for x in row):
+    *a, b = (tuple(x for x in map(exact, row) if x is not None) for row in (*reading.a, reading.b))
+    if any(len(row) < reading.calls for row in (*a, b)):
         return None
-    a = tuple(tuple(x for x in row if x is not None) for row in rows)
-    b = tuple(x for x in weights if x is not None)
-    return RungeKutta(key, key, 0, "", a, b, tuple(sum(row, Fraction(0)) for row in a))
+    return RungeKutta(key, key, 0, "", tuple(a), b, tuple(sum(row, Fraction(0)) for row in a))
 
 
 def mended(method: RungeKutta, claimed: int) -> list[str]:

@@ -176,12 +176,8 @@ class LinearlyEquivalentMethods:
     def _of_programs(self, rates: Rates, fmt: FloatFormat) -> Four:
         x = abs(rates.h) * abs(rates.position * rates.stiffness) ** 0.5
         (in_position, in_velocity), (qq, qv, vq, vv) = rates.moves, self._tallies
-        sizes = (
-            qq(x),
-            in_position * CountedSizes(qv.sizes[1:])(x),
-            in_velocity * CountedSizes(vq.sizes[1:])(x),
-            vv(x),
-        )
+        upper, lower = (CountedSizes(p.sizes[1:])(x) for p in (qv, vq))
+        sizes = qq(x), in_position * upper, in_velocity * lower, vv(x)
         parameter = 0 if abs(rates.position) == 1 else _COEFFICIENT_ROUNDINGS
         counts = (tally.count + parameter * len(tally.sizes) for tally in self._tallies)
         return [_allowance(*each, fmt) for each in zip(sizes, counts, strict=True)]

@@ -161,7 +161,6 @@ def nearly_exact(reading: LinearReading, *, known: bool) -> LinearCandidate | No
 def _error(
     each: LinearMap, h: Fraction, m: MatrixEntries, fmt: FloatFormat, position: Fraction, stiffness: Fraction
 ) -> Error:
-    """The error of one matrix read, against the map's at h."""
     rates = Rates(float(h), float(position), float(stiffness))
     exact, allowed = each.matrix_at(h, position, stiffness), each.allowances(rates, fmt)
     off = [*map(lambda x, ball: float(abs(arb(x) - ball).upper()), m, exact)]

@@ -150,7 +150,7 @@ def _entry(shape: _Shape, coefficients: Sequence[Coefficient]) -> Recovered:
 def _meets(entry: Recovered, values: dict[Fraction, Fraction], u: Fraction) -> bool:
     """True if the function has all the values, up to rounding."""
     for x, y in values.items():
-        num, den = (_horner([c.value for c in part], x) for part in (entry.num, entry.den))
+        num, den = (_at([c.value for c in part], x) for part in (entry.num, entry.den))
         if abs(num - y * den) > _allowed(entry, x, y, u):
             return False
     return True
@@ -159,16 +159,13 @@ def _meets(entry: Recovered, values: dict[Fraction, Fraction], u: Fraction) -> b
 def _allowed(entry: Recovered, x: Fraction, y: Fraction, u: Fraction) -> Fraction:
     """The bound k u (Σ|num| + |y| Σ|den|) of |num - y den| to first order, for y off by k u times its monomials."""
     k = _ROUNDINGS * (len(entry.num) + len(entry.den))
-    above, below = (_horner([abs(c.value) for c in part], abs(x)) for part in (entry.num, entry.den))
+    above, below = (_at([abs(c.value) for c in part], abs(x)) for part in (entry.num, entry.den))
     return k * u * (above + (abs(y) * below if len(entry.den) > 1 else 0))
 
 
-def _horner(coefficients: Sequence[Fraction], x: Fraction) -> Fraction:
+def _at(coefficients: Sequence[Fraction], x: Fraction) -> Fraction:
     """The polynomial with these coefficients, constant term first, at x."""
-    total = coefficients[-1]
-    for c in coefficients[-2::-1]:
-        total = total * x + c
-    return total
+    return sum((c * x**i for i, c in enumerate(coefficients)), Fraction(0))
 
 
 def _in_seconds(entry: Recovered, unit: Fraction) -> Recovered:

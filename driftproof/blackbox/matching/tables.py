@@ -72,8 +72,7 @@ def bounded(x: Any) -> BoundedCoefficient:
 
 def stages(a: Sequence[TableRow], weights: Sequence[TableRow], c: TableRow) -> StageCoefficients:
     """The stage coefficients with these rows, all as tuples."""
-    rows: Callable[[Sequence[TableRow]], Any] = lambda rows: tuple(map(tuple, rows))
-    return StageCoefficients(rows(a), rows(weights), tuple(c))
+    return StageCoefficients(tuple(map(tuple, a)), tuple(map(tuple, weights)), tuple(c))
 
 
 def timed_stages(tableau: LiftedTableau, timed: bool) -> StageCoefficients:
@@ -141,11 +140,8 @@ def induced_by_parts(parts: Sequence[tuple[str, Exact]], lift: FromExact) -> Ind
         elif x:
             kicks.append((at, lift(x)))
     kicks = kicks or [(at, lift(0))]
-    before = [kicks[:i] for i in range(len(kicks))]
-    later = [[lift(0)] * (len(kicks) - i) for i in range(len(kicks))]
     rows = [
-        [*((c - start) * y for start, y in earlier), *blank]
-        for (c, _), earlier, blank in zip(kicks, before, later, strict=True)
+        [*((c - start) * y for start, y in kicks[:i]), *[lift(0)] * (len(kicks) - i)] for i, (c, _) in enumerate(kicks)
     ]
     ends = [(at - c) * y for c, y in kicks]
     return stages(rows, (ends, [y for _, y in kicks]), [c for c, _ in kicks]), at
