@@ -1,4 +1,4 @@
-"""Comparison of many steps of a stepper with the exact ones: all are within the bound, or the simplest one beyond."""
+"""Comparison of many steps of a stepper with the exact ones, and the simplest step beyond the bound if there is one."""
 
 from __future__ import annotations
 
@@ -28,8 +28,8 @@ _DIGITS = 20
 class Domain:
     """The sizes of h > 0, q and v at which a stepper is tried; q and v are also tried at 0.
 
-    The smallest sizes keep arguments away from underflow, where codes that convert units lose digits that nobody
-    misses; with 0, all floats are tried. In narrow formats they are raised to the square root of the smallest normal
+    The smallest sizes keep arguments away from underflow, where codes that convert units lose digits harmlessly; if
+    they are 0, all floats are tried. In narrow formats they are raised to the square root of the smallest normal
     number. Raises ValueError unless 0 <= smallest < largest < inf.
 
     >>> from driftproof import Domain, verify
@@ -199,10 +199,10 @@ _STATES_BACK, _STEPS_BACK = ((1.0, 0.0), (0.0, 1.0), (-0.75, 1.25)), (0.25, 0.1)
 def steps_back(
     subject: ForeignStepper, method: Method, allowance: Allowance = NO_ALLOWANCE, domain: Domain = ORDINARY_DOMAIN
 ) -> tuple[bool | None, str, str]:
-    """Compare a few steps with h < 0 with M(h): True, False, or None if h < 0 is refused; the words; and a call.
+    """Compare a few steps with h < 0 with M(h); return the answer, the words, and a call that shows a failure or "".
 
-    States and steps are of ordinary size, or smaller if the domain is. An implicit method gives None, because at h < 0
-    its stages need not have a solution.
+    The answer is None if h < 0 is refused, and for an implicit method, whose stages need not have a solution at h < 0.
+    States and steps are of ordinary size, or smaller if the domain is.
     """
     if not method.explicit:
         return None, f"{method.key} is implicit: steps back are not tried", ""
@@ -227,9 +227,9 @@ def steps_back(
 def rows_together(
     subject: ForeignStepper, method: Method, allowance: Allowance = NO_ALLOWANCE, domain: Domain = ORDINARY_DOMAIN
 ) -> tuple[bool | None, str, str]:
-    """Compare the step of several states in arrays with M(h), with an answer like that of `steps_back`.
+    """Compare the step of several states in arrays with M(h); return the same three parts as `steps_back`.
 
-    It is None if only one state is taken at a time. Raises UnsupportedCall if an array is one state.
+    The answer is None if only one state is taken at a time. Raises UnsupportedCall if an array is one state.
     """
     tolerance, longest = Tolerance(method, subject.format, allowance), min(1.0, domain.largest_step)
     size, h = min(1.0, domain.largest_state / 2), float(subject.format.nearest(Fraction(longest * _STEPS_BACK[1])))

@@ -21,7 +21,7 @@ HABITS: dict[str, Callable[[Allowance], Allowance]] = {
     "if the velocity is a difference of positions over h": lambda given: replace(given, velocity_from_positions=True),
 }
 ROUNDED = "if its coefficients are rounded to"
-# As many digits more and fewer than the size of an error suggests are tried: h and the states scale the error.
+# How many digits more and fewer are tried than an error suggests, because it also scales with h and the states.
 _DIGITS_AROUND = 2
 # Chosen: a source with fewer digits is not counted as a rounding of the method.
 _FEWEST = 5
@@ -59,7 +59,7 @@ def explained(
 
 def _of_few_digits(method: Method, error: float) -> Iterator[tuple[str, Method]]:
     """Yield the method with coefficients of about as many digits as an error of this size suggests."""
-    if not error:  # there are errors in the range of underflow only
+    if not error:  # all errors are in the range of underflow
         return
     middle = round(-log10(error))
     for digits in range(middle + _DIGITS_AROUND, max(_FEWEST, middle - _DIGITS_AROUND) - 1, -1):

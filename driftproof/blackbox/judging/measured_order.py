@@ -1,4 +1,4 @@
-"""The order that a stepper shows on nonlinear problems, by how fast the error of a step falls with h: no proof."""
+"""The order that a stepper shows on nonlinear problems, from how its local error falls with h: evidence, no proof."""
 
 from __future__ import annotations
 
@@ -57,12 +57,12 @@ class MeasuredOrder:
 
 
 def order_seen(order: int | None) -> str:
-    """The sentence that this order is seen, or that none is."""
+    """The words "order 4 is seen", or "no order is seen"."""
     return "no order is seen" if order is None else f"order {order} is seen"
 
 
 def slopes_text(slopes: Sequence[float]) -> str:
-    """The slopes as text, or that there are none."""
+    """The slopes as text, or "none above the noise"."""
     return ", ".join(f"{slope:.2f}" for slope in slopes) or "none above the noise"
 
 

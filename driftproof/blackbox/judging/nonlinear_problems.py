@@ -1,4 +1,4 @@
-"""Nonlinear problems with known solutions that depend on time: they distinguish steps that linear problems do not."""
+"""Nonlinear, time-dependent problems with known solutions, which distinguish steps that linear problems do not."""
 
 from __future__ import annotations
 
@@ -69,7 +69,7 @@ class NonlinearProblem:
 
 
 def moved(problem: NonlinearProblem, sizes: Sequence[float], pace: float, origin: float) -> NonlinearProblem:
-    """The problem with its components scaled by `sizes`, which are repeated, its pace by `pace`, and its time moved.
+    """The problem with its components scaled by `sizes`, repeated as needed, and its time by `pace` from `origin`.
 
     Its solution is S z(pace (t - origin)), with velocities that are scaled by the pace, too. Sizes and pace are powers
     of two, up to signs, so that only the time is rounded differently.
@@ -208,7 +208,7 @@ def _is_given_times(step: Callable[[FieldFunction, float], object]) -> bool:
 
 
 def _halves(y: Sequence[AnyNumber], positions: int) -> tuple[Sequence[AnyNumber], Sequence[AnyNumber]]:
-    """The positions and the velocities of y. Raises WrongShape if they are not `positions`."""
+    """The positions and the velocities of y. Raises WrongShape if y holds another number of them."""
     if len(y) != 2 * positions:
         raise WrongShape(f"the force is asked for {len(y) // 2} of {positions} positions")
     return y[:positions], y[positions:]

@@ -33,7 +33,7 @@ _BITS = 192
 # Step sizes so small that the iteration for the stages converges for every method of the catalogue, and so large that
 # two tables of one order differ by far more than a solver's tolerance; and the times at which the steps start.
 STEPS, TIMES = (2.0**-4, 2.0**-5, 2.0**-7), (START, 1.5)
-# An iteration that converges at those step sizes gains at least one bit in each round; these are twice as many.
+# An iteration that converges at those step sizes gains at least one bit a round. Chosen: twice as many as are needed.
 _ROUNDS = 2 * _BITS
 # A smaller change of the slopes is due to the rounding of the balls themselves.
 _SETTLED = 2.0**-160
@@ -89,7 +89,7 @@ def nonlinear_agreement(subject: ForeignStepper, method: Method, allowance: Allo
 
 
 def nonlinear_twins(subject: ForeignStepper, keys: Sequence[str]) -> tuple[str, ...]:
-    """The implicit methods, of some with one linear step, whose nonlinear steps the stepper takes.
+    """Those of several implicit methods with the same linear step whose nonlinear steps the stepper takes.
 
     Stages may be as far off as solvers in use leave them. Raises UnsupportedCall if the system is built in.
     """

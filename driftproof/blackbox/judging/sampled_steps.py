@@ -34,7 +34,7 @@ class Sizes:
 
     @cached_property
     def least(self) -> float:
-        """The smallest; in narrow formats the root of the smallest normal number, lest products underflow, or more."""
+        """The smallest; in narrow formats at least the root of the smallest normal number, lest products underflow."""
         if not self.low:
             return float(self.format.eta)
         return float(self.format.nearest(Fraction(max(self.low, 2.0 ** (self.format.emin // 2)))))

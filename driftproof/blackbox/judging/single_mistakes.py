@@ -190,7 +190,7 @@ def _in_one_component(line: str) -> Iterator[tuple[str, str, str]]:
 
 
 def _wrong_names(before: Sequence[str], line: str) -> Iterator[tuple[str, str]]:
-    """Yield the line with each other slope or state that is known before it in place of one."""
+    """Yield the line with one slope or state replaced by each other one that is known there."""
     for found in re.finditer(r"(?<=.)\b([kYQqv])\[(\d+)\]", line):
         known = sum(each.startswith((f"{found[1]}[", f"{found[1]} +=")) for each in before) + (found[1] in "qv")
         for j in set(range(known)) - {int(found[2])}:

@@ -54,7 +54,7 @@ class Allowance:
 
 
 class Judgement(NamedTuple):
-    """The error of one component of a step: `ratio` is relative to its bound, `scaled` to u times the |monomials|.
+    """The error of one component of a step: `ratio` to its bound, and `scaled` to u times the sum of |monomials|.
 
     `allowed` is decided in balls; `ratio` and `scaled` are floats for people, and `scaled` is 0 in the range of
     underflow.
@@ -114,10 +114,7 @@ class Tolerance:
             return judged[0], judged[1]
 
     def demand_room(self, state: float, h: float) -> None:
-        """Raise ValueError for sizes at which the sum of |monomials| or one of their products overflows.
-
-        There no bound holds.
-        """
+        """Raise ValueError for sizes at which a sum of |monomials| overflows, so that no bound holds."""
         with ctx.workprec(_BITS):
             largest = arb(max(state, 1.0))
             reached = max(float(_at(size, arb(h), (largest, largest)).log().mid()) for size in self._size)
@@ -160,7 +157,7 @@ class Tolerance:
 
     @cached_property
     def _size(self) -> Sequence[Columns]:
-        """The sum of |monomials|: of the definition, before any cancel, or of the numerators of an implicit method."""
+        """The sum of |monomials|: of the definition, before cancellation, or of the numerators of an implicit one."""
         if self.method.explicit:
             return size_columns(self.method, self.format, _BITS)
         return [[*(arb_poly([abs(c) for c in num.coeffs()]) for num, _ in row), arb_poly([])] for row in self._matrix]

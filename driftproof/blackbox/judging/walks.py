@@ -40,7 +40,7 @@ _BITS = 192
 _NUMBERS, _POSITIONS, _SOLVED_FOR = (1, 2, 3, 5, 17), (1, 2, 3, 5, 9), (1, 2, 3, 5)
 # Step sizes in units of the problem's own time: so short that numbers keep their sizes, of many bits, one taken twice.
 _LENGTHS, _BACK = (0.1, 0.1, 1 / 30, 0.07), (-0.07, -0.03)
-# What precedes a step: the step that ends where it starts, or a step after which an event, say, changed the state.
+# What precedes a step: a step that ends where it starts, or one after which the state was changed, as by an event.
 _GOES_ON, _MOVED = "goes on from the one before", "begins when the one before ended, in another state,"
 # The stepper may use another arithmetic or convention; a step that it refuses to take is no evidence against it.
 _REFUSALS = (StepRaised, WrongShape, NotANumber)
@@ -50,7 +50,7 @@ Walked: TypeAlias = tuple[bool | None, str, str]
 
 @dataclass(frozen=True)
 class _Place:
-    """How a problem is moved: to signed sizes, which are repeated, to a pace of 2**pace, and to a time `origin`."""
+    """Where a problem is moved: signed sizes, repeated as needed; the exponent of its pace; the origin of its time."""
 
     sizes: tuple[float, ...] = (1.0,)
     pace: int = 0
@@ -229,7 +229,7 @@ def walked(
     """Compare successive steps with the method's, for each number of components and at each place.
 
     Places and numbers of components are paired so that each occurs, in `most` pairs at most. The answer is None if no
-    such step is taken; it has no call that shows it. Raises UnsupportedCall if the system is built in.
+    such step is taken, and the call is always "". Raises UnsupportedCall if the system is built in.
     """
     return walk_on(Walker(subject, method, allowance, domain), lengths, most)
 
@@ -244,7 +244,7 @@ def walk_on(walker: Walker, lengths: Sequence[float] = _LENGTHS, most: int | Non
 
 
 def there_and_back(walker: Walker) -> Walked:
-    """Compare as `walk_on` does and, if the steps are right and h < 0 is not refused, for h < 0 at two places."""
+    """Compare as `walk_on` does and, if the steps are right and h < 0 is not refused, also for h < 0 at two places."""
     found = walk_on(walker)
     passed, words, again = walk_on(walker, _BACK, 2) if found[0] else found
     return (False, f"h < 0 is no step back: {words}", again) if found[0] and passed is False else found
@@ -284,7 +284,7 @@ def _walked_on(walker: Walker, lengths: Sequence[float], most: int | None) -> Wa
 def _settings(
     walker: Walker, sizes: Sequence[list[NonlinearProblem]]
 ) -> Iterator[tuple[_Place, list[NonlinearProblem]]]:
-    """Yield places with problems, the shorter list repeated; then the home place with all problems but the first."""
+    """Yield places with problems, the shorter list repeated; then the home place with the problems of further sizes."""
     places = walker.places
     if sizes and places:
         for i in range(max(len(sizes), len(places))):

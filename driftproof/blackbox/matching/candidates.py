@@ -1,4 +1,4 @@
-"""The methods of the catalogue, and their variants, that a reading through a right-hand side or a force may be."""
+"""Candidates for a reading: methods of the catalogue and their variants, as a right-hand side or a force shows them."""
 
 from __future__ import annotations
 

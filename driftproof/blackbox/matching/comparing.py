@@ -32,9 +32,9 @@ class CoefficientPlace(NamedTuple):
 
 
 class Distance(NamedTuple):
-    """The largest distances in units of u: relative to the coefficient's own terms, and to its column's `scale`.
+    """The largest distances in units of u: relative to the coefficient's own terms, and to its `scale`.
 
-    `farthest` names the coefficient with the second one.
+    `farthest` names the coefficient that has the second.
     """
 
     of_terms: int
@@ -61,7 +61,7 @@ class Comparison:
     def differences(self) -> list[CoefficientPlace]:
         """The coefficients that differ, with the stages of both tables in the order in which they stand."""
         read, exact, allowed = self._in_floats
-        rows, columns = np.nonzero(np.abs(read - exact) > allowed)  # fast: there are many candidates
+        rows, columns = np.nonzero(np.abs(read - exact) > allowed)  # fast, as there are many candidates
         wrong = {self._name(i, j) for i, j in zip(rows.tolist(), columns.tolist(), strict=True)}
         wrong |= set() if self._same_drift else {"drift"}
         return [place for place in self._places(range(self.read.calls)) if place.name in wrong] if wrong else []

@@ -140,7 +140,7 @@ class _Polynomials:
                 yield f"the dense output is not {place}: the weight of call {worst} is off by {off[worst]:.3g}"
 
     def elsewhere(self, reading: DenseReading) -> Iterator[str]:
-        """Yield the first place between the sixteenths, where times are rounded, that is not on the polynomials."""
+        """Yield the first theta between the sixteenths whose value, up to rounding, is not on the polynomials."""
         slope = max(_size(weight.derivative()) for weight in self.weights)
         for theta, row in reading.between:
             off = self._off(theta, row)

@@ -24,7 +24,7 @@ from driftproof.methods.schemes import Collocation, RungeKutta
 from driftproof.support.plain_text import table
 from driftproof.symbolic.trees.order_conditions import order
 
-# Chosen: a reader takes in this many entries of a table; the others are counted.
+# Chosen: the most entries that are shown in a table; further ones are only counted.
 _MOST_SHOWN = 12
 # Chosen: a larger tableau has too many entries to try, each of which costs the evaluation of all order conditions.
 _MOST_STAGES = 7
@@ -55,7 +55,7 @@ def side_by_side(reading: CoefficientReading, method: RungeKutta | Collocation) 
 
 
 def other_velocities(method: RungeKutta, reading: ForceReading) -> list[str]:
-    """The entries in which the velocities of the calls differ from those of the stages, or one line that they do."""
+    """The wrong entries in the velocities of the stages, as text, or one line that says what else is wrong."""
     rows, rounding = reading.a_velocity or (), reading.rounding
     if len(rows) != method.stages:
         return [f"the velocities that its force is given are not those of the stages of {method.key}"]

@@ -104,7 +104,7 @@ class LinearCandidate:
 
     @property
     def extras(self) -> int:
-        """The number of ways in which it differs from a method of the catalogue applied to its system."""
+        """The number of ways in which the map differs from a method of the catalogue applied to the system."""
         off = self.position != 1 or (self.known and self.stiffness != 1)
         return bool(self.restriction) + off + self.adjoint
 
@@ -184,7 +184,7 @@ def _near(
 def explained_by(
     each: LinearMap, reading: LinearReading, position: Fraction, stiffness: Fraction, *, known: bool
 ) -> LinearCandidate:
-    """Compare a map with the reading, within its bound; on failure, with h rounded to binary32, then at fewer steps."""
+    """Compare a map with the reading at all steps; if it fails, with h rounded to binary32, and then at fewer steps."""
 
     def at(h: float, m: MatrixEntries, step_format: FloatFormat = BINARY64) -> Error:
         return _error(each, step_format.nearest(Fraction(h)), m, reading.format, position, stiffness)

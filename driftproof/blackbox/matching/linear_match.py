@@ -113,8 +113,8 @@ class LinearFit:
     def is_disturbed(self) -> bool:
         """True if a reading at states of another size may show more than this one.
 
-        That is so if the best candidate holds neither everywhere nor at all h > 0, and, without candidates, if steps
-        depend on the size of states.
+        That is so if the best candidate does not hold at all h > 0, or if there is no candidate and something was seen
+        that depends on the size of states.
         """
         if self.best is not None:
             return self.doubts > 1

@@ -139,7 +139,7 @@ def match_method(reading: CoefficientReading, method: Method) -> Identity:
     """The identity of a reading compared with this method alone, which need not be one of the catalogue.
 
     If they differ in few places, `near` holds the differences. Through a right-hand side no splitting matches. An
-    implicit method matches only a reading of implicit stages, and an explicit one only a reading without.
+    implicit method matches only a reading of implicit stages, and an explicit one only a reading of explicit stages.
     """
     read, candidates = _Read.of(reading), list[Candidate]()
     if isinstance(reading, ForceReading):

@@ -1,4 +1,4 @@
-"""Near misses: methods with few wrong coefficients, even where one shows in many places, or with few decimals."""
+"""Near misses: methods whose coefficients were read but for a few wrong ones, or with few decimals."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ _HOW_FAR = {0.5: "coefficients rounded to {} decimals", 2.0: "coefficients of {}
 
 @dataclass(frozen=True)
 class Near:
-    """A method that differs in a few places, which are lines such as "b[2]: -1/3 instead of 1/3"."""
+    """A method that was read but for `differences`, lines such as "b[2]: -1/3 instead of 1/3"."""
 
     key: str
     differences: tuple[str, ...]
