@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from decimal import Decimal
 from fractions import Fraction
-from itertools import islice
+from itertools import islice, product
 from math import inf
 from typing import Any
 
@@ -196,6 +196,16 @@ def agreement(
 _STATES_BACK, _STEPS_BACK = ((1.0, 0.0), (0.0, 1.0), (-0.75, 1.25)), (0.25, 0.1)
 
 
+def _ordinary(subject: ForeignStepper, domain: Domain) -> tuple[list[tuple[float, float]], list[float]]:
+    """These states and step sizes, scaled to lie in a small domain, as numbers of the stepper's format."""
+    size, longest = min(1.0, domain.largest_state / 2), min(1.0, domain.largest_step)
+
+    def number(x: float) -> float:
+        return float(subject.format.nearest(Fraction(x)))
+
+    return [(number(size * q), number(size * v)) for q, v in _STATES_BACK], [number(longest * h) for h in _STEPS_BACK]
+
+
 def steps_back(
     subject: ForeignStepper, method: Method, allowance: Allowance = NO_ALLOWANCE, domain: Domain = ORDINARY_DOMAIN
 ) -> tuple[bool | None, str, str]:
@@ -206,22 +216,15 @@ def steps_back(
     """
     if not method.explicit:
         return None, f"{method.key} is implicit: steps back are not tried", ""
-    tolerance, steps = Tolerance(method, subject.format, allowance), 0
-    size, longest = min(1.0, domain.largest_state / 2), min(1.0, domain.largest_step)
-
-    def number(x: float) -> float:
-        return float(subject.format.nearest(Fraction(x)))
-
-    for h in _STEPS_BACK:
-        for q, v in _STATES_BACK:
-            example = _example(subject, tolerance, number(size * q), number(size * v), -number(longest * h))
-            steps += 1
-            if example.answer is None:
-                return None, f"h < 0 is refused: {example.misbehaved}", ""
-            if _fails(example):
-                example = _in_full(example, tolerance, subject)
-                return False, f"h < 0 is no step back: {example.words}", example.reproduction
-    return True, f"{steps} steps with h < 0 within the bound", ""
+    tolerance, (states, steps) = Tolerance(method, subject.format, allowance), _ordinary(subject, domain)
+    for h, (q, v) in product(steps, states):
+        example = _example(subject, tolerance, q, v, -h)
+        if example.answer is None:
+            return None, f"h < 0 is refused: {example.misbehaved}", ""
+        if _fails(example):
+            example = _in_full(example, tolerance, subject)
+            return False, f"h < 0 is no step back: {example.words}", example.reproduction
+    return True, f"{len(steps) * len(states)} steps with h < 0 within the bound", ""
 
 
 def rows_together(
@@ -231,9 +234,7 @@ def rows_together(
 
     The answer is None if only one state is taken at a time. Raises UnsupportedCall if an array is one state.
     """
-    tolerance, longest = Tolerance(method, subject.format, allowance), min(1.0, domain.largest_step)
-    size, h = min(1.0, domain.largest_state / 2), float(subject.format.nearest(Fraction(longest * _STEPS_BACK[1])))
-    states = [(size * q, size * v) for q, v in _STATES_BACK]
+    tolerance, (states, (_, h)) = Tolerance(method, subject.format, allowance), _ordinary(subject, domain)
     try:
         answers = subject.step_batch([q for q, _ in states], [v for _, v in states], h)
     except Misbehaviour as refusal:
