@@ -196,8 +196,8 @@ def agreement(
 _STATES_BACK, _STEPS_BACK = ((1.0, 0.0), (0.0, 1.0), (-0.75, 1.25)), (0.25, 0.1)
 
 
-def _ordinary(subject: ForeignStepper, domain: Domain) -> tuple[list[tuple[float, float]], list[float]]:
-    """These states and step sizes, scaled to lie in a small domain, as numbers of the stepper's format."""
+def ordinary_arguments(subject: ForeignStepper, domain: Domain) -> tuple[list[tuple[float, float]], list[float]]:
+    """States (q, v) and step sizes of ordinary size, or smaller if the domain is, in the stepper's format."""
     size, longest = min(1.0, domain.largest_state / 2), min(1.0, domain.largest_step)
 
     def number(x: float) -> float:
@@ -216,7 +216,7 @@ def steps_back(
     """
     if not method.explicit:
         return None, f"{method.key} is implicit: steps back are not tried", ""
-    tolerance, (states, steps) = Tolerance(method, subject.format, allowance), _ordinary(subject, domain)
+    tolerance, (states, steps) = Tolerance(method, subject.format, allowance), ordinary_arguments(subject, domain)
     for h, (q, v) in product(steps, states):
         example = _example(subject, tolerance, q, v, -h)
         if example.answer is None:
@@ -234,7 +234,7 @@ def rows_together(
 
     The answer is None if only one state is taken at a time. Raises UnsupportedCall if an array is one state.
     """
-    tolerance, (states, (_, h)) = Tolerance(method, subject.format, allowance), _ordinary(subject, domain)
+    tolerance, (states, (_, h)) = Tolerance(method, subject.format, allowance), ordinary_arguments(subject, domain)
     try:
         answers = subject.step_batch([q for q, _ in states], [v for _, v in states], h)
     except Misbehaviour as refusal:

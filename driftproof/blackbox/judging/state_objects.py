@@ -5,14 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import replace
-from fractions import Fraction
 from functools import partial
 from typing import Any
 
 import numpy as np
 
 from driftproof.blackbox.findings import Misbehaviour
-from driftproof.blackbox.judging.agreement import NO_ALLOWANCE, ORDINARY_DOMAIN, Domain
+from driftproof.blackbox.judging.agreement import NO_ALLOWANCE, ORDINARY_DOMAIN, Domain, ordinary_arguments
 from driftproof.blackbox.judging.tolerance import Allowance, Tolerance
 from driftproof.blackbox.judging.walks import Walked, Walker, walk_on
 from driftproof.blackbox.stepper.array_adapters import ARRAYS, LISTS, SCALARS, TUPLES, ArrayAdapter, Foreign
@@ -25,8 +24,8 @@ from driftproof.methods.schemes import Method
 # The words of a verdict on a step that is right in another form of state than the one that was given.
 RIGHT_AS = "it is where the state comes as"
 _FORMS = (ARRAYS, LISTS, TUPLES)
-# A start of ordinary size and of both signs, a step size of many bits, and the number of successive steps.
-_START, _STEP, _STEPS = (-0.75, 1.25), 0.1, 3
+# Successive steps from each form of state.
+_STEPS = 3
 _STATE_ROLES = (POSITION, VELOCITY, STATE)
 
 
@@ -103,11 +102,7 @@ def _tried(
     If a right-hand side can be given, a nonlinear problem is tried as well. Raises a Misbehaviour of the stepper.
     """
     tolerance, seen = Tolerance(method, subject.format, allowance), list[tuple[float, float]]()
-
-    def number(x: float, most: float) -> float:
-        return float(subject.format.nearest(Fraction(x * min(1.0, most))))
-
-    (q, v), h = (number(x, domain.largest_state / 2) for x in _START), number(_STEP, domain.largest_step)
+    (*_, (q, v)), (*_, h) = ordinary_arguments(subject, domain)
     for _ in range(0 if subject.single else _STEPS):
         answer = subject.step(q, v, h)
         if not all(component.allowed for component in tolerance.judge(q, v, h, answer)):
