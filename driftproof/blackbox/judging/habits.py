@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import replace
 from fractions import Fraction
 from functools import partial
-from math import log10
+from math import inf, log10
 
 from driftproof.blackbox.judging.agreement import EXAMPLES, NO_ALLOWANCE, ORDINARY_DOMAIN, Agreement, Domain, agreement
 from driftproof.blackbox.judging.tolerance import Allowance, Tolerance
@@ -59,7 +59,7 @@ def explained(
 
 def _of_few_digits(method: Method, error: float) -> Iterator[tuple[str, Method]]:
     """Yield the method with coefficients of about as many digits as an error of this size suggests."""
-    if not error:  # all errors are in the range of underflow
+    if not 0 < error < inf:  # 0 if all errors are in the range of underflow
         return
     middle = round(-log10(error))
     for digits in range(middle + _DIGITS_AROUND, max(_FEWEST, middle - _DIGITS_AROUND) - 1, -1):
