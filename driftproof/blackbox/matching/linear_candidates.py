@@ -193,7 +193,7 @@ def explained_by(
     found = LinearCandidate(keys, adjoint, position, stiffness, known, Error(inf, inf))
     with ctx.workprec(CERTIFYING_BITS):
         errors = {h: at(h, m) for h, m in reading.steps}
-        if _worst(errors, _is_coarse).is_rounding and not _worst(errors).is_rounding:
+        if _worst(errors, lambda h: BINARY32.holds(Fraction(h))).is_rounding and not _worst(errors).is_rounding:
             rounded = _worst({h: at(h, m, BINARY32) for h, m in reading.steps})
             if rounded.is_rounding:
                 return replace(found, error=rounded, restriction="with h rounded to binary32")
@@ -206,12 +206,7 @@ def explained_by(
 
 def _worst(errors: Mapping[float, Error], kept: Callable[[float], bool] = lambda h: True) -> Error:
     found = [error for h, error in errors.items() if kept(h)]
-    return Error(max(error.in_bounds for error in found), max(error.relative for error in found))
-
-
-def _is_coarse(h: float) -> bool:
-    """True if h is a number of binary32."""
-    return float(np.float32(h)) == h
+    return Error(max((e.in_bounds for e in found), default=inf), max((e.relative for e in found), default=inf))
 
 
 def _restrictions(unit: float) -> Sequence[tuple[str, Callable[[float], bool]]]:
