@@ -50,7 +50,7 @@ from driftproof.blackbox.probes.linear_steps import (
 from driftproof.blackbox.stepper.calling_conventions import MAP
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 
-# The kind of a linear stepper whose steps are those of every method, because no force acts.
+# The kind of a linear stepper that cannot be compared with methods: no force acts, or no rates show.
 UNDETERMINED = "undetermined"
 # Sizes of states for when a limit or a rule disturbs the reading at size 1: two below most limits on the size of a
 # state, and one above most thresholds under which a rule puts a state to rest.
@@ -148,7 +148,8 @@ def fitted(reading: LinearReading, *, known: bool) -> LinearFit:
     """Explain a reading; if `known`, the system is the oscillator q' = v, v' = -q."""
     start = LinearFit(reading.kind, reading.amplitude, reading.format.name, remarks=reading.remarks)
     if reading.at_zero is None:  # otherwise some steps were read as well
-        return start
+        why = "no tiny step shows a rate: steps do not shrink with h, are noise, or are long in the system's own time"
+        return replace(start, kind=UNDETERMINED, remarks=(why, *reading.remarks)) if reading.identifiable else start
     position, stiffness = rates_of(reading)
     rates = (1.0, 1.0) if known else (float(position), float(stiffness))
     start = replace(start, nearly=_nearly(reading, rates))
