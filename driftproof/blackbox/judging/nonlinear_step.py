@@ -104,14 +104,14 @@ def _compared(
     with ctx.workprec(_BITS):
         for t, h in product(TIMES, STEPS):
             start = [float(x.mid()) for x in problem.solution(arb(t))]
-            said = own_step(method, problem, t, start, h)
+            expected = own_step(method, problem, t, start, h)
             allowed = allowed_off(subject, method, allowance, 1 + max(map(abs, start)), h)
             seen = problem.stepped(subject, t, start, h)
-            off = [*map(off_by, seen, said)]
+            off = [*map(off_by, seen, expected)]
             wrong = tuple(name for name, x in zip(problem.names, off, strict=True) if not x <= allowed)
             i = max(range(len(off)), key=lambda i: inf if isnan(off[i]) else off[i])
             if wrong and not off[i] <= found.largest:
-                numbers = f"{problem.names[i]} is {seen[i]!r}, of {method.key} {float(said[i].mid())!r}"
+                numbers = f"{problem.names[i]} is {seen[i]!r}, of {method.key} {float(expected[i].mid())!r}"
                 beyond = f"in a step of {h:g} from t = {t:g}, {numbers}: off by {off[i]:.1e}, allowed {allowed:.1e}"
                 found = replace(found, beyond=beyond, wrong=wrong)
             found = replace(found, largest=max(found.largest, off[i]))

@@ -176,16 +176,16 @@ class Walker:
         """What is wrong with one step, "" if nothing is, and the state at its end."""
         seen = [float(x) for x in problem.stepped(self.subject, t, y, h)]
         taken = float(np.float32(h)) if self.allowance.step_in_binary32 else h
-        said, scales = self.own_step(problem, t, y, taken), problem.scales
+        expected, scales = self.own_step(problem, t, y, taken), problem.scales
         # Slopes change by about their size in a unit of the problem's own time, so that the rounding of t matters, too.
         size = 1 + max(abs(x / s) for x, s in zip(y, scales, strict=True)) + abs(t) * 2.0**place.pace
         allowed = self.allowed(size, len(y), h * 2.0**place.pace)
-        off = [gap / abs(s) for gap, s in zip(map(off_by, seen, said), scales, strict=True)]
+        off = [gap / abs(s) for gap, s in zip(map(off_by, seen, expected), scales, strict=True)]
         wrong = [i for i, x in enumerate(off) if not x <= allowed]
         if not wrong:
             return "", seen
         i = max(wrong, key=lambda i: off[i])
-        numbers = f"{problem.names[i]} is {seen[i]!r}, of {self.method.key} {float(said[i].mid())!r}"
+        numbers = f"{problem.names[i]} is {seen[i]!r}, of {self.method.key} {float(expected[i].mid())!r}"
         of = self.counted(problem.positions or len(y))
         return f"in a step of {h:.6g} from t = {t:.6g}, of {of}, {numbers}", seen
 

@@ -39,13 +39,13 @@ def side_by_side(reading: CoefficientReading, method: RungeKutta | Collocation) 
     if isinstance(reading, ForceReading):
         stages, _ = induced_by_tableau(exact_tableau(method))
         weights = {"b_position": reading.b_position, "b_velocity": reading.b_velocity}
-        said = _entries(stages.a, dict(zip(weights, stages.weights, strict=True)), stages.c, full=full)
+        claimed = _entries(stages.a, dict(zip(weights, stages.weights, strict=True)), stages.c, full=full)
     else:
         a, b, c = exact_tableau(method)
-        weights, said = {"b": reading.b}, _entries(a, {"b": b}, c, full=full)
+        weights, claimed = {"b": reading.b}, _entries(a, {"b": b}, c, full=full)
     read = _entries(reading.a, weights, reading.c or (), full=full)
     rows = [["entry", "claimed", "read", "difference"]]
-    for (name, exact), (_, seen) in zip(said, read, strict=False):
+    for (name, exact), (_, seen) in zip(claimed, read, strict=False):
         off = float(seen) - float(exact)
         if abs(off) > rounding.of(max(1.0, abs(float(exact)))):
             rows.append([name, exact_shown(exact), coefficient_text(float(seen), fmt, rounding.besides), f"{off:.3g}"])

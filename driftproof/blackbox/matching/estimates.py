@@ -68,7 +68,7 @@ def judged_estimate(subject: ForeignStepper, method: Method | None = None) -> Ju
     if estimate.relative:
         fault = "the error estimate is divided by the size of y: it is relative already, before any tolerance"
         return JudgedEstimate(None, propagated, None, None, (f"beside y1 it returns {estimate.form}",), (fault,))
-    pair, factor, said, faults = _pair_of(estimate, reading, method)
+    pair, factor, described, faults = _pair_of(estimate, reading, method)
     if not estimate.power:
         faults = ["the error estimate is divided by h: per unit step, of one order less", *faults]
     if estimate.fault:
@@ -80,14 +80,14 @@ def judged_estimate(subject: ForeignStepper, method: Method | None = None) -> Ju
         slack = reading.rounding.of(max(estimate.sizes))
         shown = coefficient_text(float(total), reading.format, slack)
         faults.append(f"the error estimate is no difference of two methods: its weights add up to {shown}, not to 0")
-        return JudgedEstimate(0, propagated, None, pair, tuple(lines + said), tuple(faults))
+        return JudgedEstimate(0, propagated, None, pair, tuple(lines + described), tuple(faults))
     first = vanishing.failing_tree
     tree = "" if first is None else f": the first tree that it sees is {to_brackets(first)}"
     if pair is None and vanishing.order + 1 < propagated:
         faults.append(f"the error estimate is O(h^{vanishing.order + estimate.power}), of steps of order {propagated}")
     other = max(_other_order(estimate, reading, sign / factor) for sign in (1, -1))
     lines += [
-        *said,
+        *described,
         f"the estimate is O(h^{vanishing.order + estimate.power}){tree}",
         f"propagated is the row of order {propagated}, the other one has order {other}",
     ]

@@ -223,8 +223,8 @@ def _least_different(
 ) -> Nearest:
     """The methods that differ in one coefficient, if there are some, else those with the nearest matrix."""
     closest = _by_distance(h, m, (float(position), float(stiffness)))[:MOST_COMPARED]
-    told = [(differences(entries, each, position, stiffness), off, each) for off, each in closest]
-    found, off, each = min(told, key=lambda one: (len(one[0]) != 1, one[1]))
+    compared = [(differences(entries, each, position, stiffness), off, each) for off, each in closest]
+    found, off, each = min(compared, key=lambda one: (len(one[0]) != 1, one[1]))
     return Nearest(each.keys, h, off, tuple(found[:MOST_DIFFERENCES]))
 
 

@@ -161,11 +161,11 @@ def differences(
     polynomial_ = all(entry.den == ONE for row in other.matrix for entry in row)
     found: list[tuple[int, str]] = []
     for name, entry, series in zip(ENTRY_NAMES, read, theirs, strict=True):
-        told = [
+        lines = [
             (power, f"h^{power} coefficient of {name} is {ours}, {other.keys[0]} has {_shown(its)}")
             for power, ours, its in _differing(entry, series)
         ]
-        found += told if polynomial_ and len(entry.den) == 1 else told[:1]
+        found += lines if polynomial_ and len(entry.den) == 1 else lines[:1]
     return [words for _, words in sorted(found, key=lambda difference: difference[0])]
 
 

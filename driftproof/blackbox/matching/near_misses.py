@@ -126,9 +126,8 @@ def typed_in(read: Fingerprint, methods: Iterable[Candidate], rounding: Rounding
     """Yield the methods whose coefficients, typed with few decimals, are those read."""
     for candidate in methods:
         found = ((words, _decimals(read, candidate.fingerprint, rounding, most)) for most, words in _HOW_FAR.items())
-        told = [words.format(decimals) for words, decimals in found if decimals is not None]
-        if told:
-            yield Near(candidate.key, (told[0],))
+        if words := next((words.format(decimals) for words, decimals in found if decimals is not None), ""):
+            yield Near(candidate.key, (words,))
 
 
 def _decimals(read: Fingerprint, exact: Fingerprint, rounding: Rounding, most: float) -> int | None:
