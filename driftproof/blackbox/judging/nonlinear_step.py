@@ -29,6 +29,7 @@ from driftproof.methods.schemes import Collocation, Method, Nystrom, RungeKutta,
 from driftproof.methods.stepping import stepper
 from driftproof.symbolic.algebra.certified import enclose
 
+# Chosen: balls of this precision are far narrower than the rounding errors of doubles.
 _BITS = 192
 # Step sizes so small that the iteration for the stages converges for every method of the catalogue, and so large that
 # two tables of one order differ by far more than a solver's tolerance; and the times at which the steps start.

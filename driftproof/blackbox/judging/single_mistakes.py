@@ -31,6 +31,7 @@ _STEPS = ((0.6, -0.8, 1.0), (1.25, 0.5, 0.5), (-0.375, 0.9, 0.75))
 _INSIDE = 64
 # Iterations of the secant method for one coefficient, and its first offset; on linear problems one iteration is exact.
 _ROUNDS, _ASIDE = 12, 0.125
+# Chosen: the most mistakes that are named.
 MOST_TOLD = 4
 # Chosen: a longer program has more possible mistakes than can be tried in a second or two.
 _MOST_STAGES = 13

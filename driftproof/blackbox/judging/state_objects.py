@@ -24,7 +24,7 @@ from driftproof.methods.schemes import Method
 # The words of a verdict on a step that is right in another form of state than the one that was given.
 RIGHT_AS = "it is where the state comes as"
 _FORMS = (ARRAYS, LISTS, TUPLES)
-# Successive steps from each form of state.
+# Chosen: the number of successive steps from each form of state.
 _STEPS = 3
 _STATE_ROLES = (POSITION, VELOCITY, STATE)
 

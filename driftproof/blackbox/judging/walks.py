@@ -33,6 +33,7 @@ from driftproof.blackbox.stepper.calling_conventions import FIELD, FORCE
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.methods.schemes import Method, Nystrom, Splitting
 
+# Chosen: balls of this precision are far narrower than the rounding errors of doubles.
 _BITS = 192
 # The numbers of components tried: 1; some near the 2 and 4 by which short loops are unrolled; one more than the widest
 # vector registers hold. There are fewer positions, because each force is a product of all of them, and fewer components

@@ -55,7 +55,7 @@ UNDETERMINED = "undetermined"
 # Sizes of states for when a limit or a rule disturbs the reading at size 1: two below most limits on the size of a
 # state, and one above most thresholds under which a rule puts a state to rest.
 OTHER_SIZES = (2.0**-5, 2.0**-10, 2.0**20)
-# Steps from those sizes, and from 2**-60 of them, need this many powers of two below 1; binary16 has only 14.
+# Steps from those sizes, and from 2**-60 times them, need this many powers of two below 1; binary16 has only 14.
 OWN_RANGE = 100
 # Solvers in use stop at 1e-4 or below. Chosen: every other method then has to be this many times as far off.
 NEARLY, AS_NEAR = 1e-4, 16

@@ -32,8 +32,8 @@ from driftproof.methods import catalogue
 from driftproof.methods.schemes import Collocation, Method, RungeKutta
 from driftproof.symbolic.linear.reduced_tableau import reduced
 
-# A coefficient computed where it is used, as a quotient or with a root, takes at most four operations: so does
-# 1/(2 - 2**(1/3)).
+# A coefficient that is computed where it is used, as a quotient or with a root, takes at most four operations, as
+# 1/(2 - 2**(1/3)) does.
 FEW_ROUNDINGS = 4
 # Chosen: a method that differs in more than three coefficients, or in more than a third of all, is another method.
 # Two exchanged weights are two differences; if one of their nodes is wrong too, they are three.
