@@ -18,7 +18,7 @@ from driftproof.methods.schemes import Method
 from driftproof.symbolic.algebra.certified import significant
 
 COMPONENTS = ("q", "v")
-# Chosen: among this many steps, an error that one state in 300 shows is missed once in 30 runs; they take 0.1 s.
+# Chosen: an error that one state in 300 shows is missed with probability 1/30; this many steps take 0.1 s.
 EXAMPLES = 1000
 # The digits of an exact value shown: three more than distinguish two neighbouring doubles.
 _DIGITS = 20

@@ -215,7 +215,7 @@ def _halves(y: Sequence[AnyNumber], positions: int) -> tuple[Sequence[AnyNumber]
 
 
 def _bell(i: int, t: AnyNumber) -> tuple[AnyNumber, AnyNumber]:
-    """The number x = t + i/2 and the bell 1/(1 + x²), of which no derivative is 0 for long."""
+    """The number x = t + i/2 and the bell 1/(1 + x²), whose derivatives vanish at isolated points only."""
     x = t + _SPACING * i
     return x, 1 / (1 + x * x)
 

@@ -255,7 +255,7 @@ def equivalent_methods() -> tuple[LinearlyEquivalentMethods, ...]:
 
 @cache
 def adjoint_methods() -> tuple[LinearlyEquivalentMethods, ...]:
-    """The adjoints of the classes of the catalogue whose matrix no method of the catalogue has.
+    """The adjoint classes whose matrix is that of no method of the catalogue.
 
     Self-adjoint methods are left out: as adjoints, their steps would be allowed an error 13 to 38 times as large. So
     are classes of Nyström methods alone, whose adjoints are implicit and not in use.

@@ -1,4 +1,4 @@
-"""Near misses: methods whose coefficients were read but for a few wrong ones, or with few decimals."""
+"""Near misses: methods that match a reading but for a few coefficients, or with coefficients of few decimals."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ _HOW_FAR = {0.5: "coefficients rounded to {} decimals", 2.0: "coefficients of {}
 
 @dataclass(frozen=True)
 class Near:
-    """A method that was read but for `differences`, lines such as "b[2]: -1/3 instead of 1/3"."""
+    """A method that matches a reading but for `differences`, lines such as "b[2]: -1/3 instead of 1/3"."""
 
     key: str
     differences: tuple[str, ...]
