@@ -1,1 +1,1 @@
-"""A stepper held to a method: its rounding errors to a derived bound, its order to the pendulum."""
+"""Comparison of a stepper with a method: rounding errors against a derived bound, nonlinear steps, and the order."""

@@ -1,37 +1,36 @@
-"""A stepper beside the exact step of a method, over many steps: within the bound, or the simplest example beyond."""
+"""Comparison of many steps of a stepper with the exact ones, and the simplest step beyond the bound if there is one."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from decimal import Decimal
 from fractions import Fraction
-from itertools import islice
+from itertools import islice, product
 from math import inf
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from driftproof.blackbox.findings import Misbehaviour, UnsupportedCall
 from driftproof.blackbox.judging.sampled_steps import Arguments, Sizes, simplest_step, steps_within
 from driftproof.blackbox.judging.tolerance import Allowance, Judgement, Tolerance
 from driftproof.blackbox.stepper.call_text import call_text
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
+from driftproof.methods.schemes import Method
 from driftproof.symbolic.algebra.certified import significant
 
-if TYPE_CHECKING:
-    from driftproof.methods.schemes import Method
-
 COMPONENTS = ("q", "v")
-# In a campaign of so many, an error that one state in 300 shows is missed once in 30; it takes 0.1 s.
+# Chosen: an error that one state in 300 shows is missed with probability 1/30; this many steps take 0.1 s.
 EXAMPLES = 1000
-# Of an exact value: three more than tell two neighbouring doubles apart.
+# The digits of an exact value shown: three more than distinguish two neighbouring doubles.
 _DIGITS = 20
 
 
 @dataclass(frozen=True)
 class Domain:
-    """Where a stepper is tried: floats h > 0, q and v within these sizes; q and v are also tried at 0.
+    """The sizes of h > 0, q and v at which a stepper is tried; q and v are also tried at 0.
 
-    The smallest ones keep what is tried away from underflow, where many a code that converts units loses digits that
-    nobody misses; 0 tries all floats. In narrow formats they are raised to the root of the smallest normal number.
+    The smallest sizes keep arguments away from underflow, where codes that convert units lose digits harmlessly; if
+    they are 0, all floats are tried. In narrow formats they are raised to the square root of the smallest normal
+    number. Raises ValueError unless 0 <= smallest < largest < inf.
 
     >>> from driftproof import Domain, verify
     >>> step = lambda q, v, h: (q + h * v, v - h * q)
@@ -45,14 +44,14 @@ class Domain:
     smallest_state: float = 2.0**-60
 
     def __post_init__(self) -> None:
-        """Refuse what holds no step or no state."""
+        """Raise ValueError unless 0 <= smallest < largest < inf for steps and for states."""
         for low, high in self.ranges:
             if not 0 <= low < high < inf:
                 raise ValueError(f"from {low:g} to {high:g}: sizes go from 0 or more up to something larger and finite")
 
     @property
     def ranges(self) -> tuple[tuple[float, float], tuple[float, float]]:
-        """From what to what sizes go: of steps, of states."""
+        """The smallest and largest sizes, first of steps, then of states."""
         return (self.smallest_step, self.largest_step), (self.smallest_state, self.largest_state)
 
     @property
@@ -67,10 +66,11 @@ NO_ALLOWANCE = Allowance()
 
 @dataclass(frozen=True)
 class Example:
-    """One step: its arguments, the answer, and what was wrong with it, or how near the bound it came.
+    """One step that was tried: its arguments, its answer, and how near to the bound its error is.
 
-    `exact` and `error_over_bound` are of the worse component; `misbehaved` says what came instead of an answer;
-    `reproduction` is the call as a line of Python.
+    `component` is "q" or "v", whichever is nearer to its bound or farther beyond; `exact` and `error_over_bound` are
+    of this component. `scaled_error` is the largest error in units of u over the sum of |monomials|. `misbehaved` says
+    what came instead of an answer, and `reproduction` is the call as a line of Python.
     """
 
     q: float
@@ -86,12 +86,12 @@ class Example:
 
     @property
     def call(self) -> str:
-        """The arguments as one writes them."""
+        """The arguments as they are written in a call."""
         return f"q={self.q!r}, v={self.v!r}, h={self.h!r}"
 
     @property
     def data(self) -> dict[str, Any]:
-        """The same for programs; floats as text that gives them back to the last bit."""
+        """The example as JSON data, with floats as text that restores them to the last bit."""
         return {
             **{name: repr(getattr(self, name)) for name in ("q", "v", "h")},
             "answer": None if self.answer is None else [repr(x) for x in self.answer],
@@ -104,7 +104,7 @@ class Example:
 
     @property
     def words(self) -> str:
-        """What happened there."""
+        """The example in one line: the answer, the exact value and the error; or what came instead of an answer."""
         if self.answer is None:
             return self.misbehaved
         got = self.answer[COMPONENTS.index(self.component)]
@@ -116,11 +116,11 @@ class Example:
 
 @dataclass(frozen=True)
 class Agreement:
-    """How a stepper compares with a method over `examples` steps.
+    """The comparison of a stepper with a method over `examples` steps.
 
-    `worst` is the example with the largest error over its bound among those tried; `failing`, where there is one, the
-    simplest found of those beyond their bound; `but_for` says in words with which allowance none is, if that was asked.
-    Sampling is evidence, no proof; the bound is proved.
+    `worst` is the example tried with the largest error over its bound. `failing` is the simplest example found beyond
+    its bound, or None. `but_for` says under which allowance no example is beyond its bound, if that was tried. Sampling
+    is evidence, not proof; the bound is proved.
     """
 
     method: str
@@ -133,12 +133,12 @@ class Agreement:
 
     @property
     def holds(self) -> bool:
-        """True when no example was found beyond its bound."""
+        """True if no example was found beyond its bound."""
         return self.failing is None
 
     @property
     def lines(self) -> list[str]:
-        """What was seen, and how to see it again."""
+        """The result as lines of text, with the call that shows a failure again."""
         if self.failing is not None:
             again = f"to see it again: {self.failing.reproduction}"
             why = [f"every error is within it {self.but_for}"] if self.but_for else []
@@ -151,7 +151,7 @@ class Agreement:
 
     @property
     def data(self) -> dict[str, Any]:
-        """The same for programs."""
+        """The result as JSON data."""
         return {
             "method": self.method,
             "examples": self.examples,
@@ -169,10 +169,10 @@ def agreement(
     domain: Domain = ORDINARY_DOMAIN,
     examples: int = EXAMPLES,
 ) -> Agreement:
-    """The stepper against the method on the oscillator, at `examples` floats drawn alike on every run.
+    """Compare the stepper with the method on the oscillator, at `examples` steps that are the same on every run.
 
-    Raises ValueError where the method needs a solver tolerance, or takes none, and for a domain that leads to overflow;
-    UnsupportedCall where the stepper takes one number only.
+    Raises ValueError if `allowance` lacks the solver tolerance of an implicit method or has one for an explicit method,
+    or if the domain leads to overflow; UnsupportedCall if the stepper takes one number only.
     """
     tolerance = Tolerance(method, subject.format, allowance)
     if subject.single:
@@ -180,7 +180,7 @@ def agreement(
     if domain != ORDINARY_DOMAIN:
         tolerance.demand_room(domain.largest_state, domain.largest_step)
     steps, states = (Sizes(*ends, subject.format) for ends in domain.ranges)
-    seen = _Seen()
+    seen = _Campaign()
 
     def fails(step: Arguments) -> bool:
         return seen.add(_example(subject, tolerance, *step))
@@ -192,48 +192,49 @@ def agreement(
     return seen.summary(tolerance, domain, subject)
 
 
-# Of ordinary size and of both signs, so that each entry of M(h) shows; steps with few bits and with many.
+# States of ordinary size and of both signs, so that each entry of M(h) shows; steps of few bits and of many.
 _STATES_BACK, _STEPS_BACK = ((1.0, 0.0), (0.0, 1.0), (-0.75, 1.25)), (0.25, 0.1)
 
 
-def steps_back(
-    subject: ForeignStepper, method: Method, allowance: Allowance = NO_ALLOWANCE, domain: Domain = ORDINARY_DOMAIN
-) -> tuple[bool | None, str, str]:
-    """Whether a few steps with h < 0 are those of M(h), in words and as a call; None where h < 0 is refused.
-
-    Sizes of states and of steps are those of the domain, where it is a small one. Nothing is asked of
-    implicit methods: at h < 0 their stages need not have a solution.
-    """
-    if not method.explicit:
-        return None, f"{method.key} is implicit: steps back are not tried", ""
-    tolerance, steps = Tolerance(method, subject.format, allowance), 0
+def ordinary_arguments(subject: ForeignStepper, domain: Domain) -> tuple[list[tuple[float, float]], list[float]]:
+    """States (q, v) and step sizes of ordinary size, or smaller if the domain is, in the stepper's format."""
     size, longest = min(1.0, domain.largest_state / 2), min(1.0, domain.largest_step)
 
     def number(x: float) -> float:
         return float(subject.format.nearest(Fraction(x)))
 
-    for h in _STEPS_BACK:
-        for q, v in _STATES_BACK:
-            example = _example(subject, tolerance, number(size * q), number(size * v), -number(longest * h))
-            steps += 1
-            if example.answer is None:
-                return None, f"h < 0 is refused: {example.misbehaved}", ""
-            if _fails(example):
-                example = _in_full(example, tolerance, subject)
-                return False, f"h < 0 is no step back: {example.words}", example.reproduction
-    return True, f"{steps} steps with h < 0 within the bound", ""
+    return [(number(size * q), number(size * v)) for q, v in _STATES_BACK], [number(longest * h) for h in _STEPS_BACK]
+
+
+def steps_back(
+    subject: ForeignStepper, method: Method, allowance: Allowance = NO_ALLOWANCE, domain: Domain = ORDINARY_DOMAIN
+) -> tuple[bool | None, str, str]:
+    """Compare a few steps with h < 0 with M(h); return the answer, the words, and a call that shows a failure or "".
+
+    The answer is None if h < 0 is refused, and for an implicit method, whose stages need not have a solution at h < 0.
+    States and steps are of ordinary size, or smaller if the domain is.
+    """
+    if not method.explicit:
+        return None, f"{method.key} is implicit: steps back are not tried", ""
+    tolerance, (states, steps) = Tolerance(method, subject.format, allowance), ordinary_arguments(subject, domain)
+    for h, (q, v) in product(steps, states):
+        example = _example(subject, tolerance, q, v, -h)
+        if example.answer is None:
+            return None, f"h < 0 is refused: {example.misbehaved}", ""
+        if _fails(example):
+            example = _in_full(example, tolerance, subject)
+            return False, f"h < 0 is no step back: {example.words}", example.reproduction
+    return True, f"{len(steps) * len(states)} steps with h < 0 within the bound", ""
 
 
 def rows_together(
     subject: ForeignStepper, method: Method, allowance: Allowance = NO_ALLOWANCE, domain: Domain = ORDINARY_DOMAIN
 ) -> tuple[bool | None, str, str]:
-    """Whether each of several states in arrays takes the step M(h), as `steps_back` says it; None where one is taken.
+    """Compare the step of several states in arrays with M(h); return the same three parts as `steps_back`.
 
-    Raises UnsupportedCall where an array is one state.
+    The answer is None if only one state is taken at a time. Raises UnsupportedCall if an array is one state.
     """
-    tolerance, longest = Tolerance(method, subject.format, allowance), min(1.0, domain.largest_step)
-    size, h = min(1.0, domain.largest_state / 2), float(subject.format.nearest(Fraction(longest * _STEPS_BACK[1])))
-    states = [(size * q, size * v) for q, v in _STATES_BACK]
+    tolerance, (states, (_, h)) = Tolerance(method, subject.format, allowance), ordinary_arguments(subject, domain)
     try:
         answers = subject.step_batch([q for q, _ in states], [v for _, v in states], h)
     except Misbehaviour as refusal:
@@ -245,8 +246,8 @@ def rows_together(
     return True, f"{len(states)} states in arrays, each within the bound", ""
 
 
-class _Seen:
-    """What a campaign has met; once an example fails, simpler ones follow, and the last that fails is the simplest."""
+class _Campaign:
+    """The examples tried so far; once one fails, only simpler ones follow, so the last that fails is the simplest."""
 
     def __init__(self) -> None:
         self.examples = 0
@@ -255,7 +256,7 @@ class _Seen:
         self.scaled_errors = list[float]()
 
     def add(self, example: Example) -> bool:
-        """Take note of it; whether it fails."""
+        """Record an example and return True if it fails."""
         self.examples += self.failing is None
         self.scaled_errors.append(example.scaled_error)
         if _fails(example):
@@ -287,7 +288,7 @@ def _example(subject: ForeignStepper, tolerance: Tolerance, q: float, v: float, 
 
 
 def _in_full(example: Example, tolerance: Tolerance, subject: ForeignStepper) -> Example:
-    """The example with the exact value of its component written out, and its call."""
+    """The example with the exact value of its component and with the call that reproduces it."""
     example = replace(example, reproduction=call_text(subject, example.q, example.v, example.h))
     if example.answer is None:
         return example

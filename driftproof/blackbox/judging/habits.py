@@ -1,4 +1,4 @@
-"""Why a step is beyond the bound of a method that it is otherwise: a habit of codes, or coefficients of few digits."""
+"""Explanations of a step that is beyond the bound of its method: a habit of codes, or coefficients of few digits."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import replace
 from fractions import Fraction
 from functools import partial
-from math import log10
+from math import inf, log10
 
 from driftproof.blackbox.judging.agreement import EXAMPLES, NO_ALLOWANCE, ORDINARY_DOMAIN, Agreement, Domain, agreement
 from driftproof.blackbox.judging.tolerance import Allowance, Tolerance
@@ -15,15 +15,15 @@ from driftproof.methods.number_field import Exact
 from driftproof.methods.schemes import Method, Nystrom, RungeKutta, Splitting
 from driftproof.symbolic.algebra.certified import fixed, significant
 
-# What codes do besides rounding the method's sums and products.
+# What some codes do besides rounding the method's sums and products.
 HABITS: dict[str, Callable[[Allowance], Allowance]] = {
     "if h is rounded to binary32 first": lambda given: replace(given, step_in_binary32=True),
     "if the velocity is a difference of positions over h": lambda given: replace(given, velocity_from_positions=True),
 }
 ROUNDED = "if its coefficients are rounded to"
-# Digits more and fewer than the size of an error tells are tried: h and the states weigh it by some powers of ten.
+# How many digits more and fewer are tried than an error suggests, because it also scales with h and the states.
 _DIGITS_AROUND = 2
-# A source with fewer digits is no rounding of the method.
+# Chosen: a source with fewer digits is not counted as a rounding of the method.
 _FEWEST = 5
 
 
@@ -34,9 +34,9 @@ def explained(
     domain: Domain = ORDINARY_DOMAIN,
     examples: int = EXAMPLES,
 ) -> Agreement:
-    """The agreement; where it does not hold, with the first of the habits, or number of digits, with which it does.
+    """The agreement; if it does not hold, `but_for` names the first habit or number of digits with which it does.
 
-    Raises ValueError as `agreement` does.
+    Raises the ValueError of `agreement`.
     """
     found = agreement(subject, method, allowance, domain, examples)
     if found.failing is None or found.failing.answer is None:
@@ -50,7 +50,7 @@ def explained(
         judged = Tolerance(rounded, subject.format, allowance).judge(q, v, h, answer)
         if all(component.allowed for component in judged):
             near.insert(0, (max(component.ratio for component in judged), words, rounded))
-    # The same numbers are said with the fewest digits, which are tried last and stand first.
+    # Several numbers of digits may give the same coefficients: the fewest, tried last, come first and name them.
     for _, words, rounded in sorted(near, key=lambda each: each[0]):
         if agreement(subject, rounded, allowance, domain, examples).holds:
             return replace(found, but_for=f"{ROUNDED} {words}")
@@ -58,8 +58,8 @@ def explained(
 
 
 def _of_few_digits(method: Method, error: float) -> Iterator[tuple[str, Method]]:
-    """The method with its coefficients as a source prints them whose digits end about where the error is."""
-    if not error:  # but in the range of underflow
+    """Yield the method with coefficients of about as many digits as an error of this size suggests."""
+    if not 0 < error < inf:  # 0 if all errors are in the range of underflow
         return
     middle = round(-log10(error))
     for digits in range(middle + _DIGITS_AROUND, max(_FEWEST, middle - _DIGITS_AROUND) - 1, -1):
@@ -74,7 +74,7 @@ def _rounded(text: Callable[[Exact, int], str], digits: int, x: Exact) -> Fracti
 
 
 def _with_coefficients(method: Method, change: Callable[[Exact], Fraction]) -> Method | None:
-    """The same method with other numbers; None for a kind that is not given by a table."""
+    """The method with changed coefficients; None for a method that is not given by a table."""
 
     def row(numbers: tuple[Exact, ...]) -> tuple[Exact, ...]:
         return tuple(map(change, numbers))

@@ -1,4 +1,4 @@
-"""The order that a stepper shows on nonlinear problems: how fast a step's error falls with h. Evidence, no proof."""
+"""The order that a stepper shows on nonlinear problems, from how its local error falls with h: evidence, no proof."""
 
 from __future__ import annotations
 
@@ -29,18 +29,19 @@ from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 # At h = 2**-8 a method of order 12 errs by some 2**-110: balls of this precision are far narrower.
 _BITS = 256
 HALVINGS = range(-1, 9)  # h = 2**-k
-# An error counts where it is this many times u: the rounding of some dozens of operations of ordinary size is below.
+# An error counts if it is this many times u: the rounding of some dozens of operations of ordinary size is below that.
 CLEARANCE = 128
-# Slopes this near to a whole number show it, half way to the next being 0.5: for the methods of the catalogue the last
-# are within 0.2. The last two have to agree.
+# A slope this near to a whole number shows it; half way to the next would be 0.5. For the methods of the catalogue the
+# last slopes are within 0.2. The last two slopes have to agree.
 SLACK = 0.3
 
 
 @dataclass(frozen=True)
 class MeasuredOrder:
-    """The order p that a local error like C h^(p+1) shows, None where none is seen above the noise.
+    """The order p that a local error like C h^(p+1) shows, or None if none is seen above the noise.
 
-    `slopes` are log2 of the error's fall at each halving of h, those above the noise; `arithmetic` is what was run in.
+    `slopes` are log2 of the factor by which the error falls at each halving of h, as far as errors are above the noise;
+    `arithmetic` names the numbers that the code ran on.
     """
 
     order: int | None
@@ -56,22 +57,21 @@ class MeasuredOrder:
 
 
 def order_seen(order: int | None) -> str:
-    """That an order is seen, or that none is, in words."""
+    """The words "order 4 is seen", or "no order is seen"."""
     return "no order is seen" if order is None else f"order {order} is seen"
 
 
 def slopes_text(slopes: Sequence[float]) -> str:
-    """The slopes of errors, as text."""
+    """The slopes as text, or "none above the noise"."""
     return ", ".join(f"{slope:.2f}" for slope in slopes) or "none above the noise"
 
 
 def measured_orders(subject: ForeignStepper) -> tuple[MeasuredOrder, ...]:
-    """The order on y' = f(t, y), where the stepper takes a right-hand side; and the order on q'' = F(q), or
-    on q'' = F(q, v) where its force is given velocities.
+    """The orders on y' = f(t, y), if the stepper takes a right-hand side, and on q'' = F(q) or q'' = F(q, v).
 
-    In balls where it runs on them, then only its own constants are rounded; else in its own floats. A splitting that is
-    written for a right-hand side has the second order, and seldom the first. Raises UnsupportedCall where the system is
-    built in.
+    The force depends on v if the stepper gives it velocities. A stepper that runs on balls is measured in balls, where
+    only its own constants are rounded, and any other in its own floats. A splitting that is written for a right-hand
+    side has the second order, but seldom the first. Raises UnsupportedCall if the system is built in.
     """
     if subject.convention.kind != FIELD:
         problem = dragged_problem(subject) if subject.gives_velocities else force_problem(subject)
@@ -83,7 +83,7 @@ def measured_orders(subject: ForeignStepper) -> tuple[MeasuredOrder, ...]:
 
 
 def measured_on(subject: ForeignStepper, problem: NonlinearProblem) -> MeasuredOrder:
-    """The order on a problem. Raises a Misbehaviour, and UnsupportedCall where the problem cannot be given."""
+    """The order on a problem. Raises a Misbehaviour, or UnsupportedCall if the problem cannot be given."""
     steps, least = [2.0**-k for k in HALVINGS], CLEARANCE * float(subject.format.u)
     with ctx.workprec(_BITS):
         for adapter in (BALLS, ARRAYS_OF_BALLS):
@@ -96,7 +96,7 @@ def measured_on(subject: ForeignStepper, problem: NonlinearProblem) -> MeasuredO
 def measured_in_floats(
     subject: ForeignStepper, problem: NonlinearProblem, steps: Sequence[float], slack: float = 0.0
 ) -> MeasuredOrder:
-    """The order that steps of these lengths show, in the stepper's own floats; they may be off by h² times a slack."""
+    """The order that steps of these sizes h show in the stepper's own floats; errors up to `slack` h² are noise."""
     with ctx.workprec(_BITS):
         errors = _errors(subject, problem, steps)
     least = CLEARANCE * float(subject.format.u)
@@ -104,7 +104,7 @@ def measured_in_floats(
 
 
 def _errors(subject: ForeignStepper, problem: NonlinearProblem, steps: Sequence[float]) -> list[float]:
-    """The error of one step, in the worst number, for each h; in floats the start is rounded, too."""
+    """The error of one step in its worst component, for each h; in floats, the start is rounded first."""
     start: list[AnyNumber] = problem.solution(arb(START))
     if subject.adapter not in (BALLS, ARRAYS_OF_BALLS):
         start = [float(x.mid()) for x in start]
@@ -119,15 +119,15 @@ def _errors(subject: ForeignStepper, problem: NonlinearProblem, steps: Sequence[
 def _fitted(
     errors: Sequence[float], noise: Sequence[float], arithmetic: str, problem: NonlinearProblem
 ) -> MeasuredOrder:
-    """The slopes of the local error, whose power of h is one more than the order."""
+    """The order that local errors show, which is one less than their power of h."""
     power, slopes = power_of_errors(errors, noise)
     return MeasuredOrder(None if power is None else power - 1, slopes, arithmetic, problem.words)
 
 
 def power_of_errors(errors: Sequence[float], noise: Sequence[float]) -> tuple[int | None, tuple[float, ...]]:
-    """The power of h that errors at halved steps show, None for none; and the slopes down to the first in the noise.
+    """The power of h that errors at halved steps show, or None; and the slopes before the first error in the noise.
 
-    One slope alone shows none: between two long steps it may be anything.
+    A single slope shows no power: between two long steps it may be anything.
     """
     clear = next((i for i, (e, n) in enumerate(zip(errors, noise, strict=True)) if not n < e < inf), len(errors))
     slopes = tuple(log2(a / b) for a, b in pairwise(errors[:clear]))
@@ -136,7 +136,7 @@ def power_of_errors(errors: Sequence[float], noise: Sequence[float]) -> tuple[in
 
 
 def _balls_in(value: Any, size: int) -> list[AnyNumber]:
-    """The balls in a ball or in an array of them. Raises NotANumber where some of it is none, WrongShape."""
+    """The balls in a ball or in an array of balls. Raises WrongShape if they are not `size`, or NotANumber."""
     balls = list(np.asarray(value, dtype=object).ravel())
     if len(balls) != size:
         raise WrongShape(f"{size} balls went in, {len(balls)} came out")

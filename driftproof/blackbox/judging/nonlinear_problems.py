@@ -1,4 +1,4 @@
-"""Nonlinear problems with known solutions, with the time in them: what tells steps apart that linear ones do not."""
+"""Nonlinear, time-dependent problems with known solutions, which distinguish steps that linear problems do not."""
 
 from __future__ import annotations
 
@@ -17,25 +17,25 @@ from driftproof.blackbox.stepper.foreign_code import FieldFunction
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 
 _State: TypeAlias = list[AnyNumber]
-# Not 0, so that a clock that stands at 0 or is started again shows. Of the starts, spacings of the bells and strengths
-# of the coupling that were tried, these let most orders of the catalogue be seen: all but those of two pairs.
+# The start is not 0, so that a clock that stays at 0 or is reset to it shows. Of the starts, spacings of the bells and
+# strengths of the coupling that were tried, these show the most orders of the catalogue: all but those of two pairs.
 START, _SPACING, _STRENGTH = 0.25, 0.5, 4
-# How many numbers a right-hand side has, the most first; some codes take two, or one.
+# The numbers of components tried, the largest first; some codes take only two, or one.
 _SIZES = (4, 2, 1)
-# A step so short that every stage is of ordinary size.
+# A step size so small that every stage is of ordinary size.
 _SHORT = 2.0**-5
-# Beyond its logarithm a double overflows; a step that goes there is wrong whatever follows.
+# Just below 709.8, where exp overflows in double precision; a step that gets this far is wrong whatever follows.
 _LARGEST_EXPONENT = 700.0
 
 
 @dataclass(frozen=True)
 class NonlinearProblem:
-    """y' = rate(t, y), over floats and over balls, and its solution in balls.
+    """A problem y' = rate(t, y), over floats and over balls, with its solution in balls.
 
-    With `positions`, it is q'' = F(t, q) of so many, y being [q..., v...]; a stepper of a right-hand side is given
-    [q, v, q, v, ...] where `interleaved`. Where it is `dragged`, it is q'' = F(t, q, v). `scales` are the sizes of the
-    numbers where they are not 1; t counts where it is `timed`. Positions that are not `coupled` may be asked for one at
-    a time.
+    If `positions` is not 0, it is q'' = F(t, q) with that many positions, or q'' = F(t, q, v) if `dragged`, and y is
+    [q..., v...]; if `interleaved`, a stepper of a right-hand side gets [q, v, q, v, ...]. `scales` are the sizes of the
+    components if they are not 1. The rate depends on t only if `timed`. If the positions are not `coupled`, their
+    forces may be asked for one at a time.
     """
 
     words: str
@@ -50,16 +50,16 @@ class NonlinearProblem:
 
     @property
     def names(self) -> list[str]:
-        """What a report calls the numbers: q[0], ..., v[0], ...; or y[0], ..."""
+        """The names of the components in reports: q[0], ..., v[0], ..., or y[0], ..."""
         numbers = len(self.solution(arb(START)))
         return [f"{x}[{i}]" for x in ("qv" if self.positions else "y") for i in range(self.positions or numbers)]
 
     def force(self, t: AnyNumber, q: Sequence[AnyNumber]) -> _State:
-        """F(t, q); of a problem whose positions are not coupled, of any number of them."""
+        """The force F(t, q), for any number of positions if they are not coupled."""
         return [*self.rate(t, [*q, *q])][len(q) :]
 
     def stepped(self, subject: ForeignStepper, t: float, y: Sequence[AnyNumber], h: float) -> _State:
-        """One step of the stepper, from numbers of its adapter."""
+        """Take one step of the stepper, on numbers of its adapter."""
         at, size, n = subject.adapter.number(t), subject.adapter.number(h), self.positions
         if self.dragged:
             return subject.step_dragged(lambda at, q, v: self.rate(at, [*q, *v])[n:], at, y[:n], y[n:], size)
@@ -69,10 +69,10 @@ class NonlinearProblem:
 
 
 def moved(problem: NonlinearProblem, sizes: Sequence[float], pace: float, origin: float) -> NonlinearProblem:
-    """The same with numbers of these sizes, over again where there are more, run so many times as fast from the origin.
+    """The problem with its components scaled by `sizes`, repeated as needed, and its time by `pace` from `origin`.
 
-    y of it is S z(pace (t - origin)), velocities being faster, too. Sizes and pace are powers of two, so that only the
-    time is rounded otherwise.
+    Its solution is S z(pace (t - origin)), with velocities that are scaled by the pace, too. Sizes and pace are powers
+    of two, up to signs, so that only the time is rounded differently.
     """
 
     def scales(numbers: int) -> list[float]:
@@ -92,9 +92,9 @@ def moved(problem: NonlinearProblem, sizes: Sequence[float], pace: float, origin
 
 
 def turned(problem: NonlinearProblem) -> NonlinearProblem:
-    """The same with its numbers, or positions, turned by half of them where they are three or more.
+    """The problem with its components, or positions, rotated by half their number if they are three or more.
 
-    A clock that stands last, and that no force moves, then stands in the midst: what is wrong with the last shows.
+    A clock in the last place, which no force moves, is then in the middle, so that a mistake in the last place shows.
     """
 
     def by(numbers: Sequence[AnyNumber], back: int) -> _State:
@@ -110,9 +110,9 @@ def turned(problem: NonlinearProblem) -> NonlinearProblem:
 
 
 def field_problem(subject: ForeignStepper) -> NonlinearProblem:
-    """The problem of as many numbers as a step(f, t, y, h) takes; with t if it hands on any.
+    """The problem with as many components as a step(f, t, y, h) takes, and with t if the step passes times to f.
 
-    Raises the Misbehaviour of the first size if it takes none, UnsupportedCall where there is no right-hand side.
+    Raises the Misbehaviour of the first size if all are refused, and UnsupportedCall if no right-hand side is taken.
     """
     failures: list[Misbehaviour] = []
     for size in _SIZES:
@@ -124,24 +124,24 @@ def field_problem(subject: ForeignStepper) -> NonlinearProblem:
 
 
 def driven(size: int, *, timed: bool) -> NonlinearProblem:
-    """Of so many numbers, with t or without: then the last number is the clock, of two or more."""
+    """The problem with `size` components; if it is not timed and there are two or more, the last one is the clock."""
     if timed or size > 1:
         numbers = f"{size} number{'s' * (size > 1)}"
         words = f"a nonlinear problem of {numbers}, {'with t' if timed else 'without t: the code hands on no time'}"
-        return NonlinearProblem(words, _bells(timed), _solution(size, timed), timed=timed)
+        return NonlinearProblem(words, _bells(timed), lambda t: _bells_at(t, size, timed), timed=timed)
     words = "y' = exp(-y), without t: the code hands on no time"
     return NonlinearProblem(words, lambda t, y: [capped_exp(-x) for x in y], lambda t: [(1 + t).log()])
 
 
 def force_problem(subject: ForeignStepper) -> NonlinearProblem:
-    """Of one position: a q'' = F(t, q) where times are handed on, else q'' = exp(-2q) with q = log cosh t."""
+    """A problem with one position: q'' = F(t, q) if times are passed on, else q'' = exp(-2q) with q = log cosh t."""
     return pushed(1, timed=True) if gives_force_times(subject) else walls(1)
 
 
 def dragged_problem(subject: ForeignStepper, positions: int = 1) -> NonlinearProblem:
-    """q'' = F(t, q, v) where times are handed on, else qᵢ'' = exp(-2qᵢ) (exp(-2qⱼ) + vⱼ²) with the j after i.
+    """The problem q'' = F(t, q, v) if times are passed on, else qᵢ'' = exp(-2qᵢ) (exp(-2qⱼ) + vⱼ²) with the next j.
 
-    Solved by bells, and by log cosh.
+    The solutions are the bells of `_bell`, and log cosh (t + i/2).
     """
     timed = gives_force_times(subject)
     still = pushed(positions, timed=True) if timed else walls(positions)
@@ -164,10 +164,10 @@ def dragged_problem(subject: ForeignStepper, positions: int = 1) -> NonlinearPro
 
 
 def force_problems(subject: ForeignStepper) -> list[NonlinearProblem]:
-    """q'' = F(t, q) of as many positions as the stepper takes, once in each order in which y may hold them.
+    """Problems q'' = F(t, q) with as many positions as the stepper takes, one for each order in which y may hold them.
 
-    Where no time is handed on, the last of coupled positions is the clock; a force that is asked for one position at a
-    time is given walls.
+    If no time is passed on, the last of several coupled positions is the clock. A force that is asked for one position
+    at a time gets the problem `walls`.
     """
     timed = gives_force_times(subject)
     found = [pushed(n, timed=timed) for n in ((2,) if timed else (3, 2))]
@@ -176,7 +176,7 @@ def force_problems(subject: ForeignStepper) -> list[NonlinearProblem]:
 
 
 def in_each_order(subject: ForeignStepper, problems: Sequence[NonlinearProblem]) -> list[NonlinearProblem]:
-    """The first of the problems that the stepper takes, in the orders in which y may hold it; none if it takes none."""
+    """The first problem that the stepper takes, in each order in which y may hold it; empty if it takes none."""
     for problem in problems:
         with suppress(StepRaised, WrongShape, NotANumber):
             problem.stepped(subject, START, [float(x.mid()) for x in problem.solution(arb(START))], _SHORT)
@@ -186,17 +186,17 @@ def in_each_order(subject: ForeignStepper, problems: Sequence[NonlinearProblem])
 
 
 def gives_force_times(subject: ForeignStepper) -> bool:
-    """True where a time is given with the position. Raises UnsupportedCall where there is no force to give."""
+    """True if the stepper passes times to the force. Raises UnsupportedCall if it takes no force."""
     return _is_given_times(lambda force, t: subject.step_forced(force, t, [1.0], [2.0], _SHORT))
 
 
 def hands_on_time(subject: ForeignStepper, size: int) -> bool:
-    """True where the right-hand side is given a time."""
+    """True if the stepper passes times to the right-hand side."""
     return _is_given_times(lambda rate, t: subject.step_field(rate, t, [float(k) for k in range(1, size + 1)], 0.25))
 
 
 def _is_given_times(step: Callable[[FieldFunction, float], object]) -> bool:
-    """True where a step gives times to its function; where it has none, that gets the very object that we made."""
+    """True if a step passes times of its own to its function, rather than the very object that it got as the time."""
     clock, given = float(START), []
 
     def slopes(t: AnyNumber, y: Sequence[AnyNumber]) -> _State:
@@ -208,26 +208,26 @@ def _is_given_times(step: Callable[[FieldFunction, float], object]) -> bool:
 
 
 def _halves(y: Sequence[AnyNumber], positions: int) -> tuple[Sequence[AnyNumber], Sequence[AnyNumber]]:
-    """Positions and velocities. Raises WrongShape where these are not so many."""
+    """The positions and the velocities of y. Raises WrongShape if y holds another number of them."""
     if len(y) != 2 * positions:
         raise WrongShape(f"the force is asked for {len(y) // 2} of {positions} positions")
     return y[:positions], y[positions:]
 
 
 def _bell(i: int, t: AnyNumber) -> tuple[AnyNumber, AnyNumber]:
-    """x = t + i/2 and 1/(1 + x²), no derivative of which is 0 for long."""
+    """The number x = t + i/2 and the bell 1/(1 + x²), whose derivatives vanish at isolated points only."""
     x = t + _SPACING * i
     return x, 1 / (1 + x * x)
 
 
 def _coupled(t: AnyNumber, y: Sequence[AnyNumber]) -> _State:
-    """4 (1 + t) y_(i+1) y_(i+2)/(1 + y_i²): mixed derivatives of all orders, in t, too."""
+    """The coupling 4 (1 + t) y_(i+1) y_(i+2)/(1 + y_i²), which has mixed derivatives of all orders, also with t."""
     n = len(y)
     return [_STRENGTH * (1 + t) * y[(i + 1) % n] * y[(i + 2) % n] / (1 + y[i] * y[i]) for i in range(n)]
 
 
 def _bells(timed: bool) -> Callable[[AnyNumber, Sequence[AnyNumber]], _State]:
-    """y' = φ'(t) + G(t, y) - G(t, φ(t)), solved by φ, the bells; without time the last number is the clock."""
+    """The rate φ'(t) + G(t, y) - G(t, φ(t)), with the bells φ as solution; if not timed, y ends with the clock."""
 
     def rate(t: AnyNumber, y: Sequence[AnyNumber]) -> _State:
         at, state = (t, y) if timed else (y[-1], y[:-1])
@@ -239,22 +239,19 @@ def _bells(timed: bool) -> Callable[[AnyNumber, Sequence[AnyNumber]], _State]:
     return rate
 
 
-def _solution(size: int, timed: bool) -> Callable[[arb], list[arb]]:
-    def solution(t: arb) -> list[arb]:
-        return [_bell(i, t)[1] for i in range(size)] if timed else [*(_bell(i, t)[1] for i in range(size - 1)), t]
-
-    return solution
+def _bells_at(t: arb, size: int, timed: bool) -> list[arb]:
+    return [_bell(i, t)[1] for i in range(size)] if timed else [*(_bell(i, t)[1] for i in range(size - 1)), t]
 
 
 def _product_of_others(q: Sequence[AnyNumber]) -> _State:
-    """Π q_j over j ≠ i, times 1/(1 + q_i²)."""
+    """For each i, the product of the q_j with j ≠ i, times 1/(1 + q_i²)."""
     return [prod([*q[:i], *q[i + 1 :]], start=1 / (1 + x * x)) for i, x in enumerate(q)]
 
 
 def pushed(positions: int, *, timed: bool) -> NonlinearProblem:
-    """q'' = φ''(t) + S(q) - S(φ(t)) with the S of `_product_of_others`, solved by the bells φ.
+    """The problem q'' = φ''(t) + S(q) - S(φ(t)) with S from `_product_of_others` and the bells φ as solution.
 
-    Without time the last position is the clock, which no force moves.
+    If it is not timed, the last position is the clock, which no force moves.
     """
     bells = positions if timed else positions - 1
 
@@ -277,12 +274,12 @@ def pushed(positions: int, *, timed: bool) -> NonlinearProblem:
 
 
 def capped_exp(x: AnyNumber) -> AnyNumber:
-    """The exponential, of a float at most that of 700."""
+    """The exponential; of a float, at most exp(700), which does not overflow."""
     return x.exp() if isinstance(x, arb) else exp(min(x, _LARGEST_EXPONENT))
 
 
 def walls(positions: int) -> NonlinearProblem:
-    """q'' = exp(-2q) of each position, solved by log cosh (t + i/2)."""
+    """The problem q'' = exp(-2q) for each position, solved by log cosh (t + i/2)."""
 
     def solution(t: arb) -> list[arb]:
         times = [t + _SPACING * i for i in range(positions)]

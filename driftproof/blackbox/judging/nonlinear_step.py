@@ -1,4 +1,4 @@
-"""A stepper beside the method's own step on nonlinear problems with the time in them, its stages solved in balls."""
+"""Comparison of a stepper with the method's own step, computed in balls, on nonlinear problems that depend on time."""
 
 from __future__ import annotations
 
@@ -29,26 +29,27 @@ from driftproof.methods.schemes import Collocation, Method, Nystrom, RungeKutta,
 from driftproof.methods.stepping import stepper
 from driftproof.symbolic.algebra.certified import enclose
 
+# Chosen: balls of this precision are far narrower than the rounding errors of doubles.
 _BITS = 192
-# Steps ahead, so small that the iteration for the stages converges for every method of the catalogue, and so large that
-# two tables of one order differ by far more than a solver's tolerance; and times at which they start.
+# Step sizes so small that the iteration for the stages converges for every method of the catalogue, and so large that
+# two tables of one order differ by far more than a solver's tolerance; and the times at which the steps start.
 STEPS, TIMES = (2.0**-4, 2.0**-5, 2.0**-7), (START, 1.5)
-# An iteration that converges gains a bit a round at least at those steps.
+# An iteration that converges at those step sizes gains at least one bit a round. Chosen: twice as many as are needed.
 _ROUNDS = 2 * _BITS
-# A change of the slopes below this is that of the balls' own rounding.
+# A smaller change of the slopes is due to the rounding of the balls themselves.
 _SETTLED = 2.0**-160
-# Twins differ by 1e-6 and more at those steps, and solvers in use leave less than this.
+# Methods with one linear step differ by 1e-6 and more at those step sizes, and solvers in use leave less than this.
 _SOLVED = 1e-8
-# How much more than its tolerance a solver's stages may be off: it stops by a change or a residual, and an error is
-# larger than these by 1/(1 - h L) at most, h L being up to 3/4 here.
+# The factor by which the stages of a solver may exceed its tolerance: it stops by a change or a residual, and the error
+# is larger than these by a factor of at most 1/(1 - h L), with h L up to 3/4 here.
 BEYOND_TOLERANCE = 4
 
 
 @dataclass(frozen=True)
 class NonlinearAgreement:
-    """The largest difference from the method's step that was seen, and where the allowed one was exceeded, if it was.
+    """The largest difference from the method's step that was seen, and where it exceeded the allowed one, if it did.
 
-    `beyond` holds the worst place in words, `wrong` the names of all numbers that are beyond there.
+    `beyond` is the worst place in words, "" for none, and `wrong` are the names of all components that are wrong there.
     """
 
     problem: str
@@ -59,7 +60,7 @@ class NonlinearAgreement:
 
     @property
     def holds(self) -> bool:
-        """True when every step is the method's, to its rounding or the tolerance of its solver."""
+        """True if every step is the method's, up to rounding or the tolerance of its solver."""
         return not self.beyond
 
     @property
@@ -72,12 +73,11 @@ class NonlinearAgreement:
 
 
 def nonlinear_agreement(subject: ForeignStepper, method: Method, allowance: Allowance) -> NonlinearAgreement:
-    """The stepper beside the method, from states near the solution of a problem whose every derivative counts.
+    """Compare the stepper with the method, from states near the solution of a problem in which all derivatives matter.
 
-    A splitting or a Nyström method is compared on q'' = F(t, q), of more than one position where the stepper takes
-    them, in the order of y that fits; its times move as its positions do. A Runge-Kutta method whose force is given
-    velocities is on a force of them. Raises UnsupportedCall where the system is
-    built in.
+    A splitting or a Nyström method is compared on q'' = F(t, q), with several positions if the stepper takes them, in
+    the order of y that fits; its time advances as its positions do. A Runge-Kutta method whose force gets velocities is
+    compared on a force that depends on them. Raises UnsupportedCall if the system is built in.
     """
     partitioned = isinstance(method, Splitting | Nystrom)
     general = subject.convention.kind == FIELD and not partitioned
@@ -85,34 +85,34 @@ def nonlinear_agreement(subject: ForeignStepper, method: Method, allowance: Allo
         problems = [dragged_problem(subject)]
     else:
         problems = [field_problem(subject)] if general else force_problems(subject)
-    found = [_beside(subject, method, allowance, problem) for problem in problems]
+    found = [_compared(subject, method, allowance, problem) for problem in problems]
     return next((each for each in found if each.holds), min(found, key=lambda each: each.largest))
 
 
 def nonlinear_twins(subject: ForeignStepper, keys: Sequence[str]) -> tuple[str, ...]:
-    """Those of some implicit methods with one linear step whose nonlinear steps it takes, as solvers come to them.
+    """Those of several implicit methods with the same linear step whose nonlinear steps the stepper takes.
 
-    Raises UnsupportedCall where the system is built in.
+    Stages may be as far off as solvers in use leave them. Raises UnsupportedCall if the system is built in.
     """
     allowance = Allowance(solver_tolerance=_SOLVED)
     return tuple(key for key in keys if nonlinear_agreement(subject, METHODS[key], allowance).holds)
 
 
-def _beside(
+def _compared(
     subject: ForeignStepper, method: Method, allowance: Allowance, problem: NonlinearProblem
 ) -> NonlinearAgreement:
     found = NonlinearAgreement(problem.words, len(TIMES) * len(STEPS), 0.0)
     with ctx.workprec(_BITS):
         for t, h in product(TIMES, STEPS):
             start = [float(x.mid()) for x in problem.solution(arb(t))]
-            said = own_step(method, problem, t, start, h)
+            expected = own_step(method, problem, t, start, h)
             allowed = allowed_off(subject, method, allowance, 1 + max(map(abs, start)), h)
             seen = problem.stepped(subject, t, start, h)
-            off = [*map(off_by, seen, said)]
+            off = [*map(off_by, seen, expected)]
             wrong = tuple(name for name, x in zip(problem.names, off, strict=True) if not x <= allowed)
             i = max(range(len(off)), key=lambda i: inf if isnan(off[i]) else off[i])
             if wrong and not off[i] <= found.largest:
-                numbers = f"{problem.names[i]} is {seen[i]!r}, of {method.key} {float(said[i].mid())!r}"
+                numbers = f"{problem.names[i]} is {seen[i]!r}, of {method.key} {float(expected[i].mid())!r}"
                 beyond = f"in a step of {h:g} from t = {t:g}, {numbers}: off by {off[i]:.1e}, allowed {allowed:.1e}"
                 found = replace(found, beyond=beyond, wrong=wrong)
             found = replace(found, largest=max(found.largest, off[i]))
@@ -120,12 +120,12 @@ def _beside(
 
 
 def off_by(x: AnyNumber, exact: arb) -> float:
-    """A float just above |x - exact|."""
+    """An upper bound of |x - exact|, as a float."""
     return float(abs(arb(x) - exact).upper())
 
 
 def allowed_off(subject: ForeignStepper, method: Method, allowance: Allowance, size: float, h: float) -> float:
-    """How far a number of a step may be off, where numbers and slopes are of that size."""
+    """How far a component of a step may be off if components and slopes are of this size."""
     calls = len(method.parts) if isinstance(method, Splitting) else method.stages
     rounding = Rounding(subject.format, calls).of(2 * size)
     by_quotient = 2 * size * float(subject.format.u) / h if allowance.velocity_from_positions else 0.0
@@ -133,7 +133,7 @@ def allowed_off(subject: ForeignStepper, method: Method, allowance: Allowance, s
 
 
 def own_step(method: Method, problem: NonlinearProblem, t: float, y: Sequence[float], h: float) -> list[arb]:
-    """The method's step from these very floats, in balls."""
+    """The method's step from exactly these floats, in balls."""
     if isinstance(method, RungeKutta | Collocation):
         return _runge_kutta_step(method, problem, arb(t), [arb(x) for x in y], arb(h))
     n = problem.positions
@@ -141,7 +141,7 @@ def own_step(method: Method, problem: NonlinearProblem, t: float, y: Sequence[fl
     def force(q: np.ndarray[Any, Any]) -> np.ndarray[Any, Any]:
         return np.array([*problem.force(q[n], q[:n].tolist()), arb(0)], dtype=object)
 
-    # The time is one more position, of velocity 1, that no force moves: where in time a part stands follows from that.
+    # The time is one more position, with velocity 1 and no force: each sub-step or stage then has its own time.
     q, v = (np.array([*map(arb, part), arb(clock)], dtype=object) for part, clock in ((y[:n], t), (y[n:], 1)))
     q1, v1 = stepper(method, enclose)(force, q, v, arb(h))
     return [*q1[:n], *v1[:n]]
@@ -150,9 +150,10 @@ def own_step(method: Method, problem: NonlinearProblem, t: float, y: Sequence[fl
 def _runge_kutta_step(
     method: RungeKutta | Collocation, problem: NonlinearProblem, t: arb, y: Sequence[arb], h: arb
 ) -> list[arb]:
-    """y + h Σ bᵢ kᵢ with the kᵢ = f(t + cᵢh, y + h Σ aᵢⱼ kⱼ) that the iteration from k = y comes to.
+    """The step y + h Σ bᵢ kᵢ with kᵢ = f(t + cᵢh, y + h Σ aᵢⱼ kⱼ).
 
-    Explicit stages are taken in turn. Raises ArithmeticError where it does not converge.
+    Explicit stages are computed in turn, implicit ones by fixed-point iteration from k = y. Raises ArithmeticError if
+    the iteration does not converge.
     """
     tableau: Any = method.tableau(_BITS) if isinstance(method, Collocation) else (method.a, method.b, method.c)
     a = [[enclose(x) for x in row] for row in tableau[0]]

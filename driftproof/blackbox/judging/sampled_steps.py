@@ -1,4 +1,4 @@
-"""Steps drawn from a domain, alike on every run, and the simplest of those that fail."""
+"""Pseudorandom steps from a domain, the same on every run, and the search for the simplest step that fails."""
 
 from __future__ import annotations
 
@@ -16,17 +16,17 @@ from driftproof.symbolic.rounding.formats import FloatFormat
 
 # q, v and h.
 Arguments: TypeAlias = tuple[float, float, float]
-# How likely kinds are, summed up. Of a size: a corner; any number from end to end; else one by its exponent.
+# Cumulative probabilities, chosen. Of a size: a corner; any number from end to end; else one drawn by its exponent.
 _SIZES = (0.12, 0.3)
-# Of a state: 0 in both, one, the other; |q| = |v|; what cancels q + h v or v - h q; sizes alike; else any sizes.
+# Of a state: q = v = 0; q = 0; v = 0; |q| = |v|; q + h v or v - h q nearly cancels; similar sizes; else any sizes.
 _STATES = (0.015, 0.12, 0.23, 0.3, 0.38, 0.65)
-# Simpler steps that are asked for before the simplest of them is taken: some hundred shorten three numbers to a digit.
+# Chosen: the most steps tried in the search for a simpler one, enough to shorten three numbers to one digit each.
 _MOST_ASKED = 600
 
 
 @dataclass(frozen=True)
 class Sizes:
-    """The positive floats of one format from `low` to `high`; all that are positive up to `high` where `low` is 0."""
+    """The positive floats of one format from `low` to `high`; if `low` is 0, all positive floats up to `high`."""
 
     low: float
     high: float
@@ -34,7 +34,7 @@ class Sizes:
 
     @cached_property
     def least(self) -> float:
-        """The smallest; in narrow formats at least the root of the smallest normal number, or products underflow."""
+        """The smallest; in narrow formats at least the root of the smallest normal number, lest products underflow."""
         if not self.low:
             return float(self.format.eta)
         return float(self.format.nearest(Fraction(max(self.low, 2.0 ** (self.format.emin // 2)))))
@@ -46,7 +46,7 @@ class Sizes:
 
     @cached_property
     def corners(self) -> list[float]:
-        """The ends, 1, the smallest normal number and their neighbours; the nearer end for what lies outside."""
+        """The ends, 1, the smallest normal number and floats next to them, all moved into the range."""
         u, spots = ldexp(1.0, -self.format.precision), (self.least, self.most, 1.0, ldexp(1.0, self.format.emin))
         return sorted({self.inside(x * (1 + k * u)) for x in spots for k in (-1, 0, 2)})
 
@@ -57,17 +57,17 @@ class Sizes:
         return ldexp(round(ldexp(significand, bits)), exponent - bits)
 
     def inside(self, x: float) -> float:
-        """The number within that is nearest to |x|."""
+        """The number of the range that is nearest to |x|."""
         return max(self.rounded(min(abs(x), self.most)), self.least)
 
     def significand(self, draw: Random) -> float:
-        """From 1 to 2, of few bits or of all, at times of ones only."""
+        """Draw a number from 1 to 2 with few bits or all of them, sometimes with all bits 1."""
         bits = draw.choice((1, 2, 5, *[self.format.precision] * 5))
         drawn = (1 << bits) - 1 if draw.random() < 1 / 16 else draw.getrandbits(bits) | 1 << bits - 1
         return ldexp(drawn, 1 - bits)
 
     def drawn(self, draw: Random) -> float:
-        """One of them: a corner, or each size, or each order of magnitude alike."""
+        """Draw a number of the range: a corner, or uniformly by size, or uniformly by order of magnitude."""
         kind = bisect(_SIZES, draw.random())
         if kind == 0:
             return draw.choice(self.corners)
@@ -77,16 +77,16 @@ class Sizes:
         return self.inside(ldexp(self.significand(draw), exponent))
 
     def simple(self, *numbers: float) -> list[float]:
-        """Those of the numbers that lie within; else the largest power of two that does, or the largest."""
+        """Those of the numbers in the range; if there is none, its largest power of two, or else its largest number."""
         within = [x for x in numbers if self.least <= abs(x) <= self.most]
         power = ldexp(1.0, frexp(self.most)[1] - 1)
         return within or [power if power >= self.least else self.most]
 
 
 def steps_within(steps: Sizes, states: Sizes) -> Iterator[Arguments]:
-    """Steps without end, the same on every run: q and v from ±`states` or 0, h from `steps`.
+    """Yield steps (q, v, h) without end, the same on every run: q and v from ±`states` or 0, h from `steps`.
 
-    Most have states of like sizes, where the rounding of neither component hides that of the other.
+    In many of them q and v have similar sizes, so that the rounding of neither hides that of the other.
     """
     draw = Random(0)
     while True:
@@ -106,7 +106,7 @@ def steps_within(steps: Sizes, states: Sizes) -> Iterator[Arguments]:
 
 
 def simplest_step(fails: Callable[[Arguments], bool], failing: Arguments, steps: Sizes, states: Sizes) -> Arguments:
-    """The simplest step found that fails, too: of small whole numbers if one does, else `failing` with shorter ones."""
+    """The simplest step found that fails: of small whole numbers if one does, else `failing` with shorter numbers."""
     few, sizes_of_step = [0.0, *states.simple(1.0, 2.0, -1.0)], steps.simple(1.0, 2.0, 0.5, 0.25)
     places = product(range(len(few)), range(len(few)), range(len(sizes_of_step)))
     for i, j, k in sorted(places, key=lambda at: (sum(at), at)):
@@ -128,7 +128,7 @@ def simplest_step(fails: Callable[[Arguments], bool], failing: Arguments, steps:
 
 
 def _simpler(x: float, sizes: Sizes, *, signed: bool) -> list[float]:
-    """What is simpler than x, the simplest first: whole numbers, then fewer bits, then a size nearer to 1."""
+    """The numbers tried that are simpler than x, the simplest first, as `_length` orders them."""
     exponent = frexp(x)[1] - 1
     near = [0.0, abs(x), *(x - copysign(abs(x) // 2**k, x) for k in range(1, 13)), x // 1, -(-x // 1)]
     bits = [(way, n) for way in (floor, ceil) for n in (0, 1, 2, 3, 5, 8, 13, 21, 34)]
@@ -139,7 +139,7 @@ def _simpler(x: float, sizes: Sizes, *, signed: bool) -> list[float]:
 
 
 def _length(x: float) -> tuple[float, ...]:
-    """By which numbers are shorter: whole ones by their size, others by their bits and then their exponents."""
+    """The sorting key of simplicity: whole numbers first, by their size, then others by bits and exponents."""
     if x == round(x):
         return False, abs(x), x < 0
     significand, exponent = frexp(x)

@@ -1,4 +1,4 @@
-"""One mistake in a method's program: which wrong line, or wrong coefficient, takes the steps that a code takes."""
+"""Search for the one mistake in a method's program, a line or a coefficient, that gives the steps a code takes."""
 
 from __future__ import annotations
 
@@ -23,22 +23,23 @@ from driftproof.methods.schemes import Method, Nystrom, RungeKutta, Splitting
 from driftproof.methods.stepping import oscillator
 
 Lines: TypeAlias = tuple[str, ...]
-# The coefficients by name: a[i] is a row, b, c and d are rows.
+# The coefficients by name: "a" is a list of rows, the others are rows.
 Tables: TypeAlias = dict[str, Any]
-# q, v and h: of ordinary size, so long that every coefficient of a method of high order counts.
+# q, v and h, of ordinary size; h is so large that every coefficient of a method of high order matters.
 _STEPS = ((0.6, -0.8, 1.0), (1.25, 0.5, 0.5), (-0.375, 0.9, 0.75))
-# The numbers inside a step may be larger than its end: coefficients of 50, slopes of 30.
+# The factor by which numbers inside a step may exceed its result: coefficients reach 50, and slopes 30.
 _INSIDE = 64
-# Steps of the secant method for one coefficient, begun with another one aside: on linear problems the first is exact.
+# Iterations of the secant method for one coefficient, and its first offset; on linear problems one iteration is exact.
 _ROUNDS, _ASIDE = 12, 0.125
+# Chosen: the most mistakes that are named.
 MOST_TOLD = 4
-# A longer program has more wrong ones than are tried in a second or two.
+# Chosen: a longer program has more possible mistakes than can be tried in a second or two.
 _MOST_STAGES = 13
 
 
 @dataclass(frozen=True)
 class Program:
-    """The lines of one step as a paper has them, which are Python, over the coefficients in `tables`.
+    """The lines of one step as in a paper, but in Python, with the coefficients in `tables`.
 
     A Runge-Kutta method has the states Y[i] and slopes k[i] of y = (q, v) and ends with y1; a Nyström method has Q[i]
     and k[i], and ends with q1 and v1; a splitting goes from q[0] and v[0] to q[-1] and v[-1].
@@ -48,7 +49,7 @@ class Program:
     tables: Tables
 
     def step(self, force: Callable[[float], float], q: float, v: float, h: float) -> tuple[float, float]:
-        """(q₁, v₁)."""
+        """The result (q₁, v₁) of the step."""
         room = [None] * len(self.lines)
         known: dict[str, Any] = {**self.tables, "h": h, "k": [*room], "Y": [*room], "Q": [*room], "F": force}
         known |= {"q": q, "v": v} if "c" in self.tables else {"q": [q], "v": [v]}
@@ -62,16 +63,17 @@ class Program:
 
 @dataclass(frozen=True)
 class Mistake:
-    """A program but for one line, and how, in words."""
+    """A program with one mistake, and the mistake in words."""
 
     words: str
     program: Program
 
 
 def single_mistakes(subject: ForeignStepper, method: Method) -> tuple[str, ...]:
-    """The mistakes, in words, each of which alone makes the method's program take the steps that the subject takes.
+    """The mistakes, in words, each of which alone makes the method's program take the subject's steps.
 
-    On q'' = -q where that is built in, else on q'' = exp(-2q). None of an implicit method, or of a very long one.
+    Steps are compared on q'' = -q if that is built in, else on q'' = exp(-2q). At most MOST_TOLD are returned; none if
+    the method is implicit or very long, or if its steps are the subject's.
     """
     calls = len(method.parts) if isinstance(method, Splitting) else getattr(method, "stages", 0)
     if not method.explicit or calls > _MOST_STAGES:
@@ -113,7 +115,7 @@ def _near(
 
 
 def program_of(method: Method) -> Program:
-    """The step of an explicit method as it is defined."""
+    """The program of an explicit method, as its definition says."""
 
     def row(numbers: Sequence[Exact]) -> list[float]:
         return [float(x) for x in numbers]
@@ -142,7 +144,7 @@ def _sum(row: str, weights: Sequence[Exact]) -> str:
 
 
 def _splitting_lines(order: Sequence[int], method: Splitting) -> Lines:
-    """The sub-steps in this order, each from what the last one left."""
+    """The lines of the sub-steps in this order, each with the latest q and v."""
     lines, passed = [], {"q": 0, "v": 0}
     for i in order:
         x = "v" if method.parts[i][0] == "kick" else "q"
@@ -153,12 +155,12 @@ def _splitting_lines(order: Sequence[int], method: Splitting) -> Lines:
 
 
 def _shown(line: str) -> str:
-    """A line of a splitting as one reads it: the next q is q[0] + ..."""
+    """The line as it is shown: for a splitting, "new q = q[0] + ..." in place of "q += [q[0] + ...]"."""
     return re.sub(r"^([qv]) \+= \[(.*)\]$", r"new \1 = \2", line)
 
 
 def _edits(method: Method, program: Program) -> Iterator[Mistake]:
-    """The wrong programs that differ in one thing."""
+    """Yield the programs with one mistake in a line, in the order of sub-steps, or in when the state is advanced."""
     for at, line in enumerate(program.lines):
         before = program.lines[:at]
         wrong = chain(_wrong_factors(line), _wrong_names(before, line), _left_out(line), _in_one_component(line))
@@ -180,19 +182,16 @@ def _wrong_factors(line: str) -> Iterator[tuple[str, str]]:
 
 
 def _in_one_component(line: str) -> Iterator[tuple[str, str, str]]:
-    """The same of the position or of the velocity alone, in a state that has both."""
+    """Yield the wrong factors of h in the position alone and in the velocity alone, for a state that has both."""
     for words, wrong in _wrong_factors(line) if line[0] in "Yy" else ():
         name, _, right = line.partition(" = ")
         for x, other in ("qv", "vq"):
-            yield (
-                f"in the {x}, {words}",
-                line,
-                f"{name} = ({right}) * {other}_only + ({wrong[len(name) + 3 :]}) * {x}_only",
-            )
+            mixed = f"{name} = ({right}) * {other}_only + ({wrong[len(name) + 3 :]}) * {x}_only"
+            yield f"in the {x}, {words}", line, mixed
 
 
 def _wrong_names(before: Sequence[str], line: str) -> Iterator[tuple[str, str]]:
-    """Another slope or state of those that are known there."""
+    """Yield the line with one slope or state replaced by each other one that is known there."""
     for found in re.finditer(r"(?<=.)\b([kYQqv])\[(\d+)\]", line):
         known = sum(each.startswith((f"{found[1]}[", f"{found[1]} +=")) for each in before) + (found[1] in "qv")
         for j in set(range(known)) - {int(found[2])}:
@@ -201,7 +200,7 @@ def _wrong_names(before: Sequence[str], line: str) -> Iterator[tuple[str, str]]:
 
 
 def _left_out(line: str) -> Iterator[tuple[str, ...]]:
-    """Nothing is added to a state; to one component of it, where it has two."""
+    """Yield the line with nothing added to a state, or to one component of a state that has two."""
     if line[0] in "Yy":
         name = line.partition(" = ")[0]
         for x, other in ("qv", "vq"):
@@ -213,7 +212,7 @@ def _left_out(line: str) -> Iterator[tuple[str, ...]]:
 
 
 def _too_early(program: Program) -> Iterator[Mistake]:
-    """The state is advanced while stages are still formed of it, or one component of it before the other's slope."""
+    """Yield the programs that advance the state, or one component of it, while stages are still formed from it."""
     lines, runge_kutta = program.lines, "b" in program.tables
     if not runge_kutta:
         late = (*lines[:-1], lines[-1].replace("h * v ", "h * v1 "))
@@ -238,7 +237,7 @@ def _too_early(program: Program) -> Iterator[Mistake]:
 
 @dataclass(frozen=True)
 class _Parameter:
-    """Programs with one number x free: the `chosen` numbers of a row are x, or are x times the method's."""
+    """Programs with a parameter x: the `chosen` numbers of a row are x, or, if `scaled`, x times the method's."""
 
     words: str
     program: Program
@@ -249,13 +248,11 @@ class _Parameter:
 
     @property
     def row(self) -> list[float]:
-        """The row as the method has it."""
         table = self.program.tables[self.name]
         row: list[float] = table if self.i is None else table[self.i]
         return row
 
     def at(self, x: float) -> Program:
-        """The program with this x."""
         row = [(y * x if self.scaled else x) if j in self.chosen else y for j, y in enumerate(self.row)]
         table = self.program.tables[self.name]
         rows = row if self.i is None else [*table[: self.i], row, *table[self.i + 1 :]]
@@ -263,7 +260,7 @@ class _Parameter:
 
 
 def _one_parameter(method: Method, program: Program) -> Iterator[_Parameter]:
-    """Each coefficient that is not 0, and each row as a whole; of splittings all kicks, all drifts."""
+    """Yield each coefficient that is not 0, and each row as a whole; for splittings all kicks, and all drifts."""
     parts = method.parts if isinstance(method, Splitting) else ()
     rows: list[tuple[str, int | None, Sequence[Exact]]] = [("d", None, [x for _, x in parts])] if parts else []
     if not parts:
@@ -289,7 +286,7 @@ def _solved(
     rounding: Rounding,
     agrees: Callable[[Program], bool],
 ) -> str:
-    """The x that makes the first step the one seen, by the secant method, in words; "" if it is not right elsewhere."""
+    """The x for which the first step is the one seen, by the secant method, in words; "" if other steps differ."""
 
     def gap(x: float, m: int) -> float:
         return one.at(x).step(force, *_STEPS[0])[m] - seen[m]

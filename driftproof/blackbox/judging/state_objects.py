@@ -1,18 +1,17 @@
-"""In which objects a step takes its state: arrays, lists or tuples, a copy or the very answer of the step before."""
+"""Steps from different objects with the same state: arrays, lists, tuples, and the very object returned before."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import replace
-from fractions import Fraction
 from functools import partial
 from typing import Any
 
 import numpy as np
 
 from driftproof.blackbox.findings import Misbehaviour
-from driftproof.blackbox.judging.agreement import NO_ALLOWANCE, ORDINARY_DOMAIN, Domain
+from driftproof.blackbox.judging.agreement import NO_ALLOWANCE, ORDINARY_DOMAIN, Domain, ordinary_arguments
 from driftproof.blackbox.judging.tolerance import Allowance, Tolerance
 from driftproof.blackbox.judging.walks import Walked, Walker, walk_on
 from driftproof.blackbox.stepper.array_adapters import ARRAYS, LISTS, SCALARS, TUPLES, ArrayAdapter, Foreign
@@ -22,28 +21,28 @@ from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.blackbox.stepper.wrappers import turn_wrapper
 from driftproof.methods.schemes import Method
 
-# How a verdict names what is right in another form than the one that was given.
+# The words of a verdict on a step that is right in another form of state than the one that was given.
 RIGHT_AS = "it is where the state comes as"
 _FORMS = (ARRAYS, LISTS, TUPLES)
-# Of ordinary size and of both signs, in steps of many bits, each from the end of the one before.
-_START, _STEP, _STEPS = (-0.75, 1.25), 0.1, 3
-_MOVED = (POSITION, VELOCITY, STATE)
+# Chosen: the number of successive steps from each form of state.
+_STEPS = 3
+_STATE_ROLES = (POSITION, VELOCITY, STATE)
 
 
 def state_objects(
     subject: ForeignStepper, method: Method, allowance: Allowance = NO_ALLOWANCE, domain: Domain = ORDINARY_DOMAIN
 ) -> Walked:
-    """Whether it is the method's step from the very object that the step before returned, and in other forms of state.
+    """Compare steps from the very object that the step before returned, and from other forms of state, with the method.
 
-    In words, with the form that was given; None where the step is wrong in that form and in every other one. Where an
-    array, a list and a tuple are all taken, they have to give one answer; whoever names the array is asked for that
-    alone. What a step is given may become its answer, and nothing else.
+    The words name the form that was given. The answer is None if the step is wrong in that form and in every other. If
+    the form is an array, a list or a tuple, the other two must be right as well, unless they are refused. A step may
+    overwrite an argument with its answer, and with nothing else.
     """
     several = ", several positions as NumPy arrays" * (subject.adapter is SCALARS and subject.convention.kind == FORCE)
     back = ", and comes back as (v1, q1)" * subject.convention.velocity_first
     trial = partial(_tried, method=method, allowance=allowance, domain=domain)
     given = f"the state is given as {subject.adapter.name}{several}{back}"
-    keeping = _Keeping(subject.function, subject.convention)
+    keeping = _ReusingAnswers(subject.function, subject.convention)
     wrong, own = trial(replace(subject, function=keeping, log=CallLog(works_in_place=subject.log.works_in_place)))
     forms = [form for form in _FORMS if subject.adapter in _FORMS and form is not subject.adapter]
     if wrong and (from_copies := trial(subject)[0]):
@@ -78,7 +77,7 @@ def _in_form(subject: ForeignStepper, form: ArrayAdapter) -> ForeignStepper:
 
 
 def _turned(adapter: ArrayAdapter) -> ArrayAdapter:
-    """The same with the velocity first."""
+    """The same form of state with the velocity first."""
     return replace(
         adapter,
         name=f"(v, q) in {adapter.name}",
@@ -87,8 +86,8 @@ def _turned(adapter: ArrayAdapter) -> ArrayAdapter:
     )
 
 
-class _OfTwo(Walker):
-    """Of two numbers, or two positions, where so many are taken."""
+class _SmallWalker(Walker):
+    """A walker with problems of two components, or of one if two are refused."""
 
     @property
     def numbers(self) -> tuple[int, ...]:
@@ -98,16 +97,12 @@ class _OfTwo(Walker):
 def _tried(
     subject: ForeignStepper, method: Method, allowance: Allowance, domain: Domain
 ) -> tuple[str, list[tuple[float, float]]]:
-    """What is wrong, "" for nothing, in a few steps in a row, and the answers on q'' = -q.
+    """What is wrong with a few successive steps, "" if nothing is, and the answers on q'' = -q.
 
-    Where the right-hand side is ours, they are of a nonlinear problem, too. Raises the Misbehaviour that comes instead.
+    If a right-hand side can be given, a nonlinear problem is tried as well. Raises a Misbehaviour of the stepper.
     """
     tolerance, seen = Tolerance(method, subject.format, allowance), list[tuple[float, float]]()
-
-    def number(x: float, most: float) -> float:
-        return float(subject.format.nearest(Fraction(x * min(1.0, most))))
-
-    (q, v), h = (number(x, domain.largest_state / 2) for x in _START), number(_STEP, domain.largest_step)
+    (*_, (q, v)), (*_, h) = ordinary_arguments(subject, domain)
     for _ in range(0 if subject.single else _STEPS):
         answer = subject.step(q, v, h)
         if not all(component.allowed for component in tolerance.judge(q, v, h, answer)):
@@ -116,15 +111,15 @@ def _tried(
         q, v = answer
     if subject.convention.kind not in (FIELD, FORCE):
         return "", seen
-    passed, words, _ = walk_on(_OfTwo(subject, method, allowance, domain), most=1)
+    passed, words, _ = walk_on(_SmallWalker(subject, method, allowance, domain), most=1)
     return (words if passed is False else ""), seen
 
 
-class _Keeping:
-    """A stepper that is handed, for an array or a list of some numbers, the object that it returned with these numbers.
+class _ReusingAnswers:
+    """A stepper that gets, in place of an array or a list, the object with these numbers that its last step left.
 
-    `handed` is True once one was, `spoilt` once a position, a velocity or a state that it was given is neither what it
-    was nor a part of the answer.
+    `handed` is True once it got one. `spoilt` is True once a position, a velocity or a state that it got is afterwards
+    neither unchanged nor a part of the answer.
     """
 
     def __init__(self, function: Callable[..., Any], convention: CallingConvention) -> None:
@@ -138,13 +133,13 @@ class _Keeping:
         given = [self._known_as(x) for x in arguments]
         by_name = {name: self._known_as(x) for name, x in named.items()}
         roles = [*zip(self.order, given, strict=False), *((self.roles.get(name), x) for name, x in by_name.items())]
-        moved = [x for role, x in roles if role in _MOVED and _can_be_written(x)]
+        moved = [x for role, x in roles if role in _STATE_ROLES and _can_be_written(x)]
         before = [_bits(x) for x in moved]
         answer = self.function(*given, **by_name)
         for mine, its in zip((*arguments, *named.values()), (*given, *by_name.values()), strict=True):
             if mine is not its:
                 self.handed = True
-                mine[:] = its  # where a step that returns nothing has its answer
+                mine[:] = its  # which holds the answer of a step that returns nothing
         parts = [answer, *(answer if isinstance(answer, tuple | list) else ())]
         ends = b"".join(_bits(part) + b"|" for part in parts)
         after = [_bits(x) for x in moved]
@@ -163,7 +158,7 @@ def _can_be_written(x: Foreign) -> bool:
 
 
 def _bits(x: Foreign) -> bytes:
-    """The numbers in an object as doubles, to the last bit; nothing of what holds none."""
-    with suppress(Exception):  # ragged lists, tensors that record, and what else there is
+    """The bytes of the numbers in an object, as doubles; empty if it holds no numbers."""
+    with suppress(Exception):  # ragged lists, tensors with a gradient, and the like
         return np.asarray(x, dtype=np.float64).tobytes()
     return b""

@@ -1,4 +1,4 @@
-"""What one float step may differ from the exact one by: the definition's any-order bound, and what was asked for."""
+"""How far a float step may be from the exact one: the definition's bound in any order of evaluation, and allowances."""
 
 from __future__ import annotations
 
@@ -19,19 +19,20 @@ from driftproof.symbolic.rounding.any_evaluation_order import Columns, any_order
 from driftproof.symbolic.rounding.formats import BINARY32, BINARY64, FloatFormat, power_of_two
 from driftproof.symbolic.runs import apply, exact_matrix_at
 
-# A double times a double needs 106 bits, and a step of the longest program some 30 products: at this precision the
-# radii of all balls here are below 2**-200 of what they enclose, and no comparison with a bound of size u is undecided.
+# A product of two doubles needs 106 bits, and a step of the longest program some 30 products. At this precision the
+# radii of all balls here are below 2**-200 of what they enclose, so every comparison with a bound of size u is decided.
 _BITS = 320
 
 
 @dataclass(frozen=True)
 class Allowance:
-    """What a stepper is allowed beyond rounding the definition's sums and products in any order.
+    """The errors that a stepper is allowed beyond the rounding of the definition's sums and products in any order.
 
     `step_in_binary32`: h is rounded to binary32 before it is used. `velocity_from_positions`: v is formed as a
     difference of positions over h, which adds u (|q| + |q₁|)/h to its error. `flush_to_zero`: subnormal arguments and
-    results become 0. `solver_tolerance`: how far the solution of implicit stages may be off, absolutely, as solvers
-    stop, and relative to the sum of |monomials|; needed for implicit methods, refused for explicit ones.
+    results become 0. `solver_tolerance`: how far the solution of implicit stages may be off, both absolutely and
+    relative to the sum of |monomials|; required for implicit methods, and refused for explicit ones. Raises ValueError
+    if it is negative or not finite.
 
     >>> from driftproof import Allowance, verify
     >>> step = lambda q, v, h: (q + h * v, ((q + h * v) - q) / h - h * q)
@@ -46,16 +47,17 @@ class Allowance:
     solver_tolerance: Fraction | float | None = None
 
     def __post_init__(self) -> None:
-        """Raise ValueError for a `solver_tolerance` that is no number, or below zero."""
+        """Raise ValueError if `solver_tolerance` is negative or not finite."""
         given = self.solver_tolerance
         if given is not None and not 0 <= given < inf:
             raise ValueError(f"solver_tolerance={given}: it is a number from 0 on, e.g. 1e-10")
 
 
 class Judgement(NamedTuple):
-    """One component of one step: its error over the bound, and in units of u over the sum of |monomials|.
+    """The error of one component of a step: `ratio` to its bound, and `scaled` to u times the sum of |monomials|.
 
-    `allowed` is decided in balls; `ratio` and `scaled` are floats for people, `scaled` 0 in the range of underflow.
+    `allowed` is decided in balls; `ratio` and `scaled` are floats for people, and `scaled` is 0 in the range of
+    underflow.
     """
 
     allowed: bool
@@ -65,7 +67,7 @@ class Judgement(NamedTuple):
 
 @dataclass(frozen=True)
 class Tolerance:
-    """The exact step of `method` on the oscillator beside the bound on a float step's error, in one format.
+    """The exact step of `method` on the oscillator, and the bound on the error of a float step in one format.
 
     Raises ValueError for an implicit method without `solver_tolerance`, and for an explicit one with it.
     """
@@ -75,7 +77,7 @@ class Tolerance:
     allowance: Allowance = Allowance()
 
     def __post_init__(self) -> None:
-        """Refuse what has no meaning."""
+        """Raise ValueError unless a `solver_tolerance` is given for an implicit method, and only then."""
         given = self.allowance.solver_tolerance is not None
         if self.method.explicit and given:
             raise ValueError(f"{self.method.key} is explicit: its bound is derived, and takes no solver_tolerance")
@@ -86,19 +88,19 @@ class Tolerance:
             )
 
     def exact(self, q: float, v: float, h: float) -> tuple[arb, arb]:
-        """The exact step from the very numbers given, in balls of negligible radius."""
+        """The exact step from exactly these floats, in balls of negligible radius."""
         with ctx.workprec(_BITS):
             at = arb(self._step(h))
             (qq, qv), (vq, vv) = ([num(at) / den(at) for num, den in row] for row in self._matrix)
             return qq * q + qv * v, vq * q + vv * v
 
     def in_full(self, q: float, v: float, h: float) -> tuple[CertifiableReal, CertifiableReal]:
-        """The same as exact numbers, not balls: slower, and for people."""
+        """The exact step as exact numbers, for people; slower than `exact`, which returns balls."""
         matrix = exact_matrix_at(self.method, Fraction(self._step(h)))
         return apply(matrix, Fraction(q), Fraction(v))
 
     def judge(self, q: float, v: float, h: float, answer: tuple[float, float]) -> tuple[Judgement, Judgement]:
-        """The two components of a float step, against the bound."""
+        """Compare both components of a float step with the bound."""
         expected = self.exact(q, v, h)
         with ctx.workprec(_BITS):
             at, state = abs(arb(self._step(h))), (abs(arb(q)), abs(arb(v)))
@@ -112,10 +114,7 @@ class Tolerance:
             return judged[0], judged[1]
 
     def demand_room(self, state: float, h: float) -> None:
-        """Refuse sizes at which the sum of |monomials|, or a product of some factors, overflows: no bound holds there.
-
-        Raises ValueError.
-        """
+        """Raise ValueError for sizes at which a sum of |monomials| overflows, so that no bound holds."""
         with ctx.workprec(_BITS):
             largest = arb(max(state, 1.0))
             reached = max(float(_at(size, arb(h), (largest, largest)).log().mid()) for size in self._size)
@@ -127,7 +126,7 @@ class Tolerance:
             )
 
     def _unit(self, size: arb) -> arb:
-        """u Σ|monomials|, infinite in the range of underflow: there an error says nothing about the method."""
+        """The unit u Σ|monomials|; infinite in the range of underflow, where errors say nothing about the method."""
         unit = size * enclose(self.format.u)
         return unit if bool(unit >= enclose(power_of_two(self.format.emin))) else arb.pos_inf()
 
@@ -158,7 +157,7 @@ class Tolerance:
 
     @cached_property
     def _size(self) -> Sequence[Columns]:
-        """The sum of |monomials| of the exact expression: of the definition's, before anything cancels."""
+        """The sum of |monomials|: of the definition, before cancellation, or of the numerators of an implicit one."""
         if self.method.explicit:
             return size_columns(self.method, self.format, _BITS)
         return [[*(arb_poly([abs(c) for c in num.coeffs()]) for num, _ in row), arb_poly([])] for row in self._matrix]
@@ -171,7 +170,7 @@ def _judgement(error: arb, allowed: arb, unit: arb) -> Judgement:
 
 
 def _ratio(error: arb, bound: arb) -> float:
-    """The quotient as a float, for people: 0 where nothing is off, infinite where nothing is allowed."""
+    """The quotient as a float, for people: 0 for no error, and infinite for an error if none is allowed."""
     if bool(error == 0):
         return 0.0
     return float((error / bound).mid()) if bool(bound > 0) else inf

@@ -1,4 +1,4 @@
-"""A stepper beside the method far from home: step after step, of many numbers, sizes, times and lengths."""
+"""Comparison of successive steps with the method's, for many numbers of components, sizes, times and step sizes."""
 
 from __future__ import annotations
 
@@ -33,38 +33,36 @@ from driftproof.blackbox.stepper.calling_conventions import FIELD, FORCE
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.methods.schemes import Method, Nystrom, Splitting
 
+# Chosen: balls of this precision are far narrower than the rounding errors of doubles.
 _BITS = 192
-# One number, as many as a short loop is unrolled by and one more or less, and more than the widest registers hold; of
-# positions fewer, since the forces between them are products of all, and of iterated stages, which take their time.
+# The numbers of components tried: 1; some near the 2 and 4 by which short loops are unrolled; one more than the widest
+# vector registers hold. There are fewer positions, because each force is a product of all of them, and fewer components
+# for implicit methods, because iterating their stages in balls is slow.
 _NUMBERS, _POSITIONS, _SOLVED_FOR = (1, 2, 3, 5, 17), (1, 2, 3, 5, 9), (1, 2, 3, 5)
-# In units of the problem's own time, so short that numbers stay of its size; of many bits, one of them taken twice.
+# Step sizes in units of the problem's own time: so short that numbers keep their sizes, of many bits, one taken twice.
 _LENGTHS, _BACK = (0.1, 0.1, 1 / 30, 0.07), (-0.07, -0.03)
-# What a step comes after: one of its own run, or one of a run whose state was then moved, as events move states.
+# What precedes a step: a step that ends where it starts, or one after which the state was changed, as by an event.
 _GOES_ON, _MOVED = "goes on from the one before", "begins when the one before ended, in another state,"
-# Another arithmetic, or a convention of the caller's: nothing is said against what is not stepped at all.
+# The stepper may use another arithmetic or convention; a step that it refuses to take is no evidence against it.
 _REFUSALS = (StepRaised, WrongShape, NotANumber)
-
-
-# The problems of so many numbers, in the orders in which y may hold them.
-_ByNumber: TypeAlias = dict[int, list[NonlinearProblem]]
-# Whether all steps are the method's, in words, and a call that shows it, where one line does.
+# True if all steps are the method's, False if one is not, None if none is taken; the words; a call that shows it or "".
 Walked: TypeAlias = tuple[bool | None, str, str]
 
 
 @dataclass(frozen=True)
 class _Place:
-    """Sizes of numbers, over again, signs among them; the exponent of the pace; the time at which the clock is 0."""
+    """Where a problem is moved: signed sizes, repeated as needed; the exponent of its pace; the origin of its time."""
 
     sizes: tuple[float, ...] = (1.0,)
     pace: int = 0
     origin: float = 0.0
 
     def problem(self, problem: NonlinearProblem) -> NonlinearProblem:
-        """The problem there: with positions of one size where a force may be asked for one, and not be told which."""
+        """The problem moved here, with positions of one size if a force may be asked for a single one of them."""
         return moved(problem, self.sizes if problem.coupled else self.sizes[:1], 2.0**self.pace, self.origin)
 
     def within(self, domain: Domain, subject: ForeignStepper) -> bool:
-        """True where its numbers, doubled, and its steps are of the domain, and in the middle of the format."""
+        """True if its numbers, doubled, and step sizes lie in the domain and well inside the range of the format."""
         (shortest, longest), (smallest, largest) = domain.ranges
         room = subject.format.emax // 3
         lengths = [x * 2.0**-self.pace for x in _LENGTHS]
@@ -76,7 +74,7 @@ class _Place:
         )
 
 
-# Short steps with steep slopes, and long ones with flat ones; before the time 0, and long after it, with all bits.
+# Short steps with steep slopes and long steps with flat ones, at times before 0 and long after it, which have all bits.
 _PLACES = (
     _Place(),
     _Place((2.0**-20,), 12, 100.1),
@@ -84,7 +82,7 @@ _PLACES = (
     _Place((256.0,), -4, 1000.1),
     _Place((-1.0,), 6, -0.7),
 )
-# Where every number of numbers is walked, too.
+# The place at which every number of components is tried.
 _HOME = _Place((1.0, -1.0))
 
 
@@ -103,7 +101,7 @@ class _Step:
 
 @dataclass(frozen=True)
 class Walker:
-    """A stepper, the method that it should be, and what it is allowed: each family has its own step and problems."""
+    """A stepper, the method it is compared with, and its allowance; each family overrides the step and the problems."""
 
     subject: ForeignStepper
     method: Any
@@ -112,36 +110,36 @@ class Walker:
 
     @property
     def partitioned(self) -> bool:
-        """True where it is held to y'' = F(t, y)."""
+        """True if the stepper is compared on y'' = F(t, y)."""
         return isinstance(self.method, Splitting | Nystrom) or self.subject.convention.kind != FIELD
 
     @property
     def what(self) -> str:
-        """What its state is made of."""
+        """The noun for the components of its state."""
         return "positions" if self.partitioned else "numbers"
 
     def counted(self, numbers: int) -> str:
-        """So many of what its state is made of."""
+        """The count with its noun, such as "1 position" or "3 numbers"."""
         return f"{numbers} {self.what if numbers > 1 else self.what[:-1]}"
 
     @property
     def numbers(self) -> tuple[int, ...]:
-        """Of how many numbers, or positions, problems are tried."""
+        """The numbers of components, or of positions, of the problems tried."""
         return _POSITIONS if self.partitioned else _NUMBERS if self.method.explicit else _SOLVED_FOR
 
     @property
     def places(self) -> list[_Place]:
-        """Those within the domain."""
+        """The places that lie within the domain."""
         return [place for place in map(self.fitted, _PLACES) if place.within(self.domain, self.subject)]
 
     def fitted(self, place: _Place) -> _Place:
-        """With sizes that it takes: an implicit solver has a scale of its own."""
+        """The place, with sizes of 1 for an implicit method, whose solver has a scale of its own."""
         return place if self.method.explicit else replace(place, sizes=(1.0,))
 
     def problems(self, numbers: int) -> list[NonlinearProblem]:
-        """That of so many numbers or positions, in the orders in which y may hold them; none where it takes them not.
+        """The problem with this many numbers or positions, in each order in which y may hold them; empty if refused.
 
-        A force that is asked for one position at a time is given walls.
+        A force that is asked for one position at a time gets the problem `walls`.
         """
         if not self.partitioned:
             with suppress(*_REFUSALS):
@@ -158,10 +156,10 @@ class Walker:
         return in_each_order(self.subject, found)
 
     def walk(self, problem: NonlinearProblem, place: _Place, lengths: Sequence[float]) -> _Step | None:
-        """The first step that is not the method's; None if all are. Raises the Misbehaviour that comes instead."""
+        """The first step that is not the method's; None if all are. Raises a Misbehaviour of the stepper."""
         there, t = place.problem(problem), place.origin + START * 2.0**-place.pace
         y = start = _start(there, t)
-        # Another right-hand side from there: who remembers by t, y and h alone goes wrong.
+        # A step of another right-hand side from the same start: a code that caches by t, y and h alone then goes wrong.
         rest = replace(there, rate=lambda t, y: [0.0 * x for x in y])
         rest.stepped(self.subject, t, y, lengths[0] * 2.0**-place.pace)
         after = ["", *[_GOES_ON] * (len(lengths) - 1), _MOVED]
@@ -176,32 +174,32 @@ class Walker:
     def compared(
         self, problem: NonlinearProblem, place: _Place, t: float, y: Sequence[float], h: float
     ) -> tuple[str, list[float]]:
-        """What is wrong with one step, "" for nothing, and where it ends."""
+        """What is wrong with one step, "" if nothing is, and the state at its end."""
         seen = [float(x) for x in problem.stepped(self.subject, t, y, h)]
         taken = float(np.float32(h)) if self.allowance.step_in_binary32 else h
-        said, scales = self.own_step(problem, t, y, taken), problem.scales
-        # Slopes change by about their size in a unit of the problem's own time: so much does a rounded time cost.
+        expected, scales = self.own_step(problem, t, y, taken), problem.scales
+        # Slopes change by about their size in a unit of the problem's own time, so that the rounding of t matters, too.
         size = 1 + max(abs(x / s) for x, s in zip(y, scales, strict=True)) + abs(t) * 2.0**place.pace
         allowed = self.allowed(size, len(y), h * 2.0**place.pace)
-        off = [gap / abs(s) for gap, s in zip(map(off_by, seen, said), scales, strict=True)]
+        off = [gap / abs(s) for gap, s in zip(map(off_by, seen, expected), scales, strict=True)]
         wrong = [i for i, x in enumerate(off) if not x <= allowed]
         if not wrong:
             return "", seen
         i = max(wrong, key=lambda i: off[i])
-        numbers = f"{problem.names[i]} is {seen[i]!r}, of {self.method.key} {float(said[i].mid())!r}"
+        numbers = f"{problem.names[i]} is {seen[i]!r}, of {self.method.key} {float(expected[i].mid())!r}"
         of = self.counted(problem.positions or len(y))
         return f"in a step of {h:.6g} from t = {t:.6g}, of {of}, {numbers}", seen
 
     def own_step(self, problem: NonlinearProblem, t: float, y: Sequence[float], h: float) -> list[arb]:
-        """The method's step."""
+        """The method's step in balls."""
         return own_step(self.method, problem, t, y, h)
 
     def allowed(self, size: float, numbers: int, h: float) -> float:
-        """How far one of so many numbers of this size may be off."""
+        """The allowed error of a component, for components and slopes of this size and this number of components."""
         return allowed_off(self.subject, self.method, self.allowance, size, h)
 
-    def why(self, step: _Step, problem: NonlinearProblem, of_numbers: _ByNumber) -> str:
-        """What it takes for a step to be wrong, where that is one thing. Raises what comes of other steps."""
+    def why(self, step: _Step, problem: NonlinearProblem, of_numbers: dict[int, list[NonlinearProblem]]) -> str:
+        """The one condition under which the step is wrong, "" if there is not just one. Raises a Misbehaviour."""
         there = step.place.problem(problem)
         if step.before:
             there.stepped(self.subject, step.t + 1, [x / 2 for x in step.y], step.h)
@@ -229,17 +227,16 @@ def walked(
     lengths: Sequence[float] = _LENGTHS,
     most: int | None = None,
 ) -> Walked:
-    """Whether steps that go on from one another are the method's, of each number of numbers and at each place.
+    """Compare successive steps with the method's, for each number of components and at each place.
 
-    In words, and as nothing that is seen again in one line; None where it takes no such step. Each place is that of
-    some number of numbers, and each number has a place, `most` of them at most. Raises UnsupportedCall where the system
-    is built in.
+    Places and numbers of components are paired so that each occurs, in `most` pairs at most. The answer is None if no
+    such step is taken, and the call is always "". Raises UnsupportedCall if the system is built in.
     """
     return walk_on(Walker(subject, method, allowance, domain), lengths, most)
 
 
 def walk_on(walker: Walker, lengths: Sequence[float] = _LENGTHS, most: int | None = None) -> Walked:
-    """As `walked`, of any family."""
+    """Compare successive steps with the method's, as `walked` does, for a walker of any family."""
     with ctx.workprec(_BITS):
         try:
             return _walked_on(walker, lengths, most)
@@ -248,7 +245,7 @@ def walk_on(walker: Walker, lengths: Sequence[float] = _LENGTHS, most: int | Non
 
 
 def there_and_back(walker: Walker) -> Walked:
-    """As `walk_on`; and, of few numbers, where those are right and it steps back at all, with h < 0."""
+    """Compare as `walk_on` does and, if the steps are right and h < 0 is not refused, also for h < 0 at two places."""
     found = walk_on(walker)
     passed, words, again = walk_on(walker, _BACK, 2) if found[0] else found
     return (False, f"h < 0 is no step back: {words}", again) if found[0] and passed is False else found
@@ -272,7 +269,7 @@ def _walked_on(walker: Walker, lengths: Sequence[float], most: int | None) -> Wa
             found.append(step)
         else:
             cause = ""
-            with suppress(Misbehaviour, NoAnswer):  # on the way to an explanation they take nothing from what was found
+            with suppress(Misbehaviour, NoAnswer):  # without a cause, the wrong step stands
                 cause = walker.why(found[0], problems[0], of_numbers)
             return False, ": ".join(filter(None, [cause, found[0].words])), ""
     if not taken:
@@ -288,12 +285,12 @@ def _walked_on(walker: Walker, lengths: Sequence[float], most: int | None) -> Wa
 def _settings(
     walker: Walker, sizes: Sequence[list[NonlinearProblem]]
 ) -> Iterator[tuple[_Place, list[NonlinearProblem]]]:
-    """Places and numbers of numbers side by side, the shorter list over again; then each number at home."""
+    """Yield places with problems, the shorter list repeated; then the home place with the problems of further sizes."""
     places = walker.places
     if sizes and places:
         for i in range(max(len(sizes), len(places))):
             yield places[i % len(places)], sizes[i % len(sizes)]
-        if not walker.method.explicit:  # iterated in balls, which takes its time
+        if not walker.method.explicit:  # iterated in balls, which is slow
             return
         home = walker.fitted(_HOME)
         yield from ((home, problems) for problems in sizes[1:] if home.within(walker.domain, walker.subject))
@@ -306,7 +303,7 @@ def _start(problem: NonlinearProblem, t: float) -> list[float]:
 def back_and_on(
     subject: ForeignStepper, method: Method, allowance: Allowance = NO_ALLOWANCE, domain: Domain = ORDINARY_DOMAIN
 ) -> Walked:
-    """`steps_back`; and where these are right and the right-hand side is ours, on nonlinear problems, too."""
+    """Compare steps with h < 0 as `steps_back` does; if right, also on nonlinear problems if these can be given."""
     found = steps_back(subject, method, allowance, domain)
     if not found[0] or subject.convention.kind not in (FIELD, FORCE):
         return found

@@ -1,1 +1,1 @@
-"""Coefficients that were read: the methods and variants that have them, and the order that they give."""
+"""Matching of what was read from a stepper to methods of the catalogue, and the order of the coefficients read."""

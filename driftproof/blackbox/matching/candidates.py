@@ -1,4 +1,4 @@
-"""What a reading is compared with: methods of the catalogue and variants, as fields or forces show them."""
+"""Candidates for a reading: methods of the catalogue and their variants, as a right-hand side or a force shows them."""
 
 from __future__ import annotations
 
@@ -35,14 +35,14 @@ from driftproof.methods.catalogue import METHODS
 from driftproof.methods.schemes import Collocation, Method, Nystrom, RungeKutta, Splitting
 from driftproof.symbolic.linear.reduced_tableau import StageCoefficients, reduced
 
-# A table, without a drift where a right-hand side shows it: over the numbers that it is asked for.
+# Makes a table of the kind of number wanted, with its drift, which is None for a right-hand side.
 Recipe: TypeAlias = Callable[[FromExact], tuple[StageCoefficients, Any]]
-# The same table with another step, or so many times.
+# Changes a table into that of the same method with another step, or repeated.
 _Change: TypeAlias = Callable[[Any, Any], Any]
-# More steps of a method in one are not looked for: codes take two halves, as extrapolation does, or three or four
-# sub-steps; each more costs a table for every method.
+# Chosen: the most steps of a method in one that are looked for. Codes take two halves, as extrapolation does, or three
+# or four sub-steps; every further number costs a table of each method.
 MOST_REPEATED = 4
-# As near as a solver comes by default; and denominators that are written as fractions.
+# How near a solver comes by default; and the first denominator that is too large to be written as a fraction.
 _SOLVED_TO, _WRITTEN_OUT = 2.0**-36, 100
 OTHER_KIND = {"kick": "drift", "drift": "kick"}
 EMBEDDED = "with the embedded weights propagated"
@@ -52,7 +52,7 @@ EXCHANGED = "kicks and drifts exchanged"
 
 @dataclass(frozen=True)
 class ExactTable:
-    """One table, entries `BoundedCoefficient`: A above the rows of weights, the nodes if they count, the drift."""
+    """A table of `BoundedCoefficient`: A above the rows of weights, the nodes if they count, and the drift."""
 
     entries: tuple[TableRow, ...]
     nodes: TableRow | None
@@ -60,7 +60,7 @@ class ExactTable:
 
     @classmethod
     def of(cls, stages: StageCoefficients, drift: Any) -> ExactTable:
-        """From the stages as `symbolic.linear.reduced_tableau` has them; `drift` is None of a right-hand side."""
+        """The table of stages as `symbolic.linear.reduced_tableau` has them; `drift` is None for a right-hand side."""
         weights = stages.weights if drift is not None else stages.weights[:1]
         entries = tuple(tuple(map(bounded, row)) for row in (*stages.a, *weights))
         nodes = tuple(map(bounded, stages.c)) if len(stages.weights) > 1 else None
@@ -78,27 +78,27 @@ class ExactTable:
 
     @cached_property
     def node_values(self) -> Array:
-        """The nodes as the nearest floats; none where they do not count."""
+        """The nodes as the nearest floats; empty if they do not count."""
         return np.array([float(x.value) for x in self.nodes or ()])
 
     @cached_property
     def scales(self) -> Array:
-        """For each stage, the largest of the numbers that its answer is multiplied by on the way to any place."""
+        """For each stage, the largest factor by which its slope enters a later stage or the result."""
         sizes = np.array([[x.size for x in row] for row in self.entries])
-        # A kick moves a place by itself times the drifts since.
+        # A kick moves a later position by its weight times the drift since.
         kicks = np.zeros(self.calls) if self.drift is None else sizes[-1] * self.length
         largest: Array = np.vstack([sizes, kicks]).max(axis=0)
         return largest
 
     @cached_property
     def length(self) -> float:
-        """The largest of the nodes and the drift."""
+        """The size of the largest node or of the drift."""
         return max((x.size for x in (*(self.nodes or ()), *filter(None, [self.drift]))), default=0.0)
 
 
 @dataclass(frozen=True)
 class Candidate:
-    """A method, or one made of it as `relation` says, with the table that a perfect reading of it has."""
+    """A method, or the variant of it that `relation` names, with the table that an exact reading of it has."""
 
     key: str
     relation: str
@@ -106,17 +106,17 @@ class Candidate:
 
     @cached_property
     def fingerprint(self) -> Fingerprint:
-        """Every stage, in floats."""
+        """The table with every stage, in floats."""
         return Fingerprint(*self.recipe(float))
 
     @cached_property
     def raw(self) -> ExactTable:
-        """Every stage."""
+        """The exact table with every stage."""
         return ExactTable.of(*self._exact)
 
     @cached_property
     def small(self) -> ExactTable:
-        """Without stages that do not count, equal ones merged."""
+        """The exact irreducible table: without stages that do not count, and with equal ones merged."""
         stages, drift = self._exact
         return ExactTable.of(reduced(stages), drift)
 
@@ -127,18 +127,18 @@ class Candidate:
 
 @cache
 def field_methods(timed: bool, implicit: bool = False) -> tuple[Candidate, ...]:
-    """The explicit Runge-Kutta methods of the catalogue, or the implicit ones, with their times or without."""
+    """The explicit, or the implicit, Runge-Kutta methods of the catalogue; their nodes count if `timed`."""
     return tuple(in_field(method, timed) for method in _runge_kutta(implicit))
 
 
 def in_field(method: RungeKutta | Collocation, timed: bool) -> Candidate:
-    """A Runge-Kutta method as its tableau is read, with its times or without."""
+    """A Runge-Kutta method as it is read through a right-hand side; its nodes count if `timed`."""
     return Candidate(method.key, "", _in_field(partial(tableau_of, method), timed))
 
 
 @cache
 def force_methods(implicit: bool = False) -> tuple[Candidate, ...]:
-    """The explicit methods of the catalogue, of every family; or the implicit ones."""
+    """The explicit methods of every family of the catalogue, or the implicit ones, as read through a force."""
     if implicit:
         return tuple(map(on_force, _runge_kutta(implicit)))
     families = (RungeKutta, Splitting, Nystrom)
@@ -147,7 +147,7 @@ def force_methods(implicit: bool = False) -> tuple[Candidate, ...]:
 
 
 def on_force(method: Method) -> Candidate:
-    """A method as it is read through a force."""
+    """The method as it is read through a force."""
     if isinstance(method, Splitting):
         return Candidate(method.key, "", partial(induced_by_parts, method.parts))
     if isinstance(method, Nystrom):
@@ -156,11 +156,11 @@ def on_force(method: Method) -> Candidate:
 
 
 def newmark(read: ExactTable) -> Iterator[Candidate]:
-    """Newmark's method with the beta and the gamma of a table of two stages, the first of them at the start."""
+    """Yield Newmark's method with the beta and gamma of a table of two stages; nothing for another table."""
     if read.calls != 2:
         return
     last = int(np.argmax(read.node_values))
-    beta, gamma = (_told(read.entries[row][last].value) for row in (2, 3))
+    beta, gamma = (_simple_or_itself(read.entries[row][last].value) for row in (2, 3))
     half = Fraction(1, 2)
 
     def recipe(lift: FromExact) -> tuple[StageCoefficients, Any]:
@@ -172,13 +172,13 @@ def newmark(read: ExactTable) -> Iterator[Candidate]:
     yield Candidate("newmark", "with beta = {} and gamma = {}".format(*shown), recipe)
 
 
-def _told(x: Any) -> Fraction:
-    """The simple fraction that a number read is nearest to; itself where that may be a coincidence."""
+def _simple_or_itself(x: Any) -> Fraction:
+    """The simple fraction that a number read stands for; the number itself if that may be a coincidence."""
     return simple_rational(Fraction(x), _SOLVED_TO) or Fraction(x)
 
 
 def field_variants(timed: bool, calls: int, factor: Fraction | None, *, implicit: bool) -> Iterator[Candidate]:
-    """Variants of the catalogue's methods with so many stages that count; `factor` is the step in units of h."""
+    """Yield variants of the Runge-Kutta methods with `calls` stages that count; `factor` is the step in units of h."""
     for method, candidate in zip(_runge_kutta(implicit), field_methods(timed, implicit), strict=True):
         make = partial(tableau_of, method)
         if isinstance(method, RungeKutta) and method.b_embedded is not None:
@@ -190,7 +190,7 @@ def field_variants(timed: bool, calls: int, factor: Fraction | None, *, implicit
 
 
 def force_variants(calls: int, factor: Fraction | None) -> Iterator[Candidate]:
-    """Variants as a force shows them; of splittings, also the adjoint, and kicks and drifts exchanged."""
+    """Yield variants as read through a force; for splittings, also the adjoint, and kicks and drifts exchanged."""
     for method in METHODS.values():
         if isinstance(method, RungeKutta) and method.explicit and method.b_embedded:
             embedded = partial(tableau_of, method, weights=method.b_embedded)
@@ -208,7 +208,7 @@ def force_variants(calls: int, factor: Fraction | None) -> Iterator[Candidate]:
 def _resized(
     candidate: Candidate, calls: int, factor: Fraction | None, scaled: _Change, repeated: _Change
 ) -> Iterator[tuple[str, _Change, Fraction | int]]:
-    """With another step; or several steps in one, where the last stage of one may be the first of the next."""
+    """Yield another step, and several steps in one, in which the last stage of one may be the first of the next."""
     stages = candidate.fingerprint.used
     if factor and stages == calls:
         yield f"with the step {factor} h in place of h", scaled, factor
@@ -218,7 +218,7 @@ def _resized(
 
 
 def _rearranged(method: Splitting, calls: int) -> Iterator[Candidate]:
-    """The adjoint; the method with kicks for drifts and drifts for kicks; both."""
+    """Yield the adjoint of a splitting, the splitting with kicks and drifts exchanged, and both changes together."""
     exchanged = tuple((OTHER_KIND[kind], x) for kind, x in method.parts)
     words = {ADJOINT: method.parts[::-1], EXCHANGED: exchanged, f"{ADJOINT}, {EXCHANGED}": exchanged[::-1]}
     for relation, parts in words.items():
@@ -239,7 +239,7 @@ def _then(make: Callable[[FromExact], Any], change: _Change, by: Fraction | int)
 
 
 def _iterations(calls: int) -> Iterator[tuple[str, str, Callable[[FromExact], LiftedTableau]]]:
-    """Each implicit method with its stages iterated in so many calls, if none that counts at the start counts again."""
+    """Yield each implicit method iterated in `calls` calls: one at the start, one per round and nonzero row of A."""
     for method in METHODS.values():
         if isinstance(method, RungeKutta) and not method.explicit:
             times, rest = divmod(calls - 1, sum(any(row) for row in method.a))
@@ -250,5 +250,5 @@ def _iterations(calls: int) -> Iterator[tuple[str, str, Callable[[FromExact], Li
 
 
 def _runge_kutta(implicit: bool) -> list[RungeKutta | Collocation]:
-    """The catalogue's, in its order."""
+    """The Runge-Kutta methods of the catalogue, in its order."""
     return [m for m in METHODS.values() if isinstance(m, RungeKutta | Collocation) and m.explicit != implicit]

@@ -1,4 +1,4 @@
-"""A table read from floats beside an exact one: the same up to rounding, how far apart, or where they differ."""
+"""Comparison of a coefficient table read from floats with an exact one: equal up to rounding, how far off, or where."""
 
 from __future__ import annotations
 
@@ -19,9 +19,10 @@ from driftproof.methods.number_field import Exact
 
 
 class CoefficientPlace(NamedTuple):
-    """One coefficient in both tables: its name, the float that was read, and the exact number with its terms' size.
+    """One coefficient in both tables: its name, the float read, and the exact number with the size of its terms.
 
-    `scale` is the largest number that the answer of its stage is multiplied by.
+    `scale` is the size that its rounding error may scale with: that of the largest number in its column; for a node,
+    that of the largest node or of the drift; for the drift, its own.
     """
 
     name: str
@@ -31,7 +32,10 @@ class CoefficientPlace(NamedTuple):
 
 
 class Distance(NamedTuple):
-    """Roundings between the coefficients: relative to the sizes of their terms, and to the largest in their column."""
+    """The largest distances in units of u: relative to the coefficient's own terms, and to its `scale`.
+
+    `farthest` names the coefficient that has the second.
+    """
 
     of_terms: int
     of_column: int
@@ -40,10 +44,10 @@ class Distance(NamedTuple):
 
 @dataclass(frozen=True)
 class Comparison:
-    """The table read, an exact one with as many stages, and the rounding that a program with so many calls may do.
+    """A table read from floats, an exact one with as many stages, and the roundings that the program may have made.
 
-    A coefficient is the same if it is off by at most that many roundings of the largest in its column: so a code that
-    makes its coefficients by sums, in low storage or as convex combinations, is recognised, too.
+    Two coefficients count as equal if they differ by at most that many roundings of the largest number in their
+    column. A code that forms its coefficients as sums, in low storage or as convex combinations, is thus recognised.
     """
 
     read: ExactTable
@@ -51,26 +55,26 @@ class Comparison:
     rounding: Rounding
 
     def arrangement(self) -> tuple[int, ...] | None:
-        """For each stage read the exact stage that it is, all coefficients being the same; None if there is none."""
+        """For each stage read, the exact stage with equal coefficients; None if no order of the stages fits."""
         return next(self._extended(()), None) if self._same_drift else None
 
     def differences(self) -> list[CoefficientPlace]:
-        """The coefficients that are not the same, stages in the order in which they stand."""
+        """The coefficients that differ, with the stages of both tables in the order in which they stand."""
         read, exact, allowed = self._in_floats
-        rows, columns = np.nonzero(np.abs(read - exact) > allowed)  # most candidates are far off, and there are many
+        rows, columns = np.nonzero(np.abs(read - exact) > allowed)  # fast, as there are many candidates
         wrong = {self._name(i, j) for i, j in zip(rows.tolist(), columns.tolist(), strict=True)}
         wrong |= set() if self._same_drift else {"drift"}
         return [place for place in self._places(range(self.read.calls)) if place.name in wrong] if wrong else []
 
     def distance(self, order: tuple[int, ...]) -> Distance:
-        """How far the coefficients are apart, the stages in the order of an `arrangement`: 0 if correctly rounded."""
+        """How far apart the tables are, with the stages in the order of an `arrangement`; 0 if correctly rounded."""
         apart = [(self._roundings(place), place.name) for place in self._places(order)]
         farthest = max(apart, key=lambda pair: pair[0][1])
         return Distance(max(own for (own, _), _ in apart), farthest[0][1], farthest[1])
 
     @property
     def size(self) -> int:
-        """The number of coefficients of the table, of an explicit one without those that are 0 in each."""
+        """The number of coefficients of the table read; of an explicit A, only the entries below the diagonal count."""
         calls, weights = self.read.calls, len(self.read.entries) - self.read.calls
         above = calls * (calls + 1) // 2 if np.triu(self.read.values[:calls]).any() else 0
         nodes = calls if self.read.nodes is not None else 0
@@ -78,7 +82,7 @@ class Comparison:
 
     @cached_property
     def _in_floats(self) -> tuple[Array, Array, Array]:
-        """Both tables, where the nodes count these below, and how far the entries may be apart."""
+        """Both tables, with the nodes as a last row if these count, and the allowed difference of each entry."""
         read, exact = self.read.values, self.exact.values
         columns = [self.allowed(scale) for scale in self.exact.scales.tolist()]
         allowed = [columns] * len(exact)
@@ -88,7 +92,7 @@ class Comparison:
         return read, exact, np.array(allowed)
 
     def allowed(self, scale: float) -> float:
-        """How far apart: one more than the program's, exact numbers being compared as the doubles next to them."""
+        """The allowed difference: the program's roundings, and one for taking the exact number as a double."""
         return self.rounding.of(scale) * (1 + 1 / self.rounding.most)
 
     @property
@@ -99,7 +103,7 @@ class Comparison:
         return abs(float(read.value) - float(exact.value)) <= self.allowed(exact.size)
 
     def _extended(self, chosen: tuple[int, ...]) -> Iterator[tuple[int, ...]]:
-        """The arrangements that begin with these stages, found one stage at a time, the order that stands first."""
+        """Yield the arrangements that begin with the `chosen` stages, in lexicographic order."""
         if len(chosen) == self.read.calls:
             yield chosen
         for k in range(self.read.calls):
@@ -107,7 +111,7 @@ class Comparison:
                 yield from self._extended((*chosen, k))
 
     def _fits(self, chosen: tuple[int, ...]) -> bool:
-        """The newest stage has its weights, its node, and its entries with the stages chosen before."""
+        """True if the stage chosen last has its weights, its node, and its entries with the stages chosen before."""
         i, k, calls = len(chosen) - 1, chosen[-1], self.read.calls
         read, exact, allowed = self._in_floats
         if (np.abs(read[calls:, i] - exact[calls:, k]) > allowed[calls:, k]).any():
@@ -135,7 +139,7 @@ class Comparison:
         return f"a[{row}][{column}]" if row < calls else f"{names[row - calls]}[{column}]"
 
     def _roundings(self, place: CoefficientPlace) -> tuple[int, int]:
-        """In units of u times the size of the terms, and of u times the largest number in the column."""
+        """The distance in units of u times the size of the terms, and of u times the scale, both rounded up."""
         if is_nearest(place.seen, place.exact.value, self.rounding.format):
             return 0, 0
         gap = abs(Fraction(place.seen) - _near(place.exact.value)) / self.rounding.format.u
@@ -144,7 +148,7 @@ class Comparison:
 
 
 def _near(exact: Exact) -> Fraction:
-    """The number, or a fraction so near to it that no count of roundings in any format changes."""
+    """The number, or a fraction so near to it that the count of roundings is the same in every format."""
     if isinstance(exact, Fraction):
         return exact
     low, high = exact.enclosure(256)

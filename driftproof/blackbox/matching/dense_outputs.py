@@ -1,4 +1,4 @@
-"""Which continuous extension was read, its degree and order between the steps, and how it fits to them."""
+"""Judgement of a dense output that was read: the continuous extension it is, its degree, order and smoothness."""
 
 from __future__ import annotations
 
@@ -20,15 +20,16 @@ from driftproof.methods.schemes import RungeKutta
 from driftproof.support.plain_text import Json
 from driftproof.symbolic.algebra.polynomials import ONE, Polynomial, Scalar, X, scalar
 
+# The highest degree looked for: 13 of the 17 thetas then fix the polynomials, and four check them.
 _HIGHEST_DEGREE = 12
 
 
 @dataclass(frozen=True)
 class JudgedDense:
-    """What a dense output is, in `lines`, and what is wrong with it, in `faults`.
+    """A dense output, described in `lines`, and what is wrong with it in `faults`.
 
-    `order` is the least at the sixteenths inside, `degree` None where it is no polynomial of a degree that is looked
-    for, `extension` the key of the catalogue's that it is.
+    `order` is the lowest at the inner sixteenths, `degree` is None if it is no polynomial of a degree looked for, and
+    `extension` is the key of the continuous extension of the catalogue that it is, or None.
     """
 
     order: int
@@ -39,18 +40,18 @@ class JudgedDense:
 
     @property
     def data(self) -> dict[str, Json]:
-        """The same for programs."""
+        """The judgement as JSON data."""
         found: dict[str, Json] = {"order": self.order, "degree": self.degree, "extension": self.extension}
         return {**found, "lines": list(self.lines), "faults": list(self.faults)}
 
 
 def judged_dense(subject: ForeignStepper) -> JudgedDense:
-    """The dense output of a step that returns one. Raises NotReadable, UnsupportedCall."""
+    """Judge the dense output of a step that returns one. Raises NotReadable, and UnsupportedCall if there is none."""
     return judged_reading(read_dense(subject))
 
 
 def judged_reading(reading: DenseReading) -> JudgedDense:
-    """What a dense output is that was read."""
+    """Judge a dense output that was read."""
     polynomials = _Polynomials.of(reading)
     key = next((each.key for each in _candidates(reading) if _is(reading, each)), None)
     orders = {theta: read_order(reading.step_to(theta)).order for theta in THETAS[1:-1]}
@@ -80,12 +81,12 @@ def _candidates(reading: DenseReading) -> Iterator[ContinuousExtension]:
     yield from EXTENSIONS.values()
     for match in match_tableau(reading.step).matches:
         method = METHODS[match.key]
-        if not match.relation and isinstance(method, RungeKutta) and not any(method.a[0]):  # which is f(t, y)
+        if not match.relation and isinstance(method, RungeKutta) and not any(method.a[0]):  # k₁ = f(t, y)
             yield hermite(method)
 
 
 def _is(reading: DenseReading, extension: ContinuousExtension) -> bool:
-    """The stages in their order, and every weight at every theta, to what rounding may do to sums of its terms."""
+    """True if the stages, in their order, and all weights at every theta are the extension's, up to rounding."""
     count, rounding = len(extension.a), reading.step.rounding
     if count > reading.step.calls or any(any(row[count:]) for row in reading.rows):
         return False
@@ -100,7 +101,7 @@ def _is(reading: DenseReading, extension: ContinuousExtension) -> bool:
 
 @dataclass(frozen=True)
 class _Polynomials:
-    """The weights as polynomials of one degree, through their values at as many thetas, and how far off they may be."""
+    """The weights as polynomials of one degree, which interpolate them, and how far off other values may be."""
 
     degree: int
     basis: tuple[Polynomial, ...]  # each of them 1 at one of these thetas, 0 at the others
@@ -109,7 +110,7 @@ class _Polynomials:
 
     @classmethod
     def of(cls, reading: DenseReading) -> _Polynomials | None:
-        """Of the least degree whose polynomials pass through all other values, too; None for none."""
+        """The polynomials of the least degree that pass through the values at all thetas; None if there are none."""
         for degree in range(1, _HIGHEST_DEGREE + 1):
             places = [k * 16 // degree for k in range(degree + 1)]
             basis = _lagrange([scalar(THETAS[k]) for k in places])
@@ -131,7 +132,7 @@ class _Polynomials:
         return [abs(float(weight(scalar(theta))) - seen) for weight, seen in zip(self.weights, row, strict=True)]
 
     def misfits(self, reading: DenseReading) -> Iterator[str]:
-        """What is wrong at theta = 0 and at theta = 1, where it should be y and y1."""
+        """Yield what is wrong at theta = 0 and at theta = 1, where the dense output should be y and y1."""
         at_start, at_end = reading.rows[0], [x - y for x, y in zip(reading.rows[-1], reading.own, strict=True)]
         for place, off in (("y at theta = 0", at_start), ("y1 at theta = 1", at_end)):
             worst = max(range(len(off)), key=lambda j: abs(off[j]))
@@ -139,7 +140,7 @@ class _Polynomials:
                 yield f"the dense output is not {place}: the weight of call {worst} is off by {off[worst]:.3g}"
 
     def elsewhere(self, reading: DenseReading) -> Iterator[str]:
-        """Where it first leaves its polynomial between the sixteenths, a time there being rounded, too."""
+        """Yield the first theta between the sixteenths whose value, up to rounding, is not on the polynomials."""
         slope = max(_size(weight.derivative()) for weight in self.weights)
         for theta, row in reading.between:
             off = self._off(theta, row)
@@ -150,7 +151,7 @@ class _Polynomials:
                 return
 
     def smoothness(self, reading: DenseReading) -> str:
-        """Whether the slopes at both ends are f(t, y) and f(t + h, y1), to what the polynomials are known to."""
+        """Say at which ends the slope is f(t, y) or f(t + h, y1), as precisely as the polynomials are known."""
         derived = [part.derivative() for part in self.basis]
         allowed = self.allowed * (1 + max(float(sum(abs(part(end)) for part in derived)) for end in (0, 1)))
         last = [
@@ -170,7 +171,7 @@ class _Polynomials:
 
 
 def _lagrange(nodes: Sequence[Scalar]) -> tuple[Polynomial, ...]:
-    """The polynomials that are 1 at one node and 0 at the others."""
+    """The Lagrange polynomials, each of which is 1 at one node and 0 at the others."""
     return tuple(prod(((X - x) / (node - x) for x in nodes if x != node), start=ONE) for node in nodes)
 
 

@@ -1,4 +1,4 @@
-"""A tableau that was read beside the one that is claimed: entry by entry, its row sums, and the entry that mends it."""
+"""Differences between a tableau read and the one claimed: entries, row sums, and entries that restore the order."""
 
 from __future__ import annotations
 
@@ -24,14 +24,14 @@ from driftproof.methods.schemes import Collocation, RungeKutta
 from driftproof.support.plain_text import table
 from driftproof.symbolic.trees.order_conditions import order
 
-# Lines of a table that a reader takes in.
+# Chosen: the most entries that are shown in a table; further ones are only counted.
 _MOST_SHOWN = 12
-# An entry of a larger tableau is one of too many, and each costs the conditions of its order.
+# Chosen: a larger tableau has too many entries to try, each of which costs the evaluation of all order conditions.
 _MOST_STAGES = 7
 
 
 def side_by_side(reading: CoefficientReading, method: RungeKutta | Collocation) -> list[str]:
-    """The entries that differ, claimed and read; the rows of A that were read whose sum is not their time."""
+    """The entries that differ, claimed and read, as a table; then the rows of the A read that do not sum to their c."""
     if reading.calls != method.stages:
         return [f"{method.key} has {method.stages} stage{'s' * (method.stages > 1)}, {reading.calls} read"]
     rounding, fmt = reading.rounding, reading.format
@@ -39,13 +39,13 @@ def side_by_side(reading: CoefficientReading, method: RungeKutta | Collocation) 
     if isinstance(reading, ForceReading):
         stages, _ = induced_by_tableau(exact_tableau(method))
         weights = {"b_position": reading.b_position, "b_velocity": reading.b_velocity}
-        said = _entries(stages.a, dict(zip(weights, stages.weights, strict=True)), stages.c, full=full)
+        claimed = _entries(stages.a, dict(zip(weights, stages.weights, strict=True)), stages.c, full=full)
     else:
         a, b, c = exact_tableau(method)
-        weights, said = {"b": reading.b}, _entries(a, {"b": b}, c, full=full)
+        weights, claimed = {"b": reading.b}, _entries(a, {"b": b}, c, full=full)
     read = _entries(reading.a, weights, reading.c or (), full=full)
     rows = [["entry", "claimed", "read", "difference"]]
-    for (name, exact), (_, seen) in zip(said, read, strict=False):
+    for (name, exact), (_, seen) in zip(claimed, read, strict=False):
         off = float(seen) - float(exact)
         if abs(off) > rounding.of(max(1.0, abs(float(exact)))):
             rows.append([name, exact_shown(exact), coefficient_text(float(seen), fmt, rounding.besides), f"{off:.3g}"])
@@ -55,7 +55,7 @@ def side_by_side(reading: CoefficientReading, method: RungeKutta | Collocation) 
 
 
 def other_velocities(method: RungeKutta, reading: ForceReading) -> list[str]:
-    """Which velocities are not those of the stages, where there are as many calls; else that they are not."""
+    """The wrong entries in the velocities of the stages, as text, or one line that says what else is wrong."""
     rows, rounding = reading.a_velocity or (), reading.rounding
     if len(rows) != method.stages:
         return [f"the velocities that its force is given are not those of the stages of {method.key}"]
@@ -70,7 +70,7 @@ def other_velocities(method: RungeKutta, reading: ForceReading) -> list[str]:
 def _entries(
     a: Sequence[Sequence[Any]], weights: Mapping[str, Sequence[Any]], c: Sequence[Any], *, full: bool
 ) -> list[tuple[str, Any]]:
-    """All of A, or what is below its diagonal, the weights and c, by name."""
+    """The entries of A (if not `full`, only those below the diagonal), of the weights and of c, with their names."""
     below = [(f"a[{i}][{j}]", x) for i, row in enumerate(a) for j, x in enumerate(row if full else row[:i])]
     return [*below, *((f"{name}[{i}]", x) for name, row in {**weights, "c": c}.items() for i, x in enumerate(row))]
 
@@ -86,25 +86,23 @@ def _row_sums(reading: TableauReading, rounding: Rounding) -> list[str]:
 
 
 def rational_method(reading: TableauReading, key: str) -> RungeKutta | None:
-    """The method that was read, where each entry is the rounding of a simple rational; None where one is not."""
+    """The method read, if every entry of A and b is the rounding of a simple rational, else None; c holds row sums."""
     rounding = reading.rounding
 
-    def exact(row: Sequence[float]) -> list[Fraction | None]:
-        return [Fraction(x) if x == int(x) else simple_rational(x, rounding.of(abs(x))) for x in row]
+    def exact(x: float) -> Fraction | None:
+        return Fraction(x) if x == int(x) else simple_rational(x, rounding.of(abs(x)))
 
-    rows, weights = [exact(row) for row in reading.a], exact(reading.b)
-    if any(x is None for row in (*rows, weights) for x in row):
+    *a, b = (tuple(x for x in map(exact, row) if x is not None) for row in (*reading.a, reading.b))
+    if any(len(row) < reading.calls for row in (*a, b)):
         return None
-    a = tuple(tuple(x for x in row if x is not None) for row in rows)
-    b = tuple(x for x in weights if x is not None)
-    return RungeKutta(key, key, 0, "", a, b, tuple(sum(row, Fraction(0)) for row in a))
+    return RungeKutta(key, key, 0, "", tuple(a), b, tuple(sum(row, Fraction(0)) for row in a))
 
 
 def mended(method: RungeKutta, claimed: int) -> list[str]:
-    """Each entry that alone, with another value, gives the order claimed, whose conditions are of A and b alone.
+    """The entries of A or b whose change alone restores the order claimed on y' = f(y), each as a line of text.
 
-    Every condition is of degree one in a weight, and those of the tall trees b Aᵏ 1 = 1/(k + 1)! in an entry of an
-    explicit A, too: the first that depends on the entry leaves one value, for which all conditions are then tried.
+    Every order condition is linear in a weight, and those of the tall trees, b Aᵏ 1 = 1/(k + 1)!, are also linear in an
+    entry of an explicit A. The first of these that depends on the entry leaves one value, for which all are checked.
     """
     if method.stages > _MOST_STAGES or not method.explicit or method.field or order(method).order >= claimed:
         return []
@@ -123,7 +121,7 @@ def mended(method: RungeKutta, claimed: int) -> list[str]:
 
 
 def _with(method: RungeKutta, i: int, j: int, value: Exact) -> RungeKutta:
-    """The method with another entry in row i of A, or in b, which stands below."""
+    """The method with entry j replaced in row i of A, or in b if i is the number of stages."""
     rows = [list(row) for row in (*method.a, method.b)]
     rows[i][j] = value
     *a, b = map(tuple, rows)
@@ -131,7 +129,7 @@ def _with(method: RungeKutta, i: int, j: int, value: Exact) -> RungeKutta:
 
 
 def _tall(method: RungeKutta) -> list[Exact]:
-    """b 1, b A 1, b A² 1, ..."""
+    """The elementary weights b 1, b A 1, b A² 1, ... of the tall trees."""
     stages: list[Exact] = [Fraction(1)] * method.stages
     found: list[Exact] = []
     for _ in range(method.stages):

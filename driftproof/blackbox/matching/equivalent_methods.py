@@ -1,11 +1,11 @@
-"""The catalogue as one-step matrices: methods with the same one are linearly equivalent, no linear test splits them.
+"""The catalogue by one-step matrix: methods with the same matrix are linearly equivalent; no linear test splits them.
 
-For q' = a v, v' = -k q every method of the catalogue has, with s = a k h²,
+For q' = a v, v' = -k q, and with s = a k h², the matrix of every method of the catalogue is
 
     M_qq = A(s),   M_qv = a h B(s),   M_vq = k h C(s),   M_vv = D(s):
 
-its terms alternate between position and velocity. So the four functions of the oscillator, a = k = 1, are enough, and
-k may be negative. With each class stands what any float program of it may err by. As in
+because its terms alternate between position and velocity. So the four functions of the oscillator, a = k = 1, are
+enough, and k may be negative. Each class also gives a bound on the error of any float program of it. As in
 `symbolic.rounding.any_evaluation_order`, a monomial that passes k roundings in the worst order of evaluation errs by at
 most ((1 + u)^k - 1) times its size; here k is the largest one of all monomials, and sizes are floats.
 """
@@ -45,19 +45,19 @@ from driftproof.symbolic.rounding.formats import FloatFormat
 Four: TypeAlias = Sequence[float]
 # Balls of this precision are far narrower than any rounding error that is compared with them.
 CERTIFYING_BITS = 256
-# A program may work its coefficients out, as in 1/(2 - 2**(1/3)): four operations, each rounded.
+# A program may compute its coefficients: 1/(2 - 2**(1/3)) takes four operations, each of them rounded.
 _COEFFICIENT_ROUNDINGS = 4
-# A program may turn its state into units of its own and back: two factors each way.
+# A program may convert its state to units of its own and back, with two factors each way.
 _SCALING_ROUNDINGS = 4
 # A program's force may hold parameters, as in -(k/m) q: two operations more than a change of sign.
 _FORCE_ROUNDINGS = 2
-# Of an implicit method, a power of hL more costs two products, with h and with a rate, and two sums of two.
+# In an implicit method, each further power of hL costs two products, by h and by a rate, and two sums of two terms.
 _PER_POWER = 4
 
 
 @dataclass(frozen=True)
 class Rates:
-    """The step h, and a and k of q' = a v, v' = -k q."""
+    """The step size h, and the a and k of q' = a v, v' = -k q."""
 
     h: float
     position: float
@@ -65,19 +65,19 @@ class Rates:
 
     @property
     def moves(self) -> tuple[float, float]:
-        """|a h| and |k h|."""
+        """The sizes |a h| and |k h|."""
         return abs(self.position * self.h), abs(self.stiffness * self.h)
 
 
 @dataclass(frozen=True)
 class CountedSizes:
-    """A polynomial in |h| by its sums of |monomials|, constant first, and the most roundings that a monomial passes."""
+    """The sums of |monomials| for each power of |h|, constant first, and the most roundings that a monomial passes."""
 
     sizes: NDArray[np.float64]
     count: int = 0
 
     def __bool__(self) -> bool:
-        """False for zero."""
+        """False for the zero polynomial."""
         return self.sizes.size > 0
 
     def __call__(self, x: float) -> float:
@@ -85,32 +85,32 @@ class CountedSizes:
         return float(np.polynomial.polynomial.polyval(x, self.sizes)) if self else 0.0
 
     def __add__(self, other: CountedSizes) -> CountedSizes:
-        """Sizes are added; of the counts the larger is kept."""
+        """The sum of the sizes, with the larger of the counts."""
         longer, shorter = sorted((self.sizes, other.sizes), key=len, reverse=True)
         total = longer.copy()
         total[: len(shorter)] += shorter
         return CountedSizes(total, max(self.count, other.count))
 
     def __mul__(self, other: CountedSizes) -> CountedSizes:
-        """Sizes are multiplied and counts added; zero has no count."""
+        """The product of the sizes, with the sum of the counts, which is 0 for a zero product."""
         if not self or not other:
             return CountedSizes(np.zeros(0))
         return CountedSizes(np.convolve(self.sizes, other.sizes), self.count + other.count)
 
     def __pow__(self, n: int) -> CountedSizes:
-        """The product of n of them."""
+        """The product of n equal factors."""
         return self * self ** (n - 1) if n else CountedSizes(np.ones(1))
 
 
 class FloatTally(ErrorTally):
-    """The any-order tally in floats: one count for all monomials."""
+    """The tally for any order of evaluation in floats, with one count of roundings for all monomials."""
 
     rounding = CountedSizes(np.ones(1), 1)
     __slots__ = ()
 
 
 def tallies_of(method: Method) -> tuple[CountedSizes, ...]:
-    """What is tallied of M_qq, M_qv, M_vq, M_vv of an explicit method on q' = v, v' = -q. Raises MethodError."""
+    """The sizes and counts of M_qq, M_qv, M_vq, M_vv for q' = v, v' = -q. Raises MethodError for an implicit method."""
     one, step_size = FloatTally(CountedSizes(np.ones(1)), factor=1), FloatTally(CountedSizes(np.array([0.0, 1.0])))
     nothing = FloatTally(CountedSizes(np.zeros(0)))
 
@@ -128,7 +128,7 @@ def tallies_of(method: Method) -> tuple[CountedSizes, ...]:
 
 @dataclass(frozen=True, eq=False)
 class LinearlyEquivalentMethods:
-    """All methods with the one-step matrix `matrix` on the oscillator; or, where `adjoint`, with M(-h)⁻¹ = `matrix`."""
+    """All methods with the one-step matrix `matrix` on the oscillator; or, if `adjoint`, with M(-h)⁻¹ = `matrix`."""
 
     methods: tuple[Method, ...]
     matrix: StepMatrix
@@ -141,14 +141,14 @@ class LinearlyEquivalentMethods:
 
     @cached_property
     def programs(self) -> tuple[Method, ...]:
-        """Explicit methods that take the step: those of the class; of an adjoint class its splittings, reversed."""
+        """The explicit methods with this matrix: those of the class, or the reversed splittings of an adjoint class."""
         if not self.adjoint:
             return tuple(method for method in self.methods if method.explicit)
         return tuple(replace(m, parts=m.parts[::-1]) for m in self.methods if isinstance(m, Splitting))
 
     @cached_property
     def parts(self) -> list[list[Exact]]:
-        """Numerators and denominators of A, B, C, D in s, in turn."""
+        """The numerators and denominators of A, B, C and D in powers of s, alternating."""
         (qq, qv), (vq, vv) = self.matrix
         numerators = deflate(qq.num), odd_part(qv.num), odd_part(vq.num), deflate(vv.num)
         denominators = (deflate(entry.den) for entry in (qq, qv, vq, vv))
@@ -161,7 +161,7 @@ class LinearlyEquivalentMethods:
             return [arb_poly([enclose(c) for c in part]) for part in self.parts]
 
     def matrix_at(self, h: Fraction, position: Fraction, stiffness: Fraction) -> list[arb]:
-        """M(h) for q' = a v, v' = -k q, in balls. Infinite at a pole."""
+        """M(h) for q' = a v, v' = -k q, in balls that are infinite at a pole."""
         with ctx.workprec(CERTIFYING_BITS):
             in_position, in_velocity = enclose(position * h), enclose(stiffness * h)
             s = in_position * in_velocity
@@ -170,18 +170,14 @@ class LinearlyEquivalentMethods:
             return [f * n / d for f, n, d in zip(factors, values[::2], values[1::2], strict=True)]
 
     def allowances(self, rates: Rates, fmt: FloatFormat) -> Four:
-        """What any program of q' = a v, v' = -k q may err by: the most of all methods of the class."""
+        """The most that a float program for q' = a v, v' = -k q may err in each entry, whichever method it takes."""
         return self._of_programs(rates, fmt) if self.programs else self._of_solver(rates, fmt)
 
     def _of_programs(self, rates: Rates, fmt: FloatFormat) -> Four:
         x = abs(rates.h) * abs(rates.position * rates.stiffness) ** 0.5
         (in_position, in_velocity), (qq, qv, vq, vv) = rates.moves, self._tallies
-        sizes = (
-            qq(x),
-            in_position * CountedSizes(qv.sizes[1:])(x),
-            in_velocity * CountedSizes(vq.sizes[1:])(x),
-            vv(x),
-        )
+        upper, lower = (CountedSizes(p.sizes[1:])(x) for p in (qv, vq))
+        sizes = qq(x), in_position * upper, in_velocity * lower, vv(x)
         parameter = 0 if abs(rates.position) == 1 else _COEFFICIENT_ROUNDINGS
         counts = (tally.count + parameter * len(tally.sizes) for tally in self._tallies)
         return [_allowance(*each, fmt) for each in zip(sizes, counts, strict=True)]
@@ -192,9 +188,9 @@ class LinearlyEquivalentMethods:
         return tuple(_largest(entries) for entries in zip(*found, strict=True))
 
     def _of_solver(self, rates: Rates, fmt: FloatFormat) -> Four:
-        """Of R = P/Q, any program errs to first order by |Q(hL)^-1| (dP + dQ |M|), L = [[0, a], [-k, 0]].
+        """The most that a program for R = P/Q errs to first order: |Q(hL)^-1| (dP + dQ |M|), L = [[0, a], [-k, 0]].
 
-        That is if it forms P and Q as sums of monomials in hL and divides; dP and dQ are of the size of P and Q with
+        The program forms P and Q as sums of monomials in hL and divides. Their errors dP and dQ scale with P and Q with
         absolute values throughout.
         """
         num, den = self._stability
@@ -210,7 +206,7 @@ class LinearlyEquivalentMethods:
 
     @cached_property
     def _stability(self) -> tuple[list[float], list[float]]:
-        """The coefficients of R = P/Q; of the adjoint, 1/R(-z)."""
+        """The coefficients of P and Q, for R = P/Q, or for 1/R(-z) in an adjoint class."""
         r = stability_function_of(self.methods[0])
         assert r is not None
         pair = (reflected(r.den), reflected(r.num)) if self.adjoint else (r.num, r.den)
@@ -220,10 +216,10 @@ class LinearlyEquivalentMethods:
 
 @dataclass(frozen=True)
 class ExactFlowMap:
-    """The exact solution of q' = a v, v' = -k q, cosines and sines or their hyperbolic sisters by the sign of -ak."""
+    """The exact solution of q' = a v, v' = -k q, by cosines and sines, or hyperbolic ones if ak is negative."""
 
     def matrix_at(self, h: Fraction, position: Fraction, stiffness: Fraction) -> list[arb]:
-        """exp(hL), in balls."""
+        """The matrix exp(hL) in balls, for L = [[0, a], [-k, 0]]."""
         with ctx.workprec(CERTIFYING_BITS):
             in_position, in_velocity = enclose(position * h), enclose(stiffness * h)
             turn = acb(-in_position * in_velocity).sqrt()
@@ -231,9 +227,10 @@ class ExactFlowMap:
             return [cosine, in_position * over_turn, -in_velocity * over_turn, cosine]
 
     def allowances(self, rates: Rates, fmt: FloatFormat) -> Four:
-        """With x = |h| sqrt|ak|, an argument in error by u x moves a function by at most (1 + x) e^x of its first term.
+        """The most that a float program may err in each entry.
 
-        There are three such errors: of the root, of the function, and of the quotient.
+        With x = |h| sqrt|ak|, an error u x of the argument changes a function by at most (1 + x) e^x times its first
+        term. There are three such errors: those of the root, of the function, and of the quotient.
         """
         in_position, in_velocity = rates.moves
         turn = (in_position * in_velocity) ** 0.5
@@ -242,13 +239,13 @@ class ExactFlowMap:
         return [_allowance(size * x, count, fmt) for x in (1.0, in_position, in_velocity, 1.0)]
 
 
-# A one-step map of q' = a v, v' = -k q that a stepper may be.
+# A one-step map of q' = a v, v' = -k q that a stepper may compute.
 LinearMap: TypeAlias = LinearlyEquivalentMethods | ExactFlowMap
 
 
 @cache
 def equivalent_methods() -> tuple[LinearlyEquivalentMethods, ...]:
-    """The catalogue by one-step matrix on the oscillator, in the order of its first methods."""
+    """The catalogue grouped by one-step matrix on the oscillator, in the order of the first method of each class."""
     found: dict[str, tuple[StepMatrix, list[Method]]] = {}
     for method in METHODS.values():
         matrix = oscillator_matrix(method)
@@ -258,10 +255,10 @@ def equivalent_methods() -> tuple[LinearlyEquivalentMethods, ...]:
 
 @cache
 def adjoint_methods() -> tuple[LinearlyEquivalentMethods, ...]:
-    """The adjoints of those that have another matrix than any method of the catalogue, themselves included.
+    """The adjoint classes whose matrix is that of no method of the catalogue.
 
-    A method that is its own adjoint is not among them: called an adjoint, the same step had an allowance 13 to 38 times
-    wider. Nor are Nyström methods alone: their adjoints are implicit, and nobody's.
+    Self-adjoint methods are left out: as adjoints, their steps would be allowed an error 13 to 38 times as large. So
+    are classes of Nyström methods alone, whose adjoints are implicit and not in use.
     """
     known, found = {_written(each.matrix) for each in equivalent_methods()}, []
     for each in equivalent_methods():
@@ -275,7 +272,7 @@ def adjoint_methods() -> tuple[LinearlyEquivalentMethods, ...]:
 
 
 def _adjoint(matrix: StepMatrix) -> StepMatrix:
-    """M(-h)⁻¹: M_qq and M_vv are even in h, as is det M, and M_qv and M_vq are odd."""
+    """The matrix M(-h)⁻¹, given that M_qq, M_vv and det M are even in h, and M_qv and M_vq odd."""
     (qq, qv), (vq, vv) = matrix
     area = area_factor(matrix)
     by_area = fraction(area.den, area.num)
@@ -287,7 +284,7 @@ def _written(matrix: StepMatrix) -> str:
 
 
 def all_matrices(classes: tuple[LinearlyEquivalentMethods, ...], rates: Rates) -> NDArray[np.float64]:
-    """M(h) of each class in floats, one row of four for each. Poles are infinite or NaN."""
+    """M(h) of each class in floats, as one row of four entries, which are infinite or NaN at a pole."""
     in_position, in_velocity = rates.position * rates.h, rates.stiffness * rates.h
     with np.errstate(all="ignore"):
         total = np.asarray(np.polynomial.polynomial.polyval(in_position * in_velocity, _float_parts(classes)))
@@ -297,7 +294,7 @@ def all_matrices(classes: tuple[LinearlyEquivalentMethods, ...], rates: Rates) -
 
 @cache
 def _float_parts(classes: tuple[LinearlyEquivalentMethods, ...]) -> NDArray[np.float64]:
-    """The coefficients by power of s, by class, by numerator and denominator of A, B, C, D."""
+    """The coefficients indexed by power of s, class, and numerator or denominator of A, B, C, D, alternating."""
     found = np.zeros((max(len(p) for each in classes for p in each.parts), len(classes), 8))
     for i, each in enumerate(classes):
         for j, p in enumerate(each.parts):
@@ -306,20 +303,20 @@ def _float_parts(classes: tuple[LinearlyEquivalentMethods, ...]) -> NDArray[np.f
 
 
 def _at_hl(p: Sequence[float], square: float, rates: Rates) -> NDArray[np.float64]:
-    """The entries of p(hL) = p_e(z²) + hL p_o(z²) but for the signs of a and k, at z² = `square`."""
+    """The entries of p(hL) = p_e(z²) + hL p_o(z²) at z² = `square`, without the signs of a and k."""
     even, odd = (np.polynomial.polynomial.polyval(square, part) if part else 0.0 for part in (p[::2], p[1::2]))
     in_position, in_velocity = rates.moves
     return np.array([[even, in_position * odd], [in_velocity * odd, even]])
 
 
 def _allowance(size: float, count: int, fmt: FloatFormat) -> float:
-    """((1 + u)^k - 1) times the size, and k of the smallest subnormals."""
+    """The bound ((1 + u)^k - 1) times the size, plus k smallest subnormals, with k from `count`."""
     k = count + _SCALING_ROUNDINGS
     return expm1(k * log1p(float(fmt.u))) * size + k * float(fmt.eta) if size < inf else inf
 
 
 def _largest(entries: Iterable[CountedSizes]) -> CountedSizes:
-    """The sizes and the roundings that are nowhere below those of any of the polynomials."""
+    """The largest size of each power in any of the polynomials, with their largest count."""
     tallies = list(entries)
     longest = max(len(p.sizes) for p in tallies)
     padded = [np.pad(p.sizes, (0, longest - len(p.sizes))) for p in tallies]

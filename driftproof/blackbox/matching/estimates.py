@@ -1,4 +1,4 @@
-"""Which pair's error estimate was read, of which order it is, and what is wrong with it."""
+"""Judgement of an error estimate that was read: the pair that it belongs to, its order, and what is wrong with it."""
 
 from __future__ import annotations
 
@@ -24,16 +24,17 @@ from driftproof.support.plain_text import Json
 from driftproof.symbolic.trees.order_in_balls import Ball, vanishing_order
 from driftproof.symbolic.trees.rooted_trees import to_brackets
 
-# A row that differs from a pair's in more weights than so many, or in more than every third, is another row.
+# Chosen: a row that differs from a pair's in more weights than this, or in more than a third of them, is another row.
 _FEW_WEIGHTS = 3
 
 
 @dataclass(frozen=True)
 class JudgedEstimate:
-    """What an error estimate is, in `lines`, and what is wrong with it, in `faults`: none for that of a pair.
+    """An error estimate, described in `lines`, and what is wrong with it in `faults`: nothing for that of a pair.
 
-    The estimate is O(h^(order + 1)); `other_order` is the order of the row that is not propagated; both are None where
-    the estimate does not tell. `pair` is the method whose row of differences it is, up to a factor.
+    The row e read gives an estimate h Σ eⱼ kⱼ = O(h^(order + 1)); `order` is None if the estimate is relative to y.
+    `other_order` is the order of the row that is not propagated, or None if there is no such row. `pair` is the key of
+    the method whose row b - b_hat is the one read, up to a factor, or None.
     """
 
     order: int | None
@@ -45,19 +46,19 @@ class JudgedEstimate:
 
     @property
     def data(self) -> dict[str, Json]:
-        """The same for programs."""
+        """The judgement as JSON data."""
         orders = {"order": self.order, "propagated_order": self.propagated_order, "other_order": self.other_order}
         return {**orders, "pair": self.pair, "lines": list(self.lines), "faults": list(self.faults)}
 
 
-# The key of a pair, the factor of its row, what is said of it, and what is wrong.
+# The key of a pair, the factor of its row, the lines that describe the estimate, and its faults.
 _Fit: TypeAlias = tuple[str | None, float, list[str], list[str]]
 
 
 def judged_estimate(subject: ForeignStepper, method: Method | None = None) -> JudgedEstimate:
-    """The estimate of a step that returns one, beside its own tableau and beside the pairs that this is the tableau of.
+    """Judge the error estimate of a step that returns one, by its own tableau and by the pairs with that tableau.
 
-    Held to `method` where that is given and has the tableau. Raises NotReadable, UnsupportedCall.
+    If `method` is given, it is the only pair considered. Raises NotReadable, and UnsupportedCall without an estimate.
     """
     estimate, reading = read_estimate(subject), read_tableau(subject)
     propagated = read_order(reading).order
@@ -67,7 +68,7 @@ def judged_estimate(subject: ForeignStepper, method: Method | None = None) -> Ju
     if estimate.relative:
         fault = "the error estimate is divided by the size of y: it is relative already, before any tolerance"
         return JudgedEstimate(None, propagated, None, None, (f"beside y1 it returns {estimate.form}",), (fault,))
-    pair, factor, said, faults = _pair_of(estimate, reading, method)
+    pair, factor, described, faults = _pair_of(estimate, reading, method)
     if not estimate.power:
         faults = ["the error estimate is divided by h: per unit step, of one order less", *faults]
     if estimate.fault:
@@ -79,14 +80,14 @@ def judged_estimate(subject: ForeignStepper, method: Method | None = None) -> Ju
         slack = reading.rounding.of(max(estimate.sizes))
         shown = coefficient_text(float(total), reading.format, slack)
         faults.append(f"the error estimate is no difference of two methods: its weights add up to {shown}, not to 0")
-        return JudgedEstimate(0, propagated, None, pair, tuple(lines + said), tuple(faults))
+        return JudgedEstimate(0, propagated, None, pair, tuple(lines + described), tuple(faults))
     first = vanishing.failing_tree
     tree = "" if first is None else f": the first tree that it sees is {to_brackets(first)}"
     if pair is None and vanishing.order + 1 < propagated:
         faults.append(f"the error estimate is O(h^{vanishing.order + estimate.power}), of steps of order {propagated}")
     other = max(_other_order(estimate, reading, sign / factor) for sign in (1, -1))
     lines += [
-        *said,
+        *described,
         f"the estimate is O(h^{vanishing.order + estimate.power}){tree}",
         f"propagated is the row of order {propagated}, the other one has order {other}",
     ]
@@ -99,7 +100,7 @@ def _balls(estimate: EstimateReading) -> tuple[Any, ...]:
 
 
 def _other_order(estimate: EstimateReading, reading: TableauReading, factor: float) -> int:
-    """The order of b - factor e: the sign of an estimate is nobody's promise."""
+    """The order of the row b - factor e; callers try both signs, since no convention fixes the sign of e."""
     pairs = zip(reading.b, estimate.row, strict=True)
     row = tuple(float(Fraction(b) - Fraction(factor) * e) for b, e in pairs)
     return read_order(replace(reading, b=row), None).order
@@ -112,29 +113,29 @@ def _shown(estimate: EstimateReading) -> str:
 
 
 def _pair_of(estimate: EstimateReading, reading: TableauReading, method: Method | None) -> _Fit:
-    """The pair that has the tableau; of several, the one whose estimate fits."""
+    """The fit of a pair with the tableau read; of several pairs, that of the one whose estimate was read."""
     pairs = (pair for pair in ([method] if method else _explicit_pairs()) if is_pair(pair))
     arranged = [(pair, order) for pair in pairs if (order := _stages_called(pair, reading)) is not None]
     found = [_compared(pair.key, _differences(pair, order), estimate) for pair, order in arranged]
-    return min(found, key=lambda each: len(each[3]), default=(None, 1.0, [], []))
+    return min(found, key=lambda fit: (fit[0] is None, len(fit[3])), default=(None, 1.0, [], []))
 
 
 def _explicit_pairs() -> Iterator[RungeKutta]:
-    """Every explicit pair of the catalogue, with either row propagated."""
+    """Yield every explicit pair of the catalogue, with either row propagated."""
     for key, method in METHODS.items():
         if isinstance(method, RungeKutta) and method.b_embedded is not None and method.explicit:
             yield from (method, cast(RungeKutta, METHODS[key + EMBEDDED_SUFFIX]))
 
 
 def is_pair(method: Method) -> TypeGuard[RungeKutta]:
-    """True of a method with a second row of weights."""
+    """True if the method is a Runge-Kutta method with an embedded row of weights."""
     return isinstance(method, RungeKutta) and method.b_embedded is not None
 
 
 def _stages_called(pair: RungeKutta, reading: TableauReading) -> Sequence[int] | None:
-    """The stage that each call is, of a pair with this tableau; None of another one.
+    """The stage of the pair that each call is; None if the tableau read is not that of the pair.
 
-    Calls beyond the stages, as that of the slope of a next step, come after all of them, in their order.
+    Calls beyond the stages, such as the one for the first slope of the next step, must come after all stages.
     """
     if reading.calls < pair.stages:
         return None
@@ -156,7 +157,7 @@ def _differences(pair: RungeKutta, order: Sequence[int]) -> list[Exact]:
 
 
 def _compared(key: str, exact: list[Exact], estimate: EstimateReading) -> _Fit:
-    """The row that was read beside b - b̂ of a pair, up to a factor."""
+    """Compare the row read with b - b̂ of a pair, up to a factor."""
     most = Rounding(estimate.format, len(exact)).of(1.0)
     largest = max(range(len(exact)), key=lambda j: abs(float(exact[j])))
     ratio = float(estimate.row[largest]) / float(exact[largest])
@@ -179,7 +180,7 @@ def _compared(key: str, exact: list[Exact], estimate: EstimateReading) -> _Fit:
 
 
 def _off(exact: list[Exact], estimate: EstimateReading, most: float, factor: float) -> list[str]:
-    """The weights that are not those of the pair times the factor, in words."""
+    """The weights that differ from those of the pair times the factor, as text."""
     return [
         coefficient_difference(f"e[{j}]", float(e), x, estimate.format, most * size)
         for j, (e, x, size) in enumerate(zip(estimate.row, exact, estimate.sizes, strict=True))

@@ -1,7 +1,7 @@
 """One-step maps that explain steps of a linear system: methods, the exact solution, adjoints.
 
-A candidate is a one-step map of q' = a v, v' = -k q, a and k read from a tiny step. It explains a reading if at every
-step each entry is off by no more than any float program of it may be; balls certify that.
+A candidate is a one-step map of q' = a v, v' = -k q, with a and k read from a tiny step. It explains a reading if, at
+every step, each entry is off by no more than a float program of the map may be; this is certified in balls.
 """
 
 from __future__ import annotations
@@ -26,29 +26,27 @@ from driftproof.blackbox.matching.equivalent_methods import (
     equivalent_methods,
 )
 from driftproof.blackbox.probes.coefficients import short_rational, simple_rational
-from driftproof.blackbox.probes.linear_steps import (
-    LinearReading,
-    MatrixEntries,
-)
+from driftproof.blackbox.probes.linear_steps import LinearReading, MatrixEntries
 from driftproof.symbolic.rounding.formats import BINARY32, BINARY64, FloatFormat
 
-# The roundings, at most, in a rate read at a tiny step: there the slopes of all stages are equal, and only summed. In
-# the catalogue 8 are seen (yoshida8_a); the rest is for units and parameters of a program's own.
+# The most roundings in a rate read at a tiny step, where the slopes of all stages are equal and are only summed. The
+# catalogue shows at most 8 (yoshida8_a); the rest allows for a program's own units and parameters.
 _RATE_ROUNDINGS = 1 << 8
-# Where candidates are tried in floats before they are certified, in units of the reading's own time.
+# Step sizes at which candidates are tried in floats before they are certified, in units of the reading's own time.
 TRIED = (0.25, 0.5)
-# As many times as the roundings of one program may exceed those of another: a term of the longest step in the catalogue
-# passes some 1060 (ssprk40_2), one of the shortest a few. What is farther off passes by the width of its own bound.
+# The factor by which the roundings of one program may exceed those of another: a term of the longest step in the
+# catalogue passes some 1060 (ssprk40_2), a term of the shortest step a few. A candidate that is farther off is within
+# its bound only because that bound is wide.
 MUCH_FARTHER = 1 << 10
-# More explanations of one map are left to programs.
+# Chosen: the most explanations of one map that are given.
 _MOST = 4
-# A rate that is wrong in a program, and not a little by accident, is wrong by this much.
+# Chosen: a rate that a mistake in a program makes wrong differs from 1 by at least this much.
 _LEAST_OFF = Fraction(1, 1024)
 FORWARDS = "but only at h > 0"
-# A step this near to the exact solution wherever it was read is far nearer than methods are there, unless they are as
-# good as exact, too: then no one of them can be named.
+# A step that is this near to the exact solution at every step size read is far nearer than methods are there, except
+# those that are as good as exact themselves, of which no single one can be named.
 NEARLY = 2.0**-30
-# What people call the methods whose keys leave open which of two things comes first.
+# Names in use for the methods whose keys do not say clearly which of the two updates comes first.
 _NAMES = {
     "symplectic_euler": "velocity-first symplectic Euler",
     "symplectic_euler_position_first": "position-first symplectic Euler",
@@ -56,7 +54,7 @@ _NAMES = {
 
 
 def rates_of(reading: LinearReading) -> tuple[Fraction, Fraction]:
-    """The a and k of q' = a v, v' = -k q read at the tiny step, as simple rationals where they are some."""
+    """The a and k of q' = a v, v' = -k q read at the tiny step, as simple rationals if they are near some."""
     assert reading.at_zero is not None
     slack = max(_RATE_ROUNDINGS * float(reading.format.u), 8 * (reading.tiny / reading.unit) ** 2)
     in_position, in_velocity = reading.at_zero[1:3]
@@ -67,28 +65,28 @@ def rates_of(reading: LinearReading) -> tuple[Fraction, Fraction]:
 
 
 def tried_steps(reading: LinearReading) -> list[tuple[float, MatrixEntries]]:
-    """The steps at which candidates are tried in floats first."""
+    """The steps h with M(h) at which candidates are tried in floats before they are certified."""
     return [(h, m) for h, m in reading.steps if h / reading.unit in TRIED]
 
 
 class Error(NamedTuple):
-    """The worst |read - exact| of some entries, in units of its bound, and relative to 1 + |read|."""
+    """The largest |read - exact| of some entries, in units of its bound, and relative to 1 + |read|."""
 
     in_bounds: float
     relative: float
 
     @property
     def is_rounding(self) -> bool:
-        """True where no entry is beyond its bound."""
+        """True if no entry is beyond its bound."""
         return self.in_bounds <= 1
 
 
 @dataclass(frozen=True)
 class LinearCandidate:
-    """A map with its worst error over all steps or, where that is too much, over those that `restriction` names.
+    """A map with its worst error over all steps or, if that exceeds the bound, over those that `restriction` names.
 
-    `methods` are the catalogue's keys with the same matrix, of which it is made, none for the exact solution. With
-    `known`, the system is q' = v, v' = -q; else its stiffness is the stepper's own.
+    `methods` are the keys of all methods with its matrix, or with its adjoint's if `adjoint`; empty for the exact
+    solution. If `known`, the system is q' = v, v' = -q; otherwise the stepper has a stiffness of its own.
     """
 
     methods: tuple[str, ...]
@@ -101,18 +99,18 @@ class LinearCandidate:
 
     @property
     def rates_are_right(self) -> bool:
-        """True for q' = v, v' = -q."""
+        """True if the rates read are those of q' = v, v' = -q."""
         return self.position == self.stiffness == 1
 
     @property
     def extras(self) -> int:
-        """How many things make it differ from a method of the catalogue on its system."""
+        """The number of ways in which the map differs from a method of the catalogue applied to the system."""
         off = self.position != 1 or (self.known and self.stiffness != 1)
         return bool(self.restriction) + off + self.adjoint
 
     @property
     def words(self) -> str:
-        """What the stepper is, if this is it."""
+        """The name of the map, with its wrong rates and its restriction."""
         name = _NAMES.get(self.methods[0], self.methods[0]) if self.methods else "the exact solution"
         name = f"{'the adjoint of ' * self.adjoint}{name}"
         return f"{name}{self._rates_in_words()}{f', {self.restriction}' if self.restriction else ''}"
@@ -129,7 +127,7 @@ class LinearCandidate:
 
 
 def linear_candidates(reading: LinearReading, *, known: bool) -> list[LinearCandidate]:
-    """What explains the reading, of the fewest extras first; adjoints only where no method does at all steps."""
+    """The candidates that explain the reading with the fewest `extras`, with adjoints only if no other always holds."""
     position, stiffness = rates_of(reading)
     if any(rate != 1 and abs(rate - 1) < _LEAST_OFF for rate in ((position, stiffness) if known else (position,))):
         return []
@@ -149,7 +147,7 @@ def linear_candidates(reading: LinearReading, *, known: bool) -> list[LinearCand
 
 
 def nearly_exact(reading: LinearReading, *, known: bool) -> LinearCandidate | None:
-    """The exact solution, where every step read is near to it, and "to 1e-13" or the like; None where one is not."""
+    """The exact solution, restricted by "to 1e-13" or the like, if every step read is near to it; None otherwise."""
     simple = ((simple_rational(x, abs(x) * Fraction(NEARLY)), x) for x in rates_of(reading))
     position, stiffness = (x if near is None else near for near, x in simple)
     with ctx.workprec(CERTIFYING_BITS):
@@ -163,7 +161,6 @@ def nearly_exact(reading: LinearReading, *, known: bool) -> LinearCandidate | No
 def _error(
     each: LinearMap, h: Fraction, m: MatrixEntries, fmt: FloatFormat, position: Fraction, stiffness: Fraction
 ) -> Error:
-    """How far one matrix read is from the map's at h."""
     rates = Rates(float(h), float(position), float(stiffness))
     exact, allowed = each.matrix_at(h, position, stiffness), each.allowances(rates, fmt)
     off = [*map(lambda x, ball: float(abs(arb(x) - ball).upper()), m, exact)]
@@ -176,7 +173,7 @@ def _error(
 def _near(
     reading: LinearReading, classes: tuple[LinearlyEquivalentMethods, ...], position: Fraction, stiffness: Fraction
 ) -> list[LinearlyEquivalentMethods]:
-    """Those that are near at the steps tried, to half the digits."""
+    """The classes that agree with the reading to half the digits at the steps tried."""
     near, most = np.full(len(classes), True), sqrt(reading.format.u)
     for h, m in tried_steps(reading):
         matrices = all_matrices(classes, Rates(h, float(position), float(stiffness)))
@@ -187,7 +184,7 @@ def _near(
 def explained_by(
     each: LinearMap, reading: LinearReading, position: Fraction, stiffness: Fraction, *, known: bool
 ) -> LinearCandidate:
-    """A map held to its bound; where that fails, with h rounded to binary32 first; where that fails, at fewer steps."""
+    """Compare a map with the reading at all steps; if it fails, with h rounded to binary32, and then at fewer steps."""
 
     def at(h: float, m: MatrixEntries, step_format: FloatFormat = BINARY64) -> Error:
         return _error(each, step_format.nearest(Fraction(h)), m, reading.format, position, stiffness)
@@ -196,7 +193,7 @@ def explained_by(
     found = LinearCandidate(keys, adjoint, position, stiffness, known, Error(inf, inf))
     with ctx.workprec(CERTIFYING_BITS):
         errors = {h: at(h, m) for h, m in reading.steps}
-        if _worst(errors, _is_coarse).is_rounding and not _worst(errors).is_rounding:
+        if _worst(errors, lambda h: BINARY32.holds(Fraction(h))).is_rounding and not _worst(errors).is_rounding:
             rounded = _worst({h: at(h, m, BINARY32) for h, m in reading.steps})
             if rounded.is_rounding:
                 return replace(found, error=rounded, restriction="with h rounded to binary32")
@@ -209,16 +206,11 @@ def explained_by(
 
 def _worst(errors: Mapping[float, Error], kept: Callable[[float], bool] = lambda h: True) -> Error:
     found = [error for h, error in errors.items() if kept(h)]
-    return Error(max(error.in_bounds for error in found), max(error.relative for error in found))
-
-
-def _is_coarse(h: float) -> bool:
-    """True for a number of binary32."""
-    return float(np.float32(h)) == h
+    return Error(max((e.in_bounds for e in found), default=inf), max((e.relative for e in found), default=inf))
 
 
 def _restrictions(unit: float) -> Sequence[tuple[str, Callable[[float], bool]]]:
-    """Where a map may hold, from everywhere on down."""
+    """The sets of steps at which a map may hold, from all steps down, each with the words for it."""
     return (
         ("", lambda h: True),
         (FORWARDS, lambda h: h == abs(h)),

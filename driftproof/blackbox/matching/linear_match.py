@@ -1,4 +1,4 @@
-"""Which method a float stepper is, as far as steps of a linear system tell: one of the catalogue, or its own matrix."""
+"""Identification of a float stepper by its steps of a linear system: a method of the catalogue, or its own matrix."""
 
 from __future__ import annotations
 
@@ -50,21 +50,22 @@ from driftproof.blackbox.probes.linear_steps import (
 from driftproof.blackbox.stepper.calling_conventions import MAP
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 
-# A linear stepper that any method may be.
+# The kind of a linear stepper that cannot be compared with methods: no force acts, or no rates show.
 UNDETERMINED = "undetermined"
-# Where a limit or a rule disturbs the reading at states of size 1: below most limits, above most rules of rest.
+# Sizes of states for when a limit or a rule disturbs the reading at size 1: two below most limits on the size of a
+# state, and one above most thresholds under which a rule puts a state to rest.
 OTHER_SIZES = (2.0**-5, 2.0**-10, 2.0**20)
-# Steps from those sizes, and from 2**-60 of them, need so many powers of two below 1: binary16, with 14, has not.
+# Steps from those sizes, and from 2**-60 times them, need this many powers of two below 1; binary16 has only 14.
 OWN_RANGE = 100
-# Solvers in use stop at 1e-4 or below; and no other method of the catalogue is then as near, by far.
+# Solvers in use stop at 1e-4 or below. Chosen: every other method then has to be this many times as far off.
 NEARLY, AS_NEAR = 1e-4, 16
-# A longer text, or list, is left to programs: so much a reader takes in.
+# Chosen, as what a reader takes in: the longest line, the most methods compared, and the most differences listed.
 LONGEST_LINE, MOST_COMPARED, MOST_DIFFERENCES = 160, 8, 4
 
 
 @dataclass(frozen=True)
 class Nearest:
-    """The methods nearest to a stepper that none explains: how far `off` their matrix is at one `h`, and where."""
+    """The methods nearest to a stepper, which share a matrix; how far `off` it is at one step size h, and where."""
 
     methods: tuple[str, ...]
     h: float
@@ -74,14 +75,14 @@ class Nearest:
 
 @dataclass(frozen=True)
 class LinearFit:
-    """What linear steps say of a stepper; plain data.
+    """The facts that linear steps show of a stepper, as plain data.
 
-    `kind` is that of the reading, and `amplitude` the size of the states at which the stepper was read; `format` is
-    the one in which it computes. `position`, `stiffness` and `damping` are a, k, g of the system q' = a v,
-    v' = -k q - g v that small steps follow, None where there is none. `candidates` are what explains it, the simplest
-    first; where there are none, `nearest` is what comes closest. `facts` are those of the exact matrix, where that is
-    known. `nearly` is the one method whose steps it takes at states of size 1, as far as an iterative solver that stops
-    early lets one see. `remarks` are for people.
+    `kind` is the kind of the reading, `amplitude` the size of the states at which it was made, and `format` the one in
+    which the stepper computes. `position`, `stiffness` and `damping` are the a, k and g of the system q' = a v,
+    v' = -k q - g v that small steps follow, None if unknown. `candidates` explain the reading, the simplest first.
+    `nearest` is the closest method if there is no candidate, or the closest at states of size 1 if the step is linear
+    at tiny states only. `facts` are those of the exact matrix if it is known. `nearly` is the one method whose steps it
+    takes at states of size 1 up to the error of an iterative solver that stops early. `remarks` are for people.
     """
 
     kind: str
@@ -98,19 +99,23 @@ class LinearFit:
 
     @property
     def best(self) -> LinearCandidate | None:
-        """The simplest explanation."""
+        """The simplest candidate; None if there is none."""
         return self.candidates[0] if self.candidates else None
 
     @property
     def doubts(self) -> int:
-        """0 where a method holds at all steps, 1 at all ahead, 2 at some, 3 where there is none."""
+        """0 if the best candidate holds at all steps, 1 if at all h > 0, 2 if at fewer, 3 if there is none."""
         if self.best is None:
             return 3
         return {"": 0, FORWARDS: 1}.get(self.best.restriction, 2)
 
     @property
     def is_disturbed(self) -> bool:
-        """True when something was seen that depends on the size of states, and no method holds at all steps ahead."""
+        """True if a reading at states of another size may show more than this one.
+
+        That is so if the best candidate does not hold at all h > 0, or if there is no candidate and something was seen
+        that depends on the size of states.
+        """
         if self.best is not None:
             return self.doubts > 1
         limited = any(remark.startswith(FAR_OUT) for remark in self.remarks)
@@ -118,14 +123,15 @@ class LinearFit:
 
     @property
     def lines(self) -> tuple[str, ...]:
-        """The answer in plain English, the most important line first."""
+        """The fit as lines of text, the most important first."""
         return tuple(_lines(self))
 
 
 def linear_fit(subject: ForeignStepper) -> LinearFit:
-    """The stepper explained by its linear steps: of the oscillator, or of the system that it has built in.
+    """Explain a stepper by its linear steps, on the oscillator or on the system that it has built in.
 
-    Some seventy calls, or twice or three times as many where a limit disturbs the first. Lets a Misbehaviour pass.
+    It makes some seventy calls, and as many for each other size of states if the first reading is disturbed. Raises the
+    Misbehaviour of the first reading.
     """
     known = subject.convention.kind != MAP or bool(subject.convention.extra)
     first = fitted(read_linear_steps(subject), known=known)
@@ -139,10 +145,11 @@ def linear_fit(subject: ForeignStepper) -> LinearFit:
 
 
 def fitted(reading: LinearReading, *, known: bool) -> LinearFit:
-    """A reading explained; `known`: of the oscillator, q' = v, v' = -q."""
+    """Explain a reading; if `known`, the system is the oscillator q' = v, v' = -q."""
     start = LinearFit(reading.kind, reading.amplitude, reading.format.name, remarks=reading.remarks)
-    if reading.at_zero is None:  # else some steps were read, too
-        return start
+    if reading.at_zero is None:  # otherwise some steps were read as well
+        why = "no tiny step shows a rate: steps do not shrink with h, are noise, or are long in the system's own time"
+        return replace(start, kind=UNDETERMINED, remarks=(why, *reading.remarks)) if reading.identifiable else start
     position, stiffness = rates_of(reading)
     rates = (1.0, 1.0) if known else (float(position), float(stiffness))
     start = replace(start, nearly=_nearly(reading, rates))
@@ -165,7 +172,7 @@ def fitted(reading: LinearReading, *, known: bool) -> LinearFit:
 
 
 def _explained(start: LinearFit, found: Sequence[LinearCandidate]) -> LinearFit:
-    """The fit with what explains it, and the facts of the first."""
+    """The fit with its candidates, and the facts of the first of them."""
     first, system, facts = found[0], Fraction(1) if found[0].known else found[0].stiffness, MatrixFacts(*[None] * 4)
     for each in adjoint_methods() if first.adjoint else equivalent_methods():
         if each.keys == first.methods:
@@ -174,7 +181,7 @@ def _explained(start: LinearFit, found: Sequence[LinearCandidate]) -> LinearFit:
 
 
 def _unexplained(start: LinearFit, reading: LinearReading, *, known: bool) -> LinearFit:
-    """The fit with what comes closest, and with the facts of the matrix, if that is a simple function of h."""
+    """The fit with the nearest methods, and with the facts of the matrix if that is a simple function of h."""
     (h, m), (position, stiffness) = min(tried_steps(reading)), rates_of(reading)
     entries = recovered(reading)
     if entries is None:
@@ -189,7 +196,7 @@ def _unexplained(start: LinearFit, reading: LinearReading, *, known: bool) -> Li
 
 
 def _nearest(steps: Sequence[tuple[float, MatrixEntries]], rates: tuple[float, float]) -> Nearest | None:
-    """The methods that are least far off at the first step at which none agrees; None if there is no such step."""
+    """The nearest methods at the smallest step size at which none agrees exactly; None if there is no such step."""
     for h, m in sorted(steps):
         off, each = _by_distance(h, m, rates)[0]
         if off > 0:
@@ -198,7 +205,7 @@ def _nearest(steps: Sequence[tuple[float, MatrixEntries]], rates: tuple[float, f
 
 
 def _nearly(reading: LinearReading, rates: tuple[float, float]) -> Nearest | None:
-    """The class that is near at states of size 1, and far nearer than any other, of a step that is all but linear."""
+    """The class that is near, and far nearer than any other, at states of size 1; None if the step is too nonlinear."""
     dyadic = [(h, m) for h, m in reading.steps if h / reading.unit in ORDINARY_STEPS]
     steps = reading.ordinary or (dyadic if reading.kind == LINEAR and reading.amplitude == 1 else [])
     if not steps or reading.loose > NEARLY:
@@ -214,17 +221,17 @@ def _nearly(reading: LinearReading, rates: tuple[float, float]) -> Nearest | Non
 def _least_different(
     h: float, m: MatrixEntries, entries: Sequence[Recovered], position: Fraction, stiffness: Fraction
 ) -> Nearest:
-    """The method that differs in one coefficient, if there is one; else the methods that are least far off."""
+    """The methods that differ in one coefficient, if there are some, else those with the nearest matrix."""
     closest = _by_distance(h, m, (float(position), float(stiffness)))[:MOST_COMPARED]
-    told = [(differences(entries, each, position, stiffness), off, each) for off, each in closest]
-    found, off, each = min(told, key=lambda one: (len(one[0]) != 1, one[1]))
+    compared = [(differences(entries, each, position, stiffness), off, each) for off, each in closest]
+    found, off, each = min(compared, key=lambda one: (len(one[0]) != 1, one[1]))
     return Nearest(each.keys, h, off, tuple(found[:MOST_DIFFERENCES]))
 
 
 def _by_distance(
     h: float, m: MatrixEntries, rates: tuple[float, float]
 ) -> list[tuple[float, LinearlyEquivalentMethods]]:
-    """The catalogue for q' = a v, v' = -k q, nearest first, with the distance from a matrix read at h."""
+    """The classes for q' = a v, v' = -k q with their distances from a matrix read at h, the nearest first."""
     classes = equivalent_methods()
     off = np.nan_to_num(np.max(np.abs(all_matrices(classes, Rates(h, *rates)) - m), axis=1), nan=inf).tolist()
     return sorted(zip(off, classes, strict=True), key=lambda pair: pair[0])
@@ -260,7 +267,7 @@ def _identity(fit: LinearFit) -> Iterator[str]:
 
 
 def _rates(fit: LinearFit) -> Iterator[str]:
-    """The system of small steps, where it is not the oscillator."""
+    """Yield the system that small steps follow, if it is not the oscillator."""
     damping = fit.damping or Fraction(0)
     if fit.position is None or fit.stiffness is None or (fit.position == fit.stiffness == 1 and damping == 0):
         return
@@ -273,7 +280,7 @@ def _rates(fit: LinearFit) -> Iterator[str]:
 
 
 def _times(x: Fraction, of: str) -> str:
-    """The product in words: 2 v, -v, 0."""
+    """The product as text, such as "2 v", "-v" or "0"."""
     if x == 0:
         return "0"
     if abs(x) == 1:

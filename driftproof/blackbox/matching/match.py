@@ -1,4 +1,4 @@
-"""Which method of the catalogue a reading is; or which variant of one; or which one it is but for what."""
+"""Matching of a reading to the catalogue: the method, the variant of one, or the nearest methods with differences."""
 
 from __future__ import annotations
 
@@ -32,22 +32,23 @@ from driftproof.methods import catalogue
 from driftproof.methods.schemes import Collocation, Method, RungeKutta
 from driftproof.symbolic.linear.reduced_tableau import reduced
 
-# A coefficient that is a quotient or a root, computed where it is used, takes four operations at most, as does
-# 1/(2 - 2**(1/3)).
+# A coefficient that is computed where it is used, as a quotient or with a root, takes at most four operations, as
+# 1/(2 - 2**(1/3)) does.
 FEW_ROUNDINGS = 4
-# A method that differs in more coefficients than so many, or in more than every third, is another method: two
-# exchanged weights are two differences, and with a node of theirs three.
+# Chosen: a method that differs in more than three coefficients, or in more than a third of all, is another method.
+# Two exchanged weights are two differences; if one of their nodes is wrong too, they are three.
 FEW_DIFFERENCES = 3
 
 
 @dataclass(frozen=True)
 class Match:
-    """A method whose coefficients are those read, up to rounding; `relation` says how it is used if not as it stands.
+    """A method with the coefficients read, up to rounding; `relation` names the variant, "" for the method itself.
 
-    `roundings` is 0 if each coefficient is the correctly rounded one; else each is off by at most so many u: relative
-    to the terms that it is made of, or where `summed`, relative to the largest in its column. `farthest` is the one
-    that is. `beside` are differences in calls whose answers the step does not use, as in an error estimate.
-    `within` is not 0 where a solver of implicit stages leaves more than rounding: what the coefficients are off by.
+    `roundings` is 0 if every coefficient is correctly rounded. Otherwise each is off by at most that many u, relative
+    to the size of its own terms, or, if `summed`, to the largest number in its column; `farthest` names the coefficient
+    that is farthest off. `beside` lists differences in calls whose answers the step does not use, such as those of an
+    error estimate. `within` is how far the coefficients are off if a solver of implicit stages leaves more than
+    rounding, else 0.
     """
 
     key: str
@@ -60,12 +61,12 @@ class Match:
 
     @property
     def name(self) -> str:
-        """The key, and the relation."""
+        """The key of the method, followed by its relation if it has one."""
         return f"{self.key}, {self.relation}" if self.relation else self.key
 
     @property
     def closeness(self) -> str:
-        """How near the coefficients are, in words."""
+        """How near the coefficients read are to the method's, in words."""
         if not self.roundings:
             return "every coefficient correctly rounded"
         if self.within:
@@ -78,20 +79,20 @@ class Match:
 
 @dataclass(frozen=True)
 class Identity:
-    """What a reading is: every method or variant that it cannot be told from; where there is none, what is nearest."""
+    """Every method or variant that a reading cannot be distinguished from; if there is none, the nearest methods."""
 
     matches: tuple[Match, ...] = ()
     near: tuple[Near, ...] = ()
 
     @property
     def keys(self) -> tuple[str, ...]:
-        """The methods that it is as they stand, the other rows of pairs included; variants are not among them."""
+        """The keys of the matching methods, a pair with its embedded row propagated included, other variants not."""
         suffixes = {"": "", EMBEDDED: catalogue.EMBEDDED_SUFFIX}
         return tuple(m.key + suffixes[m.relation] for m in self.matches if m.relation in suffixes)
 
     @property
     def lines(self) -> list[str]:
-        """What it is, in words."""
+        """The identity as lines of text."""
         if self.matches:
             names = "; ".join(match.name for match in self.matches)
             tie = [f"called in this way these cannot be told apart: {names}", self.matches[0].closeness]
@@ -107,9 +108,9 @@ class Identity:
 
 
 def match_tableau(reading: TableauReading) -> Identity:
-    """The Runge-Kutta methods with the tableau read: its irreducible form up to the order of its stages.
+    """The Runge-Kutta methods whose irreducible tableau is that of the reading, in some order of the stages.
 
-    The times count where the code uses them.
+    The nodes c are compared only if the code passes times to its right-hand side.
     """
     timed, implicit, read = reading.c is not None, reading.implicit, _Read.of(reading)
     variants = field_variants(timed, read.small.calls, _factor(reading.b, read.rounding), implicit=implicit)
@@ -118,9 +119,9 @@ def match_tableau(reading: TableauReading) -> Identity:
 
 
 def match_forces(reading: ForceReading) -> Identity:
-    """The methods that take the step read on every q'' = F(q), of whichever family: their Nyström tables are compared.
+    """The methods of any family that take the step read on every q'' = F(q), by comparison of Nyström tables.
 
-    Every Runge-Kutta method and every splitting has one.
+    Every Runge-Kutta method and every splitting has such a table.
     """
     read = _Read.of(reading)
     if reading.implicit:
@@ -130,14 +131,15 @@ def match_forces(reading: ForceReading) -> Identity:
 
 
 def matched(reading: CoefficientReading) -> Identity:
-    """`match_tableau` or `match_forces`."""
+    """The identity of a reading through a right-hand side or through a force."""
     return match_forces(reading) if isinstance(reading, ForceReading) else match_tableau(reading)
 
 
 def match_method(reading: CoefficientReading, method: Method) -> Identity:
-    """Whether the reading is this method, of the catalogue or not; if it is not, where it differs, if in few places.
+    """The identity of a reading compared with this method alone, which need not be one of the catalogue.
 
-    Through a right-hand side no splitting matches, and an implicit method no table without implicit stages.
+    If they differ in few places, `near` holds the differences. Through a right-hand side no splitting matches. An
+    implicit method matches only a reading of implicit stages, and an explicit one only a reading of explicit stages.
     """
     read, candidates = _Read.of(reading), list[Candidate]()
     if isinstance(reading, ForceReading):
@@ -148,7 +150,7 @@ def match_method(reading: CoefficientReading, method: Method) -> Identity:
 
 
 class _Read(NamedTuple):
-    """A reading as a table, with all its stages and irreducible."""
+    """A reading as exact tables: `raw` with all its stages, `small` irreducible."""
 
     raw: ExactTable
     small: ExactTable
@@ -157,7 +159,6 @@ class _Read(NamedTuple):
 
     @classmethod
     def of(cls, reading: CoefficientReading) -> _Read:
-        """From the coefficients as exact numbers."""
         stages, drift = reading.stages, Fraction(reading.drift) if isinstance(reading, ForceReading) else None
         raw, small = (ExactTable.of(each, drift) for each in (stages, reduced(stages)))
         return cls(raw, small, Fingerprint(stages, drift), reading.rounding)
@@ -166,7 +167,7 @@ class _Read(NamedTuple):
 def _identity(
     read: _Read, methods: Iterable[Candidate], variants: Iterable[Candidate], explained: Iterable[Near]
 ) -> Identity:
-    # Among those that cannot be told apart, a method that makes as many calls comes before a pair that makes more.
+    # Of methods that cannot be distinguished, those that make as many calls come before pairs that make more.
     methods = sorted(methods, key=lambda candidate: candidate.fingerprint.calls != read.raw.calls)
     matches = _best(m for c in methods for m in _match(read, c)) or _best(m for c in variants for m in _match(read, c))
     if matches:
@@ -175,7 +176,7 @@ def _identity(
 
 
 def _match(read: _Read, candidate: Candidate) -> Iterator[Match]:
-    # Most candidates are told apart without their exact tables, which take long to make.
+    # Exact tables take long to make, and most candidates are excluded without them.
     if not read.fingerprint.may_be(candidate.fingerprint, read.rounding) or candidate.small.calls != read.small.calls:
         return
     comparison = Comparison(read.small, candidate.small, read.rounding)
@@ -193,14 +194,14 @@ def _match(read: _Read, candidate: Candidate) -> Iterator[Match]:
 
 
 def _best(matches: Iterable[Match]) -> tuple[Match, ...]:
-    """Those with correctly rounded coefficients, if there are any; in few bits several are within a few roundings."""
+    """The best-ranked matches: in a format of few bits, several methods may be within a few roundings."""
     ranked = [((match.summed, match.roundings > 0), match) for match in matches]
     best = min((rank for rank, _ in ranked), default=None)
     return tuple(match for rank, match in ranked if rank == best)
 
 
 def _near(read: _Read, candidate: Candidate) -> Iterator[Near]:
-    """With all stages against all, and irreducible against irreducible: a wrong zero can make a stage useless."""
+    """Compare the tables with all stages, and the irreducible ones, because a wrong zero can make a stage useless."""
     pairs = []
     if candidate.fingerprint.calls == read.raw.calls:
         pairs.append((read.raw, candidate.raw))
@@ -213,7 +214,7 @@ def _near(read: _Read, candidate: Candidate) -> Iterator[Near]:
 
 
 def _differences(read: _Read, mine: ExactTable, its: ExactTable) -> tuple[str, ...] | None:
-    """The few coefficients in which the tables differ; None if they are more, or the tables have other sizes."""
+    """The few coefficients in which the tables differ, as text; None if they are many or the tables differ in size."""
     if mine.calls != its.calls:
         return None
     comparison = Comparison(mine, its, read.rounding)
@@ -225,7 +226,7 @@ def _differences(read: _Read, mine: ExactTable, its: ExactTable) -> tuple[str, .
 
 
 def _nearest(found: list[Near]) -> tuple[Near, ...]:
-    """Those with the fewest differences; of several of one method, the first."""
+    """The near misses with the fewest differences, and of each method only the first."""
     few = [near for near in found if near.differences and len(near.differences) <= FEW_DIFFERENCES]
     kept: dict[str, Near] = {}
     for near in few:
@@ -235,5 +236,5 @@ def _nearest(found: list[Near]) -> tuple[Near, ...]:
 
 
 def _factor(weights: CoefficientRow, rounding: Rounding) -> Fraction | None:
-    """By how much the weights are too many, as the simplest fraction that rounding allows: the step in units of h."""
+    """The sum of the weights, which is the step in units of h, as the simplest fraction that rounding allows."""
     return simple_rational(fsum(weights), rounding.of(fsum(map(abs, weights))))

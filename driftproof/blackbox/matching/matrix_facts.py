@@ -1,4 +1,4 @@
-"""What follows from a one-step matrix: its text, determinant, energy multiplier, linear order; and how two differ."""
+"""Facts of a one-step matrix: text, determinant, energy multiplier and linear order; and how two matrices differ."""
 
 from __future__ import annotations
 
@@ -20,21 +20,22 @@ from driftproof.symbolic.algebra.rational_functions import rational_function_tex
 from driftproof.symbolic.linear.oscillator import area_factor
 from driftproof.symbolic.rounding.formats import BINARY64
 
-# Powers of h in a series: enough for an order below it, the highest in the catalogue being 20 (gauss10).
+# Powers of h in a series: enough for every order below this number; the highest in the catalogue is 20 (gauss10).
 SERIES_LENGTH = 24
 ENTRY_NAMES = ("M_qq", "M_qv", "M_vq", "M_vv")
-# An exact text longer than a line says less than decimals do.
+# Exact texts longer than a line are replaced by decimals, which are easier to read.
 LONGEST_EXACT = 120
-# Powers of h in which two matrices are compared in words, and the longest denominator that a reader takes in.
+# Chosen: the powers of h in which differences of two matrices are listed, and the largest denominator shown there.
 POWERS_COMPARED, LONGEST_DENOMINATOR = 12, 10**6
 
 
 @dataclass(frozen=True)
 class MatrixFacts:
-    """The entries as text in h, M_qq, M_qv, M_vq, M_vv; None, as the determinant, where they are not rational in h.
+    """The entries M_qq, M_qv, M_vq, M_vv and the determinant as text in h, None if not rational in h; and other facts.
 
-    `energy_multiplier` is the factor by which a step multiplies k q² + v², None if it depends on the state.
-    `linear_order` is the p with M(h) - exp(hA) = O(h^(p+1)) and no better for q' = v, v' = -k q - g v; -1 for M(0) ≠ I.
+    `energy_multiplier` is the factor by which a step multiplies k q² + v², None if that depends on the state.
+    `linear_order` is the largest p with M(h) - exp(hA) = O(h^(p+1)) for q' = v, v' = -k q - g v; it is -1 if M(0) ≠ I,
+    and None if no difference is seen in the first SERIES_LENGTH powers of h.
     """
 
     entries: tuple[str, str, str, str] | None
@@ -46,9 +47,9 @@ class MatrixFacts:
 def facts_of_class(
     each: LinearlyEquivalentMethods, position: Fraction, stiffness: Fraction, system: Fraction
 ) -> MatrixFacts:
-    """The facts of a class for q' = a v, v' = -k q, as an answer to q' = v, v' = -`system` q.
+    """The facts of a class applied to q' = a v, v' = -k q, as a solution of q' = v, v' = -`system` q.
 
-    The order of decimals is that of what their source prints, each right to half of its last binary digit.
+    If its coefficients are decimals, its order is that of balls around them, right to a rounding of binary64.
     """
     found = matrix_facts(scaled_matrix(each.matrix, position, stiffness), system, Fraction(0))
     if not (each.programs and each.programs[0].decimal) or {position, stiffness, system} != {Fraction(1)}:
@@ -65,13 +66,13 @@ def facts_of_class(
 
 
 def _printed(x: Exact) -> arb_series:
-    """A decimal as its source prints it, right to a rounding of binary64: a ball around it."""
+    """A ball around a decimal that its source prints, with the radius of one rounding of binary64."""
     radius = abs(Fraction(x)) * BINARY64.u if isinstance(x, Fraction) else Fraction(0)
     return arb_series([enclose(x) + arb(0, 1) * enclose(radius)])
 
 
 def matrix_facts(matrix: StepMatrix, stiffness: Fraction, damping: Fraction) -> MatrixFacts:
-    """The facts of an exact matrix, for the system that it should solve."""
+    """The facts of an exact matrix that should solve q' = v, v' = -stiffness q - damping v."""
     qq, qv, vq, vv = (text_of(entry) for row in matrix for entry in row)
     multiplier = _energy_multiplier(matrix, stiffness)
     series = [[exact(c) for c in taylor(entry, SERIES_LENGTH)] for row in matrix for entry in row]
@@ -82,7 +83,7 @@ def matrix_facts(matrix: StepMatrix, stiffness: Fraction, damping: Fraction) -> 
 
 
 def order_on_linear_system(series: Sequence[Sequence[arb]], stiffness: Fraction, damping: Fraction) -> int | None:
-    """The order on q' = v, v' = -k q - g v; None where the first SERIES_LENGTH powers of h may agree.
+    """The order on q' = v, v' = -k q - g v; None if no difference is certain in the first SERIES_LENGTH powers of h.
 
     `series` are balls around the coefficients of M_qq, M_qv, M_vq, M_vv.
     """
@@ -96,12 +97,12 @@ def order_on_linear_system(series: Sequence[Sequence[arb]], stiffness: Fraction,
 
 
 def damping_of(velocities: RationalFunction) -> Fraction:
-    """g, for M_vv = 1 - g h + O(h²) over Q."""
+    """The damping g of an entry M_vv = 1 - g h + O(h²) over Q."""
     return -Fraction(str(taylor(velocities, 2)[1]))
 
 
 def _next_term(m: Sequence[Fraction], stiffness: Fraction, damping: Fraction, power: int) -> list[Fraction]:
-    """A m / power, for A = [[0, 1], [-k, -g]]."""
+    """The next coefficient A m / power of exp(hA), for A = [[0, 1], [-k, -g]]."""
     qq, qv, vq, vv = m
     moved = vq, vv, -stiffness * qq - damping * vq, -stiffness * qv - damping * vv
     return [x / power for x in moved]
@@ -118,7 +119,7 @@ def _energy_multiplier(matrix: StepMatrix, stiffness: Fraction) -> RationalFunct
 
 
 def scaled_matrix(matrix: StepMatrix, position: Fraction, stiffness: Fraction) -> StepMatrix:
-    """That of q' = a v, v' = -k q, from that of the oscillator."""
+    """The matrix of a method for q' = a v, v' = -k q, from its matrix for the oscillator, a = k = 1."""
     product = position * stiffness
 
     def scaled(f: RationalFunction, factor: Fraction) -> RationalFunction:
@@ -133,7 +134,7 @@ def scaled_matrix(matrix: StepMatrix, position: Fraction, stiffness: Fraction) -
 
 
 def text_of(f: RationalFunction) -> str:
-    """The function in SymPy's syntax, or with rounded decimals where its coefficients are long."""
+    """The function in SymPy's syntax, with rounded decimals if it would be longer than LONGEST_EXACT."""
     text = function_text(f, "h")
     if len(text) <= LONGEST_EXACT:
         return text
@@ -150,25 +151,26 @@ def _decimals(p: Polynomial) -> str:
 def differences(
     read: Sequence[Recovered], other: LinearlyEquivalentMethods, position: Fraction, stiffness: Fraction
 ) -> list[str]:
-    """Where a recovered matrix certainly differs from that of a method for q' = a v, v' = -k q, in words.
+    """The certain differences of a recovered matrix from a method's for q' = a v, v' = -k q, as lines of text.
 
-    Power by power of the series in h: of polynomials every coefficient, of other entries the first that differs.
+    The series in h are compared power by power. For polynomials every coefficient that differs is given, for other
+    entries the first.
     """
     matrix = scaled_matrix(other.matrix, position, stiffness)
     theirs = [[exact(c) for c in taylor(entry, POWERS_COMPARED)] for row in matrix for entry in row]
     polynomial_ = all(entry.den == ONE for row in other.matrix for entry in row)
     found: list[tuple[int, str]] = []
     for name, entry, series in zip(ENTRY_NAMES, read, theirs, strict=True):
-        told = [
+        lines = [
             (power, f"h^{power} coefficient of {name} is {ours}, {other.keys[0]} has {_shown(its)}")
             for power, ours, its in _differing(entry, series)
         ]
-        found += told if polynomial_ and len(entry.den) == 1 else told[:1]
+        found += lines if polynomial_ and len(entry.den) == 1 else lines[:1]
     return [words for _, words in sorted(found, key=lambda difference: difference[0])]
 
 
 def _differing(entry: Recovered, theirs: Sequence[Exact]) -> Iterator[tuple[int, str, Exact]]:
-    """The powers at which the series differ, for certain, with both coefficients."""
+    """Yield the powers at which the series certainly differ, with both coefficients."""
     if len(entry.den) > 1 and not entry.exact:
         return
     known = dict(enumerate(entry.num)) if len(entry.den) == 1 else {}

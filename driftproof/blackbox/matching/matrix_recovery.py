@@ -1,9 +1,9 @@
-"""An unknown one-step matrix recovered from its values: each entry as a polynomial or a rational function of h.
+"""Recovery of an unknown one-step matrix from its values: each entry as a polynomial or a rational function of h.
 
-The values y at m steps determine m coefficients c = L y by a linear system; errors e of the values move them by at most
-|L| e. Of e it is assumed that the program rounds each monomial of the result at most _ROUNDINGS times for each power of
-h: e = k u Σ |monomials|. Each coefficient is then read as the simplest rational within its error, and the function
-must meet every value at every other step, some of which are not dyadic, within the same k u Σ |monomials|.
+The values y at m steps determine m coefficients c = L y by a linear system, and errors e of the values change them by
+at most |L| e. The program is assumed to round each monomial of the result at most _ROUNDINGS times for each power of h,
+so that e = k u Σ |monomials|. Each coefficient is then read as the simplest rational within its error, and the function
+must have the values at all other steps, some of which are not dyadic, up to the same k u Σ |monomials|.
 """
 
 from __future__ import annotations
@@ -19,18 +19,18 @@ from driftproof.blackbox.probes.linear_steps import LinearReading
 from driftproof.symbolic.algebra.polynomials import polynomial, scalar
 from driftproof.symbolic.algebra.rational_functions import RationalFunction, fraction
 
-# About twice what a power of h costs: a coefficient worked out, a force, a product or two, a sum or two.
+# About twice what a power of h costs: computing a coefficient, a force, one or two products, and one or two sums.
 _ROUNDINGS = 18
 # Steps that determine coefficients, in units of the reading's own time; the others check them.
 NODES = tuple(Fraction(x) for x in ("1/8", "1/4", "1/2", "1", "2", "4", "16"))
 BOTH_WAYS = tuple(sign * x for x in NODES[:-1] for sign in (1, -1))
-# A denominator with more coefficients needs more steps than are read.
+# A denominator with more coefficients would need more steps than are read.
 MOST_IN_DENOMINATOR = 4
 
 
 @dataclass(frozen=True)
 class Coefficient:
-    """A coefficient, known up to `error`; 0 where it is a simple rational, and taken to be that."""
+    """A coefficient with its possible error, which is 0 if it is taken to be a simple rational."""
 
     value: Fraction
     error: Fraction = Fraction(0)
@@ -47,26 +47,26 @@ _ZERO, _ONE = Coefficient(Fraction(0)), Coefficient(Fraction(1))
 
 @dataclass(frozen=True)
 class Recovered:
-    """An entry: coefficients of the numerator and of the denominator in powers of h, constant terms first."""
+    """An entry of the matrix: coefficients of its numerator and denominator in powers of h, constant terms first."""
 
     num: tuple[Coefficient, ...]
     den: tuple[Coefficient, ...]
 
     @property
     def exact(self) -> bool:
-        """True when all coefficients are simple rationals."""
+        """True if all coefficients are simple rationals."""
         return all(c.error == 0 for c in (*self.num, *self.den))
 
     @property
     def function(self) -> RationalFunction:
-        """The function, with the middles of what is known up to an error only."""
+        """The function, with the central values of coefficients that have an error."""
         num, den = (polynomial([c.value for c in part]) for part in (self.num, self.den))
         return fraction(num, den)
 
 
 @dataclass(frozen=True)
 class _Shape:
-    """Powers of x = h/unit in numerator and denominator; 1 is the constant term of the denominator."""
+    """The powers of x = h/unit in numerator and denominator; the constant term of the denominator is always 1."""
 
     num: tuple[int, ...]
     den: tuple[int, ...] = ()
@@ -77,7 +77,7 @@ class _Shape:
 
 
 def recovered(reading: LinearReading) -> tuple[Recovered, Recovered, Recovered, Recovered] | None:
-    """The four entries of the matrix; None if one of them is no function of this kind."""
+    """The four entries of the matrix; None if one of them is no polynomial or quotient of few coefficients."""
     found = []
     for i in range(4):
         values = {Fraction(h) / Fraction(reading.unit): Fraction(m[i]) for h, m in reading.steps}
@@ -90,7 +90,7 @@ def recovered(reading: LinearReading) -> tuple[Recovered, Recovered, Recovered, 
 
 
 def _fitting(values: dict[Fraction, Fraction], u: Fraction) -> Iterator[Recovered]:
-    """The functions that meet all values, those with the fewest coefficients first, polynomials before quotients."""
+    """Yield the functions with all these values: polynomials, then quotients, those with few coefficients first."""
     parity = _parity(values, u)
     nodes = [x for x in (BOTH_WAYS if parity is None else NODES) if x in values]
     for shape in _shapes(parity, len(nodes)):
@@ -101,7 +101,7 @@ def _fitting(values: dict[Fraction, Fraction], u: Fraction) -> Iterator[Recovere
 
 
 def _parity(values: dict[Fraction, Fraction], u: Fraction) -> int | None:
-    """0 or 1 where the values are those of an even or an odd function; None where they are not."""
+    """The parity of the function with these values: 0 if it is even, 1 if it is odd, None if it is neither."""
     pairs = [(x, y, values[-x]) for x, y in values.items() if x > 0 and -x in values]
     for parity, sign in ((0, 1), (1, -1)):
         if pairs and all(abs(y - sign * z) <= _ROUNDINGS * u * (abs(y) + abs(z)) for _, y, z in pairs):
@@ -110,7 +110,7 @@ def _parity(values: dict[Fraction, Fraction], u: Fraction) -> int | None:
 
 
 def _shapes(parity: int | None, most: int) -> Iterator[_Shape]:
-    """Numerators and denominators with at most so many coefficients: polynomials, then quotients."""
+    """Yield the shapes with at most `most` coefficients: polynomials, then quotients."""
     first, stride = (0, 1) if parity is None else (parity, 2)
     powers = tuple(range(first, first + stride * most, stride))
     for size in range(1, most + 1):
@@ -124,7 +124,7 @@ def _shapes(parity: int | None, most: int) -> Iterator[_Shape]:
 def _solved(
     shape: _Shape, nodes: Sequence[Fraction], values: dict[Fraction, Fraction], u: Fraction
 ) -> Recovered | None:
-    """The function of a shape through the values at the nodes: Σ nᵢ xⁱ - y Σ dⱼ xʲ = y, with |L| e for each."""
+    """The function of a shape with Σ nᵢ xⁱ - y Σ dⱼ xʲ = y at the nodes and errors |L| e; None if it is not unique."""
     rows = [[*(x**i for i in shape.num), *(-values[x] * x**j for j in shape.den)] for x in nodes]
     matrix = fmpq_mat([[scalar(c) for c in row] for row in rows])
     if matrix.det() == 0:
@@ -148,31 +148,28 @@ def _entry(shape: _Shape, coefficients: Sequence[Coefficient]) -> Recovered:
 
 
 def _meets(entry: Recovered, values: dict[Fraction, Fraction], u: Fraction) -> bool:
-    """True when the function has all the values, up to what rounding allows."""
+    """True if the function has all the values, up to rounding."""
     for x, y in values.items():
-        num, den = (_horner([c.value for c in part], x) for part in (entry.num, entry.den))
+        num, den = (_at([c.value for c in part], x) for part in (entry.num, entry.den))
         if abs(num - y * den) > _allowed(entry, x, y, u):
             return False
     return True
 
 
 def _allowed(entry: Recovered, x: Fraction, y: Fraction, u: Fraction) -> Fraction:
-    """k u (|num|~ + |y| |den|~), which bounds |num - y den| to first order, for y in error by k u of its monomials."""
+    """The bound k u (Σ|num| + |y| Σ|den|) of |num - y den| to first order, for y off by k u times its monomials."""
     k = _ROUNDINGS * (len(entry.num) + len(entry.den))
-    above, below = (_horner([abs(c.value) for c in part], abs(x)) for part in (entry.num, entry.den))
+    above, below = (_at([abs(c.value) for c in part], abs(x)) for part in (entry.num, entry.den))
     return k * u * (above + (abs(y) * below if len(entry.den) > 1 else 0))
 
 
-def _horner(coefficients: Sequence[Fraction], x: Fraction) -> Fraction:
+def _at(coefficients: Sequence[Fraction], x: Fraction) -> Fraction:
     """The polynomial with these coefficients, constant term first, at x."""
-    total = coefficients[-1]
-    for c in coefficients[-2::-1]:
-        total = total * x + c
-    return total
+    return sum((c * x**i for i, c in enumerate(coefficients)), Fraction(0))
 
 
 def _in_seconds(entry: Recovered, unit: Fraction) -> Recovered:
-    """The coefficients of powers of h, from those of h/unit."""
+    """The entry in powers of h, from the entry in powers of h/unit."""
     num, den = (
         tuple(Coefficient(c.value / unit**i, c.error / unit**i) for i, c in enumerate(part))
         for part in (entry.num, entry.den)

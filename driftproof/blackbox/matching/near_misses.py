@@ -1,4 +1,4 @@
-"""A Nyström reading as a method with a few coefficients of its own changed: one wrong number shows in many places."""
+"""Near misses: methods that match a reading but for a few coefficients, or with coefficients of few decimals."""
 
 from __future__ import annotations
 
@@ -19,29 +19,29 @@ from driftproof.methods.number_field import Exact
 from driftproof.methods.schemes import RungeKutta, Splitting
 from driftproof.symbolic.linear.reduced_tableau import StageCoefficients, reduced, reduced_word
 
-# From as many as a source may print, in double precision, down to where other methods are as near.
+# The decimals tried: from as many as a source may print for doubles, down to where other methods are as near.
 _DECIMALS = range(14, 3, -1)
-# Fewer are named one by one, up to `match.FEW_DIFFERENCES`.
+# Fewer wrong coefficients are named one by one, up to `match.FEW_DIFFERENCES`.
 _LEAST_OFF = 4
-# How far numbers may be off, in units of their last decimal: rounded; or worked out by hand, as old tables are.
+# How far coefficients may be off, in units of their last decimal: if rounded; if worked out by hand, as in old tables.
 _HOW_FAR = {0.5: "coefficients rounded to {} decimals", 2.0: "coefficients of {} decimals, the last up to 2 off"}
 
 
 @dataclass(frozen=True)
 class Near:
-    """A method that has other values in a few places: lines such as "b[2]: -1/3 instead of 1/3"."""
+    """A method that matches a reading but for `differences`, lines such as "b[2]: -1/3 instead of 1/3"."""
 
     key: str
     differences: tuple[str, ...]
 
     @property
     def name(self) -> str:
-        """The method, and what it is not."""
+        """The key of the method, followed by the differences."""
         return f"{self.key} but for {'; '.join(self.differences)}"
 
 
 def near_misses(reading: ForceReading) -> Iterator[Near]:
-    """The Runge-Kutta methods that the reading is but for weights and a row of A, the splittings but for sub-steps."""
+    """Yield the Runge-Kutta methods that match but for weights and a row of A, the splittings but for sub-steps."""
     parts = reading.parts or ()
     for method in METHODS.values():
         if isinstance(method, RungeKutta) and method.explicit:
@@ -54,7 +54,8 @@ def near_misses(reading: ForceReading) -> Iterator[Near]:
 
 @cache
 def _used(method: RungeKutta) -> tuple[int, ...]:
-    """The stages that the step depends on; nodes that are all different keep others apart."""
+    """The stages that the step depends on."""
+    # Nodes that are all different prevent `reduced` from merging equal stages.
     labels = tuple(map(Fraction, range(method.stages)))
     return tuple(int(float(label)) for label in reduced(StageCoefficients(method.a, (method.b, method.b), labels)).c)
 
@@ -71,13 +72,13 @@ def _as_splitting(reading: ForceReading, seen: SubSteps, method: Splitting) -> I
 def _differing(
     places: Iterable[tuple[str, float, Exact]], reading: ForceReading, allowed: float, slack: float = 0.0
 ) -> tuple[str, ...]:
-    """The coefficients that are farther off than is allowed, in words."""
+    """The coefficients that are farther off than allowed, as text."""
     wrong = (place for place in places if abs(place[1] - float(place[2])) > allowed)
     return tuple(coefficient_difference(*place, reading.format, slack) for place in wrong)
 
 
 def _as_tableau(reading: ForceReading, method: RungeKutta, kept: Sequence[int]) -> Iterator[Near]:
-    """b is read as it is; with it, A is the method's, or the method's but for one row."""
+    """Yield the method if the reading has its A, or its A but for one row; b is read directly and may differ."""
     a = np.array([[float(method.a[i][j]) for j in kept] for i in kept])
     b = np.array(reading.b_velocity)
     allowed = reading.rounding.of(2 * max(1.0, float(np.abs(a).max(initial=0.0)), float(np.abs(b).max())))
@@ -90,14 +91,14 @@ def _as_tableau(reading: ForceReading, method: RungeKutta, kept: Sequence[int]) 
         changed = a.copy()
         changed[i, :i] = row
         if _induces(changed, b, reading):
-            # A row is a quotient by its weight, and as much less certain.
+            # The row was found by a division by its weight, which enlarges its error.
             slack = allowed * max(1.0, 1 / abs(b[i])) if b[i] else allowed
             entries = [(f"a[{kept[i]}][{kept[j]}]", x, method.a[kept[i]][kept[j]]) for j, x in enumerate(row.tolist())]
             yield Near(method.key, (*wrong, *_differing(entries, reading, slack, slack)))
 
 
 def _other_rows(a: Array, b: Array, reading: ForceReading) -> Iterator[tuple[int, Array]]:
-    """The row that each stage has if all others are the method's: by cᵢ, where one entry is off, or else by (bA)ⱼ."""
+    """Yield, for each stage, its row if all others are the method's: from cᵢ with one entry off, or from all (bA)ⱼ."""
     gaps = np.array(reading.c) - a.sum(axis=1)
     rest = np.array(reading.b_position) - b @ a
     for i in range(1, len(b)):
@@ -108,7 +109,7 @@ def _other_rows(a: Array, b: Array, reading: ForceReading) -> Iterator[tuple[int
 
 
 def _induces(a: Array, b: Array, reading: ForceReading) -> bool:
-    """True when A and b have the reading as their table for q'' = F(q), up to the rounding of both."""
+    """True if the table of A and b on q'' = F(q) is the reading, up to the rounding of both."""
     rounding, sizes = reading.rounding, np.abs(a)
     pairs: Sequence[tuple[Array, object, Array]] = (
         (a @ a, reading.a, sizes @ sizes),
@@ -122,16 +123,15 @@ def _induces(a: Array, b: Array, reading: ForceReading) -> bool:
 
 
 def typed_in(read: Fingerprint, methods: Iterable[Candidate], rounding: Rounding) -> Iterator[Near]:
-    """The methods whose coefficients, to so many decimals, are those read."""
+    """Yield the methods whose coefficients, typed with few decimals, are those read."""
     for candidate in methods:
         found = ((words, _decimals(read, candidate.fingerprint, rounding, most)) for most, words in _HOW_FAR.items())
-        told = [words.format(decimals) for words, decimals in found if decimals is not None]
-        if told:
-            yield Near(candidate.key, (told[0],))
+        if words := next((words.format(decimals) for words, decimals in found if decimals is not None), ""):
+            yield Near(candidate.key, (words,))
 
 
 def _decimals(read: Fingerprint, exact: Fingerprint, rounding: Rounding, most: float) -> int | None:
-    """The decimals of which each coefficient read is the exact one, or within `most` of the last; None if none."""
+    """The decimals to which all coefficients read are given, each right to `most` units of the last; None if none."""
     if read.calls != exact.calls or read.weights.shape != exact.weights.shape:
         return None
     seen, true = _numbers(read), _numbers(exact)
@@ -147,5 +147,5 @@ def _decimals(read: Fingerprint, exact: Fingerprint, rounding: Rounding, most: f
 
 
 def _numbers(table: Fingerprint) -> Array:
-    """All of A, of the weights and of the times."""
+    """A, the weights and the nodes as one array."""
     return np.vstack([table.a, table.weights, table.nodes[-1]])

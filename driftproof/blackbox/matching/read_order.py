@@ -1,4 +1,4 @@
-"""The order that the coefficients read really have: rounding them fails no condition, a wrong one does."""
+"""The order of coefficients that were read: a condition fails only by more than their rounding explains."""
 
 from __future__ import annotations
 
@@ -24,17 +24,17 @@ from driftproof.symbolic.trees.order_in_balls import (
 from driftproof.symbolic.trees.order_in_balls import _Row as BallRow
 from driftproof.symbolic.trees.rooted_trees import AnyTree, to_brackets
 
-# No explicit method in use has a higher one.
+# Chosen: hardly any explicit method in use has a higher order, and the number of trees grows fast.
 HIGHEST_ORDER = 12
 
 
 @dataclass(frozen=True)
 class ReadOrder:
-    """The order of the coefficients read, on all problems of the kind it was read on, and why it is not one higher.
+    """The order of the coefficients read, on all problems of the kind they were read on, and why it is not higher.
 
-    `failing_tree` is written in brackets, its condition is Φ = 1/γ, and `residual` encloses Φ - 1/γ and excludes 0;
-    None where nothing fails up to HIGHEST_ORDER. `linear_order` is the order on linear problems. `untimed_order` is
-    the order on problems without the time: higher where the code calls its right-hand side at wrong times.
+    `failing_tree`, in brackets, is the tree of the first condition Φ = 1/γ that fails, and `residual` encloses Φ - 1/γ
+    and excludes 0; both are None if no condition fails up to HIGHEST_ORDER. `linear_order` is the order on linear
+    problems, and `untimed_order` that on problems without the time, which is higher if the nodes are wrong.
     """
 
     order: int
@@ -55,7 +55,7 @@ class ReadOrder:
 
     @property
     def lines(self) -> list[str]:
-        """The orders, in words."""
+        """The orders as lines of text."""
         lines = [f"order {self.order}: {self.reason}"]
         if self.linear_order != self.order:
             lines.append(f"order {self.linear_order} on linear problems")
@@ -64,16 +64,16 @@ class ReadOrder:
         return lines
 
     def beside(self, claimed: int) -> str:
-        """The claim beside what is so: "claims 4, has 4", or what is missing and why."""
+        """The order claimed and the order found, such as "claims 4, has 4", with the reason if it is lower."""
         text = f"claims {claimed}, has {self.order}"
         return text if self.order >= claimed else f"{text}: {self.reason}"
 
 
 def read_order(reading: CoefficientReading, match: Match | None = None) -> ReadOrder:
-    """The largest p such that no condition of order at most p provably fails, the coefficients being balls.
+    """The largest p such that no condition of order at most p provably fails, with the coefficients taken as balls.
 
-    Of a tableau that was recognised each has a radius of as many roundings as it is off the method. Else the radius is
-    as many as any program may spend on it, of the largest number in its column (`probing.Rounding`).
+    If `match` recognised the tableau, the radius of each coefficient is as many roundings as the match is off. Else it
+    is the most roundings that any program may make (`scripted_answers.Rounding`), of the largest number in its column.
     """
     balls = BallTableaux(reading, match)
     if isinstance(reading, ForceReading):
@@ -92,10 +92,10 @@ def _found(failure: ProvableFailure[AnyTree], linear: int, untimed: int | None =
 
 
 class BallTableaux:
-    """The coefficients of a reading with their radii; those that are 0 are known to be."""
+    """The coefficients of a reading as balls; coefficients that are read as 0 are taken to be exactly 0."""
 
     def __init__(self, reading: CoefficientReading, match: Match | None) -> None:
-        """With as many roundings as `match` is off; as many as any program may spend where there is none."""
+        """Set the radii: as many roundings as `match` is off, or, without a match, as many as any program may make."""
         drift = Fraction(reading.drift) if isinstance(reading, ForceReading) else None
         table, rounding = ExactTable.of(reading.stages, drift), reading.rounding
         self.own = isinstance(reading, TableauReading) and match is not None and not match.summed
@@ -106,19 +106,19 @@ class BallTableaux:
         self.length = max(table.length, *self.scales)
 
     def tableau(self, reading: TableauReading) -> BallTableau:
-        """A, b, c."""
+        """A, b and c as balls."""
         *a, b = (self._row(row, self.scales) for row in (*reading.a, reading.b))
         return BallTableau(tuple(a), b, self._nodes(reading.c or (0.0,) * reading.calls))
 
     def nystrom(self, reading: ForceReading) -> BallNystrom:
-        """c, A, both rows of weights, the drift."""
+        """c, A, both rows of weights and the drift as balls."""
         rows = (*reading.a, reading.b_position, reading.b_velocity)
         *a, b_position, b_velocity = (self._row(row, self.scales) for row in rows)
         (drift,) = self._nodes((reading.drift,))
         return BallNystrom(self._nodes(reading.c), tuple(a), b_position, b_velocity, drift)
 
     def times_agree(self, reading: TableauReading) -> bool:
-        """True when each time may be the sum of its row: then problems with the time have no more conditions."""
+        """True if each node may be the sum of its row, so that the time adds no order conditions."""
         if reading.c is None:
             return True
         tableau = self.tableau(reading)

@@ -1,6 +1,6 @@
-"""Tables of coefficients as fields and forces show them: of a method as it is, repeated, scaled or iterated.
+"""Coefficient tables as seen through a right-hand side or a force: of a method itself, repeated, scaled or iterated.
 
-Entries are of any kind of number: floats for a fingerprint, `BoundedCoefficient` for a comparison.
+Their entries may be any kind of number: floats for a fingerprint, `BoundedCoefficient` for a comparison.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from driftproof.symbolic.linear.reduced_tableau import StageCoefficients
 
 _Number: TypeAlias = Any
 TableRow: TypeAlias = Sequence[_Number]
-# From an exact coefficient; also from 0 and 1.
+# Converts an exact coefficient, or the integers 0 and 1, into the kind of number wanted.
 FromExact: TypeAlias = Callable[[Any], _Number]
 # (A, b, c) of a Runge-Kutta method.
 LiftedTableau: TypeAlias = tuple[Sequence[TableRow], TableRow, TableRow]
@@ -31,30 +31,30 @@ Induced: TypeAlias = tuple[StageCoefficients, _Number]
 
 @dataclass(frozen=True, eq=False)
 class BoundedCoefficient:
-    """An exact number, with the sum of the sizes of the terms that it was made of: what rounding errors scale with."""
+    """An exact number with the sum of the sizes of the terms that form it, which its rounding error scales with."""
 
     value: Exact
     size: float
 
     def __add__(self, other: object) -> BoundedCoefficient:
-        """The sum: sizes are added, even where values cancel."""
+        """The sum; the sizes are added even if the values cancel."""
         right = bounded(other)
         return BoundedCoefficient(self.value + right.value, self.size + right.size)
 
     __radd__ = __add__
 
     def __sub__(self, other: object) -> BoundedCoefficient:
-        """The difference; sizes are added."""
+        """The difference; the sizes are added."""
         right = bounded(other)
         return BoundedCoefficient(self.value - right.value, self.size + right.size)
 
     def __mul__(self, other: object) -> BoundedCoefficient:
-        """The product; so of sizes."""
+        """The product of the values, with the product of the sizes."""
         right = bounded(other)
         return BoundedCoefficient(self.value * right.value, self.size * right.size)
 
     def __eq__(self, other: object) -> bool:
-        """Equal values."""
+        """True if the values are equal, whatever their sizes."""
         return bool(self.value == bounded(other).value)
 
     def __bool__(self) -> bool:
@@ -63,7 +63,7 @@ class BoundedCoefficient:
 
 
 def bounded(x: Any) -> BoundedCoefficient:
-    """A number as it stands in a table: its size is its own."""
+    """The number as a `BoundedCoefficient`; unless it is one already, its size is its absolute value."""
     if isinstance(x, BoundedCoefficient):
         return x
     exact = Fraction(x) if isinstance(x, int) else x
@@ -71,13 +71,12 @@ def bounded(x: Any) -> BoundedCoefficient:
 
 
 def stages(a: Sequence[TableRow], weights: Sequence[TableRow], c: TableRow) -> StageCoefficients:
-    """The three as tuples."""
-    rows: Callable[[Sequence[TableRow]], Any] = lambda rows: tuple(map(tuple, rows))
-    return StageCoefficients(rows(a), rows(weights), tuple(c))
+    """The stage coefficients with these rows, all as tuples."""
+    return StageCoefficients(tuple(map(tuple, a)), tuple(map(tuple, weights)), tuple(c))
 
 
 def timed_stages(tableau: LiftedTableau, timed: bool) -> StageCoefficients:
-    """A Runge-Kutta table as `symbolic.linear.reduced_tableau` reads it: where b stands twice, c counts, too."""
+    """A tableau as `symbolic.linear.reduced_tableau` takes it; if `timed`, b is given twice, which makes c count."""
     a, b, c = tableau
     return stages(a, (b, b) if timed else (b,), c)
 
@@ -85,7 +84,7 @@ def timed_stages(tableau: LiftedTableau, timed: bool) -> StageCoefficients:
 def tableau_of(
     method: RungeKutta | Collocation, lift: FromExact, weights: Sequence[Exact] | None = None
 ) -> LiftedTableau:
-    """A, b and c, or other weights in place of b."""
+    """A, b and c of a method in the kind of number that `lift` makes, with `weights` in place of b if given."""
     a, b, c = exact_tableau(method)
     return [[lift(x) for x in row] for row in a], [lift(x) for x in weights or b], [lift(x) for x in c]
 
@@ -94,19 +93,19 @@ def tableau_of(
 def exact_tableau(
     method: RungeKutta | Collocation,
 ) -> tuple[Sequence[Sequence[Exact]], Sequence[Exact], Sequence[Exact]]:
-    """A, b and c; of a collocation method to 256 bits, so that no comparison with a float sees a difference."""
+    """A, b and c; for a collocation method to 256 bits, which no comparison with a float can tell from exact ones."""
     return method.tableau(256) if isinstance(method, Collocation) else (method.a, method.b, method.c)
 
 
 def tableau_scaled(tableau: LiftedTableau, factor: Fraction) -> LiftedTableau:
-    """The same method with the step factor·h."""
+    """The tableau of the same method with the step factor·h."""
     a, b, c = tableau
     rows = [[x * factor for x in row] for row in a]
     return rows, [x * factor for x in b], [x * factor for x in c]
 
 
 def tableau_repeated(tableau: LiftedTableau, times: int) -> LiftedTableau:
-    """The same method so many times with h/times."""
+    """The tableau of `times` steps of the same method with h/times."""
     a, b, c = tableau
     part, blank, size = Fraction(1, times), [b[0] * 0] * len(b), range(times)
     step = [x * part for x in b]
@@ -115,7 +114,7 @@ def tableau_repeated(tableau: LiftedTableau, times: int) -> LiftedTableau:
 
 
 def tableau_iterated(tableau: LiftedTableau, times: int) -> LiftedTableau:
-    """An implicit method with so many fixed-point iterations from k = f(y) in place of a solver: it is explicit."""
+    """The explicit tableau of an implicit method with `times` fixed-point iterations from k = f(y) as its solver."""
     a, b, c = tableau
     blank = [b[0] * 0] * len(b)
     rows: list[list[_Number]] = [blank * (times + 1) for _ in b]
@@ -125,7 +124,7 @@ def tableau_iterated(tableau: LiftedTableau, times: int) -> LiftedTableau:
 
 
 def induced_by_tableau(tableau: LiftedTableau) -> Induced:
-    """What a Runge-Kutta method is on q'' = F(q): c = A1, and A², bA, b; it drifts by Σ b, which is 1."""
+    """The Nyström table of a Runge-Kutta method on q'' = F(q): c = A1, A², weights bA and b, and the drift Σ b."""
     a, b, _ = tableau
     terms = [[(k, y) for k, y in enumerate(row) if y] for row in a]
     squared = [_times(row, terms) for row in a]
@@ -133,7 +132,7 @@ def induced_by_tableau(tableau: LiftedTableau) -> Induced:
 
 
 def induced_by_parts(parts: Sequence[tuple[str, Exact]], lift: FromExact) -> Induced:
-    """What a splitting is on q'' = F(q): a kick y at the time c moves each later place by y times the drift since."""
+    """The Nyström table of a splitting on q'' = F(q): a kick y moves a later position by y times the drift since."""
     at, kicks = lift(0), []
     for kind, x in parts:
         if kind == "drift":
@@ -141,24 +140,21 @@ def induced_by_parts(parts: Sequence[tuple[str, Exact]], lift: FromExact) -> Ind
         elif x:
             kicks.append((at, lift(x)))
     kicks = kicks or [(at, lift(0))]
-    before = [kicks[:i] for i in range(len(kicks))]
-    later = [[lift(0)] * (len(kicks) - i) for i in range(len(kicks))]
     rows = [
-        [*((c - start) * y for start, y in earlier), *blank]
-        for (c, _), earlier, blank in zip(kicks, before, later, strict=True)
+        [*((c - start) * y for start, y in kicks[:i]), *[lift(0)] * (len(kicks) - i)] for i, (c, _) in enumerate(kicks)
     ]
     ends = [(at - c) * y for c, y in kicks]
     return stages(rows, (ends, [y for _, y in kicks]), [c for c, _ in kicks]), at
 
 
 def induced_by_nystrom(method: Nystrom, lift: FromExact) -> Induced:
-    """A Nyström method as it is; it drifts by 1."""
+    """The table of a Nyström method, whose drift is 1."""
     rows = [[lift(x) for x in row] for row in (*method.a, method.b_position, method.b_velocity)]
     return stages(rows[:-2], (rows[-2], rows[-1]), [lift(x) for x in method.c]), lift(1)
 
 
 def induced_scaled(induced: Induced, factor: Fraction) -> Induced:
-    """The same method with the step factor·h."""
+    """The Nyström table of the same method with the step factor·h."""
     table, drift = induced
     rows = [[x * (factor * factor) for x in row] for row in (*table.a, table.weights[0])]
     kicks = [x * factor for x in table.weights[1]]
@@ -166,7 +162,10 @@ def induced_scaled(induced: Induced, factor: Fraction) -> Induced:
 
 
 def induced_repeated(induced: Induced, times: int) -> Induced:
-    """The same method so many times with h/times: an earlier force acts by the drift since, and as at its own end."""
+    """The Nyström table of `times` steps of the same method with h/times.
+
+    A force of an earlier step acts by its weight at the end of that step, and by its kick times the drift since.
+    """
     table, drift = induced
     b_position, b_velocity = table.weights
     part, size, zero = Fraction(1, times), range(times), drift * 0
@@ -190,7 +189,7 @@ def induced_repeated(induced: Induced, times: int) -> Induced:
 
 
 def _times(row: TableRow, matrix: Sequence[Sequence[tuple[int, _Number]]]) -> list[_Number]:
-    """The row times a square matrix, of which the terms are given that are not zero."""
+    """The row times a square matrix, which is given by the nonzero terms of its rows."""
     total = [row[0] * 0] * len(row)
     for x, terms in zip(row, matrix, strict=True):
         for k, y in terms if x else ():
@@ -199,15 +198,15 @@ def _times(row: TableRow, matrix: Sequence[Sequence[tuple[int, _Number]]]) -> li
 
 
 Array: TypeAlias = "np.ndarray[Any, Any]"
-# The powers of nodes whose weighted sums are compared: methods of high order agree in the low ones.
+# The powers of the nodes whose weighted sums are compared: in the low ones, methods of high order agree.
 _POWERS = (0, 11)
 
 
 class Fingerprint:
-    """A table with all its stages, in floats; of a right-hand side the sums of A's rows are nodes, too."""
+    """A table in floats with all its stages; through a right-hand side, the row sums of A count as nodes besides c."""
 
     def __init__(self, stages: StageCoefficients, drift: Any) -> None:
-        """`drift` is None of a right-hand side, where c counts if the weights stand twice."""
+        """Take a table; for a right-hand side `drift` is None, and c counts if the weights are given twice."""
         self.a = np.array([[float(x) for x in row] for row in stages.a])
         self.weights = np.array([[float(x) for x in row] for row in stages.weights])
         nodes = np.array([float(x) for x in stages.c])
@@ -225,7 +224,7 @@ class Fingerprint:
 
     @cached_property
     def used(self) -> int:
-        """The number of stages that the result depends on."""
+        """The number of stages that the result depends on, but at least 1."""
         reached = np.any(self.weights != 0, axis=0)
         for _ in range(self.calls):
             reached = reached | np.any(self.a[reached] != 0, axis=0)
@@ -233,21 +232,21 @@ class Fingerprint:
 
     @cached_property
     def length(self) -> float:
-        """The largest node, in size."""
+        """The size of the largest node."""
         return max(float(np.abs(nodes).max()) for nodes in self.nodes)
 
     @cached_property
     def scale(self) -> float:
-        """The sum over the stages of the largest number that its answer is multiplied by on the way to any place."""
+        """The sum over all columns of the largest entry, times the largest node or drift if that exceeds 1."""
         columns = np.abs(np.vstack([self.a, self.weights])).max(axis=0)
         return float(columns.sum()) * max(1.0, *(float(np.abs(places).max()) for places in self.ends))
 
     def may_be(self, other: Fingerprint, rounding: Rounding) -> bool:
-        """False if the two are different methods: sums that no order and no reduction of the stages changes differ.
+        """False if the methods certainly differ: in sums that do not depend on the order or reduction of the stages.
 
-        They are wcᵏ, wAcᵏ and wAAcᵏ for each row w of weights, c the nodes in units of the largest. Where no entry is
-        off by more than e times the largest in its column, and s > 1 is above the sum of these, the last is off by at
-        most e (k + 4) s³ to first order: each of k nodes, of three factors and of the unit by e.
+        The sums are wcᵏ, wAcᵏ and wAAcᵏ for each row w of weights, with the nodes c in units of the largest. If no
+        entry is off by more than e times the largest in its column, and s > 1 bounds the sum of these, then wAAcᵏ is
+        off by at most e (k + 4) s³ to first order: by e for each of k nodes, of three factors and of the unit.
         """
         unit, scale = self.length or 1.0, 1.0 + max(self.scale, other.scale)
         allowed = rounding.of(2 * (max(_POWERS) + 4) * scale**3)

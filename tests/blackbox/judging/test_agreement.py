@@ -50,6 +50,13 @@ def test_a_cap_is_not_met_in_a_domain_that_ends_before_it():
     assert found(capped, domain=Domain(largest_state=30.0)).holds
 
 
+@pytest.mark.parametrize(("array", "largest"), [(np.float32, 0.39), (np.float32, 1.67), (np.float16, 0.92)])
+def test_states_in_rows_are_numbers_of_the_format_in_every_domain(array, largest):
+    subject = opened(lambda q, v, h: (q + h * v, v - h * q), array=array)
+    passed, words, _ = rows_together(subject, METHODS["forward_euler"], domain=Domain(largest_state=largest))
+    assert passed, words
+
+
 def test_extremes_are_tried_only_where_they_are_asked_for():
     def in_other_units(q, v, h):  # a conversion that underflows below 1e-300
         q1, v1 = symplectic_euler(q * 1e-20, v * 1e-20, h)

@@ -44,6 +44,12 @@ def test_a_velocity_that_is_a_difference_of_positions_is_named_in_the_verdict():
     assert not report.passed
 
 
+def test_an_error_too_large_for_a_float_refutes_and_has_no_number_of_digits():
+    report = verify(lambda q, v, h: (1e300, v - h * q), "forward_euler", examples=50, isolate=False)
+    assert report.passed is False
+    assert report.verdict.startswith("is not forward_euler")
+
+
 def in_binary32_first(q, v, h):
     h = float(np.float32(h))
     v = v - h * q

@@ -68,6 +68,12 @@ def test_a_wrong_estimate_says_what_is_wrong(name, as_before):
     as_before(found.data, asked)
 
 
+@pytest.mark.parametrize("key", ["dop853", "dop853_third"])
+def test_of_two_pairs_with_one_tableau_the_estimate_names_its_own(key):
+    found = judged(pair_step(key, estimate=lambda e: [2 * x for x in e]))
+    assert (found.pair, found.faults) == (key, (f"the error estimate is 2 times that of {key}",))
+
+
 def test_a_call_beyond_the_stages_does_not_enter_an_estimate():
     def asking_again(f, t, y, h):
         y1, error = pair_step("fehlberg45")(f, t, y, h)

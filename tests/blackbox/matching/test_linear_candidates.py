@@ -55,6 +55,15 @@ def test_a_method_with_its_step_or_its_rates_wrong_is_named(step, words, as_befo
     as_before(*found.lines, asked)
 
 
+def test_a_map_whose_steps_are_all_beyond_binary32_is_named():
+    def verlet(q, v, h, k=2.0**-300):
+        v -= h / 2 * k * q
+        q += h * v
+        return q, v - h / 2 * k * q
+
+    assert fit(verlet).best.words == "velocity_verlet"
+
+
 def test_a_sloppy_solver_is_not_called_the_adjoint_of_a_method_that_is_its_own():
     def midpoint(q, v, h):
         d = 1 + h * h / 4

@@ -67,6 +67,17 @@ def test_the_stiffness_that_a_stepper_has_built_in_is_recovered(omega2, shown):
     assert found.stiffness == (omega2 if shown else Q(k))
 
 
+def test_without_a_rate_no_method_is_named_and_none_is_excluded():
+    def verlet(q, v, h, k=2.0**150):
+        v -= h / 2 * k * q
+        q += h * v
+        return q, v - h / 2 * k * q
+
+    found = fit(verlet)
+    assert found.best is None
+    assert found.lines[0] == "undetermined: no method can be named"
+
+
 def test_a_fit_is_plain_data_and_its_lines_name_what_cannot_be_told_apart():
     found = fit(lambda force, q, v, h: rk4(force, q, v, h))
     assert decode(encode(found), "driftproof") == found
