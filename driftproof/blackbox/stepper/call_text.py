@@ -1,4 +1,4 @@
-"""The call of a stepper as a line of Python that anybody can paste."""
+"""The call of a stepper as a line of Python, ready to paste."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 
 
 def call_text(stepper: ForeignStepper, q: float, v: float, h: float) -> str:
-    """The call of a step as a line of Python, `step` being the stepper."""
+    """The call of one step as a line of Python, in which the stepper is named `step`."""
     calls = stepper.convention
     seen = calls.asks or calls.order
     state_first = {STATE, TIME} <= {*seen} and seen.index(STATE) < seen.index(TIME)
@@ -43,12 +43,12 @@ def call_text(stepper: ForeignStepper, q: float, v: float, h: float) -> str:
 
 
 def _literal(x: float) -> str:
-    """x as Python reads it, to the last bit."""
+    """A Python expression for x, exact to the last bit."""
     return repr(x) if isfinite(x) else f'float("{x!r}")'
 
 
 def _written(stepper: ForeignStepper, *numbers: float) -> str:
-    """The numbers as the stepper takes them, with the name of what makes them."""
+    """The numbers as Python text in the form that the stepper takes."""
     adapter = stepper.adapter
     array = not adapter.shown and adapter is not SCALARS and np.ndim(adapter.write(numbers)) > 0
     return _made(stepper, [*map(_literal, numbers)], array)
