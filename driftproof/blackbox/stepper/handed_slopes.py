@@ -1,4 +1,4 @@
-"""Steps that are handed earlier slopes, step(f, t, y, h, f_prev), or a history of them: as steps that remember."""
+"""Steps that are handed earlier slopes, step(f, t, y, h, f_prev), or their history, as steps that remember them."""
 
 from __future__ import annotations
 
@@ -20,32 +20,33 @@ from driftproof.blackbox.stepper.calling_conventions import (
     required_names,
 )
 
-# Under these names a step is handed the slope of the step before; with a number, that of so many steps before.
+# Names for the slope of the step before; with a number, for the slope that many steps before.
 _PREVIOUS = re.compile(
     r"(f|fn|fy|rhs|slope|dydt|dydx|k)_?(prev|previous|old|last|before|nm|n_minus|minus|m)_?(\d*)"
     r"|(prev|previous|old|last)_(f|rhs|slope|dydt|k)(\d*)"
 )
-# Under these, all of them, the newest last.
+# Names for all earlier slopes, the newest last.
 _HISTORIES = (
     *("history", "hist", "f_history", "f_hist", "fhist", "history_f", "slopes", "past", "past_f", "past_slopes"),
     *("previous", "memory", "fs", "f_list", "f_past", "rhs_history", "derivatives_history", "buffer"),
 )
-# As many slopes as a step may ask for that does not begin without any.
+# How many slopes are kept, and given to a step that does not start from an empty history.
 _AT_FIRST = 8
-# Two slopes are one if they differ by less.
+# Slopes with a smaller relative difference count as the same.
 _ALIKE = 2.0**-20
 
 
 class HandedSlopes:
-    """The step without its earlier slopes, which are kept here: f where each step began, or what the step hands on.
+    """The step without its arguments for earlier slopes, which are kept here.
 
-    A step that returns (y1, f1) hands on f1, one that returns (y1, history) its history; one that changes the history
-    keeps it by itself. Where f1 is the slope at its end, it is handed that at its start, and remembers nothing.
-    `handed` says that nothing of its start is its own: it was given f at its first state.
+    It keeps the slope at the start of each step, or what the step hands on: f1 of (y1, f1), the history of (y1,
+    history), or a history that the step changes in place. If f1 is the slope at the end of its step, each step is given
+    the slope at its own start instead, and nothing is remembered. `handed` is true if the first steps were given f at
+    the first state for all earlier slopes, so that the stepper has no start of its own.
     """
 
     def __init__(self, step: Callable[..., Any], names: Sequence[str], slots: Sequence[str], history: str) -> None:
-        """Names of all its arguments in order, of those that are earlier slopes, and of their history, "" for none."""
+        """Take the names of all arguments in order, of those for earlier slopes, and of their history, "" for none."""
         self.step, self.slots, self.history = step, slots, history
         self.kept: Any = []
         self.handed = bool(slots)
@@ -60,7 +61,7 @@ class HandedSlopes:
         self.__qualname__, self.__module__ = getattr(step, "__qualname__", type(step).__name__), step.__module__
 
     def __call__(self, *arguments: Foreign, **named: Foreign) -> Foreign:
-        """One step, after which what it hands on, or else the slope where it began, is kept."""
+        """Make one step, and keep the slope at its start or what the step hands on."""
         given = {**dict(zip(self.rest, arguments, strict=False)), **named}
         slope = self._slope(given)
         if self.history:
@@ -80,7 +81,7 @@ class HandedSlopes:
         return answer
 
     def _with_history(self, given: dict[str, Foreign], slope: Foreign) -> Foreign:
-        """One step, after which the history is what the step made of it, what it returned, or longer by the slope."""
+        """Make one step; its history becomes what the step made of it or returned, or is extended by the slope."""
         before = list(self.kept)
         try:
             answer = self.step(**given, **{self.history: self.kept})
@@ -97,7 +98,7 @@ class HandedSlopes:
         return answer
 
     def _slope(self, given: Mapping[str, Foreign], later: Any = 0.0) -> Foreign:
-        """f at this state, so much later than the step begins, asked for as the step asks."""
+        """f at the given state, `later` after the start of the step, called with t and y in the step's own order."""
         f, state, time = (given.get(self.roles[role]) for role in (FUNCTION, STATE, TIME))
         assert f is not None
         if time is None:
@@ -107,7 +108,7 @@ class HandedSlopes:
 
 
 def with_slopes_kept(step: Callable[..., Any]) -> Callable[..., Any]:
-    """The step as one that remembers, if the names of its parameters say that it is handed earlier slopes; else itself.
+    """The step as one that remembers its earlier slopes, if its parameters include any; otherwise the step itself.
 
     >>> def step(f, t, y, h, f_prev):
     ...     return y + h * (1.5 * f(t, y) - 0.5 * f_prev)
