@@ -39,10 +39,10 @@ _ALIKE = 2.0**-20
 class HandedSlopes:
     """The step without its arguments for earlier slopes, which are kept here.
 
-    It keeps the slope at the start of each step, or what the step hands on: f1 of (y1, f1), the history of (y1,
-    history), or a history that the step changes in place. If f1 is the slope at the end of its step, each step is given
-    the slope at its own start instead, and nothing is remembered. `handed` is true if the first steps were given f at
-    the first state for all earlier slopes, so that the stepper has no start of its own.
+    It keeps the slope at the start of each step, or what the step hands on: f1 of (y1, f1), the history of
+    (y1, history), or a history that the step changes in place. If f1 is the slope at the end of its step, each step is
+    given the slope at its own start instead, and nothing is remembered. `handed` is true if the first steps were given
+    f at the first state for all earlier slopes, so that the stepper has no start of its own.
     """
 
     def __init__(self, step: Callable[..., Any], names: Sequence[str], slots: Sequence[str], history: str) -> None:
