@@ -329,6 +329,6 @@ def _outcome(probe: Probe, subject: Any) -> Outcome:
 
 
 def _failure(error: BaseException) -> Outcome:
-    limit = f"(an isolated process is given {MEMORY_LIMIT / 2**30:g} GiB)"
-    seen = f"{error}{limit}" if isinstance(error.__cause__, MemoryError) else str(error)
+    limit = f" (an isolated process is given {MEMORY_LIMIT / 2**30:g} GiB)"
+    seen = f"{error}".rstrip() + limit if isinstance(error.__cause__, MemoryError) else str(error)
     return Outcome(kind=getattr(error, "kind", "bad_input"), seen=seen)
