@@ -119,7 +119,8 @@ def with_slopes_kept(step: Callable[..., Any]) -> Callable[..., Any]:
     names = list(parameters_of(step) or {})
     words = {name: name.lower().strip("_") for name in names}
     slots = [name for name in names if _PREVIOUS.fullmatch(words[name])]
+    slots.sort(key=lambda name: int(re.sub(r"\D", "", words[name]) or 1))
     history = next((name for name in names if words[name] in _HISTORIES), "")
     if not slots and not history:
         return step
-    return HandedSlopes(step, [name for name in required_names(step) or () if name in names], slots, history)
+    return HandedSlopes(step, required_names(step) or (), slots, history)

@@ -90,6 +90,16 @@ def test_a_step_of_no_earlier_slopes_is_left_alone():
     assert with_slopes_kept(of_plain := lambda f, t, y, h: y + h * f(t, y)) is of_plain
 
 
+def test_numbered_slopes_reach_their_names_in_whichever_order_they_are_taken():
+    def turned(y, t, f, h, f_nm2, f_nm1):
+        return bashforth3(y, t, f, h, f_nm1, f_nm2)
+
+    def walked(step, y=0.0):
+        return [y := step(y, t, lambda y, t: t * t, 1.0) for t in map(float, range(5))]
+
+    assert walked(with_slopes_kept(turned)) == walked(with_slopes_kept(bashforth3))
+
+
 def test_a_history_that_is_too_short_for_good_is_no_start():
     def deep(f, t, y, h, history):
         return y + h * history[-9]
