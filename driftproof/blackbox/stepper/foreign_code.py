@@ -23,7 +23,7 @@ from driftproof.blackbox.stepper.calling_conventions import (
     VELOCITY,
     CallingConvention,
 )
-from driftproof.blackbox.stepper.state_forms import TOGETHER, part_pair
+from driftproof.blackbox.stepper.state_forms import TOGETHER, part_pair, parts_of
 from driftproof.symbolic.rounding.formats import BINARY64, FloatFormat
 
 FieldFunction: TypeAlias = Callable[[AnyNumber, list[AnyNumber]], Sequence[AnyNumber]]
@@ -222,7 +222,7 @@ def _differs(x: Foreign, before: Foreign) -> bool:
     try:  # NaN differs from itself: bytes are compared, not values
         return x is not before and as_array(x).tobytes() != as_array(before).tobytes()
     except NotANumber:  # such as the numbers of another arithmetic; they are not compared
-        return vars(x) != vars(before) if is_dataclass(x) else isinstance(x, dict) and x != before
+        return parts_of(x) != parts_of(before)
 
 
 def _states_of_run(answer: Any, start: Sequence[Any], layout: str | None, steps: int) -> tuple[Any, str]:

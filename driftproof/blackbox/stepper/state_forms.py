@@ -242,11 +242,18 @@ def _record(name: str, make: Any, names: Sequence[str], needed: Sequence[str]) -
     yield ArrayAdapter(f"{name} with {position}, {velocity}", write, read, shown=f"{name}({', '.join(arguments)})")
 
 
+def parts_of(record: Foreign) -> Mapping[str, Foreign]:
+    """The fields of a dataclass by name, or a mapping as it is; nothing for any other value."""
+    if dataclasses.is_dataclass(record):
+        return {field.name: getattr(record, field.name) for field in dataclasses.fields(record)}
+    return record if isinstance(record, Mapping) else {}
+
+
 def part_pair(answer: Foreign) -> Foreign:
     """Position and velocity of a record, by name or else as its fields in order; any other answer unchanged."""
-    if not isinstance(answer, Mapping) and not dataclasses.is_dataclass(answer):
+    parts = parts_of(answer)
+    if not parts:
         return answer
-    parts: Mapping[str, Foreign] = answer if isinstance(answer, Mapping) else vars(answer)
     named = [next((x for name, x in parts.items() if _role(name) == role), None) for role in (POSITION, VELOCITY)]
     return list(parts.values()) if any(part is None for part in named) else named
 
