@@ -120,7 +120,8 @@ class CallingConvention:
     number of steps, 1. `names` are those of all other arguments, if these are passed by name. The function that the
     stepper calls returns `factor` times the acceleration: the mass, -1 for the gradient of a potential, the mass over
     the charge. A `run` returns the states of `steps` steps, or is a generator of states. `asks` are the roles of the
-    arguments that its force gets. With `velocity_first`, the stepper takes (v, q) and returns (v1, q1).
+    arguments that its force gets. With `velocity_first`, the stepper takes (v, q) and returns (v1, q1). `timed` says
+    whether an answer of several parts begins with the time, if that is known.
     """
 
     kind: str
@@ -132,6 +133,7 @@ class CallingConvention:
     steps: int = 1
     asks: tuple[str, ...] = ()
     velocity_first: bool = False
+    timed: bool | None = None
 
     def of_steps(self, steps: int) -> CallingConvention:
         """The same convention for a run of `steps` steps."""

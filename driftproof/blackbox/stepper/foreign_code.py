@@ -51,6 +51,7 @@ class CallLog:
     dense: Callable[..., Foreign] | None = None  # the last dense output, a function of the time or of theta
     carried: Foreign = None  # the slope that the last step hands on
     layout: str | None = None  # where the end stands in what a run, or a generator, returns
+    timed: bool | None = None  # whether the last answer of several parts begins with a time
     asks: tuple[str, ...] = ()  # the roles of the arguments in the first call of a force
     states: Sequence[Sequence[AnyNumber]] = ()  # of the last run, with the start where all are returned
 
@@ -177,15 +178,16 @@ class ForeignCode:
         """The state in an answer y1, (t1, y1), (y1, y1_hat), (y1, error) or (t1, y1, error), or in a longer tuple.
 
         What follows y1 is logged: the other solution, an error estimate, which may be one number, or a dense output. If
-        the state is one number, a number before it counts as the time only if it is close to the end of the step.
+        the state is one number, the first answer of all decides whether it begins with the time, close to `end`.
         """
         parts = [part for part in answer if not callable(part)] if isinstance(answer, tuple) else []
         self.log.dense = next(filter(callable, answer), None) if isinstance(answer, tuple) else None
         sizes, self.log.beside = [size_of(part) for part in parts], None
-        if sizes[:2] == [1, size] and (
-            size > 1 or any(abs(x - end) <= _ABOUT * abs(end) for x in self.adapter.read(parts[0], 1))
-        ):
-            parts, sizes = parts[1:], sizes[1:]
+        if len(sizes) > 1:
+            timed = self.convention.timed if size == 1 else sizes[:2] == [1, size]
+            if timed is None and (timed := sizes[:2] == [1, 1]):
+                timed = any(abs(x - end) <= _ABOUT * abs(end) for x in self.adapter.read(parts[0], 1))
+            self.log.timed, parts, sizes = timed, parts[timed:], sizes[timed:]
         if sizes[:1] != [size]:
             return self.read(answer, size)
         if len(sizes) > 1 and sizes[1] in (1, size):

@@ -198,10 +198,10 @@ def _tried(subject: ForeignStepper, trial: TrialStep) -> ForeignStepper:
     moved = np.max(np.abs(end))
     if 0 < moved < _SUSPICIOUS and np.max(np.abs(trial(subject, _TINY))) < 4 * _TINY:
         raise Increment(f"as h goes to 0 it returns 0, not the state: an increment{increment_wrapper(subject)}")
-    types, asks = subject.log.types, subject.log.asks
+    types, asks, timed = subject.log.types, subject.log.asks, subject.log.timed
     subject.format = next((fmt for name, fmt in _FORMATS.items() if any(t.endswith(name) for t in types)), BINARY64)
     run = subject.convention.run or subject.log.layout is not None  # a generator yields a run
-    subject.convention = replace(subject.convention, run=run, asks=asks)
+    subject.convention = replace(subject.convention, run=run, asks=asks, timed=timed)
     if subject.gives_velocities and not _moves_along(subject):
         asks = tuple(BESIDES if role == VELOCITY else role for role in asks)
         subject.convention = replace(subject.convention, asks=asks)
