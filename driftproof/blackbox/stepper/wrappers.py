@@ -5,6 +5,7 @@ from __future__ import annotations
 import inspect
 from collections.abc import Callable, Sequence
 from contextlib import suppress
+from copy import copy
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -183,7 +184,7 @@ class _Made(NamedTuple):
     def _values(self, names: dict[str, str], state: Sequence[Any], t: float) -> list[Any]:
         known = {"t": t, "h": 0.25, "[q, v]": np.array(state)}
         known |= dict.fromkeys(("f", "force"), lambda *x: x[0] - 0.5 * x[-1])  # of the time, too, where it is given
-        known |= dict(zip("y" if self.kind == FIELD else "qv", state, strict=True))
+        known |= dict(zip("y" if self.kind == FIELD else "qv", map(copy, state), strict=True))
         return [known[name] for name in names.values()]
 
     def _remembers(self, make: Callable[..., Any]) -> bool:
@@ -193,7 +194,7 @@ class _Made(NamedTuple):
             step = getattr(made, self.method[1:]) if self.method else made
             found = step(*self._values(self.call, state, t))
             found = [getattr(made, each) for each in self.kept] if self.kept else found
-            return (found[0] if self.kept else found,) if self.kind == FIELD else tuple(found)
+            return tuple(map(copy, found if self.kept or self.kind != FIELD else [found]))
 
         with suppress(Exception):
             state = _START[self.kind]
