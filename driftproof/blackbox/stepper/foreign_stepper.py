@@ -129,8 +129,8 @@ class ForeignStepper(ForeignCode):
         def force(*asked: Foreign) -> Foreign:
             return -factor * (asked[asks.index(POSITION)] if asks else max(asked, key=size_of))  # a time is one number
 
-        roles = {POSITION: write(qs), VELOCITY: write(vs), STEP: h, TIME: 0.0, CARRIED: write([-q for q in qs])}
-        roles[FUNCTION] = force
+        roles = {FUNCTION: force, POSITION: write(qs), VELOCITY: write(vs), STEP: h, TIME: 0.0}
+        roles[CARRIED] = write([-factor * q for q in qs])
         answer = self.called(roles, f"q={list(qs)!r}, v={list(vs)!r}, h={h!r}", [*qs, *vs])
         positions, velocities = self.two_parts(answer)
         return list(zip(*(self.adapter.read(part, len(qs)) for part in (positions, velocities)), strict=True))
