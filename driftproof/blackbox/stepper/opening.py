@@ -107,14 +107,15 @@ def opened(
         for adapters in _adapters(step, convention, array):
             for trial, adapter in product(trials, adapters):
                 subject = ForeignStepper(step, convention, adapter, before=before, after=after, pristine=pristine)
+                subject.single = trial is _one_number
                 try:
-                    return replace(_tried(subject, trial), single=trial is _one_number)
+                    return _tried(subject, trial)
                 except Misbehaviour as failure:
                     failures.append(failure)
                 if convention.run:  # the start of a multistep method may need several steps
                     with suppress(Misbehaviour):
                         longer = _tried(replace(subject, convention=convention.of_steps(_LONGER)), trial)
-                        return replace(longer, convention=convention, shortest=_LONGER)
+                        return replace(longer, convention=longer.convention.of_steps(1), shortest=_LONGER)
     if inspect.isclass(step) and (line := wrapper_line(step)):
         raise ValueError(f"{_unfitting(step)}{line}")
     if found := as_plain():

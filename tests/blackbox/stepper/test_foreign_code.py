@@ -168,8 +168,16 @@ def test_a_run_of_no_fewer_than_eight_steps_is_opened_with_eight():
             states.append(euler_steps.map_of_numbers(*states[-1], h))
         return states
 
+    def solved(func, y, t, h, n):
+        states = [y] if n >= 8 else []
+        for i in range(n):
+            states.append(states[-1] + h * func(states[-1], t + i * h))
+        return states
+
     subject = opened(run)
     assert (subject.shortest, subject.convention.steps) == (8, 1)
+    subject = opened(solved)
+    assert (subject.shortest, subject.convention.steps, subject.convention.asks) == (8, 1, ("state", "time"))
 
 
 def test_a_run_that_is_not_of_one_step_is_refused_in_words():
