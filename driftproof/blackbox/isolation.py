@@ -112,7 +112,7 @@ class IsolatedRunner:
         asked, outcomes, hangs = [opens, *probes], list[Outcome](), Counter[int]()
         while len(outcomes) < len(asked):
             known = len(self.hung)
-            for outcome in self._some(asked[len(outcomes) :]):
+            for outcome in self._first_outcomes(asked[len(outcomes) :]):
                 if len(self.hung) > known and outcomes and hangs[len(outcomes)] < _MOST_HANGS:
                     hangs[len(outcomes)] += 1
                     break
@@ -126,7 +126,7 @@ class IsolatedRunner:
         (outcome,) = self.run([probe])
         return outcome
 
-    def _some(self, probes: Sequence[Probe]) -> Iterator[Outcome]:
+    def _first_outcomes(self, probes: Sequence[Probe]) -> Iterator[Outcome]:
         """Yield the outcomes of the first probes: of all of them, or up to and including a hang or a crash."""
         if not self.isolate or not hasattr(os, "fork"):
             if self._here is None or not self._kept:
@@ -140,7 +140,7 @@ class IsolatedRunner:
             for i, probe in enumerate(probes):
                 yield self._answer(session, i, log, opening=probe is opens)
         except ProcessEnded as ended:
-            outcome = _of_end(ended, log)
+            outcome = _outcome_of_end(ended, log)
             self.__exit__()
             yield outcome
         finally:
@@ -211,7 +211,7 @@ def _packed(plain: object) -> str:
 _ENDS = {"time": "time_limit", "killed": "killed", "raised": "instrument_failed"}
 
 
-def _of_end(ended: ProcessEnded, log: _CallLog) -> Outcome:
+def _outcome_of_end(ended: ProcessEnded, log: _CallLog) -> Outcome:
     """The outcome of a probe whose process ended without an answer."""
     text = log.call
     call = f" in step({text})" if text else " while the stepper was imported"

@@ -85,16 +85,16 @@ class _EstimateProbe(TableauProbe):
     def estimate(self) -> EstimateReading:
         """The row, with its form, how it scales, and the first control that it does not meet."""
         offset = self._offset()
-        rows = [self._both(unit(self.calls, j)) for j in range(self.calls)]
+        rows = [self._first_numbers(unit(self.calls, j)) for j in range(self.calls)]
         weights, signed = [b for b, _ in rows], [e for _, e in rows]
-        opposite = [self._both([-k for k in unit(self.calls, j)])[1] for j in range(self.calls)]
+        opposite = [self._first_numbers([-k for k in unit(self.calls, j)])[1] for j in range(self.calls)]
         form = SOLUTION if offset else DIFFERENCE
         if any(signed) and signed == opposite and min(signed) >= 0:
             signed = self._with_signs(signed)
             form = ABSOLUTE
         fault = ""
         if len(self._beside) < self.size:
-            form, fault = NORM, self._left_out()
+            form, fault = NORM, self._unseen_number()
         row = tuple(Fraction(b) - Fraction(e) if offset else Fraction(e) for b, e in zip(weights, signed, strict=True))
         sizes = tuple(map(max, map(abs, weights), map(abs, signed)))
         reading = EstimateReading(form, row, sizes, self.subject.format, fault=fault)
@@ -117,7 +117,7 @@ class _EstimateProbe(TableauProbe):
             raise NotReadable("it returns something beside y1 at some steps only")
         return found
 
-    def _both(self, first: Sequence[float], control: Control = AT_REST) -> tuple[float, float]:
+    def _first_numbers(self, first: Sequence[float], control: Control = AT_REST) -> tuple[float, float]:
         """The first numbers of y1 and of what follows it; if that is one number, all of y get the same slopes."""
         alike = len(self._beside) < self.size
         answers = [[k if alike or i == 0 else 0.0 for i in range(self.size)] for k in first]
@@ -126,7 +126,7 @@ class _EstimateProbe(TableauProbe):
             raise NotReadable("the slope of one number of y moves the estimate of another one")
         return run.result[0], self._beside[0]
 
-    def _left_out(self) -> str:
+    def _unseen_number(self) -> str:
         """A line on the first number of y whose slopes a norm does not see; "" if there is none."""
         for i in range(self.size):
             seen = False
@@ -142,7 +142,7 @@ class _EstimateProbe(TableauProbe):
         first = next(j for j, x in enumerate(sizes) if x)
         signed = [0.0] * self.calls
         for j, x in enumerate(sizes):
-            both = self._both([float(i in (first, j)) for i in range(self.calls)])[1]
+            both = self._first_numbers([float(i in (first, j)) for i in range(self.calls)])[1]
             same = abs(both - (sizes[first] + x)) <= abs(both - abs(sizes[first] - x))
             signed[j] = x if same else -x
         return signed
@@ -174,7 +174,7 @@ class _EstimateProbe(TableauProbe):
     def _depends_on_y(self, control: Control) -> bool:
         """True if the same slopes give a far smaller estimate far away: it is divided by the size of y."""
         slopes = self.slopes(control)[0]
-        near, far = (self._both(slopes, control._replace(start=start))[1] for start in (0.0, 2.0**20))
+        near, far = (self._first_numbers(slopes, control._replace(start=start))[1] for start in (0.0, 2.0**20))
         return abs(far) < abs(near) / 2
 
     def _predictions(

@@ -33,7 +33,7 @@ _MOST_LABELS = 40
 _SIZES = (4, 3, 2)
 
 
-class _OtherTime(Misbehaviour):
+class _UnknownNode(Misbehaviour):
     """Ends a step from inside; it never leaves this module."""
 
 
@@ -122,7 +122,7 @@ class MarkedSteps:
             raise NotReadable("the right-hand side is never called")
         self.timed = len(times) == len(first.nodes)
         self.same_node = min(_SAME_NODE * float(subject.format.u), _WIDEST_NODE)
-        self.nodes = _apart(times, self.same_node) if self.timed else ()
+        self.nodes = _distinct(times, self.same_node) if self.timed else ()
 
     def marks(self, clocks: int) -> StageMarks:
         """The marks by `clocks` clocks. Raises NotReadable if they show more stages than a method has."""
@@ -134,7 +134,7 @@ class MarkedSteps:
                 shares = marks.shares(self._place(node), place[:k])
                 shown.setdefault(max(shares, key=lambda label: abs(shares[label])), []).append(place[k])
             # Of the values that count as one, the last is the one that a solver has come to.
-            hands = {p: dict(enumerate(_apart(seen[::-1], _SAME_HAND)[::-1])) for p, seen in shown.items()}
+            hands = {p: dict(enumerate(_distinct(seen[::-1], _SAME_HAND)[::-1])) for p, seen in shown.items()}
             marks = replace(marks, hands=(*marks.hands, hands))
         if len(marks.labels) > _MOST_LABELS:
             raise NotReadable(f"its right-hand side is asked at {len(marks.labels)} stages: it is adaptive")
@@ -173,7 +173,7 @@ class MarkedSteps:
 
         try:
             y1 = performed(lambda: self.step(rate, clock, [start] * (size or self.size), h))
-        except _OtherTime as seen:
+        except _UnknownNode as seen:
             raise NotReadable(str(seen)) from None
         except Misbehaviour as failure:
             raise NotReadable(f"with its stages marked, {failure}") from failure
@@ -184,11 +184,11 @@ class MarkedSteps:
         return self.subject.step_field(rate, t, y, h)
 
     def _place(self, node: float | None) -> int:
-        """The number of the node. Raises _OtherTime for a node that was not seen before."""
+        """The number of the node. Raises _UnknownNode for a node that was not seen before."""
         place = 0 if node is None else min(range(len(self.nodes)), key=lambda i: abs(self.nodes[i] - node))
         if node is not None and abs(node - self.nodes[place]) > self.same_node:
             nodes = ", ".join(f"{x:.6g}" for x in self.nodes)
-            raise _OtherTime(
+            raise _UnknownNode(
                 f"the right-hand side is called at t + {node:.6g} h, and with other slopes, times and h at the nodes "
                 f"{nodes}: the step is adaptive, or its times do not scale with h"
             )
@@ -203,7 +203,7 @@ class MarkedSteps:
         raise failure
 
 
-def _apart(numbers: Sequence[float], distance: float) -> tuple[float, ...]:
+def _distinct(numbers: Sequence[float], distance: float) -> tuple[float, ...]:
     """The numbers without those that are within `distance` of an earlier one."""
     found: list[float] = []
     for x in numbers:

@@ -129,7 +129,7 @@ class StageChains:
 
     def _chained(self, chain: Sequence[Link], product: float) -> float:
         """The factor that the last link of a chain i, j, ..., k adds to the product bᵢ aᵢⱼ ... of the others."""
-        seen = [self._once(variant, chain, product) for variant in _VARIANTS]
+        seen = [self._one_reading(variant, chain, product) for variant in _VARIANTS]
         off = abs(seen[0] - seen[1])
         if off > _FAR * max(1.0, *map(abs, seen)):
             raise NotReadable(
@@ -139,7 +139,7 @@ class StageChains:
         self._off = max(self._off, off)
         return seen[0]
 
-    def _once(self, variant: _Variant, chain: Sequence[Link], product: float) -> float:
+    def _one_reading(self, variant: _Variant, chain: Sequence[Link], product: float) -> float:
         links, clocks = len(chain), len(self.marks.hands)
         if links + clocks > self.steps.size:
             raise NotReadable(f"a chain of {links} stages needs more than the {self.steps.size} numbers that it takes")

@@ -28,7 +28,7 @@ def call_text(stepper: ForeignStepper, q: float, v: float, h: float) -> str:
     calls = stepper.convention
     seen = calls.asks or calls.order
     state_first = {STATE, TIME} <= {*seen} and seen.index(STATE) < seen.index(TIME)
-    rates = f"lambda {'y, t' if state_first else 't, y'}: {_made(stepper, ('y[1]', '-y[0]'), True)}"
+    rates = f"lambda {'y, t' if state_first else 't, y'}: {_constructed(stepper, ('y[1]', '-y[0]'), True)}"
     names = {POSITION: "q", VELOCITY: "v", TIME: "t"}
     asked = ", ".join(names.get(role, f"_{place}") for place, role in enumerate(calls.asks or (POSITION,)))
     force = f"lambda {asked}: {-calls.factor:g} * q" if calls.factor != 1 else f"lambda {asked}: -q"
@@ -51,10 +51,10 @@ def _written(stepper: ForeignStepper, *numbers: float) -> str:
     """The numbers as Python text in the form that the stepper takes."""
     adapter = stepper.adapter
     array = not adapter.shown and adapter is not SCALARS and np.ndim(adapter.write(numbers)) > 0
-    return _made(stepper, [*map(_literal, numbers)], array)
+    return _constructed(stepper, [*map(_literal, numbers)], array)
 
 
-def _made(stepper: ForeignStepper, texts: Sequence[str], array: bool) -> str:
+def _constructed(stepper: ForeignStepper, texts: Sequence[str], array: bool) -> str:
     shown, text = stepper.adapter.shown, ", ".join(texts)
     if shown:
         return shown.format(*texts) if shown.count("{}") > 1 else shown.format(text)

@@ -235,9 +235,9 @@ def _states_of_run(answer: Any, start: Sequence[Any], layout: str | None, steps:
     size, table = len(start), _table(answer, len(start))
     if table.size == size:
         return [table.ravel()], _END
-    if table.shape == (steps + 1, size) and (layout == _ROWS or (layout is None and _is(start, table[0]))):
+    if table.shape == (steps + 1, size) and (layout == _ROWS or (layout is None and _is_start(start, table[0]))):
         return table, _ROWS
-    if table.shape == (size, steps + 1) and (layout == _COLUMNS or _is(start, table[:, 0])):
+    if table.shape == (size, steps + 1) and (layout == _COLUMNS or _is_start(start, table[:, 0])):
         return table.T, _COLUMNS
     made = "one step" if steps == 1 else f"{steps} steps"
     wanted = "two" if steps == 1 else steps + 1
@@ -256,7 +256,7 @@ def _states_of_generator(
         raise NotANumber("the generator ends before it yields a state")
     if len(states) == len(start) and all(state.size == 1 for state in states):  # one state, number by number
         return [np.concatenate(states)], _END
-    found = layout or (_ROWS if _is(start, states[0]) else _END)
+    found = layout or (_ROWS if _is_start(start, states[0]) else _END)
     return (states if found == _ROWS else [np.array(start), *states[:steps]]), found
 
 
@@ -266,7 +266,7 @@ def _numbers_of(state: Any) -> np.ndarray[Any, Any]:
     return np.concatenate([as_array(part).ravel() for part in parts])
 
 
-def _is(start: Sequence[Any], state: np.ndarray[Any, Any]) -> bool:
+def _is_start(start: Sequence[Any], state: np.ndarray[Any, Any]) -> bool:
     return state.shape == (len(start),) and bool(np.allclose(state, start, rtol=_SAME))
 
 

@@ -156,7 +156,7 @@ class _Held:
         if self.push is not None and force is not None:
             _act(body, self.push, force(q))
         _act(body, self.advance, h)
-        q1, v1 = self._left([x for place in places for x in place.read(body)])
+        q1, v1 = self._drop_unless_finite([x for place in places for x in place.read(body)])
         return q1, v1
 
     def solved(self, f: Callable[..., Any], times: Sequence[float], y: Sequence[float], h: float) -> Any:
@@ -166,7 +166,7 @@ class _Held:
             _Accessor.of(place).write(solver, times)
         state.write(solver, y)
         _act(solver, self.advance, h)
-        y1 = np.array(self._left(state.read(solver)))
+        y1 = np.array(self._drop_unless_finite(state.read(solver)))
         beside = [] if self.error is None else [as_array(_Accessor.of(self.error).get(solver))]
         if self.dense is not None:
             dense = attrgetter(self.dense)(solver)
@@ -180,7 +180,7 @@ class _Held:
             self.made = self.make(self._answer) if self.takes_function else self.make()
         return self.made
 
-    def _left(self, numbers: list[float]) -> list[float]:
+    def _drop_unless_finite(self, numbers: list[float]) -> list[float]:
         """The numbers after a step; if they are not finite, the object is dropped."""
         if not np.isfinite(numbers).all():
             self.made = None

@@ -109,12 +109,12 @@ def opened(
                 subject = ForeignStepper(step, convention, adapter, before=before, after=after, pristine=pristine)
                 subject.single = trial is _one_number
                 try:
-                    return _tried(subject, trial)
+                    return _after_trial(subject, trial)
                 except Misbehaviour as failure:
                     failures.append(failure)
                 if convention.run:  # the start of a multistep method may need several steps
                     with suppress(Misbehaviour):
-                        longer = _tried(replace(subject, convention=convention.of_steps(_LONGER)), trial)
+                        longer = _after_trial(replace(subject, convention=convention.of_steps(_LONGER)), trial)
                         return replace(longer, convention=longer.convention.of_steps(1), shortest=_LONGER)
     if inspect.isclass(step) and (line := wrapper_line(step)):
         raise ValueError(f"{_unfitting(step)}{line}")
@@ -180,7 +180,7 @@ _TRIALS = {
 }
 
 
-def _tried(subject: ForeignStepper, trial: TrialStep) -> ForeignStepper:
+def _after_trial(subject: ForeignStepper, trial: TrialStep) -> ForeignStepper:
     """The subject after a trial step, with the format of its answers and only the log entries needed to read them.
 
     Raises WrongShape for a complex state that turns the other way, StaleSlope for a step that hands on a slope other
@@ -190,12 +190,12 @@ def _tried(subject: ForeignStepper, trial: TrialStep) -> ForeignStepper:
     if subject.adapter is COMPLEX and end[0] < TRIAL_STATE[0]:
         raise WrongShape("z moves as q - i v")
     if subject.log.carried is not None:
-        _held_to_its_end(subject.log.carried, end, subject.convention)
-        _held_to_its_time(subject, TRIAL_STATE[: len(end)])
+        _demand_slope_at_end(subject.log.carried, end, subject.convention)
+        _demand_time_of_end(subject, TRIAL_STATE[: len(end)])
     if subject.convention.kind in (MAP, FORCE) and end[0] < end[1] and not subject.convention.velocity_first:
         ends = trial(subject, _TINY), end  # the longer step moves away
         if [np.allclose(x, TRIAL_STATE[::-1], rtol=0, atol=4 * _TINY) for x in ends] == [True, False]:
-            return _tried(_of_velocity_first(subject), trial)
+            return _after_trial(_with_velocity_first(subject), trial)
     moved = np.max(np.abs(end))
     if 0 < moved < _SUSPICIOUS and np.max(np.abs(trial(subject, _TINY))) < 4 * _TINY:
         raise Increment(f"as h goes to 0 it returns 0, not the state: an increment{increment_wrapper(subject)}")
@@ -203,7 +203,7 @@ def _tried(subject: ForeignStepper, trial: TrialStep) -> ForeignStepper:
     subject.format = next((fmt for name, fmt in _FORMATS.items() if any(t.endswith(name) for t in types)), BINARY64)
     run = subject.convention.run or subject.log.layout is not None  # a generator yields a run
     subject.convention = replace(subject.convention, run=run, asks=asks, timed=timed)
-    if subject.gives_velocities and not _moves_along(subject):
+    if subject.gives_velocities and not _velocity_varies(subject):
         asks = tuple(BESIDES if role == VELOCITY else role for role in asks)
         subject.convention = replace(subject.convention, asks=asks)
     # A step from rest changes nothing, so that a stepper which works in place must be known by then.
@@ -211,7 +211,7 @@ def _tried(subject: ForeignStepper, trial: TrialStep) -> ForeignStepper:
     return subject
 
 
-def _of_velocity_first(subject: ForeignStepper) -> ForeignStepper:
+def _with_velocity_first(subject: ForeignStepper) -> ForeignStepper:
     """The subject read as returning (v1, q1), if it also takes v before q. Raises Exchanged if it does not."""
     order = subject.convention.order
     if STATE in order or order.index(POSITION) < order.index(VELOCITY):
@@ -219,7 +219,7 @@ def _of_velocity_first(subject: ForeignStepper) -> ForeignStepper:
     return replace(subject, convention=replace(subject.convention, velocity_first=True), log=CallLog())
 
 
-def _moves_along(subject: ForeignStepper) -> bool:
+def _velocity_varies(subject: ForeignStepper) -> bool:
     """True if the apparent velocity argument of the force is the velocity in another state, and no constant."""
     seen: list[float] = []
 
@@ -231,7 +231,7 @@ def _moves_along(subject: ForeignStepper) -> bool:
     return np.allclose(seen[:2], [3.0, -2.0], rtol=0, atol=_AS_CARRIED)
 
 
-def _held_to_its_end(carried: Any, end: Sequence[float], convention: CallingConvention) -> None:
+def _demand_slope_at_end(carried: Any, end: Sequence[float], convention: CallingConvention) -> None:
     """Raise StaleSlope unless the slope that a step hands on is the slope at its end."""
     found = as_array(carried).ravel()
     if convention.kind == FIELD:
@@ -243,7 +243,7 @@ def _held_to_its_end(carried: Any, end: Sequence[float], convention: CallingConv
         raise StaleSlope(f"it hands on {shown} as the slope at its end, where it is {right}")
 
 
-def _held_to_its_time(subject: ForeignStepper, state: Sequence[float]) -> None:
+def _demand_time_of_end(subject: ForeignStepper, state: Sequence[float]) -> None:
     """Raise StaleSlope if the slope handed on is of another time than the end, unless the step ignores times."""
     if subject.convention.kind not in (FIELD, FORCE):
         return

@@ -131,14 +131,14 @@ class _Call:
         state = np.array(y, dtype=float)
 
         def rate(*asked: Foreign) -> Foreign:
-            (place, *others), times = _sorted(asked, state.size)
+            (place, *others), times = _arrays_and_numbers(asked, state.size)
             assert f is not None
             return _written(np.asarray(f(next(iter(times), t), place), float), others)
 
         given = {STATE: state, TIME: t, STEP: h, FUNCTION: rate}
         if CARRIED in self.roles.values() and f is not None:
             given[CARRIED] = np.asarray(f(t, state), float)
-        answer, outs = self._made(given, state)
+        answer, outs = self._called(given, state)
         return answer if answer is not None else outs[0] if outs else state
 
     def moved(self, force: Callable[..., Any] | None, q: Foreign, v: Foreign, h: float) -> Foreign:
@@ -161,13 +161,13 @@ class _Call:
         def asked(*arguments: Foreign) -> Foreign:
             if bodies:
                 return _answer_of_bodies(pushes, arguments, bodies)
-            arrays, _ = _sorted(arguments, places.size)
+            arrays, _ = _arrays_and_numbers(arguments, places.size)
             place, *others = [x for x in arrays if x is not masses] or arguments
             return _written(pushes(np.asarray(place, float)), [x for x in others if x is not speeds])
 
         given: dict[str, Foreign] = {POSITION: places, VELOCITY: speeds, STEP: h, FUNCTION: asked, _MASS: masses}
         given |= {_BODIES: bodies, TIME: 0.0, CARRIED: pushes(places) if CARRIED in self.roles.values() else None}
-        answer, outs = self._made(given, places)
+        answer, outs = self._called(given, places)
         if self.alike > alike:  # a force that does not know its body: begin again with equal masses
             return self.moved(force, q, v, h)
         if bodies:
@@ -176,7 +176,7 @@ class _Call:
         pair = answer if answer is not None else outs if len(outs) == 2 else (places, speeds)
         return tuple(np.reshape(x, shape) for x in pair[:2])
 
-    def _made(self, given: Mapping[str, Foreign], state: Any) -> tuple[Foreign, list[Foreign]]:
+    def _called(self, given: Mapping[str, Foreign], state: Any) -> tuple[Foreign, list[Foreign]]:
         """What the stepper returns, and the arrays it writes into, the position before the velocity."""
         outs = {name: np.zeros_like(state) for name, role in self.roles.items() if role == _OUT}
         known = {**given, _SIZE: len(state)}
@@ -185,7 +185,7 @@ class _Call:
         return answer, [outs[name] for name in ordered]
 
 
-def _sorted(asked: Sequence[Foreign], size: int) -> tuple[list[Foreign], list[Foreign]]:
+def _arrays_and_numbers(asked: Sequence[Foreign], size: int) -> tuple[list[Foreign], list[Foreign]]:
     """The arrays among the arguments, and the numbers that are not the size."""
     arrays = [x for x in asked if np.ndim(x)]
     return arrays, [x for x in asked if not np.ndim(x) and not (isinstance(x, int) and x == size)]

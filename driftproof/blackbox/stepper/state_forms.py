@@ -160,7 +160,7 @@ def _records(step: Callable[..., Any]) -> Iterator[ArrayAdapter]:
         names, needed = _fields(named)
         yield from _record(named.__name__, named, names, needed)
         return
-    keys, attributes = _asked(step)
+    keys, attributes = _names_read(step)
     if keys:
         yield from _record("dict", dict, keys, keys)
     elif attributes:
@@ -188,7 +188,7 @@ def _fields(record: Any) -> tuple[list[str], list[str]]:
     return keys, keys
 
 
-class _Asked(dict[str, float]):
+class _Recorded(dict[str, float]):
     """A state that has every key and attribute, and records which of them are read."""
 
     def __init__(self) -> None:
@@ -208,9 +208,9 @@ class _Asked(dict[str, float]):
         return 1.0
 
 
-def _asked(step: Callable[..., Any]) -> tuple[list[str], list[str]]:
+def _names_read(step: Callable[..., Any]) -> tuple[list[str], list[str]]:
     """The keys and the attributes of its state that a step reads, each once, in the order of reading."""
-    asked = _Asked()
+    asked = _Recorded()
     with suppress(Exception, SystemExit):
         step(asked, 0.25)
     return list(asked), list(dict.fromkeys(asked.__dict__["attributes"]))

@@ -41,7 +41,7 @@ _SPANS = ("t_span", "tspan", "interval", "t_bound", "t_end", "tf", "t_final")
 
 def wrapper_line(step: Callable[..., Any]) -> str:
     """The wrapper to write, as the end of an error message; "" if none is known to fit."""
-    line = _of_object(step) or ("" if inspect.isclass(step) else _of_names(step))
+    line = _for_object(step) or ("" if inspect.isclass(step) else _for_function(step))
     return f": {line}" if line else ""
 
 
@@ -76,10 +76,10 @@ def _name(step: Callable[..., Any]) -> str:
     return name if all(part.isidentifier() for part in name.split(".")) else "step"
 
 
-def _of_object(step: Callable[..., Any]) -> str:
+def _for_object(step: Callable[..., Any]) -> str:
     """The `stepper_of` line for a class, or for a method that takes the step size alone; "" if no state is found."""
     names = required_names(step)
-    if inspect.isclass(step) and (line := _of_class(step)):
+    if inspect.isclass(step) and (line := _for_class(step)):
         return line
     owner = step if inspect.isclass(step) else getattr(step, "__self__", None)
     if owner is None or (not inspect.isclass(step) and (names is None or [*map(_role, names)] not in ([STEP], []))):
@@ -105,10 +105,10 @@ def _of_object(step: Callable[..., Any]) -> str:
 def _attribute(made: Any, role: str) -> str:
     """The public attribute of an object with one of the role's names; "" if there is none."""
     named = vars(made) if hasattr(made, "__dict__") and not inspect.isclass(made) else {}
-    return next((name for name in named if not name.startswith("_") and _is(role, name)), "")
+    return next((name for name in named if not name.startswith("_") and _has_role(role, name)), "")
 
 
-def _of_class(cls: type) -> str:
+def _for_class(cls: type) -> str:
     """The wrapper of a class made from f, whose method takes and returns the state or whose object keeps it."""
     names = required_names(cls) or []
     own = next((each for each in (*_ADVANCES, "__call__") if any(each in vars(base) for base in cls.__mro__)), None)
@@ -207,13 +207,13 @@ class _Made(NamedTuple):
         return False
 
 
-def _of_names(step: Callable[..., Any]) -> str:
+def _for_function(step: Callable[..., Any]) -> str:
     """The wrapper of a function: a maker of steppers, a step with gradients of an energy, a solver, or a plain step."""
     names, name = required_names(step), _name(step)
     if names is None:
         return ""
     words = [each.lower().strip("_") for each in names]
-    if any(word in _SPANS for word in words) and not any(_is(STEP, word) for word in words):
+    if any(word in _SPANS for word in words) and not any(_has_role(STEP, word) for word in words):
         return f"a whole solver is examined by identify_solver({name})"
     by_position = next((each for each, word in zip(names, words, strict=True) if word in _BY_POSITION), None)
     by_momentum = next((each for each, word in zip(names, words, strict=True) if word in _BY_MOMENTUM), None)
@@ -223,7 +223,7 @@ def _of_names(step: Callable[..., Any]) -> str:
         return _call(name, names, {**gradients, **_by_role(rest, FORCE)}, FORCE)
     roles = {*map(_role, names)}
     if roles <= {FUNCTION, STEP} and roles:
-        return _of_maker(step, names, name)
+        return _for_maker(step, names, name)
     of_state = POSITION not in roles or (VELOCITY not in roles and TIME in roles)
     kind = MAP if FUNCTION not in roles else FIELD if of_state else FORCE
     if not (given := _by_role(names, kind)):
@@ -248,7 +248,7 @@ def _last_state(step: Callable[..., Any], names: Sequence[str], given: dict[Any,
     return ""
 
 
-def _of_maker(step: Callable[..., Any], names: Sequence[str], name: str) -> str:
+def _for_maker(step: Callable[..., Any], names: Sequence[str], name: str) -> str:
     """The wrapper of a function that makes a stepper from a right-hand side, from a step size, or from both."""
     made: Callable[..., Any] | None = None
     with suppress(Exception):
@@ -279,7 +279,7 @@ def _by_role(names: Sequence[str], kind: str) -> dict[str, str]:
     given: dict[str, str] = {}
     for each in names:
         open_roles = [FUNCTION, STEP, TIME, *((STATE,) if kind == FIELD else (POSITION, VELOCITY, STATE))]
-        role = next((r for r in open_roles if _is(r, each) and _ARGUMENTS[r] not in given.values()), None)
+        role = next((r for r in open_roles if _has_role(r, each) and _ARGUMENTS[r] not in given.values()), None)
         if role is not None:
             given[each] = _function(kind) if role == FUNCTION else _ARGUMENTS[role]
     if kind == MAP and "v" not in given.values():
@@ -293,9 +293,9 @@ def _function(kind: str) -> str:
     return "f" if kind == FIELD else "force"
 
 
-def _is(role: str, name: str) -> bool:
+def _has_role(role: str, name: str) -> bool:
     return name.lower().strip("_") in ROLES[role]
 
 
 def _role(name: str) -> str | None:
-    return next((role for role in (FUNCTION, STEP, TIME, POSITION, VELOCITY, STATE) if _is(role, name)), None)
+    return next((role for role in (FUNCTION, STEP, TIME, POSITION, VELOCITY, STATE) if _has_role(role, name)), None)
