@@ -188,7 +188,7 @@ def _fields(record: Any) -> tuple[list[str], list[str]]:
     return keys, keys
 
 
-class _Recorded(dict[str, float]):
+class _Asked(dict[str, float]):
     """A state that has every key and attribute, and records which of them are read."""
 
     def __init__(self) -> None:
@@ -210,7 +210,7 @@ class _Recorded(dict[str, float]):
 
 def _names_read(step: Callable[..., Any]) -> tuple[list[str], list[str]]:
     """The keys and the attributes of its state that a step reads, each once, in the order of reading."""
-    asked = _Recorded()
+    asked = _Asked()
     with suppress(Exception, SystemExit):
         step(asked, 0.25)
     return list(asked), list(dict.fromkeys(asked.__dict__["attributes"]))
