@@ -90,6 +90,18 @@ def test_a_step_of_no_earlier_slopes_is_left_alone():
     assert with_slopes_kept(of_plain := lambda f, t, y, h: y + h * f(t, y)) is of_plain
 
 
+ESTIMATE, OTHER = lambda k, last, y, h: h / 2 * (k - last), lambda k, last, y, h: y + h * k
+
+
+@pytest.mark.parametrize("beside", [ESTIMATE, OTHER], ids=["an error estimate", "another result"])
+def test_what_is_returned_beside_the_result_is_not_taken_for_a_slope_that_is_handed_on(beside):
+    def pair(f, t, y, h, f_prev):
+        slope = f(t, y)
+        return y + h * (1.5 * slope - 0.5 * f_prev), beside(slope, f_prev, y, h)
+
+    assert identify(pair, isolate=False).verdict == identify(bashforth2, isolate=False).verdict
+
+
 def test_numbered_slopes_reach_their_names_in_whichever_order_they_are_taken():
     def turned(y, t, f, h, f_nm2, f_nm1):
         return bashforth3(y, t, f, h, f_nm1, f_nm2)
