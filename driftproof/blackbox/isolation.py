@@ -241,7 +241,6 @@ class _CallLog:
         self.path.touch()
 
     def now(self) -> str:
-        """The last entry."""
         return self.path.read_bytes().decode(errors="replace").partition("\n")[0]
 
     @property

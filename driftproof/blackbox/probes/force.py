@@ -198,7 +198,6 @@ class _Probe:
                 raise NotReadable(f"at rest at 0 and without a force, the step does not stay: it shows {number:.6g}")
 
     def reading(self) -> ForceReading:
-        """The coefficients, after all controls."""
         still, moving = self._answered(1.0, 0.0, []), self._answered(0.0, 1.0, [])
         self._demand_plain(still, moving)
         columns = [self._column(j) for j in range(self.calls)]

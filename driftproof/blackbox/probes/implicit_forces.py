@@ -118,19 +118,9 @@ def read_implicit_forces(subject: ForeignStepper) -> ForceReading:
     velocities = _velocities(subject, b_velocity) if subject.gives_velocities else None
     if all(map(is_explicit, filter(None, (read.a, velocities)))):
         raise NotReadable("none of its stages is implicit")
-    return ForceReading(
-        tuple(nodes),
-        read.a,
-        b_position,
-        b_velocity,
-        drift,
-        read.format,
-        read.remarks,
-        wrong_time=next(wrong, ""),
-        a_velocity=velocities,
-        stage_error=chains.left,
-        solved=read.solved,
-    )
+    found = ForceReading(tuple(nodes), read.a, b_position, b_velocity, drift, read.format, read.remarks)
+    found = replace(found, wrong_time=next(wrong, ""), a_velocity=velocities)
+    return replace(found, stage_error=chains.left, solved=read.solved)
 
 
 def _moved(chains: StageChains, label: StageLabel | None) -> float:

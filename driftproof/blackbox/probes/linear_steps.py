@@ -97,10 +97,9 @@ def read_linear_steps(subject: ForeignStepper, amplitude: float = 1.0) -> Linear
 
 
 def _linearised(subject: ForeignStepper, fmt: FloatFormat, at_identity: bool) -> LinearReading | None:
-    """The reading at states so small that the step is linear there, but not so small that a rule puts them to rest.
+    """The reading at states so small that the step is linear there, and yet not put to rest; None if there are none.
 
-    At the first size, products of two states are below a rounding of one, and still ordinary numbers. None if no size
-    is small in this sense.
+    At the first size, products of two states are below a rounding of one, and still ordinary numbers.
     """
     if fmt == BINARY16:  # binary16 has no numbers so small
         return None

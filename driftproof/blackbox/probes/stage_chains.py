@@ -105,9 +105,8 @@ class StageChains:
             given = [1.0, *(moved[::-1] if backward else moved)]
             known = [(label, share) for label, share in shares.items() if label in kept]
             here = self.steps.part
-            own = [
-                x * fsum(share * g[label, here] for label, share in known) for x, g in zip(given, weights, strict=False)
-            ]
+            pairs = zip(given, weights, strict=False)
+            own = [x * fsum(share * g[label, here] for label, share in known) for x, g in pairs]
             return own[::-1] if backward else own
 
         run = self.steps.run(self.marks, setting, slopes)
@@ -149,10 +148,8 @@ class StageChains:
 
         def slopes(shares: StageShares, moved: Sequence[float]) -> Sequence[float]:
             given, here = [size, *moved[: links - 1]], self.steps.part
-            own = [
-                x * shares.get(label, 0.0) if part == here else 0.0
-                for x, (label, part) in zip(given, marked, strict=True)
-            ]
+            pairs = zip(given, marked, strict=True)
+            own = [x * shares.get(label, 0.0) if part == here else 0.0 for x, (label, part) in pairs]
             return [*own, *[0.0] * (len(moved) - links)]
 
         result = self.steps.run(self.marks, variant.setting, slopes, size=links).result

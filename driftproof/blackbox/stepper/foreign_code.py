@@ -228,10 +228,7 @@ def _differs(x: Foreign, before: Foreign) -> bool:
 
 
 def _states_of_run(answer: Any, start: Sequence[Any], layout: str | None, steps: int) -> tuple[Any, str]:
-    """The states of a run, the start among them, and their layout, which is detected unless it is known.
-
-    The states are rows or columns, the first of them the start, or the last state comes alone. Raises WrongShape.
-    """
+    """The states of a run and their layout, known or detected: rows, columns, or the end alone. Raises WrongShape."""
     size, table = len(start), _table(answer, len(start))
     if table.size == size:
         return [table.ravel()], _END
@@ -247,10 +244,7 @@ def _states_of_run(answer: Any, start: Sequence[Any], layout: str | None, steps:
 def _states_of_generator(
     generator: Any, start: Sequence[Any], layout: str | None, steps: int
 ) -> tuple[Sequence[Any], str]:
-    """The states that a generator yields and their layout; the start is put first if it is not yielded.
-
-    Raises NotANumber if it yields none.
-    """
+    """The states that a generator yields, after the start, and their layout. Raises NotANumber if there are none."""
     states = [_numbers_of(state)[-len(start) :] for state in islice(generator, steps + 1)]
     if not states:
         raise NotANumber("the generator ends before it yields a state")

@@ -211,7 +211,6 @@ class _Accessor:
 
     @classmethod
     def of(cls, place: Location, size: int | None = None) -> _Accessor:
-        """The access to an attribute, or through two functions."""
         if not isinstance(place, str):
             return cls(*place, size)
         owner, _, name = place.rpartition(".")

@@ -167,7 +167,6 @@ def _in_fields(subject: ForeignStepper, h: float, size: int = 3) -> Sequence[flo
 
 
 def _turning(subject: ForeignStepper, h: float) -> Sequence[float]:
-    """A quaternion of length 1 at an angular velocity with three components."""
     return turn_quaternion(subject, (0.5, 0.5, 0.5, 0.5), (1.0, 0.5, 0.25), h)
 
 
@@ -287,10 +286,7 @@ class Target:
     def open(
         self, before: Callable[[str], None] = lambda call: None, after: Callable[[], None] = lambda: None
     ) -> ForeignStepper:
-        """Open the stepper, imported if need be; `before` and `after` are called around each of its calls.
-
-        Raises ValueError or a `Misbehaviour`.
-        """
+        """Open the stepper, imported if need be, as `opened` does. Raises ValueError or a `Misbehaviour`."""
         array = None if self.array is None else imported(self.array)
         return opened(imported(self.step), self.calls, array, before, after)
 

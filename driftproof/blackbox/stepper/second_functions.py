@@ -47,13 +47,8 @@ def with_functions(
         by_name = dict(zip(names, values, strict=True)) if names else {}
         return subject.function(*([] if names else values), **by_name, **named)
 
-    field = replace(
-        subject.convention,
-        kind=FIELD,
-        order=tuple(order[place] for place in kept),
-        names=tuple(names[place] for place in kept) if names else (),
-    )
-    return replace(subject, function=step, convention=field)
+    left, called = (tuple(each[place] for place in kept if each) for each in (order, names))
+    return replace(subject, function=step, convention=replace(subject.convention, kind=FIELD, order=left, names=called))
 
 
 def _matrix(subject: ForeignStepper, rows: Sequence[Sequence[AnyNumber]]) -> Foreign:

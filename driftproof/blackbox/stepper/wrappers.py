@@ -175,7 +175,6 @@ class _Made(NamedTuple):
         return f"def wrapped({head}, n): {begin}z = {state}; return [z] + [z := {later} for i in range(n)]"
 
     def new(self, make: Callable[..., Any], state: Sequence[Any], t: float) -> Any:
-        """A stepper that begins with this state."""
         made = make(*self._values(self.arguments, state, t))
         if self.time:
             setattr(made, self.time, t)
