@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from itertools import chain
 from math import fsum
 from typing import NamedTuple
 
@@ -172,9 +173,9 @@ class TableauProbe:
         if not self.calls:
             raise NotReadable("the right-hand side is never called")
         demand_same(self.rounding, self.silent.numbers, self.run(self.size, [], AT_REST).numbers)
-        for numbers in (*self.silent.places, self.silent.result):
-            if any(numbers):
-                raise NotReadable(f"with all slopes 0, y = 0 does not stay: the step goes through {numbers[0]:.6g}")
+        for number in chain(*self.silent.places, self.silent.result):
+            if number:
+                raise NotReadable(f"with all slopes 0, y = 0 does not stay: the step goes through {number:.6g}")
 
     def reading(self) -> TableauReading:
         """The coefficients, after all controls."""
