@@ -12,10 +12,12 @@ import numpy as np
 from driftproof.blackbox.stepper.array_adapters import Foreign
 from driftproof.blackbox.stepper.calling_conventions import (
     FUNCTION,
+    POSITION,
     ROLES,
     STATE,
     STEP,
     TIME,
+    VELOCITY,
     parameters_of,
     required_names,
 )
@@ -46,10 +48,10 @@ class _Decisions(dict[str, bool]):
 class HandedSlopes:
     """The step without its arguments for earlier slopes, which are kept here.
 
-    It keeps the slope at the start of each step, or what the step hands on: f1 of (y1, f1), the history of
-    (y1, history), or a history that the step changes in place. If f1 is the slope at the end of its step, each step is
-    given the slope at its own start instead, and nothing is remembered. `handed` is true if the first steps were given
-    f at the first state for all earlier slopes, so that the stepper has no start of its own.
+    It keeps the slope at the start of each step, or what the step hands on: f1 of (y1, f1) or (q1, v1, f1), the history
+    of (y1, history), or a history that the step changes in place. If f1 is the slope at the end of its step, each step
+    is given the slope at its own start instead, and nothing is remembered. `handed` is true if the first steps were
+    given f at the first state for all earlier slopes, so that the stepper has no start of its own.
     """
 
     def __init__(self, step: Callable[..., Any], names: Sequence[str], slots: Sequence[str], history: str) -> None:
@@ -61,8 +63,11 @@ class HandedSlopes:
         self.rest = [name for name in names if name not in (*slots, history)]
         self.roles = {
             role: next((name for name in self.rest if name.lower().strip("_") in ROLES[role]), "")
-            for role in (FUNCTION, STATE, TIME, STEP)
+            for role in (FUNCTION, STATE, TIME, STEP, POSITION, VELOCITY)
         }
+        self.of_force = bool(self.roles[POSITION] and self.roles[VELOCITY])
+        if self.of_force:
+            self.roles[STATE] = self.roles[POSITION]
         kind = inspect.Parameter.POSITIONAL_OR_KEYWORD
         self.__signature__ = inspect.Signature([inspect.Parameter(name, kind) for name in self.rest])
         self.__qualname__, self.__module__ = getattr(step, "__qualname__", type(step).__name__), step.__module__
@@ -79,7 +84,8 @@ class HandedSlopes:
         if self._hands_on(answer, slope):
             answer, end = answer[:-1], answer[-1]
             if "of end" not in self.returned:
-                at_end = self._slope({**given, self.roles[STATE]: answer[-1]}, given[self.roles[STEP]])
+                state = answer[0 if self.of_force else -1]
+                at_end = self._slope({**given, self.roles[STATE]: state}, given[self.roles[STEP]])
                 of_end = np.allclose(end, at_end, _ALIKE) and not np.allclose(end, slope, _ALIKE)
                 self.returned["of end"] = of_end
             slope = end
@@ -93,7 +99,8 @@ class HandedSlopes:
 
         An error estimate is closer to 0, and so is another result: on a short step of the oscillator, or of y' = -y.
         """
-        if not isinstance(answer, tuple) or len(answer) < 2 or np.shape(answer[-1]) != np.shape(slope):
+        parts = len(answer) if isinstance(answer, tuple) else 0
+        if parts < 2 + self.of_force or np.shape(answer[-1]) != np.shape(slope):
             return False
         if "slope" not in self.returned and np.any(slope):
             end, start = (np.array(x, float) for x in (answer[-1], slope))

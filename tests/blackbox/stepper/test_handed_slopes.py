@@ -102,6 +102,24 @@ def test_what_is_returned_beside_the_result_is_not_taken_for_a_slope_that_is_han
     assert identify(pair, isolate=False).verdict == identify(bashforth2, isolate=False).verdict
 
 
+def verlet(force, x, v, dt, f_old):
+    x1 = x + dt * v + dt**2 / 2 * f_old
+    return x1, v + dt / 2 * (f_old + (f1 := force(x1))), f1
+
+
+def test_a_force_that_is_handed_on_is_that_at_the_position():
+    def of_q(force, t, q, p, h, f_prev):
+        return verlet(lambda x: force(t + h, x), q, p, h, f_prev)
+
+    def bashforth_of_a_force(force, x, v, dt, f_old):
+        return x + dt * v, v + dt * (1.5 * force(x) - 0.5 * f_old)
+
+    assert identify(verlet, isolate=False).verdict == identify(of_q, isolate=False).verdict == "it is velocity_verlet"
+    step = with_slopes_kept(bashforth_of_a_force)
+    assert step(lambda x: -x, 1.0, 0.5, 0.25) == (1.125, 0.25)
+    assert step(lambda x: -x, 1.125, 0.25, 0.25) == (1.1875, -0.046875)
+
+
 def test_numbered_slopes_reach_their_names_in_whichever_order_they_are_taken():
     def turned(y, t, f, h, f_nm2, f_nm1):
         return bashforth3(y, t, f, h, f_nm1, f_nm2)
