@@ -95,9 +95,9 @@ class HandedSlopes:
         return answer
 
     def _hands_on(self, answer: Foreign, slope: Foreign) -> bool:
-        """True if the answer ends with a slope: it is closer to the slope at the start than to 0, at the first step.
+        """True if the answer ends with a slope: at the first step, it is closer to the slope at the start than to 0.
 
-        An error estimate is closer to 0, and so is another result: on a short step of the oscillator, or of y' = -y.
+        An error estimate is closer to 0, and so is another result, on a short step of the oscillator or of y' = -y.
         """
         parts = len(answer) if isinstance(answer, tuple) else 0
         if parts < 2 + self.of_force or np.shape(answer[-1]) != np.shape(slope):

@@ -31,10 +31,10 @@ def stepper_of(
 ) -> Callable[..., tuple[float, float]]:
     """Return the step (force, q, v, h) -> (q₁, v₁) of an object on q' = v, v' = force(q), or its (q, v, h) -> (q₁, v₁).
 
-    `make(force)` builds an object that calls force(q) where it likes. `make()` builds one that calls nothing: `push`
-    gives it the number force(q) before each step, or its system is built in. `position` and `velocity` are where q and
-    v are, each an attribute or a pair of functions (get, put); of several numbers there, the first is used and the
-    others are set to 0. Or `state` is where both are, as the first two numbers. `advance` takes h.
+    `make(force)` builds an object that calls force(q) itself. `make()` builds one that calls nothing: `push` gives it
+    the number force(q) before each step, or its system is built in. `position` and `velocity` are the places of q and
+    v, each an attribute or a pair of functions (get, put); of several numbers there, the first is used and the others
+    are set to 0. Or `state` is the place of both, its first two numbers. `advance` takes h.
 
     One object makes all steps, so that it shows whether it remembers more than its state. After a step that is not
     finite a new object is made, since what that step leaves in the old one would affect all later steps. With `anew`, a

@@ -292,7 +292,7 @@ class Target:
 
 
 def imported(named: Callable[..., Any] | str, what: str = "stepper") -> Callable[..., Any]:
-    """The callable that `package.module:name` names, searched from the current directory as well; a callable as it is.
+    """The callable that `package.module:name` names, also found from the current directory; a callable as it is.
 
     Raises ValueError, with a message of one line, for a text of another form and for what cannot be imported or called.
     """
