@@ -1,4 +1,4 @@
-"""What a stepper did that no stepper should: failures with the call that shows them."""
+"""Failures of foreign code as exceptions, and the outcome of one check."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Any
 
 
 class Misbehaviour(Exception):
-    """A step that gave no usable answer; `kind` is one word for it, the message says what was seen."""
+    """A step without a usable answer. `kind` is one word for the failure; the message says what was seen."""
 
     kind = "misbehaviour"
 
@@ -20,62 +20,63 @@ class StepRaised(Misbehaviour):
 
 
 class WrongShape(Misbehaviour):
-    """The answer is not the number of numbers that went in."""
+    """The answer does not hold as many numbers as went in."""
 
     kind = "wrong_shape"
 
 
 class NotANumber(Misbehaviour):
-    """The answer holds something that is no real number: text, None, a complex number."""
+    """The answer holds something that is not a real number: text, None, a complex number."""
 
     kind = "not_a_number"
 
 
 class Increment(Misbehaviour):
-    """The answer is y1 - y where y1 is meant."""
+    """The answer is the increment y1 - y instead of y1."""
 
     kind = "increment"
 
 
 class Exchanged(Misbehaviour):
-    """The answer is (v1, q1) where (q, v) went in."""
+    """The step takes (q, v) and returns (v1, q1)."""
 
     kind = "exchanged"
 
 
 class StaleSlope(Misbehaviour):
-    """The slope that a step hands on to the next one is not that at its end."""
+    """The slope that a step hands on to the next one is not the slope at its end."""
 
     kind = "stale_slope"
 
 
 class NotFinite(Misbehaviour):
-    """The answer is NaN or infinite where the exact one is an ordinary number; `answer` is what came."""
+    """The answer to finite arguments is NaN or infinite. `answer` holds the numbers returned."""
 
     kind = "not_finite"
 
     def __init__(self, seen: str, answer: tuple[Any, ...]) -> None:
-        """What was seen, in words and in numbers."""
+        """Keep what was seen, in words and in numbers."""
         super().__init__(seen)
         self.answer = answer
 
 
 class NoAnswer(BaseException):
-    """A call that had not come back when its time was over, and is not made again: evidence of nothing.
+    """A call that did not come back within its time limit. It is not repeated, and it is evidence of nothing.
 
-    It is no `Exception`, so that nobody who looks for what a code refuses or raises takes it for that.
+    It is no `Exception`, so that code which catches the exceptions of a stepper does not mistake it for one.
     """
 
     kind = "time_limit"
 
 
 class UnsupportedCall(ValueError):
-    """The stepper takes no force, or no right-hand side, so that this question cannot be put to it."""
+    """The stepper cannot be called as a question requires: it takes no force, say, or no right-hand side."""
 
     kind = "unsupported_call"
 
 
-# What says nothing of a stepper, and what would: a time limit, an end from outside, an instrument of ours that failed.
+# Kinds of outcome that say nothing about a stepper (a time limit, an end from outside, a fault of ours), each with what
+# would settle the question.
 NO_EVIDENCE = {
     "time_limit": "a longer time limit",
     "killed": "a run that nobody ends",
@@ -85,10 +86,10 @@ NO_EVIDENCE = {
 
 @dataclass(frozen=True)
 class Outcome:
-    """What came of one check: its result; or one word for why there is none, and what was seen.
+    """The outcome of one check: its result, or one word for why there is none, with what was seen instead.
 
-    `arithmetic` says who changed the rounding mode, or what becomes of subnormal numbers, where somebody did; `calls`,
-    how often the subject was called for it.
+    `arithmetic` says since when the rounding mode or the treatment of subnormal numbers is changed, if it is. `calls`
+    is the number of calls of the subject that the check made.
     """
 
     result: Any = None
@@ -99,10 +100,10 @@ class Outcome:
 
     @property
     def failed(self) -> bool:
-        """True when there is no result."""
+        """True if there is no result."""
         return self.kind is not None
 
 
 def arithmetic_of(outcomes: Iterable[Outcome]) -> str:
-    """Who changed the arithmetic, of the first outcome that says so; "" for nobody."""
+    """The first change of the arithmetic that an outcome reports; "" if none does."""
     return next((outcome.arithmetic for outcome in outcomes if outcome.arithmetic), "")

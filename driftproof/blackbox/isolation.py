@@ -1,4 +1,4 @@
-"""Probes of foreign code in an isolated process with limits: a crash there is a finding, a hang is told."""
+"""Runs of probes on foreign code in an isolated process with limits: a crash is a finding, a hang is reported."""
 
 from __future__ import annotations
 
@@ -26,57 +26,55 @@ from driftproof.support.processes import START_UP, Limits, ProcessEnded, Session
 
 
 class Examined(Protocol):
-    """What is examined, a stepper or a solver: its name, whether another interpreter can import it, and how to open it.
-
-    What `open` gives is what the probes take.
-    """
+    """The subject of an examination, a stepper or a solver. What `open` returns is passed to the probes."""
 
     @property
     def name(self) -> str:
-        """What a report calls it."""
+        """The name that reports use."""
 
     @property
     def by_name(self) -> bool:
-        """True when another interpreter can import all of it."""
+        """True if another interpreter can import the whole subject."""
 
     def open(self, before: Callable[[str], None] = ..., after: Callable[[], None] = ...) -> Any:
-        """It, ready; `before` and `after` are told of each call. Raises ValueError or a `Misbehaviour`."""
+        """Open the subject; `before` and `after` are called around each call. Raises ValueError or a `Misbehaviour`."""
 
 
 Probe = Callable[[Any], Any]
-# Seconds for all probes together: a step of a simulator takes milliseconds, and a report some thousand steps.
+# Seconds for all probes together. A step of a simulator takes milliseconds, and a report takes some thousand steps.
 TIME_LIMIT = 120.0
-# In bytes, beyond what the process has at its start: no stepper of three numbers needs it, and most machines have it.
+# Bytes beyond what the process has at its start: no stepper of three numbers needs them, most machines have them.
 MEMORY_LIMIT = 8 * 2**30
-# One call may take as many times as long as the longest probe before it, and at least so many seconds: with the time in
-# which other work holds the processors, or in which a step is compiled anew for numbers of another type.
+# One call may take this many times as long as the longest probe before it, and at least this many seconds: other work
+# may hold the processors, or a step may be compiled anew for numbers of another type.
 PATIENCE, LEAST_LIMIT = 4, 5.0
-# One probe has this part of the time that is left, a call this part of the whole, so that the others are asked, too;
-# and the first call, in which a step may be compiled, most of its probe's.
+# One probe may use this part of the time left, and one call this part of the whole, so that the other probes also run.
+# The first call, in which a step may be compiled, may use most of its probe's time.
 _SHARE_OF_PROBE, _SHARE_OF_CALL, _SHARE_OF_FIRST_CALL = 1 / 2, 1 / 6, 3 / 4
-# A probe is begun anew without the call that hung, so often: each costs the time of a call.
+# How often a probe is started again without the call that hung; each start costs the time of a call.
 _MOST_HANGS = 3
-# What our command loads.
+# Packages that our own command loads.
 _OURS = {"driftproof", "numpy", "flint", "cython_runtime"}
-# Seconds between two looks at the call that is being made.
+# Seconds between two looks at the call in progress.
 _LOOK = 0.05
-# Steps of other sizes are asked for at the ends of what floats are: what hangs there does so from every state.
+# Other step sizes are tried only at the ends of the floating-point range; a call that hangs there does so from every
+# state.
 _ORDINARY_STEPS = (2.0**-40, 2.0**8)
 
 
 def opens(subject: Any) -> None:
-    """The probe that asks for nothing: it succeeds if the stepper can be imported and answers a first call."""
+    """Do nothing: this probe succeeds if the subject can be imported and answers a first call."""
 
 
 @dataclass
 class IsolatedRunner:
-    """Runs probes on one stepper, all of them within `time_limit` seconds, however often it is asked.
+    """Runs probes on one subject, all of them together within `time_limit` seconds.
 
-    A stepper given by name runs in a fresh interpreter, its probes being picklable, or in a fork of our own command,
-    which has loaded nothing else; one given as a callable in a fork of this process. With `isolate` false, or where a
-    system cannot fork, it runs here and nothing stops it. The start of processes is not counted. `hung` are the calls
-    that did not come back: none of them is made again. In a `with` statement later questions go to the process of the
-    first, as long as it lives; they have to be picklable.
+    A subject given by name runs in a fresh interpreter, for which its probes must be picklable; our own command uses a
+    fork of itself as long as it has loaded nothing else. A subject given as a callable runs in a fork of this process.
+    With `isolate` false, or on a system without fork, probes run in this process and nothing stops them. The start of
+    processes is not counted. `hung` lists the calls that did not come back; none of them is made again. In a `with`
+    statement, one process serves all runs as long as it lives, and all probes must be picklable.
     """
 
     target: Examined
@@ -90,31 +88,31 @@ class IsolatedRunner:
     _here: Serving | None = None
 
     def __post_init__(self) -> None:
-        """Refuse a time limit that leaves no time: ValueError."""
+        """Raise ValueError for a time limit that leaves no time."""
         if not self.time_limit > 0:
             raise ValueError(f"a time limit of {self.time_limit:g} s leaves no time; write a number above 0")
 
     def __enter__(self) -> IsolatedRunner:
-        """From now on one process is kept."""
+        """Keep one process for all runs until the `with` statement ends."""
         self._kept = True
         return self
 
     def __exit__(self, *_: object) -> None:
-        """End it."""
+        """End the process."""
         if self._process is not None:
             self._process[0].close()
             self._process = None
 
     def run(self, probes: Sequence[Probe]) -> list[Outcome]:
-        """The outcome of each; after a hang or a crash the rest go on in a new process.
+        """Return the outcome of each probe. After a hang or a crash, a new process runs the remaining probes.
 
-        A stepper that cannot even be opened is tried once: that outcome is the outcome of all. A probe whose call hangs
-        is begun anew, and answers without it.
+        A subject that cannot even be opened is tried once, and that outcome is returned for every probe. A probe whose
+        call hangs is started again, and answers without that call.
         """
         asked, outcomes, hangs = [opens, *probes], list[Outcome](), Counter[int]()
         while len(outcomes) < len(asked):
             known = len(self.hung)
-            for outcome in self._some(asked[len(outcomes) :]):
+            for outcome in self._first_outcomes(asked[len(outcomes) :]):
                 if len(self.hung) > known and outcomes and hangs[len(outcomes)] < _MOST_HANGS:
                     hangs[len(outcomes)] += 1
                     break
@@ -124,12 +122,12 @@ class IsolatedRunner:
         return outcomes[1:]
 
     def outcome_of(self, probe: Probe) -> Outcome:
-        """That of one."""
+        """The outcome of one probe."""
         (outcome,) = self.run([probe])
         return outcome
 
-    def _some(self, probes: Sequence[Probe]) -> Iterator[Outcome]:
-        """The outcomes of the first few, at least of one: of all, or up to a hang or a crash."""
+    def _first_outcomes(self, probes: Sequence[Probe]) -> Iterator[Outcome]:
+        """Yield the outcomes of the first probes: of all of them, or up to and including a hang or a crash."""
         if not self.isolate or not hasattr(os, "fork"):
             if self._here is None or not self._kept:
                 self._here = Serving(self.target, probes)
@@ -142,7 +140,7 @@ class IsolatedRunner:
             for i, probe in enumerate(probes):
                 yield self._answer(session, i, log, opening=probe is opens)
         except ProcessEnded as ended:
-            outcome = _of_end(ended, log)
+            outcome = _outcome_of_end(ended, log)
             self.__exit__()
             yield outcome
         finally:
@@ -150,7 +148,7 @@ class IsolatedRunner:
                 self.__exit__()
 
     def _started(self, probes: Sequence[Probe], log: _CallLog) -> Session:
-        """The process, told what it will be asked. Raises ProcessEnded."""
+        """The process, which knows the probes it will run. Raises ProcessEnded."""
         if self._process is not None:
             self._process[1].ask(_packed(list(probes)), START_UP)
             return self._process[1]
@@ -165,7 +163,7 @@ class IsolatedRunner:
         return session
 
     def _answer(self, session: Session, index: int, log: _CallLog, *, opening: bool) -> Outcome:
-        """The outcome of one probe. Raises ProcessEnded, with the cause "time" when its time is over."""
+        """The outcome of one probe. Raises ProcessEnded, with the cause "time" if its time is over."""
         start, call, since = monotonic(), "", monotonic()
         limit = max(0.0, self.time_limit - self.spent) * _SHARE_OF_PROBE
         patience = max(LEAST_LIMIT, PATIENCE * self._longest)
@@ -196,9 +194,9 @@ class IsolatedRunner:
 
 
 def _is_command_alone() -> bool:
-    """True in `driftproof COMMAND` as long as nobody else's modules are loaded: then a fork is a fresh interpreter.
+    """True in `driftproof COMMAND` while no foreign module is loaded: a fork then equals a fresh interpreter.
 
-    Names that begin with an underscore are those of files that run when any interpreter starts.
+    Names with a leading underscore are those of files that run when any interpreter starts.
     """
     main = getattr(sys.modules["__main__"], "main", None)
     loaded = {name.partition(".")[0] for name in sys.modules} - sys.stdlib_module_names - _OURS
@@ -209,23 +207,23 @@ def _packed(plain: object) -> str:
     return base64.b64encode(pickle.dumps(plain)).decode()
 
 
-# What an end without an answer is; any other is the stepper's own.
+# The kind of outcome for each cause of an end without an answer; any other cause is a crash of the subject.
 _ENDS = {"time": "time_limit", "killed": "killed", "raised": "instrument_failed"}
 
 
-def _of_end(ended: ProcessEnded, log: _CallLog) -> Outcome:
-    """What came of a probe whose process gave no answer."""
+def _outcome_of_end(ended: ProcessEnded, log: _CallLog) -> Outcome:
+    """The outcome of a probe whose process ended without an answer."""
     text = log.call
     call = f" in step({text})" if text else " while the stepper was imported"
     return Outcome(kind=_ENDS.get(ended.cause, "crashes"), seen=f"{ended}{call}")
 
 
 def _not_again(call: str) -> str:
-    """What must not stand in a call that is made: the call that hung, or its h where that is no ordinary one."""
+    """The text of calls to refuse from now on: the call that hung, or its h alone if that is not an ordinary one."""
     h = call.rpartition("h=")[2]
     try:
         ordinary = _ORDINARY_STEPS[0] <= abs(float(h)) <= _ORDINARY_STEPS[1]
-    except ValueError:  # of another arithmetic
+    except ValueError:  # a number of another arithmetic
         ordinary = True
     return call if ordinary else f"h={h}"
 
@@ -235,29 +233,27 @@ _CALLING, _BACK = "calling", "back"
 
 @dataclass(frozen=True)
 class _CallLog:
-    """A file in which the far side writes the call that it is about to make, with a number, and that it is back."""
+    """A file in which the worker writes the call that it is about to make, with a number, and that it is back."""
 
     path: Path
 
     def __post_init__(self) -> None:
-        """Make the file."""
         self.path.touch()
 
     def now(self) -> str:
-        """The last entry."""
         return self.path.read_bytes().decode(errors="replace").partition("\n")[0]
 
     @property
     def call(self) -> str:
-        """The last call, whether it is back or not."""
+        """The last call, whether or not it is back."""
         return self.now().partition(": ")[2]
 
 
 @dataclass
 class Serving:
-    """The far side: opens the stepper at the first request and answers each by the outcome of one probe, as text.
+    """The worker's side: opens the subject at the first request, and answers each request by the outcome of one probe.
 
-    The call about to be made stands in the file `log`, if there is one. Those that `hung` are refused.
+    The file `log`, if there is one, holds the call that is being made. Calls listed in `hung` are refused.
     """
 
     target: Examined
@@ -269,13 +265,13 @@ class Serving:
     _call: str = field(default="", init=False)
 
     def __call__(self, request: int | str | None) -> str:
-        """The outcome of one probe, encoded; nothing for no probe, or for others that are to be served from now on."""
+        """The encoded outcome of one probe, by its number; "" for None and for a text, which replaces the probes."""
         if isinstance(request, str):
             self.probes = pickle.loads(base64.b64decode(request))
         return encode(self.outcome(request)) if isinstance(request, int) else ""
 
     def outcome(self, index: int) -> Outcome:
-        """The outcome of one probe; warnings of the stepper's, as of overflow, are not shown."""
+        """The outcome of one probe; warnings of the subject, as of overflow, are not shown."""
         before = self._calls
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
@@ -313,7 +309,7 @@ _serving: list[Serving] = []
 
 
 def answer_probe(request: str | int) -> str | None:
-    """In a fresh interpreter: what is to be served, as `IsolatedRunner` pickled it, then the probes by their number."""
+    """Serve a fresh interpreter: the first request is a pickled `Serving`, which then answers all others."""
     if not _serving:
         _serving.append(pickle.loads(base64.b64decode(str(request))))
         return None
@@ -325,13 +321,13 @@ def _outcome(probe: Probe, subject: Any) -> Outcome:
         return Outcome(probe(subject))
     except (Misbehaviour, NoAnswer, ValueError) as error:
         return _failure(error)
-    except Exception as error:  # ours: the stepper's own exceptions come as Misbehaviour
+    except Exception as error:  # a fault of ours: the subject's own exceptions come as Misbehaviour
         place = traceback.extract_tb(error.__traceback__)[-1]
         where = f"{Path(place.filename).name}, line {place.lineno}"
         return Outcome(kind="instrument_failed", seen=f"{type(error).__name__} in {where}: {error}; please report this")
 
 
 def _failure(error: BaseException) -> Outcome:
-    limit = f"(an isolated process is given {MEMORY_LIMIT / 2**30:g} GiB)"
-    seen = f"{error}{limit}" if isinstance(error.__cause__, MemoryError) else str(error)
+    limit = f" (an isolated process is given {MEMORY_LIMIT / 2**30:g} GiB)"
+    seen = f"{error}".rstrip() + limit if isinstance(error.__cause__, MemoryError) else str(error)
     return Outcome(kind=getattr(error, "kind", "bad_input"), seen=seen)

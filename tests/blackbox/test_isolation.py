@@ -132,6 +132,14 @@ def test_a_crash_costs_its_own_question_only():
     assert found[0].result == found[2].result == (1.1875, 0.5)
 
 
+def test_a_lack_of_memory_is_shown_with_its_message_and_the_limit():
+    def hoards(q, v, h):
+        raise MemoryError("Unable to allocate 9 GiB")
+
+    seen = IsolatedRunner(Target(hoards), LONG, isolate=False).outcome_of(answer).seen
+    assert seen.endswith("raises MemoryError: Unable to allocate 9 GiB (an isolated process is given 8 GiB)")
+
+
 def test_a_stepper_that_exits_is_a_finding_and_ends_nothing():
     found = outcome(broken_steppers.exits)
     assert (found.kind, found.seen) == ("raises", "step(q=1.0, v=0.75, h=0.25) raises SystemExit: no licence")

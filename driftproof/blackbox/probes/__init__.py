@@ -1,1 +1,1 @@
-"""A stepper's own coefficients, read by answering its right-hand side or its force."""
+"""Probes that read a stepper's own coefficients by answering its right-hand side or its force."""

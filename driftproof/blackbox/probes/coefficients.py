@@ -1,4 +1,4 @@
-"""Coefficients read from float code: how far one is from an exact number, and which fraction it stands for."""
+"""Coefficients read from floating-point code, compared with exact numbers and shown as the fractions they stand for."""
 
 from __future__ import annotations
 
@@ -8,41 +8,41 @@ from driftproof.methods.number_field import Exact
 from driftproof.symbolic.algebra.certified import decide_by_enclosure
 from driftproof.symbolic.rounding.formats import FloatFormat, exponent, power_of_two
 
-# An exact number longer than this is shown as a decimal.
+# The most characters of an exact number; a longer one is shown as a decimal.
 _LONGEST_SHOWN = 24
 
 
 def is_nearest(x: float, exact: Exact, fmt: FloatFormat) -> bool:
-    """True when x is the number of the format nearest to `exact`: correctly rounded."""
+    """True if x is the number of the format nearest to `exact`, so that x is correctly rounded."""
     return bool(decide_by_enclosure(exact, fmt.nearest) == Fraction(x))
 
 
 def half_spacing(x: float, fmt: FloatFormat) -> Fraction:
-    """How far the numbers that the format rounds to x may be from it: u times the power of two below |x|, at least."""
+    """Half the spacing of the format at x: no number that is rounded to x is farther away. 0 for x = 0."""
     return power_of_two(max(exponent(Fraction(x)), fmt.emin) - fmt.precision) if x else Fraction(0)
 
 
 def coefficient_text(x: float, fmt: FloatFormat, slack: float = 0.0) -> str:
-    """The fraction that x is the rounding of, as "1/3", if that is no coincidence; else its shortest decimals.
+    """The fraction that x rounds, such as "1/3", unless that may be a coincidence; otherwise its shortest decimals.
 
-    With `slack`, the fraction may be so much farther away: of a number that was not read but computed.
+    `slack` is added to the distance allowed, for a number that was computed rather than read.
     """
     fraction = simple_rational(x, half_spacing(x, fmt) + Fraction(slack))
     return repr(x) if fraction is None else str(fraction)
 
 
 def exact_shown(exact: Exact) -> str:
-    """The exact number as it is written; a long one as a decimal."""
+    """The exact number as text, a long one as a decimal."""
     text = str(exact)
     return text if len(text) <= _LONGEST_SHOWN else repr(float(exact))
 
 
 def coefficient_difference(name: str, seen: float, exact: Exact, fmt: FloatFormat, slack: float = 0.0) -> str:
-    """One coefficient that is not what it should be, in words."""
+    """A line on one coefficient that is not the exact one."""
     return f"{name}: {coefficient_text(seen, fmt, slack)} instead of {exact_shown(exact)}"
 
 
-# An interval of width w holds a rational with a denominator up to d with a chance of about d² w: at most one in
+# An interval of width w holds a rational of denominator up to d with a chance of about d² w; at most 1 in this many.
 COINCIDENCE = 64
 
 
@@ -61,14 +61,14 @@ def simplest_in(low: Fraction, high: Fraction) -> Fraction:
 
 
 def simple_rational(x: float | Fraction, error: float | Fraction) -> Fraction | None:
-    """The rational of least denominator within `error` of x; None where that may well be a coincidence."""
+    """The rational of least denominator within `error` of x; None if it may well be a coincidence."""
     middle, width = Fraction(x), Fraction(error)
     found = simplest_in(middle - width, middle + width)
     return found if found.denominator**2 * 2 * width * COINCIDENCE <= 1 else None
 
 
 def short_rational(x: Fraction) -> str:
-    """The number as a short decimal where that is exact, else as a fraction, else as a float: 0.04, 1/3, 0.7390851."""
+    """The number as a short decimal if that is exact, else as a fraction, else as a float: 0.04, 1/3, 0.7390851."""
     if x.denominator == 1:
         return str(x)
     digits = f"{float(x):.6g}"

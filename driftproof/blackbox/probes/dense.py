@@ -1,4 +1,4 @@
-"""The dense output of somebody's step, read as rows of weights b(theta): the step to theta has the same stages."""
+"""The dense output of a step, read as rows of weights b(theta): a step to theta has the stages of the whole step."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ from driftproof.blackbox.stepper.array_adapters import Foreign
 from driftproof.blackbox.stepper.calling_conventions import STEP, TIME
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 
-# Sixteenths are exact in every format, and enough of them for polynomials of degree 15, of which one is seen to be one.
+# Sixteenths are exact in every format. 16 of them fix a polynomial of degree 15; the last one confirms it.
 THETAS = tuple(Fraction(k, 16) for k in range(17))
-# Between them: the golden section, and two more that are no fractions of small numbers.
+# Values between them: the golden section, and two others that are not fractions of small numbers.
 BETWEEN = tuple(map(Fraction, (0.0857864376269049, 0.3819660112501052, 0.7320508075688772)))
-# What a dense output is a function of, from the start t of the step, its length h and theta.
+# What a dense output may be a function of, from the start t of the step, its length h and theta.
 _ARGUMENTS: dict[str, Callable[[float, float, float], float]] = {
     "the time": lambda t, h, theta: t + theta * h,
     "theta": lambda t, h, theta: theta,
@@ -29,18 +29,18 @@ _ARGUMENTS: dict[str, Callable[[float, float, float], float]] = {
 
 
 class NotAlike(NotReadable):
-    """The step is a sum of slopes, alike in all numbers, and its dense output is not."""
+    """The step is a sum of slopes, alike in all numbers, but its dense output is not."""
 
     kind = "not_alike"
 
 
 @dataclass(frozen=True)
 class DenseReading:
-    """y(t + θh) ≈ y + h Σ bⱼ(θ) kⱼ: `rows` are the b(θ) of the THETAS, `step` is the table with b(1).
+    """The dense output y(t + θh) ≈ y + h Σ bⱼ(θ) kⱼ of a step: `rows` are the b(θ) of the THETAS.
 
-    `between` are pairs (θ, b(θ)) of other θ. kⱼ is the answer to call j, those among them that are made for the dense
-    output alone; `argument` says what it is a function of. `own` are the weights of y₁ itself, 0 for such calls. The
-    step's remarks are those not of y₁.
+    `argument` says what it is a function of. `step` is the table with b(1). kⱼ is the answer to call j, where calls
+    made for the dense output alone are included; `own` are the weights of y₁, 0 for such calls. `between` are pairs
+    (θ, b(θ)) of other θ. The remarks of `step` are those on the dense output alone.
     """
 
     argument: str
@@ -50,7 +50,7 @@ class DenseReading:
     between: tuple[tuple[Fraction, CoefficientRow], ...]
 
     def step_to(self, theta: Fraction) -> TableauReading:
-        """The step of length θh that ends there, in floats: A/θ, b(θ)/θ and c/θ. θ is one of THETAS, not 0."""
+        """The step of length θh that ends at θ, in floats: A/θ, b(θ)/θ and c/θ. θ is one of THETAS, but not 0."""
         part, row = float(theta), self.rows[THETAS.index(theta)]
         a = tuple(tuple(x / part for x in entries) for entries in self.step.a)
         c = None if self.step.c is None else tuple(x / part for x in self.step.c)
@@ -58,10 +58,11 @@ class DenseReading:
 
 
 def read_dense(subject: ForeignStepper) -> DenseReading:
-    """The dense output of a step (f, t, y, h) that returns (y1, dense) with a function `dense` of t, of theta or of t
-    since the start: read as a step to each of 17 thetas, with all that `read_tableau` controls.
+    """The dense output of a step (f, t, y, h) that returns (y1, dense), read as a step to each of 17 values of theta.
 
-    Raises NotReadable, UnsupportedCall where no function is returned, NotAlike where the step is read and this is not.
+    `dense` is a function of t, of theta or of the time since the start; each step passes all controls of
+    `read_tableau`. Raises NotReadable, UnsupportedCall if no function is returned, and NotAlike if the step is readable
+    and this is not.
     """
     state = _trial_state(subject)
     if subject.log.dense is None:
@@ -94,12 +95,12 @@ def _trial_state(subject: ForeignStepper) -> list[float]:
 
 
 def _argument(subject: ForeignStepper, state: Sequence[float]) -> str:
-    """What it is a function of: with the slope 1 everywhere, y = 5 at t = 2 is 5.25 after half a step of 1/2.
+    """What the output is a function of: with slope 1 everywhere, y = 5 at t = 2 is 5.25 after half a step of 1/2.
 
-    Of one that is wrong half-way, what makes it right at the end.
+    An output that is wrong half-way is recognised by what makes it right at the end.
     """
     for (theta, right), argument in product(((0.5, 5.25), (1.0, 5.5)), _ARGUMENTS):
-        with suppress(Misbehaviour):  # as outside of where it is defined
+        with suppress(Misbehaviour):  # outside its interval, say
             place = _stepper_to(subject, theta, argument)
             found = place.step_field(lambda t, y: [1.0 + 0.0 * x for x in y], 2.0, state, 0.5)
             if abs(found[0] - right) <= 2.0**-6:
@@ -108,7 +109,7 @@ def _argument(subject: ForeignStepper, state: Sequence[float]) -> str:
 
 
 def _stepper_to(subject: ForeignStepper, theta: float, argument: str) -> ForeignStepper:
-    """The stepper that goes as far as theta: it makes the whole step, and returns what the dense output has there."""
+    """The stepper that goes as far as theta: it makes the whole step, and returns its dense output there."""
     order, names, place = subject.convention.order, subject.convention.names, _ARGUMENTS[argument]
 
     def function(*arguments: Any, **named: Any) -> Foreign:

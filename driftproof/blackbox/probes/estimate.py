@@ -1,4 +1,4 @@
-"""The error estimate of somebody's pair, read through what its step returns beside y1: another y1, or a difference."""
+"""The error estimate of an embedded pair, read from what its step returns after y1: another y1, or a difference."""
 
 from __future__ import annotations
 
@@ -21,12 +21,12 @@ from driftproof.blackbox.probes.tableau import TableauProbe
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.symbolic.rounding.formats import FloatFormat
 
-# What a step may return beside y1, in words.
+# What a step may return after y1, in words.
 DIFFERENCE = "an estimate of the error"
 SOLUTION = "the result of the other row"
 ABSOLUTE = "the absolute value of an estimate"
 NORM = "a norm of an estimate, one number"
-# Lengths of steps that rows of weights are told by, besides those of the step itself.
+# Further step sizes by which estimates are compared with their rows of weights.
 _LENGTHS = (
     Control("h = 1/64", "it does not scale with h as an estimate does", h=2.0**-6, salt=3),
     Control("h = -1/2", "backward in time it is another one", h=-0.5, salt=4),
@@ -41,10 +41,10 @@ _AT_FIVE = Control("another start", "", start=5.0)
 class EstimateReading:
     """The row e of an estimate h Σ eⱼ kⱼ of the error of y1, where b - e is the other row of weights.
 
-    kⱼ is the answer to call j, as in a `TableauReading`. `form` is what is returned; where that is the other result, e
-    is the exact difference of two floats. `sizes` are what the rounding errors of e scale with. `power` is 0 where the
-    estimate is divided by h, else 1; `relative` says that it also depends on the size of y, `fault` where it is another
-    one than the row says.
+    kⱼ is the answer to call j, as in a `TableauReading`. `form` is what is returned; if that is the other result, e is
+    the exact difference of two floats. The rounding errors of e scale with `sizes`. `power` is 0 if the estimate is
+    divided by h, else 1. `relative` says that it also depends on the size of y, and `fault` where it departs from its
+    row.
     """
 
     form: str
@@ -59,42 +59,42 @@ class EstimateReading:
 def read_estimate(subject: ForeignStepper) -> EstimateReading:
     """The row e of a step (f, t, y, h) that returns (y1, y1_hat) or (y1, error), from its answers to 0 and 1.
 
-    As in `read_tableau`, call j is answered by 1 and every other by 0; the answer -1 tells an absolute value, whose
-    signs are told by pairs of calls. Further steps tell whether it scales with h, and whether it depends on y.
-
-    Raises NotReadable, saying what was seen; UnsupportedCall where nothing is returned beside y1.
+    As in `read_tableau`, call j is answered by 1 and every other by 0. The answer -1 shows whether an absolute value is
+    returned, whose signs then follow from pairs of calls. Further steps show whether the estimate scales with h, and
+    whether it depends on y. Raises NotReadable, saying what was seen, and UnsupportedCall if nothing is returned after
+    y1.
     """
     nothing = UnsupportedCall("the stepper returns nothing beside y1: no error estimate is seen")
     try:
         probe = _EstimateProbe(subject, 1.0)
     except NotReadable:
-        if subject.log.beside is None:  # of what is not there, nothing was not readable
+        if subject.log.beside is None:  # there is no estimate that could be unreadable
             raise nothing from None
         raise
     if subject.log.beside is None:
         raise nothing
     probe.run(probe.size, [], _TIMED)
-    if subject.log.beside == [_TIMED.time + _TIMED.h]:  # (y1, t1)
+    if subject.log.beside == [_TIMED.time + _TIMED.h]:  # the step returns (y1, t1)
         raise nothing
     return probe.estimate()
 
 
 class _EstimateProbe(TableauProbe):
-    """Steps of one subject of which both answers are looked at; the second is a list of as many numbers, or of one."""
+    """Steps of one subject with both answers; the second is a list of as many numbers as the first, or of one."""
 
     def estimate(self) -> EstimateReading:
-        """The row, with what it takes to predict the answers of the controls; the first that it does not is told."""
+        """The row, with its form, how it scales, and the first control that it does not meet."""
         offset = self._offset()
-        rows = [self._both(unit(self.calls, j)) for j in range(self.calls)]
+        rows = [self._first_numbers(unit(self.calls, j)) for j in range(self.calls)]
         weights, signed = [b for b, _ in rows], [e for _, e in rows]
-        opposite = [self._both([-k for k in unit(self.calls, j)])[1] for j in range(self.calls)]
+        opposite = [self._first_numbers([-k for k in unit(self.calls, j)])[1] for j in range(self.calls)]
         form = SOLUTION if offset else DIFFERENCE
         if any(signed) and signed == opposite and min(signed) >= 0:
             signed = self._with_signs(signed)
             form = ABSOLUTE
         fault = ""
         if len(self._beside) < self.size:
-            form, fault = NORM, self._left_out()
+            form, fault = NORM, self._unseen_number()
         row = tuple(Fraction(b) - Fraction(e) if offset else Fraction(e) for b, e in zip(weights, signed, strict=True))
         sizes = tuple(map(max, map(abs, weights), map(abs, signed)))
         reading = EstimateReading(form, row, sizes, self.subject.format, fault=fault)
@@ -117,8 +117,8 @@ class _EstimateProbe(TableauProbe):
             raise NotReadable("it returns something beside y1 at some steps only")
         return found
 
-    def _both(self, first: Sequence[float], control: Control = AT_REST) -> tuple[float, float]:
-        """The first numbers of y1 and of what is beside, all numbers of y having the same slopes where that is one."""
+    def _first_numbers(self, first: Sequence[float], control: Control = AT_REST) -> tuple[float, float]:
+        """The first numbers of y1 and of what follows it; if that is one number, all of y get the same slopes."""
         alike = len(self._beside) < self.size
         answers = [[k if alike or i == 0 else 0.0 for i in range(self.size)] for k in first]
         run = self.run(self.size, answers, control)
@@ -126,8 +126,8 @@ class _EstimateProbe(TableauProbe):
             raise NotReadable("the slope of one number of y moves the estimate of another one")
         return run.result[0], self._beside[0]
 
-    def _left_out(self) -> str:
-        """The number whose slopes a norm does not see."""
+    def _unseen_number(self) -> str:
+        """A line on the first number of y whose slopes a norm does not see; "" if there is none."""
         for i in range(self.size):
             seen = False
             for j in range(self.calls):
@@ -138,17 +138,17 @@ class _EstimateProbe(TableauProbe):
         return ""
 
     def _with_signs(self, sizes: Sequence[float]) -> list[float]:
-        """The row whose absolute values are known, up to a common sign: |e + e'| tells whether both have the same."""
+        """The row with signs, up to a common one: |e + e'| shows whether two entries have the same sign."""
         first = next(j for j, x in enumerate(sizes) if x)
         signed = [0.0] * self.calls
         for j, x in enumerate(sizes):
-            both = self._both([float(i in (first, j)) for i in range(self.calls)])[1]
+            both = self._first_numbers([float(i in (first, j)) for i in range(self.calls)])[1]
             same = abs(both - (sizes[first] + x)) <= abs(both - abs(sizes[first] - x))
             signed[j] = x if same else -x
         return signed
 
     def _controlled_reading(self, reading: EstimateReading, row: Sequence[float], offset: float) -> EstimateReading:
-        """The reading, with how it scales with h and with y where it does not do so as an estimate does."""
+        """The reading after the controls, which may set its `power`, `relative` and `fault`."""
         for control in (*CONTROLS, *_LENGTHS):
             try:
                 (seen, said, allowed), *others = self._predictions(reading, row, offset, control)
@@ -158,7 +158,7 @@ class _EstimateProbe(TableauProbe):
             except Misbehaviour:
                 if control is not _LENGTHS[1]:
                     raise
-                break  # who refuses to step back has no estimate there
+                break  # a stepper that refuses to step back has no estimate there
             if not abs(seen - said) <= allowed and not offset and self._depends_on_y(control):
                 return replace(reading, relative=True)
             try:
@@ -172,15 +172,15 @@ class _EstimateProbe(TableauProbe):
         return reading
 
     def _depends_on_y(self, control: Control) -> bool:
-        """True when the same slopes show another estimate from far away: it is divided by the size of y."""
+        """True if the same slopes give a far smaller estimate far away: it is divided by the size of y."""
         slopes = self.slopes(control)[0]
-        near, far = (self._both(slopes, control._replace(start=start))[1] for start in (0.0, 2.0**20))
+        near, far = (self._first_numbers(slopes, control._replace(start=start))[1] for start in (0.0, 2.0**20))
         return abs(far) < abs(near) / 2
 
     def _predictions(
         self, reading: EstimateReading, row: Sequence[float], offset: float, control: Control
     ) -> list[tuple[float, float, float]]:
-        """What is seen beside each of y1, or once, what the row says, and how far rounding may carry it."""
+        """For each number after y1: what is seen, what the row says, and how far rounding may carry it."""
         alike, slopes = reading.form == NORM, self.slopes(control)
         answers = [[k] * self.size for k in slopes[0]] if alike else list(zip(*slopes, strict=True))
         self.run(self.size, answers, control)

@@ -1,4 +1,4 @@
-"""The coefficients of somebody's step for q'' = F(q), read from its floats by answering its force with 0 and 1."""
+"""The coefficients of a step for q'' = F(q), read from its floats by answering its force with 0 and 1."""
 
 from __future__ import annotations
 
@@ -40,13 +40,13 @@ NO_TABLEAU = "as a right-hand side sees it, there is no tableau"
 
 @dataclass(frozen=True)
 class ForceReading:
-    """Fᵢ is taken at q + cᵢhv + h² Σ aᵢⱼ Fⱼ; q₁ = q + drift·hv + h² Σ b_positionⱼ Fⱼ, v₁ = v + h Σ b_velocityⱼ Fⱼ.
+    """The step's own float coefficients on q'' = F(q), calls being stages, in the order in which they are made.
 
-    The step's own float coefficients, calls being stages, in the order in which they are made; drift is 1 in a method.
-    `amplitude` is the size of the numbers that went in. `refused` is why there is no tableau, where one was asked for;
-    `wrong_time` tells a call that is given another time than t + cᵢh, where times are given. Of a force of position and
-    velocity, `a_velocity` are the rows ãᵢⱼ of the velocities that it is given, v + h Σ ãᵢⱼ Fⱼ. `solved` and
-    `stage_error` are those of implicit stages, as in a `TableauReading`.
+    Fᵢ is taken at q + cᵢhv + h² Σ aᵢⱼ Fⱼ; q₁ = q + drift·hv + h² Σ b_positionⱼ Fⱼ, v₁ = v + h Σ b_velocityⱼ Fⱼ. The
+    drift of a method is 1. `amplitude` is the size of the numbers that went in. `refused` is the reason why there is no
+    tableau, if one was asked for; `wrong_time` describes a call that is given another time than t + cᵢh, if times are
+    given. For a force of position and velocity, `a_velocity` are the rows ãᵢⱼ of the velocities v + h Σ ãᵢⱼ Fⱼ that it
+    is given. `solved` and `stage_error` are those of implicit stages, as in a `TableauReading`.
     """
 
     c: CoefficientRow
@@ -75,12 +75,12 @@ class ForceReading:
 
     @property
     def implicit(self) -> bool:
-        """True when positions are solved for; velocities alone may be, too."""
+        """True if positions are solved for; velocities alone may be solved for as well."""
         return self.solved is not None and not is_explicit(self.a)
 
     @property
     def unused(self) -> tuple[int, ...]:
-        """The calls whose answers this step does not use, from 0: those for a next step, say."""
+        """The calls, from 0, whose answers this step does not use: those for a next step, say."""
         rows = (*self.a, self.b_position, self.b_velocity)
         return tuple(j for j in range(self.calls) if not any(row[j] for row in rows))
 
@@ -92,15 +92,15 @@ class ForceReading:
 
     @property
     def parts(self) -> SubSteps | None:
-        """The step as kicks v ← v + x·h·F(q) and drifts q ← q + x·h·v, if it is a composition of these; else None.
+        """The step as kicks v ← v + x·h·F(q) and drifts q ← q + x·h·v, or None if it is not a composition of these.
 
-        Neighbours of one kind are one, and what is 0 is left out. The drift after a kick is a quotient of coefficients.
+        Neighbours of one kind are merged, zeros are left out. The drift after a kick is a quotient of coefficients.
         """
         return None if self.implicit else _parts(self)
 
     @property
     def lines(self) -> list[str]:
-        """The coefficients, each as the fraction that it is the rounding of where there is a telling one."""
+        """The reading as lines, each coefficient as the fraction that it is the rounding of, if that is convincing."""
         shown = self.a if self.implicit else tuple(row[:i] for i, row in enumerate(self.a))
         rows = [("c", self.c), *((f"a[{i}]", row) for i, row in enumerate(shown))]
         rows += [("b_position", self.b_position), ("b_velocity", self.b_velocity)]
@@ -127,10 +127,10 @@ class ForceReading:
 
     @property
     def velocities_limit_order(self) -> bool:
-        """True where the order is 1 on forces of velocity, and at least 2 on q'' = F(t, q).
+        """True if the order is 1 on forces of velocity, and at least 2 on q'' = F(t, q).
 
-        The conditions of order 2 are Σ b̃ᵢ = 1, Σ b̃ᵢ cᵢ = Σ bᵢ = 1/2, and, of forces of velocity, Σ b̃ᵢ dᵢ = 1/2 with
-        dᵢ = Σ ãᵢⱼ, as the velocity of call i is that of the time t + dᵢh.
+        The conditions of order 2 are Σ b̃ᵢ = 1, Σ b̃ᵢ cᵢ = Σ bᵢ = 1/2, and, for forces of velocity, Σ b̃ᵢ dᵢ = 1/2 with
+        dᵢ = Σ ãᵢⱼ, because the velocity of call i is that of the time t + dᵢh.
         """
         if self.a_velocity is None:
             return False
@@ -142,7 +142,7 @@ class ForceReading:
 
     @property
     def stale_velocities(self) -> list[str]:
-        """The calls whose velocity is of another time than their position."""
+        """A line on each call that is given a velocity of another time than its position."""
         found = []
         for i, (row, node) in enumerate(zip(self.a_velocity or (), self.c, strict=False)):
             if self.b_velocity[i] and abs(fsum(row) - node) > self.rounding.of(1 + abs(node) + sum(map(abs, row))):
@@ -155,21 +155,21 @@ class ForceReading:
 def read_forces(subject: ForeignStepper) -> ForceReading:
     """The coefficients of a step(force, q, v, h), or of a step(f, t, y, h) with y = [q, v], as exact floats.
 
-    With h = 1, one of q, v and the answers is 1 and all others 0: then products by h and by that one and sums with
-    zeros are exact, and what the code asks at and returns are its coefficients, up to the roundings of products among
-    themselves. Further steps control that the coefficients account for everything.
+    With h = 1, one of q, v and the answers is 1 and all others are 0. Products by h and by that number and sums with
+    zeros are then exact, and the places of the calls and the result are the coefficients, up to the roundings of
+    products among themselves. Further steps check that the coefficients account for everything.
 
-    Raises NotReadable, saying what was seen, for a step that is adaptive, iterates, limits or remembers, that has drag
-    or a force of its own; UnsupportedCall where there is no force to give.
+    Raises NotReadable, saying what was seen, for a step that is adaptive, iterates, limits or remembers, or that has
+    drag or a force of its own; UnsupportedCall if the stepper takes no force.
     """
     reading, remarks = read_at_some_size(lambda amplitude: _Probe(subject, amplitude).reading())
     return replace(reading, remarks=(*remarks, *reading.remarks))
 
 
 class _Run(NamedTuple):
-    """Where one step called the force, and what it returned; times are None where it gave none.
+    """The places at which one step called the force, and its result; times are None if none were passed on.
 
-    `velocities` are those that the force was given, without the one that the step starts with.
+    `velocities` are those that the force was given, minus the one that the step starts with.
     """
 
     places: list[float]
@@ -180,7 +180,6 @@ class _Run(NamedTuple):
 
     @property
     def numbers(self) -> list[float]:
-        """All that was seen."""
         return [*self.places, self.q, self.v, *self.velocities]
 
 
@@ -199,7 +198,6 @@ class _Probe:
                 raise NotReadable(f"at rest at 0 and without a force, the step does not stay: it shows {number:.6g}")
 
     def reading(self) -> ForceReading:
-        """The coefficients, controlled."""
         still, moving = self._answered(1.0, 0.0, []), self._answered(0.0, 1.0, [])
         self._demand_plain(still, moving)
         columns = [self._column(j) for j in range(self.calls)]
@@ -224,7 +222,7 @@ class _Probe:
         script, velocities = Script([size * force for force in forces], 0.0), list[float]()
 
         def force(t: float, x: Sequence[float], moving: Sequence[float] = ()) -> Sequence[float]:
-            # A callback that is given no time hands on the very object that it was made with.
+            # If the stepper passes on no time, t is the very object `clock`.
             times.append(None if t is clock else t)
             velocities.extend(y / size - v for y in moving[:1])
             return [script(*x)]
@@ -247,7 +245,7 @@ class _Probe:
         return run
 
     def _demand_plain(self, still: _Run, moving: _Run) -> None:
-        """Raises NotReadable if q or v is not kept as it is: drag, a spring or a wall of its own."""
+        """Raise NotReadable if q or v is not kept without a force: by drag, a spring or a wall of its own."""
         allowed = self._rounding.of(1.0)
         weights = [(f"call {i} is made at", x, "q", 1.0) for i, x in enumerate(still.places)]
         weights += [("the new position is", still.q, "q", 1.0), ("the new velocity holds", still.v, "q", 0.0)]
@@ -258,7 +256,7 @@ class _Probe:
             raise NotReadable(f"with h = 1 and without a force, {'; '.join(found)}")
 
     def _demand_no_memory(self) -> None:
-        """The same step after two different ones: after the last column, and after one without forces."""
+        """Raise NotReadable if a step differs after the last column and after a step without forces."""
         first = self._controlled(CONTROLS[0])
         self._answered(0.0, 0.0, [])
         demand_same(self._rounding, first.numbers, self._controlled(CONTROLS[0]).numbers)
@@ -267,7 +265,7 @@ class _Probe:
         return self._answered(*_start(control), varied(self.calls, control.salt), control)
 
     def _check(self, reading: ForceReading, control: Control) -> None:
-        """One more step, which must go as the coefficients say."""
+        """Raise NotReadable unless one more step goes as the coefficients say."""
         (q, v), h, forces = _start(control), control.h, varied(self.calls, control.salt)
         run = self._controlled(control)
         in_position, in_velocity = self._allowed(reading, q, v, h, forces)
@@ -282,7 +280,7 @@ class _Probe:
             demand_as_said(control, name, run.velocities[i] + v, v + added, in_velocity)
 
     def _wrong_time(self, reading: ForceReading, control: Control) -> str:
-        """The first call that is given another time than its position has, if it is given any."""
+        """A line on the first call that is given another time than that of its position; "" if there is none."""
         allowed = self._rounding.of(2 * (abs(control.time) + abs(control.h) * max(map(abs, reading.c))))
         for i, (node, seen) in enumerate(zip(reading.c, self._controlled(control).times, strict=True)):
             if seen is not None and not abs(seen - control.time - control.h * node) <= allowed:
@@ -294,7 +292,7 @@ class _Probe:
     def _allowed(
         self, reading: ForceReading, q: float, v: float, h: float, forces: Sequence[float]
     ) -> tuple[float, float]:
-        """How far the control's positions and its velocity may be off; the velocity may be formed from positions."""
+        """How far a control's positions and its velocity may be off; the velocity may be formed from positions."""
         length = max(1.0, abs(reading.drift), *map(abs, reading.c))
         rows = (*reading.a, reading.b_position)
         pushes = [max(length * abs(kick), *(abs(row[j]) for row in rows)) for j, kick in enumerate(reading.b_velocity)]
@@ -316,8 +314,8 @@ def _dot(row: Sequence[float], forces: Sequence[float]) -> float:
 
 
 def _parts(reading: ForceReading) -> SubSteps | None:
-    """A kick y at the time c moves every later place by y times the drift since: aᵢⱼ = yⱼ (cᵢ - cⱼ), and so the end."""
-    stages: Any = reduced(reading.stages)  # of fractions, not of numbers in a field
+    """The sub-steps, if a kick y at time c moves each later place by y times the drift since: aᵢⱼ = yⱼ (cᵢ - cⱼ)."""
+    stages: Any = reduced(reading.stages)  # its entries are fractions, not numbers of a field
     b_position, kicks = stages.weights
     ends = [*zip(stages.c, stages.a, strict=True), (Fraction(reading.drift), b_position)]
     length = max(1, *(abs(c) for c, _ in ends))
@@ -334,6 +332,6 @@ def _word(kicks: Sequence[Any], ends: Sequence[tuple[Any, Any]]) -> Iterator[tup
     yield "drift", float(ends[0][0])
     for j, kick in enumerate(kicks):
         yield "kick", float(kick)
-        # A quotient of two roundings is nearer to the drift than the difference of two places, which may cancel.
+        # A quotient of two roundings is closer to the drift than a difference of two places, which may cancel.
         (start, _), (end, row) = ends[j : j + 2]
         yield "drift", float(row[j] / kick if kick else end - start)

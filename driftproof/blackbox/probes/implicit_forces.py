@@ -1,4 +1,4 @@
-"""The coefficients of somebody's implicit step for q'' = F(q), read as those of implicit steps of y' = f(t, y) are."""
+"""The coefficients of implicit steps for q'' = F(q), read as those of implicit steps of y' = f(t, y)."""
 
 from __future__ import annotations
 
@@ -24,26 +24,27 @@ from driftproof.blackbox.stepper.array_adapters import PARTED, SCALARS, AnyNumbe
 from driftproof.blackbox.stepper.foreign_code import FieldFunction
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 
-# How much of what moves the position is in what chains are read from: every stage shows, and none of use cancels.
+# The part of the position's weights in what chains are read from: every stage shows, and none in use cancels.
 _OF_POSITION = 0.625
-# A number with this velocity and no force shows the nodes; another start, time and h show whether they are ones.
+# The settings in which nodes are read: they are nodes if another start, time and h show the same.
 _SETTINGS = (Setting(), Setting(1.0, 1.0, 0.5))
 _OTHERWISE = "its velocities are asked for at other stages than its positions"
 
 
 class ForcedSteps(MarkedSteps):
-    """Steps of q'' = F from rest as such of y' = f(t, y) with the same stages: y is q and F = f/h; or y is v and F = f.
+    """Steps of q'' = F from rest as steps of y' = f(t, y) with the same stages: y = q and F = f/h, or y = v and F = f.
 
-    Of y = q, stage i is at y + h Σ aᵢⱼ fⱼ with Nyström's A, and y + h Σ bⱼ fⱼ comes out: `position` is how much of the
-    weights of the position is in b, beside those of the velocity, and None for the former alone. Of y = v, which a
-    force has to be given, A is that of the velocities. The number `moving` starts with the velocity 1, if any does.
+    If y is q, stage i is at y + h Σ aᵢⱼ fⱼ with Nyström's A, and the result is y + h Σ bⱼ fⱼ, where b is the row of the
+    velocity's weights plus `position` times that of the position's, or the latter alone if `position` is None. If y is
+    v, which the stepper has to pass to its force, A is that of the velocities. The number `moving`, if not -1, starts
+    with the velocity 1.
 
-    A code that takes no more than one number is given one that stands for several (`PARTED`). Its difference quotients
-    then shift all of them at once: what is marked depends on distances from an idle one, whose shift is the same.
+    A stepper that takes one number only is given one that stands for several (`PARTED`). Its difference quotients then
+    shift all of them at once: marks depend on distances from an idle number, which shifts by the same amount.
     """
 
     def __init__(self, subject: ForeignStepper, *, of_velocity: bool = False) -> None:
-        """Raises NotReadable where it takes no two positions, or never calls its force."""
+        """Raises NotReadable if the stepper takes no two positions, or never calls its force."""
         self.of_velocity, self.moving, self._marked = of_velocity, -1, False
         self.position: float | None = _OF_POSITION
         self.may_be_explicit = subject.gives_velocities
@@ -58,7 +59,7 @@ class ForcedSteps(MarkedSteps):
     def run(
         self, marks: StageMarks, setting: Setting, slopes: MarkedSlopes, *, clocks: int | None = None, size: int = 0
     ) -> MarkedRun:
-        """As of every stepper."""
+        """Run a step as `MarkedSteps.run`, with an idle number if several numbers are parts of one."""
         self._marked = self.alone
         try:
             return super().run(marks, setting, slopes, clocks=clocks, size=size)
@@ -92,9 +93,9 @@ class ForcedSteps(MarkedSteps):
 def read_implicit_forces(subject: ForeignStepper) -> ForceReading:
     """The coefficients of a step(force, q, v, h) with implicit stages, as near as its solver comes to them.
 
-    Steps from rest have the stages of one of y' = f(t, y) (`ForcedSteps`), and are read as those are; then either row
-    of weights, and with a velocity and no force the nodes of the positions, and how far that moves them in a step.
-    Velocities that a force is given are read likewise. Raises NotReadable, saying what was seen.
+    Steps from rest have the stages of a step of y' = f(t, y) (`ForcedSteps`) and are read as such. Each row of weights
+    is then read alone. A velocity without a force shows the nodes of the positions, and how far it moves them in a
+    step. The velocities that a force is given are read likewise. Raises NotReadable, saying what was seen.
     """
     steps = ForcedSteps(subject)
     read, chains = told_by_chains(steps)
@@ -117,23 +118,13 @@ def read_implicit_forces(subject: ForeignStepper) -> ForceReading:
     velocities = _velocities(subject, b_velocity) if subject.gives_velocities else None
     if all(map(is_explicit, filter(None, (read.a, velocities)))):
         raise NotReadable("none of its stages is implicit")
-    return ForceReading(
-        tuple(nodes),
-        read.a,
-        b_position,
-        b_velocity,
-        drift,
-        read.format,
-        read.remarks,
-        wrong_time=next(wrong, ""),
-        a_velocity=velocities,
-        stage_error=chains.left,
-        solved=read.solved,
-    )
+    found = ForceReading(tuple(nodes), read.a, b_position, b_velocity, drift, read.format, read.remarks)
+    found = replace(found, wrong_time=next(wrong, ""), a_velocity=velocities)
+    return replace(found, stage_error=chains.left, solved=read.solved)
 
 
 def _moved(chains: StageChains, label: StageLabel | None) -> float:
-    """How far a number of velocity 1 moves in a step, or its velocity; with a stage, its node times its weight."""
+    """How far a number of velocity 1 moves in a step, or its new velocity; with a stage, the node times its weight."""
     steps, seen = chains.steps, list[float]()
     assert isinstance(steps, ForcedSteps)
     clocks = len(chains.marks.hands)
@@ -156,7 +147,7 @@ def _moved(chains: StageChains, label: StageLabel | None) -> float:
 
 
 def _velocities(subject: ForeignStepper, weights: CoefficientRow) -> tuple[CoefficientRow, ...]:
-    """The rows of the velocities that a force is given. Raises NotReadable where the stages are not those."""
+    """The rows of the velocities that a force is given. Raises NotReadable if they are of other stages."""
     read, _ = told_by_chains(ForcedSteps(subject, of_velocity=True))
     allowed = 2 * read.rounding.of(1.0)
     if len(read.b) != len(weights) or any(abs(x - y) > allowed for x, y in zip(read.b, weights, strict=True)):

@@ -1,4 +1,4 @@
-"""The coefficients of somebody's implicit Runge-Kutta step, read from its floats by marking its stages."""
+"""The coefficients of an implicit Runge-Kutta step, read from its floats by marking its stages."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ from driftproof.blackbox.probes.stage_solutions import UNSOLVED, StageEquations
 from driftproof.blackbox.probes.tableau import TableauReading, is_explicit
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 
-# Where two clocks tell no stages apart that one does not, more of them do not either but in contrived tables.
+# If two clocks tell no more stages apart than one, more of them do so only in contrived tables.
 _MOST_CLOCKS = 2
-# A solver that goes on leaves less than this; where more is left, stages may have been taken for one.
+# A solver that goes on leaves less than this; if more is left, several stages may have been taken for one.
 _DOUBTFUL = 2.0**-30
 _AS_ONE = "stages at one time, if there are several, are read as one: its solver does not tell them apart"
 
@@ -22,21 +22,20 @@ _AS_ONE = "stages at one time, if there are several, are read as one: its solver
 def read_implicit_tableau(subject: ForeignStepper) -> TableauReading:
     """The A, b and c of a step(f, t, y, h) with implicit stages, as near as its solver comes to them.
 
-    bᵢ = y(h)/h for y' = [stage i]; and with x' = [stage j], y' = [stage i] x it is y(h) = h² bᵢ aᵢⱼ, longer chains
-    lead to stages without a weight. These stage equations are affine and nilpotent: one step of Newton's method with
-    any Jacobian by differences solves them up to rounding, and so do as many fixed-point iterations as the chain has
-    links; what is left by a solver that stops before shows in a second reading with other numbers, as the `error` of
-    the first. Stages are known by their time, or where times coincide or none is handed on, by clocks that run along
-    in y. Stages that are equal on every problem are read as one, those that do not count are not.
+    They are read by `StageChains`, whose stage equations are affine and nilpotent: one step of Newton's method with any
+    Jacobian by differences solves them up to rounding, and so do as many fixed-point iterations as the chain has links.
+    What a solver that stops earlier leaves shows in a second reading with other numbers, as the `stage_error` of the
+    first. Stages are known by their time, or, if times coincide or are not passed on, by clocks that run along in y.
+    Stages that are equal on every problem are read as one; stages that do not count are not read.
 
-    Further steps control that the coefficients account for everything, and how well the stages are solved
+    Further steps check that the coefficients account for everything, and how well the stages are solved
     (`stage_solutions`). Raises NotReadable, saying what was seen.
     """
     return told_by_chains(MarkedSteps(subject))[0]
 
 
 def told_by_chains(steps: MarkedSteps) -> tuple[TableauReading, StageChains]:
-    """The coefficients of such steps, and the chains that tell them: with as few clocks as tell the stages apart."""
+    """The coefficients of such steps and the chains that show them, with as few clocks as tell the stages apart."""
     found: list[tuple[TableauReading, StageChains]] = []
     refusals: list[NotReadable] = []
     for clocks in range(not steps.timed, min(_MOST_CLOCKS, steps.size - 1) + 1):
@@ -54,9 +53,9 @@ def told_by_chains(steps: MarkedSteps) -> tuple[TableauReading, StageChains]:
 
 
 def _best(found: Sequence[tuple[TableauReading, StageChains]]) -> tuple[TableauReading, StageChains]:
-    """The reading with the fewest clocks, unless more of them tell stages apart of which the nonlinear step is made.
+    """The reading with the fewest clocks that accounts for nonlinear steps, or else with the fewest of all.
 
-    Raises NotReadable where none accounts for nonlinear steps, and no solver that stops early does, either.
+    Raises NotReadable if none accounts for nonlinear steps, unless a solver that stops early explains the rest.
     """
     best, chains = next((pair for pair in found if _curved(pair[0]) <= _DOUBTFUL), found[0])
     if _curved(best) > UNSOLVED:
@@ -75,7 +74,7 @@ def _curved(reading: TableauReading) -> float:
 
 
 def _controlled(chains: StageChains) -> TableauReading:
-    """The tableau that chains of marked stages tell, with one way to tell the stages apart, controlled."""
+    """The tableau that chains show with one set of marks, after its controls."""
     (a,), (b,), c = chains.tables()
     if is_explicit(a) and not chains.steps.may_be_explicit:
         raise NotReadable("none of its stages is implicit")

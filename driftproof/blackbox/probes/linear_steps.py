@@ -1,4 +1,4 @@
-"""The one-step matrix M(h) of a float stepper, read off its own steps, after a look at whether it has one."""
+"""The one-step matrix M(h) of a floating-point stepper, read from its steps after a test of linearity."""
 
 from __future__ import annotations
 
@@ -11,41 +11,40 @@ from driftproof.blackbox.findings import Misbehaviour, NoAnswer
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.symbolic.rounding.formats import BINARY16, BINARY32, FloatFormat
 
-# M_qq, M_qv, M_vq, M_vv as floats.
+# The entries M_qq, M_qv, M_vq, M_vv as floats.
 MatrixEntries: TypeAlias = tuple[float, float, float, float]
-# What a stepper turned out to be.
+# The kinds of a reading.
 LINEAR, LINEARISED, NOT_LINEAR = "linear", "linear at tiny states only", "not linear"
 NOT_REPEATABLE, NOT_AT_REST = "not repeatable", "not at rest in (0, 0)"
 FAR_OUT = "not linear far out"
-# A generic state and step: their products and sums fill the significands of any format.
+# A generic state and step size: their products and sums fill the significands of any format.
 STATE, STEP = (1 / 3, 0.7), 0.3
-# At states of size 1, in units of that time.
+# Step sizes at states of size 1, in units of the system's own time.
 ORDINARY_STEPS = (0.25, 0.5, 0.125)
-# Steps in units of the system's own time, as dyadic numbers: both ways in time, and far beyond its time scale.
+# Step sizes in units of the system's own time: in both directions of time, and far beyond its time scale.
 DYADIC = ("1/256", "1/16", "1/8", "1/4", "1/2", "1", "-1/16", "-1/8", "-1/4", "-1/2", "-1")
 NOT_DYADIC = ("1/10", "3/10", "7/10", "-3/10")
 _FAR = ("2", "4", "16", "-2", "-4")
-# No program of the catalogue errs by more than this many times u (1 + |M|) at the step LINEARITY_STEP, as a test says.
+# At the step LINEARITY_STEP, no program of the catalogue errs by more than this many u (1 + |M|): a test holds this.
 LINEARITY_ROUNDINGS, LINEARITY_STEP = 1 << 12, Fraction(1, 8)
-# What differs by no more roundings is the same answer: of sums with up to 18 terms, taken in another order.
+# Answers that differ by no more roundings are the same: those of sums of up to 18 terms in another order.
 REPEATED = 16
-# Where a limit on the size of states would show: a million is beyond what people bound speeds and lengths by.
+# States of this size, in bits, show a limit: a million is beyond what people bound speeds and lengths by.
 FAR_BITS = 20
-# Steps that are tiny, in bits, for steppers that refuse smaller ones.
+# Tiny steps, in bits, for steppers that refuse smaller ones.
 COARSE_BITS = (20, 12)
-# Rates read at two steps of one size agree to this many bits unless noise is read: all that binary16 has.
+# Rates read at two tiny steps agree to this many bits unless they are noise; binary16 has no more.
 RATE_BITS = 10
 
 
 @dataclass(frozen=True)
 class LinearReading:
-    """What was read: `steps` are pairs (h, M(h)), M(h) being rounded as its stepper rounds in `format`.
+    """What was read: `steps` are pairs (h, M(h)), where M(h) is rounded as the stepper rounds in `format`.
 
-    `kind` is LINEAR, LINEARISED (then read at states of size `amplitude`), or what stands in the way. `at_zero` is
-    M(0) + h A at the step `tiny`, A being known to O(h²) in the entries where M(0) is zero; it is None where tiny steps
-    show noise only. `unit` is a power of two near the system's own time. `ordinary`
-    are pairs (h, M(h)) read at states of size 1 where it is linear to no more than `loose` there. `remarks` are for
-    people.
+    `kind` is LINEAR, LINEARISED (read at states of size `amplitude`), or what stands in the way. `at_zero` is
+    M(0) + h A at the step `tiny`, where A is known to O(h²) in the entries that vanish in M(0); it is None if tiny
+    steps show only noise. `unit` is a power of two near the system's own time. `ordinary` are pairs (h, M(h)) read at
+    states of size 1, where the step is off linearity by `loose`. `remarks` are for people.
     """
 
     format: FloatFormat
@@ -61,21 +60,21 @@ class LinearReading:
 
     @property
     def starts_at_identity(self) -> bool:
-        """True when M(0) = I, as far as a tiny step tells."""
+        """True if M(0) = I, as far as a tiny step shows."""
         slack = 8 * (self.tiny / self.unit + float(self.format.u))
         pairs = zip(self.at_zero or (), (1, 0, 0, 1), strict=False)
         return self.at_zero is not None and all(abs(x - one) <= slack for x, one in pairs)
 
     @property
     def identifiable(self) -> bool:
-        """True when the steps are those of a linear map."""
+        """True if the steps are those of a linear map."""
         return self.kind in (LINEAR, LINEARISED)
 
 
 def read_linear_steps(subject: ForeignStepper, amplitude: float = 1.0) -> LinearReading:
-    """The one-step matrix of a stepper at some twenty steps, by some seventy calls of it, at states of a size.
+    """The one-step matrix of a stepper at some twenty steps, from some seventy calls at states of size `amplitude`.
 
-    Lets a Misbehaviour pass at steps well within the system's own time; beyond, and at negative steps, it is a remark.
+    A Misbehaviour is raised at steps well within the system's own time; at longer and negative steps it is a remark.
     """
     fmt = _own_format(subject)
     if not _repeats(subject, fmt):
@@ -98,11 +97,11 @@ def read_linear_steps(subject: ForeignStepper, amplitude: float = 1.0) -> Linear
 
 
 def _linearised(subject: ForeignStepper, fmt: FloatFormat, at_identity: bool) -> LinearReading | None:
-    """The reading at states so small that the step is linear there, but not so small that a rule puts them to rest.
+    """The reading at states so small that the step is linear there, and yet not put to rest; None if there are none.
 
-    At the first size products of two states are below a rounding of one, and still ordinary numbers.
+    At the first size, products of two states are below a rounding of one, and still ordinary numbers.
     """
-    if fmt == BINARY16:  # which has no numbers so small
+    if fmt == BINARY16:  # binary16 has no numbers so small
         return None
     for bits in (fmt.precision + 7, fmt.precision // 2 + 4, 2 * fmt.precision // 5):
         tiny = _at_amplitude(subject, LinearReading(fmt, LINEARISED, ldexp(1.0, -bits)))
@@ -113,13 +112,13 @@ def _linearised(subject: ForeignStepper, fmt: FloatFormat, at_identity: bool) ->
 
 
 def _own_format(subject: ForeignStepper) -> FloatFormat:
-    """The narrowest format that holds the answers to a generic step: that in which it was computed."""
+    """The narrowest format that holds the answers to a generic step, as the one in which it was computed."""
     answers = [Fraction(x) for x in subject.step(*STATE, STEP)]
     return next((f for f in (BINARY16, BINARY32) if any(answers) and all(map(f.holds, answers))), subject.format)
 
 
 def _repeats(subject: ForeignStepper, fmt: FloatFormat) -> bool:
-    """True when the same step gives the same answer again, but for a few roundings, as of sums in any order."""
+    """True if the same step gives the same answer again, up to a few roundings, as of sums in another order."""
     first = subject.step(*STATE, STEP)
     subject.step(-STATE[1], STATE[0], STEP / 2)
     allowed = REPEATED * float(fmt.u) * max(map(abs, (*STATE, *first)))
@@ -136,7 +135,7 @@ def _matrix(subject: ForeignStepper, h: float, amplitude: float) -> MatrixEntrie
 
 
 def _at_amplitude(subject: ForeignStepper, reading: LinearReading) -> LinearReading:
-    """The reading with its tiny step and its unit of time."""
+    """The reading with its tiny step, M there, and its unit of time."""
     unit = 1.0
     for _ in range(2):  # the first step is tiny in seconds, the second in the system's own time
         found = _rates(subject, reading, unit)
@@ -150,13 +149,13 @@ def _at_amplitude(subject: ForeignStepper, reading: LinearReading) -> LinearRead
 
 
 def _rates(subject: ForeignStepper, reading: LinearReading, unit: float) -> tuple[float, MatrixEntries] | None:
-    """The least of some tiny steps at which rates show rather than noise, with M there; None if there is none."""
+    """The smallest of some tiny steps at which rates show rather than noise, with M there; None if there is none."""
     p = reading.format.precision
     for bits in sorted({p + 7, p // 2, *COARSE_BITS}, reverse=True):
         tiny = unit * ldexp(1.0, -bits)
         try:
             m, finer = (_matrix(subject, h, reading.amplitude) for h in (tiny, tiny / 4))
-        except (Misbehaviour, NoAnswer):  # of steps that are too small some are refused, and some never end
+        except (Misbehaviour, NoAnswer):  # steps that are too small may be refused or never end
             if bits == min(COARSE_BITS):
                 raise
             continue
@@ -168,7 +167,7 @@ def _rates(subject: ForeignStepper, reading: LinearReading, unit: float) -> tupl
 
 
 def _asleep(subject: ForeignStepper, reading: LinearReading, unit: float, m: MatrixEntries) -> bool:
-    """True when nothing grows in a tiny step though it does in a longer one: small numbers are put to rest, or lost."""
+    """True if entries vanish in a tiny step but not in a longer one: small numbers are put to rest or lost."""
     if all(m[1:3]):
         return False
     h = unit * ldexp(1.0, -min(COARSE_BITS))
@@ -177,22 +176,22 @@ def _asleep(subject: ForeignStepper, reading: LinearReading, unit: float, m: Mat
 
 
 def _same_rates(m: MatrixEntries, finer: MatrixEntries) -> bool:
-    """True when M - M(0) is four times smaller at a fourth of the step, in the entries where M(0) is zero; or smaller.
+    """True if the entries that vanish in M(0) are four times smaller at a fourth of the step, or smaller still.
 
-    Smaller it is without a rate, where the entries are O(h²); noise is as large at a fourth of the step.
+    They are smaller still if they are O(h²), without a rate; noise is as large at a fourth of the step.
     """
     pairs = [(x, 4 * y) for x, y in zip(m[1:3], finer[1:3], strict=True)]
     return all(abs(y) <= abs(x) / 2 or _agree(x, y) for x, y in pairs)
 
 
 def _agree(x: float, y: float) -> bool:
-    """True when two rates are one, to RATE_BITS bits."""
+    """True if two rates are the same to RATE_BITS bits."""
     allowed = ldexp(abs(x) + abs(y), -RATE_BITS)
     return abs(x - y) <= allowed
 
 
 def _extrapolated(m: MatrixEntries, finer: MatrixEntries) -> MatrixEntries:
-    """M with entries c h for those that are zero in M(0), c to O(h²) from both steps; c = 0 where they are O(h²)."""
+    """M with c h for the entries that vanish in M(0), c known to O(h²) from both steps, or 0 if they are O(h²)."""
     found = list(m)
     for i in (1, 2):
         x, y = m[i], 4 * finer[i]
@@ -202,20 +201,20 @@ def _extrapolated(m: MatrixEntries, finer: MatrixEntries) -> MatrixEntries:
 
 
 def _unit(m: MatrixEntries, tiny: float) -> float:
-    """The power of two nearest to 1/sqrt|ak|, for the rates a and k; 1 where there are none."""
+    """The power of two nearest to 1/sqrt|ak|, for the rates a and k; 1 if they give none."""
     frequency = sqrt(abs(m[1] / tiny)) * sqrt(abs(m[2] / tiny))
     return ldexp(1.0, -round(log2(frequency))) if isfinite(frequency) and frequency else 1.0
 
 
 class _Nonlinearity(NamedTuple):
-    """A step that is not the sum of its parts, and how far it is off, of their size."""
+    """A step that is not the sum of its parts, and how far it is off, relative to their size."""
 
     words: str
     off: float
 
 
 def _nonlinearity(subject: ForeignStepper, reading: LinearReading, size: float) -> _Nonlinearity | None:
-    """What was seen of M(z + w) ≠ M(z) + M(w) at states of a size, times the amplitude; None if nothing was."""
+    """The first case of M(z + w) ≠ M(z) + M(w) at states of `size` times the amplitude; None if none is seen."""
     h = _in_format(reading.format, reading.unit * float(LINEARITY_STEP))
     (qq, qv, vq, vv), scale = _matrix(subject, h, reading.amplitude), size * reading.amplitude
     for q, v in ((1.0, 1.0), (0.625, -0.75), (-1.5, 0.0)):
@@ -231,7 +230,7 @@ def _nonlinearity(subject: ForeignStepper, reading: LinearReading, size: float) 
 
 
 def _is_linearisation(subject: ForeignStepper, tiny: LinearReading) -> bool:
-    """True when states of a fourth of the size have the same rates: those of a cubic force are a sixteenth."""
+    """True if states of a fourth of the size have the same rates; those of a cubic force are a sixteenth."""
     if tiny.at_zero is None:
         return False
     less = _matrix(subject, tiny.tiny, tiny.amplitude / 4)
@@ -239,7 +238,7 @@ def _is_linearisation(subject: ForeignStepper, tiny: LinearReading) -> bool:
 
 
 def _far_out(subject: ForeignStepper, reading: LinearReading) -> tuple[str, ...]:
-    """What is seen of a limit on the size of states, as a remark."""
+    """A remark on a limit on the size of states, if one is seen."""
     try:
         found = _nonlinearity(subject, reading, 2.0 ** min(FAR_BITS, reading.format.emax // 2))
         seen = found.words if found else ""

@@ -1,4 +1,4 @@
-"""Right-hand sides that know the stage at which they are asked: by its time, and by clocks that run along in y."""
+"""Right-hand sides that recognise the stage of each call, by its time and by clocks that run along in y."""
 
 from __future__ import annotations
 
@@ -12,33 +12,33 @@ from driftproof.blackbox.probes.scripted_answers import Listener, NotReadable, p
 from driftproof.blackbox.stepper.foreign_code import FieldFunction
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 
-# A stage: the number of its time, then of what each clock shows there, each in the order of the first call.
+# A stage: the number of its time, then that of each clock's value there, all in the order of the first call.
 StageLabel: TypeAlias = tuple[int, ...]
-# How much of each stage a call is: 1 of one of them where the clocks show what they show at a stage.
+# How much of each stage a call is: 1 for one of them if the clocks show its values.
 StageShares: TypeAlias = Mapping[StageLabel, float]
-# The slopes of the numbers that are marked, from the stage and how far each has moved since the start of the step.
+# The slopes of the marked numbers, from the shares and how far each number has moved since the start of the step.
 MarkedSlopes: TypeAlias = Callable[[StageShares, Sequence[float]], Sequence[float]]
-# The slopes from the node (t - t₀)/h, None where no time is handed on, and how far each number has moved.
+# The slopes from the node (t - t₀)/h, None if no time is passed on, and how far each number has moved.
 MovedSlopes: TypeAlias = Callable[[float | None, Sequence[float]], Sequence[float]]
-# Nodes nearer than so many u are one: a time up to 8 h is a rounded product and a sum, and is divided by h.
+# Nodes closer than this many u count as one: a time of up to 8 h is a rounded product and a sum, divided by h.
 _SAME_NODE = 256
 _WIDEST_NODE = 2.0**-8
-# A clock is shifted by as much where a Jacobian is made of differences; two stages that differ by less are one.
+# Difference quotients for a Jacobian shift a clock by about as much; stages that differ by less count as one.
 _SAME_HAND = 2.0**-16
-# Jacobians by differences, of some dozen unknowns for some dozen iterations, and then an adaptive solver.
+# Enough for difference quotients in some dozen unknowns, in some dozen iterations; an adaptive solver makes more.
 _MOST_CALLS = 20000
-# More than these are no stages, but steps of an adaptive solver.
+# More labels than this are steps of an adaptive solver, and no stages.
 _MOST_LABELS = 40
-# Numbers of y, the most first: more let chains of stages and clocks be followed, some codes take two.
+# How many numbers y has, the most first: more of them allow longer chains and more clocks, but some codes take two.
 _SIZES = (4, 3, 2)
 
 
-class _OtherTime(Misbehaviour):
-    """Raised inside a step, so that it ends; it never leaves this module."""
+class _UnknownNode(Misbehaviour):
+    """Ends a step from inside; it never leaves this module."""
 
 
 class Setting(NamedTuple):
-    """A step: where every number of y starts, at which time, and its h."""
+    """The setting of a step: where every number of y starts, at which time, and its h."""
 
     start: float = 0.0
     time: float = 0.0
@@ -46,9 +46,9 @@ class Setting(NamedTuple):
 
 
 class MarkedRun(NamedTuple):
-    """The nodes (t - t₀)/h of the calls, None where no time is handed on; the numbers asked at; and the result.
+    """The nodes (t - t₀)/h of the calls, None if no time is passed on; the places of the calls; and the result.
 
-    Numbers are as they come, times h and start included.
+    Places and result are as they come, including the factor h and the start.
     """
 
     nodes: list[float | None]
@@ -58,11 +58,11 @@ class MarkedRun(NamedTuple):
 
 @dataclass(frozen=True)
 class StageMarks:
-    """What tells the stages apart: their nodes, and for each clock what it shows at each stage told apart before.
+    """The marks that tell stages apart: their nodes, and what each clock shows at the stages told apart before it.
 
     A clock is a number of y whose slope at a call is a function of the label so far, so that at stage i it shows
-    h Σ aᵢⱼ g(label j): stages that no clock tells apart are equal on every problem. Clocks depend on nothing else in y:
-    every solver has them right after one iteration.
+    h Σ aᵢⱼ g(label j). Stages that no clock tells apart are equal on every problem. Clocks depend on nothing else in y,
+    so every solver has them right after one iteration.
     """
 
     nodes: tuple[float, ...]
@@ -70,14 +70,14 @@ class StageMarks:
 
     @property
     def labels(self) -> list[StageLabel]:
-        """All of them, those of first guesses and differences among them, in the order of their first call."""
+        """All labels, with those of first guesses and of difference quotients, in the order of their first call."""
         found: list[StageLabel] = [(i,) for i in range(max(1, len(self.nodes)))]
         for shown in self.hands:
             found = [(*label, i) for label in found for i in shown.get(label, ())]
         return found
 
     def only(self, kept: Sequence[StageLabel]) -> StageMarks:
-        """The same for these stages alone, where the others have turned out to be none."""
+        """The marks of these stages alone; the others have turned out not to be stages."""
         hands = []
         for k, shown in enumerate(self.hands, start=1):
             meant = {label[: k + 1] for label in kept}
@@ -85,9 +85,9 @@ class StageMarks:
         return StageMarks(self.nodes, tuple(hands))
 
     def shares(self, place: int, hands: Sequence[float]) -> dict[StageLabel, float]:
-        """The stages that a call at a node, with the clocks at these numbers, is: by Lagrange's polynomials in them.
+        """How much of each stage a call is, from its node and its clocks, by Lagrange's polynomials in the clocks.
 
-        These are smooth, so that a solver that steers by its residual goes on to the stage.
+        They are smooth, so that a solver which follows its residual arrives at the stage.
         """
         found: dict[StageLabel, float] = {(place,): 1.0}
         for shown, hand in zip(self.hands, hands, strict=False):
@@ -100,21 +100,21 @@ class StageMarks:
 
 
 def clock_slopes(shares: Sequence[StageShares]) -> list[float]:
-    """Of clocks of which the k-th sees the first k before: 1 for the first where no time is handed on."""
+    """The slopes of the clocks, each from the shares by the clocks before it; 1 for the first if calls have no time."""
     return [fsum(share * _own_slope(label) for label, share in seen.items()) for seen in shares]
 
 
 class MarkedSteps:
-    """Steps of one subject on right-hand sides that know the stage; and `part`, which of its functions they are."""
+    """Steps of one subject on right-hand sides that know the stage; `part` is the number of the function called."""
 
     parts = 1
-    # True where its numbers are parts of one, whose difference quotients are those of all at once.
+    # True if the numbers are parts of one, so that a difference quotient shifts all of them at once.
     alone = False
-    # True where stages of another kind, those of velocities, may be implicit, too.
+    # True if all of these stages may be explicit, because others, those of velocities, may be implicit.
     may_be_explicit = False
 
     def __init__(self, subject: ForeignStepper) -> None:
-        """Raises NotReadable where it takes no two numbers, or never calls its right-hand side."""
+        """Raises NotReadable if the subject takes no two numbers, or never calls its right-hand side."""
         self.subject, self.part = subject, 0
         self.size, first = self._opened()
         times = [node for node in first.nodes if node is not None]
@@ -122,10 +122,10 @@ class MarkedSteps:
             raise NotReadable("the right-hand side is never called")
         self.timed = len(times) == len(first.nodes)
         self.same_node = min(_SAME_NODE * float(subject.format.u), _WIDEST_NODE)
-        self.nodes = _apart(times, self.same_node) if self.timed else ()
+        self.nodes = _distinct(times, self.same_node) if self.timed else ()
 
     def marks(self, clocks: int) -> StageMarks:
-        """The stages as so many clocks tell them apart. Raises NotReadable where they are too many for stages."""
+        """The marks by `clocks` clocks. Raises NotReadable if they show more stages than a method has."""
         marks = StageMarks(self.nodes)
         for k in range(clocks):
             run = self.run(marks, Setting(), lambda shares, moved: [0.0] * len(moved), clocks=k + 1)
@@ -133,8 +133,8 @@ class MarkedSteps:
             for node, place in zip(run.nodes, run.places, strict=True):
                 shares = marks.shares(self._place(node), place[:k])
                 shown.setdefault(max(shares, key=lambda label: abs(shares[label])), []).append(place[k])
-            # The last of those that are one is what a solver has come to.
-            hands = {p: dict(enumerate(_apart(seen[::-1], _SAME_HAND)[::-1])) for p, seen in shown.items()}
+            # Of the values that count as one, the last is the one that a solver has come to.
+            hands = {p: dict(enumerate(_distinct(seen[::-1], _SAME_HAND)[::-1])) for p, seen in shown.items()}
             marks = replace(marks, hands=(*marks.hands, hands))
         if len(marks.labels) > _MOST_LABELS:
             raise NotReadable(f"its right-hand side is asked at {len(marks.labels)} stages: it is adaptive")
@@ -143,9 +143,9 @@ class MarkedSteps:
     def run(
         self, marks: StageMarks, setting: Setting, slopes: MarkedSlopes, *, clocks: int | None = None, size: int = 0
     ) -> MarkedRun:
-        """A step of y' = (slopes of the clocks, `slopes` of the stage and of how far the other numbers have moved).
+        """One step of y' = (slopes of the clocks, `slopes` of the shares and of how far the other numbers have moved).
 
-        Of so many numbers besides the clocks, or of all that the subject takes.
+        y has `size` numbers besides the clocks, or as many as the subject takes.
         """
         count = len(marks.hands) if clocks is None else clocks
 
@@ -157,7 +157,7 @@ class MarkedSteps:
         return self.smooth(setting, rates, max(2, count + size) if size else self.size)
 
     def smooth(self, setting: Setting, rates: MovedSlopes, size: int = 0) -> MarkedRun:
-        """A step of y' = rates(node, y - start). What else it does on it is no evidence: raises NotReadable."""
+        """One step of y' = rates(node, y - start). Raises NotReadable for any Misbehaviour: it is no evidence here."""
         start, clock, h = setting.start, float(setting.time), setting.h
 
         def answered(asked: tuple[float | None, list[float]]) -> Sequence[float]:
@@ -167,13 +167,13 @@ class MarkedSteps:
         heard = Listener(answered, _MOST_CALLS)
 
         def rate(t: float, y: Sequence[float]) -> Sequence[float]:
-            # A callback that is given no time hands on the very object that it was made with.
+            # If the stepper passes on no time, t is the very object `clock`.
             answer: Sequence[float] = heard((None if t is clock else (t - setting.time) / h, list(y)))
             return answer
 
         try:
             y1 = performed(lambda: self.step(rate, clock, [start] * (size or self.size), h))
-        except _OtherTime as seen:
+        except _UnknownNode as seen:
             raise NotReadable(str(seen)) from None
         except Misbehaviour as failure:
             raise NotReadable(f"with its stages marked, {failure}") from failure
@@ -184,11 +184,11 @@ class MarkedSteps:
         return self.subject.step_field(rate, t, y, h)
 
     def _place(self, node: float | None) -> int:
-        """The number of the node. Raises NotReadable for one that was not seen before."""
+        """The number of the node. Raises _UnknownNode for a node that was not seen before."""
         place = 0 if node is None else min(range(len(self.nodes)), key=lambda i: abs(self.nodes[i] - node))
         if node is not None and abs(node - self.nodes[place]) > self.same_node:
             nodes = ", ".join(f"{x:.6g}" for x in self.nodes)
-            raise _OtherTime(
+            raise _UnknownNode(
                 f"the right-hand side is called at t + {node:.6g} h, and with other slopes, times and h at the nodes "
                 f"{nodes}: the step is adaptive, or its times do not scale with h"
             )
@@ -203,8 +203,8 @@ class MarkedSteps:
         raise failure
 
 
-def _apart(numbers: Sequence[float], distance: float) -> tuple[float, ...]:
-    """The first of each group that lies together."""
+def _distinct(numbers: Sequence[float], distance: float) -> tuple[float, ...]:
+    """The numbers without those that are within `distance` of an earlier one."""
     found: list[float] = []
     for x in numbers:
         if all(abs(x - y) > distance for y in found):
@@ -213,11 +213,11 @@ def _apart(numbers: Sequence[float], distance: float) -> tuple[float, ...]:
 
 
 def spread(number: int) -> float:
-    """From 1 to 2, 1 for 0, and far from those of all other small numbers: multiples of the golden mean."""
+    """A number from 1 to 2, 1 for 0, far from those of all other small numbers: multiples of the golden mean."""
     return 1.0 + number * 0.6180339887498949 % 1
 
 
 def _own_slope(label: StageLabel) -> float:
-    """Different for each label; 1 for the first one."""
+    """A slope that is different for each label, and 1 for the first."""
     number: int = sum(place * _MOST_LABELS**k for k, place in enumerate(label))
     return spread(number)

@@ -1,4 +1,4 @@
-"""What a stepper is asked first: how it is called, and which coefficients it has."""
+"""The first questions about a stepper: how it is called, and which coefficients it has."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ CoefficientReading: TypeAlias = TableauReading | ForceReading
 
 @dataclass(frozen=True)
 class Introduction:
-    """How the stepper is called, what numbers it takes and gives, and in which format it works."""
+    """A stepper's calling convention, the kind of its numbers, and the floating-point format in which it works."""
 
     calls: str
     numbers: str
@@ -29,20 +29,20 @@ class Introduction:
 
 
 def introduction(subject: ForeignStepper) -> Introduction:
-    """The stepper as it was opened."""
+    """Describe the stepper as it was opened."""
     return Introduction(subject.convention.kind, subject.adapter.name, subject.format.name)
 
 
 def read_coefficients(subject: ForeignStepper) -> CoefficientReading:
-    """The stepper's own coefficients: of its tableau through a right-hand side, else as a force sees them.
+    """The stepper's own coefficients: its tableau, read through a right-hand side, or else those that a force shows.
 
-    Where calls are not the stages of an explicit step, they are looked for as those of an implicit one. A symplectic
-    step of y = [q, v] has no tableau, but has coefficients on q'' = F(q): these come with the refusal of the tableau,
-    since a force sees neither times nor other numbers.
+    If the calls are not the stages of an explicit step, they are read as those of an implicit one. A symplectic step of
+    y = [q, v] has no tableau, but coefficients on q'' = F(q). These come with the reason against the tableau, since a
+    force shows neither times nor the other components.
 
-    A step whose force is given the velocities of a Runge-Kutta method's stages, too, has its tableau.
+    If the force of a step is also given the velocities of a Runge-Kutta method's stages, the step has its tableau.
 
-    Raises UnsupportedCall, NotReadable.
+    Raises UnsupportedCall or NotReadable.
     """
     if subject.convention.kind == FIELD:
         try:
@@ -58,7 +58,7 @@ def read_coefficients(subject: ForeignStepper) -> CoefficientReading:
 
 
 def _as_tableau(reading: ForceReading, *, timed: bool) -> TableauReading | None:
-    """A, b, c where a call's velocity is v + h Σ aᵢⱼ Fⱼ and its position that of the same stage: with A², and bᵀA."""
+    """The tableau A, b, c if the velocities have rows A, the positions A², and b_position is bᵀA; otherwise None."""
     if reading.a_velocity is None or reading.wrong_time:
         return None
     a, b, calls = reading.a_velocity, reading.b_velocity, range(reading.calls)
@@ -73,7 +73,7 @@ def _as_tableau(reading: ForceReading, *, timed: bool) -> TableauReading | None:
 
 
 def _demand_inertia(subject: ForeignStepper) -> None:
-    """Raises NotReadable where numbers that belong together do not all keep their velocity: a force of one sees one."""
+    """Raise NotReadable unless each component of a vector keeps its velocity without a force: probes see only one."""
     numbers = TOGETHER.get(subject.adapter.name, 0)
     allowed = Rounding(subject.format, numbers).of(1.0)
     for i in range(numbers):
@@ -85,7 +85,7 @@ def _demand_inertia(subject: ForeignStepper) -> None:
 
 
 def _implicit_forces(subject: ForeignStepper, refusal: NotReadable) -> ForceReading:
-    """Of implicit stages. Raises the refusal, with what is against these."""
+    """The coefficients with implicit stages. Raises the refusal, extended by the reason against these."""
     try:
         return read_implicit_forces(subject)
     except NotReadable as second:
@@ -93,7 +93,7 @@ def _implicit_forces(subject: ForeignStepper, refusal: NotReadable) -> ForceRead
 
 
 def _otherwise(subject: ForeignStepper, refusal: NotReadable | Misbehaviour) -> CoefficientReading:
-    """Of implicit stages, or as a force sees them. Raises the refusal, with what is against implicit stages."""
+    """The coefficients with implicit stages, or as a force shows them. Raises the refusal, with the second reason."""
     try:
         return read_implicit_tableau(subject)
     except NotReadable as second:

@@ -1,4 +1,4 @@
-"""What the probes share: steps with scripted answers, written down, and how far rounding may carry what they return."""
+"""Steps with scripted answers, as all probes make them, and how far rounding may carry the numbers they show."""
 
 from __future__ import annotations
 
@@ -12,38 +12,38 @@ from driftproof.symbolic.rounding.formats import FloatFormat
 
 CoefficientRow: TypeAlias = tuple[float, ...]
 Result = TypeVar("Result")
-# Numbers of these sizes are below the limits on speeds and distances in use, and above what is put to rest.
+# Sizes below the limits on speeds and distances in use, and above those that are put to rest.
 BELOW_LIMITS = (2.0**-5, 2.0**-10)
-# A limit takes away more than this part of a number; what bends takes away less.
+# A limit takes away more than this part of a number; a nonlinearity takes away less.
 _FAR = 2.0**-10
-# More calls in one step than any method in use makes: an iteration, or an adaptive solver.
+# More calls in one step than any method in use makes: it iterates, or is adaptive.
 MOST_CALLS = 200
 
 
 class NotReadable(ValueError):
-    """The step has no coefficients that could be read; the message says what was seen instead."""
+    """No coefficients of the step could be read; the message says what was seen instead."""
 
     kind = "not_readable"
 
 
 class Departs(NotReadable):
-    """A number of a control is far from what the coefficients say, as beyond a limit."""
+    """A number of a control is far from what the coefficients say, as numbers beyond a limit are."""
 
 
 class _TooManyCalls(Misbehaviour):
-    """Raised inside a step, so that it ends; it never leaves this module."""
+    """Ends a step from inside; it never leaves this module."""
 
 
 class Listener:
-    """A function that answers by `answer`, keeps what it is asked, and ends the step after so many calls."""
+    """A function that answers by `answer`, records what it is called with, and ends the step after `most` calls."""
 
     def __init__(self, answer: Callable[[Any], Any], most: int = MOST_CALLS) -> None:
-        """Nothing asked yet."""
+        """Begin with no calls."""
         self._answer, self._most = answer, most
         self.calls: list[Any] = []
 
     def __call__(self, asked: Any) -> Any:
-        """The answer. Ends the step after `most` calls."""
+        """Answer one call. Ends the step after `most` calls."""
         if len(self.calls) == self._most:
             raise _TooManyCalls(f"one step makes more than {self._most} calls: an iteration or an adaptive solver")
         self.calls.append(asked)
@@ -51,10 +51,10 @@ class Listener:
 
 
 class Script(Listener):
-    """A function that answers its j-th call by `answers[j]`, later ones by `silence`, and keeps what it is asked."""
+    """A function that answers its j-th call by `answers[j]` and later ones by `silence`, and records its calls."""
 
     def __init__(self, answers: Sequence[Any], silence: Any) -> None:
-        """Nothing asked yet."""
+        """Begin with no calls."""
         super().__init__(lambda _: answers[len(self.calls) - 1] if len(self.calls) <= len(answers) else silence)
 
 
@@ -67,9 +67,9 @@ def performed(step: Callable[[], Result]) -> Result:
 
 
 def read_at_some_size(read: Callable[[float], Result]) -> tuple[Result, tuple[str, ...]]:
-    """What is read with numbers of size 1, or else with small ones, below a limit that a step may have; and a remark.
+    """The result of `read` at size 1, or else at a small size, below a limit that a step may have; and remarks.
 
-    Times a power of two all products and sums stay what they are. Raises the NotReadable of size 1.
+    Scaling by a power of two keeps all products and sums exact. Raises the NotReadable of size 1.
     """
     try:
         return read(1.0), ()
@@ -81,7 +81,7 @@ def read_at_some_size(read: Callable[[float], Result]) -> tuple[Result, tuple[st
 
 
 def complaints(control: Callable[[], object]) -> tuple[str, ...]:
-    """What a control has to say against the reading, if anything, where that is no reason to give it up."""
+    """What a control says against a reading that is kept all the same: one line or none."""
     try:
         control()
     except (Misbehaviour, NoAnswer, NotReadable) as error:
@@ -90,7 +90,7 @@ def complaints(control: Callable[[], object]) -> tuple[str, ...]:
 
 
 def demand_calls(expected: int, seen: int) -> None:
-    """Raises NotReadable if another number of calls was made than with other answers."""
+    """Raise NotReadable if the number of calls is another one than with other answers."""
     if seen != expected:
         raise NotReadable(
             f"the number of calls depends on the answers: {expected}, then {seen}: the step is adaptive or iterative"
@@ -98,7 +98,7 @@ def demand_calls(expected: int, seen: int) -> None:
 
 
 def demand_same(rounding: Rounding, first: Sequence[float], second: Sequence[float]) -> None:
-    """Raises NotReadable if a step that shows these numbers showed others, but for rounding, when taken again."""
+    """Raise NotReadable if a step that is taken again shows other numbers, beyond rounding."""
     allowed = rounding.of(max(map(abs, first), default=0.0))
     if len(first) != len(second) or not all(abs(x - y) <= allowed for x, y in zip(first, second, strict=True)):
         seen = f"the same step of {rounding.calls} call{'s' * (rounding.calls != 1)} taken twice is not the same"
@@ -106,19 +106,19 @@ def demand_same(rounding: Rounding, first: Sequence[float], second: Sequence[flo
 
 
 def unit(size: int, place: int) -> list[float]:
-    """The answers 0, ..., 0, 1 with the 1 in the given place."""
+    """The answers 0, ..., 0, 1, 0, ..., 0 with the 1 at `place`."""
     return [0.0] * place + [1.0] + [0.0] * (size - place - 1)
 
 
 def varied(size: int, salt: int) -> list[float]:
-    """Answers of both signs, of sizes from 1/4 to 4 and all powers of two: products with coefficients are exact."""
+    """Answers of both signs and sizes from 1/4 to 4, all powers of two: products with coefficients are exact."""
     return [(-1.0) ** (j * (j + salt) // 2) * 2.0 ** ((3 * j + salt) % 5 - 2) for j in range(size)]
 
 
 class Control(NamedTuple):
-    """A step that tells whether what was read is all there is: its start, its h, and which answers it gets.
+    """A step that shows whether all was read: its start, time and h, and the `salt` of the answers that it gets.
 
-    `broken` says what the step is like if it takes another course than the coefficients say.
+    `broken` says what the step is like if it departs from the coefficients.
     """
 
     name: str
@@ -141,19 +141,19 @@ CONTROLS = (
     Control("the time 7", "the step depends on the time", time=7.0),
     Control("everything other", "the step is not made of these terms alone", h=0.75, start=-3.0, time=2.0, salt=2),
 )
-# Many codes refuse to step back in time: then this one says nothing against the others.
+# Many codes refuse to step back in time, so that a failure of this one says nothing against the others.
 BACKWARD = Control("h = -1", "it does not step back as it steps forth", h=-1.0, salt=3)
 
 
 @dataclass(frozen=True)
 class Rounding:
-    """How far rounding may carry one number of a step that makes so many calls.
+    """How far rounding may carry one number of a step that makes `calls` calls.
 
     A program makes each number from the start and the answers by sums and products with constants. In the longest form
-    in use, low storage, an answer then passes a product and a sum in each of two registers at every later call, so four
-    roundings a call; and a few more as it enters and where the result is formed. A sum that passes k roundings errs by
-    at most k u, to first order, times the largest of its intermediate numbers, and these are of the size of the terms.
-    `besides` is what the solver of implicit stages leaves in a number of size 1 or less, and in larger ones times it.
+    in use, low storage, an answer then passes a product and a sum in each of two registers at every later call: four
+    roundings a call, and a few more where it enters and where the result is formed. A sum that passes k roundings errs
+    by at most k u, to first order, times its largest intermediate number, which is of the size of the terms. `besides`
+    is what the solver of implicit stages leaves in a number of size 1 or less; in larger ones it grows in proportion.
     """
 
     format: FloatFormat
@@ -166,13 +166,13 @@ class Rounding:
         return 4 * (self.calls + 2)
 
     def of(self, size: float) -> float:
-        """How far a number of that size may be off: k u size, and as many underflows; and what a solver leaves."""
+        """How far a number of this size may be off: k u size, k underflows, and what a solver leaves."""
         rounded = self.most * (float(self.format.u) * size + float(self.format.eta))
         return rounded + self.besides * max(1.0, size)
 
 
 def demand_as_said(control: Control, name: str, seen: float, said: float, allowed: float) -> None:
-    """Raises NotReadable if a number of a control differs from what the coefficients say by more than is allowed."""
+    """Raise NotReadable if a number of a control is farther than `allowed` from what the coefficients say."""
     if not abs(seen - said) <= allowed:
         found = Departs if abs(seen - said) > _FAR * max(abs(seen), abs(said)) else NotReadable
         raise found(

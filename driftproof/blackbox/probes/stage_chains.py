@@ -1,4 +1,4 @@
-"""Chains of marked stages: products of weights and entries, of one function or of two that are asked in one step."""
+"""Chains of marked stages, which show products of weights and entries, of one function or of two in the same step."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ from driftproof.blackbox.probes.marked_stages import (
 from driftproof.blackbox.probes.scripted_answers import CoefficientRow, NotReadable, Rounding
 from driftproof.blackbox.probes.stage_solutions import UNSOLVED
 
-# What is read once more differs by less where it is a coefficient that a solver has come near to.
+# Two readings of a coefficient differ by less than this if a solver came near it.
 _FAR = 2.0**-10
-# Less than this is what a solver leaves at a guess that is no stage: a stage has a weight, or a place in one that has.
+# A solver leaves less at a guess that is no stage; a stage has a weight, or an entry in the row of another stage.
 _LEAST = 2.0**-20
-# A stage, and which of the functions is marked there.
+# A stage, and the number of the function that is marked there.
 Link: TypeAlias = tuple[StageLabel, int]
 StageTable: TypeAlias = tuple[CoefficientRow, ...]
 
@@ -31,29 +31,29 @@ class _Variant(NamedTuple):
     amplitude: float
 
 
-# Read from the first; another start, time, h and size show what the solver leaves. Powers of two: products are exact.
+# Coefficients are read from the first, and the second shows what a solver leaves. Powers of two: products are exact.
 _VARIANTS = (_Variant(Setting(), 1.0), _Variant(Setting(1.0, 1.0, 0.5), -1.0))
 
 
 class StageChains:
-    """Chains of marked stages in steps of one subject, with one way to tell its stages apart."""
+    """Chains of marked stages in steps of one subject, whose stages are told apart by one set of marks."""
 
     def __init__(self, steps: MarkedSteps, marks: StageMarks) -> None:
-        """Nothing asked yet."""
+        """Begin without any chain read."""
         self.steps, self.marks = steps, marks
         self.kept: list[StageLabel] = []
         self._off = 0.0
 
     @property
     def left(self) -> float:
-        """What the two readings differ by at most; and what elimination in a dozen unknowns may lose."""
+        """The largest difference between two readings, and what elimination in a dozen unknowns may lose."""
         return self._off + 32 * float(self.steps.subject.format.u)
 
     def tables(self) -> tuple[tuple[StageTable, ...], StageTable, CoefficientRow | None]:
-        """A and b for each function, and c: of the stages that count, by their first calls. Raises NotReadable.
+        """A and b of each function, and c, for the stages that count, in the order of their first calls.
 
-        bᵢ = y(h)/h for y' = [stage i]; and with x' = [stage j], y' = [stage i] x it is y(h) = h² bᵢ aᵢⱼ, longer chains
-        lead to stages without a weight.
+        For y' = [stage i], bᵢ = y(h)/h. For x' = [stage j], y' = [stage i] x, y(h) = h² bᵢ aᵢⱼ. Longer chains lead to
+        stages without a weight. Raises NotReadable.
         """
         labels, parts = self.marks.labels, range(self.steps.parts)
         weights = {(label, part): self._chained([(label, part)], 1.0) for label in labels for part in parts}
@@ -78,15 +78,15 @@ class StageChains:
         return a, b, tuple(self.marks.nodes[label[0]] for label in kept) if self.steps.timed else None
 
     def weight(self, label: StageLabel) -> float:
-        """That of one stage, as steps come out now."""
+        """The weight of one stage, read again from the steps as they are now."""
         return self._cleaned(self._chained([(label, 0)], 1.0))
 
     def demand_chain(self, a: Sequence[StageTable], b: StageTable, rounding: Rounding) -> None:
-        """Raises NotReadable unless a chain through all stages at once goes as the coefficients say.
+        """Raise NotReadable unless a chain through all stages at once ends where the coefficients say.
 
-        x' = g(i), y' = g(i) x, ... at each stage i, with other g for each number and function: all aᵢⱼ aⱼₖ ... are in
-        its end, so that stages which were taken for one show. In the second variant the chain runs through y from its
-        other end.
+        The chain is x' = g(i), y' = g(i) x, ... at each stage i, with a different g for each number and function. Its
+        end contains all products aᵢⱼ aⱼₖ ..., so that stages which were taken for one show. In the second variant the
+        chain runs through y in the opposite order.
         """
         for setting, size in _VARIANTS:
             self._demand(a, b, rounding, setting, backward=size == -1.0)
@@ -105,9 +105,8 @@ class StageChains:
             given = [1.0, *(moved[::-1] if backward else moved)]
             known = [(label, share) for label, share in shares.items() if label in kept]
             here = self.steps.part
-            own = [
-                x * fsum(share * g[label, here] for label, share in known) for x, g in zip(given, weights, strict=False)
-            ]
+            pairs = zip(given, weights, strict=False)
+            own = [x * fsum(share * g[label, here] for label, share in known) for x, g in pairs]
             return own[::-1] if backward else own
 
         run = self.steps.run(self.marks, setting, slopes)
@@ -115,11 +114,11 @@ class StageChains:
         at, largest = [1.0] * len(kept), max(1.0, *(fsum(map(abs, row)) for rows in (*a, b) for row in rows))
         for link, row in enumerate(weights):
             pulled = [[row[label, p] * x for label, x in zip(kept, at, strict=True)] for p in parts]
-            # Of each function the rows of its A, at the end its weights.
+            # The rows of A of each function, and its weights at the end.
             tables = a if link < count - 1 else [(x,) for x in b]
             moves = [[fsum(x * k for x, k in zip(r, pulled[p], strict=True)) for r in tables[p]] for p in parts]
             at = [setting.h * fsum(several) for several in zip(*moves, strict=True)]
-        # Each of the factors, which are up to 2 and sums of A's rows, is off by what the coefficients are off by.
+        # Each factor, at most 2 times a row sum of A, is off by the error of the coefficients.
         allowed = count * (2 * largest) ** count * rounding.of(1.0) + UNSOLVED * max(1.0, abs(at[0]))
         if not abs(seen - at[0]) <= allowed:
             raise NotReadable(
@@ -128,8 +127,8 @@ class StageChains:
             )
 
     def _chained(self, chain: Sequence[Link], product: float) -> float:
-        """What the last link of a chain i, j, ..., k adds to the product bᵢ aᵢⱼ ... of the others, as a factor."""
-        seen = [self._once(variant, chain, product) for variant in _VARIANTS]
+        """The factor that the last link of a chain i, j, ..., k adds to the product bᵢ aᵢⱼ ... of the others."""
+        seen = [self._one_reading(variant, chain, product) for variant in _VARIANTS]
         off = abs(seen[0] - seen[1])
         if off > _FAR * max(1.0, *map(abs, seen)):
             raise NotReadable(
@@ -139,20 +138,18 @@ class StageChains:
         self._off = max(self._off, off)
         return seen[0]
 
-    def _once(self, variant: _Variant, chain: Sequence[Link], product: float) -> float:
+    def _one_reading(self, variant: _Variant, chain: Sequence[Link], product: float) -> float:
         links, clocks = len(chain), len(self.marks.hands)
         if links + clocks > self.steps.size:
             raise NotReadable(f"a chain of {links} stages needs more than the {self.steps.size} numbers that it takes")
-        # So large that what comes out is of size 1: a solver's tolerance is absolute as a rule.
+        # The amplitude brings the result to size 1, because a solver's tolerance is usually absolute.
         size = variant.amplitude * 2.0 ** -frexp(product)[1]
         marked = chain[::-1]
 
         def slopes(shares: StageShares, moved: Sequence[float]) -> Sequence[float]:
             given, here = [size, *moved[: links - 1]], self.steps.part
-            own = [
-                x * shares.get(label, 0.0) if part == here else 0.0
-                for x, (label, part) in zip(given, marked, strict=True)
-            ]
+            pairs = zip(given, marked, strict=True)
+            own = [x * shares.get(label, 0.0) if part == here else 0.0 for x, (label, part) in pairs]
             return [*own, *[0.0] * (len(moved) - links)]
 
         result = self.steps.run(self.marks, variant.setting, slopes, size=links).result

@@ -1,10 +1,11 @@
-"""The coefficients of somebody's Runge-Kutta step, read from its floats by answering its right-hand side by 0, 1."""
+"""The coefficients of a Runge-Kutta step, read from its floats by answering its right-hand side with 0 and 1."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from itertools import chain
 from math import fsum
 from typing import NamedTuple
 
@@ -37,10 +38,10 @@ NO_POWER = -1
 
 @dataclass(frozen=True)
 class StageSolution:
-    """How far a step is off because its stages are not solved: where f is linear in y, and where it is not.
+    """How far a step is off because its stages are not solved: for an f linear in y, and for a nonlinear one.
 
-    `power` is not 0 where as many calls are made however nonlinear f is: the error is like that power of how much, and
-    NO_POWER where too little is left to tell.
+    `power` is 0 unless the number of calls is the same however nonlinear f is. The error is then like that power of the
+    nonlinearity, or `power` is NO_POWER if too little is left to tell.
     """
 
     linear: float
@@ -63,13 +64,13 @@ class StageSolution:
 
 @dataclass(frozen=True)
 class TableauReading:
-    """Call i is made at t + cᵢh and y + h Σ aᵢⱼ kⱼ, the result is y + h Σ bⱼ kⱼ: the step's own float coefficients.
+    """The step's own float coefficients: call i is made at t + cᵢh and y + h Σ aᵢⱼ kⱼ, the result is y + h Σ bⱼ kⱼ.
 
-    kⱼ is the answer to call j; calls are stages, in the order in which they are made. `c` is None where the right-hand
-    side is given no time. An embedded row of weights shows in what a step returns besides: `probes.estimate`.
-    `remarks` are lines on what else was seen, `amplitude` the size of the numbers that went in. Of implicit stages,
-    which are not single calls, `solved` says how well they are solved, and `stage_error` how far coefficients may be
-    off for it.
+    kⱼ is the answer to call j; calls are stages, in the order in which they are made. `c` is None if the right-hand
+    side is given no time. `probes.estimate` reads an embedded row of weights from what a step returns after y1.
+    `remarks` are lines on what else was seen, `amplitude` is the size of the numbers that went in. For implicit stages,
+    which are not single calls, `solved` says how well they are solved, and `stage_error` how far the coefficients may
+    be off for that reason.
     """
 
     a: tuple[CoefficientRow, ...]
@@ -83,28 +84,28 @@ class TableauReading:
 
     @property
     def calls(self) -> int:
-        """How often the right-hand side is called in a step; the stages, where these are implicit."""
+        """How often the right-hand side is called in a step; for implicit stages, their number."""
         return len(self.b)
 
     @property
     def implicit(self) -> bool:
-        """True when stages are solved for."""
+        """True if the stages are solved for."""
         return self.solved is not None
 
     @property
     def rounding(self) -> Rounding:
-        """How far the coefficients may be off: four times what two readings of implicit stages differ by."""
+        """How far coefficients may be off, including four times the difference of two readings of implicit stages."""
         return Rounding(self.format, self.calls, 4 * self.stage_error)
 
     @property
     def unused(self) -> tuple[int, ...]:
-        """The calls whose answers this step does not use, from 0: those for a next step or an error estimate."""
+        """The calls, from 0, whose answers this step does not use: those for a next step or an error estimate."""
         columns = range(self.calls)
         return tuple(j for j in columns if not self.b[j] and not any(row[j] for row in self.a))
 
     @property
     def stages(self) -> StageCoefficients:
-        """The coefficients as exact numbers; the weights stand twice where times are given, so that c counts, too."""
+        """The coefficients as exact numbers; if times are given, the weights stand twice, so that c counts as well."""
         *a, b = (tuple(map(Fraction, row)) for row in (*self.a, self.b))
         if self.c is None:
             return StageCoefficients(tuple(a), (b,), tuple(Fraction(0) for _ in b))
@@ -112,7 +113,7 @@ class TableauReading:
 
     @property
     def lines(self) -> list[str]:
-        """The coefficients, each as the fraction that it is the rounding of where there is a telling one."""
+        """The reading as lines, each coefficient as the fraction that it is the rounding of, if that is convincing."""
         shown = self.a if self.implicit else tuple(row[:i] for i, row in enumerate(self.a))
         named = [*([] if self.c is None else [("c", self.c)]), *((f"a[{i}]", row) for i, row in enumerate(shown))]
         rows = [f"{name} = {self._row(row)}" for name, row in [*named, ("b", self.b)] if row]
@@ -128,20 +129,20 @@ class TableauReading:
 def read_tableau(subject: ForeignStepper) -> TableauReading:
     """The A, b and c of a step(f, t, y, h), exactly the floats that the code multiplies by.
 
-    From t = 0, y = 0 with h = 1, call j is answered by 1 and every other one by 0: then products by h and by the answer
-    and sums with zeros are exact, and what the code asks at and returns are its coefficients. A code that multiplies
-    first and divides later, such as h(k₁ + 2k₂ + 2k₃ + k₄)/6, has them as those quotients. Further steps control that
-    the coefficients account for everything.
+    From t = 0, y = 0 with h = 1, call j is answered by 1 and every other one by 0. Products by h and by the answer and
+    sums with zeros are then exact, and the places of the calls and the result are the coefficients. A code that
+    multiplies first and divides later, such as h(k₁ + 2k₂ + 2k₃ + k₄)/6, has the quotients as its coefficients. Further
+    steps check that the coefficients account for everything.
 
-    Raises NotReadable, saying what was seen, for a step that is adaptive, iterates, limits or remembers;
-    UnsupportedCall where there is no right-hand side to give.
+    Raises NotReadable, saying what was seen, for a step that is adaptive, iterates, limits or remembers, and
+    UnsupportedCall if the stepper takes no right-hand side.
     """
     reading, remarks = read_at_some_size(lambda amplitude: TableauProbe(subject, amplitude).reading())
     return replace(reading, remarks=(*remarks, *reading.remarks))
 
 
 def is_explicit(a: Sequence[Sequence[float]]) -> bool:
-    """True when no stage depends on itself, by way of whichever others."""
+    """True if no stage depends on itself, directly or through others."""
     left = set(range(len(a)))
     while ready := {i for i in left if not any(a[i][j] for j in left)}:
         left -= ready
@@ -149,7 +150,7 @@ def is_explicit(a: Sequence[Sequence[float]]) -> bool:
 
 
 class ScriptedStep(NamedTuple):
-    """Where one step called: times (None where it was given none), places; and what it returned."""
+    """The times (None if none was passed on) and places of one step's calls, and its result."""
 
     times: list[float | None]
     places: list[list[float]]
@@ -157,27 +158,27 @@ class ScriptedStep(NamedTuple):
 
     @property
     def numbers(self) -> list[float]:
-        """All that was seen."""
+        """All numbers seen."""
         return [*(t for t in self.times if t is not None), *(x for y in (*self.places, self.result) for x in y)]
 
 
 class TableauProbe:
-    """Steps of one subject with scripted answers, on four numbers where it takes vectors, on two or one where not."""
+    """Steps of one subject with scripted answers, on as many numbers of y as it takes, at most four."""
 
     def __init__(self, subject: ForeignStepper, amplitude: float) -> None:
-        """A first step, without slopes. Raises NotReadable where it calls nothing, or moves."""
+        """Make a first step with all slopes 0. Raises NotReadable if it calls nothing, or moves."""
         self.subject, self.amplitude = subject, amplitude
         self.size, self.silent = self._opened()
         self.calls = len(self.silent.places)
         if not self.calls:
             raise NotReadable("the right-hand side is never called")
         demand_same(self.rounding, self.silent.numbers, self.run(self.size, [], AT_REST).numbers)
-        for numbers in (*self.silent.places, self.silent.result):
-            if any(numbers):
-                raise NotReadable(f"with all slopes 0, y = 0 does not stay: the step goes through {numbers[0]:.6g}")
+        for number in chain(*self.silent.places, self.silent.result):
+            if number:
+                raise NotReadable(f"with all slopes 0, y = 0 does not stay: the step goes through {number:.6g}")
 
     def reading(self) -> TableauReading:
-        """The coefficients, controlled."""
+        """The coefficients, after all controls."""
         columns = [self._column(j) for j in range(self.calls)]
         *a, b = (tuple(column[i] for column in columns) for i in range(self.calls + 1))
         clock = tuple(t for t in self.silent.times if t is not None)
@@ -198,12 +199,12 @@ class TableauProbe:
         raise failures[0]
 
     def run(self, size: int, answers: Sequence[Sequence[float]], control: Control) -> ScriptedStep:
-        """One step on so many numbers, call j being answered by answers[j], calls beyond by 0."""
+        """One step on `size` numbers, in which call j is answered by answers[j], and later calls by 0."""
         script = Script([self._sized(k) for k in answers], [0.0] * size)
         clock = float(control.time)
 
         def rate(t: float, y: Sequence[float]) -> Sequence[float]:
-            # A callback that is given no time hands on the very object that it was made with.
+            # If the stepper passes on no time, t is the very object `clock`.
             slope: Sequence[float] = script((None if t is clock else t, list(y)))
             return slope
 
@@ -228,7 +229,7 @@ class TableauProbe:
         return column
 
     def _demand_no_memory(self) -> None:
-        """The same step after two different ones: after the last column, and after one without slopes."""
+        """Raise NotReadable if a step differs after the last column and after a step with all slopes 0."""
         first = self._controlled(CONTROLS[0])
         self.run(self.size, [], AT_REST)
         demand_same(self.rounding, first.numbers, self._controlled(CONTROLS[0]).numbers)
@@ -248,7 +249,7 @@ class TableauProbe:
         return [[part * k for k in first] for part in _PARTS[: self.size]]
 
     def _check(self, reading: TableauReading, control: Control) -> None:
-        """One more step, which must go as the coefficients say."""
+        """Raise NotReadable unless one more step goes as the coefficients say."""
         run, slopes = self._controlled(control), self.slopes(control)
         seen = [*run.places, run.result]
         for component, (y, answers) in enumerate(zip(_start(control, self.size), slopes, strict=True)):
@@ -282,7 +283,7 @@ class TableauProbe:
 
 
 _UNLIKE = "the numbers of y are not stepped alike, or not linearly in their slopes"
-# What each number of y is of the first, and so are its slopes: powers of two, so that all products stay exact.
+# Each number of y as a multiple of the first, and so its slopes: powers of two keep all products exact.
 _PARTS = (1.0, -1.0, 0.5, -0.25)
 
 

@@ -1,1 +1,1 @@
-"""Somebody's stepper, opened: how it is called, the numbers it takes and what comes back."""
+"""Opening a foreign stepper: its calling convention, its kind of numbers, and reading what it returns."""

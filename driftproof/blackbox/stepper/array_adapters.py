@@ -1,4 +1,4 @@
-"""How a stepper wants its numbers, and how its answers are read: Python floats, arrays, other people's array types."""
+"""Adapters that write the numbers a stepper takes and read those it returns: Python floats, lists, arrays, ..."""
 
 from __future__ import annotations
 
@@ -12,18 +12,18 @@ import numpy as np
 
 from driftproof.blackbox.findings import NotANumber, WrongShape
 
-# A float, or a number of the arithmetic that a adapter is for.
+# A float, or a number of the arithmetic that an adapter is for.
 AnyNumber: TypeAlias = Any
 Foreign: TypeAlias = Any
 
 
 @dataclass(frozen=True)
 class ArrayAdapter:
-    """`write` makes of n numbers what the stepper takes; `read` makes n numbers of what it gives.
+    """A form of numbers: `write` makes the stepper's argument from n numbers, `read` makes n numbers from its answer.
 
-    `number` makes one of them of a float; `function` makes of a Python function what the stepper can call. `read`
-    raises WrongShape or NotANumber. All are exact, up to the rounding to the stepper's own precision. `shown` is how
-    a line of Python writes the numbers, where it is not the name, called.
+    `number` makes a single number from a float, and `function` turns a Python function into one that the stepper can
+    call. `read` raises WrongShape or NotANumber. All are exact, up to the rounding to the stepper's own precision.
+    `shown` is the format of the numbers in a line of Python, if this is not a call of `name`.
     """
 
     name: str
@@ -35,9 +35,9 @@ class ArrayAdapter:
 
 
 def floats_in(value: Foreign, size: int) -> list[float]:
-    """The `size` real numbers that a scalar, a sequence or anybody's array holds, as Python floats.
+    """The `size` real numbers in a scalar, a sequence or any array, as Python floats.
 
-    Raises WrongShape for another number of them, NotANumber for what is not real.
+    Raises WrongShape for another count, and NotANumber for anything that is not real.
     """
     array = as_array(value)
     if array.size != size:
@@ -52,7 +52,7 @@ def as_array(value: Foreign) -> np.ndarray[Any, Any]:
     plain = value.detach() if hasattr(value, "detach") else value  # a tensor that records its gradient
     try:
         array = np.asarray(plain)
-    except Exception as error:  # other people's arrays raise what they like
+    except Exception as error:  # foreign array types may raise anything
         raise NotANumber(f"it returns {type(value).__name__}, which is not read as numbers: {error}") from None
     if array.dtype == object and all(isinstance(x, Real | Decimal) for x in array.ravel()):
         array = array.astype(float)  # fractions, decimals, numbers of mpmath
@@ -64,14 +64,14 @@ def as_array(value: Foreign) -> np.ndarray[Any, Any]:
 
 
 def type_of(value: Foreign) -> str:
-    """What the value's own library calls the type of its numbers: float, float64, torch.float32, ..."""
+    """The type of the value's numbers as its own library names it: float, float64, torch.float32, ..."""
     if isinstance(value, list | tuple) and value:
         return type_of(next(iter(value)))
     return str(getattr(value, "dtype", type(value).__name__))
 
 
 def one_number(numbers: Sequence[AnyNumber]) -> AnyNumber:
-    """The one number that there is. Raises WrongShape for several."""
+    """The only number of the sequence. Raises WrongShape for another count."""
     if len(numbers) != 1:
         raise WrongShape(f"a scalar holds one number, not {len(numbers)}")
     (number,) = numbers
@@ -79,10 +79,10 @@ def one_number(numbers: Sequence[AnyNumber]) -> AnyNumber:
 
 
 class _Parted(np.ndarray[Any, Any]):
-    """Several numbers that pass for one: as large as the largest of them, less than another where all of them are."""
+    """Several numbers that pass for one: their absolute value is the largest, and less means that all of them are."""
 
     def __array_ufunc__(self, ufunc: Any, method: str, *inputs: Any, **named: Any) -> Any:
-        """As of plain arrays; none is changed in place, since no number is."""
+        # No argument is changed in place, because a single number is not.
         plain = [np.asarray(x).view(np.ndarray) if isinstance(x, _Parted) else x for x in inputs]
         answer = getattr(ufunc, method)(*plain, **{name: x for name, x in named.items() if name != "out"})
         if ufunc in (np.absolute, np.fabs):
@@ -100,6 +100,6 @@ TUPLES = ArrayAdapter("tuples", lambda numbers: tuple(float(x) for x in numbers)
 
 
 def adapters_of(make: Callable[[Any], Foreign]) -> tuple[ArrayAdapter, ArrayAdapter]:
-    """The adapters whose numbers `make` makes, of a list of floats (torch.tensor) or of one float (numpy.float32)."""
+    """The adapters that call `make` with a list of floats (torch.tensor), and with one float (numpy.float32)."""
     name = f"{getattr(make, '__module__', '')}.{getattr(make, '__name__', 'array')}"
     return ArrayAdapter(name, make, floats_in), ArrayAdapter(name, lambda numbers: make(one_number(numbers)), floats_in)

@@ -1,4 +1,4 @@
-"""The call of a stepper as a line of Python that anybody can paste."""
+"""The call of a stepper as a line of Python, ready to paste."""
 
 from __future__ import annotations
 
@@ -24,11 +24,11 @@ from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 
 
 def call_text(stepper: ForeignStepper, q: float, v: float, h: float) -> str:
-    """The call of a step as a line of Python, `step` being the stepper."""
+    """The call of one step as a line of Python, in which the stepper is named `step`."""
     calls = stepper.convention
     seen = calls.asks or calls.order
     state_first = {STATE, TIME} <= {*seen} and seen.index(STATE) < seen.index(TIME)
-    rates = f"lambda {'y, t' if state_first else 't, y'}: {_made(stepper, ('y[1]', '-y[0]'), True)}"
+    rates = f"lambda {'y, t' if state_first else 't, y'}: {_constructed(stepper, ('y[1]', '-y[0]'), True)}"
     names = {POSITION: "q", VELOCITY: "v", TIME: "t"}
     asked = ", ".join(names.get(role, f"_{place}") for place, role in enumerate(calls.asks or (POSITION,)))
     force = f"lambda {asked}: {-calls.factor:g} * q" if calls.factor != 1 else f"lambda {asked}: -q"
@@ -43,18 +43,18 @@ def call_text(stepper: ForeignStepper, q: float, v: float, h: float) -> str:
 
 
 def _literal(x: float) -> str:
-    """x as Python reads it, to the last bit."""
+    """A Python expression for x, exact to the last bit."""
     return repr(x) if isfinite(x) else f'float("{x!r}")'
 
 
 def _written(stepper: ForeignStepper, *numbers: float) -> str:
-    """The numbers as the stepper takes them, with the name of what makes them."""
+    """The numbers as Python text in the form that the stepper takes."""
     adapter = stepper.adapter
     array = not adapter.shown and adapter is not SCALARS and np.ndim(adapter.write(numbers)) > 0
-    return _made(stepper, [*map(_literal, numbers)], array)
+    return _constructed(stepper, [*map(_literal, numbers)], array)
 
 
-def _made(stepper: ForeignStepper, texts: Sequence[str], array: bool) -> str:
+def _constructed(stepper: ForeignStepper, texts: Sequence[str], array: bool) -> str:
     shown, text = stepper.adapter.shown, ", ".join(texts)
     if shown:
         return shown.format(*texts) if shown.count("{}") > 1 else shown.format(text)

@@ -1,4 +1,4 @@
-"""Calling conventions, told by the names of a stepper's parameters: its map alone, a force, one function or two."""
+"""Calling conventions, recognised by the names of a stepper's parameters: a map, a force, a right-hand side, ..."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ from typing import Any
 
 MAP, FORCE, FIELD, ROSENBROCK, IMEX = "map", "force", "field", "rosenbrock", "imex"
 MAGNETIC, ROTATION = "magnetic", "rotation"
-# Whose steps are none of y' = f(t, y) alone: they are read each in a way of their own.
+# Kinds whose steps are not those of y' = f(t, y) alone; each kind has probes of its own.
 OF_FAMILIES = (ROSENBROCK, IMEX, MAGNETIC, ROTATION)
-# What a stepper of each is, as a reader writes it down.
+# The signature of each kind, as it is shown to users.
 SIGNATURES = {
     MAP: "step(q, v, h) -> (q1, v1), or step(state, h) with state = [q, v]: the system is built in",
     FORCE: "step(force, q, v, h) -> (q1, v1): q' = v, v' = force(q), or force(q, v, t)",
@@ -22,16 +22,16 @@ SIGNATURES = {
     ROTATION: "step(q, omega, h) -> q1: a quaternion, q' = q omega/2 or omega q/2",
 }
 FUNCTION, POSITION, VELOCITY, STATE, TIME, STEP = "function", "position", "velocity", "state", "time", "step"
-# The times at which a run is wanted, the first and the last of one step; and the slope that a step is handed, and
-# hands on: the force at q, or f(t, y).
+# The times at which a run's states are wanted, two for one step; and the slope that a step is handed and hands on: the
+# force at q, or f(t, y).
 GRID, CARRIED = "grid", "carried"
-# Something else that a force is called with.
+# Any other argument that a force is called with.
 BESIDES = "besides"
-# Functions beside the right-hand side: its Jacobian, its derivative by t; or the part that is solved for.
+# Further functions: the Jacobian of the right-hand side, its derivative by t; or the implicit part.
 JACOBIAN, TIME_SLOPE, IMPLICIT = "jacobian", "time_slope", "implicit"
 # Fields at the position, as vectors or as functions of it; a quaternion, and the angular velocity.
 ELECTRIC, MAGNETIC_FIELD, QUATERNION, ANGULAR = "electric", "magnetic_field", "quaternion", "angular"
-# The roles of the arguments, one by one; the time may be missing, and may be asked for anywhere.
+# The roles of the arguments, in any order. The time may be added to all but those with a grid.
 VARIANTS = (
     (MAP, (POSITION, VELOCITY, STEP)),
     (MAP, (STATE, STEP)),
@@ -51,7 +51,7 @@ VARIANTS = (
     (MAGNETIC, (VELOCITY, MAGNETIC_FIELD, STEP)),
     (ROTATION, (QUATERNION, ANGULAR, STEP)),
 )
-# The order in which a stepper takes its arguments if their names do not tell.
+# The order of the arguments if their names do not tell.
 STANDARD_ORDER = {
     MAP: (POSITION, VELOCITY, STEP),
     FORCE: (FUNCTION, POSITION, VELOCITY, STEP),
@@ -67,7 +67,7 @@ _FUNCTIONS = (
     *("dynamics", "get_force", "get_acceleration"),
     *("f_explicit", "f_exp", "f_ex", "fex", "fe", "f_e", "explicit", "f_nonstiff", "nonstiff", "f1", "f_slow"),
 )
-# Of a potential: the force is minus what they return.
+# Names for the gradient of a potential; the force is minus its value.
 _GRADIENTS = (
     *("grad", "gradient", "grad_u", "grad_v", "gradu", "gradv", "grad_potential", "potential_gradient"),
     *("dvdq", "dvdx", "dudq", "dudx", "du_dx", "dv_dx", "dv_dq", "du_dq"),
@@ -104,23 +104,24 @@ ROLES: dict[str, tuple[str, ...]] = {
 }
 # Further parameters of a built-in oscillator, set to what makes it q'' = -q.
 UNIT_PARAMETERS = ("m", "mass", "k", "stiffness", "omega", "omega0", "w", "w0")
-# How many steps a run makes.
+# Names for the number of steps of a run.
 COUNTS = ("n", "steps", "n_steps", "nsteps", "num_steps", "number_of_steps", "nt", "n_iter", "iterations")
-# A mass that is not 1 shows whether the force is divided by it, a power of two exactly so.
+# A mass other than 1 shows whether the force is divided by it; for a power of two the quotient is exact.
 MASSES, _MASS = ("m", "mass", "masses"), 2.0
-# A charge likewise, or one over the mass: fields are given so much smaller.
+# Likewise a charge, or a charge over the mass: the fields that are passed are divided by it.
 _CHARGES, _CHARGE = ("q", "charge", "qm", "q_m", "q_over_m", "qom", "charge_to_mass", "z"), 8.0
 
 
 @dataclass(frozen=True)
 class CallingConvention:
-    """How a stepper is called, and the roles of its arguments in the order in which it takes them.
+    """A stepper's calling convention: its kind, and the roles of its arguments in the order in which it takes them.
 
-    `extra` are arguments besides, passed by name: the parameters of its oscillator, all 1; a mass, 2, a charge, 8, and
-    the number of steps, 1. `names` are those of all others, where they are passed by name, too. What it calls returns
-    `factor` times the acceleration: the mass, -1 where it is the gradient of a potential, the mass over the charge. A
-    `run` returns the states of so many `steps`, or is a generator of states. `asks` are the roles of what a force is
-    called with. A step of (v, q) may return these in this order: the `velocity_first`.
+    `extra` are further arguments, passed by name: the parameters of its oscillator, all 1; a mass, 2; a charge, 8; the
+    number of steps, 1. `names` are those of all other arguments, if these are passed by name. The function that the
+    stepper calls returns `factor` times the acceleration: the mass, -1 for the gradient of a potential, the mass over
+    the charge. A `run` returns the states of `steps` steps, or is a generator of states. `asks` are the roles of the
+    arguments that its force gets. With `velocity_first`, the stepper takes (v, q) and returns (v1, q1). `timed` says
+    whether an answer of several parts begins with the time, if that is known.
     """
 
     kind: str
@@ -132,18 +133,19 @@ class CallingConvention:
     steps: int = 1
     asks: tuple[str, ...] = ()
     velocity_first: bool = False
+    timed: bool | None = None
 
     def of_steps(self, steps: int) -> CallingConvention:
-        """The same for a run of so many steps."""
+        """The same convention for a run of `steps` steps."""
         counts = {name: steps for name in self.extra if _word(name) in COUNTS}
         return replace(self, extra={**self.extra, **counts}, steps=steps)
 
 
 def conventions_of(step: Callable[..., Any], kind: str | None = None) -> list[CallingConvention]:
-    """All that the names of its parameters may mean, the most usual first; with `kind`, of that calling convention.
+    """All conventions that the parameter names allow, the most usual first; with `kind`, only those of that kind.
 
-    Of x, v, a, dt, a is a force, or a number that is handed on. Raises ValueError, saying what is allowed, if the names
-    do not tell, or for an unknown kind.
+    In x, v, a, dt, the a may be a force or a slope that is handed on. Raises ValueError, listing what is allowed, if
+    the names fit no convention, and for an unknown kind.
     """
     if kind is not None and kind not in SIGNATURES:
         raise ValueError(f"unknown calling convention {kind!r}; choose from {', '.join(SIGNATURES)}")
@@ -161,14 +163,14 @@ def conventions_of(step: Callable[..., Any], kind: str | None = None) -> list[Ca
 
 
 def signature_text(step: Callable[..., Any]) -> str:
-    """The name of a stepper and those of its parameters that have no default."""
+    """The name of a stepper with the names of its parameters that have no default."""
     names = required_names(step)
     shown = "?" if names is None else ", ".join(names)
     return f"{getattr(step, '__qualname__', type(step).__name__)}({shown})"
 
 
 def required_names(step: Callable[..., Any]) -> list[str] | None:
-    """The parameters that have no default; None where they cannot be told."""
+    """The names of the parameters that have no default; None if the parameters are unknown or variable."""
     parameters = parameters_of(step)
     if parameters is None or any(p.kind is p.VAR_POSITIONAL for p in parameters.values()):
         return None
@@ -176,7 +178,7 @@ def required_names(step: Callable[..., Any]) -> list[str] | None:
 
 
 def parameters_of(step: Callable[..., Any]) -> Mapping[str, inspect.Parameter] | None:
-    """By name; those of a torch module are its forward's, of a compiled function those of what was compiled."""
+    """The parameters by name, of a torch module's forward and of a compiled function's source; None if unknown."""
     try:
         return inspect.signature(getattr(step, "forward", getattr(step, "py_func", step))).parameters
     except (TypeError, ValueError):
@@ -184,7 +186,7 @@ def parameters_of(step: Callable[..., Any]) -> Mapping[str, inspect.Parameter] |
 
 
 def _by_name(found: CallingConvention, step: Callable[..., Any], names: Sequence[str]) -> CallingConvention:
-    """The convention with the names of its arguments, where an order does not tell which is which."""
+    """The convention with the names of its arguments, if they cannot be passed by position."""
     parameters = parameters_of(step) or {}
     if found.extra or any(parameters[name].kind is inspect.Parameter.KEYWORD_ONLY for name in names):
         return replace(found, names=tuple(name for name in names if name not in found.extra))
@@ -192,7 +194,7 @@ def _by_name(found: CallingConvention, step: Callable[..., Any], names: Sequence
 
 
 def _fitted(names: Sequence[str], kind: str, roles: Sequence[str]) -> CallingConvention | None:
-    """The convention, if each name has one of the roles, each role one name, and the rest belong to an oscillator."""
+    """The convention, if names and roles match one to one and all other names are known extras; otherwise None."""
     open_roles, order, extra = [*roles, *([] if GRID in roles else [TIME])], [], dict[str, float]()
     factor, run = 1.0, GRID in roles
     for name in names:

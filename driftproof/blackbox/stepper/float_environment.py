@@ -1,4 +1,4 @@
-"""The rounding mode and the fate of subnormal numbers: told by arithmetic, kept apart for a stepper and for us."""
+"""The rounding mode and the treatment of subnormal numbers: detected by arithmetic, separate for a stepper and us."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from contextlib import suppress
 from typing import Any
 
 _SMALLEST_NORMAL = sys.float_info.min
-# 1 + 3/4 ulp lies nearer to the next number than to 1: what becomes of it on either side of 0 tells the four modes.
+# 1 + 3/4 ulp is nearer to the next number than to 1. How it and its negative are rounded tells the four modes apart.
 _NEARLY_AN_ULP = 3 * 2.0**-54
 _MODES = {
     (True, True): "",
@@ -16,44 +16,44 @@ _MODES = {
     (False, True): "rounds downward",
     (False, False): "rounds toward zero",
 }
-# Larger than the environment of any processor: of x86-64 32 bytes, of others less.
+# Bytes for an environment, more than any processor needs: 32 on x86-64, fewer on others.
 _ROOM = 512
-# glibc's FE_DFL_ENV; elsewhere an environment is looked at and not put back.
+# glibc's FE_DFL_ENV. Without glibc the environment is looked at, but not restored.
 _DEFAULT = -1
 
 
 def arithmetic_seen() -> str:
-    """What binary64 arithmetic does here that IEEE 754's default does not, "" for nothing.
+    """How binary64 arithmetic differs here from the default of IEEE 754; "" if it does not.
 
     >>> arithmetic_seen()
     ''
     """
     up, down, one, ulp = 1.0 + _NEARLY_AN_ULP, -1.0 - _NEARLY_AN_ULP, 1.0, 2.0**-52
     rounding = _MODES[up == one + ulp, down == -(one + ulp)]
-    lost = _SMALLEST_NORMAL / 2 * 2 == 0.0  # whether results are flushed, or what is given
+    lost = _SMALLEST_NORMAL / 2 * 2 == 0.0  # also if operands are flushed rather than results
     return " and ".join(filter(None, [rounding, "flushes subnormal numbers to zero" if lost else ""]))
 
 
 class FloatEnvironment:
-    """Whose arithmetic is on: the stepper's own while it is called, the default one while we work.
+    """Switches between the stepper's arithmetic, while it is called, and the default one, while we work.
 
-    `seen` is what the stepper's does otherwise than the default, `change` in one sentence who made it so.
+    `seen` says how the stepper's arithmetic differs from the default, `change` says the same and since when it does.
     """
 
     def __init__(self) -> None:
-        """As it is before the stepper is imported."""
+        """Look at the arithmetic before the stepper is imported."""
         self.seen, self.change = "", ""
         self._theirs: Any = None
         self._library = _library()
         self.leave("before the stepper is imported")
 
     def enter(self) -> None:
-        """Put the stepper's arithmetic back, where it is not the default."""
+        """Restore the stepper's arithmetic, if it is not the default."""
         if self._theirs is not None:
             self._library.fesetenv(self._theirs)
 
     def leave(self, since: str) -> None:
-        """Look at what the stepper left, and go back to the default; the first change is told with `since`."""
+        """Look at the arithmetic that the stepper leaves and restore the default; `since` dates the first change."""
         self.seen = arithmetic_seen()
         if not self.seen:
             self._theirs = None
@@ -66,7 +66,7 @@ class FloatEnvironment:
 
 
 def _library() -> Any:
-    """The mathematics of glibc, whose default environment is known; None elsewhere."""
+    """The mathematical library of glibc, whose default environment is known; None elsewhere."""
     with suppress(OSError):
         return ctypes.CDLL("libm.so.6")
     return None

@@ -1,4 +1,4 @@
-"""Somebody's code, called once: arguments by role, what comes back in whichever form, and a log of what was seen."""
+"""Calls of foreign code: arguments by role, answers read in any of their forms, and a log of what was seen."""
 
 from __future__ import annotations
 
@@ -23,45 +23,46 @@ from driftproof.blackbox.stepper.calling_conventions import (
     VELOCITY,
     CallingConvention,
 )
-from driftproof.blackbox.stepper.state_forms import TOGETHER, part_pair
+from driftproof.blackbox.stepper.state_forms import TOGETHER, part_pair, parts_of
 from driftproof.symbolic.rounding.formats import BINARY64, FloatFormat
 
 FieldFunction: TypeAlias = Callable[[AnyNumber, list[AnyNumber]], Sequence[AnyNumber]]
-# Longer answers are cut where a message shows them: a line of 120 characters holds one and what is said of it.
+# Messages cut longer answers: a line of 120 characters then holds the answer and what is said about it.
 _MOST_SHOWN = 60
-# What a step moves, position before velocity.
+# The roles of the arguments that a step moves, position before velocity.
 _MOVED = (POSITION, VELOCITY, STATE, QUATERNION)
-# A sum of times in the narrowest format, with 8 bits after the first, is nearer than this to the true one.
+# A sum of times in the narrowest format, with 8 bits after the first, is closer than this to the exact one.
 _ABOUT = 2.0**-6
-# Where the states of a run stand in what it returns.
+# Where the states stand in what a run returns; _END if only the last one comes.
 _ROWS, _COLUMNS, _END = "rows", "columns", "end"
-# The start comes back rounded to the format of the run, at worst that of 11 bits.
+# The start comes back rounded to the format of the run, which has at least 11 bits.
 _SAME = 2.0**-10
 
 
 @dataclass
 class CallLog:
-    """What was seen besides the answers, over all calls: how many, types returned, arguments changed in place."""
+    """What all calls showed besides their answers: the types returned, arguments changed in place, and so on."""
 
     calls: int = 0
-    types: set[str] = field(default_factory=set)  # of the answers, as the stepper's library calls them
+    types: set[str] = field(default_factory=set)  # of the numbers in answers, as their library calls them
     changes_its_arguments: bool = False
     works_in_place: bool = False
-    beside: list[AnyNumber] | None = None  # what the last step returned after y1: its error estimate, or another y1
-    dense: Callable[..., Foreign] | None = None  # its dense output, a function of the time, or of theta
+    beside: list[AnyNumber] | None = None  # after y1 in the last answer: an error estimate or another y1
+    dense: Callable[..., Foreign] | None = None  # the last dense output, a function of the time or of theta
     carried: Foreign = None  # the slope that the last step hands on
     layout: str | None = None  # where the end stands in what a run, or a generator, returns
-    asks: tuple[str, ...] = ()  # the roles of what a force was called with first
-    states: Sequence[Sequence[AnyNumber]] = ()  # of the last run, the start among them where all are returned
+    timed: bool | None = None  # whether the last answer of several parts begins with a time
+    asks: tuple[str, ...] = ()  # the roles of the arguments in the first call of a force
+    states: Sequence[Sequence[AnyNumber]] = ()  # of the last run, with the start where all are returned
 
 
 @dataclass(eq=False)
 class ForeignCode:
-    """Somebody's code, called in its own way; what it does instead of answering comes as a `Misbehaviour`.
+    """Foreign code, called by its own convention; whatever it does instead of answering is raised as a `Misbehaviour`.
 
-    `before` is told each call before it is made, and may refuse it by raising; `after` hears when it is over.
-    `pristine` is the code before its first call, None where it cannot be copied; runs of fewer steps than `shortest`
-    are not made. A `single` one takes one number, and no state of q and v.
+    `before` receives each call as text before it is made and may refuse it by raising; `after` is called when it is
+    over. `pristine` is the code before its first call, or None if it cannot be copied. Runs of fewer steps than
+    `shortest` are not made. `single` is true for code that takes one number, so that q and v do not fit into its state.
     """
 
     function: Callable[..., Any]
@@ -78,10 +79,10 @@ class ForeignCode:
     def callback(
         self, rate: FieldFunction, t: AnyNumber, size: int, write: Callable[[Any], Foreign]
     ) -> Callable[..., Foreign]:
-        """What the code calls for rate(t, y), as it calls it: f(t, y), f(y, t), or f(y), of which t is the time.
+        """The function that the code calls for rate(t, y), as f(t, y), f(y, t), or f(y), where `t` is then the time.
 
-        Which of the two comes first is not seen by one number: there it is as in the first call of all, in which the
-        time is what is nearer to that at which the step begins.
+        With a single number, sizes do not tell the two arguments apart. The first call of all then decides: the time is
+        the argument closer to the time at which the step begins.
         """
         order = self.convention.order
 
@@ -95,7 +96,7 @@ class ForeignCode:
             state, time = (-1, 0) if time_first else (0, -1)
             try:
                 asked = self.adapter.read(arguments[state], size)
-            except WrongShape:  # it calls f(y, t), whichever way it takes them itself
+            except WrongShape:  # it calls f in the other order than it takes them itself
                 state, time = time, state
                 asked = self.adapter.read(arguments[state], size)
             except NotANumber as refusal:
@@ -109,7 +110,7 @@ class ForeignCode:
         return self.adapter.function(called)
 
     def two_parts(self, answer: Foreign) -> tuple[Foreign, Foreign]:
-        """Position and velocity of an answer. Raises WrongShape."""
+        """The position and the velocity in an answer. Raises WrongShape."""
         try:
             first, second = part_pair(answer)
         except (TypeError, ValueError):
@@ -119,14 +120,14 @@ class ForeignCode:
         return (second, first) if self.convention.velocity_first else (first, second)
 
     def called(self, roles: dict[str, Foreign], words: str, start: Sequence[AnyNumber]) -> Foreign:
-        """What the code returns for these arguments, by role; `words` tell them, `start` are the numbers to be moved.
+        """What the code returns for these arguments, given by role. Raises a Misbehaviour.
 
-        Raises a Misbehaviour.
+        `words` are the call as text, `start` holds the numbers that the step moves.
         """
         self.before(words)
         self.log.calls += 1
         values = [roles[role] for role in self.convention.order]
-        named = dict(zip(self.convention.names, values, strict=False))  # all of them, or none
+        named = dict(zip(self.convention.names, values, strict=False))  # either all arguments or none
         arguments = () if named else values
         kept = {role: _copied(roles[role]) for role in _MOVED if role in roles}
         try:
@@ -140,7 +141,7 @@ class ForeignCode:
         return self._answer(answer, roles, kept)
 
     def _ended(self, answer: Foreign, start: Sequence[AnyNumber]) -> Foreign:
-        """What stands at the end of the step: of a run its last state, of a generator the one after the start."""
+        """The state at the end: the last one of a run, or the one that a generator yields after the start."""
         parts = len(answer) if isinstance(answer, tuple) and CARRIED in self.convention.order else 0
         pair = parts == 2 and POSITION in self.convention.order and size_of(answer[0]) == len(start) // 2
         if parts > 1 and not pair:
@@ -157,7 +158,7 @@ class ForeignCode:
         return (end[:half], end[half:]) if POSITION in self.convention.order else end
 
     def _answer(self, answer: Foreign, roles: dict[str, Foreign], kept: dict[str, Foreign]) -> Foreign:
-        """What was returned; where that is None, the arguments, if the step was written into them."""
+        """What was returned; if that is None and the step was written into its arguments, these."""
         changed = any(_differs(roles[role], before) for role, before in kept.items())
         self.log.changes_its_arguments |= changed
         if answer is not None or not (changed or self.log.works_in_place):
@@ -167,25 +168,26 @@ class ForeignCode:
         return parts if len(parts) > 1 else parts[0]
 
     def read(self, answer: Foreign, size: int) -> list[AnyNumber]:
-        """The numbers of an answer; its type is kept in the log. Raises WrongShape, NotANumber."""
+        """The numbers in an answer, whose type is logged. Raises WrongShape or NotANumber."""
         self.log.types.add(type_of(answer))
         if size_of(answer) % TOGETHER.get(self.adapter.name, 1):
             raise WrongShape(f"{size_of(answer)} numbers of a vector came out")
         return self.adapter.read(answer, size)
 
     def _read_state(self, answer: Foreign, size: int, end: AnyNumber) -> list[AnyNumber]:
-        """The state that was returned: y1, (t1, y1), (y1, y1_hat), (y1, error), (t1, y1, error), with more behind.
+        """The state in an answer y1, (t1, y1), (y1, y1_hat), (y1, error) or (t1, y1, error), or in a longer tuple.
 
-        What comes after y1, an error as one number, too, or a function, is kept in the log. Of one number, what may be
-        a time is one only if it is about the end of the step.
+        What follows y1 is logged: the other solution, an error estimate, which may be one number, or a dense output. If
+        the state is one number, the first answer of all decides whether it begins with the time, close to `end`.
         """
         parts = [part for part in answer if not callable(part)] if isinstance(answer, tuple) else []
         self.log.dense = next(filter(callable, answer), None) if isinstance(answer, tuple) else None
         sizes, self.log.beside = [size_of(part) for part in parts], None
-        if sizes[:2] == [1, size] and (
-            size > 1 or any(abs(x - end) <= _ABOUT * abs(end) for x in self.adapter.read(parts[0], 1))
-        ):
-            parts, sizes = parts[1:], sizes[1:]
+        if len(sizes) > 1:
+            timed = self.convention.timed if size == 1 else sizes[:2] == [1, size]
+            if timed is None and (timed := sizes[:2] == [1, 1]):
+                timed = any(abs(x - end) <= _ABOUT * abs(end) for x in self.adapter.read(parts[0], 1))
+            self.log.timed, parts, sizes = timed, parts[timed:], sizes[timed:]
         if sizes[:1] != [size]:
             return self.read(answer, size)
         if len(sizes) > 1 and sizes[1] in (1, size):
@@ -194,7 +196,7 @@ class ForeignCode:
         return self.read(parts[0], size)
 
     def finite(self, answer: list[AnyNumber], given: Sequence[AnyNumber]) -> list[AnyNumber]:
-        """The answer. Raises NotFinite where what was given is finite, and the answer is not."""
+        """The answer itself. Raises NotFinite if it is not finite although all given numbers are."""
         if all(map(_is_finite, given)) and not all(map(_is_finite, answer)):
             seen = f"from {', '.join(map(repr, given))} it returns {', '.join(map(repr, answer))}"
             raise NotFinite(seen, tuple(answer))
@@ -206,7 +208,7 @@ def _is_finite(x: AnyNumber) -> bool:
 
 
 def size_of(x: Foreign) -> int:
-    """How many numbers it holds."""
+    """How many numbers x holds."""
     try:
         return as_array(x).size
     except NotANumber:  # such as the numbers of another arithmetic
@@ -221,21 +223,18 @@ def _copied(x: Foreign) -> Foreign:
 def _differs(x: Foreign, before: Foreign) -> bool:
     try:  # NaN differs from itself: bytes are compared, not values
         return x is not before and as_array(x).tobytes() != as_array(before).tobytes()
-    except NotANumber:  # such as the numbers of another arithmetic, which nobody watches
-        return vars(x) != vars(before) if is_dataclass(x) else isinstance(x, dict) and x != before
+    except NotANumber:  # such as the numbers of another arithmetic; they are not compared
+        return parts_of(x) != parts_of(before)
 
 
 def _states_of_run(answer: Any, start: Sequence[Any], layout: str | None, steps: int) -> tuple[Any, str]:
-    """The states of a run, the start among them, and where they stand; told where that is not yet known.
-
-    The states are rows, or columns, the first of them the start; or the last one comes alone. Raises WrongShape.
-    """
+    """The states of a run and their layout, known or detected: rows, columns, or the end alone. Raises WrongShape."""
     size, table = len(start), _table(answer, len(start))
     if table.size == size:
         return [table.ravel()], _END
-    if table.shape == (steps + 1, size) and (layout == _ROWS or (layout is None and _is(start, table[0]))):
+    if table.shape == (steps + 1, size) and (layout == _ROWS or (layout is None and _is_start(start, table[0]))):
         return table, _ROWS
-    if table.shape == (size, steps + 1) and (layout == _COLUMNS or _is(start, table[:, 0])):
+    if table.shape == (size, steps + 1) and (layout == _COLUMNS or _is_start(start, table[:, 0])):
         return table.T, _COLUMNS
     made = "one step" if steps == 1 else f"{steps} steps"
     wanted = "two" if steps == 1 else steps + 1
@@ -245,31 +244,28 @@ def _states_of_run(answer: Any, start: Sequence[Any], layout: str | None, steps:
 def _states_of_generator(
     generator: Any, start: Sequence[Any], layout: str | None, steps: int
 ) -> tuple[Sequence[Any], str]:
-    """The states that a generator yields, the start first, if it yields that.
-
-    Raises NotANumber where there is none.
-    """
+    """The states that a generator yields, after the start, and their layout. Raises NotANumber if there are none."""
     states = [_numbers_of(state)[-len(start) :] for state in islice(generator, steps + 1)]
     if not states:
         raise NotANumber("the generator ends before it yields a state")
     if len(states) == len(start) and all(state.size == 1 for state in states):  # one state, number by number
         return [np.concatenate(states)], _END
-    found = layout or (_ROWS if _is(start, states[0]) else _END)
+    found = layout or (_ROWS if _is_start(start, states[0]) else _END)
     return (states if found == _ROWS else [np.array(start), *states[:steps]]), found
 
 
 def _numbers_of(state: Any) -> np.ndarray[Any, Any]:
-    """All numbers of a state, in which parts it may come: of (t, y) and (q, v) those of the state are the last."""
+    """All numbers that were yielded at once; in (t, y) and (q, v), those of the state come last."""
     parts = state if isinstance(state, tuple) else (state,)
     return np.concatenate([as_array(part).ravel() for part in parts])
 
 
-def _is(start: Sequence[Any], state: np.ndarray[Any, Any]) -> bool:
+def _is_start(start: Sequence[Any], state: np.ndarray[Any, Any]) -> bool:
     return state.shape == (len(start),) and bool(np.allclose(state, start, rtol=_SAME))
 
 
 def _table(answer: Any, size: int) -> np.ndarray[Any, Any]:
-    """The states as one array, without the times that stand before them: (ts, ys), (ts, qs, vs), (qs, vs)."""
+    """The states of (ts, ys), (ts, qs, vs) or (qs, vs) as one array, without the times."""
     parts = list(answer) if isinstance(answer, tuple) else []
     if len(parts) > 1 and np.ndim(parts[0]) == 1 and (len(parts) == size + 1 or np.ndim(parts[1]) == 2):
         answer = parts[1:] if len(parts) > 2 else parts[1]

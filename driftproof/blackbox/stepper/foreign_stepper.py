@@ -1,4 +1,4 @@
-"""A foreign stepper as the instruments see it: called with floats, logged, and read back as floats."""
+"""A foreign stepper as the probes see it: called with floats, logged, and read back as floats."""
 
 from __future__ import annotations
 
@@ -30,23 +30,20 @@ from driftproof.blackbox.stepper.foreign_code import CallLog, FieldFunction, For
 from driftproof.blackbox.stepper.fresh_copies import fresh_copy
 from driftproof.methods.stepping import oscillator
 
-# A force, or a right-hand side of t and y, of ours: on numbers of the adapter.
+# A force on numbers of the adapter.
 ForceFunction: TypeAlias = Callable[[AnyNumber], AnyNumber]
-# Of t, positions and velocities.
+# A force of the time, positions and velocities.
 DraggedForce: TypeAlias = Callable[[AnyNumber, list[AnyNumber], list[AnyNumber]], Sequence[AnyNumber]]
-# What is farther than this from a position of 1, a velocity of 3/4 and a time of 0, in a step of 1/4, is none of them.
+# A number farther than this from a position of 1, a velocity of 3/4 and a time of 0, in a step of 1/4, is none of them.
 _UNLIKE, _MOST_ASKED = 0.3, 4
 
 
 @dataclass(eq=False)
 class ForeignStepper(ForeignCode):
-    """Somebody's stepper: its steps of systems of ours, in numbers of its adapter, floats as a rule."""
+    """A foreign stepper with its steps of given systems, in numbers of its adapter, which are floats as a rule."""
 
     def fresh(self, steps: int = 1) -> ForeignStepper:
-        """The same, remembering nothing; of a code that makes runs, one that makes runs of so many steps.
-
-        Raises UnsupportedCall where the code cannot be copied.
-        """
+        """A copy without memory, for runs of `steps` steps. Raises UnsupportedCall if the code cannot be copied."""
         copied = None if self.pristine is None else fresh_copy(self.pristine)
         if copied is None:
             raise UnsupportedCall("no copy of it can be made that remembers nothing")
@@ -54,13 +51,13 @@ class ForeignStepper(ForeignCode):
         return replace(self, function=copied, convention=self.convention.of_steps(steps), log=log)
 
     def step(self, q: AnyNumber, v: AnyNumber, h: AnyNumber) -> tuple[AnyNumber, AnyNumber]:
-        """One step of its own system, or of the oscillator where it takes a force or a right-hand side."""
+        """One step of its built-in system, or of the oscillator if it takes a force or a right-hand side."""
         if self.convention.kind == MAP:
             return self._map(q, v, h)
         return self.step_with(oscillator, q, v, h)
 
     def step_with(self, force: ForceFunction, q: AnyNumber, v: AnyNumber, h: AnyNumber) -> tuple[AnyNumber, AnyNumber]:
-        """One step of q' = v, v' = force(q). Raises UnsupportedCall where the system is built in."""
+        """One step of q' = v, v' = force(q). Raises UnsupportedCall if the system is built in."""
         q1, v1 = self.step_forced(lambda t, x: [force(*x)], self.adapter.number(0.0), [q], [v], h)
         return q1, v1
 
@@ -76,8 +73,8 @@ class ForeignStepper(ForeignCode):
     ) -> list[AnyNumber]:
         """One step of q' = v, v' = force(t, q): the new positions, then the new velocities.
 
-        A right-hand side is given y = [q..., v...], or [q, v, q, v, ...] where `interleaved`. A force may be asked for
-        fewer positions at a time. Raises UnsupportedCall where the system is built in.
+        The state of a right-hand side is [q..., v...], or [q, v, q, v, ...] if `interleaved`. The stepper may ask for
+        the force at fewer positions at a time. Raises UnsupportedCall if the system is built in.
         """
         if self.convention.kind == FORCE:
             return self._forced(lambda at, x, velocity: force(at, x), t, q, v, h)
@@ -96,21 +93,18 @@ class ForeignStepper(ForeignCode):
     def step_dragged(
         self, force: DraggedForce, t: AnyNumber, q: Sequence[AnyNumber], v: Sequence[AnyNumber], h: AnyNumber
     ) -> list[AnyNumber]:
-        """One step of q' = v, v' = force(t, q, v), of a code that hands velocities to its force.
-
-        Raises UnsupportedCall for another one.
-        """
+        """One step of q' = v, v' = force(t, q, v). Raises UnsupportedCall if its force is given no velocity."""
         if not self.gives_velocities:
             raise UnsupportedCall("its force is given no velocity")
         return self._forced(force, t, q, v, h)
 
     @property
     def gives_velocities(self) -> bool:
-        """True where its force is one of position and velocity."""
+        """True if the stepper passes velocities to its force."""
         return VELOCITY in self.convention.asks
 
     def step_field(self, rate: FieldFunction, t: AnyNumber, y: Sequence[AnyNumber], h: AnyNumber) -> list[AnyNumber]:
-        """One step of y' = rate(t, y). Raises UnsupportedCall where there is no right-hand side to give."""
+        """One step of y' = rate(t, y). Raises UnsupportedCall if the stepper takes no right-hand side."""
         if self.convention.kind != FIELD:
             raise UnsupportedCall(f"the stepper is called by {self.convention.kind!r}, which takes no right-hand side")
         size, write = len(y), self.adapter.write
@@ -123,9 +117,9 @@ class ForeignStepper(ForeignCode):
         return self.finite(self._read_state(answer, size, t + h), [*y, h])
 
     def step_batch(self, qs: Sequence[float], vs: Sequence[float], h: float) -> list[tuple[float, float]]:
-        """One step of several states at once, as arrays; under the force -q where it takes one.
+        """One step of several states at once, as arrays, under the force -q if the stepper takes a force.
 
-        Raises UnsupportedCall where position and velocity are not apart, so that an array is one state.
+        Raises UnsupportedCall if position and velocity share one array, which is one state.
         """
         if POSITION not in self.convention.order:
             raise UnsupportedCall("position and velocity come in one array, which is one state")
@@ -135,8 +129,8 @@ class ForeignStepper(ForeignCode):
         def force(*asked: Foreign) -> Foreign:
             return -factor * (asked[asks.index(POSITION)] if asks else max(asked, key=size_of))  # a time is one number
 
-        roles = {POSITION: write(qs), VELOCITY: write(vs), STEP: h, TIME: 0.0, CARRIED: write([-q for q in qs])}
-        roles[FUNCTION] = force
+        roles = {FUNCTION: force, POSITION: write(qs), VELOCITY: write(vs), STEP: h, TIME: 0.0}
+        roles[CARRIED] = write([-factor * q for q in qs])
         answer = self.called(roles, f"q={list(qs)!r}, v={list(vs)!r}, h={h!r}", [*qs, *vs])
         positions, velocities = self.two_parts(answer)
         return list(zip(*(self.adapter.read(part, len(qs)) for part in (positions, velocities)), strict=True))
@@ -156,13 +150,13 @@ class ForeignStepper(ForeignCode):
 
     @property
     def _of_several(self) -> ArrayAdapter:
-        """The adapter of several positions: what works on one float may work on an array of them."""
+        """The adapter for several positions: a step that works on one float may work on an array of them."""
         return ARRAYS if self.adapter is SCALARS else self.adapter
 
     def _forced(
         self, force: DraggedForce, t: AnyNumber, q: Sequence[AnyNumber], v: Sequence[AnyNumber], h: AnyNumber
     ) -> list[AnyNumber]:
-        """What the force is called with beside the position, and in which order, its first call tells."""
+        """One step under a force; its first call shows which arguments the force gets, and in which order."""
         adapter, order = self.adapter if len(q) == 1 else self._of_several, self.convention.order
 
         def callback(*arguments: Foreign) -> Foreign:
@@ -189,7 +183,7 @@ class ForeignStepper(ForeignCode):
     def _roles_asked(
         self, adapter: ArrayAdapter, arguments: Sequence[Foreign], q: AnyNumber, v: AnyNumber, t: AnyNumber
     ) -> tuple[str, ...]:
-        """What a first call's arguments are: what they are nearest to at the start of the step, or of no concern."""
+        """The roles of a first call's arguments: that of the closest number at the start of the step, or BESIDES."""
         starts, many = {POSITION: q[0], VELOCITY: v[0], TIME: t}, len(arguments)
         if not 1 < many <= _MOST_ASKED:
             return (POSITION,)

@@ -1,4 +1,4 @@
-"""A copy of somebody's stepper as it was before its first step: what it remembers is not shared with the original."""
+"""Copies of a stepper as it was before its first step, which share nothing that it remembers."""
 
 from __future__ import annotations
 
@@ -10,10 +10,10 @@ from typing import Any
 
 
 def fresh_copy(function: Callable[..., Any]) -> Callable[..., Any] | None:
-    """A copy with an object of its own: of a method its object, of a function what it encloses and its defaults.
+    """A copy that shares no object: a method gets a copy of its object, a function copies of its closure and defaults.
 
-    What is remembered in a module, or in an attribute of a function that it finds by its name, is shared: whoever
-    needs a copy that remembers nothing looks whether two of them begin alike. None where no copy can be made.
+    What is remembered in a module, or in an attribute of a function found by its name, is still shared. A caller that
+    needs a copy without memory checks that two copies begin alike. Returns None if no copy can be made.
 
     >>> def counter():
     ...     seen = []
@@ -25,13 +25,13 @@ def fresh_copy(function: Callable[..., Any]) -> Callable[..., Any] | None:
     """
     try:
         made: Callable[..., Any] = _copied(function, {})
-    except Exception:  # objects of others may refuse in any way: locks, open files, handles of libraries
+    except Exception:  # foreign objects may refuse in any way: locks, open files, handles of libraries
         return None
     return made
 
 
 def _copied(x: Any, memo: dict[int, Any]) -> Any:
-    """A copy in which what was one object, or one variable of several functions, is one again."""
+    """A copy in which one object, or one variable of several functions, remains one."""
     if isinstance(x, ModuleType):
         return x
     if not isinstance(x, FunctionType):
@@ -45,10 +45,10 @@ def _copied(x: Any, memo: dict[int, Any]) -> Any:
 
 
 def _cell(cell: CellType, memo: dict[int, Any]) -> CellType:
-    """An enclosed variable of its own, which may be the function itself."""
+    """A copy of an enclosed variable, whose value may be the function itself."""
     if id(cell) not in memo:
         memo[id(cell)] = made = CellType()
-        with suppress(ValueError):  # of a variable that has no value yet
+        with suppress(ValueError):  # the variable has no value yet
             made.cell_contents = _copied(cell.cell_contents, memo)
     found: CellType = memo[id(cell)]
     return found

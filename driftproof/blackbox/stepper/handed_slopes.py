@@ -1,4 +1,4 @@
-"""Steps that are handed earlier slopes, step(f, t, y, h, f_prev), or a history of them: as steps that remember."""
+"""Steps that are handed earlier slopes, step(f, t, y, h, f_prev), or their history, as steps that remember them."""
 
 from __future__ import annotations
 
@@ -12,55 +12,68 @@ import numpy as np
 from driftproof.blackbox.stepper.array_adapters import Foreign
 from driftproof.blackbox.stepper.calling_conventions import (
     FUNCTION,
+    POSITION,
     ROLES,
     STATE,
     STEP,
     TIME,
+    VELOCITY,
     parameters_of,
     required_names,
 )
 
-# Under these names a step is handed the slope of the step before; with a number, that of so many steps before.
+# Names for the slope of the step before; with a number, for the slope that many steps before.
 _PREVIOUS = re.compile(
     r"(f|fn|fy|rhs|slope|dydt|dydx|k)_?(prev|previous|old|last|before|nm|n_minus|minus|m)_?(\d*)"
     r"|(prev|previous|old|last)_(f|rhs|slope|dydt|k)(\d*)"
 )
-# Under these, all of them, the newest last.
+# Names for all earlier slopes, the newest last.
 _HISTORIES = (
     *("history", "hist", "f_history", "f_hist", "fhist", "history_f", "slopes", "past", "past_f", "past_slopes"),
     *("previous", "memory", "fs", "f_list", "f_past", "rhs_history", "derivatives_history", "buffer"),
 )
-# As many slopes as a step may ask for that does not begin without any.
+# How many slopes are kept, and given to a step that does not start from an empty history.
 _AT_FIRST = 8
-# Two slopes are one if they differ by less.
+# Slopes with a smaller relative difference count as the same.
 _ALIKE = 2.0**-20
 
 
-class HandedSlopes:
-    """The step without its earlier slopes, which are kept here: f where each step began, or what the step hands on.
+class _Decisions(dict[str, bool]):
+    """What the first step showed of a stepper's answers, shared by all copies of the stepper."""
 
-    A step that returns (y1, f1) hands on f1, one that returns (y1, history) its history; one that changes the history
-    keeps it by itself. Where f1 is the slope at its end, it is handed that at its start, and remembers nothing.
-    `handed` says that nothing of its start is its own: it was given f at its first state.
+    def __deepcopy__(self, memo: dict[int, Any]) -> _Decisions:
+        return self
+
+
+class HandedSlopes:
+    """The step without its arguments for earlier slopes, which are kept here.
+
+    It keeps the slope at the start of each step, or what the step hands on: f1 of (y1, f1) or (q1, v1, f1), the history
+    of (y1, history), or a history that the step changes in place. If f1 is the slope at the end of its step, each step
+    is given the slope at its own start instead, and nothing is remembered. `handed` is true if the first steps were
+    given f at the first state for all earlier slopes, so that the stepper has no start of its own.
     """
 
     def __init__(self, step: Callable[..., Any], names: Sequence[str], slots: Sequence[str], history: str) -> None:
-        """Names of all its arguments in order, of those that are earlier slopes, and of their history, "" for none."""
+        """Take the names of all arguments in order, of those for earlier slopes, and of their history, "" for none."""
         self.step, self.slots, self.history = step, slots, history
         self.kept: Any = []
         self.handed = bool(slots)
-        self.of_end: bool | None = None
+        self.returned = _Decisions()
         self.rest = [name for name in names if name not in (*slots, history)]
         self.roles = {
             role: next((name for name in self.rest if name.lower().strip("_") in ROLES[role]), "")
-            for role in (FUNCTION, STATE, TIME, STEP)
+            for role in (FUNCTION, STATE, TIME, STEP, POSITION, VELOCITY)
         }
+        self.of_force = bool(self.roles[POSITION] and self.roles[VELOCITY])
+        if self.of_force:
+            self.roles[STATE] = self.roles[POSITION]
         kind = inspect.Parameter.POSITIONAL_OR_KEYWORD
         self.__signature__ = inspect.Signature([inspect.Parameter(name, kind) for name in self.rest])
         self.__qualname__, self.__module__ = getattr(step, "__qualname__", type(step).__name__), step.__module__
 
     def __call__(self, *arguments: Foreign, **named: Foreign) -> Foreign:
-        """One step, after which what it hands on, or else the slope where it began, is kept."""
+        """Make one step, and keep the slope at its start or what the step hands on."""
         given = {**dict(zip(self.rest, arguments, strict=False)), **named}
         slope = self._slope(given)
         if self.history:
@@ -68,19 +81,34 @@ class HandedSlopes:
         for back, name in enumerate(self.slots, 1):
             given[name] = self.kept[-back] if back <= len(self.kept) else slope
         answer = self.step(**given)
-        if isinstance(answer, tuple) and len(answer) > 1 and np.shape(answer[-1]) == np.shape(slope):
+        if self._hands_on(answer, slope):
             answer, end = answer[:-1], answer[-1]
-            if self.of_end is None:
-                at_end = self._slope({**given, self.roles[STATE]: answer[-1]}, given[self.roles[STEP]])
-                self.of_end = np.allclose(end, at_end, _ALIKE) and not np.allclose(end, slope, _ALIKE)
+            if "of end" not in self.returned:
+                state = answer[0 if self.of_force else -1]
+                at_end = self._slope({**given, self.roles[STATE]: state}, given[self.roles[STEP]])
+                of_end = np.allclose(end, at_end, _ALIKE) and not np.allclose(end, slope, _ALIKE)
+                self.returned["of end"] = of_end
             slope = end
-        if self.of_end:
+        if self.returned.get("of end"):
             return answer
         self.kept = [*self.kept, np.copy(slope) if isinstance(slope, np.ndarray) else slope][-_AT_FIRST:]
         return answer
 
+    def _hands_on(self, answer: Foreign, slope: Foreign) -> bool:
+        """True if the answer ends with a slope: at the first step, it is closer to the slope at the start than to 0.
+
+        An error estimate is closer to 0, and so is another result, on a short step of the oscillator or of y' = -y.
+        """
+        parts = len(answer) if isinstance(answer, tuple) else 0
+        if parts < 2 + self.of_force or np.shape(answer[-1]) != np.shape(slope):
+            return False
+        if "slope" not in self.returned and np.any(slope):
+            end, start = (np.array(x, float) for x in (answer[-1], slope))
+            self.returned["slope"] = bool(np.linalg.norm(end - start) < np.linalg.norm(end))
+        return self.returned.get("slope", True)
+
     def _with_history(self, given: dict[str, Foreign], slope: Foreign) -> Foreign:
-        """One step, after which the history is what the step made of it, what it returned, or longer by the slope."""
+        """Make one step; its history becomes what the step made of it or returned, or is extended by the slope."""
         before = list(self.kept)
         try:
             answer = self.step(**given, **{self.history: self.kept})
@@ -97,7 +125,7 @@ class HandedSlopes:
         return answer
 
     def _slope(self, given: Mapping[str, Foreign], later: Any = 0.0) -> Foreign:
-        """f at this state, so much later than the step begins, asked for as the step asks."""
+        """f at the given state, `later` after the start of the step, called with t and y in the step's own order."""
         f, state, time = (given.get(self.roles[role]) for role in (FUNCTION, STATE, TIME))
         assert f is not None
         if time is None:
@@ -107,7 +135,7 @@ class HandedSlopes:
 
 
 def with_slopes_kept(step: Callable[..., Any]) -> Callable[..., Any]:
-    """The step as one that remembers, if the names of its parameters say that it is handed earlier slopes; else itself.
+    """The step as one that remembers its earlier slopes, if its parameters include any; otherwise the step itself.
 
     >>> def step(f, t, y, h, f_prev):
     ...     return y + h * (1.5 * f(t, y) - 0.5 * f_prev)
@@ -118,7 +146,8 @@ def with_slopes_kept(step: Callable[..., Any]) -> Callable[..., Any]:
     names = list(parameters_of(step) or {})
     words = {name: name.lower().strip("_") for name in names}
     slots = [name for name in names if _PREVIOUS.fullmatch(words[name])]
+    slots.sort(key=lambda name: int(re.sub(r"\D", "", words[name]) or 1))
     history = next((name for name in names if words[name] in _HISTORIES), "")
     if not slots and not history:
         return step
-    return HandedSlopes(step, [name for name in required_names(step) or () if name in names], slots, history)
+    return HandedSlopes(step, required_names(step) or (), slots, history)

@@ -1,4 +1,4 @@
-"""An object with a state, somebody's body, solver or simulation, as a stepper of one of the calling conventions."""
+"""Steppers made from objects that keep a state: somebody's body, solver or simulation."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ import numpy as np
 from driftproof.blackbox.stepper.array_adapters import as_array, floats_in
 
 Object: TypeAlias = Any
-# Where an object keeps numbers: the name of an attribute, dotted where it lies deeper, or two functions, get and put.
+# Where an object keeps numbers: the name of an attribute, dotted if it lies deeper, or two functions, get and put.
 Location: TypeAlias = str | tuple[Callable[[Object], Any], Callable[[Object, Any], object]]
-# What is done to an object with a number: the name of a method of one argument, or of an attribute; or a function.
+# How an object takes a number: the name of a method of one argument, or of an attribute; or a function.
 Act: TypeAlias = str | Callable[[Object, Any], object]
 
 
@@ -29,16 +29,16 @@ def stepper_of(
     push: Act | None = None,
     anew: bool = False,
 ) -> Callable[..., tuple[float, float]]:
-    """The step (force, q, v, h) -> (q₁, v₁) of an object on q' = v, v' = force(q); or its (q, v, h) -> (q₁, v₁).
+    """Return the step (force, q, v, h) -> (q₁, v₁) of an object on q' = v, v' = force(q), or its (q, v, h) -> (q₁, v₁).
 
-    `make(force)` builds the object, which then calls force(q) where it likes; `make()` one that calls nothing: it is
-    given the number force(q) before each step by `push`, or has its system built in. `position` and `velocity` are
-    where q and v are: an attribute with a number, or with several, of which the first is meant, and the others become
-    0. Or both are in `state`, the first two of its numbers. `advance` takes h.
+    `make(force)` builds an object that calls force(q) itself. `make()` builds one that calls nothing: `push` gives it
+    the number force(q) before each step, or its system is built in. `position` and `velocity` are the places of q and
+    v, each an attribute or a pair of functions (get, put); of several numbers there, the first is used and the others
+    are set to 0. Or `state` is the place of both, its first two numbers. `advance` takes h.
 
-    One object makes all steps, so that it shows if it remembers more than its state, until a step is not finite: what
-    is left of that in an object would speak for all later steps. With `anew`, each step is made by a new one.
-    Raises TypeError where `make` takes other arguments.
+    One object makes all steps, so that it shows whether it remembers more than its state. After a step that is not
+    finite a new object is made, since what that step leaves in the old one would affect all later steps. With `anew`, a
+    new object makes each step. Raises TypeError if `make` takes other arguments.
 
     >>> from driftproof import stepper_of
     >>> class Body:
@@ -64,12 +64,12 @@ def field_stepper_of(
     advance: Act = "step",
     anew: bool = False,
 ) -> Callable[..., Any]:
-    """The step (f, t, y, h) -> y₁ of an object on y' = f(t, y); without `time`, its (f, y, h) -> y₁ on y' = f(y).
+    """Return the step (f, t, y, h) -> y₁ of an object on y' = f(t, y), or (f, y, h) -> y₁ on y' = f(y) without `time`.
 
-    `make(f)` builds the object, which calls f as it is used to; `state` is where its y is, `time` its t. Where the
-    object keeps its error estimate, or the other result of a pair, in `error`, the step is (y₁, error); where `dense`
-    names its dense output, a function of the time or what makes one, that function follows. The rest is as for
-    `stepper_of`.
+    `make(f)` builds the object, which calls f itself; `state` is where its y is, `time` where its t is. If `error` is
+    where the object keeps its error estimate, or the other result of a pair, the step returns (y₁, error). If `dense`
+    names its dense output, a function of the time or a method that makes one, the step returns that function last. All
+    else is as for `stepper_of`.
 
     >>> from driftproof import field_stepper_of
     >>> class Solver:
@@ -88,7 +88,7 @@ def field_stepper_of(
 
 @dataclass
 class _OfObject:
-    """A step of an object, which has the names of its arguments; a copy of it has an object of its own."""
+    """A step made by an object, with the usual names of arguments; each copy of it has an object of its own."""
 
     held: _Held
 
@@ -97,7 +97,7 @@ class FreeObject(_OfObject):
     """The step (q, v, h)."""
 
     def __call__(self, q: float, v: float, h: float) -> tuple[float, float]:
-        """One step."""
+        """Make one step."""
         return self.held.moved(None, q, v, h)
 
 
@@ -105,7 +105,7 @@ class ForcedObject(_OfObject):
     """The step (force, q, v, h)."""
 
     def __call__(self, force: Callable[[float], float], q: float, v: float, h: float) -> tuple[float, float]:
-        """One step."""
+        """Make one step."""
         return self.held.moved(force, q, v, h)
 
 
@@ -113,7 +113,7 @@ class UntimedSolver(_OfObject):
     """The step (f, y, h)."""
 
     def __call__(self, f: Callable[..., Any], y: Sequence[float], h: float) -> Any:
-        """One step."""
+        """Make one step."""
         return self.held.solved(f, [], y, h)
 
 
@@ -121,16 +121,16 @@ class TimedSolver(_OfObject):
     """The step (f, t, y, h)."""
 
     def __call__(self, f: Callable[..., Any], t: float, y: Sequence[float], h: float) -> Any:
-        """One step."""
+        """Make one step."""
         return self.held.solved(f, [t], y, h)
 
 
 @dataclass
 class _Held:
-    """The object, made when it is first needed, how it is moved, and the function that it calls at present.
+    """The object, made when it is first needed, with the ways to move it and the function that it calls at present.
 
-    `places` are those of q and v, or of the state; then of the time, if it has one. `error` is where the object keeps
-    its error estimate, `dense` the name of its dense output or of what makes it.
+    `places` are those of q and v, or of the state, and then of the time, if the object has one. `error` is where it
+    keeps its error estimate, `dense` the name of its dense output or of a method that makes it.
     """
 
     make: Callable[..., Object]
@@ -144,11 +144,10 @@ class _Held:
     function: Callable[..., Any] | None = None
 
     def __post_init__(self) -> None:
-        """Look at what makes it. Raises TypeError."""
         self.takes_function = _takes_function(self.make)
 
     def moved(self, force: Callable[[float], float] | None, q: float, v: float, h: float) -> tuple[float, float]:
-        """Put position and velocity in their two places or in one, advance, and read them."""
+        """Write position and velocity into their places, advance the object, and read them."""
         body = self._ready(force)
         apart = len(self.places) == 2
         places = [_Accessor.of(place, None if apart else 2) for place in self.places]
@@ -157,17 +156,17 @@ class _Held:
         if self.push is not None and force is not None:
             _act(body, self.push, force(q))
         _act(body, self.advance, h)
-        q1, v1 = self._left([x for place in places for x in place.read(body)])
+        q1, v1 = self._drop_unless_finite([x for place in places for x in place.read(body)])
         return q1, v1
 
     def solved(self, f: Callable[..., Any], times: Sequence[float], y: Sequence[float], h: float) -> Any:
-        """Put the state and the time where they belong, advance, and read the state, and what is beside it."""
+        """Write the state and the time, advance the object, and read its state, error estimate and dense output."""
         solver, state = self._ready(f), _Accessor.of(self.places[0], len(y))
         for place in self.places[1:]:
             _Accessor.of(place).write(solver, times)
         state.write(solver, y)
         _act(solver, self.advance, h)
-        y1 = np.array(self._left(state.read(solver)))
+        y1 = np.array(self._drop_unless_finite(state.read(solver)))
         beside = [] if self.error is None else [as_array(_Accessor.of(self.error).get(solver))]
         if self.dense is not None:
             dense = attrgetter(self.dense)(solver)
@@ -175,14 +174,14 @@ class _Held:
         return (y1, *beside) if beside else y1
 
     def _ready(self, function: Callable[..., Any] | None) -> Object:
-        """The object; what it calls from now on is `function`."""
+        """The object, made if need be, which calls `function` from now on."""
         self.function = function
         if self.made is None or self.anew:
             self.made = self.make(self._answer) if self.takes_function else self.make()
         return self.made
 
-    def _left(self, numbers: list[float]) -> list[float]:
-        """The numbers that a step has left; an object in which they are not finite is used no more."""
+    def _drop_unless_finite(self, numbers: list[float]) -> list[float]:
+        """The numbers after a step; if they are not finite, the object is dropped."""
         if not np.isfinite(numbers).all():
             self.made = None
         return numbers
@@ -204,7 +203,7 @@ def _takes_function(make: Callable[..., Object]) -> bool:
 
 @dataclass(frozen=True)
 class _Accessor:
-    """How one number, or an array of `size` of them, is read off an object and written to it."""
+    """Access to one number of an object, or to an array of `size` numbers."""
 
     get: Callable[[Object], Any]
     put: Callable[[Object, Any], object]
@@ -212,7 +211,6 @@ class _Accessor:
 
     @classmethod
     def of(cls, place: Location, size: int | None = None) -> _Accessor:
-        """Of an attribute or of two functions."""
         if not isinstance(place, str):
             return cls(*place, size)
         owner, _, name = place.rpartition(".")
@@ -224,17 +222,16 @@ class _Accessor:
         return cls(attrgetter(place), put, size)
 
     def read(self, body: Object) -> list[float]:
-        """The numbers."""
         return [float(x) for x in as_array(self.get(body)).ravel()[: self.size or 1]]
 
     def write(self, body: Object, numbers: Sequence[Any]) -> None:
-        """Put them where they belong, as floats: the numbers of another arithmetic would stay in the object."""
+        """Write the numbers as floats, since numbers of another arithmetic would stay in the object."""
         floats = floats_in(numbers, self.size or 1)
         self.put(body, floats[0] if self.size is None else np.array(floats))
 
 
 def _shaped(value: Any, old: Any) -> Any:
-    """The value as the old one is held: as it comes, or its numbers as the first of a list, a tuple or an array."""
+    """The value in the form of the old one: unchanged for a number, padded with 0 for a list, a tuple or an array."""
     if not hasattr(old, "__len__"):
         return value
     given = np.ravel(value).tolist()

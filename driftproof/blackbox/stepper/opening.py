@@ -1,4 +1,4 @@
-"""The stepper opened: its calling convention told, the numbers it wants tried out, its precision seen."""
+"""Opening a stepper: detect its calling convention, find the numbers it takes, and see its precision."""
 
 from __future__ import annotations
 
@@ -55,15 +55,16 @@ from driftproof.blackbox.stepper.turning import Push, step_in_fields, turn_quate
 from driftproof.blackbox.stepper.wrappers import exchange_wrapper, increment_wrapper, wrapper_line
 from driftproof.symbolic.rounding.formats import BINARY16, BINARY32, BINARY64
 
-# Where a stepper is tried out: nothing cancels, and every term of a step is of ordinary size.
+# The state and the step size of trials: nothing cancels, and every term of a step is of ordinary size.
 TRIAL_STATE, TRIAL_STEP = (1.0, 0.75), 0.25
-# A step of 1/4 does not halve the oscillator's state; what it returns with 2^-10 is 0 to O(h) if it is an increment.
+# A step of 1/4 does not halve the oscillator's state. If an answer is smaller and a step of 2^-10 returns 0 to O(h), it
+# is an increment.
 _SUSPICIOUS, _TINY = 0.5, 2.0**-10
-# A run of so many steps is longer than the start of any multistep method in use.
+# A run of this many steps is longer than the start of any multistep method in use.
 _LONGER = 8
-# A slope handed on in 11 bits is that at the end to less.
+# The relative distance allowed to the slope at the end: slopes computed with 11 bits are closer.
 _AS_CARRIED = 2.0**-8
-# The type that an answer's name ends in, the narrowest first.
+# The format for each ending of the name of an answer's type, the narrowest first.
 _FORMATS = {"float16": BINARY16, "float32": BINARY32, "float64": BINARY64}
 
 
@@ -74,18 +75,18 @@ def opened(
     before: Callable[[str], None] = lambda call: None,
     after: Callable[[], None] = lambda: None,
 ) -> ForeignStepper:
-    """The stepper as a `ForeignStepper`: in the first adapter in which it answers.
+    """Open the stepper: return it as a `ForeignStepper`, with the first adapter in which it answers.
 
-    `array` makes the stepper's own numbers of a list of floats (torch.tensor, ...) or of one float (numpy.float32).
-    `before` is told of each call before it is made, `after` hears when it is over.
-    Raises ValueError if no calling convention fits, and the `Misbehaviour` of the most natural adapter if none
-    gets an answer.
+    `array` makes the stepper's own numbers from a list of floats (torch.tensor, ...) or from one float (numpy.float32).
+    `before` receives each call as text before it is made; `after` is called when it is over. Raises ValueError if no
+    calling convention fits. If no adapter gets an answer, raises StaleSlope if there was one, and otherwise the
+    `Misbehaviour` of the most natural adapter.
     """
     failures: list[Misbehaviour] = []
     step = with_slopes_kept(step)
 
     def as_plain() -> ForeignStepper | None:
-        """The first of its plain forms that answers; why others do not is added to the failures."""
+        """The first plain form of the stepper that answers; the failures of others are added to the list."""
         for plain in plain_forms(step) if calls is None else ():
             try:
                 return opened(plain, None, array, before, after)
@@ -106,14 +107,15 @@ def opened(
         for adapters in _adapters(step, convention, array):
             for trial, adapter in product(trials, adapters):
                 subject = ForeignStepper(step, convention, adapter, before=before, after=after, pristine=pristine)
+                subject.single = trial is _one_number
                 try:
-                    return replace(_tried(subject, trial), single=trial is _one_number)
+                    return _after_trial(subject, trial)
                 except Misbehaviour as failure:
                     failures.append(failure)
-                if convention.run:  # a multistep method's first steps may be more than one
+                if convention.run:  # the start of a multistep method may need several steps
                     with suppress(Misbehaviour):
-                        longer = _tried(replace(subject, convention=convention.of_steps(_LONGER)), trial)
-                        return replace(longer, convention=convention, shortest=_LONGER)
+                        longer = _after_trial(replace(subject, convention=convention.of_steps(_LONGER)), trial)
+                        return replace(longer, convention=longer.convention.of_steps(1), shortest=_LONGER)
     if inspect.isclass(step) and (line := wrapper_line(step)):
         raise ValueError(f"{_unfitting(step)}{line}")
     if found := as_plain():
@@ -122,14 +124,14 @@ def opened(
 
 
 def _unfitting(step: Callable[..., Any]) -> str:
-    """What is said before a wrapper: little, because a summary of tests cuts the line."""
+    """The refusal that stands before a wrapper; it is short, because a summary of tests cuts the line."""
     return f"{signature_text(step)} fits no calling convention of `driftproof verify --help`; write"
 
 
 def _adapters(
     step: Callable[..., Any], convention: CallingConvention, array: Callable[[Any], Any] | None
 ) -> Iterator[Iterable[ArrayAdapter]]:
-    """The usual ones; then, if none of them gets an answer, other forms of a state."""
+    """Yield the usual adapters; then, to be tried if none of them gets an answer, other forms of a state."""
     if array is not None:
         yield adapters_of(array)
         return
@@ -138,7 +140,7 @@ def _adapters(
     yield list(forms_of(step, convention))
 
 
-# A step of this many numbers of the trial state, and its end. The first is of the oscillator, the other of y' = -y.
+# A step of this size from the trial state, returning its end: of the oscillator, or of y' = -y with one number.
 TrialStep: TypeAlias = Callable[[ForeignStepper, float], Sequence[float]]
 
 
@@ -147,25 +149,24 @@ def _one_step(subject: ForeignStepper, h: float) -> Sequence[float]:
 
 
 def _one_number(subject: ForeignStepper, h: float) -> Sequence[float]:
-    """A step of y' = -y, for a stepper that takes no more than one number."""
+    """A step of y' = -y, for a stepper that takes one number only."""
     return subject.step_field(lambda t, y: [-x for x in y], 0.0, TRIAL_STATE[:1], h)
 
 
 def _with_jacobian(subject: ForeignStepper, h: float) -> Sequence[float]:
-    """A step of the oscillator with its Jacobian, or with nothing left to be solved for."""
+    """A step of the oscillator with its Jacobian, or with an implicit part of 0."""
     functions = {JACOBIAN: lambda t, y: [[0.0, 1.0], [-1.0, 0.0]], TIME_SLOPE: zeros, IMPLICIT: zeros}
     return with_functions(subject, functions).step(*TRIAL_STATE, h)
 
 
 def _in_fields(subject: ForeignStepper, h: float, size: int = 3) -> Sequence[float]:
-    """A velocity in fields that have three numbers, or in the plane, where B is one number."""
+    """A velocity in fields of three components, or in the plane, where B is one number."""
     x, v, electric = (all_of[:size] for all_of in ((1.0, 0.5, 0.25), (0.75, 1.0, 0.5), (0.5, 0.25, 1.0)))
     found = step_in_fields(subject, Push(x, v, electric, (0.25, 1.0, 0.5) if size == 3 else (0.25,), h))
     return [*found.x, *found.v]
 
 
 def _turning(subject: ForeignStepper, h: float) -> Sequence[float]:
-    """A quaternion of length 1 at an angular velocity of three numbers."""
     return turn_quaternion(subject, (0.5, 0.5, 0.5, 0.5), (1.0, 0.5, 0.25), h)
 
 
@@ -178,47 +179,47 @@ _TRIALS = {
 }
 
 
-def _tried(subject: ForeignStepper, trial: TrialStep) -> ForeignStepper:
-    """The subject after one call, with the format of its answer, and on its log only what it needs to be read.
+def _after_trial(subject: ForeignStepper, trial: TrialStep) -> ForeignStepper:
+    """The subject after a trial step, with the format of its answers and only the log entries needed to read them.
 
-    Raises WrongShape for a complex number that turns the other way, a Misbehaviour for a step that hands on a slope
-    which is not that at its end, for one that returns the increment, and for one that exchanges q and v.
+    Raises WrongShape for a complex state that turns the other way, StaleSlope for a step that hands on a slope other
+    than that at its end, Increment for a step that returns y1 - y, and Exchanged for one that exchanges q and v.
     """
     end = trial(subject, TRIAL_STEP)
     if subject.adapter is COMPLEX and end[0] < TRIAL_STATE[0]:
         raise WrongShape("z moves as q - i v")
     if subject.log.carried is not None:
-        _held_to_its_end(subject.log.carried, end, subject.convention)
-        _held_to_its_time(subject, TRIAL_STATE[: len(end)])
+        _demand_slope_at_end(subject.log.carried, end, subject.convention)
+        _demand_time_of_end(subject, TRIAL_STATE[: len(end)])
     if subject.convention.kind in (MAP, FORCE) and end[0] < end[1] and not subject.convention.velocity_first:
-        ends = trial(subject, _TINY), end  # a longer step moves on
+        ends = trial(subject, _TINY), end  # the longer step moves away
         if [np.allclose(x, TRIAL_STATE[::-1], rtol=0, atol=4 * _TINY) for x in ends] == [True, False]:
-            return _tried(_of_velocity_first(subject), trial)
+            return _after_trial(_with_velocity_first(subject), trial)
     moved = np.max(np.abs(end))
     if 0 < moved < _SUSPICIOUS and np.max(np.abs(trial(subject, _TINY))) < 4 * _TINY:
         raise Increment(f"as h goes to 0 it returns 0, not the state: an increment{increment_wrapper(subject)}")
-    types, asks = subject.log.types, subject.log.asks
+    types, asks, timed = subject.log.types, subject.log.asks, subject.log.timed
     subject.format = next((fmt for name, fmt in _FORMATS.items() if any(t.endswith(name) for t in types)), BINARY64)
-    run = subject.convention.run or subject.log.layout is not None  # a generator goes on
-    subject.convention = replace(subject.convention, run=run, asks=asks)
-    if subject.gives_velocities and not _moves_along(subject):
+    run = subject.convention.run or subject.log.layout is not None  # a generator yields a run
+    subject.convention = replace(subject.convention, run=run, asks=asks, timed=timed)
+    if subject.gives_velocities and not _velocity_varies(subject):
         asks = tuple(BESIDES if role == VELOCITY else role for role in asks)
         subject.convention = replace(subject.convention, asks=asks)
-    # At rest a step written into its arguments changes nothing: that it works in place must be known by then.
+    # A step from rest changes nothing, so that a stepper which works in place must be known by then.
     subject.log = CallLog(works_in_place=subject.log.works_in_place, layout=subject.log.layout)
     return subject
 
 
-def _of_velocity_first(subject: ForeignStepper) -> ForeignStepper:
-    """The subject that returns (v1, q1), as it takes v and q. Raises Exchanged where it takes q before v."""
+def _with_velocity_first(subject: ForeignStepper) -> ForeignStepper:
+    """The subject read as returning (v1, q1), if it also takes v before q. Raises Exchanged if it does not."""
     order = subject.convention.order
     if STATE in order or order.index(POSITION) < order.index(VELOCITY):
         raise Exchanged(f"it returns (v1, q1), the velocity first{exchange_wrapper(subject)}")
     return replace(subject, convention=replace(subject.convention, velocity_first=True), log=CallLog())
 
 
-def _moves_along(subject: ForeignStepper) -> bool:
-    """Whether what looks like the velocity that a force is given is that of another state, too: no constant."""
+def _velocity_varies(subject: ForeignStepper) -> bool:
+    """True if the apparent velocity argument of the force is the velocity in another state, and no constant."""
     seen: list[float] = []
 
     def force(t: float, q: Sequence[float], v: Sequence[float]) -> Sequence[float]:
@@ -229,8 +230,8 @@ def _moves_along(subject: ForeignStepper) -> bool:
     return np.allclose(seen[:2], [3.0, -2.0], rtol=0, atol=_AS_CARRIED)
 
 
-def _held_to_its_end(carried: Any, end: Sequence[float], convention: CallingConvention) -> None:
-    """Hold the slope that a step hands on to that at its end. Raises StaleSlope."""
+def _demand_slope_at_end(carried: Any, end: Sequence[float], convention: CallingConvention) -> None:
+    """Raise StaleSlope unless the slope that a step hands on is the slope at its end."""
     found = as_array(carried).ravel()
     if convention.kind == FIELD:
         expected = [end[1], -end[0]] if len(end) > 1 else [-end[0]]
@@ -241,8 +242,8 @@ def _held_to_its_end(carried: Any, end: Sequence[float], convention: CallingConv
         raise StaleSlope(f"it hands on {shown} as the slope at its end, where it is {right}")
 
 
-def _held_to_its_time(subject: ForeignStepper, state: Sequence[float]) -> None:
-    """Hold the time of the slope that a step hands on to that of its end, if it asks at any. Raises StaleSlope."""
+def _demand_time_of_end(subject: ForeignStepper, state: Sequence[float]) -> None:
+    """Raise StaleSlope if the slope handed on is of another time than the end, unless the step ignores times."""
     if subject.convention.kind not in (FIELD, FORCE):
         return
     start, asked = 1.0, list[AnyNumber]()
@@ -262,7 +263,7 @@ def _held_to_its_time(subject: ForeignStepper, state: Sequence[float]) -> None:
 
 @dataclass(frozen=True)
 class Target:
-    """What to examine: a callable or `package.module:name`, its calls and its arrays if they have to be told."""
+    """The stepper to examine, a callable or `package.module:name`, and its convention and array maker where needed."""
 
     step: Callable[..., Any] | str
     calls: str | None = None
@@ -270,7 +271,7 @@ class Target:
 
     @property
     def name(self) -> str:
-        """What a report calls it."""
+        """The name that reports use."""
         if isinstance(self.step, str):
             return self.step
         module = getattr(self.step, "__module__", None)
@@ -279,24 +280,21 @@ class Target:
 
     @property
     def by_name(self) -> bool:
-        """True when another interpreter can import all of it."""
+        """True if another interpreter can import the stepper and its array maker."""
         return isinstance(self.step, str) and not callable(self.array)
 
     def open(
         self, before: Callable[[str], None] = lambda call: None, after: Callable[[], None] = lambda: None
     ) -> ForeignStepper:
-        """The stepper, imported if need be; `before` and `after` are told of each call.
-
-        Raises ValueError or a `Misbehaviour`.
-        """
+        """Open the stepper, imported if need be, as `opened` does. Raises ValueError or a `Misbehaviour`."""
         array = None if self.array is None else imported(self.array)
         return opened(imported(self.step), self.calls, array, before, after)
 
 
 def imported(named: Callable[..., Any] | str, what: str = "stepper") -> Callable[..., Any]:
-    """The callable that `package.module:name` names, found from the current directory too; a callable as it is.
+    """The callable that `package.module:name` names, also found from the current directory; a callable as it is.
 
-    Raises ValueError, in one line, for a text of another form, and for what cannot be imported or called.
+    Raises ValueError, with a message of one line, for a text of another form and for what cannot be imported or called.
     """
     if not isinstance(named, str):
         return named
@@ -311,7 +309,7 @@ def imported(named: Callable[..., Any] | str, what: str = "stepper") -> Callable
         found: Any = import_module(module)
         for part in path.split("."):
             found = getattr(found, part)
-    except Exception as error:  # a foreign module raises what it likes when it is imported
+    except Exception as error:  # the import of a foreign module may raise anything
         raise ValueError(f"{named} cannot be imported: {type(error).__name__}: {error}") from error
     if not callable(found):
         raise ValueError(f"{named} is {type(found).__name__}, which cannot be called")

@@ -23,7 +23,7 @@ from driftproof.blackbox.stepper.calling_conventions import (
     required_names,
 )
 
-# What such a stepper takes besides: how many numbers, an array for what comes out, masses, and objects in a list.
+# Further arguments of such steppers: how many numbers, an array for the result, masses, and objects in a list.
 _SIZE, _OUT, _MASS, _BODIES = "size", "out", "mass", "bodies"
 BODY_LISTS = ("bodies", "particles", "planets", "stars", "atoms", "objects", "points")
 _NAMES: Mapping[str, Sequence[str]] = {
@@ -39,22 +39,22 @@ _NAMES: Mapping[str, Sequence[str]] = {
     POSITION: ROLES[POSITION],
 }
 _VERBS = r"^(get|compute|calc|calculate|eval|update)_|_(fn|func|function)$"
-# What an array that is written into is called: out, yout, y_out, out_q, result, y_new, y1.
+# Names of arrays that are written into: out, yout, y_out, out_q, result, y_new, y1.
 _INTO = re.compile(r"^(out|result|res|dest)_?|_?(out|new|next|1)$")
-# A step that moves back what a spring pulls, whatever the method.
+# In so short a step, every method moves a body on a spring back.
 _SHORT = 2.0**-10
-# Masses that are not 1, nor all the same, show whether a force is divided by each one's own; what returns accelerations
-# is not divided.
+# Unequal masses other than 1 show whether each force is divided by its own mass; accelerations are not divided.
 _HEAVY = (2.0, 4.0, 8.0)
 _ACCELERATIONS, _TRIAL = "acc", np.arange(1.0, 7.0)
 
 
 def plain_forms(step: Callable[..., Any]) -> Iterator[Callable[..., Any]]:
-    """The step(force, q, v, h), step(f, t, y, h), step(q, v, h) or step(y, h) that such a stepper may be.
+    """Yield the step(force, q, v, h), step(f, t, y, h), step(q, v, h) or step(y, h) that such a stepper may be.
 
-    Numbers come in new arrays, their size where it is asked for, and an array is there for each that is written into.
-    Of objects in a list, each number or row of q is one, with the names for its position, its velocity and its mass by
-    which it is asked; a force is told whose it is by the object, and sees all of them as they stand at that moment.
+    Each call passes new arrays, their size if it is asked for, and an array for each result that is written in place.
+    For a list of objects, each number or row of q becomes one object, with its position, velocity and mass under the
+    names by which the stepper asks for them. A force receives the object it acts on, and sees all objects as they are
+    at that moment.
 
     >>> def euler(y, n, h, out):
     ...     out[0], out[1] = y[0] + h * y[1], y[1] - h * y[0]
@@ -63,7 +63,7 @@ def plain_forms(step: Callable[..., Any]) -> Iterator[Callable[..., Any]]:
     [1.25, 0.0]
     """
     names = required_names(step) or []
-    for functions in (True, False):  # an a among them may be a function, or a slope that is handed on
+    for functions in (True, False):  # an argument a may be a function, or a slope that is handed on
         roles = _roles(names, functions)
         held = {*roles.values()} if roles else set()
         if roles is None or not {_SIZE, _OUT, _BODIES, _MASS} & held or STEP not in held:
@@ -71,7 +71,7 @@ def plain_forms(step: Callable[..., Any]) -> Iterator[Callable[..., Any]]:
         call, of_force = _Call(step, names, roles), FUNCTION in held
         if _BODIES in held or {POSITION, VELOCITY} <= held:
             if of_force:
-                for places in (_TRIAL, _TRIAL.reshape(2, 3)):  # whether it asks at one place, and does not say whose
+                for places in (_TRIAL, _TRIAL.reshape(2, 3)):  # does it ask at one place without naming the body?
                     with suppress(Exception):
                         call.moved(np.negative, places, places, _SHORT)
                 yield lambda force, q, v, h, call=call: call.moved(force, q, v, h)
@@ -84,18 +84,18 @@ def plain_forms(step: Callable[..., Any]) -> Iterator[Callable[..., Any]]:
 
 
 def _pulls_back(call: _Call) -> bool:
-    """Whether what is built in is a spring, as far as one number tells: bodies that attract each other do nothing."""
+    """True if the built-in system pulls one body back, as a spring does; mutual attraction does not move it."""
     with suppress(Exception):
         return bool(call.moved(None, 1.0, 0.0, _SHORT)[1] < 0)
     return False
 
 
 def _roles(names: Sequence[str], functions: bool) -> dict[str, str] | None:
-    """The role of each name; arrays that are written into are _OUT. None where one has none."""
+    """The role of each name, _OUT for an array that is written into; None if a name has no role."""
     found, words = dict[str, str](), {name: name.lower().strip("_") for name in names}
     bare = {name: re.sub(_VERBS, "", word) for name, word in words.items()}
     called = [name for name in names if bare[name] in _NAMES[FUNCTION] and functions]
-    # Of two that may be functions, the other one is a slope that is handed on: acc beside compute_acc.
+    # If two names may be functions, the other one is a slope that is handed on, as acc is if there is a compute_acc.
     for name in sorted(called, key=lambda name: (words[name] in _NAMES[CARRIED], bare[name] == words[name]))[:1]:
         found[name] = FUNCTION
     for name, word in words.items():
@@ -105,7 +105,7 @@ def _roles(names: Sequence[str], functions: bool) -> dict[str, str] | None:
         role = next((r for r, known in _NAMES.items() if word in known and r not in taken and r != FUNCTION), None)
         found[name] = role or (_OUT if _INTO.search(word) else "")
     held, meant = {*found.values()}, dict[str, str]()
-    if VELOCITY not in held:  # of f(x, y), x is the time
+    if VELOCITY not in held:  # in f(x, y), x is the time; x alone is the state
         meant = {POSITION: TIME if STATE in held else STATE}
     elif POSITION not in held:
         meant = {STATE: POSITION}
@@ -113,12 +113,12 @@ def _roles(names: Sequence[str], functions: bool) -> dict[str, str] | None:
 
 
 def _stem(word: str) -> str:
-    """What is left of the name of an array that is written into; nothing of another one."""
+    """What is left of the name of an array that is written into, without its "out" or "new"; "" for other names."""
     return "" if not _INTO.search(word) else _INTO.sub("", word) or "y"
 
 
 class _Call:
-    """Calls of one stepper, its arguments made of a plain state."""
+    """Calls of one stepper, with arguments made from a plain state."""
 
     def __init__(self, step: Callable[..., Any], names: Sequence[str], roles: Mapping[str, str]) -> None:
         self.step, self.names, self.roles = step, names, roles
@@ -127,29 +127,29 @@ class _Call:
         self.heavy = _HEAVY if self.of_force or _ACCELERATIONS in function.lower() else (1.0,)
 
     def solved(self, f: Callable[..., Any] | None, t: float, y: Foreign, h: float) -> Foreign:
-        """A step of y' = f(t, y), or of a system that is built in."""
+        """A step of y' = f(t, y), or of the built-in system if f is None."""
         state = np.array(y, dtype=float)
 
         def rate(*asked: Foreign) -> Foreign:
-            (place, *others), times = _sorted(asked, state.size)
+            (place, *others), times = _arrays_and_numbers(asked, state.size)
             assert f is not None
             return _written(np.asarray(f(next(iter(times), t), place), float), others)
 
         given = {STATE: state, TIME: t, STEP: h, FUNCTION: rate}
         if CARRIED in self.roles.values() and f is not None:
             given[CARRIED] = np.asarray(f(t, state), float)
-        answer, outs = self._made(given, state)
+        answer, outs = self._called(given, state)
         return answer if answer is not None else outs[0] if outs else state
 
     def moved(self, force: Callable[..., Any] | None, q: Foreign, v: Foreign, h: float) -> Foreign:
-        """A step of q'' = force(q), or of a system that is built in."""
+        """A step of q'' = force(q), or of the built-in system if force is None."""
         alike = self.alike
         places, speeds = (np.array(x, dtype=float, ndmin=1) for x in (q, v))
         shape, masses = np.shape(q), np.resize(self.heavy[:1] if self.alike else self.heavy, len(places))
         factors = masses.reshape(-1, *[1] * (places.ndim - 1)) ** self.of_force
 
         def pushes(at: Any, whose: int | None = None) -> Any:
-            """The forces at these places, in their shape, times the masses where they are no accelerations."""
+            """The forces at these places, in their shape, times the masses unless they are accelerations."""
             pushed = -at if force is None else np.asarray(force(at.reshape(shape) if at.size == places.size else at))
             if at.size == places.size:
                 return (np.asarray(pushed, float).reshape(places.shape) * factors).reshape(at.shape)
@@ -161,14 +161,14 @@ class _Call:
         def asked(*arguments: Foreign) -> Foreign:
             if bodies:
                 return _answer_of_bodies(pushes, arguments, bodies)
-            arrays, _ = _sorted(arguments, places.size)
+            arrays, _ = _arrays_and_numbers(arguments, places.size)
             place, *others = [x for x in arrays if x is not masses] or arguments
             return _written(pushes(np.asarray(place, float)), [x for x in others if x is not speeds])
 
         given: dict[str, Foreign] = {POSITION: places, VELOCITY: speeds, STEP: h, FUNCTION: asked, _MASS: masses}
         given |= {_BODIES: bodies, TIME: 0.0, CARRIED: pushes(places) if CARRIED in self.roles.values() else None}
-        answer, outs = self._made(given, places)
-        if self.alike > alike:  # begin again, with masses between which nothing has to tell
+        answer, outs = self._called(given, places)
+        if self.alike > alike:  # a force that does not know its body: begin again with equal masses
             return self.moved(force, q, v, h)
         if bodies:
             moved = answer if isinstance(answer, list | tuple) and len(answer) == len(bodies) else bodies
@@ -176,8 +176,8 @@ class _Call:
         pair = answer if answer is not None else outs if len(outs) == 2 else (places, speeds)
         return tuple(np.reshape(x, shape) for x in pair[:2])
 
-    def _made(self, given: Mapping[str, Foreign], state: Any) -> tuple[Foreign, list[Foreign]]:
-        """What is returned, and what was written into, the position before the velocity."""
+    def _called(self, given: Mapping[str, Foreign], state: Any) -> tuple[Foreign, list[Foreign]]:
+        """What the stepper returns, and the arrays it writes into, the position before the velocity."""
         outs = {name: np.zeros_like(state) for name, role in self.roles.items() if role == _OUT}
         known = {**given, _SIZE: len(state)}
         answer = self.step(*[outs[name] if name in outs else known[self.roles[name]] for name in self.names])
@@ -185,34 +185,32 @@ class _Call:
         return answer, [outs[name] for name in ordered]
 
 
-def _sorted(asked: Sequence[Foreign], size: int) -> tuple[list[Foreign], list[Foreign]]:
-    """Arrays, and numbers that are no size."""
+def _arrays_and_numbers(asked: Sequence[Foreign], size: int) -> tuple[list[Foreign], list[Foreign]]:
+    """The arrays among the arguments, and the numbers that are not the size."""
     arrays = [x for x in asked if np.ndim(x)]
     return arrays, [x for x in asked if not np.ndim(x) and not (isinstance(x, int) and x == size)]
 
 
 def _written(slopes: Any, arrays: Sequence[Foreign]) -> Any:
-    """The slopes, which are also written into the last of the arrays that were handed over, if it holds as many."""
+    """The slopes, copied into the last of the arrays if that holds as many numbers."""
     if arrays and len(arrays[-1]) == len(slopes):
         arrays[-1][:] = slopes
     return slopes
 
 
 class _Body:
-    """An object with a position, a velocity and a mass, under whichever names these are asked for."""
+    """An object with a position, a velocity and a mass, each under any of its usual names."""
 
     def __init__(self, pos: Any, vel: Any, mass: float) -> None:
         self.pos, self.vel, self.mass = pos, vel, mass
 
     def __getattr__(self, name: str) -> Any:
-        """By another name."""
         known = _attribute(name)
         if name.startswith("__") or known == name:
             raise AttributeError(name)
         return getattr(self, known)
 
     def __setattr__(self, name: str, value: Any) -> None:
-        """By another name."""
         self.__dict__[_attribute(name)] = value
 
 
@@ -227,10 +225,10 @@ def _bodies(places: Any, speeds: Any, masses: Any) -> list[_Body]:
 
 
 def _answer_of_bodies(pushes: Callable[..., Any], asked: Sequence[Foreign], bodies: Sequence[_Body]) -> Foreign:
-    """The force on an object alone, on one among all of a list, on all of these, or at a place."""
+    """The force on one object alone, on one object among those of a list, on all of these, or at a place."""
     first = asked[0]
     among = next((x for x in asked if isinstance(x, list | tuple) and len(x) == len(bodies)), None)
-    if among is None:  # of one alone, a force knows nothing of the others
+    if among is None:  # a force on one body, which sees no others
         alone = first.pos if isinstance(first, _Body) else first
         known = [i for i, body in enumerate(bodies) if body is first or np.array_equal(body.pos, alone)]
         return pushes(np.asarray(alone, float), *(known if len(known) == 1 else ()))

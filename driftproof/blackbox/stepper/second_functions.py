@@ -1,4 +1,4 @@
-"""Steppers that take a Jacobian, or a second right-hand side: with these given, each is a stepper of one function."""
+"""Steppers that take a Jacobian or a second right-hand side; with these given, each takes one function only."""
 
 from __future__ import annotations
 
@@ -13,21 +13,21 @@ from driftproof.blackbox.stepper.array_adapters import LISTS, SCALARS, AnyNumber
 from driftproof.blackbox.stepper.calling_conventions import FIELD, JACOBIAN, STATE, TIME
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 
-# Of t and y: slopes, or the rows of a matrix.
+# A function of t and y that returns slopes, or the rows of a matrix.
 SecondFunction: TypeAlias = Callable[[AnyNumber, Sequence[AnyNumber]], Sequence[Any]]
 
 
 def zeros(t: AnyNumber, y: Sequence[AnyNumber]) -> list[AnyNumber]:
-    """The slopes 0."""
+    """Slopes of 0."""
     return [0.0 * x for x in y]
 
 
 def with_functions(
     subject: ForeignStepper, functions: Mapping[str, SecondFunction], untimed: AnyNumber = 0.0
 ) -> ForeignStepper:
-    """The subject as a step(f, t, y, h), its other functions being these, by role; a role it lacks is ignored.
+    """The subject as a step(f, t, y, h) with its other functions given by role; roles that it lacks are ignored.
 
-    Where the subject is given no time, the second functions are asked at the time `untimed`.
+    If the subject is given no time, these functions are called at the time `untimed`.
     """
     order, names = subject.convention.order, subject.convention.names
     kept = [place for place, role in enumerate(order) if role not in functions]
@@ -47,17 +47,12 @@ def with_functions(
         by_name = dict(zip(names, values, strict=True)) if names else {}
         return subject.function(*([] if names else values), **by_name, **named)
 
-    field = replace(
-        subject.convention,
-        kind=FIELD,
-        order=tuple(order[place] for place in kept),
-        names=tuple(names[place] for place in kept) if names else (),
-    )
-    return replace(subject, function=step, convention=field)
+    left, called = (tuple(each[place] for place in kept if each) for each in (order, names))
+    return replace(subject, function=step, convention=replace(subject.convention, kind=FIELD, order=left, names=called))
 
 
 def _matrix(subject: ForeignStepper, rows: Sequence[Sequence[AnyNumber]]) -> Foreign:
-    """The rows as the stepper's own kind of matrix."""
+    """The rows as a matrix of the stepper's own kind."""
     if subject.adapter is LISTS:
         return [[float(x) for x in row] for row in rows]
     return subject.adapter.write(rows[0]) if subject.adapter is SCALARS else np.array(rows, dtype=np.float64)

@@ -1,4 +1,4 @@
-"""States in other forms: complex numbers, batches, bodies in space, dataclasses, named tuples, dicts, tensors."""
+"""Adapters for other forms of states: complex numbers, batches, bodies, dataclasses, named tuples, dicts, tensors."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ _DIMENSIONS = 3
 
 
 def forms_of(step: Callable[..., Any], convention: CallingConvention) -> Iterator[ArrayAdapter]:
-    """The adapters of other forms that the convention allows, the likeliest first."""
+    """Yield the adapters for other forms of a state that the convention allows, the likeliest first."""
     if convention.kind == MAP and STATE in convention.order:
         yield from _records(step)
         yield from (COMPLEX, CONJUGATE, BATCH)
@@ -50,7 +50,7 @@ def _complex_part(value: Foreign, size: int, sign: int) -> list[AnyNumber]:
     return floats_in([z.real, sign * z.imag], size)
 
 
-# z' = -i z, and z' = i z: the wrong one turns the other way, which the first trial shows.
+# z' = -i z, and z' = i z. With the wrong one the state turns the other way, which the first trial shows.
 COMPLEX = ArrayAdapter(
     "a complex number q + i v", lambda x: complex(*x), lambda z, n: _complex_part(z, n, 1), shown="complex({}, {})"
 )
@@ -66,14 +66,14 @@ BATCH = ArrayAdapter(
 
 
 def _in_space(numbers: Sequence[AnyNumber]) -> Foreign:
-    """Bodies in space, each number a coordinate; what is missing of the last body is 0."""
+    """The numbers as coordinates of bodies in space, with 0 for the missing ones of the last body."""
     filled = np.zeros((-(-len(numbers) // _DIMENSIONS), _DIMENSIONS))
     filled.flat[: len(numbers)] = numbers
     return filled
 
 
 def _first_of(filled: int, value: Foreign, size: int) -> list[AnyNumber]:
-    """The numbers of what was filled up to so many."""
+    """The first `size` numbers of an array of `filled` numbers; any other array has to hold exactly `size`."""
     array = as_array(value)
     return floats_in(array.ravel()[:size] if array.size == filled else array, size)
 
@@ -87,7 +87,7 @@ BODIES = ArrayAdapter(
 
 
 def _vector(size: int) -> ArrayAdapter:
-    """One vector, each number a coordinate; what is missing is 0."""
+    """The adapter of one vector of `size` coordinates, with 0 for the missing ones."""
 
     def write(numbers: Sequence[AnyNumber]) -> Foreign:
         if len(numbers) > size:
@@ -100,7 +100,7 @@ def _vector(size: int) -> ArrayAdapter:
 
 # For steps that multiply by a matrix of their own, or take a vector product.
 VECTORS = (_vector(2), _vector(3))
-# How many numbers belong together in what an adapter makes.
+# How many numbers make one body or one vector of an adapter.
 TOGETHER = {BODIES.name: _DIMENSIONS} | {vectors.name: size for size, vectors in zip((2, 3), VECTORS, strict=True)}
 
 
@@ -114,7 +114,7 @@ def _tensors(torch: Any) -> Iterator[ArrayAdapter]:
 
 
 def _compiled(numpy: Any) -> Iterator[ArrayAdapter]:
-    """JAX arrays, beside functions that compiled code can call."""
+    """Yield the adapters of JAX arrays, with functions that compiled code can call."""
     callback = CompiledCallback()
     for name, shown, write in (
         ("JAX arrays", "jax.numpy.array([{}])", lambda x: numpy.array(list(x))),
@@ -124,24 +124,23 @@ def _compiled(numpy: Any) -> Iterator[ArrayAdapter]:
 
 
 class CompiledCallback:
-    """A function that compiled code calls. It is one object, whatever it calls at present: nothing compiles again.
+    """A function for compiled code to call: one object, whatever it calls at present, so that nothing compiles again.
 
-    A step that is compiled with its right-hand side as a static argument, `jax.jit(step, static_argnums=0)`, is
-    compiled for each new one; and its calls of it hold no numbers, but names of numbers, which no function of ours
-    understands.
+    A step compiled with its right-hand side as a static argument, `jax.jit(step, static_argnums=0)`, is compiled for
+    each new one. It calls the right-hand side with tracers instead of numbers, which ordinary Python code cannot use.
     """
 
     def __init__(self) -> None:
-        """Nothing to call yet."""
+        """Begin without a function."""
         self.function: Callable[..., Any] | None = None
 
     def calling(self, function: Callable[..., Any]) -> CompiledCallback:
-        """This object, which calls the function from now on."""
+        """Set the function that this object calls from now on, and return the object."""
         self.function = function
         return self
 
     def __call__(self, *arguments: Any) -> Any:
-        """What the function answers, in the shape and the type of the largest of the arguments: the state."""
+        """The function's answer, in the shape and type of the largest argument, which is the state."""
         jax: Any = import_module("jax")
         callbacks: Any = import_module("jax.experimental")
         state = max(map(jax.numpy.asarray, arguments), key=lambda array: array.size)
@@ -155,13 +154,13 @@ class CompiledCallback:
 
 
 def _records(step: Callable[..., Any]) -> Iterator[ArrayAdapter]:
-    """Of the class that the state is said to be of; else of the keys, or of the attributes, that the step asks for."""
+    """Yield adapters for the annotated class of the state, or else for the keys or attributes that the step reads."""
     named = _annotated(step)
     if named is not None:
         names, needed = _fields(named)
         yield from _record(named.__name__, named, names, needed)
         return
-    keys, attributes = _asked(step)
+    keys, attributes = _names_read(step)
     if keys:
         yield from _record("dict", dict, keys, keys)
     elif attributes:
@@ -169,15 +168,15 @@ def _records(step: Callable[..., Any]) -> Iterator[ArrayAdapter]:
 
 
 def _annotated(step: Callable[..., Any]) -> Any:
-    """The dataclass, named tuple or typed dict among the annotations of the parameters, if there is one."""
+    """The first dataclass, named tuple or typed dict in the annotations of the parameters; None if there is none."""
     hints: Mapping[str, Any] = {}
-    with suppress(Exception):  # annotations of anybody's may name what is not there
+    with suppress(Exception):  # foreign annotations may name what does not exist
         hints = get_type_hints(step if inspect.isroutine(step) else type(step).__call__)
     return next((hint for name, hint in hints.items() if name != "return" and _fields(hint)[0]), None)
 
 
 def _fields(record: Any) -> tuple[list[str], list[str]]:
-    """The names of all fields, and of those that have no default."""
+    """The names of all fields, and those of the fields without a default."""
     if dataclasses.is_dataclass(record):
         fields = [field for field in dataclasses.fields(record) if field.init]
         plain = (dataclasses.MISSING, dataclasses.MISSING)
@@ -190,7 +189,7 @@ def _fields(record: Any) -> tuple[list[str], list[str]]:
 
 
 class _Asked(dict[str, float]):
-    """A state that is asked for anything, and remembers what for."""
+    """A state that has every key and attribute, and records which of them are read."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -209,8 +208,8 @@ class _Asked(dict[str, float]):
         return 1.0
 
 
-def _asked(step: Callable[..., Any]) -> tuple[list[str], list[str]]:
-    """The keys and the attributes of its state for which a step asks, each once, in this order."""
+def _names_read(step: Callable[..., Any]) -> tuple[list[str], list[str]]:
+    """The keys and the attributes of its state that a step reads, each once, in the order of reading."""
     asked = _Asked()
     with suppress(Exception, SystemExit):
         step(asked, 0.25)
@@ -218,7 +217,7 @@ def _asked(step: Callable[..., Any]) -> tuple[list[str], list[str]]:
 
 
 def _record(name: str, make: Any, names: Sequence[str], needed: Sequence[str]) -> Iterator[ArrayAdapter]:
-    """The adapter of a record with a position and a velocity, if it has both; the rest as far as it is known."""
+    """Yield the adapter of a record that has a position and a velocity, if its other fields are known."""
     role_of = {each: _role(each) for each in names}
     places = [next((each for each in names if role_of[each] == role), None) for role in (POSITION, VELOCITY)]
     if None in places and len(names) == 2:
@@ -243,11 +242,18 @@ def _record(name: str, make: Any, names: Sequence[str], needed: Sequence[str]) -
     yield ArrayAdapter(f"{name} with {position}, {velocity}", write, read, shown=f"{name}({', '.join(arguments)})")
 
 
+def parts_of(record: Foreign) -> Mapping[str, Foreign]:
+    """The fields of a dataclass by name, or a mapping as it is; nothing for any other value."""
+    if dataclasses.is_dataclass(record):
+        return {field.name: getattr(record, field.name) for field in dataclasses.fields(record)}
+    return record if isinstance(record, Mapping) else {}
+
+
 def part_pair(answer: Foreign) -> Foreign:
-    """Position and velocity of a record, by their names, or the first of its fields; what is none as it is."""
-    if not isinstance(answer, Mapping) and not dataclasses.is_dataclass(answer):
+    """Position and velocity of a record, by name or else as its fields in order; any other answer unchanged."""
+    parts = parts_of(answer)
+    if not parts:
         return answer
-    parts: Mapping[str, Foreign] = answer if isinstance(answer, Mapping) else vars(answer)
     named = [next((x for name, x in parts.items() if _role(name) == role), None) for role in (POSITION, VELOCITY)]
     return list(parts.values()) if any(part is None for part in named) else named
 

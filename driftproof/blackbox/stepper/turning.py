@@ -27,7 +27,7 @@ from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 
 @dataclass(frozen=True)
 class Push:
-    """A step in constant fields, from x and v; in the plane these have two numbers, and B has one."""
+    """A step from x and v in constant fields; in the plane x, v and E have two components, and B is one number."""
 
     x: Sequence[float]
     v: Sequence[float]
@@ -38,7 +38,7 @@ class Push:
 
 @dataclass(frozen=True)
 class Pushed:
-    """The new x, no numbers where a step has none, and v; and where it called E last, and B, if it did."""
+    """The new x, empty if the step has none, and the new v; the places where E and B were last called, if at all."""
 
     x: list[float]
     v: list[float]
@@ -46,7 +46,7 @@ class Pushed:
 
 
 def step_in_fields(subject: ForeignStepper, push: Push) -> Pushed:
-    """The step of v' = E + v x B. Raises UnsupportedCall for a stepper that takes no magnetic field."""
+    """One step of x' = v, v' = E + v x B. Raises UnsupportedCall if the stepper takes no magnetic field."""
     if subject.convention.kind != MAGNETIC:
         raise UnsupportedCall("it takes no magnetic field")
     order, factor, write, size = subject.convention.order, subject.convention.factor, subject.adapter.write, len(push.v)
@@ -72,7 +72,7 @@ def step_in_fields(subject: ForeignStepper, push: Push) -> Pushed:
 
 
 def turn_quaternion(subject: ForeignStepper, q: Sequence[float], omega: Sequence[float], h: float) -> list[float]:
-    """The step of a quaternion. Raises UnsupportedCall for a stepper that takes none."""
+    """One step of a quaternion at an angular velocity. Raises UnsupportedCall if the stepper takes none."""
     if subject.convention.kind != ROTATION:
         raise UnsupportedCall("it takes no quaternion")
     write = subject.adapter.write
@@ -82,17 +82,15 @@ def turn_quaternion(subject: ForeignStepper, q: Sequence[float], omega: Sequence
 
 
 class _Field(np.ndarray[Any, Any]):
-    """A vector that is also the constant function with that value; it keeps the places that it is asked at."""
+    """A vector that is also the constant function with its value, and records the places at which it is called."""
 
     asked: list[list[float]]
     size_of_place: int
 
     def __new__(cls, value: Any) -> _Field:
-        """Of the numbers."""
         return np.array(value, dtype=np.float64).view(cls)
 
     def __call__(self, *arguments: Foreign) -> Foreign:
-        """The value, wherever it is asked."""
         places = [as_array(x).ravel() for x in arguments]
         found = next((x for x in places if x.size == self.size_of_place), None)
         if found is None and len(places) >= self.size_of_place:  # E(x, y, z)
@@ -102,6 +100,5 @@ class _Field(np.ndarray[Any, Any]):
         return np.array(self)
 
     def __array_ufunc__(self, ufunc: Any, method: str, *inputs: Any, **named: Any) -> Any:
-        """As of a plain array."""
         plain = (np.asarray(x).view(np.ndarray) if isinstance(x, _Field) else x for x in inputs)
         return getattr(ufunc, method)(*plain, **named)

@@ -1,10 +1,11 @@
-"""The function of one line to write around a stepper that is not opened as it is: ready to paste."""
+"""Wrappers of one line, ready to paste, for steppers that cannot be opened as they are."""
 
 from __future__ import annotations
 
 import inspect
 from collections.abc import Callable, Sequence
 from contextlib import suppress
+from copy import copy
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -26,26 +27,26 @@ from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.blackbox.stepper.plain_forms import BODY_LISTS
 
 _ARGUMENTS = {FUNCTION: "f", TIME: "t", STATE: "y", POSITION: "q", VELOCITY: "v", STEP: "h"}
-# How a wrapper is called, of each kind.
+# The arguments of a wrapper of each kind.
 _HEADS = {MAP: "q, v, h", FORCE: "force, q, v, h", FIELD: "f, t, y, h"}
 _ADVANCES = ("step", "update", "advance", "integrate", "move", "tick", "do_step")
 # Gradients of an energy by the positions and by the momenta: H(q, p) = p^2/2 + V(q).
 _BY_POSITION = ("dhdq", "dh_dq", "grad_q", "dhdx", "dh_dx", "gradq")
 _BY_MOMENTUM = ("dhdp", "dh_dp", "grad_p", "dtdp", "dt_dp", "gradp")
-# Of a solver that takes so many steps: where they end, and how many.
+# Arguments of a solver that makes a given number of steps: the end, and the number.
 _ENDS = ("t1", "tend", "t_end", "tf", "t_final", "tmax", "t_max", "t_stop", "tstop")
 _COUNTED = ("n", "steps", "n_steps", "nsteps", "num_steps", "nt", "n_iter")
 _SPANS = ("t_span", "tspan", "interval", "t_bound", "t_end", "tf", "t_final")
 
 
 def wrapper_line(step: Callable[..., Any]) -> str:
-    """What to write, as the end of a refusal; nothing where nothing is known to fit."""
-    line = _of_object(step) or ("" if inspect.isclass(step) else _of_names(step))
+    """The wrapper to write, as the end of an error message; "" if none is known to fit."""
+    line = _for_object(step) or ("" if inspect.isclass(step) else _for_function(step))
     return f": {line}" if line else ""
 
 
 def increment_wrapper(subject: ForeignStepper) -> str:
-    """The wrapper that adds the state to what is returned."""
+    """The wrapper that adds the state to a returned increment."""
     name, order = _name(subject.function), subject.convention.order
     head = ", ".join(_ARGUMENTS[role] for role in order if role in _ARGUMENTS)
     if STATE in order:
@@ -54,14 +55,14 @@ def increment_wrapper(subject: ForeignStepper) -> str:
 
 
 def exchange_wrapper(subject: ForeignStepper) -> str:
-    """The wrapper that puts the position first."""
+    """The wrapper that returns the position before the velocity."""
     name, order = _name(subject.function), subject.convention.order
     head = ", ".join({**_ARGUMENTS, FUNCTION: "force"}[role] for role in order if role in _ARGUMENTS)
     return f"; write: def wrapped({head}): v1, q1 = {name}({head}); return q1, v1"
 
 
 def turn_wrapper(subject: ForeignStepper) -> str:
-    """The wrapper that gives the velocity first, and takes it so, of a state in one array."""
+    """The wrapper that puts the velocity first in a state of one array, in the argument and in the answer."""
     name, order = _name(subject.function), subject.convention.order
     head = ", ".join(_ARGUMENTS[role] for role in order if role in _ARGUMENTS)
     turned = {FUNCTION: "lambda t, y: turn(f(t, turn(y)))", STATE: "turn(y)"}
@@ -75,10 +76,10 @@ def _name(step: Callable[..., Any]) -> str:
     return name if all(part.isidentifier() for part in name.split(".")) else "step"
 
 
-def _of_object(step: Callable[..., Any]) -> str:
-    """Of a class, or of the method of an object, that takes the step size alone: `stepper_of`, where its state is."""
+def _for_object(step: Callable[..., Any]) -> str:
+    """The `stepper_of` line for a class, or for a method that takes the step size alone; "" if no state is found."""
     names = required_names(step)
-    if inspect.isclass(step) and (line := _of_class(step)):
+    if inspect.isclass(step) and (line := _for_class(step)):
         return line
     owner = step if inspect.isclass(step) else getattr(step, "__self__", None)
     if owner is None or (not inspect.isclass(step) and (names is None or [*map(_role, names)] not in ([STEP], []))):
@@ -102,13 +103,13 @@ def _of_object(step: Callable[..., Any]) -> str:
 
 
 def _attribute(made: Any, role: str) -> str:
-    """The public attribute of an object whose name is one of the role's; "" if there is none."""
+    """The public attribute of an object with one of the role's names; "" if there is none."""
     named = vars(made) if hasattr(made, "__dict__") and not inspect.isclass(made) else {}
-    return next((name for name in named if not name.startswith("_") and _is(role, name)), "")
+    return next((name for name in named if not name.startswith("_") and _has_role(role, name)), "")
 
 
-def _of_class(cls: type) -> str:
-    """Of a class that is made of f: its method takes the state and gives it back, or the object keeps the state."""
+def _for_class(cls: type) -> str:
+    """The wrapper of a class made from f, whose method takes and returns the state or whose object keeps it."""
     names = required_names(cls) or []
     own = next((each for each in (*_ADVANCES, "__call__") if any(each in vars(base) for base in cls.__mro__)), None)
     taken = required_names(getattr(cls, own)) if own else None
@@ -134,14 +135,14 @@ def _of_class(cls: type) -> str:
 
 
 _START = {FIELD: (np.array([1.0, 0.5]),), FORCE: (1.0, 0.5), MAP: (1.0, 0.5)}
-# Steps in which a multistep method shows that it remembers, however it starts: more than any in use remembers.
+# Within this many steps a multistep method shows that it remembers, whatever its start: none in use remembers more.
 _TRIED = 12
 
 
 class _Made(NamedTuple):
-    """A stepper that is made first: of which kind, of what, and what it is called with, each by the wrapper's names.
+    """A stepper that is made first: its kind, its maker, and the arguments of maker and step by the wrapper's names.
 
-    `kept` are the attributes with its state where it keeps that, and `time` the one with its time.
+    `kept` are the attributes that hold its state, if it keeps one, and `time` is the attribute with its time.
     """
 
     kind: str
@@ -154,11 +155,10 @@ class _Made(NamedTuple):
 
     @property
     def state(self) -> set[str]:
-        """The names of its state."""
         return {"y"} if self.kind == FIELD else {"q", "v"}
 
     def line(self, make: Callable[..., Any]) -> str:
-        """The wrapper of one step; of what is seen to remember, that of n steps, which do not begin anew."""
+        """The wrapper of one step; for a stepper that remembers, that of n steps, which do not start anew."""
         timed = self.kind != FIELD or self.time or "t" in (*self.arguments.values(), *self.call.values())
         head = _HEADS[self.kind] if timed else "f, y, h"
         made, call = f"{self.maker}({', '.join(self.arguments.values())})", ", ".join(self.call.values())
@@ -175,7 +175,6 @@ class _Made(NamedTuple):
         return f"def wrapped({head}, n): {begin}z = {state}; return [z] + [z := {later} for i in range(n)]"
 
     def new(self, make: Callable[..., Any], state: Sequence[Any], t: float) -> Any:
-        """One that begins with this state."""
         made = make(*self._values(self.arguments, state, t))
         if self.time:
             setattr(made, self.time, t)
@@ -184,17 +183,17 @@ class _Made(NamedTuple):
     def _values(self, names: dict[str, str], state: Sequence[Any], t: float) -> list[Any]:
         known = {"t": t, "h": 0.25, "[q, v]": np.array(state)}
         known |= dict.fromkeys(("f", "force"), lambda *x: x[0] - 0.5 * x[-1])  # of the time, too, where it is given
-        known |= dict(zip("y" if self.kind == FIELD else "qv", state, strict=True))
+        known |= dict(zip("y" if self.kind == FIELD else "qv", map(copy, state), strict=True))
         return [known[name] for name in names.values()]
 
     def _remembers(self, make: Callable[..., Any]) -> bool:
-        """Whether one of some steps is another than a new one makes of the same state; False where none can be made."""
+        """True if some step differs from that of a new stepper in the same state; False if none can be made."""
 
         def stepped(made: Any, t: float) -> tuple[Any, ...]:
             step = getattr(made, self.method[1:]) if self.method else made
             found = step(*self._values(self.call, state, t))
             found = [getattr(made, each) for each in self.kept] if self.kept else found
-            return (found[0] if self.kept else found,) if self.kind == FIELD else tuple(found)
+            return tuple(map(copy, found if self.kept or self.kind != FIELD else [found]))
 
         with suppress(Exception):
             state = _START[self.kind]
@@ -207,13 +206,13 @@ class _Made(NamedTuple):
         return False
 
 
-def _of_names(step: Callable[..., Any]) -> str:
-    """Of a function: a maker of steppers, gradients of an energy, a solver; else what is known of its arguments."""
+def _for_function(step: Callable[..., Any]) -> str:
+    """The wrapper of a function: a maker of steppers, a step with gradients of an energy, a solver, or a plain step."""
     names, name = required_names(step), _name(step)
     if names is None:
         return ""
     words = [each.lower().strip("_") for each in names]
-    if any(word in _SPANS for word in words) and not any(_is(STEP, word) for word in words):
+    if any(word in _SPANS for word in words) and not any(_has_role(STEP, word) for word in words):
         return f"a whole solver is examined by identify_solver({name})"
     by_position = next((each for each, word in zip(names, words, strict=True) if word in _BY_POSITION), None)
     by_momentum = next((each for each, word in zip(names, words, strict=True) if word in _BY_MOMENTUM), None)
@@ -223,7 +222,7 @@ def _of_names(step: Callable[..., Any]) -> str:
         return _call(name, names, {**gradients, **_by_role(rest, FORCE)}, FORCE)
     roles = {*map(_role, names)}
     if roles <= {FUNCTION, STEP} and roles:
-        return _of_maker(step, names, name)
+        return _for_maker(step, names, name)
     of_state = POSITION not in roles or (VELOCITY not in roles and TIME in roles)
     kind = MAP if FUNCTION not in roles else FIELD if of_state else FORCE
     if not (given := _by_role(names, kind)):
@@ -237,7 +236,7 @@ def _of_names(step: Callable[..., Any]) -> str:
 
 
 def _last_state(step: Callable[..., Any], names: Sequence[str], given: dict[Any, str]) -> str:
-    """What takes the last state out of what a solver returns: of (times, states), or of states; nothing if unknown."""
+    """The index of the last state in what a solver returns, (times, states) or states; "" if that is not known."""
     values = {"f": lambda *x: 0 * x[-1], "t": 0.0, "y": np.array([1.0, 0.5]), "t + h": 0.25, "1": 1}
     with suppress(Exception):
         found = step(*[values[given[each]] for each in names])
@@ -248,8 +247,8 @@ def _last_state(step: Callable[..., Any], names: Sequence[str], given: dict[Any,
     return ""
 
 
-def _of_maker(step: Callable[..., Any], names: Sequence[str], name: str) -> str:
-    """Of what makes a stepper of a right-hand side, of a step size, or of both."""
+def _for_maker(step: Callable[..., Any], names: Sequence[str], name: str) -> str:
+    """The wrapper of a function that makes a stepper from a right-hand side, from a step size, or from both."""
     made: Callable[..., Any] | None = None
     with suppress(Exception):
         made = step(*(0.25 if _role(each) == STEP else (lambda *x: x[-1]) for each in names))
@@ -275,11 +274,11 @@ def _call(name: str, names: Sequence[str], given: dict[Any, str], kind: str) -> 
 
 
 def _by_role(names: Sequence[str], kind: str) -> dict[str, str]:
-    """The wrapper's argument for each name whose role is known; a state that a map takes is [q, v]."""
+    """The wrapper's argument for each name whose role is known; a single state of a map is [q, v]."""
     given: dict[str, str] = {}
     for each in names:
         open_roles = [FUNCTION, STEP, TIME, *((STATE,) if kind == FIELD else (POSITION, VELOCITY, STATE))]
-        role = next((r for r in open_roles if _is(r, each) and _ARGUMENTS[r] not in given.values()), None)
+        role = next((r for r in open_roles if _has_role(r, each) and _ARGUMENTS[r] not in given.values()), None)
         if role is not None:
             given[each] = _function(kind) if role == FUNCTION else _ARGUMENTS[role]
     if kind == MAP and "v" not in given.values():
@@ -293,9 +292,9 @@ def _function(kind: str) -> str:
     return "f" if kind == FIELD else "force"
 
 
-def _is(role: str, name: str) -> bool:
+def _has_role(role: str, name: str) -> bool:
     return name.lower().strip("_") in ROLES[role]
 
 
 def _role(name: str) -> str | None:
-    return next((role for role in (FUNCTION, STEP, TIME, POSITION, VELOCITY, STATE) if _is(role, name)), None)
+    return next((role for role in (FUNCTION, STEP, TIME, POSITION, VELOCITY, STATE) if _has_role(role, name)), None)

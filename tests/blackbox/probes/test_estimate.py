@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from fractions import Fraction
 
 import numpy as np
@@ -10,6 +11,7 @@ import pytest
 from driftproof.blackbox.findings import Misbehaviour, UnsupportedCall
 from driftproof.blackbox.probes.estimate import ABSOLUTE, DIFFERENCE, NORM, SOLUTION, read_estimate
 from driftproof.blackbox.probes.scripted_answers import NotReadable
+from driftproof.blackbox.probes.tableau import read_tableau
 from driftproof.blackbox.stepper.objects import field_stepper_of
 from driftproof.blackbox.stepper.opening import opened
 from driftproof.methods.catalogue import METHODS
@@ -49,6 +51,20 @@ def test_the_row_comes_out_as_it_went_in(key, name, as_before):
     off = [max(abs(e - s * x) for e, x in zip(reading.row, exact, strict=True)) for s in signs]
     # Each weight is rounded once, and so is y1 - error where that is returned: half a unit of numbers below 8 each.
     assert min(off) <= 3 * 8 * Fraction(1, 2**53)
+
+
+def test_a_result_of_one_number_that_equals_the_time_at_the_end_is_no_time():
+    def midpoint(f, t, y, h):
+        first = f(t, y)
+        slope = f(t + h / 2, math.fsum([y, h / 2 * first]))
+        return y + h * slope, h * (slope - first)
+
+    reading = read(midpoint)
+    assert (reading.form, reading.row, reading.fault) == (DIFFERENCE, (-1, 1), "")
+    assert read_tableau(opened(midpoint)).remarks == ()
+    several = opened(lambda f, t, y, h: (y + h * f(t, y), 0 * y))
+    assert several.step_field(lambda t, y: [1.0], 0.0, [0.0], 1.0) == [1.0]
+    assert several.log.beside == [0.0]
 
 
 ASKED = {

@@ -35,6 +35,11 @@ def tableaux(draw):
     return a, b, c
 
 
+def test_a_step_that_moves_at_rest_is_refused_with_the_number_that_moves():
+    with pytest.raises(NotReadable, match=r"does not stay: the step goes through 0\.25$"):
+        read(lambda f, t, y, h: y + h * f(t, y) + h * np.array([0.0, *[0.25] * (len(y) - 1)]))
+
+
 @given(tableaux())
 @settings(max_examples=40)
 def test_any_tableau_comes_out_as_it_went_in(given_tableau):

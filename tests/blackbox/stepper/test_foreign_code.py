@@ -98,12 +98,14 @@ def test_of_one_number_too_the_time_is_told_from_the_state():
     def with_time(f, t, y, h):
         return t + h, math.fsum([y, h * f(t, y)])
 
-    assert opened(with_time).step_field(lambda t, y: [-y[0]], 2.0, [1.0], H) == [0.75]
-    subject = replace(opened(with_time), function=lambda f, t, y, h: (y + h * f(t, y), 0.0))
+    known = opened(with_time)
+    assert known.step_field(lambda t, y: [-y[0]], 2.0, [1.0], H) == [0.75]
+    unknown = replace(known, convention=replace(known.convention, timed=None))
+    subject = replace(unknown, function=lambda f, t, y, h: (y + h * f(t, y), 0.0))
     assert subject.step_field(lambda t, y: [-y[0]], 2.0, [1.0], H) == [0.75]
     assert subject.log.beside == [0.0]
     for off, y1 in exactly(2, ((1.02, [1.02 * (2 + H)]), (1.01, [0.5]))):  # a state, beside its error; or a time
-        near = replace(opened(with_time), function=lambda f, t, y, h, off=off: (off * (t + h), 0.5))
+        near = replace(unknown, function=lambda f, t, y, h, off=off: (off * (t + h), 0.5))
         assert near.step_field(lambda t, y: [-y[0]], 2.0, [1.0], H) == y1
 
 
@@ -166,8 +168,16 @@ def test_a_run_of_no_fewer_than_eight_steps_is_opened_with_eight():
             states.append(euler_steps.map_of_numbers(*states[-1], h))
         return states
 
+    def solved(func, y, t, h, n):
+        states = [y] if n >= 8 else []
+        for i in range(n):
+            states.append(states[-1] + h * func(states[-1], t + i * h))
+        return states
+
     subject = opened(run)
     assert (subject.shortest, subject.convention.steps) == (8, 1)
+    subject = opened(solved)
+    assert (subject.shortest, subject.convention.steps, subject.convention.asks) == (8, 1, ("state", "time"))
 
 
 def test_a_run_that_is_not_of_one_step_is_refused_in_words():

@@ -90,6 +90,22 @@ def test_several_states_are_stepped_at_once_where_position_and_velocity_are_apar
         opened(euler_steps.field).step_batch([1.0, 2.0], [0.75, 0.5], H)
 
 
+def by_mass(force, q, v, f0, mass, h):
+    q1 = q + h * v + h**2 / 2 * f0 / mass
+    return q1, v + h / 2 * (f0 + (f1 := force(q1))) / mass, f1
+
+
+def by_gradient(grad, q, v, f0, h):
+    return by_mass(lambda q: -grad(q), q, v, -f0, 1.0, h)[:2]
+
+
+@pytest.mark.parametrize("step", [by_mass, by_gradient])
+def test_several_states_are_handed_the_slopes_that_each_is_handed_alone(step):
+    subject = opened(step)
+    states = [(1.0, 0.75), (2.0, 0.5)]
+    assert subject.step_batch([1.0, 2.0], [0.75, 0.5], H) == [subject.step(q, v, H) for q, v in states]
+
+
 def test_a_copy_remembers_nothing_and_what_cannot_be_copied_is_refused():
     class Accelerating:
         pushed = 0.0

@@ -90,6 +90,46 @@ def test_a_step_of_no_earlier_slopes_is_left_alone():
     assert with_slopes_kept(of_plain := lambda f, t, y, h: y + h * f(t, y)) is of_plain
 
 
+ESTIMATE, OTHER = lambda k, last, y, h: h / 2 * (k - last), lambda k, last, y, h: y + h * k
+
+
+@pytest.mark.parametrize("beside", [ESTIMATE, OTHER], ids=["an error estimate", "another result"])
+def test_what_is_returned_beside_the_result_is_not_taken_for_a_slope_that_is_handed_on(beside):
+    def pair(f, t, y, h, f_prev):
+        slope = f(t, y)
+        return y + h * (1.5 * slope - 0.5 * f_prev), beside(slope, f_prev, y, h)
+
+    assert identify(pair, isolate=False).verdict == identify(bashforth2, isolate=False).verdict
+
+
+def verlet(force, x, v, dt, f_old):
+    x1 = x + dt * v + dt**2 / 2 * f_old
+    return x1, v + dt / 2 * (f_old + (f1 := force(x1))), f1
+
+
+def test_a_force_that_is_handed_on_is_that_at_the_position():
+    def of_q(force, t, q, p, h, f_prev):
+        return verlet(lambda x: force(t + h, x), q, p, h, f_prev)
+
+    def bashforth_of_a_force(force, x, v, dt, f_old):
+        return x + dt * v, v + dt * (1.5 * force(x) - 0.5 * f_old)
+
+    assert identify(verlet, isolate=False).verdict == identify(of_q, isolate=False).verdict == "it is velocity_verlet"
+    step = with_slopes_kept(bashforth_of_a_force)
+    assert step(lambda x: -x, 1.0, 0.5, 0.25) == (1.125, 0.25)
+    assert step(lambda x: -x, 1.125, 0.25, 0.25) == (1.1875, -0.046875)
+
+
+def test_numbered_slopes_reach_their_names_in_whichever_order_they_are_taken():
+    def turned(y, t, f, h, f_nm2, f_nm1):
+        return bashforth3(y, t, f, h, f_nm1, f_nm2)
+
+    def walked(step, y=0.0):
+        return [y := step(y, t, lambda y, t: t * t, 1.0) for t in map(float, range(5))]
+
+    assert walked(with_slopes_kept(turned)) == walked(with_slopes_kept(bashforth3))
+
+
 def test_a_history_that_is_too_short_for_good_is_no_start():
     def deep(f, t, y, h, history):
         return y + h * history[-9]

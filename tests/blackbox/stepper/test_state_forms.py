@@ -3,6 +3,7 @@
 import inspect
 import re
 import sys
+from dataclasses import dataclass
 from types import SimpleNamespace
 
 import numpy as np
@@ -45,6 +46,30 @@ def test_a_vector_holds_no_more_numbers_than_it_has():
         assert vector.write([0.25] * (size - 1)).tolist() == [*[0.25] * (size - 1), 0.0]
         with pytest.raises(WrongShape, match=f"a vector of {size} numbers holds no {size + 1}"):
             vector.write([0.25] * (size + 1))
+
+
+@dataclass(slots=True)
+class Slotted:
+    q: float
+    v: float
+
+
+def moved(q, v, h):
+    return Slotted(q + h * v, v - h * (q + h * v))
+
+
+def returned(state: Slotted, h):
+    return moved(state.q, state.v, h)
+
+
+def in_place(state: Slotted, h):
+    new = moved(state.q, state.v, h)
+    state.q, state.v = new.q, new.v
+
+
+@pytest.mark.parametrize("step", [moved, returned, in_place])
+def test_a_dataclass_with_slots_is_a_state_as_well(step):
+    assert opened(step).step(1.0, 0.5, 0.25) == (1.125, 0.21875)
 
 
 def verlet_handing_on(acceleration):

@@ -189,6 +189,30 @@ def test_a_class_a_maker_and_a_solver_of_n_steps_are_refused_with_a_wrapper_that
         assert keys_of(names["wrapped"])[0] == ("velocity_verlet" if name == "KeptVerlet" else "heun2")
 
 
+IN_PLACE = """
+class InPlace(BASE):
+    def __call__(self, t, y):
+        y[:] = BASE.__call__(self, t, y)
+        return y
+
+class KeptInPlace(BASE):
+    def __init__(self, f, y, h):
+        BASE.__init__(self, f, h)
+        self.y, self.t = y, 0.0
+    def step(self):
+        self.y[:] = BASE.__call__(self, self.t, self.y)
+        self.t += self.h
+"""
+
+
+@pytest.mark.parametrize(("base", "head"), [("AB2", "f, t, y, h, n"), ("Euler", "f, t, y, h")])
+def test_a_class_that_changes_its_state_in_place_is_seen_to_remember_or_not(base, head):
+    euler = "class Euler(AB2):\n    def __call__(self, t, y): return y + self.h * self.f(t, y)\n"
+    names = namespace(CLASSES + euler + IN_PLACE.replace("BASE", base))
+    for name in ("InPlace", "KeptInPlace"):
+        assert f"def wrapped({head}): " in wrapper_line(names[name])
+
+
 @pytest.mark.parametrize("parameters", ["", ", f, omega2, mode", ", force, h", ", force, q0, v0, h"])
 def test_of_a_class_whose_names_do_not_tell_where_its_state_is_nothing_is_shown(parameters):
     names = namespace(f"class Opaque:\n    def __init__(self{parameters}): self.a = 0.0\n    def step(self): pass\n")
