@@ -87,7 +87,7 @@ class NystromStages:
         return [self.scalars.lift(1)] * len(self._nodes) if colour == V else None
 
     def integrals(self, colour: str, u: StageValues) -> tuple[StageValues, RingElement]:
-        """For a v-vertex u, to be integrated twice by a q-vertex, b_velocity · u; for a q-vertex A u, b_position · u."""
+        """For a v-vertex u, which a q-vertex integrates twice, b_velocity · u; for a q-vertex A u, b_position · u."""
         if colour == V:
             return u, self._velocity.weigh(u)
         if u is None:
