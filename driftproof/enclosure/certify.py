@@ -31,8 +31,8 @@ MOST_DOUBLINGS = 4
 RADIUS_TO_ERROR, RADIUS_TO_SOLUTION = arb(2) ** -40, arb(2) ** -104
 # Bits of the first exact run of a method: balls of a plain run widen, and more bits cost next to nothing.
 BITS_OF_EXACT_RUN = 256
-# f in floats may differ from f in balls by this much, relative to the sizes of f and ∂f/∂y y: half of its digits.
-# This detects another function, and does not bound rounding.
+# f in floats may differ from f in balls by this much, relative to the sizes of f and of (∂f/∂y) y: half of a double's
+# digits. This detects another function, and does not bound rounding.
 REPRODUCED = 2.0**-26
 # The number of points at which this is checked, evenly spread.
 MOST_REPRODUCED = 64

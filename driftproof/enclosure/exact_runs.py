@@ -32,7 +32,7 @@ _OFF_GRID = Fraction(1, 1000)
 # a step of 13 stages has some hundred operations, and f its own. This detects another method, or points that are not
 # steps, and bounds nothing.
 ROUNDINGS_OF_A_STEP = 2.0**10
-# For an implicit method: its stages are assumed to be solved to half the digits of the numbers at least.
+# The same for an implicit method, whose stages a solver solves to at least half of the digits.
 UNSOLVED_STAGES = 2.0**27
 # The number of steps that are checked, evenly spread.
 MOST_LOOKED_AT = 64
@@ -82,7 +82,7 @@ def plan_of(f: RightHandSide, run: Trajectory, method: str | Path | Method, h: E
     else:
         try:
             exact = Fraction(h)
-        except (ValueError, OverflowError, ZeroDivisionError):  # NaN, infinity, other words
+        except (ValueError, OverflowError, ZeroDivisionError):  # NaN, infinity, or no number
             exact = Fraction(0)
         if exact <= 0:
             raise Refused(f"h is {h}; a step is above 0, and finite")

@@ -1,4 +1,4 @@
-"""Numbers that a user's right-hand side can be run on: balls, Taylor series and Taylor models, with derivatives.
+"""Numbers on which a user's right-hand side is run: balls, Taylor series and Taylor models, with derivatives.
 
 One class carries a value and, on request, its partial derivatives with respect to the state. NumPy's functions call its
 methods, for single numbers and for numbers in arrays. Operations that have no enclosure are refused: a comparison that

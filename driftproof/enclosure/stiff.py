@@ -90,7 +90,7 @@ class StiffPath:
         self.doubles: set[float] = set()
 
     def states_at(self, t: Fraction) -> tuple[arb, ...]:
-        """Balls of the solution at t; times must be asked for in increasing order."""
+        """Balls of the solution at t, which must not be before the t of an earlier call."""
         if t == self.first:
             return self.start
         while self.step is None or t > self.t:

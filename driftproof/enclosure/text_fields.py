@@ -17,7 +17,7 @@ from driftproof.methods.program_text import indented, maker, maker_text
 from driftproof.methods.vector_fields import FUNCTIONS, VectorField
 from driftproof.symbolic.algebra.certified import enclose
 
-# What a user may give for f: a function of (t, y), text, or a field.
+# The forms in which a user may give f: a function of (t, y), text, or a field.
 GivenField: TypeAlias = RightHandSide | str | Sequence[str] | VectorField
 
 

@@ -45,7 +45,7 @@ class RosenbrockStages:
         self.one: StageValues = (self._alpha.one, self._alpha.one)
 
     def times(self, u: StageValues, v: StageValues) -> StageValues:
-        """The values of u with the branch v joined to its root; the first branch is the only one so far."""
+        """The values of u with the branch v joined to its root."""
         if u is self.one:
             return v
         both = self._alpha.times(u[0], v[0])

@@ -248,6 +248,6 @@ def _energy(q: Any, v: Any) -> Any:
 
 
 def _angle_between(numerical: tuple[arb, arb], exact: tuple[arb, arb]) -> arb:
-    """How far `numerical` is ahead (clockwise) of `exact`, in radians."""
+    """The angle in radians by which `numerical` is ahead (clockwise) of `exact`."""
     (q, v), (q_exact, v_exact) = numerical, exact
     return arb.atan2(q * v_exact - v * q_exact, q * q_exact + v * v_exact)

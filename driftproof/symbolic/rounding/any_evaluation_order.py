@@ -47,7 +47,7 @@ class ErrorTally:
     __slots__ = ("additions", "factor", "size")
 
     def __init__(self, size: Any, additions: int = 0, factor: Exact | int | None = None) -> None:
-        """Take the size and what is not counted in it; without `additions` it is finished."""
+        """Take the size, the additions not yet counted in it, and the constant, if it is one."""
         self.size, self.additions, self.factor = size, additions, factor
 
     @property

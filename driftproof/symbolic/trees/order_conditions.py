@@ -55,7 +55,7 @@ def collocation_order(nodes: Sequence[Exact]) -> QuadratureFact:
 
 TreeType = TypeVar("TreeType", bound=AnyTree)
 TreeTypeOut = TypeVar("TreeTypeOut", bound=AnyTree, covariant=True)
-# What identifies a tree in a set of conditions: its number, or its number and the colour of its root.
+# The label of a tree in a set of conditions: its number, or its number and the colour of its root.
 TreeLabel: TypeAlias = Any
 
 
