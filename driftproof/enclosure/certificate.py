@@ -11,6 +11,7 @@ from typing import TypeAlias
 
 from flint import arb, ctx
 
+from driftproof.enclosure.steps import size
 from driftproof.support.plain_text import Json, as_json
 from driftproof.support.results import Printable
 
@@ -191,13 +192,11 @@ def largest_of(rows: Sequence[Sequence[arb]], bits: int) -> arb:
 
 def right_digits(error: Sequence[arb], true: Sequence[arb]) -> int:
     """The number of right digits, floor(-log10 |error|/|y|) in the maximum norm, at least 0; ALL_DIGITS for error 0."""
-    size = arb(0)
-    for x in error:
-        size = size.max(arb(x.abs_upper()))
-    if size == 0:
+    largest = size(error)
+    if largest == 0:
         return ALL_DIGITS
     whole = max((arb(x.abs_lower()) for x in true), key=float)
-    digits = float((-(size / whole).log() / arb(10).log()).lower())
+    digits = float((-(largest / whole).log() / arb(10).log()).lower())
     return max(0, floor(digits)) if digits == digits else 0
 
 

@@ -17,8 +17,7 @@ from driftproof.symbolic.linear.facts import ExactFunction
 from driftproof.symbolic.linear.stability_function import stability_function
 from driftproof.symbolic.linear.stability_limits import INFINITY, Infinity
 from driftproof.symbolic.trees.elementary_weights import EXACT, RingElement, tableau_stages
-from driftproof.symbolic.trees.order_conditions import RungeKuttaConditions, order, residuals
-from driftproof.symbolic.trees.rooted_trees import tree_table
+from driftproof.symbolic.trees.order_conditions import RungeKuttaConditions, order, residuals, runge_kutta_conditions
 
 
 class EstimateFacts(NamedTuple):
@@ -84,11 +83,9 @@ def _ratios(method: RungeKutta, other: RungeKutta) -> tuple[RealRoot, RealRoot]:
 
 def _error_coefficients(method: RungeKutta, vertices: int) -> list[Fraction]:
     """τ = (Φ - 1/γ)/σ of all trees with `vertices` vertices."""
-    conditions = RungeKuttaConditions(*tableau_stages(method.a, method.b))
-    found = residuals(conditions, vertices)
-    table = tree_table(vertices)
-    symmetries = [table.symmetry[label] for label in table.ids(vertices)]
-    return [Fraction(str(x)) / sigma for (_, x), sigma in zip(found, symmetries, strict=True)]
+    conditions = runge_kutta_conditions(method)
+    pairs = zip(residuals(conditions, vertices), conditions.symmetries(vertices), strict=True)
+    return [Fraction(str(x)) / sigma for (_, x), sigma in pairs]
 
 
 def extension_facts(method: RungeKutta) -> tuple[ExtensionFacts, ...] | None:
