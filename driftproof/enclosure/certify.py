@@ -204,20 +204,20 @@ def _require_reproduced(f: RightHandSide, times: list[float], states: list[list[
 
     f is called forwards and then backwards along them, so that a memory, such as a switch, is detected.
     """
-    ours, looked_at = rebound(f), sorted({len(times) * k // MOST_REPRODUCED for k in range(MOST_REPRODUCED)})
-    there = [_rates_in_floats(f, times[i], states[i]) for i in looked_at]
-    back = [_rates_in_floats(f, times[i], states[i]) for i in reversed(looked_at)]
-    for i, given, once_more in zip(looked_at, there, reversed(back), strict=True):
+    in_balls, checked = rebound(f), sorted({len(times) * k // MOST_REPRODUCED for k in range(MOST_REPRODUCED)})
+    forwards = [_rates_in_floats(f, times[i], states[i]) for i in checked]
+    backwards = [_rates_in_floats(f, times[i], states[i]) for i in reversed(checked)]
+    for i, given, repeated in zip(checked, forwards, reversed(backwards), strict=True):
         t, y = times[i], states[i]
         balls = [arb(x) for x in y]
-        rates, slopes = linearised(ours, Enclosed(Evaluation(), arb(t)), balls)
+        rates, slopes = linearised(in_balls, Enclosed(Evaluation(), arb(t)), balls)
         if len(given) != len(rates):
             raise Refused(f"f returns {len(given)} rates for {len(rates)} components")
         moved = [sum((abs(J * x) for J, x in zip(row, balls, strict=True)), arb(0)) for row in slopes]
         allowed = REPRODUCED * (size(rates) + size(moved))
         if not allowed.is_finite():
             raise Refused(f"f or its derivative is not finite at t = {t}")
-        for j, (a, again, b) in enumerate(zip(given, once_more, rates, strict=True)):
+        for j, (a, again, b) in enumerate(zip(given, repeated, rates, strict=True)):
             if abs(arb(a) - again) > 2 * allowed:
                 raise Refused(f"f is {a!r} at t = {t}, component {j}, and {again!r} when it is called again")
             if not abs(arb(a) - b) <= allowed:

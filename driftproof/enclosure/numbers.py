@@ -92,7 +92,7 @@ class Evaluation:
         raise Refused(f"f uses {type(x).__name__} as a number")
 
 
-def _with_a_number(operation: Callable[[Enclosed, Enclosed], Any]) -> Callable[[Enclosed, object], Any]:
+def _lifts_other(operation: Callable[[Enclosed, Enclosed], Any]) -> Callable[[Enclosed, object], Any]:
     """The operation with its second operand lifted; NotImplemented for an array, which applies it to each entry."""
 
     @wraps(operation)
@@ -115,7 +115,7 @@ class Enclosed:
         """Take value and derivatives as they are."""
         self.evaluation, self.value, self.partials = evaluation, value, partials
 
-    def _made(self, value: Value, *rules: tuple[Enclosed, Callable[[], Value]]) -> Enclosed:
+    def _with_chain_rule(self, value: Value, *rules: tuple[Enclosed, Callable[[], Value]]) -> Enclosed:
         """The value with derivatives by the chain rule; each rule gives the derivative with respect to its argument."""
         partials: tuple[Value, ...] | None = None
         for argument, rule in rules:
@@ -125,7 +125,7 @@ class Enclosed:
                 partials = terms if partials is None else tuple(a + b for a, b in zip(partials, terms, strict=True))
         return Enclosed(self.evaluation, value, partials)
 
-    @_with_a_number
+    @_lifts_other
     def __add__(self, o: Enclosed) -> Enclosed:
         """The sum."""
         if self.partials is None or o.partials is None:
@@ -143,31 +143,31 @@ class Enclosed:
         """The number itself."""
         return self
 
-    @_with_a_number
+    @_lifts_other
     def __sub__(self, o: Enclosed) -> Any:
         """The difference."""
         return self + -o
 
-    @_with_a_number
+    @_lifts_other
     def __rsub__(self, o: Enclosed) -> Any:
         """The difference with the operands exchanged."""
         return o + -self
 
-    @_with_a_number
+    @_lifts_other
     def __mul__(self, o: Enclosed) -> Enclosed:
         """The product."""
-        return self._made(self.value * o.value, (self, lambda: o.value), (o, lambda: self.value))
+        return self._with_chain_rule(self.value * o.value, (self, lambda: o.value), (o, lambda: self.value))
 
     __rmul__ = __mul__
 
-    @_with_a_number
+    @_lifts_other
     def __truediv__(self, o: Enclosed) -> Enclosed:
         """The quotient."""
         inverse = _inverse(o.value)
         value = self.value * inverse
-        return self._made(value, (self, lambda: inverse), (o, lambda: -value * inverse))
+        return self._with_chain_rule(value, (self, lambda: inverse), (o, lambda: -value * inverse))
 
-    @_with_a_number
+    @_lifts_other
     def __rtruediv__(self, o: Enclosed) -> Any:
         """The quotient with the operands exchanged."""
         return o / self
@@ -182,7 +182,7 @@ class Enclosed:
             return self.sqrt()._whole_power(int(2 * other))
         return NotImplemented if isinstance(other, np.ndarray) else (other * self.log()).exp()
 
-    @_with_a_number
+    @_lifts_other
     def __rpow__(self, o: Enclosed) -> Any:
         """The power with the operands exchanged, for a positive base."""
         return (self * o.log()).exp()
@@ -193,14 +193,14 @@ class Enclosed:
         if n == 0:
             return Enclosed(self.evaluation, self.value * 0 + 1, self.partials and tuple(d * 0 for d in self.partials))
         before = _power(self.value, n - 1)
-        return self._made(before * self.value, (self, lambda: n * before))
+        return self._with_chain_rule(before * self.value, (self, lambda: n * before))
 
-    @_with_a_number
+    @_lifts_other
     def __gt__(self, o: Enclosed) -> bool:
         """True if self is certainly greater, False if it is certainly less. Raises Refused if the balls overlap."""
         return self.evaluation.decide(self.value - o.value)
 
-    @_with_a_number
+    @_lifts_other
     def __lt__(self, o: Enclosed) -> bool:
         """True if self is certainly less, False if it is certainly greater. Raises Refused if the balls overlap."""
         return self.evaluation.decide(o.value - self.value)
@@ -208,7 +208,7 @@ class Enclosed:
     __ge__ = __gt__
     __le__ = __lt__
 
-    @_with_a_number
+    @_lifts_other
     def __eq__(self, o: Enclosed) -> bool:
         """False if the two certainly differ. Raises Refused otherwise, because balls never prove equality."""
         self.evaluation.decide(self.value - o.value)
@@ -237,7 +237,7 @@ class Enclosed:
 
     def _analytic(self, name: str, slope: Callable[[Value, Value], Value]) -> Enclosed:
         value = _function(name, self.value)
-        return self._made(value, (self, lambda: slope(self.value, value)))
+        return self._with_chain_rule(value, (self, lambda: slope(self.value, value)))
 
     def sin(self) -> Enclosed:
         """The sine."""
@@ -307,12 +307,12 @@ class Enclosed:
         """The cube root of a number whose sign is known."""
         return (self.log() / 3).exp() if self > 0 else -(((-self).log() / 3).exp())
 
-    @_with_a_number
+    @_lifts_other
     def hypot(self, o: Enclosed) -> Any:
         """sqrt(x² + y²)."""
         return (self * self + o * o).sqrt()
 
-    @_with_a_number
+    @_lifts_other
     def arctan2(self, x: Enclosed) -> Any:
         """The angle of the point (x, self), if it is known that x > 0, or the signs of both coordinates are known."""
         if x > 0:

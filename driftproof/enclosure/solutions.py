@@ -92,10 +92,10 @@ def enclose_solution(
 def _states(path: _Path | StiffPath, times: Sequence[Fraction]) -> list[tuple[arb, ...]]:
     """The solution at each time, with the progress reported."""
     states = []
-    with stage(f"enclosing the solution in {ctx.prec} bits") as told:
+    with stage(f"enclosing the solution in {ctx.prec} bits") as progress:
         for t in times:
             states.append(path.states_at(t))
-            told.part = float((t - times[0]) / (times[-1] - times[0] or 1))
+            progress.part = float((t - times[0]) / (times[-1] - times[0] or 1))
     return states
 
 
