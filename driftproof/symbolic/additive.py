@@ -50,7 +50,7 @@ class AdditiveFacts(FactsOfFamily[Additive]):
 
     @cached_property
     def weights_agree(self) -> bool:
-        """True if b = b̂; then every linear invariant of f + g is kept, even if it is none of f or of g."""
+        """True if b = b̂; then every linear invariant of f + g is kept, even if neither f nor g has it."""
         return self.method.b_explicit == self.method.b_implicit
 
     @cached_property

@@ -154,7 +154,7 @@ class Facts(LinearFacts):
 
     @cached_property
     def algebraically_stable(self) -> bool | None:
-        """True if no step moves two solutions of a contractive problem further apart, by algebraic stability."""
+        """True if the method is algebraically stable: no step moves two solutions of a contractive problem apart."""
         return None if self._tableau is None else algebraic_stability(self._tableau).holds
 
     @cached_property
@@ -244,7 +244,7 @@ def general_order(method: Method) -> OrderFact[Any]:
 def order_within(method: Method, tolerance: Fraction) -> OrderWithin:
     """The order to a tolerance, that on second-order problems, and that of an embedded method.
 
-    It is not the order, which only exact equality decides. At most it is TOLERANCE_ORDER, or the order if that is
+    It is not the order, which only exact equality decides. It is at most TOLERANCE_ORDER, or the order if that is
     higher. Raises ValueError for a negative tolerance.
 
     >>> from fractions import Fraction

@@ -89,7 +89,7 @@ class StepBound:
 
     @cached_property
     def underflow(self) -> tuple[ErrorPolynomial, ErrorPolynomial]:
-        """r(h) in Q[d, eta, |h|], the part for any state; every term has an eta unless the step adds constants."""
+        """r(h) in Q[d, eta, |h|], whatever the state; every term has an eta unless the step adds constants."""
         (_, _, q), (_, _, v) = self._error_rows
         return q, v
 

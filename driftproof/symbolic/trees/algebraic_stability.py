@@ -29,7 +29,7 @@ _Matrix: TypeAlias = tuple[_Vector, ...]
 class Semidefinite:
     """Whether M is positive semidefinite: x·Mx = Σ d (l·x)² + a remainder, over `squares` (d, l) with d > 0.
 
-    It is if the remainder is 0; else `direction` is an x with x·Mx < 0. Multiplying out checks either claim.
+    M is semidefinite if the remainder is 0; else `direction` is an x with x·Mx < 0. Multiplying out checks either.
     """
 
     squares: tuple[tuple[Exact, _Vector], ...]

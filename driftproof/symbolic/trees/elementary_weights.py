@@ -54,7 +54,7 @@ class IntegerScalars(ExactScalars):
         return fmpz(int(x))  # type: ignore[arg-type]
 
     def weight(self, x: RingElement, vertices: int) -> RingElement:
-        """Φ of a tree with `vertices` vertices, which is homogeneous of that degree in A and b, without the factor."""
+        """Remove `unit` from Φ of a tree with `vertices` vertices, which is homogeneous of that degree in A and b."""
         return fmpq(x, self.unit**vertices)
 
 
@@ -182,8 +182,8 @@ def tableau_stages(a: Sequence[Sequence[Exact]], *weights: Sequence[Exact]) -> l
 class ElementaryWeights:
     """The elementary weights Φ(t) = b · Π A(...) of a method, order by order; stage values are computed once per tree.
 
-    Each colour of vertex has its stage algebra, ordinary trees the only one; the first `internal` colours may carry
-    branches. All algebras have the same stages, and differ in A and b.
+    Each colour of vertex has a stage algebra; ordinary trees have one colour. Only the first `internal` colours may
+    carry branches. All algebras have the same stages, and differ in A and b.
     """
 
     def __init__(self, *colours: StageAlgebra, internal: int = 1) -> None:

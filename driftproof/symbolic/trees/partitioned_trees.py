@@ -157,7 +157,7 @@ def nystrom_conditions(method: Splitting | Nystrom, scalars: Scalars = EXACT) ->
     """The order conditions of a splitting or a Nyström method for every q'' = F(q), F a gradient or not.
 
     Since q' = v is linear, only trees whose q-vertices have at most one branch matter
-    (hairer-norsett-wanner-1993, II.14). A root of colour q is a condition on the position, one of v on the velocity.
+    (hairer-norsett-wanner-1993, II.14). Roots of colour q give conditions on the position, those of v on the velocity.
     """
     if isinstance(method, Splitting):
         return AlternatingConditions(SplittingStages(method, scalars), linear_drift=True)
