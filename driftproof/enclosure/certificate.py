@@ -45,7 +45,7 @@ class Split:
 class Drift:
     """The change of a first integral along the float run, and its parts if the method's exact run is known.
 
-    That the solution itself conserves the integral is checked on its enclosure.
+    The solution's enclosure is checked at every point: a change that is certainly not 0 is refused.
     """
 
     total: tuple[arb, ...]

@@ -188,7 +188,7 @@ def assert_accurate(
 
 
 def within(found: Certificate, tolerance: float) -> bool:
-    """True if the largest error is at most the tolerance. Raises Refused if its ball does not decide, ValueError."""
+    """True if the largest error is at most the tolerance. Raises Refused if its ball is too wide, or ValueError."""
     if not (isinstance(tolerance, int | float | Fraction) and tolerance >= 0):
         raise ValueError(f"tolerance is {tolerance!r}; it has to be a number that is not negative")
     largest = found.largest_error
@@ -202,7 +202,7 @@ def within(found: Certificate, tolerance: float) -> bool:
 def _require_reproduced(f: RightHandSide, times: list[float], states: list[list[float]]) -> None:
     """Raise Refused unless f in floats agrees with f in balls, up to rounding, at points of the trajectory.
 
-    f is called forwards and then backwards along them, so that a memory, such as a switch, is detected.
+    f is called at them forwards and then backwards, so that a memory of f, such as a switch, is detected.
     """
     in_balls, checked = rebound(f), sorted({len(times) * k // MOST_REPRODUCED for k in range(MOST_REPRODUCED)})
     forwards = [_rates_in_floats(f, times[i], states[i]) for i in checked]

@@ -22,7 +22,7 @@ MOST_CORRECTIONS = 16
 FREE_CORRECTIONS = 2
 # The Jacobians are evaluated anew until corrections are this small; from then on they are accurate enough.
 FROZEN = 1e-7
-# A correction then gains at most this factor, a few digits being lost if components are of different sizes.
+# A correction then gains at most this factor: a few digits are lost if components are of different sizes.
 GAINED = 1e-8
 # Components are accurate relative to their sizes, or to this part of the largest one, or of their largest size so far.
 NEGLIGIBLE = 2.0**-40

@@ -47,7 +47,7 @@ MOST_STIFF_STEPS = 2000
 # A problem is stiff if a direction shrinks to less than this in a step, and steps do not get shorter, as at a pole.
 SHRUNK = 0.4
 # No problem needs a longer first step; a shorter one is found by trying. Each further step is a sixth of the radius of
-# convergence, which grows by no more than the length of a step: so the next step is at most 7/6 as long.
+# convergence, which grows by no more than the length of a step: so 5/4 is more than the next can use.
 LONGEST_STEP, LONGER = Fraction(2) ** 20, Fraction(5, 4)
 
 
