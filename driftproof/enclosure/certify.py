@@ -24,6 +24,7 @@ from driftproof.methods.rationals import ExactNumber
 from driftproof.methods.schemes import Method
 from driftproof.support.assertions import AssertedVerdict, tell
 from driftproof.support.progress import working
+from driftproof.symbolic.algebra.certified import enclose
 
 MOST_DOUBLINGS = 4
 # A radius is small if it is 2⁻⁴⁰ of the largest error, which leaves twelve digits; or, for trajectories without error,
@@ -187,14 +188,15 @@ def assert_accurate(
     raise AssertionError(said)
 
 
-def within(found: Certificate, tolerance: float) -> bool:
+def within(found: Certificate, tolerance: float | Fraction) -> bool:
     """True if the largest error is at most the tolerance. Raises Refused if its ball is too wide, or ValueError."""
     if not (isinstance(tolerance, int | float | Fraction) and tolerance >= 0):
         raise ValueError(f"tolerance is {tolerance!r}; it has to be a number that is not negative")
     largest = found.largest_error
-    if largest <= arb(tolerance):
+    bound = enclose(tolerance) if isinstance(tolerance, Fraction) else arb(tolerance)
+    if largest <= bound:
         return True
-    if not largest > arb(tolerance):
+    if not largest > bound:
         raise Refused(f"the largest error is {decimal(largest)}, too near the tolerance {tolerance} to tell")
     return False
 
