@@ -1,1 +1,1 @@
-"""Somebody's trajectory: the true solution beside it, enclosed, and so its error."""
+"""Proved errors of a float trajectory, by enclosures of the true solution."""

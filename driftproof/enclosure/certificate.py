@@ -1,4 +1,4 @@
-"""What is proved of a trajectory's error, and how it is shown: in words, as JSON, as a table in a notebook."""
+"""The certificate of a trajectory's error, as text, as JSON, and as a table in a notebook."""
 
 from __future__ import annotations
 
@@ -11,25 +11,26 @@ from typing import TypeAlias
 
 from flint import arb, ctx
 
+from driftproof.enclosure.steps import size
 from driftproof.support.plain_text import Json, as_json
 from driftproof.support.results import Printable
 
-# A row of balls a time, a ball a component.
+# A row for each time, with a ball for each component.
 BallRows: TypeAlias = tuple[tuple[arb, ...], ...]
-# Digits of balls in JSON: more than any double's error has proved, rounding included.
+# Digits of balls in JSON: more than are ever proved for the error of a double, rounding included.
 _DIGITS = 25
-# Rows of the table that a notebook shows, and constants that the words name: a dense system has thousands.
+# The most rows of the table in a notebook, and the most constants that the text lists: a dense system has thousands.
 _MOST_SHOWN = 12
-# Digits of a point that is right to the last bit.
+# The digits reported for a point that is right to the last bit.
 ALL_DIGITS = 17
 
 
 @dataclass(frozen=True)
 class Split:
-    """The error in two: `truncation` of the method, run exactly on the same steps, and `rounding`, the rest.
+    """The error in two parts: the `truncation` of the method, run exactly on the same steps, and the `rounding`.
 
-    `states` are z[i], the method's exact run: z[i] + rounding[i] is the float y[i], and z[i] - truncation[i] the
-    solution; where the run's times are rounded, what that shifts is counted as rounding. `steps` were made in `bits`.
+    `states` are z[i], the method's exact run: z[i] + rounding[i] is the float y[i], and z[i] - truncation[i] is the
+    solution. If the run's times are rounded, that shift counts as rounding. The run took `steps` steps in `bits` bits.
     """
 
     method: str
@@ -42,9 +43,9 @@ class Split:
 
 @dataclass(frozen=True)
 class Drift:
-    """How far a first integral of the float run is from its value at the start, and of the exact run, if there is one.
+    """The change of a first integral along the float run, and its parts if the method's exact run is known.
 
-    The solution itself keeps it: that its enclosure does is looked at.
+    The solution's enclosure is checked at every point: a change that is certainly not 0 is refused.
     """
 
     total: tuple[arb, ...]
@@ -54,11 +55,11 @@ class Drift:
 
 @dataclass(frozen=True, repr=False)
 class Certificate(Printable):
-    """The error y[i] - y(t[i]) of each point of a trajectory, as a row of balls; y(t) starts from y[0] as it stands.
+    """The error y[i] - y(t[i]) of each point of a trajectory, as a row of balls; y(t) is the solution through y[0].
 
-    `digits_at` is how many decimals of the solution's largest component are right at each point, `digits` the least of
-    them; `steps` and `bits` say what the enclosure took; `doubles` are the constants of f, taken as they are: 0.1 is
-    not 1/10. `split` and `drifts` are there where they were asked for.
+    `digits_at` is the number of right digits of the solution's largest component at each point, `digits` the least of
+    these. `steps` and `bits` are those of the enclosure. `doubles` are the constants of f, taken exactly: 0.1 is not
+    1/10. `split` and `drifts` are present if they were asked for.
     """
 
     t: tuple[float, ...]
@@ -73,12 +74,12 @@ class Certificate(Printable):
 
     @property
     def digits(self) -> int:
-        """How many decimals every point has right at least."""
+        """The number of digits that are right at every point."""
         return min(self.digits_at)
 
     @property
     def worst(self) -> tuple[int, int]:
-        """Point and component of the largest error."""
+        """The indices of the point and of the component with the largest error."""
         return largest_place(self.errors)
 
     @property
@@ -87,12 +88,12 @@ class Certificate(Printable):
         return largest_of(self.errors, self.bits)
 
     def place(self, worst: tuple[int, int] | None = None) -> str:
-        """Where the largest error is, in words."""
+        """The place of the largest error, or of `worst`, as text."""
         i, j = worst or self.worst
         return f"component {j} at t = {self.t[i]:.17g}, point {i} of {len(self.t)}"
 
     def text(self) -> str:
-        """The certificate in words, each number rounded to the digits that are proved."""
+        """The certificate as text, each number rounded to the digits that are proved."""
         lines = [f"largest error {decimal(self.largest_error)}, proved: {self.place()}"]
         if self.split is not None:
             lines += self._split_lines(self.split)
@@ -122,7 +123,7 @@ class Certificate(Printable):
         return [f"{shown} = truncation {decimal(drift.truncation[i])} + rounding {decimal(drift.rounding[i])}"]
 
     def record(self) -> Json:
-        """All of it for JSON: numbers as strings, a ball as a decimal midpoint and a radius that contain it."""
+        """The certificate for JSON: numbers as strings, a ball as the decimal midpoint and radius of one around it."""
         i, j = self.worst
         found: Json = {
             "largest_error": {**_ball(self.largest_error), "point": i, "component": j, "t": repr(self.t[i])},
@@ -149,11 +150,11 @@ class Certificate(Printable):
         return found
 
     def written(self, form: str) -> str:
-        """As "text", or the record as canonical "json"."""
+        """The certificate as "text", or its record as canonical "json"."""
         return as_json(self.record()) if form == "json" else self.text()
 
     def _repr_html_(self) -> str:
-        """The words, and a table of a few points, for a notebook."""
+        """The text and a table of a few points as HTML, for a notebook."""
         words = "".join(f"<p>{escape(line)}</p>" for line in self.text().splitlines())
         last = len(self.t) - 1
         shown = sorted({round(k * last / (_MOST_SHOWN - 1)) for k in range(_MOST_SHOWN)})
@@ -170,7 +171,7 @@ class Certificate(Printable):
 
 
 def decimal(x: arb) -> str:
-    """Ten digits, or those that the ball is sure of."""
+    """Ten decimal digits, or as many as the ball determines."""
     return str(x.str(10, radius=False))
 
 
@@ -181,7 +182,7 @@ def largest_place(rows: Sequence[Sequence[arb]]) -> tuple[int, int]:
 
 
 def largest_of(rows: Sequence[Sequence[arb]], bits: int) -> arb:
-    """A ball of the largest size of any number in the balls."""
+    """A ball that contains the largest absolute value of the numbers in the balls."""
     with ctx.workprec(bits):
         largest = arb(0)
         for ball in (ball for row in rows for ball in row):
@@ -190,14 +191,12 @@ def largest_of(rows: Sequence[Sequence[arb]], bits: int) -> arb:
 
 
 def right_digits(error: Sequence[arb], true: Sequence[arb]) -> int:
-    """floor(-log10 |error|/|y|) in the maximum norm, at least 0; ALL_DIGITS where there is no error."""
-    size = arb(0)
-    for x in error:
-        size = size.max(arb(x.abs_upper()))
-    if size == 0:
+    """The number of right digits, floor(-log10 |error|/|y|) in the maximum norm, at least 0; ALL_DIGITS for error 0."""
+    largest = size(error)
+    if largest == 0:
         return ALL_DIGITS
     whole = max((arb(x.abs_lower()) for x in true), key=float)
-    digits = float((-(size / whole).log() / arb(10).log()).lower())
+    digits = float((-(largest / whole).log() / arb(10).log()).lower())
     return max(0, floor(digits)) if digits == digits else 0
 
 

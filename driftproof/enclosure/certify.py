@@ -1,4 +1,4 @@
-"""The error of a float trajectory, proved: the true solution enclosed at the same times, and subtracted."""
+"""Proved errors of a float trajectory: the true solution is enclosed at the same times, and subtracted."""
 
 from __future__ import annotations
 
@@ -24,19 +24,20 @@ from driftproof.methods.rationals import ExactNumber
 from driftproof.methods.schemes import Method
 from driftproof.support.assertions import AssertedVerdict, tell
 from driftproof.support.progress import working
+from driftproof.symbolic.algebra.certified import enclose
 
 MOST_DOUBLINGS = 4
-# The radius is small at 2⁻⁴⁰ of the largest error, which leaves twelve digits; or at 2⁻¹⁰⁴ of the solution, which is
-# twice as many digits as a double has, for trajectories without an error.
+# A radius is small if it is 2⁻⁴⁰ of the largest error, which leaves twelve digits; or, for trajectories without error,
+# 2⁻¹⁰⁴ of the solution, which is twice as many digits as a double has.
 RADIUS_TO_ERROR, RADIUS_TO_SOLUTION = arb(2) ** -40, arb(2) ** -104
 # Bits of the first exact run of a method: balls of a plain run widen, and more bits cost next to nothing.
 BITS_OF_EXACT_RUN = 256
-# f in floats may differ from f in balls by so much, relative to what the rounding of its arguments does: half of a
-# double's digits. It is to notice another function, not to bound rounding.
+# f in floats may differ from f in balls by this much, relative to the sizes of f and of (∂f/∂y) y: half of a double's
+# digits. This detects another function, and does not bound rounding.
 REPRODUCED = 2.0**-26
-# The points at which this is looked at, evenly spread.
+# The number of points at which this is checked, evenly spread.
 MOST_REPRODUCED = 64
-# Twice the bits that lead further by less than this part of the whole time show that f is in the way, not the bits.
+# If twice the bits lead further by less than this part of the whole time, f is the obstacle and not the precision.
 FURTHER = Fraction(1, 1000)
 
 
@@ -49,17 +50,17 @@ def certify(
     h: ExactNumber | None = None,
     invariants: GivenInvariants = (),
 ) -> Certificate:
-    """The error of a float trajectory of y' = f(t, y), enclosed: y[i] at t[i], one row a time, from any solver.
+    """Enclose the error of a float trajectory of y' = f(t, y) from any solver, with a row y[i] for each time t[i].
 
-    In place of t and y there may be what a solver returned, also as the first argument: an object with .t and .y, one
-    column a time (SciPy's), or with .ts and .ys, one row a time (diffrax's); or the path of a .csv or .npz file. f is
-    run unchanged on balls, and on series of balls; as text, "y1; -sin(y0)", or as a .toml file's, its numbers are
-    exact. Raises Refused where nothing can be proved.
+    t and y may be replaced by a solver's result, also as the first argument: an object with .t and .y, a column for
+    each time (SciPy's), or with .ts and .ys, a row for each time (diffrax's); or by the path of a .csv or .npz file. f
+    is run unchanged on balls, and on series of balls. If it is text, such as "y1; -sin(y0)", or the path of a .toml
+    file, its numbers are exact. Raises Refused if nothing can be proved.
 
-    `method` splits the error into that of the method and what rounding added: a key of the catalogue, a .toml file, or
-    RK23, RK45, DOP853 as SciPy has them. Its steps are those from point to point; or of size h, where points are some
-    multiples of h only. `invariants`, functions of y or texts by name, or names that `FIRST_INTEGRALS` has, are first
-    integrals whose drift is enclosed beside the error.
+    `method` splits the error into those of the method and of rounding: a key of the catalogue, a .toml file, or RK23,
+    RK45, DOP853 as SciPy has them. Its steps lead from point to point or, if the points are only some multiples of h,
+    have the size h. `invariants` are first integrals whose drift is enclosed as well: functions of y or texts by name,
+    or names in `FIRST_INTEGRALS`.
 
     >>> from driftproof import certify
     >>> found = certify(lambda t, y: -y, [0.0, 0.5, 1.0], [[1.0], [0.6065], [0.3679]])
@@ -81,7 +82,7 @@ def certificate_of(
     h: ExactNumber | None = None,
     invariants: GivenInvariants = (),
 ) -> Certificate:
-    """As `certify`, of a trajectory that is read already."""
+    """The certificate that `certify` returns, for a trajectory that is already read."""
     f = right_hand_side(given)
     functions = invariants_of(invariants, given, len(run.states[0]))
     _require_reproduced(f, run.times, run.states)
@@ -110,7 +111,7 @@ def certificate_of(
 
 
 def _enclosed(f: RightHandSide, run: Trajectory, more: Sequence[Fraction]) -> Enclosure:
-    """The solution at the run's times, and at more, with as many bits as make the radius small. Raises Refused."""
+    """The solution at the run's times and at `more`, with enough bits for a small radius. Raises Refused."""
     exact = run.exact_times
     bits, reached = BITS_AT_FIRST, exact[0]
     for last in (*[False] * MOST_DOUBLINGS, True):
@@ -127,7 +128,7 @@ def _enclosed(f: RightHandSide, run: Trajectory, more: Sequence[Fraction]) -> En
 
 
 def _split(plan: StepPlan, run: Trajectory, true: Mapping[Fraction, Row]) -> Split:
-    """The exact run less the solution, and the float run less the exact one. Raises Refused."""
+    """The exact run minus the solution, and the float run minus the exact one. Raises Refused."""
     bits, reason = BITS_OF_EXACT_RUN, ""
     for _ in range(MOST_DOUBLINGS + 1):
         try:
@@ -154,13 +155,13 @@ def _split(plan: StepPlan, run: Trajectory, true: Mapping[Fraction, Row]) -> Spl
 def assert_accurate(
     solution: Any, f: GivenField, tolerance: float, *, rtol: float | None = None, atol: float = 0.0
 ) -> None:
-    """No component of the solution of y' = f(t, y) is off by more than the tolerance at any of its points.
+    """Assert that no component of a numerical solution of y' = f(t, y) is off by more than `tolerance` at any point.
 
-    The solution is the one through the first point, which is taken as it stands: what was lost before it, as where
-    SciPy's `t_eval` leaves the start out, is not seen.
-    Raises AssertionError with the worst point and its proved error, and Refused where nothing can be proved. `solution`
-    is what `certify` takes, or a pair (t, y). The `rtol` and `atol` that the solver was called with stand in the
-    message, if they are given: what they promise is the error of a step, and no more.
+    The errors are those against the true solution through the first point: what was lost before that point, for example
+    if SciPy's `t_eval` leaves out the start, is not seen.
+    Raises AssertionError with the worst point and its proved error, and Refused if nothing can be proved. `solution`
+    is what `certify` takes, or a pair (t, y). If the `rtol` and `atol` of the solver are given, the message compares
+    the error with what they promise, which is only the error of a single step.
 
     >>> from driftproof import assert_accurate
     >>> rows = [0.0, 0.5, 1.0], [[1.0], [0.6065], [0.3679]]
@@ -187,37 +188,38 @@ def assert_accurate(
     raise AssertionError(said)
 
 
-def within(found: Certificate, tolerance: float) -> bool:
-    """Whether the largest error is at most the tolerance. Raises Refused where its ball does not tell."""
+def within(found: Certificate, tolerance: float | Fraction) -> bool:
+    """True if the largest error is at most the tolerance. Raises Refused if its ball is too wide, or ValueError."""
     if not (isinstance(tolerance, int | float | Fraction) and tolerance >= 0):
         raise ValueError(f"tolerance is {tolerance!r}; it has to be a number that is not negative")
     largest = found.largest_error
-    if largest <= arb(tolerance):
+    bound = enclose(tolerance) if isinstance(tolerance, Fraction) else arb(tolerance)
+    if largest <= bound:
         return True
-    if not largest > arb(tolerance):
+    if not largest > bound:
         raise Refused(f"the largest error is {decimal(largest)}, too near the tolerance {tolerance} to tell")
     return False
 
 
 def _require_reproduced(f: RightHandSide, times: list[float], states: list[list[float]]) -> None:
-    """f in floats has to be f in balls, up to what rounding does, at points of the trajectory.
+    """Raise Refused unless f in floats agrees with f in balls, up to rounding, at points of the trajectory.
 
-    It is called there and back, so that what has a memory, a switch say, is noticed.
+    f is called at them forwards and then backwards, so that a memory of f, such as a switch, is detected.
     """
-    ours, looked_at = rebound(f), sorted({len(times) * k // MOST_REPRODUCED for k in range(MOST_REPRODUCED)})
-    there = [_rates_in_floats(f, times[i], states[i]) for i in looked_at]
-    back = [_rates_in_floats(f, times[i], states[i]) for i in reversed(looked_at)]
-    for i, given, once_more in zip(looked_at, there, reversed(back), strict=True):
+    in_balls, checked = rebound(f), sorted({len(times) * k // MOST_REPRODUCED for k in range(MOST_REPRODUCED)})
+    forwards = [_rates_in_floats(f, times[i], states[i]) for i in checked]
+    backwards = [_rates_in_floats(f, times[i], states[i]) for i in reversed(checked)]
+    for i, given, repeated in zip(checked, forwards, reversed(backwards), strict=True):
         t, y = times[i], states[i]
         balls = [arb(x) for x in y]
-        rates, slopes = linearised(ours, Enclosed(Evaluation(), arb(t)), balls)
+        rates, slopes = linearised(in_balls, Enclosed(Evaluation(), arb(t)), balls)
         if len(given) != len(rates):
             raise Refused(f"f returns {len(given)} rates for {len(rates)} components")
         moved = [sum((abs(J * x) for J, x in zip(row, balls, strict=True)), arb(0)) for row in slopes]
         allowed = REPRODUCED * (size(rates) + size(moved))
         if not allowed.is_finite():
             raise Refused(f"f or its derivative is not finite at t = {t}")
-        for j, (a, again, b) in enumerate(zip(given, once_more, rates, strict=True)):
+        for j, (a, again, b) in enumerate(zip(given, repeated, rates, strict=True)):
             if abs(arb(a) - again) > 2 * allowed:
                 raise Refused(f"f is {a!r} at t = {t}, component {j}, and {again!r} when it is called again")
             if not abs(arb(a) - b) <= allowed:
@@ -227,7 +229,7 @@ def _require_reproduced(f: RightHandSide, times: list[float], states: list[list[
 def _rates_in_floats(f: RightHandSide, t: float, y: list[float]) -> list[float]:
     try:
         rates: list[float] = np.asarray(f(t, np.array(y)), dtype=float).ravel().tolist()
-    except Exception as error:  # a user's function raises what it likes
+    except Exception as error:  # a user's function may raise anything
         said = " ".join(str(error).split())
         raise Refused(f"f fails in floats at t = {t}: {type(error).__name__}: {said}") from None
     return rates
@@ -244,7 +246,7 @@ def _differences(rows: Sequence[Sequence[float | arb]], others: Sequence[Row]) -
 
 
 def _is_small(errors: Sequence[Row], solution: Sequence[Row]) -> bool:
-    """The radius of the errors is small beside the largest of them, or beside the solution."""
+    """True if the radius of the errors is small relative to the largest error, or to the solution."""
     radius, largest, whole = (
         size(x for row in rows for x in row)
         for rows in ([[error.rad() for error in row] for row in errors], errors, solution)

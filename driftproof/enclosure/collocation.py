@@ -1,6 +1,6 @@
-"""Implicit steps in as many bits as are asked for: polynomials that nearly solve y' = f(t, y), however stiff.
+"""Implicit steps in any precision: collocation polynomials that nearly solve y' = f(t, y), however stiff.
 
-Nothing here is proved, and nothing has to be: what the polynomials leave over of the equation is enclosed elsewhere.
+Nothing here is proved, and nothing has to be: the defect of the polynomials is enclosed elsewhere.
 """
 
 from __future__ import annotations
@@ -18,22 +18,22 @@ from driftproof.enclosure.numbers import Enclosed, Evaluation
 from driftproof.enclosure.steps import linearised
 
 MOST_CORRECTIONS = 16
-# From the third correction on each has to be half of the one before at most.
+# From the third correction on, each has to be at most half of the one before.
 FREE_CORRECTIONS = 2
-# The Jacobians are evaluated anew until corrections are this small: then they are right to the digits of a double.
+# The Jacobians are evaluated anew until corrections are this small; from then on they are accurate enough.
 FROZEN = 1e-7
-# And a correction gains as many digits, a few being lost where components are of different sizes.
+# A correction then gains at most this factor: a few digits are lost if components are of different sizes.
 GAINED = 1e-8
-# Components are accurate relative to their sizes, or to this much of the largest one or of what they have been.
+# Components are accurate relative to their sizes, or to this part of the largest one, or of their largest size so far.
 NEGLIGIBLE = 2.0**-40
 
 
 @dataclass(frozen=True)
 class CollocationMatrices:
-    """Stages -1 < σ_1 < ... < σ_m = 1, Radau's to double precision; matrices take values at -1 and there.
+    """Radau stages -1 < σ_1 < ... < σ_m = 1, to double precision, and matrices for values at -1 and the stages.
 
-    `slopes` makes of them the derivatives at the stages, and `coefficients` those of σ^k; `chebyshev` takes rows of
-    those, of a polynomial of any degree below its size, to the coefficients of Chebyshev's polynomials.
+    `slopes` maps these values to the derivatives at the stages, `coefficients` to the coefficients of σ^k. `chebyshev`
+    maps rows of such coefficients, of any degree below its size, to coefficients of Chebyshev polynomials.
     """
 
     stages: tuple[float, ...]
@@ -44,7 +44,7 @@ class CollocationMatrices:
 
 @cache
 def collocation(m: int, bits: int, length: int) -> CollocationMatrices:
-    """Of m stages, in so many bits; of Chebyshev's polynomials the first `length`."""
+    """The matrices for m stages, accurate to `bits` bits, with the first `length` Chebyshev polynomials."""
     legendre = [0.0] * (m - 1) + [-1.0, 1.0]
     stages = [*np.sort(np.polynomial.legendre.legroots(legendre).real)[:-1].tolist(), 1.0]
     with ctx.workprec(2 * bits):
@@ -69,12 +69,12 @@ class Stages:
     matrix: Any
 
     def polynomials(self) -> list[arb_poly]:
-        """v, of thin coefficients, each component one."""
+        """The polynomial v, with thin coefficients, of each component."""
         rows = (self.method.coefficients * self.values).transpose().tolist()
         return [arb_poly([x.mid() for x in row]) for row in rows]
 
     def flow(self, start: arb_mat) -> list[arb_mat]:
-        """V_k of V = Σ V_k σ^k, nearly a solution of V' = JV from V(-1) = start; in doubles."""
+        """The V_k of V = Σ V_k σ^k, which nearly solves V' = JV, V(-1) = start; computed in doubles."""
         n, m = start.nrows(), len(self.method.stages)
         first = np.array([[float(x) for x in row] for row in start.tolist()])
         from_start = np.array([float(row[0]) for row in self.method.slopes.tolist()])
@@ -83,7 +83,7 @@ class Stages:
         return [arb_mat(n, start.ncols(), row).mid() for row in (self.method.coefficients * columns).tolist()]
 
     def solved(self, right: Any) -> Any:
-        """Newton's matrix into the columns."""
+        """The solution of the linear system with Newton's matrix for each column of `right`."""
         matrix, rows, scale = self.matrix
         return np.linalg.solve(matrix, right / rows[:, None]) * scale[:, None]
 
@@ -97,7 +97,7 @@ def solved_stages(
 ) -> Stages | None:
     """y(t) and the stages of a step, time = (t, h), by Newton's method: matrices in doubles, residuals in all bits.
 
-    None where it does not converge; `accuracy` is relative to each component's size.
+    None if it does not converge; `accuracy` is relative to each component's size.
     """
     t, step = time
     m, n = len(method.stages), len(guess[0])

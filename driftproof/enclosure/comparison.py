@@ -1,6 +1,6 @@
-"""Quasi-monotone linear systems z' = Mz + δ, what is off the diagonal of M being >= 0, as bounds of errors.
+"""Bounds of errors by quasi-monotone linear systems z' = Mz + δ, in which off-diagonal entries of M are >= 0.
 
-With |e_i|' <= M_ii |e_i| + Σ over j != i of M_ij |e_j| + δ_i and |e(0)| <= z(0), |e| <= z (mueller-1927;
+If |e_i|' <= M_ii |e_i| + Σ over j != i of M_ij |e_j| + δ_i and |e(0)| <= z(0), then |e| <= z (mueller-1927;
 walter-1970, II.12).
 """
 
@@ -13,10 +13,10 @@ from flint import arb, arb_mat, ctx
 
 from driftproof.enclosure.steps import size
 
-# κh of the bound r e^(κs): little is lost where the system does not grow; what grows needs more.
+# The κh that are tried in the bound r e^(κs): the first loses little; a system that grows needs a larger one.
 RATES = (0.125, 1, 4, 16)
 MOST_SWEEPS = 200
-# The bound is found in doubles, and made a little larger, so that the balls see it.
+# The bound is found in doubles and then made a little larger, so that balls can verify it.
 ROOM = 1 + arb(2) ** -16
 
 
@@ -26,14 +26,14 @@ def sizes_of(m: arb_mat) -> arb_mat:
 
 
 def quasi_monotone(m: arb_mat) -> arb_mat:
-    """Upper bounds of the entries on the diagonal, and of the sizes of those off it."""
+    """Upper bounds of the diagonal entries, and of the sizes of the off-diagonal ones."""
     return arb_mat(
         [[arb(x.upper() if i == j else x.abs_upper()) for j, x in enumerate(row)] for i, row in enumerate(m.tolist())]
     )
 
 
 def at_the_end(M: arb_mat, sources: arb_mat, step: arb) -> tuple[arb_mat, arb_mat]:
-    """exp(hM), and ∫ exp(sM) ds times each column of sources >= 0; upper bounds."""
+    """Upper bounds of exp(hM), and of ∫ exp(sM) ds over the step times each column of the sources, which are >= 0."""
     n, k = M.nrows(), sources.ncols()
     rows = [[*left, *right] for left, right in zip(M.tolist(), sources.tolist(), strict=True)]
     both = arb_mat([*rows, *[[arb(0)] * (n + k)] * k]) * step
@@ -45,7 +45,7 @@ def at_the_end(M: arb_mat, sources: arb_mat, step: arb) -> tuple[arb_mat, arb_ma
 
 
 def along_the_step(M: arb_mat, start: arb_mat, source: arb_mat, step: arb) -> arb_mat | None:
-    """An upper bound on the whole step: r e^(κh) with r >= z(0) and κr >= Mr + δ; None where none is found."""
+    """An upper bound of z on the whole step: r e^(κh) with r >= z(0) and κr >= Mr + δ; None if none is found."""
     A, z, d = (np.array([[float(x) for x in row] for row in m.tolist()]) for m in (M, start, source))
     if not all(np.isfinite(x).all() for x in (A, z, d)):
         return None

@@ -1,6 +1,6 @@
-"""Coordinates for errors: in which a stiff Jacobian is nearly diagonal, and in which boxes do not wrap.
+"""Coordinates for errors: some in which a stiff Jacobian is nearly diagonal, some in which boxes do not wrap.
 
-How they are chosen proves nothing; whatever is chosen, what it stands for is enclosed.
+No proof depends on the choice: whatever the coordinates are, the errors are enclosed.
 """
 
 from __future__ import annotations
@@ -14,24 +14,24 @@ from flint import arb, arb_mat
 
 from driftproof.enclosure.numbers import Refused
 
-# What grows or decays by more than e² in a step is fast. 18 stages resolve e² to the digits of a double.
+# An error that grows or decays by more than e² in a step is fast. 18 stages resolve e² to the digits of a double.
 FAST = 2.0
-# An eigenvalue of which less is imaginary is taken for real.
+# An eigenvalue with a smaller imaginary part, relative to its size, is taken for real.
 REAL = 1e-12
-# Directions with this condition number, and above, are nearly dependent; 10 and 30 leave smaller radii than 1000.
+# Directions with at least this condition number are nearly dependent. chosen: 10 and 30 leave smaller radii than 1000.
 DEPENDENT = 30
 
 
 @dataclass(frozen=True)
 class Coordinates:
-    """z = T e, T thin: of T⁻¹ the first `slow` columns span what changes slowly, the others are fast directions."""
+    """Coordinates z = T e, T thin: the first `slow` columns of T⁻¹ are slow directions, the others fast ones."""
 
     T: arb_mat
     inverse: arb_mat
     slow: int
 
     def slow_part(self, m: arb_mat) -> arb_mat:
-        """T⁻¹ m without what belongs to the fast directions."""
+        """T⁻¹ m without the parts in the fast directions."""
         rows = m.tolist()
         return self.inverse * arb_mat([row if i < self.slow else [0] * len(row) for i, row in enumerate(rows)])
 
@@ -43,9 +43,9 @@ class Coordinates:
 
 
 def nearly_diagonal(jacobian: Sequence[Sequence[arb]], step: arb, sizes: Sequence[float]) -> Coordinates:
-    """Fast directions are eigenvectors, slow ones orthogonal to the fast left ones, where components have the sizes.
+    """Coordinates whose fast directions are eigenvectors; slow ones are orthogonal to the fast left eigenvectors.
 
-    So it does not matter how eigenvalues of slow ones coincide. Raises Refused where errors grow fast.
+    Components are in units of the sizes. Slow eigenvalues may coincide. Raises Refused if errors grow fast.
     """
     rows = [[x * b * step / a for x, b in zip(row, sizes, strict=True)] for row, a in zip(jacobian, sizes, strict=True)]
     scaled = arb_mat(rows).mid()
@@ -59,7 +59,7 @@ def nearly_diagonal(jacobian: Sequence[Sequence[arb]], step: arb, sizes: Sequenc
 
 
 def _fast_directions(m: arb_mat) -> list[list[arb]]:
-    """Real eigenvectors of what is fast, and both parts of one of each pair of conjugates."""
+    """The fast eigenvectors: real ones, and the real and imaginary part of one of each conjugate pair."""
     found = []
     values, vectors = m.eig(right=True, algorithm="approx")
     for value, column in zip(values, vectors.transpose().tolist(), strict=True):
@@ -75,7 +75,7 @@ def _fast_directions(m: arb_mat) -> list[list[arb]]:
 
 
 def _complement(columns: Sequence[Sequence[arb]], n: int) -> list[list[arb]]:
-    """Orthonormal vectors, orthogonal to the columns, in Arb's precision: next to what is fast, doubles fail."""
+    """Orthonormal vectors orthogonal to the columns, in Arb's precision: doubles fail beside fast directions."""
     made: list[list[arb]] = []
     left = [[arb(int(i == j)) for j in range(n)] for i in range(n)]
     for k in range(n):
@@ -87,7 +87,7 @@ def _complement(columns: Sequence[Sequence[arb]], n: int) -> list[list[arb]]:
 
 
 def _orthogonal(column: Sequence[arb], others: Sequence[Sequence[arb]]) -> list[arb]:
-    """By Gram and Schmidt, twice."""
+    """The column without its parts along the others, by Gram-Schmidt, twice for accuracy."""
     rest = list(column)
     for other in (*others, *others):
         along = sum((x * y for x, y in zip(rest, other, strict=True)), arb(0))
@@ -96,10 +96,10 @@ def _orthogonal(column: Sequence[arb], others: Sequence[Sequence[arb]]) -> list[
 
 
 def basis_around(image: arb_mat, widths: arb_mat, fast: arb_mat, sizes: Sequence[float | arb]) -> arb_mat:
-    """For a set image·z, |z| <= widths: its longest directions, as many as are slow, and the fast ones.
+    """A basis for the set image·z, |z| <= widths: its longest directions, as many as are slow, and the fast ones.
 
-    What only turns stays as it is so. Orthogonal directions, of QR factors, would widen it by |R| step after step: they
-    are for directions that are nearly dependent, the longest first (lohner-1987).
+    It does not widen a set that only rotates. The orthogonal directions of QR factors would, by |R| in every step; they
+    are used only for directions that are nearly dependent, the longest first (lohner-1987).
     """
     widest = max(widths.entries(), key=arb.mid)
     lengths = np.array([float(x / widest) if widest > 0 else 1.0 for x in widths.entries()])
@@ -123,5 +123,5 @@ def basis_around(image: arb_mat, widths: arb_mat, fast: arb_mat, sizes: Sequence
 
 
 def _floats(m: arb_mat, sizes: Sequence[float | arb]) -> Any:
-    """Rows in units of the sizes."""
+    """The matrix in doubles, with rows in units of the sizes."""
     return np.array([[float(x / a) for x in row] for row, a in zip(m.tolist(), sizes, strict=True)])

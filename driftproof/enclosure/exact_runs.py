@@ -1,4 +1,4 @@
-"""A method run in balls on the very steps of a float run: what it does without rounding, from the same start."""
+"""The exact run of a method, in balls: the same start and the same steps as a float run, without rounding."""
 
 from __future__ import annotations
 
@@ -24,19 +24,19 @@ from driftproof.methods.tableau_file import method_of
 from driftproof.methods.vector_fields import array_step
 from driftproof.symbolic.algebra.certified import enclose
 
-# SciPy's explicit solvers, and the methods whose coefficients they have as doubles.
+# SciPy's explicit solvers, and the methods whose coefficients they hold as doubles.
 SCIPY_SOLVERS = {"RK23": "bogacki_shampine32", "RK45": "dormand_prince54", "DOP853": "dop853"}
-# A point may be off its multiple of h by this part of h: times that were summed up in floats are.
+# A time may be off its multiple of h by this part of h, as it is if times are summed up in floats.
 _OFF_GRID = Fraction(1, 1000)
-# A float step is the method's if it is off the exact one by at most so many roundings of the state, of h f, and of what
-# f's arguments make of theirs: a step of 13 stages has some hundred operations, and f its own. It is to notice another
-# method, or points that are no steps, and bounds nothing.
+# A float step passes for the method's if it is off the exact one by at most this many roundings of y, h f, h ∂f/∂y y:
+# a step of 13 stages has some hundred operations, and f its own. This detects another method, or points that are not
+# steps, and bounds nothing.
 ROUNDINGS_OF_A_STEP = 2.0**10
-# The stages of an implicit method are solved to half the digits of the numbers at least.
+# The same for an implicit method, whose stages a solver solves to at least half of the digits.
 UNSOLVED_STAGES = 2.0**27
-# The steps at which this is looked at, evenly spread.
+# The number of steps that are checked, evenly spread.
 MOST_LOOKED_AT = 64
-# Some four minutes, of a method of four stages.
+# These take some four minutes with a method of four stages.
 MOST_STEPS_EXACTLY = 10**6
 
 Row = tuple[arb, ...]
@@ -56,7 +56,7 @@ class StepPlan:
     sizes: tuple[Fraction, ...]
 
     def states(self, start: Sequence[float], bits: int) -> list[Row]:
-        """The exact run at each point, in balls of so many bits. Raises Refused where f has no value on one."""
+        """The exact run at each point, in balls of `bits` bits. Raises Refused if f has no value on one of them."""
         with ctx.workprec(bits):
             step = exact_step(self.method, self.f, len(start))
             y: Row = tuple(arb(x) for x in start)
@@ -71,9 +71,9 @@ class StepPlan:
 
 
 def plan_of(f: RightHandSide, run: Trajectory, method: str | Path | Method, h: ExactNumber | None = None) -> StepPlan:
-    """The steps of the run: from each point to the next; or of size h, the points being multiples of it from the first.
+    """The steps of the run: from each point to the next or, given h, of size h between points at multiples of h.
 
-    Raises Refused where points of the run are not one step of the method apart.
+    Raises Refused if the run does not consist of these steps of the method.
     """
     found, times = named_method(method), run.exact_times
     if h is None:
@@ -82,7 +82,7 @@ def plan_of(f: RightHandSide, run: Trajectory, method: str | Path | Method, h: E
     else:
         try:
             exact = Fraction(h)
-        except (ValueError, OverflowError, ZeroDivisionError):  # NaN, infinity, other words
+        except (ValueError, OverflowError, ZeroDivisionError):  # NaN, infinity, or no number
             exact = Fraction(0)
         if exact <= 0:
             raise Refused(f"h is {h}; a step is above 0, and finite")
@@ -100,14 +100,14 @@ def plan_of(f: RightHandSide, run: Trajectory, method: str | Path | Method, h: E
 
 
 def named_method(method: str | Path | Method) -> Method:
-    """A method of the catalogue, of a file, or SciPy's RK23, RK45, DOP853 with their doubles. Raises ValueError."""
+    """A method of the catalogue or of a file, or SciPy's RK23, RK45, DOP853 with its doubles. Raises ValueError."""
     if method in SCIPY_SOLVERS:
         return in_doubles(method_of(SCIPY_SOLVERS[str(method)]), str(method))
     return method_of(method)
 
 
 def in_doubles(method: Method, key: str) -> RungeKutta:
-    """The method with each coefficient as the double nearest to it, as a program has it."""
+    """The method with each coefficient rounded to the nearest double, as in a program."""
     assert isinstance(method, RungeKutta)
 
     def double(x: Exact) -> Fraction:
@@ -120,9 +120,9 @@ def in_doubles(method: Method, key: str) -> RungeKutta:
 
 
 def exact_step(method: Method, f: RightHandSide, components: int) -> Callable[[Row, Fraction, Fraction], Row]:
-    """step(y, t, h) -> y₁ in balls: the program text of the method, or the stages of an implicit one.
+    """A function step(y, t, h) -> y₁ in balls: the program text of the method, or solved stages if it is implicit.
 
-    Splittings and Nyström methods take y = (q, v); their accelerations are f's second half, at velocity 0.
+    Splittings and Nyström methods take y = (q, v); the acceleration is the second half of f, at velocity 0.
     """
     if not method.explicit:
         return implicit_step(method, f, components)
@@ -147,7 +147,7 @@ def exact_step(method: Method, f: RightHandSide, components: int) -> Callable[[R
 
 
 def _array(values: Any) -> Any:
-    """An array of objects: NumPy would look into balls."""
+    """An array with dtype object; NumPy's own conversion would look into balls."""
     listed = list(values)
     made = np.empty(len(listed), dtype=object)
     made[:] = listed
@@ -155,9 +155,9 @@ def _array(values: Any) -> Any:
 
 
 def _require_steps_of_method(plan: StepPlan, run: Trajectory) -> None:
-    """Each point looked at is as many steps from the one before as the plan has, up to what rounding may do.
+    """Raise Refused if a checked point is not the planned number of steps after the one before, up to rounding.
 
-    What each of n steps may be off grows by exp(n h |J|) at most; intervals of too many steps are not looked at.
+    The error of each of n steps grows by at most exp(n h |J|); intervals of too many steps are not checked.
     """
     step = exact_step(plan.method, plan.f, len(run.states[0]))
     per_step = float(run.unit) * (ROUNDINGS_OF_A_STEP if plan.method.explicit else UNSOLVED_STAGES)

@@ -1,4 +1,4 @@
-"""A user's right-hand side, run unchanged on enclosed numbers: where it says math or numpy.zeros, it finds ours."""
+"""Running a user's right-hand side on enclosed numbers: its code is unchanged, math and numpy are replaced."""
 
 from __future__ import annotations
 
@@ -17,20 +17,20 @@ from driftproof.enclosure.numbers import Enclosed, Evaluation, Refused
 # f(t, y) -> y', y being an array; what a user writes.
 RightHandSide = Callable[[Any, Any], Any]
 
-# math's functions, and those for which NumPy has another name.
+# The functions of math that NumPy has by the same name, and those that it has by another name.
 _SAME = ("sin", "cos", "tan", "exp", "log", "sqrt", "sinh", "cosh", "tanh", "expm1", "log1p", "log2", "log10", "cbrt")
 _OTHER = {"atan": "arctan", "asin": "arcsin", "acos": "arccos", "atan2": "arctan2", "fabs": "absolute"}
 _MATH = {name: name for name in (*_SAME, "hypot", "degrees", "radians")} | _OTHER
 _FILLED_WITH_FLOATS = ("ones", "empty", "full", "zeros_like", "ones_like", "empty_like", "full_like")
 _REPLACED = ("array", "asarray", "zeros", *_FILLED_WITH_FLOATS)
-# Of numbers; what is not finite in balls is refused elsewhere.
+# The answers for enclosed numbers: balls that are not finite are refused elsewhere.
 _OF_FINITE = {"isnan": False, "isinf": False, "isfinite": True}
 # Functions that call each other are followed to this depth, which no right-hand side needs.
 _DEEPEST_CALLS = 50
 
 
 def enclosed_rates(f: RightHandSide, t: Enclosed, y: Sequence[Enclosed]) -> list[Enclosed]:
-    """f(t, y) in the arithmetic of its arguments, one number a component. Raises Refused where f cannot be run so."""
+    """f(t, y) in the arithmetic of its arguments, a number for each component. Raises Refused if f cannot run in it."""
     rates = enclosed_values("f", partial(f, t), y, t.evaluation)
     if len(rates) != len(y):
         raise Refused(f"f returns {len(rates)} rates for {len(y)} components")
@@ -40,10 +40,7 @@ def enclosed_rates(f: RightHandSide, t: Enclosed, y: Sequence[Enclosed]) -> list
 def enclosed_values(
     name: str, function: Callable[[Any], Any], y: Sequence[Enclosed], evaluation: Evaluation
 ) -> list[Enclosed]:
-    """What a user's function of an array makes of these numbers. Raises Refused, with its name, where it cannot be run.
-
-    As many numbers as it returns, in the arithmetic of y.
-    """
+    """The values of a user's function of an array, in the arithmetic of y. Raises Refused if it cannot run in it."""
     state = np.empty(len(y), dtype=object)
     state[:] = y
     refusals = Refused.made
@@ -51,12 +48,12 @@ def enclosed_values(
         values = np.asarray(function(state), dtype=object).ravel()
     except Refused:
         raise
-    except Exception as error:  # a user's function raises what it likes
+    except Exception as error:  # a user's function may raise anything
         if ufunc := re.match(r"ufunc '(\w+)' not supported", str(error)):
             raise Refused(f"{name} uses {ufunc[1]}, which has no enclosure") from None
         said = f"{type(error).__name__}: {' '.join(str(error).split())}"
         raise Refused(f"{name} fails on enclosed numbers: {said}") from None
-    if Refused.made > refusals:  # what it does instead need not be what it does in floats
+    if Refused.made > refusals:  # floats may take another path
         raise Refused(f"{name} catches the exception that refuses what it computes; let it pass")
     return [_lifted(value, evaluation) for value in values]
 
@@ -66,10 +63,10 @@ def _lifted(rate: object, evaluation: Evaluation) -> Enclosed:
 
 
 def rebound(f: RightHandSide) -> RightHandSide:
-    """f with the same text, whose names for math's functions and for arrays of floats mean ours.
+    """f with the same code, in which the names of math, numpy and their functions mean our replacements.
 
-    A plain function, a method, a partial, or an object that is called; what it calls of its module is treated alike.
-    What is of another kind (compiled code, say) is returned as it is, and is refused where it does not run.
+    f is a plain function, a method, a partial, or a callable object; functions that it calls are treated alike. Other
+    kinds, such as compiled code, are returned as they are, and refused if they do not run on enclosed numbers.
     """
     result: RightHandSide = _rebound(f, {}, 0)
     return result
@@ -105,9 +102,9 @@ def _rebound_function(f: FunctionType, known: dict[int, Any], depth: int) -> Fun
     cells = tuple(CellType() for _ in f.__closure__ or ())
     copy = FunctionType(f.__code__, names, f.__name__, f.__defaults__, cells or None)
     copy.__kwdefaults__ = f.__kwdefaults__
-    known[id(f)] = copy  # before what it calls, which may call it
+    known[id(f)] = copy  # before the functions that it calls, which may call it
     for cell, given in zip(cells, f.__closure__ or (), strict=True):
-        with suppress(ValueError):  # nothing is in it yet
+        with suppress(ValueError):  # the cell is empty
             cell.cell_contents = _rebound(given.cell_contents, known, depth + 1)
     for name in _names_of(f.__code__):
         if name in names:
@@ -126,7 +123,7 @@ def _holds_enclosed(values: Any) -> bool:
 
 
 class _Math(ModuleType):
-    """math, whose functions take enclosed numbers, too."""
+    """The module math, whose functions also take enclosed numbers."""
 
     def __getattr__(self, name: str) -> Any:
         plain = getattr(math, name)
@@ -154,7 +151,7 @@ class _Math(ModuleType):
 
 
 class _Numpy(ModuleType):
-    """numpy, whose new arrays can hold enclosed numbers."""
+    """The module numpy, whose new arrays can hold enclosed numbers."""
 
     def __getattr__(self, name: str) -> Any:
         value = getattr(np, name)
@@ -171,7 +168,7 @@ class _Numpy(ModuleType):
 
     @staticmethod
     def array(values: Any, dtype: Any = None, **options: Any) -> Any:
-        """numpy.array, of objects where there are enclosed numbers among them, which are not cut to shorter ones."""
+        """numpy.array, with dtype object if there are enclosed numbers among the values."""
         made = np.array(values, dtype=object, **options)
         if not _holds_enclosed(made):
             return np.array(values, dtype=dtype, **options)
@@ -183,18 +180,17 @@ class _Numpy(ModuleType):
 
     @staticmethod
     def zeros(shape: Any, dtype: Any = None, **options: Any) -> Any:
-        """numpy.zeros, of objects unless another type than float is asked for."""
+        """numpy.zeros, with dtype object instead of float."""
         return np.zeros(shape, dtype=object if dtype in (None, float, np.float64) else dtype, **options)
 
     class _Linalg(ModuleType):
-        """numpy.linalg; of enclosed numbers the length of a vector."""
+        """The module numpy.linalg; of its functions, enclosed numbers have the Euclidean norm of a vector only."""
 
         def __getattr__(self, name: str) -> Any:
             return getattr(np.linalg, name)
 
         @staticmethod
         def norm(x: Any, *arguments: Any, **options: Any) -> Any:
-            """The Euclidean length of a vector."""
             if arguments or options or not _holds_enclosed(x):
                 return np.linalg.norm(x, *arguments, **options)
             return np.sqrt(sum(each * each for each in np.ravel(x)))

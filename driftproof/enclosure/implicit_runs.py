@@ -1,4 +1,4 @@
-"""The exact step of an implicit method in balls: stages by Newton's method, and Krawczyk's proof that they are there.
+"""The exact step of an implicit method in balls: stages by Newton's method, and Krawczyk's proof that they exist.
 
 The slopes K of the stages solve G(K) = K - f(t + c h, y + h A K) = 0. With C near the inverse of G'(K̃), K̃ a point, and
 X a box around it, let N = K̃ - C G(K̃) + (I - C G'(X)) (X - K̃), for all y of a ball at once. If N lies in the interior
@@ -19,9 +19,9 @@ from driftproof.enclosure.steps import linearised, size
 from driftproof.methods.schemes import Collocation, Method, RungeKutta, lagrange_integrals
 from driftproof.symbolic.algebra.certified import enclose
 
-# Quadratic from a start near by: 2⁻¹ to 2⁻⁴⁰⁹⁶ in 12 iterations, and as many to come near.
+# Convergence is quadratic near the solution, from 2⁻¹ to 2⁻⁴⁰⁹⁶ in 12 iterations; the others are for coming near.
 _MOST_ITERATIONS = 40
-# The box is so many times the first correction; more where that does not hold itself.
+# The box is this many times the first correction; a wider one is tried if its image is not inside it.
 _WIDER = (2, 8, 64)
 
 _Row: TypeAlias = Sequence[arb]
@@ -29,7 +29,7 @@ _Table: TypeAlias = tuple[list[list[arb]], list[arb], list[arb]]
 
 
 def coefficient_balls(method: RungeKutta | Collocation) -> _Table:
-    """A, b and c in balls of Arb's precision; of a collocation method from the roots of its polynomial."""
+    """A, b and c in balls of Arb's precision; for a collocation method, from the roots of its node polynomial."""
     if isinstance(method, RungeKutta):
         a = [[enclose(x) for x in row] for row in method.a]
         return a, [enclose(x) for x in method.b], [enclose(x) for x in method.c]
@@ -39,7 +39,7 @@ def coefficient_balls(method: RungeKutta | Collocation) -> _Table:
 
 
 def implicit_step(method: Method, f: RightHandSide, n: int) -> Callable[[_Row, Fraction, Fraction], tuple[arb, ...]]:
-    """step(y, t, h) -> y₁ in balls, with the stages that Newton's method finds from f(t, y). Raises Refused."""
+    """A function step(y, t, h) -> y₁ in balls, which raises Refused; Newton's method starts from f(t, y)."""
     assert isinstance(method, RungeKutta | Collocation)
     a, b, c = coefficient_balls(method)
     stages = range(len(b))
@@ -76,7 +76,7 @@ def implicit_step(method: Method, f: RightHandSide, n: int) -> Callable[[_Row, F
 
 
 def _newton(equations: Any, f: RightHandSide, t: arb, y: _Row, stages: int) -> list[arb]:
-    """A point near a solution; ZeroDivisionError where a matrix is singular, or it does not come to rest."""
+    """A point near a solution. Raises ZeroDivisionError if a matrix is singular, or if there is no convergence."""
     rates, _ = linearised(f, Enclosed(Evaluation(), t), y, slopes=False)
     K = [x.mid() for x in rates] * stages
     for _ in range(_MOST_ITERATIONS):
@@ -89,7 +89,7 @@ def _newton(equations: Any, f: RightHandSide, t: arb, y: _Row, stages: int) -> l
 
 
 def _proved(equations: Any, y: _Row, point: list[arb]) -> list[arb]:
-    """Krawczyk's N for all y of the ball; ZeroDivisionError where no box tried holds itself."""
+    """Krawczyk's N for all y of the ball. Raises ZeroDivisionError if no box tried contains its N."""
     value, slopes = equations(point, y)
     inverse = slopes.mid().inv().mid()
     first = inverse * value

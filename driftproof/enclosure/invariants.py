@@ -1,4 +1,4 @@
-"""First integrals along a float run: what the solution keeps, and how far the run drifts from it."""
+"""First integrals along a float run: quantities that the solution conserves, and how far the run drifts from them."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from driftproof.methods.field_text import rate_of_text
 from driftproof.methods.vector_fields import VectorField
 from driftproof.support.plain_text import did_you_mean
 
-# I(y), by a function of y or by its text; a name of FIRST_INTEGRALS stands for its text.
+# I(y) as a function of y or as text; a name in FIRST_INTEGRALS stands for its text.
 Invariant: TypeAlias = Callable[[Any], Any] | str
 GivenInvariants: TypeAlias = Mapping[str, Invariant] | Sequence[str] | str
 
@@ -63,7 +63,7 @@ def n_body_integrals(masses: Sequence[Any], dimension: int = 3, gravity: Any = 1
 
 
 def known_invariant(name: str) -> str:
-    """The text of a first integral. Raises ValueError for a name that is none."""
+    """The text of the first integral with this name. Raises ValueError for an unknown name."""
     if name not in FIRST_INTEGRALS:
         known = f"{did_you_mean(name, FIRST_INTEGRALS)} (there are {', '.join(FIRST_INTEGRALS)})"
         raise ValueError(f"unknown first integral {name[:60]!r}{known}")
@@ -71,7 +71,7 @@ def known_invariant(name: str) -> str:
 
 
 def invariants_of(given: GivenInvariants, f: GivenField, components: int) -> dict[str, Callable[[Any], Any]]:
-    """The functions of y by name; texts know the parameters of f, where it is a field. Raises ValueError."""
+    """The first integrals as functions of y, by name; texts may use the parameters of a field f. Raises ValueError."""
     if not isinstance(given, Mapping):
         given = {name: known_invariant(name) for name in ([given] if isinstance(given, str) else given)}
     field = f if isinstance(f, VectorField) else VectorField(("0",) * components)
@@ -89,7 +89,7 @@ def _function(name: str, invariant: Invariant, field: VectorField) -> Callable[[
 
 
 def _value(invariant: Callable[[Any], Any], row: Sequence[arb], name: str) -> arb:
-    """I(y) in balls. Raises Refused where it cannot be run so."""
+    """I(y) in balls. Raises Refused if it cannot be computed in balls."""
     evaluation = Evaluation()
     state = [Enclosed(evaluation, x) for x in row]
     found = enclosed_values(f"first integral {name}", invariant, state, evaluation)
@@ -108,7 +108,7 @@ def drift_of(
     true: Sequence[Sequence[arb]],
     exact_run: Sequence[Sequence[arb]] | None,
 ) -> Drift:
-    """I at each row less I at the start. Raises Refused where the enclosure shows that the solution does not keep I."""
+    """I at each row minus I at the start. Raises Refused if the enclosure proves that the solution does not keep I."""
     rows = [[arb(x) for x in row] for row in floats]
     start = _value(invariant, rows[0], name)
     for i, row in enumerate(true):

@@ -1,10 +1,10 @@
 """Taylor models on a disc: the first coefficients of an analytic function in balls, and a bound on all others.
 
-Functions Σ c_k σ^k with a finite norm ‖c‖ = Σ |c_k| are analytic where |σ| < 1, and ‖ab‖ <= ‖a‖ ‖b‖. So what a product
-adds beyond its first coefficients is bounded by norms. A function of a model starts from the coefficients that Arb's
-series give. Put into an equation that it solves, they leave an error ε of high order; ‖ε‖ < 1 proves that the disc
-holds no pole and no branch point, and bounds the rest by a geometric series. Since the disc is no larger than the step,
-norms are near the sizes that the functions have, and a tail is bounded nearly as small as it is.
+Functions Σ c_k σ^k with a finite norm ‖c‖ = Σ |c_k| are analytic where |σ| < 1, and ‖ab‖ <= ‖a‖ ‖b‖. So norms bound
+what a product has beyond its first coefficients. A function of a model starts from the coefficients that Arb's series
+give. Substituted into an equation that the function solves, they leave an error ε of high order; ‖ε‖ < 1 proves that
+the disc contains no pole and no branch point, and bounds the rest by a geometric series. Since the disc is no larger
+than the step, norms are close to the sizes of the functions, and the bounds of tails are nearly sharp.
 """
 
 from __future__ import annotations
@@ -17,17 +17,17 @@ from flint import arb, arb_mat, arb_poly, arb_series, ctx
 from driftproof.enclosure.numbers import Refused
 
 Constant: TypeAlias = int | arb
-# Real σ of a step that begins at the centre, and of one with the centre in the middle.
+# The real σ of a step that begins at the centre of the disc, and of one that has the centre in its middle.
 STEP, BOTH_WAYS = arb(0.5, 0.5), arb(0, 1)
 
 
 class TaylorModel:
-    """Σ c_k σ^k, real for real σ: a polynomial, k < length, and `tail`, an upper bound of Σ |c_k| of the others."""
+    """A function Σ c_k σ^k, real for real σ: its polynomial of k < length, and `tail`, a bound of Σ |c_k| beyond."""
 
     __slots__ = ("_norm", "length", "polynomial", "tail")
 
     def __init__(self, polynomial: arb_poly | Sequence[arb], length: int, tail: arb | int = 0) -> None:
-        """Take them as they are; coefficients beyond the length go into the tail."""
+        """Take polynomial and tail as they are; coefficients beyond the length go into the tail."""
         whole = polynomial if isinstance(polynomial, arb_poly) else arb_poly(list(polynomial))
         if whole.length() > length:
             tail = tail + beyond(whole, length)
@@ -44,15 +44,15 @@ class TaylorModel:
         return self._norm
 
     def range(self, sigma: arb = STEP) -> arb:
-        """A ball of the values for all σ in one, by default 0 <= σ <= 1."""
+        """A ball that contains the values for all σ in the ball `sigma`, by default 0 <= σ <= 1."""
         return self.polynomial(sigma) + arb(0, self.tail)
 
     def coefficient(self, k: int) -> arb:
-        """c_k, below the length."""
+        """The coefficient c_k, k < length."""
         return arb(self.polynomial[k])
 
     def is_finite(self) -> bool:
-        """Whether the norm is."""
+        """True if the norm is finite."""
         return bool(self.norm.is_finite())
 
     def __add__(self, other: TaylorModel | Constant) -> TaylorModel:
@@ -72,11 +72,11 @@ class TaylorModel:
         return self + -other
 
     def __rsub__(self, other: Constant) -> TaylorModel:
-        """The difference, the other way round."""
+        """The difference with the operands exchanged."""
         return -self + other
 
     def __mul__(self, other: TaylorModel | Constant) -> TaylorModel:
-        """The product; (p + ρ)(q + τ) = pq + p τ + ρ (q + τ)."""
+        """The product, by (p + ρ)(q + τ) = pq + p τ + ρ (q + τ)."""
         if not isinstance(other, TaylorModel):
             return TaylorModel(self.polynomial * other, self.length, self.tail * abs(other))
         return TaylorModel(
@@ -86,17 +86,17 @@ class TaylorModel:
     __rmul__ = __mul__
 
     def __rtruediv__(self, other: Constant) -> TaylorModel:
-        """other/x: with a the series of 1/x, 1/x = a/(1 + ε), ε = x a - 1."""
+        """other/x; with a the series of 1/x, 1/x = a/(1 + ε), ε = x a - 1."""
         a = self._series("inv")
         tail = a.norm * _geometric((self * a).tail, "divides by")
         return TaylorModel(a.polynomial, self.length, tail) * other
 
     def __gt__(self, other: Constant) -> bool:
-        """Whether it is larger for all real σ of the disc."""
+        """True if the model is greater for all real σ of the disc."""
         return bool(self.range(BOTH_WAYS) > other)
 
     def __lt__(self, other: Constant) -> bool:
-        """Whether it is smaller for all real σ of the disc."""
+        """True if the model is less for all real σ of the disc."""
         return bool(self.range(BOTH_WAYS) < other)
 
     def _series(self, function: str) -> TaylorModel:
@@ -104,12 +104,12 @@ class TaylorModel:
         return TaylorModel(_along(self, function).coeffs(), self.length)
 
     def _variation(self) -> tuple[arb, arb]:
-        """‖x - x_0‖, and what of it the polynomial contributes."""
+        """‖x - x_0‖, and the polynomial's part of it."""
         polynomial = _upper(beyond(self.polynomial, 1))
         return _upper(polynomial + self.tail), polynomial
 
     def sqrt(self) -> TaylorModel:
-        """With a the series, sqrt x = a sqrt(1 + ε), ε = (x - a²)/a²."""
+        """The square root; with a the series, sqrt x = a sqrt(1 + ε), ε = (x - a²)/a²."""
         a = self._series("sqrt")
         error = self.tail + beyond(a.polynomial * a.polynomial, self.length)
         inverse = 1 / a
@@ -118,7 +118,7 @@ class TaylorModel:
         )
 
     def exp(self) -> TaylorModel:
-        """With p the polynomial, a the series, η = a' - p'a, of order length - 1: exp p - a = -exp(p) ∫ exp(-p) η."""
+        """exp x; p the polynomial, a the series, η = a' - p'a of order length - 1: exp p - a = -exp(p) ∫ exp(-p) η."""
         a = self._series("exp")
         error = beyond(self.polynomial.derivative() * a.polynomial, self.length - 1)
         whole, w = self._variation()
@@ -127,7 +127,7 @@ class TaylorModel:
         return TaylorModel(a.polynomial, self.length, tail)
 
     def _sin_cos(self) -> tuple[TaylorModel, TaylorModel]:
-        """As exp, with exp(ip) for exp p: the two equations' errors add up to one of exp(ip)."""
+        """Sine and cosine, as exp with exp(ip) for exp p: the errors of both equations add up to one of exp(ip)."""
         s, c = self._series("sin"), self._series("cos")
         slope = self.polynomial.derivative()
         error = beyond(slope * c.polynomial, self.length - 1) + beyond(slope * s.polynomial, self.length - 1)
@@ -144,24 +144,24 @@ class TaylorModel:
         return self._sin_cos()[1]
 
     def log(self) -> TaylorModel:
-        """With a the series, log x = a + log(1 + ε), ε = x exp(-a) - 1."""
+        """The logarithm; with a the series, log x = a + log(1 + ε), ε = x exp(-a) - 1."""
         a = self._series("log")
         return TaylorModel(a.polynomial, self.length, _geometric((self * (-a).exp()).tail, "takes the logarithm of"))
 
     def atan(self) -> TaylorModel:
-        """With a the series, atan x = a + atan ε, ε = (x cos a - sin a)/(cos a + x sin a)."""
+        """The inverse tangent; with a the series, atan x = a + atan ε, ε = (x cos a - sin a)/(cos a + x sin a)."""
         a = self._series("atan")
         s, c = a._sin_cos()
         error = (self * c - s).tail * (1 / (c + self * s)).norm
         return TaylorModel(a.polynomial, self.length, _geometric(error, "takes the angle of"))
 
     def asin(self) -> TaylorModel:
-        """atan(x/sqrt(1 - x²)), for |x| < 1."""
+        """The inverse sine atan(x/sqrt(1 - x²)), for |x| < 1."""
         inverse: TaylorModel = 1 / (1 - self * self).sqrt()
         return (self * inverse).atan()
 
     def acos(self) -> TaylorModel:
-        """π/2 - asin x."""
+        """The inverse cosine π/2 - asin x."""
         quarter: TaylorModel = arb.pi() / 2 - self.asin()
         return quarter
 
@@ -185,20 +185,20 @@ def _upper(x: arb) -> arb:
 
 
 def _geometric(error: arb, does: str) -> arb:
-    """‖ε‖/(1 - ‖ε‖), at least the size of 1/(1 + ε) - 1, sqrt(1 + ε) - 1, log(1 + ε) and atan ε. Refused from 1 on."""
+    """‖ε‖/(1 - ‖ε‖), a bound of 1/(1 + ε) - 1, sqrt(1 + ε) - 1, log(1 + ε) and atan ε. Refused unless ‖ε‖ < 1."""
     if not error < 1:
         raise Refused(f"f {does} a number that may be 0 within the step")
     return error / (1 - error)
 
 
 def coefficients_of(models: Sequence[Sequence[TaylorModel]], length: int) -> tuple[list[arb_mat], arb_mat]:
-    """Of a matrix of models: a matrix for each power of σ, and the tails."""
+    """The coefficients of a matrix of models, one matrix for each power of σ, and the matrix of the tails."""
     tails = arb_mat([[x.tail for x in row] for row in models])
     return [arb_mat([[x.coefficient(k) for x in row] for row in models]) for k in range(length)], tails
 
 
 def value_at(coefficients: Sequence[arb_mat], sigma: arb) -> arb_mat:
-    """Σ C_k σ^k."""
+    """The matrix Σ C_k σ^k."""
     value = coefficients[-1]
     for c in reversed(coefficients[:-1]):
         value = value * sigma + c
@@ -206,10 +206,10 @@ def value_at(coefficients: Sequence[arb_mat], sigma: arb) -> arb_mat:
 
 
 def ranges(chebyshev: arb_mat, coefficients: Sequence[arb_mat]) -> arb_mat:
-    """Balls of the entries of Σ C_k σ^k for -1 <= σ <= 1: the mean of Chebyshev's coefficients, all others around it.
+    """Balls of the entries of Σ C_k σ^k for -1 <= σ <= 1, from coefficients of Chebyshev polynomials.
 
-    The sizes of the C_k themselves would be larger by a factor of up to 1 + sqrt 2 for each power. `chebyshev` turns
-    rows of coefficients of powers into Chebyshev's.
+    Those of the powers would be larger by a factor of up to 1 + sqrt 2 for each power. `chebyshev` maps rows of
+    coefficients of powers to coefficients of Chebyshev polynomials.
     """
     n, k = coefficients[0].nrows(), coefficients[0].ncols()
     flat = [m.entries() for m in coefficients] + [[arb(0)] * (n * k)] * (chebyshev.nrows() - len(coefficients))

@@ -1,8 +1,8 @@
-"""Numbers that a user's right-hand side can be run on: balls, Taylor series and Taylor models, with derivatives.
+"""Numbers on which a user's right-hand side is run: balls, Taylor series and Taylor models, with derivatives.
 
-One class carries the value and, where asked for, its partial derivatives with respect to the state. NumPy's
-functions find its methods, whether a number stands alone or in an array. What has no enclosure is refused: a comparison
-that a ball cannot decide, a conversion to a float, a function that is not analytic where it is asked for.
+One class carries a value and, on request, its partial derivatives with respect to the state. NumPy's functions call its
+methods, for single numbers and for numbers in arrays. Operations that have no enclosure are refused: a comparison that
+a ball cannot decide, a conversion to a float, a function where it is not analytic.
 """
 
 from __future__ import annotations
@@ -17,12 +17,12 @@ from typing import Any, ClassVar, TypeAlias
 import numpy as np
 from flint import arb, arb_series, fmpq
 
-# A value of one of the three kinds; those of one evaluation are all of one kind.
+# A ball, a Taylor series or a Taylor model; all of one evaluation are of the same kind, but constants are balls.
 Value: TypeAlias = Any
 
 
 class Refused(ArithmeticError):
-    """Nothing rigorous can be said; the message says what stood in the way and, where there is one, the remedy.
+    """Nothing can be proved; the message names the obstacle and, if there is one, the remedy.
 
     >>> from driftproof import Refused, certify
     >>> try:
@@ -31,29 +31,29 @@ class Refused(ArithmeticError):
     ...     print(refusal)
     times have to increase: t[2] = 0.5 is not above t[1] = 1.0
 
-    `t` is the time that an enclosure came to, where more bits may lead further; None where they do not. `made` counts
-    all refusals, so that one that f catches is noticed.
+    `t` is the time that the enclosure reached if more bits may lead further, else None. `made` counts all refusals, so
+    that one which f catches is detected.
     """
 
     made: ClassVar[int] = 0
 
     def __init__(self, message: str, t: Fraction | None = None) -> None:
-        """Take the one line that says why."""
+        """Take the message, which is one line."""
         super().__init__(message)
         self.t = t
         Refused.made += 1
 
 
 class Stiff(Refused):
-    """Explicit steps would be too many, because something decays fast; implicit ones may lead to the end."""
+    """Too many explicit steps would be needed, because some component decays fast; implicit steps may succeed."""
 
 
 @dataclass
 class Evaluation:
-    """One run of a right-hand side: which way its comparisons went, and which doubles it read.
+    """One run of a right-hand side: the outcomes of its comparisons, and the doubles that it read.
 
-    `decided` is None where the run decides its comparisons: at a point, or for all times of a step, on p and on the
-    tube around it. A series cannot; it follows the branches decided at its point.
+    `decided` is None if the run decides its comparisons itself: at a point, or for all times of a step, on p and on the
+    tube around it. A run on series cannot; it follows the outcomes at the point of expansion, which `decided` holds.
     """
 
     decided: Sequence[bool] | None = None
@@ -61,7 +61,7 @@ class Evaluation:
     doubles: set[float] = field(default_factory=set)
 
     def decide(self, difference: Value) -> bool:
-        """Whether the difference is positive. Raises Refused where the ball holds zero."""
+        """True if the difference is positive. Raises Refused if its ball contains zero."""
         if self.decided is not None:
             if len(self.taken) == len(self.decided):
                 raise Refused("f takes other branches on a series than on a box")
@@ -76,7 +76,7 @@ class Evaluation:
         return answer
 
     def constant(self, x: object) -> Value:
-        """An exact constant of the text of f. Raises Refused for what is no real number."""
+        """A constant in the code of f, exactly. Raises Refused if it is not a finite real number."""
         if isinstance(x, np.generic):
             x = x.item()
         if isinstance(x, bool | int):
@@ -92,8 +92,8 @@ class Evaluation:
         raise Refused(f"f uses {type(x).__name__} as a number")
 
 
-def _with_a_number(operation: Callable[[Enclosed, Enclosed], Any]) -> Callable[[Enclosed, object], Any]:
-    """The operation for whatever is a number, lifted; NotImplemented for an array, which then asks each entry."""
+def _lifts_other(operation: Callable[[Enclosed, Enclosed], Any]) -> Callable[[Enclosed, object], Any]:
+    """The operation with its second operand lifted; NotImplemented for an array, which applies it to each entry."""
 
     @wraps(operation)
     def lifting(x: Enclosed, other: object) -> Any:
@@ -106,7 +106,7 @@ def _with_a_number(operation: Callable[[Enclosed, Enclosed], Any]) -> Callable[[
 
 
 class Enclosed:
-    """A number of an `Evaluation`: a value, and its partial derivatives where they are carried."""
+    """A number of an `Evaluation`: a value and, if they are carried along, its partial derivatives."""
 
     __slots__ = ("evaluation", "partials", "value")
     __hash__ = None  # type: ignore[assignment]
@@ -115,8 +115,8 @@ class Enclosed:
         """Take value and derivatives as they are."""
         self.evaluation, self.value, self.partials = evaluation, value, partials
 
-    def _made(self, value: Value, *rules: tuple[Enclosed, Callable[[], Value]]) -> Enclosed:
-        """The value with derivatives by the chain rule: for each argument, the derivative with respect to it."""
+    def _with_chain_rule(self, value: Value, *rules: tuple[Enclosed, Callable[[], Value]]) -> Enclosed:
+        """The value with derivatives by the chain rule; each rule gives the derivative with respect to its argument."""
         partials: tuple[Value, ...] | None = None
         for argument, rule in rules:
             if argument.partials is not None:
@@ -125,7 +125,7 @@ class Enclosed:
                 partials = terms if partials is None else tuple(a + b for a, b in zip(partials, terms, strict=True))
         return Enclosed(self.evaluation, value, partials)
 
-    @_with_a_number
+    @_lifts_other
     def __add__(self, o: Enclosed) -> Enclosed:
         """The sum."""
         if self.partials is None or o.partials is None:
@@ -143,37 +143,37 @@ class Enclosed:
         """The number itself."""
         return self
 
-    @_with_a_number
+    @_lifts_other
     def __sub__(self, o: Enclosed) -> Any:
         """The difference."""
         return self + -o
 
-    @_with_a_number
+    @_lifts_other
     def __rsub__(self, o: Enclosed) -> Any:
-        """The difference, the other way round."""
+        """The difference with the operands exchanged."""
         return o + -self
 
-    @_with_a_number
+    @_lifts_other
     def __mul__(self, o: Enclosed) -> Enclosed:
         """The product."""
-        return self._made(self.value * o.value, (self, lambda: o.value), (o, lambda: self.value))
+        return self._with_chain_rule(self.value * o.value, (self, lambda: o.value), (o, lambda: self.value))
 
     __rmul__ = __mul__
 
-    @_with_a_number
+    @_lifts_other
     def __truediv__(self, o: Enclosed) -> Enclosed:
         """The quotient."""
         inverse = _inverse(o.value)
         value = self.value * inverse
-        return self._made(value, (self, lambda: inverse), (o, lambda: -value * inverse))
+        return self._with_chain_rule(value, (self, lambda: inverse), (o, lambda: -value * inverse))
 
-    @_with_a_number
+    @_lifts_other
     def __rtruediv__(self, o: Enclosed) -> Any:
-        """The quotient, the other way round."""
+        """The quotient with the operands exchanged."""
         return o / self
 
     def __pow__(self, other: object) -> Any:
-        """The power; for an exponent that is not whole exp(y log x), so that x has to be positive."""
+        """The power; x has to be positive unless the exponent is an integer."""
         if isinstance(other, float) and other.is_integer():
             other = int(other)
         if isinstance(other, int | np.integer):
@@ -182,9 +182,9 @@ class Enclosed:
             return self.sqrt()._whole_power(int(2 * other))
         return NotImplemented if isinstance(other, np.ndarray) else (other * self.log()).exp()
 
-    @_with_a_number
+    @_lifts_other
     def __rpow__(self, o: Enclosed) -> Any:
-        """The power of a constant."""
+        """The power with the operands exchanged, for a positive base."""
         return (self * o.log()).exp()
 
     def _whole_power(self, n: int) -> Any:
@@ -193,43 +193,43 @@ class Enclosed:
         if n == 0:
             return Enclosed(self.evaluation, self.value * 0 + 1, self.partials and tuple(d * 0 for d in self.partials))
         before = _power(self.value, n - 1)
-        return self._made(before * self.value, (self, lambda: n * before))
+        return self._with_chain_rule(before * self.value, (self, lambda: n * before))
 
-    @_with_a_number
+    @_lifts_other
     def __gt__(self, o: Enclosed) -> bool:
-        """Decided on a box that contains the solution; refused where it is not."""
+        """True if self is certainly greater, False if it is certainly less. Raises Refused if the balls overlap."""
         return self.evaluation.decide(self.value - o.value)
 
-    @_with_a_number
+    @_lifts_other
     def __lt__(self, o: Enclosed) -> bool:
-        """As `>`."""
+        """True if self is certainly less, False if it is certainly greater. Raises Refused if the balls overlap."""
         return self.evaluation.decide(o.value - self.value)
 
     __ge__ = __gt__
     __le__ = __lt__
 
-    @_with_a_number
+    @_lifts_other
     def __eq__(self, o: Enclosed) -> bool:
-        """False where the two differ; that they are equal is never known of balls, and refused."""
+        """False if the two certainly differ. Raises Refused otherwise, because balls never prove equality."""
         self.evaluation.decide(self.value - o.value)
         return False
 
     def __bool__(self) -> bool:
-        """True where the number is not 0."""
+        """True if the number is certainly not 0. Raises Refused otherwise."""
         return self != 0
 
     def __abs__(self) -> Enclosed:
-        """x or -x, by the sign that it has on the whole box."""
+        """x or -x, by the sign of x on the whole box. Raises Refused if it is not known."""
         return self if self > 0 else -self
 
     def __float__(self, *_: object) -> float:
-        """Refused: an enclosure is no float."""
+        """Raise Refused: an enclosure is not a float."""
         raise Refused("f turns a number into a float; use NumPy's functions, or math's by name, and make arrays in f")
 
     __int__ = __index__ = __round__ = __floor__ = __ceil__ = __trunc__ = __complex__ = __float__
 
     def __array_ufunc__(self, ufunc: np.ufunc, method: str, *inputs: Any, **options: Any) -> Any:
-        """NumPy's functions of numbers and of arrays that hold them."""
+        """Apply a NumPy function to numbers, or to arrays that contain them."""
         if method != "__call__" or options:
             raise Refused(f"f uses numpy.{ufunc.__name__} in a way that has no enclosure")
         result = ufunc(*(_boxed(x) for x in inputs))
@@ -237,7 +237,7 @@ class Enclosed:
 
     def _analytic(self, name: str, slope: Callable[[Value, Value], Value]) -> Enclosed:
         value = _function(name, self.value)
-        return self._made(value, (self, lambda: slope(self.value, value)))
+        return self._with_chain_rule(value, (self, lambda: slope(self.value, value)))
 
     def sin(self) -> Enclosed:
         """The sine."""
@@ -256,23 +256,23 @@ class Enclosed:
         return self._analytic("exp", lambda _, y: y)
 
     def log(self) -> Enclosed:
-        """The logarithm, of positive numbers."""
+        """The natural logarithm of a positive number."""
         return self._analytic("log", lambda x, _: _inverse(x))
 
     def sqrt(self) -> Enclosed:
-        """The square root, of positive numbers."""
+        """The square root of a positive number."""
         return self._analytic("sqrt", lambda _, y: _inverse(2 * y))
 
     def arctan(self) -> Enclosed:
-        """The inverse of the tangent."""
+        """The inverse tangent."""
         return self._analytic("atan", lambda x, _: _inverse(1 + x * x))
 
     def arcsin(self) -> Enclosed:
-        """The inverse of the sine, between -1 and 1."""
+        """The inverse sine of a number between -1 and 1."""
         return self._analytic("asin", lambda x, _: _inverse(_function("sqrt", 1 - x * x)))
 
     def arccos(self) -> Enclosed:
-        """The inverse of the cosine, between -1 and 1."""
+        """The inverse cosine of a number between -1 and 1."""
         return self._analytic("acos", lambda x, _: -_inverse(_function("sqrt", 1 - x * x)))
 
     def sinh(self) -> Any:
@@ -304,32 +304,32 @@ class Enclosed:
         return self.log() / Enclosed(self.evaluation, arb(10).log())
 
     def cbrt(self) -> Any:
-        """The cube root, of a number whose sign is known."""
+        """The cube root of a number whose sign is known."""
         return (self.log() / 3).exp() if self > 0 else -(((-self).log() / 3).exp())
 
-    @_with_a_number
+    @_lifts_other
     def hypot(self, o: Enclosed) -> Any:
         """sqrt(x² + y²)."""
         return (self * self + o * o).sqrt()
 
-    @_with_a_number
+    @_lifts_other
     def arctan2(self, x: Enclosed) -> Any:
-        """The angle of (x, self), where the signs of both, or of the first, are known."""
+        """The angle of the point (x, self), if it is known that x > 0, or the signs of both coordinates are known."""
         if x > 0:
             return (self / x).arctan()
         half_turn = Enclosed(self.evaluation, arb.pi())
         return (self / x).arctan() + half_turn if self > 0 else (self / x).arctan() - half_turn
 
     def conjugate(self) -> Enclosed:
-        """The number itself, being real."""
+        """The number itself, since it is real."""
         return self
 
     def radians(self) -> Any:
-        """Degrees as radians."""
+        """The angle in radians, self being in degrees."""
         return self * Enclosed(self.evaluation, arb.pi() / 180)
 
     def degrees(self) -> Any:
-        """Radians as degrees."""
+        """The angle in degrees, self being in radians."""
         return self * Enclosed(self.evaluation, 180 / arb.pi())
 
     deg2rad, rad2deg = radians, degrees
@@ -343,7 +343,7 @@ def _function(name: str, x: Value) -> Value:
 
 
 def _power(x: Value, n: int) -> Value:
-    """x^n by squaring: python-flint takes logarithms of real balls and series, which is no good where x may be 0."""
+    """x^n by squaring; python-flint takes the logarithm of a ball or series, which fails where x may be 0."""
     if n == 0:
         return arb(1)
     result = x
@@ -365,7 +365,7 @@ def _inverse(x: Value) -> Value:
 
 
 def _boxed(x: Any) -> Any:
-    """A number as an array of no dimension, which NumPy's functions look into."""
+    """A number as a zero-dimensional array, so that NumPy's functions call its methods."""
     if not isinstance(x, Enclosed):
         return x
     box = np.empty((), dtype=object)

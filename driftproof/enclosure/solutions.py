@@ -1,8 +1,8 @@
-"""The true solution of an initial value problem, enclosed at any times: steps, and the errors carried along by QR.
+"""Enclosing the true solution of an initial value problem at given times: steps, and the errors that they carry along.
 
-What earlier steps left open is a set Q z of small vectors, Q near orthogonal and z a box: the flow's derivative Φ takes
-it to Q' z' with z' = (Q'^-1 Φ Q) z + Q'^-1 d, where Q' comes from the QR factors of the middle of ΦQ, so that boxes do
-not wrap around what only turns (lohner-1987). Points are thin and of many bits, so that all this happens at 1e-30.
+The errors of earlier steps lie in a set Q z of small vectors, Q a basis and z a box. The flow's derivative Φ takes it
+to Q' z' with z' = (Q'^-1 Φ Q) z + Q'^-1 d, where `basis_around` chooses Q' such that boxes do not wrap around a set
+that only rotates (lohner-1987). Points are thin and have many bits, so that all these vectors are about 1e-30 long.
 """
 
 from __future__ import annotations
@@ -33,27 +33,27 @@ from driftproof.symbolic.algebra.certified import enclose
 
 # Bits of the first attempt.
 BITS_AT_FIRST = 128
-# Each coefficient gains 7/8 of them: h is 2^(-21/8) of the radius of convergence, near the e⁻² that costs least.
+# Each coefficient gains 7/8 of these bits: h is 2^(-21/8) of the radius of convergence, near the e⁻² that costs least.
 BITS_PER_COEFFICIENT = 3
-# Some minutes with the bits of the first attempt. A problem that needs more is stiff, or too long.
+# These take some minutes with the bits of the first attempt. A problem that needs more steps is stiff, or too long.
 MOST_STEPS = 20_000
-# With more than these, a few steps take as long. Thirty bodies in space have 180.
+# With more components, even a few steps take minutes. Thirty bodies in space have 180.
 MOST_COMPONENTS = 200
-# Steps after which it is looked at how many there will be, all being as the last; parts of those allowed after which
-# they are too many, all being as those so far, and ten times too many in both ways.
+# A problem may be found stiff after this many steps, if all others are as long as the last; too long after 1/20 of the
+# steps allowed, if the others are like those so far; or after 1/200, if both estimates are ten times too many.
 STEPS_OF_STIFF, PART_OF_LONG, PART_OF_FAR_TOO_LONG = 20, Fraction(1, 20), Fraction(1, 200)
-# A stiff problem with fewer left is done explicitly: implicit steps are as long as fifty to a thousand of those.
+# A stiff problem with fewer explicit steps left is finished by them; an implicit step is as long as 50 to 1000 of them.
 MOST_STIFF_STEPS = 2000
-# What is stiff: some direction shrinks to less than this in a step, and steps do not get shorter, as before a pole.
+# A problem is stiff if a direction shrinks to less than this in a step, and steps do not get shorter, as at a pole.
 SHRUNK = 0.4
-# No problem needs a longer first one; shorter are found by trying. Further ones are a sixth of the radius of
-# convergence, which becomes larger by no more than the step's length.
+# No problem needs a longer first step; a shorter one is found by trying. Each further step is a sixth of the radius of
+# convergence, which grows by no more than the length of a step: so 5/4 is more than the next can use.
 LONGEST_STEP, LONGER = Fraction(2) ** 20, Fraction(5, 4)
 
 
 @dataclass(frozen=True)
 class Enclosure:
-    """Balls of the solution at `times`; `bits` worked with, `steps` taken, and the doubles that f's own text holds."""
+    """Balls of the solution at `times`, with the `bits` and `steps` that they took and the `doubles` in f's code."""
 
     times: tuple[Fraction, ...]
     states: tuple[tuple[arb, ...], ...]
@@ -70,11 +70,9 @@ class Enclosure:
 def enclose_solution(
     f: RightHandSide, start: Sequence[Fraction | arb], times: Sequence[Fraction], bits: int = BITS_AT_FIRST
 ) -> Enclosure:
-    """The solution of y' = f(t, y) with y(times[0]) = start at all `times`, which increase.
+    """Enclose the solution of y' = f(t, y) with y(times[0]) = start at all `times`, which must increase.
 
-    A start given as balls stands for every point in them.
-
-    Raises Refused where nothing rigorous can be said: see `driftproof.enclosure.numbers`.
+    A start given as balls stands for every point in them. Raises Refused if nothing can be proved.
     """
     with ctx.workprec(bits), np.errstate(all="ignore"):
         function, balls = rebound(f), [x if isinstance(x, arb) else enclose(x) for x in start]
@@ -86,23 +84,23 @@ def enclose_solution(
             except Stiff:
                 path = StiffPath(function, balls, times[0], times[-1], 16 * explicit.lengths[-1])
                 states = _states(path, times)
-        except (OverflowError, ZeroDivisionError, np.linalg.LinAlgError):  # in what is guessed, not in what is proved
+        except (OverflowError, ZeroDivisionError, np.linalg.LinAlgError):  # in a guess, not in a proof
             raise Refused("f or the solution has sizes beyond those of doubles") from None
         return Enclosure(tuple(times), tuple(states), bits, path.steps, tuple(sorted(explicit.doubles | path.doubles)))
 
 
 def _states(path: _Path | StiffPath, times: Sequence[Fraction]) -> list[tuple[arb, ...]]:
-    """The solution at each time; whoever waits is told how far it is."""
+    """The solution at each time, with the progress reported."""
     states = []
-    with stage(f"enclosing the solution in {ctx.prec} bits") as told:
+    with stage(f"enclosing the solution in {ctx.prec} bits") as progress:
         for t in times:
             states.append(path.states_at(t))
-            told.part = float((t - times[0]) / (times[-1] - times[0] or 1))
+            progress.part = float((t - times[0]) / (times[-1] - times[0] or 1))
     return states
 
 
 class _Path:
-    """The steps made so far, from the first time on; the last one's end is where the next begins."""
+    """Explicit steps from the first time on, each beginning where the one before ends."""
 
     def __init__(self, f: RightHandSide, balls: Sequence[arb], times: Sequence[Fraction], bits: int) -> None:
         self.f, self.t, self.steps = f, times[0], 0
@@ -120,7 +118,6 @@ class _Path:
         self.lengths: list[Fraction] = []
 
     def states_at(self, t: Fraction) -> tuple[arb, ...]:
-        """The solution at t, which is not before any time asked for."""
         if t < self.t:
             raise Refused("times must not decrease")
         while self.step is None or t > self.step.t + self.step.h:
@@ -149,7 +146,7 @@ class _Path:
         self._refuse_what_does_not_end(self.step)
 
     def _refuse_what_does_not_end(self, step: EnclosedStep) -> None:
-        """No proof depends on this: it guesses how many steps there will be."""
+        """Raise Refused or Stiff if there will be too many steps: a guess on which no proof depends."""
         gone, left = step.t + step.h - self.first, self.last - step.t
         if step.h < SHORTEST_PART * gone:
             near = float(self.t + 8 * step.h)
@@ -164,7 +161,7 @@ class _Path:
             raise Refused(f"too long: {self.steps} steps lead to t = {float(self.t):.6g}, {self.most} will not do")
 
     def _carry(self, step: EnclosedStep) -> None:
-        """From the start of the step to its end: the thin point, and the set of errors around it."""
+        """Move the thin point, and the set of errors around it, from the start of the step to its end."""
         values, near = step.at(step.h)
         self.point = [x.mid() for x in values]
         made = arb_mat([[x - m + e] for x, m, e in zip(values, self.point, step.around(near), strict=True)])

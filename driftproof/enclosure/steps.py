@@ -1,10 +1,11 @@
 """One step of an enclosure: a Taylor polynomial, its defect, and how far the true solutions near it can be.
 
-From a thin point y0 a polynomial p with thin coefficients is made, in σ = s/h. Its defect g = f(t0 + hσ, p) - p'/h is
-run as a Taylor model: its norm bounds |g| on the step. Gronwall's inequality with the logarithmic norm μ of the
-Jacobian on a tube then bounds |y - p| by s δ exp(max(μ, 0) s); the tube is checked to be wide enough for this after the
-fact, so that no a-priori box is needed. The variational equation, whose solution carries along the errors made so far,
-is enclosed in the same way. Norms are max |e_i|/d_i with weights d, so that of a spring's q'' = -ω² q μ is ω, not ω².
+From a thin point y0, balls of radius 0, a polynomial p with thin coefficients is made, in σ = s/h. Its defect
+g = f(t0 + hσ, p) - p'/h is evaluated as a Taylor model, whose norm δ bounds |g| on the step. Gronwall's inequality with
+the logarithmic norm μ of the Jacobian on a tube then bounds |y - p| by s δ exp(max(μ, 0) s). That the tube is wide
+enough for this is checked afterwards, so that no a-priori box is needed. The variational equation, whose solution
+carries along the errors made so far, is enclosed in the same way. Norms are max |e_i|/d_i with weights d, so that the μ
+of a spring q'' = -ω² q is ω, not ω².
 """
 
 from __future__ import annotations
@@ -22,22 +23,22 @@ from driftproof.enclosure.models import TaylorModel
 from driftproof.enclosure.numbers import Enclosed, Evaluation, Refused, series
 from driftproof.symbolic.algebra.certified import enclose
 
-# Coefficients of the variational equation, whose relative accuracy of some 2⁻³⁰ is ample: it multiplies what is tiny.
+# Coefficients for the variational equation. A relative accuracy of some 2⁻³⁰ is ample: it multiplies tiny errors.
 VARIATIONAL_LENGTH = 14
-# A step that fails is made shorter, at most so often: from any sensible first length to below 2⁻⁶⁰ of it.
+# A step that fails is shortened by this factor, at most this often: to below 2⁻⁶⁰ of its first length.
 SHORTER, MOST_SHORTENINGS = Fraction(5, 8), 90
-# A step is shortened until what it adds is this small, relative to the state and to the derivative of the flow: 2⁻¹⁶ of
-# the latter lets a thousand steps widen what they carry by 1.6 %; the former is near what the bits give.
+# A step is shortened until its errors are this small. The first bound is relative to the derivative of the flow: with
+# 2⁻¹⁶, a thousand steps widen what they carry by 1.6 %. The second, relative to the state, is near what the bits give.
 LOOSEST_FLOW = arb(2) ** -16
 BITS_OF_A_STEP = Fraction(7, 8)
-# Shorter steps, relative to the time gone by, are those of a pole; 2⁻⁴⁰ is found before 128 bits are used up.
+# Steps that are shorter than this part of the time gone by mean a pole; this is seen before 128 bits are used up.
 SHORTEST_PART = Fraction(1, 2**40)
-# A tube is tried at four times the error that it must hold, then at twice what the first shows to be needed.
+# The first tube is four times as wide as the error that it must contain, the next twice what the first shows is needed.
 FIRST_TUBE, WIDEST_TUBE = 4, arb(2) ** 12
-# The first step needs a few sweeps; each step begins from the weights of the one before.
+# Sweeps to balance the weights. A few suffice even for the first step; others begin with the weights of the one before.
 SWEEPS = 2
 
-# d, each a power of two: |e| = max |e_i|/d_i.
+# The weights d of the norm |e| = max |e_i|/d_i, each a power of two.
 Weights: TypeAlias = Sequence[arb]
 
 
@@ -49,16 +50,16 @@ class Tube:
     norm: arb
 
     def growth(self, s: arb) -> arb:
-        """exp(max(μ, 0) s): how much a distance grows at most in the time s."""
+        """exp(max(μ, 0) s), a bound of the growth of a distance in the time s."""
         return (self.norm * s).exp()
 
 
 @dataclass(frozen=True)
 class EnclosedStep:
-    """[t, t + h]: p as polynomials in σ = s/h, the defect's bound δ, and the tube in which all this holds.
+    """An enclosed step on [t, t + h]: p in σ = s/h, a bound δ of its defect, and a tube that contains the solutions.
 
     Starts are within `spread` of p(0). `flow` encloses the derivative of the solution at t + h with respect to its
-    start, for all starts in the tube; `next_weights` would have been the best for this step.
+    start, for all starts in the tube. `next_weights` would have suited this step best and serve the next one.
     """
 
     t: Fraction
@@ -72,17 +73,17 @@ class EnclosedStep:
     next_weights: Weights
 
     def at(self, s: Fraction) -> tuple[list[arb], arb]:
-        """p(s), and how far the solution from the step's own start is from it at most, for 0 <= s <= h."""
+        """p(s), and a bound of its distance to the solution that starts at p(0), for 0 <= s <= h."""
         ball = enclose(s)
         return [arb(p(enclose(s / self.h))) for p in self.polynomials], ball * self.defect * self.tube.growth(ball)
 
     def around(self, distance: arb) -> list[arb]:
-        """Balls around 0 of what is within the distance."""
+        """Balls around 0, one for each component, of everything within the distance."""
         return [arb(0, (distance * d).upper()) for d in self.weights]
 
 
 def size(values: Iterable[arb]) -> arb:
-    """The largest absolute value that any of the balls holds, as an exact number; 0 of none, NaN if any is NaN."""
+    """The largest absolute value of a number in the balls, exact; 0 if there are no balls, NaN if any is NaN."""
     largest = arb(0)
     for x in values:
         largest = largest.max(arb(x.abs_upper()))  # Python's max would lose a NaN
@@ -90,12 +91,12 @@ def size(values: Iterable[arb]) -> arb:
 
 
 def fewer_steps(most: int, components: int) -> int:
-    """As many as take about as long as `most` of 128 bits and twelve components."""
+    """The number of steps that takes about as much time as `most` steps of 128 bits and twelve components."""
     return int(most * min(1, 128 / ctx.prec) * min(1, (12 / components) ** 2))
 
 
 def decisions(f: RightHandSide, t: Fraction, y: Sequence[arb], seen: set[float]) -> list[bool]:
-    """Which branches f takes at a point; the doubles that it reads are added to `seen`."""
+    """The outcomes of f's comparisons at a point; the doubles that f reads are added to `seen`."""
     evaluation = Evaluation(doubles=seen)
     rates = enclosed_rates(f, Enclosed(evaluation, enclose(t)), [Enclosed(evaluation, x) for x in y])
     if not all(rate.value.is_finite() for rate in rates):
@@ -104,21 +105,21 @@ def decisions(f: RightHandSide, t: Fraction, y: Sequence[arb], seen: set[float])
 
 
 class Expansion:
-    """The solution from a thin point, expanded; and steps of any length made of it."""
+    """The Taylor expansion of the solution from a thin point, from which steps of any length are made."""
 
     def __init__(
         self, f: RightHandSide, t: Fraction, y: Sequence[arb], length: int, decided: Sequence[bool], weights: Weights
     ) -> None:
-        """So many coefficients of p in s, thin, some from those before; whatever the weights, what is said holds."""
+        """Compute `length` thin coefficients of p in s. All bounds hold whatever the weights are."""
         self.f, self.t, self.length, self.decided, self.weights = f, t, length, decided, weights
         self.rows, slopes, known, most = [[x] for x in y], list[arb_mat](), 1, _slopes_that_pay(len(y), length)
         while known < length:
             slopes, known = self._extend(known, min(length, known + min(known, most) + 1), slopes)
 
     def step(self, longest: Fraction, errors: Sequence[arb]) -> EnclosedStep:
-        """A step of `longest` at most that holds for every start of the point and its errors.
+        """A step of at most the length `longest`, valid for every start that differs from the point by the errors.
 
-        Raises Refused where no disc is found on which f is analytic, or no tube.
+        Raises Refused if no disc on which f is analytic is found, or no tube.
         """
         h, spread = min(longest, self._first_length()), self._size(errors)
         reason = "a pole is ahead, or f is not smooth there"
@@ -139,7 +140,7 @@ class Expansion:
         return self._size(abs(row[0]).max(arb(1)) for row in self.rows) * arb(2) ** -int(BITS_OF_A_STEP * ctx.prec)
 
     def _first_length(self) -> Fraction:
-        """Eight bits of the length at which the last coefficients come below the tolerance, which most steps keep."""
+        """The length, to eight bits, at which the last terms are below the tolerance; most steps keep it."""
         logarithms, wanted = [40.0], self._tolerance() / 8
         for k in (self.length - 2, self.length - 1):
             most = self._size(row[k] for row in self.rows)
@@ -174,9 +175,9 @@ class Expansion:
         return None
 
     def _extend(self, known: int, length: int, slopes: list[arb_mat]) -> tuple[list[arb_mat], int]:
-        """Make it so many coefficients, of which `length` - k - 1, at most k, are coefficients of ∂f/∂y: these, or new.
+        """Extend p from `known` to `length` coefficients; the coefficients of ∂f/∂y are `slopes` if these suffice.
 
-        With k coefficients right, e = y - p = O(s^k) has e' = f(p) - p' + ∂f/∂y e + O(s^2k) (Newton's method).
+        With k coefficients known, e = y - p = O(s^k) has e' = f(p) - p' + ∂f/∂y e + O(s^2k) (Newton's method).
         """
         wanted = min(known, length - known - 1)
         rates, partials = self._on_series(length - 1, slopes=len(slopes) < wanted)
@@ -212,9 +213,9 @@ class Expansion:
         return self._size((rate.value - slope).norm for rate, slope in zip(rates, slopes, strict=True))
 
     def _jacobian(self, step: arb, polynomials: Sequence[arb_poly], radius: arb) -> list[list[TaylorModel]]:
-        """∂f/∂y along p + b, a model for every constant b of the tube: at each time b may be the true distance there.
+        """∂f/∂y along p + b for every constant b in the tube, in units of the weights; b may be the error at any time.
 
-        In units of the weights. f decides its comparisons here on the whole tube, and so as it did on p, part of it.
+        f decides its comparisons here on the whole tube, and so as it did on p, which is part of it.
         """
         evaluation, length = Evaluation(), VARIATIONAL_LENGTH
         box = [
@@ -227,7 +228,7 @@ class Expansion:
         )
 
     def _scaled(self, rows: list[list[Any]], power: int) -> list[list[Any]]:
-        """Entry (i, j) times d_j/d_i, or by its inverse; exact, these being powers of two."""
+        """The matrix with entry (i, j) times (d_j/d_i)^power; this is exact, as the weights are powers of two."""
         d = self.weights
         return [
             [x * (d[j] / d[i]) ** power if d[i] != d[j] else x for j, x in enumerate(row)] for i, row in enumerate(rows)
@@ -235,9 +236,10 @@ class Expansion:
 
 
 def _flow(jacobian: Sequence[Sequence[TaylorModel]], step: arb, tube: Tube) -> arb_mat | None:
-    """The derivative of y(t + h) with respect to its start, for all starts in the tube; None where it is not sharp.
+    """The derivative of y(t + h) with respect to its start, for all starts in the tube; None if it is not sharp.
 
-    P' = hJP in σ, P of thin coefficients; the defect hJP - P' has few low coefficients, and J's tail; then Gronwall.
+    P, with thin coefficients, nearly solves P' = hJP in σ. Gronwall's inequality turns the norm of its defect hJP - P',
+    which has tiny low coefficients, products beyond the length and J's tail, into a bound of the error.
     """
     n, length = len(jacobian), VARIATIONAL_LENGTH
     J = [arb_mat([[x.coefficient(k) * step for x in row] for row in jacobian]) for k in range(length)]
@@ -258,9 +260,9 @@ def _flow(jacobian: Sequence[Sequence[TaylorModel]], step: arb, tube: Tube) -> a
 
 
 def _slopes_that_pay(components: int, length: int) -> int:
-    """How many coefficients of ∂f/∂y to make, so that p needs least runs of f; one with gradients is 1 + n of them.
+    """The number of coefficients of ∂f/∂y with which p costs the fewest runs of f; a run with gradients costs 1 + n.
 
-    With m = 2^i - 1 of them, i runs with gradients lead to 2m + 1 coefficients of p, and each further run to m + 1.
+    With m = 2^i - 1 of them, i runs with gradients give 2m + 1 coefficients of p, and each further run m + 1 more.
     """
     sizes = [(i, 1 << i) for i in range(length.bit_length())]
     runs = {size - 1: i * (1 + components) + (length - 2 * size + 1) / size for i, size in sizes}
@@ -268,12 +270,12 @@ def _slopes_that_pay(components: int, length: int) -> int:
 
 
 def _row_sum(m: arb_mat) -> arb:
-    """The norm that belongs to the maximum norm, rounded up."""
+    """The matrix norm that belongs to the maximum norm, rounded up."""
     return size(sum((abs(x) for x in row), arb(0)) for row in m.tolist())
 
 
 def _coefficient(value: Any, k: int) -> arb:
-    """Coefficient k of a series; a constant has one."""
+    """Coefficient k of a series, or of a constant."""
     if isinstance(value, int | arb):
         return arb(value) if k == 0 else arb(0)
     return arb(value[k])
@@ -282,7 +284,7 @@ def _coefficient(value: Any, k: int) -> arb:
 def linearised(
     f: RightHandSide, time: Enclosed, y: Sequence[Any], *, slopes: bool = True
 ) -> tuple[list[Any], list[list[Any]]]:
-    """f and, unless it is not asked for, ∂f/∂y by rows, in the arithmetic of y; constant entries are balls."""
+    """f and, with `slopes`, ∂f/∂y by rows, in the arithmetic of y; constant entries are balls."""
     n = len(y)
     seeds = [tuple(int(i == j) for j in range(n)) if slopes else None for i in range(n)]
     state = [Enclosed(time.evaluation, value, seed) for value, seed in zip(y, seeds, strict=True)]
@@ -292,9 +294,9 @@ def linearised(
 
 
 def balanced(jacobian: Sequence[Sequence[arb]], before: Weights) -> Weights:
-    """Powers of two by which rows and columns of the Jacobian, which is in units of those before, become as large.
+    """The weights, powers of two, for which each row of the Jacobian, given in units of `before`, balances its column.
 
-    By Osborne's sweeps (osborne-1960); what is coupled one way only stays as it was.
+    They come from Osborne's sweeps (osborne-1960); a component coupled in one direction only keeps its weight.
     """
     sizes = np.array([[float(x.abs_upper()) for x in row] for row in jacobian])
     np.fill_diagonal(sizes, 0)

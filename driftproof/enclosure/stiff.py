@@ -1,11 +1,11 @@
-"""The solution of a stiff problem, enclosed: implicit steps, what they leave over of the equation, comparison.
+"""Enclosing the solution of a stiff problem: implicit steps, their defect, and comparison systems for the errors.
 
-A step's polynomial v comes from collocation, and its defect d = f(t, v) - v' is enclosed on the whole step. Of the
-error e = y - v, e(0) in a set B z, z a box, what changes slowly follows the variational equation: V nearly solves
-V' = JV from the slow part of B. The rest ρ = e - Vz has ρ' = J̄ρ + (J̄V - V')z + d. In coordinates T in which the
-Jacobian is nearly diagonal where it is fast, |Tρ| stays below the solution of the comparison system of T J̄ T⁻¹, all
-over a tube around v; what decays fast has a large negative diagonal there, and nothing is lost. That e stays in the
-tube is checked afterwards, so that no sign and no invariant set of the solutions has to be known beforehand.
+A step's polynomial v comes from collocation, and its defect d = f(t, v) - v' is enclosed on the whole step. The error
+e = y - v starts in a set B z, z in a box. Its slow part follows the variational equation: V nearly solves V' = JV from
+the slow part of B. The rest ρ = e - Vz has ρ' = J̄ρ + (J̄V - V')z + d. In coordinates T in which the fast part of the
+Jacobian is nearly diagonal, |Tρ| stays below the solution of the comparison system of T J̄ T⁻¹ over a tube around v;
+components that decay fast have large negative diagonal entries there, and nothing is lost. That e stays in the tube is
+checked afterwards, so that no sign and no invariant set of the solutions has to be known beforehand.
 """
 
 from __future__ import annotations
@@ -26,14 +26,14 @@ from driftproof.enclosure.numbers import Enclosed, Evaluation, Refused
 from driftproof.enclosure.steps import fewer_steps, linearised
 from driftproof.symbolic.algebra.certified import enclose
 
-# Bits for each stage: with 18 stages of 128 bits, steps are about as long as from the singularity nearest to them.
+# Bits for each stage: 128 bits give 18 stages, whose steps are about as long as the nearest singularity is away.
 BITS_PER_STAGE = 7
-# What a step adds is below 2⁻⁸⁰ of 128 bits, relative to the components; what it carries grows by 2⁻⁸ too much at most.
+# A step adds less than 2⁻⁸⁰ with 128 bits, relative to the components, and widens what it carries by 2⁻⁸ at most.
 BITS_OF_A_STEP, LOOSEST = Fraction(5, 8), 2.0**-8
 MOST_STEPS, MOST_TRIES = 5000, 60
-# The tube is so many times what the step before needed, then what the look before says that it has to be.
+# The first tube is this many times what the step before needed, each further one what the try before showed is needed.
 TUBE_AHEAD, TUBES = 8, (2, 2, 8, 32)
-# Shorter steps, relative to the time gone by, are those of a pole; van der Pol's, mu = 10^6, are of 2⁻⁴⁵.
+# Steps shorter than this part of the time gone by mean a pole; van der Pol's equation, mu = 10^6, has steps of 2⁻⁴⁵.
 SHORTEST_STIFF_PART = Fraction(1, 2**64)
 # Steps change by these factors at most.
 SHORTEN, LENGTHEN = 0.25, 4.0
@@ -41,7 +41,7 @@ SHORTEN, LENGTHEN = 0.25, 4.0
 
 @dataclass(frozen=True)
 class ErrorSet:
-    """y is in point + B z + what the point's balls hold, |z| <= widths."""
+    """A set that contains y: all points of the balls `point`, plus B z for all |z| <= widths."""
 
     point: Sequence[arb]
     basis: arb_mat
@@ -50,7 +50,7 @@ class ErrorSet:
 
 @dataclass(frozen=True)
 class StiffStep:
-    """[t, t + h]: v, polynomials in -1 <= σ <= 1; e = V(σ) z + ρ, |z| <= widths, |ρ| <= around, at the end <= last."""
+    """A step on [t, t + h]: y = v + V(σ) z + ρ for -1 <= σ <= 1, |z| <= widths, |ρ| <= around, at the end <= last."""
 
     t: Fraction
     h: Fraction
@@ -61,7 +61,7 @@ class StiffStep:
     last: arb_mat
 
     def at(self, t: Fraction) -> tuple[arb, ...]:
-        """The solution at a time of the step."""
+        """Balls of the solution at a time t of the step."""
         sigma = enclose(2 * (t - self.t) / self.h - 1)
         rest = self.last if t == self.t + self.h else self.around
         around = (sizes_of(value_at(self.flow, sigma)) * self.widths + rest).entries()
@@ -74,7 +74,7 @@ class StiffPath:
     def __init__(
         self, f: RightHandSide, start: Sequence[arb], first: Fraction, last: Fraction, step: Fraction | None = None
     ) -> None:
-        """Work with Arb's present precision; `step` is a guess of the first one."""
+        """Work with Arb's current precision; `step` is a guess of the first step size."""
         self.f, self.t, self.last, self.steps, self.n = f, first, last, 0, len(start)
         self.most, m = fewer_steps(MOST_STEPS, self.n), ctx.prec // BITS_PER_STAGE
         self.length = 2 * m + 2
@@ -90,7 +90,7 @@ class StiffPath:
         self.doubles: set[float] = set()
 
     def states_at(self, t: Fraction) -> tuple[arb, ...]:
-        """The solution at t, which is not before any time asked for."""
+        """Balls of the solution at t, which must not be before the t of an earlier call."""
         if t == self.first:
             return self.start
         while self.step is None or t > self.t:
@@ -98,7 +98,7 @@ class StiffPath:
         return self.step.at(t)
 
     def advance(self) -> StiffStep:
-        """The next step. Raises Refused where none is found."""
+        """Make the next step and return it. Raises Refused if none is found."""
         self.steps += 1
         if self.steps > self.most:
             raise Refused(f"{self.most} implicit steps lead to t = {float(self.t):.9g} only")
@@ -119,7 +119,7 @@ class StiffPath:
         raise Refused(f"no implicit step from t = {float(self.t):.9g} is found, however short: {reason}", self.t)
 
     def _attempt(self, h: Fraction) -> float:
-        """What the step adds, relative to the components; it is taken where that is small enough."""
+        """The error that a step of size h adds, relative to the components; the step is taken if it is small enough."""
         step = enclose(h)
         stages = solved_stages(
             self.f, self.method, (enclose(self.t), step), self._guess(step), self.tolerance * 2.0**-10
@@ -157,7 +157,7 @@ class StiffPath:
         if not all(x.is_finite() for x in (own + old).entries()):
             raise Refused("the bound of the errors is not finite")
         relative = _relative(sizes_of(inverse) * own, sizes)
-        lost = sizes_of(middle.slow_part(arb_mat(self.n, self.n, 1))) * old  # what is fast decays by itself
+        lost = sizes_of(middle.slow_part(arb_mat(self.n, self.n, 1))) * old  # fast errors decay by themselves
         followed = sizes_of(self.set.basis) * widths + sizes_of(value_at(flow, arb(1))) * widths
         allowed = [LOOSEST * float(x) + self.tolerance * a for x, a in zip(followed.entries(), sizes, strict=True)]
         if _relative(lost, allowed) > 1:
@@ -172,7 +172,7 @@ class StiffPath:
         return relative
 
     def _carry(self, step: StiffStep, middle: Coordinates, last: arb_mat, sizes: Sequence[float]) -> None:
-        """The set of errors at the end, in a new basis."""
+        """Keep the set of errors at the end of the step, in a new basis."""
         image = value_at(step.flow, arb(1))
         basis = basis_around(image, step.widths, middle.fast, sizes)
         back = basis.inv()
@@ -180,7 +180,7 @@ class StiffPath:
         self.set = ErrorSet([arb(p(1)) for p in step.polynomials], basis, sizes_of(widths))
 
     def _guess(self, step: arb) -> list[list[arb]]:
-        """The polynomial before, without its last quarter, carried on."""
+        """The values that the polynomial of the step before, without its last quarter, extrapolates to."""
         now = [x.mid() for x in self.set.point]
         if self.step is None:
             return [now] * (1 + len(self.method.stages))
@@ -189,7 +189,7 @@ class StiffPath:
         return [now, *([arb(p(1 + (1 + arb(s)) * ratio)).mid() for p in few] for s in self.method.stages)]
 
     def _sizes(self, stages: Stages) -> list[float]:
-        """How large each component is on the step; or a small part of what it has been, or of the others."""
+        """The size of each component on the step, at least a small part of its largest so far and of the others."""
         errors = (sizes_of(self.set.basis) * self.set.widths).entries()
         rows = stages.values.transpose().tolist()
         found = [max(float(abs(x)) for x in (*row, error)) for row, error in zip(rows, errors, strict=True)]
@@ -225,7 +225,7 @@ class StiffPath:
         flow: Sequence[arb_mat],
         box: arb_mat,
     ) -> tuple[arb_mat, arb_mat]:
-        """M of T J̄ T⁻¹, and a bound of T (J̄V - V'), for all mean Jacobians J̄ between v and the box around it."""
+        """The comparison matrix of T J̄ T⁻¹ and a bound of T (J̄V - V'), for all mean Jacobians J̄ of v and the box."""
         (T, inverse), length, n = coordinates, self.length, self.n
         state = [TaylorModel(p, length) + arb(0, b.upper()) for p, b in zip(polynomials, box.entries(), strict=True)]
         _, rows = linearised(self.f, self._time(step), state)
@@ -247,7 +247,7 @@ class StiffPath:
 
 
 def _short(h: Fraction) -> Fraction:
-    """About eight bits of it, so that times stay short."""
+    """h cut to about eight bits, so that times stay short."""
     unit = Fraction(2) ** (h.numerator.bit_length() - h.denominator.bit_length() - 8)
     return int(h / unit) * unit
 
@@ -261,7 +261,7 @@ def _beside(*columns: arb_mat) -> arb_mat:
 
 
 def _around(m: arb_mat) -> arb_mat:
-    """Balls around 0 of the radii."""
+    """Balls around 0 with these radii."""
     return arb_mat([[arb(0, x.upper()) for x in row] for row in m.tolist()])
 
 

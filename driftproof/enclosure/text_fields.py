@@ -1,4 +1,4 @@
-"""Right-hand sides that are text, run on enclosed numbers and on floats alike; in balls their numbers are exact."""
+"""Right-hand sides given as text, run on enclosed numbers, on which their constants are exact, and on floats."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ from driftproof.methods.program_text import indented, maker, maker_text
 from driftproof.methods.vector_fields import FUNCTIONS, VectorField
 from driftproof.symbolic.algebra.certified import enclose
 
-# What a user may give for f: a function of (t, y), text, or a field.
+# The forms in which a user may give f: a function of (t, y), text, or a field.
 GivenField: TypeAlias = RightHandSide | str | Sequence[str] | VectorField
 
 
 def right_hand_side(f: GivenField) -> RightHandSide:
-    """The function itself; of text or of a `VectorField` the function that it spells. Raises Refused for other things.
+    """The function itself, or the one that a text or a `VectorField` defines. Raises Refused for anything else.
 
     >>> right_hand_side("y1; -y0")(0.0, [1.0, 0.5])
     [0.5, -1.0]
@@ -38,9 +38,9 @@ def right_hand_side(f: GivenField) -> RightHandSide:
 
 
 def field_function(field: VectorField, expressions: Sequence[str] | None = None) -> RightHandSide:
-    """f(t, y) of a field; or, of the same names, the values of some other expressions, such as first integrals.
+    """f(t, y) of a field, or a function for other expressions in its names, such as first integrals.
 
-    Of a Fraction t it computes exactly, and raises TypeError where a function stands in a rate.
+    For a Fraction t it computes exactly, and raises TypeError if a rate uses a function such as sin.
     """
     rates = field.rates
     if expressions is not None:
@@ -68,9 +68,9 @@ def field_function(field: VectorField, expressions: Sequence[str] | None = None)
 
 
 class _Numbered(ast.NodeTransformer):
-    """Names in the place of whole numbers, so that 1/10 is formed in the arithmetic of y, and not in floats.
+    """Replaces integers by names, so that 1/10 is computed in the arithmetic of y and not in floats.
 
-    They begin with a letter that the names of users' texts cannot have.
+    The names begin with a letter that names in users' texts cannot have.
     """
 
     def __init__(self) -> None:

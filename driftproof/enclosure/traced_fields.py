@@ -1,4 +1,4 @@
-"""A user's right-hand side as text: run once on names in place of numbers, so that every engine can run it."""
+"""Turning a user's right-hand side into text that every engine can run, by one run on names instead of numbers."""
 
 from __future__ import annotations
 
@@ -13,16 +13,16 @@ from driftproof.enclosure.numbers import Enclosed, Evaluation, Refused
 from driftproof.methods.number_field import dyadic
 from driftproof.methods.vector_fields import FUNCTIONS, VectorField
 
-# Larger whole numbers are parameters: compilers have integers of 64 bits.
+# Larger integers become parameters, since compilers have 64-bit integers.
 _LARGEST_LITERAL = 2**31
-# Text that runs longer was written by a loop.
+# chosen: text that is longer comes from a loop, and not from a formula.
 _LONGEST_TRACE = 100_000
 
 
 def field_of_function(f: RightHandSide, components: int) -> VectorField:
-    """y' = f(t, y) as text in t, y0, y1, ...; the doubles in f are parameters, exactly those doubles.
+    """y' = f(t, y) as text in t, y0, y1, ...; the doubles in f become parameters with exactly their values.
 
-    Raises Refused for an f that compares, or that takes a function which a `VectorField` has not.
+    Raises Refused if f compares numbers, or uses a function that a `VectorField` does not have.
 
     >>> field_of_function(lambda t, y: [y[1], -0.5 * y[0]], 2)
     VectorField(rates=('y1', '(y0 * double_0)'), parameters=(('double_0', Fraction(-1, 2)),))
@@ -36,7 +36,7 @@ def field_of_function(f: RightHandSide, components: int) -> VectorField:
 
 
 class _Tracing(Evaluation):
-    """A run on names, in which constants are names or whole numbers, too."""
+    """A run on names, in which constants become integers or names, too."""
 
     def __init__(self, names: dict[Fraction, str]) -> None:
         super().__init__()
@@ -47,17 +47,17 @@ class _Tracing(Evaluation):
 
 
 class Traced:
-    """The text of a value. `divisor` is d where the text is 1/d, so that a quotient is written as one division."""
+    """The text of a value. `divisor` is d if the text is 1/d, so that a quotient is written as one division."""
 
     def __init__(self, text: str, doubles: dict[Fraction, str], divisor: str = "") -> None:
-        """Take the text, and the names that doubles have so far."""
+        """Take the text, and the names given to doubles so far. Raises Refused if the text is too long."""
         if len(text) > _LONGEST_TRACE:
             raise Refused(f"f is too long to be written out: over {_LONGEST_TRACE} characters")
         self.text, self.doubles, self.divisor = text, doubles, divisor
 
     @classmethod
     def of(cls, x: Any, doubles: dict[Fraction, str]) -> Traced:
-        """The value itself, or an exact ball as a whole number or a parameter."""
+        """The value itself if it is traced; an exact ball as an integer or a parameter."""
         if isinstance(x, Traced):
             return x
         ball = arb(x)
@@ -80,7 +80,7 @@ class Traced:
         return self._with("+", other)
 
     def __mul__(self, other: Any) -> Traced:
-        """The product, or the quotient."""
+        """The product, or a quotient if the factor is a reciprocal."""
         return self._with("*", other)
 
     def __rtruediv__(self, other: Any) -> Traced:
@@ -96,13 +96,13 @@ class Traced:
         return self._with("-", other)
 
     def __gt__(self, other: Any) -> bool:
-        """Refused: text has no branches."""
+        """Raise Refused: text has no branches."""
         raise Refused("f compares numbers, which a problem as text does not")
 
     __lt__ = __gt__
 
     def __getattr__(self, name: str) -> Callable[[], Traced]:
-        """The functions that a field may take."""
+        """A function that returns the call of `name` as text. Raises Refused unless a field may use it."""
         if name not in FUNCTIONS:
             raise Refused(f"f takes {name}; a problem as text takes {', '.join(FUNCTIONS)}")
         return lambda: Traced(f"{name}({self.text})", self.doubles)

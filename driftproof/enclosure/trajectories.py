@@ -1,4 +1,4 @@
-"""Float trajectories as solvers of any language leave them: objects, arrays, .csv and .npz files."""
+"""Reading float trajectories of any solver: objects with .t and .y, arrays, .csv and .npz files."""
 
 from __future__ import annotations
 
@@ -14,16 +14,16 @@ import numpy as np
 
 from driftproof.enclosure.numbers import Refused
 
-# The unit roundoff of the format that a trajectory's numbers are of.
+# The unit roundoffs of the two formats that the numbers of a trajectory may have.
 BINARY64_UNIT, BINARY32_UNIT = Fraction(1, 2**53), Fraction(1, 2**24)
-# A file of more than this is no trajectory that can be enclosed in a session.
+# chosen: a trajectory in a file of more bytes than this could not be enclosed in a session.
 LARGEST_RUN = 2**28
 _SEPARATOR = re.compile(r"[,;\s]+")
 
 
 @dataclass(frozen=True)
 class Trajectory:
-    """Rising times, and a row of floats at each; `unit` is 2⁻²⁴ if all of them are binary32 numbers, else 2⁻⁵³."""
+    """Increasing times, and a row of floats at each; `unit` is 2⁻²⁴ if all numbers are binary32 numbers, else 2⁻⁵³."""
 
     times: list[float]
     states: list[list[float]]
@@ -31,20 +31,19 @@ class Trajectory:
 
     @property
     def exact_times(self) -> list[Fraction]:
-        """The times as the fractions that they are."""
+        """The times as exact fractions."""
         return [Fraction(t) for t in self.times]
 
 
 def has_trajectory(solution: object) -> bool:
-    """What a solver returns: .t and .y as SciPy has them, or .ts and .ys as diffrax has them."""
+    """True if the object has .t and .y, like SciPy's solutions, or .ts and .ys, like diffrax's."""
     return any(all(hasattr(solution, name) for name in pair) for pair in (("t", "y"), ("ts", "ys")))
 
 
 def trajectory_of(t: Any, y: Any = None) -> Trajectory:
-    """From times and rows; or, without y, from what a solver returned. Raises Refused for what is no trajectory.
+    """The trajectory of times and rows or, without y, of a solver's result. Raises Refused if it is no trajectory.
 
-    Columns, one a time, are taken where rows do not fit, and trailing times of inf, with which diffrax fills up, are
-    left out.
+    If rows do not fit, y may have a column for each time. Trailing times of inf, with which diffrax pads, are dropped.
     """
     if y is None:
         if not has_trajectory(t):
@@ -87,11 +86,11 @@ def _floats(name: str, values: Any) -> Any:
 
 
 def read_trajectory(path: Path) -> Trajectory:
-    """The trajectory that a file holds. Raises ValueError for a file of another form, in one line, and OSError.
+    """The trajectory in a .csv or .npz file. Raises ValueError, in one line, for a file of another form, and OSError.
 
-    .csv: a line for each time, t and then the components, parted by commas, semicolons or blanks; one line of names
-    first if you like, and lines that begin with #. Numbers are decimals, 1.5d0 too, or hexadecimal as 0x1.8p+0, which
-    is a float to the last bit. .npz: the arrays t and y, or ts and ys, a row for each time.
+    .csv: a line for each time, with t and then the components, separated by commas, semicolons or blanks. A first line
+    of names and lines that begin with # are ignored. Numbers are decimal, such as 1.5, 1.5e0 or 1.5d0, or hexadecimal,
+    such as 0x1.8p+0, and then exact. .npz: the arrays t and y, or ts and ys, with a row for each time.
     """
     if path.stat().st_size > LARGEST_RUN:
         raise ValueError(f"{path}: too large; at most {LARGEST_RUN} bytes are read")
@@ -127,7 +126,7 @@ def _rows(path: Path, lines: Sequence[tuple[int, str]]) -> list[list[float]]:
 
 
 def float_of_text(word: str) -> float:
-    """The double nearest to a decimal, or the one that hexadecimal digits spell. Raises ValueError."""
+    """The double nearest to a decimal, or the one with these hexadecimal digits. Raises ValueError."""
     try:
         if "0x" in word.lower():
             return float.fromhex(word)

@@ -1,4 +1,4 @@
-"""What is true of an additive Runge-Kutta method: the order of both tables together, of each, and their stability."""
+"""Exact facts about additive Runge-Kutta methods: the order of both tables together and of each, and stability."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _COLOURS = ("explicit", "implicit")
 
 
 class CoupledOrders(NamedTuple):
-    """The largest p such that every residual of the order conditions up to p is at most `tolerance` in size."""
+    """Orders to a tolerance: the largest p such that no condition up to p has a residual above `tolerance` in size."""
 
     tolerance: Fraction
     order: int
@@ -44,28 +44,28 @@ class AdditiveFacts(FactsOfFamily[Additive]):
 
     @cached_property
     def nodes(self) -> tuple[Exact, ...] | None:
-        """The times of the stages, Σⱼ aᵢⱼ = Σⱼ âᵢⱼ; None where the two parts are at different times."""
+        """The nodes Σⱼ aᵢⱼ = Σⱼ âᵢⱼ of the stages; None if the two tables have different nodes."""
         found, other = (tuple(map(total, a)) for a in (self.method.a_explicit, self.method.a_implicit))
         return found if found == other else None
 
     @cached_property
     def weights_agree(self) -> bool:
-        """Whether b = b̂: then every linear invariant that f + g has is kept, whatever f and g have."""
+        """True if b = b̂; then every linear invariant of f + g is kept, even if neither f nor g has it."""
         return self.method.b_explicit == self.method.b_implicit
 
     @cached_property
     def order(self) -> int:
-        """The order on every y' = f(y) + g(y): the conditions of all trees of two colours, coupling ones among them."""
+        """The order on every y' = f(y) + g(y), by the conditions of all two-coloured trees, coupling ones included."""
         return self.order_fails.order
 
     @cached_property
     def order_fails(self) -> OrderFact[ColouredTree]:
-        """Why the order is no higher: the first tree, its vertices explicit or implicit, and the residual."""
+        """Why the order is not higher: the first tree that fails, with explicit and implicit vertices; its residual."""
         return order_of(self._both)
 
     @cached_property
     def order_but_for_rounding(self) -> RoundedOrder | None:
-        """The order that decimal coefficients miss by their digits alone; None where they are exact."""
+        """The order that decimal coefficients miss only by their rounding; None for exact coefficients."""
         return rounded_order(self._both, MOST_VERTICES) if self.method.decimal else None
 
     @cached_property
@@ -80,7 +80,7 @@ class AdditiveFacts(FactsOfFamily[Additive]):
 
     @cached_property
     def embedded_order(self) -> int | None:
-        """The order, on f + g, of the embedded rows of a pair."""
+        """The order of the embedded weights on y' = f(y) + g(y); None without such weights."""
         found = self._embedded
         return None if found is None else order_of(found).order
 
@@ -95,7 +95,7 @@ class AdditiveFacts(FactsOfFamily[Additive]):
     implicit_stiffly_accurate = fact_of_twin("_implicit", "stiffly_accurate")
 
     def orders_within(self, tolerance: Fraction) -> CoupledOrders:
-        """The orders to a tolerance: of decimal tables, whose conditions hold to residuals. Raises ValueError."""
+        """The orders to a tolerance, for decimal tables, whose conditions hold up to rounding. Raises ValueError."""
         both = order_to_tolerance(self._both, tolerance)
         parts = (conditions_of_one(self.method.table(part)) for part in _COLOURS)
         explicit, implicit = (order_to_tolerance(conditions, tolerance) for conditions in parts)
@@ -120,7 +120,7 @@ class AdditiveFacts(FactsOfFamily[Additive]):
         return None if None in rows else self._conditions(*rows)  # type: ignore[arg-type]
 
     def _conditions(self, b_explicit: Sequence[Exact], b_implicit: Sequence[Exact]) -> ColouredConditions:
-        """Of the trees whose vertices are of f or of g, either with any branches (kennedy-carpenter-2003, 2)."""
+        """The conditions of trees with vertices of f and of g, with any branches (kennedy-carpenter-2003, 2)."""
         stages = TableauStages(self.method.a_explicit, b_explicit), TableauStages(self.method.a_implicit, b_implicit)
         return ColouredConditions(_COLOURS, *stages, internal=2, scalars=EXACT)
 

@@ -1,4 +1,4 @@
-"""The certified error of one float run, truncation and rounding apart."""
+"""The certified error of one float run on the oscillator, split into truncation and rounding."""
 
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ LONGEST_POWER = 20_000
 
 @dataclass(frozen=True)
 class ErrorOfRun:
-    """z^_N - z(t) = (z^_N - M^N z0) + (M^N z0 - z(t)): rounding and truncation, on q' = v, v' = -q.
+    """The error z^_N - z(t) = (z^_N - M^N z0) + (M^N z0 - z(t)) on q' = v, v' = -q: rounding plus truncation.
 
-    `final` is z^_N, the final state of an actual float run of `steps` steps of size `h` from `start`: the floats
-    themselves, h too, as fractions. `matrix` is M(h) at that h. t = N h. Distances are Euclidean. M^N is formed by
-    squaring, so N = 10^7 takes no time.
+    `final` is z^_N, the final state of a float run of N = `steps` steps of size `h` from `start`. `h`, `start` and
+    `final` are the floats themselves, as fractions; `matrix` is M(h), and t = N h. Distances are Euclidean. M^N is
+    formed by squaring, so N = 10^7 takes no time.
     """
 
     matrix: Entries
@@ -33,14 +33,14 @@ class ErrorOfRun:
 
     @property
     def rounding(self) -> CertifiableReal:
-        """|z^_N - M^N z0|, what the floats did."""
+        """|z^_N - M^N z0|, the error due to rounding."""
         if self._is_exact:
             return Fraction(0)
         return lambda: distance(self._floats(), self._numerical())
 
     @property
     def truncation(self) -> CertifiableReal:
-        """|M^N z0 - z(t)|, what the method would do in exact arithmetic."""
+        """|M^N z0 - z(t)|, the error that the method would have in exact arithmetic."""
         return lambda: distance(self._numerical(), self._analytic())
 
     @property

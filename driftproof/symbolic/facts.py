@@ -1,4 +1,4 @@
-"""Every exact fact of a method by name, as exact objects: who it is, its order, and what it does on linear problems."""
+"""All exact facts about a method by name: its order, error estimate, stability, and behaviour on linear problems."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ FAMILY_NAMES = {RungeKutta: "runge_kutta", Splitting: "splitting", Nystrom: "nys
 MODIFIED_ORDER = 5
 
 
-# The other facts are the same of both.
+# The facts that differ between the table as written and the irreducible method, by which of the two they describe.
 OF_THE_TABLE = (
     *("stages", "explicit", "field", "inconsistencies", "embedded_order", "estimate", "stage_order"),
     *("simplifying_assumptions", "algebraically_stable", "order_reduction"),
@@ -42,7 +42,7 @@ OF_THE_IRREDUCIBLE_METHOD = ("symplectic", "symmetric", "ssp_coefficient")
 
 
 class Reduction(NamedTuple):
-    """The stages of the irreducible method, and of which facts it matters whether they are of it or of the table."""
+    """The number of stages of the irreducible method, and the facts that describe the table or that method only."""
 
     irreducible_stages: int
     of_the_table: tuple[str, ...]
@@ -52,7 +52,7 @@ class Reduction(NamedTuple):
 class Facts(LinearFacts):
     """The exact facts about `method`, each derived when it is first asked for: `Facts(METHODS["rk4"]).imaginary_limit`.
 
-    A fact is None where the method has none. FACTS has the names of all.
+    A fact that the method does not have is None. FACTS lists all names.
 
     >>> from driftproof import METHODS, Facts
     >>> facts = Facts(METHODS["rk4"])
@@ -62,19 +62,19 @@ class Facts(LinearFacts):
 
     @cached_property
     def family(self) -> str:
-        """The kind of method by which its coefficients are read."""
+        """The family of methods, which says what the coefficients mean."""
         return FAMILY_NAMES[type(self.method)]
 
     @cached_property
     def stages(self) -> int:
-        """How often a step evaluates the right-hand side, as written; of a splitting, its kicks."""
+        """The number of evaluations of the right-hand side in a step as written; for a splitting, its kicks."""
         if isinstance(self.method, Splitting):
             return sum(kind == "kick" for kind, _ in self.method.parts)
         return self.method.stages
 
     @cached_property
     def reduction(self) -> Reduction | None:
-        """Which facts are of the table as written, and which of the irreducible method, where that has fewer stages."""
+        """Which facts describe the table and which the irreducible method; None unless that has fewer stages."""
         if not isinstance(self.method, RungeKutta | Nystrom):
             return None
         stages = len(reduced_stages_of(self.method).b)
@@ -82,7 +82,7 @@ class Facts(LinearFacts):
 
     @cached_property
     def inconsistencies(self) -> Mapping[str, Exact]:
-        """What is not zero and should be, as sum(b) - 1: of coefficients that are printed as decimals."""
+        """The residuals that should be zero and are not, such as sum(b) - 1, of coefficients printed as decimals."""
         return self.method.inconsistencies()
 
     @cached_property
@@ -92,14 +92,14 @@ class Facts(LinearFacts):
 
     @cached_property
     def order_fails(self) -> OrderFact[Any]:
-        """Why the order is no higher: the first tree with a residual, and the residual."""
+        """Why the order is not higher: the first tree whose condition fails, and its residual."""
         if isinstance(self.method, RungeKutta):
             return order_conditions.order_of(self._conditions)
         return general_order(self.method)
 
     @cached_property
     def order_but_for_rounding(self) -> RoundedOrder | None:
-        """The order that rounded coefficients miss by their rounding alone; None where there is nothing of the kind."""
+        """The order that rounded coefficients miss only by their rounding; None if there is no such order."""
         method, claimed = self.method, self.method.claimed_order
         if isinstance(method, Collocation) or method.field or (claimed and self.order == claimed):
             return None
@@ -107,44 +107,44 @@ class Facts(LinearFacts):
 
     @property
     def _rounded(self) -> bool:
-        """As the source says, or as the residuals of the order conditions show."""
+        """True if the source says so, or if the residuals of the order conditions show it."""
         return super()._rounded or self.order_but_for_rounding is not None
 
     @cached_property
     def order_second_order_problems(self) -> int | None:
-        """The order on q'' = F(q), of splittings and Nyström methods."""
+        """The order of a splitting or a Nyström method on q'' = F(q); None for other methods."""
         method = self.method
         return partitioned_trees.nystrom_order(method).order if isinstance(method, Splitting | Nystrom) else None
 
     @cached_property
     def embedded_order(self) -> int | None:
-        """The order of the embedded method of a pair."""
+        """The order of the embedded method of a pair; None without one."""
         found = order_conditions.embedded_order(self.method) if isinstance(self.method, RungeKutta) else None
         return None if found is None else found.order
 
     @cached_property
     def estimate(self) -> EstimateFacts | None:
-        """Of a pair: the order of its error estimate, what it is on y' = λy, and whether it is what it estimates."""
+        """The error estimate of a pair: its order, its value on y' = λy, and how well it matches the error."""
         return estimate_facts(self.method) if isinstance(self.method, RungeKutta) else None
 
     @cached_property
     def continuous_extensions(self) -> tuple[ExtensionFacts, ...] | None:
-        """The dense outputs that the catalogue holds: orders for every θ, and how they fit to the steps."""
+        """The dense outputs in the catalogue: their orders for every θ, and how well they join the steps."""
         return extension_facts(self.method) if isinstance(self.method, RungeKutta) else None
 
     @cached_property
     def stage_order(self) -> int | None:
-        """The order to which stages approximate the solution."""
+        """The order to which both the stages and the step approximate the solution."""
         return None if self.simplifying_assumptions is None else self.simplifying_assumptions.stage_order
 
     @cached_property
     def simplifying_assumptions(self) -> order_conditions.Simplifying | None:
-        """How far B, C and D hold."""
+        """The largest p, q, r for which the simplifying assumptions B(p), C(q), D(r) hold."""
         return None if self._tableau is None else order_conditions.simplifying_assumptions(self._tableau)
 
     @cached_property
     def principal_error(self) -> order_conditions.PrincipalError[Tree] | TooManyTrees | None:
-        """The coefficients of the leading error term, by trees, unless there are too many."""
+        """The coefficients of the leading error term, by trees; a TooManyTrees if there are too many."""
         if self._tableau is None:
             return None
         try:
@@ -154,19 +154,19 @@ class Facts(LinearFacts):
 
     @cached_property
     def algebraically_stable(self) -> bool | None:
-        """Whether two solutions of a contractive problem never come apart."""
+        """True if the method is algebraically stable: no step moves two solutions of a contractive problem apart."""
         return None if self._tableau is None else algebraic_stability(self._tableau).holds
 
     @cached_property
     def modified_equation(self) -> Mapping[Tree, Exact] | None:
-        """The coefficients that are not zero of the equation whose exact flow the step is, by trees."""
+        """The nonzero coefficients, by trees, of the modified equation, whose exact flow is the step."""
         if self._tableau is None:
             return None
         return {tree: c for tree, c in modified_equation(self._tableau, MODIFIED_ORDER).items() if c}
 
     @cached_property
     def _conditions(self) -> order_conditions.RungeKuttaConditions:
-        """Those of the order and of the principal error: the stages of each tree are made once for both."""
+        """The order conditions, shared by the order and the principal error: each tree is evaluated once."""
         assert self._tableau is not None
         return order_conditions.runge_kutta_conditions(self._tableau)
 
@@ -175,9 +175,9 @@ class Facts(LinearFacts):
         return self.method if isinstance(self.method, RungeKutta | Collocation) else None
 
 
-# So long that they are given only when they are named.
+# Facts that are so long that they are given only if they are asked for by name.
 ON_REQUEST = ("region_boundary",)
-# Every fact by name, in the order in which a reader wants them; those that the method itself states, among the first.
+# The names of all facts in the order in which a reader wants them; most of what the method itself states comes first.
 _IDENTITY = ("method", "title", "family", "source", "stages", "explicit", "decimal", "field", "inconsistencies")
 _LINEAR = (name for name in fact_names(LinearFacts) if name not in ON_REQUEST)
 FACTS = tuple(dict.fromkeys((*_IDENTITY, "claimed_order", *fact_names(Facts), *_LINEAR)))
@@ -198,7 +198,7 @@ WHY_NONE = {
 }
 
 
-# Of each kind of method that has facts only: what derives them, their names, and names given on request.
+# For each kind of method that has facts only: the class that derives them, their names, and those given on request.
 _FACTS_ONLY: Mapping[type, tuple[Callable[[Any], Any], tuple[str, ...], tuple[str, ...]]] = {
     Multistep: (MultistepFacts, MULTISTEP_FACTS, MULTISTEP_ON_REQUEST),
     Rosenbrock: (RosenbrockFacts, ROSENBROCK_FACTS, ()),
@@ -208,9 +208,10 @@ OTHER_FACTS = tuple(dict.fromkeys(name for _, *known in _FACTS_ONLY.values() for
 
 
 def facts_only(method: FactsOnly, names: Sequence[str] = (), tolerance: Fraction | None = None) -> dict[str, Any]:
-    """The named facts, else all but those on request, of a method that has facts only; the orders to a tolerance.
+    """The named facts of a method that has facts only, by default all but those on request.
 
-    Raises ValueError for an unknown name, and for a tolerance where no order is to one.
+    A `tolerance` adds "order_to_tolerance". Raises ValueError for an unknown name, and for a tolerance for a family
+    whose order is always exact.
     """
     make, known, on_request = _FACTS_ONLY[type(method)]
     facts = make(method)
@@ -225,7 +226,7 @@ def facts_only(method: FactsOnly, names: Sequence[str] = (), tolerance: Fraction
 
 
 class OrderWithin(NamedTuple):
-    """The largest p such that every residual of the order conditions up to p is at most `tolerance` in size."""
+    """Orders to a tolerance: the largest p such that no condition up to p has a residual above `tolerance` in size."""
 
     tolerance: Fraction
     order: int
@@ -234,16 +235,16 @@ class OrderWithin(NamedTuple):
 
 
 def general_order(method: Method) -> OrderFact[Any]:
-    """The order by `general_conditions`, never that on linear problems alone."""
+    """The order by `general_conditions`, never the order on linear problems alone."""
     if isinstance(method, Collocation):
         return order_conditions.order(method)  # by its quadrature formula
     return order_conditions.order_of(general_conditions(method))
 
 
 def order_within(method: Method, tolerance: Fraction) -> OrderWithin:
-    """The order to a tolerance, also on second-order problems, and of an embedded method.
+    """The order to a tolerance, that on second-order problems, and that of an embedded method.
 
-    Not the order: that is decided by equality alone. Looked for up to TOLERANCE_ORDER, or to the order where that is
+    It is not the order, which only exact equality decides. It is at most TOLERANCE_ORDER, or the order if that is
     higher. Raises ValueError for a negative tolerance.
 
     >>> from fractions import Fraction

@@ -1,4 +1,4 @@
-"""Every fact about a family of Runge-Kutta methods as a function of its parameter: order, limits, stability."""
+"""Exact facts about a family of Runge-Kutta methods as functions of its parameter: order, limits, stability."""
 
 from __future__ import annotations
 
@@ -49,14 +49,14 @@ _T = TypeVar("_T")
 
 
 class FailingTree(NamedTuple):
-    """The first tree whose condition does not hold for all values, and its residual Φ - 1/γ."""
+    """The first tree whose condition does not hold for all values of the parameter, and its residual Φ - 1/γ."""
 
     tree: Tree
     residual: Formula
 
 
 class FamilyFunction(NamedTuple):
-    """A rational function of z by its coefficients, functions of the parameter, constant term first."""
+    """A rational function of z, its coefficients being functions of the parameter, constant term first."""
 
     num: list[Formula]
     den: list[Formula]
@@ -70,7 +70,7 @@ class FamilyTerm(NamedTuple):
 
 
 class OrderSet(NamedTuple):
-    """The values of the parameter at which the order is at least this."""
+    """The values of the parameter at which the order is at least `order`."""
 
     order: int
     values: ParameterSet
@@ -98,10 +98,10 @@ class LimitPiece(NamedTuple):
 
 
 class FamilyFacts:
-    """The exact facts about a family, for almost all or for which values of the parameter; those of a member differ.
+    """The exact facts about a family: those of almost all members, and at which values of the parameter a fact holds.
 
-    Each is derived when it is first asked for. A set or a limit is an UndecidedError where a critical value of the
-    parameter lies in a number field too large. FAMILY_FACTS has the names of all.
+    Each is derived when it is first asked for. A set or a limit is an UndecidedError if a critical value of the
+    parameter lies in too large a number field. FAMILY_FACTS lists all names.
     """
 
     def __init__(self, method: Family) -> None:
@@ -110,27 +110,27 @@ class FamilyFacts:
 
     @cached_property
     def family(self) -> str:
-        """What its members are."""
+        """The family of methods that the members belong to."""
         return "runge_kutta"
 
     @cached_property
     def defined(self) -> ParameterSet:
-        """The values at which no coefficient has a pole."""
+        """The values of the parameter at which no coefficient has a pole."""
         return Line.cut(self.method, []).where(lambda value: True)
 
     @cached_property
     def order(self) -> int:
-        """The order for all values that are no poles."""
+        """The order that holds for all values of the parameter other than poles."""
         return self._order[0]
 
     @cached_property
     def order_fails(self) -> FailingTree:
-        """Why that order is no higher."""
+        """Why that order is not higher: the first tree that fails for some value, and its residual."""
         return self._order[1]
 
     @cached_property
     def order_sets(self) -> list[OrderSet]:
-        """The values of order at least 1, 2, ..., up to the first order that no value has."""
+        """The values with order at least 1, 2, ..., up to the first order that no value has."""
         return self._order[2]
 
     @cached_property
@@ -147,27 +147,27 @@ class FamilyFacts:
 
     @cached_property
     def real_limit(self) -> list[LimitPiece] | UndecidedError:
-        """The largest x with |R| <= 1 on [-x, 0], by pieces."""
+        """The largest x with |R| <= 1 on [-x, 0], piecewise in the parameter."""
         return self._decided(parametric_real_limit)
 
     @cached_property
     def imaginary_limit(self) -> list[LimitPiece] | UndecidedError:
-        """The largest y with |R| <= 1 on [0, iy], by pieces."""
+        """The largest y with |R| <= 1 on [0, iy], piecewise in the parameter."""
         return self._decided(parametric_imaginary_limit)
 
     @cached_property
     def a_stable(self) -> ParameterSet | UndecidedError:
-        """The values of A-stable methods."""
+        """The values at which the method is A-stable."""
         return self._decided(lambda family: parameter_set(family, a_stability))
 
     @cached_property
     def i_stable(self) -> ParameterSet | UndecidedError:
-        """The values of methods that are stable on the imaginary axis."""
+        """The values at which the method is stable on the imaginary axis."""
         return self._decided(lambda family: parameter_set(family, i_stability))
 
     @cached_property
     def l_stable(self) -> ParameterSet | UndecidedError:
-        """The values of L-stable methods."""
+        """The values at which the method is L-stable."""
         return self._decided(lambda family: parameter_set(family, l_stability))
 
     @cached_property
@@ -193,19 +193,17 @@ class _Polynomials:
     """Q[parameter] as the ring of order conditions."""
 
     def lift(self, x: Any) -> Polynomial:
-        """The polynomial itself, or an integer as one."""
         return fmpq_poly([x]) if isinstance(x, int) else x
 
     def exact(self, x: Polynomial) -> Any:
-        """The polynomial itself."""
         return x
 
 
 def family_residuals(family: Family, vertices: int) -> list[tuple[Tree, RationalFunction]]:
-    """Φ(t) - 1/γ(t) as a function of the parameter, for every tree with so many vertices.
+    """Φ(t) - 1/γ(t) as a function of the parameter, for every tree with `vertices` vertices.
 
-    Φ is homogeneous in the entries of A and b, of degree n for n vertices: so with A = A'/d and b = b'/d it is that of
-    (A', b'), a polynomial, over dⁿ.
+    Φ is homogeneous in the entries of A and b, of degree n for n vertices: so with A = A'/d and b = b'/d it is the Φ of
+    (A', b'), a polynomial, divided by dⁿ.
     """
     common = poles(family)
     rows = [cleared(row, common) for row in family.a]
@@ -220,7 +218,7 @@ def family_residuals(family: Family, vertices: int) -> list[tuple[Tree, Rational
 
 
 def family_order(family: Family) -> tuple[int, FailingTree, list[OrderSet]]:
-    """The order for all values of the parameter, why it is no higher, and the values where it is."""
+    """The order for all values of the parameter, why it is not higher, and the values at which it is."""
     failing: tuple[int, FailingTree] | None = None
     shared: Polynomial = ZERO  # vanishes exactly where all conditions so far hold
     sets: list[OrderSet] = []
@@ -247,14 +245,14 @@ _Value: TypeAlias = Limit | Branch
 
 
 def parametric_real_limit(family: Family) -> list[LimitPiece]:
-    """The real limit: (Q - P)(Q + P) at -x vanishes there."""
+    """The real limit, piecewise in the parameter: a zero of (Q - P)(Q + P) at -x."""
     r = family_stability(family)
     margin = without_root_zero(reflected_in_x(r.den * r.den - r.num * r.num))
     return _pieces(family, r, margin, margin, real_limit)
 
 
 def parametric_imaginary_limit(family: Family) -> list[LimitPiece]:
-    """The imaginary limit: |Q(ix)|² - |P(ix)|² vanishes there, a polynomial in x**2."""
+    """The imaginary limit, piecewise in the parameter: a zero of |Q(ix)|² - |P(ix)|², a polynomial in x**2."""
     r = family_stability(family)
     margin = r.margin_on_axis()
     return _pieces(family, r, margin, in_square_of_x(margin), imaginary_limit)
@@ -267,11 +265,12 @@ def _pieces(
     in_limit: Bivariate,
     limit_of: Callable[[RationalFunction], Limit],
 ) -> list[LimitPiece]:
-    """On an open cell between critical values the number of positive roots and the signs between them are constant.
+    """The limit on the open cells between critical values and at these values, neighbours with the same branch merged.
 
-    So is, there, the number of the root at which the limit lies: one rational value decides it. Critical are the roots
-    of the first and last coefficient of the margin and of its first nonzero subresultant with its derivative, and the
-    values where a factor of R cancels (basu-pollack-roy-2006, chapter 5).
+    On a cell the number of positive roots and the signs between them are constant, and so is the number of the root at
+    which the limit lies: one rational value decides it. Critical are the roots of the first and last coefficient of the
+    margin and of its first nonzero subresultant with its derivative, and the values where a factor of R cancels
+    (basu-pollack-roy-2006, chapter 5).
     """
     line = Line.cut(family, critical_values(r, margin))
     curves = irreducible_factors(in_limit)
@@ -298,7 +297,7 @@ def _piece(curves: list[Bivariate], parameter: str, value: _Value, where: Interv
 
 
 def _value(curves: list[Bivariate], value: Exact | None, limit: Limit | None) -> _Value | None:
-    """The branch on which the limit lies at a value that is not critical; the limit itself on a curve free of it."""
+    """The branch on which the limit lies at a value in a cell; the limit itself if it does not depend on the value."""
     if value is None or not isinstance(limit, RealRoot) or limit == ORIGIN:
         return limit
     found = (k for k, curve in enumerate(curves) if vanishes_at(at_parameter(curve, scalar(value)), limit))
@@ -311,7 +310,7 @@ def _value(curves: list[Bivariate], value: Exact | None, limit: Limit | None) ->
 def _at_point(
     curves: list[Bivariate], value: Exact | None, limit: Limit | None, beside: Sequence[_Value | None]
 ) -> _Value | None:
-    """The value of a cell beside the point, left before right, if the limit at the point continues it."""
+    """The value on the left cell, else the right one, that the limit at the point continues; else the limit itself."""
     if value is None:
         return None
     for cell in beside:

@@ -1,4 +1,4 @@
-"""What is true of an embedded pair as a pair, and of a continuous extension: orders, constants, ends, stability."""
+"""Exact facts about the error estimate of an embedded pair, and about continuous extensions (dense output)."""
 
 from __future__ import annotations
 
@@ -17,17 +17,16 @@ from driftproof.symbolic.linear.facts import ExactFunction
 from driftproof.symbolic.linear.stability_function import stability_function
 from driftproof.symbolic.linear.stability_limits import INFINITY, Infinity
 from driftproof.symbolic.trees.elementary_weights import EXACT, RingElement, tableau_stages
-from driftproof.symbolic.trees.order_conditions import RungeKuttaConditions, order, residuals
-from driftproof.symbolic.trees.rooted_trees import tree_table
+from driftproof.symbolic.trees.order_conditions import RungeKuttaConditions, order, residuals, runge_kutta_conditions
 
 
 class EstimateFacts(NamedTuple):
     """The estimate h Σ (bᵢ - b̂ᵢ) kᵢ of a pair: O(h^(order + 1)), and E(z) = R(z) - R̂(z) on y' = λy.
 
-    `at_infinity` is |E| there: where it is not 0, stiff components keep the step small that R has long damped.
+    `at_infinity` is |E| at infinity: if it is not 0, stiff components that R damps still keep the step small.
     `b_ratio` = |τ̂⁺|/|τ̂| and `c_ratio` = |τ̂⁺ - τ⁺|/|τ̂|, with τ̂ the leading error coefficients of the row of lower
-    order, τ̂⁺ those one order higher and τ⁺ those of the other row: near 1, the estimate is what it estimates
-    (prince-dormand-1981, 2). None where coefficients are decimals or irrational.
+    order, τ̂⁺ those one order higher and τ⁺ those of the other row: near 1, the estimate is close to the error
+    (prince-dormand-1981, 2). Both are None if coefficients are decimals or irrational.
     """
 
     order: int
@@ -38,11 +37,11 @@ class EstimateFacts(NamedTuple):
 
 
 class ExtensionFacts(NamedTuple):
-    """A continuous extension: `order` for every θ, and how it fits to the steps at its ends, θ = 0 and θ = 1.
+    """A continuous extension: its `order` for every θ, and how well it joins the steps at θ = 0 and θ = 1.
 
-    Of decimal tables, whose conditions hold to residuals, `largest_residual` is the largest of those to the claimed
-    order, as a coefficient of a power of θ. `step_residual` is the largest |bᵢ(1) - bᵢ|, `slope_residual` the largest
-    difference from the slopes f(t, y) and f(t + h, y₁) at the ends, None where no stage is the slope at the end.
+    `largest_residual` is the largest coefficient of a power of θ in the residuals up to the claimed order, not 0 for
+    decimal tables. `step_residual` is the largest |bᵢ(1) - bᵢ|, `slope_residual` the largest difference from the slopes
+    f(t, y) and f(t + h, y₁) at the ends, or None if no stage is the slope at the end.
     """
 
     key: str
@@ -57,7 +56,7 @@ class ExtensionFacts(NamedTuple):
 
 
 def estimate_facts(method: RungeKutta) -> EstimateFacts | None:
-    """Of a pair whose rows differ; None of other methods."""
+    """The facts about the error estimate of a pair; None if there is no pair, or its two rows are equal."""
     if method.b_embedded is None or method.b_embedded == method.b:
         return None
     other = method.embedded(EMBEDDED_SUFFIX)
@@ -83,21 +82,19 @@ def _ratios(method: RungeKutta, other: RungeKutta) -> tuple[RealRoot, RealRoot]:
 
 
 def _error_coefficients(method: RungeKutta, vertices: int) -> list[Fraction]:
-    """τ = (Φ - 1/γ)/σ of all trees with so many vertices."""
-    conditions = RungeKuttaConditions(*tableau_stages(method.a, method.b))
-    found = residuals(conditions, vertices)
-    table = tree_table(vertices)
-    symmetries = [table.symmetry[label] for label in table.ids(vertices)]
-    return [Fraction(str(x)) / sigma for (_, x), sigma in zip(found, symmetries, strict=True)]
+    """τ = (Φ - 1/γ)/σ of all trees with `vertices` vertices."""
+    conditions = runge_kutta_conditions(method)
+    pairs = zip(residuals(conditions, vertices), conditions.symmetries(vertices), strict=True)
+    return [Fraction(str(x)) / sigma for (_, x), sigma in pairs]
 
 
 def extension_facts(method: RungeKutta) -> tuple[ExtensionFacts, ...] | None:
-    """Of the catalogue's continuous extensions of the method; None where it holds none."""
+    """The facts about the continuous extensions of the method in the catalogue; None if it has none."""
     return tuple(map(facts_of_extension, extensions_of(method))) or None
 
 
 def facts_of_extension(extension: ContinuousExtension) -> ExtensionFacts:
-    """All of them, exactly."""
+    """The exact facts about one continuous extension."""
     method = extension.method
     at_one = [sum(weight, Fraction(0)) for weight in extension.weights]
     own = [*method.b, *[Fraction(0)] * (len(at_one) - method.stages)]
@@ -116,7 +113,7 @@ def facts_of_extension(extension: ContinuousExtension) -> ExtensionFacts:
 
 
 def _theta_residuals(extension: ContinuousExtension) -> Callable[[int], Sequence[RingElement]]:
-    """Σ bᵢ(θ) Φᵢ(t) = θⁿ/γ(t) for each tree of n vertices, as what is left in each coefficient of a power of θ."""
+    """A function of n: the coefficients of all powers of θ in Σ bᵢ(θ) Φᵢ(t) - θⁿ/γ(t), t being the trees of order n."""
     constant, *others = tableau_stages(extension.a, *extension.columns)
     stages = RungeKuttaConditions(constant)
     powers = [stages, *map(stages.weighed_by, others)]
@@ -133,7 +130,7 @@ def _theta_residuals(extension: ContinuousExtension) -> Callable[[int], Sequence
 
 
 def _slope_residual(extension: ContinuousExtension, own: Sequence[Exact]) -> Exact | None:
-    """How far b'(0) is from the first stage, and b'(1) from the stage at the end of the step."""
+    """The largest distance of b'(0) from the first stage and of b'(1) from the stage at the end; None without these."""
     pairs = zip(extension.a, extension.c, strict=True)
     last = next((i for i, (row, node) in enumerate(pairs) if list(row) == own and node == 1), None)
     if last is None or any(extension.a[0]) or extension.c[0]:

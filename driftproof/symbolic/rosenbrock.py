@@ -1,4 +1,4 @@
-"""What is true of a Rosenbrock method: its order, with f'(y) and with any matrix in its place, and its stability."""
+"""Exact facts about Rosenbrock methods: the order with J = f'(y) and with any matrix J, and the stability."""
 
 from __future__ import annotations
 
@@ -25,19 +25,19 @@ from driftproof.symbolic.trees.partitioned_trees import ColouredConditions
 from driftproof.symbolic.trees.rooted_trees import ColouredTree, Tree, coloured_shapes
 
 F, J = "f", "J"
-# Beyond the order of every method of these families, so that a jump of the residuals is seen.
+# Beyond the order of every method of these families, so that the jump of the residuals after the order is seen.
 MOST_VERTICES = 8
 
 
 class RosenbrockStages:
-    """The stages of a Rosenbrock method with J = f'(y), for trees: a vertex with one branch has A = α + γ, others α.
+    """The stages of a Rosenbrock method with J = f'(y): a vertex with one branch has A = α + γ, any other has A = α.
 
-    So the values of a tree are pairs: with α alone, for when another branch comes, and as they are
+    So the values of a tree are a pair: those with A = α, for when another branch is joined, and the proper ones
     (hairer-wanner-1996, IV.7).
     """
 
     def __init__(self, method: Rosenbrock, weights: Sequence[Exact]) -> None:
-        """`weights` is b, or the embedded row."""
+        """Take the weights b or the embedded ones."""
         self.scalars = EXACT
         self.bound = method.stages + 1  # of R(z), whose poles are real, hairer-wanner-1996, IV.4
         self._alpha = TableauStages(method.alpha, weights)
@@ -45,7 +45,7 @@ class RosenbrockStages:
         self.one: StageValues = (self._alpha.one, self._alpha.one)
 
     def times(self, u: StageValues, v: StageValues) -> StageValues:
-        """The branch v joined to u, which is alone as long as it is the first."""
+        """The values of u with the branch v joined to its root."""
         if u is self.one:
             return v
         both = self._alpha.times(u[0], v[0])
@@ -61,13 +61,13 @@ class RosenbrockStages:
 
 
 class WStages:
-    """The stages of a W method: a vertex f has A = α, a vertex J, which has one branch and no other, A = γ.
+    """The stages of a W method: a vertex f has A = α; a vertex J, which has exactly one branch, has A = γ.
 
-    Trees that do not occur, with J at a leaf or a fork, have weight 0. Values are what a vertex is, and the stages.
+    Trees that do not occur, with J at a leaf or a fork, have weight 0. A value is the kind of the root and its stages.
     """
 
     def __init__(self, method: Rosenbrock, weights: Sequence[Exact], colour: str) -> None:
-        """The vertices of this colour."""
+        """Make the stages for vertices of this colour."""
         self.scalars = EXACT
         self.bound = method.stages + 1
         self._alpha, self._gamma = TableauStages(method.alpha, weights), TableauStages(method.gamma, weights)
@@ -75,14 +75,14 @@ class WStages:
         self.one: StageValues = (F, self._alpha.one) if colour == F else (J, self._zeros)
 
     def times(self, u: StageValues, v: StageValues) -> StageValues:
-        """The branch v joined to u."""
+        """The values of u with the branch v joined to its root."""
         kind, stages = u
         if kind == F:
             return F, self._alpha.times(stages, v[0])
         return "full", v[1] if kind == J else self._zeros
 
     def inner(self, u: StageValues) -> StageValues:
-        """α u and γ u: which of them counts, the vertex below says."""
+        """α u and γ u, of which the parent vertex takes one by its own colour."""
         return self._alpha.inner(u[1]), self._gamma.inner(u[1])
 
     def weigh(self, u: StageValues) -> RingElement:
@@ -91,15 +91,15 @@ class WStages:
 
 
 class WConditions(ColouredConditions):
-    """The conditions of a W method for every J: Φ = 1/γ(t) of trees of f alone, Φ = 0 where J occurs (IV.7)."""
+    """The conditions of a W method for every J: Φ = 1/γ(t) for trees of f alone, Φ = 0 for trees with J (IV.7)."""
 
     def __init__(self, method: Rosenbrock) -> None:
-        """Of the weights b."""
+        """Use the weights b."""
         colours = (WStages(method, method.b, colour) for colour in (F, J))
         super().__init__((F, J), *colours, internal=2, scalars=EXACT)
 
     def residuals(self, vertices: int) -> list[tuple[TreeLabel, RingElement]]:
-        """The label of each tree with so many vertices, and its residual."""
+        """The label of each tree with `vertices` vertices, and its residual."""
         table, trees = self.table(vertices), coloured_shapes(vertices, (F, J), 2)
         return [
             (t, weight if _has_j(trees[t]) else weight - fmpq(1, table.density[t]))
@@ -112,7 +112,7 @@ def _has_j(tree: ColouredTree) -> bool:
 
 
 class OrdersWithin(NamedTuple):
-    """The largest p such that every residual of the order conditions up to p is at most `tolerance` in size."""
+    """Orders to a tolerance: the largest p such that no condition up to p has a residual above `tolerance` in size."""
 
     tolerance: Fraction
     order: int
@@ -121,7 +121,7 @@ class OrdersWithin(NamedTuple):
 
 
 class RosenbrockFacts(FactsOfFamily[Rosenbrock]):
-    """The exact facts about a Rosenbrock method, each derived when it is first asked for; those of R(z) with J = f'.
+    """The exact facts about a Rosenbrock method, each derived when it is first asked for; R(z) is that with J = f'.
 
     >>> from driftproof.methods.catalogue import FACTS_ONLY
     >>> facts = RosenbrockFacts(FACTS_ONLY["ros3p"])
@@ -133,18 +133,18 @@ class RosenbrockFacts(FactsOfFamily[Rosenbrock]):
 
     @cached_property
     def diagonal(self) -> Exact | None:
-        """The one number on the diagonal of γ, so that one factorisation serves a step; None where they differ."""
+        """The common diagonal entry of γ, so that one factorisation serves a step; None if the entries differ."""
         first, *others = (row[i] for i, row in enumerate(self.method.gamma))
         return first if all(x == first for x in others) else None
 
     @cached_property
     def alpha_sums(self) -> tuple[Exact, ...]:
-        """Σⱼ αᵢⱼ: where in the step stage i looks at t."""
+        """Σⱼ αᵢⱼ: stage i evaluates f at the time t + h Σⱼ αᵢⱼ."""
         return tuple(map(total, self.method.alpha))
 
     @cached_property
     def gamma_sums(self) -> tuple[Exact, ...]:
-        """Σⱼ γᵢⱼ: how much of h ∂f/∂t stage i takes."""
+        """Σⱼ γᵢⱼ, the factor of h ∂f/∂t in stage i."""
         return tuple(map(total, self.method.gamma))
 
     @cached_property
@@ -154,32 +154,32 @@ class RosenbrockFacts(FactsOfFamily[Rosenbrock]):
 
     @cached_property
     def order_fails(self) -> OrderFact[Tree]:
-        """Why the order is no higher: the first tree with a residual, and the residual."""
+        """Why the order is not higher: the first tree whose condition fails, and its residual."""
         return order_of(self._conditions(self.method.b))
 
     @cached_property
     def order_but_for_rounding(self) -> RoundedOrder | None:
-        """The order that decimal coefficients miss by their digits alone; None where they are exact."""
+        """The order that decimal coefficients miss only by their rounding; None for exact coefficients."""
         return rounded_order(self._conditions(self.method.b), MOST_VERTICES) if self.method.decimal else None
 
     @cached_property
     def w_order(self) -> int:
-        """The order with any matrix J, an old or a rough Jacobian: that of a W method."""
+        """The order with any matrix J, such as an old or approximate Jacobian: that of a W method."""
         return self.w_order_fails.order
 
     @cached_property
     def w_order_fails(self) -> OrderFact[ColouredTree]:
-        """Why that order is no higher: the first tree, J among its vertices or not, and the residual."""
+        """Why that order is not higher: the first tree that fails, with or without J, and its residual."""
         return order_of(WConditions(self.method))
 
     @cached_property
     def embedded_order(self) -> int | None:
-        """The order of the embedded row of a pair, with J = f'(y)."""
+        """The order of the embedded weights with J = f'(y); None without such weights."""
         return None if self.method.b_embedded is None else order_of(self._conditions(self.method.b_embedded)).order
 
     @cached_property
     def stiffly_accurate(self) -> bool:
-        """Whether bᵢ = αₛᵢ + γₛᵢ and Σ αₛᵢ = 1: then y₁ solves f = 0 to order h where f is very stiff."""
+        """True if bᵢ = αₛᵢ + γₛᵢ and Σ αₛᵢ = 1; then y₁ solves f = 0 up to order h where f is very stiff."""
         return self.method.linear_twin().a[-1] == self.method.b and self.alpha_sums[-1] == 1
 
     stability_function = fact_of_twin("_linear", "stability_function")
@@ -194,7 +194,7 @@ class RosenbrockFacts(FactsOfFamily[Rosenbrock]):
     imaginary_limit = fact_of_twin("_linear", "imaginary_limit")
 
     def orders_within(self, tolerance: Fraction) -> OrdersWithin:
-        """The orders to a tolerance: of decimal tables, whose conditions hold to residuals. Raises ValueError."""
+        """The orders to a tolerance, for decimal tables, whose conditions hold up to rounding. Raises ValueError."""
         rows = (self.method.b, self.method.b_embedded)
         orders = [None if x is None else order_to_tolerance(self._conditions(x), tolerance) for x in rows]
         w_order = order_to_tolerance(WConditions(self.method), tolerance)

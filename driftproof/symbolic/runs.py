@@ -17,7 +17,7 @@ from driftproof.symbolic.linear.oscillator import oscillator_matrix
 
 # (M_qq, M_qv, M_vq, M_vv) over Fractions or over balls.
 Entries: TypeAlias = tuple[Any, Any, Any, Any]
-# What a run's quantities are: `float` and `str` take both.
+# A quantity of a run: `float` and `str` accept either type.
 RunNumber: TypeAlias = "Fraction | EnclosedReal"
 # Above this many bits a power of M is only enclosed: the fraction would be longer than anyone reads.
 LONGEST_FRACTION = 4_000
@@ -56,7 +56,7 @@ def as_balls(matrix: Entries) -> Entries:
 def power(matrix: Entries, n: int) -> Entries:
     """matrix**n for n >= 0 by repeated squaring, in the arithmetic of its entries.
 
-    In balls this is what makes long runs possible: stepping n times would widen the radius by (1 + h)**n.
+    With balls, squaring makes long runs possible: n single steps would widen the radius by (1 + h)**n.
     """
     result: Entries = (1, 0, 0, 1)
     while n:
@@ -69,9 +69,9 @@ def power(matrix: Entries, n: int) -> Entries:
 
 
 def short_power(matrix: Entries, n: int, bits: int) -> Entries | None:
-    """matrix**n over Fractions, or None if an entry is irrational or on the way longer than `bits` bits.
+    """matrix**n over Fractions; None if an entry is irrational, or longer than `bits` bits on the way.
 
-    Short powers are not only the small ones: a matrix of finite order has none but short powers.
+    High powers may be short, too: all powers of a matrix of finite order are.
     """
     if not all(isinstance(x, Fraction) for x in matrix):
         return None
@@ -105,7 +105,7 @@ def apply(matrix: Entries, q: Any, v: Any) -> tuple[Any, Any]:
 class TrigonometricNumber(EnclosedReal):
     """The real number cosine·cos t + sine·sin t for rational t != 0, its coefficients rational and not both zero.
 
-    Called, it is an Arb ball around the number; as text, it is written as SymPy writes it: "cos(10)/3 + 2*sin(10)".
+    Calling it returns an Arb ball around the number; its text is what SymPy writes: "cos(10)/3 + 2*sin(10)".
     """
 
     cosine: Fraction
@@ -127,7 +127,7 @@ class TrigonometricNumber(EnclosedReal):
 
 
 def _term(coefficient: Fraction, factor: str) -> str:
-    """E.g. "-3*sin(10)/20"."""
+    """The term as text, such as "-3*sin(10)/20"."""
     size, over = abs(coefficient.numerator), coefficient.denominator
     text = (factor if size == 1 else f"{size}*{factor}") + (f"/{over}" if over != 1 else "")
     return f"-{text}" if coefficient < 0 else text
@@ -138,8 +138,8 @@ class OscillatorRun:
     """N = t/h steps of `method` on q' = v, v' = -q from the rational state `start`.
 
     Every quantity is a Fraction where it is rational and short, else a procedure that encloses it (`EnclosedReal`).
-    The start is rational and t too, so the exact state is rational only at t = 0, where Fractions are returned, or
-    from the origin, where the enclosures are exact: hence no question asked of these numbers is an undecidable tie
+    The start and t are rational, so the exact state is rational only at t = 0, where Fractions are returned, or if the
+    start is the origin, where the enclosures are exact. Hence no comparison of these numbers is an undecidable tie
     (Lindemann: cos t and sin t are transcendental at rational t != 0).
     Raises ValueError if h does not divide t.
 
@@ -156,7 +156,7 @@ class OscillatorRun:
     start: tuple[Fraction, Fraction] = (Fraction(1), Fraction(0))
 
     def __post_init__(self) -> None:
-        """Refuse a step that does not divide the interval."""
+        """Raise ValueError if h does not divide t."""
         demand_method(self.method)
         step_count(self.t, self.h)
 
@@ -171,17 +171,17 @@ class OscillatorRun:
 
     @cached_property
     def _enclosures(self) -> dict[int, tuple[arb, arb]]:
-        """The final state in balls, by precision: every readout needs it, and a long run has thousands of squarings."""
+        """The final state in balls by precision, kept because every quantity needs it."""
         return {}
 
     @cached_property
     def _power(self) -> Entries | None:
-        """M(h)ᴺ in fractions, None where they are longer than LONGEST_FRACTION."""
+        """M(h)ᴺ in fractions; None if they are irrational or longer than LONGEST_FRACTION bits."""
         return short_power(self._matrix, self.steps, LONGEST_FRACTION)
 
     @property
     def has_short_fractions(self) -> bool:
-        """True when M(h)ᴺ is kept as fractions rather than as balls."""
+        """True if M(h)ᴺ is kept as fractions rather than as balls."""
         return self._power is not None
 
     @cached_property
@@ -226,8 +226,7 @@ class OscillatorRun:
     def phase_error(self) -> RunNumber | None:
         """The angle, in degrees in [-180, 180), by which the numerical final state is ahead of the exact one.
 
-        atan2 of cross and dot product, so whole turns are not counted. None where an angle is undefined: at the
-        origin.
+        It is atan2 of cross and dot product, so whole turns are not counted. None if a state is the origin.
         """
         origin = (Fraction(0), Fraction(0))
         if origin in (self.start, self.final_state):
@@ -249,6 +248,6 @@ def _energy(q: Any, v: Any) -> Any:
 
 
 def _angle_between(numerical: tuple[arb, arb], exact: tuple[arb, arb]) -> arb:
-    """How far `numerical` is ahead (clockwise) of `exact`, in radians."""
+    """The angle in radians by which `numerical` is ahead (clockwise) of `exact`."""
     (q, v), (q_exact, v_exact) = numerical, exact
     return arb.atan2(q * v_exact - v * q_exact, q * q_exact + v * v_exact)

@@ -1,1 +1,1 @@
-"""What rounding does to a step and to a run: bounds derived by running the very program, for any format and any N."""
+"""Bounds on the rounding error of a step and of a run, derived by running the program, for any format and any N."""

@@ -14,14 +14,14 @@ ROOT_BITS = 200
 
 
 class NoAdaptedNorm(ValueError):
-    """The step is not a rotation times a factor in any norm that comes from a quadratic."""
+    """The step is not a rotation times a factor in any norm given by a quadratic form."""
 
 
 @dataclass(frozen=True)
 class AdaptedNorm:
-    """|z|² = qq·q² + qv·q·v + vv·v², positive definite, with |M z|² = rho_squared |z|² for every z, all exactly.
+    """The norm |z|² = qq·q² + qv·q·v + vv·v², positive definite, with |M z|² = rho_squared |z|² for every z, exactly.
 
-    What is derived from them is rational, and rounded up where they are not.
+    Quantities derived from the four numbers are rational; irrational ones are rounded up.
     """
 
     qq: Exact
@@ -39,7 +39,7 @@ class AdaptedNorm:
         return root_above(self.qq * q * q + self.qv * q * v + self.vv * v * v)
 
     def largest_of_signs(self, q: Fraction, v: Fraction) -> Fraction:
-        """An upper bound of |(±q, ±v)|, and of the norm of everything between, for q, v >= 0."""
+        """An upper bound of the norm on the rectangle with corners (±q, ±v), for q, v >= 0."""
         return root_above(self.qq * q * q + absolute_value(self.qv) * q * v + self.vv * v * v)
 
     @property
@@ -54,7 +54,7 @@ class AdaptedNorm:
         return root_above(max(self.qq, self.vv) / self._determinant)
 
     def gain(self, error: tuple[tuple[Fraction, Fraction], tuple[Fraction, Fraction]]) -> Fraction:
-        """c = sup | E|z| with any signs | / |z|, rounded up, for a non-negative matrix E.
+        """c, the largest norm of E|z| with any signs relative to |z|, rounded up, for a non-negative matrix E.
 
         With S+ and S- the form's matrix with |qv| and -|qv|, that is the root of the largest eigenvalue of the pair
         (Eᵀ S+ E, S-): |z| is least, for given |q| and |v|, where the mixed term is negative.
@@ -95,7 +95,7 @@ def adapted_norm(matrix: tuple[Exact, Exact, Exact, Exact]) -> AdaptedNorm:
 def root_above(exact: Exact) -> Fraction:
     """A rational r >= sqrt(x) for x >= 0, within a relative 2**-ROOT_BITS, and exact where sqrt(x) is that short.
 
-    For an irrational x within a relative 2**-GUARD_BITS.
+    For an irrational x, r is within a relative 2**-GUARD_BITS.
     """
     x = rational_above(exact)
     shift = max(0, ROOT_BITS - (x.numerator.bit_length() - x.denominator.bit_length()) // 2)

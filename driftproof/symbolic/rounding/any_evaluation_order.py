@@ -1,16 +1,16 @@
 """The rounding bound of a definition: valid for every order in which its sums and products are evaluated.
 
 A program made of +, -, * and constants returns the sum of its monomials, each multiplied by one factor (1 + a),
-|a| <= d, for each rounding that it passes. A product passes on the counts of its two factors, added, and one more; in
-a sum of n terms, no order takes a term through more than n - 1. So a monomial m errs by at most ((1+d)^k - 1)|m| with a
-k that no order exceeds, and no monomial is cancelled against another. Underflow adds at most eta/2 at each of the at
-most k products in m, times the factors still to come: together at most ((1+eta/2)^k - 1)(1+d)^k times m with each
-factor that may be below 1 raised (constants to 1, |h| to 1 + |h|, the state to 1 + |q| + |v|).
+|a| <= d, for each rounding that it passes. A product has as many roundings as its two factors together, and one more;
+in a sum of n terms, no order takes a term through more than n - 1. So a monomial m errs by at most ((1+d)^k - 1)|m|,
+where no order has more than k roundings of m; no monomial is cancelled against another. Underflow adds at most eta/2 at
+each of the at most k products in m, times the factors still to come: together at most ((1+eta/2)^k - 1)(1+d)^k times m
+with each factor that may be below 1 raised (constants to 1, |h| to 1 + |h|, the state to 1 + |q| + |v|).
 Fusing a product into a sum only drops factors.
 
-The sum of c (g^k - 1) m over all monomials c m is that of c g^k m less its value at g = 1. So no monomial is listed,
-which would be thousands for forty stages: the tally runs on polynomials in |h| with balls as coefficients, g among
-them. A difference loses as many bits as g is near to 1, which the precision adds.
+The sum of c (g^k - 1) m over all monomials c m is the sum of c g^k m minus its value at g = 1. So the monomials, which
+are thousands for forty stages, are never listed: the tally runs on polynomials in |h| whose coefficients, like g, are
+balls. The difference loses the more bits the closer g is to 1; the working precision is higher by that many.
 """
 
 from __future__ import annotations
@@ -29,25 +29,25 @@ from driftproof.symbolic.algebra.certified import enclose
 from driftproof.symbolic.rounding.formats import FloatFormat, power_of_two
 from driftproof.symbolic.rounding.polynomials import absolute_value, rational_above
 
-# What is linear in the state: a polynomial in h, in balls, for |q|, one for |v|, one for 1.
+# A bound linear in the state: polynomials in |h| with balls as coefficients, one for |q|, one for |v|, one for 1.
 Columns: TypeAlias = Sequence[arb_poly]
 
 
 class ErrorTally:
-    """A sum of |monomials| whose roundings are counted, over any type of sizes with +, * and truth (False for zero).
+    """A sum of |monomials| whose roundings are counted, over any type of sizes with +, * and bool (False for zero).
 
-    A subclass names the `rounding` of its type: the size by which another is multiplied to count one rounding more.
+    A subclass defines the `rounding` of its type: the factor of a size that counts one more rounding.
     For numbers that is 1 + d; for pairs (size, count) with (a, k) + (b, l) = (a + b, max(k, l)) and
     (a, k)(b, l) = (ab, k + l) it is (1, 1): only the largest count is kept.
-    Still to be counted are the `additions` of the sum that ends here: any term may be the one that passes them all.
-    `factor` is the number itself where it is a known constant: a product with 1 or -1 is none.
+    The `additions` of the sum that ends here are not yet counted: any term may be the one that passes all of them.
+    `factor` is the number itself if it is a known constant: multiplying by 1 or -1 rounds nothing.
     """
 
     rounding: ClassVar[Any]
     __slots__ = ("additions", "factor", "size")
 
     def __init__(self, size: Any, additions: int = 0, factor: Exact | int | None = None) -> None:
-        """Without `additions`, a number that is finished."""
+        """Take the size, the additions not yet counted in it, and the constant, if it is one."""
         self.size, self.additions, self.factor = size, additions, factor
 
     @property
@@ -56,7 +56,7 @@ class ErrorTally:
         return self.size * self.rounding**self.additions
 
     def __add__(self, other: Self) -> Self:
-        """x + y: one addition more for any term; a zero is no term."""
+        """x + y, one more addition for every term; a zero is no term."""
         if not self.size or not other.size:
             return self if self.size else other
         return type(self)(self.size + other.size, self.additions + other.additions + 1)
@@ -68,9 +68,9 @@ class ErrorTally:
         return self
 
     def __mul__(self, other: Self) -> Self:
-        """x y."""
+        """x y, one more rounding unless a factor is 1 or -1."""
         for x, y in ((self, other), (other, self)):
-            if x.factor in (1, -1):  # no product at all: a sum behind it may be merged with the sum before it
+            if x.factor in (1, -1):  # no rounding: y may be a sum that is merged with the sum it enters
                 return y
         return self._times(other)
 
@@ -79,35 +79,35 @@ class ErrorTally:
 
 
 class MultipliedOutTally(ErrorTally):
-    """The tally where brackets may be multiplied out, but not through the force, which is called with one number.
+    """The tally of programs that may multiply out brackets, though not across the force, which takes a single number.
 
-    Where z + h (w₁k₁ + w₂k₂) may be computed as z + hw₁k₁ + hw₂k₂, z is a term of the longer sum, and any of its terms
-    may be the one that passes every addition.
+    If z + h (w₁k₁ + w₂k₂) may be computed as z + hw₁k₁ + hw₂k₂, z is a term of that longer sum, and any term of it may
+    be the one that passes every addition.
     """
 
     __slots__ = ()
 
     def __neg__(self) -> Self:
-        """The force -q of a finished number."""
+        """-x: a negated constant, or else the force -q of a finished number."""
         return self if self.factor is not None else type(self)(self.finished)
 
     def _times(self, other: Self) -> Self:
-        # One of the factors of a step, a coefficient or h, is no sum.
+        # In a step, one of the two factors is a coefficient or h, and so no sum.
         return type(self)(self.rounding * self.size * other.size, self.additions + other.additions)
 
 
 class LinearSizes:
-    """A size that is linear in |q| and |v|, its coefficients polynomials in |h|. Of two factors one is free of both."""
+    """A size that is linear in |q| and |v|, with polynomials in |h| as coefficients."""
 
     __slots__ = ("columns",)
 
     def __init__(self, q: arb_poly, v: arb_poly, one: arb_poly) -> None:
-        """The coefficients."""
+        """Take the coefficients of |q|, |v| and 1."""
         self.columns = (q, v, one)
 
     @classmethod
     def constant(cls, x: arb) -> Self:
-        """A number."""
+        """The size of a number."""
         return cls(arb_poly([]), arb_poly([]), arb_poly([x]))
 
     def __bool__(self) -> bool:
@@ -119,19 +119,19 @@ class LinearSizes:
         return LinearSizes(*(x + y for x, y in zip(self.columns, other.columns, strict=True)))
 
     def __mul__(self, other: LinearSizes) -> LinearSizes:
-        """The product. Raises ValueError for one that is quadratic in the state."""
+        """The product. Raises ValueError if it is quadratic in the state."""
         free, linear = sorted((self, other), key=lambda each: any(column.length() for column in each.columns[:2]))
         if any(column.length() for column in free.columns[:2]):
             raise ValueError("a product of two sizes that depend on the state")
         return LinearSizes(*(free.columns[2] * column for column in linear.columns))
 
     def __pow__(self, n: int) -> LinearSizes:
-        """The power of a number."""
+        """The n-th power, for a size that does not depend on the state."""
         return LinearSizes(arb_poly([]), arb_poly([]), self.columns[2] ** n)
 
 
 def _sizes(method: Method, fmt: FloatFormat, growth: arb, factor: arb | None = None) -> tuple[Columns, Columns]:
-    """The tally with g = `growth`. With a factor small sizes are raised, and h, q and v multiplied by it."""
+    """The sizes of q1 and v1 with g = `growth`; a `factor` multiplies h, q and v, and raises small sizes."""
 
     class Tally(MultipliedOutTally):
         rounding = LinearSizes.constant(growth)
@@ -151,7 +151,7 @@ def _sizes(method: Method, fmt: FloatFormat, growth: arb, factor: arb | None = N
 
 
 def _differences(more: tuple[Columns, Columns], less: tuple[Columns, Columns]) -> list[Columns]:
-    """Coefficients that do not differ are 0: a count of one or more makes them differ by far more than a radius."""
+    """The differences, exactly 0 where a ball contains 0: counting a rounding changes far more than a radius."""
     return [
         [arb_poly([0 if c.contains(0) else c for c in (x - y).coeffs()]) for x, y in zip(*pair, strict=True)]
         for pair in zip(more, less, strict=True)
@@ -160,7 +160,7 @@ def _differences(more: tuple[Columns, Columns], less: tuple[Columns, Columns]) -
 
 @lru_cache
 def any_order_columns(method: Method, fmt: FloatFormat, bits: int) -> list[Columns]:
-    """The bound on |dq| and on |dv|, of programs that multiply out brackets, too, with some `bits` that are right.
+    """The bounds on |dq| and |dv| for any order of evaluation, brackets multiplied out or not, to about `bits` bits.
 
     Raises MethodError for an implicit method, ValueError for a coefficient in the format's underflow range.
     """
@@ -173,10 +173,9 @@ def any_order_columns(method: Method, fmt: FloatFormat, bits: int) -> list[Colum
 
 @lru_cache
 def flushed_columns(method: Method, fmt: FloatFormat, bits: int) -> list[Columns]:
-    """What flushing to zero adds: of a monomial with n factors and k roundings, n + k numbers may lose 2**emin each.
+    """What flushing to zero adds: in a monomial with n factors and k roundings, n + k numbers may lose 2**emin each.
 
-    A loss is passed on as an underflow is: times the other factors of the monomial, raised to at least 1, and their
-    roundings.
+    Like an underflow, a loss is multiplied by the monomial's other factors, raised to at least 1, and their roundings.
     """
     with ctx.workprec(bits + fmt.precision - 2 * fmt.emin):
         growth, loss = 1 + enclose(fmt.relative_error), 1 + enclose(power_of_two(fmt.emin))
@@ -191,7 +190,7 @@ def size_columns(method: Method, fmt: FloatFormat, bits: int) -> list[Columns]:
 
 
 def size_of_coefficient(exact: Exact, fmt: FloatFormat) -> Fraction:
-    """A rational at or just above the size of a coefficient. Raises ValueError where it may underflow."""
+    """A rational at or just above the size of a coefficient. Raises ValueError if that may underflow."""
     size = rational_above(absolute_value(exact))
     if 0 < size < power_of_two(fmt.emin):
         raise ValueError(f"the coefficient {size} is in the underflow range of {fmt.name}")

@@ -1,16 +1,15 @@
-"""The sharper rounding bound for one given h: each rounding counted with the weight it really has in the result.
+"""The sharper rounding bound for one given h: each rounding error is multiplied by its actual weight in the result.
 
 The error of a program obeys dx = sum of (partial derivative) times (operand's error) + own rounding + product of two
 operands' errors, exactly. Solved backwards, the error of an output is the sum over all operations i of
 adjoint_i * (own rounding_i + crossed_i), where adjoint_i is the derivative of the output by result i. The own rounding
 is at most d|x_i| + d propagated_i + eta/2. The leading part d |adjoint_i x_i| is a number times |a q + b v| once h is
-known, and keeps the cancellation inside a and b that the sum of |monomials| of `step` gives away; the rest is of
-second order or underflow, where nothing is lost by bounding it as `step` does.
+known, and keeps the cancellation inside a and b that the sums of |monomials| in `step_bound` lose; the rest is of
+second order or underflow, where nothing is lost by bounding it as `step_bound` does. Irrational a and b are replaced by
+rationals near them; the distance goes into the rest.
 
-Irrational a and b are replaced by rationals near them, and how near goes into the rest.
-
-A product may be fused into some of the sums that use it and not into others, so its own rounding is weighed use by use,
-without the cancellation between uses. Hence this form holds under fusing, too.
+A product may be fused into some of the sums that use it and not into others, so its own rounding is weighted use by
+use, without cancellation between uses. Hence the bound also holds under fusing.
 """
 
 from __future__ import annotations
@@ -46,7 +45,7 @@ _Derivatives: TypeAlias = list[tuple[Rounded, list[ErrorPolynomial]]]
 class FixedStepBound:
     """|dq| <= sum of |a q + b v + c| over `leading[0]` + the q row of `remainder`, and |dv| likewise, at this one h.
 
-    d is multiplied in. `matrix` is M(h), row by row, exact. Holds for every state for which nothing overflows.
+    The forms include the factor d. `matrix` is the exact M(h) by rows. The bound holds unless something overflows.
     """
 
     format: FloatFormat
@@ -56,7 +55,7 @@ class FixedStepBound:
     remainder: LinearBound
 
     def error_of(self, q: Fraction, v: Fraction) -> tuple[Fraction, Fraction]:
-        """The bounds on |dq| and |dv| of one step from this very (q, v)."""
+        """The bounds on |dq| and |dv| of one step from this (q, v)."""
         dq, dv = (sum((abs(a * q + b * v + c) for a, b, c in forms), Fraction(0)) for forms in self.leading)
         rest = self.remainder.of(q, v)
         return dq + rest[0], dv + rest[1]
@@ -75,10 +74,10 @@ class FixedStepBound:
 def fixed_step_bound(
     subject: StepOrMethod, h: Fraction, fmt: FloatFormat = BINARY64, force: Force = oscillator
 ) -> FixedStepBound:
-    """The sharper bound of one step at h, found by running the step with that h as the constant it is.
+    """The sharper bound of one step at h, found by running the step with h as a constant.
 
-    Products with a power of two are then known to be exact. Raises ValueError if h is not a number of the format,
-    NotLinear, RefusedOperation.
+    Products with h are then known to be exact if h is a power of two. Raises ValueError if h is not a number of the
+    format, NotLinear, RefusedOperation.
     """
     if not fmt.holds(h):
         raise ValueError(f"h = {h} is not a {fmt.name} number; the nearest is {fmt.nearest(h)}")
@@ -98,7 +97,7 @@ def _parts(output: Rounded, fmt: FloatFormat) -> tuple[tuple[Form, ...], Terms]:
 
 
 def _derivatives(output: Rounded) -> _Derivatives:
-    """Every number that the output depends on, with the derivative of the output by it, one part for each use of it."""
+    """Every number that the output depends on, with the derivative of the output by it, split into its uses."""
     order = operations_of([output])
     by_use: dict[int, list[ErrorPolynomial]] = {id(x): [] for x in order}
     by_use[id(output)].append(ONE)
@@ -111,7 +110,7 @@ def _derivatives(output: Rounded) -> _Derivatives:
 
 
 def _roundings(derivatives: _Derivatives) -> list[ErrorPolynomial]:
-    """The leading part of each operation's own rounding, with the weight that it has in the output."""
+    """The leading part of each operation's own rounding error, multiplied by its weight in the output."""
     roundings: list[ErrorPolynomial] = []
     for x, uses in derivatives:
         own = D * x.exact if x.rounds else x.error if x.stored_value is not None else ZERO
@@ -136,7 +135,7 @@ def _row(exact: ErrorPolynomial) -> tuple[Exact, Exact]:
 
 
 def _state_terms(polynomial: ErrorPolynomial, fmt: FloatFormat) -> Terms:
-    """The polynomial in (q, v) in this format; h does not occur, for it was a constant of the program."""
+    """The polynomial in (q, v) in this format; h does not occur, since it was a constant of the program."""
     return at_step(in_format(polynomial, fmt), Fraction(1))
 
 

@@ -1,4 +1,4 @@
-"""The floating-point formats as data: precision, exponent range, and what follows from them, exactly."""
+"""Binary floating-point formats: precision, exponent range, exact unit roundoff, and rounding to nearest."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ class FloatFormat:
     """A binary format with p-bit significands and exponents emin to emax, gradual underflow, rounding to nearest even.
 
     Its finite numbers are the multiples of 2**(max(e, emin) - p + 1) with exponent e at most emax. Arithmetic that
-    flushes subnormals to zero, or rounds twice through a wider register, is another format and not covered.
+    flushes subnormals to zero, or rounds twice through a wider register, is not covered.
     Source: ieee-754-2019, 3.3; bfloat16 has binary32's exponents and 8 bits.
     """
 

@@ -1,4 +1,4 @@
-"""Rounding over N steps, a theorem for every start and every N.
+"""The rounding error of a run of N steps, bounded for every start and every N.
 
 Let M = rho times an isometry of a norm |.|, and let one step of the program err by at most c|z| + r in it. Then the
 error e_n = fl^n(z0) - M^n z0 obeys |e_(n+1)| <= rho|e_n| + c|fl^n(z0)| + r <= (rho + c)|e_n| + c rho^n |z0| + r, so
@@ -6,7 +6,7 @@ error e_n = fl^n(z0) - M^n z0 obeys |e_(n+1)| <= rho|e_n| + c|fl^n(z0)| + r <= (
     |e_N| <= ((rho + c)^N - rho^N) |z0| + r (1 + (rho + c) + ... + (rho + c)^(N-1)),
 
 and every state on the way has |fl^n(z0)| <= (rho + c)^n |z0| + r (1 + ... + (rho + c)^(n-1)), which must not overflow.
-All of this grows with rho, c, r and |z0|, so where M and the norm are irrational, rationals above these will do.
+Both bounds grow with rho, c, r and |z0|, so irrational ones are replaced by rationals above them.
 """
 
 from __future__ import annotations
@@ -35,22 +35,22 @@ from driftproof.symbolic.rounding.step_bound import (
 )
 
 _State: TypeAlias = tuple[Fraction, Fraction]
-# Upper bounds are rounded up from enclosures of at least this relative accuracy.
+# Upper bounds are rounded up from enclosures with at least this many accurate bits.
 _SETTLED_BITS = 40
 _FIRST_BITS = 256
-# A magnitude beyond this power of two is shown as one.
+# A magnitude beyond 2**4096 is shown as a power of two.
 _LARGEST_WRITTEN_OUT = 4096
 
 
 class HypothesisFails(ValueError):
-    """The theorem on N steps says nothing here; the message names the hypothesis that fails."""
+    """The theorem on N steps does not apply; the message names the hypothesis that fails."""
 
 
 @dataclass(frozen=True)
 class RunBound:
     """|fl^N(z0) - M(h)^N z0| <= `own` in the method's own norm, and <= `euclidean` in the Euclidean one.
 
-    `growth` is c and `underflow` r, per step and in that norm. All are rational and rounded up.
+    `growth` is c and `underflow` is r, per step and in the method's own norm. All bounds are rational, rounded up.
     """
 
     format: FloatFormat
@@ -79,9 +79,9 @@ def run_bound(
 ) -> RunBound:
     """The rounding bound of `steps` steps of size h from `start`, by the theorem above.
 
-    `local` is a proved bound of one step at h; without it, the sharper one is derived. h and `start` are the floats
-    themselves. Raises HypothesisFails where h or the start is no number of the format, where the step is not a
-    rotation times a factor, or where a state might overflow.
+    `local` is a proved bound of one step at h, by default the linear one of `fixed_step_bound`. h and `start` are the
+    floats themselves. Raises HypothesisFails if h or the start is not a number of the format, if the step is not a
+    rotation times a factor, or if a state might overflow.
     """
     for what, x in (("h", h), ("the start's q", start[0]), ("the start's v", start[1])):
         _demand_number(what, x, fmt)
@@ -105,9 +105,9 @@ def largest_safe_state(
 ) -> Fraction:
     """The largest s for which |q|, |v| <= s proves that no operation of the step at h overflows.
 
-    Each operation's result is a q + b v + c up to its error, both linear in the state, so each asks for
-    (|a| + |b| + error per unit of state) s + |c| + error at the origin <= largest finite number; s is the least that
-    they leave. Sufficient, not necessary. For a given state too, see `StepBound.is_safe`.
+    Each operation's result is a q + b v + c up to its error, both linear in the state, so each requires
+    (|a| + |b| + error per unit of state) s + |c| + error at the origin <= largest finite number; s is the largest that
+    satisfies all. This is sufficient, not necessary; `StepBound.is_safe` tests a given state.
     Raises OverflowError if not even the origin is safe, NotLinear, RefusedOperation.
     """
     safe = fmt.largest
@@ -139,7 +139,6 @@ class _Run(NamedTuple):
 
     @property
     def factor(self) -> Fraction:
-        """rho + c."""
         return self.norm.rho + self.growth
 
     @property

@@ -3,10 +3,10 @@
 Model. With d = u/(1+u) and eta the smallest subnormal, rounding a real x to nearest gives x(1 + a) + b, |a| <= d,
 |b| <= eta/2, a*b = 0, unless it overflows. Three cases are better, because every finite number is a multiple of eta:
 * a sum or difference of two numbers is such a multiple, so b = 0 (a sum below 2**emin is exact);
-* a product with an integer is one too, so b = 0;
+* a product with an integer is such a multiple, too, so b = 0;
 * multiplying or dividing by a power of two only moves the exponent, so a = 0.
-The bounds below are worst cases over a and b, so they hold whatever the state, at every scale, and also when a product
-and the sum it enters are fused into one rounding: that drops the product's a, and keeps one b, of which it has one.
+The bounds below are worst cases over a and b, so they hold for every state, at every scale, and also when a product and
+the sum that it enters are fused into one rounding: fusing drops the product's a and leaves one b, no more than before.
 """
 
 from __future__ import annotations
@@ -37,23 +37,23 @@ from driftproof.symbolic.rounding.polynomials import (
 # A bound on u = d/(1 - d) in powers of d, for errors of constants, which are known as multiples of u: for d <= 1/2,
 # u = d + d**2 + d**3/(1 - d) <= _UNIT.
 _UNIT = D + D**2 + 2 * D**3
-# Higher powers of d and of eta than these are put into these: they only make the bounds of long programs longer.
+# Higher powers of d and eta are bounded by these powers: they would only make the bounds of long programs longer.
 MOST_D, MOST_ETA = 16, 2
 
 
 class RefusedOperation(TypeError):
-    """The step did something to a value whose rounding cannot be bounded; the message says what and where."""
+    """An operation of the step has a rounding error that cannot be bounded; the message says what and where."""
 
 
 class Rounded:
-    """A float x^ computed from q, v, h, known as a polynomial x, exactly, and a bound on |x^ - x|.
+    """A float x^ computed from q, v, h: the exact polynomial x that it approximates, and a bound on |x^ - x|.
 
     `propagated` bounds what the operands' errors do to the result before it is rounded itself, so
-    error = propagated + [rounds] d (|x| + propagated) + [underflows] eta/2, where |x| is the sum of |monomials|, but
-    for the highest powers of d and eta, see `_shortened`.
+    error = propagated + [rounds] d (|x| + propagated) + [underflows] eta/2, where |x| is the sum of |monomials|, with
+    the highest powers of d and eta replaced by `_shortened`.
     `operands` pairs each operand with the exact partial derivative of x by it; `crossed` bounds the product of two
     operands' errors, the only part of `propagated` that those derivatives do not give. `stored_value` is the float
-    itself where it is a known constant, `may_fuse` marks a product, which a compiler may fuse into a sum.
+    itself if it is a known constant, and `may_fuse` marks a product, which a compiler may fuse into a sum.
     """
 
     __slots__ = (
@@ -78,7 +78,7 @@ class Rounded:
         rounds: bool = False,
         underflows: bool = False,
     ) -> None:
-        """The result of one operation on `operands`; without operands, an input that is exact."""
+        """Make the result of one operation on `operands` or, without operands, an exact input."""
         self.format, self.exact, self.operands, self.crossed = fmt, exact, operands, crossed
         self.rounds, self.underflows = rounds, underflows
         self.may_fuse = False
@@ -121,7 +121,7 @@ class Rounded:
         return _product(self, _reciprocal(divisor))
 
     def __rtruediv__(self, other: object) -> Rounded:
-        """c/x, which only a constant x allows."""
+        """c/x for a constant x != 0, rounded once."""
         return self._operand(other, "division") / self
 
     def __neg__(self) -> Rounded:
@@ -135,7 +135,7 @@ class Rounded:
         return self
 
     def __getattr__(self, name: str) -> Any:
-        """A method that refuses: numpy.sin(x) calls x.sin()."""
+        """A method that raises RefusedOperation when called: numpy.sin(x) calls x.sin()."""
         if name.startswith("_"):
             raise AttributeError(name)
         return lambda *operands: _refuse(f"a call of {name}")
@@ -178,7 +178,7 @@ def constant(exact: Exact | int, fmt: FloatFormat) -> Rounded:
 
 
 def _shortened(bound: ErrorPolynomial, fmt: FloatFormat) -> ErrorPolynomial:
-    """A bound nowhere below `bound` without the highest powers, since d <= 1/2, and eta <= 1 in all but toy formats."""
+    """A bound at least as large without the highest powers, as d <= 1/2, and eta <= 1 in all but toy formats."""
     beyond = [powers for powers in bound.monoms() if powers[0] > MOST_D or powers[1] > MOST_ETA]
     if fmt.eta > 1:
         return bound
@@ -201,7 +201,7 @@ def _sum(x: Rounded, y: Rounded, sign: int) -> Rounded:
 
 
 def _is_zero(x: Rounded) -> bool:
-    """An exact constant 0, from which sum(...) starts."""
+    """True for the exact constant 0, with which sum(...) starts."""
     return not (x.exact or x.error or x.operands)
 
 
@@ -232,8 +232,8 @@ def _reciprocal(divisor: Rounded) -> Rounded:
 def _known(fmt: FloatFormat, exact: ErrorPolynomial, stored_value: Fraction) -> Rounded:
     """A constant, stored as `stored_value` where the mathematics has `exact`; the error is their distance.
 
-    That distance and not the u|exact| that one knows beforehand: it is exact where it is rational, so 0 for a constant
-    that the format holds, and else rounded up by a relative 2**-GUARD_BITS at most.
+    The distance is sharper than the general bound u|exact|: a rational one is not rounded, so it is 0 for a constant
+    that the format holds; an irrational one is rounded up by a relative 2**-GUARD_BITS at most.
     """
     x = Rounded(fmt, exact)
     x.stored_value = stored_value
@@ -250,7 +250,7 @@ def _nearest(fmt: FloatFormat, exact: Exact) -> Fraction:
 
 
 def rational_value(x: object) -> Fraction | None:
-    """The exact value of a number: an integer, a fraction, or a float of any library as the dyadic rational it is."""
+    """The exact value of an integer, a fraction, or a finite float of any library; None for anything else."""
     if isinstance(x, bool):
         return None
     if isinstance(x, Rational):
@@ -270,7 +270,7 @@ def _refuse(what: str) -> NoReturn:
 
 
 def _place() -> str:
-    """Where the user's own code is: the innermost frame outside this file, as file:line and the line itself."""
+    """The place in the user's code, the innermost frame outside this file, as file:line and the line itself."""
     frame = sys._getframe()
     while frame.f_code.co_filename == __file__ and frame.f_back is not None:
         frame = frame.f_back

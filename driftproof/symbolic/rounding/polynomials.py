@@ -25,7 +25,7 @@ BOUNDS = fmpq_mpoly_ctx.get(("d", "eta", "h", "q", "v"))
 D, ETA, H, Q, V = BOUNDS.gens()
 ZERO, ONE = BOUNDS.constant(0), BOUNDS.constant(1)
 
-# The ends of an irrational x are apart by at most this power of two times |x|: bounds are quoted to far fewer digits.
+# The rational ends of an irrational x are at most 2**-GUARD_BITS |x| apart: bounds are quoted to far fewer digits.
 GUARD_BITS = 128
 
 
@@ -36,7 +36,7 @@ class OverField(ScalarExtension):
 
     @staticmethod
     def part(x: object) -> ErrorPolynomial:
-        """An integer, rational or element of BOUNDS as the latter."""
+        """An integer, a rational or an element of BOUNDS, as an element of BOUNDS."""
         return x if isinstance(x, fmpq_mpoly) else BOUNDS.constant(as_fmpq(x))
 
 
@@ -48,7 +48,7 @@ def constant_polynomial(x: Exact) -> ErrorPolynomial:
 
 
 def terms(p: ErrorPolynomial) -> list[tuple[Powers, Any]]:
-    """The powers of (d, eta, h, q, v) that occur, with their coefficients: Fractions, where irrational Algebraics."""
+    """The powers of (d, eta, h, q, v) in p, each with its coefficient: a Fraction, or an Algebraic if irrational."""
     if not isinstance(p, OverField):
         return [(tuple(map(int, powers)), as_fraction(c)) for powers, c in p.terms()]
     found: dict[Powers, list[Any]] = {}
@@ -60,7 +60,7 @@ def terms(p: ErrorPolynomial) -> list[tuple[Powers, Any]]:
 
 
 def from_terms(found: Iterable[tuple[Powers, Fraction]]) -> ErrorPolynomial:
-    """The element of BOUNDS with these terms, no powers twice."""
+    """The element of BOUNDS with these terms, in which no powers occur twice."""
     return BOUNDS.from_dict({powers: as_fmpq(c) for powers, c in found})
 
 

@@ -1,9 +1,9 @@
 """The rounding bound of a step, derived by running the step: |fl(step(z)) - M(h) z| <= E(h)|z| + r(h).
 
-E is a non-negative 2x2 matrix and r a vector of underflow terms, polynomials in d = u/(1+u), eta and |h|; nothing is
-dropped as being of higher order. M is that of the definition, exact; how its coefficients, rational or not, are rounded
-is part of E. They belong to a program, that is to one order of operations; the form that belongs to a definition is in
-`any_evaluation_order`, a sharper one for one given h in `fixed_step_bound`.
+E is a non-negative 2x2 matrix and r a vector of underflow terms, polynomials in d = u/(1+u), eta and |h|; no term of
+higher order is dropped. M is the exact matrix of the definition; the rounding of its coefficients, rational or not, is
+part of E. E and r belong to a program, that is, to one order of operations. `any_evaluation_order` has the bound that
+belongs to a definition, and `fixed_step_bound` a sharper one for one given h.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from driftproof.symbolic.rounding.formats import BINARY64, FloatFormat
 from driftproof.symbolic.rounding.number import RefusedOperation, Rounded, constant, rational_value
 from driftproof.symbolic.rounding.polynomials import ErrorPolynomial, H, Q, V, from_terms, majorant, terms
 
-# What a bound can be asked about: a method of the catalogue, or anybody's step function.
+# The subject of a bound: a method, or anybody's step function.
 StepOrMethod: TypeAlias = Method | Step
 # Powers of (q, v), or of (h, q, v), with their coefficients.
 Terms: TypeAlias = dict[tuple[int, ...], Fraction]
@@ -33,7 +33,7 @@ ErrorMatrix: TypeAlias = tuple[tuple[ErrorPolynomial, ErrorPolynomial], tuple[Er
 # An entry of M(h): its coefficients by power of h.
 ByPower: TypeAlias = dict[int, Exact]
 
-# Powers of (q, v) in q, in v, and in what does not depend on the state.
+# The powers of (q, v) in the terms q, v and 1.
 COLUMNS = ((1, 0), (0, 1), (0, 0))
 
 
@@ -42,7 +42,7 @@ class NotLinear(ValueError):
 
 
 class LinearBound(NamedTuple):
-    """|dz| <= E|z| + r, component by component, at one h and in one format: plain non-negative fractions.
+    """A bound |dz| <= E|z| + r, component by component, at one h and in one format, in non-negative fractions.
 
     `error` is ((E_qq, E_qv), (E_vq, E_vv)), `underflow` is (r_q, r_v).
     """
@@ -60,8 +60,8 @@ class LinearBound(NamedTuple):
 class StepBound:
     """|fl(step(z)) - M(h) z| <= E(h)|z| + r(h) for all numbers h, q, v of the format for which nothing overflows.
 
-    It holds too when any product is fused into the sum that it enters, but neither for flushed subnormals nor for
-    wider registers (see `FloatFormat`). `outputs` is (q1, v1), the step run on `Rounded` numbers. A step that is not
+    It also holds if products are fused into the sums that they enter, but not with flushed subnormals or wider
+    registers (see `FloatFormat`). `outputs` is (q1, v1), the step run on `Rounded` numbers. A step that is not
     linear in the state still has `error_of` and `is_safe`; the matrices raise NotLinear.
     """
 
@@ -70,7 +70,7 @@ class StepBound:
 
     @cached_property
     def entries(self) -> tuple[ByPower, ByPower, ByPower, ByPower]:
-        """(M_qq, M_qv, M_vq, M_vv), exact, zeros left out: of this very program, but for the rounding of constants."""
+        """(M_qq, M_qv, M_vq, M_vv) of this program before any rounding, exact, zero coefficients left out."""
         (qq, qv, free_q), (vq, vv, free_v) = ([_in_h(x.exact, column) for column in COLUMNS] for x in self.outputs)
         if free_q or free_v:
             raise NotLinear("the step is not linear in the state: it adds a constant of its own")
@@ -78,7 +78,7 @@ class StepBound:
 
     @property
     def rounds_constants(self) -> bool:
-        """True when the program holds a constant rounded, so that its own polynomial is not M(h) to the last digit."""
+        """True if the program holds a rounded constant, so that its own polynomial differs slightly from M(h)."""
         return any(x.stored_value is not None and bool(x.error) for x in operations_of(self.outputs))
 
     @cached_property
@@ -89,9 +89,7 @@ class StepBound:
 
     @cached_property
     def underflow(self) -> tuple[ErrorPolynomial, ErrorPolynomial]:
-        """r(h): what is added whatever the state, in Q[d, eta, |h|]; every term has an eta unless the step adds
-        constants of its own.
-        """
+        """r(h) in Q[d, eta, |h|], whatever the state; every term has an eta unless the step adds constants."""
         (_, _, q), (_, _, v) = self._error_rows
         return q, v
 
@@ -114,19 +112,16 @@ class StepBound:
         return dq, dv
 
     def is_safe(self, h: Fraction, q: Fraction, v: Fraction) -> bool:
-        """True when no operation of the step can overflow for steps up to |h| and states up to |q|, |v|.
+        """True if no operation of the step can overflow for steps up to |h| and states up to |q|, |v|.
 
-        Sufficient: each operation's |exact| + error stays within the largest finite number.
+        The test is sufficient, not necessary: each operation's |exact| + error is at most the largest finite number.
         """
         return all(
             at_state(at_step(size, abs(h)), abs(q), abs(v)) <= self.format.largest for size in self._magnitude_terms
         )
 
     def differences(self, definition: StepMatrix) -> list[str]:
-        """Where the program's polynomial is not the definition's: one line per coefficient, none if they are equal.
-
-        Equal means equal, also over a number field.
-        """
+        """One line for each coefficient in which the program differs from the definition, compared exactly."""
         names = ("M_qq", "M_qv", "M_vq", "M_vv")
         pairs = zip(names, self.entries, (entry for row in definition for entry in row), strict=True)
         return [line for name, mine, theirs in pairs for line in _differences(name, mine, theirs)]
@@ -165,10 +160,10 @@ def step_bound(subject: StepOrMethod, fmt: FloatFormat = BINARY64, force: Force 
 def trace_step(
     subject: StepOrMethod, fmt: FloatFormat, force: Force = oscillator, h: Fraction | None = None
 ) -> list[Rounded]:
-    """[q1, v1] of one step from symbolic (q, v), by running the step itself; `subject` is it, or a method.
+    """Run one step, given as a function or a method, on symbolic (q, v) and return [q1, v1].
 
     With `h` given (a number of the format) the step size is that constant rather than a symbol. Raises
-    RefusedOperation where the step does what cannot be bounded, and MethodError for an implicit method.
+    RefusedOperation for an operation that cannot be bounded, and MethodError for an implicit method.
     """
     size = Rounded(fmt, H) if h is None else constant(h, fmt)
     try:
@@ -183,20 +178,17 @@ def trace_step(
 
 
 def lift_to(fmt: FloatFormat) -> Lift:
-    """The lift of exact coefficients to floats of the format: 1/6 becomes the nearest one, and owns up to it."""
+    """The lift of exact coefficients to floats of the format: 1/6 becomes the nearest one, with its error."""
     return lambda exact: constant(exact, fmt)
 
 
 def step_with_stored_coefficients(method: Method, fmt: FloatFormat) -> Step:
-    """The generic step of a definition with the coefficients that its program holds: what it computes up to rounding.
-
-    To the definition itself this is another method, by the rounding of its coefficients.
-    """
+    """The generic step of a method with coefficients rounded to the format: in exact arithmetic, another method."""
     return stepper(method, lambda exact: decide_by_enclosure(exact, fmt.nearest))
 
 
 def operations_of(outputs: Iterable[Rounded]) -> list[Rounded]:
-    """Every number the outputs depend on, operands before results, each once."""
+    """Every number that the outputs depend on, once each, operands before results."""
     order: dict[int, Rounded] = {}
 
     def visit(x: Rounded) -> None:
@@ -211,12 +203,12 @@ def operations_of(outputs: Iterable[Rounded]) -> list[Rounded]:
 
 
 def magnitude(x: Rounded) -> ErrorPolynomial:
-    """|x| + error, a bound on |x^|, and on what was rounded to give it."""
+    """|x| + error, a bound on |x^| and on the number that was rounded to x^."""
     return majorant(x.exact) + x.error
 
 
 def in_format(polynomial: ErrorPolynomial, fmt: FloatFormat) -> Terms:
-    """The polynomial in (h, q, v) that is left when the format's own d and eta are put in."""
+    """The polynomial in (h, q, v) that remains when the format's d and eta are substituted."""
     left: Terms = {}
     for (in_d, in_eta, *powers), c in terms(polynomial):
         value = c * fmt.relative_error**in_d * fmt.eta**in_eta
@@ -225,7 +217,7 @@ def in_format(polynomial: ErrorPolynomial, fmt: FloatFormat) -> Terms:
 
 
 def at_step(by_powers: Terms, h: Fraction) -> Terms:
-    """The polynomial in (q, v) that is left at this h."""
+    """The polynomial in (q, v) that remains when h is substituted."""
     left: Terms = {}
     for (in_h, *powers), c in by_powers.items():
         left[tuple(powers)] = left.get(tuple(powers), Fraction(0)) + c * h**in_h
@@ -251,7 +243,7 @@ def linear_form(by_state: Terms) -> tuple[Fraction, Fraction, Fraction]:
 
 
 def demand_linear(powers: Iterable[tuple[int, ...]]) -> None:
-    """Raises NotLinear unless each term, by the last two of its powers, is one in q, v or 1."""
+    """Raise NotLinear unless the last two powers of each term are those of q, v or 1."""
     for *_, in_q, in_v in powers:
         if (in_q, in_v) not in COLUMNS:
             raise NotLinear(f"the step is not linear in the state: it holds q**{in_q} * v**{in_v}")
@@ -265,7 +257,7 @@ def _demand_number(x: object) -> Fraction:
 
 
 def _in_h(polynomial: ErrorPolynomial, column: tuple[int, int]) -> ByPower:
-    """The coefficient of q, v or 1 in an exact polynomial."""
+    """The coefficient, by power of h, of q, v or 1 in an exact polynomial."""
     found = terms(polynomial)
     demand_linear(powers for powers, _ in found)
     return {in_h: c for (_, _, in_h, *state), c in found if tuple(state) == column}

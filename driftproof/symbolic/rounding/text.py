@@ -1,4 +1,4 @@
-"""Rounding bounds as formulas that a person reads."""
+"""Rounding bounds as text: formulas in u, d, eta and h."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ from driftproof.symbolic.algebra.certified import AWAY, significant
 from driftproof.symbolic.rounding.polynomials import ErrorPolynomial, terms
 from driftproof.symbolic.rounding.step_bound import StepBound
 
-# The first power of d is the bound that one quotes; from the third on the formulas are long and say nothing new, and
-# so with the second of eta.
+# chosen: the bound that is usually quoted is of the first power of d; from the third power of d and the second of eta
+# on, the formulas are long and say nothing new.
 SHOWN_POWERS = (2, 1)
 # A fraction of more bits than this, some 24 digits, is shown as a decimal instead, rounded up to SHOWN_DIGITS.
 LONGEST_BITS = 80
@@ -29,9 +29,9 @@ def first_order_text(bound: StepBound) -> list[str]:
 
 
 def full_text(bound: StepBound, powers: tuple[int, int] | None = SHOWN_POWERS) -> list[str]:
-    """One line for each power of d and eta and each component, up to these `powers`; None shows every power kept.
+    """One line for each component and each power of d and eta up to `powers`; None shows every power.
 
-    The last line says what was left out, so that nothing looks complete that is not.
+    If lines are left out, the last line says how many.
     """
     lines, hidden = [], []
     for name, row, free in zip("qv", bound.error, bound.underflow, strict=True):
@@ -49,7 +49,7 @@ def full_text(bound: StepBound, powers: tuple[int, int] | None = SHOWN_POWERS) -
 
 
 def format_text(bound: StepBound) -> str:
-    """What u, d and eta are in the bound's format."""
+    """The line that defines u, d and eta for the bound's format."""
     fmt = bound.format
     return f"{fmt.name}: u = 2**-{fmt.precision}, d = u/(1 + u), eta = 2**{fmt.emin - fmt.precision + 1}"
 
@@ -72,7 +72,7 @@ def _term(c: Fraction, k: int) -> str:
 
 
 def _above(c: Fraction) -> str:
-    """The coefficient of a bound: a larger one bounds as well."""
+    """The coefficient as text; a long one is rounded up, as a larger bound holds as well."""
     is_short = c.numerator.bit_length() + c.denominator.bit_length() <= LONGEST_BITS
     return str(c) if is_short else significant(c, SHOWN_DIGITS, AWAY)
 

@@ -1,1 +1,1 @@
-"""Rooted trees and what is counted on them: order conditions, B-series, modified equations; all exact."""
+"""Rooted trees: order conditions, B-series, modified equations and algebraic stability, all exact."""

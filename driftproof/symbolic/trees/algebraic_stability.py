@@ -1,4 +1,4 @@
-"""Algebraic stability: the weights and the matrix bᵢaᵢⱼ + bⱼaⱼᵢ - bᵢbⱼ, semidefinite or not, with a certificate."""
+"""Algebraic stability, decided with certificates: the signs of the weights and of bᵢaᵢⱼ + bⱼaⱼᵢ - bᵢbⱼ."""
 
 from __future__ import annotations
 
@@ -27,9 +27,9 @@ _Matrix: TypeAlias = tuple[_Vector, ...]
 
 @dataclass(frozen=True)
 class Semidefinite:
-    """x·Mx = Σ d (l·x)² + (a remainder), over `squares` of (d, l) with d > 0; without remainder if M is semidefinite.
+    """Whether M is positive semidefinite: x·Mx = Σ d (l·x)² + a remainder, over `squares` (d, l) with d > 0.
 
-    Else `direction` is an x with x·Mx < 0. Either way, what is claimed is seen by multiplying out.
+    M is semidefinite if the remainder is 0; else `direction` is an x with x·Mx < 0. Multiplying out checks either.
     """
 
     squares: tuple[tuple[Exact, _Vector], ...]
@@ -37,14 +37,14 @@ class Semidefinite:
 
     @property
     def holds(self) -> bool:
-        """x·Mx >= 0 for all real x."""
+        """True if x·Mx >= 0 for all real x."""
         return self.direction is None
 
 
 def semidefinite(matrix: _Matrix) -> Semidefinite:
-    """The decision by M = L D Lᵀ with positive pivots, while there are any. Raises ValueError if M is not symmetric.
+    """Decide whether M is positive semidefinite, by M = L D Lᵀ with positive pivots as long as there are any.
 
-    What is left then has no positive diagonal: it is zero, or x·Mx takes a negative value.
+    The rest has no positive diagonal entry: it is 0, or x·Mx takes a negative value. Raises ValueError unless M = Mᵀ.
     """
     if matrix != tuple(zip(*matrix, strict=True)):
         raise ValueError("only a symmetric matrix has a sign; this one is not symmetric")
@@ -57,7 +57,7 @@ def semidefinite(matrix: _Matrix) -> Semidefinite:
             rest[i] = [x - size * line[i] * line[j] for j, x in enumerate(row)]
     direction = _negative_direction(rest)
     if direction is not None:
-        # Off the pivots it stays; on them it is chosen, last first, so that all squares vanish.
+        # Components off the pivots stay; those on the pivots are chosen, last first, so that all squares vanish.
         for pivot, _, line in reversed(squares):
             direction[pivot] = direction[pivot] - total(x * y for x, y in zip(line, direction, strict=True))
     certificate = tuple((d, line) for _, d, line in squares)
@@ -65,7 +65,7 @@ def semidefinite(matrix: _Matrix) -> Semidefinite:
 
 
 def _negative_direction(rest: Sequence[Sequence[Exact]]) -> list[Exact] | None:
-    """An x with x·Mx < 0 and no component on an empty row, for an M without positive diagonal; None if M = 0."""
+    """An x with x·Mx < 0, zero where M has a zero row, for an M without positive diagonal entries; None if M = 0."""
     found: list[Exact] = [Fraction(0)] * len(rest)
     for i, row in enumerate(rest):
         if row[i]:
@@ -81,9 +81,9 @@ def _negative_direction(rest: Sequence[Sequence[Exact]]) -> list[Exact] | None:
 
 @dataclass(frozen=True)
 class AlgebraicStability:
-    """Algebraically stable: all weights bᵢ >= 0, and the matrix bᵢaᵢⱼ + bⱼaⱼᵢ - bᵢbⱼ positive semidefinite.
+    """Algebraic stability: all weights bᵢ >= 0, and the matrix bᵢaᵢⱼ + bⱼaⱼᵢ - bᵢbⱼ is positive semidefinite.
 
-    For an irreducible method that is B-stability: steps do not push two solutions of a contractive problem apart
+    For an irreducible method this is B-stability: no step moves two solutions of a contractive problem further apart
     (hairer-wanner-1996, IV.12 Definition 12.5).
     """
 
@@ -92,14 +92,14 @@ class AlgebraicStability:
 
     @property
     def holds(self) -> bool:
-        """Both conditions hold."""
+        """True if both conditions hold."""
         return self.weights.holds and self.matrix.holds
 
 
 def quadratic_matrix(method: TreeMethod) -> _Matrix:
     """M with entries mᵢⱼ = bᵢaᵢⱼ + bⱼaⱼᵢ - bᵢbⱼ, exact, over the stages (hairer-wanner-1996, IV.12 Definition 12.5).
 
-    For collocation given by its nodes' polynomial: Vᵀ M V, V the Vandermonde matrix of the nodes, which is rational.
+    For collocation given by its node polynomial it is the rational Vᵀ M V, V being the Vandermonde matrix of the nodes.
     """
     stages, basis = _basis(method)
     totals = [stages.weigh(u) for u in basis]
@@ -109,9 +109,9 @@ def quadratic_matrix(method: TreeMethod) -> _Matrix:
 
 
 def algebraic_stability(method: TreeMethod) -> AlgebraicStability:
-    """The decision, for the coefficients as they are given, with a certificate for each of the two conditions.
+    """Decide both conditions for the coefficients as given, each with a certificate.
 
-    The weights' one is the diagonal matrix of the bᵢ; for a nodes' polynomial with real roots, Vᵀ diag(b) V.
+    The certificate of the weights is for diag(b) or, given a node polynomial with real roots, for Vᵀ diag(b) V.
     """
     stages, basis = _basis(method)
     weights = tuple(tuple(map(EXACT.exact, row)) for row in _gram(stages, basis, basis))
@@ -119,7 +119,7 @@ def algebraic_stability(method: TreeMethod) -> AlgebraicStability:
 
 
 def _basis(method: TreeMethod) -> tuple[StageAlgebra, list[StageValues]]:
-    """The stages, and what spans their values: one stage after another; for a nodes' polynomial, powers of x."""
+    """The stage algebra and a basis of its values: unit vectors or, for a node polynomial, the powers of x."""
     if isinstance(method, Collocation):
         nodes = NodeStages(method.node_polynomial)
         return nodes, [fmpq_poly([0] * k + [1]) for k in range(nodes.modulus.degree())]
@@ -128,5 +128,5 @@ def _basis(method: TreeMethod) -> tuple[StageAlgebra, list[StageValues]]:
 
 
 def _gram(stages: StageAlgebra, left: list[StageValues], right: list[StageValues]) -> list[list[RingElement]]:
-    """b · uᵢvⱼ."""
+    """The matrix of the b · (uᵢ vⱼ)."""
     return [[stages.weigh(stages.times(u, v)) for v in right] for u in left]

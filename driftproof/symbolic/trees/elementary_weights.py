@@ -1,4 +1,4 @@
-"""Elementary weights of a method in exact numbers: the stages of each tree are made once, from two smaller trees."""
+"""Exact elementary weights of a method: each tree's stage values are computed once, from those of two smaller trees."""
 
 from __future__ import annotations
 
@@ -14,30 +14,30 @@ from driftproof.methods.number_field import Algebraic, Exact, as_fmpq, as_fracti
 from driftproof.methods.schemes import Collocation, RungeKutta
 from driftproof.symbolic.trees.rooted_trees import TreeTable, tree_table
 
-# A number of some `Scalars`: it has +, -, * among its kind and with fmpq. FLINT's numbers have no static types.
+# An element of the ring of some `Scalars`: it has +, -, * with its like and with fmpq. FLINT has no static types.
 RingElement: TypeAlias = Any
 
 
 class Scalars(Protocol):
-    """A ring that holds the rationals, with exact ways in and out."""
+    """A ring that contains the rationals, with exact conversions into it and out of it."""
 
     def lift(self, x: Exact | int) -> RingElement:
         """The number `x` as an element of the ring. Raises TypeError for anything that is not exact."""
 
     def exact(self, x: RingElement) -> Exact:
-        """The element `x` as a coefficient is written: a Fraction, or an Algebraic."""
+        """The element `x` as a Fraction or, where it is irrational, as an Algebraic."""
 
 
 @dataclass(frozen=True)
 class ExactScalars:
-    """Q and number fields: rationals as FLINT's fmpq, irrational numbers as Algebraic, which mix within one field."""
+    """Q or one number field: rational numbers as FLINT's fmpq, irrational ones as Algebraic."""
 
     def lift(self, x: Exact | int) -> RingElement:
-        """The number as it computes. Raises TypeError for a float."""
+        """The number as an fmpq or an Algebraic. Raises TypeError for a float."""
         return x if isinstance(x, Algebraic) else as_fmpq(x)
 
     def exact(self, x: RingElement) -> Exact:
-        """The number as a Fraction where it is rational."""
+        """The number as a Fraction or, where it is irrational, as an Algebraic."""
         if isinstance(x, Algebraic):
             return x.as_fraction() if x.is_rational else x
         return as_fraction(x if isinstance(x, fmpq) else as_fmpq(x))
@@ -45,35 +45,35 @@ class ExactScalars:
 
 @dataclass(frozen=True)
 class IntegerScalars(ExactScalars):
-    """Integers, FLINT's fmpz, for A and b times `unit`: their sums need no common denominator."""
+    """Integers (FLINT's fmpz) for A and b multiplied by `unit`, so that sums need no common denominator."""
 
     unit: int
 
     def lift(self, x: Exact | int) -> RingElement:
-        """The integer as it computes."""
+        """The integer as an fmpz."""
         return fmpz(int(x))  # type: ignore[arg-type]
 
     def weight(self, x: RingElement, vertices: int) -> RingElement:
-        """Φ of so many vertices, homogeneous of that degree in A and b."""
+        """Remove `unit` from Φ of a tree with `vertices` vertices, which is homogeneous of that degree in A and b."""
         return fmpq(x, self.unit**vertices)
 
 
 EXACT: Scalars = ExactScalars()
 
-# The values of something at all stages of a method. Its type is the stage algebra's own.
+# The values of a function at all stages of a method. Each stage algebra has a type of its own for them.
 StageValues: TypeAlias = Any
 
-# A method whose order is that of its trees.
+# A method with one order condition for each rooted tree.
 TreeMethod: TypeAlias = RungeKutta | Collocation
-# A RungeKutta or a Nystrom, or what else has its rows of coefficients, of which it is known how they are lifted.
+# A RungeKutta, a Nystrom, or another object with such rows of coefficients, which the `Scalars` at hand can lift.
 Table: TypeAlias = Any
 
 
 class StageAlgebra(Protocol):
-    """What a Runge-Kutta method is to a rooted tree: a ring of stages, the map A on it and the functional b."""
+    """A Runge-Kutta method as the trees see it: a ring of stage values, the map A on it and the functional b."""
 
     scalars: Scalars
-    bound: int  # no method with so many stages has a higher order
+    bound: int  # no method with this many stages has a higher order
     one: StageValues
 
     def times(self, u: StageValues, v: StageValues) -> StageValues:
@@ -87,12 +87,12 @@ class StageAlgebra(Protocol):
 
 
 class TableauStages:
-    """Lists of s numbers, with A and b from a tableau (butcher-2016, 312)."""
+    """Stage values as lists of s numbers, with A and b from a tableau (butcher-2016, 312)."""
 
     def __init__(self, a: Sequence[Sequence[Any]], b: Sequence[Any], scalars: Scalars = EXACT) -> None:
-        """Zero coefficients are dropped here, so that an explicit method costs half.
+        """Lift the nonzero coefficients, so that an explicit method costs half.
 
-        The coefficients are whatever `scalars` lift: polynomials in a parameter, say, and then so are the conditions.
+        `scalars` decides what they may be. Polynomials in a parameter, say, give conditions that are polynomials.
         """
         self.scalars = scalars
         lift = self.scalars.lift
@@ -101,7 +101,7 @@ class TableauStages:
         self._zero = lift(0)
         self.one = [lift(1)] * len(b)
         explicit = all(not x for i, row in enumerate(a) for x in row[i:])
-        # If explicit, Aˢ = 0 and the tall tree of order s + 1 fails; else, a quadrature formula has order 2s at most.
+        # Explicit: Aˢ = 0, so the tall tree of order s + 1 fails. Implicit: a quadrature formula has order 2s at most.
         self.bound = len(b) if explicit else 2 * len(b)
 
     def times(self, u: StageValues, v: StageValues) -> StageValues:
@@ -124,7 +124,7 @@ class TableauStages:
 
 
 class NodeStages:
-    """Polynomials modulo M(x) = Π (x - cᵢ), standing for their values at the nodes: collocation without radicals.
+    """Polynomials modulo M(x) = Π (x - cᵢ) in place of their values at the nodes: collocation without radicals.
 
     A polynomial u of degree below s is determined by its values u(cᵢ), products of values are products modulo M, and
     collocation integrates such polynomials exactly: A u = ∫₀ˣ u modulo M and b · u = ∫₀¹ u
@@ -154,7 +154,7 @@ class NodeStages:
 
 
 def distinct_nodes(nodes: Sequence[Exact]) -> fmpq_poly:
-    """M as a polynomial of FLINT. Raises ValueError unless it has degree 1 or more and no multiple root."""
+    """The node polynomial M as an fmpq_poly. Raises ValueError if it is constant or has a multiple root."""
     polynomial = fmpq_poly([as_fmpq(x) for x in nodes])
     if polynomial.degree() < 1 or polynomial.gcd(polynomial.derivative()).degree() > 0:
         raise ValueError(f"{tuple(map(str, nodes))} is no node polynomial: s >= 1 distinct nodes are needed")
@@ -162,7 +162,7 @@ def distinct_nodes(nodes: Sequence[Exact]) -> fmpq_poly:
 
 
 def stage_algebra(method: TreeMethod) -> StageAlgebra:
-    """The stages of a method that is given by its node polynomial, or else by its tableau."""
+    """The stage algebra of a method given by its node polynomial or by its tableau."""
     if isinstance(method, Collocation):
         return NodeStages(method.node_polynomial)
     (stages,) = tableau_stages(method.a, method.b)
@@ -170,7 +170,7 @@ def stage_algebra(method: TreeMethod) -> StageAlgebra:
 
 
 def tableau_stages(a: Sequence[Sequence[Exact]], *weights: Sequence[Exact]) -> list[TableauStages]:
-    """A with each of the rows of weights; where all are rational in integers, times their least common denominator."""
+    """The stage algebra of A with each row of weights; rational ones times their common denominator, as integers."""
     numbers = [x for row in (*a, *weights) for x in row]
     if any(isinstance(x, Algebraic) for x in numbers):
         return [TableauStages(a, row) for row in weights]
@@ -180,21 +180,21 @@ def tableau_stages(a: Sequence[Sequence[Exact]], *weights: Sequence[Exact]) -> l
 
 
 class ElementaryWeights:
-    """Φ(t) = b · Π A(...) of a method for one tree after another, the stages of every smaller tree made only once.
+    """The elementary weights Φ(t) = b · Π A(...) of a method, order by order; stage values are computed once per tree.
 
-    One stage algebra for each colour of vertex, the first `internal` of which may carry branches; one for ordinary
-    trees. All of them have the same stages, and differ in A and b.
+    Each colour of vertex has a stage algebra; ordinary trees have one colour. Only the first `internal` colours may
+    carry branches. All algebras have the same stages, and differ in A and b.
     """
 
     def __init__(self, *colours: StageAlgebra, internal: int = 1) -> None:
-        """Nothing is computed until an order is asked for."""
+        """Compute nothing yet."""
         self.colours = colours
         self.internal = internal
-        self._products: list[StageValues] = [colour.one for colour in colours]  # of each tree, over its branches
-        self._inner: list[StageValues] = []  # A times that
+        self._products: list[StageValues] = [colour.one for colour in colours]  # Π A(branch) for each tree
+        self._inner: list[StageValues] = []  # A applied to each product
 
     def of_order(self, vertices: int) -> list[RingElement]:
-        """Φ of the trees with so many vertices, in the order of the table."""
+        """Φ of the trees with `vertices` vertices, in the order of the table."""
         table, (first, *_) = self.table(vertices), self.colours
         for n in range(vertices + 1):
             self._extend(table, n)
@@ -203,18 +203,18 @@ class ElementaryWeights:
         return [scalars.weight(x, vertices) for x in weights] if isinstance(scalars, IntegerScalars) else weights
 
     def residuals(self, vertices: int) -> list[tuple[int, RingElement]]:
-        """The number of each tree with so many vertices, and its Φ - 1/γ."""
+        """The number of each tree with `vertices` vertices, and its residual Φ - 1/γ."""
         table = self.table(vertices)
         weights = zip(table.ids(vertices), self.of_order(vertices), strict=True)
         return [(t, weight - fmpq(1, table.density[t])) for t, weight in weights]
 
     def symmetries(self, vertices: int) -> Sequence[int]:
-        """σ of each tree with so many vertices; only automorphisms that keep the colours count."""
+        """σ of each tree with `vertices` vertices, where only automorphisms that keep the colours count."""
         table = self.table(vertices)
         return table.symmetry[table.first[vertices] :]
 
     def weighed_by(self, algebra: StageAlgebra) -> Self:
-        """The same of ordinary trees with another b, and the same A: the stages of each tree are made once for both."""
+        """The weights of ordinary trees with the same A and the b of `algebra`; both share their stage values."""
         other = type(self)(algebra)
         other._products, other._inner = self._products, self._inner
         return other
@@ -224,7 +224,7 @@ class ElementaryWeights:
         return tree_table(order, len(self.colours), self.internal)
 
     def _extend(self, table: TreeTable, vertices: int) -> None:
-        """Make the products of the trees with so many vertices, once those of all smaller trees are there."""
+        """Compute the products of the trees with `vertices` vertices from those of all smaller trees."""
         inner, products, colours = self._inner, self._products, self.colours
         for t in range(len(inner), table.first[vertices]):
             inner.append(colours[table.kind[t]].inner(products[t]))

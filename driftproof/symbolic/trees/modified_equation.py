@@ -21,17 +21,17 @@ from driftproof.symbolic.trees.rooted_trees import Tree, shapes, tree_number, tr
 
 @dataclass(frozen=True)
 class BSeries:
-    """Σ h^r(t)/σ(t) a(t) F(t)(y) for trees of at most `order` vertices, exact; what stands before y is left out.
+    """The B-series Σ h^r(t)/σ(t) a(t) F(t)(y) over trees of at most `order` vertices, exact, without the term in y.
 
     The normalisation is that of hairer-lubich-wanner-2006, III.1.1 Definition 1.8: the exact flow has a(t) = 1/γ(t).
-    `coefficients` are in the numbering of the tables, as they compute; `coefficient` reads one as it is written.
+    `coefficients` are ring elements in the numbering of the tables; `coefficient` returns one as an exact number.
     """
 
     order: int
     coefficients: tuple[RingElement, ...]
 
     def coefficient(self, tree: Tree) -> Exact:
-        """a(t). Raises KeyError for a tree with more than `order` vertices."""
+        """The coefficient a(t). Raises KeyError for a tree with more than `order` vertices."""
         if vertices(tree) > self.order:
             raise KeyError(f"a tree of {vertices(tree)} vertices in a B-series of order {self.order}")
         return EXACT.exact(self.coefficients[tree_number(tree)])
@@ -49,13 +49,13 @@ def method_series(method: TreeMethod, order: int) -> BSeries:
 
 
 def modified_equation(method: TreeMethod, order: int) -> BSeries:
-    """The b such that the method is the time-h flow of h y' = B(b, y), for trees up to `order`.
+    """The series b of the modified equation h y' = B(b, y), whose time-h flow is the method, for trees up to `order`.
 
-    In y' = f + h f₂ + h² f₃ + ... the term of t is h^(r(t)-1) b(t)/σ(t) F(t). The method's a is Σⱼ ∂_bʲ⁻¹ b / j!, where
-    the j-th Lie derivative of a tree needs b on smaller trees only, so b(t) = a(t) - Σ_{j>1} follows tree by tree
-    (hairer-lubich-wanner-2006, IX.9.1).
+    In y' = f + h f₂ + h² f₃ + ... the term of t is h^(r(t)-1) b(t)/σ(t) F(t). The method's series is
+    a = Σⱼ ∂_bʲ⁻¹ b / j!. The terms with j > 1 need b on smaller trees only, so b(t) = a(t) - Σ_{j>1} ... follows tree
+    by tree (hairer-lubich-wanner-2006, IX.9.1).
     """
-    rows: list[list[RingElement]] = []  # of each tree, ∂_bʲ⁻¹ b for j = 1, 2, ... up to its number of vertices
+    rows: list[list[RingElement]] = []  # for each tree, ∂_bʲ⁻¹ b for j = 1, 2, ... up to its number of vertices
     for a, cuts in zip(method_series(method, order).coefficients, tree_table(order).cuts, strict=True):
         higher = _higher_derivatives(cuts, rows)
         rows.append([a - sum((x * fmpq(1, factorial(j)) for j, x in enumerate(higher, start=2)), fmpq(0)), *higher])

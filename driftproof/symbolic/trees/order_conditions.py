@@ -1,4 +1,4 @@
-"""The order of a method, exactly, and the first tree that fails; leading errors; collocation; B(p), C(q) and D(r)."""
+"""The exact order of a method, the first tree that fails, leading error coefficients, and B(p), C(q), D(r)."""
 
 from __future__ import annotations
 
@@ -31,9 +31,9 @@ from driftproof.symbolic.trees.rooted_trees import AnyTree, Tree, bush, shapes, 
 
 @dataclass(frozen=True)
 class QuadratureFact:
-    """Order s + k and not s + k + 1: ∫₀¹ M(x) xʲ dx = 0 for j < k, and `residual`, not zero, for j = k, M monic.
+    """The order p = s + k of a quadrature formula: ∫₀¹ M(x) xʲ dx, M monic, is 0 for j < k and `residual` for j = k.
 
-    The residual is also what 1/(p + 1) has beyond the quadrature formula's value for the first power it misses, xᵖ.
+    The residual is also 1/(p + 1) - Σ bᵢ cᵢᵖ, the error for xᵖ, the first power that is not integrated exactly.
     """
 
     order: int
@@ -41,9 +41,9 @@ class QuadratureFact:
 
 
 def collocation_order(nodes: Sequence[Exact]) -> QuadratureFact:
-    """The order of the collocation method at the roots of M, which is that of its quadrature formula, s + k.
+    """The order s + k of the collocation method at the s roots of M, which is that of its quadrature formula.
 
-    M is orthogonal on [0, 1] to k powers (hairer-lubich-wanner-2006, II.1.2 Theorem 1.5); Gauss has k = s.
+    M is orthogonal on [0, 1] to the first k powers (hairer-lubich-wanner-2006, II.1.2 Theorem 1.5); Gauss has k = s.
     `nodes` is M's coefficients, constant term first. Raises ValueError if M is constant or has a multiple root.
     """
     polynomial = distinct_nodes(nodes)
@@ -55,12 +55,12 @@ def collocation_order(nodes: Sequence[Exact]) -> QuadratureFact:
 
 TreeType = TypeVar("TreeType", bound=AnyTree)
 TreeTypeOut = TypeVar("TreeTypeOut", bound=AnyTree, covariant=True)
-# What a family of conditions calls a tree: a number, or a number and a colour.
+# The label of a tree in a set of conditions: its number, or its number and the colour of its root.
 TreeLabel: TypeAlias = Any
 
 
 class Conditions(Protocol[TreeTypeOut]):
-    """The order conditions of a method on a class of problems: for each tree of a kind, Φ(t) = 1/γ(t)."""
+    """The order conditions of a method on a class of problems: Φ(t) = 1/γ(t) for each tree of some kind."""
 
     @property
     def scalars(self) -> Scalars:
@@ -68,23 +68,23 @@ class Conditions(Protocol[TreeTypeOut]):
 
     @property
     def bound(self) -> int:
-        """An order that no method with so many stages exceeds."""
+        """An order that no method with this many stages exceeds."""
 
     def residuals(self, vertices: int) -> Sequence[tuple[TreeLabel, RingElement]]:
-        """The label of each tree with so many vertices, and its Φ - 1/γ."""
+        """The label of each tree with `vertices` vertices, and its residual Φ - 1/γ."""
 
     def tree(self, vertices: int, label: TreeLabel) -> TreeTypeOut:
-        """The tree with this label, among those with so many vertices."""
+        """The tree with this label among those with `vertices` vertices."""
 
     def symmetries(self, vertices: int) -> Sequence[int]:
-        """σ of each tree with so many vertices, in the order of the residuals."""
+        """σ of each tree with `vertices` vertices, in the order of the residuals."""
 
 
 @dataclass(frozen=True)
 class OrderFact(Generic[TreeType]):
-    """Order p and not p + 1: every tree with at most `order` vertices has Φ = 1/γ, `failing_tree` has p + 1 and fails.
+    """The order p of a method: Φ = 1/γ for every tree with at most p vertices; `failing_tree`, with p + 1, fails.
 
-    `failing_tree` is the first such tree in the numbering of the tables, `residual` is its Φ - 1/γ, not zero.
+    `failing_tree` is the first such tree in the numbering of the tables, and `residual` ≠ 0 is its Φ - 1/γ.
     """
 
     order: int
@@ -97,7 +97,7 @@ class PrincipalError(Generic[TreeType]):
     """The coefficients τ(t) = (Φ(t) - 1/γ(t))/σ(t) of the leading error term h^vertices Σ τ(t) F(t), all exact.
 
     `squared_norm` is Σ τ(t)², whose root is the usual measure of a method (hairer-norsett-wanner-1993, II.3); `errors`
-    has τ by the labels that `conditions` give to trees.
+    pairs each tree's label in `conditions` with its τ.
     """
 
     vertices: int
@@ -113,13 +113,10 @@ class PrincipalError(Generic[TreeType]):
 
 
 class RungeKuttaConditions(ElementaryWeights):
-    """The conditions of a Runge-Kutta method on every y' = f(y): one for each rooted tree.
-
-    Explicit or implicit (hairer-norsett-wanner-1993, II.2 Theorem 2.13).
-    """
+    """The conditions of a Runge-Kutta method, one for each tree (hairer-norsett-wanner-1993, II.2 Theorem 2.13)."""
 
     def __init__(self, algebra: StageAlgebra) -> None:
-        """From A and b only; a c that disagrees with A's row sums is the subject of `symbolic.trees.bicoloured`."""
+        """Use A and b only; `conditions_with_nodes` is for a c that differs from the row sums of A."""
         super().__init__(algebra)
         self.scalars, self.bound = algebra.scalars, algebra.bound
 
@@ -129,10 +126,10 @@ class RungeKuttaConditions(ElementaryWeights):
 
 
 def order(method: TreeMethod) -> OrderFact[Tree]:
-    """The largest p with Φ(t) = 1/γ(t) for every tree of at most p vertices, by exact equality, and why not p + 1.
+    """The largest p with Φ(t) = 1/γ(t), exactly, for every tree of at most p vertices, and the first tree that fails.
 
-    Of collocation given by its nodes' polynomial, the trees need not be visited: its order is that of its quadrature
-    formula, whose first failing condition is that of a bush (hairer-lubich-wanner-2006, II.1.2 Theorem 1.5).
+    For collocation given by its node polynomial no tree is visited: its order is that of its quadrature formula, whose
+    first failing condition is that of a bush (hairer-lubich-wanner-2006, II.1.2 Theorem 1.5).
     """
     if isinstance(method, Collocation):
         quadrature = collocation_order(method.node_polynomial)
@@ -141,42 +138,42 @@ def order(method: TreeMethod) -> OrderFact[Tree]:
 
 
 def embedded_order(method: TreeMethod) -> OrderFact[Tree] | None:
-    """The order of the method's second row of weights, `b_embedded`; None for a method that has none."""
+    """The order of the method with its embedded weights `b_embedded`; None for a method without them."""
     conditions = embedded_conditions(method)
     return None if conditions is None else order_of(conditions)
 
 
 def runge_kutta_conditions(method: TreeMethod, scalars: Scalars = EXACT) -> RungeKuttaConditions:
-    """The conditions of a method that is given by its tableau, or by its nodes' polynomial, then in exact numbers."""
+    """The order conditions of a method; exact, whatever `scalars`, if it is given by a node polynomial."""
     if scalars is EXACT or isinstance(method, Collocation):
         return RungeKuttaConditions(stage_algebra(method))
     return RungeKuttaConditions(TableauStages(method.a, method.b, scalars))
 
 
 def embedded_conditions(method: TreeMethod) -> RungeKuttaConditions | None:
-    """The conditions of the method with its second row of weights; None for a method that has none."""
+    """The order conditions of the method with its embedded weights; None for a method without them."""
     if isinstance(method, Collocation) or method.b_embedded is None:
         return None
     return RungeKuttaConditions(*tableau_stages(method.a, method.b_embedded))
 
 
 def order_of(conditions: Conditions[TreeType]) -> OrderFact[TreeType]:
-    """The largest p such that all conditions of at most p vertices hold exactly, and the first that then fails."""
-    # Ends: bushes are conditions on a quadrature formula with finitely many nodes, whose order is finite.
+    """The largest p such that all conditions of at most p vertices hold exactly, and the first condition that fails."""
+    # This ends: bushes are the conditions of a quadrature formula with finitely many nodes, whose order is finite.
     fails = ((n, label, residual) for n in count(1) for label, residual in conditions.residuals(n) if residual)
     n, label, residual = next(fails)
     return OrderFact(n - 1, conditions.tree(n, label), conditions.scalars.exact(residual))
 
 
-# Vertices to which an order to a tolerance goes: beyond the exact order, no further.
+# The most vertices for an order to a tolerance. chosen: order 12 has 4,766 trees, order 13 has 12,486.
 TOLERANCE_ORDER = 12
 
 
 def order_to_tolerance(conditions: Conditions[AnyTree], tolerance: Fraction | int, limit: int = TOLERANCE_ORDER) -> int:
     """The largest p with |Φ(t) - 1/γ(t)| <= `tolerance` for every tree of at most p vertices: this is not the order.
 
-    At most `limit`, and at most `conditions.bound`: beyond the order that so many stages can have at all, residuals are
-    small only because large trees weigh little. Raises TypeError for a float, ValueError below zero.
+    It is at most `limit` and `conditions.bound`: beyond the highest order that the stages allow, residuals are small
+    only because large trees have small weights. Raises TypeError for a float, ValueError for a negative tolerance.
     """
     if isinstance(tolerance, bool) or not isinstance(tolerance, Fraction | int):
         raise TypeError(f"tolerance {tolerance!r} is {type(tolerance).__name__}; write a Fraction")
@@ -191,13 +188,13 @@ def order_to_tolerance(conditions: Conditions[AnyTree], tolerance: Fraction | in
 
 
 def residuals(conditions: Conditions[TreeType], vertices: int) -> tuple[tuple[TreeType, Exact], ...]:
-    """Φ(t) - 1/γ(t) for every tree with so many vertices, zeros included."""
+    """Every tree with `vertices` vertices, and its residual Φ(t) - 1/γ(t), zeros included."""
     exact = conditions.scalars.exact
     return tuple((conditions.tree(vertices, label), exact(x)) for label, x in conditions.residuals(vertices))
 
 
 def principal_error(conditions: Conditions[TreeType], order: int) -> PrincipalError[TreeType]:
-    """The leading error coefficients: those of the trees with p + 1 vertices, p the order, known to be `order` or more.
+    """The leading error coefficients, those of the trees with p + 1 vertices; the order p is at least `order`.
 
     Raises TooManyTrees.
     """
@@ -215,16 +212,16 @@ def elementary_weight(method: TreeMethod, tree: Tree) -> Exact:
     return algebra.scalars.exact(ElementaryWeights(algebra).of_order(size)[position])
 
 
-# The residuals of the k-th condition of a family, one number for each equation in it.
+# A function of k: the residuals of the k-th condition of a family, one for each equation in it.
 Condition = Callable[[int], list[RingElement]]
 
 
 @dataclass(frozen=True)
 class Simplifying:
-    """The largest p, q, r with B(p), C(q), D(r); None where every one of the conditions holds.
+    """The largest p, q, r for which B(p), C(q), D(r) hold; None where the conditions hold for every k.
 
-    B(p): Σ bᵢ cᵢᵏ⁻¹ = 1/k; C(q): Σⱼ aᵢⱼ cⱼᵏ⁻¹ = cᵢᵏ/k; D(r): Σᵢ bᵢ cᵢᵏ⁻¹ aᵢⱼ = bⱼ (1 - cⱼᵏ)/k, for k up to the
-    number (hairer-norsett-wanner-1993, II.7; butcher-2016, 321).
+    B(p): Σ bᵢ cᵢᵏ⁻¹ = 1/k; C(q): Σⱼ aᵢⱼ cⱼᵏ⁻¹ = cᵢᵏ/k; D(r): Σᵢ bᵢ cᵢᵏ⁻¹ aᵢⱼ = bⱼ (1 - cⱼᵏ)/k, for k = 1, ... up
+    to p, q or r (hairer-norsett-wanner-1993, II.7; butcher-2016, 321).
     """
 
     b: int
@@ -233,28 +230,28 @@ class Simplifying:
 
     @property
     def stage_order(self) -> int:
-        """The largest q with B(q) and C(q): the order to which stages and step both approximate the solution."""
+        """The largest q with B(q) and C(q): stages and step both approximate the solution to this order."""
         return self.b if self.c is None else min(self.b, self.c)
 
 
 def simplifying_assumptions(method: TreeMethod) -> Simplifying:
-    """How far B, C and D hold, with the c that the method states.
+    """The largest p, q, r for which the simplifying assumptions B, C, D hold, with the method's own c.
 
-    For collocation at s nodes with a quadrature formula of order p they hold to p, s and p - s.
+    For collocation at s nodes with a quadrature formula of order p, they are p, s and p - s.
     """
     if isinstance(method, Collocation):
         order, stages = collocation_order(method.node_polynomial).order, len(method.node_polynomial) - 1
         return Simplifying(order, stages, order - stages)
     conditions = _Conditions(method)
-    # Polynomials of degree 2s tell all s nodes apart from integrals: whoever passes 2s + 1 conditions passes all.
+    # Π (x - cⱼ)², of degree 2s, is 0 at all nodes but its integrals are not: 2s + 1 conditions that hold imply all.
     last = 2 * len(method.b) + 1
     b, c, d = (_degree(condition, last) for condition in (conditions.b, conditions.c, conditions.d))
-    assert b is not None  # no quadrature formula with s nodes is of an order above 2s
+    assert b is not None  # a quadrature formula with s nodes has order 2s at most
     return Simplifying(b, c, d)
 
 
 class _Conditions:
-    """The residuals of the conditions numbered k = 1, 2, ..., in the method's field."""
+    """The residuals of B, C and D for k = 1, 2, ..., in the method's field."""
 
     def __init__(self, method: RungeKutta) -> None:
         lift = EXACT.lift
@@ -280,5 +277,5 @@ class _Conditions:
 
 
 def _degree(condition: Condition, last: int) -> int | None:
-    """The largest k to which the conditions hold, or None if they hold to `last`."""
+    """The largest k up to which the conditions hold; None if they hold up to `last`."""
     return next((k - 1 for k in range(1, last + 1) if any(condition(k))), None)

@@ -1,4 +1,4 @@
-"""Orders of coefficients known up to an error, or rounded: a condition fails only where its residual excludes zero."""
+"""Orders of methods with uncertain or rounded coefficients: a condition fails only if its residual excludes zero."""
 
 from __future__ import annotations
 
@@ -25,48 +25,48 @@ from driftproof.symbolic.trees.partitioned_trees import (
 )
 from driftproof.symbolic.trees.rooted_trees import AnyTree, Tree, tree_table
 
-# Rounding errors of the same digits, summed over the products of a tree's weight, stay within three decimal digits of
-# each other; coefficients of four digits or more leave as much between them and the next condition.
+# Residuals that come from rounding all coefficients to the same digits are within a factor of 1000 of each other; with
+# coefficients of four digits or more, the first condition that fails by itself is larger by at least as much again.
 JUMP = 1000
-# Digits of residuals: they are sizes.
+# Digits of a residual in text, where only its magnitude matters.
 RESIDUAL_DIGITS = 3
 
-# Doubles and sums of a few products of them are far from using up so many bits.
+# chosen: far more bits than sums of a few products of doubles use.
 BALL_BITS = 256
 
 
 class Ball(NamedTuple):
-    """Some number at most `radius` from `center`."""
+    """A number known up to an error: at most `radius` away from `center`."""
 
     center: Fraction
     radius: Fraction
 
 
-# A `Ball`, or 0 for a coefficient that is known not to be there. The trees' tables are typed for exact numbers.
+# A `Ball`, or 0 for a coefficient known to be absent; Any, because the order conditions are typed for exact numbers.
 Uncertain: TypeAlias = Any
 _Row: TypeAlias = tuple[Uncertain, ...]
 
 
 @dataclass(frozen=True)
 class Balls:
-    """The numbers of Arb: every one of them encloses what it stands for."""
+    """Arb's balls as the ring of residuals: each ball contains the number that it stands for."""
 
     def lift(self, x: Uncertain) -> RingElement:
-        """A ball around every number that `x` may be."""
+        """An Arb ball that contains every number that `x` may be."""
         if isinstance(x, Ball):
             return self.lift(x.center) + arb(0, 1) * self.lift(x.radius)
         return arb(fmpq(x.numerator, x.denominator))
 
     def exact(self, x: RingElement) -> Fraction:
-        """Raises TypeError: a ball is no exact number."""
+        """Raise TypeError: a ball is not an exact number."""
         raise TypeError(f"{x} is a ball, which stands for no exact number")
 
 
 @dataclass(frozen=True)
 class ProvableFailure(Generic[TreeType]):
-    """No condition of at most `order` vertices provably fails; the one of `failing_tree`, with one more, does.
+    """The first condition that provably fails, that of `failing_tree` with `order` + 1 vertices.
 
-    `residual` encloses its Φ - 1/γ, and excludes 0. Both are None if no condition was found to fail up to the limit.
+    `residual` is an interval that contains its Φ - 1/γ but not 0. Both are None if none provably fails up to the limit.
     """
 
     order: int
@@ -75,9 +75,9 @@ class ProvableFailure(Generic[TreeType]):
 
 
 class RoundedOrder(NamedTuple):
-    """An order but for rounding, the largest residual of its conditions, and that of the conditions of one order more.
+    """The order apart from rounding, the largest residual up to that order, and the largest one order higher.
 
-    Both in three digits, the first rounded up: no condition misses by more.
+    Both have three digits. `residual` is rounded up, so that no condition up to the order misses by more.
     """
 
     order: int
@@ -86,7 +86,7 @@ class RoundedOrder(NamedTuple):
 
 
 class BallTableau(NamedTuple):
-    """A, b and c of a Runge-Kutta method, as far as they are known."""
+    """A, b and c of a Runge-Kutta method, each coefficient a ball or 0."""
 
     a: tuple[_Row, ...]
     b: _Row
@@ -94,7 +94,7 @@ class BallTableau(NamedTuple):
 
 
 class BallNystrom(NamedTuple):
-    """c, A and both rows of weights of a Nyström method, as far as they are known, and its drift, which should be 1."""
+    """The coefficients of a Nyström method as balls or 0; without force a step moves q by drift·hv, ideally by hv."""
 
     c: _Row
     a: tuple[_Row, ...]
@@ -106,7 +106,8 @@ class BallNystrom(NamedTuple):
 def ball_order(method: BallTableau | BallNystrom, limit: int, *, timed: bool = False) -> ProvableFailure[AnyTree]:
     """The largest p, at most `limit`, such that no condition of at most p vertices provably fails.
 
-    On every y' = f(y), or on every y' = f(t, y) with the c given if `timed`; of a Nyström method, on every q'' = F(q).
+    The conditions are those for every y' = f(y) or, if `timed`, for every y' = f(t, y) with the given c; for a Nyström
+    method, those for every q'' = F(q).
     """
     with ctx.workprec(BALL_BITS):
         if isinstance(method, BallNystrom):
@@ -117,7 +118,7 @@ def ball_order(method: BallTableau | BallNystrom, limit: int, *, timed: bool = F
 
 
 def linear_ball_order(method: BallTableau | BallNystrom, limit: int) -> int:
-    """The same on linear problems, y' = My or q'' = Mq: there, only the trees without a fork matter."""
+    """The same as `ball_order` on linear problems, y' = My or q'' = Mq, where only trees without a fork matter."""
     with ctx.workprec(BALL_BITS):
         if isinstance(method, BallNystrom):
             chains = [_nystrom_chain(_Drifting(method), leaf) for leaf in (V, Q)]
@@ -127,21 +128,21 @@ def linear_ball_order(method: BallTableau | BallNystrom, limit: int) -> int:
 
 
 def order_but_for_rounding(method: RungeKutta | Splitting | Nystrom, limit: int) -> RoundedOrder | None:
-    """`rounded_order` on the problems of the family; the coefficients are rational."""
+    """`rounded_order` for the problems that the method's family is made for; the coefficients are rational."""
     with ctx.workprec(BALL_BITS):
         return rounded_order(general_conditions(method, Balls()), limit)
 
 
 def rounded_order(conditions: Conditions[Any], limit: int) -> RoundedOrder | None:
-    """The order p of which the conditions fail by rounded coefficients alone: by far less than one of p + 1 vertices.
+    """The order p but for rounded coefficients: residuals up to p vertices are far smaller than one of p + 1 vertices.
 
-    Residuals of that kind are sums of rounding errors, much alike for every number of vertices; the first that is more
-    than `JUMP` times as large as all before is the method's own. None where there is no such jump up to `limit`
-    vertices, and for a method that no rounding keeps from its order. Residuals are balls, or rational.
+    Residuals due to rounding have similar sizes for every number of vertices; the first that is more than `JUMP` times
+    as large as all before it is the method's own. None if there is no such jump up to `limit` vertices, or if rounding
+    makes no condition fail. Residuals are balls or rational.
     """
     with ctx.workprec(BALL_BITS):
         largest, n = arb(0), 0
-        while JUMP * largest < 1 and n <= min(limit, conditions.bound):  # weights, and so residuals, are about 1
+        while JUMP * largest < 1 and n <= min(limit, conditions.bound):  # weights are about 1
             n += 1
             balls = (arb(x) for _, x in conditions.residuals(n))
             sizes = [x.abs_upper() for x in balls if not x.contains(0)]
@@ -154,9 +155,9 @@ def rounded_order(conditions: Conditions[Any], limit: int) -> RoundedOrder | Non
 
 
 def vanishing_order(method: BallTableau, limit: int) -> ProvableFailure[Tree]:
-    """The largest q, at most `limit`, such that no Σ bᵢ Φᵢ(t) = 0 of a tree of at most q vertices provably fails.
+    """The largest q, at most `limit`, such that Σ bᵢ Φᵢ(t) = 0 provably fails for no tree of at most q vertices.
 
-    Then h Σ bᵢ kᵢ is of order q + 1 in h: of the difference of two rows of weights, an estimate of the local error.
+    Then h Σ bᵢ kᵢ = O(h^(q + 1)); if b is the difference of two rows of weights, this estimates the local error.
     """
     with ctx.workprec(BALL_BITS):
         conditions = RungeKuttaConditions(TableauStages(method.a, method.b, Balls()))
@@ -167,7 +168,7 @@ def vanishing_order(method: BallTableau, limit: int) -> ProvableFailure[Tree]:
 def _first_failure(
     conditions: Conditions[TreeType], limit: int, of_order: Callable[[int], Iterable[tuple[Any, arb]]] | None = None
 ) -> ProvableFailure[TreeType]:
-    """The first that is not 0 of the residuals, or of what else is given for each tree of n vertices."""
+    """The first residual that excludes 0; `of_order`, if given, replaces the residuals of the trees of n vertices."""
     for n in range(1, limit + 1):
         for label, residual in (of_order or conditions.residuals)(n):
             if not residual.contains(0):
@@ -192,7 +193,7 @@ def _chain(method: BallTableau) -> Iterator[RingElement]:
 
 
 def _nystrom_chain(stages: NystromStages, colour: str) -> Iterator[RingElement]:
-    """Φ of the trees without a fork, with a leaf of this colour."""
+    """Φ of the trees without a fork whose leaf has this colour, the smallest first."""
     values = stages.ones(colour)
     while True:
         values, weight = stages.integrals(colour, values)
@@ -201,13 +202,13 @@ def _nystrom_chain(stages: NystromStages, colour: str) -> Iterator[RingElement]:
 
 
 class _Drifting(NystromStages):
-    """The stages of a Nyström method that without a force moves by drift·hv instead of hv."""
+    """The stages of a Nyström method that without force moves q by drift·hv instead of hv."""
 
     def __init__(self, method: BallNystrom) -> None:
         super().__init__(method, Balls())
         self._drift = Balls().lift(method.drift)
 
     def integrals(self, colour: str, u: StageValues) -> tuple[StageValues, RingElement]:
-        """As of any Nyström method, but for the integral of v itself."""
+        """Return the integrals of `NystromStages`, with the drift as the integral of v itself."""
         values, weight = super().integrals(colour, u)
         return values, self._drift if colour == Q and u is None else weight

@@ -1,4 +1,4 @@
-"""Orders by trees of two colours: separable problems, Nyström methods, and problems that depend on the time."""
+"""Order conditions on trees of two colours: separable problems, Nyström methods, and problems y' = f(t, y)."""
 
 from __future__ import annotations
 
@@ -42,24 +42,22 @@ OTHER_COLOUR = {Q: V, V: Q}
 class SplittingStages:
     """The stages of a splitting: v-vertices are evaluated at its kicks, q-vertices at its drifts.
 
-    A splitting is a partitioned Runge-Kutta method with a coefficient of one sub-step wherever it comes before
-    another (hairer-lubich-wanner-2006, II.5), so its integrals are running sums.
+    A splitting is a partitioned Runge-Kutta method in which aᵢⱼ is the coefficient of sub-step j if that comes before
+    sub-step i, else 0 (hairer-lubich-wanner-2006, II.5), so its integrals are running sums.
     """
 
     def __init__(self, method: Splitting, scalars: Scalars = EXACT) -> None:
-        """The sub-steps are taken as they come; those with coefficient zero do no harm."""
+        """Take the sub-steps as they are; those with coefficient zero do no harm."""
         self.scalars = scalars
         self.bound = max(2 * sum(kind == "kick" for kind, _ in method.parts), 1)
         self._parts = [(V if kind == "kick" else Q, self.scalars.lift(c)) for kind, c in method.parts]
 
     def ones(self, colour: str) -> StageValues:
-        """The empty product at the stages at which vertices of this colour are evaluated: one for every sub-step."""
+        """The empty product at the stages of this colour: a one for each of its sub-steps."""
         return [self.scalars.lift(1) for part, _ in self._parts if part == colour]
 
     def integrals(self, colour: str, u: StageValues) -> tuple[StageValues, RingElement]:
-        """Of `u`, given at the stages of `colour`, the integrals up to the stages of the other, and over the step: the
-        running sum of c u over the sub-steps of the colour, as it stands at each of the others and last.
-        """
+        """The integrals of `u`, given at the stages of `colour`, up to those of the other one and over the step."""
         total, at_others, values = self.scalars.lift(0), [], iter(u)
         for part, c in self._parts:
             if part == colour:
@@ -72,12 +70,12 @@ class SplittingStages:
 class NystromStages:
     """The stages of a Nyström method, at which v-vertices are evaluated; q' = v is integrated exactly.
 
-    A q-vertex has one branch, whose values it hands on, or none: then it stands for v at the start of the step,
-    written None here (hairer-norsett-wanner-1993, II.14).
+    A q-vertex has one branch, whose values it passes on, or none. Then it stands for v at the start of the step, which
+    is None here (hairer-norsett-wanner-1993, II.14).
     """
 
     def __init__(self, method: Table, scalars: Scalars = EXACT) -> None:
-        """The coefficients are whatever `scalars` lift."""
+        """Lift the coefficients by `scalars`."""
         self.scalars = scalars
         self.bound = 2 * len(method.c)
         self._velocity = TableauStages(method.a, method.b_velocity, self.scalars)
@@ -85,11 +83,11 @@ class NystromStages:
         self._nodes = [self.scalars.lift(x) for x in method.c]
 
     def ones(self, colour: str) -> StageValues:
-        """One for every stage; None for a q-vertex."""
+        """The empty product: a one for every stage, or None for a q-vertex."""
         return [self.scalars.lift(1)] * len(self._nodes) if colour == V else None
 
     def integrals(self, colour: str, u: StageValues) -> tuple[StageValues, RingElement]:
-        """Of a v-vertex: u, for a q-vertex to integrate twice, and b_velocity · u. Of a q-vertex: the position."""
+        """For a v-vertex u, which a q-vertex integrates twice, b_velocity · u; for a q-vertex A u, b_position · u."""
         if colour == V:
             return u, self._velocity.weigh(u)
         if u is None:
@@ -98,14 +96,14 @@ class NystromStages:
 
 
 class AlternatingConditions:
-    """The conditions of a method for the trees of alternating colours, rooted at v and at q.
+    """The order conditions of the trees with alternating colours and a root of either colour.
 
-    With `linear_drift`, only for those whose q-vertices have at most one branch: q' = v instead of q' = f(v). A tree
-    is labelled by its number and the colour of its root.
+    With `linear_drift`, which means q' = v instead of q' = f(v), only trees whose q-vertices have at most one branch
+    count. The label of a tree is its number and the colour of its root.
     """
 
     def __init__(self, stages: SplittingStages | NystromStages, *, linear_drift: bool) -> None:
-        """Nothing is computed until an order is asked for."""
+        """Compute nothing yet."""
         self.scalars, self.bound = stages.scalars, stages.bound
         self._stages = stages
         self._numbers = _nystrom_numbers if linear_drift else lambda vertices, _: tree_table(vertices).ids(vertices)
@@ -114,18 +112,18 @@ class AlternatingConditions:
         self._found: list[list[tuple[TreeLabel, RingElement]]] = []
 
     def residuals(self, vertices: int) -> Sequence[tuple[TreeLabel, RingElement]]:
-        """The label of each tree with so many vertices, and its Φ - 1/γ; roots of colour v first."""
+        """The label of each tree with `vertices` vertices, and its residual Φ - 1/γ; roots of colour v first."""
         for n in range(len(self._found) + 1, vertices + 1):
             self._found.append(list(self._extended(n)))
         return self._found[vertices - 1]
 
     def tree(self, vertices: int, label: TreeLabel) -> ColouredTree:
-        """The tree with its colours."""
+        """The coloured tree with this label."""
         number, colour = label
         return alternately_coloured(shapes(vertices)[number], colour, OTHER_COLOUR[colour])
 
     def symmetries(self, vertices: int) -> Sequence[int]:
-        """σ, which is that of the uncoloured tree, as the root's colour settles all others."""
+        """σ of each tree, which is that of the uncoloured tree, since the root's colour determines all others."""
         symmetry = tree_table(vertices).symmetry
         return [symmetry[t] for colour in (V, Q) for t in self._numbers(vertices, colour)]
 
@@ -148,7 +146,7 @@ class AlternatingConditions:
 
 
 def separable_conditions(method: Splitting, scalars: Scalars = EXACT) -> AlternatingConditions:
-    """The conditions of a splitting on every q' = f(v), v' = g(q), its drifts being q ← q + c·h·f(v).
+    """The order conditions of a splitting with drifts q ← q + c·h·f(v) for every q' = f(v), v' = g(q).
 
     They are those of hairer-lubich-wanner-2006, III.2.2, for the trees whose colours alternate.
     """
@@ -156,10 +154,10 @@ def separable_conditions(method: Splitting, scalars: Scalars = EXACT) -> Alterna
 
 
 def nystrom_conditions(method: Splitting | Nystrom, scalars: Scalars = EXACT) -> AlternatingConditions:
-    """The conditions of a splitting or a Nyström method on every q'' = F(q), F a gradient or not.
+    """The order conditions of a splitting or a Nyström method for every q'' = F(q), F a gradient or not.
 
     Since q' = v is linear, only trees whose q-vertices have at most one branch matter
-    (hairer-norsett-wanner-1993, II.14). Roots of both colours: for the position and for the velocity.
+    (hairer-norsett-wanner-1993, II.14). Roots of colour q give conditions on the position, those of v on the velocity.
     """
     if isinstance(method, Splitting):
         return AlternatingConditions(SplittingStages(method, scalars), linear_drift=True)
@@ -167,9 +165,7 @@ def nystrom_conditions(method: Splitting | Nystrom, scalars: Scalars = EXACT) ->
 
 
 def general_conditions(method: Method, scalars: Scalars = EXACT) -> Conditions[Any]:
-    """The conditions on the widest class of problems that the family is for: any y' = f(y) for Runge-Kutta and
-    collocation, separable Hamiltonians for splittings, q'' = F(q) for Nyström methods.
-    """
+    """The order conditions for the family's problems: y' = f(y), separable for splittings, q'' = F(q) for Nyström."""
     if isinstance(method, Splitting):
         return separable_conditions(method, scalars)
     if isinstance(method, Nystrom):
@@ -178,7 +174,7 @@ def general_conditions(method: Method, scalars: Scalars = EXACT) -> Conditions[A
 
 
 def nystrom_order(method: Splitting | Nystrom) -> OrderFact[ColouredTree]:
-    """The order on every q'' = F(q): of a splitting at least its order on separable problems, and sometimes higher."""
+    """The order on every q'' = F(q); for a splitting at least its order on separable problems, and sometimes higher."""
     return order_of(nystrom_conditions(method))
 
 
@@ -189,7 +185,7 @@ def _nystrom_numbers(vertices: int, colour: str) -> Sequence[int]:
 
 @cache
 def _nystrom_columns(order: int) -> dict[str, list[bool]]:
-    """For every tree of the table and both colours of its root: has no q-vertex more than one branch?"""
+    """For each colour of the root and every tree of the table: True if no q-vertex has more than one branch."""
     table = tree_table(order)
     permitted = {Q: [True], V: [True]}
     for rest, branch in zip(table.rest[1:], table.branch[1:], strict=True):
@@ -200,10 +196,10 @@ def _nystrom_columns(order: int) -> dict[str, list[bool]]:
 
 
 class ColouredConditions(ElementaryWeights):
-    """The conditions for the trees with vertices of two colours, of which the first `internal` may carry branches."""
+    """The order conditions of trees with two colours of vertices, of which the first `internal` may carry branches."""
 
     def __init__(self, names: tuple[str, str], *algebras: StageAlgebra, internal: int, scalars: Scalars) -> None:
-        """One stage algebra for each colour; `scalars` holds the coefficients of both."""
+        """Take the name and the stage algebra of each colour; `scalars` is the ring of all coefficients."""
         super().__init__(*algebras, internal=internal)
         self.scalars, self.bound = scalars, max(algebra.bound for algebra in algebras)
         self._names = names
@@ -214,11 +210,10 @@ class ColouredConditions(ElementaryWeights):
 
 
 def conditions_with_nodes(method: Table, scalars: Scalars = EXACT) -> ColouredConditions:
-    """The conditions on every y' = f(t, y), where f is called at the times t + cᵢh that the method states.
+    """The order conditions for every y' = f(t, y), with f called at the times t + cᵢh of the method's own c.
 
-    They are those of A and b if c is A's row sums (hairer-norsett-wanner-1993, II.1); a table that states
-    another c may fail earlier. Trees have a second kind of leaf, coloured t, for derivatives in t. The coefficients are
-    whatever `scalars` lift.
+    They give the order of A and b if c is A's row sums (hairer-norsett-wanner-1993, II.1); with another c, the order
+    may be lower. Trees have a second kind of leaf, coloured t, for derivatives with respect to t.
     """
     stages = TableauStages(method.a, method.b, scalars)
     return ColouredConditions(("y", "t"), stages, _Clock(method.c, scalars), internal=1, scalars=scalars)
@@ -228,22 +223,18 @@ class _Clock:
     """The stages of t' = 1: at stage i the time is t + cᵢh, and after the step t + h."""
 
     def __init__(self, c: Sequence[Any], scalars: Scalars) -> None:
-        """Only leaves have this colour, so that there is nothing else to integrate."""
         self.scalars = scalars
         self.bound = 2 * len(c)
         self.one: StageValues = None
         self._nodes = [scalars.lift(x) for x in c]
 
     def times(self, u: StageValues, v: StageValues) -> StageValues:
-        """Never called: a leaf has no branches."""
         raise NotImplementedError("a vertex that stands for the time has no branches")
 
     def inner(self, u: StageValues) -> StageValues:
-        """c, the times of the stages."""
         del u
         return self._nodes
 
     def weigh(self, u: StageValues) -> RingElement:
-        """The length of the step."""
         del u
         return self.scalars.lift(1)

@@ -1,4 +1,4 @@
-"""Rooted trees: a table of all trees to an order with their γ and σ, trees as nested tuples, and trees in brackets."""
+"""Rooted trees: a table of all trees up to an order with their γ and σ, trees as nested tuples, bracket notation."""
 
 from __future__ import annotations
 
@@ -12,22 +12,22 @@ from typing import TypeAlias
 
 Column = tuple[int, ...]
 
-# Of one colour: all trees of up to 15 vertices. More would be a mistake rather than a question.
+# The most trees of one order. With one colour, order 15 (87,811 trees) fits; whoever asks for more has made a mistake.
 MOST_TREES = 100_000
 
 
 class TooManyTrees(ValueError):
-    """More trees of one order than anybody asks for on purpose: too many to make and to read."""
+    """The error for an order with more than MOST_TREES trees, too many to make or to read."""
 
 
 @dataclass(frozen=True)
 class TreeTable:
-    """All rooted trees with at most `order` vertices, numbered from 0 by vertices, then by largest branch, then rest.
+    """All rooted trees with at most `order` vertices, numbered from 0 by size, then largest branch, then the rest.
 
-    Tree t is the tree `rest[t]` with the tree `branch[t]` joined to its root, where `branch[t]` is at least every
-    branch of `rest[t]`: so each tree occurs once, and the trees of one size that may take a given branch are a run of
-    consecutive numbers. Single vertices have branch -1 and come in `kinds` colours, of which the first `internal` may
-    carry branches; one of each for ordinary rooted trees. `first[n]` is the number of the first tree with n vertices.
+    Tree t is the tree `rest[t]` with the tree `branch[t]` joined to its root. No branch of `rest[t]` has a larger
+    number than `branch[t]`, so each tree occurs once, and the trees of one size that may take a given branch have
+    consecutive numbers. A single vertex has branch -1. Vertices have `kinds` colours, of which the first `internal` may
+    carry branches; both are 1 for ordinary rooted trees. `first[n]` is the number of the first tree with n vertices.
     """
 
     kinds: int
@@ -42,7 +42,7 @@ class TreeTable:
         return len(self.first) - 2
 
     def ids(self, vertices: int) -> range:
-        """The numbers of the trees with so many vertices."""
+        """The numbers of the trees with `vertices` vertices."""
         return range(self.first[vertices], self.first[vertices + 1])
 
     @cached_property
@@ -52,7 +52,7 @@ class TreeTable:
 
     @cached_property
     def kind(self) -> Column:
-        """The colour of the root, from 0, of every tree."""
+        """The colour of the root, numbered from 0, of every tree."""
         kind = list(range(self.kinds))
         for rest in self.rest[self.kinds :]:
             kind.append(kind[rest])
@@ -72,7 +72,7 @@ class TreeTable:
     @cached_property
     def symmetry(self) -> Column:
         """σ(t) = Π σ(branch) Π (multiplicity)!, of every tree (hairer-lubich-wanner-2006, III.1.2)."""
-        symmetry = copies = (1,) * self.kinds  # `copies`: how often the largest branch occurs, of those that have one
+        symmetry = copies = (1,) * self.kinds  # `copies`: the multiplicity of the largest branch
         for n in range(2, self.order + 1):
             rest, branch = self._column(self.rest, n), self._column(self.branch, n)
             new = tuple(copies[r] + 1 if self.branch[r] == b else 1 for r, b in zip(rest, branch, strict=True))
@@ -86,7 +86,7 @@ class TreeTable:
     def join(self, root: int, branch: int) -> int:
         """The number of the tree u ∘ v: the tree `branch` joined by an edge to the root of the tree `root`.
 
-        Butcher's product (hairer-lubich-wanner-2006, VI.7.2). Raises KeyError if it is larger than the table.
+        Butcher's product (hairer-lubich-wanner-2006, VI.7.2). Raises KeyError if that tree is not in the table.
         """
         found = self._joins.get((root, branch))
         if found is None:
@@ -103,7 +103,7 @@ class TreeTable:
 
     @cached_property
     def cuts(self) -> tuple[tuple[tuple[int, int, int], ...], ...]:
-        """Of every tree, what remains and what falls off when one edge is cut: (remaining, fallen, number of edges)."""
+        """For every tree, the results of cutting one edge: (tree with the root, tree cut off, number of such edges)."""
         result: list[dict[tuple[int, int], int]] = [{} for _ in range(self.kinds)]
         for rest, branch in zip(self.rest[self.kinds :], self.branch[self.kinds :], strict=True):
             found = {(self.join(left, branch), fallen): n for (left, fallen), n in result[rest].items()}
@@ -116,10 +116,10 @@ class TreeTable:
 
 
 def tree_table(order: int, kinds: int = 1, internal: int = 1) -> TreeTable:
-    """The table of all rooted trees with at most `order` vertices; each table extends the one before.
+    """The table of all rooted trees with at most `order` vertices, in which those of lower order keep their numbers.
 
     There are 1, 1, 2, 4, 9, 20, 48, 115, 286, ... trees of order 1, 2, ... (hairer-norsett-wanner-1993, II.2). Raises
-    ValueError if order < 1, and TooManyTrees.
+    ValueError if order < 1 or not 1 <= internal <= kinds, and TooManyTrees.
     """
     if order < 1 or not 1 <= internal <= kinds:
         raise ValueError(f"trees of order {order}, {kinds} kinds of vertices, {internal} with branches: too few")
@@ -147,9 +147,9 @@ def _table(order: int, kinds: int, internal: int) -> TreeTable:
     return TreeTable(kinds, internal, first, (*smaller.rest, *rests), (*smaller.branch, *branches))
 
 
-# A rooted tree is the tuple of the trees at its root, smallest first; () is the single vertex.
+# A rooted tree is the tuple of its branches, smallest first; () is the single vertex.
 Tree: TypeAlias = tuple["Tree", ...]
-# A tree whose vertices have colours: the colour of its root, and the coloured trees at its root.
+# A tree whose vertices have colours: the colour of its root, and its branches.
 ColouredTree: TypeAlias = tuple[str, tuple["ColouredTree", ...]]
 AnyTree: TypeAlias = Tree | ColouredTree
 
@@ -166,7 +166,7 @@ def shapes(order: int) -> tuple[Tree, ...]:
 
 @cache
 def coloured_shapes(order: int, colours: tuple[str, ...], internal: int) -> tuple[ColouredTree, ...]:
-    """All trees with at most `order` vertices in the numbering of `tree_table(order, len(colours), internal)`."""
+    """All coloured trees with at most `order` vertices, numbered as by `tree_table(order, len(colours), internal)`."""
     table, kinds = tree_table(order, len(colours), internal), len(colours)
     trees: list[ColouredTree] = [(colour, ()) for colour in colours]
     for rest, branch in zip(table.rest[kinds:], table.branch[kinds:], strict=True):
@@ -176,22 +176,22 @@ def coloured_shapes(order: int, colours: tuple[str, ...], internal: int) -> tupl
 
 
 def rooted_trees(vertices: int) -> tuple[Tree, ...]:
-    """All rooted trees with so many vertices: 1, 1, 2, 4, 9, 20, ... of them; the bush first, the tall tree last."""
+    """All rooted trees with `vertices` vertices (1, 1, 2, 4, 9, 20, ... of them), bush first and tall tree last."""
     return shapes(vertices)[tree_table(vertices).first[vertices] :]
 
 
 def bush(vertices: int) -> Tree:
-    """The tree with all but one of its vertices joined to its root, [τ,...,τ]: the condition Σ bᵢ cᵢⁿ⁻¹ = 1/n."""
+    """The tree [τ,...,τ], all vertices but the root being leaves at the root: the condition Σ bᵢ cᵢⁿ⁻¹ = 1/n."""
     return ((),) * (vertices - 1)
 
 
 def tree_number(tree: Tree) -> int:
-    """The number of a tree in every table of its order or more; its branches may be given in any order."""
+    """The number of a tree in every table that holds it; the branches may be given in any order."""
     return _numbers(vertices(tree))[canonical_tree(tree)]
 
 
 def canonical_tree(tree: Tree) -> Tree:
-    """The same tree with its branches, and theirs, in the order of the tables: smallest first."""
+    """The same tree with the branches at every vertex in the order of the tables, smallest first."""
     return tuple(sorted(map(canonical_tree, tree), key=_key))
 
 
@@ -206,7 +206,7 @@ def density(tree: Tree) -> int:
 
 
 def alternately_coloured(tree: Tree, root: str, other: str) -> ColouredTree:
-    """The tree with its root coloured `root`, the next vertices coloured `other`, and so on in turn."""
+    """The tree with colours that alternate from level to level: `root` at the root, then `other`."""
     return root, tuple(alternately_coloured(branch, other, root) for branch in tree)
 
 
@@ -226,7 +226,7 @@ def _numbers(order: int) -> dict[Tree, int]:
 
 
 def _key(tree: Tree) -> tuple[object, ...]:
-    """Sorts as the tables do: by vertices, then by the largest branch, then by the next one."""
+    """The sort key of the tables: the number of vertices, then the largest branch, then the next largest."""
     return vertices(tree), tuple(map(_key, reversed(tree)))
 
 
