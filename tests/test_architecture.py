@@ -375,6 +375,20 @@ def _public(node: ast.Module | ast.ClassDef) -> Iterator[ast.Module | ast.ClassD
                 yield inner
 
 
+# A docstring that opens so is the end of a sentence whose beginning the reader has to find.
+FRAGMENT = re.compile(r"(Of|By|In|On|From|To|So|As|That|Those|Where|With|Without|Beside)\b")
+
+
+def fragments(root: Path) -> list[str]:
+    return [
+        f"{path.name}: {docstring.splitlines()[0]}"
+        for path in house(root)
+        for node in ast.walk(parsed(path))
+        if isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef)
+        if FRAGMENT.match(docstring := ast.get_docstring(node) or "")
+    ]
+
+
 KEY = re.compile(r"\b[a-z]+(?:-[a-z0-9]+)*-(?:1[6-9]|20)\d\d\b")
 
 
@@ -429,7 +443,7 @@ def idle_loops(root: Path) -> list[str]:
 GUARDS: list[Guard] = [
     *(imports_up, imports_through_the_links, foreign_imports, storeys_climbed, circles, over_budget, too_small),
     *(unmirrored, defined_twice, inexact_literals, guessing_calls, tolerances, undocumented, dangling_citations),
-    *(talking_inits, words_of_our_own, deciding_asserts, idle_loops),
+    *(talking_inits, words_of_our_own, fragments, deciding_asserts, idle_loops),
 ]
 
 
@@ -485,6 +499,8 @@ PLANTED: list[tuple[Guard, str, str]] = [
     (undocumented, "driftproof/numeric/a.py", "x = 1"),
     (undocumented, "driftproof/methods/a.py", '"""Doc."""\ndef f(): ...'),
     (undocumented, "driftproof/methods/a.py", '"""Doc."""\nclass P:\n    """Doc."""\n    def f(self): ...'),
+    (fragments, "driftproof/numeric/a.py", '"""Doc."""\nclass P:\n    """Of n equations."""'),
+    (fragments, "driftproof/texts/a.py", '"""Doc."""\ndef _f():\n    """As `g`."""'),
     (dangling_citations, "driftproof/symbolic/a.py", '"""True (nobody-1999, 3.1)."""'),
     (dangling_citations, "driftproof/methods/a.py", 'SOURCE = "no-body-2001, II.2"'),
     (talking_inits, "driftproof/numeric/__init__.py", '"""Doc."""\nfrom driftproof.numeric import run'),

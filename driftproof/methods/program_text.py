@@ -91,7 +91,7 @@ def maker_text(arguments: Iterable[str], name: str, lines: Iterable[str]) -> str
 
 
 def looping_maker_text(arguments: Sequence[str], head: str, lines: Iterable[str]) -> str:
-    """As `maker_text` for a function run that loops: it first copies the arguments of make to faster local names."""
+    """Like `maker_text`, for a function run that loops: it first copies the arguments of make to faster local names."""
     name = lambda x: f"of_{x}"
     taken = [f"{', '.join(arguments)}, = {', '.join(map(name, arguments))},"] if arguments else []
     return maker_text(map(name, arguments), "run", [f"def run({head}):", *indented([*taken, *lines])])

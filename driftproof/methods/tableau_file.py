@@ -341,7 +341,7 @@ def _each(given: GivenMethods) -> Sequence[str | Path | Method]:
 
 
 def subject_of(given: str | Path | Method | Family | FactsOnly) -> Method | Family | FactsOnly:
-    """As `method_of`, but also for families and for methods of which there are only facts."""
+    """Like `method_of`, but also for families and for methods of which there are only facts."""
     if isinstance(given, Method | Family | FactsOnly):
         return given
     if not isinstance(given, str | Path):

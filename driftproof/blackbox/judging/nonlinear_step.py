@@ -90,7 +90,7 @@ def nonlinear_agreement(subject: ForeignStepper, method: Method, allowance: Allo
 
 
 def nonlinear_twins(subject: ForeignStepper, keys: Sequence[str]) -> tuple[str, ...]:
-    """Those of several implicit methods with the same linear step whose nonlinear steps the stepper takes.
+    """The methods, of several implicit ones with the same linear step, whose nonlinear steps the stepper takes.
 
     Stages may be as far off as solvers in use leave them. Raises UnsupportedCall if the system is built in.
     """

@@ -77,7 +77,7 @@ class Sizes:
         return self.inside(ldexp(self.significand(draw), exponent))
 
     def simple(self, *numbers: float) -> list[float]:
-        """Those of the numbers in the range; if there is none, its largest power of two, or else its largest number."""
+        """The numbers in the range; if there is none, its largest power of two, or else its largest number."""
         within = [x for x in numbers if self.least <= abs(x) <= self.most]
         power = ldexp(1.0, frexp(self.most)[1] - 1)
         return within or [power if power >= self.least else self.most]

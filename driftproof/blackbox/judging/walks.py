@@ -51,7 +51,7 @@ Walked: TypeAlias = tuple[bool | None, str, str]
 
 @dataclass(frozen=True)
 class _Place:
-    """Where a problem is moved: signed sizes, repeated as needed; the exponent of its pace; the origin of its time."""
+    """The place of a moved problem: signed sizes, repeated as needed; the exponent of its pace; its origin of time."""
 
     sizes: tuple[float, ...] = (1.0,)
     pace: int = 0

@@ -45,7 +45,7 @@ class RenderedText(Printable):
         return "".join(line if line.endswith("\n") else f"{line}\n\\ no end of line\n" for line in lines).rstrip("\n")
 
     def written(self, form: str) -> str:
-        """As "text", the output file and the numbers of values and changed lines; as "json", also the rendered text."""
+        """The output file with the numbers of values and changed lines, as "text"; as "json" with the rendered text."""
         if form == "json":
             return as_json({"output": str(self.output), "values": self.asked, "text": self.text})
         signs = [line[0] for line in self.difference().splitlines()[2:]]

@@ -241,7 +241,7 @@ class Changes(Printable):
         return all(change.kind != "value" for change in self.found)
 
     def written(self, form: str) -> str:
-        """As "text", the most serious changes first; as "json"; or as "github" annotations on the new file."""
+        """The changes as "text", the most serious first, as "json", or as "github" annotations on the new file."""
         counts = Counter(change.kind for change in self.found)
         if form == "json":
             files = {"old": str(self.old), "new": str(self.new)}
