@@ -112,6 +112,12 @@ def test_name_has_an_example_that_runs_as_it_stands(name, capsys):
     assert doctest.DocTestRunner(verbose=False).run(examples).failed == 0, capsys.readouterr().out
 
 
+def test_every_function_and_class_stands_in_the_reference():
+    reference = (ROOT / "docs" / "api.md").read_text(encoding="utf-8")
+    shown = set(re.findall(r"^\.\. auto\w+:: driftproof\.(\w+)$", reference, re.MULTILINE))
+    assert shown == {name for name in NAMES if callable(getattr(driftproof, name))}
+
+
 EXPLAINED = [
     ".".join(path.relative_to(ROOT).with_suffix("").parts)
     for path in sorted((ROOT / "driftproof").rglob("*.py"))
