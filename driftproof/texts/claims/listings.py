@@ -162,7 +162,7 @@ def _compared(document: Document, name: str, listing: Listing, outcome: dict[str
         ours, theirs = (lines[i] if i < len(lines) else "" for lines in (printed, shown))
         if ours != theirs:
             place = document.position_of_origin(_line_origin(listing.printed, i))
-            return Finding(name, *place, ours, theirs, f"the listing prints {ours!r}, the text says {theirs!r}")
+            return Finding(name, *place, ours, theirs, f"the listing prints {ours!r}, the text has {theirs!r}")
     return None
 
 
@@ -188,7 +188,7 @@ class _LimitedOutput(io.StringIO):
     def write(self, text: str) -> int:
         """Append the text. Raises MemoryError if the output exceeds its limit."""
         if self.tell() + len(text) > _MOST_PRINTED:
-            raise MemoryError("it prints more than anybody reads")
+            raise MemoryError(f"it prints more than {_MOST_PRINTED} characters")
         return super().write(text)
 
 
