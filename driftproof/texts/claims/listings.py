@@ -142,10 +142,10 @@ def _outcomes(found: Sequence[Listing], time_limit: float) -> list[dict[str, Any
                 request = {"program": listing.program, "shows": listing.shows}
                 outcome = session.ask(request, max(0.0, end - monotonic()))
                 if not (isinstance(outcome, dict) and isinstance(outcome.get("printed"), str) and "error" in outcome):
-                    raise ProcessEnded("answer", "an answer that is none")
+                    raise ProcessEnded("answer", "an invalid answer")
                 outcomes.append(outcome)
         except ProcessEnded as ended:
-            error = f"no end within {time_limit:g} s" if ended.cause == "time" else str(ended)
+            error = f"not finished within {time_limit:g} s" if ended.cause == "time" else str(ended)
             outcomes += [{"printed": "", "error": error}] * (len(found) - len(outcomes))
     return outcomes
 

@@ -75,7 +75,8 @@ BAD = [
     (CLAIM + "count = 10001", "count is 10001; write a whole number from 0 to 10000"),
     (CLAIM + "given = ''", "given is true, or a short reason why"),
     (CLAIM.replace('"rk4.first_step.q"', "{ask = 3}"), "a question is a string"),
-    (CLAIM.replace('"rk4.first_step.q"', "{ask = '1', written = ''}"), "written is a formula, in quotes, as the text writes it"),
+    (CLAIM.replace('"rk4.first_step.q"', "{ask = '1', written = ''}"),
+     "written is a formula, in quotes, as the text writes it"),
     (CLAIM.replace('"rk4.first_step.q"', f"{{ask = '1', written = '{'x' * 401}'}}"), "written is a formula"),
     (CLAIM.replace('"rk4.first_step.q"', f"{{given = '{'1' * 201}'}}"), "given is one number"),
     (f"[[claim]]\nid = 'a'\nphrase = 'is 5'\nvalues.{'v' * 41} = '1'", f"values defines '{'v' * 40}', which"),
@@ -109,7 +110,7 @@ BAD = [
     ("a" + ".a" * 500_000 + " = 1", "dots in one line"),
     ("#" * (2**20 + 1), "too large; at most 1048576 bytes are read"),
     ("x = ", "Invalid value"),
-    ("[[claim]]\n" * 5001, "claim has 5001 entries; at most 5000 are read"),
+    ("[[claim]]\n" * 5001, "claim has 5001 entries; at most 5000 are allowed"),
 ]  # fmt: skip
 
 

@@ -47,7 +47,7 @@ CLAIM = '[[claim]]\nid = "a"\nphrase = "is {value}"\nvalue = "rk4.first_step.q"\
 @pytest.mark.parametrize(
     ("question", "form", "message"),
     [
-        ("rk4.first_step.z", "", "is no id of a published value"),
+        ("rk4.first_step.z", "", "is not the id of a published value"),
         ("step rk4 h=1/0 : q", "", "divides by zero"),
         ("imaginary_limit rk4", "", "does not terminate; add places, digits or exact"),
         ("rk4.first_step.q", "", "the decimal of the value does not terminate"),
@@ -55,7 +55,7 @@ CLAIM = '[[claim]]\nid = "a"\nphrase = "is {value}"\nvalue = "rk4.first_step.q"\
         ("rk4.first_step.q", "spelled = 'words'", "this number has no usual form in words"),
         ("run rk4 h=1/4 t=10 : state_error", "exact = true", "no exact form"),
         ("run rk4 h=1/4 t=10 : energy", "exact = true", "the exact form has"),
-        ("1/2", "places = 0", "name a rounding"),
+        ("1/2", "places = 0", "choose a rounding"),
         ("__import__('os')", "places = 1", "claim 'a'"),
         ("2**2**2**2**9999999", "places = 1", "claim 'a'"),
     ],

@@ -37,7 +37,9 @@ def test_report_says_what_is_wrong_and_what_is_covered() -> None:
         "a.txt:2:30: a: expected 0.33, found 0.34",
         "a.txt: 1 claim, 1 refuted",
     ]
-    assert TextReport.of("a.txt", document, Claims()).written("text").startswith("a.txt: 0 claims, so nothing was checked")
+    assert (
+        TextReport.of("a.txt", document, Claims()).written("text").startswith("a.txt: 0 claims, so nothing was checked")
+    )
     listed = TextReport.of("a.txt", document, CLAIMS, suggest=True)
     assert any(line.startswith("a.txt:3:11: not covered: 'It prints") for line in listed.written("text").splitlines())
     assert "looks like default.h" in listed.written("text")
