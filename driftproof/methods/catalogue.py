@@ -104,8 +104,8 @@ def of_one_state(method: Method | FactsOnly) -> Method:
     """Return the method. Raises ValueError if its step takes more than one state and f."""
     if isinstance(method, FactsOnly):
         raise ValueError(
-            f"{method.key} is {method.kind}: there are facts of it (`driftproof facts`), and steppers are held to it "
-            "(`driftproof verify`), but no runs or derivations; a method whose step takes one state and f is needed"
+            f"{method.key} is {method.kind}: `driftproof facts` and `driftproof verify` accept it, but runs and "
+            "derivations do not; they need a method whose step takes one state and one f"
         )
     return method
 

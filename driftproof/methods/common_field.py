@@ -125,9 +125,9 @@ def rational_power(base: Fraction, exponent: Fraction) -> Exact:
     """The exact power base**exponent. Raises ValueError unless base > 0, and for a root above the 12th."""
     degree = exponent.denominator
     if base <= 0:
-        raise ValueError("a fractional power is taken of a positive rational number")
+        raise ValueError("only a positive rational number may have a fractional exponent")
     if degree > LARGEST_FIELD_DEGREE:
-        raise UndecidedError(f"a root of degree {degree}; at most {LARGEST_FIELD_DEGREE}")
+        raise UndecidedError(f"a root of degree {degree}; at most {LARGEST_FIELD_DEGREE} is supported")
     from flint import fmpz
 
     power = base**exponent.numerator

@@ -150,7 +150,7 @@ class ExpressionParser:
                 continue
             match = self.tokens_are.match(text, at)
             if match is None:
-                raise self.refusal(self.text, at + 1, f"{text[at]!r} has no place in {self.what}")
+                raise self.refusal(self.text, at + 1, f"{text[at]!r} is not allowed in {self.what}")
             found.append(Token(str(match.lastgroup), match[0], at + 1))
             at = match.end()
         return [*found, Token(END, "", len(text) + 1)]
@@ -161,7 +161,7 @@ class ExpressionParser:
             raise self.error(self.next, f"the {self.what.partition(' ')[2]} is empty; {self.example}")
         node = self.sum()
         if self.next.kind != END:
-            reason = f"{self.next.shown} has no place here; an operator + - * / or the end may follow"
+            reason = f"unexpected {self.next.shown}; expected an operator + - * / or the end"
             raise self.error(self.next, reason)
         return node
 
@@ -183,7 +183,7 @@ class ExpressionParser:
     def expect(self, text: str, what: str) -> Token:
         """Consume the sign `text` and return it. Raises `refusal` with the reason `what` if another token is next."""
         if self.next.text != text:
-            raise self.error(self.next, f"{what}; {self.next.shown} stands there")
+            raise self.error(self.next, f"{what}; found {self.next.shown}")
         return self.take()
 
     def sum(self) -> Any:
@@ -218,7 +218,7 @@ class ExpressionParser:
         if self.accept("/"):
             divisor = self._exponent()
             if divisor < 1:
-                raise self.error(self.next, "an exponent is an integer or a fraction of two")
+                raise self.error(self.next, "an exponent is an integer or a fraction of two integers")
             exponent /= divisor
         self.expect(")", "the bracket of the exponent is not closed")
         return PowerNode(column, base, exponent)
@@ -244,7 +244,7 @@ class ExpressionParser:
             self.expect(")", "a bracket is not closed")
             return node
         if token.kind != NAME:
-            raise self.error(token, f"{token.shown} stands where a number, a name or a bracket should")
+            raise self.error(token, f"expected a number, a name or a bracket, found {token.shown}")
         return self._call(token) if self.accept("(") else self.named(token)
 
     def named(self, name: Token) -> Any:

@@ -116,13 +116,13 @@ class _Evaluation:
 
     def combined(self, a: _Value, sign: Token, b: _Value) -> _Value:
         if sign.text == "/" and not b:
-            raise self.error(sign.column, "it divides by zero")
+            raise self.error(sign.column, "division by zero")
         try:
             if isinstance(a, Algebraic) and isinstance(b, Algebraic) and a.field != b.field:
                 a, b = in_one_field([a, b])
             value = a + b if sign.text == "+" else a - b if sign.text == "-" else a * b if sign.text == "*" else a / b
         except TypeError:
-            raise self.error(sign.column, "irrational numbers beside a parameter do not mix") from None
+            raise self.error(sign.column, "irrational numbers cannot be combined with a parameter") from None
         except UndecidedError as error:
             raise self.error(sign.column, str(error)) from None
         return self.small(value, sign.column)
@@ -132,14 +132,14 @@ class _Evaluation:
         base, n = self.value(node.base), int(node.exponent)
         if n != node.exponent:
             if not isinstance(base, Fraction):
-                raise self.error(node.column, "a fractional power is taken of a positive rational number")
+                raise self.error(node.column, "only a positive rational number may have a fractional exponent")
             try:
                 return self.small(rational_power(base, node.exponent), node.column)
             except ValueError as error:
                 raise self.error(node.column, str(error)) from None
         if n < 0:
             if not base:
-                raise self.error(node.column, "it divides by zero")
+                raise self.error(node.column, "division by zero")
             base = 1 / base
         value: _Value = Fraction(1)
         for _ in range(abs(n)):
@@ -149,7 +149,7 @@ class _Evaluation:
     def radical(self, node: CallNode) -> _Value:
         name = node.function
         if name not in RADICALS:
-            raise self.error(node.column, f"{shortened(name)!r} is no function; there are {' and '.join(RADICALS)}")
+            raise self.error(node.column, f"{shortened(name)!r} is not a function; use {' and '.join(RADICALS)}")
         match node.arguments:
             case (NumberNode(value=n),) if n.denominator == 1 and n < _LARGEST_RADICAND:
                 try:

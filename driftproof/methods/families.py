@@ -120,7 +120,7 @@ def parse_function(text: str, parameter: str, what: str) -> ParameterFunction:
     unknown = f"is an unknown name; the parameter is {parameter}"
     value = evaluate_expression(text, {parameter: parameter_function((0, 1))}, what, unknown)
     if not isinstance(value, ParameterFunction | Fraction):
-        raise ValueError(f"{what}: {shortened(text)!r} is irrational; beside a parameter, numbers are rational")
+        raise ValueError(f"{what}: {shortened(text)!r} is irrational; with a parameter, all numbers must be rational")
     return value if isinstance(value, ParameterFunction) else parameter_function((value,))
 
 
@@ -144,7 +144,7 @@ class Family:
     def __post_init__(self) -> None:
         """Raise MethodError for a tableau whose parts differ in length."""
         if not self.b or {len(self.a), len(self.c), *map(len, self.a)} != {len(self.b)}:
-            raise MethodError(f"{self.key}: A needs as many rows and columns as b and c have entries, one at least")
+            raise MethodError(f"{self.key}: A needs as many rows and columns as b and c have entries, at least one")
 
     @property
     def stages(self) -> int:
@@ -164,7 +164,7 @@ class Family:
             b, c = (tuple(f(value) for f in row) for row in (self.b, self.c))
         except ZeroDivisionError:
             raise MethodError(
-                f"{self.key}: no method at {self.parameter} = {value}, a pole of its coefficients"
+                f"{self.key} is not defined at {self.parameter} = {value}, a pole of its coefficients"
             ) from None
         return RungeKutta(key=name, title=name, claimed_order=0, source=self.source, a=a, b=b, c=c)
 

@@ -121,7 +121,7 @@ def field_of_table(table: TomlTable) -> VectorField:
     try:
         field = field_of_text(rates if isinstance(rates, list) else [*rates.values()], parameters, names)
     except MethodError as error:
-        raise MethodError(f"{error}; names of your own: rates.x = ..., start.x = ..., parameters.k = ...") from None
+        raise MethodError(f"{error}; for names of your own: rates.x = ..., start.x = ..., parameters.k = ...") from None
     if "pi" in _WORD.findall(energy_of_table(table) or "") and "pi" not in dict(field.parameters):
         return VectorField(field.rates, (*field.parameters, ("pi", PI)))
     return field
@@ -137,7 +137,7 @@ def start_of_table(table: TomlTable) -> list[Any]:
     start, rates = table.get("start"), table.get("rates")
     if isinstance(start, dict):
         if not isinstance(rates, dict) or set(start) != set(rates):
-            raise ValueError(f"start has the names {', '.join(start)}; rates have to have the same")
+            raise ValueError(f"start has the names {', '.join(start)}; rates must have the same names")
         return [start[name] for name in rates]
     return [start] if isinstance(start, int | float | str) else as_list(start, "start")
 
@@ -156,7 +156,7 @@ def _parameters(table: TomlTable) -> tuple[dict[str, Exact], dict[str, str]]:
     names = _names(_rates(table), given)
     for name in names:
         if not _WORD.fullmatch(name) or name in ("t", "pi", *FUNCTIONS, *given):
-            raise ValueError(f"rates: {quoted(name)} is no name for an unknown, or is something else already")
+            raise ValueError(f"rates: {quoted(name)} cannot name an unknown: not a valid name, or already in use")
     parameters: dict[str, Exact] = {}
     for name, value in given.items():
         try:
@@ -204,12 +204,12 @@ class _Writer(ExpressionParser):
             case PowerNode():
                 return self._power_text(node)
         known = ", ".join(FUNCTIONS)
-        raise ExpressionError(self.text, node.column, f"there are the functions {known}, of one number")
+        raise ExpressionError(self.text, node.column, f"the functions are {known}, each of one argument")
 
     def _power_text(self, node: PowerNode) -> str:
         whole, rest = divmod(abs(node.exponent), 1)
         if rest not in (0, Fraction(1, 2)):
-            raise ExpressionError(self.text, node.column, "an exponent is a whole number, or half of one")
+            raise ExpressionError(self.text, node.column, "an exponent must be a multiple of 1/2")
         base = self._text(node.base)
         base = f"({base})" if base.startswith("-") else base
         factors = [base] * int(whole) + ([f"sqrt({base})"] if rest else [])

@@ -34,10 +34,10 @@ class Multistep(Definition):
             object.__setattr__(self, name, rational_row(getattr(self, name), f"{self.key}: {name}"))
         if len(self.rho) != len(self.sigma) or len(self.rho) < 2:
             sizes = f"rho has {len(self.rho)} entries, sigma {len(self.sigma)}"
-            raise MethodError(f"{self.key}: {sizes}; both have one more than there are steps, 2 at least, 0 among them")
+            raise MethodError(f"{self.key}: {sizes}; both need k + 1 entries for k >= 1 steps, zeros included")
         if self.rho[-1] == 0 or not any(self.sigma):
             what = "the last entry of rho" if self.rho[-1] == 0 else "sigma"
-            raise MethodError(f"{self.key}: {what} is 0; no new value is defined by F")
+            raise MethodError(f"{self.key}: {what} is 0, so the method does not define a new value from F")
         if self.rho[0] == self.sigma[0] == 0:
             raise MethodError(f"{self.key}: rho and sigma both begin with 0; leave these entries out")
         if self.derivative not in (1, 2):

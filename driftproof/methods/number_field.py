@@ -53,7 +53,7 @@ class NumberField:
         if self.degree > LARGEST_FIELD_DEGREE:
             raise UndecidedError(f"degree {self.degree}: irreducibility is decided up to degree {LARGEST_FIELD_DEGREE}")
         if [multiplicity for _, multiplicity in p.factor()[1]] != [1]:
-            raise ValueError(f"{self.name}: the minimal polynomial is reducible, a product of two over Q")
+            raise ValueError(f"{self.name}: the minimal polynomial is reducible over Q")
 
     @property
     def degree(self) -> int:
@@ -328,7 +328,7 @@ def integer_root(n: int, degree: int) -> Algebraic:
     name = f"sqrt({n})" if degree == 2 else f"{n}**(1/{degree})"
     if n < 2 or floor**degree == n:
         raise ValueError(
-            f"{name}: the number must be above 1 and no {({2: 'square', 3: 'cube'}).get(degree, 'such power')}"
+            f"{name}: the number must exceed 1 and not be a {({2: 'square', 3: 'cube'}).get(degree, 'power')}"
         )
     return NumberField(name, (-n, *[0] * (degree - 1), 1), Fraction(floor), Fraction(floor + 1)).generator
 
@@ -375,7 +375,7 @@ def as_fmpq(x: object) -> fmpq:
         return x
     if isinstance(x, int | Fraction) and not isinstance(x, bool):
         return flint.fmpq(x.numerator, x.denominator)
-    raise TypeError(f"{x!r} ({type(x).__name__}) is no rational; exact arithmetic takes int or Fraction")
+    raise TypeError(f"{x!r} ({type(x).__name__}) is not rational; exact arithmetic takes int or Fraction")
 
 
 def as_fraction(x: fmpq) -> Fraction:

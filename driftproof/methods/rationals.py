@@ -48,7 +48,7 @@ def parse_rational(text: str, what: str = "number") -> Fraction:
     except ZeroDivisionError:
         raise ValueError(f"{what}: {shown!r} divides by zero; {allowed}") from None
     except ValueError:
-        allowed = f"a decimal has a point: {shown.replace(',', '.')}" if _DECIMAL_COMMA.fullmatch(shown) else allowed
+        allowed = f"write it with a point: {shown.replace(',', '.')}" if _DECIMAL_COMMA.fullmatch(shown) else allowed
         raise ValueError(f"{what}: {shown!r} is not a rational number; {allowed}") from None
 
 
@@ -80,7 +80,7 @@ def step_of(given: ExactNumber) -> Fraction:
     """A step size, exact and not zero. Raises ValueError."""
     h = exact_number(given, "h")
     if h == 0:
-        raise ValueError("a step of size 0 goes nowhere; give a nonzero h")
+        raise ValueError("the step size h must not be 0")
     return h
 
 

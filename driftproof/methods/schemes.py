@@ -92,10 +92,10 @@ class Staged(_OverOneField):
         for name, first in zip(self.matrices, self.zero_from, strict=False):
             if any(x != 0 for i, row in enumerate(getattr(self, name)) for x in row[i + first :]):
                 where = "above" if first else "on or above"
-                raise MethodError(f"{self.key}: {name} has an entry {where} its diagonal; stages come in order")
+                raise MethodError(f"{self.key}: {name} has a nonzero entry {where} its diagonal; order the stages")
         pair = [name for name in (*self.rows, "embedded_order") if "embedded" in name]
         if [getattr(self, name, None) for name in pair].count(None) not in (0, len(pair)):
-            raise MethodError(f"{self.key}: {', '.join(pair[:-1])} and {pair[-1]} come together")
+            raise MethodError(f"{self.key}: {', '.join(pair[:-1])} and {pair[-1]} must be given together")
 
     @property
     def stages(self) -> int:
@@ -272,7 +272,7 @@ class Collocation(Definition):
             raise MethodError(f"{self.key}: node_polynomial is constant; a method has at least one node")
         object.__setattr__(self, "node_polynomial", tuple(x / given[-1] for x in given))
         if len(self.node_balls(64)) != self.stages:
-            raise MethodError(f"{self.key}: node_polynomial has a complex or a multiple root; nodes are real, distinct")
+            raise MethodError(f"{self.key}: node_polynomial has a complex or a multiple root")
 
     @property
     def stages(self) -> int:
@@ -322,7 +322,7 @@ Method: TypeAlias = RungeKutta | Splitting | Nystrom | Collocation
 def demand_method(given: object, table: str = "METHODS") -> None:
     """Raise TypeError, with what to write, if the name of a method or family is given rather than the object."""
     if isinstance(given, str):
-        need = f"a method is needed: {table}[...], or read_method(...) of a .toml file"
+        need = f"a method is needed: {table}[...], or read_method(...) for a .toml file"
         raise TypeError(f"{shortened(given)!r} is a string, and {need}")
 
 

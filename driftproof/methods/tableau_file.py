@@ -96,7 +96,7 @@ def _method(table: TomlTable, name: str) -> Method | Family | FactsOnly:
     entries, build = _PARAMETRIC if parametric else _FAMILIES[family]
     meant = next((key for key in table if key in _OF_PAIR and "b_embedded" in entries), None)
     if meant is not None:
-        raise MethodError(f"{quoted(meant)} is called b_embedded here, with embedded_order beside it")
+        raise MethodError(f"rename {quoted(meant)} to b_embedded, and give embedded_order with it")
     demand_keys(table, (*_COMMON, *entries), f"a {family}", "`driftproof facts --help` shows one")
     common, read = _common(table, name), _reader(table)
     seen: list[Exact] = []
@@ -129,7 +129,7 @@ def _parameter(table: TomlTable) -> str:
     if not isinstance(name, str) or not _NAME.fullmatch(name) or name in RADICALS:
         raise MethodError(f"parameter is {quoted(name)}; write a letter and up to 30 letters, digits or underscores")
     if "roots" in table:
-        raise MethodError("parameter and [roots] do not go together; beside a parameter, numbers are rational")
+        raise MethodError("parameter and [roots] exclude each other; with a parameter, all numbers must be rational")
     return name
 
 
@@ -208,7 +208,7 @@ def _square(table: TomlTable, read: Read, stages: int, name: str = "A") -> tuple
         if len(row) != len(rows):
             raise MethodError(f"{name} is not square: {name}[{i}] has {len(row)} entries, {name} has {len(rows)} rows")
     if len(rows) != stages:
-        raise MethodError(f"{name} has {len(rows)} rows, the weights are {stages}; they must agree")
+        raise MethodError(f"{name} has {len(rows)} rows, but there are {stages} weights; the numbers must agree")
     return tuple(_numbers(row, f"{name}[{i}]", read) for i, row in enumerate(rows))
 
 
@@ -240,7 +240,7 @@ def _nodes(table: TomlTable, a: Sequence[Sequence[Any]], read: Read) -> tuple[An
 
 def _family(table: TomlTable, common: dict[str, Any], read: Read) -> Family:
     if common.pop("decimal"):
-        raise MethodError("decimal is true; a tableau with a parameter is meant exactly")
+        raise MethodError("decimal = true is not allowed: a tableau with a parameter must be exact")
     b = _numbers(_entry(table, "b"), "b", read)
     a = _square(table, read, len(b))
 
@@ -273,7 +273,7 @@ def _nystrom(table: TomlTable, common: dict[str, Any], read: Read) -> Method:
 
 def _collocation(table: TomlTable, common: dict[str, Any], read: Read) -> Method:
     if common.pop("decimal"):
-        raise MethodError("decimal is true; a node polynomial that is rounded has other nodes, and is meant exactly")
+        raise MethodError("decimal = true is not allowed: a rounded node polynomial would have other nodes")
     coefficients = as_list(_entry(table, "node_polynomial"), "node_polynomial", most=MOST_NODES + 1)
     polynomial = _numbers(coefficients, "node_polynomial", read)
     return Collocation(**common, node_polynomial=tuple(_rational(x) for x in polynomial))
@@ -323,9 +323,7 @@ def method_of(given: str | Path | Method | Family | FactsOnly) -> Method:
     subject = subject_of(given)
     if isinstance(subject, Family):
         what = f"{subject.key} is a family of methods, with {subject.parameter} free"
-        raise ValueError(
-            f"{what}: there are facts of it (`driftproof facts`, --at for one method); one method is needed"
-        )
+        raise ValueError(f"{what}; one method is needed (`driftproof facts` accepts families, and --at for a member)")
     return of_one_state(subject)
 
 
@@ -345,7 +343,7 @@ def subject_of(given: str | Path | Method | Family | FactsOnly) -> Method | Fami
     if isinstance(given, Method | Family | FactsOnly):
         return given
     if not isinstance(given, str | Path):
-        raise ValueError(f"{shortened(str(given))!r} is no method: give a key, the path of a .toml file, or a method")
+        raise ValueError(f"{shortened(str(given))!r} is not a method: give a key, a .toml file, or a method")
     name = str(given)
     if name.endswith(".toml"):
         return read_method(Path(name))
@@ -357,6 +355,6 @@ def names_of(given: GivenMethods) -> list[str]:
     named = []
     for each in _each(given):
         if not isinstance(each, str | Path) and METHODS.get(each.key) != each:
-            raise ValueError(f"scenes name methods by keys and .toml files, and {each.key} is in neither")
+            raise ValueError(f"scenes name methods by key or .toml file; {each.key} has neither")
         named.append(str(each) if isinstance(each, str | Path) else each.key)
     return named

@@ -39,11 +39,11 @@ class VectorField:
     def __post_init__(self) -> None:
         """Raise MethodError for a system without rates, and for a rate that is no such expression."""
         if not self.rates:
-            raise MethodError("a field has at least one rate")
+            raise MethodError("a right-hand side needs at least one rate")
         known = dict.fromkeys(("t", *self.components, *(name for name, _ in self.parameters)))
         for i, rate in enumerate(self.rates):
             for found in _out_of_place(_parsed(rate, i), known):
-                raise MethodError(f"rate {i}, {rate!r}: {found} has no place; write + - * / with {', '.join(known)}")
+                raise MethodError(f"rate {i}, {rate!r}: {found} is not allowed; write + - * / with {', '.join(known)}")
 
     @property
     def components(self) -> tuple[str, ...]:
@@ -69,17 +69,15 @@ class VectorField:
         half, odd = divmod(len(self.rates), 2)
         positions, velocities = self.components[:half], self.components[half:]
         if odd:
-            raise MethodError(
-                f"a second-order system is positions and as many velocities, and not {len(self.rates)} rates"
-            )
+            raise MethodError(f"a second-order system has as many velocities as positions, not {len(self.rates)} rates")
         for i, (rate, v) in enumerate(zip(self.rates, velocities, strict=False)):
             if ast.unparse(_parsed(rate, i)) != v:
-                raise MethodError(f"rate {i} is {rate!r}; in a second-order system it is {v!r}, the velocity of y{i}")
+                raise MethodError(f"rate {i} is {rate!r}; a second-order system needs {v!r}, the velocity of y{i}")
         for i, rate in enumerate(self.rates[half:], half):
             for v in sorted(_names(_parsed(rate, i)).intersection(velocities)):
                 raise MethodError(
                     f"rate {i}, {rate!r}, reads the velocity {v}; kicks and drifts need accelerations"
-                    " that read positions only"
+                    " that depend on positions only"
                 )
         return positions, velocities
 

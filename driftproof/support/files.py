@@ -66,7 +66,7 @@ def sole_writer(path: Path) -> Iterator[None]:
             except BlockingIOError:
                 mine = False
             if not mine:
-                raise BlockingIOError(EAGAIN, "another process is writing it; wait, or name another")
+                raise BlockingIOError(EAGAIN, "another process is writing it; wait, or name another file")
         yield
     finally:
         os.close(held)
@@ -88,7 +88,7 @@ def require_file(path: Path) -> None:
     if path.is_dir():
         raise ValueError(f"{path} is a folder; name a file in it")
     if path.exists() and not path.is_file():
-        raise ValueError(f"{path} is no file that can be replaced; name another")
+        raise ValueError(f"{path} is not a regular file; name another")
 
 
 def _look(path: Path) -> None:

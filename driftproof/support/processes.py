@@ -198,7 +198,7 @@ class Session:
             message = json.loads(b"".join(blocks))
             if isinstance(message, dict):
                 return message
-        raise ProcessEnded("answer", "an answer that is none: the code wrote into our pipe")
+        raise ProcessEnded("answer", "an invalid answer: the code wrote into the pipe to its caller")
 
     def _wait_for_status(self) -> None:
         """Receive the status that the supervisor sends when it ends; it stays empty if the supervisor was killed."""

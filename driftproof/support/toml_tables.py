@@ -54,7 +54,7 @@ def parse_toml(content: bytes, longest: int) -> TomlTable:
         raise ValueError("nested too deeply") from None
     except ValueError as error:
         reason = str(error).replace("Cannot overwrite a value", "a key is given twice")
-        hint = '; a fraction stands in quotes, "1/2"' if _BARE_FRACTION.search(content) else ""
+        hint = '; write a fraction in quotes, "1/2"' if _BARE_FRACTION.search(content) else ""
         raise ValueError(f"not TOML: {reason}{hint}") from None
 
 
@@ -74,14 +74,14 @@ def demand_keys(table: TomlTable, allowed: Collection[str], what: str, more: str
     """Raise ValueError for a key that is not allowed in `what`; `more` says where an example is shown."""
     if unknown := next((key for key in table if key not in allowed), None):
         shown = f" ({more})" if more else ""
-        raise ValueError(f"{what} has no key {quoted(unknown)}; there are {', '.join(allowed)}{shown}")
+        raise ValueError(f"{what} has no key {quoted(unknown)}; its keys are {', '.join(allowed)}{shown}")
 
 
 def as_text(value: object, where: str) -> str:
     """The value if it is a string."""
     if isinstance(value, str):
         return value
-    raise _refusal(value, where, "a text in quotes")
+    raise _refusal(value, where, "text in quotes")
 
 
 def as_line(value: object, where: str, longest: int) -> str:
@@ -129,7 +129,7 @@ def as_list(value: object, where: str, length: int | None = None, most: int | No
     if not isinstance(value, list):
         raise _refusal(value, where, "a list")
     if most is not None and len(value) > most:
-        raise ValueError(f"{where} has {len(value)} entries; at most {most} are read")
+        raise ValueError(f"{where} has {len(value)} entries; at most {most} are allowed")
     if length is not None and len(value) != length:
         raise ValueError(f"{where} has {len(value)} entries, {length} are needed")
     return value

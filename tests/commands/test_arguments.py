@@ -30,7 +30,7 @@ REFUSED = [
     (cli.exactly("t"), "__import__('os').getpid()", "is not a rational number"),
     (cli.exactly("t"), "9" * 5000, "is too long; at most 1200 characters"),
     (cli.nonzero_step, "1e999999999", "h: '1e999999999' is too long"),
-    (cli.nonzero_step, "-0.0", "a step of size 0 goes nowhere; give a nonzero h"),
+    (cli.nonzero_step, "-0.0", "the step size h must not be 0"),
     (cli.initial_state, "1", "'1' is not a state; write position,velocity like 1,0"),
     (cli.initial_state, "1,0,0", "'1,0,0' is not a state"),
     (cli.initial_state, "1e999999999,0", "q: '1e999999999' is too long"),
@@ -91,7 +91,7 @@ def test_options_are_data(parse):
     [
         (("--format", "c"), "prog: argument --format: invalid choice: 'c' (choose from 'a', 'b') (`prog --help` shows"),
         (("--this", "--that"), "prog: argument --that: not allowed with argument --this"),
-        (("--h", "0"), "prog: argument --h: a step of size 0 goes nowhere"),
+        (("--h", "0"), "prog: argument --h: the step size h must not be 0"),
         (("1,0", "two\nlines"), "prog: unrecognized arguments: two lines (`prog --help` shows how)\n"),
     ],
 )

@@ -171,7 +171,7 @@ REFUSED = {
     ("rk4", "--system", "1", "--order-tolerance", "1"): "`system` is about one problem",
     ("rk4", "--system", "1", "--plot", "x.svg"): "a picture is of one method",
     ("rk4", "--at", "1"): "rk4 has no parameter; `at` is for families",
-    ("explicit_order_2", "--at", "0"): "explicit_order_2: no method at alpha = 0, a pole of its coefficients",
+    ("explicit_order_2", "--at", "0"): "explicit_order_2 is not defined at alpha = 0, a pole of its coefficients",
     ("explicit_order_2", "--at", "alpha"): "value: 'alpha', column 1: 'alpha' is a name",
     ("sdirk_order_2", "--system", "1"): "sdirk_order_2 is a family; choose one method with `at`, a value of gamma",
     ("sdirk_order_2", "--order-tolerance", "1"): "sdirk_order_2 is a family; choose one method",

@@ -126,7 +126,7 @@ REFUSED = {
     ("sweep", "default", "--workers", "1", "--cluster", "tcp://x:1"): "not allowed with argument --workers",
     ("sweep", "defualt"): "did you mean default?",
     ("sweep", "default", "--h", "1/4,x"): "h: 'x' is not a rational number",
-    ("sweep", "default", "--h", "0"): "a step of size 0",
+    ("sweep", "default", "--h", "0"): "the step size h must not be 0",
     ("sweep", "default", "--methods", "rk5"): "unknown method 'rk5'",
     ("sweep", "default", "--cluster", "somewhere"): "'somewhere' is no address of a scheduler; write it like tcp://",
     ("sweep", "default", "-o", "."): "is a folder",

@@ -67,14 +67,14 @@ def test_answer_that_takes_too_long_is_given_up(refusal, monkeypatch):
 
 REFUSED = {
     ("value",): "no question is asked",
-    ("value", "1/8", "--places", "2"): "half-even gives 0.12, half-away 0.13; name a rounding",
+    ("value", "1/8", "--places", "2"): "half-even gives 0.12, half-away 0.13; choose a rounding",
     ("value", "1/3", "--digits", "0"): "'0' is not a number of digits from 1 to 10000",
     ("value", "1/3", "--places", "10001"): "'10001' is not a number of places from 0 to 10000",
     ("value", "1/3", "--places", "1", "--digits", "1"): "not allowed with argument",
-    ("value", "energy_multiplier rk4", "--digits", "3", "--format", "json"): "is no number and has no decimals",
-    ("value", "run rk4 h=1/4 t=10 : state_error", "--format", "tex"): "has no exact form; ask for digits",
+    ("value", "energy_multiplier rk4", "--digits", "3", "--format", "json"): "is not a number and has no decimals",
+    ("value", "run rk4 h=1/4 t=10 : state_error", "--format", "tex"): "has no exact form; add digits or places",
     ("value", "step rk5 h=1/2 : q"): "'step rk5 h=1/2 : q', column 6: unknown method 'rk5'",
-    ("value", "two\nlines rk4"): "'two lines rk4', column 1: 'two lines' is nothing that can be asked",
+    ("value", "two\nlines rk4"): "'two lines rk4', column 1: 'two lines' is not a known fact or readout",
     ("value", "rk4.first_step.q", "--only", "*"): "--only is for published values; leave out the question",
     ("value", "--only", "*", "--digits", "3"): "--only prints the published values as they are; leave out --digits",
     ("value", "1", "--format", "csv"): "--format csv is for the published values of --only PATTERN",

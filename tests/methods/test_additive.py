@@ -12,10 +12,13 @@ from driftproof.methods.schemes import MethodError
 @pytest.mark.parametrize(
     ("changes", "words"),
     [
-        ({"a_explicit": ((0, 0), (1, 1))}, "ars111: a_explicit has an entry on or above its diagonal"),
-        ({"a_implicit": ((0, 1), (0, 1))}, "ars111: a_implicit has an entry above its diagonal"),
+        ({"a_explicit": ((0, 0), (1, 1))}, "ars111: a_explicit has a nonzero entry on or above its diagonal"),
+        ({"a_implicit": ((0, 1), (0, 1))}, "ars111: a_implicit has a nonzero entry above its diagonal"),
         ({"b_implicit": (0, 0, 1)}, "ars111: b_implicit has 3 entries, b_explicit has 2; they must agree"),
-        ({"embedded_order": 1}, "ars111: b_explicit_embedded, b_implicit_embedded and embedded_order come together"),
+        (
+            {"embedded_order": 1},
+            "ars111: b_explicit_embedded, b_implicit_embedded and embedded_order must be given together",
+        ),
         ({"b_explicit": (0.5, 0.5)}, "ars111: b_explicit.0. is 0.5 .float."),
     ],
 )

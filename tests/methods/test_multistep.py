@@ -23,10 +23,10 @@ BDF2 = 'family = "multistep"\nrho = ["1/2", -2, "3/2"]\nsigma = [0, 0, 1]\n'
         (
             (1,),
             (1,),
-            "m: rho has 1 entries, sigma 1; both have one more than there are steps, 2 at least, 0 among them",
+            "m: rho has 1 entries, sigma 1; both need k + 1 entries for k >= 1 steps, zeros included",
         ),
         ((-1, 1), (1, 0, 0), "m: rho has 2 entries, sigma 3"),
-        ((-1, 1, 0), (0, 0, 1), "m: the last entry of rho is 0; no new value is defined by F"),
+        ((-1, 1, 0), (0, 0, 1), "m: the last entry of rho is 0, so the method does not define a new value from F"),
         ((-1, 1), (0, 0), "m: sigma is 0"),
         ((0, -1, 1), (0, 1, 0), "m: rho and sigma both begin with 0; leave these entries out"),
         ((-1, 1.0), (1, 0), "m: rho[1] is 1.0 (float); coefficients are exact: write an int or a Fraction"),
@@ -48,7 +48,8 @@ def test_a_file_of_your_own_is_read_and_refused_in_one_line(write, refusal):
     assert facts_of(mine)["order"] == 2
     assert [FACTS_ONLY[key].explicit for key in ("adams_bashforth2", "bdf2")] == [True, False]
     for old, new, words in exactly(4, [
-        ("[0, 0, 1]", "[0, 1]", "sigma 2; both have one more"), ('"3/2"', '"sqrt(3)"', "a rational number is needed"),
+        ("[0, 0, 1]", "[0, 1]", "sigma 2; both need k + 1 entries"),
+        ('"3/2"', '"sqrt(3)"', "a rational number is needed"),
         ("sigma", "sigmas", "a multistep has no key 'sigmas'"),
         ("rho", "derivative = 3\nrho", "derivative is 3; write a whole number from 1 to 2"),
     ]):  # fmt: skip

@@ -56,9 +56,9 @@ def test_anything_else_is_refused_in_one_line(text: str) -> None:
 
 @pytest.mark.parametrize(("text", "written"), [("0,1", "0.1"), ("-1,25", "-1.25")])
 def test_decimal_comma_is_told_of_the_point(text: str, written: str) -> None:
-    assert refusal(text).endswith(f"is not a rational number; a decimal has a point: {written}")
+    assert refusal(text).endswith(f"is not a rational number; write it with a point: {written}")
     if text.startswith("0"):  # two steps, of which one would be 0
-        with pytest.raises(ValueError, match=r"a decimal has a point: 0\.1"):
+        with pytest.raises(ValueError, match=r"write it with a point: 0\.1"):
             steps_of(text)
 
 
@@ -70,7 +70,7 @@ def test_step_sizes_are_a_list_or_halved_from_one_to_another() -> None:
         with pytest.raises(ValueError, match=r"does not lead to .*; write a range like 1/4:1/64"):
             steps_of(wrong)
     for zero in ("1:0", "0:1", "1/4,0"):
-        with pytest.raises(ValueError, match="a step of size 0"):
+        with pytest.raises(ValueError, match="the step size h must not be 0"):
             steps_of(zero)
 
 
@@ -163,8 +163,8 @@ def test_number_that_is_given_is_taken_exactly() -> None:
         (exact_number, 0.1, '^number: the double 0.1 is not 0.1 exactly; write "0.1" for the decimal'),
         (exact_number, True, "^number is 'True'; give a Fraction, an int, or text"),
         (exact_number, float("nan"), "^number is 'nan'; give"),
-        (exact_number, 0.5j, "^number is '0.5j'; give"), (step_of, "0", "^a step of size 0 goes nowhere"),
-        (steps_of, "1/4,0.0", "^a step of size 0 goes nowhere"),
+        (exact_number, 0.5j, "^number is '0.5j'; give"), (step_of, "0", "^the step size h must not be 0"),
+        (steps_of, "1/4,0.0", "^the step size h must not be 0"),
         (steps_of, "1/4,x", "^h: 'x' is not"),
         (state_of, "1", "^'1' is not a state; write position,velocity like 1,0"),
         (state_of, (1, 0, 0), "is not a state"), (state_of, "x,0", "^q: 'x'"), (state_of, "0,x", "^v: 'x'"),

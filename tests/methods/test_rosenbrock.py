@@ -30,7 +30,7 @@ def test_a_file_is_read_and_refused_in_one_line(write, refusal):
     assert known.linear_twin().a == ((gamma, 0), (1 - 2 * gamma, gamma))
     assert facts_of(mine, ["order", "w_order", "l_stable"]) == {"order": 2, "w_order": 2, "l_stable": True}
     for old, new, words in exactly(4, [
-        ("[1, 0]]", "[1, 1]]", "alpha has an entry on or above"),
+        ("[1, 0]]", "[1, 1]]", "alpha has a nonzero entry on or above"),
         ('r/2", 0]', 'r/2", 1]', "gamma has an entry above its"), ("alpha", "A", "a rosenbrock has no key 'A'"),
         ('["r - 2", "1 - r/2"]', "[0]", "gamma is not square"),
     ]):  # fmt: skip
@@ -38,7 +38,7 @@ def test_a_file_is_read_and_refused_in_one_line(write, refusal):
 
 
 def test_half_of_a_pair_and_other_lengths_are_refused_and_residuals_are_named():
-    with pytest.raises(MethodError, match="b_embedded and embedded_order come together"):
+    with pytest.raises(MethodError, match="b_embedded and embedded_order must be given together"):
         Rosenbrock("m", "m", 1, "", ((0,),), ((1,),), (1,), embedded_order=1)
     with pytest.raises(MethodError, match="gamma has 1 entries, b has 2"):
         Rosenbrock("m", "m", 1, "", ((0, 0), (0, 0)), ((1,),), (1, 0))

@@ -98,25 +98,25 @@ WRONG: list[tuple[str | bytes, str]] = [
     ("", "family is missing; write 'runge_kutta' or 'splitting' or 'nystrom' or 'collocation'"),
     ('family = "rosenbrocks"', "family is 'rosenbrocks'; write 'runge_kutta'"),
     (HEAD + "b = [1]", "A is missing"),
-    (HEAD + "A = [[1/2]]\nb = [1]", 'Unclosed array (at line 2, column 8); a fraction stands in quotes, "1/2"'),
-    (HEAD + "A = [[0, 0], [1, 0]]\nb = [1, 0]\nb_hat = [1, 0]", "'b_hat' is called b_embedded here"),
+    (HEAD + "A = [[1/2]]\nb = [1]", 'Unclosed array (at line 2, column 8); write a fraction in quotes, "1/2"'),
+    (HEAD + "A = [[0, 0], [1, 0]]\nb = [1, 0]\nb_hat = [1, 0]", "rename 'b_hat' to b_embedded"),
     (HEAD + "A = [[0, 0], [1, 0]]\nw = [1, 0]", "(`driftproof facts --help` shows one)"),
     (HEAD + "A = [[0, 0], [1]]\nb = [1, 0]", "A is not square: A[1] has 1 entries, A has 2 rows"),
     (HEAD + "A = [[0, 0]]\nb = [1]", "A is not square: A[0] has 2 entries, A has 1 rows"),
     (ONE + "b_embedded = [1]\nembedded_order = -1", "embedded_order is -1; write a whole number from 0 to 200"),
-    (HEAD + "A = [[0]]\nb = [1, 0]", "A has 1 rows, the weights are 2; they must agree"),
+    (HEAD + "A = [[0]]\nb = [1, 0]", "A has 1 rows, but there are 2 weights; the numbers must agree"),
     (HEAD + "A = [[0]]\nb = 1", "b is 1; write a list"),
-    (HEAD + "A = [[0]]\nb = []", "A has 1 rows, the weights are 0"),
+    (HEAD + "A = [[0]]\nb = []", "A has 1 rows, but there are 0 weights"),
     (HEAD + "A = [[[0]]]\nb = [1]", "A[0][0] is [0]; write an integer, a decimal or an expression in quotes"),
     (HEAD + "A = [[true]]\nb = [1]", "A[0][0] is True; write an integer"),
     (HEAD + "A = [[2020-01-01]]\nb = [1]", "A[0][0] is datetime.date(2020, 1, 1); write an integer"),
     (ONE + "c = [0, 1]", "c has 2 entries, 1 are needed"),
-    (ONE + "C = [0]", "a runge_kutta has no key 'C'; there are family, key"),
+    (ONE + "C = [0]", "a runge_kutta has no key 'C'; its keys are family, key"),
     (ONE + "b = [1]\n", "a key is given twice (at line 4, column 8)"),
     (ONE + "[roots]\nr = 'sqrt(2)'\nr = 'sqrt(3)'\n", "a key is given twice (at line 6, column 14)"),
     (ONE + "roots = 3", "roots is 3; write a table [roots]"),
-    (ONE + "[roots]\nr = 'sqrt(4)'", "roots.r: sqrt(4): the number must be above 1 and no square"),
-    (ONE + "[roots]\nr = 'cbrt(27)'", "roots.r: 27**(1/3): the number must be above 1 and no cube"),
+    (ONE + "[roots]\nr = 'sqrt(4)'", "roots.r: sqrt(4): the number must exceed 1 and not be a square"),
+    (ONE + "[roots]\nr = 'cbrt(27)'", "roots.r: 27**(1/3): the number must exceed 1 and not be a cube"),
     (ONE + "[roots]\nr = 'sin(1)'", "roots.r is 'sin(1)'; write 'sqrt(n)', 'cbrt(n)' or { minpoly"),
     (ONE + "[roots]\nr = 2", "roots.r is 2; write"),
     (ONE + "[roots]\n'a b' = 'sqrt(2)'", "roots.a b: a name is a letter"),
@@ -129,12 +129,18 @@ WRONG: list[tuple[str | bytes, str]] = [
     (MINPOLY.format("[-2, 0, 1]", "[1]"), "roots.r: interval has 1 entries, 2 are needed"),
     (HEAD + "A = [['s3']]\nb = [1]", "A[0][0]: 's3', column 1: 's3' is an unknown root; nothing is declared"),
     (GAUSS.replace("s3/6)", "s2/6)").replace("1/4 - s3", "1/4 - s2"), "A[0][1]: '1/4 - s2/6', column 7: 's2' is an"),
-    (HEAD + "A = [['exit(1)']]\nb = [1]", "A[0][0]: 'exit(1)', column 1: 'exit' is no function; there are sqrt and"),
-    (HEAD + "A = [['exit()']]\nb = [1]", "A[0][0]: 'exit()', column 6: ')' stands where a number"),
-    (HEAD + "A = [['1/0']]\nb = [1]", "A[0][0]: '1/0', column 2: it divides by zero"),
-    (HEAD + "A = [['1 2']]\nb = [1]", "A[0][0]: '1 2', column 3: '2' has no place here; an operator"),
-    (HEAD + "A = [['*2']]\nb = [1]", "A[0][0]: '*2', column 1: '*' stands where a number, a name or a bracket should"),
-    (HEAD + "A = [['0**-1']]\nb = [1]", "A[0][0]: '0**-1', column 1: it divides by zero"),
+    (
+        HEAD + "A = [['exit(1)']]\nb = [1]",
+        "A[0][0]: 'exit(1)', column 1: 'exit' is not a function; use sqrt and",
+    ),
+    (
+        HEAD + "A = [['exit()']]\nb = [1]",
+        "A[0][0]: 'exit()', column 6: expected a number, a name or a bracket, found ')'",
+    ),
+    (HEAD + "A = [['1/0']]\nb = [1]", "A[0][0]: '1/0', column 2: division by zero"),
+    (HEAD + "A = [['1 2']]\nb = [1]", "A[0][0]: '1 2', column 3: unexpected '2'; expected an operator"),
+    (HEAD + "A = [['*2']]\nb = [1]", "A[0][0]: '*2', column 1: expected a number, a name or a bracket, found '*'"),
+    (HEAD + "A = [['0**-1']]\nb = [1]", "A[0][0]: '0**-1', column 1: division by zero"),
     (HEAD + "A = [[1e999999999]]\nb = [1]", "A[0][0]: '1e999999999', column 1: number: '1e999999999' is too long"),
     (HEAD + "A = [[nan]]\nb = [1]", "A[0][0]: 'nan', column 1: 'nan' is an unknown root"),
     (HEAD + f"A = [[0x{'f' * 9000}]]\nb = [1]", "A[0][0] is an integer of 36000 bits; at most 20000 are read"),
@@ -154,9 +160,12 @@ WRONG: list[tuple[str | bytes, str]] = [
     ('family = "splitting"\nparts = [["kick"]]', "parts[0] is ['kick']; write ['kick', number]"),
     ('family = "splitting"\nparts = [[["kick"], 1]]', "parts[0] is [['kick'], 1]; write"),
     ('family = "collocation"\nnode_polynomial = [1, 0, 1]', "node_polynomial has a complex or a multiple root"),
-    ('family = "collocation"\nnode_polynomial = [0, 1]\ndecimal = true', "decimal is true; a node polynomial"),
-    (f'family = "collocation"\nnode_polynomial = {[1] * 52}', "node_polynomial has 52 entries; at most 51 are read"),
-    (f'family = "multistep"\nrho = {[1] * 32}', "rho has 32 entries; at most 31 are read"),
+    (
+        'family = "collocation"\nnode_polynomial = [0, 1]\ndecimal = true',
+        "decimal = true is not allowed: a rounded node polynomial",
+    ),
+    (f'family = "collocation"\nnode_polynomial = {[1] * 52}', "node_polynomial has 52 entries; at most 51 are allowed"),
+    (f'family = "multistep"\nrho = {[1] * 32}', "rho has 32 entries; at most 31 are allowed"),
     ('family = "collocation"\nnode_polynomial = ["r", 1]\n[roots]\nr = "sqrt(2)"', "a rational number is needed"),
     ("not toml", "Expected '=' after a key in a key/value pair (at line 1, column 5)"),
     (b"\xff\xfe", "byte 0 is not UTF-8 text"),
@@ -173,8 +182,8 @@ def test_wrong_file_is_refused_in_one_line_with_its_name_and_place(refusal, text
     ("text", "reason"),
     [
         (HEAD + 2_000_000 * "#", "too large; at most 2000000 bytes are read"),
-        (HEAD + f"A = [[0]]\nb = [{9000 * '0,'}]\n", "b has 9000 entries; at most 200 are read"),
-        (HEAD + f"b = [1]\nA = [{9000 * '[0],'}]", "A has 9000 entries; at most 200 are read"),
+        (HEAD + f"A = [[0]]\nb = [{9000 * '0,'}]\n", "b has 9000 entries; at most 200 are allowed"),
+        (HEAD + f"b = [1]\nA = [{9000 * '[0],'}]", "A has 9000 entries; at most 200 are allowed"),
         ('family = "splitting"\nparts = [' + 9000 * '["kick", 1],' + "]", "parts has 9000 entries; at most 1000"),
     ],
     ids=["file", "weights", "rows", "parts"],
@@ -216,7 +225,7 @@ def test_key_is_the_name_of_the_file(tmp_path: Path) -> None:
 def test_scene_names_a_method_by_its_key_or_its_file_and_by_nothing_else() -> None:
     assert names_of(["rk4", Path("mine.toml"), METHODS["heun2"]]) == ["rk4", "mine.toml", "heun2"]
     assert names_of("rk4, heun2") == [*names_of(METHODS["rk4"]), *names_of(Path("heun2"))]
-    with pytest.raises(ValueError, match="scenes name methods by keys and"):
+    with pytest.raises(ValueError, match="scenes name methods by key or"):
         names_of(replace(METHODS["rk4"], source="mine"))
 
 
@@ -225,7 +234,10 @@ def test_methods_are_named_in_one_text_or_one_by_one() -> None:
     for given in ("rk4, heun2", ["rk4", heun2], (rk4, "heun2")):
         assert methods_of(given) == [rk4, heun2]
     assert methods_of(rk4) == [rk4]
-    for wrong, reason in (("sdirk_order_2", "a family of methods, with"), (4, "^'4' is no method: give a key, the")):
+    for wrong, reason in (
+        ("sdirk_order_2", "a family of methods, with"),
+        (4, "^'4' is not a method: give a key, a .toml file, or a method"),
+    ):
         with pytest.raises(ValueError, match=reason):
             method_of(wrong)  # type: ignore[arg-type]
 

@@ -110,11 +110,11 @@ def test_a_run_of_a_system_goes_on_where_it_stopped_bit_for_bit():
 @pytest.mark.parametrize(
     ("rates", "parameters", "what"),
     [
-        ((), (), "at least one rate"), (("y1",), (), "'y1' has no place"),
-        (("0.1 * y0",), (), r"'0\.1' has no place"), (("y0 ** 2",), (), "has no place"),
-        (("tan(y0)",), (), "'tan' has no place"), (("y0.real",), (), "has no place"),
-        (("sin",), (), "'sin' has no place"), (("y0 +",), (), "not an expression"),
-        (("y0 if t else y0",), (), "has no place"), (("True * y0",), (), "'True' has no place"),
+        ((), (), "at least one rate"), (("y1",), (), "'y1' is not allowed"),
+        (("0.1 * y0",), (), r"'0\.1' is not allowed"), (("y0 ** 2",), (), "is not allowed"),
+        (("tan(y0)",), (), "'tan' is not allowed"), (("y0.real",), (), "is not allowed"),
+        (("sin",), (), "'sin' is not allowed"), (("y0 +",), (), "not an expression"),
+        (("y0 if t else y0",), (), "is not allowed"), (("True * y0",), (), "'True' is not allowed"),
     ],
 )  # fmt: skip
 def test_a_rate_that_is_no_plain_formula_is_refused(rates, parameters, what):

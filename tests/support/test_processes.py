@@ -91,7 +91,7 @@ def test_what_is_printed_goes_nowhere(name, way, capfd):
 
 def test_words_in_our_pipe_are_no_answer():
     found = cause_of("writes_words_into_its_pipe", "by name")
-    assert found == ("answer", "an answer that is none: the code wrote into our pipe")
+    assert found == ("answer", "an invalid answer: the code wrote into the pipe to its caller")
 
 
 def test_a_handler_that_cannot_be_imported_is_told():

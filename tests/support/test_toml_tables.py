@@ -47,7 +47,7 @@ def test_a_reason_of_the_caller_and_one_of_the_system_name_the_file(tmp_path: Pa
     path = tmp_path / "mine.toml"
     path.write_text("x = 1", encoding="utf-8")
     assert toml.read_toml(path, 10, lambda table: toml.as_whole(table["x"], "x", 0, 9)) == 1
-    with pytest.raises(ValueError, match=r"mine\.toml: x is 1; write a text in quotes\Z"):
+    with pytest.raises(ValueError, match=r"mine\.toml: x is 1; write text in quotes\Z"):
         toml.read_toml(str(path), 10, lambda table: toml.as_text(table["x"], "x"))
     for missing, reason in ((tmp_path / "two\nlines.toml", "two lines.toml: No such file"), (tmp_path, "a directory")):
         with pytest.raises(Refused, match=reason):
@@ -62,12 +62,12 @@ FITS: list[tuple[Any, Any]] = [
     (toml.as_list([1, 2], "x", 2, 2), [1, 2]),
 ]  # fmt: skip
 REFUSALS: list[tuple[Callable[[], Any], str]] = [
-    (lambda: toml.as_text(1, "x"), "x is 1; write a text in quotes"),
-    (lambda: toml.as_text(None, "x"), "x is missing; write a text in quotes"),
+    (lambda: toml.as_text(1, "x"), "x is 1; write text in quotes"),
+    (lambda: toml.as_text(None, "x"), "x is missing; write text in quotes"),
     (lambda: toml.as_line("  ", "x", 9), "x is '  '; write a line of text of 1 to 9 characters, in quotes"),
     (lambda: toml.as_line("a\nb", "x", 9), "x is 'a\\nb'; write a line of text"),
     (lambda: toml.as_line("0123456789", "x", 9), "x is '0123456789'; write a line of text of 1 to 9"),
-    (lambda: toml.as_texts(["a", 2], "x"), "x[1] is 2; write a text in quotes"),
+    (lambda: toml.as_texts(["a", 2], "x"), "x[1] is 2; write text in quotes"),
     (lambda: toml.as_flag(1, "x"), "x is 1; write true or false"),
     (lambda: toml.as_whole(True, "x", 0, 9), "x is True; write a whole number from 0 to 9"),
     (lambda: toml.as_whole(10, "x", 0, 9), "x is 10; write a whole number from 0 to 9"),
@@ -75,7 +75,7 @@ REFUSALS: list[tuple[Callable[[], Any], str]] = [
     (lambda: toml.as_choice(["a"], "x", ("a", "b")), "x is ['a']; write 'a' or 'b'"),
     (lambda: toml.as_table([], "x"), "x is []; write a table [x]"),
     (lambda: toml.as_list("ab", "x"), "x is 'ab'; write a list"),
-    (lambda: toml.as_list([1, 2, 3], "x", 2, 2), "x has 3 entries; at most 2 are read"),
+    (lambda: toml.as_list([1, 2, 3], "x", 2, 2), "x has 3 entries; at most 2 are allowed"),
     (lambda: toml.as_list([1], "x", 2), "x has 1 entries, 2 are needed"),
     (lambda: toml.demand_keys({"a": 1, "c": 2}, ("a", "b"), "a table"), "a table has no key 'c'; there are a, b"),
 ]

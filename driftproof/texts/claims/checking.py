@@ -18,7 +18,7 @@ from driftproof.texts.readers.numbers import TextNumber, numbers_in
 # How a number is accounted for: computed here, given, printed by a listing that was run, part of a name, not at all.
 WORKED_OUT, GIVEN, RUN, LABEL, UNCOVERED = ACCOUNTS = ("value", "given", "run", "label", "uncovered")
 # Why a number in the code of a listing is a label unless some claim covers it.
-IN_PROGRAM = "what a program is given"
+IN_PROGRAM = "an input of a program"
 # Characters of the text that are shown where only the beginning of a phrase was found.
 _SHOWN = 60
 # At most this many places with the shape of a phrase are compared, in the order of the text.
@@ -87,7 +87,7 @@ def _times(count: int) -> str:
 def _surplus(
     document: Document, claim: Claim, spellings: Spellings, occurrences: tuple[Occurrence, ...]
 ) -> Iterator[Finding]:
-    message = f"this stands {_times(len(occurrences))} in the text, and should stand {_times(claim.count)}"
+    message = f"this occurs {_times(len(occurrences))} in the text; expected {_times(claim.count)}"
     for one in occurrences[claim.count :][:_MOST_FINDINGS]:
         found = document.text.text[one.start : one.end]
         yield Finding(claim.id, *document.position(one.start), "nothing", found, message)
@@ -111,11 +111,11 @@ def _missing(
             return
     often = "nowhere" if not occurrences else f"only {_times(len(occurrences))}"
     written = claim.phrase.written(spellings)
-    message = f"{written!r} stands {often} in the text, and should stand {_times(claim.count)}"
+    message = f"{written!r} occurs {often} in the text; expected {_times(claim.count)}"
     capitals = None if claim.ignore_case else claim.phrase.shape(spellings, True).search(document.text.text)
     if capitals:
         place, shown = document.position(capitals.start()), capitals[0]
-        message += f"; {shown!r} has other capitals, and ignore_case = true allows them"
+        message += f"; {shown!r} differs in capitals; ignore_case = true allows that"
     else:
         place, shown = _beginning(document, written)
         message += f"; closest is {shown!r}" if shown else ""
@@ -199,7 +199,7 @@ def coverage(
     for label in labels:
         found = [match.span() for match in label.phrase.any_numbers().finditer(text)]
         if not found:
-            raise ValueError(f"the label for {label.why!r} stands nowhere in the text")
+            raise ValueError(f"the phrase of the label {label.why!r} occurs nowhere in the text")
         holders += [(*span, LABEL, label.why) for span in found]
     holders += [(*span, RUN, "running the listing") for span in ran]
     holders += [(*span, LABEL, IN_PROGRAM) for span in document.code]

@@ -113,7 +113,7 @@ def _claims(table: TomlTable) -> Claims:
     toml.demand_keys(text, ("format", "coverage"), "text")
     claims = tuple(_claim(entry, i) for i, entry in enumerate(_entries(table, "claim"), 1))
     if twice := next((key for key, times in Counter(claim.id for claim in claims).items() if times > 1), None):
-        raise ValueError(f"claim {twice!r} stands in it twice")
+        raise ValueError(f"two claims have the id {twice!r}")
     labels = tuple(_label(entry, i) for i, entry in enumerate(_entries(table, "label"), 1))
     form = toml.as_choice(text["format"], "format of text", READERS) if "format" in text else None
     share = re.fullmatch(r"([0-9]{1,3}(?:\.[0-9]{1,3})?) ?%", str(text.get("coverage", "0%")))
@@ -135,13 +135,13 @@ def _claim(entry: TomlTable, number: int) -> Claim:
         toml.demand_keys(entry, ("id", "phrase", "value", "values", "count", "given", "ignore_case", *_FORM), "a claim")
         phrase, given = _phrase(entry), entry.get("given")
         if not (given is None or given is True or _is_text(given, _LONGEST_NAME)):
-            raise ValueError("given is true, or says in a few words why the numbers of the phrase are")
+            raise ValueError("given is true, or a short reason why the numbers of the phrase are given")
         values = _values(entry, phrase)
         if phrase.free_numbers and given is None:
-            reason = "is no value; make it one, or say given = true if it is data"
+            reason = "is not a placeholder; make it one, or write given = true if it is data"
             raise ValueError(f"the number {phrase.free_numbers[0]} of its phrase {reason}")
         if not values and not phrase.free_numbers:
-            raise ValueError("its phrase holds no number; write {value} where one stands, and say what it is")
+            raise ValueError("its phrase contains no number; write {value} in place of one and define value")
         count = toml.as_whole(entry.get("count", 1), "count", 0, _MOST_OCCURRENCES)
         ignore_case = toml.as_flag(entry.get("ignore_case", False), "ignore_case")
         return Claim(key, phrase, values, count, "given" if given is True else given, ignore_case)
@@ -151,7 +151,7 @@ def _label(entry: TomlTable, number: int) -> NumberLabel:
     with _refused_in(f"label {number}"):
         toml.demand_keys(entry, ("phrase", "why"), "a label")
         if not _is_text(entry.get("why"), _LONGEST_NAME):
-            raise ValueError("why says in a few words what its numbers are")
+            raise ValueError("why is a short text that says what its numbers are")
         return NumberLabel(_phrase(entry), entry["why"])
 
 
@@ -161,21 +161,21 @@ def _is_text(found: object, longest: int) -> TypeGuard[str]:
 
 def _phrase(entry: TomlTable) -> Phrase:
     if not isinstance(entry.get("phrase"), str):
-        raise ValueError("its phrase is missing, or no text")
+        raise ValueError("its phrase is missing or not a string")
     with _refused_in("phrase"):
         return Phrase.of(entry["phrase"])
 
 
 def _values(entry: TomlTable, phrase: Phrase) -> dict[str, Expected]:
     if "value" in entry and "values" in entry:
-        raise ValueError("it has both value and values; value is for a phrase with {value} alone")
+        raise ValueError("it has both value and values; use value if {value} is the only placeholder")
     values = {"value": entry["value"]} if "value" in entry else toml.as_table(entry.get("values", {}), "values")
     for name in phrase.names:
         if name not in values:
-            raise ValueError(f"its phrase holds {{{name}}}, and nothing says what that is")
+            raise ValueError(f"its phrase has the placeholder {{{name}}}, which neither value nor values defines")
     for name in values:
         if name not in phrase.names:
-            raise ValueError(f"its values name {name[:40]!r}, which its phrase does not hold")
+            raise ValueError(f"values defines {name[:40]!r}, which is not a placeholder of its phrase")
     default = {key: entry[key] for key in _FORM if key in entry}
     return {name: _expected(values[name], default) for name in phrase.names}
 
@@ -190,14 +190,14 @@ def _expected(value: Any, default: TomlTable) -> Expected:
     if "given" in entry:
         spelled = canonical_text(given.strip()) if _is_text(given, _LONGEST_NAME) else ""
         if len(entry) > 1 or [number.text for number in numbers_in(spelled)] != [spelled]:
-            raise ValueError("given is one number as a text, as it stands in the phrase, and has no form")
+            raise ValueError("given is one number in quotes, as the text writes it, without places, digits or exact")
         return Expected(None, spelled, NumberForm())
     if not isinstance(question, str):
-        raise ValueError("a question is a text")
+        raise ValueError("a question is a string")
     written = entry.get("written")
     if written is not None:
         if not _is_text(written, LONGEST_PHRASE):
-            raise ValueError("written is a formula as it stands in the text")
+            raise ValueError("written is a formula, in quotes, as the text writes it")
         return Expected(question, None, NumberForm(exact=True), canonical_text(written.strip()))
     return Expected(question, None, _form(entry if set(entry) & {*_FORM} - {"rounding"} else {**default, **entry}))
 
@@ -205,7 +205,7 @@ def _expected(value: Any, default: TomlTable) -> Expected:
 def _form(entry: TomlTable) -> NumberForm:
     chosen = [key for key in ("places", "digits", "exact") if key in entry]
     if len(chosen) > 1:
-        raise ValueError(f"it says {' and '.join(chosen)}; one of them is enough")
+        raise ValueError(f"it has {' and '.join(chosen)}; give only one of them")
     return NumberForm(
         toml.as_whole(entry["places"], "places", 0, MOST_DECIMALS) if "places" in entry else None,
         toml.as_whole(entry["digits"], "digits", 1, MOST_DECIMALS) if "digits" in entry else None,

@@ -33,12 +33,12 @@ _LONGEST_SETTING = 20
 _WIDEST_GAP, _MOST_IN_PHRASE = 25, 8
 
 _HEADER = """\
-# Claims drafted by `driftproof check --init {name}`. Every phrase stands in the text as often as it says.
-# That a value looks like a number is no proof that the text means it: read each claim. What looks like no value, or so
-# little like one that it may be chance, is a comment; ask for its value (`driftproof value --help` teaches how), or say
-# why it is given; what the text chooses, as in h = 0.1, is. The numbers of a problem that the text solves itself are
-# drafted where you say which it is:
-# --ask "run heun2 y'=-y, y(0)=1, h=0.1, t=1 : {{y,exact.y,error}}", as often as you like.
+# Claims drafted by `driftproof check --init {name}`. Each phrase occurs in the text as often as its count says.
+# A number that looks like a value need not mean that value: read each claim. Numbers that look like no value, or
+# hardly like one, are comments: ask for the value (`driftproof value --help` shows how), or say why the number is
+# given. What the text chooses, as in h = 0.1, is marked as given. If the text solves a problem of its own, say which
+# one, and its numbers are drafted as well; the option may be repeated:
+# --ask "run heun2 y'=-y, y(0)=1, h=0.1, t=1 : {{y,exact.y,error}}"
 """
 
 
@@ -128,9 +128,9 @@ def draft(document: Document, name: str, asked: Iterable[str] = ()) -> str:
             remarks = dict.fromkeys(member.remark() for member in part)
             drafted.append("".join([*remarks, *(f"{line}\n" for line in lines)]))
     nowhere = [f"#   {question}, {answer.digits(_SHOWN_DIGITS)}\n" for question, answer in suggestions.nowhere()]
-    drafted += ["# Asked for, and no number of the text:\n" + "".join(nowhere)] * bool(nowhere)
+    drafted += ["# Asked for with --ask, but not found in the text:\n" + "".join(nowhere)] * bool(nowhere)
     if left_out:
-        drafted.append(f"# What programs are given claims nothing, and is left out: {len(left_out)} of the numbers.\n")
+        drafted.append(f"# Left out: numbers in program code, {len(left_out)} in all; they are inputs, not claims.\n")
     return "\n".join(drafted).rstrip("\n")
 
 

@@ -56,7 +56,7 @@ def _parsed(text: str) -> tree.ExpressionNode:
     try:
         return tree.parse_form(_SIDE_BY_SIDE.sub("*", text))
     except tree.ExpressionError as error:
-        raise ValueError(f"{text[:60]!r} is no formula: {error.reason}") from None
+        raise ValueError(f"{text[:60]!r} is not a formula: {error.reason}") from None
 
 
 def _names(node: tree.ExpressionNode) -> set[str]:
@@ -68,7 +68,7 @@ def _names(node: tree.ExpressionNode) -> set[str]:
         case tree.NegatedNode(node=inner) | tree.PowerNode(base=inner):
             return _names(inner)
         case tree.CallNode(function=function):
-            raise ValueError(f"{function} stands in it; only rational functions are compared")
+            raise ValueError(f"it contains {function}; only rational functions are compared")
     return set()
 
 
@@ -102,7 +102,7 @@ def _ratio(node: tree.ExpressionNode, values: Mapping[str, Any], number: Callabl
             return number(Fraction(-1)) * num, den
         case tree.PowerNode(base=base, exponent=exponent):
             if exponent.denominator > 1:
-                raise ValueError("a root stands in it; only rational functions are compared")
+                raise ValueError("it contains a root; only rational functions are compared")
             num, den = _ratio(base, values, number)
             n = abs(int(exponent))
             return (num**n, den**n) if exponent >= 0 else (den**n, num**n)

@@ -142,10 +142,10 @@ def _outcomes(found: Sequence[Listing], time_limit: float) -> list[dict[str, Any
                 request = {"program": listing.program, "shows": listing.shows}
                 outcome = session.ask(request, max(0.0, end - monotonic()))
                 if not (isinstance(outcome, dict) and isinstance(outcome.get("printed"), str) and "error" in outcome):
-                    raise ProcessEnded("answer", "an answer that is none")
+                    raise ProcessEnded("answer", "an invalid answer")
                 outcomes.append(outcome)
         except ProcessEnded as ended:
-            error = f"no end within {time_limit:g} s" if ended.cause == "time" else str(ended)
+            error = f"not finished within {time_limit:g} s" if ended.cause == "time" else str(ended)
             outcomes += [{"printed": "", "error": error}] * (len(found) - len(outcomes))
     return outcomes
 
@@ -162,7 +162,7 @@ def _compared(document: Document, name: str, listing: Listing, outcome: dict[str
         ours, theirs = (lines[i] if i < len(lines) else "" for lines in (printed, shown))
         if ours != theirs:
             place = document.position_of_origin(_line_origin(listing.printed, i))
-            return Finding(name, *place, ours, theirs, f"the listing prints {ours!r}, the text says {theirs!r}")
+            return Finding(name, *place, ours, theirs, f"the listing prints {ours!r}, the text has {theirs!r}")
     return None
 
 
@@ -188,7 +188,7 @@ class _LimitedOutput(io.StringIO):
     def write(self, text: str) -> int:
         """Append the text. Raises MemoryError if the output exceeds its limit."""
         if self.tell() + len(text) > _MOST_PRINTED:
-            raise MemoryError("it prints more than anybody reads")
+            raise MemoryError(f"it prints more than {_MOST_PRINTED} characters")
         return super().write(text)
 
 

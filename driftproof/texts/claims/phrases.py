@@ -73,7 +73,7 @@ class NumberForm:
             return decimal_spellings(value.digits(self.digits, style))
         if isinstance(x, Fraction) and 10**MOST_DECIMALS % x.denominator == 0:
             return [value.places(next(n for n in range(MOST_DECIMALS + 1) if 10**n % x.denominator == 0))]
-        raise ValueError("the value has no decimal that ends; say places, digits or exact")
+        raise ValueError("the decimal of the value does not terminate; add places, digits or exact")
 
 
 def _in_words(value: Answer, spelled: str) -> list[str]:
@@ -85,16 +85,16 @@ def _in_words(value: Answer, spelled: str) -> list[str]:
         return words.worded_trend(certified_sign(x))
     if isinstance(x, Fraction):
         return words.worded_number(x)
-    raise ValueError("the value is no rational number, and has no words; say places, digits or exact")
+    raise ValueError("the value is not rational, so it cannot be written in words; add places, digits or exact")
 
 
 def _exact_spellings(value: Answer) -> list[str]:
     """The exact form as on paper, such as 3/8 or 2√2, and in program syntax with * and **."""
     text = value.exact_text
     if text is None:
-        raise ValueError("the value has no exact form; say places or digits")
+        raise ValueError("the value has no exact form; add places or digits")
     if len(text) > _LONGEST_EXACT:
-        raise ValueError(f"the exact form has {len(text)} characters; say places or digits")
+        raise ValueError(f"the exact form has {len(text)} characters; add places or digits")
     printed = re.sub(r"\*\*\(?(-?\w+)\)?", lambda to: f"^{to[1]}" if len(to[1]) == 1 else f"^{{{to[1]}}}", text)
     printed = re.sub(r"sqrt\((\w+)\)", r"√\1", printed).replace("sqrt(", "√(").replace("*", "")
     return list(dict.fromkeys((printed, text)))
@@ -159,12 +159,12 @@ class Phrase:
                 names.append(match["name"])
                 literals.append("")
             elif len(match[0]) == 1:
-                raise ValueError(f"{match[0]!r} stands alone; a value is {{name}}, a brace itself {{{{ or }}}}")
+                raise ValueError(f"unpaired {match[0]!r}; a placeholder is {{name}}, a literal brace {{{{ or }}}}")
             else:
                 literals[-1] += match[0][:1]
         literals[-1] += text[done:]
         if twice := next((name for name in names if names.count(name) > 1), None):
-            raise ValueError(f"{{{twice}}} stands in it twice")
+            raise ValueError(f"the placeholder {{{twice}}} occurs twice")
         if len(names) > MOST_VALUES:
             raise ValueError(f"it has more than {MOST_VALUES} values")
         if not text:

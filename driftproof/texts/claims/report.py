@@ -68,7 +68,7 @@ class TextReport(Printable):
         if self.coverage.share < self.least_coverage:
             least, share = _percent(self.least_coverage), _percent(self.coverage.share)
             place = self.document.position(self.coverage.uncovered[0].start)
-            message = f"{share} of the numbers are covered, and {least} should be; this is the first that is not"
+            message = f"{share} of the numbers are covered, required: {least}; this is the first uncovered one"
             found.append(Finding("coverage", *place, least, share, message))
         return sorted(found, key=lambda finding: (finding.line, finding.column))
 
@@ -110,17 +110,17 @@ class TextReport(Printable):
             yield f"{self.file}:{line}:{column}: not covered: {self._context(number)!r}{alike}"
         wrong = len({finding.claim for finding in self.findings})
         listings = f", {_counted(self.ran.count, 'listing')} run" if self.ran else ""
-        verdict = f"{wrong} refuted" if wrong else "all hold" if self.checked or self.ran else "so nothing is held"
+        verdict = f"{wrong} refuted" if wrong else "all hold" if self.checked or self.ran else "so nothing was checked"
         yield f"{self.file}: {_counted(len(self.checked), 'claim')}{listings}, {verdict}"
         worked_out, given, run, labels, uncovered = self.coverage.counts.values()
         numbers = _counted(worked_out + given + run + uncovered, "number")
-        kinds = f"{worked_out} by values, {given} given{f', {run} by running' if run else ''}; {uncovered} not"
-        yield f"{_percent(self.coverage.share)} of {numbers} covered: {kinds}; and {_counted(labels, 'label')}"
+        kinds = f"{worked_out} by values, {given} given{f', {run} by running' if run else ''}, {uncovered} uncovered"
+        yield f"{_percent(self.coverage.share)} of {numbers} covered: {kinds}; {_counted(labels, 'label')} not counted"
         if unread := Counter(word.text.lower() for word in self.coverage.unread):
             words = [word for word, _ in unread.most_common(_MOST_WORDS)] + ["..."] * (len(unread) > _MOST_WORDS)
-            yield f"not held: {_counted(unread.total(), 'word')} for numbers or growth ({', '.join(words)})"
+            yield f"not checked: {_counted(unread.total(), 'word')} for numbers or growth ({', '.join(words)})"
         if others := self.document.other_files:
-            yield f"not read: {', '.join(others)}, which the text takes in: to be checked by itself"
+            yield f"not read: {', '.join(others)}, included by the text; check each separately"
 
     def _annotations(self) -> Iterator[str]:
         for one in self.findings:
@@ -183,7 +183,7 @@ def check(
     if init and (claims is not None or coverage or run):
         raise ValueError("--init drafts claims; --run, --coverage and --format need --claims")
     if ask and not init:
-        raise ValueError("--ask is for --init; a claims file has its questions already")
+        raise ValueError("--ask needs --init; a claims file already has its questions")
     held = Claims() if init else read_claims(claims_beside(text) if claims is None else claims)
     document = read_document(text, held.form)
     if init:
@@ -196,8 +196,8 @@ def claims_beside(text: str | Path) -> Path:
     """The default path of the claims of a text. Raises ValueError if there is no such file."""
     path = Path(f"{text}.claims.toml")
     if not path.is_file():
-        draft = f"where there are none yet, draft them with: driftproof check {text} --init > {path}"
-        raise ValueError(f"a text is held to its claims, --claims FILE or {path.name}; {draft}")
+        draft = f"to draft them: driftproof check {text} --init > {path}"
+        raise ValueError(f"no claims to check: give --claims FILE or write {path.name}; {draft}")
     return path
 
 
@@ -207,7 +207,7 @@ def texts_with_claims(given: Path) -> list[Path]:
         return [given]
     found = sorted(path.with_name(path.name.removesuffix(".claims.toml")) for path in given.rglob("*.claims.toml"))
     if not found:
-        raise ValueError(f"no text in {given} has claims beside it, chapter.md in chapter.md.claims.toml, say")
+        raise ValueError(f"no text in {given} has a claims file; that of chapter.md would be chapter.md.claims.toml")
     return found
 
 

@@ -74,7 +74,7 @@ def questions_in(asked: str) -> dict[str, tuple[str, ...]]:
         ends = re.fullmatch(r"([0-9]{1,6})\.\.([0-9]{1,6})", brace)
         choices[brace] = [*map(str, range(int(ends[1]), int(ends[2]) + 1))] if ends else brace.split(",")
     if not 0 < (count := prod(map(len, choices.values()))) <= _MOST_ASKED:
-        raise ValueError(f"{asked[:60]!r} asks for {count} values; at most {_MOST_ASKED} are asked for at once")
+        raise ValueError(f"{asked[:60]!r} expands to {count} questions; from 1 to {_MOST_ASKED} are allowed")
     found = {}
     for chosen in product(*choices.values()):
         chosen_for = dict(zip(choices, chosen, strict=True))

@@ -58,7 +58,7 @@ class Answer(Printable):
 
     def _number(self) -> CertifiableReal:
         if self.exact is None:
-            raise QuestionError(self.question, 1, f"{self.exact_text} is no number and has no decimals")
+            raise QuestionError(self.question, 1, f"{self.exact_text} is not a number and has no decimals")
         return self.exact
 
     @property
@@ -108,7 +108,7 @@ class Answer(Printable):
             return markup.decimal_markup(plain.decimal(self), write)
         text = self.exact_text
         if text is None:
-            raise QuestionError(self.question, 1, "the number has no exact form; ask for digits")
+            raise QuestionError(self.question, 1, "the number has no exact form; add digits or places")
         if self.words is not None:
             return write.words(self.words if write is markup.TEX else text)
         if isinstance(self.exact, Fraction) and self.form is None:
@@ -119,7 +119,7 @@ class Answer(Printable):
     def _decimal(self, write: Callable[[CertifiableReal, int, Style, str | None], str], n: int, style: Style) -> str:
         x = self._number()
         if n > LONGEST_DECIMAL:
-            raise QuestionError(self.question, 1, f"{n} digits are asked for; at most {LONGEST_DECIMAL}")
+            raise QuestionError(self.question, 1, f"{n} digits are too many; at most {LONGEST_DECIMAL} are written")
         try:
             return write(x, n, style, AWAY if self.is_bound else None)
         except Tie as tie:
@@ -143,7 +143,7 @@ def as_printed(entry: dict[str, Any]) -> Answer:
 
     def enclosure() -> arb:
         if ctx.prec > FIRST_BITS:
-            raise ValueError(f"its decimal is published as {entry['decimal']}, which does not decide more digits")
+            raise ValueError(f"only its decimal {entry['decimal']} is published, which does not determine more digits")
         low, high = (arb(fmpq(x.numerator, x.denominator)) for x in (middle - half, middle + half))
         return low.union(high)
 

@@ -24,23 +24,23 @@ FIELDS = {2: square_root, 3: cube_root}
 def _sum(a: Answer, b: Answer, operation: Callable[[Any, Any], Any]) -> Answer:
     """a + b or a - b; a number without a unit takes the other's. Raises ValueError for two different units."""
     if a.unit and b.unit and a.unit != b.unit:
-        raise ValueError(f"{a.unit} and {b.unit} do not add")
+        raise ValueError(f"{a.unit} and {b.unit} cannot be added or subtracted")
     return replace(_combined(a, b, operation), unit=a.unit or b.unit)
 
 
 def _multiply(a: Answer, b: Answer) -> Answer:
     """a b. Raises ValueError if both have a unit."""
     if a.unit and b.unit:
-        raise ValueError(f"{a.unit} times {b.unit} has no unit of its own")
+        raise ValueError(f"{a.unit} times {b.unit} is not a known unit")
     return replace(_combined(a, b, operator.mul), unit=a.unit or b.unit)
 
 
 def _divide(a: Answer, b: Answer) -> Answer:
     """a / b, dimensionless if both have the same unit. Raises ValueError for b = 0 and for any other unit of b."""
     if b.unit and a.unit != b.unit:
-        raise ValueError(f"{a.unit or 'a number without a unit'} over {b.unit} has no unit of its own")
+        raise ValueError(f"{a.unit or 'a number without a unit'} over {b.unit} is not a known unit")
     if certified_sign(_number(b)) == 0:
-        raise ValueError("it divides by zero")
+        raise ValueError("division by zero")
     return replace(_combined(a, b, operator.truediv), unit=None if b.unit else a.unit)
 
 
@@ -58,9 +58,9 @@ def raised(a: Answer, exponent: Fraction) -> Answer:
     """
     x = _number(a)
     if a.unit and exponent != 1:
-        raise ValueError(f"powers of {a.unit} are no unit")
+        raise ValueError(f"a power of {a.unit} is not a known unit")
     if exponent < 0 and certified_sign(x) == 0:
-        raise ValueError("it divides by zero")
+        raise ValueError("division by zero")
     if exponent.denominator > 1:
         return _root(raised(a, Fraction(exponent.numerator)), exponent.denominator)
     n = int(exponent)
@@ -76,7 +76,7 @@ def raised(a: Answer, exponent: Fraction) -> Answer:
 def _number(a: Answer) -> CertifiableReal:
     """The number of an answer. Raises ValueError for a formula and for words."""
     if a.exact is None:
-        raise ValueError(f"{a.exact_text} is no number")
+        raise ValueError(f"{a.exact_text} is not a number")
     return a.exact
 
 
@@ -88,7 +88,7 @@ def _root(a: Answer, degree: int) -> Answer:
     """The root of this degree: exact if rational or in one of FIELDS, else enclosed. Raises ValueError for a < 0."""
     x = _unitless(a)
     if certified_sign(x) < 0:
-        raise ValueError("a number below zero has no real root")
+        raise ValueError("a root of a negative number is not computed")
     if x == 0:
         return a
     if isinstance(x, Fraction) and degree <= LARGEST_POWER:
@@ -103,7 +103,7 @@ def _logarithm(a: Answer, base: int = 0) -> Answer:
     """The logarithm of a to `base` 2 or 10, exact for powers of it, or to e for 0. Raises ValueError for a <= 0."""
     x = _unitless(a)
     if certified_sign(x) <= 0:
-        raise ValueError("only a number above zero has a logarithm")
+        raise ValueError("only a positive number has a logarithm")
     if not base:
         return Answer("", Fraction(0), a.evidence) if x == 1 else _enclosed(a, arb.log, "log")
     if isinstance(x, Fraction) and 1 in (x.numerator, x.denominator):
@@ -124,7 +124,7 @@ def _percent(a: Answer, b: Answer) -> Answer:
     """100 a / b, in percent. Raises ValueError unless the units cancel."""
     found = _divide(a, b)
     if found.unit:
-        raise ValueError(f"percent compares two numbers of one unit; {found.unit} is left")
+        raise ValueError(f"percent compares two numbers of the same unit; {found.unit} is left over")
     return replace(_multiply(Answer("", Fraction(100)), found), unit=PERCENT)
 
 
@@ -161,7 +161,7 @@ OPERATIONS: dict[str, Callable[[Answer, Answer], Answer]] = {
 def _unitless(a: Answer) -> CertifiableReal:
     """The number of an answer without a unit. Raises ValueError if it has one."""
     if a.unit:
-        raise ValueError(f"a function of {a.unit} is not defined; divide by a number with that unit first")
+        raise ValueError(f"functions take numbers without a unit, not {a.unit}; divide by a number of that unit first")
     return _number(a)
 
 
@@ -188,7 +188,7 @@ def _normalized(x: CertifiableReal) -> CertifiableReal:
     if isinstance(x, Algebraic) and x.is_rational:
         x = x.as_fraction()
     if _bits(x) > LARGEST_BINARY_EXPONENT:
-        raise ValueError(f"its numbers are too long to write out: more than {LARGEST_BINARY_EXPONENT} bits")
+        raise ValueError(f"the result is too long to write out: more than {LARGEST_BINARY_EXPONENT} bits")
     return x
 
 

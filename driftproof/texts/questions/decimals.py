@@ -100,7 +100,7 @@ def _decimal(form: str, x: CertifiableReal, count: int, style: Style, default: s
     even = write(x, count, HALF_EVEN)
     # Irrational numbers are never ties; an enclosed rational one on a tie has already raised Uncertified.
     if isinstance(x, Fraction) and even != (away := write(x, count, HALF_AWAY)):
-        raise Tie(f"the number is half-way: half-even gives {even}, half-away {away}; name a rounding")
+        raise Tie(f"the number is a tie: half-even gives {even}, half-away {away}; choose a rounding")
     return style.written(even)
 
 
@@ -111,4 +111,4 @@ def _nearest_double(x: CertifiableReal) -> Fraction:
     try:
         return decide_by_enclosure(x, lambda y: Fraction(float(y)))
     except OverflowError:
-        raise ValueError("the number is beyond the largest double, and toFixed is for doubles") from None
+        raise ValueError("the number is beyond the largest double, and toFixed takes only doubles") from None

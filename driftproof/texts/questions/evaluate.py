@@ -29,7 +29,7 @@ def value(question: str) -> Answer:
     Fraction(337, 384)
     """
     if not isinstance(question, str):
-        raise TypeError(f"a question is text, such as 'order rk4', and not {question!r:.60}")
+        raise TypeError(f"a question is a string, such as 'order rk4', not {question!r:.60}")
     return replace(_answer(parse_question(question), question), question=question)
 
 
@@ -72,8 +72,8 @@ def _published(node: NameNode, question: str) -> Answer:
     if node.name in CONSTANTS:
         return CONSTANTS[node.name]
     if node.name not in entries:
-        hint = f"{did_you_mean(node.name, entries)} (`driftproof value --list` shows what can be asked)"
-        raise QuestionError(question, node.column, f"{node.name[:60]!r} is no id of a published value{hint}")
+        hint = f"{did_you_mean(node.name, entries)} (`driftproof value --list` lists all)"
+        raise QuestionError(question, node.column, f"{node.name[:60]!r} is not the id of a published value{hint}")
     entry = entries[node.name]
     if entry["exact"] is None:
         return as_printed(entry)
@@ -86,7 +86,7 @@ def _call(node: CallNode, question: str) -> Answer:
     name = node.function
     if name not in NUMBER_FUNCTIONS:
         known = ", ".join(NUMBER_FUNCTIONS)
-        raise QuestionError(question, node.column, f"{name[:40]!r} is no function; there are {known}")
+        raise QuestionError(question, node.column, f"{name[:40]!r} is not a function; the functions are {known}")
     function, count = NUMBER_FUNCTIONS[name]
     if len(node.arguments) != count:
         raise QuestionError(question, node.column, f"{name} takes {count} number{'s' * (count > 1)}")
@@ -117,7 +117,7 @@ def _run(context: QueryContext) -> Answer:
         with context.refused():
             given = {"t": t, "h": t / steps_to_error(method, t, context.start, given["error"])}
     if len(given) != 2:
-        raise context.error(None, "run needs two of h, t and N, as in h=1/4 t=10")
+        raise context.error(None, "run needs exactly two of h, t and N, as in h=1/4 t=10")
     h = given["h"] if "h" in given else given["t"] / _whole_number(context)
     return _run_answer(context, h, given["t"] if "t" in given else h * _whole_number(context))
 
@@ -125,7 +125,7 @@ def _run(context: QueryContext) -> Answer:
 def _whole_number(context: QueryContext) -> int:
     n = context.query.settings["N"]
     if n.value.denominator != 1 or n.value < 1:
-        raise QuestionError(context.text, n.column, "the number of steps is whole, and 1 at least")
+        raise QuestionError(context.text, n.column, "the number of steps must be a whole number, at least 1")
     return int(n.value)
 
 
@@ -134,14 +134,14 @@ def _run_answer(context: QueryContext, h: Fraction, t: Fraction) -> Answer:
 
     readout, unit = context.query.readout, context.query.unit
     if h == 0:
-        raise context.error(None, "a step of size 0 goes nowhere; give a nonzero h")
+        raise context.error(None, "the step size h must not be 0")
     if context.about_problem is not None or "lambda" in context.query.settings:
         return _problem_answer(context, context.method() if context.about_problem is not None else None, h, t)
     method = context.method()
     if unit is not None and (readout is None or readout.text not in ANGLES):
-        raise context.error(unit, f"{unit.shown} has no place; only angles have units to choose")
+        raise context.error(unit, f"{unit.shown} is not allowed here; only angles take a unit")
     if unit is not None and unit.text not in UNITS:
-        raise context.error(unit, f"{unit.shown} is no unit of an angle; there are {', '.join(UNITS)}")
+        raise context.error(unit, f"{unit.shown} is not a unit of angles; the units are {', '.join(UNITS)}")
     with context.refused():
         run = run_of(method, h, t, context.start)
     with context.refused(readout):
@@ -157,7 +157,7 @@ def _problem_answer(context: QueryContext, method: Method | None, h: Fraction, t
 
     query, named = context.query, context.about_problem
     if query.unit is not None or (named is None and query.start is not None):
-        raise context.error(query.unit, "y' = λy begins at 1, and what is read of a problem has no units")
+        raise context.error(query.unit, "y' = λy always starts at 1, and readouts on a problem take no unit")
     if named is None:
         rate, steps = query.settings["lambda"].value, t / h
         if steps.denominator != 1 or steps < 1:
@@ -170,7 +170,7 @@ def _problem_answer(context: QueryContext, method: Method | None, h: Fraction, t
         with context.refused(query.readout):
             return context.readout(problems.decay_readouts(factor, rate, h, int(steps)))()
     if "lambda" in query.settings or (query.problem and query.rates):
-        raise context.error(named, "a problem, rates and lambda are two problems; leave one out")
+        raise context.error(named, "problem, rates and lambda each define a problem; give only one of them")
     with context.refused(named):
         if query.problem:
             problem = problems.problem_of_name(named.text)
@@ -187,7 +187,7 @@ def _exact(context: QueryContext) -> Answer:
 
     context.demand_only("t", start=True, readout=True, problem=True)
     if other := context.query.subject or context.query.at:
-        raise context.error(other, "the exact flow belongs to no method, as in exact t=10 : q")
+        raise context.error(other, "exact takes no method, as in exact t=10 : q")
     if context.about_problem is not None:
         t = context.setting("t", "t=10")
         return _problem_answer(context, None, t, t)
@@ -206,8 +206,8 @@ def _fact(context: QueryContext) -> Answer:
     if COEFFICIENT.fullmatch(context.head):
         return coefficient(context)
     if context.head not in FACT_NAMES:
-        hint = f"{did_you_mean(context.head, [*_QUERY_KINDS, *FACT_NAMES])} (`driftproof value --list` shows what can)"
-        raise context.error(None, f"{context.head[:40]!r} is nothing that can be asked{hint}")
+        hint = f"{did_you_mean(context.head, [*_QUERY_KINDS, *FACT_NAMES])} (`driftproof value --list` lists all)"
+        raise context.error(None, f"{context.head[:40]!r} is not a known fact or readout{hint}")
     return fact(context)
 
 

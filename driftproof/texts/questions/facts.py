@@ -32,7 +32,7 @@ FACT_NAMES = tuple(dict.fromkeys((*FACTS, *ON_REQUEST, *FAMILY_FACTS, *OTHER_FAC
 # Fact -> its evidence: counted, or stated by the source; all others are derived.
 _EVIDENCE = {"stages": COUNTED} | dict.fromkeys(("method", "title", "family", "source", "claimed_order"), STATED)
 _ORDERS = ("order", "embedded_order")
-_AS_ROUNDED = "as its rounded coefficients stand; order_but_for_rounding looks past that"
+_AS_ROUNDED = "with the coefficients as rounded; order_but_for_rounding ignores the rounding"
 # Leading terms that are answered with their power of h; for others the coefficient alone is the answer.
 WITH_POWER = ("dispersion", "dissipation")
 
@@ -64,7 +64,7 @@ def coefficient(context: QueryContext) -> Answer:
     assert named is not None
     with context.refused():
         if not isinstance(method, RungeKutta):
-            raise ValueError(f"{method.key} has no tableau of numbers; Runge-Kutta methods have")
+            raise ValueError(f"{method.key} has no tableau of numbers; only Runge-Kutta methods do")
         row: Any = method.a if named["a"] else {"b": method.b, "c": method.c, "bhat": method.b_embedded}[named["row"]]
         numbers = [int(digits) for digits in named.groups()[1:] if digits and digits.isdigit()]
         if row is None or max(numbers) > method.stages:
@@ -85,8 +85,8 @@ def _part(context: QueryContext, found: Any, key: str) -> tuple[str, Any]:
     for part in token.text.split(".") if token else ():
         known = parts(found)
         if known is None or part not in known:
-            has = f"it has {', '.join(known)}" if known else "it has no parts"
-            raise context.error(token, f"{part[:40]!r} is no part of {name} of {key}; {has}")
+            has = f"its parts are {', '.join(known)}" if known else "it has no parts"
+            raise context.error(token, f"{part[:40]!r} is not a part of {name} of {key}; {has}")
         found, name = known[part], part
     if isinstance(found, LeadingTerm) and name in WITH_POWER:
         return name, ExactFunction(fraction(polynomial([*found.power * [0], found.coefficient])), "h")

@@ -72,10 +72,10 @@ def parse_question(question: str) -> Node:
     if rounded := wording.TO_DIGITS.search(plain):
         kind = "digits" if rounded["digits"] else "places"
         count = rounded["count"]
-        how = f"{kind} are said beside a question: --{kind} {count}, or | {kind}({count}) in a template"
+        how = f"{kind} are not part of the question: use --{kind} {count}, or | {kind}({count}) in a template"
         raise QuestionError(question, rounded.start() + 1, how)
     if "[" in plain:
-        reason = "'[' has no place in a question; coefficients are b2 and a21, counted from 1, and starts from 1,0"
+        reason = "'[' is not allowed in a question; coefficients are b2 and a21, counted from 1, starts from 1,0"
         raise QuestionError(question, plain.index("[") + 1, reason)
     node: Node = _QuestionParser(plain.removesuffix("?"), largest_power=LARGEST_POWER_ASKED).tree()
     return node
@@ -96,10 +96,10 @@ class _QuestionParser(PieceParser):
         of_somebody = self.next.text == "'" and self.after(self.at).text == "s"
         hyphened = self.next.text == "-" and self.next.column == name.end and self._has_hyphen(name)
         if not self.in_rate and self.next.text == "'" and self.after(self.at).text == "=":
-            raise self.error(name, f"an equation asks for nothing yet; {_WITH_EQUATION}")
+            raise self.error(name, f"an equation alone is not a question; add what to compute, {_WITH_EQUATION}")
         if self.in_rate or not (self.next.kind == NAME or self.next.text == ":" or of_somebody or hyphened):
             if not self.in_rate and keys_of_name(name.text):
-                raise self.error(name, f"{name.text} is a method; ask something about it, as in {_OF_METHOD}")
+                raise self.error(name, f"{name.text} is a method; ask for one of its values, as in {_OF_METHOD}")
             return NameNode(name.column, "pi" if name.text == "π" else name.text)
         parts: dict[str, Any] = defaultdict(dict)
         return self.query(name, self.head(name, parts), parts)
@@ -120,7 +120,7 @@ class _QuestionParser(PieceParser):
             return self.query(name, name._replace(text="run"), parts)
         if name.text != "R":
             if keys_of_name(name.text):
-                raise self.error(name, f"{name.text} is a method, and no function; ask for example: {_OF_METHOD}")
+                raise self.error(name, f"{name.text} is a method, not a function; ask for example: {_OF_METHOD}")
             return super()._call(name)
         head = "limit_at_infinity" if self.accept("oo", "infinity") else wording.FACT_WORDS["r"]
         if head == wording.FACT_WORDS["r"] and not self.accept("z"):
@@ -178,8 +178,8 @@ class _QuestionParser(PieceParser):
             after = takewhile(lambda x: x.kind == NAME and x.text not in wording.SAY_NOTHING, self.tokens[start:])
             words = [name.text, *(token.text for token in after if not keys_of_name(token.text))]
             hint = did_you_mean("_".join(words), (*_HEADS, *sorted(wording.names_that_ask())))
-            what = f"{' '.join(words)[:40]!r} is nothing that can be asked{hint}"
-            raise self.error(name, f"{what} (`driftproof value --list` shows what can)")
+            what = f"{' '.join(words)[:40]!r} is not a known fact or readout{hint}"
+            raise self.error(name, f"{what} (`driftproof value --list` lists all)")
         axis = next((i for i, token in enumerate(self.tokens) if token.text == "axis"), 0)
         if (of := self.tokens[axis - 1].text) in wording.AXIS and wording.AMBIGUOUS_FACTS.get(text) == wording.LIMITS:
             text, self.tokens[axis - 1 : axis + 1] = f"{of}_limit", []
@@ -251,9 +251,9 @@ class _QuestionParser(PieceParser):
                 self.take()
                 return self._at_time(token, parts)
             if after.text != "0":
-                raise self.error(after, f"time begins at 0: {token.text}(0) = ... is the start")
+                raise self.error(after, f"time starts at 0: write the initial value as {token.text}(0) = ...")
             self.take(), self.take(), self.expect(")", "a bracket is not closed")
-            self.expect("=", f"{token.text}(0) is a number, as in {token.text}(0)=1")
+            self.expect("=", f"expected = and a number, as in {token.text}(0)=1")
             self.put(parts["start"], token, token.text, lambda: self.literal("start"))
         elif token.text == PROBLEM and self.accept("="):
             self.put(parts, token, PROBLEM, lambda: self.adjacent(self.take()))
@@ -266,16 +266,16 @@ class _QuestionParser(PieceParser):
         elif key == "start":
             self.put(parts, token, key, self.start)
         elif not wording.PERIODS.isdisjoint((token.text, self.next.text)):
-            raise self.error(token, f"a period is no whole number of steps: {OWN_PI}")
+            raise self.error(token, f"a period is not a whole number of steps: {OWN_PI}")
         elif key in parts:
             from driftproof.numeric.problems.catalogue import PROBLEMS
 
             hint = "" if ":" in self.text else f", {_WITH_EQUATION}"
             if token.text in PROBLEMS:
-                raise self.error(token, f"a problem is named by problem={token.text}")
+                raise self.error(token, f"to name a problem, write problem={token.text}")
             if token.text in wording.ASKED_ELSEWHERE:
                 raise self.error(token, wording.ASKED_ELSEWHERE[token.text])
-            raise self.error(token, f"{token.shown} has no place here; a colon and a readout may follow{hint}")
+            raise self.error(token, f"unexpected {token.shown}; a colon and a readout may follow{hint}")
         else:
             parts[key] = self.method_name(token) if key == "subject" else self.value()
 
@@ -283,16 +283,16 @@ class _QuestionParser(PieceParser):
         """Parse the rate after y' =, y'(t) = or dy/dt =, from the prime or dt on; a name in it begins no query."""
         prime = self.take()
         if self.next.text == "'":
-            raise self.error(prime, "equations are of first order; y'' = -y is y'=v, v'=-y")
+            raise self.error(prime, "equations must be of first order; write y'' = -y as y'=v, v'=-y")
         if self.accept("("):
             self.take(), self.expect(")", "a bracket is not closed")
-        self.expect("=", "a rate follows, as in y'=-2*y")
+        self.expect("=", "expected = and a rate, as in y'=-2*y")
         first, self.in_rate = self.next, True
         self.sum()
         self.in_rate = False
         last = self.tokens[self.at - 1]
         if last.kind == NUMBER and self.next.column == last.end and (self.next.kind == NAME or self.next.text == "("):
-            raise self.error(self.next, f"a product has its sign: {last.text}*{self.next.text}")
+            raise self.error(self.next, f"write a product with its sign: {last.text}*{self.next.text}")
         return self.piece(first.column, self.tokens[self.at - 1].end)
 
     def setting(self, name: Token, settings: dict[str, NumberNode]) -> None:
@@ -300,11 +300,11 @@ class _QuestionParser(PieceParser):
         self.accept("=")
         key = wording.OTHER_SETTINGS.get(name.text, name.text)
         if key not in SETTINGS:
-            raise self.error(name, f"{name.shown} is no setting; there are {', '.join((*SETTINGS, PROBLEM, RATES))}")
+            raise self.error(name, f"{name.shown} is not a setting; use {', '.join((*SETTINGS, PROBLEM, RATES))}")
         self.put(settings, name, key, lambda: NumberNode(name.column, self.literal(name.text)))
         before, after = self.tokens[self.at - 1], self.after(self.at)
         if (self.next.text, self.next.column, after.kind, after.column) == (",", before.end, NUMBER, self.next.end):
-            raise self.error(self.next, f"a decimal has a point: {before.text}.{after.text}")
+            raise self.error(self.next, f"write it with a point: {before.text}.{after.text}")
 
     def put(self, found: Any, name: Token, key: str, read: Callable[[], Any]) -> None:
         """Store under `key` what `read` returns; refuse a second one, and equations together with rates= or from."""

@@ -78,7 +78,7 @@ class PieceParser(ExpressionParser):
     def rates(self) -> tuple[Token, ...]:
         """The components of y' as texts, given in brackets and separated by commas."""
         if self.next.text != "(":
-            raise self.error(self.next, "rates are one or more, parted by commas, in brackets, like (y1, -sin(y0))")
+            raise self.error(self.next, "rates are written in brackets, separated by commas, as in (y1, -sin(y0))")
         first, *inside, last = self.bracketed()
         ends, depth = [first.end], 0
         for token in inside:
@@ -108,10 +108,10 @@ class PieceParser(ExpressionParser):
         sign = self.accept("-", "+")
         token = self.take()
         if token.kind == NUMBER and self.next.text in ("i", "j"):
-            raise self.error(first, f"{what} is real here; |R(iy)|^2 is energy_multiplier METHOD h=y")
+            raise self.error(first, f"{what} must be real; |R(iy)|^2 is energy_multiplier METHOD h=y")
         if token.kind != NUMBER:
             pi = f"; {OWN_PI}" if token.text in ("pi", "π") else ""
-            raise self.error(token, f"{what}: a number like 1/4 or 0.25 stands here, not {token.shown}{pi}")
+            raise self.error(token, f"{what}: expected a number such as 1/4 or 0.25, found {token.shown}{pi}")
         text = (sign.text if sign else "") + token.text
         if self.next.text == "/" and self.next.column == token.end and self.tokens[self.at + 1].kind == NUMBER:
             self.take()
@@ -120,14 +120,14 @@ class PieceParser(ExpressionParser):
         if self.next.kind != END and self.next.column == token.end and self.next.text not in "):,":
             has_pi = not {"pi", "π"}.isdisjoint((self.next.text, self.after(self.at).text))
             hint = OWN_PI if has_pi else "put brackets around the question"
-            raise self.error(self.next, f"{self.next.shown} has no place in a number; {hint}")
+            raise self.error(self.next, f"unexpected {self.next.shown} in a number; {hint}")
         return self.rational(text, first)
 
     def readout(self) -> Token:
         """Parse the name of a readout, of one word or two, such as "phase error"."""
         if self.next.kind != NAME:
-            what = "the name of a readout, such as q, comes after the colon"
-            raise self.error(self.next, f"{what}; {self.next.shown} stands there")
+            what = "expected the name of a readout, such as q, after the colon"
+            raise self.error(self.next, f"{what}; found {self.next.shown}")
         first = self.take()
         if (both := f"{first.text}_{self.next.text}") in wording.READOUT_WORDS:
             self.take()

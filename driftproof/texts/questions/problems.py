@@ -74,7 +74,7 @@ class ProblemRun:
         """Enclosures of the solution after these increasing numbers of steps. Raises Uncertified at too many bits."""
         bits, times = max(ctx.prec, BITS_AT_FIRST), [Fraction(0), *(n * self.h for n in steps if n)]
         if bits > _MOST_BITS_OF_SOLUTION:
-            raise Uncertified(f"undecided at {_MOST_BITS_OF_SOLUTION} bits: too many digits of a solution, or a tie")
+            raise Uncertified(f"not decided with {_MOST_BITS_OF_SOLUTION} bits: too many digits, or a tie")
 
         def solved() -> list[_Row]:
             return [*enclose_solution(self._function, self.start, times, bits).states]
@@ -140,12 +140,12 @@ def problem_run(
     """
     rates, start = problem[0], given or problem[1]
     if len(start) != len(rates.rates):
-        raise ValueError(f"the start has {len(start)} entries, {len(rates.rates)} are needed: y(0)=1, from 1, from 1,0")
+        raise ValueError(f"the start has {len(start)} entries, required: {len(rates.rates)}, as in y(0)=1 or from 1,0")
     steps = t / h if h else t
     if steps.denominator != 1 or steps < (method is not None):
         raise ValueError(f"h = {h} does not divide t = {t}: t / h = {steps}")
     if steps > MOST_STEPS_OF_PROBLEM:
-        raise ValueError(f"{steps} steps; on a problem at most {MOST_STEPS_OF_PROBLEM} are made in balls")
+        raise ValueError(f"{steps} steps; on a problem at most {MOST_STEPS_OF_PROBLEM} are allowed")
     if isinstance(method, Splitting | Nystrom):
         rates.second_order()
     return _remembered(ProblemRun(method, rates, start, h, int(steps)))
@@ -254,7 +254,7 @@ def problem_of_name(name: str) -> FieldAndStart:
     def read(table: TomlTable) -> FieldAndStart:
         demand_keys(table, PROBLEM_KEYS, "a problem")
         if "function" in table:
-            raise ValueError('function is Python code, which no question runs; write its rates, as in rates = ["-y0"]')
+            raise ValueError('function is Python code, which questions do not run; give rates, as in rates = ["-y0"]')
         rates = field_of_table(table)
         start = tuple(parse_rational(str(x), f"start[{i}]") for i, x in enumerate(start_of_table(table)))
         return rates, start, tuple(table["rates"]) if isinstance(table["rates"], dict) else ()

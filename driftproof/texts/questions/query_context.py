@@ -35,7 +35,7 @@ class QueryContext:
         if self.query.start is None:
             return START_AT_REST
         if len(self.query.start) != 2:
-            raise self.error(None, "a start is a position, a comma and a velocity, like 1,0")
+            raise self.error(None, "a start is a position and a velocity, as in 1,0")
         return self.query.start[0], self.query.start[1]
 
     @property
@@ -58,7 +58,7 @@ class QueryContext:
 
         subject = self.subject()
         if isinstance(subject, Family):
-            reason = f"{subject.key} is a family; choose a method with at, a value of {subject.parameter}"
+            reason = f"{subject.key} is a family of methods; choose one with at and a value of {subject.parameter}"
             raise self.error(self.query.subject, reason)
         with self.refused(self.query.subject):
             return method_of(subject)  # which refuses what has facts only
@@ -71,13 +71,13 @@ class QueryContext:
 
         token, at = self.query.subject, self.query.at
         if token is None:
-            raise self.error(None, f"{self.head} is about a method, as in {self.head} rk4")
+            raise self.error(None, f"{self.head} needs a method, as in {self.head} rk4")
         with self.refused(token):
             found = subject_of(token.text)
         if at is None:
             return found
         if not isinstance(found, Family):
-            raise self.error(at, f"{found.key} has no parameter; families such as sdirk_order_2 have")
+            raise self.error(at, f"{found.key} has no parameter; only families such as sdirk_order_2 do")
         with self.refused(at):
             return found.member(parse_number(at.text, found.parameter))
 
@@ -93,20 +93,20 @@ class QueryContext:
         """Raise QuestionError for any part that is not allowed; setting and word names, and flags, say what is."""
         query = self.query
         if self.about_problem is not None and not problem:
-            raise self.error(self.about_problem, f"{self.head} is about no problem here; leave it out")
+            raise self.error(self.about_problem, f"{self.head} takes no problem here; leave it out")
         for name, number in query.settings.items():
             if name not in settings:
-                takes = f"it takes {', '.join(settings)}" if settings else "it takes none"
-                raise QuestionError(self.text, number.column, f"{self.head} has no setting {name} here; {takes}")
+                takes = f"it takes {', '.join(settings)}" if settings else "it takes no settings"
+                raise QuestionError(self.text, number.column, f"{self.head} does not take {name} here; {takes}")
         for name, token in query.words.items():
             if name not in words:
-                raise self.error(token, f"{self.head} knows no word {name}")
+                raise self.error(token, f"{self.head} does not take the word {name}")
         if query.start is not None and not start:
-            raise self.error(None, f"{self.head} starts nowhere here; leave out from")
+            raise self.error(None, f"{self.head} takes no start here; leave out 'from'")
         if query.readout is not None and not readout:
             raise self.error(query.readout, f"{self.head} has no parts; leave out {query.readout.shown}")
         if query.unit is not None and not unit:
-            raise self.error(query.unit, f"{query.unit.shown} has no place; only angles have units to choose")
+            raise self.error(query.unit, f"{query.unit.shown} is not allowed here; only angles take a unit")
 
     def setting(self, name: str, example: str) -> Fraction:
         """The value of a required setting; `example` is for the error message."""
@@ -119,12 +119,12 @@ class QueryContext:
         token = self.query.readout
         if token is None and len(table) == 1:
             return next(iter(table.values()))
-        names = f"there are {', '.join(table)}{more}"
+        names = f"the readouts are {', '.join(table)}{more}"
         if token is None:
             raise self.error(None, f"{self.head} needs a readout after a colon; {names}")
         if token.text.rpartition(".")[2] == "y" and f"{token.text}0" in table and f"{token.text}1" not in table:
             token = token._replace(text=f"{token.text}0")  # a single unknown
         if token.text not in table:
             hint = did_you_mean(token.text, table)
-            raise self.error(token, f"{token.text[:40]!r} is no readout of {self.head}; {names}{hint}")
+            raise self.error(token, f"{token.text[:40]!r} is not a readout of {self.head}; {names}{hint}")
         return table[token.text]

@@ -52,7 +52,7 @@ def _answer(x: CertifiableReal | None) -> Answer:
 def _phase_error(run: OscillatorRun) -> Answer:
     found = run.phase_error
     if found is None:
-        raise ValueError("the phase error is undefined, as a state is the origin")
+        raise ValueError("the phase error is undefined because a state is the origin")
     return replace(_answer(found), unit=DEGREES)
 
 
@@ -60,7 +60,7 @@ def _relative_error(run: OscillatorRun) -> Answer:
     """The state error over the radius of the exact state, which equals that of the start."""
     q, v = run.start
     if not (q or v):
-        raise ValueError("the exact state is the origin, beside which no error is relative")
+        raise ValueError("the exact state is the origin, so the relative error is undefined")
     return NUMBER_FUNCTIONS["ratio"][0](_answer(run.state_error), NUMBER_FUNCTIONS["sqrt"][0](Answer("", q**2 + v**2)))
 
 
@@ -103,9 +103,9 @@ def stage_slope(run: OscillatorRun, readout: str) -> Answer | None:
         return None
     method, number = run.method, int(named[1])
     if not (isinstance(method, RungeKutta) and method.explicit):
-        raise ValueError(f"{method.key} has no slopes k1, k2, ...; explicit Runge-Kutta methods have")
+        raise ValueError(f"{method.key} has no slopes k1, k2, ...; only explicit Runge-Kutta methods do")
     if number > method.stages:
-        raise ValueError(f"{method.key} has the slopes k1 to k{method.stages}")
+        raise ValueError(f"{method.key} has only the slopes k1 to k{method.stages}")
     slopes: list[tuple[Coefficient, Coefficient]] = []
     for row in method.a[:number]:
         sums = (sum((a * k[i] for a, k in zip(row, slopes, strict=False)), Fraction(0)) for i in (0, 1))
@@ -139,11 +139,11 @@ def steps_to_error(method: Method, t: Fraction, start: _State, error: Fraction) 
         return certified_sign(lambda: enclose(off) - enclose(error)) <= 0
 
     if error <= 0:
-        raise ValueError("an error to be reached is above 0")
+        raise ValueError("the error to reach must be positive")
     low = steps = 1
     while not reached(steps):
         if steps == LARGEST_STEP_COUNT:
-            raise ValueError(f"{method.key} reaches no such error with {LARGEST_STEP_COUNT} steps")
+            raise ValueError(f"{method.key} does not reach this error with {LARGEST_STEP_COUNT} steps")
         low, steps = steps, min(2 * steps, LARGEST_STEP_COUNT)
     while steps - low > 1:
         middle = (low + steps) // 2
@@ -155,7 +155,7 @@ def run_of(method: Method, h: Fraction, t: Fraction, start: _State) -> Oscillato
     """The exact run. Raises ValueError if h does not divide t, M has a pole at h, or the steps are too many."""
     run = OscillatorRun(method, h, t, start)
     if run.steps > LARGEST_STEP_COUNT:
-        raise ValueError("more than 10**18 steps are asked for; at most that many are taken")
+        raise ValueError("more than 10**18 steps, which is the largest number allowed")
     _ = run.final_state  # evaluated now, so that a pole raises here and not later
     return run
 
@@ -184,13 +184,13 @@ def rounding_bound(context: QueryContext) -> Answer:
     with context.refused():
         h = BINARY64.nearest(h)
         if h == 0:
-            raise ValueError("a step of size 0 goes nowhere; give a nonzero h")
+            raise ValueError("the step size h must not be 0")
         subject = hand_written(method) or method
         start = BINARY64.nearest(context.start[0]), BINARY64.nearest(context.start[1])
         if max(map(abs, start)) > (safe := largest_safe_state(subject, h)):
             raise ValueError(
-                f"the step may overflow from q = {float(start[0])!r}, v = {float(start[1])!r}, where no bound holds; "
-                f"nothing overflows for |q|, |v| <= {safe_state_text(safe)}"
+                f"the step may overflow from q = {float(start[0])!r}, v = {float(start[1])!r}, so no bound holds; "
+                f"it does not overflow for |q|, |v| <= {safe_state_text(safe)}"
             )
         sharp = "sharp" in context.query.words
         if readout == "c":

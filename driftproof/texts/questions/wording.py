@@ -61,21 +61,21 @@ FACT_WORDS = {
 }
 
 # Ambiguous name -> what it may mean, as error messages show it.
-LIMITS = "real_limit (y' = -λy, hλ at most) or imaginary_limit (y' = iωy, hω at most)"
-_DAMPING = "energy_multiplier (of the oscillator's energy, in h) or dissipation (of its amplitude, the leading term)"
-_KEPT = "energy_multiplier (1 where a step keeps the oscillator's), invariant (what is kept near it) or energy_change"
-_TABLEAU = "one of its entries, as a21, b1, bhat1 or c2; `driftproof facts METHOD --all` has the whole of it"
+LIMITS = "real_limit (largest hλ on y' = -λy) or imaginary_limit (largest hω on y' = iωy)"
+_DAMPING = "energy_multiplier (factor on the oscillator's energy) or dissipation (leading change of its amplitude)"
+_KEPT = "energy_multiplier (1 if a step preserves the energy), invariant (the form preserved instead) or energy_change"
+_TABLEAU = "one of its entries, such as a21, b1, bhat1 or c2; `driftproof facts METHOD --all` shows more"
 _OBSERVED = "ratio(run METHOD h=1/10 t=1 : error, run METHOD h=1/20 t=1 : error), or log2 of it, the observed order"
 _FIRST_STEP = "step METHOD h=1/2 : q, or v, energy, k1.q; with y'=-y y(0)=1 on a problem"
-_DIGITS = "relative_error of a run, what a method loses, or roundoff METHOD h=1/4 : c, u times which each step rounds"
-_GROWS = "energy_multiplier METHOD h=1/4, the factor of each step, or step METHOD h=1/4 : energy_change, what it adds"
-_SIGNED = "error_constant, or that with a minus: of one step computed less exact, of multistep exact less computed"
-_B_STABLE = "algebraically_stable, which is the same where no stage is superfluous"
+_DIGITS = "relative_error of a run, or roundoff METHOD h=1/4 : c, the bound on the rounding of each step in units of u"
+_GROWS = "energy_multiplier METHOD h=1/4 (factor per step), or step METHOD h=1/4 : energy_change (change in one step)"
+_SIGNED = "error_constant or its negative: computed minus exact for one-step methods, the reverse for multistep methods"
+_B_STABLE = "algebraically_stable, which is equivalent if no stage is superfluous"
 _SPECTRUM = "stability_function (y' = λy, z = hλ) or one_step_matrix (of the oscillator)"
 _ENERGY_ERRORS = ("energy_error", "energy_change", "energy_drift")
-_AT_THE_END = "energy_change, which is that at the end of a run; of all steps there is largest_error, of the state"
+_AT_THE_END = "energy_change (at the end of a run), or largest_error (of the state, over all steps)"
 _TURNING = ("period", "frequency")
-_TURNS = "dispersion, the leading term of the phase error of a step, or phase_error of a run or a step"
+_TURNS = "dispersion (leading phase error of a step), or phase_error of a run or a step"
 AMBIGUOUS_FACTS = {
     **dict.fromkeys(("limit", "stability_limit", "stability_interval", "absolute_stability_interval"), LIMITS),
     **dict.fromkeys(("interval_of_stability", "interval_of_absolute_stability", "cfl", "cfl_number"), LIMITS),
@@ -95,7 +95,7 @@ AMBIGUOUS_FACTS = {
     **dict.fromkeys(("energy_growth", "energy_growth_per_step"), _GROWS),
     **dict.fromkeys(("truncation_error_constant", "local_truncation_error_constant", "local_error_constant"), _SIGNED),
     **{
-        f"{what}_order": f"{what} METHOD : power, the power of h it begins with, or one less, as in most papers"
+        f"{what}_order": f"{what} METHOD : power (the leading power of h), or one less, as in most papers"
         for what in ("dispersion", "dissipation")
     },
     **dict.fromkeys(("observed_order", "experimental_order", "error_ratio", "ratio_of_errors"), _OBSERVED),
@@ -103,8 +103,8 @@ AMBIGUOUS_FACTS = {
     **{f"{most}_{what}": _AT_THE_END for most in ("largest", "max", "maximum", "maximal") for what in _ENERGY_ERRORS},
     "cost": "stages, evaluations_per_step, or evaluations of a run",
     **{f"{of}{what}{error}": _TURNS for of in ("", "numerical_") for what in _TURNING for error in ("", "_error")},
-    "machine_epsilon": "2**-52, from 1 to the next binary64 number, or 2**-53, the unit roundoff u",
-    "unit_roundoff": "2**-53, of binary64, or 2**-24, of binary32",
+    "machine_epsilon": "2**-52 (from 1 to the next binary64 number) or 2**-53 (the unit roundoff u)",
+    "unit_roundoff": "2**-53 (binary64) or 2**-24 (binary32)",
 }
 
 # Synonym -> setting.
@@ -135,7 +135,7 @@ WORDED_COUNTS = {word: n for n, word in enumerate(_COUNT_WORDS, start=1)}
 PERIODS = {"period", "periods", "cycle", "cycles"}
 COUNTED = {"step", "steps", *PERIODS}
 # Word that has no place in a question -> the question that answers it.
-ASKED_ELSEWHERE = {"stiff": "what is left of an order on stiff problems is stage_order, as in stage_order gauss4"}
+ASKED_ELSEWHERE = {"stiff": "for the order on stiff problems, ask for stage_order, as in stage_order gauss4"}
 # A number of digits, which is an option and not part of a question.
 TO_DIGITS = re.compile(
     r"(?:,? rounded)? to (?P<count>\d+) (?:significant |decimal )?(?:(?P<digits>digits|figures)|places|decimals)\b"

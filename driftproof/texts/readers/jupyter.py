@@ -35,11 +35,11 @@ def _checked(text: str) -> str:
     try:
         content = json.loads(text)
     except RecursionError:
-        raise ValueError("it is nested too deep for a notebook") from None
+        raise ValueError("it is nested too deeply for a notebook") from None
     except ValueError as error:
-        raise ValueError(f"it is no notebook: {error}") from None
+        raise ValueError(f"it is not a notebook: {error}") from None
     if not isinstance(content, dict) or not isinstance(content.get("cells"), list):
-        raise ValueError('it is no notebook: a notebook is a JSON object with a list "cells" (nbformat 4)')
+        raise ValueError('it is not a notebook: a notebook is a JSON object with a list "cells" (nbformat 4)')
     metadata = content.get("metadata")
     for place, key in (("language_info", "name"), ("kernelspec", "language")):
         info = metadata.get(place) if isinstance(metadata, dict) else None

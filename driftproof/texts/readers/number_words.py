@@ -61,7 +61,7 @@ def worded_number(x: Fraction) -> list[str]:
         found = found if many else [f"a {part}" if part != "eighth" else f"an {part}", *found]
         found = ["half", *found] if x == Fraction(1, 2) else found
     if not found:
-        raise ValueError("nobody writes this number in words; say places, digits or exact")
+        raise ValueError("this number has no usual form in words; add places, digits or exact")
     return list(dict.fromkeys(form for word in found for form in (word, word[0].upper() + word[1:])))
 
 

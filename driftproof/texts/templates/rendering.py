@@ -40,7 +40,7 @@ class RenderedText(Printable):
         if held == self.text and self.output.exists():
             return ""
         old, new = held.splitlines(keepends=True), self.text.splitlines(keepends=True)
-        name = str(self.output) if self.output.exists() else f"{self.output} (which is not there)"
+        name = str(self.output) if self.output.exists() else f"{self.output} (does not exist)"
         lines = difflib.unified_diff(old, new, name, f"{self.output} as {self.template} renders it")
         return "".join(line if line.endswith("\n") else f"{line}\n\\ no end of line\n" for line in lines).rstrip("\n")
 

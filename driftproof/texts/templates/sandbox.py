@@ -88,7 +88,7 @@ class _Lexer(Lexer):
         """The tokens in order, each located by search, as only white space that Jinja2 stripped lies between them."""
         for pattern, mark, _ in _OF_TEX:
             if mark in source:
-                reason = f"the noncharacter U+{ord(mark):04X} has no place in a text"
+                reason = f"the noncharacter U+{ord(mark):04X} is not allowed in a text"
                 raise TemplateSyntaxError(reason, source.index(mark) + 1, name, filename)
             source = pattern.sub(mark, source) if self.tex else source
         offset = end = 0
@@ -150,7 +150,7 @@ class Sandbox(SandboxedEnvironment):
                 call.kwargs.append(_place_keyword(name, at, question is not None))
         for applied in source.find_all(nodes.Filter):
             if applied.name not in self.filters:
-                unknown = f"there is no filter {applied.name[:40]!r}; there are {', '.join(self.filters)}"
+                unknown = f"{applied.name[:40]!r} is not a filter; the filters are {', '.join(self.filters)}"
                 raise TemplateSyntaxError(unknown, applied.lineno, name, filename)
             if applied.name in self.placed:
                 applied.kwargs.append(_place_keyword(name, applied.lineno))  # type: ignore[arg-type]
@@ -170,14 +170,14 @@ class Sandbox(SandboxedEnvironment):
         """Call a safe object. Raises SecurityError, which lists what may be called, for any other."""
         if not __self.is_safe_callable(__obj):
             names = ", ".join(__self.globals)
-            raise SecurityError(f"a template calls {names} and its own macros, and nothing else")
+            raise SecurityError(f"a template may call only {names} and its own macros")
         return super().call(__context, __obj, *args, **kwargs)
 
     def call_binop(self, context: Context, operator: str, left: Any, right: Any) -> Any:
         """Compute with two whole numbers, / and ** excluded, or join two texts by +. Raises Refusal for all else."""
         whole = type(left) is type(right) is int and operator not in ("/", "**")
         if not whole and not (type(left) is type(right) is str and operator == "+"):
-            raise Refusal(f"{operator} is not for a template; value('1/3 + 1/6') computes exactly")
+            raise Refusal(f"operator {operator} is not available in templates; value('1/3 + 1/6') computes exactly")
         return super().call_binop(context, operator, left, right)
 
 

@@ -108,7 +108,7 @@ class Template:
     def _value(self, style: NumberStyle, question: object) -> TemplateValue:
         if not isinstance(question, str):
             _demand(question)
-            raise Refusal('a question is text, as in value("rk4.first_step.q")')
+            raise Refusal('a question is a string, as in value("rk4.first_step.q")')
         self.asked += 1
         return TemplateValue(value(question), style.kind)
 
@@ -122,7 +122,7 @@ class Template:
         if isinstance(printed, str) or (isinstance(printed, int) and not isinstance(printed, bool)):
             return printed
         _demand(printed)
-        raise Refusal(f"a {type(printed).__name__} is nothing to print; a text takes words, whole numbers and values")
+        raise Refusal(f"a {type(printed).__name__} cannot be printed; print strings, whole numbers or values")
 
 
 def _demand(x: object) -> None:
@@ -133,11 +133,11 @@ def _demand(x: object) -> None:
 
 def _in_words(error: Exception) -> str:
     if isinstance(error, TemplateNotFound):
-        return f"there is no template {str(error)[:60]!r} beside this one"
+        return f"no template {str(error)[:60]!r} is in the folder of this one"
     if isinstance(error, RecursionError):
         return "nested too deeply, or a template includes itself"
     if isinstance(error, MemoryError):
-        return "more memory is needed than a template may take"
+        return "the template needs more memory than is allowed"
     message = error.message if isinstance(error, TemplateSyntaxError) else str(error)
     return message or type(error).__name__
 

@@ -56,7 +56,7 @@ class TemplateValue:
     def __init__(self, value: Answer, kind: TextKind) -> None:
         """Take the answer. Raises Refusal for one that is only STATED."""
         if value.evidence not in (GIVEN, PROVED, COUNTED, CERTIFIED):
-            raise Refusal(f"{value.question!r} is only {value.evidence}; a text prints what is proved")
+            raise Refusal(f"{value.question!r} is only {value.evidence}; templates print only what is proved")
         self._value, self._kind = value, kind
 
     @property
@@ -75,10 +75,10 @@ class TemplateValue:
         if short or (not value.is_number and text.replace(" ", "").isalpha()):
             return text
         ways = "| digits(6), | places(6), | exact, | tex or | mathml"
-        raise Refusal(f"{value.question!r} can be written in many ways; say which: {ways}")
+        raise Refusal(f"{value.question!r} needs a format: write {ways}")
 
     def _no_condition(self, *_: object) -> NoReturn:
-        raise Refusal(f"{self._value.question!r} is no condition and is not compared; ask for what you mean")
+        raise Refusal(f"{self._value.question!r} is not a condition and cannot be compared; ask for what you mean")
 
     __bool__ = __eq__ = __lt__ = __le__ = __gt__ = __ge__ = _no_condition
     __hash__ = None  # type: ignore[assignment]
@@ -91,7 +91,7 @@ def _decimal_filter(name: str, least: int) -> Callable[..., str]:
         value = _value_of(x)
         if isinstance(count, bool) or not isinstance(count, int) or not least <= count <= LONGEST_DECIMAL:
             allowed = f"write a whole number from {least} to {LONGEST_DECIMAL}"
-            raise Refusal(f"{str(count)[:20]!r} is no number of digits; {allowed}")
+            raise Refusal(f"{str(count)[:20]!r} is not a number of digits; {allowed}")
         ask = getattr(value, name)
         return _written(lambda: style.decimal(lambda style: ask(count, style)), f"{name}({count}")
 
@@ -110,7 +110,7 @@ def exact_filter(style: NumberStyle, x: object) -> str:
 def mathml_filter(style: NumberStyle, x: object) -> str:
     """The exact form as a <math> element. Raises Refusal in TeX."""
     if style.kind is LATEX:
-        raise Refusal("MathML has no place in TeX; write | tex")
+        raise Refusal("MathML is not allowed in TeX; write | tex")
     return _written(_value_of(x).mathml)
 
 
@@ -125,7 +125,7 @@ VALUE_FILTERS: dict[str, Callable[..., str]] = {
 
 def _value_of(x: object) -> Answer:
     if not isinstance(x, TemplateValue):
-        raise Refusal(f"a {type(x).__name__} is no value; apply filters to value(...)")
+        raise Refusal(f"a {type(x).__name__} is not a value; apply filters to value(...)")
     return x._value
 
 
@@ -182,7 +182,7 @@ def _in_words(asked: str) -> str:
 def _cell(style: NumberStyle, ask: Callable[[str], TemplateValue], key: str, column: re.Match[str], run: str) -> str:
     head, _, rest = column["asked"].partition(" ")
     if head in RUN_READOUTS and not run:
-        raise Refusal(f"the column {head!r} is read out of a run; give h and t")
+        raise Refusal(f"the column {head!r} is a readout of a run; give h and t")
     found = ask(f"run {key} {run} : {column['asked']}" if head in RUN_READOUTS else f"{head} {key} {rest}".rstrip())
     if column["form"] is None:
         return str(found)

@@ -36,7 +36,7 @@ def kind_of(path: Path) -> TextKind:
         if path.suffix.lower() in kind.suffixes:
             return kind
     allowed = ", ".join(suffix for kind in TEXT_KINDS for suffix in kind.suffixes)
-    raise ValueError(f"{path}: what is rendered has a name that ends in one of {allowed}")
+    raise ValueError(f"{path}: the name of the rendered file must end in one of {allowed}")
 
 
 def _markdown_table(rows: CellRows) -> str:

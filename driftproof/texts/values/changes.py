@@ -70,13 +70,13 @@ def read_values(path: Path) -> dict[str, Any]:
     try:
         read = json.loads(text, parse_int=str, parse_float=str, parse_constant=str, object_pairs_hook=hook)
     except (RecursionError, ValueError) as error:
-        reason = "nested too deeply for a file of values" if isinstance(error, RecursionError) else f"no JSON: {error}"
+        reason = "nested too deeply for a file of values" if isinstance(error, RecursionError) else f"not JSON: {error}"
         raise ValueError(f"{path}: {reason}") from None
     if not isinstance(read, dict):
-        raise ValueError(f"{path}: holds no JSON object; give what `driftproof values` prints")
+        raise ValueError(f"{path}: not a JSON object; give what `driftproof values` prints")
     for place, leaf in _leaves(read):
         if isinstance(leaf, dict) and leaf and (wrong := _part_that_is_no_number(leaf)):
-            raise ValueError(f"{path}: {_name(place)}: {wrong} is {str(leaf[wrong])[:60]!r}, which is no number")
+            raise ValueError(f"{path}: {_name(place)}: {wrong} is {str(leaf[wrong])[:60]!r}, not a number")
     return read
 
 
@@ -110,7 +110,7 @@ def _without_repetition(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
     found = dict(pairs)
     if len(found) < len(pairs):
         twice = next(key for key, times in Counter(key for key, _ in pairs).items() if times > 1)
-        raise ValueError(f"the key {twice[:60]!r} stands twice in one object")
+        raise ValueError(f"the key {twice[:60]!r} occurs twice in one object")
     return found
 
 

@@ -22,58 +22,63 @@ parameter | free parameter
 source | source
 stages | stages
 steps | steps
-rho | rho: what of the values y is summed
-sigma | sigma: what of the slopes F(y) is
-diagonal | gamma on the diagonal, one factorisation a step
-explicit | explicit: no equation is solved in a step
+rho | rho: coefficients of the values y
+sigma | sigma: coefficients of the slopes F(y)
+diagonal | gamma: diagonal entry, so that a step needs one factorisation
+explicit | explicit: a step solves no equations
 inconsistencies | inconsistencies of the coefficients
 
 Accuracy
-order | order p: over a given time the error falls as h^p
-order_but_for_rounding | order but for rounded coefficients, and by what its conditions fail
-order_to_tolerance | order up to residuals of the size asked for
-order_sets | where the order is at least so high
-order_fails | the first condition of a higher order that fails
-order_second_order_problems | order on q'' = F(q) alone
-explicit_order | order of the explicit table alone
-implicit_order | order of the implicit table alone
-w_order | W order: with any matrix in place of the Jacobian
-embedded_order | order of the embedded row
-stage_order | stage order: what is left of it on stiff problems
-error_constant | error constant: error of a step on y' = y
-first_barrier | Dahlquist's first barrier, by the number of steps
-dispersion | dispersion: phase error of a step of the oscillator
-dissipation | dissipation: what its amplitude gains in a step
+order | order p: the error at a fixed time is O(h^p)
+order_but_for_rounding | order apart from rounding of the coefficients, with residuals
+order_to_tolerance | order, ignoring residuals up to the tolerance
+order_sets | parameter values for which the order is at least p
+order_fails | first failing order condition
+order_second_order_problems | order on q'' = F(q)
+explicit_order | order of the explicit tableau
+implicit_order | order of the implicit tableau
+w_order | W-order: order with an arbitrary matrix in place of the Jacobian
+embedded_order | order of the embedded method
+stage_order | stage order: may limit the order on stiff problems
+error_constant | error constant: leading error of a step on y' = y
+first_barrier | Dahlquist's first barrier for this number of steps
+dispersion | dispersion: leading phase error of a step of the oscillator
+dissipation | dissipation: leading relative change of its amplitude in a step
 
 Stability
-zero_stable | zero-stable: bounded on y' = 0, or y'' = 0 as n
-root_condition | root condition: where the roots of rho are
-stability_function | stability function R(z): a step of y' = λy is y1 = R(hλ) y
-real_limit | real limit: y' = -λy decays for hλ up to
-imaginary_limit | imaginary limit: y' = iωy stays bounded for hω up to
-a_stable | A-stable: whatever decays is damped, at any h
-sector | A(alpha): decay is damped in |arg(-hλ)| < alpha
-l_stable | L-stable: and what decays fast is gone in a step
-stability_within_digits | stability that rounded coefficients do not exclude
-explicit_real_limit | real limit of the explicit part alone
-explicit_imaginary_limit | imaginary limit of the explicit part alone
-implicit_a_stable | implicit part alone: A-stable
-implicit_l_stable | implicit part alone: L-stable
-implicit_stability_within_digits | implicit part alone: stability that rounded coefficients do not exclude
-ssp_coefficient | SSP coefficient: keeps what Euler keeps, at h so often as large
+zero_stable | zero-stable: bounded on y' = 0, at most linear in n on y'' = 0
+root_condition | root condition on the roots of rho
+stability_function | stability function R(z): on y' = λy, y1 = R(hλ) y0
+real_limit | real limit: y' = -λy stays bounded for hλ up to
+imaginary_limit | imaginary limit: an oscillation of frequency ω stays bounded for hω up to
+a_stable | A-stable: y' = λy with Re λ <= 0 stays bounded for every h > 0
+sector | A(alpha)-stable: stable for |arg(-hλ)| < alpha
+l_stable | L-stable: A-stable, and R(z) -> 0 as z -> oo
+stability_within_digits | stability that the rounded coefficients allow
+explicit_real_limit | real limit of the explicit part
+explicit_imaginary_limit | imaginary limit of the explicit part
+implicit_a_stable | implicit part A-stable
+implicit_l_stable | implicit part L-stable
+implicit_stability_within_digits | implicit part: stability that its rounded coefficients allow
+ssp_coefficient | SSP coefficient: largest monotone step, relative to forward Euler's
 
 Structure
-symplectic | symplectic: area and volume in phase space are kept
-symmetric | symmetric: a step back undoes a step
-energy_multiplier | energy multiplier: factor on q^2 + v^2 of the oscillator in a step
-invariant | invariant: kept exactly on the oscillator
-conserved_quadratics | quadratics kept exactly
+symplectic | symplectic: preserves the symplectic form of phase space
+symmetric | symmetric: a step of -h undoes a step of h
+energy_multiplier | energy multiplier: factor on the oscillator's q^2 + v^2 in a step
+invariant | invariant: quadratic form that steps of the oscillator preserve
+conserved_quadratics | all quadratic forms that such steps preserve
 stiffly_accurate | stiffly accurate: the last stage is the new value
-first_same_as_last | first same as last: a stage serves two steps
+first_same_as_last | first same as last: the last slope is the first of the next step
 """
 _READ = [part.splitlines() for part in _GROUPS.strip().split("\n\n")]
 GROUPS = {heading: [line.split(" | ")[0] for line in lines] for heading, *lines in _READ}
 _PLAIN = dict(line.split(" | ") for _, *lines in _READ for line in lines)
+# Labels of multistep methods that differ from those of one-step methods; `error_constant` is C_{p+1}/sigma(1).
+_OF_MULTISTEP = {
+    "order": "order p: if zero-stable, the error at a fixed time is O(h^p)",
+    "error_constant": "error constant: residual of that condition, divided by sigma(1)",
+}
 
 
 def grouped_facts_text(facts: Mapping[str, Any], everything: bool = False) -> str:
@@ -87,19 +92,19 @@ def grouped_facts_text(facts: Mapping[str, Any], everything: bool = False) -> st
       not to be confused with  implicit_midpoint, heun2
     <BLANKLINE>
     Accuracy
-      order p: over a given time the error falls as h^p  2
+      order p: the error at a fixed time is O(h^p)  2
     <BLANKLINE>
     Structure
-      symmetric: a step back undoes a step  yes
+      symmetric: a step of -h undoes a step of h  yes
     <BLANKLINE>
     1 more fact with --all, any one with --only NAME
     """
     groups = {heading: {name: facts[name] for name in names if name in facts} for heading, names in GROUPS.items()}
     shown = [name for group in groups.values() for name in group]
     rest = {name: value for name, value in facts.items() if name not in shown}
-    parts = []
+    labels, parts = _PLAIN | _OF_MULTISTEP if "rho" in facts else _PLAIN, []
     for heading, group in groups.items():
-        named = {_PLAIN[name]: value for name, value in group.items() if everything or _is_shown(name, value)}
+        named = {labels[name]: value for name, value in group.items() if everything or _is_shown(name, value)}
         parts += [_under(heading, _called(named, facts["method"]) if "method" in group else named)]
     if everything:
         parts += [_under("Everything else", rest)]

@@ -89,7 +89,7 @@ def test_three_findings_of_a_kind_are_named(count: int, text: str, found: int) -
 
 def test_capitals_that_differ_are_said_to() -> None:
     (outcome,) = check_claims(document_of("The error is 0.4 here"), [claim(HERE)])
-    assert "ignore_case = true allows them" in outcome.findings[0].message
+    assert "differs in capitals; ignore_case = true allows that" in outcome.findings[0].message
 
 
 def test_what_stands_where_a_phrase_begins_is_shown_up_to_60_characters() -> None:
@@ -99,7 +99,7 @@ def test_what_stands_where_a_phrase_begins_is_shown_up_to_60_characters() -> Non
 
 def test_number_right_but_part_of_more_is_said_to_be() -> None:
     (outcome,) = check_claims(document_of("is 0.33 %"), [claim("is {value}")])
-    assert "stands nowhere" in outcome.findings[0].message
+    assert "occurs nowhere" in outcome.findings[0].message
 
 
 @given(st.integers(0, 999), st.integers(0, 999), st.sampled_from(["", "-"]))
@@ -124,7 +124,7 @@ def test_numbers_of_programs_are_labels_where_nobody_claims_them() -> None:
     document = document_of("```python\nx = 0.33 + 7  # 8\nerror = 5\n```\n", "markdown")
     outcomes = check_claims(document, [claim("error = 5", "given = true")])
     accounts = [f"{one.number.text}:{one.kind}:{one.by}" for one in coverage(document, outcomes).numbers]
-    program = "label:what a program is given"
+    program = "label:an input of a program"
     assert accounts == [f"0.33:{program}", f"7:{program}", "8:uncovered:", "5:given:a"]
 
 
@@ -164,7 +164,7 @@ def test_words_that_no_phrase_holds_are_told() -> None:
 
 
 def test_label_that_stands_nowhere_is_refused() -> None:
-    with pytest.raises(ValueError, match="label for 'time' stands nowhere"):
+    with pytest.raises(ValueError, match="the phrase of the label 'time' occurs nowhere"):
         coverage(document_of("none"), [], CLAIMS.labels)
 
 

@@ -45,7 +45,7 @@ def test_reason_of_what_is_given_has_200_characters_at_most() -> None:
     with_reason = "{}given = '{}'".format
     assert parse_claims(with_reason(CLAIM, "x" * 200).encode()).claims[0].given == "x" * 200
     assert parse_claims(f"{CLAIM}given = true".encode()).claims[0].given == "given"
-    with pytest.raises(ValueError, match="given is true, or says in a few words why"):
+    with pytest.raises(ValueError, match="given is true, or a short reason why"):
         parse_claims(with_reason(CLAIM, "x" * 201).encode())
 
 
@@ -65,40 +65,44 @@ BAD = [
     ("claim = 1", "claim is 1; write a list"),
     ("[claim]\nid = 'a'", "claim is {'id': 'a'}; write a list"),
     ("[[claim]]\nphrase = 'a'", "id of claim 1 is missing; write a line of text of 1 to 200 characters"),
-    (CLAIM + CLAIM, "claim 'a' stands in it twice"), (CLAIM + "plases = 3", "a claim has no key 'plases'"),
-    (CLAIM + "places = 3\ndigits = 4", "it says places and digits; one of them is enough"),
+    (CLAIM + CLAIM, "two claims have the id 'a'"), (CLAIM + "plases = 3", "a claim has no key 'plases'"),
+    (CLAIM + "places = 3\ndigits = 4", "it has places and digits; give only one of them"),
     (CLAIM + "places = 1000000000", "places is 1000000000; write a whole number from 0 to 1000"),
     (CLAIM + "digits = 0", "digits is 0; write a whole number from 1 to 1000"),
     (CLAIM + "places = true", "places is True; write a whole number"),
     (CLAIM + "places = 2.5", "places is '2.5'; write a whole number"),
     (CLAIM + "count = -1", "count is -1; write a whole number from 0"),
     (CLAIM + "count = 10001", "count is 10001; write a whole number from 0 to 10000"),
-    (CLAIM + "given = ''", "given is true, or says in a few words why"),
-    (CLAIM.replace('"rk4.first_step.q"', "{ask = 3}"), "a question is a text"),
-    (CLAIM.replace('"rk4.first_step.q"', "{ask = '1', written = ''}"), "written is a formula as it stands in the text"),
+    (CLAIM + "given = ''", "given is true, or a short reason why"),
+    (CLAIM.replace('"rk4.first_step.q"', "{ask = 3}"), "a question is a string"),
+    (CLAIM.replace('"rk4.first_step.q"', "{ask = '1', written = ''}"),
+     "written is a formula, in quotes, as the text writes it"),
     (CLAIM.replace('"rk4.first_step.q"', f"{{ask = '1', written = '{'x' * 401}'}}"), "written is a formula"),
     (CLAIM.replace('"rk4.first_step.q"', f"{{given = '{'1' * 201}'}}"), "given is one number"),
-    (f"[[claim]]\nid = 'a'\nphrase = 'is 5'\nvalues.{'v' * 41} = '1'", f"its values name '{'v' * 40}', which"),
+    (f"[[claim]]\nid = 'a'\nphrase = 'is 5'\nvalues.{'v' * 41} = '1'", f"values defines '{'v' * 40}', which"),
     ("claim = [1]", "claim is a list of tables; begin each with [[claim]]"),
-    ("[[label]]\nphrase = '{n}'\nwhy = ''", "label 1: why says"),
-    (f"[[label]]\nphrase = '{{n}}'\nwhy = '{'x' * 201}'", "label 1: why says"),
+    ("[[label]]\nphrase = '{n}'\nwhy = ''", "label 1: why is a short text"),
+    (f"[[label]]\nphrase = '{{n}}'\nwhy = '{'x' * 201}'", "label 1: why is a short text"),
     ("[text]\ncoverage = '100.001%'", "coverage of text is a percentage"),
     (CLAIM + "rounding = 'up'", "rounding is 'up'; write 'half-even' or"),
     (CLAIM + "exact = 1", "exact is 1; write true or false"),
     (CLAIM + "values = {}", "both value and values"),
-    (CLAIM.replace("is {value}", "is {value} of 5"), "the number 5 of its phrase is no value"),
-    (CLAIM.replace("is {value}", "is {value"), "'{' stands alone"),
-    (CLAIM.replace("is {value}", "{value} {value}"), "{value} stands in it twice"),
-    (CLAIM.replace("is {value}", "is"), "its values name 'value', which its phrase does not hold"),
-    (CLAIM.replace("is {value}", "is {other}"), "holds {other}, and nothing says what that is"),
+    (CLAIM.replace("is {value}", "is {value} of 5"), "the number 5 of its phrase is not a placeholder"),
+    (CLAIM.replace("is {value}", "is {value"), "unpaired '{'"),
+    (CLAIM.replace("is {value}", "{value} {value}"), "the placeholder {value} occurs twice"),
+    (CLAIM.replace("is {value}", "is"), "values defines 'value', which is not a placeholder of its phrase"),
+    (CLAIM.replace("is {value}", "is {other}"), "has the placeholder {other}, which neither value nor values defines"),
     (CLAIM.replace("is {value}", "x" * 401), "it has 401 characters; at most 400"),
     (CLAIM.replace("is {value}", "".join(f"{{a{i}}} " for i in range(21))), "more than 20 values"),
     (CLAIM.replace("is {value}", " "), "phrase: it is empty"),
     (CLAIM.replace('"rk4.first_step.q"', "3"), "a value is a question"),
     (CLAIM.replace('"rk4.first_step.q"', "{given = 'x'}"), "given is one number"),
-    (CLAIM.replace('"rk4.first_step.q"', "{given = '1', places = 2}"), "has no form"),
-    ("[[claim]]\nid = 'a'\nphrase = 'no number'", "its phrase holds no number"),
-    ("[[label]]\nphrase = '{n}'", "label 1: why says"),
+    (
+        CLAIM.replace('"rk4.first_step.q"', "{given = '1', places = 2}"),
+        "given is one number in quotes, as the text writes it, without places, digits or exact",
+    ),
+    ("[[claim]]\nid = 'a'\nphrase = 'no number'", "its phrase contains no number"),
+    ("[[label]]\nphrase = '{n}'", "label 1: why is a short text"),
     ("[text]\nformat = 'word'", "format of text is 'word'; write 'plain' or 'markdown'"),
     ("[text]\ncoverage = '101%'", "coverage of text is a percentage"),
     ("[text]\ncoverage = 0.5", "coverage of text is a percentage"),
@@ -106,7 +110,7 @@ BAD = [
     ("a" + ".a" * 500_000 + " = 1", "dots in one line"),
     ("#" * (2**20 + 1), "too large; at most 1048576 bytes are read"),
     ("x = ", "Invalid value"),
-    ("[[claim]]\n" * 5001, "claim has 5001 entries; at most 5000 are read"),
+    ("[[claim]]\n" * 5001, "claim has 5001 entries; at most 5000 are allowed"),
 ]  # fmt: skip
 
 

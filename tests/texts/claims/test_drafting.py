@@ -57,7 +57,7 @@ def test_phrase_in_a_program_holds_no_number_that_is_left_out() -> None:
     document = document_of(f"RK4:\n\n```python\n{listing}```\n", "markdown")
     drafted = draft(document, "a", ["step rk4 h=1/2 : q", "1 - 1/8"])
     assert held(document, drafted)[WORKED_OUT] == 5
-    assert drafted.endswith("is left out: 5 of the numbers.")
+    assert drafted.endswith("# Left out: numbers in program code, 5 in all; they are inputs, not claims.")
 
 
 def test_phrase_has_three_words_before_its_numbers_and_after_them_what_belongs_to_them() -> None:
@@ -119,7 +119,7 @@ def test_draft_says_what_was_asked_for_and_is_nowhere_and_its_ids_are_short() ->
     text = draft(document, "a", [asked])
     assert held(document, text)[WORKED_OUT] == 3
     assert 'id = "| {a} | {b}"' in text, "two such questions are too long for an id"
-    assert text.rpartition("# Asked for, and no number of the text:\n")[2].count("t=1.0 : ") == 2
+    assert text.rpartition("# Asked for with --ask, but not found in the text:\n")[2].count("t=1.0 : ") == 2
     assert "Asked for" not in draft(document, "a")
 
 
@@ -136,7 +136,7 @@ def test_numbers_of_programs_are_left_out_and_counted_but_for_those_that_are_val
     program = "```python\nx = 3.75\nq = rk4(1, h=0.5)\nassert q == 337/384  # rk4, one step, or 4.5\n```\n"
     document = document_of(f"{program}\nis 3.75\n", "markdown")
     text = draft(document, "a")
-    assert text.endswith("# What programs are given claims nothing, and is left out: 3 of the numbers.")
+    assert text.endswith("# Left out: numbers in program code, 3 in all; they are inputs, not claims.")
     assert [claim["value"] for claim in tomllib.loads(text)["claim"]] == ["rk4.first_step.q"]
     assert [line for line in text.splitlines() if line.startswith("# phrase")] == [
         '# phrase = "one step, or 4.5"',

@@ -47,15 +47,15 @@ CLAIM = '[[claim]]\nid = "a"\nphrase = "is {value}"\nvalue = "rk4.first_step.q"\
 @pytest.mark.parametrize(
     ("question", "form", "message"),
     [
-        ("rk4.first_step.z", "", "is no id of a published value"),
+        ("rk4.first_step.z", "", "is not the id of a published value"),
         ("step rk4 h=1/0 : q", "", "divides by zero"),
-        ("imaginary_limit rk4", "", "no decimal that ends; say places, digits or exact"),
-        ("rk4.first_step.q", "", "no decimal that ends"),
-        ("imaginary_limit rk4", "spelled = 'words'", "no rational number, and has no words"),
-        ("rk4.first_step.q", "spelled = 'words'", "nobody writes this number in words"),
+        ("imaginary_limit rk4", "", "does not terminate; add places, digits or exact"),
+        ("rk4.first_step.q", "", "the decimal of the value does not terminate"),
+        ("imaginary_limit rk4", "spelled = 'words'", "not rational, so it cannot be written in words"),
+        ("rk4.first_step.q", "spelled = 'words'", "this number has no usual form in words"),
         ("run rk4 h=1/4 t=10 : state_error", "exact = true", "no exact form"),
         ("run rk4 h=1/4 t=10 : energy", "exact = true", "the exact form has"),
-        ("1/2", "places = 0", "name a rounding"),
+        ("1/2", "places = 0", "choose a rounding"),
         ("__import__('os')", "places = 1", "claim 'a'"),
         ("2**2**2**2**9999999", "places = 1", "claim 'a'"),
     ],
@@ -89,7 +89,7 @@ def test_value_is_spelled_in_every_way_that_means_the_same(question, form, spell
 def test_exact_form_has_400_characters_at_most() -> None:
     form = NumberForm(exact=True)
     assert form.spellings(value("1/" + "3" * 398)) == ["1/" + "3" * 398]
-    with pytest.raises(ValueError, match="the exact form has 401 characters; say places or digits"):
+    with pytest.raises(ValueError, match="the exact form has 401 characters; add places or digits"):
         form.spellings(value("1/" + "3" * 399))
 
 

@@ -25,19 +25,21 @@ def test_report_says_what_is_wrong_and_what_is_covered() -> None:
     document = document_of(TEXT)
     assert TextReport.of("a.txt", document, CLAIMS).written("text").splitlines() == [
         "a.txt: 1 claim, all hold",
-        "33.3% of 6 numbers covered: 0 by values, 2 given; 4 not; and 5 labels",
+        "33.3% of 6 numbers covered: 0 by values, 2 given, 4 uncovered; 5 labels not counted",
     ]
     words = TextReport.of("a.txt", document_of(TEXT + " Two, two and ten."), CLAIMS)
-    assert words.written("text").splitlines()[2] == "not held: 3 words for numbers or growth (two, ten)"
+    assert words.written("text").splitlines()[2] == "not checked: 3 words for numbers or growth (two, ten)"
     assert json.loads(words.written("json"))["words"][2] == {"text": "ten", "line": 3, "column": 58}
     parts = TextReport.of("a.txt", document_of(TEXT + r"\input{b} \input{c}"), CLAIMS)
-    assert parts.written("text").splitlines()[2] == "not read: b, c, which the text takes in: to be checked by itself"
+    assert parts.written("text").splitlines()[2] == "not read: b, c, included by the text; check each separately"
     wrong = TextReport.of("a.txt", document_of(TEXT.replace("0.33", "0.34")), CLAIMS)
     assert wrong.written("text").splitlines()[:2] == [
         "a.txt:2:30: a: expected 0.33, found 0.34",
         "a.txt: 1 claim, 1 refuted",
     ]
-    assert TextReport.of("a.txt", document, Claims()).written("text").startswith("a.txt: 0 claims, so nothing is held")
+    assert (
+        TextReport.of("a.txt", document, Claims()).written("text").startswith("a.txt: 0 claims, so nothing was checked")
+    )
     listed = TextReport.of("a.txt", document, CLAIMS, suggest=True)
     assert any(line.startswith("a.txt:3:11: not covered: 'It prints") for line in listed.written("text").splitlines())
     assert "looks like default.h" in listed.written("text")
@@ -80,7 +82,7 @@ def test_report_shows_24_characters_three_values_five_words_and_5000_numbers() -
     assert report[0].startswith(f"a.txt:1:32: not covered: '{'a' * 23} 40 {'b' * 23}'; looks like ")
     assert report[0].partition("; looks like ")[2].count(", ") == 2
     assert " more" in report[0]
-    assert report[-1] == "not held: 6 words for numbers or growth (two, three, four, five, six, ...)"
+    assert report[-1] == "not checked: 6 words for numbers or growth (two, three, four, five, six, ...)"
     five = TextReport.of("a.txt", document_of("two three four five six"), Claims()).written("text")
     assert five.endswith("(two, three, four, five, six)")
     assert TextReport.of("a.txt", document_of("7 " * 5000), Claims(), suggest=True).coverage.counts[UNCOVERED] == 5000
@@ -115,7 +117,7 @@ def files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 def test_command_answers_with_its_exit_status(files: Path, run: Run) -> None:
     assert run("check", "a.md", "--claims", "c.toml") == (
         0,
-        "a.md: 1 claim, all hold\n100% of 2 numbers covered: 2 by values, 0 given; 0 not; and 1 label\n",
+        "a.md: 1 claim, all hold\n100% of 2 numbers covered: 2 by values, 0 given, 0 uncovered; 1 label not counted\n",
         "",
     )
     text = (files / "a.md").read_text(encoding="utf-8")

@@ -133,9 +133,9 @@ def test_braces_are_chosen_from_in_every_way_and_equal_braces_alike() -> None:
     ]
     assert questions_in("{1..2} - {1..2} + {a_b}") == {"1 - 1 + a_b": ("1", "a_b"), "2 - 2 + a_b": ("2", "a_b")}
     assert questions_in("1/3") == {"1/3": ()}
-    with pytest.raises(ValueError, match="asks for 2001 values"):
+    with pytest.raises(ValueError, match="expands to 2001 questions"):
         questions_in("{1..2001}")
-    with pytest.raises(ValueError, match="asks for 0 values"):
+    with pytest.raises(ValueError, match="expands to 0 questions"):
         questions_in("a - {3..1}")
     with pytest.raises(QuestionError, match="unknown method"):
         Suggestions("1.5", ["step {nope} h=1 : q"]).of(numbers_in("1.5")[0])
@@ -160,4 +160,4 @@ def test_exponents_of_any_program_are_read(spelled: str) -> None:
 
 
 def test_questions_are_asked_of_a_draft_only(refusal: Callable[..., str]) -> None:
-    assert "--ask is for --init" in refusal("check", "a.md", "--claims", "c.toml", "--ask", "pi")
+    assert "--ask needs --init" in refusal("check", "a.md", "--claims", "c.toml", "--ask", "pi")

@@ -79,7 +79,7 @@ def test_published_decimal_stands_for_all_numbers_that_round_to_it() -> None:
 def test_value_without_an_exact_form_has_its_published_digits_and_no_more() -> None:
     key = "rk4.default.state_error"
     assert value(key).digits(24) == published_values()[key]["decimal"][:29]
-    with pytest.raises(ValueError, match="which does not decide more digits"):
+    with pytest.raises(ValueError, match="which does not determine more digits"):
         value(key).digits(40)
 
 
@@ -98,7 +98,7 @@ def test_what_is_no_number_has_no_decimals() -> None:
         assert not value(question).is_number
         with pytest.raises(QuestionError, match="is no number"):
             float(value(question))
-        with pytest.raises(QuestionError, match="is no number and has no decimals"):
+        with pytest.raises(QuestionError, match="is not a number and has no decimals"):
             value(question).digits(6)
 
 

@@ -50,7 +50,7 @@ def test_tie_is_refused_exactly_where_the_policies_differ(x: Q, places: int) -> 
     if even == away:
         assert answer.places(places) == even
     else:
-        with pytest.raises(AmbiguousRounding, match=f"half-even gives {even}, half-away {away}; name a rounding"):
+        with pytest.raises(AmbiguousRounding, match=f"half-even gives {even}, half-away {away}; choose a rounding"):
             answer.places(places)
 
 

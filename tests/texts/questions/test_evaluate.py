@@ -97,7 +97,7 @@ def test_fuzzing_reaches_answers_and_not_only_refusals() -> None:
 
 
 def test_a_question_is_text() -> None:
-    with pytest.raises(TypeError, match="a question is text, such as 'order rk4', and not 3"):
+    with pytest.raises(TypeError, match="a question is a string, such as 'order rk4', not 3"):
         value(3)
 
 

@@ -21,7 +21,7 @@ def test_energy_multiplier_is_what_a_step_does_to_the_energy() -> None:
 
 def test_an_order_of_rounded_coefficients_is_said_to_be_that() -> None:
     for method, rounded in (("tsitouras54", True), ("KenCarp4", True), ("rk4", False), ("bdf2", False)):
-        assert ("as its rounded coefficients stand" in str(value(f"order of {method}"))) is rounded
+        assert ("with the coefficients as rounded" in str(value(f"order of {method}"))) is rounded
 
 
 def test_leading_term_with_a_root_is_exact() -> None:

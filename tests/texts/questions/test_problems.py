@@ -56,7 +56,9 @@ def test_run_on_decay_is_the_power_of_the_stability_function(key: str) -> None:
 def test_question_runs_no_code_of_a_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     Path("mine.toml").write_text('function = "os:abort"\nstart = ["1"]\nend = "2"\n', encoding="utf-8")
-    demand_refusal("run rk4 problem=mine.toml h=1/4 t=1 : y0", 17, "function is Python code, which no question runs")
+    demand_refusal(
+        "run rk4 problem=mine.toml h=1/4 t=1 : y0", 17, "function is Python code, which questions do not run"
+    )
 
 
 def test_rates_that_are_written_out_are_those_of_the_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -130,28 +132,28 @@ def test_power_too_long_to_write_out_is_enclosed() -> None:
 REFUSED = [
     ("run rk4 problem=nope h=1/4 t=1 : y0", 17, "unknown problem 'nope'"),
     ("run rk4 problem=pendulum h=1/3 t=1/2 : y0", 17, "does not divide"),
-    ("run rk4 problem=pendulum h=1/4 t=1 from 1 : y0", 17, "the start has 1 entries, 2 are needed"),
-    ("run rk4 rates=(y0) h=1/4 t=1 : y0", 16, "the start has 0 entries, 1 are needed"),
-    ("run rk4 rates=(y0) from 1 lambda=1 h=1/4 t=1 : y0", 16, "two problems"),
-    ("run rk4 rates=y0 from 1 h=1/4 t=1 : y0", 15, "in brackets, like (y1, -sin(y0))"),
+    ("run rk4 problem=pendulum h=1/4 t=1 from 1 : y0", 17, "the start has 1 entries, required: 2"),
+    ("run rk4 rates=(y0) h=1/4 t=1 : y0", 16, "the start has 0 entries, required: 1"),
+    ("run rk4 rates=(y0) from 1 lambda=1 h=1/4 t=1 : y0", 16, "give only one of them"),
+    ("run rk4 rates=y0 from 1 h=1/4 t=1 : y0", 15, "in brackets, separated by commas, as in (y1, -sin(y0))"),
     ("run rk4 rates=(y0 from 1 h=1/4 t=1 : y0", 15, "a bracket is not closed"),
-    ("run rk4 rates=(y0 y0) from 1 h=1/4 t=1 : y0", 16, "column 4: 'y0' has no place here"),
-    ("run rk4 rates=(y0, z) from 1,1 h=1/4 t=1 : y0", 16, "'z' has no place"),
-    ("run gauss2 rates=(y0) from 1 h=1/4 t=1 : k1.y0", 42, "no readout of run; there are y0"),
-    ("run rk4 lambda=1 from 1 h=1/4 t=1 : y", 1, "y' = λy begins at 1"),
-    ("exact rates=(y0) from 1 t=1 : state_error", 31, "no readout of exact; there are y0"),
-    ("order rk4 rates=(y0)", 18, "about no problem"),
-    ("run rk4 problem=pendulum lambda=1 h=1/4 t=1 : y0", 17, "two problems"),
-    ("run rk4 problem=pendulum h=1/4 t=1 : y", 38, "no readout of run; there are y0, y1"),
-    ("run rk4 problem=pendulum h=1/4 t=1 : y7", 38, "no readout of run; there are y0"),
-    ("run rk4 problem=pendulum h=1/100001 t=1 : y0", 17, "100001 steps; on a problem at most 100000 are made"),
+    ("run rk4 rates=(y0 y0) from 1 h=1/4 t=1 : y0", 16, "column 4: unexpected 'y0'"),
+    ("run rk4 rates=(y0, z) from 1,1 h=1/4 t=1 : y0", 16, "'z' is not allowed"),
+    ("run gauss2 rates=(y0) from 1 h=1/4 t=1 : k1.y0", 42, "not a readout of run; the readouts are y0"),
+    ("run rk4 lambda=1 from 1 h=1/4 t=1 : y", 1, "y' = λy always starts at 1"),
+    ("exact rates=(y0) from 1 t=1 : state_error", 31, "not a readout of exact; the readouts are y0"),
+    ("order rk4 rates=(y0)", 18, "takes no problem"),
+    ("run rk4 problem=pendulum lambda=1 h=1/4 t=1 : y0", 17, "give only one of them"),
+    ("run rk4 problem=pendulum h=1/4 t=1 : y", 38, "not a readout of run; the readouts are y0, y1"),
+    ("run rk4 problem=pendulum h=1/4 t=1 : y7", 38, "not a readout of run; the readouts are y0"),
+    ("run rk4 problem=pendulum h=1/100001 t=1 : y0", 17, "100001 steps; on a problem at most 100000 are allowed"),
     ("run rk4 rates=(y0) from 3 h=1 t=0 : y0", 16, "h = 1 does not divide t = 0: t / h = 0"),
     ("run velocity_verlet problem=kaps h=1/4 t=1 : y0", 29, "second-order"),
-    ("order rk4 problem=pendulum", 19, "about no problem"),
+    ("order rk4 problem=pendulum", 19, "takes no problem"),
     ("run rk4 lambda=-1 h=1/3 t=1/2 : y", 1, "does not divide"),
     ("run velocity_verlet lambda=-1 h=1/4 t=1 : y", 5, "no stability_function"),
-    ("ln(0)", 1, "only a number above zero has a logarithm"),
-    ("exact problem=pendulum h=1 t=1 : y0", 24, "has no setting h here"),
+    ("ln(0)", 1, "only a positive number has a logarithm"),
+    ("exact problem=pendulum h=1 t=1 : y0", 24, "does not take h here"),
 ]
 
 

@@ -126,6 +126,6 @@ def test_bound_is_rounded_up_unless_another_policy_is_named() -> None:
 def test_a_step_that_overflows_has_no_bound() -> None:
     for start in ("1.7e308,1.7e308", "0,1.7e308"):
         for readout in ("q", "v", "qq", "c"):
-            with pytest.raises(QuestionError, match=r"the step may overflow .* nothing overflows for .* <= 1e307"):
+            with pytest.raises(QuestionError, match=r"the step may overflow .* it does not overflow for .* <= 1e307"):
                 value(f"roundoff rk4 h=1/2 from {start} : {readout}")
     assert value("roundoff rk4 h=1/2 from 1e307,1e307 : v").exact is not None

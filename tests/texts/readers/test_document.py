@@ -55,7 +55,7 @@ def test_reader_is_chosen_by_the_ending(tmp_path: Path) -> None:
     [
         (b"\xff\xfe", "not UTF-8 at byte 0"),
         (b" " * (LARGEST_DOCUMENT + 1), "longer than 4194304 bytes"),
-        (b"{", "it is no notebook"), (b'{"cells": 3}', 'a list "cells"'), (b"[" * 100_000, "nested too deep"),
+        (b"{", "it is not a notebook"), (b'{"cells": 3}', 'a list "cells"'), (b"[" * 100_000, "nested too deep"),
     ],
     ids=range(5),
 )  # fmt: skip

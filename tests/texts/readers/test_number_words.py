@@ -32,7 +32,7 @@ def test_every_spelling_is_read_as_one_number(number: int | Q) -> None:
 
 @pytest.mark.parametrize("number", [Q(-1), Q(10**12), Q(1, 11), Q(4, 3)])
 def test_what_nobody_writes_in_words_is_refused(number: Q) -> None:
-    with pytest.raises(ValueError, match="nobody writes this number in words"):
+    with pytest.raises(ValueError, match="this number has no usual form in words"):
         worded_number(number)
 
 

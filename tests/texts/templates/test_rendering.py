@@ -28,7 +28,7 @@ def lesson(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 def test_check_passes_what_was_rendered_and_shows_what_was_changed(lesson: Path, run: Run) -> None:
     status, out, _ = run("render", "lesson.md.j2", "--check")
     assert status == REFUTED
-    assert out.startswith("--- lesson.md (which is not there)\n+++ lesson.md as lesson.md.j2 renders it\n")
+    assert out.startswith("--- lesson.md (does not exist)\n+++ lesson.md as lesson.md.j2 renders it\n")
     assert run("render", "lesson.md.j2") == (0, "lesson.md: 1 value\n", "")
     assert run("render", "lesson.md.j2", "--check") == (0, "lesson.md is what lesson.md.j2 renders\n", "")
     text = Path("lesson.md").read_text(encoding="utf-8")
@@ -74,7 +74,7 @@ def test_ends_of_lines_are_those_of_the_template(lesson: Path, run: Run) -> None
     [
         (("none.md.j2",), "none.md.j2: No such file or directory"),
         (("lesson.md",), "lesson.md: the name does not end in .j2; name the output with -o"),
-        (("lesson.md.j2", "-o", "lesson.txt"), "lesson.txt: what is rendered has a name that ends in one of .md"),
+        (("lesson.md.j2", "-o", "lesson.txt"), "lesson.txt: the name of the rendered file must end in one of .md"),
         (("lesson.md.j2", "a.md.j2", "-o", "b.md"), "render them one by one"),
         (("link.md", "-o", "lesson.md"), "already a template or an output here"),
         (("latin.md.j2",), "not UTF-8 at byte 1"),
@@ -96,7 +96,9 @@ def test_bad_arguments_are_one_line(arguments: tuple[str, ...], message: str, le
 def test_memory_and_time_of_a_template_are_bounded(lesson: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(rendering, "RENDERING_MEMORY", 6 * 10**8)
     lesson.write_text("{% set n = namespace(s='aaaa') %}{% for i in range(60) %}{% set n.s = n.s ~ n.s %}{% endfor %}")
-    with pytest.raises(ValueError, match=r"lesson.md.j2, line 1, column \d+: more memory is needed than a template"):
+    with pytest.raises(
+        ValueError, match=r"lesson.md.j2, line 1, column \d+: the template needs more memory than is allowed"
+    ):
         rendering.render(lesson, Path("lesson.md"))
     loops = [f"{{% for {name} in range(9999) %}}" for name in "abc"]
     lesson.write_text("".join(loops) + "{% endfor %}" * 3)

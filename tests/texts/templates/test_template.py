@@ -22,39 +22,41 @@ Become = Callable[..., str]
 PROBLEMS = [
     ("a\n  {{ nope }}", 2, 6, "'nope' is undefined"), ("{{ value(nope) }}", 1, 10, "'nope' is undefined"),
     ("{{ 'a' ~\n nope | upper }}", 2, 2, "'nope' is undefined"),
-    ('{{ 1 }}{{ value("rk4.first.step.q") }}', 1, 18, "is no id of a published value; did you mean rk4.first_step.q"),
-    ('{{ value("run rk4 h=1/4 : q") }}', 1, 11, "run needs two of h, t and N"),
-    ('{{ value("step rk4 h=1/2 : r") }}', 1, 28, "'r' is no readout of step"),
+    ('{{ 1 }}{{ value("rk4.first.step.q") }}', 1, 18,
+     "is not the id of a published value; did you mean rk4.first_step.q"),
+    ('{{ value("run rk4 h=1/4 : q") }}', 1, 11, "run needs exactly two of h, t and N"),
+    ('{{ value("step rk4 h=1/2 : r") }}', 1, 28, "'r' is not a readout of step"),
     ('{{ value("order " ~ "nope") }}', 1, 4, "'order nope', column 7: unknown method 'nope'"),
-    ("{{ value(3) }}", 1, 11, "a question is text"),
-    ('{{ value("5/8") | digits(2) }}', 1, 19, "half-even gives 0.62, half-away 0.63; name a rounding, as in digits(2"),
-    ('{{ value("rk4.default.energy_change") }}', 1, 4, "can be written in many ways; say which: | digits(6)"),
+    ("{{ value(3) }}", 1, 11, "a question is a string"),
+    ('{{ value("5/8") | digits(2) }}', 1, 19,
+     "half-even gives 0.62, half-away 0.63; choose a rounding, as in digits(2"),
+    ('{{ value("rk4.default.energy_change") }}', 1, 4, "needs a format: write | digits(6)"),
     ('{{ value("run rk4 h=1/4 t=10 : state_error") | exact }}', 1, 48, "has no exact form; write | digits(6)"),
-    ('{{ value("energy_multiplier rk4") | digits(3) }}', 1, 37, "is no number and has no decimals"),
-    ('{{ value("1/2") | digits(0) }}', 1, 19, "'0' is no number of digits; write a whole number from 1 to 10000"),
-    ('{{ value("1/2") | digits(1000000000) }}', 1, 19, "is no number of digits"),
-    ('{{ value("1/2") | places(true) }}', 1, 19, "'True' is no number of digits"),
+    ('{{ value("energy_multiplier rk4") | digits(3) }}', 1, 37, "is not a number and has no decimals"),
+    ('{{ value("1/2") | digits(0) }}', 1, 19, "'0' is not a number of digits; write a whole number from 1 to 10000"),
+    ('{{ value("1/2") | digits(1000000000) }}', 1, 19, "is not a number of digits"),
+    ('{{ value("1/2") | places(true) }}', 1, 19, "'True' is not a number of digits"),
     ('{{ value("1/2") | digits(2, style="fancy") }}', 1, 19, "the style 'fancy' is unknown; choose one of plain"),
     ('{{ value("1/2") | digits(2, rounding="up") }}', 1, 19, "rounding: 'up' is unknown"),
-    ("{{ 'x' | digits(2) }}", 1, 10, "a str is no value; apply filters to value(...)"),
+    ("{{ 'x' | digits(2) }}", 1, 10, "a str is not a value; apply filters to value(...)"),
     ('{{ value("1/2").unit }}', 1, 4, "'1/2' has no unit"),
-    ('{% if value("1/2") %}x{% endif %}', 1, 4, "'1/2' is no condition and is not compared"),
-    ('{{ value("1/2") == value("1/2") }}', 1, 4, "'1/2' is no condition"),
-    ("{{ none }}", 1, 4, "a NoneType is nothing to print"),
-    ("{{ [1] }}", 1, 4, "a list is nothing to print"), ("{{ 0.5 }}", 1, 4, "a float is nothing to print"),
-    ("{{ value }}", 1, 4, "a function is nothing to print"),
+    ('{% if value("1/2") %}x{% endif %}', 1, 4, "'1/2' is not a condition and cannot be compared"),
+    ('{{ value("1/2") == value("1/2") }}', 1, 4, "'1/2' is not a condition"),
+    ("{{ none }}", 1, 4, "a NoneType cannot be printed"),
+    ("{{ [1] }}", 1, 4, "a list cannot be printed"), ("{{ 0.5 }}", 1, 4, "a float cannot be printed"),
+    ("{{ value }}", 1, 4, "a function cannot be printed"),
     ('{{ value("1/2" }}', 1, 16, "unexpected '}', expected ')'"),
     ("x {% endfor %}", 1, 6, "Encountered unknown tag 'endfor'."),
     ("x\n{# never closed", 2, 1, "Missing end of comment tag"),
-    ("{{ 1 | center(10) }}", 1, 8, "there is no filter 'center'; there are capitalize, join"),
-    ("{{ methods_table(['rk4'], ['state_error']) }}", 1, 4, "'state_error' is read out of a run; give h and t"),
+    ("{{ 1 | center(10) }}", 1, 8, "'center' is not a filter; the filters are capitalize, join"),
+    ("{{ methods_table(['rk4'], ['state_error']) }}", 1, 4, "'state_error' is a readout of a run; give h and t"),
     ("{{ methods_table(['nope'], ['order']) }}", 1, 4, "unknown method 'nope'"),
     ("{{ methods_table([], ['order']) }}", 1, 4, "a table of methods has from 1 to 10000 cells"),
     ("{{ methods_table('rk4', ['order']) }}", 1, 4, "methods are a list of keys"),
     ("{{ methods_table(['rk4'], 'order') }}", 1, 4, "columns are a list"),
     ("{{ methods_table(['rk4'], [3]) }}", 1, 4, "columns are a list"),
     ("{{ methods_table(['backward_euler'], ['evaluations'], h='1/4', t='1') }}", 1, 4, "backward_euler is implicit"),
-    ("x\n\ufdd0", 2, 1, "the noncharacter U+FDD0 has no place in a text"),
+    ("x\n\ufdd0", 2, 1, "the noncharacter U+FDD0 is not allowed in a text"),
 ]  # fmt: skip
 
 
@@ -75,7 +77,9 @@ def test_problem_of_an_included_template_names_that_one(become: Become) -> None:
 
 def test_value_that_is_not_proved_is_refused(become: Become, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(module, "value", lambda _: Answer("x", Fraction(1), "FUZZED"))
-    with pytest.raises(TemplateProblem, match=r"line 1, column 11: 'x' is only FUZZED; a text prints what is proved"):
+    with pytest.raises(
+        TemplateProblem, match=r"line 1, column 11: 'x' is only FUZZED; templates print only what is proved"
+    ):
         become('{{ value("x") | digits(2) }}')
 
 

@@ -52,7 +52,7 @@ def test_mathml_is_markup_in_html_and_in_markdown_and_refused_in_tex(become: Bec
     asked = '{{ value("1/3") | mathml }}'
     formula = "<math><mfrac><mn>1</mn><mn>3</mn></mfrac></math>"
     assert become(asked, HTML) == become(asked, MARKDOWN) == formula
-    with pytest.raises(TemplateProblem, match=r"line 1, column 19: MathML has no place in TeX; write \| tex"):
+    with pytest.raises(TemplateProblem, match=r"line 1, column 19: MathML is not allowed in TeX; write \| tex"):
         become(asked, LATEX)
 
 

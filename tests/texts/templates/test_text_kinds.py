@@ -44,5 +44,5 @@ def test_code_of_markdown_is_told_from_prose(source: str, code: bool) -> None:
 
 def test_output_is_known_by_its_name() -> None:
     assert [kind_of(Path(f"a.{end}")) for end in ("md", "MYST", "htm", "tex")] == [MARKDOWN, MARKDOWN, HTML, LATEX]
-    with pytest.raises(ValueError, match=r"a.txt: what is rendered has a name that ends in one of .md, .markdown"):
+    with pytest.raises(ValueError, match=r"a.txt: the name of the rendered file must end in one of .md, .markdown"):
         kind_of(Path("a.txt"))

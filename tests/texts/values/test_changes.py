@@ -155,12 +155,12 @@ def test_annotations_stand_at_the_line_of_the_id_and_are_escaped(files: Callable
 
 
 BAD = {
-    "truncated": (b'{"values": ', "no JSON: Expecting value"),
-    "list": (b"[]", "holds no JSON object"),
+    "truncated": (b'{"values": ', "not JSON: Expecting value"),
+    "list": (b"[]", "not a JSON object"),
     "bytes": (b"\xff\xfe", "not UTF-8 at byte 0"),
     "deep": (b"[" * 10**6, "nested too deeply"),
-    "twice": (b'{"values": {"b": 0, "a": 1, "a": 2}}', "the key 'a' stands twice"),
-    "empty": (b"", "no JSON"),
+    "twice": (b'{"values": {"b": 0, "a": 1, "a": 2}}', "the key 'a' occurs twice"),
+    "empty": (b"", "not JSON"),
 }
 
 
@@ -198,7 +198,7 @@ def test_what_is_no_number_is_refused_by_file_and_id(part: str, text: object, tm
     path, number = tmp_path / "new.json", {"exact": "1/2", "decimal": "0.5", part: text}
     for document, name in (({"values": {"a.b": number}}, r"a\.b"), ({"a": [number]}, r"a\[0\]")):
         path.write_text(json.dumps(document), encoding="utf-8")
-        with pytest.raises(ValueError, match=rf"new\.json: {name}: {part} is .*, which is no number$"):
+        with pytest.raises(ValueError, match=rf"new\.json: {name}: {part} is .*, not a number$"):
             read_values(path)
 
 
@@ -216,7 +216,7 @@ def test_limits_of_exponents_texts_and_files(tmp_path: Path, monkeypatch: pytest
     for exponent, wrong in ((100000, False), (100001, True), (-100001, True)):
         path.write_text(json.dumps(value(f"1e{exponent}")), encoding="utf-8")
         if wrong:
-            with pytest.raises(ValueError, match="which is no number"):
+            with pytest.raises(ValueError, match="not a number"):
                 read_values(path)
         else:
             assert read_values(path)

@@ -34,7 +34,7 @@ def test_every_fact_of_a_group_is_one_and_stands_in_one() -> None:
 def test_groups_have_plain_words_and_all_has_every_fact(key: str) -> None:
     brief, whole = shown(METHODS[key]), shown(METHODS[key], everything=True)
     assert [part.splitlines()[0] for part in brief.split("\n\n")[:-1]] == list(GROUPS)
-    assert "order p: over a given time the error falls as h^p  " in brief
+    assert "order p: the error at a fixed time is O(h^p)  " in brief
     assert brief.endswith(" more facts with --all, any one with --only NAME")
     assert "none" not in brief
     rest = set(FACTS) - {name for names in GROUPS.values() for name in names}
@@ -42,20 +42,22 @@ def test_groups_have_plain_words_and_all_has_every_fact(key: str) -> None:
 
 
 def test_a_method_has_its_other_names_and_one_of_somebody_has_not_ours() -> None:
-    assert "  also called                                RK4, Runge-Kutta, " in shown(METHODS["rk4"])
-    assert "  not to be confused with                    rk38" in shown(METHODS["rk4"])
+    assert "  also called                           RK4, Runge-Kutta, " in shown(METHODS["rk4"])
+    assert "  not to be confused with               rk38" in shown(METHODS["rk4"])
     assert "also called" not in shown(replace(METHODS["rk38"], key="rk4"))
 
 
 def test_family_has_its_sets_under_the_same_headings() -> None:
     text = grouped_facts_text(facts_by_name(FamilyFacts(FAMILIES["sdirk_order_2"]), FAMILY_FACTS, FAMILY_FACTS))
-    assert "  free parameter                             gamma" in text
-    assert "  A-stable: whatever decays is damped, at any h               [1/4, oo)" in text
+    assert "  free parameter                        gamma" in text
+    assert "  A-stable: y' = λy with Re λ <= 0 stays bounded for every h > 0             [1/4, oo)" in text
 
 
 def test_a_method_of_facts_only_has_the_same_headings_and_its_angle_where_there_is_one() -> None:
     found = {key: grouped_facts_text(facts_only(FACTS_ONLY[key])) for key in ("bdf2", "bdf3", "ros2")}
-    assert all("\n\nAccuracy\n  order p: over a given time" in text for text in found.values())
-    assert [key for key, text in found.items() if "A(alpha): decay is damped" in text] == ["bdf3"]
-    assert "  also called                                Gear 3" in found["bdf3"]
-    assert "  W order: with any matrix in place of the Jacobian  2" in found["ros2"]
+    assert all("\n\nAccuracy\n  order p: " in text for text in found.values())
+    assert [key for key, text in found.items() if "A(alpha)-stable: stable for" in text] == ["bdf3"]
+    assert "  also called                             Gear 3" in found["bdf3"]
+    assert "  error constant: residual of that condition, divided by sigma(1)  -1/3\n" in found["bdf2"]
+    assert "  error constant: leading error of a step on y' = y                " in found["ros2"]
+    assert "  W-order: order with an arbitrary matrix in place of the Jacobian  2" in found["ros2"]

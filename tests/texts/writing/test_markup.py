@@ -113,7 +113,7 @@ def test_decimals_in_tex_and_mathml_have_powers_of_ten() -> None:
 
 def test_number_without_an_exact_form_has_none_in_tex_either() -> None:
     for mark_up in ("tex", "mathml"):
-        with pytest.raises(QuestionError, match="has no exact form; ask for digits"):
+        with pytest.raises(QuestionError, match="has no exact form; add digits or places"):
             getattr(value("run rk4 h=1/4 t=10 : state_error"), mark_up)()
     assert value("1/3").tex() != ""
 
