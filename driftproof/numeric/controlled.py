@@ -69,7 +69,7 @@ def controlled_runner(method: Method, field: VectorField, *, compiled: bool = Fa
         power = min(method.claimed_order, method.embedded_order or 0) + 1.0
         loop, kind = _pair_loop(method, field, compiled=compiled)
         table = (len(stages) - 1, _keeps_last(method))
-        return ControlledRun(method, loop, power, 1.0, table, lambda n: tuple(kind.rows(3, n)), made)
+        return ControlledRun(method, loop, power, 1.0, table, lambda n: tuple(kind.zeros(3, n)), made)
     known = collocation_table(method)
     arrays = CollocationTable(*map(np.array, known)) if compiled else known
     loop, writers = _collocation_loop(field, compiled=compiled)

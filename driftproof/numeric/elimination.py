@@ -23,20 +23,18 @@ FULL = Band(2**40, 2**40)
 
 
 class NumberKind(NamedTuple):
-    """How loops are compiled and zeros allocated: `rows(n, m)`, `blocks(k, n, m)`, and `numbers(k, n)` of integers."""
+    """How loops are compiled and zeros allocated: `zeros(n)`, `zeros(n, m)`, ..., `indices` for integers."""
 
     compiled: Callable[[Any], Any]
-    rows: Callable[[int, int], Any]
-    blocks: Callable[[int, int, int], Any]
-    numbers: Callable[[int, int], Any]
+    zeros: Callable[..., Any]
+    indices: Callable[..., Any]
 
 
-PYTHON_FLOATS = NumberKind(
-    lambda function: function,
-    lambda n, m: [[0.0] * m for _ in range(n)],
-    lambda k, n, m: [[[0.0] * m for _ in range(n)] for _ in range(k)],
-    lambda k, n: [[0] * n for _ in range(k)],
-)
+def _lists(n: int, *others: int) -> list[Any]:
+    return [_lists(*others) for _ in range(n)] if others else [0.0] * n
+
+
+PYTHON_FLOATS = NumberKind(lambda function: function, _lists, _lists)
 # factored(m, exchanged, n, lower, upper) and solve(m, exchanged, n, x, lower, upper) use the first n rows of m.
 Elimination: TypeAlias = tuple[Callable[..., bool], Callable[..., None]]
 

@@ -35,9 +35,8 @@ def number_kind(*, compiled: bool) -> NumberKind:
         return PYTHON_FLOATS
     return NumberKind(
         compiled_function,
-        compiled_function(lambda n, m: np.zeros((n, m))),
-        compiled_function(lambda k, n, m: np.zeros((k, n, m))),
-        compiled_function(lambda k, n: np.zeros((k, n), np.int64)),
+        compiled_function(lambda *shape: np.zeros(shape)),
+        compiled_function(lambda *shape: np.zeros(shape, np.int64)),
     )
 
 

@@ -47,14 +47,14 @@ class StepTable(NamedTuple):
 
 def residual_of(rate: RateWriter, band: Band = FULL, kind: NumberKind = PYTHON_FLOATS) -> Callable[..., float]:
     """Return the function that computes the residual of the equations of one group, and its size."""
-    (compiled, rows, _, _), (lower, upper) = kind, band
+    (compiled, zeros, _), (lower, upper) = kind, band
 
     @compiled
     def residual(t: float, y: Any, h: float, a: Any, c: Any, moves: Any, known: Any, jacobians: Any, g: Any) -> float:
         """Write g = Z - w - h A f; return the largest |g| over its floor, 8E + 4R, or inf if one is not finite."""
         n, stages, size = len(y), len(a), abs(h)
-        slopes, at_place, at_move, whole = rows(stages, n), rows(stages, n), rows(stages, n), rows(stages, n)
-        place = rows(1, n)[0]
+        slopes, at_place, at_move, whole = zeros(stages, n), zeros(stages, n), zeros(stages, n), zeros(stages, n)
+        place = zeros(n)
         for j in range(stages):
             for k in range(n):
                 place[k] = y[k] + moves[j][k]
@@ -94,7 +94,7 @@ def implicit_steps(
     rate: RateWriter, jacobian: RateWriter, band: Band = FULL, kind: NumberKind = PYTHON_FLOATS
 ) -> Steps:
     """Return the loop over steps for a problem; the method comes with each call, as a `StepTable`."""
-    (compiled, rows, blocks, numbers), (lower, upper) = kind, band
+    (compiled, zeros, indices), (lower, upper) = kind, band
     residual = residual_of(rate, band, kind)
     factored, solve = elimination(kind)
 
@@ -114,7 +114,7 @@ def implicit_steps(
     @compiled
     def derivatives(t: float, y: Any, h: float, c: Any, moves: Any, found: Any) -> None:
         """Write f' at each stage into `found`."""
-        place = rows(1, len(y))[0]
+        place = zeros(len(y))
         for i in range(len(moves)):
             for k in range(len(y)):
                 place[k] = y[k] + moves[i][k]
@@ -158,13 +158,10 @@ def implicit_steps(
         # The unknowns are ordered stage by stage or, for the matrix to be a band, component by component.
         wide = (n, 1, lower, upper) if lower >= n else (1, stages, stages * (lower + 1) - 1, stages * (upper + 1) - 1)
         (stage, component, below, above), size = wide, stages * n
-        jacobians, m, order = (
-            blocks(stages, n, width),
-            rows(size, min(size, 2 * below + above + 1)),
-            numbers(1, size)[0],
-        )
-        g, x, next_x = rows(stages, n), rows(1, size)[0], rows(1, size)[0]
-        now, trial = rows(stages, n), rows(stages, n)
+        jacobians, m = zeros(stages, n, width), zeros(size, min(size, 2 * below + above + 1))
+        order = indices(size)
+        g, x, next_x = zeros(stages, n), zeros(size), zeros(size)
+        now, trial = zeros(stages, n), zeros(stages, n)
         for i in range(stages):
             for k in range(n):
                 now[i][k] = moves[i][k] = known[i][k]
@@ -218,11 +215,11 @@ def implicit_steps(
     @compiled
     def step(t: float, y: Any, h: float, table: StepTable, report: Any) -> float:
         """Take one step in place; return DONE, UNSOLVED or OVERFLOWS."""
-        n, moves, slopes = len(y), rows(len(table.c), len(y)), rows(len(table.c), len(y))
-        place = rows(1, n)[0]
+        n, moves, slopes = len(y), zeros(len(table.c), len(y)), zeros(len(table.c), len(y))
+        place = zeros(n)
         for group in table.groups:
             first, stages, implicit = group[0], group[1] - group[0], False
-            a, c, known, found = rows(stages, stages), rows(1, stages)[0], rows(stages, n), rows(stages, n)
+            a, c, known, found = zeros(stages, stages), zeros(stages), zeros(stages, n), zeros(stages, n)
             for i in range(stages):
                 c[i] = table.c[first + i]
                 for j in range(stages):
@@ -282,11 +279,11 @@ def implicit_steps(
 
 def ensemble_steps(steps: Steps, kind: NumberKind) -> Callable[..., None]:
     """Return the loop over columns begin to end - 1 of y, each of which takes these steps."""
-    compiled, rows, _, _ = kind
+    compiled, zeros, _ = kind
 
     @compiled
     def run(y: Any, h: float, first: int, last: int, table: StepTable, report: Any, begin: int, end: int) -> None:
-        state = rows(1, len(y))[0]
+        state = zeros(len(y))
         for system in range(begin, end):
             for k in range(len(y)):
                 state[k] = y[k][system]

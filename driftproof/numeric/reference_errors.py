@@ -11,14 +11,13 @@ import ast
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from decimal import Decimal, localcontext
 from fractions import Fraction
-from math import degrees, isfinite
+from math import atan2, degrees, isfinite
 from operator import add, mul, sub, truediv
 from typing import Any, NamedTuple, TypeAlias
 
 from driftproof.methods.number_field import Exact
 from driftproof.methods.vector_fields import VectorField, partial_derivative
 from driftproof.numeric.problems.problem import Digits, Problem
-from driftproof.numeric.readouts import phase_error
 
 _DIGITS = 60
 U = Fraction(1, 2**53)
@@ -120,8 +119,8 @@ def _evaluated(problem: Problem, text: str, state: Iterable[float | Fraction]) -
 def _phase(state: _Floats, digits: Digits) -> float:
     """The size of the phase error in degrees, from exact dot and cross products rounded once; 180 if undefined."""
     (q, v), (q_exact, v_exact) = map(Fraction, state), map(Fraction, digits)
-    ahead = phase_error((float(q * q_exact + v * v_exact), -float(q * v_exact - v * q_exact)), (1.0, 0.0))
-    return 180.0 if ahead is None else abs(float(ahead))
+    cross, dot = float(q * v_exact - v * q_exact), float(q * q_exact + v * v_exact)
+    return degrees(abs(atan2(cross, dot))) if cross or dot else 180.0
 
 
 def _length(parts: Iterable[Fraction]) -> float:

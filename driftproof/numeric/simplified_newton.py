@@ -63,18 +63,20 @@ class Work(NamedTuple):
     slopes: Any
     corrections: Any
     polynomial: Any
-    vectors: Any
+    x: Any
+    slope: Any
+    off: Any
 
 
 def work_for(n: int, table: CollocationTable, band: Band, kind: NumberKind = PYTHON_FLOATS) -> Work:
     """Allocate the workspace for a system of n equations."""
     stages, count = len(table.c), len(table.blocks)
     width, wide = min(n, band.lower + band.upper + 1), min(2 * n, 4 * band.lower + 2 * band.upper + 4)
-    _, rows, blocks, numbers = kind
-    moves, slopes, corrections, polynomial = (rows(stages, n) for _ in range(4))
-    matrices, exchanged, vectors = blocks(count, 2 * n, wide), numbers(count, 2 * n), rows(4, max(2 * n, stages))
-    made = Work(*(rows(1, 6)[0], rows(n, width), matrices, exchanged, moves, slopes, corrections, polynomial, vectors))
-    made.memory[WANTED] = made.memory[LEFT] = 1.0
+    _, zeros, indices = kind
+    of_stages, vectors = (zeros(stages, n) for _ in range(4)), (zeros(max(2 * n, stages)), zeros(n), zeros(n))
+    matrices, exchanged = zeros(count, 2 * n, wide), indices(count, 2 * n)
+    made = Work(*(zeros(6), zeros(n, width), matrices, exchanged, *of_stages, *vectors))
+    made.memory[WANTED], made.memory[LEFT] = True, 1.0
     return made
 
 
@@ -127,7 +129,7 @@ def collocation_attempts(
     @compiled
     def correct(n: int, table: CollocationTable, work: Work) -> None:
         """Overwrite the corrections with T (blocks)⁻¹ T⁻¹ times them."""
-        changes, x = work.corrections, work.vectors[0]
+        changes, x = work.corrections, work.x
         multiply(table.to_blocks, changes, n, x)
         for b in range(len(table.blocks)):
             first, two = table.blocks[b][0], table.blocks[b][1]
@@ -149,7 +151,7 @@ def collocation_attempts(
         """Iterate from the present moves; True if they end within a part of the tolerance."""
         part = max(PART, ROUNDINGS / given.relative) if given.relative > 0 else PART
         n, stages, memory, changes = len(y), len(table.c), work.memory, work.corrections
-        moves, slopes, place, before, rate_of_change = work.moves, work.slopes, work.vectors[0], inf, inf
+        moves, slopes, place, before, rate_of_change = work.moves, work.slopes, work.x, inf, inf
         # As long as the quotient of the series is not known, take that of the previous step, a little worse.
         left = exp(0.8 * log(max(memory[LEFT], 1e-16)))
         for iteration in range(MOST_ITERATIONS):
@@ -182,7 +184,7 @@ def collocation_attempts(
             before = largest
             if left * largest <= part:
                 memory[LEFT] = left
-                memory[WANTED] = 0.0 if iteration < 2 or rate_of_change <= SLOW else 1.0
+                memory[WANTED] = iteration >= 2 and rate_of_change > SLOW
                 return True
         return False
 
@@ -202,21 +204,17 @@ def collocation_attempts(
     @compiled
     def estimated(n: int, h: float, slope: Any, table: CollocationTable, work: Work, off: Any) -> None:
         """Write (γ/h - J)⁻¹ (slope + Σ eᵢ Zᵢ / h) into `off`, by the first block."""
-        x = work.vectors[0]
         for k in range(n):
-            x[k] = slope[k] + combined(table.estimate, work.moves, k) / h
-        solve(work.matrices[0], work.exchanged[0], n, x, lower, upper)
-        for k in range(n):
-            off[k] = x[k]
+            off[k] = slope[k] + combined(table.estimate, work.moves, k) / h
+        solve(work.matrices[0], work.exchanged[0], n, off, lower, upper)
 
     @compiled
     def attempt(
         t: float, y: Any, h: float, moved: bool, new: Any, given: Tolerances, table: Any, work: Any, report: Any
     ) -> float:
-        n, stages, memory = len(y), len(table.c), work.memory
-        slope, off, place = work.vectors[1], work.vectors[2], work.vectors[3]
+        n, stages, memory, slope, off = len(y), len(table.c), work.memory, work.slope, work.off
         if moved:
-            memory[BEFORE], memory[CURRENT] = memory[TRIED], 0.0
+            memory[BEFORE], memory[CURRENT] = memory[TRIED], False
             rate(t, y, slope)
             report[EVALUATIONS] += 1
             for i in range(stages):
@@ -224,9 +222,9 @@ def collocation_attempts(
                     work.polynomial[i][k] = combined(table.powers[i], work.moves, k)
         memory[TRIED] = h
         while True:
-            if memory[WANTED] > 0 and memory[CURRENT] == 0:
+            if memory[WANTED] and not memory[CURRENT]:
                 jacobian(t, y, work.jacobian)
-                memory[CURRENT], memory[FACTORED] = 1.0, 0.0
+                memory[CURRENT], memory[FACTORED] = True, 0.0
             if memory[FACTORED] != h:
                 memory[FACTORED] = h
                 if not factor_blocks(n, h, table, work):
@@ -235,17 +233,17 @@ def collocation_attempts(
             if solved_stages(t, y, h, given, table, work, report):
                 break
             memory[LEFT] = 1.0
-            if memory[CURRENT] > 0:
+            if memory[CURRENT]:
                 return inf
-            memory[WANTED] = 1.0
+            memory[WANTED] = True
         for k in range(n):
             new[k] = y[k] + combined(table.weights, work.moves, k)
         estimated(n, h, slope, table, work, off)
         error = size(off, y, new, given)
         if error > 1:
             for k in range(n):
-                place[k] = y[k] + off[k]
-            rate(t, place, work.slopes[0])
+                work.x[k] = y[k] + off[k]
+            rate(t, work.x, work.slopes[0])
             report[EVALUATIONS] += 1
             estimated(n, h, work.slopes[0], table, work, off)
             error = size(off, y, new, given)

@@ -66,14 +66,14 @@ def error_size(kind: NumberKind = PYTHON_FLOATS) -> Callable[..., float]:
 
 def controlled_steps(rate: Callable[..., None], attempt: StepAttempt, kind: NumberKind = PYTHON_FLOATS) -> Controlled:
     """Return the loop over steps from t = 0 to the end."""
-    compiled, rows, _, _ = kind
+    compiled, zeros, _ = kind
     size = error_size(kind)
 
     @compiled
     def first_step(y: Any, end: float, given: Tolerances, report: Any) -> float:
         """The initial step size of (hairer-norsett-wanner-1993, II.4), from the sizes of y, f and the change of f."""
         n = len(y)
-        place, slope, other = rows(3, n)
+        place, slope, other = zeros(3, n)
         rate(0.0, y, slope)
         moving, resting = size(slope, y, y, given), size(y, y, y, given)
         h = min(0.01 * resting / moving if resting > 1e-5 and 1e-5 < moving < inf else 1e-6, end)
@@ -88,7 +88,7 @@ def controlled_steps(rate: Callable[..., None], attempt: StepAttempt, kind: Numb
 
     @compiled
     def run(y: Any, end: float, given: Tolerances, table: Any, work: Any, report: Any) -> None:
-        n, t, moved, new = len(y), 0.0, True, rows(1, len(y))[0]
+        n, t, moved, new = len(y), 0.0, True, zeros(len(y))
         h = first_step(y, end, given, report)
         while t < end:
             last = not t + h < end

@@ -151,6 +151,11 @@ def test_a_rate_that_is_not_finite_is_an_error_and_no_result():
         implicit_stepper(MIDPOINT, lambda t, y: y if t == 0 else [np.nan])(0.0, [1.0], 0.5)
     with pytest.raises(StageEquationsUnsolved):
         implicit_stepper(MIDPOINT, lambda t, y: y)(0.0, [np.inf], 0.5)
+    seen = []  # finite at the start alone, so that corrections are shortened to 2⁻²¹ and no further
+    rate = lambda t, y: seen.append(t) or (y if y == 1 else [np.nan])
+    with pytest.raises(StageEquationsUnsolved):
+        implicit_stepper(BACKWARD_EULER, rate, lambda t, y: [[1.0]])(0.0, [1.0], 0.5)
+    assert len(seen) == 2 + 1 + 22
 
 
 def test_a_rate_of_another_length_is_refused():

@@ -65,7 +65,9 @@ def test_largest_error_is_over_the_times_that_were_landed_on() -> None:
 def test_phase_of_a_state_turned_by_a_degree_is_a_degree_and_undefined_at_the_origin() -> None:
     degree = 3.141592653589793 / 180
     assert abs(errors(HARMONIC, {T: (cos(10 + degree), -sin(10 + degree))})[PHASE].final - 1) < 1e-13
-    assert errors(HARMONIC, {T: (0.0, 0.0)})[PHASE].final == 180
+    still = replace(HARMONIC, reference=Reference((T,), (("2", "0"),), EXACT, ""))
+    for state, angle in {(1.0, 0.0): 0, (3.0, 3.0): 45, (0.0, -1.0): 90, (-1.0, 0.0): 180, (0.0, 0.0): 180}.items():
+        assert errors(still, {T: state})[PHASE].final == angle
 
 
 def test_a_state_that_is_not_finite_has_no_error() -> None:

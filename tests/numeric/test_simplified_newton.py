@@ -103,17 +103,21 @@ def test_iterations_start_on_the_polynomial_of_the_step_before(key):
 # after n more left^n (1 - left)/2 / tolerance times left/(1 - left), at most 0.01, is left; J is wanted anew if slow.
 ITERATIONS = [
     (5e-4, 1e-8, 3, 0.0), (0.1, 10.0, 2, 0.0), (0.1, 1.0, 2, 0.0), (0.1, 1e-2, 4, 1.0), (0.3, 0.02, 7, 1.0),
-    (0.5, 1.0, 6, 1.0),
+    (0.5, 1.0, 6, 1.0), (0.1, 44.0, 2, 0.0), (0.1, 46.0, 1, 0.0),  # of the first step left/(1 - left) is taken as 1
     *((0.3, 0.01, 2, None), (0.5, 0.1, 2, None), (0.9, 1.0, 2, None), (1.5, 1.0, 2, None)),
 ]  # fmt: skip
 
 
-@pytest.mark.parametrize(("left", "absolute", "iterations", "wanted"), ITERATIONS)
-def test_iterations_go_on_while_they_lead_within_the_tolerance(left, absolute, iterations, wanted):
+@pytest.mark.parametrize(
+    ("left", "absolute", "iterations", "wanted", "relative"),
+    # Of a relative tolerance r, 2^-49/r is enough if that is more than 0.01: here it is 1/16 and 1/32.
+    [*((*row, 0.0) for row in ITERATIONS), (0.1, 10.0, 1, 0.0, 2.0**-45), (0.1, 10.0, 2, 0.0, 2.0**-44)],
+)
+def test_iterations_go_on_while_they_lead_within_the_tolerance(left, absolute, iterations, wanted, relative):
     table, report = collocation_table(METHODS["backward_euler"]), [0.0] * 5
     jacobian = lambda t, y, m: m.__setitem__(0, [1 - 2 / (1 - left)])
     attempt = collocation_attempts(lambda t, y, f: f.__setitem__(0, -y[0]), jacobian)
-    work, given = work_for(1, table, FULL), Tolerances(0.0, absolute, 2.0)
+    work, given = work_for(1, table, FULL), Tolerances(relative, absolute, 2.0)
     error = attempt(0.0, [1.0], 1.0, True, [0.0], given, table, work, report)
     assert (error < inf) is (wanted is not None)
     assert report[EVALUATIONS] == 1 + iterations + (1 < error < inf)  # of the slope, and again for a large error

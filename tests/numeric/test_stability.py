@@ -166,7 +166,8 @@ def test_growth_is_seen_from_its_resolution_on() -> None:
     assert 7e-14 < resolution < 8e-14
     assert Q(GROWTH) ** 2 / 10**DECIMALS == Q(1, 10**27)
     assert not powers_stay_bounded(diagonal(1 + 2 * resolution))
-    assert powers_stay_bounded(diagonal(1 + resolution / 2))
+    grows = lambda y, h, first, last: ((1 + 0.75 * resolution) ** (last - first) * y[0],)
+    assert stays_bounded(grows, 1, 0.1), "of one step, and not of two"
 
 
 @pytest.mark.parametrize(("n", "edge"), [(2, (2**53 / 8) ** 0.5), (3, (2**53 / 189) ** 0.25)])

@@ -82,9 +82,10 @@ def test_error_of_a_draft_names_the_file(tmp_path, number):
         assert list(tmp_path.iterdir()) == []
     loop = tmp_path / "loop"
     loop.symlink_to(loop)
-    with pytest.raises(OSError, match="loop") as refused, atomic_write(loop):
-        raise AssertionError
-    assert refused.value.errno == ELOOP
+    for given in (atomic_write(loop).__enter__, lambda: require_folder(loop)):
+        with pytest.raises(OSError, match="loop") as refused:
+            given()
+        assert refused.value.errno == ELOOP
     assert loop.is_symlink()
 
 
@@ -115,7 +116,7 @@ def test_what_is_in_the_way_is_named(tmp_path):
 def test_text_is_read_within_a_limit(tmp_path):
     path = tmp_path / "x.txt"
     path.write_bytes(b"\xef\xbb\xbf\xce\xb1")  # with a byte order mark
-    assert read_utf8(path, 6) == "α"
+    assert read_utf8(path, 5) == "α"
     for content, reason in ((b"1234567", "longer than 6 bytes"), (b"ab\xff", "not UTF-8 at byte 2")):
         path.write_bytes(content)
         with pytest.raises(ValueError, match=f"x.txt: {reason}$"):
