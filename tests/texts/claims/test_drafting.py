@@ -120,6 +120,15 @@ def test_draft_says_what_was_asked_for_and_is_nowhere_and_its_ids_are_short() ->
     assert "Asked for" not in draft(document, "a")
 
 
+def test_two_other_values_are_named_and_the_rest_counted_unless_the_text_chooses_the_number() -> None:
+    _, two, three, _ = asked = [f"0.1234567 + {k} - {k}" for k in range(4)]
+    for count, said in ((1, []), (2, [two]), (3, [f"{two}, {three}"]), (4, [f"{two}, {three} and 1 more"])):
+        drafted = draft(document_of("is 0.123457"), "a", asked[:count])
+        assert re.findall("# 0.123457 looks also like (.*)", drafted) == said
+    (weak,) = re.findall("# 0.5 looks (.*)", draft(document_of("is 0.5, and h = 0.5"), "a"))
+    assert re.fullmatch(r"like [^,]+, [^,]+ and \d\d more", weak)
+
+
 def test_an_id_has_150_characters_at_most_and_what_is_nowhere_8_digits() -> None:
     for length, shown in ((150, True), (151, False)):
         question = f"0.123457 +{' ' * (length - 11)}0"
