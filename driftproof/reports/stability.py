@@ -24,7 +24,7 @@ from driftproof.symbolic.algebra.certified import HALF_EVEN, CertifiableReal, en
 from driftproof.symbolic.facts import Facts
 from driftproof.symbolic.linear.oscillator import stability_function_of
 from driftproof.symbolic.linear.ray_bounds import UndecidedLimitError
-from driftproof.symbolic.linear.systems import SYSTEM_FACTS, SystemFacts, bounded_at, factor_at, largest_eigenvalue
+from driftproof.symbolic.linear.systems import SYSTEM_FACTS, SystemFacts, bounded_at, stiffest_factor
 from driftproof.texts.writing.answers import exact_and_decimal
 from driftproof.texts.writing.records import record
 
@@ -168,7 +168,7 @@ def _proved_at(found: SystemFacts, h: Fraction) -> Json:
         bounded: bool | str = bounded_at(found, h)
     except UndecidedLimitError as reason:
         bounded = str(reason)
-    factor = factor_at(found, largest_eigenvalue(found.rows), h)
+    factor = stiffest_factor(found, h)
     return {
         "bounded": bounded,
         "factor": exact_and_decimal(factor, _DIGITS, HALF_EVEN),

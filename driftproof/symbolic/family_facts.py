@@ -41,7 +41,7 @@ from driftproof.symbolic.linear.families import (
     poles,
 )
 from driftproof.symbolic.linear.stability_function import stability_function
-from driftproof.symbolic.linear.stability_limits import INFINITY, Limit, imaginary_limit, real_limit
+from driftproof.symbolic.linear.stability_limits import Limit, imaginary_limit, real_limit
 from driftproof.symbolic.trees.elementary_weights import ElementaryWeights, TableauStages
 from driftproof.symbolic.trees.rooted_trees import Tree, shapes
 
@@ -316,7 +316,7 @@ def _at_point(
     for cell in beside:
         if cell == limit:
             return cell
-        if isinstance(cell, Branch) and limit is not INFINITY:
+        if isinstance(cell, Branch):
             roots = _roots(curves[cell.curve], value)
             if roots[cell.root - 1 : cell.root] == [limit]:
                 return cell

@@ -135,7 +135,6 @@ REFUSED = {
     ("report", "default"): "required: -o/--output",
     ("report", "defualt", "-o", "r.html"): "did you mean default",
     ("report", "none.toml", "-o", "r.html"): "none.toml: No such file",
-    ("report", "no such scene", "-o", "/dev/null"): "/dev/null is no file",
     ("report", "default", "-o", "pyproject.toml/r.html"): "pyproject.toml",
     ("report", "default", "--digits", "0", "-o", "r.html"): "number of digits",
 }
@@ -145,3 +144,10 @@ REFUSED = {
 def test_refusal_is_one_line(words, refusal):
     assert REFUSED[words] in refusal(*words)
     assert not Path("r.html").exists()
+
+
+def test_a_pipe_is_refused_as_an_output(tmp_path, refusal):
+    """Not tried on a device such as /dev/null, which a wrong program could replace by a file."""
+    os.mkfifo(tmp_path / "pipe")
+    assert "pipe is " in refusal("report", "no such scene", "-o", str(tmp_path / "pipe"))
+    assert (tmp_path / "pipe").is_fifo()

@@ -106,8 +106,9 @@ def test_what_is_in_the_way_is_named(tmp_path):
         require_folder(tmp_path / "file")
     with pytest.raises(ValueError, match="is a folder; name a file in it"), atomic_write(tmp_path):
         raise AssertionError
-    with pytest.raises(ValueError, match="/dev/null is not a regular file"):
-        require_file(Path("/dev/null"))
+    os.mkfifo(tmp_path / "pipe")
+    with pytest.raises(ValueError, match="pipe is not a regular file"):
+        require_file(tmp_path / "pipe")
     with pytest.raises(OSError, match="file") as refused, atomic_write(tmp_path / "file" / "below"):
         raise AssertionError
     assert str(refused.value.filename).startswith(str(tmp_path))

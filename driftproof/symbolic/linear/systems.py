@@ -11,7 +11,7 @@ from flint import acb, arb, fmpq
 
 from driftproof.methods.number_field import as_fmpq
 from driftproof.methods.schemes import Method
-from driftproof.symbolic.algebra.certified import CertifiableReal, sign_of_ball
+from driftproof.symbolic.algebra.certified import CertifiableReal, enclose, sign_of_ball
 from driftproof.symbolic.algebra.matrices import StepMatrix, matrix_determinant
 from driftproof.symbolic.algebra.polynomials import ONE, at_complex_ball, descend, exact, quotient, scalar
 from driftproof.symbolic.algebra.rational_functions import RationalFunction, fraction
@@ -248,9 +248,11 @@ def _times(size: RealRoot, h: Fraction) -> RealRoot:
     return root_ratio(size, rational_root(1 / h))
 
 
-def largest_eigenvalue(rows: Sequence[Sequence[Fraction]]) -> Eigenvalue:
-    """The eigenvalue of A of largest modulus: the stiffest component of z' = Az, if it decays."""
-    return max(eigenvalues(rows), key=lambda e: float(abs(_ball(e)).mid()))
+def stiffest_factor(found: SystemFacts, h: Fraction) -> CertifiableReal:
+    """The largest `factor_at` of those eigenvalues of A of which no other one is known to be larger in modulus."""
+    sizes = [(e, abs(_ball(e))) for e, _ in found.bounds]
+    stiffest = [e for e, size in sizes if not any(other > size for _, other in sizes)]
+    return max((factor_at(found, e, h) for e in stiffest), key=lambda x: float(enclose(x)))
 
 
 def factor_at(found: SystemFacts, eigenvalue: Eigenvalue, h: Fraction) -> CertifiableReal:

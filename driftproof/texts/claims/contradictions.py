@@ -138,4 +138,4 @@ def _gives_another_value(letter: str, head: str, before: str, after: str) -> boo
     run = head.split(".")[-2:-1] if letter == "h" else []
     published = published_values().get(f"{run[0]}.h") if run else None  # the step size of a published run
     own = asked[1] if asked else str(published["exact"]) if published else ""
-    return bool(said and own) and Fraction(said[0]) != Fraction(own)
+    return bool(said and own) and Fraction(*said) != Fraction(own)

@@ -172,10 +172,9 @@ def _lines(text: str) -> list[str]:
 
 def _line_origin(text: SourceText, number: int) -> int:
     """The offset in the file of line `number`, counted from the first non-empty one; the last line if beyond."""
-    start = len(text.text) - len(text.text.lstrip())
-    for _ in range(number):
-        start = text.text.find("\n", start) + 1 or start
-    return text.origin(min(start, max(len(text.text) - 1, 0)))
+    lines = text.text.lstrip()
+    above = lines.rstrip().splitlines(keepends=True)[:-1][:number]
+    return text.origin(len(text.text) - len(lines) + sum(map(len, above)))
 
 
 # The rest runs in the separate process. All listings share this namespace, as the cells of a notebook do.

@@ -16,7 +16,6 @@ from driftproof.symbolic.algebra.certified import LARGEST_BINARY_EXPONENT, Certi
 from driftproof.symbolic.algebra.radicals import perfect_part
 from driftproof.texts.questions.answer import CERTIFIED, EVIDENCE_KINDS, Answer
 
-PERCENT = "%"
 # Degree -> the exact root of that degree of an integer that is no perfect power of it.
 FIELDS = {2: square_root, 3: cube_root}
 
@@ -125,7 +124,7 @@ def _percent(a: Answer, b: Answer) -> Answer:
     found = _divide(a, b)
     if found.unit:
         raise ValueError(f"percent compares two numbers of the same unit; {found.unit} is left over")
-    return replace(_multiply(Answer("", Fraction(100)), found), unit=PERCENT)
+    return replace(_multiply(Answer("", Fraction(100)), found), unit="%")
 
 
 # Name -> the function and its number of arguments.
@@ -156,6 +155,19 @@ OPERATIONS: dict[str, Callable[[Answer, Answer], Answer]] = {
     "*": _multiply,
     "/": _divide,
 }
+
+
+def applied(operation: Callable[..., Answer], *operands: Answer) -> Answer:
+    """What the operation makes of the operands, with their remarks: of bounds a bound, which rounds away from zero.
+
+    Raises ValueError for arithmetic with a bound that leaves none, and what the operation raises.
+    """
+    found, is_bound = operation(*operands), any(a.is_bound for a in operands)
+    stays = operation in (OPERATIONS["+"], OPERATIONS["*"])
+    if is_bound and not (stays and all(certified_sign(_number(a)) >= 0 for a in operands)):
+        raise ValueError("to a bound numbers from 0 on can be added, and it can be multiplied by one; nothing else")
+    remarks = dict.fromkeys(a.remark for a in operands if a.remark)
+    return replace(found, is_bound=is_bound, remark="; ".join(remarks) or None)
 
 
 def _unitless(a: Answer) -> CertifiableReal:

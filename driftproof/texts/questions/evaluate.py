@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from fractions import Fraction
 from typing import TYPE_CHECKING
@@ -51,16 +52,20 @@ def _answer(node: Node, question: str) -> Answer:
             for sign, part in node.rest:
                 other = _answer(part, question)
                 with refused_at(question, sign.column):
-                    total = arithmetic.OPERATIONS[sign.text](total, other)
+                    total = arithmetic.applied(arithmetic.OPERATIONS[sign.text], total, other)
             return total
         case NegatedNode():
-            inner = _answer(node.node, question)
-            with refused_at(question, node.column):
-                return arithmetic.negate(inner)
+            return _computed(question, node.column, arithmetic.negate, node.node)
         case PowerNode():
-            base = _answer(node.base, question)
-            with refused_at(question, node.column):
-                return arithmetic.raised(base, node.exponent)
+            return _computed(question, node.column, lambda x: arithmetic.raised(x, node.exponent), node.base)
+
+
+def _computed(question: str, column: int, operation: Callable[..., Answer], *parts: Node) -> Answer:
+    from driftproof.texts.questions.arithmetic import applied
+
+    operands = [_answer(part, question) for part in parts]
+    with refused_at(question, column):
+        return applied(operation, *operands)
 
 
 def _published(node: NameNode, question: str) -> Answer:
@@ -90,9 +95,7 @@ def _call(node: CallNode, question: str) -> Answer:
     function, count = NUMBER_FUNCTIONS[name]
     if len(node.arguments) != count:
         raise QuestionError(question, node.column, f"{name} takes {count} number{'s' * (count > 1)}")
-    arguments = [_answer(argument, question) for argument in node.arguments]
-    with refused_at(question, node.column):
-        return function(*arguments)
+    return _computed(question, node.column, function, *node.arguments)
 
 
 def _step(context: QueryContext) -> Answer:

@@ -222,13 +222,8 @@ def _enclosed(x: CertifiableReal) -> Answer:
 
 def decay_readouts(factor: Answer, rate: Fraction, h: Fraction, steps: int) -> dict[str, Callable[[], Answer]]:
     """The readouts of y' = λy, y(0) = 1, by name: y = R(hλ)^N, exact.y = exp(λt), two errors, and steps."""
-
-    def exact() -> Answer:
-        return NUMBER_FUNCTIONS["exp"][0](Answer("", rate * h * steps))
-
-    def y() -> Answer:
-        return raised(factor, Fraction(steps))
-
+    exact = partial(NUMBER_FUNCTIONS["exp"][0], Answer("", rate * h * steps))
+    y = partial(raised, factor, Fraction(steps))
     return {
         "y": y,
         "exact.y": exact,

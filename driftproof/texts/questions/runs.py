@@ -115,12 +115,10 @@ def stage_slope(run: OscillatorRun, readout: str) -> Answer | None:
 
 
 def in_unit(angle: Answer, unit: str) -> Answer:
-    """The angle, given in degrees, in another unit."""
-    x = angle.exact
-    if unit == DEGREES or x is None or x == 0:
-        return Answer("", x, angle.evidence, unit)
-    factor: Callable[[], arb] = (lambda: arb.pi() / 180) if unit == RADIANS else (lambda: arb(1) / 360)
-    return Answer("", lambda: enclose(x) * factor(), angle.evidence, unit)
+    """The angle, given in degrees, in another unit; an exact 0 stays exact."""
+    x, of_degrees = angle.exact, {RADIANS: lambda: arb.pi() / 180, TURNS: lambda: arb(1) / 360}
+    moved = (lambda: enclose(x) * of_degrees[unit]()) if callable(x) and unit in of_degrees else x
+    return replace(angle, exact=moved, unit=unit)
 
 
 # Unit as written -> its name.

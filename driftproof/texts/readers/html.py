@@ -134,9 +134,9 @@ class _Page:
             self.write(_SCHEMES[name][3], index)
             self.schemes.pop()
             self.child_done(index)
-        elif self.schemes and name not in _SCHEMES:
+        elif self.schemes and self.schemes[-1].depth and name not in _SCHEMES:
             self.bracket(")", name, index)
-            self.schemes[-1].depth = max(self.schemes[-1].depth - 1, 0)
+            self.schemes[-1].depth -= 1
             self.child_done(index)
         elif name not in _INLINE and name not in _CELLS:
             self.write("\n", index)

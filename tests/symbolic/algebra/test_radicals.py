@@ -48,11 +48,7 @@ def test_radicals_that_nobody_can_read_are_left_out() -> None:
     assert radical_form(RealRoot((-(10**40 + 7), 0, 1), 1)) is None
     assert (perfect_part(10**30, 2), perfect_part(10**30 + 1, 2)) == ((10**15, 1), None)
     longest, longer = (NumberField("x", (-n, *[0] * 6, 1), Q(10**4), Q(10**5)) for n in (10**30, 10**30 + 1))
-    assert (is_readable(longest.generator), is_readable(longer.generator), is_readable(Q(10**31))) == (
-        True,
-        False,
-        True,
-    )
+    assert [is_readable(x) for x in (longest.generator, longer.generator, Q(10**31))] == [True, False, True]
 
 
 def test_decimals_are_correctly_rounded() -> None:

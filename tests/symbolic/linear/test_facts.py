@@ -195,6 +195,12 @@ def test_an_inconsistent_splitting_turns_at_its_own_rate() -> None:
     assert rational["dispersion"] == {"power": 1, "coefficient": "-1/3"}
 
 
+@pytest.mark.parametrize("square", [Q(4, 9), Q(8, 3), Q(2, 10**29), Q(10**32), Q(1, 10**32 + 1)])
+def test_rate_is_the_root_of_the_kick_times_the_drift(square: Q) -> None:
+    rate = leading_frequency(oscillator_matrix(splitting(square, Q(1))))
+    assert rate * rate == square
+
+
 def test_a_rate_too_long_to_read_is_a_number_and_has_no_series() -> None:
     found = phase(METHODS["mclachlan_atela5"])
     coefficient = found["dispersion"]["coefficient"]

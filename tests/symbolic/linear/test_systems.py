@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from fractions import Fraction as Q
 from functools import cache
+from math import sqrt
 from typing import Any
 
 import pytest
@@ -19,8 +20,8 @@ from driftproof.symbolic.algebra.real_roots import ZERO_ROOT, RealRoot
 from driftproof.symbolic.linear.oscillator import linear_step_matrix
 from driftproof.symbolic.linear.ray_bounds import ALWAYS, Bound, UndecidedLimitError
 from driftproof.symbolic.linear.stability_limits import Limit
-from driftproof.symbolic.linear.systems import SystemFacts, bounded_at, factor_at, largest_eigenvalue
-from driftproof.texts.writing.records import record, system_facts
+from driftproof.symbolic.linear.systems import SystemFacts, bounded_at, factor_at, stiffest_factor
+from driftproof.texts.writing.records import system_facts
 from tests.looping import some
 from tests.symbolic.linear.linear_examples import (
     CHAIN,
@@ -296,30 +297,36 @@ def test_verdict_agrees_with_the_limit_of_every_method_on_the_oscillator() -> No
 
 def test_factor_is_the_size_of_the_stability_function() -> None:
     euler = SystemFacts(METHODS["forward_euler"], parse_system("-1"))
-    assert factor_at(euler, largest_eigenvalue(euler.rows), Q(3, 2)) == Q(1, 2)
+    assert stiffest_factor(euler, Q(3, 2)) == Q(1, 2)
     rk4 = SystemFacts(METHODS["rk4"], parse_system("-1000"))
     z = Q(-1000, 300)
-    assert factor_at(rk4, largest_eigenvalue(rk4.rows), Q(1, 300)) == abs(1 + z + z**2 / 2 + z**3 / 6 + z**4 / 24)
-    assert factor_at(rk4, largest_eigenvalue(rk4.rows), Q(1, 301)) != abs(1 + z + z**2 / 2 + z**3 / 6 + z**4 / 24)
+    assert stiffest_factor(rk4, Q(1, 300)) == abs(1 + z + z**2 / 2 + z**3 / 6 + z**4 / 24)
+    assert stiffest_factor(rk4, Q(1, 301)) != abs(1 + z + z**2 / 2 + z**3 / 6 + z**4 / 24)
 
 
 @pytest.mark.parametrize("key", ["rk4", "symplectic_euler", "radau_iia2", "yoshida4", "implicit_nystrom"])
 @pytest.mark.parametrize("h", [Q(1, 3), Q(5, 2)])
 @pytest.mark.parametrize("text", ["0 1; -4 0", "0 1; -2 0", "0 1; 3 0", "0 0 1 0; 0 0 0 1; 0 1 0 0; -1 0 0 0"])
 def test_factor_is_the_spectral_radius_of_the_matrix(key: str, h: Q, text: str) -> None:
-    """At rational and irrational frequencies, where the solution grows, and where an eigenvalue is truly complex."""
+    """At rational and irrational frequencies, where the solution grows, and where an eigenvalue is truly complex.
+
+    All eigenvalues of each system have one modulus, so the factor of the stiffest is the largest of all.
+    """
     found = SystemFacts(METHODS.get(key, MIDPOINT_NYSTROM), parse_system(text))
     low, high = radius_ends(found, h)
     with ctx.workprec(300):
         factors = [enclose(factor_at(found, limit.eigenvalue, h)) for limit in found.bounds]
         assert all(factor.rad() < arb(2) ** -200 for factor in factors)
-        assert any(abs(factor - fmpq(*low.as_integer_ratio())) < arb(2) ** -190 for factor in factors)
         assert not any(factor > fmpq(*high.as_integer_ratio()) for factor in factors)
+        assert abs(enclose(stiffest_factor(found, h)) - fmpq(*low.as_integer_ratio())) < arb(2) ** -190
 
 
-def test_largest_eigenvalue_is_the_largest_in_size() -> None:
-    assert record(largest_eigenvalue(parse_system("998 1998; -999 -1999")).place)["exact"] == "-1000"
-    assert record(largest_eigenvalue(parse_system("0 1; -4 0")).place)["exact"] == "2*I"
+def test_stiffest_factor_is_that_of_the_eigenvalue_of_largest_modulus() -> None:
+    """Of -1 and -1000 that of -1000; of ±i and -1/8 that of ±i; of 1 and -1 the larger one, 1/|1 - 3|."""
+    assert stiffest_factor(facts("forward_euler", "998 1998; -999 -1999"), Q(1, 2000)) == Q(1, 2)
+    assert stiffest_factor(facts("backward_euler", "1 0; 0 -1"), Q(3)) == Q(1, 2)
+    turning = enclose(stiffest_factor(facts("backward_euler", "0 1 0; -1 0 0; 0 0 -1/8"), Q(1)))
+    assert float(turning) == pytest.approx(sqrt(1 / 2))
 
 
 def test_what_is_not_decided_is_refused() -> None:

@@ -40,6 +40,8 @@ MEANT = [
     ("Forward Euler's state error is {2.390}, that of RK4 3.28e-4", ERROR),
     ("Forward Euler and RK4 are off by {2.390} and 3.28e-4", ERROR),
     ("Forward Euler has another phase. With h = 0.5 RK4 goes to {337/384}", Q),
+    ("With h = 1/4 and then h = 1/2 RK4 goes to {0.877604}", Q),
+    ("{0.877604} is RK4's for h = 1/2, and not for h = 1/4", Q),
     ("{0.877604} is RK4's, 0.875 velocity Verlet's", Q),
     ("without any word: {0.877604}", Q),
     ("h = 1/0 is none: {0.877604}", Q),

@@ -64,11 +64,8 @@ def test_phrase_has_three_words_before_its_numbers_and_after_them_what_belongs_t
     text = "RK4 ends at 0.877604 here. One step of RK4 ends at 0.499895, and a step of RK4 ends at 0.877604 again."
     drafted = draft(document_of(f"{text} That is 0.33 % of all."), "a")
     found = tomllib.loads(TODO.sub("", drafted))["claim"]
-    assert [(claim["phrase"], claim.get("count", 1)) for claim in found] == [
-        ("RK4 ends at {value}", 2),
-        ("RK4 ends at {value}", 1),
-        ("again. That is 0.33 %", 1),
-    ]
+    phrases = [("RK4 ends at {value}", 2), ("RK4 ends at {value}", 1), ("again. That is 0.33 %", 1)]
+    assert [(claim["phrase"], claim.get("count", 1)) for claim in found] == phrases
     assert (found[0]["value"], found[0]["id"]) == ("rk4.first_step.q", "rk4.first_step.q")
     assert "count = 1" not in drafted
     again = document_of(f"{text} Then q is 0.877604.")
@@ -123,6 +120,15 @@ def test_draft_says_what_was_asked_for_and_is_nowhere_and_its_ids_are_short() ->
     assert "Asked for" not in draft(document, "a")
 
 
+def test_two_other_values_are_named_and_the_rest_counted_unless_the_text_chooses_the_number() -> None:
+    _, two, three, _ = asked = [f"0.1234567 + {k} - {k}" for k in range(4)]
+    for count, said in ((1, []), (2, [two]), (3, [f"{two}, {three}"]), (4, [f"{two}, {three} and 1 more"])):
+        drafted = draft(document_of("is 0.123457"), "a", asked[:count])
+        assert re.findall("# 0.123457 looks also like (.*)", drafted) == said
+    (weak,) = re.findall("# 0.5 looks (.*)", draft(document_of("is 0.5, and h = 0.5"), "a"))
+    assert re.fullmatch(r"like [^,]+, [^,]+ and \d\d more", weak)
+
+
 def test_an_id_has_150_characters_at_most_and_what_is_nowhere_8_digits() -> None:
     for length, shown in ((150, True), (151, False)):
         question = f"0.123457 +{' ' * (length - 11)}0"
@@ -138,10 +144,8 @@ def test_numbers_of_programs_are_left_out_and_counted_but_for_those_that_are_val
     text = draft(document, "a")
     assert text.endswith("# Left out: numbers in program code, 3 in all; they are inputs, not claims.")
     assert [claim["value"] for claim in tomllib.loads(text)["claim"]] == ["rk4.first_step.q"]
-    assert [line for line in text.splitlines() if line.startswith("# phrase")] == [
-        '# phrase = "one step, or 4.5"',
-        '# phrase = "is 3.75"',
-    ]
+    left = [line for line in text.splitlines() if line.startswith("# phrase")]
+    assert left == ['# phrase = "one step, or 4.5"', '# phrase = "is 3.75"']
     assert held(document, text) == {"value": 1, "given": 0, "run": 0, "label": 5, "uncovered": 2}
 
 
@@ -203,6 +207,5 @@ def test_command_drafts_in_the_format_of_the_text(answer, tmp_path, monkeypatch)
     Path("a.html").write_text("<table><tr><td>RK4<td>0.877604<td>337/384</table>", encoding="utf-8")
     Path("c.toml").write_text(answer("check", "a.html", "--init"), encoding="utf-8")
     assert "100% of 2 numbers covered: 2 by values" in answer("check", "a.html", "--claims", "c.toml")
-    assert "lambda=1 h=1/3 : y, 1.3955" in answer(
-        "check", "a.html", "--init", "--ask", "step rk4 lambda=1 h=1/{2..3} : y"
-    )
+    asked = "step rk4 lambda=1 h=1/{2..3} : y"
+    assert "lambda=1 h=1/3 : y, 1.3955" in answer("check", "a.html", "--init", "--ask", asked)

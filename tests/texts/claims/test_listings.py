@@ -85,6 +85,17 @@ def test_listing_prints_what_the_text_says_or_the_line_is_found(form: str) -> No
     assert len(wrong.spans) == count - 1
 
 
+# What is shown of the output 1, 2, 3 -> the line of the file that differs first; its last one, if a line is missing.
+DIFFERENT = {"9\n2\n3": 6, "1\n9\n3": 7, "1\n2\n9": 8, "1\n2\n3\n4": 9, "1\n2": 7, "1": 6, "\n\n1\n\n3\n": 9}
+
+
+@pytest.mark.parametrize("shown", DIFFERENT)
+def test_finding_is_at_the_beginning_of_the_line_that_differs(shown: str) -> None:
+    source = f"```python\nprint('1\\n2\\n3')\n```\n\n```\n{shown}\n```\n"
+    (finding,) = run_listings(document_of(source, "markdown")).findings
+    assert (finding.line, finding.column) == (DIFFERENT[shown], 1)
+
+
 def test_numbers_seen_printed_are_those_of_the_output() -> None:
     document = document_of(PLAIN)
     ((start, end),) = run_listings(document).spans

@@ -29,10 +29,7 @@ def suggested(text: str) -> list[list[LookAlike]]:
         ("with RK4, h = 1/8 and t = 2: energy change -1.26e-7", None),
         ("RK4, h = 1/5, t = 2: the state error is 2.7e-5", "run rk4 h=1/5 t=2 : state_error"),
         ("RK4 is stable up to 2.828", "imaginary_limit rk4"),
-        (
-            "the Crank-Nicolson method, h = 1/5 and t = 2: the state error is 6.63e-3",
-            "run trapezoid h=1/5 t=2 : state_error",
-        ),
+        ("Crank-Nicolson method, h = 1/5, t = 2: the state error is 6.63e-3", "run trapezoid h=1/5 t=2 : state_error"),
         ("forward Euler, h = 1/4: each step multiplies the energy by 1.0625", "energy_multiplier forward_euler h=1/4"),
         ("forward Euler's energy, N = 16, h = 1/4: 1.3190", "run forward_euler h=1/4 N=16 : energy"),
         ("after 16 time steps of h = 1/4 forward Euler's energy is 1.3190", "run forward_euler h=1/4 N=16 : energy"),
@@ -59,10 +56,9 @@ def test_suggestion_is_strong_only_where_the_digits_or_the_names_say_so() -> Non
 
 
 def test_names_of_a_value_are_near_within_a_line_of_the_number() -> None:
-    near = lambda spaces: [
-        one.strong for one in suggested(f"order rk4{' ' * spaces}4")[-1] if one.question == "order rk4"
-    ]
-    assert (near(91), near(92)) == ([True], [False])  # the number, and 100 characters before it
+    for spaces, near in ((91, True), (92, False)):  # the number, and 100 characters before it
+        alike = suggested(f"order rk4{' ' * spaces}4")[-1]
+        assert [one.strong for one in alike if one.question == "order rk4"] == [near]
 
 
 def test_so_many_methods_steps_and_times_are_asked_of_and_no_more() -> None:
@@ -73,14 +69,10 @@ def test_so_many_methods_steps_and_times_are_asked_of_and_no_more() -> None:
     assert len({words[1] for words in asked if words[0] == "run"}) == 6
     assert {words[2] for words in asked if words[0] == "step"} == {"h=1/12345678901234567", "h=1/2", "h=1/3", "h=1/4"}
     assert {words[3] for words in asked if words[0] == "run"} == {"t=2", "t=3", "N=2", "N=3"}
-    assert {words[-1] for words in asked if "N=2" in words} == {words[-1] for words in asked if "t=2" in words} - {
-        "steps"
-    }
-    runs = {
-        question.split()[2]
-        for question in Suggestions("h = 1/2000, h = 3/10, N = 10001")._questions()
-        if question[:3] == "run"
-    }
+    after_n, at_t = ({words[-1] for words in asked if given in words} for given in ("N=2", "t=2"))
+    assert after_n == at_t - {"steps"}
+    asked = [question.split() for question in Suggestions("h = 1/2000, h = 3/10, N = 10001")._questions()]
+    runs = {words[2] for words in asked if words[0] == "run"}
     assert runs == {"h=1/4", "h=1/2"}, "neither long ones, nor those that end beside t"
 
 
@@ -118,19 +110,16 @@ def test_values_that_the_author_asks_for_are_strong_on_the_line_of_what_was_chos
     assert [q.rpartition("t=")[2] for q, _ in suggestions.nowhere()] == ["1.0 : y0", "1.0 : state_error"]
     rows = Suggestions("| RK4 | 1.64872 |\n| Heun | 1.64745 |", ["run {Heun,RK4} lambda=1 h=1/10 t=1/2 : {exact.y,y}"])
     assert rows.of(numbers_in(rows.text)[1])[0].question == "run RK4 lambda=1 h=1/10 t=1/2 : y"
-    constants = Suggestions(
-        "It is -1/2 for Euler and -1/3 for Heun. BDF2 has -1/3.", ["error constant of {Euler,BDF2}"]
-    )
-    assert [each.strong for n in numbers_in(constants.text)[1:2] for each in constants.of(n)[:1]] == [False]
-    assert constants.of(numbers_in(constants.text)[-1])[0].strong
+    text = "It is -1/2 for Euler and -1/3 for Heun. BDF2 has -1/3."
+    constants, numbers = Suggestions(text, ["error constant of {Euler,BDF2}"]), numbers_in(text)
+    assert [constants.of(numbers[i])[0].strong for i in (1, -1)] == [False, True]
     alone = Suggestions("0.128 and 0.052", ASKED)
     assert [one.strong for n in numbers_in(alone.text) for one in alone.of(n)[:1]] == [True, False]
 
 
 def test_braces_are_chosen_from_in_every_way_and_equal_braces_alike() -> None:
-    assert [*questions_in("step rk4 h=1/{2,4} N={1..2} : q")] == [
-        f"step rk4 h=1/{h} N={n} : q" for h in (2, 4) for n in (1, 2)
-    ]
+    every_way = [f"step rk4 h=1/{h} N={n} : q" for h in (2, 4) for n in (1, 2)]
+    assert [*questions_in("step rk4 h=1/{2,4} N={1..2} : q")] == every_way
     assert questions_in("{1..2} - {1..2} + {a_b}") == {"1 - 1 + a_b": ("1", "a_b"), "2 - 2 + a_b": ("2", "a_b")}
     assert questions_in("1/3") == {"1/3": ()}
     with pytest.raises(ValueError, match="expands to 2001 questions"):

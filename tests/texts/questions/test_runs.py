@@ -45,6 +45,11 @@ def test_errors_of_a_run_are_those_of_mpmath_to_forty_digits(key: str) -> None:
                 assert abs(found - expected) <= abs(expected) * mpmath.mpf(10) ** -39, (readout, asked)
 
 
+def test_a_run_of_no_steps_has_an_exact_phase_error_in_every_unit() -> None:
+    for unit in ("deg", "rad", "turns"):
+        assert value(f"run rk4 h=1/4 t=0 : phase_error {unit}").exact == 0
+
+
 def test_slopes_are_the_rates_at_the_stages() -> None:
     expected = {"k1.q": Q(0), "k1.v": Q(-1), "k2.q": Q(-1, 4), "k3.v": Q(-15, 16), "k4.q": Q(-15, 32), "k4.v": Q(-7, 8)}
     assert {name: value(f"step rk4 h=1/2 : {name}").exact for name in expected} == expected

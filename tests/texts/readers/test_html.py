@@ -17,6 +17,7 @@ READ = [
     ("<math><msup><mi>h</mi><mn>6</mn></msup><msqrt><mn>2</mn></msqrt></math>", "h^6√(2)"),
     ("<math><mfrac><msup><mrow><mi>a</mi><mi>b</mi></mrow><mn>2</mn></msup><mn>3</mn></mfrac></math>", "ab^2/3"),
     ("<span class='katex-html'>9<span>8<i>4</i></span><span/>7</span>6<template>5</template>", "6"),
+    ("<math><msup></i><mi>h</mi></mn><mn>6</mn></i></msup></math>", "h^6"),
     ("<td>1<td>2", "1 | 2"),
     ("<b>0.090</b>40", "0.09040"),
     ("<math><msubsup><mi>q</mi><mn>1</mn><mn>2</mn></msubsup></math>", "q_1^2"),

@@ -138,9 +138,8 @@ def test_values_of_a_json_file_take_the_place_of_those_of_the_module(script: Scr
 
 @pytest.mark.parametrize("document", ["null", "{}", '{"values": null}', '{"values": 3}', "3"])
 def test_json_without_values_is_refused_and_changes_nothing(document: str, script: Script) -> None:
-    code = (
-        f"try {{ await load('data:application/json,{document}'); }} catch (e) {{ return [e.message, digits('a', 1)]; }}"
-    )
+    code = f"try {{ await load('data:application/json,{document}'); }} "
+    code += "catch (e) { return [e.message, digits('a', 1)]; }"
     message, kept = script({"a": value("1/2", "0.5")}, code)
     assert message.endswith("holds no values")
     assert kept == "0.5"
@@ -149,11 +148,8 @@ def test_json_without_values_is_refused_and_changes_nothing(document: str, scrip
 def test_remark_shows_a_short_exact_form_and_else_the_decimal(script: Script) -> None:
     values = {"a": value("337/384", "0.8776"), "b": value("1" * 61, "1.11e60"), "c": value(None, "2.39")}
     values["c"]["evidence"] = "CERTIFIED"
-    assert script(values, 'return ["a", "b", "c"].map(remark);') == [
-        "= 337/384, proved",
-        "≈ 1.11e60, proved",
-        "≈ 2.39, certified",
-    ]
+    remarks = ["= 337/384, proved", "≈ 1.11e60, proved", "≈ 2.39, certified"]
+    assert script(values, 'return ["a", "b", "c"].map(remark);') == remarks
 
 
 def test_module_holds_one_place_for_the_values() -> None:

@@ -8,6 +8,7 @@ from typing import Any
 import pytest
 
 from driftproof.methods.catalogue import METHODS
+from driftproof.methods.expressions import parse_system
 from driftproof.methods.families import FAMILIES
 from driftproof.methods.number_field import square_root
 from driftproof.methods.schemes import RungeKutta
@@ -17,12 +18,19 @@ from driftproof.symbolic.linear.a_stability import sector_tangent
 from driftproof.symbolic.linear.facts import ExactFunction, Formula, TruncatedSeries
 from driftproof.symbolic.linear.families import Interval, ParameterSet
 from driftproof.symbolic.linear.stability_limits import INFINITY
+from driftproof.symbolic.linear.systems import EigenvalueLimit, SystemFacts
 from driftproof.texts.writing.facts import fact_tex, fact_text, facts_tex, facts_text
 from driftproof.texts.writing.records import is_long, record
 from tests.symbolic.linear.family_examples import SDIRK_3
 from tests.symbolic.linear.linear_examples import pade
 
 RK4, GAUSS, SDIRK = Facts(METHODS["rk4"]), Facts(METHODS["gauss2"]), FamilyFacts(FAMILIES["sdirk_order_2"])
+
+
+def eigenvalue(key: str, text: str) -> EigenvalueLimit:
+    return SystemFacts(METHODS[key], parse_system(text)).bounds[0]
+
+
 # A fact, as text, as TeX.
 WRITTEN: list[tuple[Any, str, str]] = [
     (None, "none", "none"), (True, "yes", "yes"), ("runge_kutta", "runge_kutta", r"runge\_kutta"),
@@ -40,6 +48,10 @@ WRITTEN: list[tuple[Any, str, str]] = [
     (SDIRK.error_constant, "(-1/6 + gamma - gamma**2) h^3", r"$\left(-\frac{1}{6}+\gamma-\gamma^{2}\right) h^{3}$"),
     (SDIRK.l_stable, "{1 - sqrt(2)/2} U {1 + sqrt(2)/2}", r"$\{1-\frac{\sqrt{2}}{2}\} \cup \{1+\frac{\sqrt{2}}{2}\}$"),
     (ParameterSet(()), "empty", r"$\emptyset$"), (SDIRK.order_sets[-1], "4 nowhere", "4 nowhere"),
+    (eigenvalue("forward_euler", "-1 0; 0 -1"), "-1, 2 times: h <= 2", r"$-1$, 2 times: $h \leq$ $2$"),
+    (eigenvalue("forward_euler", "-1 1; 0 -1"), "-1, 2 times, Jordan block of size 2: h < 2", r"size 2: $h <$ $2$"),
+    (eigenvalue("rk4", "1"), "1: no h, however small", "$1$: no h, however small"),
+    (eigenvalue("backward_euler", "-1"), "-1: every h > 0", "$-1$: every $h > 0$"),
     (ArithmeticError("too_long"), "not decided: too_long", r"not decided: too\_long"),
 ]  # fmt: skip
 
