@@ -25,8 +25,8 @@ from driftproof.support.plain_text import Json
 
 # Step sizes at which the loss is compared; and one so short that a loss per unit of time is linear in h, in binary64.
 _STEPS, _SHORT = (1.0, 0.5, 0.25, 2.0**-5, 2.0**-9), 2.0**-20
-# The parts of a rate and of a shown matrix that count as 0; the condition number from which eigenvectors are useless.
-_LITTLE, _NONE, _WORST = 2.0**-10, 2.0**-20, 2.0**10
+# The parts of a rate and of a shown matrix that count as 0; a useless condition number; numbers whose rounding is none.
+_LITTLE, _NONE, _WORST, _SIZE = 2.0**-10, 2.0**-20, 2.0**10, 16.0
 # The factor of v in a step by the rate c: as text, and the rate from the eigenvalues D of a step.
 _LAWS: Mapping[str, Callable[[Any, float], Any]] = {
     "exp(-{c} h)": lambda d, h: -np.log(d) / h,
@@ -108,7 +108,7 @@ def read_damping(subject: ForeignStepper) -> Damping:
     lost = [one - seen[h] for h in (longer, shorter)]
     sizes = [float(np.abs(part).max()) for part in lost]
     # If the loss is O(h²), as in methods that do not keep areas, half a step has a quarter of it.
-    if sizes[1] <= max(rounding.of(16.0), 0.375 * sizes[0]):
+    if sizes[1] <= max(rounding.of(_SIZE), 0.375 * sizes[0]):
         raise UnsupportedCall("it takes nothing from v")
     if sizes[1] > 0.75 * sizes[0]:  # where half a step loses no less, not half as much
         at_once = one - 2 * lost[1] + lost[0]
@@ -187,11 +187,13 @@ def _velocity_factor(subject: ForeignStepper, h: float) -> Array:
 
 
 def _area_factor(subject: ForeignStepper, h: float) -> Array:
-    """The determinant of a linear step. Raises NotReadable if the step is not linear."""
+    """The determinant of a linear step. Raises NotReadable if the step is not linear, or its shortest step long."""
     (a, c), (b, d), (x, y) = (subject.step(q, v, h) for q, v in ((1.0, 0.0), (0.0, 1.0), (-2.0, 3.0)))
     size = 8 * sum(map(abs, (a, b, c, d)))
     if max(abs(x + 2 * a - 3 * b), abs(y + 2 * c - 3 * d)) > _rounding(subject).of(size):
         raise NotReadable("the step is not linear")
+    if h <= _short(subject) and not abs(a * d) + abs(b * c) <= _SIZE:
+        raise NotReadable(f"the factor of areas is lost in rounding: a step of {h:g} is long in the system's own time")
     return np.array([[a * d - b * c]], dtype=float)
 
 
