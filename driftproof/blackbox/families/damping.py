@@ -59,7 +59,8 @@ class Damping:
             return []
         what = "the area in phase space" if self.built_in else "the velocity"
         factor = np.array(self.at_once)
-        noun, verb = ("turn", "turns") if _is_turn(factor) else ("damping", "damps")
+        kept = len(factor) > 1 and np.abs(factor @ factor.T - np.eye(len(factor))).max() < _LITTLE  # lengths
+        noun, verb = ("turn", "turns") if kept else ("damping", "damps")
         return [
             f"{what} is multiplied by {_shown(factor)} in each step, however short: a {noun} for each step, none "
             f"for each time; with half of h it {verb} twice as much"
@@ -148,11 +149,6 @@ def _shown(matrix: Array, text: Callable[[float], str] = "{:.6g}".format, *off: 
 
 def _rows(matrix: Array) -> _Rows:
     return tuple(tuple(float(x) for x in row) for row in matrix)
-
-
-def _is_turn(matrix: Array) -> bool:
-    """True if the matrix keeps lengths."""
-    return len(matrix) > 1 and float(np.abs(matrix @ matrix.T - np.eye(len(matrix))).max()) < _LITTLE
 
 
 def _law(text: str, rate_of: Callable[[Any, float], Any], seen: Mapping[float, Array], rounding: Rounding) -> str:

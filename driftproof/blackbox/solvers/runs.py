@@ -172,7 +172,7 @@ def _numbers(subject: ForeignSolver) -> tuple[list[str], list[str]]:
     """
     times, all_of_them = [], range(_NUMBERS)
     for places in [*([place] for place in all_of_them), all_of_them]:
-        slopes = lambda n, t, y, places=places: [_bump(t) * (i in places) for i in all_of_them]
+        slopes = lambda n, t, y, places=places: [(i in places) / (1 + (8 * (t - 1)) ** 2) for i in all_of_them]
         times.append(subject.solve(slopes, _SPAN, (0.0,) * _NUMBERS, _RTOL, _ATOL).t)
     together = len(times.pop()) - 1
     if together > _NUMBERS * (len(times[0]) - 1):
@@ -185,10 +185,6 @@ def _numbers(subject: ForeignSolver) -> tuple[list[str], list[str]]:
             seen = f"where y[{place}] has a bump, it makes {made} steps, where y[0] has it, {other}"
             return [], [f"the errors of all numbers do not count alike: {seen}"]
     return [f"a bump in any of {_NUMBERS} numbers makes the same {len(times[0]) - 1} steps"], []
-
-
-def _bump(t: float) -> float:
-    return 1 / (1 + (8 * (t - 1)) ** 2)
 
 
 def _nan(subject: ForeignSolver) -> tuple[list[str], list[str]]:
