@@ -171,7 +171,7 @@ def _numbers(subject: ForeignSolver) -> tuple[list[str], list[str]]:
     If all have it, a norm of the errors is at most five times as large, which takes at most five times as many steps.
     """
     times, all_of_them = [], range(_NUMBERS)
-    bump = lambda t: 1 / (1 + (8 * (t - 1)) ** 2)
+    bump: Callable[[float], float] = lambda t: 1 / (1 + (8 * (t - 1)) ** 2)
     for places in [*([place] for place in all_of_them), all_of_them]:
         slopes = lambda n, t, y, places=places: [bump(t) * (i in places) for i in all_of_them]
         times.append(subject.solve(slopes, _SPAN, (0.0,) * _NUMBERS, _RTOL, _ATOL).t)
