@@ -75,6 +75,12 @@ class UnsupportedCall(ValueError):
     kind = "unsupported_call"
 
 
+class BadInput(ValueError):
+    """What was asked for makes no sense for numbers of this format."""
+
+    kind = "bad_input"
+
+
 # Kinds of outcome that say nothing about a stepper (a time limit, an end from outside, a fault of ours), each with what
 # would settle the question.
 NO_EVIDENCE = {

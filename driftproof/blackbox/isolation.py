@@ -319,9 +319,9 @@ def answer_probe(request: str | int) -> str | None:
 def _outcome(probe: Probe, subject: Any) -> Outcome:
     try:
         return Outcome(probe(subject))
-    except (Misbehaviour, NoAnswer, ValueError) as error:
-        return _failure(error)
-    except Exception as error:  # a fault of ours: the subject's own exceptions come as Misbehaviour
+    except (NoAnswer, Exception) as error:
+        if hasattr(error, "kind"):
+            return _failure(error)  # otherwise a fault of ours: the subject's own exceptions come as Misbehaviour
         place = traceback.extract_tb(error.__traceback__)[-1]
         where = f"{Path(place.filename).name}, line {place.lineno}"
         return Outcome(kind="instrument_failed", seen=f"{type(error).__name__} in {where}: {error}; please report this")

@@ -58,7 +58,7 @@ class Report(Printable):
 
     def markdown(self, everything: bool = False) -> str:
         """The report for an issue or a pull request."""
-        parts = [f"### `{self.target}`: {self.verdict}"]
+        parts = [f"### `{self.target}`: {_escaped(self.verdict)}"]
         for section in self.sections:
             lines = "\n".join(f"- {_escaped(line)}" for line in section.shown(everything))
             parts.append(f"**{section.title}**\n\n{lines}")
@@ -82,8 +82,8 @@ def each_once(lines: Iterable[str]) -> list[str]:
 
 
 def _escaped(line: str) -> str:
-    """The line as Markdown shows it verbatim: nothing emphasised, no table begun."""
-    return "".join(f"\\{c}" if c in "*_|`<[" else c for c in line)
+    """The text as Markdown shows it verbatim, in one line: nothing emphasised, no tag and no table begun."""
+    return "".join(f"\\{c}" if c in "\\*_|`<[~&" else c for c in " ".join(printable(line).splitlines()))
 
 
 @dataclass(frozen=True)

@@ -44,35 +44,29 @@ def _jacobian(residual: Callable[[Array], Array], x: Array) -> Array:
     return np.array([(residual(x + 2.0**-20 * e) - at) * 2.0**20 for e in np.eye(len(x))]).T
 
 
-def newton(residual: Callable[[Array], Array], x: Array, *, most: int = 50, tolerance: float = 1e-12) -> Array:
-    """Newton's method until a change is below the tolerance, or after so many iterations; so the others."""
+def _iterated(change_at: Callable[[Array], Array], x: Array, most: int, tolerance: float) -> Array:
     for _ in range(most):
-        change = solved(_jacobian(residual, x), residual(x))
+        change = change_at(x)
         x = x - change
         if not np.abs(change).max() >= tolerance:
             break
     return x
+
+
+def newton(residual: Callable[[Array], Array], x: Array, *, most: int = 50, tolerance: float = 1e-12) -> Array:
+    """Newton's method until a change is below the tolerance, or after so many iterations; so the others."""
+    return _iterated(lambda x: solved(_jacobian(residual, x), residual(x)), x, most, tolerance)
 
 
 def simplified(residual: Callable[[Array], Array], x: Array, *, most: int = 50, tolerance: float = 1e-12) -> Array:
     """Newton's method with the first Jacobian kept."""
     jacobian = _jacobian(residual, x)
-    for _ in range(most):
-        change = solved(jacobian, residual(x))
-        x = x - change
-        if not np.abs(change).max() >= tolerance:
-            break
-    return x
+    return _iterated(lambda x: solved(jacobian, residual(x)), x, most, tolerance)
 
 
 def fixed_point(residual: Callable[[Array], Array], x: Array, *, most: int = 200, tolerance: float = 1e-12) -> Array:
     """x ← x - residual, which is the map of the equation x = F(x)."""
-    for _ in range(most):
-        change = residual(x)
-        x = x - change
-        if not np.abs(change).max() >= tolerance:
-            break
-    return x
+    return _iterated(residual, x, most, tolerance)
 
 
 def broyden(residual: Callable[[Array], Array], x: Array, *, tolerance: float = 1e-8) -> Array:

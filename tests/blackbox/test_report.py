@@ -34,9 +34,10 @@ def test_what_is_not_answered_begins_its_verdict_so():
     assert [replace(REPORT, verdict=verdict).answered for verdict in verdicts] == [None, False, True]
 
 
-def test_markdown_shows_lines_verbatim():
-    assert REPORT.written("markdown") == (
-        "### `mylib:step`: is not rk4; it is rk38\n\n**Rounding**\n\n- q is a\\_b\\*c"
+def test_markdown_shows_the_verdict_and_the_lines_verbatim():
+    said = replace(REPORT, verdict="raises **x** <lambda>\nat `\\*", sections=sections(("Rounding", ["a_b*c\n# d"])))
+    assert said.written("markdown") == (
+        "### `mylib:step`: raises \\*\\*x\\*\\* \\<lambda> at \\`\\\\\\*\n\n**Rounding**\n\n- a\\_b\\*c # d"
     )
 
 

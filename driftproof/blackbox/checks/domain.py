@@ -92,7 +92,7 @@ def _outwards(short: NegligibleStep, component: int, sign: int, before: Sequence
 def _rule_of(short: NegligibleStep, component: int, seen: Border) -> Rule | None:
     """The rule behind the border; None if it is only a strong force that begins to be felt."""
     first = seen.beyond[0]
-    if first.answer is None and not first.overflowed:
+    if first.answer is None and not first.failure.startswith("raises OverflowError"):  # of Python's own powers
         return Rule(REFUSED, component, seen, more=first.refusal)
     if not first.finite:
         return Rule(OVERFLOWS, component, seen)

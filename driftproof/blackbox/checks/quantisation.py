@@ -15,6 +15,8 @@ _FIXED_POINT = 40
 # Floats have nearly all bits of their format as a rule, fixed-point numbers as many as fit: the last five bits of one
 # float in 32 are 0 by chance.
 _BITS_TO_SPARE = 5
+# From here on all floats are whole numbers, in binary32 already.
+_ALL_WHOLE = 2.0**23
 
 
 @dataclass(frozen=True)
@@ -27,6 +29,8 @@ class Quantisation:
 
 def quantisation_of(numbers: Sequence[float]) -> Quantisation | None:
     """The coarsest spacing that all numbers are multiples of; None if there is none, as for plain floats."""
+    if not (numbers := [x for x in numbers if abs(x) < _ALL_WHOLE]):
+        return None
     if all(x.is_integer() for x in numbers):
         return Quantisation(1.0, "answers are whole numbers")
     decimals = next((k for k in range(1, _DECIMALS) if all(round(x, k) == x for x in numbers)), None)

@@ -94,7 +94,8 @@ def _ignored(taken: _Taken) -> CheckResult:
     else:
         length, words = subject.step_with(lambda q: 0.0 * q, 0.0, 1.0, TYPICAL_STEP)[0], "a step of"
     simple = Fraction(length).limit_denominator(_DENOMINATORS)
-    name = str(simple) if runner.number(float(simple)) == length else short_name(length)
+    told = simple.denominator > 1 and runner.number(float(simple)) == length
+    name = str(simple) if told else short_name(length)
     words = f"h is ignored: {words} {name} is always taken"
     return CheckResult(_KEY, False, words, (taken.trial(TYPICAL_STEP), taken.trial(1.0)))
 

@@ -164,11 +164,6 @@ class Trial:
         return self.answer is not None and all(map(isfinite, self.answer))
 
     @property
-    def overflowed(self) -> bool:
-        """True if OverflowError came instead of infinity, as from Python's own powers and functions."""
-        return self.failure.startswith("raises OverflowError")
-
-    @property
     def seen(self) -> str:
         """The answer or the failure as text: "(1.0, 0.75)", "raises ValueError: ..."."""
         return self.failure if self.answer is None else pair_text(self.answer)

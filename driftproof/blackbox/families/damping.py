@@ -27,6 +27,8 @@ from driftproof.support.plain_text import Json
 _STEPS, _SHORT = (1.0, 0.5, 0.25, 2.0**-5, 2.0**-9), 2.0**-20
 # The parts of a rate and of a shown matrix that count as 0; the condition number from which eigenvectors are useless.
 _LITTLE, _NONE, _WORST = 2.0**-10, 2.0**-20, 2.0**10
+# The size of numbers whose rounding is no loss.
+_SIZE = 16.0
 # The factor of v in a step by the rate c: as text, and the rate from the eigenvalues D of a step.
 _LAWS: Mapping[str, Callable[[Any, float], Any]] = {
     "exp(-{c} h)": lambda d, h: -np.log(d) / h,
@@ -59,7 +61,8 @@ class Damping:
             return []
         what = "the area in phase space" if self.built_in else "the velocity"
         factor = np.array(self.at_once)
-        noun, verb = ("turn", "turns") if _is_turn(factor) else ("damping", "damps")
+        kept = len(factor) > 1 and np.abs(factor @ factor.T - np.eye(len(factor))).max() < _LITTLE  # lengths
+        noun, verb = ("turn", "turns") if kept else ("damping", "damps")
         return [
             f"{what} is multiplied by {_shown(factor)} in each step, however short: a {noun} for each step, none "
             f"for each time; with half of h it {verb} twice as much"
@@ -108,7 +111,7 @@ def read_damping(subject: ForeignStepper) -> Damping:
     lost = [one - seen[h] for h in (longer, shorter)]
     sizes = [float(np.abs(part).max()) for part in lost]
     # If the loss is O(h²), as in methods that do not keep areas, half a step has a quarter of it.
-    if sizes[1] <= max(rounding.of(16.0), 0.375 * sizes[0]):
+    if sizes[1] <= max(rounding.of(_SIZE), 0.375 * sizes[0]):
         raise UnsupportedCall("it takes nothing from v")
     if sizes[1] > 0.75 * sizes[0]:  # where half a step loses no less, not half as much
         at_once = one - 2 * lost[1] + lost[0]
@@ -150,11 +153,6 @@ def _rows(matrix: Array) -> _Rows:
     return tuple(tuple(float(x) for x in row) for row in matrix)
 
 
-def _is_turn(matrix: Array) -> bool:
-    """True if the matrix keeps lengths."""
-    return len(matrix) > 1 and float(np.abs(matrix @ matrix.T - np.eye(len(matrix))).max()) < _LITTLE
-
-
 def _law(text: str, rate_of: Callable[[Any, float], Any], seen: Mapping[float, Array], rounding: Rounding) -> str:
     """The law with its rate, on the eigenvectors of the step; "" if steps of different sizes show different rates."""
     told = []
@@ -187,11 +185,13 @@ def _velocity_factor(subject: ForeignStepper, h: float) -> Array:
 
 
 def _area_factor(subject: ForeignStepper, h: float) -> Array:
-    """The determinant of a linear step. Raises NotReadable if the step is not linear."""
+    """The determinant of a linear step. Raises NotReadable if the step is not linear, or its shortest step long."""
     (a, c), (b, d), (x, y) = (subject.step(q, v, h) for q, v in ((1.0, 0.0), (0.0, 1.0), (-2.0, 3.0)))
     size = 8 * sum(map(abs, (a, b, c, d)))
     if max(abs(x + 2 * a - 3 * b), abs(y + 2 * c - 3 * d)) > _rounding(subject).of(size):
         raise NotReadable("the step is not linear")
+    if h <= _short(subject) and not abs(a * d) + abs(b * c) <= _SIZE:
+        raise NotReadable(f"the factor of areas is lost in rounding: a step of {h:g} is long in the system's own time")
     return np.array([[a * d - b * c]], dtype=float)
 
 

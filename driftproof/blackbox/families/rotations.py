@@ -132,8 +132,8 @@ def _leading(errors: Sequence[float], noise: Sequence[float]) -> tuple[int, floa
     seen = [(x, e) for x, e, allowed in zip(TURN_ANGLES, errors, noise, strict=True) if abs(e) > CLEARANCE * allowed]
     if len(seen) < 2:
         return None
-    (_, before), (x, last) = seen[-2:]
-    power = round(log2(abs(before / last)))
+    (longer, before), (x, last) = seen[-2:]
+    power = round(log2(abs(before / last)) / log2(longer / x))
     return power, last / x**power
 
 

@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 
 from flint import arb, arb_poly, ctx
 
+from driftproof.blackbox.findings import BadInput
 from driftproof.methods.schemes import Method
 from driftproof.symbolic.algebra.certified import CertifiableReal, enclose
 from driftproof.symbolic.algebra.polynomials import coefficients
@@ -114,13 +115,13 @@ class Tolerance:
             return judged[0], judged[1]
 
     def demand_room(self, state: float, h: float) -> None:
-        """Raise ValueError for sizes at which a sum of |monomials| overflows, so that no bound holds."""
+        """Raise BadInput for sizes at which a sum of |monomials| overflows, so that no bound holds."""
         with ctx.workprec(_BITS):
             largest = arb(max(state, 1.0))
             reached = max(float(_at(size, arb(h), (largest, largest)).log().mid()) for size in self._size)
             room = float(enclose(self.format.largest / 2).log().mid())
         if not reached < room:
-            raise ValueError(
+            raise BadInput(
                 f"states up to {state:g} and steps up to {h:g}: sums of {self.method.key} reach about "
                 f"10^{reached / log(10):.0f}, where {self.format.name} overflows; choose smaller sizes"
             )

@@ -160,7 +160,8 @@ def newmark(read: ExactTable) -> Iterator[Candidate]:
     if read.calls != 2:
         return
     last = int(np.argmax(read.node_values))
-    beta, gamma = (_simple_or_itself(read.entries[row][last].value) for row in (2, 3))
+    seen = (Fraction(read.entries[row][last].value) for row in (2, 3))
+    beta, gamma = (simple_rational(x, _SOLVED_TO) or x for x in seen)
     half = Fraction(1, 2)
 
     def recipe(lift: FromExact) -> tuple[StageCoefficients, Any]:
@@ -170,11 +171,6 @@ def newmark(read: ExactTable) -> Iterator[Candidate]:
 
     shown = (str(x) if x.denominator < _WRITTEN_OUT else short_rational(x) for x in (beta, gamma))
     yield Candidate("newmark", "with beta = {} and gamma = {}".format(*shown), recipe)
-
-
-def _simple_or_itself(x: Any) -> Fraction:
-    """The simple fraction that a number read stands for; the number itself if that may be a coincidence."""
-    return simple_rational(Fraction(x), _SOLVED_TO) or Fraction(x)
 
 
 def field_variants(timed: bool, calls: int, factor: Fraction | None, *, implicit: bool) -> Iterator[Candidate]:

@@ -28,7 +28,7 @@ def coefficient_text(x: float, fmt: FloatFormat, slack: float = 0.0) -> str:
     `slack` is added to the distance allowed, for a number that was computed rather than read.
     """
     fraction = simple_rational(x, half_spacing(x, fmt) + Fraction(slack))
-    return repr(x) if fraction is None else str(fraction)
+    return repr(x) if fraction is None else exact_shown(fraction)
 
 
 def exact_shown(exact: Exact) -> str:
@@ -70,7 +70,7 @@ def simple_rational(x: float | Fraction, error: float | Fraction) -> Fraction | 
 def short_rational(x: Fraction) -> str:
     """The number as a short decimal if that is exact, else as a fraction, else as a float: 0.04, 1/3, 0.7390851."""
     if x.denominator == 1:
-        return str(x)
+        return exact_shown(x)
     digits = f"{float(x):.6g}"
     if Fraction(digits) == x:
         return digits

@@ -117,13 +117,14 @@ def _equal_steps(subject: ForeignSolver) -> SolverRuns | None:
     if subject.takes in (LENGTH, COUNT):
         return SolverRuns(subject, None, None)
     runs = [subject.solve(lambda n, t, y: _quadrature(t), (0.0, end), (0.0, 0.0)) for end in (1.5, 3.0)]
-    lengths = [[b - a for a, b in pairwise(run.t)] for run in runs]
+    short, long = ([b - a for a, b in pairwise(run.t)] for run in runs)
     # The last step is shortened to the end.
-    if not all(len(h) > 1 and _is_same(max(h[:-1]), min(h[:-1])) for h in lengths):
+    if not all(len(h) > 1 and _is_same(max(h[:-1]), min(h[:-1])) for h in (short, long)):
         return None
-    if len(lengths[0]) == len(lengths[1]):
-        return SolverRuns(subject, len(lengths[0]), None)
-    return SolverRuns(subject, None, lengths[0][0]) if _is_same(lengths[0][0], lengths[1][0]) else None
+    if len(short) == len(long):
+        return SolverRuns(subject, len(short), None)
+    (h, *_), (other, *_) = short, long
+    return SolverRuns(subject, None, h) if _is_same(h, other) else None
 
 
 def _is_same(h: float, length: float) -> bool:

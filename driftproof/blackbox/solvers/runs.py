@@ -171,8 +171,9 @@ def _numbers(subject: ForeignSolver) -> tuple[list[str], list[str]]:
     If all have it, a norm of the errors is at most five times as large, which takes at most five times as many steps.
     """
     times, all_of_them = [], range(_NUMBERS)
+    bump: Callable[[float], float] = lambda t: 1 / (1 + (8 * (t - 1)) ** 2)
     for places in [*([place] for place in all_of_them), all_of_them]:
-        slopes = lambda n, t, y, places=places: [_bump(t) * (i in places) for i in all_of_them]
+        slopes = lambda n, t, y, places=places: [bump(t) * (i in places) for i in all_of_them]
         times.append(subject.solve(slopes, _SPAN, (0.0,) * _NUMBERS, _RTOL, _ATOL).t)
     together = len(times.pop()) - 1
     if together > _NUMBERS * (len(times[0]) - 1):
@@ -185,10 +186,6 @@ def _numbers(subject: ForeignSolver) -> tuple[list[str], list[str]]:
             seen = f"where y[{place}] has a bump, it makes {made} steps, where y[0] has it, {other}"
             return [], [f"the errors of all numbers do not count alike: {seen}"]
     return [f"a bump in any of {_NUMBERS} numbers makes the same {len(times[0]) - 1} steps"], []
-
-
-def _bump(t: float) -> float:
-    return 1 / (1 + (8 * (t - 1)) ** 2)
 
 
 def _nan(subject: ForeignSolver) -> tuple[list[str], list[str]]:

@@ -106,6 +106,8 @@ ROLES: dict[str, tuple[str, ...]] = {
 UNIT_PARAMETERS = ("m", "mass", "k", "stiffness", "omega", "omega0", "w", "w0")
 # Names for the number of steps of a run.
 COUNTS = ("n", "steps", "n_steps", "nsteps", "num_steps", "number_of_steps", "nt", "n_iter", "iterations")
+# The p of step(p, h) is a particle, not a momentum.
+_PARTICLE = MAP, STATE, "p"
 # A mass other than 1 shows whether the force is divided by it; for a power of two the quotient is exact.
 MASSES, _MASS = ("m", "mass", "masses"), 2.0
 # Likewise a charge, or a charge over the mass: the fields that are passed are divided by it.
@@ -203,7 +205,7 @@ def _fitted(names: Sequence[str], kind: str, roles: Sequence[str]) -> CallingCon
             extra[name] = _MASS if word in MASSES else _CHARGE
             factor *= 1 / _CHARGE if word in _CHARGES else _MASS
             continue
-        role = next((role for role in open_roles if word in ROLES[role]), None)
+        role = next((role for role in open_roles if word in ROLES[role] or (kind, role, word) == _PARTICLE), None)
         if role is not None:
             open_roles.remove(role)
             order.append(role)

@@ -166,16 +166,12 @@ def _in_fields(subject: ForeignStepper, h: float, size: int = 3) -> Sequence[flo
     return [*found.x, *found.v]
 
 
-def _turning(subject: ForeignStepper, h: float) -> Sequence[float]:
-    return turn_quaternion(subject, (0.5, 0.5, 0.5, 0.5), (1.0, 0.5, 0.25), h)
-
-
 _TRIALS = {
     FIELD: (_one_step, _one_number),
     ROSENBROCK: (_with_jacobian,),
     IMEX: (_with_jacobian,),
     MAGNETIC: (_in_fields, partial(_in_fields, size=2)),
-    ROTATION: (_turning,),
+    ROTATION: (lambda subject, h: turn_quaternion(subject, (0.5, 0.5, 0.5, 0.5), (1.0, 0.5, 0.25), h),),
 }
 
 

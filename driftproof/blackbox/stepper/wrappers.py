@@ -281,8 +281,8 @@ def _by_role(names: Sequence[str], kind: str) -> dict[str, str]:
         role = next((r for r in open_roles if _has_role(r, each) and _ARGUMENTS[r] not in given.values()), None)
         if role is not None:
             given[each] = _function(kind) if role == FUNCTION else _ARGUMENTS[role]
-    if kind == MAP and "v" not in given.values():
-        given = {each: "[q, v]" if text in ("q", "y") else text for each, text in given.items()}
+    if kind == MAP and not {"q", "v"} <= {*given.values()}:
+        given = {each: "[q, v]" if text in ("q", "v", "y") else text for each, text in given.items()}
     if kind != FIELD:
         given = {each: "0.0" if text == "t" else text for each, text in given.items()}
     return given

@@ -38,6 +38,8 @@ BITS = [((19, 19, 24, 24), None), ((18, 19, 24, 24), None), ((18, 18, 24, 24), 2
 def test_small_numbers_with_as_many_bits_as_large_ones_are_those_of_a_format(bits, size):
     grain = quantisation_of([(2**n - 1) * 2.0**-20 for n in bits])
     assert (grain and grain.size) == size
+    assert quantisation_of([2.0**23, -(2.0**1000)]) is None  # whole, as every float of such a size
+    assert quantisation_of([2.0**23 - 1, -(2.0**40)]).size == 1
 
 
 def test_a_narrower_format_is_seen_in_the_numbers():

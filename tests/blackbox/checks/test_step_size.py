@@ -15,6 +15,11 @@ def test_long_steps_that_are_refused_are_not_made_of_shorter_ones_nor_taken_as_t
     assert (seen.holds, seen.words) == (None, "h = 16 is refused: it raises ValueError: too long")
 
 
+def test_of_an_ignored_h_the_way_is_told_in_few_digits():
+    said = {way: result(code(f"return {way}, v"), "step_size").words for way in ("1e300", "0.5", "3.0")}
+    assert ["1e+300" in said["1e300"], " 1/2 " in said["0.5"], " 3 " in said["3.0"]] == [True] * 3
+
+
 def gauss2(f, t, y, h):
     """Its two stages by iteration, until they stand."""
     d = 3**0.5 / 6

@@ -72,6 +72,8 @@ def grown(power, coefficient):
         # From two angles above the noise, 64 (4 (8 + 2) 4 u) = 1.1e-12, and not from one.
         (grown(8, 2.0**-36), "x", "1 + x^8/68719476736 + ..."),
         (grown(8, 2.0**-41), "x", None),
+        # Of angles two halvings apart, where the error between them is 0.
+        (lambda z: grown(2, 0.5 * (abs(z) != 2.0**-6))(z), "x", "1 + x^2/2 + ..."),
     ],
 )
 def test_series_of_angle_and_size_are_those_of_the_factor(factor, angle, size):

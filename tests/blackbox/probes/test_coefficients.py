@@ -90,6 +90,10 @@ def test_a_long_exact_number_is_shown_as_a_decimal():
     assert exact_shown(Q(10**30 + 1, 3 * 10**30)) == "0.3333333333333333"
 
 
+def test_a_number_of_many_digits_before_the_point_is_shown_with_an_exponent():
+    assert coefficient_text(1e300, BINARY64) == "1e+300" == short_rational(Q(1e300))
+
+
 NUMBERS = [1 / 3, -2 / 7, 0.1, 1e-300, 5e-324, 1e22, 0.30000000000000004, 1 / 3 + 1e-12, 19 / 6561, 2**0.5, 0.0, -4.0]
 NUMBERS += [1e-9, 19372 / 6561, -1 / 3, 1.0, 1e-10, 0.1234567890123456, 0.3333, float(np.float32(1 / 6))]
 

@@ -136,17 +136,13 @@ def test_a_call_that_does_not_come_back_is_told_and_changes_nothing_of_what_is_r
     assert {"not seen far out", "no answer at h = 2", "no answer at h = -1"} <= {*told}
 
 
-def explicit(q, v, h):
-    return q + h * v, v - h * q
-
-
 def stopping(refuses):
     """Euler's method, which refuses some lengths of steps."""
 
     def step(q, v, h):
         if refuses(h):
             raise ValueError("not so")
-        return explicit(q, v, h)
+        return q + h * v, v - h * q
 
     return step
 

@@ -144,11 +144,8 @@ UNTRIED = {"remembering": Remembering(), "anticipating": Anticipating().step, "n
 UNTRIED |= {
     step.__name__: step
     for step in (
-        *(
-            iterated_to_the_end, adaptive, without_h, slightly_nonlinear, limited, crossed, refusing, falling,
-            endless, wandering,
-        ),
-        *(aware_of_the_time, codes.symplectic_euler_in_a_field),
+        iterated_to_the_end, adaptive, without_h, slightly_nonlinear, limited, crossed, refusing, falling, endless,
+        wandering, aware_of_the_time, codes.symplectic_euler_in_a_field,
     )
 }  # fmt: skip
 

@@ -121,3 +121,12 @@ def fixed(steps=100, *, extra=0, clock=float, order="heun", ratio=1.0):
         return times, states
 
     return solve
+
+
+def run(make, f, t_span, y0, steps):
+    """Steps of one length of a stepper that is made for this run."""
+    step, h, states = make(), (t_span[1] - t_span[0]) / steps, [np.array(y0)]
+    times = [t_span[0] + n * h for n in range(steps + 1)]
+    for t in times[:-1]:
+        states.append(step(f, t, states[-1], h))
+    return times, states

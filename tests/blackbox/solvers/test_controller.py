@@ -129,7 +129,7 @@ OTHERS = {
     "leaping": adaptive(changed=lambda factor, rejections: 4.0 if 2 < factor < 2.5 else factor),
     "of the other order": adaptive("fehlberg45", exponent=0.25),
     "of another order": adaptive("cash_karp54", exponent=0.25),
-    "grows after a rejection": adaptive(grows_after_rejection=True),
+    "grows after a rejection": adaptive(grows_after_rejection=True, most=1.5),
     "doubles at 0": adaptive(growth_at_zero=2.0),
     "stale": adaptive("fehlberg45", stale=True, exponent=0.2),
     "stale at an end": adaptive(stale=True), "accepts large errors": adaptive(accepted=100.0),

@@ -13,20 +13,11 @@ from driftproof.blackbox.solvers.multistep import BACKWARD_EULER, TRAPEZOID, _qu
 from driftproof.symbolic.linear.multistep import MultistepFacts
 from tests.blackbox.families import remembering_steppers as planted
 from tests.blackbox.families.remembering_steppers import Corrected, Remembering, euler, rk4_step
-from tests.blackbox.solvers.planted_solvers import adaptive
+from tests.blackbox.solvers.planted_solvers import adaptive, run
 from tests.blackbox.transcripts import Asked, summed
 from tests.looping import exactly, some
 
 BASHFORTH4 = [55 / 24, -59 / 24, 37 / 24, -9 / 24]
-
-
-def run(make, f, t_span, y0, steps):
-    """Steps of one length of a stepper that is made for this run."""
-    step, h, states = make(), (t_span[1] - t_span[0]) / steps, [np.array(y0)]
-    times = [t_span[0] + n * h for n in range(steps + 1)]
-    for t in times[:-1]:
-        states.append(step(f, t, states[-1], h))
-    return times, states
 
 
 def by_number(make):

@@ -10,7 +10,7 @@ from driftproof.blackbox.solvers.foreign_solver import ForeignSolver, SolverTarg
 from driftproof.blackbox.solvers.steps import read_steps
 from driftproof.methods.catalogue import METHODS
 from tests.blackbox import handwritten_steppers as codes
-from tests.blackbox.solvers.planted_solvers import adaptive, fixed
+from tests.blackbox.solvers.planted_solvers import adaptive, fixed, run
 from tests.blackbox.transcripts import Asked
 
 PAIRS = ["bogacki_shampine32", "fehlberg45", "dormand_prince54", "dop853"]
@@ -19,34 +19,6 @@ PAIRS = ["bogacki_shampine32", "fehlberg45", "dormand_prince54", "dop853"]
 def only_the_end(f, t_span, y0, rtol, atol):
     found = fixed(300)(f, t_span, y0, rtol, atol)
     return [found[0][0], found[0][-1]], [found[1][0], found[1][-1]]
-
-
-def implicit(f, t_span, y0, rtol, atol):
-    """Backward Euler by fixed-point iteration until it has converged."""
-    start, y, h = t_span[0], y0, (t_span[1] - t_span[0]) / 20
-    times, states = [start], [y0]
-    for n in range(20):
-        y1 = y
-        for _ in range(50):
-            old, y1 = y1, y + h * f(start + (n + 1) * h, y1)
-            if max(abs(y1 - old)) <= 1e-12 * max(abs(y1)):
-                break
-        y = y1
-        times.append(start + (n + 1) * h)
-        states.append(y)
-    return times, states
-
-
-def adams_bashforth(f, t_span, y0, rtol, atol):
-    """Of order 2, with an Euler step first."""
-    start, h, y = t_span[0], (t_span[1] - t_span[0]) / 20, y0
-    times, states, before = [start], [y0], None
-    for n in range(20):
-        slope = f(start + n * h, y)
-        y, before = y + h * (slope if before is None else 1.5 * slope - 0.5 * before), slope
-        times.append(start + (n + 1) * h)
-        states.append(y)
-    return times, states
 
 
 def limited(f, t_span, y0, rtol, atol):
@@ -66,17 +38,32 @@ def with_calls_around(f, t_span, y0, rtol, atol):
     return found
 
 
+def implicit(f, t, y, h):
+    """Backward Euler by fixed-point iteration until it has converged."""
+    y1, old = y, np.inf
+    while max(abs(y1 - old)) > 1e-12 * max(abs(y1)):
+        old, y1 = y1, y + h * f(t + h, y1)
+    return y1
+
+
+def adams_bashforth():
+    """Of order 2, with an Euler step first."""
+    kept = []
+
+    def step(f, t, y, h):
+        kept.append(f(t, y))
+        return y + h * (kept[0] if len(kept) == 1 else 1.5 * kept[-1] - 0.5 * kept[-2])
+
+    return step
+
+
+def twenty(make):
+    """Twenty steps of a stepper."""
+    return lambda f, t_span, y0, rtol, atol: run(make, f, t_span, y0, 20)
+
+
 def of_stages(a, b, c):
-    """Twenty steps of a method of these stages."""
-
-    def solve(f, t_span, y0, rtol, atol):
-        h = (t_span[1] - t_span[0]) / 20
-        times, states, step = [t_span[0] + n * h for n in range(21)], [np.array(y0)], codes.tableau(a, b, c)
-        for t in times[:-1]:
-            states.append(step(f, t, states[-1], h))
-        return times, states
-
-    return solve
+    return twenty(lambda: codes.tableau(a, b, c))
 
 
 TEN_TIMES = [[float(i == j + 1) for j in range(10)] for i in range(10)], [0.0] * 9 + [1.0], [0.0, *[1.0] * 9]
@@ -90,7 +77,8 @@ OTHERS = {
     "of rk4, without the last stage of a pair": of_stages(*codes.floats(METHODS["rk4"])),
     "at the floats before": of_slopes(lambda f, t, y: f(np.nextafter(t, -1.0), y)),
     "no times": lambda f, t_span, y0, *_: ([1.0], [y0]),
-    "only the end": only_the_end, "multistep": adams_bashforth, "implicit": implicit,
+    "only the end": only_the_end, "implicit": twenty(lambda: implicit),
+    "multistep": twenty(adams_bashforth),
     "iterated": of_stages(*TEN_TIMES), "clipped": limited,
     "limited": of_slopes(lambda f, t, y: np.clip(f(t, y), -1.5, 1.5)),
     "bent": of_slopes(lambda f, t, y: np.asarray(f(t, y)) ** 3),

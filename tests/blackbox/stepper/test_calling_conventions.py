@@ -23,7 +23,7 @@ WILD = {
         "q, v, h", "x, v, dt", "q, p, h", "pos, vel, dt", "theta, omega, dt", "X, V, dT", "_q, _v, _h",
     ],
     (MAP, "velocity position step"): ["v, x, dt"], (MAP, "step position velocity"): ["dt, x, v"],
-    (MAP, "time position velocity step"): ["t, x, v, dt"], (MAP, "state step"): ["state, dt", "y, h", "z, tau"],
+    (MAP, "time position velocity step"): ["t, x, v, dt"], (MAP, "state step"): ["state, dt", "y, h", "p, dt"],
     (MAP, "state time step"): ["y, t, h"],
     (FORCE, "function position velocity step"): ["force, q, v, h", "get_acceleration, r, v, timestep"],
     (FORCE, "position velocity step function"): ["x, v, dt, accel"],

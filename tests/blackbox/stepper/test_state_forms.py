@@ -67,7 +67,11 @@ def in_place(state: Slotted, h):
     state.q, state.v = new.q, new.v
 
 
-@pytest.mark.parametrize("step", [moved, returned, in_place])
+def of_a_particle(p: Slotted, h):
+    return returned(p, h)
+
+
+@pytest.mark.parametrize("step", [moved, returned, in_place, of_a_particle])
 def test_a_dataclass_with_slots_is_a_state_as_well(step):
     assert opened(step).step(1.0, 0.5, 0.25) == (1.125, 0.21875)
 
