@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from contextlib import suppress
 from functools import partial
 from types import BuiltinFunctionType, CellType, FunctionType, MethodType, ModuleType
@@ -41,11 +41,9 @@ def enclosed_values(
     name: str, function: Callable[[Any], Any], y: Sequence[Enclosed], evaluation: Evaluation
 ) -> list[Enclosed]:
     """The values of a user's function of an array, in the arithmetic of y. Raises Refused if it cannot run in it."""
-    state = np.empty(len(y), dtype=object)
-    state[:] = y
     refusals = Refused.made
     try:
-        values = np.asarray(function(state), dtype=object).ravel()
+        values = np.asarray(function(array_of(y)), dtype=object).ravel()
     except Refused:
         raise
     except Exception as error:  # a user's function may raise anything
@@ -56,6 +54,14 @@ def enclosed_values(
     if Refused.made > refusals:  # floats may take another path
         raise Refused(f"{name} catches the exception that refuses what it computes; let it pass")
     return [_lifted(value, evaluation) for value in values]
+
+
+def array_of(values: Iterable[Any]) -> Any:
+    """An array of objects: NumPy would look into balls."""
+    listed = list(values)
+    made = np.empty(len(listed), dtype=object)
+    made[:] = listed
+    return made
 
 
 def _lifted(rate: object, evaluation: Evaluation) -> Enclosed:

@@ -121,7 +121,10 @@ def field_of_table(table: TomlTable) -> VectorField:
     try:
         field = field_of_text(rates if isinstance(rates, list) else [*rates.values()], parameters, names)
     except MethodError as error:
-        raise MethodError(f"{error}; for names of your own: rates.x = ..., start.x = ..., parameters.k = ...") from None
+        if isinstance(rates, list):
+            more = "for names of your own: rates.x = ..., start.x = ..., parameters.k = ..."
+            raise MethodError(f"{error}; {more}") from None
+        raise MethodError(re.sub(r"\by(\d+)\b", lambda found: [*rates][int(found[1])], str(error))) from None
     if "pi" in _WORD.findall(energy_of_table(table) or "") and "pi" not in dict(field.parameters):
         return VectorField(field.rates, (*field.parameters, ("pi", PI)))
     return field

@@ -16,7 +16,7 @@ from driftproof.enclosure.fields import rebound
 from driftproof.enclosure.trajectories import read_trajectory, trajectory_of
 from driftproof.symbolic.algebra.certified import endpoints
 from tests.enclosure.mutants import mutant
-from tests.enclosure.right_hand_sides import pendulum
+from tests.enclosure.right_hand_sides import kepler, pendulum
 from tests.enclosure.truncations import slope_of_truncation
 from tests.looping import exactly, some
 
@@ -106,6 +106,14 @@ def test_scipy_is_split_as_it_comes():
         thinned = integrate.solve_ivp(pendulum, (0, 2), [2.0, 0.0], method=solver, t_eval=[0.0, 0.7, 2.0])
         with pytest.raises(Refused, match="no t_eval to SciPy"):
             certify(thinned, pendulum, method=solver)
+
+
+def test_large_coefficients_that_cancel_in_a_long_step_are_no_other_method():
+    """Weights of DOP853 add up to 13 in size, rows of A to 96: balls of 53 bits widen to 1e-12 in a step of 3/4."""
+    integrate = pytest.importorskip("scipy.integrate")
+    solution = integrate.solve_ivp(kepler, (0, 6), [1.0, 0.0, 0.0, 1.0], rtol=1e-9, method="DOP853")
+    assert max(np.diff(solution.t)) > 0.75
+    assert abs(certify(solution, kepler, method="DOP853").split.rounding[-1][0]) < 1e-13
 
 
 def test_binary32_run_is_split():
@@ -206,6 +214,8 @@ def test_what_is_no_run_of_the_method_is_refused_in_one_line(said):
 def test_method_that_is_none_is_bad_input():
     with pytest.raises(ValueError, match="unknown method 'rk5'; did you mean"):
         certify(pendulum, TIMES, STATES, method="rk5")
+    with pytest.raises(ValueError, match="SciPy's BDF takes another formula at each step"):
+        certify(pendulum, TIMES, STATES, method="BDF")
 
 
 def test_as_many_steps_as_are_too_many_are_refused(monkeypatch):

@@ -16,6 +16,7 @@ from driftproof.blackbox.stepper.call_text import call_text
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.methods.schemes import Method
 from driftproof.symbolic.algebra.certified import significant
+from driftproof.symbolic.rounding.formats import BINARY64
 
 COMPONENTS = ("q", "v")
 # Chosen: an error that one state in 300 shows is missed with probability 1/30; this many steps take 0.1 s.
@@ -119,8 +120,8 @@ class Agreement:
     """The comparison of a stepper with a method over `examples` steps.
 
     `worst` is the example tried with the largest error over its bound. `failing` is the simplest example found beyond
-    its bound, or None. `but_for` says under which allowance no example is beyond its bound, if that was tried. Sampling
-    is evidence, not proof; the bound is proved.
+    its bound, or None. `but_for` says under which allowance no example is beyond its bound, if that was tried. `narrow`
+    names the format of answers that are not doubles. Sampling is evidence, not proof; the bound is proved.
     """
 
     method: str
@@ -130,6 +131,7 @@ class Agreement:
     failing: Example | None
     largest_scaled_error: float
     but_for: str = ""
+    narrow: str = ""
 
     @property
     def holds(self) -> bool:
@@ -269,7 +271,8 @@ class _Campaign:
         assert self.worst is not None
         worst = _in_full(self.worst, tolerance, subject)
         failing = None if self.failing is None else _in_full(self.failing, tolerance, subject)
-        return Agreement(tolerance.method.key, domain, self.examples, worst, failing, max(self.scaled_errors))
+        narrow, largest = "" if tolerance.format is BINARY64 else tolerance.format.name, max(self.scaled_errors)
+        return Agreement(tolerance.method.key, domain, self.examples, worst, failing, largest, narrow=narrow)
 
 
 def _fails(example: Example) -> bool:
