@@ -135,7 +135,7 @@ REFUSED = [
     ("run rk4 rates=(y0) from 1 lambda=1 h=1/4 t=1 : y0", 16, "two problems"),
     ("run rk4 rates=y0 from 1 h=1/4 t=1 : y0", 15, "in brackets, like (y1, -sin(y0))"),
     ("run rk4 rates=(y0 from 1 h=1/4 t=1 : y0", 15, "a bracket is not closed"),
-    ("run rk4 rates=(y0 y0) from 1 h=1/4 t=1 : y0", 16, "column 4: 'y0' has no place here"),
+    ("run rk4 rates=(y0 2) from 1 h=1/4 t=1 : y0", 16, "column 4: '2' has no place here"),
     ("run rk4 rates=(y0, z) from 1,1 h=1/4 t=1 : y0", 16, "'z' has no place"),
     ("run gauss2 rates=(y0) from 1 h=1/4 t=1 : k1.y0", 42, "no readout of run; there are y0"),
     ("run rk4 lambda=1 from 1 h=1/4 t=1 : y", 1, "y' = λy begins at 1"),
