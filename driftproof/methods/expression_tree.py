@@ -7,13 +7,14 @@ power    = atom [("**" | "^") (exponent | "(" exponent ["/" exponent] ")")]
 exponent = ["-"] (integer | decimal)
 atom     = number | name | name "(" sum ("," sum)* ")" | "(" sum ")"
 
-The entries of a tableau, of a system and of a family are such expressions; questions extend the grammar.
+The entries of a tableau, of a system and of a family are such expressions; questions extend the grammar. In a rate a
+product may stand without its sign, as in -2y and y(1 - y), unless it follows a quotient or a power, as in 1/2y.
 """
 
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any, ClassVar, NamedTuple, TypeAlias
@@ -130,6 +131,7 @@ class ExpressionParser:
     example: ClassVar[str] = "write a number such as 1/4"
     refusal: ClassVar[type[ExpressionError]] = ExpressionError
     tokens_are: ClassVar[re.Pattern[str]] = _TOKEN
+    numbers: Collection[str] = ()  # their names in a rate, where a bracket after one is a factor
 
     def __init__(self, text: str, longest: int = LONGEST_EXPRESSION, largest_power: int = LARGEST_POWER) -> None:
         """Cut the text into tokens. Raises `refusal` for a character that no token has, and for too long a text."""
@@ -196,10 +198,19 @@ class ExpressionParser:
     def _chain(self, read: Callable[[], Any], *signs: str) -> Any:
         """Read operands by `read`, with one of the signs between two of them."""
         column, first = self.next.column, read()
-        rest = []
-        while sign := self.accept(*signs):
-            rest.append((sign, read()))
+        rest = list[tuple[Token, Any]]()
+        while (sign := self.accept(*signs)) or ("*" in signs and self.continues()):
+            *before, last = (token.text for token in self.tokens[max(self.at - 3, 0) : self.at])
+            raised = self.next.text != "(" and not {"^", "**"}.isdisjoint(before)
+            if not sign and (raised or "/" in [divided.text for divided, _ in rest]):
+                raise self.error(self.next, f"after / or ^ write a product with its sign: {last}*{self.next.text}")
+            rest.append((sign or Token(SIGN, "*", self.next.column), read()))
         return ChainNode(column, first, tuple(rest)) if rest else first
+
+    def continues(self) -> bool:
+        """Whether a factor of a rate stands where a sign should."""
+        begins = self.next.kind == NAME and self.tokens[self.at + 1].text == "("
+        return bool(self.numbers) and (begins or self.next.text in ("(", *self.numbers))
 
     def _factor(self) -> Any:
         sign = self.accept("+", "-")
@@ -245,7 +256,7 @@ class ExpressionParser:
             return node
         if token.kind != NAME:
             raise self.error(token, f"expected a number, a name or a bracket, found {token.shown}")
-        return self._call(token) if self.accept("(") else self.named(token)
+        return self._call(token) if token.text not in self.numbers and self.accept("(") else self.named(token)
 
     def named(self, name: Token) -> Any:
         """Return the node of a name that is not called; a grammar that extends this one may read on."""

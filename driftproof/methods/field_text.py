@@ -9,16 +9,8 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
-from driftproof.methods.expression_tree import (
-    CallNode,
-    ChainNode,
-    ExpressionError,
-    ExpressionParser,
-    NameNode,
-    NegatedNode,
-    NumberNode,
-    PowerNode,
-)
+from driftproof.methods import expression_tree as tree
+from driftproof.methods.expression_tree import ExpressionError
 from driftproof.methods.expressions import parse_number
 from driftproof.methods.number_field import Exact, ends_of
 from driftproof.methods.schemes import MethodError
@@ -66,7 +58,7 @@ class _Pi:
 
 # Not an element of a number field, and yet exact: a `VectorField` takes it as a parameter like those.
 PI: Any = _Pi()
-_WORD = re.compile(r"[A-Za-z_]\w*")
+_WORD, _UNKNOWN = re.compile(r"[A-Za-z_]\w*"), re.compile(r"\by[0-9]*\b")
 
 
 def field_of_text(
@@ -82,7 +74,8 @@ def field_of_text(
     ('y1', '-(1 / 2) * (y0 * y0)')
     """
     texts, known = rates.split(";") if isinstance(rates, str) else list(rates), dict(parameters or {})
-    written = tuple(rate_of_text(text, names or _names(texts, known)) for text in texts)
+    spelled = {name: name for name in known} | dict(names or _names(texts, known))
+    written = tuple(rate_of_text(text, spelled) for text in texts)
     if any("pi" in _WORD.findall(text) for text in written):
         known.setdefault("pi", PI)
     return VectorField(written, tuple(known.items()))
@@ -97,7 +90,8 @@ def _names(rates: Sequence[str] | Mapping[str, str], parameters: Mapping[str, An
 
 def rate_of_text(text: str, names: Mapping[str, str] | None = None) -> str:
     """The expression as a `VectorField` takes it: names replaced, no decimals, no powers. Raises ExpressionError."""
-    return _Writer(text, names or {}).written()
+    writer = _Writer(text, names or {})
+    return writer.bare_text(writer.tree())
 
 
 def field_of_file(path: str | Path) -> VectorField:
@@ -171,7 +165,7 @@ def _parameters(table: TomlTable) -> tuple[dict[str, Exact], dict[str, str]]:
     return parameters, names
 
 
-class _Writer(ExpressionParser):
+class _Writer(tree.ExpressionParser):
     """A parser that rewrites an expression with sums, products, quotients and functions of names and whole numbers."""
 
     what, example = "a right-hand side", "write a rate such as y1 or -sin(y0)"
@@ -179,37 +173,34 @@ class _Writer(ExpressionParser):
     def __init__(self, text: str, names: Mapping[str, str]) -> None:
         """Take the expression, and the texts by which its `names` are replaced."""
         super().__init__(text)
-        self.names = names
+        self.names, self.numbers = names, ("t", "pi", *names, *_UNKNOWN.findall(text))
 
-    def written(self) -> str:
-        return self._bare_text(self.tree())
-
-    def _bare_text(self, node: Any) -> str:
+    def bare_text(self, node: Any) -> str:
         """The text of a node, without brackets around a chain."""
-        return self._chain_text(node) if isinstance(node, ChainNode) else self._text(node)
+        return self._chain_text(node) if isinstance(node, tree.ChainNode) else self._text(node)
 
-    def _chain_text(self, node: ChainNode) -> str:
+    def _chain_text(self, node: tree.ChainNode) -> str:
         parts = [self._text(node.first), *(f" {sign.text} {self._text(part)}" for sign, part in node.rest)]
         return self._short("".join(parts), node.column)
 
     def _text(self, node: Any) -> str:
         match node:
-            case NumberNode(value=value):
+            case tree.NumberNode(value=value):
                 return str(value.numerator) if value.denominator == 1 else f"({value.numerator} / {value.denominator})"
-            case NameNode(name=name):
+            case tree.NameNode(name=name):
                 return self.names.get(name, str(name))
-            case NegatedNode(node=inner):
+            case tree.NegatedNode(node=inner):
                 return f"-{self._text(inner)}"
-            case ChainNode():
+            case tree.ChainNode():
                 return f"({self._chain_text(node)})"
-            case CallNode(function=name, arguments=(argument,)) if name in FUNCTIONS:
-                return f"{name}({self._bare_text(argument)})"
-            case PowerNode():
+            case tree.CallNode(function=name, arguments=(argument,)) if name in FUNCTIONS:
+                return f"{name}({self.bare_text(argument)})"
+            case tree.PowerNode():
                 return self._power_text(node)
         known = ", ".join(FUNCTIONS)
         raise ExpressionError(self.text, node.column, f"the functions are {known}, each of one argument")
 
-    def _power_text(self, node: PowerNode) -> str:
+    def _power_text(self, node: tree.PowerNode) -> str:
         whole, rest = divmod(abs(node.exponent), 1)
         if rest not in (0, Fraction(1, 2)):
             raise ExpressionError(self.text, node.column, "an exponent must be a multiple of 1/2")

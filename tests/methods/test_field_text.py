@@ -125,3 +125,17 @@ def test_start_by_names_needs_the_names_of_the_rates():
     for wrong in ({"start": {"x": 1}, "rates": ["y1"]}, {"start": {"x": 1}, "rates": {"v": "1"}}):
         with pytest.raises(ValueError, match="start has the names x; rates must have the same names"):
             start_of_table(wrong)
+
+
+@pytest.mark.parametrize(("text", "plain"), [
+    ("-2y", "-2*y"), ("y(1 - y)", "y*(1 - y)"), ("2 sin(t) y/3", "2*sin(t)*y/3"), ("(1 - y)(2 - y)", "(1 - y)*(2 - y)"),
+    ("k(1 - y)", "k*(1 - y)"), ("-y^2(1 - y)", "-y^2*(1 - y)"), ("2t - 3pi", "2*t - 3*pi"),
+])  # fmt: skip
+def test_a_product_may_stand_without_its_sign_where_it_has_one_meaning(text: str, plain: str) -> None:
+    assert field_of_text([text], {"k": Fraction(3)}) == field_of_text([plain], {"k": Fraction(3)})
+
+
+@pytest.mark.parametrize("text", ["y/2t", "1/2(1 - y)", "y^2t", "2^-3y", "y 2", "2 tan(y)", "2k"])
+def test_one_with_two_meanings_or_of_unknown_names_is_refused(text: str) -> None:
+    with pytest.raises(ValueError, match=r"with its sign: |unexpected|the functions are"):
+        field_of_text([text])

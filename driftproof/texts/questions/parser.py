@@ -16,6 +16,7 @@ or a setting, and words such as "with" may stand between any parts; "error of rk
 
 from __future__ import annotations
 
+import re
 from collections import defaultdict
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -37,6 +38,7 @@ _WITHOUT_SIGN = {*SETTINGS, *wording.OTHER_SETTINGS}
 _HEADS = ("step", "run", "exact", "roundoff")
 _WITH_EQUATION = "as in run heun2 y'=-y y(0)=1 h=0.1 t=1 : error"
 _OF_METHOD = "order rk4, or run rk4 h=0.1 t=1 : q"
+_UNKNOWNS = re.compile(r"\w+(?= ?')|(?<=\bd)\w+(?= ?/ ?dt\b)")
 # Texts have powers such as (17/16)**1000; powers that are too long to write out are enclosed.
 LARGEST_POWER_ASKED = 10**6
 
@@ -287,13 +289,20 @@ class _QuestionParser(PieceParser):
         if self.accept("("):
             self.take(), self.expect(")", "a bracket is not closed")
         self.expect("=", "expected = and a rate, as in y'=-2*y")
-        first, self.in_rate = self.next, True
+        first, self.in_rate, self.numbers = self.next, True, ("t", "pi", "π", *_UNKNOWNS.findall(self.text))
         self.sum()
-        self.in_rate = False
-        last = self.tokens[self.at - 1]
-        if last.kind == NUMBER and self.next.column == last.end and (self.next.kind == NAME or self.next.text == "("):
-            raise self.error(self.next, f"write a product with its sign: {last.text}*{self.next.text}")
+        self.in_rate, self.numbers = False, ()
+        if self.next.kind == NAME and self.next.column == self.tokens[self.at - 1].end:
+            raise self.error(
+                self.next, f"{self.next.shown} is not an unknown or a function; write a product as t*y or t y"
+            )
         return self.piece(first.column, self.tokens[self.at - 1].end)
+
+    def continues(self) -> bool:
+        """Whether a rate continues with a factor, and no setting such as t=1 and no start such as y(0)=1 begins."""
+        after, inside = self.after(self.at), self.after(self.at + 1)
+        begins = after.text in ("=", "'") or NUMBER in (after.kind, inside.kind if after.text == "(" else END)
+        return super().continues() and (self.next.text == "(" or not begins)
 
     def setting(self, name: Token, settings: dict[str, NumberNode]) -> None:
         """Parse a setting NAME=LITERAL after its name; the equals sign is optional, and steps means N."""

@@ -137,7 +137,7 @@ REFUSED = [
     ("run rk4 rates=(y0) from 1 lambda=1 h=1/4 t=1 : y0", 16, "give only one of them"),
     ("run rk4 rates=y0 from 1 h=1/4 t=1 : y0", 15, "in brackets, separated by commas, as in (y1, -sin(y0))"),
     ("run rk4 rates=(y0 from 1 h=1/4 t=1 : y0", 15, "a bracket is not closed"),
-    ("run rk4 rates=(y0 y0) from 1 h=1/4 t=1 : y0", 16, "column 4: unexpected 'y0'"),
+    ("run rk4 rates=(y0 2) from 1 h=1/4 t=1 : y0", 16, "column 4: unexpected '2'"),
     ("run rk4 rates=(y0, z) from 1,1 h=1/4 t=1 : y0", 16, "'z' is not allowed"),
     ("run gauss2 rates=(y0) from 1 h=1/4 t=1 : k1.y0", 42, "not a readout of run; the readouts are y0"),
     ("run rk4 lambda=1 from 1 h=1/4 t=1 : y", 1, "y' = λy always starts at 1"),
