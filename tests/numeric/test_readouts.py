@@ -60,6 +60,7 @@ def test_energy_has_the_bits_of_its_formula_for_ordinary_states(q: float, v: flo
 def test_equal_energy_is_not_equal_state() -> None:
     here, there = (1.0, 0.0), (0.0, -1.0)
     assert energy(here) == energy(there) == 0.5
+    assert energy((Fraction(1, 3), Fraction(-10) ** 200)) == Fraction(1, 18) + Fraction(10) ** 400 / 2
     assert float_energy_change(here, there) == 0
     assert state_error(here, there) == sqrt(2)
     assert phase_error(there, here) == 90  # clockwise is ahead
