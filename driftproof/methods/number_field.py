@@ -324,9 +324,8 @@ def integer_root(n: int, degree: int) -> Algebraic:
     """The number n ** (1/degree) for an integer n > 1 that is no such power. Raises ValueError for any other n."""
     from flint import fmpz
 
-    floor = int(fmpz(n).root(degree)) if n > 1 else n
     name = f"sqrt({n})" if degree == 2 else f"{n}**(1/{degree})"
-    if n < 2 or floor**degree == n:
+    if n < 2 or (floor := int(fmpz(n).root(degree))) ** degree == n:
         raise ValueError(
             f"{name}: the number must exceed 1 and not be a {({2: 'square', 3: 'cube'}).get(degree, 'power')}"
         )

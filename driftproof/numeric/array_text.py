@@ -103,7 +103,7 @@ class _Writer:
 
     def release(self, place: str) -> None:
         """Mark a buffer as free; arrays of the state are not buffers."""
-        if re.fullmatch(r"b\d+", place) and place not in self.free:
+        if re.fullmatch(r"b\d+", place):
             self.free.append(place)
 
     def is_scalar(self, tree: ast.expr) -> bool:

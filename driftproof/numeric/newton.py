@@ -30,9 +30,9 @@ Steps: TypeAlias = Callable[..., None]
 # Indices in a report: counts over all steps, the largest residual, and, for a step that fails, its outcome, its number
 # and the iterations, residual and time of its undamped attempt; the number of its system in an ensemble.
 ITERATIONS, EVALUATIONS, RESIDUAL, OVER_FLOOR, STATE, STEP, TRIED, LEFT, LEFT_OVER_FLOOR, TIME, SYSTEM = range(11)
-DONE, UNSOLVED, OVERFLOWS = 0.0, 1.0, 2.0
+DONE, UNSOLVED, OVERFLOWS = range(3)
 # How the new state is formed: it is the last stage, or is formed from the moves, or from the slopes.
-LAST, MOVES, SLOPES = 0, 1, 2
+LAST, MOVES, SLOPES = range(3)
 
 
 class StepTable(NamedTuple):
@@ -94,7 +94,7 @@ def implicit_steps(
     rate: RateWriter, jacobian: RateWriter, band: Band = FULL, kind: NumberKind = PYTHON_FLOATS
 ) -> Steps:
     """Return the loop over steps for a problem; the method comes with each call, as a `StepTable`."""
-    (compiled, zeros, indices), (lower, upper) = kind, band
+    (compiled, zeros, indices), (lower, upper), full = kind, band, band == FULL
     residual = residual_of(rate, band, kind)
     factored, solve = elimination(kind)
 
@@ -107,8 +107,8 @@ def implicit_steps(
                 x[i * stage + k * component] = g[i][k]
         solve(m, order, len(x), x, below, above)
         square = 0.0
-        for k in range(len(x) - 1, -1, -1):
-            square += x[k] * x[k]
+        for value in x:
+            square += value * value
         return square
 
     @compiled
@@ -156,7 +156,7 @@ def implicit_steps(
         """
         n, stages, width = len(y), len(a), min(len(y), lower + upper + 1)
         # The unknowns are ordered stage by stage or, for the matrix to be a band, component by component.
-        wide = (n, 1, lower, upper) if lower >= n else (1, stages, stages * (lower + 1) - 1, stages * (upper + 1) - 1)
+        wide = (n, 1, lower, upper) if full else (1, stages, stages * (lower + 1) - 1, stages * (upper + 1) - 1)
         (stage, component, below, above), size = wide, stages * n
         jacobians, m = zeros(stages, n, width), zeros(size, min(size, 2 * below + above + 1))
         order = indices(size)
@@ -187,7 +187,7 @@ def implicit_steps(
                 ratio = residual(t, y, h, a, c, trial, known, jacobians, g)
                 if not damped or ratio <= 1 or part < SHORTEST:
                     break
-                if isfinite(ratio) and corrected(m, order, g, next_x, wide) <= (1 - part / 4) ** 2 * square:
+                if isfinite(ratio) and corrected(m, order, g, next_x, wide) < square:
                     break
                 part /= 2
             now, trial = trial, now

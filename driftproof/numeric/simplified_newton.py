@@ -76,7 +76,7 @@ def work_for(n: int, table: CollocationTable, band: Band, kind: NumberKind = PYT
     of_stages, vectors = (zeros(stages, n) for _ in range(4)), (zeros(max(2 * n, stages)), zeros(n), zeros(n))
     matrices, exchanged = zeros(count, 2 * n, wide), indices(count, 2 * n)
     made = Work(*(zeros(6), zeros(n, width), matrices, exchanged, *of_stages, *vectors))
-    made.memory[WANTED], made.memory[LEFT] = True, 1.0
+    made.memory[WANTED], made.memory[LEFT], made.memory[TRIED] = True, 1.0, inf
     return made
 
 
@@ -133,15 +133,14 @@ def collocation_attempts(
         multiply(table.to_blocks, changes, n, x)
         for b in range(len(table.blocks)):
             first, two = table.blocks[b][0], table.blocks[b][1]
-            if two > 0:
-                for k in range(n):
-                    for i in range(two):
-                        x[two * k + i] = changes[first + i][k]
-                below, above = two * (lower + 1) - 1, two * (upper + 1) - 1
-                solve(work.matrices[b], work.exchanged[b], two * n, x, below, above)
-                for k in range(n):
-                    for i in range(two):
-                        changes[first + i][k] = x[two * k + i]
+            for k in range(n):
+                for i in range(two):
+                    x[two * k + i] = changes[first + i][k]
+            below, above = two * (lower + 1) - 1, two * (upper + 1) - 1
+            solve(work.matrices[b], work.exchanged[b], two * n, x, below, above)
+            for k in range(n):
+                for i in range(two):
+                    changes[first + i][k] = x[two * k + i]
         multiply(table.from_blocks, changes, n, x)
 
     @compiled
@@ -190,8 +189,8 @@ def collocation_attempts(
 
     @compiled
     def start(n: int, h: float, table: CollocationTable, work: Work) -> None:
-        """Set the moves by extrapolating the polynomial of the previous step; to 0 if there is none."""
-        ratio, polynomial = h / work.memory[BEFORE] if work.memory[BEFORE] > 0 else 0.0, work.polynomial
+        """Set the moves by extrapolating the polynomial of the previous step, or of 0 if there is none."""
+        ratio, polynomial = h / work.memory[BEFORE], work.polynomial
         for i in range(len(table.c)):
             x = 1 + ratio * table.c[i]
             for k in range(n):
@@ -199,7 +198,7 @@ def collocation_attempts(
                 for j in range(len(table.c) - 1, -1, -1):
                     value = (value + polynomial[j][k]) * x
                     at_end += polynomial[j][k]
-                work.moves[i][k] = value - at_end if ratio > 0 else 0.0
+                work.moves[i][k] = value - at_end
 
     @compiled
     def estimated(n: int, h: float, slope: Any, table: CollocationTable, work: Work, off: Any) -> None:

@@ -22,7 +22,7 @@ SMALLEST = 1e-10
 LEAST_STEP = 1e-30
 # Indices in a report, and the values of its STATE.
 EVALUATIONS, STEPS, REJECTED, STATE, TIME = range(5)
-DONE, TOO_SHORT, GIVEN_UP = 0.0, 1.0, 2.0
+DONE, TOO_SHORT, GIVEN_UP = range(3)
 
 
 class Tolerances(NamedTuple):

@@ -41,6 +41,14 @@ def test_solutions_are_those_of_fractions(band: Band, size: int) -> None:
     assert tried > 14
 
 
+def test_rows_are_exchanged_for_a_larger_pivot_and_not_for_one_of_the_same_size() -> None:
+    for entry, other in ((2.0, 0), (-2.5, 1)):
+        exchanged = [9, 9]
+        assert FACTORED([[-2.0, 1.0], [entry, 1.0]], exchanged, 2, *FULL)
+        assert exchanged == [other, 1]
+
+
 def test_a_matrix_without_an_inverse_has_a_zero_pivot() -> None:
+    assert min(FULL) > 10**6
     assert not FACTORED([[1.0, 2.0], [2.0, 4.0]], [0, 0], 2, *FULL)
     assert not FACTORED([[0.0, 2.0], [0.0, 4.0]], [0, 0], 2, *FULL)

@@ -47,12 +47,6 @@ def test_a_run_at_1e302_or_1e_245_is_the_run_at_1_scaled_bit_for_bit(method):
         assert runner(method)(0.6 * scale, -0.8 * scale, 0.125, 5) == (q * scale, v * scale)
 
 
-def test_a_run_at_1e308_scales_too_where_no_sum_of_stages_is_larger():
-    scale = 2.0**1023
-    q, v = runner(VERLET)(0.5, -0.5, 0.125, 40)
-    assert runner(VERLET)(0.5 * scale, -0.5 * scale, 0.125, 40) == (q * scale, v * scale)
-
-
 def test_at_1e_308_products_are_subnormal_and_scaling_ends():
     """2^-1022 is 2.2e-308: h v is below it, and has fewer bits."""
     scale = 2.0**-1022
@@ -77,13 +71,6 @@ def test_a_compiled_run_does_not_flush_subnormals():
 
 
 # Formats
-
-
-def test_float16_overflows_at_65504_and_says_so_by_infinity():
-    q, v = np.array([6e4, 1.0], np.float16), np.array([6e4, 1.0], np.float16)
-    ensemble_runner(METHODS["forward_euler"])(q, v, 0.5, 1)
-    assert q[0] == inf
-    assert (q.dtype, float(q[1])) == (np.float16, 1.5)
 
 
 def test_float16_at_a_step_of_2_to_the_minus_12_never_leaves_1_and_compensated_it_does():

@@ -9,7 +9,7 @@ from driftproof.methods.catalogue import METHODS
 from driftproof.methods.vector_fields import VectorField
 from driftproof.numeric import field_loops, implicit
 from driftproof.numeric.advance import field_rate, float_start
-from driftproof.numeric.elimination import FULL
+from driftproof.numeric.elimination import FULL, Band
 from driftproof.numeric.implicit import (
     StageEquationsUnsolved,
     compiled_implicit_ensemble_runner,
@@ -55,7 +55,7 @@ def test_each_system_of_an_ensemble_takes_the_steps_that_it_takes_alone():
 def test_what_is_compiled_has_the_same_bits_on_arrays_before_that(monkeypatch):
     """One system and an ensemble, its failing system named; the field is of this test alone, as is what is kept."""
     monkeypatch.setattr(field_loops, "compiled_function", lambda function: function)
-    method, field = METHODS["radau_iia2"], VectorField(("y1 + 0 * t", "y0 * y0 * y0 - y1"))
+    method, field = METHODS["radau_iia2"], VectorField(("y1 + t / 8", "y0 * y0 * y0 - y1"))
     starts, run = np.array([[0.5, 0.25], [-1.0, 0.5], [0.125, 2.0]]).T.copy(), implicit_runner(method, field)
     alone = [run(tuple(start), 0.125, 2, 9) for start in starts.T.tolist()]
     run, on_arrays = implicit_runner(method, field), compiled_implicit_runner(method, field)
@@ -82,9 +82,11 @@ def test_in_a_band_stages_are_those_of_full_matrices_up_to_rounding(key, monkeyp
     for band in (field_loops.band_of, lambda reads: FULL):
         monkeypatch.setattr(field_loops, "band_of", band)
         implicit._steps_on.cache_clear()
-        runs.append(implicit_runner(METHODS[key], field)(start, 0.01, 0, 3))
-    assert runs[0] != start
-    assert runs[0] == pytest.approx(runs[1], rel=1e-13)
+        run = implicit_runner(METHODS[key], field)
+        runs.append((run(start, 0.01, 0, 3), run.calls))
+    (found, calls), (wanted, calls_of_full) = runs
+    assert found != start
+    assert (found, calls) == (pytest.approx(wanted, rel=1e-13), calls_of_full)
 
 
 def test_evaluations_are_the_calls_of_the_rate():
@@ -123,11 +125,21 @@ def test_damping_solves_what_newtons_method_alone_does_not():
         assert run.calls == calls
 
 
-def test_floor_of_several_stages_is_8e_plus_4r_by_its_formula():
+def test_a_correction_that_is_twice_too_long_is_halved():
+    """y' = -y by backward Euler with J = 0: 128 iterations from side to side, then one, its half, and nothing."""
+    step = implicit_stepper(METHODS["backward_euler"], lambda t, y: -y, lambda t, y: [[0.0]])
+    found = step(0.0, [1.0], 1.0)
+    assert (found.y.tolist(), found.residual, found.iterations) == ([0.5], 0, 128 + 3)
+
+
+@pytest.mark.parametrize("band", [FULL, Band(1, 0), Band(0, 1)])
+def test_floor_of_several_stages_is_8e_plus_4r_by_its_formula(band):
     """Of two stages and three components, written out in loops; of what is 0, whole numbers of eta are left."""
     a, y, h, u = [[0.25, -0.5], [1.5, 0.75]], [3.0, -2.0, 0.5], -0.75, 2.0**-53
     moves, known, slopes = (np.arange(6.0).reshape(2, 3) * x + 1 for x in (0.3, -0.7, 1.1))
-    jacobians = np.arange(18.0).reshape(2, 3, 3) - 7
+    lower, upper = (min(x, 2) for x in band)
+    jacobians = np.triu(np.tril(np.arange(18.0).reshape(2, 3, 3) - 7, upper), -lower)
+    rows = [[row[max(0, k - lower) : k + upper + 1].tolist() for k, row in enumerate(matrix)] for matrix in jacobians]
     largest = 0.0
     for i in range(2):
         for k in range(3):
@@ -141,8 +153,8 @@ def test_floor_of_several_stages_is_8e_plus_4r_by_its_formula():
             left = moves[i, k] - known[i, k] - h * sum(a[i][j] * slopes[j, k] for j in range(2))
             largest = max(largest, abs(left) / (8 * e + 4 * r))
     given, rest = iter(slopes.tolist()), np.zeros((2, 3))
-    residual = residual_of(lambda t, y, f: f.__setitem__(slice(None), next(given)))
-    found = residual(0.0, y, h, a, [0.0, 0.0], moves.tolist(), known.tolist(), jacobians.tolist(), rest)
+    residual = residual_of(lambda t, y, f: f.__setitem__(slice(None), next(given)), band)
+    found = residual(0.0, y, h, a, [0.0, 0.0], moves.tolist(), known.tolist(), rows, rest)
     assert found == pytest.approx(largest, rel=1e-14, abs=0)
     assert rest[1, 2] == pytest.approx(left, rel=1e-14, abs=0)
     still, one = [[0.0], [0.0]], [[5e-324], [0.0]]  # of what is 0, whole numbers of eta are left

@@ -7,11 +7,10 @@ from math import cos, hypot, inf, isinf, isnan, nan, nextafter, pi, sin, sqrt
 
 import numpy as np
 import pytest
-from hypothesis import assume, example, given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from driftproof.numeric.readouts import energy, exact_state, float_energy_change, phase_error, state_error
-from driftproof.strategies import states
 
 MAX_FLOAT = float(np.finfo(float).max)
 ANGLES = st.floats(-pi, pi, allow_nan=False)
@@ -61,6 +60,7 @@ def test_energy_has_the_bits_of_its_formula_for_ordinary_states(q: float, v: flo
 def test_equal_energy_is_not_equal_state() -> None:
     here, there = (1.0, 0.0), (0.0, -1.0)
     assert energy(here) == energy(there) == 0.5
+    assert energy((Fraction(1, 3), Fraction(-10) ** 200)) == Fraction(1, 18) + Fraction(10) ** 400 / 2
     assert float_energy_change(here, there) == 0
     assert state_error(here, there) == sqrt(2)
     assert phase_error(there, here) == 90  # clockwise is ahead
@@ -74,20 +74,6 @@ def test_phase_error_is_the_difference_of_angles_wrapped(a: float, b: float, siz
     whole = (np.degrees(a) - np.degrees(b) - found) / 360
     # A dozen roundings of angles up to 360 degrees: 12 * 360 * 2^-53 degrees, 12 * 2^-53 turns.
     assert abs(whole - round(whole)) < 12 * 2.0**-53
-
-
-@given(ANGLES, ANGLES)
-def test_phase_error_changes_sign_when_the_states_change_places(a: float, b: float) -> None:
-    forth, back = phase_error(at_angle(a), at_angle(b)), phase_error(at_angle(b), at_angle(a))
-    assume(forth != -180)
-    assert back == -forth
-
-
-@given(states(min_exponent=-1000), states(min_exponent=-1000))
-def test_phase_error_neither_overflows_nor_underflows(a: tuple[float, float], b: tuple[float, float]) -> None:
-    found = phase_error(a, b)
-    assert (found is None) == ((0, 0) in (a, b))
-    assert found is None or -180 <= found < 180
 
 
 OPPOSITE = [
@@ -106,11 +92,6 @@ def test_angles_beside_half_a_turn_keep_their_sign() -> None:
     assert phase_error((-1.0, 1e-9), (1.0, 0.0)) < -179
     nearest_below_pi = (-1.0, -nextafter(0, 1))  # an angle that rounds to 180 degrees
     assert phase_error(nearest_below_pi, (1.0, 0.0)) == -180
-
-
-def test_wrapping_hides_whole_turns() -> None:
-    start = (1.0, 0.0)
-    assert abs(phase_error(exact_state(start, 2 * pi + 0.5), exact_state(start, 0.5))) < 1e-13  # 2 pi is rounded, too
 
 
 def test_phase_error_is_undefined_at_the_origin_and_never_zero() -> None:

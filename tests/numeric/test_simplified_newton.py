@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from math import inf, sqrt
 
 import numpy as np
@@ -56,6 +57,8 @@ def test_a_table_is_what_its_names_say(key):
 def test_methods_that_tell_no_error_here_are_refused(key):
     with pytest.raises(MethodError, match=f"{key} has no estimate of its error here"):
         collocation_table(METHODS[key])
+    with pytest.raises(MethodError, match="no estimate"):
+        collocation_table(replace(METHODS["backward_euler"], a=((0,),)))
 
 
 @pytest.mark.parametrize("key", ["backward_euler", "radau_iia2", "radau_iia3", "gauss2", "gauss4"])
@@ -103,8 +106,9 @@ def test_iterations_start_on_the_polynomial_of_the_step_before(key):
 # after n more left^n (1 - left)/2 / tolerance times left/(1 - left), at most 0.01, is left; J is wanted anew if slow.
 ITERATIONS = [
     (5e-4, 1e-8, 3, 0.0), (0.1, 10.0, 2, 0.0), (0.1, 1.0, 2, 0.0), (0.1, 1e-2, 4, 1.0), (0.3, 0.02, 7, 1.0),
-    (0.5, 1.0, 6, 1.0), (0.1, 44.0, 2, 0.0), (0.1, 46.0, 1, 0.0),  # of the first step left/(1 - left) is taken as 1
-    *((0.3, 0.01, 2, None), (0.5, 0.1, 2, None), (0.9, 1.0, 2, None), (1.5, 1.0, 2, None)),
+    (0.5, 1.0, 6, 1.0), (0.1, 44.0, 2, 0.0), (0.1, 46.0, 1, 0.0), (0.1, 0.15, 3, 1.0), (0.1, 7.5, 2, 0.0),
+    (0.1, 8.0, 2, 0.0), (0.0, 1.0, 2, 0.0),
+    *((0.3, 0.01, 2, None), (0.5, 0.1, 2, None), (0.9, 1.0, 2, None), (1.5, 1.0, 2, None), (-1.0, 1.0, 2, None)),
 ]  # fmt: skip
 
 
@@ -120,8 +124,27 @@ def test_iterations_go_on_while_they_lead_within_the_tolerance(left, absolute, i
     work, given = work_for(1, table, FULL), Tolerances(relative, absolute, 2.0)
     error = attempt(0.0, [1.0], 1.0, True, [0.0], given, table, work, report)
     assert (error < inf) is (wanted is not None)
-    assert report[EVALUATIONS] == 1 + iterations + (1 < error < inf)  # of the slope, and again for a large error
+    large = wanted is not None and (1 - left) / 4 > absolute  # the first estimate, 1/2 over 1 - J
+    assert report[EVALUATIONS] == 1 + iterations + large
     assert wanted in (None, work.memory[WANTED])
+    if wanted is not None:  # once more: left/(1 - left) is at first taken to be what it was, a little worse
+        soon = iterations == 1 or (left / (1 - left)) ** 0.8 * (1 - left) / 2 / absolute <= 0.01
+        assert attempt(0.0, [1.0], 1.0, False, [0.0], given, table, work, report) < inf
+        assert report[EVALUATIONS] == 1 + iterations + large + (1 if soon else iterations) + large
+
+
+def test_an_old_matrix_that_fails_is_made_anew_and_nothing_is_known_of_what_the_new_one_leaves():
+    """y' = -y by an iteration that leaves a tenth, then -30 y, begun on the same line: it leads to -30/31."""
+    table = collocation_table(METHODS["backward_euler"])
+    for part, iterations in ((0.99, 1), (1.01, 2)):
+        now, report, made = [-1.0, 1 - 2 / 0.9], [0.0] * 5, []
+        jacobian = lambda t, y, m, now=now, made=made: made.append(t) or m.__setitem__(0, now[1:])
+        attempt = collocation_attempts(lambda t, y, f, now=now: f.__setitem__(0, now[0] * y[0]), jacobian)
+        work, given = work_for(1, table, FULL), Tolerances(0.0, 100 * (30 / 31 - 0.495) / part, 2.0)
+        assert attempt(0.0, [1.0], 1.0, True, [0.0], Tolerances(0.0, 1.0, 2.0), table, work, report) < 1
+        now[:], report[EVALUATIONS] = (-30.0, -30.0), 0.0
+        assert attempt(1.0, [1.0], 1.0, True, [0.0], given, table, work, report) < 1
+        assert (made, report[EVALUATIONS]) == ([0.0, 1.0], 1 + 2 + iterations)
 
 
 @pytest.mark.parametrize(("slope", "derivative"), [(lambda y: y, 1.0), (lambda y: inf, 0.0)])
@@ -147,7 +170,12 @@ def test_in_a_band_an_attempt_has_the_bits_of_full_matrices(key, band):
 
     for given in (FULL, band):
         within = [row[max(0, i - given.lower) : i + given.upper + 1] for i, row in enumerate(matrix)]
-        attempt = collocation_attempts(rate, lambda t, y, m, rows=within: m.__setitem__(slice(n), rows), given)
+
+        def jacobian(t, y, m, rows=within):
+            for to, row in zip(m, rows, strict=True):
+                to[: len(row)] = row
+
+        attempt = collocation_attempts(rate, jacobian, given)
         new, work = [0.0] * n, work_for(n, table, given)
         start, tolerances = [1.0 - i / 4 for i in range(n)], Tolerances(0.0, 1.0, 2.0)
         found.append((attempt(0.0, start, 0.75, True, new, tolerances, table, work, [0.0] * 5), new))

@@ -9,6 +9,7 @@ import pytest
 
 from driftproof.numeric.step_control import (
     DONE,
+    EVALUATIONS,
     GIVEN_UP,
     MOST_LONGER,
     MOST_SHORTER,
@@ -86,6 +87,9 @@ def test_the_first_step_is_that_of_hairer_norsett_and_wanner(start, slope, end, 
 def test_a_run_is_given_up_after_so_many_evaluations_and_where_no_step_is_right():
     assert run_of(lambda t, h: (h / 0.01) ** 2, given=Tolerances(0.0, 1e-2, 2.0, most=30))[1][STATE] == GIVEN_UP
     assert run_of(lambda t, h: 0.0 if t < 0.1 else inf)[1][STATE] == TOO_SHORT
+    made = run_of(lambda t, h: 0.0)[1][EVALUATIONS]
+    for most, state in ((made - 1, DONE), (made - 2, GIVEN_UP)):  # the last step ends the run, whatever it took
+        assert run_of(lambda t, h: 0.0, given=Tolerances(0.0, 1e-2, 2.0, most=most))[1][STATE] == state
 
 
 def test_the_size_of_an_error_is_its_largest_part_of_what_is_right():
