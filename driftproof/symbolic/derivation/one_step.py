@@ -64,7 +64,7 @@ def matrix(rows: list[list[MatrixEntry]]) -> DomainMatrix:
     entries = [[RING.ground_new(rational(x)) if isinstance(x, int | Fraction) else x for x in row] for row in rows]
     fractional = any(isinstance(x, FracElement) for row in entries for x in row)
     entries = [[FRACTION_FIELD.convert(x) for x in row] for row in entries] if fractional else entries
-    return DomainMatrix(entries, (len(rows), len(rows[0])), FRACTION_FIELD if fractional else MATRICES)
+    return DomainMatrix.from_list(entries, FRACTION_FIELD if fractional else MATRICES)
 
 
 def numerator_and_denominator(x: MatrixEntry) -> tuple[StepPolynomial, StepPolynomial]:

@@ -156,8 +156,7 @@ def _polynomial_of(ascending: Sequence[Any], x: DomainMatrix) -> DomainMatrix:
 
 
 def _matrix(rows: Sequence[Sequence[Any]]) -> DomainMatrix:
-    converted = [[FRACTION_FIELD.convert(x) for x in row] for row in rows]
-    return DomainMatrix(converted, (len(rows), len(rows[0])), FRACTION_FIELD)
+    return DomainMatrix.from_list([[FRACTION_FIELD.convert(x) for x in row] for row in rows], FRACTION_FIELD)
 
 
 def _times_h(x: Any) -> Any:

@@ -29,14 +29,7 @@ from driftproof.symbolic.algebra.polynomials import (
     sign,
 )
 from driftproof.symbolic.algebra.rational_functions import RationalFunction
-from driftproof.symbolic.algebra.real_roots import (
-    ZERO_ROOT,
-    Minimal,
-    RealRoot,
-    positive_roots,
-    samples,
-    vanishes_at,
-)
+from driftproof.symbolic.algebra.real_roots import ZERO_ROOT, Minimal, RealRoot, positive_roots, samples, vanishes_at
 from driftproof.symbolic.linear.eigenvalues import Complex
 from driftproof.symbolic.linear.stability_limits import INFINITY, Limit
 

@@ -109,16 +109,8 @@ AMBIGUOUS_FACTS = {
 
 # Synonym -> setting.
 OTHER_SETTINGS = {
-    **{
-        "steps": "N",
-        "n": "N",
-        "dt": "h",
-        "T": "t",
-        "λ": "lambda",
-        "tol": "error",
-        "tolerance": "error",
-        "reach": "error",
-    },
+    **{"steps": "N", "n": "N", "dt": "h", "T": "t", "λ": "lambda"},
+    **dict.fromkeys(("tol", "tolerance", "reach"), "error"),
     **dict.fromkeys(("step", "stepsize", "step_size", "timestep", "time_step"), "h"),
     **dict.fromkeys(("hλ", "h_λ", "h_lambda"), "z"),
 }

@@ -81,7 +81,7 @@ def words_in(text: str) -> list[TextWord]:
     >>> [word.text for word in words_in("Sixteen steps; it uses one of two, and the energy grows by a third.")]
     ['Sixteen', 'one', 'two', 'grows', 'a third']
     """
-    numbers = [m for m in _NUMBER.finditer(text) if m[0].lower() != "one" or _COUNTED.search(text, 0, m.start())]
+    numbers = [m for m in _NUMBER.finditer(text) if m[0].lower() != "one" or _COUNTED.search(text[: m.start()])]
     found = [*numbers, *_CHANGE.finditer(text)]
     return sorted(TextWord(*match.span(), match[0]) for match in found)
 

@@ -155,23 +155,23 @@ def _leaf_changes(name: str, key: str, old: Any, new: Any) -> Iterator[Change]:
 
 def _number_changes(name: str, old: dict[str, Any], new: dict[str, Any]) -> Iterator[Change]:
     """The change of exact form and decimal, then of unit, of words, and of the texts that claims print."""
-    decimals, forms = (old["decimal"], new["decimal"]), (old.get("exact"), new.get("exact"))
-    exact = [*map(_number, forms)]  # None for a formula, which is compared as text
-    respelled = forms[0] == forms[1] or (exact[0] is not None and exact[0] == exact[1])
-    if not (respelled or None in forms) or not _agree(*decimals):
+    form, other = old.get("exact"), new.get("exact")
+    x = _number(form)  # None for a formula, which is compared as text
+    respelled = form == other or (x is not None and x == _number(other))
+    if not (respelled or None in (form, other)) or not _agree(old["decimal"], new["decimal"]):
         yield Change("value", name, "", _shown(old), _shown(new))
-    elif decimals[0] != decimals[1] or forms[0] != forms[1]:
-        yield Change("digits" if decimals[0] != decimals[1] else "wording", name, "", _shown(old), _shown(new))
+    elif old["decimal"] != new["decimal"] or form != other:
+        yield Change("digits" if old["decimal"] != new["decimal"] else "wording", name, "", _shown(old), _shown(new))
     for part in ["unit", *sorted((old.keys() | new.keys()) - {"exact", "decimal", "unit", "printed"})]:
         if old.get(part) != new.get(part):
             kind = "value" if part == "unit" else "wording"
             yield Change(kind, name, part, _shown(old.get(part)), _shown(new.get(part)))
     before, after = (prints if isinstance(prints, dict) else {} for prints in (old.get("printed"), new.get("printed")))
     for claim in sorted(before.keys() | after.keys()):
-        texts = before.get(claim), after.get(claim)
-        if texts[0] != texts[1]:
-            kind = "wording" if None in texts else "digits" if _agree(*texts) else "value"
-            yield Change(kind, name, f"printed {claim}", *map(_shown, texts))
+        text, new_text = before.get(claim), after.get(claim)
+        if text != new_text:
+            kind = "wording" if None in (text, new_text) else "digits" if _agree(text, new_text) else "value"
+            yield Change(kind, name, f"printed {claim}", _shown(text), _shown(new_text))
 
 
 def _agree(old: Any, new: Any) -> bool:

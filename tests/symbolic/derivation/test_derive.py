@@ -72,10 +72,8 @@ M = [-3, 2; -2, 1]
 
 def in_sympy(function: object) -> sympy.Expr:
     """A rational function of the FLINT engine in h."""
-    top, bottom = (
-        sum((sympy.Rational(str(c)) * h**k for k, c in enumerate(p.coeffs())), sympy.Integer(0))
-        for p in (function.num, function.den)  # type: ignore[attr-defined]
-    )
+    both = (function.num.coeffs(), function.den.coeffs())  # type: ignore[attr-defined]
+    top, bottom = (sum((sympy.Rational(str(c)) * h**k for k, c in enumerate(p)), sympy.Integer(0)) for p in both)
     return top / bottom
 
 
@@ -146,9 +144,8 @@ def test_every_result_has_steps_and_the_last_of_a_value_ends_in_it(key: str) -> 
         assert (derived.value is None) == bool(derived.missing)
         for step in derived.steps:
             assert step.because.count("$") % 2 == 0
-            numbers = [
-                x for x in step.chain if not isinstance(x, sympy.MatrixBase) and set() < x.free_symbols <= {*known}
-            ]
+            scalars = [x for x in step.chain if not isinstance(x, sympy.MatrixBase)]
+            numbers = [x for x in scalars if set() < x.free_symbols <= {*known}]
             for other in numbers[1:]:
                 assert sympy.simplify((numbers[0] - other).subs(known)) == 0
             wanted, last = matrices.get(step.chain[0]), step.chain[-1]

@@ -46,10 +46,8 @@ def test_a_formula_that_nobody_reads_is_begun_in_text_and_whole_in_data() -> Non
 
 
 def test_words_lose_what_only_tex_needs() -> None:
-    assert (
-        plain_words(r"A step multiplies by $\det M$, and $E = |z|^{2}/2$.")
-        == "A step multiplies by det M, and E = |z|^2/2."
-    )
+    words = plain_words(r"A step multiplies by $\det M$, and $E = |z|^{2}/2$.")
+    assert words == "A step multiplies by det M, and E = |z|^2/2."
     assert plain_words(r"They turn by $\pm\theta$.") == "They turn by ±theta."
 
 

@@ -94,15 +94,9 @@ RADAU_3 = Collocation("radau3", "Radau", 5, "x", (Q(-1, 10), Q(9, 10), Q(-9, 5),
 LOBATTO_3 = Collocation("lobatto3", "Lobatto", 4, "x", (Q(0), Q(1, 2), Q(-3, 2), Q(1)))
 STORMER = Nystrom("stormer", "Störmer", 2, "x", (Q(0), Q(1)), ((0, 0), (Q(1, 2), 0)), (Q(1, 2), 0), (Q(1, 2), Q(1, 2)))
 NYSTROM_4 = Nystrom(
-    "nystrom4",
-    "Nyström",
-    4,
-    "x",
-    (Q(0), Q(1, 2), Q(1)),
-    ((0, 0, 0), (Q(1, 8), 0, 0), (0, Q(1, 2), 0)),
-    (Q(1, 6), Q(1, 3), Q(0)),
-    (Q(1, 6), Q(4, 6), Q(1, 6)),
-)
+    "nystrom4", "Nyström", 4, "x", (Q(0), Q(1, 2), Q(1)), ((0, 0, 0), (Q(1, 8), 0, 0), (0, Q(1, 2), 0)),
+    (Q(1, 6), Q(1, 3), Q(0)), (Q(1, 6), Q(4, 6), Q(1, 6)),
+)  # fmt: skip
 # The implicit midpoint rule for q'' = F(q): Ā = A², b̄ = bA.
 MIDPOINT_NYSTROM = Nystrom("nystrom", "Nyström", 2, "x", (Q(1, 2),), ((Q(1, 4),),), (Q(1, 2),), (Q(1),))
 

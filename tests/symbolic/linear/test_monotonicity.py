@@ -24,17 +24,12 @@ from tests.symbolic.linear.linear_examples import (
     runge_kutta,
 )
 
+HALF, SIXTHS = Q(1, 2), (Q(1, 6), Q(1, 6), Q(1, 6))
 SSP: dict[str, tuple[RungeKutta, str]] = {
     "forward Euler": (NINE["forward_euler"], "1"), "SSP(2,2)": (NINE["heun2"], "1"),
     "SSP(3,3)": (runge_kutta(((0, 0, 0), (1, 0, 0), (Q(1, 4), Q(1, 4), 0)), (Q(1, 6), Q(1, 6), Q(2, 3))), "1"),
     "SSP(3,2)": (runge_kutta(((0, 0, 0), (Q(1, 2), 0, 0), (Q(1, 2), Q(1, 2), 0)), (Q(1, 3), Q(1, 3), Q(1, 3))), "2"),
-    "SSP(4,3)": (
-        runge_kutta(
-            ((0, 0, 0, 0), (Q(1, 2), 0, 0, 0), (Q(1, 2), Q(1, 2), 0, 0), (Q(1, 6), Q(1, 6), Q(1, 6), 0)),
-            (Q(1, 6), Q(1, 6), Q(1, 6), Q(1, 2)),
-        ),
-        "2",
-    ),
+    "SSP(4,3)": (runge_kutta(((0,) * 4, (HALF, 0, 0, 0), (HALF, HALF, 0, 0), (*SIXTHS, 0)), (*SIXTHS, HALF)), "2"),
     "classical RK4": (NINE["rk4"], "0"), "explicit midpoint": (NINE["midpoint2"], "0"),
     "Ralston": (runge_kutta(((0, 0), (Q(2, 3), 0)), (Q(1, 4), Q(3, 4))), "1/2"),
     "backward Euler": (runge_kutta(((1,),), (1,)), "oo"), "implicit midpoint": (MIDPOINT, "2"),
@@ -98,8 +93,6 @@ def test_monotonicity_conditions_by_two_ways() -> None:
     explicit = monotonicity_conditions(stages)
     at = [p(fmpq(3, 5)) for p in explicit]
     size = len(stages.a)
-    shifted = fmpq_mat(
-        [[int(i == j) + fmpq(3, 5) * scalar(x) for j, x in enumerate(row)] for i, row in enumerate(stages.a)]
-    )
-    inverse = fmpq_mat([[scalar(x) for x in row] for row in (*stages.a, *stages.weights)]) * shifted.inv()
+    rows = [[int(i == j) + fmpq(3, 5) * scalar(x) for j, x in enumerate(row)] for i, row in enumerate(stages.a)]
+    inverse = fmpq_mat([[scalar(x) for x in row] for row in (*stages.a, *stages.weights)]) * fmpq_mat(rows).inv()
     assert {inverse[i, j] for i in range(size + 1) for j in range(size)} - {fmpq(0)} <= set(at)

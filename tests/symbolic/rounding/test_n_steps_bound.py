@@ -163,10 +163,9 @@ def test_the_growth_of_a_step_is_its_bound_seen_in_the_norm():
 def test_n_steps_over_a_field_stay_within_the_theorem_and_a_planted_error_of_1e_13_leaves_it(key: str):
     h, start, steps, method = Q(1, 4), (Q(1), Q(3, 8)), 12, METHODS[key]
     bound = run_bound(method, h, steps, start).euclidean
-    right, wrong = (
-        ErrorOfRun(exact_matrix_at(method, h), h, steps, start, float_run(stepper(m, float), 0.25, steps, (1.0, 0.375)))
-        for m in (method, moved(method, first_weight(method), Q(1, 10**13)))
-    )
+    both, exact = (method, moved(method, first_weight(method), Q(1, 10**13))), exact_matrix_at(method, h)
+    runs = (float_run(stepper(m, float), 0.25, steps, (1.0, 0.375)) for m in both)
+    right, wrong = (ErrorOfRun(exact, h, steps, start, run) for run in runs)
     assert is_less(right.rounding, bound)
     assert is_less(bound, wrong.rounding)
 

@@ -79,11 +79,8 @@ def check(matrix: _Matrix, fact: Semidefinite) -> None:
 def has_no_negative_minor(matrix: _Matrix) -> bool:
     """All principal minors, not only leading ones, are >= 0: Sylvester's criterion for semidefinite matrices."""
     size = len(matrix)
-    return all(
-        fmpq_mat([[int(matrix[i][j]) for j in chosen] for i in chosen]).det() >= 0
-        for k in range(1, size + 1)
-        for chosen in combinations(range(size), k)
-    )
+    minors = (chosen for k in range(1, size + 1) for chosen in combinations(range(size), k))
+    return all(fmpq_mat([[int(matrix[i][j]) for j in chosen] for i in chosen]).det() >= 0 for chosen in minors)
 
 
 entries = st.integers(-3, 3)

@@ -52,6 +52,7 @@ FOUND = [
     (HERE, "", "a\nthe error was 0.33 here", [(2, 1, "the error is 0.33 here", "the error was 0.33 her")]),
     ("| error {value}", "", "a | b", [(1, 1, "| error 0.33", "")]),
     (HERE, "", "nothing", [(1, 1, "the error is 0.33 here", "")]),
+    *(("is {value}", "", before + "is so", [(1, 1 + len(before), "is 0.33", "is so")]) for before in ("", "it ")),
     # Cells that run together are shown as one run.
     ("Euler2.390{value}", "", "Euler2.3900.34", [(1, 6, "2.3900.33", "2.3900.34")]),
     ("0.5: Euler2.390{value}", "", "0.5: Euler2.3900.34", [(1, 11, "2.3900.33", "2.3900.34")]),

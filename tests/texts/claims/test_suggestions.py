@@ -66,7 +66,7 @@ def test_so_many_methods_steps_and_times_are_asked_of_and_no_more() -> None:
     given += [f"{letter} = {'1/' * (letter == 'h')}{n}" for letter in "htN" for n in range(2, 9)]
     text = " ".join([*METHODS, *given])
     asked = [question.split() for question in Suggestions(text)._questions()]
-    assert len({words[1] for words in asked if words[0] == "run"}) == 6
+    assert [len({words[1] for words in asked if words[0] == kind}) for kind in ("order", "run")] == [12, 6]
     assert {words[2] for words in asked if words[0] == "step"} == {"h=1/12345678901234567", "h=1/2", "h=1/3", "h=1/4"}
     assert {words[3] for words in asked if words[0] == "run"} == {"t=2", "t=3", "N=2", "N=3"}
     after_n, at_t = ({words[-1] for words in asked if given in words} for given in ("N=2", "t=2"))

@@ -87,9 +87,6 @@ def test_value_without_an_exact_form_has_its_published_digits_and_no_more() -> N
 def test_number_of_digits_has_its_bounds(n: int, reason: str) -> None:
     with pytest.raises(QuestionError, match=reason):
         value("1/3").digits(n)
-
-
-def test_ten_thousand_digits_are_answered() -> None:
     assert value("1/3").digits(10_000) == "0." + "3" * 10_000
 
 

@@ -33,12 +33,9 @@ def test_code_is_a_listing_in_a_language_and_no_session(fence: str, code: int) -
 
 
 def test_what_a_text_takes_in_from_other_files_is_named() -> None:
-    tex = (
-        r"50\% of \input{one} and \include{two}, % not \input{three}"
-        "\n"
-        r"\lstinputlisting[language=C]{a.c} \input{one}"
-    )
-    assert document_of(tex, "tex").other_files == ["one", "two", "a.c"]
+    tex = r"50\% of \input{one} and \include{two}, % not \input{three}"
+    listing = r"\lstinputlisting[language=C]{a.c} \input{one}"
+    assert document_of(f"{tex}\n{listing}", "tex").other_files == ["one", "two", "a.c"]
     markdown = "```{include} part.md\n```\n:::{literalinclude} b.py\n:::\nan {include} and ```{code}```"
     assert document_of(markdown, "markdown").other_files == ["part.md", "b.py"]
 

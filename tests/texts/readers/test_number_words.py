@@ -14,7 +14,7 @@ from tests.looping import some
 SPELLED = {
     Q(0): "zero", Q(2): "twice", Q(16): "sixteen", Q(21): "twenty-one", Q(100): "a hundred", Q(1, 8): "an eighth",
     Q(160): "one hundred and sixty", Q(5651): "five thousand six hundred and fifty-one", Q(10**6): "One million",
-    Q(1, 2): "half", Q(1, 3): "a third", Q(2, 3): "two-thirds", Q(3, 4): "three quarters",
+    Q(10**9): "a billion", Q(1, 2): "half", Q(1, 3): "a third", Q(2, 3): "two-thirds", Q(3, 4): "three quarters",
 }  # fmt: skip
 
 
@@ -38,7 +38,7 @@ def test_what_nobody_writes_in_words_is_refused(number: Q) -> None:
 
 READ = {
     "Sixteen of two and three": ["Sixteen", "two", "three"],
-    "one of them; it uses one; no one": ["one"],
+    "Uses one; one of them; no one": ["one"],
     "it grows and shrinks, drops, decayed, and keeps": ["grows", "shrinks", "drops", "decayed"],
     "someone weighs anthony's tent": [],
     "a thousand and\none": ["a thousand"],

@@ -152,6 +152,16 @@ def test_annotations_stand_at_the_line_of_the_id_and_are_escaped(files: Callable
     assert "::warning file=new.json,line=1,title=removed::rk4.first_step.q: " in out
 
 
+@pytest.mark.parametrize(("new", "line"), [({"a": 1, "b": {"a": 3}}, 3), ({"b": {"a": 2, "c": [3]}}, 2), ({}, 1)])
+def test_what_has_no_line_of_its_own_is_annotated_at_its_first_key(
+    new: Any, line: int, tmp_path: Path, run: Run
+) -> None:
+    for name, document in (("old", {"b": {"a": 2, "c": [1]}}), ("new", new)):
+        (tmp_path / name).write_text(json.dumps(document, indent=1), encoding="utf-8")
+    _, out, _ = run("diff", str(tmp_path / "old"), str(tmp_path / "new"), "--format", "github")
+    assert {found.partition(",")[0] for found in out.split("line=")[1:] if "::b." in found} == {str(line)}
+
+
 BAD = {
     "truncated": (b'{"values": ', "not JSON: Expecting value"),
     "list": (b"[]", "not a JSON object"),
