@@ -52,10 +52,10 @@ def as_array(value: Foreign) -> np.ndarray[Any, Any]:
     plain = value.detach() if hasattr(value, "detach") else value  # a tensor that records its gradient
     try:
         array = np.asarray(plain)
+        if array.dtype == object and all(isinstance(x, Real | Decimal) for x in array.ravel()):
+            array = array.astype(float)  # fractions, decimals, numbers of mpmath
     except Exception as error:  # foreign array types may raise anything
         raise NotANumber(f"it returns {type(value).__name__}, which is not read as numbers: {error}") from None
-    if array.dtype == object and all(isinstance(x, Real | Decimal) for x in array.ravel()):
-        array = array.astype(float)  # fractions, decimals, numbers of mpmath
     if array.dtype.kind == "c" and not array.imag.any():
         array = array.real
     if array.dtype.kind not in "fiub":
