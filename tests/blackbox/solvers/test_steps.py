@@ -102,12 +102,10 @@ def test_a_step_is_named_or_what_was_seen_instead(name, as_before):
     as_before(*said, asked)
 
 
-@pytest.mark.parametrize(
-    ("method", "name", "extension", "order"), [
-        ("RK23", "bogacki_shampine32", "hermite", 3), ("RK45", "dormand_prince54", "shampine", 4),
-        ("DOP853", "dop853", "dense", 7),
-    ],
-)  # fmt: skip
+@pytest.mark.parametrize(("method", "name", "extension", "order"), [
+    ("RK23", "bogacki_shampine32", "hermite", 3), ("RK45", "dormand_prince54", "shampine", 4),
+    ("DOP853", "dop853", "dense", 7),
+])  # fmt: skip
 def test_scipy_advances_and_interpolates_what_it_says(method, name, extension, order):
     solve_ivp = pytest.importorskip("scipy.integrate").solve_ivp
 
