@@ -45,14 +45,10 @@ def test_the_report_says_the_order_twice_and_the_rounding():
     assert report.section("Faults") is None
 
 
-@pytest.mark.parametrize(
-    ("step", "seen"),
-    [
-        (broken_steppers.hangs, "no answer within"),
-        (broken_steppers.crashes, "SIGSEGV"),
-        (broken_steppers.returns_nan, "nan"),
-    ],
-)
+@pytest.mark.parametrize(("step", "seen"), [
+    (broken_steppers.hangs, "no answer within"), (broken_steppers.crashes, "SIGSEGV"),
+    (broken_steppers.returns_nan, "nan"),
+])  # fmt: skip
 def test_a_rogue_is_a_finding(step, seen):
     text = identify(step, time_limit=1.0 if step is broken_steppers.hangs else 60.0).text()
     assert seen in text

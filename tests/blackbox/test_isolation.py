@@ -184,9 +184,8 @@ def has_a_mistake(subject):
 
 
 def test_outcomes_come_in_the_order_of_the_questions():
-    found = runner(broken_steppers.noisy).run(
-        [raises_misbehaviour, answer, has_a_mistake, lambda subject: max([]), negative_step]
-    )
+    asked = [raises_misbehaviour, answer, has_a_mistake, lambda subject: max([]), negative_step]
+    found = runner(broken_steppers.noisy).run(asked)
     assert [outcome.kind for outcome in found] == ["raises", None, *["instrument_failed"] * 2, "unsteady"]
     assert found[0].seen == "as it were"
     for mistake, name in zip(found[2:4], ("ZeroDivisionError", "ValueError"), strict=True):

@@ -27,8 +27,7 @@ from driftproof.support.plain_text import Json
 _STEPS, _SHORT = (1.0, 0.5, 0.25, 2.0**-5, 2.0**-9), 2.0**-20
 # The parts of a rate and of a shown matrix that count as 0; the condition number from which eigenvectors are useless.
 _LITTLE, _NONE, _WORST = 2.0**-10, 2.0**-20, 2.0**10
-# The size of numbers whose rounding is no loss.
-_SIZE = 16.0
+_SIZE = 16.0  # of numbers whose rounding is no loss
 # The factor of v in a step by the rate c: as text, and the rate from the eigenvalues D of a step.
 _LAWS: Mapping[str, Callable[[Any, float], Any]] = {
     "exp(-{c} h)": lambda d, h: -np.log(d) / h,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from math import prod
@@ -18,7 +18,7 @@ from driftproof.methods.continuous import ContinuousExtension, hermite
 from driftproof.methods.number_field import total
 from driftproof.methods.schemes import RungeKutta
 from driftproof.support.plain_text import Json
-from driftproof.symbolic.algebra.polynomials import ONE, Polynomial, Scalar, X, scalar
+from driftproof.symbolic.algebra.polynomials import ONE, Polynomial, X, scalar
 
 # The highest degree looked for: 13 of the 17 thetas then fix the polynomials, and four check them.
 _HIGHEST_DEGREE = 12
@@ -113,7 +113,8 @@ class _Polynomials:
         """The polynomials of the least degree that pass through the values at all thetas; None if there are none."""
         for degree in range(1, _HIGHEST_DEGREE + 1):
             places = [k * 16 // degree for k in range(degree + 1)]
-            basis = _lagrange([scalar(THETAS[k]) for k in places])
+            nodes = [scalar(THETAS[k]) for k in places]  # of Lagrange's polynomials
+            basis = tuple(prod(((X - x) / (node - x) for x in nodes if x != node), start=ONE) for node in nodes)
             columns = zip(*(reading.rows[k] for k in places), strict=True)
             weights = tuple(
                 sum(part * scalar(Fraction(value)) for part, value in zip(basis, column, strict=True))
@@ -168,11 +169,6 @@ class _Polynomials:
         ends = ["f(t, y)"] * is_slope(0, 0) + ["f(t + h, y1)"] * any(is_slope(1, i) for i in last)
         slopes = f"is {' and '.join(ends)}" if ends else "at neither end is that of the solution"
         return f"continuous: it is y at theta = 0 and y1 at theta = 1; the slope {'there ' * bool(ends)}{slopes}"
-
-
-def _lagrange(nodes: Sequence[Scalar]) -> tuple[Polynomial, ...]:
-    """The Lagrange polynomials, each of which is 1 at one node and 0 at the others."""
-    return tuple(prod(((X - x) / (node - x) for x in nodes if x != node), start=ONE) for node in nodes)
 
 
 def _size(p: Polynomial) -> float:

@@ -175,14 +175,14 @@ def _numbers(subject: ForeignSolver) -> tuple[list[str], list[str]]:
     for places in [*([place] for place in all_of_them), all_of_them]:
         slopes = lambda n, t, y, places=places: [bump(t) * (i in places) for i in all_of_them]
         times.append(subject.solve(slopes, _SPAN, (0.0,) * _NUMBERS, _RTOL, _ATOL).t)
-    together = len(times.pop()) - 1
-    if together > _NUMBERS * (len(times[0]) - 1):
+    first, together = times[0], len(times.pop()) - 1
+    if together > _NUMBERS * (len(first) - 1):
         seen = f"where one of {_NUMBERS} numbers has a bump, it makes {len(times[0]) - 1} steps, where all have it,"
         return [], [f"an error counts only where other numbers err, too: {seen} {together}"]
     for place, found in enumerate(times[1:], 1):
-        pairs = zip(found, times[0], strict=False)
-        if len(found) != len(times[0]) or not all(isclose(a, b, abs_tol=_SAME_TIME) for a, b in pairs):
-            made, other = len(found) - 1, len(times[0]) - 1
+        pairs = zip(found, first, strict=False)
+        if len(found) != len(first) or not all(isclose(a, b, abs_tol=_SAME_TIME) for a, b in pairs):
+            made, other = len(found) - 1, len(first) - 1
             seen = f"where y[{place}] has a bump, it makes {made} steps, where y[0] has it, {other}"
             return [], [f"the errors of all numbers do not count alike: {seen}"]
     return [f"a bump in any of {_NUMBERS} numbers makes the same {len(times[0]) - 1} steps"], []

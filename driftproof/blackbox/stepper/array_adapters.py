@@ -10,7 +10,7 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from driftproof.blackbox.findings import NotANumber, WrongShape
+from driftproof.blackbox.findings import NotANumber, StepRaised, WrongShape
 
 # A float, or a number of the arithmetic that an adapter is for.
 AnyNumber: TypeAlias = Any
@@ -52,10 +52,10 @@ def as_array(value: Foreign) -> np.ndarray[Any, Any]:
     plain = value.detach() if hasattr(value, "detach") else value  # a tensor that records its gradient
     try:
         array = np.asarray(plain)
+        if array.dtype == object and all(isinstance(x, Real | Decimal) for x in array.ravel()):
+            array = array.astype(float)  # fractions, decimals, numbers of mpmath
     except Exception as error:  # foreign array types may raise anything
         raise NotANumber(f"it returns {type(value).__name__}, which is not read as numbers: {error}") from None
-    if array.dtype == object and all(isinstance(x, Real | Decimal) for x in array.ravel()):
-        array = array.astype(float)  # fractions, decimals, numbers of mpmath
     if array.dtype.kind == "c" and not array.imag.any():
         array = array.real
     if array.dtype.kind not in "fiub":
@@ -102,4 +102,11 @@ TUPLES = ArrayAdapter("tuples", lambda numbers: tuple(float(x) for x in numbers)
 def adapters_of(make: Callable[[Any], Foreign]) -> tuple[ArrayAdapter, ArrayAdapter]:
     """The adapters that call `make` with a list of floats (torch.tensor), and with one float (numpy.float32)."""
     name = f"{getattr(make, '__module__', '')}.{getattr(make, '__name__', 'array')}"
-    return ArrayAdapter(name, make, floats_in), ArrayAdapter(name, lambda numbers: make(one_number(numbers)), floats_in)
+
+    def made(numbers: Any) -> Foreign:
+        try:
+            return make(numbers)
+        except Exception as error:
+            raise StepRaised(f"{name} raises {type(error).__name__}: {error}") from error
+
+    return ArrayAdapter(name, made, floats_in), ArrayAdapter(name, lambda numbers: made(one_number(numbers)), floats_in)

@@ -13,7 +13,7 @@ from typing import Any, get_type_hints
 
 import numpy as np
 
-from driftproof.blackbox.findings import WrongShape
+from driftproof.blackbox.findings import NotANumber, WrongShape
 from driftproof.blackbox.stepper.array_adapters import AnyNumber, ArrayAdapter, Foreign, as_array, floats_in, one_number
 from driftproof.blackbox.stepper.calling_conventions import (
     FIELD,
@@ -46,7 +46,10 @@ def forms_of(step: Callable[..., Any], convention: CallingConvention) -> Iterato
 
 
 def _complex_part(value: Foreign, size: int, sign: int) -> list[AnyNumber]:
-    z = complex(np.asarray(value).item())
+    try:
+        z = complex(np.asarray(value).item())
+    except Exception as error:
+        raise NotANumber(f"it returns {type(value).__name__}, which is not read as a complex number: {error}") from None
     return floats_in([z.real, sign * z.imag], size)
 
 

@@ -16,14 +16,10 @@ from driftproof.blackbox.judging.tolerance import Allowance
 from driftproof.blackbox.stepper.opening import opened
 from driftproof.methods.catalogue import METHODS
 from tests.blackbox import handwritten_steppers as codes
+from tests.blackbox.checks.habits import plain as symplectic_euler
 from tests.blackbox.transcripts import Asked, shortened
 
 FEW = 100
-
-
-def symplectic_euler(q, v, h):
-    v = v - h * q
-    return q + h * v, v
 
 
 def capped(q, v, h):

@@ -13,6 +13,7 @@ from driftproof.blackbox.verify import verify
 from driftproof.methods.catalogue import METHODS
 from driftproof.symbolic.algebra.certified import fixed, significant
 from tests.blackbox import handwritten_steppers as codes
+from tests.blackbox.checks.habits import plain
 from tests.blackbox.transcripts import Asked
 
 
@@ -51,9 +52,7 @@ def test_an_error_too_large_for_a_float_refutes_and_has_no_number_of_digits():
 
 
 def in_binary32_first(q, v, h):
-    h = float(np.float32(h))
-    v = v - h * q
-    return q + h * v, v
+    return plain(q, v, float(np.float32(h)))
 
 
 EXPLAINED = {

@@ -139,9 +139,8 @@ def test_a_right_step_is_verified_and_a_wrong_one_is_not():
 
 def test_a_velocity_of_the_start_costs_an_order_and_is_named():
     assert "order 1 where the force depends on the velocity, not 2" in identify(late, isolate=False).verdict
-    assert (
-        verify(midpoint, "implicit_midpoint", examples=20, isolate=False, allowance=SOLVED, domain=NEAR).passed is True
-    )
+    right = verify(midpoint, "implicit_midpoint", examples=20, isolate=False, allowance=SOLVED, domain=NEAR)
+    assert right.passed is True
     found = verify(late, "implicit_midpoint", examples=20, isolate=False, allowance=SOLVED)
     assert found.passed is False
     assert "the velocity of call 0 holds F[0]: 0 instead of 1/2" in found.verdict

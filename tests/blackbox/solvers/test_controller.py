@@ -101,14 +101,10 @@ def test_the_bumps_are_of_both_signs_and_bounded():
     assert min(some(values, 128)) == -1.5 == -max(values)
 
 
-@pytest.mark.parametrize(
-    ("method", "estimate", "exponent"),
-    [
-        ("RK23", "bogacki_shampine32", 3),
-        ("RK45", "dormand_prince54", 5),
-        ("DOP853", "dop853 blended with dop853_third", 8),
-    ],
-)
+@pytest.mark.parametrize(("method", "estimate", "exponent"), [
+    ("RK23", "bogacki_shampine32", 3), ("RK45", "dormand_prince54", 5),
+    ("DOP853", "dop853 blended with dop853_third", 8),
+])  # fmt: skip
 def test_scipy_has_the_law_that_its_source_says(method, estimate, exponent):
     solve_ivp = pytest.importorskip("scipy.integrate").solve_ivp
 

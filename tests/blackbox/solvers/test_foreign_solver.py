@@ -66,11 +66,7 @@ SOLVED = (T, [[1.0], [2.0], [3.0]])
 TAKEN = {
     "both": (lambda f, t_span, y0, rtol, atol: (rtol, atol), "tolerances", (0.25, 0.5)),
     "by keyword": (lambda f, t_span, y0, *, atol=1, rtol=1: (rtol, atol), "tolerances", (0.25, 0.5)),
-    "after others": (
-        lambda f, t_span, y0, method="RK", abstol=1, reltol=1: (reltol, abstol),
-        "tolerances",
-        (0.25, 0.5),
-    ),
+    "after others": (lambda f, t_span, y0, how="RK", abstol=1, reltol=1: (reltol, abstol), "tolerances", (0.25, 0.5)),
     "as options": (lambda f, t_span, y0, method="RK", **o: (o["rtol"], o["atol"]), "tolerances", (0.25, 0.5)),
     "by position": (lambda f, t_span, y0, rtol, atol, /: (rtol, atol), "tolerances", (0.25, 0.5)),
     "unnamed": (lambda f, t_span, y0, first, second: (first, second), "tolerances", (0.25, 0.5)),

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from driftproof.blackbox.findings import NotANumber
+from driftproof.blackbox.findings import NotANumber, StepRaised
 from driftproof.blackbox.stepper.opening import opened
 from driftproof.symbolic.rounding.formats import BINARY16, BINARY32, BINARY64
 from tests.blackbox.stepper.euler_steps import EULER, Tensor, field, force_of_numbers, map_of_numbers
@@ -38,6 +38,12 @@ def test_a_tensor_changed_in_place_is_seen():
 def test_a_tensor_beside_the_time_is_read():
     subject = opened(lambda t, y, h: (t + h, map_of_a_tensor(y, h)), array=Tensor)
     assert subject.step(*STATE, H) == EULER
+
+
+def test_what_a_maker_of_arrays_refuses_is_its_own():
+    assert opened(map_of_numbers, array=float).step(*STATE, H) == EULER
+    with pytest.raises(StepRaised, match="OverflowError: no"):
+        opened(map_of_numbers, array=lambda x: (_ for _ in ()).throw(OverflowError("no")))
 
 
 @pytest.mark.parametrize(

@@ -9,7 +9,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from driftproof.blackbox.findings import StaleSlope, WrongShape
+from driftproof.blackbox.findings import Misbehaviour, StaleSlope, WrongShape
 from driftproof.blackbox.stepper.call_text import call_text
 from driftproof.blackbox.stepper.opening import opened
 from driftproof.blackbox.stepper.state_forms import VECTORS, CompiledCallback
@@ -144,6 +144,12 @@ def test_a_force_that_is_not_divided_by_its_mass_is_seen():
 def test_a_complex_number_is_read_the_way_it_turns():
     assert opened(lambda z, h: z - 1j * h * z).step(1.0, 0.75, 0.25) == (1.1875, 0.5)
     assert opened(lambda z, h: z + 1j * h * z).step(1.0, 0.75, 0.25) == (1.1875, 0.5)
+
+
+@pytest.mark.parametrize("answer", [None, [1.0, 2.0, 3.0], {"a": 1.0}, "a", [[1.0], [2.0, 3.0]], 10**400], ids=range(6))
+def test_an_answer_that_holds_no_state_is_its_own_mistake(answer):
+    with pytest.raises(Misbehaviour):
+        opened(lambda y, h: answer)
 
 
 @pytest.mark.parametrize(
