@@ -135,7 +135,7 @@ REFUSED = {
     ("report", "default"): "required: -o/--output",
     ("report", "defualt", "-o", "r.html"): "did you mean default",
     ("report", "none.toml", "-o", "r.html"): "none.toml: No such file",
-    ("report", "no such scene", "-o", "/dev/null"): "/dev/null is no file",
+    ("report", "no such scene", "-o", "/dev/null"): "/dev/null is not a regular file",
     ("report", "default", "-o", "pyproject.toml/r.html"): "pyproject.toml",
     ("report", "default", "--digits", "0", "-o", "r.html"): "number of digits",
 }

@@ -96,7 +96,7 @@ def test_ten_thousand_digits_are_answered() -> None:
 def test_what_is_no_number_has_no_decimals() -> None:
     for question in ("energy_multiplier rk4", "a_stable rk4", "real_limit backward_euler"):
         assert not value(question).is_number
-        with pytest.raises(QuestionError, match="is no number"):
+        with pytest.raises(QuestionError, match="is not a number"):
             float(value(question))
         with pytest.raises(QuestionError, match="is not a number and has no decimals"):
             value(question).digits(6)
