@@ -149,5 +149,5 @@ def test_refusal_is_one_line(words, refusal):
 def test_a_pipe_is_refused_as_an_output(tmp_path, refusal):
     """Not tried on a device such as /dev/null, which a wrong program could replace by a file."""
     os.mkfifo(tmp_path / "pipe")
-    assert "pipe is " in refusal("report", "no such scene", "-o", str(tmp_path / "pipe"))
+    assert "pipe is not a regular file" in refusal("report", "no such scene", "-o", str(tmp_path / "pipe"))
     assert (tmp_path / "pipe").is_fifo()

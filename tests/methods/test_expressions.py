@@ -73,7 +73,7 @@ def test_any_text_is_a_number_or_is_refused_in_one_line(text: str) -> None:
         ("sqrt(2", "the bracket of sqrt is not closed; found the end"),
         ("sqrt(2 3)", "the bracket of sqrt is not closed; found '3'"),
         ("sqrt(2, 3)", "sqrt takes one integer"), ("sqrt(2.5)", "sqrt takes one integer"),
-        (f"sqrt(1{40 * '0'})", "sqrt takes one integer"), (f"{61 * 'g'}(1)", f"'{57 * 'g'}...' is no function"),
+        (f"sqrt(1{40 * '0'})", "sqrt takes one integer"), (f"{61 * 'g'}(1)", f"'{57 * 'g'}...' is not a function"),
         (61 * "g", f"'{57 * 'g'}...' is a name"),
         ("((2**64)**52)**6 * 2**31", "column 18: its numbers are too large"),
         ("2**-1/(((2**64)**52)**6 * 2**30)", "column 6: its numbers are too large"),

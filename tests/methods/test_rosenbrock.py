@@ -31,7 +31,7 @@ def test_a_file_is_read_and_refused_in_one_line(write, refusal):
     assert facts_of(mine, ["order", "w_order", "l_stable"]) == {"order": 2, "w_order": 2, "l_stable": True}
     for old, new, words in exactly(4, [
         ("[1, 0]]", "[1, 1]]", "alpha has a nonzero entry on or above"),
-        ('r/2", 0]', 'r/2", 1]', "gamma has an entry above its"), ("alpha", "A", "a rosenbrock has no key 'A'"),
+        ('r/2", 0]', 'r/2", 1]', "gamma has a nonzero entry above its"), ("alpha", "A", "a rosenbrock has no key 'A'"),
         ('["r - 2", "1 - r/2"]', "[0]", "gamma is not square"),
     ]):  # fmt: skip
         assert words in refusal(ROS2.replace(old, new))

@@ -87,7 +87,7 @@ BAD_FILES = {
     "h = 1\nt = 1\n" + ASKED: "'selected' is missing", 'selected = "rk4"\nt = 1\n' + ASKED: "'h' is missing",
     'selected = "rk4"\nh = 1\n' + ASKED: "'t' is missing",
     'selected = "rk4"\nh = 1\nt = 1\n': "scene 'mine' asks for nothing; name readouts, certified or panels",
-    MINIMAL + "colour = 1": "a scene has no key 'colour'; there are name, selected, h, t, start",
+    MINIMAL + "colour = 1": "a scene has no key 'colour'; its keys are name, selected, h, t, start",
     'selected = "rk5"\nh = 1\nt = 1\n' + ASKED: "scene 'mine': unknown method 'rk5'; did you mean rk4 or ",
     MINIMAL + 'methods = ["rk4", "oiler"]': "unknown method 'oiler'; did you mean",
     MINIMAL + "methods = 5": "methods is 5; write a list",

@@ -77,7 +77,7 @@ REFUSALS: list[tuple[Callable[[], Any], str]] = [
     (lambda: toml.as_list("ab", "x"), "x is 'ab'; write a list"),
     (lambda: toml.as_list([1, 2, 3], "x", 2, 2), "x has 3 entries; at most 2 are allowed"),
     (lambda: toml.as_list([1], "x", 2), "x has 1 entries, 2 are needed"),
-    (lambda: toml.demand_keys({"a": 1, "c": 2}, ("a", "b"), "a table"), "a table has no key 'c'; there are a, b"),
+    (lambda: toml.demand_keys({"a": 1, "c": 2}, ("a", "b"), "a table"), "a table has no key 'c'; its keys are a, b"),
 ]
 
 

@@ -93,7 +93,7 @@ def test_number_of_digits_has_its_bounds(n: int, reason: str) -> None:
 def test_what_is_no_number_has_no_decimals() -> None:
     for question in ("energy_multiplier rk4", "a_stable rk4", "real_limit backward_euler"):
         assert not value(question).is_number
-        with pytest.raises(QuestionError, match="is no number"):
+        with pytest.raises(QuestionError, match="is not a number"):
             float(value(question))
         with pytest.raises(QuestionError, match="is not a number and has no decimals"):
             value(question).digits(6)

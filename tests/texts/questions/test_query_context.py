@@ -32,7 +32,7 @@ REFUSED = [
     ("order rk4 at 1/4", 14, "rk4 has no parameter"),
     ("order sdirk_order_2 at (1 - x)", 24, "'x' is a name; write numbers"),
     ("real_limit sdirk_order_2 sharp", 26, "does not take the word sharp"),
-    ("a_stable explicit_order_2 at 0", 30, "no method at alpha = 0"),
+    ("a_stable explicit_order_2 at 0", 30, "explicit_order_2 is not defined at alpha = 0"),
     ("order_fails rk4 : leaf", 19, "'leaf' is not a part of order_fails of rk4; its parts are tree, residual"),
     ("order rk4 : leaf", 13, "'leaf' is not a part of order of rk4; it has no parts"),
     ("a21 rk4 : q", 11, "a21 has no parts; leave out 'q'"),
