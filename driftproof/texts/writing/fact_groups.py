@@ -30,6 +30,7 @@ inconsistencies | inconsistencies of the coefficients
 
 Accuracy
 order | order p: over a given time the error falls as h^p
+claimed_order | order that is claimed, which the coefficients as written do not have
 order_but_for_rounding | order but for rounded coefficients, and by what its conditions fail
 order_to_tolerance | order up to residuals of the size asked for
 order_sets | where the order is at least so high
@@ -73,6 +74,7 @@ first_same_as_last | first same as last: a stage serves two steps
 """
 _READ = [part.splitlines() for part in _GROUPS.strip().split("\n\n")]
 GROUPS = {heading: [line.split(" | ")[0] for line in lines] for heading, *lines in _READ}
+_OF_MULTISTEP = {"error_constant": "error constant: of exact less computed, over sigma(1)"}
 _PLAIN = dict(line.split(" | ") for _, *lines in _READ for line in lines)
 
 
@@ -97,9 +99,9 @@ def grouped_facts_text(facts: Mapping[str, Any], everything: bool = False) -> st
     groups = {heading: {name: facts[name] for name in names if name in facts} for heading, names in GROUPS.items()}
     shown = [name for group in groups.values() for name in group]
     rest = {name: value for name, value in facts.items() if name not in shown}
-    parts = []
+    parts, plain = list[str](), _PLAIN | (_OF_MULTISTEP if "rho" in facts else {})
     for heading, group in groups.items():
-        named = {_PLAIN[name]: value for name, value in group.items() if everything or _is_shown(name, value)}
+        named = {plain[name]: value for name, value in group.items() if everything or _is_shown(name, value, facts)}
         parts += [_under(heading, _called(named, facts["method"]) if "method" in group else named)]
     if everything:
         parts += [_under("Everything else", rest)]
@@ -108,8 +110,10 @@ def grouped_facts_text(facts: Mapping[str, Any], everything: bool = False) -> st
     return "\n\n".join(filter(None, parts))
 
 
-def _is_shown(name: str, value: Any) -> bool:
-    """False for a fact that the method lacks, and for a sector of 0 or 90 degrees, which A-stability already says."""
+def _is_shown(name: str, value: Any, facts: Mapping[str, Any]) -> bool:
+    """False for one that the method lacks, a claimed order that it has, and a sector that A-stability already says."""
+    if name == "claimed_order":
+        return isinstance(facts.get("order"), int) and value > facts["order"]
     return fact_text(value) != "none" and (name != "sector" or callable(value.degrees.exact))
 
 
