@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Set
 from dataclasses import dataclass, replace
+from difflib import SequenceMatcher
 from fractions import Fraction
 from itertools import islice
 
@@ -61,15 +62,17 @@ class CheckedClaim:
 
 def check_claims(document: Document, claims: Iterable[Claim]) -> list[CheckedClaim]:
     """Check every claim against the text. Raises ValueError if a claim has no value."""
-    return [check_claim(document, claim, claim.spellings()) for claim in claims]
+    found = [check_claim(document, claim, claim.spellings()) for claim in claims]
+    held = frozenset(at for one in found for place in one.occurrences for at in range(place.start, place.end))
+    return [check_claim(document, one.claim, one.claim.spellings(), held) if one.findings else one for one in found]
 
 
-def check_claim(document: Document, claim: Claim, spellings: Spellings) -> CheckedClaim:
-    """Check one claim, with the accepted spellings of its values, against the text."""
+def check_claim(document: Document, claim: Claim, spellings: Spellings, held: Set[int] = frozenset()) -> CheckedClaim:
+    """Check one claim, with the accepted spellings of its values, against the text; other claims hold at `held`."""
     found = occurrences_of(document, claim, spellings)
-    wrong = _surplus if len(found) > claim.count else _missing
-    findings = () if len(found) == claim.count else tuple(wrong(document, claim, spellings, found))
-    return CheckedClaim(claim, found, findings)
+    more = len(found) > claim.count
+    wrong = _surplus(document, claim, found) if more else _missing(document, claim, spellings, found, held)
+    return CheckedClaim(claim, found, () if len(found) == claim.count else tuple(wrong))
 
 
 def occurrences_of(document: Document, claim: Claim, spellings: Spellings) -> tuple[Occurrence, ...]:
@@ -84,9 +87,7 @@ def _times(count: int) -> str:
     return "once" if count == 1 else f"{count} times"
 
 
-def _surplus(
-    document: Document, claim: Claim, spellings: Spellings, occurrences: tuple[Occurrence, ...]
-) -> Iterator[Finding]:
+def _surplus(document: Document, claim: Claim, occurrences: tuple[Occurrence, ...]) -> Iterator[Finding]:
     message = f"this occurs {_times(len(occurrences))} in the text; expected {_times(claim.count)}"
     for one in occurrences[claim.count :][:_MOST_FINDINGS]:
         found = document.text.text[one.start : one.end]
@@ -94,9 +95,15 @@ def _surplus(
 
 
 def _missing(
-    document: Document, claim: Claim, spellings: Spellings, occurrences: tuple[Occurrence, ...]
+    document: Document, claim: Claim, spellings: Spellings, occurrences: tuple[Occurrence, ...], held: Set[int]
 ) -> Iterator[Finding]:
-    """One finding for each missing occurrence, at the places with the most correct numbers, the earliest first."""
+    """One finding for each missing occurrence: where few numbers are wrong, no claim holds, and they are most alike."""
+
+    def distance(match: re.Match[str]) -> tuple[int, bool, float]:
+        wrong = [i for i, pair in enumerate(zip(expected, match.groups(), strict=True), 1) if not spelled_alike(*pair)]
+        alike = sum(SequenceMatcher(None, expected[i - 1], match[i]).ratio() for i in wrong)
+        return len(wrong), not held.isdisjoint(map(match.start, wrong)), -alike
+
     missing, known = claim.count - len(occurrences), {occurrence.start for occurrence in occurrences}
     for names in (True, False):  # second, names such as RK4 may have another number
         expected = claim.phrase.numbers(spellings, names)
@@ -104,7 +111,7 @@ def _missing(
         shape = re.compile(f"(?={shape.pattern})", shape.flags)  # a lookahead, because matches may overlap
         found = islice(shape.finditer(document.text.text), _MOST_COMPARED)
         near = [match for match in found if match.start() not in known]
-        near.sort(key=lambda match: -sum(map(spelled_alike, expected, match.groups())))
+        near.sort(key=distance)
         if near:
             nearest = near[: min(missing, _MOST_FINDINGS)]
             yield from (_difference(document, claim, expected, match) for match in nearest)
@@ -126,7 +133,7 @@ def _difference(document: Document, claim: Claim, expected: list[str], match: re
     wrong = [(i, *pair) for i, pair in enumerate(zip(expected, match.groups(), strict=True), 1) if pair[0] != pair[1]]
     i, right, found = next((one for one in wrong if not spelled_alike(*one[1:])), wrong[0])
     if re.search("[eE×·]", found) and re.fullmatch("-?[0-9.]+", right):
-        right = decimal_spellings(right)[-1]
+        right = [*decimal_spellings(right), right][1]
     return Finding(claim.id, *document.position(match.start(i)), right, found, f"expected {right}, found {found}")
 
 

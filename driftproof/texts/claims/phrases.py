@@ -101,12 +101,13 @@ def _exact_spellings(value: Answer) -> list[str]:
 
 
 def decimal_spellings(decimal: str) -> list[str]:
-    """The decimal without and with an exponent, such as 0.00033 and 3.3e-4."""
+    """The decimal without and with an exponent, such as 0.00033, 3.3e-4, and in tables 33e-5 and 0.33e-3."""
     x = Decimal(decimal)
     if not x:
         return [decimal]
-    scientific = f"{x:e}".replace("e+", "e")
-    return [scientific] if abs(x.adjusted()) > MOST_DECIMALS else [f"{x:f}", scientific]
+    scientific, n = f"{x:e}".replace("e+", "e"), x.adjusted()
+    shifted = [f"{x.scaleb(k - n):f}e{n - k}" for k in (-1, *range(1, min(len(x.as_tuple().digits), 4))) if k != n]
+    return [*([] if abs(n) > MOST_DECIMALS else [f"{x:f}"]), scientific, *shifted]
 
 
 def _spelling_pattern(spelling: str) -> str:

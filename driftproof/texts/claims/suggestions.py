@@ -18,6 +18,7 @@ from driftproof.symbolic.algebra.certified import Uncertified, enclose
 from driftproof.texts.claims.contradictions import contradicted, methods_named
 from driftproof.texts.claims.phrases import NumberForm
 from driftproof.texts.questions.answer import GIVEN, Answer
+from driftproof.texts.questions.arithmetic import NUMBER_FUNCTIONS
 from driftproof.texts.questions.evaluate import value
 from driftproof.texts.readers.numbers import TextNumber, numbers_in
 from driftproof.texts.values.published import published_values
@@ -40,6 +41,8 @@ _MOST_ASKED = 2000
 # Bits of precision: enough for the digits of any number of a text.
 _MOST_BITS = 256
 _BRACES = re.compile(r"\{([^{}]*)\}")
+# The question for a value as a percentage, and words shortly before a number that is no approximation.
+_SHARE, _SOLVED, _BEFORE = "percent({}, 1)", re.compile(r"\b(?:exact|true|solution)\b"), 60
 # Characters on each side of a number that are searched for the names of a value: about a line.
 _NEIGHBOURHOOD = 100
 
@@ -129,9 +132,14 @@ class Suggestions:
         spelled = re.sub(r" ?[×·] ?10\^\{?(-?[0-9]+)\}?", r"e\1", number.text.replace(",", "").lstrip("+"))
         spelled = re.sub(r"^(-?)\.", r"\g<1>0.", re.sub(r"[eE](-?)\+?0*(?=[0-9])", r"e\1", spelled))
         form, found = form_of(number), []
-        for known in self._written(form).get(spelled, ()):
+        before, percent = self.text[: number.start][-_BEFORE:], self.text[number.end :].lstrip(" ").startswith("%")
+        possible = [
+            k for k in self._known if (k.answer.unit == "%") == percent or (k.question in self.asked and not percent)
+        ]
+        alike = {each.question for each in self._written(form).get(spelled, ())}
+        for known in (each for each in possible if each.question in alike):
             fit, asked = fits[known.question], known.chosen is not None
-            rivals = sum(fits[other.question] >= fit for other in self._known if (other.chosen is not None) >= asked)
+            rivals = sum(fits[other.question] >= fit for other in possible if (other.chosen is not None) >= asked)
             odds = _ODDS_OF_ASKED if asked else _ODDS
             likely = rivals * odds <= 9 * 10 ** (digits - 1)
             named = fit == len(known.names) + len(known.numbers) and fit > (digits < 2 or not asked)
@@ -141,19 +149,23 @@ class Suggestions:
             # A constant that the lesson chose may be chosen by another text, too, without being meant.
             chosen = known.answer.evidence == GIVEN
             strong = (likely or (known.answer.exact == x and named)) and near and not (denied or chosen)
+            other = _SOLVED.search(before) is not None and not re.search(r"\bexact\b", known.question)
             last = known.answer.exact != x, not known.published, len(known.question), known.question
-            found.append(((not asked, denied, -fit, *last), LookAlike(known.question, form, strong)))
+            found.append(((not asked, denied, other, -fit, *last), LookAlike(known.question, form, strong)))
         return [alike for _, alike in sorted(found, key=lambda pair: pair[0])]
 
     def nowhere(self) -> list[tuple[str, Answer]]:
-        """The asked questions, with answers, that no number matches strongly or on a line with the chosen numbers."""
-        asked = {known.question: known for known in self._known if known.chosen is not None}
-        for number in numbers_in(self.text) if asked else ():
-            beside = self._on_line_of(number)
-            for alike in self.of(number) if number.label is None else ():
-                if alike.question in asked and (alike.strong or beside.issuperset(asked[alike.question].numbers)):
-                    del asked[alike.question]
-        return [(known.question, known.answer) for known in asked.values()]
+        """The asked questions, with answers, that no number matches strongly, alone, or beside the chosen numbers."""
+        asked = {known.question: known for known in self._known if known.question in self.asked}
+        shares, found = {_SHARE.format(question): question for question in asked}, set[str]()
+        for number in (each for each in numbers_in(self.text) if asked and each.label is None):
+            beside, digits = self._on_line_of(number), _digits(number.text, telling=True)
+            alike = {shares.get(one.question, one.question): one.strong for one in self.of(number)}
+            for known in (possible := [asked[question] for question in asked.keys() & alike]):
+                told = digits > 1 + (not known.numbers) or known.answer.exact == number.value
+                told = (told and beside.issuperset(known.numbers)) or (len(possible) == 1 and digits > 2)
+                found |= {known.question} if told or alike[known.question] else set()
+        return [(known.question, known.answer) for known in asked.values() if known.question not in found]
 
     def _fits(self, number: TextNumber) -> dict[str, int]:
         """For each value, how many of its names stand near the number plus how many of its numbers on the same line."""
@@ -203,7 +215,10 @@ class Suggestions:
         questions = (ids := published_values()) | dict.fromkeys(self._questions())
         found = [_Known(each, each in ids, answer) for each in questions if (answer := _usual(each))]
         asked = [_Known(question, False, _limited(value(question)), chosen) for question, chosen in self.asked.items()]
-        return [*found, *asked]
+        percent, one = NUMBER_FUNCTIONS["percent"][0], Answer("", Fraction(1))
+        shares = [each for each in asked if each.answer.is_number and not each.answer.unit]
+        shares = [replace(k, question=_SHARE.format(k.question), answer=percent(k.answer, one)) for k in shares]
+        return [*found, *asked, *shares]
 
     def _questions(self) -> Iterator[str]:
         sizes, times = _given(_H, self.text, _USUAL_STEPS)[:_MOST_SIZES], _given(_T, self.text, ("10",))[:_MOST_TIMES]

@@ -23,6 +23,7 @@ from driftproof.support.toml_tables import TomlTable, demand_keys, read_toml
 from driftproof.symbolic.algebra.certified import CertifiableReal, Uncertified, enclose
 from driftproof.texts.questions.answer import CERTIFIED, Answer
 from driftproof.texts.questions.arithmetic import NUMBER_FUNCTIONS, OPERATIONS, raised
+from driftproof.texts.questions.runs import evaluations
 
 # At most this many steps: some minutes in balls of a few hundred bits.
 MOST_STEPS_OF_PROBLEM = 10**5
@@ -31,7 +32,8 @@ _MOST_BITS_OF_SOLUTION = 1024
 # Chosen: a longer state is not kept in Fractions, as its length may double with every step, as for y' = y².
 _LONGEST_EXACT = 4096
 # Readouts of a run: 0 stands for any index and 1 for any stage, of explicit Runge-Kutta methods only.
-PROBLEM_READOUTS = ("y0", "exact.y0", "slope.y0", "k1.y0", "state_error", "relative_error", "largest_error", "steps")
+_ERRORS = ("state_error", "relative_error", "largest_error")
+PROBLEM_READOUTS = ("y0", "exact.y0", "slope.y0", "k1.y0", *_ERRORS, "steps", "evaluations")
 # Vector field, start, and the names of the unknowns, empty for y0, y1, ...
 FieldAndStart = tuple[VectorField, tuple[Fraction, ...], tuple[str, ...]]
 # A vector of balls or of Fractions.
@@ -159,15 +161,15 @@ def problem_readouts(run: ProblemRun, unknowns: Sequence[str] = ()) -> dict[str,
     """The readouts of a run by name; `unknowns` replace the names y0, y1, ...
 
     Without a method these are the components of the solution. With one they are y0, ... and exact.y0, ... at the end;
-    slope.y0, ..., which is f(t, y) there; state_error, relative_error, largest_error over all steps, and steps; and
-    k1.y0, k2.y0, ... of the first step of an explicit Runge-Kutta method.
+    slope.y0, ..., which is f(t, y) there; state_error, relative_error, largest_error over all steps; steps and
+    evaluations; and k1.y0, k2.y0, ... of the first step of an explicit Runge-Kutta method.
     """
     all_steps = range(run.steps + 1)
     end = all_steps[-1:]
     exact = "exact." if run.method is not None else ""
     components = [(i, unknowns[i] if unknowns else f"y{i}") for i in range(len(run.start))]
     solution = {f"{exact}{y}": partial(_solution, end, i) for i, y in components}
-    if run.method is None:
+    if (method := run.method) is None:
         return {**solution}
     read: dict[str, _StateFunction] = {"slope": lambda run, end: run.rate(run.t, end)}
     if isinstance(run.method, RungeKutta) and run.method.explicit:
@@ -181,6 +183,7 @@ def problem_readouts(run: ProblemRun, unknowns: Sequence[str] = ()) -> dict[str,
         ),
         "largest_error": lambda run: _enclosed(lambda: _largest(run.numerical(), run.true(all_steps))),
         "steps": lambda run: Answer("", Fraction(run.steps)),
+        "evaluations": lambda run: evaluations(method, run.steps),
         **{f"{name}.{y}": partial(_component, state, i) for name, state in read.items() for i, y in components},
     }
 

@@ -27,12 +27,8 @@ READOUT_WORDS = {
     **dict.fromkeys(("energy_error", "energy_drift"), "energy_change"),
     **dict.fromkeys(("function_evaluations", "number_of_evaluations"), "evaluations"),
     **dict.fromkeys(("number_of_function_evaluations", "evaluations_of_f", "f_evaluations"), "evaluations"),
-    "number_of_steps": "steps",
-    "step_size": "h",
-    "position": "q",
-    "velocity": "v",
-    "exact.position": "exact.q",
-    "exact.velocity": "exact.v",
+    **{"number_of_steps": "steps", "step_size": "h", "position": "q", "velocity": "v"},
+    **{"exact.position": "exact.q", "exact.velocity": "exact.v"},
 }
 
 AXIS = ("real", "imaginary")
@@ -81,8 +77,9 @@ AMBIGUOUS_FACTS = {
     **dict.fromkeys(("interval_of_stability", "interval_of_absolute_stability", "cfl", "cfl_number"), LIMITS),
     **dict.fromkeys(("cfl_limit", "cfl_condition", "h_limit", "step_limit"), LIMITS),
     **{
-        f"{most}_{what}": LIMITS
-        for most in ("largest", "largest_stable", "maximal", "maximal_stable", "maximum", "maximum_stable", "critical")
+        f"{most}{stable}_{what}": LIMITS
+        for most in ("largest", "max", "maximal", "maximum", "critical")
+        for stable in ("", "_stable")
         for what in ("h", "step", "step_size", "time_step")
     },
     **dict.fromkeys(("stability_region", "stability_bound", "time_step_limit", "step_size_limit"), LIMITS),

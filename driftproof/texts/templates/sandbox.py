@@ -121,13 +121,9 @@ class Sandbox(SandboxedEnvironment):
     ) -> None:
         """Take functions and filters that accept the keyword PLACE; `finalize` turns printed values into text."""
         super().__init__(
-            loader=loader,
-            undefined=StrictUndefined,
-            autoescape=kind is HTML,
-            finalize=finalize,
-            keep_trailing_newline=True,
-            auto_reload=False,
-        )
+            loader=loader, undefined=StrictUndefined, autoescape=kind is HTML, finalize=finalize,
+            keep_trailing_newline=True, auto_reload=False,
+        )  # fmt: skip
         self.placed = {**functions, **filters}
         self.globals = {**functions, "range": safe_range, "namespace": Namespace}
         self.filters = {name: self.filters[name] for name in FILTERS} | filters

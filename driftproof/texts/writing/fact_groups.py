@@ -30,6 +30,7 @@ inconsistencies | inconsistencies of the coefficients
 
 Accuracy
 order | order p: the error at a fixed time is O(h^p)
+claimed_order | claimed order, which the coefficients as written do not have
 order_but_for_rounding | order apart from rounding of the coefficients, with residuals
 order_to_tolerance | order, ignoring residuals up to the tolerance
 order_sets | parameter values for which the order is at least p
@@ -104,7 +105,7 @@ def grouped_facts_text(facts: Mapping[str, Any], everything: bool = False) -> st
     rest = {name: value for name, value in facts.items() if name not in shown}
     labels, parts = _PLAIN | _OF_MULTISTEP if "rho" in facts else _PLAIN, []
     for heading, group in groups.items():
-        named = {labels[name]: value for name, value in group.items() if everything or _is_shown(name, value)}
+        named = {labels[name]: value for name, value in group.items() if everything or _is_shown(name, value, facts)}
         parts += [_under(heading, _called(named, facts["method"]) if "method" in group else named)]
     if everything:
         parts += [_under("Everything else", rest)]
@@ -113,8 +114,10 @@ def grouped_facts_text(facts: Mapping[str, Any], everything: bool = False) -> st
     return "\n\n".join(filter(None, parts))
 
 
-def _is_shown(name: str, value: Any) -> bool:
-    """False for a fact that the method lacks, and for a sector of 0 or 90 degrees, which A-stability already says."""
+def _is_shown(name: str, value: Any, facts: Mapping[str, Any]) -> bool:
+    """False for one that the method lacks, a claimed order that it has, and a sector that A-stability already says."""
+    if name == "claimed_order":
+        return isinstance(facts.get("order"), int) and value > facts["order"]
     return fact_text(value) != "none" and (name != "sector" or callable(value.degrees.exact))
 
 

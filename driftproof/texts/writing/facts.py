@@ -269,19 +269,12 @@ class _Tex(_Text):
 
 
 _BY_TYPE: tuple[tuple[Any, str], ...] = (
-    (Fraction | Algebraic | Infinity | Formula, "scalar"),
-    (RealRoot | EnclosedTangent | NumberField, "number"),
-    (Imaginary | Complex, "complex_number"),
-    (RationalFunction | ExactFunction | FamilyFunction, "function"),
-    (TruncatedSeries, "series"),
-    (LeadingTerm | FamilyTerm, "term"),
-    (Interval | ParameterSet, "interval"),
-    (OrderSet, "order_set"),
-    (LimitPiece, "piece"),
-    (EigenvalueLimit, "eigenvalue"),
-    (RegionBoundary, "boundary"),
+    (Fraction | Algebraic | Infinity | Formula, "scalar"), (RealRoot | EnclosedTangent | NumberField, "number"),
+    (Imaginary | Complex, "complex_number"), (RationalFunction | ExactFunction | FamilyFunction, "function"),
+    (TruncatedSeries, "series"), (LeadingTerm | FamilyTerm, "term"), (Interval | ParameterSet, "interval"),
+    (OrderSet, "order_set"), (LimitPiece, "piece"), (EigenvalueLimit, "eigenvalue"), (RegionBoundary, "boundary"),
     (Exception, "undecided"),
-)
+)  # fmt: skip
 
 
 def _more(found: Sized) -> str:

@@ -11,29 +11,16 @@ from driftproof.methods.families import Family
 from driftproof.methods.number_field import Algebraic, NumberField
 from driftproof.methods.schemes import Collocation, Method, Nystrom, RungeKutta, Splitting, demand_method
 from driftproof.support.plain_text import Json
+from driftproof.symbolic.algebra import radicals
 from driftproof.symbolic.algebra.certified import decide_by_enclosure, significant
-from driftproof.symbolic.algebra.radicals import (
-    PRINTED_DIGITS,
-    integer_polynomial_text,
-    is_readable,
-    radical_form,
-    root_decimal,
-)
+from driftproof.symbolic.algebra.radicals import PRINTED_DIGITS, integer_polynomial_text
 from driftproof.symbolic.algebra.rational_functions import RationalFunction, exact_text, fraction
 from driftproof.symbolic.algebra.real_roots import ZERO_ROOT, RealRoot, rational_root, root_of
 from driftproof.symbolic.facts import FACTS, ON_REQUEST, Facts, facts_only
 from driftproof.symbolic.family_facts import FAMILY_FACTS, FailingTree, FamilyFacts, LimitPiece, OrderSet
+from driftproof.symbolic.linear import facts as linear
 from driftproof.symbolic.linear.a_stability import Angle, EnclosedTangent
 from driftproof.symbolic.linear.eigenvalues import Complex, Imaginary
-from driftproof.symbolic.linear.facts import (
-    TERMS,
-    ExactFunction,
-    Formula,
-    ModifiedEnergy,
-    RegionBoundary,
-    TruncatedSeries,
-    facts_by_name,
-)
 from driftproof.symbolic.linear.families import Interval, ParameterSet
 from driftproof.symbolic.linear.invariants import QuadraticForm
 from driftproof.symbolic.linear.phase import LeadingTerm
@@ -49,7 +36,7 @@ LONGEST_BARE = 60
 MOST_TREES_READ = 2000
 
 
-def facts_of(method: Method | FactsOnly, names: Sequence[str] = (), terms: int = TERMS) -> dict[str, Json]:
+def facts_of(method: Method | FactsOnly, names: Sequence[str] = (), terms: int = linear.TERMS) -> dict[str, Json]:
     """The named facts of the method, by default all, as JSON: numbers are strings, a fact that it lacks is None.
 
     Only the named facts are computed. `terms` is the length of series. Besides FACTS, `names` may hold those of
@@ -62,7 +49,7 @@ def facts_of(method: Method | FactsOnly, names: Sequence[str] = (), terms: int =
     """
     if isinstance(method, FactsOnly):
         return record(facts_only(method, names))  # type: ignore[no-any-return]
-    return record(facts_by_name(Facts(method, terms), names or FACTS, (*FACTS, *ON_REQUEST)))  # type: ignore[no-any-return]
+    return record(linear.facts_by_name(Facts(method, terms), names or FACTS, (*FACTS, *ON_REQUEST)))  # type: ignore[no-any-return]
 
 
 def system_facts(
@@ -91,7 +78,7 @@ def family_facts(family: Family, names: Sequence[str] = FAMILY_FACTS) -> dict[st
     '[1/4, oo)'
     """
     demand_method(family, "FAMILIES")
-    return record(facts_by_name(FamilyFacts(family), names, FAMILY_FACTS))  # type: ignore[no-any-return]
+    return record(linear.facts_by_name(FamilyFacts(family), names, FAMILY_FACTS))  # type: ignore[no-any-return]
 
 
 # --- the parts of facts
@@ -106,12 +93,12 @@ def parts(value: Any) -> Mapping[str, Any] | None:
     return value._asdict() if hasattr(value, "_asdict") else None
 
 
-def _hamiltonian_parts(found: ModifiedEnergy) -> dict[str, Any]:
+def _hamiltonian_parts(found: linear.ModifiedEnergy) -> dict[str, Any]:
     """H̃ = factor*(q2 q² + qv qv + v2 v²), as in `ModifiedHamiltonian`; the factor also as a series."""
-    cosine = ExactFunction(found.hamiltonian.cosine, "h")
-    forms = {name: ExactFunction(getattr(found.hamiltonian, name), "h") for name in ("q2", "qv", "v2")}
+    cosine = linear.ExactFunction(found.hamiltonian.cosine, "h")
+    forms = {name: linear.ExactFunction(getattr(found.hamiltonian, name), "h") for name in ("q2", "qv", "v2")}
     return {
-        "factor": Formula(f"acos({cosine})/sqrt(1 - ({cosine})**2)"),
+        "factor": linear.Formula(f"acos({cosine})/sqrt(1 - ({cosine})**2)"),
         "quadratic": {name: form.as_formula() for name, form in forms.items()},
         "valid_limit": found.hamiltonian.limit,
         "factor_series": found.factor_series,
@@ -131,9 +118,9 @@ def number_record(value: RealRoot, digits: int = PRINTED_DIGITS) -> dict[str, An
 
     The number is the only root of the polynomial in the closed interval; the decimal is rounded correctly.
     """
-    exact, minimal = radical_form(value), integer_polynomial_text(value.minimal)
+    exact, minimal = radicals.radical_form(value), integer_polynomial_text(value.minimal)
     ends = [str(end) for end in value.interval()]
-    return {"exact": exact, "minpoly": minimal, "interval": ends, "decimal": root_decimal(value, digits)}
+    return {"exact": exact, "minpoly": minimal, "interval": ends, "decimal": radicals.root_decimal(value, digits)}
 
 
 def _tangent_parts(value: EnclosedTangent) -> dict[str, Any]:
@@ -152,8 +139,8 @@ def _place_parts(place: Imaginary | Complex) -> dict[str, Any]:
     """A non-real eigenvalue, the one above the real axis."""
     exact = None
     if isinstance(place, Imaginary):
-        size = radical_form(place.size)
-        exact, real, imaginary = size and _times_i(size), "0", root_decimal(place.size)
+        size = radicals.radical_form(place.size)
+        exact, real, imaginary = size and _times_i(size), "0", radicals.root_decimal(place.size)
     else:
         real, imaginary = (
             significant(x, PRINTED_DIGITS) for x in (lambda: place.ball().real, lambda: place.ball().imag)
@@ -161,7 +148,7 @@ def _place_parts(place: Imaginary | Complex) -> dict[str, Any]:
         if place.degree == 2:
             total, product = place.sum_and_product()
             square = product - total * total / 4
-            height = radical_form(rational_root(Fraction(int(square.p), int(square.q))).square_root())
+            height = radicals.radical_form(rational_root(Fraction(int(square.p), int(square.q))).square_root())
             exact = height and f"{total / 2} + {_times_i(height)}"
     return {"exact": exact, "minpoly": integer_polynomial_text(place.minimal), "real": real, "imaginary": imaginary}
 
@@ -183,15 +170,15 @@ _PARTS: dict[type, Callable[[Any], dict[str, Any]]] = {
     },
     Simplifying: lambda x: {name: INFINITY if n is None else n for name, n in zip("BCD", (x.b, x.c, x.d), strict=True)},
     QuadraticForm: lambda x: {
-        name: ExactFunction(fraction(c), "h").as_formula()
+        name: linear.ExactFunction(fraction(c), "h").as_formula()
         for name, c in zip(("q2", "qv", "v2"), x.coefficients, strict=True)
     },
-    ModifiedEnergy: _hamiltonian_parts,
+    linear.ModifiedEnergy: _hamiltonian_parts,
     LeadingTerm: lambda x: {
         "power": x.power,
-        "coefficient": x.coefficient if is_readable(x.coefficient) else root_of(x.coefficient),
+        "coefficient": x.coefficient if radicals.is_readable(x.coefficient) else root_of(x.coefficient),
     },
-    RegionBoundary: lambda x: {
+    linear.RegionBoundary: lambda x: {
         "radius": f"1e-{PLACES}",
         "points": [dict(zip(("cosine", "re", "im"), point, strict=True)) for point in x.points],
     },
@@ -215,8 +202,8 @@ _PARTS: dict[type, Callable[[Any], dict[str, Any]]] = {
 _SIMPLE: tuple[tuple[Any, Callable[[Any], Json]], ...] = (
     (RungeKutta | Splitting | Nystrom | Collocation | Family | FactsOnly, lambda x: x.key),
     (RationalFunction, RationalFunction.data),
-    (ExactFunction, lambda x: x.f.data()),
-    (TruncatedSeries, lambda x: [exact_text(c) for c in x.coefficients]),
+    (linear.ExactFunction, lambda x: x.f.data()),
+    (linear.TruncatedSeries, lambda x: [exact_text(c) for c in x.coefficients]),
     (Angle, lambda x: significant(x.exact, PRINTED_DIGITS) if callable(x.exact) else str(x.exact)),
     (Infinity, lambda x: x.value),
     (Exception, lambda x: {"refused": str(x)}),

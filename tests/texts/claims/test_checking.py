@@ -62,6 +62,7 @@ FOUND = [
     # A name with another number comes close where nothing comes closer.
     ("RK4 ends at {value}", "", "RK5 ends at 0.33", [(1, 3, "4", "5")]),
     ("RK4 ends at {value}", "", "RK5 ends at 0.33\nRK4 ends at 0.34", [(2, 13, "0.33", "0.34")]),
+    ("h is at most {value}", "", "h is at most 1, then\nh is at most 0.83", [(2, 14, "0.33", "0.83")]),
     ("is {value}", "count = 2", "is 0.33 and is 0.33", []),
     ("is {value}", "", "is 0.33 and is 0.33", [(1, 13, "nothing", "is 0.33")]),
     ("is {value}", "count = 0", "is 0.33 and is 0.33", [(1, 1, "nothing", "is 0.33"), (1, 13, "nothing", "is 0.33")]),
@@ -86,6 +87,13 @@ def test_finding_is_the_place_that_comes_closest_and_says_what_is_expected(phras
 )
 def test_three_findings_of_a_kind_are_named(count: int, text: str, found: int) -> None:
     assert len(findings(text, claim("at {value} now", f"count = {count}"))) == found
+
+
+def test_a_number_that_another_claim_holds_is_not_called_wrong() -> None:
+    one, other = (claim(f"h = {h}", "given = true") for h in ("0.1", "0.2"))
+    for text, place in (("h = 0.1\nh = 0.3", (2, 5)), ("h = 0.3\nh = 0.1", (1, 5))):
+        (finding,) = [found for each in check_claims(document_of(text), [one, other]) for found in each.findings]
+        assert (finding.line, finding.column, finding.expected, finding.found) == (*place, "0.2", "0.3")
 
 
 def test_capitals_that_differ_are_said_to() -> None:

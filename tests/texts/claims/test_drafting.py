@@ -93,7 +93,7 @@ def test_second_number_of_a_group_is_drafted_where_only_the_first_stands_in_an_e
     assert phrases == ["at 44.001", "| 59.727"]
 
 
-@pytest.mark.parametrize("setting", ["h = 0.3", "dt=0.3", "t_end =\n0.3", "step size of 0.3", "λ = -0.3"])
+@pytest.mark.parametrize("setting", ["h = 0.3", "dt=0.3", "t_end =\n0.3", "step size of 0.3", "λ = -0.3", "y' = -0.3"])
 def test_what_the_text_chooses_is_given_and_what_looks_like_a_value_is_not(setting: str) -> None:
     document = document_of(f"Of RK4 with {setting}, then {setting}, and h2 = 0.3; e = 0.3; h = 2.828.")
     text = draft(document, "a")

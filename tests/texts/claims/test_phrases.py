@@ -73,8 +73,8 @@ def test_value_that_cannot_be_written_so_is_refused_in_one_line(question: str, f
     [
         ("1/2", NumberForm(), ["0.5"]), ("40", NumberForm(), ["40"]),
         ("337/384", NumberForm(exact=True), ["337/384"]), ("337/384", NumberForm(places=3), ["0.878"]),
-        ("-1/3000", NumberForm(digits=2), ["-0.00033", "-3.3e-4"]),
-        ("5651", NumberForm(digits=2), ["5700", "5.7e3"]),
+        ("-1/3000", NumberForm(digits=2), ["-0.00033", "-3.3e-4", "-0.33e-3", "-33e-5"]),
+        ("5651", NumberForm(digits=2), ["5700", "5.7e3", "0.57e4", "57e2"]),
         ("1/8", NumberForm(places=2, rounding="half-away"), ["0.13"]),
         ("1/8", NumberForm(places=2, rounding="half-even"), ["0.12"]),
         ("0", NumberForm(digits=3), ["0"]),
@@ -103,3 +103,8 @@ def test_no_phrase_crashes_its_reader(text: str) -> None:
     written = phrase.written(spellings)
     assert len(phrase.numbers(spellings)) == phrase.shape(spellings).groups
     assert phrase.exact(spellings).fullmatch(written)
+
+
+def test_a_table_may_print_all_its_numbers_with_one_exponent() -> None:
+    one = parse_claims(b"[[claim]]\nid='a'\nphrase='is {value}'\nvalue='113670/1000000'\ndigits=3").claims[0]
+    assert [stands(f"is {text}", one) for text in ("11.4×10⁻²", "114e-3", "11.4×10⁻³", "11.5e-2")] == [1, 1, 0, 0]

@@ -117,6 +117,33 @@ def test_values_that_the_author_asks_for_are_strong_on_the_line_of_what_was_chos
     assert [one.strong for n in numbers_in(alone.text) for one in alone.of(n)[:1]] == [True, False]
 
 
+NOTE = """\
+Euler's method on y' = -2y, y(0) = 1 reaches 0.10737 at t = 1 with h = 0.1, which is off by 20.7% or 0.02796.
+The solution there is 0.135335, and y = 0.1 is a start. Heun's method reaches 0.13748, and RK4 with h = 0.5 0.1406."""
+OF_NOTE = "run {Euler,Heun} y'=-2y, y(0)=1, h={0.1,0.5}, t=1 : {y,error,relative_error,exact.y}"
+
+
+def test_a_percentage_is_a_hundred_times_the_value_and_a_solution_is_exact():
+    found = best_of(NOTE, "20.7")
+    assert found == "percent(run Euler y'=-2y, y(0)=1, h=0.1, t=1 : relative_error, 1)"
+    assert best_of(NOTE.replace("20.7%", "20.7"), "20.7") != found
+    assert best_of(NOTE.replace("0.02796", "0.02796%"), "0.02796") is None
+    assert best_of(NOTE, "0.135335").endswith("exact.y")
+    assert not best_of(NOTE.replace("solution there is", "error with h = 0.5 is"), "0.135335").endswith("exact.y")
+
+
+def test_one_digit_that_agrees_does_not_hide_a_wrong_number():
+    nowhere = {question for question, _ in Suggestions(NOTE, [OF_NOTE]).nowhere()}
+    assert "run Heun y'=-2y, y(0)=1, h=0.1, t=1 : y" in nowhere  # 0.13745 is printed as 0.13748; 0.1 is a start
+    right = {question for question, _ in Suggestions(NOTE.replace("0.13748", "0.13745"), [OF_NOTE]).nowhere()}
+    assert nowhere - right == {"run Heun y'=-2y, y(0)=1, h=0.1, t=1 : y"}
+
+
+def best_of(text, spelled):
+    (number,) = [each for each in numbers_in(text) if each.text == spelled]
+    return next((alike.question for alike in Suggestions(text, [OF_NOTE]).of(number)), None)
+
+
 def test_braces_are_chosen_from_in_every_way_and_equal_braces_alike() -> None:
     every_way = [f"step rk4 h=1/{h} N={n} : q" for h in (2, 4) for n in (1, 2)]
     assert [*questions_in("step rk4 h=1/{2,4} N={1..2} : q")] == every_way

@@ -160,3 +160,8 @@ REFUSED = [
 @pytest.mark.parametrize(("question", "column", "reason"), REFUSED)
 def test_what_has_no_answer_is_refused_at_its_column(question: str, column: int, reason: str) -> None:
     demand_refusal(question, column, reason)
+
+
+def test_evaluations_of_an_explicit_run_are_counted_and_of_an_implicit_one_refused() -> None:
+    assert value("evaluations of RK4 y'=-2y, y(0)=1, h=0.1, t=1").exact == 40
+    demand_refusal("run gauss2 y'=-y y(0)=1 h=1/10 t=1 : evaluations", 38, "gauss2 is implicit")

@@ -98,7 +98,6 @@ SAME = {
     "run rk4 dy/dt=2sin(t)y + t y, y(0)=1, h=1/2, t=1 : y": "run rk4 rates=(2*sin(t)*y0+t*y0) from 1 h=1/2 t=1 : y0",
     "run rk4 x'=2v, v'=-3x, x(0)=2, v(0)=0, h=1, t=1 : x": "run rk4 rates=(2*y1,-3*y0) from 2,0 h=1 t=1 : y0",
     "run rk4 y'=-2 y(0)=1 h=1/2 t=1 : y": "run rk4 rates=(-2) from 1 h=1/2 t=1 : y0",
-    "run rk4 rates=(-2y0(1-y0)) from 1/2 h=1/2 t=1 : y0": "run rk4 rates=(-2*y0*(1-y0)) from 1/2 h=1/2 t=1 : y0",
     "steps needed by Euler for error 1e-2 at t=2": "steps of Euler error=1e-2 t=2",
 }  # fmt: skip
 
@@ -124,14 +123,7 @@ REFUSED = [
     ("run leapfrog h=0.1 t=1 : q", 5, "'leapfrog' may mean velocity_verlet"),
     ("run rk4 y''=-y y(0)=1 h=1 t=1 : y", 10, "equations must be of first order; write y'' = -y as y'=v, v'=-y"),
     ("run rk4 y'=-1/2y y(0)=1 h=1 t=1 : y", 16, "after / or ^ write a product with its sign: 2*y"),
-    ("run rk4 y'=-1/2(1-y) y(0)=1 h=1 t=1 : y", 16, "after / or ^ write a product with its sign: 2*("),
-    ("run rk4 y'=y^2t y(0)=1 h=1 t=1 : y", 15, "after / or ^ write a product with its sign: 2*t"),
     ("run rk4 y'=2ty y(0)=1 h=1 t=1 : y", 13, "'ty' is not an unknown or a function; write a product as t*y or t y"),
-    (
-        "run rk4 rates=(y0/2y0) from 1 h=1 t=1 : y0",
-        16,
-        "'y0/2y0', column 5: after / or ^ write a product with its sign",
-    ),
     ("run rk4 y'=tan(y) y(0)=1 h=1 t=1 : y", 12, "the functions are sin, cos, exp, log, sqrt"),
     ("run rk4 y'=-y y(1)=1 h=1 t=1 : y", 17, "time starts at 0: write the initial value as y(0) = ..."),
     ("relative error of RK4 h=1/4 t=10 from 0,0", 1, "the exact state is the origin"),
