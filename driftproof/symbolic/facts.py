@@ -186,14 +186,14 @@ _NO_R = "only Runge-Kutta and collocation methods have R(z)"
 WHY_NONE = {
     **dict.fromkeys(("stability_function", "real_limit", "a_stable", "a_stability", "i_stable", "l_stable"), _NO_R),
     **dict.fromkeys(("sector", "limit_at_infinity", "error_constant", "modified_rate", "region_boundary"), _NO_R),
-    "reduction": "no stage is superfluous: every fact is of the table and of the method",
+    "reduction": "no stage is superfluous",
     "stability_within_digits": "it is explicit, its coefficients are not rounded, or R has no limit for them",
     "order_but_for_rounding": f"no condition up to {TOLERANCE_ORDER} vertices fails by far more than those before it",
-    "estimate": "it is no pair",
+    "estimate": "it is not an embedded pair",
     "continuous_extensions": "the catalogue holds none",
     "ssp_coefficient": "only Runge-Kutta and collocation methods have one",
-    "energy_multiplier": "what a step does to the energy depends on the state",
-    "invariant": "it conserves no quadratic, or several that are not multiples of one",
+    "energy_multiplier": "the energy change of a step depends on the state",
+    "invariant": "it conserves no quadratic form, or several independent ones",
     "dissipation": "the whole series vanishes",
 }
 

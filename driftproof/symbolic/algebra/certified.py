@@ -138,7 +138,7 @@ def fixed(value: CertifiableReal, places: int, rounding: str = HALF_EVEN) -> str
     '-0.479167'
     """
     if places < 0:
-        raise ValueError(f"places = {places}; ask for none at least")
+        raise ValueError(f"places = {places}; must be at least 0")
     return decide_by_enclosure(value, lambda x: _fixed(x, places, rounding))
 
 
@@ -176,7 +176,7 @@ def scientific(value: CertifiableReal, digits: int, rounding: str = HALF_EVEN) -
 
 def _demand_a_digit(digits: int) -> None:
     if digits < 1:
-        raise ValueError(f"digits = {digits}; ask for at least one")
+        raise ValueError(f"digits = {digits}; must be at least 1")
 
 
 def _round_to_integer(x: Fraction, rounding: str) -> int:

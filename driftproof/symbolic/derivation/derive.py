@@ -91,7 +91,7 @@ class Derivation(Printable):
         """det M, the factor by which a step scales area."""
         value = expression(determinant(self._m))
         qq, qv, vq, vv = sympy.symbols("M_qq M_qv M_vq M_vv")
-        step = ProofStep("The factor by which a step scales area.", (DET, qq * vv - qv * vq, value))
+        step = ProofStep("The factor by which a step scales areas:", (DET, qq * vv - qv * vq, value))
         return Derived("determinant", DET, value, (step,))
 
     @cached_property
@@ -104,10 +104,10 @@ class Derivation(Printable):
         except StateDependentEnergy:
             form = sum(expression(c) * x for c, x in zip(after, MONOMIALS, strict=True))
             change = ProofStep("So the energy after one step is:", (sympy.Symbol("E_1"), form))
-            reason = "$M^T M$ is no multiple of $I$: what a step does to the energy depends on the state"
+            reason = "$M^T M$ is not a multiple of $I$, so the energy change of a step depends on the state"
             return Derived("energy_multiplier", ENERGY_RATIO, None, (square, change), reason)
-        ratio = ProofStep("It is a multiple of $I$, and the factor is that of the energy.", (ENERGY_RATIO, value))
-        gain = ProofStep("A step adds this part of the energy.", (ENERGY_RATIO - 1, sympy.factor(value - 1)))
+        ratio = ProofStep("It is a multiple of $I$; the factor is the energy multiplier.", (ENERGY_RATIO, value))
+        gain = ProofStep("A step changes the energy by this fraction.", (ENERGY_RATIO - 1, sympy.factor(value - 1)))
         return Derived("energy_multiplier", ENERGY_RATIO, value, (square, ratio, gain))
 
     @cached_property
@@ -127,7 +127,7 @@ class Derivation(Printable):
             return Derived("invariant", INVARIANT, None, tuple(steps), str(error))
         value = sympy.Add(*(expression(c) * x for c, x in zip(found, MONOMIALS, strict=True)))
         steps.append(
-            ProofStep(r"$\det M = 1$, so it is conserved; scaled to the energy at $h = 0$:", (INVARIANT, value))
+            ProofStep(r"As $\det M = 1$, it is conserved; scaled to equal the energy at $h = 0$:", (INVARIANT, value))
         )
         return Derived("invariant", INVARIANT, value, tuple(steps))
 
@@ -148,7 +148,7 @@ class Derivation(Printable):
         """The two roots of the characteristic polynomial."""
         inside = expression(discriminant(self._m))
         value = sympy.Tuple(*multipliers(self._m))
-        halves = ("Half the trace, plus half a square root of the discriminant:", "And minus half of it:")
+        halves = ("Half the trace plus half the square root of the discriminant:", "Minus half of that root:")
         steps = [
             ProofStep(
                 "The discriminant; where it is negative, the roots are complex conjugates.",
@@ -163,7 +163,7 @@ class Derivation(Printable):
         """θ(h), the angle by which a step turns; the exact flow turns by h."""
         half_trace, area = expression(trace(self._m)) / 2, expression(determinant(self._m))
         cosine = ProofStep(
-            r"Complex roots have the modulus $(\det M)^{1/2}$, turn by $\pm\theta$, and add up to the trace.",
+            r"Complex roots have the modulus $(\det M)^{1/2}$, the arguments $\pm\theta$, and their sum is the trace.",
             _chain(COSINE, TRACE / (2 * sympy.sqrt(DET)), half_trace / sympy.sqrt(area)),
         )
         value = phase_per_step(self._m)
@@ -174,7 +174,7 @@ class Derivation(Printable):
         """The first terms of θ(h) - h; a negative leading coefficient means that the method lags."""
         symbol, half_trace = THETA - STEP_SIZE, expression(trace(self._m)) / 2
         factor, rest = square_root_of_discriminant(self._m)
-        because = "The tangent is a series in $h$, and so is the arc tangent of it."
+        because = "The tangent is a power series in $h$, and so is its arctangent."
         tangent = ProofStep(because, (TANGENT, factor * sympy.sqrt(-rest) / 2 / half_trace))
         terms = FIRST_TERMS
         try:
@@ -183,7 +183,7 @@ class Derivation(Printable):
         except ValueError as error:
             return Derived("phase_error", symbol, None, (), str(error))
         value = expression(series) + sympy.Order(STEP_SIZE**terms)
-        first = ProofStep("The first one decides for small $h$.", (leading[1] * STEP_SIZE ** leading[0],))
+        first = ProofStep("For small $h$ the first term dominates.", (leading[1] * STEP_SIZE ** leading[0],))
         return Derived("phase_error", symbol, value, (tangent, ProofStep("The first terms:", (symbol, value)), first))
 
     @cached_property
@@ -191,14 +191,14 @@ class Derivation(Printable):
         """The largest H such that the powers of M(h) are bounded for every h in (0, H)."""
         found = conditions(self._m)
         named = (
-            ("The product of the roots is at most $1$ where this is not negative.", 1 - DET, found.area),
+            ("The product of the roots is at most $1$ if this is nonnegative.", 1 - DET, found.area),
             (
-                "The characteristic polynomial at $-1$: not negative while no root is below.",
+                "The characteristic polynomial at $-1$, nonnegative as long as no root is below $-1$.",
                 1 + TRACE + DET,
                 found.plus,
             ),
             (
-                "The characteristic polynomial at $1$: not negative while no root is above.",
+                "The characteristic polynomial at $1$, nonnegative as long as no root is above $1$.",
                 1 - TRACE + DET,
                 found.minus,
             ),
@@ -212,7 +212,7 @@ class Derivation(Printable):
         """The derivations with these names, by default all. Raises ValueError for an unknown name."""
         for name in names:
             if name not in DERIVED:
-                raise ValueError(f"{name!r} is not derived; choose from {', '.join(DERIVED)}")
+                raise ValueError(f"unknown derivation {name!r}; choose from {', '.join(DERIVED)}")
         return tuple(getattr(self, name) for name in names or DERIVED)
 
     def written(self, form: str) -> str:
@@ -249,14 +249,14 @@ def derive(method: str | Path | Method, *, only: Sequence[str] = ()) -> Derivati
 def _verdict(m: DomainMatrix, limit: sympy.Expr) -> list[ProofStep]:
     """The steps from the boundedness conditions to the limit, and whether the powers are bounded at the limit."""
     if limit in (0, sympy.oo):
-        because = "From $h = 0$ on one of them is negative, or the roots merge and the powers grow."
-        return [ProofStep(because if limit == 0 else "None is negative for any $h > 0$.", (LIMIT, limit))]
+        because = "For small $h > 0$ one of them is negative, or the roots coincide and the powers grow."
+        return [ProofStep(because if limit == 0 else "None of them is negative for any $h > 0$.", (LIMIT, limit))]
     steps = [ProofStep("This is the largest $H$ with bounded powers for every $h < H$.", (LIMIT, limit))]
     if limit.atoms(sympy.CRootOf):
         polynomial = minimal_polynomial_of(m, limit).as_expr()
         return [*steps, ProofStep("It is a root of this irreducible polynomial.", (polynomial, sympy.Integer(0)))]
     at = AtStep(m, limit)
-    grows = "At $H$ the roots merge and the powers grow." if at.jordan_block else "At $H$ the powers grow."
+    grows = "At $H$ the roots coincide and the powers grow." if at.jordan_block else "At $H$ the powers grow."
     return [*steps, ProofStep("At $H$ they are still bounded." if at.bounded else grows, (MATRIX, at.matrix))]
 
 

@@ -39,8 +39,8 @@ def derived_matrix(method: Method) -> tuple[DomainMatrix, list[ProofStep]]:
     """
     if method.field is not None:
         raise ValueError(
-            f"{method.key} has coefficients in Q({method.field.name}); derivations take rational ones only, "
-            "`driftproof facts` has what is true of it"
+            f"{method.key} has coefficients in Q({method.field.name}); derivations take only rational ones; "
+            "`driftproof facts` lists the properties of the method"
         )
     derive = {RungeKutta: _runge_kutta, Splitting: _splitting, Nystrom: _nystrom, Collocation: _collocation}
     m, steps = derive[type(method)](method)  # type: ignore[operator]
@@ -84,8 +84,8 @@ def _nystrom(method: Nystrom) -> tuple[DomainMatrix, list[ProofStep]]:
     kick = VELOCITY + STEP_SIZE * _combined(method.b_velocity, names)
     position, velocity = _forms(total)
     after = [
-        ProofStep("The position takes the velocity and the weighted forces.", (sympy.Symbol("q_1"), drift, position)),
-        ProofStep("The velocity takes the weighted forces.", (sympy.Symbol("v_1"), kick, velocity)),
+        ProofStep("The position adds the velocity and the weighted forces.", (sympy.Symbol("q_1"), drift, position)),
+        ProofStep("The velocity adds the weighted forces.", (sympy.Symbol("v_1"), kick, velocity)),
     ]
     return total, [*_stage_steps(names, equations, _forms(stages), method.explicit), *after]
 
@@ -132,14 +132,14 @@ def _stage_steps(
 ) -> list[ProofStep]:
     numbered = list(enumerate(zip(names, equations, solved, strict=True), start=1))
     if explicit:
-        known = "Stage {} is a formula in what was known before it."
+        known = "Stage {} is an explicit formula."
         return [
             ProofStep(known.format(i), (k, *dict.fromkeys((equation, form)))) for i, (k, equation, form) in numbered
         ]
-    equations_first = [ProofStep(f"Stage {i} is an equation.", (k, equation)) for i, (k, equation, _) in numbered]
+    equations_first = [ProofStep(f"Stage {i} is an equation:", (k, equation)) for i, (k, equation, _) in numbered]
     return [
         *equations_first,
-        *(ProofStep("The equations are linear; solved:", (k, form)) for _, (k, _, form) in numbered),
+        *(ProofStep("The equations are linear; solution:", (k, form)) for _, (k, _, form) in numbered),
     ]
 
 

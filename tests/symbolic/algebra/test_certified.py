@@ -90,13 +90,13 @@ def test_scientific_always_has_an_exponent_except_for_zero() -> None:
 @pytest.mark.parametrize("digits", [0, -1])
 def test_no_digits_is_an_error(digits: int) -> None:
     for ask in (significant, scientific):
-        with pytest.raises(ValueError, match="ask for at least one"):
+        with pytest.raises(ValueError, match="must be at least 1"):
             ask(Q(3), digits)
 
 
 def test_no_places_is_an_integer_and_fewer_are_an_error() -> None:
     assert fixed(Q(7, 3), 0) == "2"
-    with pytest.raises(ValueError, match="places = -1; ask for none at least"):
+    with pytest.raises(ValueError, match="places = -1; must be at least 0"):
         fixed(Q(7, 3), -1)
 
 

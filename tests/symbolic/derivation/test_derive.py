@@ -86,7 +86,7 @@ def test_lesson_methods_have_the_lesson_s_formulas(key: str) -> None:
         assert wanted is None or sympy.expand(derived.value - wanted) == 0
     assert found.phase_error.steps[-1].chain == (leading,)
     assert found.stability_limit.value == limit
-    assert found.stability_limit.steps[-1].because.startswith("From" if limit == 0 else "At $H$")
+    assert found.stability_limit.steps[-1].because.startswith("For small $h > 0$" if limit == 0 else "At $H$")
 
 
 def test_formulas_stand_in_the_order_in_which_they_are_read() -> None:
@@ -180,8 +180,8 @@ def test_formats_of_the_command(capsys: pytest.CaptureFixture[str], tmp_path: Pa
     ("arguments", "words"),
     [
         (["rk5"], "rk5"),
-        (["rk4", "--only", "phas"], "'phas' is not derived; choose from one_step_matrix"),
-        (["gauss2"], "derivations take rational ones only"),
+        (["rk4", "--only", "phas"], "unknown derivation 'phas'; choose from one_step_matrix"),
+        (["gauss2"], "derivations take only rational ones"),
         (["sdirk_order_2"], "is a family of methods"),
         (["missing.toml"], "missing.toml"),
     ],

@@ -91,5 +91,7 @@ def test_forces_of_a_nystrom_method_make_each_chain_equal(key: str) -> None:
 
 
 def test_irrational_coefficients_are_refused_in_one_line() -> None:
-    with pytest.raises(ValueError, match=r"gauss2 has coefficients in Q\(sqrt\(3\)\); derivations take rational ones"):
+    with pytest.raises(
+        ValueError, match=r"gauss2 has coefficients in Q\(sqrt\(3\)\); derivations take only rational ones"
+    ):
         derived_matrix(METHODS["gauss2"])

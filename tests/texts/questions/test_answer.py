@@ -83,7 +83,7 @@ def test_value_without_an_exact_form_has_its_published_digits_and_no_more() -> N
         value(key).digits(40)
 
 
-@pytest.mark.parametrize(("n", "reason"), [(0, "ask for at least one"), (10_001, "at most 10000"), (10**9, "at most")])
+@pytest.mark.parametrize(("n", "reason"), [(0, "must be at least 1"), (10_001, "at most 10000"), (10**9, "at most")])
 def test_number_of_digits_has_its_bounds(n: int, reason: str) -> None:
     with pytest.raises(QuestionError, match=reason):
         value("1/3").digits(n)
