@@ -61,7 +61,7 @@ def test_limits_are_within_what_is_read() -> None:
 
 
 BAD = [
-    ("x = 1", "the file has no key 'x'; there are text, claim, label"),
+    ("x = 1", "the file has no key 'x'; its keys are text, claim, label"),
     ("claim = 1", "claim is 1; write a list"),
     ("[claim]\nid = 'a'", "claim is {'id': 'a'}; write a list"),
     ("[[claim]]\nphrase = 'a'", "id of claim 1 is missing; write a line of text of 1 to 200 characters"),
