@@ -46,8 +46,7 @@ def test_errors_of_a_run_are_those_of_mpmath_to_forty_digits(key: str) -> None:
 
 
 def test_a_run_of_no_steps_has_an_exact_phase_error_in_every_unit() -> None:
-    for unit in ("deg", "rad", "turns"):
-        assert value(f"run rk4 h=1/4 t=0 : phase_error {unit}").exact == 0
+    assert {value(f"run rk4 h=1/4 t=0 : phase_error {unit}").exact for unit in ("deg", "rad", "turns")} == {0}
 
 
 def test_slopes_are_the_rates_at_the_stages() -> None:
