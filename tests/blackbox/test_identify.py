@@ -81,16 +81,10 @@ def test_on_the_command_line_a_stepper_is_given_by_its_name(capsys):
     assert "it is rk38" in capsys.readouterr().out
 
 
-@pytest.mark.parametrize(
-    ("name", "message"),
-    [
-        ("rk38", "write package.module:function"),
-        ("no.such.module:step", "cannot be imported"),
-        ("json:tool", "cannot be imported"),
-        ("json:decoder", "cannot be called"),
-        ("json:dumps", "is not one of these"),
-    ],
-)
+@pytest.mark.parametrize(("name", "message"), [
+    ("rk38", "write package.module:function"), ("no.such.module:step", "cannot be imported"),
+    ("json:tool", "cannot be imported"), ("json:decoder", "cannot be called"), ("json:dumps", "is not one of these"),
+])  # fmt: skip
 def test_what_is_no_stepper_is_refused_in_one_line(name, message, capsys):
     assert main(["identify", name]) == 2
     error = capsys.readouterr().err

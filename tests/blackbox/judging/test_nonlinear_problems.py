@@ -79,6 +79,10 @@ def test_every_slope_depends_on_the_time_and_on_other_numbers():
     problem = field_problem(opened(codes.rk4))
     y = [0.5, 0.75, -0.25, 1.0]
     assert all(a != b for a, b in zip(problem.rate(0.25, y), problem.rate(0.5, y), strict=True))
+    euler = opened(of_stages("forward_euler"))  # of a force of position, velocity and time
+    dragged, z = dragged_problem(euler), y[:2]
+    moved = [a + 0.5 * k for a, k in zip(z, dragged.rate(0.25, z), strict=True)]
+    assert dragged.stepped(euler, 0.25, z, 0.5) == pytest.approx(moved, rel=1e-14)
     for i, j in product(range(4), range(4)):
         moved = [x + 0.125 * (k == j) for k, x in enumerate(y)]
         assert (problem.rate(0.25, moved)[i] != problem.rate(0.25, y)[i]) == ((j - i) % 4 < 3)
