@@ -141,7 +141,7 @@ class Seen:
         if read is not None and read.untimed is not None and read.untimed.matches:
             late = f"order {read.order.order} where the right-hand side depends on t"
             return f"it is {read.untimed.matches[0].name} called at wrong times: {late}"
-        if read is not None and read.reading.implicit:
+        if read is not None and (read.reading.implicit or (fit is not None and fit.best and not self.twins.result)):
             return f"it is {self._unknown_stages(read)}{read.solved}"
         if self._besides_one_number:
             return self._unknown
@@ -169,10 +169,11 @@ class Seen:
         return "it is no method that is known here" if found is None else found.verdict
 
     def _unknown_stages(self, read: Recognised) -> str:
-        """The nearest method to unknown implicit stages, or else their number, their order and their linear method."""
+        """The nearest method to unknown stages, or else their number, their order and their linear method."""
         if read.identity.near:
             return read.identity.near[0].name
-        stages = f"{read.reading.calls} implicit stage{'s' * (read.reading.calls > 1)}"
+        calls, implicit = read.reading.calls, "implicit " * read.reading.implicit
+        stages = f"{calls} {implicit}stage{'s' * (calls > 1)}"
         best = None if self.fit is None or self.fit.best is None else _in_words(self.fit, self.fit.best)
         linear = f", though on linear problems {best}" if best is not None else ""
         return f"no method that is known here, but one of {stages} and order {read.order.order}{linear}"

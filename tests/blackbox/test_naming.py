@@ -3,6 +3,7 @@
 import pytest
 
 from driftproof.blackbox.identify import identify
+from tests.blackbox import handwritten_steppers as codes
 from tests.blackbox.transcripts import summed
 
 
@@ -27,6 +28,18 @@ def backward(force, q, v, h):
 @pytest.mark.parametrize("step", [of_average, backward])
 def test_implicit_steps_of_a_force_with_one_linear_step_are_told_apart_by_nonlinear_ones(step, as_before):
     as_before(*summed(identify(step, isolate=False)))
+
+
+@pytest.mark.parametrize(
+    ("rows", "weights", "order"),
+    [([[], [1 / 3], [-3 / 16, 15 / 16]], [1 / 6, 3 / 10, 8 / 15], 3), ([[], [1 / 3], [0.0, 1.0]], [0.5, 0.0, 0.5], 2)],
+)
+def test_coefficients_that_were_read_are_not_called_by_what_their_linear_steps_are_alone(rows, weights, order):
+    verdict = identify(codes.tableau(rows, weights, [sum(row) for row in rows]), isolate=False).verdict
+    words = (
+        f"it is no method that is known here, but one of 3 stages and order {order}, though on linear problems heun3 "
+    )
+    assert verdict.startswith(words)
 
 
 def solved_by_iteration(theta, tolerance, *, relative):

@@ -218,6 +218,12 @@ def test_a_verdict_says_what_was_seen(name, as_before):
         assert section or not title, title
 
 
+@pytest.mark.parametrize(("kind", "near"), [(np.float32, "to roundoff in binary32: "), (float, "to roundoff: ")])
+def test_a_verdict_names_the_narrow_format_that_it_holds_a_step_to(kind, near):
+    leaks = lambda q, v, h: (q + kind(1) * h * v, v - kind(1) * h * q)
+    assert held(leaks, "forward_euler").verdict.startswith(f"is forward_euler on q'' = -q {near}")
+
+
 def test_a_verdict_says_how_many_calls_were_looked_at():
     calls = []
 

@@ -52,8 +52,9 @@ class MultistepReading:
     def verdict(self) -> str:
         """The verdict in one line."""
         started = f", started by {self.start.name}" if self.start is not None and self.start.name else ""
-        name = self.recurrence.name
-        return "; ".join([f"it is {name}{started}", *(fault for fault in self.faults if not name.endswith(fault))])
+        name, slow = self.recurrence.name, [self.start.velocities.partition(" (")[0]] if self.start else []
+        told = [*(fault for fault in self.faults if not name.endswith(fault)), *filter(None, slow)]
+        return "; ".join([f"it is {name}{started}", *told])
 
     @property
     def key(self) -> str | None:

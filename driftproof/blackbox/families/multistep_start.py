@@ -32,7 +32,8 @@ class StartReading:
     """The methods of the first steps, "" for an unknown one, and the powers of h that the errors follow.
 
     `power` is that of the starting values, `order` that of the end of whole runs; None if none is seen. A method of
-    order p needs the power p for both, and p + 1 for the starting values of y'' = F(y).
+    order p needs the power p for both, and p + 1 for the starting values of y'' = F(y). There both are of positions,
+    and `velocities` says what is seen of the velocities if that is less.
     """
 
     methods: tuple[str, ...]
@@ -41,6 +42,7 @@ class StartReading:
     order: int | None
     order_slopes: tuple[float, ...]
     problem: str
+    velocities: str = ""
 
     @property
     def name(self) -> str:
@@ -58,6 +60,7 @@ class StartReading:
             f"the errors of its first values fall {power} (slopes: {slopes_text(self.slopes)})",
             f"{order_seen(self.order)} in whole runs, the start included, on {self.problem} "
             f"(slopes: {slopes_text(self.order_slopes)})",
+            *filter(None, [self.velocities]),
         ]
 
     def fault(self, order: int, derivative: int) -> str:
@@ -78,13 +81,15 @@ def read_start(runs: MarkedRuns, reading: RecurrenceReading) -> StartReading:
     trial = subject.fresh(subject.shortest)
     problem = force_problem(trial) if subject.convention.kind == FORCE else field_problem(trial)
     noise = CLEARANCE * float(subject.format.u)
-    firsts = [_error(subject, problem, 2.0**-k, max(length, 1)) for k in _FIRST]
-    ends: list[float] = []
+    firsts = [_errors(subject, problem, 2.0**-k, max(length, 1))[0] for k in _FIRST]
+    ends: list[list[float]] = []
     with suppress(Misbehaviour):  # a solver with a fixed number of steps makes no longer runs
-        ends += (_error(subject, problem, 2.0**-k, round(_LENGTH * 2**k)) for k in _WHOLE)
+        ends += (_errors(subject, problem, 2.0**-k, round(_LENGTH * 2**k)) for k in _WHOLE)
     power, slopes = power_of_errors(firsts, [noise] * len(firsts))
-    order, order_slopes = power_of_errors(ends, [noise] * len(ends))
-    return StartReading(_methods(runs, length), power, slopes, order, order_slopes, problem.words)
+    (order, order_slopes), *rest = (power_of_errors(x, [noise] * len(x)) for x in [*zip(*ends, strict=True)] or [()])
+    less = order and rest and (rest[0][0] or 0) < order
+    words = f"{order_seen(rest[0][0])} in its velocities (slopes: {slopes_text(rest[0][1])})" if less else ""
+    return StartReading(_methods(runs, length), power, slopes, order, order_slopes, problem.words, words)
 
 
 def _methods(runs: MarkedRuns, length: int) -> tuple[str, ...]:
@@ -141,10 +146,10 @@ def _same_step(
     return all(abs(float(x) - y) <= allowed * max(1.0, abs(y)) for x, y in zip(alone, after, strict=False))
 
 
-def _error(subject: ForeignStepper, problem: NonlinearProblem, h: float, steps: int) -> float:
-    """The largest error after this many steps: of all components, or of the positions if y'' = F."""
+def _errors(subject: ForeignStepper, problem: NonlinearProblem, h: float, steps: int) -> list[float]:
+    """The largest errors after this many steps: of all components, or of positions and of velocities if y'' = F."""
     start = [float(x.mid()) for x in problem.solution(arb(START))]
     end = course(subject, problem, START, start, h, max(steps, subject.shortest))[steps]
     exact = problem.solution(arb(START) + h * steps)
-    numbers = problem.positions or len(exact)
-    return max(abs(float(x) - float(y.mid())) for x, y in list(zip(end, exact, strict=True))[:numbers])
+    off = [abs(float(x) - float(y.mid())) for x, y in zip(end, exact, strict=True)]
+    return [max(part) for part in (off[: problem.positions or None], off[problem.positions or len(off) :]) if part]

@@ -15,6 +15,7 @@ from driftproof.blackbox.judging.tolerance import Allowance, Judgement, Toleranc
 from driftproof.blackbox.stepper.call_text import call_text
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.symbolic.algebra.certified import significant
+from driftproof.symbolic.rounding.formats import BINARY64
 
 if TYPE_CHECKING:
     from driftproof.methods.schemes import Method
@@ -120,7 +121,7 @@ class Agreement:
 
     `worst` is the example with the largest error over its bound among those tried; `failing`, where there is one, the
     simplest found of those beyond their bound; `but_for` says in words with which allowance none is, if that was asked.
-    Sampling is evidence, no proof; the bound is proved.
+    `narrow` names the format of answers that are no doubles. Sampling is evidence, no proof; the bound is proved.
     """
 
     method: str
@@ -130,6 +131,7 @@ class Agreement:
     failing: Example | None
     largest_scaled_error: float
     but_for: str = ""
+    narrow: str = ""
 
     @property
     def holds(self) -> bool:
@@ -268,7 +270,8 @@ class _Seen:
         assert self.worst is not None
         worst = _in_full(self.worst, tolerance, subject)
         failing = None if self.failing is None else _in_full(self.failing, tolerance, subject)
-        return Agreement(tolerance.method.key, domain, self.examples, worst, failing, max(self.scaled_errors))
+        narrow, largest = "" if tolerance.format is BINARY64 else tolerance.format.name, max(self.scaled_errors)
+        return Agreement(tolerance.method.key, domain, self.examples, worst, failing, largest, narrow=narrow)
 
 
 def _fails(example: Example) -> bool:

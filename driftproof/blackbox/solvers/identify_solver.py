@@ -98,10 +98,8 @@ def _verdict(steps: Outcome, controller: Outcome, runs: Outcome) -> str:
         name = f"it advances {found.name}{_implicit(runs) if order is None else f', of order {order}'}"
     control: ControllerReading | None = controller.result
     measured = ""
-    if control is not None and not control.faults:
+    if control is not None and (control.law or not control.faults):
         measured = f"; its step sizes: {control.law.words if control.law else control.lines[0]}"
-    elif control is not None and control.law:
-        measured = f"; its step sizes: {control.law.words}"
     return "; ".join([name + measured, *_faults(steps, controller, runs)])
 
 
