@@ -97,9 +97,9 @@ class Certificate(Printable):
         if self.split is not None:
             lines += self._split_lines(self.split)
         lines += [line for name, drift in self.drifts.items() for line in self._drift_lines(name, drift)]
-        lines.append(
-            f"{self.digits} digits right at every point; the enclosure's steps: {self.steps}, bits: {self.bits}"
-        )
+        lines += [f"{self.digits} digits right at every point; the enclosure's steps: {self.steps}, bits: {self.bits}"]
+        if len(self.t) == len(self.y[0]):
+            lines.append(f"as many times as components: the state at t = {self.t[1]:g} is taken to be {self.y[1]}")
         if self.doubles:
             shown, more = self.doubles[:_MOST_SHOWN], len(self.doubles) - _MOST_SHOWN
             said = ", ".join(map(repr, shown)) + (f" and {more} more" if more > 0 else "")

@@ -228,8 +228,9 @@ def _rates_in_floats(f: RightHandSide, t: float, y: list[float]) -> list[float]:
     try:
         rates: list[float] = np.asarray(f(t, np.array(y)), dtype=float).ravel().tolist()
     except Exception as error:  # a user's function raises what it likes
-        said = " ".join(str(error).split())
-        raise Refused(f"f fails in floats at t = {t}: {type(error).__name__}: {said}") from None
+        more = "; it is called f(t, y): fix other arguments by functools.partial" * isinstance(error, TypeError)
+        said = f"{type(error).__name__}: {' '.join(str(error).split())}"
+        raise Refused(f"f fails in floats at t = {t}: {said}{more}") from None
     return rates
 
 

@@ -9,10 +9,9 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 from flint import arb, ctx
 
-from driftproof.enclosure.fields import RightHandSide, enclosed_rates, rebound
+from driftproof.enclosure.fields import RightHandSide, array_of, enclosed_rates, rebound
 from driftproof.enclosure.implicit_runs import implicit_step
 from driftproof.enclosure.numbers import Enclosed, Evaluation, Refused
 from driftproof.enclosure.solutions import BITS_AT_FIRST
@@ -104,6 +103,8 @@ def named_method(method: str | Path | Method) -> Method:
     """A method of the catalogue, of a file, or SciPy's RK23, RK45, DOP853 with their doubles. Raises ValueError."""
     if method in SCIPY_SOLVERS:
         return in_doubles(method_of(SCIPY_SOLVERS[str(method)]), str(method))
+    if method in ("BDF", "LSODA"):
+        raise ValueError(f"SciPy's {method} takes another formula at each step: none is followed; leave method out")
     return method_of(method)
 
 
@@ -132,26 +133,18 @@ def exact_step(method: Method, f: RightHandSide, components: int) -> Callable[[R
     def rates(t: arb, y: Any) -> Any:
         evaluation = Evaluation()
         state = [Enclosed(evaluation, x) for x in y]
-        return _array(arb(x.value) for x in enclosed_rates(f, Enclosed(evaluation, t), state))
+        return array_of(arb(x.value) for x in enclosed_rates(f, Enclosed(evaluation, t), state))
 
     if isinstance(method, RungeKutta):
         whole = array_step(method, rates, enclose)
-        return lambda y, t, h: tuple(whole((_array(y),), enclose(t), enclose(h))[0])
+        return lambda y, t, h: tuple(whole((array_of(y),), enclose(t), enclose(h))[0])
     halves = array_step(method, lambda t, q: rates(t, [*q, *[arb(0)] * half])[half:], enclose)
 
     def step(y: Row, t: Fraction, h: Fraction) -> Row:
-        q, v = halves((_array(y[:half]), _array(y[half:])), enclose(t), enclose(h))
+        q, v = halves((array_of(y[:half]), array_of(y[half:])), enclose(t), enclose(h))
         return (*q, *v)
 
     return step
-
-
-def _array(values: Any) -> Any:
-    """An array of objects: NumPy would look into balls."""
-    listed = list(values)
-    made = np.empty(len(listed), dtype=object)
-    made[:] = listed
-    return made
 
 
 def _require_steps_of_method(plan: StepPlan, run: Trajectory) -> None:

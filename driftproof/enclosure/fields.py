@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from contextlib import suppress
 from functools import partial
 from types import BuiltinFunctionType, CellType, FunctionType, MethodType, ModuleType
@@ -44,11 +44,9 @@ def enclosed_values(
 
     As many numbers as it returns, in the arithmetic of y.
     """
-    state = np.empty(len(y), dtype=object)
-    state[:] = y
     refusals = Refused.made
     try:
-        values = np.asarray(function(state), dtype=object).ravel()
+        values = np.asarray(function(array_of(y)), dtype=object).ravel()
     except Refused:
         raise
     except Exception as error:  # a user's function raises what it likes
@@ -59,6 +57,14 @@ def enclosed_values(
     if Refused.made > refusals:  # what it does instead need not be what it does in floats
         raise Refused(f"{name} catches the exception that refuses what it computes; let it pass")
     return [_lifted(value, evaluation) for value in values]
+
+
+def array_of(values: Iterable[Any]) -> Any:
+    """An array of objects: NumPy would look into balls."""
+    listed = list(values)
+    made = np.empty(len(listed), dtype=object)
+    made[:] = listed
+    return made
 
 
 def _lifted(rate: object, evaluation: Evaluation) -> Enclosed:

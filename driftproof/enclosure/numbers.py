@@ -224,7 +224,8 @@ class Enclosed:
 
     def __float__(self, *_: object) -> float:
         """Refused: an enclosure is no float."""
-        raise Refused("f turns a number into a float; use NumPy's functions, or math's by name, and make arrays in f")
+        said = "f turns a number into a float, as float() and numpy.interp do"
+        raise Refused(f"{said}; use NumPy's functions of numbers, or math's by name, and make arrays in f")
 
     __int__ = __index__ = __round__ = __floor__ = __ceil__ = __trunc__ = __complex__ = __float__
 

@@ -59,8 +59,7 @@ def field_function(field: VectorField, expressions: Sequence[str] | None = None)
             return [Enclosed(t.evaluation, ball) for ball in balls]
         return [float(ball.mid()) for ball in balls]
 
-    lines = [f"[{', '.join(field.components)}] = y", f"[{', '.join(names)}] = ν(t)"]
-    lines.append(f"return [{', '.join(texts)}]")
+    lines = [f"[{', '.join(field.components)}] = y", f"[{', '.join(names)}] = ν(t)", f"return [{', '.join(texts)}]"]
     text = maker_text((), "f", ["def f(t, y):", *indented(lines)])
     known = {"ν": numbers, **{name: getattr(np, name) for name in FUNCTIONS}}
     made: RightHandSide = maker(text, "right-hand side", known)()

@@ -120,7 +120,9 @@ def field_of_table(table: TomlTable) -> VectorField:
     try:
         field = field_of_text(rates if isinstance(rates, list) else [*rates.values()], parameters, names)
     except MethodError as error:
-        raise MethodError(f"{error}; names of your own: rates.x = ..., start.x = ..., parameters.k = ...") from None
+        if isinstance(rates, list):
+            raise MethodError(f"{error}; names of your own: rates.x = ..., start.x = ..., parameters.k = ...") from None
+        raise MethodError(re.sub(r"\by(\d+)\b", lambda found: [*rates][int(found[1])], str(error))) from None
     if "pi" in _WORD.findall(energy_of_table(table) or "") and "pi" not in dict(field.parameters):
         return VectorField(field.rates, (*field.parameters, ("pi", PI)))
     return field
@@ -203,8 +205,7 @@ class _Writer(ExpressionParser):
                 return f"{name}({self._bare_text(argument)})"
             case PowerNode():
                 return self._power_text(node)
-        known = ", ".join(FUNCTIONS)
-        raise ExpressionError(self.text, node.column, f"there are the functions {known}, of one number")
+        raise ExpressionError(self.text, node.column, f"there are the functions {', '.join(FUNCTIONS)}, of one number")
 
     def _power_text(self, node: PowerNode) -> str:
         whole, rest = divmod(abs(node.exponent), 1)

@@ -91,10 +91,11 @@ class Scene:
         if self.certified:
             raise SceneError(f"scene {self.name!r}: certified readouts are of the oscillator; use `driftproof certify`")
         energies = () if problem.energy else ("energy", "energy_change")
-        for names, left_out in ((self.readouts, ("phase_error", *energies)), (self.panels, set(PANELS) - {TABLE})):
-            for name in names:
-                if name in left_out:
-                    raise SceneError(f"scene {self.name!r}: there is no {name} of the problem {problem.key}")
+        there_are = [name for name in READOUTS if name not in ("phase_error", *energies)]
+        for what, names, allowed in (("readout", self.readouts, there_are), ("panel", self.panels, [TABLE])):
+            if absent := [name for name in names if name not in allowed]:
+                refusal = f"a scene of {problem.key} has no {what} {absent[0]}; choose from {', '.join(allowed)}"
+                raise SceneError(f"scene {self.name!r}: {refusal}")
         if self.t not in (times := problem.reference.times):
             known = ", ".join(map(str, times))
             raise SceneError(f"scene {self.name!r}: the solution of {problem.key} is at hand at t = {known}")

@@ -40,6 +40,13 @@ def test_words_say_where_and_what():
     ]
 
 
+def test_as_many_times_as_components_leave_open_which_are_which_so_it_is_said():
+    """Rows that are columns of SciPy's y are another run, and no other shape of y shows it."""
+    words = "as many times as components: the state at t = 0.5 is taken to be (1.0, 2.0)"
+    assert words in replace(PLAIN, t=(0.0, 0.5), y=((0.0, 1.0), (1.0, 2.0)), errors=ROWS[:2]).text()
+    assert "as many times" not in WHOLE.text()
+
+
 def test_words_name_a_few_of_thousands_of_constants():
     found = replace(WHOLE, doubles=tuple(k + 0.1 for k in range(10_000)))
     assert found.text().endswith("10.1, 11.1 and 9988 more")

@@ -153,6 +153,8 @@ REFUSED = {
     r"y is no table of numbers: its rows differ in length": (decay, [0, 1], [[1], [1, 2]]),
     r"f is no right-hand side: NoneType; give a function f\(t, y\), or its text": (None, [0, 1], [[1], [1]]),
     r"f fails in floats at t = 0\.0: KeyError: 'k'": (lambda t, y: {}["k"], [0, 1], [[1.0], [1.0]]),
+    r"missing 1 required positional argument: 'k'; it is called f\(t, y\): fix other arguments by functools\.partial": (
+        lambda t, y, k: -k * y, [0, 1], [[1.0], [1.0]]),
     r"f returns 2 rates for 1 components": (lambda t, y: [1.0, 2.0], [0, 1], [[1.0], [1.0]]),
     r"f returns 3 rates for 1 components": (
         lambda t, y: [1.0] * 3 if isinstance(y[0], float) else y, [0, 1], [[1.0], [1.0]]),

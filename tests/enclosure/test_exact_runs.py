@@ -214,6 +214,8 @@ def test_what_is_no_run_of_the_method_is_refused_in_one_line(said):
 def test_method_that_is_none_is_bad_input():
     with pytest.raises(ValueError, match="unknown method 'rk5'; did you mean"):
         certify(pendulum, TIMES, STATES, method="rk5")
+    with pytest.raises(ValueError, match="SciPy's BDF takes another formula at each step"):
+        certify(pendulum, TIMES, STATES, method="BDF")
 
 
 def test_as_many_steps_as_are_too_many_are_refused(monkeypatch):

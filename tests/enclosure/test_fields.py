@@ -166,7 +166,10 @@ def into_a_buffer(t, y):
         (lambda t, y: [math.gamma(y[0]), 0], "f uses math.gamma, which has no enclosure"),
         (lambda t, y: [y[0] % 1, 0], "f fails on enclosed numbers: TypeError: unsupported operand type(s) for %"),
         (lambda t, y: [np.heaviside(y[0], 1), 0], "f uses heaviside, which has no enclosure"),
-        (lambda t, y: [round(y[0], 3), 0], "f turns a number into a float; use NumPy's functions"),
+        (
+            lambda t, y: [round(y[0], 3), 0],
+            "into a float, as float() and numpy.interp do; use NumPy's functions of",
+        ),
         (lambda t, y: [1j * y[0], 0], "f uses complex as a number"),
         (lambda t, y: [float("nan") * y[0], 0], "f uses the constant nan"),
         (lambda t, y: {}["k"], "f fails on enclosed numbers: KeyError"),

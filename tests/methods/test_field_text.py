@@ -106,6 +106,7 @@ def test_unknowns_have_names_and_parameters_may_be_expressions():
 
 REFUSED_TABLES = [
     ({"rates": ["-e*y"]}, r"'e' has no place; write \+ - \* / with t, y0; names of your own: rates\.x"),
+    ({"rates": {"x": "v", "v": "-e*x"}}, r"rate 1, '-e \* x': 'e' has no place; write \+ - \* / with t, x, v$"),
     ({"rates": {"x": "-x", "t": "1"}}, "rates: 't' is no name for an unknown"),
     ({"rates": {"x": "-a*x", "a": "1"}, "parameters": {"a": 2}}, "rates: 'a' is no name for an unknown"),
     ({"rates": {"x y": "1", "t": "1"}}, "rates: 'x y' is no name"),

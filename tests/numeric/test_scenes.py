@@ -62,6 +62,12 @@ def test_full_file_is_read_as_written(tmp_path: Path) -> None:
 def test_a_file_that_names_a_problem_is_of_that_to_its_end(tmp_path: Path) -> None:
     text = MINIMAL.replace("t = 10", 'problem = "kepler"')
     assert (read_scene(path := written(tmp_path, text)).problem, scene_named(path).t) == (PROBLEMS["kepler"], Q(20))
+    for more, said in (
+        ('panels = ["stability"]', "has no panel stability; choose from table"),
+        ('readouts = ["energy", "phase_error"]', "has no readout phase_error; choose from final_state"),
+    ):
+        with pytest.raises(SceneError, match=f"a scene of kepler {said}"):
+            read_scene(written(tmp_path, text.replace(ASKED, more)))
 
 
 @given(h=rationals(max_denominator=10**6).filter(bool))
