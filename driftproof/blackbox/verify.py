@@ -189,10 +189,8 @@ def _agreed(method: Method, found: Agreement | None, checks: Mapping[str, Criter
         return f"is {method.key} of one number: its coefficients are, and {nonlinear.lines[0]}"
     where = " on q'' = -q" if coefficients.mark == nonlinear.mark == "not asked" else ""
     near = " in ".join(filter(None, [_how_near(method), found.narrow]))
-    return (
-        f"is {method.key}{where} {near}: {found.examples} steps within the derived bound, "
-        f"the largest error {found.worst.error_over_bound:.2f} of it"
-    )
+    bound = f"within the derived bound, the largest error {found.worst.error_over_bound:.2f} of it"
+    return f"is {method.key}{where} {near}: {found.examples} steps {bound}"
 
 
 def _how_near(method: Method) -> str:

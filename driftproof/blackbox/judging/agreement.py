@@ -109,10 +109,8 @@ class Example:
         if self.answer is None:
             return self.misbehaved
         got = self.answer[COMPONENTS.index(self.component)]
-        return (
-            f"step({self.call}): {self.component} is {got!r}, exactly {self.exact}; "
-            f"error {self.error_over_bound:.3g} times the bound"
-        )
+        error = f"error {self.error_over_bound:.3g} times the bound"
+        return f"step({self.call}): {self.component} is {got!r}, exactly {self.exact}; {error}"
 
 
 @dataclass(frozen=True)

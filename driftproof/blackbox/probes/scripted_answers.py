@@ -175,6 +175,6 @@ def demand_as_said(control: Control, name: str, seen: float, said: float, allowe
     """Raises NotReadable if a number of a control differs from what the coefficients say by more than is allowed."""
     if not abs(seen - said) <= allowed:
         found = Departs if abs(seen - said) > _FAR * max(abs(seen), abs(said)) else NotReadable
-        raise found(
-            f"with {control.name}, {name} is {seen:.6g} where the coefficients read say {said:.6g}: {control.broken}"
-        )
+        n = next((n for n in range(6, 17) if f"{seen:.{n}g}" != f"{said:.{n}g}"), 17)
+        ends = f"{name} is {seen:.{n}g} where the coefficients read say {said:.{n}g}"
+        raise found(f"with {control.name}, {ends}: {control.broken}")

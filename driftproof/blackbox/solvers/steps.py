@@ -264,10 +264,9 @@ class _Marked:
         said = self.h * fsum(x * k for x, k in zip(reading.b, answers, strict=True))
         size = self.h * fsum(abs(x * k) for x, k in zip(reading.b, answers, strict=True))
         if not abs(seen - said) <= reading.rounding.of(size):
-            raise NotReadable(
-                f"with other answers a step ends at {seen:.6g} where the coefficients read say {said:.6g}: "
-                "it is not linear in its slopes: an iteration, or a limiter"
-            )
+            n = next((n for n in range(6, 17) if f"{seen:.{n}g}" != f"{said:.{n}g}"), 17)
+            ends = f"a step ends at {seen:.{n}g} where the coefficients read say {said:.{n}g}"
+            raise NotReadable(f"with other answers {ends}: it is not linear in its slopes: an iteration, or a limiter")
 
     def _control_bent(self, reading: TableauReading) -> None:
         """Raise NotReadable if a step of a nonlinear problem is not that of the stages read, as in an iteration."""
@@ -277,10 +276,10 @@ class _Marked:
             (said,) = _stepped(reading, _bent, t, h, [before])
             size = abs(before) + h * fsum(abs(x) for row in (*reading.a, reading.b) for x in row)
             if not abs(after - said) <= rounding.of(size):
-                raise NotReadable(
-                    f"on a nonlinear problem a step ends at {after:.9g} where the explicit stages read say "
-                    f"{said:.9g}: it iterates, or takes other stages than with slopes of ours"
-                )
+                n = next((n for n in range(9, 17) if f"{after:.{n}g}" != f"{said:.{n}g}"), 17)
+                ends = f"a step ends at {after:.{n}g} where the explicit stages read say {said:.{n}g}"
+                why = "it iterates, or takes other stages than with slopes of ours"
+                raise NotReadable(f"on a nonlinear problem {ends}: {why}")
 
     def _run(self, answers: dict[int, float]) -> Solution:
         run = self.subject.solve(lambda n, t, y: [_MARK * answers.get(n, 0.0), 0.0], _SPAN, (0.0, 0.0), **_LAX)

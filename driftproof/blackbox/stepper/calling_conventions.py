@@ -196,7 +196,7 @@ def _fitted(names: Sequence[str], kind: str, roles: Sequence[str]) -> CallingCon
     open_roles, order, extra = [*roles, *([] if GRID in roles else [TIME])], [], dict[str, float]()
     factor, run = 1.0, GRID in roles
     for name in names:
-        word = _word(name)
+        word = "y" if (kind, _word(name)) == (FIELD, "q") else _word(name)
         if kind == MAGNETIC and word in (*_CHARGES, *MASSES):
             extra[name] = _MASS if word in MASSES else _CHARGE
             factor *= 1 / _CHARGE if word in _CHARGES else _MASS

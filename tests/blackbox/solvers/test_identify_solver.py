@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import re
+
+import numpy as np
 import pytest
 
 from driftproof import identify_solver
@@ -23,6 +26,23 @@ def test_all_that_is_reported_is_as_before(name, as_before):
     report = identify_solver(SOLVERS[name], isolate=False)
     said = report.text(everything=True).splitlines()[1:]
     as_before(*said[:3], *shortened(said[3:], name in IN_WORDS), checksum(report.json()))
+
+
+def test_one_that_takes_its_start_and_its_end_apart_is_shown_how_to_be_called():
+    apart = lambda f, t0, t1, y0: adaptive()(f, (t0, t1), y0, 1e-6, 1e-9)
+    (line,) = identify_solver(apart, isolate=False).section("What to do").lines
+    assert "def wrapped(f, t_span, y0): return solve(f, *t_span, y0)" in line
+    wrapped = lambda f, t_span, y0: apart(f, *t_span, y0)
+    assert identify_solver(wrapped, isolate=False).section("What to do") is None
+
+
+def test_numbers_that_differ_are_shown_to_differ():
+    """Slopes in binary32 inside: the step ends 1e-10 beside the one that the stages read make."""
+    narrow = lambda f: lambda t, y: np.float32(f(t, y)).astype(float)
+    leaks = lambda f, t_span, y0, rtol, atol: adaptive()(narrow(f), t_span, y0, rtol, atol)
+    verdict = identify_solver(leaks, isolate=False).verdict
+    seen, said = re.search(r"a step ends at (\S+) where the explicit stages read say (\S+):", verdict).groups()
+    assert 0 < abs(float(seen) - float(said)) < 1e-8
 
 
 def test_a_hang_and_a_refusal_are_told():

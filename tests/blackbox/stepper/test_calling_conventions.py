@@ -33,7 +33,7 @@ WILD = {
     (FIELD, "function time state step"): [
         "f, t, y, h", "fun, t0, y0, step_size", "dydt, tn, yn, h", "f, t, y, h, *, atol=1e-8, **options",
     ],
-    (FIELD, "function state time step"): ["f, y, t, dt", "deriv, y, t, dt, args=()"],
+    (FIELD, "function state time step"): ["f, y, t, dt", "deriv, y, t, dt, args=()", "f, q, t, h"],
     (FIELD, "time state step function"): ["t, y, h, f"], (FIELD, "function state step"): ["rhs, u, dt"],
 }  # fmt: skip
 
