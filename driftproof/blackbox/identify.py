@@ -87,7 +87,10 @@ def identified(runner: IsolatedRunner, read: Outcome, order: Outcome, dense: Out
     seen = Seen(introduced, read, fit, order, estimate, dense, damping, twins, tuple(checks), arithmetic)
     explicit = METHODS[seen.key] if seen.key is not None and METHODS[seen.key].explicit else None
     rounding = None if explicit is None else _rounding(runner, explicit, seen.size)
-    verdict = "; ".join(filter(None, [seen.verdict, later, arithmetic]))
+    found = rounding.result if rounding and not rounding.failed and not (seen.read or fit.result.nearly) else None
+    beyond = found and found.failing and found.failing.answer and not found.but_for and found.failing.error_over_bound
+    off = f"but a step is off by {beyond:.3g} times the bound on its rounding" if beyond else ""
+    verdict = "; ".join(filter(None, [seen.verdict, off, later, arithmetic]))
     name = runner.target.name
     return Report(name, verdict, None, _sections(name, seen, rounding), _data(seen, rounding))
 

@@ -1,5 +1,7 @@
 """A stepper is named by the surest that was seen: coefficients, nonlinear steps, linear steps, or nearly these."""
 
+import re
+
 import pytest
 
 from driftproof.blackbox.identify import identify
@@ -40,6 +42,14 @@ def test_coefficients_that_were_read_are_not_called_by_what_their_linear_steps_a
         f"it is no method that is known here, but one of 3 stages and order {order}, though on linear problems heun3 "
     )
     assert verdict.startswith(words)
+
+
+def test_a_method_of_linear_steps_is_not_named_without_a_word_on_the_step_that_is_beyond_its_bound():
+    asleep = lambda f, t, y, h: y.copy() if max(abs(f(t, y))) < 1e-4 else codes.rk4(f, t, y, h)
+    words = r"it is, as far as linear steps tell, rk4 \(.*\); but a step is off by \S+ times the bound on its rounding"
+    assert re.fullmatch(words, identify(asleep, isolate=False).verdict)
+    linear = identify(lambda q, v, h: (q + h * v, v - h * q), isolate=False)
+    assert linear.verdict == "it is, as far as linear steps tell, forward_euler"
 
 
 def solved_by_iteration(theta, tolerance, *, relative):
