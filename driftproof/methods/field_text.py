@@ -52,13 +52,13 @@ class _Pi:
         from flint import ctx
 
         with ctx.workprec(bits):
-            ball = self()
-        return ends_of(ball)
+            return ends_of(self())
 
 
 # Not an element of a number field, and yet exact: a `VectorField` takes it as a parameter like those.
 PI: Any = _Pi()
-_WORD, _UNKNOWN = re.compile(r"[A-Za-z_]\w*"), re.compile(r"\by[0-9]*\b")
+_WORD = re.compile(r"[A-Za-z_]\w*")
+_FACTOR = re.compile(r"(?<![A-Za-z_])(?:y[0-9]*\b|[A-Za-z_]\w*+(?! *\())")
 
 
 def field_of_text(
@@ -173,7 +173,7 @@ class _Writer(tree.ExpressionParser):
     def __init__(self, text: str, names: Mapping[str, str]) -> None:
         """Take the expression, and the texts by which its `names` are replaced."""
         super().__init__(text)
-        self.names, self.numbers = names, ("t", "pi", *names, *_UNKNOWN.findall(text))
+        self.names, self.numbers = names, ("t", "pi", *names, *_FACTOR.findall(text))
 
     def bare_text(self, node: Any) -> str:
         """The text of a node, without brackets around a chain."""

@@ -110,6 +110,7 @@ REFUSED_TABLES = [
         ({"rates": [x]}, "with its sign: |unexpected|functions")
         for x in ("y/2(1-y)", "y^2t", "2^-3y", "y 2", "2 tan(y)")
     ),
+    ({"rates": ["-4x"]}, r"'x' is not allowed; write \+ - \* / with t, y0; for names of your own: rates\.x"),
     ({"rates": ["-e*y"]}, r"'e' is not allowed; write \+ - \* / with t, y0; for names of your own: rates\.x"),
     ({"rates": {"x": "v", "v": "-e*x"}}, r"rate 1, '-e \* x': 'e' is not allowed; write \+ - \* / with t, x, v$"),
     ({"rates": {"x": "-x", "t": "1"}}, "rates: 't' cannot name an unknown"),
@@ -134,7 +135,7 @@ def test_start_by_names_needs_the_names_of_the_rates():
 
 @pytest.mark.parametrize(("text", "plain"), [
     ("-2y", "-2*y"), ("y(1 - y)", "y*(1 - y)"), ("2 sin(t) y/3", "2*sin(t)*y/3"), ("(1 - y)(2 - y)", "(1 - y)*(2 - y)"),
-    ("k(1 - y)", "k*(1 - y)"), ("-y^2(1 - y)", "-y^2*(1 - y)"), ("2t - 3pi", "2*t - 3*pi"),
+    ("k(1 - y)", "k*(1 - y)"), ("-y^2(1 - y)", "-y^2*(1 - y)"), ("2t - 3pi", "2*t - 3*pi"), ("2y0(1-t)", "2*y0*(1-t)"),
 ])  # fmt: skip
 def test_a_product_may_stand_without_its_sign_where_it_has_one_meaning(text: str, plain: str) -> None:
     assert field_of_text([text], {"k": Fraction(3)}) == field_of_text([plain], {"k": Fraction(3)})

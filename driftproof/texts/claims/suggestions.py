@@ -42,7 +42,7 @@ _MOST_ASKED = 2000
 _MOST_BITS = 256
 _BRACES = re.compile(r"\{([^{}]*)\}")
 # The question for a value as a percentage, and words shortly before a number that is no approximation.
-_SHARE, _SOLVED, _BEFORE = "percent({}, 1)", re.compile(r"\b(?:exact|true|solution)\b"), 60
+_SHARE, _SOLVED = "percent({}, 1)", re.compile(r"\b(?:exact|true|solution)\b")
 # Characters on each side of a number that are searched for the names of a value: about a line.
 _NEIGHBOURHOOD = 100
 
@@ -132,7 +132,10 @@ class Suggestions:
         spelled = re.sub(r" ?[×·] ?10\^\{?(-?[0-9]+)\}?", r"e\1", number.text.replace(",", "").lstrip("+"))
         spelled = re.sub(r"^(-?)\.", r"\g<1>0.", re.sub(r"[eE](-?)\+?0*(?=[0-9])", r"e\1", spelled))
         form, found = form_of(number), []
-        before, percent = self.text[: number.start][-_BEFORE:], self.text[number.end :].lstrip(" ").startswith("%")
+        before, percent = (
+            self.text[: number.start][-_NEIGHBOURHOOD:],
+            self.text[number.end :].lstrip(" ").startswith("%"),
+        )
         possible = [
             k for k in self._known if (k.answer.unit == "%") == percent or (k.question in self.asked and not percent)
         ]
