@@ -144,8 +144,9 @@ def test_file_that_cannot_be_read_is_refused_in_one_line(tmp_path: Path) -> None
 
 
 def test_unknown_scene_names_the_closest() -> None:
-    with pytest.raises(SceneError, match="unknown scene 'defualt'; did you mean default"):
-        scene_named("defualt")
+    for wrong, near in (("defualt", "default"), ("stability_compare", "stability_boundary")):  # which is near two
+        with pytest.raises(SceneError, match=rf"unknown scene '{wrong}'; did you mean {near}\?"):
+            scene_named(wrong)
     with pytest.raises(SceneError, match="compare or default or small_steps or stability_boundary"):
         scene_named("zzz")
 

@@ -137,7 +137,7 @@ def test_climb_marks_a_run_of_too_many_evaluations_and_makes_none_after_it() -> 
         return CountedRun({T: (1.0, 0.0)}, 4 * steps)
 
     found = measure_curve(HARMONIC, Integrator(run, {}, {}), (8, 16, 32), most=64)
-    assert [point.steps for point in found] == [8, 16, 32]
+    assert [(p.setting, p.evaluations, p.steps) for p in found] == [("8", 32, 8), ("16", 64, 16), ("32", None, 32)]
     assert found[-1].remark == "not run: would take about 1.3e+02 evaluations, limit 64"
     assert made == [8, 16]
     assert measure_curve(HARMONIC, Integrator(run, {}, {}), (), most=1) == []
@@ -147,4 +147,4 @@ def test_climb_marks_a_run_of_too_many_evaluations_and_makes_none_after_it() -> 
         raise ArithmeticError("not finite")
 
     ended = measure_curve(HARMONIC, Integrator(failing, {}, {}), (8, 16, 32), most=1)
-    assert [point.remark for point in ended] == ["not finite"] * 3
+    assert [(p.setting, p.evaluations, p.remark) for p in ended] == [(n, None, "not finite") for n in ("8", "16", "32")]
