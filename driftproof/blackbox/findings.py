@@ -78,7 +78,7 @@ class UnsupportedCall(ValueError):
 # What says nothing of a stepper, and what would: a time limit, an end from outside, an instrument of ours that failed.
 NO_EVIDENCE = {
     "time_limit": "a longer time limit",
-    "killed": "a run that nobody ends",
+    "killed": "a run whose process is not killed",
     "instrument_failed": "a report to us",
 }
 

@@ -103,7 +103,7 @@ class MultistepReading:
             return [*checks, Criterion("Start", True, (_HANDED,), {})]
         if start is None:
             return [*checks, Criterion("Start", None, (_NO_START,), {}, _WITH_START)]
-        fault, order, needed = self._start_fault, method.claimed_order, "smaller rounding"
+        fault, order, needed = self._start_fault, method.claimed_order, "smaller roundoff"
         lines = (fault, *start.lines) if fault else tuple(start.lines)
         begun = False if fault else None if start.power is None else True
         reached = None if start.order is None else start.order >= order

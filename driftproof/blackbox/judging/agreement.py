@@ -140,7 +140,7 @@ class Agreement:
     def lines(self) -> list[str]:
         """The result as lines of text, with the call that shows a failure again."""
         if self.failing is not None:
-            again = f"to see it again: {self.failing.reproduction}"
+            again = f"to reproduce: {self.failing.reproduction}"
             why = [f"every error is within it {self.but_for}"] if self.but_for else []
             return [f"the simplest step beyond the bound: {self.failing.words}", again, *why]
         return [

@@ -112,7 +112,7 @@ def test_what_cannot_be_seen_leaves_it_undecided(step, key, words):
 
 def test_a_run_whose_later_steps_keep_no_recurrence_is_named_by_its_first_step_only():
     verdict = identify(planted.run_of_weights_that_change_with_h, isolate=False).verdict
-    assert verdict.startswith("it is forward_euler; that is its first step only: with h = 0.5")
+    assert verdict.startswith("it is forward_euler; this holds for its first step only: with h = 0.5")
     assert "steps do not keep" in verdict
 
 
