@@ -127,7 +127,7 @@ def _judge_coefficients(method: Method, reading: CoefficientReading, allowance: 
 
 
 def _other_coefficients(method: Method, reading: CoefficientReading, identity: Identity) -> Judged:
-    differences = [f"those of {near.key} but for {'; '.join(near.differences)}" for near in identity.near]
+    differences = [f"those of {near.key} except for {'; '.join(near.differences)}" for near in identity.near]
     lines = differences or [f"not those of {method.key}"]
     if isinstance(method, RungeKutta | Collocation) and (reading.implicit or isinstance(reading, TableauReading)):
         lines += side_by_side(reading, method)

@@ -252,9 +252,9 @@ def _refuted(
     if coefficients.passed is None and isinstance(reading, ForceReading) and reading.refused:
         return f"is not {method.key}: it is on q'' = F(q), but not on y' = f(t, y): {reading.refused}"
     differences = coefficients.data.get("differences", ())
-    one_entry = len(differences) == 1 and instead.verdict.startswith(f"it is {method.key} but for ")
+    one_entry = len(differences) == 1 and instead.verdict.startswith(f"it is {method.key} except for ")
     if mistakes and not one_entry and (vague or linear or not instead.verdict.startswith(("it is", "judging"))):
-        link = "but for" if " instead of " in mistakes[0] else "with one mistake:"
+        link = "except for" if " instead of " in mistakes[0] else "with one mistake:"
         return f"is not {method.key}; it is {method.key} {link} {mistakes[0]}"
     if instead.section("Coefficients") is None and re.search(rf"\b{method.key}\b", instead.verdict):
         failed = next(check for check in checks.values() if check.passed is False)

@@ -40,7 +40,7 @@ def test_the_report_says_the_order_twice_and_the_rounding():
     report = identify(velocity_verlet)
     order = report.section("Order").lines
     assert order[0].startswith("order 2: the condition of tree")
-    assert order[1].startswith("order 2 is seen on q'' = exp(-2q)")
+    assert order[1].startswith("order 2 is observed on q'' = exp(-2q)")
     assert "every error within the derived bound" in report.section("Rounding").lines[0]
     assert report.section("Faults") is None
 

@@ -185,7 +185,7 @@ VERDICTS = {
     "too strong": (codes.composed([("kick", 1.001), ("drift", 1)]), "symplectic_euler"),
     "stale": (Stale().step, "forward_euler"),
     "an estimate": (with_estimate, "rk4", "Error estimate: not tested", "rk4 defines no error estimate"),
-    "at times": (with_estimate_of_small_states, "rk4", "Error estimate: not tested", "beside y1 at some steps only"),
+    "at times": (with_estimate_of_small_states, "rk4", "Error estimate: not tested", "besides y1 at some steps only"),
     "iterated": (iterated_three_times, "backward_euler",
         "", "is not backward_euler", "Coefficients: undecided", "read as 3 explicit stages", {"allowance": SOLVED}),
     "solved otherwise": (backward_euler, "implicit_midpoint", "", "is not implicit_midpoint", {"allowance": SOLVED}),
@@ -195,13 +195,13 @@ VERDICTS = {
     "near by": (MIDPOINT, "implicit_midpoint",
         "", "is implicit_midpoint to the", {"allowance": SOLVED, "domain": replace(SHORT, largest_step=1.0)}),
     "one entry": (all_at_once(with_entry("radau_iia2", 0, 1, -0.08)), "radau_iia2",
-        "", "is not radau_iia2; it is radau_iia2 but for a[0][1]: -2/25 instead of -1/12",
+        "", "is not radau_iia2; it is radau_iia2 except for a[0][1]: -2/25 instead of -1/12",
         "Coefficients: FAILED", "row 0 of A sums to ",
         {"allowance": SOLVED, "domain": SHORT}),
     "other entries": (codes.tableau([[], [0.75]], [1 / 3, 2 / 3], [0.0, 0.75]), "midpoint2"),
     "half a unit late": (codes.RK4_AT_WRONG_TIMES["half a unit late"], "rk4",
         "", "but not on y' = f(t, y): with h = 2, the time of call 1 is 0.5",
-        "Nonlinear step: FAILED", "", "Coefficients: undecided", "there is no tableau: with h = 2"),
+        "Nonlinear step: FAILED", "", "Coefficients: undecided", "it has no tableau: with h = 2"),
 }  # fmt: skip
 
 

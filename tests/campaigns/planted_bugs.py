@@ -264,7 +264,7 @@ def page(tallies: dict[str, Tally]) -> str:
 HEAD = """# Planted bugs
 
 What `verify` says of 220 wrong steppers, 20 of each of eleven kinds, over 20 methods of the catalogue, and of the right
-stepper that each of them is but for its bug. They are plain Python floats, written from the catalogue's exact
+stepper that each of them is except for its bug. They are plain Python floats, written from the catalogue's exact
 coefficients in the three calling conventions, and drawn with a fixed seed in `tests/campaigns/planted_bugs.py`. This
 page is written by
 

@@ -30,7 +30,7 @@ from driftproof.support.plain_text import Json
 
 # The steppers that each kind of method can be compared with.
 _NEEDED: dict[type, str] = {
-    Multistep: "a stepper that takes a right-hand side or a force, and a copy of which remembers nothing",
+    Multistep: "a stepper that takes a right-hand side or a force, and whose copies remember nothing",
     Rosenbrock: "a stepper that takes a Jacobian, step(f, jac, t, y, h)",
     Boris: "a stepper that takes a magnetic field, step(x, v, E, B, h) or step(v, E, B, h)",
     Additive: "a stepper that takes two right-hand sides, step(f_explicit, f_implicit, t, y, h)",

@@ -90,7 +90,7 @@ def test_the_order_is_that_beside_the_drag():
     report = identify(halves, isolate=False)
     assert report.verdict.startswith("it is a step of a force with a drag, of order 2 as measured")
     assert report.section("Faults") is None
-    assert "order 2 is seen on q'' = F(q) - 0.3 v" in "".join(report.section("Order").lines)
+    assert "order 2 is observed on q'' = F(q) - 0.3 v" in "".join(report.section("Order").lines)
     assert verify(halves, "velocity_verlet", examples=20, isolate=False).passed is False
 
 
@@ -215,7 +215,7 @@ def of_velocities(ahead: Callable[[np.ndarray, np.ndarray], np.ndarray]):
 VELOCITIES = [
     (lambda v, middle: middle, True, "is midpoint2"),
     (lambda v, middle: v, False, "the velocity of call 1 holds F[0]: 0 instead of 1/2"),
-    (lambda v, middle: np.array([middle[0], *v[1:]]), False, "of 2 positions it is another step"),
+    (lambda v, middle: np.array([middle[0], *v[1:]]), False, "with 2 positions it takes a different step"),
     (lambda v, middle: middle[::-1].copy(), False, "is not midpoint2"),
 ]
 
