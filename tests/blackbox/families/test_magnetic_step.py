@@ -35,7 +35,7 @@ def test_what_is_not_linear_or_remembers_is_refused():
     with np.errstate(all="ignore"):
         undone = identify(codes.boris(lambda b, h: b / 0.0), isolate=False)
     assert undone.verdict.startswith("gives no answer: from ")
-    assert identify(codes.relativistic, isolate=False).verdict.startswith("it is not a known method: twice")
+    assert identify(codes.relativistic, isolate=False).verdict.startswith("it is not a known method: doubling")
 
 
 BORIS, RK4 = codes.boris(), codes.runge_kutta("rk4")

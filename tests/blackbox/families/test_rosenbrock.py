@@ -92,7 +92,7 @@ def test_as_many_numbers_tell_no_more_than_as_many_powers_of_gamma(most, key):
         return
     assert identify(of_few, isolate=False).verdict == f"it is, judging by {most} components, {key}"
     assert report.passed is None
-    assert f"a stepper of {stages} numbers" in report.section("What would decide it").lines[0]
+    assert f"a stepper of {stages} components" in report.section("What would decide it").lines[0]
 
 
 def test_an_unknown_one_is_shown_with_its_coefficients_and_what_it_needs():

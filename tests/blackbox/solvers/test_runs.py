@@ -243,7 +243,7 @@ SAID = [
     (NUMBERS, apart(2e-6), "with a bump in y[1] it takes 100 steps, with one in y[0] 100"),
     (CLOCK, endless, "clock: does_not_end: after 30000 calls of f it is at t = 0.1 of"),
     (JUMP, endless, "at a jump of f it does not end: after 30000 calls"),
-    (JUMP, complaining, "it says: too steep"),
+    (JUMP, complaining, "it reports: too steep"),
     (STIFF, endless, "on y' = -1000 (y - cos t) - sin t it does not end: after 30000 calls"),
     (BACKWARD, ending(by=0.05), "it integrates backward in time"),
     (BACKWARD, ending(by=0.2), "backward in time, from 1 to 0, it ends at t = "),
