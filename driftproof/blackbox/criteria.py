@@ -30,12 +30,12 @@ from driftproof.methods.schemes import Collocation, Method, Nystrom, RungeKutta,
 
 # Outcomes that leave any question open, and what would decide it.
 _OPEN = {
-    NotAlike.kind: "a dense output that is a sum of slopes, alike in all numbers, as the step is",
-    "crashes": "a step that does not end its process",
+    NotAlike.kind: "a dense output that is a sum of slopes, the same in all components, as the step is",
+    "crashes": "a step that does not terminate its process",
     **NO_EVIDENCE,
 }
 # What would decide a question whose reading was refused.
-_READABLE = "a step without what refused the reading"
+_READABLE = "a step without the obstacle stated above"
 _READABLE_ESTIMATE = "an estimate that is a sum of the slopes of the pair's own stages, or one norm of such a sum"
 # The titles that verdicts refer to.
 ROUNDING, COEFFICIENTS, NONLINEAR_STEP, ORDER = "Rounding", "Coefficients", "Nonlinear step", "Order"
@@ -88,7 +88,7 @@ def questions_of(method: Method, allowance: Allowance, domain: Domain, examples:
         Question("Steps back", partial(back_and_on, **within), _judge_calls, " for h > 0 only"),
         Question("Rows", partial(rows_together, **within), _judge_calls, " for one state at a time only"),
         Question("Later steps", later_steps, _judge_calls, " for its first step only"),
-        Question(STATE_FORMS, partial(state_objects, **within), _judge_calls, ", but not in the hands of every caller"),
+        Question(STATE_FORMS, partial(state_objects, **within), _judge_calls, ", but not for every form of state"),
     ]
 
 
@@ -100,8 +100,8 @@ def _judge_coefficients(method: Method, reading: CoefficientReading, allowance: 
     """Compare the coefficients; those read from a force are no tableau if a right-hand side could not be read."""
     solved = reading.solved
     if not method.explicit and solved is None:
-        line = f"read as {reading.calls} explicit stages: iterations that are not counted by what they have come to"
-        return None, [line], {}, "an iteration that ends where it has converged"
+        line = f"read as {reading.calls} explicit stages: its number of iterations does not depend on convergence"
+        return None, [line], {}, "an iteration that stops when it has converged"
     identity = match_method(reading, method)
     if not identity.matches:
         return _other_coefficients(method, reading, identity)
@@ -122,12 +122,12 @@ def _judge_coefficients(method: Method, reading: CoefficientReading, allowance: 
     # early may leave the same error as on the nonlinear problem, where numbers have size 1.
     early = solved.power and solved.curved > BEYOND_TOLERANCE * float(allowance.solver_tolerance or 0)
     passed = False if early else None if solved.power else True
-    better = "a solver that looks at what is left of its equations"
+    better = "a solver that checks the residual of its equations"
     return passed, [*lines, solved.words], {"stages": solved.words}, better
 
 
 def _other_coefficients(method: Method, reading: CoefficientReading, identity: Identity) -> Judged:
-    differences = [f"those of {near.key} but for {'; '.join(near.differences)}" for near in identity.near]
+    differences = [f"those of {near.key} except for {'; '.join(near.differences)}" for near in identity.near]
     lines = differences or [f"not those of {method.key}"]
     if isinstance(method, RungeKutta | Collocation) and (reading.implicit or isinstance(reading, TableauReading)):
         lines += side_by_side(reading, method)
@@ -147,17 +147,17 @@ def _judge_order(method: Method, measured: Sequence[MeasuredOrder]) -> Judged:
     found = measured[-1 if isinstance(method, Splitting | Nystrom) else 0]
     order = _claimed_order(method)
     passed = None if found.order is None else found.order >= order
-    return passed, [f"{method.key} has order {order}", found.words], {"measured": found.order}, "smaller rounding"
+    return passed, [f"{method.key} has order {order}", found.words], {"measured": found.order}, "smaller roundoff"
 
 
 def _judge_estimate(method: Method, found: JudgedEstimate) -> Judged:
     """Judge both rows of a pair; for other methods the estimate is only described, since they define none."""
     lines = [*found.lines, *found.faults]
     if not is_pair(method):
-        return None, [f"{method.key} has none", *lines], found.data, ""
+        return None, [f"{method.key} defines no error estimate", *lines], found.data, ""
     if found.faults or found.pair:
         return not found.faults, lines, found.data, ""
-    unheld = f"it is not held to that of {method.key}: its step is not that of the stages of the pair in their order"
+    unheld = f"it is not compared with that of {method.key}: the step does not use the stages of the pair in order"
     return None, [*lines, unheld], found.data, _READABLE_ESTIMATE
 
 
@@ -168,7 +168,7 @@ def _judge_dense(method: Method, found: JudgedDense) -> Judged:
 
 def _judge_calls(method: Method, found: Walked) -> Judged:
     passed, words, reproduction = found
-    return passed, [words, *[f"to see it again: {reproduction}"] * bool(reproduction)], {}, ""
+    return passed, [words, *[f"to reproduce: {reproduction}"] * bool(reproduction)], {}, ""
 
 
 def _claimed_order(method: Method) -> int:

@@ -85,7 +85,7 @@ class BadInput(ValueError):
 # would settle the question.
 NO_EVIDENCE = {
     "time_limit": "a longer time limit",
-    "killed": "a run that nobody ends",
+    "killed": "a run whose process is not killed",
     "instrument_failed": "a report to us",
 }
 

@@ -53,7 +53,7 @@ def identify(
 
     >>> from driftproof import identify
     >>> print(identify(lambda q, v, h: (q + h * v, v - h * q), isolate=False).verdict)
-    it is, as far as linear steps tell, forward_euler
+    judging by linear steps only, it is forward_euler
     """
     with IsolatedRunner(Target(step, calls, array), time_limit, isolate) as runner:
         of_run = partial(read_family, runs_only=True)
@@ -68,7 +68,7 @@ def identify(
                 return unread_report(runner.target.name, family)
         # If later steps depend on earlier ones by no known recurrence, only the first step was read.
         remembering = family.kind in (NotReadable.kind, NoRecurrence.kind)
-        later = f"that is its first step only: {family.seen}" if remembering else ""
+        later = f"this holds for its first step only: {family.seen}" if remembering else ""
         return identified(runner, read, order, dense, later)
 
 
@@ -125,7 +125,7 @@ def _checks(checks: Sequence[CheckResult]) -> tuple[Section, ...]:
     """The section of the checks that found no fault, with one line that counts those kept, traits and undecided."""
     traits = sum(check.key in TRAITS and check.holds is not None for check in checks)
     undecided = sum(check.holds is None for check in checks)
-    counts = {"kept": len(checks) - traits - undecided, "of traits such as areas": traits, "open": undecided}
+    counts = {"passed": len(checks) - traits - undecided, "on traits such as areas": traits, "undecided": undecided}
     brief = ", ".join(f"{count} {what}" for what, count in counts.items() if count)
     lines = tuple(check.words for check in checks)
     return (Section("Checks", lines, f"{brief}; --all shows each" if len(lines) > 1 else ""),) if lines else ()
@@ -137,24 +137,22 @@ def _what_to_do(name: str, seen: Seen) -> list[str]:
     if seen.introduction.failed:
         helps = {
             "time_limit": "give it more time: --time-limit",
-            "killed": "ask again where nobody ends its process; want of memory ends processes, too",
+            "killed": "try again where nothing kills its process; running out of memory also kills processes",
             "instrument_failed": "report this to us",
         }
-        return [helps.get(seen.introduction.kind or "", "make this one call answer; then ask again")]
-    lines = ["see to the faults first"] if any(check.is_fault for check in seen.checks) else []
+        return [helps.get(seen.introduction.kind or "", "make this one call return an answer, then try again")]
+    lines = ["fix the faults first"] if any(check.is_fault for check in seen.checks) else []
     near = seen.read.identity.near if seen.read is not None else ()
     if near:
         key, wrong = near[0].key, "; ".join(near[0].differences)
-        lines.append(f"if it should be {key}, this is to mend: {wrong}; then {held} {key}")
+        lines.append(f"if it should be {key}, correct this: {wrong}; then {held} {key}")
     elif seen.key is not None:
         solved = "" if seen.key not in METHODS or METHODS[seen.key].explicit else " --solver-tolerance 1e-10"
-        lines.append(
-            f"if it should be {seen.key}, hold it there: {held} {seen.key}{solved}, or assert_verified in a test"
-        )
+        lines.append(f"if it should be {seen.key}, verify it: {held} {seen.key}{solved}, or assert_verified in a test")
     else:
-        lines.append(f"say what it should be: {held} METHOD, or your own tableau, a .toml file")
+        lines.append(f"name the method it should be: {held} METHOD, or your own tableau in a .toml file")
     if seen.coefficients.kind == "unsupported_call":
-        lines.append("to have its coefficients read, let it take its right-hand side or its force: step(f, t, y, h)")
+        lines.append("to have its coefficients read, make the right-hand side or force an argument: step(f, t, y, h)")
     return lines
 
 
@@ -181,7 +179,7 @@ def _orders(seen: Seen) -> list[str]:
     damped: MeasuredOrder | None = None if seen.damping.result is None else seen.damping.result.order
     measured = [found.words for found in (seen.measured if damped is None else (damped,))]
     linear_only = seen.order.kind == "unsupported_call"
-    return [*by_trees, *measured, *(["on other than linear problems the order is not known"] if linear_only else [])]
+    return [*by_trees, *measured, *(["the order on nonlinear problems is not known"] if linear_only else [])]
 
 
 def _data(seen: Seen, rounding: Outcome | None) -> dict[str, Json]:

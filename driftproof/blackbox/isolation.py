@@ -187,7 +187,7 @@ class IsolatedRunner:
                     self.hung.append(_not_again(log.call))
                     raise ProcessEnded("time", f"no answer within {a_call:.3g} s")
                 if now - start >= limit:
-                    whole = f"the {self.time_limit:.3g} s of the whole run do not suffice"
+                    whole = f"the {self.time_limit:.3g} s for the whole run were not enough"
                     raise ProcessEnded("time", f"{whole}: stopped after {limit:.3g} s")
         finally:
             self.spent += monotonic() - start
@@ -288,11 +288,11 @@ class Serving:
 
     def _before(self, call: str) -> None:
         if not self._calls:
-            self._environment.leave("since the stepper is imported")
+            self._environment.leave("since the stepper was imported")
         self._calls, self._call = self._calls + 1, call
         for one in self.hung:
             if call == one or call.endswith(f", {one}"):
-                raise NoAnswer(f"step({call}) did not come back in its time")
+                raise NoAnswer(f"step({call}) did not return in time")
         self._note(_CALLING)
         self._environment.enter()
 

@@ -147,12 +147,12 @@ class Seen:
             return self._unknown
         alike = f"; its nonlinear steps are those of {', '.join(self.twins.result)}" if self.twins.result else ""
         if fit is not None and fit.best is not None:
-            return f"it is, as far as linear steps tell, {_in_words(fit, fit.best)}{alike}"
+            return f"judging by linear steps only, it is {_in_words(fit, fit.best)}{alike}"
         if read is not None and read.identity.near:
             return f"it is {read.identity.near[0].name}"
         if fit is not None and read is None and (nearly := fit.nearly):
             off = f"to {nearly.off:.1e} at states of size 1"
-            return f"it is, as far as linear steps tell, nearly {' or '.join(nearly.methods)}, {off}{alike}"
+            return f"judging by linear steps only, it is nearly {' or '.join(nearly.methods)}, {off}{alike}"
         open_questions = [o for o in (self.coefficients, self.linear) if o.kind in NO_EVIDENCE]
         return f"{UNDECIDED}: {open_questions[0].seen}" if open_questions else self._unknown
 
@@ -166,7 +166,7 @@ class Seen:
     def _unknown(self) -> str:
         """The verdict without a method of the catalogue: the damping, if it was read."""
         found: Damping | None = self.damping.result
-        return "it is no method that is known here" if found is None else found.verdict
+        return "it is not a known method" if found is None else found.verdict
 
     def _unknown_stages(self, read: Recognised) -> str:
         """The nearest method to unknown stages, or else their number, their order and their linear method."""
@@ -175,8 +175,8 @@ class Seen:
         calls, implicit = read.reading.calls, "implicit " * read.reading.implicit
         stages = f"{calls} {implicit}stage{'s' * (calls > 1)}"
         best = None if self.fit is None or self.fit.best is None else _in_words(self.fit, self.fit.best)
-        linear = f", though on linear problems {best}" if best is not None else ""
-        return f"no method that is known here, but one of {stages} and order {read.order.order}{linear}"
+        linear = f", though on linear problems it is {best}" if best is not None else ""
+        return f"not a known method, but has {stages} and order {read.order.order}{linear}"
 
     @property
     def measured(self) -> tuple[MeasuredOrder, ...]:
@@ -199,4 +199,4 @@ def _in_words(fit: LinearFit, best: LinearCandidate) -> str:
 
 
 def _at(size: float) -> str:
-    return "" if size == 1 else f", at states of size {size:.1e}, not of all sizes"
+    return "" if size == 1 else f", at states of size {size:.1e}, not at every size"

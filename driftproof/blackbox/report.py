@@ -102,7 +102,7 @@ class Criterion:
     @property
     def mark(self) -> str:
         """The outcome in at most two words."""
-        return {True: "passed", False: "FAILED", None: "undecided" if self.missing else "not asked"}[self.passed]
+        return {True: "passed", False: "FAILED", None: "undecided" if self.missing else "not tested"}[self.passed]
 
 
 def criteria_parts(

@@ -173,7 +173,7 @@ def _decided(checks: Mapping[str, Criterion]) -> bool | None:
 def _open(checks: Mapping[str, Criterion]) -> list[Criterion]:
     """The criteria that keep the verdict open: those of a single step, or else others whose answer is missing."""
     rounding, coefficients, nonlinear = of_step = [checks[title] for title in (ROUNDING, COEFFICIENTS, NONLINEAR_STEP)]
-    if rounding.mark == "not asked":  # the stepper takes one number only
+    if rounding.mark == "not tested":  # the stepper takes one number only
         seen = coefficients.passed and nonlinear.passed
     else:
         built_in = not (coefficients.missing or nonlinear.missing)
@@ -186,8 +186,8 @@ def _open(checks: Mapping[str, Criterion]) -> list[Criterion]:
 def _agreed(method: Method, found: Agreement | None, checks: Mapping[str, Criterion]) -> str:
     coefficients, nonlinear = checks[COEFFICIENTS], checks[NONLINEAR_STEP]
     if found is None:
-        return f"is {method.key} of one number: its coefficients are, and {nonlinear.lines[0]}"
-    where = " on q'' = -q" if coefficients.mark == nonlinear.mark == "not asked" else ""
+        return f"is {method.key} for a single component: its coefficients agree, and {nonlinear.lines[0]}"
+    where = " on q'' = -q" if coefficients.mark == nonlinear.mark == "not tested" else ""
     near = " in ".join(filter(None, [_how_near(method), found.narrow]))
     bound = f"within the derived bound, the largest error {found.worst.error_over_bound:.2f} of it"
     return f"is {method.key}{where} {near}: {found.examples} steps {bound}"
@@ -218,7 +218,7 @@ def _refuted(
     of_step = all(check.passed is not False for check in (coefficients, nonlinear, order, *beside))
     stages = coefficients.data.get("stages")
     if stages and False in (coefficients.passed, nonlinear.passed):
-        return f"is not {method.key} {_how_near(method)}: its coefficients are, but {stages}"
+        return f"is not {method.key} {_how_near(method)}: its coefficients agree, but {stages}"
     wrong_beside = [str(check.data.get("faults", check.lines)[0]) for check in beside if check.passed is False]
     if wrong_beside and coefficients.passed:
         return f"is {method.key}, but {'; '.join(wrong_beside)}"
@@ -235,25 +235,25 @@ def _refuted(
         faults = instead.section("Faults")
         if coefficients.passed and found.failing.answer is not None:
             if faults is not None and CALL_BEFORE in faults.lines:
-                return f"is not {method.key}: its coefficients are, but {CALL_BEFORE}"
+                return f"is not {method.key}: its coefficients agree, but {CALL_BEFORE}"
             off = f"a step is off by {found.failing.error_over_bound:.3g} times the bound"
-            return f"is not {method.key} {_how_near(method)}: its coefficients are, but {off}"
+            return f"is not {method.key} {_how_near(method)}: its coefficients agree, but {off}"
     seen: NonlinearAgreement | None = outcomes[NONLINEAR_STEP].result
     if coefficients.passed and rounding.passed and seen is not None and nonlinear.passed is False:
-        wrong = f"{', '.join(seen.wrong)} {'is' if len(seen.wrong) == 1 else 'are'} not what they say"
-        return f"is not {method.key}: its coefficients are, but on {seen.problem}, {wrong}"
+        wrong = f"{', '.join(seen.wrong)} {'is' if len(seen.wrong) == 1 else 'are'} not what the coefficients give"
+        return f"is not {method.key}: its coefficients agree, but on {seen.problem}, {wrong}"
     if instead.verdict.startswith(NO_ANSWER):
         return instead.verdict
-    vague = re.search(rf"\b{method.key}\b|it is no method|, but |\bnearly |with a drag", instead.verdict)
-    linear = coefficients.passed is False and "as far as linear steps tell" in instead.verdict
+    vague = re.search(rf"\b{method.key}\b|it is not a known|, but |\bnearly |with a drag", instead.verdict)
+    linear = coefficients.passed is False and "judging by linear steps only" in instead.verdict
     read = outcomes[COEFFICIENTS]
     reading = read.result
     if coefficients.passed is None and isinstance(reading, ForceReading) and reading.refused:
         return f"is not {method.key}: it is on q'' = F(q), but not on y' = f(t, y): {reading.refused}"
     differences = coefficients.data.get("differences", ())
-    one_entry = len(differences) == 1 and instead.verdict.startswith(f"it is {method.key} but for ")
-    if mistakes and not one_entry and (vague or linear or not instead.verdict.startswith("it is")):
-        link = "but for" if " instead of " in mistakes[0] else "with one mistake:"
+    one_entry = len(differences) == 1 and instead.verdict.startswith(f"it is {method.key} except for ")
+    if mistakes and not one_entry and (vague or linear or not instead.verdict.startswith(("it is", "judging"))):
+        link = "except for" if " instead of " in mistakes[0] else "with one mistake:"
         return f"is not {method.key}; it is {method.key} {link} {mistakes[0]}"
     if instead.section("Coefficients") is None and re.search(rf"\b{method.key}\b", instead.verdict):
         failed = next(check for check in checks.values() if check.passed is False)
@@ -265,7 +265,7 @@ def _refuted(
     what = f": {wrong}" if wrong and wrong not in instead.verdict else ""
     faults = instead.section("Faults")
     why = [*coefficients.lines] if read.kind == "not_readable" else [*(faults.lines if faults else ())]
-    cause = f": {why[0]}" if why and "it is no method" in instead.verdict else ""
+    cause = f": {why[0]}" if why and "it is not a known method" in instead.verdict else ""
     return f"is not {method.key}{what}; {instead.verdict}{cause}"
 
 
@@ -287,11 +287,11 @@ def _report(
     parts, data = criteria_parts([*checks.values()], passed)
     data["calls_made"] = made
     if instead is None:
-        parts.append(("Looked at", [f"{made} calls of it"]))
+        parts.append(("Calls made", [f"{made} calls of the stepper"]))
     else:
         read = instead.section("Coefficients") or instead.section("One-step matrix")
         shown = [section for section in (read, instead.section("Faults"), instead.section("Not answered")) if section]
-        parts.append(("What it is: one mistake that takes the same steps", tuple(mistakes)))
-        parts += [(f"What it is: {section.title.lower()}", section.lines) for section in shown]
+        parts.append(("Identified instead: one mistake that gives the same steps", tuple(mistakes)))
+        parts += [(f"Identified instead: {section.title.lower()}", section.lines) for section in shown]
         data["instead"] = instead.data
     return Report(target.name, verdict, passed, sections(*parts), data)

@@ -94,6 +94,6 @@ def hanging_at(nth):
 
     def before(call):
         if next(made) == nth:
-            raise NoAnswer(f"step({call}) did not come back in its time")
+            raise NoAnswer(f"step({call}) did not return in time")
 
     return before

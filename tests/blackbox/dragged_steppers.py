@@ -147,7 +147,7 @@ WRONG = [
     (verlet(lambda v, a, dt: v), VV, "the position of t + h and the velocity v"),
     (verlet(lambda v, a, dt: v + 2 * dt * a), VV, "the velocity v + 2 h F[0]"),
     (verlet(lambda v, a, dt: v - dt * a), VV, "the velocity v - h F[0]"),
-    (verlet(lambda v, a, dt: v + a), VV, "order 0 is seen on a nonlinear q'' = F(t, q, v)"),
+    (verlet(lambda v, a, dt: v + a), VV, "order 0 is observed on a nonlinear q'' = F(t, q, v)"),
     (verlet(lambda v, a, dt: v + dt * a, last=0.0), VV, "called at wrong times"),
     (kicks_of_half, VV, _STALE.format(2, 1)), (drifting, PV, _STALE.format(2, 0)),
     (composed, "yoshida4", "order 1 where the force depends on the velocity, not 4"),

@@ -48,7 +48,7 @@ def forwards_only(f, t, y, h):
         (dying_far_from_home, None, "undecided whether it is rk4: steps elsewhere: the process ended ", "undecided"),
         (slow_far_from_home, None, "undecided whether it is rk4: steps elsewhere: step(t=1004.1, ", "undecided"),
         (stopped_once, None, "undecided whether it is rk4: ", "passed"),
-        (forwards_only, True, "is rk4 to roundoff: 50 steps", "not asked"),
+        (forwards_only, True, "is rk4 to roundoff: 50 steps", "not tested"),
     ],
 )  # fmt: skip
 def test_what_a_further_question_comes_to(step, passed, verdict, section):

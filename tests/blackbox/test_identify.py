@@ -40,7 +40,7 @@ def test_the_report_says_the_order_twice_and_the_rounding():
     report = identify(velocity_verlet)
     order = report.section("Order").lines
     assert order[0].startswith("order 2: the condition of tree")
-    assert order[1].startswith("order 2 is seen on q'' = exp(-2q)")
+    assert order[1].startswith("order 2 is observed on q'' = exp(-2q)")
     assert "every error within the derived bound" in report.section("Rounding").lines[0]
     assert report.section("Faults") is None
 
@@ -61,7 +61,7 @@ def test_a_rogue_is_a_finding(step, seen):
 
 def test_an_end_from_outside_asks_for_no_more_time():
     lines = identify(broken_steppers.is_killed).section("What to do").lines
-    assert lines == ("ask again where nobody ends its process; want of memory ends processes, too",)
+    assert lines == ("try again where nothing kills its process; running out of memory also kills processes",)
 
 
 def test_the_report_is_json_markdown_and_text():
@@ -72,8 +72,8 @@ def test_the_report_is_json_markdown_and_text():
     assert str(report) == report.text()
     assert [section.title for section in report.sections[:2]] == ["What to do", "Coefficients"]
     assert "driftproof verify" in report.section("What to do").lines[0]
-    assert re.search(r"^  \d\d kept, \d of traits such as areas; --all shows each$", report.text(), re.MULTILINE)
-    assert "h = 0 gives the state back" in report.text(everything=True)
+    assert re.search(r"^  \d\d passed, \d on traits such as areas; --all shows each$", report.text(), re.MULTILINE)
+    assert "h = 0 returns the state unchanged" in report.text(everything=True)
 
 
 def test_on_the_command_line_a_stepper_is_given_by_its_name(capsys):
@@ -113,7 +113,7 @@ def speed_limited(force, q, v, h):
 
 def test_a_method_behind_a_limit_is_named_with_the_size_at_which_it_holds():
     report = identify(speed_limited)
-    assert report.verdict == "it is symplectic_euler, at states of size 3.1e-02, not of all sizes"
+    assert report.verdict == "it is symplectic_euler, at states of size 3.1e-02, not at every size"
     assert "|v| is capped at 8" in report.section("Faults").lines
     assert "every error within the derived bound" in report.section("Rounding").lines[0]
 

@@ -66,14 +66,14 @@ def test_a_rogue_without_an_answer_has_one_check(rogue, way):
 def test_a_rogue_that_always_hangs_is_given_up_after_one_time_limit(way):
     checks = all_checks(runner(broken_steppers.hangs, way))
     hung = "no answer within 0.375 s in step(q=1.0, v=0.75, h=0.25)"
-    assert [check.words for check in checks] == [f"no question could be put: {hung}"]
+    assert [check.words for check in checks] == [f"nothing could be tested: {hung}"]
 
 
 SAID = {
     broken_steppers.works_in_place: "it writes its answer into its arguments and returns nothing",
     broken_steppers.returns_integers: "returns integers: at h = 0, (1.0, 0.75) becomes (1.0, 0.0)",
-    broken_steppers.remembers: "the answer depends on the call before",
-    broken_steppers.noisy: "it draws on the random numbers of Python or NumPy",
+    broken_steppers.remembers: "the answer depends on the previous call",
+    broken_steppers.noisy: "it uses the random numbers of Python or NumPy",
 }
 
 
@@ -93,7 +93,7 @@ def test_a_hang_is_no_fault_and_its_question_is_answered_without_the_call(monkey
     checks = {check.key: check for check in all_checks(rogue)}
     assert faults(checks.values()) == []
     assert checks["zero_step"].holds is None
-    assert "zero step: undecided: step(q=1.0, v=0.75, h=0.0) did not come back in its time" in checks["zero_step"].words
+    assert "zero step: undecided: step(q=1.0, v=0.75, h=0.0) did not return in time" in checks["zero_step"].words
     assert all(checks[key].holds for key in ("no_memory", "negative_step", "position_range", "linear"))
     assert rogue.hung == ["h=0.0"]
 
@@ -119,7 +119,7 @@ def test_a_call_that_hung_is_not_made_again_whatever_the_state(monkeypatch):
     start = monotonic()
     found = rogue.run([tiny, partial(tiny, q=0.5), rests, answer])
     assert [outcome.kind for outcome in found] == ["time_limit", "time_limit", None, None]
-    assert found[0].seen == "step(q=1.0, v=0.75, h=5e-324) did not come back in its time"
+    assert found[0].seen == "step(q=1.0, v=0.75, h=5e-324) did not return in time"
     assert found[2].result == 1.0
     assert rogue.hung == ["h=5e-324"]
     assert rogue.spent <= monotonic() - start
@@ -251,7 +251,7 @@ def steps_of(subject):
 
 def test_what_hung_is_refused_on_the_far_side_and_nothing_else():
     serving = Serving(Target(broken_steppers.hangs_at_zero), [steps_of], hung=["q=2.0, v=0.75, h=0.25", "h=5e-324"])
-    refused = "step({}) did not come back in its time"
+    refused = "step({}) did not return in time"
     expected = [refused.format("q=2.0, v=0.75, h=0.25"), refused.format("q=1.0, v=0.75, h=5e-324")]
     assert serving.outcome(0).result == [1.1875, *expected, 1.375]
 
@@ -345,7 +345,7 @@ FAR = {
         [(1, GOOD), *[(10, CALL), (10, "calling 8: ")] * 5, (20, BACK), (1, GOOD)],
         61.0,
         2,
-        [f"the 120 s of the whole run do not suffice: stopped after 59.8 s{IN_CALL}", 7],
+        [f"the 120 s for the whole run were not enough: stopped after 59.8 s{IN_CALL}", 7],
     ),
     "we are slow": ([(1, GOOD), (100, BACK), (2, GOOD)], 51.5, 1, [7, 7]),
     "cannot be imported": ([(1, ProcessEnded("exit", "why"))], 0.5, 1, ["why while the stepper was imported"] * 2),

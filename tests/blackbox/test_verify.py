@@ -168,15 +168,15 @@ VERDICTS = {
     "complex": (lambda f, t, y, h: f(t, 1j * y), "rk4"),
     "memory": (remembering, "forward_euler"),
     "in place": (in_place, "rk4", "", "of it; remark: it changes its arguments"),
-    "one buffer": (in_one_buffer, "rk4", "", "of it; remark: an answer is overwritten by the next"),
+    "one buffer": (in_one_buffer, "rk4", "", "of it; remark: an answer is overwritten by the next call"),
     "no step back": (lambda q, v, h: symplectic_euler(q, v, abs(h)), "symplectic_euler"),
-    "forwards": (refusing, "symplectic_euler", "Steps back: not asked", "raises ValueError: h has to be positive"),
+    "forwards": (refusing, "symplectic_euler", "Steps back: not tested", "raises ValueError: h has to be positive"),
     "one row": (first_row_only, "symplectic_euler"),
     "of one state": (lambda q, v, h: symplectic_euler(float(q), float(v), h), "symplectic_euler",
-        "Rows: not asked", ""),
+        "Rows: not tested", ""),
     "the row of order 5": (other_row(), "fehlberg45_embedded"),
     "not of order 4": (other_row(), "fehlberg45"), "far": (raising_far_out, "rk4"),
-    "capped": (capped, "symplectic_euler", "What it is: faults", "100"),
+    "capped": (capped, "symplectic_euler", "Identified instead: faults", "100"),
     "not reached": (capped, "symplectic_euler", {"domain": Domain(largest_state=30.0)}),
     "left out": (kick_drift_kick("halves", left=1), "velocity_verlet"),
     "a clock": (kick_drift_kick("halves", times=(0, 0)), "velocity_verlet"),
@@ -184,24 +184,24 @@ VERDICTS = {
     "reused": (REUSED, "rk4"),
     "too strong": (codes.composed([("kick", 1.001), ("drift", 1)]), "symplectic_euler"),
     "stale": (Stale().step, "forward_euler"),
-    "an estimate": (with_estimate, "rk4", "Error estimate: not asked", "rk4 has none"),
-    "at times": (with_estimate_of_small_states, "rk4", "Error estimate: not asked", "beside y1 at some steps only"),
+    "an estimate": (with_estimate, "rk4", "Error estimate: not tested", "rk4 defines no error estimate"),
+    "at times": (with_estimate_of_small_states, "rk4", "Error estimate: not tested", "besides y1 at some steps only"),
     "iterated": (iterated_three_times, "backward_euler",
         "", "is not backward_euler", "Coefficients: undecided", "read as 3 explicit stages", {"allowance": SOLVED}),
     "solved otherwise": (backward_euler, "implicit_midpoint", "", "is not implicit_midpoint", {"allowance": SOLVED}),
     "diverging": (MIDPOINT, "implicit_midpoint",
-        "", "is not implicit_midpoint to the tolerance stated: its coefficients are, but a step is",
+        "", "is not implicit_midpoint to the tolerance stated: its coefficients agree, but a step is",
         {"allowance": SOLVED}),
     "near by": (MIDPOINT, "implicit_midpoint",
         "", "is implicit_midpoint to the", {"allowance": SOLVED, "domain": replace(SHORT, largest_step=1.0)}),
     "one entry": (all_at_once(with_entry("radau_iia2", 0, 1, -0.08)), "radau_iia2",
-        "", "is not radau_iia2; it is radau_iia2 but for a[0][1]: -2/25 instead of -1/12",
+        "", "is not radau_iia2; it is radau_iia2 except for a[0][1]: -2/25 instead of -1/12",
         "Coefficients: FAILED", "row 0 of A sums to ",
         {"allowance": SOLVED, "domain": SHORT}),
     "other entries": (codes.tableau([[], [0.75]], [1 / 3, 2 / 3], [0.0, 0.75]), "midpoint2"),
     "half a unit late": (codes.RK4_AT_WRONG_TIMES["half a unit late"], "rk4",
         "", "but not on y' = f(t, y): with h = 2, the time of call 1 is 0.5",
-        "Nonlinear step: FAILED", "", "Coefficients: undecided", "there is no tableau: with h = 2"),
+        "Nonlinear step: FAILED", "", "Coefficients: undecided", "it has no tableau: with h = 2"),
 }  # fmt: skip
 
 
@@ -232,10 +232,10 @@ def test_a_verdict_says_how_many_calls_were_looked_at():
         return y + h * f(t, y)
 
     report = held(euler, "forward_euler")
-    assert report.section("Looked at").lines == (f"{report.data['calls_made']} calls of it",)
+    assert report.section("Calls made").lines == (f"{report.data['calls_made']} calls of the stepper",)
     before_any_question = len(calls) - report.data["calls_made"]
     assert 0 < before_any_question < 10 < report.data["calls_made"]
-    assert held(codes.rk4, "rk38").section("Looked at") is None
+    assert held(codes.rk4, "rk38").section("Calls made") is None
 
 
 def test_sizes_that_overflow_are_refused_and_refute_nothing():
@@ -262,7 +262,7 @@ def test_a_method_of_ones_own_is_not_called_by_the_name_of_another(tmp_path):
 
 
 def test_the_assertion_names_the_right_method_and_shows_an_example():
-    named = r"is not velocity_verlet; it is, .*, velocity-first symplectic Euler \(symplectic_euler\)"
+    named = r"is not velocity_verlet; judging by linear steps only, it is velocity-first .* \(symplectic_euler\)"
     with pytest.raises(AssertionError, match=named) as failure:
         assert_verified(symplectic_euler, method="velocity_verlet", examples=FEW)
     assert "the simplest step beyond the bound: step(q=" in str(failure.value)
@@ -339,7 +339,7 @@ def test_a_solver_that_stops_early_fails_and_is_told_by_the_power_of_its_error(s
     report = held(step, "backward_euler", allowance=SOLVED, domain=SHORT)
     assert report.passed is False
     assert report.verdict.startswith(
-        "is not backward_euler to the tolerance stated: its coefficients are, but its solver"
+        "is not backward_euler to the tolerance stated: its coefficients agree, but its solver"
     )
     assert seen in report.verdict
     assert report.section("Coefficients: FAILED")
@@ -358,7 +358,7 @@ def test_a_solver_that_stops_early_within_the_tolerance_stated_leaves_the_coeffi
 def test_implicit_stages_of_no_known_method_are_shown_with_their_order():
     other = one_by_one(([[0.375, 0], [0.25, 0.375]], [0.5, 0.5], [0.375, 0.625]))
     found = identify(other, isolate=False)
-    assert found.verdict == "it is no method that is known here, but one of 2 implicit stages and order 2"
+    assert found.verdict == "it is not a known method, but has 2 implicit stages and order 2"
     assert "a[1] = 1/4, 3/8" in found.section("Coefficients").lines
 
 

@@ -29,7 +29,7 @@ KEYS = (
 KINDS = {
     "coefficient": "one coefficient is off by a relative 9·10⁻² to 10⁻¹⁰",
     "row sum": "a row of A or b, or all kicks or drifts, are scaled: they add up to something else",
-    "time": "f is asked at t + c, t + c h², t + h or c h, or always at t",
+    "time": "f is called at t + c, t + c h², t + h or c h, or always at t",
     "order of updates": "positions move before the velocity's slope is taken, or two updates are exchanged",
     "stage reuse": "a stage takes the slope of the one before",
     "stale force": "the first slope of a step is that of the step before",
@@ -169,7 +169,7 @@ def names_the_cause(bug: Bug, report: Report) -> bool:
     That is an entry, a sum or a line that is changed; the wrong times; the memory; h; the component; the other method
     that the step has become; or, of a map, a coefficient of its one-step matrix beside that of the method.
     """
-    other = rf"is not {bug.key}; it is,? (?!no method|nearly)(?!.*\bbut\b)(?!.*\b{bug.key}\b)"
+    other = rf"is not {bug.key}; (judging|it is (?!not a known|nearly))(?!.*\b(but|except)\b)(?!.*\b{bug.key}\b)"
     matrix = [rf"coefficient of M_\w\w is .*, {bug.key} has"] if bug.calls == "map" else []
     sums = ["the force enters", "the position moves by", r"with the step \S+ h", r"all of \S+ times", r"all \w+s times"]
     at = bug.at
@@ -180,24 +180,24 @@ def names_the_cause(bug: Bug, report: Report) -> bool:
         **{kind: [*matrix, *bug.entries, *sums] for kind in ("coefficient", "row sum", "sign")},
         "time": [r"wrong times?\b", r"the times? (of|at) ", rf"\bc\[{at}\]: "],
         "order of updates": [
-            *(*matrix, "not stepped alike", rf"\bc\[{at}\]: ", r"b_position\[\d+\]: ", "are exchanged"),
+            *(*matrix, "not advanced alike", rf"\bc\[{at}\]: ", r"b_position\[\d+\]: ", "are exchanged"),
             *(rf"in k\[{at}\], the position moves", "v1 moves the position"),
         ],
         "stage reuse": [
             *(*matrix, rf"\b[ac]\[{at}\]\S*: ", rf"\bk\[{at}\] = [fF]\([YQ]\[{at - 1}\]\) in place"),
             rf"d\[{at}\] \* F\(q\[\d+\]\) in place",
         ],
-        "stale force": ["remembers", "depends on the call before"],
-        "state overwritten": [*matrix, rf"\ba\[\d+\]\[{at}\]: ", rf"after k\[{at}\], stages are formed of"],
+        "stale force": ["remembers", "depends on the previous call"],
+        "state overwritten": [*matrix, rf"\ba\[\d+\]\[{at}\]: ", rf"after k\[{at}\], stages are formed from"],
         "elsewhere": [
-            r"but not everywhere: (at t|of \d+|a step that goes on)",
+            r"but not everywhere: (at t|with \d+|a step that continues)",
             r"in a step of \S+ from t",
             "h > 0 only",
         ],
-        "missing factor": [*matrix, "does not scale with h", rf"h (is missing|stands twice) in {line}"],
+        "missing factor": [*matrix, "does not scale with h", rf"h (is missing|appears twice) in {line}"],
         "component left out": [
-            *(*matrix, r"\b(drift|c|b_\w+|a)(\[\d+\])*: 0 instead", "not stepped alike", rf"{line}.* is left"),
-            rf"its coefficients are, but on .*\b[qv]\[{bug.component}\]",
+            *(*matrix, r"\b(drift|c|b_\w+|a)(\[\d+\])*: 0 instead", "not advanced alike", rf"{line}.* is left"),
+            rf"its coefficients agree, but on .*\b[qv]\[{bug.component}\]",
         ],
     }
     words = "\n".join([report.verdict, *(line for section in report.sections for line in section.lines)])
@@ -264,7 +264,7 @@ def page(tallies: dict[str, Tally]) -> str:
 HEAD = """# Planted bugs
 
 What `verify` says of 220 wrong steppers, 20 of each of eleven kinds, over 20 methods of the catalogue, and of the right
-stepper that each of them is but for its bug. They are plain Python floats, written from the catalogue's exact
+stepper that each of them is except for its bug. They are plain Python floats, written from the catalogue's exact
 coefficients in the three calling conventions, and drawn with a fixed seed in `tests/campaigns/planted_bugs.py`. This
 page is written by
 

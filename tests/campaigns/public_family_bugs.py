@@ -51,7 +51,7 @@ def at_one_time(f, t, y, h):
     return rk4_step(lambda _, z: f(t, z), t, y, h)
 
 
-_START = "its start is not good enough: first values are off like h^1"
+_START = "its start is too inaccurate: first errors are like h^1"
 FAMILIES = (
     Replay("CliMA/Oceananigans.jl#127", "Adams-Bashforth from the first step on, the slope before it 0",
            of_key("adams_bashforth2"), Remembering("adams_bashforth2", without_before).step,

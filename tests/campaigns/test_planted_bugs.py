@@ -82,15 +82,15 @@ def test_equivalence_is_decided_in_exact_arithmetic(bug, equivalent):
 def test_a_cause_is_named_by_the_changed_entry_and_by_no_other_words():
     bug = Bug("sign", "heun2", "force", METHODS["heun2"], places=(("b", (1,)),))
     said = lambda verdict: names_the_cause(bug, Report("step", verdict, False, ()))
-    assert said("is not heun2; it is heun2 but for b[1]: -1/2 instead of 1/2")
+    assert said("is not heun2; it is heun2 except for b[1]: -1/2 instead of 1/2")
     assert said("is not heun2; it is ralston2")
-    assert said("is not heun2; it is, as far as linear steps tell, heun2_of_another_name")
-    assert not said("is not heun2; it is heun2 but for b[0]: -1/2 instead of 1/2")
+    assert said("is not heun2; judging by linear steps only, it is heun2_of_another_name")
+    assert not said("is not heun2; it is heun2 except for b[0]: -1/2 instead of 1/2")
     assert not names_the_cause(
         bug, Report("step", "is not heun2; it is rk4", False, sections(("Matrix", [OTHER_SYSTEM])))
     )
-    assert not said("is not heun2; it is, as far as linear steps tell, heun2")
-    assert not said("is not heun2; it is no method that is known here")
+    assert not said("is not heun2; judging by linear steps only, it is heun2")
+    assert not said("is not heun2; it is not a known method")
 
 
 def test_what_passes_is_counted_and_told_below_the_table():

@@ -195,7 +195,7 @@ def local_error(step: Step, h: arb) -> arb:
 
 
 def order_in_balls(method: Method) -> int:
-    """The order of the method's own step on this problem; a coefficient off by 10⁻¹⁴ makes it 0.
+    """The order of its steps agree with the method's own on this problem; a coefficient off by 10⁻¹⁴ makes it 0.
 
     error(h)/error(h/2) = 2ᵖ⁺¹ (1 + O(h)): with h = 2⁻¹¹⁰ its logarithm is an integer to fifteen digits, and certain.
     """

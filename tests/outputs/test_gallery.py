@@ -81,8 +81,8 @@ def test_gallery_skips_what_is_not_installed() -> None:
 
 
 def test_table_is_markdown_with_a_row_for_each_target() -> None:
-    text = run.written([("a b", "1", "x | y", "it is rk4", "4", "4", "1 u", "kept")], ["other"])
-    assert "| a b | 1 | x \\| y | it is rk4 | 4 | 4 | 1 u | kept |" in text
+    text = run.written([("a b", "1", "x | y", "it is rk4", "4", "4", "1 u", "passed")], ["other"])
+    assert "| a b | 1 | x \\| y | it is rk4 | 4 | 4 | 1 u | passed |" in text
     assert text.endswith("Not asked: other.\n")
 
 

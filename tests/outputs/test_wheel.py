@@ -47,7 +47,7 @@ DECOYS = [
 # What is run there, and what it says.
 RUNS = {
     "assert_verified": (["-c", THREE_LINES], "verified"),
-    "identify": (["-m", "driftproof", "identify", "springs:step"], "it is, as far as linear steps tell, forward_euler"),
+    "identify": (["-m", "driftproof", "identify", "springs:step"], "judging by linear steps only, it is forward_euler"),
     "render": (["-c", RENDER_AND_SHOW], "q = 337/384 and v = -23/48"),
     "check": (["-m", "driftproof", "check", "lesson.md", "--claims", "claims.toml"], "1 claim"),
     "facts": (["-m", "driftproof", "facts", "rk4", "--only", "order"], "4"),

@@ -54,15 +54,15 @@ def _keeping(steady: TrialRunner, subject: ForeignStepper) -> tuple[CheckResult,
     before = _numbers(answer)
     runner.step(*steady.another, TYPICAL_STEP)
     if same(before, _numbers(answer)):
-        answers = CheckResult("keeps_answers", True, "earlier answers are left as they are")
+        answers = CheckResult("keeps_answers", True, "earlier answers are not changed")
     else:
-        answers = CheckResult("keeps_answers", False, "an answer is overwritten by the next", (trial,))
+        answers = CheckResult("keeps_answers", False, "an answer is overwritten by the next call", (trial,))
     return _arguments_check(log, trial), answers
 
 
 def _arguments_check(log: CallLog, trial: Trial) -> CheckResult:
     if not log.changes_its_arguments:
-        return CheckResult("keeps_arguments", True, "its arguments are left as they are")
+        return CheckResult("keeps_arguments", True, "its arguments are not changed")
     in_place = f"it writes its answer into its arguments and {RETURNS_NOTHING}"
     words = in_place if log.works_in_place else "it changes its arguments, besides returning an answer"
     return CheckResult("keeps_arguments", False, words, (trial,))
@@ -108,10 +108,10 @@ def _integers(runner: TrialRunner) -> tuple[CheckResult, ...]:
             return (CheckResult("takes_integers", None, words, (whole,)),)
         if not same(floats.answer, whole.answer):
             cut = floats.answer and whole.answer == tuple(map(float, map(int, floats.answer)))
-            how = "cut the answer off" if cut else "give another answer"
+            how = "truncate the answer" if cut else "give a different answer"
             words = f"integers {how}: {floats.seen} becomes {whole.seen}"
             return (CheckResult("takes_integers", False, words, (floats, whole)),)
-    return (CheckResult("takes_integers", True, "integers give what the same floats give"),)
+    return (CheckResult("takes_integers", True, "integers give the same results as floats"),)
 
 
 def _whole(numbers: Sequence[AnyNumber]) -> list[AnyNumber]:

@@ -30,7 +30,7 @@ _REPETITIONS = 8
 # Differences up to this many ulp are those of another order of summation: no sum in the catalogue has over 18 terms.
 _FEW_ULPS = 16
 _THIRD: PhasePoint = (-1.4142135623730951, -0.2360679774997898)
-CALL_BEFORE = "the answer depends on the call before"
+CALL_BEFORE = "the answer depends on the previous call"
 SAME, _MEMORY = "same_answer_twice", "no_memory"
 
 
@@ -42,7 +42,7 @@ def repeats(subject: ForeignStepper) -> tuple[CheckResult, ...]:
     if all(same(answer, at_once[0]) for answer in (*at_once, *after)):
         return (
             CheckResult(SAME, True, "the same call gives the same bits"),
-            CheckResult(_MEMORY, True, "it does not remember the calls before"),
+            CheckResult(_MEMORY, True, "it does not remember earlier calls"),
         )
     if same(at_once[1], at_once[2]) and same(after[0], after[2]) and same(after[1], after[3]):
         return _remembers(runner)
@@ -60,7 +60,7 @@ def _remembers(runner: TrialRunner) -> tuple[CheckResult, ...]:
     """The checks of a stepper whose answer depends on the call before, and on nothing else that changes."""
     example = tuple(runner.trial(*z, IRREGULAR_STEP) for before in (ANOTHER, _THIRD) for z in (before, ORDINARY_STATE))
     found = (
-        CheckResult(SAME, True, "the same call gives the same bits after the same call before"),
+        CheckResult(SAME, True, "the same call gives the same bits after the same previous call"),
         CheckResult(_MEMORY, False, CALL_BEFORE, example),
     )
     return found + _memory_of_another(runner)
@@ -75,8 +75,8 @@ def _memory_of_another(runner: TrialRunner) -> tuple[CheckResult, ...]:
     runner.step(*ANOTHER, IRREGULAR_STEP)
     other.step(*_THIRD, IRREGULAR_STEP)
     if same(_fixed_call(runner), alone):
-        return (CheckResult("own_memory", True, "a second object has a memory of its own"),)
-    return (CheckResult("own_memory", False, "a second object shares the memory"),)
+        return (CheckResult("own_memory", True, "a second object has its own memory"),)
+    return (CheckResult("own_memory", False, "a second object shares its memory"),)
 
 
 def _copy(runner: TrialRunner) -> TrialRunner | None:
@@ -94,14 +94,14 @@ def _varies(runner: TrialRunner) -> tuple[CheckResult, ...]:
     apart = f"{_distance(spread, answers[0], runner.subject.format)} apart"
     example = tuple({trial.answer: trial for trial in trials}.values())[:2]
     if _draws(runner):
-        why = "it draws on the random numbers of Python or NumPy"
+        why = "it uses the random numbers of Python or NumPy"
     elif _repeats_when(runner, _copy):
-        words = f"every call changes something that it remembers: the same call gives answers {apart}"
+        words = f"every call changes its internal state: the same call gives answers {apart}"
         return CheckResult(SAME, False, words, example), CheckResult(_MEMORY, False, "it remembers every call", example)
     else:
-        why = "noise, or something that it remembers outside"
+        why = "noise, or a state kept outside the stepper"
     varies = CheckResult(SAME, False, f"the same call gives answers {apart}: {why}", example)
-    return varies, CheckResult(_MEMORY, None, "not asked: the answers vary by themselves")
+    return varies, CheckResult(_MEMORY, None, "not tested: the answers vary from call to call")
 
 
 def _distance(spread: float, answer: tuple[float, ...], fmt: FloatFormat) -> str:
@@ -152,6 +152,6 @@ def several_states(subject: ForeignStepper) -> tuple[CheckResult, ...]:
     trials = tuple(runner.trial(q, v, h) for q, v in states)
     for trial, answer in zip(trials, together, strict=True):
         if trial.answer != answer:
-            words = f"several states at once come out otherwise than one by one: {answer} in place of {trial.line}"
+            words = f"several states in one call give other results than one by one: {answer} instead of {trial.line}"
             return (CheckResult(_KEY, False, words, (trial,)),)
-    return (CheckResult(_KEY, True, "several states at once come out as they do one by one", trials[:1]),)
+    return (CheckResult(_KEY, True, "several states in one call give the same results as one by one", trials[:1]),)

@@ -67,7 +67,7 @@ def domain(subject: ForeignStepper) -> tuple[CheckResult, ...]:
     runner = steady_runner(subject)
     short = negligible_step(runner)
     if short is None:
-        return (CheckResult("domain", None, "not asked: there is no step so short that it leaves the state alone"),)
+        return (CheckResult("domain", None, "not tested: no step is short enough to leave the state unchanged"),)
     rules: list[Rule] = []
     for component in (0, 1):
         for sign in (1, -1):
@@ -108,13 +108,13 @@ def _rule_of(short: NegligibleStep, component: int, seen: Border) -> Rule | None
     plain = next((t for t in finite if short.change(t) > _PLAIN * max(map(abs, t.given[:2]))), None)
     if plain is None:
         return None
-    return Rule(CHANGED, component, seen, more=f"the state is changed at once: {_becomes(plain)}")
+    return Rule(CHANGED, component, seen, more=f"the state changes even as h -> 0: {_becomes(plain)}")
 
 
 def _range_check(component: int, found: Sequence[Rule]) -> CheckResult:
     rules = [rule for rule in found if rule.kind != OVERFLOWS]
     if not rules:
-        return CheckResult(_RANGES[component], True, f"{_PLURALS[component]} of any size are taken as they are")
+        return CheckResult(_RANGES[component], True, f"{_PLURALS[component]} of any size are used as given")
     example = tuple(trial for rule in rules for trial in rule.example)
     holds = None if all(rule.kind == REFUSED for rule in rules) else False
     return CheckResult(_RANGES[component], holds, _in_words(COMPONENT_NAMES[component], rules), example)
@@ -147,12 +147,12 @@ def _large(runner: TrialRunner, rules: Sequence[Rule]) -> CheckResult:
     """Check where finite states begin to have no finite answer, though the step hardly moves them."""
     overflows = [rule for rule in rules if rule.kind == OVERFLOWS]
     if not overflows:
-        return CheckResult("large_states", True, "large states have finite answers")
+        return CheckResult("large_states", True, "large states give finite answers")
     first = min(overflows, key=lambda rule: abs(rule.limit))
     name = COMPONENT_NAMES[first.component]
     holds = abs(first.limit) >= _EARLY * float(runner.format.largest)
-    words = f"overflows from {name} = {first.limit:.4g} on, where the answer is {'nearly' if holds else 'far'} "
-    words += "too large" if holds else "from too large"
+    room = "close to" if holds else "far from"
+    words = f"overflows from {name} = {first.limit:.4g} on, where the answer is {room} overflow"
     return CheckResult("large_states", holds, words, first.example)
 
 
@@ -167,8 +167,8 @@ def _small(short: NegligibleStep) -> CheckResult:
     # Where a rule rounds, as a wrapped angle does, small states lose digits without being put to rest.
     seen = None if short.slack else border(short, short.scaled, 1.0, shrinking)
     if seen is None:
-        return CheckResult("small_states", True, "small states are taken as they are")
-    return _small_check(f"small states are changed at once: {_becomes(seen.beyond[0])}", seen)
+        return CheckResult("small_states", True, "small states are used as given")
+    return _small_check(f"small states change even as h -> 0: {_becomes(seen.beyond[0])}", seen)
 
 
 def _small_check(words: str, seen: Border) -> CheckResult:
@@ -184,7 +184,7 @@ def _put_to_rest(short: NegligibleStep, component: int, seen: Border) -> str:
     limit = rounder(kept, given)
     name = f"|{name}|" if after == mirrored == 0 else name
     where = f"{name} {'up to' if limit == given else 'below'} {short_name(limit)}"
-    return f"{where} becomes 0" if after == 0 else f"with {where} the state is changed at once: {_becomes(first)}"
+    return f"{where} becomes 0" if after == 0 else f"with {where} the state changes even as h -> 0: {_becomes(first)}"
 
 
 def _becomes(trial: Trial) -> str:

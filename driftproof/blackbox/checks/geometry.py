@@ -24,7 +24,7 @@ def reversal(subject: ForeignStepper) -> tuple[CheckResult, ...]:
     runner = steady_runner(subject)
     return (
         _check(runner, _SYMMETRIC, "S(-h) undoes S(h)", lambda runner, z, h: runner.step(*runner.step(*z, h), -h)),
-        _check(runner, "reversible", "a step with the velocity turned round undoes a step", _turned_round),
+        _check(runner, "reversible", "a step with the velocity reversed undoes a step", _turned_round),
     )
 
 
@@ -38,7 +38,7 @@ def _check(runner: TrialRunner, key: str, words: str, back: _Round) -> CheckResu
     try:
         defects = [_defect(runner, back, h) for h in _STEPS]
     except Misbehaviour as seen:
-        return CheckResult(key, None, f"not asked: {seen}")
+        return CheckResult(key, None, f"not tested: {seen}")
     if max(defects) <= runner.rounding:
         return CheckResult(key, True, f"{words}, to rounding")
     return CheckResult(key, False, f"{words} up to {_shown(runner, defects)}", _example(runner, key))
@@ -91,7 +91,7 @@ def area(subject: ForeignStepper) -> tuple[CheckResult, ...]:
     runner = steady_runner(subject)
     columns = [found for found in (_columns(runner, h) for h in _AREA_STEPS) if found is not None]
     if len(columns) < len(_AREA_STEPS):
-        return _by_differences(runner), CheckResult(_NORM, None, "not asked: the step is not linear")
+        return _by_differences(runner), CheckResult(_NORM, None, "not tested: the step is not linear")
     return tuple(
         next((check for check in checks if not check.holds), checks[0])
         for checks in ([_area(runner, m) for m in columns], [_norm(runner, m) for m in columns])
@@ -137,8 +137,8 @@ def _area(runner: TrialRunner, m: _Columns) -> CheckResult:
 
 def _determinant_check(determinant: Fraction, allowed: float, where: str, trials: tuple[Trial, ...]) -> CheckResult:
     if abs(determinant - 1) <= allowed:
-        return CheckResult(_AREA, True, f"areas are kept, to rounding, {where}", trials)
-    turned = " and are turned over" if determinant < 0 else ""
+        return CheckResult(_AREA, True, f"areas are preserved, to rounding, {where}", trials)
+    turned = " and change orientation" if determinant < 0 else ""
     size = abs(determinant)
     words = f"areas {'grow' if size > 1 else 'shrink'} by the factor {float(size):.10g}{turned} {where}"
     return CheckResult(_AREA, False, words, trials)
@@ -154,7 +154,7 @@ def _norm(runner: TrialRunner, m: _Columns) -> CheckResult:
         words = f"q**2 + v**2 changes by a factor from {least:.6g} to {most:.6g} {where}, depending on the state"
         return CheckResult(_NORM, False, words, m.trials)
     if abs(mean - 1) <= allowed:
-        return CheckResult(_NORM, True, f"q**2 + v**2 is kept, to rounding, {where}", m.trials)
+        return CheckResult(_NORM, True, f"q**2 + v**2 is preserved, to rounding, {where}", m.trials)
     words = f"q**2 + v**2 {'grows' if mean > 1 else 'shrinks'} by the factor {float(mean):.10g} {where}"
     return CheckResult(_NORM, False, words, m.trials)
 

@@ -39,12 +39,12 @@ def homogeneity(subject: ForeignStepper) -> tuple[CheckResult, ...]:
     runner = steady_runner(subject)
     origin = runner.trial(0.0, 0.0, TYPICAL_STEP)
     if origin.answer is None or not origin.finite:
-        return (CheckResult(_REST, False, f"(0, 0) has no answer: {origin.seen}", (origin,)),)
+        return (CheckResult(_REST, False, f"a step from (0, 0) gives no answer: {origin.seen}", (origin,)),)
     if any(origin.answer):
         rest = CheckResult(_REST, None, f"(0, 0) does not stay at rest, it goes to {origin.seen}", (origin,))
         return rest, CheckResult(LINEAR, False, "not proportional to the state, since (0, 0) moves", (origin,))
     if runner.is_coarse:
-        return (CheckResult(LINEAR, None, "not asked: answers are too coarse to tell whether the step is linear"),)
+        return (CheckResult(LINEAR, None, "not tested: answers are too coarse to tell whether the step is linear"),)
     q, v = ORDINARY_STATE
     rays = [Ray(runner, direction) for direction in ((q, 0.0), (-q, 0.0), (0.0, v), (0.0, -v))]
     return (
@@ -76,7 +76,7 @@ def _absolute_rounding(ray: Ray) -> CheckResult | None:
     allowed = _SUMS * max(float(ray.runner.format.u), ray.runner.grain)
     if max(error for error, _ in errors) <= ray.runner.rounding or largest > allowed:
         return None
-    words = f"small states lose digits: the error stays at up to {largest:.1g} however small they are"
+    words = f"small states lose digits: the error remains up to {largest:.1g}, however small the state"
     return CheckResult(_DIGITS, False, words, (ray.trial(1.0), ray.trial(2.0 ** small[0])))
 
 
@@ -111,8 +111,8 @@ def _subnormals(runner: TrialRunner, rays: Sequence[Ray]) -> tuple[CheckResult, 
         if base and seen.answer and abs(seen.answer[c] - base[c] * tiny) > _SUMS * float(runner.format.eta):
             return (_lost(ray, ordinary, tiny),)
     if not asked:
-        return (CheckResult(_SUBNORMALS, None, "not asked of subnormal numbers: small steps are not linear"),)
-    return (CheckResult(_SUBNORMALS, True, "subnormal numbers are kept"),)
+        return (CheckResult(_SUBNORMALS, None, "not tested on subnormal numbers: small steps are not linear"),)
+    return (CheckResult(_SUBNORMALS, True, "subnormal numbers are preserved"),)
 
 
 def _lost(ray: Ray, ordinary: float, tiny: float) -> CheckResult:
@@ -124,7 +124,8 @@ def _lost(ray: Ray, ordinary: float, tiny: float) -> CheckResult:
         return not (answer and answer[ray.component])
 
     if not vanishes(tiny):
-        return CheckResult(_SUBNORMALS, False, f"{name} near {size * tiny:.2g} has another answer", (ray.trial(tiny),))
+        words = f"for {name} near {size * tiny:.2g} the answer does not scale with the state"
+        return CheckResult(_SUBNORMALS, False, words, (ray.trial(tiny),))
     ends = edge(vanishes, ordinary, tiny, ray.runner)
     limit = size * ends[0]
     kind = "subnormal" if limit < 2 * float(power_of_two(ray.runner.format.emin)) else "small"
@@ -176,7 +177,7 @@ def _departing(broken: Sequence[tuple[Ray, float, float]]) -> CheckResult:
             bent = f"nonlinear: {where} it departs from proportionality by {_departure(ray, low, at):.2g}"
             return CheckResult(LINEAR, False, bent, (ray.trial(low), ray.trial(at)))
         digits = round(-log10(ray.runner.rounding)) - 2  # digits that show the border, not the rounding
-        border = f"linear up to {name} = {s * ray.z[ray.component]:.{digits}g} and no further"
+        border = f"linear only up to {name} = {s * ray.z[ray.component]:.{digits}g}"
         borders.append((border, (ray.trial(s), ray.trial(_SOON * s))))
     if not borders:
         return CheckResult(LINEAR, True, "linear within its domain, to rounding")

@@ -33,7 +33,7 @@ def digits(subject: ForeignStepper) -> tuple[CheckResult, ...]:
     words = _rounded(numbers, subject) or _rounds_inside(runner)
     if words:
         return (CheckResult(_KEY, False, words, (trials[0],)),)
-    return (CheckResult(_KEY, True, f"answers have all digits of {subject.format.name}"),)
+    return (CheckResult(_KEY, True, f"answers have the full precision of {subject.format.name}"),)
 
 
 def _states() -> list[tuple[float, float]]:
@@ -60,7 +60,7 @@ def _rounds_inside(runner: TrialRunner) -> str:
     if most > _ALIKE * least:  # a rule about sizes, or dynamics, and no rounding
         return ""
     bits = round(-log2(most))
-    return f"S(3z) is 3 S(z) to about {bits} bits only: narrower numbers, or a solver that stops early, are inside"
+    return f"S(3z) is 3 S(z) to about {bits} bits only: it uses narrower numbers, or a solver that stops early"
 
 
 def _defect(runner: TrialRunner, size: float, q: float, v: float) -> float:

@@ -28,16 +28,16 @@ def zero_step(subject: ForeignStepper) -> tuple[CheckResult, ...]:
     trials = [runner.trial(q, v, 0.0) for q, v in (runner.scaled((1.0, 0.75)), runner.ordinary)]
     trial = next((trial for trial in trials if trial.answer != trial.given[:2]), None)
     if trial is None:
-        return (CheckResult(_ZERO, True, "h = 0 gives the state back", (trials[0],)),)
+        return (CheckResult(_ZERO, True, "h = 0 returns the state unchanged", (trials[0],)),)
     if "ZeroDivisionError" in trial.failure:
-        holds, words = False, "h = 0 is divided by: it raises ZeroDivisionError"
+        holds, words = False, "it divides by h = 0: it raises ZeroDivisionError"
     elif trial.answer is None:
         return (CheckResult(_ZERO, None, f"h = 0 is refused: {trial.refusal}", (trial,)),)
     elif not trial.finite:
-        holds, words = False, f"h = 0 is divided by: {trial.seen} comes back"
+        holds, words = False, f"it divides by h = 0 and returns {trial.seen}"
     else:
         moved = max(abs(after - before) for after, before in zip(trial.answer, trial.given, strict=False))
-        holds, words = moved <= runner.rounding, f"h = 0 gives the state back but for rounding by {moved:.1g}"
+        holds, words = moved <= runner.rounding, f"h = 0 returns the state except for rounding by {moved:.1g}"
         words = words if holds else f"h = 0 moves the state: {trial.given[:2]} becomes {trial.seen}"
     return (CheckResult(_ZERO, holds, words, (trial,)),)
 
@@ -51,9 +51,9 @@ def negative_step(subject: ForeignStepper) -> tuple[CheckResult, ...]:
     if not back.finite:
         return (CheckResult(_NEGATIVE, False, f"h < 0 gives {back.seen}", (back,)),)
     if same(back.answer, runner.ordinary):
-        return (CheckResult(_NEGATIVE, False, "h < 0 does nothing: the state comes back", (back,)),)
+        return (CheckResult(_NEGATIVE, False, "h < 0 does nothing: the state is returned unchanged", (back,)),)
     if same(back.answer, forth.answer):
-        return (CheckResult(_NEGATIVE, False, "h < 0 acts as |h|", (back, forth)),)
+        return (CheckResult(_NEGATIVE, False, "h < 0 is treated as |h|", (back, forth)),)
     return (_backward(runner, back),)
 
 
@@ -67,7 +67,7 @@ def _backward(runner: TrialRunner, shown: Trial) -> CheckResult:
         along, length = sum(x * y for x, y in zip(d, e, strict=True)), sum(x * x for x in d)
         if abs(along + length) < length / 4:
             return CheckResult(_NEGATIVE, True, "h < 0 steps back in time", (shown,))
-    return CheckResult(_NEGATIVE, False, "h < 0 does something else than step back", (shown,))
+    return CheckResult(_NEGATIVE, False, "h < 0 does something other than step back", (shown,))
 
 
 def not_a_number(subject: ForeignStepper) -> tuple[CheckResult, ...]:
@@ -92,10 +92,10 @@ def _noticed(
     trials = [runner.trial(*z, h) for z in states]
     finite, silent = [each for each in trials if each.finite], [each for each in trials if each.answer is None]
     if finite:
-        return CheckResult(key, False, f"{name} goes in and ordinary numbers come out: {finite[0].line}", (finite[0],))
+        return CheckResult(key, False, f"{name} gives finite numbers: {finite[0].line}", (finite[0],))
     if silent:
         return CheckResult(key, None, f"{name} is refused: {silent[0].refusal}", (silent[0],))
-    return CheckResult(key, True, f"{name} is handed on", (trials[0],))
+    return CheckResult(key, True, f"{name} propagates", (trials[0],))
 
 
 _KEY = "time"
@@ -140,6 +140,6 @@ def _times_in_the_step(subject: ForeignStepper) -> CheckResult:
 
     subject.step_field(rate, t, list(ORDINARY_STATE), h)
     if any(t <= at <= t + h for at in asked):
-        return CheckResult(_KEY, True, "the answer does not depend on t, which the right-hand side is told")
-    words = f"the right-hand side is told another time: from t = {t} with h = {h} it is asked at {asked[0]}"
+        return CheckResult(_KEY, True, "the answer does not depend on t, and the right-hand side gets t")
+    words = f"the right-hand side gets a time outside the step: from t = {t} with h = {h} it is called at {asked[0]}"
     return CheckResult(_KEY, False, words)

@@ -47,7 +47,7 @@ def step_size(subject: ForeignStepper) -> tuple[CheckResult, ...]:
         if trial.answer is None:
             return (CheckResult(_KEY, None, f"h = {trial.given[2]:.3g} is refused: {trial.refusal}", (trial,)),)
     if not found:
-        return (CheckResult(_KEY, True, "every h is taken as it is"),)
+        return (CheckResult(_KEY, True, "every h is used as given"),)
     words, examples = zip(*found, strict=True)
     return (CheckResult(_KEY, False, "; ".join(words), tuple(trial for example in examples for trial in example)),)
 
@@ -90,7 +90,7 @@ def _ignored(taken: _Taken) -> CheckResult:
     """The failed check with the step that is always taken, read from a free motion, which every method moves by h v."""
     runner, subject = taken.runner, taken.runner.subject
     if subject.convention.kind == MAP:
-        length, words = runner.step(0.0, 1.0, TYPICAL_STEP)[0], "the step by which (0, 1) moves by"
+        length, words = runner.step(0.0, 1.0, TYPICAL_STEP)[0], "a step that moves (0, 1) by"
     else:
         length, words = subject.step_with(lambda q: 0.0 * q, 0.0, 1.0, TYPICAL_STEP)[0], "a step of"
     simple = Fraction(length).limit_denominator(_DENOMINATORS)
@@ -131,7 +131,7 @@ def _in_whole_steps(taken: _Taken) -> _Found | None:
     if taken.runner.grain or alike != [True, False, False]:
         return None
     least, most = taken.bound(TYPICAL_STEP, taken.shortest), taken.bound(TYPICAL_STEP, _LONGEST)
-    words = f"h is taken in whole steps: every h from {least:.6g} to {most:.6g} gives the same answer"
+    words = f"h is rounded to whole steps: every h from {least:.6g} to {most:.6g} gives the same answer"
     return words, (taken.trial(least), taken.trial(most))
 
 
@@ -160,7 +160,7 @@ def _by_calls(runner: TrialRunner) -> CheckResult:
         words = f"it calls the force {first} times at h = {ends[0]:.3g}, {len(beyond)} times from there on"
         why = "it iterates" if _closes_in(beyond) else "it iterates, or adapts a step of its own"
         return CheckResult(_SUB_STEPS, None, f"{words}: {why}")
-    return CheckResult(_SUB_STEPS, True, f"one step is {first} call{'s' * (first != 1)} of the force, whatever h is")
+    return CheckResult(_SUB_STEPS, True, f"one step calls the force {first} time{'s' * (first != 1)}, whatever h is")
 
 
 def _places(runner: TrialRunner, h: float, state: PhasePoint | None = None) -> list[float]:
@@ -212,7 +212,7 @@ def _by_halves(runner: TrialRunner) -> CheckResult:
         if agree[place] and not agree[place - 1]:
             ends = edge(lambda h: _halves_agree(runner, h), lengths[place - 1], lengths[place], runner)
             return _made_of_shorter(runner, ends, "")
-    return CheckResult(_SUB_STEPS, True, "no sub-steps are seen")
+    return CheckResult(_SUB_STEPS, True, "no sub-steps were detected")
 
 
 def _halves_agree(runner: TrialRunner, h: float) -> bool:

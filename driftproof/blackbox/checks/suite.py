@@ -40,7 +40,7 @@ def checks_of(outcomes: Sequence[Outcome]) -> tuple[CheckResult, ...]:
     first, *others = outcomes
     if first.failed and all(outcome == first for outcome in others):
         holds = None if first.kind in NO_EVIDENCE else False
-        return (CheckResult("answers", holds, f"no question could be put: {first.seen}"),)
+        return (CheckResult("answers", holds, f"nothing could be tested: {first.seen}"),)
     found: list[CheckResult] = []
     for key, outcome in zip(CHECKS, outcomes, strict=True):
         if outcome.kind != Unsteady.kind:
@@ -48,7 +48,7 @@ def checks_of(outcomes: Sequence[Outcome]) -> tuple[CheckResult, ...]:
     if any(check.key == SAME and check.holds is False for check in found):
         found = [check for check in found if check.key not in _BITWISE]
     unsteady = {outcome.seen for outcome in outcomes if outcome.kind == Unsteady.kind}
-    return (*found, *(CheckResult(Unsteady.kind, None, f"nothing else was asked: {seen}") for seen in unsteady))
+    return (*found, *(CheckResult(Unsteady.kind, None, f"nothing else was tested: {seen}") for seen in unsteady))
 
 
 def _unanswered(key: str, outcome: Outcome) -> tuple[CheckResult, ...]:
@@ -59,4 +59,4 @@ def _unanswered(key: str, outcome: Outcome) -> tuple[CheckResult, ...]:
     if outcome.kind == "crashes":
         crash = CheckResult("comes_back", False, f"{title}: the stepper crashes, {outcome.seen}")
         return crash, CheckResult(key, None, f"{title}: undecided: the stepper crashes")
-    return (CheckResult(key, None, f"{title}: not asked: {outcome.seen}"),)
+    return (CheckResult(key, None, f"{title}: not tested: {outcome.seen}"),)

@@ -61,10 +61,10 @@ class Damping:
         what = "the area in phase space" if self.built_in else "the velocity"
         factor = np.array(self.at_once)
         kept = len(factor) > 1 and np.abs(factor @ factor.T - np.eye(len(factor))).max() < _LITTLE  # lengths
-        noun, verb = ("turn", "turns") if kept else ("damping", "damps")
+        noun = "turn" if kept else "damping"
         return [
-            f"{what} is multiplied by {_shown(factor)} in each step, however short: a {noun} for each step, none "
-            f"for each time; with half of h it {verb} twice as much"
+            f"{what} is multiplied by {_shown(factor)} in each step, however short: a {noun} per step, "
+            "not per unit of time: halving h doubles it"
         ]
 
     @property
@@ -77,7 +77,7 @@ class Damping:
     def verdict(self) -> str:
         """The verdict in one line."""
         if self.faults:
-            return f"it is no method that is known here: {self.faults[0]}"
+            return f"it is not a known method: {self.faults[0]}"
         seen = "" if self.order is None or self.order.order is None else f", of order {self.order.order} as measured"
         of, force = "the oscillator" if self.built_in else "a force", "a force that turns v" if self.turns else "a drag"
         return f"it is a step of {of} with {force}{seen}: {self.lines[0]}"
@@ -85,11 +85,11 @@ class Damping:
     @property
     def lines(self) -> list[str]:
         """The law as a line of text."""
-        law = self.law or f"a law of h that is none of {', '.join(text.format(c='c') for text in _LAWS)}"
+        law = self.law or f"a function of h that is none of {', '.join(text.format(c='c') for text in _LAWS)}"
         what = "areas in phase space are" if self.built_in else "without a force, v is"
         rate = _shown(np.array(self.rate))
         by = f"the force -C v with C = {rate}" if self.turns else f"a drag of {rate} v"
-        return [f"{what} multiplied by {law}, as by {by}"]
+        return [f"{what} multiplied by {law}, which corresponds to {by}"]
 
     @property
     def data(self) -> dict[str, Json]:
@@ -111,7 +111,7 @@ def read_damping(subject: ForeignStepper) -> Damping:
     sizes = [float(np.abs(part).max()) for part in lost]
     # If the loss is O(h²), as in methods that do not keep areas, half a step has a quarter of it.
     if sizes[1] <= max(rounding.of(_SIZE), 0.375 * sizes[0]):
-        raise UnsupportedCall("it takes nothing from v")
+        raise UnsupportedCall("it does not damp v")
     if sizes[1] > 0.75 * sizes[0]:  # where half a step loses no less, not half as much
         at_once = one - 2 * lost[1] + lost[0]
         values = np.linalg.eigvals(at_once)
@@ -123,7 +123,7 @@ def read_damping(subject: ForeignStepper) -> Damping:
     if grown > _LITTLE * float(np.abs(rate).max()):
         raise NotReadable(f"areas grow as 1 + {grown:.6g} h: no drag")
     if built_in and not _follows_drag(subject, -grown):
-        raise NotReadable("small steps follow no drag")
+        raise NotReadable("small steps do not follow a drag")
     laws = (_law(text, rate_of, seen, rounding) for text, rate_of in _LAWS.items())
     found = Damping(next(filter(None, laws), ""), _rows(rate), _rows(one), built_in)
     return found if built_in else replace(found, order=measured_on(subject, _with_drag(rate)))
@@ -179,7 +179,7 @@ def _velocity_factor(subject: ForeignStepper, h: float) -> Array:
     found = np.array([stepped(unit) for unit in np.eye(n)]).T
     other = np.array([-2.0, 0.5, 1.0][:n])
     if np.abs(stepped(other) - found @ other).max() > _rounding(subject).of(4.0):
-        raise NotReadable("without a force, the new velocity is no multiple of the old one")
+        raise NotReadable("without a force, the new velocity is not a multiple of the old one")
     return found
 
 

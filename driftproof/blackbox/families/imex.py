@@ -58,7 +58,7 @@ class ImexIdentity:
                 asked = [name for name, column in zip(IMEX_PARTS, columns, strict=True) if any(column)]
                 which = f"the {asked[0]} function" if len(asked) == 1 else "stage"
                 told = " and ".join(f"{x:.6g}" for x in dict.fromkeys(sums))
-                found.append(f"{which} is asked at t + {c:.6g} h in stage {i}, whose rows add up to {told}")
+                found.append(f"{which} is evaluated at t + {c:.6g} h in stage {i}, whose rows add up to {told}")
         return found
 
     @property
@@ -67,7 +67,7 @@ class ImexIdentity:
         told = ((m.key, _differences(m, self.reading)) for m in _methods())
         few = [(key, found) for key, found in told if found and len(found) <= _FEW_DIFFERENCES]
         key, found = min(few, key=lambda each: len(each[1]), default=("", []))
-        return f"{key} but for {'; '.join(found)}" if found else ""
+        return f"{key} except for {'; '.join(found)}" if found else ""
 
     @property
     def key(self) -> str | None:
@@ -77,7 +77,7 @@ class ImexIdentity:
     @property
     def verdict(self) -> str:
         """The verdict in one line."""
-        unknown = f"an IMEX method of {self.reading.stages} stages that is not known here"
+        unknown = f"an IMEX method of {self.reading.stages} stages that is not in the catalogue"
         name = self.known.key if self.known else self.near or unknown
         solved = f", its stages solved to {self.reading.curved:.1e}" if self.reading.curved > _WELL_SOLVED else ""
         return "; ".join([f"it is {name}" + (solved if self.known else f", {self._orders[0]}"), *self.faults])
@@ -90,24 +90,24 @@ class ImexIdentity:
     def _coefficients(self, key: str) -> list[str]:
         """Both tables as lines, for the method with this key, or for none if it is ""."""
         reading, slack = self.reading, self.reading.rounding.of(1.0)
-        named = f"{key}: every entry within {slack:.1e}, as its stages are solved"
+        named = f"{key}: every entry within {slack:.1e}, the accuracy of its stage solver"
         nearest = [f"nearest: {self.near}"] if not key and self.near else []
         rows: list[tuple[str, CoefficientRow]] = [] if reading.c is None else [("c", reading.c)]
         for part, a, b in zip(IMEX_PARTS, reading.a, reading.b, strict=True):
             rows += [(f"a_{part}[{i}]", row[: i + 1]) for i, row in enumerate(a) if any(row)]
             rows.append((f"b_{part}", b))
         texts = [f"{name} = {', '.join(coefficient_text(x, reading.format, slack) for x in row)}" for name, row in rows]
-        curved = f"a step on nonlinear functions is these stages to {reading.curved:.1e}"
+        curved = f"a step on nonlinear functions agrees with these stages to {reading.curved:.1e}"
         first = named if key else "no IMEX method of the catalogue"
-        return [first, *nearest, *texts, curved, *([] if reading.c else ["it is given no time"])]
+        return [first, *nearest, *texts, curved, *([] if reading.c else ["it receives no time"])]
 
     @property
     def _orders(self) -> list[str]:
         """The order by the tables (those of the method, or as read), together and alone, and the order measured."""
         facts, measured = AdditiveFacts(self.known or _as_read(self.reading)), self.measured
         found = facts.orders_within(_READ) if facts.method.decimal else facts
-        alone = f"its tables alone of order {found.explicit_order} and {found.implicit_order}"
-        words = f"of order {found.order} on f + g, {alone}{', as its digits tell' * facts.method.decimal}"
+        alone = f"its tables alone have order {found.explicit_order} and {found.implicit_order}"
+        words = f"of order {found.order} on f + g, {alone}{', to the precision of its decimals' * facts.method.decimal}"
         slopes = f"(slopes of the local error: {slopes_text(measured.slopes)})"
         return [words, f"{order_seen(measured.order)} on {measured.problem}, split in two {slopes}"]
 
@@ -128,13 +128,13 @@ class ImexIdentity:
             else [f"not those of {method.key}", *(found or [])[:_MOST_SHOWN]]
         )
         if found is None:
-            shown.append(f"{method.key} has {len(_used(method))} stages that count, this one {self.reading.stages}")
+            shown.append(f"{method.key} has {len(_used(method))} stages with an effect, this one {self.reading.stages}")
         data: dict[str, Json] = {"differences": list(found or [])}
         order = self.measured.order
         reached = None if order is None else order >= method.claimed_order
         return [
             Criterion("Coefficients", found == [], tuple(shown), data),
-            Criterion("Times", not self.faults, tuple(self.faults or ["those of its stages"]), {}),
+            Criterion("Times", not self.faults, tuple(self.faults or ["the times are those of its stages"]), {}),
             Criterion("Order", reached, tuple(self._orders), {"measured": order}),
             *self._steps(found == []),
         ]

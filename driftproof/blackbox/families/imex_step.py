@@ -77,7 +77,7 @@ def read_imex_step(subject: ForeignStepper) -> ImexReading:
     entries of one table show in stages that only the other one weights. Raises NotReadable, UnsupportedCall.
     """
     if subject.convention.kind != IMEX:
-        raise UnsupportedCall(f"the stepper is called by {subject.convention.kind!r}, which takes one right-hand side")
+        raise UnsupportedCall(f"the stepper is called as {subject.convention.kind!r}, which takes one right-hand side")
     steps = _SplitSteps(subject)
     refusals: list[NotReadable] = []
     for clocks in range(not steps.timed, min(_FEWER_CLOCKS, steps.size)):
@@ -96,8 +96,8 @@ def _read(steps: _SplitSteps, clocks: int) -> ImexReading:
     curved = max(_bent(steps, reading, Setting(0.5, t, h)) for t, h in ((0.0, 1.0), (2.0, 0.5)))
     if curved > _UNSOLVED:
         raise NotReadable(
-            f"on nonlinear problems the step is off by {curved:.1e} of what its coefficients say: a solver that stops "
-            "too early, or other stages"
+            f"on nonlinear problems the step is off by {curved:.1e} from what its coefficients give: a solver that "
+            "stops too early, or other stages"
         )
     return ImexReading(reading.a, reading.b, c, reading.format, reading.stage_error, curved)
 

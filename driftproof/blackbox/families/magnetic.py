@@ -16,13 +16,13 @@ from driftproof.support.plain_text import Json
 # The parts of a kick before and after the rotation, or of a drift with the old and with the new velocity.
 Halves = tuple[float, float]
 _ALL = "x' = v, v' = E + v x B"
-_WHOLE = "the electric field enters as in one method for the whole of v' = E + v x B"
+_WHOLE = "the electric field enters as in a single method for all of v' = E + v x B"
 _LEAPFROG, _BOTH_HALVES, _AHEAD = (0.0, 1.0), (0.5, 0.5), (1.0, 0.0)
 # For each drift of a leapfrog: where the fields are evaluated, in units of h v from x, and the times of v and x.
 _TIMES: Mapping[Halves, tuple[float, str]] = {
-    _LEAPFROG: (0.0, "v stands half a step behind x"),
-    _BOTH_HALVES: (0.5, "half a drift on either side of the push: x and v are at one time"),
-    _AHEAD: (1.0, "v stands half a step ahead of x"),
+    _LEAPFROG: (0.0, "v is half a step behind x"),
+    _BOTH_HALVES: (0.5, "half a drift on either side of the push: x and v are at the same time"),
+    _AHEAD: (1.0, "v is half a step ahead of x"),
 }
 # The names that users may give to Boris' step.
 BORIS_NAMES = ("boris", "boris push", "boris pusher", "boris step")
@@ -68,20 +68,21 @@ class MagneticReading:
         if turn.scale < 0:
             found.append("it turns the other way: by B x v, not by v x B")
         if abs(turn.scale) != 1:
-            hint = ": of Boris' step, as with t = h B in place of h B/2" if turn.times == 2 else ""
+            hint = ": of Boris' step, as with t = h B instead of h B/2" if turn.times == 2 else ""
             found.append(f"{turn.lines('h B')[0]}{hint}")
         if growth is not None and not self.affine and not self.uneven:
             hint = ", as in Boris' step without 1/(1 + t^2)" if turn.method == "midpoint2" else ""
-            found.append(f"|v| is not kept without an electric field{hint}: {turn.lines('h B')[1]}")
+            found.append(f"|v| is not preserved without an electric field{hint}: {turn.lines('h B')[1]}")
         if not self._is_same(self.push, 1):
             half = ": one of two half kicks is missing" if self._is_same(self.push, 0.5) else ""
             found.append(f"without B the electric field gives h E times {self._text(self.push)}{half}")
         if self.drift is not None and not self._is_same(sum(self.drift), 1):
             found.append(f"without fields the position moves by {self._text(sum(self.drift))} h v")
         elif self._is(self.drift, _AHEAD) and not any(self.asked) and (self.boris or not self.affine):
-            found.append("the position moves with the old velocity: no leapfrog, with fields at the old position")
+            found.append("x moves with the old velocity and fields at the old position: not a leapfrog")
         elif self.boris and self._leapfrog and self._misplaced:
-            found.append(f"the fields are asked at {self._misplaced}, not at {self._place(self._leapfrog[0])}: order 1")
+            right = self._place(self._leapfrog[0])
+            found.append(f"the fields are evaluated at {self._misplaced}, not at {right}: order 1")
         elif (
             self.affine
             and self.moved
@@ -89,7 +90,7 @@ class MagneticReading:
             and not self._staggered
             and not self._of_one_method(self.turn.factors)
         ):
-            found.append(f"the position moves otherwise than in one method for the whole of {_ALL}")
+            found.append(f"the position does not move as in a single method for all of {_ALL}")
         return found
 
     @property
@@ -132,18 +133,18 @@ class MagneticReading:
         """The verdict in one line."""
         staggered = self._leapfrog[1] if self._leapfrog and self._staggered else ""
         if self.uneven:
-            name = "no step that is known here"
+            name = "not a known step"
         elif self.boris:
             name = "boris"
         elif self.turn.known and self.affine:
             name = f"{self.turn.name} of v' = E + v x B"
         elif self.turn.known and self._is(self.kick, _BOTH_HALVES):
-            name = f"boris but for its rotation, which is {self.turn.name}"
+            name = f"boris except for its rotation, which is {self.turn.name}"
         elif self._is(self.kick, _BOTH_HALVES) or self.turn.method:
             known = self.turn.known and self.turn.name == "implicit_midpoint"
             name = f"{'the rotation of boris' if known else f'a rotation by {self.turn.name}'}{self._kicks}"
         else:
-            name = "no step that is known here"
+            name = "not a known step"
         unknown = "the position moves by another law" if self.moved and not self.drift and not self.affine else ""
         return "; ".join([f"it is {name}", *filter(None, [staggered, unknown]), *self.faults])
 
@@ -159,8 +160,8 @@ class MagneticReading:
     def parts(self) -> list[tuple[str, list[str]]]:
         """The evidence: titles with lines."""
         turn = self.turn.lines("h B")
-        kept = f"|v| is kept in steps with E = 0: off by {self.kept:.1e} at most"
-        size = turn[1:] if self.turn.growth else [kept, "areas across B, and so volumes of velocities, are kept"]
+        kept = f"|v| is preserved in steps with E = 0: off by {self.kept:.1e} at most"
+        size = turn[1:] if self.turn.growth else [kept, "areas across B, and so volumes of velocities, are preserved"]
         kick, drift, where = self.kick, self.drift, "for B along (0, 0, 1), " if self.uneven else ""
         kicks = [] if kick is None else [f"kick {self._text(kick[0])} h E, rotation, kick {self._text(kick[1])} h E"]
         if self._is(kick, (1.0, 0.0), (0.0, 1.0)) and not self.affine:
@@ -169,9 +170,9 @@ class MagneticReading:
             kicks = [_WHOLE]
         moved = [] if drift is None else [f"x1 = x + {self._drift}"]
         if self._leapfrog and self._staggered:
-            moved.append(f"{self._leapfrog[1]}: as a step from x and v at one time it has order 1")
+            moved.append(f"{self._leapfrog[1]}: as a step from x and v at the same time it has order 1")
         places = dict.fromkeys(map(self._place, self.asked))
-        moved += [f"the fields are asked at {' and at '.join(places)}"] if places and self._leapfrog else []
+        moved += [f"the fields are evaluated at {' and at '.join(places)}"] if places and self._leapfrog else []
         return [
             ("Rotation", [f"{where}{self.turn.name}: {turn[0]}", *size]),
             ("Kicks", kicks),
@@ -193,12 +194,12 @@ class MagneticReading:
         """The criteria of a method in constant fields: the rotation, how E enters, and how x moves."""
         if isinstance(method, Boris):
             halves = self._is(self.kick, _BOTH_HALVES)
-            words = ("half a kick of E on either side of the rotation" if halves else "E enters by no half kicks",)
-            _, moved = self._leapfrog or (0.0, "the position moves by no drift of a leapfrog")
+            words = ("half a kick of E on either side of the rotation" if halves else "E does not enter by half kicks",)
+            _, moved = self._leapfrog or (0.0, "the position does not move by a drift of a leapfrog")
             drift = (self._staggered or self._is(self.drift, _BOTH_HALVES)) and not self._misplaced
             rotation = self.turn.held_to(METHODS["implicit_midpoint"])
         else:
-            whole = "E enters otherwise than in one method for the whole of v' = E + v x B"
+            whole = "E does not enter as in a single method for all of v' = E + v x B"
             halves, words = self.affine, (_WHOLE if self.affine else whole,)
             drift, moved = self._moved_as(method)
             rotation = self.turn.held_to(method)
@@ -210,13 +211,13 @@ class MagneticReading:
     def _moved_as(self, method: object) -> tuple[bool, str]:
         """Whether x moves as in this method for x and v together, and the same in words."""
         if self.moved is None:
-            return False, "it moves no position"
+            return False, "it does not move a position"
         if not isinstance(method, RungeKutta | Collocation):
-            return False, f"{getattr(method, 'key', 'the method')} says nothing of {_ALL}: hold it to boris"
+            return False, f"{getattr(method, 'key', 'the method')} is not defined for {_ALL}: verify it as boris"
         factors, pulled = zip(*(factors_of(method, 1j * x) for x in TURN_ANGLES), strict=True)
         same = self._of_one_method(factors, pulled)
         law = "by another law" if self.drift is None else f"by {self._drift}"
-        said = f"as in {method.key} for the whole of {_ALL}"
+        said = f"as in {method.key} for all of {_ALL}"
         return same, f"the position moves {said}" if same else f"the position moves {law}, not {said}"
 
     @property

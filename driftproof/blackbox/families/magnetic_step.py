@@ -78,7 +78,7 @@ class _Probe:
             drift = None if law is None else law[::-1]
         by_field = zip(kicks, lifted, strict=False)
         if drift and any(abs(drift[1] * k - x) > self.rounding.of(8.0 * (1 + abs(k))) for k, x in by_field):
-            drift, uneven = None, "with both fields, the position moves in another way than without E"
+            drift, uneven = None, "with both fields, the position moves differently than without E"
         along = [self._across(run.x).real for run in (straight, still) if run.x]
         seen = (moved[1], (lifted or kicks)[1], along) if moved else None
         uneven = uneven or self._uneven(factors) or self._other_elsewhere(factors[1], kicks[1], push, seen)
@@ -120,9 +120,9 @@ class _Probe:
         if max(map(abs, [*rest.v, *rest.x])) > 0:
             raise NotReadable("at rest at 0 and without an electric field, the step does not stay")
         if first.v != again.v:
-            raise NotReadable("the same step taken twice is not the same")
+            raise NotReadable("the same step taken twice gives different results")
         if max(abs(y + 2 * x) for x, y in zip(first.v, second.v, strict=True)) > self.rounding.of(8.0):
-            raise NotReadable("twice the velocity does not become twice the new velocity: relativistic, or limited")
+            raise NotReadable("doubling the velocity does not double the new velocity: relativistic, or limited")
 
     def _uneven(self, factors: Sequence[complex]) -> str:
         """What shows that it is no rotation about B by an angle that depends on h |B| alone; "" if nothing does."""
@@ -134,7 +134,7 @@ class _Probe:
                     if np.max(np.abs(seen - said)) <= self.rounding.of(8.0 * (1 + abs(r))):
                         continue
                     if h != _STEPS[0]:
-                        return f"the rotation is not one by h B: with h B = {x:g} it is another for h = {h:g} and h = 1"
+                        return f"the rotation is not a function of h B: at h B = {x:g}, h = {h:g} and h = 1 differ"
                     b, size = ", ".join(f"{y:g}" for y in _AXES[axis]), float(np.linalg.norm(seen))
                     many = f"for B along ({b}) and h B = {x:g}, |v| is multiplied by {size:.6g}"
                     return f"the rotation depends on the direction of B: {many}"
@@ -152,13 +152,13 @@ class _Probe:
         said = self._vector(r * self._across(v, axis) + h * kick * self._across(e, axis), axis)
         said = said + along * float(along @ (v + h * push * e))
         if np.max(np.abs(said - seen.v)) > allowed:
-            return "with both fields, and elsewhere, the step is not made of these kicks and this rotation"
+            return "with both fields, and at other states, the step is not made of these kicks and this rotation"
         if moved:
             by_v, by_e, (along_v, along_e) = moved
             across = h * by_v * self._across(v, axis) + h**2 * by_e * self._across(e, axis)
             there = x + self._vector(across, axis) + along * float(along @ (h * along_v * v + h**2 * along_e * e))
             if np.max(np.abs(there - seen.x)) > allowed:
-                return "with both fields, and elsewhere, the position moves in another way"
+                return "with both fields, and at other states, the position moves in another way"
         return ""
 
 

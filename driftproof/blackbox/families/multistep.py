@@ -68,7 +68,7 @@ class MultistepReading:
         facts, orders = self.recurrence.facts, []
         if facts is not None:
             power, left = facts.order_fails
-            orders = [f"order {facts.order} of the recurrence: on y = t^{power}/{power}! it leaves {left}"]
+            orders = [f"order {facts.order} of the recurrence: on y = t^{power}/{power}! it leaves the residual {left}"]
         return [
             ("Recurrence", self.recurrence.lines),
             ("Order", orders),
@@ -98,25 +98,25 @@ class MultistepReading:
         checks = [Criterion("Recurrence", same, tuple(found.lines if same else [*differences, *found.lines]), {})]
         if not same:
             return checks
-        at = found.asked or "F is asked at the states that it returns"
+        at = found.asked or "F is evaluated at the states that it returns"
         checks.append(Criterion("Right-hand side", not found.asked, (at,), {}))
         if self.handed:
             return [*checks, Criterion("Start", True, (_HANDED,), {})]
         if start is None:
             return [*checks, Criterion("Start", None, (_NO_START,), {}, _WITH_START)]
-        fault, order, needed = self._start_fault, method.claimed_order, "smaller rounding"
+        fault, order, needed = self._start_fault, method.claimed_order, "smaller roundoff"
         lines = (fault, *start.lines) if fault else tuple(start.lines)
         begun = False if fault else None if start.power is None else True
         reached = None if start.order is None else start.order >= order
-        line = f"{method.key} has order {order}; in whole runs order {start.order} is seen"
+        line = f"{method.key} has order {order}; in whole runs order {start.order} is observed"
         ends = Criterion("Order", reached, (line,), {"measured": start.order}, needed)
         return [*checks, Criterion("Start", begun, lines, {}, needed), ends]
 
 
 # The lines for copies that share their memory, so that no run begins anew, and for slopes handed in.
-_NO_START = "its start was not seen: what it remembers outlives a copy of it, as in a module, or it cannot begin anew"
-_HANDED = "its start is whose calls it: it is handed earlier slopes from the first step on"
-_WITH_START = "a stepper that keeps what it remembers in an object of its own"
+_NO_START = "its start was not seen: copies share its memory, as with a module variable, or it cannot be restarted"
+_HANDED = "its start is left to the caller, who hands it the earlier slopes from the first step on"
+_WITH_START = "a stepper that keeps its memory in an object of its own"
 
 
 def read_multistep(subject: ForeignStepper, asked: Multistep | None = None) -> MultistepReading:

@@ -159,14 +159,14 @@ class RecurrenceReading:
         if self.method is not None and self.predictor is not None:
             often = "once" if self.corrections == 1 else f"{self.corrections} times"
             mode = f"P{'EC' * self.corrections}E"
-            return f"{self.method.key}, corrected {often} from what {self.predictor.key} predicts ({mode})"
+            return f"{self.method.key}, corrected {often} from the prediction of {self.predictor.key} ({mode})"
         if self.method is not None:
             return self.method.key + (f", but {self.asked}" if self.asked else "")
         if self.near:
-            return f"a multistep method of {k} steps, {self.near[0][0]} but for {'; '.join(self.near[0][1])}"
+            return f"a multistep method of {k} steps, {self.near[0][0]} except for {'; '.join(self.near[0][1])}"
         if k == 1:
-            return "no multistep method: each step is made of the state before alone"
-        return f"a multistep method of {k} steps that is not known here"
+            return "not a multistep method: each step depends on the previous state only"
+        return f"a multistep method of {k} steps that is not in the catalogue"
 
     @cached_property
     def facts(self) -> MultistepFacts | None:
@@ -177,15 +177,15 @@ class RecurrenceReading:
     @property
     def lines(self) -> list[str]:
         """The recurrence as lines."""
-        held = f"to {self.left:.1e}, as its equations are solved," if self.left else "to rounding"
+        held = f"to {self.left:.1e}, the accuracy of its solver," if self.left else "to rounding"
         named = "no multistep method of the catalogue"
         if self.method is not None:
-            named = f"{self.method.key}: kept {held} in runs of {RUN_LENGTH} steps, after the start"
-        nearest = [f"nearest: {key} but for {'; '.join(words)}" for key, words in self.near]
+            named = f"{self.method.key}: satisfied {held} in runs of {RUN_LENGTH} steps, after the start"
+        nearest = [f"nearest: {key} except for {'; '.join(words)}" for key, words in self.near]
         asked = [self.asked] if self.asked else []
         first = self.recurrence.steps - 1 + self.late
-        late = ["the first step is another" if first == 1 else f"the first {first} steps are others"] * bool(self.late)
-        return [named, *nearest, *self.recurrence.lines, *asked, *late, "steps of one length were looked at, no others"]
+        late = ["the first step differs" if first == 1 else f"the first {first} steps differ"] * bool(self.late)
+        return [named, *nearest, *self.recurrence.lines, *asked, *late, "only steps of one size were tested"]
 
 
 def candidates(derivative: int) -> Iterator[Multistep]:
@@ -221,7 +221,7 @@ def read_recurrence(runs: MarkedRuns, asked: Multistep | None = None) -> Recurre
             raise
         if not exact.kept(other, tolerance):
             where = f"with h = {h:g} from t = {t:g}, in a run of {steps} steps"
-            raise NoRecurrence(f"{where}, steps do not keep the recurrence that they keep with h = 1")
+            raise NoRecurrence(f"{where}, steps do not satisfy the recurrence that they satisfy with h = 1")
     late = int(np.flatnonzero(exact.left(marked) > max(exact.rounding, tolerance)).max(initial=-1)) + 1
     reading = RecurrenceReading(replace(exact, error=read.error), method, late)
     return reading if runs.by_place else _with_places(reading, runs, tolerance)
@@ -245,7 +245,7 @@ def _solved(run: SteadyRun, derivative: int, fmt: FloatFormat) -> Recurrence:
             error = float(np.abs(np.linalg.pinv(scaled)).sum(axis=1).max()) * max(left, rounding)
             clean = [0.0 if abs(x) <= error else float(x) for x in found]
             return Recurrence((*clean[:k], 1.0), tuple(clean[k:]), derivative, fmt, error)
-    raise NoRecurrence(f"its steps keep no recurrence of up to {_MOST_STEPS} steps: no linear multistep method")
+    raise NoRecurrence(f"its steps satisfy no recurrence of up to {_MOST_STEPS} steps: not a linear multistep method")
 
 
 def _with_places(reading: RecurrenceReading, runs: MarkedRuns, tolerance: float) -> RecurrenceReading:
@@ -258,11 +258,11 @@ def _with_places(reading: RecurrenceReading, runs: MarkedRuns, tolerance: float)
     for predictor in (FORWARD_EULER, *(m for m in candidates(runs.derivative) if m.explicit)) if implicit else ():
         for corrections in (1, 2):
             if _is_corrected(run, runs, exact, Recurrence.of(predictor, exact.format), corrections):
-                told = f"F is asked at what {predictor.key} predicts, and at the states that it returns"
+                told = f"F is evaluated at the prediction of {predictor.key} and at the states returned"
                 return replace(reading, predictor=predictor, corrections=corrections, asked=told)
     if implicit and left < _UNSOLVED:
         return replace(reading, asked=f"its equations are solved to {left:.1e} only")
-    return replace(reading, asked="its right-hand side is not asked at the states that it returns")
+    return replace(reading, asked="its right-hand side is not evaluated at the states that it returns")
 
 
 def _is_corrected(run: SteadyRun, runs: MarkedRuns, exact: Recurrence, predictor: Recurrence, corrections: int) -> bool:

@@ -48,7 +48,7 @@ def course(
     if moving.convention.run:
         problem.stepped(moving, t, y, h)
         if len(moving.log.states) != steps + 1:
-            raise UnsupportedCall("a run returns no state but its last one")
+            raise UnsupportedCall("a run returns only its last state")
         return [[float(x) for x in state] for state in moving.log.states]
     states: list[list[AnyNumber]] = [list(y)]
     for n in range(steps):
@@ -75,7 +75,7 @@ class MarkedRuns:
             timed = gives_force_times(subject.fresh(subject.shortest))
             return cls(subject, 1, clock=False, by_place=not timed)
         if subject.convention.kind != FIELD:
-            raise UnsupportedCall("its system is built in: no right-hand side of ours marks its steps")
+            raise UnsupportedCall("its system is built in: its steps cannot be marked by a given right-hand side")
         for size in _SIZES:
             try:
                 timed = hands_on_time(subject.fresh(subject.shortest), size)
@@ -134,7 +134,7 @@ class MarkedRuns:
             if self.derivative == 2:
                 return [*y[self.size :], *marked(at, y)]
             if len(y) != self.size + self.clock:
-                raise WrongShape(f"{len(y)} numbers came where {self.size + self.clock} went in")
+                raise WrongShape(f"{len(y)} numbers came back for {self.size + self.clock} given")
             return [*marked(at, y), *([1.0] if self.clock else [])]
 
         return NonlinearProblem("", rate, lambda _: [], self.size if self.derivative == 2 else 0)
@@ -169,11 +169,11 @@ def _departs(subject: ForeignStepper) -> bool:
 def later_steps(subject: ForeignStepper) -> tuple[bool | None, str, str]:
     """Whether later steps of a run are like its first, in words; None for single steps, or if no run is seen."""
     if not subject.convention.run:
-        return None, "single steps are made, not runs", ""
+        return None, "it makes single steps, not runs", ""
     try:
         departs = _departs(subject)
     except (UnsupportedCall, Misbehaviour) as refusal:
-        return None, f"no run of {_LOOKED_AT} steps is seen: {refusal}", ""
+        return None, f"no run of {_LOOKED_AT} steps was obtained: {refusal}", ""
     if departs:
-        return False, "a step after others is another one than from the same state at once: it remembers, or varies", ""
-    return True, f"{_LOOKED_AT} steps of a run, each as from its state at once", ""
+        return False, "a step in a run differs from the same step taken alone: it remembers, or varies", ""
+    return True, f"{_LOOKED_AT} steps of a run, each the same as taken alone", ""

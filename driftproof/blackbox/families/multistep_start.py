@@ -53,8 +53,8 @@ class StartReading:
     @property
     def lines(self) -> list[str]:
         """The methods and the powers as lines."""
-        steps = [f"step {i} is {name or 'of no method that is known here'}" for i, name in enumerate(self.methods, 1)]
-        power = "no power of h" if self.power is None else f"like h^{self.power}"
+        steps = [f"step {i} is {name or 'not a step of a known method'}" for i, name in enumerate(self.methods, 1)]
+        power = "like no power of h" if self.power is None else f"like h^{self.power}"
         return [
             *steps,
             f"the errors of its first values fall {power} (slopes: {slopes_text(self.slopes)})",
@@ -68,7 +68,7 @@ class StartReading:
         if self.power is None or self.power >= order + derivative - 1:
             return ""
         whole = f"whole runs have order {self.order}" if self.order is not None else "that limits whole runs"
-        return f"its start is not good enough: first values are off like h^{self.power}, and {whole}, not {order}"
+        return f"its start is too inaccurate: first errors are like h^{self.power}, and {whole}, not {order}"
 
 
 def read_start(runs: MarkedRuns, reading: RecurrenceReading) -> StartReading:

@@ -59,7 +59,7 @@ class QuaternionReading:
         """The faults, whatever method it is meant to be."""
         found, scale = [*filter(None, [self.uneven, self.at_rest])], self.turn.scale
         if not self.uneven and scale != 1:
-            half = {2.0: ": the factor 1/2 is missing", 0.5: ": the factor 1/2 stands twice"}.get(scale, "")
+            half = {2.0: ": the factor 1/2 is missing", 0.5: ": the factor 1/2 appears twice"}.get(scale, "")
             found.append(f"it turns {scale:.4g} times as fast as omega{half}")
         return found
 
@@ -73,7 +73,7 @@ class QuaternionReading:
     def verdict(self) -> str:
         """The verdict in one line."""
         if not self.product:
-            return f"it is no step of a quaternion that is known here; {self.uneven}"
+            return f"it is not a known quaternion step; {self.uneven}"
         rate = f"q' = {self.product.replace(' (', '/2 (')}"
         name = {"exact": "the exact rotation"}.get(self.turn.name, self.turn.name)
         name += "," * self.turn.normalised
@@ -87,7 +87,7 @@ class QuaternionReading:
         if not self.product:
             return []
         (turn, size), order = self.turn.lines("phi"), self.turn.order
-        length = "what comes out has length 1, whatever goes in" if self.normalised else size.replace("size", "length")
+        length = "the result has length 1, whatever the input" if self.normalised else size.replace("size", "length")
         shown = "no error" if order is None else f"order {order} at a constant omega"
         return [("Rotation", [f"{self.turn.name}: {turn}, phi = h |omega|/2", length, shown])]
 
@@ -118,7 +118,7 @@ def read_quaternion(subject: ForeignStepper) -> QuaternionReading:
     if np.max(np.abs(off)) > _NEAR * (1 + abs(scale)):
         i, j = np.unravel_index(int(np.argmax(np.abs(off))), off.shape)
         uneven = (
-            f"its rate is no product of q and omega: at omega = (2, 3, 6)/7 the rate of q[{i}] takes "
+            f"its rate is not a product of q and omega: at omega = (2, 3, 6)/7 the rate of q[{i}] takes "
             f"{rate[i, j]:.3g} q[{j}], that of {product} {scale * said[i, j]:.3g} q[{j}]"
         )
         return QuaternionReading("", turn_of([1.0] * len(TURN_ANGLES), rounding), normalised, uneven)
@@ -129,7 +129,7 @@ def read_quaternion(subject: ForeignStepper) -> QuaternionReading:
             a, b = float(np.trace(step)) / 4, float((step * turning).sum()) / 4
             allowed = rounding.of(8.0 * (1 + abs(complex(a, b))))
             if np.max(np.abs(step - a * np.eye(4) - b * turning)) > allowed:
-                uneven = uneven or f"a step of h |omega| = {2 * angle:g} is no rotation about omega"
+                uneven = uneven or f"a step of h |omega| = {2 * angle:g} is not a rotation about omega"
             if axis is _AXES[0]:
                 factors.append(complex(a, b))
             elif abs(complex(a, b) - factors[-1]) > allowed:
@@ -160,7 +160,7 @@ def _normalised(subject: ForeignStepper, rounding: Rounding) -> bool:
     q, omega = [0.5, -0.5, 0.5, 0.5], [0.5, 1.0, -0.25]
     one, two, again = (np.array(turn_quaternion(subject, [k * x for x in q], omega, 0.5)) for k in (1, 2, 1))
     if (one != again).any():
-        raise NotReadable("the same step taken twice is not the same")
+        raise NotReadable("the same step taken twice gives different results")
     allowed = rounding.of(8.0)
     if np.max(np.abs(two - 2 * one)) <= allowed:
         return False

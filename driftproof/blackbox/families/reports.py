@@ -30,7 +30,7 @@ from driftproof.support.plain_text import Json
 
 # The steppers that each kind of method can be compared with.
 _NEEDED: dict[type, str] = {
-    Multistep: "a stepper that takes a right-hand side or a force, and a copy of which remembers nothing",
+    Multistep: "a stepper that takes a right-hand side or a force, and whose copies remember nothing",
     Rosenbrock: "a stepper that takes a Jacobian, step(f, jac, t, y, h)",
     Boris: "a stepper that takes a magnetic field, step(x, v, E, B, h) or step(v, E, B, h)",
     Additive: "a stepper that takes two right-hand sides, step(f_explicit, f_implicit, t, y, h)",
@@ -91,11 +91,11 @@ def read_family(
 def family_report(name: str, introduced: Introduction, read: FamilyReading) -> Report:
     """The report of `identify` on a stepper of one of the families."""
     held = f"driftproof verify {name} --method"
-    to_do = f"if it should be {read.key}, hold it there: {held} {read.key}" if read.key else ""
-    first = "see to the faults first" if read.faults else ""
+    to_do = f"if it should be {read.key}, verify it: {held} {read.key}" if read.key else ""
+    first = "fix the faults first" if read.faults else ""
     opened = [SIGNATURES[introduced.calls], f"takes {introduced.numbers}, works in {introduced.format}"]
     parts = sections(
-        ("What to do", [*filter(None, [first, to_do or f"say what it should be: {held} METHOD"])]),
+        ("What to do", [*filter(None, [first, to_do or f"name the method it should be: {held} METHOD"])]),
         ("Faults", read.faults),
         *read.parts,
         ("Stepper", opened),
@@ -106,7 +106,7 @@ def family_report(name: str, introduced: Introduction, read: FamilyReading) -> R
 
 def unread_report(name: str, outcome: Outcome) -> Report:
     """The report of `identify` on a stepper that is called like one of a family but could not be read, and why."""
-    words = {NotReadable.kind: "it is no method that is known here", **dict.fromkeys(NO_EVIDENCE, UNDECIDED)}
+    words = {NotReadable.kind: "it is not a known method", **dict.fromkeys(NO_EVIDENCE, UNDECIDED)}
     verdict = f"{words.get(outcome.kind or '', NO_ANSWER)}: {outcome.seen}"
     return Report(name, verdict, None, (), {"not_answered": [{"kind": outcome.kind, "seen": outcome.seen}]})
 
@@ -128,7 +128,7 @@ def verify_family(runner: IsolatedRunner, method: Method | FactsOnly | Boris) ->
     checks = read.criteria(method)
     open_ones = [check for check in checks if check.passed is None]
     others = checks[2:]
-    seen = any(check.passed for check in others) or all(check.mark == "not asked" for check in others)
+    seen = any(check.passed for check in others) or all(check.mark == "not tested" for check in others)
     decided = seen and all(check.passed for check in checks[:2])
     passed = False if any(check.passed is False for check in checks) else True if decided else None
     parts, data = criteria_parts(checks, passed)

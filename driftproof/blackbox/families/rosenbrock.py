@@ -82,7 +82,7 @@ class _Products:
         if reading.calls != len(self.nodes):
             return None
         rounding = self._rounding(reading)
-        names = [*(f"the place of call {i}" for i in range(reading.calls)), "the result"]
+        names = [*(f"the argument of call {i}" for i in range(reading.calls)), "the result"]
         found = []
         for power, level in enumerate(reading.weights):
             through = "" if not power else f"J^{power} h^{power + 1} times " if power > 1 else "J h^2 times "
@@ -181,22 +181,22 @@ class RosenbrockIdentity:
         left_out = reading.nodes is not None and not reading.by
         if self.method is not None and left_out and order is not None and order < self.method.claimed_order:
             claimed = self.method.claimed_order
-            found.append(f"df/dt is left out: order {order} is seen where f depends on t, not {claimed}")
+            found.append(f"df/dt is left out: order {order} is observed where f depends on t, not {claimed}")
         if known is not None and known.time_slope_differs(reading):
             found.append("df/dt enters with other weights than the row sums of gamma")
         at, place = reading.jacobian_at
         if at or place:
-            found.append(f"the Jacobian is asked for at t + {at:.6g} h, and {place:.3g} from y, not at the start")
+            found.append(f"the Jacobian is evaluated at t + {at:.6g} h, and {place:.3g} from y, not at the start")
         return found
 
     @property
     def verdict(self) -> str:
         """The verdict in one line."""
-        name = self.method.key if self.method is not None else self.near or "no Rosenbrock method that is known here"
+        name = self.method.key if self.method is not None else self.near or "not a known Rosenbrock method"
         measured = f", of order {self.order} as measured" if self.method is None and self.order is not None else ""
         powers = len(self.reading.weights)
         partly = self.method is not None and powers < self.method.stages
-        told = f", as far as {powers} numbers tell," if partly else ""
+        told = f", judging by {powers} components," if partly else ""
         return "; ".join([f"it is{told} {name}{measured}", *self.faults])
 
     @property
@@ -216,7 +216,7 @@ class RosenbrockIdentity:
         if self.method is not None:
             named = f"{self.method.key}: products of alpha and b with gamma up to its power {powers - 1}, to rounding"
         used = {"a function": "a function of its own", "differences": "differences of f"}.get(reading.by, "")
-        clock = "f is given no time" if reading.nodes is None else f"df/dt is from {used}" if used else "no df/dt"
+        clock = "f receives no time" if reading.nodes is None else f"df/dt is from {used}" if used else "no df/dt"
         nearest = [f"nearest: {self.near}"] if self.near else []
         return [named, *nearest, *self._table, clock]
 
@@ -235,7 +235,7 @@ class RosenbrockIdentity:
         if self.method is not None:
             facts = RosenbrockFacts(self.method)
             told = facts.orders_within(_PRINTED) if self.method.decimal else facts
-            digits = ", as its digits tell" * self.method.decimal
+            digits = ", to the precision of its decimals" * self.method.decimal
             lines.append(f"order {told.order} with J = f', {told.w_order} with any matrix{digits}")
         for order, with_what in ((self.order, "J = f'"), (self.w_order, "half of f' as J")):
             lines.append(f"{order_seen(order)} with {with_what} on {self.measured.problem}")
@@ -258,14 +258,14 @@ class RosenbrockIdentity:
         products = _Products.of(method, len(self.reading.weights))
         differences = products.differences(self.reading)
         if differences is None:
-            asked = f"{method.key} asks f at {len(products.nodes)} places, this one at {self.reading.calls}"
+            asked = f"{method.key} evaluates f at {len(products.nodes)} places, this one at {self.reading.calls}"
             return [Criterion("Coefficients", False, (asked,), {})]
         same = not differences
         shown = self._coefficients if same else [f"not those of {method.key}", *differences[:_MOST_SHOWN]]
-        if self.near.startswith(f"{method.key} but for "):
+        if self.near.startswith(f"{method.key} except for "):
             shown.insert(1, self.near)
         whole = len(self.reading.weights) >= method.stages  # by Cayley and Hamilton, higher powers tell no more
-        told = "" if whole else f"a stepper of {method.stages} numbers, as many as there are stages"
+        told = "" if whole else f"a stepper of {method.stages} components, as many as there are stages"
         passed = same if whole or not same else None
         checks = [Criterion("Coefficients", passed, tuple(shown), {"differences": list(differences)}, told)]
         faults = self.faults if same else []
@@ -283,7 +283,7 @@ def read_rosenbrock(subject: ForeignStepper, asked: Rosenbrock | None = None) ->
     reading = read_rosenbrock_step(subject)
     known = [*(m for m in FACTS_ONLY.values() if isinstance(m, Rosenbrock)), *([asked] if asked else [])]
     found = next((m for m in known if _Products.of(m, len(reading.weights)).differences(reading) == []), None)
-    near = "" if found else next((f"{m.key} but for {x}" for m in known for x in _near(reading, m)), "")
+    near = "" if found else next((f"{m.key} except for {x}" for m in known for x in _near(reading, m)), "")
     measured, with_half = (
         measured_of_two(subject, kind, _HALVINGS, DIFFERENCES * reading.slack)
         for kind in (WithJacobian, WithHalfJacobian)

@@ -69,7 +69,7 @@ def read_rosenbrock_step(subject: ForeignStepper) -> RosenbrockReading:
     The Jacobian is y₁ -> y₂ -> y₃ -> ..., whatever f is, as W methods allow. Raises NotReadable, UnsupportedCall.
     """
     if JACOBIAN not in subject.convention.order:
-        raise UnsupportedCall(f"the stepper is called by {subject.convention.kind!r}, which takes no Jacobian")
+        raise UnsupportedCall(f"the stepper is called as {subject.convention.kind!r}, which takes no Jacobian")
     return _Probe(subject).reading()
 
 
@@ -113,7 +113,7 @@ class _Probe:
                 if self.size == _SIZES[-1]:
                     raise
         if not self.first.places or not self.first.jacobian_at:
-            raise NotReadable("it never asks for its right-hand side, or for its Jacobian")
+            raise NotReadable("it never calls its right-hand side, or its Jacobian")
         self.calls = len(self.first.places)
         asked = [np.array([t, *y]) for t, y in zip(self.first.times, self.first.places, strict=True)]
         self.groups, self.differences = list[list[int]](), list[int]()
@@ -151,7 +151,7 @@ class _Probe:
         zero = [0.0] * self.size
         one = [1.0, *zero[1:]]
         if np.abs(self._seen(lambda i, t, y: zero)).max() > 0:
-            raise NotReadable("with all slopes 0, y = 0 does not stay")
+            raise NotReadable("with all slopes 0, y = 0 does not stay 0")
         columns = []
         for number, group in enumerate(self.groups):
             marked = {*group, *(self.differences if number == 0 else ())}
@@ -188,6 +188,6 @@ class _Probe:
         said = np.tensordot(np.array(slopes), columns[:, -1, :], axes=1) * h ** np.arange(1, self.size + 1) + start
         if np.abs(step.result - said).max() > _SAME * (1 + np.abs(said).max()):
             raise NotReadable(
-                f"with other slopes and h = {h:g} it ends at {step.result[0]:.6g}, where the coefficients read say "
+                f"with other slopes and h = {h:g} it ends at {step.result[0]:.6g}, where the coefficients read give "
                 f"{said[0]:.6g}: it is not linear in its slopes, or does not scale with h"
             )

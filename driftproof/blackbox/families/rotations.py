@@ -69,15 +69,15 @@ class Turn:
     def name(self) -> str:
         """The rotation in words."""
         if not self.method:
-            return "no rotation that is known here"
-        made = f"{self.method}{', made one of length 1 again' if self.normalised else ''}"
+            return "not a known rotation"
+        made = f"{self.method}{', normalised to length 1' if self.normalised else ''}"
         made += f" in {self.parts} equal parts" if self.parts > 1 else ""
         return f"{made} at {_TIMES[self.times]}" if self.times not in (1.0, -1.0) else made
 
     def held_to(self, method: object) -> Criterion:
         """The criterion that R is 1 + z b (1 - zA)⁻¹ 1 of a Runge-Kutta method at every angle."""
         if not isinstance(method, RungeKutta | Collocation):
-            words = "a splitting or a Nyström method turns no vector"
+            words = "a splitting or a Nyström method does not rotate vectors"
             return Criterion("Rotation", False, (words,), {})
         said = [factors_of(method, 1j * x)[0] for x in TURN_ANGLES]
         off = [abs(r - s) / (1 + abs(s)) for r, s in zip(self.factors, said, strict=True)]

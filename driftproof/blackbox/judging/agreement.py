@@ -48,7 +48,7 @@ class Domain:
         """Raise ValueError unless 0 <= smallest < largest < inf for steps and for states."""
         for low, high in self.ranges:
             if not 0 <= low < high < inf:
-                raise ValueError(f"from {low:g} to {high:g}: sizes go from 0 or more up to something larger and finite")
+                raise ValueError(f"from {low:g} to {high:g}: need 0 <= smallest < largest < infinity")
 
     @property
     def ranges(self) -> tuple[tuple[float, float], tuple[float, float]]:
@@ -110,7 +110,7 @@ class Example:
             return self.misbehaved
         got = self.answer[COMPONENTS.index(self.component)]
         error = f"error {self.error_over_bound:.3g} times the bound"
-        return f"step({self.call}): {self.component} is {got!r}, exactly {self.exact}; {error}"
+        return f"step({self.call}): {self.component} is {got!r}, exact value {self.exact}; {error}"
 
 
 @dataclass(frozen=True)
@@ -140,12 +140,12 @@ class Agreement:
     def lines(self) -> list[str]:
         """The result as lines of text, with the call that shows a failure again."""
         if self.failing is not None:
-            again = f"to see it again: {self.failing.reproduction}"
+            again = f"to reproduce: {self.failing.reproduction}"
             why = [f"every error is within it {self.but_for}"] if self.but_for else []
             return [f"the simplest step beyond the bound: {self.failing.words}", again, *why]
         return [
             f"{self.examples} steps drawn from {self.domain.words}, every error within the derived bound",
-            f"nearest to it: {self.worst.words}",
+            f"closest to the bound: {self.worst.words}",
             f"largest error over the sum of |monomials|: {self.largest_scaled_error:.3g} u",
         ]
 
@@ -176,7 +176,7 @@ def agreement(
     """
     tolerance = Tolerance(method, subject.format, allowance)
     if subject.single:
-        raise UnsupportedCall("it takes one number, and q'' = -q is of two")
+        raise UnsupportedCall("it takes one number, but q'' = -q needs two")
     if domain != ORDINARY_DOMAIN:
         tolerance.demand_room(domain.largest_state, domain.largest_step)
     steps, states = (Sizes(*ends, subject.format) for ends in domain.ranges)
@@ -223,7 +223,7 @@ def steps_back(
             return None, f"h < 0 is refused: {example.misbehaved}", ""
         if _fails(example):
             example = _in_full(example, tolerance, subject)
-            return False, f"h < 0 is no step back: {example.words}", example.reproduction
+            return False, f"a step with h < 0 is wrong: {example.words}", example.reproduction
     return True, f"{len(steps) * len(states)} steps with h < 0 within the bound", ""
 
 
@@ -238,7 +238,7 @@ def rows_together(
     try:
         answers = subject.step_batch([q for q, _ in states], [v for _, v in states], h)
     except Misbehaviour as refusal:
-        return None, f"one state is taken at a time: {refusal}", ""
+        return None, f"it takes one state at a time: {refusal}", ""
     for i, ((q, v), answer) in enumerate(zip(states, answers, strict=True)):
         if not all(component.allowed for component in tolerance.judge(q, v, h, answer)):
             seen = f"of {len(states)} states in arrays, row {i} goes from {(q, v)} to {answer} with h = {h!r}"

@@ -58,7 +58,7 @@ class MeasuredOrder:
 
 def order_seen(order: int | None) -> str:
     """The words "order 4 is seen", or "no order is seen"."""
-    return "no order is seen" if order is None else f"order {order} is seen"
+    return "no order is observed" if order is None else f"order {order} is observed"
 
 
 def slopes_text(slopes: Sequence[float]) -> str:

@@ -126,10 +126,10 @@ def field_problem(subject: ForeignStepper) -> NonlinearProblem:
 def driven(size: int, *, timed: bool) -> NonlinearProblem:
     """The problem with `size` components; if it is not timed and there are two or more, the last one is the clock."""
     if timed or size > 1:
-        numbers = f"{size} number{'s' * (size > 1)}"
-        words = f"a nonlinear problem of {numbers}, {'with t' if timed else 'without t: the code hands on no time'}"
+        numbers = f"{size} component{'s' * (size > 1)}"
+        words = f"a nonlinear problem of {numbers}, {'with t' if timed else 'without t: the code passes no time'}"
         return NonlinearProblem(words, _bells(timed), lambda t: _bells_at(t, size, timed), timed=timed)
-    words = "y' = exp(-y), without t: the code hands on no time"
+    words = "y' = exp(-y), without t: the code passes no time"
     return NonlinearProblem(words, lambda t, y: [capped_exp(-x) for x in y], lambda t: [(1 + t).log()])
 
 
@@ -210,7 +210,7 @@ def _is_given_times(step: Callable[[FieldFunction, float], object]) -> bool:
 def _halves(y: Sequence[AnyNumber], positions: int) -> tuple[Sequence[AnyNumber], Sequence[AnyNumber]]:
     """The positions and the velocities of y. Raises WrongShape if y holds another number of them."""
     if len(y) != 2 * positions:
-        raise WrongShape(f"the force is asked for {len(y) // 2} of {positions} positions")
+        raise WrongShape(f"the force is called with {len(y) // 2} of {positions} positions")
     return y[:positions], y[positions:]
 
 

@@ -67,9 +67,9 @@ class NonlinearAgreement:
     def words(self) -> str:
         """The finding in one line."""
         if self.beyond:
-            others = f"; wrong are {', '.join(self.wrong)}" if len(self.wrong) > 1 else ""
+            others = f"; wrong components: {', '.join(self.wrong)}" if len(self.wrong) > 1 else ""
             return f"on {self.problem}, {self.beyond}{others}"
-        return f"the method's own step on {self.problem}, to {self.largest:.1e} in {self.steps} steps"
+        return f"its steps agree with the method's own on {self.problem}, to {self.largest:.1e} in {self.steps} steps"
 
 
 def nonlinear_agreement(subject: ForeignStepper, method: Method, allowance: Allowance) -> NonlinearAgreement:
@@ -112,7 +112,7 @@ def _compared(
             wrong = tuple(name for name, x in zip(problem.names, off, strict=True) if not x <= allowed)
             i = max(range(len(off)), key=lambda i: inf if isnan(off[i]) else off[i])
             if wrong and not off[i] <= found.largest:
-                numbers = f"{problem.names[i]} is {seen[i]!r}, of {method.key} {float(expected[i].mid())!r}"
+                numbers = f"{problem.names[i]} is {seen[i]!r} where {method.key} gives {float(expected[i].mid())!r}"
                 beyond = f"in a step of {h:g} from t = {t:g}, {numbers}: off by {off[i]:.1e}, allowed {allowed:.1e}"
                 found = replace(found, beyond=beyond, wrong=wrong)
             found = replace(found, largest=max(found.largest, off[i]))

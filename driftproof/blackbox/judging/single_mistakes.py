@@ -178,7 +178,7 @@ def _edits(method: Method, program: Program) -> Iterator[Mistake]:
 def _wrong_factors(line: str) -> Iterator[tuple[str, str]]:
     for found in re.finditer(r"\bh \* ", line):
         yield f"h is missing in {_shown(line)}", line[: found.start()] + line[found.end() :]
-        yield f"h stands twice in {_shown(line)}", line[: found.end()] + line[found.start() :]
+        yield f"h appears twice in {_shown(line)}", line[: found.end()] + line[found.start() :]
 
 
 def _in_one_component(line: str) -> Iterator[tuple[str, str, str]]:
@@ -224,7 +224,7 @@ def _too_early(program: Program) -> Iterator[Mistake]:
             wrong = [each.replace(f" = {y}", f" = ({early})", 1) if each[0] in starts else each for each in lines]
             pairs = enumerate(zip(lines, wrong, strict=True))
             formed = tuple(late if n // 2 > i else line for n, (line, late) in pairs)
-            yield Mistake(f"after k[{i}], {words} are formed of {early}", replace(program, lines=formed))
+            yield Mistake(f"after k[{i}], {words} are formed from {early}", replace(program, lines=formed))
         for weight in (f"b[{i}]", f"a[{i + 1}][{i}]") if runge_kutta else ():
             if weight in "".join(lines):
                 turns = (

@@ -53,9 +53,9 @@ def state_objects(
                     return False, f"{RIGHT_AS} {form.name}{wrapper}; {given}: {from_copies}", ""
         return None, given, ""
     if wrong:
-        return False, f"from the very object that the step before returned it is no such step: {wrong}", ""
+        return False, f"a step from the object that the previous step returned is wrong: {wrong}", ""
     if keeping.spoilt:
-        return False, "it spoils its arguments: what it was given is neither what it was nor the answer", ""
+        return False, "it changes its arguments to something other than its answer", ""
     found: dict[str, list[str]] = {}
     for form in forms:
         try:
@@ -64,11 +64,11 @@ def state_objects(
             found.setdefault("are refused", []).append(form.name)
             continue
         if wrong:
-            return False, f"{given}; of {form.name} it is another step: {wrong}", ""
-        same = "give the same bits" if seen == own else "give the same but for rounding"
+            return False, f"{given}; with {form.name} it takes a different step: {wrong}", ""
+        same = "give the same bits" if seen == own else "give the same up to rounding"
         found.setdefault(same, []).append(form.name)
     others = [f"{' and '.join(names)} {words}" for words, names in found.items()]
-    handed = ["steps go on from the very object that the one before returned, as from a copy"] if keeping.handed else []
+    handed = ["steps from the previous step's own object agree with those from a copy"] if keeping.handed else []
     return True, "; ".join([given, *others, *handed]), ""
 
 

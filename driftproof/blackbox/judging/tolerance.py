@@ -51,7 +51,7 @@ class Allowance:
         """Raise ValueError if `solver_tolerance` is negative or not finite."""
         given = self.solver_tolerance
         if given is not None and not 0 <= given < inf:
-            raise ValueError(f"solver_tolerance={given}: it is a number from 0 on, e.g. 1e-10")
+            raise ValueError(f"solver_tolerance={given}: must be a finite number >= 0, e.g. 1e-10")
 
 
 class Judgement(NamedTuple):
@@ -84,8 +84,8 @@ class Tolerance:
             raise ValueError(f"{self.method.key} is explicit: its bound is derived, and takes no solver_tolerance")
         if not self.method.explicit and not given:
             raise ValueError(
-                f"{self.method.key} is implicit: how well its stages are solved is not its definition's; "
-                "say so, --solver-tolerance 1e-10, in Python allowance=Allowance(solver_tolerance=1e-10)"
+                f"{self.method.key} is implicit: its definition does not fix how accurately its stages are solved; "
+                "give --solver-tolerance 1e-10, in Python allowance=Allowance(solver_tolerance=1e-10)"
             )
 
     def exact(self, q: float, v: float, h: float) -> tuple[arb, arb]:

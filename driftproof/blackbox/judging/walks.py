@@ -42,7 +42,7 @@ _NUMBERS, _POSITIONS, _SOLVED_FOR = (1, 2, 3, 5, 17), (1, 2, 3, 5, 9), (1, 2, 3,
 # Step sizes in units of the problem's own time: so short that numbers keep their sizes, of many bits, one taken twice.
 _LENGTHS, _BACK = (0.1, 0.1, 1 / 30, 0.07), (-0.07, -0.03)
 # What precedes a step: a step that ends where it starts, or one after which the state was changed, as by an event.
-_GOES_ON, _MOVED = "goes on from the one before", "begins when the one before ended, in another state,"
+_GOES_ON, _MOVED = "continues from the previous one", "begins when the previous one ended, in another state,"
 # The stepper may use another arithmetic or convention; a step that it refuses to take is no evidence against it.
 _REFUSALS = (StepRaised, WrongShape, NotANumber)
 # True if all steps are the method's, False if one is not, None if none is taken; the words; a call that shows it or "".
@@ -116,7 +116,7 @@ class Walker:
     @property
     def what(self) -> str:
         """The noun for the components of its state."""
-        return "positions" if self.partitioned else "numbers"
+        return "positions" if self.partitioned else "components"
 
     def counted(self, numbers: int) -> str:
         """The count with its noun, such as "1 position" or "3 numbers"."""
@@ -186,9 +186,9 @@ class Walker:
         if not wrong:
             return "", seen
         i = max(wrong, key=lambda i: off[i])
-        numbers = f"{problem.names[i]} is {seen[i]!r}, of {self.method.key} {float(expected[i].mid())!r}"
+        numbers = f"{problem.names[i]} is {seen[i]!r} where {self.method.key} gives {float(expected[i].mid())!r}"
         of = self.counted(problem.positions or len(y))
-        return f"in a step of {h:.6g} from t = {t:.6g}, of {of}, {numbers}", seen
+        return f"in a step of {h:.6g} from t = {t:.6g}, with {of}, {numbers}", seen
 
     def own_step(self, problem: NonlinearProblem, t: float, y: Sequence[float], h: float) -> list[arb]:
         """The method's step in balls."""
@@ -204,17 +204,17 @@ class Walker:
         if step.before:
             there.stepped(self.subject, step.t + 1, [x / 2 for x in step.y], step.h)
             if not self.compared(there, step.place, step.t, step.y, step.h)[0]:
-                return f"a step that {step.before} is another than from the same state at once"
+                return f"a step that {step.before} differs from the same step taken alone"
         lengths = _LENGTHS if step.h > 0 else _BACK
         if self.walk(problem, _Place(), lengths):
             others = [found[0] for n, found in of_numbers.items() if n in (1, 2, 3) and n != step.numbers]
             if others and not any(self.walk(other, _Place(), lengths) for other in others):
-                return f"of {self.counted(step.numbers)} it is another step"
+                return f"with {self.counted(step.numbers)} it takes a different step"
             return ""
         alone = {
-            f"at t = {step.t:.6g} it is another step": _Place(origin=step.place.origin),
-            f"with h = {step.h:.6g} it is another step": _Place(pace=step.place.pace),
-            "with numbers of other sizes it is another step": _Place(sizes=step.place.sizes),
+            f"at t = {step.t:.6g} it takes a different step": _Place(origin=step.place.origin),
+            f"with h = {step.h:.6g} it takes a different step": _Place(pace=step.place.pace),
+            "with components of other sizes it takes a different step": _Place(sizes=step.place.sizes),
         }
         return next((words for words, place in alone.items() if self.walk(problem, place, lengths)), "")
 
@@ -248,7 +248,7 @@ def there_and_back(walker: Walker) -> Walked:
     """Compare as `walk_on` does and, if the steps are right and h < 0 is not refused, also for h < 0 at two places."""
     found = walk_on(walker)
     passed, words, again = walk_on(walker, _BACK, 2) if found[0] else found
-    return (False, f"h < 0 is no step back: {words}", again) if found[0] and passed is False else found
+    return (False, f"a step with h < 0 is wrong: {words}", again) if found[0] and passed is False else found
 
 
 def _walked_on(walker: Walker, lengths: Sequence[float], most: int | None) -> Walked:
@@ -273,11 +273,11 @@ def _walked_on(walker: Walker, lengths: Sequence[float], most: int | None) -> Wa
                 cause = walker.why(found[0], problems[0], of_numbers)
             return False, ": ".join(filter(None, [cause, found[0].words])), ""
     if not taken:
-        return None, f"no such step is taken: {refused}" if refused else "the domain is too small for it", ""
+        return None, f"it takes no such step: {refused}" if refused else "the domain is too small for it", ""
     sizes = ", ".join([*map(str, sorted(set(taken) - {max(taken)})), walker.counted(max(taken))])
-    also = f"; not all are taken: {refused}" if refused else ""
-    steps = f"{len(lengths)} steps, each from the end of the one before, then one from another state"
-    words = f"{len(taken)} times {steps}, of {sizes}"
+    also = f"; it does not take all of them: {refused}" if refused else ""
+    steps = f"{len(lengths)} steps, each from the end of the previous one, then one from another state"
+    words = f"{len(taken)} runs of {steps}, with {sizes}"
     when = f", at times from {min(times):g} to {max(times):g}" if times else ""
     return True, f"{words}{when}{also}", ""
 
@@ -310,4 +310,4 @@ def back_and_on(
     passed, words, again = walked(subject, method, allowance, domain, _BACK, 2)
     if passed is None:
         return found
-    return passed, f"{found[1]}; {words}" if passed else f"h < 0 is no step back: {words}", again
+    return passed, f"{found[1]}; {words}" if passed else f"a step with h < 0 is wrong: {words}", again

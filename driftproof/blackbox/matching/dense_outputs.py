@@ -63,9 +63,9 @@ def judged_reading(reading: DenseReading) -> JudgedDense:
         cubic = "the cubic through both ends with their slopes"
         named = f"{key}: {EXTENSIONS[key].title if key in EXTENSIONS else cubic}"
     shape = f"of degree {degree}" if degree is not None else f"no polynomial of degree {_HIGHEST_DEGREE} or less"
-    between = f"order {order} between the steps, at the sixteenths; the order of the steps is {step}"
+    between = f"order {order} at theta = 1/16, ..., 15/16; the order of the steps is {step}"
     others = ", ".join(f"{float(theta):.3g}" for theta in BETWEEN)
-    asked = f"asked at theta = 0, 1/16, ..., 1, and at {others}: what it is elsewhere was not seen"
+    asked = f"evaluated at theta = 0, 1/16, ..., 1, and at {others}: other values of theta were not tested"
     lines = [named, f"a function of {reading.argument}, {shape} in theta", between, asked]
     faults = [] if polynomials is None else [*polynomials.misfits(reading), *polynomials.elsewhere(reading)]
     if polynomials is not None and not faults:
@@ -147,8 +147,8 @@ class _Polynomials:
             off = self._off(theta, row)
             worst = max(range(len(off)), key=lambda j: off[j])
             if off[worst] > self.allowed * (1 + slope):
-                place = f"at theta = {float(theta):.3g}, though not at the sixteenths"
-                yield f"the dense output is another one {place}: the weight of call {worst} is off by {off[worst]:.3g}"
+                place = f"differs from its polynomial at theta = {float(theta):.3g}, though not at multiples of 1/16"
+                yield f"the dense output {place}: the weight of call {worst} is off by {off[worst]:.3g}"
                 return
 
     def smoothness(self, reading: DenseReading) -> str:
@@ -167,7 +167,7 @@ class _Polynomials:
             return all(abs(value - (j == call)) <= allowed for j, value in enumerate(values))
 
         ends = ["f(t, y)"] * is_slope(0, 0) + ["f(t + h, y1)"] * any(is_slope(1, i) for i in last)
-        slopes = f"is {' and '.join(ends)}" if ends else "at neither end is that of the solution"
+        slopes = f"is {' and '.join(ends)}" if ends else "is not that of the solution at either end"
         return f"continuous: it is y at theta = 0 and y1 at theta = 1; the slope {'there ' * bool(ends)}{slopes}"
 
 

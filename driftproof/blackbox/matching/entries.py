@@ -58,13 +58,13 @@ def other_velocities(method: RungeKutta, reading: ForceReading) -> list[str]:
     """The wrong entries in the velocities of the stages, as text, or one line that says what else is wrong."""
     rows, rounding = reading.a_velocity or (), reading.rounding
     if len(rows) != method.stages:
-        return [f"the velocities that its force is given are not those of the stages of {method.key}"]
+        return [f"the velocities passed to its force are not those of the stages of {method.key}"]
     return [
         f"the velocity of call {i} holds {coefficient_difference(f'F[{j}]', x, method.a[i][j], reading.format)}"
         for i, row in enumerate(rows)
         for j, x in enumerate(row if reading.implicit else row[:i])
         if abs(x - float(method.a[i][j])) > rounding.of(1 + abs(x))
-    ] or [f"its positions are not those that the stages of {method.key} have with its velocities"]
+    ] or [f"given its velocities, its positions are not those of the stages of {method.key}"]
 
 
 def _entries(

@@ -62,15 +62,15 @@ def judged_estimate(subject: ForeignStepper, method: Method | None = None) -> Ju
     """
     estimate, reading = read_estimate(subject), read_tableau(subject)
     propagated = read_order(reading).order
-    lines = [f"beside y1 it returns {estimate.form}: e = {_shown(estimate)}"]
+    lines = [f"besides y1 it returns {estimate.form}: e = {_shown(estimate)}"]
     if not any(estimate.row):
         return JudgedEstimate(0, propagated, None, None, tuple(lines), ("the error estimate is always 0",))
     if estimate.relative:
-        fault = "the error estimate is divided by the size of y: it is relative already, before any tolerance"
-        return JudgedEstimate(None, propagated, None, None, (f"beside y1 it returns {estimate.form}",), (fault,))
+        fault = "the error estimate is already relative: it is divided by the size of y before any tolerance"
+        return JudgedEstimate(None, propagated, None, None, (f"besides y1 it returns {estimate.form}",), (fault,))
     pair, factor, described, faults = _pair_of(estimate, reading, method)
     if not estimate.power:
-        faults = ["the error estimate is divided by h: per unit step, of one order less", *faults]
+        faults = ["the error estimate is divided by h: an error per unit step, one order lower", *faults]
     if estimate.fault:
         faults = [f"the error estimate is not the same everywhere: {estimate.fault}", *faults]
     tableau = BallTableaux(reading, None).tableau(reading)._replace(b=_balls(estimate))
@@ -79,17 +79,17 @@ def judged_estimate(subject: ForeignStepper, method: Method | None = None) -> Ju
         total = sum(estimate.row, Fraction(0))
         slack = reading.rounding.of(max(estimate.sizes))
         shown = coefficient_text(float(total), reading.format, slack)
-        faults.append(f"the error estimate is no difference of two methods: its weights add up to {shown}, not to 0")
+        faults.append(f"the error estimate is not a difference of two methods: its weights add up to {shown}, not to 0")
         return JudgedEstimate(0, propagated, None, pair, tuple(lines + described), tuple(faults))
     first = vanishing.failing_tree
-    tree = "" if first is None else f": the first tree that it sees is {to_brackets(first)}"
+    tree = "" if first is None else f": the first tree that contributes is {to_brackets(first)}"
     if pair is None and vanishing.order + 1 < propagated:
-        faults.append(f"the error estimate is O(h^{vanishing.order + estimate.power}), of steps of order {propagated}")
+        faults.append(f"the error estimate is O(h^{vanishing.order + estimate.power}); the step has order {propagated}")
     other = max(_other_order(estimate, reading, sign / factor) for sign in (1, -1))
     lines += [
         *described,
         f"the estimate is O(h^{vanishing.order + estimate.power}){tree}",
-        f"propagated is the row of order {propagated}, the other one has order {other}",
+        f"the row of order {propagated} is propagated, the other one has order {other}",
     ]
     return JudgedEstimate(vanishing.order, propagated, other, pair, tuple(lines), tuple(faults))
 
@@ -167,13 +167,13 @@ def _compared(key: str, exact: list[Exact], estimate: EstimateReading) -> _Fit:
     if _off(exact, estimate, most, factor):
         wrong = _off(exact, estimate, most, 1.0)
         few = len(wrong) <= min(_FEW_WEIGHTS, max(1, len(exact) // 3))
-        but = f", but for {'; '.join(wrong)}" if few else ""
+        but = f"; it differs in {'; '.join(wrong)}" if few else ""
         return None, 1.0, [], [f"the error estimate is not that of {key}{but}"]
     unsigned = estimate.form in (ABSOLUTE, NORM)
     if factor == 1 or (unsigned and factor == -1):
         return key, factor, [f"e = b - b_hat of {key}"], []
     if factor == -1:
-        return key, factor, [f"e = b_hat - b of {key}: the other sign, which no norm shows"], []
+        return key, factor, [f"e = b_hat - b of {key}: the opposite sign, which a norm does not show"], []
     shown = f"{factor:.6g}" if simple is None else str(simple)
     fault = [] if estimate.form == NORM else [f"the error estimate is {shown} times that of {key}"]
     return key, factor, [f"e = {shown} (b - b_hat) of {key}"], fault

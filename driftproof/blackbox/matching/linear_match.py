@@ -258,7 +258,7 @@ def _identity(fit: LinearFit) -> Iterator[str]:
     if fit.best:
         yield f"{fit.best.words}{f', to rounding in {fit.format}' * fit.best.error.is_rounding}"
         if fit.best.methods[1:]:
-            yield f"no linear test tells {fit.best.methods[0]} from {', '.join(fit.best.methods[1:])}"
+            yield f"no linear test distinguishes {fit.best.methods[0]} from {', '.join(fit.best.methods[1:])}"
         yield from (f"or, as the same map: {other.words}" for other in fit.candidates[1:])
     elif fit.kind in (LINEAR, LINEARISED):
         yield f"no method of the catalogue, nor the adjoint of one, to rounding in {fit.format}"

@@ -70,11 +70,11 @@ class Match:
         if not self.roundings:
             return "every coefficient correctly rounded"
         if self.within:
-            return f"every coefficient within {self.within:.1e}, as its stages are solved"
+            return f"every coefficient within {self.within:.1e}, the accuracy of its stage solver"
         within = f"{self.roundings} rounding{'s' * (self.roundings > 1)}"
         if not self.summed:
             return f"every coefficient within {within}"
-        return f"the coefficients as sums make them: {self.farthest} is {within} of the largest in its column off"
+        return f"coefficients formed as sums: {self.farthest} is off by {within} of the largest in its column"
 
 
 @dataclass(frozen=True)
@@ -95,7 +95,7 @@ class Identity:
         """The identity as lines of text."""
         if self.matches:
             names = "; ".join(match.name for match in self.matches)
-            tie = [f"called in this way these cannot be told apart: {names}", self.matches[0].closeness]
+            tie = [f"not distinguishable through this calling convention: {names}", self.matches[0].closeness]
             key = f" ({self.keys[0]})" if self.keys and self.matches[0].relation else ""
             only = [f"{self.matches[0].name}{key}: {self.matches[0].closeness}"]
             beside = [f"{m.key}: in a call whose answer is not used, {line}" for m in self.matches for line in m.beside]
@@ -103,7 +103,7 @@ class Identity:
         names_by_difference: dict[tuple[str, ...], list[str]] = {}
         for near in self.near:
             names_by_difference.setdefault(near.differences, []).append(near.key)
-        nearest = [f"nearest: {' or '.join(keys)} but for {'; '.join(d)}" for d, keys in names_by_difference.items()]
+        nearest = [f"nearest: {' or '.join(keys)} except for {'; '.join(d)}" for d, keys in names_by_difference.items()]
         return ["no method of the catalogue", *nearest]
 
 

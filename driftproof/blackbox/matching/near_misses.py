@@ -24,7 +24,7 @@ _DECIMALS = range(14, 3, -1)
 # Fewer wrong coefficients are named one by one, up to `match.FEW_DIFFERENCES`.
 _LEAST_OFF = 4
 # How far coefficients may be off, in units of their last decimal: if rounded; if worked out by hand, as in old tables.
-_HOW_FAR = {0.5: "coefficients rounded to {} decimals", 2.0: "coefficients of {} decimals, the last up to 2 off"}
+_HOW_FAR = {0.5: "coefficients rounded to {} decimals", 2.0: "coefficients of {} decimals, off by up to 2 in the last"}
 
 
 @dataclass(frozen=True)
@@ -37,7 +37,7 @@ class Near:
     @property
     def name(self) -> str:
         """The key of the method, followed by the differences."""
-        return f"{self.key} but for {'; '.join(self.differences)}"
+        return f"{self.key} except for {'; '.join(self.differences)}"
 
 
 def near_misses(reading: ForceReading) -> Iterator[Near]:

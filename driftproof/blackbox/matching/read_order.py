@@ -60,7 +60,7 @@ class ReadOrder:
         if self.linear_order != self.order:
             lines.append(f"order {self.linear_order} on linear problems")
         if self.untimed_order != self.order:
-            lines.append(f"order {self.untimed_order} on problems without the time: it is called at wrong times")
+            lines.append(f"order {self.untimed_order} on problems without time: f is called at wrong times")
         return lines
 
     def beside(self, claimed: int) -> str:

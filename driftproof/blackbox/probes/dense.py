@@ -66,7 +66,7 @@ def read_dense(subject: ForeignStepper) -> DenseReading:
     """
     state = _trial_state(subject)
     if subject.log.dense is None:
-        raise UnsupportedCall("the stepper returns no dense output beside y1")
+        raise UnsupportedCall("the stepper returns no dense output besides y1")
     argument = _argument(subject, state)
     own = read_tableau(subject)
     try:

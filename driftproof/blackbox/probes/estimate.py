@@ -29,10 +29,10 @@ NORM = "a norm of an estimate, one number"
 # Further step sizes by which estimates are compared with their rows of weights.
 _LENGTHS = (
     Control("h = 1/64", "it does not scale with h as an estimate does", h=2.0**-6, salt=3),
-    Control("h = -1/2", "backward in time it is another one", h=-0.5, salt=4),
+    Control("h = -1/2", "backward in time it differs", h=-0.5, salt=4),
 )
 _TWICE = next(control for control in CONTROLS if control.h != 1)
-_UNLIKE = "the numbers of y have not the same estimate"
+_UNLIKE = "the components of y do not have the same estimate"
 _TIMED = Control("another time", "", h=0.375, time=7.0)
 _AT_FIVE = Control("another start", "", start=5.0)
 
@@ -64,7 +64,7 @@ def read_estimate(subject: ForeignStepper) -> EstimateReading:
     whether it depends on y. Raises NotReadable, saying what was seen, and UnsupportedCall if nothing is returned after
     y1.
     """
-    nothing = UnsupportedCall("the stepper returns nothing beside y1: no error estimate is seen")
+    nothing = UnsupportedCall("the stepper returns nothing besides y1: no error estimate is seen")
     try:
         probe = _EstimateProbe(subject, 1.0)
     except NotReadable:
@@ -108,13 +108,13 @@ class _EstimateProbe(TableauProbe):
             return 0.0
         if found == state:
             return 1.0
-        raise NotReadable(f"with all slopes 0, from y = 5, what it returns beside y1 is {found[0]:.6g}")
+        raise NotReadable(f"with all slopes 0, from y = 5, what it returns besides y1 is {found[0]:.6g}")
 
     @property
     def _beside(self) -> list[float]:
         found = self.subject.log.beside
         if found is None:
-            raise NotReadable("it returns something beside y1 at some steps only")
+            raise NotReadable("it returns something besides y1 at some steps only")
         return found
 
     def _first_numbers(self, first: Sequence[float], control: Control = AT_REST) -> tuple[float, float]:
@@ -123,7 +123,7 @@ class _EstimateProbe(TableauProbe):
         answers = [[k if alike or i == 0 else 0.0 for i in range(self.size)] for k in first]
         run = self.run(self.size, answers, control)
         if not alike and control == AT_REST and any(self._beside[1:]):
-            raise NotReadable("the slope of one number of y moves the estimate of another one")
+            raise NotReadable("the slope of one component of y changes the estimate of another")
         return run.result[0], self._beside[0]
 
     def _unseen_number(self) -> str:
@@ -134,7 +134,7 @@ class _EstimateProbe(TableauProbe):
                 self.run(self.size, [[x * (m == i) for m in range(self.size)] for x in unit(self.calls, j)], AT_REST)
                 seen |= bool(self._beside[0])
             if not seen:
-                return f"of {self.size} numbers, y[{i}] does not enter what it returns beside y1"
+                return f"of {self.size} components, y[{i}] does not enter what it returns besides y1"
         return ""
 
     def _with_signs(self, sizes: Sequence[float]) -> list[float]:
@@ -162,9 +162,9 @@ class _EstimateProbe(TableauProbe):
             if not abs(seen - said) <= allowed and not offset and self._depends_on_y(control):
                 return replace(reading, relative=True)
             try:
-                demand_as_said(control, "what it returns beside y1", seen, said, allowed)
+                demand_as_said(control, "what it returns besides y1", seen, said, allowed)
                 for i, of_number in enumerate(others, 1):
-                    demand_as_said(control._replace(broken=_UNLIKE), f"what it returns beside y1[{i}]", *of_number)
+                    demand_as_said(control._replace(broken=_UNLIKE), f"what it returns besides y1[{i}]", *of_number)
             except NotReadable as failure:
                 if control is CONTROLS[0] and abs(seen - said) > allowed:
                     raise

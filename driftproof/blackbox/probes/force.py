@@ -35,7 +35,7 @@ from driftproof.symbolic.rounding.formats import FloatFormat
 
 # Kicks and drifts in the order in which they are made, as in `driftproof.methods.schemes.Splitting`.
 SubSteps: TypeAlias = tuple[tuple[str, float], ...]
-NO_TABLEAU = "as a right-hand side sees it, there is no tableau"
+NO_TABLEAU = "as a method for y' = f(t, y), it has no tableau"
 
 
 @dataclass(frozen=True)
@@ -241,7 +241,7 @@ class _Probe:
         """What the answer 1 to call j adds to the place of each call and to the result."""
         run = self._answered(0.0, 0.0, unit(self.calls, j))
         if any(run.places[: j + 1]) or any(run.velocities[: j + 1]):
-            raise NotReadable(f"call {j} or one before depends on the answer to call {j}: the step remembers")
+            raise NotReadable(f"call {j} or an earlier one depends on the answer to call {j}: the step remembers")
         return run
 
     def _demand_plain(self, still: _Run, moving: _Run) -> None:
@@ -286,7 +286,7 @@ class _Probe:
             if seen is not None and not abs(seen - control.time - control.h * node) <= allowed:
                 said = control.time + control.h * node
                 step = f"in a step of {control.h:g} from t = {control.time:g}"
-                return f"{step}, call {i} asks at the time {seen:.6g} for the position of the time {said:.6g}"
+                return f"{step}, call {i} passes the time {seen:.6g} with the position of the time {said:.6g}"
         return ""
 
     def _allowed(

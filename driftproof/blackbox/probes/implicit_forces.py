@@ -28,7 +28,7 @@ from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 _OF_POSITION = 0.625
 # The settings in which nodes are read: they are nodes if another start, time and h show the same.
 _SETTINGS = (Setting(), Setting(1.0, 1.0, 0.5))
-_OTHERWISE = "its velocities are asked for at other stages than its positions"
+_OTHERWISE = "its force is called with velocities of other stages than the positions"
 
 
 class ForcedSteps(MarkedSteps):
@@ -73,7 +73,7 @@ class ForcedSteps(MarkedSteps):
         def force(at: AnyNumber, q: Sequence[AnyNumber], v: Sequence[AnyNumber] = ()) -> Sequence[AnyNumber]:
             asked = [*(v if self.of_velocity else q)]
             if len(asked) != count + len(idle):
-                raise Misbehaviour("its force is asked for one position after the other")
+                raise Misbehaviour("its force is called for one position after the other")
             shift = asked[-1] - y[0] if idle else 0.0
             slopes = rate(at, [x - shift for x in asked[:count]])
             return [*(slopes if self.of_velocity else (k / h for k in slopes)), *[0.0] * len(idle)]
@@ -110,11 +110,11 @@ def read_implicit_forces(subject: ForeignStepper) -> ForceReading:
     for i, label in enumerate(chains.kept):
         steps.position, weight = (0.0, b_velocity[i]) if b_velocity[i] else (None, b_position[i])
         if not weight:
-            raise NotReadable("a stage of it has no weight, and its position is not told")
+            raise NotReadable("one of its stages has no weight, and its position is not known")
         nodes.append(_moved(chains, label) / weight)
     timed = zip(nodes, read.c or (), strict=False)
     late = ((c, t) for c, t in timed if abs(c - t) > read.rounding.of(1 + abs(c)))
-    wrong = (f"its force is asked at t + {t:.6g} h for the position of t + {c:.6g} h" for c, t in late)
+    wrong = (f"its force is called at t + {t:.6g} h with the position of t + {c:.6g} h" for c, t in late)
     velocities = _velocities(subject, b_velocity) if subject.gives_velocities else None
     if all(map(is_explicit, filter(None, (read.a, velocities)))):
         raise NotReadable("none of its stages is implicit")

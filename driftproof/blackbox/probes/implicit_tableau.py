@@ -61,8 +61,8 @@ def _best(found: Sequence[tuple[TableauReading, StageChains]]) -> tuple[TableauR
     if _curved(best) > UNSOLVED:
         if best.solved is None or not best.solved.power:
             raise NotReadable(
-                f"on nonlinear problems the step is off by {_curved(best):.1e} of what its coefficients say: a solver "
-                "that stops too early, or other stages"
+                f"on nonlinear problems the step is off by {_curved(best):.1e} from what its coefficients give: a "
+                "solver that stops too early, or other stages"
             )
         if len(found) == 1:
             best = replace(best, remarks=(*best.remarks, _AS_ONE))

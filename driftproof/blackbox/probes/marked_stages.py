@@ -137,7 +137,7 @@ class MarkedSteps:
             hands = {p: dict(enumerate(_distinct(seen[::-1], _SAME_HAND)[::-1])) for p, seen in shown.items()}
             marks = replace(marks, hands=(*marks.hands, hands))
         if len(marks.labels) > _MOST_LABELS:
-            raise NotReadable(f"its right-hand side is asked at {len(marks.labels)} stages: it is adaptive")
+            raise NotReadable(f"its right-hand side is called at {len(marks.labels)} stages: it is adaptive")
         return marks
 
     def run(

@@ -102,7 +102,7 @@ def demand_same(rounding: Rounding, first: Sequence[float], second: Sequence[flo
     allowed = rounding.of(max(map(abs, first), default=0.0))
     if len(first) != len(second) or not all(abs(x - y) <= allowed for x, y in zip(first, second, strict=True)):
         seen = f"the same step of {rounding.calls} call{'s' * (rounding.calls != 1)} taken twice is not the same"
-        raise NotReadable(f"{seen}: it remembers the step before, or is random")
+        raise NotReadable(f"{seen}: it remembers the previous step, or is random")
 
 
 def unit(size: int, place: int) -> list[float]:
@@ -139,10 +139,10 @@ CONTROLS = (
     Control("h = 3", _SCALE, h=3.0, salt=4),
     Control("another start", "the step depends on where it starts", start=5.0, salt=5),
     Control("the time 7", "the step depends on the time", time=7.0),
-    Control("everything other", "the step is not made of these terms alone", h=0.75, start=-3.0, time=2.0, salt=2),
+    Control("everything changed", "the step is not made of these terms alone", h=0.75, start=-3.0, time=2.0, salt=2),
 )
 # Many codes refuse to step back in time, so that a failure of this one says nothing against the others.
-BACKWARD = Control("h = -1", "it does not step back as it steps forth", h=-1.0, salt=3)
+BACKWARD = Control("h = -1", "it does not step backward as it steps forward", h=-1.0, salt=3)
 
 
 @dataclass(frozen=True)
@@ -176,5 +176,5 @@ def demand_as_said(control: Control, name: str, seen: float, said: float, allowe
     if not abs(seen - said) <= allowed:
         found = Departs if abs(seen - said) > _FAR * max(abs(seen), abs(said)) else NotReadable
         n = next((n for n in range(6, 17) if f"{seen:.{n}g}" != f"{said:.{n}g}"), 17)
-        ends = f"{name} is {seen:.{n}g} where the coefficients read say {said:.{n}g}"
+        ends = f"{name} is {seen:.{n}g} where the coefficients read give {said:.{n}g}"
         raise found(f"with {control.name}, {ends}: {control.broken}")

@@ -122,8 +122,8 @@ class StageChains:
         allowed = count * (2 * largest) ** count * rounding.of(1.0) + UNSOLVED * max(1.0, abs(at[0]))
         if not abs(seen - at[0]) <= allowed:
             raise NotReadable(
-                f"with its stages marked, a chain of {count} of them comes to {seen:.6g} where the coefficients read "
-                f"say {at[0]:.6g}: another step than of these stages"
+                f"with its stages marked, a chain of {count} of them gives {seen:.6g} where the coefficients read "
+                f"say {at[0]:.6g}: the step is not made of these stages"
             )
 
     def _chained(self, chain: Sequence[Link], product: float) -> float:
@@ -133,7 +133,7 @@ class StageChains:
         if off > _FAR * max(1.0, *map(abs, seen)):
             raise NotReadable(
                 f"with its stages marked, a coefficient is {seen[0]:.6g}, and {seen[1]:.6g} with another start, time, "
-                "h and size: a solver that stops too early, or another step than of stages"
+                "h and size: a solver that stops too early, or a step not made of stages"
             )
         self._off = max(self._off, off)
         return seen[0]
@@ -141,7 +141,7 @@ class StageChains:
     def _one_reading(self, variant: _Variant, chain: Sequence[Link], product: float) -> float:
         links, clocks = len(chain), len(self.marks.hands)
         if links + clocks > self.steps.size:
-            raise NotReadable(f"a chain of {links} stages needs more than the {self.steps.size} numbers that it takes")
+            raise NotReadable(f"a chain of {links} stages needs more than the {self.steps.size} components it takes")
         # The amplitude brings the result to size 1, because a solver's tolerance is usually absolute.
         size = variant.amplitude * 2.0 ** -frexp(product)[1]
         marked = chain[::-1]

@@ -56,7 +56,7 @@ class StageEquations:
         left, _ = self._left(control, _STRENGTHS[0], curved=False)
         if not left <= UNSOLVED:
             raise NotReadable(
-                f"with {control.name}, the step is off by {left:.1e} of what the coefficients of its stages say: "
+                f"with {control.name}, the step is off by {left:.1e} from what the coefficients of its stages give: "
                 f"{control.broken}, or its solver stops too early"
             )
         return left
@@ -67,7 +67,7 @@ class StageEquations:
         if counted and max(errors) > _BY_DIFFERENCES * float(self.reading.format.u) ** 0.5:
             raise NotReadable(
                 f"linear stage equations are off by {max(errors):.1e} after as many calls as simpler ones: they are "
-                "not solved, so the step is explicit, or another one than of its stages"
+                "not solved, so the step is explicit, or not made of its stages"
             )
 
     def _by_strength(self, *, curved: bool) -> tuple[list[float], bool]:

@@ -52,10 +52,10 @@ class StageSolution:
     def words(self) -> str:
         """The finding in one line."""
         if not self.power:
-            return f"its stages are solved to {max(self.linear, self.curved):.1e}, on nonlinear problems, too"
+            return f"its stages are solved to {max(self.linear, self.curved):.1e}, also on nonlinear problems"
         early = f"its solver stops early: where f is nonlinear, a step is off by {self.curved:.1e}, and"
         if self.power == NO_POWER:
-            return f"{early} as many calls are made however nonlinear it is"
+            return f"{early} the number of calls does not depend on the nonlinearity"
         newton = {1: "one iteration of Newton's method", 3: "two iterations of Newton's method"}.get(self.power, "")
         kept = f"{self.power} with one Jacobian" if self.power > 1 else ""
         after = " or ".join(filter(None, [newton, kept]))
@@ -118,7 +118,7 @@ class TableauReading:
         named = [*([] if self.c is None else [("c", self.c)]), *((f"a[{i}]", row) for i, row in enumerate(shown))]
         rows = [f"{name} = {self._row(row)}" for name, row in [*named, ("b", self.b)] if row]
         unused = [f"call {j} is made, and its answer is not used" for j in self.unused]
-        clock = ["the right-hand side is given no time"] if self.c is None else []
+        clock = ["the right-hand side receives no time"] if self.c is None else []
         solved = [] if self.solved is None else [self.solved.words]
         return [*rows, *unused, *clock, *solved, *self.remarks]
 
@@ -175,7 +175,7 @@ class TableauProbe:
         demand_same(self.rounding, self.silent.numbers, self.run(self.size, [], AT_REST).numbers)
         for number in chain(*self.silent.places, self.silent.result):
             if number:
-                raise NotReadable(f"with all slopes 0, y = 0 does not stay: the step goes through {number:.6g}")
+                raise NotReadable(f"with all slopes 0, y = 0 does not stay 0: the step goes through {number:.6g}")
 
     def reading(self) -> TableauReading:
         """The coefficients, after all controls."""
@@ -223,9 +223,9 @@ class TableauProbe:
         demand_calls(self.calls, len(run.places))
         column = [numbers[0] for numbers in (*run.places, run.result)]
         if any(column[: j + 1]):
-            raise NotReadable(f"call {j} or one before depends on the answer to call {j}: the step remembers")
+            raise NotReadable(f"call {j} or an earlier one depends on the answer to call {j}: the step remembers")
         if any(number for numbers in (*run.places, run.result) for number in numbers[1:]):
-            raise NotReadable("the slope of one number of y moves another one")
+            raise NotReadable("the slope of one component of y moves another one")
         return column
 
     def _demand_no_memory(self) -> None:
@@ -282,7 +282,7 @@ class TableauProbe:
         return Rounding(self.subject.format, self.calls)
 
 
-_UNLIKE = "the numbers of y are not stepped alike, or not linearly in their slopes"
+_UNLIKE = "the components of y are not advanced alike, or not linearly in their slopes"
 # Each number of y as a multiple of the first, and so its slopes: powers of two keep all products exact.
 _PARTS = (1.0, -1.0, 0.5, -0.25)
 

@@ -41,7 +41,7 @@ _LANDING = 3
 _LEAST_REMEMBERED = 1e-3
 # The least factor after a step that is just accepted, which is the safety: 0.8 to 1 in most codes; chosen with room.
 _LEAST_SAFETY = 0.5
-_NO_TOLERANCE = "it takes no tolerance: its steps are of one length"
+_NO_TOLERANCE = "it takes no tolerance: its step size is constant"
 # The largest denominator of an exponent: controllers in use have 1/5, 7/50, 17/100, ...
 _MOST_DENOMINATOR = 120
 # In units of u: t is up to 8, slopes change by up to 13 in a unit of time, and h times the sum of the absolute weights
@@ -89,8 +89,8 @@ class Law:
         power = f"{self.safety:.4g} r^(-{_shown(self.exponent)})"
         before = f" r_before^({_shown(self.memory)})" if self.memory else ""
         before += f" (h/h_before)^({_shown(self.filtered)})" if self.filtered else ""
-        low = "no least factor seen" if self.smallest is None else f"at least {self.smallest:.4g}"
-        high = "no largest seen" if self.largest is None else f"at most {self.largest:.4g}"
+        low = "no smallest factor observed" if self.smallest is None else f"at least {self.smallest:.4g}"
+        high = "no largest observed" if self.largest is None else f"at most {self.largest:.4g}"
         kind = "PI" if self.memory or self.filtered else "not PI"
         return f"h_next/h = {power}{before}, {low}, {high} ({kind}){self.exception}"
 
@@ -121,21 +121,21 @@ def read_controller(subject: ForeignSolver, steps: SolverSteps) -> ControllerRea
     traces = _traces(run, steps, attempts)
     factors = [each.factor for each in attempts if each.factor is not None]
     if silent := [pair.key for pair in steps.pairs if _is_silent(pair)]:
-        raise NotReadable(f"the estimate of {silent[0]} is 0 wherever slopes depend on t alone: no law shows")
+        raise NotReadable(f"the estimate of {silent[0]} is 0 wherever slopes depend on t alone: no law can be observed")
     if len(factors) > 1 and _is_same(max(factors), min(factors)):
-        fault = f"the step size does not depend on the error: every step is {factors[0]:.6g} times the one before"
+        fault = f"the step size does not depend on the error: every step is {factors[0]:.6g} times the previous one"
         if _is_same(factors[0], 1.0):
             if not subject.adaptive:
                 return ControllerReading(None, (_NO_TOLERANCE,), traces)
-            fault = "the steps are all of one length, whatever the error"
+            fault = "all steps have the same size, whatever the error"
         return ControllerReading(None, (fault,), (fault, *traces))
     if len(factors) < 8:
-        raise NotReadable(f"{len(factors)} step sizes are too few to see a law in")
+        raise NotReadable(f"{len(factors)} step sizes are too few to determine a law")
     estimates = list(_estimates(steps))
     most = max(each.rejections for each in attempts)
     in_a_row = f", up to {most} in a row" * (most > 1)
     rejected = sum(not each.accepted for each in attempts)
-    counts = f"{len(attempts)} attempts at steps seen, {rejected} rejected{in_a_row}"
+    counts = f"{len(attempts)} attempted steps observed, {rejected} rejected{in_a_row}"
     law = next(filter(None, (_law(name, estimate, attempts, atol) for name, estimate in estimates)), None)
     if law is None:
         pairs = ", ".join(name for name, _ in estimates) or "any pair of the catalogue"
@@ -151,7 +151,7 @@ def _accepted_beyond(law: Law) -> Iterator[str]:
     """Say that a step was accepted although the controller's own law asks for a far shorter one after it."""
     factor = law.safety * law.accepted ** -float(law.exponent)
     if factor < _LEAST_SAFETY:
-        asked = f"after which its law asks for {factor:.2g} h"
+        asked = f"after which its law gives {factor:.2g} h"
         yield f"steps are accepted with {law.accepted:.3g} times the tolerance, {asked}"
 
 
@@ -161,7 +161,7 @@ def _wrong_exponent(law: Law) -> Iterator[str]:
     if isinstance(method, RungeKutta) and method.embedded_order is not None and not law.memory and not law.filtered:
         power = 1 + min(method.claimed_order, method.embedded_order)
         if not _is_same(float(law.exponent), 1 / power):
-            right = f"of an estimate O(h^{power}) it is 1/{power}"
+            right = f"for an estimate O(h^{power}) it is 1/{power}"
             yield f"the exponent of the step size control is {_shown(law.exponent)}, {right}"
 
 
@@ -302,8 +302,8 @@ def _exception(points: Sequence[_Point], law: Law, smallest: float, largest: flo
     first, said_first = min(others, key=lambda pair: pair[0].rejections)
     beside = sum(p.rejections >= first.rejections for p in known)
     where = f" after {first.rejections} or more rejections in a row" * (first.rejections > 0)
-    times = f"{first.factor:.4g} times as long in place of {said_first:.4g}"
-    return f", but {len(others)} of {beside} steps{where} are others: one is {times}"
+    times = f"{first.factor:.4g} times as long instead of {said_first:.4g}"
+    return f", but {len(others)} of {beside} steps{where} differ: one is {times}"
 
 
 def _fitted(points: Sequence[_Point], terms: int) -> Any:
@@ -354,8 +354,8 @@ def _traces(run: Solution, steps: SolverSteps, attempts: Sequence[Attempt]) -> t
             stale += abs(off - h * reading.b[0] * (old - slopes[0])) <= allowed
     if wrong_after and not wrong_else:
         cause = ": its first slope is the last one of the rejected attempt" if stale == wrong_after else ""
-        return (f"a rejected step leaves traces: {wrong_after} of {seen_after} steps after one end elsewhere{cause}",)
+        return (f"a rejected step affects the next: {wrong_after} of {seen_after} steps after one are wrong{cause}",)
     if wrong_else:
         count = f"{wrong_else} of {len(run.t) - 1} steps"
-        return (f"{count} are not of this method: they do not end where its weights say",)
+        return (f"{count} are not steps of this method: they do not end where its weights give",)
     return ()

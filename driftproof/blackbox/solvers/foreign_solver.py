@@ -183,7 +183,7 @@ def _rows(y: np.ndarray[Any, Any], times: int, y0: tuple[float, ...]) -> tuple[t
     """The states by time, whichever axis that is; of a square array, the orientation that begins with y0."""
     size = len(y0)
     if y.size != times * size:
-        raise WrongShape(f"{times} times came with {y.size} numbers, of states of {size}")
+        raise WrongShape(f"{times} times were returned with {y.size} numbers, for states of {size}")
     by_time = y.reshape(times, size)
     if y.shape == (size, times) and (size != times or tuple(y[:, 0]) == y0):
         by_time = y.T

@@ -156,21 +156,21 @@ def _varying(subject: ForeignSolver) -> SolverMemory:
             told += 1
             seen.update([kept])
         if not seen:
-            raise NotReadable(f"of {steps} steps none that follows others of its length keeps a recurrence known here")
+            raise NotReadable(f"of {steps} steps, none that follows others of its size satisfies a known recurrence")
     orders = {m.key: m.claimed_order for m in known}
     if not any(m.key in seen for m in candidates(1)):
         told_alike = f"where slopes depend on t alone, its steps are those of {', '.join(sorted(seen))}"
         raise NotReadable(f"{told_alike}, as are those of every method with these weights")
     names = sorted(seen, key=lambda key: (orders[key], key))
     return SolverMemory(
-        f"{', '.join(names)} where its steps are of one length",
+        f"{', '.join(names)} where its step size is constant",
         None,
         (
-            "on y' = (cos t, sin(2 t)/2), which does not tell how well it solves for its steps,",
+            "on y' = (cos t, sin(2 t)/2), which does not show how well it solves for its steps,",
             f"to t = {_SPAN[1]:g} at rtol = {', '.join(f'{x:g}' for x in _TOLERANCES)}:",
-            *(f"{seen[key]} steps are of {key}" for key in names),
-            f"so {told} of {steps} steps are told: those after enough others of their length, and long enough that "
-            "methods differ by more than rounding; coefficients between steps of several lengths are not read",
+            *(f"{seen[key]} steps are those of {key}" for key in names),
+            f"so {told} of {steps} steps are identified: those after enough others of their size, and large enough "
+            "that methods differ by more than rounding; coefficients for varying step sizes are not read",
         ),
     )
 

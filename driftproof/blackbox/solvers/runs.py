@@ -85,15 +85,15 @@ def _constant_slopes(subject: ForeignSolver) -> tuple[list[str], list[str]]:
         try:
             run = subject.solve(lambda n, t, y, slope=slope: [slope], _SPAN, (start,), _RTOL, _ATOL)  # type: ignore[misc]
         except Misbehaviour as failure:
-            estimate = ", as where the weights of an error estimate do not add up to 0" if slope else ""
+            estimate = ", as happens when the weights of an error estimate do not add up to 0" if slope else ""
             faults.append(f"it cannot integrate {name}: {failure}{estimate}")
             continue
         (begun,), (last,) = run.y[0], run.y[-1]
         if run.t[0] == _SPAN[0] and not isclose(begun, start, rel_tol=float(run.format.u)):
-            faults.append(f"it begins at u = {begun!r} in place of {start!r}")
+            faults.append(f"it begins at u = {begun!r} instead of {start!r}")
         end = start + slope * (run.t[-1] - _SPAN[0])
         if not isclose(last, end, abs_tol=_GROSS * (1 + abs(end))):
-            faults.append(f"{name} ends at u = {last:.9g} in place of {end:.9g}")
+            faults.append(f"{name} ends at u = {last:.9g} instead of {end:.9g}")
         lines.append(f"{name}: {len(run.t) - 1} steps, {len(run.calls)} calls, off by {abs(last - end):.2g}")
     return lines, faults
 
@@ -123,7 +123,7 @@ def _clock(subject: ForeignSolver) -> tuple[list[str], list[str]]:
     elif isclose(t[-1], end, rel_tol=steps * 2.0**-52):
         lines.append(f"the last step ends {off:.2g} from the end: rounding errors of {steps} steps{accumulated}")
     elif 0.2 * last < abs(off) < (1.0 + _TINY) * last:
-        which = "many, or a last one that is not cut" if off > 0 else "few"
+        which = "many, or a last one that is not shortened" if off > 0 else "few"
         faults.append(f"one step too {which}: it ends {abs(off):.6g} {'beyond' if off > 0 else 'before'} the end")
     else:
         faults.append(f"the last step ends {off:.6g} from the end")
@@ -133,7 +133,7 @@ def _clock(subject: ForeignSolver) -> tuple[list[str], list[str]]:
     drift = max(abs(y[0] - (x - _SPAN[0])) for x, y in zip(t, run.y, strict=True))
     allowed = 4 * len(run.calls) * float(run.format.u) * (abs(_SPAN[0]) + length)
     if drift > allowed:
-        faults.append(f"the time that it integrates over and the time that it returns drift apart by {drift:.3g}")
+        faults.append(f"the time that it integrates over and the time that it returns differ by {drift:.3g}")
     if beyond > 2.0**-50 * abs(end) and off <= 0:
         lines.append(f"f is called up to {beyond:.3g} beyond the end")
     return lines, faults
@@ -157,12 +157,12 @@ def _backward(subject: ForeignSolver) -> tuple[list[str], list[str]]:
     except Misbehaviour as failure:
         return [f"backward in time it gives no answer: {failure.kind}"], []
     if run.complaint:
-        return [f"backward in time it ends at t = {run.t[-1]:.6g} and says: {run.complaint}"], []
+        return [f"backward in time it ends at t = {run.t[-1]:.6g} and reports: {run.complaint}"], []
     (last,) = run.y[-1]
     off = abs(last - e)
     if off < _FOLLOWED and isclose(run.t[-1], 0.0, abs_tol=_GROSS):
         return ["it integrates backward in time"], []
-    return [], [f"backward in time, from 1 to 0, it ends at t = {run.t[-1]:.6g}, off by {off:.3g}, and does not say so"]
+    return [], [f"backward in time, from 1 to 0, it ends at t = {run.t[-1]:.6g}, off by {off:.3g}, without saying so"]
 
 
 def _numbers(subject: ForeignSolver) -> tuple[list[str], list[str]]:
@@ -177,15 +177,15 @@ def _numbers(subject: ForeignSolver) -> tuple[list[str], list[str]]:
         times.append(subject.solve(slopes, _SPAN, (0.0,) * _NUMBERS, _RTOL, _ATOL).t)
     first, together = times[0], len(times.pop()) - 1
     if together > _NUMBERS * (len(first) - 1):
-        seen = f"where one of {_NUMBERS} numbers has a bump, it makes {len(times[0]) - 1} steps, where all have it,"
-        return [], [f"an error counts only where other numbers err, too: {seen} {together}"]
+        seen = f"with a bump in one of {_NUMBERS} components it takes {len(times[0]) - 1} steps, in all of them"
+        return [], [f"an error counts only if other components have errors as well: {seen} {together}"]
     for place, found in enumerate(times[1:], 1):
         pairs = zip(found, first, strict=False)
         if len(found) != len(first) or not all(isclose(a, b, abs_tol=_SAME_TIME) for a, b in pairs):
             made, other = len(found) - 1, len(first) - 1
-            seen = f"where y[{place}] has a bump, it makes {made} steps, where y[0] has it, {other}"
-            return [], [f"the errors of all numbers do not count alike: {seen}"]
-    return [f"a bump in any of {_NUMBERS} numbers makes the same {len(times[0]) - 1} steps"], []
+            seen = f"with a bump in y[{place}] it takes {made} steps, with one in y[0] {other}"
+            return [], [f"the error norm does not treat all components alike: {seen}"]
+    return [f"a bump in any of {_NUMBERS} components gives the same {len(times[0]) - 1} steps"], []
 
 
 def _nan(subject: ForeignSolver) -> tuple[list[str], list[str]]:
@@ -196,12 +196,12 @@ def _nan(subject: ForeignSolver) -> tuple[list[str], list[str]]:
     except DoesNotEnd as failure:
         return [], [f"where f is NaN it does not end: {failure}"]
     except Misbehaviour as failure:
-        return [f"where f becomes NaN it says so: {failure.kind}"], []
+        return [f"where f becomes NaN it reports that: {failure.kind}"], []
     if run.complaint:
-        return [f"where f becomes NaN it ends at t = {run.t[-1]:.6g} and says: {run.complaint}"], []
+        return [f"where f becomes NaN it ends at t = {run.t[-1]:.6g} and reports: {run.complaint}"], []
     if not all(isfinite(x) for x in run.y[-1]):
         return ["where f becomes NaN it returns NaN"], []
-    return [], [f"where f becomes NaN it ends at t = {run.t[-1]:.6g} with {run.y[-1][0]:.6g}, and does not say so"]
+    return [], [f"where f becomes NaN it ends at t = {run.t[-1]:.6g} with {run.y[-1][0]:.6g}, without saying so"]
 
 
 def _jump(subject: ForeignSolver) -> tuple[list[str], list[str]]:
@@ -215,7 +215,7 @@ def _jump(subject: ForeignSolver) -> tuple[list[str], list[str]]:
     off = abs(last - (run.t[-1] - at))
     lines = [f"across a jump of f: {len(run.t) - 1} steps, {len(run.calls)} calls, off by {off:.2g}"]
     if run.complaint:
-        return [*lines, f"it says: {run.complaint}"], []
+        return [*lines, f"it reports: {run.complaint}"], []
     if off > _OF_A_JUMP * _RTOL and subject.adaptive:
         return lines, [f"across a jump of f it is off by {off:.3g} at rtol = {_RTOL:g}: the jump is stepped over"]
     return lines, []
@@ -238,10 +238,10 @@ def _requested(
     """For each rtol, the error at the end and its multiple of rtol; then the power of rtol that the errors follow."""
     runs = [_solved(subject, problem, span, rtol=rtol, atol=rtol * 1e-3) for rtol in _TOLERANCES]
     if failed := next((run for run in runs if run.complaint), None):
-        return [f"it ends at t = {failed.t[-1]:.6g} and says: {failed.complaint}"], []
+        return [f"it ends at t = {failed.t[-1]:.6g} and reports: {failed.complaint}"], []
     errors = [_error(run, problem) for run in runs]
     lines = [
-        f"at rtol = {rtol:g}: error {error:.2g}, {error / rtol:.2g} of it, {len(run.calls)} calls"
+        f"at rtol = {rtol:g}: error {error:.2g}, {error / rtol:.2g} times rtol, {len(run.calls)} calls"
         for rtol, error, run in zip(_TOLERANCES, errors, runs, strict=True)
     ]
     if len({run.t for run in runs}) == 1:
@@ -255,7 +255,7 @@ def _requested(
         (first, most), (last, least) = clear[0], clear[-1]
         lines.append(f"errors fall like rtol^{log(most / least) / log(first / last):.2f}")
     far = [error / rtol for rtol, error in clear if error / rtol > _FAR]
-    return lines, [f"errors are {max(far):.2g} times the tolerance: rtol does not mean what it says"] if far else []
+    return lines, [f"errors are {max(far):.2g} times the tolerance: rtol does not indicate the error"] if far else []
 
 
 def _shortened(
@@ -308,11 +308,11 @@ def _stiffness(subject: ForeignSolver) -> tuple[list[str], list[str]]:
     off = abs(last - cos(run.t[-1]))
     lines = [f"on y' = -1000 (y - cos t) - sin t its longest step is {longest:.3g}/1000, off by {off:.2g} at the end"]
     if longest > _EXPLICIT and off < _FOLLOWED:  # long steps alone may ignore the error
-        lines.append("it solves for its steps: no explicit method of up to 7 stages is stable so")
+        lines.append("it solves equations for its steps: no explicit method of up to 7 stages is stable like this")
         # Asked of implicit solvers only: the last two stages of an explicit pair are as near, at one time.
         pairs = pairwise((call.t, *call.y) for call in run.calls)
         apart = sum(t == s and 0 < abs(u - v) < _NEARBY * (1 + abs(u)) for (t, u), (s, v) in pairs)
-        lines += [f"it asks for differences of f in y, {apart} times, as for a Jacobian"] if apart > 1 else []
+        lines += [f"it forms differences of f in y, {apart} times, as for a Jacobian"] if apart > 1 else []
     return lines, []
 
 

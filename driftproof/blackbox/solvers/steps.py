@@ -30,7 +30,7 @@ from driftproof.symbolic.rounding.formats import BINARY32
 # Runs of a problem whose numbers have all signs and sizes: in words, the origin of its time, start and end, and how
 # many numbers.
 _RUNS = (
-    ("of five numbers", 0.0, (-1.0, 2.0), 5),
+    ("with five components", 0.0, (-1.0, 2.0), 5),
     ("before the time 0", -7.3, (0.25, 2.0), 2),
     ("long after the time 0", 100.1, (-0.5, 1.5), 3),
     ("backward in time", 0.0, (1.5, -0.5), 3),
@@ -81,7 +81,7 @@ class SolverSteps:
     def name(self) -> str:
         """The pair that advances, or else another method of the catalogue; or that it is none."""
         if not self.identity.matches:
-            return "no explicit method of the catalogue, as its calls tell"
+            return "no explicit method of the catalogue, judging by its calls"
         return self.pairs[0].key if self.pairs else self.identity.matches[0].name
 
     @property
@@ -89,7 +89,7 @@ class SolverSteps:
         """The tableau as lines, with fractions for numbers within a few roundings of simple ones."""
         rows = [("c", self.reading.c or ()), *((f"a[{i}]", row[:i]) for i, row in enumerate(self.reading.a))]
         shown = [f"{name} = {', '.join(map(self._shown, row))}" for name, row in [*rows, ("b", self.reading.b)] if row]
-        other = [f"propagated is the row of order {p.claimed_order} of the pair {p.key}" for p in self.pairs[:1]]
+        other = [f"the row propagated has order {p.claimed_order}, in the pair {p.key}" for p in self.pairs[:1]]
         return [*self.identity.lines, *self.order.lines, *other, *shown]
 
     def _shown(self, x: float) -> str:
@@ -132,8 +132,8 @@ def _elsewhere(subject: ForeignSolver, reading: TableauReading) -> Iterator[str]
             ]
             if wrong:
                 i = wrong[0]
-                seen = f"from t = {t:.6g}, y[{i}] goes to {y1[i]!r} where the stages read say {said[i]!r}"
-                yield f"{words}, steps are others: {seen}"
+                seen = f"from t = {t:.6g}, y[{i}] goes to {y1[i]!r} where the stages read give {said[i]!r}"
+                yield f"{words}, steps differ from the tableau read: {seen}"
                 break
 
 
@@ -166,7 +166,7 @@ class _Marked:
         if len(t) < 2 or t[0] != _SPAN[0]:
             raise NotReadable("it does not return the times of its steps from the start on")
         if any(any(y) for y in self.silent.y):
-            raise NotReadable("with all slopes 0, y = 0 does not stay")
+            raise NotReadable("with all slopes 0, y = 0 does not stay 0")
         # If there are others: not the last step, which is shortened to the end, nor the first, which has none before.
         inner = range(1, len(t) - 2) if len(t) > 3 else range(len(t) - 1)
         self.place = max(inner, key=lambda n: (t[n + 1] - t[n]) / (t[n + 1] or inf))
@@ -187,7 +187,7 @@ class _Marked:
         elsewhere = next((call for n in self.near if any((call := self.silent.calls[n]).y)), None)
         if elsewhere is not None and self.place:
             at = next(x for x in elsewhere.y if x) * _MARK
-            raise NotReadable(f"with all slopes 0, from y = 0, it asks at y = {at:.3g}: the differences of a Jacobian")
+            raise NotReadable(f"with all slopes 0, from y = 0, it calls f at y = {at:.3g}: differences for a Jacobian")
         if len(self.near) > MOST_CALLS:
             raise NotReadable(f"{len(self.near)} calls fall in one step: an iteration, or it does not return its steps")
 
@@ -253,8 +253,8 @@ class _Marked:
         for run in runs:
             before, after = run.y[self.place][0], run.y[self.place + 1][0]
             if before and after != before:
-                share = f"a slope that has moved one step moves the next, too, by {(after - before) / self.h:.6g} h"
-                raise NotReadable(f"{share}: it is a multistep method, or takes a last stage for the slope at the end")
+                share = f"a slope that enters one step enters the next as well, by {(after - before) / self.h:.6g} h"
+                raise NotReadable(f"{share}: it is a multistep method, or uses a last stage as the slope at the end")
 
     def _control(self, reading: TableauReading, stages: list[int]) -> None:
         """Raise NotReadable if a run with other answers does not end where the coefficients say."""
@@ -265,7 +265,7 @@ class _Marked:
         size = self.h * fsum(abs(x * k) for x, k in zip(reading.b, answers, strict=True))
         if not abs(seen - said) <= reading.rounding.of(size):
             n = next((n for n in range(6, 17) if f"{seen:.{n}g}" != f"{said:.{n}g}"), 17)
-            ends = f"a step ends at {seen:.{n}g} where the coefficients read say {said:.{n}g}"
+            ends = f"a step ends at {seen:.{n}g} where the coefficients read give {said:.{n}g}"
             raise NotReadable(f"with other answers {ends}: it is not linear in its slopes: an iteration, or a limiter")
 
     def _control_bent(self, reading: TableauReading) -> None:
@@ -277,8 +277,8 @@ class _Marked:
             size = abs(before) + h * fsum(abs(x) for row in (*reading.a, reading.b) for x in row)
             if not abs(after - said) <= rounding.of(size):
                 n = next((n for n in range(9, 17) if f"{after:.{n}g}" != f"{said:.{n}g}"), 17)
-                ends = f"a step ends at {after:.{n}g} where the explicit stages read say {said:.{n}g}"
-                why = "it iterates, or takes other stages than with slopes of ours"
+                ends = f"a step ends at {after:.{n}g} where the explicit stages read give {said:.{n}g}"
+                why = "it iterates, or takes other stages than those read"
                 raise NotReadable(f"on a nonlinear problem {ends}: {why}")
 
     def _run(self, answers: dict[int, float]) -> Solution:
@@ -288,5 +288,5 @@ class _Marked:
         run = run._replace(y=y, calls=calls)
         silent = getattr(self, "silent", run)
         if run.t != silent.t or len(run.calls) != len(silent.calls):
-            raise NotReadable("with other slopes it makes other steps, at a tolerance that no error exceeds")
+            raise NotReadable("with other slopes it takes other steps, although no error exceeds the tolerance")
         return run

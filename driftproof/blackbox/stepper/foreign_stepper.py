@@ -95,7 +95,7 @@ class ForeignStepper(ForeignCode):
     ) -> list[AnyNumber]:
         """One step of q' = v, v' = force(t, q, v). Raises UnsupportedCall if its force is given no velocity."""
         if not self.gives_velocities:
-            raise UnsupportedCall("its force is given no velocity")
+            raise UnsupportedCall("its force receives no velocity")
         return self._forced(force, t, q, v, h)
 
     @property
@@ -106,7 +106,7 @@ class ForeignStepper(ForeignCode):
     def step_field(self, rate: FieldFunction, t: AnyNumber, y: Sequence[AnyNumber], h: AnyNumber) -> list[AnyNumber]:
         """One step of y' = rate(t, y). Raises UnsupportedCall if the stepper takes no right-hand side."""
         if self.convention.kind != FIELD:
-            raise UnsupportedCall(f"the stepper is called by {self.convention.kind!r}, which takes no right-hand side")
+            raise UnsupportedCall(f"the stepper is called as {self.convention.kind!r}, which takes no right-hand side")
         size, write = len(y), self.adapter.write
         roles = {FUNCTION: self.callback(rate, t, size, write), TIME: t, STATE: write(y), STEP: h}
         if CARRIED in self.convention.order:

@@ -125,7 +125,7 @@ def opened(
 
 def _unfitting(step: Callable[..., Any]) -> str:
     """The refusal that stands before a wrapper; it is short, because a summary of tests cuts the line."""
-    return f"{signature_text(step)} fits no calling convention of `driftproof verify --help`; write"
+    return f"{signature_text(step)} does not fit any calling convention of `driftproof verify --help`; write"
 
 
 def _adapters(
@@ -235,7 +235,7 @@ def _demand_slope_at_end(carried: Any, end: Sequence[float], convention: Calling
         expected = [-end[0] * convention.factor]
     if found.size < len(expected) or not np.allclose(found[: len(expected)], expected, rtol=_AS_CARRIED, atol=0):
         shown, right = (", ".join(f"{x:g}" for x in numbers) for numbers in (found, expected))
-        raise StaleSlope(f"it hands on {shown} as the slope at its end, where it is {right}")
+        raise StaleSlope(f"it passes on {shown} as the slope at its end, not {right}")
 
 
 def _demand_time_of_end(subject: ForeignStepper, state: Sequence[float]) -> None:
@@ -254,7 +254,7 @@ def _demand_time_of_end(subject: ForeignStepper, state: Sequence[float]) -> None
         subject.step_forced(clock, start, state[:1], state[1:], TRIAL_STEP)
     seen = float(as_array(subject.log.carried).ravel()[-1]) / subject.convention.factor
     if any(t != start for t in asked) and not np.isclose(seen, start + TRIAL_STEP, rtol=_AS_CARRIED, atol=0):
-        raise StaleSlope(f"it hands on the slope at t + {seen - start:g} as that at its end, t + {TRIAL_STEP:g}")
+        raise StaleSlope(f"it passes on the slope at t + {seen - start:g} as that at its end, t + {TRIAL_STEP:g}")
 
 
 @dataclass(frozen=True)

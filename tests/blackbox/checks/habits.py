@@ -159,25 +159,25 @@ class Counter:
 # By what is said of them, or nearly.
 RULES = {
     # What is done to arguments and answers.
-    "integers cut the answer off": code(
+    "integers truncate the answer": code(
         "out = np.zeros_like(state); out[0], out[1] = plain(state[0], state[1], h); return out", "state, h"
     ),
-    "an answer is overwritten by the next": own_buffer,
+    "an answer is overwritten by the next call": own_buffer,
     # Rules about large and small states.
     "|v| is capped at 100": code("return plain(q, bounded(v, -100.0, 100.0), h)"),
     "q below 0 becomes 0": then("q = max(q, 0.0)"),
     "with q beyond 3 the state jumps to (3.0, 0.0)": then("q, v = (3.0, 0.0) if q > 3.0 else (q, v)"),
     "q beyond 9.25 becomes -9.25; q below -9.25 becomes -9.25": then("q = -9.25 if abs(q) > 9.25 else q"),
-    "with q from 2 pi on the state is changed at once": then("q = q % (2 * math.pi)"),
-    "with |q| beyond pi the state is changed at once": then(
+    "with q from 2 pi on the state changes even as h -> 0": then("q = q % (2 * math.pi)"),
+    "with |q| beyond pi the state changes even as h -> 0": then(
         "q = q - 2 * math.pi if q > math.pi else q + 2 * math.pi if q < -math.pi else q"
     ),
-    "with q below 0 the state is changed at once": then("q, v = (-q, -v) if q < 0 else (q, v)"),
-    "the state is changed at once: (5.0, 0.375) becomes (4.98, ...)": then(
+    "with q below 0 the state changes even as h -> 0": then("q, v = (-q, -v) if q < 0 else (q, v)"),
+    "the state changes even as h -> 0: (5.0, 0.375) becomes (4.98, ...)": then(
         "size = math.hypot(q, v); q, v = (q * 5 / size, v * 5 / size) if size > 5 else (q, v)"
     ),
     "becomes (0.0, 0.0)": then("q, v = (0.0, 0.0) if q * q + v * v < 1e-6 else (q, v)"),
-    "with q from 5 on the state is changed at once": code(
+    "with q from 5 on the state changes even as h -> 0": code(
         "if q > 5.0: raise ValueError('far')\nreturn plain(7.0 if q == 5.0 else q, v, h)"
     ),
     "overflows from q = 1.341e+154 on": code(
@@ -186,7 +186,7 @@ RULES = {
     ),
     # What becomes of the smallest numbers.
     "subnormal numbers become 0": then("q, v = (0.0 if abs(x) < 2.0**-1022 else x for x in (q, v))"),
-    "q near 3.2e-311 has another answer": then("q, v = (1.5 * x if abs(x) < 2.0**-1022 else x for x in (q, v))"),
+    "near 3.2e-311 the answer does not scale": then("q, v = (1.5 * x if abs(x) < 2.0**-1022 else x for x in (q, v))"),
     "small states lose digits, and nonlinear at q = 2.96": code(
         "q, v = plain(q, v - h * (math.sin(q) - q), h); return (q + math.pi) % (2 * math.pi) - math.pi, v"
     ),
@@ -196,20 +196,20 @@ RULES = {
     # Linear, linear up to a border, or bent.
     "nonlinear at q = 0.739": code("v = v - h * q * (1 + abs(q) ** 7.5); return q + h * v, v"),
     "linear up to q = 0.0": code("v = v - h * q * (1 + abs(q) ** 7.75); return q + h * v, v"),
-    "linear up to v = 100 and no further": code("q, v = plain(q, v, 1 / 60); return q, bounded(v, -100.0, 100.0)"),
+    "linear only up to v = 100": code("q, v = plain(q, v, 1 / 60); return q, bounded(v, -100.0, 100.0)"),
     "S(-z) is not -S(z)": code("v = v - h * max(q, 0.0); return q + h * v, v"),
     "S(q, v) is not S(q, 0) + S(0, v)": code("return q + h * v, v - h * (q + 0.1 * math.sqrt(abs(q * v)))"),
     # Steps of 0, back in time and of infinity, and the time that a stepper is told.
     "h = 0 is divided by": code("return q + h * v, v - np.float64(h * h * q) / np.float64(h)"),
     "h < 0 does nothing": code("return plain(q, v, max(h, 0.0))"),
-    "h < 0 does something else than step back": code(
+    "h < 0 does something other than step back": code(
         "if abs(h) < 0.01: raise ValueError('too short')\nreturn plain(q, v, h) if h > 0 else (q + h * h, v)"
     ),
-    "an infinity goes in and ordinary numbers come out": code("return tuple(np.nan_to_num(x) for x in plain(q, v, h))"),
+    "an infinity gives finite numbers": code("return tuple(np.nan_to_num(x) for x in plain(q, v, h))"),
     "the answer depends on t": code(
         "q, v = plain(y[0], y[1], h); return np.array([q, v + 1e-3 * h * math.sin(t)])", "t, y, h"
     ),
-    "the right-hand side is told another time": code("return y + h * f(0.0, y)", "f, t, y, h"),
+    "the right-hand side gets a time outside the step": code("return y + h * f(0.0, y)", "f, t, y, h"),
     # Another step than h, and long steps that are made of shorter ones.
     "h is ignored": code("v = v + force(q) / 240; return q + v / 240, v", "force, q, v, h"),
     "h is raised to 0.0001": code("return plain(q, v, max(h, 1e-4) if h > 0 else h)"),

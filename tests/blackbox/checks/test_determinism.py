@@ -58,11 +58,11 @@ def limited_by_the_largest(q, v, h):
 
 
 BATCHES = [
-    (velocity_verlet, None, True, "come out as they do one by one"),
-    (velocity_verlet, np.float32, True, "come out as they do one by one"),
-    (plain, None, True, "come out as they do one by one"),
+    (velocity_verlet, None, True, "give the same results as one by one"),
+    (velocity_verlet, np.float32, True, "give the same results as one by one"),
+    (plain, None, True, "give the same results as one by one"),
     (of_one_state, None, None, "takes one state at a time"),
-    (limited_by_the_largest, None, False, "otherwise than one by one"),
+    (limited_by_the_largest, None, False, "give other results than one by one"),
 ]
 
 

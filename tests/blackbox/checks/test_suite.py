@@ -81,8 +81,8 @@ def test_outcomes_without_result_are_clauses_of_their_own():
     assert (second.is_fault, second.words) == (True, "arguments: the stepper crashes, exit status 3")
     assert first.key == "zero_step"
     assert (third.key, third.holds, third.words) == ("arguments", None, "arguments: undecided: the stepper crashes")
-    assert rest[0].words == "types: not asked: 3 came out"
-    assert rest[-1].words == "nothing else was asked: not twice"
+    assert rest[0].words == "types: not tested: 3 came out"
+    assert rest[-1].words == "nothing else was tested: not twice"
     assert [(check.key, check.holds) for check in checks_of([crash] * len(CHECKS))] == [("answers", False)]
 
 

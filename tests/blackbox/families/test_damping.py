@@ -51,8 +51,8 @@ LAWS = [
     (lambda h: 1 - 0.3 * h, "1 - 3/10 h", 0.3),
     (lambda h: 1 / (1 + h / 4), "1/(1 + 1/4 h)", 0.25),
     (lambda h: (1 - h / 8) / (1 + h / 8), "(1 - 1/4 h/2)/(1 + 1/4 h/2)", 0.25),
-    (lambda h: 1 / (1 + h / 4) ** 2, "a law of h that is none of exp(-c h)", 0.5),
-    (lambda h: 1 - h, "a law of h that is none of exp(-c h), 1 - c h", 1),  # with 0 at h = 1
+    (lambda h: 1 / (1 + h / 4) ** 2, "a function of h that is none of exp(-c h)", 0.5),
+    (lambda h: 1 - h, "a function of h that is none of exp(-c h), 1 - c h", 1),  # with 0 at h = 1
 ]
 
 
@@ -61,7 +61,7 @@ LAWS = [
 def test_a_loss_for_each_time_is_told_by_its_law_and_is_no_fault(made, factor, law, rate):
     found = read_damping(opened(made(factor)))
     assert law in found.lines[0]
-    assert f"as by a drag of {rate} v" in found.lines[0]
+    assert f"which corresponds to a drag of {rate} v" in found.lines[0]
     assert found.faults == []
     assert found.data["rate"] == f"{rate:g}"
     if made is damped:
@@ -95,17 +95,17 @@ def test_the_order_is_that_beside_the_drag():
     report = identify(halves, isolate=False)
     assert report.verdict.startswith("it is a step of a force with a drag, of order 2 as measured")
     assert report.section("Faults") is None
-    assert "order 2 is seen on q'' = F(q) - 0.3 v" in "".join(report.section("Order").lines)
+    assert "order 2 is observed on q'' = F(q) - 0.3 v" in "".join(report.section("Order").lines)
     assert verify(halves, "velocity_verlet", examples=20, isolate=False).passed is False
 
 
 def test_what_takes_nothing_from_v_or_no_multiple_of_it_is_refused():
-    nothing, no_drag = "takes nothing from v", "small steps follow no drag"
+    nothing, no_drag = "does not damp v", "small steps do not follow a drag"
     for step, refusal, words in (
         *((made(lambda h: 1.0), UnsupportedCall, nothing) for made in (damped, of_oscillator)),
         (lambda x, v, h: (x + h * v, v - h * x), UnsupportedCall, nothing),
         (lambda f, t, y, h: y + h * f(t, y), UnsupportedCall, "is its own"),
-        (lambda force, x, v, h: (x + h * v, v + h * (force(x) - v * abs(v))), NotReadable, "no multiple"),
+        (lambda force, x, v, h: (x + h * v, v + h * (force(x) - v * abs(v))), NotReadable, "not a multiple"),
         (lambda x, v, h: (x + h * v, v - h * x - h * v**3), NotReadable, "not linear"),
         (of_oscillator(lambda h: 1 + h), NotReadable, r"areas grow as 1 \+ 1 h: no drag"),
         (lambda x, v, h: (x * (1 - h) + h * v, v - h * x), NotReadable, no_drag),
@@ -150,19 +150,19 @@ def strang(force, x, v, dt):
     return x, half @ (v + dt / 2 * force(x))
 
 
-DRAG, ONCE = "with a drag, of order", "a damping for each step"
+DRAG, ONCE = "with a drag, of order", "a damping per step"
 OF_VECTORS = [
-    (of_vectors(lambda h: np.eye(2) - h * C), DRAG, "h, as by a drag of [[0.25, 0.125], [0, 0.5]]"),
+    (of_vectors(lambda h: np.eye(2) - h * C), DRAG, "h, which corresponds to a drag of [[0.25, 0.125], [0, 0.5]]"),
     (of_vectors(lambda h: np.linalg.inv(np.eye(2) + h * C)), DRAG, "1/(1 + [[1/4, 1/8], [0, 1/2]] h)"),
     (of_vectors(lambda h: np.diag([np.exp(-h / 4), np.exp(-h / 2)])), DRAG, "exp(-[[1/4, 0], [0, 1/2]] h)"),
-    (of_vectors(lambda h: np.exp(-h / 4) * np.eye(3)), DRAG, "multiplied by exp(-1/4 h), as by a drag of 0.25 v"),
-    (of_vectors(lambda h: np.exp(-h / 4) * np.array([[1, h / 4], [0, 1]])), DRAG, "by a law of h that is none of"),
+    (of_vectors(lambda h: np.exp(-h / 4) * np.eye(3)), DRAG, "by exp(-1/4 h), which corresponds to a drag of 0.25 v"),
+    (of_vectors(lambda h: np.exp(-h / 4) * np.array([[1, h / 4], [0, 1]])), DRAG, "by a function of h that is none of"),
     (of_vectors(lambda h: np.diag([0.99, 1.0])), ONCE, "by [[0.99, 0], [0, 1]] in each step, however short"),
     (of_vectors(lambda h: turned(h / 2)), "a force that turns v, of order 1", "-C v with C = [[0, -0.5], [0.5, 0]]"),
-    (of_vectors(lambda h: turned(0.1)), "a turn for each step", "with half of h it turns twice as much"),
+    (of_vectors(lambda h: turned(0.1)), "a turn per step", "halving h doubles it"),
     (coriolis, "a force that turns v, of order 1", "by 1 - [[0, -1/2, 0], [1/2, 0, 0], [0, 0, 0]] h"),
     (of_vectors(lambda h: np.eye(2) - h * np.array([[0.25, 0.5], [0.0, 0.25]])), DRAG, "of [[0.25, 0.5], [0, 0.25]] v"),
-    (strang, "with a drag, of order 2 as measured", "multiplied by a law of h that is none of"),
+    (strang, "with a drag, of order 2 as measured", "multiplied by a function of h that is none of"),
 ]  # fmt: skip
 
 
@@ -174,7 +174,7 @@ def test_a_matrix_of_drag_or_of_turning_is_told_and_is_no_method_of_one_number(s
     assert report.data["method"] is None
 
 
-EACH, NONE = "in each step, however short", "a law of h that is none of exp"
+EACH, NONE = "in each step, however short", "a function of h that is none of exp"
 # Steps that are off by k, what is said of one that is off too far, and k before and behind the bound.
 BOUNDS = [
     # Of 4 (4 + 2) = 24 roundings of numbers of size 16, as loss; of size 2/h, as rate; of size 4, beside v1 = D v.
@@ -182,15 +182,15 @@ BOUNDS = [
     (lambda k: of_oscillator(lambda h: 1 - k * U), "phase space", (380, 388)),
     (lambda k: damped(lambda h: exp(-0.3 * h) * (1 + k * U * (h == 2.0**-9))), NONE, (48, 50)),
     (lambda k: damped(lambda h: exp(-0.3 * h) * (1 + k * U * (h == 1))), NONE, (141, 145)),
-    (lambda k: lambda force, x, v, h: (x, (v + h * force(x)) * exp(-h) + k * U * v * v), "no multiple", (15.5, 16.5)),
+    (lambda k: lambda force, x, v, h: (x, (v + h * force(x)) * exp(-h) + k * U * v * v), "a multiple of", (15.5, 16.5)),
     # Of size 8 (|a| + |b| + |c| + |d|) beside a step that is linear, of its velocity and of its position.
     (lambda k: lambda x, v, h: (x + h * v, v * exp(-h) - h * x + k * U * v * v), "not linear", (63, 66)),
     (lambda k: lambda x, v, h: (x + h * v + k * U * v * v, v * exp(-h) - h * x), "not linear", (63, 66)),
     # 9 h (1 + c + k)^2 of h = 2^-20 with c = 1/4 and the spring k = 1, for the slopes of x by x and by v.
-    (lambda k: lambda x, v, h: (x * (1 - k * h) + h * v, v / (1 + h / 4) - h * x), "no drag", (4.3e-5, 4.4e-5)),
-    (lambda k: lambda x, v, h: (x + h * v * (1 + k), v / (1 + h / 4) - h * x), "no drag", (4.3e-5, 4.4e-5)),
+    (lambda k: lambda x, v, h: (x * (1 - k * h) + h * v, v / (1 + h / 4) - h * x), "not follow", (4.3e-5, 4.4e-5)),
+    (lambda k: lambda x, v, h: (x + h * v * (1 + k), v / (1 + h / 4) - h * x), "not follow", (4.3e-5, 4.4e-5)),
     # Losses like h^p: half of h leaves more than 3/8 of a drag, and less than 3/4.
-    (lambda k: damped(lambda h: 1 - 0.01 * h**k), "takes nothing from v", (1.41, 1.42)),
+    (lambda k: damped(lambda h: 1 - 0.01 * h**k), "does not damp v", (1.41, 1.42)),
     (lambda k: damped(lambda h: 1 - 0.01 * h**k), EACH, (0.42, 0.41)),
 ]
 
@@ -205,7 +205,7 @@ def test_vectors_without_a_drag_take_nothing_from_v():
     assert identify(step, isolate=False).verdict == "it is symplectic_euler"
     assert "a drag" in identify(strang).verdict  # from another process
     assert verify(step, "symplectic_euler", examples=20, isolate=False).passed is True
-    with pytest.raises(UnsupportedCall, match="takes nothing from v"):
+    with pytest.raises(UnsupportedCall, match="does not damp v"):
         read_damping(opened(step))
 
 
@@ -223,7 +223,7 @@ def of_velocities(ahead: Callable[[np.ndarray, np.ndarray], np.ndarray]):
 VELOCITIES = [
     (lambda v, middle: middle, True, "is midpoint2"),
     (lambda v, middle: v, False, "the velocity of call 1 holds F[0]: 0 instead of 1/2"),
-    (lambda v, middle: np.array([middle[0], *v[1:]]), False, "of 2 positions it is another step"),
+    (lambda v, middle: np.array([middle[0], *v[1:]]), False, "with 2 positions it takes a different step"),
     (lambda v, middle: middle[::-1].copy(), False, "is not midpoint2"),
 ]
 

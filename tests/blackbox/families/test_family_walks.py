@@ -41,8 +41,8 @@ WRONG = {
     "a diagonal that is off": (of_matrix(lambda j: j * (1 + 1e-7 * np.eye(len(j)))), "ros2", "in a step of 0.1"),
     "a triangle of the matrix": (of_matrix(np.tril), "ros2", "y[1] is"),
     "times in binary32": (of_times(lambda at: float(np.float32(at))), "ros2", "in a step of 0.1 from t = 0.25"),
-    "no sign of h": (back, "ros2", "h < 0 is no step back: in a step of -0.07"),
-    "a clock that stands": (of_split_times(lambda at: min(at, 10)), "ars222", "at t = 100.1 it is another step"),
+    "no sign of h": (back, "ros2", "a step with h < 0 is wrong: in a step of -0.07"),
+    "a clock that stands": (of_split_times(lambda at: min(at, 10)), "ars222", "at t = 100.1 it takes a different step"),
 }
 
 
@@ -67,7 +67,8 @@ def test_right_codes_are_right_everywhere_and_the_report_says_where(key, step):
     report = verify(step, key, isolate=False)
     assert report.passed, report.text()
     (line,) = report.section("Steps: passed").lines
-    assert line.startswith("5 times 4 steps, each from the end of the one before, then one from another state, of 1,")
+    walks = "5 runs of 4 steps, each from the end of the previous one, then one from another state, with 1,"
+    assert line.startswith(walks)
 
 
 def test_derivatives_are_those_of_the_problem_to_the_last_bit():

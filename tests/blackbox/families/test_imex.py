@@ -32,9 +32,9 @@ def test_a_method_passes_as_itself(key):
     ("key", "how", "words"),
     [
         ("ars222", {"a_explicit": ((2, 0), -0.7)}, "a_explicit[2][0]: -7/10 instead of"),
-        ("ars222", {"b_implicit": (1, 0.75)}, "it is ars222 but for b_implicit[1]: 3/4"),
-        ("ark324", {"b_explicit": (2, 0.5)}, "it is ark324 but for b_explicit[2]: 1/2"),
-        ("ars111", {"implicit_times": [0.0, 0.0]}, "is asked at t + 0 h in stage"),
+        ("ars222", {"b_implicit": (1, 0.75)}, "it is ars222 except for b_implicit[1]: 3/4"),
+        ("ark324", {"b_explicit": (2, 0.5)}, "it is ark324 except for b_explicit[2]: 1/2"),
+        ("ars111", {"implicit_times": [0.0, 0.0]}, "is evaluated at t + 0 h in stage"),
     ],
 )
 def test_a_wrong_one_fails_with_its_cause(key, how, words):
@@ -45,7 +45,7 @@ def test_a_wrong_one_fails_with_its_cause(key, how, words):
 
 def test_tables_that_do_not_fit_are_of_lower_order_together():
     words = identify(imex("ars222", a_explicit=((2, 0), 0.5)), isolate=False).verdict
-    assert "of order 1 on f + g, its tables alone of order 2 and 2" in words
+    assert "of order 1 on f + g, its tables alone have order 2 and 2" in words
 
 
 @pytest.mark.parametrize("step", [split_in_turn, unsolved])
@@ -67,8 +67,8 @@ def test_tables_are_shown_row_by_row_each_stage_after_those_that_it_needs():
     lines = report.section("Coefficients").lines
     off = read_imex_step(opened(euler_pair)).rounding.of(1.0)
     shown = ("a_explicit[1] = 1, 0", "b_explicit = 1, 0", "a_implicit[1] = 0, 1", "b_implicit = 0, 1")
-    held = f"ars111: every entry within {off:.1e}, as its stages are solved"
-    assert (*lines[:5], lines[-1]) == (held, *shown, "it is given no time")
+    held = f"ars111: every entry within {off:.1e}, the accuracy of its stage solver"
+    assert (*lines[:5], lines[-1]) == (held, *shown, "it receives no time")
 
 
 def test_a_program_is_told_both_tables_and_the_orders_are_shown():
@@ -76,17 +76,17 @@ def test_a_program_is_told_both_tables_and_the_orders_are_shown():
     assert report.data["method"] == "ars222"
     assert [float(x) for x in report.data["a_implicit"][2]] == pytest.approx([0.0, 1 - g, g], abs=1e-15)
     tables, seen = report.section("Order").lines
-    assert tables == "of order 2 on f + g, its tables alone of order 2 and 2"
+    assert tables == "of order 2 on f + g, its tables alone have order 2 and 2"
     assert seen.endswith("with t, split in two (slopes of the local error: 2.81, 2.89, 2.94, 2.97, 2.99, 2.99)")
     lines = verify(imex("ars222"), "ars443", isolate=False).section("Coefficients: FAILED").lines
-    assert lines == ("not those of ars443", "ars443 has 5 stages that count, this one 3")
+    assert lines == ("not those of ars443", "ars443 has 5 stages with an effect, this one 3")
     assert identify(imex("ars111", implicit_times=[0.0, 0.0]), isolate=False).data["method"] is None
 
 
 def test_one_that_differs_in_two_entries_is_near_and_in_three_it_is_not():
     beside = "a_explicit[2][0]: -7/10 instead of -1/2*sqrt(2); b_implicit[1]: 3/4 instead of 1/2*sqrt(2)"
-    facts = "of order 0 on f + g, its tables alone of order 2 and 0, as its digits tell"
-    for b, name in (((1, 0.75), f"ars222 but for {beside}"), ((slice(None), [0, 0.75, 0.5]), "an IMEX method of 3")):
+    facts = "of order 0 on f + g, its tables alone have order 2 and 0, to the precision of its decimals"
+    for b, name in (((1, 0.75), f"ars222 except for {beside}"), ((slice(None), [0, 0.75, 0.5]), "an IMEX method of 3")):
         verdict = identify(imex("ars222", a_explicit=((2, 0), -0.7), b_implicit=b), isolate=False).verdict
         assert verdict.startswith(f"it is {name}")
         assert verdict.endswith(facts)

@@ -34,7 +34,7 @@ def test_a_splitting_has_tables_too_and_its_times_are_seen():
 
 
 def test_what_is_no_such_step_is_refused_in_words():
-    with pytest.raises(NotReadable, match=r"is off by 7\.5e-01 of what its coefficients say"):
+    with pytest.raises(NotReadable, match=r"is off by 7\.5e-01 from what its coefficients give"):
         read_imex_step(opened(lambda f, g, t, y, h: y + h * f(t, y) + h * np.clip(g(t + h, y), -0.75, 0.75)))
     with pytest.raises(NotReadable, match=r"is off by 1\.7e-01"):  # of all refusals, the first
         read_imex_step(opened(lambda f, g, t, y, h: y + h * f(t, y) + h * g(t, y + h * abs(f(t, y)))))

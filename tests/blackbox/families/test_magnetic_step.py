@@ -35,11 +35,11 @@ def test_what_is_not_linear_or_remembers_is_refused():
     with np.errstate(all="ignore"):
         undone = identify(codes.boris(lambda b, h: b / 0.0), isolate=False)
     assert undone.verdict.startswith("gives no answer: from ")
-    assert identify(codes.relativistic, isolate=False).verdict.startswith("it is no method that is known here: twice")
+    assert identify(codes.relativistic, isolate=False).verdict.startswith("it is not a known method: doubling")
 
 
 BORIS, RK4 = codes.boris(), codes.runge_kutta("rk4")
-OTHER, LAW = "with both fields, and elsewhere, ", "the position moves by another law"
+OTHER, LAW = "with both fields, and at other states, ", "the position moves by another law"
 
 
 def beside(change, step=BORIS):
@@ -62,18 +62,18 @@ BOUNDS = [
     (lambda k: codes.boris(kicks=(0.5 + k * U, 0.5 - k * U)), "the rotation of boris, with other kicks", (158, 163)),
     (lambda k: codes.boris(kicks=(0.5 + k * U, 0.5)), "gives h E times 1.00000000000001", (158, 163)),
     (lambda k: codes.boris(drift=(0.0, 1.0 + k * U)), "moves by 1.00000000000001", (158, 163)),
-    (lambda k: codes.boris(drift=(k * U, 1.0 - k * U)), "moves otherwise than in one method", (158, 163)),
-    (lambda k: codes.boris(drift=(0.5 + k * U, 0.5 - k * U)), "moves otherwise than in one method", (95, 98)),
-    (lambda k: codes.boris(lambda b, h: h / 2 * b * (1 + k * U)), "no rotation that is known here", (316, 325)),
+    (lambda k: codes.boris(drift=(k * U, 1.0 - k * U)), "does not move as in a single method", (158, 163)),
+    (lambda k: codes.boris(drift=(0.5 + k * U, 0.5 - k * U)), "does not move as in a single method", (95, 98)),
+    (lambda k: codes.boris(lambda b, h: h / 2 * b * (1 + k * U)), "not a known rotation", (316, 325)),
     (beside(lambda x, v, E, B, dt: (0, dt * np.cross(E, B)), RK4), f"a rotation by rk4; {LAW}", (79, 82)),
-    (beside(lambda x, v, E, B, dt: (dt * v, 0), RK4), "moves otherwise than in one method", (137, 142)),
-    (beside(lambda x, v, E, B, dt: (dt * np.cross(v, B), 0), RK4), "moves otherwise than in one method", (68, 71)),
-    (beside(lambda x, v, E, B, dt: (dt**2 * E, 0), RK4), "moves otherwise than in one method", (137, 142)),
-    (beside(lambda x, v, E, B, dt: (dt**2 * E, 0)), "moves in another way than without E", (538, 553)),
+    (beside(lambda x, v, E, B, dt: (dt * v, 0), RK4), "does not move as in a single method", (137, 142)),
+    (beside(lambda x, v, E, B, dt: (dt * np.cross(v, B), 0), RK4), "does not move as in a single method", (68, 71)),
+    (beside(lambda x, v, E, B, dt: (dt**2 * E, 0), RK4), "does not move as in a single method", (137, 142)),
+    (beside(lambda x, v, E, B, dt: (dt**2 * E, 0)), "moves differently than without E", (538, 553)),
     (beside(lambda x, v, E, B, dt: (0, v * (not B.any()))), "with B = 0, the velocity 1 becomes 1", (158, 164)),
-    (beside(lambda x, v, E, B, dt: (0, dt * np.cross(np.cross(E, B), B))), f"known here; {LAW}", (134, 139)),
-    (beside(lambda x, v, E, B, dt: (0, v * (v @ v))), "twice the velocity does not become", (52, 55)),
-    (beside(lambda x, v, E, B, dt: (0, v * (dt == 0.25))), "the rotation is not one by h B: with h B = 1", (632, 650)),
+    (beside(lambda x, v, E, B, dt: (0, dt * np.cross(np.cross(E, B), B))), f"not a known step; {LAW}", (134, 139)),
+    (beside(lambda x, v, E, B, dt: (0, v * (v @ v))), "doubling the velocity does not double", (52, 55)),
+    (beside(lambda x, v, E, B, dt: (0, v * (dt == 0.25))), "rotation is not a function of h B: at h B = 1", (632, 650)),
     (beside(lambda x, v, E, B, dt: (0, v * (B[0] > 0))), "the rotation depends on the direction of B", (668, 686)),
     (beside(lambda x, v, E, B, dt: (0, x)), f"{OTHER}the step is not made of these kicks", (418, 431)),
     (beside(lambda x, v, E, B, dt: (x, 0)), f"{OTHER}the position moves in another way", (418, 431)),

@@ -20,7 +20,7 @@ IMPLICIT = ["adams_moulton4", "bdf2", "bdf6"]
 AB2, AB3, AB4, AM3 = "adams_bashforth2", "adams_bashforth3", "adams_bashforth4", "adams_moulton3"
 BY_EULER, BY_RK4 = "started by forward_euler", "started by rk4"
 PI = Remembering(AB2, euler, sigma=[1 - pi / 2, pi / 2, 0.0])
-LATE = "its start is not good enough: first values are off like h^2, and whole runs have order 2, not 3"
+LATE = "its start is too inaccurate: first errors are like h^2, and whole runs have order 2, not 3"
 NAMED = [
     (Remembering(AB2, euler).step, f"{AB2}, {BY_EULER}"),
     (planted.in_a_closure(), f"{AB2}, {BY_EULER}"),
@@ -33,15 +33,15 @@ NAMED = [
     (Remembering("two_step_leapfrog", euler).step, f"two_step_leapfrog, {BY_EULER}"),
     (
         Corrected(AM3, rk4_step, planted.BASHFORTH4).step,
-        f"{AM3}, corrected once from what {AB4} predicts (PECE), {BY_RK4}",
+        f"{AM3}, corrected once from the prediction of {AB4} (PECE), {BY_RK4}",
     ),
     (
         planted.without_times(Corrected("adams_moulton2", rk4_step, [1.0], times=2)),
-        f"adams_moulton2, corrected 2 times from what forward_euler predicts (PECECE), {BY_RK4}",
+        f"adams_moulton2, corrected 2 times from the prediction of forward_euler (PECECE), {BY_RK4}",
     ),
     (
         PI.step,
-        f"a multistep method of 2 steps, {AB2} but for sigma[0]: -0.570796326795 instead of -1/2; "
+        f"a multistep method of 2 steps, {AB2} except for sigma[0]: -0.570796326795 instead of -1/2; "
         f"sigma[1]: 1.57079632679 instead of 3/2, {BY_EULER}",
     ),
 ]
@@ -51,7 +51,7 @@ NAMED = [
 def test_a_method_that_is_started_well_enough_passes_as_itself(key):
     report = verify(Remembering(key, rk4_step).step, key, isolate=False)
     assert report.passed is (FACTS_ONLY[key].claimed_order <= 5), report.text()
-    assert report.passed or "its start is not good enough: first values are off like h^5" in report.verdict
+    assert report.passed or "its start is too inaccurate: first errors are like h^5" in report.verdict
 
 
 @pytest.mark.parametrize(("step", "words"), NAMED, ids=range(len(NAMED)))
@@ -60,19 +60,19 @@ def test_a_stepper_is_named_with_its_start_in_every_form(step, words):
 
 
 THIRDS = Remembering(AB2, euler, sigma=[-1 / 3, 3 / 2, 0.0])
-BESIDE = "its right-hand side is not asked at the states that it returns"
-ALONE = "each step is made of the state before alone"
+BESIDE = "its right-hand side is not evaluated at the states that it returns"
+ALONE = "each step depends on the previous state only"
 WRONG = [
-    (THIRDS.step, AB2, f"{AB2} but for sigma[0]: -1/3 instead of -1/2"),
+    (THIRDS.step, AB2, f"{AB2} except for sigma[0]: -1/3 instead of -1/2"),
     (Remembering(AB4, euler).step, AB4, f"{LATE[:-1]}4"),
     (Remembering(AB2, euler).step, AB3, f"it is {AB2}"),
-    (Corrected(AM3, rk4_step, planted.BASHFORTH4).step, AM3, f"asked at what {AB4} predicts"),
+    (Corrected(AM3, rk4_step, planted.BASHFORTH4).step, AM3, f"evaluated at the prediction of {AB4}"),
     (Remembering("bdf2", euler, most=1).step, "bdf2", "its equations are solved to"),
     (Displaced(AB2, euler).step, AB2, BESIDE),
     (lambda f, t, y, h: y + 0.875 * h * f(t, y), AB2, f"{ALONE}; it is not consistent: rho'(1) - sigma(1) = 1/8"),
     (lambda f, t, y, h: y + 0 * f(t, y), AB2, ALONE),
-    (Stormer(right=False).step, "stormer2", "first values are off like h^2"),
-    (rk4_step, AB4, "its steps keep no recurrence of up to 8 steps"),
+    (Stormer(right=False).step, "stormer2", "first errors are like h^2"),
+    (rk4_step, AB4, "its steps satisfy no recurrence of up to 8 steps"),
 ]
 
 
@@ -100,9 +100,9 @@ def test_a_right_hand_side_that_is_asked_beside_the_states_is_a_fault_that_is_sa
 @pytest.mark.parametrize(
     ("step", "key", "words"),
     [
-        (lambda f, y0, ts: planted.run_of_adams_bashforth2(f, y0, ts)[-1], AB2, "returns no state but its last one"),
+        (lambda f, y0, ts: planted.run_of_adams_bashforth2(f, y0, ts)[-1], AB2, "returns only its last state"),
         (lambda q, v, h: (q + h * v, v - h * q), "bdf2", "its system is built in"),
-        (planted.in_the_module, AB2, "\nWhat would decide it\n  start: a stepper that keeps what it remembers"),
+        (planted.in_the_module, AB2, "\nWhat would decide it\n  start: a stepper that keeps its memory"),
     ],
 )
 def test_what_cannot_be_seen_leaves_it_undecided(step, key, words):
@@ -113,8 +113,8 @@ def test_what_cannot_be_seen_leaves_it_undecided(step, key, words):
 
 def test_a_run_whose_later_steps_keep_no_recurrence_is_named_by_its_first_step_only():
     verdict = identify(planted.run_of_weights_that_change_with_h, isolate=False).verdict
-    assert verdict.startswith("it is forward_euler; that is its first step only: with h = 0.5")
-    assert "steps do not keep" in verdict
+    assert verdict.startswith("it is forward_euler; this holds for its first step only: with h = 0.5")
+    assert "steps do not satisfy" in verdict
 
 
 def test_a_run_that_begins_as_another_method_is_not_that_one():
@@ -133,16 +133,15 @@ def test_a_recurrence_that_grows_is_said_to_be_unstable():
     assert "it is not zero-stable" in identify(step.step, isolate=False).verdict
 
 
-BASHFORTH2 = (
-    "kept to rounding in runs of 40 steps, after the start|rho = 0, -1, 1|sigma = -1/2, 3/2, 0|steps of one length"
-)
-ASKED, NOT = "F is asked at the states that it returns", "Recurrence: FAILED|not that of"
+BASHFORTH2 = "satisfied to rounding in runs of 40 steps, after the start|rho = 0, -1, 1|sigma = -1/2, 3/2, 0|"
+BASHFORTH2 += "only steps of one size"
+ASKED, NOT = "F is evaluated at the states that it returns", "Recurrence: FAILED|not that of"
 # What stands in the report, line by line, on a step that is held to a method.
 CHECKS = [
     (Remembering(AB3, euler), AB3, f"Start: FAILED|{LATE}|step 1 is forward_euler|step 2"),
-    (Remembering(AB3, euler), AB3, "has order 3; in whole runs order 2 is seen"),
+    (Remembering(AB3, euler), AB3, "has order 3; in whole runs order 2 is observed"),
     (Remembering(AB2, euler), AB2, f"Right-hand side: passed|{ASKED}||Start: passed|step 1"),
-    (Remembering(AB2, euler), AB2, f"Order: passed|{AB2} has order 2; in whole runs order 2 is seen"),
+    (Remembering(AB2, euler), AB2, f"Order: passed|{AB2} has order 2; in whole runs order 2 is observed"),
     (Remembering(AB2, euler), AB2, f"Recurrence: passed|{AB2}: {BASHFORTH2}"),
     (Remembering(AB2, euler), AB3, f"{NOT} {AB3}|{AB2}: {BASHFORTH2}"),
     (Displaced(AB2, euler), AB2, f"Right-hand side: FAILED|{BESIDE}|"),
@@ -157,7 +156,7 @@ def test_each_check_shows_its_evidence(made, key, lines):
 
 def test_the_order_of_what_was_read_is_shown_and_order_1_is_consistent():
     report = identify(Remembering("adams_bashforth2", euler).step, isolate=False)
-    assert report.section("Order").lines == ("order 2 of the recurrence: on y = t^3/3! it leaves 5/12",)
+    assert report.section("Order").lines == ("order 2 of the recurrence: on y = t^3/3! it leaves the residual 5/12",)
     names = ("method", "rho", "sigma", "derivative", "order", "start", "measured_order")
     rows = (["0.0", "-1.0", "1.0"], ["-0.5", "1.5", "0.0"])
     assert [report.data[name] for name in names] == ["adams_bashforth2", *rows, 1, 2, ["forward_euler"], 2]

@@ -96,11 +96,11 @@ def predicted_and_corrected():
 
 
 HALVES = [-0.25, 1.25, 0.0]
-LEFT = "steps do not keep the recurrence"
+LEFT = "steps do not satisfy the recurrence"
 # Steps that are off by k u, what is said of one that is off too far, and k before and behind the bound.
 BOUNDS = [
     (lambda k: adams_bashforth2(sigma=[k * U - 0.5, 1.5, 0.0]).step, LEFT, (23, 24.5)),
-    (lambda k: beside(adams_bashforth2(), lambda y, h: k * U * abs(y)), "not known here", (37, 46)),
+    (lambda k: beside(adams_bashforth2(), lambda y, h: k * U * abs(y)), "not in the catalogue", (37, 46)),
     (lambda k: beside(adams_bashforth2(), lambda y, h: k * U * (h == 0.75)), LEFT, (8.5, 8.9)),
     # Of one that is not known, what is read wrongly of 2 (3 + 3) coefficients; of implicit ones, what solvers leave.
     (lambda k: beside(adams_bashforth2(sigma=HALVES), lambda y, h: k * U * (h == 0.75)), LEFT, (5100, 5320)),
@@ -137,10 +137,10 @@ class Late(Remembering):
 
 
 LINES = [
-    (predicted_and_corrected(), -2, "F is asked at what adams_bashforth4 predicts, and at the states that it returns"),
-    (Late("adams_bashforth2", rk4_step), -2, "the first 3 steps are others"),
-    (adams_bashforth2(sigma=[0.0, 1.0, 0.0]), -2, "the first step is another"),
-    (Remembering("bdf2", euler, most=2), 0, "bdf2: kept to 1.6e-09, as its equations are solved, in runs of 40"),
+    (predicted_and_corrected(), -2, "F is evaluated at the prediction of adams_bashforth4 and at the states returned"),
+    (Late("adams_bashforth2", rk4_step), -2, "the first 3 steps differ"),
+    (adams_bashforth2(sigma=[0.0, 1.0, 0.0]), -2, "the first step differs"),
+    (Remembering("bdf2", euler, most=2), 0, "bdf2: satisfied to 1.6e-09, the accuracy of its solver, in runs of 40"),
 ]
 
 

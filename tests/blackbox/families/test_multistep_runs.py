@@ -59,15 +59,15 @@ def test_a_code_of_one_number_is_run_on_one():
 
 
 def test_single_steps_and_built_in_systems_are_no_runs():
-    assert later_steps(opened(euler)) == (None, "single steps are made, not runs", "")
-    another = "a step after others is another one than from the same state at once: it remembers, or varies"
+    assert later_steps(opened(euler)) == (None, "it makes single steps, not runs", "")
+    another = "a step in a run differs from the same step taken alone: it remembers, or varies"
     assert later_steps(opened(planted.run_of_adams_bashforth2)) == (False, another, "")
 
     def run(f, y0, ts):
         return list(accumulate(pairwise(ts), lambda y, pair: y + (pair[1] - pair[0]) * f(pair[0], y), initial=y0))
 
-    assert later_steps(opened(run)) == (True, "8 steps of a run, each as from its state at once", "")
-    with pytest.raises(UnsupportedCall, match="its system is built in: no right-hand side of ours marks its steps"):
+    assert later_steps(opened(run)) == (True, "8 steps of a run, each the same as taken alone", "")
+    with pytest.raises(UnsupportedCall, match="its steps cannot be marked by a given right-hand side"):
         MarkedRuns.of(opened(lambda q, v, h: (q + h * v, v - h * q)))
 
 
@@ -78,7 +78,7 @@ def test_a_run_that_cannot_go_on_is_not_said_to_go_on_as_it_begins():
         return [y0, y0 + (ts[1] - ts[0]) * f(ts[0], y0)]
 
     assert later_steps(opened(once))[0] is None
-    assert "no run of 8 steps is seen" in later_steps(opened(once))[1]
+    assert "no run of 8 steps was obtained" in later_steps(opened(once))[1]
     subject = opened(euler)
     subject.pristine = lambda f, t, y, h: 1 // 0
     with pytest.raises(StepRaised, match="ZeroDivisionError"):

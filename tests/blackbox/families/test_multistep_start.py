@@ -41,7 +41,7 @@ def test_a_start_is_named_and_its_errors_measured(step, methods, power, order, f
     *_, begun, ended = start.lines
     slopes = re.escape(first) or r"(-?\d+\.\d\d, )*-?\d+\.\d\d"
     assert re.search(rf"of its first values fall like h\^{power} \(slopes: {slopes}\)$", begun)
-    assert ended.startswith(f"order {order} is seen in whole runs, the start included, on ")
+    assert ended.startswith(f"order {order} is observed in whole runs, the start included, on ")
     assert ended.endswith(f" (slopes: {whole})" if whole else ")")
 
 

@@ -19,7 +19,7 @@ def test_length_and_order_are_told():
 
     for step, length, order in (
         (RK4, "its length is multiplied by 1 - phi^6/144 + ...", "order 4 at a constant omega"),
-        (codes.quaternion("forward_euler", unit=True), "what comes out has length 1, whatever goes in",
+        (codes.quaternion("forward_euler", unit=True), "the result has length 1, whatever the input",
          "order 2 at a constant omega"),
         (codes.turned_by(lambda x: x), "its length is kept to rounding", "no error"),
     ):  # fmt: skip
@@ -62,10 +62,10 @@ BOUNDS = [
     (lambda k: lambda q, w, dt: UNIT(q, w, dt) * (1 + k * U), "not make its length 1", (442, 455)),
     (lambda k: lambda q, w, dt: UNIT(q, w * (1 + k * U * np.dot(q, q)), dt), "not make its length 1", (586, 606)),
     # Of size 8 (1 + |R|): a matrix beside the two of a rotation, and a rotation by another angle.
-    (lambda k: lambda q, w, dt: RK4(q, w, dt) + k * U * q[0] * X, "is no rotation about omega", (786, 808)),
+    (lambda k: lambda q, w, dt: RK4(q, w, dt) + k * U * q[0] * X, "is not a rotation about omega", (786, 808)),
     (lambda k: lambda q, w, dt: RK4(q, w * (1 + k * U * (dt == 0.25)), dt), "depends on more than h |om", (318, 328)),
     # Of a rate as large as 1/2, 2^-6 (1 + 1/2); of a step at rest, 2^-6.
-    (lambda k: lambda q, w, dt: q + dt * (codes.body(q, w) + k * q[0] * X), "no product of q", (0.0233, 0.0237)),
+    (lambda k: lambda q, w, dt: q + dt * (codes.body(q, w) + k * q[0] * X), "not a product of q", (0.0233, 0.0237)),
     (lambda k: lambda q, w, dt: RK4(q, w, dt) + k * (not any(w)), "with omega = 0, (0.5", (0.0155, 0.0158)),
 ]
 
@@ -93,20 +93,20 @@ def test_programs_are_told_the_method_the_product_and_how_fast_it_turns():
         last = lambda q, w, rate=rate: np.roll(rate(np.roll(q, 1), w), -1)
         assert data(codes.quaternion("kutta3", rate))[1] == product
         assert data(codes.quaternion("kutta3", last))[1] == product.replace("first", "last")
-    assert data(UNIT) == (None, once, "rk4, made one of length 1 again", 4, True, "1")
+    assert data(UNIT) == (None, once, "rk4, normalised to length 1", 4, True, "1")
     assert data(codes.turned_by(lambda x: x)) == (None, once, "exact", None, False, "1")
     halved = codes.turned_by(lambda x: 4 * np.arctan(x / 4))
     assert data(halved)[:3] == (None, once, "implicit_midpoint in 2 equal parts")
     assert data(codes.turned_by(lambda x: 0.3 * x))[3:] == (0, False, "0.3")
-    assert data(lambda q, w, dt: np.array(q))[1:] == (once, "no rotation that is known here", 0, False, "0")
+    assert data(lambda q, w, dt: np.array(q))[1:] == (once, "not a known rotation", 0, False, "0")
     assert data(lambda q, w, dt: RK4(q, w, dt) + (not any(w)))[0] is None
-    assert data(codes.one_sign) == (None, None, "no rotation that is known here", 0, False, "0")
+    assert data(codes.one_sign) == (None, None, "not a known rotation", 0, False, "0")
 
 
 def test_a_rate_that_is_none_is_shown_beside_the_nearest():
     report = verify(codes.one_sign, "forward_euler", isolate=False)
     (off,) = report.section("Rotation: FAILED").lines
-    assert off == "no rotation that is known here: off the factor of forward_euler by 0.62 at the angle 2"
+    assert off == "not a known rotation: off the factor of forward_euler by 0.62 at the angle 2"
     rate = "at omega = (2, 3, 6)/7 the rate of q[3] takes 0.143 q[2], that of q omega (scalar first) -0.143 q[2]"
-    assert report.section("Rate: FAILED").lines == (f"its rate is no product of q and omega: {rate}",)
+    assert report.section("Rate: FAILED").lines == (f"its rate is not a product of q and omega: {rate}",)
     assert verify(RK4, "rk4", isolate=False).section("Rate: passed").lines == ("that of q' = q omega/2 (scalar first)",)

@@ -34,7 +34,7 @@ def test_a_stepper_that_hangs_is_undecided_and_one_that_raises_gives_no_answer()
 
 def test_two_functions_of_no_known_method_are_said_to_be_none():
     report = identify(lambda f, g, t, y, h: y + h * abs(f(t, y)) * g(t, y), calls="imex", isolate=False)
-    assert report.verdict == "it is no method that is known here: no stage of it has a weight"
+    assert report.verdict == "it is not a known method: no stage of it has a weight"
     assert json.loads(report.json())["not_answered"][0]["kind"] == "not_readable"
 
 

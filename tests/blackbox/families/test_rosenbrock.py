@@ -36,19 +36,19 @@ def test_a_method_passes_however_it_is_written(key, how):
 
 def test_a_paper_s_own_form_is_the_same_method():
     report = identify(ros2_by_hand, isolate=False)
-    assert (report.verdict, report.section("Coefficients").lines[-1]) == ("it is ros2", "f is given no time")
+    assert (report.verdict, report.section("Coefficients").lines[-1]) == ("it is ros2", "f receives no time")
 
 
 @pytest.mark.parametrize(
     ("key", "how", "words"),
     [
-        ("ros3p", {"gamma": ((1, 0), 1.0), "reuse": True}, "it is ros3p but for gamma[1][0]: 1 instead of -1"),
-        ("ros2", {"b": (0, 2 / 3)}, "it is ros2 but for b[0]: 2/3 instead of 1/2"),
-        ("rodas3", {"alpha": ((2, 0), 0.5)}, "it is rodas3 but for alpha[2][0]: 1/2 instead of 1"),
-        ("grk4t", {"gamma": ((3, 2), -0.1112)}, "it is grk4t but for gamma[3][2]: -139/1250 instead of -0.1112083"),
-        ("grk4t", {"time_slope": "none"}, "df/dt is left out: order 1 is seen where f depends on t, not 4"),
+        ("ros3p", {"gamma": ((1, 0), 1.0), "reuse": True}, "it is ros3p except for gamma[1][0]: 1 instead of -1"),
+        ("ros2", {"b": (0, 2 / 3)}, "it is ros2 except for b[0]: 2/3 instead of 1/2"),
+        ("rodas3", {"alpha": ((2, 0), 0.5)}, "it is rodas3 except for alpha[2][0]: 1/2 instead of 1"),
+        ("grk4t", {"gamma": ((3, 2), -0.1112)}, "it is grk4t except for gamma[3][2]: -139/1250 instead of -0.1112083"),
+        ("grk4t", {"time_slope": "none"}, "df/dt is left out: order 1 is observed where f depends on t, not 4"),
         ("ros3p", {"time_slope": "twice"}, "df/dt enters with other weights than the row sums of gamma"),
-        ("ros3p", {"at_end": True}, "the Jacobian is asked for at t + 1 h, and 0 from y, not at the start"),
+        ("ros3p", {"at_end": True}, "the Jacobian is evaluated at t + 1 h, and 0 from y, not at the start"),
     ],
 )
 def test_a_wrong_one_fails_with_its_cause(key, how, words):
@@ -63,8 +63,8 @@ def test_of_several_wrong_entries_the_products_are_told_in_which_they_stand():
     wrong = report.section("Coefficients: FAILED").lines
     assert len(wrong) == 7
     assert wrong[1] == "the slope of call 0 enters the result with 1/2 instead of 0.666667"
-    assert wrong[2] == "J h^2 times the slope of call 0 enters the place of call 2 with 5/8 instead of -0.25"
-    assert wrong[4] == "J^2 h^3 times the slope of call 0 enters the place of call 2 with 3/8 instead of -0.5"
+    assert wrong[2] == "J h^2 times the slope of call 0 enters the argument of call 2 with 5/8 instead of -0.25"
+    assert wrong[4] == "J^2 h^3 times the slope of call 0 enters the argument of call 2 with 3/8 instead of -0.5"
 
 
 def test_a_w_method_may_leave_out_the_derivative_by_t():
@@ -86,16 +86,16 @@ def test_as_many_numbers_tell_no_more_than_as_many_powers_of_gamma(most, key):
         assert identify(of_few, isolate=False).verdict == f"it is {key}"
         assert report.passed
         return
-    assert identify(of_few, isolate=False).verdict == f"it is, as far as {most} numbers tell, {key}"
+    assert identify(of_few, isolate=False).verdict == f"it is, judging by {most} components, {key}"
     assert report.passed is None
-    assert f"a stepper of {stages} numbers" in report.section("What would decide it").lines[0]
+    assert f"a stepper of {stages} components" in report.section("What would decide it").lines[0]
 
 
 def test_an_unknown_one_is_shown_with_its_coefficients_and_what_it_needs():
     report = identify(linearly_implicit_euler, isolate=False)
-    assert report.verdict == "it is no Rosenbrock method that is known here, of order 1 as measured"
+    assert report.verdict == "it is not a known Rosenbrock method, of order 1 as measured"
     assert "gamma[0] = 1" in report.section("Coefficients").lines
-    assert "order 1 is seen with half of f' as J" in report.section("Order").lines[1]
+    assert "order 1 is observed with half of f' as J" in report.section("Order").lines[1]
 
 
 def test_a_method_of_somebody_s_own_is_held_to_its_own_products():
@@ -105,7 +105,7 @@ def test_a_method_of_somebody_s_own_is_held_to_its_own_products():
     assert verify(step, own, isolate=False).verdict == "is mine"
     assert verify(rosenbrock("ros2"), own, isolate=False).passed is False
     other = verify(rosenbrock("ros2"), "rodas3", isolate=False).section("Coefficients: FAILED")
-    assert other.lines == ("rodas3 asks f at 3 places, this one at 2",)
+    assert other.lines == ("rodas3 evaluates f at 3 places, this one at 2",)
 
 
 def test_another_method_and_a_step_without_a_jacobian_are_not_it():
@@ -121,11 +121,11 @@ def test_what_is_read_is_shown_with_the_orders():
     rows = f"gamma[0] = {diagonal}|gamma[1] = 3/2, {diagonal}|gamma[2] = {last}|b = 2/3, 0, 1/3"
     shown = to_twelve_digits("|".join(off.section("Coefficients").lines[1:-1]))
     assert shown == f"alpha[1] = 3/4|alpha[2] = 1, 0|{rows}"
-    right, seen = identify(rosenbrock("ros2"), isolate=False), "on a nonlinear problem of 4 numbers, with t"
+    right, seen = identify(rosenbrock("ros2"), isolate=False), "on a nonlinear problem of 4 components, with t"
     slopes = (
-        "(slopes of the local error: 2.32, 2.87, 3.01, 3.03, 3.02, 3.01, 3.01)|order 2 is seen with half of f' as J"
+        "(slopes of the local error: 2.32, 2.87, 3.01, 3.03, 3.02, 3.01, 3.01)|order 2 is observed with half of f' as J"
     )
-    orders = f"order 2 with J = f', 2 with any matrix|order 2 is seen with J = f' {seen} {slopes} {seen}"
+    orders = f"order 2 with J = f', 2 with any matrix|order 2 is observed with J = f' {seen} {slopes} {seen}"
     assert "|".join(right.section("Order").lines) == orders
     named = "ros2: products of alpha and b with gamma up to its power 7, to rounding"
     assert right.section("Coefficients").lines[0] == named

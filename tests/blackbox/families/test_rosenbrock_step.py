@@ -37,14 +37,14 @@ def test_what_is_no_such_step_is_refused_in_words():
         return y + h * np.clip(f(t, y) + h * np.asarray(jac(t, y)) @ f(t, y), -0.5, 0.5)
 
     ros2 = rosenbrock("ros2", time_slope="none")
-    scales = "with other slopes and h = 0.5 it ends at .*, where the coefficients read say .*, or does not scale with h"
+    scales = "with other slopes and h = 0.5 it ends at .*, where the coefficients read give .*, or does not scale with"
     for step, words in some(
         [
             (limited, "not linear in its slopes"),
             (lambda f, jac, t, y, h: ros2(f, jac, t, y, h) + (h != 1), scales),
             (lambda f, jac, t, y, h: ros2(f, jac, t, y, h) + 0 * (h != 1 and f(t, y)), "on the answers: 2, then 3"),
             (lambda f, jac, t, y, h: ros2(f, jac, t, y, h) + 0 * (any(f(t, y)) and f(t + h, y)), "answers: 4, then 3"),
-            (lambda f, jac, t, y, h: y + h * f(t, y), "never asks for"),
+            (lambda f, jac, t, y, h: y + h * f(t, y), "never calls"),
             (lambda f, jac, t, y, h: y + h * (f(t, y) + 0 * jac(t, y)[0] + 1), "y = 0 does not stay"),
             (lambda f, jac, t, y, h: y + 0 * (f(t, y) + jac(t, y)[0]), "no call moves the step"),
         ]

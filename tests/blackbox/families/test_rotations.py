@@ -38,13 +38,13 @@ def cayley(z):
         (lambda z: cayley(-2 * z), "implicit_midpoint at twice the angle the other way", 0),
         (lambda z: cayley(-z / 2), "implicit_midpoint at half the angle the other way", 0),
         (lambda z: cayley(z / 2) ** 2, "implicit_midpoint in 2 equal parts", 2),
-        (lambda z: (1 + z) / abs(1 + z), "forward_euler, made one of length 1 again", 2),
+        (lambda z: (1 + z) / abs(1 + z), "forward_euler, normalised to length 1", 2),
         (lambda z: 1 + z + z * z / 4, "forward_euler in 2 equal parts", 1),
-        (lambda z: 1 + z + z * z / 5, "no rotation that is known here", 1),
-        (lambda z: 1 - z * z, "no rotation that is known here", 0),
+        (lambda z: 1 + z + z * z / 5, "not a known rotation", 1),
+        (lambda z: 1 - z * z, "not a known rotation", 0),
         # What rounding may carry is (4 (8 + 2) 4 u) (1 + |R|): 320 u.
         (lambda z: cmath.exp(z) * (1 + 310 * U), "exact", None),
-        (lambda z: cmath.exp(z) * (1 + 330 * U), "no rotation that is known here", None),
+        (lambda z: cmath.exp(z) * (1 + 330 * U), "not a known rotation", None),
     ],
 )
 def test_a_factor_is_named_with_its_order(factor, name, order):

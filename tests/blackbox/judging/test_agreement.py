@@ -69,7 +69,7 @@ def test_extremes_are_tried_only_where_they_are_asked_for():
     "bad", [{"largest_step": 2.0**-20}, {"largest_state": inf}, {"largest_step": nan}, {"smallest_step": -1}]
 )
 def test_a_domain_without_steps_or_states_is_refused(bad):
-    with pytest.raises(ValueError, match="sizes go from 0 or more up"):
+    with pytest.raises(ValueError, match="need 0 <= smallest < largest"):
         Domain(**bad)
 
 

@@ -63,7 +63,7 @@ def test_the_orders_of_a_code_are_seen_and_wrong_times_and_a_number_left_out_cos
     asked = Asked(MEASURED[name])
     general, *others = measured_orders(opened(asked.code))
     as_before(general.words, *others, asked)
-    assert name not in codes.RK4_AT_WRONG_TIMES or "a nonlinear problem of 4 numbers, with t" in general.words
+    assert name not in codes.RK4_AT_WRONG_TIMES or "a nonlinear problem of 4 components, with t" in general.words
 
 
 EXPLICIT = [key for key, method in METHODS.items() if isinstance(method, RungeKutta) and method.explicit]

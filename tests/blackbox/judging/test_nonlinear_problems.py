@@ -33,11 +33,11 @@ def rk4_of_one_without_time(f, y, h):
 
 
 CODES = {
-    "a nonlinear problem of 4 numbers, with t": codes.rk4,
-    "a nonlinear problem of 4 numbers, without t: the code hands on no time": codes.rk4_without_time,
-    "a nonlinear problem of 2 numbers, with t": rk4_of_two,
-    "a nonlinear problem of 1 number, with t": codes.rk4_of_one_number,
-    "y' = exp(-y), without t: the code hands on no time": rk4_of_one_without_time,
+    "a nonlinear problem of 4 components, with t": codes.rk4,
+    "a nonlinear problem of 4 components, without t: the code passes no time": codes.rk4_without_time,
+    "a nonlinear problem of 2 components, with t": rk4_of_two,
+    "a nonlinear problem of 1 component, with t": codes.rk4_of_one_number,
+    "y' = exp(-y), without t: the code passes no time": rk4_of_one_without_time,
 }
 PROBLEMS = [*((words, field_problem(opened(step))) for words, step in CODES.items())]
 PROBLEMS += [

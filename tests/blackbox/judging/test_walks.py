@@ -128,7 +128,8 @@ def test_a_step_is_held_to_the_roundings_of_its_numbers_its_slopes_and_its_time(
     walker, problem = Walker(subject, METHODS["forward_euler"]), place.problem(driven(1, timed=True))
     words, (end,) = walker.compared(problem, place, t, [0.25], h)
     assert (words == "") == right
-    assert right or f"in a step of 0.0625 from t = 0.75, of 1 number, y[0] is {end!r}, of forward_euler " in words
+    told = f"y[0] is {end!r} where forward_euler gives "
+    assert right or f"in a step of 0.0625 from t = 0.75, with 1 component, {told}" in words
 
 
 # A domain, a place within it, and one that is not.
@@ -189,4 +190,4 @@ def test_a_built_in_system_is_not_walked():
 def test_the_verdict_says_that_it_is_the_method_but_not_everywhere():
     report = verify(WRONG["the last of five"][0], "rk4", examples=20, isolate=False)
     assert report.passed is False
-    assert report.verdict.startswith("is rk4, but not everywhere: of 5 numbers it is another step: in a step of ")
+    assert report.verdict.startswith("is rk4, but not everywhere: with 5 components it takes a different step: in a")

@@ -90,7 +90,7 @@ def test_a_dense_output_is_a_polynomial_up_to_degree_12(power, degree, as_before
         (lambda theta, h, right, straight: np.minimum(right, 1e-3), "is right neither half-way nor at the end"),
         (
             lambda theta, h, right, straight: np.array([*right[:-1], *straight[-1:]]) if len(right) > 2 else right,
-            "the numbers of y are not stepped alike",
+            "the components of y are not advanced alike",
         ),
     ],
 )

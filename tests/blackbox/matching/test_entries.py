@@ -72,7 +72,7 @@ LATE = read_coefficients(opened(of_stages("rk4", lambda i, stage, v: v if i == 3
 def test_the_velocities_that_are_off_are_told_and_no_others():
     assert other_velocities(RK4, LATE) == ["the velocity of call 3 holds F[2]: 0 instead of 1"]
     assert other_velocities(METHODS["heun2"], LATE) == [
-        "the velocities that its force is given are not those of the stages of heun2"
+        "the velocities passed to its force are not those of the stages of heun2"
     ]
 
 
@@ -105,7 +105,7 @@ def test_what_is_off_is_told_where_it_is_beyond_its_rounding(share):
     simple = rational_method(read_with("heun3", ("b", 0), by=share * 20 * 2.0**-26, in_format=BINARY32), "mine")
     assert (simple and simple.b) == (None if abs(share) > 1 else METHODS["heun3"].b)
     (velocity,) = velocities_with(share * Rounding(BINARY32, 4).of(1 + 1))
-    assert velocity.startswith("the velocity of call 3 holds F[2]: " if abs(share) > 1 else "its positions are not")
+    assert velocity.startswith("the velocity of call 3 holds F[2]: " if abs(share) > 1 else "given its velocities,")
 
 
 def test_of_many_entries_twelve_are_shown_and_none_is_mended_of_more_than_seven_stages():

@@ -88,7 +88,7 @@ def test_reports_name_both_rows_and_the_fault():
     assert named.verdict == (
         "it is dormand_prince54, with the embedded weights propagated: the row of order 4, not that of order 5"
     )
-    assert "propagated is the row of order 4, the other one has order 5" in named.section("Error estimate").lines
+    assert "the row of order 4 is propagated, the other one has order 5" in named.section("Error estimate").lines
     zero = pair_step("cash_karp54", lambda y1, error, h, y: (y1, 0 * y))
     assert identify(zero, isolate=False).verdict == "it is cash_karp54; the error estimate is always 0"
 
@@ -122,15 +122,15 @@ def test_an_estimate_of_stages_called_in_another_order_is_held_to_the_stages_tha
     order = [*stages[: late - 1], late, *stages[late - 1 : late], *stages[late + 1 :]]
     assert verify(pair_step(key, order=order), key, examples=20, isolate=False).passed
     spoiled = pair_step(key, order=order, estimate=but_one(late, 1 / 7))
-    verdict = verify(spoiled, key, examples=20, isolate=False).verdict
-    assert verdict.startswith(f"is {key}, but the error estimate is not that of {key}, but for e[{late - 1}]: 1/7")
+    said = verify(spoiled, key, examples=20, isolate=False).verdict
+    assert said.startswith(f"is {key}, but the error estimate is not that of {key}; it differs in e[{late - 1}]: 1/7")
 
 
 @pytest.mark.parametrize(("key", "passed"), [("bogacki_shampine32", None), ("ralston3", True)])
 def test_an_estimate_that_is_not_read_leaves_a_pair_undecided_and_no_other_method(key, passed):
     report = verify(pair_step("bogacki_shampine32", cut), key, examples=20, isolate=False)
     assert report.passed is passed
-    seen = "with other answers, what it returns beside y1 is 0.001 where"
+    seen = "with other answers, what it returns besides y1 is 0.001 where"
     assert f"error estimate{' is not judged' * bool(passed)}: {seen}" in report.verdict
     decides = report.section("What would decide it")
     assert passed or decides.lines[0].startswith("error estimate: an estimate that is a sum of the slopes")

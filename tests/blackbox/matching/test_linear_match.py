@@ -83,7 +83,7 @@ def test_a_fit_is_plain_data_and_its_lines_name_what_cannot_be_told_apart():
     assert decode(encode(found), "driftproof") == found
     assert found.lines[:2] == (
         "rk4, to rounding in binary64",
-        "no linear test tells rk4 from rk38, gill4, ralston4, zonneveld43, england45",
+        "no linear test distinguishes rk4 from rk38, gill4, ralston4, zonneveld43, england45",
     )
 
 

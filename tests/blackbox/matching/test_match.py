@@ -72,7 +72,7 @@ def test_a_last_bit_is_said_and_a_wrong_digit_makes_another_method(error, named)
 
 # Of a number 1, below which the next ones are one rounding apart each.
 @pytest.mark.parametrize(
-    ("roundings", "closeness"), [(4, "every coefficient within 4 r"), (5, "the coefficients as sums")]
+    ("roundings", "closeness"), [(4, "every coefficient within 4 r"), (5, "coefficients formed as sums")]
 )
 def test_coefficients_that_take_four_operations_are_told_from_those_that_sums_make(roundings, closeness):
     found = match_method(read_with("rk38", ("a", 2, 1), by=-roundings * 2.0**-53), METHODS["rk38"])
@@ -81,7 +81,7 @@ def test_coefficients_that_take_four_operations_are_told_from_those_that_sums_ma
 
 def test_what_a_solver_leaves_in_a_coefficient_is_told_relative_to_it():
     reading = replace(read_with("sdirk2", ("a", 0, 0), by=1e-9), stage_error=1e-9, solved=StageSolution(0.0, 0.0))
-    closeness = f"every coefficient within {1e-9 / (1 - 0.5**0.5):.1e}, as its stages are solved"
+    closeness = f"every coefficient within {1e-9 / (1 - 0.5**0.5):.1e}, the accuracy of its stage solver"
     assert match_method(reading, METHODS["sdirk2"]).matches[0].closeness == closeness
 
 
@@ -111,7 +111,7 @@ def test_how_near_a_match_is_is_said_of_the_first_of_several(as_before):
 def test_a_stage_at_a_wrong_time_is_named():
     rows, weights, nodes = codes.floats(METHODS["rk38"])
     nodes[1] = 0.5
-    assert in_field(codes.tableau(rows, weights, nodes)).lines[1] == "nearest: rk38 but for c[1]: 1/2 instead of 1/3"
+    assert in_field(codes.tableau(rows, weights, nodes)).lines[1] == "nearest: rk38 except for c[1]: 1/2 instead of 1/3"
 
 
 def test_a_wrong_stage_of_an_error_estimate_is_said_beside_the_step():

@@ -127,7 +127,7 @@ def test_a_pair_that_steps_no_way_back_is_read_and_one_that_steps_ahead_at_times
 
 
 def test_without_a_second_answer_there_is_nothing_to_read():
-    with pytest.raises(UnsupportedCall, match="returns nothing beside y1"):
+    with pytest.raises(UnsupportedCall, match="returns nothing besides y1"):
         read(rk4)
 
 

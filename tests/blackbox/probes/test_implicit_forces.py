@@ -133,7 +133,7 @@ def test_a_right_step_is_verified_and_a_wrong_one_is_not():
     wrong = of_force((c, a + 1 / 64, *weights))
     found = verify(wrong, "implicit_midpoint", examples=20, isolate=False, allowance=SOLVED)
     assert found.passed is False
-    assert found.verdict == "is not implicit_midpoint; it is implicit_midpoint but for a[0][0]: 17/64 instead of 1/4"
+    assert found.verdict == "is not implicit_midpoint; it is implicit_midpoint except for a[0][0]: 17/64 instead of 1/4"
     assert "a[0][0]  1/4      17/64      0.0156" in found.section("Coefficients: FAILED").lines
 
 

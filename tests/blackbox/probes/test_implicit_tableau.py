@@ -86,7 +86,7 @@ def test_the_solver_leaves_what_two_readings_differ_by():
     assert the_same(seen, table("gauss2"), 4 * seen.stage_error)
     (match,) = match_tableau(seen).matches
     assert match.key == "gauss2"
-    assert "as its stages are solved" in match.closeness
+    assert "the accuracy of its stage solver" in match.closeness
     assert not read(all_at_once(table("gauss2"))).rounding.besides > 1e-13
 
 

@@ -87,7 +87,7 @@ def test_another_time_and_too_many_stages_are_refused():
         NotReadable, match=r"is called at t \+ 1 h, and with other slopes, times and h at the nodes 0, 0.5"
     ):
         subject.run(subject.marks(0), Setting(), lambda shares, moved: [2.0] * len(moved))
-    with pytest.raises(NotReadable, match="asked at 41 stages: it is adaptive"):
+    with pytest.raises(NotReadable, match="called at 41 stages: it is adaptive"):
         steps(stiff(41)).marks(0)
     assert len(steps(stiff(40)).marks(0).labels) == 40
 

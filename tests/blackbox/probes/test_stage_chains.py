@@ -47,5 +47,5 @@ def test_so_far_a_chain_may_be_off_as_before(key, besides, as_before):
 def test_another_table_is_refused_by_a_chain_through_all_stages():
     chains = chains_of("radau_iia2")
     (a,), (b,), _ = chains.tables()
-    with pytest.raises(NotReadable, match="another step than of these stages"):
+    with pytest.raises(NotReadable, match="the step is not made of these stages"):
         chains.demand_chain((a[::-1],), (b,), Rounding(BINARY64, 2, 4 * chains.left))

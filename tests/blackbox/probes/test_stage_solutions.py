@@ -47,7 +47,7 @@ ITERATIONS = {
 def test_iterations_that_are_fixed_are_told_where_too_little_is_left_for_a_power():
     seen = equations(one_by_one(table("backward_euler"), partial(newton, most=3, tolerance=0))).solved()
     assert seen.power == NO_POWER
-    assert seen.words.endswith("and as many calls are made however nonlinear it is")
+    assert seen.words.endswith("and the number of calls does not depend on the nonlinearity")
 
 
 @pytest.mark.parametrize(("solver", "power"), ITERATIONS.values(), ids=ITERATIONS)
@@ -73,7 +73,7 @@ def test_other_coefficients_than_those_read_are_noticed_by_every_control():
 
 
 def test_words_name_what_is_seen():
-    assert StageSolution(1e-9, 1e-12).words == "its stages are solved to 1.0e-09, on nonlinear problems, too"
+    assert StageSolution(1e-9, 1e-12).words == "its stages are solved to 1.0e-09, also on nonlinear problems"
     assert StageSolution(0.0, 0.1, 5).words.endswith(
         "like the power 5 of the nonlinearity, as after 5 with one Jacobian"
     )

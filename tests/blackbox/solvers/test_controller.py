@@ -67,7 +67,7 @@ def test_a_law_is_fitted_to_three_steps_more_than_it_has_numbers_all_of_which_ar
 RULES = {
     "right": (lambda factor, rejections: factor, ""),
     "lazy": (lambda factor, rejections: 1.0 if 1 < factor < 1.2 else factor, ""),
-    "late": (lambda factor, rejections: 0.9 if rejections == 3 else factor, "after 3 or more rejections in a row are"),
+    "late": (lambda factor, n: 0.9 if n == 3 else factor, "after 3 or more rejections in a row differ"),
     "at the second": (lambda factor, rejections: factor / 2 if rejections == 2 else factor, "after 2 or more"),
     "at every rejection": (lambda factor, rejections: 0.5 if rejections else factor, "after 1 or more"),
 }
@@ -92,7 +92,7 @@ def test_a_step_that_ends_elsewhere_is_counted_unless_rounding_explains_it(by, f
 
     words = [fault.partition(" of ")[::2] for fault in read(solve).faults]
     assert [(count, rest.partition(" ")[2]) for count, rest in words] == [
-        ("1", "steps are not of this method: they do not end where its weights say")
+        ("1", "steps are not steps of this method: they do not end where its weights give")
     ] * faults
 
 

@@ -54,7 +54,7 @@ def test_what_comes_instead_of_an_answer_is_named():
         ForeignSolver(fails).solve(lambda n, t, y: y, (0, 1), (1.0,))
     with pytest.raises(Misbehaviour, match="returns int, not"):
         ForeignSolver(lambda *_: 7).solve(lambda n, t, y: y, (0, 1), (1.0,))
-    with pytest.raises(Misbehaviour, match="3 times came with 4 numbers, of states of 1"):
+    with pytest.raises(Misbehaviour, match="3 times were returned with 4 numbers, for states of 1"):
         ForeignSolver(lambda *_: (T, [1.0] * 4)).solve(lambda n, t, y: y, (0, 1), (1.0,))
     endless = adaptive(estimate=lambda e: [1.0, 0.0, 0.0, 0.0])
     with pytest.raises(DoesNotEnd, match="after 30000 calls"):

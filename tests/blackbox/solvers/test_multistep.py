@@ -69,7 +69,7 @@ RIGHT = {
     ],
     "adams_bashforth4, started by rk4": [by_length(lambda: Remembering("adams_bashforth4", rk4_step).step)],
     "bdf2, started by backward_euler": [by_number(lambda: Remembering("bdf2", planted.implicit_euler).step)],
-    "adams_moulton3, corrected once from what adams_bashforth4 predicts (PECE), started by rk4": [
+    "adams_moulton3, corrected once from the prediction of adams_bashforth4 (PECE), started by rk4": [
         by_number(lambda: Corrected("adams_moulton3", rk4_step, BASHFORTH4).step)
     ],
 }
@@ -86,10 +86,10 @@ def test_a_right_one_is_named_without_alarm(name, as_before):
 
 
 WRONG = {
-    "its start is not good enough: first values are off like h^2, and whole runs have order 2, not 4": (
+    "its start is too inaccurate: first errors are like h^2, and whole runs have order 2, not 4": (
         lambda: Remembering("adams_bashforth4", euler).step
     ),
-    "adams_bashforth2 but for sigma[0]: -1/3 instead of -1/2": (
+    "adams_bashforth2 except for sigma[0]: -1/3 instead of -1/2": (
         lambda: Remembering("adams_bashforth2", euler, sigma=[-1 / 3, 3 / 2, 0.0]).step
     ),
     "it is not consistent: rho'(1) - sigma(1) = 1/6": (
@@ -131,7 +131,7 @@ def test_the_methods_of_a_solver_of_several_orders_are_told_where_its_steps_are_
         return solve_ivp(f, t_span, y0, method, rtol=rtol, atol=atol)
 
     memory = read_memory(SolverTarget(solve).open())
-    assert memory.name.endswith("where its steps are of one length")
+    assert memory.name.endswith("where its step size is constant")
     assert VARYING[method] <= set(memory.name.replace(",", "").split())
     assert memory.order is None
 
@@ -151,11 +151,11 @@ def of_two_lengths(f, t_span, y0, rtol, atol):
 def test_steps_of_two_lengths_are_told_and_counted(as_before):
     asked = Asked(of_two_lengths)
     memory = read_memory(SolverTarget(asked.code).open())
-    assert memory.name == "forward_euler, adams_bashforth2 where its steps are of one length"
+    assert memory.name == "forward_euler, adams_bashforth2 where its step size is constant"
     as_before(*memory.lines, memory.order, memory.faults, asked)
 
 
-@pytest.mark.parametrize(("by", "name"), [(2.0**-46, STARTED), (2.0**-44, "where its steps are of one length")])
+@pytest.mark.parametrize(("by", "name"), [(2.0**-46, STARTED), (2.0**-44, "where its step size is constant")])
 def test_lengths_are_one_if_their_times_cannot_tell_them_apart(by, name):
     def solve(f, t_span, y0, rtol, atol):
         times, states = run(adams_bashforth2, f, t_span, y0, 100)
@@ -195,12 +195,12 @@ def of_one_step(f, t, y, h):
 
 STAGES = adaptive("dormand_prince54", exponent=0.2)
 NO_MEMORY = {
-    "of stages": (STAGES, "none that follows others of its length keeps a recurrence known here"),
+    "of stages": (STAGES, "none that follows others of its size satisfies a known recurrence"),
     "of weights": (of_heun, "its steps are those of trapezoid, as are those of every method with these"),
     "of ten steps": (of_few(10), "it returns 11 states in a run of 40"),
     "of two steps": (of_few(2), "it returns 3 states"),
     "of a step": (of_few(1), "its steps are those of forward_euler, as"),
-    "of one step": (by_number(lambda: of_one_step), "each step is made of the state before alone"),
+    "of one step": (by_number(lambda: of_one_step), "each step depends on the previous state only"),
     "stuck": (stuck, "after 30000 calls of f"),
 }
 

@@ -41,9 +41,9 @@ def test_what_solves_for_its_steps_is_told_from_what_does_not(method):
         return solve_ivp(f, t_span, y0, method=method, rtol=rtol, atol=atol)
 
     found = read(solve)
-    assert found.seen["Stiffness"][1].startswith("it solves for its steps")
+    assert found.seen["Stiffness"][1].startswith("it solves equations for its steps")
     assert "differences of f in y" in found.seen["Stiffness"][2]
-    assert "it solves for its steps" in identify_solver(solve, isolate=False).verdict
+    assert "it solves equations for its steps" in identify_solver(solve, isolate=False).verdict
 
 
 def test_the_stages_of_an_explicit_pair_at_the_end_of_its_step_are_no_differences_for_a_jacobian():
@@ -65,7 +65,7 @@ def test_a_solver_that_ends_early_and_says_so_is_not_said_to_be_silent():
         return adaptive()(f, t_span, y0, rtol, atol)
 
     found = read(solve)
-    assert found.seen["Backward"] == ("backward in time it ends at t = 1 and says: only forward",)
+    assert found.seen["Backward"] == ("backward in time it ends at t = 1 and reports: only forward",)
     assert found.faults == ()
 
 
@@ -225,50 +225,50 @@ NUMBERS = (0.0,) * 5
 LITTLE_BOUGHT = "a tolerance 1000 times smaller"
 # Of a step of 0.017 the last one is cut, or one too many, or something else; a clock of 24 bits is no error.
 SAID = [
-    (CONSTANT, ending(by=4e-4), "u' = 0 ends at u = 0.333733333 in place of 0.333333333"),
-    (CLOCK, ending_at(1.817), "one step too many, or a last one that is not cut"),
+    (CONSTANT, ending(by=4e-4), "u' = 0 ends at u = 0.333733333 instead of 0.333333333"),
+    (CLOCK, ending_at(1.817), "one step too many, or a last one that is not shortened"),
     (CLOCK, ending_at(1.802), "the last step ends 0.002 from the end"),
     (CLOCK, ending_at(1.794), "one step too few: it ends 0.006 before"),
     (CLOCK, ending_at(1.798), "the last step ends -0.002 from the end"),
     (CLOCK, ending_at(1.79), "the last step ends -0.01 from the end"),
     (CLOCK, ending_at(1.8 + 2.0**-44), "the last step ends 5.68434e-14 from the end"),
     (CLOCK, ending_at(1.8 + 2.0**-45), "rounding errors of 100 steps"),
-    (CLOCK, ending(by=1.8e-13), "drift apart by 1.8"),  # the bound is 4 u 200 calls of numbers up to 1.8
+    (CLOCK, ending(by=1.8e-13), "differ by 1.8"),  # the bound is 4 u 200 calls of numbers up to 1.8
     (CLOCK, asking_beyond(2e-15), "f is called up to 2e-15 beyond the end"),
     (CLOCK, in_hundredths, "time is accumulated, t += h in binary64"),
     (CLOCK, lambda f, rtol, t, y: ([*t, 1.817, 1.834], [*y, y[-1], y[-1]]), "the last step ends 0.034 from the end"),
     (CLOCK, lambda f, rtol, t, y: (t[:1], y[:1]), "it makes no step"),
     (CLOCK, lambda f, rtol, t, y: (t[::99], y[::99]), "the last step ends -0.017 from the end"),
     (CLOCK, hanging, "not seen: no time"),
-    (NUMBERS, apart(2e-6), "where y[1] has a bump, it makes 100 steps, where y[0] has it, 100"),
+    (NUMBERS, apart(2e-6), "with a bump in y[1] it takes 100 steps, with one in y[0] 100"),
     (CLOCK, endless, "clock: does_not_end: after 30000 calls of f it is at t = 0.1 of"),
     (JUMP, endless, "at a jump of f it does not end: after 30000 calls"),
-    (JUMP, complaining, "it says: too steep"),
+    (JUMP, complaining, "it reports: too steep"),
     (STIFF, endless, "on y' = -1000 (y - cos t) - sin t it does not end: after 30000 calls"),
     (BACKWARD, ending(by=0.05), "it integrates backward in time"),
     (BACKWARD, ending(by=0.2), "backward in time, from 1 to 0, it ends at t = "),
-    (BACKWARD, ending(shift=1e-3), "and does not say so"),
+    (BACKWARD, ending(shift=1e-3), "without saying so"),
     (CIRCLE, erring(1e-3, 1.1e-4), LITTLE_BOUGHT),
     (CIRCLE, erring(1.16e-12, 1.16e-12), LITTLE_BOUGHT),  # ten times 2^10 u
-    (CIRCLE, erring(1e-3, 0.0, 5e-4), "at rtol = 0.0001: error 0, 0 of it"),
+    (CIRCLE, erring(1e-3, 0.0, 5e-4), "at rtol = 0.0001: error 0, 0 times rtol"),
     (CIRCLE, erring(1e-3, 0.0), "errors fall like rtol^0.00"),
-    (CIRCLE, erring(1e-3, 5e-5), "at rtol = 1e-06: error 5e-05, 50 of it"),
-    (STIFF, following(15), "it solves for its steps"),
-    (STIFF, following(15, off=0.05), "it solves for its steps"),
+    (CIRCLE, erring(1e-3, 5e-5), "at rtol = 1e-06: error 5e-05, 50 times rtol"),
+    (STIFF, following(15), "it solves equations for its steps"),
+    (STIFF, following(15, off=0.05), "it solves equations for its steps"),
     (STIFF, asking_near((0, 2e-7), (0, 0.0), (0, 3e-7), (0, 2e-7), (0.01, 2e-7)), "of f in y, 2 times"),
 ]
 NOT_SAID = [
     (CONSTANT, ending(by=3e-4), "u' = 0 ends at"), (CLOCK, ending_at(1.8 - 1e-15), "f is called up to"),
-    (CLOCK, asking_beyond(1.2e-15), "f is called up to"), (CLOCK, ending(by=1.4e-13), "drift apart"),
+    (CLOCK, asking_beyond(1.2e-15), "f is called up to"), (CLOCK, ending(by=1.4e-13), "that it returns differ"),
     (BACKWARD, ending(shift=1e-4, by=0.05), "backward in time, from"),
     (CIRCLE, erring(1e-3, 0.9e-4), LITTLE_BOUGHT), (CIRCLE, erring(1.1e-12, 1.1e-12), LITTLE_BOUGHT),
     (CLOCK, lambda f, rtol, t, y: ([*t, t[-1]], [*y, y[-1]]), "one step too many"),
-    (NUMBERS, apart(5e-7), "do not count alike"),
+    (NUMBERS, apart(5e-7), "does not treat all components alike"),
     (BACKWARD, asking_at((0.1 + (0.1 + 1.7)) / 2), "where f becomes NaN it returns NaN"),
     (JUMP, asking_at(2.0 / 3.0), "off by 0.13"),
-    (STIFF, asking_near((0, 2e-7)), "it asks for differences"),
-    (STIFF, following(19), "it solves for its steps"),
-    (STIFF, following(15, off=0.2), "it solves for its steps"),
+    (STIFF, asking_near((0, 2e-7)), "it forms differences"),
+    (STIFF, following(19), "it solves equations for its steps"),
+    (STIFF, following(15, off=0.2), "it solves equations for its steps"),
 ]  # fmt: skip
 
 

@@ -153,7 +153,7 @@ def test_steps_that_are_others_elsewhere_are_at_fault(when, as_before):
 # Of one number, by that of the number and of h times its three weights, 1, 1/2 and 1/2.
 @pytest.mark.parametrize(
     ("share", "of_one", "faults"),
-    [(0.95, 0.95, []), (1.05, 0.95, ["of five numbers"]), (0.95, 1.05, ["on a nonlinear"])],
+    [(0.95, 0.95, []), (1.05, 0.95, ["with five components"]), (0.95, 1.05, ["on a nonlinear"])],
 )
 def test_a_step_may_be_off_by_what_rounding_explains_of_slopes_16_times_the_numbers(share, of_one, faults):
     def solve(f, t_span, y0, rtol, atol):

@@ -67,7 +67,7 @@ def test_an_import_that_changes_the_rounding_mode_is_named(tmp_path, monkeypatch
         encoding="utf-8",
     )
     monkeypatch.chdir(tmp_path)
-    named = "since the stepper is imported, arithmetic rounds toward zero"
+    named = "since the stepper was imported, arithmetic rounds toward zero"
     assert named in verify("upwards:step", "forward_euler", examples=100).verdict
 
 

@@ -109,7 +109,7 @@ NAMED = {
     "body": (body, "it is symplectic_euler"),
     "renewed": (renewed, "it is velocity_verlet"),
     "pushed": (pushed, "it is symplectic_euler"),
-    "spring": (spring, "it is, as far as linear steps tell, forward_euler"),
+    "spring": (spring, "judging by linear steps only, it is forward_euler"),
     "solver": (solver, "it is midpoint2"),
 }
 

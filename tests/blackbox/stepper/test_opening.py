@@ -70,7 +70,7 @@ def test_what_is_seldom_met_is_opened_or_refused_as_before(name, as_before, monk
     except (ValueError, Misbehaviour) as refusal:
         as_before(
             type(refusal).__name__,
-            re.split(" is not one of these| fits no calling", str(refusal))[0],
+            re.split(" is not one of these| does not fit any calling", str(refusal))[0],
             wrapper_line(step),
             asked,
         )

@@ -151,10 +151,10 @@ HELD = [
     (carried, "velocity_verlet", ""), (recipe, "heun3", ""), (pushes_written, "velocity_verlet", ""),
     (lambda out, y, f, t, h: out.__setitem__(slice(None), y + h * f(t, y)), "forward_euler", ""),
     (two_arrays, "symplectic_euler", ""), (with_masses, "velocity_verlet", ""), (one_by_one, "symplectic_euler", ""),
-    (first_mass, "symplectic_euler", "its coefficients are, but on a nonlinear q'' = F(q) of 3 positions"),
-    (first_mass_of_bodies, "symplectic_euler", "its coefficients are, but on q'' = exp(-2q) of 2 positions"),
+    (first_mass, "symplectic_euler", "its coefficients agree, but on a nonlinear q'' = F(q) of 3 positions"),
+    (first_mass_of_bodies, "symplectic_euler", "its coefficients agree, but on q'' = exp(-2q) of 2 positions"),
     (divided_again, "symplectic_euler", "kick 0: 1/2 instead of 1"),
-    (one_after_the_other, "symplectic_euler", "its coefficients are, but on a nonlinear q'' = F(q) of 3 positions"),
+    (one_after_the_other, "symplectic_euler", "its coefficients agree, but on a nonlinear q'' = F(q) of 3 positions"),
     (mass_forgotten, "symplectic_euler", "kick 0: 2 instead of 1"),
     (stale_pushes, "velocity_verlet", "is not velocity_verlet"),
 ]  # fmt: skip

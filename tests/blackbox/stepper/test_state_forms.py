@@ -115,12 +115,12 @@ def heun_handing_on(later):
     ("right", "wrong", "key", "said"),
     [
         *(
-            (right, kind(lambda f, x, x1: f(x)), "velocity_verlet", "-1 as the slope at its end, where it is -1.15625")
+            (right, kind(lambda f, x, x1: f(x)), "velocity_verlet", "-1 as the slope at its end, not -1.15625")
             for kind in (verlet_handing_on, verlet_beside)
             for right in (kind(lambda f, x, x1: f(x1)), verlet_beside())
         ),
         *(
-            (kind(1.0), kind(later), key, f"hands on the slope at t + {later / 4:g} as that at its end, t + 0.25")
+            (kind(1.0), kind(later), key, f"passes on the slope at t + {later / 4:g} as that at its end, t + 0.25")
             for kind, key in ((timed_verlet_handing_on, "velocity_verlet"), (heun_handing_on, "heun2"))
             for later in (0.0, 0.5)
         ),
