@@ -38,18 +38,16 @@ def test_implicit_steps_of_a_force_with_one_linear_step_are_told_apart_by_nonlin
 )
 def test_coefficients_that_were_read_are_not_called_by_what_their_linear_steps_are_alone(rows, weights, order):
     verdict = identify(codes.tableau(rows, weights, [sum(row) for row in rows]), isolate=False).verdict
-    words = (
-        f"it is no method that is known here, but one of 3 stages and order {order}, though on linear problems heun3 "
-    )
+    words = f"it is not a known method, but has 3 stages and order {order}, though on linear problems it is heun3 "
     assert verdict.startswith(words)
 
 
 def test_a_method_of_linear_steps_is_not_named_without_a_word_on_the_step_that_is_beyond_its_bound():
     asleep = lambda f, t, y, h: y.copy() if max(abs(f(t, y))) < 1e-4 else codes.rk4(f, t, y, h)
-    words = r"it is, as far as linear steps tell, rk4 \(.*\); but a step is off by \S+ times the bound on its rounding"
+    words = r"judging by linear steps only, it is rk4 \(.*\); but a step is off by \S+ times the bound on its rounding"
     assert re.fullmatch(words, identify(asleep, isolate=False).verdict)
     linear = identify(lambda q, v, h: (q + h * v, v - h * q), isolate=False)
-    assert linear.verdict == "it is, as far as linear steps tell, forward_euler"
+    assert linear.verdict == "judging by linear steps only, it is forward_euler"
 
 
 def solved_by_iteration(theta, tolerance, *, relative):

@@ -99,8 +99,8 @@ def test_a_run_that_ends_early_says_at_which_step_and_why() -> None:
     [
         ({"start": (Q(0), Q(1))}, "the start is the problem's; leave start away"),
         ({"certified": ("energy",)}, "certified readouts are of the oscillator; use `driftproof certify`"),
-        ({"readouts": ("phase_error",)}, "there is no phase_error of the problem kepler"),
-        ({"panels": ("position",)}, "there is no position of the problem kepler"),
+        ({"readouts": ("phase_error",)}, "a scene of kepler has no readout phase_error; choose from final_state"),
+        ({"panels": ("position",)}, "a scene of kepler has no panel position; choose from table"),
         ({"t": Q(7, 3), "h": Q(1, 3)}, "the solution of kepler is at hand at t = "),
     ],
 )
@@ -113,5 +113,5 @@ def test_what_a_problem_has_not_is_refused_in_one_line(changed: dict[str, object
 
 def test_an_energy_is_shown_where_the_problem_has_one() -> None:
     without = PROBLEMS["robertson"]
-    with pytest.raises(ValueError, match="there is no energy of the problem robertson"):
+    with pytest.raises(ValueError, match="a scene of robertson has no readout energy; choose from"):
         Scene("mine", "rk4", without.t, without.t, readouts=("energy",), problem=without)

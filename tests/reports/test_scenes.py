@@ -51,4 +51,4 @@ def test_a_method_that_does_not_apply_says_so_in_its_row(tmp_path):
     path.write_text(
         'problem = "robertson"\nselected = "rk4"\nh = 100000000000\nmethods = ["velocity_verlet"]\npanels = ["table"]'
     )
-    assert "a second-order system is positions and as many velocities" in str(scene(path))
+    assert "a second-order system has as many velocities as positions" in str(scene(path))

@@ -154,7 +154,7 @@ REFUSED = {
     'rates = ["y0"]\nend = -1\nstart = [1]': "end is -1; problems run from 0",
     'rates = ["y0"]\nend = 1\nstart = [1, 2]': "start has 2 entries, 1 are needed",
     'rates = ["y0"]\nend = 1\nstart = [[1]]': r"start\[0\] is \[1\]; write a number",
-    'rates = ["y0"]\nend = 1\nstart = [1]\nwidth = 2': "a problem has no key 'width'; there are rates",
+    'rates = ["y0"]\nend = 1\nstart = [1]\nwidth = 2': "a problem has no key 'width'; its keys are rates",
     'rates = ["y0 +"]\nend = 1\nstart = [1]': "'y0 \\+', column 5",
 }
 

@@ -116,7 +116,7 @@ def test_digits_alone_keep_decimal_tables_from_their_order_and_stability():
 def test_facts_are_written_and_files_read(answer, refusal, tmp_path):
     assert facts_of(EVERY["ars222"], ["nodes"])["nodes"] == ["0", "1 - 1/2*sqrt(2)", "1"]
     text = answer("facts", "ARS(4,4,3)")
-    assert "  order of the implicit table alone                  3" in text
+    assert "  order of the implicit tableau                 3" in text
     assert "takes two right-hand sides: there are facts" in refusal("step", "ars222", "--h", "1/2", "--state", "1,0")
     assert entry_named("KenCarp3") is EVERY["ark324"]
     path = tmp_path / "mine.toml"

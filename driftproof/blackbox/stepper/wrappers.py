@@ -213,7 +213,7 @@ def _for_function(step: Callable[..., Any]) -> str:
         return ""
     words = [each.lower().strip("_") for each in names]
     if any(word in _SPANS for word in words) and not any(_has_role(STEP, word) for word in words):
-        return f"a whole solver is examined by identify_solver({name})"
+        return f"identify_solver({name}), for a whole solver"
     by_position = next((each for each, word in zip(names, words, strict=True) if word in _BY_POSITION), None)
     by_momentum = next((each for each, word in zip(names, words, strict=True) if word in _BY_MOMENTUM), None)
     if by_position is not None and by_momentum is not None:

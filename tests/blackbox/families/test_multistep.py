@@ -85,7 +85,7 @@ def test_a_wrong_one_fails_with_its_cause(step, key, words):
 
 def test_stormers_positions_are_told_from_velocity_verlets_velocities():
     assert verify(Stormer().step, "stormer2", isolate=False).passed
-    assert identify(Stormer().step, isolate=False).verdict == "it is stormer2; order 1 is seen in its velocities"
+    assert identify(Stormer().step, isolate=False).verdict == "it is stormer2; order 1 is observed in its velocities"
     assert identify(Remembering(AB2, euler).step, isolate=False).verdict == f"it is {AB2}, started by forward_euler"
 
 

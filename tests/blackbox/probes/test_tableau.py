@@ -36,7 +36,7 @@ def tableaux(draw):
 
 
 def test_a_step_that_moves_at_rest_is_refused_with_the_number_that_moves():
-    with pytest.raises(NotReadable, match=r"does not stay: the step goes through 0\.25$"):
+    with pytest.raises(NotReadable, match=r"does not stay 0: the step goes through 0\.25$"):
         read(lambda f, t, y, h: y + h * f(t, y) + h * np.array([0.0, *[0.25] * (len(y) - 1)]))
 
 

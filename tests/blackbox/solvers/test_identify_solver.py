@@ -41,7 +41,7 @@ def test_numbers_that_differ_are_shown_to_differ():
     narrow = lambda f: lambda t, y: np.float32(f(t, y)).astype(float)
     leaks = lambda f, t_span, y0, rtol, atol: adaptive()(narrow(f), t_span, y0, rtol, atol)
     verdict = identify_solver(leaks, isolate=False).verdict
-    seen, said = re.search(r"a step ends at (\S+) where the explicit stages read say (\S+):", verdict).groups()
+    seen, said = re.search(r"a step ends at (\S+) where the explicit stages read give (\S+):", verdict).groups()
     assert 0 < abs(float(seen) - float(said)) < 1e-8
 
 

@@ -53,7 +53,7 @@ def test_linear_problem_has_its_proved_limits():
 
 def test_a_method_that_does_not_apply_has_the_reason_and_no_points():
     shown = report(PROBLEMS["dahlquist_1"], methods=["velocity_verlet", "rk4"]).html
-    why = "a second-order system is positions and as many velocities, and not 1 rates"
+    why = "a second-order system has as many velocities as positions, not 1 rates"
     rows = [row for row in cells(shown) if row[0] == "Velocity Verlet"]
     assert [row[1] for row in exactly(2, rows)] == [why, f"does not apply: {why}"]
     assert "Velocity Verlet: none. Classical RK4: from " in shown
