@@ -56,24 +56,26 @@ NOT_ELSEWHERE = "sympy"
 
 # Room -> the most lines it may have, blank ones and docstrings too. Raised on purpose only, in a commit that says why.
 # One function for each command, and answers that print, are 500 lines in support, methods, symbolic, texts and reports;
-# Tab completion, lines against silence, problems and stiff verdicts on the page are 300 more of the front.
+# Tab completion, lines against silence, problems and stiff verdicts on the page are 300 more of the front, and 11 let a
+# result of a cluster survive its worker.
 # The goals are 400, 3500, 7300, 3000, 7500 and 4600, and 4200 for reports with the front. What stands above them:
 # support holds the one runner of isolated processes, its messages and the one reader of TOML, which stood thrice;
 # methods the one grammar of expressions, the one number field and fields with several roots; symbolic the front door
 # of `derive` and facts as typed properties; blackbox verdicts that say what was seen, and implicit
 # stages, its own sampler of steps, 100 lines, and in which objects a state comes, 300; texts what docs and help show.
 BUDGETS = {
-    "support": 1197,
-    "methods": 5314,
-    "symbolic": 10387,
-    "numeric": 4192,
-    "blackbox": 17723,
-    "enclosure": 3141,
-    "texts": 7332,
+    "support": 1194,
+    "methods": 5305,
+    "symbolic": 10347,
+    "numeric": 4172,
+    "blackbox": 17726,
+    "enclosure": 3136,
+    "texts": 7340,
 }
-BUDGET_OF_REPORTS_AND_FRONT = 5614
+BUDGET_OF_REPORTS_AND_FRONT = 5625
 # The goal is 65 of 100. Independent witnesses, campaigns and guards, 6,000 lines, are among the tests.
-TESTS_PER_LINE_OF_SOURCE = Fraction(93, 100)
+# From 93 to 94: a failing test first for each of some thirty faults, and a guard of the docstrings.
+TESTS_PER_LINE_OF_SOURCE = Fraction(943, 1000)
 
 # A file of fewer lines needs a reason.
 SMALLEST = 40
