@@ -15,24 +15,22 @@ MOST_EXAMPLES = 10**6
 CALLS = ("map", "force", "field", "rosenbrock", "imex", "magnetic", "rotation")
 TARGET = (
     cli.option("step", "where the stepper is imported from, e.g. mylib.ode:step", metavar="MODULE:STEP"),
-    cli.option("--calls", "if the names of its parameters do not tell", choices=CALLS),
-    cli.option("--array", "what makes its numbers of floats, e.g. torch:tensor", metavar="MODULE:MAKER"),
+    cli.option("--calls", "how to call the stepper, if its parameter names do not show it", choices=CALLS),
+    cli.option("--array", "a function that converts floats to its numbers, e.g. torch:tensor", metavar="MODULE:MAKER"),
     cli.time_limit_option("seconds for the whole run (default 120)", default=120.0),
     cli.format_option("text json markdown", "markdown is ready for an issue"),
     cli.flag("--all", "show each check, not only the faults"),
     cli.option("--examples", "steps to try (default 1000)", type=cli.integer_in(1, MOST_EXAMPLES, "examples")),
     cli.option("--largest-step", "0 < h <= this (default 2)", type=cli.positive_number("h"), default=2.0),
     cli.option("--largest-state", "|q|, |v| <= this (default 1000)", type=cli.positive_number("state"), default=1000.0),
-    cli.flag("--extremes", "try the smallest floats, too, down to subnormal ones"),
-    cli.flag("--step-in-binary32", "allow that h is rounded to binary32 first"),
-    cli.flag("--velocity-from-positions", "allow for v formed as (q1 - q)/h: u (|q| + |q1|)/h"),
-    cli.flag("--flush-to-zero", "allow that subnormal numbers become 0"),
-    cli.option(
-        "--solver-tolerance", "how well implicit stages are solved, e.g. 1e-10", type=cli.exactly("solver tolerance")
-    ),
+    cli.flag("--extremes", "also try the smallest floats, down to subnormal ones"),
+    cli.flag("--step-in-binary32", "allow h to be rounded to binary32 first"),
+    cli.flag("--velocity-from-positions", "allow v to be formed as (q1 - q)/h: u (|q| + |q1|)/h"),
+    cli.flag("--flush-to-zero", "allow subnormal numbers to become 0"),
+    cli.option("--solver-tolerance", "accuracy of implicit stages, e.g. 1e-10", type=cli.exactly("solver tolerance")),
 )
-HELD_TO = partial(cli.option, "--method")
-# Options that only apply to a stepper that is held to a method, and those that do not apply to a whole solver.
+METHOD = partial(cli.option, "--method")
+# Options that only apply if a stepper is compared with a method, and those that do not apply to a whole solver.
 ALLOWANCES = ("step_in_binary32", "velocity_from_positions", "flush_to_zero", "solver_tolerance")
 WITH_A_METHOD = ("examples", "extremes", *ALLOWANCES)
 WITH_A_STEPPER = ("calls", "array", *WITH_A_METHOD)
@@ -41,8 +39,8 @@ WITH_A_STEPPER = ("calls", "array", *WITH_A_METHOD)
 @cli.command(
     *TARGET,
     cli.one_of(
-        cli.flag("--solver", "it is a whole solver, solve(f, t_span, y0, rtol, atol) -> (t, y)"),
-        HELD_TO("as verify: hold it to this method"),
+        cli.flag("--solver", "examine a whole solver, solve(f, t_span, y0, rtol, atol) -> (t, y)"),
+        METHOD("compare it with this method, as verify does"),
     ),
 )
 def identify_command(options: Namespace) -> str:
@@ -66,7 +64,7 @@ def identify_command(options: Namespace) -> str:
     (field_stepper_of for y' = f(t, y)). A stepper that remembers earlier steps is read from whole runs. Wrap anything
     else in a function of two lines. The stepper runs in an isolated process; the report says if it crashes or hangs.
 
-    With --method the stepper is held to that method: `driftproof verify --help` says what is checked and allowed for.
+    With --method the stepper is compared with that method: `driftproof verify --help` says what is checked.
 
     exit status: 0 with an answer, 1 if the stepper gives none, 3 if the time is over before anything is decided.
     """
@@ -79,9 +77,9 @@ def identify_command(options: Namespace) -> str:
     return _written(report, report.answered, options)
 
 
-@cli.command(*TARGET, HELD_TO("a key that `driftproof methods` lists, boris, or a .toml file", required=True))
+@cli.command(*TARGET, METHOD("a key that `driftproof methods` lists, boris, or a .toml file", required=True))
 def verify_command(options: Namespace) -> str:
-    """Hold a stepper to a method: its coefficients, its rounding errors against a derived bound, its order.
+    """Compare a stepper with a method: its coefficients, its order, its rounding errors with a derived bound.
     The bound holds for the definition's sums and products in any order, fused or not. For a step(q, v, h) with its
     system built in, only the step of q'' = -q can be seen, and the verdict is about that step alone. Implicit stages of
     a step(f, t, y, h) are read up to the residual that their solver leaves, whose size the report states.
@@ -91,8 +89,8 @@ def verify_command(options: Namespace) -> str:
       driftproof verify mylib.integrators:rk_step --method tableau.toml --examples 5000
       driftproof verify mylib.implicit:step --method backward_euler --solver-tolerance 1e-10
 
-    exit status: 0 if it agrees, 1 if it does not, 2 if the question makes no sense, 3 if it is undecided: the report
-    then says what was not seen, and what would decide it.
+    exit status: 0 if it agrees, 1 if it does not, 2 if the question makes no sense, 3 if the verdict is undecided: the
+    report then says what was not tested, and what would decide it.
     `driftproof identify --help` says what a stepper may look like.
     """
     return _examined(options)
@@ -107,7 +105,7 @@ def _examined(options: Namespace) -> str:
 
     how = {name: getattr(options, name) for name in ("calls", "array", "time_limit")}
     if options.method is None:
-        _refuse(options, WITH_A_METHOD, "a stepper that is held to a method: --method")
+        _refuse(options, WITH_A_METHOD, "comparing a stepper with a method: --method")
         report = identify(options.step, **how)
         return _written(report, report.answered, options)
     if options.solver_tolerance is not None and options.solver_tolerance < 0:
