@@ -69,7 +69,7 @@ BUDGETS = {
     "symbolic": 10347,
     "numeric": 4172,
     "blackbox": 17726,
-    "enclosure": 3136,
+    "enclosure": 3137,
     "texts": 7340,
 }
 BUDGET_OF_REPORTS_AND_FRONT = 5625

@@ -74,7 +74,7 @@ class Certificate(Printable):
 
     @property
     def digits(self) -> int:
-        """The number of digits that are right at every point."""
+        """The number of digits right at every point, relative to its largest component."""
         return min(self.digits_at)
 
     @property
@@ -98,7 +98,8 @@ class Certificate(Printable):
         if self.split is not None:
             lines += self._split_lines(self.split)
         lines += [line for name, drift in self.drifts.items() for line in self._drift_lines(name, drift)]
-        lines += [f"{self.digits} digits right at every point; the enclosure's steps: {self.steps}, bits: {self.bits}"]
+        right = f"{self.digits} digits right at every point, relative to its largest component"
+        lines += [f"{right}; enclosure: {self.steps} steps, {self.bits} bits"]
         if len(self.t) == len(self.y[0]):
             lines.append(f"as many times as components: the state at t = {self.t[1]:g} is taken to be {self.y[1]}")
         if self.doubles:

@@ -28,7 +28,7 @@ WHOLE = replace(
 def test_words_say_where_and_what():
     assert str(PLAIN).splitlines() == [
         "largest error 0.7500000000, proved: component 1 at t = 0.5, point 1 of 3",
-        "0 digits right at every point; the enclosure's steps: 7, bits: 128",
+        "0 digits right at every point, relative to its largest component; enclosure: 7 steps, 128 bits",
         "f's constants are these doubles, exactly: 0.1, -3.7",
     ]
     assert WHOLE.text().splitlines()[1:-2] == [
