@@ -29,7 +29,7 @@ TARGET = (
     cli.flag("--flush-to-zero", "allow subnormal numbers to become 0"),
     cli.option("--solver-tolerance", "accuracy of implicit stages, e.g. 1e-10", type=cli.exactly("solver tolerance")),
 )
-METHOD = partial(cli.option, "--method")
+METHOD_OPTION = partial(cli.option, "--method")
 # Options that only apply if a stepper is compared with a method, and those that do not apply to a whole solver.
 ALLOWANCES = ("step_in_binary32", "velocity_from_positions", "flush_to_zero", "solver_tolerance")
 WITH_A_METHOD = ("examples", "extremes", *ALLOWANCES)
@@ -40,7 +40,7 @@ WITH_A_STEPPER = ("calls", "array", *WITH_A_METHOD)
     *TARGET,
     cli.one_of(
         cli.flag("--solver", "examine a whole solver, solve(f, t_span, y0, rtol, atol) -> (t, y)"),
-        METHOD("compare it with this method, as verify does"),
+        METHOD_OPTION("compare it with this method, as verify does"),
     ),
 )
 def identify_command(options: Namespace) -> str:
@@ -77,7 +77,7 @@ def identify_command(options: Namespace) -> str:
     return _written(report, report.answered, options)
 
 
-@cli.command(*TARGET, METHOD("a key that `driftproof methods` lists, boris, or a .toml file", required=True))
+@cli.command(*TARGET, METHOD_OPTION("a key that `driftproof methods` lists, boris, or a .toml file", required=True))
 def verify_command(options: Namespace) -> str:
     """Compare a stepper with a method: its coefficients, its order, its rounding errors with a derived bound.
     The bound holds for the definition's sums and products in any order, fused or not. For a step(q, v, h) with its

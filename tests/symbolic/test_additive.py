@@ -117,7 +117,9 @@ def test_facts_are_written_and_files_read(answer, refusal, tmp_path):
     assert facts_of(EVERY["ars222"], ["nodes"])["nodes"] == ["0", "1 - 1/2*sqrt(2)", "1"]
     text = answer("facts", "ARS(4,4,3)")
     assert "  order of the implicit tableau                 3" in text
-    assert "takes two right-hand sides: there are facts" in refusal("step", "ars222", "--h", "1/2", "--state", "1,0")
+    assert "takes two right-hand sides: `driftproof facts` and" in refusal(
+        "step", "ars222", "--h", "1/2", "--state", "1,0"
+    )
     assert entry_named("KenCarp3") is EVERY["ark324"]
     path = tmp_path / "mine.toml"
     lines = ['family = "additive"', "A_explicit = [[0, 0], [1, 0]]", "A_implicit = [[0, 0], [0, 1]]"]
