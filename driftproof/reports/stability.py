@@ -207,15 +207,15 @@ def stability_text(answer: Json) -> str:
 
 def _limits_text(answer: Json, entries: Sequence[Json]) -> str:
     if not answer["linear"]:
-        rows = [["method", "follows from N =", "looked up to N ="]]
+        rows = [["method", "follows from N =", "tried up to N ="]]
         for entry in entries:
             rows.append([entry["method"], str(entry["fewest_steps"] or "none"), str(entry["looked_up_to"])])
-        title = f"Observed: with N steps, 2N, ... the error at the end is below {_FOLLOWS} of the size of the solution"
+        title = f"Observed: with N steps, 2N, ... the error at the end is below {_FOLLOWS} of the solution's size"
         return f"{title}\n\n{table(rows, right=(1, 2))}"
-    rows = [["method", "proved: bounded for", "seen over 2^48 steps", "R(oo)"]]
+    rows = [["method", "proved: bounded for", "observed over 2^48 steps", "R(oo)"]]
     for entry in entries:
         rows.append([entry["method"], _limit_text(entry), _seen_text(entry["seen"]), entry["at_infinity"] or "none"])
-    note = "seen: powers of the matrix of the float step stay below 1e9"
+    note = "observed: powers of the matrix of the float step stay below 1e9"
     return f"The steps h whose powers stay bounded\n\n{table(rows)}\n\n{note}"
 
 
@@ -247,10 +247,10 @@ def _runs_text(answer: Json, entries: Sequence[Json]) -> str:
         for run in entry["runs"]:
             proved = [verdicts.get(run["bounded"], "not decided"), _factor_text(run)] if answer["linear"] else []
             rows.append([entry["method"], f"{float(run['h']):.6g}", str(run["steps"]), *proved, _outcome(run)])
-    reached = f"which at the times of its reference reaches {with_digits(float(answer['size']), 3)}"
+    reached = f"whose largest norm at its reference's times is {with_digits(float(answer['size']), 3)}"
     notes = f"error: the Euclidean distance from the solution at t, {reached}"
     if answer["linear"]:
-        notes += "\nbounded?: proved, at exactly the h that is run; factor: of the eigenvalue largest in size, a step"
+        notes += "\nbounded?: proved, for exactly this h; factor: growth per step for the eigenvalue of largest modulus"
     return f"{table(rows, right=(2,))}\n\n{notes}"
 
 

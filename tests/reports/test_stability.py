@@ -109,7 +109,7 @@ def test_every_problem_is_answered(answer, key):
 def test_errors_stand_beside_the_size_of_the_solution(answer):
     """On q'' = -10^6 q from (1, 0) the velocity is up to 1000; at t = 10 it is 305.6, of which nothing is left."""
     out = answer("stability", "stiff_oscillator", "--methods", "backward_euler", "--h", "1/100")
-    (size,) = re.findall(r"which at the times of its reference reaches (\d+)$", out, re.MULTILINE)
+    (size,) = re.findall(r"whose largest norm at its reference's times is (\d+)$", out, re.MULTILINE)
     assert 900 < int(size) <= 1000
     assert "error 306\n" in out
 

@@ -10,15 +10,15 @@ from driftproof.numeric.problems.problem import EXACT, Problem, reference
 _Rows = tuple[tuple[Fraction, ...], ...]
 
 DECAY = {
-    "explicit": "decays while h < real_limit / |lambda|, lambda the largest in size; just beyond, it grows to overflow",
-    "a_stable": "decays for every h > 0, and by |R(h lambda)| each step: close to 1 for a large step if |R(oo)| = 1",
-    "l_stable": "decays for every h > 0; what is fast beside h is gone after a step or two, as R tends to 0",
+    "explicit": "decays while h < real_limit / |lambda|, lambda of largest modulus; beyond, it grows to overflow",
+    "a_stable": "decays for every h > 0, by |R(h lambda)| in each step, which is close to 1 for large h if |R(oo)| = 1",
+    "l_stable": "decays for every h > 0; components much faster than h vanish in a step or two, because R tends to 0",
 }
 OSCILLATION = {
-    "explicit": "bounded only while h omega is at most the imaginary limit of the method, which for many is 0",
-    "a_stable": "bounded for every h > 0; a method with |R(iy)| < 1 damps the motion that the equation keeps",
-    "l_stable": "bounded for every h > 0, and damps what it does not resolve: the fast part dies, though it should not",
-    "symplectic": "bounded up to the method's limit, for an A-stable one always; the energy error does not grow",
+    "explicit": "bounded only while h omega is at most the method's imaginary limit, which is 0 for many methods",
+    "a_stable": "bounded for every h > 0; a method with |R(iy)| < 1 damps a motion that the equation preserves",
+    "l_stable": "bounded for every h > 0; damps what it does not resolve: the fast motion dies out, but should not",
+    "symplectic": "bounded up to the method's limit, for every h if A-stable; the energy error does not grow",
 }
 
 

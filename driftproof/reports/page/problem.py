@@ -67,7 +67,7 @@ def _setting(problem: Problem) -> str:
 def _about(problem: Problem) -> str:
     if problem.matrix is not None:
         return "Proved: the h whose powers stay bounded"
-    return "Observed: with so many steps, and with twice as many, ..., the error at the end is a tenth of the solution"
+    return "Observed: with so many steps, twice as many, ... the error at the end is at most a tenth of the solution"
 
 
 def _steps(problem: Problem, method: Method) -> str:
