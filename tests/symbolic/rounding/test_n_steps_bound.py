@@ -219,3 +219,12 @@ def test_a_step_size_that_overflows_by_itself_leaves_no_safe_state():
 def test_a_safe_state_is_told_as_a_power_of_ten_below_it():
     shown = {Q(0): "0", Q(1): "1e0", Q(999, 1000): "1e-1", Q(99, 10): "1e0", Q(10): "1e1", Q(995 * 10**304): "1e306"}
     assert {x: safe_state_text(x) for x in shown} == shown
+
+
+def test_a_step_may_grow_without_underflow_and_underflow_without_growth():
+    """Sums have no underflow; halves are off by eta/2 a component, in two steps by (1/2 + 1/4) eta, times sqrt 2."""
+    sums = plain_bound(lambda force, q, v, h: (q - v, q + v), Q(1), 2)
+    assert sums.underflow == 0 < sums.growth < sums.own
+    halves = plain_bound(lambda force, q, v, h: (q / 2, v / 2), Q(1), 2)
+    assert halves.growth == 0
+    assert Q(9, 8) <= (halves.own / BINARY64.eta) ** 2 < Q(9, 8) + U
