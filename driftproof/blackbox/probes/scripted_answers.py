@@ -145,6 +145,12 @@ CONTROLS = (
 BACKWARD = Control("h = -1", "it does not step backward as it steps forward", h=-1.0, salt=3)
 
 
+def told_apart(x: float, y: float, digits: int = 6) -> tuple[str, str]:
+    """Both numbers in at least so many digits, and in as many as tell them apart."""
+    n = next((n for n in range(digits, 17) if f"{x:.{n}g}" != f"{y:.{n}g}"), 17)
+    return f"{x:.{n}g}", f"{y:.{n}g}"
+
+
 @dataclass(frozen=True)
 class Rounding:
     """How far rounding may carry one number of a step that makes `calls` calls.
@@ -175,6 +181,5 @@ def demand_as_said(control: Control, name: str, seen: float, said: float, allowe
     """Raise NotReadable if a number of a control is farther than `allowed` from what the coefficients say."""
     if not abs(seen - said) <= allowed:
         found = Departs if abs(seen - said) > _FAR * max(abs(seen), abs(said)) else NotReadable
-        n = next((n for n in range(6, 17) if f"{seen:.{n}g}" != f"{said:.{n}g}"), 17)
-        ends = f"{name} is {seen:.{n}g} where the coefficients read give {said:.{n}g}"
-        raise found(f"with {control.name}, {ends}: {control.broken}")
+        ends = "{} where the coefficients read give {}".format(*told_apart(seen, said))
+        raise found(f"with {control.name}, {name} is {ends}: {control.broken}")

@@ -150,7 +150,8 @@ def taken_by(solve: Callable[..., Any]) -> tuple[str, tuple[str, ...]]:
         for taken, roles in _SETTINGS.items()
     }
     named = [(taken, names) for taken, names in known.items() if all(names)]
-    for taken, names in sorted(named, key=lambda each: not set(required) <= set(each[1])):
+    if named:
+        taken, names = max(named, key=lambda each: set(required) <= set(each[1]))  # the first that leaves nothing out
         by_position = any(parameters[name].kind is inspect.Parameter.POSITIONAL_ONLY for name in names)
         return taken, () if by_position else names
     if not required:
