@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from dataclasses import replace
 from fractions import Fraction as Q
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -83,6 +84,17 @@ def test_growth_is_the_norm_of_the_powers() -> None:
         ["2", "0.3010", "-0.0053"],
         ["50", "7.5257", "-0.1328"],
     ]
+
+
+def test_growth_of_a_step_that_vanishes_is_minus_infinity_from_the_first_step_on(tmp_path: Path) -> None:
+    """The step has R(z) = 1 + z + z² + z³, which is 0 at z = i."""
+    own = tmp_path / "own.toml"
+    own.write_text('family = "runge_kutta"\nA = [[], [1], [0, 1]]\nb = [0, 0, 1]\n', encoding="utf-8")
+    verdicts = [verdict(key, Q(1)) for key in (str(own), "forward_euler")]
+    shown = growth_figure(replace(PRESETS["compare"], h=Q(1), t=Q(2)), verdicts, "id")
+    assert [row[1:] for row in shown.data[1:4]] == [["0.0000", "0.0000"], ["-inf", "0.1505"], ["-inf", "0.3010"]]
+    assert ["L" in path for path in shown.plot.drawn] == [False, True]
+    assert "logarithmic axis from 1 to 10⁴. At the end: own 0, " in shown.description
 
 
 def test_table_of_verdicts_says_each_limit_exactly_and_in_decimals() -> None:
