@@ -52,12 +52,6 @@ def test_second_order_problems_move_by_their_velocities_and_forces_do_not_read_t
     assert all(partial_derivative(force, v) == "0" for force in problem.field.rates[half:] for v in names[half:])
 
 
-def test_damped_oscillators_are_not_called_second_order() -> None:
-    for name in ("overdamped_oscillator", "critically_damped_oscillator"):
-        assert not PROBLEMS[name].second_order
-        assert partial_derivative(PROBLEMS[name].field.rates[1], "y1") != "0"
-
-
 def energy_change(problem: Problem, energy: str, y: tuple[Fraction, ...]) -> arb:
     """dE/dt = Σ ∂E/∂yᵢ fᵢ in a ball."""
     names = problem.field.components

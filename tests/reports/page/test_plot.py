@@ -26,7 +26,6 @@ from driftproof.reports.page.plot import (
     ten_to,
     ticks,
 )
-from tests.looping import some
 
 fractions = st.builds(Q, st.integers(-(10**12), 10**12), st.integers(1, 10**9))
 positive = st.builds(Q, st.integers(1, 10**12), st.integers(1, 10**12))
@@ -99,19 +98,6 @@ def test_decade_is_the_last_power_of_ten_not_above(x: Q) -> None:
 )  # fmt: skip
 def test_label_says_the_number(x: Q, shown: str) -> None:
     assert label(x) == shown
-
-
-@given(low=fractions, high=fractions)
-def test_labels_of_ticks_read_back_to_the_ticks(low: Q, high: Q) -> None:
-    assume(low < high)
-    back = str.maketrans("−⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "--0123456789")
-    for tick in some(ticks(low, high)):
-        mantissa, _, power = (
-            label(tick).rpartition("10") if set(label(tick)) & set("⁻⁰¹²³⁴⁵⁶⁷⁸⁹") else (label(tick), "", "")
-        )
-        factor = mantissa.rstrip("·") or "1"
-        factor = "-1" if factor == "−" else factor
-        assert Q(factor.translate(back)) * Q(10) ** int(power.translate(back) or 0) == tick
 
 
 def test_powers_of_ten() -> None:
