@@ -89,15 +89,16 @@ def test_readouts_come_in_the_order_asked_for() -> None:
 def test_float_run_is_the_certified_run_up_to_rounding(key: str) -> None:
     """Each of 40 steps makes at most 20 roundings of terms below 4, the largest state; none grows more than 4 times."""
     rounding = Q(40 * 20 * 4 * 4, 2**53)
-    asked = ("final_state", "exact_state", "state_error", "energy", "energy_change")
+    asked = ("final_state", "exact_state", "state_error", "energy", "energy_change", "phase_error")
     found = run_method(scene(readouts=asked), key)
     exact = OscillatorRun(NINE[key], Q(1, 4), Q(10))
     certified = [*exact.final_state, *exact.exact_state, exact.state_error, exact.energy, exact.energy_change]
+    certified.append(exact.phase_error)
     floats = [*found["final_state"], *found["exact_state"], *(found[name] for name in asked[2:])]
     for x, value in zip(floats, certified, strict=True):
         low, high = endpoints(enclose(value))
-        # The energy multiplies what two components of at most 4 are off by with up to 4 each.
-        assert low - 8 * rounding <= Q(x) <= high + 8 * rounding
+        # The energy multiplies what two components of at most 4 are off by with up to 4 each; the phase is in degrees.
+        assert low - 60 * 8 * rounding <= Q(x) <= high + 60 * 8 * rounding
 
 
 def test_run_one_step_short_is_not_the_certified_run() -> None:
