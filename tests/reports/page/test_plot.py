@@ -155,6 +155,7 @@ def test_marks_part_the_distances_between_labels() -> None:
     assert next(iter(axis.labelled())) == (-12, "10⁻¹²")
     assert len(axis.marks()) + len(axis.ticks) == 15, "every power of ten"
     assert decades(0, 2, "x", (left, right)).marks() == []
+    assert [decades(0, high, "x", (left, right)).ticks[:2] for high in (6, 8)] == [[0, 2]] * 2, "four at least"
     for values, ends in (([0.0], (0, 2)), ([-3.5, 1.2], (-4, 2)), ([1.0, 3.0], (1, 3)), ([0.5, 1.5], (0, 2))):
         scale = decades_of(values, "x", (left, right)).scale
         assert (scale.low, scale.high) == ends, "whole decades around the values, two at least"

@@ -72,6 +72,8 @@ def test_growth_is_the_norm_of_the_powers() -> None:
     scene = replace(PRESETS["compare"], h=Q(1), t=Q(2))
     data = growth_figure(scene, [verdict("forward_euler", Q(1))], "id").data
     assert [row[1] for row in data[1:4]] == ["0.0000", "0.1505", "0.3010"]
+    rows = growth_figure(replace(scene, t=Q(200)), [verdict("rk4", Q(1))], "id").data[1:]
+    assert [row[0] for row in rows] == [str(100 * i) for i in range(21)], "of 200 places in ten times the steps"
     long = growth_figure(replace(scene, t=Q(5)), [verdict(key, Q(1)) for key in ("forward_euler", "rk4")], "id")
     assert "n from 0 to 50, logarithmic axis from 10⁻¹ to 10⁸. At the end: Forward Euler 3.36e+07, " in long.description
     assert (long.plot.x.ticks, long.plot.y.ticks) == ([0, 20, 40], [0, 2, 4, 6, 8])
