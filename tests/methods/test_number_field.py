@@ -203,34 +203,6 @@ def test_numbers_print_as_sums_of_powers() -> None:
     assert r.field == NumberField("sqrt(3)", (-3, 0, 1), Q(1), Q(2))
 
 
-def integer_polynomials(degree: int) -> st.SearchStrategy[list[int]]:
-    inner = st.integers(-9, 9)
-    return st.tuples(st.lists(inner, min_size=2, max_size=degree), inner.filter(bool)).map(lambda t: [*t[0], t[1]])
-
-
-@given(integer_polynomials(6) | st.tuples(integer_polynomials(3), integer_polynomials(3)).map(lambda t: times(*t)))
-def test_field_is_made_where_sympy_finds_one_root_of_an_irreducible_polynomial(f: list[int]) -> None:
-    p = sympy.Poly(list(reversed(f)), X, domain="ZZ")
-    expected = None if p.is_irreducible else "reducible"
-    if p.quo(p.gcd(p.diff())).count_roots(-99, 99) != 1:  # all real roots: 99 is beyond Cauchy's bound
-        expected = "several roots"
-    if p.eval(-99) * p.eval(99) >= 0:
-        expected = "a change of sign"
-    assert refusal_of(f, 99) == expected
-
-
-def times(f: list[int], g: list[int]) -> list[int]:
-    return [sum(f[i] * g[k - i] for i in range(len(f)) if 0 <= k - i < len(g)) for k in range(len(f) + len(g) - 1)]
-
-
-def refusal_of(minimal: list[int], bound: int) -> str | None:
-    try:
-        NumberField("alpha", tuple(minimal), Q(-bound), Q(bound))
-    except ValueError as error:
-        return next(words for words in ("reducible", "several roots", "a change of sign") if words in str(error))
-    return None
-
-
 def test_field_of_too_large_a_degree_is_refused_and_large_numbers_are_not() -> None:
     with pytest.raises(UndecidedError, match="degree 13"):
         NumberField("alpha", (-2, *12 * [0], 1), Q(1), Q(2))
