@@ -205,7 +205,7 @@ def resolvent(data: ScalarTableau, start: Sequence[Scalar]) -> RationalFunction:
 def _reversed_characteristic(data: ScalarTableau, rows: Sequence[Sequence[Scalar]]) -> Polynomial:
     """det(I - zA) for the matrix with these rows: its characteristic polynomial, coefficients reversed."""
     if data.field:
-        return from_scalars([x + ONE[0] * 0 for x in faddeev_leverrier(rows)[0]])
+        return from_scalars([ONE[0] * x for x in faddeev_leverrier(rows)[0]])
     return fmpq_poly(fmpq_mat([list(row) for row in rows]).charpoly().coeffs()[::-1])
 
 
