@@ -77,7 +77,8 @@ class _Step:
     """One step: where it evaluated f and the Jacobian, and its result."""
 
     def __init__(self, subject: ForeignStepper, answer: Callable[[int, float, Array], Sequence[float]], **given: Any):
-        rows, time_slope = given["jacobian"], given["time_slope"]
+        rows: Sequence[Any] = given["jacobian"]
+        time_slope = given["time_slope"]
         heard = Listener(lambda asked: answer(len(heard.calls) - 1, *asked))
         self.jacobian_at: list[tuple[float, Array]] = []
 
