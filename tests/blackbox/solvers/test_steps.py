@@ -150,6 +150,16 @@ def test_steps_that_are_others_elsewhere_are_at_fault(when, as_before):
     as_before(*found.faults)
 
 
+def test_runs_that_are_refused_are_no_faults_of_the_steps():
+    def solve(f, t_span, y0, rtol, atol):
+        if len(y0) > 2:
+            raise ValueError("two numbers at most")
+        return spoiled(ELSEWHERE["before 0"])(f, t_span, y0, rtol, atol)
+
+    (fault,) = read_steps(ForeignSolver(solve)).faults
+    assert fault.startswith("before the time 0")
+
+
 # Of one number, by that of the number and of h times its three weights, 1, 1/2 and 1/2.
 @pytest.mark.parametrize(
     ("share", "of_one", "faults"),

@@ -33,6 +33,14 @@ def test_a_target_is_imported_by_its_name():
     assert Target("driftproof.numeric.steppers:rk4", array="numpy:float32").open().format is BINARY32
 
 
+def test_a_stepper_is_found_in_the_current_directory_before_others(tmp_path, monkeypatch):
+    (tmp_path / "lies_here.py").write_text("def step(q, v, h):\n    return q + h, v\n", encoding="utf-8")
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(sys, "path", [place for place in sys.path if place])
+    assert [imported("lies_here:step")(1.0, 2.0, 0.5) for _ in range(2)] == [(1.5, 2.0)] * 2
+    assert [n for n, place in enumerate(sys.path) if place == str(tmp_path)] == [0]
+
+
 @pytest.mark.parametrize(
     ("name", "message"),
     [
