@@ -172,7 +172,7 @@ class ForeignStepper(ForeignCode):
             return answering.write(scaled(force(at, asked, moving)))
 
         def scaled(answers: Sequence[AnyNumber]) -> Sequence[AnyNumber]:
-            return answers if factor == 1 else [factor * x for x in answers]
+            return [factor * x for x in answers]
 
         factor, function = self.convention.factor, adapter.function(callback)
         roles = {FUNCTION: function, POSITION: adapter.write(q), VELOCITY: adapter.write(v), STEP: h, TIME: t}
