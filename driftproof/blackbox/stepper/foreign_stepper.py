@@ -185,7 +185,7 @@ class ForeignStepper(ForeignCode):
     ) -> tuple[str, ...]:
         """The roles of a first call's arguments: that of the closest number at the start of the step, or BESIDES."""
         starts, many = {POSITION: q[0], VELOCITY: v[0], TIME: t}, len(arguments)
-        if not 1 < many <= _MOST_ASKED:
+        if many > _MOST_ASKED:
             return (POSITION,)
 
         def off(role: str, asked: Foreign) -> float:
