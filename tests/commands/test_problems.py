@@ -55,7 +55,7 @@ def test_work_precision_answers_in_json_too(answer):
 
 REFUSED = {
     ("stability", "kepler_09"): "unknown problem 'kepler_09'; did you mean kepler",
-    ("stability", "nope"): "unknown problem 'nope' (`driftproof stability` lists all)",
+    ("stability", "nope"): "unknown problem 'nope' (`driftproof stability` lists them)",
     ("stability", "kepler", "--methods", "rk5"): "unknown method 'rk5'",
     ("stability", "kepler", "--h", "3/7"): "h = 3/7 does not divide t",
     ("stability", "kepler", "--h", "1/10000000"): "at most 1000000 are run here",

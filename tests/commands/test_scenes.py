@@ -73,7 +73,7 @@ def test_a_sweep_shows_what_the_function_finds_and_keeps_it_in_a_file(answer, re
     shown = answer(*words, "--format", "json", "-o", str(path))
     assert f'"state_error": "{found[2].found["state_error"]!r}"' in shown
     assert answer(*words, "--format", "json", "--output", str(path)) == shown
-    assert "no file of this sweep" in refusal(*words, "--t", "20", "-o", str(path))
+    assert "belongs to another sweep" in refusal(*words, "--t", "20", "-o", str(path))
     assert answer("sweep", "default", "--h", "1/8").startswith("default: 1 point\n")
 
 
