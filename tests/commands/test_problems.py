@@ -64,7 +64,7 @@ REFUSED = {
     ("work-precision", "no_such"): "unknown problem 'no_such'",
     ("work-precision", "--methods", "rk5"): "unknown method 'rk5'; did you mean",
     ("work-precision", "--peers", "scpy"): "unknown peer 'scpy'; did you mean scipy?",
-    ("work-precision", "--time-limit", "0"): "'0' is no time limit; write a number above 0",
+    ("work-precision", "--time-limit", "0"): "'0' is not allowed: the time limit must be a number above 0",
     ("work-precision", "--time-limit", "soon"): "'soon' is not a rational number",
     ("work-precision", "-o", "pyproject.toml"): "pyproject.toml is a file; name a folder",
 }
