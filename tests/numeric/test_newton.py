@@ -69,7 +69,7 @@ def test_what_is_compiled_has_the_same_bits_on_arrays_before_that(monkeypatch):
     with pytest.raises(StageEquationsUnsolved, match=r"radau_iia2: system 1: the step "), np.errstate(all="ignore"):
         run_systems(starts, 0.125, 2, 9)
     assert starts.T.tolist()[0] == list(alone[0])
-    with pytest.raises(ValueError, match="an ensemble is 2 rows of float64"):
+    with pytest.raises(ValueError, match="an ensemble is a C-contiguous float64 array with 2 rows"):
         run_systems(starts[:1], 0.125, 2, 9)
 
 

@@ -170,7 +170,7 @@ def test_file_of_another_form_is_refused_in_one_line(text, tmp_path):
 
 def test_pole_before_the_end_is_refused(tmp_path):
     (tmp_path / "mine.toml").write_text('rates = ["1 + y0^2"]\nstart = [0]\nend = 2\n')
-    with pytest.raises(Refused, match=r"a pole, or a point where f is not smooth, is ahead near t = 1\.57"):
+    with pytest.raises(Refused, match=r"f or the solution has a pole, or f is not smooth, near t = 1\.57"):
         problem_given(str(tmp_path / "mine.toml"))
 
 
