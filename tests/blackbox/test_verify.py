@@ -460,7 +460,7 @@ def test_on_the_command_line_the_status_tells(capsys):
     [
         (["--method", "rk5"], "rk5"),
         (["--method", "rk4", "--solver-tolerance", "1e-10"], "takes no solver_tolerance"),
-        (["--method", "rk4", "--largest-step", "0"], "write a number above 0"),
+        (["--method", "rk4", "--largest-step", "0"], "must be a number above 0"),
         (["--method", "rk4", "--examples", "none"], "number of examples"),
     ],
 )
