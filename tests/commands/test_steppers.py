@@ -75,19 +75,16 @@ REFUSED = {
     ("identify", "os"): "'os' names no stepper; write package.module:function",
     ("verify", "os:getcwd"): "required: --method",
     ("identify", "os:getcwd", "--solver", "--method", "rk4"): "not allowed with argument --solver",
-    ("identify", "os:getcwd", "--flush-to-zero"): "--flush-to-zero is for comparing a stepper with a method: --method",
-    (
-        "identify",
-        "os:getcwd",
-        "--solver-tolerance",
-        "1e-9",
-    ): "--solver-tolerance is for comparing a stepper with a method",
-    ("identify", "os:getcwd", "--solver", "--array", "os:a"): "--array is for a stepper, not for a whole solver",
-    ("identify", "os:getcwd", "--solver", "--examples", "9"): "--examples is for a stepper, not for a whole solver",
+    ("identify", "os:getcwd", "--flush-to-zero"): "--flush-to-zero has no effect without --method",
+    ("identify", "os:getcwd", "--solver-tolerance", "0"): "--solver-tolerance has no effect without --method",
+    ("identify", "os:getcwd", "--largest-step", "1"): "--largest-step has no effect without --method",
+    ("identify", "os:getcwd", "--largest-state", "9"): "--largest-state has no effect without --method",
+    ("identify", "os:getcwd", "--solver", "--array", "os:a"): "--array has no effect with --solver",
+    ("identify", "os:getcwd", "--solver", "--largest-step", "9"): "--largest-step has no effect with --solver",
     ("verify", "os:getcwd", "--method", "rk5"): "unknown method 'rk5'; did you mean rk4 or ",
-    ("verify", "os:getcwd", "--method", "rk4", "--examples", "0"): "'0' is not a number of examples from 1 to 1000000",
-    ("verify", "os:getcwd", "--method", "rk4", "--largest-step", "-1"): "'-1' is no h; write a number above 0",
-    ("verify", "os:getcwd", "--method", "rk4", "--solver-tolerance", "-1"): "tolerance -1 is below zero",
+    ("verify", "os:getcwd", "--method", "rk4", "--examples", "0"): "the number of examples must be from 1 to 1000000",
+    ("verify", "os:getcwd", "--method", "rk4", "--largest-step", "-1"): "the step size must be a number above 0",
+    ("verify", "os:getcwd", "--method", "rk4", "--solver-tolerance", "0"): "must be a finite number > 0",
 }
 
 

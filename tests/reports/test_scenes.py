@@ -31,9 +31,9 @@ def test_a_scene_and_a_sweep_of_ones_own_problem_are_those_of_the_oscillator_tha
     assert shown["readouts"] == swept[0].found
     assert all(word in str(scene(path)) for word in ("own.toml", "Gauss"))
     (tmp_path / "own.toml").write_text(OWN.replace("-y0", "-2*y0"))
-    with pytest.raises(ValueError, match="is no file of this sweep"):
+    with pytest.raises(ValueError, match="belongs to another sweep"):
         sweep(path, h=["1/4", "1/8"], output=tmp_path / "kept.jsonl")
-    with pytest.raises(ValueError, match="the start is the problem's"):
+    with pytest.raises(ValueError, match="the problem fixes the start"):
         sweep(path, state=[(0, 1)])
 
 
@@ -42,7 +42,7 @@ def test_a_page_of_a_scene_on_a_problem_shows_the_problem_and_a_problem_is_no_sc
     path.write_text('problem = "dahlquist_1"\nselected = "rk4"\nh = 0.1\nmethods = ["rk4"]\npanels = ["table"]')
     assert report(path).scenes == report("dahlquist_1", methods="rk4").scenes
     path.write_text('rates = ["-y"]\nstart = 1\nend = 1')
-    with pytest.raises(ValueError, match="it is a problem; a scene names it, problem = "):
+    with pytest.raises(ValueError, match="it is a problem; write a scene with problem = "):
         scene(path)
 
 

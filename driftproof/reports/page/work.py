@@ -53,7 +53,7 @@ def problem_of(scene: Scene) -> Problem:
     """The oscillator from the scene's start to its t; the reference is the exact state, to REFERENCE_DIGITS digits."""
     exact = OscillatorRun(method_of(scene.selected), scene.h, scene.t, scene.start).exact_state
     q, v = (significant(x, REFERENCE_DIGITS) for x in exact)
-    reference = Reference((scene.t,), ((q, v),), EXACT, "the closed form, certified in balls")
+    reference = Reference((scene.t,), ((q, v),), EXACT, "the closed form, in ball arithmetic")
     return Problem(
         key="scene",
         title=HARMONIC.title,

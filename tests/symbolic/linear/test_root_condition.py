@@ -47,6 +47,8 @@ def test_products_of_known_factors_are_judged_by_their_roots():
         (("-1 1", "0 1"), "no root is outside the unit circle; on the circle is 1 alone"),
         (("1 1", "0 1"), "no root is outside the unit circle; on the circle is -1 alone"),
         (("1 1", "1 0 1"), "no root is outside the unit circle; on the circle are -1 and a pair of conjugates"),
+        (("1 0 1", "1 1 1"), "no root is outside the unit circle; on the circle are 2 pairs of conjugates alone"),
+        (("1 0 1", "1 0 1", "1 1 1"), "on the unit circle, a pair of conjugates is a root 2 times"),
         (("-1/2 1", "0 1"), "no root is outside the unit circle; none is on it"),
     ],
 )
