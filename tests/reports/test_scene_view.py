@@ -96,7 +96,7 @@ def runs_scene(tmp_path: Path) -> SceneFile:
 
     def code(text: str) -> str:
         path = tmp_path / "mine.toml"
-        path.write_text(f'selected = "rk4"\nh = "1/4"\nt = 10\n{text}', encoding="utf-8")
+        path.write_text(f'selected = "rk4"\nh = "1/4"\nt = 10\npanels = ["position"]\n{text}', encoding="utf-8")
         return f"from driftproof.cli import main; main(['scene', {str(path)!r}, '--figures', {str(tmp_path)!r}])"
 
     return code

@@ -55,14 +55,14 @@ def root_condition(p: Polynomial, most: int = 1) -> RootCondition:
         or len(positive_roots([reflected(on_circle)])) < on_circle.degree()
     ):
         return RootCondition(False, False, "a root is outside the unit circle")
-    multiplicities = {"1": at_one, "-1": at_minus_one, "a pair of conjugates": _largest_multiplicity(paired)}
+    multiplicities = {"1": at_one, "-1": at_minus_one, "a conjugate pair": _largest_multiplicity(paired)}
     strong = at_one <= most and not at_minus_one and not paired.degree()
     for where, multiplicity in multiplicities.items():
         if multiplicity > most:
-            return RootCondition(False, False, f"on the unit circle, {where} is a root {multiplicity} times")
+            return RootCondition(False, False, f"on the unit circle, {where} is a root of multiplicity {multiplicity}")
     on = [where for where, multiplicity in multiplicities.items() if multiplicity]
-    only = f"on the circle is {on[0]} alone" if on else "none is on it"
-    found = f"on the circle are {' and '.join(on)}" if on[1:] else only
+    only = f"{on[0]} is on it" if on else "none is on it"
+    found = f"{' and '.join(on)} are on it" if on[1:] else only
     return RootCondition(True, strong, f"no root is outside the unit circle; {found}")
 
 

@@ -119,6 +119,6 @@ def test_figure_in_the_readme_is_the_one_that_the_command_writes(tmp_path: Path)
 
 
 def test_run_too_long_to_be_drawn_is_refused_before_it_starts(tmp_path: Path) -> None:
-    with pytest.raises(ValueError, match="at most 1000000 steps are drawn, not 10000000"):
+    with pytest.raises(ValueError, match="10000000 steps are too many to draw; at most 1000000"):
         drawing.write_figures(Scene("long", "rk4", Q(1), Q(10**7), panels=("position",)), tmp_path)
     assert list(tmp_path.iterdir()) == []

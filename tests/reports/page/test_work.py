@@ -34,7 +34,7 @@ def test_work_is_measured_from_the_scene_s_own_start() -> None:
 
 
 def test_work_of_a_scene_that_runs_backwards_is_refused() -> None:
-    with pytest.raises(ValueError, match="up to a t above 0"):
+    with pytest.raises(ValueError, match="comparing work needs t > 0"):
         work_curves(Scene("back", "rk4", Q(-1), Q(-3), panels=("work_precision",)))
 
 
