@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
@@ -32,6 +31,7 @@ from driftproof.blackbox.judging.habits import ROUNDED
 from driftproof.blackbox.judging.nonlinear_step import NonlinearAgreement
 from driftproof.blackbox.judging.state_objects import RIGHT_AS
 from driftproof.blackbox.judging.tolerance import Allowance, Tolerance
+from driftproof.blackbox.naming import KNOWN, LINEAR_ONLY, NEAR, UNKNOWN, Naming
 from driftproof.blackbox.probes.force import ForceReading
 from driftproof.blackbox.report import NO_ANSWER, UNDECIDED, Criterion, Report, criteria_parts, sections
 from driftproof.blackbox.stepper.opening import Target
@@ -101,10 +101,10 @@ def verify(
             from driftproof.blackbox.judging.single_mistakes import single_mistakes
 
             read, order, dense = outcomes[COEFFICIENTS], outcomes[ORDER], outcomes[DENSE_OUTPUT]
-            instead = identified(runner, read, order, dense)
+            instead, naming = identified(runner, read, order, dense)
             mistakes = runner.outcome_of(partial(single_mistakes, method=asked)).result or ()
             same_steps = [*mistakes, *filter(None, [_right_form(outcomes)])]
-            refuted = _refuted(asked, questions, checks, outcomes, instead, mistakes)
+            refuted = _refuted(asked, questions, checks, outcomes, instead, naming, mistakes)
             named = refuted if arithmetic in refuted else f"{refuted}; {arithmetic}"
             return _report(runner.target, named, passed, checks, made, instead, same_steps)
     verdict = _agreed(asked, rounding.result, checks) if passed else _not_decided(asked, checks)
@@ -209,6 +209,7 @@ def _refuted(
     checks: Mapping[str, Criterion],
     outcomes: Mapping[str, Outcome],
     instead: Report,
+    naming: Naming,
     mistakes: Sequence[str],
 ) -> str:
     """The verdict on a stepper that failed: what it is not and why, or what explains its rounding errors."""
@@ -242,30 +243,30 @@ def _refuted(
     if coefficients.passed and rounding.passed and seen is not None and nonlinear.passed is False:
         wrong = f"{', '.join(seen.wrong)} {'is' if len(seen.wrong) == 1 else 'are'} not what the coefficients give"
         return f"is not {method.key}: its coefficients agree, but on {seen.problem}, {wrong}"
-    if instead.verdict.startswith(NO_ANSWER):
+    if naming.kind == NO_ANSWER:
         return instead.verdict
-    vague = re.search(rf"\b{method.key}\b|it is not a known|, but |\bnearly |with a drag", instead.verdict)
-    linear = coefficients.passed is False and "judging by linear steps only" in instead.verdict
     read = outcomes[COEFFICIENTS]
     reading = read.result
     if coefficients.passed is None and isinstance(reading, ForceReading) and reading.refused:
         return f"is not {method.key}: it is on q'' = F(q), but not on y' = f(t, y): {reading.refused}"
     differences = coefficients.data.get("differences", ())
-    one_entry = len(differences) == 1 and instead.verdict.startswith(f"it is {method.key} except for ")
-    if mistakes and not one_entry and (vague or linear or not instead.verdict.startswith(("it is", "judging"))):
+    one_entry = len(differences) == 1 and naming.kind == NEAR and method.key in naming.methods
+    by_linear_steps = naming.kind == LINEAR_ONLY and coefficients.passed is False
+    unclear = by_linear_steps or naming.kind in (UNKNOWN, UNDECIDED) or naming.reserved or method.key in naming.methods
+    if mistakes and unclear and not one_entry:
         link = "except for" if " instead of " in mistakes[0] else "with one mistake:"
         return f"is not {method.key}; it is {method.key} {link} {mistakes[0]}"
-    if instead.section("Coefficients") is None and re.search(rf"\b{method.key}\b", instead.verdict):
+    if instead.section("Coefficients") is None and method.key in naming.methods:
         failed = next(check for check in checks.values() if check.passed is False)
         return f"is not {method.key}: {failed.lines[0 if failed is rounding else -1]}"
     wrong = "; ".join(differences)
-    if re.fullmatch(rf"it is {method.key}(, the same step as [\w, ]*)?", instead.verdict):
+    if naming.kind == KNOWN and naming.methods[0] == method.key and naming.words == instead.verdict:
         failed = next(check for check in checks.values() if check.passed is False)
         return f"is {method.key}, but not everywhere: {failed.lines[0]}"
     what = f": {wrong}" if wrong and wrong not in instead.verdict else ""
     faults = instead.section("Faults")
     why = [*coefficients.lines] if read.kind == "not_readable" else [*(faults.lines if faults else ())]
-    cause = f": {why[0]}" if why and "it is not a known method" in instead.verdict else ""
+    cause = f": {why[0]}" if why and naming.kind == UNKNOWN else ""
     return f"is not {method.key}{what}; {instead.verdict}{cause}"
 
 

@@ -354,8 +354,8 @@ def _power(x: Value, n: int) -> Value:
 
 
 def _times(factor: Value, d: Value) -> Value:
-    """The product; a derivative that is the integer 0 or 1 costs nothing."""
-    return factor * d if not isinstance(d, int) or d not in (0, 1) else factor if d else 0
+    """The product; a derivative that is the integer 0 costs nothing."""
+    return factor * d if not isinstance(d, int) or d else 0
 
 
 def _inverse(x: Value) -> Value:

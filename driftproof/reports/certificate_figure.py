@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from fractions import Fraction
+from functools import reduce
 from math import ceil, floor, log10
 from pathlib import Path
 
@@ -71,16 +72,12 @@ def certificate_figure(found: Certificate, title: str) -> Figure:
 
 def _bounds(row: Sequence[arb]) -> tuple[float, float]:
     """Lower and upper bound of the largest component in the row, in size."""
-    largest = arb(0)
-    for x in row:
-        largest = largest.max(abs(x))
+    largest = reduce(arb.max, map(abs, row))
     return float(largest.lower()), float(largest.upper())
 
 
 def _thinned(places: list[tuple[float, float]], t: Sequence[float]) -> list[tuple[float, float]]:
-    """The largest and the smallest point of each column of pixels, in order of time; all points if they are few."""
-    if len(places) <= 2 * COLUMNS_OF_PIXELS:
-        return places
+    """The largest and the smallest point of each column of pixels, in order of time."""
     columns: dict[int, list[tuple[float, float]]] = {}
     for place in places:
         columns.setdefault(int((place[0] - t[0]) / (t[-1] - t[0]) * COLUMNS_OF_PIXELS), []).append(place)

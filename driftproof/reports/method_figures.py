@@ -83,7 +83,7 @@ def _plane(middle: Sequence[float], reach: float) -> Plot:
 
 
 def _shade(plot: Plot, inside: Any) -> None:
-    """Shade the points z of the square with `inside(z)` by horizontal strokes, and draw the axes on top."""
+    """Shade the points z of the square with `inside(z)` by horizontal strokes, and draw the axes through 0 on top."""
     x, y = (
         np.linspace(float(axis.scale.low), float(axis.scale.high), n)
         for axis, n in ((plot.x, _COLUMNS), (plot.y, _ROWS))
@@ -96,10 +96,8 @@ def _shade(plot: Plot, inside: Any) -> None:
             strokes.append(f"M{left} {at}H{place(plot.x.scale(x[end - 1]))}")
     plot.drawn.append(element("path", class_="shade", d="".join(strokes)))
     across, up = plot.x.scale, plot.y.scale
-    if up.low < 0 < up.high:
-        plot.line([(across.low, 0), (across.high, 0)], "axis")
-    if across.low < 0 < across.high:
-        plot.line([(0, up.low), (0, up.high)], "axis")
+    plot.line([(across.low, 0), (across.high, 0)], "axis")
+    plot.line([(0, up.low), (0, up.high)], "axis")
 
 
 def _values(r: RationalFunction, z: Any) -> Any:

@@ -259,11 +259,10 @@ def order_within(method: Method, tolerance: Fraction) -> OrderWithin:
     def within(conditions: Conditions[Any]) -> int:
         return order_conditions.order_to_tolerance(conditions, tolerance)
 
-    exact_order = general_order(method).order
     second = order_conditions.embedded_conditions(method) if isinstance(method, RungeKutta) else None
     return OrderWithin(
         tolerance,
-        exact_order if exact_order >= TOLERANCE_ORDER else within(general_conditions(method)),
+        max(general_order(method).order, within(general_conditions(method))),
         within(partitioned_trees.nystrom_conditions(method)) if isinstance(method, Splitting) else None,
         None if second is None else within(second),
     )

@@ -60,6 +60,7 @@ def test_slow_directions_need_no_eigenvectors():
         ([[1, 0.5], [0, 1]], 2, [[0, 1], [1, 0.5]]),  # its own directions, the wider first
         ([[1, 1], [1, 1 + 2.0**-30]], 2, None),  # nearly dependent: orthogonal ones
         ([[1, 0], [1, 0]], 1, [[1, 0], [1, 1]]),  # one, and the fast one
+        ([[0, 0], [0, 0]], 2, None),  # of a point: any directions
     ],
 )
 def test_basis_is_near_to_the_set(image, slow, wanted):

@@ -5,7 +5,7 @@ from __future__ import annotations
 from fractions import Fraction
 
 import pytest
-from flint import arb, arb_mat, ctx
+from flint import arb, arb_mat, arb_series, ctx
 
 from driftproof.enclosure import steps
 from driftproof.enclosure.numbers import Refused
@@ -165,6 +165,42 @@ def test_wrong_step_is_caught(name):
 )
 def test_what_is_coupled_both_ways_is_balanced(rows, weights):
     assert balanced([[arb(x) for x in row] for row in rows], [arb(2), arb(4)]) == weights
+
+
+@pytest.mark.parametrize("length", [5, 9, 42])
+def test_coefficients_are_those_of_the_solution(length):
+    """Of y' = 1 + y² from 0 and z' = z from 1: the tangent and the exponential function."""
+    with ctx.workprec(128):
+        f = lambda t, y: [1 + y[0] ** 2, y[1]]
+        found = steps.Expansion(f, Fraction(0), [arb(0), arb(1)], length, [], [arb(1)] * 2).rows
+        ctx.cap, cap = length, ctx.cap
+        s = arb_series([0, 1], length)
+        wanted = [s.tan(), s.exp()]
+        ctx.cap = cap
+        assert [len(row) for row in found] == [length] * 2
+        assert all(abs(c - x[k]) < 2.0**-120 for row, x in zip(found, wanted, strict=True) for k, c in enumerate(row))
+
+
+@pytest.mark.parametrize("components", [1, 4, 12])
+@pytest.mark.parametrize("length", [9, 42])
+def test_as_many_slopes_are_computed_as_pay(components, length, monkeypatch):
+    """A run of f costs 1, and with gradients 1 + n: no other number of slopes costs less."""
+    costs, spent, paying, run = {}, [], steps._slopes_that_pay(components, length), steps.linearised
+    count = lambda f, t, y, slopes: spent.append(1 + components * slopes) or run(f, t, y, slopes=slopes)
+    monkeypatch.setattr(steps, "linearised", count)
+    for most in (0, 1, 3, 7, 15, 31, paying):
+        monkeypatch.setattr(steps, "_slopes_that_pay", lambda n, length, most=most: most)
+        spent.clear()
+        steps.Expansion(lambda t, y: y * y, Fraction(0), [arb(1)] * components, length, [], [arb(1)] * components)
+        costs[most] = sum(spent)
+    assert costs[paying] == min(costs.values())
+
+
+def test_more_bits_and_more_components_leave_fewer_steps():
+    """As many at 128 bits and twelve components, half at 256 bits, a quarter at 24 components, and never more."""
+    for bits, components, wanted in ((128, 12, 1000), (64, 6, 1000), (256, 12, 500), (128, 24, 250)):
+        with ctx.workprec(bits):
+            assert steps.fewer_steps(1000, components) == wanted
 
 
 def test_size_keeps_what_is_not_a_number():

@@ -132,6 +132,15 @@ def test_a_correction_that_is_twice_too_long_is_halved():
     assert (found.y.tolist(), found.residual, found.iterations) == ([0.5], 0, 128 + 3)
 
 
+def test_a_correction_that_is_longer_in_any_part_is_tried_in_22_parts_down_to_2_to_the_minus_21():
+    """y' = -y by backward Euler with J = 3: each part makes it longer, 128 times, and then in 6 rounds of 22 parts."""
+    calls = []
+    step = implicit_stepper(METHODS["backward_euler"], lambda t, y: calls.append(t) or -y, lambda t, y: [[3.0]])
+    with pytest.raises(StageEquationsUnsolved):
+        step(0.0, [1.0], 1.0)
+    assert len(calls) == 1 + 128 + 1 + 6 * 22
+
+
 @pytest.mark.parametrize("band", [FULL, Band(1, 0), Band(0, 1)])
 def test_floor_of_several_stages_is_8e_plus_4r_by_its_formula(band):
     """Of two stages and three components, written out in loops; of what is 0, whole numbers of eta are left."""

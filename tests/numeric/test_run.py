@@ -89,15 +89,16 @@ def test_readouts_come_in_the_order_asked_for() -> None:
 def test_float_run_is_the_certified_run_up_to_rounding(key: str) -> None:
     """Each of 40 steps makes at most 20 roundings of terms below 4, the largest state; none grows more than 4 times."""
     rounding = Q(40 * 20 * 4 * 4, 2**53)
-    asked = ("final_state", "exact_state", "state_error", "energy", "energy_change")
+    asked = ("final_state", "exact_state", "state_error", "energy", "energy_change", "phase_error")
     found = run_method(scene(readouts=asked), key)
     exact = OscillatorRun(NINE[key], Q(1, 4), Q(10))
     certified = [*exact.final_state, *exact.exact_state, exact.state_error, exact.energy, exact.energy_change]
+    certified.append(exact.phase_error)
     floats = [*found["final_state"], *found["exact_state"], *(found[name] for name in asked[2:])]
     for x, value in zip(floats, certified, strict=True):
         low, high = endpoints(enclose(value))
-        # The energy multiplies what two components of at most 4 are off by with up to 4 each.
-        assert low - 8 * rounding <= Q(x) <= high + 8 * rounding
+        # The energy multiplies what two components of at most 4 are off by with up to 4 each; the phase is in degrees.
+        assert low - 60 * 8 * rounding <= Q(x) <= high + 60 * 8 * rounding
 
 
 def test_run_one_step_short_is_not_the_certified_run() -> None:
@@ -165,11 +166,6 @@ def test_run_stops_at_the_first_state_that_is_not_finite_and_says_where(counted:
     assert str(caught.value) == f"overflow: the state is no longer finite after step {1024 - counted}"
 
 
-def test_unstable_run_that_fits_in_the_range_is_no_error() -> None:
-    found = run_method(scene(h=Q(5, 2), readouts=("energy",)), "symplectic_euler")
-    assert found["energy"] > 1000
-
-
 @pytest.mark.parametrize("start", [(nan, 0.0), (0.0, inf), (-inf, nan)])
 def test_start_that_is_not_finite_stops_the_run_at_once(start: tuple[float, float]) -> None:
     for steps in (10, 0):
@@ -197,29 +193,27 @@ def test_ensemble_stops_when_any_member_does() -> None:
         assert np.isfinite(state[0]).all()
 
 
-@pytest.mark.parametrize("asked", ["energy", "energy_change"])
-def test_energy_that_overflows_is_refused_where_the_distance_is_not(asked: str) -> None:
-    huge = {"t": Q(1), "start": (Q(10**200), Q(0))}
-    assert run_method(scene(**huge), "rk4")["state_error"] < 1e198
-    with pytest.raises(NonFiniteReadout, match=f"^{asked} overflows binary64 at the final state"):
-        run_method(scene(**huge, readouts=(asked,)), "rk4")
+ENERGIES = [
+    (Q(10**200), 1, "energy", "overflows"), (Q(10**200), 1, "energy_change", "overflows"),
+    (Q(1, 10**170), 10, "energy", "underflows"), (Q(1, 10**170), 10, "energy_change", "underflows"),
+    (Q(1, 10**170), 0, "energy", "underflows"),
+]  # fmt: skip
 
 
-@pytest.mark.parametrize("asked", ["energy", "energy_change"])
-def test_energy_that_underflows_is_not_said_to_be_0(asked: str) -> None:
-    tiny = scene(selected="rk4", start=(Q(1, 10**170), Q(0)), readouts=(asked,))
-    with pytest.raises(NonFiniteReadout, match=f"^{asked} underflows binary64 at the final state"):
-        run_method(tiny, "rk4")
-    assert run_method(scene(start=(Q(0), Q(0)), readouts=(asked,)), "rk4") == {asked: 0}
+@pytest.mark.parametrize(("size", "t", "asked", "way"), ENERGIES)
+def test_energy_that_no_double_holds_is_refused_where_distances_are_not(size: Q, t: int, asked: str, way: str) -> None:
+    given = {"t": Q(t), "start": (size, Q(0))}
+    assert run_method(scene(**given), "rk4")["state_error"] <= size / 100 * t
+    with pytest.raises(NonFiniteReadout, match=f"^{asked} {way} binary64 at the final state"):
+        run_method(scene(**given, readouts=(asked,)), "rk4")
+
+
+def test_energy_of_no_state_and_change_over_no_steps_are_0_and_the_largest_energy_is_none_too_large() -> None:
+    for start, t in ((Q(0), 10), (Q(1, 10**170), 0)):
+        asked = ("energy_change", "energy")[: 2 if start == 0 else 1]
+        found = run_method(scene(t=Q(t), start=(start, Q(0)), readouts=asked), "rk4")
+        assert found == dict.fromkeys(asked, 0)
     assert 1e308 < abs(run_method(scene(start=(Q(15 * 10**153), Q(0)), readouts=("energy",)), "rk4")["energy"]) < 2e308
-
-
-def test_a_start_whose_energy_underflows_has_all_readouts_but_that() -> None:
-    tiny = {"t": Q(0), "start": (Q(1, 10**170), Q(0))}
-    found = run_method(scene(**tiny, readouts=("state_error", "energy_change", "phase_error")), "rk4")
-    assert list(found.values()) == [0, 0, 0]
-    with pytest.raises(NonFiniteReadout, match="energy underflows binary64 at the final state"):
-        run_method(scene(**tiny, readouts=("energy",)), "rk4")
 
 
 @pytest.mark.parametrize("asked", ["exact_state", "state_error", "phase_error"])

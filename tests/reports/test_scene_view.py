@@ -10,6 +10,7 @@ from typing import Any
 
 import pytest
 
+from driftproof.numeric.problems.catalogue import PROBLEMS
 from driftproof.numeric.scenes import PRESETS, READOUTS, Scene
 from driftproof.reports import scene_view
 from driftproof.reports.scene_view import scene_json, scene_text, show_scene
@@ -61,6 +62,11 @@ def test_no_zero_is_shown_with_a_sign() -> None:
     negative = {"final_state": (-0.0006, -1.0), "energy_change": -6e-7, "phase_error": -0.0006}
     shown = scene_text(scene, {"readouts": negative})
     assert all(text in shown for text in ("(-0.001, -1.000)", "-0.000001", "-0.001"))
+
+
+def test_state_of_a_problem_is_shown_to_six_digits() -> None:
+    scene = Scene("s", "rk4", Q(1, 4), Q(20), problem=PROBLEMS["kepler"], readouts=("final_state",))
+    assert "(0.333333, 6.66667e-8)" in scene_text(scene, {"readouts": {"final_state": (1 / 3, 2e-7 / 3)}})
 
 
 def test_enormous_number_is_shown_with_an_exponent() -> None:

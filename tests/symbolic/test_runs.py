@@ -40,11 +40,6 @@ def test_product_applies_the_right_factor_first(a: tuple[Q, ...], b: tuple[Q, ..
     assert apply(multiply(a, b), *state) == apply(a, *apply(b, *state))
 
 
-def test_order_of_factors_matters() -> None:
-    shear, other = (1, 1, 0, 1), (1, 0, 1, 1)
-    assert multiply(shear, other) != multiply(other, shear)
-
-
 @given(MATRICES, st.integers(0, 40), st.integers(1, 200))
 def test_short_power_is_the_power_or_nothing(matrix: tuple[Q, Q, Q, Q], n: int, bits: int) -> None:
     short, full = short_power(matrix, n, bits), power(matrix, n)

@@ -82,7 +82,7 @@ def read_order(reading: CoefficientReading, match: Match | None = None) -> ReadO
     tableau = balls.tableau(reading)
     untimed = found = ball_order(tableau, HIGHEST_ORDER)
     if not balls.times_agree(reading):
-        found = ball_order(tableau, untimed.order + 1, timed=True)
+        found = ball_order(tableau, HIGHEST_ORDER, timed=True)
     return _found(found, linear_ball_order(tableau, HIGHEST_ORDER), untimed.order)
 
 

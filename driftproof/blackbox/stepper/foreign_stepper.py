@@ -172,7 +172,7 @@ class ForeignStepper(ForeignCode):
             return answering.write(scaled(force(at, asked, moving)))
 
         def scaled(answers: Sequence[AnyNumber]) -> Sequence[AnyNumber]:
-            return answers if factor == 1 else [factor * x for x in answers]
+            return [factor * x for x in answers]
 
         factor, function = self.convention.factor, adapter.function(callback)
         roles = {FUNCTION: function, POSITION: adapter.write(q), VELOCITY: adapter.write(v), STEP: h, TIME: t}
@@ -185,7 +185,7 @@ class ForeignStepper(ForeignCode):
     ) -> tuple[str, ...]:
         """The roles of a first call's arguments: that of the closest number at the start of the step, or BESIDES."""
         starts, many = {POSITION: q[0], VELOCITY: v[0], TIME: t}, len(arguments)
-        if not 1 < many <= _MOST_ASKED:
+        if many > _MOST_ASKED:
             return (POSITION,)
 
         def off(role: str, asked: Foreign) -> float:

@@ -57,9 +57,9 @@ from driftproof.symbolic.rounding.formats import BINARY16, BINARY32, BINARY64
 
 # The state and the step size of trials: nothing cancels, and every term of a step is of ordinary size.
 TRIAL_STATE, TRIAL_STEP = (1.0, 0.75), 0.25
-# A step of 1/4 does not halve the oscillator's state. If an answer is smaller and a step of 2^-10 returns 0 to O(h), it
-# is an increment.
-_SUSPICIOUS, _TINY = 0.5, 2.0**-10
+# A step of 1/4 does not halve the oscillator's state. If an answer is smaller and a step of 2^-10, which moves numbers
+# by no more than that, returns 0 to within the third, it is an increment.
+_SUSPICIOUS, _TINY, _NEAR = 0.5, 2.0**-10, 2.0**-8
 # A run of this many steps is longer than the start of any multistep method in use.
 _LONGER = 8
 # The relative distance allowed to the slope at the end: slopes computed with 11 bits are closer.
@@ -189,10 +189,10 @@ def _after_trial(subject: ForeignStepper, trial: TrialStep) -> ForeignStepper:
         _demand_time_of_end(subject, TRIAL_STATE[: len(end)])
     if subject.convention.kind in (MAP, FORCE) and end[0] < end[1] and not subject.convention.velocity_first:
         ends = trial(subject, _TINY), end  # the longer step moves away
-        if [np.allclose(x, TRIAL_STATE[::-1], rtol=0, atol=4 * _TINY) for x in ends] == [True, False]:
+        if [np.allclose(x, TRIAL_STATE[::-1], rtol=0, atol=_NEAR) for x in ends] == [True, False]:
             return _after_trial(_with_velocity_first(subject), trial)
     moved = np.max(np.abs(end))
-    if 0 < moved < _SUSPICIOUS and np.max(np.abs(trial(subject, _TINY))) < 4 * _TINY:
+    if 0 < moved < _SUSPICIOUS and np.max(np.abs(trial(subject, _TINY))) < _NEAR:
         raise Increment(f"as h goes to 0 it returns 0, not the state: an increment{increment_wrapper(subject)}")
     types, asks, timed = subject.log.types, subject.log.asks, subject.log.timed
     subject.format = next((fmt for name, fmt in _FORMATS.items() if any(t.endswith(name) for t in types)), BINARY64)

@@ -296,17 +296,19 @@ def _at(margin: list[Polynomial], square: fmpq) -> Polynomial:
 
 
 def _critical(margin: list[Polynomial]) -> list[Polynomial]:
-    """Polynomials in T, one of which vanishes wherever the number of distinct positive roots in x can change."""
+    """Polynomials in T, one of which vanishes wherever the number of distinct positive roots in x can change.
+
+    Where the leading coefficient vanishes, so does the subresultant: its first column holds multiples of that alone.
+    """
     conjugates = max(c.field.degree if isinstance(c, FieldPolynomial) else 1 for c in margin)
-    degree = (len(margin) - 1) * conjugates
-    reach = max(c.degree() for c in margin) * conjugates
+    bounds = [(conjugates * n,) * 2 for n in (len(margin) - 1, max(c.degree() for c in margin))]
 
     def with_slope(square: fmpq) -> tuple[Polynomial, Polynomial]:
         value = _rational_at(margin, square, conjugates)
         return value, value.derivative()
 
-    merging = critical_polynomial(ParametricPair(with_slope, (degree, degree - 1), (reach, reach)))
-    return [p for p in (margin[0], margin[-1], merging) if p]
+    merging = critical_polynomial(ParametricPair(with_slope, *bounds))
+    return [p for p in (margin[0], merging) if p]
 
 
 def _rational_at(margin: list[Polynomial], square: fmpq, conjugates: int) -> Polynomial:

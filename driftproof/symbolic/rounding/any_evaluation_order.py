@@ -164,7 +164,7 @@ def any_order_columns(method: Method, fmt: FloatFormat, bits: int) -> list[Colum
 
     Raises MethodError for an implicit method, ValueError for a coefficient in the format's underflow range.
     """
-    with ctx.workprec(bits + fmt.precision - 2 * fmt.emin):
+    with ctx.workprec(bits + fmt.precision - fmt.emin):
         growth, loss = 1 + enclose(fmt.relative_error), 1 + enclose(fmt.eta / 2)
         rounded = _differences(_sizes(method, fmt, growth), _sizes(method, fmt, arb(1)))
         lost = _differences(_sizes(method, fmt, growth * loss, arb(1)), _sizes(method, fmt, growth, arb(1)))
@@ -177,7 +177,7 @@ def flushed_columns(method: Method, fmt: FloatFormat, bits: int) -> list[Columns
 
     Like an underflow, a loss is multiplied by the monomial's other factors, raised to at least 1, and their roundings.
     """
-    with ctx.workprec(bits + fmt.precision - 2 * fmt.emin):
+    with ctx.workprec(bits + fmt.precision - fmt.emin):
         growth, loss = 1 + enclose(fmt.relative_error), 1 + enclose(power_of_two(fmt.emin))
         return _differences(_sizes(method, fmt, growth * loss, loss), _sizes(method, fmt, growth, arb(1)))
 

@@ -26,11 +26,10 @@ from driftproof.symbolic.rounding.formats import BINARY64, FloatFormat
 from driftproof.symbolic.rounding.step_bound import (
     LinearBound,
     StepOrMethod,
-    at_step,
-    in_format,
     linear_form,
     magnitude,
     operations_of,
+    state_terms,
     trace_step,
 )
 
@@ -112,7 +111,7 @@ def largest_safe_state(
     """
     safe = fmt.largest
     for x in operations_of(trace_step(subject, fmt, force, h)):
-        a, b, free = linear_form(at_step(in_format(magnitude(x), fmt), Fraction(1)))  # h is a constant of the program
+        a, b, free = linear_form(state_terms(magnitude(x), fmt))
         if free > fmt.largest:
             raise OverflowError(f"at h = {h} the step may overflow {fmt.name} from every state")
         if a or b:

@@ -179,13 +179,14 @@ def constant(exact: Exact | int, fmt: FloatFormat) -> Rounded:
 
 def _shortened(bound: ErrorPolynomial, fmt: FloatFormat) -> ErrorPolynomial:
     """A bound at least as large without the highest powers, as d <= 1/2, and eta <= 1 in all but toy formats."""
-    beyond = [powers for powers in bound.monoms() if powers[0] > MOST_D or powers[1] > MOST_ETA]
     if fmt.eta > 1:
         return bound
-    left, short = {powers: bound[powers] for powers in beyond}, dict[tuple[int, ...], Any]()
-    for (in_d, in_eta, *powers), c in left.items():
-        kept = (min(in_d, MOST_D), min(in_eta, MOST_ETA), *powers)
-        short[kept] = short.get(kept, 0) + c / 2 ** max(in_d - MOST_D, 0)
+    left, short = dict[tuple[int, ...], Any](), dict[tuple[int, ...], Any]()
+    for in_d, in_eta, *powers in bound.monoms():
+        before, kept = (in_d, in_eta, *powers), (min(in_d, MOST_D), min(in_eta, MOST_ETA), *powers)
+        if kept != before:
+            left[before] = bound[before]
+            short[kept] = short.get(kept, 0) + left[before] / 2 ** (in_d - kept[0])
     return bound - BOUNDS.from_dict(left) + BOUNDS.from_dict(short)
 
 

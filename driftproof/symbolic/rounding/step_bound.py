@@ -224,6 +224,11 @@ def at_step(by_powers: Terms, h: Fraction) -> Terms:
     return left
 
 
+def state_terms(polynomial: ErrorPolynomial, fmt: FloatFormat) -> Terms:
+    """The polynomial in (q, v) in this format, where h does not occur, since it was a constant of the program."""
+    return {tuple(powers): c for (_, *powers), c in in_format(polynomial, fmt).items()}
+
+
 def at_state(by_powers: Terms, q: Fraction, v: Fraction) -> Fraction:
     """The value at this (q, v)."""
     return sum((c * q**in_q * v**in_v for (in_q, in_v), c in by_powers.items()), Fraction(0))

@@ -51,6 +51,9 @@ def test_runs_that_blow_up_keep_the_others_legible(tmp_path: Path) -> None:
     assert places(both, "path m0") == []
     lost = draw_study(asked, Measured({"rk4": blown}), "state", tmp_path)
     assert "no run can be shown here" in texts(lost)
+    nothing = draw_study(asked, Measured({"rk4": Curve("rk4", "", 4, [])}), "state", tmp_path)
+    ticks = {x.text: x.get("y") for x in ElementTree.parse(nothing).iter(f"{SVG}text") if x.get("class") == "tick y"}
+    assert (ticks["10⁻⁵"], ticks["1"]) == (str(26 + 228 * 5 / 16), "26"), "from 10⁻¹⁶ to 1"
 
 
 def test_figure_has_a_panel_for_every_cost_and_a_legend_of_all_curves(tmp_path: Path) -> None:

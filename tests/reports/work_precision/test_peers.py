@@ -2,14 +2,20 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 
+from driftproof.methods.vector_fields import VectorField
 from driftproof.numeric.problems.linear import HARMONIC
 from driftproof.reports.work_precision.peers import PEERS, Peer, peers_named
 from driftproof.reports.work_precision.report import study_text, times_json
 from driftproof.reports.work_precision.study import measure, solver_point
 from tests.looping import some
 from tests.reports.studies import study, unheard
+
+# y0 is infinite at t = 1, before the end.
+POLE = replace(HARMONIC, field=VectorField(("y0 * y0", "0")), second_order=False, energy=None, matrix=None)
 
 
 class FakeSolver:
@@ -59,3 +65,4 @@ def test_peers_that_are_installed_solve_the_oscillator_and_refuse_what_they_cann
         point = solver_point(solver, 1e-6, study(limit=1))
         assert point.error < 1e-2
         assert point.evaluations is None if name == "heyoka" else 20 < (point.evaluations or 0) < 2000
+        assert solver_point(peer.on(POLE, key), 1e-3, study(limit=1)).remark

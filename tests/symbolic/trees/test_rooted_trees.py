@@ -115,8 +115,9 @@ def test_join_adds_a_branch_at_the_root(root: Tree, branch: Tree) -> None:
 
 
 def test_join_beyond_the_table_is_an_error() -> None:
-    with pytest.raises(KeyError, match="exceeds the table, which ends at order 3"):
-        tree_table(3).join(1, 1)
+    for order, root, branch in ((3, 1, 1), (2, 1, 0)):
+        with pytest.raises(KeyError, match=f"exceeds the table, which ends at order {order}"):
+            tree_table(order).join(root, branch)
 
 
 def cut_once(tree: Tree) -> Counter[tuple[Tree, Tree]]:
