@@ -59,7 +59,7 @@ def report(
 
     >>> from driftproof import report
     >>> print(report("default"))
-    a page of Default; .html has it
+    a page of Default; its HTML is in .html
     """
     path = None if output is None else Path(output)
     if path is not None:
