@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import NamedTuple
 
+from driftproof.blackbox.checks.step_size import IGNORED
 from driftproof.blackbox.checks.trials import CheckResult
 from driftproof.blackbox.families.damping import Damping
 from driftproof.blackbox.findings import NO_EVIDENCE, Outcome
@@ -30,6 +31,7 @@ _SOLVED = 1e-6
 # What a stepper is named by, besides UNDECIDED and NO_ANSWER: its coefficients without and with an addition, all its
 # coefficients but a few, or its linear steps only; or it is named by nothing.
 KNOWN, ADDED, NEAR, LINEAR_ONLY, UNKNOWN = "known", "known, with an addition", "near", "linear only", "unknown"
+NOT_KNOWN = "it is not a known method"
 
 
 class Naming(NamedTuple):
@@ -161,8 +163,10 @@ class Seen:
         if read is not None and read.identity.near:
             return _near(read.identity.near[0])
         if fit is not None and read is None and (nearly := fit.nearly):
-            off = f"to {nearly.off:.1e} at states of size 1"
-            words = f"judging by linear steps only, it is nearly {' or '.join(nearly.methods)}, {off}{alike}"
+            name = "nearly " * bool(nearly.off) + " or ".join(nearly.methods)
+            few_bits = " in numbers of few bits, not in all numbers"
+            off = f", to {nearly.off:.1e} at states of size 1" if nearly.off else few_bits
+            words = f"judging by linear steps only, it is {name}{off}{alike}"
             return Naming(LINEAR_ONLY, words, (*nearly.methods, *twins), reserved=True)
         open_questions = [o for o in (self.coefficients, self.linear) if o.kind in NO_EVIDENCE]
         return Naming(UNDECIDED, f"{UNDECIDED}: {open_questions[0].seen}") if open_questions else self._unknown
@@ -185,10 +189,20 @@ class Seen:
         return found is not None and len(found.at_once) > 1
 
     @property
-    def _unknown(self) -> Naming:
-        """The verdict without a method of the catalogue: the damping, if it was read."""
+    def ignores_step(self) -> str:
+        """The fault of a step that is the same whatever h is, "" if it is not; it damps nothing, unless v becomes 0."""
         found: Damping | None = self.damping.result
-        return Naming(UNKNOWN, "it is not a known method" if found is None else found.verdict)
+        stops = found is not None and found.at_once == ((0.0,),)
+        faults = (check.words for check in self.checks if check.is_fault and not stops)
+        return next((words for words in faults if words.startswith(IGNORED)), "")
+
+    @property
+    def _unknown(self) -> Naming:
+        """The verdict without a method of the catalogue: that h is ignored, or else the damping, if it was read."""
+        found: Damping | None = self.damping.result
+        if self.ignores_step:
+            return Naming(UNKNOWN, f"{NOT_KNOWN}: {self.ignores_step}")
+        return Naming(UNKNOWN, NOT_KNOWN if found is None else found.verdict)
 
     def _unknown_stages(self, read: Recognised) -> Naming:
         """The nearest method to unknown stages, or else their number, their order and their linear method."""
@@ -198,7 +212,7 @@ class Seen:
         stages = f"{calls} {implicit}stage{'s' * (calls > 1)}"
         best = None if self.fit is None or self.fit.best is None else _in_words(self.fit, self.fit.best)
         linear = f", though on linear problems it is {best}" if best is not None else ""
-        words = f"it is not a known method, but has {stages} and order {read.order.order}{linear}{read.solved}"
+        words = f"{NOT_KNOWN}, but has {stages} and order {read.order.order}{linear}{read.solved}"
         return Naming(UNKNOWN, words, () if self.fit is None or self.fit.best is None else self.fit.best.methods)
 
     @property

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from fractions import Fraction
+from numbers import Real
 from pathlib import Path
 from typing import Any
 
@@ -190,10 +191,10 @@ def assert_accurate(
 
 def within(found: Certificate, tolerance: float | Fraction) -> bool:
     """True if the largest error is at most the tolerance. Raises Refused if its ball is too wide, or ValueError."""
-    if not (isinstance(tolerance, int | float | Fraction) and tolerance >= 0):
+    if not (isinstance(tolerance, Real) and tolerance >= 0):
         raise ValueError(f"tolerance is {tolerance!r}; it must be a number >= 0")
     largest = found.largest_error
-    bound = enclose(tolerance) if isinstance(tolerance, Fraction) else arb(tolerance)
+    bound = enclose(tolerance) if isinstance(tolerance, Fraction) else arb(float(tolerance))
     if largest <= bound:
         return True
     if not largest > bound:

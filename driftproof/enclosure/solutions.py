@@ -104,7 +104,7 @@ class _Path:
 
     def __init__(self, f: RightHandSide, balls: Sequence[arb], times: Sequence[Fraction], bits: int) -> None:
         self.f, self.t, self.steps = f, times[0], 0
-        self.first, self.last = times[0], times[-1]
+        self.first, self.last, self.start = times[0], times[-1], tuple(balls)
         self.length = bits // BITS_PER_COEFFICIENT
         self.doubles: set[float] = set()
         n = len(balls)
@@ -118,14 +118,14 @@ class _Path:
         self.lengths: list[Fraction] = []
 
     def states_at(self, t: Fraction) -> tuple[arb, ...]:
+        if t == self.first:
+            return self.start
         if t < self.t:
             raise Refused("times must not decrease")
         while self.step is None or t > self.step.t + self.step.h:
             self._advance()
         s = t - self.step.t
         values, near = self.step.at(s)
-        if s == 0:
-            return tuple(x + e for x, e in zip(self.point_before, self.error_before, strict=True))
         reach = near + self.step.spread * self.step.tube.growth(enclose(s))
         return tuple(x + ball for x, ball in zip(values, self.step.around(reach), strict=True))
 
@@ -134,7 +134,6 @@ class _Path:
             self._carry(self.step)
         self.steps += 1
         error = (self.basis * self.box).entries()
-        self.point_before, self.error_before = self.point, error
         decided = decisions(self.f, self.t, self.point, self.doubles)
         if self.step is not None:
             longest, weights = LONGER * self.step.h, self.step.next_weights

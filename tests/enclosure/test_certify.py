@@ -189,6 +189,7 @@ def test_who_waits_at_a_terminal_is_told_that_something_is_done(monkeypatch):
 def test_tolerance_within_the_ball_of_the_error_is_refused():
     assert module.within(SimpleNamespace(largest_error=arb(1)), 1.0)
     assert module.within(SimpleNamespace(largest_error=arb(0.25)), Fraction(1, 3))
+    assert module.within(SimpleNamespace(largest_error=arb(0.25)), np.float32(0.25))
     assert not module.within(SimpleNamespace(largest_error=arb(0.5)), Fraction(1, 3))
     with pytest.raises(Refused, match=r"the largest error is 1\.0+, too close to the tolerance 1\.0 to decide"):
         module.within(SimpleNamespace(largest_error=arb(1, 2.0**-40)), 1.0)

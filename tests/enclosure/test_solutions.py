@@ -61,6 +61,13 @@ def test_pole_is_refused_and_its_place_said():
         enclose_solution(lambda t, y: 1 + y**2, [Fraction(0)], [Fraction(0), Fraction(2)])
 
 
+def test_a_start_is_its_own_enclosure_even_where_no_step_begins():
+    pole = lambda t, y: 1 / (t + 0 * y)
+    assert enclose_solution(pole, [Fraction(3)], [Fraction(0)]).states == ((3,),)
+    with pytest.raises(Refused):
+        enclose_solution(pole, [Fraction(3)], [Fraction(0), Fraction(1)])
+
+
 def test_branch_that_is_reached_is_refused():
     with pytest.raises(Refused, match=r"near t = 0\.693147"):
         enclose_solution(lambda t, y: abs(y) + 1, [Fraction(-1)], [Fraction(0), Fraction(2)], 64)

@@ -47,6 +47,8 @@ def test_products_of_known_factors_are_judged_by_their_roots():
         (("-1 1", "0 1"), "no root is outside the unit circle; 1 is on it"),
         (("1 1", "0 1"), "no root is outside the unit circle; -1 is on it"),
         (("1 1", "1 0 1"), "no root is outside the unit circle; -1 and a conjugate pair are on it"),
+        (("1 0 1", "1 1 1"), "no root is outside the unit circle; 2 conjugate pairs are on it"),
+        (("1 0 1", "1 0 1", "1 1 1"), "on the unit circle, a conjugate pair is a root of multiplicity 2"),
         (("-1/2 1", "0 1"), "no root is outside the unit circle; none is on it"),
     ],
 )
