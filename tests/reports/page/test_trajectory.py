@@ -100,7 +100,7 @@ def test_so_many_samples_are_dots_marks_and_rows_and_no_more() -> None:
     for t, places in ((Q(1, 2), 24), (Q(2), 48)):
         assert len(marks(drawing.position(run_of("rk4", t, t)), "exact path")) == places + 1
     drawing.demand_drawable(Scene("long", "rk4", Q(1), Q(10**6), panels=("position",)))
-    with pytest.raises(ValueError, match="at most 1000000 steps are drawn, not 1000001"):
+    with pytest.raises(ValueError, match="1000001 steps are too many to draw; at most 1000000"):
         drawing.demand_drawable(Scene("long", "rk4", Q(1), Q(10**6 + 1), panels=("position",)))
 
 
