@@ -13,6 +13,12 @@ def test_a_scene_has_its_numbers_as_numbers(tmp_path):
     assert all(f"wrote {path}" in str(shown) for path in sorted(tmp_path.iterdir()))
 
 
+def test_without_a_name_the_presets_are_listed_numbers_to_the_right():
+    _, *lines = str(scene()).splitlines()
+    assert lines[0].split() == ["default", "forward_euler", "1/4", "10", "40"]
+    assert len({(line.rindex(" 10 "), len(line)) for line in lines}) == 1
+
+
 OWN = 'rates = ["y1", "-y0"]\nstart = ["1", "0"]\nend = "10"\nenergy = "(y0^2 + y1^2)/2"\n'
 ABOUT = 'selected = "rk4"\nh = "1/4"\nreadouts = ["state_error", "energy_change", "evaluations"]\n'
 

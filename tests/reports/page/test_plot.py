@@ -23,7 +23,6 @@ from driftproof.reports.page.plot import (
     linear,
     place,
     symmetric_limit,
-    ten_to,
     ticks,
 )
 
@@ -98,10 +97,6 @@ def test_decade_is_the_last_power_of_ten_not_above(x: Q) -> None:
 )  # fmt: skip
 def test_label_says_the_number(x: Q, shown: str) -> None:
     assert label(x) == shown
-
-
-def test_powers_of_ten() -> None:
-    assert [ten_to(e) for e in (-12, -1, 0, 1, 300)] == ["10⁻¹²", "10⁻¹", "1", "10¹", "10³⁰⁰"]
 
 
 @given(low=fractions, high=fractions, start=fractions, end=fractions, x=fractions)

@@ -48,6 +48,27 @@ def test_a_peer_stands_beside_ours_and_its_failure_is_a_remark(monkeypatch: pyte
     assert "fake solver at tolerance 1e-06: step too small" in study_text(asked, found)
 
 
+class Willing(FakeSolver):
+    """Exact at every tolerance; keeps those that it is asked for."""
+
+    def solve(self, tolerance: float, t: float) -> tuple[float, ...]:
+        asked.append(tolerance)
+        return super().solve(1e-3, t)
+
+
+asked: list[float] = []
+
+
+def test_a_solver_is_first_called_twice_at_the_first_point_to_let_it_compile(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(Peer, "installed", True)
+    monkeypatch.setattr(Peer, "version", "1.0")
+    asked.clear()
+    found = measure(study("rk4", peers=(Peer("willing", ("solver",), "python", Willing),)), None, unheard)
+    errors = 2 * len(HARMONIC.reference.times)
+    assert asked[errors : errors + 2] == [1e-3, 1e-3]
+    assert set(found.warm_up) == {"rk4 | python", "rk4 | ensemble", "willing solver | python"}
+
+
 def test_peers_that_are_absent_are_named(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(Peer, "installed", False)
     asked = study("rk4", peers=tuple(peers_named(["heyoka", "scipy"])))
