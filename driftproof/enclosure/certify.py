@@ -170,7 +170,7 @@ def assert_accurate(
     >>> assert_accurate(rows, lambda t, y: -y, 1e-5, rtol=1e-5)
     Traceback (most recent call last):
     AssertionError: off by 3.065971263e-5, more than 1e-05: component 0 at t = 0.5, point 1 of 3 (proved)
-    rtol = 1e-05 allow an error of 6.07e-06 per step there; the error is 5.06 times that
+    rtol = 1e-05 allows an error of 6.07e-06 per step there; the error is 5.06 times that
     """
     __tracebackhide__ = True  # pytest shows the user's line, and the message
     found = certify(f, *solution) if isinstance(solution, tuple | list) else certify(f, solution)
@@ -183,8 +183,8 @@ def assert_accurate(
         i, j = found.worst
         promised = atol + rtol * abs(found.y[i][j])
         times = f"; the error is {float(found.largest_error) / promised:.3g} times that" if promised else ""
-        atol_too = f", atol = {atol}," if atol else ""
-        said += f"\nrtol = {rtol}{atol_too} allow an error of {promised:.3g} per step there{times}"
+        allow = f"rtol = {rtol} and atol = {atol} allow" if atol else f"rtol = {rtol} allows"
+        said += f"\n{allow} an error of {promised:.3g} per step there{times}"
     tell(AssertedVerdict("the solution", f"is {said.partition(chr(10))[0]}", False, f"{said}\n{found.text()}"))
     raise AssertionError(said)
 

@@ -90,10 +90,10 @@ def test_accuracy_is_asserted_with_the_worst_point():
         assert_accurate((TIMES, y), decay, 9e-7)
     assert "component 0 at t = 1.5, point 3 of 5 (proved)" in str(caught.value)
     with pytest.raises(
-        AssertionError, match=r"rtol = 1e-07, atol = 1e-08, allow an error of 9\.61e-08 per step there; .* 10\.4 t"
+        AssertionError, match=r"rtol = 1e-07 and atol = 1e-08 allow an error of 9\.61e-08 per step there; .* 10\.4 t"
     ):
         assert_accurate((TIMES, y), decay, 9e-7, rtol=1e-7, atol=1e-8)
-    with pytest.raises(AssertionError, match=r"rtol = 1e-07 promised 8\.61e-08 a step there"):
+    with pytest.raises(AssertionError, match=r"rtol = 1e-07 allows an error of 8\.61e-08 per step there"):
         assert_accurate((TIMES, y), decay, 9e-7, rtol=1e-7)
 
 
