@@ -36,11 +36,20 @@ def test_a_call_is_told_with_all_that_is_given():
 
 
 def test_an_end_that_is_not_finite_is_no_end():
-    subject = opened(codes.boris())
-    for lost in (lambda x, v, E, B, dt: (x, v * np.nan), lambda x, v, E, B, dt: (x / 0.0, v)):
+    pushed, turned = (
+        lambda subject: step_in_fields(subject, PUSH),
+        lambda q: turn_quaternion(q, [1.0] * 4, [1.0] * 3, 1.0),
+    )
+    for right, lost, step in (
+        (codes.boris(), lambda x, v, E, B, dt: (x, v * np.nan), pushed),
+        (codes.boris(), lambda x, v, E, B, dt: (x / 0.0, v), pushed),
+        (lambda v, B, dt: v + dt * np.cross(v, B), lambda v, B, dt: v * np.nan, pushed),
+        (codes.quaternion("rk4"), lambda q, omega, dt: q * np.nan, turned),
+    ):
+        subject = opened(right)
         subject.function = lost
         with np.errstate(all="ignore"), pytest.raises(NotFinite):
-            step_in_fields(subject, PUSH)
+            step(subject)
 
 
 def test_a_charge_and_a_mass_are_made_good_by_the_fields():
