@@ -205,8 +205,7 @@ class Enclosed:
         """True if self is certainly less, False if it is certainly greater. Raises Refused if the balls overlap."""
         return self.evaluation.decide(o.value - self.value)
 
-    __ge__ = __gt__
-    __le__ = __lt__
+    __ge__, __le__ = __gt__, __lt__
 
     @_lifts_other
     def __eq__(self, o: Enclosed) -> bool:

@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from operator import add
 
 import numpy as np
 from flint import arb, arb_mat, ctx
@@ -127,7 +128,7 @@ class _Path:
         s = t - self.step.t
         values, near = self.step.at(s)
         reach = near + self.step.spread * self.step.tube.growth(enclose(s))
-        return tuple(x + ball for x, ball in zip(values, self.step.around(reach), strict=True))
+        return tuple(map(add, values, self.step.around(reach)))
 
     def _advance(self) -> None:
         if self.step is not None:

@@ -42,7 +42,7 @@ def certificate_figure(found: Certificate, title: str) -> Figure:
     bounds = {name: [_bounds(row) for row in rows] for name, rows in parts}
     every = [log10(x) for pairs in bounds.values() for pair in pairs for x in pair if x > 0]
     if not every:
-        raise ValueError("there is no error to draw: every point is exact")
+        raise ValueError("there is no error to draw: all points are exact")
     low, high = max(floor(min(every)), ceil(max(every)) - _DEEPEST), ceil(max(every))
     low = min(low, high - 2)
     plot = Plot(
@@ -61,10 +61,10 @@ def certificate_figure(found: Certificate, title: str) -> Figure:
         identity="certificate",
         kind="wide",
         title=title,
-        description=f"Against t, logarithmic, the largest component of each point. {found.text().splitlines()[0]}",
+        description=f"The largest error of each point against t, logarithmic. {found.text().splitlines()[0]}",
         plot=plot,
         legend=[(f"line {mark}", name) for (name, _), mark in zip(parts, _MARKS, strict=False)],
-        note="Each line is two, the proved bounds, where they differ enough to be seen.",
+        note="Where the proved lower and upper bounds visibly differ, a line becomes two.",
         data=_data(found, parts),
         data_title="Error against t",
     )

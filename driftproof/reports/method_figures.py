@@ -36,7 +36,7 @@ def draw_method(picture: str, method: Method, path: Path) -> Path:
     """Write the picture of the method to `path`, an SVG file. Raises ValueError for a method without R(z)."""
     r = stability_function_of(method)
     if r is None:
-        raise ValueError(f"{method.key} has no stability function to draw: it is no Runge-Kutta method")
+        raise ValueError(f"{method.key} has no stability function to draw: it is not a Runge-Kutta method")
     plot, words, legend = PICTURES[picture](r)
     return write_picture(path, method.title, words, f"{method.title}: {words}", [plot], legend)
 
@@ -66,7 +66,7 @@ def _phase(r: RationalFunction) -> tuple[Plot, str, _Legend]:
     lines = [np.clip(line, -_DEEPEST, _DEEPEST) for line in (dispersion, growth)]
     every = np.concatenate([*lines, [0.0]])
     low, high = (Fraction(float(x)).limit_denominator(1000) for x in (every.min() - 0.05, every.max() + 0.05))
-    plot = Plot(linear(Fraction(0), Fraction(3), "step h", WIDE[0]), linear(low, high, "radians; log", WIDE[1]))
+    plot = Plot(linear(Fraction(0), Fraction(3), "step size h", WIDE[0]), linear(low, high, "radians; log", WIDE[1]))
     for line, mark in zip(lines, ("path m3", "path m0"), strict=True):
         plot.line([(x, y) for x, y in zip(h, line, strict=True) if np.isfinite(y)], mark)
     legend = [("line path m3", "dispersion: arg R(ih) - h"), ("line path m0", "dissipation: log |R(ih)|")]

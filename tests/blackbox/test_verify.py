@@ -453,23 +453,3 @@ def test_on_the_command_line_the_status_tells(capsys):
     data = json.loads(capsys.readouterr().out.split("\n{", 1)[-1].join(["{", ""]) or "{}")
     assert data["passed"] is False
     assert data["rounding"]["failing"]["q"]
-
-
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        (["--method", "rk5"], "rk5"),
-        (["--method", "rk4", "--solver-tolerance", "1e-10"], "takes no solver_tolerance"),
-        (["--method", "rk4", "--largest-step", "0"], "write a number above 0"),
-        (["--method", "rk4", "--examples", "none"], "number of examples"),
-    ],
-)
-def test_a_question_without_sense_is_refused_in_one_line(arguments, message, capsys):
-    try:
-        status = main(["verify", HERE, *arguments])
-    except SystemExit as end:
-        status = end.code
-    assert status == 2
-    error = capsys.readouterr().err
-    assert message in error
-    assert error.count("\n") == 1

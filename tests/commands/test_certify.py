@@ -86,7 +86,7 @@ BAD = {
     (TEXT, RUN, "--h", "0x1..8"): "'0x1..8' is not a number",
     (TEXT, RUN, "--method", "rk5"): "unknown method 'rk5'",
     (TEXT, RUN, "--tolerance", "0"): "the tolerance must be a number above 0",
-    (TEXT, RUN, "--figure", "error.png"): "ends in .svg",
+    (TEXT, RUN, "--figure", "error.png"): "must be a .svg file",
 }  # fmt: skip
 
 

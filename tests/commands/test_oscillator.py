@@ -108,7 +108,7 @@ def test_budget_stands_beside_the_run_in_both_forms(found, answer):
 
 
 def test_question_without_an_answer_gives_one_line_and_its_own_exit(run):
-    words = "driftproof run: the number lies outside 10**-78000 .. 10**78000, too long to write out\n"
+    words = "driftproof run: the number is outside 10**-78000 .. 10**78000 and too long to write out\n"
     assert run("run", "forward_euler", "--h", "1/4", "--t", "1e100") == (3, "", words)
 
 

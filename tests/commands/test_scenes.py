@@ -137,7 +137,7 @@ REFUSED = {
     ("sweep", "default", "--h", "1/4,x"): "h: 'x' is not a rational number",
     ("sweep", "default", "--h", "0"): "the step size h must not be 0",
     ("sweep", "default", "--methods", "rk5"): "unknown method 'rk5'",
-    ("sweep", "default", "--cluster", "somewhere"): "'somewhere' is no address of a scheduler; write it like tcp://",
+    ("sweep", "default", "--cluster", "somewhere"): "'somewhere' is not the address of a scheduler, such as tcp://",
     ("sweep", "default", "-o", "."): "is a folder",
     ("report", "default", "-o", "/proc/page.html"): "/proc/page.html: No such file or directory",
     ("report", "default", "-o", "tests"): "tests is a folder; name a file in it",

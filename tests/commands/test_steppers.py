@@ -85,6 +85,8 @@ REFUSED = {
     ("verify", "os:getcwd", "--method", "rk4", "--examples", "0"): "the number of examples must be from 1 to 1000000",
     ("verify", "os:getcwd", "--method", "rk4", "--largest-step", "-1"): "the step size must be a number above 0",
     ("verify", "os:getcwd", "--method", "rk4", "--solver-tolerance", "0"): "must be a finite number > 0",
+    ("verify", "os:getcwd", "--method", "rk4", "--solver-tolerance", "1e-10"): "takes no solver_tolerance",
+    ("verify", "os:getcwd", "--method", "rk4", "--examples", "none"): "number of examples",
 }
 
 

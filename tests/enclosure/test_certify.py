@@ -93,6 +93,8 @@ def test_accuracy_is_asserted_with_the_worst_point():
         AssertionError, match=r"rtol = 1e-07, atol = 1e-08, allow an error of 9\.61e-08 per step there; .* 10\.4 t"
     ):
         assert_accurate((TIMES, y), decay, 9e-7, rtol=1e-7, atol=1e-8)
+    with pytest.raises(AssertionError, match=r"rtol = 1e-07 promised 8\.61e-08 a step there"):
+        assert_accurate((TIMES, y), decay, 9e-7, rtol=1e-7)
 
 
 def test_more_bits_are_taken_where_the_radius_is_not_small(monkeypatch):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import nullcontext
 from fractions import Fraction
 from random import Random
 
@@ -114,6 +115,15 @@ def test_start_of_more_bits_than_are_worked_with_is_enclosed():
     found = enclose_solution(lambda t, y: -y, start, [Fraction(0), Fraction(1)], 64)
     with ctx.workprec(400):
         assert found.states[-1][0].contains(1)
+
+
+def test_part_that_is_done_is_that_of_the_time(monkeypatch):
+    said = []
+    progress = type("Progress", (), {"part": property(None, lambda self, part: said.append(part))})()
+    monkeypatch.setattr(solutions, "stage", lambda words: nullcontext(progress))
+    for times in ((1, 2, 5), (1,)):
+        enclose_solution(lambda t, y: -y, [Fraction(1)], [Fraction(t) for t in times], 64)
+    assert said == [0, 0.25, 1, 0]
 
 
 def test_pendulum_agrees_with_jacobi_functions():

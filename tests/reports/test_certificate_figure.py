@@ -118,5 +118,5 @@ def test_data_name_every_part():
 def test_nothing_to_draw_and_other_names_are_refused(tmp_path):
     with pytest.raises(ValueError, match="no error to draw"):
         certificate_figure(replace(FOUND, errors=((arb(0),),) * 3), "x")
-    with pytest.raises(ValueError, match=r"ends in \.svg"):
+    with pytest.raises(ValueError, match=r"must be a \.svg file"):
         draw_certificate(FOUND, "x", tmp_path / "error.png")

@@ -34,7 +34,7 @@ def test_splitting_has_no_picture_and_no_file_is_left(tmp_path: Path) -> None:
 
 
 def test_name_of_a_picture_says_its_kind(tmp_path: Path) -> None:
-    with pytest.raises(ValueError, match=r"x\.png: the name of a picture ends in \.svg"):
+    with pytest.raises(ValueError, match=r"x\.png: a picture must be a \.svg file"):
         draw_method("phase", METHODS["rk4"], tmp_path / "x.png")
     assert draw_method("phase", METHODS["rk4"], tmp_path / "x.SVG").stat().st_size > 1000
 

@@ -99,7 +99,7 @@ def test_scene_without_exact_readouts_never_imports_sympy(
     path, every = tmp_path / "mine.toml", '["final_state", "state_error", "energy", "phase_error", "evaluations"]'
     code = f"from driftproof.cli import main; main(['scene', {str(path)!r}, '--figures', {str(tmp_path)!r}])"
     for asked, exact in ((f"readouts = {every}", set()), ('certified = ["energy"]', {"flint"})):
-        path.write_text(f'selected = "rk4"\nh = "1/4"\nt = 10\n{asked}', encoding="utf-8")
+        path.write_text(f'selected = "rk4"\nh = "1/4"\nt = 10\npanels = ["position"]\n{asked}', encoding="utf-8")
         assert modules_after(code) & {"sympy", "flint"} == exact
 
 

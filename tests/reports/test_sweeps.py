@@ -135,8 +135,8 @@ def test_a_cancelled_future_cancels_its_task_and_takes_no_result():
 @pytest.mark.parametrize(
     ("error", "kind", "line"),
     [
-        (CancelledError, ConnectionError, "the cluster at tcp://a:1 has gone away"),
-        (KeyError, ChildProcessError, "the workers at tcp://a:1 died of a batch: 'of what'"),
+        (CancelledError, ConnectionError, "the connection to the cluster at tcp://a:1 was lost"),
+        (KeyError, ChildProcessError, "a batch killed the workers at tcp://a:1: 'of what'"),
     ],
 )
 def test_what_distributed_logs_of_its_end_is_not_said_twice(error, kind, line, monkeypatch, caplog):

@@ -69,7 +69,7 @@ def test_a_problem_may_be_a_dict_with_a_function_of_python(tmp_path):
     assert (found[0].key, found[0].start, found[0].t) == ("swing", found[1].start, found[1].t)
     assert decimal_energy(found[0], [0, 1]) == -9
     assert problem_given(own | {"rates": ["y1", "-g * sin(y0)"], "start": np.array([0.5, 0])}).key == "own"
-    with pytest.raises(ValueError, match=r"write \{'function': swing, 'start': \[1, 0\], 'end': 10\}, with its start"):
+    with pytest.raises(ValueError, match=r"as well: \{'function': swing, 'start': \[1, 0\], 'end': 10\}"):
         problem_given(swing)
 
 
@@ -140,7 +140,7 @@ def test_bits_are_added_until_the_digits_are_settled_and_no_more_often_than_so(m
     assert found.states == right.states == (("0.36787944117144232160",),)
     assert found.source.endswith(", 108 bits")
     monkeypatch.setattr(user_problem, "ENCLOSED_DIGITS", 400)
-    with pytest.raises(Refused, match="the solution is not known to 400 digits with 162 bits"):
+    with pytest.raises(Refused, match="the solution cannot be enclosed to 400 digits with 162 bits"):
         enclosed_reference(*asked)
 
 
@@ -149,10 +149,10 @@ REFUSED = {
     "start = []\nend = 1": "rates is missing",
     "start = [0]": "end is missing; write a number",
     'start = [0]\nend = "sqrt(2)"': r"end: sqrt\(2\) is irrational",
-    'start = [0]\nend = 1\nrates = ["y0"]\nfunction = "m:f"': "function stands in the place of rates",
+    'start = [0]\nend = 1\nrates = ["y0"]\nfunction = "m:f"': "give either rates or function, not both",
     'start = [0]\nend = 1\nfunction = "nowhere"': "'nowhere' names no function",
-    'rates = ["y0"]\nend = -1\nstart = [1]': "end is -1; problems run from 0",
-    'rates = ["y0"]\nend = 1\nstart = [1, 2]': "start has 2 entries, 1 are needed",
+    'rates = ["y0"]\nend = -1\nstart = [1]': "end is -1; it must be above 0",
+    'rates = ["y0"]\nend = 1\nstart = [1, 2]': "start has 2 entries, but the rates need 1",
     'rates = ["y0"]\nend = 1\nstart = [[1]]': r"start\[0\] is \[1\]; write a number",
     'rates = ["y0"]\nend = 1\nstart = [1]\nwidth = 2': "a problem has no key 'width'; its keys are rates",
     'rates = ["y0 +"]\nend = 1\nstart = [1]': "'y0 \\+', column 5",

@@ -108,7 +108,7 @@ class BallTableaux:
     def tableau(self, reading: TableauReading) -> BallTableau:
         """A, b and c as balls."""
         *a, b = (self._row(row, self.scales) for row in (*reading.a, reading.b))
-        return BallTableau(tuple(a), b, self._nodes(reading.c or (0.0,) * reading.calls))
+        return BallTableau(tuple(a), b, self._nodes(reading.c or ()))
 
     def nystrom(self, reading: ForceReading) -> BallNystrom:
         """c, A, both rows of weights and the drift as balls."""

@@ -86,7 +86,7 @@ class ForeignCode:
             if not known and size == 1 and len(arguments) > 1:
                 first, last = (abs(x - t) for i in (0, -1) for x in self.adapter.read(arguments[i], 1))
                 time_first = first < last or (first == last and time_first)
-            state, time = (-1, 0) if time_first else (0, 1)
+            state, time = (-1, 0) if time_first else (0, -1)
             try:
                 asked = self.adapter.read(arguments[state], size)
             except WrongShape:  # it calls f in the other order than it takes them itself

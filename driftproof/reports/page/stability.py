@@ -93,9 +93,9 @@ def with_roots(text: str) -> str:
 
 
 def beside(limit: Limit, h: Fraction) -> str:
-    """Whether h is below, at or above the limit, decided exactly; "backwards" for h < 0, as limits are for h > 0."""
+    """Whether h is below, at or above the limit, decided exactly; "negative" for h < 0, as limits are for h > 0."""
     if h < 0:
-        return "backwards"
+        return "negative"
     if isinstance(limit, Infinity):
         return "below"
     if limit == ZERO_ROOT:
@@ -131,7 +131,7 @@ def growth_figure(scene: Scene, verdicts: Sequence[Verdict], identity: str) -> F
         f"{ten_to(low)} to {ten_to(high)}. At the end: {', '.join(ends)}.",
         plot=plot,
         legend=[(f"line path {line_style(i)}", method_of(key).title) for i, key in enumerate(curves)],
-        note=f"{LENGTHS} times as many steps as the scene has. A line that keeps climbing is an unbounded method's.",
+        note=f"{LENGTHS} times as many steps as the scene has. The line of an unbounded method keeps climbing.",
         data=_data(counts, curves),
         data_title="Growth, as powers of ten",
     )

@@ -220,7 +220,7 @@ def test_trajectory_without_a_figure_is_a_table_of_samples() -> None:
 
 
 def test_run_too_long_to_be_drawn_is_refused_before_it_starts() -> None:
-    with pytest.raises(ValueError, match="at most 1000000 steps are drawn, not 10000000"):
+    with pytest.raises(ValueError, match="10000000 steps are too many to draw; at most 1000000"):
         document([Scene("long", "rk4", Q(1), Q(10**7), panels=("position",))], 15)
 
 

@@ -26,7 +26,7 @@ VERDICTS = [
     ("symplectic_euler", Q(2), False, "at the limit"), ("symplectic_euler", Q(5, 2), False, "above"),
     ("rk4", Q(2828427124, 10**9), True, "below"), ("rk4", Q(2828427125, 10**9), False, "above"),
     ("implicit_midpoint", Q(10**6), True, "below"), ("backward_euler", Q(1), True, "below"),
-    ("symplectic_euler", Q(-1), True, "backwards"),
+    ("symplectic_euler", Q(-1), True, "negative"),
 ]  # fmt: skip
 
 

@@ -8,9 +8,12 @@ import json
 import re
 from math import inf
 from pathlib import Path
+from types import SimpleNamespace
 
+from driftproof.methods.catalogue import METHODS
+from driftproof.numeric.problems.catalogue import problem_named
 from driftproof.numeric.reference_errors import Size
-from driftproof.numeric.work_precision.curves import Curve, Point
+from driftproof.numeric.work_precision.curves import Curve, Point, curve_of
 from driftproof.numeric.work_precision.timing import Timing
 from driftproof.numeric.work_precision.verdicts import Priced, dominators
 from driftproof.reports.work_precision.report import (
@@ -28,9 +31,9 @@ from tests.reports.studies import study, unheard
 def test_tables_say_who_is_cheapest_who_is_dominated_and_what_does_not_apply() -> None:
     asked = study("rk4", "velocity_verlet", problem="dahlquist_1")
     shown = study_text(asked, measure(asked, None, unheard))
-    assert "velocity_verlet: not applicable: " in shown
-    assert "Least work for an error of at most 1e-6 (* least of all)" in shown
-    assert "no times, compiled, of rk4: numba is not installed" in shown
+    assert "velocity_verlet: does not apply: " in shown
+    assert "Least work for an error of at most 1e-6 (* the least)" in shown
+    assert "no times (compiled) for rk4: numba is not installed" in shown
     assert re.search(r"^rk4 +4 +4\.\d\d \(", shown, re.MULTILINE)
 
 
@@ -105,3 +108,9 @@ def test_timing_of_no_sample_is_an_infinite_cost_and_a_kind_never_called_none() 
     measured = Measured({"a": Curve("a", "A", 1, [point])}, marked, {"a | python": 1.0})
     assert priced(measured, "python") == {"a": [Priced(0.1, inf)]}
     assert priced(measured, "compiled") == {"a": []}
+
+
+def test_an_order_below_the_claim_is_order_reduction_on_stiff_problems_only() -> None:
+    found = curve_of(METHODS["gauss2"], problem_named("prothero_robinson"), (20, 40, 80, 160))
+    shown = [order_rows(SimpleNamespace(curves={"gauss2": found}), stiff)[1][-1] for stiff in (True, False)]
+    assert shown == ["below the claimed order 4: order reduction", "below the claimed order 4"]
