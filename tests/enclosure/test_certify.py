@@ -142,6 +142,11 @@ def smooth_in_floats_only(t, y):
     return np.asarray(y * 0.5) if isinstance(y[0], float) else y
 
 
+def of_two(t, y):
+    q, v = y
+    return [v, -q]
+
+
 REFUSED = {
     r"times have to increase: t\[2\] = 1.0 is not above t\[1\] = 1.0": (decay, [0, 1, 1], [[1], [1], [1]]),
     r"t has the shape \(1,\); it has to be a row of two times at least": (decay, [0.0], [[1.0]]),
@@ -152,13 +157,17 @@ REFUSED = {
     r"f in floats is 0\.5 at t = 0\.0, component 0; in balls it is 1": (smooth_in_floats_only, [0, 1], [[1.0], [1.5]]),
     r"y is no table of numbers: its rows differ in length": (decay, [0, 1], [[1], [1, 2]]),
     r"f is no right-hand side: NoneType; give a function f\(t, y\), or its text": (None, [0, 1], [[1], [1]]),
-    r"f fails in floats at t = 0\.0: KeyError: 'k'": (lambda t, y: {}["k"], [0, 1], [[1.0], [1.0]]),
+    r"f fails in floats at t = 0\.0, on 1 components: KeyError: 'k'": (lambda t, y: {}["k"], [0, 1], [[1.0], [1.0]]),
     r"missing 1 required positional argument: 'k'; it is called f\(t, y\): fix other arguments by functools\.partial": (
         lambda t, y, k: -k * y, [0, 1], [[1.0], [1.0]]),
+    r"f fails in floats at t = 0\.0, on 3 components: ValueError: too many values": (
+        of_two, [0, 1], [[1.0, 2.0, 3.0]] * 2),
+    r"f has 2 components, the trajectory has 3": ("y1; -y0", [0, 1], [[1.0, 2.0, 3.0]] * 2),
     r"f returns 2 rates for 1 components": (lambda t, y: [1.0, 2.0], [0, 1], [[1.0], [1.0]]),
     r"f returns 3 rates for 1 components": (
         lambda t, y: [1.0] * 3 if isinstance(y[0], float) else y, [0, 1], [[1.0], [1.0]]),
-    r"f fails in floats at t = 0\.0: ZeroDivisionError": (lambda t, y: [1 / int(t)], [0, 1], [[1.0], [1.0]]),
+    r"f fails in floats at t = 0\.0, on 1 components: ZeroDivisionError": (
+        lambda t, y: [1 / int(t)], [0, 1], [[1.0], [1.0]]),
     r"f compares numbers that the enclosure cannot tell apart": (lambda t, y: np.abs(y), [0, 1], [[0.0], [0.0]]),
     r"a pole, or .* is ahead near t = 1": (lambda t, y: y**2, [0.0, 1.5], [[1.0], [5.0]]),
     r"f is 1\.5 at t = 1\.0, component 0, and -1\.5 when it is called again": (

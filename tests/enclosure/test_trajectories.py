@@ -62,6 +62,10 @@ WRONG = {
     "0,1\n0.1,x1\n": r"run\.csv:2: 'x1' is no number",
     "0\n1\n": r"run\.csv:1: 1 numbers; write t and one component at least",
     "0,1x\n1,2\n": r"run\.csv:1: '1x' is no number",
+    "0;1\n0,5;0,87\n": r"run\.csv:2: decimal commas; write 0\.5, with a point",
+    "0 1\n0,5 -0,87\n": r"run\.csv:2: decimal commas",
+    "0,1\n0,2\n": r"run\.csv: times have to increase: t\[1\] = 0\.0 is not above t\[0\] = 0\.0",
+    "0,1\n1,nan\n": r"run\.csv: y\[1, 0\] is nan",
     "t,y\n": r"run\.csv: no numbers; write t and the components",
     "": r"run\.csv: no numbers",
 }
