@@ -23,7 +23,7 @@ from driftproof.methods.field_text import field_of_file
 from driftproof.methods.rationals import ExactNumber
 from driftproof.methods.schemes import Method
 from driftproof.support.assertions import AssertedVerdict, tell
-from driftproof.support.progress import working
+from driftproof.support.progress import stage, working
 from driftproof.symbolic.algebra.certified import enclose
 
 MOST_DOUBLINGS = 4
@@ -124,7 +124,8 @@ def _split(plan: StepPlan, run: Trajectory, true: Mapping[Fraction, Row]) -> Spl
     bits, reason = BITS_OF_EXACT_RUN, ""
     while bits <= MOST_BITS_OF_EXACT_RUN:
         try:
-            rows = plan.states(run.states[0], bits)
+            with stage(f"the exact run of {plan.method.key} in {bits} bits"):
+                rows = plan.states(run.states[0], bits)
         except Refused as refusal:  # a ball may have been too wide for f
             reason, bits = f": {refusal}", 2 * bits
             continue
