@@ -32,11 +32,11 @@ def right_hand_side(f: GivenField, components: int) -> RightHandSide:
     try:
         field = f if isinstance(f, VectorField) else field_of_text(f)
     except ValueError as error:
-        raise Refused(f"f is no right-hand side: {error}") from None
+        raise Refused(f"f is not a right-hand side: {error}") from None
     except (TypeError, AttributeError):
-        raise Refused(f"f is no right-hand side: {type(f).__name__}; give a function f(t, y), or its text") from None
+        raise Refused(f"f is not a right-hand side but a {type(f).__name__}; give f(t, y) or its text") from None
     if len(field.rates) != components:
-        raise Refused(f"f has {len(field.rates)} components, the trajectory has {components}")
+        raise Refused(f"f has {len(field.rates)} components, but the trajectory has {components}")
     return field_function(field)
 
 

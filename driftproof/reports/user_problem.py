@@ -47,8 +47,9 @@ ENCLOSED_DIGITS = 20
 PARTS = 10
 # A linear problem of more components gets no proof of its stability: the eigenvalues of twice as many take minutes.
 MOST_PROVED = 20
-# Errors of floats are some 1e-16 of the largest component or more: what is 1e-14 of those again changes none of them.
-DIED_OUT = arb("1e-30")
+# A ball so many digits narrower than the digits of the largest component is of a component that has died out: errors of
+# floats are some 1e-16 of the largest component or more, of which 1e-30 is 1e-14.
+DEEPER_DIGITS = 10
 # Each attempt has half as many bits more: 128, 192, 288, 432, 648. For most problems one of the first two is enough.
 _MOST_ATTEMPTS = 5
 _LONGEST_TITLE = 200
@@ -71,7 +72,7 @@ def problem_given(given: GivenProblem) -> Problem:
     own: Any = given
     if callable(own):
         example = f"{{'function': {getattr(own, '__name__', 'f')}, 'start': [1, 0], 'end': 10}}"
-        raise ValueError(f"a function alone is no problem; write {example}, with its start and its end")
+        raise ValueError(f"a function alone does not define a problem; give start and end as well: {example}")
     if not (name := str(given)).endswith(".toml"):
         return problem_named(name)
     return read_toml(name, LONGEST_PROBLEM, lambda table: _problem(table, name))
@@ -83,7 +84,7 @@ def _problem(table: TomlTable, name: str) -> Problem:
     end = _rational(table.get("end"), "end")
     field = _field(table, len(start))
     if end <= 0:
-        raise ValueError(f"end is {end}; problems run from 0 to a time above it")
+        raise ValueError(f"end is {end}; it must be above 0, where problems begin")
     title = as_line(table.get("title", name), "title", _LONGEST_TITLE)
     reference, second_order = enclosed_reference(field, start, [end * k / PARTS for k in range(1, PARTS + 1)]), False
     with suppress(MethodError):
@@ -118,14 +119,14 @@ def _as_toml(value: Any) -> Any:
 def _field(table: TomlTable, components: int) -> VectorField:
     if "function" in table:
         if "rates" in table:
-            raise ValueError("function stands in the place of rates; give one of them")
+            raise ValueError("give either rates or function, not both")
         own = table["function"]
         function = rebound(own if callable(own) else imported(as_text(own, "function"), "function"))
         parameters = _doubles(table)
         return field_of_function(lambda t, y: function(t, y, **parameters), components)
     field = field_of_table(table)
     if len(field.rates) != components:
-        raise ValueError(f"start has {components} entries, {len(field.rates)} are needed")
+        raise ValueError(f"start has {components} entries, but the rates need {len(field.rates)}")
     return field
 
 
@@ -146,7 +147,7 @@ def enclosed_reference(field: VectorField, start: Sequence[Fraction], times: Seq
         except Uncertified:
             refusal = None
         bits = bits * 3 // 2
-    raise refusal or Refused(f"the solution is not known to {ENCLOSED_DIGITS} digits with {bits * 2 // 3} bits")
+    raise refusal or Refused(f"the solution cannot be enclosed to {ENCLOSED_DIGITS} digits with {bits * 2 // 3} bits")
 
 
 def _digits(x: arb, largest: arb) -> str:
@@ -158,7 +159,7 @@ def _digits(x: arb, largest: arb) -> str:
         try:
             return significant(lambda: x, digits)
         except Uncertified:
-            if not x.rad() < DIED_OUT * largest:
+            if not x.rad() * arb(10) ** (ENCLOSED_DIGITS + DEEPER_DIGITS) < largest:
                 raise
     if x.is_zero():
         return "0e-400"

@@ -233,17 +233,15 @@ def test_scene_names_a_method_by_its_key_or_its_file_and_by_nothing_else() -> No
 def test_member_of_a_family_is_named_with_its_value(tmp_path: Path) -> None:
     path = tmp_path / "mine at home.toml"
     path.write_text('family = "runge_kutta"\nparameter = "a"\nA = [[0, 0], ["a", 0]]\nb = ["1 - 1/(2*a)", "1/(2*a)"]')
-    ralston = METHODS["ralston2"]
     for of in (f"{path}", "explicit_order_2"):
         found = method_of(f"{of} at 2/3")
         assert isinstance(found, RungeKutta)
-        assert (found.a, found.b) == (ralston.a, ralston.b)
+        assert (found.a, found.b) == (METHODS["ralston2"].a, METHODS["ralston2"].b)
     assert method_of(f"{path} at sqrt(2)/2").b[1] ** 2 == Q(1, 2)
     assert methods_of("explicit_order_2 at 1, rk4")[0].b == (Q(1, 2), Q(1, 2))
     for given, said in (
         ("explicit_order_2 at 0", "is not defined at alpha = 0, a pole"),
         ("explicit_order_2 at x", "alpha: 'x', column 1: 'x' is a name"),
-        ("rk4 at 1/2", "unknown method 'rk4 at 1/2'"),
         ("explicit_order_2", "one method is needed, such as 'explicit_order_2 at 1/2'"),
         (FAMILIES["explicit_order_2"], "one method is needed, such as 'explicit_order_2 at 1/2'"),
     ):
