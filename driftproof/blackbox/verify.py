@@ -9,7 +9,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from driftproof.blackbox.checks.arguments import RETURNS_NOTHING, arguments
+from driftproof.blackbox.checks.arguments import arguments
 from driftproof.blackbox.checks.determinism import CALL_BEFORE
 from driftproof.blackbox.criteria import (
     COEFFICIENTS,
@@ -108,8 +108,7 @@ def verify(
             named = refuted if arithmetic in refuted else f"{refuted}; {arithmetic}"
             return _report(runner.target, named, passed, checks, made, instead, same_steps)
     verdict = _agreed(asked, rounding.result, checks) if passed else _not_decided(asked, checks)
-    told = [check.words for check in remarks.result or () if check.holds is False]
-    remarked = [f"remark: {words}" for words in told if not words.endswith(RETURNS_NOTHING)]
+    remarked = [f"remark: {check.words}" for check in remarks.result or () if check.holds is False]
     unjudged = [
         f"the {title.lower()} is not judged: {outcomes[title].seen}"
         for title in (ERROR_ESTIMATE, DENSE_OUTPUT)
