@@ -116,8 +116,8 @@ def _coarsest_partition(stages: StageCoefficients) -> list[int]:
         shared = [(row, sorted({labels[j] for j, _ in row})) for row in rows]
         sums = [[(k, s) for k in ks if (s := total(x for j, x in row if labels[j] == k))] for row, ks in shared]
         refined = _labels(list(zip(labels, sums, strict=True)))
-        if refined == labels or len({*refined}) == len(refined):
-            return refined
+        if refined == labels:
+            return labels
         labels = refined
 
 

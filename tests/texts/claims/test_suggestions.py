@@ -48,6 +48,8 @@ def test_suggestion_is_strong_only_where_the_digits_or_the_names_say_so() -> Non
     for text, strong in (("0.5", False), ("2.4", False), ("2.39", False), ("0.090", False)):
         assert {candidate.strong for candidate in suggested(f"about {text}")[0]} == {strong}, text
     assert suggested("forward Euler's state error is 2.390 at the end")[-1][0].strong
+    of_roots = [suggested(f"t = 2: the {name}q is -0.41614684")[-1][0].strong for name in ("", "exact ")]
+    assert of_roots == [False, True], "a letter is no name"
     exact = [value(candidate.question).exact == Q(1, 2) for candidate in suggested("about 0.5")[0]]
     assert exact == sorted(exact, reverse=True), "what is equal stands before what is rounded"
     assert {*exact} == {True, False}
