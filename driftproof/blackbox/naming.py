@@ -181,7 +181,7 @@ class Seen:
         faults = "".join(f"; {fault}" for each in judged for fault in each.faults)
         words = name + _at(self.size) + read.row + beyond + faults
         keys = tuple(match.key for match in read.identity.matches)
-        return Naming(KNOWN if words == name else ADDED, words, keys, reserved=bool(beyond))
+        return Naming(KNOWN if words == name and first in keys else ADDED, words, keys, reserved=bool(beyond))
 
     @property
     def _besides_one_number(self) -> bool:

@@ -87,7 +87,6 @@ def test_a_map_has_a_key_where_it_is_that_method_of_the_plain_oscillator(drag, r
 
 
 def adapting(f, t, y, h):
-    """Heun's method, in steps so short that its error estimate is below 1e-6."""
     while np.max(np.abs(h / 2 * (f(t + h, y + h * f(t, y)) - f(t, y)))) > 1e-6:
         h = h / 2
     return codes.heun(f, t, y, h)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from math import pi
+from unittest.mock import Mock
 
 import pytest
 
@@ -119,10 +120,8 @@ def test_a_run_whose_later_steps_keep_no_recurrence_is_named_by_its_first_step_o
 
 
 def test_a_run_whose_later_steps_were_not_seen_in_time_is_named_by_its_first_step_only(monkeypatch):
-    def late(*_, **__):
-        raise type("Late", (Misbehaviour,), {"kind": "time_limit"})("the time is over")
-
-    monkeypatch.setattr("driftproof.blackbox.identify.read_family", late)
+    late = type("Late", (Misbehaviour,), {"kind": "time_limit"})("the time is over")
+    monkeypatch.setattr("driftproof.blackbox.identify.read_family", Mock(side_effect=late))
     verdict = identify(planted.run_of_adams_bashforth2, isolate=False).verdict
     assert verdict == "it is forward_euler; this holds for its first step only: the time is over"
 

@@ -73,7 +73,6 @@ def test_a_number_is_the_same_up_to_the_roundings_of_its_column(name, sign):
 
 
 def chain(first, size=40):
-    """A fixed-point iteration: each stage is at the slope of the one before, the first at the node `first`."""
     rows = tuple(tuple(Q(j == i - 1) for j in range(size)) for i in range(size))
     weights = tuple(Q(j == size - 1) for j in range(size))
     return ExactTable.of(StageCoefficients(rows, (weights, weights), (Q(first), *[Q(1)] * (size - 1))), None)
