@@ -58,7 +58,7 @@ REFUSED = {
     ("stability", "nope"): "unknown problem 'nope' (`driftproof stability` lists them)",
     ("stability", "kepler", "--methods", "rk5"): "unknown method 'rk5'",
     ("stability", "kepler", "--h", "3/7"): "h = 3/7 does not divide t",
-    ("stability", "kepler", "--h", "1/10000000"): "at most 1000000 are run here",
+    ("stability", "kepler", "--h", "1/10000000"): "at most 1000000 are run",
     ("stability", "stiff_oscillator", "--h", "1/500,x"): "h: 'x' is not a rational number",
     ("stability", "kaps", "--h", "1e300"): "h = 1000000000000000000000000000000000000... does not divide t = 1 ",
     ("work-precision", "no_such"): "unknown problem 'no_such'",

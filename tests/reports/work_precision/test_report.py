@@ -34,6 +34,7 @@ def test_tables_say_who_is_cheapest_who_is_dominated_and_what_does_not_apply() -
     assert "velocity_verlet: does not apply: " in shown
     assert "Least work for an error of at most 1e-6 (* the least)" in shown
     assert "no times (compiled) for rk4: numba is not installed" in shown
+    assert [len(re.findall(f"(?m)^{line}", shown)) for line in ("-:", "Evaluations ", "lost")] == [1, 1, 0]
     assert re.search(r"^rk4 +4 +4\.\d\d \(", shown, re.MULTILINE)
 
 
