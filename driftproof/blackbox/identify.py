@@ -67,7 +67,7 @@ def identify(
             if opened is not None and opened.calls in OF_FAMILIES:
                 return unread_report(runner.target.name, family)
         # If later steps depend on earlier ones by no known recurrence, only the first step was read.
-        remembering = family.kind in (NotReadable.kind, NoRecurrence.kind)
+        remembering = family.kind in (NotReadable.kind, NoRecurrence.kind, *NO_EVIDENCE)
         later = f"this holds for its first step only: {family.seen}" if remembering else ""
         return identified(runner, read, order, dense, later)[0]
 
@@ -110,6 +110,8 @@ def _sections(name: str, seen: Seen, rounding: Outcome | None) -> tuple[Section,
         *(check.words for check in seen.checks if check.is_fault),
     ]
     failed = [o for o in _questions(seen, rounding) if o.failed and o.kind != "unsupported_call"]
+    opened: Introduction | None = seen.introduction.result
+    stepper = [SIGNATURES[opened.calls], f"takes {opened.numbers}, works in {opened.format}"] if opened else []
     evidence = sections(
         ("What to do", _what_to_do(name, seen)),
         ("Faults", faults),
@@ -120,7 +122,7 @@ def _sections(name: str, seen: Seen, rounding: Outcome | None) -> tuple[Section,
         ("Error estimate", _returned_besides_y1(seen.estimate)),
         ("Dense output", _returned_besides_y1(seen.dense)),
         ("Rounding", [] if rounding is None or rounding.failed else rounding.result.lines),
-        ("Stepper", [*_stepper_lines(seen), *filter(None, [seen.arithmetic])]),
+        ("Stepper", [*stepper, *filter(None, [seen.arithmetic])]),
     )
     answers = sections(("Not answered", each_once(f"{o.kind}: {o.seen}" for o in failed)))
     return (*evidence, *_checks([check for check in seen.checks if not check.is_fault]), *answers)
@@ -156,6 +158,10 @@ def _what_to_do(name: str, seen: Seen) -> list[str]:
         lines.append(f"if it should be {seen.key}, verify it: {held} {seen.key}{solved}, or assert_verified in a test")
     else:
         lines.append(f"name the method it should be: {held} METHOD, or your own tableau in a .toml file")
+    if seen.coefficients.failed and "is adaptive" in seen.coefficients.seen:
+        lines.append(
+            "if it adapts its step size, let a large tolerance accept each step, or examine a solver: --solver"
+        )
     if seen.coefficients.kind == "unsupported_call":
         lines.append("to have its coefficients read, make the right-hand side or force an argument: step(f, t, y, h)")
     return lines
@@ -164,13 +170,6 @@ def _what_to_do(name: str, seen: Seen) -> list[str]:
 def _questions(seen: Seen, rounding: Outcome | None) -> Sequence[Outcome]:
     questions = seen.introduction, seen.coefficients, seen.linear, seen.order, seen.estimate, seen.dense
     return questions if rounding is None else (*questions, rounding)
-
-
-def _stepper_lines(seen: Seen) -> list[str]:
-    if seen.introduction.failed:
-        return []
-    opened: Introduction = seen.introduction.result
-    return [SIGNATURES[opened.calls], f"takes {opened.numbers}, works in {opened.format}"]
 
 
 def _returned_besides_y1(outcome: Outcome) -> list[str]:

@@ -140,9 +140,9 @@ class IsolatedRunner:
             for i, probe in enumerate(probes):
                 yield self._answer(session, i, log, opening=probe is opens)
         except ProcessEnded as ended:
-            outcome = _outcome_of_end(ended, log)
+            call = f" in step({log.call})" if log.call else " while the stepper was imported"
             self.__exit__()
-            yield outcome
+            yield Outcome(kind=_ENDS.get(ended.cause, "crashes"), seen=f"{ended}{call}")
         finally:
             if not self._kept:
                 self.__exit__()
@@ -209,13 +209,6 @@ def _packed(plain: object) -> str:
 
 # The kind of outcome for each cause of an end without an answer; any other cause is a crash of the subject.
 _ENDS = {"time": "time_limit", "killed": "killed", "raised": "instrument_failed"}
-
-
-def _outcome_of_end(ended: ProcessEnded, log: _CallLog) -> Outcome:
-    """The outcome of a probe whose process ended without an answer."""
-    text = log.call
-    call = f" in step({text})" if text else " while the stepper was imported"
-    return Outcome(kind=_ENDS.get(ended.cause, "crashes"), seen=f"{ended}{call}")
 
 
 def _not_again(call: str) -> str:

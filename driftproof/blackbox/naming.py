@@ -21,6 +21,7 @@ from driftproof.blackbox.matching.read_order import ReadOrder, read_order
 from driftproof.blackbox.probes.force import ForceReading
 from driftproof.blackbox.probes.linear_steps import LINEAR
 from driftproof.blackbox.probes.questions import CoefficientReading
+from driftproof.blackbox.probes.stage_solutions import UNSOLVED
 from driftproof.blackbox.probes.tableau import TableauReading
 from driftproof.blackbox.report import NO_ANSWER, UNDECIDED
 from driftproof.methods.catalogue import METHODS
@@ -180,7 +181,7 @@ class Seen:
         faults = "".join(f"; {fault}" for each in judged for fault in each.faults)
         words = name + _at(self.size) + read.row + beyond + faults
         keys = tuple(match.key for match in read.identity.matches)
-        return Naming(KNOWN if words == name else ADDED, words, keys, reserved=bool(beyond))
+        return Naming(KNOWN if words == name and first in keys else ADDED, words, keys, reserved=bool(beyond))
 
     @property
     def _besides_one_number(self) -> bool:
@@ -241,8 +242,8 @@ def _in_words(fit: LinearFit, best: LinearCandidate) -> str:
     others = [key for key in best.methods if key != best.words]
     keys = f" ({', '.join(others)})" if others and best.extras == 0 else ""
     nearest = fit.nearly or fit.nearest
-    if nearest is None:
-        return f"{best.words}{keys}{_at(fit.amplitude) if fit.kind == LINEAR else ''}"
+    if nearest is None or nearest.off > UNSOLVED:
+        return f"{best.words}{keys}{_at(fit.amplitude) if nearest or fit.kind == LINEAR else ''}"
     key, off = nearest.methods[0], nearest.off
     near = f"nearly {key} at states of size 1, to {off:.1e}" if off else f"{key} at h = {nearest.h:g} and size 1"
     return f"{near}; at states of size {fit.amplitude:.1e}, {best.words}{keys}"

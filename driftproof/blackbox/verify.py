@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from driftproof.blackbox import criteria
-from driftproof.blackbox.checks.arguments import RETURNS_NOTHING, arguments, types
+from driftproof.blackbox.checks.arguments import arguments, types
 from driftproof.blackbox.checks.determinism import CALL_BEFORE
 from driftproof.blackbox.checks.output_precision import digits
 from driftproof.blackbox.families.magnetic import BORIS_NAMES, Boris
@@ -107,8 +107,9 @@ def verify(
             named = refuted if arithmetic in refuted else f"{refuted}; {arithmetic}"
             return _report(runner.target, named, passed, checks, made, instead, same_steps)
     verdict = _agreed(asked, rounding.result, checks) if passed else _not_decided(asked, checks)
-    told = [check.words for outcome in remarks for check in outcome.result or () if check.holds is False]
-    remarked = [f"remark: {words}" for words in told if not words.endswith(RETURNS_NOTHING)]
+    remarked = [
+        f"remark: {check.words}" for outcome in remarks for check in outcome.result or () if check.holds is False
+    ]
     unjudged = [
         f"the {title.lower()} is not judged: {outcomes[title].seen}"
         for title in (criteria.ERROR_ESTIMATE, criteria.DENSE_OUTPUT)

@@ -70,7 +70,6 @@ def test_a_rogue_that_always_hangs_is_given_up_after_one_time_limit(way):
 
 
 SAID = {
-    broken_steppers.works_in_place: "it writes its answer into its arguments and returns nothing",
     broken_steppers.returns_integers: "returns integers: at h = 0, (1.0, 0.75) becomes (1.0, 0.0)",
     broken_steppers.remembers: "the answer depends on the previous call",
     broken_steppers.noisy: "it uses the random numbers of Python or NumPy",

@@ -7,13 +7,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from driftproof.blackbox.checks.trials import TYPICAL_STEP, CheckResult, Trial, TrialRunner, same, steady_runner
+from driftproof.blackbox.checks.trials import TYPICAL_STEP, CheckResult, TrialRunner, same, steady_runner
 from driftproof.blackbox.findings import Misbehaviour, NotANumber
 from driftproof.blackbox.stepper import array_adapters as adapters
 from driftproof.blackbox.stepper.foreign_code import CallLog
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 
-RETURNS_NOTHING = "returns nothing"
 _WHOLE = (3, 1)
 
 
@@ -48,15 +47,11 @@ def _keeping(steady: TrialRunner, subject: ForeignStepper) -> tuple[CheckResult,
         answers = CheckResult("keeps_answers", True, "earlier answers are not changed")
     else:
         answers = CheckResult("keeps_answers", False, "an answer is overwritten by the next call", (trial,))
-    return _arguments_check(log, trial), answers
-
-
-def _arguments_check(log: CallLog, trial: Trial) -> CheckResult:
     if not log.changes_its_arguments:
-        return CheckResult("keeps_arguments", True, "its arguments are not changed")
-    in_place = f"it writes its answer into its arguments and {RETURNS_NOTHING}"
+        return CheckResult("keeps_arguments", True, "its arguments are not changed"), answers
+    in_place = "it writes its answer into its arguments and returns nothing"
     words = in_place if log.works_in_place else "it changes its arguments, besides returning an answer"
-    return CheckResult("keeps_arguments", False, words, (trial,))
+    return CheckResult("keeps_arguments", log.works_in_place, words, (trial,)), answers
 
 
 def _numbers(answer: adapters.Foreign) -> list[float]:

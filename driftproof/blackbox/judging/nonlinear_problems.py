@@ -128,7 +128,9 @@ def driven(size: int, *, timed: bool) -> NonlinearProblem:
     if timed or size > 1:
         numbers = f"{size} component{'s' * (size > 1)}"
         words = f"a nonlinear problem of {numbers}, {'with t' if timed else 'without t: the code passes no time'}"
-        return NonlinearProblem(words, _bells(timed), lambda t: _bells_at(t, size, timed), timed=timed)
+        bells = size if timed else size - 1
+        ends: Callable[[arb], list[arb]] = lambda t: [*(_bell(i, t)[1] for i in range(bells)), *[t] * (size - bells)]
+        return NonlinearProblem(words, _bells(timed), ends, timed=timed)
     words = "y' = exp(-y), without t: the code passes no time"
     return NonlinearProblem(words, lambda t, y: [capped_exp(-x) for x in y], lambda t: [(1 + t).log()])
 
@@ -237,10 +239,6 @@ def _bells(timed: bool) -> Callable[[AnyNumber, Sequence[AnyNumber]], _State]:
         return slopes if timed else [*slopes, at * 0 + 1]
 
     return rate
-
-
-def _bells_at(t: arb, size: int, timed: bool) -> list[arb]:
-    return [_bell(i, t)[1] for i in range(size)] if timed else [*(_bell(i, t)[1] for i in range(size - 1)), t]
 
 
 def _product_of_others(q: Sequence[AnyNumber]) -> _State:

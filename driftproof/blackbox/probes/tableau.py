@@ -17,6 +17,8 @@ from driftproof.symbolic.linear.reduced_tableau import StageCoefficients
 from driftproof.symbolic.rounding.formats import FloatFormat
 
 NO_POWER = -1
+# No method of the catalogue makes more calls in a step; a fixed number of iterations often does.
+_MOST_SHOWN = 40
 
 
 @dataclass(frozen=True)
@@ -100,6 +102,7 @@ class TableauReading:
         shown = self.a if self.implicit else tuple(row[:i] for i, row in enumerate(self.a))
         named = [*([] if self.c is None else [("c", self.c)]), *((f"a[{i}]", row) for i, row in enumerate(shown))]
         rows = [f"{name} = {self._row(row)}" for name, row in [*named, ("b", self.b)] if row]
+        rows = rows if self.calls <= _MOST_SHOWN else [f"A, b and c are not shown: a step makes {self.calls} calls"]
         unused = [f"call {j} is made, and its answer is not used" for j in self.unused]
         clock = ["the right-hand side receives no time"] if self.c is None else []
         solved = [] if self.solved is None else [self.solved.words]

@@ -162,7 +162,9 @@ class _Call:
             self.alike |= whose is None
             return np.asarray(pushed, float).reshape(at.shape) * factors[whose or 0]
 
-        bodies = _bodies(places, speeds, masses) if _BODIES in self.roles.values() else []
+        one: Callable[[Any], Any] = lambda x: x.copy() if np.ndim(x) else float(x)
+        each = zip(places, speeds, masses, strict=True) if _BODIES in self.roles.values() else ()
+        bodies = [_Body(one(q), one(v), float(mass)) for q, v, mass in each]
 
         def asked(*arguments: Foreign) -> Foreign:
             if bodies:
@@ -223,11 +225,6 @@ class _Body:
 def _attribute(name: str) -> str:
     kinds = {"pos": _NAMES[POSITION], "vel": _NAMES[VELOCITY], "mass": _NAMES[_MASS]}
     return next((kind for kind, names in kinds.items() if name.lower() in names), name)
-
-
-def _bodies(places: Any, speeds: Any, masses: Any) -> list[_Body]:
-    one: Callable[[Any], Any] = lambda x: x.copy() if np.ndim(x) else float(x)
-    return [_Body(one(q), one(v), float(mass)) for q, v, mass in zip(places, speeds, masses, strict=True)]
 
 
 def _answer_of_bodies(pushes: Callable[..., Any], asked: Sequence[Foreign], bodies: Sequence[_Body]) -> Foreign:

@@ -160,6 +160,16 @@ def test_what_is_returned_is_read_by_its_names_or_in_its_order(answer):
     assert opened(lambda q, v, h: answer(q + h * v, v - h * q)).step(1.0, 0.75, 0.25) == (1.1875, 0.5)
 
 
+def test_code_compiled_by_numba_calls_what_it_is_given_each_time():
+    pytest.importorskip("numba")
+    style = next(style for style in STYLES if style.title == "Compiled Numba code")
+    subject = opened(defined(style.code))
+    for slope in (1.0, -2.0):
+        assert subject.step_field(lambda t, y, slope=slope: [slope * t for _ in y], 2.0, [0.0], 1.0) == [2.5 * slope]
+    forced = opened(namespace("@numba.njit\ndef step(force, q, v, h): return q + h * v, v + h * force(q)")["step"])
+    assert forced.step_forced(lambda t, q: [3 * x for x in q], 0.0, [1.0], [0.5], 0.25) == [1.125, 1.25]
+
+
 @pytest.fixture
 def numpy_for_jax(monkeypatch):
     """JAX with NumPy's arrays, which calls back at once."""
