@@ -40,8 +40,7 @@ _READABLE_ESTIMATE = "an estimate that is a sum of the slopes of the pair's own 
 # The titles that verdicts refer to.
 ROUNDING, COEFFICIENTS, NONLINEAR_STEP, ORDER = "Rounding", "Coefficients", "Nonlinear step", "Order"
 ERROR_ESTIMATE, DENSE_OUTPUT, STATE_FORMS = "Error estimate", "Dense output", "State"
-# What most steppers have nothing of, which needs no line.
-_UNUSUAL = (ERROR_ESTIMATE, DENSE_OUTPUT, "Parameters")
+_UNUSUAL = (ERROR_ESTIMATE, DENSE_OUTPUT, "Parameters")  # most steppers have nothing of these, which needs no line
 # The criteria of a single step, which decide whether it is the method's; the other criteria must not fail.
 OF_ONE_STEP = (ROUNDING, COEFFICIENTS, NONLINEAR_STEP, ORDER)
 # Whether an answer passes (None: not seen), the finding as lines and as JSON data, and what would decide it.

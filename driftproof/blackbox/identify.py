@@ -105,10 +105,8 @@ def _rounding(runner: IsolatedRunner, method: Method, size: float) -> Outcome:
 def _sections(name: str, seen: Seen, rounding: Outcome | None) -> tuple[Section, ...]:
     """The sections of the report: what to do first, then the evidence, the most important first."""
     damping: Damping | None = seen.damping.result
-    faults = [
-        *(damping.faults if damping and not seen.ignores_step else ()),
-        *(check.words for check in seen.checks if check.is_fault),
-    ]
+    damps = damping.faults if damping and not seen.ignores_step else []
+    faults = [*damps, *(check.words for check in seen.checks if check.is_fault)]
     failed = [o for o in _questions(seen, rounding) if o.failed and o.kind != "unsupported_call"]
     opened: Introduction | None = seen.introduction.result
     stepper = [SIGNATURES[opened.calls], f"takes {opened.numbers}, works in {opened.format}"] if opened else []

@@ -10,7 +10,7 @@ from typing import NamedTuple
 from driftproof.blackbox.checks.step_size import IGNORED
 from driftproof.blackbox.checks.trials import CheckResult
 from driftproof.blackbox.families.damping import Damping
-from driftproof.blackbox.findings import NO_EVIDENCE, Outcome
+from driftproof.blackbox.findings import NO_EVIDENCE, Outcome, StaleSlope
 from driftproof.blackbox.judging.measured_order import MeasuredOrder
 from driftproof.blackbox.matching.candidates import EMBEDDED
 from driftproof.blackbox.matching.linear_candidates import LinearCandidate
@@ -146,7 +146,8 @@ class Seen:
         if self.introduction.kind in NO_EVIDENCE:
             return Naming(UNDECIDED, f"{UNDECIDED}: {self.introduction.seen}")
         if self.introduction.failed:
-            return Naming(NO_ANSWER, f"{NO_ANSWER}: {self.introduction.seen}")
+            kind, words = (UNKNOWN, NOT_KNOWN) if self.introduction.kind == StaleSlope.kind else (NO_ANSWER, NO_ANSWER)
+            return Naming(kind, f"{words}: {self.introduction.seen}")
         read, fit = self.read, self.fit
         if read is not None and read.identity.matches:
             return self._known(read)
@@ -192,8 +193,7 @@ class Seen:
     @property
     def ignores_step(self) -> str:
         """The fault of a step that is the same whatever h is, "" if it is not; it damps nothing, unless v becomes 0."""
-        found: Damping | None = self.damping.result
-        stops = found is not None and found.at_once == ((0.0,),)
+        stops = self.damping.result is not None and self.damping.result.at_once == ((0.0,),)
         faults = (check.words for check in self.checks if check.is_fault and not stops)
         return next((words for words in faults if words.startswith(IGNORED)), "")
 

@@ -143,7 +143,7 @@ def verify_family(runner: IsolatedRunner, method: Method | FactsOnly | Boris) ->
         verdict = f"{UNDECIDED} whether it is {method.key}: {open_ones[0].lines[0]}"
     else:
         _, named, more = read.verdict.partition(f"it is {method.key}")
-        verdict = f"is {method.key}" + (more if named else "")
+        verdict = f"is {method.key}{' in steps of equal length' * isinstance(method, Multistep)}{more * bool(named)}"
         data["remarks"] = read.data.get("remarks", [])
     return Report(name, verdict, passed, sections(*parts), data)
 

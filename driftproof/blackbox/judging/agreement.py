@@ -259,7 +259,7 @@ def other_parameters(
     others = {name: word for name, word in given.items() if word in UNIT_PARAMETERS and name not in masses}
     if subject.convention.kind != MAP or not others:
         raise UnsupportedCall("its oscillator has no frequency or stiffness among its parameters")
-    mass = 2.0 if masses else 1.0
+    mass = 1.0 + bool(masses)
     values = dict.fromkeys(masses, mass) | {x: 4 * mass if word in STIFFNESSES else 2.0 for x, word in others.items()}
     convention = replace(subject.convention, extra={**subject.convention.extra, **values})
     changed, tolerance = replace(subject, convention=convention), Tolerance(method, subject.format, allowance)

@@ -319,10 +319,7 @@ class Target:
     def open(
         self, before: Callable[[str], None] = lambda call: None, after: Callable[[], None] = lambda: None
     ) -> ForeignStepper:
-        """Open the stepper, imported if need be, as `opened` does; the object of a method is left as it is.
-
-        Raises ValueError or a `Misbehaviour`.
-        """
+        """Open the stepper, or a method of a copy of its object. Raises ValueError or a `Misbehaviour`."""
         array, step = None if self.array is None else imported(self.array), imported(self.step)
         own = fresh_copy(step) if inspect.ismethod(step) else None
         return opened(own or step, self.calls, array, before, after)
