@@ -64,6 +64,7 @@ def facts_command(options: Namespace) -> str:
       driftproof facts rk4 --only order --plot region.svg
 
     A family of your own is a Runge-Kutta tableau with a line parameter = "theta" and entries such as "1 - theta".
+    'mine.toml at 1/2' names a member of it for every command, as 'sdirk_order_2 at 1/4' does of ours.
 
     tableau.toml:
       family = "runge_kutta"            or splitting, nystrom, collocation, multistep, rosenbrock, additive

@@ -24,15 +24,16 @@ from driftproof.methods.field_text import field_of_file
 from driftproof.methods.rationals import ExactNumber
 from driftproof.methods.schemes import Method
 from driftproof.support.assertions import AssertedVerdict, tell
-from driftproof.support.progress import working
+from driftproof.support.progress import stage, working
 from driftproof.symbolic.algebra.certified import enclose
 
 MOST_DOUBLINGS = 4
 # A radius is small if it is 2⁻⁴⁰ of the largest error, which leaves twelve digits; or, for trajectories without error,
 # 2⁻¹⁰⁴ of the solution, which is twice as many digits as a double has.
 RADIUS_TO_ERROR, RADIUS_TO_SOLUTION = arb(2) ** -40, arb(2) ** -104
-# Bits of the first exact run of a method: balls of a plain run widen, and more bits cost next to nothing.
-BITS_OF_EXACT_RUN = 256
+# Bits of the first exact run of a method, and of the last: balls of a plain run widen by some bits in each step, and a
+# run whose balls are as wide as the solution ends there, so that the attempts together cost twice the last one.
+BITS_OF_EXACT_RUN, MOST_BITS_OF_EXACT_RUN = 256, 2**16
 # f in floats may differ from f in balls by this much, relative to the sizes of f and of (∂f/∂y) y: half of a double's
 # digits. This detects another function, and does not bound rounding.
 REPRODUCED = 2.0**-26
@@ -84,7 +85,7 @@ def certificate_of(
     invariants: GivenInvariants = (),
 ) -> Certificate:
     """The certificate that `certify` returns, for a trajectory that is already read."""
-    f = right_hand_side(given)
+    f = right_hand_side(given, len(run.states[0]))
     functions = invariants_of(invariants, given, len(run.states[0]))
     _require_reproduced(f, run.times, run.states)
     plan = None if method is None else plan_of(f, run, method, h)
@@ -98,17 +99,8 @@ def certificate_of(
     with ctx.workprec(max(enclosed.bits, split.bits if split else 0)):
         exact = split.states if split else None
         drifts = {name: drift_of(name, each, run.states, on_time, exact) for name, each in functions.items()}
-    return Certificate(
-        t=tuple(run.times),
-        y=tuple(map(tuple, run.states)),
-        errors=errors,
-        digits_at=digits,
-        bits=enclosed.bits,
-        steps=enclosed.steps,
-        doubles=enclosed.doubles,
-        split=split,
-        drifts=drifts,
-    )
+    points = tuple(run.times), tuple(map(tuple, run.states))
+    return Certificate(*points, errors, digits, enclosed.bits, enclosed.steps, enclosed.doubles, split, drifts)
 
 
 def _enclosed(f: RightHandSide, run: Trajectory, more: Sequence[Fraction]) -> Enclosure:
@@ -131,9 +123,10 @@ def _enclosed(f: RightHandSide, run: Trajectory, more: Sequence[Fraction]) -> En
 def _split(plan: StepPlan, run: Trajectory, true: Mapping[Fraction, Row]) -> Split:
     """The exact run minus the solution, and the float run minus the exact one. Raises Refused."""
     bits, reason = BITS_OF_EXACT_RUN, ""
-    for _ in range(MOST_DOUBLINGS + 1):
+    while bits <= MOST_BITS_OF_EXACT_RUN:
         try:
-            rows = plan.states(run.states[0], bits)
+            with stage(f"the exact run of {plan.method.key} in {bits} bits"):
+                rows = plan.states(run.states[0], bits)
         except Refused as refusal:  # a ball may have been too wide for f
             reason, bits = f": {refusal}", 2 * bits
             continue
@@ -170,7 +163,7 @@ def assert_accurate(
     >>> assert_accurate(rows, lambda t, y: -y, 1e-5, rtol=1e-5)
     Traceback (most recent call last):
     AssertionError: off by 3.065971263e-5, more than 1e-05: component 0 at t = 0.5, point 1 of 3 (proved)
-    rtol = 1e-05 allow an error of 6.07e-06 per step there; the error is 5.06 times that
+    rtol = 1e-05 allows an error of 6.07e-06 per step there; the error is 5.06 times that
     """
     __tracebackhide__ = True  # pytest shows the user's line, and the message
     found = certify(f, *solution) if isinstance(solution, tuple | list) else certify(f, solution)
@@ -183,8 +176,8 @@ def assert_accurate(
         i, j = found.worst
         promised = atol + rtol * abs(found.y[i][j])
         times = f"; the error is {float(found.largest_error) / promised:.3g} times that" if promised else ""
-        atol_too = f", atol = {atol}," if atol else ""
-        said += f"\nrtol = {rtol}{atol_too} allow an error of {promised:.3g} per step there{times}"
+        allow = f"rtol = {rtol} and atol = {atol} allow" if atol else f"rtol = {rtol} allows"
+        said += f"\n{allow} an error of {promised:.3g} per step there{times}"
     tell(AssertedVerdict("the solution", f"is {said.partition(chr(10))[0]}", False, f"{said}\n{found.text()}"))
     raise AssertionError(said)
 
@@ -234,7 +227,7 @@ def _rates_in_floats(f: RightHandSide, t: float, y: list[float]) -> list[float]:
         said = f"{type(error).__name__}: {' '.join(str(error).split())}"
         if isinstance(error, TypeError) and error.__traceback__ and not error.__traceback__.tb_next:
             raise ValueError(f"f must take (t, y) and return numbers: {said}; see functools.partial") from None
-        raise Refused(f"f fails in floats at t = {t}: {said}") from None
+        raise Refused(f"f fails in floats at t = {t}, on {len(y)} components: {said}") from None
 
 
 def _errors(run: Trajectory, enclosed: Enclosure) -> BallRows:

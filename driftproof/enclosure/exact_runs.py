@@ -56,15 +56,16 @@ class StepPlan:
     sizes: tuple[Fraction, ...]
 
     def states(self, start: Sequence[float], bits: int) -> list[Row]:
-        """The exact run at each point, in balls of `bits` bits. Raises Refused if f has no value on one of them."""
+        """The exact run at each point, in balls of `bits` bits. Raises Refused if one is as wide as the solution."""
         with ctx.workprec(bits):
             step = exact_step(self.method, self.f, len(start))
             y: Row = tuple(arb(x) for x in start)
-            found = [y]
+            found, largest = [y], size(y)
             for t, n, h in zip(self.starts, self.counts, self.sizes, strict=False):
                 for k in range(n):
                     y = step(y, t + k * h, h)
-                if not all(x.is_finite() for x in y):
+                largest = largest.max(size(x.mid() for x in y))
+                if not size(x.rad() for x in y) <= largest or not largest.is_finite():
                     raise Refused(f"the exact run of {self.method.key} is not finite after t = {float(t):.9g}")
                 found.append(y)
             return found

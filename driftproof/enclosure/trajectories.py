@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import pairwise
@@ -19,6 +18,8 @@ BINARY64_UNIT, BINARY32_UNIT = Fraction(1, 2**53), Fraction(1, 2**24)
 # chosen: a trajectory in a file of more bytes than this could not be enclosed in a session.
 LARGEST_RUN = 2**28
 _SEPARATOR = re.compile(r"[,;\s]+")
+# A comma between digits, in a line where other signs separate numbers.
+_DECIMAL_COMMA = re.compile(r"(?=.*\d,\d).*[^,;\s](\s*;\s*|\s+)[^,;\s]")
 
 
 @dataclass(frozen=True)
@@ -94,21 +95,21 @@ def read_trajectory(path: Path) -> Trajectory:
     """
     if path.stat().st_size > LARGEST_RUN:
         raise ValueError(f"{path}: too large; at most {LARGEST_RUN} bytes are read")
-    if path.suffix.lower() == ".npz":
-        return trajectory_of(*_arrays(path))
-    if path.suffix.lower() != ".csv":
+    if (suffix := path.suffix.lower()) not in (".csv", ".npz"):
         raise ValueError(f"{path}: a trajectory must be a .csv or .npz file")
     try:
-        lines = path.read_text(encoding="utf-8-sig").splitlines()
-    except UnicodeDecodeError:
-        raise ValueError(f"{path}: not UTF-8 text") from None
-    rows = _rows(path, [(i, line) for i, line in enumerate(lines, 1) if line.strip() and not line.startswith("#")])
-    return trajectory_of([row[0] for row in rows], [row[1:] for row in rows])
+        return trajectory_of(*(_arrays(path) if suffix == ".npz" else _columns(path)))
+    except (UnicodeDecodeError, Refused) as reason:
+        raise ValueError(f"{path}: {reason if isinstance(reason, Refused) else 'not UTF-8 text'}") from None
 
 
-def _rows(path: Path, lines: Sequence[tuple[int, str]]) -> list[list[float]]:
-    rows: list[list[float]] = []
+def _columns(path: Path) -> tuple[list[float], list[list[float]]]:
+    """The times and the rows in a .csv file."""
+    read = enumerate(path.read_text(encoding="utf-8-sig").splitlines(), 1)
+    lines, rows = [(i, line) for i, line in read if line.strip() and not line.startswith("#")], list[list[float]]()
     for number, line in lines:
+        if _DECIMAL_COMMA.match(line):
+            raise ValueError(f"{path}:{number}: decimal commas; write 0.5, with a point")
         words = [word for word in _SEPARATOR.split(line.strip()) if word]
         if number == lines[0][0] and not any(map(_is_number, words)):  # names of the columns
             continue
@@ -122,7 +123,7 @@ def _rows(path: Path, lines: Sequence[tuple[int, str]]) -> list[list[float]]:
         rows.append(row)
     if not rows:
         raise ValueError(f"{path}: it has no numbers; write a line for each time: t and the components")
-    return rows
+    return [row[0] for row in rows], [row[1:] for row in rows]
 
 
 def float_of_text(word: str) -> float:

@@ -45,10 +45,8 @@ def certificate_figure(found: Certificate, title: str) -> Figure:
         raise ValueError("there is no error to draw: all points are exact")
     low, high = max(floor(min(every)), ceil(max(every)) - _DEEPEST), ceil(max(every))
     low = min(low, high - 2)
-    plot = Plot(
-        linear(Fraction(found.t[0]), Fraction(found.t[-1]), "t", WIDE[0]),
-        decades(low, high, "error, the largest component", WIDE[1]),
-    )
+    time = linear(Fraction(found.t[0]), Fraction(found.t[-1]), "t", WIDE[0])
+    plot = Plot(time, decades(low, high, "error, the largest component", WIDE[1]))
     for (name, _), mark in zip(parts, _MARKS, strict=False):
         for side in (0, 1):
             places = [(t, log10(pair[side])) for t, pair in zip(found.t, bounds[name], strict=True) if pair[side] > 0]

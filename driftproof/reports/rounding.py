@@ -79,9 +79,8 @@ def _program(method: Method) -> StepOrMethod:
 def _at(method: Method, subject: Any, bound: StepBound, h: Fraction) -> Json:
     bounds = {"plain": bound.at(h), "sharp": fixed_step_bound(subject, h, bound.format).linear}
     if bound.rounds_constants:
-        bounds["as_held"] = fixed_step_bound(
-            step_with_stored_coefficients(method, bound.format), h, bound.format
-        ).linear
+        held = step_with_stored_coefficients(method, bound.format)
+        bounds["as_held"] = fixed_step_bound(held, h, bound.format).linear
     rows = {name: [_in_units(x, bound.format) for row in linear.error for x in row] for name, linear in bounds.items()}
     safe = safe_state_text(largest_safe_state(subject, h, bound.format))
     return {"h": str(h), **rows, "per_step": _per_step(subject, h, bound.format), "safe_state": safe}

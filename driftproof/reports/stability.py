@@ -191,9 +191,8 @@ def error_of(problem: Problem, seen: Observed) -> float:
 
 def solution_size(problem: Problem) -> float:
     """The largest norm of the start, in floats, and of the reference's states: a run with a larger error is lost."""
-    origin = (0.0,) * len(problem.start)
-    states = problem.reference.states
-    return max(euclidean_norm(float_start(problem)), *(distance_from_digits(origin, state) for state in states))
+    sizes = (distance_from_digits((0.0,) * len(state), state) for state in problem.reference.states)
+    return max(euclidean_norm(float_start(problem)), *sizes)
 
 
 def stability_text(answer: Json) -> str:

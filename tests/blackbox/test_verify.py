@@ -445,11 +445,3 @@ def test_a_code_runs_in_another_process_unless_told_otherwise():
     assert here == []
     verify(euler, "forward_euler", examples=2, isolate=False)
     assert len(here) > 2
-
-
-def test_on_the_command_line_the_status_tells(capsys):
-    assert main(["verify", HERE, "--method", "symplectic_euler", "--examples", "5"]) == 0
-    assert main(["verify", HERE, "--method", "forward_euler", "--examples", "5", "--format", "json"]) == 1
-    data = json.loads(capsys.readouterr().out.split("\n{", 1)[-1].join(["{", ""]) or "{}")
-    assert data["passed"] is False
-    assert data["rounding"]["failing"]["q"]

@@ -11,6 +11,7 @@ import pytest
 from flint import arb, ctx
 
 from driftproof import METHODS, Facts, Refused, certify, stepper
+from driftproof.enclosure import exact_runs
 from driftproof.enclosure.exact_runs import SCIPY_SOLVERS, exact_step, named_method, plan_of
 from driftproof.enclosure.fields import rebound
 from driftproof.enclosure.trajectories import read_trajectory, trajectory_of
@@ -228,8 +229,8 @@ def test_as_many_steps_as_are_too_many_are_refused(monkeypatch):
 
 
 def test_exact_run_that_is_lost_in_its_balls_is_refused(monkeypatch):
-    monkeypatch.setattr("driftproof.enclosure.certify.BITS_OF_EXACT_RUN", 53)
-    monkeypatch.setattr("driftproof.enclosure.certify.MOST_DOUBLINGS", 0)
+    for each in ("BITS_OF_EXACT_RUN", "MOST_BITS_OF_EXACT_RUN"):
+        monkeypatch.setattr(f"driftproof.enclosure.certify.{each}", 53)
     with pytest.raises(Refused, match="the exact run of rk4 cannot be found to twelve digits with 53 bits"):
         certify(pendulum, TIMES, STATES, method="rk4")
 
@@ -240,9 +241,22 @@ def test_exact_run_that_is_not_finite_is_made_again_with_more_bits(monkeypatch):
     times, states = classical(f, [1 + 2.0**-20], 1 / 64, 2)
     monkeypatch.setattr("driftproof.enclosure.certify.BITS_OF_EXACT_RUN", 16)
     assert certify(f, times, states, method="rk4").split.bits == 128
-    monkeypatch.setattr("driftproof.enclosure.certify.MOST_DOUBLINGS", 0)
+    monkeypatch.setattr("driftproof.enclosure.certify.MOST_BITS_OF_EXACT_RUN", 16)
     with pytest.raises(Refused, match="with 16 bits: the exact run of rk4 is not finite after t = "):
         certify(f, times, states, method="rk4")
+
+
+def test_long_run_gets_as_many_bits_as_its_balls_widen(monkeypatch):
+    """Of y' = -20y with h = 1/8 a ball widens by 2.72 bits a step, log2(R(5/2)): 400 steps need over 1024 bits."""
+    monkeypatch.setattr("driftproof.enclosure.certify.BITS_OF_EXACT_RUN", 16)
+    made, step = [], exact_runs.exact_step
+    counted = lambda *given: lambda *where: made.append(ctx.prec) or step(*given)(*where)
+    monkeypatch.setattr(exact_runs, "exact_step", counted)
+    found = certify(lambda t, y: -20 * y, *classical(lambda t, y: -20 * y, [1.0], 0.125, 400), method="rk4")
+    assert found.split.bits == 2048
+    assert made.count(16) < 16  # given up when the balls are as wide as the solution
+    # R(-5/2) = 1 - 5/2 + 25/8 - 125/48 + 625/384 = 249/384, to the 400th power; the solution is e^-1000.
+    assert abs(found.split.truncation[-1][0] / (arb(83) / 128) ** 400 - 1) < 1e-12
 
 
 def same_as_rk4(module):

@@ -62,6 +62,10 @@ WRONG = {
     "0,1\n0.1,x1\n": r"run\.csv:2: 'x1' is not a number",
     "0\n1\n": r"run\.csv:1: 1 numbers; expected t and at least one component",
     "0,1x\n1,2\n": r"run\.csv:1: '1x' is not a number",
+    "0;1\n0,5;0,87\n": r"run\.csv:2: decimal commas; write 0\.5, with a point",
+    "0 1\n0,5 -0,87\n": r"run\.csv:2: decimal commas",
+    "0,1\n0,2\n": r"run\.csv: times must increase, but t\[1\] = 0\.0 is not above t\[0\] = 0\.0",
+    "0,1\n1,nan\n": r"run\.csv: y\[1, 0\] is nan",
     "t,y\n": r"run\.csv: it has no numbers; write a line for each time",
     "": r"run\.csv: it has no numbers",
 }

@@ -9,6 +9,7 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
+from flint import arb, ctx
 
 from driftproof.enclosure.numbers import Refused
 from driftproof.methods.catalogue import METHODS
@@ -18,7 +19,9 @@ from driftproof.numeric.problems.catalogue import PROBLEMS
 from driftproof.numeric.problems.problem import CERTIFIED, Reference
 from driftproof.numeric.reference_errors import decimal_energy
 from driftproof.reports import user_problem
-from driftproof.reports.user_problem import enclosed_reference, problem_given
+from driftproof.reports.stability import stability
+from driftproof.reports.user_problem import MOST_PROVED, enclosed_reference, matrix_in, problem_given
+from driftproof.symbolic.algebra.certified import Uncertified
 from tests.looping import exactly
 
 WRITTEN = """
@@ -98,6 +101,21 @@ def test_component_that_stays_at_zero_has_a_zero_with_its_place():
     assert all(int(Decimal(text).as_tuple().exponent) <= -20 for text in exactly(3, found.states[0]))
 
 
+def test_component_that_dies_out_has_the_digits_that_are_certain():
+    """y1 = exp(-60 t) beside y0 = 1 + t: 20 digits of 1e-26 and less are not certain with 128 bits, and not needed."""
+    found = enclosed_reference(field_of_text("1; -60*y1"), [Fraction(1), Fraction(1)], [Fraction(1), Fraction(20)])
+    assert (found.source.split(", ")[1], found.states[1][0]) == ("128 bits", "21.000000000000000000")
+    for t, row in exactly(2, zip(found.times, found.states, strict=True)):
+        unit = Fraction(10) ** int(Decimal(row[1]).as_tuple().exponent)
+        with ctx.workprec(4000):
+            assert abs(arb(row[1]) - (-60 * arb(t.numerator)).exp()) <= arb(unit.numerator) / unit.denominator / 2
+        assert unit < Fraction(1, 10**30)
+    assert 1 < len(Decimal(found.states[0][1]).as_tuple().digits) < 20
+    for ball, largest in (("1.23456e-10 +/- 1e-16", "1"), ("1.23456e-25 +/- 1e-29", "1e-20")):
+        with pytest.raises(Uncertified):
+            user_problem._digits(arb(ball), arb(largest))
+
+
 def test_function_stands_in_the_place_of_rates(tmp_path, monkeypatch):
     (tmp_path / "own_model.py").write_text("import math\ndef f(t, y):\n    return [y[1], -0.1 * math.sin(y[0])]\n")
     (tmp_path / "mine.toml").write_text('function = "own_model:f"\nstart = [1, 0]\nend = 1\n')
@@ -144,11 +162,42 @@ def test_bits_are_added_until_the_digits_are_settled_and_no_more_often_than_so(m
         enclosed_reference(*asked)
 
 
+LINEAR = {
+    "y1; -2*y0 - y1/10": [[0, 1], [-2, Fraction(-1, 10)]],
+    "-(y0 + 2*y1)*3/7; -y1 + 1 - 1": [[Fraction(-3, 7), Fraction(-6, 7)], [0, -1]],
+    "-y0 + 1": None, "-y0*t": None, "-y0*y0": None, "-sin(y0)": None, "-y0*sin(1)": None, "-pi*y0": None,
+    "y0": None, "y1; 0": None, "-y0*y0/y0": None,
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("rates", LINEAR)
+def test_matrix_is_read_from_linear_rates_of_which_no_solution_grows(rates):
+    wanted = LINEAR[rates]
+    assert matrix_in(field_of_text(rates)) == (wanted and tuple(map(tuple, wanted)))
+
+
+def test_own_linear_problem_has_the_same_proofs_as_ours():
+    rows = PROBLEMS["heat_equation"].matrix
+    rates = [" + ".join(f"({x})*y{j}" for j, x in enumerate(row)) for row in rows]
+    assert matrix_in(field_of_text(rates)) == rows
+    own = stability({"rates": ["y1", "-1000000*y0"], "start": [1, 0], "end": 1}, ["rk4", "velocity_verlet"], h="1/1000")
+    ours = stability("stiff_oscillator", ["rk4", "velocity_verlet"], h="1/1000")
+    for a, b in exactly(2, zip(own["methods"], ours["methods"], strict=True)):
+        assert [a[key] for key in ("limit", "attained", "seen")] == [b[key] for key in ("limit", "attained", "seen")]
+    twenty_one = "; ".join(f"-y{i}" for i in range(MOST_PROVED + 1))
+    assert matrix_in(field_of_text(twenty_one)) is None
+    assert matrix_in(field_of_text(twenty_one.rpartition(";")[0])) is not None
+
+
 REFUSED = {
     "": "start is missing; write a list",
     "start = []\nend = 1": "rates is missing",
     "start = [0]": "end is missing; write a number",
-    'start = [0]\nend = "sqrt(2)"': r"end: sqrt\(2\) is irrational",
+    'start = [0]\nend = "sqrt(2)"': r"end is sqrt\(2\); write a rational number, such as 1\.4142135623730951$",
+    'start = ["sin(pi/6)*2*pi"]\nend = 1': r"start\[0\] is sin\(pi/6\)\*2\*pi; write .*, such as 3\.1415926535897",
+    'start = ["sin(t)"]\nend = 1': r"start\[0\]: 'sin\(t\)', column 1: 'sin' is not a function",
+    'start = ["log(-1)"]\nend = 1': r"start\[0\]: 'log\(-1\)', column 1: 'log' is not a function",
+    'start = ["1/0"]\nend = 1': r"start\[0\]: '1/0', column 2: division by zero",
     'start = [0]\nend = 1\nrates = ["y0"]\nfunction = "m:f"': "give either rates or function, not both",
     'start = [0]\nend = 1\nfunction = "nowhere"': "'nowhere' names no function",
     'rates = ["y0"]\nend = -1\nstart = [1]': "end is -1; it must be above 0",

@@ -42,16 +42,12 @@ def priced(measured: Measured, cost: str) -> dict[str, list[Priced]]:
 def errors_json(study: Study, measured: Measured) -> Json:
     """What is the same in every run: errors, evaluations, orders. Numbers are strings, floats exact to the last bit."""
     problem, reference = study.problem, study.problem.reference
+    about = {name: getattr(reference, name) for name in ("evidence", "source", "times")}
     return strings(
         {
             "problem": problem.key,
             "title": problem.title,
-            "reference": {
-                "evidence": reference.evidence,
-                "source": reference.source,
-                "times": reference.times,
-                "half_unit": half_unit(reference.states[-1]),
-            },
+            "reference": about | {"half_unit": half_unit(reference.states[-1])},
             "floors": floors(problem),
             "curves": [_curve_json(curve) for curve in measured.curves.values()],
             "dominated_by_evaluations": dominators(priced(measured, EVALUATIONS)),
@@ -73,14 +69,13 @@ _POINT_FIELDS = ("setting", "evaluations", "errors", "doubt", "remark")
 
 def times_json(study: Study, measured: Measured) -> Json:
     """What was measured in seconds, and on which machine; for ensembles, the seconds of all MEMBERS states."""
-    absent = dict(measured.absent) | {peer.name: INSTALL for peer in study.peers if not peer.installed}
     return strings(
         {
             "question": study.question(),
             "members": str(MEMBERS),
             "warm_up": measured.warm_up,
             "timings": {name: _timing_json(timing) for name, timing in measured.timings.items()},
-            "absent": absent,
+            "absent": dict(measured.absent) | {peer.name: INSTALL for peer in study.peers if not peer.installed},
         }
     )
 
