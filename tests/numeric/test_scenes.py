@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 from fractions import Fraction as Q
 from pathlib import Path
 
@@ -141,11 +140,3 @@ def test_unknown_scene_names_the_closest() -> None:
             scene_named(wrong)
     with pytest.raises(SceneError, match="compare or default or small_steps or stability_boundary"):
         scene_named("zzz")
-
-
-def test_scene_is_frozen_and_checked_when_replaced() -> None:
-    with pytest.raises(dataclasses.FrozenInstanceError):
-        PRESETS["default"].h = Q(1)  # type: ignore[misc]
-    with pytest.raises(SceneError, match="does not divide"):
-        dataclasses.replace(PRESETS["default"], h=Q(3))
-    assert dataclasses.replace(PRESETS["default"], h=Q(1, 8)).steps == 80

@@ -141,6 +141,11 @@ def test_one_digit_that_agrees_does_not_hide_a_wrong_number():
     assert nowhere - right == {"run Heun y'=-2y, y(0)=1, h=0.1, t=1 : y"}
 
 
+def test_two_digits_of_one_of_five_values_do_not_tell_it_and_three_do():
+    asked = ["0.3371", *(f"{n}.5" for n in range(1, 5))]
+    assert [len(Suggestions(f"about {x}", asked).nowhere()) for x in ("0.34", "0.337")] == [5, 4]
+
+
 def best_of(text, spelled):
     (number,) = [each for each in numbers_in(text) if each.text == spelled]
     return next((alike.question for alike in Suggestions(text, [OF_NOTE]).of(number)), None)
