@@ -157,4 +157,4 @@ def test_far():
     assert "largest error 3.065971263e-5, proved" in summary
     found = [json.loads(path.read_text())["verdicts"][0] for path in sorted((tmp_path / "found").glob("*.json"))]
     assert [verdict["passed"] for verdict in found] == [False, True]
-    assert found[1]["verdict"] == "is within 0.0001 of that through its first point, t = 0 (proved)"
+    assert found[1]["verdict"] == "is within 0.0001 of the true one through its first point, t = 0 (proved)"

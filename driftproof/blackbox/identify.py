@@ -21,7 +21,7 @@ from driftproof.blackbox.judging.nonlinear_step import nonlinear_twins
 from driftproof.blackbox.matching.dense_outputs import JudgedDense, judged_dense
 from driftproof.blackbox.matching.estimates import JudgedEstimate, judged_estimate
 from driftproof.blackbox.matching.linear_match import linear_fit
-from driftproof.blackbox.naming import Seen
+from driftproof.blackbox.naming import Naming, Seen
 from driftproof.blackbox.probes.questions import Introduction, introduction, read_coefficients
 from driftproof.blackbox.probes.scripted_answers import NotReadable
 from driftproof.blackbox.probes.tableau import TableauReading
@@ -69,10 +69,12 @@ def identify(
         # If later steps depend on earlier ones by no known recurrence, only the first step was read.
         remembering = family.kind in (NotReadable.kind, NoRecurrence.kind)
         later = f"this holds for its first step only: {family.seen}" if remembering else ""
-        return identified(runner, read, order, dense, later)
+        return identified(runner, read, order, dense, later)[0]
 
 
-def identified(runner: IsolatedRunner, read: Outcome, order: Outcome, dense: Outcome, later: str = "") -> Report:
+def identified(
+    runner: IsolatedRunner, read: Outcome, order: Outcome, dense: Outcome, later: str = ""
+) -> tuple[Report, Naming]:
     """Report on the runner's stepper, given three answers; the other questions are asked in the time that is left."""
     if read.kind == "bad_input":
         raise ValueError(read.seen)
@@ -90,9 +92,9 @@ def identified(runner: IsolatedRunner, read: Outcome, order: Outcome, dense: Out
     found = rounding.result if rounding and not rounding.failed and not (seen.read or fit.result.nearly) else None
     beyond = found and found.failing and found.failing.answer and not found.but_for and found.failing.error_over_bound
     off = f"but a step is off by {beyond:.3g} times the bound on its rounding" if beyond else ""
-    verdict = "; ".join(filter(None, [seen.verdict, off, later, arithmetic]))
+    verdict = "; ".join(filter(None, [seen.naming.words, off, later, arithmetic]))
     name = runner.target.name
-    return Report(name, verdict, None, _sections(name, seen, rounding), _data(seen, rounding))
+    return Report(name, verdict, None, _sections(name, seen, rounding), _data(seen, rounding)), seen.naming
 
 
 def _rounding(runner: IsolatedRunner, method: Method, size: float) -> Outcome:
@@ -103,7 +105,10 @@ def _rounding(runner: IsolatedRunner, method: Method, size: float) -> Outcome:
 def _sections(name: str, seen: Seen, rounding: Outcome | None) -> tuple[Section, ...]:
     """The sections of the report: what to do first, then the evidence, the most important first."""
     damping: Damping | None = seen.damping.result
-    faults = [*(damping.faults if damping else ()), *(check.words for check in seen.checks if check.is_fault)]
+    faults = [
+        *(damping.faults if damping and not seen.ignores_step else ()),
+        *(check.words for check in seen.checks if check.is_fault),
+    ]
     failed = [o for o in _questions(seen, rounding) if o.failed and o.kind != "unsupported_call"]
     evidence = sections(
         ("What to do", _what_to_do(name, seen)),

@@ -78,7 +78,7 @@ class Stages:
         n, m = start.nrows(), len(self.method.stages)
         first = np.array([[float(x) for x in row] for row in start.tolist()])
         from_start = np.array([float(row[0]) for row in self.method.slopes.tolist()])
-        found = self.solved(-np.kron(from_start[:, None], first)).reshape(m, n, -1)
+        found = self.solved(-np.kron(from_start[:, None], first)).reshape(m, *first.shape)
         columns = arb_mat([[float(x) for x in values.ravel()] for values in [first, *found]])
         return [arb_mat(n, start.ncols(), row).mid() for row in (self.method.coefficients * columns).tolist()]
 

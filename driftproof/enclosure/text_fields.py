@@ -32,9 +32,9 @@ def right_hand_side(f: GivenField) -> RightHandSide:
     try:
         return field_function(f if isinstance(f, VectorField) else field_of_text(f))
     except ValueError as error:
-        raise Refused(f"f is no right-hand side: {error}") from None
+        raise Refused(f"f is not a right-hand side: {error}") from None
     except (TypeError, AttributeError):
-        raise Refused(f"f is no right-hand side: {type(f).__name__}; give a function f(t, y), or its text") from None
+        raise Refused(f"f is not a right-hand side but a {type(f).__name__}; give f(t, y) or its text") from None
 
 
 def field_function(field: VectorField, expressions: Sequence[str] | None = None) -> RightHandSide:

@@ -47,20 +47,20 @@ def trajectory_of(t: Any, y: Any = None) -> Trajectory:
     """
     if y is None:
         if not has_trajectory(t):
-            raise Refused(f"{type(t).__name__} has neither .t and .y nor .ts and .ys; give t and y apart")
+            raise Refused(f"{type(t).__name__} has neither .t and .y nor .ts and .ys; give t and y as two arguments")
         t, y = (t.t, np.asarray(t.y).T) if hasattr(t, "y") else _unfilled(t.ts, t.ys)
     times, states = _floats("t", t), _floats("y", y)
     if times.ndim != 1 or len(times) < 2:
-        raise Refused(f"t has the shape {times.shape}; it has to be a row of two times at least")
+        raise Refused(f"t has the shape {times.shape}; it must be a row of at least two times")
     if states.ndim == 1:
         states = states[:, None]
     if states.ndim == 2 and states.shape[0] != len(times) == states.shape[1]:
         states = states.T
     if states.ndim != 2 or len(states) != len(times) or not states.shape[1]:
-        raise Refused(f"y has the shape {states.shape}; it has to be a row for each of {len(times)} times")
+        raise Refused(f"y has the shape {states.shape}; it must have a row for each of {len(times)} times")
     for i, (before, after) in enumerate(pairwise(times), 1):
         if not before < after:
-            raise Refused(f"times have to increase: t[{i}] = {after} is not above t[{i - 1}] = {before}")
+            raise Refused(f"times must increase, but t[{i}] = {after} is not above t[{i - 1}] = {before}")
     with np.errstate(over="ignore"):
         narrow = (states.astype(np.float32) == states).all() and (times.astype(np.float32) == times).all()
     return Trajectory(times.tolist(), states.tolist(), BINARY32_UNIT if narrow else BINARY64_UNIT)
@@ -76,12 +76,12 @@ def _floats(name: str, values: Any) -> Any:
     try:
         found = np.asarray(values)
     except ValueError:
-        raise Refused(f"{name} is no table of numbers: its rows differ in length") from None
+        raise Refused(f"{name} is not a table of numbers: its rows differ in length") from None
     if found.dtype.kind not in "fiu" or found.dtype.itemsize > 8:
-        raise Refused(f"{name} holds {found.dtype}; floats of at most 64 bits are taken")
+        raise Refused(f"{name} has the type {found.dtype}; give floats of at most 64 bits")
     if not np.isfinite(found).all():
         where = np.argwhere(~np.isfinite(found))[0].tolist()
-        raise Refused(f"{name}{where} is {found[tuple(where)]}")
+        raise Refused(f"{name}{where} is {found[tuple(where)]}, not a finite number")
     return found.astype(float)
 
 
@@ -97,11 +97,11 @@ def read_trajectory(path: Path) -> Trajectory:
     if path.suffix.lower() == ".npz":
         return trajectory_of(*_arrays(path))
     if path.suffix.lower() != ".csv":
-        raise ValueError(f"{path}: the name of a trajectory's file ends in .csv or .npz")
+        raise ValueError(f"{path}: a trajectory must be a .csv or .npz file")
     try:
         lines = path.read_text(encoding="utf-8-sig").splitlines()
     except UnicodeDecodeError:
-        raise ValueError(f"{path}: no UTF-8 text") from None
+        raise ValueError(f"{path}: not UTF-8 text") from None
     rows = _rows(path, [(i, line) for i, line in enumerate(lines, 1) if line.strip() and not line.startswith("#")])
     return trajectory_of([row[0] for row in rows], [row[1:] for row in rows])
 
@@ -117,11 +117,11 @@ def _rows(path: Path, lines: Sequence[tuple[int, str]]) -> list[list[float]]:
         except ValueError as error:
             raise ValueError(f"{path}:{number}: {error}") from None
         if len(row) < 2 or (rows and len(row) != len(rows[0])):
-            wanted = f"{len(rows[0])} numbers" if rows else "t and one component at least"
-            raise ValueError(f"{path}:{number}: {len(row)} numbers; write {wanted}")
+            wanted = f"{len(rows[0])} numbers" if rows else "t and at least one component"
+            raise ValueError(f"{path}:{number}: {len(row)} numbers; expected {wanted}")
         rows.append(row)
     if not rows:
-        raise ValueError(f"{path}: no numbers; write t and the components, a line for each time")
+        raise ValueError(f"{path}: it has no numbers; write a line for each time: t and the components")
     return rows
 
 
@@ -132,7 +132,7 @@ def float_of_text(word: str) -> float:
             return float.fromhex(word)
         return float(re.sub(r"(?<=[\d.])[dD](?=[-+]?\d)", "e", word))
     except (ValueError, OverflowError):
-        raise ValueError(f"{word[:40]!r} is no number") from None
+        raise ValueError(f"{word[:40]!r} is not a number") from None
 
 
 def _is_number(word: str) -> bool:
@@ -151,6 +151,6 @@ def _arrays(path: Path) -> tuple[Any, Any]:
             for names in (("t", "y"), ("ts", "ys")):
                 if all(name in held for name in names):
                     return held[names[0]], held[names[1]]
-            raise ValueError(f"it holds {', '.join(held) or 'nothing'}; write the arrays t and y")
+            raise ValueError(f"it has {', '.join(held) or 'no arrays'}; it must have the arrays t and y")
     except (ValueError, EOFError, zipfile.BadZipFile, AttributeError) as error:
         raise ValueError(f"{path}: {' '.join(str(error).split())}") from None

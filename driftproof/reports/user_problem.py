@@ -65,7 +65,7 @@ def problem_given(given: GivenProblem) -> Problem:
     own: Any = given
     if callable(own):
         example = f"{{'function': {getattr(own, '__name__', 'f')}, 'start': [1, 0], 'end': 10}}"
-        raise ValueError(f"a function alone is no problem; write {example}, with its start and its end")
+        raise ValueError(f"a function alone does not define a problem; give start and end as well: {example}")
     if not (name := str(given)).endswith(".toml"):
         return problem_named(name)
     return read_toml(name, LONGEST_PROBLEM, lambda table: _problem(table, name))
@@ -77,7 +77,7 @@ def _problem(table: TomlTable, name: str) -> Problem:
     end = _rational(table.get("end"), "end")
     field = _field(table, len(start))
     if end <= 0:
-        raise ValueError(f"end is {end}; problems run from 0 to a time above it")
+        raise ValueError(f"end is {end}; it must be above 0, where problems begin")
     title = as_line(table.get("title", name), "title", _LONGEST_TITLE)
     return Problem(
         key=name,
@@ -118,14 +118,14 @@ def _as_toml(value: Any) -> Any:
 def _field(table: TomlTable, components: int) -> VectorField:
     if "function" in table:
         if "rates" in table:
-            raise ValueError("function stands in the place of rates; give one of them")
+            raise ValueError("give either rates or function, not both")
         own = table["function"]
         function = rebound(own if callable(own) else imported(as_text(own, "function"), "function"))
         parameters = _doubles(table)
         return field_of_function(lambda t, y: function(t, y, **parameters), components)
     field = field_of_table(table)
     if len(field.rates) != components:
-        raise ValueError(f"start has {components} entries, {len(field.rates)} are needed")
+        raise ValueError(f"start has {components} entries, but the rates need {len(field.rates)}")
     return field
 
 
@@ -146,7 +146,7 @@ def enclosed_reference(field: VectorField, start: Sequence[Fraction], times: Seq
         except Uncertified:
             refusal = None
         bits = bits * 3 // 2
-    raise refusal or Refused(f"the solution is not known to {ENCLOSED_DIGITS} digits with {bits * 2 // 3} bits")
+    raise refusal or Refused(f"the solution cannot be enclosed to {ENCLOSED_DIGITS} digits with {bits * 2 // 3} bits")
 
 
 def _digits(x: arb) -> str:
@@ -167,7 +167,7 @@ def _rational(value: object, where: str) -> Fraction:
         raise ValueError(f'{where} is {shown}; write a number such as "1/3" or 0.1')
     number = parse_number(str(value), where)
     if not isinstance(number, Fraction):
-        raise ValueError(f"{where}: {value} is irrational; a problem's times and starts are rational")
+        raise ValueError(f"{where}: {value} is irrational; times and start of a problem must be rational")
     return number
 
 

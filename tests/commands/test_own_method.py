@@ -120,7 +120,7 @@ def test_a_sweep_goes_on_only_with_the_same_table_and_problem_in_the_files_that_
     assert said(capsys, *asked) == said(capsys, *asked)
     (folder / edited).write_text((folder / edited).read_text().replace(*EDITED[edited]))
     assert main(asked) == 2
-    assert "kept.jsonl is no file of this sweep; name another, or delete it" in capsys.readouterr().err
+    assert "kept.jsonl belongs to another sweep; name another file, or delete it" in capsys.readouterr().err
 
 
 def test_python_takes_it():

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from fractions import Fraction
+from itertools import product
 
 import numpy as np
 import pytest
@@ -24,9 +25,9 @@ FUNCTIONS = {
 }
 
 
-@pytest.mark.parametrize("name", FUNCTIONS)
-def test_value_and_derivative_are_those_of_the_function(name):
-    function, x = getattr(np, name), FUNCTIONS[name]
+@pytest.mark.parametrize(("name", "x"), [*FUNCTIONS.items(), ("cbrt", -0.4), ("absolute", 0.7)])
+def test_value_and_derivative_are_those_of_the_function(name, x):
+    function = getattr(np, name)
     found = function(ball(arb(x), 1))
     # A double's function and a central difference at 2^-16: 1e-15 and (2^-16)^2 times a third derivative below 100.
     assert abs(float(found.value.mid()) - function(x)) < 1e-14 * (1 + abs(function(x)))
@@ -66,7 +67,7 @@ def test_whole_power_of_a_series_that_may_be_zero_is_finite():
 
 
 def test_angles_and_hypotenuse():
-    for y, x in ((1.0, 2.0), (1.0, -2.0), (-1.0, -2.0), (-1.0, 2.0)):
+    for y, x in product((0.5, 2.0, -0.5, -2.0), repeat=2):
         evaluation = Evaluation()
         up, right = ball(arb(y), 1, 0, evaluation=evaluation), ball(arb(x), 0, 1, evaluation=evaluation)
         assert abs(float(np.arctan2(up, right).value.mid()) - math.atan2(y, x)) < 1e-14
@@ -80,9 +81,9 @@ def test_comparisons_are_decided_recorded_and_replayed():
     assert evaluation.taken == [True, False, False, True, False, True]
     replayed = Evaluation(decided=[False])
     assert not ball(arb(1, 0.5), evaluation=replayed) > 0
-    with pytest.raises(Refused, match="other branches"):
+    with pytest.raises(Refused, match="a different branch"):
         _ = ball(arb(1), evaluation=replayed) > 0
-    with pytest.raises(Refused, match="cannot tell apart"):
+    with pytest.raises(Refused, match="whose enclosures overlap"):
         _ = x > 1
 
 
@@ -101,7 +102,7 @@ def test_constants_are_exact_and_doubles_are_kept():
 
 
 def test_function_is_refused_where_it_is_not_analytic():
-    with pytest.raises(Refused, match="f takes sqrt where it is not analytic"):
+    with pytest.raises(Refused, match="f takes sqrt of a number where sqrt may not be analytic"):
         np.sqrt(Enclosed(Evaluation(), TaylorModel([arb(-1), arb(1)], 5)))
     with pytest.raises(Refused, match="f divides by a number that may be 0"):
         np.reciprocal(series(Evaluation(), [arb(0), arb(1)], 5))
@@ -109,5 +110,5 @@ def test_function_is_refused_where_it_is_not_analytic():
 
 @pytest.mark.parametrize("turned", [float, int, round, math.floor, complex, lambda x: [1, 2][x]])
 def test_number_does_not_become_a_float(turned):
-    with pytest.raises(Refused, match="turns a number into a float"):
+    with pytest.raises(Refused, match="converts a number to a float"):
         turned(ball(arb(1)))

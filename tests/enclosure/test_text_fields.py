@@ -52,5 +52,5 @@ def test_function_is_taken_as_it_is():
 
 @pytest.mark.parametrize("given", ["y1; tan(y0)", 3, [1, 2], ""])
 def test_what_is_no_right_hand_side_is_refused(given):
-    with pytest.raises(Refused, match="f is no right-hand side"):
+    with pytest.raises(Refused, match="f is not a right-hand side"):
         right_hand_side(given)

@@ -218,5 +218,5 @@ def test_threads_take_parts_of_whole_blocks(members, threads, size):
 def test_an_ensemble_of_systems_is_rows_of_doubles():
     run = compiled_field_ensemble_runner(METHODS["rk4"], KEPLER)
     for wrong in (np.ones(4), np.ones((3, 8)), np.ones((4, 8), np.float32), np.ones((8, 4)).T):
-        with pytest.raises(ValueError, match=r"an ensemble is 4 rows of float64, one after another"):
+        with pytest.raises(ValueError, match=r"an ensemble is a C-contiguous float64 array with 4 rows"):
             run(wrong, 0.01, 0, 1)

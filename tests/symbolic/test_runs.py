@@ -40,11 +40,6 @@ def test_product_applies_the_right_factor_first(a: tuple[Q, ...], b: tuple[Q, ..
     assert apply(multiply(a, b), *state) == apply(a, *apply(b, *state))
 
 
-def test_order_of_factors_matters() -> None:
-    shear, other = (1, 1, 0, 1), (1, 0, 1, 1)
-    assert multiply(shear, other) != multiply(other, shear)
-
-
 @given(MATRICES, st.integers(0, 40), st.integers(1, 200))
 def test_short_power_is_the_power_or_nothing(matrix: tuple[Q, Q, Q, Q], n: int, bits: int) -> None:
     short, full = short_power(matrix, n, bits), power(matrix, n)
@@ -241,7 +236,7 @@ def test_step_at_a_pole_of_the_matrix_is_refused() -> None:
     """k = -(q + hv/2) + h² k/4 has no solution at h = 2."""
     pole = Nystrom("pole", "Pole", 0, "test", (Q(1, 2),), ((Q(-1, 4),),), (Q(1, 2),), (Q(1),))
     assert exact_matrix_at(pole, Q(1))
-    with pytest.raises(ValueError, match="pole has no step of h = 2: its one-step matrix has a pole there"):
+    with pytest.raises(ValueError, match="pole has no step at h = 2, a pole of its one-step matrix"):
         exact_matrix_at(pole, Q(2))
 
 

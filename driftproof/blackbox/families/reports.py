@@ -142,6 +142,7 @@ def verify_family(runner: IsolatedRunner, method: Method | FactsOnly | Boris) ->
     else:
         _, named, more = read.verdict.partition(f"it is {method.key}")
         verdict = f"is {method.key}" + (more if named else "")
+        data["remarks"] = read.data.get("remarks", [])
     return Report(name, verdict, passed, sections(*parts), data)
 
 

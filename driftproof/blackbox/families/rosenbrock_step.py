@@ -78,7 +78,7 @@ class _Step:
 
     def __init__(self, subject: ForeignStepper, answer: Callable[[int, float, Array], Sequence[float]], **given: Any):
         rows: Sequence[Any] = given["jacobian"]
-        time_slope, self.size = given["time_slope"], len(given["start"])
+        time_slope = given["time_slope"]
         heard = Listener(lambda asked: answer(len(heard.calls) - 1, *asked))
         self.jacobian_at: list[tuple[float, Array]] = []
 

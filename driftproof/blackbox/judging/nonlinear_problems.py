@@ -12,7 +12,7 @@ from flint import arb
 
 from driftproof.blackbox.findings import Misbehaviour, NotANumber, StepRaised, WrongShape
 from driftproof.blackbox.stepper.array_adapters import AnyNumber
-from driftproof.blackbox.stepper.calling_conventions import FIELD, FORCE
+from driftproof.blackbox.stepper.calling_conventions import FIELD, FORCE, MAP
 from driftproof.blackbox.stepper.foreign_code import FieldFunction
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 
@@ -59,7 +59,9 @@ class NonlinearProblem:
         return [*self.rate(t, [*q, *q])][len(q) :]
 
     def stepped(self, subject: ForeignStepper, t: float, y: Sequence[AnyNumber], h: float) -> _State:
-        """Take one step of the stepper, on numbers of its adapter."""
+        """Take one step of the stepper, on numbers of its adapter; of its own system if that is built in."""
+        if subject.convention.kind == MAP:
+            return [*subject.step(y[0], y[1], h)]
         at, size, n = subject.adapter.number(t), subject.adapter.number(h), self.positions
         if self.dragged:
             return subject.step_dragged(lambda at, q, v: self.rate(at, [*q, *v])[n:], at, y[:n], y[n:], size)
@@ -103,9 +105,7 @@ def turned(problem: NonlinearProblem) -> NonlinearProblem:
         return [x for row, k in zip(rows, turns, strict=True) for x in [*row[k:], *row[:k]]]
 
     return replace(
-        problem,
-        rate=lambda t, y: by(problem.rate(t, by(y, -1)), 1),
-        solution=lambda t: by(problem.solution(t), 1),
+        problem, rate=lambda t, y: by(problem.rate(t, by(y, -1)), 1), solution=lambda t: by(problem.solution(t), 1)
     )
 
 

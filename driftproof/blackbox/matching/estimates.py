@@ -107,9 +107,9 @@ def _other_order(estimate: EstimateReading, reading: TableauReading, factor: flo
 
 
 def _shown(estimate: EstimateReading) -> str:
-    slack = float(4 * estimate.format.u)
+    most = Rounding(estimate.format, len(estimate.row)).of(1.0)
     pairs = zip(estimate.row, estimate.sizes, strict=True)
-    return ", ".join(coefficient_text(float(e), estimate.format, slack * x) for e, x in pairs)
+    return ", ".join(coefficient_text(float(e), estimate.format, most * x) for e, x in pairs)
 
 
 def _pair_of(estimate: EstimateReading, reading: TableauReading, method: Method | None) -> _Fit:

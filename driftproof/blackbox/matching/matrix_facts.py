@@ -67,8 +67,7 @@ def facts_of_class(
 
 def _printed(x: Exact) -> arb_series:
     """A ball around a decimal that its source prints, with the radius of one rounding of binary64."""
-    radius = abs(Fraction(x)) * BINARY64.u if isinstance(x, Fraction) else Fraction(0)
-    return arb_series([enclose(x) + arb(0, 1) * enclose(radius)])
+    return arb_series([enclose(x) * arb(1, float(BINARY64.u))])
 
 
 def matrix_facts(matrix: StepMatrix, stiffness: Fraction, damping: Fraction) -> MatrixFacts:

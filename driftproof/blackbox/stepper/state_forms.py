@@ -246,7 +246,9 @@ def _record(name: str, make: Any, names: Sequence[str], needed: Sequence[str]) -
 
 
 def parts_of(record: Foreign) -> Mapping[str, Foreign]:
-    """The fields of a dataclass by name, or a mapping as it is; nothing for any other value."""
+    """The fields of a dataclass or a named tuple by name, or a mapping as it is; nothing for any other value."""
+    if hasattr(record, "_asdict"):
+        return dict(record._asdict())
     if dataclasses.is_dataclass(record):
         return {field.name: getattr(record, field.name) for field in dataclasses.fields(record)}
     return record if isinstance(record, Mapping) else {}
@@ -259,6 +261,11 @@ def part_pair(answer: Foreign) -> Foreign:
         return answer
     named = [next((x for name, x in parts.items() if _role(name) == role), None) for role in (POSITION, VELOCITY)]
     return list(parts.values()) if any(part is None for part in named) else named
+
+
+def clock_of(record: Foreign) -> Foreign:
+    """The time in a record; None if it has none."""
+    return next((x for name, x in parts_of(record).items() if _role(str(name)) == TIME), None)
 
 
 def _role(name: str) -> str | None:

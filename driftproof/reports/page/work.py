@@ -31,7 +31,7 @@ _GOALS = (-3, -6)
 def work_curves(scene: Scene) -> list[Curve]:
     """Each method's curve at the scene's number of steps, halved and doubled. Raises ValueError for t <= 0."""
     if scene.t <= 0:
-        raise ValueError(f"scene {scene.name!r}: work is compared up to a t above 0")
+        raise ValueError(f"scene {scene.name!r}: comparing work needs t > 0")
     problem, found = problem_of(scene), list[Curve]()
     for key in scene.every_method:
         found += curves(
@@ -53,7 +53,7 @@ def problem_of(scene: Scene) -> Problem:
     """The oscillator from the scene's start to its t; the reference is the exact state, to REFERENCE_DIGITS digits."""
     exact = OscillatorRun(method_of(scene.selected), scene.h, scene.t, scene.start).exact_state
     q, v = (significant(x, REFERENCE_DIGITS) for x in exact)
-    reference = Reference((scene.t,), ((q, v),), EXACT, "the closed form, certified in balls")
+    reference = Reference((scene.t,), ((q, v),), EXACT, "the closed form, in ball arithmetic")
     return Problem(
         key="scene",
         title=HARMONIC.title,
@@ -90,7 +90,7 @@ def work_figure(
         f"{f'Rings: {ringed}. ' if ringed else ''}{' '.join(map(_sentence, found))}",
         plot=plot,
         legend=[(f"line path {line_style(i)}", curve.title) for i, curve in enumerate(found)],
-        note=f"{f'Ringed: {ringed}. ' if ringed else ''}Along a line each point has half the step of the one before.",
+        note=f"{f'Ringed: {ringed}. ' if ringed else ''}From point to point along a line, the step size is halved.",
         data=_data(found, cost),
         data_title=f"Error and {cost}",
     )
@@ -127,7 +127,7 @@ def work_table(found: Sequence[Curve]) -> str:
         enough = [[p.evaluations for p in curve.points if p.error <= 10.0**g and p.evaluations] for g in _GOALS]
         fewest = [str(min(calls)) if calls else "not reached" for calls in enough]
         rows.append([curve.title, str(curve.claimed_order or "–"), measured, *fewest])
-    return html_table([header, *rows], "Orders, and the least work seen", "orders")
+    return html_table([header, *rows], "Orders, and the least work measured", "orders")
 
 
 def _data(found: Sequence[Curve], cost: str) -> list[list[str]]:

@@ -117,8 +117,8 @@ def _coarsest_partition(stages: StageCoefficients) -> list[int]:
         classes = [[j for j, k in enumerate(labels) if k == first] for first in sorted({*labels})]
         sums = [tuple(total(row[j] for j in group) for group in classes) for row in stages.a]
         refined = _labels(list(zip(labels, sums, strict=True)))
-        if refined == labels or len({*refined}) == len(refined):
-            return refined
+        if refined == labels:
+            return labels
         labels = refined
 
 

@@ -50,19 +50,18 @@ def root_condition(p: Polynomial, most: int = 1) -> RootCondition:
     # Pairs of roots w and -w, all imaginary ones among them, are the roots of a common factor of both parts in s = w².
     paired = greatest_common_divisor(even_part(rest), odd_part(rest))
     on_circle = squarefree(paired)
-    if (
-        not is_hurwitz(quotient(rest, paired(X * X)))
-        or len(positive_roots([reflected(on_circle)])) < on_circle.degree()
-    ):
+    pairs = on_circle.degree()
+    if not is_hurwitz(quotient(rest, paired(X * X))) or len(positive_roots([reflected(on_circle)])) < pairs:
         return RootCondition(False, False, "a root is outside the unit circle")
-    multiplicities = {"1": at_one, "-1": at_minus_one, "a pair of conjugates": _largest_multiplicity(paired)}
+    multiplicities = {"1": at_one, "-1": at_minus_one, "a conjugate pair": _largest_multiplicity(paired)}
     strong = at_one <= most and not at_minus_one and not paired.degree()
     for where, multiplicity in multiplicities.items():
         if multiplicity > most:
-            return RootCondition(False, False, f"on the unit circle, {where} is a root {multiplicity} times")
-    on = [where for where, multiplicity in multiplicities.items() if multiplicity]
-    only = f"on the circle is {on[0]} alone" if on else "none is on it"
-    found = f"on the circle are {' and '.join(on)}" if on[1:] else only
+            return RootCondition(False, False, f"on the unit circle, {where} is a root of multiplicity {multiplicity}")
+    counted = "a conjugate pair" if pairs < 2 else f"{pairs} conjugate pairs"
+    on = [where.replace("a conjugate pair", counted) for where, multiplicity in multiplicities.items() if multiplicity]
+    only = f"{on[0]} {'is' if pairs < 2 else 'are'} on it" if on else "none is on it"
+    found = f"{' and '.join(on)} are on it" if on[1:] else only
     return RootCondition(True, strong, f"no root is outside the unit circle; {found}")
 
 
@@ -82,9 +81,10 @@ def _largest_multiplicity(p: Polynomial) -> int:
 def root_condition_limit(a: Polynomial, b: Polynomial) -> Limit:
     """The left end of the first interval of t > 0 in which a + t b does not satisfy the root condition.
 
-    Roots leave the disc only at a t where the even and odd parts of the form in w have a common root, where its degree
-    falls, or where two roots on the circle meet. A t between two intervals in which the condition holds is no limit:
-    if two ζ on the circle met there, some t near by would have a ζ outside.
+    Roots leave the disc only at a t where the even and odd parts of the form in w have a common root, w = 0 among them,
+    where its degree falls, or where two roots on the circle meet: the subresultants with the slope are multiples of the
+    leading coefficient. A t between two intervals in which the condition holds is no limit: if two ζ on the circle met
+    there, some t near by would have a ζ outside.
     """
     degree = max(a.degree(), b.degree())
     forms = half_plane_form(a, degree), half_plane_form(b, degree)
@@ -98,10 +98,9 @@ def root_condition_limit(a: Polynomial, b: Polynomial) -> Limit:
     def with_slope(t: fmpq) -> tuple[Polynomial, Polynomial]:
         return at(t), at(t).derivative()
 
-    ends = [polynomial([as_fraction(f[j]) for f in forms]) for j in (0, degree)]
-    leading = polynomial([as_fraction(p[degree]) for p in (a, b)])
+    at_one = polynomial([as_fraction(f[0]) for f in forms])
     even, odd = (max(part(form).degree() for form in forms) for part in (even_part, odd_part))
-    pairs = ((halves, (even, odd)), (with_slope, (degree, degree - 1)))
+    pairs = ((halves, (even, odd)), (with_slope, (degree, degree)))
     merging = [critical_polynomial(ParametricPair(pair, degrees, (1, 1))) for pair, degrees in pairs]
-    critical = [p for p in (*ends, leading, *merging) if p]
+    critical = [p for p in (at_one, *merging) if p]
     return first_failure(critical, lambda t: (a + b * t).degree() == degree and root_condition(a + b * t).holds)

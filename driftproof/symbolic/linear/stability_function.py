@@ -12,7 +12,6 @@ from flint import fmpq, fmpq_mat, fmpq_poly
 
 from driftproof.methods.number_field import Exact, NumberField
 from driftproof.methods.schemes import Collocation, RungeKutta, is_strictly_lower
-from driftproof.symbolic.algebra.matrices import faddeev_leverrier
 from driftproof.symbolic.algebra.polynomials import (
     ONE,
     FieldPolynomial,
@@ -156,14 +155,8 @@ def _multiplication(x: Scalar, field: NumberField) -> list[list[fmpq]]:
 
 
 def stability_function(method: RungeKutta) -> RationalFunction:
-    """R(z) = 1 + z bᵀ(I - zA)⁻¹1 in lowest terms (hairer-wanner-1996, IV.3).
-
-    It is computed from characteristic polynomials for implicit methods over Q, and from moments for all others.
-    """
-    data = scalar_tableau(method)
-    if data.explicit or data.field:
-        return stability_function_by_moments(data)
-    return stability_function_by_determinants(data)
+    """R(z) = 1 + z bᵀ(I - zA)⁻¹1 in lowest terms (hairer-wanner-1996, IV.3)."""
+    return stability_function_by_moments(scalar_tableau(method))
 
 
 def stability_function_by_moments(data: ScalarTableau) -> RationalFunction:
@@ -172,13 +165,6 @@ def stability_function_by_moments(data: ScalarTableau) -> RationalFunction:
     It is a polynomial of degree at most s for an explicit method, else P/Q with degrees at most s.
     """
     return data.times_denominator([ONE[0], *data.moments(data.power(0), data.stages)])
-
-
-def stability_function_by_determinants(data: ScalarTableau) -> RationalFunction:
-    """R(z) = det(I - zA + z1bᵀ) / det(I - zA) (hairer-wanner-1996, IV.3)."""
-    ones = data.power(0)
-    shifted = [[x - one * y for x, y in zip(row, data.b, strict=True)] for row, one in zip(data.a, ones, strict=True)]
-    return fraction(_reversed_characteristic(data, shifted), _reversed_characteristic(data, data.a))
 
 
 def stability_function_of_collocation(node_polynomial: Sequence[Exact | int]) -> RationalFunction:
@@ -200,13 +186,6 @@ def stability_function_of_collocation(node_polynomial: Sequence[Exact | int]) ->
 def resolvent(data: ScalarTableau, start: Sequence[Scalar]) -> RationalFunction:
     """bᵀ(I - zA)⁻¹v for v = `start`, in lowest terms."""
     return data.times_denominator(data.moments(start, data.stages))
-
-
-def _reversed_characteristic(data: ScalarTableau, rows: Sequence[Sequence[Scalar]]) -> Polynomial:
-    """det(I - zA) for the matrix with these rows: its characteristic polynomial, coefficients reversed."""
-    if data.field:
-        return from_scalars([x + ONE[0] * 0 for x in faddeev_leverrier(rows)[0]])
-    return fmpq_poly(fmpq_mat([list(row) for row in rows]).charpoly().coeffs()[::-1])
 
 
 def prothero_robinson(method: RungeKutta | Collocation, power: int) -> RationalFunction:

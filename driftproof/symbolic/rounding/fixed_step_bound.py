@@ -27,12 +27,11 @@ from driftproof.symbolic.rounding.step_bound import (
     LinearBound,
     StepOrMethod,
     Terms,
-    at_step,
     demand_linear,
-    in_format,
     linear_bound,
     linear_form,
     operations_of,
+    state_terms,
     trace_step,
 )
 
@@ -91,9 +90,9 @@ def _parts(output: Rounded, fmt: FloatFormat) -> tuple[tuple[Form, ...], Terms]:
     """The leading forms and the rest of one output."""
     derivatives = _derivatives(output)
     roundings = [near_rational(rounding) for rounding in _roundings(derivatives)]
-    forms = (linear_form(_state_terms(middle, fmt)) for middle, _ in roundings)
+    forms = (linear_form(state_terms(middle, fmt)) for middle, _ in roundings)
     rest = _remainder(derivatives) + sum((radius for _, radius in roundings), ZERO)
-    return tuple(form for form in forms if any(form)), _state_terms(rest, fmt)
+    return tuple(form for form in forms if any(form)), state_terms(rest, fmt)
 
 
 def _derivatives(output: Rounded) -> _Derivatives:
@@ -132,11 +131,6 @@ def _row(exact: ErrorPolynomial) -> tuple[Exact, Exact]:
     by_state = {(in_q, in_v): c for (_, _, _, in_q, in_v), c in terms(exact)}
     demand_linear(by_state)
     return by_state.get((1, 0), Fraction(0)), by_state.get((0, 1), Fraction(0))
-
-
-def _state_terms(polynomial: ErrorPolynomial, fmt: FloatFormat) -> Terms:
-    """The polynomial in (q, v) in this format; h does not occur, since it was a constant of the program."""
-    return at_step(in_format(polynomial, fmt), Fraction(1))
 
 
 def _rows(bound: LinearBound) -> tuple[Form, Form]:

@@ -62,7 +62,7 @@ class FloatFormat:
 
 def power_of_two(k: int) -> Fraction:
     """2**k, exactly."""
-    return Fraction(1 << k) if k > 0 else Fraction(1, 1 << -k)
+    return Fraction(1 << max(k, 0), 1 << max(-k, 0))
 
 
 def is_power_of_two(x: Fraction) -> bool:

@@ -11,8 +11,9 @@ import pytest
 
 from driftproof.blackbox.findings import Misbehaviour, StaleSlope, WrongShape
 from driftproof.blackbox.stepper.call_text import call_text
+from driftproof.blackbox.stepper.calling_conventions import FIELD, FORCE, MAP, CallingConvention
 from driftproof.blackbox.stepper.opening import opened
-from driftproof.blackbox.stepper.state_forms import VECTORS, CompiledCallback
+from driftproof.blackbox.stepper.state_forms import VECTORS, CompiledCallback, forms_of
 from tests.blackbox.stepper.styles import STYLES, defined, keys_of, namespace
 from tests.blackbox.transcripts import Asked
 
@@ -177,3 +178,12 @@ def test_it_answers_in_the_shape_and_type_of_the_state_wherever_that_stands():
         assert field(*arguments).tolist() == [2.0, 4.0]
     assert field(np.array([1.0], np.float32)).dtype == np.float32
     assert callback.calling(lambda t, y: [y])(0.5, 3.0).shape == ()
+
+
+@pytest.mark.usefixtures("numpy_for_jax")
+def test_arrays_and_scalars_of_jax_are_forms_of_the_state_of_all_but_maps():
+    forms = [[*forms_of(lambda: 0, CallingConvention(kind, ()))] for kind in (FIELD, FORCE, MAP)]
+    assert [[form.name for form in each][-2:] for each in forms[:2]] == [["JAX arrays", "JAX scalars"]] * 2
+    assert [form.name for form in forms[2] if "JAX" in form.name] == []
+    array, scalar = forms[0][-2:]
+    assert (array.write((1.0, 2.0)).tolist(), scalar.write((3.0,)).shape) == ([1.0, 2.0], ())

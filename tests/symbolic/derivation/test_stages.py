@@ -76,10 +76,11 @@ def test_stages_satisfy_their_equations(key: str) -> None:
 
 
 def test_products_and_sums_are_written_in_the_order_in_which_they_act() -> None:
-    verlet, nystrom = (derived_matrix(METHODS[key])[1] for key in ("velocity_verlet", "nystrom4"))
+    verlet, nystrom, gauss = (derived_matrix(METHODS[key])[1] for key in ("velocity_verlet", "nystrom4", "gauss4"))
     assert [str(step.chain[0]) for step in verlet] == ["S_1", "S_2", "S_3", "M"]
     assert str(verlet[-1].chain[1]) == "S_3*S_2*S_1"
     assert str(nystrom[1].chain[1]) == "-(h**2*k_1/8 + h*v/2 + q)"
+    assert str(gauss[2].chain) == "(M, R(h*J))"
 
 
 @pytest.mark.parametrize("key", ["nystrom4", "nystrom5"])

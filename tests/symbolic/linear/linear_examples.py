@@ -10,8 +10,10 @@ from flint import acb, acb_poly, arb, fmpq_poly
 
 from driftproof.methods.number_field import cube_root, square_root
 from driftproof.methods.schemes import Collocation, Method, Nystrom, RungeKutta, Splitting
-from driftproof.symbolic.algebra.polynomials import at_ball, polynomial
+from driftproof.symbolic.algebra.matrices import faddeev_leverrier
+from driftproof.symbolic.algebra.polynomials import at_ball, from_scalars, polynomial
 from driftproof.symbolic.algebra.rational_functions import RationalFunction, fraction
+from driftproof.symbolic.linear.stability_function import ScalarTableau
 from driftproof.symbolic.linear.stability_limits import Limit
 from driftproof.texts.writing.records import record
 from tests.nine import NINE
@@ -38,6 +40,14 @@ def pade(num: int, den: int) -> RationalFunction:
     p = [Q(factorial(total - k) * comb(num, k), factorial(total)) for k in range(num + 1)]
     q = [Q((-1) ** k * factorial(total - k) * comb(den, k), factorial(total)) for k in range(den + 1)]
     return fraction(polynomial(p), polynomial(q))
+
+
+def by_determinants(data: ScalarTableau) -> RationalFunction:
+    """R(z) = det(I - zA + z1bᵀ) / det(I - zA) (hairer-wanner-1996, IV.3), by characteristic polynomials."""
+    shifted = [
+        [x - e * y for x, y in zip(row, data.b, strict=True)] for row, e in zip(data.a, data.power(0), strict=True)
+    ]
+    return fraction(*(from_scalars(faddeev_leverrier(matrix)[0]) for matrix in (shifted, data.a)))
 
 
 def chebyshev(degree: int, argument: Any) -> Any:

@@ -193,6 +193,13 @@ def test_sector_of_order_three_without_a_numerator() -> None:
     assert number_record(tangent, 12) == known
 
 
+def test_sector_does_not_know_the_unit_of_length() -> None:
+    """R(z sqrt 2), over a number field, has the sector of R."""
+    r = pade(0, 3)
+    scaled = fraction(polynomial([1]), polynomial([exact(c) * ROOT_2**k for k, c in enumerate(r.den.coeffs())]))
+    assert sector_tangent(scaled) == sector_tangent(r)
+
+
 @pytest.mark.parametrize(("num", "den"), [(0, 3), (0, 4), (1, 4), (0, 5)])
 def test_boundary_of_the_region_stays_outside_the_sector_and_comes_near_it(num: int, den: int) -> None:
     """The witness: of hundreds of certified points on |R| = 1, none is in the sector, and one is within 0.1 degrees."""

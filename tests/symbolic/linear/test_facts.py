@@ -22,12 +22,11 @@ from driftproof.symbolic.linear.phase import NoRotationError, angle_error_series
 from driftproof.symbolic.linear.region import rounded_boundary
 from driftproof.symbolic.linear.stability_function import (
     scalar_tableau,
-    stability_function_by_determinants,
     stability_function_by_moments,
 )
 from driftproof.symbolic.linear.stability_limits import INFINITY
 from driftproof.texts.writing.records import record
-from tests.symbolic.linear.linear_examples import limit_text, record_text, value
+from tests.symbolic.linear.linear_examples import by_determinants, limit_text, record_text, value
 
 WITH_R = [key for key, method in METHODS.items() if isinstance(method, RungeKutta | Collocation)]
 
@@ -38,7 +37,7 @@ def test_two_formulas_for_r(key: str) -> None:
     found = stability_function_of(METHODS[key])
     assert stability_function_by_moments(data) == found
     if not isinstance(METHODS[key], RungeKutta) or METHODS[key].stages < 20:
-        assert stability_function_by_determinants(data) == found
+        assert by_determinants(data) == found
 
 
 # (key, fact): value, as printed in the sources, or derived in them.
@@ -222,7 +221,7 @@ def test_a_step_that_is_no_rotation_has_no_phase(kick: Q, drift: Q) -> None:
     method = splitting(kick, drift)
     found = phase(method)
     assert found == {"dispersion": None, "dispersion_series": None, "modified_hamiltonian": None}
-    with pytest.raises(NoRotationError, match="no positive rational"):
+    with pytest.raises(NoRotationError, match="not a positive rational"):
         angle_error_series(oscillator_matrix(method), 4)
 
 

@@ -6,13 +6,12 @@ from fractions import Fraction as Q
 from typing import Any
 
 import pytest
-from flint import fmpq, fmpq_mat
+from flint import fmpq_mat
 
 from driftproof.methods.schemes import RungeKutta
 from driftproof.symbolic.algebra.polynomials import X, scalar
 from driftproof.symbolic.linear import monotonicity
-from driftproof.symbolic.linear.monotonicity import monotonicity_conditions, ssp_coefficient
-from driftproof.symbolic.linear.reduced_tableau import stages_of
+from driftproof.symbolic.linear.monotonicity import ssp_coefficient
 from tests.nine import NINE
 from tests.symbolic.linear.linear_examples import (
     GAUSS_2,
@@ -64,8 +63,12 @@ def ssp_10_4() -> RungeKutta:
     return runge_kutta(rows, [Q(1, 10)] * 10)
 
 
-def test_ssp_coefficient_of_the_ten_stage_method_is_six() -> None:
+def test_ssp_coefficient_of_the_ten_stage_method_is_six(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of 34 conditions nearly all are seen to hold up to 6 without their roots."""
+    asked, limit_of = [], monotonicity._nonnegative_limit
+    monkeypatch.setattr(monotonicity, "_nonnegative_limit", lambda p: asked.append(p) or limit_of(p))
     assert limit_text(ssp_coefficient(ssp_10_4())) == "6"
+    assert len(asked) < 5
     assert limit_text(ssp_coefficient(MIDPOINT_THRICE)) == "2"  # of the irreducible form
 
 
@@ -85,14 +88,3 @@ def _monotonic(method: RungeKutta, r: Q) -> bool:
     inverse = k * (identity + k * scalar(r)).inv()
     rows = [[inverse[i, j] for j in range(size)] for i in range(size)]
     return all(x >= 0 for row in rows for x in row) and all(sum(row) * scalar(r) <= 1 for row in rows)
-
-
-def test_monotonicity_conditions_by_two_ways() -> None:
-    """The nilpotent series against the adjugate: an implicit method with a diagonal of zero size."""
-    stages = stages_of(SSP["SSP(4,3)"][0])
-    explicit = monotonicity_conditions(stages)
-    at = [p(fmpq(3, 5)) for p in explicit]
-    size = len(stages.a)
-    rows = [[int(i == j) + fmpq(3, 5) * scalar(x) for j, x in enumerate(row)] for i, row in enumerate(stages.a)]
-    inverse = fmpq_mat([[scalar(x) for x in row] for row in (*stages.a, *stages.weights)]) * fmpq_mat(rows).inv()
-    assert {inverse[i, j] for i in range(size + 1) for j in range(size)} - {fmpq(0)} <= set(at)

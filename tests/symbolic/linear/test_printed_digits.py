@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from fractions import Fraction as Q
+from math import isqrt
 
 import pytest
 
@@ -73,6 +74,16 @@ def test_table_that_is_l_stable_but_for_its_rounding_is_so_within_its_digits() -
     assert f"limit_at_infinity: 5.57e-11, digits_allow: {found.digits_allow}" in text
     assert "5.57" in fact_tex(found)
     assert facts_of(SHORT, ["stability_within_digits"])["stability_within_digits"] == found._asdict()
+
+
+def test_four_hundred_digits_are_judged_by_all_of_them() -> None:
+    """Of gamma = 1 - sqrt(2)/2, a root of x² - 2x + 1/2: R(oo) is that over x²."""
+    gamma = 1 - Q(isqrt(2 * 10**800 // 4), 10**400)
+    a = ((gamma, Q(0)), (1 - 2 * gamma, gamma))
+    found = stability_within_digits(RungeKutta("m", "m", 2, "", a, (Q(1, 2),) * 2, (gamma, 1 - gamma), decimal=True))
+    assert found is not None
+    assert found.l_stable
+    assert Q(found.limit_at_infinity) < Q(found.digits_allow) < Q(1, 10**397)
 
 
 def test_digits_that_exclude_r_of_zero_at_infinity_say_so() -> None:

@@ -82,9 +82,7 @@ def test_finding_is_the_place_that_comes_closest_and_says_what_is_expected(phras
 
 
 def test_a_power_of_ten_counts_as_much_as_a_digit() -> None:
-    """Of 0.800000 and 6.91e-6 the second comes closer to 0.00000699, although the first has more zeros of it."""
-    one = claim("| {value}", "digits = 3", value="6.99e-6")
-    text = "| 0.800000 | 6.91e-6 | 1,000 | 1/3"
+    one, text = claim("| {value}", "digits = 3", value="6.99e-6"), "| 0.800000 | 6.91e-6 | 1,000 | 1/3"
     assert findings(text, one) == [(1, 14, "6.99e-6", "6.91e-6")]
     assert findings(text.replace("6.91e-6", "6.91×10⁻⁶"), one) == [(1, 14, "6.99e-6", "6.91×10^{-6}")]
 
