@@ -85,8 +85,5 @@ def hermite(method: RungeKutta, source: str = "hairer-norsett-wanner-1993, II.6 
         (Fraction(0), Fraction(i == 0), 3 * x - 2 * (i == 0) - (i == last), (i == 0) + (i == last) - 2 * x)
         for i, x in enumerate(b)
     ]
-    order = min(3, method.claimed_order)
-    title = f"{method.title}, cubic Hermite"
-    return ContinuousExtension(
-        f"{method.key}_hermite", title, order, source, method, tuple(a), tuple(c), tuple(weights)
-    )
+    key, title, order = f"{method.key}_hermite", f"{method.title}, cubic Hermite", min(3, method.claimed_order)
+    return ContinuousExtension(key, title, order, source, method, tuple(a), tuple(c), tuple(weights))

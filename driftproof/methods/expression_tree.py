@@ -131,6 +131,7 @@ class ExpressionParser:
     example: ClassVar[str] = "write a number such as 1/4"
     refusal: ClassVar[type[ExpressionError]] = ExpressionError
     tokens_are: ClassVar[re.Pattern[str]] = _TOKEN
+    typographic = str.maketrans("−·×’′", "-**''")  # signs of printed texts, for which others are typed
     numbers: Collection[str] = ()  # their names in a rate, where a bracket after one is a factor
 
     def __init__(self, text: str, longest: int = LONGEST_EXPRESSION, largest_power: int = LARGEST_POWER) -> None:
@@ -144,7 +145,7 @@ class ExpressionParser:
 
     def _cut_into_tokens(self) -> list[Token]:
         """The tokens of the text, then an empty one of kind END."""
-        text, at = self.text.replace("\N{MINUS SIGN}", "-"), 0
+        text, at = self.text.translate(self.typographic), 0
         found: list[Token] = []
         while at < len(text):
             if text[at].isspace():
@@ -164,7 +165,7 @@ class ExpressionParser:
         node = self.sum()
         if self.next.kind != END:
             reason = f"unexpected {self.next.shown}; expected an operator + - * / or the end"
-            raise self.error(self.next, reason)
+            raise self.error(self.next, reason + "; a decimal has a point" * (self.next.text == ","))
         return node
 
     @property
@@ -243,7 +244,7 @@ class ExpressionParser:
             number = None
         if number is None or number > self.largest_power or number.denominator > self.largest_power:
             reason = f"an exponent is an integer from -{self.largest_power} to {self.largest_power}, or a decimal"
-            raise self.error(token, reason)
+            raise self.error(token, reason + "; write exp(t) for e^t" * (self.tokens[self.at - 3].text == "e"))
         return -number if negative else number
 
     def _atom(self) -> Any:

@@ -212,9 +212,8 @@ def _read(key: str) -> Family:
 
     *stages, (_, weights) = (line.split(" | ") for line in lines)
     c = tuple(parse_function(node, parameter, key) for node, _ in stages)
-    return Family(
-        key, title, parameter, int(order), source, tuple(functions(a) for _, a in stages), functions(weights), c
-    )
+    rows = tuple(functions(a) for _, a in stages)
+    return Family(key, title, parameter, int(order), source, rows, functions(weights), c)
 
 
 FAMILIES: Mapping[str, Family] = _Families()

@@ -188,6 +188,10 @@ class _Writer(tree.ExpressionParser):
             case tree.NumberNode(value=value):
                 return str(value.numerator) if value.denominator == 1 else f"({value.numerator} / {value.denominator})"
             case tree.NameNode(name=name):
+                one, given = name in FUNCTIONS, {"t", *self.names}
+                if name not in given and name[1:] and (one or given.issuperset(name)):
+                    hint = f"{name}(t)" if one else f"a product as {'*'.join(name)}"
+                    raise ExpressionError(self.text, node.column, f"{name!r} is no number here; write {hint}")
                 return self.names.get(name, str(name))
             case tree.NegatedNode(node=inner):
                 return f"-{self._text(inner)}"

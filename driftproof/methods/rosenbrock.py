@@ -38,6 +38,5 @@ class Rosenbrock(Staged):
         """The Runge-Kutta method with A = α + γ: the same step on linear problems with constant coefficients."""
         summands = (getattr(self, name) for name in self.matrices)
         a = tuple(tuple(map(total, zip(*rows, strict=True))) for rows in zip(*summands, strict=True))
-        return RungeKutta(
-            self.key, self.title, self.claimed_order, self.source, a, self.b, tuple(map(total, a)), decimal=self.decimal
-        )
+        key, title, order, source = self.key, self.title, self.claimed_order, self.source
+        return RungeKutta(key, title, order, source, a, self.b, tuple(map(total, a)), decimal=self.decimal)

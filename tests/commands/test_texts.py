@@ -16,6 +16,7 @@ REFUSED = {
     ("check", "docs"): "no text in docs has a claims file; that of chapter.md would be chapter.md.claims.toml",
     ("check", "a.md", "b.md", "--claims", "c.toml"): "--init and --claims take one text",
     ("check", "a.md", "b.md", "--init"): "--init and --claims take one text",
+    ("check", "none.md", "--init", "--ask", "-cos(1.5)"): "none.md: No such file or directory",  # no option -c
     ("check", "none.md", "--init"): "none.md: No such file or directory",
     ("check", "none.md", "--init", "--claims", "x.toml"): "not allowed with argument --init",
     ("check", "none.md", "--init", "--run"): "--run, --coverage and --format have no effect with --init",

@@ -44,6 +44,8 @@ REFUSED = {
     "y0^(1/3)": r"column 1: an exponent must be a multiple of 1/2",
     "y; y1": r"rate 0, 'y': 'y' is not allowed",
     "y0; ": r"the right-hand side is empty",
+    "-y0 + sin t": r"column 7: 'sin' is no number here; write sin\(t\)",
+    "ty": r"column 1: 'ty' is no number here; write a product as t\*y",
     "y7": r"rate 0, 'y7': 'y7' is not allowed",
     "__import__('os')": r"is not allowed in a right-hand side",
     "((y0 + t)^64)^64*(y0^64)^64*(y0^64)^64*(y0^64)^64*(y0^64)^64": r"written out it has more than 100000 characters",

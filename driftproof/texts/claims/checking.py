@@ -5,7 +5,9 @@ from __future__ import annotations
 import re
 from collections import Counter
 from collections.abc import Iterable, Iterator, Set
+from contextlib import suppress
 from dataclasses import dataclass, replace
+from decimal import Decimal
 from difflib import SequenceMatcher
 from fractions import Fraction
 from itertools import islice
@@ -31,15 +33,6 @@ Span = tuple[int, int]
 
 
 @dataclass(frozen=True)
-class Occurrence:
-    """A place where a phrase stands in the text, and the spans of its values there."""
-
-    start: int
-    end: int
-    values: tuple[Span, ...]
-
-
-@dataclass(frozen=True)
 class Finding:
     """A discrepancy: the claim, the place, the expected text, the text found, and a message that says both."""
 
@@ -53,58 +46,50 @@ class Finding:
 
 @dataclass(frozen=True)
 class CheckedClaim:
-    """A claim checked against a text: its occurrences and its findings."""
+    """A claim checked against a text: the matches of its phrase with the right values, and its findings."""
 
     claim: Claim
-    occurrences: tuple[Occurrence, ...]
+    occurrences: list[re.Match[str]]
     findings: tuple[Finding, ...]
 
 
 def check_claims(document: Document, claims: Iterable[Claim]) -> list[CheckedClaim]:
     """Check every claim against the text. Raises ValueError if a claim has no value."""
     found = [check_claim(document, claim, claim.spellings()) for claim in claims]
-    held = frozenset(at for one in found for place in one.occurrences for at in range(place.start, place.end))
+    held = frozenset(at for one in found for place in one.occurrences for at in range(*place.span()))
     return [check_claim(document, one.claim, one.claim.spellings(), held) if one.findings else one for one in found]
 
 
 def check_claim(document: Document, claim: Claim, spellings: Spellings, held: Set[int] = frozenset()) -> CheckedClaim:
     """Check one claim, with the accepted spellings of its values, against the text; other claims hold at `held`."""
-    found = occurrences_of(document, claim, spellings)
+    found = [*claim.phrase.exact(spellings, claim.ignore_case).finditer(document.text.text)]
     more = len(found) > claim.count
     wrong = _surplus(document, claim, found) if more else _missing(document, claim, spellings, found, held)
     return CheckedClaim(claim, found, () if len(found) == claim.count else tuple(wrong))
-
-
-def occurrences_of(document: Document, claim: Claim, spellings: Spellings) -> tuple[Occurrence, ...]:
-    """All places where the phrase stands with one of the accepted spellings of each value."""
-    return tuple(
-        Occurrence(*match.span(), tuple(match.span(name) for name in claim.phrase.names))
-        for match in claim.phrase.exact(spellings, claim.ignore_case).finditer(document.text.text)
-    )
 
 
 def _times(count: int) -> str:
     return "once" if count == 1 else f"{count} times"
 
 
-def _surplus(document: Document, claim: Claim, occurrences: tuple[Occurrence, ...]) -> Iterator[Finding]:
+def _surplus(document: Document, claim: Claim, occurrences: list[re.Match[str]]) -> Iterator[Finding]:
     message = f"this occurs {_times(len(occurrences))} in the text; expected {_times(claim.count)}"
     for one in occurrences[claim.count :][:_MOST_FINDINGS]:
-        found = document.text.text[one.start : one.end]
-        yield Finding(claim.id, *document.position(one.start), "nothing", found, message)
+        yield Finding(claim.id, *document.position(one.start()), "nothing", one[0], message)
 
 
 def _missing(
-    document: Document, claim: Claim, spellings: Spellings, occurrences: tuple[Occurrence, ...], held: Set[int]
+    document: Document, claim: Claim, spellings: Spellings, occurrences: list[re.Match[str]], held: Set[int]
 ) -> Iterator[Finding]:
     """One finding for each missing occurrence: where few numbers are wrong, no claim holds, and they are most alike."""
 
     def distance(match: re.Match[str]) -> tuple[int, bool, float]:
         wrong = [i for i, pair in enumerate(zip(expected, match.groups(), strict=True), 1) if not spelled_alike(*pair)]
-        alike = sum(SequenceMatcher(None, expected[i - 1], match[i]).ratio() for i in wrong)
+        pairs = [(_digits_and_power(expected[i - 1]), _digits_and_power(match[i])) for i in wrong]
+        alike = sum(SequenceMatcher(None, *pair).ratio() for pair in pairs)
         return len(wrong), not held.isdisjoint(map(match.start, wrong)), -alike
 
-    missing, known = claim.count - len(occurrences), {occurrence.start for occurrence in occurrences}
+    missing, known = claim.count - len(occurrences), {one.start() for one in occurrences}
     for names in (True, False):  # second, names such as RK4 may have another number
         expected = claim.phrase.numbers(spellings, names)
         shape = claim.phrase.shape(spellings, claim.ignore_case, names)
@@ -127,6 +112,14 @@ def _missing(
         place, shown = _beginning(document, written)
         message += f"; closest is {shown!r}" if shown else ""
     yield Finding(claim.id, *place, written, shown, message)
+
+
+def _digits_and_power(number: str) -> str:
+    """A decimal with a power of ten: 0.00000699 as 6.99e-6 is like 6.91e-6, and not like 0.800000 as 8e-1."""
+    with suppress(ArithmeticError, LookupError, ValueError):
+        x = numbers_in(number)[0].value
+        return f"{Decimal(x.numerator) / x.denominator:e}"
+    return number
 
 
 def _difference(document: Document, claim: Claim, expected: list[str], match: re.Match[str]) -> Finding:
@@ -199,10 +192,11 @@ def coverage(
     for one in checked:
         claim = one.claim
         for occurrence in one.occurrences:
-            for name, span in zip(claim.phrase.names, occurrence.values, strict=True):
-                values.setdefault(span, (WORKED_OUT if claim.values[name].given is None else GIVEN, claim.id))
-            holders.append((occurrence.start, occurrence.end, GIVEN, claim.id))
-            unheld += [(occurrence.start, occurrence.end)] if claim.given is None else []
+            for name in claim.phrase.names:
+                how = WORKED_OUT if claim.values[name].given is None else GIVEN
+                values.setdefault(occurrence.span(name), (how, claim.id))
+            holders.append((*occurrence.span(), GIVEN, claim.id))
+            unheld += [occurrence.span()] if claim.given is None else []
     for label in labels:
         found = [match.span() for match in label.phrase.any_numbers().finditer(text)]
         if not found:

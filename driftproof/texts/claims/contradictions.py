@@ -31,6 +31,13 @@ _COUNTED = {
 }
 # The name of a component right before a number.
 _COMPONENT = re.compile(r"(?:(?<![a-z])([qxvp])|(position)|(velocity))(?: is| of| to)?\s*[=≈:]?\s*\Z")
+# A symbol right before a number, and those of quantities: a number of two digits is of no other quantity.
+_SYMBOL = re.compile(r"(?<!\w)(?:'')?([^\W\d_])(?:'')? ?= ?\Z")
+_SYMBOLS = {"order": "p", "stages": "s", "steps": "n", "evaluations": "n", "q": "qx", "v": "vp"}
+_SYMBOLS |= {"real_limit": "hzxλ", "imaginary_limit": "hzyωλ"}
+_CHOSEN = "htzkγλ"  # what a text chooses, so no other quantity
+# Before and after the 2 of 2√2, and the 1 of 1 - h.
+_IN_FORMULA = (r"(?:[+*/^√]\(?|(?:\)|\b[a-z]) ?-)\s?\Z", r"\s?(?:[+*/^√]|-\s?(?:[^\sa-z]|[a-z]\b))")
 _ENDS = re.compile(r"[.;?!]\s|\n")
 # Characters on each side of a number that may belong to its sentence.
 _LONGEST = 400
@@ -42,7 +49,8 @@ def contradicted(question: str, text: str, start: int, end: int, asked: bool = F
 
     Compared are the method, step size, time, component and quantity: the last one named before the number counts or, if
     there is none, the first one after it. Several of them listed before the first number contradict nothing. A question
-    that the author `asked` is contradicted only by a method named before the number. The text is in lower case.
+    that the author `asked` is contradicted only by a method named before the number, by a formula around it, and by
+    another symbol right before two digits. The text is in lower case.
 
     >>> contradicted("real_limit rk4", text := "rk4's imaginary limit is 2.785", text.index("2."), len(text))
     True
@@ -53,14 +61,18 @@ def contradicted(question: str, text: str, start: int, end: int, asked: bool = F
     key = min(methods_named(question.lower()), default="")
     (own_before, other_before), (own_after, other_after) = (_methods(part, key) for part in (before, after))
     other_method = bool(key) and _differs(own_before, other_before, before, () if asked else other_after, own_after)
+    quantity, digits = readout.rpartition(".")[2], len(re.sub("[^0-9]", "", text[start:end]))
+    in_formula = re.search(_IN_FORMULA[0], before) or re.match(_IN_FORMULA[1], after)
+    if in_formula and (end - start == 1 or quantity in _COUNTED):
+        return True
+    if digits < 3 and (symbol := _SYMBOL.search(before)):
+        own = _SYMBOLS.get(quantity, quantity if len(quantity) == 1 else "")
+        if symbol[1] not in own if own else symbol[1] in _CHOSEN:
+            return True
     if asked or other_method:
         return other_method
-    quantity = readout.rpartition(".")[2]
     own, other = _QUANTITIES.get(quantity, ("", ""))
     if own and _differs(_words(own, before), _words(other, before), before, _words(other, after), _words(own, after)):
-        return True
-    in_formula = re.search(r"[+*/^√]\(?\s?\Z", before) or re.match(r"\s?[+*/^√]", after)
-    if in_formula and (end - start == 1 or quantity in _COUNTED):  # the 2 of 2√2
         return True
     if quantity in _COUNTED and _next_to(before, after) not in ("", _COUNTED[quantity]):
         return True

@@ -13,7 +13,8 @@ from typing import TypeAlias
 
 from driftproof.texts.claims.claims import MOST_CLAIMS
 from driftproof.texts.claims.phrases import NumberForm, Phrase
-from driftproof.texts.claims.suggestions import LookAlike, Suggestions
+from driftproof.texts.claims.suggestions import LookAlike, Missed, Suggestions
+from driftproof.texts.questions.decimals import HALF_EVEN, Style
 from driftproof.texts.readers.document import Document
 from driftproof.texts.readers.numbers import TextNumber, numbers_in
 
@@ -21,14 +22,16 @@ from driftproof.texts.readers.numbers import TextNumber, numbers_in
 _WORDS = 3
 # A claim with longer questions takes its phrase as its id.
 _LONGEST_ID = 150
-# Significant digits shown of a value that the text does not contain.
-_SHOWN_DIGITS = 8
+# Significant digits shown of a value that the text does not contain, and the numbers that are named beside it.
+_SHOWN_DIGITS, _MOST_PLACES = 8, 3
 # Words before a number that the author chooses rather than computes, as in h = 0.1 or a start from (1, 0).
 _SETTING = re.compile(
     r"(?<![\w.])(?:(?:h|dt|Δt|[tTNnkλμω]|lambda|mu|omega|[ra]?tol|t_?(?:end|max|final)|n(?:um)?_?steps) ?= ?"
     r"|[^\W\d_](?:'{0,2}\(0\)|') ?= ?|step ?size (?:of |= )?|[Aa]fter |from \((?:[-+]?[0-9./]+, ?)*)\Z"
 )
 _LONGEST_SETTING = 20
+# The head of a column of such numbers.
+_HEAD_OF_SETTINGS = re.compile(r"(?:h|dt|δt|t|n|k|z|λ|ω|time|steps?|step ?size)(?: ?[(\[].*)?")
 # Numbers on one line with gaps of at most this many characters share a phrase, up to this many of them.
 _WIDEST_GAP, _MOST_IN_PHRASE = 25, 8
 
@@ -44,33 +47,34 @@ _HEADER = """\
 
 @dataclass(frozen=True)
 class _Member:
-    """A number, the values that it looks like, and the position of a setting before it, such as h in h = 0.1."""
+    """A number, the values that it looks like or is a slip for, and, if it is chosen, where h = or its cell begins."""
 
     number: TextNumber
     alike: list[LookAlike]
-    setting: int | None
+    slips: dict[str, str]
+    strong: bool
+    chosen_at: int | None
 
     @classmethod
     def of(cls, number: TextNumber, suggestions: Suggestions, text: str) -> _Member:
-        start = max(0, number.start - _LONGEST_SETTING)
+        start, alike = max(0, number.start - _LONGEST_SETTING), suggestions.of(number)
         found = _SETTING.search(text[start : number.start].replace("\n", " "))
-        return cls(number, suggestions.of(number), start + found.start() if found else None)
-
-    @property
-    def strong(self) -> bool:
-        return bool(self.alike) and self.alike[0].strong
-
-    @property
-    def chosen_at(self) -> int | None:
-        """The position of the setting before the number; None without one, or if the number is a strong look-alike."""
-        return None if self.strong else self.setting
+        setting, strong = start + found.start() if found else None, bool(alike) and alike[0].strong
+        if _HEAD_OF_SETTINGS.fullmatch(suggestions.column_of(number)):
+            cell = max(text.rfind("|", 0, number.start), text.rfind("\n", 0, number.start) + 1)
+            alone = not text[cell : number.start].strip("| ") and re.match(r" *(?:[|\n]|\Z)", text[number.end :])
+            setting = cell if alone else setting
+        return cls(number, alike, suggestions.slips(number), strong, None if strong else setting)
 
     @property
     def chosen(self) -> bool:
         return self.chosen_at is not None
 
     def remark(self) -> str:
-        """A comment line with the other values that the number looks like, at most two of them by name."""
+        """A comment line with the other values that the number looks like, at most two of them, or a likely slip."""
+        if self.slips:
+            question, slip = min(self.slips.items())
+            return f"# {self.number.text} is perhaps a slip: {question} is {slip}\n"
         others = [alike.question for alike in self.alike[self.strong :]]
         more = f" and {len(rest)} more" if (rest := others[2:]) else ""
         also = "also " * self.strong
@@ -127,11 +131,22 @@ def draft(document: Document, name: str, asked: Iterable[str] = ()) -> str:
                 lines = [f"# {line}" for line in ("TODO", *lines, 'given = "TODO: why"')]
             remarks = dict.fromkeys(member.remark() for member in part)
             drafted.append("".join([*remarks, *(f"{line}\n" for line in lines)]))
-    nowhere = [f"#   {question}, {answer.digits(_SHOWN_DIGITS)}\n" for question, answer in suggestions.nowhere()]
-    drafted += ["# Asked for with --ask, but not found in the text:\n" + "".join(nowhere)] * bool(nowhere)
+    missed = sorted(suggestions.nowhere(), key=lambda one: not one[2])
+    for guessed, said in enumerate(("but not found in the text", "and found only as a guess, a comment above")):
+        lines = [_asked_line(document, one) for one in missed if bool(one[3] and not one[2]) == guessed]
+        drafted += [f"# Asked for with --ask, {said}:\n{''.join(lines)}"] * bool(lines)
     if left_out:
         drafted.append(f"# Left out: numbers in program code, {len(left_out)} in all; they are inputs, not claims.\n")
     return "\n".join(drafted).rstrip("\n")
+
+
+def _asked_line(document: Document, missed: Missed) -> str:
+    """The line of an asked value without a claim: the value, and at most _MOST_PLACES numbers that may mean it."""
+    question, answer, slips, vague = missed
+    shown = answer.digits(_SHOWN_DIGITS, Style(HALF_EVEN)) if answer.is_number else str(answer.exact_text)
+    shown = shown if "e" in shown else re.sub(r"(\.[0-9]*?)0+\Z", r"\1", shown).removesuffix(".")
+    places = [f"{x.text} in line {document.position(x.start).line}" for x in (slips or vague)[:_MOST_PLACES]]
+    return f"#   {question}, {shown}{(bool(places) * ('; a slip? ' if slips else '; perhaps ')) + ', '.join(places)}\n"
 
 
 def _uncovered(before: int, after: int, group: _Group, covered: set[int]) -> Iterator[tuple[int, int, _Group]]:
@@ -183,13 +198,14 @@ class _Search:
         words = [at for at in words if not re.match(r"\w\w", text[max(at - 1, 0) : at + 1])][-_WORDS:]
         first = at = words[0] if words else start
         if group[0].chosen:
-            first = at = max(room[0], group[0].setting or 0)
+            first = at = max(room[0], group[0].chosen_at or 0)
         phrase = ""
         for member, name in zip(group, _names(group), strict=True):
             number = member.number
             phrase += _escaped(text[at : number.start]) + (f"{{{name}}}" if member.strong else _escaped(number.text))
             at = number.end
-        for more in (r"", r"\S+", r"\S*\s+\S+"):
+        cell = group[0].chosen and not text[first:start].strip("| ")
+        for more in (*[r" ?\|\|?"] * cell, r"", r"\S+", r"\S*\s+\S+"):
             follows = re.match(more, text[end : room[1]])
             last = end + len(follows[0].rstrip(".,;:!? ") if follows else "")
             longer = phrase + _escaped(text[end:last])
@@ -244,9 +260,8 @@ def _values(group: _Group) -> list[str]:
 
 
 def _form(form: NumberForm) -> list[str]:
-    if form.exact:
-        return ["exact = true"]
-    return [f"{key} = {n}" for key, n in (("places", form.places), ("digits", form.digits)) if n is not None]
+    sizes = (("places", form.places), ("digits", form.digits))
+    return ["exact = true"] * form.exact + [f"{key} = {n}" for key, n in sizes if n is not None]
 
 
 def _quoted(text: str) -> str:

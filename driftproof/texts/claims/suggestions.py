@@ -8,8 +8,9 @@ from contextlib import suppress
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cache, cached_property
-from itertools import product
+from itertools import product, takewhile
 from math import prod
+from typing import TypeAlias
 
 from flint import arb, ctx
 
@@ -46,17 +47,23 @@ _SHARE, _SOLVED = "percent({}, 1)", re.compile(r"\b(?:exact|true|solution)\b")
 # Characters on each side of a number that are searched for the names of a value: about a line.
 _NEIGHBOURHOOD = 100
 
+# An asked question, its answer, and the numbers that may be slips for it, or equal to it in few digits.
+Missed: TypeAlias = tuple[str, Answer, list[TextNumber], list[TextNumber]]
+# What separates the cells of a row, also on a page of a wiki.
+_CELL = re.compile(r"\|\|?|!!|^!")
+
 _H, _T = (re.compile(rf"\b{letter} ?= ?([0-9]+(?:\.[0-9]+|/[1-9][0-9]*)?)(?![\w./])") for letter in "ht")
+# Either of them, and the characters before a number that are searched for the last of each, and for a table.
+_GIVEN, _FARTHEST = re.compile(rf"(?=([ht])){_H.pattern.replace('h', '[ht]')}"), 2000
 _N = re.compile(r"(?:\bN ?= ?|\b(?=[0-9]+ (?:time )?steps\b))([0-9]{1,5})\b")
 
 
 @dataclass(frozen=True)
 class LookAlike:
-    """A value that looks like a number of the text when written in `form`, given by its id or its question.
+    """A value that looks like a number of the text in this form; `strong` if that is unlikely to be chance.
 
-    It is `strong` if a match with so many digits is unlikely to be chance, given how many values have as many of their
-    names nearby, or if the number equals the value and all names of the value are nearby; and if the sentence names no
-    other method, step size or quantity.
+    That depends on the digits, and on how many values have as many of their names nearby, unless it is equal and all
+    its names are; and the sentence must name no other method, step size or quantity.
     """
 
     question: str
@@ -87,29 +94,26 @@ def questions_in(asked: str) -> dict[str, tuple[str, ...]]:
 
 @dataclass(frozen=True)
 class _Known:
-    """A value that a number may be: its question, or its id if it is published, and the answer.
-
-    For a value that the author asked for, `chosen` holds the choices from the braces, which identify it.
-    """
+    """A value that a number may be, by question or id; `chosen` has the choices from the braces of an asked one."""
 
     question: str
-    published: bool
     answer: Answer
     chosen: tuple[str, ...] | None = None
 
     @cached_property
-    def numbers(self) -> list[Fraction]:
-        """The chosen numbers, which stand beside the value in a table."""
-        return [number.value for text in self.chosen or () for number in numbers_in(text) if number.text == text]
+    def numbers(self) -> list[set[Fraction]]:
+        """The chosen numbers, which stand beside the value in a table; for a number N of steps also the time N h."""
+        chosen = [{number.value} for text in self.chosen or () for number in numbers_in(text) if number.text == text]
+        h, n = (Fraction(*found[:1]) for found in (x.findall(self.question) for x in (_H, _N)))
+        return [x | {n * h} if x == {n} else x for x in chosen]
 
     @cached_property
     def names(self) -> list[str]:
         """The words that name the value, without single letters and words common to all questions."""
-        if self.chosen is not None:
-            words = re.split("[^a-z0-9]+", " ".join(self.chosen).lower())
-            return [word for word in words if re.fullmatch("[a-z]{2,}[0-9]*", word)]
-        words = re.split(r"[^a-z0-9]+", re.sub(r"\b(?:run|step|from) |[htN]=\S+", "", self.question))
-        return [word for word in dict.fromkeys(words) if len(word) > 1 and not word.isdigit()]
+        text = " ".join(self.chosen or ()) or re.sub(r"\b(?:run|step|from) |[htN]=\S+", "", self.question)
+        words = dict.fromkeys(re.split(r"[^a-z0-9]+", text.lower()))
+        least = "[a-z]{2,}[0-9]*" if self.chosen is not None else ".*[a-z].+|.+[a-z].*"
+        return [word for word in words if re.fullmatch(least, word)]
 
 
 class Suggestions:
@@ -129,17 +133,15 @@ class Suggestions:
             return []
         fits = self._fits(number)
         digits = _digits(number.text, telling=True)
-        spelled = re.sub(r" ?[×·] ?10\^\{?(-?[0-9]+)\}?", r"e\1", number.text.replace(",", "").lstrip("+"))
-        spelled = re.sub(r"^(-?)\.", r"\g<1>0.", re.sub(r"[eE](-?)\+?0*(?=[0-9])", r"e\1", spelled))
-        form, found = form_of(number), []
-        before, percent = (
-            self.text[: number.start][-_NEIGHBOURHOOD:],
-            self.text[number.end :].lstrip(" ").startswith("%"),
-        )
+        form, found, ids = form_of(number), [], published_values()
+        before = self.text[max(0, number.start - _NEIGHBOURHOOD) : number.start]
+        percent = self.text[number.end : number.end + 2].lstrip(" ").startswith("%")
+        given = _GIVEN.finditer(self.text, max(0, number.start - _FARTHEST), number.start)
+        settings = {one[1]: f"{one[1]}={Fraction(one[2])}" for one in given}.values()
         possible = [
             k for k in self._known if (k.answer.unit == "%") == percent or (k.question in self.asked and not percent)
         ]
-        alike = {each.question for each in self._written(form).get(spelled, ())}
+        alike = {each.question for each in self._written(form).get(_spelled(number), ())}
         for known in (each for each in possible if each.question in alike):
             fit, asked = fits[known.question], known.chosen is not None
             rivals = sum(fits[other.question] >= fit for other in possible if (other.chosen is not None) >= asked)
@@ -153,32 +155,59 @@ class Suggestions:
             chosen = known.answer.evidence == GIVEN
             strong = (likely or (known.answer.exact == x and named)) and near and not (denied or chosen)
             other = _SOLVED.search(before) is not None and not re.search(r"\bexact\b", known.question)
-            last = known.answer.exact != x, not known.published, len(known.question), known.question
-            found.append(((not asked, denied, other, -fit, *last), LookAlike(known.question, form, strong)))
+            last = known.answer.exact != x, known.question not in ids, len(known.question), known.question
+            far = sum(one[:2] == word[:2] and one != word for one in settings for word in known.question.split())
+            found.append(((not asked, denied, other, -fit, far, *last), LookAlike(known.question, form, strong)))
         return [alike for _, alike in sorted(found, key=lambda pair: pair[0])]
 
-    def nowhere(self) -> list[tuple[str, Answer]]:
-        """The asked questions, with answers, that no number matches strongly, alone, or beside the chosen numbers."""
-        asked = {known.question: known for known in self._known if known.question in self.asked}
-        shares, found = {_SHARE.format(question): question for question in asked}, set[str]()
-        for number in (each for each in numbers_in(self.text) if asked and each.label is None):
-            beside, digits = self._on_line_of(number), _digits(number.text, telling=True)
-            alike = {shares.get(one.question, one.question): one.strong for one in self.of(number)}
-            for known in (possible := [asked[question] for question in asked.keys() & alike]):
-                told = digits > 1 + (not known.numbers) or known.answer.exact == number.value
-                told = (told and beside.issuperset(known.numbers)) or (len(possible) == 1 and digits > 2)
-                found |= {known.question} if told or alike[known.question] else set()
-        return [(known.question, known.answer) for known in asked.values() if known.question not in found]
+    def nowhere(self) -> list[Missed]:
+        """The asked questions that no number matches strongly, the answers, and numbers that may mean them.
+
+        First come the likely slips, then the numbers that are equal to the value, with few digits.
+        """
+        asked = [known for known in self._known if known.chosen is not None and known.question in self.asked]
+        missed: dict[str, Missed] = {known.question: (known.question, known.answer, [], []) for known in asked}
+        shares = {_SHARE.format(question): question for question in missed}
+        for number in (each for each in numbers_in(self.text) if missed and each.label is None):
+            for alike in self.of(number):
+                question = shares.get(alike.question, alike.question)
+                if alike.strong:
+                    missed.pop(question, None)
+                elif question in missed and (_digits(number.text) > 1 or missed[question][1].exact == number.value):
+                    missed[question][3].append(number)
+            for question in missed.keys() & self.slips(number).keys():
+                missed[question][2].append(number)
+        return [*missed.values()]
+
+    def slips(self, number: TextNumber) -> dict[str, str]:
+        """Asked question -> how its value is spelled, if a number of three digits or more may be a slip for it."""
+        found, beside, digits = dict[str, str](), self._on_line_of(number), _digits(number.text, telling=True)
+        if digits > 2 and not any(one.strong or one.question in self.asked for one in self.of(number)):
+            other_sign, *others = _slips(_spelled(number))
+            for slip in (other_sign, *others):
+                for known in self._written(form_of(number)).get(slip, ()):
+                    sure = slip == other_sign or digits > 4 or not any(map(beside.isdisjoint, known.numbers or [set()]))
+                    found |= {known.question: slip} if sure and known.chosen is not None else {}
+        return found
 
     def _fits(self, number: TextNumber) -> dict[str, int]:
         """For each value, how many of its names stand near the number plus how many of its numbers on the same line."""
-        near = self.text[max(0, number.start - _NEIGHBOURHOOD) : number.end + _NEIGHBOURHOOD].lower()
+        near = self._lower[max(0, number.start - _NEIGHBOURHOOD) : number.end + _NEIGHBOURHOOD] + self.column_of(number)
         stand = {name for name in self._all_names if re.search(rf"(?<![a-z]){name}", near)}
         line = self._on_line_of(number) if self.asked else set()
         return {
-            known.question: sum(name in stand for name in known.names) + sum(x in line for x in known.numbers)
+            known.question: sum(x in stand for x in known.names) + sum(not line.isdisjoint(x) for x in known.numbers)
             for known in self._known
         }
+
+    def column_of(self, number: TextNumber) -> str:
+        """The head of the number's column in a table, in lower case; "" for other numbers."""
+        *above, row = self._lower[max(0, number.start - _FARTHEST) : number.start].split("\n")
+        column, head = len(_CELL.findall(row)), ""
+        for cells in takewhile(lambda cells: len(cells) > 1, map(_CELL.split, reversed(above))):
+            inside = len(cells) > column and cells[0] != "{" and not cells[1].startswith(("+", "-"))
+            head = cells[column] if inside else head
+        return head.strip(" '")
 
     @cached_property
     def _all_names(self) -> set[str]:
@@ -215,9 +244,9 @@ class Suggestions:
 
         Raises QuestionError if a question of the author has no answer.
         """
-        questions = (ids := published_values()) | dict.fromkeys(self._questions())
-        found = [_Known(each, each in ids, answer) for each in questions if (answer := _usual(each))]
-        asked = [_Known(question, False, _limited(value(question)), chosen) for question, chosen in self.asked.items()]
+        questions = published_values() | dict.fromkeys(self._questions())
+        found = [_Known(each, answer) for each in questions if (answer := _usual(each))]
+        asked = [_Known(question, _limited(value(question)), chosen) for question, chosen in self.asked.items()]
         percent, one = NUMBER_FUNCTIONS["percent"][0], Answer("", Fraction(1))
         shares = [each for each in asked if each.answer.is_number and not each.answer.unit]
         shares = [replace(k, question=_SHARE.format(k.question), answer=percent(k.answer, one)) for k in shares]
@@ -276,6 +305,20 @@ def form_of(number: TextNumber) -> NumberForm:
     if number.places is None:
         return NumberForm(digits=max(1, _digits(number.text)))
     return NumberForm(places=number.places or None)
+
+
+def _spelled(number: TextNumber) -> str:
+    """The number as values are spelled: 3.3e-4 for 3.3×10^{-4}, 0.5 for .5, without a plus and without groups."""
+    spelled = re.sub(r" ?[×·] ?10\^\{?(-?[0-9]+)\}?", r"e\1", number.text.replace(",", "").lstrip("+"))
+    return re.sub(r"^(-?)\.", r"\g<1>0.", re.sub(r"[eE](-?)\+?0*(?=[0-9])", r"e\1", spelled))
+
+
+def _slips(spelled: str) -> Iterator[str]:
+    """What was meant if the sign is wrong, first, or if one digit is wrong, or two neighbours are exchanged."""
+    yield spelled[1:] if spelled.startswith("-") else f"-{spelled}"
+    for i, old in enumerate(spelled):
+        yield spelled[:i] + spelled[i + 1 : i + 2] + old + spelled[i + 2 :]
+        yield from (spelled[:i] + new + spelled[i + 1 :] for new in "0123456789" if old.isdigit())
 
 
 def _digits(text: str, telling: bool = False) -> int:

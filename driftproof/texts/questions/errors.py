@@ -25,11 +25,6 @@ class QuestionError(ExpressionError):
     18
     """
 
-    @property
-    def question(self) -> str:
-        """The text of the question."""
-        return self.text
-
 
 class AmbiguousRounding(QuestionError):
     """A number half-way between two decimals, for which the question names no rounding policy."""

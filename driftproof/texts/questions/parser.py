@@ -35,6 +35,7 @@ from driftproof.texts.questions.pieces import OWN_PI, WORDS, PieceParser
 SETTINGS = ("h", "t", "N", "steps", "error", "z", "lambda")
 PROBLEM, RATES = ("problem", "rates")
 _WITHOUT_SIGN = {*SETTINGS, *wording.OTHER_SETTINGS}
+_HINTS = {"%": "a percentage is percent(a, b)", "[": "coefficients are b2 and a21, counted from 1, starts from 1,0"}
 _HEADS = ("step", "run", "exact", "roundoff")
 _WITH_EQUATION = "as in run heun2 y'=-y y(0)=1 h=0.1 t=1 : error"
 _OF_METHOD = "order rk4, or run rk4 h=0.1 t=1 : q"
@@ -70,15 +71,15 @@ Node: TypeAlias = ExpressionNode | Query
 
 def parse_question(question: str) -> Node:
     """Parse a question into its tree; accents on letters are ignored. Raises QuestionError."""
-    plain = "".join(normalize("NFKD", c)[0] if c.isalpha() else c for c in question)
+    plain = "".join(normalize("NFKD", c)[0] if c.isalpha() else c for c in question).translate(PieceParser.typographic)
     if rounded := wording.TO_DIGITS.search(plain):
         kind = "digits" if rounded["digits"] else "places"
         count = rounded["count"]
         how = f"{kind} are not part of the question: use --{kind} {count}, or | {kind}({count}) in a template"
         raise QuestionError(question, rounded.start() + 1, how)
-    if "[" in plain:
-        reason = "'[' is not allowed in a question; coefficients are b2 and a21, counted from 1, starts from 1,0"
-        raise QuestionError(question, plain.index("[") + 1, reason)
+    for sign, hint in _HINTS.items():
+        if sign in plain:
+            raise QuestionError(question, plain.index(sign) + 1, f"{sign!r} is not allowed in a question; {hint}")
     node: Node = _QuestionParser(plain.removesuffix("?"), largest_power=LARGEST_POWER_ASKED).tree()
     return node
 
@@ -194,8 +195,9 @@ class _QuestionParser(PieceParser):
         if self.next.text == ",":
             name, *after = (token.text for token in self.tokens[self.at + 1 : self.at + 4])
             said = name in wording.SAY_NOTHING or after[:1] == ["steps"] or self._setting_name(self.at + 1)[1]
-            said = said or (after[:1] == ["("] and len(self.tokens) == self.at + 6)  # y(1) at the end
-            if said or after[:1] == ["="] or after in (["'", "="], ["(", "0"]) or name in ("at", "from"):
+            ends = [token.text for token in self.tokens[self.at + 4 : self.at + 6]]  # of y(1) at the end, or y(0)=1
+            said = said or (after[:1] == ["("] and ends in ([")", ""], [")", "="]))
+            if said or after[:1] == ["="] or after == ["'", "="] or name in ("at", "from"):
                 self.take()
         return self.next.kind == NAME or self._is_count(self.at)
 

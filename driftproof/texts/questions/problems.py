@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
-from functools import cached_property, lru_cache, partial
+from functools import cached_property, lru_cache, partial, reduce
 from typing import Any
 
 from flint import arb, ctx
@@ -168,7 +168,7 @@ def problem_readouts(run: ProblemRun, unknowns: Sequence[str] = ()) -> dict[str,
     end = all_steps[-1:]
     exact = "exact." if run.method is not None else ""
     components = [(i, unknowns[i] if unknowns else f"y{i}") for i in range(len(run.start))]
-    solution = {f"{exact}{y}": partial(_solution, end, i) for i, y in components}
+    solution = {f"{exact}{y}": (lambda run, i=i: _enclosed(lambda: run.true(end)[0][i])) for i, y in components}
     if (method := run.method) is None:
         return {**solution}
     read: dict[str, _StateFunction] = {"slope": lambda run, end: run.rate(run.t, end)}
@@ -197,10 +197,6 @@ def _component(read: _StateFunction, index: int, run: ProblemRun) -> Answer:
     return _enclosed(lambda: read(run, run.numerical()[-1])[index])
 
 
-def _solution(end: range, index: int, run: ProblemRun) -> Answer:
-    return _enclosed(lambda: run.true(end)[0][index])
-
-
 def _slope(stage: int, run: ProblemRun, end: _Row) -> _Row:
     """The slope of a stage of the first step, in the type of the last state."""
     first = run.start if isinstance(end[0], Fraction) else [enclose(x) for x in run.start]
@@ -209,10 +205,7 @@ def _slope(stage: int, run: ProblemRun, end: _Row) -> _Row:
 
 def _largest(a: Sequence[_Row], b: Sequence[_Row]) -> arb:
     """The maximum over time of the distance of two states, enclosed: arb.max bounds both ends of the ball."""
-    largest = arb(0)
-    for x, y in zip(a, b, strict=True):
-        largest = largest.max(_distance(x, y))
-    return largest
+    return reduce(arb.max, map(_distance, a, b), arb(0))
 
 
 def _distance(a: _Row, b: _Row) -> arb:

@@ -81,18 +81,10 @@ class QueryContext:
         with self.refused(at):
             return found.member(parse_number(at.text, found.parameter))
 
-    def demand_only(
-        self,
-        *settings: str,
-        start: bool = False,
-        words: Iterable[str] = (),
-        readout: bool = False,
-        unit: bool = False,
-        problem: bool = False,
-    ) -> None:
-        """Raise QuestionError for any part that is not allowed; setting and word names, and flags, say what is."""
+    def demand_only(self, *settings: str, words: Iterable[str] = (), parts: Iterable[str] = ()) -> None:
+        """Raise QuestionError for any part but these settings, words, and `parts`: start, readout, unit, problem."""
         query = self.query
-        if self.about_problem is not None and not problem:
+        if self.about_problem is not None and "problem" not in parts:
             raise self.error(self.about_problem, f"{self.head} takes no problem here; leave it out")
         for name, number in query.settings.items():
             if name not in settings:
@@ -101,11 +93,11 @@ class QueryContext:
         for name, token in query.words.items():
             if name not in words:
                 raise self.error(token, f"{self.head} does not take the word {name}")
-        if query.start is not None and not start:
+        if query.start is not None and "start" not in parts:
             raise self.error(None, f"{self.head} takes no start here; leave out 'from'")
-        if query.readout is not None and not readout:
+        if query.readout is not None and "readout" not in parts:
             raise self.error(query.readout, f"{self.head} has no parts; leave out {query.readout.shown}")
-        if query.unit is not None and not unit:
+        if query.unit is not None and "unit" not in parts:
             raise self.error(query.unit, f"{query.unit.shown} is not allowed here; only angles take a unit")
 
     def setting(self, name: str, example: str) -> Fraction:

@@ -38,19 +38,17 @@ FACT_WORDS = {
     **dict.fromkeys(("amplification_factor", "growth_factor", "stability_polynomial", "r"), "stability_function"),
     **{f"{of}_{what}": f"{of}_limit" for of in AXIS for what in _STABLE},
     **dict.fromkeys(("r_at_infinity", "stability_function_at_infinity", "damping_at_infinity"), "limit_at_infinity"),
-    "energy_factor": "energy_multiplier",
     **dict.fromkeys(("order_of_convergence", "convergence_order", "convergence_rate", "order_of_accuracy"), "order"),
     **dict.fromkeys(("order_of_error_estimate", "order_of_estimate", "error_estimate_order"), "estimate:order"),
     **dict.fromkeys(("order_of_embedded_method", "order_of_embedded_formula"), "embedded_order"),
     **dict.fromkeys(("number_of_stages", "stage_number", "stage_count"), "stages"),
     **dict.fromkeys(("dispersion_error", "phase_lag"), "dispersion"),
-    "dissipation_error": "dissipation",
     **dict.fromkeys(("angle", "alpha", "stability_angle", "angle_of_stability"), "sector:degrees"),
     **dict.fromkeys(("ssp_constant", "radius_of_absolute_monotonicity"), "ssp_coefficient"),
     **dict.fromkeys(("modified_energy", "shadow_hamiltonian", "shadow_energy"), "modified_hamiltonian"),
     **dict.fromkeys(("algebraic_stability", "algebraically_stability"), "algebraically_stable"),
     **dict.fromkeys(("principal_error_norm", "principal_error_constant"), "principal_error:squared_norm:sqrt"),
-    "stiff_decay": "l_stable",
+    **{"energy_factor": "energy_multiplier", "dissipation_error": "dissipation", "stiff_decay": "l_stable"},
     **dict.fromkeys(("rounding_error", "roundoff_error"), "roundoff"),
     **dict.fromkeys(("solution", "exact_solution", "true_solution"), "exact"),
     **dict.fromkeys(("reversible", "time_reversible", "self_adjoint"), "symmetric"),
@@ -70,18 +68,15 @@ _B_STABLE = "algebraically_stable, which is equivalent if no stage is superfluou
 _SPECTRUM = "stability_function (y' = λy, z = hλ) or one_step_matrix (of the oscillator)"
 _ENERGY_ERRORS = ("energy_error", "energy_change", "energy_drift")
 _AT_THE_END = "energy_change (at the end of a run), or largest_error (of the state, over all steps)"
-_TURNING = ("period", "frequency")
+_TURNING, _MOST = ("period", "frequency"), ("largest", "max", "maximal", "maximum")
+_SIZES = ("h", "step", "step_size", "time_step")
+_POWER = "(the leading power of h), or one less, as in most papers"
 _TURNS = "dispersion (leading phase error of a step), or phase_error of a run or a step"
 AMBIGUOUS_FACTS = {
     **dict.fromkeys(("limit", "stability_limit", "stability_interval", "absolute_stability_interval"), LIMITS),
     **dict.fromkeys(("interval_of_stability", "interval_of_absolute_stability", "cfl", "cfl_number"), LIMITS),
     **dict.fromkeys(("cfl_limit", "cfl_condition", "h_limit", "step_limit"), LIMITS),
-    **{
-        f"{most}{stable}_{what}": LIMITS
-        for most in ("largest", "max", "maximal", "maximum", "critical")
-        for stable in ("", "_stable")
-        for what in ("h", "step", "step_size", "time_step")
-    },
+    **{f"{most}{stable}_{h}": LIMITS for most in (*_MOST, "critical") for stable in ("", "_stable") for h in _SIZES},
     **dict.fromkeys(("stability_region", "stability_bound", "time_step_limit", "step_size_limit"), LIMITS),
     **dict.fromkeys(("conserve_energy", "preserve_energy", "energy_conservation"), _KEPT),
     **dict.fromkeys(("butcher_tableau", "tableau", "coefficients", "b_coefficients", "weights", "nodes"), _TABLEAU),
@@ -91,13 +86,10 @@ AMBIGUOUS_FACTS = {
     **dict.fromkeys(("b_stable", "b_stability"), _B_STABLE),
     **dict.fromkeys(("energy_growth", "energy_growth_per_step"), _GROWS),
     **dict.fromkeys(("truncation_error_constant", "local_truncation_error_constant", "local_error_constant"), _SIGNED),
-    **{
-        f"{what}_order": f"{what} METHOD : power (the leading power of h), or one less, as in most papers"
-        for what in ("dispersion", "dissipation")
-    },
+    **{f"{what}_order": f"{what} METHOD : power {_POWER}" for what in ("dispersion", "dissipation")},
     **dict.fromkeys(("observed_order", "experimental_order", "error_ratio", "ratio_of_errors"), _OBSERVED),
     **dict.fromkeys(("spectral_radius", "eigenvalue", "eigenvalues"), _SPECTRUM),
-    **{f"{most}_{what}": _AT_THE_END for most in ("largest", "max", "maximum", "maximal") for what in _ENERGY_ERRORS},
+    **{f"{most}_{what}": _AT_THE_END for most in _MOST for what in _ENERGY_ERRORS},
     "cost": "stages, evaluations_per_step, or evaluations of a run",
     **{f"{of}{what}{error}": _TURNS for of in ("", "numerical_") for what in _TURNING for error in ("", "_error")},
     "machine_epsilon": "2**-52 (from 1 to the next binary64 number) or 2**-53 (the unit roundoff u)",

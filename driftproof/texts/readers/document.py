@@ -81,13 +81,8 @@ class Document:
     @cached_property
     def code(self) -> tuple[tuple[int, int], ...]:
         """The spans of the lines of programs in the text, comments excluded: numbers there are inputs, not claims."""
-        lines = (
-            block.text[slice(*m.span())]
-            for block in self.blocks
-            if block.is_program
-            for m in _CODE.finditer(block.text.text)
-        )
-        return tuple(map(self.span, lines))
+        programs = (block.text for block in self.blocks if block.is_program)
+        return tuple(self.span(text[slice(*m.span())]) for text in programs for m in _CODE.finditer(text.text))
 
     @cached_property
     def other_files(self) -> list[str]:

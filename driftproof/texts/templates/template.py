@@ -16,9 +16,8 @@ from markupsafe import Markup
 
 from driftproof.texts.questions.errors import QuestionError
 from driftproof.texts.questions.evaluate import value
-from driftproof.texts.templates import template_values
 from driftproof.texts.templates.sandbox import PLACE, FolderLoader, Refusal, Sandbox, TemplatePlace, TemplateProblem
-from driftproof.texts.templates.template_values import NumberStyle, TemplateValue
+from driftproof.texts.templates.template_values import VALUE_FILTERS, NumberStyle, TemplateValue, methods_table
 from driftproof.texts.templates.text_kinds import HTML, MARKDOWN, TextKind, is_code, kind_of
 
 
@@ -30,13 +29,9 @@ class Template:
         self.asked = 0
         self.style = NumberStyle(kind, style or kind.style, rounding)
         self.loader = FolderLoader(template)
-        functions = {
-            "value": self._placed(self._value),
-            "methods_table": self._placed(self._methods_table, markup=True),
-        }
-        filters = {
-            name: self._placed(write, markup=name == "mathml") for name, write in template_values.VALUE_FILTERS.items()
-        }
+        table = self._placed(lambda s, *a, **b: methods_table(s, partial(self._value, s), *a, **b), markup=True)
+        functions = {"value": self._placed(self._value), "methods_table": table}
+        filters = {name: self._placed(write, markup=name == "mathml") for name, write in VALUE_FILTERS.items()}
         self.sandbox = Sandbox(self.loader, kind, functions, filters, self._finalized)
 
     def text(self) -> str:
@@ -85,12 +80,8 @@ class Template:
         """The style of the call, else of the template, else of the command or of the kind of text."""
         known, kind = context.get_all(), self.style.kind
         in_code = kind is MARKDOWN and place is not None and is_code(self.loader.sources[place[0]], place[1])
-        return NumberStyle(
-            kind,
-            style or known.get("style") or self.style.style,
-            rounding or known.get("rounding") or self.style.rounding,
-            in_code,
-        )
+        style = style or known.get("style") or self.style.style
+        return NumberStyle(kind, style, rounding or known.get("rounding") or self.style.rounding, in_code)
 
     @contextmanager
     def _at(self, place: tuple[str, int, bool] | None) -> Iterator[None]:
@@ -111,9 +102,6 @@ class Template:
             raise Refusal('a question is a string, as in value("rk4.first_step.q")')
         self.asked += 1
         return TemplateValue(value(question), style.kind)
-
-    def _methods_table(self, style: NumberStyle, *arguments: Any, **named: Any) -> str:
-        return template_values.methods_table(style, partial(self._value, style), *arguments, **named)
 
     def _finalized(self, printed: object) -> object:
         """The printed form of an expression: a text, a whole number or a value. Raises Refusal for others."""

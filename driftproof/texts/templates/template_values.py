@@ -134,9 +134,9 @@ def _written(write: Callable[[], str], call: str = "") -> str:
     try:
         return write()
     except AmbiguousRounding as error:
-        raise Refusal(f'{error.question!r}: {error.reason}, as in {call}, rounding="half-even")') from None
+        raise Refusal(f'{error.text!r}: {error.reason}, as in {call}, rounding="half-even")') from None
     except QuestionError as error:
-        raise Refusal(f"{error.question!r}: {error.reason}") from None
+        raise Refusal(f"{error.text!r}: {error.reason}") from None
 
 
 def methods_table(
@@ -159,11 +159,12 @@ def methods_table(
     if isinstance(columns, str) or not all(isinstance(column, str) for column in asked):
         raise Refusal('columns are a list, as in ["state_error digits 4", "evaluations"], or named in a mapping')
     parsed = [match for column in asked if (match := _COLUMN.fullmatch(column))]
-    names = columns if isinstance(columns, Mapping) else [_in_words(match["asked"]) for match in parsed]
+    names = columns if isinstance(columns, Mapping) else [match["asked"].replace("_", " ") for match in parsed]
+    titles = [name[:1].upper() + name[1:] if name[1:] and not isinstance(columns, Mapping) else name for name in names]
     if not 0 < len(methods) * len(parsed) <= _MOST_CELLS:
         raise Refusal(f"a table of methods has from 1 to {_MOST_CELLS} cells; name methods and columns")
     run = "" if h is None and t is None else f"h={h} t={t}"
-    rows = [[style.kind.escape(name) for name in ("Method", *names)]]
+    rows = [[style.kind.escape(name) for name in ("Method", *titles)]]
     for key in methods:
         try:
             title = method_of(key).title
@@ -172,11 +173,6 @@ def methods_table(
         cells = (_cell(style, ask, key, column, run) for column in parsed)
         rows.append([style.kind.escape(title), *cells])
     return style.kind.table(rows)
-
-
-def _in_words(asked: str) -> str:
-    words = asked.replace("_", " ")
-    return words if len(words) == 1 else words[:1].upper() + words[1:]
 
 
 def _cell(style: NumberStyle, ask: Callable[[str], TemplateValue], key: str, column: re.Match[str], run: str) -> str:

@@ -167,9 +167,8 @@ class _Formula:
             return self.write.root(self.of(base), exponent.denominator)
         plain = isinstance(base, tree.NameNode) or (isinstance(base, tree.NumberNode) and base.value.denominator == 1)
         written = self.of(base) if plain else self.write.bracket(self.of(base))
-        return self.write.power(
-            written, rational_markup(str(exponent.numerator), str(exponent.denominator), self.write)
-        )
+        raised = rational_markup(str(exponent.numerator), str(exponent.denominator), self.write)
+        return self.write.power(written, raised)
 
 
 def _is_sum(node: tree.ExpressionNode) -> bool:

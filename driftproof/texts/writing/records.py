@@ -142,9 +142,8 @@ def _place_parts(place: Imaginary | Complex) -> dict[str, Any]:
         size = radicals.radical_form(place.size)
         exact, real, imaginary = size and _times_i(size), "0", radicals.root_decimal(place.size)
     else:
-        real, imaginary = (
-            significant(x, PRINTED_DIGITS) for x in (lambda: place.ball().real, lambda: place.ball().imag)
-        )
+        parts_of = (lambda: place.ball().real), (lambda: place.ball().imag)
+        real, imaginary = (significant(x, PRINTED_DIGITS) for x in parts_of)
         if place.degree == 2:
             total, product = place.sum_and_product()
             square = product - total * total / 4

@@ -81,6 +81,12 @@ def test_finding_is_the_place_that_comes_closest_and_says_what_is_expected(phras
     assert findings(text, claim(phrase, given + more)) == found
 
 
+def test_a_power_of_ten_counts_as_much_as_a_digit() -> None:
+    one, text = claim("| {value}", "digits = 3", value="6.99e-6"), "| 0.800000 | 6.91e-6 | 1,000 | 1/3"
+    assert findings(text, one) == [(1, 14, "6.99e-6", "6.91e-6")]
+    assert findings(text.replace("6.91e-6", "6.91×10⁻⁶"), one) == [(1, 14, "6.99e-6", "6.91×10^{-6}")]
+
+
 @pytest.mark.parametrize(
     ("count", "text", "found"),
     [(0, "at 0.33 now\n" * 5, 3), (5, "at 0.34 now\n" * 5, 3), (2, "at 0.33 now\n" + "at 0.34 now\n" * 3, 1)],

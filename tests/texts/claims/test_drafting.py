@@ -120,6 +120,31 @@ def test_draft_says_what_was_asked_for_and_is_nowhere_and_its_ids_are_short() ->
     assert "Asked for" not in draft(document, "a")
 
 
+def test_what_was_asked_for_is_listed_with_the_slips_and_the_guesses_that_may_mean_it() -> None:
+    asked = ["1.35914", "5/8 + 0.0000000005", "2.5", "64.5 - 1/2", "stability_function rk4", "order rk4", "exp(-9)"]
+    drafted = draft(document_of("It is 1.35941 here, 2.5 there\nand 3 elsewhere: 2.5."), "a", asked)
+    _, nowhere, guessed = drafted.split("# Asked for with --ask")
+    assert "# 1.35941 is perhaps a slip: 1.35914 is 1.35914\n" in drafted
+    listed = [
+        "1.35914; a slip? 1.35941 in line 1",
+        "0.625",
+        "64",
+        "1 + z + z**2/2 + z**3/6 + z**4/24",
+        "4",
+        "0.0001234098",
+    ]
+    missing = zip([question for question in asked if question != "2.5"], listed, strict=True)
+    assert nowhere.splitlines()[1:-1] == [f"#   {question}, {text}" for question, text in missing]
+    assert guessed.endswith("\n#   2.5, 2.5; perhaps 2.5 in line 1, 2.5 in line 2")
+    assert "#   0.625000005, 0.625\n" in draft(document_of(""), "a", ["0.625000005"]) + "\n", "a tie"
+
+
+def test_numbers_in_a_column_of_steps_or_times_are_given_if_they_stand_alone() -> None:
+    table = "| $h$ | error |\n| --- | --- |\n| 0.1 | 0.3 |\n| 0.05 | 0.7 |\n| of 9 | 8 |\n\nand 0.1 too"
+    drafted = draft(document_of(table, "markdown"), "a")
+    assert [claim["phrase"] for claim in tomllib.loads(drafted)["claim"]] == ["| 0.1 |", "| 0.05 |"]
+
+
 def test_two_other_values_are_named_and_the_rest_counted_unless_the_text_chooses_the_number() -> None:
     _, two, three, _ = asked = [f"0.1234567 + {k} - {k}" for k in range(4)]
     for count, said in ((1, []), (2, [two]), (3, [f"{two}, {three}"]), (4, [f"{two}, {three} and 1 more"])):

@@ -109,7 +109,11 @@ def test_values_that_the_author_asks_for_are_strong_on_the_line_of_what_was_chos
     for number, question in {"0.128": "t=0.6 : y0", "0.094": "t=0.6 : state_error"}.items():
         assert (found[number][0].question, found[number][0].strong) == (f"{run} {question}", True), number
     assert not found["0.489"], "0.48832 is 0.488"
-    assert [q.rpartition("t=")[2] for q, _ in suggestions.nowhere()] == ["1.0 : y0", "1.0 : state_error"]
+    slips = {
+        question.rpartition("t=")[2]: [n.text for n in slips] for question, _, slips, vague in suggestions.nowhere()
+    }
+    assert slips == {"0.4 : y0": [], "1.0 : y0": ["0.489"], "1.0 : state_error": []}
+    assert [[n.text for n in vague] for *_, vague in suggestions.nowhere()] == [["0.04"], [], []]
     rows = Suggestions("| RK4 | 1.64872 |\n| Heun | 1.64745 |", ["run {Heun,RK4} lambda=1 h=1/10 t=1/2 : {exact.y,y}"])
     assert rows.of(numbers_in(rows.text)[1])[0].question == "run RK4 lambda=1 h=1/10 t=1/2 : y"
     text = "It is -1/2 for Euler and -1/3 for Heun. BDF2 has -1/3."
@@ -135,15 +139,40 @@ def test_a_percentage_is_a_hundred_times_the_value_and_a_solution_is_exact():
 
 
 def test_one_digit_that_agrees_does_not_hide_a_wrong_number():
-    nowhere = {question for question, _ in Suggestions(NOTE, [OF_NOTE]).nowhere()}
+    nowhere = {question for question, *_ in Suggestions(NOTE, [OF_NOTE]).nowhere()}
     assert "run Heun y'=-2y, y(0)=1, h=0.1, t=1 : y" in nowhere  # 0.13745 is printed as 0.13748; 0.1 is a start
-    right = {question for question, _ in Suggestions(NOTE.replace("0.13748", "0.13745"), [OF_NOTE]).nowhere()}
+    right = {question for question, *_ in Suggestions(NOTE.replace("0.13748", "0.13745"), [OF_NOTE]).nowhere()}
     assert nowhere - right == {"run Heun y'=-2y, y(0)=1, h=0.1, t=1 : y"}
 
 
 def test_two_digits_of_one_of_five_values_do_not_tell_it_and_three_do():
     asked = ["0.3371", *(f"{n}.5" for n in range(1, 5))]
     assert [len(Suggestions(f"about {x}", asked).nowhere()) for x in ("0.34", "0.337")] == [5, 4]
+
+
+def test_a_slip_is_a_wrong_digit_or_sign_or_two_neighbours_exchanged_and_no_number_of_few_digits() -> None:
+    wrong = [("1.35914", "1.35941"), ("1.35914", "1.35924"), ("2.785", "-2.785"), ("1/120", "-1/120")]
+    for asked, printed in (*wrong, ("1.35914", "1.35914"), ("1.35914", "1.35851"), ("2.785", "2.758"), ("2.7", "-2.7")):
+        suggestions, (number,) = Suggestions(f"is {printed}.", [asked]), numbers_in(f"is {printed}.")
+        assert suggestions.slips(number) == ({asked: asked} if (asked, printed) in wrong else {}), printed
+    row = Suggestions("| 0.6 | 0.182 |", ASKED)
+    assert [*row.slips(numbers_in(row.text)[1])] == ["run forward_euler rates=(t+y0) from 0 h=0.2 t=0.6 : y0"]
+
+
+def test_a_row_at_time_t_is_of_the_run_of_as_many_steps_and_its_column_has_a_name() -> None:
+    table = "| t | Euler | RK4 |\n| 0.2 | 0.8 | 0.829293 |\n| 0.4 | 1.152 | 1.214 |"
+    suggestions = Suggestions(table, ["run {Euler,RK4} y'=y-t^2+1, y(0)=0.5, h=0.2, N={1,2} : y"])
+    of_time, *values = [number for number in numbers_in(table) if number.label is None]
+    assert (suggestions.column_of(of_time), suggestions.column_of(values[0])) == ("t", "euler")
+    found = {number.text: suggestions.of(number)[:1] for number in values}
+    assert {text for text, alike in found.items() if alike and alike[0].strong} == {"0.8", "0.829293", "1.152", "1.214"}
+    wiki = Suggestions("{| class=a\n! ''t'' !! Heun\n|-\n| 0.5 || 1.125", [])
+    assert [wiki.column_of(number) for number in numbers_in(wiki.text)] == ["t", "heun"]
+
+
+def test_the_last_step_size_given_before_a_number_decides_between_equal_values() -> None:
+    text = "RK4 with h = 0.2 to t = 2, and then RK4.\nNow h = 0.1, t = 1:\nRK4 needs 40 evaluations."
+    assert suggested(text)[-1][0].question == "run rk4 h=1/10 t=1 : evaluations"
 
 
 def best_of(text, spelled):

@@ -12,7 +12,7 @@ from driftproof.texts.questions.evaluate import value
 from tests.texts.questions.refusals import demand_refusal
 
 ARITHMETIC = {
-    "1 + 2 * 3": Q(7), "(1 + 2) * 3": Q(9), "8 / 4 / 2": Q(1), "1 - 2 - 3": Q(-4), "-2 ** 2": Q(-4),
+    "1 + 2 × 3": Q(7), "(1 + 2) * 3": Q(9), "8 / 4 / 2": Q(1), "1 - 2 - 3": Q(-4), "-2 ** 2": Q(-4),
     "(-2) ** 2": Q(4), "2 ^ -3": Q(1, 8), "2 ** (-3)": Q(1, 8), "8 ** (2/3)": Q(4), "(8/27) ** (1/3)": Q(2, 3),
     "((1/2) ** (1/3)) ** 3": Q(1, 2), "- - 3": Q(3), "+0.25e1 − 1/2": Q(2), ".5": Q(1, 2), "sqrt(9/4)": Q(3, 2),
     "sqrt(0)": Q(0), "abs(-1/3) + abs(1/3)": Q(2, 3), "log10(1/1000)": Q(-3), "log2(1024) / log10(10)": Q(10),
@@ -48,6 +48,10 @@ REFUSED = [
     ("2 ** 1.23456789", 6, "an exponent is an integer"),
     ("2 ** (1/0)", 10, "an exponent is an integer or a fraction of two integers"),
     ("2 ** x", 6, "an exponent is an integer"), ("1e999999999", 1, "is too long"),
+    ("2,5", 2, "or the end; a decimal has a point"),
+    ("1,6 %", 5, "'%' is not allowed in a question; a percentage is percent(a, b)"),
+    ("run rk4 y'=e^t, y(0)=1, h=1, t=1 : y", 14, "or a decimal; write exp(t) for e^t"),
+    ("rk4 y'=y, y(1)=1, h=1, t=1 : y", 13, "time starts at 0: write the initial value as y(0) = ..."),
     ("order rk4 rk4", 11, "unexpected 'rk4'; a colon and a readout may follow"),
     ("step rk4 h=1/2 h=1/4 : q", 16, "'h' is given twice"),
     ("step rk4 N=2 steps=2 h=1 : q", 14, "'steps' is given twice"),
