@@ -66,7 +66,7 @@ NOT_ELSEWHERE = "sympy"
 BUDGETS = {
     "support": 1194,
     "methods": 5305,
-    "symbolic": 10347,
+    "symbolic": 10326,
     "numeric": 4172,
     "blackbox": 17865,
     "enclosure": 3137,
@@ -75,7 +75,7 @@ BUDGETS = {
 BUDGET_OF_REPORTS_AND_FRONT = 5625
 # The goal is 65 of 100. Independent witnesses, campaigns and guards, 6,000 lines, are among the tests.
 # From 93 to 94: a failing test first for each of some thirty faults, and a guard of the docstrings.
-TESTS_PER_LINE_OF_SOURCE = Fraction(946, 1000)
+TESTS_PER_LINE_OF_SOURCE = Fraction(949, 1000)
 
 # A file of fewer lines needs a reason.
 SMALLEST = 40

@@ -10,17 +10,17 @@ from driftproof.blackbox.families.multistep_runs import later_steps
 from driftproof.blackbox.findings import NO_EVIDENCE, Outcome, UnsupportedCall
 from driftproof.blackbox.isolation import Probe
 from driftproof.blackbox.judging.agreement import Agreement, Domain, other_parameters, rows_together
-from driftproof.blackbox.judging.habits import explained
+from driftproof.blackbox.judging.habits import explain_by_habits
 from driftproof.blackbox.judging.measured_order import MeasuredOrder, measured_orders
 from driftproof.blackbox.judging.nonlinear_step import BEYOND_TOLERANCE, NonlinearAgreement, nonlinear_agreement
 from driftproof.blackbox.judging.state_objects import state_objects
 from driftproof.blackbox.judging.tolerance import Allowance
 from driftproof.blackbox.judging.walks import Walked, back_and_on, walked
 from driftproof.blackbox.matching.dense_outputs import JudgedDense, judged_dense
-from driftproof.blackbox.matching.entries import mended, other_velocities, rational_method, side_by_side
+from driftproof.blackbox.matching.entries import other_velocities, rational_method, restoring_entries, side_by_side
 from driftproof.blackbox.matching.estimates import JudgedEstimate, is_pair, judged_estimate
 from driftproof.blackbox.matching.match import Identity, match_method
-from driftproof.blackbox.probes.dense import NotAlike
+from driftproof.blackbox.probes.dense import DenseOutputDiffers
 from driftproof.blackbox.probes.force import NO_TABLEAU, ForceReading
 from driftproof.blackbox.probes.questions import CoefficientReading, read_coefficients
 from driftproof.blackbox.probes.scripted_answers import NotReadable
@@ -30,7 +30,7 @@ from driftproof.methods.schemes import Collocation, Method, Nystrom, RungeKutta,
 
 # Outcomes that leave any question open, and what would decide it.
 _OPEN = {
-    NotAlike.kind: "a dense output that is a sum of slopes, the same in all components, as the step is",
+    DenseOutputDiffers.kind: "a dense output that is a sum of slopes, the same in all components, as the step is",
     "crashes": "a step that does not terminate its process",
     **NO_EVIDENCE,
 }
@@ -42,7 +42,7 @@ ROUNDING, COEFFICIENTS, NONLINEAR_STEP, ORDER = "Rounding", "Coefficients", "Non
 ERROR_ESTIMATE, DENSE_OUTPUT, STATE_FORMS = "Error estimate", "Dense output", "State"
 _UNUSUAL = (ERROR_ESTIMATE, DENSE_OUTPUT, "Parameters")  # most steppers have nothing of these, which needs no line
 # The criteria of a single step, which decide whether it is the method's; the other criteria must not fail.
-OF_ONE_STEP = (ROUNDING, COEFFICIENTS, NONLINEAR_STEP, ORDER)
+SINGLE_STEP_CRITERIA = (ROUNDING, COEFFICIENTS, NONLINEAR_STEP, ORDER)
 # Whether an answer passes (None: not seen), the finding as lines and as JSON data, and what would decide it.
 Judged: TypeAlias = tuple[bool | None, Sequence[str], dict[str, Any], str]
 
@@ -62,7 +62,7 @@ class Question(NamedTuple):
 
     def criterion(self, method: Method, outcome: Outcome) -> Criterion:
         """The criterion. A refusal counts against the stepper only in a criterion of a single step."""
-        kind, lines, of_step = outcome.kind, (outcome.seen,), self.title in OF_ONE_STEP
+        kind, lines, of_step = outcome.kind, (outcome.seen,), self.title in SINGLE_STEP_CRITERIA
         if kind is None:
             passed, seen, data, missing = self.judge(method, outcome.result)
             return Criterion(self.title, passed, tuple(seen), data, missing)
@@ -79,7 +79,7 @@ def questions_of(method: Method, allowance: Allowance, domain: Domain, examples:
     of_method: dict[str, Any] = {"method": method, "allowance": allowance}
     within, estimate = {**of_method, "domain": domain}, _READABLE_ESTIMATE * is_pair(method)
     return [
-        Question(ROUNDING, partial(explained, **within, examples=examples), _judge_rounding),
+        Question(ROUNDING, partial(explain_by_habits, **within, examples=examples), _judge_rounding),
         Question(COEFFICIENTS, read_coefficients, partial(_judge_coefficients, allowance=allowance), "", _READABLE),
         Question(NONLINEAR_STEP, partial(nonlinear_agreement, **of_method), _judge_nonlinear_step),
         Question(ORDER, measured_orders, _judge_order),
@@ -135,7 +135,7 @@ def _other_coefficients(method: Method, reading: CoefficientReading, identity: I
         lines += side_by_side(reading, method)
     if isinstance(method, RungeKutta | Collocation) and isinstance(reading, TableauReading):
         read = rational_method(reading, "read")
-        lines += mended(read, method.claimed_order) if read is not None else []
+        lines += restoring_entries(read, method.claimed_order) if read is not None else []
     found = [difference for near in identity.near for difference in near.differences]
     return False, lines, {"differences": list(dict.fromkeys(found))}, ""
 

@@ -15,7 +15,7 @@ from driftproof.blackbox.families.reports import family_report, read_family, unr
 from driftproof.blackbox.findings import NO_EVIDENCE, Outcome, UnsupportedCall, arithmetic_of
 from driftproof.blackbox.isolation import TIME_LIMIT, IsolatedRunner
 from driftproof.blackbox.judging.agreement import ORDINARY_DOMAIN
-from driftproof.blackbox.judging.habits import explained
+from driftproof.blackbox.judging.habits import explain_by_habits
 from driftproof.blackbox.judging.measured_order import MeasuredOrder, measured_orders
 from driftproof.blackbox.judging.nonlinear_step import nonlinear_twins
 from driftproof.blackbox.matching.dense_outputs import JudgedDense, judged_dense
@@ -25,8 +25,8 @@ from driftproof.blackbox.naming import Naming, Seen
 from driftproof.blackbox.probes.questions import Introduction, introduction, read_coefficients
 from driftproof.blackbox.probes.scripted_answers import NotReadable
 from driftproof.blackbox.probes.tableau import TableauReading
-from driftproof.blackbox.report import Report, Section, each_once, sections
-from driftproof.blackbox.stepper.calling_conventions import OF_FAMILIES, SIGNATURES
+from driftproof.blackbox.report import Report, Section, sections, without_duplicates
+from driftproof.blackbox.stepper.calling_conventions import FAMILY_KINDS, SIGNATURES
 from driftproof.blackbox.stepper.opening import Target
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.schemes import Method
@@ -64,15 +64,15 @@ def identify(
             opened = runner.outcome_of(introduction).result
             if family.result is not None:
                 return family_report(runner.target.name, opened, family.result)
-            if opened is not None and opened.calls in OF_FAMILIES:
+            if opened is not None and opened.calls in FAMILY_KINDS:
                 return unread_report(runner.target.name, family)
         # If later steps depend on earlier ones by no known recurrence, only the first step was read.
         remembering = family.kind in (NotReadable.kind, NoRecurrence.kind, *NO_EVIDENCE)
         later = f"this holds for its first step only: {family.seen}" if remembering else ""
-        return identified(runner, read, order, dense, later)[0]
+        return identification_report(runner, read, order, dense, later)[0]
 
 
-def identified(
+def identification_report(
     runner: IsolatedRunner, read: Outcome, order: Outcome, dense: Outcome, later: str = ""
 ) -> tuple[Report, Naming]:
     """Report on the runner's stepper, given three answers; the other questions are asked in the time that is left."""
@@ -99,7 +99,7 @@ def identified(
 
 def _rounding(runner: IsolatedRunner, method: Method, size: float) -> Outcome:
     domain = ORDINARY_DOMAIN if size >= 1 else replace(ORDINARY_DOMAIN, largest_state=size)
-    return runner.outcome_of(partial(explained, method=method, domain=domain, examples=_EXAMPLES))
+    return runner.outcome_of(partial(explain_by_habits, method=method, domain=domain, examples=_EXAMPLES))
 
 
 def _sections(name: str, seen: Seen, rounding: Outcome | None) -> tuple[Section, ...]:
@@ -122,7 +122,7 @@ def _sections(name: str, seen: Seen, rounding: Outcome | None) -> tuple[Section,
         ("Rounding", [] if rounding is None or rounding.failed else rounding.result.lines),
         ("Stepper", [*stepper, *filter(None, [seen.arithmetic])]),
     )
-    answers = sections(("Not answered", each_once(f"{o.kind}: {o.seen}" for o in failed)))
+    answers = sections(("Not answered", without_duplicates(f"{o.kind}: {o.seen}" for o in failed)))
     return (*evidence, *_checks([check for check in seen.checks if not check.is_fault]), *answers)
 
 

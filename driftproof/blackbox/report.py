@@ -76,7 +76,7 @@ def sections(*parts: tuple[str, Sequence[str]]) -> tuple[Section, ...]:
     return tuple(Section(title, tuple(lines)) for title, lines in parts if lines)
 
 
-def each_once(lines: Iterable[str]) -> list[str]:
+def without_duplicates(lines: Iterable[str]) -> list[str]:
     """The lines without duplicates, each repeated one with its count."""
     return [f"{line} ({often} times)" if often > 1 else line for line, often in Counter(lines).items()]
 

@@ -29,7 +29,7 @@ from driftproof.blackbox.stepper.opening import Target
 from driftproof.methods.catalogue import METHODS, FactsOnly
 from driftproof.methods.schemes import Method
 from driftproof.methods.tableau_file import method_of, subject_of
-from driftproof.support.assertions import AssertedVerdict, demand, time_limit_of_test
+from driftproof.support.assertions import AssertedVerdict, assert_verdict, time_limit_of_test
 
 # What a verdict of `verify` that passes remarks on, besides its criteria.
 _REMARKS = (arguments, digits, types)
@@ -92,7 +92,7 @@ def verify(
         passed, arithmetic = _decided(checks), arithmetic_of(replies)
         made = sum(outcome.calls for outcome in replies)
         if passed is False:
-            from driftproof.blackbox.identify import identified
+            from driftproof.blackbox.identify import identification_report
             from driftproof.blackbox.judging.single_mistakes import single_mistakes
 
             read, order, dense = (
@@ -100,7 +100,7 @@ def verify(
                 outcomes[criteria.ORDER],
                 outcomes[criteria.DENSE_OUTPUT],
             )
-            instead, naming = identified(runner, read, order, dense)
+            instead, naming = identification_report(runner, read, order, dense)
             mistakes = runner.outcome_of(partial(single_mistakes, method=asked)).result or ()
             same_steps = [*mistakes, *filter(None, [_right_form(outcomes)])]
             refuted = _refuted(asked, questions, checks, outcomes, instead, naming, mistakes)
@@ -158,7 +158,7 @@ def assert_verified(
     except ValueError as error:  # so that pytest shows the user's line and the message
         raise ValueError(str(error)) from None
     found = AssertedVerdict(report.target, report.verdict, report.passed, report.text(), report.data)
-    demand(found, holds=report.passed is True or (report.passed is None and allow_undecided))
+    assert_verdict(found, holds=report.passed is True or (report.passed is None and allow_undecided))
     if report.data.get("remarks"):
         warnings.warn(found.headline, stacklevel=2)
 
@@ -185,7 +185,7 @@ def _open(checks: Mapping[str, Criterion]) -> list[Criterion]:
         seen = rounding.passed and (built_in or coefficients.passed or nonlinear.passed)
     if not seen:
         return [check for check in of_step if not check.passed]
-    return [check for title, check in checks.items() if title not in criteria.OF_ONE_STEP and check.missing]
+    return [check for title, check in checks.items() if title not in criteria.SINGLE_STEP_CRITERIA and check.missing]
 
 
 def _agreed(method: Method, found: Agreement | None, checks: Mapping[str, Criterion]) -> str:
@@ -204,7 +204,7 @@ def _how_near(method: Method) -> str:
 
 def _not_decided(method: Method, checks: Mapping[str, Criterion]) -> str:
     unseen = next(check for check in _open(checks) if check.mark == "undecided")
-    what = "" if unseen.title in criteria.OF_ONE_STEP else f"{unseen.title.lower()}: "
+    what = "" if unseen.title in criteria.SINGLE_STEP_CRITERIA else f"{unseen.title.lower()}: "
     return f"{UNDECIDED} whether it is {method.key}: {what}{unseen.lines[-1]}"
 
 
@@ -218,7 +218,7 @@ def _refuted(
     mistakes: Sequence[str],
 ) -> str:
     """The verdict on a stepper that failed: what it is not and why, or what explains its rounding errors."""
-    rounding, coefficients, nonlinear, order = (checks[title] for title in criteria.OF_ONE_STEP)
+    rounding, coefficients, nonlinear, order = (checks[title] for title in criteria.SINGLE_STEP_CRITERIA)
     beside = [checks[criteria.ERROR_ESTIMATE], checks[criteria.DENSE_OUTPUT]]
     found: Agreement | None = outcomes[criteria.ROUNDING].result
     of_step = all(check.passed is not False for check in (coefficients, nonlinear, order, *beside))

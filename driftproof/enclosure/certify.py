@@ -13,7 +13,7 @@ from flint import arb, ctx
 
 from driftproof.enclosure.certificate import BallRows, Certificate, Split, decimal, right_digits
 from driftproof.enclosure.exact_runs import Row, StepPlan, plan_of
-from driftproof.enclosure.fields import RightHandSide, rebound
+from driftproof.enclosure.fields import RightHandSide, enclosable
 from driftproof.enclosure.invariants import GivenInvariants, drift_of, invariants_of
 from driftproof.enclosure.numbers import Enclosed, Evaluation, Refused
 from driftproof.enclosure.solutions import BITS_AT_FIRST, Enclosure, enclose_solution
@@ -23,7 +23,7 @@ from driftproof.enclosure.trajectories import Trajectory, has_trajectory, read_t
 from driftproof.methods.field_text import field_of_file
 from driftproof.methods.rationals import ExactNumber
 from driftproof.methods.schemes import Method
-from driftproof.support.assertions import AssertedVerdict, tell
+from driftproof.support.assertions import AssertedVerdict, notify_listeners
 from driftproof.support.progress import stage, working
 from driftproof.symbolic.algebra.certified import enclose
 
@@ -169,7 +169,7 @@ def assert_accurate(
     found = certify(f, *solution) if isinstance(solution, tuple | list) else certify(f, solution)
     if within(found, tolerance):
         words = f"is within {tolerance} of the true one through its first point, t = {found.t[0]:g} (proved)"
-        tell(AssertedVerdict("the solution", words, True, found.text()))
+        notify_listeners(AssertedVerdict("the solution", words, True, found.text()))
         return
     said = f"off by {decimal(found.largest_error)}, more than {tolerance}: {found.place()} (proved)"
     if rtol is not None:
@@ -178,7 +178,9 @@ def assert_accurate(
         times = f"; the error is {float(found.largest_error) / promised:.3g} times that" if promised else ""
         allow = f"rtol = {rtol} and atol = {atol} allow" if atol else f"rtol = {rtol} allows"
         said += f"\n{allow} an error of {promised:.3g} per step there{times}"
-    tell(AssertedVerdict("the solution", f"is {said.partition(chr(10))[0]}", False, f"{said}\n{found.text()}"))
+    notify_listeners(
+        AssertedVerdict("the solution", f"is {said.partition(chr(10))[0]}", False, f"{said}\n{found.text()}")
+    )
     raise AssertionError(said)
 
 
@@ -200,7 +202,7 @@ def _require_reproduced(f: RightHandSide, times: list[float], states: list[list[
 
     f is called at them forwards and then backwards, so that a memory of f, such as a switch, is detected.
     """
-    in_balls, checked = rebound(f), sorted({len(times) * k // MOST_REPRODUCED for k in range(MOST_REPRODUCED)})
+    in_balls, checked = enclosable(f), sorted({len(times) * k // MOST_REPRODUCED for k in range(MOST_REPRODUCED)})
     forwards = [_rates_in_floats(f, times[i], states[i]) for i in checked]
     backwards = [_rates_in_floats(f, times[i], states[i]) for i in reversed(checked)]
     for i, given, repeated in zip(checked, forwards, reversed(backwards), strict=True):

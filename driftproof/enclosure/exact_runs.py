@@ -11,7 +11,7 @@ from typing import Any
 
 from flint import arb, ctx
 
-from driftproof.enclosure.fields import RightHandSide, array_of, enclosed_rates, rebound
+from driftproof.enclosure.fields import RightHandSide, array_of, enclosable, enclosed_rates
 from driftproof.enclosure.implicit_runs import implicit_step
 from driftproof.enclosure.numbers import Enclosed, Evaluation, Refused
 from driftproof.enclosure.solutions import BITS_AT_FIRST
@@ -94,7 +94,7 @@ def plan_of(f: RightHandSide, run: Trajectory, method: str | Path | Method, h: E
         counts, sizes = [b - a for a, b in pairwise(at)], [exact] * (len(at) - 1)
     if sum(counts) > MOST_STEPS_EXACTLY:
         raise Refused(f"{sum(counts)} steps are too many to run exactly; at most {MOST_STEPS_EXACTLY}")
-    plan = StepPlan(rebound(f), found, tuple(starts), tuple(counts), tuple(sizes))
+    plan = StepPlan(enclosable(f), found, tuple(starts), tuple(counts), tuple(sizes))
     with ctx.workprec(BITS_AT_FIRST):  # with a double's bits, balls widen too far where coefficients cancel
         _require_steps_of_method(plan, run)
     return plan

@@ -68,7 +68,7 @@ def _lifted(rate: object, evaluation: Evaluation) -> Enclosed:
     return rate if isinstance(rate, Enclosed) else Enclosed(evaluation, evaluation.constant(rate))
 
 
-def rebound(f: RightHandSide) -> RightHandSide:
+def enclosable(f: RightHandSide) -> RightHandSide:
     """f with the same code, in which the names of math, numpy and their functions mean our replacements.
 
     f is a plain function, a method, a partial, or a callable object; functions that it calls are treated alike. Other

@@ -10,7 +10,7 @@ import numpy as np
 from flint import arb
 
 from driftproof.enclosure.certificate import Drift, decimal
-from driftproof.enclosure.fields import enclosed_values, rebound
+from driftproof.enclosure.fields import enclosable, enclosed_values
 from driftproof.enclosure.numbers import Enclosed, Evaluation, Refused
 from driftproof.enclosure.text_fields import GivenField, field_function
 from driftproof.methods.field_text import rate_of_text
@@ -80,7 +80,7 @@ def invariants_of(given: GivenInvariants, f: GivenField, components: int) -> dic
 
 def _function(name: str, invariant: Invariant, field: VectorField) -> Callable[[Any], Any]:
     if callable(invariant):
-        return rebound(invariant)  # type: ignore[arg-type, return-value]
+        return enclosable(invariant)  # type: ignore[arg-type, return-value]
     try:
         made = field_function(field, [rate_of_text(invariant)])
     except ValueError as error:

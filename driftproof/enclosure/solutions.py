@@ -16,7 +16,7 @@ import numpy as np
 from flint import arb, arb_mat, ctx
 
 from driftproof.enclosure.coordinates import basis_around
-from driftproof.enclosure.fields import RightHandSide, rebound
+from driftproof.enclosure.fields import RightHandSide, enclosable
 from driftproof.enclosure.numbers import Enclosed, Evaluation, Refused, Stiff
 from driftproof.enclosure.steps import (
     SHORTEST_PART,
@@ -76,7 +76,7 @@ def enclose_solution(
     A start given as balls stands for every point in them. Raises Refused if nothing can be proved.
     """
     with ctx.workprec(bits), np.errstate(all="ignore"):
-        function, balls = rebound(f), [x if isinstance(x, arb) else enclose(x) for x in start]
+        function, balls = enclosable(f), [x if isinstance(x, arb) else enclose(x) for x in start]
         explicit = _Path(function, balls, times, bits)
         path: _Path | StiffPath = explicit
         try:

@@ -21,9 +21,9 @@ from driftproof.support.toml_tables import (
     as_table,
     as_text,
     as_texts,
-    demand_keys,
     quoted,
     read_toml,
+    require_keys,
 )
 
 # Characters of a rate, chosen far above any published one: a power of a power of a sum is written out as products.
@@ -98,7 +98,7 @@ def field_of_file(path: str | Path) -> VectorField:
     """The field of a .toml file, which may also have the other keys of a problem. Raises ValueError in one line."""
 
     def read(table: TomlTable) -> VectorField:
-        demand_keys(table, PROBLEM_KEYS, "a right-hand side")
+        require_keys(table, PROBLEM_KEYS, "a right-hand side")
         return field_of_table(table)
 
     return read_toml(path, LONGEST_PROBLEM, read)

@@ -21,7 +21,7 @@ from driftproof.methods.program_text import (
     maker_text,
     used_stages,
 )
-from driftproof.methods.schemes import Collocation, Method, MethodError, RungeKutta, demand_method
+from driftproof.methods.schemes import Collocation, Method, MethodError, RungeKutta, require_method
 
 FORCE = "force({})"
 # Any type with + and * (and what its force needs); the arithmetic is the type's own.
@@ -105,7 +105,7 @@ def stepper(method: Method, lift: Lift) -> Step:
     >>> step(lambda q: -q, Fraction(1), Fraction(0), Fraction(1, 2))
     (Fraction(337, 384), Fraction(-23, 48))
     """
-    demand_method(method)
+    require_method(method)
     make, coefficients = _compiled(method)
     step: Step = make(*(lift(c) for c in coefficients))
     return step

@@ -44,9 +44,9 @@ from driftproof.support.toml_tables import (
     as_list,
     as_table,
     as_whole,
-    demand_keys,
     quoted,
     read_toml,
+    require_keys,
 )
 
 # Chosen far above published methods: the limits keep the time and the memory that reading takes small.
@@ -97,7 +97,7 @@ def _method(table: TomlTable, name: str) -> Method | Family | FactsOnly:
     meant = next((key for key in table if key in _OF_PAIR and "b_embedded" in entries), None)
     if meant is not None:
         raise MethodError(f"rename {quoted(meant)} to b_embedded, and give embedded_order with it")
-    demand_keys(table, (*_COMMON, *entries), f"a {family}", "`driftproof facts --help` shows one")
+    require_keys(table, (*_COMMON, *entries), f"a {family}", "`driftproof facts --help` shows one")
     common, read = _common(table, name), _reader(table)
     seen: list[Exact] = []
     field: NumberField | None = None

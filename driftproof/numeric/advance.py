@@ -10,7 +10,7 @@ from typing import Any, NamedTuple, TypeAlias
 from driftproof.methods.program_text import indented, maker_text
 from driftproof.methods.schemes import Method
 from driftproof.methods.vector_fields import VectorField, field_source
-from driftproof.numeric.engine import OF_FLOATS, compiled_field_runner, field_runner, program_function
+from driftproof.numeric.engine import FLOAT_FUNCTIONS, compiled_field_runner, field_runner, program_function
 from driftproof.numeric.implicit import ImplicitRun, compiled_implicit_runner, implicit_runner
 from driftproof.numeric.problems.problem import Problem
 from driftproof.numeric.run import nearest_double
@@ -77,7 +77,7 @@ def field_rate(field: VectorField, functions: Mapping[str, Any] | None = None) -
     numbers = "map(float, y)" if functions is None else "y"
     lines = [f"{''.join(f'{y}, ' for y in field.components)}= {numbers}", f"return [{', '.join(field.at({}))}]"]
     text = maker_text(names, "run", ["def run(t, y):", *indented(lines)])  # called run, as no parameter may be
-    return program_function(text, "run", field.parameters, OF_FLOATS if functions is None else functions)
+    return program_function(text, "run", field.parameters, FLOAT_FUNCTIONS if functions is None else functions)
 
 
 def counted_evaluations(method: Method, problem: Problem, steps: int) -> int:

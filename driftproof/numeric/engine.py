@@ -43,7 +43,7 @@ FieldRun: TypeAlias = Callable[[tuple[float, ...], float, int, int], tuple[float
 BLOCK, ARRAY_BLOCK = 512, 4096
 # The number formats that compiled loops support.
 COMPILED = (np.float32, np.float64)
-OF_FLOATS = {name: getattr(math, name) for name in FUNCTIONS}
+FLOAT_FUNCTIONS = {name: getattr(math, name) for name in FUNCTIONS}
 _ARRAY_FUNCTIONS = {name: getattr(np, name) for name in (*FUNCTIONS, *UFUNCS.values(), "negative", "copyto")}
 
 
@@ -116,7 +116,7 @@ def compiled_field_ensemble_runner(method: Method, field: VectorField, *, thread
     source = field_source(method, field)
 
     def run_blocks(y: FloatArray, h: float, first: int, last: int) -> None:
-        demand_ensemble(y, len(source.components))
+        require_ensemble(y, len(source.components))
         run = _compiled_field_blocks(source)
         in_threads(lambda start, stop: run(y, h, first, last, start, stop), y.shape[1], threads, BLOCK)
 
@@ -136,7 +136,7 @@ def in_threads(run: Callable[[int, int], None], members: int, threads: int, bloc
         list(pool.map(lambda start: run(start, min(start + part, members)), starts))
 
 
-def demand_ensemble(y: FloatArray, rows: int) -> None:
+def require_ensemble(y: FloatArray, rows: int) -> None:
     """Raise ValueError unless y consists of `rows` rows of float64, one after another in memory."""
     if y.ndim != 2 or len(y) != rows or y.dtype != np.float64 or not y.flags.c_contiguous:
         raise ValueError(f"y is {y.dtype}{list(y.shape)}; an ensemble is a C-contiguous float64 array with {rows} rows")
@@ -188,7 +188,7 @@ def program_function(
     text: str,
     key: str,
     coefficients: Iterable[tuple[str, Exact]],
-    functions: Mapping[str, Any] = OF_FLOATS,
+    functions: Mapping[str, Any] = FLOAT_FUNCTIONS,
     number: Format = np.float64,
 ) -> Callable[..., Any]:
     """Build the function of a program text with its coefficients in the format `number`; see `maker`."""

@@ -37,7 +37,7 @@ from numpy.typing import NDArray
 from driftproof.methods.schemes import Method
 from driftproof.methods.vector_fields import VectorField
 from driftproof.numeric import newton
-from driftproof.numeric.engine import FieldEnsembleRun, FloatArray, demand_ensemble, in_threads
+from driftproof.numeric.engine import FieldEnsembleRun, FloatArray, in_threads, require_ensemble
 from driftproof.numeric.field_loops import field_writers, number_kind
 from driftproof.numeric.newton import Steps, StepTable, implicit_steps
 from driftproof.numeric.tableaux import FloatTableau, float_tableau
@@ -178,7 +178,7 @@ def compiled_implicit_ensemble_runner(method: Method, field: VectorField, *, thr
     arrays, loop = compiled_implicit_runner(method, field).table, _ensemble_on(field)
 
     def run_systems(y: FloatArray, h: float, first: int, last: int) -> None:
-        demand_ensemble(y, len(field.rates))
+        require_ensemble(y, len(field.rates))
 
         def run_part(start: int, stop: int) -> None:
             report = np.array(_report())

@@ -48,12 +48,12 @@ def errors(problem: Problem, states: Mapping[Fraction, _Floats]) -> dict[str, Si
     if problem.energy is not None:
         before = decimal_energy(problem, problem.start)
         found[ENERGY] = [float(abs(decimal_energy(problem, states[t]) - before)) for t in sorted(states)]
-    if has_phase(problem):
+    if is_oscillator(problem):
         found[PHASE] = [_phase(states[t], digits[t]) for t in sorted(states)]
     return {name: Size(sizes[-1], max(sizes)) for name, sizes in found.items()}
 
 
-def has_phase(problem: Problem) -> bool:
+def is_oscillator(problem: Problem) -> bool:
     """True for q' = v, v' = -q, whose phase is an angle in the plane of q and v."""
     return problem.matrix == _OSCILLATOR
 
@@ -81,7 +81,7 @@ def floors(problem: Problem) -> dict[str, float]:
         slopes = (partial_derivative(problem.energy, name) for name in problem.field.components)
         moves = (abs(_evaluated(problem, slope, y) * _decimal(x)) for slope, x in zip(slopes, y, strict=True))
         found[ENERGY] = float(sum(moves) * _decimal(U))
-    if has_phase(problem):
+    if is_oscillator(problem):
         found[PHASE] = degrees(U)
     return found
 

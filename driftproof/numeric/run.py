@@ -80,7 +80,7 @@ def integrate(
     return q, v
 
 
-def demand_few(steps: int) -> None:
+def require_float_steps(steps: int) -> None:
     """Raise ValueError for a float run of more than MOST_FLOAT_STEPS steps."""
     if steps > MOST_FLOAT_STEPS:
         raise ValueError(
@@ -96,7 +96,7 @@ def run_method(scene: Scene, key: str, counter: Counter = range) -> Readouts:
     """
     if not scene.readouts:
         raise ValueError(f"scene {scene.name!r} names no readout; name at least one")
-    demand_few(scene.steps)
+    require_float_steps(scene.steps)
     force = CountedForce(oscillator) if "evaluations" in scene.readouts else oscillator
     start = (nearest_double(scene.start[0], "start q"), nearest_double(scene.start[1], "start v"))
     h, t = nearest_double(scene.h, "h"), _nearest_time(scene.t)

@@ -19,7 +19,7 @@ from driftproof.numeric.run import (
     NonFiniteState,
     Readouts,
     RunEnded,
-    demand_few,
+    require_float_steps,
     run_method,
     times_of_steps,
 )
@@ -38,7 +38,7 @@ def run_scene(scene: Scene, key: str, counter: Counter = range) -> Readouts:
     """
     if scene.problem is None:
         return run_method(scene, key, counter)
-    demand_few(scene.steps)
+    require_float_steps(scene.steps)
     return _run_problem(scene, scene.problem, key, counter)
 
 

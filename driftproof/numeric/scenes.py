@@ -16,7 +16,7 @@ from pathlib import Path
 from driftproof.methods.rationals import parse_rational, step_count
 from driftproof.methods.tableau_file import method_of
 from driftproof.numeric.problems.problem import Problem
-from driftproof.support.toml_tables import TomlTable, as_list, as_text, as_texts, demand_keys, quoted, read_toml
+from driftproof.support.toml_tables import TomlTable, as_list, as_text, as_texts, quoted, read_toml, require_keys
 
 TRAJECTORY = "trajectory"
 # The readouts that can be certified to any number of digits; then all readouts.
@@ -176,7 +176,7 @@ def read_scene(path: Path, problem_of: Callable[[str], Problem] = _problem_of_ou
 def _scene(table: TomlTable, name: str, problem_of: Callable[[str], Problem]) -> Scene:
     if "rates" in table or "function" in table:
         raise SceneError('it is a problem; write a scene with problem = "FILE.toml", selected, h and readouts')
-    demand_keys(table, tuple(field.name for field in fields(Scene)), "a scene")
+    require_keys(table, tuple(field.name for field in fields(Scene)), "a scene")
     problem = problem_of(as_text(table["problem"], "problem")) if "problem" in table else None
     for key in ("selected", "h", *(() if problem else ("t",))):
         if key not in table:

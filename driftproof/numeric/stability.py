@@ -17,7 +17,7 @@ _Matrix: TypeAlias = NDArray[np.float64]
 _Rows: TypeAlias = list[list[Decimal]]
 
 # The most steps between two looks at the state (chosen: to find the first that is not finite repeats about as many).
-BETWEEN_LOOKS = 1 << 12
+STEPS_BETWEEN_CHECKS = 1 << 12
 # The step sizes at which growth is first looked for, as powers of two times 1/|A|.
 SMALLEST, LARGEST = -20, 30
 
@@ -37,7 +37,7 @@ class Observed:
     """A run of `steps` steps of the float h: its last state and, if it failed, at which step and why (`remark`).
 
     `failed_after` is the number of the first step whose state is not finite or could not be computed; None if there is
-    none. `largest` is the largest norm of a state seen, at looks up to BETWEEN_LOOKS steps apart.
+    none. `largest` is the largest norm of a state seen, at looks up to STEPS_BETWEEN_CHECKS steps apart.
     """
 
     h: float
@@ -66,7 +66,7 @@ def observe(advance: Advance, start: State, h: float, steps: int, enough: float 
             stride = (last - done) // 2
             continue
         y, done, largest = reached, last, max(largest, euclidean_norm(reached))
-        stride = min(2 * stride, BETWEEN_LOOKS)
+        stride = min(2 * stride, STEPS_BETWEEN_CHECKS)
     return Observed(h, steps, y, largest)
 
 

@@ -110,10 +110,10 @@ def budget_answer(asked: OscillatorRun, digits: int, rounding: str, counter: Cou
     The run uses the double nearest to h, and its state is compared at N times that double, so that the error is that of
     the numbers which the program really has. A run that overflows has no such error, only a "reason".
     """
-    from driftproof.numeric.run import NonFiniteState, demand_few, integrate, nearest_double  # loads NumPy
+    from driftproof.numeric.run import NonFiniteState, integrate, nearest_double, require_float_steps  # loads NumPy
 
     method, h, start, steps = asked.method, asked.h, asked.start, asked.steps
-    demand_few(steps)
+    require_float_steps(steps)
     size, *state = (nearest_double(x, name) for x, name in ((h, "h"), (start[0], "q"), (start[1], "v")))
     exact_h, exact_start = Fraction(size), (Fraction(state[0]), Fraction(state[1]))
     h_run = str(exact_h) if exact_h == h else f"{size!r} (the double nearest to {h})"

@@ -14,7 +14,7 @@ import numpy as np
 from flint import arb, ctx
 
 from driftproof.blackbox.stepper.opening import imported
-from driftproof.enclosure.fields import rebound
+from driftproof.enclosure.fields import enclosable
 from driftproof.enclosure.numbers import Refused
 from driftproof.enclosure.solutions import BITS_AT_FIRST, enclose_solution
 from driftproof.enclosure.steps import size
@@ -36,7 +36,7 @@ from driftproof.methods.vector_fields import VectorField, partial_derivative
 from driftproof.numeric.problems.catalogue import problem_named
 from driftproof.numeric.problems.problem import CERTIFIED, Problem, Reference
 from driftproof.support.progress import working
-from driftproof.support.toml_tables import TomlTable, as_line, as_table, as_text, demand_keys, quoted, read_toml
+from driftproof.support.toml_tables import TomlTable, as_line, as_table, as_text, quoted, read_toml, require_keys
 from driftproof.symbolic.algebra.certified import Uncertified, significant
 from driftproof.symbolic.linear.ray_bounds import ALWAYS
 from driftproof.symbolic.linear.systems import SystemFacts
@@ -79,7 +79,7 @@ def problem_given(given: GivenProblem) -> Problem:
 
 
 def _problem(table: TomlTable, name: str) -> Problem:
-    demand_keys(table, PROBLEM_KEYS, "a problem")
+    require_keys(table, PROBLEM_KEYS, "a problem")
     start = tuple(_rational(x, f"start[{i}]") for i, x in enumerate(start_of_table(table)))
     end = _rational(table.get("end"), "end")
     field = _field(table, len(start))
@@ -121,7 +121,7 @@ def _field(table: TomlTable, components: int) -> VectorField:
         if "rates" in table:
             raise ValueError("give either rates or function, not both")
         own = table["function"]
-        function = rebound(own if callable(own) else imported(as_text(own, "function"), "function"))
+        function = enclosable(own if callable(own) else imported(as_text(own, "function"), "function"))
         parameters = _doubles(table)
         return field_of_function(lambda t, y: function(t, y, **parameters), components)
     field = field_of_table(table)

@@ -47,18 +47,18 @@ listeners: list[Callable[[AssertedVerdict], None]] = []
 time_limit_of_test: ContextVar[float | None] = ContextVar("time_limit_of_test", default=None)
 
 
-def tell(verdict: AssertedVerdict) -> None:
+def notify_listeners(verdict: AssertedVerdict) -> None:
     """Pass the verdict to all listeners."""
     for listener in listeners:
         listener(verdict)
 
 
-def demand(verdict: AssertedVerdict, *, holds: bool) -> None:
+def assert_verdict(verdict: AssertedVerdict, *, holds: bool) -> None:
     """Pass the verdict to all listeners, and raise VerdictError unless it holds.
 
-    >>> demand(AssertedVerdict("springs:step", "is rk4", True, "the whole report"), holds=True)
+    >>> assert_verdict(AssertedVerdict("springs:step", "is rk4", True, "the whole report"), holds=True)
     """
     __tracebackhide__ = True
-    tell(verdict)
+    notify_listeners(verdict)
     if not holds:
         raise VerdictError(verdict)

@@ -70,7 +70,7 @@ def quoted(value: object) -> str:
         return "a huge number"
 
 
-def demand_keys(table: TomlTable, allowed: Collection[str], what: str, more: str = "") -> None:
+def require_keys(table: TomlTable, allowed: Collection[str], what: str, more: str = "") -> None:
     """Raise ValueError for a key that is not allowed in `what`; `more` says where an example is shown."""
     if unknown := next((key for key in table if key not in allowed), None):
         shown = f" ({more})" if more else ""

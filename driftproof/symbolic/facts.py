@@ -12,7 +12,7 @@ from driftproof.methods.catalogue import FactsOnly
 from driftproof.methods.multistep import Multistep
 from driftproof.methods.number_field import Exact
 from driftproof.methods.rosenbrock import Rosenbrock
-from driftproof.methods.schemes import Collocation, Method, Nystrom, RungeKutta, Splitting, demand_method
+from driftproof.methods.schemes import Collocation, Method, Nystrom, RungeKutta, Splitting, require_method
 from driftproof.symbolic.additive import ADDITIVE_FACTS, AdditiveFacts
 from driftproof.symbolic.linear.facts import LinearFacts, fact_names, facts_by_name
 from driftproof.symbolic.linear.multistep import MULTISTEP_FACTS, MULTISTEP_ON_REQUEST, MultistepFacts
@@ -252,7 +252,7 @@ def order_within(method: Method, tolerance: Fraction) -> OrderWithin:
     >>> order_within(METHODS["tsitouras54"], Fraction(1, 10**12)).order
     5
     """
-    demand_method(method)
+    require_method(method)
     if tolerance < 0:
         raise ValueError(f"tolerance {tolerance} is negative; it must be >= 0")
 

@@ -10,7 +10,7 @@ from typing import Any, TypeAlias
 from flint import arb, ctx
 
 from driftproof.methods.rationals import step_count
-from driftproof.methods.schemes import Method, demand_method
+from driftproof.methods.schemes import Method, require_method
 from driftproof.symbolic.algebra.certified import EnclosedReal, certified_sign, enclose
 from driftproof.symbolic.algebra.polynomials import exact, scalar
 from driftproof.symbolic.linear.oscillator import oscillator_matrix
@@ -157,7 +157,7 @@ class OscillatorRun:
 
     def __post_init__(self) -> None:
         """Raise ValueError if h does not divide t."""
-        demand_method(self.method)
+        require_method(self.method)
         step_count(self.t, self.h)
 
     @property

@@ -3,7 +3,7 @@
 import json
 from dataclasses import replace
 
-from driftproof.blackbox.report import Report, Section, each_once, sections
+from driftproof.blackbox.report import Report, Section, sections, without_duplicates
 
 REPORT = Report(
     "mylib:step", "is not rk4; it is rk38", False, sections(("Rounding", ["q is a_b*c"]), ("Faults", [])), {"order": 4}
@@ -26,7 +26,7 @@ def test_line_that_stands_for_others_gives_way_where_everything_is_asked_for():
     for form in ("text", "markdown"):
         assert ("2 kept" in long.written(form), "too" in long.written(form)) == (True, False)
         assert ("2 kept" in long.written(form, True), "too" in long.written(form, True)) == (False, True)
-    assert each_once(["a", "b", "a"]) == ["a (2 times)", "b"]
+    assert without_duplicates(["a", "b", "a"]) == ["a (2 times)", "b"]
 
 
 def test_what_is_not_answered_begins_its_verdict_so():

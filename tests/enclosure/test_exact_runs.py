@@ -13,7 +13,7 @@ from flint import arb, ctx
 from driftproof import METHODS, Facts, Refused, certify, stepper
 from driftproof.enclosure import exact_runs
 from driftproof.enclosure.exact_runs import SCIPY_SOLVERS, exact_step, named_method, plan_of
-from driftproof.enclosure.fields import rebound
+from driftproof.enclosure.fields import enclosable
 from driftproof.enclosure.trajectories import read_trajectory, trajectory_of
 from driftproof.symbolic.algebra.certified import endpoints
 from tests.enclosure.mutants import mutant
@@ -133,7 +133,7 @@ def test_exact_step_is_the_definition_on_the_oscillator(key):
         lift = lambda x: x.ball() if hasattr(x, "ball") else arb(x.numerator) / x.denominator
         q, v, h = arb(3) / 4, arb(-1) / 3, arb(1) / 8
         wanted = stepper(method, lift)(lambda x: -x, q, v, h)
-        found = exact_step(method, rebound(oscillator), 2)((q, v), Fraction(7), Fraction(1, 8))
+        found = exact_step(method, enclosable(oscillator), 2)((q, v), Fraction(7), Fraction(1, 8))
         for x, y in exactly(2, zip(found, wanted, strict=True)):
             assert x.overlaps(y)
             assert x.rad() < 1e-50

@@ -12,7 +12,7 @@ import pytest
 from flint import arb
 from numpy import zeros
 
-from driftproof.enclosure.fields import enclosed_rates, rebound
+from driftproof.enclosure.fields import enclosable, enclosed_rates
 from driftproof.enclosure.numbers import Enclosed, Evaluation, Refused
 from tests.looping import exactly
 
@@ -136,7 +136,7 @@ def test_field_means_in_balls_what_it_means_in_floats(f):
     t, y = 0.75, np.array([0.625, 1.5])
     evaluation = Evaluation()
     state = [Enclosed(evaluation, arb(x)) for x in y]
-    found = enclosed_rates(rebound(f), Enclosed(evaluation, arb(t)), state)
+    found = enclosed_rates(enclosable(f), Enclosed(evaluation, arb(t)), state)
     for ball, wanted in exactly(2, zip(found, f(t, y), strict=True)):
         assert abs(float(arb(ball.value).mid()) - wanted) < 1e-14 * (1 + abs(wanted))
 
@@ -144,7 +144,7 @@ def test_field_means_in_balls_what_it_means_in_floats(f):
 def caught(f, t=0.75, y=(0.625, 1.5)):
     evaluation = Evaluation()
     with pytest.raises(Refused) as refusal:
-        enclosed_rates(rebound(f), Enclosed(evaluation, arb(t)), [Enclosed(evaluation, arb(x)) for x in y])
+        enclosed_rates(enclosable(f), Enclosed(evaluation, arb(t)), [Enclosed(evaluation, arb(x)) for x in y])
     return str(refusal.value)
 
 
@@ -193,6 +193,6 @@ def test_field_without_enclosure_is_refused(f, said):
 
 
 def test_rebound_leaves_the_given_function_as_it_was():
-    rebound(filled)
+    enclosable(filled)
     assert filled(0.0, np.array([1.0, 2.0])).dtype == float
     assert filled.__globals__["math"] is math

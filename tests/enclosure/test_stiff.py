@@ -12,7 +12,7 @@ from tqdm import tqdm
 
 from driftproof import certify
 from driftproof.enclosure import stiff
-from driftproof.enclosure.fields import rebound
+from driftproof.enclosure.fields import enclosable
 from driftproof.enclosure.numbers import Refused
 from tests.enclosure.mutants import mutant
 from tests.looping import exactly
@@ -22,7 +22,7 @@ from tests.witnesses.closed_solutions import relaxed
 def enclosed(f, start, times, bits, module=stiff):
     """States at the times, by implicit steps from the first."""
     with ctx.workprec(bits):
-        path = module.StiffPath(rebound(f), [arb(x) for x in start], times[0], times[-1])
+        path = module.StiffPath(enclosable(f), [arb(x) for x in start], times[0], times[-1])
         return [path.states_at(t) for t in times]
 
 

@@ -10,7 +10,7 @@ import numpy as np
 from flint import ctx
 
 from driftproof.enclosure.exact_runs import StepPlan
-from driftproof.enclosure.fields import rebound
+from driftproof.enclosure.fields import enclosable
 from driftproof.enclosure.solutions import enclose_solution
 
 BITS = 256
@@ -31,7 +31,7 @@ def slope_of_truncation(method, n):
     errors = []
     for steps in (n, 2 * n):
         times = tuple(Fraction(k, steps) for k in range(steps + 1))
-        plan = StepPlan(rebound(swing), method, times, (1,) * steps, (Fraction(1, steps),) * steps)
+        plan = StepPlan(enclosable(swing), method, times, (1,) * steps, (Fraction(1, steps),) * steps)
         with ctx.workprec(BITS):
             pairs = zip(plan.states([1.0, 0.5], BITS)[-1], swung(), strict=True)
             distances = [abs(z - x) for z, x in pairs]

@@ -20,8 +20,8 @@ from driftproof.numeric.run import (
     NonFiniteReadout,
     NonFiniteState,
     RunEnded,
-    demand_few,
     integrate,
+    require_float_steps,
     run_method,
     times_of_steps,
 )
@@ -274,7 +274,7 @@ def test_implicit_stages_that_there_are_none_of_end_the_run(tmp_path: Path) -> N
 
 
 def test_run_of_too_many_steps_is_refused_at_once_and_names_the_way_out() -> None:
-    demand_few(10**8)
+    require_float_steps(10**8)
     with pytest.raises(ValueError, match="100000001 steps; a float run takes at most 100000000, and `driftproof run`"):
         run_method(scene(h=Q(1), t=Q(10**8 + 1)), "rk4")
 

@@ -2,7 +2,7 @@
 
 import pytest
 
-from driftproof.support.assertions import AssertedVerdict, VerdictError, demand, listeners
+from driftproof.support.assertions import AssertedVerdict, VerdictError, assert_verdict, listeners
 
 WRONG = AssertedVerdict("springs:step", "is not rk4", False, "the whole report", {"order": 1})
 
@@ -16,13 +16,13 @@ def heard():
 
 
 def test_what_holds_is_told_and_not_raised(heard):
-    demand(WRONG, holds=True)
+    assert_verdict(WRONG, holds=True)
     assert heard == [WRONG]
 
 
 def test_what_does_not_hold_is_told_and_raised_with_the_whole_report(heard):
     with pytest.raises(VerdictError, match="the whole report") as raised:
-        demand(WRONG, holds=False)
+        assert_verdict(WRONG, holds=False)
     assert heard == [WRONG]
     assert raised.value.verdict is WRONG
     assert isinstance(raised.value, AssertionError)

@@ -77,12 +77,12 @@ REFUSALS: list[tuple[Callable[[], Any], str]] = [
     (lambda: toml.as_list("ab", "x"), "x is 'ab'; write a list"),
     (lambda: toml.as_list([1, 2, 3], "x", 2, 2), "x has 3 entries; at most 2 are allowed"),
     (lambda: toml.as_list([1], "x", 2), "x has 1 entries, 2 are needed"),
-    (lambda: toml.demand_keys({"a": 1, "c": 2}, ("a", "b"), "a table"), "a table has no key 'c'; its keys are a, b"),
+    (lambda: toml.require_keys({"a": 1, "c": 2}, ("a", "b"), "a table"), "a table has no key 'c'; its keys are a, b"),
 ]
 
 
 def test_a_value_that_fits_is_returned() -> None:
-    toml.demand_keys({"a": 1}, ("a", "b"), "a table")
+    toml.require_keys({"a": 1}, ("a", "b"), "a table")
     assert [found for found, _ in FITS] == [expected for _, expected in FITS]
 
 

@@ -115,7 +115,7 @@ def border(
         # Next to 0 even the short step moves the state by more than the distance of floats.
         tiny = copysign(2.0 ** (short.runner.format.emin // 2), x)
         at_zero = last == 0 and beyond(tiny)
-        kept, gone = (last, tiny) if at_zero else edge(beyond, last, x, short.runner, hints)
+        kept, gone = (last, tiny) if at_zero else bisected_neighbours(beyond, last, x, short.runner, hints)
         return Border(at(kept), tuple(map(at, (gone, x, *points[place + 1 : place + 4]))))
     return None
 
@@ -129,7 +129,7 @@ def _beyond_as(trial: Trial, short: NegligibleStep, at: Callable[[float], Trial]
     return lambda x: not short.keeps(at(x))
 
 
-def edge(
+def bisected_neighbours(
     changed: Callable[[float], bool], kept: float, gone: float, runner: TrialRunner, hints: Sequence[Neighbours] = ()
 ) -> Neighbours:
     """Neighbours a, b of the format between `kept` and `gone`, with a unchanged and b changed, as these ends are.
@@ -185,6 +185,6 @@ def short_name(x: float) -> str:
     return repr(x).removesuffix(".0")
 
 
-def rounder(first: float, second: float) -> float:
+def shorter_number(first: float, second: float) -> float:
     """The number with the shorter name; the first if both are equally short."""
     return min((first, second), key=lambda x: len(short_name(x)))

@@ -13,8 +13,8 @@ from driftproof.blackbox.checks.borders import (
     NegligibleStep,
     border,
     negligible_step,
-    rounder,
     short_name,
+    shorter_number,
 )
 from driftproof.blackbox.checks.trials import CheckResult, Trial, TrialRunner, pair_text, steady_runner
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
@@ -54,7 +54,7 @@ class Rule:
     @property
     def limit(self) -> float:
         """The border as a programmer may have written it: the end with the shorter name."""
-        return rounder(*self.ends)
+        return shorter_number(*self.ends)
 
     @property
     def example(self) -> tuple[Trial, ...]:
@@ -181,7 +181,7 @@ def _put_to_rest(short: NegligibleStep, component: int, seen: Border) -> str:
     given = first.given[component]
     answers = (trial.answer or (None, None) for trial in (first, short.along(component, -given)))
     after, mirrored = (answer[component] for answer in answers)
-    limit = rounder(kept, given)
+    limit = shorter_number(kept, given)
     name = f"|{name}|" if after == mirrored == 0 else name
     where = f"{name} {'up to' if limit == given else 'below'} {short_name(limit)}"
     return f"{where} becomes 0" if after == 0 else f"with {where} the state changes even as h -> 0: {_becomes(first)}"

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 from math import inf, log10
 
-from driftproof.blackbox.checks.borders import COMPONENT_NAMES, NegligibleStep, edge, negligible_step
+from driftproof.blackbox.checks.borders import COMPONENT_NAMES, NegligibleStep, bisected_neighbours, negligible_step
 from driftproof.blackbox.checks.trials import (
     ORDINARY_STATE,
     TYPICAL_STEP,
@@ -71,7 +71,7 @@ def _small(runner: TrialRunner) -> list[int]:
 def _absolute_rounding(ray: Ray) -> CheckResult | None:
     """The failed check if the errors of small states are those of a sum with a number of ordinary size; else None."""
     once, small = ray.over(1.0), _small(ray.runner)
-    errors = [(apart(ray.over(2.0**k), once), 2.0**k) for k in small]
+    errors = [(relative_error(ray.over(2.0**k), once), 2.0**k) for k in small]
     largest = max(error * s for error, s in errors)
     allowed = _SUMS * max(float(ray.runner.format.u), ray.runner.grain)
     if max(error for error, _ in errors) <= ray.runner.rounding or largest > allowed:
@@ -83,7 +83,7 @@ def _absolute_rounding(ray: Ray) -> CheckResult | None:
 def _first_break(ray: Ray, exponents: Sequence[int]) -> tuple[float, float] | None:
     """The first neighbouring powers of two between which S(sz)/s changes by more than rounding; None if none do."""
     for k, m in pairwise(exponents):
-        if apart(ray.over(2.0**m), ray.over(2.0**k)) > ray.runner.rounding:
+        if relative_error(ray.over(2.0**m), ray.over(2.0**k)) > ray.runner.rounding:
             return 2.0**k, 2.0**m
     return None
 
@@ -92,11 +92,11 @@ def _odd_and_additive(runner: TrialRunner, rays: Sequence[Ray]) -> CheckResult:
     """Check S(-z) = -S(z) and S(q, v) = S(q, 0) + S(0, v) of a step that is proportional along the rays."""
     (q, minus_q, v, minus_v), both = (ray.trial(1.0) for ray in rays), runner.trial(*ORDINARY_STATE, TYPICAL_STEP)
     for one, other in ((q, minus_q), (v, minus_v)):
-        if one.answer and other.answer and apart([-x for x in other.answer], one.answer) > runner.rounding:
+        if one.answer and other.answer and relative_error([-x for x in other.answer], one.answer) > runner.rounding:
             return CheckResult(LINEAR, False, "not linear: S(-z) is not -S(z)", (one, other))
     if q.answer and v.answer and both.answer:
         summed = [x + y for x, y in zip(q.answer, v.answer, strict=True)]
-        if apart(both.answer, summed) > runner.rounding:
+        if relative_error(both.answer, summed) > runner.rounding:
             return CheckResult(LINEAR, False, "not linear: S(q, v) is not S(q, 0) + S(0, v)", (q, v, both))
     return CheckResult(LINEAR, True, "linear in the state, to rounding")
 
@@ -105,7 +105,7 @@ def _subnormals(runner: TrialRunner, rays: Sequence[Ray]) -> tuple[CheckResult, 
     """Check that results below the normal numbers are right to a few units of the smallest number."""
     e_min = runner.format.emin
     ordinary, tiny = 2.0 ** (e_min // 4), 2.0 ** (e_min - 9)
-    asked = [ray for ray in rays if apart(ray.over(ordinary), ray.over(16 * ordinary)) <= runner.rounding]
+    asked = [ray for ray in rays if relative_error(ray.over(ordinary), ray.over(16 * ordinary)) <= runner.rounding]
     for ray in asked:
         c, base, seen = ray.component, ray.over(ordinary), ray.trial(tiny)
         if base and seen.answer and abs(seen.answer[c] - base[c] * tiny) > _SUMS * float(runner.format.eta):
@@ -126,7 +126,7 @@ def _lost(ray: Ray, ordinary: float, tiny: float) -> CheckResult:
     if not vanishes(tiny):
         words = f"for {name} near {size * tiny:.2g} the answer does not scale with the state"
         return CheckResult(_SUBNORMALS, False, words, (ray.trial(tiny),))
-    ends = edge(vanishes, ordinary, tiny, ray.runner)
+    ends = bisected_neighbours(vanishes, ordinary, tiny, ray.runner)
     limit = size * ends[0]
     kind = "subnormal" if limit < 2 * float(power_of_two(ray.runner.format.emin)) else "small"
     words = f"{kind} numbers become 0: {name} below {limit:.3g}"
@@ -156,7 +156,7 @@ class Ray:
         return (trial.answer[0] / s, trial.answer[1] / s) if trial.answer and trial.finite else None
 
 
-def apart(first: Sequence[float] | None, second: Sequence[float] | None) -> float:
+def relative_error(first: Sequence[float] | None, second: Sequence[float] | None) -> float:
     """The distance of the two, relative to the second; 0 if one of them is missing, which other checks report."""
     if first is None or second is None or first == second:
         return 0.0
@@ -187,11 +187,11 @@ def _departing(broken: Sequence[tuple[Ray, float, float]]) -> CheckResult:
 
 def _beginning(ray: Ray, low: float, high: float) -> float:
     """The first s at which the step differs from that at `low`."""
-    return edge(lambda s: _departure(ray, low, s) > ray.runner.rounding, low, high, ray.runner)[1]
+    return bisected_neighbours(lambda s: _departure(ray, low, s) > ray.runner.rounding, low, high, ray.runner)[1]
 
 
 def _departure(ray: Ray, low: float, s: float) -> float:
-    return apart(ray.over(s), ray.over(low))
+    return relative_error(ray.over(s), ray.over(low))
 
 
 def _leaves_domain(short: NegligibleStep, ray: Ray, low: float, s: float) -> bool:

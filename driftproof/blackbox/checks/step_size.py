@@ -8,7 +8,7 @@ from fractions import Fraction
 from itertools import pairwise
 from math import ulp
 
-from driftproof.blackbox.checks.borders import edge, rounder, short_name
+from driftproof.blackbox.checks.borders import bisected_neighbours, short_name, shorter_number
 from driftproof.blackbox.checks.trials import (
     TYPICAL_STEP,
     CheckResult,
@@ -74,7 +74,7 @@ class _Taken:
 
     def edge_of(self, like: float, unlike: float) -> tuple[float, float]:
         """Neighbours between the two h, the first with another answer than `like`, the second with the same."""
-        return edge(lambda h: self.alike(h, like), unlike, like, self.runner)
+        return bisected_neighbours(lambda h: self.alike(h, like), unlike, like, self.runner)
 
     def bound(self, like: float, unlike: float) -> float:
         """The last h with the answer of `like`, on the way to `unlike`; in 12 digits if that makes no difference."""
@@ -120,7 +120,7 @@ def _raised(taken: _Taken) -> _Found | None:
         bound = taken.bound(least, unlike)
         return f"h is raised to {short_name(bound)}", (shortest, taken.trial(bound))
     ends = taken.edge_of(least, unlike)
-    limit = rounder(*ends)
+    limit = shorter_number(*ends)
     where = "below" if limit == ends[0] else "up to"
     return f"h {where} {short_name(limit)} does nothing", (taken.trial(ends[1]), taken.trial(ends[0]))
 
@@ -153,7 +153,7 @@ def _by_calls(runner: TrialRunner) -> CheckResult:
     for shorter, longer in pairwise(lengths):
         if len(_places(runner, longer)) == first:
             continue
-        ends = edge(lambda h: len(_places(runner, h)) != first, shorter, longer, runner)
+        ends = bisected_neighbours(lambda h: len(_places(runner, h)) != first, shorter, longer, runner)
         beyond = _places(runner, ends[1])
         if _halves_agree(runner, ends[1]) and _walks_in_halves(runner, ends[1], beyond):
             return _made_of_shorter(runner, ends, f": {first} of its force calls become {len(beyond)}")
@@ -210,7 +210,7 @@ def _by_halves(runner: TrialRunner) -> CheckResult:
     agree = [_halves_agree(runner, h) for h in lengths]
     for place in range(1, len(lengths)):
         if agree[place] and not agree[place - 1]:
-            ends = edge(lambda h: _halves_agree(runner, h), lengths[place - 1], lengths[place], runner)
+            ends = bisected_neighbours(lambda h: _halves_agree(runner, h), lengths[place - 1], lengths[place], runner)
             return _made_of_shorter(runner, ends, "")
     return CheckResult(_SUB_STEPS, True, "no sub-steps were detected")
 
@@ -227,7 +227,7 @@ def _halves_agree(runner: TrialRunner, h: float) -> bool:
 
 
 def _made_of_shorter(runner: TrialRunner, ends: tuple[float, float], more: str) -> CheckResult:
-    limit = rounder(*ends)
+    limit = shorter_number(*ends)
     where = "above" if limit == ends[0] else "from"
     example: tuple[Trial, ...] = tuple(runner.trial(*runner.ordinary, h) for h in ends)
     words = f"{where} h = {short_name(limit)}{'' if where == 'above' else ' on'} it takes sub-steps{more}"

@@ -92,7 +92,7 @@ def _read(steps: _SplitSteps, clocks: int) -> ImexReading:
     chains = StageChains(steps, steps.marks(clocks))
     (a, a_implicit), (b, b_implicit), c = chains.tables()
     reading = ImexReading((a, a_implicit), (b, b_implicit), c, steps.subject.format, chains.left)
-    chains.demand_chain(reading.a, reading.b, reading.rounding)
+    chains.require_chain(reading.a, reading.b, reading.rounding)
     curved = max(_bent(steps, reading, Setting(0.5, t, h)) for t, h in ((0.0, 1.0), (2.0, 0.5)))
     if curved > _UNSOLVED:
         raise NotReadable(

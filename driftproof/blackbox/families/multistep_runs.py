@@ -10,7 +10,7 @@ from itertools import pairwise
 import numpy as np
 
 from driftproof.blackbox.findings import Misbehaviour, UnsupportedCall, WrongShape
-from driftproof.blackbox.judging.nonlinear_problems import NonlinearProblem, gives_force_times, hands_on_time, walls
+from driftproof.blackbox.judging.nonlinear_problems import NonlinearProblem, gives_force_times, passes_time, walls
 from driftproof.blackbox.matching.tables import Array
 from driftproof.blackbox.probes.scripted_answers import NotReadable
 from driftproof.blackbox.stepper.array_adapters import AnyNumber
@@ -80,7 +80,7 @@ class MarkedRuns:
             raise UnsupportedCall("its system is built in: its steps cannot be marked by a given right-hand side")
         for size in _SIZES:
             try:
-                timed = hands_on_time(subject.fresh(subject.shortest), size)
+                timed = passes_time(subject.fresh(subject.shortest), size)
                 break
             except Misbehaviour:
                 if size == _SIZES[-1]:

@@ -14,9 +14,9 @@ from driftproof.blackbox.matching.tables import Array
 from driftproof.blackbox.probes.scripted_answers import (
     Listener,
     NotReadable,
-    demand_calls,
-    performed,
-    told_apart,
+    require_calls,
+    result_of,
+    shown_apart,
     varied,
 )
 from driftproof.blackbox.stepper.calling_conventions import JACOBIAN, TIME_SLOPE
@@ -103,7 +103,7 @@ class _Step:
 
         self.timed = False
         stepped = with_functions(subject, functions)
-        end = performed(lambda: stepped.step_field(rate, clock, given["start"], given["h"]))
+        end = result_of(lambda: stepped.step_field(rate, clock, given["start"], given["h"]))
         self.times, self.places = [t for t, _ in heard.calls], [y for _, y in heard.calls]
         self.result = np.array(end)
 
@@ -150,7 +150,7 @@ class _Probe:
     def _seen(self, answer: Callable[[int, float, Array], Sequence[float]], **given: Any) -> Array:
         """The numbers of a step from 0: a row for the place of each group, and one for the result."""
         step = self._step(answer, **given)
-        demand_calls(self.calls, len(step.places))
+        require_calls(self.calls, len(step.places))
         return np.array([*(step.places[group[0]] for group in self.groups), step.result])
 
     def reading(self) -> RosenbrockReading:
@@ -191,10 +191,10 @@ class _Probe:
         answers = defaultdict(float, {i: slopes[g] for g, group in enumerate(self.groups) for i in group})
         answers |= dict.fromkeys(self.differences, slopes[0])
         step = self._step(lambda i, t, y: [answers[i], *[0.0] * (self.size - 1)], start=start, t=t, h=h)
-        demand_calls(self.calls, len(step.places))
+        require_calls(self.calls, len(step.places))
         said = np.tensordot(np.array(slopes), columns[:, -1, :], axes=1) * h ** np.arange(1, self.size + 1) + start
         i = int(np.argmax(off := np.abs(step.result - said)))
         if off[i] > _SAME * (1 + np.abs(said).max()):
-            ends = "it ends at {}, where the coefficients read give {}".format(*told_apart(step.result[i], said[i]))
+            ends = "it ends at {}, where the coefficients read give {}".format(*shown_apart(step.result[i], said[i]))
             why = "it is not linear in its slopes, does not scale with h, or remembers another step"
             raise NotReadable(f"with other slopes and h = {h:g} {ends}: {why}")

@@ -179,7 +179,7 @@ def agreement(
     if subject.single:
         raise UnsupportedCall("it takes one number, but q'' = -q needs two")
     if domain != ORDINARY_DOMAIN:
-        tolerance.demand_room(domain.largest_state, domain.largest_step)
+        tolerance.require_no_overflow(domain.largest_state, domain.largest_step)
     steps, states = (Sizes(*ends, subject.format) for ends in domain.ranges)
     seen = _Campaign()
 

@@ -27,7 +27,7 @@ _DIGITS_AROUND = 2
 _FEWEST = 5
 
 
-def explained(
+def explain_by_habits(
     subject: ForeignStepper,
     method: Method,
     allowance: Allowance = NO_ALLOWANCE,

@@ -14,7 +14,7 @@ from flint import arb, ctx
 
 from driftproof.blackbox.findings import Misbehaviour, NoAnswer, NotANumber, WrongShape
 from driftproof.blackbox.judging import nonlinear_problems as problems
-from driftproof.blackbox.judging.nonlinear_step import off_by
+from driftproof.blackbox.judging.nonlinear_step import error_above
 from driftproof.blackbox.stepper.array_adapters import AnyNumber, ArrayAdapter
 from driftproof.blackbox.stepper.calling_conventions import FIELD
 from driftproof.blackbox.stepper.foreign_code import CallLog
@@ -106,7 +106,7 @@ def _errors(subject: ForeignStepper, problem: problems.NonlinearProblem, steps: 
     for h in steps:
         answer = problem.stepped(subject, problems.START, start, h)
         exact = problem.solution(arb(problems.START) + h)
-        found.append(max(map(off_by, answer, exact)))
+        found.append(max(map(error_above, answer, exact)))
     return found
 
 

@@ -117,7 +117,7 @@ def field_problem(subject: ForeignStepper) -> NonlinearProblem:
     failures: list[Misbehaviour] = []
     for size in _SIZES:
         try:
-            return driven(size, timed=hands_on_time(subject, size))
+            return driven(size, timed=passes_time(subject, size))
         except Misbehaviour as failure:
             failures.append(failure)
     raise failures[0]
@@ -192,7 +192,7 @@ def gives_force_times(subject: ForeignStepper) -> bool:
     return _is_given_times(lambda force, t: subject.step_forced(force, t, [1.0], [2.0], _SHORT))
 
 
-def hands_on_time(subject: ForeignStepper, size: int) -> bool:
+def passes_time(subject: ForeignStepper, size: int) -> bool:
     """True if the stepper passes times to the right-hand side."""
     return _is_given_times(lambda rate, t: subject.step_field(rate, t, [float(k) for k in range(1, size + 1)], 0.25))
 

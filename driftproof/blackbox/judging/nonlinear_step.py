@@ -108,7 +108,7 @@ def _compared(
             expected = own_step(method, problem, t, start, h)
             allowed = allowed_off(subject, method, allowance, 1 + max(map(abs, start)), h)
             seen = problem.stepped(subject, t, start, h)
-            off = [*map(off_by, seen, expected)]
+            off = [*map(error_above, seen, expected)]
             wrong = tuple(name for name, x in zip(problem.names, off, strict=True) if not x <= allowed)
             i = max(range(len(off)), key=lambda i: inf if isnan(off[i]) else off[i])
             if wrong and not off[i] <= found.largest:
@@ -119,7 +119,7 @@ def _compared(
     return found
 
 
-def off_by(x: AnyNumber, exact: arb) -> float:
+def error_above(x: AnyNumber, exact: arb) -> float:
     """An upper bound of |x - exact|, as a float."""
     return float(abs(arb(x) - exact).upper())
 

@@ -32,7 +32,7 @@ _INSIDE = 64
 # Iterations of the secant method for one coefficient, and its first offset; on linear problems one iteration is exact.
 _ROUNDS, _ASIDE = 12, 0.125
 # Chosen: the most mistakes that are named.
-MOST_TOLD = 4
+MOST_SHOWN = 4
 # Chosen: a longer program has more possible mistakes than can be tried in a second or two.
 _MOST_STAGES = 13
 
@@ -72,7 +72,7 @@ class Mistake:
 def single_mistakes(subject: ForeignStepper, method: Method) -> tuple[str, ...]:
     """The mistakes, in words, each of which alone makes the method's program take the subject's steps.
 
-    Steps are compared on q'' = -q if that is built in, else on q'' = exp(-2q). At most MOST_TOLD are returned; none if
+    Steps are compared on q'' = -q if that is built in, else on q'' = exp(-2q). At most MOST_SHOWN are returned; none if
     the method is implicit or very long, or if its steps are the subject's.
     """
     calls = len(method.parts) if isinstance(method, Splitting) else getattr(method, "stages", 0)
@@ -94,7 +94,7 @@ def single_mistakes(subject: ForeignStepper, method: Method) -> tuple[str, ...]:
         return ()
     edited = (each.words for each in _edits(method, program) if agrees(each.program))
     solved = (_solved(one, force, seen[0], rounding, agrees) for one in _one_parameter(method, program))
-    return tuple(islice(chain(edited, filter(None, solved)), MOST_TOLD))
+    return tuple(islice(chain(edited, filter(None, solved)), MOST_SHOWN))
 
 
 def _wall(q: float) -> float:

@@ -114,7 +114,7 @@ class Tolerance:
                 judged.append(_judgement(error, bound, self._unit(size)))
             return judged[0], judged[1]
 
-    def demand_room(self, state: float, h: float) -> None:
+    def require_no_overflow(self, state: float, h: float) -> None:
         """Raise BadInput for sizes at which a sum of |monomials| overflows, so that no bound holds."""
         with ctx.workprec(_BITS):
             largest = arb(max(state, 1.0))

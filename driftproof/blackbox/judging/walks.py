@@ -20,14 +20,14 @@ from driftproof.blackbox.judging.nonlinear_problems import (
     dragged_problem,
     driven,
     gives_force_times,
-    hands_on_time,
     in_each_order,
     moved,
+    passes_time,
     pushed,
     turned,
     walls,
 )
-from driftproof.blackbox.judging.nonlinear_step import allowed_off, off_by, own_step
+from driftproof.blackbox.judging.nonlinear_step import allowed_off, error_above, own_step
 from driftproof.blackbox.judging.tolerance import Allowance
 from driftproof.blackbox.stepper.calling_conventions import FIELD, FORCE
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
@@ -143,7 +143,7 @@ class Walker:
         """
         if not self.partitioned:
             with suppress(*_REFUSALS):
-                timed = hands_on_time(self.subject, numbers)
+                timed = passes_time(self.subject, numbers)
                 return [driven(numbers, timed=timed) if timed else turned(driven(numbers, timed=timed))]
             return []
         timed = gives_force_times(self.subject)
@@ -181,7 +181,7 @@ class Walker:
         # Slopes change by about their size in a unit of the problem's own time, so that the rounding of t matters, too.
         size = 1 + max(abs(x / s) for x, s in zip(y, scales, strict=True)) + abs(t) * 2.0**place.pace
         allowed = self.allowed(size, len(y), h * 2.0**place.pace)
-        off = [gap / abs(s) for gap, s in zip(map(off_by, seen, expected), scales, strict=True)]
+        off = [gap / abs(s) for gap, s in zip(map(error_above, seen, expected), scales, strict=True)]
         wrong = [i for i, x in enumerate(off) if not x <= allowed]
         if not wrong:
             return "", seen

@@ -98,7 +98,7 @@ def rational_method(reading: TableauReading, key: str) -> RungeKutta | None:
     return RungeKutta(key, key, 0, "", tuple(a), b, tuple(sum(row, Fraction(0)) for row in a))
 
 
-def mended(method: RungeKutta, claimed: int) -> list[str]:
+def restoring_entries(method: RungeKutta, claimed: int) -> list[str]:
     """The entries of A or b whose change alone restores the order claimed on y' = f(y), each as a line of text.
 
     Every order condition is linear in a weight, and those of the tall trees, b Aᵏ 1 = 1/(k + 1)!, are also linear in an

@@ -28,7 +28,7 @@ _ARGUMENTS: dict[str, Callable[[float, float, float], float]] = {
 }
 
 
-class NotAlike(NotReadable):
+class DenseOutputDiffers(NotReadable):
     """The step is a sum of slopes, alike in all numbers, but its dense output is not."""
 
     kind = "not_alike"
@@ -75,7 +75,7 @@ def read_dense(subject: ForeignStepper) -> DenseReading:
             for thetas in (THETAS, BETWEEN)
         )
     except NotReadable as refusal:
-        raise NotAlike(str(refusal)) from None
+        raise DenseOutputDiffers(str(refusal)) from None
     calls, *others = {reading.calls for reading in readings}
     if others or own.calls > calls:
         raise NotReadable("how many calls the dense output makes depends on theta")
@@ -105,7 +105,7 @@ def _argument(subject: ForeignStepper, state: Sequence[float]) -> str:
             found = place.step_field(lambda t, y: [1.0 + 0.0 * x for x in y], 2.0, state, 0.5)
             if abs(found[0] - right) <= 2.0**-6:
                 return argument
-    raise NotAlike("with the slope 1, the dense output is right neither half-way nor at the end of a step")
+    raise DenseOutputDiffers("with the slope 1, the dense output is right neither half-way nor at the end of a step")
 
 
 def _stepper_to(subject: ForeignStepper, theta: float, argument: str) -> ForeignStepper:

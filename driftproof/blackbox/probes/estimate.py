@@ -14,7 +14,7 @@ from driftproof.blackbox.probes.scripted_answers import (
     CoefficientRow,
     Control,
     NotReadable,
-    demand_as_said,
+    require_predicted,
     unit,
 )
 from driftproof.blackbox.probes.tableau import TableauProbe
@@ -162,9 +162,9 @@ class _EstimateProbe(TableauProbe):
             if not abs(seen - said) <= allowed and not offset and self._depends_on_y(control):
                 return replace(reading, relative=True)
             try:
-                demand_as_said(control, "what it returns besides y1", seen, said, allowed)
+                require_predicted(control, "what it returns besides y1", seen, said, allowed)
                 for i, of_number in enumerate(others, 1):
-                    demand_as_said(control._replace(broken=_UNLIKE), f"what it returns besides y1[{i}]", *of_number)
+                    require_predicted(control._replace(broken=_UNLIKE), f"what it returns besides y1[{i}]", *of_number)
             except NotReadable as failure:
                 if control is CONTROLS[0] and abs(seen - said) > allowed:
                     raise

@@ -175,7 +175,7 @@ class _Probe:
         self.calls = len(silent.places)
         if not self.calls:
             raise scripted.NotReadable("the force is never called")
-        scripted.demand_same(self._rounding, silent.numbers, self._run(0.0, 0.0, []).numbers)
+        scripted.require_same(self._rounding, silent.numbers, self._run(0.0, 0.0, []).numbers)
         for number in silent.numbers:
             if number:
                 raise scripted.NotReadable(
@@ -199,7 +199,7 @@ class _Probe:
         for control in scripted.CONTROLS:
             self._check(reading, control)
         wrong = (self._wrong_time(reading, control) for control in (scripted.AT_REST, *scripted.CONTROLS))
-        remarks = scripted.complaints(lambda: self._check(reading, scripted.BACKWARD))
+        remarks = scripted.remarks_of(lambda: self._check(reading, scripted.BACKWARD))
         return replace(reading, remarks=remarks, wrong_time=next(filter(None, wrong), ""))
 
     def _run(self, q: float, v: float, forces: Sequence[float], control: scripted.Control = scripted.AT_REST) -> _Run:
@@ -214,14 +214,14 @@ class _Probe:
 
         start, subject = ([size * q], [size * v]), self.subject
         stepped = subject.step_dragged if subject.gives_velocities else subject.step_forced
-        q1, v1 = scripted.performed(lambda: stepped(force, clock, *start, control.h))
+        q1, v1 = scripted.result_of(lambda: stepped(force, clock, *start, control.h))
         return _Run([x / size for x in script.calls], q1 / size, v1 / size, times, velocities)
 
     def _answered(
         self, q: float, v: float, forces: Sequence[float], control: scripted.Control = scripted.AT_REST
     ) -> _Run:
         run = self._run(q, v, forces, control)
-        scripted.demand_calls(self.calls, len(run.places))
+        scripted.require_calls(self.calls, len(run.places))
         return run
 
     def _column(self, j: int) -> _Run:
@@ -248,7 +248,7 @@ class _Probe:
         """Raise NotReadable if a step differs after the last column and after a step without forces."""
         first = self._controlled(scripted.CONTROLS[0])
         self._answered(0.0, 0.0, [])
-        scripted.demand_same(self._rounding, first.numbers, self._controlled(scripted.CONTROLS[0]).numbers)
+        scripted.require_same(self._rounding, first.numbers, self._controlled(scripted.CONTROLS[0]).numbers)
 
     def _controlled(self, control: scripted.Control) -> _Run:
         return self._answered(*_start(control), scripted.varied(self.calls, control.salt), control)
@@ -261,12 +261,12 @@ class _Probe:
         rows = [*zip(reading.c, reading.a, strict=True), (reading.drift, reading.b_position)]
         for i, ((node, row), seen) in enumerate(zip(rows, [*run.places, run.q], strict=True)):
             name = f"the position of call {i}" if i < self.calls else "the new position"
-            scripted.demand_as_said(control, name, seen, q + h * (node * v + h * _dot(row, forces)), in_position)
+            scripted.require_predicted(control, name, seen, q + h * (node * v + h * _dot(row, forces)), in_position)
         said = v + h * _dot(reading.b_velocity, forces)
-        scripted.demand_as_said(control, "the new velocity", run.v, said, in_velocity)
+        scripted.require_predicted(control, "the new velocity", run.v, said, in_velocity)
         for i, row in enumerate(reading.a_velocity or ()):
             name, added = f"the velocity of call {i}", h * _dot(row, forces)
-            scripted.demand_as_said(control, name, run.velocities[i] + v, v + added, in_velocity)
+            scripted.require_predicted(control, name, run.velocities[i] + v, v + added, in_velocity)
 
     def _wrong_time(self, reading: ForceReading, control: scripted.Control) -> str:
         """A line on the first call that is given another time than that of its position; "" if there is none."""

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from driftproof.blackbox.findings import Misbehaviour
 from driftproof.blackbox.probes.force import ForceReading
-from driftproof.blackbox.probes.implicit_tableau import told_by_chains
+from driftproof.blackbox.probes.implicit_tableau import read_by_chains
 from driftproof.blackbox.probes.marked_stages import (
     MarkedRun,
     MarkedSlopes,
@@ -98,7 +98,7 @@ def read_implicit_forces(subject: ForeignStepper) -> ForceReading:
     step. The velocities that a force is given are read likewise. Raises NotReadable, saying what was seen.
     """
     steps = ForcedSteps(subject)
-    read, chains = told_by_chains(steps)
+    read, chains = read_by_chains(steps)
     weights, moved, nodes = [], [], []
     for position in (None, 0.0):
         steps.position = position
@@ -148,7 +148,7 @@ def _moved(chains: StageChains, label: StageLabel | None) -> float:
 
 def _velocities(subject: ForeignStepper, weights: CoefficientRow) -> tuple[CoefficientRow, ...]:
     """The rows of the velocities that a force is given. Raises NotReadable if they are of other stages."""
-    read, _ = told_by_chains(ForcedSteps(subject, of_velocity=True))
+    read, _ = read_by_chains(ForcedSteps(subject, of_velocity=True))
     allowed = 2 * read.rounding.of(1.0)
     if len(read.b) != len(weights) or any(abs(x - y) > allowed for x, y in zip(read.b, weights, strict=True)):
         raise NotReadable(_OTHERWISE)

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from driftproof.blackbox.probes.marked_stages import MarkedSteps
-from driftproof.blackbox.probes.scripted_answers import BACKWARD, NotReadable, complaints
+from driftproof.blackbox.probes.scripted_answers import BACKWARD, NotReadable, remarks_of
 from driftproof.blackbox.probes.stage_chains import StageChains
 from driftproof.blackbox.probes.stage_solutions import UNSOLVED, StageEquations
 from driftproof.blackbox.probes.tableau import TableauReading, is_explicit
@@ -31,10 +31,10 @@ def read_implicit_tableau(subject: ForeignStepper) -> TableauReading:
     Further steps check that the coefficients account for everything, and how well the stages are solved
     (`stage_solutions`). Raises NotReadable, saying what was seen.
     """
-    return told_by_chains(MarkedSteps(subject))[0]
+    return read_by_chains(MarkedSteps(subject))[0]
 
 
-def told_by_chains(steps: MarkedSteps) -> tuple[TableauReading, StageChains]:
+def read_by_chains(steps: MarkedSteps) -> tuple[TableauReading, StageChains]:
     """The coefficients of such steps and the chains that show them, with as few clocks as tell the stages apart."""
     found: list[tuple[TableauReading, StageChains]] = []
     refusals: list[NotReadable] = []
@@ -79,8 +79,8 @@ def _controlled(chains: StageChains) -> TableauReading:
     if is_explicit(a) and not chains.steps.may_be_explicit:
         raise NotReadable("none of its stages is implicit")
     reading = TableauReading(a, b, c, chains.steps.subject.format, stage_error=chains.left)
-    chains.demand_chain((reading.a,), (reading.b,), reading.rounding)
+    chains.require_chain((reading.a,), (reading.b,), reading.rounding)
     equations = StageEquations(chains.steps, reading)
-    equations.demand_solver()
+    equations.require_solver()
     reading = replace(reading, solved=equations.solved())
-    return replace(reading, remarks=complaints(lambda: equations.demand_solved(BACKWARD)))
+    return replace(reading, remarks=remarks_of(lambda: equations.require_solved(BACKWARD)))

@@ -8,7 +8,7 @@ from math import fsum, prod
 from typing import NamedTuple, TypeAlias
 
 from driftproof.blackbox.findings import Misbehaviour
-from driftproof.blackbox.probes.scripted_answers import Listener, NotReadable, performed
+from driftproof.blackbox.probes.scripted_answers import Listener, NotReadable, result_of
 from driftproof.blackbox.stepper.foreign_code import FieldFunction
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 
@@ -173,7 +173,7 @@ class MarkedSteps:
             return answer
 
         try:
-            y1 = performed(lambda: self.step(rate, clock, [start] * (size or self.size), h))
+            y1 = result_of(lambda: self.step(rate, clock, [start] * (size or self.size), h))
         except _UnknownNode as seen:
             raise NotReadable(str(seen)) from None
         except Misbehaviour as failure:

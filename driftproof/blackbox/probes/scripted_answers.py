@@ -26,7 +26,7 @@ class NotReadable(ValueError):
     kind = "not_readable"
 
 
-class Departs(NotReadable):
+class FarFromPrediction(NotReadable):
     """A number of a control is far from what the coefficients say, as numbers beyond a limit are."""
 
 
@@ -58,7 +58,7 @@ class Script(Listener):
         super().__init__(lambda _: answers[len(self.calls) - 1] if len(self.calls) <= len(answers) else silence)
 
 
-def performed(step: Callable[[], Result]) -> Result:
+def result_of(step: Callable[[], Result]) -> Result:
     """What the step returns. Raises NotReadable after too many calls."""
     try:
         return step()
@@ -73,14 +73,14 @@ def read_at_some_size(read: Callable[[float], Result]) -> tuple[Result, tuple[st
     """
     try:
         return read(1.0), ()
-    except Departs as refusal:
+    except FarFromPrediction as refusal:
         for size in BELOW_LIMITS:
             with suppress(NotReadable, Misbehaviour):
                 return read(size), (f"read with numbers of size {size:.1e}; of size 1, {refusal}",)
         raise refusal
 
 
-def complaints(control: Callable[[], object]) -> tuple[str, ...]:
+def remarks_of(control: Callable[[], object]) -> tuple[str, ...]:
     """What a control says against a reading that is kept all the same: one line or none."""
     try:
         control()
@@ -89,7 +89,7 @@ def complaints(control: Callable[[], object]) -> tuple[str, ...]:
     return ()
 
 
-def demand_calls(expected: int, seen: int) -> None:
+def require_calls(expected: int, seen: int) -> None:
     """Raise NotReadable if the number of calls is another one than with other answers."""
     if seen != expected:
         raise NotReadable(
@@ -97,7 +97,7 @@ def demand_calls(expected: int, seen: int) -> None:
         )
 
 
-def demand_same(rounding: Rounding, first: Sequence[float], second: Sequence[float]) -> None:
+def require_same(rounding: Rounding, first: Sequence[float], second: Sequence[float]) -> None:
     """Raise NotReadable if a step that is taken again shows other numbers, beyond rounding."""
     allowed = rounding.of(max(map(abs, first), default=0.0))
     if len(first) != len(second) or not all(abs(x - y) <= allowed for x, y in zip(first, second, strict=True)):
@@ -145,7 +145,7 @@ CONTROLS = (
 BACKWARD = Control("h = -1", "it does not step backward as it steps forward", h=-1.0, salt=3)
 
 
-def told_apart(x: float, y: float, digits: int = 6) -> tuple[str, str]:
+def shown_apart(x: float, y: float, digits: int = 6) -> tuple[str, str]:
     """Both numbers in at least so many digits, and in as many as tell them apart."""
     n = next((n for n in range(digits, 17) if f"{x:.{n}g}" != f"{y:.{n}g}"), 17)
     return f"{x:.{n}g}", f"{y:.{n}g}"
@@ -177,9 +177,9 @@ class Rounding:
         return rounded + self.besides * max(1.0, size)
 
 
-def demand_as_said(control: Control, name: str, seen: float, said: float, allowed: float) -> None:
+def require_predicted(control: Control, name: str, seen: float, said: float, allowed: float) -> None:
     """Raise NotReadable if a number of a control is farther than `allowed` from what the coefficients say."""
     if not abs(seen - said) <= allowed:
-        found = Departs if abs(seen - said) > _FAR * max(abs(seen), abs(said)) else NotReadable
-        ends = "{} where the coefficients read give {}".format(*told_apart(seen, said))
+        found = FarFromPrediction if abs(seen - said) > _FAR * max(abs(seen), abs(said)) else NotReadable
+        ends = "{} where the coefficients read give {}".format(*shown_apart(seen, said))
         raise found(f"with {control.name}, {name} is {ends}: {control.broken}")

@@ -74,7 +74,7 @@ class StageChains:
         """The weight of one stage, read again from the steps as they are now."""
         return self._cleaned(self._chained([(label, 0)], 1.0))
 
-    def demand_chain(self, a: Sequence[StageTable], b: StageTable, rounding: Rounding) -> None:
+    def require_chain(self, a: Sequence[StageTable], b: StageTable, rounding: Rounding) -> None:
         """Raise NotReadable unless a chain through all stages at once ends where the coefficients say.
 
         The chain is x' = g(i), y' = g(i) x, ... at each stage i, with a different g for each number and function. Its

@@ -37,7 +37,7 @@ class StageEquations:
     reading: TableauReading
 
     def solved(self) -> StageSolution:
-        """How well the stages are solved. Raises NotReadable if linear ones are not, as `demand_solved` does.
+        """How well the stages are solved. Raises NotReadable if linear ones are not, as `require_solved` does.
 
         Newton's method with the Jacobian of the last iterate squares an error, times the nonlinearity of f. With a
         fixed Jacobian or none, an error is multiplied by a change of h f', which is proportional to the nonlinearity.
@@ -45,13 +45,13 @@ class StageEquations:
         A solver that checks its residual makes more calls if more is left; one that always makes the same number does
         not check.
         """
-        linear = max(self.demand_solved(control) for control in CONTROLS)
+        linear = max(self.require_solved(control) for control in CONTROLS)
         errors, counted = self._by_strength(curved=True)
         clear = [error for error in errors if error > self.reading.rounding.of(4.0)]
         power = _power(clear) or NO_POWER
         return StageSolution(linear, max(errors), power if counted and clear else 0)
 
-    def demand_solved(self, control: Control) -> float:
+    def require_solved(self, control: Control) -> float:
         """The error left in linear equations. Raises NotReadable if it is no error of a solver."""
         left, _ = self._left(control, _STRENGTHS[0], curved=False)
         if not left <= UNSOLVED:
@@ -61,7 +61,7 @@ class StageEquations:
             )
         return left
 
-    def demand_solver(self) -> None:
+    def require_solver(self) -> None:
         """Raise NotReadable for an explicit step: linear equations are off, and no more calls are made for them."""
         errors, counted = self._by_strength(curved=False)
         if counted and max(errors) > _BY_DIFFERENCES * float(self.reading.format.u) ** 0.5:

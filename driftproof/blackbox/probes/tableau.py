@@ -158,7 +158,7 @@ class TableauProbe:
         self.calls = len(self.silent.places)
         if not self.calls:
             raise scripted.NotReadable("the right-hand side is never called")
-        scripted.demand_same(self.rounding, self.silent.numbers, self.run(self.size, [], scripted.AT_REST).numbers)
+        scripted.require_same(self.rounding, self.silent.numbers, self.run(self.size, [], scripted.AT_REST).numbers)
         for number in chain(*self.silent.places, self.silent.result):
             if number:
                 raise scripted.NotReadable(
@@ -175,7 +175,7 @@ class TableauProbe:
         reading = TableauReading(tuple(a), b, c, self.subject.format, amplitude=self.amplitude)
         for control in scripted.CONTROLS:
             self._check(reading, control)
-        return replace(reading, remarks=scripted.complaints(lambda: self._check(reading, scripted.BACKWARD)))
+        return replace(reading, remarks=scripted.remarks_of(lambda: self._check(reading, scripted.BACKWARD)))
 
     def _opened(self) -> tuple[int, ScriptedStep]:
         failures: list[Misbehaviour] = []
@@ -197,7 +197,7 @@ class TableauProbe:
             return slope
 
         start = self._sized(_start(control, size))
-        result = scripted.performed(lambda: self.subject.step_field(rate, clock, start, control.h))
+        result = scripted.result_of(lambda: self.subject.step_field(rate, clock, start, control.h))
         places = [[x / self.amplitude for x in y] for _, y in script.calls]
         return ScriptedStep([t for t, _ in script.calls], places, [x / self.amplitude for x in result])
 
@@ -208,7 +208,7 @@ class TableauProbe:
         """What the answer 1 to call j adds to the place of each call and to the result."""
         answers = [[x, *[0.0] * (self.size - 1)] for x in scripted.unit(self.calls, j)]
         run = self.run(self.size, answers, scripted.AT_REST)
-        scripted.demand_calls(self.calls, len(run.places))
+        scripted.require_calls(self.calls, len(run.places))
         column = [numbers[0] for numbers in (*run.places, run.result)]
         if any(column[: j + 1]):
             raise scripted.NotReadable(
@@ -222,11 +222,11 @@ class TableauProbe:
         """Raise NotReadable if a step differs after the last column and after a step with all slopes 0."""
         first = self._controlled(scripted.CONTROLS[0])
         self.run(self.size, [], scripted.AT_REST)
-        scripted.demand_same(self.rounding, first.numbers, self._controlled(scripted.CONTROLS[0]).numbers)
+        scripted.require_same(self.rounding, first.numbers, self._controlled(scripted.CONTROLS[0]).numbers)
 
     def _controlled(self, control: scripted.Control) -> ScriptedStep:
         run = self.run(self.size, list(zip(*self.slopes(control), strict=True)), control)
-        scripted.demand_calls(self.calls, len(run.places))
+        scripted.require_calls(self.calls, len(run.places))
         return run
 
     def starts(self, control: scripted.Control) -> list[float]:
@@ -262,14 +262,14 @@ class TableauProbe:
         for i, (row, number) in enumerate(zip(rows, seen, strict=True)):
             said = y + control.h * fsum(x * k for x, k in zip(row, answers, strict=True))
             name = f"y of call {i}" if i < self.calls else "the result"
-            scripted.demand_as_said(control, name, number, said, allowed)
+            scripted.require_predicted(control, name, number, said, allowed)
 
     def _compare_times(self, reading: TableauReading, control: scripted.Control, run: ScriptedStep) -> None:
         nodes = reading.c or ()
         allowed = self.rounding.of(2 * (abs(control.time) + abs(control.h) * max(map(abs, nodes), default=0.0)))
         for i, (node, seen) in enumerate(zip(nodes, run.times, strict=False)):
             said = control.time + control.h * node
-            scripted.demand_as_said(control, f"the time of call {i}", said if seen is None else seen, said, allowed)
+            scripted.require_predicted(control, f"the time of call {i}", said if seen is None else seen, said, allowed)
 
     @property
     def rounding(self) -> scripted.Rounding:

@@ -9,7 +9,7 @@ from typing import Any
 from driftproof.blackbox.findings import NO_EVIDENCE, Outcome, StepRaised
 from driftproof.blackbox.isolation import TIME_LIMIT, IsolatedRunner
 from driftproof.blackbox.probes.scripted_answers import NotReadable
-from driftproof.blackbox.report import NO_ANSWER, UNDECIDED, Report, each_once, sections
+from driftproof.blackbox.report import NO_ANSWER, UNDECIDED, Report, sections, without_duplicates
 from driftproof.blackbox.solvers.controller import ControllerReading, read_controller
 from driftproof.blackbox.solvers.foreign_solver import ForeignSolver, SolverTarget
 from driftproof.blackbox.solvers.multistep import SolverMemory, read_memory
@@ -122,5 +122,5 @@ def _sections(steps: Outcome, controller: Outcome, runs: Outcome) -> Any:
         ("Step size control", [] if controller.result is None else controller.result.lines),
         *found,
         ("Faults", _faults(steps, controller, runs)),
-        ("Not answered", each_once(unanswered)),
+        ("Not answered", without_duplicates(unanswered)),
     )

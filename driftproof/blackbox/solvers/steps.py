@@ -19,7 +19,7 @@ from driftproof.blackbox.matching.match import Identity, match_tableau
 from driftproof.blackbox.matching.read_order import ReadOrder, read_order
 from driftproof.blackbox.probes.coefficients import coefficient_text
 from driftproof.blackbox.probes.dense import BETWEEN, THETAS, DenseReading
-from driftproof.blackbox.probes.scripted_answers import MOST_CALLS, CoefficientRow, NotReadable, told_apart, varied
+from driftproof.blackbox.probes.scripted_answers import MOST_CALLS, CoefficientRow, NotReadable, shown_apart, varied
 from driftproof.blackbox.probes.tableau import TableauReading
 from driftproof.blackbox.solvers.foreign_solver import Call, ForeignSolver, Solution, in_binary32
 from driftproof.blackbox.stepper.array_adapters import as_array
@@ -264,7 +264,7 @@ class _Marked:
         said = self.h * fsum(x * k for x, k in zip(reading.b, answers, strict=True))
         size = self.h * fsum(abs(x * k) for x, k in zip(reading.b, answers, strict=True))
         if not abs(seen - said) <= reading.rounding.of(size):
-            ends = "a step ends at {} where the coefficients read give {}".format(*told_apart(seen, said))
+            ends = "a step ends at {} where the coefficients read give {}".format(*shown_apart(seen, said))
             raise NotReadable(f"with other answers {ends}: it is not linear in its slopes: an iteration, or a limiter")
 
     def _control_bent(self, reading: TableauReading) -> None:
@@ -275,7 +275,7 @@ class _Marked:
             (said,) = _stepped(reading, _bent, t, h, [before])
             size = abs(before) + h * fsum(abs(x) for row in (*reading.a, reading.b) for x in row)
             if not abs(after - said) <= rounding.of(size):
-                ends = "a step ends at {} where the explicit stages read give {}".format(*told_apart(after, said, 9))
+                ends = "a step ends at {} where the explicit stages read give {}".format(*shown_apart(after, said, 9))
                 why = "it iterates, or takes other stages than those read"
                 raise NotReadable(f"on a nonlinear problem {ends}: {why}")
 

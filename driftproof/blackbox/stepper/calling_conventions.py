@@ -10,7 +10,7 @@ from typing import Any
 MAP, FORCE, FIELD, ROSENBROCK, IMEX = "map", "force", "field", "rosenbrock", "imex"
 MAGNETIC, ROTATION = "magnetic", "rotation"
 # Kinds whose steps are not those of y' = f(t, y) alone; each kind has probes of its own.
-OF_FAMILIES = (ROSENBROCK, IMEX, MAGNETIC, ROTATION)
+FAMILY_KINDS = (ROSENBROCK, IMEX, MAGNETIC, ROTATION)
 # The signature of each kind, as it is shown to users.
 SIGNATURES = {
     MAP: "step(q, v, h) -> (q1, v1), or step(state, h) with state = [q, v]: the system is built in",

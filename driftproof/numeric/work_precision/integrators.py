@@ -79,7 +79,7 @@ def integrator(method: Method, problem: Problem, *, compiled: bool = False) -> I
     def run(steps: int) -> CountedRun:
         best = advance(method, problem, compiled=fast and method.explicit)
         states, y, (h, _) = dict[Fraction, State](), start, step_times(problem.t, steps)
-        stops = [(Fraction(0), 0), *landed(problem, steps)]
+        stops = [(Fraction(0), 0), *steps_at_reference_times(problem, steps)]
         for (_, first), (t, last) in pairwise(stops):
             y = states[t] = best(y, h, first, last)
         return CountedRun(states, evaluations_of(best, method, problem, steps))
@@ -99,7 +99,7 @@ def integrator(method: Method, problem: Problem, *, compiled: bool = False) -> I
     return Integrator(run, calls, absent)
 
 
-def landed(problem: Problem, steps: int) -> list[tuple[Fraction, int]]:
+def steps_at_reference_times(problem: Problem, steps: int) -> list[tuple[Fraction, int]]:
     """(time, number of steps) for each of the reference's times that is a whole number of steps."""
     parts = [(t, t / problem.t * steps) for t in problem.reference.times]
     return [(t, int(part)) for t, part in parts if part.denominator == 1]

@@ -11,7 +11,7 @@ from driftproof.numeric.run import Counter, Readouts
 from driftproof.numeric.scenes import FIGURES, STABILITY, TABLE, TRAJECTORY, WORK_PRECISION, Scene
 from driftproof.reports.page.figure import style_sheet
 from driftproof.reports.page.markup import element, escaped, html_table
-from driftproof.reports.page.trajectory import DRAWN, SampledRun, demand_drawable, setting
+from driftproof.reports.page.trajectory import DRAWN, SampledRun, require_drawable, setting
 from driftproof.reports.scene_view import (
     COMPARED_READOUTS,
     certified,
@@ -141,7 +141,7 @@ def _runs(scene: Scene, counter: Counter) -> dict[str, Readouts | str]:
         wanted |= dict.fromkeys(COMPARED_READOUTS)
         keys |= dict.fromkeys(scene.methods)
     if TRAJECTORY in wanted:
-        demand_drawable(scene)
+        require_drawable(scene)
     return runs_of(scene, wanted, keys, counter) if keys else {}
 
 

@@ -149,18 +149,18 @@ DRAWN: dict[str, Callable[[SampledRun], Figure]] = {"position": position, "phase
 def write_figures(scene: Scene, folder: Path) -> list[Path]:
     """Write the figures that the scene names as SVG files into `folder`, each whole or not at all, with stable bytes.
 
-    Raises ValueError as `demand_drawable`, and as `run_method` does.
+    Raises ValueError as `require_drawable`, and as `run_method` does.
     """
     if not set(DRAWN) & set(scene.panels):
         return []
-    demand_drawable(scene)
+    require_drawable(scene)
     times, states = run_method(asking_for(scene, (TRAJECTORY,)), scene.selected)[TRAJECTORY]
     sampled = SampledRun(scene, scene.selected, times, states, scene.name)
     panels = [panel for panel in scene.panels if panel in DRAWN]
     return [DRAWN[name](sampled).write(folder / f"{scene.name}_{name}.svg", setting(scene)) for name in panels]
 
 
-def demand_drawable(scene: Scene) -> None:
+def require_drawable(scene: Scene) -> None:
     """Raise ValueError for a scene of more than MOST_DRAWN_STEPS steps."""
     if scene.steps > MOST_DRAWN_STEPS:
         raise ValueError(f"scene {scene.name!r}: {scene.steps} steps are too many to draw; at most {MOST_DRAWN_STEPS}")

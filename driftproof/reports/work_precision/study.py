@@ -283,7 +283,7 @@ def _begin_timings(study: Study, measured: Measured, curve: Curve, made: _Calls)
                 measured.timings.setdefault(name, Timing(remark=f"about {expected:.2g} s, over {study.limit:g} s"))
                 continue
             call = call_at(point)
-            remark = "" if kind == ENSEMBLE else doubtful(study.problem, point, call)
+            remark = "" if kind == ENSEMBLE else state_remark(study.problem, point, call)
             if remark:
                 measured.timings[name] = Timing(remark=remark)
                 continue
@@ -293,7 +293,7 @@ def _begin_timings(study: Study, measured: Measured, curve: Curve, made: _Calls)
     return calls
 
 
-def doubtful(problem: Problem, point: Point, call: Callable[[], State]) -> str:
+def state_remark(problem: Problem, point: Point, call: Callable[[], State]) -> str:
     """A remark if the timed call does not reach the very state whose error is known; that call may compile.
 
     Ensembles are not checked: functions of arrays round otherwise than functions of floats.
@@ -310,7 +310,7 @@ def _warm_up(measured: Measured, curve: Curve, kind: str, call_at: _CallAt, poin
     call, taken = call_at(points[0]), []
     for _ in range(2):
         before = perf_counter()
-        with suppress(ArithmeticError, ValueError):  # reported by `doubtful`
+        with suppress(ArithmeticError, ValueError):  # reported by `state_remark`
             call()
         taken.append(perf_counter() - before)
     measured.warm_up.setdefault(timing_name(curve.key, kind), taken[0])

@@ -89,7 +89,9 @@ class RealRoot:
         doubled = [c for coefficient in self.minimal for c in (coefficient, 0)][:-1]
         candidates = [root for m, _ in irreducible_factors_of(fmpq_poly(doubled)) for root in every_real_root(m)]
         try:
-            return the_one(candidates, lambda r: sign_of_ball(r.ball()) != -1 and (r.ball() ** 2).overlaps(self.ball()))
+            return one_root(
+                candidates, lambda r: sign_of_ball(r.ball()) != -1 and (r.ball() ** 2).overlaps(self.ball())
+            )
         except ValueError:
             raise ValueError("a negative number has no real square root") from None
 
@@ -198,7 +200,7 @@ def root_of(x: Exact) -> RealRoot:
         return rational_root(x)
     polynomial = norm(X - scalar(x))
     candidates = [*positive_roots([polynomial]), *(r.negated() for r in positive_roots([reflected(polynomial)]))]
-    return the_one(candidates, lambda root: root.ball().overlaps(x.ball()))
+    return one_root(candidates, lambda root: root.ball().overlaps(x.ball()))
 
 
 def root_ratio(x: RealRoot, y: RealRoot) -> RealRoot:
@@ -207,10 +209,10 @@ def root_ratio(x: RealRoot, y: RealRoot) -> RealRoot:
     # Up to a constant, the product over the conjugates is a resultant, interpolated here from its values at integers z.
     values = lambda z: monic.resultant(fmpq_poly([c * z**k for k, c in enumerate(x.minimal)]))
     product = interpolate(values, x.degree * y.degree)
-    return the_one(positive_roots([product]), lambda root: (root.ball() * y.ball()).overlaps(x.ball()))
+    return one_root(positive_roots([product]), lambda root: (root.ball() * y.ball()).overlaps(x.ball()))
 
 
-def the_one(candidates: Iterable[RealRoot], fits: Callable[[RealRoot], bool]) -> RealRoot:
+def one_root(candidates: Iterable[RealRoot], fits: Callable[[RealRoot], bool]) -> RealRoot:
     """The only candidate that `fits` at every precision. Raises ValueError if there is none."""
     left = list(candidates)
 

@@ -9,7 +9,7 @@ from functools import cached_property
 from typing import Any, ClassVar, Generic, NamedTuple, Protocol, TypeVar
 
 from driftproof.methods.number_field import Exact
-from driftproof.methods.schemes import Collocation, Method, RungeKutta, demand_method
+from driftproof.methods.schemes import Collocation, Method, RungeKutta, require_method
 from driftproof.symbolic.algebra.matrices import StepMatrix
 from driftproof.symbolic.algebra.polynomials import coefficients, exact, scalar
 from driftproof.symbolic.algebra.radicals import is_readable
@@ -189,7 +189,7 @@ class LinearFacts:
 
     def __init__(self, method: Method, terms: int = TERMS) -> None:
         """Keep the method; nothing is computed yet. `terms` is the length of the series."""
-        demand_method(method)
+        require_method(method)
         self.method = method
         self.terms = terms
 
@@ -372,12 +372,12 @@ def facts_by_name(facts: Any, names: Sequence[str], known: Sequence[str]) -> dic
 
     Raises ValueError for a name that is not in `known`.
     """
-    demand_known(names, known)
+    require_known(names, known)
     own = {*dir(type(facts)), *vars(facts)}
     return {name: getattr(facts if name in own else facts.method, name) for name in names}
 
 
-def demand_known(names: Sequence[str], known: Iterable[str]) -> None:
+def require_known(names: Sequence[str], known: Iterable[str]) -> None:
     """Raise ValueError for a name that is not in `known`."""
     for name in names:
         if name not in known:

@@ -32,10 +32,10 @@ from driftproof.symbolic.algebra.rational_functions import fraction
 from driftproof.symbolic.algebra.real_roots import (
     ZERO_ROOT,
     RealRoot,
+    one_root,
     positive_roots,
     rational_root,
     samples,
-    the_one,
     vanishes_at,
 )
 from driftproof.symbolic.linear.a_stability import Angle, is_hurwitz, negative_point
@@ -300,4 +300,4 @@ def _square_of_tangent(top: Polynomial, bottom: Polynomial, s: RealRoot) -> Real
         x = s.ball()
         return bool(root.ball().overlaps(x * (at_ball(top, x) / at_ball(bottom, x)) ** 2))
 
-    return the_one(positive_roots([product]), fits)
+    return one_root(positive_roots([product]), fits)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from driftproof.methods.number_field import Exact
-from driftproof.methods.schemes import Collocation, Method, Nystrom, RungeKutta, demand_method
+from driftproof.methods.schemes import Collocation, Method, Nystrom, RungeKutta, require_method
 from driftproof.methods.stepping import oscillator, stepper
 from driftproof.symbolic.algebra.matrices import StepMatrix, of_matrix
 from driftproof.symbolic.algebra.polynomials import (
@@ -38,7 +38,7 @@ def stability_function_of(method: Method) -> RationalFunction | None:
     >>> stability_function_of(METHODS["forward_euler"]).num
     x + 1
     """
-    demand_method(method)
+    require_method(method)
     if isinstance(method, RungeKutta):
         return stability_function(method)
     return stability_function_of_collocation(method.node_polynomial) if isinstance(method, Collocation) else None

@@ -17,7 +17,7 @@ from driftproof.symbolic.algebra.polynomials import ONE, at_complex_ball, descen
 from driftproof.symbolic.algebra.rational_functions import RationalFunction, fraction
 from driftproof.symbolic.algebra.real_roots import ZERO_ROOT, RealRoot, rational_root, root_ratio, sign_at
 from driftproof.symbolic.linear.eigenvalues import Complex, Eigenvalue, Imaginary, RootPlace, eigenvalues
-from driftproof.symbolic.linear.facts import demand_known
+from driftproof.symbolic.linear.facts import require_known
 from driftproof.symbolic.linear.oscillator import (
     area_factor,
     linear_step_matrix,
@@ -207,7 +207,7 @@ def facts_on_system(
 
     Raises ValueError for an unknown name, a matrix that is not square, or a system to which the method does not apply.
     """
-    demand_known(names or (), SYSTEM_FACTS)
+    require_known(names or (), SYSTEM_FACTS)
     facts = SystemFacts(method, rows)
     return {name: SYSTEM_FACTS[name](facts) for name in names or SYSTEM_FACTS}
 

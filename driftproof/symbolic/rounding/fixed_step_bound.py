@@ -27,10 +27,10 @@ from driftproof.symbolic.rounding.step_bound import (
     LinearBound,
     StepOrMethod,
     Terms,
-    demand_linear,
     linear_bound,
     linear_form,
     operations_of,
+    require_linear,
     state_terms,
     trace_step,
 )
@@ -129,7 +129,7 @@ def _remainder(derivatives: _Derivatives) -> ErrorPolynomial:
 
 def _row(exact: ErrorPolynomial) -> tuple[Exact, Exact]:
     by_state = {(in_q, in_v): c for (_, _, _, in_q, in_v), c in terms(exact)}
-    demand_linear(by_state)
+    require_linear(by_state)
     return by_state.get((1, 0), Fraction(0)), by_state.get((0, 1), Fraction(0))
 
 

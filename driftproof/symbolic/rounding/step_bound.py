@@ -130,7 +130,7 @@ class StepBound:
     def _error_rows(self) -> list[list[ErrorPolynomial]]:
         """The coefficients of |q|, |v| and 1 in each bound."""
         for error in self._error_terms:
-            demand_linear(error)
+            require_linear(error)
         return [
             [from_terms(((*p[:3], 0, 0), c) for p, c in terms(x.error) if p[3:] == column) for column in COLUMNS]
             for x in self.outputs
@@ -242,12 +242,12 @@ def linear_bound(dq: Terms, dv: Terms) -> LinearBound:
 
 def linear_form(by_state: Terms) -> tuple[Fraction, Fraction, Fraction]:
     """The coefficients of q, v and 1. Raises NotLinear."""
-    demand_linear(by_state)
+    require_linear(by_state)
     a, b, c = (by_state.get(column, Fraction(0)) for column in COLUMNS)
     return a, b, c
 
 
-def demand_linear(powers: Iterable[tuple[int, ...]]) -> None:
+def require_linear(powers: Iterable[tuple[int, ...]]) -> None:
     """Raise NotLinear unless the last two powers of each term are those of q, v or 1."""
     for *_, in_q, in_v in powers:
         if (in_q, in_v) not in COLUMNS:
@@ -264,7 +264,7 @@ def _demand_number(x: object) -> Fraction:
 def _in_h(polynomial: ErrorPolynomial, column: tuple[int, int]) -> ByPower:
     """The coefficient, by power of h, of q, v or 1 in an exact polynomial."""
     found = terms(polynomial)
-    demand_linear(powers for powers, _ in found)
+    require_linear(powers for powers, _ in found)
     return {in_h: c for (_, _, in_h, *state), c in found if tuple(state) == column}
 
 

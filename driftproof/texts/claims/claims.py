@@ -108,9 +108,9 @@ def _refused_in(what: str) -> Iterator[None]:
 
 
 def _claims(table: TomlTable) -> Claims:
-    toml.demand_keys(table, ("text", "claim", "label"), "the file")
+    toml.require_keys(table, ("text", "claim", "label"), "the file")
     text = toml.as_table(table.get("text", {}), "text")
-    toml.demand_keys(text, ("format", "coverage"), "text")
+    toml.require_keys(text, ("format", "coverage"), "text")
     claims = tuple(_claim(entry, i) for i, entry in enumerate(_entries(table, "claim"), 1))
     if twice := next((key for key, times in Counter(claim.id for claim in claims).items() if times > 1), None):
         raise ValueError(f"two claims have the id {twice!r}")
@@ -132,7 +132,9 @@ def _entries(table: TomlTable, name: str) -> list[TomlTable]:
 def _claim(entry: TomlTable, number: int) -> Claim:
     key = toml.as_line(entry.get("id"), f"id of claim {number}", _LONGEST_NAME)
     with _refused_in(f"claim {key!r}"):
-        toml.demand_keys(entry, ("id", "phrase", "value", "values", "count", "given", "ignore_case", *_FORM), "a claim")
+        toml.require_keys(
+            entry, ("id", "phrase", "value", "values", "count", "given", "ignore_case", *_FORM), "a claim"
+        )
         phrase, given = _phrase(entry), entry.get("given")
         if not (given is None or given is True or _is_text(given, _LONGEST_NAME)):
             raise ValueError("given is true, or a short reason why the numbers of the phrase are given")
@@ -149,7 +151,7 @@ def _claim(entry: TomlTable, number: int) -> Claim:
 
 def _label(entry: TomlTable, number: int) -> NumberLabel:
     with _refused_in(f"label {number}"):
-        toml.demand_keys(entry, ("phrase", "why"), "a label")
+        toml.require_keys(entry, ("phrase", "why"), "a label")
         if not _is_text(entry.get("why"), _LONGEST_NAME):
             raise ValueError("why is a short text that says what its numbers are")
         return NumberLabel(_phrase(entry), entry["why"])
@@ -185,7 +187,7 @@ def _expected(value: Any, default: TomlTable) -> Expected:
     entry = {"ask": value} if isinstance(value, str) else value
     if not isinstance(entry, dict) or ("ask" in entry) == ("given" in entry):
         raise ValueError('a value is a question, {ask = "...", places = 3}, or {given = "0.25"}')
-    toml.demand_keys(entry, ("ask", "given", "written", *_FORM), "a value")
+    toml.require_keys(entry, ("ask", "given", "written", *_FORM), "a value")
     question, given = entry.get("ask"), entry.get("given")
     if "given" in entry:
         spelled = canonical_text(given.strip()) if _is_text(given, _LONGEST_NAME) else ""

@@ -23,7 +23,7 @@ from typing import Any
 from driftproof.support.processes import Limits, ProcessEnded, Session
 from driftproof.texts.claims.checking import Finding, Span
 from driftproof.texts.readers.document import Document
-from driftproof.texts.readers.source_text import LISTING, OF_OUTPUT, OUTPUT, PROSE, Block, SourceText, joined
+from driftproof.texts.readers.source_text import LISTING, OUTPUT, OUTPUT_LANGUAGES, PROSE, Block, SourceText, joined
 
 _PYTHON = {"python", "py", "python3", "ipython", "ipython3"}
 
@@ -86,7 +86,7 @@ def _with_output(program: SourceText, following: Sequence[Block]) -> Listing:
         return Listing(program.text, program.origin(0), joined(outputs), shows=True)
     prose = [block.text.text for block in takewhile(lambda block: block.kind != LISTING, following)]
     next_one = following[len(prose)] if len(prose) < len(following) else None
-    shows = next_one and next_one.language in OF_OUTPUT and sum(map(len, prose)) <= _MOST_PROSE
+    shows = next_one and next_one.language in OUTPUT_LANGUAGES and sum(map(len, prose)) <= _MOST_PROSE
     return Listing(program.text, program.origin(0), next_one.text if next_one and shows else None)
 
 

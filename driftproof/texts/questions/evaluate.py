@@ -103,7 +103,7 @@ def _call(node: CallNode, question: str) -> Answer:
 
 def _step(context: QueryContext) -> Answer:
     """Answers `step METHOD [problem=NAME | rates=(-y0) | lambda=-2] h=1/2 [N=3] [from q,v] : READOUT [UNIT]`."""
-    context.demand_only("h", "N", "lambda", parts=_PARTS)
+    context.require_only("h", "N", "lambda", parts=_PARTS)
     counted = context.query.readout is not None and context.query.readout.text == "evaluations"
     h = Fraction(1) if counted and "h" not in context.query.settings else context.setting("h", "h=1/2")
     return _run_answer(context, h, h * (_whole_number(context) if "N" in context.query.settings else 1))
@@ -114,7 +114,7 @@ def _run(context: QueryContext) -> Answer:
 
     The query gives two of h, t and N. On the oscillator it may give t and error: see `steps_to_error`.
     """
-    context.demand_only("h", "t", "N", "error", "lambda", parts=_PARTS)
+    context.require_only("h", "t", "N", "error", "lambda", parts=_PARTS)
     given = {name: number.value for name, number in context.query.settings.items() if name != "lambda"}
     if "error" in given and "t" in given and not (context.about_problem or "lambda" in context.query.settings):
         from driftproof.texts.questions.runs import steps_to_error
@@ -191,7 +191,7 @@ def _exact(context: QueryContext) -> Answer:
     """Answers `exact t=10 [problem=NAME | rates=(-y0)] [from q,v] : READOUT`."""
     from driftproof.texts.questions.runs import EXACT_READOUTS
 
-    context.demand_only("t", parts=("start", "readout", "problem"))
+    context.require_only("t", parts=("start", "readout", "problem"))
     if other := context.query.subject or context.query.at:
         raise context.error(other, "exact takes no method, as in exact t=10 : q")
     if context.about_problem is not None:

@@ -59,7 +59,7 @@ def fact(context: QueryContext) -> Answer:
 
 def coefficient(context: QueryContext) -> Answer:
     """Answers `a21 METHOD`, `b1 METHOD`, `bhat1 METHOD` and `c2 METHOD`: an entry of a tableau."""
-    context.demand_only()
+    context.require_only()
     method, named = context.method(), COEFFICIENT.fullmatch(context.head)
     assert named is not None
     with context.refused():
@@ -97,10 +97,10 @@ def _answer(context: QueryContext, name: str, found: Any) -> Answer:
     """The answer for a part of a fact: a number, a formula or words; a function is evaluated if its variable is set."""
     function = found.function if isinstance(found, Formula) else found
     if isinstance(function, ExactFunction):
-        context.demand_only(function.variable, parts=("readout",))
+        context.require_only(function.variable, parts=("readout",))
         found = _at_setting(context, function)
     else:
-        context.demand_only(parts=("readout",))
+        context.require_only(parts=("readout",))
     number = of_number(found)
     if number is not None:
         return replace(number, evidence=_EVIDENCE[name]) if name in _EVIDENCE else number
@@ -124,7 +124,7 @@ def _at_setting(context: QueryContext, f: ExactFunction) -> Any:
 
 def _quadratic(context: QueryContext, form: QuadraticForm) -> Answer:
     """The conserved quadratic as a formula in h, q and v, or its value for the given h and state."""
-    context.demand_only("h", parts=("start",))
+    context.require_only("h", parts=("start",))
     h, polynomials = context.query.settings.get("h"), form.coefficients
     if h is not None:
         polynomials = tuple(polynomial([exact(evaluate(p, scalar(h.value)))]) for p in polynomials)

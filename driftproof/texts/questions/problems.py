@@ -11,7 +11,7 @@ from typing import Any
 from flint import arb, ctx
 
 from driftproof.enclosure.exact_runs import exact_step
-from driftproof.enclosure.fields import RightHandSide, enclosed_rates, rebound
+from driftproof.enclosure.fields import RightHandSide, enclosable, enclosed_rates
 from driftproof.enclosure.numbers import Enclosed, Evaluation
 from driftproof.enclosure.solutions import BITS_AT_FIRST, enclose_solution
 from driftproof.enclosure.text_fields import field_function
@@ -19,7 +19,7 @@ from driftproof.methods.field_text import LONGEST_PROBLEM, PROBLEM_KEYS, field_o
 from driftproof.methods.rationals import parse_rational
 from driftproof.methods.schemes import Method, Nystrom, RungeKutta, Splitting
 from driftproof.methods.vector_fields import VectorField
-from driftproof.support.toml_tables import TomlTable, demand_keys, read_toml
+from driftproof.support.toml_tables import TomlTable, read_toml, require_keys
 from driftproof.symbolic.algebra.certified import CertifiableReal, Uncertified, enclose
 from driftproof.texts.questions.answer import CERTIFIED, Answer
 from driftproof.texts.questions.arithmetic import NUMBER_FUNCTIONS, OPERATIONS, raised
@@ -123,7 +123,7 @@ class ProblemRun:
 
     @cached_property
     def _function(self) -> RightHandSide:
-        return rebound(field_function(self.rates))
+        return enclosable(field_function(self.rates))
 
     def _kept(self, which: str, find: Callable[[], list[_Row]]) -> list[_Row]:
         key = which, ctx.prec
@@ -243,7 +243,7 @@ def problem_of_name(name: str) -> FieldAndStart:
         return problem.field, problem.start, ()
 
     def read(table: TomlTable) -> FieldAndStart:
-        demand_keys(table, PROBLEM_KEYS, "a problem")
+        require_keys(table, PROBLEM_KEYS, "a problem")
         if "function" in table:
             raise ValueError('function is Python code, which questions do not run; give rates, as in rates = ["-y0"]')
         rates = field_of_table(table)

@@ -81,7 +81,7 @@ class QueryContext:
         with self.refused(at):
             return found.member(parse_number(at.text, found.parameter))
 
-    def demand_only(self, *settings: str, words: Iterable[str] = (), parts: Iterable[str] = ()) -> None:
+    def require_only(self, *settings: str, words: Iterable[str] = (), parts: Iterable[str] = ()) -> None:
         """Raise QuestionError for any part but these settings, words, and `parts`: start, readout, unit, problem."""
         query = self.query
         if self.about_problem is not None and "problem" not in parts:

@@ -175,7 +175,7 @@ def rounding_bound(context: QueryContext) -> Answer:
     from driftproof.symbolic.rounding.n_steps_bound import largest_safe_state, run_bound, safe_state_text
     from driftproof.symbolic.rounding.step_bound import step_bound
 
-    context.demand_only("h", words=("sharp",), parts=("start", "readout"))
+    context.require_only("h", words=("sharp",), parts=("start", "readout"))
     h, method = context.setting("h", "h=1/4"), context.method()
     readout = context.readout(dict(zip(BOUND_READOUTS, BOUND_READOUTS, strict=True)))
     with context.refused():

@@ -10,7 +10,7 @@ from typing import NamedTuple, TypeAlias
 
 PROSE, LISTING, OUTPUT = "prose", "listing", "output"
 # Names of languages that mark a listing as the output of a program.
-OF_OUTPUT = {"", "text", "txt", "output", "console", "stdout", "none", "plaintext", "default"}
+OUTPUT_LANGUAGES = {"", "text", "txt", "output", "console", "stdout", "none", "plaintext", "default"}
 
 
 class Insertion(NamedTuple):
@@ -98,4 +98,4 @@ class Block:
     @property
     def is_program(self) -> bool:
         """True for a listing that names a programming language and is not an interactive session."""
-        return self.kind == LISTING and self.language not in OF_OUTPUT and ">>>" not in self.text.text
+        return self.kind == LISTING and self.language not in OUTPUT_LANGUAGES and ">>>" not in self.text.text

@@ -9,7 +9,7 @@ from typing import Any
 from driftproof.methods.catalogue import FactsOnly
 from driftproof.methods.families import Family
 from driftproof.methods.number_field import Algebraic, NumberField
-from driftproof.methods.schemes import Collocation, Method, Nystrom, RungeKutta, Splitting, demand_method
+from driftproof.methods.schemes import Collocation, Method, Nystrom, RungeKutta, Splitting, require_method
 from driftproof.support.plain_text import Json
 from driftproof.symbolic.algebra import radicals
 from driftproof.symbolic.algebra.certified import decide_by_enclosure, significant
@@ -77,7 +77,7 @@ def family_facts(family: Family, names: Sequence[str] = FAMILY_FACTS) -> dict[st
     >>> family_facts(FAMILIES["sdirk_order_2"], ["a_stable"])["a_stable"]["set"]
     '[1/4, oo)'
     """
-    demand_method(family, "FAMILIES")
+    require_method(family, "FAMILIES")
     return record(linear.facts_by_name(FamilyFacts(family), names, FAMILY_FACTS))  # type: ignore[no-any-return]
 
 

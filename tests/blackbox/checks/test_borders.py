@@ -8,7 +8,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from driftproof.blackbox.checks.borders import NegligibleStep, edge, negligible_step, rounder, short_name
+from driftproof.blackbox.checks.borders import (
+    NegligibleStep,
+    bisected_neighbours,
+    negligible_step,
+    short_name,
+    shorter_number,
+)
 from driftproof.blackbox.checks.trials import Trial, TrialRunner, steady_runner
 from driftproof.blackbox.stepper.opening import opened
 from driftproof.symbolic.rounding.formats import BINARY16, BINARY32
@@ -27,7 +33,7 @@ def tries_and_edge(limit, kept, gone, runner=RUNNER):
         tried.append(x)
         return (x > limit) == (gone > limit)
 
-    return len(tried), edge(changed, kept, gone, runner), tried
+    return len(tried), bisected_neighbours(changed, kept, gone, runner), tried
 
 
 @given(st.floats(1e-300, 1e300))
@@ -92,15 +98,15 @@ def test_hints_are_tried_first_and_left_if_they_are_wrong():
         return x > 1 / 3
 
     right = (1 / 3, nextafter(1 / 3, 1.0))
-    assert edge(changed, 0.1, 1.0, RUNNER, [right]) == right
+    assert bisected_neighbours(changed, 0.1, 1.0, RUNNER, [right]) == right
     assert len(tried) == 2
-    assert edge(changed, 0.1, 1.0, RUNNER, [(0.5, nextafter(0.5, 1.0)), (7.0, 8.0)]) == right
+    assert bisected_neighbours(changed, 0.1, 1.0, RUNNER, [(0.5, nextafter(0.5, 1.0)), (7.0, 8.0)]) == right
 
 
 def test_of_two_neighbours_the_one_with_the_shorter_name_is_the_border():
-    assert rounder(nextafter(2.4, 3.0), 2.4) == 2.4
-    assert rounder(pi, nextafter(pi, 0.0)) == pi
-    assert rounder(1.0, 2.0) == 1.0
+    assert shorter_number(nextafter(2.4, 3.0), 2.4) == 2.4
+    assert shorter_number(pi, nextafter(pi, 0.0)) == pi
+    assert shorter_number(1.0, 2.0) == 1.0
 
 
 def test_a_step_that_is_always_taken_has_none():

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from driftproof.blackbox.judging.agreement import NO_ALLOWANCE
-from driftproof.blackbox.judging.habits import explained
+from driftproof.blackbox.judging.habits import explain_by_habits
 from driftproof.blackbox.judging.tolerance import Allowance
 from driftproof.blackbox.stepper.opening import opened
 from driftproof.blackbox.verify import verify
@@ -86,5 +86,5 @@ def test_what_explains_a_step_is_what_it_was(name, as_before):
     step, key = EXPLAINED[name]
     asked = Asked(step)
     solved = NO_ALLOWANCE if METHODS[key].explicit else Allowance(solver_tolerance=1e-9)
-    found = explained(opened(asked.code), METHODS[key], solved, examples=60)
+    found = explain_by_habits(opened(asked.code), METHODS[key], solved, examples=60)
     as_before(found.holds, found.but_for, *found.lines, asked)

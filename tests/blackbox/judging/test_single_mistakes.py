@@ -2,7 +2,7 @@
 
 import pytest
 
-from driftproof.blackbox.judging.single_mistakes import MOST_TOLD, program_of, single_mistakes
+from driftproof.blackbox.judging.single_mistakes import MOST_SHOWN, program_of, single_mistakes
 from driftproof.blackbox.stepper.opening import opened
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.stepping import oscillator, stepper
@@ -84,7 +84,7 @@ WRONG = {
 def test_the_mistake_is_among_those_that_take_the_same_steps(step, key, as_before):
     asked = Asked(step)
     found = single_mistakes(opened(asked.code), METHODS[key])
-    assert 0 < len(found) <= MOST_TOLD
+    assert 0 < len(found) <= MOST_SHOWN
     as_before(*found, asked)
 
 

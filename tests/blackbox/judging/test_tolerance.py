@@ -119,7 +119,7 @@ def test_flushing_subnormals_is_allowed_only_where_it_is_asked_for():
 def test_sizes_have_room_where_no_sum_and_no_power_of_h_overflows(method, state, h, overflows):
     refused = pytest.raises(ValueError, match="where binary64 overflows; choose smaller sizes")
     with refused if overflows else nullcontext():
-        Tolerance(method).demand_room(state, h)
+        Tolerance(method).require_no_overflow(state, h)
 
 
 def test_a_tolerance_of_the_solver_is_for_implicit_methods_only():

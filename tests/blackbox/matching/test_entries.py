@@ -7,7 +7,7 @@ from fractions import Fraction as Q
 
 import pytest
 
-from driftproof.blackbox.matching.entries import mended, other_velocities, rational_method, side_by_side
+from driftproof.blackbox.matching.entries import other_velocities, rational_method, restoring_entries, side_by_side
 from driftproof.blackbox.matching.tables import exact_tableau
 from driftproof.blackbox.probes.questions import read_coefficients
 from driftproof.blackbox.probes.scripted_answers import Rounding
@@ -33,16 +33,18 @@ def with_entry(i, j, value):
 def test_the_entry_that_restores_the_order_is_the_one_that_was_changed(i, j):
     wrong = with_entry(i, j, Q(1, 3))
     assert order(wrong).order < 4
-    assert mended(wrong, 4) == [
+    assert restoring_entries(wrong, 4) == [
         f"with this one entry changed, order 4 is restored: a[{i}][{j}] = {RK4.a[i][j]} in place of 1/3"
     ]
 
 
 def test_a_weight_is_restored_two_are_not_and_a_right_table_needs_nothing():
     wrong = replace(RK4, b=(Q(1, 6), Q(1, 3), Q(1, 4), Q(1, 6)))
-    assert mended(wrong, 4) == ["with this one entry changed, order 4 is restored: b[2] = 1/3 in place of 1/4"]
-    assert mended(replace(RK4, b=(Q(1, 6), Q(1, 4), Q(1, 4), Q(1, 3))), 4) == []
-    assert mended(RK4, 4) == []
+    assert restoring_entries(wrong, 4) == [
+        "with this one entry changed, order 4 is restored: b[2] = 1/3 in place of 1/4"
+    ]
+    assert restoring_entries(replace(RK4, b=(Q(1, 6), Q(1, 4), Q(1, 4), Q(1, 3))), 4) == []
+    assert restoring_entries(RK4, 4) == []
     assert side_by_side(read_tableau(opened(codes.rk4)), RK4) == []
 
 
@@ -113,7 +115,7 @@ def test_of_many_entries_twelve_are_shown_and_none_is_mended_of_more_than_seven_
     for places, more in ((twelve, []), ([*twelve, ("c", 6)], ["and 1 more"])):
         lines = side_by_side(read_with("dormand_prince54", *places), METHODS["dormand_prince54"])
         assert [line for line in lines if not line.startswith("row ")][13:] == more
-    assert mended(replace(METHODS["verner65"], b=(Q(1, 7), *METHODS["verner65"].b[1:])), 2) == []
+    assert restoring_entries(replace(METHODS["verner65"], b=(Q(1, 7), *METHODS["verner65"].b[1:])), 2) == []
 
 
 @pytest.mark.parametrize("key", ["rk4", "dormand_prince54", "sdirk2", "gauss2", "forward_euler"])
@@ -126,5 +128,5 @@ def test_what_stands_side_by_side_is_what_it_was(key, other, as_before):
     if key == other:
         read = [rational_method(each, "mine") for each in readings if not each.implicit]
         said += [each and each.b for each in read]
-        said += [mended(each, order) for each in read if each is not None for order in (1, 2, 4)]
+        said += [restoring_entries(each, order) for each in read if each is not None for order in (1, 2, 4)]
     as_before(*said)

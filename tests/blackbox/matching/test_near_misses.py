@@ -44,7 +44,7 @@ def replaced(row, place, factor):
     return tuple(x * (factor if i == place else 1) for i, x in enumerate(row))
 
 
-def demand_that_it_is_named(identity, key, name):
+def require_that_it_is_named(identity, key, name):
     """Another method, or the same with another step where all that is left of a method is its one weight."""
     assert key not in identity.keys
     if key == "forward_euler":
@@ -66,7 +66,7 @@ def test_a_wrong_coefficient_is_named_through_both_conventions(key, as_before):
     step = codes.tableau(*codes.floats(wrong))
     found = in_field(step), match_forces(read_forces(opened(step, "field")))
     for identity in found:
-        demand_that_it_is_named(identity, key, name)
+        require_that_it_is_named(identity, key, name)
     as_before(*(line for identity in found for line in identity.lines))
 
 
@@ -75,8 +75,8 @@ def test_a_wrong_coefficient_is_named_through_both_conventions(key, as_before):
 def test_every_wrong_coefficient_is_named_through_both_conventions(key):
     for name, wrong in changed_tableaux(METHODS[key]):
         step = codes.tableau(*codes.floats(wrong))
-        demand_that_it_is_named(in_field(step), key, name)
-        demand_that_it_is_named(match_forces(read_forces(opened(step, "field"))), key, name)
+        require_that_it_is_named(in_field(step), key, name)
+        require_that_it_is_named(match_forces(read_forces(opened(step, "field"))), key, name)
 
 
 def changed_splittings(method):
@@ -86,7 +86,7 @@ def changed_splittings(method):
             yield f"{kind} {i}", replace(method, parts=(*method.parts[:i], (kind, x * factor), *method.parts[i + 1 :]))
 
 
-def demand_that_a_sub_step_is_named(key, name, wrong):
+def require_that_a_sub_step_is_named(key, name, wrong):
     identity = on_force(codes.composed([(kind, float(x)) for kind, x in wrong.parts]))
     assert key not in identity.keys
     near = [near for near in identity.near if near.key == key]
@@ -96,14 +96,14 @@ def demand_that_a_sub_step_is_named(key, name, wrong):
 
 @pytest.mark.parametrize("key", SPLITTINGS[::3])
 def test_a_wrong_sub_step_is_named(key):
-    demand_that_a_sub_step_is_named(key, *sample(changed_splittings(METHODS[key]), key))
+    require_that_a_sub_step_is_named(key, *sample(changed_splittings(METHODS[key]), key))
 
 
 @pytest.mark.long
 @pytest.mark.parametrize("key", SPLITTINGS)
 def test_every_wrong_sub_step_is_named(key):
     for name, wrong in changed_splittings(METHODS[key]):
-        demand_that_a_sub_step_is_named(key, name, wrong)
+        require_that_a_sub_step_is_named(key, name, wrong)
 
 
 @pytest.mark.parametrize("key", [key for key in EXPLICIT if isinstance(METHODS[key], Nystrom)])

@@ -5,15 +5,15 @@ import pytest
 from driftproof.blackbox.probes.scripted_answers import (
     CONTROLS,
     MOST_CALLS,
-    Departs,
+    FarFromPrediction,
     NotReadable,
     Rounding,
     Script,
-    demand_as_said,
-    demand_calls,
-    demand_same,
-    performed,
     read_at_some_size,
+    require_calls,
+    require_predicted,
+    require_same,
+    result_of,
     unit,
     varied,
 )
@@ -30,7 +30,7 @@ def test_a_script_answers_in_its_order_and_keeps_what_it_was_asked():
 
 def test_a_step_of_too_many_calls_is_ended():
     with pytest.raises(NotReadable, match=f"more than {MOST_CALLS} calls"):
-        performed(lambda: [script(0) for script in [Script([], 0.0)] for _ in range(MOST_CALLS + 1)])
+        result_of(lambda: [script(0) for script in [Script([], 0.0)] for _ in range(MOST_CALLS + 1)])
 
 
 def test_answers_are_powers_of_two_of_both_signs():
@@ -43,27 +43,27 @@ def test_answers_are_powers_of_two_of_both_signs():
 def test_a_limit_leads_to_smaller_numbers_and_a_remark(limit, found):
     def read(size):
         if size > limit:
-            raise Departs("far off")
+            raise FarFromPrediction("far off")
         return size
 
     remark = () if found == 1 else (f"read with numbers of size {found:.1e}; of size 1, far off",)
     assert read_at_some_size(read) == (found, remark)
-    with pytest.raises(Departs, match="far off"):
+    with pytest.raises(FarFromPrediction, match="far off"):
         read_at_some_size(lambda size: read(2.0))
 
 
 def test_what_differs_by_more_than_rounding_is_refused():
-    demand_calls(4, 4)
+    require_calls(4, 4)
     allowed = 24 * 2 * 2.0**-53
     for within in (2.0 + allowed, 2.0 - allowed):
-        demand_same(ROUNDING, [1.0, -2.0], [1.0, -within])
+        require_same(ROUNDING, [1.0, -2.0], [1.0, -within])
     for seen in ([1.0], [1.0, -2.0001], [1.0, -2.0 - allowed - 2.0**-51], [1.0, -2.0 + allowed + 2.0**-52]):
         with pytest.raises(NotReadable, match="the same step of 4 calls taken twice is not the same"):
-            demand_same(ROUNDING, [1.0, -2.0], seen)
+            require_same(ROUNDING, [1.0, -2.0], seen)
     with pytest.raises(NotReadable, match="of 1 call taken"):
-        demand_same(Rounding(BINARY64, 1), [], [1.0])
+        require_same(Rounding(BINARY64, 1), [], [1.0])
     with pytest.raises(NotReadable, match="4, then 5"):
-        demand_calls(4, 5)
+        require_calls(4, 5)
 
 
 @pytest.mark.parametrize(("calls", "besides", "size", "found"), [
@@ -76,10 +76,10 @@ def test_so_far_rounding_may_carry_a_number_of_a_step(calls, besides, size, foun
 
 # More than a thousandth, 2**-10, of the larger number is what a limit takes away.
 @pytest.mark.parametrize("sign", [1, -1])
-@pytest.mark.parametrize(("off", "kind"), [(0.0, None), (0.5, None), (1.0, NotReadable), (1.5, Departs)])
+@pytest.mark.parametrize(("off", "kind"), [(0.0, None), (0.5, None), (1.0, NotReadable), (1.5, FarFromPrediction)])
 def test_a_number_that_is_off_is_told_from_one_that_is_far_off(off, kind, sign):
     def demand(first, second):
-        demand_as_said(CONTROLS[0]._replace(name="care", broken="broken"), "a number", first, second, 0.5)
+        require_predicted(CONTROLS[0]._replace(name="care", broken="broken"), "a number", first, second, 0.5)
 
     far, near = -1024.0 * sign, (off - 1024.0) * sign
     for pair in ((near, far), (far, near)):

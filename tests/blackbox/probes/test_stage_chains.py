@@ -20,7 +20,7 @@ def test_a_table_is_read_of_one_function_and_holds_its_own_control():
     (a,), (b,), c = chains.tables()
     assert [round(12 * x) for row in a for x in row] == [5, -1, 9, 3]
     assert (round(4 * b[0]), round(4 * b[1]), c) == (3, 1, (1 / 3, 1.0))
-    chains.demand_chain((a,), (b,), Rounding(BINARY64, 2, 4 * chains.left))
+    chains.require_chain((a,), (b,), Rounding(BINARY64, 2, 4 * chains.left))
 
 
 # For Gauss' rule, whose rows of |A| and b sum up to less than 1, and for Lobatto's with larger entries.
@@ -32,7 +32,7 @@ def test_so_far_a_chain_may_be_off_as_before(key, besides, as_before):
 
     def refused(error):
         try:
-            chains.demand_chain((a,), (tuple(x * (1 + error) for x in b),), Rounding(BINARY64, 2, besides))
+            chains.require_chain((a,), (tuple(x * (1 + error) for x in b),), Rounding(BINARY64, 2, besides))
         except NotReadable:
             return True
         return False
@@ -48,4 +48,4 @@ def test_another_table_is_refused_by_a_chain_through_all_stages():
     chains = chains_of("radau_iia2")
     (a,), (b,), _ = chains.tables()
     with pytest.raises(NotReadable, match="the step is not made of these stages"):
-        chains.demand_chain((a[::-1],), (b,), Rounding(BINARY64, 2, 4 * chains.left))
+        chains.require_chain((a[::-1],), (b,), Rounding(BINARY64, 2, 4 * chains.left))

@@ -67,9 +67,9 @@ def test_other_coefficients_than_those_read_are_noticed_by_every_control():
     (first, *rest) = right.reading.a
     wrong = replace(right, reading=replace(right.reading, a=((first[0] + 0.1, *first[1:]), *rest)))
     for control in some([*CONTROLS, BACKWARD]):
-        assert right.demand_solved(control) < 1e-13
+        assert right.require_solved(control) < 1e-13
         with pytest.raises(NotReadable, match=f"with {control.name}, the step is off by "):
-            wrong.demand_solved(control)
+            wrong.require_solved(control)
 
 
 def test_words_name_what_is_seen():

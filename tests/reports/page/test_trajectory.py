@@ -102,7 +102,7 @@ def test_so_many_samples_are_dots_marks_and_rows_and_no_more() -> None:
     states = np.array([[1.0, 0.0], [2.0, 7.0]])  # of which the position is up to 2 and the velocity up to 7
     run = drawing.SampledRun(scene, "rk4", np.arange(2), states, "id")
     assert (drawing.position(run).plot.y.scale.high, drawing.phase_plane(run).plot.x.scale.high) == (Q(5, 2), 8)
-    drawing.demand_drawable(Scene("long", "rk4", Q(1), Q(10**6), panels=("position",)))
+    drawing.require_drawable(Scene("long", "rk4", Q(1), Q(10**6), panels=("position",)))
 
 
 def test_long_exact_curve_still_reaches_both_sides_everywhere() -> None:

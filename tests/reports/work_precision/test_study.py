@@ -14,7 +14,7 @@ from driftproof.numeric.work_precision import curves, integrators
 from driftproof.numeric.work_precision.timing import ROUNDS
 from driftproof.reports.work_precision import study as work_precision
 from driftproof.reports.work_precision.report import errors_json, study_text, write_study
-from driftproof.reports.work_precision.study import Study, doubtful, measure
+from driftproof.reports.work_precision.study import Study, measure, state_remark
 from tests.reports.studies import contents, study, unheard
 
 
@@ -117,9 +117,9 @@ def test_no_digit_that_was_changed_is_taken_for_a_measurement(tmp_path: Path, ke
 def test_a_timed_call_that_reaches_another_state_is_not_timed() -> None:
     point = curves.curves(HARMONIC, ["rk4"], [16])[0].points[0]
     state = integrators.integrator(METHODS["rk4"], HARMONIC).calls["python"](16)
-    assert doubtful(HARMONIC, point, state) == ""
-    assert "its final state differs" in doubtful(HARMONIC, point, lambda: (state()[0] + 1e-9, state()[1]))
-    assert "ZeroDivisionError" in doubtful(HARMONIC, point, lambda: (1 / 0,))
+    assert state_remark(HARMONIC, point, state) == ""
+    assert "its final state differs" in state_remark(HARMONIC, point, lambda: (state()[0] + 1e-9, state()[1]))
+    assert "ZeroDivisionError" in state_remark(HARMONIC, point, lambda: (1 / 0,))
 
 
 def test_points_over_the_limit_are_marked_and_not_timed() -> None:

@@ -8,7 +8,7 @@ from driftproof.texts.questions.errors import QuestionError
 from driftproof.texts.questions.evaluate import value
 
 
-def demand_refusal(question: str, column: int, reason: str) -> None:
+def require_refusal(question: str, column: int, reason: str) -> None:
     """It is refused in one line that names the column and what is allowed."""
     with pytest.raises(QuestionError) as caught:
         value(question).digits(6)

@@ -9,7 +9,7 @@ import pytest
 from driftproof.methods.expression_tree import DEEPEST_NESTING, LONGEST_EXPRESSION, ExpressionParser
 from driftproof.texts.questions.errors import QuestionError
 from driftproof.texts.questions.evaluate import value
-from tests.texts.questions.refusals import demand_refusal
+from tests.texts.questions.refusals import require_refusal
 
 ARITHMETIC = {
     "1 + 2 × 3": Q(7), "(1 + 2) * 3": Q(9), "8 / 4 / 2": Q(1), "1 - 2 - 3": Q(-4), "-2 ** 2": Q(-4),
@@ -65,7 +65,7 @@ REFUSED = [
 
 @pytest.mark.parametrize(("question", "column", "reason"), REFUSED)
 def test_what_is_no_question_is_refused_at_its_column(question: str, column: int, reason: str) -> None:
-    demand_refusal(question, column, reason)
+    require_refusal(question, column, reason)
 
 
 def test_question_too_long_or_nested_too_deep_is_refused_before_anything_is_computed() -> None:

@@ -6,7 +6,7 @@ import pytest
 
 from driftproof.texts.questions.errors import QuestionError
 from driftproof.texts.questions.evaluate import value
-from tests.texts.questions.refusals import demand_refusal
+from tests.texts.questions.refusals import require_refusal
 
 _ROUNDED = "steps and times are rational, so round pi yourself, as in h=0.01 t=6.28"
 REFUSED = [
@@ -27,7 +27,7 @@ REFUSED = [
 
 @pytest.mark.parametrize(("question", "column", "reason"), REFUSED)
 def test_what_is_no_piece_of_a_question_is_refused_at_its_column(question: str, column: int, reason: str) -> None:
-    demand_refusal(question, column, reason)
+    require_refusal(question, column, reason)
 
 
 def test_numbers_are_ascii_and_exact() -> None:

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from driftproof.texts.questions.evaluate import value
-from tests.texts.questions.refusals import demand_refusal
+from tests.texts.questions.refusals import require_refusal
 
 MINE = """
 rates = ["y1", "-g * sin(y0)"]
@@ -56,7 +56,7 @@ def test_run_on_decay_is_the_power_of_the_stability_function(key: str) -> None:
 def test_question_runs_no_code_of_a_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     Path("mine.toml").write_text('function = "os:abort"\nstart = ["1"]\nend = "2"\n', encoding="utf-8")
-    demand_refusal(
+    require_refusal(
         "run rk4 problem=mine.toml h=1/4 t=1 : y0", 17, "function is Python code, which questions do not run"
     )
 
@@ -159,9 +159,9 @@ REFUSED = [
 
 @pytest.mark.parametrize(("question", "column", "reason"), REFUSED)
 def test_what_has_no_answer_is_refused_at_its_column(question: str, column: int, reason: str) -> None:
-    demand_refusal(question, column, reason)
+    require_refusal(question, column, reason)
 
 
 def test_evaluations_of_an_explicit_run_are_counted_and_of_an_implicit_one_refused() -> None:
     assert value("evaluations of RK4 y'=-2y, y(0)=1, h=0.1, t=1").exact == 40
-    demand_refusal("run gauss2 y'=-y y(0)=1 h=1/10 t=1 : evaluations", 38, "gauss2 is implicit")
+    require_refusal("run gauss2 y'=-y y(0)=1 h=1/10 t=1 : evaluations", 38, "gauss2 is implicit")

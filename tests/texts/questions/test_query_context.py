@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from tests.texts.questions.refusals import demand_refusal
+from tests.texts.questions.refusals import require_refusal
 
 REFUSED = [
     ("rk4.__class__", 1, "is not the id of a published value"),
@@ -91,4 +91,4 @@ REFUSED = [
 
 @pytest.mark.parametrize(("question", "column", "reason"), REFUSED)
 def test_query_is_refused_at_the_column_of_what_is_wrong_with_it(question: str, column: int, reason: str) -> None:
-    demand_refusal(question, column, reason)
+    require_refusal(question, column, reason)

@@ -9,7 +9,7 @@ from driftproof.texts.questions.evaluate import value
 from driftproof.texts.questions.runs import RUN_READOUTS
 from driftproof.texts.questions.wording import AMBIGUOUS_FACTS, FACT_WORDS, READOUT_WORDS
 from tests.looping import some
-from tests.texts.questions.refusals import demand_refusal
+from tests.texts.questions.refusals import require_refusal
 
 DECAY = "run heun2 rates=(-y0) from 1 h=1/10 t=1 : state_error"
 SAME = {
@@ -191,7 +191,7 @@ REFUSED = [
 
 @pytest.mark.parametrize(("question", "column", "reason"), REFUSED)
 def test_what_is_said_of_a_question_that_lacks_something(question, column, reason):
-    demand_refusal(question, column, reason)
+    require_refusal(question, column, reason)
 
 
 def test_other_words_lead_to_names_that_there_are_and_hide_none():
