@@ -21,7 +21,7 @@ from benchmarks.harness import Goal, Section, milliseconds, quiet
 from driftproof.enclosure.certificate import Certificate
 from driftproof.enclosure.certify import certify
 from driftproof.enclosure.solutions import enclose_solution
-from driftproof.enclosure.text_fields import right_hand_side
+from driftproof.enclosure.text_fields import field_function
 from driftproof.numeric.problems.catalogue import PROBLEMS
 from driftproof.numeric.work_precision.timing import collector_off
 
@@ -85,12 +85,12 @@ RUNS = {
 STIFF = {
     "Robertson, t = 10^11": Run(robertson, (1.0, 0.0, 0.0), 1e11, 2000),
     **{
-        key: Run(right_hand_side(PROBLEMS[key].field), tuple(map(float, PROBLEMS[key].start)), float(PROBLEMS[key].t))
+        key: Run(field_function(PROBLEMS[key].field), tuple(map(float, PROBLEMS[key].start)), float(PROBLEMS[key].t))
         for key in ("hires", "van_der_pol_1e3", "oregonator")
     },
 }
 NOT_STIFF = {
-    key: Run(right_hand_side(problem.field), tuple(map(float, problem.start)), float(problem.t))
+    key: Run(field_function(problem.field), tuple(map(float, problem.start)), float(problem.t))
     for key, problem in PROBLEMS.items()
     if not problem.stiff
 }

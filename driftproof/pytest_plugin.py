@@ -27,9 +27,7 @@ _LONGEST_NAME = 180
 def pytest_addoption(parser: pytest.Parser) -> None:
     """Add the option --driftproof-report."""
     group = parser.getgroup("driftproof")
-    words = (
-        "write what assert_verified and assert_accurate found into FOLDER: a JSON file for each test, and summary.md"
-    )
+    words = "write what assert_verified and assert_accurate found into FOLDER: a JSON file per test, and summary.md"
     group.addoption("--driftproof-report", metavar="FOLDER", help=words)
 
 
@@ -71,10 +69,12 @@ def pytest_runtest_makereport(call: pytest.CallInfo[Any]) -> Generator[None, Any
 
 
 def _time_limit(item: pytest.Item, marker: pytest.Mark) -> float:
-    given = marker.kwargs.get("time_limit", *marker.args[:1])
+    given = marker.kwargs.get("time_limit", *marker.args[:1]) if {*marker.kwargs} <= {"time_limit"} else None
     if isinstance(given, int | float) and not isinstance(given, bool) and given > 0:
         return given
-    raise pytest.UsageError(f"{item.nodeid}: mark it driftproof(time_limit=SECONDS), a positive number, not {given!r}")
+    shown = ", ".join([*map(repr, marker.args), *(f"{name}={value!r}" for name, value in marker.kwargs.items())])
+    wanted = "mark it driftproof(time_limit=SECONDS), a positive number"
+    pytest.fail(f"{item.nodeid}: {wanted}, not driftproof({shown})", pytrace=False)
 
 
 class _Reports:
@@ -124,6 +124,8 @@ class _Reports:
             cells = (self._word(name, one["passed"]), f"`{name}`", f"{one['subject']} {one['verdict']}")
             rows.append(f"| {' | '.join(cell.replace('|', chr(92) + '|') for cell in cells)} |")
         parts = ["| | test | verdict |\n| --- | --- | --- |\n" + "\n".join(rows)] if rows else ["no verdict"]
+        if silent := sorted(self.failed - {name for name, _ in found}):
+            parts.append(f"failed without a verdict: {', '.join(f'`{name}`' for name in silent)}")
         parts += [f"### `{name}`\n\n```\n{one['report']}\n```" for name, one in found]
         self._write(self.folder / SUMMARY, "\n\n".join(parts) + "\n")
 

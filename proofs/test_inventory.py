@@ -90,6 +90,10 @@ def test_new_claim_needs_its_proof_alone_and_one_that_is_missing_says_what_to_do
     ledger.add([], [Entry("L252", "L252", "a statement", "PROVED", "how")])
     assert not ledger.complete
     assert f"without a proof: L251; {HOW_TO_ADD}" in " ".join(ledger.text(200).split())
+    of_one_file = Ledger()
+    of_one_file.add(["a"], [Entry(REQUIRED[0], "a", "first", "PROVED", "how")])
+    told = f"without a proof: {', '.join(REQUIRED[1:13])} and {len(REQUIRED) - 13} more; {HOW_TO_ADD}"
+    assert told in " ".join(of_one_file.text(200).split())
 
 
 def test_ledger_refuses_two_values_under_one_id() -> None:

@@ -68,14 +68,14 @@ BUDGETS = {
     "methods": 5305,
     "symbolic": 10347,
     "numeric": 4172,
-    "blackbox": 17730,
+    "blackbox": 17865,
     "enclosure": 3137,
     "texts": 7340,
 }
 BUDGET_OF_REPORTS_AND_FRONT = 5625
 # The goal is 65 of 100. Independent witnesses, campaigns and guards, 6,000 lines, are among the tests.
 # From 93 to 94: a failing test first for each of some thirty faults, and a guard of the docstrings.
-TESTS_PER_LINE_OF_SOURCE = Fraction(943, 1000)
+TESTS_PER_LINE_OF_SOURCE = Fraction(946, 1000)
 
 # A file of fewer lines needs a reason.
 SMALLEST = 40

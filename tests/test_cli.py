@@ -23,10 +23,10 @@ DRIFTPROOF = (sys.executable, "-m", "driftproof")
 
 GONE = "the answer is lost: standard output"
 REFUSED = {
-    (): "driftproof: the following arguments are required: COMMAND (`driftproof --help` shows how)\n",
-    ("-x", "step"): "driftproof: unrecognized arguments: -x (`driftproof --help` shows how)\n",
-    ("stepp",): "driftproof: unknown command 'stepp'; did you mean step or sweep? (`driftproof --help` lists all)\n",
-    ("x" * 9999,): f"driftproof: unknown command {'x' * 60!r} (`driftproof --help` lists all)\n",
+    (): "driftproof: give a command (`driftproof --help` lists the commands)\n",
+    ("-x", "step"): "driftproof: unknown option -x (`driftproof --help` lists the commands)\n",
+    ("stepp",): "driftproof: unknown command 'stepp'; did you mean step or sweep? (see `driftproof --help`)\n",
+    ("x" * 9999,): f"driftproof: unknown command {'x' * 60!r} (see `driftproof --help`)\n",
     ("methods", "more\nwords"): "driftproof methods: unrecognized arguments: more words (`driftproof methods --help`",
     ("scene", "two\nlines.toml"): "driftproof scene: two lines.toml: No such file or directory\n",
 }

@@ -94,6 +94,8 @@ def test_the_folder_has_a_file_for_each_test_that_found_something_and_a_summary(
     words = [line.split(" | ")[0][2:] for line in summary.splitlines()[2:7]]
     assert words == ["undecided", "FAILED", *["failed, as expected"] * 2, "passed"]
     assert "is not rk4" in summary
+    silent = "`test_steps.py::test_asked_without_sense`, `test_steps.py::test_plain`"
+    assert f"\n\nfailed without a verdict: {silent}\n\n###" in summary
 
 
 def test_workers_write_the_same_folder(run, tmp_path):
@@ -131,12 +133,15 @@ def test_a_folder_that_is_none_is_refused_in_a_line(tmp_path):
     assert done.stderr == "ERROR: --driftproof-report: test_steps.py is a file; name a folder\n\n"
 
 
-@pytest.mark.parametrize("given", [{}, *({"time_limit": limit} for limit in (0, True, "long"))], ids=str)
-def test_a_mark_without_seconds_is_refused(given):
-    mark = pytest.mark.driftproof(**given).mark
+@pytest.mark.parametrize("given", ["", "time_limit=0", "time_limit=True", "time_limit='long'", "timelimit=3", "0"])
+def test_a_mark_without_seconds_is_refused_in_a_line_that_shows_it(given):
+    mark = eval(f"pytest.mark.driftproof({given}).mark")
     item = SimpleNamespace(nodeid="test_steps.py::test_it", get_closest_marker=lambda name: mark)
-    with pytest.raises(pytest.UsageError, match=r"^test_steps\.py::test_it: mark it driftproof\(time_limit=SECONDS\)"):
+    with pytest.raises(
+        pytest.fail.Exception, match=r"^test_steps\.py::test_it: mark it driftproof\(time_limit=S"
+    ) as told:
         next(pytest_runtest_call(item))
+    assert (told.value.msg.rpartition(", not ")[2], told.value.pytrace) == (f"driftproof({given})", False)
 
 
 def test_the_verdict_on_a_trajectory_is_written_too(tmp_path):
@@ -157,4 +162,4 @@ def test_far():
     assert "largest error 3.065971263e-5, proved" in summary
     found = [json.loads(path.read_text())["verdicts"][0] for path in sorted((tmp_path / "found").glob("*.json"))]
     assert [verdict["passed"] for verdict in found] == [False, True]
-    assert found[1]["verdict"] == "is within 0.0001 of that through its first point, t = 0 (proved)"
+    assert found[1]["verdict"] == "is within 0.0001 of the true one through its first point, t = 0 (proved)"

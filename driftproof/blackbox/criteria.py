@@ -9,7 +9,7 @@ from typing import Any, NamedTuple, TypeAlias
 from driftproof.blackbox.families.multistep_runs import later_steps
 from driftproof.blackbox.findings import NO_EVIDENCE, Outcome, UnsupportedCall
 from driftproof.blackbox.isolation import Probe
-from driftproof.blackbox.judging.agreement import Agreement, Domain, rows_together
+from driftproof.blackbox.judging.agreement import Agreement, Domain, other_parameters, rows_together
 from driftproof.blackbox.judging.habits import explained
 from driftproof.blackbox.judging.measured_order import MeasuredOrder, measured_orders
 from driftproof.blackbox.judging.nonlinear_step import BEYOND_TOLERANCE, NonlinearAgreement, nonlinear_agreement
@@ -40,6 +40,7 @@ _READABLE_ESTIMATE = "an estimate that is a sum of the slopes of the pair's own 
 # The titles that verdicts refer to.
 ROUNDING, COEFFICIENTS, NONLINEAR_STEP, ORDER = "Rounding", "Coefficients", "Nonlinear step", "Order"
 ERROR_ESTIMATE, DENSE_OUTPUT, STATE_FORMS = "Error estimate", "Dense output", "State"
+_UNUSUAL = (ERROR_ESTIMATE, DENSE_OUTPUT, "Parameters")  # most steppers have nothing of these, which needs no line
 # The criteria of a single step, which decide whether it is the method's; the other criteria must not fail.
 OF_ONE_STEP = (ROUNDING, COEFFICIENTS, NONLINEAR_STEP, ORDER)
 # Whether an answer passes (None: not seen), the finding as lines and as JSON data, and what would decide it.
@@ -67,7 +68,7 @@ class Question(NamedTuple):
             return Criterion(self.title, passed, tuple(seen), data, missing)
         missing = _OPEN.get(kind, self.readable if kind == NotReadable.kind else "")
         if kind == UnsupportedCall.kind:  # a stepper that returns y1 alone needs no line
-            return Criterion(self.title, None, () if self.title in (ERROR_ESTIMATE, DENSE_OUTPUT) else lines, {})
+            return Criterion(self.title, None, () if self.title in _UNUSUAL else lines, {})
         if of_step and not missing:
             return Criterion(self.title, False, (f"{kind}: {outcome.seen}",), {})
         return Criterion(self.title, None, lines, {}, missing)
@@ -87,6 +88,7 @@ def questions_of(method: Method, allowance: Allowance, domain: Domain, examples:
         Question("Steps elsewhere", partial(walked, **within), _judge_calls, ", but not everywhere"),
         Question("Steps back", partial(back_and_on, **within), _judge_calls, " for h > 0 only"),
         Question("Rows", partial(rows_together, **within), _judge_calls, " for one state at a time only"),
+        Question("Parameters", partial(other_parameters, **within), _judge_calls, ", but not for all parameters"),
         Question("Later steps", later_steps, _judge_calls, " for its first step only"),
         Question(STATE_FORMS, partial(state_objects, **within), _judge_calls, ", but not for every form of state"),
     ]

@@ -44,7 +44,7 @@ class Exchanged(Misbehaviour):
 
 
 class StaleSlope(Misbehaviour):
-    """The slope that a step hands on to the next one is not the slope at its end."""
+    """The slope, or the time, that a step hands on to the next one is not that at its end."""
 
     kind = "stale_slope"
 
@@ -76,7 +76,7 @@ class UnsupportedCall(ValueError):
 
 
 class BadInput(ValueError):
-    """What was asked for makes no sense for numbers of this format."""
+    """What was asked for makes no sense for this code, or for numbers of this format."""
 
     kind = "bad_input"
 

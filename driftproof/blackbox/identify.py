@@ -21,7 +21,7 @@ from driftproof.blackbox.judging.nonlinear_step import nonlinear_twins
 from driftproof.blackbox.matching.dense_outputs import JudgedDense, judged_dense
 from driftproof.blackbox.matching.estimates import JudgedEstimate, judged_estimate
 from driftproof.blackbox.matching.linear_match import linear_fit
-from driftproof.blackbox.naming import Seen
+from driftproof.blackbox.naming import Naming, Seen
 from driftproof.blackbox.probes.questions import Introduction, introduction, read_coefficients
 from driftproof.blackbox.probes.scripted_answers import NotReadable
 from driftproof.blackbox.probes.tableau import TableauReading
@@ -67,12 +67,14 @@ def identify(
             if opened is not None and opened.calls in OF_FAMILIES:
                 return unread_report(runner.target.name, family)
         # If later steps depend on earlier ones by no known recurrence, only the first step was read.
-        remembering = family.kind in (NotReadable.kind, NoRecurrence.kind)
+        remembering = family.kind in (NotReadable.kind, NoRecurrence.kind, *NO_EVIDENCE)
         later = f"this holds for its first step only: {family.seen}" if remembering else ""
-        return identified(runner, read, order, dense, later)
+        return identified(runner, read, order, dense, later)[0]
 
 
-def identified(runner: IsolatedRunner, read: Outcome, order: Outcome, dense: Outcome, later: str = "") -> Report:
+def identified(
+    runner: IsolatedRunner, read: Outcome, order: Outcome, dense: Outcome, later: str = ""
+) -> tuple[Report, Naming]:
     """Report on the runner's stepper, given three answers; the other questions are asked in the time that is left."""
     if read.kind == "bad_input":
         raise ValueError(read.seen)
@@ -90,9 +92,9 @@ def identified(runner: IsolatedRunner, read: Outcome, order: Outcome, dense: Out
     found = rounding.result if rounding and not rounding.failed and not (seen.read or fit.result.nearly) else None
     beyond = found and found.failing and found.failing.answer and not found.but_for and found.failing.error_over_bound
     off = f"but a step is off by {beyond:.3g} times the bound on its rounding" if beyond else ""
-    verdict = "; ".join(filter(None, [seen.verdict, off, later, arithmetic]))
+    verdict = "; ".join(filter(None, [seen.naming.words, off, later, arithmetic]))
     name = runner.target.name
-    return Report(name, verdict, None, _sections(name, seen, rounding), _data(seen, rounding))
+    return Report(name, verdict, None, _sections(name, seen, rounding), _data(seen, rounding)), seen.naming
 
 
 def _rounding(runner: IsolatedRunner, method: Method, size: float) -> Outcome:
@@ -103,8 +105,11 @@ def _rounding(runner: IsolatedRunner, method: Method, size: float) -> Outcome:
 def _sections(name: str, seen: Seen, rounding: Outcome | None) -> tuple[Section, ...]:
     """The sections of the report: what to do first, then the evidence, the most important first."""
     damping: Damping | None = seen.damping.result
-    faults = [*(damping.faults if damping else ()), *(check.words for check in seen.checks if check.is_fault)]
+    damps = damping.faults if damping and not seen.ignores_step else []
+    faults = [*damps, *(check.words for check in seen.checks if check.is_fault)]
     failed = [o for o in _questions(seen, rounding) if o.failed and o.kind != "unsupported_call"]
+    opened: Introduction | None = seen.introduction.result
+    stepper = [SIGNATURES[opened.calls], f"takes {opened.numbers}, works in {opened.format}"] if opened else []
     evidence = sections(
         ("What to do", _what_to_do(name, seen)),
         ("Faults", faults),
@@ -115,7 +120,7 @@ def _sections(name: str, seen: Seen, rounding: Outcome | None) -> tuple[Section,
         ("Error estimate", _returned_besides_y1(seen.estimate)),
         ("Dense output", _returned_besides_y1(seen.dense)),
         ("Rounding", [] if rounding is None or rounding.failed else rounding.result.lines),
-        ("Stepper", [*_stepper_lines(seen), *filter(None, [seen.arithmetic])]),
+        ("Stepper", [*stepper, *filter(None, [seen.arithmetic])]),
     )
     answers = sections(("Not answered", each_once(f"{o.kind}: {o.seen}" for o in failed)))
     return (*evidence, *_checks([check for check in seen.checks if not check.is_fault]), *answers)
@@ -151,6 +156,10 @@ def _what_to_do(name: str, seen: Seen) -> list[str]:
         lines.append(f"if it should be {seen.key}, verify it: {held} {seen.key}{solved}, or assert_verified in a test")
     else:
         lines.append(f"name the method it should be: {held} METHOD, or your own tableau in a .toml file")
+    if seen.coefficients.failed and "is adaptive" in seen.coefficients.seen:
+        lines.append(
+            "if it adapts its step size, let a large tolerance accept each step, or examine a solver: --solver"
+        )
     if seen.coefficients.kind == "unsupported_call":
         lines.append("to have its coefficients read, make the right-hand side or force an argument: step(f, t, y, h)")
     return lines
@@ -159,13 +168,6 @@ def _what_to_do(name: str, seen: Seen) -> list[str]:
 def _questions(seen: Seen, rounding: Outcome | None) -> Sequence[Outcome]:
     questions = seen.introduction, seen.coefficients, seen.linear, seen.order, seen.estimate, seen.dense
     return questions if rounding is None else (*questions, rounding)
-
-
-def _stepper_lines(seen: Seen) -> list[str]:
-    if seen.introduction.failed:
-        return []
-    opened: Introduction = seen.introduction.result
-    return [SIGNATURES[opened.calls], f"takes {opened.numbers}, works in {opened.format}"]
 
 
 def _returned_besides_y1(outcome: Outcome) -> list[str]:

@@ -19,7 +19,7 @@ from pathlib import Path
 from time import monotonic
 from typing import Any, Protocol
 
-from driftproof.blackbox.findings import Misbehaviour, NoAnswer, Outcome
+from driftproof.blackbox.findings import NoAnswer, Outcome
 from driftproof.blackbox.stepper.float_environment import FloatEnvironment
 from driftproof.support.messages import MessageError, decode, encode
 from driftproof.support.processes import START_UP, Limits, ProcessEnded, Session
@@ -140,9 +140,9 @@ class IsolatedRunner:
             for i, probe in enumerate(probes):
                 yield self._answer(session, i, log, opening=probe is opens)
         except ProcessEnded as ended:
-            outcome = _outcome_of_end(ended, log)
+            call = f" in step({log.call})" if log.call else " while the stepper was imported"
             self.__exit__()
-            yield outcome
+            yield Outcome(kind=_ENDS.get(ended.cause, "crashes"), seen=f"{ended}{call}")
         finally:
             if not self._kept:
                 self.__exit__()
@@ -211,13 +211,6 @@ def _packed(plain: object) -> str:
 _ENDS = {"time": "time_limit", "killed": "killed", "raised": "instrument_failed"}
 
 
-def _outcome_of_end(ended: ProcessEnded, log: _CallLog) -> Outcome:
-    """The outcome of a probe whose process ended without an answer."""
-    text = log.call
-    call = f" in step({text})" if text else " while the stepper was imported"
-    return Outcome(kind=_ENDS.get(ended.cause, "crashes"), seen=f"{ended}{call}")
-
-
 def _not_again(call: str) -> str:
     """The text of calls to refuse from now on: the call that hung, or its h alone if that is not an ordinary one."""
     h = call.rpartition("h=")[2]
@@ -281,7 +274,7 @@ class Serving:
                 try:
                     self._environment.enter()
                     self._opened = self.target.open(self._before, self._after)
-                except (Misbehaviour, NoAnswer, ValueError) as error:
+                except (NoAnswer, Exception) as error:
                     self._opened = _failure(error)
             found = self._opened if isinstance(self._opened, Outcome) else _outcome(self.probes[index], self._opened)
             return replace(found, arithmetic=self._environment.change, calls=self._calls - before)
@@ -320,14 +313,14 @@ def _outcome(probe: Probe, subject: Any) -> Outcome:
     try:
         return Outcome(probe(subject))
     except (NoAnswer, Exception) as error:
-        if hasattr(error, "kind"):
-            return _failure(error)  # otherwise a fault of ours: the subject's own exceptions come as Misbehaviour
-        place = traceback.extract_tb(error.__traceback__)[-1]
-        where = f"{Path(place.filename).name}, line {place.lineno}"
-        return Outcome(kind="instrument_failed", seen=f"{type(error).__name__} in {where}: {error}; please report this")
+        return _failure(error)
 
 
 def _failure(error: BaseException) -> Outcome:
+    if not hasattr(error, "kind"):  # a fault of ours: the subject's own exceptions come as Misbehaviour
+        place = traceback.extract_tb(error.__traceback__)[-1]
+        where = f"{Path(place.filename).name}, line {place.lineno}"
+        return Outcome(kind="instrument_failed", seen=f"{type(error).__name__} in {where}: {error}; please report this")
     limit = f" (an isolated process is given {MEMORY_LIMIT / 2**30:g} GiB)"
     seen = f"{error}".rstrip() + limit if isinstance(error.__cause__, MemoryError) else str(error)
-    return Outcome(kind=getattr(error, "kind", "bad_input"), seen=seen)
+    return Outcome(kind=error.kind, seen=seen)

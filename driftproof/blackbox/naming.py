@@ -7,18 +7,21 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import NamedTuple
 
+from driftproof.blackbox.checks.step_size import IGNORED
 from driftproof.blackbox.checks.trials import CheckResult
 from driftproof.blackbox.families.damping import Damping
-from driftproof.blackbox.findings import NO_EVIDENCE, Outcome
+from driftproof.blackbox.findings import NO_EVIDENCE, Outcome, StaleSlope
 from driftproof.blackbox.judging.measured_order import MeasuredOrder
 from driftproof.blackbox.matching.candidates import EMBEDDED
 from driftproof.blackbox.matching.linear_candidates import LinearCandidate
 from driftproof.blackbox.matching.linear_match import LinearFit
 from driftproof.blackbox.matching.match import Identity, match_tableau, matched
+from driftproof.blackbox.matching.near_misses import Near
 from driftproof.blackbox.matching.read_order import ReadOrder, read_order
 from driftproof.blackbox.probes.force import ForceReading
 from driftproof.blackbox.probes.linear_steps import LINEAR
 from driftproof.blackbox.probes.questions import CoefficientReading
+from driftproof.blackbox.probes.stage_solutions import UNSOLVED
 from driftproof.blackbox.probes.tableau import TableauReading
 from driftproof.blackbox.report import NO_ANSWER, UNDECIDED
 from driftproof.methods.catalogue import METHODS
@@ -26,6 +29,19 @@ from driftproof.methods.schemes import RungeKutta
 
 # Solvers in use stop at an error of 1e-6 or less for numbers of size 1.
 _SOLVED = 1e-6
+# What a stepper is named by, besides UNDECIDED and NO_ANSWER: its coefficients without and with an addition, all its
+# coefficients but a few, or its linear steps only; or it is named by nothing.
+KNOWN, ADDED, NEAR, LINEAR_ONLY, UNKNOWN = "known", "known, with an addition", "near", "linear only", "unknown"
+NOT_KNOWN = "it is not a known method"
+
+
+class Naming(NamedTuple):
+    """A verdict: what it rests on, its words, the keys of all methods in it, and whether it has a reservation."""
+
+    kind: str
+    words: str
+    methods: tuple[str, ...] = ()
+    reserved: bool = False
 
 
 class Recognised(NamedTuple):
@@ -124,37 +140,49 @@ class Seen:
         read = 1.0 if self.read is None else self.read.reading.amplitude
         return min(read, self.fit.amplitude) if self.fit is not None and self.fit.kind == LINEAR else read
 
-    @property
-    def verdict(self) -> str:
-        """The verdict in one line."""
+    @cached_property
+    def naming(self) -> Naming:
+        """The verdict, by the most certain answer."""
         if self.introduction.kind in NO_EVIDENCE:
-            return f"{UNDECIDED}: {self.introduction.seen}"
+            return Naming(UNDECIDED, f"{UNDECIDED}: {self.introduction.seen}")
         if self.introduction.failed:
-            return f"{NO_ANSWER}: {self.introduction.seen}"
+            kind, words = (UNKNOWN, NOT_KNOWN) if self.introduction.kind == StaleSlope.kind else (NO_ANSWER, NO_ANSWER)
+            return Naming(kind, f"{words}: {self.introduction.seen}")
         read, fit = self.read, self.fit
         if read is not None and read.identity.matches:
-            first, *others = [match.name for match in read.identity.matches]
-            name = f"it is {first}" + (f", the same step as {', '.join(others)}" if others else "") + _at(self.size)
-            judged = filter(None, (self.estimate.result, self.dense.result))
-            faults = "".join(f"; {fault}" for each in judged for fault in each.faults)
-            return name + read.row + read.solved + read.beyond_plain_forces(self.measured) + faults
+            return self._known(read)
         if read is not None and read.untimed is not None and read.untimed.matches:
-            late = f"order {read.order.order} where the right-hand side depends on t"
-            return f"it is {read.untimed.matches[0].name} called at wrong times: {late}"
+            match, late = read.untimed.matches[0], f"order {read.order.order} where the right-hand side depends on t"
+            return Naming(ADDED, f"it is {match.name} called at wrong times: {late}", (match.key,))
         if read is not None and (read.reading.implicit or (fit is not None and fit.best and not self.twins.result)):
-            return f"it is {self._unknown_stages(read)}{read.solved}"
+            return self._unknown_stages(read)
         if self._besides_one_number:
             return self._unknown
-        alike = f"; its nonlinear steps are those of {', '.join(self.twins.result)}" if self.twins.result else ""
+        twins = tuple(self.twins.result or ())
+        alike = f"; its nonlinear steps are those of {', '.join(twins)}" if twins else ""
         if fit is not None and fit.best is not None:
-            return f"judging by linear steps only, it is {_in_words(fit, fit.best)}{alike}"
+            return _by_linear_steps(fit, fit.best, alike, twins)
         if read is not None and read.identity.near:
-            return f"it is {read.identity.near[0].name}"
+            return _near(read.identity.near[0])
         if fit is not None and read is None and (nearly := fit.nearly):
-            off = f"to {nearly.off:.1e} at states of size 1"
-            return f"judging by linear steps only, it is nearly {' or '.join(nearly.methods)}, {off}{alike}"
+            name = "nearly " * bool(nearly.off) + " or ".join(nearly.methods)
+            few_bits = " in numbers of few bits, not in all numbers"
+            off = f", to {nearly.off:.1e} at states of size 1" if nearly.off else few_bits
+            words = f"judging by linear steps only, it is {name}{off}{alike}"
+            return Naming(LINEAR_ONLY, words, (*nearly.methods, *twins), reserved=True)
         open_questions = [o for o in (self.coefficients, self.linear) if o.kind in NO_EVIDENCE]
-        return f"{UNDECIDED}: {open_questions[0].seen}" if open_questions else self._unknown
+        return Naming(UNDECIDED, f"{UNDECIDED}: {open_questions[0].seen}") if open_questions else self._unknown
+
+    def _known(self, read: Recognised) -> Naming:
+        """All methods with the coefficients read, and what is to be added: rows, stages, forces, faults besides y1."""
+        first, *others = [match.name for match in read.identity.matches]
+        name = f"it is {first}" + (f", the same step as {', '.join(others)}" if others else "")
+        beyond = read.solved + read.beyond_plain_forces(self.measured)
+        judged = filter(None, (self.estimate.result, self.dense.result))
+        faults = "".join(f"; {fault}" for each in judged for fault in each.faults)
+        words = name + _at(self.size) + read.row + beyond + faults
+        keys = tuple(match.key for match in read.identity.matches)
+        return Naming(KNOWN if words == name and first in keys else ADDED, words, keys, reserved=bool(beyond))
 
     @property
     def _besides_one_number(self) -> bool:
@@ -163,20 +191,30 @@ class Seen:
         return found is not None and len(found.at_once) > 1
 
     @property
-    def _unknown(self) -> str:
-        """The verdict without a method of the catalogue: the damping, if it was read."""
-        found: Damping | None = self.damping.result
-        return "it is not a known method" if found is None else found.verdict
+    def ignores_step(self) -> str:
+        """The fault of a step that is the same whatever h is, "" if it is not; it damps nothing, unless v becomes 0."""
+        stops = self.damping.result is not None and self.damping.result.at_once == ((0.0,),)
+        faults = (check.words for check in self.checks if check.is_fault and not stops)
+        return next((words for words in faults if words.startswith(IGNORED)), "")
 
-    def _unknown_stages(self, read: Recognised) -> str:
+    @property
+    def _unknown(self) -> Naming:
+        """The verdict without a method of the catalogue: that h is ignored, or else the damping, if it was read."""
+        found: Damping | None = self.damping.result
+        if self.ignores_step:
+            return Naming(UNKNOWN, f"{NOT_KNOWN}: {self.ignores_step}")
+        return Naming(UNKNOWN, NOT_KNOWN if found is None else found.verdict)
+
+    def _unknown_stages(self, read: Recognised) -> Naming:
         """The nearest method to unknown stages, or else their number, their order and their linear method."""
         if read.identity.near:
-            return read.identity.near[0].name
+            return _near(read.identity.near[0], read.solved)
         calls, implicit = read.reading.calls, "implicit " * read.reading.implicit
         stages = f"{calls} {implicit}stage{'s' * (calls > 1)}"
         best = None if self.fit is None or self.fit.best is None else _in_words(self.fit, self.fit.best)
         linear = f", though on linear problems it is {best}" if best is not None else ""
-        return f"not a known method, but has {stages} and order {read.order.order}{linear}"
+        words = f"{NOT_KNOWN}, but has {stages} and order {read.order.order}{linear}{read.solved}"
+        return Naming(UNKNOWN, words, () if self.fit is None or self.fit.best is None else self.fit.best.methods)
 
     @property
     def measured(self) -> tuple[MeasuredOrder, ...]:
@@ -186,13 +224,26 @@ class Seen:
         return orders[::-1] if partitioned else orders
 
 
+def _near(near: Near, solved: str = "") -> Naming:
+    return Naming(NEAR, f"it is {near.name}{solved}", (near.key,), reserved=bool(solved))
+
+
+def _by_linear_steps(fit: LinearFit, best: LinearCandidate, alike: str, twins: tuple[str, ...]) -> Naming:
+    """The simplest explanation of the linear steps; `alike` names the `twins`, methods with its nonlinear steps."""
+    nearest = fit.nearly or fit.nearest
+    keys = (*best.methods, *(nearest.methods if nearest is not None else ()), *twins)
+    reserved = bool(best.restriction) or not best.rates_are_right or (nearest is not None and nearest.off > 0)
+    words = f"judging by linear steps only, it is {_in_words(fit, best)}{alike}"
+    return Naming(LINEAR_ONLY, words, keys, reserved)
+
+
 def _in_words(fit: LinearFit, best: LinearCandidate) -> str:
     """The candidate in words, with its keys if it is an unchanged method, and the size of states that it is seen at."""
     others = [key for key in best.methods if key != best.words]
     keys = f" ({', '.join(others)})" if others and best.extras == 0 else ""
     nearest = fit.nearly or fit.nearest
-    if nearest is None:
-        return f"{best.words}{keys}{_at(fit.amplitude) if fit.kind == LINEAR else ''}"
+    if nearest is None or nearest.off > UNSOLVED:
+        return f"{best.words}{keys}{_at(fit.amplitude) if nearest or fit.kind == LINEAR else ''}"
     key, off = nearest.methods[0], nearest.off
     near = f"nearly {key} at states of size 1, to {off:.1e}" if off else f"{key} at h = {nearest.h:g} and size 1"
     return f"{near}; at states of size {fit.amplitude:.1e}, {best.words}{keys}"

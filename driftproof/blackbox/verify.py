@@ -2,27 +2,17 @@
 
 from __future__ import annotations
 
-import re
+import warnings
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any
 
-from driftproof.blackbox.checks.arguments import RETURNS_NOTHING, arguments
+from driftproof.blackbox import criteria
+from driftproof.blackbox.checks.arguments import arguments, types
 from driftproof.blackbox.checks.determinism import CALL_BEFORE
-from driftproof.blackbox.criteria import (
-    COEFFICIENTS,
-    DENSE_OUTPUT,
-    ERROR_ESTIMATE,
-    NONLINEAR_STEP,
-    OF_ONE_STEP,
-    ORDER,
-    ROUNDING,
-    STATE_FORMS,
-    Question,
-    questions_of,
-)
+from driftproof.blackbox.checks.output_precision import digits
 from driftproof.blackbox.families.magnetic import BORIS_NAMES, Boris
 from driftproof.blackbox.families.reports import turns, verify_family
 from driftproof.blackbox.findings import Outcome, UnsupportedCall, arithmetic_of
@@ -32,6 +22,7 @@ from driftproof.blackbox.judging.habits import ROUNDED
 from driftproof.blackbox.judging.nonlinear_step import NonlinearAgreement
 from driftproof.blackbox.judging.state_objects import RIGHT_AS
 from driftproof.blackbox.judging.tolerance import Allowance, Tolerance
+from driftproof.blackbox.naming import KNOWN, LINEAR_ONLY, NEAR, NOT_KNOWN, UNKNOWN, Naming
 from driftproof.blackbox.probes.force import ForceReading
 from driftproof.blackbox.report import NO_ANSWER, UNDECIDED, Criterion, Report, criteria_parts, sections
 from driftproof.blackbox.stepper.opening import Target
@@ -39,6 +30,9 @@ from driftproof.methods.catalogue import METHODS, FactsOnly
 from driftproof.methods.schemes import Method
 from driftproof.methods.tableau_file import method_of, subject_of
 from driftproof.support.assertions import AssertedVerdict, demand, time_limit_of_test
+
+# What a verdict of `verify` that passes remarks on, besides its criteria.
+_REMARKS = (arguments, digits, types)
 
 
 def verify(
@@ -83,40 +77,46 @@ def verify(
         asked = replace(asked, key=f"own_{asked.key}")
     Tolerance(asked, allowance=allowance)  # an allowance without meaning is refused before anything runs
     with IsolatedRunner(Target(step, calls, array), time_limit, isolate) as runner:
-        questions = questions_of(asked, allowance, domain, examples)
-        *answers, remarks = runner.run([*(question.ask for question in questions), arguments])
+        questions = criteria.questions_of(asked, allowance, domain, examples)
+        asked_for = [*(question.ask for question in questions), *_REMARKS]
+        answers, remarks = (replies := runner.run(asked_for))[: len(questions)], replies[len(questions) :]
         outcomes = {question.title: outcome for question, outcome in zip(questions, answers, strict=True)}
-        rounding = outcomes[ROUNDING]
+        rounding = outcomes[criteria.ROUNDING]
         if rounding.kind == "bad_input":
             raise ValueError(rounding.seen)
         if rounding.kind == UnsupportedCall.kind and runner.outcome_of(turns).result:
             return verify_family(runner, asked)
         checks = {question.title: question.criterion(asked, outcomes[question.title]) for question in questions}
-        if checks[ROUNDING].passed is False or checks[ROUNDING].missing:
+        if checks[criteria.ROUNDING].passed is False or checks[criteria.ROUNDING].missing:
             checks = {question.title: checks[question.title] for question in questions if not question.only}
-        passed, arithmetic = _decided(checks), arithmetic_of([*answers, remarks])
-        made = sum(outcome.calls for outcome in (*answers, remarks))
+        passed, arithmetic = _decided(checks), arithmetic_of(replies)
+        made = sum(outcome.calls for outcome in replies)
         if passed is False:
             from driftproof.blackbox.identify import identified
             from driftproof.blackbox.judging.single_mistakes import single_mistakes
 
-            read, order, dense = outcomes[COEFFICIENTS], outcomes[ORDER], outcomes[DENSE_OUTPUT]
-            instead = identified(runner, read, order, dense)
+            read, order, dense = (
+                outcomes[criteria.COEFFICIENTS],
+                outcomes[criteria.ORDER],
+                outcomes[criteria.DENSE_OUTPUT],
+            )
+            instead, naming = identified(runner, read, order, dense)
             mistakes = runner.outcome_of(partial(single_mistakes, method=asked)).result or ()
             same_steps = [*mistakes, *filter(None, [_right_form(outcomes)])]
-            refuted = _refuted(asked, questions, checks, outcomes, instead, mistakes)
+            refuted = _refuted(asked, questions, checks, outcomes, instead, naming, mistakes)
             named = refuted if arithmetic in refuted else f"{refuted}; {arithmetic}"
             return _report(runner.target, named, passed, checks, made, instead, same_steps)
     verdict = _agreed(asked, rounding.result, checks) if passed else _not_decided(asked, checks)
-    told = [check.words for check in remarks.result or () if check.holds is False]
-    remarked = [f"remark: {words}" for words in told if not words.endswith(RETURNS_NOTHING)]
+    remarked = [
+        f"remark: {check.words}" for outcome in remarks for check in outcome.result or () if check.holds is False
+    ]
     unjudged = [
         f"the {title.lower()} is not judged: {outcomes[title].seen}"
-        for title in (ERROR_ESTIMATE, DENSE_OUTPUT)
+        for title in (criteria.ERROR_ESTIMATE, criteria.DENSE_OUTPUT)
         if outcomes[title].kind not in (None, UnsupportedCall.kind) and not checks[title].missing
     ]
     whole = "; ".join(filter(None, [verdict, *remarked, *unjudged, arithmetic]))
-    return _report(runner.target, whole, passed, checks, made)
+    return _report(runner.target, whole, passed, checks, made, remarks=remarked)
 
 
 def assert_verified(
@@ -134,7 +134,8 @@ def assert_verified(
 ) -> None:
     """Raise AssertionError with the whole report of `verify` unless the stepper passes: for a test.
 
-    An undecided verdict fails as well, and the report says what would decide it, unless `allow_undecided` is true. The
+    An undecided verdict fails as well, and the report says what would decide it, unless `allow_undecided` is true. A
+    verdict that passes with a remark, such as answers that are rounded to binary32, is warned of (UserWarning). The
     default time limit is that of the test's mark, `@pytest.mark.driftproof(time_limit=30)`, or else that of `verify`.
 
     >>> from driftproof import assert_verified
@@ -158,6 +159,8 @@ def assert_verified(
         raise ValueError(str(error)) from None
     found = AssertedVerdict(report.target, report.verdict, report.passed, report.text(), report.data)
     demand(found, holds=report.passed is True or (report.passed is None and allow_undecided))
+    if report.data.get("remarks"):
+        warnings.warn(found.headline, stacklevel=2)
 
 
 def _decided(checks: Mapping[str, Criterion]) -> bool | None:
@@ -172,7 +175,9 @@ def _decided(checks: Mapping[str, Criterion]) -> bool | None:
 
 def _open(checks: Mapping[str, Criterion]) -> list[Criterion]:
     """The criteria that keep the verdict open: those of a single step, or else others whose answer is missing."""
-    rounding, coefficients, nonlinear = of_step = [checks[title] for title in (ROUNDING, COEFFICIENTS, NONLINEAR_STEP)]
+    rounding, coefficients, nonlinear = of_step = [
+        checks[title] for title in (criteria.ROUNDING, criteria.COEFFICIENTS, criteria.NONLINEAR_STEP)
+    ]
     if rounding.mark == "not tested":  # the stepper takes one number only
         seen = coefficients.passed and nonlinear.passed
     else:
@@ -180,11 +185,11 @@ def _open(checks: Mapping[str, Criterion]) -> list[Criterion]:
         seen = rounding.passed and (built_in or coefficients.passed or nonlinear.passed)
     if not seen:
         return [check for check in of_step if not check.passed]
-    return [check for title, check in checks.items() if title not in OF_ONE_STEP and check.missing]
+    return [check for title, check in checks.items() if title not in criteria.OF_ONE_STEP and check.missing]
 
 
 def _agreed(method: Method, found: Agreement | None, checks: Mapping[str, Criterion]) -> str:
-    coefficients, nonlinear = checks[COEFFICIENTS], checks[NONLINEAR_STEP]
+    coefficients, nonlinear = checks[criteria.COEFFICIENTS], checks[criteria.NONLINEAR_STEP]
     if found is None:
         return f"is {method.key} for a single component: its coefficients agree, and {nonlinear.lines[0]}"
     where = " on q'' = -q" if coefficients.mark == nonlinear.mark == "not tested" else ""
@@ -199,22 +204,23 @@ def _how_near(method: Method) -> str:
 
 def _not_decided(method: Method, checks: Mapping[str, Criterion]) -> str:
     unseen = next(check for check in _open(checks) if check.mark == "undecided")
-    what = "" if unseen.title in OF_ONE_STEP else f"{unseen.title.lower()}: "
+    what = "" if unseen.title in criteria.OF_ONE_STEP else f"{unseen.title.lower()}: "
     return f"{UNDECIDED} whether it is {method.key}: {what}{unseen.lines[-1]}"
 
 
 def _refuted(
     method: Method,
-    questions: Sequence[Question],
+    questions: Sequence[criteria.Question],
     checks: Mapping[str, Criterion],
     outcomes: Mapping[str, Outcome],
     instead: Report,
+    naming: Naming,
     mistakes: Sequence[str],
 ) -> str:
     """The verdict on a stepper that failed: what it is not and why, or what explains its rounding errors."""
-    rounding, coefficients, nonlinear, order = (checks[title] for title in OF_ONE_STEP)
-    beside = [checks[ERROR_ESTIMATE], checks[DENSE_OUTPUT]]
-    found: Agreement | None = outcomes[ROUNDING].result
+    rounding, coefficients, nonlinear, order = (checks[title] for title in criteria.OF_ONE_STEP)
+    beside = [checks[criteria.ERROR_ESTIMATE], checks[criteria.DENSE_OUTPUT]]
+    found: Agreement | None = outcomes[criteria.ROUNDING].result
     of_step = all(check.passed is not False for check in (coefficients, nonlinear, order, *beside))
     stages = coefficients.data.get("stages")
     if stages and False in (coefficients.passed, nonlinear.passed):
@@ -238,40 +244,40 @@ def _refuted(
                 return f"is not {method.key}: its coefficients agree, but {CALL_BEFORE}"
             off = f"a step is off by {found.failing.error_over_bound:.3g} times the bound"
             return f"is not {method.key} {_how_near(method)}: its coefficients agree, but {off}"
-    seen: NonlinearAgreement | None = outcomes[NONLINEAR_STEP].result
+    seen: NonlinearAgreement | None = outcomes[criteria.NONLINEAR_STEP].result
     if coefficients.passed and rounding.passed and seen is not None and nonlinear.passed is False:
         wrong = f"{', '.join(seen.wrong)} {'is' if len(seen.wrong) == 1 else 'are'} not what the coefficients give"
         return f"is not {method.key}: its coefficients agree, but on {seen.problem}, {wrong}"
-    if instead.verdict.startswith(NO_ANSWER):
+    if naming.kind == NO_ANSWER:
         return instead.verdict
-    vague = re.search(rf"\b{method.key}\b|it is not a known|, but |\bnearly |with a drag", instead.verdict)
-    linear = coefficients.passed is False and "judging by linear steps only" in instead.verdict
-    read = outcomes[COEFFICIENTS]
+    read = outcomes[criteria.COEFFICIENTS]
     reading = read.result
     if coefficients.passed is None and isinstance(reading, ForceReading) and reading.refused:
         return f"is not {method.key}: it is on q'' = F(q), but not on y' = f(t, y): {reading.refused}"
     differences = coefficients.data.get("differences", ())
-    one_entry = len(differences) == 1 and instead.verdict.startswith(f"it is {method.key} except for ")
-    if mistakes and not one_entry and (vague or linear or not instead.verdict.startswith(("it is", "judging"))):
+    one_entry = len(differences) == 1 and naming.kind == NEAR and method.key in naming.methods
+    by_linear_steps = naming.kind == LINEAR_ONLY and coefficients.passed is False
+    unclear = by_linear_steps or naming.kind in (UNKNOWN, UNDECIDED) or naming.reserved or method.key in naming.methods
+    if mistakes and unclear and not one_entry:
         link = "except for" if " instead of " in mistakes[0] else "with one mistake:"
         return f"is not {method.key}; it is {method.key} {link} {mistakes[0]}"
-    if instead.section("Coefficients") is None and re.search(rf"\b{method.key}\b", instead.verdict):
+    if instead.section("Coefficients") is None and method.key in naming.methods:
         failed = next(check for check in checks.values() if check.passed is False)
         return f"is not {method.key}: {failed.lines[0 if failed is rounding else -1]}"
     wrong = "; ".join(differences)
-    if re.fullmatch(rf"it is {method.key}(, the same step as [\w, ]*)?", instead.verdict):
+    if naming.kind == KNOWN and naming.methods[0] == method.key and naming.words == instead.verdict:
         failed = next(check for check in checks.values() if check.passed is False)
         return f"is {method.key}, but not everywhere: {failed.lines[0]}"
     what = f": {wrong}" if wrong and wrong not in instead.verdict else ""
     faults = instead.section("Faults")
     why = [*coefficients.lines] if read.kind == "not_readable" else [*(faults.lines if faults else ())]
-    cause = f": {why[0]}" if why and "it is not a known method" in instead.verdict else ""
+    cause = f": {why[0]}" if why and instead.verdict == NOT_KNOWN else ""
     return f"is not {method.key}{what}; {instead.verdict}{cause}"
 
 
 def _right_form(outcomes: Mapping[str, Outcome]) -> str:
     """The other form of the state in which the step is the method's; "" if there is none."""
-    _, words, _ = outcomes[STATE_FORMS].result or (None, "", "")
+    _, words, _ = outcomes[criteria.STATE_FORMS].result or (None, "", "")
     return words if words.startswith(RIGHT_AS) else ""
 
 
@@ -283,8 +289,10 @@ def _report(
     made: int,
     instead: Report | None = None,
     mistakes: Sequence[str] = (),
+    remarks: Sequence[str] = (),
 ) -> Report:
     parts, data = criteria_parts([*checks.values()], passed)
+    data["remarks"] = list(remarks)
     data["calls_made"] = made
     if instead is None:
         parts.append(("Calls made", [f"{made} calls of the stepper"]))

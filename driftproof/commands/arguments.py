@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import partial
 from importlib import import_module
 from pathlib import Path
@@ -128,7 +128,7 @@ def integer_in(least: int, most: int, what: str) -> Callable[[str], int]:
 
     def parse(text: str) -> int:
         if not (text.isascii() and text.isdigit() and len(text) < 9 and least <= int(text) <= most):
-            raise ValueError(f"{text[:20]!r} is not a number of {what} from {least} to {most}")
+            raise ValueError(f"{text[:20]!r} is not allowed: the number of {what} must be from {least} to {most}")
         return int(text)
 
     return read_by(parse)
@@ -141,9 +141,9 @@ def positive_number(what: str) -> Callable[[str], float]:
         try:
             value = float(parse_rational(text, what))
         except OverflowError:
-            raise ValueError(f"{text[:20]!r} is too large a {what}") from None
+            raise ValueError(f"{text[:20]!r} is too large for the {what}") from None
         if not value > 0:
-            raise ValueError(f"{text[:20]!r} is no {what}; write a number above 0")
+            raise ValueError(f"{text[:20]!r} is not allowed: the {what} must be a number above 0")
         return value
 
     return read_by(parse)
@@ -154,14 +154,14 @@ def several(read: Callable[[str], Any]) -> Callable[[str], list[Any]]:
     return lambda text: [read(part.strip()) for part in text.split(",")]
 
 
-def format_option(choices: str, words: str | None = "json is canonical") -> CommandOption:
+def format_option(choices: str, words: str | None = "json is for programs") -> CommandOption:
     """The option --format, whose first choice is the default."""
     return option("--format", words, choices=choices.split(), default=choices.split()[0])
 
 
 # Options that several commands have; each command words their help for itself.
-METHOD = option("method", "a key that `driftproof methods` lists, e.g. rk4")
-TEXT_OR_JSON = format_option("text json", "json is canonical, text is for you")
+METHOD = option("method", "a method, such as rk4 (`driftproof methods` lists them)")
+TEXT_OR_JSON = format_option("text json", "text is for reading, json for programs")
 flag = partial(option, action="store_true")
 list_option = partial(option, action="extend", default=[])
 methods_option = partial(list_option, "--methods", type=several(str), metavar="M,M")
@@ -173,6 +173,12 @@ rounding_option = partial(
 )
 output_option = partial(option, "-o --output", type=Path, metavar="FILE")
 time_limit_option = partial(option, "--time-limit", type=positive_number("time limit"))
+
+
+def refuse(options: argparse.Namespace, names: Sequence[str], where: str) -> None:
+    """Raise ValueError if one of these options is given, which has no effect `where`, such as "with --solver"."""
+    if given := [name for name in names if (value := getattr(options, name)) is not False and value not in (None, [])]:
+        raise ValueError(f"--{given[0].replace('_', '-')} has no effect {where}")
 
 
 def answer_of(name: str, options: argparse.Namespace) -> str:

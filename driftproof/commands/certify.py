@@ -20,15 +20,15 @@ def _step(text: str) -> Fraction:
 
 
 @cli.command(
-    cli.option("function", "f of y' = f(t, y): module:f, or its text, or a .toml file with it", metavar="F"),
-    cli.option("run", "the trajectory, a .csv or .npz file", type=Path),
-    cli.option("--method", "split the error: a method's key or .toml file, or SciPy's RK23, RK45, DOP853"),
-    cli.option("--h", "the step, where the file holds only some points of the run", type=_step),
+    cli.option("function", "f of y' = f(t, y): module:f, its text, or a .toml file", metavar="F"),
+    cli.option("run", "the trajectory: a .csv or .npz file", type=Path),
+    cli.option("--method", "also split the error, for this method: a key, .toml file, or SciPy's RK23, RK45, DOP853"),
+    cli.option("--h", "the step size, if the file has only some points of the run", type=_step),
     cli.option(
         "--invariant", "a first integral: NAME=TEXT, or a known NAME", action="append", default=[], metavar="NAME"
     ),
-    cli.option("--tolerance", "exit with 1 if any error is larger", type=cli.positive_number("tolerance")),
-    cli.option("--figure", "also draw error against time, into an .svg file", type=Path, metavar="FILE"),
+    cli.option("--tolerance", "exit with status 1 if any error is larger", type=cli.positive_number("tolerance")),
+    cli.option("--figure", "also draw the error against time, as .svg", type=Path, metavar="FILE"),
     cli.TEXT_OR_JSON,
 )
 def certify_command(options: Namespace) -> str:
@@ -42,9 +42,9 @@ def certify_command(options: Namespace) -> str:
 
     what f may be:
       module:f        your own Python function f(t, y), unchanged: arithmetic, math, NumPy; imported from this folder
-      'y1; -sin(y0)'  a rate for each component in t, y0, y1, ...; with sin, cos, exp, log, sqrt; numbers are exact
+      'y1; -sin(y0)'  y0', y1', ... as expressions in t, y0, y1, ..., with sin, cos, exp, log, sqrt; numbers are exact
       file.toml       rates = ["y1", "-g * sin(y0)"], and [parameters] with g = "9.81"
-    f runs in this process, as in your own tests: it is your code, and Ctrl-C stops it.
+    f runs in this process with your rights, as in your own tests; Ctrl-C stops it.
 
     what the file holds:
       .csv   a line for each time: t, then the components, separated by commas, semicolons or blanks. A first line of
@@ -52,13 +52,13 @@ def certify_command(options: Namespace) -> str:
              understood), or hexadecimal floats such as 0x1.8p+0, as C and C++ print with %a, which keep every bit.
       .npz   the arrays t and y (or ts and ys), a row or a column for each time
 
-    With --method, total = truncation + rounding, each enclosed: the method is run exactly on the steps of the run,
-    which lead from point to point, or have the size --h. Points that are not steps of the method are refused.
-    With --invariant, the drift of a first integral is enclosed, split likewise: energy='y1^2/2 - cos(y0)', or
+    With --method, error = truncation + rounding, each enclosed: the method is run exactly with the steps of the run,
+    which lead from point to point, or have the size --h. Points that the method does not reach so are refused.
+    With --invariant, the drift of a first integral is enclosed and split as well: energy='y1^2/2 - cos(y0)', or
     oscillator_energy, pendulum_energy, kepler_energy, angular_momentum, henon_heiles_energy.
 
     exit status: 0 if the error is enclosed, and within --tolerance if that is given; 1 if it exceeds --tolerance; 2 if
-    the question makes no sense; 3 if nothing can be proved, with the reason, such as a pole or a step without proof.
+    the input is wrong; 3 if nothing can be proved, with the reason, such as a pole near the trajectory.
     """
     from driftproof.blackbox.stepper.opening import imported
     from driftproof.enclosure.certify import certify, within

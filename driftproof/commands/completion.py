@@ -22,7 +22,7 @@ _driftproof() {{
 complete -o default -F _driftproof driftproof"""
 
 
-@cli.command(cli.option("shell", "the shell", choices=SHELLS))
+@cli.command(cli.option("shell", "the shell that you use", choices=SHELLS))
 def completion_command(options: Namespace) -> str:
     """Print a script that completes commands, options, their choices, and names of methods, problems and scenes.
 

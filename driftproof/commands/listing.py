@@ -11,22 +11,22 @@ if TYPE_CHECKING:
 COMMANDS = {
     "methods": ("methods", "list the methods, and the families with a free parameter"),
     "facts": ("methods", "every exact fact of a method or of a family of methods"),
-    "derive": ("methods", "derive facts on the oscillator line by line, as text or TeX"),
-    "step": ("oscillator", "one step, exactly"),
-    "run": ("oscillator", "a whole run, certified to any number of digits"),
-    "roundoff": ("oscillator", "the rounding bound of one step, derived by running it"),
-    "stability": ("problems", "which steps a method can take on a problem: proved, and observed"),
-    "identify": ("steppers", "which method a float stepper really is; with --method, the same as verify"),
-    "verify": ("steppers", "whether a float stepper is the method its name says, to roundoff"),
+    "derive": ("methods", "derive some facts on the oscillator line by line, as text or TeX"),
+    "step": ("oscillator", "one exact step on the oscillator"),
+    "run": ("oscillator", "a whole run on the oscillator, certified to any number of digits"),
+    "roundoff": ("oscillator", "the rounding error bound of one step, derived from its program"),
+    "stability": ("problems", "which step sizes a method can take on a problem: proved, or observed"),
+    "identify": ("steppers", "which method a float stepper really is; with --method, like verify"),
+    "verify": ("steppers", "whether a float stepper is the method that it should be, up to rounding"),
     "certify": ("certify", "the true error of a float trajectory, from any solver"),
-    "scene": ("scenes", "run a scene in floats and show its readouts; or list the scenes"),
-    "sweep": ("scenes", "run a scene at every point of a grid of steps, times, starts and methods"),
+    "scene": ("scenes", "run a scene in floats and show its readouts; without a name, list the scenes"),
+    "sweep": ("scenes", "run a scene at every point of a grid of step sizes, times, starts and methods"),
     "report": ("scenes", "write scenes as a page of HTML"),
     "work-precision": ("problems", "error against evaluations and against run time"),
-    "value": ("values", "a number for a text, from a question in a small language; or the published ones"),
+    "value": ("values", "a proved number for a text, from a question; with --only, the published values"),
     "render": ("texts", "write a text from its template, with proved values"),
-    "check": ("texts", "check the numbers of a text against its claims, and list those without one"),
-    "diff": ("values", "what changed between two files of values: value, digits or wording"),
+    "check": ("texts", "check the numbers of a text against its claims, and list those without a claim"),
+    "diff": ("values", "compare two files of values: what changed in value, digits or wording"),
     "completion": ("completion", "a script that completes commands and options in bash, zsh or fish"),
 }
 # Alias -> the command, and arguments that are put before those given.
@@ -40,10 +40,10 @@ def command_named(name: str) -> Command:
     from driftproof.support.plain_text import did_you_mean
 
     if not name or name.startswith("-"):
-        wrong = f"unrecognized arguments: {name}" if name else "the following arguments are required: COMMAND"
-        raise ValueError(f"{wrong} (`driftproof --help` shows how)")
+        wrong = f"unknown option {name}" if name else "give a command"
+        raise ValueError(f"{wrong} (`driftproof --help` lists the commands)")
     if name not in COMMANDS:
-        raise ValueError(f"unknown command {name[:60]!r}{did_you_mean(name, COMMANDS)} (`driftproof --help` lists all)")
+        raise ValueError(f"unknown command {name[:60]!r}{did_you_mean(name, COMMANDS)} (see `driftproof --help`)")
     module = import_module(f"driftproof.commands.{COMMANDS[name][0]}")
     command: Command = getattr(module, f"{name.replace('-', '_')}_command")
     return command

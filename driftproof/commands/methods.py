@@ -9,6 +9,7 @@ from driftproof.commands import arguments as cli
 
 # Terms of a series: this many take a second for most methods, and minutes for those with irrational coefficients.
 MOST_TERMS = 1000
+_PICTURES = ("region", "order-star", "phase")
 
 
 @cli.command()
@@ -33,41 +34,37 @@ def methods_command(options: Namespace) -> str:
 
 
 @cli.command(
-    cli.option("method", "a key that `driftproof methods` lists, or a file that ends in .toml"),
-    cli.option("--only", "compute only these facts", type=cli.several(str), metavar="FACT,FACT"),
-    cli.option("--at", "the parameter of a family, e.g. 1/4: one method", metavar="VALUE"),
-    cli.option("--system", "facts on z' = Az, A given as '0 1; -1 -1/10'", metavar="ROWS"),
+    cli.option("method", "a key that `driftproof methods` lists, or a .toml file"),
+    cli.option("--only", "compute and print only these facts", type=cli.several(str), metavar="FACT,FACT"),
+    cli.option("--at", "for a family: the value of its parameter, such as 1/4", metavar="VALUE"),
+    cli.option("--system", "facts on z' = Az instead, for the matrix A, such as '0 1; -1 -1/10'", metavar="ROWS"),
     cli.option(
-        "--order-tolerance", "add the order up to such residuals", type=cli.exactly("order tolerance"), metavar="SIZE"
+        "--order-tolerance", "the order with residuals up to SIZE", type=cli.exactly("order tolerance"), metavar="SIZE"
     ),
-    cli.option("--terms", "length of the series (default 12)", type=cli.integer_in(1, MOST_TERMS, "terms"), default=12),
-    cli.flag("--all", "text: every fact, not only those that most ask for"),
+    cli.option("--terms", "terms of the series (default 12)", type=cli.integer_in(1, MOST_TERMS, "terms"), default=12),
+    cli.flag("--all", "in text, also show the facts that are rarely needed"),
     cli.format_option("text json tex"),
-    cli.option("--plot", "also draw a picture, e.g. region.svg", type=Path, metavar="FILE"),
-    cli.option(
-        "--picture",
-        "what to draw: stability region, order star, or dispersion and dissipation",
-        choices=("region", "order-star", "phase"),
-        default="region",
-    ),
+    cli.option("--plot", "also draw a figure into this .svg file; see --picture", type=Path, metavar="FILE"),
+    cli.option("--picture", "what --plot draws (default region); phase: dispersion and dissipation", choices=_PICTURES),
 )
 def facts_command(options: Namespace) -> str:
-    """Derive the exact facts of a method: order, stability, symplecticity, limits, series, and why.
+    """Derive the exact facts of a method: order, stability, symplecticity, limits on h, series, each with its reason.
 
     examples:
-      driftproof facts rk4
-      driftproof facts rk4 --all
-      driftproof facts rk4 --only order,stability_function,imaginary_limit
-      driftproof facts rk4 --system '0 1; -1 -1/10'            on z' = Az: R(hA), its determinant, limits on h
+      driftproof facts rk4                                     Runge-Kutta; gauss2 is one by collocation
+      driftproof facts velocity_verlet --all                   a splitting; nystrom4 is a Runge-Kutta-Nyström method
+      driftproof facts bdf3                                    a multistep method: root condition, A(alpha), barriers
+      driftproof facts rodas4                                  a Rosenbrock method; ark324 is an additive one (IMEX)
       driftproof facts sdirk_order_2                           a family, as a function of its parameter
       driftproof facts sdirk_order_2 --at '1 - sqrt(2)/2'      one member of it
+      driftproof facts rk4 --only order,stability_function,imaginary_limit --format json
+      driftproof facts rk4 --system '0 1; -1 -1/10'            on z' = Az: R(hA), its determinant, limits on h
       driftproof facts tsitouras54 --only order,order_fails --order-tolerance 1e-12
-      driftproof facts rk4 --only region_boundary --format json
-      driftproof facts bdf3                                    a multistep method: root condition, A(alpha), barriers
       driftproof facts tableau.toml --format tex
       driftproof facts rk4 --only order --plot region.svg
 
     A family of your own is a Runge-Kutta tableau with a line parameter = "theta" and entries such as "1 - theta".
+    'mine.toml at 1/2' names a member of it for every command, as 'sdirk_order_2 at 1/4' does of ours.
 
     tableau.toml:
       family = "runge_kutta"            or splitting, nystrom, collocation, multistep, rosenbrock, additive
@@ -79,21 +76,22 @@ def facts_command(options: Namespace) -> str:
 
     about = {name: getattr(options, name) for name in ("only", "at", "system", "order_tolerance", "terms")}
     sheet = facts(options.method, **about)
-    if options.plot:
+    if not options.plot:
+        cli.refuse(options, ("picture",), "without --plot")
+    else:
         if not isinstance(sheet, MethodFacts):
-            why = "a picture is of one method whose step takes one state and f, and of no system"
-            raise ValueError(f"{why}; `driftproof facts` without --plot answers")
+            raise ValueError("--plot takes one method that steps one state by f; `driftproof facts` works without it")
         from driftproof.reports.method_figures import draw_method
 
-        draw_method(options.picture, sheet.method, options.plot)
+        draw_method(options.picture or _PICTURES[0], sheet.method, options.plot)
     written: str = sheet.written(options.format, options.all)
     return written
 
 
 @cli.command(
-    cli.option("method", "a key that `driftproof methods` lists, or a file that ends in .toml"),
-    cli.option("--only", "derive only these", type=cli.several(str), default=(), metavar="NAME,NAME"),
-    cli.format_option("text tex json", "text, TeX to paste, or json"),
+    cli.option("method", "a key that `driftproof methods` lists, or a .toml file"),
+    cli.option("--only", "derive only these facts", type=cli.several(str), default=(), metavar="NAME,NAME"),
+    cli.format_option("text tex json", "tex is for pasting into a document, json for programs"),
 )
 def derive_command(options: Namespace) -> str:
     """Derive the behaviour of a method with rational coefficients on q' = v, v' = -q, line by line, in the symbol h:

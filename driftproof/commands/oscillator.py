@@ -8,10 +8,10 @@ from driftproof.commands import arguments as cli
 
 QUESTION = (
     cli.METHOD,
-    cli.option("--h", "step size, e.g. 1/4 or 0.25", type=cli.nonzero_step, required=True),
-    cli.option("--state", "start as position,velocity (default 1,0)", type=cli.initial_state, default="1,0"),
+    cli.option("--h", "step size, such as 1/4 or 0.25", type=cli.nonzero_step, required=True),
+    cli.option("--state", "start: position,velocity (default 1,0)", type=cli.initial_state, default="1,0"),
     cli.digits_option("significant digits (default 15)", default=15),
-    cli.option("--rounding", "what a tie becomes", choices=("half-even", "half-away"), default="half-even"),
+    cli.option("--rounding", "how ties are rounded", choices=("half-even", "half-away"), default="half-even"),
     cli.TEXT_OR_JSON,
 )
 FLOAT_FORMATS = cli.names_in("driftproof.symbolic.rounding.formats", "FORMATS")
@@ -31,7 +31,7 @@ def step_command(options: Namespace) -> str:
 @cli.command(
     *QUESTION,
     cli.option("--t", "final time, a multiple of h", type=cli.exactly("t"), required=True),
-    cli.flag("--budget", "also run in floats: its error, split in truncation and rounding"),
+    cli.flag("--budget", "also run in floats, and split the error into truncation and rounding"),
 )
 def run_command(options: Namespace) -> str:
     """Take t/h steps exactly and certify the final state, its errors, energy and phase.
@@ -48,11 +48,11 @@ def run_command(options: Namespace) -> str:
 @cli.command(
     cli.METHOD,
     cli.steps_option("step sizes, such as 1/4,1/8"),
-    cli.option("--float", "the number format", choices=FLOAT_FORMATS, default="binary64"),
+    cli.option("--float", "the number format (default binary64)", choices=FLOAT_FORMATS, default="binary64"),
     cli.TEXT_OR_JSON,
 )
 def roundoff_command(options: Namespace) -> str:
-    """Derive the rounding bound of one step from its program: as a formula, to first order and in full,
+    """Derive a bound on the rounding error of one step from its program: as a formula, to first order and in full,
     and in units of u at the given step sizes. It bounds the distance to the exact step of the method's definition;
     if the program rounds coefficients, also the distance to the exact step with the rounded coefficients.
 

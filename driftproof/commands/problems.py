@@ -8,15 +8,15 @@ from driftproof.commands import arguments as cli
 
 
 @cli.command(
-    cli.option("problem", "a problem, or a .toml file of one; without one they are listed", nargs="?"),
+    cli.option("problem", "a problem, or a .toml file of your own; without it, the problems are listed", nargs="?"),
     cli.methods_option(
         "keys or .toml files (default forward_euler,rk4,symplectic_euler,backward_euler,implicit_midpoint,radau_iia2)"
     ),
-    cli.steps_option("step sizes that divide t, such as 1/4,1/8 (default: 10, 100 and 1000 steps)"),
+    cli.steps_option("step sizes that divide t, such as 1/4,1/8 (default: those of 10, 100 and 1000 steps)"),
     cli.TEXT_OR_JSON,
 )
 def stability_command(options: Namespace) -> str:
-    """Show which steps methods can take on a stiff or extreme problem, where their runs end, and what is expected.
+    """Show which step sizes methods can take on a problem, where their runs end, and what theory leads one to expect.
 
     examples:
       driftproof stability                                        lists the problems
@@ -24,35 +24,36 @@ def stability_command(options: Namespace) -> str:
       driftproof stability dahlquist_1e3 --h 1/500,1/256 --methods forward_euler,rk4,backward_euler
       driftproof stability kepler_eccentric --methods rk4,velocity_verlet,yoshida4 --format json
 
-    On a linear problem y' = Ay the verdicts are proved, for the exact value of the double h that is run. The largest
-    step is also found by bisection on the float step itself. On any other problem the verdicts are observations.
+    On a linear problem y' = Ay the verdicts are proved, for the exact value of the double h that is run; on one of your
+    own, if it has at most 20 components and none of its solutions grows. The largest step size is also found by
+    bisection with float steps. On any other problem the verdicts are observations.
 
     your own problem, in mine.toml, whose true solution is enclosed to 20 digits:
       title = "A pendulum of 1 m"
       rates = ["y1", "-g * sin(y0)"]        in t, y0, y1, ..., pi; sin, cos, exp, log, sqrt; powers; 0.1 is 1/10
-      start = ["1/2", "0"]                  at t = 0
+      start = ["1/2", "0"]                  at t = 0; rational, as is end
       end = "10"
       energy = "y1^2/2 - g * cos(y0)"       may be left out, as may the title
       parameters.g = "9.81"                 a number, or an expression such as "2*pi*f" in pi and earlier parameters
     or by names: rates.x = "v", rates.v = "-g * sin(x)", start.x = "1/2", start.v = 0; a single unknown is also called y
     instead of rates: function = "mylib.models:pendulum", your own f(t, y), with the parameters as keyword arguments
     """
+    if options.problem is None:
+        cli.refuse(options, ("methods", "h"), "without a problem")
     return cli.answer_of("stability", options)
 
 
 @cli.command(
-    cli.option(
-        "problem", "`driftproof stability` lists them; or a .toml file", nargs="?", default="harmonic_oscillator"
-    ),
+    cli.option("problem", "a problem, or a .toml file of your own", nargs="?", default="harmonic_oscillator"),
     cli.methods_option(
         "keys or .toml files (default"
         " forward_euler,symplectic_euler,rk4,velocity_verlet,dormand_prince54,blanes_moan6,gauss2)"
     ),
-    cli.output_option("a folder for files and figures; an interrupted study goes on from it", metavar="FOLDER"),
-    cli.list_option("--peers", "scipy, diffrax, heyoka, ...", type=cli.several(str), metavar="P,P"),
+    cli.output_option("a folder for files and figures, from which an interrupted study is resumed", metavar="FOLDER"),
+    cli.list_option("--peers", "also scipy, diffrax, heyoka, torchdiffeq", type=cli.several(str), metavar="P,P"),
     cli.time_limit_option(
-        "seconds that a point may be timed for; what would take longer is marked as such;"
-        " its error is seen up to 10⁸ evaluations for each of these seconds, on every machine the same (default 0.1)",
+        "seconds for timing one point (default 0.1); a longer run is not timed, and if it needs more than 10⁸"
+        " evaluations for each of these seconds, its error is not measured",
         default=0.1,
         metavar="S",
     ),
@@ -69,14 +70,14 @@ def work_precision_command(options: Namespace) -> str:
 
     Each method runs with doubling numbers of steps, until only rounding is left of its error. Errors are computed
     exactly, from certified digits of the solution; evaluations of f are counted. Explicit pairs, Gauss methods and
-    Radau IIA also run with step-size control, at tolerances from 1e-3 to 1e-13. Times are of one trajectory, compiled
-    (extra `fast`) and in plain Python, and of one state of an ensemble; methods are timed in turns, in random order.
+    Radau IIA also run with step-size control, at tolerances from 1e-3 to 1e-13. Times are those of one trajectory,
+    compiled (extra `fast`) and in plain Python, and of one state of an ensemble; methods take turns, in random order.
 
-    A method is dominated if each of its points is beaten by a point of another method, of no larger error or cost.
+    A method is dominated if for each of its points another method has one with no larger error and no larger cost.
 
     -o writes into the folder
       errors.json                errors, evaluations, measured orders: the same in every run
-      times.json                 all that was measured in seconds, with machine and versions
+      times.json                 all times in seconds, with the machine and versions
       work_precision.csv         both, in one row for each point
       work_precision_state.svg   the figures: state, energy, phase
       points.json                the points from which an interrupted study is resumed

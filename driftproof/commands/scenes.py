@@ -12,10 +12,10 @@ CERTIFIED_DIGITS = cli.digits_option("digits of certified readouts (default 15)"
 
 
 @cli.command(
-    cli.option("name", "a preset, or a file that ends in .toml; without one the presets are listed", nargs="?"),
-    cli.methods_option("methods in place of the scene's: the first is shown, all are compared"),
+    cli.option("name", "a preset, or a .toml file of your own; without it, the presets are listed", nargs="?"),
+    cli.methods_option("methods instead of the scene's: the first is shown, all are compared"),
     CERTIFIED_DIGITS,
-    cli.option("--figures", "also draw the scene's figures, as SVG", type=Path, metavar="FOLDER"),
+    cli.option("--figures", "also draw the scene's figures into this folder, as SVG", type=Path, metavar="FOLDER"),
     cli.TEXT_OR_JSON,
 )
 def scene_command(options: Namespace) -> str:
@@ -29,12 +29,12 @@ def scene_command(options: Namespace) -> str:
       driftproof scene default --figures pictures/
       driftproof scene mine.toml
 
-    A scene may have a problem instead of start, certified and figures: problem = "kepler", say, one that `driftproof
-    stability` lists, or a .toml file of your own (`driftproof stability --help` shows one).
+    Instead of start and certified, a scene may have problem = "kepler" or another problem that `driftproof stability`
+    lists, or a .toml file of your own (`driftproof stability --help` shows one); its only panel is then the table.
 
     mine.toml:
       selected = "rk4"                  the method whose readouts are shown
-      h = "1/8"                         0.125 is read exactly, too
+      h = "1/8"                         or 0.125, which is read exactly as well
       t = 10
       start = [1, 0]
       readouts = ["state_error", "evaluations"]
@@ -42,24 +42,26 @@ def scene_command(options: Namespace) -> str:
       methods = ["rk4", "velocity_verlet"]
       panels = ["table"]                table, position, phase_plane; for a report also work_precision, stability
     """
+    if options.name is None:
+        cli.refuse(options, ("methods", "figures"), "without a scene")
     return cli.answer_of("scene", options)
 
 
 @cli.command(
-    cli.option("scene", "a preset that `driftproof scene` lists, or a file that ends in .toml"),
+    cli.option("scene", "a preset that `driftproof scene` lists, or a .toml file of your own"),
     cli.methods_option("keys that `driftproof methods` lists"),
-    cli.option("--state", "start as position,velocity; repeatable", type=cli.initial_state, action="append"),
+    cli.option("--state", "position,velocity; may be repeated", type=cli.initial_state, action="append"),
     cli.list_option("--t", "final times", type=cli.several(cli.exactly("t")), metavar="T,T"),
-    cli.steps_option("step sizes, such as 1/4,1/8, or 1/4:1/64, halved from one to the other"),
-    cli.output_option("keep answers here, as JSON lines, as they come; an interrupted sweep goes on from them"),
+    cli.steps_option("step sizes, such as 1/4,1/8, or 1/4:1/64 for 1/4, 1/8, ..., 1/64"),
+    cli.output_option("write each answer here as a line of JSON; an interrupted sweep is resumed from this file"),
     cli.one_of(
         cli.option(
             "--workers",
-            "processes (default: one a processor)",
+            "number of processes (default: one for each processor)",
             type=cli.integer_in(1, MOST_WORKERS, "processes"),
             metavar="N",
         ),
-        cli.option("--cluster", "the scheduler of a dask cluster", metavar="ADDRESS"),
+        cli.option("--cluster", "address of the scheduler of a dask cluster", metavar="ADDRESS"),
     ),
     cli.TEXT_OR_JSON,
 )
@@ -72,7 +74,7 @@ def sweep_command(options: Namespace) -> str:
       driftproof sweep default --methods rk4 --h 1/4,1/8 -o answers.jsonl      run it again to resume where it stopped
 
     The grid has a point for each combination, --h varying fastest; what is not given is as in the scene. For a run that
-    overflows, or an h that does not divide t, the answer is a message. The result does not depend on --workers, nor on
+    overflows, or an h that does not divide t, the answer is a message. The answers do not depend on --workers, nor on
     --cluster tcp://HOST:8786, the scheduler of a dask cluster (extra: pip install 'driftproof[cluster]').
     """
     return cli.answer_of("sweep", options)
@@ -80,9 +82,9 @@ def sweep_command(options: Namespace) -> str:
 
 @cli.command(
     cli.option("scenes", "presets, problems, .toml files, or stiff (default: all presets)", nargs="*", metavar="SCENE"),
-    cli.output_option("the page to write", required=True),
+    cli.output_option("the HTML file to write", required=True),
     CERTIFIED_DIGITS,
-    cli.methods_option("on problems: keys or .toml files (default: those of `driftproof stability`)"),
+    cli.methods_option("for problems: keys or .toml files (default: those of `driftproof stability`)"),
 )
 def report_command(options: Namespace) -> str:
     """Write presets, problems, or scenes and problems of your own from TOML files, as one page of HTML.

@@ -14,33 +14,33 @@ if TYPE_CHECKING:
 MOST_EXAMPLES = 10**6
 CALLS = ("map", "force", "field", "rosenbrock", "imex", "magnetic", "rotation")
 TARGET = (
-    cli.option("step", "where the stepper is imported from, e.g. mylib.ode:step", metavar="MODULE:STEP"),
+    cli.option("step", "the stepper and where to import it from, such as mylib.ode:step", metavar="MODULE:STEP"),
     cli.option("--calls", "how to call the stepper, if its parameter names do not show it", choices=CALLS),
-    cli.option("--array", "a function that converts floats to its numbers, e.g. torch:tensor", metavar="MODULE:MAKER"),
+    cli.option("--array", "converts floats to the stepper's numbers, such as torch:tensor", metavar="MODULE:MAKER"),
     cli.time_limit_option("seconds for the whole run (default 120)", default=120.0),
-    cli.format_option("text json markdown", "markdown is ready for an issue"),
-    cli.flag("--all", "show each check, not only the faults"),
+    cli.format_option("text json markdown", "markdown can be pasted into an issue"),
+    cli.flag("--all", "show every check, not only the faults"),
     cli.option("--examples", "steps to try (default 1000)", type=cli.integer_in(1, MOST_EXAMPLES, "examples")),
-    cli.option("--largest-step", "0 < h <= this (default 2)", type=cli.positive_number("h"), default=2.0),
-    cli.option("--largest-state", "|q|, |v| <= this (default 1000)", type=cli.positive_number("state"), default=1000.0),
+    cli.option("--largest-step", "try steps of sizes 0 < h <= this (default 2)", type=cli.positive_number("step size")),
+    cli.option("--largest-state", "try states with |q|, |v| <= this (default 1000)", type=cli.positive_number("state")),
     cli.flag("--extremes", "also try the smallest floats, down to subnormal ones"),
-    cli.flag("--step-in-binary32", "allow h to be rounded to binary32 first"),
-    cli.flag("--velocity-from-positions", "allow v to be formed as (q1 - q)/h: u (|q| + |q1|)/h"),
+    cli.flag("--step-in-binary32", "allow the stepper to round h to binary32 first"),
+    cli.flag("--velocity-from-positions", "allow v = (q1 - q)/h, which adds u (|q| + |q1|)/h to the bound"),
     cli.flag("--flush-to-zero", "allow subnormal numbers to become 0"),
     cli.option("--solver-tolerance", "accuracy of implicit stages, e.g. 1e-10", type=cli.exactly("solver tolerance")),
 )
 METHOD_OPTION = partial(cli.option, "--method")
 # Options that only apply if a stepper is compared with a method, and those that do not apply to a whole solver.
 ALLOWANCES = ("step_in_binary32", "velocity_from_positions", "flush_to_zero", "solver_tolerance")
-WITH_A_METHOD = ("examples", "extremes", *ALLOWANCES)
+WITH_A_METHOD = ("examples", "extremes", "largest_step", "largest_state", *ALLOWANCES)
 WITH_A_STEPPER = ("calls", "array", *WITH_A_METHOD)
 
 
 @cli.command(
     *TARGET,
     cli.one_of(
-        cli.flag("--solver", "examine a whole solver, solve(f, t_span, y0, rtol, atol) -> (t, y)"),
-        METHOD_OPTION("compare it with this method, as verify does"),
+        cli.flag("--solver", "examine a whole solver: solve(f, t_span, y0, rtol, atol) -> (t, y)"),
+        METHOD_OPTION("compare the stepper with this method, as `driftproof verify` does"),
     ),
 )
 def identify_command(options: Namespace) -> str:
@@ -53,31 +53,31 @@ def identify_command(options: Namespace) -> str:
       driftproof identify mylib.ode:solve --solver
 
     what a stepper may look like:
-      step(q, v, h) -> (q1, v1)            its system is built in; also step(state, h), and with m, k, t
+      step(q, v, h) -> (q1, v1)            with a system built in; also step(state, h), and with m, k, t
       step(force, q, v, h) -> (q1, v1)     q'' = force(q)
       step(f, t, y, h) -> y1               y' = f(t, y); also without t; or (y1, error), (y1, y1_hat), (y1, dense)
       step(f, jac, t, y, h) -> y1          a Rosenbrock method; step(f_explicit, f_implicit, t, y, h): an IMEX one
-    An object with a state, a method that advances it, and a force that it calls or is given, is made a stepper by
+    An object with a state, a method that advances it, and a force that it calls or is given, becomes a stepper by
       from driftproof import stepper_of
       step = stepper_of(lambda force: Body(acceleration=force), position="x", velocity="v", advance="update")
       step = stepper_of(Body, position="x", velocity="v", push="apply_force", advance="update")
     (field_stepper_of for y' = f(t, y)). A stepper that remembers earlier steps is read from whole runs. Wrap anything
-    else in a function of two lines. The stepper runs in an isolated process; the report says if it crashes or hangs.
+    else in a short function of one of these forms. The stepper runs in an isolated process, so it may crash or hang.
 
     With --method the stepper is compared with that method: `driftproof verify --help` says what is checked.
 
-    exit status: 0 with an answer, 1 if the stepper gives none, 3 if the time is over before anything is decided.
+    exit status: 0 if the stepper is identified, 1 if it is not, 2 if the input is wrong, 3 if time ran out before that.
     """
     if not options.solver:
         return _examined(options)
     from driftproof.blackbox.solvers.identify_solver import identify_solver
 
-    _refuse(options, WITH_A_STEPPER, "a stepper, not for a whole solver")
+    cli.refuse(options, WITH_A_STEPPER, "with --solver")
     report = identify_solver(options.step, time_limit=options.time_limit)
     return _written(report, report.answered, options)
 
 
-@cli.command(*TARGET, METHOD_OPTION("a key that `driftproof methods` lists, boris, or a .toml file", required=True))
+@cli.command(*TARGET, METHOD_OPTION("a key that `driftproof methods` lists, a .toml file, or boris", required=True))
 def verify_command(options: Namespace) -> str:
     """Compare a stepper with a method: its coefficients, its order, its rounding errors with a derived bound.
     The bound holds for the definition's sums and products in any order, fused or not. For a step(q, v, h) with its
@@ -89,8 +89,8 @@ def verify_command(options: Namespace) -> str:
       driftproof verify mylib.integrators:rk_step --method tableau.toml --examples 5000
       driftproof verify mylib.implicit:step --method backward_euler --solver-tolerance 1e-10
 
-    exit status: 0 if it agrees, 1 if it does not, 2 if the question makes no sense, 3 if the verdict is undecided: the
-    report then says what was not tested, and what would decide it.
+    exit status: 0 if it agrees, 1 if it does not, 2 if the input is wrong, 3 if the verdict is undecided: the report
+    then says what was not tested, and what would decide it.
     `driftproof identify --help` says what a stepper may look like.
     """
     return _examined(options)
@@ -105,22 +105,15 @@ def _examined(options: Namespace) -> str:
 
     how = {name: getattr(options, name) for name in ("calls", "array", "time_limit")}
     if options.method is None:
-        _refuse(options, WITH_A_METHOD, "comparing a stepper with a method: --method")
+        cli.refuse(options, WITH_A_METHOD, "without --method")
         report = identify(options.step, **how)
         return _written(report, report.answered, options)
-    if options.solver_tolerance is not None and options.solver_tolerance < 0:
-        raise ValueError(f"solver tolerance {options.solver_tolerance} is below zero")
     smallest = {"smallest_step": 0.0, "smallest_state": 0.0} if options.extremes else {}
-    domain = Domain(options.largest_step, options.largest_state, **smallest)
+    domain = Domain(options.largest_step or 2.0, options.largest_state or 1000.0, **smallest)
     allowance = Allowance(**{name: getattr(options, name) for name in ALLOWANCES})
     examples = options.examples or EXAMPLES
     report = verify(options.step, options.method, examples=examples, domain=domain, allowance=allowance, **how)
     return _written(report, report.passed, options)
-
-
-def _refuse(options: Namespace, names: tuple[str, ...], what: str) -> None:
-    if asked := [name for name in names if getattr(options, name)]:
-        raise ValueError(f"--{asked[0].replace('_', '-')} is for {what}")
 
 
 def _written(report: Report, good: bool | None, options: Namespace) -> str:

@@ -10,10 +10,10 @@ from driftproof.commands import arguments as cli
 
 @cli.command(
     cli.option("templates", "a text with {{ value(...) }} in it", nargs="+", type=Path, metavar="TEMPLATE"),
-    cli.output_option("default: the template's name without .j2"),
-    cli.flag("--check", "write nothing; fail with a diff if the output is another"),
+    cli.output_option("the output (default: the template's name without .j2)"),
+    cli.flag("--check", "write nothing; exit with 1 and a diff if the output is out of date"),
     cli.option("--style", "-3.3e-4 or −3.3×10⁻⁴ (default plain, in TeX printed)", choices=("plain", "printed")),
-    cli.rounding_option("what a tie becomes (default: a tie is an error)"),
+    cli.rounding_option("how ties are rounded (default: a tie is an error)"),
 )
 def render_command(options: Namespace) -> str:
     """Render a Jinja2 template, in a sandbox, with proved values and tables of methods in it.
@@ -25,8 +25,8 @@ def render_command(options: Namespace) -> str:
       driftproof render lesson.md.j2 --check          is lesson.md up to date? if not: a diff, and status 1
 
     The ending of the output decides its kind: Markdown (.md, .markdown, .myst), HTML (.html, .htm) or TeX (.tex). In
-    the template, value("...") takes an id of `driftproof values` or a question of `driftproof value`, and | digits(6),
-    | places(3), | exact, | tex or | mathml decide how it is written. docs/texts.md teaches the rest.
+    the template, value("...") takes an id that `driftproof value --only '*'` lists or a question (`driftproof value
+    --help`), and | digits(6), | places(3), | exact, | tex, | mathml say how it is written; see docs/texts.md.
 
     lesson.md.j2:
       q = {{ value("rk4.first_step.q") | digits(6) }}, which is {{ value("step rk4 h=1/2 : q") }}.
@@ -36,42 +36,42 @@ def render_command(options: Namespace) -> str:
     from driftproof.texts.templates.rendering import output_of, render
 
     if options.output is not None and len(options.templates) > 1:
-        raise ValueError("--output names one file, and there are several templates; render them one by one")
+        raise ValueError("--output takes a single template; render several one by one")
     outputs, taken = [output_of(each, options.output) for each in options.templates], list[Path]()
     for out in outputs:
         require_file(out)  # first, because circular links cannot be resolved
         if out.resolve() in (*taken, *(template.resolve() for template in options.templates)):
-            raise ValueError(f"{out} is already a template or an output here; name another with -o")
+            raise ValueError(f"{out} is one of the templates or outputs already; name another with -o")
         taken.append(out.resolve())
     rendered = [render(each, options.output, options.style, options.rounding) for each in options.templates]
     if options.check:
         if diffs := list(filter(None, (each.difference() for each in rendered))):
             raise cli.Refuted("\n".join(diffs))
-        return "\n".join(f"{each.output} is what {each.template} renders" for each in rendered)
+        return "\n".join(f"{each.output} is up to date with {each.template}" for each in rendered)
     return "\n".join(each.write() for each in rendered)
 
 
 @cli.command(
     cli.option(
         "text",
-        "a text: .txt, .md, .html, .tex, .ipynb, another is read as plain text; or a folder of texts with claims",
+        "a text (.txt, .md, .html, .tex, .ipynb; others are read as plain text), or a folder of texts with claims",
         nargs="+",
         type=Path,
         metavar="TEXT",
     ),
     cli.one_of(
-        cli.option("--claims", "the claims, in TOML (default: TEXT.claims.toml)", metavar="FILE"),
-        cli.flag("--init", "draft the claims from the text instead"),
+        cli.option("--claims", "the TOML file of the claims (default: TEXT.claims.toml)", metavar="FILE"),
+        cli.flag("--init", "draft claims from the text instead of checking it"),
     ),
-    cli.option("--ask", "with --init: a question whose value the text has", action="append", default=[]),
-    cli.flag("--coverage", "list the numbers no claim covers, with suggestions"),
-    cli.flag("--run", "run the Python listings and compare what they print"),
-    cli.time_limit_option("seconds for --run (default 10)", default=10.0),
+    cli.option("--ask", "with --init: a question whose value is somewhere in the text", action="append", default=[]),
+    cli.flag("--coverage", "list the numbers that no claim covers, with suggestions"),
+    cli.flag("--run", "run the Python listings of the text and compare what they print"),
+    cli.time_limit_option("seconds for all listings of --run (default 10)", default=10.0),
     cli.format_option("text json github"),
 )
 def check_command(options: Namespace) -> str:
-    """Hold a text to a file of claims: each phrase, with its values computed and rounded here, has to occur
-    in the text exactly as often as the claim says. Reports line, column, expected and found, and the coverage.
+    """Check a text against a file of claims: each phrase, with its values computed and rounded here, must occur
+    in the text exactly as often as the claim says. Report line, column, expected and found text, and the coverage.
 
     examples:
       driftproof check chapter.md --init                     draft claims from the text, to be read and completed
@@ -81,33 +81,33 @@ def check_command(options: Namespace) -> str:
       driftproof check chapter.md --claims claims.toml --coverage
       driftproof check chapter.md --claims claims.toml --run --format github
 
-    A phrase is written as in the text, but for minus signs, kinds of space, ends of lines and raised or lowered digits,
-    and never matches inside a longer word or number. A value is an id or a question; see `driftproof value --help`.
+    A phrase is written as in the text; only minus signs, kinds of space, ends of lines and raised or lowered digits may
+    differ. It never matches inside a longer word or number. A value is an id or a question: `driftproof value --help`.
 
     The file's ending decides whether it is read as plain text, Markdown, HTML, TeX or a notebook; markup, comments,
     front matter and attributes are left out. Numbers are integers, decimals, fractions, percentages, powers and numbers
-    with an exponent; words for numbers and growth are counted apart, and checked where a claim says spelled. Labels,
+    with an exponent; words for numbers and growth are counted separately, and checked if a claim says spelled. Labels,
     which need no claim, are whole numbers after a letter (RK4), indices (q₁), numbers after Section, Figure and the
     like, versions, dates, numbers of items, [1], addresses, arguments as in y(1), and formats such as :.6f. MyST and
     macros of TeX are read as they are typeset.
 
-    --init drafts claims for numbers that look like the values driftproof knows, or like those that --ask names, where
-    braces stand for each of their choices; a value is likelier if its choices stand near the number. A mere guess
-    becomes a comment. A problem that the text itself solves has to be named:
+    --init drafts claims for numbers that look like values that driftproof knows, or like those of the questions after
+    --ask, where {a,b} stands for a and for b; a value is likelier if its choices stand near the number. A mere guess
+    becomes a comment. If the text solves a problem of its own, name it:
     --ask "error of Heun with h={1/10,1/20} at t=1 on y'=-y, y(0)=1".
 
     --run runs the Python listings of the text, in order, in one process without a shell, within the time limit and
     2 GiB, and compares what each prints with the block that follows it, or with the lines under "Expected output:".
     This executes the code of the text with your rights: use it on texts that you trust.
 
-    exit status: 0 if every claim holds, 1 if one does not, 2 if the claims or the text make no sense.
+    exit status: 0 if every claim holds, 1 if one does not, 2 if the claims or the text cannot be read.
 
     claims.toml:
       [text]
-      coverage = "95%"                              # with fewer numbers covered it fails; format = "tex" is possible
+      coverage = "95%"                              # fails if fewer numbers are covered; format = "tex" is possible
       [[claim]]
       id = "rk4 state"
-      phrase = "the state is ({q}, {v}) after"      # occurs once, or as often as count says
+      phrase = "the state is ({q}, {v}) after"      # must occur once, or as often as count says
       values = { q = "rk4.first_step.q", v = "step rk4 h=1/2 : v" }
       exact = true                                  # or places = 6, or digits = 2; without any, the number in full
       [[claim]]
@@ -134,9 +134,9 @@ def check_command(options: Namespace) -> str:
     from driftproof.texts.claims.report import TextReport, check, texts_with_claims
 
     if options.init and (options.run or options.coverage or options.format != "text"):
-        raise ValueError("--init drafts claims; --run, --coverage and --format need --claims")
+        raise ValueError("--run, --coverage and --format have no effect with --init")
     if (options.init or options.claims) and (len(options.text) > 1 or options.text[0].is_dir()):
-        raise ValueError("--init and --claims are for one text, no folder; several have their claims beside them")
+        raise ValueError("--init and --claims take one text; each of several texts has a claims file of its own")
     if options.init:
         return str(check(options.text[0], init=True, ask=options.ask))
     how = {name: getattr(options, name) for name in ("ask", "coverage", "run", "time_limit")}

@@ -9,24 +9,25 @@ from driftproof.commands import arguments as cli
 
 # The formats of one answer, and those that are only for a table of published values.
 OF_ONE, OF_SEVERAL = ("text", "json", "tex", "mathml", "md"), ("csv", "js")
+FORM = ("digits", "places", "rounding", "style")
 
 
 @cli.command(
-    cli.option("question", "the question, in quotes", nargs="?"),
+    cli.option("question", "the question, in quotes; see below", nargs="?"),
     cli.one_of(
         cli.digits_option("significant digits", metavar="N"), cli.places_option("digits after the point", metavar="N")
     ),
-    cli.rounding_option("the policy (default half-even, ties refused)"),
-    cli.option("--style", "-6.7e-5 or −6.7×10⁻⁵", choices=("plain", "printed"), default="plain"),
-    cli.option("--format", "of one value text, json, ...; of several json, ...", choices=(*OF_ONE, *OF_SEVERAL)),
+    cli.rounding_option("how to round (default half-even, but a tie is refused)"),
+    cli.option("--style", "plain: -6.7e-5 (the default); printed: −6.7×10⁻⁵", choices=("plain", "printed")),
+    cli.option("--format", "js, csv need --only; text, mathml a question", choices=(*OF_ONE, *OF_SEVERAL)),
     cli.flag("--list", "list what can be asked"),
-    cli.option("--only", "print the published values whose ids match", metavar="PATTERN"),
+    cli.option("--only", "print the published values whose ids match, such as 'rk4.*'", metavar="PATTERN"),
 )
 def value_command(options: Namespace) -> str:
-    r"""Answer one question exactly, and print the number in the form that a text needs: digits, rounding, style.
+    r"""Answer one question exactly, and print the number as a text needs it: in digits, rounding and style.
 
     what can be asked, with [optional parts] and any of a|b:
-      ID                                                       a published value, as `driftproof values` lists them
+      ID                                                       a published value; --only '*' lists them
       step METHOD h=1/2 [N=3] [from q,v] : READOUT             q v energy energy_change state_error phase_error
       run METHOD h=1/4 t=10 [from q,v] : READOUT               exact.q exact.v steps evaluations h t k1.q k1.v ...
       exact t=10 [from q,v] : q|v|energy                       the solution itself
@@ -36,7 +37,7 @@ def value_command(options: Namespace) -> str:
       run METHOD lambda=-2 h=1/4 t=1 : READOUT                 the same of y' = lambda y, y(0) = 1, from R(h lambda)
       FACT METHOD [at VALUE] [h=1/4] [: PART]                  order, energy_multiplier, imaginary_limit, a_stable, ...
       roundoff METHOD h=1/4 [sharp] [from q,v] : READOUT       q v qq qv vq vv c, bounds in units of u
-      + - * / ** ( ) pi e abs sqrt exp ln log2 log10 cos sin   on all of these; ratio(a, b) = |a|/|b|, percent(a, b)
+      + - * / ** ( ) pi e abs sqrt exp ln log2 log10 cos sin   of all of these; ratio(a, b) = |a|/|b|, percent(a, b)
     METHOD is a key, a .toml file or what people call it: Heun, velocity Verlet. "error of Heun with h=0.1 at t=1 on
     y'=-y, y(0)=1", "local error of", "amplification factor of RK4 at z=-2" are understood, and error for state_error.
     Give two of h, t and N (or steps) for a run. The default start is 1,0. phase_error may end in deg, rad or turns.
@@ -50,12 +51,12 @@ def value_command(options: Namespace) -> str:
       driftproof value "error of Heun with h=0.1 at t=1 on y'=-y, y(0)=1" --digits 3
       driftproof value 'order sdirk_order_2 at (1/2 + sqrt(3)/6)'
       driftproof value --list                          every head, readout, fact, function and id
-      driftproof value --only 'rk4.*' --format md      what the lesson prints, by id, as the last green run proved it
+      driftproof value --only 'rk4.*' --format md      what the lesson prints, by id, as last proved
       driftproof value --only '*' --format js          a module for web pages: save it as driftproof.mjs; also csv
       driftproof value --only '*' --format tex         definitions for \driftproof{id}: save it as values.tex
 
-    With --digits or --places only the number is printed, ready for a text. A tie is refused unless --rounding says what
-    it becomes; tofixed does what JavaScript's toFixed does, away is for bounds. docs/language.md has the full language.
+    With --digits or --places only the number is printed, ready for a text. A tie is refused unless --rounding is given;
+    tofixed does what JavaScript's toFixed does, away is for bounds. docs/language.md has the full language.
     """
     from dataclasses import replace
 
@@ -64,14 +65,17 @@ def value_command(options: Namespace) -> str:
     from driftproof.texts.questions.errors import QUESTION_SECONDS, time_limit
     from driftproof.texts.questions.evaluate import value, vocabulary
 
+    if options.question is not None and (options.list or options.only is not None):
+        raise ValueError("a question cannot be combined with --list or --only")
     if options.list:
+        cli.refuse(options, ("only", "format", *FORM), "with --list")
         return vocabulary()
     if options.only is not None:
         return _published(options)
     if options.question is None:
-        raise ValueError("no question is asked; write one in quotes, --only PATTERN for published values, or --list")
+        raise ValueError("give a question in quotes, --only PATTERN or --list")
     if options.format in OF_SEVERAL:
-        raise ValueError(f"--format {options.format} is for the published values of --only PATTERN")
+        raise ValueError(f"--format {options.format} needs --only PATTERN")
     style = replace(PRINTED if options.style == "printed" else PLAIN, rounding=options.rounding)
     output = OutputOptions(options.digits, options.places, style)
     with time_limit(options.question, QUESTION_SECONDS):
@@ -82,19 +86,16 @@ def _published(options: Namespace) -> str:
     from driftproof.texts.values.published import VALUE_FORMATS, published_values, render_values
 
     form = options.format or "json"
-    if options.question is not None:
-        raise ValueError("--only is for published values; leave out the question")
-    if given := [name for name in ("digits", "places", "rounding") if getattr(options, name) is not None]:
-        raise ValueError(f"--only prints the published values as they are; leave out --{given[0]}")
+    cli.refuse(options, FORM, "with --only, which prints the published values as they are")
     if form not in VALUE_FORMATS:
-        raise ValueError(f"--format {form} is for one value; of several there are {', '.join(VALUE_FORMATS)}")
+        raise ValueError(f"--format {form} takes one question; with --only, choose from {', '.join(VALUE_FORMATS)}")
     return render_values(published_values(options.only), form)
 
 
 @cli.command(
-    cli.option("old", "what `driftproof values` printed before", type=Path),
-    cli.option("new", "what it prints now", type=Path),
-    cli.format_option("text json github", "text, json, or annotations for github"),
+    cli.option("old", "values printed before, as JSON", type=Path),
+    cli.option("new", "values printed now", type=Path),
+    cli.format_option("text json github", "github prints annotations for continuous integration"),
 )
 def diff_command(options: Namespace) -> str:
     """Compare two files of values: which changed in value, which only in digits or wording, which are new or gone.
@@ -103,10 +104,10 @@ def diff_command(options: Namespace) -> str:
       driftproof diff old.json new.json
       driftproof diff old.json new.json --format github      annotations, for a continuous-integration run
 
-    old.json and new.json are what `driftproof values` printed then, and what it prints now.
-    The exit status is 0 where no value changed, 1 where one did, 2 where a file cannot be read. A number changed in
-    value if its exact forms differ, or its decimals cannot be roundings of one number; only in digits if more or fewer
-    are shown. Outputs of `driftproof facts`, `step` and `run --format json` are compared as well.
+    old.json and new.json are outputs of `driftproof value --only '*'`, or of `driftproof facts`, `step` or `run` with
+    --format json. A number changed in value if its exact forms differ, or if its decimals cannot be roundings of the
+    same number; it changed only in digits if more or fewer are shown.
+    exit status: 0 if no value changed, 1 if one did, 2 if a file cannot be read.
     """
     from driftproof.texts.values.changes import diff
 

@@ -98,14 +98,14 @@ class Certificate(Printable):
         if self.split is not None:
             lines += self._split_lines(self.split)
         lines += [line for name, drift in self.drifts.items() for line in self._drift_lines(name, drift)]
-        right = f"{self.digits} digits right at every point, relative to its largest component"
+        right = f"{self.digits} correct digits at every point, relative to its largest component"
         lines += [f"{right}; enclosure: {self.steps} steps, {self.bits} bits"]
         if len(self.t) == len(self.y[0]):
-            lines.append(f"as many times as components: the state at t = {self.t[1]:g} is taken to be {self.y[1]}")
+            lines.append(f"there are as many times as components; y was read so that y({self.t[1]:g}) = {self.y[1]}")
         if self.doubles:
             shown, more = self.doubles[:_MOST_SHOWN], len(self.doubles) - _MOST_SHOWN
             said = ", ".join(map(repr, shown)) + (f" and {more} more" if more > 0 else "")
-            lines.append(f"f's constants are these doubles, exactly: {said}")
+            lines.append(f"constants in f, each exactly this double: {said}")
         return "\n".join(lines)
 
     def _split_lines(self, split: Split) -> list[str]:

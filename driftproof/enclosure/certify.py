@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from fractions import Fraction
+from numbers import Real
 from pathlib import Path
 from typing import Any
 
@@ -23,15 +24,16 @@ from driftproof.methods.field_text import field_of_file
 from driftproof.methods.rationals import ExactNumber
 from driftproof.methods.schemes import Method
 from driftproof.support.assertions import AssertedVerdict, tell
-from driftproof.support.progress import working
+from driftproof.support.progress import stage, working
 from driftproof.symbolic.algebra.certified import enclose
 
 MOST_DOUBLINGS = 4
 # A radius is small if it is 2⁻⁴⁰ of the largest error, which leaves twelve digits; or, for trajectories without error,
 # 2⁻¹⁰⁴ of the solution, which is twice as many digits as a double has.
 RADIUS_TO_ERROR, RADIUS_TO_SOLUTION = arb(2) ** -40, arb(2) ** -104
-# Bits of the first exact run of a method: balls of a plain run widen, and more bits cost next to nothing.
-BITS_OF_EXACT_RUN = 256
+# Bits of the first exact run of a method, and of the last: balls of a plain run widen by some bits in each step, and a
+# run whose balls are as wide as the solution ends there, so that the attempts together cost twice the last one.
+BITS_OF_EXACT_RUN, MOST_BITS_OF_EXACT_RUN = 256, 2**16
 # f in floats may differ from f in balls by this much, relative to the sizes of f and of (∂f/∂y) y: half of a double's
 # digits. This detects another function, and does not bound rounding.
 REPRODUCED = 2.0**-26
@@ -66,7 +68,7 @@ def certify(
     >>> found = certify(lambda t, y: -y, [0.0, 0.5, 1.0], [[1.0], [0.6065], [0.3679]])
     >>> print(found)
     largest error 3.065971263e-5, proved: component 0 at t = 0.5, point 1 of 3
-    4 digits right at every point, relative to its largest component; enclosure: 1 steps, 128 bits
+    4 correct digits at every point, relative to its largest component; enclosure: 1 steps, 128 bits
     """
     if y is None and has_trajectory(f) and not has_trajectory(t):
         f, t = t, f
@@ -83,7 +85,7 @@ def certificate_of(
     invariants: GivenInvariants = (),
 ) -> Certificate:
     """The certificate that `certify` returns, for a trajectory that is already read."""
-    f = right_hand_side(given)
+    f = right_hand_side(given, len(run.states[0]))
     functions = invariants_of(invariants, given, len(run.states[0]))
     _require_reproduced(f, run.times, run.states)
     plan = None if method is None else plan_of(f, run, method, h)
@@ -97,17 +99,8 @@ def certificate_of(
     with ctx.workprec(max(enclosed.bits, split.bits if split else 0)):
         exact = split.states if split else None
         drifts = {name: drift_of(name, each, run.states, on_time, exact) for name, each in functions.items()}
-    return Certificate(
-        t=tuple(run.times),
-        y=tuple(map(tuple, run.states)),
-        errors=errors,
-        digits_at=digits,
-        bits=enclosed.bits,
-        steps=enclosed.steps,
-        doubles=enclosed.doubles,
-        split=split,
-        drifts=drifts,
-    )
+    points = tuple(run.times), tuple(map(tuple, run.states))
+    return Certificate(*points, errors, digits, enclosed.bits, enclosed.steps, enclosed.doubles, split, drifts)
 
 
 def _enclosed(f: RightHandSide, run: Trajectory, more: Sequence[Fraction]) -> Enclosure:
@@ -124,15 +117,16 @@ def _enclosed(f: RightHandSide, run: Trajectory, more: Sequence[Fraction]) -> En
                 raise
             reached = refusal.t
         bits *= 2
-    raise Refused(f"the error is not known to twelve digits with {bits // 2} bits")
+    raise Refused(f"the error cannot be computed to twelve digits with {bits // 2} bits")
 
 
 def _split(plan: StepPlan, run: Trajectory, true: Mapping[Fraction, Row]) -> Split:
     """The exact run minus the solution, and the float run minus the exact one. Raises Refused."""
     bits, reason = BITS_OF_EXACT_RUN, ""
-    for _ in range(MOST_DOUBLINGS + 1):
+    while bits <= MOST_BITS_OF_EXACT_RUN:
         try:
-            rows = plan.states(run.states[0], bits)
+            with stage(f"the exact run of {plan.method.key} in {bits} bits"):
+                rows = plan.states(run.states[0], bits)
         except Refused as refusal:  # a ball may have been too wide for f
             reason, bits = f": {refusal}", 2 * bits
             continue
@@ -149,7 +143,7 @@ def _split(plan: StepPlan, run: Trajectory, true: Mapping[Fraction, Row]) -> Spl
         if _is_small(rounding, rows):
             return Split(plan.method.key, tuple(rows), truncation, rounding, sum(plan.counts), bits)
         reason, bits = "", 2 * bits
-    raise Refused(f"the exact run of {plan.method.key} is not known to twelve digits with {bits // 2} bits{reason}")
+    raise Refused(f"the exact run of {plan.method.key} cannot be found to twelve digits with {bits // 2} bits{reason}")
 
 
 def assert_accurate(
@@ -169,35 +163,35 @@ def assert_accurate(
     >>> assert_accurate(rows, lambda t, y: -y, 1e-5, rtol=1e-5)
     Traceback (most recent call last):
     AssertionError: off by 3.065971263e-5, more than 1e-05: component 0 at t = 0.5, point 1 of 3 (proved)
-    rtol = 1e-05 promised 6.07e-06 a step there; this is 5.06 times that
+    rtol = 1e-05 allows an error of 6.07e-06 per step there; the error is 5.06 times that
     """
     __tracebackhide__ = True  # pytest shows the user's line, and the message
     found = certify(f, *solution) if isinstance(solution, tuple | list) else certify(f, solution)
     if within(found, tolerance):
-        words = f"is within {tolerance} of that through its first point, t = {found.t[0]:g} (proved)"
+        words = f"is within {tolerance} of the true one through its first point, t = {found.t[0]:g} (proved)"
         tell(AssertedVerdict("the solution", words, True, found.text()))
         return
     said = f"off by {decimal(found.largest_error)}, more than {tolerance}: {found.place()} (proved)"
     if rtol is not None:
         i, j = found.worst
         promised = atol + rtol * abs(found.y[i][j])
-        times = f"; this is {float(found.largest_error) / promised:.3g} times that" if promised else ""
-        atol_too = f", atol = {atol}," if atol else ""
-        said += f"\nrtol = {rtol}{atol_too} promised {promised:.3g} a step there{times}"
+        times = f"; the error is {float(found.largest_error) / promised:.3g} times that" if promised else ""
+        allow = f"rtol = {rtol} and atol = {atol} allow" if atol else f"rtol = {rtol} allows"
+        said += f"\n{allow} an error of {promised:.3g} per step there{times}"
     tell(AssertedVerdict("the solution", f"is {said.partition(chr(10))[0]}", False, f"{said}\n{found.text()}"))
     raise AssertionError(said)
 
 
 def within(found: Certificate, tolerance: float | Fraction) -> bool:
     """True if the largest error is at most the tolerance. Raises Refused if its ball is too wide, or ValueError."""
-    if not (isinstance(tolerance, int | float | Fraction) and tolerance >= 0):
-        raise ValueError(f"tolerance is {tolerance!r}; it has to be a number that is not negative")
+    if not (isinstance(tolerance, Real) and tolerance >= 0):
+        raise ValueError(f"tolerance is {tolerance!r}; it must be a number >= 0")
     largest = found.largest_error
-    bound = enclose(tolerance) if isinstance(tolerance, Fraction) else arb(tolerance)
+    bound = enclose(tolerance) if isinstance(tolerance, Fraction) else arb(float(tolerance))
     if largest <= bound:
         return True
     if not largest > bound:
-        raise Refused(f"the largest error is {decimal(largest)}, too near the tolerance {tolerance} to tell")
+        raise Refused(f"the largest error is {decimal(largest)}, too close to the tolerance {tolerance} to decide")
     return False
 
 
@@ -214,26 +208,26 @@ def _require_reproduced(f: RightHandSide, times: list[float], states: list[list[
         balls = [arb(x) for x in y]
         rates, slopes = linearised(in_balls, Enclosed(Evaluation(), arb(t)), balls)
         if len(given) != len(rates):
-            raise Refused(f"f returns {len(given)} rates for {len(rates)} components")
+            raise Refused(f"f returns {len(given)} numbers for {len(rates)} components")
         moved = [sum((abs(J * x) for J, x in zip(row, balls, strict=True)), arb(0)) for row in slopes]
         allowed = REPRODUCED * (size(rates) + size(moved))
         if not allowed.is_finite():
             raise Refused(f"f or its derivative is not finite at t = {t}")
         for j, (a, again, b) in enumerate(zip(given, repeated, rates, strict=True)):
             if abs(arb(a) - again) > 2 * allowed:
-                raise Refused(f"f is {a!r} at t = {t}, component {j}, and {again!r} when it is called again")
+                raise Refused(f"f is {a!r} at t = {t}, component {j}, but {again!r} in a second call")
             if not abs(arb(a) - b) <= allowed:
-                raise Refused(f"f in floats is {a!r} at t = {t}, component {j}; in balls it is {decimal(b)}")
+                raise Refused(f"f in floats is {a!r} at t = {t}, component {j}, but its enclosure is {decimal(b)}")
 
 
 def _rates_in_floats(f: RightHandSide, t: float, y: list[float]) -> list[float]:
     try:
-        rates: list[float] = np.asarray(f(t, np.array(y)), dtype=float).ravel().tolist()
+        return [float(x) for x in np.asarray(f(t, np.array(y)), dtype=float).ravel()]
     except Exception as error:  # a user's function may raise anything
-        more = "; it is called f(t, y): fix other arguments by functools.partial" * isinstance(error, TypeError)
         said = f"{type(error).__name__}: {' '.join(str(error).split())}"
-        raise Refused(f"f fails in floats at t = {t}: {said}{more}") from None
-    return rates
+        if isinstance(error, TypeError) and error.__traceback__ and not error.__traceback__.tb_next:
+            raise ValueError(f"f must take (t, y) and return numbers: {said}; see functools.partial") from None
+        raise Refused(f"f fails in floats at t = {t}, on {len(y)} components: {said}") from None
 
 
 def _errors(run: Trajectory, enclosed: Enclosure) -> BallRows:

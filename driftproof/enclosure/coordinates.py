@@ -55,7 +55,7 @@ def nearly_diagonal(jacobian: Sequence[Sequence[arb]], step: arb, sizes: Sequenc
         T = arb_mat([[x * a for x, a in zip(column, sizes, strict=True)] for column in columns]).transpose().inv().mid()
         return Coordinates(T, T.inv(), len(sizes) - len(fast))
     except ZeroDivisionError:
-        raise Refused("the Jacobian has no coordinates in which it is nearly diagonal") from None
+        raise Refused("no coordinates make the Jacobian nearly diagonal") from None
 
 
 def _fast_directions(m: arb_mat) -> list[list[arb]]:
@@ -64,7 +64,7 @@ def _fast_directions(m: arb_mat) -> list[list[arb]]:
     values, vectors = m.eig(right=True, algorithm="approx")
     for value, column in zip(values, vectors.transpose().tolist(), strict=True):
         if float(value.real) > FAST:
-            raise Refused("errors grow fast there")
+            raise Refused("errors grow too fast there for implicit steps")
         turning = float(value.imag) / max(float(abs(value)), FAST)
         if float(abs(value)) > FAST and turning > -REAL:
             largest = max(column, key=lambda x: float(abs(x)))  # a real vector has some complex factor
@@ -106,7 +106,7 @@ def basis_around(image: arb_mat, widths: arb_mat, fast: arb_mat, sizes: Sequence
     directions = _floats(image, sizes)
     weighted = directions * lengths
     if not np.isfinite(weighted).all():
-        raise Refused("the bound of the errors is not finite")
+        raise Refused("the error bound is not finite")
     rest, chosen = weighted.copy(), list[int]()
     for _ in range(len(sizes) - fast.ncols()):
         norms = np.linalg.norm(rest, axis=0)

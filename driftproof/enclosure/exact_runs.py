@@ -56,15 +56,16 @@ class StepPlan:
     sizes: tuple[Fraction, ...]
 
     def states(self, start: Sequence[float], bits: int) -> list[Row]:
-        """The exact run at each point, in balls of `bits` bits. Raises Refused if f has no value on one of them."""
+        """The exact run at each point, in balls of `bits` bits. Raises Refused if one is as wide as the solution."""
         with ctx.workprec(bits):
             step = exact_step(self.method, self.f, len(start))
             y: Row = tuple(arb(x) for x in start)
-            found = [y]
+            found, largest = [y], size(y)
             for t, n, h in zip(self.starts, self.counts, self.sizes, strict=False):
                 for k in range(n):
                     y = step(y, t + k * h, h)
-                if not all(x.is_finite() for x in y):
+                largest = largest.max(size(x.mid() for x in y))
+                if not size(x.rad() for x in y) <= largest or not largest.is_finite():
                     raise Refused(f"the exact run of {self.method.key} is not finite after t = {float(t):.9g}")
                 found.append(y)
             return found
@@ -84,15 +85,15 @@ def plan_of(f: RightHandSide, run: Trajectory, method: str | Path | Method, h: E
         except (ValueError, OverflowError, ZeroDivisionError):  # NaN, infinity, or no number
             exact = Fraction(0)
         if exact <= 0:
-            raise Refused(f"h is {h}; a step is above 0, and finite")
+            raise Refused(f"h is {h}; it must be positive and finite")
         at = [round((t - times[0]) / exact) for t in times]
         starts = [times[0] + n * exact for n in at]
         for i, (t, given) in enumerate(zip(starts, times, strict=True)):
             if abs(t - given) > _OFF_GRID * exact:
-                raise Refused(f"t[{i}] = {run.times[i]} is no multiple of h = {float(exact)!r} from the first time")
+                raise Refused(f"t[{i}] = {run.times[i]} is not the first time plus a multiple of h = {float(exact)!r}")
         counts, sizes = [b - a for a, b in pairwise(at)], [exact] * (len(at) - 1)
     if sum(counts) > MOST_STEPS_EXACTLY:
-        raise Refused(f"{sum(counts)} steps; at most {MOST_STEPS_EXACTLY} are run exactly")
+        raise Refused(f"{sum(counts)} steps are too many to run exactly; at most {MOST_STEPS_EXACTLY}")
     plan = StepPlan(rebound(f), found, tuple(starts), tuple(counts), tuple(sizes))
     with ctx.workprec(BITS_AT_FIRST):  # with a double's bits, balls widen too far where coefficients cancel
         _require_steps_of_method(plan, run)
@@ -104,7 +105,7 @@ def named_method(method: str | Path | Method) -> Method:
     if method in SCIPY_SOLVERS:
         return in_doubles(method_of(SCIPY_SOLVERS[str(method)]), str(method))
     if method in ("BDF", "LSODA"):
-        raise ValueError(f"SciPy's {method} takes another formula at each step: none is followed; leave method out")
+        raise ValueError(f"SciPy's {method} changes its formula between steps and cannot be run exactly; omit method")
     return method_of(method)
 
 
@@ -185,4 +186,4 @@ def _require_second_order(
     positions = [rate - v for rate, v in zip(rates[:half], y[half:], strict=not odd)]
     of_velocity = [x for row in slopes[half:] for x in row[half:]]
     if odd or not all(x.is_zero() for x in (*positions, *of_velocity)):
-        raise Refused(f"{method.key} takes y = (q, v) with q' = v, and v' that does not depend on v; f is not so")
+        raise Refused(f"{method.key} needs y = (q, v) with q' = v and v' independent of v; f is not of this form")

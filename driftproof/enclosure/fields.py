@@ -33,7 +33,7 @@ def enclosed_rates(f: RightHandSide, t: Enclosed, y: Sequence[Enclosed]) -> list
     """f(t, y) in the arithmetic of its arguments, a number for each component. Raises Refused if f cannot run in it."""
     rates = enclosed_values("f", partial(f, t), y, t.evaluation)
     if len(rates) != len(y):
-        raise Refused(f"f returns {len(rates)} rates for {len(y)} components")
+        raise Refused(f"f returns {len(rates)} numbers for {len(y)} components")
     return rates
 
 
@@ -52,7 +52,7 @@ def enclosed_values(
         said = f"{type(error).__name__}: {' '.join(str(error).split())}"
         raise Refused(f"{name} fails on enclosed numbers: {said}") from None
     if Refused.made > refusals:  # floats may take another path
-        raise Refused(f"{name} catches the exception that refuses what it computes; let it pass")
+        raise Refused(f"{name} catches the exception by which the enclosure refuses an operation; let it propagate")
     return [_lifted(value, evaluation) for value in values]
 
 
@@ -179,7 +179,7 @@ class _Numpy(ModuleType):
         if not _holds_enclosed(made):
             return np.array(values, dtype=dtype, **options)
         if dtype is not None and np.dtype(dtype) not in (np.dtype(float), np.dtype(object)):
-            raise Refused(f"f makes an array of {np.dtype(dtype)}, which has no enclosure")
+            raise Refused(f"f makes an array of type {np.dtype(dtype)}, which has no enclosure")
         return made
 
     asarray = array

@@ -70,7 +70,7 @@ def implicit_step(method: Method, f: RightHandSide, n: int) -> Callable[[_Row, F
         try:
             return step(y, t, h)
         except ZeroDivisionError:
-            raise Refused(f"the stages of {method.key} at t = {float(t):.9g} are not found") from None
+            raise Refused(f"the stage equations of {method.key} at t = {float(t):.9g} could not be solved") from None
 
     return proved_step
 

@@ -65,7 +65,7 @@ def n_body_integrals(masses: Sequence[Any], dimension: int = 3, gravity: Any = 1
 def known_invariant(name: str) -> str:
     """The text of the first integral with this name. Raises ValueError for an unknown name."""
     if name not in FIRST_INTEGRALS:
-        known = f"{did_you_mean(name, FIRST_INTEGRALS)} (there are {', '.join(FIRST_INTEGRALS)})"
+        known = f"{did_you_mean(name, FIRST_INTEGRALS)} (choose from {', '.join(FIRST_INTEGRALS)})"
         raise ValueError(f"unknown first integral {name[:60]!r}{known}")
     return FIRST_INTEGRALS[name]
 
@@ -94,7 +94,7 @@ def _value(invariant: Callable[[Any], Any], row: Sequence[arb], name: str) -> ar
     state = [Enclosed(evaluation, x) for x in row]
     found = enclosed_values(f"first integral {name}", invariant, state, evaluation)
     if len(found) != 1:
-        raise Refused(f"first integral {name} returns {len(found)} numbers; one is needed")
+        raise Refused(f"first integral {name} returns {len(found)} numbers; it must return one")
     value: arb = found[0].value
     if not value.is_finite():
         raise Refused(f"first integral {name} is not finite on the trajectory")
@@ -114,7 +114,7 @@ def drift_of(
     for i, row in enumerate(true):
         changed = _value(invariant, row, name) - start
         if not changed.contains(0):
-            raise Refused(f"{name} is not kept: at point {i} the solution has changed it by {decimal(changed)}")
+            raise Refused(f"{name} is not conserved: at point {i} the solution has changed it by {decimal(changed)}")
     total = tuple(_value(invariant, row, name) - start for row in rows)
     if exact_run is None:
         return Drift(total)

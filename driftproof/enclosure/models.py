@@ -88,7 +88,7 @@ class TaylorModel:
     def __rtruediv__(self, other: Constant) -> TaylorModel:
         """other/x; with a the series of 1/x, 1/x = a/(1 + ε), ε = x a - 1."""
         a = self._series("inv")
-        tail = a.norm * _geometric((self * a).tail, "divides by")
+        tail = a.norm * _geometric((self * a).tail, "divides by a number that may be 0")
         return TaylorModel(a.polynomial, self.length, tail) * other
 
     def __gt__(self, other: Constant) -> bool:
@@ -113,9 +113,8 @@ class TaylorModel:
         a = self._series("sqrt")
         error = self.tail + beyond(a.polynomial * a.polynomial, self.length)
         inverse = 1 / a
-        return TaylorModel(
-            a.polynomial, self.length, a.norm * _geometric(error * inverse.norm * inverse.norm, "takes the root of")
-        )
+        tail = a.norm * _geometric(error * inverse.norm * inverse.norm, "takes the root of a number that may be 0")
+        return TaylorModel(a.polynomial, self.length, tail)
 
     def exp(self) -> TaylorModel:
         """exp x; p the polynomial, a the series, η = a' - p'a of order length - 1: exp p - a = -exp(p) ∫ exp(-p) η."""
@@ -146,14 +145,15 @@ class TaylorModel:
     def log(self) -> TaylorModel:
         """The logarithm; with a the series, log x = a + log(1 + ε), ε = x exp(-a) - 1."""
         a = self._series("log")
-        return TaylorModel(a.polynomial, self.length, _geometric((self * (-a).exp()).tail, "takes the logarithm of"))
+        tail = _geometric((self * (-a).exp()).tail, "takes the logarithm of a number that may be 0")
+        return TaylorModel(a.polynomial, self.length, tail)
 
     def atan(self) -> TaylorModel:
         """The inverse tangent; with a the series, atan x = a + atan ε, ε = (x cos a - sin a)/(cos a + x sin a)."""
         a = self._series("atan")
         s, c = a._sin_cos()
         error = (self * c - s).tail * (1 / (c + self * s)).norm
-        return TaylorModel(a.polynomial, self.length, _geometric(error, "takes the angle of"))
+        return TaylorModel(a.polynomial, self.length, _geometric(error, "takes an uncertain inverse tangent"))
 
     def asin(self) -> TaylorModel:
         """The inverse sine atan(x/sqrt(1 - x²)), for |x| < 1."""
@@ -187,7 +187,7 @@ def _upper(x: arb) -> arb:
 def _geometric(error: arb, does: str) -> arb:
     """‖ε‖/(1 - ‖ε‖), a bound of 1/(1 + ε) - 1, sqrt(1 + ε) - 1, log(1 + ε) and atan ε. Refused unless ‖ε‖ < 1."""
     if not error < 1:
-        raise Refused(f"f {does} a number that may be 0 within the step")
+        raise Refused(f"f {does} within the step")
     return error / (1 - error)
 
 

@@ -29,7 +29,7 @@ class Refused(ArithmeticError):
     ...     certify(lambda t, y: y, [0.0, 1.0, 0.5], [[1.0], [2.7], [1.6]])
     ... except Refused as refusal:
     ...     print(refusal)
-    times have to increase: t[2] = 0.5 is not above t[1] = 1.0
+    times must increase, but t[2] = 0.5 is not above t[1] = 1.0
 
     `t` is the time that the enclosure reached if more bits may lead further, else None. `made` counts all refusals, so
     that one which f catches is detected.
@@ -64,14 +64,14 @@ class Evaluation:
         """True if the difference is positive. Raises Refused if its ball contains zero."""
         if self.decided is not None:
             if len(self.taken) == len(self.decided):
-                raise Refused("f takes other branches on a series than on a box")
+                raise Refused("f takes a different branch on a Taylor series than on the box around the solution")
             answer = self.decided[len(self.taken)]
         elif difference > 0:
             answer = True
         elif difference < 0:
             answer = False
         else:
-            raise Refused("f compares numbers that the enclosure cannot tell apart")
+            raise Refused("f compares numbers whose enclosures overlap")
         self.taken.append(answer)
         return answer
 
@@ -89,7 +89,7 @@ class Evaluation:
             return arb(x)
         if isinstance(x, Rational):
             return arb(fmpq(x.numerator, x.denominator))
-        raise Refused(f"f uses {type(x).__name__} as a number")
+        raise Refused(f"f uses a {type(x).__name__} as a number")
 
 
 def _lifts_other(operation: Callable[[Enclosed, Enclosed], Any]) -> Callable[[Enclosed, object], Any]:
@@ -223,8 +223,8 @@ class Enclosed:
 
     def __float__(self, *_: object) -> float:
         """Raise Refused: an enclosure is not a float."""
-        said = "f turns a number into a float, as float() and numpy.interp do"
-        raise Refused(f"{said}; use NumPy's functions of numbers, or math's by name, and make arrays in f")
+        said = "f converts a number to a float"
+        raise Refused(f"{said}; use functions of NumPy or math, not float() or numpy.interp; make arrays in f")
 
     __int__ = __index__ = __round__ = __floor__ = __ceil__ = __trunc__ = __complex__ = __float__
 
@@ -339,7 +339,7 @@ def _function(name: str, x: Value) -> Value:
     try:
         return getattr(x, name)()
     except (ValueError, ZeroDivisionError):
-        raise Refused(f"f takes {name} where it is not analytic") from None
+        raise Refused(f"f takes {name} of a number where {name} may not be analytic") from None
 
 
 def _power(x: Value, n: int) -> Value:

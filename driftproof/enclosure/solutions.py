@@ -86,7 +86,7 @@ def enclose_solution(
                 path = StiffPath(function, balls, times[0], times[-1], 16 * explicit.lengths[-1])
                 states = _states(path, times)
         except (OverflowError, ZeroDivisionError, np.linalg.LinAlgError):  # in a guess, not in a proof
-            raise Refused("f or the solution has sizes beyond those of doubles") from None
+            raise Refused("f or the solution is outside the range of doubles") from None
         return Enclosure(tuple(times), tuple(states), bits, path.steps, tuple(sorted(explicit.doubles | path.doubles)))
 
 
@@ -105,12 +105,12 @@ class _Path:
 
     def __init__(self, f: RightHandSide, balls: Sequence[arb], times: Sequence[Fraction], bits: int) -> None:
         self.f, self.t, self.steps = f, times[0], 0
-        self.first, self.last = times[0], times[-1]
+        self.first, self.last, self.start = times[0], times[-1], tuple(balls)
         self.length = bits // BITS_PER_COEFFICIENT
         self.doubles: set[float] = set()
         n = len(balls)
         if n > MOST_COMPONENTS:
-            raise Refused(f"{n} components are too many; at most {MOST_COMPONENTS} are enclosed")
+            raise Refused(f"{n} components are too many; at most {MOST_COMPONENTS} can be enclosed")
         self.most = fewer_steps(MOST_STEPS, n)
         self.point = [(x + 0).mid() for x in balls]  # of no more bits than a step's polynomial has
         self.basis = arb_mat(n, n, 1)
@@ -119,14 +119,14 @@ class _Path:
         self.lengths: list[Fraction] = []
 
     def states_at(self, t: Fraction) -> tuple[arb, ...]:
+        if t == self.first:
+            return self.start
         if t < self.t:
             raise Refused("times must not decrease")
         while self.step is None or t > self.step.t + self.step.h:
             self._advance()
         s = t - self.step.t
         values, near = self.step.at(s)
-        if s == 0:
-            return tuple(map(add, self.point_before, self.error_before))
         reach = near + self.step.spread * self.step.tube.growth(enclose(s))
         return tuple(map(add, values, self.step.around(reach)))
 
@@ -135,7 +135,6 @@ class _Path:
             self._carry(self.step)
         self.steps += 1
         error = (self.basis * self.box).entries()
-        self.point_before, self.error_before = self.point, error
         decided = decisions(self.f, self.t, self.point, self.doubles)
         if self.step is not None:
             longest, weights = LONGER * self.step.h, self.step.next_weights
@@ -151,15 +150,15 @@ class _Path:
         gone, left = step.t + step.h - self.first, self.last - step.t
         if step.h < SHORTEST_PART * gone:
             near = float(self.t + 8 * step.h)
-            raise Refused(f"a pole, or a point where f is not smooth, is ahead near t = {near:.9g}")
+            raise Refused(f"f or the solution has a pole, or f is not smooth, near t = {near:.9g}")
         self.lengths.append(step.h)
         lasting = self.steps >= STEPS_OF_STIFF and 2 * step.h > self.lengths[-STEPS_OF_STIFF // 2]
         if lasting and left > MOST_STIFF_STEPS * step.h and _shrinks(step.flow):
-            raise Stiff(f"stiff: steps from t = {float(self.t):.4g} to the end would be too many")
+            raise Stiff(f"stiff: too many steps are needed from t = {float(self.t):.4g} to the end")
         part, as_all, as_last = Fraction(self.steps, self.most), left * self.steps / gone, left / step.h
         far_too_long = lasting and part >= PART_OF_FAR_TOO_LONG and min(as_all, as_last) > 10 * self.most
         if far_too_long or (part >= PART_OF_LONG and as_all > self.most):
-            raise Refused(f"too long: {self.steps} steps lead to t = {float(self.t):.6g}, {self.most} will not do")
+            raise Refused(f"too long: {self.steps} steps reach t = {float(self.t):.6g}; at most {self.most} are taken")
 
     def _carry(self, step: EnclosedStep) -> None:
         """Move the thin point, and the set of errors around it, from the start of the step to its end."""

@@ -122,7 +122,7 @@ class Expansion:
         Raises Refused if no disc on which f is analytic is found, or no tube.
         """
         h, spread = min(longest, self._first_length()), self._size(errors)
-        reason = "a pole is ahead, or f is not smooth there"
+        reason = "f or the solution has a pole ahead, or f is not smooth there"
         for _ in range(MOST_SHORTENINGS):
             try:
                 if (made := self._attempt(h, spread)) is not None:
@@ -130,7 +130,7 @@ class Expansion:
             except Refused as refusal:
                 reason = str(refusal)
             h *= SHORTER
-        raise Refused(f"no step from t = {float(self.t):.9g} is found, however short: {reason}", self.t)
+        raise Refused(f"no step from t = {float(self.t):.9g}, however short, could be proved: {reason}", self.t)
 
     def _size(self, values: Iterable[arb]) -> arb:
         """The weighted norm."""

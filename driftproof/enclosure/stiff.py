@@ -101,8 +101,8 @@ class StiffPath:
         """Make the next step and return it. Raises Refused if none is found."""
         self.steps += 1
         if self.steps > self.most:
-            raise Refused(f"{self.most} implicit steps lead to t = {float(self.t):.9g} only")
-        reason = "the errors so far grow too fast"
+            raise Refused(f"{self.most} implicit steps, the limit, reach only t = {float(self.t):.9g}")
+        reason = "earlier errors grow too fast"
         for _ in range(MOST_TRIES):
             h = min(_short(self.h), self.last - self.t)
             try:
@@ -114,9 +114,9 @@ class StiffPath:
             if added <= self.tolerance and self.step is not None:
                 self.t = self.step.t + self.step.h
                 if h < SHORTEST_STIFF_PART * (self.t - self.first) and self.t < self.last:
-                    raise Refused(f"a pole, or a point where f is not smooth, is ahead near t = {float(self.t):.9g}")
+                    raise Refused(f"f or the solution has a pole, or f is not smooth, near t = {float(self.t):.9g}")
                 return self.step
-        raise Refused(f"no implicit step from t = {float(self.t):.9g} is found, however short: {reason}", self.t)
+        raise Refused(f"no implicit step from t = {float(self.t):.9g} could be proved: {reason}", self.t)
 
     def _attempt(self, h: Fraction) -> float:
         """The error that a step of size h adds, relative to the components; the step is taken if it is small enough."""
@@ -145,17 +145,17 @@ class StiffPath:
                 box = arb_mat(self.n, 1)
                 continue
             if around is None:
-                raise Refused("what is known of f around the step does not bound the errors")
+                raise Refused("the bounds of f around the step do not bound the errors")
             needed = carried + sizes_of(inverse) * around
             if all(x < y for x, y in zip(needed.entries(), box.entries(), strict=True)):
                 break
             box = needed * multiple
         else:
-            raise Refused("no tube around the step is wide enough")
+            raise Refused("no tube around the step could be proved to hold the solution")
         grown, added = at_the_end(M, _beside(defect, source), step)
         own, old = _column(added, 0), grown * start + _column(added, 1)
         if not all(x.is_finite() for x in (own + old).entries()):
-            raise Refused("the bound of the errors is not finite")
+            raise Refused("the error bound is not finite")
         relative = _relative(sizes_of(inverse) * own, sizes)
         lost = sizes_of(middle.slow_part(arb_mat(self.n, self.n, 1))) * old  # fast errors decay by themselves
         followed = sizes_of(self.set.basis) * widths + sizes_of(value_at(flow, arb(1))) * widths

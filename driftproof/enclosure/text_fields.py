@@ -21,20 +21,23 @@ from driftproof.symbolic.algebra.certified import enclose
 GivenField: TypeAlias = RightHandSide | str | Sequence[str] | VectorField
 
 
-def right_hand_side(f: GivenField) -> RightHandSide:
-    """The function itself, or the one that a text or a `VectorField` defines. Raises Refused for anything else.
+def right_hand_side(f: GivenField, components: int) -> RightHandSide:
+    """The function itself, or that of a text or a `VectorField` of so many components. Raises Refused for others.
 
-    >>> right_hand_side("y1; -y0")(0.0, [1.0, 0.5])
+    >>> right_hand_side("y1; -y0", 2)(0.0, [1.0, 0.5])
     [0.5, -1.0]
     """
     if callable(f):
         return f
     try:
-        return field_function(f if isinstance(f, VectorField) else field_of_text(f))
+        field = f if isinstance(f, VectorField) else field_of_text(f)
     except ValueError as error:
-        raise Refused(f"f is no right-hand side: {error}") from None
+        raise Refused(f"f is not a right-hand side: {error}") from None
     except (TypeError, AttributeError):
-        raise Refused(f"f is no right-hand side: {type(f).__name__}; give a function f(t, y), or its text") from None
+        raise Refused(f"f is not a right-hand side but a {type(f).__name__}; give f(t, y) or its text") from None
+    if len(field.rates) != components:
+        raise Refused(f"f has {len(field.rates)} components, but the trajectory has {components}")
+    return field_function(field)
 
 
 def field_function(field: VectorField, expressions: Sequence[str] | None = None) -> RightHandSide:

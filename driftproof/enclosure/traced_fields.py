@@ -52,7 +52,7 @@ class Traced:
     def __init__(self, text: str, doubles: dict[Fraction, str], divisor: str = "") -> None:
         """Take the text, and the names given to doubles so far. Raises Refused if the text is too long."""
         if len(text) > _LONGEST_TRACE:
-            raise Refused(f"f is too long to be written out: over {_LONGEST_TRACE} characters")
+            raise Refused(f"f is too long as text: over {_LONGEST_TRACE} characters")
         self.text, self.doubles, self.divisor = text, doubles, divisor
 
     @classmethod
@@ -62,7 +62,7 @@ class Traced:
             return x
         ball = arb(x)
         if not ball.is_exact():
-            raise Refused("f uses a number that is no double")
+            raise Refused("f uses a number that is not a double")
         value = dyadic(ball)
         if value.denominator == 1 and abs(value) < _LARGEST_LITERAL:
             return cls(str(value) if value >= 0 else f"({value})", doubles)
@@ -97,12 +97,12 @@ class Traced:
 
     def __gt__(self, other: Any) -> bool:
         """Raise Refused: text has no branches."""
-        raise Refused("f compares numbers, which a problem as text does not")
+        raise Refused("f compares numbers, which a problem given as text cannot do")
 
     __lt__ = __gt__
 
     def __getattr__(self, name: str) -> Callable[[], Traced]:
         """A function that returns the call of `name` as text. Raises Refused unless a field may use it."""
         if name not in FUNCTIONS:
-            raise Refused(f"f takes {name}; a problem as text takes {', '.join(FUNCTIONS)}")
+            raise Refused(f"f uses {name}; a problem given as text may use {', '.join(FUNCTIONS)}")
         return lambda: Traced(f"{name}({self.text})", self.doubles)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import pairwise
@@ -19,6 +18,8 @@ BINARY64_UNIT, BINARY32_UNIT = Fraction(1, 2**53), Fraction(1, 2**24)
 # chosen: a trajectory in a file of more bytes than this could not be enclosed in a session.
 LARGEST_RUN = 2**28
 _SEPARATOR = re.compile(r"[,;\s]+")
+# A comma between digits, in a line where other signs separate numbers.
+_DECIMAL_COMMA = re.compile(r"(?=.*\d,\d).*[^,;\s](\s*;\s*|\s+)[^,;\s]")
 
 
 @dataclass(frozen=True)
@@ -47,20 +48,20 @@ def trajectory_of(t: Any, y: Any = None) -> Trajectory:
     """
     if y is None:
         if not has_trajectory(t):
-            raise Refused(f"{type(t).__name__} has neither .t and .y nor .ts and .ys; give t and y apart")
+            raise Refused(f"{type(t).__name__} has neither .t and .y nor .ts and .ys; give t and y as two arguments")
         t, y = (t.t, np.asarray(t.y).T) if hasattr(t, "y") else _unfilled(t.ts, t.ys)
     times, states = _floats("t", t), _floats("y", y)
     if times.ndim != 1 or len(times) < 2:
-        raise Refused(f"t has the shape {times.shape}; it has to be a row of two times at least")
+        raise Refused(f"t has the shape {times.shape}; it must be a row of at least two times")
     if states.ndim == 1:
         states = states[:, None]
     if states.ndim == 2 and states.shape[0] != len(times) == states.shape[1]:
         states = states.T
     if states.ndim != 2 or len(states) != len(times) or not states.shape[1]:
-        raise Refused(f"y has the shape {states.shape}; it has to be a row for each of {len(times)} times")
+        raise Refused(f"y has the shape {states.shape}; it must have a row for each of {len(times)} times")
     for i, (before, after) in enumerate(pairwise(times), 1):
         if not before < after:
-            raise Refused(f"times have to increase: t[{i}] = {after} is not above t[{i - 1}] = {before}")
+            raise Refused(f"times must increase, but t[{i}] = {after} is not above t[{i - 1}] = {before}")
     with np.errstate(over="ignore"):
         narrow = (states.astype(np.float32) == states).all() and (times.astype(np.float32) == times).all()
     return Trajectory(times.tolist(), states.tolist(), BINARY32_UNIT if narrow else BINARY64_UNIT)
@@ -76,12 +77,12 @@ def _floats(name: str, values: Any) -> Any:
     try:
         found = np.asarray(values)
     except ValueError:
-        raise Refused(f"{name} is no table of numbers: its rows differ in length") from None
+        raise Refused(f"{name} is not a table of numbers: its rows differ in length") from None
     if found.dtype.kind not in "fiu" or found.dtype.itemsize > 8:
-        raise Refused(f"{name} holds {found.dtype}; floats of at most 64 bits are taken")
+        raise Refused(f"{name} has the type {found.dtype}; give floats of at most 64 bits")
     if not np.isfinite(found).all():
         where = np.argwhere(~np.isfinite(found))[0].tolist()
-        raise Refused(f"{name}{where} is {found[tuple(where)]}")
+        raise Refused(f"{name}{where} is {found[tuple(where)]}, not a finite number")
     return found.astype(float)
 
 
@@ -94,21 +95,21 @@ def read_trajectory(path: Path) -> Trajectory:
     """
     if path.stat().st_size > LARGEST_RUN:
         raise ValueError(f"{path}: too large; at most {LARGEST_RUN} bytes are read")
-    if path.suffix.lower() == ".npz":
-        return trajectory_of(*_arrays(path))
-    if path.suffix.lower() != ".csv":
-        raise ValueError(f"{path}: the name of a trajectory's file ends in .csv or .npz")
+    if (suffix := path.suffix.lower()) not in (".csv", ".npz"):
+        raise ValueError(f"{path}: a trajectory must be a .csv or .npz file")
     try:
-        lines = path.read_text(encoding="utf-8-sig").splitlines()
-    except UnicodeDecodeError:
-        raise ValueError(f"{path}: no UTF-8 text") from None
-    rows = _rows(path, [(i, line) for i, line in enumerate(lines, 1) if line.strip() and not line.startswith("#")])
-    return trajectory_of([row[0] for row in rows], [row[1:] for row in rows])
+        return trajectory_of(*(_arrays(path) if suffix == ".npz" else _columns(path)))
+    except (UnicodeDecodeError, Refused) as reason:
+        raise ValueError(f"{path}: {reason if isinstance(reason, Refused) else 'not UTF-8 text'}") from None
 
 
-def _rows(path: Path, lines: Sequence[tuple[int, str]]) -> list[list[float]]:
-    rows: list[list[float]] = []
+def _columns(path: Path) -> tuple[list[float], list[list[float]]]:
+    """The times and the rows in a .csv file."""
+    read = enumerate(path.read_text(encoding="utf-8-sig").splitlines(), 1)
+    lines, rows = [(i, line) for i, line in read if line.strip() and not line.startswith("#")], list[list[float]]()
     for number, line in lines:
+        if _DECIMAL_COMMA.match(line):
+            raise ValueError(f"{path}:{number}: decimal commas; write 0.5, with a point")
         words = [word for word in _SEPARATOR.split(line.strip()) if word]
         if number == lines[0][0] and not any(map(_is_number, words)):  # names of the columns
             continue
@@ -117,12 +118,12 @@ def _rows(path: Path, lines: Sequence[tuple[int, str]]) -> list[list[float]]:
         except ValueError as error:
             raise ValueError(f"{path}:{number}: {error}") from None
         if len(row) < 2 or (rows and len(row) != len(rows[0])):
-            wanted = f"{len(rows[0])} numbers" if rows else "t and one component at least"
-            raise ValueError(f"{path}:{number}: {len(row)} numbers; write {wanted}")
+            wanted = f"{len(rows[0])} numbers" if rows else "t and at least one component"
+            raise ValueError(f"{path}:{number}: {len(row)} numbers; expected {wanted}")
         rows.append(row)
     if not rows:
-        raise ValueError(f"{path}: no numbers; write t and the components, a line for each time")
-    return rows
+        raise ValueError(f"{path}: it has no numbers; write a line for each time: t and the components")
+    return [row[0] for row in rows], [row[1:] for row in rows]
 
 
 def float_of_text(word: str) -> float:
@@ -132,7 +133,7 @@ def float_of_text(word: str) -> float:
             return float.fromhex(word)
         return float(re.sub(r"(?<=[\d.])[dD](?=[-+]?\d)", "e", word))
     except (ValueError, OverflowError):
-        raise ValueError(f"{word[:40]!r} is no number") from None
+        raise ValueError(f"{word[:40]!r} is not a number") from None
 
 
 def _is_number(word: str) -> bool:
@@ -151,6 +152,6 @@ def _arrays(path: Path) -> tuple[Any, Any]:
             for names in (("t", "y"), ("ts", "ys")):
                 if all(name in held for name in names):
                     return held[names[0]], held[names[1]]
-            raise ValueError(f"it holds {', '.join(held) or 'nothing'}; write the arrays t and y")
+            raise ValueError(f"it has {', '.join(held) or 'no arrays'}; it must have the arrays t and y")
     except (ValueError, EOFError, zipfile.BadZipFile, AttributeError) as error:
         raise ValueError(f"{path}: {' '.join(str(error).split())}") from None

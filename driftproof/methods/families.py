@@ -158,15 +158,15 @@ class Family:
 
     def member(self, value: Exact) -> RungeKutta:
         """The method at one value of the parameter, with claimed order 0. Raises MethodError if an entry has a pole."""
-        name = f"{self.key} at {self.parameter} = {value}"
+        at = f"at {self.parameter} = {value}"
         try:
             a = tuple(tuple(f(value) for f in row) for row in self.a)
             b, c = (tuple(f(value) for f in row) for row in (self.b, self.c))
         except ZeroDivisionError:
-            raise MethodError(
-                f"{self.key} is not defined at {self.parameter} = {value}, a pole of its coefficients"
-            ) from None
-        return RungeKutta(key=name, title=name, claimed_order=0, source=self.source, a=a, b=b, c=c)
+            raise MethodError(f"{self.key} is not defined {at}, a pole of its coefficients") from None
+        return RungeKutta(
+            key=(name := f"{self.key} {at}"), title=name, claimed_order=0, source=self.source, a=a, b=b, c=c
+        )
 
 
 # Title, parameter, order, source; then the tableau as books print it, its columns separated by commas.

@@ -262,21 +262,15 @@ def _splitting(table: TomlTable, common: dict[str, Any], read: Read) -> Method:
 
 def _nystrom(table: TomlTable, common: dict[str, Any], read: Read) -> Method:
     weights = _numbers(_entry(table, "b_velocity"), "b_velocity", read)
-    return Nystrom(
-        **common,
-        c=_numbers(_entry(table, "c"), "c", read, len(weights)),
-        a=_square(table, read, len(weights)),
-        b_position=_numbers(_entry(table, "b_position"), "b_position", read, len(weights)),
-        b_velocity=weights,
-    )
+    c, b_position = (_numbers(_entry(table, name), name, read, len(weights)) for name in ("c", "b_position"))
+    return Nystrom(**common, c=c, a=_square(table, read, len(weights)), b_position=b_position, b_velocity=weights)
 
 
 def _collocation(table: TomlTable, common: dict[str, Any], read: Read) -> Method:
     if common.pop("decimal"):
         raise MethodError("decimal = true is not allowed: a rounded node polynomial would have other nodes")
     coefficients = as_list(_entry(table, "node_polynomial"), "node_polynomial", most=MOST_NODES + 1)
-    polynomial = _numbers(coefficients, "node_polynomial", read)
-    return Collocation(**common, node_polynomial=tuple(_rational(x) for x in polynomial))
+    return Collocation(**common, node_polynomial=tuple(map(_rational, _numbers(coefficients, "node_polynomial", read))))
 
 
 def _multistep(table: TomlTable, common: dict[str, Any], read: Read) -> Multistep:
@@ -322,8 +316,8 @@ def method_of(given: str | Path | Method | Family | FactsOnly) -> Method:
     """
     subject = subject_of(given)
     if isinstance(subject, Family):
-        what = f"{subject.key} is a family of methods, with {subject.parameter} free"
-        raise ValueError(f"{what}; one method is needed (`driftproof facts` accepts families, and --at for a member)")
+        what = f"{subject.key} is a family of methods, with {subject.parameter} free; one method is needed"
+        raise ValueError(f"{what}, such as '{given if isinstance(given, str | Path) else subject.key} at 1/2'")
     return of_one_state(subject)
 
 
@@ -339,7 +333,10 @@ def _each(given: GivenMethods) -> Sequence[str | Path | Method]:
 
 
 def subject_of(given: str | Path | Method | Family | FactsOnly) -> Method | Family | FactsOnly:
-    """Like `method_of`, but also for families and for methods of which there are only facts."""
+    """Like `method_of`, but also for families and for methods of which there are only facts.
+
+    A family or its file with a value, such as "explicit_order_2 at 2/3", is a member of the family.
+    """
     if isinstance(given, Method | Family | FactsOnly):
         return given
     if not isinstance(given, str | Path):
@@ -347,6 +344,9 @@ def subject_of(given: str | Path | Method | Family | FactsOnly) -> Method | Fami
     name = str(given)
     if name.endswith(".toml"):
         return read_method(Path(name))
+    of, at, value = name.rpartition(" at ")
+    if at and isinstance(family := subject_of(of), Family):
+        return family.member(parse_number(value, family.parameter))
     return FAMILIES[name] if name in FAMILIES else entry_named(name)
 
 

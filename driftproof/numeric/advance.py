@@ -57,7 +57,7 @@ class StepTimes(NamedTuple):
 def step_times(t: Fraction, steps: int) -> StepTimes:
     """Step size and end of `steps` steps to t. Raises ValueError for no step, or an h that no double is near to."""
     if steps < 1:
-        raise ValueError(f"steps is {steps}; at least one step leads to t")
+        raise ValueError(f"steps is {steps}; must be at least 1")
     h = nearest_double(t / steps, "h = t / steps")
     return StepTimes(h, steps * Fraction(h))
 

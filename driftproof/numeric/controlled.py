@@ -53,7 +53,7 @@ class ControlledRun:
         self.calls, self.steps, self.rejected = (int(report[i]) for i in range(step_control.STATE))
         if report[step_control.STATE] != step_control.DONE:
             short = report[step_control.STATE] == step_control.TOO_SHORT
-            why = "no step is within the tolerance" if short else f"given up after {most:.2g} evaluations"
+            why = "no step size meets the tolerance" if short else f"given up after {most:.2g} evaluations"
             raise ArithmeticError(f"{self.method.key}: {why} from t = {report[step_control.TIME]:g}")
         return tuple(map(float, state))
 

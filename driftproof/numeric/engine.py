@@ -101,7 +101,7 @@ def compiled_ensemble_runner(method: Method, force: str = OSCILLATOR, *, compens
     def run_blocks(q: FloatArray, v: FloatArray, h: float, steps: int) -> None:
         number = _format_of(q, v)
         if number not in COMPILED:
-            raise ValueError(f"compiled runs are in float32 and float64, not in {q.dtype}; use ensemble_runner")
+            raise ValueError(f"compiled runs take float32 or float64, not {q.dtype}; use ensemble_runner")
         _compiled_blocks(source, number)(q, v, number(h), steps, 0, len(q))
 
     return run_blocks
@@ -139,7 +139,7 @@ def in_threads(run: Callable[[int, int], None], members: int, threads: int, bloc
 def demand_ensemble(y: FloatArray, rows: int) -> None:
     """Raise ValueError unless y consists of `rows` rows of float64, one after another in memory."""
     if y.ndim != 2 or len(y) != rows or y.dtype != np.float64 or not y.flags.c_contiguous:
-        raise ValueError(f"y is {y.dtype}{list(y.shape)}; an ensemble is {rows} rows of float64, one after another")
+        raise ValueError(f"y is {y.dtype}{list(y.shape)}; an ensemble is a C-contiguous float64 array with {rows} rows")
 
 
 def array_field_runner(method: Method, field: VectorField, library: Any) -> FieldRun:
@@ -200,7 +200,7 @@ def _format_of(q: FloatArray, v: FloatArray) -> Format:
     """The common format. Raises ValueError unless both are one-dimensional float arrays of one length and format."""
     if q.shape != v.shape or q.ndim != 1 or q.dtype != v.dtype or not issubclass(q.dtype.type, np.floating):
         shown = f"{q.dtype}{list(q.shape)} and {v.dtype}{list(v.shape)}"
-        raise ValueError(f"q and v are {shown}; an ensemble is two one-dimensional arrays of floats, of one length")
+        raise ValueError(f"q and v are {shown}; both must be float vectors of the same length and type")
     return q.dtype.type
 
 

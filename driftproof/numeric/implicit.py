@@ -118,7 +118,7 @@ class _UserFunctions:
     def _slope(self, t: float, y: _Vector) -> _Vector:
         found = np.asarray(self.rate(t, y), np.float64)
         if found.shape != y.shape:
-            raise ValueError(f"the rate returns shape {found.shape} at a state of {len(y)} components")
+            raise ValueError(f"the right-hand side returns shape {found.shape} for a state of {len(y)} components")
         return found
 
     def _differences(self, t: float, y: _Vector) -> _Vector:
@@ -231,7 +231,7 @@ def _demand_done(method: Method, report: Any, t: float, h: float, whose: str = "
         where, reason = f"the step from t = {t + report[newton.STEP] * h:g} by h = {h:g}", "overflows binary64"
         raise StageEquationsUnsolved(f"{name}{where} {reason}", reason)
     if report[newton.STATE] == newton.UNSOLVED:
-        left = f"residual {report[newton.LEFT]:.3g}, {report[newton.LEFT_OVER_FLOOR]:.3g} times what rounding explains"
+        left = f"residual {report[newton.LEFT]:.3g}, {report[newton.LEFT_OVER_FLOOR]:.3g} times its rounding error"
         where = f"{name}the step by h = {h:g} to t = {report[newton.TIME]:g}"
         reason = f"not solved after {int(report[newton.TRIED])} iterations"
         raise StageEquationsUnsolved(f"{where} is {reason}: {left}", reason)

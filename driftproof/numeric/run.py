@@ -84,8 +84,8 @@ def demand_few(steps: int) -> None:
     """Raise ValueError for a float run of more than MOST_FLOAT_STEPS steps."""
     if steps > MOST_FLOAT_STEPS:
         raise ValueError(
-            f"{brief(steps)} steps are more than {MOST_FLOAT_STEPS}; "
-            "`driftproof run` answers any number of steps, certified"
+            f"{brief(steps)} steps; a float run takes at most {MOST_FLOAT_STEPS}, and "
+            "`driftproof run` gives a certified answer for any number"
         )
 
 
@@ -95,7 +95,7 @@ def run_method(scene: Scene, key: str, counter: Counter = range) -> Readouts:
     Raises RunEnded, and ValueError if the scene asks for no readout or for more than MOST_FLOAT_STEPS steps.
     """
     if not scene.readouts:
-        raise ValueError(f"scene {scene.name!r} asks for no readout; name at least one")
+        raise ValueError(f"scene {scene.name!r} names no readout; name at least one")
     demand_few(scene.steps)
     force = CountedForce(oscillator) if "evaluations" in scene.readouts else oscillator
     start = (nearest_double(scene.start[0], "start q"), nearest_double(scene.start[1], "start v"))
@@ -133,7 +133,7 @@ def times_of_steps(h: Fraction, steps: int) -> Any:
     Raises OverflowError unless steps times h's numerator, and h's denominator, stay below 2**53, where they are exact.
     """
     if max(steps * abs(h.numerator), h.denominator) >= 2**53:
-        raise OverflowError(f"the times {steps} * {h} do not round once; use a shorter run or a simpler h")
+        raise OverflowError(f"the times of {steps} steps of {h} round more than once; shorten the run or simplify h")
     return np.arange(steps + 1) * h.numerator / h.denominator
 
 
@@ -184,9 +184,9 @@ def nearest_double(x: Fraction, what: str) -> float:
     try:
         nearest = float(x)
     except OverflowError:
-        raise ValueError(f"{what} is beyond the largest binary64, about 1.8e308") from None
+        raise ValueError(f"{what} is larger than the largest binary64, about 1.8e308") from None
     if nearest == 0 and x != 0:
-        raise ValueError(f"{what} is nearer to 0 than the smallest binary64, about 4.9e-324")
+        raise ValueError(f"{what} rounds to 0: the smallest positive binary64 is about 4.9e-324")
     return nearest
 
 
@@ -194,7 +194,7 @@ def _nearest_time(t: Fraction) -> float:
     """The double nearest to t. Raises ValueError unless it is near enough for its cosine and sine to mean anything."""
     nearest = nearest_double(t, "t")
     if abs(Fraction(nearest) - t) > COARSEST_TIME:
-        raise ValueError("t is too large for binary64 to hold its fraction; `driftproof run` answers it, certified")
+        raise ValueError("t is too large: no binary64 is near enough to it; `driftproof run` gives a certified answer")
     return nearest
 
 

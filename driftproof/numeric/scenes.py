@@ -67,14 +67,14 @@ class Scene:
     def __post_init__(self) -> None:
         """Raise SceneError for an unknown name, an empty request, or an h that does not divide t."""
         if Path(self.name).name != self.name:
-            raise SceneError(f"scene {self.name!r}: a name has no folders in it; figures are named after it")
+            raise SceneError(f"scene {self.name!r}: the name must not contain a folder, as files are named after it")
         if not (self.readouts or self.certified or self.panels):
-            raise SceneError(f"scene {self.name!r} asks for nothing; name readouts, certified or panels")
+            raise SceneError(f"scene {self.name!r} computes nothing; give readouts, certified or panels")
         _check_names(self.name, "readout", self.readouts, READOUTS)
         _check_names(self.name, "certified readout", self.certified, CERTIFIABLE)
         _check_names(self.name, "panel", self.panels, PANELS)
         if TABLE in self.panels and not self.methods:
-            raise SceneError(f"scene {self.name!r} has a table but names no methods to compare")
+            raise SceneError(f"scene {self.name!r} has the panel table, but no methods to compare; give methods")
         if self.problem is not None:
             self._check_problem(self.problem)
         try:
@@ -87,18 +87,18 @@ class Scene:
     def _check_problem(self, problem: Problem) -> None:
         """Raise SceneError for what only the oscillator has, and for a time without a reference solution."""
         if self.start != _LESSON_START:
-            raise SceneError(f"scene {self.name!r}: the start is the problem's; leave start away")
+            raise SceneError(f"scene {self.name!r}: the problem fixes the start; remove `start`")
         if self.certified:
-            raise SceneError(f"scene {self.name!r}: certified readouts are of the oscillator; use `driftproof certify`")
+            raise SceneError(f"scene {self.name!r}: a problem has no certified readouts; use `driftproof certify`")
         energies = () if problem.energy else ("energy", "energy_change")
         there_are = [name for name in READOUTS if name not in ("phase_error", *energies)]
         for what, names, allowed in (("readout", self.readouts, there_are), ("panel", self.panels, [TABLE])):
             if absent := [name for name in names if name not in allowed]:
-                refusal = f"a scene of {problem.key} has no {what} {absent[0]}; choose from {', '.join(allowed)}"
+                refusal = f"the problem {problem.key} has no {what} {absent[0]}; choose from {', '.join(allowed)}"
                 raise SceneError(f"scene {self.name!r}: {refusal}")
         if self.t not in (times := problem.reference.times):
             known = ", ".join(map(str, times))
-            raise SceneError(f"scene {self.name!r}: the solution of {problem.key} is at hand at t = {known}")
+            raise SceneError(f"scene {self.name!r}: the solution of {problem.key} is known only at t = {known}")
 
     @property
     def steps(self) -> int:
@@ -175,7 +175,7 @@ def read_scene(path: Path, problem_of: Callable[[str], Problem] = _problem_of_ou
 
 def _scene(table: TomlTable, name: str, problem_of: Callable[[str], Problem]) -> Scene:
     if "rates" in table or "function" in table:
-        raise SceneError('it is a problem; a scene names it, problem = "FILE.toml", with selected, h and readouts')
+        raise SceneError('it is a problem; write a scene with problem = "FILE.toml", selected, h and readouts')
     demand_keys(table, tuple(field.name for field in fields(Scene)), "a scene")
     problem = problem_of(as_text(table["problem"], "problem")) if "problem" in table else None
     for key in ("selected", "h", *(() if problem else ("t",))):

@@ -260,7 +260,7 @@ def collocation_table(method: Method) -> CollocationTable:
     """
     c = method.tableau(NODE_BITS)[2] if isinstance(method, Collocation) else _nodes(method)
     if not c or 0 in c:
-        raise MethodError(f"{method.key} has no estimate of its error here: it neither is a pair nor collocates")
+        raise MethodError(f"{method.key} has no error estimate: not a pair, nor collocation without the node 0")
     powers = [list(row) for row in zip(*[_basis_polynomial(x, c) for x in c], strict=True)]
     columns = list(zip(*powers, strict=True))
     inverse = [[total((k + 1) * x * node**k for k, x in enumerate(column)) for column in columns] for node in c]

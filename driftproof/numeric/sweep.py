@@ -86,14 +86,14 @@ def run_grid(
 def points_of(scene: Scene, grid: Grid) -> list[Values]:
     """The points of the grid in their order. Raises ValueError as `run_grid` does."""
     if not scene.readouts or TRAJECTORY in scene.readouts:
-        raise ValueError(f"scene {scene.name!r}: a sweep needs readouts, and keeps no trajectory")
+        raise ValueError(f"scene {scene.name!r}: a sweep needs readouts, and {TRAJECTORY} cannot be one")
     for name, values in grid.items():
         if name not in AXES:
             raise ValueError(f"the grid has no axis {name!r}; choose from {', '.join(AXES)}")
         if name == "start" and scene.problem is not None:
-            raise ValueError(f"scene {scene.name!r}: the start is the problem's")
+            raise ValueError(f"scene {scene.name!r}: the problem fixes the start; remove the axis start")
         if isinstance(values, str) or not values:
-            raise ValueError(f"the axis {name!r} is {values!r}; write a list of at least one value")
+            raise ValueError(f"the axis {name!r} is {values!r}; write a list with at least one value")
         for value in values:
             _check_value(name, value)
     return [dict(zip(grid, values, strict=True)) for values in product(*grid.values())]
@@ -175,7 +175,7 @@ def _batches_on(scene: Scene, points: list[Values], left: deque[int], executor: 
                 left.extendleft(reversed(batch[len(found) :]))
                 yield list(zip(batch, found, strict=False))
     except BrokenExecutor:
-        why = 'was its memory used up? In a script it has to be called below if __name__ == "__main__":'
+        why = 'did it run out of memory? In a script, call the sweep under if __name__ == "__main__":'
         raise ChildProcessError(f"a process of the sweep ended before it answered; {why}") from None
     finally:
         if running and isinstance(executor, Workers):
@@ -251,7 +251,7 @@ class Checkpoint:
         lines = text.splitlines(keepends=True)
         cut = lines.pop() if lines and not lines[-1].endswith(b"\n") else b""
         if not (lines[0] == self.head if lines else self.head.startswith(cut)):
-            raise ValueError(f"{self.path} is no file of this sweep; name another, or delete it")
+            raise ValueError(f"{self.path} belongs to another sweep; name another file, or delete it")
         for number, line in enumerate(lines[1:], 2):
             self._read(number, line)
         with naming(self.path), self.path.open("ab") as file:
@@ -281,7 +281,7 @@ class Checkpoint:
         except (ValueError, LookupError, TypeError, AttributeError, RecursionError):
             right = False
         if not right:
-            raise ValueError(f"{self.path}, line {number}: not an answer of this sweep, or one for the second time")
+            raise ValueError(f"{self.path}, line {number}: not an answer of this sweep, or a duplicate")
         self.found[i] = found
 
 

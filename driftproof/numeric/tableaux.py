@@ -46,7 +46,7 @@ def float_tableau(method: Method) -> FloatTableau:
     if isinstance(method, RungeKutta):
         return _floats(method.a, method.b, method.c)
     if not isinstance(method, Collocation):
-        raise MethodError(f"{method.key} is no Runge-Kutta method; it has no tableau")
+        raise MethodError(f"{method.key} is not a Runge-Kutta method, so it has no tableau")
     return _floats(*method.tableau(NODE_BITS))
 
 

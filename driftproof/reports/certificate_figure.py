@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from fractions import Fraction
+from functools import reduce
 from math import ceil, floor, log10
 from pathlib import Path
 
@@ -41,13 +42,11 @@ def certificate_figure(found: Certificate, title: str) -> Figure:
     bounds = {name: [_bounds(row) for row in rows] for name, rows in parts}
     every = [log10(x) for pairs in bounds.values() for pair in pairs for x in pair if x > 0]
     if not every:
-        raise ValueError("there is no error to draw: every point is exact")
+        raise ValueError("there is no error to draw: all points are exact")
     low, high = max(floor(min(every)), ceil(max(every)) - _DEEPEST), ceil(max(every))
     low = min(low, high - 2)
-    plot = Plot(
-        linear(Fraction(found.t[0]), Fraction(found.t[-1]), "t", WIDE[0]),
-        decades(low, high, "error, the largest component", WIDE[1]),
-    )
+    time = linear(Fraction(found.t[0]), Fraction(found.t[-1]), "t", WIDE[0])
+    plot = Plot(time, decades(low, high, "error, the largest component", WIDE[1]))
     for (name, _), mark in zip(parts, _MARKS, strict=False):
         for side in (0, 1):
             places = [(t, log10(pair[side])) for t, pair in zip(found.t, bounds[name], strict=True) if pair[side] > 0]
@@ -60,10 +59,10 @@ def certificate_figure(found: Certificate, title: str) -> Figure:
         identity="certificate",
         kind="wide",
         title=title,
-        description=f"Against t, logarithmic, the largest component of each point. {found.text().splitlines()[0]}",
+        description=f"The largest error of each point against t, logarithmic. {found.text().splitlines()[0]}",
         plot=plot,
         legend=[(f"line {mark}", name) for (name, _), mark in zip(parts, _MARKS, strict=False)],
-        note="Each line is two, the proved bounds, where they differ enough to be seen.",
+        note="Where the proved lower and upper bounds visibly differ, a line becomes two.",
         data=_data(found, parts),
         data_title="Error against t",
     )
@@ -71,16 +70,12 @@ def certificate_figure(found: Certificate, title: str) -> Figure:
 
 def _bounds(row: Sequence[arb]) -> tuple[float, float]:
     """Lower and upper bound of the largest component in the row, in size."""
-    largest = arb(0)
-    for x in row:
-        largest = largest.max(abs(x))
+    largest = reduce(arb.max, map(abs, row))
     return float(largest.lower()), float(largest.upper())
 
 
 def _thinned(places: list[tuple[float, float]], t: Sequence[float]) -> list[tuple[float, float]]:
-    """The largest and the smallest point of each column of pixels, in order of time; all points if they are few."""
-    if len(places) <= 2 * COLUMNS_OF_PIXELS:
-        return places
+    """The largest and the smallest point of each column of pixels, in order of time."""
     columns: dict[int, list[tuple[float, float]]] = {}
     for place in places:
         columns.setdefault(int((place[0] - t[0]) / (t[-1] - t[0]) * COLUMNS_OF_PIXELS), []).append(place)

@@ -138,7 +138,7 @@ def facts(
     if isinstance(subject, Family) and at is not None:
         subject = subject.member(parse_number(at, "value") if isinstance(at, str) else at)
     elif at is not None:
-        raise ValueError(f"{subject.key} has no parameter; `at` is for families such as sdirk_order_2")
+        raise ValueError(f"{subject.key} has no parameter; `at` works only with families such as sdirk_order_2")
     if isinstance(subject, Family):
         if system or order_tolerance is not None:
             raise ValueError(f"{subject.key} is a family; choose one method with `at`, a value of {subject.parameter}")
@@ -147,11 +147,11 @@ def facts(
     tolerance = None if order_tolerance is None else exact_number(order_tolerance, "order tolerance")
     if isinstance(subject, FactsOnly):
         if system:
-            raise ValueError(f"{subject.key} is {subject.kind}; `system` is not for it")
+            raise ValueError(f"{subject.key} is {subject.kind}; `system` does not work with it")
         return FactSheet(lambda asked: facts_only(subject, asked, tolerance), names)
     if system is None:
         return MethodFacts(subject, names, tolerance, terms)
     if tolerance is not None:
-        raise ValueError("`system` is about one problem, an order tolerance about the method; ask separately")
+        raise ValueError("`system` cannot be combined with an order tolerance; ask separately")
     rows = parse_system(system) if isinstance(system, str) else [[exact_number(x) for x in row] for row in system]
     return FactSheet(lambda asked: facts_on_system(subject, rows, asked), names, grouped=False)

@@ -36,7 +36,7 @@ def draw_method(picture: str, method: Method, path: Path) -> Path:
     """Write the picture of the method to `path`, an SVG file. Raises ValueError for a method without R(z)."""
     r = stability_function_of(method)
     if r is None:
-        raise ValueError(f"{method.key} has no stability function to draw: it is no Runge-Kutta method")
+        raise ValueError(f"{method.key} has no stability function to draw: it is not a Runge-Kutta method")
     plot, words, legend = PICTURES[picture](r)
     return write_picture(path, method.title, words, f"{method.title}: {words}", [plot], legend)
 
@@ -66,7 +66,7 @@ def _phase(r: RationalFunction) -> tuple[Plot, str, _Legend]:
     lines = [np.clip(line, -_DEEPEST, _DEEPEST) for line in (dispersion, growth)]
     every = np.concatenate([*lines, [0.0]])
     low, high = (Fraction(float(x)).limit_denominator(1000) for x in (every.min() - 0.05, every.max() + 0.05))
-    plot = Plot(linear(Fraction(0), Fraction(3), "step h", WIDE[0]), linear(low, high, "radians; log", WIDE[1]))
+    plot = Plot(linear(Fraction(0), Fraction(3), "step size h", WIDE[0]), linear(low, high, "radians; log", WIDE[1]))
     for line, mark in zip(lines, ("path m3", "path m0"), strict=True):
         plot.line([(x, y) for x, y in zip(h, line, strict=True) if np.isfinite(y)], mark)
     legend = [("line path m3", "dispersion: arg R(ih) - h"), ("line path m0", "dissipation: log |R(ih)|")]
@@ -83,7 +83,7 @@ def _plane(middle: Sequence[float], reach: float) -> Plot:
 
 
 def _shade(plot: Plot, inside: Any) -> None:
-    """Shade the points z of the square with `inside(z)` by horizontal strokes, and draw the axes on top."""
+    """Shade the points z of the square with `inside(z)` by horizontal strokes, and draw the axes through 0 on top."""
     x, y = (
         np.linspace(float(axis.scale.low), float(axis.scale.high), n)
         for axis, n in ((plot.x, _COLUMNS), (plot.y, _ROWS))
@@ -96,10 +96,8 @@ def _shade(plot: Plot, inside: Any) -> None:
             strokes.append(f"M{left} {at}H{place(plot.x.scale(x[end - 1]))}")
     plot.drawn.append(element("path", class_="shade", d="".join(strokes)))
     across, up = plot.x.scale, plot.y.scale
-    if up.low < 0 < up.high:
-        plot.line([(across.low, 0), (across.high, 0)], "axis")
-    if across.low < 0 < across.high:
-        plot.line([(0, up.low), (0, up.high)], "axis")
+    plot.line([(across.low, 0), (across.high, 0)], "axis")
+    plot.line([(0, up.low), (0, up.high)], "axis")
 
 
 def _values(r: RationalFunction, z: Any) -> Any:

@@ -37,7 +37,7 @@ class Page(Printable):
             return self.html
         if form == "json":
             return as_json({"scenes": self.scenes, "output": None if self.output is None else str(self.output)})
-        return f"wrote {self.output}" if self.output else f"a page of {', '.join(self.scenes)}; .html has it"
+        return f"wrote {self.output}" if self.output else f"a page of {', '.join(self.scenes)}; its HTML is in .html"
 
     def _repr_html_(self) -> str:
         """The page itself, in a frame of its own."""
@@ -59,7 +59,7 @@ def report(
 
     >>> from driftproof import report
     >>> print(report("default"))
-    a page of Default; .html has it
+    a page of Default; its HTML is in .html
     """
     path = None if output is None else Path(output)
     if path is not None:

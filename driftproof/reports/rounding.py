@@ -79,9 +79,8 @@ def _program(method: Method) -> StepOrMethod:
 def _at(method: Method, subject: Any, bound: StepBound, h: Fraction) -> Json:
     bounds = {"plain": bound.at(h), "sharp": fixed_step_bound(subject, h, bound.format).linear}
     if bound.rounds_constants:
-        bounds["as_held"] = fixed_step_bound(
-            step_with_stored_coefficients(method, bound.format), h, bound.format
-        ).linear
+        held = step_with_stored_coefficients(method, bound.format)
+        bounds["as_held"] = fixed_step_bound(held, h, bound.format).linear
     rows = {name: [_in_units(x, bound.format) for row in linear.error for x in row] for name, linear in bounds.items()}
     safe = safe_state_text(largest_safe_state(subject, h, bound.format))
     return {"h": str(h), **rows, "per_step": _per_step(subject, h, bound.format), "safe_state": safe}
@@ -156,19 +155,19 @@ def roundoff_text(answer: Json) -> str:
         _about(answer),
     ]
     if any(_DECIMAL.search(line) for line in (*answer["first_order"], *answer["full"])):
-        parts.append("Decimals in the formulas stand for fractions too long to read, and are rounded up.")
+        parts.append("Decimals in the formulas replace long fractions and are rounded up.")
     return "\n\n".join([*parts, *(_at_text(at) for at in answer["at"])])
 
 
 def _about(answer: Json) -> str:
     """What the bounds are about: the definition's polynomial, or another one that the program evaluates."""
     if different := answer["differences_from_definition"]:
-        return "\n".join(["The program is NOT the definition:", *different])
+        return "\n".join(["The program differs from the definition of the method:", *different])
     if not answer["rounds_coefficients"]:
-        return "The program's polynomial is the definition's."
+        return "The program evaluates the polynomial of the definition."
     return (
-        "The program's polynomial is the definition's, with rounded coefficients. All bounds are about the\n"
-        'definition; only "as held" is about the polynomial with the coefficients that the program holds.'
+        "The program evaluates the definition with rounded coefficients. All bounds are relative to the\n"
+        'definition; only those of "as held" are relative to the polynomial with the rounded coefficients.'
     )
 
 
@@ -177,21 +176,21 @@ def _at_text(at: Json) -> str:
     rows += [[label, *(_with_unit(x) for x in at[name])] for name, label in ROWS.items() if name in at]
     step = at["per_step"]
     growth = f"c(h) = {_with_unit(step['c'])}" if step["c"] else f"no c(h): {step['reason']}"
-    safe = f"for |q|, |v| <= {at['safe_state']}: nothing in the step overflows there"
+    safe = f"for |q|, |v| <= {at['safe_state']}: no operation of the step overflows"
     return f"At h = {at['h']}, {growth}\n{safe}\n{table(rows, right=(1, 2, 3, 4))}"
 
 
 def budget_text(budget: Json) -> str:
     """The error budget of `driftproof run --budget`, under the certified answers."""
-    title = f"Budget of the binary64 run with h = {budget['h_run']}"
+    title = f"Error budget of the binary64 run with h = {budget['h_run']}"
     if "reason" in budget:
         return f"{title}: none, {budget['reason']}"
     bound = budget["bound"]
     proved = _with_unit(bound["in_u"]) if bound["value"] else f"none: {bound['reason']}"
     rows = [
         ["float final state", ", ".join(budget["final_state"]), ""],
-        ["state error", budget["state_error"]["decimal"], "at most truncation + rounding"],
-        ["= truncation", budget["truncation"]["decimal"], "what the method would do in exact arithmetic"],
+        ["state error", budget["state_error"]["decimal"], "at most the sum of the next two"],
+        ["= truncation", budget["truncation"]["decimal"], "the error of the method in exact arithmetic"],
         ["+ rounding", budget["rounding"]["decimal"], f"= {_with_unit(budget['rounding_in_u'])}"],
         ["proved bound", bound["value"]["decimal"] if bound["value"] else "", f"on the rounding: {proved}"],
     ]

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from driftproof.methods.tableau_file import GivenMethods, names_of
 from driftproof.numeric.problems.problem import Problem
-from driftproof.numeric.scenes import PRESETS, TABLE, Scene, scene_named
+from driftproof.numeric.scenes import FIGURES, PRESETS, TABLE, Scene, scene_named
 from driftproof.reports.progress import count_steps
 from driftproof.reports.scene_view import scene_json, scene_text, show_scene
 from driftproof.support.files import require_folder
@@ -53,6 +53,8 @@ def scene(
     if keys := tuple(names_of(methods)):
         about = replace(about, selected=keys[0], methods=keys, panels=tuple(dict.fromkeys((*about.panels, TABLE))))
     if figures is not None:
+        if not {*FIGURES} & {*about.panels}:
+            raise ValueError(f"scene {about.name!r} has no figure to draw: give panels {' or '.join(FIGURES)}")
         require_folder(Path(figures))
     shown, wrote = show_scene(about, digits, count_steps), ""
     if figures is not None:

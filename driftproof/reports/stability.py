@@ -65,7 +65,7 @@ def stability(
     about = problem_given(problem)
     counts = [step_count(about.t, size) for size in steps_of(h)] or list(_SHOWN)
     if max(counts) > _MOST_SHOWN:
-        raise ValueError(f"{brief(max(counts))} steps to t = {about.t}; at most {_MOST_SHOWN} are run here")
+        raise ValueError(f"{brief(max(counts))} steps to t = {about.t} are too many; at most {_MOST_SHOWN} are run")
     asked = methods_of(methods or STABILITY_METHODS)
     answer = {
         "problem": about.key,
@@ -191,9 +191,8 @@ def error_of(problem: Problem, seen: Observed) -> float:
 
 def solution_size(problem: Problem) -> float:
     """The largest norm of the start, in floats, and of the reference's states: a run with a larger error is lost."""
-    origin = (0.0,) * len(problem.start)
-    states = problem.reference.states
-    return max(euclidean_norm(float_start(problem)), *(distance_from_digits(origin, state) for state in states))
+    sizes = (distance_from_digits((0.0,) * len(state), state) for state in problem.reference.states)
+    return max(euclidean_norm(float_start(problem)), *sizes)
 
 
 def stability_text(answer: Json) -> str:
@@ -207,7 +206,7 @@ def stability_text(answer: Json) -> str:
 
 def _limits_text(answer: Json, entries: Sequence[Json]) -> str:
     if not answer["linear"]:
-        rows = [["method", "follows from N =", "tried up to N ="]]
+        rows = [["method", "smallest such N", "largest N tried"]]
         for entry in entries:
             rows.append([entry["method"], str(entry["fewest_steps"] or "none"), str(entry["looked_up_to"])])
         title = f"Observed: with N steps, 2N, ... the error at the end is below {_FOLLOWS} of the solution's size"
@@ -215,8 +214,8 @@ def _limits_text(answer: Json, entries: Sequence[Json]) -> str:
     rows = [["method", "proved: bounded for", "observed over 2^48 steps", "R(oo)"]]
     for entry in entries:
         rows.append([entry["method"], _limit_text(entry), _seen_text(entry["seen"]), entry["at_infinity"] or "none"])
-    note = "observed: powers of the matrix of the float step stay below 1e9"
-    return f"The steps h whose powers stay bounded\n\n{table(rows)}\n\n{note}"
+    note = "observed: the powers of the float step's matrix stay below 1e9"
+    return f"The step sizes h whose powers stay bounded\n\n{table(rows)}\n\n{note}"
 
 
 def _limit_text(entry: Json) -> str:
@@ -242,12 +241,12 @@ def _seen_text(seen: Json) -> str:
 
 def _runs_text(answer: Json, entries: Sequence[Json]) -> str:
     verdicts = {True: "yes", False: "no"}
-    rows = [["method", "h", "steps", *(["bounded?", "factor"] if answer["linear"] else []), "the run to t"]]
+    rows = [["method", "h", "steps", *(["bounded?", "factor"] if answer["linear"] else []), "result at t"]]
     for entry in entries:
         for run in entry["runs"]:
             proved = [verdicts.get(run["bounded"], "not decided"), _factor_text(run)] if answer["linear"] else []
             rows.append([entry["method"], f"{float(run['h']):.6g}", str(run["steps"]), *proved, _outcome(run)])
-    reached = f"whose largest norm at its reference's times is {with_digits(float(answer['size']), 3)}"
+    reached = f"whose largest norm at the reference's times is {with_digits(float(answer['size']), 3)}"
     notes = f"error: the Euclidean distance from the solution at t, {reached}"
     if answer["linear"]:
         notes += "\nbounded?: proved, for exactly this h; factor: growth per step for the eigenvalue of largest modulus"
@@ -266,9 +265,9 @@ def _outcome(run: Json) -> str:
     if run["failed_after"] is not None:
         return f"ends at step {run['failed_after']}: {run['remark']}"
     if run["error"] is None:
-        return "finite at t, but farther from the solution than floats tell: lost"
+        return "finite at t, but its error overflows binary64: lost"
     error = f"error {with_digits(float(run['error']), 3)}"
-    return f"{error}, more than the solution: lost" if run["lost"] else error
+    return f"{error}, larger than the solution: lost" if run["lost"] else error
 
 
 def _expected_text(_: Json, entries: Sequence[Json]) -> str:

@@ -136,8 +136,8 @@ def cluster_executor(address: str) -> Iterator[Executor]:
     task has taken several workers with it.
     """
     if not _ADDRESS.fullmatch(address):
-        raise ValueError(f"{address!r} is no address of a scheduler; write it like tcp://10.0.0.1:8786")
-    require_package("distributed", "cluster", "a cluster needs distributed")
+        raise ValueError(f"{address!r} is not the address of a scheduler, such as tcp://10.0.0.1:8786")
+    require_package("distributed", "cluster", "--cluster needs distributed")
     from distributed import Client, KilledWorker
 
     before = logging.root.manager.disable
@@ -146,8 +146,8 @@ def cluster_executor(address: str) -> Iterator[Executor]:
         with Client(address, timeout=_SECONDS_TO_CONNECT, set_as_default=False) as client:
             yield _ClusterExecutor(client)
     except KilledWorker as error:
-        raise ChildProcessError(f"the workers at {address} died of a batch: {error}") from None
+        raise ChildProcessError(f"a batch killed the workers at {address}: {error}") from None
     except CancelledError:
-        raise ConnectionError(f"the cluster at {address} has gone away") from None
+        raise ConnectionError(f"the connection to the cluster at {address} was lost") from None
     finally:
         logging.disable(before)

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import math
+import re
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from fractions import Fraction
 from pathlib import Path
 from typing import Any, TypeAlias
@@ -14,29 +17,39 @@ from driftproof.blackbox.stepper.opening import imported
 from driftproof.enclosure.fields import rebound
 from driftproof.enclosure.numbers import Refused
 from driftproof.enclosure.solutions import BITS_AT_FIRST, enclose_solution
+from driftproof.enclosure.steps import size
 from driftproof.enclosure.text_fields import field_function
 from driftproof.enclosure.traced_fields import field_of_function
+from driftproof.methods.catalogue import METHODS
 from driftproof.methods.expressions import parse_number
 from driftproof.methods.field_text import (
     LONGEST_PROBLEM,
     PROBLEM_KEYS,
     energy_of_table,
     field_of_table,
+    field_of_text,
     rate_of_text,
     start_of_table,
 )
 from driftproof.methods.schemes import MethodError
-from driftproof.methods.vector_fields import VectorField
+from driftproof.methods.vector_fields import VectorField, partial_derivative
 from driftproof.numeric.problems.catalogue import problem_named
 from driftproof.numeric.problems.problem import CERTIFIED, Problem, Reference
 from driftproof.support.progress import working
 from driftproof.support.toml_tables import TomlTable, as_line, as_table, as_text, demand_keys, quoted, read_toml
 from driftproof.symbolic.algebra.certified import Uncertified, significant
+from driftproof.symbolic.linear.ray_bounds import ALWAYS
+from driftproof.symbolic.linear.systems import SystemFacts
 
 # As many as the references of our own problems have.
 ENCLOSED_DIGITS = 20
 # The reference's times divide the interval into this many equal parts.
 PARTS = 10
+# A linear problem of more components gets no proof of its stability: the eigenvalues of twice as many take minutes.
+MOST_PROVED = 20
+# A ball so many digits narrower than the digits of the largest component is of a component that has died out: errors of
+# floats are some 1e-16 of the largest component or more, of which 1e-30 is 1e-14.
+DEEPER_DIGITS = 10
 # Each attempt has half as many bits more: 128, 192, 288, 432, 648. For most problems one of the first two is enough.
 _MOST_ATTEMPTS = 5
 _LONGEST_TITLE = 200
@@ -48,15 +61,9 @@ def problem_given(given: GivenProblem) -> Problem:
     """A problem by its key, or by a .toml file or a dict of its equations. Raises Refused, and ValueError in one line.
 
     The file has start and end, and rates or in their place a Python function, "module:f", which is run once on symbols.
-    Optional are parameters (a function gets them as keywords, as doubles), a title and an energy:
-
-        rates = ["y1", "-g * sin(y0)"]
-        start = ["2", "0"]
-        end = "10"
-        energy = "y1^2/2 - g * cos(y0)"
-        parameters.g = "9.81"
-
-    A dict has the same keys; its function may be a Python function itself, and its decimals are floats.
+    Optional are parameters (a function gets them as keywords, as doubles), a title and an energy; the help of
+    `driftproof stability` shows one. A dict has the same keys; its function may be a Python function itself, and its
+    decimals are floats.
     """
     if isinstance(given, Problem):
         return given
@@ -65,7 +72,7 @@ def problem_given(given: GivenProblem) -> Problem:
     own: Any = given
     if callable(own):
         example = f"{{'function': {getattr(own, '__name__', 'f')}, 'start': [1, 0], 'end': 10}}"
-        raise ValueError(f"a function alone is no problem; write {example}, with its start and its end")
+        raise ValueError(f"a function alone does not define a problem; give start and end as well: {example}")
     if not (name := str(given)).endswith(".toml"):
         return problem_named(name)
     return read_toml(name, LONGEST_PROBLEM, lambda table: _problem(table, name))
@@ -77,18 +84,12 @@ def _problem(table: TomlTable, name: str) -> Problem:
     end = _rational(table.get("end"), "end")
     field = _field(table, len(start))
     if end <= 0:
-        raise ValueError(f"end is {end}; problems run from 0 to a time above it")
+        raise ValueError(f"end is {end}; it must be above 0, where problems begin")
     title = as_line(table.get("title", name), "title", _LONGEST_TITLE)
-    return Problem(
-        key=name,
-        title=title,
-        field=field,
-        start=start,
-        reference=enclosed_reference(field, start, [end * k / PARTS for k in range(1, PARTS + 1)]),
-        source=name,
-        energy=_energy(table),
-        second_order=_is_second_order(field),
-    )
+    reference, second_order = enclosed_reference(field, start, [end * k / PARTS for k in range(1, PARTS + 1)]), False
+    with suppress(MethodError):
+        second_order = bool(field.second_order())
+    return Problem(name, title, field, start, reference, name, _energy(table), second_order, matrix=matrix_in(field))
 
 
 def _energy(table: TomlTable) -> str | None:
@@ -118,14 +119,14 @@ def _as_toml(value: Any) -> Any:
 def _field(table: TomlTable, components: int) -> VectorField:
     if "function" in table:
         if "rates" in table:
-            raise ValueError("function stands in the place of rates; give one of them")
+            raise ValueError("give either rates or function, not both")
         own = table["function"]
         function = rebound(own if callable(own) else imported(as_text(own, "function"), "function"))
         parameters = _doubles(table)
         return field_of_function(lambda t, y: function(t, y, **parameters), components)
     field = field_of_table(table)
     if len(field.rates) != components:
-        raise ValueError(f"start has {components} entries, {len(field.rates)} are needed")
+        raise ValueError(f"start has {components} entries, but the rates need {len(field.rates)}")
     return field
 
 
@@ -137,7 +138,7 @@ def enclosed_reference(field: VectorField, start: Sequence[Fraction], times: Seq
         try:
             found = enclose_solution(f, list(start), [Fraction(0), *times], bits)
             with ctx.workprec(bits):
-                digits = tuple(tuple(map(_digits, row)) for row in found.states[1:])
+                digits = tuple(tuple(_digits(x, size(row)) for x in row) for row in found.states[1:])
             return Reference(tuple(times), digits, CERTIFIED, f"enclosed in {found.steps} steps, {bits} bits")
         except Refused as reason:
             if reason.t is None:  # more bits lead no further
@@ -146,13 +147,20 @@ def enclosed_reference(field: VectorField, start: Sequence[Fraction], times: Seq
         except Uncertified:
             refusal = None
         bits = bits * 3 // 2
-    raise refusal or Refused(f"the solution is not known to {ENCLOSED_DIGITS} digits with {bits * 2 // 3} bits")
+    raise refusal or Refused(f"the solution cannot be enclosed to {ENCLOSED_DIGITS} digits with {bits * 2 // 3} bits")
 
 
-def _digits(x: arb) -> str:
-    """x correctly rounded; for a ball around 0, a zero whose exponent says how near. Raises Uncertified."""
-    if not x.contains(0):
-        return significant(lambda: x, ENCLOSED_DIGITS)
+def _digits(x: arb, largest: arb) -> str:
+    """x correctly rounded; for a ball around 0, a zero whose exponent says how near. Raises Uncertified.
+
+    A component whose ball is far below the `largest` component has died out, and gets the digits that are certain.
+    """
+    for digits in range(0 if x.contains(0) else ENCLOSED_DIGITS, 0, -1):
+        try:
+            return significant(lambda: x, digits)
+        except Uncertified:
+            if not x.rad() * arb(10) ** (ENCLOSED_DIGITS + DEEPER_DIGITS) < largest:
+                raise
     if x.is_zero():
         return "0e-400"
     places = int((-(2 * arb(x.abs_upper())).log() / arb(10).log()).floor().unique_fmpz() or 0)
@@ -165,15 +173,29 @@ def _rational(value: object, where: str) -> Fraction:
     if value is None or isinstance(value, bool | list | dict):
         shown = "missing" if value is None else quoted(value)
         raise ValueError(f'{where} is {shown}; write a number such as "1/3" or 0.1')
-    number = parse_number(str(value), where)
+    try:
+        number: Any = parse_number(str(value), where)
+    except ValueError:  # perhaps it is written as rates are, such as 2*pi
+        number = math.nan
+        with np.errstate(all="ignore"), suppress(ValueError, ArithmeticError):
+            number = field_function(field_of_text([str(value)]))(math.nan, [math.nan])[0]
+        if not np.isfinite(number):
+            raise
     if not isinstance(number, Fraction):
-        raise ValueError(f"{where}: {value} is irrational; a problem's times and starts are rational")
+        raise ValueError(f"{where} is {value}; write a rational number, such as {float(number)!r}")
     return number
 
 
-def _is_second_order(field: VectorField) -> bool:
+def matrix_in(field: VectorField) -> tuple[tuple[Fraction, ...], ...] | None:
+    """A, if f(t, y) = Ay is written so, in at most MOST_PROVED components, and no solution grows; else None."""
+    n, zero = len(field.rates), Fraction(0)
+    slopes = [partial_derivative(rate, y) for rate in field.rates for y in field.components if n <= MOST_PROVED]
+    if n > MOST_PROVED or not field.autonomous or re.search(r"\by\d", " ".join(slopes)):
+        return None
     try:
-        field.second_order()
-    except MethodError:
-        return False
-    return True
+        at_rest, numbers = (field_function(field, texts)(zero, [zero] * n) for texts in (None, slopes))
+        rows = tuple(tuple(map(Fraction, numbers[i : i + n])) for i in range(0, n * n, n))
+        bounded = SystemFacts(METHODS["implicit_midpoint"], rows).step_limit == ALWAYS
+    except (TypeError, ValueError, ArithmeticError):
+        return None
+    return rows if bounded and not any(at_rest) else None

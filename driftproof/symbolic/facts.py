@@ -186,15 +186,15 @@ _NO_R = "only Runge-Kutta and collocation methods have R(z)"
 WHY_NONE = {
     **dict.fromkeys(("stability_function", "real_limit", "a_stable", "a_stability", "i_stable", "l_stable"), _NO_R),
     **dict.fromkeys(("sector", "limit_at_infinity", "error_constant", "modified_rate", "region_boundary"), _NO_R),
-    "reduction": "no stage is superfluous",
-    "stability_within_digits": "it is explicit, its coefficients are not rounded, or R has no limit for them",
-    "order_but_for_rounding": f"no condition up to {TOLERANCE_ORDER} vertices fails by far more than those before it",
-    "estimate": "it is not an embedded pair",
-    "continuous_extensions": "the catalogue holds none",
+    "reduction": "every stage counts: table and method have the same facts",
+    "stability_within_digits": "the method is explicit, its coefficients are exact, or R has no limit at infinity",
+    "order_but_for_rounding": f"no residual up to {TOLERANCE_ORDER} vertices is far larger than all before it",
+    "estimate": "the method is not an embedded pair",
+    "continuous_extensions": "the catalogue has none for this method",
     "ssp_coefficient": "only Runge-Kutta and collocation methods have one",
     "energy_multiplier": "the energy change of a step depends on the state",
-    "invariant": "it conserves no quadratic form, or several independent ones",
-    "dissipation": "the whole series vanishes",
+    "invariant": "the method conserves no quadratic form, or several independent ones",
+    "dissipation": "every term of the series vanishes",
 }
 
 
@@ -220,7 +220,7 @@ def facts_only(method: FactsOnly, names: Sequence[str] = (), tolerance: Fraction
     found = facts_by_name(facts, names or known, (*known, *on_request))
     if tolerance is not None:
         if not hasattr(facts, "orders_within"):
-            raise ValueError(f"{method.key} is {method.kind}, whose order is exact; a tolerance is for trees")
+            raise ValueError(f"{method.key} is {method.kind}: its order is exact and takes no tolerance")
         found["order_to_tolerance"] = facts.orders_within(tolerance)
     return found
 
@@ -254,7 +254,7 @@ def order_within(method: Method, tolerance: Fraction) -> OrderWithin:
     """
     demand_method(method)
     if tolerance < 0:
-        raise ValueError(f"tolerance {tolerance} is below zero")
+        raise ValueError(f"tolerance {tolerance} is negative; it must be >= 0")
 
     def within(conditions: Conditions[Any]) -> int:
         return order_conditions.order_to_tolerance(conditions, tolerance)

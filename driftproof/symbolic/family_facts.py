@@ -181,7 +181,7 @@ class FamilyFacts:
         try:
             return fact(self.method)
         except UndecidedError as reason:
-            return UndecidedError(f"a critical value of {self.method.parameter} is not decided: {reason}")
+            return UndecidedError(f"at a critical value of {self.method.parameter}: {reason}")
 
 
 # Every fact by name, in the order in which a reader wants them.

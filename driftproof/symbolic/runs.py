@@ -31,7 +31,7 @@ def exact_matrix_at(method: Method, h: Fraction) -> Entries:
     try:
         qq, qv, vq, vv = (exact(entry(scalar(h))) for row in oscillator_matrix(method) for entry in row)
     except ZeroDivisionError:
-        raise ValueError(f"{method.key} has no step of h = {h}: its one-step matrix has a pole there") from None
+        raise ValueError(f"{method.key} has no step at h = {h}, a pole of its one-step matrix") from None
     return qq, qv, vq, vv
 
 

@@ -52,11 +52,6 @@ def returns_nan(q, v, h):
     return float("nan"), v
 
 
-def works_in_place(state, h):
-    q, v = state
-    state[0], state[1] = q + h * v, v - h * q
-
-
 def returns_integers(q, v, h):
     return int(q + h * v), int(v - h * q)
 

@@ -107,11 +107,11 @@ def jameson(f, t, y, h):
     return y + h * k
 
 
-def midpoint_iterated(times: int) -> Code:
-    """The implicit midpoint rule with so many fixed-point iterations, whatever they have come to."""
+def midpoint_iterated(times: int, first: float = 0.0) -> Code:
+    """The implicit midpoint rule with so many fixed-point iterations from f(t + first h, y), however far they come."""
 
     def step(f, t, y, h):
-        k = f(t, y)
+        k = f(t + first * h, y)
         for _ in range(times):
             k = f(t + h / 2, y + h / 2 * k)
         return y + h * k

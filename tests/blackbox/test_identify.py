@@ -9,9 +9,8 @@ import re
 import pytest
 
 from driftproof.blackbox.identify import identify
-from driftproof.cli import main
 from tests.blackbox import broken_steppers
-from tests.blackbox.handwritten_steppers import rk38, velocity_verlet
+from tests.blackbox.handwritten_steppers import rk38
 from tests.blackbox.transcripts import summed
 
 
@@ -34,15 +33,6 @@ def two_half_steps(q, v, h):
 @pytest.mark.parametrize("step", [rk38, with_drag, half_moved, two_half_steps])
 def test_a_stepper_is_named(step, as_before):
     as_before(*summed(identify(step)))
-
-
-def test_the_report_says_the_order_twice_and_the_rounding():
-    report = identify(velocity_verlet)
-    order = report.section("Order").lines
-    assert order[0].startswith("order 2: the condition of tree")
-    assert order[1].startswith("order 2 is observed on q'' = exp(-2q)")
-    assert "every error within the derived bound" in report.section("Rounding").lines[0]
-    assert report.section("Faults") is None
 
 
 @pytest.mark.parametrize(("step", "seen"), [
@@ -74,22 +64,6 @@ def test_the_report_is_json_markdown_and_text():
     assert "driftproof verify" in report.section("What to do").lines[0]
     assert re.search(r"^  \d\d passed, \d on traits such as areas; --all shows each$", report.text(), re.MULTILINE)
     assert "h = 0 returns the state unchanged" in report.text(everything=True)
-
-
-def test_on_the_command_line_a_stepper_is_given_by_its_name(capsys):
-    assert main(["identify", "tests.blackbox.handwritten_steppers:rk38"]) == 0
-    assert "it is rk38" in capsys.readouterr().out
-
-
-@pytest.mark.parametrize(("name", "message"), [
-    ("rk38", "write package.module:function"), ("no.such.module:step", "cannot be imported"),
-    ("json:tool", "cannot be imported"), ("json:decoder", "cannot be called"), ("json:dumps", "is not one of these"),
-])  # fmt: skip
-def test_what_is_no_stepper_is_refused_in_one_line(name, message, capsys):
-    assert main(["identify", name]) == 2
-    error = capsys.readouterr().err
-    assert message in error
-    assert error.count("\n") == 1
 
 
 def test_an_iteration_to_a_loose_tolerance_is_named_with_what_it_leaves():

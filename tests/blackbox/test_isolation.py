@@ -70,7 +70,6 @@ def test_a_rogue_that_always_hangs_is_given_up_after_one_time_limit(way):
 
 
 SAID = {
-    broken_steppers.works_in_place: "it writes its answer into its arguments and returns nothing",
     broken_steppers.returns_integers: "returns integers: at h = 0, (1.0, 0.75) becomes (1.0, 0.0)",
     broken_steppers.remembers: "the answer depends on the previous call",
     broken_steppers.noisy: "it uses the random numbers of Python or NumPy",
@@ -160,6 +159,13 @@ def test_a_stepper_that_cannot_be_imported_is_refused_by_every_question():
     found = IsolatedRunner(Target("tests.blackbox.broken_steppers:nobody")).run([answer, answer])
     assert [outcome.kind for outcome in found] == ["bad_input", "bad_input"]
     assert found[0].seen.startswith("tests.blackbox.broken_steppers:nobody cannot be imported: AttributeError")
+
+
+def test_a_fault_of_ours_while_a_stepper_is_opened_is_no_bad_input(monkeypatch):
+    monkeypatch.setattr("driftproof.blackbox.stepper.opening._after_trial", lambda *_: int("a mistake"))
+    (found,) = IsolatedRunner(Target(lambda q, v, h: (q, v)), isolate=False).run([answer])
+    assert found.kind == "instrument_failed"
+    assert "ValueError in test_isolation.py" in found.seen
 
 
 def test_without_isolation_the_stepper_runs_here():

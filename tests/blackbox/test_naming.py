@@ -2,6 +2,7 @@
 
 import re
 
+import numpy as np
 import pytest
 
 from driftproof.blackbox.identify import identify
@@ -83,3 +84,38 @@ def test_a_map_has_a_key_where_it_is_that_method_of_the_plain_oscillator(drag, r
     report = identify(step, isolate=False)
     assert report.data["method"] == key
     as_before(*summed(report))
+
+
+def adapting(f, t, y, h):
+    while np.max(np.abs(h / 2 * (f(t + h, y + h * f(t, y)) - f(t, y)))) > 1e-6:
+        h = h / 2
+    return codes.heun(f, t, y, h)
+
+
+def newton(f, jac, t, y, h):
+    z = y
+    for _ in range(20):
+        change = np.linalg.solve(np.eye(len(y)) - h * jac(t + h, z), y + h * f(t + h, z) - z)
+        z = z + change
+        if np.max(np.abs(change)) < 1e-13:
+            break
+    return z
+
+
+@pytest.mark.parametrize(
+    ("step", "words"),
+    [(adapting, "if it adapts its step size, let"), (newton, "if it solves for its stages with this J")],
+)
+def test_a_step_that_is_not_read_is_told_how_to_be_and_is_no_method_that_it_is_far_from(step, words):
+    report = identify(step, isolate=False)
+    assert any(line.startswith(words) for line in report.section("What to do").lines)
+    assert "nearly" not in report.verdict
+
+
+@pytest.mark.parametrize("calls", [40, 41])
+def test_a_method_that_is_iterated_so_many_times_is_named_and_its_long_table_left_out(calls):
+    report = identify(codes.midpoint_iterated(calls - 1, first=0.5), isolate=False)
+    start = "the state at the start: explicit"
+    assert report.verdict == f"it is implicit_midpoint, with {calls} fixed-point iterations from {start}"
+    left_out = f"A, b and c are not shown: a step makes {calls} calls"
+    assert (left_out in report.section("Coefficients").lines) == (calls > 40)

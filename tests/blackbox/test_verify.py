@@ -220,8 +220,10 @@ def test_a_verdict_says_what_was_seen(name, as_before):
 
 @pytest.mark.parametrize(("kind", "near"), [(np.float32, "to roundoff in binary32: "), (float, "to roundoff: ")])
 def test_a_verdict_names_the_narrow_format_that_it_holds_a_step_to(kind, near):
-    leaks = lambda q, v, h: (q + kind(1) * h * v, v - kind(1) * h * q)
-    assert held(leaks, "forward_euler").verdict.startswith(f"is forward_euler on q'' = -q {near}")
+    step = lambda q, v, h: (kind(q + h * v), kind(v - h * q))
+    assert held(step, "forward_euler").verdict.startswith(f"is forward_euler on q'' = -q {near}")
+    leaks = lambda q, v, h: (q + kind(1) * h * v, v - kind(1) * h * q)  # what is left of h has 24 bits
+    assert held(leaks, "forward_euler").passed is (kind is float)
 
 
 def test_a_verdict_says_how_many_calls_were_looked_at():
@@ -443,31 +445,3 @@ def test_a_code_runs_in_another_process_unless_told_otherwise():
     assert here == []
     verify(euler, "forward_euler", examples=2, isolate=False)
     assert len(here) > 2
-
-
-def test_on_the_command_line_the_status_tells(capsys):
-    assert main(["verify", HERE, "--method", "symplectic_euler", "--examples", "5"]) == 0
-    assert main(["verify", HERE, "--method", "forward_euler", "--examples", "5", "--format", "json"]) == 1
-    data = json.loads(capsys.readouterr().out.split("\n{", 1)[-1].join(["{", ""]) or "{}")
-    assert data["passed"] is False
-    assert data["rounding"]["failing"]["q"]
-
-
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        (["--method", "rk5"], "rk5"),
-        (["--method", "rk4", "--solver-tolerance", "1e-10"], "takes no solver_tolerance"),
-        (["--method", "rk4", "--largest-step", "0"], "write a number above 0"),
-        (["--method", "rk4", "--examples", "none"], "number of examples"),
-    ],
-)
-def test_a_question_without_sense_is_refused_in_one_line(arguments, message, capsys):
-    try:
-        status = main(["verify", HERE, *arguments])
-    except SystemExit as end:
-        status = end.code
-    assert status == 2
-    error = capsys.readouterr().err
-    assert message in error
-    assert error.count("\n") == 1

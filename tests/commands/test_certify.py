@@ -14,6 +14,8 @@ MINE = """
 import numpy as np
 def pendulum(t, y):
     return np.array([y[1], -np.sin(y[0])])
+def driven(t, y, force):
+    return force(y)
 def lost(t, y):
     return {}["nothing"]
 """
@@ -34,7 +36,7 @@ def own(tmp_path, monkeypatch):
 def test_error_is_that_of_the_file_however_f_is_given(function, own, answer):
     shown = answer("certify", function, RUN).splitlines()
     assert shown[0] == "largest error 9.299099764e-7, proved: component 1 at t = 4, point 19 of 20"
-    assert shown[1].startswith("6 digits right at every point")
+    assert shown[1].startswith("6 correct digits at every point")
 
 
 def test_tolerance_decides_the_status(run, own):
@@ -78,11 +80,13 @@ BAD = {
     (TEXT, RUN, "--invariant", "E=y1^"): "first integral E: ",
     ("y1; -sinn(y0)", RUN): "'-sinn(y0)', column 3: the functions are sin, cos",
     ("certified_model:nothing", RUN): "cannot be imported: AttributeError",
+    ("certified_model:driven", RUN): "f must take (t, y) and return numbers: TypeError: driven() missing 1 required",
     ("a b:c", RUN): "'a b:c' names no function; write package.module:function",
     ("no.toml", RUN): "no.toml: No such file", (TEXT, "no.csv"): "no.csv: No such file",
-    (TEXT, RUN, "--h", "0x1..8"): "'0x1..8' is no number",
+    (TEXT, RUN, "--h", "0x1..8"): "'0x1..8' is not a number",
     (TEXT, RUN, "--method", "rk5"): "unknown method 'rk5'",
-    (TEXT, RUN, "--tolerance", "0"): "is no tolerance", (TEXT, RUN, "--figure", "error.png"): "ends in .svg",
+    (TEXT, RUN, "--tolerance", "0"): "the tolerance must be a number above 0",
+    (TEXT, RUN, "--figure", "error.png"): "must be a .svg file",
 }  # fmt: skip
 
 
@@ -92,10 +96,10 @@ def test_bad_input_is_one_line(words, own, refusal):
 
 
 REFUSED = {
-    ("certified_model:lost", RUN): "f fails in floats at t = 0.0: KeyError: 'nothing'",
+    ("certified_model:lost", RUN): "f fails in floats at t = 0.0, on 2 components: KeyError: 'nothing'",
     ("y0; y1", RUN, "--method", "rk4"): "y[1] is not one step of rk4 from y[0]",
     (TEXT, RUN, "--method", "gauss2"): "y[4] is not one step of gauss2",
-    ("y0", RUN): "f fails in floats at t = 0.0: ValueError",
+    ("y0", RUN): "f has 1 components, but the trajectory has 2",
 }
 
 

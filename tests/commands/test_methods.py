@@ -68,7 +68,7 @@ def test_a_multistep_method_is_answered_and_options_that_are_not_for_it_refused(
         "rho             -zeta + zeta^2", "sigma           -1/2 + 3/2 zeta", "order           2",
         "error constant  5/12", "real limit      1",
     ]  # fmt: skip
-    words = "bdf2 is a linear multistep method; `system` is not for it"
+    words = "bdf2 is a linear multistep method; `system` does not work with it"
     assert words in refusal("facts", "bdf2", "--system", DAMPED)
 
 
@@ -159,23 +159,24 @@ REFUSED = {
     ("rk5",): "unknown method 'rk5'",
     ("none.toml",): "none.toml: No such file or directory",
     (".",): "unknown method '.' (`driftproof methods` lists all)",
-    ("rk4", "--terms", "0"): "'0' is not a number of terms from 1 to 1000",
+    ("rk4", "--terms", "0"): "'0' is not allowed: the number of terms must be from 1 to 1000",
     ("rk4", "--system", "0 1; 2"): "the system is not square: row 2 of 2 has 1 entries",
     ("rk4", "--system", "0 x; 1 0"): "row 1, entry 2: 'x', column 1: 'x' is a name",
     ("rk4", "--system", "sqrt(2)"): "row 1, entry 1: sqrt(2) is irrational; the entries of a system are rational",
     ("rk4", "--system", "1;" * 13): "the system has 13 rows; at most 12 are read",
     ("rk4", "--system", "1e999999999"): "row 1, entry 1: '1e999999999', column 1: number: '1e999999999' is too long",
     ("rk4", "--system", "1", "--only", "order"): "unknown fact 'order'; choose from method, system",
-    ("rk4", "--system", "1", "--order-tolerance", "1"): "`system` is about one problem",
-    ("rk4", "--system", "1", "--plot", "x.svg"): "a picture is of one method",
-    ("rk4", "--at", "1"): "rk4 has no parameter; `at` is for families",
+    ("rk4", "--system", "1", "--order-tolerance", "1"): "`system` cannot be combined with an order tolerance",
+    ("rk4", "--system", "1", "--plot", "x.svg"): "--plot takes one method",
+    ("rk4", "--picture", "phase"): "--picture has no effect without --plot",
+    ("rk4", "--at", "1"): "rk4 has no parameter; `at` works only with families",
     ("explicit_order_2", "--at", "0"): "explicit_order_2 is not defined at alpha = 0, a pole of its coefficients",
     ("explicit_order_2", "--at", "alpha"): "value: 'alpha', column 1: 'alpha' is a name",
     ("sdirk_order_2", "--system", "1"): "sdirk_order_2 is a family; choose one method with `at`, a value of gamma",
     ("sdirk_order_2", "--order-tolerance", "1"): "sdirk_order_2 is a family; choose one method",
-    ("sdirk_order_2", "--plot", "x.svg"): "a picture is of one method",
+    ("sdirk_order_2", "--plot", "x.svg"): "--plot takes one method",
     ("sdirk_order_2", "--only", "ssp_coefficient"): "unknown fact 'ssp_coefficient'; choose from method, title",
-    ("rk4", "--order-tolerance", "-1"): "tolerance -1 is below zero",
+    ("rk4", "--order-tolerance", "-1"): "tolerance -1 is negative; it must be >= 0",
 }
 
 
@@ -200,7 +201,7 @@ def test_file_that_makes_no_sense_is_named(name, refusal, tmp_path):
 @pytest.mark.parametrize("name", ["region", "region.bogus"])
 def test_picture_of_no_kind_is_refused_and_leaves_nothing(name, refusal, tmp_path):
     words = refusal("facts", "rk4", "--only", "order", "--plot", str(tmp_path / name))
-    assert "the name of a picture ends in .svg" in words
+    assert "a picture must be a .svg file" in words
     assert list(tmp_path.iterdir()) == []
 
 

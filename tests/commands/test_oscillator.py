@@ -108,7 +108,7 @@ def test_budget_stands_beside_the_run_in_both_forms(found, answer):
 
 
 def test_question_without_an_answer_gives_one_line_and_its_own_exit(run):
-    words = "driftproof run: the number lies outside 10**-78000 .. 10**78000, too long to write out\n"
+    words = "driftproof run: the number is outside 10**-78000 .. 10**78000 and too long to write out\n"
     assert run("run", "forward_euler", "--h", "1/4", "--t", "1e100") == (3, "", words)
 
 
@@ -124,10 +124,10 @@ REFUSED = {
     ("step", *RK4, "--stage", "2"): "unrecognized arguments: --stage 2 (`driftproof step --help`",
     ("step", *RK4, "--rounding", "up"): "invalid choice: 'up'",
     ("run", *RK4): "required: --t",
-    ("run", "rk4", "--h", "1e-10", "--t", "1", "--budget"): "10000000000 steps are more than 100000000",
+    ("run", "rk4", "--h", "1e-10", "--t", "1", "--budget"): "10000000000 steps; a float run takes at most 100000000",
     ("run", "rk4", "--h", "0.3", "--t", "10"): "h = 3/10 does not divide t = 10",
     ("run", "rk4", "--h", "1/2", "--t", "ten"): "t: 'ten' is not a rational number",
-    ("run", "rk4", "--h", "1e-400", "--t", "1e-399", "--budget"): "h is nearer to 0 than the smallest binary64",
+    ("run", "rk4", "--h", "1e-400", "--t", "1e-399", "--budget"): "h rounds to 0: the smallest positive binary64",
     ("roundoff", "rk9"): "unknown method 'rk9'",
     ("roundoff", "gauss2"): "gauss2 is implicit",
     ("roundoff", "rk4", "--float", "binary8"): "invalid choice: 'binary8' (choose from 'binary64', 'binary32'",

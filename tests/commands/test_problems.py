@@ -55,16 +55,16 @@ def test_work_precision_answers_in_json_too(answer):
 
 REFUSED = {
     ("stability", "kepler_09"): "unknown problem 'kepler_09'; did you mean kepler",
-    ("stability", "nope"): "unknown problem 'nope' (`driftproof stability` lists all)",
+    ("stability", "nope"): "unknown problem 'nope' (`driftproof stability` lists them)",
     ("stability", "kepler", "--methods", "rk5"): "unknown method 'rk5'",
     ("stability", "kepler", "--h", "3/7"): "h = 3/7 does not divide t",
-    ("stability", "kepler", "--h", "1/10000000"): "at most 1000000 are run here",
+    ("stability", "kepler", "--h", "1/10000000"): "at most 1000000 are run",
     ("stability", "stiff_oscillator", "--h", "1/500,x"): "h: 'x' is not a rational number",
     ("stability", "kaps", "--h", "1e300"): "h = 1000000000000000000000000000000000000... does not divide t = 1 ",
     ("work-precision", "no_such"): "unknown problem 'no_such'",
     ("work-precision", "--methods", "rk5"): "unknown method 'rk5'; did you mean",
     ("work-precision", "--peers", "scpy"): "unknown peer 'scpy'; did you mean scipy?",
-    ("work-precision", "--time-limit", "0"): "'0' is no time limit; write a number above 0",
+    ("work-precision", "--time-limit", "0"): "'0' is not allowed: the time limit must be a number above 0",
     ("work-precision", "--time-limit", "soon"): "'soon' is not a rational number",
     ("work-precision", "-o", "pyproject.toml"): "pyproject.toml is a file; name a folder",
 }

@@ -44,6 +44,13 @@ def test_scene_figures_are_written_where_asked(answer, tmp_path):
     assert len(list(folder.iterdir())) == 2
 
 
+def test_figures_of_a_scene_that_draws_none_are_refused(refusal, tmp_path):
+    path = tmp_path / "bare.toml"
+    path.write_text('selected = "rk4"\nh = 1\nt = 4\nreadouts = ["energy"]\npanels = ["table"]\nmethods = ["rk4"]\n')
+    assert "no figure to draw: give panels position or phase_plane" in refusal("scene", str(path), "--figures", "new")
+    assert not Path("new").exists()
+
+
 def test_scene_that_outlasts_the_float_range_says_so_where_its_numbers_would_be(answer, tmp_path):
     path = tmp_path / "far.toml"
     path.write_text('selected = "forward_euler"\nh = 2\nt = 4000\nreadouts = ["energy"]\n', encoding="utf-8")
@@ -73,7 +80,7 @@ def test_a_sweep_shows_what_the_function_finds_and_keeps_it_in_a_file(answer, re
     shown = answer(*words, "--format", "json", "-o", str(path))
     assert f'"state_error": "{found[2].found["state_error"]!r}"' in shown
     assert answer(*words, "--format", "json", "--output", str(path)) == shown
-    assert "no file of this sweep" in refusal(*words, "--t", "20", "-o", str(path))
+    assert "belongs to another sweep" in refusal(*words, "--t", "20", "-o", str(path))
     assert answer("sweep", "default", "--h", "1/8").startswith("default: 1 point\n")
 
 
@@ -122,13 +129,15 @@ REFUSED = {
     ("scene", "defualt"): "unknown scene 'defualt'; did you mean default?",
     ("scene", "none.toml"): "none.toml: No such file or directory",
     ("scene", "default", "--figures", "pyproject.toml"): "pyproject.toml is a file; name a folder",
-    ("sweep", "default", "--workers", "0"): "'0' is not a number of processes from 1 to 1024",
+    ("scene", "--figures", "pictures"): "--figures has no effect without a scene",
+    ("scene", "--methods", "rk4"): "--methods has no effect without a scene",
+    ("sweep", "default", "--workers", "0"): "'0' is not allowed: the number of processes must be from 1 to 1024",
     ("sweep", "default", "--workers", "1", "--cluster", "tcp://x:1"): "not allowed with argument --workers",
     ("sweep", "defualt"): "did you mean default?",
     ("sweep", "default", "--h", "1/4,x"): "h: 'x' is not a rational number",
     ("sweep", "default", "--h", "0"): "the step size h must not be 0",
     ("sweep", "default", "--methods", "rk5"): "unknown method 'rk5'",
-    ("sweep", "default", "--cluster", "somewhere"): "'somewhere' is no address of a scheduler; write it like tcp://",
+    ("sweep", "default", "--cluster", "somewhere"): "'somewhere' is not the address of a scheduler, such as tcp://",
     ("sweep", "default", "-o", "."): "is a folder",
     ("report", "default", "-o", "/proc/page.html"): "/proc/page.html: No such file or directory",
     ("report", "default", "-o", "tests"): "tests is a folder; name a file in it",

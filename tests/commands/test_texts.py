@@ -9,20 +9,20 @@ from driftproof import check
 REFUSED = {
     ("render", "none.md.j2"): "none.md.j2: No such file or directory",
     ("render", "a.html"): "a.html: the name does not end in .j2; name the output with -o",
-    ("render", "a.md", "-o", "a.md"): "a.md is already a template or an output here; name another with -o",
-    ("render", "a.md.j2", "b.md.j2", "-o", "c.md"): "--output names one file, and there are several templates",
-    ("render", "a.md.j2", "a.md.j2"): "a.md is already a template or an output here; name another with -o",
+    ("render", "a.md", "-o", "a.md"): "a.md is one of the templates or outputs already; name another with -o",
+    ("render", "a.md.j2", "b.md.j2", "-o", "c.md"): "--output takes a single template",
+    ("render", "a.md.j2", "a.md.j2"): "a.md is one of the templates or outputs already; name another with -o",
     ("check", "none.md"): "to draft them: driftproof check none.md --init > none.md.claims.toml",
     ("check", "docs"): "no text in docs has a claims file; that of chapter.md would be chapter.md.claims.toml",
-    ("check", "a.md", "b.md", "--claims", "c.toml"): "--init and --claims are for one text",
-    ("check", "a.md", "b.md", "--init"): "--init and --claims are for one text",
+    ("check", "a.md", "b.md", "--claims", "c.toml"): "--init and --claims take one text",
+    ("check", "a.md", "b.md", "--init"): "--init and --claims take one text",
     ("check", "none.md", "--init"): "none.md: No such file or directory",
     ("check", "none.md", "--init", "--claims", "x.toml"): "not allowed with argument --init",
-    ("check", "none.md", "--init", "--run"): "--init drafts claims; --run, --coverage and --format need --claims",
+    ("check", "none.md", "--init", "--run"): "--run, --coverage and --format have no effect with --init",
     ("check", "none.md", "--claims", "none.toml"): "none.toml: No such file or directory",
     ("check", "none.md", "--claims", "README.md"): "README.md: not TOML",
-    ("check", "..", "--init"): "--init and --claims are for one text, no folder",
-    ("check", "README.md", "--claims", "c.toml", "--time-limit", "0"): "is no time limit",
+    ("check", "..", "--init"): "--init and --claims take one text",
+    ("check", "README.md", "--claims", "c.toml", "--time-limit", "0"): "the time limit must be a number above 0",
     ("check", "README.md", "--claims", "c.toml", "--format", "xml"): "invalid choice",
 }
 
@@ -36,7 +36,7 @@ def test_numbers_are_rendered_then_drafted_as_claims_that_hold(answer, run, tmp_
     monkeypatch.chdir(tmp_path)
     (tmp_path / "a.md.j2").write_text('q = {{ value("rk4.first_step.q") | digits(6) }}\n', encoding="utf-8")
     assert answer("render", "a.md.j2") == "a.md: 1 value\n"
-    assert answer("render", "a.md.j2", "--check") == "a.md is what a.md.j2 renders\n"
+    assert answer("render", "a.md.j2", "--check") == "a.md is up to date with a.md.j2\n"
     (tmp_path / "claims.toml").write_text(answer("check", "a.md", "--init"), encoding="utf-8")
     assert answer("check", "a.md", "--claims", "claims.toml")
     (tmp_path / "a.md").write_text("q = 0.877614\n", encoding="utf-8")

@@ -28,8 +28,8 @@ WHOLE = replace(
 def test_words_say_where_and_what():
     assert str(PLAIN).splitlines() == [
         "largest error 0.7500000000, proved: component 1 at t = 0.5, point 1 of 3",
-        "0 digits right at every point, relative to its largest component; enclosure: 7 steps, 128 bits",
-        "f's constants are these doubles, exactly: 0.1, -3.7",
+        "0 correct digits at every point, relative to its largest component; enclosure: 7 steps, 128 bits",
+        "constants in f, each exactly this double: 0.1, -3.7",
     ]
     assert WHOLE.text().splitlines()[1:-2] == [
         "  there -0.7500000000 = truncation -0.3750000000 + rounding -0.3750000000 (rk4, steps: 2)",
@@ -42,7 +42,7 @@ def test_words_say_where_and_what():
 
 def test_as_many_times_as_components_leave_open_which_are_which_so_it_is_said():
     """Rows that are columns of SciPy's y are another run, and no other shape of y shows it."""
-    words = "as many times as components: the state at t = 0.5 is taken to be (1.0, 2.0)"
+    words = "there are as many times as components; y was read so that y(0.5) = (1.0, 2.0)"
     assert words in replace(PLAIN, t=(0.0, 0.5), y=((0.0, 1.0), (1.0, 2.0)), errors=ROWS[:2]).text()
     assert "as many times" not in WHOLE.text()
 

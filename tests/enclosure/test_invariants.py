@@ -137,19 +137,19 @@ def test_total_drift_is_formed_of_the_floats_as_they_are():
 @pytest.mark.parametrize("name", FIRST_INTEGRALS)
 def test_known_integral_is_text_of_our_language(name):
     rows = [[0.5, 0.25, 1.0, 0.75], [0.5, 0.25, 1.0, 0.75]]
-    with pytest.raises(Refused, match=f"{name} is not kept: at point 1 the solution has changed it by"):
+    with pytest.raises(Refused, match=f"{name} is not conserved: at point 1 the solution has changed it by"):
         certify(lambda t, y: y, [0.0, 0.25], rows, invariants=[name])
 
 
 TIMES, ROWS = verlet(pendulum, [2.0, 0.0], 1 / 16, 2)
 WRONG = {
-    r"unknown first integral 'energy'; did you mean .*\(there are oscillator_energy": "energy",
+    r"unknown first integral 'energy'; did you mean .*\(choose from oscillator_energy": "energy",
     r"first integral e: '.*' is not allowed": {"e": "y7"},
     r"first integral e: 'tan\(y0\)', column 1: the functions are": {"e": "tan(y0)"},
     r"first integral e fails on enclosed numbers: IndexError": {"e": lambda y: y[7]},
-    r"first integral e returns 2 numbers; one is needed": {"e": lambda y: y},
+    r"first integral e returns 2 numbers; it must return one": {"e": lambda y: y},
     r"first integral e is not finite": {"e": "1/y1"},
-    r"f turns a number into a float": {"e": lambda y: float(y[0])},
+    r"f converts a number to a float": {"e": lambda y: float(y[0])},
 }
 
 

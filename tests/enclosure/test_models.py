@@ -72,12 +72,12 @@ def test_bound_of_what_is_small_is_nearly_attained(name):
 
 TAILS = {
     "product": "self.norm * other.tail + self.tail * other.norm",
-    "quotient": 'a.norm * _geometric((self * a).tail, "divides by")',
-    "sqrt": 'a.norm * _geometric(error * inverse.norm * inverse.norm, "takes the root of")',
-    "log": '_geometric((self * (-a).exp()).tail, "takes the logarithm of")',
+    "quotient": 'a.norm * _geometric((self * a).tail, "divides by a number that may be 0")',
+    "sqrt": 'a.norm * _geometric(error * inverse.norm * inverse.norm, "takes the root of a number that may be 0")',
+    "log": '_geometric((self * (-a).exp()).tail, "takes the logarithm of a number that may be 0")',
     "exp": "(2 * w).exp() * error / self.length + first * whole.exp() * self.tail",
     "sin": "(2 * w).exp() * error / self.length + whole.exp() * self.tail",
-    "atan": '_geometric(error, "takes the angle of")',
+    "atan": '_geometric(error, "takes an uncertain inverse tangent")',
 }
 
 

@@ -81,9 +81,9 @@ def test_comparisons_are_decided_recorded_and_replayed():
     assert evaluation.taken == [True, False, False, True, False, True]
     replayed = Evaluation(decided=[False])
     assert not ball(arb(1, 0.5), evaluation=replayed) > 0
-    with pytest.raises(Refused, match="other branches"):
+    with pytest.raises(Refused, match="a different branch"):
         _ = ball(arb(1), evaluation=replayed) > 0
-    with pytest.raises(Refused, match="cannot tell apart"):
+    with pytest.raises(Refused, match="whose enclosures overlap"):
         _ = x > 1
 
 
@@ -102,7 +102,7 @@ def test_constants_are_exact_and_doubles_are_kept():
 
 
 def test_function_is_refused_where_it_is_not_analytic():
-    with pytest.raises(Refused, match="f takes sqrt where it is not analytic"):
+    with pytest.raises(Refused, match="f takes sqrt of a number where sqrt may not be analytic"):
         np.sqrt(Enclosed(Evaluation(), TaylorModel([arb(-1), arb(1)], 5)))
     with pytest.raises(Refused, match="f divides by a number that may be 0"):
         np.reciprocal(series(Evaluation(), [arb(0), arb(1)], 5))
@@ -110,5 +110,5 @@ def test_function_is_refused_where_it_is_not_analytic():
 
 @pytest.mark.parametrize("turned", [float, int, round, math.floor, complex, lambda x: [1, 2][x]])
 def test_number_does_not_become_a_float(turned):
-    with pytest.raises(Refused, match="turns a number into a float"):
+    with pytest.raises(Refused, match="converts a number to a float"):
         turned(ball(arb(1)))

@@ -58,12 +58,15 @@ def test_binary32_is_seen():
 
 
 WRONG = {
-    "0,1,0\n0.1,0.9\n": r"run\.csv:2: 2 numbers; write 3 numbers",
-    "0,1\n0.1,x1\n": r"run\.csv:2: 'x1' is no number",
-    "0\n1\n": r"run\.csv:1: 1 numbers; write t and one component at least",
-    "0,1x\n1,2\n": r"run\.csv:1: '1x' is no number",
-    "t,y\n": r"run\.csv: no numbers; write t and the components",
-    "": r"run\.csv: no numbers",
+    "0,1,0\n0.1,0.9\n": r"run\.csv:2: 2 numbers; expected 3 numbers",
+    "0,1\n0.1,x1\n": r"run\.csv:2: 'x1' is not a number",
+    "0\n1\n": r"run\.csv:1: 1 numbers; expected t and at least one component",
+    "0,1x\n1,2\n": r"run\.csv:1: '1x' is not a number",
+    "0;1\n0,5;0,87\n": r"run\.csv:2: decimal commas; write 0\.5, with a point",
+    "0 1\n0,5 -0,87\n": r"run\.csv:2: decimal commas",
+    "0,1\n0,2\n": r"run\.csv: times must increase, but t\[1\] = 0\.0 is not above t\[0\] = 0\.0",
+    "t,y\n": r"run\.csv: it has no numbers; write a line for each time",
+    "": r"run\.csv: it has no numbers",
 }
 
 
@@ -76,20 +79,20 @@ def test_file_of_another_form_is_refused_with_its_line(text, tmp_path):
 
 def test_other_files_are_refused(tmp_path, monkeypatch):
     for name, content, said in (
-        ("run.txt", b"0 1", r"ends in \.csv or \.npz"),
+        ("run.txt", b"0 1", r"must be a \.csv or \.npz file"),
         ("run.npz", b"no zip", r"run\.npz: "),
-        ("run.csv", b"\xff\xfe", r"no UTF-8 text"),
+        ("run.csv", b"\xff\xfe", r"not UTF-8 text"),
     ):
         (tmp_path / name).write_bytes(content)
         with pytest.raises(ValueError, match=said):
             read_trajectory(tmp_path / name)
     np.savez(tmp_path / "other.npz", u=TIMES)
-    with pytest.raises(ValueError, match="it holds u; write the arrays t and y"):
+    with pytest.raises(ValueError, match="it has u; it must have the arrays t and y"):
         read_trajectory(tmp_path / "other.npz")
     np.savez(tmp_path / "pickled.npz", t=TIMES, y=np.array([{}, {}, {}], dtype=object))
     with pytest.raises(ValueError, match="pickled"):
         read_trajectory(tmp_path / "pickled.npz")
-    for most, said in ((9, "too large; at most 9 bytes"), (10, "2 numbers; write 3 numbers")):
+    for most, said in ((9, "too large; at most 9 bytes"), (10, "2 numbers; expected 3 numbers")):
         monkeypatch.setattr(trajectories, "LARGEST_RUN", most)
         (tmp_path / "run.csv").write_bytes(b"0,1,2\n0,1\n"[:10])
         with pytest.raises(ValueError, match=said):

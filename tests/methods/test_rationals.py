@@ -38,11 +38,6 @@ def test_every_double_written_in_full_is_read_back(x: float) -> None:
     assert float(parse_rational(repr(x))) == x
 
 
-@given(rationals(max_size=10**6, max_denominator=10**9))
-def test_every_fraction_is_read_back(x: Q) -> None:
-    assert parse_rational(str(x)) == x
-
-
 CODE = ["__import__('os')", "1+1", "2**3", "h", "[1]", "1;1", "1 2", "lambda: 1", "0x10", "1j", "Fraction(1)"]
 MALFORMED = ["", "  ", "abc", "1/", "/2", "1//2", "1/2/3", "1/2.5", "nan", "inf", "-inf", "1e", "1e_5", "--1", "½"]
 
@@ -102,12 +97,6 @@ def refusal(text: str) -> str:
     return str(caught.value)
 
 
-def test_ten_in_steps_of_a_tenth_is_a_hundred_steps() -> None:
-    assert step_count(parse_rational("10"), parse_rational("0.1")) == 100
-    with pytest.raises(ValueError, match="does not divide"):
-        step_count(Q(10), Q(0.1))  # the double is a little more than a tenth
-
-
 @given(rational_steps(), st.integers(0, 10**7))
 def test_step_count_inverts_multiplication(h: Q, n: int) -> None:
     assert step_count(n * h, h) == n
@@ -125,11 +114,8 @@ def test_step_that_does_not_divide_names_the_two_nearest_that_do(h: Q, t: Q) -> 
     assert abs(second) < abs(h) < abs(first)
 
 
-def test_step_longer_than_the_interval_names_the_interval_itself() -> None:
-    assert step_count_refusal(Q(1), Q(2)) == "h = 2 does not divide t = 1 (t / h = 1/2); nearest that do: 1"
-
-
 def test_step_count_messages_name_the_way_out() -> None:
+    assert step_count_refusal(Q(1), Q(2)) == "h = 2 does not divide t = 1 (t / h = 1/2); nearest that do: 1"
     assert step_count_refusal(Q(1), Q(0)) == "h = 0 never reaches t = 1; choose h with t / h a whole number"
     assert step_count_refusal(Q(1), Q(-2)) == "h = -2 leads away from t = 1; give h the sign of t"
     assert step_count_refusal(Q(10), Q(3, 10)).endswith("(t / h = 100/3); nearest that do: 10/33 and 5/17")
@@ -139,12 +125,6 @@ def step_count_refusal(t: Q, h: Q) -> str:
     with pytest.raises(ValueError, match="h = ") as caught:
         step_count(t, h)
     return str(caught.value)
-
-
-def test_no_time_takes_no_steps_and_time_may_run_backwards() -> None:
-    assert step_count(Q(0), Q(1, 4)) == 0
-    assert step_count(Q(0), Q(-1, 4)) == 0
-    assert step_count(Q(-10), Q(-1, 4)) == 40
 
 
 def test_number_that_is_given_is_taken_exactly() -> None:

@@ -229,6 +229,23 @@ def test_scene_names_a_method_by_its_key_or_its_file_and_by_nothing_else() -> No
         names_of(replace(METHODS["rk4"], source="mine"))
 
 
+def test_member_of_a_family_is_named_with_its_value(tmp_path: Path) -> None:
+    path = tmp_path / "mine at home.toml"
+    path.write_text('family = "runge_kutta"\nparameter = "a"\nA = [[0, 0], ["a", 0]]\nb = ["1 - 1/(2*a)", "1/(2*a)"]')
+    for of in (f"{path}", "explicit_order_2"):
+        found = method_of(f"{of} at 2/3")
+        assert isinstance(found, RungeKutta)
+        assert (found.a, found.b) == (METHODS["ralston2"].a, METHODS["ralston2"].b)
+    assert method_of(f"{path} at sqrt(2)/2").b[1] ** 2 == Q(1, 2)
+    assert methods_of("explicit_order_2 at 1, rk4")[0].b == (Q(1, 2), Q(1, 2))
+    for given, said in (
+        ("explicit_order_2 at 0", "is not defined at alpha = 0, a pole"),
+        ("explicit_order_2", "one method is needed, such as 'explicit_order_2 at 1/2'"),
+    ):
+        with pytest.raises(ValueError, match=said):
+            method_of(given)
+
+
 def test_methods_are_named_in_one_text_or_one_by_one() -> None:
     rk4, heun2 = METHODS["rk4"], METHODS["heun2"]
     for given in ("rk4, heun2", ["rk4", heun2], (rk4, "heun2")):

@@ -24,7 +24,7 @@ def test_a_step_that_is_no_float_ends_within_a_unit_of_t_and_says_where():
 
 
 @pytest.mark.parametrize(
-    ("t", "steps", "what"), [(Q(1), 0, "at least one step"), (Q(1, 10**320), 10**10, "nearer to 0")]
+    ("t", "steps", "what"), [(Q(1), 0, "steps is 0; must be at least 1"), (Q(1, 10**320), 10**10, "rounds to 0")]
 )
 def test_times_without_a_step_are_refused(t, steps, what):
     with pytest.raises(ValueError, match=what):

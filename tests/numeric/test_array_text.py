@@ -107,7 +107,7 @@ def test_dividing_by_zero_raises_in_python_and_goes_on_in_arrays():
 )  # fmt: skip
 def test_arrays_that_are_no_ensemble_are_refused_in_one_line(q, v):
     for build in (ensemble_runner, compiled_ensemble_runner):
-        with pytest.raises(ValueError, match="two one-dimensional arrays of floats") as caught:
+        with pytest.raises(ValueError, match="both must be float vectors") as caught:
             build(METHODS["rk4"])(q, v, 0.1, 1)
         assert "\n" not in str(caught.value)
-        assert str(caught.value).startswith(f"q and v are {q.dtype}{list(q.shape)} and {v.dtype}{list(v.shape)}; an")
+        assert str(caught.value).startswith(f"q and v are {q.dtype}{list(q.shape)} and {v.dtype}{list(v.shape)}; both")

@@ -86,7 +86,7 @@ def test_a_solution_that_ends_is_refused_near_its_end_and_a_long_run_after_its_c
     """y' = y², y = 1/(1 - t): steps get shorter until there are none."""
     for key in ("backward_euler", "fehlberg45"):
         run = controlled_runner(METHODS[key], VectorField(("y0 * y0",)))
-        with pytest.raises(ArithmeticError, match=rf"{key}: no step is within the tolerance from t = (0\.9|1)"):
+        with pytest.raises(ArithmeticError, match=rf"{key}: no step size meets the tolerance from t = (0\.9|1)"):
             run((1.0,), 2.0, 1e-2, 0.0)
         with pytest.raises(ArithmeticError, match=rf"{key}: given up after 20 evaluations from t = 0\.\d+$"):
             run((1.0,), 2.0, 1e-6, 0.0, 20)
@@ -96,13 +96,13 @@ def test_a_component_that_starts_at_zero_may_have_no_tolerance_there():
     """y' = 1 from 0: every step of a pair is right; a correction of what is 0 is never small beside it."""
     field = VectorField(("1 + 0 * y0",))
     assert controlled_runner(METHODS["bogacki_shampine32"], field)((0.0,), 2.0, 1e-3, 0.0) == pytest.approx((2.0,))
-    with pytest.raises(ArithmeticError, match=r"radau_iia2: no step is within the tolerance from t = 0$"):
+    with pytest.raises(ArithmeticError, match=r"radau_iia2: no step size meets the tolerance from t = 0$"):
         controlled_runner(METHODS["radau_iia2"], field)((0.0,), 2.0, 1e-3, 0.0)
 
 
 def test_methods_without_an_estimate_are_refused():
     for key in ("rk4", "velocity_verlet", "trapezoid"):
-        with pytest.raises(MethodError, match="no estimate of its error"):
+        with pytest.raises(MethodError, match="no error estimate"):
             controlled_runner(METHODS[key], EXPONENTIAL)
 
 

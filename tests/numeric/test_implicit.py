@@ -159,7 +159,7 @@ def test_a_rate_that_is_not_finite_is_an_error_and_no_result():
 
 
 def test_a_rate_of_another_length_is_refused():
-    with pytest.raises(ValueError, match=r"shape \(1,\) at a state of 2 components"):
+    with pytest.raises(ValueError, match=r"shape \(1,\) for a state of 2 components"):
         implicit_stepper(MIDPOINT, lambda t, y: [y[0]])(0.0, [1.0, 2.0], 0.5)
 
 

@@ -69,7 +69,7 @@ def test_what_is_compiled_has_the_same_bits_on_arrays_before_that(monkeypatch):
     with pytest.raises(StageEquationsUnsolved, match=r"radau_iia2: system 1: the step "), np.errstate(all="ignore"):
         run_systems(starts, 0.125, 2, 9)
     assert starts.T.tolist()[0] == list(alone[0])
-    with pytest.raises(ValueError, match="an ensemble is 2 rows of float64"):
+    with pytest.raises(ValueError, match="an ensemble is a C-contiguous float64 array with 2 rows"):
         run_systems(starts[:1], 0.125, 2, 9)
 
 
@@ -130,6 +130,15 @@ def test_a_correction_that_is_twice_too_long_is_halved():
     step = implicit_stepper(METHODS["backward_euler"], lambda t, y: -y, lambda t, y: [[0.0]])
     found = step(0.0, [1.0], 1.0)
     assert (found.y.tolist(), found.residual, found.iterations) == ([0.5], 0, 128 + 3)
+
+
+def test_a_correction_that_is_longer_in_any_part_is_tried_in_22_parts_down_to_2_to_the_minus_21():
+    """y' = -y by backward Euler with J = 3: each part makes it longer, 128 times, and then in 6 rounds of 22 parts."""
+    calls = []
+    step = implicit_stepper(METHODS["backward_euler"], lambda t, y: calls.append(t) or -y, lambda t, y: [[3.0]])
+    with pytest.raises(StageEquationsUnsolved):
+        step(0.0, [1.0], 1.0)
+    assert len(calls) == 1 + 128 + 1 + 6 * 22
 
 
 @pytest.mark.parametrize("band", [FULL, Band(1, 0), Band(0, 1)])

@@ -30,7 +30,6 @@ from driftproof.numeric.steppers import forward_euler, rk4
 from driftproof.strategies import rational_steps
 from driftproof.symbolic.algebra.certified import enclose, endpoints
 from driftproof.symbolic.runs import OscillatorRun
-from tests.looping import exactly
 from tests.nine import NINE
 
 
@@ -76,7 +75,7 @@ def test_trajectory_is_kept_and_calls_are_counted_only_when_asked_for(
 
 def test_asking_for_nothing_is_an_error() -> None:
     silent = scene(readouts=(), panels=("position",))
-    with pytest.raises(ValueError, match="scene 'test' asks for no readout; name at least one"):
+    with pytest.raises(ValueError, match="scene 'test' names no readout; name at least one"):
         run_method(silent, "rk4")
 
 
@@ -89,15 +88,16 @@ def test_readouts_come_in_the_order_asked_for() -> None:
 def test_float_run_is_the_certified_run_up_to_rounding(key: str) -> None:
     """Each of 40 steps makes at most 20 roundings of terms below 4, the largest state; none grows more than 4 times."""
     rounding = Q(40 * 20 * 4 * 4, 2**53)
-    asked = ("final_state", "exact_state", "state_error", "energy", "energy_change")
+    asked = ("final_state", "exact_state", "state_error", "energy", "energy_change", "phase_error")
     found = run_method(scene(readouts=asked), key)
     exact = OscillatorRun(NINE[key], Q(1, 4), Q(10))
     certified = [*exact.final_state, *exact.exact_state, exact.state_error, exact.energy, exact.energy_change]
+    certified.append(exact.phase_error)
     floats = [*found["final_state"], *found["exact_state"], *(found[name] for name in asked[2:])]
     for x, value in zip(floats, certified, strict=True):
         low, high = endpoints(enclose(value))
-        # The energy multiplies what two components of at most 4 are off by with up to 4 each.
-        assert low - 8 * rounding <= Q(x) <= high + 8 * rounding
+        # The energy multiplies what two components of at most 4 are off by with up to 4 each; the phase is in degrees.
+        assert low - 60 * 8 * rounding <= Q(x) <= high + 60 * 8 * rounding
 
 
 def test_run_one_step_short_is_not_the_certified_run() -> None:
@@ -137,7 +137,7 @@ def test_every_time_is_rounded_once_and_no_sum(h: Q, steps: int) -> None:
 def test_times_that_would_round_twice_are_refused() -> None:
     assert times_of_steps(Q(1, 2**53 - 1), 1)[1] == float(Q(1, 2**53 - 1))
     for h, steps in [(Q(1, 2**53), 1), (Q(2**40), 2**13), (Q(1, 10**20), 5)]:
-        with pytest.raises(OverflowError, match="do not round once"):
+        with pytest.raises(OverflowError, match="round more than once"):
             times_of_steps(h, steps)
 
 
@@ -165,11 +165,6 @@ def test_run_stops_at_the_first_state_that_is_not_finite_and_says_where(counted:
     assert str(caught.value) == f"overflow: the state is no longer finite after step {1024 - counted}"
 
 
-def test_unstable_run_that_fits_in_the_range_is_no_error() -> None:
-    found = run_method(scene(h=Q(5, 2), readouts=("energy",)), "symplectic_euler")
-    assert found["energy"] > 1000
-
-
 @pytest.mark.parametrize("start", [(nan, 0.0), (0.0, inf), (-inf, nan)])
 def test_start_that_is_not_finite_stops_the_run_at_once(start: tuple[float, float]) -> None:
     for steps in (10, 0):
@@ -177,12 +172,6 @@ def test_start_that_is_not_finite_stops_the_run_at_once(start: tuple[float, floa
             integrate(rk4, oscillator, start, 0.25, steps)
         assert caught.value.step == 0
         assert "overflow" not in str(caught.value)
-
-
-def test_step_that_is_not_finite_stops_the_run_at_once() -> None:
-    with pytest.raises(NonFiniteState) as caught:
-        integrate(rk4, oscillator, (1.0, 0.0), nan, 10)
-    assert caught.value.step == 1
 
 
 def test_ensemble_stops_when_any_member_does() -> None:
@@ -197,29 +186,27 @@ def test_ensemble_stops_when_any_member_does() -> None:
         assert np.isfinite(state[0]).all()
 
 
-@pytest.mark.parametrize("asked", ["energy", "energy_change"])
-def test_energy_that_overflows_is_refused_where_the_distance_is_not(asked: str) -> None:
-    huge = {"t": Q(1), "start": (Q(10**200), Q(0))}
-    assert run_method(scene(**huge), "rk4")["state_error"] < 1e198
-    with pytest.raises(NonFiniteReadout, match=f"^{asked} overflows binary64 at the final state"):
-        run_method(scene(**huge, readouts=(asked,)), "rk4")
+ENERGIES = [
+    (Q(10**200), 1, "energy", "overflows"), (Q(10**200), 1, "energy_change", "overflows"),
+    (Q(1, 10**170), 10, "energy", "underflows"), (Q(1, 10**170), 10, "energy_change", "underflows"),
+    (Q(1, 10**170), 0, "energy", "underflows"),
+]  # fmt: skip
 
 
-@pytest.mark.parametrize("asked", ["energy", "energy_change"])
-def test_energy_that_underflows_is_not_said_to_be_0(asked: str) -> None:
-    tiny = scene(selected="rk4", start=(Q(1, 10**170), Q(0)), readouts=(asked,))
-    with pytest.raises(NonFiniteReadout, match=f"^{asked} underflows binary64 at the final state"):
-        run_method(tiny, "rk4")
-    assert run_method(scene(start=(Q(0), Q(0)), readouts=(asked,)), "rk4") == {asked: 0}
+@pytest.mark.parametrize(("size", "t", "asked", "way"), ENERGIES)
+def test_energy_that_no_double_holds_is_refused_where_distances_are_not(size: Q, t: int, asked: str, way: str) -> None:
+    given = {"t": Q(t), "start": (size, Q(0))}
+    assert run_method(scene(**given), "rk4")["state_error"] <= size / 100 * t
+    with pytest.raises(NonFiniteReadout, match=f"^{asked} {way} binary64 at the final state"):
+        run_method(scene(**given, readouts=(asked,)), "rk4")
+
+
+def test_energy_of_no_state_and_change_over_no_steps_are_0_and_the_largest_energy_is_none_too_large() -> None:
+    for start, t in ((Q(0), 10), (Q(1, 10**170), 0)):
+        asked = ("energy_change", "energy")[: 2 if start == 0 else 1]
+        found = run_method(scene(t=Q(t), start=(start, Q(0)), readouts=asked), "rk4")
+        assert found == dict.fromkeys(asked, 0)
     assert 1e308 < abs(run_method(scene(start=(Q(15 * 10**153), Q(0)), readouts=("energy",)), "rk4")["energy"]) < 2e308
-
-
-def test_a_start_whose_energy_underflows_has_all_readouts_but_that() -> None:
-    tiny = {"t": Q(0), "start": (Q(1, 10**170), Q(0))}
-    found = run_method(scene(**tiny, readouts=("state_error", "energy_change", "phase_error")), "rk4")
-    assert list(found.values()) == [0, 0, 0]
-    with pytest.raises(NonFiniteReadout, match="energy underflows binary64 at the final state"):
-        run_method(scene(**tiny, readouts=("energy",)), "rk4")
 
 
 @pytest.mark.parametrize("asked", ["exact_state", "state_error", "phase_error"])
@@ -246,12 +233,12 @@ def test_subnormal_starts_run_and_signed_zero_is_zero() -> None:
 
 
 BEYOND = [
-    ({"start": (Q(10**309), Q(0))}, "start q is beyond the largest binary64"),
-    ({"start": (Q(0), Q(1, 10**400))}, "start v is nearer to 0 than the smallest binary64"),
-    ({"h": Q(1, 10**400), "t": Q(1, 10**400)}, "h is nearer to 0 than the smallest binary64"),
-    ({"h": Q(10**400), "t": Q(10**400)}, "h is beyond the largest binary64"),
-    ({"h": Q(10**16 + 1), "t": Q(10**16 + 1)}, "t is too large for binary64 to hold its fraction"),
-    ({"h": 2**24 + Q(1, 2**29), "t": 2**24 + Q(1, 2**29)}, "t is too large for binary64"),
+    ({"start": (Q(10**309), Q(0))}, "start q is larger than the largest binary64"),
+    ({"start": (Q(0), Q(1, 10**400))}, "start v rounds to 0: the smallest positive binary64"),
+    ({"h": Q(1, 10**400), "t": Q(1, 10**400)}, "h rounds to 0: the smallest positive binary64"),
+    ({"h": Q(10**400), "t": Q(10**400)}, "h is larger than the largest binary64"),
+    ({"h": Q(10**16 + 1), "t": Q(10**16 + 1)}, "t is too large: no binary64 is near enough"),
+    ({"h": 2**24 + Q(1, 2**29), "t": 2**24 + Q(1, 2**29)}, "t is too large"),
 ]
 
 
@@ -288,7 +275,7 @@ def test_implicit_stages_that_there_are_none_of_end_the_run(tmp_path: Path) -> N
 
 def test_run_of_too_many_steps_is_refused_at_once_and_names_the_way_out() -> None:
     demand_few(10**8)
-    with pytest.raises(ValueError, match="100000001 steps are more than 100000000; `driftproof run`"):
+    with pytest.raises(ValueError, match="100000001 steps; a float run takes at most 100000000, and `driftproof run`"):
         run_method(scene(h=Q(1), t=Q(10**8 + 1)), "rk4")
 
 
@@ -300,12 +287,3 @@ def test_counter_sees_every_step() -> None:
 
     run_method(scene(), "rk4", counter)
     assert seen == list(range(40))
-
-
-def test_ten_million_float_steps_stay_within_the_rounding_of_ten_million_steps() -> None:
-    """symplectic Euler keeps q² + v² - hqv, so that every rounding stays: at most 10^7 times a few units in 2^53."""
-    found = run_method(scene(t=Q(10**7, 4), readouts=("final_state",)), "symplectic_euler")["final_state"]
-    exact = OscillatorRun(NINE["symplectic_euler"], Q(1, 4), Q(10**7, 4)).final_state
-    for x, value in exactly(2, zip(found, exact, strict=True)):
-        low, high = endpoints(enclose(value))
-        assert low - Q(10**8, 2**53) <= Q(x) <= high + Q(10**8, 2**53)

@@ -97,11 +97,11 @@ def test_a_run_that_ends_early_says_at_which_step_and_why() -> None:
 @pytest.mark.parametrize(
     ("changed", "message"),
     [
-        ({"start": (Q(0), Q(1))}, "the start is the problem's; leave start away"),
-        ({"certified": ("energy",)}, "certified readouts are of the oscillator; use `driftproof certify`"),
-        ({"readouts": ("phase_error",)}, "a scene of kepler has no readout phase_error; choose from final_state"),
-        ({"panels": ("position",)}, "a scene of kepler has no panel position; choose from table"),
-        ({"t": Q(7, 3), "h": Q(1, 3)}, "the solution of kepler is at hand at t = "),
+        ({"start": (Q(0), Q(1))}, "the problem fixes the start; remove `start`"),
+        ({"certified": ("energy",)}, "a problem has no certified readouts; use `driftproof certify`"),
+        ({"readouts": ("phase_error",)}, "the problem kepler has no readout phase_error; choose from final_state"),
+        ({"panels": ("position",)}, "the problem kepler has no panel position; choose from table"),
+        ({"t": Q(7, 3), "h": Q(1, 3)}, "the solution of kepler is known only at t = "),
     ],
 )
 def test_what_a_problem_has_not_is_refused_in_one_line(changed: dict[str, object], message: str) -> None:
@@ -113,5 +113,5 @@ def test_what_a_problem_has_not_is_refused_in_one_line(changed: dict[str, object
 
 def test_an_energy_is_shown_where_the_problem_has_one() -> None:
     without = PROBLEMS["robertson"]
-    with pytest.raises(ValueError, match="a scene of robertson has no readout energy; choose from"):
+    with pytest.raises(ValueError, match="the problem robertson has no readout energy; choose from"):
         Scene("mine", "rk4", without.t, without.t, readouts=("energy",), problem=without)

@@ -55,9 +55,9 @@ def test_a_table_is_what_its_names_say(key):
 
 @pytest.mark.parametrize("key", ["rk4", "trapezoid", "lobatto_iiia4", "radau_ia2", "sdirk2", "radau_i3", "yoshida4"])
 def test_methods_that_tell_no_error_here_are_refused(key):
-    with pytest.raises(MethodError, match=f"{key} has no estimate of its error here"):
+    with pytest.raises(MethodError, match=f"{key} has no error estimate"):
         collocation_table(METHODS[key])
-    with pytest.raises(MethodError, match="no estimate"):
+    with pytest.raises(MethodError, match="no error estimate"):
         collocation_table(replace(METHODS["backward_euler"], a=((0,),)))
 
 
@@ -158,7 +158,7 @@ def test_a_singular_matrix_and_a_slope_that_is_infinite_are_infinitely_wrong(slo
 
 
 @pytest.mark.parametrize("key", ["backward_euler", "radau_iia3", "gauss2"])
-@pytest.mark.parametrize("band", [Band(1, 2), Band(2, 1), Band(0, 0)])
+@pytest.mark.parametrize("band", [Band(1, 3), Band(2, 1), Band(0, 0)])
 def test_in_a_band_an_attempt_has_the_bits_of_full_matrices(key, band):
     """Entries beside the diagonal are large, so that rows are exchanged, and fill in."""
     n, (lower, upper), table, found = 7, band, collocation_table(METHODS[key]), []
@@ -173,12 +173,15 @@ def test_in_a_band_an_attempt_has_the_bits_of_full_matrices(key, band):
 
         def jacobian(t, y, m, rows=within):
             for to, row in zip(m, rows, strict=True):
-                to[: len(row)] = row
+                for k, x in enumerate(row):
+                    to[k] = x  # within the room that there is, which a slice would extend
 
         attempt = collocation_attempts(rate, jacobian, given)
         new, work = [0.0] * n, work_for(n, table, given)
         start, tolerances = [1.0 - i / 4 for i in range(n)], Tolerances(0.0, 1.0, 2.0)
-        found.append((attempt(0.0, start, 0.75, True, new, tolerances, table, work, [0.0] * 5), new))
+        for h in (0.5, 0.75):  # in the same room, in which nothing of the first matrix may be left
+            error = attempt(0.0, start, h, True, new, tolerances, table, work, [0.0] * 5)
+        found.append((error, new))
     assert found[0] == found[1]
     assert 0 < found[0][0] < inf
 

@@ -181,6 +181,9 @@ def test_a_jordan_block_on_the_circle_grows_and_one_inside_does_not() -> None:
     assert not powers_stay_bounded(np.array([[1.0, 1.0], [0.0, 1.0]]))
     assert not powers_stay_bounded(np.array([[-1.0, 1e-3], [0.0, -1.0]]))
     assert powers_stay_bounded(np.array([[0.99, 1.0], [0.0, 0.99]]))
+    slowest = 1e9 * 2.0**-48  # of which the last power that is looked at reaches 10⁹
+    assert not powers_stay_bounded(np.array([[1.0, slowest], [0.0, 1.0]]))
+    assert powers_stay_bounded(np.array([[1.0, nextafter(slowest, 0.0)], [0.0, 1.0]]))
 
 
 def test_a_transient_is_no_growth() -> None:

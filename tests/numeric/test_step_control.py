@@ -11,8 +11,6 @@ from driftproof.numeric.step_control import (
     DONE,
     EVALUATIONS,
     GIVEN_UP,
-    MOST_LONGER,
-    MOST_SHORTER,
     REJECTED,
     STATE,
     STEPS,
@@ -56,9 +54,9 @@ def test_a_step_is_repeated_shorter_until_its_error_is_right_and_the_last_ends_a
 
 def test_steps_change_by_no_more_than_the_limits_and_small_changes_may_be_kept():
     sizes = [h for _, h, _ in run_of(lambda t, h: 0.0)[0]]
-    assert sizes[1] == MOST_LONGER * sizes[0]
+    assert sizes[1] == 5 * sizes[0]
     wrong, report = run_of(lambda t, h: inf)
-    assert wrong[1][1] == MOST_SHORTER * wrong[0][1]
+    assert wrong[1][1] == 0.2 * wrong[0][1]
     assert (report[STATE], report[STEPS]) == (TOO_SHORT, 0)
     kept = [h for _, h, _ in run_of(lambda t, h: 0.7, given=Tolerances(0.0, 1e-2, 2.0, steady=1.2))[0]]
     assert len(set(kept[:-1])) == 1  # 0.9/sqrt(0.7) = 1.08

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from fractions import Fraction as Q
 from functools import cache
-from math import inf, isfinite, isnan, nan
+from math import inf, nan
 from typing import Any
 
 import numpy as np
@@ -82,18 +82,8 @@ def test_arrays_step_to_the_same_bits_as_their_members(key: str, members: list[A
 
 
 @ALL
-def test_states_and_steps_broadcast(key: str) -> None:
-    q, v, h = np.linspace(-1, 1, 5)[:, None], np.float64(0.5), np.array([0.1, 0.25, 2.0])
-    step = float_stepper(key)
-    q1, v1 = step(oscillator, q, v, h)
-    assert q1.shape == v1.shape == (5, 3)
-    alone = step(oscillator, float(q[4, 0]), 0.5, 0.25)
-    assert (q1[4, 1], v1[4, 1]) == alone
-
-
-@ALL
 @pytest.mark.parametrize("dtype", [np.float32, np.float64])
-def test_precision_of_the_arguments_is_kept(key: str, dtype: Any) -> None:
+def test_precision_of_the_arguments_is_kept_and_their_shapes_are_broadcast(key: str, dtype: Any) -> None:
     step = float_stepper(key)
     for q, v, h in [
         (dtype(1), dtype(0), dtype(0.25)),
@@ -101,7 +91,8 @@ def test_precision_of_the_arguments_is_kept(key: str, dtype: Any) -> None:
         (np.ones((2, 3), dtype), dtype(0), np.full(3, 0.25, dtype)),
         (np.ones(3, dtype), np.zeros(3, dtype), 0.25),  # a Python float follows the arrays
     ]:
-        assert [np.asarray(x).dtype for x in step(oscillator, q, v, h)] == [dtype, dtype]
+        found, shape = step(oscillator, q, v, h), np.broadcast_shapes(*map(np.shape, (q, v, h)))
+        assert [(np.asarray(x).dtype, np.shape(x)) for x in found] == [(dtype, shape)] * 2
 
 
 @KEYS
@@ -121,12 +112,6 @@ def test_generic_stepper_differs_from_the_hand_written_by_rounding_only(
         assert abs(Q(a) - Q(b)) <= 2 * bound
 
 
-def test_generic_rk4_does_round_differently_somewhere() -> None:
-    generic = stepper(NINE["rk4"], float)
-    inputs = np.random.default_rng(1).uniform(-1, 1, (200, 3))
-    assert any(generic(oscillator, *z) != rk4(oscillator, *z) for z in inputs)
-
-
 @ALL
 @given(state=BELOW_OVERFLOW)
 def test_no_step_at_all_returns_the_state(key: str, state: tuple[float, float]) -> None:
@@ -143,15 +128,6 @@ def test_negative_step_is_the_mirror_image(key: str, state: tuple[float, float],
     assert float_stepper(key)(oscillator, q, -v, -h) == (q1, -v1)
 
 
-@KEYS
-def test_infinities_and_nan_pass_through_by_ieee_rules(key: str) -> None:
-    step = HAND_WRITTEN[key]
-    assert all(isnan(x) for x in step(oscillator, nan, 1.0, 0.25))
-    assert not any(isfinite(x) for x in step(oscillator, inf, 1.0, 0.25))
-    assert not all(isfinite(x) for x in step(oscillator, 1.0, 0.0, nan))
-    assert isnan(step(oscillator, inf, 0.0, 0.0)[1])  # 0 * inf
-
-
 AT_THE_EDGES = [
     (forward_euler, (1e308, 1e308, 1.0), (inf, 0.0)),
     (symplectic_euler, (1.7e308, -1.7e308, 1.0), (-inf, -inf)),
@@ -160,6 +136,7 @@ AT_THE_EDGES = [
     (forward_euler, (0.0, -0.0, 0.25), (0.0, -0.0)),  # 0 + -0 is 0; -0 + 0.25 * -0 is -0
     (forward_euler, (1.7e308, 1.0, 0.0), (1.7e308, 1.0)),
     (rk4, (1.7e308, 1.0, 0.0), (1.7e308, nan)),  # 0 * (6 * 1.7e308)
+    (forward_euler, (inf, 0.0, 0.0), (inf, nan)),
 ]
 
 

@@ -248,10 +248,10 @@ def test_lines_in_any_order_are_read_and_put_in_the_order_of_the_grid(expected, 
 
 def damaged(text: bytes) -> Iterator[tuple[bytes, str]]:
     head, first, *_ = text.splitlines(keepends=True)
-    yield b"my notes\n" + first, "no file of this sweep"
-    yield b"my notes", "no file of this sweep"
-    yield head.replace(b"1/16", b"1/32") + first, "no file of this sweep"
-    yield head + first + first, "line 3: not an answer of this sweep, or one for the second time"
+    yield b"my notes\n" + first, "belongs to another sweep"
+    yield b"my notes", "belongs to another sweep"
+    yield head.replace(b"1/16", b"1/32") + first, "belongs to another sweep"
+    yield head + first + first, "line 3: not an answer of this sweep, or a duplicate"
     yield head + b"{}\n" + first, "line 2: not an answer"
     yield head + b"\n" + first, "line 2: not an answer"
     yield head + first[:-9] + b"\n", "line 2: not an answer"
@@ -354,5 +354,5 @@ def test_a_grid_that_is_none_is_refused_in_one_line(grid, message):
 def test_a_scene_without_readouts_or_with_a_trajectory_is_not_swept():
     for readouts in ((), ("trajectory",)):
         scene = Scene("none", "rk4", Q(1), Q(2), readouts=readouts, certified=("energy",))
-        with pytest.raises(ValueError, match="a sweep needs readouts, and keeps no trajectory"):
+        with pytest.raises(ValueError, match="a sweep needs readouts, and trajectory cannot be one"):
             points_of(scene, GRID)

@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 import re
-from math import sqrt
+from dataclasses import replace
+from math import atan, exp, hypot, log, sqrt
 from pathlib import Path
 from xml.etree import ElementTree
 
-import numpy as np
 import pytest
 
 from driftproof.methods.catalogue import METHODS
+from driftproof.methods.schemes import Method
 from driftproof.reports.method_figures import PICTURES, draw_method
+from driftproof.reports.page.plot import Plot
 from driftproof.symbolic.linear.oscillator import stability_function_of
 from driftproof.symbolic.linear.region import boundary_points
-from tests.looping import some
+from tests.looping import exactly, some
 
 
 @pytest.mark.parametrize("kind", PICTURES)
@@ -32,7 +34,7 @@ def test_splitting_has_no_picture_and_no_file_is_left(tmp_path: Path) -> None:
 
 
 def test_name_of_a_picture_says_its_kind(tmp_path: Path) -> None:
-    with pytest.raises(ValueError, match=r"x\.png: the name of a picture ends in \.svg"):
+    with pytest.raises(ValueError, match=r"x\.png: a picture must be a \.svg file"):
         draw_method("phase", METHODS["rk4"], tmp_path / "x.png")
     assert draw_method("phase", METHODS["rk4"], tmp_path / "x.SVG").stat().st_size > 1000
 
@@ -43,22 +45,58 @@ def strokes(path: Path) -> list[tuple[float, float, float]]:
 
 
 def test_what_is_shaded_is_the_inside_of_the_region(tmp_path: Path) -> None:
-    """Forward Euler's region is the disc of radius 1 around -1, in a square of side 2.4, 264 units of the picture."""
-    unit = 264 / 2.4
-    for left, y, right in some(strokes(draw_method("region", METHODS["forward_euler"], tmp_path / "1.svg"))):
-        half = sqrt(max(0, 1 - ((y - 26) / unit - 1.2) ** 2))
-        middle = 52 + 1.2 * unit
-        # A column is half a unit wide; rows are shaded from one inside to one inside.
-        assert (middle - left, right - middle) == pytest.approx((half * unit, half * unit), abs=1.1)
-    star = strokes(draw_method("order-star", METHODS["forward_euler"], tmp_path / "2.svg"))
-    assert all(right - left < 264 for left, _, right in some(star))
-    assert {round(left) for left, _, _ in star} >= {52}
+    """Forward Euler's region is the disc of radius 1 around -1, in a square of side 2.4, 264 units of the picture.
+
+    A column is half a unit wide, and shaded from the first one inside to the last.
+    """
+    unit, middle, path = 264 / 2.4, 52 + 132, draw_method("region", METHODS["forward_euler"], tmp_path / "1.svg")
+    seen = strokes(path)
+    assert (len(seen), len({y for _, y, _ in seen})) == (pytest.approx(2 * unit, abs=1),) * 2
+    for left, y, right in some(x for x in seen if abs(x[1] - 26 - 132) < 100):
+        half = sqrt(unit**2 - (y - 26 - 132) ** 2)
+        assert -0.03 < half - (middle - left) < 0.54 > half - (right - middle) > -0.03
+    (dots,) = re.findall('class="dots m0" d="M(.*?)"', path.read_text(encoding="utf-8"))
+    for x, y in exactly(2 * 49 - 2, (dot.split("h")[0].split() for dot in dots.split("M"))):
+        assert hypot(float(x) - middle, float(y) - 26 - 132) == pytest.approx(unit, abs=0.02)
 
 
-def test_points_of_the_boundary_are_where_r_has_modulus_one() -> None:
-    r = stability_function_of(METHODS["rk4"])
-    assert r is not None
-    z = np.array([complex(point.z.mid()) for point in boundary_points(r, 6)])
-    value = 1 + z + z**2 / 2 + z**3 / 6 + z**4 / 24
-    assert len(z) > 6
-    assert np.all(np.abs(np.abs(value) - 1) < 1e-12)  # some hundred roundings of numbers below 10
+def test_order_star_is_where_the_step_is_longer_than_the_exponential(tmp_path: Path) -> None:
+    larger = lambda x, y: abs(1 + x + 1j * y) > exp(x)
+    at = lambda left, y: ((left - 52 - 132) / 26.4, (26 + 132 - y) / 26.4)
+    seen = strokes(draw_method("order-star", METHODS["forward_euler"], tmp_path / "2.svg"))
+    assert (min(left for left, _, _ in seen), len({y for _, y, _ in seen})) == (52, 264)
+    for left, y, right in some(seen):
+        assert larger(*at(left, y))
+        assert larger(*at(right, y))
+        assert right > 52 + 264 - 1 or not larger(*at(right + 1, y))
+        assert left < 53 or not larger(*at(left - 1, y))
+
+
+def picture(kind: str, method: Method) -> Plot:
+    return PICTURES[kind](stability_function_of(method))[0]
+
+
+def test_phase_and_growth_are_those_of_the_step() -> None:
+    """Forward Euler's R(ih) = 1 + ih turns by atan h and is sqrt(1 + h²) long; up to h = 3, in 600 steps."""
+    plot = picture("phase", METHODS["forward_euler"])
+    low, high = plot.y.scale.low, plot.y.scale.high
+    assert (low, high) == (pytest.approx(atan(3) - 3 - 0.05, abs=1e-3), pytest.approx(log(10) / 2 + 0.05, abs=1e-3))
+    curves = {"m3": lambda h: atan(h) - h, "m0": lambda h: log(1 + h * h) / 2}
+    for name, path in exactly(2, re.findall('class="path (.*?)" d="M(.*?)"', "".join(plot.drawn))):
+        places = [tuple(map(float, place.split())) for place in path.split("L")]
+        h = [i / 200 for i in range(1, 601)]
+        assert [x for x, _ in places] == pytest.approx([52 + 346 * x / 3 for x in h], abs=0.006)
+        assert [y for _, y in places] == pytest.approx([float(plot.y.scale(curves[name](x))) for x in h], abs=0.006)
+
+
+def test_a_picture_is_no_deeper_than_ten_no_smaller_than_one_and_no_farther_than_twelve() -> None:
+    """R = 1 + z + z² + z³ is 0 at i; |1 + z + 100 z²| <= 1 is small; Gauss's region ends at an axis."""
+    own = lambda a, *weights: replace(METHODS["rk4"], a=a, b=weights, c=tuple(map(sum, a)))
+    deep = picture("phase", own(((0, 0, 0), (1, 0, 0), (0, 1, 0)), 0, 0, 1)).y.scale
+    assert float(deep.low) == pytest.approx(-10.05, abs=1e-3)
+    small = picture("region", own(((0, 0), (100, 0)), 0, 1)).y.scale
+    assert float(small.high - small.low) == pytest.approx(1.2)
+    r = stability_function_of(METHODS["gauss2"])
+    points = [abs(complex(point.z.mid())) for point in boundary_points(r, 24)]
+    assert float(picture("region", METHODS["gauss2"]).y.scale.high) == 1.2 * max(x for x in points if x < 12)
+    assert 11 < max(x for x in points if x < 12) < 12 < min(x for x in points if x > 12) < 13

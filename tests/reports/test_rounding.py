@@ -82,7 +82,7 @@ def test_irrational_coefficients_have_bounds_about_the_definition_and_about_the_
     assert at["per_step"]["norm"]["q2"] == "1"
     assert at["per_step"]["rho_squared"] == "1"
     text = str(answer)
-    assert 'only "as held" is about the polynomial with the coefficients that the program holds' in text
+    assert 'only those of "as held" are relative to the polynomial with the rounded coefficients' in text
     assert "as held" in text.splitlines()[-1]
     assert "Decimals in the formulas" in text
 
@@ -105,7 +105,7 @@ def test_the_states_for_which_the_bounds_hold_are_said():
     assert all(abs(x) < float("inf") for x in float_stepper("rk4")(oscillator, safe, safe, 0.5))
     assert float_stepper("rk4")(oscillator, 1e308, 1e308, 0.5)[0] == float("inf")
     assert safe == 1e307
-    assert "for |q|, |v| <= 1e307: nothing in the step overflows" in str(roundoff("rk4", "1/2"))
+    assert "for |q|, |v| <= 1e307: no operation of the step overflows" in str(roundoff("rk4", "1/2"))
 
 
 def test_printed_bounds_are_rounded_up():
@@ -130,21 +130,21 @@ def test_without_a_norm_of_its_own_there_is_no_theorem_and_it_says_so():
     answer = budget("symplectic_euler", Q(2))
     assert answer["rounding"]["exact"] == "0"
     assert answer["bound"]["value"] is None
-    assert "real eigenvectors" in answer["bound"]["reason"]
+    assert "real eigenvalues" in answer["bound"]["reason"]
     last = [" ".join(line.split()) for line in budget_text(answer).splitlines()[-2:]]
     assert last[0] == "+ rounding 0 = 0 u"
-    assert last[1].startswith("proved bound on the rounding: none: at h = 2: the step has real eigenvectors")
-    assert "At h = 2, no c(h): at h = 2: the step has real eigenvectors" in str(roundoff("symplectic_euler", [Q(2)]))
+    assert last[1].startswith("proved bound on the rounding: none: at h = 2: the step has real eigenvalues")
+    assert "At h = 2, no c(h): at h = 2: the step has real eigenvalues" in str(roundoff("symplectic_euler", [Q(2)]))
 
 
 def test_budget_is_shown_line_by_line():
     shown = budget_text(budget_answer(run("rk4", Q(1, 4), Q(10), state=(Q(1), Q(0))), 6, "half-even", range))
     assert [re.split(r"  +", line) for line in shown.splitlines()] == [
-        ["Budget of the binary64 run with h = 1/4"],
+        ["Error budget of the binary64 run with h = 1/4"],
         [""],
         ["float final state", "-0.8391881716812657, 0.543717433320066"],
-        ["state error", "0.000325308", "at most truncation + rounding"],
-        ["= truncation", "0.000325308", "what the method would do in exact arithmetic"],
+        ["state error", "0.000325308", "at most the sum of the next two"],
+        ["= truncation", "0.000325308", "the error of the method in exact arithmetic"],
         ["+ rounding", "5.18170e-16", "= 4.66726 u"],
         ["proved bound", "1.06361e-14", "on the rounding: 95.8011 u"],
     ]

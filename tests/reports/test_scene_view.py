@@ -10,6 +10,7 @@ from typing import Any
 
 import pytest
 
+from driftproof.numeric.problems.catalogue import PROBLEMS
 from driftproof.numeric.scenes import PRESETS, READOUTS, Scene
 from driftproof.reports import scene_view
 from driftproof.reports.scene_view import scene_json, scene_text, show_scene
@@ -63,6 +64,11 @@ def test_no_zero_is_shown_with_a_sign() -> None:
     assert all(text in shown for text in ("(-0.001, -1.000)", "-0.000001", "-0.001"))
 
 
+def test_state_of_a_problem_is_shown_to_six_digits() -> None:
+    scene = Scene("s", "rk4", Q(1, 4), Q(20), problem=PROBLEMS["kepler"], readouts=("final_state",))
+    assert "(0.333333, 6.66667e-8)" in scene_text(scene, {"readouts": {"final_state": (1 / 3, 2e-7 / 3)}})
+
+
 def test_enormous_number_is_shown_with_an_exponent() -> None:
     scene = Scene(
         "far", "forward_euler", Q(2), Q(800), methods=("forward_euler",), readouts=READOUTS, panels=("table",)
@@ -87,29 +93,14 @@ def test_scene_json_holds_strings_that_read_back_to_the_same_bits() -> None:
     assert scene_text(undefined, shown).count("undefined at the origin") == 2
 
 
-SceneFile = Callable[[str], str]
-
-
-@pytest.fixture
-def runs_scene(tmp_path: Path) -> SceneFile:
-    """runs_scene(text): code that shows the scene of this TOML on the command line, with --figures."""
-
-    def code(text: str) -> str:
-        path = tmp_path / "mine.toml"
-        path.write_text(f'selected = "rk4"\nh = "1/4"\nt = 10\n{text}', encoding="utf-8")
-        return f"from driftproof.cli import main; main(['scene', {str(path)!r}, '--figures', {str(tmp_path)!r}])"
-
-    return code
-
-
-Modules = Callable[[str], set[str]]
-
-
-def test_scene_without_exact_readouts_never_imports_sympy(runs_scene: SceneFile, modules_after: Modules) -> None:
-    every = 'readouts = ["final_state", "state_error", "energy", "phase_error", "evaluations"]'
-    loaded = modules_after(runs_scene(every))
-    assert loaded & {"sympy", "flint"} == set()
-    assert "flint" in modules_after(runs_scene('certified = ["energy"]'))
+def test_scene_without_exact_readouts_never_imports_sympy(
+    modules_after: Callable[[str], set[str]], tmp_path: Path
+) -> None:
+    path, every = tmp_path / "mine.toml", '["final_state", "state_error", "energy", "phase_error", "evaluations"]'
+    code = f"from driftproof.cli import main; main(['scene', {str(path)!r}, '--figures', {str(tmp_path)!r}])"
+    for asked, exact in ((f"readouts = {every}", set()), ('certified = ["energy"]', {"flint"})):
+        path.write_text(f'selected = "rk4"\nh = "1/4"\nt = 10\npanels = ["position"]\n{asked}', encoding="utf-8")
+        assert modules_after(code) & {"sympy", "flint"} == exact
 
 
 def test_certified_scene_is_answered_without_any_float_run(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -13,6 +13,12 @@ def test_a_scene_has_its_numbers_as_numbers(tmp_path):
     assert all(f"wrote {path}" in str(shown) for path in sorted(tmp_path.iterdir()))
 
 
+def test_without_a_name_the_presets_are_listed_numbers_to_the_right():
+    _, *lines = str(scene()).splitlines()
+    assert lines[0].split() == ["default", "forward_euler", "1/4", "10", "40"]
+    assert len({(line.rindex(" 10 "), len(line)) for line in lines}) == 1
+
+
 OWN = 'rates = ["y1", "-y0"]\nstart = ["1", "0"]\nend = "10"\nenergy = "(y0^2 + y1^2)/2"\n'
 ABOUT = 'selected = "rk4"\nh = "1/4"\nreadouts = ["state_error", "energy_change", "evaluations"]\n'
 
@@ -31,9 +37,9 @@ def test_a_scene_and_a_sweep_of_ones_own_problem_are_those_of_the_oscillator_tha
     assert shown["readouts"] == swept[0].found
     assert all(word in str(scene(path)) for word in ("own.toml", "Gauss"))
     (tmp_path / "own.toml").write_text(OWN.replace("-y0", "-2*y0"))
-    with pytest.raises(ValueError, match="is no file of this sweep"):
+    with pytest.raises(ValueError, match="belongs to another sweep"):
         sweep(path, h=["1/4", "1/8"], output=tmp_path / "kept.jsonl")
-    with pytest.raises(ValueError, match="the start is the problem's"):
+    with pytest.raises(ValueError, match="the problem fixes the start"):
         sweep(path, state=[(0, 1)])
 
 
@@ -42,7 +48,7 @@ def test_a_page_of_a_scene_on_a_problem_shows_the_problem_and_a_problem_is_no_sc
     path.write_text('problem = "dahlquist_1"\nselected = "rk4"\nh = 0.1\nmethods = ["rk4"]\npanels = ["table"]')
     assert report(path).scenes == report("dahlquist_1", methods="rk4").scenes
     path.write_text('rates = ["-y"]\nstart = 1\nend = 1')
-    with pytest.raises(ValueError, match="it is a problem; a scene names it, problem = "):
+    with pytest.raises(ValueError, match="it is a problem; write a scene with problem = "):
         scene(path)
 
 

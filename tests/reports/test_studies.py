@@ -1,11 +1,14 @@
 """A study from Python is the study of the command: its errors, which are the same in every run."""
 
 import json
+from contextlib import nullcontext
+from types import SimpleNamespace
 
 import pytest
 
 import driftproof
 from driftproof.commands import problems
+from driftproof.reports import studies
 from driftproof.reports.stability import STABILITY_METHODS
 from driftproof.reports.studies import WORK_PRECISION_METHODS
 from tests.reports.studies import be_quick
@@ -20,6 +23,16 @@ def test_errors_are_those_of_the_command_and_files_are_written(answer, monkeypat
     assert study["errors"] == shown["errors"]
     assert f"wrote {tmp_path / 'errors.json'}" in str(study)
     assert list(study.found.curves) == ["rk4"]
+
+
+def test_progress_counts_points_none_of_them_before_it_is_known_how_many(monkeypatch):
+    be_quick(monkeypatch)
+    opened, done = [], []
+    bar = SimpleNamespace(total=0, update=done.append)
+    monkeypatch.setattr(studies, "progress_bar", lambda *asked: opened.append(asked) or nullcontext(bar))
+    driftproof.work_precision("dahlquist_1", "rk4", time_limit=0.01)
+    assert opened == [(0, "point")]
+    assert bar.total >= sum(done) > 1
 
 
 @pytest.mark.parametrize(

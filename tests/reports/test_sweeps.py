@@ -5,11 +5,13 @@ from __future__ import annotations
 import json
 import logging
 import os
+import re
 import subprocess
 import sys
 import time
 from concurrent.futures import CancelledError
 from contextlib import nullcontext
+from dataclasses import replace
 from fractions import Fraction as Q
 from pathlib import Path
 from types import SimpleNamespace
@@ -79,6 +81,20 @@ def test_of_a_sweep_with_a_worker_killed_every_point_is_answered_once(cluster, t
     assert [SweepAnswer(p, kept[i]) for i, p in enumerate(points)] == sweeping.run_grid(SCENE, GRID, None, path)
 
 
+def test_a_row_says_the_point_and_four_digits_of_what_is_not_a_state_or_why_there_are_none():
+    scene = replace(SCENE, readouts=("final_state", "state_error", "steps", "phase_error"))
+    points = [{"selected": "rk4", "start": (Q(1), Q(1, 2))}, {"selected": "rk4", "start": (Q(1), Q(0))}]
+    outcomes = [{"state_error": 2 / 3, "steps": 40, "phase_error": None}, "overflow"]
+    answers = list(map(SweepAnswer, points, outcomes))
+    assert [re.split("  +", row.strip()) for row in sweeps.sweep_text(scene, answers).splitlines()[2:]] == [
+        ["method", "start", "state error", "steps", "phase error (degrees)"],
+        ["rk4", "1, 1/2", "0.6667", "40", "undefined"],
+        ["rk4", "1, 0", "overflow"],
+    ]
+    assert sweeps.sweep_text(scene, answers).startswith("long: 2 points\n")
+    assert sweeps.sweep_text(scene, answers[:1]).startswith("long: 1 point\n")
+
+
 class Task:
     """What a dask client gives for a task that has ended: its result, or the error that fetching it raises."""
 
@@ -119,8 +135,8 @@ def test_a_cancelled_future_cancels_its_task_and_takes_no_result():
 @pytest.mark.parametrize(
     ("error", "kind", "line"),
     [
-        (CancelledError, ConnectionError, "the cluster at tcp://a:1 has gone away"),
-        (KeyError, ChildProcessError, "the workers at tcp://a:1 died of a batch: 'of what'"),
+        (CancelledError, ConnectionError, "the connection to the cluster at tcp://a:1 was lost"),
+        (KeyError, ChildProcessError, "a batch killed the workers at tcp://a:1: 'of what'"),
     ],
 )
 def test_what_distributed_logs_of_its_end_is_not_said_twice(error, kind, line, monkeypatch, caplog):

@@ -9,6 +9,7 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
+from flint import arb, ctx
 
 from driftproof.enclosure.numbers import Refused
 from driftproof.methods.catalogue import METHODS
@@ -18,7 +19,9 @@ from driftproof.numeric.problems.catalogue import PROBLEMS
 from driftproof.numeric.problems.problem import CERTIFIED, Reference
 from driftproof.numeric.reference_errors import decimal_energy
 from driftproof.reports import user_problem
-from driftproof.reports.user_problem import ENCLOSED_DIGITS, PARTS, enclosed_reference, problem_given
+from driftproof.reports.stability import stability
+from driftproof.reports.user_problem import MOST_PROVED, enclosed_reference, matrix_in, problem_given
+from driftproof.symbolic.algebra.certified import Uncertified
 from tests.looping import exactly
 
 WRITTEN = """
@@ -50,10 +53,10 @@ def test_reference_of_a_file_is_enclosed(tmp_path):
     assert problem.field.parameters == (("g", Fraction("9.81")),)
     assert problem.energy == "((y1 * y1) / 2) - (g * cos(y0))"
     found = problem.reference
-    assert (found.evidence, len(found.times), found.times[-1]) == (CERTIFIED, PARTS, Fraction(1, 2))
+    assert (found.evidence, len(found.times), found.times[-1]) == (CERTIFIED, 10, Fraction(1, 2))
     # A quarter of the period 2 pi sqrt(1/9.81) (1 + 1/64 + ...) = 2.038 s is at 0.5095: theta is small and positive.
     assert 0 < Decimal(found.states[-1][0]) < Decimal("0.02")
-    assert {len(Decimal(text).as_tuple().digits) for text in found.states[-1]} == {ENCLOSED_DIGITS}
+    assert {len(Decimal(text).as_tuple().digits) for text in found.states[-1]} == {20}
 
 
 def swing(t, y, g=1.0):
@@ -61,7 +64,7 @@ def swing(t, y, g=1.0):
 
 
 def test_a_problem_may_be_a_dict_with_a_function_of_python(tmp_path):
-    path, own = tmp_path / "mine.toml", {"start": (0.5, 0), "end": 0.5, "parameters": {"g": 9.5}, "title": "Own"}
+    path, own = tmp_path / "mine.toml", {"start": (0.5, 0), "end": 0.5, "parameters": {"g": 9.5}, "title": "x" * 200}
     path.write_text('rates = ["y1", "-g * sin(y0)"]\nstart = [0.5, 0]\nend = 0.5\nparameters.g = 9.5')
     energy = {"energy": "y1^2/2 - g * cos(y0)"}
     found = [problem_given(own | energy | {"function": swing}), problem_given(str(path))]
@@ -69,7 +72,7 @@ def test_a_problem_may_be_a_dict_with_a_function_of_python(tmp_path):
     assert (found[0].key, found[0].start, found[0].t) == ("swing", found[1].start, found[1].t)
     assert decimal_energy(found[0], [0, 1]) == -9
     assert problem_given(own | {"rates": ["y1", "-g * sin(y0)"], "start": np.array([0.5, 0])}).key == "own"
-    with pytest.raises(ValueError, match=r"write \{'function': swing, 'start': \[1, 0\], 'end': 10\}, with its start"):
+    with pytest.raises(ValueError, match=r"as well: \{'function': swing, 'start': \[1, 0\], 'end': 10\}"):
         problem_given(swing)
 
 
@@ -95,7 +98,22 @@ def test_all_stored_digits_come_out(key):
 def test_component_that_stays_at_zero_has_a_zero_with_its_place():
     found = enclosed_reference(field_of_text("y1; 0; y0 - y0"), [Fraction(0)] * 3, [Fraction(1)])
     assert [Decimal(text) == 0 for text in found.states[0]] == [True] * 3
-    assert all(int(Decimal(text).as_tuple().exponent) <= -ENCLOSED_DIGITS for text in exactly(3, found.states[0]))
+    assert all(int(Decimal(text).as_tuple().exponent) <= -20 for text in exactly(3, found.states[0]))
+
+
+def test_component_that_dies_out_has_the_digits_that_are_certain():
+    """y1 = exp(-60 t) beside y0 = 1 + t: 20 digits of 1e-26 and less are not certain with 128 bits, and not needed."""
+    found = enclosed_reference(field_of_text("1; -60*y1"), [Fraction(1), Fraction(1)], [Fraction(1), Fraction(20)])
+    assert (found.source.split(", ")[1], found.states[1][0]) == ("128 bits", "21.000000000000000000")
+    for t, row in exactly(2, zip(found.times, found.states, strict=True)):
+        unit = Fraction(10) ** int(Decimal(row[1]).as_tuple().exponent)
+        with ctx.workprec(4000):
+            assert abs(arb(row[1]) - (-60 * arb(t.numerator)).exp()) <= arb(unit.numerator) / unit.denominator / 2
+        assert unit < Fraction(1, 10**30)
+    assert 1 < len(Decimal(found.states[0][1]).as_tuple().digits) < 20
+    for ball, largest in (("1.23456e-10 +/- 1e-16", "1"), ("1.23456e-25 +/- 1e-29", "1e-20")):
+        with pytest.raises(Uncertified):
+            user_problem._digits(arb(ball), arb(largest))
 
 
 def test_function_stands_in_the_place_of_rates(tmp_path, monkeypatch):
@@ -135,27 +153,57 @@ def test_key_is_a_problem_of_ours():
 def test_bits_are_added_until_the_digits_are_settled_and_no_more_often_than_so(monkeypatch):
     asked = field_of_text("-y0"), [Fraction(1)], [Fraction(1)]
     right = enclosed_reference(*asked)
-    monkeypatch.setattr(user_problem, "BITS_AT_FIRST", 48)
+    monkeypatch.setattr(user_problem, "BITS_AT_FIRST", 32)
     found = enclosed_reference(*asked)
     assert found.states == right.states == (("0.36787944117144232160",),)
     assert found.source.endswith(", 108 bits")
-    monkeypatch.setattr(user_problem, "_MOST_ATTEMPTS", 2)
-    with pytest.raises(Refused, match="the solution is not known to 20 digits with 72 bits"):
+    monkeypatch.setattr(user_problem, "ENCLOSED_DIGITS", 400)
+    with pytest.raises(Refused, match="the solution cannot be enclosed to 400 digits with 162 bits"):
         enclosed_reference(*asked)
+
+
+LINEAR = {
+    "y1; -2*y0 - y1/10": [[0, 1], [-2, Fraction(-1, 10)]],
+    "-(y0 + 2*y1)*3/7; -y1 + 1 - 1": [[Fraction(-3, 7), Fraction(-6, 7)], [0, -1]],
+    "-y0 + 1": None, "-y0*t": None, "-y0*y0": None, "-sin(y0)": None, "-y0*sin(1)": None, "-pi*y0": None,
+    "y0": None, "y1; 0": None, "-y0*y0/y0": None,
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("rates", LINEAR)
+def test_matrix_is_read_from_linear_rates_of_which_no_solution_grows(rates):
+    wanted = LINEAR[rates]
+    assert matrix_in(field_of_text(rates)) == (wanted and tuple(map(tuple, wanted)))
+
+
+def test_own_linear_problem_has_the_same_proofs_as_ours():
+    rows = PROBLEMS["heat_equation"].matrix
+    rates = [" + ".join(f"({x})*y{j}" for j, x in enumerate(row)) for row in rows]
+    assert matrix_in(field_of_text(rates)) == rows
+    own = stability({"rates": ["y1", "-1000000*y0"], "start": [1, 0], "end": 1}, ["rk4", "velocity_verlet"], h="1/1000")
+    ours = stability("stiff_oscillator", ["rk4", "velocity_verlet"], h="1/1000")
+    for a, b in exactly(2, zip(own["methods"], ours["methods"], strict=True)):
+        assert [a[key] for key in ("limit", "attained", "seen")] == [b[key] for key in ("limit", "attained", "seen")]
+    twenty_one = "; ".join(f"-y{i}" for i in range(MOST_PROVED + 1))
+    assert matrix_in(field_of_text(twenty_one)) is None
+    assert matrix_in(field_of_text(twenty_one.rpartition(";")[0])) is not None
 
 
 REFUSED = {
     "": "start is missing; write a list",
     "start = []\nend = 1": "rates is missing",
     "start = [0]": "end is missing; write a number",
-    'start = [0]\nend = "sqrt(2)"': r"end: sqrt\(2\) is irrational",
-    'start = [0]\nend = 1\nrates = ["y0"]\nfunction = "m:f"': "function stands in the place of rates",
+    'start = [0]\nend = "sqrt(2)"': r"end is sqrt\(2\); write a rational number, such as 1\.4142135623730951$",
+    'start = ["sin(pi/6)*2*pi"]\nend = 1': r"start\[0\] is sin\(pi/6\)\*2\*pi; write .*, such as 3\.1415926535897",
+    'start = ["sin(t)"]\nend = 1': r"start\[0\]: 'sin\(t\)', column 1: 'sin' is not a function",
+    'start = [0]\nend = 1\nrates = ["y0"]\nfunction = "m:f"': "give either rates or function, not both",
     'start = [0]\nend = 1\nfunction = "nowhere"': "'nowhere' names no function",
-    'rates = ["y0"]\nend = -1\nstart = [1]': "end is -1; problems run from 0",
-    'rates = ["y0"]\nend = 1\nstart = [1, 2]': "start has 2 entries, 1 are needed",
+    'rates = ["y0"]\nend = -1\nstart = [1]': "end is -1; it must be above 0",
+    'rates = ["y0"]\nend = 1\nstart = [1, 2]': "start has 2 entries, but the rates need 1",
     'rates = ["y0"]\nend = 1\nstart = [[1]]': r"start\[0\] is \[1\]; write a number",
     'rates = ["y0"]\nend = 1\nstart = [1]\nwidth = 2': "a problem has no key 'width'; its keys are rates",
     'rates = ["y0 +"]\nend = 1\nstart = [1]': "'y0 \\+', column 5",
+    f'rates = ["y0"]\nend = 1\nstart = [1]\ntitle = "{"x" * 201}"': "title is .*; write a line of text of 1 to 200 ",
 }
 
 
@@ -169,7 +217,7 @@ def test_file_of_another_form_is_refused_in_one_line(text, tmp_path):
 
 def test_pole_before_the_end_is_refused(tmp_path):
     (tmp_path / "mine.toml").write_text('rates = ["1 + y0^2"]\nstart = [0]\nend = 2\n')
-    with pytest.raises(Refused, match=r"a pole, or a point where f is not smooth, is ahead near t = 1\.57"):
+    with pytest.raises(Refused, match=r"f or the solution has a pole, or f is not smooth, near t = 1\.57"):
         problem_given(str(tmp_path / "mine.toml"))
 
 

@@ -94,9 +94,12 @@ def test_words_in_our_pipe_are_no_answer():
     assert found == ("answer", "an invalid answer: the code wrote into the pipe to its caller")
 
 
-def test_a_handler_that_cannot_be_imported_is_told():
+def test_a_handler_that_cannot_be_imported_and_a_system_without_forks_are_told(monkeypatch):
     with pytest.raises(ProcessEnded, match=r"ModuleNotFoundError: No module named 'tests\.support\.nothing'"):
         ask_once("tests.support.nothing:echoes", None, LONG)
+    monkeypatch.delattr(os, "fork")
+    with pytest.raises(OSError, match="fork"):
+        Session(misbehaving.echoes, LONG)
 
 
 def test_after_its_time_a_session_can_still_be_looked_at_and_then_ends():

@@ -132,5 +132,5 @@ def test_order_to_a_tolerance_of_every_kind_of_method(key: str, order: int, seco
     assert (found.order, found.order_second_order_problems, found.embedded_order) == (order, second, None)
     assert general_order(METHODS[key]).order <= order
     assert order_within(METHODS[key], Q(0)).order == general_order(METHODS[key]).order
-    with pytest.raises(ValueError, match="tolerance -1 is below zero"):
+    with pytest.raises(ValueError, match="tolerance -1 is negative; it must be >= 0"):
         order_within(METHODS[key], Q(-1))

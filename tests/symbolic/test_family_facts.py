@@ -164,7 +164,7 @@ def test_a_critical_value_of_high_degree_is_refused_and_said_so() -> None:
     twisted = family("t", "t**13 - 3", "t**13 - 2", "t**13 - 3")
     found = family_facts(twisted, ("a_stable", "real_limit", "order"))
     assert "degree 13" in found["a_stable"]["refused"]
-    assert "a critical value of t is not decided" in found["real_limit"]["refused"]
+    assert "at a critical value of t: degree 13" in found["real_limit"]["refused"]
     assert found["order"] == 0
 
 

@@ -128,7 +128,7 @@ def test_facts_are_written_and_asked_for_by_name(answer, refusal):
     assert facts_of(EVERY["ros2"])["gamma_sums"] == ["1 - 1/2*sqrt(2)", "-1 + 1/2*sqrt(2)"]
     text = answer("facts", "GRK4T", "--only", "claimed_order,order", "--order-tolerance", "1e-11")
     assert "order: 4, w_order: 1, embedded_order: 3" in text
-    assert "whose order is exact" in refusal("facts", "bdf2", "--order-tolerance", "1e-9")
+    assert "its order is exact and takes no tolerance" in refusal("facts", "bdf2", "--order-tolerance", "1e-9")
     assert "takes a Jacobian: `driftproof facts` and `driftproof verify` accept it" in refusal(
         "step", "rodas4", "--h", "1/2", "--state", "1,0"
     )

@@ -7,22 +7,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from driftproof.blackbox.checks.trials import TYPICAL_STEP, CheckResult, Trial, TrialRunner, same, steady_runner
+from driftproof.blackbox.checks.trials import TYPICAL_STEP, CheckResult, TrialRunner, same, steady_runner
 from driftproof.blackbox.findings import Misbehaviour, NotANumber
-from driftproof.blackbox.stepper.array_adapters import (
-    ARRAYS,
-    LISTS,
-    SCALARS,
-    AnyNumber,
-    ArrayAdapter,
-    Foreign,
-    as_array,
-    one_number,
-)
+from driftproof.blackbox.stepper import array_adapters as adapters
 from driftproof.blackbox.stepper.foreign_code import CallLog
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 
-RETURNS_NOTHING = "returns nothing"
 _WHOLE = (3, 1)
 
 
@@ -30,19 +20,19 @@ def arguments(subject: ForeignStepper) -> tuple[CheckResult, ...]:
     """Check that arguments and earlier answers are left as they are, also by a stepper of scalars on arrays."""
     runner = steady_runner(subject)
     own = _keeping(runner, subject)
-    if subject.adapter is not SCALARS:
+    if subject.adapter is not adapters.SCALARS:
         return own
     try:
-        arrays = _keeping(runner, replace(subject, adapter=ARRAYS))
+        arrays = _keeping(runner, replace(subject, adapter=adapters.ARRAYS))
     except Misbehaviour:  # a stepper of scalars need not take arrays
         return own
     return tuple(a if a.holds else replace(a, words=f"given arrays, {a.words}") for a in arrays)
 
 
 def _keeping(steady: TrialRunner, subject: ForeignStepper) -> tuple[CheckResult, CheckResult]:
-    came: list[Foreign] = []
+    came: list[adapters.Foreign] = []
 
-    def recorded(*arguments: Foreign, **named: Foreign) -> Foreign:
+    def recorded(*arguments: adapters.Foreign, **named: adapters.Foreign) -> adapters.Foreign:
         came.append(subject.function(*arguments, **named))
         return came[-1]
 
@@ -57,22 +47,18 @@ def _keeping(steady: TrialRunner, subject: ForeignStepper) -> tuple[CheckResult,
         answers = CheckResult("keeps_answers", True, "earlier answers are not changed")
     else:
         answers = CheckResult("keeps_answers", False, "an answer is overwritten by the next call", (trial,))
-    return _arguments_check(log, trial), answers
-
-
-def _arguments_check(log: CallLog, trial: Trial) -> CheckResult:
     if not log.changes_its_arguments:
-        return CheckResult("keeps_arguments", True, "its arguments are not changed")
-    in_place = f"it writes its answer into its arguments and {RETURNS_NOTHING}"
+        return CheckResult("keeps_arguments", True, "its arguments are not changed"), answers
+    in_place = "it writes its answer into its arguments and returns nothing"
     words = in_place if log.works_in_place else "it changes its arguments, besides returning an answer"
-    return CheckResult("keeps_arguments", False, words, (trial,))
+    return CheckResult("keeps_arguments", log.works_in_place, words, (trial,)), answers
 
 
-def _numbers(answer: Foreign) -> list[float]:
+def _numbers(answer: adapters.Foreign) -> list[float]:
     """All numbers in an answer as they are now; an empty list if it cannot be read."""
     parts = answer if isinstance(answer, tuple | list) else [answer]
     try:
-        return [float(x) for part in parts for x in as_array(part).ravel()]
+        return [float(x) for part in parts for x in adapters.as_array(part).ravel()]
     except NotANumber:
         return []
 
@@ -114,13 +100,17 @@ def _integers(runner: TrialRunner) -> tuple[CheckResult, ...]:
     return (CheckResult("takes_integers", True, "integers give the same results as floats"),)
 
 
-def _whole(numbers: Sequence[AnyNumber]) -> list[AnyNumber]:
+def _whole(numbers: Sequence[adapters.AnyNumber]) -> list[adapters.AnyNumber]:
     return [int(x) for x in numbers] if all(x == int(x) for x in numbers) else list(numbers)
 
 
 # Adapters that pass whole numbers as integers, and others, such as those of a force, as they are.
 _INTEGERS = {
-    SCALARS.name: ArrayAdapter("int", lambda numbers: one_number(_whole(numbers)), SCALARS.read),
-    ARRAYS.name: ArrayAdapter("numpy.array", lambda numbers: np.array(_whole(numbers)), ARRAYS.read),
-    LISTS.name: ArrayAdapter("list", _whole, LISTS.read),
+    adapters.SCALARS.name: adapters.ArrayAdapter(
+        "int", lambda numbers: adapters.one_number(_whole(numbers)), adapters.SCALARS.read
+    ),
+    adapters.ARRAYS.name: adapters.ArrayAdapter(
+        "numpy.array", lambda numbers: np.array(_whole(numbers)), adapters.ARRAYS.read
+    ),
+    adapters.LISTS.name: adapters.ArrayAdapter("list", _whole, adapters.LISTS.read),
 }

@@ -37,7 +37,9 @@ def quantisation_of(numbers: Sequence[float]) -> Quantisation | None:
     if decimals is not None:
         return Quantisation(10.0**-decimals, f"answers are rounded to {decimals} decimal{'s' * (decimals > 1)}")
     last = max(Fraction(x).denominator.bit_length() - 1 for x in numbers)  # bits after the point
-    if last <= _FIXED_POINT and not _fills_a_format(numbers):
+    bits = sorted(significant_bits(x) for x in numbers if x)
+    # Of floats, three in four have nearly as many bits as the longest.
+    if last <= _FIXED_POINT and bits[len(bits) // 4] < bits[-1] - _BITS_TO_SPARE:
         return Quantisation(2.0**-last, f"answers are multiples of 2**-{last}")
     return None
 
@@ -48,12 +50,6 @@ def narrow_format(numbers: Sequence[float]) -> FloatFormat | None:
         return None
     widest = max(map(significant_bits, numbers))
     return next((fmt for fmt in (BINARY16, BINARY32) if widest <= fmt.precision), None)
-
-
-def _fills_a_format(numbers: Sequence[float]) -> bool:
-    """True if three numbers in four have nearly as many bits as the longest, as floats do."""
-    bits = sorted(significant_bits(x) for x in numbers if x)
-    return bits[len(bits) // 4] >= bits[-1] - _BITS_TO_SPARE
 
 
 def significant_bits(x: float) -> int:

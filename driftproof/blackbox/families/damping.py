@@ -62,8 +62,9 @@ class Damping:
         factor = np.array(self.at_once)
         kept = len(factor) > 1 and np.abs(factor @ factor.T - np.eye(len(factor))).max() < _LITTLE  # lengths
         noun = "turn" if kept else "damping"
+        shown = _shown(factor) if _shown(factor) != "1" else f"1 {factor.item() - 1:+.2g}"
         return [
-            f"{what} is multiplied by {_shown(factor)} in each step, however short: a {noun} per step, "
+            f"{what} is multiplied by {shown} in each step, however short: a {noun} per step, "
             "not per unit of time: halving h doubles it"
         ]
 

@@ -173,11 +173,7 @@ class MagneticReading:
             moved.append(f"{self._leapfrog[1]}: as a step from x and v at the same time it has order 1")
         places = dict.fromkeys(map(self._place, self.asked))
         moved += [f"the fields are evaluated at {' and at '.join(places)}"] if places and self._leapfrog else []
-        return [
-            ("Rotation", [f"{where}{self.turn.name}: {turn[0]}", *size]),
-            ("Kicks", kicks),
-            ("Position", moved),
-        ]
+        return [("Rotation", [f"{where}{self.turn.name}: {turn[0]}", *size]), ("Kicks", kicks), ("Position", moved)]
 
     @property
     def data(self) -> dict[str, Json]:

@@ -87,6 +87,7 @@ class MultistepReading:
             "order": None if facts is None else facts.order,
             "start": None if self.start is None else list(self.start.methods),
             "measured_order": None if self.start is None else self.start.order,
+            "remarks": [self.start.velocities] if self.start is not None and self.start.velocities else [],
         }
 
     def criteria(self, method: Multistep) -> list[Criterion]:

@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 
 from driftproof.blackbox.findings import Misbehaviour, UnsupportedCall, WrongShape
-from driftproof.blackbox.judging.nonlinear_problems import NonlinearProblem, gives_force_times, hands_on_time
+from driftproof.blackbox.judging.nonlinear_problems import NonlinearProblem, gives_force_times, hands_on_time, walls
 from driftproof.blackbox.matching.tables import Array
 from driftproof.blackbox.probes.scripted_answers import NotReadable
 from driftproof.blackbox.stepper.array_adapters import AnyNumber
-from driftproof.blackbox.stepper.calling_conventions import FIELD, FORCE
+from driftproof.blackbox.stepper.calling_conventions import FIELD, FORCE, GRID, MAP
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 
 # The multiples of the golden mean, modulo 1, lie far apart: no two answers of a run are alike, and no few related.
@@ -25,6 +27,8 @@ _SIZES = (3, 2, 1)
 _LOOKED_AT = 8
 # A solver that begins with its last solution changes a step by less than this part, a method with memory by more.
 _ALIKE = 2.0**-10
+# Each interval of an uneven grid is longer than the one before by twice this part of the first.
+_UNEVEN = 0.125
 # A bound on the derivative of the slopes by the state, so that iterations contract with the h of 1 of these runs.
 _BEND = 0.125
 
@@ -40,15 +44,13 @@ class SteadyRun:
 def course(
     subject: ForeignStepper, problem: NonlinearProblem, t: float, y: Sequence[float], h: float, steps: int
 ) -> list[list[AnyNumber]]:
-    """The states y₀, ..., y_N of a whole run of a code that makes runs, or of N steps of one fresh copy.
+    """The states y₀, ..., y_N of a run of a code that makes runs, or the last alone; or of N steps of one fresh copy.
 
     Raises UnsupportedCall if the stepper cannot be copied, and the Misbehaviour that comes instead of a step.
     """
     moving = subject.fresh(steps)
     if moving.convention.run:
         problem.stepped(moving, t, y, h)
-        if len(moving.log.states) != steps + 1:
-            raise UnsupportedCall("a run returns only its last state")
         return [[float(x) for x in state] for state in moving.log.states]
     states: list[list[AnyNumber]] = [list(y)]
     for n in range(steps):
@@ -98,6 +100,8 @@ class MarkedRuns:
             states = course(self.subject, problem, t, self.start(t), h, steps)
         except Misbehaviour as failure:
             raise NotReadable(f"in a run of {steps} steps, {failure}") from failure
+        if len(states) != steps + 1:
+            raise UnsupportedCall("a run returns only its last state")
         slopes = [self.slopes(problem, t + n * h, y) for n, y in enumerate(states)]
         numbers = np.array([y[: self.size] for y in states], dtype=float)
         return SteadyRun(numbers, np.array(slopes, dtype=float) * h**self.derivative)
@@ -153,17 +157,25 @@ def remembers(subject: ForeignStepper) -> bool:
         return False
 
 
-def _departs(subject: ForeignStepper) -> bool:
-    """Like `remembers`, but raises UnsupportedCall, or the Misbehaviour that comes instead of a step."""
+def _departs(subject: ForeignStepper, uneven: float = 0.0) -> bool:
+    """Like `remembers`, but raises UnsupportedCall, or the Misbehaviour that comes instead of a step.
+
+    The intervals of a grid of times become longer by `uneven`; a built-in system steps from a state of its own.
+    """
     if subject.shortest > 1:
         return True
-    runs = MarkedRuns.of(subject)
-    h, t = 1.0, 2.0
-    problem = runs.problem(h, t, bent=True)
-    states = course(subject, problem, t, runs.start(t), h, _LOOKED_AT)
-    anew = [problem.stepped(subject.fresh(), t + n * h, y, h) for n, y in enumerate(states[:-1])]
-    off = np.abs(np.array(states[1:], dtype=float) - np.array(anew, dtype=float)).max()
-    return bool(off > _ALIKE * np.abs(states).max())
+    if subject.convention.kind == MAP:
+        problem, start, h, t = walls(1), [1.0, 0.75], 0.25, 0.0
+    else:
+        runs, h, t = MarkedRuns.of(subject), 1.0, 2.0
+        problem, start = runs.problem(h, t, bent=True), runs.start(t)
+    longer, alone = replace(subject, convention=replace(subject.convention, uneven=uneven)), [start]
+    seen = course(longer, problem, t, start, h, _LOOKED_AT)
+    times = [t + h * n * (1 + uneven * n) for n in range(_LOOKED_AT + 1)]
+    for at, after in pairwise(times):
+        alone.append(problem.stepped(subject.fresh(), at, alone[-1], after - at))
+    off = np.abs(np.array(seen, dtype=float) - np.array(alone[-len(seen) :], dtype=float)).max()
+    return bool(off > _ALIKE * np.abs(np.array(alone, dtype=float)).max())
 
 
 def later_steps(subject: ForeignStepper) -> tuple[bool | None, str, str]:
@@ -176,4 +188,7 @@ def later_steps(subject: ForeignStepper) -> tuple[bool | None, str, str]:
         return None, f"no run of {_LOOKED_AT} steps was obtained: {refusal}", ""
     if departs:
         return False, "a step in a run differs from the same step taken alone: it remembers, or varies", ""
+    with suppress(UnsupportedCall, Misbehaviour):  # it may refuse unequal intervals
+        if GRID in subject.convention.order and _departs(subject, _UNEVEN):
+            return False, "where the times of its grid are unequally spaced, a later step takes another step size", ""
     return True, f"{_LOOKED_AT} steps of a run, each the same as taken alone", ""

@@ -108,7 +108,9 @@ def unread_report(name: str, outcome: Outcome) -> Report:
     """The report of `identify` on a stepper that is called like one of a family but could not be read, and why."""
     words = {NotReadable.kind: "it is not a known method", **dict.fromkeys(NO_EVIDENCE, UNDECIDED)}
     verdict = f"{words.get(outcome.kind or '', NO_ANSWER)}: {outcome.seen}"
-    return Report(name, verdict, None, (), {"not_answered": [{"kind": outcome.kind, "seen": outcome.seen}]})
+    newton = "if it solves for its stages with this Jacobian, let it form that of f itself: step(f, t, y, h)"
+    parts = sections(("What to do", [newton] if "iterative" in outcome.seen else []))
+    return Report(name, verdict, None, parts, {"not_answered": [{"kind": outcome.kind, "seen": outcome.seen}]})
 
 
 def turns(subject: ForeignStepper) -> bool:
@@ -141,7 +143,8 @@ def verify_family(runner: IsolatedRunner, method: Method | FactsOnly | Boris) ->
         verdict = f"{UNDECIDED} whether it is {method.key}: {open_ones[0].lines[0]}"
     else:
         _, named, more = read.verdict.partition(f"it is {method.key}")
-        verdict = f"is {method.key}" + (more if named else "")
+        verdict = f"is {method.key}{' in steps of equal length' * isinstance(method, Multistep)}{more * bool(named)}"
+        data["remarks"] = read.data.get("remarks", [])
     return Report(name, verdict, passed, sections(*parts), data)
 
 

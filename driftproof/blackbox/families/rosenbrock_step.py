@@ -11,7 +11,14 @@ import numpy as np
 
 from driftproof.blackbox.findings import Misbehaviour, UnsupportedCall
 from driftproof.blackbox.matching.tables import Array
-from driftproof.blackbox.probes.scripted_answers import Listener, NotReadable, demand_calls, performed, varied
+from driftproof.blackbox.probes.scripted_answers import (
+    Listener,
+    NotReadable,
+    demand_calls,
+    performed,
+    told_apart,
+    varied,
+)
 from driftproof.blackbox.stepper.calling_conventions import JACOBIAN, TIME_SLOPE
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.blackbox.stepper.second_functions import with_functions
@@ -78,7 +85,7 @@ class _Step:
 
     def __init__(self, subject: ForeignStepper, answer: Callable[[int, float, Array], Sequence[float]], **given: Any):
         rows: Sequence[Any] = given["jacobian"]
-        time_slope, self.size = given["time_slope"], len(given["start"])
+        time_slope = given["time_slope"]
         heard = Listener(lambda asked: answer(len(heard.calls) - 1, *asked))
         self.jacobian_at: list[tuple[float, Array]] = []
 
@@ -186,8 +193,8 @@ class _Probe:
         step = self._step(lambda i, t, y: [answers[i], *[0.0] * (self.size - 1)], start=start, t=t, h=h)
         demand_calls(self.calls, len(step.places))
         said = np.tensordot(np.array(slopes), columns[:, -1, :], axes=1) * h ** np.arange(1, self.size + 1) + start
-        if np.abs(step.result - said).max() > _SAME * (1 + np.abs(said).max()):
-            raise NotReadable(
-                f"with other slopes and h = {h:g} it ends at {step.result[0]:.6g}, where the coefficients read give "
-                f"{said[0]:.6g}: it is not linear in its slopes, or does not scale with h"
-            )
+        i = int(np.argmax(off := np.abs(step.result - said)))
+        if off[i] > _SAME * (1 + np.abs(said).max()):
+            ends = "it ends at {}, where the coefficients read give {}".format(*told_apart(step.result[i], said[i]))
+            why = "it is not linear in its slopes, does not scale with h, or remembers another step"
+            raise NotReadable(f"with other slopes and h = {h:g} {ends}: {why}")

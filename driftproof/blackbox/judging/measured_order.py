@@ -13,13 +13,7 @@ import numpy as np
 from flint import arb, ctx
 
 from driftproof.blackbox.findings import Misbehaviour, NoAnswer, NotANumber, WrongShape
-from driftproof.blackbox.judging.nonlinear_problems import (
-    START,
-    NonlinearProblem,
-    dragged_problem,
-    field_problem,
-    force_problem,
-)
+from driftproof.blackbox.judging import nonlinear_problems as problems
 from driftproof.blackbox.judging.nonlinear_step import off_by
 from driftproof.blackbox.stepper.array_adapters import AnyNumber, ArrayAdapter
 from driftproof.blackbox.stepper.calling_conventions import FIELD
@@ -74,15 +68,15 @@ def measured_orders(subject: ForeignStepper) -> tuple[MeasuredOrder, ...]:
     side has the second order, but seldom the first. Raises UnsupportedCall if the system is built in.
     """
     if subject.convention.kind != FIELD:
-        problem = dragged_problem(subject) if subject.gives_velocities else force_problem(subject)
+        problem = problems.dragged_problem(subject) if subject.gives_velocities else problems.force_problem(subject)
         return (measured_on(subject, problem),)
-    found = [measured_on(subject, field_problem(subject))]
+    found = [measured_on(subject, problems.field_problem(subject))]
     with suppress(Misbehaviour):  # of a code that takes one number only
-        found.append(measured_on(subject, force_problem(subject)))
+        found.append(measured_on(subject, problems.force_problem(subject)))
     return tuple(found)
 
 
-def measured_on(subject: ForeignStepper, problem: NonlinearProblem) -> MeasuredOrder:
+def measured_on(subject: ForeignStepper, problem: problems.NonlinearProblem) -> MeasuredOrder:
     """The order on a problem. Raises a Misbehaviour, or UnsupportedCall if the problem cannot be given."""
     steps, least = [2.0**-k for k in HALVINGS], CLEARANCE * float(subject.format.u)
     with ctx.workprec(_BITS):
@@ -94,7 +88,7 @@ def measured_on(subject: ForeignStepper, problem: NonlinearProblem) -> MeasuredO
 
 
 def measured_in_floats(
-    subject: ForeignStepper, problem: NonlinearProblem, steps: Sequence[float], slack: float = 0.0
+    subject: ForeignStepper, problem: problems.NonlinearProblem, steps: Sequence[float], slack: float = 0.0
 ) -> MeasuredOrder:
     """The order that steps of these sizes h show in the stepper's own floats; errors up to `slack` h² are noise."""
     with ctx.workprec(_BITS):
@@ -103,21 +97,21 @@ def measured_in_floats(
     return _fitted(errors, [least + slack * h * h for h in steps], subject.format.name, problem)
 
 
-def _errors(subject: ForeignStepper, problem: NonlinearProblem, steps: Sequence[float]) -> list[float]:
+def _errors(subject: ForeignStepper, problem: problems.NonlinearProblem, steps: Sequence[float]) -> list[float]:
     """The error of one step in its worst component, for each h; in floats, the start is rounded first."""
-    start: list[AnyNumber] = problem.solution(arb(START))
+    start: list[AnyNumber] = problem.solution(arb(problems.START))
     if subject.adapter not in (BALLS, ARRAYS_OF_BALLS):
         start = [float(x.mid()) for x in start]
     found = []
     for h in steps:
-        answer = problem.stepped(subject, START, start, h)
-        exact = problem.solution(arb(START) + h)
+        answer = problem.stepped(subject, problems.START, start, h)
+        exact = problem.solution(arb(problems.START) + h)
         found.append(max(map(off_by, answer, exact)))
     return found
 
 
 def _fitted(
-    errors: Sequence[float], noise: Sequence[float], arithmetic: str, problem: NonlinearProblem
+    errors: Sequence[float], noise: Sequence[float], arithmetic: str, problem: problems.NonlinearProblem
 ) -> MeasuredOrder:
     """The order that local errors show, which is one less than their power of h."""
     power, slopes = power_of_errors(errors, noise)

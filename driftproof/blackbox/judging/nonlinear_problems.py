@@ -12,7 +12,7 @@ from flint import arb
 
 from driftproof.blackbox.findings import Misbehaviour, NotANumber, StepRaised, WrongShape
 from driftproof.blackbox.stepper.array_adapters import AnyNumber
-from driftproof.blackbox.stepper.calling_conventions import FIELD, FORCE
+from driftproof.blackbox.stepper.calling_conventions import FIELD, FORCE, MAP
 from driftproof.blackbox.stepper.foreign_code import FieldFunction
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 
@@ -59,7 +59,9 @@ class NonlinearProblem:
         return [*self.rate(t, [*q, *q])][len(q) :]
 
     def stepped(self, subject: ForeignStepper, t: float, y: Sequence[AnyNumber], h: float) -> _State:
-        """Take one step of the stepper, on numbers of its adapter."""
+        """Take one step of the stepper, on numbers of its adapter; of its own system if that is built in."""
+        if subject.convention.kind == MAP:
+            return [*subject.step(y[0], y[1], h)]
         at, size, n = subject.adapter.number(t), subject.adapter.number(h), self.positions
         if self.dragged:
             return subject.step_dragged(lambda at, q, v: self.rate(at, [*q, *v])[n:], at, y[:n], y[n:], size)
@@ -103,9 +105,7 @@ def turned(problem: NonlinearProblem) -> NonlinearProblem:
         return [x for row, k in zip(rows, turns, strict=True) for x in [*row[k:], *row[:k]]]
 
     return replace(
-        problem,
-        rate=lambda t, y: by(problem.rate(t, by(y, -1)), 1),
-        solution=lambda t: by(problem.solution(t), 1),
+        problem, rate=lambda t, y: by(problem.rate(t, by(y, -1)), 1), solution=lambda t: by(problem.solution(t), 1)
     )
 
 
@@ -128,7 +128,9 @@ def driven(size: int, *, timed: bool) -> NonlinearProblem:
     if timed or size > 1:
         numbers = f"{size} component{'s' * (size > 1)}"
         words = f"a nonlinear problem of {numbers}, {'with t' if timed else 'without t: the code passes no time'}"
-        return NonlinearProblem(words, _bells(timed), lambda t: _bells_at(t, size, timed), timed=timed)
+        bells = size if timed else size - 1
+        ends: Callable[[arb], list[arb]] = lambda t: [*(_bell(i, t)[1] for i in range(bells)), *[t] * (size - bells)]
+        return NonlinearProblem(words, _bells(timed), ends, timed=timed)
     words = "y' = exp(-y), without t: the code passes no time"
     return NonlinearProblem(words, lambda t, y: [capped_exp(-x) for x in y], lambda t: [(1 + t).log()])
 
@@ -237,10 +239,6 @@ def _bells(timed: bool) -> Callable[[AnyNumber, Sequence[AnyNumber]], _State]:
         return slopes if timed else [*slopes, at * 0 + 1]
 
     return rate
-
-
-def _bells_at(t: arb, size: int, timed: bool) -> list[arb]:
-    return [_bell(i, t)[1] for i in range(size)] if timed else [*(_bell(i, t)[1] for i in range(size - 1)), t]
 
 
 def _product_of_others(q: Sequence[AnyNumber]) -> _State:

@@ -33,7 +33,7 @@ class Allowance:
     difference of positions over h, which adds u (|q| + |q₁|)/h to its error. `flush_to_zero`: subnormal arguments and
     results become 0. `solver_tolerance`: how far the solution of implicit stages may be off, both absolutely and
     relative to the sum of |monomials|; required for implicit methods, and refused for explicit ones. Raises ValueError
-    if it is negative or not finite.
+    unless it is finite and above 0.
 
     >>> from driftproof import Allowance, verify
     >>> step = lambda q, v, h: (q + h * v, ((q + h * v) - q) / h - h * q)
@@ -48,10 +48,10 @@ class Allowance:
     solver_tolerance: Fraction | float | None = None
 
     def __post_init__(self) -> None:
-        """Raise ValueError if `solver_tolerance` is negative or not finite."""
+        """Raise ValueError unless `solver_tolerance` is finite and above 0."""
         given = self.solver_tolerance
-        if given is not None and not 0 <= given < inf:
-            raise ValueError(f"solver_tolerance={given}: must be a finite number >= 0, e.g. 1e-10")
+        if given is not None and not 0 < given < inf:
+            raise ValueError(f"solver_tolerance={given}: must be a finite number > 0, e.g. 1e-10")
 
 
 class Judgement(NamedTuple):

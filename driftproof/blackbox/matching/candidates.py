@@ -181,7 +181,7 @@ def field_variants(timed: bool, calls: int, factor: Fraction | None, *, implicit
             yield Candidate(method.key, EMBEDDED, _in_field(partial(make, weights=method.b_embedded), timed))
         for relation, change, by in _resized(candidate, calls, factor, tableau_scaled, tableau_repeated):
             yield Candidate(method.key, relation, _in_field(_then(make, change, by), timed))
-    for key, relation, iterated in _iterations(calls) if not implicit else ():
+    for key, relation, iterated in _iterations(calls, timed) if not implicit else ():
         yield Candidate(key, relation, _in_field(iterated, timed))
 
 
@@ -197,7 +197,7 @@ def force_variants(calls: int, factor: Fraction | None) -> Iterator[Candidate]:
     for candidate in force_methods():
         for relation, change, by in _resized(candidate, calls, factor, induced_scaled, induced_repeated):
             yield Candidate(candidate.key, relation, _then(candidate.recipe, change, by))
-    for key, relation, iterated in _iterations(calls):
+    for key, relation, iterated in _iterations(calls, timed=False):
         yield Candidate(key, relation, _on_force(iterated))
 
 
@@ -234,15 +234,22 @@ def _then(make: Callable[[FromExact], Any], change: _Change, by: Fraction | int)
     return lambda lift: change(make(lift), by)
 
 
-def _iterations(calls: int) -> Iterator[tuple[str, str, Callable[[FromExact], LiftedTableau]]]:
-    """Yield each implicit method iterated in `calls` calls: one at the start, one per round and nonzero row of A."""
+def _iterations(calls: int, timed: bool) -> Iterator[tuple[str, str, Callable[[FromExact], LiftedTableau]]]:
+    """Yield each implicit method iterated in `calls` calls: one at the start, one per round and nonzero row of A.
+
+    Or the first round is f(y) at the times of the stages, which only a `timed` table tells from one call at the start.
+    """
     for method in METHODS.values():
         if isinstance(method, RungeKutta) and not method.explicit:
-            times, rest = divmod(calls - 1, sum(any(row) for row in method.a))
-            if not rest:
-                iterated = _then(partial(tableau_of, method), tableau_iterated, times)
-                count = f"{times} fixed-point iteration{'s' * (times > 1)}"
-                yield method.key, f"with {count} from the slope at the start: explicit", iterated
+            make, rows = partial(tableau_of, method), sum(any(row) for row in method.a)
+            for state, first in ((False, 1), (True, len({*method.c}))):
+                times, rest = divmod(calls - first, rows)
+                if rest or (state and (not timed or times < 1)):
+                    continue
+                count = f"{times + state} fixed-point iteration{'s' * (times + state > 1)}"
+                start = "state" if state else "slope"
+                iterated = _then(make, partial(tableau_iterated, state=state), times)
+                yield method.key, f"with {count} from the {start} at the start: explicit", iterated
 
 
 def _runge_kutta(implicit: bool) -> list[RungeKutta | Collocation]:

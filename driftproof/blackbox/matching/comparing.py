@@ -56,6 +56,9 @@ class Comparison:
 
     def arrangement(self) -> tuple[int, ...] | None:
         """For each stage read, the exact stage with equal coefficients; None if no order of the stages fits."""
+        read, exact, allowed = self._in_floats
+        if self._same_drift and (np.abs(read - exact) <= allowed).all():
+            return tuple(range(self.read.calls))
         return next(self._extended(()), None) if self._same_drift else None
 
     def differences(self) -> list[CoefficientPlace]:
@@ -112,14 +115,13 @@ class Comparison:
 
     def _fits(self, chosen: tuple[int, ...]) -> bool:
         """True if the stage chosen last has its weights, its node, and its entries with the stages chosen before."""
-        i, k, calls = len(chosen) - 1, chosen[-1], self.read.calls
-        read, exact, allowed = self._in_floats
-        if (np.abs(read[calls:, i] - exact[calls:, k]) > allowed[calls:, k]).any():
+        i, before, k, (read, exact, allowed) = len(chosen) - 1, list(chosen[:-1]), chosen[-1], self._in_floats
+        # Equal rows have equal sums, of which each takes fewer roundings than are allowed.
+        if abs(read[i].sum() - exact[k].sum()) > 2 * allowed[k].sum():
             return False
-        return all(
-            abs(read[i, j] - exact[k, m]) <= allowed[k, m] and abs(read[j, i] - exact[m, k]) <= allowed[m, k]
-            for j, m in enumerate(chosen)
-        )
+        mine, its = ([*stages, *range(self.read.calls, len(read))] for stages in (range(i + 1), chosen))
+        column = np.abs(read[mine, i] - exact[its, k]) <= allowed[its, k]
+        return bool(column.all() and (np.abs(read[i, :i] - exact[k, before]) <= allowed[k, before]).all())
 
     def _places(self, order: Sequence[int]) -> Iterator[CoefficientPlace]:
         calls, scales = self.read.calls, self.exact.scales.tolist()

@@ -53,7 +53,9 @@ def judged_dense(subject: ForeignStepper) -> JudgedDense:
 def judged_reading(reading: DenseReading) -> JudgedDense:
     """Judge a dense output that was read."""
     polynomials = _Polynomials.of(reading)
-    key = next((each.key for each in _candidates(reading) if _is(reading, each)), None)
+    matched = [METHODS[match.key] for match in match_tableau(reading.step).matches if not match.relation]
+    cubics = (hermite(m) for m in matched if isinstance(m, RungeKutta) and not any(m.a[0]))  # k₁ = f(t, y)
+    key = next((each.key for each in (*EXTENSIONS.values(), *cubics) if _is(reading, each)), None)
     orders = {theta: read_order(reading.step_to(theta)).order for theta in THETAS[1:-1]}
     order, where = min(orders.values()), min(orders, key=lambda theta: orders[theta])
     step = read_order(replace(reading.step, b=reading.own)).order
@@ -75,14 +77,6 @@ def judged_reading(reading: DenseReading) -> JudgedDense:
         faults.append(f"the dense output has {only}, the steps have order {step}")
     faults += [f"the dense output is not the same everywhere: {remark}" for remark in reading.step.remarks]
     return JudgedDense(order, degree, key, tuple(lines), tuple(faults))
-
-
-def _candidates(reading: DenseReading) -> Iterator[ContinuousExtension]:
-    yield from EXTENSIONS.values()
-    for match in match_tableau(reading.step).matches:
-        method = METHODS[match.key]
-        if not match.relation and isinstance(method, RungeKutta) and not any(method.a[0]):  # k₁ = f(t, y)
-            yield hermite(method)
 
 
 def _is(reading: DenseReading, extension: ContinuousExtension) -> bool:

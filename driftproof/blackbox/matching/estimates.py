@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from operator import sub
-from typing import Any, TypeAlias, TypeGuard, cast
+from typing import TypeAlias, TypeGuard
 
 from driftproof.blackbox.matching.candidates import ExactTable
 from driftproof.blackbox.matching.comparing import Comparison
@@ -73,7 +73,9 @@ def judged_estimate(subject: ForeignStepper, method: Method | None = None) -> Ju
         faults = ["the error estimate is divided by h: an error per unit step, one order lower", *faults]
     if estimate.fault:
         faults = [f"the error estimate is not the same everywhere: {estimate.fault}", *faults]
-    tableau = BallTableaux(reading, None).tableau(reading)._replace(b=_balls(estimate))
+    radius, pairs = Rounding(estimate.format, len(estimate.row)), zip(estimate.row, estimate.sizes, strict=True)
+    balls = tuple(Ball(e, estimate.format.u * radius.most * Fraction(x)) if e else 0 for e, x in pairs)
+    tableau = BallTableaux(reading, None).tableau(reading)._replace(b=balls)
     vanishing = vanishing_order(tableau, HIGHEST_ORDER)
     if vanishing.order == 0:
         total = sum(estimate.row, Fraction(0))
@@ -94,11 +96,6 @@ def judged_estimate(subject: ForeignStepper, method: Method | None = None) -> Ju
     return JudgedEstimate(vanishing.order, propagated, other, pair, tuple(lines), tuple(faults))
 
 
-def _balls(estimate: EstimateReading) -> tuple[Any, ...]:
-    radius = estimate.format.u * Rounding(estimate.format, len(estimate.row)).most
-    return tuple(Ball(e, radius * Fraction(x)) if e else 0 for e, x in zip(estimate.row, estimate.sizes, strict=True))
-
-
 def _other_order(estimate: EstimateReading, reading: TableauReading, factor: float) -> int:
     """The order of the row b - factor e; callers try both signs, since no convention fixes the sign of e."""
     pairs = zip(reading.b, estimate.row, strict=True)
@@ -107,24 +104,18 @@ def _other_order(estimate: EstimateReading, reading: TableauReading, factor: flo
 
 
 def _shown(estimate: EstimateReading) -> str:
-    slack = float(4 * estimate.format.u)
+    most = Rounding(estimate.format, len(estimate.row)).of(1.0)
     pairs = zip(estimate.row, estimate.sizes, strict=True)
-    return ", ".join(coefficient_text(float(e), estimate.format, slack * x) for e, x in pairs)
+    return ", ".join(coefficient_text(float(e), estimate.format, most * x) for e, x in pairs)
 
 
 def _pair_of(estimate: EstimateReading, reading: TableauReading, method: Method | None) -> _Fit:
     """The fit of a pair with the tableau read; of several pairs, that of the one whose estimate was read."""
-    pairs = (pair for pair in ([method] if method else _explicit_pairs()) if is_pair(pair))
+    keys = (key + row for key, m in METHODS.items() if m.explicit and is_pair(m) for row in ("", EMBEDDED_SUFFIX))
+    pairs = (pair for pair in ([method] if method else map(METHODS.__getitem__, keys)) if is_pair(pair))
     arranged = [(pair, order) for pair in pairs if (order := _stages_called(pair, reading)) is not None]
     found = [_compared(pair.key, _differences(pair, order), estimate) for pair, order in arranged]
     return min(found, key=lambda fit: (fit[0] is None, len(fit[3])), default=(None, 1.0, [], []))
-
-
-def _explicit_pairs() -> Iterator[RungeKutta]:
-    """Yield every explicit pair of the catalogue, with either row propagated."""
-    for key, method in METHODS.items():
-        if isinstance(method, RungeKutta) and method.b_embedded is not None and method.explicit:
-            yield from (method, cast(RungeKutta, METHODS[key + EMBEDDED_SUFFIX]))
 
 
 def is_pair(method: Method) -> TypeGuard[RungeKutta]:

@@ -36,17 +36,8 @@ from driftproof.blackbox.matching.matrix_facts import (
     matrix_facts,
 )
 from driftproof.blackbox.matching.matrix_recovery import Recovered, recovered
+from driftproof.blackbox.probes import linear_steps as linear
 from driftproof.blackbox.probes.coefficients import short_rational
-from driftproof.blackbox.probes.linear_steps import (
-    FAR_OUT,
-    LINEAR,
-    LINEARISED,
-    NOT_LINEAR,
-    ORDINARY_STEPS,
-    LinearReading,
-    MatrixEntries,
-    read_linear_steps,
-)
 from driftproof.blackbox.stepper.calling_conventions import MAP
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 
@@ -118,8 +109,8 @@ class LinearFit:
         """
         if self.best is not None:
             return self.doubts > 1
-        limited = any(remark.startswith(FAR_OUT) for remark in self.remarks)
-        return limited or self.kind == NOT_LINEAR or 0 in (self.position, self.stiffness)
+        limited = any(remark.startswith(linear.FAR_OUT) for remark in self.remarks)
+        return limited or self.kind == linear.NOT_LINEAR or 0 in (self.position, self.stiffness)
 
     @property
     def lines(self) -> tuple[str, ...]:
@@ -134,17 +125,17 @@ def linear_fit(subject: ForeignStepper) -> LinearFit:
     Misbehaviour of the first reading.
     """
     known = subject.convention.kind != MAP or bool(subject.convention.extra)
-    first = fitted(read_linear_steps(subject), known=known)
+    first = fitted(linear.read_linear_steps(subject), known=known)
     if first.is_disturbed and subject.format.emin < -OWN_RANGE:
         for size in OTHER_SIZES:
             with suppress(Misbehaviour):
-                other = fitted(read_linear_steps(subject, size), known=known)
-                if other.kind == LINEAR and other.doubts < first.doubts:
+                other = fitted(linear.read_linear_steps(subject, size), known=known)
+                if other.kind == linear.LINEAR and other.doubts < first.doubts:
                     return other
     return first
 
 
-def fitted(reading: LinearReading, *, known: bool) -> LinearFit:
+def fitted(reading: linear.LinearReading, *, known: bool) -> LinearFit:
     """Explain a reading; if `known`, the system is the oscillator q' = v, v' = -q."""
     start = LinearFit(reading.kind, reading.amplitude, reading.format.name, remarks=reading.remarks)
     if reading.at_zero is None:  # otherwise some steps were read as well
@@ -168,7 +159,7 @@ def fitted(reading: LinearReading, *, known: bool) -> LinearFit:
         return replace(start, candidates=(nearly,), position=nearly.position, stiffness=nearly.stiffness)
     if not found:
         return _unexplained(start, reading, known=known)
-    return _explained(replace(start, nearly=None) if start.kind == LINEAR else start, found)
+    return _explained(replace(start, nearly=None) if start.kind == linear.LINEAR else start, found)
 
 
 def _explained(start: LinearFit, found: Sequence[LinearCandidate]) -> LinearFit:
@@ -180,7 +171,7 @@ def _explained(start: LinearFit, found: Sequence[LinearCandidate]) -> LinearFit:
     return replace(start, candidates=tuple(found), facts=facts, damping=Fraction(0))
 
 
-def _unexplained(start: LinearFit, reading: LinearReading, *, known: bool) -> LinearFit:
+def _unexplained(start: LinearFit, reading: linear.LinearReading, *, known: bool) -> LinearFit:
     """The fit with the nearest methods, and with the facts of the matrix if that is a simple function of h."""
     (h, m), (position, stiffness) = min(tried_steps(reading)), rates_of(reading)
     entries = recovered(reading)
@@ -195,7 +186,7 @@ def _unexplained(start: LinearFit, reading: LinearReading, *, known: bool) -> Li
     return replace(start, damping=damping, facts=matrix_facts(((qq, qv), (vq, vv)), rates[1], damping))
 
 
-def _nearest(steps: Sequence[tuple[float, MatrixEntries]], rates: tuple[float, float]) -> Nearest | None:
+def _nearest(steps: Sequence[tuple[float, linear.MatrixEntries]], rates: tuple[float, float]) -> Nearest | None:
     """The nearest methods at the smallest step size at which none agrees exactly; None if there is no such step."""
     for h, m in sorted(steps):
         off, each = _by_distance(h, m, rates)[0]
@@ -204,10 +195,10 @@ def _nearest(steps: Sequence[tuple[float, MatrixEntries]], rates: tuple[float, f
     return None
 
 
-def _nearly(reading: LinearReading, rates: tuple[float, float]) -> Nearest | None:
+def _nearly(reading: linear.LinearReading, rates: tuple[float, float]) -> Nearest | None:
     """The class that is near, and far nearer than any other, at states of size 1; None if the step is too nonlinear."""
-    dyadic = [(h, m) for h, m in reading.steps if h / reading.unit in ORDINARY_STEPS]
-    steps = reading.ordinary or (dyadic if reading.kind == LINEAR and reading.amplitude == 1 else [])
+    dyadic = [(h, m) for h, m in reading.steps if h / reading.unit in linear.ORDINARY_STEPS]
+    steps = reading.ordinary or (dyadic if reading.kind == linear.LINEAR and reading.amplitude == 1 else [])
     if not steps or reading.loose > NEARLY:
         return None
     off: dict[tuple[str, ...], float] = {}
@@ -219,7 +210,7 @@ def _nearly(reading: LinearReading, rates: tuple[float, float]) -> Nearest | Non
 
 
 def _least_different(
-    h: float, m: MatrixEntries, entries: Sequence[Recovered], position: Fraction, stiffness: Fraction
+    h: float, m: linear.MatrixEntries, entries: Sequence[Recovered], position: Fraction, stiffness: Fraction
 ) -> Nearest:
     """The methods that differ in one coefficient, if there are some, else those with the nearest matrix."""
     closest = _by_distance(h, m, (float(position), float(stiffness)))[:MOST_COMPARED]
@@ -229,7 +220,7 @@ def _least_different(
 
 
 def _by_distance(
-    h: float, m: MatrixEntries, rates: tuple[float, float]
+    h: float, m: linear.MatrixEntries, rates: tuple[float, float]
 ) -> list[tuple[float, LinearlyEquivalentMethods]]:
     """The classes for q' = a v, v' = -k q with their distances from a matrix read at h, the nearest first."""
     classes = equivalent_methods()
@@ -244,7 +235,7 @@ def _lines(fit: LinearFit) -> Iterator[str]:
         off = f"off by {fit.nearest.off:.1e}" if fit.nearest.off else "the same matrix"
         yield f"{where}: {fit.nearest.methods[0]}, {off} at h = {fit.nearest.h:g}"
         yield from fit.nearest.differences
-    if fit.kind == LINEARISED or fit.amplitude != 1:
+    if fit.kind == linear.LINEARISED or fit.amplitude != 1:
         yield f"read at states of size {fit.amplitude:.1e}, where the step is linear"
     yield from _rates(fit)
     if fit.facts:
@@ -254,13 +245,14 @@ def _lines(fit: LinearFit) -> Iterator[str]:
 
 def _identity(fit: LinearFit) -> Iterator[str]:
     if fit.nearly:
-        yield f"nearly {fit.nearly.methods[0]} at states of size 1, to {fit.nearly.off:.1e}"
+        near = f"nearly {fit.nearly.methods[0]} at states of size 1, to {fit.nearly.off:.1e}"
+        yield near if fit.nearly.off else f"{fit.nearly.methods[0]} in numbers of few bits at states of size 1"
     if fit.best:
         yield f"{fit.best.words}{f', to rounding in {fit.format}' * fit.best.error.is_rounding}"
         if fit.best.methods[1:]:
             yield f"no linear test distinguishes {fit.best.methods[0]} from {', '.join(fit.best.methods[1:])}"
         yield from (f"or, as the same map: {other.words}" for other in fit.candidates[1:])
-    elif fit.kind in (LINEAR, LINEARISED):
+    elif fit.kind in (linear.LINEAR, linear.LINEARISED):
         yield f"no method of the catalogue, nor the adjoint of one, to rounding in {fit.format}"
     else:
         yield f"{fit.kind}: no method can be named"

@@ -190,7 +190,7 @@ def _match(read: _Read, candidate: Candidate) -> Iterator[Match]:
     roundings = distance.of_column if summed else distance.of_terms
     within = float(roundings * read.rounding.format.u) if unsolved and roundings > read.rounding.most else 0.0
     beside = _differences(read, read.raw, candidate.raw) if order == tuple(range(len(order))) else ()
-    yield Match(candidate.key, candidate.relation, roundings, distance.farthest, summed, beside or (), within)
+    yield Match(candidate.key, candidate.relation, roundings, distance.farthest, summed, tuple(beside or ()), within)
 
 
 def _best(matches: Iterable[Match]) -> tuple[Match, ...]:
@@ -210,11 +210,11 @@ def _near(read: _Read, candidate: Candidate) -> Iterator[Near]:
     for mine, its in pairs:
         differences = _differences(read, mine, its)
         if differences is not None:
-            yield Near(candidate.key, differences)
+            yield Near(candidate.key, tuple(differences), sum(differences.values()))
 
 
-def _differences(read: _Read, mine: ExactTable, its: ExactTable) -> tuple[str, ...] | None:
-    """The few coefficients in which the tables differ, as text; None if they are many or the tables differ in size."""
+def _differences(read: _Read, mine: ExactTable, its: ExactTable) -> dict[str, float] | None:
+    """The few coefficients in which the tables differ, as text, and how far; None if many, or tables differ in size."""
     if mine.calls != its.calls:
         return None
     comparison = Comparison(mine, its, read.rounding)
@@ -222,12 +222,16 @@ def _differences(read: _Read, mine: ExactTable, its: ExactTable) -> tuple[str, .
     if len(places) > min(FEW_DIFFERENCES, max(1, comparison.size // 3)):
         return None
     fmt, slack = read.rounding.format, read.rounding.besides
-    return tuple(coefficient_difference(p.name, p.seen, p.exact.value, fmt, slack) for p in places)
+    return {
+        coefficient_difference(p.name, p.seen, p.exact.value, fmt, slack): abs(p.seen - float(p.exact.value))
+        for p in places
+    }
 
 
 def _nearest(found: list[Near]) -> tuple[Near, ...]:
-    """The near misses with the fewest differences, and of each method only the first."""
+    """The near misses with the fewest differences, the smallest first, and of each method only the first."""
     few = [near for near in found if near.differences and len(near.differences) <= FEW_DIFFERENCES]
+    few.sort(key=lambda near: near.off)
     kept: dict[str, Near] = {}
     for near in few:
         if len(near.differences) == min(len(other.differences) for other in few):

@@ -67,8 +67,7 @@ def facts_of_class(
 
 def _printed(x: Exact) -> arb_series:
     """A ball around a decimal that its source prints, with the radius of one rounding of binary64."""
-    radius = abs(Fraction(x)) * BINARY64.u if isinstance(x, Fraction) else Fraction(0)
-    return arb_series([enclose(x) + arb(0, 1) * enclose(radius)])
+    return arb_series([enclose(x) * arb(1, float(BINARY64.u))])
 
 
 def matrix_facts(matrix: StepMatrix, stiffness: Fraction, damping: Fraction) -> MatrixFacts:
@@ -92,20 +91,15 @@ def order_on_linear_system(series: Sequence[Sequence[arb]], stiffness: Fraction,
         found = [each[power] if power < len(each) else arb(0) for each in series]
         if not all(c.overlaps(enclose(x)) for c, x in zip(found, term, strict=True)):
             return power - 1
-        term = _next_term(term, stiffness, damping, power + 1)
+        qq, qv, vq, vv = term  # the next one is A m / power of exp(hA), for A = [[0, 1], [-k, -g]]
+        moved = vq, vv, -stiffness * qq - damping * vq, -stiffness * qv - damping * vv
+        term = [x / (power + 1) for x in moved]
     return None
 
 
 def damping_of(velocities: RationalFunction) -> Fraction:
     """The damping g of an entry M_vv = 1 - g h + O(h²) over Q."""
     return -Fraction(str(taylor(velocities, 2)[1]))
-
-
-def _next_term(m: Sequence[Fraction], stiffness: Fraction, damping: Fraction, power: int) -> list[Fraction]:
-    """The next coefficient A m / power of exp(hA), for A = [[0, 1], [-k, -g]]."""
-    qq, qv, vq, vv = m
-    moved = vq, vv, -stiffness * qq - damping * vq, -stiffness * qv - damping * vv
-    return [x / power for x in moved]
 
 
 def _energy_multiplier(matrix: StepMatrix, stiffness: Fraction) -> RationalFunction | None:
@@ -144,7 +138,7 @@ def text_of(f: RationalFunction) -> str:
 
 def _decimals(p: Polynomial) -> str:
     terms = [(power, float(c)) for power, c in enumerate(coefficients(p)) if c != 0]
-    shown = (f"{c:.10g}{f'*h**{power}' * (power > 0)}".replace("h**1", "h") for power, c in terms)
+    shown = (f"{c:.10g}{('', '*h')[power] if power < 2 else f'*h**{power}'}" for power, c in terms)
     return " + ".join(shown).replace("+ -", "- ")
 
 

@@ -29,10 +29,11 @@ _HOW_FAR = {0.5: "coefficients rounded to {} decimals", 2.0: "coefficients of {}
 
 @dataclass(frozen=True)
 class Near:
-    """A method that matches a reading but for `differences`, lines such as "b[2]: -1/3 instead of 1/3"."""
+    """A method that matches a reading but for `differences`, such as "b[2]: -1/3 instead of 1/3", `off` in all."""
 
     key: str
     differences: tuple[str, ...]
+    off: float = 0.0
 
     @property
     def name(self) -> str:

@@ -82,7 +82,7 @@ def read_order(reading: CoefficientReading, match: Match | None = None) -> ReadO
     tableau = balls.tableau(reading)
     untimed = found = ball_order(tableau, HIGHEST_ORDER)
     if not balls.times_agree(reading):
-        found = ball_order(tableau, untimed.order + 1, timed=True)
+        found = ball_order(tableau, HIGHEST_ORDER, timed=True)
     return _found(found, linear_ball_order(tableau, HIGHEST_ORDER), untimed.order)
 
 
@@ -108,7 +108,7 @@ class BallTableaux:
     def tableau(self, reading: TableauReading) -> BallTableau:
         """A, b and c as balls."""
         *a, b = (self._row(row, self.scales) for row in (*reading.a, reading.b))
-        return BallTableau(tuple(a), b, self._nodes(reading.c or (0.0,) * reading.calls))
+        return BallTableau(tuple(a), b, self._nodes(reading.c or ()))
 
     def nystrom(self, reading: ForceReading) -> BallNystrom:
         """c, A, both rows of weights and the drift as balls."""

@@ -113,14 +113,14 @@ def tableau_repeated(tableau: LiftedTableau, times: int) -> LiftedTableau:
     return rows, step * times, [(node + i) * part for i in size for node in c]
 
 
-def tableau_iterated(tableau: LiftedTableau, times: int) -> LiftedTableau:
-    """The explicit tableau of an implicit method with `times` fixed-point iterations from k = f(y) as its solver."""
+def tableau_iterated(tableau: LiftedTableau, times: int, state: bool = False) -> LiftedTableau:
+    """An implicit method with `times` fixed-point iterations from k = f(y), at the start or, if `state`, at t + cᵢh."""
     a, b, c = tableau
     blank = [b[0] * 0] * len(b)
     rows: list[list[_Number]] = [blank * (times + 1) for _ in b]
     for i in range(times):
         rows += [[*blank * i, *row, *blank * (times - i)] for row in a]
-    return rows, [*blank * times, *b], [*blank, *list(c) * times]
+    return rows, [*blank * times, *b], [*(c if state else blank), *list(c) * times]
 
 
 def induced_by_tableau(tableau: LiftedTableau) -> Induced:

@@ -9,25 +9,8 @@ from itertools import groupby
 from math import fsum
 from typing import Any, NamedTuple, TypeAlias
 
+from driftproof.blackbox.probes import scripted_answers as scripted
 from driftproof.blackbox.probes.coefficients import coefficient_text
-from driftproof.blackbox.probes.scripted_answers import (
-    AT_REST,
-    BACKWARD,
-    CONTROLS,
-    CoefficientRow,
-    Control,
-    NotReadable,
-    Rounding,
-    Script,
-    complaints,
-    demand_as_said,
-    demand_calls,
-    demand_same,
-    performed,
-    read_at_some_size,
-    unit,
-    varied,
-)
 from driftproof.blackbox.probes.tableau import StageSolution, is_explicit
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.symbolic.linear.reduced_tableau import StageCoefficients, reduced
@@ -49,17 +32,17 @@ class ForceReading:
     is given. `solved` and `stage_error` are those of implicit stages, as in a `TableauReading`.
     """
 
-    c: CoefficientRow
-    a: tuple[CoefficientRow, ...]
-    b_position: CoefficientRow
-    b_velocity: CoefficientRow
+    c: scripted.CoefficientRow
+    a: tuple[scripted.CoefficientRow, ...]
+    b_position: scripted.CoefficientRow
+    b_velocity: scripted.CoefficientRow
     drift: float
     format: FloatFormat
     remarks: tuple[str, ...] = ()
     amplitude: float = 1.0
     refused: str = ""
     wrong_time: str = ""
-    a_velocity: tuple[CoefficientRow, ...] | None = None
+    a_velocity: tuple[scripted.CoefficientRow, ...] | None = None
     stage_error: float = 0.0
     solved: StageSolution | None = None
 
@@ -69,9 +52,9 @@ class ForceReading:
         return len(self.c)
 
     @property
-    def rounding(self) -> Rounding:
+    def rounding(self) -> scripted.Rounding:
         """How far the coefficients may be off."""
-        return Rounding(self.format, self.calls, 4 * self.stage_error)
+        return scripted.Rounding(self.format, self.calls, 4 * self.stage_error)
 
     @property
     def implicit(self) -> bool:
@@ -162,7 +145,7 @@ def read_forces(subject: ForeignStepper) -> ForceReading:
     Raises NotReadable, saying what was seen, for a step that is adaptive, iterates, limits or remembers, or that has
     drag or a force of its own; UnsupportedCall if the stepper takes no force.
     """
-    reading, remarks = read_at_some_size(lambda amplitude: _Probe(subject, amplitude).reading())
+    reading, remarks = scripted.read_at_some_size(lambda amplitude: _Probe(subject, amplitude).reading())
     return replace(reading, remarks=(*remarks, *reading.remarks))
 
 
@@ -191,11 +174,13 @@ class _Probe:
         silent = self._run(0.0, 0.0, [])
         self.calls = len(silent.places)
         if not self.calls:
-            raise NotReadable("the force is never called")
-        demand_same(self._rounding, silent.numbers, self._run(0.0, 0.0, []).numbers)
+            raise scripted.NotReadable("the force is never called")
+        scripted.demand_same(self._rounding, silent.numbers, self._run(0.0, 0.0, []).numbers)
         for number in silent.numbers:
             if number:
-                raise NotReadable(f"at rest at 0 and without a force, the step does not stay: it shows {number:.6g}")
+                raise scripted.NotReadable(
+                    f"at rest at 0 and without a force, the step does not stay: it shows {number:.6g}"
+                )
 
     def reading(self) -> ForceReading:
         still, moving = self._answered(1.0, 0.0, []), self._answered(0.0, 1.0, [])
@@ -211,15 +196,15 @@ class _Probe:
         reading = ForceReading(
             c, a, b_position, b_velocity, moving.q, fmt, amplitude=self.amplitude, a_velocity=a_velocity
         )
-        for control in CONTROLS:
+        for control in scripted.CONTROLS:
             self._check(reading, control)
-        wrong = (self._wrong_time(reading, control) for control in (AT_REST, *CONTROLS))
-        remarks = complaints(lambda: self._check(reading, BACKWARD))
+        wrong = (self._wrong_time(reading, control) for control in (scripted.AT_REST, *scripted.CONTROLS))
+        remarks = scripted.complaints(lambda: self._check(reading, scripted.BACKWARD))
         return replace(reading, remarks=remarks, wrong_time=next(filter(None, wrong), ""))
 
-    def _run(self, q: float, v: float, forces: Sequence[float], control: Control = AT_REST) -> _Run:
+    def _run(self, q: float, v: float, forces: Sequence[float], control: scripted.Control = scripted.AT_REST) -> _Run:
         size, clock, times = self.amplitude, float(control.time), list[float | None]()
-        script, velocities = Script([size * force for force in forces], 0.0), list[float]()
+        script, velocities = scripted.Script([size * force for force in forces], 0.0), list[float]()
 
         def force(t: float, x: Sequence[float], moving: Sequence[float] = ()) -> Sequence[float]:
             # If the stepper passes on no time, t is the very object `clock`.
@@ -229,19 +214,23 @@ class _Probe:
 
         start, subject = ([size * q], [size * v]), self.subject
         stepped = subject.step_dragged if subject.gives_velocities else subject.step_forced
-        q1, v1 = performed(lambda: stepped(force, clock, *start, control.h))
+        q1, v1 = scripted.performed(lambda: stepped(force, clock, *start, control.h))
         return _Run([x / size for x in script.calls], q1 / size, v1 / size, times, velocities)
 
-    def _answered(self, q: float, v: float, forces: Sequence[float], control: Control = AT_REST) -> _Run:
+    def _answered(
+        self, q: float, v: float, forces: Sequence[float], control: scripted.Control = scripted.AT_REST
+    ) -> _Run:
         run = self._run(q, v, forces, control)
-        demand_calls(self.calls, len(run.places))
+        scripted.demand_calls(self.calls, len(run.places))
         return run
 
     def _column(self, j: int) -> _Run:
         """What the answer 1 to call j adds to the place of each call and to the result."""
-        run = self._answered(0.0, 0.0, unit(self.calls, j))
+        run = self._answered(0.0, 0.0, scripted.unit(self.calls, j))
         if any(run.places[: j + 1]) or any(run.velocities[: j + 1]):
-            raise NotReadable(f"call {j} or an earlier one depends on the answer to call {j}: the step remembers")
+            raise scripted.NotReadable(
+                f"call {j} or an earlier one depends on the answer to call {j}: the step remembers"
+            )
         return run
 
     def _demand_plain(self, still: _Run, moving: _Run) -> None:
@@ -253,33 +242,33 @@ class _Probe:
         weights += [(f"call {i} is given the velocity", 1 + x, "v", 1.0) for i, x in enumerate(moving.velocities)]
         found = [f"{what} {x:.6g} {of}, not {said:g} {of}" for what, x, of, said in weights if abs(x - said) > allowed]
         if found:
-            raise NotReadable(f"with h = 1 and without a force, {'; '.join(found)}")
+            raise scripted.NotReadable(f"with h = 1 and without a force, {'; '.join(found)}")
 
     def _demand_no_memory(self) -> None:
         """Raise NotReadable if a step differs after the last column and after a step without forces."""
-        first = self._controlled(CONTROLS[0])
+        first = self._controlled(scripted.CONTROLS[0])
         self._answered(0.0, 0.0, [])
-        demand_same(self._rounding, first.numbers, self._controlled(CONTROLS[0]).numbers)
+        scripted.demand_same(self._rounding, first.numbers, self._controlled(scripted.CONTROLS[0]).numbers)
 
-    def _controlled(self, control: Control) -> _Run:
-        return self._answered(*_start(control), varied(self.calls, control.salt), control)
+    def _controlled(self, control: scripted.Control) -> _Run:
+        return self._answered(*_start(control), scripted.varied(self.calls, control.salt), control)
 
-    def _check(self, reading: ForceReading, control: Control) -> None:
+    def _check(self, reading: ForceReading, control: scripted.Control) -> None:
         """Raise NotReadable unless one more step goes as the coefficients say."""
-        (q, v), h, forces = _start(control), control.h, varied(self.calls, control.salt)
+        (q, v), h, forces = _start(control), control.h, scripted.varied(self.calls, control.salt)
         run = self._controlled(control)
         in_position, in_velocity = self._allowed(reading, q, v, h, forces)
         rows = [*zip(reading.c, reading.a, strict=True), (reading.drift, reading.b_position)]
         for i, ((node, row), seen) in enumerate(zip(rows, [*run.places, run.q], strict=True)):
             name = f"the position of call {i}" if i < self.calls else "the new position"
-            demand_as_said(control, name, seen, q + h * (node * v + h * _dot(row, forces)), in_position)
+            scripted.demand_as_said(control, name, seen, q + h * (node * v + h * _dot(row, forces)), in_position)
         said = v + h * _dot(reading.b_velocity, forces)
-        demand_as_said(control, "the new velocity", run.v, said, in_velocity)
+        scripted.demand_as_said(control, "the new velocity", run.v, said, in_velocity)
         for i, row in enumerate(reading.a_velocity or ()):
             name, added = f"the velocity of call {i}", h * _dot(row, forces)
-            demand_as_said(control, name, run.velocities[i] + v, v + added, in_velocity)
+            scripted.demand_as_said(control, name, run.velocities[i] + v, v + added, in_velocity)
 
-    def _wrong_time(self, reading: ForceReading, control: Control) -> str:
+    def _wrong_time(self, reading: ForceReading, control: scripted.Control) -> str:
         """A line on the first call that is given another time than that of its position; "" if there is none."""
         allowed = self._rounding.of(2 * (abs(control.time) + abs(control.h) * max(map(abs, reading.c))))
         for i, (node, seen) in enumerate(zip(reading.c, self._controlled(control).times, strict=True)):
@@ -301,11 +290,11 @@ class _Probe:
         return self._rounding.of(2 * size), self._rounding.of(2 * (abs(v) + 2 * size / abs(h)))
 
     @property
-    def _rounding(self) -> Rounding:
-        return Rounding(self.subject.format, self.calls)
+    def _rounding(self) -> scripted.Rounding:
+        return scripted.Rounding(self.subject.format, self.calls)
 
 
-def _start(control: Control) -> tuple[float, float]:
+def _start(control: scripted.Control) -> tuple[float, float]:
     return control.start, 3 - control.start / 2
 
 

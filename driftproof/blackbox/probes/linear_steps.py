@@ -76,8 +76,14 @@ def read_linear_steps(subject: ForeignStepper, amplitude: float = 1.0) -> Linear
 
     A Misbehaviour is raised at steps well within the system's own time; at longer and negative steps it is a remark.
     """
-    fmt = _own_format(subject)
-    if not _repeats(subject, fmt):
+    # The narrowest format that holds the answers to a generic step is taken as the one in which it was computed.
+    answers = [Fraction(x) for x in subject.step(*STATE, STEP)]
+    fmt = next((f for f in (BINARY16, BINARY32) if any(answers) and all(map(f.holds, answers))), subject.format)
+    first = subject.step(*STATE, STEP)
+    subject.step(-STATE[1], STATE[0], STEP / 2)
+    # A few roundings, as of sums in another order.
+    allowed = REPEATED * float(fmt.u) * max(map(abs, (*STATE, *first)))
+    if not all(abs(x - y) <= allowed for x, y in zip(first, subject.step(*STATE, STEP), strict=True)):
         return LinearReading(fmt, NOT_REPEATABLE, remarks=("the same call gives different answers",))
     rest = subject.step(0.0, 0.0, _in_format(fmt, STEP))
     if rest != (0.0, 0.0):
@@ -109,20 +115,6 @@ def _linearised(subject: ForeignStepper, fmt: FloatFormat, at_identity: bool) ->
         if not asleep and _is_linearisation(subject, tiny) and _nonlinearity(subject, tiny, 1.0) is None:
             return tiny
     return None
-
-
-def _own_format(subject: ForeignStepper) -> FloatFormat:
-    """The narrowest format that holds the answers to a generic step, as the one in which it was computed."""
-    answers = [Fraction(x) for x in subject.step(*STATE, STEP)]
-    return next((f for f in (BINARY16, BINARY32) if any(answers) and all(map(f.holds, answers))), subject.format)
-
-
-def _repeats(subject: ForeignStepper, fmt: FloatFormat) -> bool:
-    """True if the same step gives the same answer again, up to a few roundings, as of sums in another order."""
-    first = subject.step(*STATE, STEP)
-    subject.step(-STATE[1], STATE[0], STEP / 2)
-    allowed = REPEATED * float(fmt.u) * max(map(abs, (*STATE, *first)))
-    return all(abs(x - y) <= allowed for x, y in zip(first, subject.step(*STATE, STEP), strict=True))
 
 
 def _in_format(fmt: FloatFormat, x: float) -> float:

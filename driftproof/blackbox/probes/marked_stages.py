@@ -101,7 +101,8 @@ class StageMarks:
 
 def clock_slopes(shares: Sequence[StageShares]) -> list[float]:
     """The slopes of the clocks, each from the shares by the clocks before it; 1 for the first if calls have no time."""
-    return [fsum(share * _own_slope(label) for label, share in seen.items()) for seen in shares]
+    numbered = [[(sum(i * _MOST_LABELS**k for k, i in enumerate(at)), x) for at, x in seen.items()] for seen in shares]
+    return [fsum(share * spread(number) for number, share in seen) for seen in numbered]
 
 
 class MarkedSteps:
@@ -215,9 +216,3 @@ def _distinct(numbers: Sequence[float], distance: float) -> tuple[float, ...]:
 def spread(number: int) -> float:
     """A number from 1 to 2, 1 for 0, far from those of all other small numbers: multiples of the golden mean."""
     return 1.0 + number * 0.6180339887498949 % 1
-
-
-def _own_slope(label: StageLabel) -> float:
-    """A slope that is different for each label, and 1 for the first."""
-    number: int = sum(place * _MOST_LABELS**k for k, place in enumerate(label))
-    return spread(number)

@@ -6,14 +6,7 @@ from collections.abc import Mapping, Sequence
 from math import frexp, fsum
 from typing import NamedTuple, TypeAlias
 
-from driftproof.blackbox.probes.marked_stages import (
-    MarkedSteps,
-    Setting,
-    StageLabel,
-    StageMarks,
-    StageShares,
-    spread,
-)
+from driftproof.blackbox.probes.marked_stages import MarkedSteps, Setting, StageLabel, StageMarks, StageShares, spread
 from driftproof.blackbox.probes.scripted_answers import CoefficientRow, NotReadable, Rounding
 from driftproof.blackbox.probes.stage_solutions import UNSOLVED
 

@@ -10,30 +10,15 @@ from math import fsum
 from typing import NamedTuple
 
 from driftproof.blackbox.findings import Misbehaviour
+from driftproof.blackbox.probes import scripted_answers as scripted
 from driftproof.blackbox.probes.coefficients import coefficient_text
-from driftproof.blackbox.probes.scripted_answers import (
-    AT_REST,
-    BACKWARD,
-    CONTROLS,
-    CoefficientRow,
-    Control,
-    NotReadable,
-    Rounding,
-    Script,
-    complaints,
-    demand_as_said,
-    demand_calls,
-    demand_same,
-    performed,
-    read_at_some_size,
-    unit,
-    varied,
-)
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.symbolic.linear.reduced_tableau import StageCoefficients
 from driftproof.symbolic.rounding.formats import FloatFormat
 
 NO_POWER = -1
+# No method of the catalogue makes more calls in a step; a fixed number of iterations often does.
+_MOST_SHOWN = 40
 
 
 @dataclass(frozen=True)
@@ -73,9 +58,9 @@ class TableauReading:
     be off for that reason.
     """
 
-    a: tuple[CoefficientRow, ...]
-    b: CoefficientRow
-    c: CoefficientRow | None
+    a: tuple[scripted.CoefficientRow, ...]
+    b: scripted.CoefficientRow
+    c: scripted.CoefficientRow | None
     format: FloatFormat
     remarks: tuple[str, ...] = ()
     amplitude: float = 1.0
@@ -93,9 +78,9 @@ class TableauReading:
         return self.solved is not None
 
     @property
-    def rounding(self) -> Rounding:
+    def rounding(self) -> scripted.Rounding:
         """How far coefficients may be off, including four times the difference of two readings of implicit stages."""
-        return Rounding(self.format, self.calls, 4 * self.stage_error)
+        return scripted.Rounding(self.format, self.calls, 4 * self.stage_error)
 
     @property
     def unused(self) -> tuple[int, ...]:
@@ -117,12 +102,13 @@ class TableauReading:
         shown = self.a if self.implicit else tuple(row[:i] for i, row in enumerate(self.a))
         named = [*([] if self.c is None else [("c", self.c)]), *((f"a[{i}]", row) for i, row in enumerate(shown))]
         rows = [f"{name} = {self._row(row)}" for name, row in [*named, ("b", self.b)] if row]
+        rows = rows if self.calls <= _MOST_SHOWN else [f"A, b and c are not shown: a step makes {self.calls} calls"]
         unused = [f"call {j} is made, and its answer is not used" for j in self.unused]
         clock = ["the right-hand side receives no time"] if self.c is None else []
         solved = [] if self.solved is None else [self.solved.words]
         return [*rows, *unused, *clock, *solved, *self.remarks]
 
-    def _row(self, row: CoefficientRow) -> str:
+    def _row(self, row: scripted.CoefficientRow) -> str:
         return ", ".join(coefficient_text(x, self.format, self.rounding.besides) for x in row)
 
 
@@ -137,7 +123,7 @@ def read_tableau(subject: ForeignStepper) -> TableauReading:
     Raises NotReadable, saying what was seen, for a step that is adaptive, iterates, limits or remembers, and
     UnsupportedCall if the stepper takes no right-hand side.
     """
-    reading, remarks = read_at_some_size(lambda amplitude: TableauProbe(subject, amplitude).reading())
+    reading, remarks = scripted.read_at_some_size(lambda amplitude: TableauProbe(subject, amplitude).reading())
     return replace(reading, remarks=(*remarks, *reading.remarks))
 
 
@@ -171,11 +157,13 @@ class TableauProbe:
         self.size, self.silent = self._opened()
         self.calls = len(self.silent.places)
         if not self.calls:
-            raise NotReadable("the right-hand side is never called")
-        demand_same(self.rounding, self.silent.numbers, self.run(self.size, [], AT_REST).numbers)
+            raise scripted.NotReadable("the right-hand side is never called")
+        scripted.demand_same(self.rounding, self.silent.numbers, self.run(self.size, [], scripted.AT_REST).numbers)
         for number in chain(*self.silent.places, self.silent.result):
             if number:
-                raise NotReadable(f"with all slopes 0, y = 0 does not stay 0: the step goes through {number:.6g}")
+                raise scripted.NotReadable(
+                    f"with all slopes 0, y = 0 does not stay 0: the step goes through {number:.6g}"
+                )
 
     def reading(self) -> TableauReading:
         """The coefficients, after all controls."""
@@ -185,22 +173,22 @@ class TableauProbe:
         c = clock if len(clock) == self.calls else None
         self._demand_no_memory()
         reading = TableauReading(tuple(a), b, c, self.subject.format, amplitude=self.amplitude)
-        for control in CONTROLS:
+        for control in scripted.CONTROLS:
             self._check(reading, control)
-        return replace(reading, remarks=complaints(lambda: self._check(reading, BACKWARD)))
+        return replace(reading, remarks=scripted.complaints(lambda: self._check(reading, scripted.BACKWARD)))
 
     def _opened(self) -> tuple[int, ScriptedStep]:
         failures: list[Misbehaviour] = []
         for size in range(len(_PARTS), 0, -1):
             try:
-                return size, self.run(size, [], AT_REST)
+                return size, self.run(size, [], scripted.AT_REST)
             except Misbehaviour as failure:
                 failures.append(failure)
         raise failures[0]
 
-    def run(self, size: int, answers: Sequence[Sequence[float]], control: Control) -> ScriptedStep:
+    def run(self, size: int, answers: Sequence[Sequence[float]], control: scripted.Control) -> ScriptedStep:
         """One step on `size` numbers, in which call j is answered by answers[j], and later calls by 0."""
-        script = Script([self._sized(k) for k in answers], [0.0] * size)
+        script = scripted.Script([self._sized(k) for k in answers], [0.0] * size)
         clock = float(control.time)
 
         def rate(t: float, y: Sequence[float]) -> Sequence[float]:
@@ -209,7 +197,7 @@ class TableauProbe:
             return slope
 
         start = self._sized(_start(control, size))
-        result = performed(lambda: self.subject.step_field(rate, clock, start, control.h))
+        result = scripted.performed(lambda: self.subject.step_field(rate, clock, start, control.h))
         places = [[x / self.amplitude for x in y] for _, y in script.calls]
         return ScriptedStep([t for t, _ in script.calls], places, [x / self.amplitude for x in result])
 
@@ -218,37 +206,39 @@ class TableauProbe:
 
     def _column(self, j: int) -> list[float]:
         """What the answer 1 to call j adds to the place of each call and to the result."""
-        answers = [[x, *[0.0] * (self.size - 1)] for x in unit(self.calls, j)]
-        run = self.run(self.size, answers, AT_REST)
-        demand_calls(self.calls, len(run.places))
+        answers = [[x, *[0.0] * (self.size - 1)] for x in scripted.unit(self.calls, j)]
+        run = self.run(self.size, answers, scripted.AT_REST)
+        scripted.demand_calls(self.calls, len(run.places))
         column = [numbers[0] for numbers in (*run.places, run.result)]
         if any(column[: j + 1]):
-            raise NotReadable(f"call {j} or an earlier one depends on the answer to call {j}: the step remembers")
+            raise scripted.NotReadable(
+                f"call {j} or an earlier one depends on the answer to call {j}: the step remembers"
+            )
         if any(number for numbers in (*run.places, run.result) for number in numbers[1:]):
-            raise NotReadable("the slope of one component of y moves another one")
+            raise scripted.NotReadable("the slope of one component of y moves another one")
         return column
 
     def _demand_no_memory(self) -> None:
         """Raise NotReadable if a step differs after the last column and after a step with all slopes 0."""
-        first = self._controlled(CONTROLS[0])
-        self.run(self.size, [], AT_REST)
-        demand_same(self.rounding, first.numbers, self._controlled(CONTROLS[0]).numbers)
+        first = self._controlled(scripted.CONTROLS[0])
+        self.run(self.size, [], scripted.AT_REST)
+        scripted.demand_same(self.rounding, first.numbers, self._controlled(scripted.CONTROLS[0]).numbers)
 
-    def _controlled(self, control: Control) -> ScriptedStep:
+    def _controlled(self, control: scripted.Control) -> ScriptedStep:
         run = self.run(self.size, list(zip(*self.slopes(control), strict=True)), control)
-        demand_calls(self.calls, len(run.places))
+        scripted.demand_calls(self.calls, len(run.places))
         return run
 
-    def starts(self, control: Control) -> list[float]:
+    def starts(self, control: scripted.Control) -> list[float]:
         """The numbers of y from which a control starts."""
         return _start(control, self.size)
 
-    def slopes(self, control: Control) -> list[list[float]]:
+    def slopes(self, control: scripted.Control) -> list[list[float]]:
         """The answers of a control: for each number of y, those to all calls."""
-        first = varied(self.calls, control.salt)
+        first = scripted.varied(self.calls, control.salt)
         return [[part * k for k in first] for part in _PARTS[: self.size]]
 
-    def _check(self, reading: TableauReading, control: Control) -> None:
+    def _check(self, reading: TableauReading, control: scripted.Control) -> None:
         """Raise NotReadable unless one more step goes as the coefficients say."""
         run, slopes = self._controlled(control), self.slopes(control)
         seen = [*run.places, run.result]
@@ -258,7 +248,12 @@ class TableauProbe:
         self._compare_times(reading, control, run)
 
     def _compare(
-        self, reading: TableauReading, control: Control, y: float, answers: Sequence[float], seen: Sequence[float]
+        self,
+        reading: TableauReading,
+        control: scripted.Control,
+        y: float,
+        answers: Sequence[float],
+        seen: Sequence[float],
     ) -> None:
         rows = (*reading.a, reading.b)
         terms = [max(abs(row[j]) for row in rows) * abs(k) for j, k in enumerate(answers)]
@@ -267,19 +262,19 @@ class TableauProbe:
         for i, (row, number) in enumerate(zip(rows, seen, strict=True)):
             said = y + control.h * fsum(x * k for x, k in zip(row, answers, strict=True))
             name = f"y of call {i}" if i < self.calls else "the result"
-            demand_as_said(control, name, number, said, allowed)
+            scripted.demand_as_said(control, name, number, said, allowed)
 
-    def _compare_times(self, reading: TableauReading, control: Control, run: ScriptedStep) -> None:
+    def _compare_times(self, reading: TableauReading, control: scripted.Control, run: ScriptedStep) -> None:
         nodes = reading.c or ()
         allowed = self.rounding.of(2 * (abs(control.time) + abs(control.h) * max(map(abs, nodes), default=0.0)))
         for i, (node, seen) in enumerate(zip(nodes, run.times, strict=False)):
             said = control.time + control.h * node
-            demand_as_said(control, f"the time of call {i}", said if seen is None else seen, said, allowed)
+            scripted.demand_as_said(control, f"the time of call {i}", said if seen is None else seen, said, allowed)
 
     @property
-    def rounding(self) -> Rounding:
+    def rounding(self) -> scripted.Rounding:
         """How far rounding may carry a number of this step."""
-        return Rounding(self.subject.format, self.calls)
+        return scripted.Rounding(self.subject.format, self.calls)
 
 
 _UNLIKE = "the components of y are not advanced alike, or not linearly in their slopes"
@@ -287,5 +282,5 @@ _UNLIKE = "the components of y are not advanced alike, or not linearly in their 
 _PARTS = (1.0, -1.0, 0.5, -0.25)
 
 
-def _start(control: Control, size: int) -> list[float]:
+def _start(control: scripted.Control, size: int) -> list[float]:
     return [part * control.start + 0.0 for part in _PARTS[:size]]  # 0.0, not -0.0

@@ -102,8 +102,11 @@ ROLES: dict[str, tuple[str, ...]] = {
     ),
     CARRIED: ("a", "acc", "accel", "acceleration", "a0", "an", "f0", "force0", "k1", "k0", "fsal", "dydt0"),
 }
+# Names that a velocity times the mass has: it is one, if a mass is among the arguments and the position moves by p/m.
+MOMENTA = ("p", "momentum", "momenta", "p0")
 # Further parameters of a built-in oscillator, set to what makes it q'' = -q.
-UNIT_PARAMETERS = ("m", "mass", "k", "stiffness", "omega", "omega0", "w", "w0")
+STIFFNESSES = ("k", "stiffness")
+UNIT_PARAMETERS = ("m", "mass", *STIFFNESSES, "omega", "omega0", "w", "w0")
 # Names for the number of steps of a run.
 COUNTS = ("n", "steps", "n_steps", "nsteps", "num_steps", "number_of_steps", "nt", "n_iter", "iterations")
 # The p of step(p, h) is a particle, not a momentum.
@@ -120,10 +123,12 @@ class CallingConvention:
 
     `extra` are further arguments, passed by name: the parameters of its oscillator, all 1; a mass, 2; a charge, 8; the
     number of steps, 1. `names` are those of all other arguments, if these are passed by name. The function that the
-    stepper calls returns `factor` times the acceleration: the mass, -1 for the gradient of a potential, the mass over
-    the charge. A `run` returns the states of `steps` steps, or is a generator of states. `asks` are the roles of the
-    arguments that its force gets. With `velocity_first`, the stepper takes (v, q) and returns (v1, q1). `timed` says
-    whether an answer of several parts begins with the time, if that is known.
+    stepper calls returns `factor` times the acceleration: the mass, -1 for the gradient of a potential, the mass
+    over the charge. A `run` returns the states of `steps` steps, or is a generator of states. `asks` are the roles
+    of the arguments that its force gets. With `velocity_first`, the stepper takes (v, q) and returns (v1, q1).
+    `timed` says whether an answer of several parts begins with the time, if that is known. Each interval of a grid
+    is longer than the one before by twice `uneven` of the first. In place of a velocity it is given and returned
+    `momentum` times it.
     """
 
     kind: str
@@ -136,6 +141,8 @@ class CallingConvention:
     asks: tuple[str, ...] = ()
     velocity_first: bool = False
     timed: bool | None = None
+    uneven: float = 0.0
+    momentum: float = 1.0
 
     def of_steps(self, steps: int) -> CallingConvention:
         """The same convention for a run of `steps` steps."""

@@ -13,24 +13,16 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from driftproof.blackbox.findings import Misbehaviour, NotANumber, NotFinite, StepRaised, WrongShape
+from driftproof.blackbox.stepper import calling_conventions as calling
 from driftproof.blackbox.stepper.array_adapters import AnyNumber, ArrayAdapter, Foreign, as_array, type_of
-from driftproof.blackbox.stepper.calling_conventions import (
-    CARRIED,
-    POSITION,
-    QUATERNION,
-    STATE,
-    TIME,
-    VELOCITY,
-    CallingConvention,
-)
-from driftproof.blackbox.stepper.state_forms import TOGETHER, part_pair, parts_of
+from driftproof.blackbox.stepper.state_forms import TOGETHER, clock_of, part_pair, parts_of
 from driftproof.symbolic.rounding.formats import BINARY64, FloatFormat
 
 FieldFunction: TypeAlias = Callable[[AnyNumber, list[AnyNumber]], Sequence[AnyNumber]]
 # Messages cut longer answers: a line of 120 characters then holds the answer and what is said about it.
 _MOST_SHOWN = 60
 # The roles of the arguments that a step moves, position before velocity.
-_MOVED = (POSITION, VELOCITY, STATE, QUATERNION)
+_MOVED = (calling.POSITION, calling.VELOCITY, calling.STATE, calling.QUATERNION)
 # A sum of times in the narrowest format, with 8 bits after the first, is closer than this to the exact one.
 _ABOUT = 2.0**-6
 # Where the states stand in what a run returns; _END if only the last one comes.
@@ -52,6 +44,7 @@ class CallLog:
     carried: Foreign = None  # the slope that the last step hands on
     layout: str | None = None  # where the end stands in what a run, or a generator, returns
     timed: bool | None = None  # whether the last answer of several parts begins with a time
+    clock: float | None = None  # the time in the last answer, or what stands in its place
     asks: tuple[str, ...] = ()  # the roles of the arguments in the first call of a force
     states: Sequence[Sequence[AnyNumber]] = ()  # of the last run, with the start where all are returned
 
@@ -66,7 +59,7 @@ class ForeignCode:
     """
 
     function: Callable[..., Any]
-    convention: CallingConvention
+    convention: calling.CallingConvention
     adapter: ArrayAdapter
     format: FloatFormat = BINARY64
     log: CallLog = field(default_factory=CallLog)
@@ -89,7 +82,7 @@ class ForeignCode:
         def called(*arguments: Foreign) -> Foreign:
             known = self.convention.asks or self.log.asks
             likely = known or order
-            time_first = TIME not in likely or likely.index(TIME) < likely.index(STATE)
+            time_first = calling.TIME not in likely or likely.index(calling.TIME) < likely.index(calling.STATE)
             if not known and size == 1 and len(arguments) > 1:
                 first, last = (abs(x - t) for i in (0, -1) for x in self.adapter.read(arguments[i], 1))
                 time_first = first < last or (first == last and time_first)
@@ -103,7 +96,7 @@ class ForeignCode:
                 place = str(refusal).replace("it returns", "it asks for its right-hand side at")
                 raise NotANumber(place) from None
             if len(arguments) > 1 and not known:
-                self.log.asks = (STATE, TIME) if time else (TIME, STATE)
+                self.log.asks = (calling.STATE, calling.TIME) if time else (calling.TIME, calling.STATE)
             (at,) = self.adapter.read(arguments[time], 1) if len(arguments) > 1 else (t,)
             return write(rate(at, asked))
 
@@ -142,8 +135,8 @@ class ForeignCode:
 
     def _ended(self, answer: Foreign, start: Sequence[AnyNumber]) -> Foreign:
         """The state at the end: the last one of a run, or the one that a generator yields after the start."""
-        parts = len(answer) if isinstance(answer, tuple) and CARRIED in self.convention.order else 0
-        pair = parts == 2 and POSITION in self.convention.order and size_of(answer[0]) == len(start) // 2
+        parts = len(answer) if isinstance(answer, tuple) and calling.CARRIED in self.convention.order else 0
+        pair = parts == 2 and calling.POSITION in self.convention.order and size_of(answer[0]) == len(start) // 2
         if parts > 1 and not pair:
             self.log.carried, answer = answer[-1], answer[:-1] if len(answer) > 2 else answer[0]
         steps = self.convention.steps
@@ -155,7 +148,7 @@ class ForeignCode:
             return answer
         end = self.log.states[-1]
         half = len(start) // 2
-        return (end[:half], end[half:]) if POSITION in self.convention.order else end
+        return (end[:half], end[half:]) if calling.POSITION in self.convention.order else end
 
     def _answer(self, answer: Foreign, roles: dict[str, Foreign], kept: dict[str, Foreign]) -> Foreign:
         """What was returned; if that is None and the step was written into its arguments, these."""
@@ -187,7 +180,10 @@ class ForeignCode:
             timed = self.convention.timed if size == 1 else sizes[:2] == [1, size]
             if timed is None and (timed := sizes[:2] == [1, 1]):
                 timed = any(abs(x - end) <= _ABOUT * abs(end) for x in self.adapter.read(parts[0], 1))
+            (self.log.clock,) = self.adapter.read(parts[0], 1) if timed else (None,)
             self.log.timed, parts, sizes = timed, parts[timed:], sizes[timed:]
+        elif (clock := clock_of(answer)) is not None:
+            self.log.clock = float(clock)
         if sizes[:1] != [size]:
             return self.read(answer, size)
         if len(sizes) > 1 and sizes[1] in (1, size):

@@ -112,7 +112,9 @@ class ForeignStepper(ForeignCode):
         if CARRIED in self.convention.order:
             roles[CARRIED] = write(rate(t, list(y)))
         if GRID in self.convention.order:
-            roles[GRID] = np.array([t + n * h for n in range(self.convention.steps + 1)])
+            roles[GRID] = np.array(
+                [t + h * n * (1 + self.convention.uneven * n) for n in range(self.convention.steps + 1)]
+            )
         answer = self.called(roles, f"t={t!r}, y={list(y)!r}, h={h!r}", y)
         return self.finite(self._read_state(answer, size, t + h), [*y, h])
 
@@ -129,11 +131,13 @@ class ForeignStepper(ForeignCode):
         def force(*asked: Foreign) -> Foreign:
             return -factor * (asked[asks.index(POSITION)] if asks else max(asked, key=size_of))  # a time is one number
 
-        roles = {FUNCTION: force, POSITION: write(qs), VELOCITY: write(vs), STEP: h, TIME: 0.0}
+        momentum = self.convention.momentum
+        moving = write([momentum * v for v in vs])
+        roles = {FUNCTION: force, POSITION: write(qs), VELOCITY: moving, STEP: h, TIME: 0.0}
         roles[CARRIED] = write([-factor * q for q in qs])
         answer = self.called(roles, f"q={list(qs)!r}, v={list(vs)!r}, h={h!r}", [*qs, *vs])
-        positions, velocities = self.two_parts(answer)
-        return list(zip(*(self.adapter.read(part, len(qs)) for part in (positions, velocities)), strict=True))
+        positions, velocities = (self.adapter.read(part, len(qs)) for part in self.two_parts(answer))
+        return list(zip(positions, (v / momentum for v in velocities), strict=True))
 
     def _map(self, q: AnyNumber, v: AnyNumber, h: AnyNumber) -> tuple[AnyNumber, AnyNumber]:
         write = self.adapter.write
@@ -158,6 +162,8 @@ class ForeignStepper(ForeignCode):
     ) -> list[AnyNumber]:
         """One step under a force; its first call shows which arguments the force gets, and in which order."""
         adapter, order = self.adapter if len(q) == 1 else self._of_several, self.convention.order
+        momentum = self.convention.momentum
+        v = [momentum * x for x in v]
 
         def callback(*arguments: Foreign) -> Foreign:
             roles = self.convention.asks or self.log.asks or self._roles_asked(adapter, arguments, q, v, t)
@@ -167,25 +173,26 @@ class ForeignStepper(ForeignCode):
             size = 1 if size_of(position) == 1 else len(q)
             asked = adapter.read(position, size)
             (at,) = adapter.read(given[TIME], 1) if TIME in order and TIME in given else (t,)
-            moving = adapter.read(given[VELOCITY], size) if VELOCITY in given else []
+            moving = [x / momentum for x in adapter.read(given[VELOCITY], size)] if VELOCITY in given else []
             answering = SCALARS if adapter is ARRAYS and np.ndim(position) == 0 else adapter
             return answering.write(scaled(force(at, asked, moving)))
 
         def scaled(answers: Sequence[AnyNumber]) -> Sequence[AnyNumber]:
-            return answers if factor == 1 else [factor * x for x in answers]
+            return [factor * x for x in answers]
 
         factor, function = self.convention.factor, adapter.function(callback)
         roles = {FUNCTION: function, POSITION: adapter.write(q), VELOCITY: adapter.write(v), STEP: h, TIME: t}
         if CARRIED in order:
-            roles[CARRIED] = adapter.write(scaled(force(t, list(q), list(v))))
-        return self._pair(roles, q, v, h)
+            roles[CARRIED] = adapter.write(scaled(force(t, list(q), [x / momentum for x in v])))
+        moved = self._pair(roles, q, v, h)
+        return [*moved[: len(q)], *(x / momentum for x in moved[len(q) :])]
 
     def _roles_asked(
         self, adapter: ArrayAdapter, arguments: Sequence[Foreign], q: AnyNumber, v: AnyNumber, t: AnyNumber
     ) -> tuple[str, ...]:
         """The roles of a first call's arguments: that of the closest number at the start of the step, or BESIDES."""
         starts, many = {POSITION: q[0], VELOCITY: v[0], TIME: t}, len(arguments)
-        if not 1 < many <= _MOST_ASKED:
+        if many > _MOST_ASKED:
             return (POSITION,)
 
         def off(role: str, asked: Foreign) -> float:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import inspect
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from operator import attrgetter
 from typing import Any, TypeAlias
 
@@ -92,6 +93,11 @@ class _OfObject:
 
     held: _Held
 
+    def __post_init__(self) -> None:
+        """Have the name of what is made: reports show it."""
+        make = self.held.make
+        self.__module__, self.__qualname__ = make.__module__, getattr(make, "__qualname__", type(make).__name__)
+
 
 class FreeObject(_OfObject):
     """The step (q, v, h)."""
@@ -148,7 +154,7 @@ class _Held:
 
     def moved(self, force: Callable[[float], float] | None, q: float, v: float, h: float) -> tuple[float, float]:
         """Write position and velocity into their places, advance the object, and read them."""
-        body = self._ready(force)
+        body = self._ready(force and partial(_by_first, force))
         apart = len(self.places) == 2
         places = [_Accessor.of(place, None if apart else 2) for place in self.places]
         for place, numbers in zip(places, ([q], [v]) if apart else ([q, v],), strict=True):
@@ -241,6 +247,12 @@ def _shaped(value: Any, old: Any) -> Any:
         return filled
     padded = [*given, *[0.0] * (len(old) - len(given))]
     return padded if isinstance(old, list) else tuple(padded)
+
+
+def _by_first(force: Callable[..., Any], *arguments: Any) -> Any:
+    """The force on the first of several numbers, which the object gives and takes together."""
+    several = next((x for x in arguments if np.size(x) > 1), 0.0)
+    return _shaped(force(*(np.ravel(x).tolist()[0] if np.size(x) > 1 else x for x in arguments)), several)
 
 
 def _act(body: Object, act: Act, number: Any) -> None:

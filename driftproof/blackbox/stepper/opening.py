@@ -15,7 +15,8 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from driftproof.blackbox.findings import Exchanged, Increment, Misbehaviour, StaleSlope, WrongShape
+from driftproof.blackbox.findings import BadInput, Exchanged, Increment, Misbehaviour, StaleSlope, WrongShape
+from driftproof.blackbox.stepper import calling_conventions as calling
 from driftproof.blackbox.stepper.array_adapters import (
     ARRAYS,
     LISTS,
@@ -24,25 +25,6 @@ from driftproof.blackbox.stepper.array_adapters import (
     ArrayAdapter,
     adapters_of,
     as_array,
-)
-from driftproof.blackbox.stepper.calling_conventions import (
-    BESIDES,
-    FIELD,
-    FORCE,
-    IMEX,
-    IMPLICIT,
-    JACOBIAN,
-    MAGNETIC,
-    MAP,
-    POSITION,
-    ROSENBROCK,
-    ROTATION,
-    STATE,
-    TIME_SLOPE,
-    VELOCITY,
-    CallingConvention,
-    conventions_of,
-    signature_text,
 )
 from driftproof.blackbox.stepper.foreign_code import CallLog
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
@@ -53,18 +35,18 @@ from driftproof.blackbox.stepper.second_functions import with_functions, zeros
 from driftproof.blackbox.stepper.state_forms import COMPLEX, forms_of
 from driftproof.blackbox.stepper.turning import Push, step_in_fields, turn_quaternion
 from driftproof.blackbox.stepper.wrappers import exchange_wrapper, increment_wrapper, wrapper_line
-from driftproof.symbolic.rounding.formats import BINARY16, BINARY32, BINARY64
+from driftproof.symbolic.rounding.formats import BINARY16, BINARY32, BINARY64, FloatFormat
 
 # The state and the step size of trials: nothing cancels, and every term of a step is of ordinary size.
 TRIAL_STATE, TRIAL_STEP = (1.0, 0.75), 0.25
-# A step of 1/4 does not halve the oscillator's state. If an answer is smaller and a step of 2^-10 returns 0 to O(h), it
-# is an increment.
-_SUSPICIOUS, _TINY = 0.5, 2.0**-10
+# A step of 1/4 does not halve the oscillator's state. If an answer is smaller and a step of 2^-10, which moves numbers
+# by no more than that, returns 0 to within the third, it is an increment.
+_SUSPICIOUS, _TINY, _NEAR = 0.5, 2.0**-10, 2.0**-8
 # A run of this many steps is longer than the start of any multistep method in use.
 _LONGER = 8
 # The relative distance allowed to the slope at the end: slopes computed with 11 bits are closer.
 _AS_CARRIED = 2.0**-8
-# The format for each ending of the name of an answer's type, the narrowest first.
+# The format for each ending of the name of an answer's type; of several, the widest is that of the step.
 _FORMATS = {"float16": BINARY16, "float32": BINARY32, "float64": BINARY64}
 
 
@@ -95,12 +77,14 @@ def opened(
         return None
 
     try:
-        conventions = conventions_of(step, calls)
+        conventions = calling.conventions_of(step, calls)
     except ValueError as error:
         if found := as_plain():
             return found
         line = wrapper_line(step)
-        raise ValueError(f"{_unfitting(step)}{line}" if line and calls is None else f"{error}{line}") from None
+        raise BadInput(f"{_unfitting(step)}{line}" if line and calls is None else f"{error}{line}") from None
+    if calling.MASSES[-1] in (calling.required_names(step) or ()) and (found := as_plain()):
+        return found  # with unequal masses, before one of all
     pristine = fresh_copy(step)
     for convention in conventions:
         trials = _TRIALS.get(convention.kind, (_one_step,))
@@ -109,7 +93,7 @@ def opened(
                 subject = ForeignStepper(step, convention, adapter, before=before, after=after, pristine=pristine)
                 subject.single = trial is _one_number
                 try:
-                    return _after_trial(subject, trial)
+                    return _with_momentum(_with_strong_floats(_after_trial(subject, trial), trial))
                 except Misbehaviour as failure:
                     failures.append(failure)
                 if convention.run:  # the start of a multistep method may need several steps
@@ -117,7 +101,7 @@ def opened(
                         longer = _after_trial(replace(subject, convention=convention.of_steps(_LONGER)), trial)
                         return replace(longer, convention=longer.convention.of_steps(1), shortest=_LONGER)
     if inspect.isclass(step) and (line := wrapper_line(step)):
-        raise ValueError(f"{_unfitting(step)}{line}")
+        raise BadInput(f"{_unfitting(step)}{line}")
     if found := as_plain():
         return found
     raise next((failure for failure in failures if isinstance(failure, StaleSlope)), failures[0])
@@ -125,17 +109,17 @@ def opened(
 
 def _unfitting(step: Callable[..., Any]) -> str:
     """The refusal that stands before a wrapper; it is short, because a summary of tests cuts the line."""
-    return f"{signature_text(step)} does not fit any calling convention of `driftproof verify --help`; write"
+    return f"{calling.signature_text(step)} does not fit any calling convention of `driftproof verify --help`; write"
 
 
 def _adapters(
-    step: Callable[..., Any], convention: CallingConvention, array: Callable[[Any], Any] | None
+    step: Callable[..., Any], convention: calling.CallingConvention, array: Callable[[Any], Any] | None
 ) -> Iterator[Iterable[ArrayAdapter]]:
     """Yield the usual adapters; then, to be tried if none of them gets an answer, other forms of a state."""
     if array is not None:
         yield adapters_of(array)
         return
-    vectors = convention.kind in _TRIALS or (convention.kind == MAP and STATE in convention.order)
+    vectors = convention.kind in _TRIALS or (convention.kind == calling.MAP and calling.STATE in convention.order)
     yield (ARRAYS, LISTS, SCALARS) if vectors else (SCALARS, ARRAYS)
     yield list(forms_of(step, convention))
 
@@ -155,7 +139,11 @@ def _one_number(subject: ForeignStepper, h: float) -> Sequence[float]:
 
 def _with_jacobian(subject: ForeignStepper, h: float) -> Sequence[float]:
     """A step of the oscillator with its Jacobian, or with an implicit part of 0."""
-    functions = {JACOBIAN: lambda t, y: [[0.0, 1.0], [-1.0, 0.0]], TIME_SLOPE: zeros, IMPLICIT: zeros}
+    functions = {
+        calling.JACOBIAN: lambda t, y: [[0.0, 1.0], [-1.0, 0.0]],
+        calling.TIME_SLOPE: zeros,
+        calling.IMPLICIT: zeros,
+    }
     return with_functions(subject, functions).step(*TRIAL_STATE, h)
 
 
@@ -167,11 +155,11 @@ def _in_fields(subject: ForeignStepper, h: float, size: int = 3) -> Sequence[flo
 
 
 _TRIALS = {
-    FIELD: (_one_step, _one_number),
-    ROSENBROCK: (_with_jacobian,),
-    IMEX: (_with_jacobian,),
-    MAGNETIC: (_in_fields, partial(_in_fields, size=2)),
-    ROTATION: (lambda subject, h: turn_quaternion(subject, (0.5, 0.5, 0.5, 0.5), (1.0, 0.5, 0.25), h),),
+    calling.FIELD: (_one_step, _one_number),
+    calling.ROSENBROCK: (_with_jacobian,),
+    calling.IMEX: (_with_jacobian,),
+    calling.MAGNETIC: (_in_fields, partial(_in_fields, size=2)),
+    calling.ROTATION: (lambda subject, h: turn_quaternion(subject, (0.5, 0.5, 0.5, 0.5), (1.0, 0.5, 0.25), h),),
 }
 
 
@@ -187,29 +175,63 @@ def _after_trial(subject: ForeignStepper, trial: TrialStep) -> ForeignStepper:
     if subject.log.carried is not None:
         _demand_slope_at_end(subject.log.carried, end, subject.convention)
         _demand_time_of_end(subject, TRIAL_STATE[: len(end)])
-    if subject.convention.kind in (MAP, FORCE) and end[0] < end[1] and not subject.convention.velocity_first:
+    _demand_own_clock(subject, TRIAL_STATE[: len(end)])
+    if (
+        subject.convention.kind in (calling.MAP, calling.FORCE)
+        and end[0] < end[1]
+        and not subject.convention.velocity_first
+    ):
         ends = trial(subject, _TINY), end  # the longer step moves away
-        if [np.allclose(x, TRIAL_STATE[::-1], rtol=0, atol=4 * _TINY) for x in ends] == [True, False]:
+        if [np.allclose(x, TRIAL_STATE[::-1], rtol=0, atol=_NEAR) for x in ends] == [True, False]:
             return _after_trial(_with_velocity_first(subject), trial)
     moved = np.max(np.abs(end))
-    if 0 < moved < _SUSPICIOUS and np.max(np.abs(trial(subject, _TINY))) < 4 * _TINY:
+    if 0 < moved < _SUSPICIOUS and np.max(np.abs(trial(subject, _TINY))) < _NEAR:
         raise Increment(f"as h goes to 0 it returns 0, not the state: an increment{increment_wrapper(subject)}")
     types, asks, timed = subject.log.types, subject.log.asks, subject.log.timed
-    subject.format = next((fmt for name, fmt in _FORMATS.items() if any(t.endswith(name) for t in types)), BINARY64)
+    subject.format = min((_format_of(name) for name in types), key=lambda found: found.u, default=BINARY64)
     run = subject.convention.run or subject.log.layout is not None  # a generator yields a run
     subject.convention = replace(subject.convention, run=run, asks=asks, timed=timed)
     if subject.gives_velocities and not _velocity_varies(subject):
-        asks = tuple(BESIDES if role == VELOCITY else role for role in asks)
+        asks = tuple(calling.BESIDES if role == calling.VELOCITY else role for role in asks)
         subject.convention = replace(subject.convention, asks=asks)
     # A step from rest changes nothing, so that a stepper which works in place must be known by then.
     subject.log = CallLog(works_in_place=subject.log.works_in_place, layout=subject.log.layout)
     return subject
 
 
+def _format_of(name: str) -> FloatFormat:
+    return next((found for ending, found in _FORMATS.items() if name.endswith(ending)), BINARY64)
+
+
+def _with_strong_floats(subject: ForeignStepper, trial: TrialStep) -> ForeignStepper:
+    """The subject called with numpy.float64 if its answers to these are binary64, and to Python's floats are narrower.
+
+    A product of a Python float and a float32 constant is a float32; with arrays the constant's error alone remains.
+    """
+    if subject.adapter is SCALARS and subject.format is not BINARY64:
+        strong = replace(subject, adapter=adapters_of(np.float64)[1], format=BINARY64, log=CallLog())
+        with suppress(Misbehaviour):
+            return found if (found := _after_trial(strong, trial)).format is BINARY64 else subject
+    return subject
+
+
+def _with_momentum(subject: ForeignStepper) -> ForeignStepper:
+    """The subject given p = m v for v, if its p moves the position by p/m."""
+    found = subject.convention
+    name = dict(zip(found.order, found.names, strict=False)).get(calling.VELOCITY, "")
+    mass = next((x for each, x in found.extra.items() if each.lower() in calling.MASSES), 1.0)
+    if found.kind != calling.FORCE or mass == 1 or name.lower() not in calling.MOMENTA:
+        return subject
+    q, v = TRIAL_STATE
+    rate = (subject.step_with(lambda x: 0 * x, q, v, _TINY)[0] - q) / _TINY
+    heavy = np.isclose(rate, v / mass, rtol=_AS_CARRIED, atol=0)
+    return replace(subject, convention=replace(found, momentum=mass if heavy else 1.0))
+
+
 def _with_velocity_first(subject: ForeignStepper) -> ForeignStepper:
     """The subject read as returning (v1, q1), if it also takes v before q. Raises Exchanged if it does not."""
     order = subject.convention.order
-    if STATE in order or order.index(POSITION) < order.index(VELOCITY):
+    if calling.STATE in order or order.index(calling.POSITION) < order.index(calling.VELOCITY):
         raise Exchanged(f"it returns (v1, q1), the velocity first{exchange_wrapper(subject)}")
     return replace(subject, convention=replace(subject.convention, velocity_first=True), log=CallLog())
 
@@ -226,10 +248,10 @@ def _velocity_varies(subject: ForeignStepper) -> bool:
     return np.allclose(seen[:2], [3.0, -2.0], rtol=0, atol=_AS_CARRIED)
 
 
-def _demand_slope_at_end(carried: Any, end: Sequence[float], convention: CallingConvention) -> None:
+def _demand_slope_at_end(carried: Any, end: Sequence[float], convention: calling.CallingConvention) -> None:
     """Raise StaleSlope unless the slope that a step hands on is the slope at its end."""
     found = as_array(carried).ravel()
-    if convention.kind == FIELD:
+    if convention.kind == calling.FIELD:
         expected = [end[1], -end[0]] if len(end) > 1 else [-end[0]]
     else:
         expected = [-end[0] * convention.factor]
@@ -240,7 +262,7 @@ def _demand_slope_at_end(carried: Any, end: Sequence[float], convention: Calling
 
 def _demand_time_of_end(subject: ForeignStepper, state: Sequence[float]) -> None:
     """Raise StaleSlope if the slope handed on is of another time than the end, unless the step ignores times."""
-    if subject.convention.kind not in (FIELD, FORCE):
+    if subject.convention.kind not in (calling.FIELD, calling.FORCE):
         return
     start, asked = 1.0, list[AnyNumber]()
 
@@ -248,13 +270,28 @@ def _demand_time_of_end(subject: ForeignStepper, state: Sequence[float]) -> None
         asked.append(t)
         return [t for _ in y]
 
-    if subject.convention.kind == FIELD:
+    if subject.convention.kind == calling.FIELD:
         subject.step_field(clock, start, state, TRIAL_STEP)
     else:
         subject.step_forced(clock, start, state[:1], state[1:], TRIAL_STEP)
     seen = float(as_array(subject.log.carried).ravel()[-1]) / subject.convention.factor
     if any(t != start for t in asked) and not np.isclose(seen, start + TRIAL_STEP, rtol=_AS_CARRIED, atol=0):
         raise StaleSlope(f"it passes on the slope at t + {seen - start:g} as that at its end, t + {TRIAL_STEP:g}")
+
+
+def _demand_own_clock(subject: ForeignStepper, state: Sequence[float]) -> None:
+    """Raise StaleSlope if the time that the step returns is neither that at its end nor, left to its caller, the start.
+
+    In a tuple, a number that does not move with t is no time, but a step size or an error.
+    """
+    clock = subject.log.clock
+    if clock is None or np.isclose(clock, (0.0, TRIAL_STEP), rtol=_AS_CARRIED, atol=0).any():
+        return
+    if subject.convention.kind == calling.FIELD:
+        subject.step_field(zeros, 1.0, state, TRIAL_STEP)
+        if subject.log.clock is None or not np.isclose(subject.log.clock - clock, 1, rtol=_AS_CARRIED, atol=0):
+            return
+    raise StaleSlope(f"it returns the time t + {clock:g} with the state at its end, t + {TRIAL_STEP:g}")
 
 
 @dataclass(frozen=True)
@@ -282,9 +319,10 @@ class Target:
     def open(
         self, before: Callable[[str], None] = lambda call: None, after: Callable[[], None] = lambda: None
     ) -> ForeignStepper:
-        """Open the stepper, imported if need be, as `opened` does. Raises ValueError or a `Misbehaviour`."""
-        array = None if self.array is None else imported(self.array)
-        return opened(imported(self.step), self.calls, array, before, after)
+        """Open the stepper, or a method of a copy of its object. Raises ValueError or a `Misbehaviour`."""
+        array, step = None if self.array is None else imported(self.array), imported(self.step)
+        own = fresh_copy(step) if inspect.ismethod(step) else None
+        return opened(own or step, self.calls, array, before, after)
 
 
 def imported(named: Callable[..., Any] | str, what: str = "stepper") -> Callable[..., Any]:
@@ -296,9 +334,9 @@ def imported(named: Callable[..., Any] | str, what: str = "stepper") -> Callable
         return named
     module, colon, path = named.partition(":")
     if module.endswith(".py") and colon:
-        raise ValueError(f"{named!r} names a file; write {module[:-3].replace('/', '.').strip('.')}:{path}")
+        raise BadInput(f"{named!r} names a file; write {module[:-3].replace('/', '.').strip('.')}:{path}")
     if not (colon and all(part.isidentifier() for part in (*module.split("."), *path.split(".")))):
-        raise ValueError(f"{named!r} names no {what}; write package.module:function")
+        raise BadInput(f"{named!r} names no {what}; write package.module:function")
     if os.getcwd() not in sys.path:
         sys.path.insert(0, os.getcwd())
     try:
@@ -306,8 +344,8 @@ def imported(named: Callable[..., Any] | str, what: str = "stepper") -> Callable
         for part in path.split("."):
             found = getattr(found, part)
     except Exception as error:  # the import of a foreign module may raise anything
-        raise ValueError(f"{named} cannot be imported: {type(error).__name__}: {error}") from error
+        raise BadInput(f"{named} cannot be imported: {type(error).__name__}: {error}") from error
     if not callable(found):
-        raise ValueError(f"{named} is {type(found).__name__}, which cannot be called")
+        raise BadInput(f"{named} is {type(found).__name__}, which cannot be called")
     function: Callable[..., Any] = found
     return function

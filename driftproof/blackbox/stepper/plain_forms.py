@@ -41,6 +41,8 @@ _NAMES: Mapping[str, Sequence[str]] = {
 _VERBS = r"^(get|compute|calc|calculate|eval|update)_|_(fn|func|function)$"
 # Names of arrays that are written into: out, yout, y_out, out_q, result, y_new, y1.
 _INTO = re.compile(r"^(out|result|res|dest)_?|_?(out|new|next|1)$")
+# The coordinates of a body in space.
+_IN_SPACE = 3
 # In so short a step, every method moves a body on a spring back.
 _SHORT = 2.0**-10
 # Unequal masses other than 1 show whether each force is divided by its own mass; accelerations are not divided.
@@ -143,6 +145,10 @@ class _Call:
 
     def moved(self, force: Callable[..., Any] | None, q: Foreign, v: Foreign, h: float) -> Foreign:
         """A step of q'' = force(q), or of the built-in system if force is None."""
+        if np.shape(q) == (_IN_SPACE**2,) and _MASS in self.roles.values():
+            with suppress(Exception):  # as many bodies as coordinates: masses then divide columns as well as rows
+                rows = (_IN_SPACE, _IN_SPACE)
+                return tuple(x.ravel() for x in self.moved(force, np.reshape(q, rows), np.reshape(v, rows), h))
         alike = self.alike
         places, speeds = (np.array(x, dtype=float, ndmin=1) for x in (q, v))
         shape, masses = np.shape(q), np.resize(self.heavy[:1] if self.alike else self.heavy, len(places))
@@ -156,7 +162,9 @@ class _Call:
             self.alike |= whose is None
             return np.asarray(pushed, float).reshape(at.shape) * factors[whose or 0]
 
-        bodies = _bodies(places, speeds, masses) if _BODIES in self.roles.values() else []
+        one: Callable[[Any], Any] = lambda x: x.copy() if np.ndim(x) else float(x)
+        each = zip(places, speeds, masses, strict=True) if _BODIES in self.roles.values() else ()
+        bodies = [_Body(one(q), one(v), float(mass)) for q, v, mass in each]
 
         def asked(*arguments: Foreign) -> Foreign:
             if bodies:
@@ -217,11 +225,6 @@ class _Body:
 def _attribute(name: str) -> str:
     kinds = {"pos": _NAMES[POSITION], "vel": _NAMES[VELOCITY], "mass": _NAMES[_MASS]}
     return next((kind for kind, names in kinds.items() if name.lower() in names), name)
-
-
-def _bodies(places: Any, speeds: Any, masses: Any) -> list[_Body]:
-    one: Callable[[Any], Any] = lambda x: x.copy() if np.ndim(x) else float(x)
-    return [_Body(one(q), one(v), float(mass)) for q, v, mass in zip(places, speeds, masses, strict=True)]
 
 
 def _answer_of_bodies(pushes: Callable[..., Any], asked: Sequence[Foreign], bodies: Sequence[_Body]) -> Foreign:

@@ -43,6 +43,8 @@ def forms_of(step: Callable[..., Any], convention: CallingConvention) -> Iterato
         yield from _tensors(sys.modules["torch"])
     if "jax" in sys.modules and convention.kind != MAP:
         yield from _compiled(sys.modules["jax"].numpy)
+    if "numba" in sys.modules and hasattr(step, "py_func") and convention.kind != MAP:
+        yield _in_machine_code(sys.modules["numba"])
 
 
 def _complex_part(value: Foreign, size: int, sign: int) -> list[AnyNumber]:
@@ -124,6 +126,28 @@ def _compiled(numpy: Any) -> Iterator[ArrayAdapter]:
         ("JAX scalars", "jax.numpy.array({})", lambda x: numpy.array(one_number(x))),
     ):
         yield ArrayAdapter(name, write, floats_in, function=callback.calling, shown=shown)
+
+
+# What code compiled by Numba calls at present. Numba copies what a function encloses, but not what a module holds.
+_asked: list[Callable[..., Any]] = []
+
+
+def _called_back(*given: Any) -> np.ndarray[Any, Any]:
+    return np.array(_asked[0](*given), dtype=float)
+
+
+def _in_machine_code(numba: Any) -> ArrayAdapter:
+    """The adapter of a step compiled by Numba, whose function has to be compiled as well, once for all calls."""
+
+    @numba.njit
+    def compiled(*given):  # type: ignore[no-untyped-def]
+        with numba.objmode(answer="float64[::1]"):
+            answer = _called_back(*given)
+        return answer
+
+    name, write = "NumPy arrays, in code compiled by Numba", lambda numbers: np.array(numbers, dtype=float)
+    calling = lambda function: _asked.__setitem__(slice(None), [function]) or compiled
+    return ArrayAdapter(name, write, floats_in, function=calling, shown="numpy.array([{}])")
 
 
 class CompiledCallback:
@@ -246,7 +270,9 @@ def _record(name: str, make: Any, names: Sequence[str], needed: Sequence[str]) -
 
 
 def parts_of(record: Foreign) -> Mapping[str, Foreign]:
-    """The fields of a dataclass by name, or a mapping as it is; nothing for any other value."""
+    """The fields of a dataclass or a named tuple by name, or a mapping as it is; nothing for any other value."""
+    if hasattr(record, "_asdict"):
+        return dict(record._asdict())
     if dataclasses.is_dataclass(record):
         return {field.name: getattr(record, field.name) for field in dataclasses.fields(record)}
     return record if isinstance(record, Mapping) else {}
@@ -259,6 +285,11 @@ def part_pair(answer: Foreign) -> Foreign:
         return answer
     named = [next((x for name, x in parts.items() if _role(name) == role), None) for role in (POSITION, VELOCITY)]
     return list(parts.values()) if any(part is None for part in named) else named
+
+
+def clock_of(record: Foreign) -> Foreign:
+    """The time in a record; None if it has none."""
+    return next((x for name, x in parts_of(record).items() if _role(str(name)) == TIME), None)
 
 
 def _role(name: str) -> str | None:

@@ -9,19 +9,8 @@ from typing import Any
 import numpy as np
 
 from driftproof.blackbox.findings import UnsupportedCall
+from driftproof.blackbox.stepper import calling_conventions as calling
 from driftproof.blackbox.stepper.array_adapters import Foreign, as_array
-from driftproof.blackbox.stepper.calling_conventions import (
-    ANGULAR,
-    ELECTRIC,
-    MAGNETIC,
-    MAGNETIC_FIELD,
-    POSITION,
-    QUATERNION,
-    ROTATION,
-    STEP,
-    TIME,
-    VELOCITY,
-)
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 
 
@@ -47,12 +36,17 @@ class Pushed:
 
 def step_in_fields(subject: ForeignStepper, push: Push) -> Pushed:
     """One step of x' = v, v' = E + v x B. Raises UnsupportedCall if the stepper takes no magnetic field."""
-    if subject.convention.kind != MAGNETIC:
+    if subject.convention.kind != calling.MAGNETIC:
         raise UnsupportedCall("it takes no magnetic field")
     order, factor, write, size = subject.convention.order, subject.convention.factor, subject.adapter.write, len(push.v)
     fields: list[_Field] = []
-    roles: dict[str, Foreign] = {POSITION: write(push.x), VELOCITY: write(push.v), STEP: push.h, TIME: 0.0}
-    for role, numbers in ((ELECTRIC, push.electric), (MAGNETIC_FIELD, push.magnetic)):
+    roles: dict[str, Foreign] = {
+        calling.POSITION: write(push.x),
+        calling.VELOCITY: write(push.v),
+        calling.STEP: push.h,
+        calling.TIME: 0.0,
+    }
+    for role, numbers in ((calling.ELECTRIC, push.electric), (calling.MAGNETIC_FIELD, push.magnetic)):
         scaled = np.multiply(factor, numbers)
         made = _Field(as_array(write(scaled.tolist())) if len(numbers) > 1 else scaled[0])
         made.asked, made.size_of_place = [], size
@@ -62,7 +56,7 @@ def step_in_fields(subject: ForeignStepper, push: Push) -> Pushed:
     words = ", ".join([*(f"{name}={list(numbers)!r}" for name, numbers in shown), f"h={push.h!r}"])
     answer = subject.called(roles, words, [*push.x, *push.v])
     asked = [made.asked[-1] for made in fields if made.asked]
-    if POSITION not in order:
+    if calling.POSITION not in order:
         return Pushed([], subject.finite(subject.read(answer, size), push.v), asked)
     if getattr(answer, "shape", ()) == (2 * size,):  # one state, the position before the velocity
         answer = answer[:size], answer[size:]
@@ -73,10 +67,10 @@ def step_in_fields(subject: ForeignStepper, push: Push) -> Pushed:
 
 def turn_quaternion(subject: ForeignStepper, q: Sequence[float], omega: Sequence[float], h: float) -> list[float]:
     """One step of a quaternion at an angular velocity. Raises UnsupportedCall if the stepper takes none."""
-    if subject.convention.kind != ROTATION:
+    if subject.convention.kind != calling.ROTATION:
         raise UnsupportedCall("it takes no quaternion")
     write = subject.adapter.write
-    roles = {QUATERNION: write(q), ANGULAR: write(omega), STEP: h, TIME: 0.0}
+    roles = {calling.QUATERNION: write(q), calling.ANGULAR: write(omega), calling.STEP: h, calling.TIME: 0.0}
     answer = subject.called(roles, f"q={list(q)!r}, omega={list(omega)!r}, h={h!r}", q)
     return subject.finite(subject.read(answer, len(q)), q)
 

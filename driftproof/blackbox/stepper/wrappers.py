@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import inspect
+import re
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from copy import copy
@@ -36,6 +37,7 @@ _BY_MOMENTUM = ("dhdp", "dh_dp", "grad_p", "dtdp", "dt_dp", "gradp")
 # Arguments of a solver that makes a given number of steps: the end, and the number.
 _ENDS = ("t1", "tend", "t_end", "tf", "t_final", "tmax", "t_max", "t_stop", "tstop")
 _COUNTED = ("n", "steps", "n_steps", "nsteps", "num_steps", "nt", "n_iter")
+_BEFORE = re.compile("prev|old|last|before|nm1")
 _SPANS = ("t_span", "tspan", "interval", "t_bound", "t_end", "tf", "t_final")
 
 
@@ -266,6 +268,8 @@ def _call(name: str, names: Sequence[str], given: dict[Any, str], kind: str) -> 
     arguments = ", ".join(given.get(each, each.upper()) for each in names)
     left = [each for each in names if each not in given]
     said = f"  # write values for {', '.join(map(str.upper, left))}" if left else ""
+    if len(left) == 1 and _BEFORE.search(left[0].lower()):
+        said = f"  # a method of two steps: let an object keep its {left[0].upper()}, step(f, t, y, h) being its method"
     if kind == MAP and "h" not in given.values():
         said = "  # its h is built in: let it be an argument, or make the step anew for every h"
     if kind == MAP and any(each.lower().strip("_") in BODY_LISTS for each in left):

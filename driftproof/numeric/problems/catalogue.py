@@ -20,4 +20,4 @@ def problem_named(key: str) -> Problem:
     """The problem `key`. Raises ValueError naming the closest keys if there is none."""
     if key in PROBLEMS:
         return PROBLEMS[key]
-    raise ValueError(f"unknown problem {key[:60]!r}{did_you_mean(key, PROBLEMS)} (`driftproof stability` lists all)")
+    raise ValueError(f"unknown problem {key[:60]!r}{did_you_mean(key, PROBLEMS)} (`driftproof stability` lists them)")

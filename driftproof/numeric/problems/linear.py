@@ -11,13 +11,13 @@ _Rows = tuple[tuple[Fraction, ...], ...]
 
 DECAY = {
     "explicit": "decays while h < real_limit / |lambda|, lambda of largest modulus; beyond, it grows to overflow",
-    "a_stable": "decays for every h > 0, by |R(h lambda)| in each step, which is close to 1 for large h if |R(oo)| = 1",
+    "a_stable": "decays for every h > 0; each step multiplies by |R(h lambda)|, close to 1 for large h if |R(oo)| = 1",
     "l_stable": "decays for every h > 0; components much faster than h vanish in a step or two, because R tends to 0",
 }
 OSCILLATION = {
     "explicit": "bounded only while h omega is at most the method's imaginary limit, which is 0 for many methods",
     "a_stable": "bounded for every h > 0; a method with |R(iy)| < 1 damps a motion that the equation preserves",
-    "l_stable": "bounded for every h > 0; damps what it does not resolve: the fast motion dies out, but should not",
+    "l_stable": "bounded for every h > 0; but fast oscillations that h does not resolve are wrongly damped out",
     "symplectic": "bounded up to the method's limit, for every h if A-stable; the energy error does not grow",
 }
 
@@ -32,7 +32,7 @@ def _dahlquist(name: str, rate: int, shown: str, t: str) -> Problem:
         title=f"Dahlquist's equation, y' = lambda y, lambda = {shown}, to t = {t}",
         field=VectorField(("rate * y0",), (("rate", Fraction(rate)),)),
         start=(Fraction(1),),
-        reference=reference(f"dahlquist_{name}", EXACT, "y = exp(lambda t), certified in balls"),
+        reference=reference(f"dahlquist_{name}", EXACT, "y = exp(lambda t), in ball arithmetic"),
         source="hairer-wanner-1996, IV.2",
         stiff=abs(rate) > 10,
         matrix=((Fraction(rate),),),
@@ -45,7 +45,7 @@ HARMONIC = Problem(
     title="The harmonic oscillator, q'' = -q, to t = 10",
     field=VectorField(("y1", "-y0")),
     start=(Fraction(1), Fraction(0)),
-    reference=reference("harmonic_oscillator", EXACT, "(cos t, -sin t), certified in balls"),
+    reference=reference("harmonic_oscillator", EXACT, "(cos t, -sin t), in ball arithmetic"),
     source="hairer-lubich-wanner-2006, I.1.3",
     energy="(y0 * y0 + y1 * y1) / 2",
     second_order=True,
@@ -58,7 +58,7 @@ STIFF_OSCILLATOR = Problem(
     title="A stiff spring, q'' = -10^6 q: 1592 revolutions to t = 10",
     field=VectorField(("y1", "-omega * omega * y0"), (("omega", Fraction(1000)),)),
     start=(Fraction(1), Fraction(0)),
-    reference=reference("stiff_oscillator", EXACT, "(cos 1000t, -1000 sin 1000t), certified in balls"),
+    reference=reference("stiff_oscillator", EXACT, "(cos 1000t, -1000 sin 1000t), in ball arithmetic"),
     source="hairer-lubich-wanner-2006, I.1.3",
     energy="(y1 * y1 + omega * omega * y0 * y0) / 2",
     second_order=True,
@@ -74,7 +74,7 @@ SEPARATED = Problem(
     field=VectorField(("y2", "y3", "-y0 - k * (y0 - y1)", "-y1 + k * (y0 - y1)"), (("k", Fraction(999999, 2)),)),
     start=(Fraction(1025, 1024), Fraction(1023, 1024), Fraction(0), Fraction(0)),
     reference=reference(
-        "separated_oscillators", EXACT, "q = cos t ± cos(1000t)/1024 and its derivative, certified in balls"
+        "separated_oscillators", EXACT, "q = cos t ± cos(1000t)/1024 and its derivative, in ball arithmetic"
     ),
     source="hairer-lubich-wanner-2006, XIII.1",
     energy="(y2 * y2 + y3 * y3 + y0 * y0 + y1 * y1 + k * (y0 - y1) * (y0 - y1)) / 2",
@@ -96,7 +96,7 @@ STIFF_PAIR = Problem(
     title="A stiff pair, eigenvalues -1 and -1000, to t = 1",
     field=VectorField(("998 * y0 + 1998 * y1", "-999 * y0 - 1999 * y1")),
     start=(Fraction(1), Fraction(0)),
-    reference=reference("stiff_pair", EXACT, "(2 exp(-t) - exp(-1000t), exp(-1000t) - exp(-t)), certified in balls"),
+    reference=reference("stiff_pair", EXACT, "(2 exp(-t) - exp(-1000t), exp(-1000t) - exp(-t)), in ball arithmetic"),
     source="press-2007, 17.5",
     stiff=True,
     matrix=_matrix([[998, 1998], [-999, -1999]]),
@@ -109,7 +109,7 @@ OVERDAMPED = Problem(
     field=VectorField(("y1", "-100 * y0 - 101 * y1")),
     start=(Fraction(1), Fraction(0)),
     reference=reference(
-        "overdamped_oscillator", EXACT, "q = (100 exp(-t) - exp(-100t))/99 and its derivative, certified in balls"
+        "overdamped_oscillator", EXACT, "q = (100 exp(-t) - exp(-100t))/99 and its derivative, in ball arithmetic"
     ),
     source="hairer-norsett-wanner-1993, I.6",
     stiff=True,
@@ -122,7 +122,7 @@ CRITICAL = Problem(
     title="A critically damped oscillator, q'' = -q - 2q': one Jordan block, to t = 10",
     field=VectorField(("y1", "-y0 - 2 * y1")),
     start=(Fraction(1), Fraction(0)),
-    reference=reference("critically_damped_oscillator", EXACT, "((1 + t) exp(-t), -t exp(-t)), certified in balls"),
+    reference=reference("critically_damped_oscillator", EXACT, "((1 + t) exp(-t), -t exp(-t)), in ball arithmetic"),
     source="hairer-norsett-wanner-1993, I.6",
     matrix=_matrix([[0, 1], [-1, -2]]),
     expected=DECAY,
@@ -141,7 +141,7 @@ def _heat(points: int) -> Problem:
         field=VectorField(rates),
         start=tuple(4 * x * (1 - x) for x in nodes),
         reference=reference(
-            "heat_equation", EXACT, "the sum over the discrete Laplacian's eigenvectors, certified in balls"
+            "heat_equation", EXACT, "the sum over the discrete Laplacian's eigenvectors, in ball arithmetic"
         ),
         source="hairer-wanner-1996, IV.2",
         stiff=True,

@@ -9,10 +9,10 @@ from driftproof.numeric.problems.problem import CERTIFIED, EXACT, TWICE, Problem
 from driftproof.numeric.problems.stiff import TWO_METHODS
 
 CONSERVATIVE = {
-    "explicit": "right at small steps; the energy drifts, at a rate that falls with the order",
+    "explicit": "right at small steps; the energy drifts, more slowly the higher the order",
     "a_stable": "right at small steps; the energy drifts unless the method is symmetric or symplectic",
-    "l_stable": "right at small steps; the energy drifts, mostly down",
-    "symplectic": "the energy error stays bounded over very long times, at steps that resolve the motion",
+    "l_stable": "right at small steps; the energy drifts, in most cases downwards",
+    "symplectic": "the energy error stays bounded over very long times if h resolves the motion",
 }
 
 
@@ -26,7 +26,7 @@ def _kepler(name: str, eccentricity: Fraction, t: str, expected: dict[str, str])
             ("y2", "y3", f"-mass * y0 / {cubed}", f"-mass * y1 / {cubed}"), (("mass", 1 - eccentricity**2),)
         ),
         start=(1 - eccentricity, Fraction(0), Fraction(0), 1 + eccentricity),
-        reference=reference(name, EXACT, "by the root of Kepler's equation, certified in balls"),
+        reference=reference(name, EXACT, "the root of Kepler's equation, in ball arithmetic"),
         source="hairer-lubich-wanner-2006, I.2.2",
         energy="(y2 * y2 + y3 * y3) / 2 - mass / sqrt(y0 * y0 + y1 * y1)",
         second_order=True,
@@ -35,8 +35,8 @@ def _kepler(name: str, eccentricity: Fraction, t: str, expected: dict[str, str])
 
 
 NEAR_THE_SUN = {
-    "explicit": "wrong from the pericentre on, where it starts, unless h resolves that: thrown far out",
-    "symplectic": "energy error bounded where h resolves the pericentre; elsewhere so short a step is wasted",
+    "explicit": "wrong from the start, which is the pericentre, unless h resolves it: the body is thrown far out",
+    "symplectic": "energy error bounded if h resolves the pericentre; elsewhere on the orbit so small an h is wasted",
 }
 
 
@@ -46,7 +46,7 @@ def _pendulum(name: str, title: str, speed: Fraction, expected: dict[str, str]) 
         title=title,
         field=VectorField(("y1", "-sin(y0)")),
         start=(Fraction(0), speed),
-        reference=reference(name, EXACT, "sin(q/2) = k sn(t, k), q' = 2k cn(t, k), k = q'(0)/2, certified in balls"),
+        reference=reference(name, EXACT, "sin(q/2) = k sn(t, k), q' = 2k cn(t, k), k = q'(0)/2, in ball arithmetic"),
         source="hairer-lubich-wanner-2006, I.1.3; dlmf-2025, 22.19(i)",
         energy="y1 * y1 / 2 - cos(y0)",
         second_order=True,
@@ -55,9 +55,9 @@ def _pendulum(name: str, title: str, speed: Fraction, expected: dict[str, str]) 
 
 
 NEAR_THE_TOP = {
-    "explicit": "right at small steps; energy gained, above 2^-19, carries it over the top, and q runs away",
-    "symplectic": "the energy error stays bounded; above 2^-19 it carries the pendulum over the top nevertheless",
-    "l_stable": "right at small steps; loses energy, and turns before it has come so near the top",
+    "explicit": "right at small steps; an energy gain above 2^-19 carries it over the top, and q grows for ever",
+    "symplectic": "the energy error stays bounded, but one above 2^-19 carries the pendulum over the top",
+    "l_stable": "right at small steps; it loses energy, so it turns back too far from the top",
 }
 
 HENON_HEILES = Problem(
@@ -65,7 +65,7 @@ HENON_HEILES = Problem(
     title="Hénon and Heiles, two coupled oscillators at energy 1/8, to t = 100",
     field=VectorField(("y2", "y3", "-y0 - 2 * y0 * y1", "-y1 - y0 * y0 + y1 * y1")),
     start=(Fraction(0), Fraction(0), Fraction(3, 10), Fraction(2, 5)),
-    reference=reference("henon_heiles", CERTIFIED, "Taylor series with Lagrange's remainder, in balls"),
+    reference=reference("henon_heiles", CERTIFIED, "Taylor series with Lagrange's remainder, in ball arithmetic"),
     source="henon-heiles-1964; hairer-lubich-wanner-2006, I.3",
     energy="(y2 * y2 + y3 * y3 + y0 * y0 + y1 * y1) / 2 + y0 * y0 * y1 - y1 * y1 * y1 / 3",
     second_order=True,
@@ -94,8 +94,8 @@ def _fermi_pasta_ulam() -> Problem:
         stiff=True,
         expected={
             **CONSERVATIVE,
-            "explicit": "bounded only while h omega is within the method's imaginary limit, which for many is 0",
-            "symplectic": "energy bounded while h omega is within the limit; the springs' too, resonances apart",
+            "explicit": "bounded only while h omega is at most the method's imaginary limit, which is often 0",
+            "symplectic": "energy and, resonances apart, spring energy stay bounded while h omega is within the limit",
         },
     )
 

@@ -37,11 +37,11 @@ class Reference:
     def __post_init__(self) -> None:
         """Raise ValueError unless times rise, states have one length and the evidence is known."""
         if not self.times or list(self.times) != sorted(set(self.times)) or len(self.times) != len(self.states):
-            raise ValueError("a reference has rising times, and one state at each")
+            raise ValueError("a reference needs strictly increasing times and one state for each")
         if len({len(state) for state in self.states}) != 1:
-            raise ValueError("the states of a reference have one length")
+            raise ValueError("the states of a reference must all have the same length")
         if self.evidence not in KINDS_OF_EVIDENCE:
-            raise ValueError(f"evidence {self.evidence!r} is none of {', '.join(KINDS_OF_EVIDENCE)}")
+            raise ValueError(f"unknown evidence {self.evidence!r}; choose from {', '.join(KINDS_OF_EVIDENCE)}")
 
 
 def reference(key: str, evidence: str, source: str) -> Reference:

@@ -8,9 +8,9 @@ from driftproof.methods.vector_fields import VectorField
 from driftproof.numeric.problems.problem import EXACT, TWICE, Problem, reference
 
 STIFF = {
-    "explicit": "unstable unless h times the largest rate is within the method's stability limit: overflows or fails",
+    "explicit": "unstable, so overflows or fails, unless h times the largest rate is within the stability limit",
     "a_stable": "follows the smooth solution at any step that resolves it; transients decay slowly if |R(oo)| = 1",
-    "l_stable": "follows the smooth solution at any step that resolves it, transients gone after a step or two",
+    "l_stable": "follows the smooth solution at any step that resolves it; transients are gone after a step or two",
 }
 
 PROTHERO_ROBINSON = Problem(
@@ -18,13 +18,13 @@ PROTHERO_ROBINSON = Problem(
     title="Prothero and Robinson's equation, y' = lambda (y - cos t) - sin t, lambda = -10^6, to t = 10",
     field=VectorField(("rate * (y0 - cos(t)) - sin(t)",), (("rate", Fraction(-1000000)),)),
     start=(Fraction(1),),
-    reference=reference("prothero_robinson", EXACT, "y = cos t, certified in balls"),
+    reference=reference("prothero_robinson", EXACT, "y = cos t, in ball arithmetic"),
     source="prothero-robinson-1974; hairer-wanner-1996, IV.15",
     stiff=True,
     expected={
         **STIFF,
-        "a_stable": "order reduction: errors C h^k, k one more than the stage order, whatever the classical one",
-        "l_stable": "order reduction; where the last stage is the step (Radau IIA), errors are C h^k / (h lambda)",
+        "a_stable": "order reduction: errors C h^k, k one more than the stage order, whatever the order of the method",
+        "l_stable": "order reduction; if the last stage is the new value (Radau IIA), errors are C h^k / (h lambda)",
     },
 )
 
@@ -35,12 +35,12 @@ KAPS = Problem(
         ("-(stiffness + 2) * y0 + stiffness * y1 * y1", "y0 - y1 - y1 * y1"), (("stiffness", Fraction(1000000)),)
     ),
     start=(Fraction(1), Fraction(1)),
-    reference=reference("kaps", EXACT, "(exp(-2t), exp(-t)) for every epsilon, certified in balls"),
+    reference=reference("kaps", EXACT, "(exp(-2t), exp(-t)) for every epsilon, in ball arithmetic"),
     source="dekker-verwer-1984, 5.5",
     stiff=True,
     expected={
         **STIFF,
-        "a_stable": "follows the smooth solution; not so Lobatto IIIB, whose errors grow with h/epsilon",
+        "a_stable": "follows the smooth solution, except Lobatto IIIB, whose errors grow with h/epsilon",
         "l_stable": "follows the smooth solution y0 = y1^2 at any step that resolves it, whatever epsilon",
     },
 )
@@ -52,9 +52,9 @@ TWO_METHODS = (
 
 
 SLOW_THEN_FAST = {
-    "explicit": "overflows unless h is within the method's real limit over 3 mu^2, the largest rate",
-    "a_stable": "y0 is right on a slow branch; y1, off it at the start, swings about it for long if |R(oo)| = 1",
-    "l_stable": "right on a slow branch; at its end, t = 0.807, a step over the jump is refused or lands anywhere",
+    "explicit": "overflows unless h is at most the method's real limit divided by 3 mu^2, the largest rate",
+    "a_stable": "y0 is right on a slow branch; y1 starts off it and oscillates about it for long if |R(oo)| = 1",
+    "l_stable": "right on a slow branch, which ends at t = 0.807; a step over that jump fails or ends anywhere",
 }
 
 
@@ -80,13 +80,13 @@ ROBERTSON = Problem(
         (("slow", Fraction(1, 25)), ("fast", Fraction(10**4)), ("fastest", Fraction(3 * 10**7))),
     ),
     start=(Fraction(1), Fraction(0), Fraction(0)),
-    reference=reference("robertson", TWICE, f"{TWO_METHODS}; at t = 10^11 those in print are right to 13 digits"),
+    reference=reference("robertson", TWICE, f"{TWO_METHODS}; the published digits at t = 10^11 agree to 13 places"),
     source="robertson-1966; hairer-wanner-1996, IV.1 and IV.10; mazzia-magherini-2008, rober",
     stiff=True,
     expected={
         **STIFF,
-        "a_stable": "right while h is short beside t, and y0 + y1 + y2 = 1 to rounding; a long first step is refused",
-        "l_stable": "as A-stable; backward Euler takes long first steps, too; from y1 < -y2/3000 all run away",
+        "a_stable": "right while h is small against t, and y0 + y1 + y2 = 1 up to rounding; a long first step fails",
+        "l_stable": "as A-stable, but backward Euler can begin with a long step; once y1 < -y2/3000, all diverge",
     },
 )
 
@@ -111,12 +111,12 @@ HIRES = Problem(
         ),
     ),
     start=(Fraction(1), *[Fraction(0)] * 6, Fraction(57, 10000)),
-    reference=reference("hires", TWICE, f"{TWO_METHODS}; those in print are right to 15 digits or more"),
+    reference=reference("hires", TWICE, f"{TWO_METHODS}; the published digits agree to 15 places or more"),
     source="schafer-1975; hairer-wanner-1996, IV.10; mazzia-magherini-2008, hires",
     stiff=True,
     expected={
         **STIFF,
-        "explicit": "mildly stiff: right up to h = real_limit / 212, the largest rate; beyond, wrong on the way",
+        "explicit": "mildly stiff: right up to h = real_limit / 212, the largest rate; beyond, wrong before the end",
     },
 )
 
@@ -128,20 +128,20 @@ OREGONATOR = Problem(
         (("s", Fraction(7727, 100)), ("q", Fraction(8375, 10**9)), ("w", Fraction(161, 1000))),
     ),
     start=(Fraction(1), Fraction(2), Fraction(3)),
-    reference=reference("oregonator", TWICE, f"{TWO_METHODS}; those in print at t = 360 are right to 13 digits"),
+    reference=reference("oregonator", TWICE, f"{TWO_METHODS}; the published digits at t = 360 agree to 13 places"),
     source="field-noyes-1974; hairer-wanner-1996, IV.1 and IV.10; mazzia-magherini-2008, orego",
     stiff=True,
     expected={
         **STIFF,
-        "a_stable": "right between the pulses, which come at t = 20 and 323; a step over one is refused, or is wrong",
-        "l_stable": "right between the pulses, which come at t = 20 and 323; a step over one is refused, or is wrong",
+        "a_stable": "right between the pulses, which come at t = 20 and 323; a step over a pulse fails or is wrong",
+        "l_stable": "right between the pulses, which come at t = 20 and 323; a step over a pulse fails or is wrong",
     },
 )
 
 STIFF_PROBLEMS = (
     PROTHERO_ROBINSON,
     KAPS,
-    _van_der_pol("1e3", 10**3, "10^3", "; those in print at t = 2 are right to 13 digits"),
+    _van_der_pol("1e3", 10**3, "10^3", "; the published digits at t = 2 agree to 13 places"),
     _van_der_pol("1e4", 10**4, "10^4"),
     _van_der_pol("1e5", 10**5, "10^5"),
     _van_der_pol("1e6", 10**6, "10^6"),

@@ -94,7 +94,7 @@ class Curve:
             return "not settled"
         if round(found.median) == self.claimed_order:
             return ""
-        return f"{'below' if found.median < self.claimed_order else 'above'} the order {self.claimed_order} claimed"
+        return f"{'below' if found.median < self.claimed_order else 'above'} the claimed order {self.claimed_order}"
 
 
 def counts(point: Point) -> bool:
@@ -152,7 +152,7 @@ def measure_curve(problem: Problem, runs: Integrator, steps_of_runs: Sequence[in
     at_floor, of_a_step = 0, 0.0
     for steps in steps_of_runs:
         if (expected := of_a_step * steps) > most:
-            remark = f"not run: would take about {expected:.2g} evaluations, limit {most:.2g}"
+            remark = f"not run: about {expected:.2g} evaluations, but the limit is {most:.2g}"
             found.append(Point(str(steps), None, remark=remark, steps=steps))
             break
         found.append(measured(problem, runs, steps))

@@ -115,7 +115,7 @@ def _ensemble(method: Method, problem: Problem, *, fast: bool) -> TimedCall | st
     elif method.explicit:
         run = _on_arrays(array_field_runner(method, problem.field, np))
     else:
-        return "implicit: only compiled, by numba"
+        return "implicit methods are only timed compiled"
 
     def call(steps: int) -> Callable[[], State]:
         y, h = np.empty((len(start), MEMBERS)), step_times(problem.t, steps).h

@@ -45,13 +45,13 @@ def document(parts: Sequence[Scene | Part], digits: int, counter: Counter = rang
         options.append(Option(identity, title, content))
     if all(isinstance(part, Scene) for part in parts):
         equations = "<i>q</i>′ = <i>v</i>, <i>v</i>′ = −<i>q</i>"
-        about = element("p", f"{equations}: what each method computes, beside the exact motion.")
+        about = element("p", f"{equations}: what each method computes, next to the exact motion.")
         head = element("h1", "An oscillator, step by step")
     else:
-        about = element("p", "What each method computes, beside the solution, which is exact or enclosed.")
+        about = element("p", "What each method computes, next to the solution, which is exact or enclosed.")
         head = element("h1", "Methods, step by step")
     title = f"driftproof: {', '.join(option.label for option in options)}"
-    words = "Runs are in binary64. What is called proved, and every limit, is exact. Written by driftproof report."
+    words = "Runs are in binary64. Limits, and whatever is called proved, are exact. Written by driftproof report."
     main = element("main", choice(options, "Scene"))
     body = element("body", element("header", head, about), main, element("footer", element("p", words)))
     return f"<!DOCTYPE html>\n{element('html', _head(title), body, lang='en')}\n"

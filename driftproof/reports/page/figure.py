@@ -69,7 +69,7 @@ def write_picture(
     Title and `setting` stand above, the legend below, in light colours. Raises ValueError unless the name ends in .svg.
     """
     if path.suffix.lower() != ".svg":
-        raise ValueError(f"{path}: the name of a picture ends in .svg")
+        raise ValueError(f"{path}: a picture must be a .svg file")
     with atomic_write(path) as draft:
         content = _file(title, setting, description, plots, legend)
         Path(draft).write_text(f"{content}\n", encoding="utf-8", newline="\n")

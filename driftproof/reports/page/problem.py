@@ -42,7 +42,7 @@ def _problem(problem: Problem, methods: Sequence[Method], identity: str) -> str:
     work = element("div", figure, work_table(found), class_="beside")
     rows = [[each.title, _steps(problem, each), expected_of(problem, each)] for each in methods]
     columns = slice(None) if any(row[-1] for row in rows) else slice(-1)
-    rows = [row[columns] for row in (["Method", "Steps that it can take", "Expected"], *rows)]
+    rows = [row[columns] for row in (["Method", "Step sizes that it can take", "Expected"], *rows)]
     table = html_table(rows, _about(problem), "words")
     return "".join(
         [
@@ -66,8 +66,8 @@ def _setting(problem: Problem) -> str:
 
 def _about(problem: Problem) -> str:
     if problem.matrix is not None:
-        return "Proved: the h whose powers stay bounded"
-    return "Observed: with so many steps, twice as many, ... the error at the end is at most a tenth of the solution"
+        return "Proved: the step sizes h whose powers stay bounded"
+    return "Observed: with N, 2N, ... steps the error at the end is at most a tenth of the solution's size"
 
 
 def _steps(problem: Problem, method: Method) -> str:
@@ -79,5 +79,5 @@ def _stiff() -> str:
     methods, rows = methods_of(STIFF_METHODS), list[list[str]]()
     for problem in with_progress([each for each in PROBLEMS.values() if each.stiff], "problem"):
         rows.append([problem.title, *(_steps(problem, method) for method in methods)])
-    words = "Proved where linear: the h whose powers stay bounded. Elsewhere, seen: how many steps follow the solution"
+    words = "Linear problems, proved: the h whose powers stay bounded. Others, observed: how many steps are enough"
     return html_table([["Problem", *(method.title for method in methods)], *rows], words, "words")

@@ -6,7 +6,7 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from math import ceil, floor
+from math import ceil, floor, inf
 
 from flint import arb, ctx
 
@@ -93,9 +93,9 @@ def with_roots(text: str) -> str:
 
 
 def beside(limit: Limit, h: Fraction) -> str:
-    """Whether h is below, at or above the limit, decided exactly; "backwards" for h < 0, as limits are for h > 0."""
+    """Whether h is below, at or above the limit, decided exactly; "negative" for h < 0, as limits are for h > 0."""
     if h < 0:
-        return "backwards"
+        return "negative"
     if isinstance(limit, Infinity):
         return "below"
     if limit == ZERO_ROOT:
@@ -115,13 +115,13 @@ def growth_figure(scene: Scene, verdicts: Sequence[Verdict], identity: str) -> F
     end = max(LENGTHS * scene.steps, 1)
     counts = sorted({end * i // PLACES for i in range(PLACES + 1)})
     curves = {found.key: _growth(found.key, scene.h, counts) for found in verdicts}
-    values = [value for curve in curves.values() for _, value in curve]
+    values = [value for curve in curves.values() for _, value in curve if value > -inf]
     low, high = floor(min(values)), ceil(max(values))
     low, high = (low, high) if high - low >= 2 else (-1, 1)
     x = linear(Fraction(0), Fraction(end), "steps n", WIDE[0])
     plot = Plot(x, decades(low, high, "growth after n steps", WIDE[1]))
     for i, curve in enumerate(curves.values()):
-        plot.line(curve, f"path {line_style(i)}")
+        plot.line([(n, value) for n, value in curve if value > -inf], f"path {line_style(i)}")
     ends = [f"{method_of(key).title} {10 ** curve[-1][1]:.3g}" for key, curve in curves.items() if curve[-1][1] < 300]
     return Figure(
         identity=f"{identity}-growth",
@@ -131,27 +131,25 @@ def growth_figure(scene: Scene, verdicts: Sequence[Verdict], identity: str) -> F
         f"{ten_to(low)} to {ten_to(high)}. At the end: {', '.join(ends)}.",
         plot=plot,
         legend=[(f"line path {line_style(i)}", method_of(key).title) for i, key in enumerate(curves)],
-        note=f"{LENGTHS} times as many steps as the scene has. A line that keeps climbing is an unbounded method's.",
+        note=f"{LENGTHS} times as many steps as the scene has. The line of an unbounded method keeps climbing.",
         data=_data(counts, curves),
         data_title="Growth, as powers of ten",
     )
 
 
 def _growth(key: str, h: Fraction, counts: Sequence[int]) -> list[tuple[float, float]]:
-    """(n, log₁₀ of the Frobenius norm of Mⁿ over √2), as long as the power is not zero to FIRST_BITS bits."""
+    """(n, log₁₀ of the Frobenius norm of Mⁿ over √2); -inf for a power that is zero to FIRST_BITS bits."""
     matrix, found = exact_matrix_at(method_of(key), h), []
     with ctx.workprec(FIRST_BITS):
         balls = as_balls(matrix)
         for n in counts:
             size = sum((x * x for x in power(balls, n)), arb(0)) / 2
-            if not size > 0:
-                break
-            found.append((float(n), float((size.log() / arb(10).log() / 2).mid())))
+            found.append((float(n), float((size.log() / arb(10).log() / 2).mid()) if size > 0 else -inf))
     return found
 
 
 def _data(counts: Sequence[int], curves: dict[str, list[tuple[float, float]]]) -> list[list[str]]:
     header = ["n", *(method_of(key).title for key in curves)]
     columns = [[f"{value:z.4f}" for _, value in curve] for curve in curves.values()]
-    rows = [[str(n), *(column[i] if i < len(column) else "0" for column in columns)] for i, n in enumerate(counts)]
+    rows = [list(row) for row in zip(map(str, counts), *columns, strict=True)]
     return [header, *rows[:: max(1, len(rows) // 20)]]

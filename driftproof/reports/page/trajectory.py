@@ -104,8 +104,8 @@ def position(run: SampledRun) -> Figure:
         f"the exact motion at q = {_number(run.exact[-1, 0])}.",
         plot=plot,
         legend=[("line exact path", "exact"), (_LINE if run.thin else _DOTTED, "computed")],
-        note=f"{len(run.times) - 1} steps; the segments only join what was computed."
-        + (" Of each column the extremes are drawn." if run.thin else ""),
+        note=f"{len(run.times) - 1} steps, joined by straight segments."
+        + (" Only the extremes of each column of pixels are drawn." if run.thin else ""),
         data=run.data(0),
         data_title=f"Positions, {run.method}",
     )
@@ -127,7 +127,7 @@ def phase_plane(run: SampledRun) -> Figure:
         identity=f"{run.identity}-phase_plane",
         kind="square",
         title=f"Phase plane: {run.method}",
-        description=f"Velocity v against position q, both axes from {label(-reach)} to {label(reach)} at one scale. "
+        description=f"Velocity v against position q, both axes from {label(-reach)} to {label(reach)} at equal scale. "
         f"Dashed: the exact path, a circle of radius {_number(run.radius)}, run {sense}. {drawn} "
         f"Open ring: the exact final state {_pair(exact)}. Solid disc: the computed final state {_pair(computed)}.",
         plot=plot,
@@ -137,7 +137,7 @@ def phase_plane(run: SampledRun) -> Figure:
             ("end exact end", "exact end"),
             ("end samples end", "computed end"),
         ],
-        note=f"One scale for both axes: the circle is round, and its radius is {_number(run.radius)}.",
+        note=f"Both axes have the same scale; the radius of the circle is {_number(run.radius)}.",
         data=run.data(1),
         data_title=f"Velocities, {run.method}",
     )
@@ -163,7 +163,7 @@ def write_figures(scene: Scene, folder: Path) -> list[Path]:
 def demand_drawable(scene: Scene) -> None:
     """Raise ValueError for a scene of more than MOST_DRAWN_STEPS steps."""
     if scene.steps > MOST_DRAWN_STEPS:
-        raise ValueError(f"scene {scene.name!r}: at most {MOST_DRAWN_STEPS} steps are drawn, not {scene.steps}")
+        raise ValueError(f"scene {scene.name!r}: {scene.steps} steps are too many to draw; at most {MOST_DRAWN_STEPS}")
 
 
 def setting(scene: Scene) -> str:
@@ -195,7 +195,7 @@ def _draw_path(plot: Plot, run: SampledRun, pixel: float) -> tuple[str, str]:
         return _LINE, _joined(run)
     kept = evenly_spaced(len(run.states), MOST_MARKS)
     plot.dots(map(tuple, run.states[kept]), "samples specks")
-    return "line samples specks", f"Specks: {len(kept)} of {len(run.states)} computed samples, not joined."
+    return "line samples specks", f"Small dots: {len(kept)} of {len(run.states)} computed samples, not joined."
 
 
 def _joined(run: SampledRun) -> str:

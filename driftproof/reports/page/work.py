@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from fractions import Fraction
 from math import isfinite, log10
 
@@ -31,12 +32,11 @@ _GOALS = (-3, -6)
 def work_curves(scene: Scene) -> list[Curve]:
     """Each method's curve at the scene's number of steps, halved and doubled. Raises ValueError for t <= 0."""
     if scene.t <= 0:
-        raise ValueError(f"scene {scene.name!r}: work is compared up to a t above 0")
+        raise ValueError(f"scene {scene.name!r}: comparing work needs t > 0")
     problem, found = problem_of(scene), list[Curve]()
     for key in scene.every_method:
-        found += curves(
-            problem, [key], halved_and_doubled(scene.steps, FINEST if method_of(key).explicit else FINEST_IMPLICIT)
-        )
+        counts = halved_and_doubled(scene.steps, FINEST if method_of(key).explicit else FINEST_IMPLICIT)
+        found += curves(problem, [key], counts)
     return found
 
 
@@ -53,17 +53,8 @@ def problem_of(scene: Scene) -> Problem:
     """The oscillator from the scene's start to its t; the reference is the exact state, to REFERENCE_DIGITS digits."""
     exact = OscillatorRun(method_of(scene.selected), scene.h, scene.t, scene.start).exact_state
     q, v = (significant(x, REFERENCE_DIGITS) for x in exact)
-    reference = Reference((scene.t,), ((q, v),), EXACT, "the closed form, certified in balls")
-    return Problem(
-        key="scene",
-        title=HARMONIC.title,
-        field=HARMONIC.field,
-        start=scene.start,
-        reference=reference,
-        source=HARMONIC.source,
-        second_order=True,
-        matrix=HARMONIC.matrix,
-    )
+    reference = Reference((scene.t,), ((q, v),), EXACT, "the closed form, in ball arithmetic")
+    return replace(HARMONIC, key="scene", start=scene.start, reference=reference, energy=None, expected={})
 
 
 def work_figure(
@@ -76,8 +67,7 @@ def work_figure(
     x, y = (decades_of((place[i] for place in every), names[i], WIDE[i]) for i in (0, 1))
     plot, ringed = Plot(x, y), "" if own is None else f"h = {t / own}"
     for i, curve in enumerate(found):
-        points = places[curve.key]
-        if points:
+        if points := places[curve.key]:
             plot.line(points.values(), f"path {line_style(i)}")
             plot.dots(points.values(), f"dots {line_style(i)}")
         if own in points:
@@ -90,7 +80,7 @@ def work_figure(
         f"{f'Rings: {ringed}. ' if ringed else ''}{' '.join(map(_sentence, found))}",
         plot=plot,
         legend=[(f"line path {line_style(i)}", curve.title) for i, curve in enumerate(found)],
-        note=f"{f'Ringed: {ringed}. ' if ringed else ''}Along a line each point has half the step of the one before.",
+        note=f"{f'Ringed: {ringed}. ' if ringed else ''}From point to point along a line, the step size is halved.",
         data=_data(found, cost),
         data_title=f"Error and {cost}",
     )
@@ -107,8 +97,7 @@ def _places(curve: Curve) -> dict[int | None, tuple[float, float]]:
 
 
 def _sentence(curve: Curve) -> str:
-    plotted = _plotted(curve)
-    if not plotted:
+    if not (plotted := _plotted(curve)):
         return f"{curve.title}: none."
     words = [f"{short(point.error)} at {spent}" for point, spent in (plotted[0], plotted[-1])]
     return f"{curve.title}: from {words[0]} to {words[1]}."
@@ -122,12 +111,12 @@ def work_table(found: Sequence[Curve]) -> str:
         if curve.refused:
             rows.append([curve.title, curve.refused, *[""] * (len(header) - 2)])
             continue
-        order = curve.order
-        measured = f"{order.median:.3f} ({order.least:.3f} to {order.largest:.3f})" if order else "–"
+        measured = f"{x.median:.3f} ({x.least:.3f} to {x.largest:.3f})" if (x := curve.order) else "–"
+        most = max((point.steps or 0 for point in curve.points), default=0)
         enough = [[p.evaluations for p in curve.points if p.error <= 10.0**g and p.evaluations] for g in _GOALS]
-        fewest = [str(min(calls)) if calls else "not reached" for calls in enough]
+        fewest = [str(min(calls)) if calls else f"not with {most} steps" for calls in enough]
         rows.append([curve.title, str(curve.claimed_order or "–"), measured, *fewest])
-    return html_table([header, *rows], "Orders, and the least work seen", "orders")
+    return html_table([header, *rows], "Orders, and the least work measured", "orders")
 
 
 def _data(found: Sequence[Curve], cost: str) -> list[list[str]]:

@@ -19,14 +19,14 @@ _COSTS = {
     EVALUATIONS: "evaluations of f",
     COMPILED: "seconds, compiled",
     PYTHON: "seconds, Python",
-    ENSEMBLE: "seconds a state, ensemble",
+    ENSEMBLE: "seconds per state, ensemble",
 }
 # Errors above this many times the size of the solution, of runs that have blown up, are not shown.
 _FARTHEST = 1000
 # Characters that fit above a panel.
 _CHARACTERS = 66
-_NO_RUN = "no run to show here"
-_THIN = ("line thin mark", "thin: largest on the way")
+_NO_RUN = "no run can be shown here"
+_THIN = ("line thin mark", "thin: largest error at the reference's times")
 
 
 def draw_study(study: Study, measured: Measured, quantity: str, folder: Path) -> Path:
@@ -46,7 +46,7 @@ def draw_study(study: Study, measured: Measured, quantity: str, folder: Path) ->
         folder / f"work_precision_{quantity}.svg",
         f"{what.capitalize()} against work",
         shorten(study.problem.title, _CHARACTERS * min(2, len(plots)), placeholder=" …"),
-        f"The {what} against {', '.join(_COSTS[c] for c in (EVALUATIONS, *measured.kinds))}; all axes logarithmic.",
+        f"The {what} against {', '.join(_COSTS[c] for c in (EVALUATIONS, *measured.kinds))}; all axes are logarithmic.",
         plots,
         legend,
     )
@@ -115,7 +115,7 @@ def _floors(study: Study, quantity: str) -> list[tuple[str, str, float]]:
     rounding, digits = floors(study.problem).get(quantity, 0.0), half_unit(study.problem.reference.states[-1])
     found = []
     if rounding > 0:
-        found.append(("floor", "rounding the exact result", log10(rounding)))
+        found.append(("floor", "rounding of the exact result", log10(rounding)))
     if quantity == STATE and digits > rounding:
         found.append(("digit", "the reference's last digit", log10(digits)))
     return found

@@ -78,7 +78,7 @@ def peers_named(names: Iterable[str]) -> list[Peer]:
     found = []
     for name in dict.fromkeys(names):
         if name not in PEERS:
-            others = f"; the peers are {', '.join(PEERS)}"
+            others = f"; choose from {', '.join(PEERS)}"
             raise ValueError(f"unknown peer {name[:60]!r}{did_you_mean(name, PEERS) or others}")
         found.append(PEERS[name])
     return found
@@ -160,7 +160,7 @@ class Heyoka(Solver):
         stepper.state[:] = self.start
         outcome = stepper.propagate_until(t, max_steps=_MOST_STEPS)[0]
         if outcome != self.heyoka.taylor_outcome.time_limit:  # its name for the end of the interval
-            raise ArithmeticError(f"{outcome} within {_MOST_STEPS} steps")
+            raise ArithmeticError(f"stopped within {_MOST_STEPS} steps: {outcome}")
         return tuple(map(float, stepper.state))
 
     def counted(self, tolerance: float, t: float, most: float = inf) -> int | None:
@@ -195,7 +195,7 @@ class Diffrax(Solver):
     def _result(self, found: Any) -> State:
         y, successful = found
         if not successful:
-            raise ArithmeticError(f"not at the end within {_MOST_STEPS} steps")
+            raise ArithmeticError(f"the end is not reached within {_MOST_STEPS} steps")
         return tuple(map(float, y))
 
     def _solver(self, *, counting: bool) -> Callable[[Any, Any], Any]:

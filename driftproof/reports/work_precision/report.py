@@ -21,7 +21,7 @@ from driftproof.reports.work_precision.study import EVALUATIONS, Measured, Study
 from driftproof.support.files import atomic_write
 from driftproof.support.plain_text import Json, as_json, table, with_digits
 
-_LABELS = {EVALUATIONS: EVALUATIONS, "compiled": "compiled", "python": "Python", ENSEMBLE: "ensemble, a state"}
+_LABELS = {EVALUATIONS: EVALUATIONS, "compiled": "compiled", "python": "Python", ENSEMBLE: "ensemble, per state"}
 _Key = TypeVar("_Key")
 _Member = TypeVar("_Member")
 # The points by kind of cost and by curve.
@@ -42,16 +42,12 @@ def priced(measured: Measured, cost: str) -> dict[str, list[Priced]]:
 def errors_json(study: Study, measured: Measured) -> Json:
     """What is the same in every run: errors, evaluations, orders. Numbers are strings, floats exact to the last bit."""
     problem, reference = study.problem, study.problem.reference
+    about = {name: getattr(reference, name) for name in ("evidence", "source", "times")}
     return strings(
         {
             "problem": problem.key,
             "title": problem.title,
-            "reference": {
-                "evidence": reference.evidence,
-                "source": reference.source,
-                "times": reference.times,
-                "half_unit": half_unit(reference.states[-1]),
-            },
+            "reference": about | {"half_unit": half_unit(reference.states[-1])},
             "floors": floors(problem),
             "curves": [_curve_json(curve) for curve in measured.curves.values()],
             "dominated_by_evaluations": dominators(priced(measured, EVALUATIONS)),
@@ -73,14 +69,13 @@ _POINT_FIELDS = ("setting", "evaluations", "errors", "doubt", "remark")
 
 def times_json(study: Study, measured: Measured) -> Json:
     """What was measured in seconds, and on which machine; for ensembles, the seconds of all MEMBERS states."""
-    absent = dict(measured.absent) | {peer.name: INSTALL for peer in study.peers if not peer.installed}
     return strings(
         {
             "question": study.question(),
             "members": str(MEMBERS),
             "warm_up": measured.warm_up,
             "timings": {name: _timing_json(timing) for name, timing in measured.timings.items()},
-            "absent": absent,
+            "absent": dict(measured.absent) | {peer.name: INSTALL for peer in study.peers if not peer.installed},
         }
     )
 
@@ -134,15 +129,15 @@ def study_text(study: Study, measured: Measured) -> str:
     """The tables: orders, dominated methods, and the least work for each goal; then what was not run, and why."""
     costs = [EVALUATIONS, *measured.kinds]
     by_cost = {cost: priced(measured, cost) for cost in costs}
-    parts = [_head(study), table(order_rows(measured), right=(1,))]
+    parts = [_head(study), table(order_rows(measured, study.problem.stiff), right=(1,))]
     dominated = dominated_rows(by_cost)
     if len(dominated) > 1:
-        title = "Dominated: at every point that follows the solution others have no more error at no more cost"
+        title = "Dominated: for each of its points, another method has no larger error and no larger cost"
         parts.append(f"{title}\n\n{table(dominated)}")
     for goal in GOALS:
         rows = goal_rows(measured, by_cost, goal)
         parts.append(
-            f"Least work for an error of at most {f'{goal:.0e}'.replace('e-0', 'e-')} (* least of all)\n\n{table(rows)}"
+            f"Least work for an error of at most {f'{goal:.0e}'.replace('e-0', 'e-')} (* the least)\n\n{table(rows)}"
         )
     return "\n\n".join([*parts, "\n".join(_remarks(study, measured))])
 
@@ -158,13 +153,14 @@ def _head(study: Study) -> str:
     )
 
 
-def order_rows(measured: Measured) -> list[list[str]]:
-    """Claimed and measured order, with the least and the largest slope, and the least error seen."""
+def order_rows(measured: Measured, stiff: bool = False) -> list[list[str]]:
+    """Claimed and measured order, with the least and the largest slope, and the least error; names order reduction."""
     rows = [["method", "order", "measured", "least error", ""]]
     for key, curve in measured.curves.items():
         order = curve.order
         shown = f"{order.median:.2f} ({order.least:.2f} to {order.largest:.2f})" if order else ""
-        rows.append([key, str(curve.claimed_order or ""), shown, _least_error(curve), curve.verdict])
+        reduced = ": order reduction" * (stiff and curve.verdict.startswith("below"))
+        rows.append([key, str(curve.claimed_order or ""), shown, _least_error(curve), curve.verdict + reduced])
     return rows
 
 
@@ -219,26 +215,26 @@ def seconds_text(seconds: float) -> str:
 
 def _remarks(study: Study, measured: Measured) -> list[str]:
     """What does not apply, what was not run and what is absent; then how times were taken."""
-    lines = [f"{key}: not applicable: {c.refused}" for key, c in measured.curves.items() if c.refused]
+    lines = [f"{key}: does not apply: {c.refused}" for key, c in measured.curves.items() if c.refused]
     for key, curve in measured.curves.items():
         by_remark = _grouped((point.remark, point) for point in curve.points if point.remark)
         lines += [f"{key} at {_settings(curve, points)}: {remark}" for remark, points in by_remark.items()]
     lines += [f"peer {peer.name}: {INSTALL}" for peer in study.peers if not peer.installed]
     absent = _grouped(((name.split(" | ")[1], why), name.split(" | ")[0]) for name, why in measured.absent.items())
-    lines += [f"no times, {_LABELS[kind]}, of {', '.join(keys)}: {why}" for (kind, why), keys in absent.items()]
+    lines += [f"no times ({_LABELS[kind]}) for {', '.join(keys)}: {why}" for (kind, why), keys in absent.items()]
     marked = (name.split(" | ") for name, timing in measured.timings.items() if timing.remark)
-    untimed = _grouped((f"{key}, {_LABELS[kind]}", setting) for key, kind, setting in marked)
-    lines += [f"not timed: {whose}, at {', '.join(settings)}" for whose, settings in untimed.items()]
+    untimed = _grouped((f"{key} ({_LABELS[kind]})", setting) for key, kind, setting in marked)
+    lines += [f"not timed: {whose} at {', '.join(settings)}" for whose, settings in untimed.items()]
     spreads = [t.spread for t in measured.timings.values() if t.samples and t.spread is not None]
     if spreads:
         lines.append(
-            f"Times are minima of up to {ROUNDS} turns in random order, garbage collection off; half of the spreads "
-            f"are below {100 * median(spreads):.0f} %. Warm-up and compilation are apart."
+            f"Times are the least of up to {ROUNDS} turns in random order, garbage collection off; half of the spreads "
+            f"are below {100 * median(spreads):.0f} %. Warm-up and compilation are not included."
         )
-    lines.append("- means that there is nothing to measure, or that no point has an error.")
+    lines.append("-: nothing to measure, or no point with an error.")
     if any(_least_error(curve) == "lost" for curve in measured.curves.values()):
         lines.append("lost: no run has an error below the size of the solution.")
-    lines.append("Evaluations are those that the program makes, also where the last of a step is the next one's first.")
+    lines.append("Evaluations are counted as made, even if a step begins by repeating the last one of the step before.")
     asked = study.question()
     lines.append(f"{asked['machine']}; " + ", ".join(f"{name} {v}" for name, v in asked["versions"].items()))
     return lines

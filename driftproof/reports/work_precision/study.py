@@ -133,13 +133,13 @@ class ResultStore:
             different = [key for key in self.question if held["question"].get(key) != self.question[key]]
             if not different:
                 if held.pop("checksum") != _checksum(held):
-                    raise ValueError("it was damaged")
+                    raise ValueError("the checksum is wrong")
                 self.measured = _from_json(held)
         except (ValueError, KeyError, TypeError, AttributeError, RecursionError):
-            say(f"{path} holds no points that can be read; everything is measured anew")
+            say(f"{path} cannot be read; everything is measured again")
         else:
             if different:
-                say(f"{path} answers another question ({', '.join(different)} differ); everything is measured anew")
+                say(f"{path} is from another study ({', '.join(different)} differ); everything is measured again")
 
 
 def _checksum(content: dict[str, Any]) -> str:
@@ -280,7 +280,7 @@ def _begin_timings(study: Study, measured: Measured, curve: Curve, made: _Calls)
         for name, point in zip(names, points, strict=True):
             expected = seconds * (point.steps or 1) / before
             if expected > study.limit:
-                measured.timings.setdefault(name, Timing(remark=f"about {expected:.2g} s, limit {study.limit:g} s"))
+                measured.timings.setdefault(name, Timing(remark=f"about {expected:.2g} s, over {study.limit:g} s"))
                 continue
             call = call_at(point)
             remark = "" if kind == ENSEMBLE else doubtful(study.problem, point, call)
@@ -302,7 +302,7 @@ def doubtful(problem: Problem, point: Point, call: Callable[[], State]) -> str:
         same = distance_from_digits(call(), problem.reference.states[-1]) == point.error
     except (ArithmeticError, ValueError) as error:  # Python raises where compiled code goes on
         return f"{type(error).__name__}: {error}"
-    return "" if same else "it reaches another state than the run whose error was measured"
+    return "" if same else "its final state differs from that of the run whose error was measured"
 
 
 def _warm_up(measured: Measured, curve: Curve, kind: str, call_at: _CallAt, points: Sequence[Point]) -> float:

@@ -93,7 +93,7 @@ def settled(read: Callable[[], T | None], bits: int = ISOLATING_BITS, last: int 
         if answer is not None:
             return answer
         bits *= 2
-    raise Uncertified(f"undecided at {last} bits: the number is too close to a rounding boundary, or on it")
+    raise Uncertified(f"undecided with {last} bits: the number is on a rounding boundary, or too close to one")
 
 
 def sign_of_ball(ball: arb) -> int | None:
@@ -110,7 +110,7 @@ def endpoints(ball: arb) -> tuple[Fraction, Fraction]:
     """The two ends of a finite ball, as exact rationals."""
     for part in (ball.mid(), ball.rad()):
         if abs(int(part.man_exp()[1])) > LARGEST_BINARY_EXPONENT:
-            raise Uncertified("the number lies outside 10**-78000 .. 10**78000, too long to write out")
+            raise Uncertified("the number is outside 10**-78000 .. 10**78000 and too long to write out")
     middle, radius = dyadic(ball.mid()), dyadic(ball.rad())
     return middle - radius, middle + radius
 
@@ -182,7 +182,7 @@ def _demand_a_digit(digits: int) -> None:
 def _round_to_integer(x: Fraction, rounding: str) -> int:
     """|x| rounded to an integer: up for AWAY, else to the nearest, ties up for HALF_AWAY and to even for HALF_EVEN."""
     if rounding not in ROUNDINGS:
-        raise ValueError(f"unknown rounding {rounding!r}; choose one of {', '.join(ROUNDINGS)}")
+        raise ValueError(f"unknown rounding {rounding!r}; choose from {', '.join(ROUNDINGS)}")
     x = abs(x)
     if rounding == AWAY:
         return ceil(x)

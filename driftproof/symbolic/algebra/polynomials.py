@@ -256,7 +256,7 @@ def odd_part(p: Polynomial) -> Polynomial:
 def deflate(p: Polynomial) -> Polynomial:
     """The polynomial e with p(z) = e(z²). Raises ValueError if an odd power occurs."""
     if odd_part(p):
-        raise ValueError("an odd power occurs")
+        raise ValueError("the polynomial has an odd power")
     return even_part(p)
 
 

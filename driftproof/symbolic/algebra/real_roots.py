@@ -219,5 +219,5 @@ def the_one(candidates: Iterable[RealRoot], fits: Callable[[RealRoot], bool]) ->
         return None if len(left) > 1 else left
 
     if (found := next(iter(settled(fitting)), None)) is None:
-        raise ValueError("none of the roots is the number")
+        raise ValueError("no root is the number")
     return found

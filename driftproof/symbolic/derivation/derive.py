@@ -116,10 +116,8 @@ class Derivation(Printable):
         qq, qv, vq, vv = (expression(x) for x in entries(self._m))
         area_form = vq * POSITION**2 + sympy.factor(vv - qq) * POSITION * VELOCITY - qv * VELOCITY**2
         steps = [
-            ProofStep("The area between $z$ and its image is a quadratic form.", (AREA_FORM, area_form)),
-            ProofStep(
-                r"A step multiplies it by $\det M$, as it does every area.", (DET, expression(determinant(self._m)))
-            ),
+            ProofStep("The area spanned by $z$ and its image is a quadratic form in $z$.", (AREA_FORM, area_form)),
+            ProofStep(r"A step multiplies it, like every area, by $\det M$.", (DET, expression(determinant(self._m)))),
         ]
         try:
             found = invariant_quadratic(self._m)
@@ -148,7 +146,7 @@ class Derivation(Printable):
         """The two roots of the characteristic polynomial."""
         inside = expression(discriminant(self._m))
         value = sympy.Tuple(*multipliers(self._m))
-        halves = ("Half the trace plus half the square root of the discriminant:", "Minus half of that root:")
+        halves = ("Half the trace plus half the square root of the discriminant:", "The same with a minus sign:")
         steps = [
             ProofStep(
                 "The discriminant; where it is negative, the roots are complex conjugates.",

@@ -63,7 +63,7 @@ def invariant_quadratic(m: DomainMatrix) -> EnergyForm:
     if not solutions.shape[0]:
         raise ValueError("no quadratic form is conserved")
     if solutions.shape[0] != 1:
-        raise ValueError(f"the conserved quadratics form a space of dimension {solutions.shape[0]}, not a line")
+        raise ValueError(f"the conserved quadratic forms have dimension {solutions.shape[0]}, so none is distinguished")
     return _normalised(*solutions.to_list()[0])
 
 
@@ -78,7 +78,7 @@ def _normalised(q2: StepPolynomial, qv: StepPolynomial, v2: StepPolynomial) -> E
     cleared = [polynomial.exquo(content) for polynomial in cleared]
     at_zero = cleared[0].evaluate(H, 0)
     if not at_zero or cleared[2].evaluate(H, 0) != at_zero or cleared[1].evaluate(H, 0):
-        raise ValueError("the conserved quadratic does not become the energy as h goes to 0")
+        raise ValueError("the conserved quadratic form does not tend to the energy as h goes to 0")
     return EnergyForm(*(polynomial / (2 * at_zero) for polynomial in cleared))
 
 

@@ -122,6 +122,6 @@ def _linear_coefficients(polynomial: StepPolynomial, name: str) -> list[StepPoly
     row = {"q": RING.zero, "v": RING.zero}
     for (in_q, in_v, in_h), coefficient in polynomial.terms():
         if in_q + in_v != 1:
-            raise ValueError(f"the step is not linear in the state: its {name} holds q**{in_q} * v**{in_v}")
+            raise ValueError(f"the step is not linear in the state: its {name} has the term q**{in_q} * v**{in_v}")
         row["q" if in_q else "v"] += RING({(in_h,): coefficient})
     return [row["q"], row["v"]]

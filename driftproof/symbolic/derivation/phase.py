@@ -43,7 +43,7 @@ def phase_error_series(m: DomainMatrix, terms: int) -> StepPolynomial:
     squared_sine = rs_trunc(area - half_trace**2, H, longer)  # h² (1 + ...) for a consistent method
     quotient, remainder = divmod(squared_sine, H**2)
     if remainder or quotient.evaluate(H, 0) != 1 or half_trace.evaluate(H, 0) != 1:
-        raise ValueError("the step is not a consistent rotation: its angle is not h + O(h**2)")
+        raise ValueError("the step does not turn by an angle h + O(h**2), as a consistent method does")
     sine = H * rs_nth_root(quotient, 2, H, terms)
     tangent = rs_trunc(sine * rs_series_inversion(half_trace, H, terms), H, terms)
     return rs_atan(tangent, H, terms) - H

@@ -16,7 +16,7 @@ def roots_between(polynomial: StepPolynomial, low: Fraction | None, high: Fracti
     (sturm-1835), and roots at the ends are subtracted. Raises ValueError for the zero polynomial.
     """
     if not polynomial:
-        raise ValueError("the zero polynomial has no finite number of roots")
+        raise ValueError("the zero polynomial has infinitely many roots")
     low_end, high_end = (None if x is None else sympy.Rational(x.numerator, x.denominator) for x in (low, high))
     counted = int(sympy.Poly(expression(polynomial), expression(H)).sqf_part().count_roots(low_end, high_end))
     return counted - sum(not at_rational(polynomial, x) for x in {low, high} if x is not None)

@@ -84,8 +84,8 @@ def _nystrom(method: Nystrom) -> tuple[DomainMatrix, list[ProofStep]]:
     kick = VELOCITY + STEP_SIZE * _combined(method.b_velocity, names)
     position, velocity = _forms(total)
     after = [
-        ProofStep("The position adds the velocity and the weighted forces.", (sympy.Symbol("q_1"), drift, position)),
-        ProofStep("The velocity adds the weighted forces.", (sympy.Symbol("v_1"), kick, velocity)),
+        ProofStep("The position moves by velocity and weighted forces.", (sympy.Symbol("q_1"), drift, position)),
+        ProofStep("The velocity changes by the weighted forces.", (sympy.Symbol("v_1"), kick, velocity)),
     ]
     return total, [*_stage_steps(names, equations, _forms(stages), method.explicit), *after]
 
@@ -103,7 +103,7 @@ def _splitting(method: Splitting) -> tuple[DomainMatrix, list[ProofStep]]:
     product = (sympy.Mul(*names),) if len(names) > 1 else ()
     return total, [
         *steps,
-        ProofStep("$M$ is their product, the first one rightmost.", (MATRIX, *product, as_matrix(total))),
+        ProofStep("$M$ is their product, with the first one on the right.", (MATRIX, *product, as_matrix(total))),
     ]
 
 
@@ -132,14 +132,14 @@ def _stage_steps(
 ) -> list[ProofStep]:
     numbered = list(enumerate(zip(names, equations, solved, strict=True), start=1))
     if explicit:
-        known = "Stage {} is an explicit formula."
+        known = "Stage {} is given by a formula."
         return [
             ProofStep(known.format(i), (k, *dict.fromkeys((equation, form)))) for i, (k, equation, form) in numbered
         ]
-    equations_first = [ProofStep(f"Stage {i} is an equation:", (k, equation)) for i, (k, equation, _) in numbered]
+    equations_first = [ProofStep(f"Stage {i} solves an equation:", (k, equation)) for i, (k, equation, _) in numbered]
     return [
         *equations_first,
-        *(ProofStep("The equations are linear; solution:", (k, form)) for _, (k, _, form) in numbered),
+        *(ProofStep("The equations are linear; their solution:", (k, form)) for _, (k, _, form) in numbered),
     ]
 
 

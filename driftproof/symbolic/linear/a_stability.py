@@ -54,7 +54,7 @@ def i_stability(r: RationalFunction) -> Decision:
     margin = imaginary_margin(r)
     negative = negative_point(margin)
     if negative is not None:
-        return Decision(False, "|Q(iy)|**2 - |P(iy)|**2 < 0 at the y**2 given", negative)
+        return Decision(False, "|Q(iy)|**2 - |P(iy)|**2 < 0 at the given y**2", negative)
     return Decision(True, "|Q(iy)|**2 - |P(iy)|**2 >= 0 for every y" if margin else "|R(iy)| = 1 for every y")
 
 
@@ -67,7 +67,7 @@ def a_stability(r: RationalFunction) -> Decision:
     if not on_axis:
         return on_axis
     if not is_hurwitz(reflected(r.den)):
-        return Decision(False, "a pole in the left half-plane: the Routh scheme of Q(-z) is not of one sign")
+        return Decision(False, "a pole in the left half-plane: the Routh scheme of Q(-z) changes sign")
     return Decision(True, f"{on_axis.reason}, and every pole has Re z > 0 (Routh)")
 
 
@@ -101,7 +101,7 @@ def is_hurwitz(p: Polynomial) -> bool:
     Raises ValueError for the zero polynomial.
     """
     if not p:
-        raise ValueError("the zero polynomial has every number as a root")
+        raise ValueError("every number is a root of the zero polynomial")
     descending = p.coeffs()[::-1]
     upper, lower = descending[::2], descending[1::2]
     expected = sign(upper[0])
@@ -136,7 +136,7 @@ class EnclosedTangent:
         self.low, self.high = Fraction(0), Fraction(1)
         self._bits, self._poles = FIRST_SECTOR_BITS, dict[int, list[acb]]()
         if not self.holds(self.low):
-            raise ValueError("|R| > 1 somewhere on the negative real axis: there is no sector")
+            raise ValueError("|R| > 1 somewhere on the negative real axis, so there is no sector")
         while self.holds(self.high):
             self.low, self.high = self.high, 4 * self.high * self.high
         while not self.low:

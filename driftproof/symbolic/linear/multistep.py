@@ -168,7 +168,7 @@ class MultistepFacts(FactsOfFamily[Multistep]):
         holds, reason, witness = self._positive_real()
         constant = self.error_constant or Fraction(0)
         if holds and (self.method.explicit or self.order > 2 or (self.order == 2 and constant > Fraction(-1, 12))):
-            raise AssertionError(f"{self.method.key}: A-stable against Dahlquist's second barrier")
+            raise AssertionError(f"{self.method.key}: found A-stable, which contradicts Dahlquist's second barrier")
         return AStability(holds, reason, witness, coefficients(self._on_circle[0]))
 
     @cached_property
@@ -229,10 +229,10 @@ class MultistepFacts(FactsOfFamily[Multistep]):
 
     def _positive_real(self) -> tuple[bool, str, Fraction | None]:
         if not self._stable_at_minus_one():
-            return False, "rho + sigma, of z = -1, has a root on or outside the unit circle", None
+            return False, "rho + sigma (z = -1) has a root on or outside the unit circle", None
         negative = negative_point(self._on_circle[0])
         if negative is not None:
-            return False, "Re(rho/sigma) < 0 on the unit circle, at the tan(arg/2)**2 given", negative
+            return False, "Re(rho/sigma) < 0 on the unit circle, at the given tan(arg/2)**2", negative
         return True, "Re(rho/sigma) >= 0 on the unit circle, and rho + sigma has all roots inside (Routh)", None
 
     def _sector_tangent(self) -> Limit:

@@ -75,7 +75,7 @@ def linear_step_matrix(method: Method, rows: Sequence[Sequence[Exact | int]]) ->
     """
     exact_rows = [[scalar(x) for x in row] for row in rows]
     if not exact_rows or any(len(row) != len(exact_rows) for row in exact_rows):
-        raise ValueError("the matrix of a linear system is square")
+        raise ValueError("the matrix of a linear system must be square")
     r = stability_function_of(method)
     return of_matrix(r, exact_rows) if r is not None else _partitioned(method, exact_rows)
 

@@ -136,7 +136,7 @@ def _cosine_and_sine(m: StepMatrix, terms: int) -> tuple[PowerSeries, PowerSerie
 def _square_root(x: Exact) -> Exact:
     """The exact square root of a rational x > 0. Raises NoRotationError for any other x."""
     if not isinstance(x, Fraction) or x <= 0:
-        raise NoRotationError(f"the step turns by s*h + O(h**2) with s**2 = {x}: no positive rational")
+        raise NoRotationError(f"the step turns by s*h + O(h**2) with s**2 = {x}, which is not a positive rational")
     product = x.numerator * x.denominator
     outer, inner = perfect_part(product, 2) or (1, product)
     root = isqrt(inner)

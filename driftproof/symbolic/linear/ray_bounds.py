@@ -127,7 +127,7 @@ def _critical_steps(num: _Coefficients, den: _Coefficients, minimal: Minimal) ->
     """The positive roots of `pair_polynomial`, cached, as all conjugates share them."""
     critical = pair_polynomial(RationalFunction(polynomial(num), polynomial(den)), minimal)
     if not critical:
-        raise UndecidedLimitError("R(hλ)R(hμ) = 1 for every h and some eigenvalues with λ + μ not 0: not decided")
+        raise UndecidedLimitError("R(hλ)R(hμ) = 1 for every h for some pair of eigenvalues with λ + μ ≠ 0")
     return positive_roots([critical])
 
 
@@ -145,7 +145,7 @@ def margin_sign(r: RationalFunction, place: Complex, h: fmpq) -> int:
         return settled(read, last=LAST_MARGIN_BITS)
     except Uncertified:
         bits = LAST_MARGIN_BITS
-        raise UndecidedLimitError(f"whether |R(hλ)| is 1 at h = {h} is not decided with {bits} bits") from None
+        raise UndecidedLimitError(f"{bits} bits do not tell whether |R(hλ)| is below or above 1 at h = {h}") from None
 
 
 def pair_polynomial(r: RationalFunction, minimal: Minimal) -> Polynomial:
@@ -160,7 +160,7 @@ def pair_polynomial(r: RationalFunction, minimal: Minimal) -> Polynomial:
     degree = in_step * comb(len(minimal) - 1, 2) * len(generator)
     if degree > LARGEST_PAIR_DEGREE:
         raise UndecidedLimitError(
-            f"a complex eigenvalue whose polynomial in h has degree {degree} > {LARGEST_PAIR_DEGREE}"
+            f"the polynomial in h of a complex eigenvalue has degree {degree} > {LARGEST_PAIR_DEGREE}"
         )
     companion = _companion(minimal)
     one = companion**0

@@ -79,12 +79,10 @@ def _fits(stages: StageCoefficients, other: StageCoefficients, chosen: tuple[int
 
 def _restricted(stages: StageCoefficients) -> StageCoefficients:
     """The tableau of the stages that affect the result, by a chain of nonzero aᵢⱼ to a nonzero weight; at least one."""
-    counted = {i for row in stages.weights for i, x in enumerate(row) if x}
-    while True:
-        reached = counted | {j for i in counted for j, x in enumerate(stages.a[i]) if x}
-        if reached == counted:
-            break
-        counted = reached
+    counted = found = {i for row in stages.weights for i, x in enumerate(row) if x}
+    while found:
+        found = {j for i in found for j, x in enumerate(stages.a[i]) if x} - counted
+        counted = counted | found
     kept = sorted(counted) or [0]
     return StageCoefficients(
         tuple(tuple(stages.a[i][j] for j in kept) for i in kept),
@@ -113,9 +111,10 @@ def _coarsest_partition(stages: StageCoefficients) -> list[int]:
     Classes are split until Σⱼ aᵢⱼ over each class depends on the class of i only; for Nyström methods, c as well.
     """
     labels = _labels(stages.c if len(stages.weights) > 1 else (None,) * len(stages.a))
+    rows = [[(j, x) for j, x in enumerate(row) if x] for row in stages.a]
     while True:
-        classes = [[j for j, k in enumerate(labels) if k == first] for first in sorted({*labels})]
-        sums = [tuple(total(row[j] for j in group) for group in classes) for row in stages.a]
+        shared = [(row, sorted({labels[j] for j, _ in row})) for row in rows]
+        sums = [[(k, s) for k in ks if (s := total(x for j, x in row if labels[j] == k))] for row, ks in shared]
         refined = _labels(list(zip(labels, sums, strict=True)))
         if refined == labels:
             return labels

@@ -50,19 +50,18 @@ def root_condition(p: Polynomial, most: int = 1) -> RootCondition:
     # Pairs of roots w and -w, all imaginary ones among them, are the roots of a common factor of both parts in s = w².
     paired = greatest_common_divisor(even_part(rest), odd_part(rest))
     on_circle = squarefree(paired)
-    if (
-        not is_hurwitz(quotient(rest, paired(X * X)))
-        or len(positive_roots([reflected(on_circle)])) < on_circle.degree()
-    ):
+    pairs = on_circle.degree()
+    if not is_hurwitz(quotient(rest, paired(X * X))) or len(positive_roots([reflected(on_circle)])) < pairs:
         return RootCondition(False, False, "a root is outside the unit circle")
-    multiplicities = {"1": at_one, "-1": at_minus_one, "a pair of conjugates": _largest_multiplicity(paired)}
+    multiplicities = {"1": at_one, "-1": at_minus_one, "a conjugate pair": _largest_multiplicity(paired)}
     strong = at_one <= most and not at_minus_one and not paired.degree()
     for where, multiplicity in multiplicities.items():
         if multiplicity > most:
-            return RootCondition(False, False, f"on the unit circle, {where} is a root {multiplicity} times")
-    on = [where for where, multiplicity in multiplicities.items() if multiplicity]
-    only = f"on the circle is {on[0]} alone" if on else "none is on it"
-    found = f"on the circle are {' and '.join(on)}" if on[1:] else only
+            return RootCondition(False, False, f"on the unit circle, {where} is a root of multiplicity {multiplicity}")
+    counted = "a conjugate pair" if pairs < 2 else f"{pairs} conjugate pairs"
+    on = [where.replace("a conjugate pair", counted) for where, multiplicity in multiplicities.items() if multiplicity]
+    only = f"{on[0]} {'is' if pairs < 2 else 'are'} on it" if on else "none is on it"
+    found = f"{' and '.join(on)} are on it" if on[1:] else only
     return RootCondition(True, strong, f"no root is outside the unit circle; {found}")
 
 

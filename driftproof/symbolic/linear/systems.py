@@ -120,7 +120,7 @@ def runge_kutta_bound(r: RationalFunction, place: RootPlace, block: int) -> Boun
 
 def _demand_simple(block: int) -> None:
     if block > 1:
-        raise UndecidedLimitError("a complex eigenvalue of degree 3 or more with a Jordan block is not decided")
+        raise UndecidedLimitError("no procedure decides a complex eigenvalue of degree 3 or more with a Jordan block")
 
 
 def _ray(place: RootPlace) -> tuple[fmpq, fmpq, RealRoot]:
@@ -162,7 +162,7 @@ def partitioned_bound(method: Method, place: RootPlace, block: int) -> Bound:
         bound = power_bound(_block(method, place))
         if block == 1 or bound == NEVER:
             return _bound_of_step(bound, _size(place))
-    raise UndecidedLimitError("not decided for this method: a Jordan block, or a step without a kick or a drift")
+    raise UndecidedLimitError("no procedure decides this: a Jordan block, or a step without kicks or drifts")
 
 
 def power_bound(m: StepMatrix) -> Bound:
@@ -239,7 +239,7 @@ def _partitioned(found: SystemFacts, eigenvalue: Eigenvalue, h: Fraction) -> boo
     """Decide boundedness on q' = v, v' = Kq by exact signs of the 2x2 matrix at h|λ|, see `_block`."""
     place = eigenvalue.place
     if eigenvalue.block > 1 or isinstance(place, Complex) or place == ZERO_ROOT:
-        raise UndecidedLimitError("a method that is not Runge-Kutta: only simple real and imaginary eigenvalues")
+        raise UndecidedLimitError("for splittings and the like, only simple real or imaginary eigenvalues are decided")
     return is_bounded(boundary_of(_block(found.method, place)), partial(sign_at, root=_times(_size(place), h)))
 
 

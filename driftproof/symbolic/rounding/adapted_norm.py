@@ -87,7 +87,7 @@ def adapted_norm(matrix: tuple[Exact, Exact, Exact, Exact]) -> AdaptedNorm:
     if not qv and not vq and qq == vv:
         return AdaptedNorm(Fraction(1), Fraction(0), Fraction(1), determinant)
     if (qq + vv) ** 2 - 4 * determinant >= 0:
-        raise NoAdaptedNorm("the step has real eigenvectors, so it is not a rotation times a factor in any norm")
+        raise NoAdaptedNorm("the step has real eigenvalues, so in no norm is it a rotation times a factor")
     scale = max(vq, -qv, key=absolute_value)
     return AdaptedNorm(vq / scale, (vv - qq) / scale, -qv / scale, determinant)
 

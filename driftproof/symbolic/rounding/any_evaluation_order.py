@@ -122,7 +122,7 @@ class LinearSizes:
         """The product. Raises ValueError if it is quadratic in the state."""
         free, linear = sorted((self, other), key=lambda each: any(column.length() for column in each.columns[:2]))
         if any(column.length() for column in free.columns[:2]):
-            raise ValueError("a product of two sizes that depend on the state")
+            raise ValueError("the step multiplies two sizes that depend on the state")
         return LinearSizes(*(free.columns[2] * column for column in linear.columns))
 
     def __pow__(self, n: int) -> LinearSizes:
@@ -193,5 +193,5 @@ def size_of_coefficient(exact: Exact, fmt: FloatFormat) -> Fraction:
     """A rational at or just above the size of a coefficient. Raises ValueError if that may underflow."""
     size = rational_above(absolute_value(exact))
     if 0 < size < power_of_two(fmt.emin):
-        raise ValueError(f"the coefficient {size} is in the underflow range of {fmt.name}")
+        raise ValueError(f"the coefficient {size} is so small that it underflows in {fmt.name}")
     return size

@@ -85,7 +85,7 @@ def run_bound(
     for what, x in (("h", h), ("the start's q", start[0]), ("the start's v", start[1])):
         _demand_number(what, x, fmt)
     if steps < 0:
-        raise HypothesisFails(f"N = {steps}: a run has no negative number of steps")
+        raise HypothesisFails(f"N = {steps}: the number of steps must not be negative")
     derived = fixed_step_bound(subject, h, fmt, force)
     norm = _norm(derived, h)
     growth, underflow = growth_per_step(norm, local or derived.linear)
@@ -113,7 +113,7 @@ def largest_safe_state(
     for x in operations_of(trace_step(subject, fmt, force, h)):
         a, b, free = linear_form(state_terms(magnitude(x), fmt))
         if free > fmt.largest:
-            raise OverflowError(f"at h = {h} the step overflows {fmt.name} from every state")
+            raise OverflowError(f"at h = {h} the step may overflow {fmt.name} from every state")
         if a or b:
             safe = min(safe, (fmt.largest - free) / (a + b))
     return safe
@@ -171,7 +171,7 @@ def _norm(derived: FixedStepBound, h: Fraction) -> AdaptedNorm:
 
 def _demand_number(what: str, x: Fraction, fmt: FloatFormat) -> None:
     if abs(x) > fmt.largest:
-        raise HypothesisFails(f"{what} is beyond the largest {fmt.name} number")
+        raise HypothesisFails(f"{what} is larger than the largest {fmt.name} number")
     if not fmt.holds(x):
         raise HypothesisFails(f"{what} = {x} is not a {fmt.name} number; the nearest is {fmt.nearest(x)}")
 
@@ -185,7 +185,7 @@ def _demand_safe(run: _Run, safe: Fraction, fmt: FloatFormat) -> None:
     size = scientific(run.reach, 4) if power < _LARGEST_WRITTEN_OUT else f"2**{power}"
     raise HypothesisFails(
         f"overflow of {fmt.name} cannot be excluded within {run.steps} steps: "
-        f"states might reach {size}, and a step is safe up to {scientific(safe, 4)}"
+        f"states might reach {size}, but a step is safe only up to {scientific(safe, 4)}"
     )
 
 

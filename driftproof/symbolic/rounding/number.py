@@ -138,14 +138,14 @@ class Rounded:
         """A method that raises RefusedOperation when called: numpy.sin(x) calls x.sin()."""
         if name.startswith("_"):
             raise AttributeError(name)
-        return lambda *operands: _refuse(f"a call of {name}")
+        return lambda *operands: _refuse(f"a call of {name}()")
 
     def _operand(self, other: object, operation: str) -> Rounded:
         if isinstance(other, Rounded):
             return other
         exact = rational_value(other)
         if exact is None:
-            _refuse(f"{operation} with {other!r}, which is {type(other).__name__} and not a finite number")
+            _refuse(f"{operation} with {other!r}, a {type(other).__name__} that is not a finite number")
         return constant(exact, self.format)
 
 
@@ -158,15 +158,15 @@ def _refusal(what: str) -> Any:
 
 # A comparison branches on a value, and a conversion hands it to code that cannot be followed.
 for _name, _what in {
-    **dict.fromkeys(("__eq__", "__ne__", "__lt__", "__le__", "__gt__", "__ge__"), "a comparison of a value"),
-    "__bool__": "a branch on a value",
+    **dict.fromkeys(("__eq__", "__ne__", "__lt__", "__le__", "__gt__", "__ge__"), "a comparison of computed values"),
+    "__bool__": "a branch on a computed value",
     **dict.fromkeys(("__float__", "__complex__"), "a conversion to float (float(x), or a function of math)"),
     **dict.fromkeys(("__int__", "__index__", "__trunc__"), "a conversion to int"),
     **dict.fromkeys(("__round__", "__floor__", "__ceil__"), "rounding a value to an integer"),
-    **dict.fromkeys(("__pow__", "__rpow__"), "a power, a library call with a rounding of its own; write the product"),
+    **dict.fromkeys(("__pow__", "__rpow__"), "a power, whose rounding is the library's own; write it as a product"),
     **dict.fromkeys(("__floordiv__", "__mod__", "__divmod__", "__rfloordiv__", "__rmod__"), "a floor division"),
-    "__abs__": "abs(), a branch on a value",
-    "__hash__": "a look-up by value",
+    "__abs__": "abs(), which branches on a value",
+    "__hash__": "a set or dictionary of computed values",
 }.items():
     setattr(Rounded, _name, _refusal(_what))
 
@@ -247,7 +247,7 @@ def _nearest(fmt: FloatFormat, exact: Exact) -> Fraction:
     try:
         return decide_by_enclosure(exact, fmt.nearest)
     except OverflowError as overflow:
-        raise OverflowError(f"{_place()}: a constant is out of range: {overflow}") from None
+        raise OverflowError(f"{_place()}: a constant is too large: {overflow}") from None
 
 
 def rational_value(x: object) -> Fraction | None:

@@ -73,7 +73,7 @@ class StepBound:
         """(M_qq, M_qv, M_vq, M_vv) of this program before any rounding, exact, zero coefficients left out."""
         (qq, qv, free_q), (vq, vv, free_v) = ([_in_h(x.exact, column) for column in COLUMNS] for x in self.outputs)
         if free_q or free_v:
-            raise NotLinear("the step is not linear in the state: it adds a constant of its own")
+            raise NotLinear("the step is not linear in the state: it adds a constant")
         return qq, qv, vq, vv
 
     @property
@@ -169,7 +169,7 @@ def trace_step(
     try:
         step = subject if callable(subject) else stepper(subject, lift_to(fmt))
     except MethodError as error:
-        raise MethodError(f"{error}; `driftproof certify` encloses the error of a run, rounding and all") from None
+        raise MethodError(f"{error}; `driftproof certify` encloses the error of a run, rounding included") from None
     result = step(force, Rounded(fmt, Q), Rounded(fmt, V), size)
     outputs = list(result) if isinstance(result, Iterable) else []
     if len(outputs) != 2:
@@ -251,13 +251,13 @@ def demand_linear(powers: Iterable[tuple[int, ...]]) -> None:
     """Raise NotLinear unless the last two powers of each term are those of q, v or 1."""
     for *_, in_q, in_v in powers:
         if (in_q, in_v) not in COLUMNS:
-            raise NotLinear(f"the step is not linear in the state: it holds q**{in_q} * v**{in_v}")
+            raise NotLinear(f"the step is not linear in the state: it has the term q**{in_q} * v**{in_v}")
 
 
 def _demand_number(x: object) -> Fraction:
     exact = rational_value(x)
     if exact is None:
-        raise RefusedOperation(f"the step returned {x!r}, which is {type(x).__name__} and not a number")
+        raise RefusedOperation(f"the step returned {x!r}, a {type(x).__name__} that is not a number")
     return exact
 
 
@@ -270,7 +270,7 @@ def _in_h(polynomial: ErrorPolynomial, column: tuple[int, int]) -> ByPower:
 
 def _differences(name: str, mine: ByPower, theirs: RationalFunction) -> list[str]:
     if theirs.den != 1:
-        return [f"{name}: the definition's is no polynomial in h"]
+        return [f"{name}: in the definition it is not a polynomial in h"]
     expected = {k: c for k, c in enumerate(coefficients(theirs.num)) if c}
     pairs = ((k, mine.get(k, 0), expected.get(k, 0)) for k in sorted(mine.keys() | expected.keys()))
     return [

@@ -47,7 +47,7 @@ def semidefinite(matrix: _Matrix) -> Semidefinite:
     The rest has no positive diagonal entry: it is 0, or x·Mx takes a negative value. Raises ValueError unless M = Mᵀ.
     """
     if matrix != tuple(zip(*matrix, strict=True)):
-        raise ValueError("only a symmetric matrix has a sign; this one is not symmetric")
+        raise ValueError("the matrix must be symmetric for its sign to be defined")
     rest = [list(row) for row in matrix]
     squares: list[tuple[int, Exact, _Vector]] = []
     while (pivot := next((i for i, row in enumerate(rest) if row[i] > 0), None)) is not None:

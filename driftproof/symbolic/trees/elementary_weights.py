@@ -157,7 +157,7 @@ def distinct_nodes(nodes: Sequence[Exact]) -> fmpq_poly:
     """The node polynomial M as an fmpq_poly. Raises ValueError if it is constant or has a multiple root."""
     polynomial = fmpq_poly([as_fmpq(x) for x in nodes])
     if polynomial.degree() < 1 or polynomial.gcd(polynomial.derivative()).degree() > 0:
-        raise ValueError(f"{tuple(map(str, nodes))} is no node polynomial: s >= 1 distinct nodes are needed")
+        raise ValueError(f"{tuple(map(str, nodes))} is not a node polynomial: it needs at least one node, all distinct")
     return polynomial
 
 

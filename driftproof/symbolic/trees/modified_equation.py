@@ -33,7 +33,7 @@ class BSeries:
     def coefficient(self, tree: Tree) -> Exact:
         """The coefficient a(t). Raises KeyError for a tree with more than `order` vertices."""
         if vertices(tree) > self.order:
-            raise KeyError(f"a tree of {vertices(tree)} vertices in a B-series of order {self.order}")
+            raise KeyError(f"the B-series ends at order {self.order}; the tree has {vertices(tree)} vertices")
         return EXACT.exact(self.coefficients[tree_number(tree)])
 
     def items(self) -> Iterator[tuple[Tree, Exact]]:

@@ -176,9 +176,9 @@ def order_to_tolerance(conditions: Conditions[AnyTree], tolerance: Fraction | in
     only because large trees have small weights. Raises TypeError for a float, ValueError for a negative tolerance.
     """
     if isinstance(tolerance, bool) or not isinstance(tolerance, Fraction | int):
-        raise TypeError(f"tolerance {tolerance!r} is {type(tolerance).__name__}; write a Fraction")
+        raise TypeError(f"tolerance {tolerance!r} is a {type(tolerance).__name__}; it must be a Fraction")
     if tolerance < 0:
-        raise ValueError(f"tolerance {tolerance} is below zero")
+        raise ValueError(f"tolerance {tolerance} is negative; it must be >= 0")
     highest = min(limit, conditions.bound)
     for n in range(1, highest + 1):
         found = (conditions.scalars.exact(x) for _, x in conditions.residuals(n) if x)

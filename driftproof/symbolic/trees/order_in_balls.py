@@ -59,7 +59,7 @@ class Balls:
 
     def exact(self, x: RingElement) -> Fraction:
         """Raise TypeError: a ball is not an exact number."""
-        raise TypeError(f"{x} is a ball, which stands for no exact number")
+        raise TypeError(f"{x} is a ball and has no exact value")
 
 
 @dataclass(frozen=True)

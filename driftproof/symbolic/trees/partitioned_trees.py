@@ -229,7 +229,7 @@ class _Clock:
         self._nodes = [scalars.lift(x) for x in c]
 
     def times(self, u: StageValues, v: StageValues) -> StageValues:
-        raise NotImplementedError("a vertex that stands for the time has no branches")
+        raise NotImplementedError("a vertex for the time cannot have branches")
 
     def inner(self, u: StageValues) -> StageValues:
         del u

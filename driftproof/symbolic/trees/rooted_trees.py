@@ -91,7 +91,7 @@ class TreeTable:
         found = self._joins.get((root, branch))
         if found is None:
             if self.branch[root] <= branch:
-                raise KeyError(f"tree {root} with branch {branch} is larger than the table of order {self.order}")
+                raise KeyError(f"tree {root} with branch {branch} exceeds the table, which ends at order {self.order}")
             found = self.join(self.join(self.rest[root], branch), self.branch[root])
             self._joins[root, branch] = found
         return found
@@ -122,7 +122,7 @@ def tree_table(order: int, kinds: int = 1, internal: int = 1) -> TreeTable:
     ValueError if order < 1 or not 1 <= internal <= kinds, and TooManyTrees.
     """
     if order < 1 or not 1 <= internal <= kinds:
-        raise ValueError(f"trees of order {order}, {kinds} kinds of vertices, {internal} with branches: too few")
+        raise ValueError(f"order {order}, kinds {kinds}, internal {internal}: need order >= 1, 1 <= internal <= kinds")
     return _table(order, kinds, internal)
 
 

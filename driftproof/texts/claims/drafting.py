@@ -105,23 +105,23 @@ def draft(document: Document, name: str, asked: Iterable[str] = ()) -> str:
         for *room, part in _uncovered(before, after, group, covered):
             if len(drafted) > MOST_CLAIMS:
                 raise ValueError(f"claims for more than {MOST_CLAIMS} groups of numbers are not drafted")
-            first = part[0].number.start
+            first = (one := part[0]).number.start
             place = "line {}, column {}".format(*document.position(first))
             phrase, stands = search.phrase(room, part)
             covered |= {at + member.number.start - first for at in stands | {first} for member in part}
             if not stands:
-                drafted.append(f"# {place}: no phrase can be drafted for {part[0].number.text}\n")
+                drafted.append(f"# {place}: no phrase can be drafted for {one.number.text}\n")
                 continue
             asked = ", ".join(member.alike[0].question for member in part if member.strong)
-            if part[0].chosen or part[0].strong:
+            if one.chosen or one.strong:
                 place = asked if 0 < len(asked) <= _LONGEST_ID else phrase
                 named[place] += 1
                 place += f" ({named[place]})" if named[place] > 1 else ""
             lines = ["[[claim]]", f"id = {_quoted(place)}", f"phrase = {_quoted(phrase)}"]
             lines += [f"count = {len(stands)}"] if len(stands) > 1 else []
-            if part[0].chosen:
+            if one.chosen:
                 lines += ['given = "the text chooses it"']
-            elif part[0].strong:
+            elif one.strong:
                 lines += _values(part)
             else:
                 lines = [f"# {line}" for line in ("TODO", *lines, 'given = "TODO: why"')]
@@ -236,7 +236,7 @@ def _escaped(text: str) -> str:
 
 
 def _values(group: _Group) -> list[str]:
-    best = [(_quoted(member.alike[0].question), _form(member.alike[0].form)) for member in group]
+    best = [(_quoted(alike.question), _form(alike.form)) for alike, *_ in (member.alike for member in group)]
     if len(best) == 1:
         return [f"value = {best[0][0]}", *best[0][1]]
     tables = [f"{{ {', '.join([f'ask = {question}', *form])} }}" if form else question for question, form in best]

@@ -10,7 +10,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from decimal import Decimal
 from fractions import Fraction
-from itertools import zip_longest
+from itertools import count, zip_longest
 from typing import TYPE_CHECKING, TypeAlias
 
 from driftproof.texts.readers import number_words as words
@@ -72,7 +72,7 @@ class NumberForm:
         if self.digits is not None:
             return decimal_spellings(value.digits(self.digits, style))
         if isinstance(x, Fraction) and 10**MOST_DECIMALS % x.denominator == 0:
-            return [value.places(next(n for n in range(MOST_DECIMALS + 1) if 10**n % x.denominator == 0))]
+            return [value.places(next(n for n in count() if 10**n % x.denominator == 0))]
         raise ValueError("the decimal of the value does not terminate; add places, digits or exact")
 
 

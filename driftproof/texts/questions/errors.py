@@ -52,10 +52,7 @@ class _Alarm(BaseException):
 
 @contextmanager
 def time_limit(question: str, seconds: float) -> Iterator[None]:
-    """Raise QuestionError if the body takes longer than `seconds`.
-
-    This uses an interval timer, so it has no effect outside the main thread or on systems without such timers.
-    """
+    """Raise QuestionError if the body takes longer than `seconds`, in the main thread of systems with timers."""
     if not hasattr(signal, "setitimer") or threading.current_thread() is not threading.main_thread():
         yield
         return
@@ -64,11 +61,13 @@ def time_limit(question: str, seconds: float) -> Iterator[None]:
         raise _Alarm
 
     before = signal.signal(signal.SIGALRM, ring)
-    signal.setitimer(signal.ITIMER_REAL, seconds)
+    theirs, interval = signal.setitimer(signal.ITIMER_REAL, seconds)
     try:
         yield
     except _Alarm:
         raise QuestionError(question, 1, f"no answer within {seconds:g} seconds") from None
     finally:
-        signal.setitimer(signal.ITIMER_REAL, 0)
+        left, _ = signal.setitimer(signal.ITIMER_REAL, 0)
         signal.signal(signal.SIGALRM, before)
+        if theirs:  # the caller's timer runs on, or rings now
+            signal.setitimer(signal.ITIMER_REAL, max(theirs - seconds + left, 1e-6), interval)

@@ -129,7 +129,6 @@ ASKED_ELSEWHERE = {"stiff": "for the order on stiff problems, ask for stage_orde
 TO_DIGITS = re.compile(
     r"(?:,? rounded)? to (?P<count>\d+) (?:significant |decimal )?(?:(?P<digits>digits|figures)|places|decimals)\b"
 )
-_LONGEST_NAME = 6
 # Coefficients of a tableau: a21, a_10_2, b1, bhat1 of the embedded weights, c3; and slopes such as k1.q.
 COEFFICIENT = re.compile(r"(?P<a>a)(?:_?([1-9])([1-9])|_([1-9][0-9]?)_([1-9][0-9]?))|(?P<row>bhat|b|c)_?([1-9][0-9]?)")
 SLOPE = re.compile(r"k[1-9][0-9]{0,2}(?:\.[A-Za-z][A-Za-z0-9]*)?")
@@ -152,7 +151,7 @@ def longest_name(tokens: Sequence[Token]) -> tuple[str, int]:
     Spaces or hyphens separate its words; case and the words of ASKING, such as "the", are ignored.
     """
     found, words = ("", 0), list[str]()
-    for i, token in enumerate(tokens[: 2 * _LONGEST_NAME]):
+    for i, token in enumerate(tokens):
         if token.kind == NAME:
             words += [token.text.lower()] if token.text not in ASKING else []
             if (name := "_".join(words)) in names_that_ask() or COEFFICIENT.fullmatch(name) or SLOPE.fullmatch(name):

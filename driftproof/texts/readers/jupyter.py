@@ -56,7 +56,6 @@ def _strings(source: SourceText) -> Iterator[tuple[tuple[Key, ...], SourceText]]
         if match["colon"] and pending is not None:
             path[-1] = _decoded(pending).text
             pending = None
-            continue
         if pending is not None:
             yield tuple(path), pending
             pending = None

@@ -135,7 +135,7 @@ class Sandbox(SandboxedEnvironment):
         return self.places
 
     def _generate(
-        self, source: nodes.Template, name: str | None, filename: str | None, defer_init: bool = False
+        self, source: nodes.Template, name: str | None, filename: str | None, *more: Any, **options: Any
     ) -> str:
         """Compile; locate every expression at its first token, and pass our functions and filters their place."""
         for call in source.find_all(nodes.Call):
@@ -153,7 +153,7 @@ class Sandbox(SandboxedEnvironment):
         for output in source.find_all(nodes.Output):
             for child in output.nodes:
                 child.lineno = _first(child)
-        return super()._generate(source, name, filename, defer_init)
+        return super()._generate(source, name, filename, *more, **options)
 
     def is_safe_callable(self, obj: Any) -> bool:
         """True for our functions and for macros, loops and blocks of Jinja2; False for methods of any other object."""

@@ -70,12 +70,12 @@ def is_code(source: str, offset: int) -> bool:
 
     A span must lie on one line: an odd number of backticks before the character and at least one after it.
     """
-    line_start, fence = source.rfind("\n", 0, offset) + 1, ""
-    for line in source[:line_start].splitlines():
+    (*lines, before), fence = source[:offset].split("\n"), ""
+    for line in lines:
         marks = _FENCE.match(line)
         if marks and not fence:
             fence = marks[1]
         elif marks and marks[1].startswith(fence) and not line.strip(" `~"):
             fence = ""
     after = source[offset:].partition("\n")[0]
-    return bool(fence) or (source.count("`", line_start, offset) % 2 == 1 and "`" in after)
+    return bool(fence) or (before.count("`") % 2 == 1 and "`" in after)

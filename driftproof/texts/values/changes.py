@@ -73,7 +73,7 @@ def read_values(path: Path) -> dict[str, Any]:
         reason = "nested too deeply for a file of values" if isinstance(error, RecursionError) else f"not JSON: {error}"
         raise ValueError(f"{path}: {reason}") from None
     if not isinstance(read, dict):
-        raise ValueError(f"{path}: not a JSON object; give what `driftproof values` prints")
+        raise ValueError(f"{path}: not a JSON object; give the output of `driftproof value --only '*'`")
     for place, leaf in _leaves(read):
         if isinstance(leaf, dict) and leaf and (wrong := _part_that_is_no_number(leaf)):
             raise ValueError(f"{path}: {_name(place)}: {wrong} is {str(leaf[wrong])[:60]!r}, not a number")

@@ -41,7 +41,7 @@ def published_values(pattern: str = "*") -> PublishedValues:
     values: PublishedValues = _document()["values"]
     chosen = {key: value for key, value in values.items() if fnmatchcase(key, pattern)}
     if not chosen:
-        raise ValueError(f"no published value has an id that matches {pattern!r}; `driftproof values` lists them")
+        raise ValueError(f"no published value has an id that matches {pattern!r}; --only '*' lists them")
     return chosen
 
 

@@ -217,7 +217,7 @@ class _Tex(_Text):
         return super().scalar(value) if is_long(value) else self.form(value)
 
     def items(self, values: Sequence[Any]) -> str:
-        if not values or not _is_list(values[0]):
+        if not any(map(_is_list, values)):
             return super().items(values)
         rows = r" \\ ".join(" & ".join(self.of(x).strip("$") for x in row) for row in values)
         return rf"$\begin{{pmatrix}}{rows}\end{{pmatrix}}$"

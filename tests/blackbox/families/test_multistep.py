@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from math import pi
+from unittest.mock import Mock
 
 import pytest
 
+from driftproof.blackbox.findings import Misbehaviour
 from driftproof.blackbox.identify import identify
 from driftproof.blackbox.verify import verify
 from driftproof.methods.catalogue import FACTS_ONLY
@@ -115,6 +117,13 @@ def test_a_run_whose_later_steps_keep_no_recurrence_is_named_by_its_first_step_o
     verdict = identify(planted.run_of_weights_that_change_with_h, isolate=False).verdict
     assert verdict.startswith("it is forward_euler; this holds for its first step only: with h = 0.5")
     assert "steps do not satisfy" in verdict
+
+
+def test_a_run_whose_later_steps_were_not_seen_in_time_is_named_by_its_first_step_only(monkeypatch):
+    late = type("Late", (Misbehaviour,), {"kind": "time_limit"})("the time is over")
+    monkeypatch.setattr("driftproof.blackbox.identify.read_family", Mock(side_effect=late))
+    verdict = identify(planted.run_of_adams_bashforth2, isolate=False).verdict
+    assert verdict == "it is forward_euler; this holds for its first step only: the time is over"
 
 
 def test_a_run_that_begins_as_another_method_is_not_that_one():

@@ -124,6 +124,9 @@ def test_a_coefficient_is_told_from_another_by_four_roundings_or_what_it_was_rea
     ):
         assert replace(exact, sigma=sigma).differences(method) == found
     assert replace(exact, sigma=(-0.5 + 90 * U, 1.5, 0.0), error=90 * U).differences(method) == ()
+    bdf2 = FACTS_ONLY["bdf2"]  # its last rho is 3/2
+    told = replace(Recurrence.of(bdf2, BINARY64), sigma=(0.0, 0.0, 0.75)).differences(bdf2)
+    assert told == ("sigma[2]: 3/4 instead of 2/3",)
     assert exact.differences(FACTS_ONLY["adams_bashforth3"]) is exact.differences(FACTS_ONLY["stormer2"]) is None
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from driftproof.blackbox.families.multistep_runs import MarkedRuns, later_steps, remembers
-from driftproof.blackbox.findings import StepRaised, UnsupportedCall
+from driftproof.blackbox.findings import StepRaised, UnsupportedCall, WrongShape
 from driftproof.blackbox.stepper.opening import opened
 from tests.blackbox.families import remembering_steppers as planted
 from tests.blackbox.families.remembering_steppers import Remembering, Stormer, euler
@@ -79,6 +79,11 @@ def test_a_run_that_cannot_go_on_is_not_said_to_go_on_as_it_begins():
 
     assert later_steps(opened(once))[0] is None
     assert "no run of 8 steps was obtained" in later_steps(opened(once))[1]
+    subject = opened(planted.generated_adams_bashforth2)
+    whole = planted.generated_adams_bashforth2
+    subject.pristine = lambda *given: (y[: 1 if n == 2 else 3] for n, y in enumerate(whole(*given)))
+    with pytest.raises(WrongShape, match="1 numbers came back for 3 given"):
+        MarkedRuns(subject, 3, clock=False, by_place=False).run(5)
     subject = opened(euler)
     subject.pristine = lambda f, t, y, h: 1 // 0
     with pytest.raises(StepRaised, match="ZeroDivisionError"):

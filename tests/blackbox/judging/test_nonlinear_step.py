@@ -9,7 +9,8 @@ import pytest
 
 from driftproof.blackbox.findings import UnsupportedCall
 from driftproof.blackbox.judging.agreement import NO_ALLOWANCE
-from driftproof.blackbox.judging.nonlinear_step import allowed_off, nonlinear_agreement, nonlinear_twins
+from driftproof.blackbox.judging.nonlinear_problems import NonlinearProblem
+from driftproof.blackbox.judging.nonlinear_step import allowed_off, nonlinear_agreement, nonlinear_twins, own_step
 from driftproof.blackbox.judging.tolerance import Allowance
 from driftproof.blackbox.stepper.opening import opened
 from driftproof.methods.catalogue import METHODS
@@ -50,6 +51,11 @@ def test_an_implicit_method_agrees_with_itself_and_with_no_neighbour(key):
     assert nonlinear_agreement(subject, method, SOLVED).holds
     other = METHODS["backward_euler" if key != "backward_euler" else "trapezoid"]
     assert not nonlinear_agreement(subject, other, SOLVED).holds
+
+
+def test_stages_that_do_not_converge_are_no_step():
+    with pytest.raises(ArithmeticError, match="gauss2"):
+        own_step(METHODS["gauss2"], NonlinearProblem("", lambda t, y: [64 * y[0]], lambda t: [t]), 0.0, [1.0], 1.0)
 
 
 @pytest.mark.parametrize(

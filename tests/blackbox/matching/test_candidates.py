@@ -43,6 +43,7 @@ RELATIVES = {
     "rk38 of h/2": with_step(codes.rk38, 0.5), "rk38 of -h": with_step(codes.rk38, -1),
     "rk38 of h/3": with_step(codes.rk38, 1 / 3), "fehlberg45, embedded": embedded("fehlberg45"),
     "implicit_midpoint in 3 iterations": codes.midpoint_iterated(3),
+    "implicit_midpoint in 4 iterations of the state": codes.midpoint_iterated(3, first=0.5),
     "backward_euler in 1 iteration": codes.tableau([[0, 0], [1, 0]], [0, 1], [0, 1]),
     "no step": lambda f, t, y, h: y + 0 * f(t, y),
     "none of ours": in_three_registers,
@@ -58,15 +59,20 @@ def test_a_variant_is_named_through_both_conventions_and_a_stranger_as_none(name
 
 
 TIMES = [f"{n} steps of h/{n}" for n in range(5)]
-ITERATED = "with 5 fixed-point iterations from the slope at the start: explicit"
+ITERATED = [
+    f"with {n} fixed-point iterations from the {what} at the start: explicit"
+    for n, what in ((5, "slope"), (6, "state"), (3, "state"))
+]
 # Through fields and through forces; the last stage of one step may be the first of the next, three times.
 VARIANTS = {
     "heun2": TIMES[3:], "kutta3": TIMES[2:3],
     "fehlberg45": ["with the embedded weights propagated"],
-    "butcher5": ["with the step 1/3 h in place of h"], "implicit_midpoint": [ITERATED], "gauss2": [],
+    "butcher5": ["with the step 1/3 h in place of h"], "implicit_midpoint": ITERATED[:2], "gauss2": ITERATED[2:],
 }  # fmt: skip
 SPLIT = {
     "velocity_verlet": TIMES[3:],
+    "implicit_midpoint": ITERATED[:1],
+    "gauss2": [],
     "ruth3": TIMES[2:3],
     "mclachlan4": ["kicks and drifts exchanged", "its adjoint, kicks and drifts exchanged"],
 }

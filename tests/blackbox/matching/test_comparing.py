@@ -12,7 +12,7 @@ from driftproof.blackbox.matching.comparing import Comparison
 from driftproof.blackbox.probes.scripted_answers import Rounding
 from driftproof.methods.catalogue import METHODS
 from driftproof.symbolic.linear.reduced_tableau import StageCoefficients
-from driftproof.symbolic.rounding.formats import BINARY16
+from driftproof.symbolic.rounding.formats import BINARY16, BINARY64
 from tests.blackbox import handwritten_steppers as codes
 from tests.blackbox.matching.readings import TABLEAUX, counted, in_field, ties_of
 from tests.looping import some
@@ -70,3 +70,17 @@ def test_a_number_is_the_same_up_to_the_roundings_of_its_column(name, sign):
         own = ceil(roundings * scale / value) if value else rounding.most + 1
         assert compared.distance((0, 1)) == (own, ceil(roundings), name)
         assert compared.size == len(NUMBERS)
+
+
+def chain(first, size=40):
+    rows = tuple(tuple(Q(j == i - 1) for j in range(size)) for i in range(size))
+    weights = tuple(Q(j == size - 1) for j in range(size))
+    return ExactTable.of(StageCoefficients(rows, (weights, weights), (Q(first), *[Q(1)] * (size - 1))), None)
+
+
+@pytest.mark.parametrize(("first", "tried"), [(1, 0), (0, 40)])
+def test_long_chains_are_told_apart_without_trying_all_orders(first, tried, monkeypatch):
+    trials, fits = [], Comparison._fits
+    monkeypatch.setattr(Comparison, "_fits", lambda self, chosen: trials.append(chosen) or fits(self, chosen))
+    arranged = Comparison(chain(1), chain(first), Rounding(BINARY64, 40)).arrangement()
+    assert (arranged == tuple(range(40)), len(trials)) == (first == 1, tried)

@@ -12,6 +12,7 @@ from driftproof.blackbox.matching.equivalent_methods import equivalent_methods
 from driftproof.blackbox.matching.linear_candidates import (
     Error,
     LinearCandidate,
+    _restrictions,
     explained_by,
     linear_candidates,
     nearly_exact,
@@ -108,6 +109,12 @@ def test_a_rate_is_the_simple_number_that_is_as_near_as_a_tiny_step_tells(bits, 
 
 def test_without_steps_nothing_is_nearly_exact():
     assert nearly_exact(LinearReading(BINARY64, LINEAR, tiny=0.5, at_zero=(1.0, 0.5, -0.5, 1.0)), known=True) is None
+
+
+def test_a_map_may_hold_ahead_or_up_to_the_unit_of_time_and_at_it():
+    steps, unit = (-4.0, -2.0, 2.0, 4.0), 2.0
+    held = [tuple(h for h in steps if kept(h)) for _, kept in _restrictions(unit)]
+    assert held == [steps, steps[2:], (-unit, unit), (unit,)]
 
 
 RATES = [(1, 1), (-1, -1), (-1, 4), (Q(1, 4), Q(1, 4)), (1, 3), (2, 2)]

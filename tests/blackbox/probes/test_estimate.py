@@ -126,6 +126,11 @@ def test_a_pair_that_steps_no_way_back_is_read_and_one_that_steps_ahead_at_times
         read(refusing(lambda h: h == 2.0**-6))
 
 
+def test_an_estimate_that_is_halved_at_large_states_is_wrong_there_and_not_relative():
+    found = read(pair_step("fehlberg45", lambda y1, error, h, y: (y1, error / (1 + (max(abs(y)) > 4)))))
+    assert (found.relative, found.fault[:18]) == (False, "with another start")
+
+
 def test_without_a_second_answer_there_is_nothing_to_read():
     with pytest.raises(UnsupportedCall, match="returns nothing besides y1"):
         read(rk4)

@@ -146,6 +146,12 @@ def test_a_velocity_of_the_start_costs_an_order_and_is_named():
     assert "the velocity of call 0 holds F[0]: 0 instead of 1/2" in found.verdict
 
 
+def test_velocities_that_do_not_tell_the_stages_apart_are_refused():
+    gauss = of_force(induced("gauss2"), timed=False)
+    with pytest.raises(NotReadable, match="velocit"):
+        read(lambda force, x, v, dt: gauss(lambda q: force(q, v), x, v, dt))
+
+
 def test_a_solver_that_stops_early_is_told_by_what_it_leaves():
     early = of_force(induced("gauss2"), partial(newton, most=1))
     assert "its solver stops early" in identify(early, isolate=False).verdict

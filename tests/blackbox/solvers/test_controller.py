@@ -8,7 +8,7 @@ from math import exp
 import pytest
 
 from driftproof.blackbox.probes.scripted_answers import NotReadable
-from driftproof.blackbox.solvers.controller import _fitted, _Point, bumps, read_controller
+from driftproof.blackbox.solvers.controller import _fitted, _Point, _rational, bumps, read_controller
 from driftproof.blackbox.solvers.foreign_solver import ForeignSolver, taken_by
 from driftproof.blackbox.solvers.steps import read_steps
 from driftproof.blackbox.stepper.array_adapters import ARRAYS
@@ -62,6 +62,11 @@ def test_a_law_is_fitted_to_three_steps_more_than_it_has_numbers_all_of_which_ar
     assert _fitted([*points(terms + 3)], terms) == pytest.approx(numbers)
     assert _fitted([*points(40, 0.9e-4)], terms) == pytest.approx(numbers, abs=1e-4)
     assert _fitted([*points(40, 1.5e-4)], terms) is None
+
+
+def test_an_exponent_is_a_fraction_of_a_denominator_in_use_or_just_a_number():
+    near, far, least = 0.17 + 9e-7, 0.17 + 1.1e-6, 1 / 121
+    assert [*map(_rational, (near, far, 1 / 120, least))] == [Fraction(17, 100), far, Fraction(1, 120), least]
 
 
 RULES = {

@@ -241,7 +241,7 @@ SAID = [
     (CLOCK, lambda f, rtol, t, y: (t[::99], y[::99]), "the last step ends -0.017 from the end"),
     (CLOCK, hanging, "not seen: no time"),
     (NUMBERS, apart(2e-6), "with a bump in y[1] it takes 100 steps, with one in y[0] 100"),
-    (CLOCK, endless, "clock: does_not_end: after 30000 calls of f it is at t = 0.1 of"),
+    (CLOCK, endless, "clock: does not end: after 30000 calls of f it is at t = 0.1 of"),
     (JUMP, endless, "at a jump of f it does not end: after 30000 calls"),
     (JUMP, complaining, "it reports: too steep"),
     (STIFF, endless, "on y' = -1000 (y - cos t) - sin t it does not end: after 30000 calls"),
@@ -268,8 +268,24 @@ NOT_SAID = [
     (JUMP, asking_at(2.0 / 3.0), "off by 0.13"),
     (STIFF, asking_near((0, 2e-7)), "it forms differences"),
     (STIFF, following(19), "it solves equations for its steps"),
+    (STIFF, lambda f, rtol, t, y: (t[:1], y[:1]), "it solves equations for its steps"),
     (STIFF, following(15, off=0.2), "it solves equations for its steps"),
 ]  # fmt: skip
+
+
+@pytest.mark.parametrize("cancel", [True, False])
+def test_errors_that_cancel_and_runs_that_remember_others_are_told(cancel):
+    made = []
+
+    def solve(f, t_span, y0, rtol, atol):
+        made.append(1)
+        slope = abs(sum(f(1.0, np.array(y0))))
+        steps = 10 + (int(90 * slope) if cancel else len(made) % 7)
+        times = np.linspace(*t_span, steps + 1)
+        return times, np.array([y0] * len(times))
+
+    words = "errors of opposite signs cancel in its error norm" if cancel else "the same run, made again after others"
+    assert any(words in fault for fault in read(solve).faults)
 
 
 def lines_of(reading):

@@ -140,6 +140,7 @@ def spoiled(when):
 ELSEWHERE = {
     "backward": lambda t, y, back: back, "late": lambda t, y, back: t > 20, "before 0": lambda t, y, back: t < -5,
     "of five": lambda t, y, back: len(y) > 4, "never": lambda t, y, back: 0,
+    "of five not at all": lambda t, y, back: back // (len(y) < 5),
 }  # fmt: skip
 
 
@@ -148,6 +149,12 @@ def test_steps_that_are_others_elsewhere_are_at_fault(when, as_before):
     found = read_steps(ForeignSolver(spoiled(when)))
     assert found.name == "dormand_prince54"
     as_before(*found.faults)
+
+
+def test_a_coefficient_is_shown_as_the_fraction_that_four_roundings_make_of_it():
+    shown = read_steps(ForeignSolver(fixed(20)))._shown
+    # In units of 2**-54, half a spacing and four roundings of 1 are 8.5, and 1/3 is 0.33 above its float.
+    assert [shown(1 / 3 + k * 2.0**-54) == "1/3" for k in (-9, -8, 8, 9)] == [False, True, True, False]
 
 
 # Of one number, by that of the number and of h times its three weights, 1, 1/2 and 1/2.

@@ -23,7 +23,7 @@ PAGE = Path(__file__).parents[3] / "docs" / "steppers.md"
 _BLOCKS = r"```python\n(.*?)```\n(?:\n```text\n(.*?)```\n)?"
 _STYLE = re.compile(rf"^### (.*?)\n(?:(?!###).)*?{_BLOCKS}\nIt is `(\w+)`", re.DOTALL | re.MULTILINE)
 # Loaded where a style needs it, and is left out where it is not installed.
-OPTIONAL = ("torch", "jax")
+OPTIONAL = ("torch", "jax", "numba")
 
 
 class Style(NamedTuple):
@@ -59,7 +59,7 @@ def defined(code: str) -> Callable[..., Any]:
     return found
 
 
-STYLES = exactly(41, styles())
+STYLES = exactly(42, styles())
 
 
 def keys_of(step: Callable[..., Any]) -> tuple[str, ...]:

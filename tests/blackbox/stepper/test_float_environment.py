@@ -47,6 +47,15 @@ def test_arithmetic_tells_its_rounding_mode(library, words):
     assert (arithmetic_seen(), environment.change) == ("", f"before the stepper is imported, arithmetic {words}")
 
 
+def test_where_the_library_is_not_found_a_changed_mode_is_named_and_kept(library, monkeypatch):
+    def missing(name):
+        raise OSError(name)
+
+    library.fesetround(MODES["rounds upward"])
+    monkeypatch.setattr(ctypes, "CDLL", missing)
+    assert (FloatEnvironment().seen, arithmetic_seen()) == ("rounds upward", "rounds upward")
+
+
 def test_a_call_that_changes_the_rounding_mode_is_named_in_every_verdict(library):
     def step(q, v, h):
         library.fesetround(0x800)

@@ -185,3 +185,10 @@ def test_a_run_that_is_not_of_one_step_is_refused_in_words():
         opened(lambda q, v, h, n: [(q, v)] * 3)
     with pytest.raises(Misbehaviour, match="ends before it yields a state"):
         opened(lambda q, v, h: iter(()))
+
+
+def test_a_right_hand_side_that_gets_too_few_numbers_and_no_time_is_asked_in_a_wrong_shape():
+    subject = opened(lambda f, y, t, h: y + h * f(y, t))
+    subject.function = lambda f, y, t, h: y + h * f(y[:1])
+    with pytest.raises(WrongShape):
+        subject.step_field(lambda t, y: y, 0.0, [1.0, 2.0], 0.5)

@@ -33,13 +33,18 @@ def test_a_target_is_imported_by_its_name():
     assert Target("driftproof.numeric.steppers:rk4", array="numpy:float32").open().format is BINARY32
 
 
+def test_a_stepper_is_found_in_the_current_directory_before_others(tmp_path, monkeypatch):
+    (tmp_path / "lies_here.py").write_text("def step(q, v, h):\n    return q + h, v\n", encoding="utf-8")
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(sys, "path", [place for place in sys.path if place])
+    assert [imported("lies_here:step")(1.0, 2.0, 0.5) for _ in range(2)] == [(1.5, 2.0)] * 2
+    assert [n for n, place in enumerate(sys.path) if place == str(tmp_path)] == [0]
+
+
 @pytest.mark.parametrize(
     ("name", "message"),
     [
-        (
-            "driftproof.numeric.steppers",
-            "'driftproof.numeric.steppers' names no stepper; write package.module:function",
-        ),
+        ("driftproof.numeric.steppers", "'driftproof.numeric.steppers' names no stepper; write package."),
         ("driftproof.numeric.steppers:", "names no stepper"),
         (":rk4", "names no stepper"),
         ("driftproof/numeric/steppers.py:rk4", "names a file; write driftproof.numeric.steppers:rk4"),
@@ -47,10 +52,7 @@ def test_a_target_is_imported_by_its_name():
         ("driftproof.numeric.steppers:rk4(1)", "names no stepper"),
         ("driftproof.numeric.steppers:rk5", "driftproof.numeric.steppers:rk5 cannot be imported: AttributeError"),
         ("no_such_module_here:step", "cannot be imported: ModuleNotFoundError"),
-        (
-            "driftproof.numeric.steppers:HAND_WRITTEN",
-            "driftproof.numeric.steppers:HAND_WRITTEN is dict, which cannot be called",
-        ),
+        ("driftproof.numeric.steppers:HAND_WRITTEN", ":HAND_WRITTEN is dict, which cannot be called"),
     ],
 )
 def test_a_name_without_a_stepper_is_refused_in_one_line(name, message):

@@ -11,8 +11,9 @@ import pytest
 
 from driftproof.blackbox.findings import Misbehaviour, StaleSlope, WrongShape
 from driftproof.blackbox.stepper.call_text import call_text
+from driftproof.blackbox.stepper.calling_conventions import FIELD, FORCE, MAP, CallingConvention
 from driftproof.blackbox.stepper.opening import opened
-from driftproof.blackbox.stepper.state_forms import VECTORS, CompiledCallback
+from driftproof.blackbox.stepper.state_forms import VECTORS, CompiledCallback, forms_of
 from tests.blackbox.stepper.styles import STYLES, defined, keys_of, namespace
 from tests.blackbox.transcripts import Asked
 
@@ -159,6 +160,16 @@ def test_what_is_returned_is_read_by_its_names_or_in_its_order(answer):
     assert opened(lambda q, v, h: answer(q + h * v, v - h * q)).step(1.0, 0.75, 0.25) == (1.1875, 0.5)
 
 
+def test_code_compiled_by_numba_calls_what_it_is_given_each_time():
+    pytest.importorskip("numba")
+    style = next(style for style in STYLES if style.title == "Compiled Numba code")
+    subject = opened(defined(style.code))
+    for slope in (1.0, -2.0):
+        assert subject.step_field(lambda t, y, slope=slope: [slope * t for _ in y], 2.0, [0.0], 1.0) == [2.5 * slope]
+    forced = opened(namespace("@numba.njit\ndef step(force, q, v, h): return q + h * v, v + h * force(q)")["step"])
+    assert forced.step_forced(lambda t, q: [3 * x for x in q], 0.0, [1.0], [0.5], 0.25) == [1.125, 1.25]
+
+
 @pytest.fixture
 def numpy_for_jax(monkeypatch):
     """JAX with NumPy's arrays, which calls back at once."""
@@ -177,3 +188,12 @@ def test_it_answers_in_the_shape_and_type_of_the_state_wherever_that_stands():
         assert field(*arguments).tolist() == [2.0, 4.0]
     assert field(np.array([1.0], np.float32)).dtype == np.float32
     assert callback.calling(lambda t, y: [y])(0.5, 3.0).shape == ()
+
+
+@pytest.mark.usefixtures("numpy_for_jax")
+def test_arrays_and_scalars_of_jax_are_forms_of_the_state_of_all_but_maps():
+    forms = [[*forms_of(lambda: 0, CallingConvention(kind, ()))] for kind in (FIELD, FORCE, MAP)]
+    assert [[form.name for form in each][-2:] for each in forms[:2]] == [["JAX arrays", "JAX scalars"]] * 2
+    assert [form.name for form in forms[2] if "JAX" in form.name] == []
+    array, scalar = forms[0][-2:]
+    assert (array.write((1.0, 2.0)).tolist(), scalar.write((3.0,)).shape) == ([1.0, 2.0], ())

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from driftproof.blackbox.findings import UnsupportedCall
+from driftproof.blackbox.findings import NotFinite, UnsupportedCall
 from driftproof.blackbox.stepper.opening import opened
 from driftproof.blackbox.stepper.turning import Push, step_in_fields, turn_quaternion
 from tests.blackbox.families import turning_steppers as codes
@@ -33,6 +33,22 @@ def test_a_call_is_told_with_all_that_is_given():
     turn_quaternion(opened(timed_turn, before=turned.append), [1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 1.0], 0.5)
     assert pushed[-1] == "x=[1.0, 2.0, 3.0], v=[0.0, 1.0, -1.0], E=[0.5, 0.0, 1.0], B=[0.0, 2.0, 1.0], h=0.5"
     assert turned[-1] == "q=[1.0, 0.0, 0.0, 0.0], omega=[0.0, 0.0, 1.0], h=0.5"
+
+
+def test_an_end_that_is_not_finite_is_no_end():
+    pushed, turned = (
+        lambda subject: step_in_fields(subject, PUSH),
+        lambda q: turn_quaternion(q, [1.0] * 4, [1.0] * 3, 1.0),
+    )
+    for right, lost, step in (
+        (codes.boris(), lambda x, v, E, B, dt: (x, v * np.nan), pushed),
+        (lambda v, B, dt: v + dt * np.cross(v, B), lambda v, B, dt: v * np.nan, pushed),
+        (codes.quaternion("rk4"), lambda q, omega, dt: q * np.nan, turned),
+    ):
+        subject = opened(right)
+        subject.function = lost
+        with pytest.raises(NotFinite):
+            step(subject)
 
 
 def test_a_charge_and_a_mass_are_made_good_by_the_fields():

@@ -179,6 +179,12 @@ def test_of_a_step_whose_h_is_built_in_the_wrapper_says_what_to_do():
         opened(names["made"](0.25))
 
 
+def test_of_a_step_that_takes_the_state_before_the_wrapper_says_where_to_keep_it():
+    for step in (lambda f, t, y, y_prev, h: y_prev, lambda x, x_old, acc, dt: x_old):
+        assert re.search(r"# a method of two steps: let an object keep its [XY]_\w+, step\(", wrapper_line(step))
+    assert "two steps" not in wrapper_line(lambda f, t, y, h, mesh: y)
+
+
 @pytest.mark.parametrize("name", WRAPPED)
 def test_a_class_a_maker_and_a_solver_of_n_steps_are_refused_with_a_wrapper_that_works_and_forgets_nothing(name):
     names = namespace(CLASSES)

@@ -3,17 +3,13 @@
 from __future__ import annotations
 
 import json
-import math
 from fractions import Fraction
 from pathlib import Path
 
-import numpy as np
 import pytest
 from flint import arb, arb_series, ctx
 
-from driftproof.methods.catalogue import METHODS
 from driftproof.methods.vector_fields import VectorField, partial_derivative
-from driftproof.numeric.implicit import implicit_runner, implicit_stepper
 from driftproof.numeric.problems.catalogue import PROBLEMS, problem_named
 from driftproof.numeric.problems.problem import Problem
 from tests.looping import exactly, some
@@ -50,12 +46,6 @@ def test_second_order_problems_move_by_their_velocities_and_forces_do_not_read_t
     names = problem.field.components
     assert problem.field.rates[:half] == names[half:]
     assert all(partial_derivative(force, v) == "0" for force in problem.field.rates[half:] for v in names[half:])
-
-
-def test_damped_oscillators_are_not_called_second_order() -> None:
-    for name in ("overdamped_oscillator", "critically_damped_oscillator"):
-        assert not PROBLEMS[name].second_order
-        assert partial_derivative(PROBLEMS[name].field.rates[1], "y1") != "0"
 
 
 def energy_change(problem: Problem, energy: str, y: tuple[Fraction, ...]) -> arb:
@@ -128,20 +118,3 @@ def test_those_of_second_order_and_those_that_conserve_an_energy_are_these() -> 
 def test_digits_file_holds_the_problems_and_no_others() -> None:
     text = (Path(__file__).parents[3] / "driftproof/numeric/problems/digits.json").read_text(encoding="utf-8")
     assert set(json.loads(text)) == set(PROBLEMS)
-
-
-@pytest.mark.parametrize("name", ["kaps", "kepler", "robertson"])
-def test_derivatives_give_newtons_method_the_same_step_for_no_more_rates(name: str) -> None:
-    problem, calls = PROBLEMS[name], [0]
-    f = rate(problem.field, float, {"sqrt": math.sqrt})
-
-    def counted(t: float, y: object) -> list[float]:
-        calls[0] += 1
-        return f(t, y)  # type: ignore[arg-type]
-
-    start = tuple(float(x) for x in problem.start)
-    one = implicit_stepper(METHODS["radau_iia3"], counted)(0.0, start, 1 / 64).y
-    run = implicit_runner(METHODS["radau_iia3"], problem.field)
-    other = np.array(run(start, 1 / 64, 0, 1))
-    assert run.calls <= calls[0]
-    assert np.max(np.abs(one - other)) < 1e-13

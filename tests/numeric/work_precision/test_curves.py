@@ -60,9 +60,9 @@ def test_a_method_with_one_coefficient_wrong_is_flagged() -> None:
     rk4 = METHODS["rk4"]
     assert isinstance(rk4, RungeKutta)
     wrong = dataclasses.replace(rk4, b=(rk4.b[0] + Q(1, 24), rk4.b[1] - Q(1, 24), *rk4.b[2:]))
-    assert curve_of(wrong, HARMONIC, RUNGS).verdict == "below the order 4 claimed"
+    assert curve_of(wrong, HARMONIC, RUNGS).verdict == "below the claimed order 4"
     modest = dataclasses.replace(rk4, claimed_order=3)
-    assert curve_of(modest, HARMONIC, RUNGS).verdict == "above the order 3 claimed"
+    assert curve_of(modest, HARMONIC, RUNGS).verdict == "above the claimed order 3"
 
 
 # Orders of neighbouring points; where one is None, the finer point does not count.
@@ -70,7 +70,7 @@ def test_a_method_with_one_coefficient_wrong_is_flagged() -> None:
     ("orders", "verdict", "slopes"),
     [
         ((2, 0.3, 7.6), "not settled", 3), ((2, 1), "not settled", 2), ((1.5, 2.25), "", 2), ((9, 9, 2, 2, 2), "", 3),
-        ((3, 3), "above the order 2 claimed", 2), ((2, 2, None), "", 2), ((2, None, 7), "", 1), ((None,), "", 0),
+        ((3, 3), "above the claimed order 2", 2), ((2, 2, None), "", 2), ((2, None, 7), "", 1), ((None,), "", 0),
     ],
 )  # fmt: skip
 def test_order_is_of_the_three_finest_slopes_unless_they_lie_a_whole_order_apart(
@@ -138,7 +138,7 @@ def test_climb_marks_a_run_of_too_many_evaluations_and_makes_none_after_it() -> 
 
     found = measure_curve(HARMONIC, Integrator(run, {}, {}), (8, 16, 32), most=64)
     assert [(p.setting, p.evaluations, p.steps) for p in found] == [("8", 32, 8), ("16", 64, 16), ("32", None, 32)]
-    assert found[-1].remark == "not run: would take about 1.3e+02 evaluations, limit 64"
+    assert found[-1].remark == "not run: about 1.3e+02 evaluations, but the limit is 64"
     assert made == [8, 16]
     assert measure_curve(HARMONIC, Integrator(run, {}, {}), (), most=1) == []
     assert [point.remark for point in measure_curve(HARMONIC, Integrator(run, {}, {}), (8,), most=1)] == [""]

@@ -34,10 +34,11 @@ def test_own_problem_and_own_method_are_shown_by_their_titles(tmp_path):
     (tmp_path / "pendulum.toml").write_text(PENDULUM)
     (tmp_path / "mine.toml").write_text(RALSTON)
     shown = report(tmp_path / "pendulum.toml", methods=["rk4", tmp_path / "mine.toml"]).html
-    assert "<h2>A pendulum</h2>" in shown
+    assert re.search("<section[^<>]*><h2>A pendulum</h2>", shown)
     assert "y0′ = y1, y1′ = -g * sin(y0), y0(0) = 1/2, y1(0) = 0, g = 49/5; to t = 1;" in shown
+    assert re.findall("<h3>(.*?)</h3>", shown) == ["Work", "Stability"]
     rows = {row[0]: row[1:] for row in cells(shown) if len(row) == 2}
-    assert rows["Method"] == ["Steps that it can take"], "nothing is expected of it, so no column says so"
+    assert rows["Method"] == ["Step sizes that it can take"], "nothing is expected of it, so no column says so"
     assert rows.keys() == {"Method", "Classical RK4", "Mine"}
     assert re.fullmatch(r"from \d+ steps? on", rows["Mine"][0])
     orders = next(row for row in cells(shown) if row[0] == "Mine" and row[1] == "–")

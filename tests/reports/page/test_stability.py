@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from dataclasses import replace
 from fractions import Fraction as Q
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -25,7 +26,7 @@ VERDICTS = [
     ("symplectic_euler", Q(2), False, "at the limit"), ("symplectic_euler", Q(5, 2), False, "above"),
     ("rk4", Q(2828427124, 10**9), True, "below"), ("rk4", Q(2828427125, 10**9), False, "above"),
     ("implicit_midpoint", Q(10**6), True, "below"), ("backward_euler", Q(1), True, "below"),
-    ("symplectic_euler", Q(-1), True, "backwards"),
+    ("symplectic_euler", Q(-1), True, "negative"),
 ]  # fmt: skip
 
 
@@ -71,6 +72,8 @@ def test_growth_is_the_norm_of_the_powers() -> None:
     scene = replace(PRESETS["compare"], h=Q(1), t=Q(2))
     data = growth_figure(scene, [verdict("forward_euler", Q(1))], "id").data
     assert [row[1] for row in data[1:4]] == ["0.0000", "0.1505", "0.3010"]
+    rows = growth_figure(replace(scene, t=Q(200)), [verdict("rk4", Q(1))], "id").data[1:]
+    assert [row[0] for row in rows] == [str(100 * i) for i in range(21)], "of 200 places in ten times the steps"
     long = growth_figure(replace(scene, t=Q(5)), [verdict(key, Q(1)) for key in ("forward_euler", "rk4")], "id")
     assert "n from 0 to 50, logarithmic axis from 10⁻¹ to 10⁸. At the end: Forward Euler 3.36e+07, " in long.description
     assert (long.plot.x.ticks, long.plot.y.ticks) == ([0, 20, 40], [0, 2, 4, 6, 8])
@@ -83,6 +86,17 @@ def test_growth_is_the_norm_of_the_powers() -> None:
         ["2", "0.3010", "-0.0053"],
         ["50", "7.5257", "-0.1328"],
     ]
+
+
+def test_growth_of_a_step_that_vanishes_is_minus_infinity_from_the_first_step_on(tmp_path: Path) -> None:
+    """The step has R(z) = 1 + z + z² + z³, which is 0 at z = i."""
+    own = tmp_path / "own.toml"
+    own.write_text('family = "runge_kutta"\nA = [[], [1], [0, 1]]\nb = [0, 0, 1]\n', encoding="utf-8")
+    verdicts = [verdict(key, Q(1)) for key in (str(own), "forward_euler")]
+    shown = growth_figure(replace(PRESETS["compare"], h=Q(1), t=Q(2)), verdicts, "id")
+    assert [row[1:] for row in shown.data[1:4]] == [["0.0000", "0.0000"], ["-inf", "0.1505"], ["-inf", "0.3010"]]
+    assert ["L" in path for path in shown.plot.drawn] == [False, True]
+    assert "logarithmic axis from 1 to 10⁴. At the end: own 0, " in shown.description
 
 
 def test_table_of_verdicts_says_each_limit_exactly_and_in_decimals() -> None:

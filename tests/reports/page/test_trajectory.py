@@ -90,6 +90,21 @@ def test_long_run_is_drawn_with_bounded_marks_and_said_to_be_thinned(h: Q, steps
     assert len(over_time.data) <= drawing.MOST_ROWS + 2
 
 
+def test_so_many_samples_are_dots_marks_and_rows_and_no_more() -> None:
+    scene, there = Scene("s", "rk4", Q(1), Q(1), readouts=("trajectory",)), np.array([[1.0, 0.0], [-1.0, 0.0]])
+    run_with = lambda count: drawing.SampledRun(scene, "rk4", np.arange(count), np.resize(there, (count, 2)), "id")
+    assert [run_with(count).thin for count in (400, 401)] == [False, True]
+    assert [len(run_with(count).data(0)) for count in (200, 201)] == [1 + 200, 1 + 101]
+    for count, said in ((4000, "4000 computed samples, joined"), (4001, "Small dots: 2001 of 4001 computed samples")):
+        assert said in drawing.phase_plane(run_with(count)).description
+    for t, places in ((Q(1, 2), 24), (Q(2), 48)):
+        assert len(marks(drawing.position(run_of("rk4", t, t)), "exact path")) == places + 1
+    states = np.array([[1.0, 0.0], [2.0, 7.0]])  # of which the position is up to 2 and the velocity up to 7
+    run = drawing.SampledRun(scene, "rk4", np.arange(2), states, "id")
+    assert (drawing.position(run).plot.y.scale.high, drawing.phase_plane(run).plot.x.scale.high) == (Q(5, 2), 8)
+    drawing.demand_drawable(Scene("long", "rk4", Q(1), Q(10**6), panels=("position",)))
+
+
 def test_long_exact_curve_still_reaches_both_sides_everywhere() -> None:
     """10^5 radians in 346 columns: the curve fills its band, and is not aliased into a slow wave."""
     run = run_of("symplectic_euler", Q(1, 2), Q(10**5))
@@ -119,6 +134,6 @@ def test_figure_in_the_readme_is_the_one_that_the_command_writes(tmp_path: Path)
 
 
 def test_run_too_long_to_be_drawn_is_refused_before_it_starts(tmp_path: Path) -> None:
-    with pytest.raises(ValueError, match="at most 1000000 steps are drawn, not 10000000"):
-        drawing.write_figures(Scene("long", "rk4", Q(1), Q(10**7), panels=("position",)), tmp_path)
+    with pytest.raises(ValueError, match="1000001 steps are too many to draw; at most 1000000"):
+        drawing.write_figures(Scene("long", "rk4", Q(1), Q(10**6 + 1), panels=("position",)), tmp_path)
     assert list(tmp_path.iterdir()) == []

@@ -33,9 +33,11 @@ def test_work_is_measured_from_the_scene_s_own_start() -> None:
     assert own.error == pytest.approx(hypot(q - exact[0], v - exact[1]), rel=1e-9)
 
 
-def test_work_of_a_scene_that_runs_backwards_is_refused() -> None:
-    with pytest.raises(ValueError, match="up to a t above 0"):
-        work_curves(Scene("back", "rk4", Q(-1), Q(-3), panels=("work_precision",)))
+def test_work_of_a_scene_that_runs_backwards_or_nowhere_is_refused() -> None:
+    for h, t in ((Q(-1), Q(-3)), (Q(1), Q(0))):
+        with pytest.raises(ValueError, match="comparing work needs t > 0"):
+            work_curves(Scene("back", "rk4", h, t, panels=("work_precision",)))
+    assert work_curves(Scene("short", "rk4", Q(1, 4), Q(1, 2), panels=("work_precision",)))[0].points[0].steps == 2
 
 
 def test_the_fewest_evaluations_for_each_goal_and_the_first_and_last_error_are_told() -> None:
@@ -49,6 +51,6 @@ def test_methods_without_any_error_are_told_of() -> None:
     found = [Curve("a", "A", 2, refused="has no steps"), Curve("b", "B", 0, [Point("8", 8, remark="lost", steps=8)])]
     shown, figure = work_table(found), work_figure(found, "id", Q(1))
     assert '<td colspan="4">has no steps</td>' in shown
-    assert "<td>–</td><td>–</td><td>not reached</td><td>not reached</td>" in shown
+    assert "<td>–</td><td>–</td><td>not with 8 steps</td><td>not with 8 steps</td>" in shown
     assert figure.description.endswith("A: none. B: none.")
     assert figure.data[1:] == [["B", "8", "8", "lost"]]

@@ -39,7 +39,7 @@ def test_runs_that_blow_up_keep_the_others_legible(tmp_path: Path) -> None:
     good = Curve("gauss2", "", 4, points((512, 1e-3), (1024, 1e-5)))
     asked = study(problem="dahlquist_1e3")
     both = draw_study(asked, Measured({"rk4": blown, "gauss2": good}), "state", tmp_path)
-    assert not {"10⁶⁰", "10⁹⁰", "no run to show here"} & set(texts(both))
+    assert not {"10⁶⁰", "10⁹⁰", "no run can be shown here"} & set(texts(both))
     # From 10² to 10⁴ evaluations, and from 10⁻⁵ to 1000 times the size of the solution, 1.
     x, y = Scale(2, 4, *WIDE[0]), Scale(-5, 3, *WIDE[1])  # type: ignore[arg-type]
     wanted = [(float(x(log10(n))), float(y(log10(e)))) for n, e in ((512, 1e-3), (1024, 1e-5))]
@@ -50,7 +50,10 @@ def test_runs_that_blow_up_keep_the_others_legible(tmp_path: Path) -> None:
         assert drawn == pytest.approx(place, abs=0.006)
     assert places(both, "path m0") == []
     lost = draw_study(asked, Measured({"rk4": blown}), "state", tmp_path)
-    assert "no run to show here" in texts(lost)
+    assert "no run can be shown here" in texts(lost)
+    nothing = draw_study(asked, Measured({"rk4": Curve("rk4", "", 4, [])}), "state", tmp_path)
+    ticks = {x.text: x.get("y") for x in ElementTree.parse(nothing).iter(f"{SVG}text") if x.get("class") == "tick y"}
+    assert (ticks["10⁻⁵"], ticks["1"]) == (str(26 + 228 * 5 / 16), "26"), "from 10⁻¹⁶ to 1"
 
 
 def test_figure_has_a_panel_for_every_cost_and_a_legend_of_all_curves(tmp_path: Path) -> None:
@@ -58,8 +61,8 @@ def test_figure_has_a_panel_for_every_cost_and_a_legend_of_all_curves(tmp_path: 
     measured = measure(asked, None, unheard)
     drawn = draw_study(asked, measured, "state", tmp_path)
     shown, before = texts(drawn), drawn.read_bytes()
-    named = ("evaluations of f", "seconds, Python", "seconds a state, ensemble", "rk4", "heun3", "gauss2")
-    assert {*named, "rounding the exact result", asked.problem.title} <= set(shown)
+    named = ("evaluations of f", "seconds, Python", "seconds per state, ensemble", "rk4", "heun3", "gauss2")
+    assert {*named, "rounding of the exact result", asked.problem.title} <= set(shown)
     assert "seconds, compiled" not in shown
     assert draw_study(asked, measured, "state", tmp_path).read_bytes() == before
     size = ElementTree.parse(drawn).getroot().get("viewBox", "").split()

@@ -2,14 +2,20 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 
+from driftproof.methods.vector_fields import VectorField
 from driftproof.numeric.problems.linear import HARMONIC
 from driftproof.reports.work_precision.peers import PEERS, Peer, peers_named
 from driftproof.reports.work_precision.report import study_text, times_json
 from driftproof.reports.work_precision.study import measure, solver_point
 from tests.looping import some
 from tests.reports.studies import study, unheard
+
+# y0 is infinite at t = 1, before the end.
+POLE = replace(HARMONIC, field=VectorField(("y0 * y0", "0")), second_order=False, energy=None, matrix=None)
 
 
 class FakeSolver:
@@ -42,6 +48,27 @@ def test_a_peer_stands_beside_ours_and_its_failure_is_a_remark(monkeypatch: pyte
     assert "fake solver at tolerance 1e-06: step too small" in study_text(asked, found)
 
 
+class Willing(FakeSolver):
+    """Exact at every tolerance; keeps those that it is asked for."""
+
+    def solve(self, tolerance: float, t: float) -> tuple[float, ...]:
+        asked.append(tolerance)
+        return super().solve(1e-3, t)
+
+
+asked: list[float] = []
+
+
+def test_a_solver_is_first_called_twice_at_the_first_point_to_let_it_compile(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(Peer, "installed", True)
+    monkeypatch.setattr(Peer, "version", "1.0")
+    asked.clear()
+    found = measure(study("rk4", peers=(Peer("willing", ("solver",), "python", Willing),)), None, unheard)
+    errors = 2 * len(HARMONIC.reference.times)
+    assert asked[errors : errors + 2] == [1e-3, 1e-3]
+    assert set(found.warm_up) == {"rk4 | python", "rk4 | ensemble", "willing solver | python"}
+
+
 def test_peers_that_are_absent_are_named(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(Peer, "installed", False)
     asked = study("rk4", peers=tuple(peers_named(["heyoka", "scipy"])))
@@ -59,3 +86,4 @@ def test_peers_that_are_installed_solve_the_oscillator_and_refuse_what_they_cann
         point = solver_point(solver, 1e-6, study(limit=1))
         assert point.error < 1e-2
         assert point.evaluations is None if name == "heyoka" else 20 < (point.evaluations or 0) < 2000
+        assert solver_point(peer.on(POLE, key), 1e-3, study(limit=1)).remark

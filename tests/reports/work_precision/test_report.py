@@ -8,12 +8,22 @@ import json
 import re
 from math import inf
 from pathlib import Path
+from types import SimpleNamespace
 
+from driftproof.methods.catalogue import METHODS
+from driftproof.numeric.problems.catalogue import problem_named
 from driftproof.numeric.reference_errors import Size
-from driftproof.numeric.work_precision.curves import Curve, Point
+from driftproof.numeric.work_precision.curves import Curve, Point, curve_of
 from driftproof.numeric.work_precision.timing import Timing
 from driftproof.numeric.work_precision.verdicts import Priced, dominators
-from driftproof.reports.work_precision.report import goal_rows, priced, study_text, write_study
+from driftproof.reports.work_precision.report import (
+    goal_rows,
+    order_rows,
+    priced,
+    seconds_text,
+    study_text,
+    write_study,
+)
 from driftproof.reports.work_precision.study import Measured, measure, timing_name
 from tests.reports.studies import study, unheard
 
@@ -21,9 +31,10 @@ from tests.reports.studies import study, unheard
 def test_tables_say_who_is_cheapest_who_is_dominated_and_what_does_not_apply() -> None:
     asked = study("rk4", "velocity_verlet", problem="dahlquist_1")
     shown = study_text(asked, measure(asked, None, unheard))
-    assert "velocity_verlet: not applicable: " in shown
-    assert "Least work for an error of at most 1e-6 (* least of all)" in shown
-    assert "no times, compiled, of rk4: numba is not installed" in shown
+    assert "velocity_verlet: does not apply: " in shown
+    assert "Least work for an error of at most 1e-6 (* the least)" in shown
+    assert "no times (compiled) for rk4: numba is not installed" in shown
+    assert [len(re.findall(f"(?m)^{line}", shown)) for line in ("-:", "Evaluations ", "lost")] == [1, 1, 0]
     assert re.search(r"^rk4 +4 +4\.\d\d \(", shown, re.MULTILINE)
 
 
@@ -45,6 +56,26 @@ def test_errors_as_large_as_the_solution_are_lost_and_decide_nothing() -> None:
     assert cost["evaluations"] == {"a": [Priced(0.1, 16)], "b": [Priced(0.01, 16)], "c": []}
     assert dominators(cost["evaluations"]) == {"a": ["b"]}
     assert [row[1] for row in goal_rows(measured, cost, 1e-3)[1:]] == ["not met: 0.1", "not met: 0.01", "not met: lost"]
+
+
+ERRORS = {0.0: "0", 0.001: "0.001", 99.4: "99", 100.0: "1.0e2", 0.00099: "9.9e-4", 1e-12: "1.0e-12"}
+SECONDS = {1.0: "1.00 s", 0.999: "999 ms", 1e-3: "1.00 ms", 2e-6: "2.00 µs", 1e-6: "1.00 µs", 5e-8: "50.0 ns"}
+
+
+def test_errors_have_two_digits_and_seconds_three_in_their_unit() -> None:
+    found = [Curve("a", "A", 1, [Point("8", 8, {"state": Size(error, error)})]) for error in ERRORS]
+    rows = order_rows(Measured({str(i): curve for i, curve in enumerate([*found, Curve("b", "B", 0, [])])}))
+    assert [row[3] for row in rows] == ["least error", *ERRORS.values(), "none"]
+    assert {seconds: seconds_text(seconds) for seconds in SECONDS} == SECONDS
+
+
+def test_the_least_cost_for_a_goal_has_a_star_and_one_that_is_not_known_is_over_the_limit() -> None:
+    points = [Point(str(n), n, {"state": Size(e, e)}, steps=n) for n, e in ((8, 1e-2), (16, 1e-5))]
+    timings = {"a | python | 8": Timing(1, [3e-3]), "b | python | 8": Timing(1, [2e-3])}
+    measured = Measured({key: Curve(key, key, 1, points) for key in "abc"}, timings, {"a | python": 1, "b | python": 1})
+    cost = {"python": priced(measured, "python")}
+    found = [[row[1] for row in goal_rows(measured, cost, goal)[1:]] for goal in (1e-2, 1e-3)]
+    assert found == [["3.00 ms", "2.00 ms *", "-"], ["over the limit", "over the limit", "-"]]
 
 
 def test_neighbouring_points_of_one_remark_are_told_by_the_first_and_the_last() -> None:
@@ -78,3 +109,9 @@ def test_timing_of_no_sample_is_an_infinite_cost_and_a_kind_never_called_none() 
     measured = Measured({"a": Curve("a", "A", 1, [point])}, marked, {"a | python": 1.0})
     assert priced(measured, "python") == {"a": [Priced(0.1, inf)]}
     assert priced(measured, "compiled") == {"a": []}
+
+
+def test_an_order_below_the_claim_is_order_reduction_on_stiff_problems_only() -> None:
+    found = curve_of(METHODS["gauss2"], problem_named("prothero_robinson"), (20, 40, 80, 160))
+    shown = [order_rows(SimpleNamespace(curves={"gauss2": found}), stiff)[1][-1] for stiff in (True, False)]
+    assert shown == ["below the claimed order 4: order reduction", "below the claimed order 4"]

@@ -157,8 +157,8 @@ def test_a_plane_that_only_drifts_has_no_phase_error_and_says_why() -> None:
     from driftproof.methods.schemes import Splitting
 
     found = derive(Splitting("drift", "Drift", 0, "test", (("drift", 1),)))
-    assert found.phase_error.missing == "the step is not a consistent rotation: its angle is not h + O(h**2)"
-    assert "does not become the energy" in (found.invariant.missing or "")
+    assert found.phase_error.missing == "the step does not turn by an angle h + O(h**2), as a consistent method does"
+    assert "does not tend to the energy" in (found.invariant.missing or "")
     assert found.stability_limit.value == 0
 
 

@@ -97,9 +97,9 @@ def test_every_consistent_splitting_conserves_a_quadratic_that_becomes_the_energ
 @pytest.mark.parametrize(
     ("rows", "reason"),
     [
-        ([[1, 0], [0, 1]], "a space of dimension 3"), ([[1, H], [-H, 1]], "no quadratic form is conserved"),
-        ([[1, H], [-4 * H, 1 - 4 * H**2]], "does not become the energy"),
-        ([[1, H], [0, 1]], "does not become the energy"), ([[-1, 0], [0, 1]], "a space of dimension 2"),
+        ([[1, 0], [0, 1]], "have dimension 3"), ([[1, H], [-H, 1]], "no quadratic form is conserved"),
+        ([[1, H], [-4 * H, 1 - 4 * H**2]], "does not tend to the energy"),
+        ([[1, H], [0, 1]], "does not tend to the energy"), ([[-1, 0], [0, 1]], "have dimension 2"),
     ],
 )  # fmt: skip
 def test_invariant_is_refused_unless_it_is_one_that_becomes_the_energy(rows: Any, reason: str) -> None:

@@ -69,7 +69,7 @@ def test_forward_euler_turns_by_the_arctangent() -> None:
     ids=["still", "scaled", "too fast", "hyperbolic", "stretched"],
 )
 def test_phase_series_of_an_inconsistent_step_is_refused(rows: list[list[object]]) -> None:
-    with pytest.raises(ValueError, match="not a consistent rotation"):
+    with pytest.raises(ValueError, match="does not turn by an angle h"):
         phase_error_series(matrix(rows), TERMS)
 
 

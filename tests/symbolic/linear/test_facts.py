@@ -221,7 +221,7 @@ def test_a_step_that_is_no_rotation_has_no_phase(kick: Q, drift: Q) -> None:
     method = splitting(kick, drift)
     found = phase(method)
     assert found == {"dispersion": None, "dispersion_series": None, "modified_hamiltonian": None}
-    with pytest.raises(NoRotationError, match="no positive rational"):
+    with pytest.raises(NoRotationError, match="not a positive rational"):
         angle_error_series(oscillator_matrix(method), 4)
 
 

@@ -39,14 +39,16 @@ def test_products_of_known_factors_are_judged_by_their_roots():
 @pytest.mark.parametrize(
     ("factors", "reason"),
     [
-        (("-1 1", "-1 1"), "on the unit circle, 1 is a root 2 times"),
-        (("1 1", "1 1", "1 1"), "on the unit circle, -1 is a root 3 times"),
-        (("1 0 1", "1 0 1", "0 1"), "on the unit circle, a pair of conjugates is a root 2 times"),
+        (("-1 1", "-1 1"), "on the unit circle, 1 is a root of multiplicity 2"),
+        (("1 1", "1 1", "1 1"), "on the unit circle, -1 is a root of multiplicity 3"),
+        (("1 0 1", "1 0 1", "0 1"), "on the unit circle, a conjugate pair is a root of multiplicity 2"),
         (("1 3 1", "1 0 1"), "a root is outside the unit circle"),
-        (("1 1", "-1 1", "1 0 1"), "no root is outside the unit circle; on the circle are 1 and -1 and a pair of"),
-        (("-1 1", "0 1"), "no root is outside the unit circle; on the circle is 1 alone"),
-        (("1 1", "0 1"), "no root is outside the unit circle; on the circle is -1 alone"),
-        (("1 1", "1 0 1"), "no root is outside the unit circle; on the circle are -1 and a pair of conjugates"),
+        (("1 1", "-1 1", "1 0 1"), "no root is outside the unit circle; 1 and -1 and a conjugate pair"),
+        (("-1 1", "0 1"), "no root is outside the unit circle; 1 is on it"),
+        (("1 1", "0 1"), "no root is outside the unit circle; -1 is on it"),
+        (("1 1", "1 0 1"), "no root is outside the unit circle; -1 and a conjugate pair are on it"),
+        (("1 0 1", "1 1 1"), "no root is outside the unit circle; 2 conjugate pairs are on it"),
+        (("1 0 1", "1 0 1", "1 1 1"), "on the unit circle, a conjugate pair is a root of multiplicity 2"),
         (("-1/2 1", "0 1"), "no root is outside the unit circle; none is on it"),
     ],
 )

@@ -150,5 +150,5 @@ def test_what_is_quadratic_in_the_state_is_refused():
 def test_a_coefficient_in_the_underflow_range_is_refused():
     tiny = replace(NINE["symplectic_euler"], parts=(("kick", Q(1, 10**6)), ("drift", Q(1))))
     assert len(any_order_columns(tiny, BINARY32, BITS)) == 2
-    with pytest.raises(ValueError, match="the coefficient 1/1000000 is in the underflow range of binary16"):
+    with pytest.raises(ValueError, match="the coefficient 1/1000000 is so small that it underflows in binary16"):
         any_order_columns(tiny, BINARY16, BITS)

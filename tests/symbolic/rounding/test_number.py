@@ -92,8 +92,8 @@ def test_what_divides_by_an_irrational_constant_has_the_exact_quotient():
 
 
 REFUSED = {
-    "a comparison of a value": lambda force, q, v, h: (q, v) if q > v else (v, q),
-    "a branch on a value": lambda force, q, v, h: (q, v) if q else (v, q),
+    "a comparison of computed values": lambda force, q, v, h: (q, v) if q > v else (v, q),
+    "a branch on a computed value": lambda force, q, v, h: (q, v) if q else (v, q),
     "division by something that depends on q, v or h": lambda force, q, v, h: (q / h, v),
     "a function of math": lambda force, q, v, h: (math.sin(q), v),
     "a call of sin": lambda force, q, v, h: (np.sin(q), v),
@@ -104,7 +104,7 @@ REFUSED = {
     "rounding a value": lambda force, q, v, h: (round(q), v),
     "abs()": lambda force, q, v, h: (abs(q), v),
     "division by zero": lambda force, q, v, h: (q / 0, v),
-    "a look-up by value": lambda force, q, v, h: ({q: 1}[q], v),
+    "a set or dictionary of computed values": lambda force, q, v, h: ({q: 1}[q], v),
     "not a finite number": lambda force, q, v, h: (q + math.inf, v),
     "which is str": lambda force, q, v, h: (q * "2", v),
     "which is bool": lambda force, q, v, h: (q * True, v),

@@ -100,7 +100,7 @@ def test_a_step_with_another_polynomial_is_reported_with_the_coefficient():
         (line,) = step_bound(step).differences(oscillator_matrix(NINE[other]))
         assert line == f"M_qq, coefficient of h**2: the program has {x}, the definition {y}"
     implicit = step_bound(forward_euler).differences(oscillator_matrix(METHODS["backward_euler"]))
-    assert implicit == [f"M_{x}: the definition's is no polynomial in h" for x in ("qq", "qv", "vq", "vv")]
+    assert implicit == [f"M_{x}: in the definition it is not a polynomial in h" for x in ("qq", "qv", "vq", "vv")]
 
 
 def test_a_decimal_constant_is_the_double_that_it_is_and_not_the_fraction_that_it_means():
@@ -145,7 +145,7 @@ def test_constants_of_every_exact_kind_are_taken_and_plain_uses_of_zero_and_one_
 
 def test_a_step_may_return_a_number_and_nothing_else():
     assert step_bound(lambda force, q, v, h: (q, 0)).entries == ({0: 1}, {}, {}, {})
-    with pytest.raises(RefusedOperation, match="returned None, which is NoneType"):
+    with pytest.raises(RefusedOperation, match="returned None, a NoneType"):
         step_bound(lambda force, q, v, h: (q, None))
     for wrong in (None, (1, 2, 3)):
         with pytest.raises(RefusedOperation, match=r"must return the pair \(q1, v1\)"):

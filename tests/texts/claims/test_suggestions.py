@@ -48,6 +48,8 @@ def test_suggestion_is_strong_only_where_the_digits_or_the_names_say_so() -> Non
     for text, strong in (("0.5", False), ("2.4", False), ("2.39", False), ("0.090", False)):
         assert {candidate.strong for candidate in suggested(f"about {text}")[0]} == {strong}, text
     assert suggested("forward Euler's state error is 2.390 at the end")[-1][0].strong
+    of_roots = [suggested(f"t = 2: the {name}q is -0.41614684")[-1][0].strong for name in ("", "exact ")]
+    assert of_roots == [False, True], "a letter is no name"
     exact = [value(candidate.question).exact == Q(1, 2) for candidate in suggested("about 0.5")[0]]
     assert exact == sorted(exact, reverse=True), "what is equal stands before what is rounded"
     assert {*exact} == {True, False}
@@ -137,6 +139,11 @@ def test_one_digit_that_agrees_does_not_hide_a_wrong_number():
     assert "run Heun y'=-2y, y(0)=1, h=0.1, t=1 : y" in nowhere  # 0.13745 is printed as 0.13748; 0.1 is a start
     right = {question for question, _ in Suggestions(NOTE.replace("0.13748", "0.13745"), [OF_NOTE]).nowhere()}
     assert nowhere - right == {"run Heun y'=-2y, y(0)=1, h=0.1, t=1 : y"}
+
+
+def test_two_digits_of_one_of_five_values_do_not_tell_it_and_three_do():
+    asked = ["0.3371", *(f"{n}.5" for n in range(1, 5))]
+    assert [len(Suggestions(f"about {x}", asked).nowhere()) for x in ("0.34", "0.337")] == [5, 4]
 
 
 def best_of(text, spelled):

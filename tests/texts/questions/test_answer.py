@@ -101,7 +101,7 @@ def test_what_is_no_number_has_no_decimals() -> None:
 
 def test_number_that_no_enclosure_decides_is_an_error_and_not_a_guess() -> None:
     nothing = value("(run rk4 h=1/4 t=10 : state_error) - (run rk4 h=1/4 t=10 : state_error)")
-    with pytest.raises(QuestionError, match="undecided at 131072 bits"):
+    with pytest.raises(QuestionError, match="undecided with 131072 bits"):
         nothing.digits(3)
 
 

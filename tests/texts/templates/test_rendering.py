@@ -30,7 +30,7 @@ def test_check_passes_what_was_rendered_and_shows_what_was_changed(lesson: Path,
     assert status == REFUTED
     assert out.startswith("--- lesson.md (does not exist)\n+++ lesson.md as lesson.md.j2 renders it\n")
     assert run("render", "lesson.md.j2") == (0, "lesson.md: 1 value\n", "")
-    assert run("render", "lesson.md.j2", "--check") == (0, "lesson.md is what lesson.md.j2 renders\n", "")
+    assert run("render", "lesson.md.j2", "--check") == (0, "lesson.md is up to date with lesson.md.j2\n", "")
     text = Path("lesson.md").read_text(encoding="utf-8")
     assert text == "q = 0.877604\nv\n"
     found = rendering.RenderedText(text, 1, lesson, Path("lesson.md"))
@@ -72,8 +72,8 @@ def test_ends_of_lines_are_those_of_the_template(lesson: Path, run: Run) -> None
         (("none.md.j2",), "none.md.j2: No such file or directory"),
         (("lesson.md",), "lesson.md: the name does not end in .j2; name the output with -o"),
         (("lesson.md.j2", "-o", "lesson.txt"), "lesson.txt: the name of the rendered file must end in one of .md"),
-        (("lesson.md.j2", "a.md.j2", "-o", "b.md"), "render them one by one"),
-        (("link.md", "-o", "lesson.md"), "already a template or an output here"),
+        (("lesson.md.j2", "a.md.j2", "-o", "b.md"), "one by one"),
+        (("link.md", "-o", "lesson.md"), "templates or outputs already"),
         (("latin.md.j2",), "not UTF-8 at byte 1"),
         (("lesson.md.j2", "--style", "fancy"), "invalid choice: 'fancy'"),
         (("folder.md.j2",), "folder.md.j2: Is a directory"),
