@@ -37,7 +37,7 @@ def enclose_expression(expr: sympy.Basic) -> arb:
         return arb(1).exp()
     if isinstance(expr, sympy.Pow):
         base, exponent = (enclose_expression(a) for a in expr.args)
-        return base.sqrt() if expr.exp == sympy.Rational(1, 2) else base**exponent
+        return base**exponent
     if expr.func not in _FUNCTIONS:
         raise TypeError(f"{expr.func.__name__} in {expr} cannot be enclosed in balls")
     return _FUNCTIONS[expr.func](*(enclose_expression(a) for a in expr.args))
