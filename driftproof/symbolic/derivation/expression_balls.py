@@ -45,7 +45,7 @@ def enclose_expression(expr: sympy.Basic) -> arb:
 
 def integer_coefficients(polynomial: sympy.Poly) -> tuple[int, ...]:
     """The coefficients of an integer multiple of a polynomial over Q, constant term first."""
-    return tuple(int(c) for c in polynomial.clear_denoms(convert=True)[1].all_coeffs()[::-1])
+    return tuple(int(c) for c in polynomial.clear_denoms()[1].all_coeffs()[::-1])
 
 
 _FUNCTIONS: dict[Any, Callable[..., arb]] = {
