@@ -38,7 +38,7 @@ def at_the_end(M: arb_mat, sources: arb_mat, step: arb) -> tuple[arb_mat, arb_ma
     rows = [[*left, *right] for left, right in zip(M.tolist(), sources.tolist(), strict=True)]
     both = arb_mat([*rows, *[[arb(0)] * (n + k)] * k]) * step
     # Squaring the exponential loses about as many bits as its argument has before the point.
-    lost = 2 * max(0, int(log2(1 + float(size(both.entries())))))
+    lost = int(log2(1 + float(size(both.entries()))))
     with ctx.workprec(ctx.prec + lost):
         found = both.exp().tolist()[:n]
     return sizes_of(arb_mat([row[:n] for row in found])), sizes_of(arb_mat([row[n:] for row in found]))

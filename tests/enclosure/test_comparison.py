@@ -72,6 +72,7 @@ def test_bound_on_the_way_that_is_none_is_refused():
 
 def test_fast_decay_costs_no_digits_and_no_time():
     M = comparison.quasi_monotone(arb_mat([[arb(-1e14), arb(0.5)], [arb(0.25, 0.01), arb(-1)]]))
-    grown, _ = comparison.at_the_end(M, arb_mat([[0], [0]]), arb(1))
+    grown, added = comparison.at_the_end(M, arb_mat([[1], [1]]), arb(1))
     assert grown[0, 0] < 1e-10
     assert abs(grown[1, 1] - arb(-1).exp()) < 1e-9
+    assert abs(added[1, 0] + arb(-1).expm1()) < 1e-9

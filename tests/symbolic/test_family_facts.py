@@ -13,9 +13,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from driftproof.methods.families import FAMILIES
-from driftproof.symbolic.algebra.bivariate import T_OF_TWO as T
-from driftproof.symbolic.algebra.bivariate import X_OF_TWO as X
-from driftproof.symbolic.algebra.bivariate import bivariate_text, irreducible_factors
 from driftproof.symbolic.algebra.polynomials import exact, scalar
 from driftproof.symbolic.family_facts import FamilyFacts, family_residuals
 from driftproof.symbolic.trees.order_conditions import order, residuals, runge_kutta_conditions
@@ -166,9 +163,3 @@ def test_a_critical_value_of_high_degree_is_refused_and_said_so() -> None:
     assert "degree 13" in found["a_stable"]["refused"]
     assert "at a critical value of t: degree 13" in found["real_limit"]["refused"]
     assert found["order"] == 0
-
-
-def test_curves_are_printed_as_sympy_reads_them() -> None:
-    assert bivariate_text(-(X**3) + (1 - 2 * T) * X**2 - 2, "x", "t") == "-x**3 + (1 - 2*t)*x**2 - 2"
-    factors = irreducible_factors(2 * T * X - 2 * T**3 * X**3)
-    assert sorted(bivariate_text(f, "x", "t") for f in factors) == ["t*x + 1", "t*x - 1", "x"]

@@ -37,7 +37,7 @@ def enclose_expression(expr: sympy.Basic) -> arb:
         return arb(1).exp()
     if isinstance(expr, sympy.Pow):
         base, exponent = (enclose_expression(a) for a in expr.args)
-        return base.sqrt() if expr.exp == sympy.Rational(1, 2) else base**exponent
+        return base**exponent
     if expr.func not in _FUNCTIONS:
         raise TypeError(f"{expr.func.__name__} in {expr} cannot be enclosed in balls")
     return _FUNCTIONS[expr.func](*(enclose_expression(a) for a in expr.args))
@@ -45,7 +45,7 @@ def enclose_expression(expr: sympy.Basic) -> arb:
 
 def integer_coefficients(polynomial: sympy.Poly) -> tuple[int, ...]:
     """The coefficients of an integer multiple of a polynomial over Q, constant term first."""
-    return tuple(int(c) for c in polynomial.clear_denoms(convert=True)[1].all_coeffs()[::-1])
+    return tuple(int(c) for c in polynomial.clear_denoms()[1].all_coeffs()[::-1])
 
 
 _FUNCTIONS: dict[Any, Callable[..., arb]] = {

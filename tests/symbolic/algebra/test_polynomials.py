@@ -16,7 +16,6 @@ from driftproof.symbolic.algebra.polynomials import (
     at_ball,
     coprime_modulo_a_prime,
     deflate,
-    dot,
     exact,
     from_scalars,
     greatest_common_divisor,
@@ -146,11 +145,6 @@ def test_in_square_refuses_odd_powers() -> None:
     assert deflate(polynomial([1, 0, 2])) == polynomial([1, 2])
     with pytest.raises(ValueError, match="odd power"):
         deflate(polynomial([1, 1]))
-
-
-def test_dot_demands_equal_lengths() -> None:
-    with pytest.raises(ValueError, match="longer"):
-        dot([fmpq(1)], [fmpq(1), fmpq(2)])
 
 
 def test_coprime_polynomials_over_a_number_field_are_seen_to_be_so_modulo_a_prime(

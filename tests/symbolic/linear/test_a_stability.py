@@ -39,7 +39,7 @@ from driftproof.symbolic.linear.a_stability import (
 from driftproof.symbolic.linear.region import boundary_points
 from driftproof.symbolic.linear.stability_function import stability_function
 from driftproof.symbolic.linear.stability_limits import INFINITY, imaginary_limit, imaginary_margin, real_limit
-from driftproof.texts.writing.records import number_record, record
+from driftproof.texts.writing.records import record
 from tests.symbolic.linear.linear_examples import ROOT_2, ROOT_3, Z, pade, sdirk
 
 PADE = [(j, k) for j in range(7) for k in range(7)]
@@ -184,13 +184,6 @@ def test_sectors_of_pade_approximants(num: int, den: int, degrees: str) -> None:
     tangent = sector_tangent(pade(num, den))
     assert isinstance(tangent, RealRoot)
     assert significant(Angle(tangent).exact, 4) == degrees
-
-
-def test_sector_of_order_three_without_a_numerator() -> None:
-    tangent = sector_tangent(pade(0, 3))
-    minimal = "81*x**14 - 84830*x**12 - 6537*x**10 - 129912*x**8 - 78065*x**6 - 39990*x**4 - 6711*x**2 - 340"
-    known = {"exact": None, "minpoly": minimal, "interval": ["32", "33"], "decimal": "32.3629798962"}
-    assert number_record(tangent, 12) == known
 
 
 def test_sector_does_not_know_the_unit_of_length() -> None:

@@ -3,24 +3,22 @@
 from __future__ import annotations
 
 from fractions import Fraction as Q
-from typing import Any
 
 import pytest
-from flint import fmpq, fmpq_poly
+from flint import fmpq_poly
 
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.families import FAMILIES, Family
 from driftproof.methods.number_field import square_root
 from driftproof.methods.schemes import MethodError
-from driftproof.symbolic.algebra.bivariate import ParametricPair, at_parameter, critical_polynomial
+from driftproof.symbolic.algebra.bivariate import at_parameter
 from driftproof.symbolic.algebra.polynomials import exact, scalar
 from driftproof.symbolic.algebra.rational_functions import fraction, rational_function_text
-from driftproof.symbolic.algebra.real_roots import RealRoot, rational_root, sign_at
+from driftproof.symbolic.algebra.real_roots import rational_root
 from driftproof.symbolic.linear.a_stability import a_stability, i_stability, l_stability
 from driftproof.symbolic.linear.families import (
     Interval,
     ParameterSet,
-    critical_polynomials,
     family_error_constant,
     family_stability,
     parameter_set,
@@ -135,29 +133,9 @@ def test_a_contact_that_opens_at_a_finite_point_of_the_axis_is_found() -> None:
     assert str(parameter_set(contact, a_stability)) == "[-3/2, 3]"
 
 
-def test_criticals_hold_the_ends() -> None:
-    polynomials = critical_polynomials(FAMILIES["sdirk_stiffly_accurate"])
-    ends = RealRoot((1, -4, 2), 0), RealRoot((1, -4, 2), 1)
-    assert all(any(sign_at(p, end) == 0 for p in polynomials) for end in ends)
-
-
 def test_intervals_print_their_ends() -> None:
     two = rational_root(Q(2))
     assert str(Interval(None, two, False, True)) == "(-oo, 2]"
     assert str(Interval(two, None, False, False)) == "(2, oo)"
     assert str(Interval(two, two, True, True)) == "{2}"
     assert str(ParameterSet(())) == "empty"
-
-
-def test_first_subresultant_that_is_not_zero_tells_where_roots_merge() -> None:
-    """(x - t)²(x - 1) always has a double root; t = 1 is where the distinct ones change in number."""
-
-    def at(t: fmpq) -> tuple[Any, Any]:
-        p = (T - t) ** 2 * (T - 1)
-        return p, p.derivative()
-
-    found = critical_polynomial(ParametricPair(at, (3, 2), (2, 2)))
-    assert found(1) == 0
-    assert found(2) != 0
-    nothing = critical_polynomial(ParametricPair(lambda t: (T * 0, T * 0), (2, 1), (0, 0)))
-    assert nothing is None

@@ -17,7 +17,7 @@ from driftproof.symbolic.algebra.rational_functions import RationalFunction, fra
 from driftproof.symbolic.algebra.real_roots import ZERO_ROOT, RealRoot, rational_root, sign_at
 from driftproof.symbolic.derivation.one_step import one_step_matrix as polynomial_matrix
 from driftproof.symbolic.derivation.stability import stability_limit
-from driftproof.symbolic.linear.oscillator import oscillator_matrix, stability_function_of
+from driftproof.symbolic.linear.oscillator import oscillator_matrix
 from driftproof.symbolic.linear.stability_function import stability_function
 from driftproof.symbolic.linear.stability_limits import (
     INFINITY,
@@ -169,14 +169,6 @@ def test_first_failure_is_the_left_end_of_the_first_interval_that_fails() -> Non
     assert first_failure([p], lambda x: p(x) >= 0) == rational_root(Q(2))
     assert first_failure([p], lambda x: True) is INFINITY
     assert first_failure([p], lambda x: False) == ZERO_ROOT
-
-
-def test_limit_data_of_the_design() -> None:
-    r = stability_function_of(NINE["rk4"])
-    assert r is not None
-    wanted = {"exact": "2*sqrt(2)", "minpoly": "x**2 - 8", "decimal": "2.828427124746190097603377448419"}
-    assert record(imaginary_limit(r)) == wanted | {"interval": ["2", "3"]}
-    assert (record(INFINITY), record(ZERO_ROOT)) == ("oo", "0")
 
 
 def step_matrix(*entries: Any, over: int = 1) -> StepMatrix:

@@ -64,14 +64,6 @@ def test_density_and_symmetry_count_the_monotone_labellings(n: int) -> None:
         assert found[sorted_tree(tree)] == Q(factorial(n), symmetry(tree) * density(tree))
 
 
-@pytest.mark.parametrize("n", range(1, 13))
-def test_labellings_of_all_trees_add_up(n: int) -> None:
-    """Σ n!/σ = nⁿ⁻¹ (Cayley), and Σ n!/(σ γ) = (n - 1)!."""
-    table = tree_table(n)
-    assert sum(Q(factorial(n), table.symmetry[t]) for t in table.ids(n)) == n ** (n - 1)
-    assert sum(Q(factorial(n), table.symmetry[t] * table.density[t]) for t in table.ids(n)) == factorial(n - 1)
-
-
 def test_columns_agree_with_the_trees_they_are_about() -> None:
     table = tree_table(9)
     assert table.size == tuple(map(vertices, shapes(9)))
