@@ -27,7 +27,6 @@ from driftproof.texts.claims.checking import (  # noqa: E402
     CheckedClaim,
     check_claims,
     coverage,
-    occurrences_of,
 )
 from driftproof.texts.claims.claims import Claim, read_claims  # noqa: E402
 from driftproof.texts.readers.canonical import FRACTIONS, LOWERED, RAISED  # noqa: E402
@@ -50,7 +49,7 @@ ROUND_ABOUT = 200
 def misprints(document: Document, outcome: CheckedClaim) -> Iterator[tuple[int, str]]:
     """Every change of one digit where the claim's phrase stands: the place in the file, and the digit put there."""
     for occurrence in outcome.occurrences:
-        places = {document.text.origin(i): None for i in range(occurrence.start, occurrence.end)}
+        places = {document.text.origin(i): None for i in range(*occurrence.span())}
         yield from ((at, other) for at in places for other in MISPRINTS.get(document.source[at], ""))
 
 
@@ -59,12 +58,12 @@ def unnoticed(document: Document, outcome: CheckedClaim) -> list[tuple[int, str]
 
     The claim holds of the text as it is, so that one occurrence more or less refutes it.
     """
-    claim, spellings = outcome.claim, outcome.claim.spellings()
+    phrase = outcome.claim.phrase.exact(outcome.claim.spellings(), outcome.claim.ignore_case)
 
     @cache
     def count(at: int, digit: str) -> int:
         before, after = document.source[max(0, at - ROUND_ABOUT) : at], document.source[at + 1 : at + ROUND_ABOUT]
-        return len(occurrences_of(document_of(before + digit + after), claim, spellings))
+        return len(phrase.findall(document_of(before + digit + after).text.text))
 
     tried = misprints(document, outcome)
     return [(at, digit) for at, digit in tried if count(at, digit) == count(at, document.source[at])]

@@ -66,13 +66,13 @@ NOT_ELSEWHERE = "sympy"
 BUDGETS = {
     "support": 1194,
     "methods": 5305,
-    "symbolic": 10326,
+    "symbolic": 10324,
     "numeric": 4172,
-    "blackbox": 17865,
+    "blackbox": 17863,
     "enclosure": 3137,
-    "texts": 7340,
+    "texts": 7336,
 }
-BUDGET_OF_REPORTS_AND_FRONT = 5625
+BUDGET_OF_REPORTS_AND_FRONT = 5624
 # The goal is 65 of 100. Independent witnesses, campaigns and guards, 6,000 lines, are among the tests.
 # From 93 to 94: a failing test first for each of some thirty faults, and a guard of the docstrings.
 TESTS_PER_LINE_OF_SOURCE = Fraction(949, 1000)
