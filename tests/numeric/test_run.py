@@ -261,7 +261,8 @@ def test_implicit_stages_are_solved_and_the_force_is_counted() -> None:
     state = complex(c, -s) ** 40
     # Newton leaves no more than its rounding, some ten units in the last place of the state, at each step.
     assert found["final_state"] == pytest.approx((state.real, state.imag), abs=40 * 10 * 2**-53)
-    assert found["evaluations"] > 40 * 2
+    # At the guess and after a correction, which nearly solves a linear equation: from two to four calls a step.
+    assert 40 * 2 < found["evaluations"] < 40 * 4
 
 
 def test_implicit_stages_that_there_are_none_of_end_the_run(tmp_path: Path) -> None:
