@@ -21,11 +21,11 @@ from driftproof.blackbox.judging.nonlinear_step import nonlinear_twins
 from driftproof.blackbox.matching.dense_outputs import JudgedDense, judged_dense
 from driftproof.blackbox.matching.estimates import JudgedEstimate, judged_estimate
 from driftproof.blackbox.matching.linear_match import linear_fit
-from driftproof.blackbox.naming import Naming, Seen
+from driftproof.blackbox.naming import Seen
 from driftproof.blackbox.probes.questions import Introduction, introduction, read_coefficients
 from driftproof.blackbox.probes.scripted_answers import NotReadable
 from driftproof.blackbox.probes.tableau import TableauReading
-from driftproof.blackbox.report import Report, Section, sections, without_duplicates
+from driftproof.blackbox.report import Naming, Report, Section, sections, without_duplicates
 from driftproof.blackbox.stepper.calling_conventions import FAMILY_KINDS, SIGNATURES
 from driftproof.blackbox.stepper.opening import Target
 from driftproof.methods.catalogue import METHODS

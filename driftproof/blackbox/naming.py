@@ -23,25 +23,12 @@ from driftproof.blackbox.probes.linear_steps import LINEAR
 from driftproof.blackbox.probes.questions import CoefficientReading
 from driftproof.blackbox.probes.stage_solutions import UNSOLVED
 from driftproof.blackbox.probes.tableau import TableauReading
-from driftproof.blackbox.report import NO_ANSWER, UNDECIDED
+from driftproof.blackbox.report import NO_ANSWER, NOT_KNOWN, UNDECIDED, Basis, Naming
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.schemes import RungeKutta
 
 # Solvers in use stop at an error of 1e-6 or less for numbers of size 1.
 _SOLVED = 1e-6
-# What a stepper is named by, besides UNDECIDED and NO_ANSWER: its coefficients without and with an addition, all its
-# coefficients but a few, or its linear steps only; or it is named by nothing.
-KNOWN, ADDED, NEAR, LINEAR_ONLY, UNKNOWN = "known", "known, with an addition", "near", "linear only", "unknown"
-NOT_KNOWN = "it is not a known method"
-
-
-class Naming(NamedTuple):
-    """A verdict: what it rests on, its words, the keys of all methods in it, and whether it has a reservation."""
-
-    kind: str
-    words: str
-    methods: tuple[str, ...] = ()
-    reserved: bool = False
 
 
 class Recognised(NamedTuple):
@@ -144,16 +131,17 @@ class Seen:
     def naming(self) -> Naming:
         """The verdict, by the most certain answer."""
         if self.introduction.kind in NO_EVIDENCE:
-            return Naming(UNDECIDED, f"{UNDECIDED}: {self.introduction.seen}")
+            return Naming(Basis.UNDECIDED, f"{UNDECIDED}: {self.introduction.seen}")
         if self.introduction.failed:
-            kind, words = (UNKNOWN, NOT_KNOWN) if self.introduction.kind == StaleSlope.kind else (NO_ANSWER, NO_ANSWER)
-            return Naming(kind, f"{words}: {self.introduction.seen}")
+            stale = self.introduction.kind == StaleSlope.kind
+            basis, words = (Basis.UNKNOWN, NOT_KNOWN) if stale else (Basis.NO_ANSWER, NO_ANSWER)
+            return Naming(basis, f"{words}: {self.introduction.seen}")
         read, fit = self.read, self.fit
         if read is not None and read.identity.matches:
             return self._known(read)
         if read is not None and read.untimed is not None and read.untimed.matches:
             match, late = read.untimed.matches[0], f"order {read.order.order} where the right-hand side depends on t"
-            return Naming(ADDED, f"it is {match.name} called at wrong times: {late}", (match.key,))
+            return Naming(Basis.ADDED, f"it is {match.name} called at wrong times: {late}", (match.key,))
         if read is not None and (read.reading.implicit or (fit is not None and fit.best and not self.twins.result)):
             return self._unknown_stages(read)
         if self._besides_one_number:
@@ -169,9 +157,9 @@ class Seen:
             few_bits = " in numbers of few bits, not in all numbers"
             off = f", to {nearly.off:.1e} at states of size 1" if nearly.off else few_bits
             words = f"judging by linear steps only, it is {name}{off}{alike}"
-            return Naming(LINEAR_ONLY, words, (*nearly.methods, *twins), reserved=True)
+            return Naming(Basis.LINEAR_ONLY, words, (*nearly.methods, *twins), reserved=True)
         open_questions = [o for o in (self.coefficients, self.linear) if o.kind in NO_EVIDENCE]
-        return Naming(UNDECIDED, f"{UNDECIDED}: {open_questions[0].seen}") if open_questions else self._unknown
+        return Naming(Basis.UNDECIDED, f"{UNDECIDED}: {open_questions[0].seen}") if open_questions else self._unknown
 
     def _known(self, read: Recognised) -> Naming:
         """All methods with the coefficients read, and what is to be added: rows, stages, forces, faults besides y1."""
@@ -182,7 +170,8 @@ class Seen:
         faults = "".join(f"; {fault}" for each in judged for fault in each.faults)
         words = name + _at(self.size) + read.row + beyond + faults
         keys = tuple(match.key for match in read.identity.matches)
-        return Naming(KNOWN if words == name and first in keys else ADDED, words, keys, reserved=bool(beyond))
+        plain = words == name and first in keys
+        return Naming(Basis.KNOWN if plain else Basis.ADDED, words, keys, reserved=bool(beyond))
 
     @property
     def _besides_one_number(self) -> bool:
@@ -202,8 +191,8 @@ class Seen:
         """The verdict without a method of the catalogue: that h is ignored, or else the damping, if it was read."""
         found: Damping | None = self.damping.result
         if self.ignores_step:
-            return Naming(UNKNOWN, f"{NOT_KNOWN}: {self.ignores_step}")
-        return Naming(UNKNOWN, NOT_KNOWN if found is None else found.verdict)
+            return Naming(Basis.UNKNOWN, f"{NOT_KNOWN}: {self.ignores_step}")
+        return Naming(Basis.UNKNOWN, NOT_KNOWN if found is None else found.verdict)
 
     def _unknown_stages(self, read: Recognised) -> Naming:
         """The nearest method to unknown stages, or else their number, their order and their linear method."""
@@ -214,7 +203,7 @@ class Seen:
         best = None if self.fit is None or self.fit.best is None else _in_words(self.fit, self.fit.best)
         linear = f", though on linear problems it is {best}" if best is not None else ""
         words = f"{NOT_KNOWN}, but has {stages} and order {read.order.order}{linear}{read.solved}"
-        return Naming(UNKNOWN, words, () if self.fit is None or self.fit.best is None else self.fit.best.methods)
+        return Naming(Basis.UNKNOWN, words, () if self.fit is None or self.fit.best is None else self.fit.best.methods)
 
     @property
     def measured(self) -> tuple[MeasuredOrder, ...]:
@@ -225,7 +214,7 @@ class Seen:
 
 
 def _near(near: Near, solved: str = "") -> Naming:
-    return Naming(NEAR, f"it is {near.name}{solved}", (near.key,), reserved=bool(solved))
+    return Naming(Basis.NEAR, f"it is {near.name}{solved}", (near.key,), reserved=bool(solved))
 
 
 def _by_linear_steps(fit: LinearFit, best: LinearCandidate, alike: str, twins: tuple[str, ...]) -> Naming:
@@ -234,7 +223,7 @@ def _by_linear_steps(fit: LinearFit, best: LinearCandidate, alike: str, twins: t
     keys = (*best.methods, *(nearest.methods if nearest is not None else ()), *twins)
     reserved = bool(best.restriction) or not best.rates_are_right or (nearest is not None and nearest.off > 0)
     words = f"judging by linear steps only, it is {_in_words(fit, best)}{alike}"
-    return Naming(LINEAR_ONLY, words, keys, reserved)
+    return Naming(Basis.LINEAR_ONLY, words, keys, reserved)
 
 
 def _in_words(fit: LinearFit, best: LinearCandidate) -> str:

@@ -5,12 +5,30 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
+from enum import Enum
+from typing import NamedTuple
 
 from driftproof.support.plain_text import Json, as_json, printable
 from driftproof.support.results import Printable
 
 # How a verdict begins if it says no more than this.
 UNDECIDED, NO_ANSWER = "undecided", "gives no answer"
+NOT_KNOWN = "it is not a known method"
+
+
+class Basis(Enum):
+    """What a stepper is named by: coefficients, all but a few of them, its linear steps only, or nothing."""
+
+    KNOWN, ADDED, NEAR, LINEAR_ONLY, UNKNOWN, UNDECIDED, NO_ANSWER = range(7)  # ADDED: known, and more is to be said
+
+
+class Naming(NamedTuple):
+    """A verdict: its basis, its words, the keys of all methods in it, and whether it has a reservation."""
+
+    basis: Basis
+    words: str
+    methods: tuple[str, ...] = ()
+    reserved: bool = False
 
 
 @dataclass(frozen=True)

@@ -22,9 +22,8 @@ from driftproof.blackbox.judging.habits import ROUNDED
 from driftproof.blackbox.judging.nonlinear_step import NonlinearAgreement
 from driftproof.blackbox.judging.state_objects import RIGHT_AS
 from driftproof.blackbox.judging.tolerance import Allowance, Tolerance
-from driftproof.blackbox.naming import KNOWN, LINEAR_ONLY, NEAR, NOT_KNOWN, UNKNOWN, Naming
 from driftproof.blackbox.probes.force import ForceReading
-from driftproof.blackbox.report import NO_ANSWER, UNDECIDED, Criterion, Report, criteria_parts, sections
+from driftproof.blackbox.report import NOT_KNOWN, UNDECIDED, Basis, Criterion, Naming, Report, criteria_parts, sections
 from driftproof.blackbox.stepper.opening import Target
 from driftproof.methods.catalogue import METHODS, FactsOnly
 from driftproof.methods.schemes import Method
@@ -95,11 +94,8 @@ def verify(
             from driftproof.blackbox.identify import identification_report
             from driftproof.blackbox.judging.single_mistakes import single_mistakes
 
-            read, order, dense = (
-                outcomes[criteria.COEFFICIENTS],
-                outcomes[criteria.ORDER],
-                outcomes[criteria.DENSE_OUTPUT],
-            )
+            titles = criteria.COEFFICIENTS, criteria.ORDER, criteria.DENSE_OUTPUT
+            read, order, dense = (outcomes[title] for title in titles)
             instead, naming = identification_report(runner, read, order, dense)
             mistakes = runner.outcome_of(partial(single_mistakes, method=asked)).result or ()
             same_steps = [*mistakes, *filter(None, [_right_form(outcomes)])]
@@ -222,6 +218,8 @@ def _refuted(
     beside = [checks[criteria.ERROR_ESTIMATE], checks[criteria.DENSE_OUTPUT]]
     found: Agreement | None = outcomes[criteria.ROUNDING].result
     of_step = all(check.passed is not False for check in (coefficients, nonlinear, order, *beside))
+    failed = next(check for check in checks.values() if check.passed is False)
+    faults = instead.section("Faults")
     stages = coefficients.data.get("stages")
     if stages and False in (coefficients.passed, nonlinear.passed):
         return f"is not {method.key} {_how_near(method)}: its coefficients agree, but {stages}"
@@ -238,7 +236,6 @@ def _refuted(
     if found is not None and found.failing is not None and order.passed is not False:
         if found.but_for and (coefficients.passed is not False or found.but_for.startswith(ROUNDED)):
             return f"is not {method.key} to roundoff; it is, {found.but_for}"
-        faults = instead.section("Faults")
         if coefficients.passed and found.failing.answer is not None:
             if faults is not None and CALL_BEFORE in faults.lines:
                 return f"is not {method.key}: its coefficients agree, but {CALL_BEFORE}"
@@ -248,28 +245,26 @@ def _refuted(
     if coefficients.passed and rounding.passed and seen is not None and nonlinear.passed is False:
         wrong = f"{', '.join(seen.wrong)} {'is' if len(seen.wrong) == 1 else 'are'} not what the coefficients give"
         return f"is not {method.key}: its coefficients agree, but on {seen.problem}, {wrong}"
-    if naming.kind == NO_ANSWER:
+    if naming.basis is Basis.NO_ANSWER:
         return instead.verdict
     read = outcomes[criteria.COEFFICIENTS]
     reading = read.result
     if coefficients.passed is None and isinstance(reading, ForceReading) and reading.refused:
         return f"is not {method.key}: it is on q'' = F(q), but not on y' = f(t, y): {reading.refused}"
     differences = coefficients.data.get("differences", ())
-    one_entry = len(differences) == 1 and naming.kind == NEAR and method.key in naming.methods
-    by_linear_steps = naming.kind == LINEAR_ONLY and coefficients.passed is False
-    unclear = by_linear_steps or naming.kind in (UNKNOWN, UNDECIDED) or naming.reserved or method.key in naming.methods
+    one_entry = len(differences) == 1 and naming.basis is Basis.NEAR and method.key in naming.methods
+    by_linear_steps = naming.basis is Basis.LINEAR_ONLY and coefficients.passed is False
+    unnamed = naming.basis in (Basis.UNKNOWN, Basis.UNDECIDED)
+    unclear = by_linear_steps or unnamed or naming.reserved or method.key in naming.methods
     if mistakes and unclear and not one_entry:
         link = "except for" if " instead of " in mistakes[0] else "with one mistake:"
         return f"is not {method.key}; it is {method.key} {link} {mistakes[0]}"
     if instead.section("Coefficients") is None and method.key in naming.methods:
-        failed = next(check for check in checks.values() if check.passed is False)
         return f"is not {method.key}: {failed.lines[0 if failed is rounding else -1]}"
     wrong = "; ".join(differences)
-    if naming.kind == KNOWN and naming.methods[0] == method.key and naming.words == instead.verdict:
-        failed = next(check for check in checks.values() if check.passed is False)
+    if naming.basis is Basis.KNOWN and naming.methods[0] == method.key and naming.words == instead.verdict:
         return f"is {method.key}, but not everywhere: {failed.lines[0]}"
     what = f": {wrong}" if wrong and wrong not in instead.verdict else ""
-    faults = instead.section("Faults")
     why = [*coefficients.lines] if read.kind == "not_readable" else [*(faults.lines if faults else ())]
     cause = f": {why[0]}" if why and instead.verdict == NOT_KNOWN else ""
     return f"is not {method.key}{what}; {instead.verdict}{cause}"

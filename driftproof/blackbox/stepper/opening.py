@@ -176,11 +176,8 @@ def _after_trial(subject: ForeignStepper, trial: TrialStep) -> ForeignStepper:
         _demand_slope_at_end(subject.log.carried, end, subject.convention)
         _demand_time_of_end(subject, TRIAL_STATE[: len(end)])
     _demand_own_clock(subject, TRIAL_STATE[: len(end)])
-    if (
-        subject.convention.kind in (calling.MAP, calling.FORCE)
-        and end[0] < end[1]
-        and not subject.convention.velocity_first
-    ):
+    read_as = subject.convention
+    if read_as.kind in (calling.MAP, calling.FORCE) and end[0] < end[1] and not read_as.velocity_first:
         ends = trial(subject, _TINY), end  # the longer step moves away
         if [np.allclose(x, TRIAL_STATE[::-1], rtol=0, atol=_NEAR) for x in ends] == [True, False]:
             return _after_trial(_with_velocity_first(subject), trial)
