@@ -33,7 +33,7 @@ from typing import NamedTuple
 from tqdm import tqdm
 
 ROOT = Path(__file__).parents[2]
-ROOMS = ("methods", "symbolic", "numeric", "blackbox", "texts")
+ROOMS = ("methods", "symbolic", "numeric", "blackbox", "enclosure", "texts", "reports")
 KILLED, SURVIVED, EQUIVALENT, UNDECIDED = OUTCOMES = ("killed", "survived", "equivalent", "undecided")
 PAGE, JUDGED = ROOT / "docs" / "mutants.md", Path(__file__).with_name("equivalent.toml")
 # Of one mutant's tests: longer than any of them takes on two busy cores. A mutant that runs on is noticed by it.
