@@ -80,6 +80,7 @@ def test_phrase_has_three_words_before_its_numbers_and_after_them_what_belongs_t
         ("from 1.5 " + "y" * 24 + " 2.5", ["from 1.5", "y" * 24 + " 2.5"]),
         ("at 0.5x is 0.877604", ["at 0.5x", "is {value}"]),
         ("at 1.5. Or 2.5", ["at 1.5", ". Or 2.5"]),
+        ("rk4 2.828427125/3(17", ["rk4 {value}/", "/3(17"]),  # 3 belongs to the next phrase
         ("1.5 " * 9, ["1.5 " * 7 + "1.5", "1.5"]),
     ],
 )
