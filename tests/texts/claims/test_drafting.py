@@ -144,6 +144,8 @@ def test_numbers_in_a_column_of_steps_or_times_are_given_if_they_stand_alone() -
     table = "| $h$ | error |\n| --- | --- |\n| 0.1 | 0.3 |\n| 0.05 | 0.7 |\n| of 9 | 8 |\n\nand 0.1 too"
     drafted = draft(document_of(table, "markdown"), "a")
     assert [claim["phrase"] for claim in tomllib.loads(drafted)["claim"]] == ["| 0.1 |", "| 0.05 |"]
+    for text in ("θ' = ω, ω' = -sin(θ)\n\n| ω |\n| --- |\n| -0.963 |\n\nω = -0.963", "eigenvalue λ = -9.373"):
+        assert "\n[[claim]]" not in draft(document_of(text, "markdown"), "a"), "computed, and not chosen"
 
 
 def test_two_other_values_are_named_and_the_rest_counted_unless_the_text_chooses_the_number() -> None:
