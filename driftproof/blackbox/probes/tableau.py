@@ -171,7 +171,7 @@ class TableauProbe:
         *a, b = (tuple(column[i] for column in columns) for i in range(self.calls + 1))
         clock = tuple(t for t in self.silent.times if t is not None)
         c = clock if len(clock) == self.calls else None
-        self._demand_no_memory()
+        self._require_no_memory()
         reading = TableauReading(tuple(a), b, c, self.subject.format, amplitude=self.amplitude)
         for control in scripted.CONTROLS:
             self._check(reading, control)
@@ -218,7 +218,7 @@ class TableauProbe:
             raise scripted.NotReadable("the slope of one component of y moves another one")
         return column
 
-    def _demand_no_memory(self) -> None:
+    def _require_no_memory(self) -> None:
         """Raise NotReadable if a step differs after the last column and after a step with all slopes 0."""
         first = self._controlled(scripted.CONTROLS[0])
         self.run(self.size, [], scripted.AT_REST)
