@@ -105,17 +105,9 @@ def assert_verified(
     """
     __tracebackhide__ = True
     try:
-        report = verify(
-            step,
-            method,
-            calls=calls,
-            array=array,
-            examples=examples,
-            domain=domain,
-            allowance=allowance,
-            time_limit=(time_limit_of_test.get() or TIME_LIMIT) if time_limit is None else time_limit,
-            isolate=isolate,
-        )
+        limit = (time_limit_of_test.get() or TIME_LIMIT) if time_limit is None else time_limit
+        options: dict[str, Any] = {"examples": examples, "domain": domain, "allowance": allowance}
+        report = verify(step, method, calls=calls, array=array, time_limit=limit, isolate=isolate, **options)
     except ValueError as error:  # so that pytest shows the user's line and the message
         raise ValueError(str(error)) from None
     found = AssertedVerdict(report.target, report.verdict, report.passed, report.text(), report.data)
@@ -208,7 +200,7 @@ class _Comparison:
         """The verdict if no criterion failed: what agrees, or what is undecided."""
         key, found = self.method.key, self.rounding
         if self._open:
-            unseen = next(check for check in self._open if check.mark == "undecided")
+            unseen = min(self._open, key=lambda check: check.mark != "undecided")
             what = "" if unseen.title in criteria.SINGLE_STEP_CRITERIA else f"{unseen.title.lower()}: "
             return f"{UNDECIDED} whether it is {key}: {what}{unseen.lines[-1]}"
         _, coefficients, nonlinear, _ = self.of_step
@@ -282,6 +274,9 @@ class _Refutation:
         only = {question.title: question.only for question in seen.questions if question.only}
         if {check.title for check in seen.failed} <= {*only}:
             yield f"is {key}{only[seen.failed[0].title]}: {seen.failed[0].lines[0]}"
+        unlike = seen.outcomes[criteria.FIRST_CALL].result
+        if unlike is not None and unlike[0] is False:
+            yield f"is not {key}: its answers change from call to call: {unlike[1]}"
         if seen.right_form and not self.instead.data["method"]:
             yield f"is not {key}; {seen.right_form}"
         failing = seen.rounding and order.passed is not False and seen.rounding.failing

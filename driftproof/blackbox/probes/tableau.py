@@ -240,30 +240,18 @@ class TableauProbe:
 
     def _check(self, reading: TableauReading, control: scripted.Control) -> None:
         """Raise NotReadable unless one more step goes as the coefficients say."""
-        run, slopes = self._controlled(control), self.slopes(control)
-        seen = [*run.places, run.result]
-        for component, (y, answers) in enumerate(zip(_start(control, self.size), slopes, strict=True)):
+        run, rows = self._controlled(control), (*reading.a, reading.b)
+        for component, (y, answers) in enumerate(zip(self.starts(control), self.slopes(control), strict=True)):
             asked = control._replace(broken=_UNLIKE) if component else control
-            self._compare(reading, asked, y, answers, [numbers[component] for numbers in seen])
+            terms = [max(abs(row[j]) for row in rows) * abs(k) for j, k in enumerate(answers)]
+            # Twice: the coefficients read are rounded as much as the step that is compared with them.
+            allowed = self.rounding.of(2 * (abs(y) + abs(control.h) * sum(terms)))
+            for i, (row, seen) in enumerate(zip(rows, [*run.places, run.result], strict=True)):
+                said = y + control.h * fsum(x * k for x, k in zip(row, answers, strict=True))
+                name = f"y of call {i}" if i < self.calls else "the result"
+                scripted.require_predicted(asked, name, seen[component], said, allowed)
         if reading.c:
             self._compare_times(reading.c, control, run)
-
-    def _compare(
-        self,
-        reading: TableauReading,
-        control: scripted.Control,
-        y: float,
-        answers: Sequence[float],
-        seen: Sequence[float],
-    ) -> None:
-        rows = (*reading.a, reading.b)
-        terms = [max(abs(row[j]) for row in rows) * abs(k) for j, k in enumerate(answers)]
-        # Twice: the coefficients read are rounded as much as the step that is compared with them.
-        allowed = self.rounding.of(2 * (abs(y) + abs(control.h) * sum(terms)))
-        for i, (row, number) in enumerate(zip(rows, seen, strict=True)):
-            said = y + control.h * fsum(x * k for x, k in zip(row, answers, strict=True))
-            name = f"y of call {i}" if i < self.calls else "the result"
-            scripted.require_predicted(control, name, number, said, allowed)
 
     def _compare_times(self, nodes: Sequence[float], control: scripted.Control, run: ScriptedStep) -> None:
         allowed = self.rounding.of(2 * (abs(control.time) + abs(control.h) * max(map(abs, nodes))))
