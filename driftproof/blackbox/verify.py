@@ -199,7 +199,7 @@ def _how_near(method: Method) -> str:
 
 
 def _not_decided(method: Method, checks: Mapping[str, Criterion]) -> str:
-    unseen = next(check for check in _open(checks) if check.mark == "undecided")
+    unseen = min(_open(checks), key=lambda check: check.mark != "undecided")
     what = "" if unseen.title in criteria.SINGLE_STEP_CRITERIA else f"{unseen.title.lower()}: "
     return f"{UNDECIDED} whether it is {method.key}: {what}{unseen.lines[-1]}"
 
@@ -230,6 +230,9 @@ def _refuted(
         check = checks.get(question.title)
         if question.only and check and check.passed is False:
             return f"is {method.key}{question.only}: {check.lines[0]}"
+    unlike = outcomes[criteria.FIRST_CALL].result
+    if unlike is not None and unlike[0] is False:
+        return f"is not {method.key}: its answers change from call to call: {unlike[1]}"
     form = _right_form(outcomes)
     if form and not instead.data["method"]:
         return f"is not {method.key}; {form}"

@@ -81,6 +81,8 @@ def opened(
     except ValueError as error:
         if found := as_plain():
             return found
+        if stale := [failure for failure in failures if isinstance(failure, StaleSlope)]:
+            raise stale[0] from None
         line = wrapper_line(step)
         raise BadInput(f"{_unfitting(step)}{line}" if line and calls is None else f"{error}{line}") from None
     if calling.MASSES[-1] in (calling.required_names(step) or ()) and (found := as_plain()):
@@ -170,6 +172,11 @@ def _after_trial(subject: ForeignStepper, trial: TrialStep) -> ForeignStepper:
     than that at its end, Increment for a step that returns y1 - y, and Exchanged for one that exchanges q and v.
     """
     end = trial(subject, TRIAL_STEP)
+    subject.begun = (lambda again: trial(again, TRIAL_STEP)), end
+    if subject.convention.run and subject.log.works_in_place:  # a count of steps, or of numbers
+        two = trial(replace(subject, convention=subject.convention.of_steps(2), log=CallLog()), TRIAL_STEP)
+        if np.array_equal(two, end):
+            raise WrongShape("a run of two steps ends where one of one step does")
     if subject.adapter is COMPLEX and end[0] < TRIAL_STATE[0]:
         raise WrongShape("z moves as q - i v")
     if subject.log.carried is not None:
