@@ -110,9 +110,8 @@ class PieceParser(ExpressionParser):
         if token.kind == NUMBER and self.next.text in ("i", "j"):
             raise self.error(first, f"{what} must be real; |R(iy)|^2 is energy_multiplier METHOD h=y")
         if token.kind != NUMBER:
-            own = {"pi": f"; {OWN_PI}", "π": f"; {OWN_PI}", "sqrt": "; write its decimal"}.get(
-                token.text * (what != "value"), ""
-            )
+            own = "; write its decimal" * (what == "start" and token.text == "sqrt")
+            own = f"; {OWN_PI}" if token.text in ("pi", "π") else own
             raise self.error(token, f"{what}: expected a number such as 1/4 or 0.25, found {token.shown}{own}")
         text = (sign.text if sign else "") + token.text
         if self.next.text == "/" and self.next.column == token.end and self.tokens[self.at + 1].kind == NUMBER:
