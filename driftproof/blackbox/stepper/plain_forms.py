@@ -5,10 +5,12 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
+from functools import partial
 from typing import Any
 
 import numpy as np
 
+from driftproof.blackbox.findings import StaleSlope
 from driftproof.blackbox.stepper.array_adapters import Foreign
 from driftproof.blackbox.stepper.calling_conventions import (
     CARRIED,
@@ -32,7 +34,7 @@ _NAMES: Mapping[str, Sequence[str]] = {
     _BODIES: BODY_LISTS,
     STEP: ROLES[STEP],
     FUNCTION: (*ROLES[FUNCTION], "accelerations", "derivatives"),
-    CARRIED: (*ROLES[CARRIED], "dydx", "dydt", "dy", "ydot"),
+    CARRIED: (*ROLES[CARRIED], "accelerations", "forces", "force", "dydx", "dydt", "dy", "ydot"),
     TIME: ROLES[TIME],
     VELOCITY: ROLES[VELOCITY],
     STATE: ("y", "state", "z", "u", "s"),
@@ -44,7 +46,9 @@ _INTO = re.compile(r"^(out|result|res|dest)_?|_?(out|new|next|1)$")
 # The coordinates of a body in space.
 _IN_SPACE = 3
 # In so short a step, every method moves a body on a spring back.
-_SHORT = 2.0**-10
+_SHORT, _LONG = 2.0**-10, 0.25
+# The relative distance allowed to the slope at the end of a long step, which itself is several percent away.
+_AS_LEFT = 2.0**-8
 # Unequal masses other than 1 show whether each force is divided by its own mass; accelerations are not divided.
 _HEAVY = (2.0, 4.0, 8.0)
 _ACCELERATIONS, _TRIAL = "acc", np.arange(1.0, 7.0)
@@ -76,13 +80,29 @@ def plain_forms(step: Callable[..., Any]) -> Iterator[Callable[..., Any]]:
                 for places in (_TRIAL, _TRIAL.reshape(2, 3)):  # does it ask at one place without naming the body?
                     with suppress(Exception):
                         call.moved(np.negative, places, places, _SHORT)
+                _demand_slope_left(call, partial(call.moved, np.negative, _TRIAL, _TRIAL, _LONG))
                 yield lambda force, q, v, h, call=call: call.moved(force, q, v, h)
             elif _pulls_back(call):
                 yield lambda q, v, h, call=call: call.moved(None, q, v, h)
         elif STATE in held and of_force:
+            _demand_slope_left(call, partial(call.solved, lambda t, y: -y, 0.0, _TRIAL, _LONG))
             yield lambda f, t, y, h, call=call: call.solved(f, t, y, h)
         elif STATE in held:
             yield lambda y, h, call=call: call.solved(None, 0.0, y, h)
+
+
+def _demand_slope_left(call: _Call, moved: Callable[[], Any]) -> None:
+    """Raise StaleSlope if a step uses the slope in an array, and leaves there neither that nor the one at its end."""
+    ends: list[Any] = []
+    for handed in (2.0, 1.0) if CARRIED in call.roles.values() else ():
+        call.handed = handed
+        with suppress(Exception):
+            ends.append(np.array(moved()).reshape(-1, _TRIAL.size)[0])
+    if len(ends) < 2 or np.array_equal(*ends) or np.shape(call.left) != np.shape(call.given):
+        return
+    left, right = np.asarray(call.left), call.given / _TRIAL * ends[1]
+    if not (call.in_place and np.array_equal(left, call.given)) and not np.allclose(left, right, rtol=_AS_LEFT, atol=0):
+        raise StaleSlope(f"it passes on {left[0]:g} as the slope at its end, not {right[0]:g}")
 
 
 def _pulls_back(call: _Call) -> bool:
@@ -126,6 +146,8 @@ class _Call:
         self.step, self.names, self.roles = step, names, roles
         function = next((name for name, role in roles.items() if role == FUNCTION), "")
         self.of_force, self.alike = "force" in function.lower(), False
+        # A factor of the slope that is handed on; that slope before and after the step, and whether it is an argument.
+        self.handed, self.given, self.left, self.in_place = 1.0, np.empty(0), np.empty(0), True
         self.heavy = _HEAVY if self.of_force or _ACCELERATIONS in function.lower() else (1.0,)
 
     def solved(self, f: Callable[..., Any] | None, t: float, y: Foreign, h: float) -> Foreign:
@@ -139,7 +161,7 @@ class _Call:
 
         given = {STATE: state, TIME: t, STEP: h, FUNCTION: rate}
         if CARRIED in self.roles.values() and f is not None:
-            given[CARRIED] = np.asarray(f(t, state), float)
+            given[CARRIED] = np.asarray(f(t, state), float) * self.handed
         answer, outs = self._called(given, state)
         return answer if answer is not None else outs[0] if outs else state
 
@@ -174,7 +196,9 @@ class _Call:
             return _written(pushes(np.asarray(place, float)), [x for x in others if x is not speeds])
 
         given: dict[str, Foreign] = {POSITION: places, VELOCITY: speeds, STEP: h, FUNCTION: asked, _MASS: masses}
-        given |= {_BODIES: bodies, TIME: 0.0, CARRIED: pushes(places) if CARRIED in self.roles.values() else None}
+        given |= {_BODIES: bodies, TIME: 0.0}
+        if handed := next((name for name, role in self.roles.items() if role == CARRIED), ""):
+            given[CARRIED] = pushes(places) * self.handed / factors ** handed.lower().strip("_").startswith("a")
         answer, outs = self._called(given, places)
         if self.alike > alike:  # a force that does not know its body: begin again with equal masses
             return self.moved(force, q, v, h)
@@ -188,7 +212,10 @@ class _Call:
         """What the stepper returns, and the arrays it writes into, the position before the velocity."""
         outs = {name: np.zeros_like(state) for name, role in self.roles.items() if role == _OUT}
         known = {**given, _SIZE: len(state)}
+        self.left, self.given = known.get(CARRIED, 0.0), np.copy(known.get(CARRIED, 0.0))
         answer = self.step(*[outs[name] if name in outs else known[self.roles[name]] for name in self.names])
+        self.in_place = not (isinstance(answer, tuple) and len(answer) == 3)
+        self.left = self.left if self.in_place else answer[2]
         ordered = sorted(outs, key=lambda name: _stem(name.lower().strip("_")) in _NAMES[VELOCITY])
         return answer, [outs[name] for name in ordered]
 
