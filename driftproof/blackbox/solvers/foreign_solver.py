@@ -149,7 +149,7 @@ def in_usual_order(solve: Callable[..., Any]) -> Callable[..., Any]:
     """
     parameters = calling.parameters_of(solve) or {}
     words = {name.lower().strip("_"): name for name, p in parameters.items() if p.kind is not p.POSITIONAL_ONLY}
-    all_known = (calling.ROLES[calling.FUNCTION], calling.STARTS, calling.SPANS, *calling.BOUNDS)
+    all_known = (calling.ROLES[calling.FUNCTION], calling.STARTS, calling.SPANS, *calling.RUN_ENDS)
     f, y0, span, *ends = (next((words.pop(x) for x in known if x in words), "") for known in all_known)
     if not (f and y0 and (span or all(ends))) or [*parameters][:3] == [f, span, y0]:
         return solve

@@ -111,7 +111,7 @@ UNIT_PARAMETERS = ("m", "mass", *STIFFNESSES, "omega", "omega0", "w", "w0")
 COUNTS = ("n", "steps", "n_steps", "nsteps", "num_steps", "number_of_steps", "nt", "n_iter", "iterations", "l")
 # Names for what a solver takes: the span of a run or both of its ends, and the state at its start.
 SPANS = ("t_span", "tspan", "span", "interval", "t_interval", "t_range", "trange")
-BOUNDS = (
+RUN_ENDS = (
     ("t0", "t_0", "t_start", "tstart", "t_begin", "t_initial", "t_init", "ti", "start", "a"),
     ("t1", "t_1", "tf", "t_end", "tend", "t_final", "tfinal", "t_stop", "tstop", "t_max", "tmax", "t_bound", "b"),
 )

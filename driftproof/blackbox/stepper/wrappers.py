@@ -12,7 +12,6 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from driftproof.blackbox.stepper.calling_conventions import (
-    BOUNDS,
     COUNTS,
     FIELD,
     FORCE,
@@ -20,6 +19,7 @@ from driftproof.blackbox.stepper.calling_conventions import (
     MAP,
     POSITION,
     ROLES,
+    RUN_ENDS,
     SPANS,
     STATE,
     STEP,
@@ -236,7 +236,7 @@ def _for_function(step: Callable[..., Any]) -> str:
     if not (given := _by_role(names, kind)):
         return ""
     pairs = [*zip(names, words, strict=True)]
-    end, count = (next((each for each, word in pairs if word in known), None) for known in (BOUNDS[1], COUNTS))
+    end, count = (next((each for each, word in pairs if word in known), None) for known in (RUN_ENDS[1], COUNTS))
     if kind == FIELD and end is not None and count is not None and "h" not in given.values():
         given |= {end: "t + h", count: "1"}
         return f"{_call(name, names, given, kind)}{_last_state(step, names, given)}"
