@@ -14,7 +14,7 @@ from typing import Any, NamedTuple, TypeAlias
 import numpy as np
 
 from driftproof.blackbox.probes.scripted_answers import NotReadable
-from driftproof.blackbox.solvers.foreign_solver import DoesNotEnd, ForeignSolver, Solution
+from driftproof.blackbox.solvers.foreign_solver import DoesNotEnd, ForeignSolver, Solution, TooSlow
 from driftproof.blackbox.solvers.steps import SolverSteps
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.number_field import Exact
@@ -170,7 +170,7 @@ def _run(subject: ForeignSolver) -> tuple[Solution, float]:
     solved = partial(subject.solve, lambda n, t, y: [bumps(t)], _SPAN, (0.0,), _RTOL)
     try:
         return solved(_ATOL), _ATOL
-    except DoesNotEnd:
+    except (DoesNotEnd, TooSlow):
         return solved(_LARGER_ATOL), _LARGER_ATOL
 
 

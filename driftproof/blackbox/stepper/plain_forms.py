@@ -33,7 +33,7 @@ _NAMES: Mapping[str, Sequence[str]] = {
     _BODIES: BODY_LISTS,
     STEP: ROLES[STEP],
     FUNCTION: (*ROLES[FUNCTION], "accelerations", "derivatives"),
-    CARRIED: (*ROLES[CARRIED], "dydx", "dydt", "dy", "ydot"),
+    CARRIED: (*ROLES[CARRIED], "accelerations", "forces", "force", "dydx", "dydt", "dy", "ydot"),
     TIME: ROLES[TIME],
     VELOCITY: ROLES[VELOCITY],
     STATE: ("y", "state", "z", "u", "s"),
@@ -207,10 +207,17 @@ class _Call:
             return _written(pushes(np.asarray(place, float)), [x for x in others if x is not speeds])
 
         given: dict[str, Foreign] = {POSITION: places, VELOCITY: speeds, STEP: h, FUNCTION: asked, _MASS: masses}
-        given |= {_BODIES: bodies, TIME: 0.0, CARRIED: pushes(places) if CARRIED in self.roles.values() else None}
+        handed = next((name.lower().strip("_") for name, role in self.roles.items() if role == CARRIED), "")
+        given |= {
+            _BODIES: bodies,
+            TIME: 0.0,
+            CARRIED: pushes(places) / factors ** handed.startswith("a") if handed else None,
+        }
         given |= left or {}
         answer, outs = self._called(given, places)
         self.left = {role: given[role] for role in (_BODIES, CARRIED)} if answer is None or answer is bodies else {}
+        if handed and isinstance(answer, tuple) and np.shape(answer[-1]) == places.shape and len(answer) > 2:
+            self.left = {_BODIES: bodies, CARRIED: answer[-1]}
         if self.alike > alike:  # a force that does not know its body: begin again with equal masses
             return self.moved(force, q, v, h)
         if bodies:
