@@ -140,19 +140,18 @@ def _repeats_when(runner: TrialRunner, prepared: Callable[[TrialRunner], TrialRu
 
 
 def _draws(runner: TrialRunner) -> bool:
-    """True if the answers come from the global random numbers of Python or NumPy; restores their states."""
+    """True if the answers come from the global random numbers of Python or NumPy, whose states are put back."""
     pythons, numpys = random.getstate(), np.random.get_state()
-    try:
-        return _repeats_when(runner, _seeded)
-    finally:
+
+    def put_back(runner: TrialRunner) -> TrialRunner:
         random.setstate(pythons)
         np.random.set_state(numpys)
+        return runner
 
-
-def _seeded(runner: TrialRunner) -> TrialRunner:
-    random.seed(0)
-    np.random.seed(0)
-    return runner
+    try:
+        return _repeats_when(runner, put_back)
+    finally:
+        put_back(runner)
 
 
 _KEY = "batches"

@@ -6,7 +6,13 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 
-from driftproof.blackbox.families.family_walks import ImexWalker, WithDamping, measured_of_two
+from driftproof.blackbox.families.family_walks import (
+    DIFFERENCES_SHOWN,
+    NO_RESIDUAL,
+    ImexWalker,
+    WithDamping,
+    measured_of_two,
+)
 from driftproof.blackbox.families.imex_step import IMEX_PARTS, ImexReading, read_imex_step
 from driftproof.blackbox.judging.measured_order import MeasuredOrder, order_seen, slopes_text
 from driftproof.blackbox.judging.walks import Walked, there_and_back
@@ -22,12 +28,8 @@ from driftproof.symbolic.additive import AdditiveFacts
 
 # The step sizes at which errors are measured: h = 2**-k.
 _HALVINGS = range(2, 9)
-# Order conditions count as satisfied up to this: errors of reading, and of printed decimals, leave less.
-_READ = Fraction(1, 10**9)
 # A method that differs in more entries than this is another one.
 _FEW_DIFFERENCES = 2
-# The most differences shown: chosen, as readers take in no more.
-_MOST_SHOWN = 6
 # Solvers in use stop at an error of 1e-6 or less for numbers of size 1.
 _SOLVED = 1e-6
 # In steps elsewhere a solver may leave this many times the error seen here, since it stops by the same change or
@@ -108,7 +110,7 @@ class ImexIdentity:
     def _orders(self) -> list[str]:
         """The order by the tables (those of the method, or as read), together and alone, and the order measured."""
         facts, measured = AdditiveFacts(self.known or _as_read(self.reading)), self.measured
-        found = facts.orders_within(_READ) if facts.method.decimal else facts
+        found = facts.orders_within(NO_RESIDUAL) if facts.method.decimal else facts
         alone = f"its tables alone have order {found.explicit_order} and {found.implicit_order}"
         words = f"of order {found.order} on f + g, {alone}{', to the precision of its decimals' * facts.method.decimal}"
         slopes = f"(slopes of the local error: {slopes_text(measured.slopes)})"
@@ -128,7 +130,7 @@ class ImexIdentity:
         shown = (
             self._coefficients(method.key)
             if found == []
-            else [f"not those of {method.key}", *(found or [])[:_MOST_SHOWN]]
+            else [f"not those of {method.key}", *(found or [])[:DIFFERENCES_SHOWN]]
         )
         if found is None:
             shown.append(f"{method.key} has {len(_used(method))} stages with an effect, this one {self.reading.stages}")

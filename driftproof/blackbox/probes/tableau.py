@@ -245,7 +245,8 @@ class TableauProbe:
         for component, (y, answers) in enumerate(zip(_start(control, self.size), slopes, strict=True)):
             asked = control._replace(broken=_UNLIKE) if component else control
             self._compare(reading, asked, y, answers, [numbers[component] for numbers in seen])
-        self._compare_times(reading, control, run)
+        if reading.c:
+            self._compare_times(reading.c, control, run)
 
     def _compare(
         self,
@@ -264,9 +265,8 @@ class TableauProbe:
             name = f"y of call {i}" if i < self.calls else "the result"
             scripted.require_predicted(control, name, number, said, allowed)
 
-    def _compare_times(self, reading: TableauReading, control: scripted.Control, run: ScriptedStep) -> None:
-        nodes = reading.c or ()
-        allowed = self.rounding.of(2 * (abs(control.time) + abs(control.h) * max(map(abs, nodes), default=0.0)))
+    def _compare_times(self, nodes: Sequence[float], control: scripted.Control, run: ScriptedStep) -> None:
+        allowed = self.rounding.of(2 * (abs(control.time) + abs(control.h) * max(map(abs, nodes))))
         for i, (node, seen) in enumerate(zip(nodes, run.times, strict=False)):
             said = control.time + control.h * node
             scripted.require_predicted(control, f"the time of call {i}", said if seen is None else seen, said, allowed)
