@@ -140,6 +140,8 @@ def draft(document: Document, name: str, asked: Iterable[str] = ()) -> str:
     for guessed, said in enumerate(("but not found in the text", "and found only as a guess, a comment above")):
         lines = [_asked_line(document, one) for one in missed if bool(one[3] and not one[2]) == guessed]
         drafted += [f"# Asked for with --ask, {said}:\n{''.join(lines)}"] * bool(lines)
+    if no_runs := suggestions.no_runs:
+        drafted.append(f"# Not asked, because h does not divide t: {len(no_runs)}, such as {no_runs[0]}\n")
     if left_out:
         drafted.append(f"# Left out: numbers in program code, {len(left_out)} in all; they are inputs, not claims.\n")
     return "\n".join(drafted).rstrip("\n")

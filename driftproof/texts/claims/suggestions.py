@@ -120,7 +120,10 @@ class Suggestions:
     def __init__(self, text: str, asked: Iterable[str] = ()) -> None:
         """Take a text in canonical spelling, and questions, braces allowed, whose values its author says it has."""
         self.text, self._lower = text, text.lower()
-        self.asked = {question: chosen for one in asked for question, chosen in questions_in(one).items()}
+        asked_for = {question: chosen for one in asked for question, chosen in questions_in(one).items()}
+        # Of braces such as h={0.1,0.2}, t={0.5,1}, the combinations that are runs, or all if none is, to be refused.
+        self.asked = {question: chosen for question, chosen in asked_for.items() if _divides(question)} or asked_for
+        self.no_runs = [question for question in asked_for if question not in self.asked]
         self._spelled: dict[NumberForm, dict[str, list[_Known]]] = {}
 
     def of(self, number: TextNumber) -> list[LookAlike]:
@@ -307,6 +310,12 @@ def _given(pattern: re.Pattern[str], text: str, default: Iterable[str]) -> list[
     """The positive numbers that the text gives to a letter, then the default ones, without repetition."""
     spelled = [number for number in (*pattern.findall(text), *default) if len(number) < 20]
     return [str(x) for x in dict.fromkeys(map(Fraction, spelled)) if x]
+
+
+def _divides(question: str) -> bool:
+    """False if h is given and does not divide the t that is given with it."""
+    pairs = zip(_H.findall(question), _T.findall(question), strict=False)
+    return all((Fraction(t) / Fraction(h)).denominator == 1 for h, t in pairs if Fraction(h))
 
 
 def form_of(number: TextNumber) -> NumberForm:

@@ -119,6 +119,9 @@ def test_draft_says_what_was_asked_for_and_is_nowhere_and_its_ids_are_short() ->
     assert 'id = "| {a} | {b}"' in text, "two such questions are too long for an id"
     assert text.rpartition("# Asked for with --ask, but not found in the text:\n")[2].count("t=1.0 : ") == 2
     assert "Asked for" not in draft(document, "a")
+    drafted = draft(document, "a", ["run rk4 h={1/4,1/2} t={1,3/4} : q"])
+    assert drafted.endswith("\n# Not asked, because h does not divide t: 1, such as run rk4 h=1/2 t=3/4 : q")
+    assert drafted.count("#   run rk4 h=") == 3
 
 
 def test_what_was_asked_for_is_listed_with_the_slips_and_the_guesses_that_may_mean_it() -> None:

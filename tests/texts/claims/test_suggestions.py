@@ -203,6 +203,8 @@ def test_braces_are_chosen_from_in_every_way_and_equal_braces_alike() -> None:
         questions_in("a - {3..1}")
     with pytest.raises(QuestionError, match="unknown method"):
         Suggestions("1.5", ["step {nope} h=1 : q"]).of(numbers_in("1.5")[0])
+    with pytest.raises(QuestionError, match="does not divide"):
+        Suggestions("1.5", ["run rk4 h={3,4} t=1 : q"]).of(numbers_in("1.5")[0])
 
 
 def test_tie_of_a_solution_is_no_suggestion_and_takes_no_time() -> None:
