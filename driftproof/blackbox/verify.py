@@ -226,7 +226,7 @@ def _refuted(
     wrong_beside = [str(check.data.get("faults", check.lines)[0]) for check in beside if check.passed is False]
     if wrong_beside and coefficients.passed:
         return f"is {method.key}, but {'; '.join(wrong_beside)}"
-    for question in questions if of_step else ():
+    for question in sorted(questions, key=lambda each: each.title != criteria.FIRST_CALL) if of_step else ():
         check = checks.get(question.title)
         if question.only and check and check.passed is False:
             return f"is {method.key}{question.only}: {check.lines[0]}"
