@@ -65,7 +65,7 @@ class _Probe:
     def reading(self) -> MagneticReading:
         """Read rotation, kicks and drift, and compare them with steps elsewhere."""
         one, affine, push = self.frames[0][0], False, 1.0
-        self._demand_linear(one)
+        self._require_linear(one)
         runs = [self.step(x, one) for x in TURN_ANGLES]
         factors = [self._across(run.v) for run in runs]
         kicks, kick, drift, uneven = [0j] * len(factors), None, None, ""
@@ -124,7 +124,7 @@ class _Probe:
         pairs = zip(factors, seen, strict=True)
         return (k, last) if all(abs(k * r + last - s) <= allowed * (1 + abs(s)) for r, s in pairs) else None
 
-    def _demand_linear(self, one: Array) -> None:
+    def _require_linear(self, one: Array) -> None:
         """Raise NotReadable if the step remembers, or is not linear in v, as a relativistic one."""
         first, second, again, rest = (self.step(0.5, k * one) for k in (1.0, -2.0, 1.0, 0.0))
         if max(map(abs, [*rest.v, *rest.x])) > 0:
