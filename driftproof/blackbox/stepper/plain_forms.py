@@ -82,7 +82,7 @@ def plain_forms(step: Callable[..., Any]) -> Iterator[Callable[..., Any]]:
                     call.see_what_is_left(places)
             if of_force:
                 form: Any = lambda force, q, v, h, call=call: call.moved(force, q, v, h)
-                form.unequal_masses = call.unequal
+                form.unequal_masses = not call.alike and len(call.heavy) > 1 and bool({_MASS, _BODIES} & held)
                 yield form
             elif call.stale or _pulls_back(call):
                 yield lambda q, v, h, call=call: call.moved(None, q, v, h)
@@ -135,11 +135,6 @@ class _Call:
         self.of_force, self.alike = "force" in function.lower(), False
         self.heavy = _HEAVY if self.of_force or _ACCELERATIONS in function.lower() else (1.0,)
         self.left, self.stale = dict[str, Any](), ""
-
-    @property
-    def unequal(self) -> bool:
-        """True if the stepper is given unequal masses."""
-        return not self.alike and len(self.heavy) > 1 and bool({_MASS, _BODIES} & {*self.roles.values()})
 
     def see_what_is_left(self, places: Any) -> None:
         """Note the names of what a step leaves in objects or slopes if it changes the next one by part of a kick."""
