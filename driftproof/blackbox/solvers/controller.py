@@ -323,8 +323,8 @@ def _fitted(points: Sequence[_Point], terms: int) -> list[Any] | None:
     solved, *_ = np.linalg.lstsq(np.hstack([np.ones((len(points), 1)), matrix]), logarithms, rcond=None)
     exact: list[Fraction | float] = solved[1:].tolist()
     near: list[Fraction | float] = [Fraction(x).limit_denominator(_MOST_DENOMINATOR) for x in exact]
-    of_one = [[*exact[:i], x, *exact[i + 1 :]] for i, x in enumerate(near)]
-    for found in (near, *of_one, exact):
+    tried = [near, *([*exact[:i], x, *exact[i + 1 :]] for i, x in enumerate(near)), exact]
+    for found in tried:
         left = logarithms - matrix @ [*map(float, found)]
         if np.ptp(left) <= 2 * _CLOSE:
             break
