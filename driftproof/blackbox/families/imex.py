@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 
 from driftproof.blackbox.families.family_walks import (
@@ -34,7 +34,7 @@ _FEW_DIFFERENCES = 2
 _SOLVED = 1e-6
 # In steps elsewhere a solver may leave this many times the error seen here, since it stops by the same change or
 # residual; errors below the second number do not matter.
-_SOLVER, _WELL_SOLVED = 64, 2.0**-30
+_SOLVER, WELL_SOLVED = 64, 2.0**-30
 
 
 @dataclass(frozen=True)
@@ -65,7 +65,10 @@ class ImexIdentity:
 
     @property
     def near(self) -> str:
-        """The nearest method, with the few entries that differ; "" if there is none."""
+        """The nearest method, with the few entries that differ or its functions exchanged; "" if there is none."""
+        turned = replace(self.reading, a=self.reading.a[::-1], b=self.reading.b[::-1])
+        if exchanged := next((m.key for m in _methods() if _differences(m, turned) == []), ""):
+            return f"{exchanged} with its functions exchanged: it solves for the one that it takes as explicit"
         told = ((m.key, _differences(m, self.reading)) for m in _methods())
         few = [(key, found) for key, found in told if found and len(found) <= _FEW_DIFFERENCES]
         key, found = min(few, key=lambda each: len(each[1]), default=("", []))
@@ -81,7 +84,7 @@ class ImexIdentity:
         """The verdict in one line."""
         unknown = f"an IMEX method of {self.reading.stages} stages that is not in the catalogue"
         name = self.known.key if self.known else self.near or unknown
-        solved = f", its stages solved to {self.reading.curved:.1e}" if self.reading.curved > _WELL_SOLVED else ""
+        solved = f", its stages solved to {self.reading.curved:.1e}" if self.reading.curved > WELL_SOLVED else ""
         return "; ".join([f"it is {name}" + (solved if self.known else f", {self._orders[0]}"), *self.faults])
 
     @property
@@ -154,7 +157,7 @@ def read_imex(subject: ForeignStepper, asked: Additive | None = None) -> ImexIde
     reading = _in_order(read_imex_step(subject))
     known, walked = next((m for m in _methods() if _differences(m, reading) == []), None), None
     if (method := asked or known) and _differences(method, reading) == []:
-        walked = there_and_back(ImexWalker(subject, method, solved=max(_SOLVER * reading.curved, _WELL_SOLVED)))
+        walked = there_and_back(ImexWalker(subject, method, solved=max(_SOLVER * reading.curved, WELL_SOLVED)))
     return ImexIdentity(reading, known, measured_of_two(subject, WithDamping, _HALVINGS), walked)
 
 

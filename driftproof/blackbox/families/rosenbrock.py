@@ -175,16 +175,18 @@ class RosenbrockIdentity:
         """The faults, whatever method it is meant to be."""
         reading, known = self.reading, self._products
         found, order = [], self.order
-        left_out = reading.nodes is not None and not reading.by
-        if self.method is not None and left_out and order is not None and order < self.method.claimed_order:
-            claimed = self.method.claimed_order
-            found.append(f"df/dt is left out: order {order} is observed where f depends on t, not {claimed}")
+        left_out = not reading.by
+        claimed = 0 if self.method is None or reading.nodes is None else self.method.claimed_order
+        slow = f"order {order} is observed where f depends on t, not {claimed}"
+        slow = slow if order is not None and order < claimed else ""
+        if slow and left_out:
+            found.append(f"df/dt is left out: {slow}")
         if known is not None and known.time_slope_differs(reading):
             found.append("df/dt enters with other weights than the row sums of gamma")
         at, place = reading.jacobian_at
         if at or place:
             found.append(f"the Jacobian is evaluated at t + {at:.6g} h, and {place:.3g} from y, not at the start")
-        return found
+        return found or [*filter(None, [slow])]
 
     @property
     def verdict(self) -> str:
