@@ -313,7 +313,7 @@ def _exception(points: Sequence[_Point], law: Law, smallest: float, largest: flo
 def _fitted(points: Sequence[_Point], terms: int) -> list[Any] | None:
     """The log of the safety, the exponent and the further terms that give all factors; None if none do.
 
-    The safety has two digits, and a term is a fraction of a denominator in use, if the factors come out as well. Further
+    The safety has two digits, and a term is a fraction of a denominator in use, if that gives the factors as well. Further
     terms below those of any controller in use are no law: such a fit follows the noise of another one.
     """
     if len(points) < terms + 3:
@@ -330,7 +330,7 @@ def _fitted(points: Sequence[_Point], terms: int) -> list[Any] | None:
             break
     else:
         return None
-    if any(0 < abs(x) < 1 / _MOST_DENOMINATOR for x in found[1:]):
+    if any(0 < abs(float(x)) < 1 / _MOST_DENOMINATOR for x in found[1:]):
         return None
     safety = float(left.max() + left.min()) / 2
     two_digits = log(round(exp(safety), 2) or 1.0)
