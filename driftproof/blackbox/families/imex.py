@@ -14,8 +14,9 @@ from driftproof.blackbox.families.family_walks import (
     measured_of_two,
 )
 from driftproof.blackbox.families.imex_step import IMEX_PARTS, ImexReading, read_imex_step
+from driftproof.blackbox.findings import Finding
 from driftproof.blackbox.judging.measured_order import MeasuredOrder, order_seen, slopes_text
-from driftproof.blackbox.judging.walks import Walked, there_and_back
+from driftproof.blackbox.judging.walks import there_and_back
 from driftproof.blackbox.probes.coefficients import coefficient_difference, coefficient_text
 from driftproof.blackbox.probes.scripted_answers import CoefficientRow
 from driftproof.blackbox.report import Criterion
@@ -44,7 +45,7 @@ class ImexIdentity:
     reading: ImexReading
     known: Additive | None
     measured: MeasuredOrder
-    walked: Walked | None = None
+    walked: Finding | None = None
 
     @property
     def faults(self) -> list[str]:
@@ -127,11 +128,8 @@ class ImexIdentity:
     def criteria(self, method: Additive) -> list[Criterion]:
         """The criteria of a method: both tables, the nodes, the order, and how the steps go elsewhere."""
         found = _differences(method, self.reading)
-        shown = (
-            self._coefficients(method.key)
-            if found == []
-            else [f"not those of {method.key}", *(found or [])[:DIFFERENCES_SHOWN]]
-        )
+        differing = [f"not those of {method.key}", *(found or [])[:DIFFERENCES_SHOWN]]
+        shown = self._coefficients(method.key) if found == [] else differing
         if found is None:
             shown.append(f"{method.key} has {len(_used(method))} stages with an effect, this one {self.reading.stages}")
         data: dict[str, Json] = {"differences": list(found or [])}
@@ -149,7 +147,7 @@ class ImexIdentity:
         if same and self.reading.curved > _SOLVED:
             yield Criterion("Stages", False, (f"its equations are solved to {self.reading.curved:.1e} only",), {})
         elif same and not self.faults and self.walked is not None:
-            yield Criterion("Steps", self.walked[0], (self.walked[1],), {})
+            yield Criterion("Steps", self.walked.holds, (self.walked.words,), {})
 
 
 def read_imex(subject: ForeignStepper, asked: Additive | None = None) -> ImexIdentity:
