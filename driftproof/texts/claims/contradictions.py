@@ -49,9 +49,8 @@ def contradicted(question: str, text: str, start: int, end: int, asked: bool = F
     """True if the sentence around the number from `start` to `end` names something other than the question does.
 
     Compared are the method, step size, time, component and quantity: the last one named before the number counts or, if
-    there is none, the first one after it. Several of them listed before the first number contradict nothing. A question
-    that the author `asked` is contradicted only by a method named before the number, by a formula around it, and by
-    another symbol right before two digits. The text is in lower case.
+    there is none, the first after it; several in a list contradict nothing. A question that was `asked` is contradicted
+    only by a method before the number, a formula around it, and another symbol before two digits. Text in lower case.
     """
     before, after = sentence_around(text, start, end)
     head, _, readout = question.rpartition(" : ") if " : " in question else (question, "", question.split(" ")[0])

@@ -73,10 +73,7 @@ class LookAlike:
 
 
 def questions_in(asked: str) -> dict[str, tuple[str, ...]]:
-    """Expand the braces of a question: each question with one choice per brace -> these choices.
-
-    Equal braces take equal choices. Raises ValueError for more than 2000 questions, and for an empty range.
-    """
+    """Each question that the braces stand for, equal ones alike -> its choices. Raises ValueError for none or 2001."""
     choices = dict[str, list[str]]()
     for brace in _BRACES.findall(asked):
         ends = re.fullmatch(r"([0-9]{1,6})\.\.([0-9]{1,6})", brace)
@@ -122,7 +119,9 @@ class Suggestions:
         self.text, self._lower = text, text.lower()
         asked_for = {question: chosen for one in asked for question, chosen in questions_in(one).items()}
         # Of braces such as h={0.1,0.2}, t={0.5,1}, the combinations that are runs, or all if none is, to be refused.
-        self.asked = {question: chosen for question, chosen in asked_for.items() if _divides(question)} or asked_for
+        pairs = {one: zip(*(map(Fraction, x.findall(one)) for x in (_H, _T)), strict=False) for one in asked_for}
+        runs = {one: asked_for[one] for one in asked_for if all((t / h).denominator == 1 for h, t in pairs[one] if h)}
+        self.asked = runs or asked_for
         self.no_runs = [question for question in asked_for if question not in self.asked]
         self._spelled: dict[NumberForm, dict[str, list[_Known]]] = {}
 
@@ -310,12 +309,6 @@ def _given(pattern: re.Pattern[str], text: str, default: Iterable[str]) -> list[
     """The positive numbers that the text gives to a letter, then the default ones, without repetition."""
     spelled = [number for number in (*pattern.findall(text), *default) if len(number) < 20]
     return [str(x) for x in dict.fromkeys(map(Fraction, spelled)) if x]
-
-
-def _divides(question: str) -> bool:
-    """False if h is given and does not divide the t that is given with it."""
-    pairs = zip(_H.findall(question), _T.findall(question), strict=False)
-    return all((Fraction(t) / Fraction(h)).denominator == 1 for h, t in pairs if Fraction(h))
 
 
 def form_of(number: TextNumber) -> NumberForm:

@@ -1,6 +1,14 @@
 """Parse questions into trees of arithmetic on numbers, published values and queries, without evaluating anything.
 
-The grammar is that of `driftproof.methods.expression_tree`, in which a name may also begin a query: docs/language.md.
+The grammar is that of `driftproof.methods.expression_tree`, in which a name may also begin a query:
+
+query   = head part* [":" readout [unit]]
+part    = subject | "at" value | name "=" (literal | name | rates) | number "steps" | start | "sharp" | equation
+start   = "from" ["("] literal ("," literal)* [")"]
+rates   = "(" sum ("," sum)* ")"
+equation = name "'" "=" sum | name "(" "0" ")" "=" literal
+literal = ["-" | "+"] number ["/" number]
+value   = literal | "(" expression of driftproof.methods.expressions ")"
 
 Heads and subjects may have several words, as in "stability function of forward Euler"; a comma may precede an equation
 or a setting, and words such as "with" may stand between any parts; "error of rk4 ..." means "run rk4 ... : error".
