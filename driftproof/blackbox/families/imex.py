@@ -19,6 +19,7 @@ from driftproof.blackbox.judging.measured_order import MeasuredOrder, order_seen
 from driftproof.blackbox.judging.walks import there_and_back
 from driftproof.blackbox.probes.coefficients import coefficient_difference, coefficient_text
 from driftproof.blackbox.probes.scripted_answers import CoefficientRow
+from driftproof.blackbox.probes.stage_solutions import SOLVED
 from driftproof.blackbox.report import Criterion
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.methods.additive import Additive
@@ -31,8 +32,6 @@ from driftproof.symbolic.additive import AdditiveFacts
 _HALVINGS = range(2, 9)
 # A method that differs in more entries than this is another one.
 _FEW_DIFFERENCES = 2
-# Solvers in use stop at an error of 1e-6 or less for numbers of size 1.
-_SOLVED = 1e-6
 # In steps elsewhere a solver may leave this many times the error seen here, since it stops by the same change or
 # residual; errors below the second number do not matter.
 _SOLVER, WELL_SOLVED = 64, 2.0**-30
@@ -144,7 +143,7 @@ class ImexIdentity:
 
     def _steps(self, same: bool) -> Iterator[Criterion]:
         """The criteria of a step that has the tables: how well its stages are solved, and its steps elsewhere."""
-        if same and self.reading.curved > _SOLVED:
+        if same and self.reading.curved > SOLVED:
             yield Criterion("Stages", False, (f"its equations are solved to {self.reading.curved:.1e} only",), {})
         elif same and not self.faults and self.walked is not None:
             yield Criterion("Steps", self.walked.holds, (self.walked.words,), {})
