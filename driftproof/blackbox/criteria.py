@@ -8,7 +8,7 @@ from typing import Any, NamedTuple, TypeAlias
 
 from driftproof.blackbox.checks.determinism import first_call_again
 from driftproof.blackbox.families.multistep_runs import later_steps
-from driftproof.blackbox.findings import NO_EVIDENCE, Finding, Outcome, UnsupportedCall
+from driftproof.blackbox.findings import NO_EVIDENCE, Outcome, StepFinding, UnsupportedCall
 from driftproof.blackbox.isolation import Probe
 from driftproof.blackbox.judging.agreement import Agreement, Domain, other_parameters, rows_together
 from driftproof.blackbox.judging.habits import explain_by_habits
@@ -170,7 +170,7 @@ def _judge_dense(method: Method, found: JudgedDense) -> Judged:
     return not found.faults, [*found.lines, *found.faults], found.data, ""
 
 
-def _judge_calls(method: Method, found: Finding) -> Judged:
+def _judge_calls(method: Method, found: StepFinding) -> Judged:
     return found.holds, [found.words, *[f"to reproduce: {found.reproduction}"] * bool(found.reproduction)], {}, ""
 
 

@@ -90,7 +90,7 @@ NO_EVIDENCE = {
 }
 
 
-class Finding(NamedTuple):
+class StepFinding(NamedTuple):
     """Whether what was looked at is right, what was seen in words, and a call that shows a failure, "" for none.
 
     `holds` is True if all of it is right, False if something is wrong, and None if nothing could be looked at.

@@ -16,7 +16,7 @@ from driftproof.blackbox.checks.determinism import CALL_BEFORE
 from driftproof.blackbox.checks.output_precision import digits
 from driftproof.blackbox.families.magnetic import BORIS_NAMES, Boris
 from driftproof.blackbox.families.reports import turns, verify_family
-from driftproof.blackbox.findings import Finding, Outcome, UnsupportedCall, arithmetic_of
+from driftproof.blackbox.findings import Outcome, StepFinding, UnsupportedCall, arithmetic_of
 from driftproof.blackbox.isolation import TIME_LIMIT, IsolatedRunner
 from driftproof.blackbox.judging.agreement import EXAMPLES, NO_ALLOWANCE, ORDINARY_DOMAIN, Agreement, Domain
 from driftproof.blackbox.judging.habits import ROUNDED
@@ -224,7 +224,7 @@ class _Comparison:
     @property
     def right_form(self) -> str:
         """The other form of the state in which the step is the method's; "" if there is none."""
-        found: Finding | None = self.outcomes[criteria.STATE_FORMS].result
+        found: StepFinding | None = self.outcomes[criteria.STATE_FORMS].result
         return found.words if found is not None and found.words.startswith(RIGHT_AS) else ""
 
 
@@ -266,7 +266,7 @@ class _Refutation:
         only = {question.title: question.only for question in seen.questions if question.only}
         if {check.title for check in seen.failed} <= {*only}:
             yield f"is {key}{only[seen.failed[0].title]}: {seen.failed[0].lines[0]}"
-        again: Finding | None = seen.outcomes[criteria.FIRST_CALL].result
+        again: StepFinding | None = seen.outcomes[criteria.FIRST_CALL].result
         if again is not None and again.holds is False:
             yield f"is not {key}: its answers change from call to call: {again.words}"
         if seen.right_form and not self.instead.data["method"]:

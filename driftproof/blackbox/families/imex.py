@@ -14,7 +14,7 @@ from driftproof.blackbox.families.family_walks import (
     measured_of_two,
 )
 from driftproof.blackbox.families.imex_step import IMEX_PARTS, ImexReading, read_imex_step
-from driftproof.blackbox.findings import Finding
+from driftproof.blackbox.findings import StepFinding
 from driftproof.blackbox.judging.measured_order import MeasuredOrder, order_seen, slopes_text
 from driftproof.blackbox.judging.walks import there_and_back
 from driftproof.blackbox.probes.coefficients import coefficient_difference, coefficient_text
@@ -44,7 +44,7 @@ class ImexIdentity:
     reading: ImexReading
     known: Additive | None
     measured: MeasuredOrder
-    walked: Finding | None = None
+    walked: StepFinding | None = None
 
     @property
     def faults(self) -> list[str]:

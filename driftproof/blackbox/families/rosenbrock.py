@@ -19,7 +19,7 @@ from driftproof.blackbox.families.family_walks import (
     measured_of_two,
 )
 from driftproof.blackbox.families.rosenbrock_step import RosenbrockReading, read_rosenbrock_step
-from driftproof.blackbox.findings import Finding
+from driftproof.blackbox.findings import StepFinding
 from driftproof.blackbox.judging.measured_order import MeasuredOrder, order_seen, slopes_text
 from driftproof.blackbox.judging.walks import there_and_back
 from driftproof.blackbox.matching.tables import Array
@@ -160,7 +160,7 @@ class RosenbrockIdentity:
     near: str
     measured: MeasuredOrder
     w_order: int | None
-    walked: Finding | None = None
+    walked: StepFinding | None = None
 
     @property
     def order(self) -> int | None:

@@ -12,7 +12,15 @@ from typing import Any
 import numpy as np
 from flint import arb, ctx
 
-from driftproof.blackbox.findings import Finding, Misbehaviour, NoAnswer, NotANumber, NotFinite, StepRaised, WrongShape
+from driftproof.blackbox.findings import (
+    Misbehaviour,
+    NoAnswer,
+    NotANumber,
+    NotFinite,
+    StepFinding,
+    StepRaised,
+    WrongShape,
+)
 from driftproof.blackbox.judging.agreement import NO_ALLOWANCE, ORDINARY_DOMAIN, Domain, steps_back
 from driftproof.blackbox.judging.nonlinear_problems import (
     START,
@@ -226,7 +234,7 @@ def walked(
     domain: Domain = ORDINARY_DOMAIN,
     lengths: Sequence[float] = _LENGTHS,
     most: int | None = None,
-) -> Finding:
+) -> StepFinding:
     """Compare successive steps with the method's, for each number of components and at each place.
 
     Places and numbers of components are paired so that each occurs, in `most` pairs at most. The answer is None if no
@@ -235,23 +243,24 @@ def walked(
     return walk_on(Walker(subject, method, allowance, domain), lengths, most)
 
 
-def walk_on(walker: Walker, lengths: Sequence[float] = _LENGTHS, most: int | None = None) -> Finding:
+def walk_on(walker: Walker, lengths: Sequence[float] = _LENGTHS, most: int | None = None) -> StepFinding:
     """Compare successive steps with the method's, as `walked` does, for a walker of any family."""
     with ctx.workprec(_BITS):
         try:
             return _walked_on(walker, lengths, most)
         except NotFinite as failure:
-            return Finding(False, str(failure))
+            return StepFinding(False, str(failure))
 
 
-def there_and_back(walker: Walker) -> Finding:
+def there_and_back(walker: Walker) -> StepFinding:
     """Compare as `walk_on` does and, if the steps are right and h < 0 is not refused, also for h < 0 at two places."""
     found = walk_on(walker)
-    back = walk_on(walker, _BACK, 2) if found.holds else found
-    return Finding(False, f"a step with h < 0 is wrong: {back.words}") if found.holds and back.holds is False else found
+    if found.holds and (back := walk_on(walker, _BACK, 2)).holds is False:
+        return StepFinding(False, f"a step with h < 0 is wrong: {back.words}")
+    return found
 
 
-def _walked_on(walker: Walker, lengths: Sequence[float], most: int | None) -> Finding:
+def _walked_on(walker: Walker, lengths: Sequence[float], most: int | None) -> StepFinding:
     taken, times, refused = list[int](), list[float](), ""
     of_numbers = {n: problems for n in walker.numbers if (problems := walker.problems(n))}
     for place, problems in islice(_settings(walker, [*of_numbers.values()]), most):
@@ -271,15 +280,15 @@ def _walked_on(walker: Walker, lengths: Sequence[float], most: int | None) -> Fi
             cause = ""
             with suppress(Misbehaviour, NoAnswer):  # without a cause, the wrong step stands
                 cause = walker.why(found[0], problems[0], of_numbers)
-            return Finding(False, ": ".join(filter(None, [cause, found[0].words])))
+            return StepFinding(False, ": ".join(filter(None, [cause, found[0].words])))
     if not taken:
-        return Finding(None, f"it takes no such step: {refused}" if refused else "the domain is too small for it")
+        return StepFinding(None, f"it takes no such step: {refused}" if refused else "the domain is too small for it")
     sizes = ", ".join([*map(str, sorted(set(taken) - {max(taken)})), walker.counted(max(taken))])
     also = f"; it does not take all of them: {refused}" if refused else ""
     steps = f"{len(lengths)} steps, each from the end of the previous one, then one from another state"
     words = f"{len(taken)} runs of {steps}, with {sizes}"
     when = f", at times from {min(times):g} to {max(times):g}" if times else ""
-    return Finding(True, f"{words}{when}{also}")
+    return StepFinding(True, f"{words}{when}{also}")
 
 
 def _settings(
@@ -298,12 +307,12 @@ def _settings(
 
 def back_and_on(
     subject: ForeignStepper, method: Method, allowance: Allowance = NO_ALLOWANCE, domain: Domain = ORDINARY_DOMAIN
-) -> Finding:
+) -> StepFinding:
     """Compare steps with h < 0 as `steps_back` does; if right, also on nonlinear problems if these can be given."""
     found = steps_back(subject, method, allowance, domain)
     if not found.holds or subject.convention.kind not in (FIELD, FORCE):
         return found
     on = walked(subject, method, allowance, domain, _BACK, 2)
-    if on.holds is None:
-        return found
-    return Finding(on.holds, f"{found.words}; {on.words}" if on.holds else f"a step with h < 0 is wrong: {on.words}")
+    if on.holds is False:
+        return StepFinding(False, f"a step with h < 0 is wrong: {on.words}")
+    return StepFinding(True, f"{found.words}; {on.words}") if on.holds else found
