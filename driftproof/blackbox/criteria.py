@@ -8,7 +8,7 @@ from typing import Any, NamedTuple, TypeAlias
 
 from driftproof.blackbox.checks.determinism import first_call_again
 from driftproof.blackbox.families.multistep_runs import later_steps
-from driftproof.blackbox.findings import NO_EVIDENCE, Outcome, UnsupportedCall
+from driftproof.blackbox.findings import NO_EVIDENCE, Outcome, StepFinding, UnsupportedCall
 from driftproof.blackbox.isolation import Probe
 from driftproof.blackbox.judging.agreement import Agreement, Domain, other_parameters, rows_together
 from driftproof.blackbox.judging.habits import explain_by_habits
@@ -16,7 +16,7 @@ from driftproof.blackbox.judging.measured_order import MeasuredOrder, measured_o
 from driftproof.blackbox.judging.nonlinear_step import BEYOND_TOLERANCE, NonlinearAgreement, nonlinear_agreement
 from driftproof.blackbox.judging.state_objects import state_objects
 from driftproof.blackbox.judging.tolerance import Allowance
-from driftproof.blackbox.judging.walks import Walked, back_and_on, walked
+from driftproof.blackbox.judging.walks import back_and_on, walked
 from driftproof.blackbox.matching.dense_outputs import JudgedDense, judged_dense
 from driftproof.blackbox.matching.entries import other_velocities, rational_method, restoring_entries, side_by_side
 from driftproof.blackbox.matching.estimates import JudgedEstimate, is_pair, judged_estimate
@@ -170,9 +170,8 @@ def _judge_dense(method: Method, found: JudgedDense) -> Judged:
     return not found.faults, [*found.lines, *found.faults], found.data, ""
 
 
-def _judge_calls(method: Method, found: Walked) -> Judged:
-    passed, words, reproduction = found
-    return passed, [words, *[f"to reproduce: {reproduction}"] * bool(reproduction)], {}, ""
+def _judge_calls(method: Method, found: StepFinding) -> Judged:
+    return found.holds, [found.words, *[f"to reproduce: {found.reproduction}"] * bool(found.reproduction)], {}, ""
 
 
 def _claimed_order(method: Method) -> int:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, NamedTuple
 
 
 class Misbehaviour(Exception):
@@ -88,6 +88,17 @@ NO_EVIDENCE = {
     "killed": "a run whose process is not killed",
     "instrument_failed": "a report to us",
 }
+
+
+class StepFinding(NamedTuple):
+    """Whether what was looked at is right, what was seen in words, and a call that shows a failure, "" for none.
+
+    `holds` is True if all of it is right, False if something is wrong, and None if nothing could be looked at.
+    """
+
+    holds: bool | None
+    words: str
+    reproduction: str = ""
 
 
 @dataclass(frozen=True)

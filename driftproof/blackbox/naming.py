@@ -21,14 +21,11 @@ from driftproof.blackbox.matching.read_order import ReadOrder, read_order
 from driftproof.blackbox.probes.force import ForceReading
 from driftproof.blackbox.probes.linear_steps import LINEAR
 from driftproof.blackbox.probes.questions import CoefficientReading
-from driftproof.blackbox.probes.stage_solutions import UNSOLVED
+from driftproof.blackbox.probes.stage_solutions import SOLVED, UNSOLVED
 from driftproof.blackbox.probes.tableau import TableauReading
 from driftproof.blackbox.report import NO_ANSWER, NOT_KNOWN, UNDECIDED, Basis, Naming
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.schemes import RungeKutta
-
-# Solvers in use stop at an error of 1e-6 or less for numbers of size 1.
-_SOLVED = 1e-6
 
 
 class Recognised(NamedTuple):
@@ -52,7 +49,7 @@ class Recognised(NamedTuple):
     def solved(self) -> str:
         """The remark that the implicit stages are solved less accurately than by most solvers; "" if they are not."""
         solved = self.reading.solved
-        return f", but {solved.words}" if solved is not None and solved.curved > _SOLVED else ""
+        return f", but {solved.words}" if solved is not None and solved.curved > SOLVED else ""
 
     def beyond_plain_forces(self, measured: Sequence[MeasuredOrder]) -> str:
         """How coefficients read from a force fail beyond q'' = F(q): as a tableau, in times or for velocities."""

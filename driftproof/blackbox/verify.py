@@ -16,7 +16,7 @@ from driftproof.blackbox.checks.determinism import CALL_BEFORE
 from driftproof.blackbox.checks.output_precision import digits
 from driftproof.blackbox.families.magnetic import BORIS_NAMES, Boris
 from driftproof.blackbox.families.reports import turns, verify_family
-from driftproof.blackbox.findings import Outcome, UnsupportedCall, arithmetic_of
+from driftproof.blackbox.findings import Outcome, StepFinding, UnsupportedCall, arithmetic_of
 from driftproof.blackbox.isolation import TIME_LIMIT, IsolatedRunner
 from driftproof.blackbox.judging.agreement import EXAMPLES, NO_ALLOWANCE, ORDINARY_DOMAIN, Agreement, Domain
 from driftproof.blackbox.judging.habits import ROUNDED
@@ -133,17 +133,12 @@ def _report_on_one_step(runner: IsolatedRunner, method: Method, questions: Seque
         data["instead"] = refuted.instead.data
         verdict = refuted.verdict if arithmetic in refuted.verdict else f"{refuted.verdict}; {arithmetic}"
         return Report(target, verdict, False, sections(*parts, *refuted.parts), data)
-    remarks = [
-        f"remark: {check.words}"
-        for outcome in replies[len(questions) :]
-        for check in outcome.result or ()
-        if check.holds is False
-    ]
+    remarked = (check for reply in replies[len(questions) :] for check in reply.result or ())
+    remarks = [f"remark: {check.words}" for check in remarked if check.holds is False]
     data["remarks"] = list(remarks)
     verdict = "; ".join(filter(None, [seen.verdict, *remarks, *seen.unjudged, arithmetic]))
-    return Report(
-        target, verdict, seen.passed, sections(*parts, ("Calls made", [f"{made} calls of the stepper"])), data
-    )
+    parts.append(("Calls made", [f"{made} calls of the stepper"]))
+    return Report(target, verdict, seen.passed, sections(*parts), data)
 
 
 @dataclass(frozen=True)
@@ -164,12 +159,10 @@ class _Comparison:
 
     @property
     def of_step(self) -> list[Criterion]:
-        """The criteria of a single step: rounding, coefficients, nonlinear step and order."""
         return [self.checks[title] for title in criteria.SINGLE_STEP_CRITERIA]
 
     @property
     def failed(self) -> list[Criterion]:
-        """The criteria that failed, in the order of the report."""
         return [check for check in self.checks.values() if check.passed is False]
 
     @property
@@ -226,14 +219,13 @@ class _Comparison:
 
     @property
     def how_near(self) -> str:
-        """How near to the method's the steps are to be, in words."""
         return "to roundoff" if self.method.explicit else "to the tolerance stated"
 
     @property
     def right_form(self) -> str:
         """The other form of the state in which the step is the method's; "" if there is none."""
-        _, words, _ = self.outcomes[criteria.STATE_FORMS].result or (None, "", "")
-        return words if words.startswith(RIGHT_AS) else ""
+        found: StepFinding | None = self.outcomes[criteria.STATE_FORMS].result
+        return found.words if found is not None and found.words.startswith(RIGHT_AS) else ""
 
 
 @dataclass(frozen=True)
@@ -262,11 +254,11 @@ class _Refutation:
 
     def _departures(self) -> Iterator[str]:
         """Yield the verdicts on a stepper that has the method's coefficients, or is the method but for one thing."""
-        seen, key, near = self.seen, self.seen.method.key, f" {self.seen.how_near}"
+        seen, key = self.seen, self.seen.method.key
         rounding, coefficients, nonlinear, order = seen.of_step
-        agree, stages = f"is not {key}{{}}: its coefficients agree, but", coefficients.data.get("stages")
+        agrees, stages = "its coefficients agree, but", coefficients.data.get("stages")
         if stages and False in (coefficients.passed, nonlinear.passed):
-            yield f"{agree.format(near)} {stages}"
+            yield f"is not {key} {seen.how_near}: {agrees} {stages}"
         beside = [seen.checks[title] for title in (criteria.ERROR_ESTIMATE, criteria.DENSE_OUTPUT)]
         wrong = [str(check.data.get("faults", check.lines)[0]) for check in beside if check.passed is False]
         if wrong and coefficients.passed:
@@ -275,9 +267,9 @@ class _Refutation:
         if {check.title for check in seen.failed} <= {*only}:
             first = max(seen.failed, key=lambda check: check.title == criteria.FIRST_CALL)
             yield f"is {key}{only[first.title]}: {first.lines[0]}"
-        unlike = seen.outcomes[criteria.FIRST_CALL].result
-        if unlike is not None and unlike[0] is False:
-            yield f"is not {key}: its answers change from call to call: {unlike[1]}"
+        again: StepFinding | None = seen.outcomes[criteria.FIRST_CALL].result
+        if again is not None and again.holds is False:
+            yield f"is not {key}: its answers change from call to call: {again.words}"
         if seen.right_form and not self.instead.data["method"]:
             yield f"is not {key}; {seen.right_form}"
         failing = seen.rounding and order.passed is not False and seen.rounding.failing
@@ -286,12 +278,14 @@ class _Refutation:
             if habit and (coefficients.passed is not False or habit.startswith(ROUNDED)):
                 yield f"is not {key} to roundoff; it is, {habit}"
             if coefficients.passed and failing.answer is not None:
-                off = f"{agree.format(near)} a step is off by {failing.error_over_bound:.3g} times the bound"
-                yield f"{agree.format('')} {CALL_BEFORE}" if CALL_BEFORE in self._faults else off
+                if CALL_BEFORE in self._faults:
+                    yield f"is not {key}: {agrees} {CALL_BEFORE}"
+                off = f"a step is off by {failing.error_over_bound:.3g} times the bound"
+                yield f"is not {key} {seen.how_near}: {agrees} {off}"
         found: NonlinearAgreement | None = seen.outcomes[criteria.NONLINEAR_STEP].result
         if coefficients.passed and rounding.passed and found is not None and nonlinear.passed is False:
             names = f"{', '.join(found.wrong)} {'is' if len(found.wrong) == 1 else 'are'}"
-            yield f"{agree.format('')} on {found.problem}, {names} not what the coefficients give"
+            yield f"is not {key}: {agrees} on {found.problem}, {names} not what the coefficients give"
 
     def _explanations(self) -> Iterator[str]:
         """Yield the verdicts by the name that the stepper has, or by a mistake that gives its steps."""

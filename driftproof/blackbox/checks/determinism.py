@@ -19,7 +19,7 @@ from driftproof.blackbox.checks.trials import (
     same,
     steady_runner,
 )
-from driftproof.blackbox.findings import Misbehaviour, UnsupportedCall
+from driftproof.blackbox.findings import Misbehaviour, StepFinding, UnsupportedCall
 from driftproof.blackbox.probes.coefficients import half_spacing
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.blackbox.stepper.fresh_copies import fresh_copy
@@ -58,16 +58,17 @@ def repeats(subject: ForeignStepper) -> tuple[CheckResult, ...]:
     return _varies(runner)
 
 
-def first_call_again(subject: ForeignStepper) -> tuple[bool | None, str, str]:
+def first_call_again(subject: ForeignStepper) -> StepFinding:
     """Whether the first step of all, made many times again, ends where it did; None if it cannot be repeated."""
     if subject.begun is None or subject.convention.momentum != 1:
-        return None, "its first step cannot be repeated", ""
+        return StepFinding(None, "its first step cannot be repeated")
     step, end = subject.begun
     ends = (step(subject) for _ in range(MANY))
     if (other := next((x for x in ends if not np.allclose(x, end, rtol=ALIKE, atol=0)), None)) is None:
-        return True, f"its first step, made {MANY} times again after all others, ends where it did", ""
+        return StepFinding(True, f"its first step, made {MANY} times again after all others, ends where it did")
     first, last = (", ".join(f"{x:.9g}" for x in numbers) for numbers in (end, other))
-    return False, f"its first step ended at ({first}), and the same step, made again after others, at ({last})", ""
+    seen = f"its first step ended at ({first}), and the same step, made again after others, at ({last})"
+    return StepFinding(False, seen)
 
 
 def _fixed_call(runner: TrialRunner, before: PhasePoint | None = None) -> PhasePoint:

@@ -14,10 +14,12 @@ from driftproof.blackbox.families.family_walks import (
     measured_of_two,
 )
 from driftproof.blackbox.families.imex_step import IMEX_PARTS, ImexReading, read_imex_step
+from driftproof.blackbox.findings import StepFinding
 from driftproof.blackbox.judging.measured_order import MeasuredOrder, order_seen, slopes_text
-from driftproof.blackbox.judging.walks import Walked, there_and_back
+from driftproof.blackbox.judging.walks import there_and_back
 from driftproof.blackbox.probes.coefficients import coefficient_difference, coefficient_text
 from driftproof.blackbox.probes.scripted_answers import CoefficientRow
+from driftproof.blackbox.probes.stage_solutions import SOLVED
 from driftproof.blackbox.report import Criterion
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.methods.additive import Additive
@@ -30,8 +32,6 @@ from driftproof.symbolic.additive import AdditiveFacts
 _HALVINGS = range(2, 9)
 # A method that differs in more entries than this is another one.
 _FEW_DIFFERENCES = 2
-# Solvers in use stop at an error of 1e-6 or less for numbers of size 1.
-_SOLVED = 1e-6
 # In steps elsewhere a solver may leave this many times the error seen here, since it stops by the same change or
 # residual; errors below the second number do not matter.
 _SOLVER, WELL_SOLVED = 64, 2.0**-30
@@ -44,7 +44,7 @@ class ImexIdentity:
     reading: ImexReading
     known: Additive | None
     measured: MeasuredOrder
-    walked: Walked | None = None
+    walked: StepFinding | None = None
 
     @property
     def faults(self) -> list[str]:
@@ -127,11 +127,8 @@ class ImexIdentity:
     def criteria(self, method: Additive) -> list[Criterion]:
         """The criteria of a method: both tables, the nodes, the order, and how the steps go elsewhere."""
         found = _differences(method, self.reading)
-        shown = (
-            self._coefficients(method.key)
-            if found == []
-            else [f"not those of {method.key}", *(found or [])[:DIFFERENCES_SHOWN]]
-        )
+        differing = [f"not those of {method.key}", *(found or [])[:DIFFERENCES_SHOWN]]
+        shown = self._coefficients(method.key) if found == [] else differing
         if found is None:
             shown.append(f"{method.key} has {len(_used(method))} stages with an effect, this one {self.reading.stages}")
         data: dict[str, Json] = {"differences": list(found or [])}
@@ -146,10 +143,10 @@ class ImexIdentity:
 
     def _steps(self, same: bool) -> Iterator[Criterion]:
         """The criteria of a step that has the tables: how well its stages are solved, and its steps elsewhere."""
-        if same and self.reading.curved > _SOLVED:
+        if same and self.reading.curved > SOLVED:
             yield Criterion("Stages", False, (f"its equations are solved to {self.reading.curved:.1e} only",), {})
         elif same and not self.faults and self.walked is not None:
-            yield Criterion("Steps", self.walked[0], (self.walked[1],), {})
+            yield Criterion("Steps", self.walked.holds, (self.walked.words,), {})
 
 
 def read_imex(subject: ForeignStepper, asked: Additive | None = None) -> ImexIdentity:

@@ -10,6 +10,7 @@ from driftproof.blackbox.findings import UnsupportedCall
 from driftproof.blackbox.probes.marked_stages import MarkedSteps, Setting
 from driftproof.blackbox.probes.scripted_answers import CoefficientRow, NotReadable, Rounding
 from driftproof.blackbox.probes.stage_chains import StageChains, StageTable
+from driftproof.blackbox.probes.stage_solutions import UNSOLVED
 from driftproof.blackbox.stepper.calling_conventions import IMEX, IMPLICIT
 from driftproof.blackbox.stepper.foreign_code import FieldFunction
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
@@ -19,8 +20,6 @@ from driftproof.symbolic.rounding.formats import FloatFormat
 IMEX_PARTS = ("explicit", "implicit")
 # The size of h f' and h g', so that our own iteration contracts, and the rounds after which less than 2**-80 is left.
 _BEND, _ROUNDS = 0.125, 80
-# A solver that converges leaves less in nonlinear equations, and other stages leave more.
-_UNSOLVED = 2.0**-14
 
 
 @dataclass(frozen=True)
@@ -92,7 +91,7 @@ def _read(steps: _SplitSteps, clocks: int) -> ImexReading:
     reading = ImexReading((a, a_implicit), (b, b_implicit), c, steps.subject.format, chains.left)
     chains.require_chain(reading.a, reading.b, reading.rounding)
     curved = max(_bent(steps, reading, Setting(0.5, t, h)) for t, h in ((0.0, 1.0), (2.0, 0.5)))
-    if curved > _UNSOLVED:
+    if curved > UNSOLVED:
         raise NotReadable(
             f"on nonlinear problems the step is off by {curved:.1e} from what its coefficients give: a solver that "
             "stops too early, or other stages"

@@ -88,9 +88,7 @@ class MagneticReading:
         elif (
             self.affine
             and self.moved
-            and not self.uneven
-            and not self._staggered
-            and not self._of_one_method(self.turn.factors)
+            and not (self.uneven or self._staggered or self._of_one_method(self.turn.factors))
         ):
             found.append(f"the position does not move as in a single method for all of {_ALL}")
         return found

@@ -10,7 +10,7 @@ from itertools import pairwise
 import numpy as np
 
 from driftproof.blackbox.checks.determinism import ALIKE, MANY
-from driftproof.blackbox.findings import Misbehaviour, UnsupportedCall, WrongShape
+from driftproof.blackbox.findings import Misbehaviour, StepFinding, UnsupportedCall, WrongShape
 from driftproof.blackbox.judging.nonlinear_problems import NonlinearProblem, gives_force_times, passes_time, walls
 from driftproof.blackbox.matching.tables import Array
 from driftproof.blackbox.probes.scripted_answers import NotReadable
@@ -194,17 +194,18 @@ def _departs(subject: ForeignStepper, uneven: float = 0.0) -> bool:
     return bool(off > ALIKE * np.abs(np.array(alone, dtype=float)).max())
 
 
-def later_steps(subject: ForeignStepper) -> tuple[bool | None, str, str]:
+def later_steps(subject: ForeignStepper) -> StepFinding:
     """Whether later steps of a run are like its first, in words; None for single steps, or if no run is seen."""
     if not subject.convention.run:
-        return None, "it makes single steps, not runs", ""
+        return StepFinding(None, "it makes single steps, not runs")
     try:
         departs = _departs(subject)
     except (UnsupportedCall, Misbehaviour) as refusal:
-        return None, f"no run of {MANY} steps was obtained: {refusal}", ""
+        return StepFinding(None, f"no run of {MANY} steps was obtained: {refusal}")
     if departs:
-        return False, "a step in a run differs from the same step taken alone: it remembers, or varies", ""
+        return StepFinding(False, "a step in a run differs from the same step taken alone: it remembers, or varies")
     with suppress(UnsupportedCall, Misbehaviour):  # it may refuse unequal intervals
         if GRID in subject.convention.order and _departs(subject, _UNEVEN):
-            return False, "where the times of its grid are unequally spaced, a later step takes another step size", ""
-    return True, f"{MANY} steps of a run, each the same as taken alone", ""
+            uneven = "where the times of its grid are unequally spaced"
+            return StepFinding(False, f"{uneven}, a later step takes another step size")
+    return StepFinding(True, f"{MANY} steps of a run, each the same as taken alone")

@@ -148,8 +148,7 @@ def _same_step(
 
 def _errors(subject: ForeignStepper, problem: NonlinearProblem, h: float, steps: int) -> list[float]:
     """The largest errors after this many steps: of all components, or of positions and of velocities if y'' = F."""
-    start = [float(x.mid()) for x in problem.solution(arb(START))]
-    end = course(subject, problem, START, start, h, max(steps, subject.shortest))[steps]
+    end = course(subject, problem, START, problem.start(START), h, max(steps, subject.shortest))[steps]
     exact = problem.solution(arb(START) + h * steps)
     off = [abs(float(x) - float(y.mid())) for x, y in zip(end, exact, strict=True)]
     return [max(part) for part in (off[: problem.positions or None], off[problem.positions or len(off) :]) if part]

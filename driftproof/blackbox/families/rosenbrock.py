@@ -19,8 +19,9 @@ from driftproof.blackbox.families.family_walks import (
     measured_of_two,
 )
 from driftproof.blackbox.families.rosenbrock_step import RosenbrockReading, read_rosenbrock_step
+from driftproof.blackbox.findings import StepFinding
 from driftproof.blackbox.judging.measured_order import MeasuredOrder, order_seen, slopes_text
-from driftproof.blackbox.judging.walks import Walked, there_and_back
+from driftproof.blackbox.judging.walks import there_and_back
 from driftproof.blackbox.matching.tables import Array
 from driftproof.blackbox.probes.coefficients import coefficient_text, exact_shown
 from driftproof.blackbox.probes.scripted_answers import Rounding
@@ -159,7 +160,7 @@ class RosenbrockIdentity:
     near: str
     measured: MeasuredOrder
     w_order: int | None
-    walked: Walked | None = None
+    walked: StepFinding | None = None
 
     @property
     def order(self) -> int | None:
@@ -273,7 +274,7 @@ class RosenbrockIdentity:
         reached = None if self.order is None else self.order >= method.claimed_order
         checks.append(Criterion("Order", reached, tuple(self._orders), {"measured": self.order}))
         if same and not faults and self.walked is not None:
-            checks.append(Criterion("Steps", self.walked[0], (self.walked[1],), {}))
+            checks.append(Criterion("Steps", self.walked.holds, (self.walked.words,), {}))
         return checks
 
 

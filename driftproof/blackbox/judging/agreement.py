@@ -9,7 +9,7 @@ from itertools import islice, product
 from math import inf
 from typing import Any
 
-from driftproof.blackbox.findings import Misbehaviour, UnsupportedCall
+from driftproof.blackbox.findings import Misbehaviour, StepFinding, UnsupportedCall
 from driftproof.blackbox.judging.sampled_steps import Arguments, Sizes, simplest_step, steps_within
 from driftproof.blackbox.judging.tolerance import Allowance, Judgement, Tolerance
 from driftproof.blackbox.stepper.call_text import call_text
@@ -216,29 +216,29 @@ def ordinary_arguments(subject: ForeignStepper, domain: Domain) -> tuple[list[tu
 
 def steps_back(
     subject: ForeignStepper, method: Method, allowance: Allowance = NO_ALLOWANCE, domain: Domain = ORDINARY_DOMAIN
-) -> tuple[bool | None, str, str]:
-    """Compare a few steps with h < 0 with M(h); return the answer, the words, and a call that shows a failure or "".
+) -> StepFinding:
+    """Compare a few steps with h < 0 with M(h); which the finding shows again if one is wrong.
 
     The answer is None if h < 0 is refused, and for an implicit method, whose stages need not have a solution at h < 0.
     States and steps are of ordinary size, or smaller if the domain is.
     """
     if not method.explicit:
-        return None, f"{method.key} is implicit: steps back are not tried", ""
+        return StepFinding(None, f"{method.key} is implicit: steps back are not tried")
     tolerance, (states, steps) = Tolerance(method, subject.format, allowance), ordinary_arguments(subject, domain)
     for h, (q, v) in product(steps, states):
         example = _example(subject, tolerance, q, v, -h)
         if example.answer is None:
-            return None, f"h < 0 is refused: {example.misbehaved}", ""
+            return StepFinding(None, f"h < 0 is refused: {example.misbehaved}")
         if _fails(example):
             example = _in_full(example, tolerance, subject)
-            return False, f"a step with h < 0 is wrong: {example.words}", example.reproduction
-    return True, f"{len(steps) * len(states)} steps with h < 0 within the bound", ""
+            return StepFinding(False, f"a step with h < 0 is wrong: {example.words}", example.reproduction)
+    return StepFinding(True, f"{len(steps) * len(states)} steps with h < 0 within the bound")
 
 
 def rows_together(
     subject: ForeignStepper, method: Method, allowance: Allowance = NO_ALLOWANCE, domain: Domain = ORDINARY_DOMAIN
-) -> tuple[bool | None, str, str]:
-    """Compare the step of several states in arrays with M(h); return the same three parts as `steps_back`.
+) -> StepFinding:
+    """Compare the step of several states in arrays with M(h); return the finding.
 
     The answer is None if only one state is taken at a time. Raises UnsupportedCall if an array is one state.
     """
@@ -246,17 +246,17 @@ def rows_together(
     try:
         answers = subject.step_batch([q for q, _ in states], [v for _, v in states], h)
     except Misbehaviour as refusal:
-        return None, f"it takes one state at a time: {refusal}", ""
+        return StepFinding(None, f"it takes one state at a time: {refusal}")
     for i, ((q, v), answer) in enumerate(zip(states, answers, strict=True)):
         if not all(component.allowed for component in tolerance.judge(q, v, h, answer)):
             seen = f"of {len(states)} states in arrays, row {i} goes from {(q, v)} to {answer} with h = {h!r}"
-            return False, seen, ""
-    return True, f"{len(states)} states in arrays, each within the bound", ""
+            return StepFinding(False, seen)
+    return StepFinding(True, f"{len(states)} states in arrays, each within the bound")
 
 
 def other_parameters(
     subject: ForeignStepper, method: Method, allowance: Allowance = NO_ALLOWANCE, domain: Domain = ORDINARY_DOMAIN
-) -> tuple[bool | None, str, str]:
+) -> StepFinding:
     """Compare steps of a built-in q'' = -4 q by h/2, or with another mass, with M(h), and return as `steps_back` does.
 
     Raises UnsupportedCall if the parameters of its oscillator do not say how to make it that one.
@@ -285,8 +285,8 @@ def other_parameters(
             went = f"from {(q, scale * v)} with h = {h / faster!r} it goes to {(q1, v1)}"
             wrong.setdefault(scale, f"with {shown} its step of q'' = -{'4 ' * (faster > 1)}q is wrong: {went}")
     if len(wrong) == 1 + len(momenta):
-        return False, wrong[faster], ""
-    return True, f"{len(steps) * len(states)} steps with {shown} within the bound", ""
+        return StepFinding(False, wrong[faster])
+    return StepFinding(True, f"{len(steps) * len(states)} steps with {shown} within the bound")
 
 
 class _Campaign:

@@ -54,6 +54,10 @@ class NonlinearProblem:
         numbers = len(self.solution(arb(START)))
         return [f"{x}[{i}]" for x in ("qv" if self.positions else "y") for i in range(self.positions or numbers)]
 
+    def start(self, t: float) -> list[float]:
+        """The state at the time t, rounded to floats, from which runs and steps begin."""
+        return [float(x.mid()) for x in self.solution(arb(t))]
+
     def force(self, t: AnyNumber, q: Sequence[AnyNumber]) -> _State:
         """The force F(t, q), for any number of positions if they are not coupled."""
         return [*self.rate(t, [*q, *q])][len(q) :]
@@ -181,7 +185,7 @@ def in_each_order(subject: ForeignStepper, problems: Sequence[NonlinearProblem])
     """The first problem that the stepper takes, in each order in which y may hold it; empty if it takes none."""
     for problem in problems:
         with suppress(StepRaised, WrongShape, NotANumber):
-            problem.stepped(subject, START, [float(x.mid()) for x in problem.solution(arb(START))], _SHORT)
+            problem.stepped(subject, START, problem.start(START), _SHORT)
             orders = (False, True) if subject.convention.kind == FIELD and problem.positions > 1 else (False,)
             return [replace(problem, interleaved=interleaved) for interleaved in orders]
     return []

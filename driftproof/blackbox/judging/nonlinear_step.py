@@ -104,7 +104,7 @@ def _compared(
     found = NonlinearAgreement(problem.words, len(TIMES) * len(STEPS), 0.0)
     with ctx.workprec(_BITS):
         for t, h in product(TIMES, STEPS):
-            start = [float(x.mid()) for x in problem.solution(arb(t))]
+            start = problem.start(t)
             expected = own_step(method, problem, t, start, h)
             allowed = allowed_off(subject, method, allowance, 1 + max(map(abs, start)), h)
             seen = problem.stepped(subject, t, start, h)

@@ -10,10 +10,10 @@ from typing import Any
 
 import numpy as np
 
-from driftproof.blackbox.findings import Misbehaviour
+from driftproof.blackbox.findings import Misbehaviour, StepFinding
 from driftproof.blackbox.judging.agreement import NO_ALLOWANCE, ORDINARY_DOMAIN, Domain, ordinary_arguments
 from driftproof.blackbox.judging.tolerance import Allowance, Tolerance
-from driftproof.blackbox.judging.walks import Walked, Walker, walk_on
+from driftproof.blackbox.judging.walks import Walker, walk_on
 from driftproof.blackbox.stepper.array_adapters import ARRAYS, LISTS, SCALARS, TUPLES, ArrayAdapter, Foreign
 from driftproof.blackbox.stepper.calling_conventions import FIELD, FORCE, POSITION, STATE, VELOCITY, CallingConvention
 from driftproof.blackbox.stepper.foreign_code import CallLog
@@ -32,7 +32,7 @@ _STATE_ROLES = (POSITION, VELOCITY, STATE)
 
 def state_objects(
     subject: ForeignStepper, method: Method, allowance: Allowance = NO_ALLOWANCE, domain: Domain = ORDINARY_DOMAIN
-) -> Walked:
+) -> StepFinding:
     """Compare steps from the very object that the step before returned, and from other forms of state, with the method.
 
     The words name the form that was given. The answer is None if the step is wrong in that form and in every other. If
@@ -48,17 +48,17 @@ def state_objects(
     forms = [form for form in _FORMS if subject.adapter in _FORMS and form is not subject.adapter]
     if wrong and (from_copies := trial(subject)[0]):
         if trial(subject)[0] != from_copies:
-            return None, f"{given}: the same steps, taken again, end elsewhere", ""
+            return StepFinding(None, f"{given}: the same steps, taken again, end elsewhere")
         turned = {_turned(subject.adapter): turn_wrapper(subject)} if STATE in subject.convention.order else {}
         for form, wrapper in {**dict.fromkeys(forms, ""), **turned}.items():
             with suppress(Misbehaviour):
                 if not trial(_in_form(subject, form))[0]:
-                    return False, f"{RIGHT_AS} {form.name}{wrapper}; {given}: {from_copies}", ""
-        return None, given, ""
+                    return StepFinding(False, f"{RIGHT_AS} {form.name}{wrapper}; {given}: {from_copies}")
+        return StepFinding(None, given)
     if wrong:
-        return False, f"a step from the object that the previous step returned is wrong: {wrong}", ""
+        return StepFinding(False, f"a step from the object that the previous step returned is wrong: {wrong}")
     if keeping.spoilt:
-        return False, "it changes its arguments to something other than its answer", ""
+        return StepFinding(False, "it changes its arguments to something other than its answer")
     found: dict[str, list[str]] = {}
     in_space = [BODIES] * (subject.convention.kind == FORCE and subject.adapter is not BODIES)
     for form in (*forms, *in_space):
@@ -68,12 +68,12 @@ def state_objects(
             found.setdefault("are refused", []).append(form.name)
             continue
         if wrong:
-            return False, f"{given}; with {form.name} it takes a different step: {wrong}", ""
+            return StepFinding(False, f"{given}; with {form.name} it takes a different step: {wrong}")
         same = "give the same bits" if seen == own else "give the same up to rounding"
         found.setdefault(same, []).append(form.name)
     others = [f"{' and '.join(names)} {words}" for words, names in found.items()]
     handed = ["steps from the previous step's own object agree with those from a copy"] if keeping.handed else []
-    return True, "; ".join([given, *others, *handed]), ""
+    return StepFinding(True, "; ".join([given, *others, *handed]))
 
 
 def _in_form(subject: ForeignStepper, form: ArrayAdapter) -> ForeignStepper:

@@ -7,12 +7,20 @@ from contextlib import suppress
 from dataclasses import dataclass, replace
 from itertools import islice
 from math import log2
-from typing import Any, TypeAlias
+from typing import Any
 
 import numpy as np
 from flint import arb, ctx
 
-from driftproof.blackbox.findings import Misbehaviour, NoAnswer, NotANumber, NotFinite, StepRaised, WrongShape
+from driftproof.blackbox.findings import (
+    Misbehaviour,
+    NoAnswer,
+    NotANumber,
+    NotFinite,
+    StepFinding,
+    StepRaised,
+    WrongShape,
+)
 from driftproof.blackbox.judging.agreement import NO_ALLOWANCE, ORDINARY_DOMAIN, Domain, steps_back
 from driftproof.blackbox.judging.nonlinear_problems import (
     START,
@@ -46,8 +54,6 @@ _LENGTHS, _BACK = (0.1, 0.1, 0.1 * (1 - 2.0**-10), 1 / 30), (-0.07, -0.03)
 _GOES_ON, _MOVED = "continues from the previous one", "begins when the previous one ended, in another state,"
 # The stepper may use another arithmetic or convention; a step that it refuses to take is no evidence against it.
 _REFUSALS = (StepRaised, WrongShape, NotANumber)
-# True if all steps are the method's, False if one is not, None if none is taken; the words; a call that shows it or "".
-Walked: TypeAlias = tuple[bool | None, str, str]
 
 
 @dataclass(frozen=True)
@@ -160,7 +166,7 @@ class Walker:
     def walk(self, problem: NonlinearProblem, place: _Place, lengths: Sequence[float]) -> _Step | None:
         """The first step that is not the method's; None if all are. Raises a Misbehaviour of the stepper."""
         there, t = place.problem(problem), place.origin + START * 2.0**-place.pace
-        y = start = _start(there, t)
+        y = start = there.start(t)
         # A step of another right-hand side from the same start: a code that caches by t, y and h alone then goes wrong.
         rest = replace(there, rate=lambda t, y: [0.0 * x for x in y])
         rest.stepped(self.subject, t, y, lengths[0] * 2.0**-place.pace)
@@ -228,7 +234,7 @@ def walked(
     domain: Domain = ORDINARY_DOMAIN,
     lengths: Sequence[float] = _LENGTHS,
     most: int | None = None,
-) -> Walked:
+) -> StepFinding:
     """Compare successive steps with the method's, for each number of components and at each place.
 
     Places and numbers of components are paired so that each occurs, in `most` pairs at most. The answer is None if no
@@ -237,23 +243,24 @@ def walked(
     return walk_on(Walker(subject, method, allowance, domain), lengths, most)
 
 
-def walk_on(walker: Walker, lengths: Sequence[float] = _LENGTHS, most: int | None = None) -> Walked:
+def walk_on(walker: Walker, lengths: Sequence[float] = _LENGTHS, most: int | None = None) -> StepFinding:
     """Compare successive steps with the method's, as `walked` does, for a walker of any family."""
     with ctx.workprec(_BITS):
         try:
             return _walked_on(walker, lengths, most)
         except NotFinite as failure:
-            return False, str(failure), ""
+            return StepFinding(False, str(failure))
 
 
-def there_and_back(walker: Walker) -> Walked:
+def there_and_back(walker: Walker) -> StepFinding:
     """Compare as `walk_on` does and, if the steps are right and h < 0 is not refused, also for h < 0 at two places."""
     found = walk_on(walker)
-    passed, words, again = walk_on(walker, _BACK, 2) if found[0] else found
-    return (False, f"a step with h < 0 is wrong: {words}", again) if found[0] and passed is False else found
+    if found.holds and (back := walk_on(walker, _BACK, 2)).holds is False:
+        return StepFinding(False, f"a step with h < 0 is wrong: {back.words}")
+    return found
 
 
-def _walked_on(walker: Walker, lengths: Sequence[float], most: int | None) -> Walked:
+def _walked_on(walker: Walker, lengths: Sequence[float], most: int | None) -> StepFinding:
     taken, times, refused = list[int](), list[float](), ""
     of_numbers = {n: problems for n in walker.numbers if (problems := walker.problems(n))}
     for place, problems in islice(_settings(walker, [*of_numbers.values()]), most):
@@ -273,15 +280,15 @@ def _walked_on(walker: Walker, lengths: Sequence[float], most: int | None) -> Wa
             cause = ""
             with suppress(Misbehaviour, NoAnswer):  # without a cause, the wrong step stands
                 cause = walker.why(found[0], problems[0], of_numbers)
-            return False, ": ".join(filter(None, [cause, found[0].words])), ""
+            return StepFinding(False, ": ".join(filter(None, [cause, found[0].words])))
     if not taken:
-        return None, f"it takes no such step: {refused}" if refused else "the domain is too small for it", ""
+        return StepFinding(None, f"it takes no such step: {refused}" if refused else "the domain is too small for it")
     sizes = ", ".join([*map(str, sorted(set(taken) - {max(taken)})), walker.counted(max(taken))])
     also = f"; it does not take all of them: {refused}" if refused else ""
     steps = f"{len(lengths)} steps, each from the end of the previous one, then one from another state"
     words = f"{len(taken)} runs of {steps}, with {sizes}"
     when = f", at times from {min(times):g} to {max(times):g}" if times else ""
-    return True, f"{words}{when}{also}", ""
+    return StepFinding(True, f"{words}{when}{also}")
 
 
 def _settings(
@@ -298,18 +305,14 @@ def _settings(
         yield from ((home, problems) for problems in sizes[1:] if home.within(walker.domain, walker.subject))
 
 
-def _start(problem: NonlinearProblem, t: float) -> list[float]:
-    return [float(x.mid()) for x in problem.solution(arb(t))]
-
-
 def back_and_on(
     subject: ForeignStepper, method: Method, allowance: Allowance = NO_ALLOWANCE, domain: Domain = ORDINARY_DOMAIN
-) -> Walked:
+) -> StepFinding:
     """Compare steps with h < 0 as `steps_back` does; if right, also on nonlinear problems if these can be given."""
     found = steps_back(subject, method, allowance, domain)
-    if not found[0] or subject.convention.kind not in (FIELD, FORCE):
+    if not found.holds or subject.convention.kind not in (FIELD, FORCE):
         return found
-    passed, words, again = walked(subject, method, allowance, domain, _BACK, 2)
-    if passed is None:
-        return found
-    return passed, f"{found[1]}; {words}" if passed else f"a step with h < 0 is wrong: {words}", again
+    on = walked(subject, method, allowance, domain, _BACK, 2)
+    if on.holds is False:
+        return StepFinding(False, f"a step with h < 0 is wrong: {on.words}")
+    return StepFinding(True, f"{found.words}; {on.words}") if on.holds else found

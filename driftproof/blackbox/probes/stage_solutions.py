@@ -19,6 +19,8 @@ _WEAK = 2.0**-40
 _ROUNDS = 200
 # A solver that leaves more in linear equations does not solve them, or they are not those of the step.
 UNSOLVED = 2.0**-14
+# Solvers in use stop at an error of this size or less for numbers of size 1.
+SOLVED = 1e-6
 # A Jacobian by differences is off by a few times the root of u, and so is what one iteration with it leaves.
 _BY_DIFFERENCES = 16
 # Slopes this close to a whole number count as that number (`judging.measured_order`).

@@ -313,8 +313,8 @@ def _exception(points: Sequence[_Point], law: Law, smallest: float, largest: flo
 def _fitted(points: Sequence[_Point], terms: int) -> list[Any] | None:
     """The log of the safety, the exponent and the further terms that give all factors; None if none do.
 
-    The safety has two digits, and a term is a fraction of a denominator in use, if that gives the factors as well. Further
-    terms below those of any controller in use are no law: such a fit follows the noise of another one.
+    The safety has two digits, and a term is a fraction of a denominator in use, if that gives the factors as well.
+    Further terms below those of any controller in use are no law: such a fit follows the noise of another one.
     """
     if len(points) < terms + 3:
         return None

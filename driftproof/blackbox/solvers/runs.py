@@ -292,8 +292,8 @@ def _ignored(subject: ForeignSolver) -> list[str]:
 
 
 def _solved(subject: ForeignSolver, problem: NonlinearProblem, span: tuple[float, float], **settings: Any) -> Solution:
-    y0 = [float(x.mid()) for x in problem.solution(arb(span[0]))]
-    return subject.solve(lambda n, t, y: [float(x) for x in problem.rate(t, list(y))], span, y0, **settings)
+    rate: RunSlopes = lambda n, t, y: [float(x) for x in problem.rate(t, list(y))]
+    return subject.solve(rate, span, problem.start(span[0]), **settings)
 
 
 def _error(run: Solution, problem: NonlinearProblem) -> float:

@@ -10,8 +10,6 @@ from itertools import pairwise
 from math import fsum, inf
 from typing import Any, TypeAlias
 
-from flint import arb
-
 from driftproof.blackbox.findings import Misbehaviour
 from driftproof.blackbox.judging.nonlinear_problems import driven, moved
 from driftproof.blackbox.matching.dense_outputs import JudgedDense, judged_reading
@@ -117,7 +115,7 @@ def _elsewhere(subject: ForeignSolver, reading: TableauReading) -> Iterator[str]
     for words, origin, ends, numbers in _RUNS:
         problem = moved(driven(numbers, timed=True), _SIZES, 1.0, origin)
         start, end = (origin + x for x in ends)
-        y0 = [float(x.mid()) for x in problem.solution(arb(start))]
+        y0 = problem.start(start)
         try:
             run = subject.solve(lambda n, t, y, problem=problem: problem.rate(t, list(y)), (start, end), y0, _TOLERANCE)  # type: ignore[misc]
         except Misbehaviour:  # a run that fails is reported elsewhere

@@ -120,9 +120,9 @@ def test_all_that_is_asked_and_said_of_steps_is_as_before(name, array, as_before
     asked = Asked(step)
     subject, method = opened(asked.code, array=array), METHODS[key]
     found = agreement(subject, method, examples=FEW, **how)
-    said = [*found.lines, found.data, str(asked), steps_back(subject, method, **how)]
+    said = [*found.lines, found.data, str(asked), tuple(steps_back(subject, method, **how))]
     with suppress(UnsupportedCall):
-        said.append(rows_together(subject, method, **how))
+        said.append(tuple(rows_together(subject, method, **how)))
     if step is codes.rk4:
         said += [single_mistakes(subject, METHODS["rk38"]), *map(attrgetter("words"), measured_orders(subject))]
         said += [nonlinear_agreement(subject, METHODS[other], NO_ALLOWANCE) for other in ("rk4", "rk38")]

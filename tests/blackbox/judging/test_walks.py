@@ -96,7 +96,7 @@ def test_what_is_wrong_elsewhere_alone_is_caught_and_named(step, method, as_befo
 @pytest.mark.parametrize("key", ["forward_euler", "rk4", "dormand_prince54", "yoshida6", "nystrom5", "ssprk104"])
 def test_explicit_methods_are_themselves_everywhere_by_their_force(key, as_before):
     asked = Asked(stepper(METHODS[key], float))
-    as_before(walked(opened(asked.code, "force"), METHODS[key]), asked)
+    as_before(tuple(walked(opened(asked.code, "force"), METHODS[key])), asked)
 
 
 def positive_times_only(f, t, y, h):
@@ -178,7 +178,8 @@ def test_few_steps_back_are_asked_for_where_those_ahead_are_right(as_before):
     said = []
     for step in (codes.rk4, rk4_at(lambda at, t: t + abs(at - t))):
         asked, again = Asked(step), Asked(step)
-        said += [back_and_on(opened(asked.code), RK4), asked, there_and_back(Walker(opened(again.code), RK4)), again]
+        found = back_and_on(opened(asked.code), RK4), there_and_back(Walker(opened(again.code), RK4))
+        said += [tuple(found[0]), asked, tuple(found[1]), again]
     as_before(*said)
 
 
