@@ -152,7 +152,7 @@ def significant(value: CertifiableReal, digits: int, rounding: str = HALF_EVEN) 
     >>> significant(Fraction(1, 300000), 2)
     '3.3e-6'
     """
-    _demand_a_digit(digits)
+    _require_a_digit(digits)
 
     def read(x: Fraction) -> str:
         if not x:
@@ -170,11 +170,11 @@ def scientific(value: CertifiableReal, digits: int, rounding: str = HALF_EVEN) -
 
     Raises ValueError if digits < 1.
     """
-    _demand_a_digit(digits)
+    _require_a_digit(digits)
     return decide_by_enclosure(value, lambda x: _scientific(x, digits, rounding))
 
 
-def _demand_a_digit(digits: int) -> None:
+def _require_a_digit(digits: int) -> None:
     if digits < 1:
         raise ValueError(f"digits = {digits}; must be at least 1")
 
