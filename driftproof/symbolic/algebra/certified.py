@@ -9,7 +9,7 @@ from typing import TypeAlias, TypeVar
 
 from flint import arb, ctx, fmpz
 
-from driftproof.methods.number_field import Algebraic, as_fmpq, dyadic
+from driftproof.methods.number_field import Algebraic, as_fmpq, ends_of
 
 # A real number, known exactly: a rational, an element of a number field, or a procedure that returns an Arb ball around
 # the number, which shrinks as Arb's current precision grows.
@@ -111,8 +111,7 @@ def endpoints(ball: arb) -> tuple[Fraction, Fraction]:
     for part in (ball.mid(), ball.rad()):
         if abs(int(part.man_exp()[1])) > LARGEST_BINARY_EXPONENT:
             raise Uncertified("the number is outside 10**-78000 .. 10**78000 and too long to write out")
-    middle, radius = dyadic(ball.mid()), dyadic(ball.rad())
-    return middle - radius, middle + radius
+    return ends_of(ball)
 
 
 def certified_sign(value: CertifiableReal) -> int:
