@@ -53,7 +53,7 @@ class _OverOneField(Definition):
     def _coefficients(self) -> Iterable[Exact]:
         raise NotImplementedError
 
-    def _demand_one_field(self) -> None:
+    def _require_one_field(self) -> None:
         for x in self._coefficients():
             if isinstance(x, Algebraic) and self.field and x.field != self.field:
                 names = f"{x.field.name} and {self.field.name}"
@@ -76,7 +76,7 @@ class Staged(_OverOneField):
         """Promote integers, then raise MethodError for inexact entries, wrong shapes, several fields or half a pair."""
         for name in self.matrices:
             rows = getattr(self, name)
-            _demand_iterable(rows, f"{self.key}: {name}")
+            _require_iterable(rows, f"{self.key}: {name}")
             exact = tuple(_exact(row, f"{self.key}: {name}[{i}]") for i, row in enumerate(rows))
             object.__setattr__(self, name, exact)
         for name in self.rows:
@@ -88,7 +88,7 @@ class Staged(_OverOneField):
             if length != self.stages:
                 entries = f"{name} has {length} entries, {self.leading_row} has {self.stages}"
                 raise MethodError(f"{self.key}: {entries}; they must agree")
-        self._demand_one_field()
+        self._require_one_field()
         for name, first in zip(self.matrices, self.zero_from, strict=False):
             if any(x != 0 for i, row in enumerate(getattr(self, name)) for x in row[i + first :]):
                 where = "above" if first else "on or above"
@@ -196,7 +196,7 @@ class Splitting(_OverOneField):
 
     def __post_init__(self) -> None:
         """Promote integers, then raise MethodError for unknown sub-steps, inexact coefficients and several fields."""
-        _demand_iterable(self.parts, f"{self.key}: parts")
+        _require_iterable(self.parts, f"{self.key}: parts")
         parts = tuple(self.parts)
         if not parts:
             raise MethodError(f"{self.key}: parts is empty; a splitting has at least one kick or drift")
@@ -206,7 +206,7 @@ class Splitting(_OverOneField):
         coefficients = _exact((c for _, c in parts), f"{self.key}: parts")
         kinds = (kind for kind, _ in parts)
         object.__setattr__(self, "parts", tuple(zip(kinds, coefficients, strict=True)))
-        self._demand_one_field()
+        self._require_one_field()
 
     def _coefficients(self) -> Iterable[Exact]:
         return (c for _, c in self.parts)
@@ -341,11 +341,11 @@ def rational_row(values: Iterable[object], where: str) -> tuple[Fraction, ...]:
 
 
 def _exact(values: Iterable[object], where: str) -> tuple[Exact, ...]:
-    _demand_iterable(values, where)
+    _require_iterable(values, where)
     return tuple(_exact_coefficient(value, f"{where}[{i}]") for i, value in enumerate(values))
 
 
-def _demand_iterable(values: object, where: str) -> None:
+def _require_iterable(values: object, where: str) -> None:
     if isinstance(values, str) or not isinstance(values, Iterable):
         raise MethodError(f"{where} is {values!r}; write a tuple of exact coefficients")
 

@@ -140,7 +140,7 @@ def field_source(
         _runge_kutta(method, field, text, method.b_embedded if estimated else None)
     else:
         _second_order(method, field, text)
-    _demand_new_names(field, text)
+    _require_new_names(field, text)
     coefficients = (*text.coefficients.items(), *field.parameters)
     return FieldSource(tuple(text.lines), coefficients, field.components, compensated)
 
@@ -206,7 +206,7 @@ def _second_order(method: Splitting | Nystrom, field: VectorField | _ArrayField,
     SecondOrder(positions, velocities, accelerations, "_new", timed=not field.autonomous).write(method, text)
 
 
-def _demand_new_names(field: VectorField | _ArrayField, text: ProgramText) -> None:
+def _require_new_names(field: VectorField | _ArrayField, text: ProgramText) -> None:
     """Raise MethodError for a parameter that has the name of something else in the text, such as h."""
     taken = {"t", "h", "i", "y", "first", "last", "range", "make", "run", "step", *FUNCTIONS, *field.components}
     taken |= {"start_", "end_", "begin_", "member_", *(f"{y}_block" for y in field.components)}

@@ -9,7 +9,7 @@ from typing import TypeAlias, TypeVar
 
 from flint import arb, ctx, fmpz
 
-from driftproof.methods.number_field import Algebraic, as_fmpq, dyadic
+from driftproof.methods.number_field import Algebraic, as_fmpq, ends_of
 
 # A real number, known exactly: a rational, an element of a number field, or a procedure that returns an Arb ball around
 # the number, which shrinks as Arb's current precision grows.
@@ -111,8 +111,7 @@ def endpoints(ball: arb) -> tuple[Fraction, Fraction]:
     for part in (ball.mid(), ball.rad()):
         if abs(int(part.man_exp()[1])) > LARGEST_BINARY_EXPONENT:
             raise Uncertified("the number is outside 10**-78000 .. 10**78000 and too long to write out")
-    middle, radius = dyadic(ball.mid()), dyadic(ball.rad())
-    return middle - radius, middle + radius
+    return ends_of(ball)
 
 
 def certified_sign(value: CertifiableReal) -> int:
@@ -152,7 +151,7 @@ def significant(value: CertifiableReal, digits: int, rounding: str = HALF_EVEN) 
     >>> significant(Fraction(1, 300000), 2)
     '3.3e-6'
     """
-    _demand_a_digit(digits)
+    _require_a_digit(digits)
 
     def read(x: Fraction) -> str:
         if not x:
@@ -170,11 +169,11 @@ def scientific(value: CertifiableReal, digits: int, rounding: str = HALF_EVEN) -
 
     Raises ValueError if digits < 1.
     """
-    _demand_a_digit(digits)
+    _require_a_digit(digits)
     return decide_by_enclosure(value, lambda x: _scientific(x, digits, rounding))
 
 
-def _demand_a_digit(digits: int) -> None:
+def _require_a_digit(digits: int) -> None:
     if digits < 1:
         raise ValueError(f"digits = {digits}; must be at least 1")
 

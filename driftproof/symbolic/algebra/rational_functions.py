@@ -114,7 +114,7 @@ def series_quotient(a: PowerSeries, b: PowerSeries) -> PowerSeries:
 
 def series_logarithm(a: PowerSeries) -> PowerSeries:
     """The series log a, from a' = a (log a)'. Raises ValueError unless a(0) = 1."""
-    _demand_one(a)
+    _require_one(a)
     slope: PowerSeries = []  # the coefficients k lₖ of z (log a)'
     for k, c in enumerate(a):
         slope.append(c * k - dot(slope, a[k:0:-1]))
@@ -123,7 +123,7 @@ def series_logarithm(a: PowerSeries) -> PowerSeries:
 
 def series_root(a: PowerSeries) -> PowerSeries:
     """The square root of a series, with constant term 1. Raises ValueError unless a(0) = 1."""
-    _demand_one(a)
+    _require_one(a)
     result: PowerSeries = [fmpq(1)]
     for k in range(1, len(a)):
         result.append((a[k] - dot(result[1:], result[:0:-1])) / 2)
@@ -144,7 +144,7 @@ def _padded(a: Sequence[Scalar], terms: int) -> PowerSeries:
     return [*a[:terms], *[fmpq(0)] * (terms - len(a))]
 
 
-def _demand_one(a: PowerSeries) -> None:
+def _require_one(a: PowerSeries) -> None:
     if not a or a[0] != 1:
         raise ValueError("the constant term must be 1")
 

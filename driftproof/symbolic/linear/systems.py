@@ -112,13 +112,13 @@ def runge_kutta_bound(r: RationalFunction, place: RootPlace, block: int) -> Boun
     if place == ZERO_ROOT:
         return at_rest(r, block)
     if isinstance(place, Complex) and place.degree > 2:
-        _demand_simple(block)
+        _require_simple(block)
         return pair_bound(r, place)
     total, product, size = _ray(place)
     return _bound_of_step(ray_bound(r, total, product, block), size)
 
 
-def _demand_simple(block: int) -> None:
+def _require_simple(block: int) -> None:
     if block > 1:
         raise UndecidedLimitError("no procedure decides a complex eigenvalue of degree 3 or more with a Jordan block")
 
@@ -226,7 +226,7 @@ def part_is_bounded(found: SystemFacts, eigenvalue: Eigenvalue, h: Fraction) -> 
     if place == ZERO_ROOT:
         return at_rest(r, block) == ALWAYS
     if isinstance(place, Complex) and place.degree > 2:
-        _demand_simple(block)
+        _require_simple(block)
         return margin_sign(r, place, as_fmpq(h)) == 1
     total, product, size = _ray(place)
     margin, obstacles = ray_conditions(r, total, product, block)

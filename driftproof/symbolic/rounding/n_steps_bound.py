@@ -83,14 +83,14 @@ def run_bound(
     rotation times a factor, or if a state might overflow.
     """
     for what, x in (("h", h), ("the start's q", start[0]), ("the start's v", start[1])):
-        _demand_number(what, x, fmt)
+        _require_number(what, x, fmt)
     if steps < 0:
         raise HypothesisFails(f"N = {steps}: the number of steps must not be negative")
     derived = fixed_step_bound(subject, h, fmt, force)
     norm = _norm(derived, h)
     growth, underflow = growth_per_step(norm, local or derived.linear)
     run = _Run(norm, norm.length(*start), growth, underflow, steps)
-    _demand_safe(run, largest_safe_state(subject, h, fmt, force), fmt)
+    _require_safe(run, largest_safe_state(subject, h, fmt, force), fmt)
     return RunBound(fmt, h, steps, start, norm, growth, underflow, run.error)
 
 
@@ -169,14 +169,14 @@ def _norm(derived: FixedStepBound, h: Fraction) -> AdaptedNorm:
         raise HypothesisFails(f"at h = {h}: {reason}") from None
 
 
-def _demand_number(what: str, x: Fraction, fmt: FloatFormat) -> None:
+def _require_number(what: str, x: Fraction, fmt: FloatFormat) -> None:
     if abs(x) > fmt.largest:
         raise HypothesisFails(f"{what} is larger than the largest {fmt.name} number")
     if not fmt.holds(x):
         raise HypothesisFails(f"{what} = {x} is not a {fmt.name} number; the nearest is {fmt.nearest(x)}")
 
 
-def _demand_safe(run: _Run, safe: Fraction, fmt: FloatFormat) -> None:
+def _require_safe(run: _Run, safe: Fraction, fmt: FloatFormat) -> None:
     with ctx.workprec(_FIRST_BITS):
         reach = run.reach()
         if reach <= enclose(safe):

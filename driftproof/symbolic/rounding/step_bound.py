@@ -174,7 +174,7 @@ def trace_step(
     outputs = list(result) if isinstance(result, Iterable) else []
     if len(outputs) != 2:
         raise RefusedOperation(f"the step returned {result!r}; it must return the pair (q1, v1)")
-    return [x if isinstance(x, Rounded) else constant(_demand_number(x), fmt) for x in outputs]
+    return [x if isinstance(x, Rounded) else constant(_require_number(x), fmt) for x in outputs]
 
 
 def lift_to(fmt: FloatFormat) -> Lift:
@@ -254,7 +254,7 @@ def require_linear(powers: Iterable[tuple[int, ...]]) -> None:
             raise NotLinear(f"the step is not linear in the state: it has the term q**{in_q} * v**{in_v}")
 
 
-def _demand_number(x: object) -> Fraction:
+def _require_number(x: object) -> Fraction:
     exact = rational_value(x)
     if exact is None:
         raise RefusedOperation(f"the step returned {x!r}, a {type(x).__name__} that is not a number")

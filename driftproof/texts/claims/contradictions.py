@@ -54,28 +54,32 @@ def contradicted(question: str, text: str, start: int, end: int, asked: bool = F
     """
     before, after = sentence_around(text, start, end)
     head, _, readout = question.rpartition(" : ") if " : " in question else (question, "", question.split(" ")[0])
-    key = min(methods_named(question.lower()), default="")
-    (own_before, other_before), (own_after, other_after) = (_methods(part, key) for part in (before, after))
-    other_method = bool(key) and _differs(own_before, other_before, before, () if asked else other_after, own_after)
-    quantity, digits = readout.rpartition(".")[2], len(re.sub("[^0-9]", "", text[start:end]))
+    quantity = readout.rpartition(".")[2]
     in_formula = re.search(_IN_FORMULA[0], before) or re.match(_IN_FORMULA[1], after)
     if in_formula and (end - start == 1 or quantity in _COUNTED):
         return True
-    if digits < 3 and (symbol := _SYMBOL.search(before)):
-        own = _SYMBOLS.get(quantity, quantity if len(quantity) == 1 else "")
-        if symbol[1] not in own if own else symbol[1] in _CHOSEN:
+    if len(re.sub("[^0-9]", "", text[start:end])) < 3 and (symbol := _SYMBOL.search(before)):
+        own_symbols = _SYMBOLS.get(quantity, quantity if len(quantity) == 1 else "")
+        if symbol[1] not in own_symbols if own_symbols else symbol[1] in _CHOSEN:
             return True
+    key = min(methods_named(question.lower()), default="")
+    (own, other), (own_after, other_after) = (_methods(part, key) for part in (before, after))
+    other_method = bool(key) and _differs(own, other, before, () if asked else other_after, own_after)
     if asked or other_method:
         return other_method
+    other_setting = any(_gives_another_value(letter, head, before, after) for letter in "ht")
+    return other_setting or _names_another_quantity(quantity, before, after)
+
+
+def _names_another_quantity(quantity: str, before: str, after: str) -> bool:
+    """True if the sentence names another quantity, counts something else, or gives the other component."""
     own, other = _QUANTITIES.get(quantity, ("", ""))
     if own and _differs(_words(own, before), _words(other, before), before, _words(other, after), _words(own, after)):
         return True
     if quantity in _COUNTED and _next_to(before, after) not in ("", _COUNTED[quantity]):
         return True
     found = _COMPONENT.search(before) if quantity in ("q", "v") else None
-    if found and (quantity == "q") != (found[1] in ("q", "x") or bool(found[2])):
-        return True
-    return any(_gives_another_value(letter, head, before, after) for letter in "ht")
+    return found is not None and (quantity == "q") != (found[1] in ("q", "x") or bool(found[2]))
 
 
 def sentence_around(text: str, start: int, end: int) -> tuple[str, str]:

@@ -59,7 +59,7 @@ class _Member:
 
     @classmethod
     def of(cls, number: TextNumber, suggestions: Suggestions, text: str) -> _Member:
-        start, alike = max(0, number.start - _LONGEST_SETTING), suggestions.of(number)
+        start, alike = max(0, number.start - _LONGEST_SETTING), suggestions.look_alikes(number)
         found = _SETTING.search(text[start : number.start].replace("\n", " "))
         setting, strong = start + found.start() if found else None, bool(alike) and alike[0].strong
         if _HEAD_OF_SETTINGS.fullmatch(suggestions.column_of(number)):
@@ -89,6 +89,7 @@ class _Member:
 
 # Neighbouring numbers of one line that go into one phrase: all strong look-alikes, all of one setting, or neither.
 _Group: TypeAlias = list[_Member]
+_Bounded: TypeAlias = tuple[int, int, _Group]
 
 
 def draft(document: Document, name: str, asked: Iterable[str] = ()) -> str:
@@ -104,38 +105,16 @@ def draft(document: Document, name: str, asked: Iterable[str] = ()) -> str:
     left_out = [member.number for member in members if member.number.start in code and not member.strong]
     members = [member for member in members if member.number.start not in code or member.strong]
     fences = sorted({0, len(text), *(number.start for number in left_out), *(number.end for number in left_out)})
-    drafted, covered, named = [_HEADER.format(name=" ".join(name.split()))], set[int](), Counter[str]()
-    groups = [*_groups(text, members, fences)]
-    ends = [0, *(group[-1].number.end for group in groups)]
-    starts = [*(group[0].number.start for group in groups[1:]), len(text)]
-    for before, after, group in zip(ends, starts, groups, strict=False):
-        at = bisect_right(fences, group[0].number.start)  # a number that is left out may stand in no phrase
-        before, after = max(before, fences[at - 1]), min(after, fences[at])
-        for *room, part in _uncovered(before, after, group, covered):
-            if len(drafted) > MOST_CLAIMS:
-                raise ValueError(f"claims for more than {MOST_CLAIMS} groups of numbers are not drafted")
-            first = (one := part[0]).number.start
-            place = "line {}, column {}".format(*document.position(first))
-            phrase, stands = search.phrase(room, part)
-            covered |= {at + member.number.start - first for at in stands | {first} for member in part}
-            if not stands:
-                drafted.append(f"# {place}: no phrase can be drafted for {one.number.text}\n")
-                continue
-            asked = ", ".join(member.alike[0].question for member in part if member.strong)
-            if one.chosen or one.strong:
-                place = asked if 0 < len(asked) <= _LONGEST_ID else phrase
-                named[place] += 1
-                place += f" ({named[place]})" if named[place] > 1 else ""
-            lines = ["[[claim]]", f"id = {_quoted(place)}", f"phrase = {_quoted(phrase)}"]
-            lines += [f"count = {len(stands)}"] if len(stands) > 1 else []
-            if one.chosen:
-                lines += ['given = "the text chooses it"']
-            elif one.strong:
-                lines += _values(part)
-            else:
-                lines = [f"# {line}" for line in ("TODO", *lines, 'given = "TODO: why"')]
-            remarks = dict.fromkeys(member.remark() for member in part)
-            drafted.append("".join([*remarks, *(f"{line}\n" for line in lines)]))
+    drafted, covered, ids = [_HEADER.format(name=" ".join(name.split()))], set[int](), Counter[str]()
+    for *room, group in _uncovered(text, [*_groups(text, members, fences)], fences, covered):
+        if len(drafted) > MOST_CLAIMS:
+            raise ValueError(f"claims for more than {MOST_CLAIMS} groups of numbers are not drafted")
+        first = group[0].number
+        place = "line {}, column {}".format(*document.position(first.start))
+        phrase, stands = search.phrase(room, group)
+        covered |= {at + member.number.start - first.start for at in stands | {first.start} for member in group}
+        claim = f"# {place}: no phrase can be drafted for {first.text}\n"
+        drafted.append(_claim(group, phrase, len(stands), place, ids) if stands else claim)
     missed = sorted(suggestions.nowhere(), key=lambda one: not one[2])
     for guessed, said in enumerate(("but not found in the text", "and found only as a guess, a comment above")):
         lines = [_asked_line(document, one) for one in missed if bool(one[3] and not one[2]) == guessed]
@@ -147,6 +126,24 @@ def draft(document: Document, name: str, asked: Iterable[str] = ()) -> str:
     return "\n".join(drafted).rstrip("\n")
 
 
+def _claim(group: _Group, phrase: str, count: int, place: str, ids: Counter[str]) -> str:
+    """The claim of a group, with remarks; a comment with its `place` as id if its numbers are only guessed."""
+    known = group[0].chosen or group[0].strong
+    if known:
+        asked = ", ".join(member.alike[0].question for member in group if member.strong)
+        place = asked if 0 < len(asked) <= _LONGEST_ID else phrase
+        ids[place] += 1
+        place += f" ({ids[place]})" if ids[place] > 1 else ""
+    lines = ["[[claim]]", f"id = {_quoted(place)}", f"phrase = {_quoted(phrase)}", *[f"count = {count}"] * (count > 1)]
+    if group[0].chosen:
+        lines.append('given = "the text chooses it"')
+    elif known:
+        lines += _values(group)
+    else:
+        lines = [f"# {line}" for line in ("TODO", *lines, 'given = "TODO: why"')]
+    return "".join([*dict.fromkeys(member.remark() for member in group), *(f"{line}\n" for line in lines)])
+
+
 def _asked_line(document: Document, missed: Missed) -> str:
     """The line of an asked value without a claim: the value, and at most _MOST_PLACES numbers that may mean it."""
     question, answer, slips, vague = missed
@@ -156,13 +153,18 @@ def _asked_line(document: Document, missed: Missed) -> str:
     return f"#   {question}, {shown}{(bool(places) * ('; a slip? ' if slips else '; perhaps ')) + ', '.join(places)}\n"
 
 
-def _uncovered(before: int, after: int, group: _Group, covered: set[int]) -> Iterator[tuple[int, int, _Group]]:
-    """The runs of a group that no drafted phrase covers, each with the bounds that its phrase must stay within."""
-    ends, starts = [before, *(member.number.end for member in group)], [member.number.start for member in group]
-    for is_covered, run in groupby(range(len(group)), lambda i: starts[i] in covered):
-        part = [*run]
-        if not is_covered:
-            yield ends[part[0]], [*starts, after][part[-1] + 1], group[part[0] : part[-1] + 1]
+def _uncovered(text: str, groups: list[_Group], fences: list[int], covered: set[int]) -> Iterator[_Bounded]:
+    """The runs of the groups that no drafted phrase covers, each with the bounds that its phrase must stay within."""
+    edges = [0, *(x for group in groups for x in (group[0].number.start, group[-1].number.end)), len(text)]
+    for before, after, group in zip(edges[:-2:2], edges[3::2], groups, strict=True):
+        at = bisect_right(fences, group[0].number.start)  # a number that is left out may stand in no phrase
+        starts = [member.number.start for member in group]
+        ends = [max(before, fences[at - 1]), *(member.number.end for member in group)]
+        for is_covered, run in groupby(range(len(group)), lambda i, starts=starts: starts[i] in covered):  # type: ignore[misc]
+            part = [*run]
+            if not is_covered:
+                end = [*starts, min(after, fences[at])][part[-1] + 1]
+                yield ends[part[0]], end, group[part[0] : part[-1] + 1]
 
 
 def _groups(text: str, members: list[_Member], fences: list[int]) -> Iterator[_Group]:

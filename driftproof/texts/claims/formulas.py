@@ -31,7 +31,7 @@ def same_formula(a: str, b: str) -> bool:
     ring = fmpq_mpoly_ctx.get(names, Ordering.lex)
     known = {name: (x, ring.constant(1)) for name, x in zip(names, ring.gens(), strict=True)}
     (n, d), (m, e) = (_ratio(formula, known, ring) for formula in (first, second))
-    _demand_few(max(len(n) * len(e), len(m) * len(d)))
+    _require_few(max(len(n) * len(e), len(m) * len(d)))
     return bool(d and e and n * e == m * d)
 
 
@@ -74,13 +74,13 @@ def _ratio(node: tree.ExpressionNode, known: Mapping[str, tuple[Any, Any]], ring
                 raise ValueError("it contains a root; only rational functions are compared")
             num, den = _ratio(base, known, ring)
             n = abs(int(exponent))
-            _demand_few(comb(max(len(num), len(den), 1) + n - 1, n))
+            _require_few(comb(max(len(num), len(den), 1) + n - 1, n))
             return (num**n, den**n) if exponent >= 0 else (den**n, num**n)
         case tree.ChainNode(first=first, rest=rest):
             num, den = _ratio(first, known, ring)
             for sign, part in rest:
                 a, b = _ratio(part, known, ring)
-                _demand_few(max(len(num), len(den)) * max(len(a), len(b)))
+                _require_few(max(len(num), len(den)) * max(len(a), len(b)))
                 if sign.text in "+-":
                     num, den = num * b + a * den if sign.text == "+" else num * b - a * den, den * b
                 else:
@@ -89,6 +89,6 @@ def _ratio(node: tree.ExpressionNode, known: Mapping[str, tuple[Any, Any]], ring
     raise AssertionError(node)
 
 
-def _demand_few(terms: int) -> None:
+def _require_few(terms: int) -> None:
     if terms > _MOST_TERMS:
         raise ValueError(f"the formulas are too long to compare: {terms} terms")

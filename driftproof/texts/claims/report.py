@@ -99,8 +99,9 @@ class TextReport(Printable):
         entry = {**self._placed(one.number), "kind": one.kind}
         if one.by:
             return {**entry, "by": one.by}
-        alike = {"looks_like": [each.question for each in self.suggestions.of(one.number)]} if self.suggestions else {}
-        return {**entry, "context": self._context(one.number), **alike}
+        alike = self.suggestions.look_alikes(one.number) if self.suggestions else None
+        looks_like = {} if alike is None else {"looks_like": [each.question for each in alike]}
+        return {**entry, "context": self._context(one.number), **looks_like}
 
     def _lines(self) -> Iterator[str]:
         for finding in self.findings:
@@ -135,7 +136,7 @@ class TextReport(Printable):
         if self.suggestions is None:
             return
         for number in self.coverage.uncovered:
-            alike = [one.question for one in self.suggestions.of(number)]
+            alike = [one.question for one in self.suggestions.look_alikes(number)]
             more = f" and {len(alike) - _MOST_NAMED} more" if len(alike) > _MOST_NAMED else ""
             yield number, f"; looks like {', '.join(alike[:_MOST_NAMED])}{more}" if alike else ""
 

@@ -110,6 +110,16 @@ class _Known:
         least = "[a-z]{2,}[0-9]*" if self.chosen is not None else ".*[a-z].+|.+[a-z].*"
         return [word for word in words if re.fullmatch(least, word)]
 
+    def is_meant(self, x: Fraction, digits: int, fit: int, rivals: int) -> bool:
+        """True if x hardly looks so by chance: `fit` names are near, and as near to no more than `rivals` values."""
+        asked = self.chosen is not None
+        likely = rivals * (_ODDS_OF_ASKED if asked else _ODDS) <= 9 * 10 ** (digits - 1)
+        named = fit == len(self.names) + len(self.numbers) and fit > (digits < 2 or not asked)
+        # Digits of roots of small numbers are not random, so an irrational value needs a name nearby.
+        near = asked or fit > 0 or isinstance(self.answer.exact, Fraction)
+        # A constant that the lesson chose may be chosen by another text, too, without being meant.
+        return (likely or (self.answer.exact == x and named)) and near and self.answer.evidence != GIVEN
+
 
 class Suggestions:
     """The values that the numbers of one text may be."""
@@ -125,15 +135,14 @@ class Suggestions:
         self.no_runs = [question for question in asked_for if question not in self.asked]
         self._spelled: dict[NumberForm, dict[str, list[_Known]]] = {}
 
-    def of(self, number: TextNumber) -> list[LookAlike]:
+    def look_alikes(self, number: TextNumber) -> list[LookAlike]:
         """Every value written like the number, best first: asked, not contradicted, more of its names nearby, equal."""
         try:
             x = number.value
         except (ValueError, ZeroDivisionError):
             return []
         fits = self._fits(number)
-        digits = _digits(number.text, telling=True)
-        form, found, ids = form_of(number), [], published_values()
+        form, found, digits, ids = form_of(number), [], _digits(number.text, telling=True), published_values()
         before = self.text[max(0, number.start - _NEIGHBOURHOOD) : number.start]
         percent = self.text[number.end : number.end + 2].lstrip(" ").startswith("%")
         given = _GIVEN.finditer(self.text, max(0, number.start - _FARTHEST), number.start)
@@ -145,15 +154,8 @@ class Suggestions:
         for known in (each for each in possible if each.question in alike):
             fit, asked = fits[known.question], known.chosen is not None
             rivals = sum(fits[other.question] >= fit for other in possible if (other.chosen is not None) >= asked)
-            odds = _ODDS_OF_ASKED if asked else _ODDS
-            likely = rivals * odds <= 9 * 10 ** (digits - 1)
-            named = fit == len(known.names) + len(known.numbers) and fit > (digits < 2 or not asked)
-            # Digits of roots of small numbers are not random, so an irrational value needs a name nearby.
-            near = asked or fit > 0 or isinstance(known.answer.exact, Fraction)
             denied = contradicted(known.question, self._lower, number.start, number.end, asked)
-            # A constant that the lesson chose may be chosen by another text, too, without being meant.
-            chosen = known.answer.evidence == GIVEN
-            strong = (likely or (known.answer.exact == x and named)) and near and not (denied or chosen)
+            strong = not denied and known.is_meant(x, digits, fit, rivals)
             other = _SOLVED.search(before) is not None and not re.search(r"\bexact\b", known.question)
             last = known.answer.exact != x, known.question not in ids, len(known.question), known.question
             far = sum(one[:2] == word[:2] and one != word for one in settings for word in known.question.split())
@@ -169,7 +171,7 @@ class Suggestions:
         missed: dict[str, Missed] = {known.question: (known.question, known.answer, [], []) for known in asked}
         shares = {_SHARE.format(question): question for question in missed}
         for number in (each for each in numbers_in(self.text) if missed and each.label is None):
-            for alike in self.of(number):
+            for alike in self.look_alikes(number):
                 question = shares.get(alike.question, alike.question)
                 if alike.strong:
                     missed.pop(question, None)
@@ -186,7 +188,7 @@ class Suggestions:
         limit needs five and its names in the sentence: one number in 1800 is by chance a slip for a given value.
         """
         found, digits = dict[str, str](), _digits(number.text, telling=True)
-        if digits > 2 and not any(one.strong or one.question in self.asked for one in self.of(number)):
+        if digits > 2 and not any(one.strong or one.question in self.asked for one in self.look_alikes(number)):
             other_sign, *others = _slips(_spelled(number))
             for slip in (other_sign, *others):
                 for known in self._written(form_of(number)).get(slip, ()):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any
@@ -10,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from driftproof.methods.number_field import Algebraic
 from driftproof.support.plain_text import as_json
 from driftproof.support.results import Printable
-from driftproof.texts.questions.decimals import AWAY, HALF_EVEN, PLAIN, Style, Tie, to_digits, to_places
+from driftproof.texts.questions.decimals import AWAY, FIXED, HALF_EVEN, PLAIN, SIGNIFICANT, Style, Tie, rounded
 from driftproof.texts.questions.errors import AmbiguousRounding, QuestionError
 from driftproof.texts.writing import markup
 
@@ -85,11 +84,11 @@ class Answer(Printable):
         Raises AmbiguousRounding on a tie for which the style names no policy; QuestionError for a formula or words,
         for n below 1 or above LONGEST_DECIMAL, and if no enclosure decides the digits.
         """
-        return self._decimal(to_digits, n, style)
+        return self._decimal(SIGNIFICANT, n, style)
 
     def places(self, n: int, style: Style = PLAIN) -> str:
         """The number correctly rounded to n digits after the point, certified. Raises what `digits` raises."""
-        return self._decimal(to_places, n, style)
+        return self._decimal(FIXED, n, style)
 
     def tex(self, *, digits: int | None = None, places: int | None = None, style: Style = PLAIN) -> str:
         """The TeX to put between dollar signs: the exact form, or a decimal if `digits` or `places` is given.
@@ -116,12 +115,12 @@ class Answer(Printable):
             return markup.rational_markup(numerator, denominator or "1", write)
         return markup.formula(text, write)
 
-    def _decimal(self, write: Callable[[CertifiableReal, int, Style, str | None], str], n: int, style: Style) -> str:
+    def _decimal(self, form: str, n: int, style: Style) -> str:
         x = self._number()
         if n > LONGEST_DECIMAL:
             raise QuestionError(self.question, 1, f"{n} digits are too many; at most {LONGEST_DECIMAL} are written")
         try:
-            return write(x, n, style, AWAY if self.is_bound else None)
+            return rounded(x, form, n, style, AWAY if self.is_bound else None)
         except Tie as tie:
             raise AmbiguousRounding(self.question, 1, str(tie)) from None
         except (ValueError, ArithmeticError) as error:

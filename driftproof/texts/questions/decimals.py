@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 HYPHEN, MINUS = "-", "\N{MINUS SIGN}"
 E, TIMES_TEN = "e", "×10"
 HALF_EVEN, HALF_AWAY, TOFIXED, AWAY = "half-even", "half-away", "tofixed", "away"
+SIGNIFICANT, FIXED = "significant", "fixed"
 ROUNDING_POLICIES = (HALF_EVEN, HALF_AWAY, TOFIXED, AWAY)
 _SUPERSCRIPTS = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
 # Number.prototype.toFixed refuses more digits after the point (ecma-262-2025, 21.1.3.3).
@@ -69,27 +70,18 @@ class Tie(ValueError):
     """A number half-way between two decimals, for which no rounding policy was named."""
 
 
-def to_digits(x: CertifiableReal, digits: int, style: Style, default: str | None = None) -> str:
-    """x to `digits` significant digits, by the style's policy or else `default`, which is None to refuse ties.
+def rounded(x: CertifiableReal, form: str, count: int, style: Style, default: str | None = None) -> str:
+    """x to `count` SIGNIFICANT digits or FIXED places, by the style's policy or else `default`, None to refuse ties.
 
-    Raises ValueError for a count below one, Tie, and Uncertified.
+    Raises ValueError for too small a count, Tie, and Uncertified.
     """
-    return _decimal("significant", x, digits, style, default)
-
-
-def to_places(x: CertifiableReal, places: int, style: Style, default: str | None = None) -> str:
-    """x, rounded to `places` digits after the point. Raises ValueError for a count below zero, Tie, and Uncertified."""
-    return _decimal("fixed", x, places, style, default)
-
-
-def _decimal(form: str, x: CertifiableReal, count: int, style: Style, default: str | None) -> str:
     from driftproof.symbolic.algebra import certified
 
-    write = certified.fixed if form == "fixed" else certified.significant
+    write = certified.fixed if form == FIXED else certified.significant
     rounding = style.rounding or default
     if rounding == TOFIXED:
         double = _nearest_double(x)
-        if form == "fixed" and (count > MOST_PLACES_OF_TOFIXED or abs(double) >= LARGEST_OF_TOFIXED):
+        if form == FIXED and (count > MOST_PLACES_OF_TOFIXED or abs(double) >= LARGEST_OF_TOFIXED):
             raise ValueError(f"toFixed takes at most {MOST_PLACES_OF_TOFIXED} places, and numbers below 10**21")
         # The sign is set aside first: "-0.00" for a negative number that rounds to 0.
         size = write(abs(double), count, HALF_AWAY)

@@ -98,7 +98,7 @@ class Template:
 
     def _value(self, style: NumberStyle, question: object) -> TemplateValue:
         if not isinstance(question, str):
-            _demand(question)
+            _require_defined(question)
             raise Refusal('a question is a string, as in value("rk4.first_step.q")')
         self.asked += 1
         return TemplateValue(value(question), style.kind)
@@ -109,11 +109,11 @@ class Template:
             return str(printed)
         if isinstance(printed, str) or (isinstance(printed, int) and not isinstance(printed, bool)):
             return printed
-        _demand(printed)
+        _require_defined(printed)
         raise Refusal(f"a {type(printed).__name__} cannot be printed; print strings, whole numbers or values")
 
 
-def _demand(x: object) -> None:
+def _require_defined(x: object) -> None:
     """Raise UndefinedError, which names what is missing, if x is undefined in the template."""
     if isinstance(x, Undefined):
         str(x)

@@ -195,7 +195,7 @@ def test_reading_the_middle_of_a_ball_would_print_digits_that_are_not_there(monk
 
     with pytest.raises(Uncertified):
         fixed(wide, 1)
-    monkeypatch.setattr(certified, "endpoints", lambda ball: 2 * (certified.dyadic(ball.mid()),))
+    monkeypatch.setattr(certified, "endpoints", lambda ball: certified.ends_of(ball.mid()))
     assert fixed(wide, 1) == "0.5"
 
 

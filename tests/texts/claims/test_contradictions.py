@@ -85,7 +85,7 @@ def test_what_the_sentence_denies_is_told_from_what_it_may_mean(sentence, questi
 def test_a_value_that_is_denied_is_a_guess_and_stands_behind_the_others():
     def best(text):
         suggestions = Suggestions(text)
-        return [suggestions.of(number)[0] for number in numbers_in(text) if number.text == "0.875"]
+        return [suggestions.look_alikes(number)[0] for number in numbers_in(text) if number.text == "0.875"]
 
     (right,) = best("Velocity Verlet with h = 1/2: q = 0.875")
     assert (right.question, right.strong) == ("step velocity_verlet h=1/2 : q", True)
@@ -96,4 +96,4 @@ def test_a_value_that_is_denied_is_a_guess_and_stands_behind_the_others():
 def test_a_root_that_nothing_near_names_is_a_guess():
     text = "the gain is 2.828427124746190 dB"
     (number,) = numbers_in(text)
-    assert not any(alike.strong for alike in some(Suggestions(text).of(number)))
+    assert not any(alike.strong for alike in some(Suggestions(text).look_alikes(number)))

@@ -17,7 +17,7 @@ from tests.looping import exactly
 
 def suggested(text: str) -> list[list[LookAlike]]:
     suggestions = Suggestions(text)
-    return [suggestions.of(number) for number in numbers_in(text) if number.label is None]
+    return [suggestions.look_alikes(number) for number in numbers_in(text) if number.label is None]
 
 
 @pytest.mark.parametrize(
@@ -103,7 +103,7 @@ ASKED = ["run forward_euler rates=(t+y0) from 0 h=0.2 t={0.4,0.6,1.0} : {y0,stat
 
 def test_values_that_the_author_asks_for_are_strong_on_the_line_of_what_was_chosen() -> None:
     suggestions = Suggestions(TABLE, ASKED)
-    found = {n.text: suggestions.of(n) for n in numbers_in(TABLE)}
+    found = {n.text: suggestions.look_alikes(n) for n in numbers_in(TABLE)}
     run = "run forward_euler rates=(t+y0) from 0 h=0.2"
     assert not found["0.04"][0].strong, "one digit, and one number of the line"
     for number, question in {"0.128": "t=0.6 : y0", "0.094": "t=0.6 : state_error"}.items():
@@ -115,12 +115,12 @@ def test_values_that_the_author_asks_for_are_strong_on_the_line_of_what_was_chos
     assert slips == {"0.4 : y0": [], "1.0 : y0": ["0.489"], "1.0 : state_error": []}
     assert [[n.text for n in vague] for *_, vague in suggestions.nowhere()] == [["0.04"], [], []]
     rows = Suggestions("| RK4 | 1.64872 |\n| Heun | 1.64745 |", ["run {Heun,RK4} lambda=1 h=1/10 t=1/2 : {exact.y,y}"])
-    assert rows.of(numbers_in(rows.text)[1])[0].question == "run RK4 lambda=1 h=1/10 t=1/2 : y"
+    assert rows.look_alikes(numbers_in(rows.text)[1])[0].question == "run RK4 lambda=1 h=1/10 t=1/2 : y"
     text = "It is -1/2 for Euler and -1/3 for Heun. BDF2 has -1/3."
     constants, numbers = Suggestions(text, ["error constant of {Euler,BDF2}"]), numbers_in(text)
-    assert [constants.of(numbers[i])[0].strong for i in (1, -1)] == [False, True]
+    assert [constants.look_alikes(numbers[i])[0].strong for i in (1, -1)] == [False, True]
     alone = Suggestions("0.128 and 0.052", ASKED)
-    assert [one.strong for n in numbers_in(alone.text) for one in alone.of(n)[:1]] == [True, False]
+    assert [one.strong for n in numbers_in(alone.text) for one in alone.look_alikes(n)[:1]] == [True, False]
 
 
 NOTE = """\
@@ -153,7 +153,7 @@ def test_so_many_values_leave_a_number_of_few_digits_strong_and_one_more_does_no
         questions = ["0.3371", *(f"{n}.5" for n in range(1, count))]
         suggestions.__dict__["_known"] = [_Known(question, value(question), chosen) for question in questions]
         suggestions._spelled.clear()
-        assert [alike.strong for alike in suggestions.of(number)] == [strong]
+        assert [alike.strong for alike in suggestions.look_alikes(number)] == [strong]
 
 
 def test_a_slip_is_a_wrong_digit_or_sign_or_two_neighbours_exchanged_and_no_number_of_few_digits() -> None:
@@ -176,7 +176,7 @@ def test_a_row_at_time_t_is_of_the_run_of_as_many_steps_and_its_column_has_a_nam
     suggestions = Suggestions(table, ["run {Euler,RK4} y'=y-t^2+1, y(0)=0.5, h=0.2, N={1,2} : y"])
     of_time, *values = [number for number in numbers_in(table) if number.label is None]
     assert (suggestions.column_of(of_time), suggestions.column_of(values[0])) == ("t", "euler")
-    found = {number.text: suggestions.of(number)[:1] for number in values}
+    found = {number.text: suggestions.look_alikes(number)[:1] for number in values}
     assert {text for text, alike in found.items() if alike and alike[0].strong} == {"0.8", "0.829293", "1.152", "1.214"}
     wiki = Suggestions("{| class=a\n! ''t'' !! Heun\n|-\n| 0.5 || 1.125", [])
     assert [wiki.column_of(number) for number in numbers_in(wiki.text)] == ["t", "heun"]
@@ -189,7 +189,7 @@ def test_the_last_step_size_given_before_a_number_decides_between_equal_values()
 
 def best_of(text, spelled):
     (number,) = [each for each in numbers_in(text) if each.text == spelled]
-    return next((alike.question for alike in Suggestions(text, [OF_NOTE]).of(number)), None)
+    return next((alike.question for alike in Suggestions(text, [OF_NOTE]).look_alikes(number)), None)
 
 
 def test_braces_are_chosen_from_in_every_way_and_equal_braces_alike() -> None:
@@ -202,27 +202,27 @@ def test_braces_are_chosen_from_in_every_way_and_equal_braces_alike() -> None:
     with pytest.raises(ValueError, match="expands to 0 questions"):
         questions_in("a - {3..1}")
     with pytest.raises(QuestionError, match="unknown method"):
-        Suggestions("1.5", ["step {nope} h=1 : q"]).of(numbers_in("1.5")[0])
+        Suggestions("1.5", ["step {nope} h=1 : q"]).look_alikes(numbers_in("1.5")[0])
     with pytest.raises(QuestionError, match="does not divide"):
-        Suggestions("1.5", ["run rk4 h={3,4} t=1 : q"]).of(numbers_in("1.5")[0])
+        Suggestions("1.5", ["run rk4 h={3,4} t=1 : q"]).look_alikes(numbers_in("1.5")[0])
 
 
 def test_tie_of_a_solution_is_no_suggestion_and_takes_no_time() -> None:
     """y' = t sqrt(y), y(0) = 1 is 25/16 at t = 1, which balls do not tell from 1.562 or 1.563."""
     suggestions = Suggestions("1.563 or 1.5625", ["exact rates=(t*sqrt(y0)) from 1 t=1 : y0"])
-    assert [len(suggestions.of(n)) for n in numbers_in(suggestions.text)] == [0, 1]
+    assert [len(suggestions.look_alikes(n)) for n in numbers_in(suggestions.text)] == [0, 1]
 
 
 def test_number_of_seventy_places_is_suggested_and_one_of_eighty_takes_too_many_bits() -> None:
     for places, count in ((70, 1), (80, 0)):
         text = value("exp(1)").places(places)
-        assert len(Suggestions(text, ["exp(1)"]).of(numbers_in(text)[0])) == count
+        assert len(Suggestions(text, ["exp(1)"]).look_alikes(numbers_in(text)[0])) == count
 
 
 @pytest.mark.parametrize("spelled", ["1.45722e-07", "1.45722E-7", "1.45722e-007", "1.45722×10^{-7}"])
 def test_exponents_of_any_program_are_read(spelled: str) -> None:
     suggestions = Suggestions(spelled, ["run rk4 rates=(t*sqrt(y0)) from 1 h=1/10 t=1 : state_error"])
-    assert suggestions.of(numbers_in(spelled)[0])[0].strong
+    assert suggestions.look_alikes(numbers_in(spelled)[0])[0].strong
 
 
 def test_questions_are_asked_of_a_draft_only(refusal: Callable[..., str]) -> None:

@@ -13,7 +13,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from driftproof.texts.questions.answer import Answer
-from driftproof.texts.questions.decimals import PLAIN, PRINTED, Style, to_digits, to_places
+from driftproof.texts.questions.decimals import FIXED, PLAIN, PRINTED, SIGNIFICANT, Style, rounded
 from driftproof.texts.questions.errors import AmbiguousRounding, QuestionError
 from driftproof.texts.questions.evaluate import value
 
@@ -30,7 +30,7 @@ def quantized(x: Q, places: int, rounding: str) -> Decimal:
 
 @given(SHORT, st.integers(0, 7), st.sampled_from(sorted(IN_DECIMAL)))
 def test_places_are_rounded_as_decimal_rounds(x: Q, places: int, rounding: str) -> None:
-    found = to_places(x, places, Style(rounding))
+    found = rounded(x, FIXED, places, Style(rounding))
     assert Decimal(found) == quantized(x, places, IN_DECIMAL[rounding])
     assert len(found.partition(".")[2]) == places
     assert found.strip("-0.") or not found.startswith("-")
@@ -40,12 +40,12 @@ def test_places_are_rounded_as_decimal_rounds(x: Q, places: int, rounding: str) 
 def test_digits_are_rounded_as_decimal_rounds(x: Q, digits: int, rounding: str) -> None:
     with localcontext(Context(prec=digits, rounding=IN_DECIMAL[rounding])):
         expected = Decimal(x.numerator) / x.denominator
-    assert Decimal(to_digits(x, digits, Style(rounding))) == expected
+    assert Decimal(rounded(x, SIGNIFICANT, digits, Style(rounding))) == expected
 
 
 @given(SHORT, st.integers(0, 7))
 def test_tie_is_refused_exactly_where_the_policies_differ(x: Q, places: int) -> None:
-    even, away = (to_places(x, places, Style(rounding)) for rounding in ("half-even", "half-away"))
+    even, away = (rounded(x, FIXED, places, Style(rounding)) for rounding in ("half-even", "half-away"))
     answer = Answer("a question", x)
     if even == away:
         assert answer.places(places) == even
@@ -76,14 +76,14 @@ TO_FIXED = [
 
 @pytest.mark.parametrize(("x", "places", "text"), TO_FIXED)
 def test_to_fixed_is_what_the_standard_says(x: Q, places: int, text: str) -> None:
-    found = to_places(x, places, Style("tofixed"))
+    found = rounded(x, FIXED, places, Style("tofixed"))
     assert found == double_to_fixed(x, places)
     assert text in ("", found)
 
 
 @given(SHORT, st.integers(0, 20))
 def test_to_fixed_rounds_the_nearest_double_and_a_tie_away_from_zero(x: Q, places: int) -> None:
-    assert to_places(x, places, Style("tofixed")) == double_to_fixed(x, places)
+    assert rounded(x, FIXED, places, Style("tofixed")) == double_to_fixed(x, places)
     rounded_first = quantized(Q(float(x)), places, ROUND_HALF_UP) if places < 8 else None
     assert rounded_first is None or Decimal(double_to_fixed(x, places)) == rounded_first
 
@@ -105,8 +105,8 @@ def test_to_fixed_and_to_precision_are_those_of_a_javascript_engine() -> None:
     assert done.returncode == 0, done.stderr
     style = Style("tofixed")
     for (x, n), (fixed, precise) in zip(asked, json.loads(done.stdout), strict=True):
-        assert to_places(Q(x), n, style) == fixed, (x, n)
-        assert Decimal(to_digits(Q(x), n + 1, style)) == Decimal(precise), (x, n)
+        assert rounded(Q(x), FIXED, n, style) == fixed, (x, n)
+        assert Decimal(rounded(Q(x), SIGNIFICANT, n + 1, style)) == Decimal(precise), (x, n)
 
 
 def test_digits_under_to_fixed_are_those_of_the_nearest_double() -> None:
