@@ -84,6 +84,8 @@ BAD = {
     ("a b:c", RUN): "'a b:c' names no function; write package.module:function",
     ("no.toml", RUN): "no.toml: No such file", (TEXT, "no.csv"): "no.csv: No such file",
     (TEXT, RUN, "--h", "0x1..8"): "'0x1..8' is not a number",
+    (TEXT, RUN, "--h", "1/8"): "h has no effect without method",
+    ("y0", RUN): "f has 1 components, but the trajectory has 2",
     (TEXT, RUN, "--method", "rk5"): "unknown method 'rk5'",
     (TEXT, RUN, "--tolerance", "0"): "the tolerance must be a number above 0",
     (TEXT, RUN, "--figure", "error.png"): "must be a .svg file",
@@ -99,7 +101,6 @@ REFUSED = {
     ("certified_model:lost", RUN): "f fails in floats at t = 0.0, on 2 components: KeyError: 'nothing'",
     ("y0; y1", RUN, "--method", "rk4"): "y[1] is not one step of rk4 from y[0]",
     (TEXT, RUN, "--method", "gauss2"): "y[4] is not one step of gauss2",
-    ("y0", RUN): "f has 1 components, but the trajectory has 2",
 }
 
 
