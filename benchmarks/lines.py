@@ -22,7 +22,7 @@ from benchmarks.harness import Contestant, Section, Subject, timed
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.vector_fields import VectorField
 from driftproof.numeric import field_loops
-from driftproof.numeric.controlled import ControlledRun, _collocation_loop, controlled_runner
+from driftproof.numeric.controlled import ControlledRun, controlled_runner
 from driftproof.numeric.elimination import FULL
 
 METHOD, END, ERROR = METHODS["radau_iia3"], 10.0, 1e-6
@@ -74,12 +74,12 @@ def in_a_band(places: int) -> ControlledRun:
 def without_a_band(places: int) -> ControlledRun:
     """As if every rate read everything."""
     found, field_loops.band_of = field_loops.band_of, lambda reads: FULL
-    _collocation_loop.cache_clear()
+    field_loops.field_writers.cache_clear()
     try:
         return controlled_runner(METHOD, brusselator(places), compiled=True)
     finally:
         field_loops.band_of = found
-        _collocation_loop.cache_clear()
+        field_loops.field_writers.cache_clear()
 
 
 def by_us(run: ControlledRun, places: int, tolerance: float) -> Callable[[], Any]:

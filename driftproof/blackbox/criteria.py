@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any, NamedTuple, TypeAlias
 
+from driftproof.blackbox.checks.determinism import first_call_again
 from driftproof.blackbox.families.multistep_runs import later_steps
 from driftproof.blackbox.findings import NO_EVIDENCE, Outcome, UnsupportedCall
 from driftproof.blackbox.isolation import Probe
@@ -39,7 +40,7 @@ _READABLE = "a step without the obstacle stated above"
 _READABLE_ESTIMATE = "an estimate that is a sum of the slopes of the pair's own stages, or one norm of such a sum"
 # The titles that verdicts refer to.
 ROUNDING, COEFFICIENTS, NONLINEAR_STEP, ORDER = "Rounding", "Coefficients", "Nonlinear step", "Order"
-ERROR_ESTIMATE, DENSE_OUTPUT, STATE_FORMS = "Error estimate", "Dense output", "State"
+ERROR_ESTIMATE, DENSE_OUTPUT, STATE_FORMS, FIRST_CALL = "Error estimate", "Dense output", "State", "First call"
 _UNUSUAL = (ERROR_ESTIMATE, DENSE_OUTPUT, "Parameters")  # most steppers have nothing of these, which needs no line
 # The criteria of a single step, which decide whether it is the method's; the other criteria must not fail.
 SINGLE_STEP_CRITERIA = (ROUNDING, COEFFICIENTS, NONLINEAR_STEP, ORDER)
@@ -91,6 +92,7 @@ def questions_of(method: Method, allowance: Allowance, domain: Domain, examples:
         Question("Parameters", partial(other_parameters, **within), _judge_calls, ", but not for all parameters"),
         Question("Later steps", later_steps, _judge_calls, " for its first step only"),
         Question(STATE_FORMS, partial(state_objects, **within), _judge_calls, ", but not for every form of state"),
+        Question(FIRST_CALL, first_call_again, _judge_calls, ", but not in every call"),
     ]
 
 

@@ -14,7 +14,7 @@ from driftproof.blackbox.families.multistep_recurrence import NoRecurrence
 from driftproof.blackbox.families.reports import family_report, read_family, unread_report
 from driftproof.blackbox.findings import NO_EVIDENCE, Outcome, UnsupportedCall, arithmetic_of
 from driftproof.blackbox.isolation import TIME_LIMIT, IsolatedRunner
-from driftproof.blackbox.judging.agreement import ORDINARY_DOMAIN
+from driftproof.blackbox.judging.agreement import EXAMPLES, ORDINARY_DOMAIN
 from driftproof.blackbox.judging.habits import explain_by_habits
 from driftproof.blackbox.judging.measured_order import MeasuredOrder, measured_orders
 from driftproof.blackbox.judging.nonlinear_step import nonlinear_twins
@@ -33,7 +33,7 @@ from driftproof.methods.schemes import Method
 from driftproof.support.plain_text import Json
 
 # Examples of a recognised method's rounding errors: a fifth of those in `verify` shows their size.
-_EXAMPLES = 200
+_EXAMPLES = EXAMPLES // 5
 
 
 def identify(

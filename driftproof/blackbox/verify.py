@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
-from functools import partial
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property, partial
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
@@ -16,13 +17,14 @@ from driftproof.blackbox.checks.output_precision import digits
 from driftproof.blackbox.families.magnetic import BORIS_NAMES, Boris
 from driftproof.blackbox.families.reports import turns, verify_family
 from driftproof.blackbox.findings import Outcome, UnsupportedCall, arithmetic_of
-from driftproof.blackbox.isolation import TIME_LIMIT, Examined, IsolatedRunner
+from driftproof.blackbox.isolation import TIME_LIMIT, IsolatedRunner
 from driftproof.blackbox.judging.agreement import EXAMPLES, NO_ALLOWANCE, ORDINARY_DOMAIN, Agreement, Domain
 from driftproof.blackbox.judging.habits import ROUNDED
 from driftproof.blackbox.judging.nonlinear_step import NonlinearAgreement
 from driftproof.blackbox.judging.state_objects import RIGHT_AS
 from driftproof.blackbox.judging.tolerance import Allowance, Tolerance
 from driftproof.blackbox.probes.force import ForceReading
+from driftproof.blackbox.probes.scripted_answers import NotReadable
 from driftproof.blackbox.report import NOT_KNOWN, UNDECIDED, Basis, Criterion, Naming, Report, criteria_parts, sections
 from driftproof.blackbox.stepper.opening import Target
 from driftproof.methods.catalogue import METHODS, FactsOnly
@@ -68,51 +70,14 @@ def verify(
     True
     """
     found = Boris() if isinstance(method, str) and method.lower() in BORIS_NAMES else subject_of(method)
-    if isinstance(found, FactsOnly | Boris):
-        with IsolatedRunner(Target(step, calls, array), time_limit, isolate) as runner:
-            return verify_family(runner, found)
-    asked = method_of(found)  # raises ValueError for a family
-    if METHODS.get(asked.key, asked) != asked:  # a user's method under the key of another one
-        asked = replace(asked, key=f"own_{asked.key}")
-    Tolerance(asked, allowance=allowance)  # an allowance without meaning is refused before anything runs
     with IsolatedRunner(Target(step, calls, array), time_limit, isolate) as runner:
-        questions = criteria.questions_of(asked, allowance, domain, examples)
-        asked_for = [*(question.ask for question in questions), *_REMARKS]
-        answers, remarks = (replies := runner.run(asked_for))[: len(questions)], replies[len(questions) :]
-        outcomes = {question.title: outcome for question, outcome in zip(questions, answers, strict=True)}
-        rounding = outcomes[criteria.ROUNDING]
-        if rounding.kind == "bad_input":
-            raise ValueError(rounding.seen)
-        if rounding.kind == UnsupportedCall.kind and runner.outcome_of(turns).result:
-            return verify_family(runner, asked)
-        checks = {question.title: question.criterion(asked, outcomes[question.title]) for question in questions}
-        if checks[criteria.ROUNDING].passed is False or checks[criteria.ROUNDING].missing:
-            checks = {question.title: checks[question.title] for question in questions if not question.only}
-        passed, arithmetic = _decided(checks), arithmetic_of(replies)
-        made = sum(outcome.calls for outcome in replies)
-        if passed is False:
-            from driftproof.blackbox.identify import identification_report
-            from driftproof.blackbox.judging.single_mistakes import single_mistakes
-
-            titles = criteria.COEFFICIENTS, criteria.ORDER, criteria.DENSE_OUTPUT
-            read, order, dense = (outcomes[title] for title in titles)
-            instead, naming = identification_report(runner, read, order, dense)
-            mistakes = runner.outcome_of(partial(single_mistakes, method=asked)).result or ()
-            same_steps = [*mistakes, *filter(None, [_right_form(outcomes)])]
-            refuted = _refuted(asked, questions, checks, outcomes, instead, naming, mistakes)
-            named = refuted if arithmetic in refuted else f"{refuted}; {arithmetic}"
-            return _report(runner.target, named, passed, checks, made, instead, same_steps)
-    verdict = _agreed(asked, rounding.result, checks) if passed else _not_decided(asked, checks)
-    remarked = [
-        f"remark: {check.words}" for outcome in remarks for check in outcome.result or () if check.holds is False
-    ]
-    unjudged = [
-        f"the {title.lower()} is not judged: {outcomes[title].seen}"
-        for title in (criteria.ERROR_ESTIMATE, criteria.DENSE_OUTPUT)
-        if outcomes[title].kind not in (None, UnsupportedCall.kind) and not checks[title].missing
-    ]
-    whole = "; ".join(filter(None, [verdict, *remarked, *unjudged, arithmetic]))
-    return _report(runner.target, whole, passed, checks, made, remarks=remarked)
+        if isinstance(found, FactsOnly | Boris):
+            return verify_family(runner, found)
+        asked = method_of(found)  # raises ValueError for a family
+        if METHODS.get(asked.key, asked) != asked:  # a user's method under the key of another one
+            asked = replace(asked, key=f"own_{asked.key}")
+        Tolerance(asked, allowance=allowance)  # an allowance without meaning is refused before anything runs
+        return _report_on_one_step(runner, asked, criteria.questions_of(asked, allowance, domain, examples))
 
 
 def assert_verified(
@@ -140,17 +105,9 @@ def assert_verified(
     """
     __tracebackhide__ = True
     try:
-        report = verify(
-            step,
-            method,
-            calls=calls,
-            array=array,
-            examples=examples,
-            domain=domain,
-            allowance=allowance,
-            time_limit=(time_limit_of_test.get() or TIME_LIMIT) if time_limit is None else time_limit,
-            isolate=isolate,
-        )
+        limit = (time_limit_of_test.get() or TIME_LIMIT) if time_limit is None else time_limit
+        options: dict[str, Any] = {"examples": examples, "domain": domain, "allowance": allowance}
+        report = verify(step, method, calls=calls, array=array, time_limit=limit, isolate=isolate, **options)
     except ValueError as error:  # so that pytest shows the user's line and the message
         raise ValueError(str(error)) from None
     found = AssertedVerdict(report.target, report.verdict, report.passed, report.text(), report.data)
@@ -159,142 +116,225 @@ def assert_verified(
         warnings.warn(found.headline, stacklevel=2)
 
 
-def _decided(checks: Mapping[str, Criterion]) -> bool | None:
-    """False if a criterion failed, None if one is open that decides; else True.
-
-    Coefficients or nonlinear steps suffice. A stepper with its system built in is judged by its steps of that system.
-    """
-    if any(check.passed is False for check in checks.values()):
-        return False
-    return None if _open(checks) else True
-
-
-def _open(checks: Mapping[str, Criterion]) -> list[Criterion]:
-    """The criteria that keep the verdict open: those of a single step, or else others whose answer is missing."""
-    rounding, coefficients, nonlinear = of_step = [
-        checks[title] for title in (criteria.ROUNDING, criteria.COEFFICIENTS, criteria.NONLINEAR_STEP)
+def _report_on_one_step(runner: IsolatedRunner, method: Method, questions: Sequence[criteria.Question]) -> Report:
+    """The report on a stepper compared with a one-step method, or with one that turns if the stepper turns vectors."""
+    replies = runner.run([*(question.ask for question in questions), *_REMARKS])
+    seen = _Comparison(method, questions, dict(zip((each.title for each in questions), replies, strict=False)))
+    rounding = seen.outcomes[criteria.ROUNDING]
+    if rounding.kind == "bad_input":
+        raise ValueError(rounding.seen)
+    if rounding.kind == UnsupportedCall.kind and runner.outcome_of(turns).result:
+        return verify_family(runner, method)
+    target, made, arithmetic = runner.target.name, sum(reply.calls for reply in replies), arithmetic_of(replies)
+    parts, data = criteria_parts([*seen.checks.values()], seen.passed)
+    data |= {"remarks": [], "calls_made": made}
+    if seen.passed is False:
+        refuted = _refutation(runner, seen)
+        data["instead"] = refuted.instead.data
+        verdict = refuted.verdict if arithmetic in refuted.verdict else f"{refuted.verdict}; {arithmetic}"
+        return Report(target, verdict, False, sections(*parts, *refuted.parts), data)
+    remarks = [
+        f"remark: {check.words}"
+        for outcome in replies[len(questions) :]
+        for check in outcome.result or ()
+        if check.holds is False
     ]
-    if rounding.mark == "not tested":  # the stepper takes one number only
-        seen = coefficients.passed and nonlinear.passed
-    else:
-        built_in = not (coefficients.missing or nonlinear.missing)
-        seen = rounding.passed and (built_in or coefficients.passed or nonlinear.passed)
-    if not seen:
-        return [check for check in of_step if not check.passed]
-    return [check for title, check in checks.items() if title not in criteria.SINGLE_STEP_CRITERIA and check.missing]
-
-
-def _agreed(method: Method, found: Agreement | None, checks: Mapping[str, Criterion]) -> str:
-    coefficients, nonlinear = checks[criteria.COEFFICIENTS], checks[criteria.NONLINEAR_STEP]
-    if found is None:
-        return f"is {method.key} for a single component: its coefficients agree, and {nonlinear.lines[0]}"
-    where = " on q'' = -q" if coefficients.mark == nonlinear.mark == "not tested" else ""
-    near = " in ".join(filter(None, [_how_near(method), found.narrow]))
-    bound = f"within the derived bound, the largest error {found.worst.error_over_bound:.2f} of it"
-    return f"is {method.key}{where} {near}: {found.examples} steps {bound}"
-
-
-def _how_near(method: Method) -> str:
-    return "to roundoff" if method.explicit else "to the tolerance stated"
-
-
-def _not_decided(method: Method, checks: Mapping[str, Criterion]) -> str:
-    unseen = next(check for check in _open(checks) if check.mark == "undecided")
-    what = "" if unseen.title in criteria.SINGLE_STEP_CRITERIA else f"{unseen.title.lower()}: "
-    return f"{UNDECIDED} whether it is {method.key}: {what}{unseen.lines[-1]}"
-
-
-def _refuted(
-    method: Method,
-    questions: Sequence[criteria.Question],
-    checks: Mapping[str, Criterion],
-    outcomes: Mapping[str, Outcome],
-    instead: Report,
-    naming: Naming,
-    mistakes: Sequence[str],
-) -> str:
-    """The verdict on a stepper that failed: what it is not and why, or what explains its rounding errors."""
-    rounding, coefficients, nonlinear, order = (checks[title] for title in criteria.SINGLE_STEP_CRITERIA)
-    beside = [checks[criteria.ERROR_ESTIMATE], checks[criteria.DENSE_OUTPUT]]
-    found: Agreement | None = outcomes[criteria.ROUNDING].result
-    of_step = all(check.passed is not False for check in (coefficients, nonlinear, order, *beside))
-    failed = next(check for check in checks.values() if check.passed is False)
-    faults = instead.section("Faults")
-    stages = coefficients.data.get("stages")
-    if stages and False in (coefficients.passed, nonlinear.passed):
-        return f"is not {method.key} {_how_near(method)}: its coefficients agree, but {stages}"
-    wrong_beside = [str(check.data.get("faults", check.lines)[0]) for check in beside if check.passed is False]
-    if wrong_beside and coefficients.passed:
-        return f"is {method.key}, but {'; '.join(wrong_beside)}"
-    for question in questions if of_step else ():
-        check = checks.get(question.title)
-        if question.only and check and check.passed is False:
-            return f"is {method.key}{question.only}: {check.lines[0]}"
-    form = _right_form(outcomes)
-    if form and not instead.data["method"]:
-        return f"is not {method.key}; {form}"
-    if found is not None and found.failing is not None and order.passed is not False:
-        if found.but_for and (coefficients.passed is not False or found.but_for.startswith(ROUNDED)):
-            return f"is not {method.key} to roundoff; it is, {found.but_for}"
-        if coefficients.passed and found.failing.answer is not None:
-            if faults is not None and CALL_BEFORE in faults.lines:
-                return f"is not {method.key}: its coefficients agree, but {CALL_BEFORE}"
-            off = f"a step is off by {found.failing.error_over_bound:.3g} times the bound"
-            return f"is not {method.key} {_how_near(method)}: its coefficients agree, but {off}"
-    seen: NonlinearAgreement | None = outcomes[criteria.NONLINEAR_STEP].result
-    if coefficients.passed and rounding.passed and seen is not None and nonlinear.passed is False:
-        wrong = f"{', '.join(seen.wrong)} {'is' if len(seen.wrong) == 1 else 'are'} not what the coefficients give"
-        return f"is not {method.key}: its coefficients agree, but on {seen.problem}, {wrong}"
-    if naming.basis is Basis.NO_ANSWER:
-        return instead.verdict
-    read = outcomes[criteria.COEFFICIENTS]
-    reading = read.result
-    if coefficients.passed is None and isinstance(reading, ForceReading) and reading.refused:
-        return f"is not {method.key}: it is on q'' = F(q), but not on y' = f(t, y): {reading.refused}"
-    differences = coefficients.data.get("differences", ())
-    one_entry = len(differences) == 1 and naming.basis is Basis.NEAR and method.key in naming.methods
-    by_linear_steps = naming.basis is Basis.LINEAR_ONLY and coefficients.passed is False
-    unnamed = naming.basis in (Basis.UNKNOWN, Basis.UNDECIDED)
-    unclear = by_linear_steps or unnamed or naming.reserved or method.key in naming.methods
-    if mistakes and unclear and not one_entry:
-        link = "except for" if " instead of " in mistakes[0] else "with one mistake:"
-        return f"is not {method.key}; it is {method.key} {link} {mistakes[0]}"
-    if instead.section("Coefficients") is None and method.key in naming.methods:
-        return f"is not {method.key}: {failed.lines[0 if failed is rounding else -1]}"
-    wrong = "; ".join(differences)
-    if naming.basis is Basis.KNOWN and naming.methods[0] == method.key and naming.words == instead.verdict:
-        return f"is {method.key}, but not everywhere: {failed.lines[0]}"
-    what = f": {wrong}" if wrong and wrong not in instead.verdict else ""
-    why = [*coefficients.lines] if read.kind == "not_readable" else [*(faults.lines if faults else ())]
-    cause = f": {why[0]}" if why and instead.verdict == NOT_KNOWN else ""
-    return f"is not {method.key}{what}; {instead.verdict}{cause}"
-
-
-def _right_form(outcomes: Mapping[str, Outcome]) -> str:
-    """The other form of the state in which the step is the method's; "" if there is none."""
-    _, words, _ = outcomes[criteria.STATE_FORMS].result or (None, "", "")
-    return words if words.startswith(RIGHT_AS) else ""
-
-
-def _report(
-    target: Examined,
-    verdict: str,
-    passed: bool | None,
-    checks: Mapping[str, Criterion],
-    made: int,
-    instead: Report | None = None,
-    mistakes: Sequence[str] = (),
-    remarks: Sequence[str] = (),
-) -> Report:
-    parts, data = criteria_parts([*checks.values()], passed)
     data["remarks"] = list(remarks)
-    data["calls_made"] = made
-    if instead is None:
-        parts.append(("Calls made", [f"{made} calls of the stepper"]))
-    else:
-        read = instead.section("Coefficients") or instead.section("One-step matrix")
-        shown = [section for section in (read, instead.section("Faults"), instead.section("Not answered")) if section]
-        parts.append(("Identified instead: one mistake that gives the same steps", tuple(mistakes)))
-        parts += [(f"Identified instead: {section.title.lower()}", section.lines) for section in shown]
-        data["instead"] = instead.data
-    return Report(target.name, verdict, passed, sections(*parts), data)
+    verdict = "; ".join(filter(None, [seen.verdict, *remarks, *seen.unjudged, arithmetic]))
+    return Report(
+        target, verdict, seen.passed, sections(*parts, ("Calls made", [f"{made} calls of the stepper"])), data
+    )
+
+
+@dataclass(frozen=True)
+class _Comparison:
+    """A stepper beside a method: the questions asked of it, and the outcome of each by its title."""
+
+    method: Method
+    questions: Sequence[criteria.Question]
+    outcomes: Mapping[str, Outcome]
+
+    @cached_property
+    def checks(self) -> Mapping[str, Criterion]:
+        """The criteria by title; if one step is not known to be the method's, without those on further steps."""
+        found = {each.title: each.criterion(self.method, self.outcomes[each.title]) for each in self.questions}
+        if found[criteria.ROUNDING].passed is False or found[criteria.ROUNDING].missing:
+            return {question.title: found[question.title] for question in self.questions if not question.only}
+        return found
+
+    @property
+    def of_step(self) -> list[Criterion]:
+        """The criteria of a single step: rounding, coefficients, nonlinear step and order."""
+        return [self.checks[title] for title in criteria.SINGLE_STEP_CRITERIA]
+
+    @property
+    def failed(self) -> list[Criterion]:
+        """The criteria that failed, in the order of the report."""
+        return [check for check in self.checks.values() if check.passed is False]
+
+    @property
+    def passed(self) -> bool | None:
+        """False if a criterion failed, None if one is open that decides; else True.
+
+        Coefficients or nonlinear steps suffice. A stepper with its system built in is judged by its steps of that
+        system.
+        """
+        return False if self.failed else None if self._open else True
+
+    @property
+    def _open(self) -> list[Criterion]:
+        """The criteria that keep the verdict open: those of a single step, or else others whose answer is missing."""
+        rounding, coefficients, nonlinear = decisive = self.of_step[:3]
+        if rounding.mark == "not tested":  # the stepper takes one number only
+            seen = coefficients.passed and nonlinear.passed
+        else:
+            built_in = not (coefficients.missing or nonlinear.missing)
+            seen = rounding.passed and (built_in or coefficients.passed or nonlinear.passed)
+        if not seen:
+            return [check for check in decisive if not check.passed]
+        others = (check for title, check in self.checks.items() if title not in criteria.SINGLE_STEP_CRITERIA)
+        return [check for check in others if check.missing]
+
+    @property
+    def verdict(self) -> str:
+        """The verdict if no criterion failed: what agrees, or what is undecided."""
+        key, found = self.method.key, self.rounding
+        if self._open:
+            unseen = min(self._open, key=lambda check: check.mark != "undecided")
+            what = "" if unseen.title in criteria.SINGLE_STEP_CRITERIA else f"{unseen.title.lower()}: "
+            return f"{UNDECIDED} whether it is {key}: {what}{unseen.lines[-1]}"
+        _, coefficients, nonlinear, _ = self.of_step
+        if found is None:
+            return f"is {key} for a single component: its coefficients agree, and {nonlinear.lines[0]}"
+        where = " on q'' = -q" if coefficients.mark == nonlinear.mark == "not tested" else ""
+        near = " in ".join(filter(None, [self.how_near, found.narrow]))
+        bound = f"within the derived bound, the largest error {found.worst.error_over_bound:.2f} of it"
+        return f"is {key}{where} {near}: {found.examples} steps {bound}"
+
+    @property
+    def unjudged(self) -> list[str]:
+        """A line for what the step returns besides y1 if that could not be read."""
+        titles = (criteria.ERROR_ESTIMATE, criteria.DENSE_OUTPUT)
+        unread = [x for x in titles if self.outcomes[x].kind not in (None, UnsupportedCall.kind)]
+        return [f"the {x.lower()} is not judged: {self.outcomes[x].seen}" for x in unread if not self.checks[x].missing]
+
+    @property
+    def rounding(self) -> Agreement | None:
+        """The comparison of many steps; None if the stepper takes one number only."""
+        found: Agreement | None = self.outcomes[criteria.ROUNDING].result
+        return found
+
+    @property
+    def how_near(self) -> str:
+        """How near to the method's the steps are to be, in words."""
+        return "to roundoff" if self.method.explicit else "to the tolerance stated"
+
+    @property
+    def right_form(self) -> str:
+        """The other form of the state in which the step is the method's; "" if there is none."""
+        _, words, _ = self.outcomes[criteria.STATE_FORMS].result or (None, "", "")
+        return words if words.startswith(RIGHT_AS) else ""
+
+
+@dataclass(frozen=True)
+class _Refutation:
+    """A comparison that failed, the report and name of what the stepper is instead, and mistakes that explain it."""
+
+    seen: _Comparison
+    instead: Report
+    naming: Naming
+    mistakes: Sequence[str]
+
+    @property
+    def verdict(self) -> str:
+        """What the stepper is not and why, or what explains its errors: the first reason that holds."""
+        return next(chain(self._departures(), self._explanations()), self._other_method)
+
+    @property
+    def parts(self) -> list[tuple[str, Sequence[str]]]:
+        """The evidence for what the stepper is instead, as titles with lines."""
+        read = self.instead.section("Coefficients") or self.instead.section("One-step matrix")
+        shown = (read, self.instead.section("Faults"), self.instead.section("Not answered"))
+        same_steps = [*self.mistakes, *filter(None, [self.seen.right_form])]
+        evidence = [(section.title.lower(), section.lines) for section in shown if section]
+        named = [("one mistake that gives the same steps", same_steps), *evidence]
+        return [(f"Identified instead: {title}", lines) for title, lines in named]
+
+    def _departures(self) -> Iterator[str]:
+        """Yield the verdicts on a stepper that has the method's coefficients, or is the method but for one thing."""
+        seen, key, near = self.seen, self.seen.method.key, f" {self.seen.how_near}"
+        rounding, coefficients, nonlinear, order = seen.of_step
+        agree, stages = f"is not {key}{{}}: its coefficients agree, but", coefficients.data.get("stages")
+        if stages and False in (coefficients.passed, nonlinear.passed):
+            yield f"{agree.format(near)} {stages}"
+        beside = [seen.checks[title] for title in (criteria.ERROR_ESTIMATE, criteria.DENSE_OUTPUT)]
+        wrong = [str(check.data.get("faults", check.lines)[0]) for check in beside if check.passed is False]
+        if wrong and coefficients.passed:
+            yield f"is {key}, but {'; '.join(wrong)}"
+        only = {question.title: question.only for question in seen.questions if question.only}
+        if {check.title for check in seen.failed} <= {*only}:
+            yield f"is {key}{only[seen.failed[0].title]}: {seen.failed[0].lines[0]}"
+        unlike = seen.outcomes[criteria.FIRST_CALL].result
+        if unlike is not None and unlike[0] is False:
+            yield f"is not {key}: its answers change from call to call: {unlike[1]}"
+        if seen.right_form and not self.instead.data["method"]:
+            yield f"is not {key}; {seen.right_form}"
+        failing = seen.rounding and order.passed is not False and seen.rounding.failing
+        if failing and seen.rounding:
+            habit = seen.rounding.but_for
+            if habit and (coefficients.passed is not False or habit.startswith(ROUNDED)):
+                yield f"is not {key} to roundoff; it is, {habit}"
+            if coefficients.passed and failing.answer is not None:
+                off = f"{agree.format(near)} a step is off by {failing.error_over_bound:.3g} times the bound"
+                yield f"{agree.format('')} {CALL_BEFORE}" if CALL_BEFORE in self._faults else off
+        found: NonlinearAgreement | None = seen.outcomes[criteria.NONLINEAR_STEP].result
+        if coefficients.passed and rounding.passed and found is not None and nonlinear.passed is False:
+            names = f"{', '.join(found.wrong)} {'is' if len(found.wrong) == 1 else 'are'}"
+            yield f"{agree.format('')} on {found.problem}, {names} not what the coefficients give"
+
+    def _explanations(self) -> Iterator[str]:
+        """Yield the verdicts by the name that the stepper has, or by a mistake that gives its steps."""
+        seen, naming, key, coefficients = self.seen, self.naming, self.seen.method.key, self.seen.of_step[1]
+        if naming.basis is Basis.NO_ANSWER:
+            yield self.instead.verdict
+        reading, first = seen.outcomes[criteria.COEFFICIENTS].result, seen.failed[0]
+        if coefficients.passed is None and isinstance(reading, ForceReading) and reading.refused:
+            yield f"is not {key}: it is on q'' = F(q), but not on y' = f(t, y): {reading.refused}"
+        named = key in naming.methods
+        one_entry = len(coefficients.data.get("differences", ())) == 1 and naming.basis is Basis.NEAR and named
+        by_linear_steps = naming.basis is Basis.LINEAR_ONLY and coefficients.passed is False
+        unnamed = naming.basis in (Basis.UNKNOWN, Basis.UNDECIDED)
+        if self.mistakes and not one_entry and (by_linear_steps or unnamed or naming.reserved or named):
+            link = "except for" if " instead of " in self.mistakes[0] else "with one mistake:"
+            yield f"is not {key}; it is {key} {link} {self.mistakes[0]}"
+        if self.instead.section("Coefficients") is None and named:
+            yield f"is not {key}: {first.lines[0 if first.title == criteria.ROUNDING else -1]}"
+        if naming.basis is Basis.KNOWN and naming.methods[0] == key and naming.words == self.instead.verdict:
+            yield f"is {key}, but not everywhere: {first.lines[0]}"
+
+    @property
+    def _other_method(self) -> str:
+        """The verdict on a stepper that is another method, or none that is known."""
+        coefficients, verdict = self.seen.of_step[1], self.instead.verdict
+        wrong = "; ".join(coefficients.data.get("differences", ()))
+        what = f": {wrong}" if wrong and wrong not in verdict else ""
+        unread = self.seen.outcomes[criteria.COEFFICIENTS].kind == NotReadable.kind
+        why = coefficients.lines if unread else self._faults
+        return f"is not {self.seen.method.key}{what}; {verdict}{f': {why[0]}' if why and verdict == NOT_KNOWN else ''}"
+
+    @property
+    def _faults(self) -> Sequence[str]:
+        section = self.instead.section("Faults")
+        return section.lines if section else ()
+
+
+def _refutation(runner: IsolatedRunner, seen: _Comparison) -> _Refutation:
+    """Ask the runner's stepper what it is instead; a stepper that passes loads nothing of this."""
+    from driftproof.blackbox.identify import identification_report
+    from driftproof.blackbox.judging.single_mistakes import single_mistakes
+
+    titles = criteria.COEFFICIENTS, criteria.ORDER, criteria.DENSE_OUTPUT
+    read, order, dense = (seen.outcomes[title] for title in titles)
+    instead, naming = identification_report(runner, read, order, dense)
+    mistakes = runner.outcome_of(partial(single_mistakes, method=seen.method)).result or ()
+    return _Refutation(seen, instead, naming, mistakes)

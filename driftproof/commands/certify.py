@@ -42,7 +42,7 @@ def certify_command(options: Namespace) -> str:
 
     what f may be:
       module:f        your own Python function f(t, y), unchanged: arithmetic, math, NumPy; imported from this folder
-      'y1; -sin(y0)'  y0', y1', ... as expressions in t, y0, y1, ..., with sin, cos, exp, log, sqrt; numbers are exact
+      'y1; -sin(y0)'  y0', y1', ... as expressions in t, y0, y1, ..., with sin, cos, tan, exp, log, sqrt; exact numbers
       file.toml       rates = ["y1", "-g * sin(y0)"], and [parameters] with g = "9.81"
     f runs in this process with your rights, as in your own tests; Ctrl-C stops it.
 

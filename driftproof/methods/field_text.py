@@ -55,6 +55,8 @@ class _Pi:
             return ends_of(self())
 
 
+# Other functions, in terms of FUNCTIONS.
+_WRITTEN = {"tan": "(sin({0}) / cos({0}))", "ln": "log({0})"}
 # Not an element of a number field, and yet exact: a `VectorField` takes it as a parameter like those.
 PI: Any = _Pi()
 _WORD = re.compile(r"[A-Za-z_]\w*")
@@ -188,7 +190,7 @@ class _Writer(tree.ExpressionParser):
             case tree.NumberNode(value=value):
                 return str(value.numerator) if value.denominator == 1 else f"({value.numerator} / {value.denominator})"
             case tree.NameNode(name=name):
-                one, given = name in FUNCTIONS, {"t", *self.names}
+                one, given = name in (*FUNCTIONS, *_WRITTEN), {"t", *self.names}
                 if name not in given and name[1:] and (one or given.issuperset(name)):
                     hint = f"{name}(t)" if one else f"a product as {'*'.join(name)}"
                     raise ExpressionError(self.text, node.column, f"{name!r} is no number here; write {hint}")
@@ -197,11 +199,11 @@ class _Writer(tree.ExpressionParser):
                 return f"-{self._text(inner)}"
             case tree.ChainNode():
                 return f"({self._chain_text(node)})"
-            case tree.CallNode(function=name, arguments=(argument,)) if name in FUNCTIONS:
-                return f"{name}({self.bare_text(argument)})"
+            case tree.CallNode(function=name, arguments=(argument,)) if name in (*FUNCTIONS, *_WRITTEN):
+                return self._short(_WRITTEN.get(name, f"{name}({{0}})").format(self.bare_text(argument)), node.column)
             case tree.PowerNode():
                 return self._power_text(node)
-        known = ", ".join(FUNCTIONS)
+        known = ", ".join((*FUNCTIONS, *_WRITTEN))
         raise ExpressionError(self.text, node.column, f"the functions are {known}, each of one argument")
 
     def _power_text(self, node: tree.PowerNode) -> str:

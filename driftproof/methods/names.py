@@ -162,11 +162,7 @@ def also_known_as(key: str) -> tuple[str, ...]:
 
 
 def not_to_be_confused_with(key: str) -> tuple[str, ...]:
-    """The keys of methods that are easily taken for this one.
-
-    >>> not_to_be_confused_with("trapezoid")
-    ('implicit_midpoint', 'heun2')
-    """
+    """The keys of methods that are easily taken for this one."""
     return _OTHERS.get(key, ())
 
 

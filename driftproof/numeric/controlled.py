@@ -14,11 +14,18 @@ from driftproof.methods.program_text import indented, maker_text, used_stages
 from driftproof.methods.schemes import Method, RungeKutta
 from driftproof.methods.vector_fields import FieldSource, VectorField, field_source
 from driftproof.numeric import step_control
-from driftproof.numeric.elimination import NumberKind
 from driftproof.numeric.engine import program_function
-from driftproof.numeric.field_loops import FieldWriters, field_writers
-from driftproof.numeric.simplified_newton import CollocationTable, collocation_attempts, collocation_table, work_for
-from driftproof.numeric.step_control import Controlled, Tolerances, controlled_steps, pair_attempts
+from driftproof.numeric.field_loops import field_writers
+from driftproof.numeric.loops import loop
+from driftproof.numeric.simplified_newton import CollocationTable, collocation_attempt, collocation_table, work_for
+from driftproof.numeric.step_control import (
+    PairTable,
+    StepAttempt,
+    StepControl,
+    Tolerances,
+    controlled_steps,
+    pair_attempt,
+)
 
 # Growth of the step size up to this factor is not used, so that matrices can be kept (hairer-wanner-1996, IV.8).
 STEADY = 1.2
@@ -33,7 +40,7 @@ class ControlledRun:
     """
 
     method: Method
-    loop: Controlled
+    loop: Callable[..., None]
     power: float
     steady: float
     table: Any
@@ -49,7 +56,7 @@ class ControlledRun:
         """Return the state at t = `end`."""
         state, report = self.made(y), self.made([0.0] * 5)
         given = Tolerances(relative, absolute, self.power, self.steady, most)
-        self.loop(state, end, given, self.table, self.work(len(y)), report)
+        self.loop(state, end, StepControl(given, self.table, self.work(len(y)), report))
         self.calls, self.steps, self.rejected = (int(report[i]) for i in range(step_control.STATE))
         if report[step_control.STATE] != step_control.DONE:
             short = report[step_control.STATE] == step_control.TOO_SHORT
@@ -63,18 +70,22 @@ def controlled_runner(method: Method, field: VectorField, *, compiled: bool = Fa
 
     A compiled run compiles at its first call. Raises MethodError for methods without an error estimate.
     """
-    made: Callable[[Any], Any] = (lambda x: np.array(x, np.float64)) if compiled else list
+    writers = field_writers(field, compiled=compiled)
+    table: PairTable | CollocationTable
+    attempt: StepAttempt
     if isinstance(method, RungeKutta) and method.explicit and method.b_embedded is not None:
+        step = _pair_step(method, field, compiled=compiled)
         stages = used_stages(method.a, [method.b, method.b_embedded])
-        power = min(method.claimed_order, method.embedded_order or 0) + 1.0
-        loop, kind = _pair_loop(method, field, compiled=compiled)
-        table = (len(stages) - 1, _keeps_last(method))
-        return ControlledRun(method, loop, power, 1.0, table, lambda n: tuple(kind.zeros(3, n)), made)
-    known = collocation_table(method)
-    arrays = CollocationTable(*map(np.array, known)) if compiled else known
-    loop, writers = _collocation_loop(field, compiled=compiled)
-    work = partial(work_for, table=known, band=writers.band, kind=writers.kind)
-    return ControlledRun(method, loop, len(known.c) + 1.0, STEADY, arrays, work, made)
+        attempt, table = pair_attempt, PairTable(step, len(stages) - 1, _keeps_last(method))
+        power, steady = min(method.claimed_order, method.embedded_order or 0) + 1.0, 1.0
+        work: Callable[[int], Any] = lambda n: tuple(writers.zeros(3, n))
+    else:
+        known = collocation_table(method)
+        attempt, table = collocation_attempt, CollocationTable(*map(np.array, known)) if compiled else known
+        power, steady, work = len(known.c) + 1.0, STEADY, partial(work_for, table=known, writers=writers)
+    steps = partial(loop(controlled_steps, compiled=compiled), writers, loop(attempt, compiled=compiled))
+    made: Callable[[Any], Any] = (lambda x: np.array(x, np.float64)) if compiled else list
+    return ControlledRun(method, steps, power, steady, table, work, made)
 
 
 def _keeps_last(method: RungeKutta) -> bool:
@@ -83,19 +94,7 @@ def _keeps_last(method: RungeKutta) -> bool:
 
 
 @cache
-def _collocation_loop(field: VectorField, *, compiled: bool) -> tuple[Controlled, FieldWriters]:
-    writers = field_writers(field, compiled=compiled)
-    return controlled_steps(writers.rate, collocation_attempts(*writers), writers.kind), writers
-
-
-@cache
-def _pair_loop(method: RungeKutta, field: VectorField, *, compiled: bool) -> tuple[Controlled, NumberKind]:
-    writers = field_writers(field, compiled=compiled)
-    step = writers.kind.compiled(_pair_step(method, field))
-    return controlled_steps(writers.rate, pair_attempts(writers.rate, step, writers.kind), writers.kind), writers.kind
-
-
-def _pair_step(method: RungeKutta, field: VectorField) -> Callable[..., None]:
+def _pair_step(method: RungeKutta, field: VectorField, *, compiled: bool) -> Callable[..., None]:
     """Return step(t, y, h, first, last, begin_, end_): reads `first`, f(t, y); writes last f, new state, error."""
     source = field_source(method, field, estimated=True)
     lines = [line for line in source.lines if not line.startswith("k1_")]
@@ -105,7 +104,7 @@ def _pair_step(method: RungeKutta, field: VectorField) -> Callable[..., None]:
     writes = [f"{row}[{i}] = {x}" for row, names in outputs for i, x in _numbered(source, names)]
     head = "def run(t, y, h, first, last, begin_, end_):"
     text = maker_text(dict(source.coefficients), "run", [head, *indented([*reads, *lines, *writes])])
-    return program_function(text, method.key, source.coefficients)
+    return loop(program_function(text, method.key, source.coefficients), compiled=compiled)
 
 
 def _numbered(source: FieldSource, names: str) -> Iterable[tuple[int, str]]:

@@ -1,14 +1,12 @@
-"""Linear systems by elimination with row exchanges, full or banded: loops that Python runs and numba compiles.
+"""Linear systems by elimination with row exchanges, full or banded: loops over numbers, as `numeric.loops` says.
 
-In Python rows are lists of floats, compiled they are arrays; the operations and their order are the same, and so are
-the bits. Row i of a banded matrix holds its columns from max(0, i - lower) on; a full matrix is a band that is wide
+Row i of a banded matrix holds its columns from max(0, i - lower) on; a full matrix is a band that is wide
 enough, with whole rows.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Any, NamedTuple, TypeAlias
+from typing import Any, NamedTuple
 
 
 class Band(NamedTuple):
@@ -22,68 +20,44 @@ class Band(NamedTuple):
 FULL = Band(2**40, 2**40)
 
 
-class NumberKind(NamedTuple):
-    """How loops are compiled and zeros allocated: `zeros(n)`, `zeros(n, m)`, ..., `indices` for integers."""
+def factored(m: Any, exchanged: Any, n: int, lower: int, upper: int) -> bool:
+    """Overwrite M with LU, exchanging rows k and `exchanged[k]` for the largest pivot; False for a zero pivot.
 
-    compiled: Callable[[Any], Any]
-    zeros: Callable[..., Any]
-    indices: Callable[..., Any]
+    Exchanges cause fill-in: each row must have room for `lower` more entries, as far as there are columns.
+    """
+    for k in range(n):
+        row, first, end = m[k], max(0, k - lower), min(n, k + lower + upper + 1)
+        best, largest = k, abs(row[k - first])
+        for i in range(k + 1, min(n, k + lower + 1)):
+            size = abs(m[i][k - max(0, i - lower)])
+            if size > largest:
+                best, largest = i, size
+        exchanged[k] = best
+        if best != k:
+            other, start = m[best], max(0, best - lower)
+            for j in range(k, end):
+                row[j - first], other[j - start] = other[j - start], row[j - first]
+        pivot = row[k - first]
+        if pivot == 0:
+            return False
+        for i in range(k + 1, min(n, k + lower + 1)):
+            other, start = m[i], max(0, i - lower)
+            if other[k - start] != 0:
+                other[k - start] = factor = other[k - start] / pivot
+                for j in range(k + 1, end):
+                    other[j - start] -= factor * row[j - first]
+    return True
 
 
-def _lists(n: int, *others: int) -> list[Any]:
-    return [_lists(*others) for _ in range(n)] if others else [0.0] * n
-
-
-PYTHON_FLOATS = NumberKind(lambda function: function, _lists, _lists)
-# factored(m, exchanged, n, lower, upper) and solve(m, exchanged, n, x, lower, upper) use the first n rows of m.
-Elimination: TypeAlias = tuple[Callable[..., bool], Callable[..., None]]
-
-
-def elimination(kind: NumberKind = PYTHON_FLOATS) -> Elimination:
-    """Return the function that factors a matrix and the one that solves a system with the factors, both in place."""
-    compiled = kind.compiled
-
-    @compiled
-    def factored(m: Any, exchanged: Any, n: int, lower: int, upper: int) -> bool:
-        """Overwrite M with LU, exchanging rows k and `exchanged[k]` for the largest pivot; False for a zero pivot.
-
-        Exchanges cause fill-in: each row must have room for `lower` more entries, as far as there are columns.
-        """
-        for k in range(n):
-            row, first, end = m[k], max(0, k - lower), min(n, k + lower + upper + 1)
-            best, largest = k, abs(row[k - first])
-            for i in range(k + 1, min(n, k + lower + 1)):
-                size = abs(m[i][k - max(0, i - lower)])
-                if size > largest:
-                    best, largest = i, size
-            exchanged[k] = best
-            if best != k:
-                other, start = m[best], max(0, best - lower)
-                for j in range(k, end):
-                    row[j - first], other[j - start] = other[j - start], row[j - first]
-            pivot = row[k - first]
-            if pivot == 0:
-                return False
-            for i in range(k + 1, min(n, k + lower + 1)):
-                other, start = m[i], max(0, i - lower)
-                if other[k - start] != 0:
-                    other[k - start] = factor = other[k - start] / pivot
-                    for j in range(k + 1, end):
-                        other[j - start] -= factor * row[j - first]
-        return True
-
-    @compiled
-    def solve(m: Any, exchanged: Any, n: int, x: Any, lower: int, upper: int) -> None:
-        """Overwrite x with M⁻¹ x, given the factors of M."""
-        for k in range(n):
-            best = exchanged[k]
-            x[k], x[best] = x[best], x[k]
-            for i in range(k + 1, min(n, k + lower + 1)):
-                x[i] -= m[i][k - max(0, i - lower)] * x[k]
-        for k in range(n - 1, -1, -1):
-            row, first, value = m[k], max(0, k - lower), x[k]
-            for j in range(k + 1, min(n, k + lower + upper + 1)):
-                value -= row[j - first] * x[j]
-            x[k] = value / row[k - first]
-
-    return factored, solve
+def solve(m: Any, exchanged: Any, n: int, x: Any, lower: int, upper: int) -> None:
+    """Overwrite x with M⁻¹ x, given the factors of M."""
+    for k in range(n):
+        best = exchanged[k]
+        x[k], x[best] = x[best], x[k]
+        for i in range(k + 1, min(n, k + lower + 1)):
+            x[i] -= m[i][k - max(0, i - lower)] * x[k]
+    for k in range(n - 1, -1, -1):
+        row, first, value = m[k], max(0, k - lower), x[k]
+        for j in range(k + 1, min(n, k + lower + upper + 1)):
+            value -= row[j - first] * x[j]
+        x[k] = value / row[k - first]

@@ -4,56 +4,35 @@ from __future__ import annotations
 
 import re
 from collections.abc import Collection, Iterator, Sequence
+from functools import cache
 from math import prod
-from typing import NamedTuple
-
-import numpy as np
 
 from driftproof.methods.program_text import indented, maker_text
 from driftproof.methods.vector_fields import VectorField, partial_derivative
-from driftproof.numeric.elimination import FULL, PYTHON_FLOATS, Band, NumberKind
-from driftproof.numeric.engine import compiled_function, program_function
-from driftproof.numeric.newton import RateWriter
+from driftproof.numeric.elimination import FULL, Band
+from driftproof.numeric.engine import program_function
+from driftproof.numeric.loops import FieldWriters, RateWriter, allocators, loop
 
 # Systems of at least LOOPED components are written in loops, with periods of at most LONGEST_PERIOD components; chosen:
 # shorter systems compile fast as they stand.
 LOOPED, LONGEST_PERIOD = 24, 4
 
 
-class FieldWriters(NamedTuple):
-    """The functions that write f and its Jacobian, the band of the Jacobian, and the kind of numbers."""
-
-    rate: RateWriter
-    jacobian: RateWriter
-    band: Band
-    kind: NumberKind
-
-
-def number_kind(*, compiled: bool) -> NumberKind:
-    """The kind for lists of Python floats or, compiled by numba, for arrays, which needs the extra `fast`."""
-    if not compiled:
-        return PYTHON_FLOATS
-    return NumberKind(
-        compiled_function,
-        compiled_function(lambda *shape: np.zeros(shape)),
-        compiled_function(lambda *shape: np.zeros(shape, np.int64)),
-    )
-
-
+@cache
 def field_writers(field: VectorField, *, compiled: bool) -> FieldWriters:
     """Return functions that write f and its derivatives, from exact formulas, into the rows that they are given.
 
     The rows of derivatives are a band if the text of the field shows one that saves enough work.
     """
-    kind, reads = number_kind(compiled=compiled), field.dependence()
+    reads = field.dependence()
     band = band_of(reads)
     rates = [[f"last[{{i}}] = {rate}"] for rate in field.rates]
     derivatives = [
         [f"last[{{i}}][{_column(i, j, band)}] = {partial_derivative(rate, f'y{j}')}" for j in sorted(read)]
         for i, (rate, read) in enumerate(zip(field.rates, reads, strict=True))
     ]
-    rate, jacobian = (kind.compiled(_writer(field, lines)) for lines in (rates, derivatives))
-    return FieldWriters(rate, jacobian, band, kind)
+    rate, jacobian = (loop(_writer(field, lines), compiled=compiled) for lines in (rates, derivatives))
+    return FieldWriters(rate, jacobian, band, *allocators(compiled=compiled))
 
 
 def _column(i: int, j: int, band: Band) -> str:

@@ -28,7 +28,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from functools import cache
+from functools import cache, partial
 from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
@@ -38,14 +38,16 @@ from driftproof.methods.schemes import Method
 from driftproof.methods.vector_fields import VectorField
 from driftproof.numeric import newton
 from driftproof.numeric.engine import FieldEnsembleRun, FloatArray, in_threads, require_ensemble
-from driftproof.numeric.field_loops import field_writers, number_kind
-from driftproof.numeric.newton import Steps, StepTable, implicit_steps
+from driftproof.numeric.field_loops import field_writers
+from driftproof.numeric.loops import FieldWriters, loop
+from driftproof.numeric.newton import StepTable, run_ensemble, run_steps
 from driftproof.numeric.tableaux import FloatTableau, float_tableau
 
 _Vector: TypeAlias = NDArray[np.float64]
 _Rate: TypeAlias = Callable[[float, _Vector], Any]
 # (t, y) -> the n x n matrix of the derivatives of the rate.
 Jacobian: TypeAlias = Callable[[float, _Vector], Any]
+_NO_STEP = (0.0,) * (newton.SYSTEM + 1)  # the report before the first step
 
 
 class StageEquationsUnsolved(ArithmeticError):
@@ -85,14 +87,13 @@ def implicit_stepper(method: Method, rate: _Rate, jacobian: Jacobian | None = No
     for splittings and Nyström methods.
     """
     given = _UserFunctions(rate, jacobian)
-    steps = implicit_steps(given.write_rate, given.write_derivatives)
-    table = _table(method)
+    writers, table = FieldWriters(given.write_rate, given.write_derivatives), _table(method)
 
     def step(t: float, y: Any, h: float) -> ImplicitStep:
-        state, report, given.h = np.array(y, np.float64).tolist(), _report(), h
+        state, report, given.h = np.array(y, np.float64).tolist(), list(_NO_STEP), h
         with np.errstate(over="ignore", under="ignore", invalid="ignore"):
-            steps(t, state, h, 0, 1, table, report)
-        _demand_done(method, report, t, h)
+            run_steps(writers, t, state, h, 0, 1, table, report)
+        _require_done(method, report, t, h)
         residual, over_floor = report[newton.RESIDUAL], report[newton.OVER_FLOOR]
         return ImplicitStep(np.array(state), residual, over_floor, int(report[newton.ITERATIONS]))
 
@@ -140,23 +141,23 @@ class ImplicitRun:
     """
 
     method: Method
-    steps: Steps
+    steps: Callable[..., None]
     table: StepTable
     made: Callable[[Any], Any]
     calls: int = 0
 
     def __call__(self, y: tuple[float, ...], h: float, first: int, last: int) -> tuple[float, ...]:
         """Return the state after steps first to last - 1."""
-        state, report = self.made(y), self.made(_report())
+        state, report = self.made(y), self.made(_NO_STEP)
         self.steps(0.0, state, h, first, last, self.table, report)
         self.calls += int(report[newton.EVALUATIONS])
-        _demand_done(self.method, report, 0.0, h)
+        _require_done(self.method, report, 0.0, h)
         return tuple(map(float, state))
 
 
 def implicit_runner(method: Method, field: VectorField) -> ImplicitRun:
     """The loop of an implicit method in plain Python, on floats, with Jacobian matrices by exact formulas."""
-    return ImplicitRun(method, _steps_on(field, compiled=False), _table(method), list)
+    return ImplicitRun(method, _on_field(run_steps, field, compiled=False), _table(method), list)
 
 
 def compiled_implicit_runner(method: Method, field: VectorField) -> ImplicitRun:
@@ -166,7 +167,7 @@ def compiled_implicit_runner(method: Method, field: VectorField) -> ImplicitRun:
     """
     table = _table(method)
     arrays = StepTable._make((*map(np.array, table[:4]), table.way))
-    return ImplicitRun(method, _steps_on(field, compiled=True), arrays, lambda x: np.array(x, np.float64))
+    return ImplicitRun(method, _on_field(run_steps, field, compiled=True), arrays, lambda x: np.array(x, np.float64))
 
 
 def compiled_implicit_ensemble_runner(method: Method, field: VectorField, *, threads: int = 1) -> FieldEnsembleRun:
@@ -175,29 +176,24 @@ def compiled_implicit_ensemble_runner(method: Method, field: VectorField, *, thr
     Each system has its own matrices and iterations. Raises StageEquationsUnsolved, which names a system that fails; the
     states of the others are then undefined.
     """
-    arrays, loop = compiled_implicit_runner(method, field).table, _ensemble_on(field)
+    arrays, run = compiled_implicit_runner(method, field).table, _on_field(run_ensemble, field, compiled=True)
 
     def run_systems(y: FloatArray, h: float, first: int, last: int) -> None:
         require_ensemble(y, len(field.rates))
 
         def run_part(start: int, stop: int) -> None:
-            report = np.array(_report())
-            loop(y, h, first, last, arrays, report, start, stop)
-            _demand_done(method, report, 0.0, h, f"system {int(report[newton.SYSTEM])}: ")
+            report = np.array(_NO_STEP)
+            run(y, h, first, last, arrays, report, start, stop)
+            _require_done(method, report, 0.0, h, f"system {int(report[newton.SYSTEM])}: ")
 
         in_threads(run_part, y.shape[1], threads)
 
     return run_systems
 
 
-@cache
-def _ensemble_on(field: VectorField) -> Callable[..., None]:
-    return newton.ensemble_steps(_steps_on(field, compiled=True), number_kind(compiled=True))
-
-
-@cache
-def _steps_on(field: VectorField, *, compiled: bool) -> Steps:
-    return implicit_steps(*field_writers(field, compiled=compiled))
+def _on_field(run: Callable[..., None], field: VectorField, *, compiled: bool) -> Callable[..., None]:
+    """The loop `run` of `newton` on y' = f(t, y)."""
+    return partial(loop(run, compiled=compiled), field_writers(field, compiled=compiled))
 
 
 @cache
@@ -220,11 +216,7 @@ def _groups(table: FloatTableau) -> tuple[tuple[int, int], ...]:
     return (*((i, i + 1) for i in range(ahead)), *rest)
 
 
-def _report() -> list[float]:
-    return [0.0] * (newton.SYSTEM + 1)
-
-
-def _demand_done(method: Method, report: Any, t: float, h: float, whose: str = "") -> None:
+def _require_done(method: Method, report: Any, t: float, h: float, whose: str = "") -> None:
     """Raise StageEquationsUnsolved, in one line, if the step failed."""
     name = f"{method.key}: {whose}"
     if report[newton.STATE] == newton.OVERFLOWS:

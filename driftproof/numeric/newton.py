@@ -1,18 +1,17 @@
-"""Newton's method for the stage equations of implicit steps: loops over numbers, which Python runs and numba compiles.
+"""Newton's method for the stage equations of implicit steps: loops over numbers, as `numeric.loops` says.
 
-`numeric.implicit` says what these loops solve and when a step counts as solved; its terms are used here. In Python rows
-are lists of floats, compiled they are arrays; the operations and their order are the same, and so are the bits.
+`numeric.implicit` says what these loops solve and when a step counts as solved; its terms are used here.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from math import isfinite
-from typing import Any, NamedTuple, TypeAlias
+from math import inf, isfinite
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from driftproof.numeric.elimination import FULL, PYTHON_FLOATS, Band, NumberKind, elimination
+from driftproof.numeric.elimination import FULL, Band, factored, solve
+from driftproof.numeric.loops import FieldWriters
 
 UNIT = float(np.finfo(np.float64).epsneg)  # u = 2⁻⁵³
 ETA = float(np.finfo(np.float64).smallest_subnormal)
@@ -23,10 +22,6 @@ SHRINKS, HALVES = 0.125, 0.5
 # Damping shortens no correction further than this: one that helps only in a smaller part leads nowhere.
 SHORTEST = 2.0**-20
 
-# rate(t, y, f) writes f(t, y) into f; jacobian(t, y, matrix) writes the derivatives into the rows of a band.
-RateWriter: TypeAlias = Callable[[float, Any, Any], None]
-# steps(t, y, h, first, last, table, report) overwrites y with that after steps first to last - 1, step i from t + i h.
-Steps: TypeAlias = Callable[..., None]
 # Indices in a report: counts over all steps, the largest residual, and, for a step that fails, its outcome, its number
 # and the iterations, residual and time of its undamped attempt; the number of its system in an ensemble.
 ITERATIONS, EVALUATIONS, RESIDUAL, OVER_FLOOR, STATE, STEP, TRIED, LEFT, LEFT_OVER_FLOOR, TIME, SYSTEM = range(11)
@@ -45,253 +40,270 @@ class StepTable(NamedTuple):
     way: int
 
 
-def residual_of(rate: RateWriter, band: Band = FULL, kind: NumberKind = PYTHON_FLOATS) -> Callable[..., float]:
-    """Return the function that computes the residual of the equations of one group, and its size."""
-    (compiled, zeros, _), (lower, upper) = kind, band
+class Equations(NamedTuple):
+    """The equations Z = w + h A f(t + c h, y + Z) of one group of stages; w is `known`."""
 
-    @compiled
-    def residual(t: float, y: Any, h: float, a: Any, c: Any, moves: Any, known: Any, jacobians: Any, g: Any) -> float:
-        """Write g = Z - w - h A f; return the largest |g| over its floor, 8E + 4R, or inf if one is not finite."""
-        n, stages, size = len(y), len(a), abs(h)
-        slopes, at_place, at_move, whole = zeros(stages, n), zeros(stages, n), zeros(stages, n), zeros(stages, n)
-        place = zeros(n)
-        for j in range(stages):
-            for k in range(n):
-                place[k] = y[k] + moves[j][k]
-            rate(t + c[j] * h, place, slopes[j])
-            for k in range(n):
-                row, first = jacobians[j][k], max(0, k - lower)
-                for i in range(first, min(n, k + upper + 1)):
-                    entry = abs(row[i - first])
-                    at_place[j][k] += entry * abs(place[i])
-                    at_move[j][k] += entry * abs(moves[j][i])
-                    whole[j][k] += entry
-        worst = 0.0
-        for i in range(stages):
-            for k in range(n):
-                total = flow = of_place = of_move = of_whole = 0.0
-                for j in range(stages):
-                    weight = abs(a[i][j])
-                    total += a[i][j] * slopes[j][k]
-                    flow += weight * abs(slopes[j][k])
-                    of_place += weight * at_place[j][k]
-                    of_move += weight * at_move[j][k]
-                    of_whole += weight * whole[j][k]
-                move = moves[i][k]
-                g[i][k] = value = move - known[i][k] - h * total
-                flow *= (stages + 4 + RATE_ROUNDINGS) * size
-                e = UNIT * (2 * abs(move) + 2 * abs(known[i][k]) + flow + (RATE_ROUNDINGS + 1) * (size * of_place))
-                r = UNIT * (abs(move) + size * of_move) + ETA * (1 + size * of_whole)
-                part = abs(value) / (8 * (e + (stages + 1) * (1 + size) * ETA) + 4 * r)
-                if part > worst or not isfinite(value) or not isfinite(part):
-                    worst = part if isfinite(value) and isfinite(part) else np.inf
-        return worst
-
-    return residual  # type: ignore[no-any-return]
+    t: float
+    y: Any
+    h: float
+    a: Any
+    c: Any
+    known: Any
 
 
-def implicit_steps(
-    rate: RateWriter, jacobian: RateWriter, band: Band = FULL, kind: NumberKind = PYTHON_FLOATS
-) -> Steps:
-    """Return the loop over steps for a problem; the method comes with each call, as a `StepTable`."""
-    (compiled, zeros, indices), (lower, upper), full = kind, band, band == FULL
-    residual = residual_of(rate, band, kind)
-    factored, solve = elimination(kind)
+class Layout(NamedTuple):
+    """The order of the unknowns: component k of stage i has the number i `stage` + k `component`; and the band of M."""
 
-    @compiled
-    def corrected(m: Any, order: Any, g: Any, x: Any, wide: Any) -> float:
-        """Write x = M⁻¹ g; return |x|²."""
-        stage, component, below, above = wide
-        for i in range(len(g)):
-            for k in range(len(g[0])):
-                x[i * stage + k * component] = g[i][k]
-        solve(m, order, len(x), x, below, above)
-        square = 0.0
-        for value in x:
-            square += value * value
-        return square
+    stage: int
+    component: int
+    lower: int
+    upper: int
 
-    @compiled
-    def derivatives(t: float, y: Any, h: float, c: Any, moves: Any, found: Any) -> None:
-        """Write f' at each stage into `found`."""
-        place = zeros(len(y))
-        for i in range(len(moves)):
-            for k in range(len(y)):
-                place[k] = y[k] + moves[i][k]
-            jacobian(t + c[i] * h, place, found[i])
 
-    @compiled
-    def newton_matrix(h: float, a: Any, jacobians: Any, m: Any, wide: Any) -> None:
-        """Write M = I - h (aᵢⱼ Jⱼ)."""
-        n, (stage, component, below, _) = len(jacobians[0]), wide
-        for row in m:
-            for k in range(len(row)):
-                row[k] = 0.0
-        for i in range(len(a)):
-            for k in range(n):
-                at, first = i * stage + k * component, max(0, k - lower)
-                row, start = m[at], max(0, at - below)
-                for j in range(len(a)):
-                    factor = h * a[i][j]
-                    for column in range(first, min(n, k + upper + 1)):
-                        row[j * stage + column * component - start] = -(factor * jacobians[j][k][column - first])
-                row[at - start] += 1.0
+def _copy_rows(rows: Any, to: Any) -> None:
+    """Overwrite rows with others."""
+    for i in range(len(rows)):
+        for k in range(len(rows[i])):
+            to[i][k] = rows[i][k]
 
-    @compiled
-    def largest(g: Any) -> float:
-        """The largest entry in absolute value."""
-        found = 0.0
-        for i in range(len(g)):
-            for k in range(len(g[0])):
-                if not abs(g[i][k]) <= found:
-                    found = abs(g[i][k])
-        return found
 
-    @compiled
-    def iterated(t: float, y: Any, h: float, a: Any, c: Any, known: Any, moves: Any, report: Any, damped: bool) -> bool:
-        """Solve for the moves Z of one group of stages, from Z = w; report residual and iterations. True if solved.
+def add_to(y: Any, move: Any, place: Any) -> None:
+    """Write y + Z into `place`."""
+    for k in range(len(y)):
+        place[k] = y[k] + move[k]
 
-        Damped, the matrix is made anew in each iteration, and a correction is shortened until the next one, by the same
-        matrix, is shorter than it: the natural test (hairer-wanner-1996, IV.8).
-        """
-        n, stages, width = len(y), len(a), min(len(y), lower + upper + 1)
-        # The unknowns are ordered stage by stage or, for the matrix to be a band, component by component.
-        wide = (n, 1, lower, upper) if full else (1, stages, stages * (lower + 1) - 1, stages * (upper + 1) - 1)
-        (stage, component, below, above), size = wide, stages * n
-        jacobians, m = zeros(stages, n, width), zeros(size, min(size, 2 * below + above + 1))
-        order = indices(size)
-        g, x, next_x = zeros(stages, n), zeros(size), zeros(size)
-        now, trial = zeros(stages, n), zeros(stages, n)
-        for i in range(stages):
-            for k in range(n):
-                now[i][k] = moves[i][k] = known[i][k]
+
+def _largest_entry(rows: Any) -> float:
+    """The largest entry in absolute value."""
+    found = 0.0
+    for row in rows:
+        for value in row:
+            if not abs(value) <= found:
+                found = abs(value)
+    return found
+
+
+def residual(writers: FieldWriters, equations: Equations, moves: Any, jacobians: Any, g: Any) -> float:
+    """Write g = Z - w - h A f; return the largest |g| over its floor, 8E + 4R, or inf if one is not finite."""
+    t, y, h, a, c, known = equations
+    zeros, (lower, upper) = writers.zeros, writers.band
+    n, stages, size = len(y), len(a), abs(h)
+    slopes, at_place, at_move, whole = zeros(stages, n), zeros(stages, n), zeros(stages, n), zeros(stages, n)
+    place = zeros(n)
+    for j in range(stages):
+        add_to(y, moves[j], place)
+        writers.rate(t + c[j] * h, place, slopes[j])
         for k in range(n):
-            trial[0][k] = y[k] + now[0][k]
-        jacobian(t + c[0] * h, trial[0], jacobians[0])
-        for j in range(1, stages):
-            for k in range(n):
-                for i in range(width):
-                    jacobians[j][k][i] = jacobians[0][k][i]
-        newton_matrix(h, a, jacobians, m, wide)
-        regular = factored(m, order, size, below, above)
-        ratio = residual(t, y, h, a, c, now, known, jacobians, g)
-        best, left, iterations, evaluations = ratio, largest(g), 0, stages
-        while regular and iterations < MOST_ITERATIONS and isfinite(ratio):
-            square, part, before = corrected(m, order, g, x, wide), 1.0, ratio
-            while True:
-                iterations += 1
-                evaluations += stages
-                for i in range(stages):
-                    for k in range(n):
-                        trial[i][k] = now[i][k] - part * x[i * stage + k * component]
-                ratio = residual(t, y, h, a, c, trial, known, jacobians, g)
-                if not damped or ratio <= 1 or part < SHORTEST:
-                    break
-                if isfinite(ratio) and corrected(m, order, g, next_x, wide) < square:
-                    break
-                part /= 2
-            now, trial = trial, now
-            if ratio < best:
-                best, left = ratio, largest(g)
-                for i in range(stages):
-                    for k in range(n):
-                        moves[i][k] = now[i][k]
-            if best <= 1 and not ratio < HALVES * before:
+            row, first = jacobians[j][k], max(0, k - lower)
+            for i in range(first, min(n, k + upper + 1)):
+                entry = abs(row[i - first])
+                at_place[j][k] += entry * abs(place[i])
+                at_move[j][k] += entry * abs(moves[j][i])
+                whole[j][k] += entry
+    worst = 0.0
+    for i in range(stages):
+        for k in range(n):
+            total = flow = of_place = of_move = of_whole = 0.0
+            for j in range(stages):
+                weight = abs(a[i][j])
+                total += a[i][j] * slopes[j][k]
+                flow += weight * abs(slopes[j][k])
+                of_place += weight * at_place[j][k]
+                of_move += weight * at_move[j][k]
+                of_whole += weight * whole[j][k]
+            move = moves[i][k]
+            g[i][k] = value = move - known[i][k] - h * total
+            flow *= (stages + 4 + RATE_ROUNDINGS) * size
+            e = UNIT * (2 * abs(move) + 2 * abs(known[i][k]) + flow + (RATE_ROUNDINGS + 1) * (size * of_place))
+            r = UNIT * (abs(move) + size * of_move) + ETA * (1 + size * of_whole)
+            part = abs(value) / (8 * (e + (stages + 1) * (1 + size) * ETA) + 4 * r)
+            if part > worst or not isfinite(value) or not isfinite(part):
+                worst = part if isfinite(value) and isfinite(part) else inf
+    return worst
+
+
+def _layout(band: Band, n: int, stages: int) -> Layout:
+    """Order the unknowns stage by stage or, for the matrix to be a band, component by component."""
+    lower, upper = band
+    if lower == FULL.lower:
+        return Layout(n, 1, lower, upper)
+    return Layout(1, stages, stages * (lower + 1) - 1, stages * (upper + 1) - 1)
+
+
+def _corrections(m: Any, order: Any, layout: Layout, g: Any, x: Any) -> float:
+    """Write x = M⁻¹ g; return |x|²."""
+    for i in range(len(g)):
+        for k in range(len(g[0])):
+            x[i * layout.stage + k * layout.component] = g[i][k]
+    solve(m, order, len(x), x, layout.lower, layout.upper)
+    square = 0.0
+    for value in x:
+        square += value * value
+    return square
+
+
+def _derivatives_at(writers: FieldWriters, equations: Equations, moves: Any, jacobians: Any) -> None:
+    """Write f' at each stage into `jacobians`."""
+    t, y, h, _, c, _ = equations
+    place = writers.zeros(len(y))
+    for i in range(len(moves)):
+        add_to(y, moves[i], place)
+        writers.jacobian(t + c[i] * h, place, jacobians[i])
+
+
+def _factored_newton_matrix(
+    band: Band, equations: Equations, jacobians: Any, m: Any, order: Any, layout: Layout
+) -> bool:
+    """Overwrite M with the factors of I - h (aᵢⱼ Jⱼ); False if it is singular."""
+    n, h, a = len(equations.y), equations.h, equations.a
+    for row in m:
+        for k in range(len(row)):
+            row[k] = 0.0
+    for i in range(len(a)):
+        for k in range(n):
+            at, first = i * layout.stage + k * layout.component, max(0, k - band.lower)
+            row, start = m[at], max(0, at - layout.lower)
+            for j in range(len(a)):
+                factor = h * a[i][j]
+                for column in range(first, min(n, k + band.upper + 1)):
+                    place = j * layout.stage + column * layout.component - start
+                    row[place] = -(factor * jacobians[j][k][column - first])
+            row[at - start] += 1.0
+    return factored(m, order, len(m), layout.lower, layout.upper)
+
+
+def _solved_group(writers: FieldWriters, equations: Equations, moves: Any, report: Any, damped: bool) -> bool:
+    """Solve for the moves Z of one group of stages, from Z = w; report residual and iterations. True if solved.
+
+    Damped, the matrix is made anew in each iteration, and a correction is shortened until the next one, by the same
+    matrix, is shorter than it: the natural test (hairer-wanner-1996, IV.8).
+    """
+    n, stages, zeros, band = len(equations.y), len(equations.a), writers.zeros, writers.band
+    layout, size = _layout(band, n, stages), stages * n
+    jacobians = zeros(stages, n, min(n, band.lower + band.upper + 1))
+    m, order = zeros(size, min(size, 2 * layout.lower + layout.upper + 1)), writers.indices(size)
+    g, x, next_x = zeros(stages, n), zeros(size), zeros(size)
+    now, trial = zeros(stages, n), zeros(stages, n)
+    _copy_rows(equations.known, moves)
+    _copy_rows(equations.known, now)
+    _derivatives_at(writers, equations, now[:1], jacobians)
+    for j in range(1, stages):
+        _copy_rows(jacobians[0], jacobians[j])
+    regular = _factored_newton_matrix(band, equations, jacobians, m, order, layout)
+    ratio = residual(writers, equations, now, jacobians, g)
+    best, left, iterations, evaluations = ratio, _largest_entry(g), 0, stages
+    while regular and iterations < MOST_ITERATIONS and isfinite(ratio):
+        square, part, before = _corrections(m, order, layout, g, x), 1.0, ratio
+        while True:
+            iterations += 1
+            evaluations += stages
+            for i in range(stages):
+                for k in range(n):
+                    trial[i][k] = now[i][k] - part * x[i * layout.stage + k * layout.component]
+            ratio = residual(writers, equations, trial, jacobians, g)
+            if not damped or ratio <= 1 or part < SHORTEST:
                 break
-            if damped or ratio > SHRINKS * before:
-                derivatives(t, y, h, c, now, jacobians)
-                newton_matrix(h, a, jacobians, m, wide)
-                regular = factored(m, order, size, below, above)
-        report[ITERATIONS] += iterations
-        report[EVALUATIONS] += evaluations
-        if not best <= 1:
-            if not damped:
-                report[TRIED], report[TIME] = iterations, t + c[len(c) - 1] * h
-                report[LEFT], report[LEFT_OVER_FLOOR] = left, best
-            return False
+            if isfinite(ratio) and _corrections(m, order, layout, g, next_x) < square:
+                break
+            part /= 2
+        now, trial = trial, now
+        if ratio < best:
+            best, left = ratio, _largest_entry(g)
+            _copy_rows(now, moves)
+        if best <= 1 and not ratio < HALVES * before:
+            break
+        if damped or ratio > SHRINKS * before:
+            _derivatives_at(writers, equations, now, jacobians)
+            regular = _factored_newton_matrix(band, equations, jacobians, m, order, layout)
+    report[ITERATIONS] += iterations
+    report[EVALUATIONS] += evaluations
+    if best <= 1:
         report[RESIDUAL], report[OVER_FLOOR] = max(report[RESIDUAL], left), max(report[OVER_FLOOR], best)
-        return True
+    elif not damped:
+        report[TRIED], report[TIME] = iterations, equations.t + equations.c[stages - 1] * equations.h
+        report[LEFT], report[LEFT_OVER_FLOOR] = left, best
+    return best <= 1
 
-    @compiled
-    def step(t: float, y: Any, h: float, table: StepTable, report: Any) -> float:
-        """Take one step in place; return DONE, UNSOLVED or OVERFLOWS."""
-        n, moves, slopes = len(y), zeros(len(table.c), len(y)), zeros(len(table.c), len(y))
-        place = zeros(n)
-        for group in table.groups:
-            first, stages, implicit = group[0], group[1] - group[0], False
-            a, c, known, found = zeros(stages, stages), zeros(stages), zeros(stages, n), zeros(stages, n)
-            for i in range(stages):
-                c[i] = table.c[first + i]
-                for j in range(stages):
-                    a[i][j] = table.a[first + i][first + j]
-                    implicit = implicit or a[i][j] != 0
-                for k in range(n):
-                    total = 0.0
-                    for j in range(first):
-                        total += table.a[first + i][j] * slopes[j][k]
-                    found[i][k] = known[i][k] = total
-            solved = not implicit
-            for damped in range(2):
-                solved = solved or iterated(t, y, h, a, c, known, found, report, damped > 0)
-            if not solved:
+
+def _group_equations(
+    writers: FieldWriters, t: float, y: Any, h: float, table: StepTable, first: int, last: int, slopes: Any
+) -> Equations:
+    """The equations of stages first to last - 1, given h f at the stages before them."""
+    stages = last - first
+    a, c, known = writers.zeros(stages, stages), writers.zeros(stages), writers.zeros(stages, len(y))
+    for i in range(stages):
+        row, c[i] = table.a[first + i], table.c[first + i]
+        for j in range(stages):
+            a[i][j] = row[first + j]
+        for k in range(len(y)):
+            total = 0.0
+            for j in range(first):
+                total += row[j] * slopes[j][k]
+            known[i][k] = total
+    return Equations(t, y, h, a, c, known)
+
+
+def _take_step(writers: FieldWriters, t: float, y: Any, h: float, table: StepTable, report: Any) -> int:
+    """Take one step in place; return DONE, UNSOLVED or OVERFLOWS."""
+    n, stages = len(y), len(table.c)
+    moves, slopes, place = writers.zeros(stages, n), writers.zeros(stages, n), writers.zeros(n)
+    for group in table.groups:
+        first, last = group[0], group[1]
+        found, slope = moves[first:last], slopes[first]
+        equations = _group_equations(writers, t, y, h, table, first, last, slopes)
+        if _largest_entry(equations.a) > 0:
+            plain = _solved_group(writers, equations, found, report, damped=False)
+            if not plain and not _solved_group(writers, equations, found, report, damped=True):
                 return UNSOLVED
-            for i in range(stages):
+            # h f for later stages, from the equation: evaluating a stiff f again would magnify rounding
+            if last - first == 1:
                 for k in range(n):
-                    moves[first + i][k] = found[i][k]
-            if stages == 1 and implicit:
-                # h f for later stages, from the equation: evaluating a stiff f again would magnify rounding
-                for k in range(n):
-                    slopes[first][k] = (found[0][k] - known[0][k]) / a[0][0]
-            elif stages == 1:
-                for k in range(n):
-                    place[k] = y[k] + found[0][k]
-                rate(t + c[0] * h, place, slopes[first])
-                report[EVALUATIONS] += 1
-                for k in range(n):
-                    slopes[first][k] *= h
-        if table.way == SLOPES:
-            for i in range(len(moves)):
-                for k in range(n):
-                    place[k] = y[k] + moves[i][k]
-                rate(t + table.c[i] * h, place, slopes[i])
-                report[EVALUATIONS] += 1
-        finite = True
-        for k in range(n):
-            total = moves[len(moves) - 1][k] if table.way == LAST else 0.0
-            for i in range(len(moves)):
-                if table.way != LAST:
-                    total += table.weights[i] * (slopes[i][k] if table.way == SLOPES else moves[i][k])
-            y[k] += h * total if table.way == SLOPES else total
-            finite = finite and isfinite(y[k])
-        return DONE if finite else OVERFLOWS
-
-    @compiled
-    def steps(t: float, y: Any, h: float, first: int, last: int, table: StepTable, report: Any) -> None:
-        """Take steps first to last - 1, step i from t + i h; stop at the first that fails."""
-        for i in range(first, last):
-            report[STATE] = step(t + i * h, y, h, table, report)
-            if report[STATE] != DONE:
-                report[STEP] = i
-                return
-
-    return steps  # type: ignore[no-any-return]
+                    slope[k] = (found[0][k] - equations.known[0][k]) / equations.a[0][0]
+        else:
+            _copy_rows(equations.known, found)
+            add_to(y, found[0], place)
+            writers.rate(t + equations.c[0] * h, place, slope)
+            report[EVALUATIONS] += 1
+            for k in range(n):
+                slope[k] *= h
+    if table.way == SLOPES:
+        for i in range(stages):
+            add_to(y, moves[i], place)
+            writers.rate(t + table.c[i] * h, place, slopes[i])
+        report[EVALUATIONS] += stages
+    finite = True
+    for k in range(n):
+        total = moves[stages - 1][k] if table.way == LAST else 0.0
+        for i in range(stages):
+            if table.way != LAST:
+                total += table.weights[i] * (slopes[i][k] if table.way == SLOPES else moves[i][k])
+        y[k] += h * total if table.way == SLOPES else total
+        finite = finite and isfinite(y[k])
+    return DONE if finite else OVERFLOWS
 
 
-def ensemble_steps(steps: Steps, kind: NumberKind) -> Callable[..., None]:
-    """Return the loop over columns begin to end - 1 of y, each of which takes these steps."""
-    compiled, zeros, _ = kind
+def run_steps(
+    writers: FieldWriters, t: float, y: Any, h: float, first: int, last: int, table: StepTable, report: Any
+) -> None:
+    """Take steps first to last - 1, step i from t + i h; stop at the first that fails."""
+    for i in range(first, last):
+        report[STATE] = _take_step(writers, t + i * h, y, h, table, report)
+        if report[STATE] != DONE:
+            report[STEP] = i
+            return
 
-    @compiled
-    def run(y: Any, h: float, first: int, last: int, table: StepTable, report: Any, begin: int, end: int) -> None:
-        state = zeros(len(y))
-        for system in range(begin, end):
-            for k in range(len(y)):
-                state[k] = y[k][system]
-            steps(0.0, state, h, first, last, table, report)
-            if report[STATE] != DONE:
-                report[SYSTEM] = system
-                return
-            for k in range(len(y)):
-                y[k][system] = state[k]
 
-    return run  # type: ignore[no-any-return]
+def run_ensemble(
+    writers: FieldWriters, y: Any, h: float, first: int, last: int, table: StepTable, report: Any, begin: int, end: int
+) -> None:
+    """Take steps first to last - 1 of columns begin to end - 1; stop at the first system that fails."""
+    state = writers.zeros(len(y))
+    for column in range(begin, end):
+        for k in range(len(y)):
+            state[k] = y[k][column]
+        run_steps(writers, 0.0, state, h, first, last, table, report)
+        if report[STATE] != DONE:
+            report[SYSTEM] = column
+            return
+        for k in range(len(y)):
+            y[k][column] = state[k]

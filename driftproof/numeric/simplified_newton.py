@@ -13,7 +13,7 @@ from a formula of order s with the weight 1/γ at f(t, y), filtered as its stiff
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from fractions import Fraction
 from functools import cache
 from math import exp, inf, log
@@ -23,8 +23,10 @@ import numpy as np
 
 from driftproof.methods.number_field import Exact, total
 from driftproof.methods.schemes import Collocation, Method, MethodError, RungeKutta
-from driftproof.numeric.elimination import FULL, PYTHON_FLOATS, Band, NumberKind, elimination
-from driftproof.numeric.step_control import EVALUATIONS, StepAttempt, Tolerances, error_size
+from driftproof.numeric.elimination import Band, factored, solve
+from driftproof.numeric.loops import FieldWriters
+from driftproof.numeric.newton import add_to
+from driftproof.numeric.step_control import EVALUATIONS, StepControl, error_size
 from driftproof.numeric.tableaux import NODE_BITS
 
 # The error that may be left in the moves: PART of the tolerance (chosen: less takes more iterations, more adds to the
@@ -68,11 +70,11 @@ class Work(NamedTuple):
     off: Any
 
 
-def work_for(n: int, table: CollocationTable, band: Band, kind: NumberKind = PYTHON_FLOATS) -> Work:
+def work_for(n: int, table: CollocationTable, writers: FieldWriters) -> Work:
     """Allocate the workspace for a system of n equations."""
+    band, zeros, indices = writers.band, writers.zeros, writers.indices
     stages, count = len(table.c), len(table.blocks)
     width, wide = min(n, band.lower + band.upper + 1), min(2 * n, 4 * band.lower + 2 * band.upper + 4)
-    _, zeros, indices = kind
     of_stages, vectors = (zeros(stages, n) for _ in range(4)), (zeros(max(2 * n, stages)), zeros(n), zeros(n))
     matrices, exchanged = zeros(count, 2 * n, wide), indices(count, 2 * n)
     made = Work(*(zeros(6), zeros(n, width), matrices, exchanged, *of_stages, *vectors))
@@ -80,175 +82,169 @@ def work_for(n: int, table: CollocationTable, band: Band, kind: NumberKind = PYT
     return made
 
 
-def collocation_attempts(
-    rate: Callable[..., None], jacobian: Callable[..., None], band: Band = FULL, kind: NumberKind = PYTHON_FLOATS
-) -> StepAttempt:
-    """Return attempt(t, y, h, moved, new, given, table, work, report); see `numeric.step_control`."""
-    compiled, (lower, upper) = kind.compiled, band
-    size, (factored, solve) = error_size(kind), elimination(kind)
-
-    @compiled
-    def factor_blocks(n: int, h: float, table: CollocationTable, work: Work) -> bool:
-        """Factor [[α/h - J, β/h], [-β/h, α/h - J]] for each block, ordered by component so that bands remain."""
-        regular = True
-        for b in range(len(table.blocks)):
-            two = max(1, table.blocks[b][1])
-            below, above, m = two * (lower + 1) - 1, two * (upper + 1) - 1, work.matrices[b]
-            real, imaginary = table.eigenvalues[b][0] / h, table.eigenvalues[b][1] / h
-            for k in range(n):
-                derivatives, first = work.jacobian[k], max(0, k - lower)
-                for i in range(two):
-                    row, start = m[two * k + i], max(0, two * k + i - below)
-                    for j in range(len(row)):
-                        row[j] = 0.0
-                    for j in range(first, min(n, k + upper + 1)):
-                        row[two * j + i - start] = -derivatives[j - first]
-                    row[two * k + i - start] += real
-                    if two == 2:
-                        row[two * k + 1 - i - start] = imaginary if i == 0 else -imaginary
-            regular = factored(m, work.exchanged[b], two * n, below, above) and regular
-        return regular
-
-    @compiled
-    def combined(weights: Any, rows: Any, k: int) -> float:
-        """Σ wᵢ times the k-th entry of row i."""
-        total = 0.0
-        for i in range(len(weights)):
-            total += weights[i] * rows[i][k]
-        return total
-
-    @compiled
-    def multiply(matrix: Any, rows: Any, n: int, x: Any) -> None:
-        """Overwrite the rows, of n entries each, with the matrix times them; x has room for an entry of each row."""
+def _factor_blocks(h: float, table: CollocationTable, work: Work, band: Band) -> bool:
+    """Factor [[α/h - J, β/h], [-β/h, α/h - J]] for each block, ordered by component so that bands remain."""
+    n, regular = len(work.slope), True
+    for b in range(len(table.blocks)):
+        two = max(1, table.blocks[b][1])
+        below, above, m = two * (band.lower + 1) - 1, two * (band.upper + 1) - 1, work.matrices[b]
+        real, imaginary = table.eigenvalues[b][0] / h, table.eigenvalues[b][1] / h
         for k in range(n):
-            for i in range(len(matrix)):
-                x[i] = combined(matrix[i], rows, k)
-            for i in range(len(matrix)):
-                rows[i][k] = x[i]
+            derivatives, first = work.jacobian[k], max(0, k - band.lower)
+            for i in range(two):
+                row, start = m[two * k + i], max(0, two * k + i - below)
+                for j in range(len(row)):
+                    row[j] = 0.0
+                for j in range(first, min(n, k + band.upper + 1)):
+                    row[two * j + i - start] = -derivatives[j - first]
+                row[two * k + i - start] += real
+                if two == 2:
+                    row[two * k + 1 - i - start] = imaginary if i == 0 else -imaginary
+        regular = factored(m, work.exchanged[b], two * n, below, above) and regular
+    return regular
 
-    @compiled
-    def correct(n: int, table: CollocationTable, work: Work) -> None:
-        """Overwrite the corrections with T (blocks)⁻¹ T⁻¹ times them."""
-        changes, x = work.corrections, work.x
-        multiply(table.to_blocks, changes, n, x)
-        for b in range(len(table.blocks)):
-            first, two = table.blocks[b][0], table.blocks[b][1]
-            for k in range(n):
-                for i in range(two):
-                    x[two * k + i] = changes[first + i][k]
-            below, above = two * (lower + 1) - 1, two * (upper + 1) - 1
-            solve(work.matrices[b], work.exchanged[b], two * n, x, below, above)
-            for k in range(n):
-                for i in range(two):
-                    changes[first + i][k] = x[two * k + i]
-        multiply(table.from_blocks, changes, n, x)
 
-    @compiled
-    def solved_stages(
-        t: float, y: Any, h: float, given: Tolerances, table: CollocationTable, work: Work, report: Any
-    ) -> bool:
-        """Iterate from the present moves; True if they end within a part of the tolerance."""
-        part = max(PART, ROUNDINGS / given.relative) if given.relative > 0 else PART
-        n, stages, memory, changes = len(y), len(table.c), work.memory, work.corrections
-        moves, slopes, place, before, rate_of_change = work.moves, work.slopes, work.x, inf, inf
-        # As long as the quotient of the series is not known, take that of the previous step, a little worse.
-        left = exp(0.8 * log(max(memory[LEFT], 1e-16)))
-        for iteration in range(MOST_ITERATIONS):
-            for i in range(stages):
-                for k in range(n):
-                    place[k] = y[k] + moves[i][k]
-                rate(t + table.c[i] * h, place, slopes[i])
-            report[EVALUATIONS] += stages
-            for k in range(n):
-                for i in range(stages):
-                    changes[i][k] = slopes[i][k] - combined(table.inverse[i], moves, k) / h
-            correct(n, table, work)
-            largest = 0.0
-            for i in range(stages):
-                for k in range(n):
-                    moves[i][k] += changes[i][k]
-                largest = max(largest, size(changes[i], y, y, given))
-            if not largest < inf:
-                return False
-            if iteration > 0:
-                rate_of_change = largest / before
-                if not rate_of_change < 1:
-                    return False
-                left = rate_of_change / (1 - rate_of_change)
-                expected = left * largest
-                for _ in range(iteration + 1, MOST_ITERATIONS):
-                    expected *= rate_of_change
-                if expected > part:
-                    return False
-            before = largest
-            if left * largest <= part:
-                memory[LEFT] = left
-                memory[WANTED] = iteration >= 2 and rate_of_change > SLOW
-                return True
-        return False
+def _combined(weights: Any, rows: Any, k: int) -> float:
+    """Σ wᵢ times the k-th entry of row i."""
+    total = 0.0
+    for i in range(len(weights)):
+        total += weights[i] * rows[i][k]
+    return total
 
-    @compiled
-    def start(n: int, h: float, table: CollocationTable, work: Work) -> None:
-        """Set the moves by extrapolating the polynomial of the previous step, or of 0 if there is none."""
-        ratio, polynomial = h / work.memory[BEFORE], work.polynomial
+
+def _multiply_rows(matrix: Any, rows: Any, x: Any) -> None:
+    """Overwrite the rows with the matrix times them; x has room for an entry of each row."""
+    for k in range(len(rows[0])):
+        for i in range(len(matrix)):
+            x[i] = _combined(matrix[i], rows, k)
+        for i in range(len(matrix)):
+            rows[i][k] = x[i]
+
+
+def _correct(table: CollocationTable, work: Work, band: Band) -> None:
+    """Overwrite the corrections with T (blocks)⁻¹ T⁻¹ times them."""
+    n, changes, x = len(work.slope), work.corrections, work.x
+    _multiply_rows(table.to_blocks, changes, x)
+    for b in range(len(table.blocks)):
+        first, two = table.blocks[b][0], table.blocks[b][1]
+        for k in range(n):
+            for i in range(two):
+                x[two * k + i] = changes[first + i][k]
+        below, above = two * (band.lower + 1) - 1, two * (band.upper + 1) - 1
+        solve(work.matrices[b], work.exchanged[b], two * n, x, below, above)
+        for k in range(n):
+            for i in range(two):
+                changes[first + i][k] = x[two * k + i]
+    _multiply_rows(table.from_blocks, changes, x)
+
+
+def _iterated(writers: FieldWriters, t: float, y: Any, h: float, control: StepControl) -> float:
+    """Correct the moves once; return the size of the correction."""
+    given, table, work, report = control
+    moves, slopes, changes = work.moves, work.slopes, work.corrections
+    for i in range(len(table.c)):
+        add_to(y, moves[i], work.x)
+        writers.rate(t + table.c[i] * h, work.x, slopes[i])
+    report[EVALUATIONS] += len(table.c)
+    for k in range(len(y)):
         for i in range(len(table.c)):
-            x = 1 + ratio * table.c[i]
+            changes[i][k] = slopes[i][k] - _combined(table.inverse[i], moves, k) / h
+    _correct(table, work, writers.band)
+    largest = 0.0
+    for i in range(len(table.c)):
+        add_to(moves[i], changes[i], moves[i])
+        largest = max(largest, error_size(changes[i], y, y, given))
+    return largest
+
+
+def _solved_stages(writers: FieldWriters, t: float, y: Any, h: float, control: StepControl) -> bool:
+    """Iterate from the present moves; True if they end within a part of the tolerance."""
+    relative, memory, before, rate_of_change = control.given.relative, control.work.memory, inf, inf
+    part = max(PART, ROUNDINGS / relative) if relative > 0 else PART
+    # As long as the quotient of the series is not known, take that of the previous step, a little worse.
+    left = exp(0.8 * log(max(memory[LEFT], 1e-16)))
+    for iteration in range(MOST_ITERATIONS):
+        largest = _iterated(writers, t, y, h, control)
+        if not largest < inf:
+            return False
+        if iteration > 0:
+            rate_of_change = largest / before
+            if not rate_of_change < 1:
+                return False
+            left = rate_of_change / (1 - rate_of_change)
+            expected = left * largest
+            for _ in range(iteration + 1, MOST_ITERATIONS):
+                expected *= rate_of_change
+            if expected > part:
+                return False
+        before = largest
+        if left * largest <= part:
+            memory[LEFT] = left
+            memory[WANTED] = iteration >= 2 and rate_of_change > SLOW
+            return True
+    return False
+
+
+def _extrapolate(h: float, table: CollocationTable, work: Work) -> None:
+    """Set the moves by extrapolating the polynomial of the previous step, or of 0 if there is none."""
+    ratio, polynomial = h / work.memory[BEFORE], work.polynomial
+    for i in range(len(table.c)):
+        x = 1 + ratio * table.c[i]
+        for k in range(len(work.slope)):
+            value = at_end = 0.0
+            for j in range(len(table.c) - 1, -1, -1):
+                value = (value + polynomial[j][k]) * x
+                at_end += polynomial[j][k]
+            work.moves[i][k] = value - at_end
+
+
+def _estimated_error(y: Any, h: float, new: Any, slope: Any, band: Band, control: StepControl) -> float:
+    """Write (γ/h - J)⁻¹ (slope + Σ eᵢ Zᵢ / h), by the first block, into `work.off`; return its size."""
+    given, table, work, _ = control
+    for k in range(len(y)):
+        work.off[k] = slope[k] + _combined(table.estimate, work.moves, k) / h
+    solve(work.matrices[0], work.exchanged[0], len(y), work.off, band.lower, band.upper)
+    return error_size(work.off, y, new, given)
+
+
+def collocation_attempt(
+    writers: FieldWriters, t: float, y: Any, h: float, moved: bool, new: Any, control: StepControl
+) -> float:
+    """Attempt a step; see `numeric.step_control`."""
+    _, table, work, report = control
+    n, memory, band = len(y), work.memory, writers.band
+    if moved:
+        memory[BEFORE], memory[CURRENT] = memory[TRIED], False
+        writers.rate(t, y, work.slope)
+        report[EVALUATIONS] += 1
+        for i in range(len(table.c)):
             for k in range(n):
-                value = at_end = 0.0
-                for j in range(len(table.c) - 1, -1, -1):
-                    value = (value + polynomial[j][k]) * x
-                    at_end += polynomial[j][k]
-                work.moves[i][k] = value - at_end
-
-    @compiled
-    def estimated(n: int, h: float, slope: Any, table: CollocationTable, work: Work, off: Any) -> None:
-        """Write (γ/h - J)⁻¹ (slope + Σ eᵢ Zᵢ / h) into `off`, by the first block."""
-        for k in range(n):
-            off[k] = slope[k] + combined(table.estimate, work.moves, k) / h
-        solve(work.matrices[0], work.exchanged[0], n, off, lower, upper)
-
-    @compiled
-    def attempt(
-        t: float, y: Any, h: float, moved: bool, new: Any, given: Tolerances, table: Any, work: Any, report: Any
-    ) -> float:
-        n, stages, memory, slope, off = len(y), len(table.c), work.memory, work.slope, work.off
-        if moved:
-            memory[BEFORE], memory[CURRENT] = memory[TRIED], False
-            rate(t, y, slope)
-            report[EVALUATIONS] += 1
-            for i in range(stages):
-                for k in range(n):
-                    work.polynomial[i][k] = combined(table.powers[i], work.moves, k)
-        memory[TRIED] = h
-        while True:
-            if memory[WANTED] and not memory[CURRENT]:
-                jacobian(t, y, work.jacobian)
-                memory[CURRENT], memory[FACTORED] = True, 0.0
-            if memory[FACTORED] != h:
-                memory[FACTORED] = h
-                if not factor_blocks(n, h, table, work):
-                    return inf
-            start(n, h, table, work)
-            if solved_stages(t, y, h, given, table, work, report):
-                break
-            memory[LEFT] = 1.0
-            if memory[CURRENT]:
+                work.polynomial[i][k] = _combined(table.powers[i], work.moves, k)
+    memory[TRIED] = h
+    while True:
+        if memory[WANTED] and not memory[CURRENT]:
+            writers.jacobian(t, y, work.jacobian)
+            memory[CURRENT], memory[FACTORED] = True, 0.0
+        if memory[FACTORED] != h:
+            memory[FACTORED] = h
+            if not _factor_blocks(h, table, work, band):
                 return inf
-            memory[WANTED] = True
-        for k in range(n):
-            new[k] = y[k] + combined(table.weights, work.moves, k)
-        estimated(n, h, slope, table, work, off)
-        error = size(off, y, new, given)
-        if error > 1:
-            for k in range(n):
-                work.x[k] = y[k] + off[k]
-            rate(t, work.x, work.slopes[0])
-            report[EVALUATIONS] += 1
-            estimated(n, h, work.slopes[0], table, work, off)
-            error = size(off, y, new, given)
-        return error
-
-    return attempt  # type: ignore[no-any-return]
+        _extrapolate(h, table, work)
+        if _solved_stages(writers, t, y, h, control):
+            break
+        memory[LEFT] = 1.0
+        if memory[CURRENT]:
+            return inf
+        memory[WANTED] = True
+    for k in range(n):
+        new[k] = y[k] + _combined(table.weights, work.moves, k)
+    error = _estimated_error(y, h, new, work.slope, band, control)
+    if error > 1:
+        add_to(y, work.off, work.x)
+        writers.rate(t, work.x, work.slopes[0])
+        report[EVALUATIONS] += 1
+        error = _estimated_error(y, h, new, work.slopes[0], band, control)
+    return error
 
 
 @cache

@@ -3,7 +3,7 @@
 An attempt returns the size of its error: the largest over components of the estimate over `absolute` + `relative` |y|.
 It is accepted if that is at most 1, and else repeated with a shorter h; the next h is SAFETY (1 / error)^(1 / power)
 times the last, within limits (hairer-norsett-wanner-1993, II.4). Attempts of implicit methods are in
-`numeric.simplified_newton`. The loops are over numbers, as in `numeric.newton`: the same bits when compiled.
+`numeric.simplified_newton`. These are loops over numbers, as `numeric.loops` says.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from collections.abc import Callable
 from math import exp, inf, isfinite, log
 from typing import Any, NamedTuple, TypeAlias
 
-from driftproof.numeric.elimination import PYTHON_FLOATS, NumberKind
+from driftproof.numeric.loops import FieldWriters
 
 # The limits and the safety factor of the change of h (hairer-norsett-wanner-1993, II.4).
 MOST_LONGER, MOST_SHORTER, SAFETY = 5.0, 0.2, 0.9
@@ -39,102 +39,91 @@ class Tolerances(NamedTuple):
     most: float = inf
 
 
-# attempt(t, y, h, moved, new, given, table, work, report) writes the state at t + h into `new` and returns the size of
-# its error; `moved` says that y is not that of the previous attempt.
+class StepControl(NamedTuple):
+    """What a controlled run is given, and its report; the table and the workspace are those of its attempts."""
+
+    given: Tolerances
+    table: Any
+    work: Any
+    report: Any
+
+
+# attempt(writers, t, y, h, moved, new, control) writes the state at t + h into `new` and returns the size of its error;
+# `moved` says that y is not that of the previous attempt.
 StepAttempt: TypeAlias = Callable[..., float]
-# run(y, end, given, table, work, report) overwrites y, the state at t = 0, with that at `end`.
-Controlled: TypeAlias = Callable[..., None]
 
 
-def error_size(kind: NumberKind = PYTHON_FLOATS) -> Callable[..., float]:
-    """Return the function that measures the error of a step against the tolerances."""
+class PairTable(NamedTuple):
+    """An explicit pair: its step(t, y, h, first, last, new, off), where `first` holds f(t, y), and what that calls."""
 
-    @kind.compiled
-    def size(off: Any, y: Any, new: Any, given: Tolerances) -> float:
-        """The largest |off| / (absolute + relative max(|y|, |new|)); inf if a component is not finite."""
-        largest = 0.0
+    step: Callable[..., None]
+    calls: int  # of f in a step but the first
+    keeps: bool  # the last one is at the new state
+
+
+def error_size(off: Any, y: Any, new: Any, given: Tolerances) -> float:
+    """The largest |off| / (absolute + relative max(|y|, |new|)); inf if a component is not finite."""
+    largest = 0.0
+    for k in range(len(y)):
+        scale = given.absolute + given.relative * max(abs(y[k]), abs(new[k]))
+        if not isfinite(new[k]) or not isfinite(off[k]):
+            return inf
+        if abs(off[k]) > largest * scale:
+            largest = abs(off[k]) / scale if scale > 0 else inf
+    return largest
+
+
+def _first_step(writers: FieldWriters, y: Any, end: float, given: Tolerances, report: Any) -> float:
+    """The initial step size of (hairer-norsett-wanner-1993, II.4), from the sizes of y, f and the change of f."""
+    place, slope, other = writers.zeros(3, len(y))
+    writers.rate(0.0, y, slope)
+    moving, resting = error_size(slope, y, y, given), error_size(y, y, y, given)
+    h = min(0.01 * resting / moving if resting > 1e-5 and 1e-5 < moving < inf else 1e-6, end)
+    for k in range(len(y)):
+        place[k] = y[k] + h * slope[k]
+    writers.rate(h, place, other)
+    for k in range(len(y)):
+        other[k] = (other[k] - slope[k]) / h
+    report[EVALUATIONS] += 2
+    bend = max(error_size(other, y, y, given), moving)
+    return min(100 * h, end, exp(log(0.01 / bend) / given.power) if 1e-15 < bend < inf else end)
+
+
+def controlled_steps(writers: FieldWriters, attempt: StepAttempt, y: Any, end: float, control: StepControl) -> None:
+    """Overwrite y, the state at t = 0, with that at `end`, unless the run ends in another state of the report."""
+    given, _, _, report = control
+    n, t, moved, new = len(y), 0.0, True, writers.zeros(len(y))
+    h = _first_step(writers, y, end, given, report)
+    while t < end:
+        last = not t + h < end
+        h = end - t if last else h
+        error = attempt(writers, t, y, h, moved, new, control)
+        moved = error <= 1
+        if moved:
+            t = end if last else t + h
+            for k in range(n):
+                y[k] = new[k]
+        report[STEPS if moved else REJECTED] += 1
+        factor = SAFETY * exp(-log(max(error, SMALLEST)) / given.power) if isfinite(error) else 0.0
+        if not 1 <= factor <= given.steady:
+            h *= min(MOST_LONGER, max(MOST_SHORTER, factor))
+        short = not t + h > t or h < LEAST_STEP * end
+        if t < end and (short or report[EVALUATIONS] > given.most):
+            report[STATE], report[TIME] = TOO_SHORT if short else GIVEN_UP, t
+            return
+
+
+def pair_attempt(
+    writers: FieldWriters, t: float, y: Any, h: float, moved: bool, new: Any, control: StepControl
+) -> float:
+    """Attempt a step; `work` has a row for f at the start, one for the last f, and one for the error."""
+    given, table, (first, last, off), report = control
+    if moved and (t == 0 or not table.keeps):
+        writers.rate(t, y, first)
+        report[EVALUATIONS] += 1
+    elif moved:
         for k in range(len(y)):
-            scale = given.absolute + given.relative * max(abs(y[k]), abs(new[k]))
-            if not isfinite(new[k]) or not isfinite(off[k]):
-                return inf
-            if abs(off[k]) > largest * scale:
-                largest = abs(off[k]) / scale if scale > 0 else inf
-        return largest
-
-    return size  # type: ignore[no-any-return]
-
-
-def controlled_steps(rate: Callable[..., None], attempt: StepAttempt, kind: NumberKind = PYTHON_FLOATS) -> Controlled:
-    """Return the loop over steps from t = 0 to the end."""
-    compiled, zeros, _ = kind
-    size = error_size(kind)
-
-    @compiled
-    def first_step(y: Any, end: float, given: Tolerances, report: Any) -> float:
-        """The initial step size of (hairer-norsett-wanner-1993, II.4), from the sizes of y, f and the change of f."""
-        n = len(y)
-        place, slope, other = zeros(3, n)
-        rate(0.0, y, slope)
-        moving, resting = size(slope, y, y, given), size(y, y, y, given)
-        h = min(0.01 * resting / moving if resting > 1e-5 and 1e-5 < moving < inf else 1e-6, end)
-        for k in range(n):
-            place[k] = y[k] + h * slope[k]
-        rate(h, place, other)
-        for k in range(n):
-            other[k] = (other[k] - slope[k]) / h
-        report[EVALUATIONS] += 2
-        bend = max(size(other, y, y, given), moving)
-        return min(100 * h, end, exp(log(0.01 / bend) / given.power) if 1e-15 < bend < inf else end)
-
-    @compiled
-    def run(y: Any, end: float, given: Tolerances, table: Any, work: Any, report: Any) -> None:
-        n, t, moved, new = len(y), 0.0, True, zeros(len(y))
-        h = first_step(y, end, given, report)
-        while t < end:
-            last = not t + h < end
-            h = end - t if last else h
-            error = attempt(t, y, h, moved, new, given, table, work, report)
-            moved = error <= 1
-            if moved:
-                t = end if last else t + h
-                for k in range(n):
-                    y[k] = new[k]
-            report[STEPS if moved else REJECTED] += 1
-            factor = SAFETY * exp(-log(max(error, SMALLEST)) / given.power) if isfinite(error) else 0.0
-            if not 1 <= factor <= given.steady:
-                h *= min(MOST_LONGER, max(MOST_SHORTER, factor))
-            short = not t + h > t or h < LEAST_STEP * end
-            if t < end and (short or report[EVALUATIONS] > given.most):
-                report[STATE], report[TIME] = TOO_SHORT if short else GIVEN_UP, t
-                return
-
-    return run  # type: ignore[no-any-return]
-
-
-def pair_attempts(
-    rate: Callable[..., None], step: Callable[..., None], kind: NumberKind = PYTHON_FLOATS
-) -> StepAttempt:
-    """Return the attempts of an explicit pair, from its step(t, y, h, first, last, new, off); `first` holds f(t, y).
-
-    `table` is (calls of f in a step but the first, whether the last one is at the new state); `work` has a row for f at
-    the start, one for the last f, and one for the error.
-    """
-    size = error_size(kind)
-
-    @kind.compiled
-    def attempt(
-        t: float, y: Any, h: float, moved: bool, new: Any, given: Tolerances, table: Any, work: Any, report: Any
-    ) -> float:
-        first, last, off = work
-        calls, keeps = table
-        if moved and (t == 0 or not keeps):
-            rate(t, y, first)
-            report[EVALUATIONS] += 1
-        elif moved:
-            for k in range(len(y)):
-                first[k] = last[k]
-        step(t, y, h, first, last, new, off)
-        report[EVALUATIONS] += calls
-        return size(off, y, new, given)
-
-    return attempt  # type: ignore[no-any-return]
+            first[k] = last[k]
+    table.step(t, y, h, first, last, new, off)
+    report[EVALUATIONS] += table.calls
+    return error_size(off, y, new, given)

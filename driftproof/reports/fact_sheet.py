@@ -134,7 +134,7 @@ def facts(
     order            4
     imaginary limit  2*sqrt(2) = 2.828427124746190097603377448419
     """
-    subject, names = subject_of(method), tuple(only or ())
+    subject, names = subject_of(method), tuple(map(str.strip, only.split(",")) if isinstance(only, str) else only or ())
     if isinstance(subject, Family) and at is not None:
         subject = subject.member(parse_number(at, "value") if isinstance(at, str) else at)
     elif at is not None:

@@ -47,10 +47,7 @@ class Page(Printable):
 
 
 def report(
-    *scenes: GivenProblem | Scene,
-    output: str | Path | None = None,
-    digits: int = 15,
-    methods: GivenMethods = (),
+    *scenes: GivenProblem | Scene, output: str | Path | None = None, digits: int = 15, methods: GivenMethods = ()
 ) -> Page:
     """Scenes and problems as one page of HTML, written to `output`; the presets if none is named.
 
@@ -65,6 +62,8 @@ def report(
     if path is not None:
         require_file(path)
     parts = [_part(each, methods or STABILITY_METHODS) for each in scenes or PRESETS]
+    if methods and all(isinstance(part, Scene) for part in parts):
+        raise ValueError("methods are for problems, and none is named; `driftproof scene NAME --methods` takes them")
     titles = tuple(scene_title(part) if isinstance(part, Scene) else part.title for part in parts)
     page = Page(document(parts, digits, count_steps), titles, path)
     if path is not None:

@@ -78,7 +78,7 @@ class HangingOnce:
 @pytest.mark.parametrize(("step", "key"), [(codes.rk4, "rk4"), (codes.velocity_verlet, "velocity_verlet")])
 def test_a_call_that_does_not_come_back_refutes_nothing_and_is_no_refusal(step, key, nth):
     method = METHODS[key]
-    for question in exactly(12, questions_of(method, NO_ALLOWANCE, ORDINARY_DOMAIN, 20)):
+    for question in exactly(13, questions_of(method, NO_ALLOWANCE, ORDINARY_DOMAIN, 20)):
         marks = []
         for n in (nth, -1):
             target = HangingOnce(step, n)

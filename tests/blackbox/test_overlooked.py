@@ -1,5 +1,6 @@
 """Mistakes that once passed, misled or were blamed on right code, each beside its right twin."""
 
+import itertools
 import re
 import warnings
 from dataclasses import dataclass
@@ -9,6 +10,8 @@ import pytest
 
 from driftproof import assert_verified, identify, verify
 from tests.blackbox.families.remembering_steppers import Remembering, euler
+from tests.blackbox.families.split_steppers import imex
+from tests.blackbox.handwritten_steppers import rk4
 
 
 @dataclass
@@ -107,12 +110,135 @@ def cast(form):
     return step
 
 
+def called(turn):
+    """Heun's method, or Euler's in the calls of these numbers."""
+    count = itertools.count(1)
+
+    def step(f, t, y, h):
+        slope = f(t, y)
+        return y + h * slope if turn(next(count)) else y + h / 2 * (slope + f(t + h, y + h * slope))
+
+    return step
+
+
+def heun(slope_of=lambda slope: slope, length=lambda h: h):
+    def step(f, t, y, h):
+        slope, h = slope_of(f(t, y)), length(h)
+        return y + h / 2 * (slope + slope_of(f(t + h, y + h * slope)))
+
+    return step
+
+
+def nearly(apart, kept=None):
+    def length(h):
+        nonlocal kept
+        kept = kept if kept is not None and abs(h - kept) <= apart * abs(h) else h
+        return kept
+
+    return length
+
+
+def verlet(force_of=lambda force, m: force / m, ended=lambda x, v: v):
+    def step(force, x, v, m, dt):
+        v = v + dt / 2 * force_of(force(x), m)
+        x = x + dt * v
+        return x, ended(x, v + dt / 2 * force(x) / m)
+
+    return step
+
+
+def rows(of_row):
+    def step(states, dt):
+        v = states[:, 1] - dt * of_row(states[:, 0])
+        return np.stack([states[:, 0] + dt * v, v], axis=1)
+
+    return step
+
+
+def out_of(written):
+    def step(f, t, y, n, h, out):
+        k = np.empty(n)
+        f(t, y, k)
+        written(out, y + h * k)
+
+    return step
+
+
+def held(stiffness):
+    def step(state, dt):
+        v = state["v"] - dt * stiffness(state) * state["x"]
+        return {**state, "v": v, "x": state["x"] + dt * v}
+
+    return step
+
+
+def pushed(before):
+    def step(bodies, force, dt):
+        for body in bodies:
+            body.acc = before(body) + force(body, bodies) / body.mass
+        for body in bodies:
+            body.vel = body.vel + dt * body.acc
+            body.pos = body.pos + dt * body.vel
+
+    return step
+
+
+def in_place(kept):
+    def step(n, x, v, a, dt):
+        for i in range(n):
+            x[i] += dt * v[i] + dt * dt / 2 * a[i]
+            v[i] += dt / 2 * (a[i] - x[i])
+            a[i] = kept(a[i], -x[i])
+
+    return step
+
+
+def leap(last):
+    def step(acc, x, v, dt, n):
+        for i in range(n):
+            v += dt / 2 * acc(x)
+            x += dt * v
+            v += dt / 2 * acc(x) if last or i < n - 1 else 0 * x
+
+    return step
+
+
+def split(turn):
+    def step(f_explicit, f_implicit, t, y, h):
+        return imex("ars222")(*turn(f_explicit, f_implicit), t, y, h)
+
+    return step
+
+
+def ros2(share):
+    def step(f, jac, dfdt, t, y, h):
+        gamma = 1 - 2**-0.5
+        system, slope = np.eye(len(y)) - gamma * h * np.asarray(jac(t, y)), share(h) * gamma * np.asarray(dfdt(t, y))
+        k1 = np.linalg.solve(system, np.asarray(f(t, y)) + slope)
+        k2 = np.linalg.solve(system, np.asarray(f(t + h, y + h * k1)) - 2 * k1 - slope)
+        return y + 3 / 2 * h * k1 + h / 2 * k2
+
+    return step
+
+
+def sampled(kick):
+    def step(grad_U, q, p, eps, L):
+        for _ in range(L):
+            p = p - eps / 2 * grad_U(q)
+            q = q + eps * p
+            p = p - kick * eps * grad_U(q)
+        return q, p
+
+    return step
+
+
 RUN = later(lambda n: n - 1)
+EULER, VERLET, FIRST = "symplectic_euler", "velocity_verlet", "its first step ended at"
 WRONG = [
     (spring(lambda x, k, m: k * x), spring(), "symplectic_euler", "with m = 2, k = 8 its step of q'' = -4 q is wrong"),
     (spring(lambda x, k, m: x / m), spring(), "symplectic_euler", "not for all parameters: with m = 2, k = 8"),
     (pendulum(1), pendulum(2), "symplectic_euler", "not for all parameters: with omega = 2"),
-    (heavy(lambda m, x: m), heavy(lambda m, x: m[:, None] if x.ndim > 1 else m), "velocity_verlet", "with 9 positions"),
+    (heavy(lambda m, x: m), heavy(lambda m, x: m[:, None] if x.ndim > 1 else m), VERLET, "9 positions of unequal"),
     (heavy(lambda m, x: m.mean()), heavy(lambda m, x: (m * x.T**0).T), "velocity_verlet", "q[0], q[1], v[0], v[1]"),
     (on_times(lambda t: [t[1] - t[0]] * (len(t) - 1)), on_times(np.diff), "heun2", "times of its grid are unequally"),
     (later(lambda n: max(n - 2, 0)), RUN, "symplectic_euler", "for its first step only"),
@@ -121,6 +247,23 @@ WRONG = [
     (record(2), record(1), "forward_euler", "it returns the time t + 0.5 with the state at its end, t + 0.25"),
     (weighted(np.float32(1 / 6)), weighted(1 / 6), "nystrom4", "is not nystrom4"),
     (cast(np.float32), cast(np.float64), "symplectic_euler", "the simplest step beyond the bound"),
+    (called(lambda n: n == 1), called(lambda n: False), "heun2", f"is heun2, but not in every call: {FIRST}"),
+    (called(lambda n: n % 10 == 0), heun(), "heun2", f"is not heun2: its answers change from call to call: {FIRST}"),
+    (heun(length=nearly(1e-3)), heun(length=nearly(0)), "heun2", "is heun2, but not everywhere"),
+    (heun(length=lambda h: h if h > -1 else -1), heun(), "heun2", "is heun2 for h > 0 only: a step with"),
+    (heun(lambda slope: np.clip(slope, -1e4, 1e4)), heun(), "heun2", "with 17 components"),
+    (verlet(lambda force, m: force * m / 4), verlet(), VERLET, "but not for all parameters: with m = 0.5"),
+    (verlet(ended=lambda x, v: v - np.mean(v, axis=0) if np.ndim(v) > 1 else v), verlet(), VERLET, "in space"),
+    (rows(lambda q: q[0]), rows(lambda q: q), EULER, "for one state at a time only: of 3 states in arrays, row 1"),
+    (later(lambda n: n - 1 - (n % 10 == 9)), RUN, EULER, "for its first step only"),
+    (out_of(lambda out, y: np.add(out, y, out)), out_of(lambda out, y: np.copyto(out, y)), "forward_euler", "0.59375"),
+    (held(lambda s: s["k"] + 0 * s["m"]), held(lambda s: s["k"] / s["m"]), EULER, "with m = 2, k = 8"),
+    (pushed(lambda body: getattr(body, "acc", 0)), pushed(lambda body: 0), EULER, "a second step with the acc that"),
+    (in_place(lambda old, new: old), in_place(lambda old, new: new), VERLET, "a second step with the a that"),
+    (split(lambda f, g: (g, f)), split(lambda f, g: (f, g)), "ars222", "it is ars222 with its functions exchanged"),
+    (ros2(lambda h: 1), ros2(lambda h: h), "ros2", "is not ros2: order 1 is observed where f depends on t"),
+    (sampled(1), sampled(0.5), VERLET, "kick 2: 1 instead of 1/2"),
+    (leap(False), leap(True), VERLET, "is not velocity_verlet"),
 ]  # fmt: skip
 
 
@@ -168,7 +311,8 @@ def test_the_object_of_a_method_is_left_as_it_is():
     """It would begin its next examination with the slopes of this one, and be told that its start is inaccurate."""
     own = Remembering("adams_bashforth2", euler)
     said = {verify(own.step, "adams_bashforth2", isolate=False).verdict for _ in range(2)}
-    assert said == {"is adams_bashforth2 in steps of equal length, started by forward_euler"}
+    across = "the first step after a change of h has order 1"
+    assert said == {f"is adams_bashforth2 in steps of equal length, started by forward_euler; {across}"}
     assert not own.states
 
 
@@ -213,3 +357,13 @@ def test_headlines_say_what_was_seen():
         assert headline in report.verdict
         assert "damping" not in report.text()
     assert re.search(r"multiplied by 1 -1e-09 in each step", identify(slowed, isolate=False).text())
+    (fault,) = identify(called(lambda n: n % 10 == 0), isolate=False).section("Faults").lines
+    assert fault.startswith(f"its answers change from call to call: {FIRST}")
+
+
+def test_doubles_that_are_computed_in_binary32_show_no_order_in_their_noise():
+    def narrow(f, t, y, h):
+        rate = lambda t, y: np.asarray(f(t, y), np.float32)
+        return rk4(rate, t, np.asarray(y, np.float32), np.float32(h)).astype(float)
+
+    assert "order -1" not in identify(narrow, isolate=False).text()

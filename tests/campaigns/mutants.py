@@ -33,7 +33,7 @@ from typing import NamedTuple
 from tqdm import tqdm
 
 ROOT = Path(__file__).parents[2]
-ROOMS = ("methods", "symbolic", "numeric", "blackbox", "texts")
+ROOMS = ("methods", "symbolic", "numeric", "blackbox", "enclosure", "texts", "reports")
 KILLED, SURVIVED, EQUIVALENT, UNDECIDED = OUTCOMES = ("killed", "survived", "equivalent", "undecided")
 PAGE, JUDGED = ROOT / "docs" / "mutants.md", Path(__file__).with_name("equivalent.toml")
 # Of one mutant's tests: longer than any of them takes on two busy cores. A mutant that runs on is noticed by it.
@@ -52,6 +52,7 @@ SYMMETRIC += ("same", "_is_same", "suppress", "isclose")  # the last is that of 
 BOUND, SMALL = re.compile(r"\.of\(|\.u\b|\b(allowed|rounding|slack|noise)\b"), re.compile(r"2\.0 \*\* \(-\d+\)|1e-\d+")
 # Keywords that declare an intent: no answer of a program that is right changes with them.
 DECLARED = {"zip": ("strict",), "dataclass": ("frozen", "slots"), "TypeVar": ("covariant", "contravariant")}
+DECLARED["lru_cache"] = ("maxsize",)
 
 
 HEAD = """\
@@ -65,8 +66,8 @@ it, among the test file that mirrors the module, those that import the module, t
 Nothing is planted in what declares an intent and changes no answer of a right program: `strict` of `zip`, `frozen` and
 `slots` of dataclasses, what an `assert` would say. The score leaves out what no test could notice, each with its
 reason: `tests/campaigns/equivalent.toml`; there stand, too, the lines of numbers that were chosen, states, steps, bits
-of balls, where others do as well: what survives in one of them is equivalent, and so is the very edge of a bound on
-what is measured. What the time limit ended, and what failed without the mutant too, is tried once more; what is
+of balls, where others do as well: another number that survives there is equivalent, and so is the very edge of a bound
+on what is measured. What the time limit ended, and what failed without the mutant too, is tried once more; what is
 undecided then counts as not killed. Survivors that were met have got tests since: only a seed that nobody has tried
 says what share of new errors would be noticed.
 
@@ -262,9 +263,10 @@ def judged() -> dict[str, str]:
     return {entry["mutant"]: entry["because"] for entry in tomllib.loads(JUDGED.read_text(encoding="utf-8"))["judged"]}
 
 
-def chosen() -> dict[str, str]:
-    """The lines of numbers that were chosen, where others do as well, each with the reason."""
+def chosen(formulas: bool = False) -> dict[str, str]:
+    """The lines of numbers that were chosen, where others do as well, each with the reason; or of formulas alone."""
     groups = tomllib.loads(JUDGED.read_text(encoding="utf-8"))["chosen"]
+    groups = [group for group in groups if group.get("formulas", not formulas)]
     return {line: group["because"] for group in groups for line in group["lines"]}
 
 
@@ -302,7 +304,8 @@ def reason(mutant: Mutant) -> str:
             return (
                 "Whether a bound on what is measured, or on its rounding, is itself allowed: nothing measured meets it."
             )
-    return judged().get(mutant.name) or chosen().get(mutant.where, "")
+    number = re.fullmatch(r"[\d.e-]+", mutant.old)
+    return judged().get(mutant.name) or chosen(formulas=not number).get(mutant.where, "")
 
 
 def campaign(mutants: list[Mutant], minutes: float, workers: int) -> dict[Mutant, str]:

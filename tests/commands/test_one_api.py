@@ -17,14 +17,14 @@ RUN = str(ROOT / "examples" / "trajectories" / "pendulum_RK45.csv")
 
 # A command and what Python says for it, in `driftproof`'s names.
 SAME = {
-    "facts RK4 --only order,imaginary_limit": "facts('rk4', only=['order', 'imaginary_limit'])",
+    "facts RK4 --only order,imaginary_limit": "facts('rk4', only='order, imaginary_limit')",
     "facts tsitouras54 --only order --order-tolerance 1e-12": "facts('Tsit5', only='order'.split(), "
     "order_tolerance='1e-12')",
     "facts sdirk_order_2 --only l_stable": "facts(FAMILIES['sdirk_order_2'], only=['l_stable'])",
     "facts sdirk_order_2 --at 1/4 --only order": "facts('sdirk_order_2', at=Q(1, 4), only=['order'])",
-    "facts bdf2 --only order": "facts('bdf2', only=['order'])",
+    "facts bdf2 --only order": "facts('bdf2', only='order')",
     "facts rk4 --system '0 1; -1 -1/10'": "facts(METHODS['rk4'], system=[[0, 1], [-1, '-1/10']])",
-    "derive forward_euler --only determinant": "derive('Euler', only=['determinant'])",
+    "derive forward_euler --only determinant": "derive('Euler', only='determinant')",
     "step mine.toml --h 1/2": "step(Path('mine.toml'), 0.5)",
     "run rk4 --h 1/4 --t 10 --state 0,1 --digits 20": "run('rk4', '1/4', 10, state=(0, 1), digits=20)",
     "run rk4 --h 0.1 --t 1 --budget": "run('rk4', Q(1, 10), 1, budget=True)",

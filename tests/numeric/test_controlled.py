@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from math import exp
 
 import pytest
@@ -14,7 +15,7 @@ from driftproof.numeric.controlled import _pair_step, controlled_runner
 from driftproof.numeric.field_loops import field_writers
 from driftproof.numeric.problems.catalogue import PROBLEMS
 from driftproof.numeric.reference_errors import distance_from_digits
-from driftproof.numeric.simplified_newton import collocation_attempts
+from driftproof.numeric.simplified_newton import collocation_attempt
 from driftproof.numeric.step_control import Tolerances, controlled_steps
 
 EXPONENTIAL = VectorField(("y0",))
@@ -42,7 +43,7 @@ POWERS = [
 def test_the_controller_is_told_the_power_of_h_and_which_growths_to_leave(key, power, steady):
     """Of a pair every growth is taken; the matrices of an implicit method are worth a fifth."""
     run, seen = controlled_runner(METHODS[key], EXPONENTIAL), []
-    run.loop = lambda y, end, given, *rest: seen.append((end, given))
+    run.loop = lambda y, end, control: seen.append((end, control.given))
     assert run((1.0,), 2.0, 1e-3, 1e-4, 50) == (1.0,)
     assert seen == [(2.0, Tolerances(1e-3, 1e-4, power, steady, 50))]
 
@@ -52,9 +53,9 @@ def test_stiff_problems_are_followed_with_few_matrices(key):
     """To t = 10¹¹, say, in some hundred steps; J is made anew in a part of them."""
     problem, made = PROBLEMS[key], []
     run = controlled_runner(METHODS["radau_iia3"], problem.field)
-    rate, jacobian, band, kind = field_writers(problem.field, compiled=False)
-    attempts = collocation_attempts(rate, lambda *place: made.append(place[0]) or jacobian(*place), band, kind)
-    run.loop = controlled_steps(rate, attempts, kind)
+    system = field_writers(problem.field, compiled=False)
+    counting = system._replace(jacobian=lambda *place: made.append(place[0]) or system.jacobian(*place))
+    run.loop = partial(controlled_steps, counting, collocation_attempt)
     found = run(float_start(problem), float(problem.t), 1e-6, 1e-10)
     assert distance_from_digits(found, problem.reference.states[-1]) < 2e-8
     assert len(made) < run.steps < 1000
@@ -67,18 +68,18 @@ def test_calls_are_those_that_are_made():
         run = controlled_runner(METHODS[key], PROBLEMS["kepler"].field)
         run(start, 1.0, 1e-6, 1e-6)
         assert run.calls == 2 + others * (run.steps + run.rejected) + (1 if keeps else run.steps)
-    calls, (rate, jacobian, band, kind) = [], field_writers(PROBLEMS["kepler"].field, compiled=False)
-    counting = lambda t, y, f: calls.append(t) or rate(t, y, f)
+    calls, system = [], field_writers(PROBLEMS["kepler"].field, compiled=False)
+    counting = system._replace(rate=lambda t, y, f: calls.append(t) or system.rate(t, y, f))
     run = controlled_runner(METHODS["radau_iia3"], PROBLEMS["kepler"].field)
-    run.loop = controlled_steps(counting, collocation_attempts(counting, jacobian, band, kind), kind)
+    run.loop = partial(controlled_steps, counting, collocation_attempt)
     run(start, 1.0, 1e-6, 1e-6)
     assert run.calls == len(calls) > 4 * run.steps
 
 
 def test_a_step_of_a_pair_is_that_of_its_weights_and_its_error_their_difference():
     """Heun and Euler on y' = y: a step from y by h leads to y (1 + h + h²/2), Euler h²/2 y beside it."""
-    new, off = [0.0], [0.0]
-    _pair_step(METHODS["heun_euler21"], EXPONENTIAL)(0.0, [8.0], 0.25, [8.0], [0.0], new, off)
+    step, new, off = _pair_step(METHODS["heun_euler21"], EXPONENTIAL, compiled=False), [0.0], [0.0]
+    step(0.0, [8.0], 0.25, [8.0], [0.0], new, off)
     assert (new, off) == ([10.25], [0.25])
 
 

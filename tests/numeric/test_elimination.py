@@ -7,10 +7,8 @@ from random import Random
 
 import pytest
 
-from driftproof.numeric.elimination import FULL, Band, elimination
+from driftproof.numeric.elimination import FULL, Band, factored, solve
 from driftproof.numeric.tableaux import solved
-
-FACTORED, SOLVE = elimination()
 
 
 def banded(matrix: list[list[float]], band: Band) -> list[list[float]]:
@@ -34,8 +32,8 @@ def test_solutions_are_those_of_fractions(band: Band, size: int) -> None:
         rows, exchanged, x = banded(matrix, band), [0] * size, list(right)
         if exact is None:
             continue
-        assert FACTORED(rows, exchanged, size, *band)
-        SOLVE(rows, exchanged, size, x, *band)
+        assert factored(rows, exchanged, size, *band)
+        solve(rows, exchanged, size, x, *band)
         assert x == pytest.approx([float(y) for y in exact], abs=1e-9 * (1 + max(map(abs, exact))))
         tried += 1
     assert tried > 14
@@ -44,11 +42,11 @@ def test_solutions_are_those_of_fractions(band: Band, size: int) -> None:
 def test_rows_are_exchanged_for_a_larger_pivot_and_not_for_one_of_the_same_size() -> None:
     for entry, other in ((2.0, 0), (-2.5, 1)):
         exchanged = [9, 9]
-        assert FACTORED([[-2.0, 1.0], [entry, 1.0]], exchanged, 2, *FULL)
+        assert factored([[-2.0, 1.0], [entry, 1.0]], exchanged, 2, *FULL)
         assert exchanged == [other, 1]
 
 
 def test_a_matrix_without_an_inverse_has_a_zero_pivot() -> None:
     assert min(FULL) > 10**6
-    assert not FACTORED([[1.0, 2.0], [2.0, 4.0]], [0, 0], 2, *FULL)
-    assert not FACTORED([[0.0, 2.0], [0.0, 4.0]], [0, 0], 2, *FULL)
+    assert not factored([[1.0, 2.0], [2.0, 4.0]], [0, 0], 2, *FULL)
+    assert not factored([[0.0, 2.0], [0.0, 4.0]], [0, 0], 2, *FULL)

@@ -29,7 +29,7 @@ def line_of(n: int) -> VectorField:
 @pytest.mark.parametrize("field", [COUPLED, line_of(20), *(PROBLEMS[key].field for key in ("kepler", "hires"))])
 def test_rates_are_the_fields_and_derivatives_their_differences(field: VectorField) -> None:
     """Differences over 2⁻²⁶ of numbers near 1 are off by some 2⁻²⁴; a row of a band begins left of the diagonal."""
-    n, rate, (write, derive, band, _) = len(field.rates), field_rate(field), field_writers(field, compiled=False)
+    n, rate, (write, derive, band, *_) = len(field.rates), field_rate(field), field_writers(field, compiled=False)
     y, f, matrix = [1 + i / 8 for i in range(n)], [0.0] * n, [[0.0] * n for _ in range(n)]
     write(0.5, y, f)
     assert f == rate(0.5, y)
@@ -47,8 +47,8 @@ def test_compiled_they_are_the_same_bits() -> None:
     start = float_start(PROBLEMS["oregonator"])
     found = []
     for compiled in (False, True):
-        write, derive, _, kind = field_writers(PROBLEMS["oregonator"].field, compiled=compiled)
-        f, matrix = kind.zeros(3), kind.zeros(3, 3)
+        write, derive, _, zeros, _ = field_writers(PROBLEMS["oregonator"].field, compiled=compiled)
+        f, matrix = zeros(3), zeros(3, 3)
         write(0.0, np.array(start), f)
         derive(0.0, np.array(start), matrix)
         found.append((list(f), [list(row) for row in matrix]))
@@ -65,7 +65,7 @@ def test_loops_write_what_stands_in_the_rates(field: VectorField, monkeypatch: p
     y = [1 + i / 64 for i in range(n)]
     for looped in (2, 10**6):
         monkeypatch.setattr(field_loops, "LOOPED", looped)
-        write, derive, band, _ = field_writers(field, compiled=False)
+        write, derive, band, *_ = field_writers(field, compiled=False)
         f, matrix = [0.0] * n, [[0.0] * min(n, band.lower + band.upper + 1) for _ in range(n)]
         write(0.5, y, f)
         derive(0.5, y, matrix)

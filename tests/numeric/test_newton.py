@@ -7,7 +7,7 @@ import pytest
 
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.vector_fields import VectorField
-from driftproof.numeric import field_loops, implicit
+from driftproof.numeric import field_loops, loops
 from driftproof.numeric.advance import field_rate, float_start
 from driftproof.numeric.elimination import FULL, Band
 from driftproof.numeric.implicit import (
@@ -17,7 +17,8 @@ from driftproof.numeric.implicit import (
     implicit_runner,
     implicit_stepper,
 )
-from driftproof.numeric.newton import MOST_ITERATIONS, residual_of
+from driftproof.numeric.loops import FieldWriters
+from driftproof.numeric.newton import MOST_ITERATIONS, Equations, residual
 from driftproof.numeric.problems.catalogue import PROBLEMS
 
 
@@ -54,7 +55,7 @@ def test_each_system_of_an_ensemble_takes_the_steps_that_it_takes_alone():
 
 def test_what_is_compiled_has_the_same_bits_on_arrays_before_that(monkeypatch):
     """One system and an ensemble, its failing system named; the field is of this test alone, as is what is kept."""
-    monkeypatch.setattr(field_loops, "compiled_function", lambda function: function)
+    monkeypatch.setattr(loops, "compiled_function", lambda function: function)
     method, field = METHODS["radau_iia2"], VectorField(("y1 + t / 8", "y0 * y0 * y0 - y1"))
     starts, run = np.array([[0.5, 0.25], [-1.0, 0.5], [0.125, 2.0]]).T.copy(), implicit_runner(method, field)
     alone = [run(tuple(start), 0.125, 2, 9) for start in starts.T.tolist()]
@@ -81,7 +82,7 @@ def test_in_a_band_stages_are_those_of_full_matrices_up_to_rounding(key, monkeyp
     start, runs = tuple(i / 32 for i in range(30)), []
     for band in (field_loops.band_of, lambda reads: FULL):
         monkeypatch.setattr(field_loops, "band_of", band)
-        implicit._steps_on.cache_clear()
+        field_loops.field_writers.cache_clear()
         run = implicit_runner(METHODS[key], field)
         runs.append((run(start, 0.01, 0, 3), run.calls))
     (found, calls), (wanted, calls_of_full) = runs
@@ -162,11 +163,11 @@ def test_floor_of_several_stages_is_8e_plus_4r_by_its_formula(band):
             left = moves[i, k] - known[i, k] - h * sum(a[i][j] * slopes[j, k] for j in range(2))
             largest = max(largest, abs(left) / (8 * e + 4 * r))
     given, rest = iter(slopes.tolist()), np.zeros((2, 3))
-    residual = residual_of(lambda t, y, f: f.__setitem__(slice(None), next(given)), band)
-    found = residual(0.0, y, h, a, [0.0, 0.0], moves.tolist(), known.tolist(), rows, rest)
+    system = FieldWriters(lambda t, y, f: f.__setitem__(slice(None), next(given)), None, band)
+    found = residual(system, Equations(0.0, y, h, a, [0.0, 0.0], known.tolist()), moves.tolist(), rows, rest)
     assert found == pytest.approx(largest, rel=1e-14, abs=0)
     assert rest[1, 2] == pytest.approx(left, rel=1e-14, abs=0)
     still, one = [[0.0], [0.0]], [[5e-324], [0.0]]  # of what is 0, whole numbers of eta are left
-    nothing, eye = residual_of(lambda t, y, f: None), [[1.0, 0.0], [0.0, 1.0]]
-    units = [[[1.0]], [[1.0]]]
-    assert nothing(0.0, [0.0], 2.0, eye, [0.0, 0.0], still, one, units, [[0.0], [0.0]]) == 1 / (8 * 3 * 3 + 4 * (1 + 2))
+    nothing, eye = FieldWriters(lambda t, y, f: None, None), [[1.0, 0.0], [0.0, 1.0]]
+    units, equations = [[[1.0]], [[1.0]]], Equations(0.0, [0.0], 2.0, eye, [0.0, 0.0], one)
+    assert residual(nothing, equations, still, units, [[0.0], [0.0]]) == 1 / (8 * 3 * 3 + 4 * (1 + 2))

@@ -11,14 +11,24 @@ import pytest
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.schemes import MethodError
 from driftproof.numeric.elimination import FULL, Band
-from driftproof.numeric.simplified_newton import WANTED, collocation_attempts, collocation_table, work_for
-from driftproof.numeric.step_control import EVALUATIONS, Tolerances
+from driftproof.numeric.loops import FieldWriters
+from driftproof.numeric.simplified_newton import WANTED, collocation_attempt, collocation_table, work_for
+from driftproof.numeric.step_control import EVALUATIONS, StepControl, Tolerances
 from driftproof.numeric.tableaux import float_tableau
 from tests.looping import some
 
 TABLES = [
     key for key in METHODS if key.startswith(("gauss", "radau_iia")) or key in ("backward_euler", "implicit_midpoint")
 ]
+NOTHING = FieldWriters(lambda t, y, f: None, lambda t, y, matrix: None)
+
+
+def attempt_at(rate, jacobian, band=FULL):
+    """The attempt of a step, with the parts of its `StepControl` as arguments."""
+    writers = FieldWriters(rate, jacobian, band)
+    return lambda t, y, h, moved, new, *control: collocation_attempt(
+        writers, t, y, h, moved, new, StepControl(*control)
+    )
 
 
 def test_radau_iia3_has_the_numbers_of_hairer_and_wanner():
@@ -70,8 +80,8 @@ def test_estimates_see_powers_of_t_from_their_order_on_and_no_earlier(key):
         def rate(t, y, f, k=k):
             f[0] = t**k
 
-        attempt = collocation_attempts(rate, lambda t, y, matrix: matrix.__setitem__(0, [0.0]))
-        new, work = [0.0], work_for(1, table, FULL)
+        attempt = attempt_at(rate, lambda t, y, matrix: matrix.__setitem__(0, [0.0]))
+        new, work = [0.0], work_for(1, table, NOTHING)
         error = attempt(0.0, [0.0], 1.0, True, new, Tolerances(0.0, 1.0, 1.0), table, work, [0.0] * 5)
         # J is right, and so one iteration is exact but for T, which is rounded to 24 bits.
         method = float_tableau(METHODS[key])
@@ -90,8 +100,8 @@ def test_iterations_start_on_the_polynomial_of_the_step_before(key):
             seen.append((t, y[0]))
             f[0] = (1 + t) ** (power - 1)
 
-        attempt = collocation_attempts(rate, lambda t, y, matrix: matrix.__setitem__(0, [0.0]))
-        work, new, given = work_for(1, table, FULL), [0.0], Tolerances(0.0, 1e-9, 1.0)
+        attempt = attempt_at(rate, lambda t, y, matrix: matrix.__setitem__(0, [0.0]))
+        work, new, given = work_for(1, table, NOTHING), [0.0], Tolerances(0.0, 1e-9, 1.0)
         for t, h, moved in ((0.0, 1.0, True), (1.0, 2.0, True), (1.0, 0.5, False)):
             seen.clear()
             attempt(t, [right(t)], h, moved, new, given, table, work, [0.0] * 5)
@@ -120,8 +130,8 @@ ITERATIONS = [
 def test_iterations_go_on_while_they_lead_within_the_tolerance(left, absolute, iterations, wanted, relative):
     table, report = collocation_table(METHODS["backward_euler"]), [0.0] * 5
     jacobian = lambda t, y, m: m.__setitem__(0, [1 - 2 / (1 - left)])
-    attempt = collocation_attempts(lambda t, y, f: f.__setitem__(0, -y[0]), jacobian)
-    work, given = work_for(1, table, FULL), Tolerances(relative, absolute, 2.0)
+    attempt = attempt_at(lambda t, y, f: f.__setitem__(0, -y[0]), jacobian)
+    work, given = work_for(1, table, NOTHING), Tolerances(relative, absolute, 2.0)
     error = attempt(0.0, [1.0], 1.0, True, [0.0], given, table, work, report)
     assert (error < inf) is (wanted is not None)
     large = wanted is not None and (1 - left) / 4 > absolute  # the first estimate, 1/2 over 1 - J
@@ -139,8 +149,8 @@ def test_an_old_matrix_that_fails_is_made_anew_and_nothing_is_known_of_what_the_
     for part, iterations in ((0.99, 1), (1.01, 2)):
         now, report, made = [-1.0, 1 - 2 / 0.9], [0.0] * 5, []
         jacobian = lambda t, y, m, now=now, made=made: made.append(t) or m.__setitem__(0, now[1:])
-        attempt = collocation_attempts(lambda t, y, f, now=now: f.__setitem__(0, now[0] * y[0]), jacobian)
-        work, given = work_for(1, table, FULL), Tolerances(0.0, 100 * (30 / 31 - 0.495) / part, 2.0)
+        attempt = attempt_at(lambda t, y, f, now=now: f.__setitem__(0, now[0] * y[0]), jacobian)
+        work, given = work_for(1, table, NOTHING), Tolerances(0.0, 100 * (30 / 31 - 0.495) / part, 2.0)
         assert attempt(0.0, [1.0], 1.0, True, [0.0], Tolerances(0.0, 1.0, 2.0), table, work, report) < 1
         now[:], report[EVALUATIONS] = (-30.0, -30.0), 0.0
         assert attempt(1.0, [1.0], 1.0, True, [0.0], given, table, work, report) < 1
@@ -151,9 +161,9 @@ def test_an_old_matrix_that_fails_is_made_anew_and_nothing_is_known_of_what_the_
 def test_a_singular_matrix_and_a_slope_that_is_infinite_are_infinitely_wrong(slope, derivative):
     table = collocation_table(METHODS["backward_euler"])
     jacobian = lambda t, y, m: m.__setitem__(0, [derivative])
-    attempt = collocation_attempts(lambda t, y, f: f.__setitem__(0, slope(y[0])), jacobian)
+    attempt = attempt_at(lambda t, y, f: f.__setitem__(0, slope(y[0])), jacobian)
     given, report = Tolerances(0.0, 1.0, 2.0), [0.0] * 5
-    assert attempt(0.0, [1.0], 1.0, True, [0.0], given, table, work_for(1, table, FULL), report) == inf
+    assert attempt(0.0, [1.0], 1.0, True, [0.0], given, table, work_for(1, table, NOTHING), report) == inf
     assert report[EVALUATIONS] == (1 if derivative else 2)
 
 
@@ -176,8 +186,8 @@ def test_in_a_band_an_attempt_has_the_bits_of_full_matrices(key, band):
                 for k, x in enumerate(row):
                     to[k] = x  # within the room that there is, which a slice would extend
 
-        attempt = collocation_attempts(rate, jacobian, given)
-        new, work = [0.0] * n, work_for(n, table, given)
+        attempt = attempt_at(rate, jacobian, given)
+        new, work = [0.0] * n, work_for(n, table, FieldWriters(rate, jacobian, given))
         start, tolerances = [1.0 - i / 4 for i in range(n)], Tolerances(0.0, 1.0, 2.0)
         for h in (0.5, 0.75):  # in the same room, in which nothing of the first matrix may be left
             error = attempt(0.0, start, h, True, new, tolerances, table, work, [0.0] * 5)
@@ -193,8 +203,8 @@ def test_an_attempt_without_stages_is_infinitely_wrong():
         f[0] = 10 * y[0] * y[0]
 
     table, seen = collocation_table(METHODS["backward_euler"]), []
-    attempt = collocation_attempts(rate, lambda t, y, m: seen.append(t) or m.__setitem__(0, [20 * y[0]]))
-    work = work_for(1, table, FULL)
+    attempt = attempt_at(rate, lambda t, y, m: seen.append(t) or m.__setitem__(0, [20 * y[0]]))
+    work = work_for(1, table, NOTHING)
     assert attempt(0.0, [1.0], 1.0, True, [0.0], Tolerances(0.0, 1e-3, 2.0), table, work, [0.0] * 5) == inf
     assert attempt(0.0, [1.0], 1e-3, False, [0.0], Tolerances(0.0, 1e-3, 2.0), table, work, [0.0] * 5) < 1
     assert seen == [0.0]  # the state has not moved

@@ -7,6 +7,7 @@ from math import inf, sqrt
 
 import pytest
 
+from driftproof.numeric.loops import FieldWriters
 from driftproof.numeric.step_control import (
     DONE,
     EVALUATIONS,
@@ -15,6 +16,7 @@ from driftproof.numeric.step_control import (
     STATE,
     STEPS,
     TOO_SHORT,
+    StepControl,
     Tolerances,
     controlled_steps,
     error_size,
@@ -27,7 +29,7 @@ def run_of(error, end=1.0, given=HUNDREDTH, slope=lambda y: 1.0, start=0.0):
     """The attempts (t, h, moved) of a run of y' = f whose step from t by h has the error that is told; the report."""
     seen, report, y = [], [0.0] * 5, [start]
 
-    def attempt(t, y, h, moved, new, given, table, work, report):
+    def attempt(writers, t, y, h, moved, new, control):
         seen.append((t, h, moved))
         report[0] += 1
         new[0] = y[0] + h
@@ -36,7 +38,7 @@ def run_of(error, end=1.0, given=HUNDREDTH, slope=lambda y: 1.0, start=0.0):
     def rate(t, y, f):
         f[0] = slope(y[0])
 
-    controlled_steps(rate, attempt)(y, end, given, None, None, report)
+    controlled_steps(FieldWriters(rate, None), attempt, y, end, StepControl(given, None, None, report))
     assert report[STATE] != DONE or y[0] == pytest.approx(start + end, rel=1e-15)
     assert report[STEPS] + report[REJECTED] == len(seen)
     return seen, report
@@ -91,8 +93,8 @@ def test_a_run_is_given_up_after_so_many_evaluations_and_where_no_step_is_right(
 
 
 def test_the_size_of_an_error_is_its_largest_part_of_what_is_right():
-    size, given = error_size(), Tolerances(0.5, 1.0, 1.0)
-    assert size([3.0, -4.0], [2.0, 0.0], [-4.0, 2.0], given) == 2.0
-    assert size([0.0, 0.0], [0.0, 1.0], [0.0, 1.0], Tolerances(1.0, 0.0, 1.0)) == 0
-    assert size([1e-300], [0.0], [0.0], Tolerances(1.0, 0.0, 1.0)) == inf
-    assert size([0.0], [0.0], [inf], given) == size([float("nan")], [0.0], [0.0], given) == inf
+    given = Tolerances(0.5, 1.0, 1.0)
+    assert error_size([3.0, -4.0], [2.0, 0.0], [-4.0, 2.0], given) == 2.0
+    assert error_size([0.0, 0.0], [0.0, 1.0], [0.0, 1.0], Tolerances(1.0, 0.0, 1.0)) == 0
+    assert error_size([1e-300], [0.0], [0.0], Tolerances(1.0, 0.0, 1.0)) == inf
+    assert error_size([0.0], [0.0], [inf], given) == error_size([float("nan")], [0.0], [0.0], given) == inf

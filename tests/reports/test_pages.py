@@ -3,6 +3,8 @@
 import json
 from dataclasses import replace
 
+import pytest
+
 from driftproof import PRESETS, report
 
 
@@ -15,4 +17,6 @@ def test_a_page_is_written_where_it_is_asked_for_and_shown_in_a_frame(tmp_path):
     written = report("compare", replace(PRESETS["compare"], name="once_more"), output=path, digits=3)
     assert str(written) == f"wrote {path}"
     assert path.read_text(encoding="utf-8") == page.html
+    with pytest.raises(ValueError, match="methods are for problems, and none is named"):
+        report("compare", methods="rk4")
     assert json.loads(written.json()) == {"scenes": ["Compare", "Once more"], "output": str(path)}

@@ -63,6 +63,15 @@ def test_memory_and_processor_time_are_bounded(way):
         assert cause_of("hangs", way, limits) == ("processor", "more than 0.1 s of processor time")
 
 
+@pytest.mark.parametrize(("memory", "code", "peak", "cause"), [
+    (1000, 1, 950, "memory"), (1000, 1, 850, "exit"), (1000, 0, 950, "exit"), (None, 1, 950, "exit"),
+])  # fmt: skip
+def test_what_failed_after_nine_tenths_of_its_memory_reached_the_limit(memory, code, peak, cause):
+    with Session(misbehaving.works, Limits(seconds=60, memory=memory and memory * misbehaving.MEGABYTE)) as session:
+        session._status = {"code": code, "peak": peak * misbehaving.MEGABYTE}
+        assert session._cause().cause == cause
+
+
 def test_the_answers_of_a_session_have_their_processor_time_each():
     """Four times 0.3 s are more than a second, the least that the system bounds."""
     with Session(misbehaving.works, Limits(seconds=60, processor_seconds=0.5)) as session:

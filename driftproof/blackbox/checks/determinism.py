@@ -29,6 +29,11 @@ from driftproof.symbolic.rounding.formats import FloatFormat
 _REPETITIONS = 8
 # Differences up to this many ulp are those of another order of summation: no sum in the catalogue has over 18 terms.
 _FEW_ULPS = 16
+# A solver that begins with its last solution changes a step by less than this part, a method with memory by more.
+ALIKE = 2.0**-10
+# More steps than the start of any method of the catalogue has, and than codes leave between some action that is not of
+# every step.
+MANY = 40
 _THIRD: PhasePoint = (-1.4142135623730951, -0.2360679774997898)
 CALL_BEFORE = "the answer depends on the previous call"
 SAME, _MEMORY = "same_answer_twice", "no_memory"
@@ -40,6 +45,10 @@ def repeats(subject: ForeignStepper) -> tuple[CheckResult, ...]:
     at_once = [_fixed_call(runner) for _ in range(3)]
     after = [_fixed_call(runner, other) for other in (ANOTHER, _THIRD, ANOTHER, _THIRD)]
     if all(same(answer, at_once[0]) for answer in (*at_once, *after)):
+        holds, words, _ = first_call_again(subject)
+        if holds is False:
+            changing = CheckResult(SAME, False, f"its answers change from call to call: {words}")
+            return changing, CheckResult(_MEMORY, None, "not tested: the answers vary from call to call")
         return (
             CheckResult(SAME, True, "the same call gives the same bits"),
             CheckResult(_MEMORY, True, "it does not remember earlier calls"),
@@ -47,6 +56,18 @@ def repeats(subject: ForeignStepper) -> tuple[CheckResult, ...]:
     if same(at_once[1], at_once[2]) and same(after[0], after[2]) and same(after[1], after[3]):
         return _remembers(runner)
     return _varies(runner)
+
+
+def first_call_again(subject: ForeignStepper) -> tuple[bool | None, str, str]:
+    """Whether the first step of all, made many times again, ends where it did; None if it cannot be repeated."""
+    if subject.begun is None or subject.convention.momentum != 1:
+        return None, "its first step cannot be repeated", ""
+    step, end = subject.begun
+    ends = (step(subject) for _ in range(MANY))
+    if (other := next((x for x in ends if not np.allclose(x, end, rtol=ALIKE, atol=0)), None)) is None:
+        return True, f"its first step, made {MANY} times again after all others, ends where it did", ""
+    first, last = (", ".join(f"{x:.9g}" for x in numbers) for numbers in (end, other))
+    return False, f"its first step ended at ({first}), and the same step, made again after others, at ({last})", ""
 
 
 def _fixed_call(runner: TrialRunner, before: PhasePoint | None = None) -> PhasePoint:
@@ -119,19 +140,18 @@ def _repeats_when(runner: TrialRunner, prepared: Callable[[TrialRunner], TrialRu
 
 
 def _draws(runner: TrialRunner) -> bool:
-    """True if the answers come from the global random numbers of Python or NumPy; restores their states."""
+    """True if the answers come from the global random numbers of Python or NumPy, whose states are put back."""
     pythons, numpys = random.getstate(), np.random.get_state()
-    try:
-        return _repeats_when(runner, _seeded)
-    finally:
+
+    def put_back(runner: TrialRunner) -> TrialRunner:
         random.setstate(pythons)
         np.random.set_state(numpys)
+        return runner
 
-
-def _seeded(runner: TrialRunner) -> TrialRunner:
-    random.seed(0)
-    np.random.seed(0)
-    return runner
+    try:
+        return _repeats_when(runner, put_back)
+    finally:
+        put_back(runner)
 
 
 _KEY = "batches"

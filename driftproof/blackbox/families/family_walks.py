@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from fractions import Fraction
 from math import inf
 from typing import Any, ClassVar
 
@@ -26,6 +27,10 @@ _BITS, _STEP = 256, 2.0**-100
 _ROUNDS, _SETTLED = 400, 2.0**-150
 # A difference quotient for df/dt in floats is off by a few times the square root of u.
 DIFFERENCES = 4
+# Order conditions count as satisfied up to this: errors of reading, and of printed decimals, leave less.
+NO_RESIDUAL = Fraction(1, 10**9)
+# The most differences shown: chosen, as readers take in no more.
+DIFFERENCES_SHOWN = 6
 
 
 def derivatives(problem: NonlinearProblem, t: AnyNumber, y: Any) -> tuple[list[list[float]], list[float]]:

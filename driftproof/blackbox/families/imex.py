@@ -3,10 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 
-from driftproof.blackbox.families.family_walks import ImexWalker, WithDamping, measured_of_two
+from driftproof.blackbox.families.family_walks import (
+    DIFFERENCES_SHOWN,
+    NO_RESIDUAL,
+    ImexWalker,
+    WithDamping,
+    measured_of_two,
+)
 from driftproof.blackbox.families.imex_step import IMEX_PARTS, ImexReading, read_imex_step
 from driftproof.blackbox.judging.measured_order import MeasuredOrder, order_seen, slopes_text
 from driftproof.blackbox.judging.walks import Walked, there_and_back
@@ -22,17 +28,13 @@ from driftproof.symbolic.additive import AdditiveFacts
 
 # The step sizes at which errors are measured: h = 2**-k.
 _HALVINGS = range(2, 9)
-# Order conditions count as satisfied up to this: errors of reading, and of printed decimals, leave less.
-_READ = Fraction(1, 10**9)
 # A method that differs in more entries than this is another one.
 _FEW_DIFFERENCES = 2
-# The most differences shown: chosen, as readers take in no more.
-_MOST_SHOWN = 6
 # Solvers in use stop at an error of 1e-6 or less for numbers of size 1.
 _SOLVED = 1e-6
 # In steps elsewhere a solver may leave this many times the error seen here, since it stops by the same change or
 # residual; errors below the second number do not matter.
-_SOLVER, _WELL_SOLVED = 64, 2.0**-30
+_SOLVER, WELL_SOLVED = 64, 2.0**-30
 
 
 @dataclass(frozen=True)
@@ -63,7 +65,10 @@ class ImexIdentity:
 
     @property
     def near(self) -> str:
-        """The nearest method, with the few entries that differ; "" if there is none."""
+        """The nearest method, with the few entries that differ or its functions exchanged; "" if there is none."""
+        turned = replace(self.reading, a=self.reading.a[::-1], b=self.reading.b[::-1])
+        if exchanged := next((m.key for m in _methods() if _differences(m, turned) == []), ""):
+            return f"{exchanged} with its functions exchanged: it solves for the one that it takes as explicit"
         told = ((m.key, _differences(m, self.reading)) for m in _methods())
         few = [(key, found) for key, found in told if found and len(found) <= _FEW_DIFFERENCES]
         key, found = min(few, key=lambda each: len(each[1]), default=("", []))
@@ -79,7 +84,7 @@ class ImexIdentity:
         """The verdict in one line."""
         unknown = f"an IMEX method of {self.reading.stages} stages that is not in the catalogue"
         name = self.known.key if self.known else self.near or unknown
-        solved = f", its stages solved to {self.reading.curved:.1e}" if self.reading.curved > _WELL_SOLVED else ""
+        solved = f", its stages solved to {self.reading.curved:.1e}" if self.reading.curved > WELL_SOLVED else ""
         return "; ".join([f"it is {name}" + (solved if self.known else f", {self._orders[0]}"), *self.faults])
 
     @property
@@ -105,7 +110,7 @@ class ImexIdentity:
     def _orders(self) -> list[str]:
         """The order by the tables (those of the method, or as read), together and alone, and the order measured."""
         facts, measured = AdditiveFacts(self.known or _as_read(self.reading)), self.measured
-        found = facts.orders_within(_READ) if facts.method.decimal else facts
+        found = facts.orders_within(NO_RESIDUAL) if facts.method.decimal else facts
         alone = f"its tables alone have order {found.explicit_order} and {found.implicit_order}"
         words = f"of order {found.order} on f + g, {alone}{', to the precision of its decimals' * facts.method.decimal}"
         slopes = f"(slopes of the local error: {slopes_text(measured.slopes)})"
@@ -125,7 +130,7 @@ class ImexIdentity:
         shown = (
             self._coefficients(method.key)
             if found == []
-            else [f"not those of {method.key}", *(found or [])[:_MOST_SHOWN]]
+            else [f"not those of {method.key}", *(found or [])[:DIFFERENCES_SHOWN]]
         )
         if found is None:
             shown.append(f"{method.key} has {len(_used(method))} stages with an effect, this one {self.reading.stages}")
@@ -152,7 +157,7 @@ def read_imex(subject: ForeignStepper, asked: Additive | None = None) -> ImexIde
     reading = _in_order(read_imex_step(subject))
     known, walked = next((m for m in _methods() if _differences(m, reading) == []), None), None
     if (method := asked or known) and _differences(method, reading) == []:
-        walked = there_and_back(ImexWalker(subject, method, solved=max(_SOLVER * reading.curved, _WELL_SOLVED)))
+        walked = there_and_back(ImexWalker(subject, method, solved=max(_SOLVER * reading.curved, WELL_SOLVED)))
     return ImexIdentity(reading, known, measured_of_two(subject, WithDamping, _HALVINGS), walked)
 
 

@@ -17,8 +17,6 @@ from driftproof.blackbox.stepper.second_functions import SecondFunction, with_fu
 from driftproof.symbolic.rounding.formats import FloatFormat
 
 IMEX_PARTS = ("explicit", "implicit")
-# Fewer clocks than this are tried: except in contrived tables, stages that two do not tell apart are equal.
-_FEWER_CLOCKS = 3
 # The size of h f' and h g', so that our own iteration contracts, and the rounds after which less than 2**-80 is left.
 _BEND, _ROUNDS = 0.125, 80
 # A solver that converges leaves less in nonlinear equations, and other stages leave more.
@@ -80,7 +78,7 @@ def read_imex_step(subject: ForeignStepper) -> ImexReading:
         raise UnsupportedCall(f"the stepper is called as {subject.convention.kind!r}, which takes one right-hand side")
     steps = _SplitSteps(subject)
     refusals: list[NotReadable] = []
-    for clocks in range(not steps.timed, min(_FEWER_CLOCKS, steps.size)):
+    for clocks in range(not steps.timed, steps.size):
         try:
             return _read(steps, clocks)
         except NotReadable as refusal:

@@ -44,7 +44,8 @@ class MagneticReading:
     h E. `drift` is (m, n), None if there is no x or another law; with an x, `moved` is what v and what E move it by, as
     factors of h v and h² E at TURN_ANGLES. `asked` holds the c of the places x + c h v at which the fields are
     evaluated. `uneven` says in words that the rotation depends on more than h B, `at_rest` what goes wrong where B is
-    0; `kept` is the largest change of |v| seen without E.
+    0; `kept` is the largest change of |v| seen without E; `flat` is true if all this was
+    seen in a plane across B alone.
     """
 
     turn: Turn
@@ -59,6 +60,7 @@ class MagneticReading:
     at_rest: str
     kept: float
     rounding: Rounding
+    flat: bool = False
 
     @property
     def faults(self) -> list[str]:
@@ -132,6 +134,9 @@ class MagneticReading:
     def verdict(self) -> str:
         """The verdict in one line."""
         staggered = self._leapfrog[1] if self._leapfrog and self._staggered else ""
+        if self._is(self.drift, _BOTH_HALVES) and not self.asked and self.boris:
+            staggered = "x and v are at the same time if the fields are those at x + 1/2 h v"
+        plane = " in the plane, with B across it" * self.flat
         if self.uneven:
             name = "not a known step"
         elif self.boris:
@@ -146,7 +151,7 @@ class MagneticReading:
         else:
             name = "not a known step"
         unknown = "the position moves by another law" if self.moved and not self.drift and not self.affine else ""
-        return "; ".join([f"it is {name}", *filter(None, [staggered, unknown]), *self.faults])
+        return "; ".join([f"it is {name}{plane}", *filter(None, [staggered, unknown]), *self.faults])
 
     @property
     def _kicks(self) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from itertools import product
 
 import numpy as np
@@ -12,7 +13,7 @@ from driftproof.blackbox.families.rotations import TURN_ANGLES, turn_of
 from driftproof.blackbox.findings import Misbehaviour
 from driftproof.blackbox.matching.tables import Array
 from driftproof.blackbox.probes.scripted_answers import NotReadable, Rounding
-from driftproof.blackbox.stepper.calling_conventions import ELECTRIC
+from driftproof.blackbox.stepper.calling_conventions import CHARGES, ELECTRIC
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.blackbox.stepper.turning import Push, Pushed, step_in_fields
 
@@ -20,8 +21,8 @@ from driftproof.blackbox.stepper.turning import Push, Pushed, step_in_fields
 _AXES = ((0.0, 0.0, 1.0), (1.0, 2.0, 2.0), (-6.0, 2.0, 3.0))
 # Two step sizes with the same h B, and so with the same rotation.
 _STEPS = (1.0, 0.25)
-# An angle too small to turn anything.
-_STILL = 2.0**-60
+# An angle too small to turn anything, and one so small that codes may leave it out, though it turns by 2^28 u.
+_STILL, _SLIGHT = 2.0**-60, 2.0**-24
 
 
 def read_magnetic(subject: ForeignStepper) -> MagneticReading:
@@ -51,17 +52,20 @@ class _Probe:
         x: Array | None = None,
         axis: int = 0,
         h: float = 1.0,
+        negative: bool = False,
     ) -> Pushed:
-        """One step with h B = `angle` along an axis; arguments left out are 0."""
-        frame, b = self.frames[axis], angle / h
+        """One step with h B = `angle` along an axis, of a negative charge if asked; arguments left out are 0."""
+        frame, b, subject = self.frames[axis], angle / h, self.subject
         place, velocity, electric = ([0.0] * len(frame) if part is None else part.tolist() for part in (x, v, e))
         magnetic = (b * frame[2]).tolist() if len(frame) > 2 else [b]
-        return step_in_fields(self.subject, Push(place, velocity, electric, magnetic, h))
+        charged = subject.convention.scaled(CHARGES, -1.0) if negative else None
+        subject = subject if charged is None else replace(subject, convention=charged)
+        return step_in_fields(subject, Push(place, velocity, electric, magnetic, h))
 
     def reading(self) -> MagneticReading:
         """Read rotation, kicks and drift, and compare them with steps elsewhere."""
         one, affine, push = self.frames[0][0], False, 1.0
-        self._demand_linear(one)
+        self._require_linear(one)
         runs = [self.step(x, one) for x in TURN_ANGLES]
         factors = [self._across(run.v) for run in runs]
         kicks, kick, drift, uneven = [0j] * len(factors), None, None, ""
@@ -84,8 +88,14 @@ class _Probe:
         uneven = uneven or self._uneven(factors) or self._other_elsewhere(factors[1], kicks[1], push, seen)
         kept, flags = max(abs(abs(r) - 1) for r in factors), (self.electric, (moved, lifted) if moved else None)
         turn, asked = turn_of(factors, self.rounding), tuple(float(np.dot(place, one)) for place in straight.places)
-        at_rest = self._at_rest(one)
-        return MagneticReading(turn, kick, affine, push, drift, *flags, asked, uneven, at_rest, kept, self.rounding)
+        slight = self._across(self.step(_SLIGHT, one).v).imag
+        if not uneven and abs(slight - turn.scale * _SLIGHT) > _SLIGHT / 64:  # of an angle, 64 is near enough
+            uneven = f"the rotation is not a function of h B: it turns by {slight + 0:.3g} at h B = {_SLIGHT:.3g}"
+        two = [self.step(1.0, one, one * self.electric, negative=negative) for negative in (False, True)]
+        if not uneven and turn.scale == 1 and np.max(np.abs(np.subtract(two[0].v, two[1].v))) > self.rounding.of(8.0):
+            uneven = "with a negative charge in fields that give the same forces, the step is another one"
+        known = (turn, kick, affine, push, drift, *flags, asked, uneven, self._at_rest(one), kept)
+        return MagneticReading(*known, self.rounding, flat=len(self.frames[0]) == 2)
 
     def _at_rest(self, one: Array) -> str:
         """What a step without fields does to v, in words; "" if it leaves v as it is."""
@@ -114,7 +124,7 @@ class _Probe:
         pairs = zip(factors, seen, strict=True)
         return (k, last) if all(abs(k * r + last - s) <= allowed * (1 + abs(s)) for r, s in pairs) else None
 
-    def _demand_linear(self, one: Array) -> None:
+    def _require_linear(self, one: Array) -> None:
         """Raise NotReadable if the step remembers, or is not linear in v, as a relativistic one."""
         first, second, again, rest = (self.step(0.5, k * one) for k in (1.0, -2.0, 1.0, 0.0))
         if max(map(abs, [*rest.v, *rest.x])) > 0:

@@ -5,10 +5,11 @@ from __future__ import annotations
 from contextlib import suppress
 from dataclasses import dataclass
 
-from driftproof.blackbox.families.multistep_recurrence import RecurrenceReading, read_recurrence
-from driftproof.blackbox.families.multistep_runs import MarkedRuns
+from driftproof.blackbox.families.imex import WELL_SOLVED
+from driftproof.blackbox.families.multistep_recurrence import ONE_SIZE, RecurrenceReading, read_recurrence
+from driftproof.blackbox.families.multistep_runs import MarkedRuns, order_across
 from driftproof.blackbox.families.multistep_start import StartReading, read_start
-from driftproof.blackbox.findings import Misbehaviour
+from driftproof.blackbox.findings import Misbehaviour, UnsupportedCall
 from driftproof.blackbox.report import Criterion
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.blackbox.stepper.handed_slopes import HandedSlopes
@@ -20,12 +21,14 @@ from driftproof.support.plain_text import Json
 class MultistepReading:
     """The recurrence of a stepper's steps, and its start if that was seen.
 
-    A stepper that is `handed` the slopes before its first step has no start of its own.
+    A stepper that is `handed` the slopes before its first step has no start of its own. `order_across` is the order of
+    the first step after a change of h.
     """
 
     recurrence: RecurrenceReading
     start: StartReading | None
     handed: bool = False
+    order_across: int | None = None
 
     @property
     def faults(self) -> list[str]:
@@ -54,7 +57,16 @@ class MultistepReading:
         started = f", started by {self.start.name}" if self.start is not None and self.start.name else ""
         name, slow = self.recurrence.name, [self.start.velocities.partition(" (")[0]] if self.start else []
         told = [*(fault for fault in self.faults if not name.endswith(fault)), *filter(None, slow)]
-        return "; ".join([f"it is {name}{started}", *told])
+        left = self.recurrence.left
+        solved = f", its equations solved to {left:.1e}" if left > WELL_SOLVED else ""
+        return "; ".join([f"it is {name}{started}{solved}", *told])
+
+    @property
+    def across(self) -> str:
+        """What is seen of steps of several lengths, in words."""
+        if self.order_across is None:
+            return ONE_SIZE
+        return f"the first step after a change of h has order {self.order_across}"
 
     @property
     def key(self) -> str | None:
@@ -70,7 +82,7 @@ class MultistepReading:
             power, left = facts.order_fails
             orders = [f"order {facts.order} of the recurrence: on y = t^{power}/{power}! it leaves the residual {left}"]
         return [
-            ("Recurrence", self.recurrence.lines),
+            ("Recurrence", [*self.recurrence.lines[:-1], self.across]),
             ("Order", orders),
             ("Start", self.start.lines if self.start else [_HANDED if self.handed else _NO_START]),
         ]
@@ -96,7 +108,8 @@ class MultistepReading:
         same = found.method is not None and (found.method.rho, found.method.sigma) == (method.rho, method.sigma)
         near = found.recurrence.differences(method) if not same else None
         differences = [f"not that of {method.key}", *(near or ())]
-        checks = [Criterion("Recurrence", same, tuple(found.lines if same else [*differences, *found.lines]), {})]
+        lines = [*([] if same else differences), *found.lines[:-1], self.across]
+        checks = [Criterion("Recurrence", same, tuple(lines), {})]
         if not same:
             return checks
         at = found.asked or "F is evaluated at the states that it returns"
@@ -106,12 +119,12 @@ class MultistepReading:
         if start is None:
             return [*checks, Criterion("Start", None, (_NO_START,), {}, _WITH_START)]
         fault, order, needed = self._start_fault, method.claimed_order, "smaller roundoff"
-        lines = (fault, *start.lines) if fault else tuple(start.lines)
+        lines = [*filter(None, [fault]), *start.lines]
         begun = False if fault else None if start.power is None else True
         reached = None if start.order is None else start.order >= order
         line = f"{method.key} has order {order}; in whole runs order {start.order} is observed"
         ends = Criterion("Order", reached, (line,), {"measured": start.order}, needed)
-        return [*checks, Criterion("Start", begun, lines, {}, needed), ends]
+        return [*checks, Criterion("Start", begun, tuple(lines), {}, needed), ends]
 
 
 # The lines for copies that share their memory, so that no run begins anew, and for slopes handed in.
@@ -124,7 +137,9 @@ def read_multistep(subject: ForeignStepper, asked: Multistep | None = None) -> M
     """Read the recurrence and the start of a stepper. Raises NotReadable, UnsupportedCall, Misbehaviour."""
     runs = MarkedRuns.of(subject)
     recurrence = read_recurrence(runs, asked)
-    start, handed = None, isinstance(subject.function, HandedSlopes) and subject.function.handed
+    start, handed, across = None, isinstance(subject.function, HandedSlopes) and subject.function.handed, None
+    with suppress(Misbehaviour, UnsupportedCall):
+        across = order_across(subject, recurrence.facts.order if recurrence.facts else 0)
     with suppress(Misbehaviour):
         start = read_start(runs, recurrence) if not handed and runs.begins_anew() else None
-    return MultistepReading(recurrence, start, handed)
+    return MultistepReading(recurrence, start, handed, across)

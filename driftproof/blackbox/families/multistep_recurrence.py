@@ -35,6 +35,7 @@ _HARDER_RUNS = ((0.75, 1.0, 5 * RUN_LENGTH), (-0.5, 2.0, RUN_LENGTH))
 # The steps in which coefficients are sought: late ones; and early ones, before a growing error is all there is.
 _LATER = slice(RUN_LENGTH // 2, None)
 _WINDOWS = (_LATER, slice(_MOST_STEPS, 2 * _MOST_STEPS + 1))
+ONE_SIZE = "only steps of one size were tested"
 # A method that differs in more coefficients than this is another one.
 _FEW_DIFFERENCES = 2
 FORWARD_EULER = Multistep(
@@ -185,7 +186,7 @@ class RecurrenceReading:
         asked = [self.asked] if self.asked else []
         first = self.recurrence.steps - 1 + self.late
         late = ["the first step differs" if first == 1 else f"the first {first} steps differ"] * bool(self.late)
-        return [named, *nearest, *self.recurrence.lines, *asked, *late, "only steps of one size were tested"]
+        return [named, *nearest, *self.recurrence.lines, *asked, *late, ONE_SIZE]
 
 
 def candidates(derivative: int) -> Iterator[Multistep]:

@@ -9,6 +9,7 @@ from itertools import pairwise
 
 import numpy as np
 
+from driftproof.blackbox.checks.determinism import ALIKE, MANY
 from driftproof.blackbox.findings import Misbehaviour, UnsupportedCall, WrongShape
 from driftproof.blackbox.judging.nonlinear_problems import NonlinearProblem, gives_force_times, passes_time, walls
 from driftproof.blackbox.matching.tables import Array
@@ -23,10 +24,6 @@ _GOLDEN = 0.6180339887498949
 _PLACES = 16
 # The numbers of components to try, the largest first; some codes take only one.
 _SIZES = (3, 2, 1)
-# The steps compared: more than the start of any method of the catalogue has.
-_LOOKED_AT = 8
-# A solver that begins with its last solution changes a step by less than this part, a method with memory by more.
-_ALIKE = 2.0**-10
 # Each interval of an uneven grid is longer than the one before by twice this part of the first.
 _UNEVEN = 0.125
 # A bound on the derivative of the slopes by the state, so that iterations contract with the h of 1 of these runs.
@@ -108,7 +105,7 @@ class MarkedRuns:
 
     def begins_anew(self) -> bool:
         """True if a run is the same after another one, so that copies share nothing."""
-        first, _, again = (self.run(_LOOKED_AT, h=h) for h in (1.0, 0.5, 1.0))
+        first, _, again = (self.run(MANY, h=h) for h in (1.0, 0.5, 1.0))
         return bool(np.array_equal(first.states, again.states))
 
     def start(self, t: float) -> list[float]:
@@ -149,6 +146,25 @@ def _mark(number: int, place: AnyNumber) -> float:
     return 2 * ((round(float(place)) * _GOLDEN * (number + 1) + 0.3 * number) % 1.0) - 1
 
 
+def order_across(subject: ForeignStepper, order: int) -> int | None:
+    """The order, up to the given one, of the first step after a change of h; None if no such step is taken.
+
+    A step of order p is exact on y' = p c^(p-1), c' = 1, where values before it are off by a constant at most.
+    """
+    if subject.convention.run or subject.convention.kind != FIELD:
+        return None
+    h = 0.125
+    for p in range(1, order + 1):
+        moving, ends = subject.fresh(), [(-h * MANY) ** p]
+        for n in range(MANY + 1):  # of which the last goes from t = 0
+            t, taken = h * (n - MANY), h if n < MANY else 2 * h
+            problem = lambda _, y, p=p: [p * y[1] ** (p - 1), 1.0]
+            ends.append(float(moving.step_field(problem, t, [ends[-1], t], taken)[0]))
+        if abs(ends[-1] - ends[-2] - (2 * h) ** p) > ALIKE * h**p:
+            return p - 1
+    return order
+
+
 def remembers(subject: ForeignStepper) -> bool:
     """True if a step after others differs from one taken afresh from that state; False if that cannot be seen."""
     try:
@@ -170,12 +186,12 @@ def _departs(subject: ForeignStepper, uneven: float = 0.0) -> bool:
         runs, h, t = MarkedRuns.of(subject), 1.0, 2.0
         problem, start = runs.problem(h, t, bent=True), runs.start(t)
     longer, alone = replace(subject, convention=replace(subject.convention, uneven=uneven)), [start]
-    seen = course(longer, problem, t, start, h, _LOOKED_AT)
-    times = [t + h * n * (1 + uneven * n) for n in range(_LOOKED_AT + 1)]
+    seen = course(longer, problem, t, start, h, MANY)
+    times = [t + h * n * (1 + uneven * n) for n in range(MANY + 1)]
     for at, after in pairwise(times):
         alone.append(problem.stepped(subject.fresh(), at, alone[-1], after - at))
     off = np.abs(np.array(seen, dtype=float) - np.array(alone[-len(seen) :], dtype=float)).max()
-    return bool(off > _ALIKE * np.abs(np.array(alone, dtype=float)).max())
+    return bool(off > ALIKE * np.abs(np.array(alone, dtype=float)).max())
 
 
 def later_steps(subject: ForeignStepper) -> tuple[bool | None, str, str]:
@@ -185,10 +201,10 @@ def later_steps(subject: ForeignStepper) -> tuple[bool | None, str, str]:
     try:
         departs = _departs(subject)
     except (UnsupportedCall, Misbehaviour) as refusal:
-        return None, f"no run of {_LOOKED_AT} steps was obtained: {refusal}", ""
+        return None, f"no run of {MANY} steps was obtained: {refusal}", ""
     if departs:
         return False, "a step in a run differs from the same step taken alone: it remembers, or varies", ""
     with suppress(UnsupportedCall, Misbehaviour):  # it may refuse unequal intervals
         if GRID in subject.convention.order and _departs(subject, _UNEVEN):
             return False, "where the times of its grid are unequally spaced, a later step takes another step size", ""
-    return True, f"{_LOOKED_AT} steps of a run, each the same as taken alone", ""
+    return True, f"{MANY} steps of a run, each the same as taken alone", ""

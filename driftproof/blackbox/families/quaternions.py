@@ -20,6 +20,8 @@ from driftproof.support.plain_text import Json
 _AXES = (np.array([2.0, 3.0, 6.0]) / 7, np.array([-6.0, 2.0, 3.0]) / 7)
 # The relative error allowed in a rate that is read from a short step, which errs by O(h) and by u/h.
 _NEAR = 2.0**-6
+# So small that codes may leave it out, though it turns by 2^28 u.
+_SLIGHT = 2.0**-24
 
 
 def _matrix(omega: Array, *, body: bool, last: bool) -> Array:
@@ -134,6 +136,9 @@ def read_quaternion(subject: ForeignStepper) -> QuaternionReading:
                 factors.append(complex(a, b))
             elif abs(complex(a, b) - factors[-1]) > allowed:
                 uneven = uneven or "its angle depends on more than h |omega|: on the step or on the direction"
+    slight, turning = _columns(subject, _SLIGHT * _AXES[1], 1.0), _matrix(_AXES[1], body=found[0], last=found[1])
+    if not uneven and np.max(np.abs(slight - scale * _SLIGHT * turning)[turning != 0]) > _NEAR * _SLIGHT:
+        uneven = f"with h |omega| = {_SLIGHT:.3g} it does not turn as with larger ones"
     if scale < 0:
         product, factors = f"-{product}", [r.conjugate() for r in factors]
     return QuaternionReading(product, turn_of(factors, rounding), normalised, uneven, _at_rest(subject))

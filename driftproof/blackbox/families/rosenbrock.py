@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from fractions import Fraction
 from functools import cached_property
 from typing import Any
 
@@ -12,6 +11,8 @@ import numpy as np
 
 from driftproof.blackbox.families.family_walks import (
     DIFFERENCES,
+    DIFFERENCES_SHOWN,
+    NO_RESIDUAL,
     RosenbrockWalker,
     WithHalfJacobian,
     WithJacobian,
@@ -32,10 +33,6 @@ from driftproof.symbolic.rosenbrock import RosenbrockFacts
 
 # The step sizes at which errors are measured: h = 2**-k.
 _HALVINGS = range(1, 9)
-# Order conditions count as satisfied up to this: errors of printed decimals leave less.
-_PRINTED = Fraction(1, 10**9)
-# The most differences shown: chosen, as readers take in no more.
-_MOST_SHOWN = 6
 
 
 class _Products:
@@ -178,16 +175,18 @@ class RosenbrockIdentity:
         """The faults, whatever method it is meant to be."""
         reading, known = self.reading, self._products
         found, order = [], self.order
-        left_out = reading.nodes is not None and not reading.by
-        if self.method is not None and left_out and order is not None and order < self.method.claimed_order:
-            claimed = self.method.claimed_order
-            found.append(f"df/dt is left out: order {order} is observed where f depends on t, not {claimed}")
+        left_out = not reading.by
+        claimed = 0 if self.method is None or reading.nodes is None else self.method.claimed_order
+        slow = f"order {order} is observed where f depends on t, not {claimed}"
+        slow = slow if order is not None and order < claimed else ""
+        if slow and left_out:
+            found.append(f"df/dt is left out: {slow}")
         if known is not None and known.time_slope_differs(reading):
             found.append("df/dt enters with other weights than the row sums of gamma")
         at, place = reading.jacobian_at
         if at or place:
             found.append(f"the Jacobian is evaluated at t + {at:.6g} h, and {place:.3g} from y, not at the start")
-        return found
+        return found or [*filter(None, [slow])]
 
     @property
     def verdict(self) -> str:
@@ -234,7 +233,7 @@ class RosenbrockIdentity:
         lines = []
         if self.method is not None:
             facts = RosenbrockFacts(self.method)
-            told = facts.orders_within(_PRINTED) if self.method.decimal else facts
+            told = facts.orders_within(NO_RESIDUAL) if self.method.decimal else facts
             digits = ", to the precision of its decimals" * self.method.decimal
             lines.append(f"order {told.order} with J = f', {told.w_order} with any matrix{digits}")
         for order, with_what in ((self.order, "J = f'"), (self.w_order, "half of f' as J")):
@@ -261,7 +260,7 @@ class RosenbrockIdentity:
             asked = f"{method.key} evaluates f at {len(products.nodes)} places, this one at {self.reading.calls}"
             return [Criterion("Coefficients", False, (asked,), {})]
         same = not differences
-        shown = self._coefficients if same else [f"not those of {method.key}", *differences[:_MOST_SHOWN]]
+        shown = self._coefficients if same else [f"not those of {method.key}", *differences[:DIFFERENCES_SHOWN]]
         if self.near.startswith(f"{method.key} except for "):
             shown.insert(1, self.near)
         whole = len(self.reading.weights) >= method.stages  # by Cayley and Hamilton, higher powers tell no more

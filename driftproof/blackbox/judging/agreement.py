@@ -13,7 +13,14 @@ from driftproof.blackbox.findings import Misbehaviour, UnsupportedCall
 from driftproof.blackbox.judging.sampled_steps import Arguments, Sizes, simplest_step, steps_within
 from driftproof.blackbox.judging.tolerance import Allowance, Judgement, Tolerance
 from driftproof.blackbox.stepper.call_text import call_text
-from driftproof.blackbox.stepper.calling_conventions import MAP, MASSES, MOMENTA, STIFFNESSES, UNIT_PARAMETERS
+from driftproof.blackbox.stepper.calling_conventions import (
+    FORCE,
+    MAP,
+    MASSES,
+    MOMENTA,
+    STIFFNESSES,
+    UNIT_PARAMETERS,
+)
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.methods.schemes import Method
 from driftproof.symbolic.algebra.certified import significant
@@ -250,28 +257,35 @@ def rows_together(
 def other_parameters(
     subject: ForeignStepper, method: Method, allowance: Allowance = NO_ALLOWANCE, domain: Domain = ORDINARY_DOMAIN
 ) -> tuple[bool | None, str, str]:
-    """Compare steps of a built-in q'' = -4 q by h/2 with M(h), and return the same three parts as `steps_back`.
+    """Compare steps of a built-in q'' = -4 q by h/2, or with another mass, with M(h), and return as `steps_back` does.
 
     Raises UnsupportedCall if the parameters of its oscillator do not say how to make it that one.
     """
-    given = {name: name.lower().strip("_") for name in subject.convention.extra}
+    found, adapter = subject.convention, subject.adapter
+    given = {name: name.lower().strip("_") for name in (*found.extra, *adapter.parameters)}
     masses = [name for name, word in given.items() if word in MASSES]
     others = {name: word for name, word in given.items() if word in UNIT_PARAMETERS and name not in masses}
-    if subject.convention.kind != MAP or not others:
+    of_force = found.scaled(masses, 0.25) if found.kind == FORCE else None
+    if of_force is None and (found.kind != MAP or not others):
         raise UnsupportedCall("its oscillator has no frequency or stiffness among its parameters")
-    mass = 1.0 + bool(masses)
+    mass, faster = (1.0 + bool(masses), 2.0) if of_force is None else (found.extra[masses[0]] / 4, 1.0)
+    if of_force is not None:
+        found = replace(of_force, momentum=1.0 if found.momentum == 1 else mass)
     values = dict.fromkeys(masses, mass) | {x: 4 * mass if word in STIFFNESSES else 2.0 for x, word in others.items()}
-    convention = replace(subject.convention, extra={**subject.convention.extra, **values})
-    changed, tolerance = replace(subject, convention=convention), Tolerance(method, subject.format, allowance)
+    convention = replace(found, extra={name: values.get(name, x) for name, x in found.extra.items()})
+    adapter = adapter.with_parameters(values) if adapter.with_parameters else adapter
+    changed = replace(subject, convention=convention, adapter=adapter)
+    tolerance = Tolerance(method, subject.format, allowance)
     (states, steps), wrong = ordinary_arguments(subject, domain), dict[float, str]()
-    shown, momentum = ", ".join(f"{name} = {x:g}" for name, x in values.items()), {*convention.names} & {*MOMENTA}
-    for scale, (q, v), h in product((2.0, *[2 * mass] * bool(momentum and masses)), states, steps):
-        q1, v1 = changed.step(q, scale * v, h / 2)
+    shown = ", ".join(f"{name} = {x:g}" for name, x in values.items())
+    momenta = [faster * mass] * bool({*convention.names} & {*MOMENTA} and masses and of_force is None)
+    for scale, (q, v), h in product((faster, *momenta), states, steps):
+        q1, v1 = changed.step(q, scale * v, h / faster)
         if not all(component.allowed for component in tolerance.judge(q, v, h, (q1, v1 / scale))):
-            went = f"from {(q, scale * v)} with h = {h / 2!r} it goes to {(q1, v1)}"
-            wrong.setdefault(scale, f"with {shown} its step of q'' = -4 q is wrong: {went}")
-    if len(wrong) == (2 if momentum and masses else 1):
-        return False, wrong[2.0], ""
+            went = f"from {(q, scale * v)} with h = {h / faster!r} it goes to {(q1, v1)}"
+            wrong.setdefault(scale, f"with {shown} its step of q'' = -{'4 ' * (faster > 1)}q is wrong: {went}")
+    if len(wrong) == 1 + len(momenta):
+        return False, wrong[faster], ""
     return True, f"{len(steps) * len(states)} steps with {shown} within the bound", ""
 
 

@@ -41,10 +41,12 @@ def explain_by_habits(
     found = agreement(subject, method, allowance, domain, examples)
     if found.failing is None or found.failing.answer is None:
         return found
+    q, v, h, answer = found.failing.q, found.failing.v, found.failing.h, found.failing.answer
+    if subject.step(q, v, h) != answer:  # no habit explains a step that goes elsewhere when it is made again
+        return found
     for words, allowed in HABITS.items():
         if allowed(allowance) != allowance and agreement(subject, method, allowed(allowance), domain, examples).holds:
             return replace(found, but_for=words)
-    q, v, h, answer = found.failing.q, found.failing.v, found.failing.h, found.failing.answer
     near: list[tuple[float, str, Method]] = []
     for words, rounded in _of_few_digits(method, found.largest_scaled_error * float(subject.format.u)):
         judged = Tolerance(rounded, subject.format, allowance).judge(q, v, h, answer)

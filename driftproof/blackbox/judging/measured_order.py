@@ -19,6 +19,7 @@ from driftproof.blackbox.stepper.array_adapters import AnyNumber, ArrayAdapter
 from driftproof.blackbox.stepper.calling_conventions import FIELD
 from driftproof.blackbox.stepper.foreign_code import CallLog
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
+from driftproof.symbolic.rounding.formats import BINARY32
 
 # At h = 2**-8 a method of order 12 errs by some 2**-110: balls of this precision are far narrower.
 _BITS = 256
@@ -82,7 +83,7 @@ def measured_on(subject: ForeignStepper, problem: problems.NonlinearProblem) -> 
     with ctx.workprec(_BITS):
         for adapter in (BALLS, ARRAYS_OF_BALLS):
             with suppress(Misbehaviour, NoAnswer):  # no code has to run, or to end, on balls
-                errors = _errors(replace(subject, adapter=adapter, log=CallLog()), problem, steps)
+                errors = _errors(replace(subject, adapter=adapter, log=CallLog()), problem, steps, [])
                 return _fitted(errors, [least * h for h in steps], "Arb balls", problem)
     return measured_in_floats(subject, problem, steps)
 
@@ -91,14 +92,19 @@ def measured_in_floats(
     subject: ForeignStepper, problem: problems.NonlinearProblem, steps: Sequence[float], slack: float = 0.0
 ) -> MeasuredOrder:
     """The order that steps of these sizes h show in the stepper's own floats; errors up to `slack` h² are noise."""
+    answers = list[AnyNumber]()
     with ctx.workprec(_BITS):
-        errors = _errors(subject, problem, steps)
-    least = CLEARANCE * float(subject.format.u)
-    return _fitted(errors, [least + slack * h * h for h in steps], subject.format.name, problem)
+        errors = _errors(subject, problem, steps, answers)
+    # A code may work in binary32 and return doubles, whose noise is that of binary32.
+    seen = BINARY32 if all(float(np.float32(x)) == x for x in answers) else subject.format
+    noise = [CLEARANCE * float(max(seen.u, subject.format.u)) + slack * h * h for h in steps]
+    return _fitted(errors, noise, seen.name, problem)
 
 
-def _errors(subject: ForeignStepper, problem: problems.NonlinearProblem, steps: Sequence[float]) -> list[float]:
-    """The error of one step in its worst component, for each h; in floats, the start is rounded first."""
+def _errors(
+    subject: ForeignStepper, problem: problems.NonlinearProblem, steps: Sequence[float], seen: list[AnyNumber]
+) -> list[float]:
+    """The error of one step in its worst component, for each h, its ends being `seen`; floats start from floats."""
     start: list[AnyNumber] = problem.solution(arb(problems.START))
     if subject.adapter not in (BALLS, ARRAYS_OF_BALLS):
         start = [float(x.mid()) for x in start]
@@ -107,6 +113,7 @@ def _errors(subject: ForeignStepper, problem: problems.NonlinearProblem, steps: 
         answer = problem.stepped(subject, problems.START, start, h)
         exact = problem.solution(arb(problems.START) + h)
         found.append(max(map(error_above, answer, exact)))
+        seen += answer
     return found
 
 

@@ -81,19 +81,14 @@ def single_mistakes(subject: ForeignStepper, method: Method) -> tuple[str, ...]:
     force = oscillator if subject.convention.kind == MAP else _wall
     step = subject.step if subject.convention.kind == MAP else lambda *at: subject.step_with(_wall, *at)
     try:
-        seen = [step(*at) for at in _STEPS]
+        seen = _StepsSeen(force, [step(*at) for at in _STEPS], Rounding(subject.format, calls))
     except Misbehaviour:
         return ()
-    rounding = Rounding(subject.format, calls)
-
-    def agrees(program: Program) -> bool:
-        return all(_near(program, force, at, answer, rounding) for at, answer in zip(_STEPS, seen, strict=True))
-
     program = program_of(method)
-    if agrees(program):
+    if seen.are_of(program):
         return ()
-    edited = (each.words for each in _edits(method, program) if agrees(each.program))
-    solved = (_solved(one, force, seen[0], rounding, agrees) for one in _one_parameter(method, program))
+    edited = (each.words for each in _edits(method, program) if seen.are_of(each.program))
+    solved = map(seen.solved, _one_parameter(method, program))
     return tuple(islice(chain(edited, filter(None, solved)), MOST_SHOWN))
 
 
@@ -101,17 +96,44 @@ def _wall(q: float) -> float:
     return float(capped_exp(-2 * q))
 
 
-def _near(
-    program: Program,
-    force: Callable[[float], float],
-    at: tuple[float, float, float],
-    seen: Sequence[float],
-    rounding: Rounding,
-) -> bool:
-    with np.errstate(all="ignore"):
-        made = program.step(force, *at)
-    allowed = _INSIDE * rounding.of(1 + max(map(abs, (*seen, *made))))
-    return all(abs(gap) <= allowed for gap in map(sub, made, seen))
+@dataclass(frozen=True)
+class _StepsSeen:
+    """The steps that the subject takes from _STEPS under a force."""
+
+    force: Callable[[float], float]
+    ends: Sequence[Sequence[float]]
+    rounding: Rounding
+
+    def are_of(self, program: Program) -> bool:
+        """True if the program takes these steps, to rounding."""
+        return all(self._is_of(program, at, end) for at, end in zip(_STEPS, self.ends, strict=True))
+
+    def _is_of(self, program: Program, at: tuple[float, float, float], end: Sequence[float]) -> bool:
+        with np.errstate(all="ignore"):
+            made = program.step(self.force, *at)
+        allowed = _INSIDE * self.rounding.of(1 + max(map(abs, (*end, *made))))
+        return all(abs(gap) <= allowed for gap in map(sub, made, end))
+
+    def solved(self, one: _Parameter) -> str:
+        """The x for which the first step is the one seen, by the secant method, in words; "" if other steps differ."""
+
+        def gap(x: float, m: int) -> float:
+            return one.at(x).step(self.force, *_STEPS[0])[m] - self.ends[0][m]
+
+        start = 1.0 if one.scaled else one.row[one.chosen[0]]
+        with np.errstate(all="ignore"):
+            for m in (1, 0):
+                x, before = start, start + _ASIDE
+                off, off_before = gap(x, m), gap(before, m)
+                for _ in range(_ROUNDS):
+                    if off == off_before or not isfinite(off):
+                        break
+                    x, before = x - off * (x - before) / (off - off_before), x
+                    off, off_before = gap(x, m), off
+                if x != start and self.are_of(one.at(x)):
+                    found = simple_rational(x, _INSIDE * self.rounding.of(max(1.0, abs(x))))
+                    return one.words.format(f"{x:.12g}" if found is None else found)
+        return ""
 
 
 def program_of(method: Method) -> Program:
@@ -277,31 +299,3 @@ def _one_parameter(method: Method, program: Program) -> Iterator[_Parameter]:
         for words, chosen in (groups or {f"all of {row}": there}).items():
             if len(chosen) > 1:
                 yield _Parameter(f"{words} times {{}}", program, name, i, chosen, scaled=True)
-
-
-def _solved(
-    one: _Parameter,
-    force: Callable[[float], float],
-    seen: Sequence[float],
-    rounding: Rounding,
-    agrees: Callable[[Program], bool],
-) -> str:
-    """The x for which the first step is the one seen, by the secant method, in words; "" if other steps differ."""
-
-    def gap(x: float, m: int) -> float:
-        return one.at(x).step(force, *_STEPS[0])[m] - seen[m]
-
-    start = 1.0 if one.scaled else one.row[one.chosen[0]]
-    with np.errstate(all="ignore"):
-        for m in (1, 0):
-            x, before = start, start + _ASIDE
-            off, off_before = gap(x, m), gap(before, m)
-            for _ in range(_ROUNDS):
-                if off == off_before or not isfinite(off):
-                    break
-                x, before = x - off * (x - before) / (off - off_before), x
-                off, off_before = gap(x, m), off
-            if x != start and agrees(one.at(x)):
-                found = simple_rational(x, _INSIDE * rounding.of(max(1.0, abs(x))))
-                return one.words.format(f"{x:.12g}" if found is None else found)
-    return ""

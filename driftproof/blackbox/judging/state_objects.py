@@ -18,6 +18,7 @@ from driftproof.blackbox.stepper.array_adapters import ARRAYS, LISTS, SCALARS, T
 from driftproof.blackbox.stepper.calling_conventions import FIELD, FORCE, POSITION, STATE, VELOCITY, CallingConvention
 from driftproof.blackbox.stepper.foreign_code import CallLog
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
+from driftproof.blackbox.stepper.state_forms import BODIES
 from driftproof.blackbox.stepper.wrappers import turn_wrapper
 from driftproof.methods.schemes import Method
 
@@ -36,7 +37,7 @@ def state_objects(
 
     The words name the form that was given. The answer is None if the step is wrong in that form and in every other. If
     the form is an array, a list or a tuple, the other two must be right as well, unless they are refused. A step may
-    overwrite an argument with its answer, and with nothing else.
+    overwrite an argument with its answer, and with nothing else. A step of a force is also given bodies in space.
     """
     several = ", several positions as NumPy arrays" * (subject.adapter is SCALARS and subject.convention.kind == FORCE)
     back = ", and comes back as (v1, q1)" * subject.convention.velocity_first
@@ -46,6 +47,8 @@ def state_objects(
     wrong, own = trial(replace(subject, function=keeping, log=CallLog(works_in_place=subject.log.works_in_place)))
     forms = [form for form in _FORMS if subject.adapter in _FORMS and form is not subject.adapter]
     if wrong and (from_copies := trial(subject)[0]):
+        if trial(subject)[0] != from_copies:
+            return None, f"{given}: the same steps, taken again, end elsewhere", ""
         turned = {_turned(subject.adapter): turn_wrapper(subject)} if STATE in subject.convention.order else {}
         for form, wrapper in {**dict.fromkeys(forms, ""), **turned}.items():
             with suppress(Misbehaviour):
@@ -57,7 +60,8 @@ def state_objects(
     if keeping.spoilt:
         return False, "it changes its arguments to something other than its answer", ""
     found: dict[str, list[str]] = {}
-    for form in forms:
+    in_space = [BODIES] * (subject.convention.kind == FORCE and subject.adapter is not BODIES)
+    for form in (*forms, *in_space):
         try:
             wrong, seen = trial(_in_form(subject, form))
         except Misbehaviour:
@@ -87,11 +91,11 @@ def _turned(adapter: ArrayAdapter) -> ArrayAdapter:
 
 
 class _SmallWalker(Walker):
-    """A walker with problems of two components, or of one if two are refused."""
+    """A walker with problems of two components, or of one if two are refused; in space of two bodies first."""
 
     @property
     def numbers(self) -> tuple[int, ...]:
-        return (2, 1)
+        return (5, 2, 1) if self.subject.adapter is BODIES else (2, 1)
 
 
 def _tried(

@@ -40,7 +40,8 @@ _BITS = 192
 # for implicit methods, because iterating their stages in balls is slow.
 _NUMBERS, _POSITIONS, _SOLVED_FOR = (1, 2, 3, 5, 17), (1, 2, 3, 5, 9), (1, 2, 3, 5)
 # Step sizes in units of the problem's own time: so short that numbers keep their sizes, of many bits, one taken twice.
-_LENGTHS, _BACK = (0.1, 0.1, 1 / 30, 0.07), (-0.07, -0.03)
+# The third is almost the second, for which a code that keeps something of that h may take it.
+_LENGTHS, _BACK = (0.1, 0.1, 0.1 * (1 - 2.0**-10), 1 / 30), (-0.07, -0.03)
 # What precedes a step: a step that ends where it starts, or one after which the state was changed, as by an event.
 _GOES_ON, _MOVED = "continues from the previous one", "begins when the previous one ended, in another state,"
 # The stepper may use another arithmetic or convention; a step that it refuses to take is no evidence against it.
@@ -77,10 +78,10 @@ class _Place:
 # Short steps with steep slopes and long steps with flat ones, at times before 0 and long after it, which have all bits.
 _PLACES = (
     _Place(),
-    _Place((2.0**-20,), 12, 100.1),
-    _Place((1.0, -256.0, 2.0**-30), 0, -7.3),
     _Place((256.0,), -4, 1000.1),
-    _Place((-1.0,), 6, -0.7),
+    _Place((1.0, -256.0, 2.0**-30), 0, -7.3),
+    _Place((2.0**-20,), 12, 100.1),
+    _Place((-256.0,), 10, -0.7),
 )
 # The place at which every number of components is tried.
 _HOME = _Place((1.0, -1.0))
@@ -120,7 +121,8 @@ class Walker:
 
     def counted(self, numbers: int) -> str:
         """The count with its noun, such as "1 position" or "3 numbers"."""
-        return f"{numbers} {self.what if numbers > 1 else self.what[:-1]}"
+        masses = " of unequal masses" * (numbers > 1 and getattr(self.subject.function, "unequal_masses", False))
+        return f"{numbers} {self.what if numbers > 1 else self.what[:-1]}{masses}"
 
     @property
     def numbers(self) -> tuple[int, ...]:

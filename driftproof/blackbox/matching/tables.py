@@ -29,7 +29,7 @@ LiftedTableau: TypeAlias = tuple[Sequence[TableRow], TableRow, TableRow]
 Induced: TypeAlias = tuple[StageCoefficients, _Number]
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True)
 class BoundedCoefficient:
     """An exact number with the sum of the sizes of the terms that form it, which its rounding error scales with."""
 

@@ -184,11 +184,11 @@ class _Probe:
 
     def reading(self) -> ForceReading:
         still, moving = self._answered(1.0, 0.0, []), self._answered(0.0, 1.0, [])
-        self._demand_plain(still, moving)
+        self._require_plain(still, moving)
         columns = [self._column(j) for j in range(self.calls)]
         a = tuple(tuple(column.places[i] for column in columns) for i in range(self.calls))
         b_position, b_velocity = tuple(x.q for x in columns), tuple(x.v for x in columns)
-        self._demand_no_memory()
+        self._require_no_memory()
         c, fmt = tuple(moving.places), self.subject.format
         a_velocity = None
         if self.subject.gives_velocities:
@@ -233,7 +233,7 @@ class _Probe:
             )
         return run
 
-    def _demand_plain(self, still: _Run, moving: _Run) -> None:
+    def _require_plain(self, still: _Run, moving: _Run) -> None:
         """Raise NotReadable if q or v is not kept without a force: by drag, a spring or a wall of its own."""
         allowed = self._rounding.of(1.0)
         weights = [(f"call {i} is made at", x, "q", 1.0) for i, x in enumerate(still.places)]
@@ -244,7 +244,7 @@ class _Probe:
         if found:
             raise scripted.NotReadable(f"with h = 1 and without a force, {'; '.join(found)}")
 
-    def _demand_no_memory(self) -> None:
+    def _require_no_memory(self) -> None:
         """Raise NotReadable if a step differs after the last column and after a step without forces."""
         first = self._controlled(scripted.CONTROLS[0])
         self._answered(0.0, 0.0, [])

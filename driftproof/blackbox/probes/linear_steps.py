@@ -226,7 +226,7 @@ def _is_linearisation(subject: ForeignStepper, tiny: LinearReading) -> bool:
     if tiny.at_zero is None:
         return False
     less = _matrix(subject, tiny.tiny, tiny.amplitude / 4)
-    return all(map(_agree, tiny.at_zero[1:3], less[1:3]))
+    return all(map(_agree, tiny.at_zero, less))
 
 
 def _far_out(subject: ForeignStepper, reading: LinearReading) -> tuple[str, ...]:

@@ -49,7 +49,7 @@ def read_coefficients(subject: ForeignStepper) -> CoefficientReading:
             return read_tableau(subject)
         except (NotReadable, Misbehaviour) as refusal:
             return _otherwise(subject, refusal)
-    _demand_inertia(subject)
+    _require_inertia(subject)
     try:
         reading = read_forces(subject)
     except NotReadable as refusal:
@@ -72,7 +72,7 @@ def _as_tableau(reading: ForceReading, *, timed: bool) -> TableauReading | None:
     return TableauReading(a, b, c, reading.format, reading.remarks, reading.amplitude, *solved)
 
 
-def _demand_inertia(subject: ForeignStepper) -> None:
+def _require_inertia(subject: ForeignStepper) -> None:
     """Raise NotReadable unless each component of a vector keeps its velocity without a force: probes see only one."""
     numbers = TOGETHER.get(subject.adapter.name, 0)
     allowed = Rounding(subject.format, numbers).of(1.0)

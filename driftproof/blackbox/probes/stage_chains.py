@@ -81,43 +81,51 @@ class StageChains:
         end contains all products aᵢⱼ aⱼₖ ..., so that stages which were taken for one show. In the second variant the
         chain runs through y in the opposite order.
         """
-        for setting, size in _VARIANTS:
-            self._demand(a, b, rounding, setting, backward=size == -1.0)
+        count, largest = len(self._factors), max(1.0, *(fsum(map(abs, row)) for rows in (*a, b) for row in rows))
+        for (setting, _), order in zip(_VARIANTS, (1, -1), strict=True):
+            seen, expected = self._end_of_chain(setting, order), self._expected_end(a, b, setting.h)
+            # Each factor, at most 2 times a row sum of A, is off by the error of the coefficients.
+            allowed = count * (2 * largest) ** count * rounding.of(1.0) + UNSOLVED * max(1.0, abs(expected))
+            if not abs(seen - expected) <= allowed:
+                raise NotReadable(
+                    f"with its stages marked, a chain of {count} of them gives {seen:.6g} where the coefficients read "
+                    f"say {expected:.6g}: the step is not made of these stages"
+                )
 
-    def _demand(
-        self, a: Sequence[StageTable], b: StageTable, rounding: Rounding, setting: Setting, *, backward: bool
-    ) -> None:
-        kept, parts = self.kept, range(self.steps.parts)
-        count = self.steps.size - len(self.marks.hands)
-        weights = [
-            {(label, p): spread((3 * i + 1 + p) * (link + 1)) for i, label in enumerate(kept) for p in parts}
-            for link in range(count)
+    @property
+    def _factors(self) -> list[dict[Link, float]]:
+        """The g of each number of the longest chain: a factor for each stage and function."""
+        stages, parts = [*enumerate(self.kept)], range(self.steps.parts)
+        return [
+            {(label, part): spread((3 * i + 1 + part) * (link + 1)) for i, label in stages for part in parts}
+            for link in range(self.steps.size - len(self.marks.hands))
         ]
 
-        def slopes(shares: StageShares, moved: Sequence[float]) -> Sequence[float]:
-            given = [1.0, *(moved[::-1] if backward else moved)]
-            known = [(label, share) for label, share in shares.items() if label in kept]
-            here = self.steps.part
-            pairs = zip(given, weights, strict=False)
-            own = [x * fsum(share * g[label, here] for label, share in known) for x, g in pairs]
-            return own[::-1] if backward else own
+    def _end_of_chain(self, setting: Setting, order: int) -> float:
+        """The end of the longest chain as a step shows it; if `order` is -1, the chain begins with the last number."""
+        factors = self._factors
 
-        run = self.steps.run(self.marks, setting, slopes)
-        seen = run.result[len(self.marks.hands) :][0 if backward else -1] - setting.start
-        at, largest = [1.0] * len(kept), max(1.0, *(fsum(map(abs, row)) for rows in (*a, b) for row in rows))
-        for link, row in enumerate(weights):
-            pulled = [[row[label, p] * x for label, x in zip(kept, at, strict=True)] for p in parts]
-            # The rows of A of each function, and its weights at the end.
-            tables = a if link < count - 1 else [(x,) for x in b]
-            moves = [[fsum(x * k for x, k in zip(r, pulled[p], strict=True)) for r in tables[p]] for p in parts]
-            at = [setting.h * fsum(several) for several in zip(*moves, strict=True)]
-        # Each factor, at most 2 times a row sum of A, is off by the error of the coefficients.
-        allowed = count * (2 * largest) ** count * rounding.of(1.0) + UNSOLVED * max(1.0, abs(at[0]))
-        if not abs(seen - at[0]) <= allowed:
-            raise NotReadable(
-                f"with its stages marked, a chain of {count} of them gives {seen:.6g} where the coefficients read "
-                f"say {at[0]:.6g}: the step is not made of these stages"
-            )
+        def slopes(shares: StageShares, moved: Sequence[float]) -> Sequence[float]:
+            known = [(label, share) for label, share in shares.items() if label in self.kept]
+            here, given = self.steps.part, [1.0, *moved[::order]]
+            pairs = zip(given, factors, strict=False)
+            return [x * fsum(share * g[label, here] for label, share in known) for x, g in pairs][::order]
+
+        result = self.steps.run(self.marks, setting, slopes).result
+        return result[len(self.marks.hands) :][::order][-1] - setting.start
+
+    def _expected_end(self, a: Sequence[StageTable], b: StageTable, h: float) -> float:
+        """The end of the longest chain by the coefficients: bᵢ g(i) h aᵢⱼ g(j) h ..., summed over all stages."""
+        *inner, last = self._factors
+        at = [1.0] * len(self.kept)
+        for factors, tables in [*((each, a) for each in inner), (last, [(row,) for row in b])]:
+            pulled = [[factors[i, part] * x for i, x in zip(self.kept, at, strict=True)] for part in range(len(tables))]
+            moves = [
+                [fsum(x * k for x, k in zip(row, pull, strict=True)) for row in rows]
+                for rows, pull in zip(tables, pulled, strict=True)
+            ]
+            at = [h * fsum(several) for several in zip(*moves, strict=True)]
+        return at[0]
 
     def _chained(self, chain: Sequence[Link], product: float) -> float:
         """The factor that the last link of a chain i, j, ..., k adds to the product bᵢ aᵢⱼ ... of the others."""

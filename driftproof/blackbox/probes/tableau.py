@@ -171,7 +171,7 @@ class TableauProbe:
         *a, b = (tuple(column[i] for column in columns) for i in range(self.calls + 1))
         clock = tuple(t for t in self.silent.times if t is not None)
         c = clock if len(clock) == self.calls else None
-        self._demand_no_memory()
+        self._require_no_memory()
         reading = TableauReading(tuple(a), b, c, self.subject.format, amplitude=self.amplitude)
         for control in scripted.CONTROLS:
             self._check(reading, control)
@@ -218,7 +218,7 @@ class TableauProbe:
             raise scripted.NotReadable("the slope of one component of y moves another one")
         return column
 
-    def _demand_no_memory(self) -> None:
+    def _require_no_memory(self) -> None:
         """Raise NotReadable if a step differs after the last column and after a step with all slopes 0."""
         first = self._controlled(scripted.CONTROLS[0])
         self.run(self.size, [], scripted.AT_REST)
@@ -240,33 +240,21 @@ class TableauProbe:
 
     def _check(self, reading: TableauReading, control: scripted.Control) -> None:
         """Raise NotReadable unless one more step goes as the coefficients say."""
-        run, slopes = self._controlled(control), self.slopes(control)
-        seen = [*run.places, run.result]
-        for component, (y, answers) in enumerate(zip(_start(control, self.size), slopes, strict=True)):
+        run, rows = self._controlled(control), (*reading.a, reading.b)
+        for component, (y, answers) in enumerate(zip(self.starts(control), self.slopes(control), strict=True)):
             asked = control._replace(broken=_UNLIKE) if component else control
-            self._compare(reading, asked, y, answers, [numbers[component] for numbers in seen])
-        self._compare_times(reading, control, run)
+            terms = [max(abs(row[j]) for row in rows) * abs(k) for j, k in enumerate(answers)]
+            # Twice: the coefficients read are rounded as much as the step that is compared with them.
+            allowed = self.rounding.of(2 * (abs(y) + abs(control.h) * sum(terms)))
+            for i, (row, seen) in enumerate(zip(rows, [*run.places, run.result], strict=True)):
+                said = y + control.h * fsum(x * k for x, k in zip(row, answers, strict=True))
+                name = f"y of call {i}" if i < self.calls else "the result"
+                scripted.require_predicted(asked, name, seen[component], said, allowed)
+        if reading.c:
+            self._compare_times(reading.c, control, run)
 
-    def _compare(
-        self,
-        reading: TableauReading,
-        control: scripted.Control,
-        y: float,
-        answers: Sequence[float],
-        seen: Sequence[float],
-    ) -> None:
-        rows = (*reading.a, reading.b)
-        terms = [max(abs(row[j]) for row in rows) * abs(k) for j, k in enumerate(answers)]
-        # Twice: the coefficients read are rounded as much as the step that is compared with them.
-        allowed = self.rounding.of(2 * (abs(y) + abs(control.h) * sum(terms)))
-        for i, (row, number) in enumerate(zip(rows, seen, strict=True)):
-            said = y + control.h * fsum(x * k for x, k in zip(row, answers, strict=True))
-            name = f"y of call {i}" if i < self.calls else "the result"
-            scripted.require_predicted(control, name, number, said, allowed)
-
-    def _compare_times(self, reading: TableauReading, control: scripted.Control, run: ScriptedStep) -> None:
-        nodes = reading.c or ()
-        allowed = self.rounding.of(2 * (abs(control.time) + abs(control.h) * max(map(abs, nodes), default=0.0)))
+    def _compare_times(self, nodes: Sequence[float], control: scripted.Control, run: ScriptedStep) -> None:
+        allowed = self.rounding.of(2 * (abs(control.time) + abs(control.h) * max(map(abs, nodes))))
         for i, (node, seen) in enumerate(zip(nodes, run.times, strict=False)):
             said = control.time + control.h * node
             scripted.require_predicted(control, f"the time of call {i}", said if seen is None else seen, said, allowed)

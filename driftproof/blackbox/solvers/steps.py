@@ -205,7 +205,7 @@ class _Marked:
     def reading(self) -> TableauReading:
         """The tableau of the calls that move the end of the step and not its start, directly or through others."""
         self.runs = runs = {n: self._run({n: 1.0}) for n in self.near}
-        self._demand_no_memory([*(self._run({n: 1.0}) for n in self.earlier), *runs.values()])
+        self._require_no_memory([*(self._run({n: 1.0}) for n in self.earlier), *runs.values()])
         weights = {n: run.y[self.place + 1][0] / self.h for n, run in runs.items() if not run.y[self.place][0]}
         entries = {
             n: {m: runs[m].calls[n].y[0] / self.h for m in weights if m < n and runs[m].calls[n].y[0]} for n in weights
@@ -248,7 +248,7 @@ class _Marked:
         a = tuple(tuple(self.entries[n].get(m, 0.0) for m in stages) for n in stages)
         return stages, a, tuple((self.silent.calls[n].t - self.start) / self.h for n in stages)
 
-    def _demand_no_memory(self, runs: Sequence[Solution]) -> None:
+    def _require_no_memory(self, runs: Sequence[Solution]) -> None:
         """Raise NotReadable if an answer that moves the start of the step moves its end by another amount."""
         for run in runs:
             before, after = run.y[self.place][0], run.y[self.place + 1][0]

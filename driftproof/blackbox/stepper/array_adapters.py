@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
 from decimal import Decimal
 from numbers import Real
 from typing import Any, TypeAlias
@@ -23,7 +23,8 @@ class ArrayAdapter:
 
     `number` makes a single number from a float, and `function` turns a Python function into one that the stepper can
     call. `read` raises WrongShape or NotANumber. All are exact, up to the rounding to the stepper's own precision.
-    `shown` is the format of the numbers in a line of Python, if this is not a call of `name`.
+    `shown` is the format of the numbers in a line of Python, if this is not a call of `name`. A record may hold
+    `parameters` of its oscillator; `with_parameters` makes the adapter with others.
     """
 
     name: str
@@ -32,6 +33,8 @@ class ArrayAdapter:
     number: Callable[[float], AnyNumber] = float
     function: Callable[[Callable[..., Foreign]], Callable[..., Foreign]] = lambda function: function
     shown: str = ""
+    parameters: Mapping[str, float] = field(default_factory=dict, compare=False)
+    with_parameters: Callable[[Mapping[str, float]], ArrayAdapter] | None = None
 
 
 def floats_in(value: Foreign, size: int) -> list[float]:

@@ -75,7 +75,7 @@ _GRADIENTS = (
 _POSITIONS = ("q", "x", "r", "y", "pos", "position", "positions", "theta", "angle", "q0", "x0", "r0", "y0")
 _VELOCITIES = (
     *("v", "vel", "velocity", "velocities", "p", "momentum", "omega", "qdot", "xdot", "q_dot", "x_dot"),
-    *("dq", "dx", "theta_dot", "v0", "p0"),
+    *("dq", "dx", "theta_dot", "v0", "p0", "vx", "vy"),
 )
 _STATES = ("y", "z", "s", "u", "x", "w", "state", "states", "body", "particle", "y0", "z0", "x0", "u0", "yn", "yi")
 # The names under which steppers in the wild take each argument.
@@ -85,7 +85,7 @@ ROLES: dict[str, tuple[str, ...]] = {
     VELOCITY: _VELOCITIES,
     STATE: _STATES,
     TIME: ("t", "time", "t0", "tn", "ti"),
-    STEP: ("h", "dt", "step", "step_size", "stepsize", "timestep", "time_step", "delta_t", "tau", "delta"),
+    STEP: ("h", "dt", "step", "step_size", "stepsize", "timestep", "time_step", "delta_t", "tau", "delta", "eps"),
     GRID: ("t", "ts", "times", "grid", "t_grid", "tgrid", "time_grid", "t_eval", "tlist"),
     JACOBIAN: ("jac", "jacobian", "j", "dfdy", "df_dy", "dfdx", "df_dx", "fy", "df", "fprime", "jac_f"),
     TIME_SLOPE: ("dfdt", "df_dt", "ft", "f_t", "dt_f"),
@@ -108,13 +108,13 @@ MOMENTA = ("p", "momentum", "momenta", "p0")
 STIFFNESSES = ("k", "stiffness")
 UNIT_PARAMETERS = ("m", "mass", *STIFFNESSES, "omega", "omega0", "w", "w0")
 # Names for the number of steps of a run.
-COUNTS = ("n", "steps", "n_steps", "nsteps", "num_steps", "number_of_steps", "nt", "n_iter", "iterations")
+COUNTS = ("n", "steps", "n_steps", "nsteps", "num_steps", "number_of_steps", "nt", "n_iter", "iterations", "l")
 # The p of step(p, h) is a particle, not a momentum.
 _PARTICLE = MAP, STATE, "p"
 # A mass other than 1 shows whether the force is divided by it; for a power of two the quotient is exact.
-MASSES, _MASS = ("m", "mass", "masses"), 2.0
+MASSES, MASS = ("m", "mass", "masses"), 2.0
 # Likewise a charge, or a charge over the mass: the fields that are passed are divided by it.
-_CHARGES, _CHARGE = ("q", "charge", "qm", "q_m", "q_over_m", "qom", "charge_to_mass", "z"), 8.0
+CHARGES, _CHARGE = ("q", "charge", "qm", "q_m", "q_over_m", "qom", "charge_to_mass", "z"), 8.0
 
 
 @dataclass(frozen=True)
@@ -148,6 +148,14 @@ class CallingConvention:
         """The same convention for a run of `steps` steps."""
         counts = {name: steps for name in self.extra if _word(name) in COUNTS}
         return replace(self, extra={**self.extra, **counts}, steps=steps)
+
+    def scaled(self, words: Sequence[str], by: float) -> CallingConvention | None:
+        """The same convention with another mass, or another sign of the charge, called by these words; None if none is.
+
+        The force, or the fields, become `by` times what they were.
+        """
+        changed = {name: by * x for name, x in self.extra.items() if _word(name) in words}
+        return replace(self, extra={**self.extra, **changed}, factor=by * self.factor) if changed else None
 
 
 def conventions_of(step: Callable[..., Any], kind: str | None = None) -> list[CallingConvention]:
@@ -186,6 +194,11 @@ def required_names(step: Callable[..., Any]) -> list[str] | None:
     return [p.name for p in parameters.values() if p.default is p.empty and p.kind is not p.VAR_KEYWORD]
 
 
+def has_gradient(names: Sequence[str]) -> bool:
+    """True if one of the names is that of a gradient, so that the force is minus its value."""
+    return not {*map(_word, names)}.isdisjoint(_GRADIENTS)
+
+
 def parameters_of(step: Callable[..., Any]) -> Mapping[str, inspect.Parameter] | None:
     """The parameters by name, of a torch module's forward and of a compiled function's source; None if unknown."""
     try:
@@ -205,23 +218,26 @@ def _by_name(found: CallingConvention, step: Callable[..., Any], names: Sequence
 def _fitted(names: Sequence[str], kind: str, roles: Sequence[str]) -> CallingConvention | None:
     """The convention, if names and roles match one to one and all other names are known extras; otherwise None."""
     open_roles, order, extra = [*roles, *([] if GRID in roles else [TIME])], [], dict[str, float]()
-    factor, run = 1.0, GRID in roles
+    factor, run, words = 1.0, GRID in roles, {*map(_word, names)}
+    # In f(x, y), as books write it, x is the time.
+    meant = {"x": "t"} if {FUNCTION, STATE} <= {*roles} and "y" in words and not words & {*ROLES[TIME]} else {}
+    meant |= {"q": "y"} if kind == FIELD else {}
     for name in names:
-        word = "y" if (kind, _word(name)) == (FIELD, "q") else _word(name)
-        if kind == MAGNETIC and word in (*_CHARGES, *MASSES):
-            extra[name] = _MASS if word in MASSES else _CHARGE
-            factor *= 1 / _CHARGE if word in _CHARGES else _MASS
+        word = meant.get(_word(name), _word(name))
+        if kind == MAGNETIC and word in (*CHARGES, *MASSES):
+            extra[name] = MASS if word in MASSES else _CHARGE
+            factor *= 1 / _CHARGE if word in CHARGES else MASS
             continue
         role = next((role for role in open_roles if word in ROLES[role] or (kind, role, word) == _PARTICLE), None)
         if role is not None:
             open_roles.remove(role)
             order.append(role)
-            factor = -factor if role == FUNCTION and word in _GRADIENTS else factor
+            factor = -factor if role == FUNCTION and has_gradient([word]) else factor
         elif kind == MAP and word in UNIT_PARAMETERS:
             extra[name] = 1.0
         elif kind == FORCE and word in MASSES:
-            extra[name], factor = _MASS, factor * _MASS
-        elif word in COUNTS:
+            extra[name], factor = MASS, factor * MASS
+        elif word in COUNTS and (word != "l" or has_gradient(names)):  # of a sampler; of a pendulum, it is a length
             extra[name], run = 1, True
         else:
             return None

@@ -56,6 +56,7 @@ class ForeignCode:
     `before` receives each call as text before it is made and may refuse it by raising; `after` is called when it is
     over. `pristine` is the code before its first call, or None if it cannot be copied. Runs of fewer steps than
     `shortest` are not made. `single` is true for code that takes one number, so that q and v do not fit into its state.
+    `begun` is the first step of all, as a function of the code that makes it again, with the end that it had.
     """
 
     function: Callable[..., Any]
@@ -68,6 +69,7 @@ class ForeignCode:
     pristine: Callable[..., Any] | None = None
     shortest: int = 1
     single: bool = False
+    begun: tuple[Callable[[Any], Sequence[float]], Sequence[float]] | None = None
 
     def callback(
         self, rate: FieldFunction, t: AnyNumber, size: int, write: Callable[[Any], Foreign]
@@ -140,6 +142,8 @@ class ForeignCode:
         if parts > 1 and not pair:
             self.log.carried, answer = answer[-1], answer[:-1] if len(answer) > 2 else answer[0]
         steps = self.convention.steps
+        if answer is None:  # a run may be made in place
+            return None
         if hasattr(answer, "__next__"):
             self.log.states, self.log.layout = _states_of_generator(answer, start, self.log.layout, steps)
         elif self.convention.run:
@@ -158,6 +162,8 @@ class ForeignCode:
             return answer
         self.log.works_in_place = True
         parts = tuple(roles[role] for role in kept if role in self.convention.order)
+        if self.convention.run:
+            self.log.states = [np.concatenate([as_array(part).ravel() for part in parts]).tolist()]
         return parts if len(parts) > 1 else parts[0]
 
     def read(self, answer: Foreign, size: int) -> list[AnyNumber]:

@@ -28,6 +28,7 @@ from driftproof.blackbox.stepper.calling_conventions import (
 )
 from driftproof.blackbox.stepper.foreign_code import CallLog, FieldFunction, ForeignCode, size_of
 from driftproof.blackbox.stepper.fresh_copies import fresh_copy
+from driftproof.blackbox.stepper.state_forms import BATCH
 from driftproof.methods.stepping import oscillator
 
 # A force on numbers of the adapter.
@@ -123,6 +124,11 @@ class ForeignStepper(ForeignCode):
 
         Raises UnsupportedCall if position and velocity share one array, which is one state.
         """
+        if self.adapter is BATCH and self.convention.kind == MAP:
+            rows = np.array([qs, vs]).T
+            ends = self.called({STATE: rows, STEP: h, TIME: 0.0}, f"states={rows.tolist()!r}, h={h!r}", [*qs, *vs])
+            numbers = self.adapter.read(ends, rows.size)
+            return list(zip(numbers[::2], numbers[1::2], strict=True))
         if POSITION not in self.convention.order:
             raise UnsupportedCall("position and velocity come in one array, which is one state")
         write = self._of_several.write

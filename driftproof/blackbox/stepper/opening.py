@@ -64,42 +64,40 @@ def opened(
     calling convention fits. If no adapter gets an answer, raises StaleSlope if there was one, and otherwise the
     `Misbehaviour` of the most natural adapter.
     """
-    failures: list[Misbehaviour] = []
-    step = with_slopes_kept(step)
+    step, failures = with_slopes_kept(step), list[Misbehaviour]()
 
-    def as_plain() -> ForeignStepper | None:
-        """The first plain form of the stepper that answers; the failures of others are added to the list."""
-        for plain in plain_forms(step) if calls is None else ():
+    def first_of(attempts: Iterable[Callable[[], ForeignStepper]]) -> ForeignStepper | None:
+        for attempt in attempts:
             try:
-                return opened(plain, None, array, before, after)
+                return attempt()
             except Misbehaviour as failure:
                 failures.append(failure)
         return None
+
+    def as_plain() -> ForeignStepper | None:
+        forms = plain_forms(step) if calls is None else ()
+        return first_of(partial(opened, form, None, array, before, after) for form in forms)
 
     try:
         conventions = calling.conventions_of(step, calls)
     except ValueError as error:
         if found := as_plain():
             return found
+        if stale := [failure for failure in failures if isinstance(failure, StaleSlope)]:
+            raise stale[0] from None
         line = wrapper_line(step)
         raise BadInput(f"{_unfitting(step)}{line}" if line and calls is None else f"{error}{line}") from None
     if calling.MASSES[-1] in (calling.required_names(step) or ()) and (found := as_plain()):
         return found  # with unequal masses, before one of all
-    pristine = fresh_copy(step)
-    for convention in conventions:
-        trials = _TRIALS.get(convention.kind, (_one_step,))
-        for adapters in _adapters(step, convention, array):
-            for trial, adapter in product(trials, adapters):
-                subject = ForeignStepper(step, convention, adapter, before=before, after=after, pristine=pristine)
-                subject.single = trial is _one_number
-                try:
-                    return _with_momentum(_with_strong_floats(_after_trial(subject, trial), trial))
-                except Misbehaviour as failure:
-                    failures.append(failure)
-                if convention.run:  # the start of a multistep method may need several steps
-                    with suppress(Misbehaviour):
-                        longer = _after_trial(replace(subject, convention=convention.of_steps(_LONGER)), trial)
-                        return replace(longer, convention=longer.convention.of_steps(1), shortest=_LONGER)
+    made = partial(ForeignStepper, step, before=before, after=after, pristine=fresh_copy(step))
+    trials = (
+        partial(_tried, made(convention, adapter, single=trial is _one_number), trial)
+        for convention in conventions
+        for adapters in _adapters(step, convention, array)
+        for trial, adapter in product(_TRIALS.get(convention.kind, (_one_step,)), adapters)
+    )
+    if found := first_of(trials):
+        return found
     if inspect.isclass(step) and (line := wrapper_line(step)):
         raise BadInput(f"{_unfitting(step)}{line}")
     if found := as_plain():
@@ -110,6 +108,19 @@ def opened(
 def _unfitting(step: Callable[..., Any]) -> str:
     """The refusal that stands before a wrapper; it is short, because a summary of tests cuts the line."""
     return f"{calling.signature_text(step)} does not fit any calling convention of `driftproof verify --help`; write"
+
+
+def _tried(subject: ForeignStepper, trial: TrialStep) -> ForeignStepper:
+    """The subject after a trial; a run that fails at one step is tried with more, as its start may need several."""
+    convention = subject.convention
+    try:
+        return _with_momentum(_with_strong_floats(_after_trial(subject, trial), trial))
+    except Misbehaviour:
+        if convention.run:
+            with suppress(Misbehaviour):
+                longer = _after_trial(replace(subject, convention=convention.of_steps(_LONGER)), trial)
+                return replace(longer, convention=longer.convention.of_steps(1), shortest=_LONGER)
+        raise
 
 
 def _adapters(
@@ -170,12 +181,17 @@ def _after_trial(subject: ForeignStepper, trial: TrialStep) -> ForeignStepper:
     than that at its end, Increment for a step that returns y1 - y, and Exchanged for one that exchanges q and v.
     """
     end = trial(subject, TRIAL_STEP)
+    subject.begun = (lambda again: trial(again, TRIAL_STEP)), end
+    if subject.convention.run and subject.log.works_in_place:  # a count of steps, or of numbers
+        two = trial(replace(subject, convention=subject.convention.of_steps(2), log=CallLog()), TRIAL_STEP)
+        if np.array_equal(two, end):
+            raise WrongShape("a run of two steps ends where one of one step does")
     if subject.adapter is COMPLEX and end[0] < TRIAL_STATE[0]:
         raise WrongShape("z moves as q - i v")
     if subject.log.carried is not None:
-        _demand_slope_at_end(subject.log.carried, end, subject.convention)
-        _demand_time_of_end(subject, TRIAL_STATE[: len(end)])
-    _demand_own_clock(subject, TRIAL_STATE[: len(end)])
+        _require_slope_at_end(subject.log.carried, end, subject.convention)
+        _require_time_of_end(subject, TRIAL_STATE[: len(end)])
+    _require_own_clock(subject, TRIAL_STATE[: len(end)])
     read_as = subject.convention
     if read_as.kind in (calling.MAP, calling.FORCE) and end[0] < end[1] and not read_as.velocity_first:
         ends = trial(subject, _TINY), end  # the longer step moves away
@@ -245,7 +261,7 @@ def _velocity_varies(subject: ForeignStepper) -> bool:
     return np.allclose(seen[:2], [3.0, -2.0], rtol=0, atol=_AS_CARRIED)
 
 
-def _demand_slope_at_end(carried: Any, end: Sequence[float], convention: calling.CallingConvention) -> None:
+def _require_slope_at_end(carried: Any, end: Sequence[float], convention: calling.CallingConvention) -> None:
     """Raise StaleSlope unless the slope that a step hands on is the slope at its end."""
     found = as_array(carried).ravel()
     if convention.kind == calling.FIELD:
@@ -257,7 +273,7 @@ def _demand_slope_at_end(carried: Any, end: Sequence[float], convention: calling
         raise StaleSlope(f"it passes on {shown} as the slope at its end, not {right}")
 
 
-def _demand_time_of_end(subject: ForeignStepper, state: Sequence[float]) -> None:
+def _require_time_of_end(subject: ForeignStepper, state: Sequence[float]) -> None:
     """Raise StaleSlope if the slope handed on is of another time than the end, unless the step ignores times."""
     if subject.convention.kind not in (calling.FIELD, calling.FORCE):
         return
@@ -276,7 +292,7 @@ def _demand_time_of_end(subject: ForeignStepper, state: Sequence[float]) -> None
         raise StaleSlope(f"it passes on the slope at t + {seen - start:g} as that at its end, t + {TRIAL_STEP:g}")
 
 
-def _demand_own_clock(subject: ForeignStepper, state: Sequence[float]) -> None:
+def _require_own_clock(subject: ForeignStepper, state: Sequence[float]) -> None:
     """Raise StaleSlope if the time that the step returns is neither that at its end nor, left to its caller, the start.
 
     In a tuple, a number that does not move with t is no time, but a step size or an error.

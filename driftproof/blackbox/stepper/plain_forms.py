@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from driftproof.blackbox.findings import StaleSlope
 from driftproof.blackbox.stepper.array_adapters import Foreign
 from driftproof.blackbox.stepper.calling_conventions import (
     CARRIED,
@@ -43,10 +44,14 @@ _VERBS = r"^(get|compute|calc|calculate|eval|update)_|_(fn|func|function)$"
 _INTO = re.compile(r"^(out|result|res|dest)_?|_?(out|new|next|1)$")
 # The coordinates of a body in space.
 _IN_SPACE = 3
-# In so short a step, every method moves a body on a spring back.
-_SHORT = 2.0**-10
+# In so short a step, every method moves a body on a spring back; in a long one the force changes by its own size.
+_SHORT, _LONG = 2.0**-10, 0.25
 # Unequal masses other than 1 show whether each force is divided by its own mass; accelerations are not divided.
 _HEAVY = (2.0, 4.0, 8.0)
+# What stands in an array for the result, which a step that adds to it would take for its own.
+_LEFT_THERE = 0.59375
+# A kick that differs by this part is one by another force: of two multistep methods, short kicks differ by less.
+_A_PART = 2.0**-5
 _ACCELERATIONS, _TRIAL = "acc", np.arange(1.0, 7.0)
 
 
@@ -72,12 +77,14 @@ def plain_forms(step: Callable[..., Any]) -> Iterator[Callable[..., Any]]:
             continue
         call, of_force = _Call(step, names, roles), FUNCTION in held
         if _BODIES in held or {POSITION, VELOCITY} <= held:
+            for places in (_TRIAL, _TRIAL.reshape(2, 3)):  # does it ask at one place without naming the body?
+                with suppress(Exception):
+                    call.see_what_is_left(places)
             if of_force:
-                for places in (_TRIAL, _TRIAL.reshape(2, 3)):  # does it ask at one place without naming the body?
-                    with suppress(Exception):
-                        call.moved(np.negative, places, places, _SHORT)
-                yield lambda force, q, v, h, call=call: call.moved(force, q, v, h)
-            elif _pulls_back(call):
+                form: Any = lambda force, q, v, h, call=call: call.moved(force, q, v, h)
+                form.unequal_masses = call.unequal
+                yield form
+            elif call.stale or _pulls_back(call):
                 yield lambda q, v, h, call=call: call.moved(None, q, v, h)
         elif STATE in held and of_force:
             yield lambda f, t, y, h, call=call: call.solved(f, t, y, h)
@@ -127,6 +134,25 @@ class _Call:
         function = next((name for name, role in roles.items() if role == FUNCTION), "")
         self.of_force, self.alike = "force" in function.lower(), False
         self.heavy = _HEAVY if self.of_force or _ACCELERATIONS in function.lower() else (1.0,)
+        self.left, self.stale = dict[str, Any](), ""
+
+    @property
+    def unequal(self) -> bool:
+        """True if the stepper is given unequal masses."""
+        return not self.alike and len(self.heavy) > 1 and bool({_MASS, _BODIES} & {*self.roles.values()})
+
+    def see_what_is_left(self, places: Any) -> None:
+        """Note the names of what a step leaves in objects or slopes if it changes the next one by part of a kick."""
+        force, h = np.negative if FUNCTION in self.roles.values() else None, _SHORT
+        if _BODIES not in self.roles.values():  # whose memory of a step before may be that of a multistep method
+            h = _LONG
+        q, v = self.moved(force, places, places, h)
+        left, (_, new) = self.left, self.moved(force, q, v, h)
+        if left and np.max(np.abs(self.moved(force, q, v, h, left)[1] - new)) > _A_PART * np.max(np.abs(new - v)):
+            names = [name for name, role in self.roles.items() if role == CARRIED]
+            for body in left[_BODIES][:1]:
+                names = [name for name in vars(body) if name not in vars(_Body(0.0, 0.0, 1.0))]
+            self.stale = ", ".join(names)
 
     def solved(self, f: Callable[..., Any] | None, t: float, y: Foreign, h: float) -> Foreign:
         """A step of y' = f(t, y), or of the built-in system if f is None."""
@@ -143,8 +169,15 @@ class _Call:
         answer, outs = self._called(given, state)
         return answer if answer is not None else outs[0] if outs else state
 
-    def moved(self, force: Callable[..., Any] | None, q: Foreign, v: Foreign, h: float) -> Foreign:
-        """A step of q'' = force(q), or of the built-in system if force is None."""
+    def moved(
+        self, force: Callable[..., Any] | None, q: Foreign, v: Foreign, h: float, left: Mapping[str, Any] | None = None
+    ) -> Foreign:
+        """A step of q'' = force(q), or of the built-in system if force is None, with what another step `left`.
+
+        Raises StaleSlope if what a step leaves makes the next one wrong.
+        """
+        if self.stale:
+            raise StaleSlope(f"a second step with the {self.stale} that the first one left is not one of its own state")
         if np.shape(q) == (_IN_SPACE**2,) and _MASS in self.roles.values():
             with suppress(Exception):  # as many bodies as coordinates: masses then divide columns as well as rows
                 rows = (_IN_SPACE, _IN_SPACE)
@@ -164,7 +197,7 @@ class _Call:
 
         one: Callable[[Any], Any] = lambda x: x.copy() if np.ndim(x) else float(x)
         each = zip(places, speeds, masses, strict=True) if _BODIES in self.roles.values() else ()
-        bodies = [_Body(one(q), one(v), float(mass)) for q, v, mass in each]
+        bodies = (left or {}).get(_BODIES) or [_Body(one(q), one(v), float(mass)) for q, v, mass in each]
 
         def asked(*arguments: Foreign) -> Foreign:
             if bodies:
@@ -175,7 +208,9 @@ class _Call:
 
         given: dict[str, Foreign] = {POSITION: places, VELOCITY: speeds, STEP: h, FUNCTION: asked, _MASS: masses}
         given |= {_BODIES: bodies, TIME: 0.0, CARRIED: pushes(places) if CARRIED in self.roles.values() else None}
+        given |= left or {}
         answer, outs = self._called(given, places)
+        self.left = {role: given[role] for role in (_BODIES, CARRIED)} if answer is None or answer is bodies else {}
         if self.alike > alike:  # a force that does not know its body: begin again with equal masses
             return self.moved(force, q, v, h)
         if bodies:
@@ -186,7 +221,7 @@ class _Call:
 
     def _called(self, given: Mapping[str, Foreign], state: Any) -> tuple[Foreign, list[Foreign]]:
         """What the stepper returns, and the arrays it writes into, the position before the velocity."""
-        outs = {name: np.zeros_like(state) for name, role in self.roles.items() if role == _OUT}
+        outs = {name: np.full_like(state, _LEFT_THERE) for name, role in self.roles.items() if role == _OUT}
         known = {**given, _SIZE: len(state)}
         answer = self.step(*[outs[name] if name in outs else known[self.roles[name]] for name in self.names])
         ordered = sorted(outs, key=lambda name: _stem(name.lower().strip("_")) in _NAMES[VELOCITY])

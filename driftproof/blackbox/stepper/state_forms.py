@@ -243,14 +243,17 @@ def _names_read(step: Callable[..., Any]) -> tuple[list[str], list[str]]:
     return list(asked), list(dict.fromkeys(asked.__dict__["attributes"]))
 
 
-def _record(name: str, make: Any, names: Sequence[str], needed: Sequence[str]) -> Iterator[ArrayAdapter]:
+def _record(
+    name: str, make: Any, names: Sequence[str], needed: Sequence[str], other: Mapping[str, float] | None = None
+) -> Iterator[ArrayAdapter]:
     """Yield the adapter of a record that has a position and a velocity, if its other fields are known."""
     role_of = {each: _role(each) for each in names}
     places = [next((each for each in names if role_of[each] == role), None) for role in (POSITION, VELOCITY)]
     if None in places and len(names) == 2:
         places = list(names)
     known: dict[str, float] = {each: 0.0 for each in needed if role_of[each] == TIME}
-    known.update({each: 1.0 for each in needed if each.lower() in UNIT_PARAMETERS and each not in places})
+    given = {each: 1.0 for each in names if each.lower() in UNIT_PARAMETERS and each not in places} | dict(other or {})
+    known |= {each: x for each, x in given.items() if each in needed or other}
     if None in places or set(needed) - {*known, *places}:
         return
     position, velocity = places
@@ -266,7 +269,9 @@ def _record(name: str, make: Any, names: Sequence[str], needed: Sequence[str]) -
         return floats_in(value, size)
 
     arguments = [*(f"{each}={known[each]!r}" for each in known), f"{position}={{}}", f"{velocity}={{}}"]
-    yield ArrayAdapter(f"{name} with {position}, {velocity}", write, read, shown=f"{name}({', '.join(arguments)})")
+    with_other = lambda values: next(_record(name, make, names, needed, values))
+    title, shown = f"{name} with {position}, {velocity}", f"{name}({', '.join(arguments)})"
+    yield ArrayAdapter(title, write, read, shown=shown, parameters=given, with_parameters=with_other)
 
 
 def parts_of(record: Foreign) -> Mapping[str, Foreign]:

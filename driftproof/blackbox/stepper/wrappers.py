@@ -22,6 +22,7 @@ from driftproof.blackbox.stepper.calling_conventions import (
     STEP,
     TIME,
     VELOCITY,
+    has_gradient,
     required_names,
 )
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
@@ -31,6 +32,7 @@ _ARGUMENTS = {FUNCTION: "f", TIME: "t", STATE: "y", POSITION: "q", VELOCITY: "v"
 # The arguments of a wrapper of each kind.
 _HEADS = {MAP: "q, v, h", FORCE: "force, q, v, h", FIELD: "f, t, y, h"}
 _ADVANCES = ("step", "update", "advance", "integrate", "move", "tick", "do_step")
+_PUSHES = ("apply_force", "add_force", "apply_central_force", "applyForce", "addForce")
 # Gradients of an energy by the positions and by the momenta: H(q, p) = p^2/2 + V(q).
 _BY_POSITION = ("dhdq", "dh_dq", "grad_q", "dhdx", "dh_dx", "gradq")
 _BY_MOMENTUM = ("dhdp", "dh_dp", "grad_p", "dtdp", "dt_dp", "gradp")
@@ -99,6 +101,9 @@ def _for_object(step: Callable[..., Any]) -> str:
         return ""
     make = cls.__name__ if len(makes) < 2 else f"lambda: {cls.__name__}(...)"
     where, maker = f'position="{q}", velocity="{v}"' if q and v else f'state="{state}"', "stepper_of"
+    if not makes and (push := next((each for each in _PUSHES if hasattr(cls, each)), "")):
+        of_x = type(getattr(made, q.partition(".")[0], 0.0)).__name__ if q.endswith(".x") else ""
+        where += f", push=lambda body, f: body.{push}({of_x}(f, 0.0))" if of_x else f', push="{push}"'
     if [*map(_role, makes)] == [FUNCTION] and not (q and v):
         where, maker = f'{where}, time="{time}"' if time else where, "field_stepper_of"
     return f'from driftproof import {maker}; wrapped = {maker}({make}, {where}, advance="{advance}")'
@@ -107,7 +112,8 @@ def _for_object(step: Callable[..., Any]) -> str:
 def _attribute(made: Any, role: str) -> str:
     """The public attribute of an object with one of the role's names; "" if there is none."""
     named = vars(made) if hasattr(made, "__dict__") and not inspect.isclass(made) else {}
-    return next((name for name in named if not name.startswith("_") and _has_role(role, name)), "")
+    found = next((name for name in named if not name.startswith("_") and _has_role(role, name)), "")
+    return f"{found}.x" if found and hasattr(named[found], "x") and hasattr(named[found], "y") else found
 
 
 def _for_class(cls: type) -> str:
@@ -267,6 +273,12 @@ def _for_maker(step: Callable[..., Any], names: Sequence[str], name: str) -> str
 def _call(name: str, names: Sequence[str], given: dict[Any, str], kind: str) -> str:
     arguments = ", ".join(given.get(each, each.upper()) for each in names)
     left = [each for each in names if each not in given]
+    if len(left) == 1 and _BEFORE.search(left[0].lower()) and kind == FIELD and {"y", "h"} <= {*given.values()}:
+        later = {"y": "ys[-1]", "t": "t + i * h"}
+        call = ", ".join(later.get(text := given.get(each, "ys[-2]"), text) for each in names)
+        second = "y + h * f(t + h / 2, y + h / 2 * f(t, y))"
+        run = f"ys = [y, {second}]; return [*ys, *(ys.append({name}({call})) or ys[-1] for i in range(1, n))]"
+        return f"def wrapped(f, t, y, h, n): {run}  # a run of n steps, whose first is one of midpoint2"
     said = f"  # write values for {', '.join(map(str.upper, left))}" if left else ""
     if len(left) == 1 and _BEFORE.search(left[0].lower()):
         said = f"  # a method of two steps: let an object keep its {left[0].upper()}, step(f, t, y, h) being its method"
@@ -284,7 +296,8 @@ def _by_role(names: Sequence[str], kind: str) -> dict[str, str]:
         open_roles = [FUNCTION, STEP, TIME, *((STATE,) if kind == FIELD else (POSITION, VELOCITY, STATE))]
         role = next((r for r in open_roles if _has_role(r, each) and _ARGUMENTS[r] not in given.values()), None)
         if role is not None:
-            given[each] = _function(kind) if role == FUNCTION else _ARGUMENTS[role]
+            function = "lambda x: -force(x)" if kind == FORCE and has_gradient([each]) else _function(kind)
+            given[each] = function if role == FUNCTION else _ARGUMENTS[role]
     if kind == MAP and not {"q", "v"} <= {*given.values()}:
         given = {each: "[q, v]" if text in ("q", "v", "y") else text for each, text in given.items()}
     if kind != FIELD:

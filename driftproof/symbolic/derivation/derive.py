@@ -241,7 +241,7 @@ def derive(method: str | Path | Method, *, only: Sequence[str] = ()) -> Derivati
     >>> derive("forward_euler").energy_multiplier.value
     h**2 + 1
     """
-    return Derivation(method_of(method), tuple(only))
+    return Derivation(method_of(method), tuple(map(str.strip, only.split(",")) if isinstance(only, str) else only))
 
 
 def _verdict(m: DomainMatrix, limit: sympy.Expr) -> list[ProofStep]:

@@ -38,7 +38,8 @@ _SYMBOLS |= {"real_limit": "hzxλ", "imaginary_limit": "hzyωλ"}
 _CHOSEN = "htzkγλ"  # what a text chooses, so no other quantity
 # Before and after the 2 of 2√2, and the 1 of 1 - h.
 _IN_FORMULA = (r"(?:[+*/^√]\(?|(?:\)|\b[a-z]) ?-)\s?\Z", r"\s?(?:[+*/^√]|-\s?(?:[^\sa-z]|[a-z]\b))")
-_ENDS = re.compile(r"[.;?!]\s|\n")
+# What ends a sentence. A line that ends in a word or a comma goes on in the next one, unless an item or a row begins.
+_ENDS = re.compile(r"[.;?!]\s|(?<![^\W\d_])(?<![,(])\n|\n(?=\s*(?:[\n|!*#:{-]|[0-9]+[.)]\s))")
 # Characters on each side of a number that may belong to its sentence.
 _LONGEST = 400
 _GIVEN = {x: re.compile(rf"(?<![a-z]){x}\s?=\s?([0-9]+(?:\.[0-9]+|/[1-9][0-9]*)?)(?![\w/])") for x in "ht"}
@@ -48,15 +49,10 @@ def contradicted(question: str, text: str, start: int, end: int, asked: bool = F
     """True if the sentence around the number from `start` to `end` names something other than the question does.
 
     Compared are the method, step size, time, component and quantity: the last one named before the number counts or, if
-    there is none, the first one after it. Several of them listed before the first number contradict nothing. A question
-    that the author `asked` is contradicted only by a method named before the number, by a formula around it, and by
-    another symbol right before two digits. The text is in lower case.
-
-    >>> contradicted("real_limit rk4", text := "rk4's imaginary limit is 2.785", text.index("2."), len(text))
-    True
+    there is none, the first after it; several in a list contradict nothing. A question that was `asked` is contradicted
+    only by a method before the number, a formula around it, and another symbol before two digits. Text in lower case.
     """
-    before = _ENDS.split(text[max(0, start - _LONGEST) : start])[-1]
-    after = _ENDS.split(text[end : end + _LONGEST])[0]
+    before, after = sentence_around(text, start, end)
     head, _, readout = question.rpartition(" : ") if " : " in question else (question, "", question.split(" ")[0])
     key = min(methods_named(question.lower()), default="")
     (own_before, other_before), (own_after, other_after) = (_methods(part, key) for part in (before, after))
@@ -80,6 +76,20 @@ def contradicted(question: str, text: str, start: int, end: int, asked: bool = F
     if found and (quantity == "q") != (found[1] in ("q", "x") or bool(found[2])):
         return True
     return any(_gives_another_value(letter, head, before, after) for letter in "ht")
+
+
+def sentence_around(text: str, start: int, end: int) -> tuple[str, str]:
+    """The sentence before and after the number from `start` to `end`."""
+    return _ENDS.split(text[max(0, start - _LONGEST) : start])[-1], _ENDS.split(text[end : end + _LONGEST])[0]
+
+
+def names_limit(question: str, text: str, start: int, end: int, column: str) -> bool:
+    """True if the number's sentence and column name the method and the quantity of the question, and no other."""
+    fact, _, method = question.partition(" ")
+    said = " ".join((*sentence_around(text, start, end), column))
+    words = f"{_QUANTITIES[fact][0]}|stable|stability" if fact in _QUANTITIES else fact
+    named = bool(_words(words, said)) and not methods_named(said).isdisjoint(methods_named(method))
+    return named and not contradicted(question, text, start, end)
 
 
 def _differs(
@@ -116,11 +126,7 @@ def _methods(text: str, key: str) -> tuple[list[int], list[int]]:
 
 
 def methods_named(text: str) -> set[str]:
-    """The keys of all methods named in the lower-case text by key, title or another name.
-
-    >>> sorted(methods_named("bdf2 and dormand-prince"))
-    ['bdf2', 'dormand_prince54']
-    """
+    """The keys of all methods named in the lower-case text by key, title or another name."""
     return {key for match in _spoken_names().finditer(_flat(text)) for key in _names()[match[0]]}
 
 

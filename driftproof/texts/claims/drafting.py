@@ -32,6 +32,8 @@ _SETTING = re.compile(
 _LONGEST_SETTING = 20
 # The head of a column of such numbers.
 _HEAD_OF_SETTINGS = re.compile(r"(?:h|dt|δt|t|n|k|z|λ|ω|time|steps?|step ?size)(?: ?[(\[].*)?")
+# Letters of settings that are also unknowns, as in ω' = -sin(θ), or eigenvalues, which have more than three digits.
+_SOLVED_FOR = re.compile(r"[kznλμω]|lambda|mu|omega")
 # Numbers on one line with gaps of at most this many characters share a phrase, up to this many of them.
 _WIDEST_GAP, _MOST_IN_PHRASE = 25, 8
 
@@ -64,6 +66,9 @@ class _Member:
             cell = max(text.rfind("|", 0, number.start), text.rfind("\n", 0, number.start) + 1)
             alone = not text[cell : number.start].strip("| ") and re.match(r" *(?:[|\n]|\Z)", text[number.end :])
             setting = cell if alone else setting
+        letter = _SOLVED_FOR.fullmatch(found[0].rstrip("= ") if found else suggestions.column_of(number))
+        if letter and (f"{letter[0]}'" in text or len(re.sub("[^0-9]", "", number.text).strip("0")) > 3):
+            setting = None
         return cls(number, alike, suggestions.slips(number), strong, None if strong else setting)
 
     @property
@@ -135,6 +140,8 @@ def draft(document: Document, name: str, asked: Iterable[str] = ()) -> str:
     for guessed, said in enumerate(("but not found in the text", "and found only as a guess, a comment above")):
         lines = [_asked_line(document, one) for one in missed if bool(one[3] and not one[2]) == guessed]
         drafted += [f"# Asked for with --ask, {said}:\n{''.join(lines)}"] * bool(lines)
+    if no_runs := suggestions.no_runs:
+        drafted.append(f"# Not asked, because h does not divide t: {len(no_runs)}, such as {no_runs[0]}\n")
     if left_out:
         drafted.append(f"# Left out: numbers in program code, {len(left_out)} in all; they are inputs, not claims.\n")
     return "\n".join(drafted).rstrip("\n")

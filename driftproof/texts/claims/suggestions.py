@@ -16,7 +16,7 @@ from flint import arb, ctx
 
 from driftproof.methods.catalogue import FACTS_ONLY, METHODS
 from driftproof.symbolic.algebra.certified import Uncertified, enclose
-from driftproof.texts.claims.contradictions import contradicted, methods_named
+from driftproof.texts.claims.contradictions import contradicted, methods_named, names_limit
 from driftproof.texts.claims.phrases import NumberForm
 from driftproof.texts.questions.answer import GIVEN, Answer
 from driftproof.texts.questions.arithmetic import NUMBER_FUNCTIONS
@@ -29,7 +29,8 @@ _USUAL_METHODS = ("forward_euler", "symplectic_euler", "velocity_verlet", "rk4")
 _USUAL_STEPS = ("1/4", "1/2", "1/10")
 _RUN_READOUTS = ("state_error", "energy", "energy_change", "phase_error", "q", "v", "steps", "evaluations")
 _STEP_READOUTS = ("q", "v", "energy")
-_USUAL_FACTS = ("imaginary_limit", "real_limit", "order", "error_constant", "limit_at_infinity", "angle")
+_LIMITS = ("imaginary_limit", "real_limit", "angle")
+_USUAL_FACTS = (*_LIMITS, "order", "error_constant", "limit_at_infinity")
 # Limits that keep this to a few hundred questions of cheap runs, a second or two in all.
 _MOST_METHODS, _MOST_RUN, _MOST_SIZES, _MOST_TIMES, _MOST_COUNTS = 12, 6, 4, 2, 2
 _LONGEST_RUN = 10_000
@@ -72,13 +73,7 @@ class LookAlike:
 
 
 def questions_in(asked: str) -> dict[str, tuple[str, ...]]:
-    """Expand the braces of a question: each question with one choice per brace -> these choices.
-
-    Equal braces take equal choices. Raises ValueError for more than 2000 questions, and for an empty range.
-
-    >>> questions_in("step rk4 h=1/{2,4} N={1..2} : q - {1..2}")["step rk4 h=1/4 N=2 : q - 2"]
-    ('4', '2')
-    """
+    """Each question that the braces stand for, equal ones alike -> its choices. Raises ValueError for none or 2001."""
     choices = dict[str, list[str]]()
     for brace in _BRACES.findall(asked):
         ends = re.fullmatch(r"([0-9]{1,6})\.\.([0-9]{1,6})", brace)
@@ -122,7 +117,12 @@ class Suggestions:
     def __init__(self, text: str, asked: Iterable[str] = ()) -> None:
         """Take a text in canonical spelling, and questions, braces allowed, whose values its author says it has."""
         self.text, self._lower = text, text.lower()
-        self.asked = {question: chosen for one in asked for question, chosen in questions_in(one).items()}
+        asked_for = {question: chosen for one in asked for question, chosen in questions_in(one).items()}
+        # Of braces such as h={0.1,0.2}, t={0.5,1}, the combinations that are runs, or all if none is, to be refused.
+        pairs = {one: zip(*(map(Fraction, x.findall(one)) for x in (_H, _T)), strict=False) for one in asked_for}
+        runs = {one: asked_for[one] for one in asked_for if all((t / h).denominator == 1 for h, t in pairs[one] if h)}
+        self.asked = runs or asked_for
+        self.no_runs = [question for question in asked_for if question not in self.asked]
         self._spelled: dict[NumberForm, dict[str, list[_Known]]] = {}
 
     def of(self, number: TextNumber) -> list[LookAlike]:
@@ -180,15 +180,28 @@ class Suggestions:
         return [*missed.values()]
 
     def slips(self, number: TextNumber) -> dict[str, str]:
-        """Asked question -> how its value is spelled, if a number of three digits or more may be a slip for it."""
-        found, beside, digits = dict[str, str](), self._on_line_of(number), _digits(number.text, telling=True)
+        """Question -> how its value is spelled, if a number of three digits or more may be a slip for it.
+
+        An asked value needs five digits, or four and all its names nearby, or its numbers on the line. A stability
+        limit needs five and its names in the sentence: one number in 1800 is by chance a slip for a given value.
+        """
+        found, digits = dict[str, str](), _digits(number.text, telling=True)
         if digits > 2 and not any(one.strong or one.question in self.asked for one in self.of(number)):
             other_sign, *others = _slips(_spelled(number))
             for slip in (other_sign, *others):
                 for known in self._written(form_of(number)).get(slip, ()):
-                    sure = slip == other_sign or digits > 4 or not any(map(beside.isdisjoint, known.numbers or [set()]))
+                    sure = slip == other_sign or digits > 4 or self._is_near(known, number, digits)
                     found |= {known.question: slip} if sure and known.chosen is not None else {}
+                    if known.question.startswith(_LIMITS) and slip in others and digits > 4:
+                        place = self._lower, number.start, number.end, self.column_of(number)
+                        found |= {known.question: slip} if names_limit(known.question, *place) else {}
         return found
+
+    def _is_near(self, known: _Known, number: TextNumber, digits: int) -> bool:
+        """True if all the numbers of an asked value stand on the line or, if there are none, its names nearby."""
+        if known.numbers:
+            return not any(map(self._on_line_of(number).isdisjoint, known.numbers))
+        return digits > 3 and 0 < len(known.names) == self._fits(number)[known.question]
 
     def _fits(self, number: TextNumber) -> dict[str, int]:
         """For each value, how many of its names stand near the number plus how many of its numbers on the same line."""

@@ -70,10 +70,9 @@ class Tie(ValueError):
 
 
 def to_digits(x: CertifiableReal, digits: int, style: Style, default: str | None = None) -> str:
-    """x, rounded to `digits` significant digits.
+    """x to `digits` significant digits, by the style's policy or else `default`, which is None to refuse ties.
 
-    `default` is the rounding policy if the style names none; with None, ties are refused. Raises ValueError for a count
-    below one, Tie, and Uncertified.
+    Raises ValueError for a count below one, Tie, and Uncertified.
     """
     return _decimal("significant", x, digits, style, default)
 

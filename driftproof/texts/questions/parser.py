@@ -117,8 +117,9 @@ class _QuestionParser(PieceParser):
     def _call(self, name: Token) -> Any:
         """Parse a call after its opening bracket: a function, R(-2) of rk4, or y(1) of rk4 y'=-y y(0)=1."""
         parts: dict[str, Any] = defaultdict(dict)
-        after = [token.kind for token in self.tokens[self.at : self.at + 3]]
-        if name.text != "R" and after[::2] == [NUMBER, NAME] and not self.in_rate:
+        time, closing, after = (self.after(self.at + i) for i in (-1, 0, 1))
+        is_time = (time.kind, closing.text, after.kind) == (NUMBER, ")", NAME)
+        if name.text != "R" and is_time and not self.in_rate:
             self._at_time(name, parts)
             return self.query(name, name._replace(text="run"), parts)
         if name.text != "R":

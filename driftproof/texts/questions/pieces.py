@@ -12,7 +12,7 @@ from driftproof.texts.questions.errors import QuestionError
 
 # Words that are parts of a query by themselves.
 WORDS = ("sharp",)
-OWN_PI = "steps and times are rational, so round pi yourself, as in h=0.01 t=6.28"
+OWN_PI = "steps, times and starts are rational, so round pi yourself, as in h=0.01 t=6.28"
 
 
 class PieceParser(ExpressionParser):
@@ -110,8 +110,9 @@ class PieceParser(ExpressionParser):
         if token.kind == NUMBER and self.next.text in ("i", "j"):
             raise self.error(first, f"{what} must be real; |R(iy)|^2 is energy_multiplier METHOD h=y")
         if token.kind != NUMBER:
-            pi = f"; {OWN_PI}" if token.text in ("pi", "π") else ""
-            raise self.error(token, f"{what}: expected a number such as 1/4 or 0.25, found {token.shown}{pi}")
+            own = "; write its decimal" * (what == "start" and token.text == "sqrt")
+            own = f"; {OWN_PI}" if token.text in ("pi", "π") else own
+            raise self.error(token, f"{what}: expected a number such as 1/4 or 0.25, found {token.shown}{own}")
         text = (sign.text if sign else "") + token.text
         if self.next.text == "/" and self.next.column == token.end and self.tokens[self.at + 1].kind == NUMBER:
             self.take()

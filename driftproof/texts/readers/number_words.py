@@ -44,11 +44,7 @@ class TextWord(NamedTuple):
 
 
 def worded_number(x: Fraction) -> list[str]:
-    """The accepted ways to write the number in words, the plainest first. Raises ValueError if there are none.
-
-    >>> worded_number(Fraction(16)), worded_number(Fraction(2, 3))[:2], worded_number(Fraction(1, 3))[0]
-    (['sixteen', 'Sixteen'], ['two thirds', 'Two thirds'], 'a third')
-    """
+    """The accepted ways to write the number in words, the plainest first. Raises ValueError if there are none."""
     found: list[str] = []
     if x.denominator == 1 and 0 <= x < 10**12:
         plain = _cardinal(int(x))
@@ -76,11 +72,7 @@ def is_worded(text: str) -> bool:
 
 
 def words_in(text: str) -> list[TextWord]:
-    """The numbers in words and the words for growth or decay in the text, in order.
-
-    >>> [word.text for word in words_in("Sixteen steps; it uses one of two, and the energy grows by a third.")]
-    ['Sixteen', 'one', 'two', 'grows', 'a third']
-    """
+    """The numbers in words and the words for growth or decay in the text, in order."""
     numbers = [m for m in _NUMBER.finditer(text) if m[0].lower() != "one" or _COUNTED.search(text[: m.start()])]
     found = [*numbers, *_CHANGE.finditer(text)]
     return sorted(TextWord(*match.span(), match[0]) for match in found)

@@ -40,7 +40,7 @@ _SIGNS = {
     "neq": "≠", "approx": "≈", "sim": "~", "infty": "∞", "prime": "′", "circ": "°", "degree": "°", "percent": "%",
     "to": "→", "sqrt": "√", "lambda": "λ", "omega": "ω", "pi": "π", "theta": "θ", "tau": "τ", "gamma": "γ",
     "alpha": "α", "beta": "β", "delta": "δ", "epsilon": "ε", "varepsilon": "ε", "mu": "μ", "sigma": "σ", "phi": "φ",
-    "rho": "ρ", "quad": " ", "qquad": " ", **{name: f"{name} " for name in ("cos", "sin", "exp", "ln", "log")},
+    "rho": "ρ", "quad": " ", "qquad": " ", **{name: f"{name} " for name in ("cos", "sin", "tan", "exp", "ln", "log")},
 }  # fmt: skip
 _COMMAND = re.compile(
     r"\\(?:(?P<name>[A-Za-z]+)\*?[ \t]*|(?P<break>\\)(?:\[[^\]\n]{0,200}\])?|(?P<sign>[\s\S]))|(?P<other>[~&$])"

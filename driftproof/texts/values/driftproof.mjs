@@ -1,4 +1,4 @@
-// Proved values in a web page, to any digits that are certified. Written by `driftproof values --format js`.
+// Proved values in a web page, to any digits that are certified. Written by `driftproof value --only '*' --format js`.
 //
 //   import { define, digits, value } from "./driftproof.mjs";
 //   digits("rk4.first_step.q", 6);   // "0.877604"
@@ -10,7 +10,7 @@
 /** id -> { exact, decimal, evidence, printed }; `exact` is null where a number has no short exact form. */
 export const values = {};
 
-/** Take the values of a JSON file, as `driftproof values` writes it, in place of these. Throws where it holds none. */
+/** Take the values of a JSON file, as `driftproof value --only '*'` writes it, in place of these. Throws where it holds none. */
 export async function load(url) {
   const answer = await fetch(url);
   if (!answer.ok) throw new Error(`driftproof: ${url}: ${answer.status} ${answer.statusText}`);

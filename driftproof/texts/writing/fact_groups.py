@@ -83,23 +83,7 @@ _OF_MULTISTEP = {
 
 
 def grouped_facts_text(facts: Mapping[str, Any], everything: bool = False) -> str:
-    """Facts under four headings, with other names of the method under the first; then all others, or their count.
-
-    >>> facts = {"method": METHODS["trapezoid"], "order": 2, "symmetric": True, "decimal": False}
-    >>> print(grouped_facts_text(facts))
-    What it is
-      name                     trapezoid
-      also called              Crank-Nicolson, implicit trapezoid, implicit trapezoidal rule, trapezium rule
-      not to be confused with  implicit_midpoint, heun2
-    <BLANKLINE>
-    Accuracy
-      order p: the error at a fixed time is O(h^p)  2
-    <BLANKLINE>
-    Structure
-      symmetric: a step of -h undoes a step of h  yes
-    <BLANKLINE>
-    1 more fact with --all, any one with --only NAME
-    """
+    """Facts under four headings, with other names of the method under the first; then all others, or their count."""
     groups = {heading: {name: facts[name] for name in names if name in facts} for heading, names in GROUPS.items()}
     shown = [name for group in groups.values() for name in group]
     rest = {name: value for name, value in facts.items() if name not in shown}

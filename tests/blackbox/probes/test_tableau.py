@@ -176,7 +176,7 @@ def test_a_control_may_be_off_by_the_rounding_of_all_that_it_adds(place, share, 
         times[place - 3] -= share * probe.rounding.of(2 * (3 + 0.75))
     with nullcontext() if held else pytest.raises(NotReadable):
         probe._compare(reading, control, y, slopes, seen)
-        probe._compare_times(reading, control, ScriptedStep(times, [], []))
+        probe._compare_times(reading.c, control, ScriptedStep(times, [], []))
     assert replace(reading, stage_error=2.0**-30).rounding == Rounding(BINARY64, 2, 2.0**-28)
 
 

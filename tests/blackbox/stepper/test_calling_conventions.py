@@ -20,7 +20,7 @@ from tests.looping import some
 
 WILD = {
     (MAP, "position velocity step"): [
-        "q, v, h", "x, v, dt", "q, p, h", "pos, vel, dt", "theta, omega, dt", "X, V, dT", "_q, _v, _h",
+        "q, v, h", "x, v, dt", "q, p, h", "pos, vel, dt", "theta, omega, dt", "X, V, dT", "_q, _v, _h", "y, vy, eps",
     ],
     (MAP, "velocity position step"): ["v, x, dt"], (MAP, "step position velocity"): ["dt, x, v"],
     (MAP, "time position velocity step"): ["t, x, v, dt"], (MAP, "state step"): ["state, dt", "y, h", "p, dt"],
@@ -32,6 +32,7 @@ WILD = {
     (FORCE, "position velocity carried step function"): ["q, p, f0, h, force"],
     (FIELD, "function time state step"): [
         "f, t, y, h", "fun, t0, y0, step_size", "dydt, tn, yn, h", "f, t, y, h, *, atol=1e-8, **options",
+        "f, x, y, h",
     ],
     (FIELD, "function state time step"): ["f, y, t, dt", "deriv, y, t, dt, args=()", "f, q, t, h"],
     (FIELD, "time state step function"): ["t, y, h, f"], (FIELD, "function state step"): ["rhs, u, dt"],
@@ -61,7 +62,7 @@ def test_names_in_the_wild_tell_the_calling_convention(kind, order):
     "parameters",
     [
         *("", "q", "q, v", "q, v, h, k, mode", "x, y, dt", "model, state, dt", "f, y, t_span"),
-        *("q, v, h, t, t0", "a, b, c", "*args", "state, action", "f, force, q, v, h"),
+        *("q, v, h, t, t0", "a, b, c", "*args", "state, action", "f, force, q, v, h", "theta, omega, dt, l"),
     ],
 )
 def test_other_names_are_refused_in_one_line_that_shows_the_known_ones(parameters):

@@ -80,7 +80,8 @@ def test_a_step_is_named_by_what_it_makes_of_the_slopes(name, as_before):
 
 def test_a_right_one_passes_and_its_start_is_whose_calls_it():
     report = verify(bashforth4, "adams_bashforth4", isolate=False)
-    assert (report.passed, report.verdict) == (True, "is adams_bashforth4 in steps of equal length")
+    across = "the first step after a change of h has order 1"
+    assert (report.passed, report.verdict) == (True, f"is adams_bashforth4 in steps of equal length; {across}")
     assert "its start is left to the caller" in report.text(everything=True)
     assert verify(exchanged, "adams_bashforth2", isolate=False).passed is False
     assert verify(of_the_wrong_end, "adams_bashforth2", isolate=False).passed is False

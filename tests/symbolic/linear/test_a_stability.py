@@ -9,6 +9,7 @@ from flint import arb, ctx, fmpq, fmpq_poly
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
+from driftproof.methods.number_field import square_root
 from driftproof.symbolic.algebra.certified import significant
 from driftproof.symbolic.algebra.polynomials import (
     evaluate,
@@ -222,6 +223,12 @@ def test_sector_that_ends_at_the_origin(r: RationalFunction) -> None:
     assert record(tangent)["exact"] == "1"
     assert significant(Angle(tangent).exact, 6) == "45.0000"
     assert EnclosedTangent(r, ray_margin(r)).holds(Q(1)), "where balls do not tell, exactly"
+
+
+def test_sector_of_a_margin_over_a_field_that_is_rational_on_the_axis() -> None:
+    """(1 + sqrt(2) T)(1 - 4 T x + x²) is negative for some x > 0 from T = 1/2 on, and rational at T = 0."""
+    margin = [polynomial([1, square_root(2)]) * c for c in (1, polynomial([0, -4]), 1)]
+    assert sector_tangent_by_rays(margin) == RealRoot((-1, 0, 2), 1)
 
 
 def test_no_sector_for_polynomials_and_for_what_is_unstable_at_infinity() -> None:

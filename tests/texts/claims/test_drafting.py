@@ -80,6 +80,7 @@ def test_phrase_has_three_words_before_its_numbers_and_after_them_what_belongs_t
         ("from 1.5 " + "y" * 24 + " 2.5", ["from 1.5", "y" * 24 + " 2.5"]),
         ("at 0.5x is 0.877604", ["at 0.5x", "is {value}"]),
         ("at 1.5. Or 2.5", ["at 1.5", ". Or 2.5"]),
+        ("rk4 2.828427125/3(17", ["rk4 {value}/", "/3(17"]),  # 3 belongs to the next phrase
         ("1.5 " * 9, ["1.5 " * 7 + "1.5", "1.5"]),
     ],
 )
@@ -118,6 +119,9 @@ def test_draft_says_what_was_asked_for_and_is_nowhere_and_its_ids_are_short() ->
     assert 'id = "| {a} | {b}"' in text, "two such questions are too long for an id"
     assert text.rpartition("# Asked for with --ask, but not found in the text:\n")[2].count("t=1.0 : ") == 2
     assert "Asked for" not in draft(document, "a")
+    drafted = draft(document, "a", ["run rk4 h={1/4,1/2} t={1,3/4} : q"])
+    assert drafted.endswith("\n# Not asked, because h does not divide t: 1, such as run rk4 h=1/2 t=3/4 : q")
+    assert drafted.count("#   run rk4 h=") == 3
 
 
 def test_what_was_asked_for_is_listed_with_the_slips_and_the_guesses_that_may_mean_it() -> None:
@@ -143,6 +147,8 @@ def test_numbers_in_a_column_of_steps_or_times_are_given_if_they_stand_alone() -
     table = "| $h$ | error |\n| --- | --- |\n| 0.1 | 0.3 |\n| 0.05 | 0.7 |\n| of 9 | 8 |\n\nand 0.1 too"
     drafted = draft(document_of(table, "markdown"), "a")
     assert [claim["phrase"] for claim in tomllib.loads(drafted)["claim"]] == ["| 0.1 |", "| 0.05 |"]
+    for text in ("θ' = ω, ω' = -sin(θ)\n\n| ω |\n| --- |\n| -0.963 |\n\nω = -0.963", "eigenvalue λ = -9.373"):
+        assert "\n[[claim]]" not in draft(document_of(text, "markdown"), "a"), "computed, and not chosen"
 
 
 def test_two_other_values_are_named_and_the_rest_counted_unless_the_text_chooses_the_number() -> None:

@@ -8,7 +8,7 @@ from fractions import Fraction as Q
 import pytest
 
 from driftproof.methods.catalogue import METHODS
-from driftproof.texts.claims.suggestions import LookAlike, Suggestions, questions_in
+from driftproof.texts.claims.suggestions import LookAlike, Suggestions, _Known, questions_in
 from driftproof.texts.questions.errors import QuestionError
 from driftproof.texts.questions.evaluate import value
 from driftproof.texts.readers.numbers import numbers_in
@@ -145,9 +145,15 @@ def test_one_digit_that_agrees_does_not_hide_a_wrong_number():
     assert nowhere - right == {"run Heun y'=-2y, y(0)=1, h=0.1, t=1 : y"}
 
 
-def test_two_digits_of_one_of_five_values_do_not_tell_it_and_three_do():
-    asked = ["0.3371", *(f"{n}.5" for n in range(1, 5))]
-    assert [len(Suggestions(f"about {x}", asked).nowhere()) for x in ("0.34", "0.337")] == [5, 4]
+# Of 90 numbers of two digits one in 20 is asked for, or of 9000 of four digits one in 100 is usual, or one more.
+@pytest.mark.parametrize(("x", "chosen", "most"), [("0.34", (), 4), ("0.337", (), 45), ("0.3371", None, 90)])
+def test_so_many_values_leave_a_number_of_few_digits_strong_and_one_more_does_not(x, chosen, most):
+    suggestions, (number,) = Suggestions(f"about {x}", ["0.3371"] if chosen == () else []), numbers_in(x)
+    for count, strong in ((most, True), (most + 1, False)):
+        questions = ["0.3371", *(f"{n}.5" for n in range(1, count))]
+        suggestions.__dict__["_known"] = [_Known(question, value(question), chosen) for question in questions]
+        suggestions._spelled.clear()
+        assert [alike.strong for alike in suggestions.of(number)] == [strong]
 
 
 def test_a_slip_is_a_wrong_digit_or_sign_or_two_neighbours_exchanged_and_no_number_of_few_digits() -> None:
@@ -155,6 +161,12 @@ def test_a_slip_is_a_wrong_digit_or_sign_or_two_neighbours_exchanged_and_no_numb
     for asked, printed in (*wrong, ("1.35914", "1.35914"), ("1.35914", "1.35851"), ("2.785", "2.758"), ("2.7", "-2.7")):
         suggestions, (number,) = Suggestions(f"is {printed}.", [asked]), numbers_in(f"is {printed}.")
         assert suggestions.slips(number) == ({asked: asked} if (asked, printed) in wrong else {}), printed
+    four, limits = "The angle of BDF4 is 73.53.", "RK4's real limit is 2.7835 here."
+    for text, asked, best in ((four, ["angle {bdf3,bdf4}"], "angle bdf4"), (limits, [], "real_limit rk4")):
+        suggestions, (number,) = Suggestions(text, asked), [x for x in numbers_in(text) if "." in x.text]
+        assert [*suggestions.slips(number)] == [best], text
+    for text in (four, limits.replace("RK4", "Heun"), "RK4 takes 2.7835.", limits.replace("2.7835", "2.7905")):
+        assert not Suggestions(text).slips(next(x for x in numbers_in(text) if "." in x.text)), text
     row = Suggestions("| 0.6 | 0.182 |", ASKED)
     assert [*row.slips(numbers_in(row.text)[1])] == ["run forward_euler rates=(t+y0) from 0 h=0.2 t=0.6 : y0"]
 
@@ -191,6 +203,8 @@ def test_braces_are_chosen_from_in_every_way_and_equal_braces_alike() -> None:
         questions_in("a - {3..1}")
     with pytest.raises(QuestionError, match="unknown method"):
         Suggestions("1.5", ["step {nope} h=1 : q"]).of(numbers_in("1.5")[0])
+    with pytest.raises(QuestionError, match="does not divide"):
+        Suggestions("1.5", ["run rk4 h={3,4} t=1 : q"]).of(numbers_in("1.5")[0])
 
 
 def test_tie_of_a_solution_is_no_suggestion_and_takes_no_time() -> None:
