@@ -125,10 +125,9 @@ def _linear_part(problem: Problem, found: SystemFacts, runs: Advance) -> Json:
     norm = max(sum(abs(x) for x in row) for row in found.rows)
     low, high = largest_bounded(lambda h: stays_bounded(runs, len(problem.start), h), 1 / float(norm))
     r = stability_function_of(found.method)
-    at_infinity = None if r is None else r.at_infinity()
     return {
         **_proved_limit(found),
-        "at_infinity": None if r is None else "oo" if at_infinity is None else str(at_infinity),
+        "at_infinity": None if r is None else "oo" if (limit := r.at_infinity()) is None else str(limit),
         "seen": {"bounded": repr(low), "grows": repr(high)},
     }
 
