@@ -66,7 +66,7 @@ def render_command(options: Namespace) -> str:
     cli.option("--ask", "with --init: a question whose value is somewhere in the text", action="append", default=[]),
     cli.flag("--coverage", "list the numbers that no claim covers, with suggestions"),
     cli.flag("--run", "run the Python listings of the text and compare what they print"),
-    cli.time_limit_option("seconds for all listings of --run (default 10)", default=10.0),
+    cli.time_limit_option("seconds for all listings of --run (default 10)"),
     cli.format_option("text json github"),
 )
 def check_command(options: Namespace) -> str:
@@ -133,18 +133,18 @@ def check_command(options: Namespace) -> str:
     from driftproof.support.plain_text import as_json
     from driftproof.texts.claims.report import TextReport, check, texts_with_claims
 
+    cli.refuse(options, () if options.run else ("time_limit",), "without --run")
     if options.init and (options.run or options.coverage or options.format != "text"):
         raise ValueError("--run, --coverage and --format have no effect with --init")
     if (options.init or options.claims) and (len(options.text) > 1 or options.text[0].is_dir()):
         raise ValueError("--init and --claims take one text; each of several texts has a claims file of its own")
     if options.init:
         return str(check(options.text[0], init=True, ask=options.ask))
-    how = {name: getattr(options, name) for name in ("ask", "coverage", "run", "time_limit")}
+    how = {name: x for name in ("ask", "coverage", "run", "time_limit") if (x := getattr(options, name)) is not None}
     texts = options.text if options.claims else [text for given in options.text for text in texts_with_claims(given)]
     reports: list[TextReport] = [check(text, options.claims, **how) for text in with_progress(texts, "text")]
-    shown = "\n".join(report.written(options.format) for report in reports)
-    if options.format == "json" and len(reports) > 1:
-        shown = as_json([report.as_dict() for report in reports])
+    listed = options.format == "json" and len(reports) > 1
+    shown = as_json([x.as_dict() for x in reports]) if listed else "\n".join(x.written(options.format) for x in reports)
     if not all(report.passed for report in reports):
         raise cli.Refuted(shown)
     return shown

@@ -85,6 +85,8 @@ def certificate_of(
     invariants: GivenInvariants = (),
 ) -> Certificate:
     """The certificate that `certify` returns, for a trajectory that is already read."""
+    if h is not None and method is None:
+        raise ValueError("h has no effect without method")
     f = right_hand_side(given, len(run.states[0]))
     functions = invariants_of(invariants, given, len(run.states[0]))
     _require_reproduced(f, run.times, run.states)
@@ -190,11 +192,9 @@ def within(found: Certificate, tolerance: float | Fraction) -> bool:
         raise ValueError(f"tolerance is {tolerance!r}; it must be a number >= 0")
     largest = found.largest_error
     bound = enclose(tolerance) if isinstance(tolerance, Fraction) else arb(float(tolerance))
-    if largest <= bound:
-        return True
-    if not largest > bound:
+    if not (largest <= bound or largest > bound):
         raise Refused(f"the largest error is {decimal(largest)}, too close to the tolerance {tolerance} to decide")
-    return False
+    return bool(largest <= bound)
 
 
 def _require_reproduced(f: RightHandSide, times: list[float], states: list[list[float]]) -> None:
@@ -206,11 +206,10 @@ def _require_reproduced(f: RightHandSide, times: list[float], states: list[list[
     forwards = [_rates_in_floats(f, times[i], states[i]) for i in checked]
     backwards = [_rates_in_floats(f, times[i], states[i]) for i in reversed(checked)]
     for i, given, repeated in zip(checked, forwards, reversed(backwards), strict=True):
-        t, y = times[i], states[i]
-        balls = [arb(x) for x in y]
+        t, balls = times[i], [arb(x) for x in states[i]]
+        if len(given) != len(balls):
+            raise ValueError(f"f returns {len(given)} numbers for {len(balls)} components")
         rates, slopes = linearised(in_balls, Enclosed(Evaluation(), arb(t)), balls)
-        if len(given) != len(rates):
-            raise Refused(f"f returns {len(given)} numbers for {len(rates)} components")
         moved = [sum((abs(J * x) for J, x in zip(row, balls, strict=True)), arb(0)) for row in slopes]
         allowed = REPRODUCED * (size(rates) + size(moved))
         if not allowed.is_finite():

@@ -10,7 +10,7 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from driftproof.enclosure.fields import RightHandSide
-from driftproof.enclosure.numbers import Enclosed, Refused
+from driftproof.enclosure.numbers import Enclosed
 from driftproof.methods.field_text import field_of_text
 from driftproof.methods.number_field import Exact
 from driftproof.methods.program_text import indented, maker, maker_text
@@ -22,7 +22,7 @@ GivenField: TypeAlias = RightHandSide | str | Sequence[str] | VectorField
 
 
 def right_hand_side(f: GivenField, components: int) -> RightHandSide:
-    """The function itself, or that of a text or a `VectorField` of so many components. Raises Refused for others.
+    """The function itself, or that of a text or a `VectorField` of so many components. Raises ValueError for others.
 
     >>> right_hand_side("y1; -y0", 2)(0.0, [1.0, 0.5])
     [0.5, -1.0]
@@ -32,11 +32,11 @@ def right_hand_side(f: GivenField, components: int) -> RightHandSide:
     try:
         field = f if isinstance(f, VectorField) else field_of_text(f)
     except ValueError as error:
-        raise Refused(f"f is not a right-hand side: {error}") from None
+        raise ValueError(f"f is not a right-hand side: {error}") from None
     except (TypeError, AttributeError):
-        raise Refused(f"f is not a right-hand side but a {type(f).__name__}; give f(t, y) or its text") from None
+        raise ValueError(f"f is not a right-hand side but a {type(f).__name__}; give f(t, y) or its text") from None
     if len(field.rates) != components:
-        raise Refused(f"f has {len(field.rates)} components, but the trajectory has {components}")
+        raise ValueError(f"f has {len(field.rates)} components, but the trajectory has {components}")
     return field_function(field)
 
 

@@ -18,7 +18,7 @@ from driftproof.methods.continuous import ContinuousExtension
 from driftproof.methods.multistep import Multistep
 from driftproof.methods.names import keys_called, plain_name
 from driftproof.methods.rosenbrock import Rosenbrock
-from driftproof.methods.schemes import Method, RungeKutta
+from driftproof.methods.schemes import Method, MethodError, RungeKutta
 from driftproof.support.plain_text import did_you_mean, shortened
 
 # The tables of `driftproof.methods.tables`, in the order in which the methods are listed.
@@ -29,13 +29,14 @@ TABLES = (
 # The tables of methods whose step takes more than one state and f: there are facts of them, but no runs or derivations.
 TABLES_OF_FACTS = ("multistep", "rosenbrock", "additive")
 FactsOnly: TypeAlias = Multistep | Rosenbrock | Additive
-_Entry = TypeVar("_Entry")
+Entry: TypeAlias = Method | FactsOnly
+_Kind = TypeVar("_Kind")
 
 # Appended to the key of a pair for the method that propagates its embedded weights.
 EMBEDDED_SUFFIX = "_embedded"
 
 
-class Catalogue(Mapping[str, _Entry], Generic[_Entry]):
+class Catalogue(Mapping[str, _Kind], Generic[_Kind]):
     """The methods of the tables by key. Tables are imported one after the other, until the key is found.
 
     The embedded weights of a pair have a key, too, such as fehlberg45_embedded, which iteration leaves out.
@@ -47,7 +48,7 @@ class Catalogue(Mapping[str, _Entry], Generic[_Entry]):
         self._methods: dict[str, Any] = {}
         self._embedded: dict[str, Any] = {}
 
-    def __getitem__(self, key: str) -> _Entry:
+    def __getitem__(self, key: str) -> _Kind:
         """The method with this key. Raises KeyError."""
         while key not in self._methods and self._unread:
             self._read_next()
@@ -56,7 +57,7 @@ class Catalogue(Mapping[str, _Entry], Generic[_Entry]):
             if not isinstance(pair, RungeKutta) or pair.b_embedded is None:
                 raise KeyError(key)
             self._embedded[key] = pair.embedded(EMBEDDED_SUFFIX)
-        found: _Entry = self._methods.get(key) or self._embedded[key]
+        found: _Kind = self._methods.get(key) or self._embedded[key]
         return found
 
     def __iter__(self) -> Iterator[str]:
@@ -100,20 +101,19 @@ def method_named(name: str) -> Method:
     return of_one_state(entry_named(name))
 
 
-def of_one_state(method: Method | FactsOnly) -> Method:
-    """Return the method. Raises ValueError if its step takes more than one state and f."""
+def of_one_state(method: Entry) -> Method:
+    """Return the method. Raises MethodError if its step takes more than one state and f."""
     if isinstance(method, FactsOnly):
-        raise ValueError(
+        raise MethodError(
             f"{method.key} is {method.kind}: `driftproof facts` and `driftproof verify` accept it, but runs and "
             "derivations do not; they need a method whose step takes one state and one f"
         )
     return method
 
 
-def entry_named(name: str) -> Method | FactsOnly:
+def entry_named(name: str) -> Entry:
     """The method that `method_named` finds, or one of which there are only facts. Raises ValueError."""
-    keys = keys_of_name(name)
-    entries: list[Method | FactsOnly] = [METHODS[key] if key in METHODS else FACTS_ONLY[key] for key in keys]
+    entries: list[Entry] = [METHODS[key] if key in METHODS else FACTS_ONLY[key] for key in keys_of_name(name)]
     if len(entries) == 1:
         return entries[0]
     if entries:

@@ -27,7 +27,7 @@ from pathlib import Path
 from typing import Any, TypeAlias
 
 from driftproof.methods.additive import Additive
-from driftproof.methods.catalogue import METHODS, FactsOnly, entry_named, of_one_state
+from driftproof.methods.catalogue import METHODS, Entry, FactsOnly, entry_named, of_one_state
 from driftproof.methods.common_field import common_field, element_of
 from driftproof.methods.expressions import RADICALS, parse_exact, parse_number
 from driftproof.methods.families import FAMILIES, Family, ParameterFunction, parameter_function, parse_function
@@ -321,9 +321,9 @@ def method_of(given: str | Path | Method | Family | FactsOnly) -> Method:
     return of_one_state(subject)
 
 
-def methods_of(given: GivenMethods) -> list[Method]:
-    """A list of one method or several, whose keys may stand in one text: "rk4,heun2". Raises ValueError."""
-    return [method_of(each) for each in _each(given)]
+def methods_of(given: GivenMethods) -> list[Entry]:
+    """One method or several, even of facts only, whose keys may stand in one text: "rk4,heun2". Raises ValueError."""
+    return [x if isinstance(x := subject_of(each), FactsOnly) else method_of(each) for each in _each(given)]
 
 
 def _each(given: GivenMethods) -> Sequence[str | Path | Method]:

@@ -64,6 +64,8 @@ def report(
     parts = [_part(each, methods or STABILITY_METHODS) for each in scenes or PRESETS]
     if methods and all(isinstance(part, Scene) for part in parts):
         raise ValueError("methods are for problems, and none is named; `driftproof scene NAME --methods` takes them")
+    if digits != 15 and not any(isinstance(part, Scene) and part.certified for part in parts):
+        raise ValueError("digits are for certified readouts, and no scene of these has any")
     titles = tuple(scene_title(part) if isinstance(part, Scene) else part.title for part in parts)
     page = Page(document(parts, digits, count_steps), titles, path)
     if path is not None:

@@ -36,9 +36,8 @@ def scene(
     """A preset, or a scene of your own, run in floats: the readouts, certified readouts and table that it asks for.
 
     `methods` replace those of the scene: the first is shown, all are compared. Without a name, the presets are listed:
-    the method shown, h, t and the number of steps.
-
-    `found` has the results as numbers. `figures` names a folder for the scene's figures, as SVG. Raises ValueError.
+    the method shown, h, t and the number of steps. `found` has the results as numbers; `digits` are those of
+    certified readouts. `figures` names a folder for the scene's figures, as SVG. Raises ValueError.
 
     >>> from driftproof import scene
     >>> scene("stability_boundary").found["readouts"]["final_state"]
@@ -52,6 +51,8 @@ def scene(
     about = scene_given(name)
     if keys := tuple(names_of(methods)):
         about = replace(about, selected=keys[0], methods=keys, panels=tuple(dict.fromkeys((*about.panels, TABLE))))
+    if digits != 15 and not about.certified:
+        raise ValueError(f"digits are for certified readouts, and scene {about.name!r} has none")
     if figures is not None:
         if not {*FIGURES} & {*about.panels}:
             raise ValueError(f"scene {about.name!r} has no figure to draw: give panels {' or '.join(FIGURES)}")

@@ -8,6 +8,7 @@ from math import inf, isfinite
 
 from flint import ctx
 
+from driftproof.methods.catalogue import Entry, FactsOnly, of_one_state
 from driftproof.methods.rationals import ExactNumber, brief, step_count, steps_of
 from driftproof.methods.schemes import Method, MethodError
 from driftproof.methods.tableau_file import GivenMethods, methods_of
@@ -77,10 +78,10 @@ def stability(
     return Answered(answer, stability_text)
 
 
-def _method_answer(problem: Problem, method: Method, counts: Sequence[int]) -> Json:
+def _method_answer(problem: Problem, method: Entry, counts: Sequence[int]) -> Json:
     header = {"method": method.key, "title": method.title}
     try:
-        runs = advance(method, problem)
+        runs = advance(method := of_one_state(method), problem)
     except MethodError as reason:
         return {**header, "refused": str(reason)}
     found = None if problem.matrix is None else SystemFacts(method, problem.matrix)
@@ -92,21 +93,20 @@ def _method_answer(problem: Problem, method: Method, counts: Sequence[int]) -> J
     }
 
 
-def expected_of(problem: Problem, method: Method) -> str:
+def expected_of(problem: Problem, method: Entry) -> str:
     """What the problem says is expected of methods of this kind; "" if nothing."""
-    return problem.expected.get(behaviour(method, problem), "")
+    return "" if isinstance(method, FactsOnly) else problem.expected.get(behaviour(method, problem), "")
 
 
-def steps_in_words(problem: Problem, method: Method) -> str:
+def steps_in_words(problem: Problem, method: Entry) -> str:
     """The steps that the method can take: proved on a linear problem, else how many follow the solution to its end."""
     try:
-        runs = advance(method, problem)
+        runs = advance(method := of_one_state(method), problem)
     except MethodError as reason:
         return f"does not apply: {reason}"
     if problem.matrix is not None:
         return _limit_text(_proved_limit(SystemFacts(method, problem.matrix)))
-    seen = _nonlinear_part(problem, method, runs)
-    fewest, most = seen["fewest_steps"], seen["looked_up_to"]
+    fewest, most = _nonlinear_part(problem, method, runs).values()
     return f"not with {most} steps" if fewest is None else f"from {fewest} step{'s' * (fewest > 1)} on"
 
 
@@ -122,14 +122,12 @@ def behaviour(method: Method, problem: Problem) -> str:
 
 
 def _linear_part(problem: Problem, found: SystemFacts, runs: Advance) -> Json:
-    components = len(problem.start)
     norm = max(sum(abs(x) for x in row) for row in found.rows)
-    low, high = largest_bounded(lambda h: stays_bounded(runs, components, h), 1 / float(norm))
+    low, high = largest_bounded(lambda h: stays_bounded(runs, len(problem.start), h), 1 / float(norm))
     r = stability_function_of(found.method)
-    at_infinity = None if r is None else r.at_infinity()
     return {
         **_proved_limit(found),
-        "at_infinity": None if r is None else "oo" if at_infinity is None else str(at_infinity),
+        "at_infinity": None if r is None else "oo" if (limit := r.at_infinity()) is None else str(limit),
         "seen": {"bounded": repr(low), "grows": repr(high)},
     }
 

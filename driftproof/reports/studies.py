@@ -43,8 +43,7 @@ def work_precision(
     >>> study["errors"]["curves"][0]["points"][0]["evaluations"]
     8
     """
-    asked = methods_of(methods or WORK_PRECISION_METHODS)
-    study = Study(problem_given(problem), asked, peers_named(peers), time_limit)
+    study = Study(problem_given(problem), methods_of(methods or WORK_PRECISION_METHODS), peers_named(peers), time_limit)
     folder, written = None if output is None else Path(output), list[str]()
     with ExitStack() as stack:
         if folder:

@@ -87,7 +87,7 @@ class Facts(LinearFacts):
 
     @cached_property
     def order(self) -> int:
-        """The order on the widest class of problems that the family is for, never on linear problems alone."""
+        """The order on all problems that the family is for; on y' = f(y) only if the c of a table are not row sums."""
         return self.order_fails.order
 
     @cached_property

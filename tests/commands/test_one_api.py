@@ -33,7 +33,7 @@ SAME = {
     "stability dahlquist_1e3 --methods rk4 --h 1/500": "stability('dahlquist_1e3', METHODS['rk4'], '1/500')",
     "scene": "scene()",
     "scene default": "scene(PRESETS['default'])",
-    "scene compare --digits 3": "scene('compare', digits=3)",
+    "scene compare --methods rk4": "scene('compare', methods='rk4')",
     "sweep default --methods rk4,heun2 --h 1/4,1/8": "sweep('default', methods=[METHODS['rk4'], 'heun2'], "
     "h=['1/4', '1/8'])",
     "value 'step rk4 h=1/2 : q'": "value('step rk4 h=1/2 : q')",

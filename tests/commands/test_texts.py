@@ -19,6 +19,7 @@ REFUSED = {
     ("check", "none.md", "--init", "--ask", "-cos(1.5)"): "none.md: No such file or directory",  # no option -c
     ("check", "none.md", "--init"): "none.md: No such file or directory",
     ("check", "none.md", "--init", "--claims", "x.toml"): "not allowed with argument --init",
+    ("check", "none.md", "--time-limit", "5"): "--time-limit has no effect without --run",
     ("check", "none.md", "--init", "--run"): "--run, --coverage and --format have no effect with --init",
     ("check", "none.md", "--claims", "none.toml"): "none.toml: No such file or directory",
     ("check", "none.md", "--claims", "README.md"): "README.md: not TOML",

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from driftproof.methods.catalogue import METHODS
+from driftproof.methods.tableau_file import methods_of
 from driftproof.numeric.problems.catalogue import problem_named
 from driftproof.numeric.work_precision import curves, integrators
 from driftproof.reports.work_precision import study as study_module
@@ -23,7 +23,7 @@ def be_quick(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def study(*keys: str, problem: str = "harmonic_oscillator", limit: float = 10.0, peers: tuple[Peer, ...] = ()) -> Study:
-    return Study(problem_named(problem), [METHODS[key] for key in keys], peers, limit)
+    return Study(problem_named(problem), methods_of(keys), peers, limit)
 
 
 def unheard(line: str) -> None:

@@ -9,12 +9,12 @@ from driftproof import PRESETS, report
 
 
 def test_a_page_is_written_where_it_is_asked_for_and_shown_in_a_frame(tmp_path):
-    page = report("compare", replace(PRESETS["compare"], name="once_more"), digits=3)
+    page = report("compare", replace(PRESETS["compare"], name="once_more"))
     assert str(page) == "a page of Compare, Once more; its HTML is in .html"
     assert page.written("html") == page.html
     assert page._repr_html_().startswith('<iframe srcdoc="&lt;!DOCTYPE html&gt;')
     path = tmp_path / "page.html"
-    written = report("compare", replace(PRESETS["compare"], name="once_more"), output=path, digits=3)
+    written = report("compare", replace(PRESETS["compare"], name="once_more"), output=path)
     assert str(written) == f"wrote {path}"
     assert path.read_text(encoding="utf-8") == page.html
     with pytest.raises(ValueError, match="methods are for problems, and none is named"):

@@ -90,8 +90,9 @@ def test_a_non_finite_run_is_never_silent(stability):
 
 
 def test_a_method_that_does_not_apply_says_why(answer):
-    out = answer("stability", "dahlquist_1", "--methods", "rk4,symplectic_euler")
+    out = answer("stability", "dahlquist_1", "--methods", "rk4,symplectic_euler,bdf2")
     assert "symplectic_euler does not apply: " in out
+    assert "bdf2 does not apply: bdf2 is a linear multistep method" in out
 
 
 # HIRES takes as long as all the others together: eight implicit equations a step, in up to 512 steps. Its answer is of

@@ -252,9 +252,9 @@ def _requested(
     ]
     if len({run.t for run in runs}) == 1:
         return lines, ["rtol is ignored: the steps are the same at every tolerance"]
-    # Rounding of a few hundred steps may hide the effect of the last tolerance.
+    # Rounding of a few hundred steps, or a largest step size, may hide the effect of the last tolerance.
     floor = max(float(run.format.u) for run in runs) * 2.0**10
-    if max(errors[-1], floor) > errors[0] / 10 and errors[0] > 10 * floor:
+    if max(errors[-1], floor) > max(errors[0] / 10, _TOLERANCES[-1]) and errors[0] > 10 * floor:
         return lines, ["a tolerance 1000 times smaller does not make the error 10 times smaller"]
     clear = [(rtol, error) for rtol, error in zip(_TOLERANCES, errors, strict=True) if error > floor]
     if len(clear) > 1:

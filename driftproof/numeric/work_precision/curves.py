@@ -8,7 +8,8 @@ from itertools import pairwise
 from math import hypot, inf, lcm, log2
 from statistics import median
 
-from driftproof.methods.schemes import Method, MethodError
+from driftproof.methods.catalogue import Entry, of_one_state
+from driftproof.methods.schemes import MethodError
 from driftproof.methods.tableau_file import method_of
 from driftproof.numeric.advance import error_summary, field_rate
 from driftproof.numeric.problems.problem import Problem
@@ -130,12 +131,12 @@ def curves(
 
 
 def curve_of(
-    method: Method, problem: Problem, steps: Sequence[int] | None = None, *, compiled: bool = False, most: float = inf
+    method: Entry, problem: Problem, steps: Sequence[int] | None = None, *, compiled: bool = False, most: float = inf
 ) -> Curve:
     """The curve of one method. A run that should take more than `most` evaluations is not made, see `measure_curve`."""
     claim = (method.key, method.title, method.claimed_order)
     try:
-        runs = integrator(method, problem, compiled=compiled)
+        runs = integrator(of_one_state(method), problem, compiled=compiled)
     except MethodError as error:
         return Curve(*claim, refused=str(error))
     steps_of_runs = steps or step_counts(problem, MOST if method.explicit else MOST_IMPLICIT)
@@ -148,8 +149,7 @@ def measure_curve(problem: Problem, runs: Integrator, steps_of_runs: Sequence[in
     A run that should take more than `most` evaluations, going by the previous run, is not made, and neither are longer
     ones: its point says so. Nothing is decided by a clock, so that every machine, busy or not, has the same points.
     """
-    found: list[Point] = []
-    at_floor, of_a_step = 0, 0.0
+    found, at_floor, of_a_step = list[Point](), 0, 0.0
     for steps in steps_of_runs:
         if (expected := of_a_step * steps) > most:
             remark = f"not run: about {expected:.2g} evaluations, but the limit is {most:.2g}"

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from functools import partial
 
-from driftproof.methods.schemes import Method
+from driftproof.methods.catalogue import Entry
 from driftproof.methods.tableau_file import method_of, methods_of
 from driftproof.numeric.problems.catalogue import PROBLEMS
 from driftproof.numeric.problems.problem import Problem
@@ -26,7 +26,7 @@ _EVALUATIONS = "evaluations of f"
 _LONGEST_EQUATIONS = 300
 
 
-def problem_part(problem: Problem, methods: Sequence[Method], scene: Scene | None = None) -> Part:
+def problem_part(problem: Problem, methods: Sequence[Entry], scene: Scene | None = None) -> Part:
     """A problem with the errors of some methods against their work, the steps that each can take, and a scene on it."""
     return Part(problem.title, partial(_problem, problem, methods, scene))
 
@@ -36,7 +36,7 @@ def stiff_part() -> Part:
     return Part("Stiff problems", lambda _: _stiff())
 
 
-def _problem(problem: Problem, methods: Sequence[Method], scene: Scene | None, identity: str) -> str:
+def _problem(problem: Problem, methods: Sequence[Entry], scene: Scene | None, identity: str) -> str:
     asked = with_progress(methods, "method")
     counts = {explicit: step_counts(problem, FINEST if explicit else FINEST_IMPLICIT) for explicit in (True, False)}
     found = [curve_of(method, problem, counts[method.explicit]) for method in asked]
@@ -86,7 +86,7 @@ def _about(problem: Problem) -> str:
     return "Observed: with N, 2N, ... steps the error at the end is at most a tenth of the solution's size"
 
 
-def _steps(problem: Problem, method: Method) -> str:
+def _steps(problem: Problem, method: Entry) -> str:
     words = steps_in_words(problem, method)
     return with_roots(words).replace("<=", "≤") if words.startswith("h ") else words
 

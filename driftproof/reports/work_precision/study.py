@@ -15,6 +15,7 @@ from time import perf_counter
 from typing import Any, TypeAlias
 
 from driftproof import __version__
+from driftproof.methods.catalogue import Entry, of_one_state
 from driftproof.methods.schemes import Method, MethodError
 from driftproof.numeric.advance import State, error_summary
 from driftproof.numeric.problems.problem import Problem
@@ -90,7 +91,7 @@ class Study:
     """The question: the methods and peers, the problem, and for how many seconds a point may be timed."""
 
     problem: Problem
-    methods: Sequence[Method]
+    methods: Sequence[Entry]
     peers: Sequence[Peer]
     limit: float
 
@@ -178,7 +179,7 @@ def _contestants(study: Study) -> list[_Contestant]:
         curve = partial(curve_of, method, problem, compiled=True, most=once)
         found.append(_Contestant(method.key, curve, partial(_calls_of_method, method, problem)))
         with suppress(MethodError):  # of a method without an error estimate
-            found.append(_controlled(method, study))
+            found.append(_controlled(of_one_state(method), study))
     for peer in (peer for peer in study.peers if peer.installed):
         for name in peer.solvers:
             key, solver = f"{peer.name} {name}", cache(partial(peer.on, problem, name))  # constructed when first used
@@ -200,9 +201,9 @@ def _controlled(method: Method, study: Study) -> _Contestant:
     return _Contestant(key, partial(_solver_curve, key, best, study), calls)
 
 
-def _calls_of_method(method: Method, problem: Problem) -> tuple[_Calls, Mapping[str, str]]:
+def _calls_of_method(method: Entry, problem: Problem) -> tuple[_Calls, Mapping[str, str]]:
     try:
-        runs = integrator(method, problem, compiled=True)
+        runs = integrator(of_one_state(method), problem, compiled=True)
     except MethodError:  # its curve says why
         return {}, {}
     return {kind: lambda point, call=call: call(point.steps or 0) for kind, call in runs.calls.items()}, runs.absent

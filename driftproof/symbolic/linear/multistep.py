@@ -166,8 +166,8 @@ class MultistepFacts(FactsOfFamily[Multistep]):
         if self.method.derivative != 1:
             return None
         holds, reason, witness = self._positive_real()
-        constant = self.error_constant or Fraction(0)
-        if holds and (self.method.explicit or self.order > 2 or (self.order == 2 and constant > Fraction(-1, 12))):
+        beyond = self.error_constant is not None and (self.order, self.error_constant) > (2, Fraction(-1, 12))
+        if holds and (self.method.explicit or beyond):  # with sigma(1) = 0, order and constant are another method's
             raise AssertionError(f"{self.method.key}: found A-stable, which contradicts Dahlquist's second barrier")
         return AStability(holds, reason, witness, coefficients(self._on_circle[0]))
 

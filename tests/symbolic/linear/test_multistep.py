@@ -190,6 +190,8 @@ def test_a_common_factor_is_named_and_what_only_it_does_is_left_out():
     assert (twice.order, twice.a_stable, twice.zero_stable) == (1, True, True)
     outside = one_step("reducible", (2, -3, 1), (0, -2, 1))  # backward Euler times ζ - 2
     assert (outside.a_stable, outside.zero_stable) == (True, False)
+    at_one = one_step("reducible", (1, -2, 1), (Q(-1, 2), 0, Q(1, 2)))  # the trapezoidal rule times ζ - 1
+    assert (at_one.a_stable, at_one.zero_stable, at_one.error_constant) == (True, False, None)
 
 
 def test_an_inconsistent_method_says_so():
