@@ -273,7 +273,8 @@ class _Refutation:
             yield f"is {key}, but {'; '.join(wrong)}"
         only = {question.title: question.only for question in seen.questions if question.only}
         if {check.title for check in seen.failed} <= {*only}:
-            yield f"is {key}{only[seen.failed[0].title]}: {seen.failed[0].lines[0]}"
+            first = max(seen.failed, key=lambda check: check.title == criteria.FIRST_CALL)
+            yield f"is {key}{only[first.title]}: {first.lines[0]}"
         unlike = seen.outcomes[criteria.FIRST_CALL].result
         if unlike is not None and unlike[0] is False:
             yield f"is not {key}: its answers change from call to call: {unlike[1]}"

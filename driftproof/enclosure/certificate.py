@@ -90,7 +90,7 @@ class Certificate(Printable):
     def place(self, worst: tuple[int, int] | None = None) -> str:
         """The place of the largest error, or of `worst`, as text."""
         i, j = worst or self.worst
-        return f"component {j} at t = {self.t[i]:.17g}, point {i} of {len(self.t)}"
+        return f"component {j} at t = {self.t[i]:.17g}, point {i} of 0 to {len(self.t) - 1}"
 
     def text(self) -> str:
         """The certificate as text, each number rounded to the digits that are proved."""

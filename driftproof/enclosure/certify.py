@@ -67,7 +67,7 @@ def certify(
     >>> from driftproof import certify
     >>> found = certify(lambda t, y: -y, [0.0, 0.5, 1.0], [[1.0], [0.6065], [0.3679]])
     >>> print(found)
-    largest error 3.065971263e-5, proved: component 0 at t = 0.5, point 1 of 3
+    largest error 3.065971263e-5, proved: component 0 at t = 0.5, point 1 of 0 to 2
     4 correct digits at every point, relative to its largest component; enclosure: 1 steps, 128 bits
     """
     if y is None and has_trajectory(f) and not has_trajectory(t):
@@ -162,7 +162,7 @@ def assert_accurate(
     >>> assert_accurate(rows, lambda t, y: -y, 1e-4)
     >>> assert_accurate(rows, lambda t, y: -y, 1e-5, rtol=1e-5)
     Traceback (most recent call last):
-    AssertionError: off by 3.065971263e-5, more than 1e-05: component 0 at t = 0.5, point 1 of 3 (proved)
+    AssertionError: off by 3.065971263e-5, more than 1e-05: component 0 at t = 0.5, point 1 of 0 to 2 (proved)
     rtol = 1e-05 allows an error of 6.07e-06 per step there; the error is 5.06 times that
     """
     __tracebackhide__ = True  # pytest shows the user's line, and the message

@@ -77,12 +77,12 @@ def _part(given: GivenProblem | Scene, methods: GivenMethods) -> Scene | Part:
     if isinstance(given, Problem | Mapping) or callable(given):
         return problem_part(problem_given(given), methods_of(methods))
     if isinstance(given, Scene):
-        return given
+        if given.problem is None:
+            return given
+        return problem_part(given.problem, methods_of(given.methods or methods), given)
     if (name := str(given)) == "stiff":
         return stiff_part()
     own = name.endswith(".toml") and read_toml(name, LONGEST_PROBLEM, lambda table: "end" in table)
     if own or (name in PROBLEMS and name not in PRESETS):
         return problem_part(problem_given(name), methods_of(methods))
-    if (found := scene_given(name)).problem is not None:
-        return problem_part(found.problem, methods_of(found.methods or methods))
-    return found
+    return _part(scene_given(name), methods)

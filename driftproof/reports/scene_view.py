@@ -131,7 +131,10 @@ def readout_rows(readouts: Readouts, problem: Problem | None = None) -> list[lis
     """Label and value of each readout, of the oscillator or of a problem."""
     known = _SHOWN | (_SHOWN_OF_PROBLEM if problem else {})
     shown = ((*known[name], value) for name, value in readouts.items())
-    return [[label, UNDEFINED if value is None else show(value)] for label, show, value in shown]
+    own = f"({', '.join(problem.unknowns)})" if problem and problem.unknowns else "y"
+    return [
+        [label.replace(" y", f" {own}"), UNDEFINED if value is None else show(value)] for label, show, value in shown
+    ]
 
 
 def certified_rows(certified: dict[str, Any]) -> list[list[str]]:

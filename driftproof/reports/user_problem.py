@@ -6,6 +6,7 @@ import math
 import re
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
+from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
 from typing import Any, TypeAlias
@@ -89,7 +90,9 @@ def _problem(table: TomlTable, name: str) -> Problem:
     reference, second_order = enclosed_reference(field, start, [end * k / PARTS for k in range(1, PARTS + 1)]), False
     with suppress(MethodError):
         second_order = bool(field.second_order())
-    return Problem(name, title, field, start, reference, name, _energy(table), second_order, matrix=matrix_in(field))
+    unknowns = tuple(rates) if isinstance(rates := table.get("rates"), dict) else ()
+    found = Problem(name, title, field, start, reference, name, _energy(table), second_order, matrix=matrix_in(field))
+    return replace(found, unknowns=unknowns)
 
 
 def _energy(table: TomlTable) -> str | None:

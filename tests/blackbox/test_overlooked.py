@@ -248,6 +248,7 @@ WRONG = [
     (weighted(np.float32(1 / 6)), weighted(1 / 6), "nystrom4", "is not nystrom4"),
     (cast(np.float32), cast(np.float64), "symplectic_euler", "the simplest step beyond the bound"),
     (called(lambda n: n == 1), called(lambda n: False), "heun2", f"is heun2, but not in every call: {FIRST}"),
+    (called(lambda n: n > 150), heun(), "heun2", f"is heun2, but not in every call: {FIRST}"),
     (called(lambda n: n % 10 == 0), heun(), "heun2", f"is not heun2: its answers change from call to call: {FIRST}"),
     (heun(length=nearly(1e-3)), heun(length=nearly(0)), "heun2", "is heun2, but not everywhere"),
     (heun(length=lambda h: h if h > -1 else -1), heun(), "heun2", "is heun2 for h > 0 only: a step with"),

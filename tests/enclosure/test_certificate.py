@@ -27,14 +27,14 @@ WHOLE = replace(
 
 def test_words_say_where_and_what():
     assert str(PLAIN).splitlines() == [
-        "largest error 0.7500000000, proved: component 1 at t = 0.5, point 1 of 3",
+        "largest error 0.7500000000, proved: component 1 at t = 0.5, point 1 of 0 to 2",
         "0 correct digits at every point, relative to its largest component; enclosure: 7 steps, 128 bits",
         "constants in f, each exactly this double: 0.1, -3.7",
     ]
     assert WHOLE.text().splitlines()[1:-2] == [
         "  there -0.7500000000 = truncation -0.3750000000 + rounding -0.3750000000 (rk4, steps: 2)",
-        "largest truncation 0.3750000000: component 1 at t = 0.5, point 1 of 3",
-        "largest rounding 0.3750000000: component 1 at t = 0.5, point 1 of 3",
+        "largest truncation 0.3750000000: component 1 at t = 0.5, point 1 of 0 to 2",
+        "largest rounding 0.3750000000: component 1 at t = 0.5, point 1 of 0 to 2",
         "energy: largest drift -3.000000000 at t = 1",
         "<L>: largest drift 1.000000000 at t = 0.5 = truncation 1.000000000 + rounding 1.000000000",
     ]

@@ -19,6 +19,8 @@ from driftproof.numeric.problems.catalogue import PROBLEMS
 from driftproof.numeric.problems.problem import CERTIFIED, Reference
 from driftproof.numeric.reference_errors import decimal_energy
 from driftproof.reports import user_problem
+from driftproof.reports.pages import report
+from driftproof.reports.scene_view import readout_rows
 from driftproof.reports.stability import stability
 from driftproof.reports.user_problem import MOST_PROVED, enclosed_reference, matrix_in, problem_given
 from driftproof.symbolic.algebra.certified import Uncertified
@@ -236,3 +238,5 @@ def test_pi_of_a_file_is_itself_in_the_reference_and_a_double_in_runs(tmp_path):
     made = METHODS["rk4"]
     ended = field_runner(made, problem.field)((1.0, 0.0), 1 / 128, 0, 64)
     assert ended == pytest.approx((-1, 0), abs=1e-5)  # (2 pi)^5 h^4 t / 120 is 1e-7 a component
+    assert "x′ = v" in report(problem, methods=[made]).html
+    assert readout_rows({"final_state": (1.0, 0.5)}, problem) == [["Numerical (x, v)", "(1.00000, 0.500000)"]]

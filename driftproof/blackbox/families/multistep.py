@@ -69,6 +69,12 @@ class MultistepReading:
         return f"the first step after a change of h has order {self.order_across}"
 
     @property
+    def slow_across(self) -> str:
+        """The same if the order is less than that of the recurrence; else ""."""
+        facts, seen = self.recurrence.facts, self.order_across
+        return self.across if facts is not None and seen is not None and seen < facts.order else ""
+
+    @property
     def key(self) -> str | None:
         """The catalogue key of the method; None if it is none, or if F is evaluated elsewhere."""
         found = self.recurrence

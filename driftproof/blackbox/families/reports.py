@@ -9,7 +9,7 @@ from typing import Any, Protocol
 from driftproof.blackbox.families.imex import read_imex
 from driftproof.blackbox.families.magnetic import Boris
 from driftproof.blackbox.families.magnetic_step import read_magnetic
-from driftproof.blackbox.families.multistep import MultistepReading, read_multistep
+from driftproof.blackbox.families.multistep import read_multistep
 from driftproof.blackbox.families.multistep_recurrence import NoRecurrence
 from driftproof.blackbox.families.multistep_runs import remembers
 from driftproof.blackbox.families.quaternions import read_quaternion
@@ -143,17 +143,10 @@ def verify_family(runner: IsolatedRunner, method: Method | FactsOnly | Boris) ->
         verdict = f"{UNDECIDED} whether it is {method.key}: {open_ones[0].lines[0]}"
     else:
         _, named, more = read.verdict.partition(f"it is {method.key}")
-        equal = " in steps of equal length" * isinstance(method, Multistep)
-        verdict = "; ".join([f"is {method.key}{equal}{more * bool(named)}", *_slow_across(read, method)])
+        equal, across = " in steps of equal length" * isinstance(method, Multistep), getattr(read, "slow_across", "")
+        verdict = "; ".join(filter(None, [f"is {method.key}{equal}{more * bool(named)}", across]))
         data["remarks"] = read.data.get("remarks", [])
     return Report(name, verdict, passed, sections(*parts), data)
-
-
-def _slow_across(read: FamilyReading, method: object) -> list[str]:
-    """What a change of h does to the order of a multistep method, if it lowers it."""
-    if isinstance(read, MultistepReading) and isinstance(method, Multistep) and read.order_across is not None:
-        return [read.across] if read.order_across < method.claimed_order else []
-    return []
 
 
 def _not_read(name: str, outcome: Outcome, method: Method | FactsOnly | Boris) -> Report:

@@ -14,7 +14,7 @@ from typing import Any, NamedTuple, TypeAlias
 import numpy as np
 
 from driftproof.blackbox.probes.scripted_answers import NotReadable
-from driftproof.blackbox.solvers.foreign_solver import DoesNotEnd, ForeignSolver, Solution
+from driftproof.blackbox.solvers.foreign_solver import DoesNotEnd, ForeignSolver, Solution, TooSlow
 from driftproof.blackbox.solvers.steps import SolverSteps
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.number_field import Exact
@@ -29,8 +29,8 @@ _SPAN, _WIDTH = (0.0, 8.0), 12.0
 _RTOL, _ATOL, _LARGER_ATOL = 1e-13, 1e-7, 1e-4
 # A law must give every factor to this relative accuracy: the scale is known better, and its exponents are small.
 _CLOSE = 1e-4
-# Exponents are fitted more closely: over ratios of errors up to 10^10 they then change a factor by less than that.
-_EXPONENT = 1e-6
+# An estimate may be the difference of two states below 1, of which each rounds by u and each sum before it by less.
+_ROUNDED = 2.0**-51
 # Steps this near to a jump are not compared with their slopes.
 _NEAR = 1e-6
 # Times in a step of h at t are equal to this part of h: they are rounded to u t, and h is above 10^-6 t.
@@ -42,7 +42,7 @@ _LEAST_REMEMBERED = 1e-3
 # The least factor after a step that is just accepted, which is the safety: 0.8 to 1 in most codes; chosen with room.
 _LEAST_SAFETY = 0.5
 _NO_TOLERANCE = "it takes no tolerance: its step size is constant"
-# The largest denominator of an exponent: controllers in use have 1/5, 7/50, 17/100, ...
+# The largest denominator of an exponent, and 1 over the least one: controllers in use have 1/5, 7/50, 17/100, ...
 _MOST_DENOMINATOR = 120
 # In units of u: t is up to 8, slopes change by up to 13 in a unit of time, and h times the sum of the absolute weights
 # is below 4, so that rounding makes 416. A step that ends elsewhere is off by far more.
@@ -170,7 +170,7 @@ def _run(subject: ForeignSolver) -> tuple[Solution, float]:
     solved = partial(subject.solve, lambda n, t, y: [bumps(t)], _SPAN, (0.0,), _RTOL)
     try:
         return solved(_ATOL), _ATOL
-    except DoesNotEnd:
+    except (DoesNotEnd, TooSlow):
         return solved(_LARGER_ATOL), _LARGER_ATOL
 
 
@@ -236,9 +236,11 @@ class _Point(NamedTuple):
     """An attempt and the `factor` of the step size after it.
 
     `error` and `before` are log r of this and of the last accepted step, `growth` is the log of h over the h of that.
+    `rounded` is the part of r that rounding of the states may change.
     """
 
     error: float
+    rounded: float
     before: float
     growth: float
     factor: float
@@ -256,7 +258,9 @@ def _points(estimate: _Estimate, nodes: Sequence[float], attempts: Sequence[Atte
         if each.factor is not None and r > 0:
             at_jump = any(abs(t - round(t)) <= _NEAR for t in times)
             growth = log(each.h / length)
-            yield _Point(log(r), before, growth, each.factor, each.accepted, each.rejections, at_jump)
+            yield _Point(
+                log(r), _ROUNDED / (r * atol), before, growth, each.factor, each.accepted, each.rejections, at_jump
+            )
         if each.accepted and r > 0:
             before, length = log(r), each.h
 
@@ -269,16 +273,16 @@ def _law(name: str, estimate: _Estimate, attempts: Sequence[Attempt], atol: floa
     factors = [p.factor for p in points if p.rejections <= 1]
     largest, smallest = _repeated(factors, max(factors)), _repeated(factors, min(factors))
     limits = (largest, smallest, 1.0)
-    free = [p for p in points if not p.rejections and not any(_is_same(p.factor, limit) for limit in limits)]
+    unclipped = [p for p in points if not p.rejections and not any(_is_same(p.factor, limit) for limit in limits)]
+    free = [p for p in unclipped if p.rounded <= _CLOSE]
     remembered = [p for p in free if p.before > log(_LEAST_REMEMBERED)]
-    fits = (_fitted(free, 2), _fitted(remembered, 3), _fitted(remembered, 4))
-    found = next((fit for fit in fits if fit is not None), None)
+    found = _fitted(free, 2) or _fitted(remembered, 3) or _fitted(remembered, 4)
     if found is None:
         return None
-    exponent, memory, filtered = (_rational(x) for x in [*map(float, found[1:]), 0.0, 0.0][:3])
+    exponent, memory, filtered = [*found[1:], 0, 0][:3]
     held = [p.factor for p in points if p.accepted and p.rejections]
     accepted = exp(max(p.error for p in points if p.accepted and not p.at_jump))
-    safety, after = float(exp(found[0])), bool(held) and max(held) <= 1 + _CLOSE
+    safety, after = exp(found[0]), bool(held) and max(held) <= 1 + _CLOSE
     law = Law(name, safety, exponent, memory, filtered, smallest, largest, after, accepted, "")
     return replace(law, exception=_exception(points, law, min(factors), max(factors)))
 
@@ -295,7 +299,7 @@ def _exception(points: Sequence[_Point], law: Law, smallest: float, largest: flo
         forgetful = log(law.safety) - law.exponent * p.error
         remembering = forgetful + law.memory * p.before + law.filtered * p.growth
         said = [exp(min(max(x, log(smallest)), log(largest))) for x in (remembering, forgetful)]
-        if not any(_is_same(p.factor, x) for x in (*said, 1.0)):
+        if not any(isclose(p.factor, x, rel_tol=_CLOSE + p.rounded) for x in (*said, 1.0)):
             others.append((p, said[0]))
     if not others:
         return ""
@@ -306,14 +310,31 @@ def _exception(points: Sequence[_Point], law: Law, smallest: float, largest: flo
     return f", but {len(others)} of {beside} steps{where} differ: one is {times}"
 
 
-def _fitted(points: Sequence[_Point], terms: int) -> Any:
-    """The log of the safety, the exponent and the further terms that give all factors; None if none do."""
+def _fitted(points: Sequence[_Point], terms: int) -> list[Any] | None:
+    """The log of the safety, the exponent and the further terms that give all factors; None if none do.
+
+    The safety has two digits, and a term is a fraction of a denominator in use, if the factors come out as well. Further
+    terms below those of any controller in use are no law: such a fit follows the noise of another one.
+    """
     if len(points) < terms + 3:
         return None
-    matrix = np.array([[1.0, -p.error, p.before, p.growth] for p in points])[:, :terms]
+    matrix = np.array([[-p.error, p.before, p.growth] for p in points])[:, : terms - 1]
     logarithms = np.log([p.factor for p in points])
-    solved, *_ = np.linalg.lstsq(matrix, logarithms, rcond=None)
-    return solved if np.abs(matrix @ solved - logarithms).max() <= _CLOSE else None
+    solved, *_ = np.linalg.lstsq(np.hstack([np.ones((len(points), 1)), matrix]), logarithms, rcond=None)
+    exact: list[Fraction | float] = solved[1:].tolist()
+    near: list[Fraction | float] = [Fraction(x).limit_denominator(_MOST_DENOMINATOR) for x in exact]
+    of_one = [[*exact[:i], x, *exact[i + 1 :]] for i, x in enumerate(near)]
+    for found in (near, *of_one, exact):
+        left = logarithms - matrix @ [*map(float, found)]
+        if np.ptp(left) <= 2 * _CLOSE:
+            break
+    else:
+        return None
+    if any(0 < abs(x) < 1 / _MOST_DENOMINATOR for x in found[1:]):
+        return None
+    safety = float(left.max() + left.min()) / 2
+    two_digits = log(round(exp(safety), 2) or 1.0)
+    return [two_digits if np.abs(left - two_digits).max() <= _CLOSE else safety, *found]
 
 
 def _repeated(factors: Sequence[float], value: float) -> float | None:
@@ -323,11 +344,6 @@ def _repeated(factors: Sequence[float], value: float) -> float | None:
 
 def _is_same(x: float, value: float | None) -> bool:
     return value is not None and isclose(x, value, rel_tol=_CLOSE)
-
-
-def _rational(x: float) -> Fraction | float:
-    near = Fraction(x).limit_denominator(_MOST_DENOMINATOR)
-    return near if isclose(near, x, abs_tol=_EXPONENT) else x
 
 
 def _shown(x: Fraction | float) -> str:

@@ -10,13 +10,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from driftproof.blackbox.findings import Misbehaviour, NotANumber, StepRaised, WrongShape
+from driftproof.blackbox.findings import Misbehaviour, NoAnswer, NotANumber, StepRaised, WrongShape
+from driftproof.blackbox.stepper import calling_conventions as calling
 from driftproof.blackbox.stepper.array_adapters import ARRAYS, LISTS, ArrayAdapter, as_array, type_of
-from driftproof.blackbox.stepper.calling_conventions import COUNTS, ROLES, STEP, parameters_of
 from driftproof.blackbox.stepper.opening import Target, imported
 from driftproof.symbolic.rounding.formats import BINARY32, BINARY64, FloatFormat
 
-# A solver that makes more calls on these short problems is said not to end.
+# A solver that makes more calls on these short problems is said not to end, or to be too slow.
 MOST_CALLS_OF_A_RUN = 30_000
 # What a solver takes after f, t_span and y0: rtol and atol, one tolerance, a step size, a number of steps, nothing.
 TOLERANCES, TOLERANCE, LENGTH, COUNT, NOTHING = "tolerances", "tolerance", "length", "count", "nothing"
@@ -24,8 +24,8 @@ TOLERANCES, TOLERANCE, LENGTH, COUNT, NOTHING = "tolerances", "tolerance", "leng
 _SETTINGS = {
     TOLERANCES: (("rtol", "reltol", "rel_tol"), ("atol", "abstol", "abs_tol")),
     TOLERANCE: (("tol", "tolerance", "eps", "epsilon", "accuracy", "rtol", "reltol", "rel_tol"),),
-    LENGTH: (ROLES[STEP],),
-    COUNT: (COUNTS,),
+    LENGTH: (calling.ROLES[calling.STEP],),
+    COUNT: (calling.COUNTS,),
 }
 # The default number of steps for solvers that take a step size or a number.
 _USUAL = 128
@@ -39,6 +39,10 @@ class DoesNotEnd(Misbehaviour):
     """The solver went on calling its right-hand side after MOST_CALLS_OF_A_RUN calls."""
 
     kind = "does_not_end"
+
+
+class TooSlow(NoAnswer):
+    """It would end after more calls: the second half of them led it on by more than a hundredth of the run."""
 
 
 class Call(NamedTuple):
@@ -76,6 +80,7 @@ class ForeignSolver:
     names: tuple[str, ...] = ()  # of the parameters that take the settings; without them the settings go by position
     before: Callable[[str], None] = lambda call: None
     after: Callable[[], None] = lambda: None
+    state_first: bool = False  # whether it calls f(y, t), or f(y, p, t)
 
     @property
     def adaptive(self) -> bool:
@@ -97,9 +102,15 @@ class ForeignSolver:
         """
         calls: list[Call] = []
 
-        def slopes(t: Any, y: Any, *_: Any) -> Any:
+        def slopes(t: Any, y: Any, *further: Any) -> Any:
             if len(calls) >= MOST_CALLS_OF_A_RUN:
-                raise DoesNotEnd(f"after {MOST_CALLS_OF_A_RUN} calls of f it is at t = {calls[-1].t:.6g} of {t_span}")
+                at, before = calls[-1].t, calls[len(calls) // 2].t
+                slow = 100 * abs(at - before) > abs(t_span[1] - t_span[0]) and min(t_span) <= at <= max(t_span)
+                words = f"after {len(calls)} calls of f it is at t = {at:.6g} of {t_span}"
+                raise TooSlow(words) if slow else DoesNotEnd(words)
+            if len(y0) > 1 and not calls:
+                self.state_first = as_array(t).size > 1
+            t, y = ((further or [y])[-1], t) if self.state_first else (t, y)
             (at,) = self.adapter.read(t, 1)
             asked = Call(at, tuple(self.adapter.read(y, len(y0))))
             calls.append(asked)
@@ -130,6 +141,32 @@ class ForeignSolver:
         return _solution(answer, tuple(y0), tuple(calls))
 
 
+def in_usual_order(solve: Callable[..., Any]) -> Callable[..., Any]:
+    """The solver with the parameters f, t_span, y0 and then its others; itself if their names do not tell them apart.
+
+    >>> in_usual_order(lambda y0, t0, t1, h, rhs: (rhs, t0, t1, y0, h))("f", (0, 1), "y", h=2)
+    ('f', 0, 1, 'y', 2)
+    """
+    parameters = calling.parameters_of(solve) or {}
+    words = {name.lower().strip("_"): name for name, p in parameters.items() if p.kind is not p.POSITIONAL_ONLY}
+    all_known = (calling.ROLES[calling.FUNCTION], calling.STARTS, calling.SPANS, *calling.RUN_ENDS)
+    f, y0, span, *ends = (next((words.pop(x) for x in known if x in words), "") for known in all_known)
+    if not (f and y0 and (span or all(ends))) or [*parameters][:3] == [f, span, y0]:
+        return solve
+    taken = [f, y0, *([span] if span else ends)]
+
+    others = [p for name, p in parameters.items() if name not in taken]
+    others.sort(key=lambda p: (p.kind, p.default is not p.empty))
+
+    def arranged(f_: Any, t_span_: Any, y0_: Any, *settings: Any, **options: Any) -> Any:
+        given = [f_, y0_, *([t_span_] if span else t_span_), *settings]
+        return solve(**dict(zip([*taken, *(p.name for p in others)], given, strict=False)), **options)
+
+    first = [inspect.Parameter(name, inspect.Parameter.POSITIONAL_ONLY) for name in ("f_", "t_span_", "y0_")]
+    arranged.__signature__ = inspect.Signature([*first, *others])  # type: ignore[attr-defined]
+    return arranged
+
+
 def taken_by(solve: Callable[..., Any]) -> tuple[str, tuple[str, ...]]:
     """What a solver takes after f, t_span and y0, and the names of these parameters; without names, by position.
 
@@ -138,7 +175,7 @@ def taken_by(solve: Callable[..., Any]) -> tuple[str, tuple[str, ...]]:
     >>> taken_by(lambda f, t_span, y0, method="RK45", **options: None)
     ('tolerances', ('rtol', 'atol'))
     """
-    parameters = parameters_of(solve)
+    parameters = calling.parameters_of(solve)
     if parameters is None or any(p.kind is p.VAR_POSITIONAL for p in parameters.values()):
         return TOLERANCES, ()
     open_ended = any(p.kind is p.VAR_KEYWORD for p in parameters.values())
@@ -226,7 +263,7 @@ class SolverTarget:
     ) -> ForeignSolver:
         """The solver after a first run of y' = 0, on arrays or on lists. Raises ValueError or a `Misbehaviour`."""
         failures: list[Misbehaviour] = []
-        solve = imported(self.solver)
+        solve = in_usual_order(imported(self.solver))
         for adapter in (ARRAYS, LISTS):
             subject = ForeignSolver(solve, adapter, *taken_by(solve), before, after)
             try:

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
-from driftproof.blackbox.findings import NO_EVIDENCE, Outcome, StepRaised
+from driftproof.blackbox.findings import NO_EVIDENCE, Outcome, StepRaised, WrongShape
 from driftproof.blackbox.isolation import TIME_LIMIT, IsolatedRunner
 from driftproof.blackbox.probes.scripted_answers import NotReadable
 from driftproof.blackbox.report import NO_ANSWER, UNDECIDED, Report, sections, without_duplicates
@@ -16,7 +16,10 @@ from driftproof.blackbox.solvers.multistep import SolverMemory, read_memory
 from driftproof.blackbox.solvers.runs import RunsReading, read_runs
 from driftproof.blackbox.solvers.steps import SolverSteps, read_steps
 
-_AS_CALLED = "write def wrapped(f, t_span, y0): return solve(f, *t_span, y0), say; t_span is (start, end)"
+_WHAT_TO_DO = {
+    StepRaised.kind: "write def wrapped(f, t_span, y0): return solve(f, *t_span, y0), say; t_span is (start, end)",
+    WrongShape.kind: "return the times and the states of its own steps, or give one of its steps to identify",
+}
 
 
 def identify_solver(solve: Callable[..., Any] | str, *, time_limit: float = TIME_LIMIT, isolate: bool = True) -> Report:
@@ -116,7 +119,7 @@ def _sections(steps: Outcome, controller: Outcome, runs: Outcome) -> Any:
     found = [] if measured is None else [(f"{title}, measured", lines) for title, lines in measured.seen.items()]
     unanswered = [f"{o.kind}: {o.seen}" for o in (steps, controller, runs) if o.failed]
     return sections(
-        ("What to do", [_AS_CALLED] if steps.kind == StepRaised.kind and runs.failed else []),
+        ("What to do", [_WHAT_TO_DO[steps.kind]] if steps.kind in _WHAT_TO_DO and runs.failed else []),
         ("Steps", [] if steps.failed else steps.result.lines),
         ("Dense output", () if steps.failed or steps.result.dense is None else steps.result.dense.lines),
         ("Step size control", [] if controller.result is None else controller.result.lines),

@@ -17,7 +17,7 @@ from driftproof.blackbox.families.multistep_recurrence import FORWARD_EULER, Rec
 from driftproof.blackbox.families.multistep_runs import SteadyRun
 from driftproof.blackbox.findings import WrongShape
 from driftproof.blackbox.probes.scripted_answers import NotReadable
-from driftproof.blackbox.solvers.foreign_solver import COUNT, LENGTH, DoesNotEnd, ForeignSolver, Solution
+from driftproof.blackbox.solvers.foreign_solver import COUNT, LENGTH, DoesNotEnd, ForeignSolver, Solution, TooSlow
 from driftproof.blackbox.stepper.array_adapters import ARRAYS
 from driftproof.blackbox.stepper.calling_conventions import FIELD, FUNCTION, GRID, STATE, CallingConvention
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
@@ -147,7 +147,7 @@ def _varying(subject: ForeignSolver) -> SolverMemory:
     for tolerance in _TOLERANCES:
         try:
             run = subject.solve(lambda n, t, y: _quadrature(t), _SPAN, (0.0, 0.0), tolerance, tolerance)
-        except DoesNotEnd as failure:  # a method of low order makes too many steps
+        except (DoesNotEnd, TooSlow) as failure:  # a method of low order makes too many steps
             if not seen:
                 raise NotReadable(str(failure)) from None
             break

@@ -33,7 +33,7 @@ def call_text(stepper: ForeignStepper, q: float, v: float, h: float) -> str:
     asked = ", ".join(names.get(role, f"_{place}") for place, role in enumerate(calls.asks or (POSITION,)))
     force = f"lambda {asked}: {-calls.factor:g} * q" if calls.factor != 1 else f"lambda {asked}: -q"
     function = {FORCE: force, FIELD: rates}.get(calls.kind, "")
-    slope = (v, -q) if calls.kind == FIELD else (-calls.factor * q,)
+    slope = (v, -q) if calls.kind == FIELD else (-calls.carried * q,)
     numbers = {POSITION: (q,), VELOCITY: (calls.momentum * v,), STATE: (q, v), CARRIED: slope}
     texts = {FUNCTION: function, TIME: "0.0", STEP: _literal(h), GRID: f"[0.0, {_literal(h)}]"}
     arguments = [texts[role] if role in texts else _written(stepper, *numbers[role]) for role in calls.order]

@@ -109,6 +109,13 @@ STIFFNESSES = ("k", "stiffness")
 UNIT_PARAMETERS = ("m", "mass", *STIFFNESSES, "omega", "omega0", "w", "w0")
 # Names for the number of steps of a run.
 COUNTS = ("n", "steps", "n_steps", "nsteps", "num_steps", "number_of_steps", "nt", "n_iter", "iterations", "l")
+# Names for what a solver takes: the span of a run or both of its ends, and the state at its start.
+SPANS = ("t_span", "tspan", "span", "interval", "t_interval", "t_range", "trange")
+RUN_ENDS = (
+    ("t0", "t_0", "t_start", "tstart", "t_begin", "t_initial", "t_init", "ti", "start", "a"),
+    ("t1", "t_1", "tf", "t_end", "tend", "t_final", "tfinal", "t_stop", "tstop", "t_max", "tmax", "t_bound", "b"),
+)
+STARTS = ("y0", "u0", "x0", "z0", "y_0", "u_0", "x_0", "state0", "y_init", "yinit", "initial", "initial_state", "ic")
 # The p of step(p, h) is a particle, not a momentum.
 _PARTICLE = MAP, STATE, "p"
 # A mass other than 1 shows whether the force is divided by it; for a power of two the quotient is exact.
@@ -124,11 +131,11 @@ class CallingConvention:
     `extra` are further arguments, passed by name: the parameters of its oscillator, all 1; a mass, 2; a charge, 8; the
     number of steps, 1. `names` are those of all other arguments, if these are passed by name. The function that the
     stepper calls returns `factor` times the acceleration: the mass, -1 for the gradient of a potential, the mass
-    over the charge. A `run` returns the states of `steps` steps, or is a generator of states. `asks` are the roles
-    of the arguments that its force gets. With `velocity_first`, the stepper takes (v, q) and returns (v1, q1).
-    `timed` says whether an answer of several parts begins with the time, if that is known. Each interval of a grid
-    is longer than the one before by twice `uneven` of the first. In place of a velocity it is given and returned
-    `momentum` times it.
+    over the charge; a slope that is handed on is `carried` times it. A `run` returns the states of `steps` steps, or is
+    a generator of states. `asks` are the roles of the arguments that its force gets. With `velocity_first`, the stepper
+    takes (v, q) and returns (v1, q1). `timed` says whether an answer of several parts begins with the time, if that is
+    known. Each interval of a grid is longer than the one before by twice `uneven` of the first. In place of a velocity
+    it is given and returned `momentum` times it.
     """
 
     kind: str
@@ -136,6 +143,7 @@ class CallingConvention:
     extra: Mapping[str, float] = field(default_factory=dict)
     names: tuple[str, ...] = ()
     factor: float = 1.0
+    carried: float = 1.0
     run: bool = False
     steps: int = 1
     asks: tuple[str, ...] = ()
@@ -241,7 +249,10 @@ def _fitted(names: Sequence[str], kind: str, roles: Sequence[str]) -> CallingCon
             extra[name], run = 1, True
         else:
             return None
-    return CallingConvention(kind, tuple(order), extra, (), factor, run) if set(open_roles) <= {TIME} else None
+    if not set(open_roles) <= {TIME}:
+        return None
+    handed = dict(zip(order, (_word(name) for name in names if name not in extra), strict=True)).get(CARRIED, "")
+    return CallingConvention(kind, tuple(order), extra, (), factor, 1.0 if handed.startswith("a") else factor, run)
 
 
 def _word(name: str) -> str:

@@ -132,7 +132,7 @@ class ForeignStepper(ForeignCode):
         if POSITION not in self.convention.order:
             raise UnsupportedCall("position and velocity come in one array, which is one state")
         write = self._of_several.write
-        factor, asks = self.convention.factor, self.convention.asks
+        factor, asks, carried = self.convention.factor, self.convention.asks, self.convention.carried
 
         def force(*asked: Foreign) -> Foreign:
             return -factor * (asked[asks.index(POSITION)] if asks else max(asked, key=size_of))  # a time is one number
@@ -140,7 +140,7 @@ class ForeignStepper(ForeignCode):
         momentum = self.convention.momentum
         moving = write([momentum * v for v in vs])
         roles = {FUNCTION: force, POSITION: write(qs), VELOCITY: moving, STEP: h, TIME: 0.0}
-        roles[CARRIED] = write([-factor * q for q in qs])
+        roles[CARRIED] = write([-carried * q for q in qs])
         answer = self.called(roles, f"q={list(qs)!r}, v={list(vs)!r}, h={h!r}", [*qs, *vs])
         positions, velocities = (self.adapter.read(part, len(qs)) for part in self.two_parts(answer))
         return list(zip(positions, (v / momentum for v in velocities), strict=True))
@@ -181,15 +181,12 @@ class ForeignStepper(ForeignCode):
             (at,) = adapter.read(given[TIME], 1) if TIME in order and TIME in given else (t,)
             moving = [x / momentum for x in adapter.read(given[VELOCITY], size)] if VELOCITY in given else []
             answering = SCALARS if adapter is ARRAYS and np.ndim(position) == 0 else adapter
-            return answering.write(scaled(force(at, asked, moving)))
+            return answering.write([factor * x for x in force(at, asked, moving)])
 
-        def scaled(answers: Sequence[AnyNumber]) -> Sequence[AnyNumber]:
-            return [factor * x for x in answers]
-
-        factor, function = self.convention.factor, adapter.function(callback)
+        factor, carried, function = self.convention.factor, self.convention.carried, adapter.function(callback)
         roles = {FUNCTION: function, POSITION: adapter.write(q), VELOCITY: adapter.write(v), STEP: h, TIME: t}
         if CARRIED in order:
-            roles[CARRIED] = adapter.write(scaled(force(t, list(q), [x / momentum for x in v])))
+            roles[CARRIED] = adapter.write([carried * x for x in force(t, list(q), [x / momentum for x in v])])
         moved = self._pair(roles, q, v, h)
         return [*moved[: len(q)], *(x / momentum for x in moved[len(q) :])]
 

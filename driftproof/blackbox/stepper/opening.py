@@ -100,7 +100,7 @@ def opened(
         return found
     if inspect.isclass(step) and (line := wrapper_line(step)):
         raise BadInput(f"{_unfitting(step)}{line}")
-    if found := as_plain():
+    if not any(isinstance(failure, StaleSlope) for failure in failures) and (found := as_plain()):
         return found
     raise next((failure for failure in failures if isinstance(failure, StaleSlope)), failures[0])
 
@@ -267,7 +267,7 @@ def _require_slope_at_end(carried: Any, end: Sequence[float], convention: callin
     if convention.kind == calling.FIELD:
         expected = [end[1], -end[0]] if len(end) > 1 else [-end[0]]
     else:
-        expected = [-end[0] * convention.factor]
+        expected = [-end[0] * convention.carried]
     if found.size < len(expected) or not np.allclose(found[: len(expected)], expected, rtol=_AS_CARRIED, atol=0):
         shown, right = (", ".join(f"{x:g}" for x in numbers) for numbers in (found, expected))
         raise StaleSlope(f"it passes on {shown} as the slope at its end, not {right}")
@@ -287,7 +287,7 @@ def _require_time_of_end(subject: ForeignStepper, state: Sequence[float]) -> Non
         subject.step_field(clock, start, state, TRIAL_STEP)
     else:
         subject.step_forced(clock, start, state[:1], state[1:], TRIAL_STEP)
-    seen = float(as_array(subject.log.carried).ravel()[-1]) / subject.convention.factor
+    seen = float(as_array(subject.log.carried).ravel()[-1]) / subject.convention.carried
     if any(t != start for t in asked) and not np.isclose(seen, start + TRIAL_STEP, rtol=_AS_CARRIED, atol=0):
         raise StaleSlope(f"it passes on the slope at t + {seen - start:g} as that at its end, t + {TRIAL_STEP:g}")
 

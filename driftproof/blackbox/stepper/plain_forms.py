@@ -33,7 +33,7 @@ _NAMES: Mapping[str, Sequence[str]] = {
     _BODIES: BODY_LISTS,
     STEP: ROLES[STEP],
     FUNCTION: (*ROLES[FUNCTION], "accelerations", "derivatives"),
-    CARRIED: (*ROLES[CARRIED], "dydx", "dydt", "dy", "ydot"),
+    CARRIED: (*ROLES[CARRIED], "accelerations", "forces", "force", "dydx", "dydt", "dy", "ydot"),
     TIME: ROLES[TIME],
     VELOCITY: ROLES[VELOCITY],
     STATE: ("y", "state", "z", "u", "s"),
@@ -82,7 +82,7 @@ def plain_forms(step: Callable[..., Any]) -> Iterator[Callable[..., Any]]:
                     call.see_what_is_left(places)
             if of_force:
                 form: Any = lambda force, q, v, h, call=call: call.moved(force, q, v, h)
-                form.unequal_masses = call.unequal
+                form.unequal_masses = not call.alike and len(call.heavy) > 1 and bool({_MASS, _BODIES} & held)
                 yield form
             elif call.stale or _pulls_back(call):
                 yield lambda q, v, h, call=call: call.moved(None, q, v, h)
@@ -135,11 +135,6 @@ class _Call:
         self.of_force, self.alike = "force" in function.lower(), False
         self.heavy = _HEAVY if self.of_force or _ACCELERATIONS in function.lower() else (1.0,)
         self.left, self.stale = dict[str, Any](), ""
-
-    @property
-    def unequal(self) -> bool:
-        """True if the stepper is given unequal masses."""
-        return not self.alike and len(self.heavy) > 1 and bool({_MASS, _BODIES} & {*self.roles.values()})
 
     def see_what_is_left(self, places: Any) -> None:
         """Note the names of what a step leaves in objects or slopes if it changes the next one by part of a kick."""
@@ -207,10 +202,17 @@ class _Call:
             return _written(pushes(np.asarray(place, float)), [x for x in others if x is not speeds])
 
         given: dict[str, Foreign] = {POSITION: places, VELOCITY: speeds, STEP: h, FUNCTION: asked, _MASS: masses}
-        given |= {_BODIES: bodies, TIME: 0.0, CARRIED: pushes(places) if CARRIED in self.roles.values() else None}
+        handed = next((name.lower().strip("_") for name, role in self.roles.items() if role == CARRIED), "")
+        given |= {
+            _BODIES: bodies,
+            TIME: 0.0,
+            CARRIED: pushes(places) / factors ** handed.startswith("a") if handed else None,
+        }
         given |= left or {}
         answer, outs = self._called(given, places)
         self.left = {role: given[role] for role in (_BODIES, CARRIED)} if answer is None or answer is bodies else {}
+        if handed and isinstance(answer, tuple) and np.shape(answer[-1]) == places.shape and len(answer) > 2:
+            self.left = {_BODIES: bodies, CARRIED: answer[-1]}
         if self.alike > alike:  # a force that does not know its body: begin again with equal masses
             return self.moved(force, q, v, h)
         if bodies:

@@ -12,12 +12,15 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from driftproof.blackbox.stepper.calling_conventions import (
+    COUNTS,
     FIELD,
     FORCE,
     FUNCTION,
     MAP,
     POSITION,
     ROLES,
+    RUN_ENDS,
+    SPANS,
     STATE,
     STEP,
     TIME,
@@ -36,11 +39,8 @@ _PUSHES = ("apply_force", "add_force", "apply_central_force", "applyForce", "add
 # Gradients of an energy by the positions and by the momenta: H(q, p) = p^2/2 + V(q).
 _BY_POSITION = ("dhdq", "dh_dq", "grad_q", "dhdx", "dh_dx", "gradq")
 _BY_MOMENTUM = ("dhdp", "dh_dp", "grad_p", "dtdp", "dt_dp", "gradp")
-# Arguments of a solver that makes a given number of steps: the end, and the number.
-_ENDS = ("t1", "tend", "t_end", "tf", "t_final", "tmax", "t_max", "t_stop", "tstop")
-_COUNTED = ("n", "steps", "n_steps", "nsteps", "num_steps", "nt", "n_iter")
 _BEFORE = re.compile("prev|old|last|before|nm1")
-_SPANS = ("t_span", "tspan", "interval", "t_bound", "t_end", "tf", "t_final")
+_SPANS = (*SPANS, "t_bound", "t_end", "tf", "t_final")
 
 
 def wrapper_line(step: Callable[..., Any]) -> str:
@@ -236,7 +236,7 @@ def _for_function(step: Callable[..., Any]) -> str:
     if not (given := _by_role(names, kind)):
         return ""
     pairs = [*zip(names, words, strict=True)]
-    end, count = (next((each for each, word in pairs if word in known), None) for known in (_ENDS, _COUNTED))
+    end, count = (next((each for each, word in pairs if word in known), None) for known in (RUN_ENDS[1], COUNTS))
     if kind == FIELD and end is not None and count is not None and "h" not in given.values():
         given |= {end: "t + h", count: "1"}
         return f"{_call(name, names, given, kind)}{_last_state(step, names, given)}"

@@ -65,7 +65,7 @@ class Problem:
     `energy` is an expression in y0, y1, ... that the exact solution conserves, or None. `second_order`: the first half
     of y are positions, and their rates are exactly the second half, so that splittings and Nyström methods apply.
     `matrix` is A if f(t, y) = Ay, in which case stability is proved, and else None. `expected` maps a kind of method
-    ("explicit", "a_stable", ...) to a sentence on how it should behave.
+    ("explicit", "a_stable", ...) to a sentence on how it should behave. `unknowns` are names for y0, y1, ..., if given.
     """
 
     key: str
@@ -79,6 +79,7 @@ class Problem:
     stiff: bool = False
     matrix: tuple[tuple[Fraction, ...], ...] | None = None
     expected: Mapping[str, str] = dataclasses.field(default_factory=dict)
+    unknowns: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         """Raise ValueError for a start or a reference of another length than the field."""

@@ -6,15 +6,17 @@ from collections.abc import Sequence
 from functools import partial
 
 from driftproof.methods.schemes import Method
-from driftproof.methods.tableau_file import methods_of
+from driftproof.methods.tableau_file import method_of, methods_of
 from driftproof.numeric.problems.catalogue import PROBLEMS
 from driftproof.numeric.problems.problem import Problem
+from driftproof.numeric.scenes import Scene
 from driftproof.numeric.work_precision.curves import curve_of, step_counts
 from driftproof.reports.page.document import Part
 from driftproof.reports.page.markup import element, escaped, html_table
 from driftproof.reports.page.stability import with_roots
 from driftproof.reports.page.work import FINEST, FINEST_IMPLICIT, work_figure, work_table
 from driftproof.reports.progress import with_progress
+from driftproof.reports.scene_view import comparison_rows, readout_rows, show_scene
 from driftproof.reports.stability import expected_of, steps_in_words
 
 # One explicit method, and implicit ones that are L-stable, A-stable only, and L-stable of a higher order.
@@ -24,9 +26,9 @@ _EVALUATIONS = "evaluations of f"
 _LONGEST_EQUATIONS = 300
 
 
-def problem_part(problem: Problem, methods: Sequence[Method]) -> Part:
-    """A problem with the errors of some methods against their work, and the steps that each of them can take."""
-    return Part(problem.title, partial(_problem, problem, methods))
+def problem_part(problem: Problem, methods: Sequence[Method], scene: Scene | None = None) -> Part:
+    """A problem with the errors of some methods against their work, the steps that each can take, and a scene on it."""
+    return Part(problem.title, partial(_problem, problem, methods, scene))
 
 
 def stiff_part() -> Part:
@@ -34,7 +36,7 @@ def stiff_part() -> Part:
     return Part("Stiff problems", lambda _: _stiff())
 
 
-def _problem(problem: Problem, methods: Sequence[Method], identity: str) -> str:
+def _problem(problem: Problem, methods: Sequence[Method], scene: Scene | None, identity: str) -> str:
     asked = with_progress(methods, "method")
     counts = {explicit: step_counts(problem, FINEST if explicit else FINEST_IMPLICIT) for explicit in (True, False)}
     found = [curve_of(method, problem, counts[method.explicit]) for method in asked]
@@ -47,17 +49,31 @@ def _problem(problem: Problem, methods: Sequence[Method], identity: str) -> str:
     return "".join(
         [
             element("p", escaped(_setting(problem)), class_="setting"),
+            "" if scene is None else element("section", element("h3", "Scene"), _scene(scene), class_="panel"),
             element("section", element("h3", "Work"), work, class_="panel"),
             element("section", element("h3", "Stability"), table, class_="panel"),
         ]
     )
 
 
+def _scene(scene: Scene) -> str:
+    """The readouts of a scene on a problem, or why its run has none, and its table of methods."""
+    shown, at = show_scene(scene, 0), f"h = {scene.h}, t = {scene.t}"
+    if isinstance(readouts := shown.get("readouts", {}), str):
+        said = element("p", escaped(readouts))
+    else:
+        rows = [["", method_of(scene.selected).title], *readout_rows(readouts, scene.problem)]
+        said = html_table(rows, at) if readouts else ""
+    return said + (html_table(comparison_rows(shown["table"]), f"All methods, {at}") if "table" in shown else "")
+
+
 def _setting(problem: Problem) -> str:
     """Equations, start and parameters if they are short enough to be read; the end; and the source."""
     field = problem.field
-    rates = [f"{y}′ = {rate}" for y, rate in zip(field.components, field.rates, strict=True)]
-    start = [f"{y}(0) = {x}" for y, x in zip(field.components, problem.start, strict=True)]
+    names = problem.unknowns or field.components
+    written = field.at(dict(zip(field.components, names, strict=True)))
+    rates = [f"{y}′ = {rate}" for y, rate in zip(names, written, strict=True)]
+    start = [f"{y}(0) = {x}" for y, x in zip(names, problem.start, strict=True)]
     parameters = [f"{name} = {value}" for name, value in field.parameters if name != "pi"]
     equations = ", ".join([*rates, *start, *parameters])
     shown = [equations] if len(equations) <= _LONGEST_EQUATIONS else []

@@ -8,7 +8,7 @@ from math import exp
 import pytest
 
 from driftproof.blackbox.probes.scripted_answers import NotReadable
-from driftproof.blackbox.solvers.controller import _fitted, _Point, _rational, bumps, read_controller
+from driftproof.blackbox.solvers.controller import _fitted, _Point, bumps, read_controller
 from driftproof.blackbox.solvers.foreign_solver import ForeignSolver, taken_by
 from driftproof.blackbox.solvers.steps import read_steps
 from driftproof.blackbox.stepper.array_adapters import ARRAYS
@@ -56,17 +56,29 @@ def test_a_law_is_fitted_to_three_steps_more_than_it_has_numbers_all_of_which_ar
         for n in range(count):
             error, before, growth = 1.0 + n, n * n / 7, (-1.0) ** (n // 2)
             logs = zip(numbers, (1.0, -error, before, growth), strict=False)
-            yield _Point(error, before, growth, exp(sum(x * y for x, y in logs) + off * (n == 9)), True, 0, False)
+            yield _Point(error, 0.0, before, growth, exp(sum(x * y for x, y in logs) + off * (n == 9)), True, 0, False)
 
     assert _fitted([*points(terms + 2)], terms) is None
     assert _fitted([*points(terms + 3)], terms) == pytest.approx(numbers)
-    assert _fitted([*points(40, 0.9e-4)], terms) == pytest.approx(numbers, abs=1e-4)
-    assert _fitted([*points(40, 1.5e-4)], terms) is None
+    assert _fitted([*points(40, 1.9e-4)], terms) == pytest.approx(numbers, abs=1e-4)
+    assert _fitted([*points(40, 2.1e-4)], terms) is None
 
 
-def test_an_exponent_is_a_fraction_of_a_denominator_in_use_or_just_a_number():
-    near, far, least = 0.17 + 9e-7, 0.17 + 1.1e-6, 1 / 121
-    assert [*map(_rational, (near, far, 1 / 120, least))] == [Fraction(17, 100), far, Fraction(1, 120), least]
+@pytest.mark.parametrize(("numbers", "noise", "fitted"), [
+    ((0.25, 7 / 40 + 1e-6, 0.0), 9e-5, (Fraction(7, 40), 0)),  # factors this far off cannot tell these from 7/40 and 0
+    ((0.25, 7 / 40, 0.002), 0.0, None),  # no controller remembers so little
+    ((0.25, 0.03125**0.5, 0.04), 0.0, (pytest.approx(0.03125**0.5), Fraction(1, 25))),  # no fraction is near
+    ((0.25, 7 / 40, 1 / 120), 0.0, (Fraction(7, 40), Fraction(1, 120))),
+])  # fmt: skip
+def test_exponents_are_fractions_of_denominators_in_use_unless_the_step_sizes_tell_otherwise(numbers, noise, fitted):
+    points = []
+    for n in range(40):
+        error, before = n / 4 - 5, (7 * n % 40) / 4 - 5
+        factor = exp(numbers[0] - numbers[1] * error + numbers[2] * before + noise * (-1) ** (n // 3))
+        points.append(_Point(error, 0.0, before, 0.0, factor, True, 0, False))
+    found = _fitted(points, 3)
+    assert (found is None) is (fitted is None)
+    assert found is None or (found[1], found[2]) == fitted
 
 
 RULES = {

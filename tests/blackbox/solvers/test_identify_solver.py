@@ -29,11 +29,23 @@ def test_all_that_is_reported_is_as_before(name, as_before):
 
 
 def test_one_that_takes_its_start_and_its_end_apart_is_shown_how_to_be_called():
-    apart = lambda f, t0, t1, y0: adaptive()(f, (t0, t1), y0, 1e-6, 1e-9)
+    apart = lambda f, begin, until, y0: adaptive()(f, (begin, until), y0, 1e-6, 1e-9)
     (line,) = identify_solver(apart, isolate=False).section("What to do").lines
     assert "def wrapped(f, t_span, y0): return solve(f, *t_span, y0)" in line
     wrapped = lambda f, t_span, y0: apart(f, *t_span, y0)
     assert identify_solver(wrapped, isolate=False).section("What to do") is None
+
+
+@pytest.mark.parametrize(
+    "solve",
+    [
+        lambda y0, t0, t1, N, rhs: fixed(N, order="euler")(rhs, (t0, t1), y0, 0, 0),
+        lambda f, u0, tspan, p=None, steps=9: fixed(steps, order="euler")(lambda t, u: f(u, p, t), tspan, u0, 0, 0),
+    ],
+    ids=["two times", "as in Julia"],
+)
+def test_a_solver_is_called_by_the_names_of_its_parameters_and_f_as_it_calls_it(solve):
+    assert identify_solver(solve, isolate=False).verdict.startswith("it advances forward_euler, of order 1")
 
 
 def test_numbers_that_differ_are_shown_to_differ():

@@ -128,6 +128,7 @@ OTHERS = {
     "hard of hearing": adaptive(tolerances=lambda rtol, atol: (1e-4 + rtol / 1e3, 1e-7)),
     **{each.__name__: each for each in (refuses_backward, raises_at_nan, gives_up_at_a_jump, not_sorted)},
     **{each.__name__: each for each in (nan_at_the_end, loses_a_state, always_raises)},
+    "slow": lambda f, *given: fixed(40_000)(f, *given),
     "Euler": fixed(50, order="euler"), "few steps": fixed(3),
     "binary32 and one too many": fixed(60, extra=1, clock=np.float32),
     "coarse": adaptive(tolerances=lambda rtol, atol: (max(rtol, 1e-3), atol)),

@@ -128,6 +128,25 @@ def stale_pushes(n, x, v, acc, dt, compute_acc):
     compute_acc(n, x, acc)
 
 
+def of_forces(positions, velocities, forces, masses, dt, compute_forces, left=1.0):
+    heavy = masses.reshape(-1, *[1] * (positions.ndim - 1))
+    velocities += dt / 2 * forces / heavy
+    positions += dt * velocities
+    forces[:] = compute_forces(positions)
+    velocities += dt / 2 * forces / heavy
+    forces *= left
+
+
+def wrongly_left(positions, velocities, forces, masses, dt, compute_forces):
+    of_forces(positions, velocities, forces, masses, dt, compute_forces, 0.5)
+
+
+def returned(positions, velocities, accelerations, masses, dt, get_force, first=False):
+    positions = positions + dt * velocities + dt**2 / 2 * accelerations
+    new = get_force(positions) / masses.reshape(-1, *[1] * (positions.ndim - 1))
+    return positions, velocities + dt / 2 * (accelerations + new), accelerations if first else new
+
+
 def two_arrays(q, p, h, q_out, p_out):
     for i in range(len(q)):
         p_out[i] = p[i] - h * q[i]
@@ -156,7 +175,12 @@ HELD = [
     (divided_again, "symplectic_euler", "kick 0: 1/2 instead of 1"),
     (one_after_the_other, "symplectic_euler", "its coefficients agree, but on a nonlinear q'' = F(q) of 3 positions"),
     (mass_forgotten, "symplectic_euler", "kick 0: 2 instead of 1"),
-    (stale_pushes, "velocity_verlet", "is not velocity_verlet"),
+    (stale_pushes, "velocity_verlet", "is not velocity_verlet"), (of_forces, "velocity_verlet", ""),
+    (returned, "velocity_verlet", ""), (wrongly_left, "velocity_verlet", "with the forces that the first one left"),
+    (lambda x, v, a, masses, dt, get_force: returned(x, v, a, masses, dt, get_force, True), "velocity_verlet",
+     "a second step with the a that the first one left is not"),
+    (lambda force, x, v, a, m, dt: returned(x, v, a, np.array(m), dt, force), "velocity_verlet", ""),
+    (lambda force, x, v, a, m, dt: returned(x, v, a, np.array(m), dt, force, True), "velocity_verlet", "passes on -1"),
 ]  # fmt: skip
 
 

@@ -1,13 +1,16 @@
 """Problems on the page: an own one with an own method, a linear one with proved limits, the stiff ones in a table."""
 
 import re
+from dataclasses import replace
+from fractions import Fraction
 
 import pytest
 
-from driftproof import METHODS, report
+from driftproof import METHODS, Scene, report
 from driftproof.numeric.problems.catalogue import PROBLEMS
 from driftproof.reports.page import problem as page
 from driftproof.reports.page.stability import with_roots
+from driftproof.reports.user_problem import problem_given
 from tests.looping import exactly
 
 PENDULUM = """
@@ -43,6 +46,17 @@ def test_own_problem_and_own_method_are_shown_by_their_titles(tmp_path):
     assert re.fullmatch(r"from \d+ steps? on", rows["Mine"][0])
     orders = next(row for row in cells(shown) if row[0] == "Mine" and row[1] == "–")
     assert orders[2].startswith(("1.9", "2.0"))
+
+
+def test_a_scene_on_a_problem_shows_its_readouts_and_its_table_at_its_step(tmp_path):
+    """Of y' = -y a step of Euler's method leaves 3/4; two leave 9/16. A run that overflows has its reason."""
+    euler = Scene("own", "forward_euler", Fraction(1, 4), Fraction(1, 2), readouts=("final_state", "evaluations"))
+    problem = problem_given({"rates": {"x": "-x"}, "start": [1], "end": "1/2"})
+    shown = report(replace(euler, problem=problem, methods=("forward_euler", "heun2"), panels=("table",))).html
+    assert {("Numerical (x)", "(0.562500)"), ("Evaluations of f", "2")} < {tuple(row) for row in cells(shown)}
+    assert next(row[-1] for row in cells(shown) if row[0].startswith("Heun")) == "4"
+    problem = problem_given({"rates": ["-800 * y^2"], "start": [900], "end": "1/2"})
+    assert "no longer finite" in report(replace(euler, problem=problem, h=Fraction(1, 20))).html
 
 
 def test_linear_problem_has_its_proved_limits():
