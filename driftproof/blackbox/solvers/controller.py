@@ -313,7 +313,7 @@ def _exception(points: Sequence[_Point], law: Law, smallest: float, largest: flo
 def _fitted(points: Sequence[_Point], terms: int) -> list[Any] | None:
     """The log of the safety, the exponent and the further terms that give all factors; None if none do.
 
-    The safety has two digits, and a term is a fraction of a denominator in use, if the factors come out as well. Further
+    The safety has two digits, and a term is a fraction of a denominator in use, if that gives the factors as well. Further
     terms below those of any controller in use are no law: such a fit follows the noise of another one.
     """
     if len(points) < terms + 3:
@@ -323,14 +323,14 @@ def _fitted(points: Sequence[_Point], terms: int) -> list[Any] | None:
     solved, *_ = np.linalg.lstsq(np.hstack([np.ones((len(points), 1)), matrix]), logarithms, rcond=None)
     exact: list[Fraction | float] = solved[1:].tolist()
     near: list[Fraction | float] = [Fraction(x).limit_denominator(_MOST_DENOMINATOR) for x in exact]
-    of_one = [[*exact[:i], x, *exact[i + 1 :]] for i, x in enumerate(near)]
-    for found in (near, *of_one, exact):
+    tried = [near, *([*exact[:i], x, *exact[i + 1 :]] for i, x in enumerate(near)), exact]
+    for found in tried:
         left = logarithms - matrix @ [*map(float, found)]
         if np.ptp(left) <= 2 * _CLOSE:
             break
     else:
         return None
-    if any(0 < abs(x) < 1 / _MOST_DENOMINATOR for x in found[1:]):
+    if any(0 < abs(float(x)) < 1 / _MOST_DENOMINATOR for x in found[1:]):
         return None
     safety = float(left.max() + left.min()) / 2
     two_digits = log(round(exp(safety), 2) or 1.0)
