@@ -62,17 +62,18 @@ NOT_ELSEWHERE = "sympy"
 # support holds the one runner of isolated processes, its messages and the one reader of TOML, which stood thrice;
 # methods the one grammar of expressions, the one number field and fields with several roots; symbolic the front door
 # of `derive` and facts as typed properties; blackbox verdicts that say what was seen, and implicit
-# stages, its own sampler of steps, 100 lines, and in which objects a state comes, 300; texts what docs and help show.
+# stages, its own sampler of steps, 100 lines, in which objects a state comes, 300, and thirty kinds of wrong steps that
+# a passing verdict had overlooked, 250; texts what docs and help show.
 BUDGETS = {
     "support": 1194,
     "methods": 5305,
     "symbolic": 10324,
     "numeric": 4172,
-    "blackbox": 17863,
+    "blackbox": 18192,
     "enclosure": 3137,
     "texts": 7336,
 }
-BUDGET_OF_REPORTS_AND_FRONT = 5624
+BUDGET_OF_REPORTS_AND_FRONT = 5646
 # The goal is 65 of 100. Independent witnesses, campaigns and guards, 6,000 lines, are among the tests.
 # From 93 to 94: a failing test first for each of some thirty faults, and a guard of the docstrings.
 TESTS_PER_LINE_OF_SOURCE = Fraction(949, 1000)
