@@ -29,6 +29,9 @@ _RTOL, _ATOL = 1e-6, 1e-9
 _TOLERANCES = (1e-3, 1e-4, 1e-5, 1e-6)
 # In each of these pairs of rtol and atol only the tolerance named is large enough to matter.
 _ONE_AT_A_TIME = {"rtol": ((1e-3, 1e-12), (1e-6, 1e-12)), "atol": ((1e-12, 1e-3), (1e-12, 1e-6))}
+# Errors follow at least the square root of a tolerance (by 30 here). They fall by less where it is without effect, and
+# are far below those of two large tolerances, unless it is a largest step size that makes the errors.
+_EFFECT, _BELOW = 10.0, 100.0
 _OSCILLATOR = NonlinearProblem("q'' = -q", lambda t, y: [y[1], -y[0]], lambda t: [t.cos(), -t.sin()])
 _KNOWN = (("q'' = -q to t = 6", _OSCILLATOR, (0.0, 6.0)), ("q'' = exp(-2 q) to t = 3", walls(1), (-2.0, 3.0)))
 # Errors of 10^4 steps, each as large as the tolerance, may add up; ten times that is a fault.
@@ -279,15 +282,23 @@ def _shortened(
 
 
 def _ignored(subject: ForeignSolver) -> list[str]:
-    """The tolerances that are ignored: one of them is changed while the other is too small to matter."""
+    """The tolerances that are ignored: one of them is changed while the other is too small to matter.
+
+    One that only sets the first step size is ignored as well: the other one governs the error.
+    """
     if subject.takes != TOLERANCES:
         return []
     _, problem, span = _KNOWN[0]
     found = []
     for name, pairs in _ONE_AT_A_TIME.items():
-        one, other = (_solved(subject, problem, span, rtol=rtol, atol=atol) for rtol, atol in pairs)
-        if one.t == other.t and not one.complaint and not other.complaint:  # a refusal shows no steps
+        runs = [_solved(subject, problem, span, rtol=rtol, atol=atol) for rtol, atol in (*pairs, (1e-3, 1e-3))]
+        if any(run.complaint for run in runs):  # a refusal shows no steps
+            continue
+        large, small, both_large = (_error(run, problem) for run in runs)
+        if runs[0].t == runs[1].t:
             found.append(f"{name} is ignored: the steps are the same whatever it is")
+        elif large < _EFFECT * small and _BELOW * large < both_large:
+            found.append(f"{name} is ignored: the error is {large:.2g} at {name} = 0.001 and {small:.2g} at 1e-06")
     return found
 
 
