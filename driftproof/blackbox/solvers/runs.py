@@ -172,17 +172,22 @@ def _numbers(subject: ForeignSolver) -> tuple[list[str], list[str]]:
     """Compare the step sizes of runs in which one of five numbers has a bump: they should be the same for each.
 
     If all have it, a norm of the errors is at most five times as large, which takes at most five times as many steps;
-    if two have opposite ones, it is no smaller than for one of them.
+    if two have opposite ones, it is no smaller than for one of them. The sign of a bump changes no step.
     """
     times, alone = [], [[float(i == place) for i in range(_NUMBERS)] for place in range(_NUMBERS)]
     bump: Callable[[float], float] = lambda t: 1 / (1 + (8 * (t - 1)) ** 2)
-    for sizes in [*alone, alone[0], [x - y for x, y in zip(*alone[:2], strict=True)], [1.0] * _NUMBERS]:
+    opposite = [x - y for x, y in zip(*alone[:2], strict=True)]
+    for sizes in [*alone, alone[0], [-x for x in alone[0]], opposite, [1.0] * _NUMBERS]:
         slopes = lambda n, t, y, sizes=sizes: [bump(t) * x for x in sizes]
         times.append(subject.solve(slopes, _SPAN, (0.0,) * _NUMBERS, _RTOL, _ATOL).t)
-    first, together, opposed, again = times[0], *(len(times.pop()) - 1 for _ in range(2)), times.pop()
+    first, together, opposed = times[0], *(len(times.pop()) - 1 for _ in range(2))
+    negative, again = times.pop(), times.pop()
     same: Callable[[Any], bool] = lambda t: len(t) == len(first) and np.allclose(t, first, rtol=0, atol=_SAME_TIME)
     if not same(again):
         return [], ["the same run, made again after others, takes other steps: it remembers them"]
+    if not same(negative):
+        seen = f"with a bump in y[0] it takes {len(first) - 1} steps, with its negative {len(negative) - 1}"
+        return [], [f"the step sizes depend on the signs of the numbers: {seen}"]
     if 2 * opposed < len(first) - 1:  # far fewer: by other orders it may make some
         seen = f"with opposite bumps in y[0] and y[1] it takes {opposed} steps, with one of them {len(first) - 1}"
         return [], [f"errors of opposite signs cancel in its error norm: {seen}"]

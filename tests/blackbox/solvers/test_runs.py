@@ -299,6 +299,12 @@ NOT_SAID = [
 ]  # fmt: skip
 
 
+def test_a_scale_of_errors_from_numbers_with_their_signs_is_told():
+    squared = lambda errors: np.mean(errors**2) ** 0.5
+    faults = read(adaptive("dormand_prince54", exponent=0.2, size=lambda y: y, norm=squared)).faults
+    assert [fault.partition(":")[0] for fault in faults] == ["the step sizes depend on the signs of the numbers"]
+
+
 @pytest.mark.parametrize("cancel", [True, False])
 def test_errors_that_cancel_and_runs_that_remember_others_are_told(cancel):
     made = []
