@@ -20,7 +20,7 @@ from driftproof.blackbox.probes.coefficients import coefficient_text
 from driftproof.blackbox.probes.dense import BETWEEN, THETAS, DenseReading
 from driftproof.blackbox.probes.scripted_answers import MOST_CALLS, CoefficientRow, NotReadable, shown_apart, varied
 from driftproof.blackbox.probes.tableau import TableauReading
-from driftproof.blackbox.solvers.foreign_solver import Call, ForeignSolver, RunSlopes, Solution, in_binary32
+from driftproof.blackbox.solvers.foreign_solver import Call, ForeignSolver, RunSlopes, Solution, TooSlow, in_binary32
 from driftproof.blackbox.stepper.array_adapters import as_array
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.schemes import RungeKutta
@@ -150,7 +150,7 @@ def _further_runs(subject: ForeignSolver) -> Iterator[tuple[str, NonlinearProble
         problem = moved(driven(numbers, timed=True), _SIZES, 1.0, origin)
         start, end = (origin + x for x in ends)
         rate: RunSlopes = lambda n, t, y, problem=problem: problem.rate(t, list(y))  # type: ignore[misc]
-        with suppress(Misbehaviour):
+        with suppress(Misbehaviour, TooSlow):
             yield words, problem, subject.solve(rate, (start, end), problem.start(start), _TOLERANCE)
 
 

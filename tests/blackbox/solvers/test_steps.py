@@ -159,6 +159,12 @@ def test_a_dense_output_that_looks_for_its_step_forward_in_time_alone_is_at_faul
     assert [each.partition(":")[0] for each in found.faults] == fault
 
 
+def test_steps_that_become_too_small_for_a_run_are_read_all_the_same():
+    slow = adaptive("dormand_prince54", exponent=0.2, estimate=lambda e: [*e[:-1], -e[-1]])
+    found = read_steps(ForeignSolver(slow))
+    assert (found.name, found.faults) == ("dormand_prince54", ())
+
+
 def spoiled(when):
     """A solver that is right but for its slopes where `when(t, y, backward)`."""
 
