@@ -251,7 +251,7 @@ class _Point(NamedTuple):
 
 def _points(estimate: _Estimate, nodes: Sequence[float], attempts: Sequence[Attempt], atol: float) -> Iterator[_Point]:
     """The attempts whose error is known and not 0, and whose factor is known."""
-    before, length = 0.0, attempts[0].h
+    before, length = log(_LEAST_REMEMBERED), attempts[0].h  # the first error remembered is the code's own
     for each in attempts:
         times = [each.start + c * each.h for c in nodes]
         r = estimate([bumps(t) for t in times], each.h) / atol
@@ -284,14 +284,15 @@ def _law(name: str, estimate: _Estimate, attempts: Sequence[Attempt], atol: floa
     accepted = exp(max(p.error for p in points if p.accepted and not p.at_jump))
     safety, after = exp(found[0]), bool(held) and max(held) <= 1 + _CLOSE
     law = Law(name, safety, exponent, memory, filtered, smallest, largest, after, accepted, "")
-    return replace(law, exception=_exception(points, law, min(factors), max(factors)))
+    exception = _exception(points, law, min(factors), max(factors))
+    return None if exception is None else replace(law, exception=exception)
 
 
-def _exception(points: Sequence[_Point], law: Law, smallest: float, largest: float) -> str:
+def _exception(points: Sequence[_Point], law: Law, smallest: float, largest: float) -> str | None:
     """The steps that do not follow the law, in words, by the rejections in a row before them; "" if there are none.
 
-    A step may keep its size, and a law may forget its memory after a rejection. For a law with memory, steps after an
-    error too small to be remembered are left out.
+    None if these are half of all or more, so that it is no law. A step may keep its size, and a law may forget its
+    memory after a rejection. For a law with memory, steps after an error too small to be remembered are left out.
     """
     known = [p for p in points if not p.at_jump and (not law.memory or p.before > log(_LEAST_REMEMBERED))]
     others: list[tuple[_Point, float]] = []
@@ -301,6 +302,8 @@ def _exception(points: Sequence[_Point], law: Law, smallest: float, largest: flo
         said = [exp(min(max(x, log(smallest)), log(largest))) for x in (remembering, forgetful)]
         if not any(isclose(p.factor, x, rel_tol=_CLOSE + p.rounded) for x in (*said, 1.0)):
             others.append((p, said[0]))
+    if 2 * len(others) >= len(known):
+        return None
     if not others:
         return ""
     first, said_first = min(others, key=lambda pair: pair[0].rejections)
