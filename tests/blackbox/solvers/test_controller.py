@@ -108,6 +108,19 @@ def test_what_most_step_sizes_contradict_is_no_law(ratio, is_law):
     assert (law is not None) == is_law
 
 
+@pytest.mark.parametrize(("switches", "limit", "faults"), [
+    ({}, 1, 0), ({"safety": 0.4}, 1, 0), ({"accepted": 2.0}, 2, 0),
+    ({"accepted": 8.0, "safety": 0.9}, 8, 1),  # after which the law gives 0.9/2
+    ({"estimate": lambda e: [x / 2 for x in e]}, 2, 0), ({"estimate": lambda e: [x / 1000 for x in e]}, 1000, 1),
+])  # fmt: skip
+def test_errors_accepted_above_the_tolerance_are_said_and_many_times_it_are_a_fault(switches, limit, faults):
+    found = read(adaptive(**switches))
+    assert 0.8 * limit < found.law.accepted <= limit * 1.000001  # the scale is known to a part in 10^6
+    said = f"accepting up to {found.law.accepted:.3g} times the tolerance"
+    assert ((said if limit > 1 else "accepting") in found.law.words) == (limit > 1)
+    assert [fault.partition(" with ")[0] for fault in found.faults] == ["steps are accepted"] * faults
+
+
 @pytest.mark.parametrize(("by", "faults"), [(1e-9, 1), (8e-14, 1), (4e-14, 0)])
 def test_a_step_that_ends_elsewhere_is_counted_unless_rounding_explains_it(by, faults):
     def solve(f, t_span, y0, rtol, atol):
