@@ -41,6 +41,8 @@ _LANDING = 3
 _LEAST_REMEMBERED = 1e-3
 # The least factor after a step that is just accepted, which is the safety: 0.8 to 1 in most codes; chosen with room.
 _LEAST_SAFETY = 0.5
+# Other scales in use, such as (1 + |y|) tol, limits of their own and halved estimates make a few times the tolerance.
+_MOST_ACCEPTED = 10.0
 _NO_TOLERANCE = "it takes no tolerance: its step size is constant"
 # The largest denominator of an exponent, and 1 over the least one: controllers in use have 1/5, 7/50, 17/100, ...
 _MOST_DENOMINATOR = 120
@@ -91,8 +93,9 @@ class Law:
         before += f" (h/h_before)^({_shown(self.filtered)})" if self.filtered else ""
         low = "no smallest factor observed" if self.smallest is None else f"at least {self.smallest:.4g}"
         high = "no largest observed" if self.largest is None else f"at most {self.largest:.4g}"
+        beyond = f", accepting up to {self.accepted:.3g} times the tolerance" * (self.accepted > 1 + _CLOSE)
         kind = "PI" if self.memory or self.filtered else "not PI"
-        return f"h_next/h = {power}{before}, {low}, {high} ({kind}){self.exception}"
+        return f"h_next/h = {power}{before}, {low}, {high}{beyond} ({kind}){self.exception}"
 
 
 @dataclass(frozen=True)
@@ -141,16 +144,16 @@ def read_controller(subject: ForeignSolver, steps: SolverSteps) -> ControllerRea
         pairs = ", ".join(name for name, _ in estimates) or "any pair of the catalogue"
         return ControllerReading(None, (f"no law in the estimate of {pairs} gives the step sizes", counts), traces)
     if traces:  # with slopes of other times, errors differ as well
-        law = replace(law, exception="")
+        law = replace(law, exception="", accepted=1.0)
     after = ["a step after a rejected one does not grow"] if law.after_rejection else []
     lines = (f"measured: {law.words}", f"r is the estimate of {law.estimate} over the tolerance", *after, counts)
     return ControllerReading(law, lines, (*_wrong_exponent(law), *(traces or _accepted_beyond(law))))
 
 
 def _accepted_beyond(law: Law) -> Iterator[str]:
-    """Say that a step was accepted although the controller's own law asks for a far shorter one after it."""
+    """Say that a step was accepted far beyond the tolerance, or where the controller's own law asks for far less."""
     factor = law.safety * law.accepted ** -float(law.exponent)
-    if factor < _LEAST_SAFETY:
+    if law.accepted > _MOST_ACCEPTED or (law.accepted > 1 and factor < _LEAST_SAFETY):
         asked = f"after which its law gives {factor:.2g} h"
         yield f"steps are accepted with {law.accepted:.3g} times the tolerance, {asked}"
 
@@ -251,7 +254,7 @@ class _Point(NamedTuple):
 
 def _points(estimate: _Estimate, nodes: Sequence[float], attempts: Sequence[Attempt], atol: float) -> Iterator[_Point]:
     """The attempts whose error is known and not 0, and whose factor is known."""
-    before, length = 0.0, attempts[0].h
+    before, length = log(_LEAST_REMEMBERED), attempts[0].h  # the first error remembered is the code's own
     for each in attempts:
         times = [each.start + c * each.h for c in nodes]
         r = estimate([bumps(t) for t in times], each.h) / atol
@@ -284,14 +287,15 @@ def _law(name: str, estimate: _Estimate, attempts: Sequence[Attempt], atol: floa
     accepted = exp(max(p.error for p in points if p.accepted and not p.at_jump))
     safety, after = exp(found[0]), bool(held) and max(held) <= 1 + _CLOSE
     law = Law(name, safety, exponent, memory, filtered, smallest, largest, after, accepted, "")
-    return replace(law, exception=_exception(points, law, min(factors), max(factors)))
+    exception = _exception(points, law, min(factors), max(factors))
+    return None if exception is None else replace(law, exception=exception)
 
 
-def _exception(points: Sequence[_Point], law: Law, smallest: float, largest: float) -> str:
+def _exception(points: Sequence[_Point], law: Law, smallest: float, largest: float) -> str | None:
     """The steps that do not follow the law, in words, by the rejections in a row before them; "" if there are none.
 
-    A step may keep its size, and a law may forget its memory after a rejection. For a law with memory, steps after an
-    error too small to be remembered are left out.
+    None if these are half of all or more, so that it is no law. A step may keep its size, and a law may forget its
+    memory after a rejection. For a law with memory, steps after an error too small to be remembered are left out.
     """
     known = [p for p in points if not p.at_jump and (not law.memory or p.before > log(_LEAST_REMEMBERED))]
     others: list[tuple[_Point, float]] = []
@@ -301,6 +305,8 @@ def _exception(points: Sequence[_Point], law: Law, smallest: float, largest: flo
         said = [exp(min(max(x, log(smallest)), log(largest))) for x in (remembering, forgetful)]
         if not any(isclose(p.factor, x, rel_tol=_CLOSE + p.rounded) for x in (*said, 1.0)):
             others.append((p, said[0]))
+    if 2 * len(others) >= len(known):
+        return None
     if not others:
         return ""
     first, said_first = min(others, key=lambda pair: pair[0].rejections)

@@ -29,6 +29,9 @@ _RTOL, _ATOL = 1e-6, 1e-9
 _TOLERANCES = (1e-3, 1e-4, 1e-5, 1e-6)
 # In each of these pairs of rtol and atol only the tolerance named is large enough to matter.
 _ONE_AT_A_TIME = {"rtol": ((1e-3, 1e-12), (1e-6, 1e-12)), "atol": ((1e-12, 1e-3), (1e-12, 1e-6))}
+# Errors follow at least the square root of a tolerance (by 30 here). They fall by less where it is without effect, and
+# are far below those of two large tolerances, unless it is a largest step size that makes the errors.
+_EFFECT, _BELOW = 10.0, 100.0
 _OSCILLATOR = NonlinearProblem("q'' = -q", lambda t, y: [y[1], -y[0]], lambda t: [t.cos(), -t.sin()])
 _KNOWN = (("q'' = -q to t = 6", _OSCILLATOR, (0.0, 6.0)), ("q'' = exp(-2 q) to t = 3", walls(1), (-2.0, 3.0)))
 # Errors of 10^4 steps, each as large as the tolerance, may add up; ten times that is a fault.
@@ -169,17 +172,22 @@ def _numbers(subject: ForeignSolver) -> tuple[list[str], list[str]]:
     """Compare the step sizes of runs in which one of five numbers has a bump: they should be the same for each.
 
     If all have it, a norm of the errors is at most five times as large, which takes at most five times as many steps;
-    if two have opposite ones, it is no smaller than for one of them.
+    if two have opposite ones, it is no smaller than for one of them. The sign of a bump changes no step.
     """
     times, alone = [], [[float(i == place) for i in range(_NUMBERS)] for place in range(_NUMBERS)]
     bump: Callable[[float], float] = lambda t: 1 / (1 + (8 * (t - 1)) ** 2)
-    for sizes in [*alone, alone[0], [x - y for x, y in zip(*alone[:2], strict=True)], [1.0] * _NUMBERS]:
+    opposite = [x - y for x, y in zip(*alone[:2], strict=True)]
+    for sizes in [*alone, alone[0], [-x for x in alone[0]], opposite, [1.0] * _NUMBERS]:
         slopes = lambda n, t, y, sizes=sizes: [bump(t) * x for x in sizes]
         times.append(subject.solve(slopes, _SPAN, (0.0,) * _NUMBERS, _RTOL, _ATOL).t)
-    first, together, opposed, again = times[0], *(len(times.pop()) - 1 for _ in range(2)), times.pop()
+    first, together, opposed = times[0], *(len(times.pop()) - 1 for _ in range(2))
+    negative, again = times.pop(), times.pop()
     same: Callable[[Any], bool] = lambda t: len(t) == len(first) and np.allclose(t, first, rtol=0, atol=_SAME_TIME)
     if not same(again):
         return [], ["the same run, made again after others, takes other steps: it remembers them"]
+    if not same(negative):
+        seen = f"with a bump in y[0] it takes {len(first) - 1} steps, with its negative {len(negative) - 1}"
+        return [], [f"the step sizes depend on the signs of the numbers: {seen}"]
     if 2 * opposed < len(first) - 1:  # far fewer: by other orders it may make some
         seen = f"with opposite bumps in y[0] and y[1] it takes {opposed} steps, with one of them {len(first) - 1}"
         return [], [f"errors of opposite signs cancel in its error norm: {seen}"]
@@ -279,15 +287,23 @@ def _shortened(
 
 
 def _ignored(subject: ForeignSolver) -> list[str]:
-    """The tolerances that are ignored: one of them is changed while the other is too small to matter."""
+    """The tolerances that are ignored: one of them is changed while the other is too small to matter.
+
+    One that only sets the first step size is ignored as well: the other one governs the error.
+    """
     if subject.takes != TOLERANCES:
         return []
     _, problem, span = _KNOWN[0]
     found = []
     for name, pairs in _ONE_AT_A_TIME.items():
-        one, other = (_solved(subject, problem, span, rtol=rtol, atol=atol) for rtol, atol in pairs)
-        if one.t == other.t and not one.complaint and not other.complaint:  # a refusal shows no steps
+        runs = [_solved(subject, problem, span, rtol=rtol, atol=atol) for rtol, atol in (*pairs, (1e-3, 1e-3))]
+        if any(run.complaint for run in runs):  # a refusal shows no steps
+            continue
+        large, small, both_large = (_error(run, problem) for run in runs)
+        if runs[0].t == runs[1].t:
             found.append(f"{name} is ignored: the steps are the same whatever it is")
+        elif large < _EFFECT * small and _BELOW * large < both_large:
+            found.append(f"{name} is ignored: the error is {large:.2g} at {name} = 0.001 and {small:.2g} at 1e-06")
     return found
 
 

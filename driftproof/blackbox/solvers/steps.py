@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from contextlib import suppress
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import lru_cache
 from itertools import pairwise
@@ -11,7 +12,7 @@ from math import fsum, inf
 from typing import Any, TypeAlias
 
 from driftproof.blackbox.findings import Misbehaviour
-from driftproof.blackbox.judging.nonlinear_problems import driven, moved
+from driftproof.blackbox.judging.nonlinear_problems import NonlinearProblem, driven, moved
 from driftproof.blackbox.matching.dense_outputs import JudgedDense, judged_reading
 from driftproof.blackbox.matching.match import Identity, match_tableau
 from driftproof.blackbox.matching.read_order import ReadOrder, read_order
@@ -19,7 +20,7 @@ from driftproof.blackbox.probes.coefficients import coefficient_text
 from driftproof.blackbox.probes.dense import BETWEEN, THETAS, DenseReading
 from driftproof.blackbox.probes.scripted_answers import MOST_CALLS, CoefficientRow, NotReadable, shown_apart, varied
 from driftproof.blackbox.probes.tableau import TableauReading
-from driftproof.blackbox.solvers.foreign_solver import Call, ForeignSolver, Solution, in_binary32
+from driftproof.blackbox.solvers.foreign_solver import Call, ForeignSolver, RunSlopes, Solution, TooSlow, in_binary32
 from driftproof.blackbox.stepper.array_adapters import as_array
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.schemes import RungeKutta
@@ -42,6 +43,9 @@ _SPAN = (0.0, 1.0)
 _MARK = 2.0**-80
 # The start, the end and the length have many bits: no time is a number of binary32 by chance.
 _ODD_SPAN = (0.1, 1.8)
+# The middle of a step. The coefficients of the weights of dense output add up to at most 11424 < 2^14 (dop853_dense):
+# that many times the rounding of a step.
+_MIDDLE, _OF_DENSE = len(THETAS) // 2, 2.0**14
 # No explicit method in use makes so many calls in a row at one time.
 _AT_ONE_TIME = 8
 _Rate: TypeAlias = Callable[[float, list[float]], Sequence[float]]
@@ -104,6 +108,8 @@ def read_steps(subject: ForeignSolver) -> SolverSteps:
     dense = marked.dense()
     judged = None if dense is None else judged_reading(dense)
     faults = tuple(_elsewhere(subject, reading))
+    if dense and judged and not (judged.faults or faults):
+        faults = tuple(_dense_elsewhere(subject, dense))
     return SolverSteps(reading, identity, order, marked.nodes, judged, faults, subject.adaptive)
 
 
@@ -112,27 +118,56 @@ def _elsewhere(subject: ForeignSolver, reading: TableauReading) -> Iterator[str]
 
     The tolerance is one in use, so that some steps are rejected.
     """
-    for words, origin, ends, numbers in _RUNS:
-        problem = moved(driven(numbers, timed=True), _SIZES, 1.0, origin)
-        start, end = (origin + x for x in ends)
-        y0 = problem.start(start)
-        try:
-            run = subject.solve(lambda n, t, y, problem=problem: problem.rate(t, list(y)), (start, end), y0, _TOLERANCE)  # type: ignore[misc]
-        except Misbehaviour:  # a run that fails is reported elsewhere
-            continue
+    for words, problem, run in _further_runs(subject):
         for (t, after), (y, y1) in zip(pairwise(run.t), pairwise(run.y), strict=True):
             said = _stepped(reading, problem.rate, t, after - t, y)
-            wrong = [
-                i
-                for i, (x, z, s) in enumerate(zip(y1, said, problem.scales, strict=True))
-                # Slopes up to 16 times the numbers move them by 64 times in a step of 4; a time is rounded to u t.
-                if not abs(x - z) <= reading.rounding.of(64 * max(abs(s), abs(z)) * (1 + abs(t)))
-            ]
-            if wrong:
-                i = wrong[0]
+            if (i := _wrong(reading, problem, t, y1, said)) is not None:
                 seen = f"from t = {t:.6g}, y[{i}] goes to {y1[i]!r} where the stages read give {said[i]!r}"
                 yield f"{words}, steps differ from the tableau read: {seen}"
                 break
+
+
+def _dense_elsewhere(subject: ForeignSolver, dense: DenseReading) -> Iterator[str]:
+    """The faults of a dense output that, in the middle of other steps, is not what the weights read give."""
+    half = replace(dense.step, b=dense.rows[_MIDDLE])
+    for words, problem, run in _further_runs(subject):
+        for (t, after), y in zip(pairwise(run.t), run.y, strict=False):
+            said, middle = _stepped(half, problem.rate, t, after - t, y), t + (after - t) / 2
+            try:
+                seen = as_array(run.dense(middle)).astype(float).reshape(len(said)).tolist() if run.dense else said
+            except Exception as error:
+                yield f"{words}, the dense output at t = {middle:.6g} raises {type(error).__name__}: {error}"
+                break
+            if (i := _wrong(half, problem, t, seen, said, _OF_DENSE)) is not None:
+                values = f"at t = {middle:.6g}, y[{i}] is {seen[i]!r} where the weights read give {said[i]!r}"
+                yield f"{words}, the dense output differs from the one read: {values}"
+                break
+
+
+def _further_runs(subject: ForeignSolver) -> Iterator[tuple[str, NonlinearProblem, Solution]]:
+    """The further runs in words, their problems and what is returned; a run that fails is reported elsewhere."""
+    for words, origin, ends, numbers in _RUNS:
+        problem = moved(driven(numbers, timed=True), _SIZES, 1.0, origin)
+        start, end = (origin + x for x in ends)
+        rate: RunSlopes = lambda n, t, y, problem=problem: problem.rate(t, list(y))  # type: ignore[misc]
+        with suppress(Misbehaviour, TooSlow):
+            yield words, problem, subject.solve(rate, (start, end), problem.start(start), _TOLERANCE)
+
+
+def _wrong(
+    reading: TableauReading,
+    problem: NonlinearProblem,
+    t: float,
+    seen: Sequence[float],
+    said: Sequence[float],
+    times: float = 1.0,
+) -> int | None:
+    """The first number that rounding does not explain, or so many times it; None if there is none."""
+    for i, (x, z, s) in enumerate(zip(seen, said, problem.scales, strict=True)):
+        # Slopes up to 16 times the numbers move them by 64 times in a step of 4; a time is rounded to u t.
+        if not abs(x - z) <= times * reading.rounding.of(64 * max(abs(s), abs(z)) * (1 + abs(t))):
+            return i
+    return None
 
 
 def _stepped(reading: TableauReading, rate: _Rate, t: float, h: float, y: Sequence[float]) -> list[float]:

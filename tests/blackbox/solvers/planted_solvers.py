@@ -35,13 +35,16 @@ def adaptive(
     stepped=lambda h: h,
     norm=np.max,
     accepted=1.0,
+    size=abs,
+    first_error=1.0,
 ):
     """The solver of a pair whose last stage is the first of the next step, with a controller of that law.
 
     Wrong: `stale`, k1 after a rejection is the last slope of the rejected attempt; `clock`, another number format of t;
     `ending` "beyond" or "tiny"; `on_nan` "accept", "silent" or "retry"; `growth_at_zero` of an estimate that is 0;
     `stepped`, the length by which t advances; `changed`, the factor after so many rejections in a row; `norm` of the
-    errors; `accepted`, the largest error of a step that is taken.
+    errors; `accepted`, the largest error of a step that is taken; `size` of the numbers in the scale of errors.
+    `first_error` is the one that the first step remembers.
     """
     pair = METHODS[key]
     a, c = [[float(x) for x in row] for row in pair.a], [float(x) for x in pair.c]
@@ -54,7 +57,7 @@ def adaptive(
         sign = 1.0 if t_span[1] > t_span[0] else -1.0
         t, end, y = clock(t_span[0]), clock(t_span[1]), np.array(y0, dtype=float)
         times, states, h, before, rejections, failure = (
-            [float(t)], [y], sign * first_step, (1.0, sign * first_step), 0, "",
+            [float(t)], [y], sign * first_step, (first_error, sign * first_step), 0, "",
         )  # fmt: skip
         first = f(float(t), y)
         while sign * (end - t) > 0:
@@ -64,7 +67,7 @@ def adaptive(
             for i in range(1, len(c)):
                 k.append(f(float(t) + c[i] * h, y + h * sum(a[i][j] * k[j] for j in range(i))))
             y1 = y + h * product(b, k)
-            scale = atol + rtol * np.maximum(abs(y), abs(y1))
+            scale = atol + rtol * np.maximum(size(y), size(y1))
             r = float(norm(abs(h * product(e, k)) / scale))
             if not isfinite(r):
                 if on_nan == "fail":

@@ -27,6 +27,7 @@ LAWS = {
     "as planted": ({}, (0.8, Fraction(1, 3), 0, 0.25, 4.0)),
     "PI": (PI, (0.9, Fraction(17, 100), Fraction(1, 25), 0.2, 10.0)),
     "PI after a long step": ({**PI, "first_step": 0.21}, (0.9, Fraction(17, 100), Fraction(1, 25), 0.2, 10.0)),
+    "PI after no error": ({**PI, "first_error": 1e-4}, (0.9, Fraction(17, 100), Fraction(1, 25), 0.2, 10.0)),
     "filtered": ({**PI, "filtered": 0.125}, (0.9, Fraction(17, 100), Fraction(1, 25), 0.2, 10.0)),
     "of low order": ({"key": "heun_euler21", "exponent": 0.5}, (0.8, Fraction(1, 2), 0, 0.25, 4.0)),
     "of another pair": ({"key": "cash_karp54", "exponent": 0.2}, (0.8, Fraction(1, 5), 0, 0.25, 4.0)),
@@ -98,6 +99,26 @@ def test_steps_after_rejections_that_are_not_of_the_law_are_said_with_it(name, l
     as_before(*reading.lines, *reading.faults)
     assert (words in found.exception) if words else found.exception == ""
     assert found.words.endswith(f"PI){found.exception}")
+
+
+@pytest.mark.parametrize(("ratio", "is_law"), [(0.5, True), (0.97, False)])
+def test_what_most_step_sizes_contradict_is_no_law(ratio, is_law):
+    """After a rejection, the shorter next attempts become by a ratio of their own, the more of them there are."""
+    law = read(adaptive(changed=lambda factor, rejections: ratio if rejections else factor)).law
+    assert (law is not None) == is_law
+
+
+@pytest.mark.parametrize(("switches", "limit", "faults"), [
+    ({}, 1, 0), ({"safety": 0.4}, 1, 0), ({"accepted": 2.0}, 2, 0),
+    ({"accepted": 8.0, "safety": 0.9}, 8, 1),  # after which the law gives 0.9/2
+    ({"estimate": lambda e: [x / 2 for x in e]}, 2, 0), ({"estimate": lambda e: [x / 1000 for x in e]}, 1000, 1),
+])  # fmt: skip
+def test_errors_accepted_above_the_tolerance_are_said_and_many_times_it_are_a_fault(switches, limit, faults):
+    found = read(adaptive(**switches))
+    assert 0.8 * limit < found.law.accepted <= limit * 1.000001  # the scale is known to a part in 10^6
+    said = f"accepting up to {found.law.accepted:.3g} times the tolerance"
+    assert ((said if limit > 1 else "accepting") in found.law.words) == (limit > 1)
+    assert [fault.partition(" with ")[0] for fault in found.faults] == ["steps are accepted"] * faults
 
 
 @pytest.mark.parametrize(("by", "faults"), [(1e-9, 1), (8e-14, 1), (4e-14, 0)])

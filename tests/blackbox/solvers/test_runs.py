@@ -78,6 +78,31 @@ def test_a_tolerance_that_is_refused_is_not_said_to_be_ignored():
     assert read(solve).faults == ()
 
 
+def only_first(name):
+    """A solver whose first step alone depends on the tolerance of that name."""
+    heard = {"rtol": lambda rtol, atol: (0.0, atol), "atol": lambda rtol, atol: (rtol, 1e-12)}[name]
+
+    def solve(f, t_span, y0, rtol, atol):
+        first = (rtol if name == "rtol" else atol) ** 0.2 / 100
+        return adaptive("dormand_prince54", exponent=0.2, tolerances=heard, first_step=first)(f, t_span, y0, rtol, atol)
+
+    return solve
+
+
+@pytest.mark.parametrize("name", ["rtol", "atol"])
+def test_a_tolerance_that_only_sets_the_first_step_size_is_ignored(name):
+    faults = read(only_first(name)).faults
+    assert [fault.partition(":")[0] for fault in faults] == [f"{name} is ignored"]
+
+
+def test_where_a_largest_step_size_makes_the_errors_no_tolerance_is_said_to_be_ignored():
+    def solve(f, t_span, y0, rtol, atol):
+        return adaptive(most=1.0, first_step=0.02 * (1 + rtol + atol))(f, t_span, y0, rtol, atol)
+
+    (fault,) = read(solve).faults  # as steps never grow
+    assert fault.startswith("at a jump of f it does not end")
+
+
 def raises_at_nan(f, t_span, y0, rtol, atol):
     def checked(t, y):
         slopes = f(t, y)
@@ -272,6 +297,12 @@ NOT_SAID = [
     (STIFF, lambda f, rtol, t, y: (t[:1], y[:1]), "it solves equations for its steps"),
     (STIFF, following(15, off=0.2), "it solves equations for its steps"),
 ]  # fmt: skip
+
+
+def test_a_scale_of_errors_from_numbers_with_their_signs_is_told():
+    squared = lambda errors: np.mean(errors**2) ** 0.5
+    faults = read(adaptive("dormand_prince54", exponent=0.2, size=lambda y: y, norm=squared)).faults
+    assert [fault.partition(":")[0] for fault in faults] == ["the step sizes depend on the signs of the numbers"]
 
 
 @pytest.mark.parametrize("cancel", [True, False])

@@ -126,6 +126,45 @@ def test_a_dense_output_of_straight_lines_is_a_fault():
     assert "the dense output has order 1 only, the steps have order 3" in read_steps(ForeignSolver(solve)).dense.faults
 
 
+def searched(where):
+    """The cubic through the ends of each step, of which `where(times, t)` is the number."""
+
+    def solve(f, t_span, y0, rtol, atol):
+        kept = {}  # by time, of which the last stage of each step is the last
+        keeping = lambda t, y: kept.update({float(t): np.array(f(t, y))}) or kept[float(t)]
+        times, states, *_ = adaptive()(keeping, t_span, y0, rtol, atol)
+        slopes = [kept[t] for t in times]
+
+        def dense(t):
+            n = min(max(where(times, t), 0), len(times) - 2)
+            (u, v), (k, m), h = states[n : n + 2], slopes[n : n + 2], times[n + 1] - times[n]
+            x = (t - times[n]) / h
+            return (1 - x) * u + x * v + x * (x - 1) * ((1 - 2 * x) * (v - u) + h * ((x - 1) * k + x * m))
+
+        return times, states, dense
+
+    return solve
+
+
+# In falling times, as in rising ones; wrongly, the steps are counted from the other end or none is found.
+@pytest.mark.parametrize(("where", "fault"), [
+    (lambda times, t: np.sum((times - t) * (times[-1] - times[0]) <= 0) - 1, []),
+    (lambda times, t: np.sum(times <= t) - 1, ["backward in time, the dense output differs from the one read"]),
+    (lambda times, t: np.flatnonzero((times[:-1] <= t) & (t <= times[1:]))[0],
+        ["backward in time, the dense output at t = 1.4995 raises IndexError"]),
+])  # fmt: skip
+def test_a_dense_output_that_looks_for_its_step_forward_in_time_alone_is_at_fault(where, fault):
+    found = read_steps(ForeignSolver(searched(where)))
+    assert (found.dense.extension, found.dense.faults) == ("bogacki_shampine32_hermite", ())
+    assert [each.partition(":")[0] for each in found.faults] == fault
+
+
+def test_steps_that_become_too_small_for_a_run_are_read_all_the_same():
+    slow = adaptive("dormand_prince54", exponent=0.2, estimate=lambda e: [*e[:-1], -e[-1]])
+    found = read_steps(ForeignSolver(slow))
+    assert (found.name, found.faults) == ("dormand_prince54", ())
+
+
 def spoiled(when):
     """A solver that is right but for its slopes where `when(t, y, backward)`."""
 
