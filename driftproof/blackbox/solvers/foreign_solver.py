@@ -263,7 +263,7 @@ class SolverTarget:
     ) -> ForeignSolver:
         """The solver after a first run of y' = 0, on arrays or on lists. Raises ValueError or a `Misbehaviour`."""
         failures: list[Misbehaviour] = []
-        solve = in_usual_order(imported(self.solver))
+        solve = in_usual_order(imported(self.solver, "solver"))
         for adapter in (ARRAYS, LISTS):
             subject = ForeignSolver(solve, adapter, *taken_by(solve), before, after)
             try:

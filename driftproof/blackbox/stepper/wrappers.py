@@ -49,6 +49,32 @@ def wrapper_line(step: Callable[..., Any]) -> str:
     return f": {line}" if line else ""
 
 
+def template(step: Callable[..., Any]) -> str:
+    """The shortest wrapper of a class or a function of which no more is known, with words in capitals to replace."""
+    name = _name(step)
+    if inspect.isclass(step):
+        makes = f"lambda: {name}(...)" if required_names(step) else name
+        places = f'position="POSITION", velocity="VELOCITY", advance="{_advance(step) or "STEP"}"'
+        return f": from driftproof import stepper_of; wrapped = stepper_of({makes}, {places})  # the attributes' names"
+    arguments = ", ".join(name.upper() for name in required_names(step) or ["..."])
+    return f": def wrapped(f, t, y, h): return {name}({arguments})  # y at t + h, where y' = f(t, y)"
+
+
+def uncalled(found: object) -> str:
+    """What to hand over in place of an object that cannot be called: a wrapper of its method, or any function."""
+    advance = "" if type(found).__module__ == "builtins" else _advance(type(found))
+    if advance and (line := wrapper_line(getattr(found, advance)) or template(type(found))):
+        return f"; its {advance} makes the step; write{line}"
+    return "; hand over a function that makes one step, say: def step(f, t, y, h): return y + h * f(t, y)"
+
+
+def _advance(cls: type) -> str:
+    """The name of the method that makes a step: a usual one, or the only public one that takes one argument or none."""
+    public = [each for each in dir(cls) if not each.startswith("_") and inspect.isfunction(getattr(cls, each))]
+    alone = [each for each in public if len(required_names(getattr(cls, each)) or ()) in (1, 2)]
+    return next((each for each in _ADVANCES if hasattr(cls, each)), alone[0] if len(alone) == 1 else "")
+
+
 def increment_wrapper(subject: ForeignStepper) -> str:
     """The wrapper that adds the state to a returned increment."""
     name, order = _name(subject.function), subject.convention.order
@@ -93,7 +119,7 @@ def _for_object(step: Callable[..., Any]) -> str:
     if inspect.isclass(owner):
         with suppress(Exception):
             made = cls(*[lambda *x: 0.0 for _ in makes])
-    advance = next((each for each in _ADVANCES if hasattr(cls, each)), "step")
+    advance = _advance(cls) or "step"
     if not inspect.isclass(step):
         advance = getattr(step, "__name__", advance)
     q, v, state, time = (_attribute(made, role) for role in (POSITION, VELOCITY, STATE, TIME))

@@ -6,8 +6,8 @@ import pytest
 
 from driftproof import verify
 from driftproof.blackbox.families.reports import read_family
-from driftproof.blackbox.findings import Increment, Misbehaviour
-from driftproof.blackbox.stepper.opening import opened
+from driftproof.blackbox.findings import BadInput, Increment, Misbehaviour
+from driftproof.blackbox.stepper.opening import Target, opened
 from driftproof.blackbox.stepper.wrappers import wrapper_line
 from tests.blackbox.stepper.styles import STYLES, keys_of, namespace
 from tests.blackbox.transcripts import summed
@@ -246,6 +246,32 @@ def test_a_class_that_changes_its_state_in_place_is_seen_to_remember_or_not(base
     names = namespace(CLASSES + euler + IN_PLACE.replace("BASE", base))
     for name in ("InPlace", "KeptInPlace"):
         assert f"def wrapped({head}): " in wrapper_line(names[name])
+
+
+def test_an_object_that_cannot_be_called_is_refused_with_the_wrapper_of_the_method_that_makes_its_step():
+    names = namespace(CLASSES)
+    for found in (names["Ball"](), names["Kept"](None, [1.0], 0.1)):
+        with pytest.raises(
+            BadInput, match=f"is {type(found).__name__}, which cannot be called; its .* makes the step"
+        ) as caught:
+            Target(found).open()
+    assert str(caught.value).endswith('wrapped = stepper_of(lambda: Kept(...), state="y", advance="advance")')
+    with pytest.raises(BadInput, match=re.escape(f"write: {WRAPPED['Ball']}")):
+        Target(names["Ball"]()).open()
+
+
+@pytest.mark.parametrize(
+    ("code", "shown"),
+    [
+        ("class Bare:\n    def run(self, dt): pass", 'Bare, position="POSITION", velocity="VELOCITY", advance="run")'),
+        ("class Bare:\n    pass", 'velocity="VELOCITY", advance="STEP")'),
+        ("def bare(one, two): pass", "): return bare(ONE, TWO)  # y at t + h"),
+    ],
+)
+def test_a_refusal_without_a_known_wrapper_is_short_and_shows_what_to_fill_in(code, shown):
+    with pytest.raises(BadInput, match=re.escape(shown)) as caught:
+        opened(list(namespace(code).values())[-1])
+    assert len(str(caught.value)) < 250
 
 
 @pytest.mark.parametrize("parameters", ["", ", f, omega2, mode", ", force, h", ", force, q0, v0, h"])
