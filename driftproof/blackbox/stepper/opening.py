@@ -37,6 +37,7 @@ from driftproof.blackbox.stepper.turning import Push, step_in_fields, turn_quate
 from driftproof.blackbox.stepper.wrappers import (
     exchange_wrapper,
     increment_wrapper,
+    list_wrapper,
     template,
     uncalled,
     wrapper_line,
@@ -70,7 +71,7 @@ def opened(
     calling convention fits. If no adapter gets an answer, raises StaleSlope if there was one, and otherwise the
     `Misbehaviour` of the most natural adapter.
     """
-    step, failures = with_slopes_kept(step), list[Misbehaviour]()
+    given, step, failures = step, with_slopes_kept(step), list[Misbehaviour]()
 
     def first_of(attempts: Iterable[Callable[[], ForeignStepper]]) -> ForeignStepper | None:
         for attempt in attempts:
@@ -91,8 +92,8 @@ def opened(
             return found
         if stale := [failure for failure in failures if isinstance(failure, StaleSlope)]:
             raise stale[0] from None
-        line = wrapper_line(step)
-        raise BadInput(f"{_unfitting(step)}{line or template(step)}" if calls is None else f"{error}{line}") from None
+        line = wrapper_line(given)
+        raise BadInput(f"{_unfitting(given)}{line or template(given)}" if calls is None else f"{error}{line}") from None
     if calling.MASSES[-1] in (calling.required_names(step) or ()) and (found := as_plain()):
         return found  # with unequal masses, before one of all
     made = partial(ForeignStepper, step, before=before, after=after, pristine=fresh_copy(step))
@@ -104,8 +105,8 @@ def opened(
     )
     if found := first_of(trials):
         return found
-    if inspect.isclass(step) and (line := wrapper_line(step)):
-        raise BadInput(f"{_unfitting(step)}{line}")
+    if line := wrapper_line(step) if inspect.isclass(step) else list_wrapper(given):
+        raise BadInput(f"{_unfitting(given)}{line}")
     if not any(isinstance(failure, StaleSlope) for failure in failures) and (found := as_plain()):
         return found
     raise next((failure for failure in failures if isinstance(failure, StaleSlope)), failures[0])

@@ -274,6 +274,31 @@ def test_a_refusal_without_a_known_wrapper_is_short_and_shows_what_to_fill_in(co
     assert len(str(caught.value)) < 250
 
 
+LISTS = """
+def bdf2(f, t, ys, h):
+    y = ys[-1]
+    for _ in range(60):
+        y = 4 / 3 * ys[-1] - 1 / 3 * ys[-2] + 2 / 3 * h * f(t + h, y)
+    return y
+
+def adams_bashforth2(f, t, states, h):
+    return states[-1] + h / 2 * (3 * f(t, states[-1]) - f(t - h, states[-2]))
+
+def adams_bashforth3(f, t, history, dt):
+    first, second, third = history[:3]
+    return first + dt / 12 * (23 * f(t, first) - 16 * f(t - dt, second) + 5 * f(t - 2 * dt, third))
+"""
+
+
+@pytest.mark.parametrize("name", ["bdf2", "adams_bashforth2", "adams_bashforth3"])
+def test_a_step_that_takes_a_list_of_states_is_refused_with_a_run_of_n_steps_that_works(name):
+    names = namespace(LISTS)
+    with pytest.raises(BadInput, match="write: def wrapped") as caught:
+        opened(names[name])
+    exec(str(caught.value).partition("write: ")[2], names)
+    assert read_family(opened(names["wrapped"])).key == name
+
+
 @pytest.mark.parametrize("parameters", ["", ", f, omega2, mode", ", force, h", ", force, q0, v0, h"])
 def test_of_a_class_whose_names_do_not_tell_where_its_state_is_nothing_is_shown(parameters):
     names = namespace(f"class Opaque:\n    def __init__(self{parameters}): self.a = 0.0\n    def step(self): pass\n")
