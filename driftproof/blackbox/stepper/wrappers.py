@@ -56,11 +56,41 @@ def template(step: Callable[..., Any]) -> str:
     """The shortest wrapper of a class or a function of which no more is known, with words in capitals to replace."""
     name = _name(step)
     if inspect.isclass(step):
+        if line := _for_world(step):
+            return line
         makes = f"lambda: {name}(...)" if required_names(step) else name
         places = f'position="POSITION", velocity="VELOCITY", advance="{_advance(step) or "STEP"}"'
         return f": from driftproof import stepper_of; wrapped = stepper_of({makes}, {places})  # the attributes' names"
     arguments = ", ".join(name.upper() for name in required_names(step) or ["..."])
     return f": def wrapped(f, t, y, h): return {name}({arguments})  # y at t + h, where y' = f(t, y)"
+
+
+def _for_world(cls: type) -> str:
+    """The wrapper of a class made from a list of bodies alone, of one body of its module; "" if there is no such class.
+
+    A gravity g that the object keeps is where the force is given to it: it acts along y if the bodies have a vy.
+    """
+    held = next(iter(required_names(cls) or []), "")
+    known = getattr(cls.__init__, "__globals__", {})  # type: ignore[misc]
+    for name, body in [*known.items()] if held in BODY_LISTS and len(required_names(cls) or []) == 1 else []:
+        with suppress(Exception):
+            ones = [1.0] * len(required_names(body) or [])
+            world, made = cls([body(*ones)]), body(*ones)
+            push = next((each for each in ("g", "gravity") if isinstance(getattr(world, each, None), float)), "")
+            upright = push and hasattr(made, "y") and hasattr(made, "vy")
+            q, v = ("y", "vy") if upright else (_attribute(made, POSITION), _attribute(made, VELOCITY))
+            if not (q and v and isinstance(getattr(world, held)[0], body) and isinstance(getattr(made, q), float)):
+                continue
+            place = f"{{}}=(lambda w: w.{held}[0].{{}}, lambda w, x: setattr(w.{held}[0], '{{}}', x))"
+            makes = f"lambda: {cls.__name__}([{name}({', '.join(map(str, ones))})])"
+            rest = [
+                place.format("position", q, q),
+                place.format("velocity", v, v),
+                *([f'push="{push}"'] if push else []),
+            ]
+            options = f'{", ".join(rest)}, advance="{_advance(cls)}"'
+            return f": from driftproof import stepper_of; wrapped = stepper_of({makes}, {options})"
+    return ""
 
 
 def uncalled(found: object) -> str:

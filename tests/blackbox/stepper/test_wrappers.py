@@ -274,6 +274,30 @@ def test_a_refusal_without_a_known_wrapper_is_short_and_shows_what_to_fill_in(co
     assert len(str(caught.value)) < 250
 
 
+WORLD = """
+class Body:
+    def __init__(self, x, y, vx, vy, m):
+        self.x, self.y, self.vx, self.vy, self.mass = x, y, vx, vy, m
+
+class World:
+    def __init__(self, bodies, g=-9.81):
+        self.bodies, self.g = bodies, g
+    def step(self, dt):
+        for b in self.bodies:
+            b.vy += self.g * dt
+            b.x, b.y = b.x + b.vx * dt, b.y + b.vy * dt
+"""
+
+
+def test_a_world_made_from_bodies_is_refused_with_a_wrapper_of_one_body_that_works():
+    names = namespace(WORLD)
+    for found in (names["World"], names["World"]([])):
+        with pytest.raises(BadInput, match=r"write: .*World\(\[Body\(") as caught:
+            Target(found).open()
+        exec(str(caught.value).partition("write: ")[2], names)
+        assert keys_of(names["wrapped"])[0] == "symplectic_euler"
+
+
 LISTS = """
 def bdf2(f, t, ys, h):
     y = ys[-1]
