@@ -42,7 +42,8 @@ from driftproof.symbolic.rounding.step_bound import step_bound
 from driftproof.symbolic.trees import rooted_trees
 from driftproof.symbolic.trees.algebraic_stability import algebraic_stability
 from driftproof.symbolic.trees.modified_equation import modified_equation
-from driftproof.symbolic.trees.order_conditions import embedded_order, order, order_of, runge_kutta_conditions
+from driftproof.symbolic.trees.order_conditions import order, order_of, runge_kutta_conditions
+from driftproof.symbolic.trees.partitioned_trees import embedded_order
 from driftproof.texts.writing.records import facts_of
 
 # Any: the catalogue holds methods of every family under its keys.

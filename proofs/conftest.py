@@ -17,6 +17,7 @@ from proofs.ledger import Entry, Ledger
 from proofs.printed import published
 
 LEDGER_FILE = Path(__file__).with_name("ledger.md")
+FILES = {path.name for path in Path(__file__).parent.glob("test_*.py")}
 PUBLISHED = "published"
 NEEDED = "Needed:"
 _LEDGER = pytest.StashKey[Ledger]()
@@ -105,6 +106,13 @@ class _Controller:
         sent = getattr(node, "workeroutput", {}).get("ledger")
         if sent:
             self.ledger.add(sent["tests"], [Entry(**entry) for entry in sent["entries"]])
+
+    @pytest.hookimpl(trylast=True)
+    def pytest_sessionfinish(self, session: pytest.Session) -> None:
+        """Fail a run of all files that leaves a claim without a proof."""
+        collected = {Path(test.partition("::")[0]).name for test in self.ledger.tests}
+        if session.exitstatus == 0 and self.ledger.missing and FILES <= collected:
+            session.exitstatus = pytest.ExitCode.TESTS_FAILED
 
     def pytest_terminal_summary(self, terminalreporter: Any, exitstatus: int) -> None:
         if not self.ledger.entries:

@@ -60,6 +60,11 @@ class Ledger:
         return entry.evidence if entry and outcome == "passed" else outcome
 
     @property
+    def missing(self) -> list[str]:
+        """The required claims that no collected test proves."""
+        return [claim for claims in required_claims(self.entries) for claim in claims if claim not in self.entries]
+
+    @property
     def complete(self) -> bool:
         """True when every required claim stands and no collected test failed or was left out.
 
@@ -90,9 +95,8 @@ class Ledger:
             if entry := self.entries.get(claim):
                 statement = textwrap.shorten(entry.statement, max(width - used, SHORTEST), placeholder=" …")
                 rows.append([claim, self.standing(claim), entry.technique, statement])
-        missing = [claim for claim in required if claim not in self.entries]
         lines = [table(rows)]
-        if missing:
+        if missing := self.missing:
             more = f" and {len(missing) - NAMED} more" if len(missing) > NAMED else ""
             named = f"{', '.join(missing[:NAMED])}{more}"
             lines.append(textwrap.fill(f"not run, or without a proof: {named}; {HOW_TO_ADD}", width))

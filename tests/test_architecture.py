@@ -66,8 +66,8 @@ NOT_ELSEWHERE = "sympy"
 # a passing verdict had overlooked, 250; texts what docs and help show.
 BUDGETS = {
     "support": 1194,
-    "methods": 5305,
-    "symbolic": 10324,
+    "methods": 5307,
+    "symbolic": 10357,
     "numeric": 4172,
     "blackbox": 18192,
     "enclosure": 3137,

@@ -322,8 +322,12 @@ def method_of(given: str | Path | Method | Family | FactsOnly) -> Method:
 
 
 def methods_of(given: GivenMethods) -> list[Entry]:
-    """One method or several, even of facts only, whose keys may stand in one text: "rk4,heun2". Raises ValueError."""
-    return [x if isinstance(x := subject_of(each), FactsOnly) else method_of(each) for each in _each(given)]
+    """One method or several, whose keys may stand in one text: "rk4,heun2"; not all of them may have facts only.
+
+    Raises ValueError.
+    """
+    found = [x if isinstance(x := subject_of(each), FactsOnly) else method_of(each) for each in _each(given)]
+    return found if any(isinstance(each, Method) for each in found) else [*map(of_one_state, found)]
 
 
 def _each(given: GivenMethods) -> Sequence[str | Path | Method]:

@@ -87,7 +87,7 @@ class Facts(LinearFacts):
 
     @cached_property
     def order(self) -> int:
-        """The order on all problems that the family is for; on y' = f(y) only if the c of a table are not row sums."""
+        """The order on all problems that the family is for, y' = f(t, y) for a Runge-Kutta method."""
         return self.order_fails.order
 
     @cached_property
@@ -119,7 +119,7 @@ class Facts(LinearFacts):
     @cached_property
     def embedded_order(self) -> int | None:
         """The order of the embedded method of a pair; None without one."""
-        found = order_conditions.embedded_order(self.method) if isinstance(self.method, RungeKutta) else None
+        found = partitioned_trees.embedded_order(self.method) if isinstance(self.method, RungeKutta) else None
         return None if found is None else found.order
 
     @cached_property
@@ -165,10 +165,10 @@ class Facts(LinearFacts):
         return {tree: c for tree, c in modified_equation(self._tableau, MODIFIED_ORDER).items() if c}
 
     @cached_property
-    def _conditions(self) -> order_conditions.RungeKuttaConditions:
+    def _conditions(self) -> Conditions[Any]:
         """The order conditions, shared by the order and the principal error: each tree is evaluated once."""
         assert self._tableau is not None
-        return order_conditions.runge_kutta_conditions(self._tableau)
+        return general_conditions(self._tableau)
 
     @property
     def _tableau(self) -> RungeKutta | Collocation | None:
@@ -259,7 +259,7 @@ def order_within(method: Method, tolerance: Fraction) -> OrderWithin:
     def within(conditions: Conditions[Any]) -> int:
         return order_conditions.order_to_tolerance(conditions, tolerance)
 
-    second = order_conditions.embedded_conditions(method) if isinstance(method, RungeKutta) else None
+    second = partitioned_trees.embedded_conditions(method) if isinstance(method, RungeKutta) else None
     return OrderWithin(
         tolerance,
         max(general_order(method).order, within(general_conditions(method))),

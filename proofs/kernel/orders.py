@@ -10,9 +10,9 @@ from math import lcm
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.number_field import Exact, NumberField, as_fraction
 from driftproof.methods.schemes import RungeKutta
-from driftproof.symbolic.facts import Facts, general_order
+from driftproof.symbolic.facts import Facts
 from driftproof.symbolic.trees.elementary_weights import RingElement
-from driftproof.symbolic.trees.order_conditions import runge_kutta_conditions
+from driftproof.symbolic.trees.order_conditions import order, runge_kutta_conditions
 from driftproof.symbolic.trees.order_in_balls import RESIDUAL_DIGITS
 from driftproof.symbolic.trees.rooted_trees import Tree
 from proofs.kernel.coq import Theorem, coq_list, file_text, rational
@@ -43,8 +43,8 @@ def orders() -> str:
 
 
 def _exact_entry(method: RungeKutta) -> str:
-    """The Coq definition of an exact table and the theorem on its order."""
-    fact = general_order(method)
+    """The Coq definition of an exact table and the theorem on its order on y' = f(y), of A and b alone."""
+    fact = order(method)
     proof = f"by_order ({tree_text(fact.failing_tree)})."
     theorem = Theorem(f"order_of_{method.key}", f"has_order {method.key} {fact.order}", proof)
     return f"{in_integers(method)}\n{theorem.text()}"

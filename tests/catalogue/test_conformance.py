@@ -32,7 +32,8 @@ from driftproof.symbolic.linear.reduced_tableau import is_symmetric, is_symplect
 from driftproof.symbolic.linear.stability_limits import INFINITY
 from driftproof.symbolic.trees.algebraic_stability import quadratic_matrix
 from driftproof.symbolic.trees.modified_equation import method_series, modified_equation
-from driftproof.symbolic.trees.order_conditions import embedded_conditions, embedded_order, order_to_tolerance
+from driftproof.symbolic.trees.order_conditions import order_to_tolerance
+from driftproof.symbolic.trees.partitioned_trees import embedded_conditions, embedded_order
 from driftproof.texts.writing.facts import facts_tex, facts_text
 from driftproof.texts.writing.records import record
 from tests import changes

@@ -50,7 +50,7 @@ def test_function_is_taken_as_it_is():
     assert right_hand_side(in_balls, 1) is in_balls
 
 
-@pytest.mark.parametrize("given", ["y1; tan(y0)", 3, [1, 2], ""])
+@pytest.mark.parametrize("given", ["y1; gamma(y0)", 3, [1, 2], ""])
 def test_what_is_no_right_hand_side_is_refused(given):
     with pytest.raises(ValueError, match="f is not a right-hand side"):
         right_hand_side(given, 2)

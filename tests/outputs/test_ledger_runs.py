@@ -19,6 +19,13 @@ from driftproof.methods.catalogue import METHODS
 METHODS._methods["rk4"] = replace(METHODS["rk4"], b=(Fraction(1, 6), Fraction(1, 3), Fraction(1, 4), Fraction(1, 4)))
 """
 
+# The proof of one claim, as if somebody had deleted it.
+DELETED = """
+from proofs import claims
+kept = claims.claim
+claims.claim = lambda *keys, **said: kept(*(key for key in keys if key != "L034"), **said)
+"""
+
 
 def run_proofs(*arguments: str, plugins: Path | None = None) -> subprocess.CompletedProcess[str]:
     path = {"PYTHONPATH": str(plugins)} if plugins else {}
@@ -58,6 +65,13 @@ def test_planted_error_fails_what_it_touches_of_a_selection_and_the_rest_is_call
     assert "L163   not run" in done.stdout
     assert "values.json not written" in done.stdout
     assert digest() == before
+
+
+def test_a_claim_whose_proof_is_deleted_fails_the_run_of_all_files(tmp_path):
+    (tmp_path / "deleted.py").write_text(DELETED, encoding="utf-8")
+    done, whole = (run_proofs("--collect-only", *more, plugins=tmp_path) for more in (("-p", "deleted"), ()))
+    assert "without a proof: L034;" in " ".join(done.stdout.split())
+    assert (done.returncode, whole.returncode) == (1, 0)
 
 
 # The default run plants its error in two files of proofs, in one process. The long tier runs them all: whole in two

@@ -24,7 +24,6 @@ from driftproof.symbolic.trees.elementary_weights import (
     TreeMethod,
     distinct_nodes,
     stage_algebra,
-    tableau_stages,
 )
 from driftproof.symbolic.trees.rooted_trees import AnyTree, Tree, bush, shapes, tree_number, tree_table, vertices
 
@@ -137,24 +136,11 @@ def order(method: TreeMethod) -> OrderFact[Tree]:
     return order_of(runge_kutta_conditions(method))
 
 
-def embedded_order(method: TreeMethod) -> OrderFact[Tree] | None:
-    """The order of the method with its embedded weights `b_embedded`; None for a method without them."""
-    conditions = embedded_conditions(method)
-    return None if conditions is None else order_of(conditions)
-
-
 def runge_kutta_conditions(method: TreeMethod, scalars: Scalars = EXACT) -> RungeKuttaConditions:
     """The order conditions of a method; exact, whatever `scalars`, if it is given by a node polynomial."""
     if scalars is EXACT or isinstance(method, Collocation):
         return RungeKuttaConditions(stage_algebra(method))
     return RungeKuttaConditions(TableauStages(method.a, method.b, scalars))
-
-
-def embedded_conditions(method: TreeMethod) -> RungeKuttaConditions | None:
-    """The order conditions of the method with its embedded weights; None for a method without them."""
-    if isinstance(method, Collocation) or method.b_embedded is None:
-        return None
-    return RungeKuttaConditions(*tableau_stages(method.a, method.b_embedded))
 
 
 def order_of(conditions: Conditions[TreeType]) -> OrderFact[TreeType]:

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from functools import cache
+from operator import ne
 from typing import Any
 
 from flint import fmpq
 
-from driftproof.methods.schemes import Method, Nystrom, Splitting
+from driftproof.methods.schemes import Collocation, Method, Nystrom, RungeKutta, Splitting
 from driftproof.symbolic.trees.elementary_weights import (
     EXACT,
     ElementaryWeights,
@@ -18,17 +20,22 @@ from driftproof.symbolic.trees.elementary_weights import (
     StageValues,
     Table,
     TableauStages,
+    TreeMethod,
+    tableau_stages,
 )
 from driftproof.symbolic.trees.order_conditions import (
     Conditions,
     OrderFact,
+    RungeKuttaConditions,
     TreeLabel,
     order_of,
     runge_kutta_conditions,
 )
 from driftproof.symbolic.trees.rooted_trees import (
     ColouredTree,
+    Tree,
     alternately_coloured,
+    canonical_tree,
     coloured_shapes,
     shapes,
     tree_table,
@@ -37,6 +44,8 @@ from driftproof.symbolic.trees.rooted_trees import (
 # A vertex of colour q stands for f in q' = f(v) or a derivative of f, one of colour v for g in v' = g(q).
 Q, V = "q", "v"
 OTHER_COLOUR = {Q: V, V: Q}
+# In trees for y' = f(t, y), a vertex of the second colour is a leaf for the time.
+_STATE, _TIME = "y", "t"
 
 
 class SplittingStages:
@@ -165,12 +174,36 @@ def nystrom_conditions(method: Splitting | Nystrom, scalars: Scalars = EXACT) ->
 
 
 def general_conditions(method: Method, scalars: Scalars = EXACT) -> Conditions[Any]:
-    """The order conditions for the family's problems: y' = f(y), separable for splittings, q'' = F(q) for Nyström."""
+    """The order conditions for the family's problems: y' = f(t, y), separable for splittings, q'' = F(q) for Nyström.
+
+    If the c of a table are the row sums of A, as usual, time is one more component of y' = f(y).
+    """
     if isinstance(method, Splitting):
         return separable_conditions(method, scalars)
     if isinstance(method, Nystrom):
         return nystrom_conditions(method, scalars)
+    if isinstance(method, RungeKutta) and _has_other_nodes(method):
+        return conditions_with_nodes(method, scalars)
     return runge_kutta_conditions(method, scalars)
+
+
+def _has_other_nodes(method: RungeKutta) -> bool:
+    return any(map(ne, method.c, map(sum, method.a)))
+
+
+def embedded_conditions(method: TreeMethod) -> Conditions[Any] | None:
+    """The order conditions of the method with its embedded weights; None for a method without them."""
+    if isinstance(method, Collocation) or method.b_embedded is None:
+        return None
+    if _has_other_nodes(method):
+        return conditions_with_nodes(replace(method, b=method.b_embedded))
+    return RungeKuttaConditions(*tableau_stages(method.a, method.b_embedded))
+
+
+def embedded_order(method: TreeMethod) -> OrderFact[Any] | None:
+    """The order of the method with its embedded weights `b_embedded`; None for a method without them."""
+    conditions = embedded_conditions(method)
+    return None if conditions is None else order_of(conditions)
 
 
 def nystrom_order(method: Splitting | Nystrom) -> OrderFact[ColouredTree]:
@@ -216,7 +249,22 @@ def conditions_with_nodes(method: Table, scalars: Scalars = EXACT) -> ColouredCo
     may be lower. Trees have a second kind of leaf, coloured t, for derivatives with respect to t.
     """
     stages = TableauStages(method.a, method.b, scalars)
-    return ColouredConditions(("y", "t"), stages, _Clock(method.c, scalars), internal=1, scalars=scalars)
+    return _TimedConditions((_STATE, _TIME), stages, _Clock(method.c, scalars), internal=1, scalars=scalars)
+
+
+class _TimedConditions(ColouredConditions):
+    def tree(self, vertices: int, label: TreeLabel) -> Any:
+        """The tree with this number, without colours if no leaf is a derivative with respect to t."""
+        tree = super().tree(vertices, label)
+        return tree if _has_time(tree) else _without_colours(tree)
+
+
+def _has_time(tree: ColouredTree) -> bool:
+    return tree[0] == _TIME or any(map(_has_time, tree[1]))
+
+
+def _without_colours(tree: ColouredTree) -> Tree:
+    return canonical_tree(tuple(map(_without_colours, tree[1])))
 
 
 class _Clock:

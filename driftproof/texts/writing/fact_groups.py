@@ -30,7 +30,7 @@ inconsistencies | inconsistencies of the coefficients
 
 Accuracy
 order | order p: the error at a fixed time is O(h^p)
-claimed_order | claimed order, which the coefficients as written do not have
+claimed_order | claimed order (0: none)
 order_but_for_rounding | order apart from rounding of the coefficients, with residuals
 order_to_tolerance | order, ignoring residuals up to the tolerance
 order_sets | parameter values for which the order is at least p

@@ -174,10 +174,9 @@ def test_a_control_may_be_off_by_the_rounding_of_all_that_it_adds(place, share, 
         seen[place] += share * probe.rounding.of(2 * (7 + 0.75 * (5 + 11 / 2)))
     else:
         times[place - 3] -= share * probe.rounding.of(2 * (3 + 0.75))
-    run = ScriptedStep(times, [[x] for x in seen[:2]], seen[2:])
-    probe.starts, probe.slopes, probe._controlled = (lambda _, x=x: x for x in ([y], [slopes], run))
     with nullcontext() if held else pytest.raises(NotReadable):
-        probe._check(reading, control)
+        probe._compare(reading, control, y, slopes, seen)
+        probe._compare_times(reading.c, control, ScriptedStep(times, [], []))
     assert replace(reading, stage_error=2.0**-30).rounding == Rounding(BINARY64, 2, 2.0**-28)
 
 

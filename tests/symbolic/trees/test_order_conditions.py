@@ -18,7 +18,6 @@ from driftproof.symbolic.derivation.convergence import local_error
 from driftproof.symbolic.derivation.one_step import one_step_matrix
 from driftproof.symbolic.trees.order_conditions import (
     elementary_weight,
-    embedded_order,
     order,
     order_of,
     order_to_tolerance,
@@ -180,7 +179,6 @@ def test_order_of_any_method_is_where_its_conditions_written_out_first_fail(meth
     assert weight_written_out(method, fact.failing_tree) - Q(1, density(fact.failing_tree)) == fact.residual != 0
     for tree in (tree for n in range(1, min(fact.order, 3) + 1) for tree in rooted_trees(n)):
         assert weight_written_out(method, tree) == Q(1, density(tree))
-    assert embedded_order(method) is None
 
 
 @given(strategies.runge_kutta_methods())

@@ -24,6 +24,7 @@ from driftproof.symbolic.trees.order_conditions import (
 from driftproof.symbolic.trees.partitioned_trees import (
     ColouredConditions,
     conditions_with_nodes,
+    embedded_order,
     general_conditions,
     nystrom_conditions,
     nystrom_order,
@@ -186,6 +187,11 @@ def test_order_with_nodes_notices_a_node_that_is_no_row_sum() -> None:
         fact = order_of(conditions_with_nodes(off))
         assert (fact.order, to_brackets(fact.failing_tree)) == (1, "[τ_t]_y")
         assert fact.residual == method.b[i] / 10**30
+        assert general_order(off) == fact
+        assert embedded_order(replace(off, b_embedded=off.b, embedded_order=4)) == fact
+    with_nodes = entry("lobatto_iiib2")  # b·c is that of the row sums
+    assert with_nodes.inconsistencies()
+    assert (general_order(with_nodes).order, embedded_order(with_nodes)) == (2, None)
 
 
 def test_conditions_with_nodes_are_those_of_a_longer_tableau() -> None:
@@ -196,8 +202,8 @@ def test_conditions_with_nodes_are_those_of_a_longer_tableau() -> None:
         found = dict(residuals(conditions, n))
         by_shape: dict[Tree, set[Exact]] = {}
         for tree, x in found.items():
-            if tree[0] == "y":
-                by_shape.setdefault(uncoloured(tree), set()).add(x)
+            if tree[:1] != ("t",):  # a tree without a leaf for the time has no colours
+                by_shape.setdefault(uncoloured(tree) if tree[:1] == ("y",) else tree, set()).add(x)
         assert {shape: {x} for shape, x in residuals(runge_kutta_conditions(method), n)} == by_shape
 
 
