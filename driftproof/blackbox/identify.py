@@ -25,7 +25,7 @@ from driftproof.blackbox.naming import Seen
 from driftproof.blackbox.probes.questions import Introduction, introduction, read_coefficients
 from driftproof.blackbox.probes.scripted_answers import NotReadable
 from driftproof.blackbox.probes.tableau import TableauReading
-from driftproof.blackbox.report import Naming, Report, Section, sections, without_duplicates
+from driftproof.blackbox.report import Naming, Report, Section, sections, verification, without_duplicates
 from driftproof.blackbox.stepper.calling_conventions import FAMILY_KINDS, SIGNATURES
 from driftproof.blackbox.stepper.opening import Target
 from driftproof.methods.catalogue import METHODS
@@ -138,7 +138,7 @@ def _checks(checks: Sequence[CheckResult]) -> tuple[Section, ...]:
 
 def _what_to_do(name: str, seen: Seen) -> list[str]:
     """The next steps that the findings suggest."""
-    held = f"driftproof verify {name} --method"
+    held = verification(name)
     if seen.introduction.failed:
         helps = {
             "time_limit": "give it more time: --time-limit",

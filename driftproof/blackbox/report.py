@@ -16,6 +16,14 @@ UNDECIDED, NO_ANSWER = "undecided", "gives no answer"
 NOT_KNOWN = "it is not a known method"
 
 
+def verification(name: str) -> str:
+    """The command that verifies a stepper, up to its method; one that no import finds has to be given a name first."""
+    named, first = name, ""
+    if "<" in name:
+        named, first = f"{name.partition(':')[0]}:NAME", "give it a NAME in its module, then "
+    return f"{first}driftproof verify {named} --method"
+
+
 class Basis(Enum):
     """What a stepper is named by: coefficients, all but a few of them, its linear steps only, or nothing."""
 

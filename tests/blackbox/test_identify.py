@@ -118,3 +118,8 @@ def test_a_step_that_varies_by_more_is_not_named():
 
 def _faults(report):
     return report.section("Faults").lines
+
+
+def test_what_to_do_with_a_lambda_is_no_command_that_cannot_work():
+    (first, *_) = identify(lambda q, v, h: (q + h * v, v - h * (q + h * v))).section("What to do").lines
+    assert f"give it a NAME in its module, then driftproof verify {__name__}:NAME --method" in first

@@ -18,7 +18,7 @@ from driftproof.blackbox.findings import NO_EVIDENCE, Outcome, UnsupportedCall
 from driftproof.blackbox.isolation import IsolatedRunner
 from driftproof.blackbox.probes.questions import Introduction
 from driftproof.blackbox.probes.scripted_answers import NotReadable
-from driftproof.blackbox.report import NO_ANSWER, UNDECIDED, Criterion, Report, criteria_parts, sections
+from driftproof.blackbox.report import NO_ANSWER, UNDECIDED, Criterion, Report, criteria_parts, sections, verification
 from driftproof.blackbox.stepper.calling_conventions import IMEX, MAGNETIC, MAP, ROSENBROCK, ROTATION, SIGNATURES
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.methods.additive import Additive
@@ -90,7 +90,7 @@ def read_family(
 
 def family_report(name: str, introduced: Introduction, read: FamilyReading) -> Report:
     """The report of `identify` on a stepper of one of the families."""
-    held = f"driftproof verify {name} --method"
+    held = verification(name)
     to_do = f"if it should be {read.key}, verify it: {held} {read.key}" if read.key else ""
     first = "fix the faults first" if read.faults else ""
     opened = [SIGNATURES[introduced.calls], f"takes {introduced.numbers}, works in {introduced.format}"]

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from driftproof.blackbox.findings import Misbehaviour, NoAnswer, NotANumber, StepRaised, WrongShape
+from driftproof.blackbox.findings import BadInput, Misbehaviour, NoAnswer, NotANumber, StepRaised, WrongShape
 from driftproof.blackbox.stepper import calling_conventions as calling
 from driftproof.blackbox.stepper.array_adapters import ARRAYS, LISTS, ArrayAdapter, as_array, type_of
 from driftproof.blackbox.stepper.opening import Target, imported
@@ -263,7 +263,11 @@ class SolverTarget:
     ) -> ForeignSolver:
         """The solver after a first run of y' = 0, on arrays or on lists. Raises ValueError or a `Misbehaviour`."""
         failures: list[Misbehaviour] = []
-        solve = in_usual_order(imported(self.solver))
+        given = imported(self.solver, "solver")
+        if inspect.isclass(given) and any(hasattr(given, each) for each in ("step", "solve", "run", "integrate")):
+            write = f"write: def wrapped(f, t_span, y0): made = {given.__name__}(...); ...; return times, states"
+            raise BadInput(f"{given.__name__} is a class, and making one is no run; {write}")
+        solve = in_usual_order(given)
         for adapter in (ARRAYS, LISTS):
             subject = ForeignSolver(solve, adapter, *taken_by(solve), before, after)
             try:

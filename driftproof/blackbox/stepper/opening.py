@@ -34,7 +34,14 @@ from driftproof.blackbox.stepper.plain_forms import plain_forms
 from driftproof.blackbox.stepper.second_functions import with_functions, zeros
 from driftproof.blackbox.stepper.state_forms import COMPLEX, forms_of
 from driftproof.blackbox.stepper.turning import Push, step_in_fields, turn_quaternion
-from driftproof.blackbox.stepper.wrappers import exchange_wrapper, increment_wrapper, wrapper_line
+from driftproof.blackbox.stepper.wrappers import (
+    exchange_wrapper,
+    increment_wrapper,
+    list_wrapper,
+    template,
+    uncalled,
+    wrapper_line,
+)
 from driftproof.symbolic.rounding.formats import BINARY16, BINARY32, BINARY64, FloatFormat
 
 # The state and the step size of trials: nothing cancels, and every term of a step is of ordinary size.
@@ -64,7 +71,7 @@ def opened(
     calling convention fits. If no adapter gets an answer, raises StaleSlope if there was one, and otherwise the
     `Misbehaviour` of the most natural adapter.
     """
-    step, failures = with_slopes_kept(step), list[Misbehaviour]()
+    given, step, failures = step, with_slopes_kept(step), list[Misbehaviour]()
 
     def first_of(attempts: Iterable[Callable[[], ForeignStepper]]) -> ForeignStepper | None:
         for attempt in attempts:
@@ -85,8 +92,8 @@ def opened(
             return found
         if stale := [failure for failure in failures if isinstance(failure, StaleSlope)]:
             raise stale[0] from None
-        line = wrapper_line(step)
-        raise BadInput(f"{_unfitting(step)}{line}" if line and calls is None else f"{error}{line}") from None
+        line = wrapper_line(given)
+        raise BadInput(f"{_unfitting(given)}{line or template(given)}" if calls is None else f"{error}{line}") from None
     if calling.MASSES[-1] in (calling.required_names(step) or ()) and (found := as_plain()):
         return found  # with unequal masses, before one of all
     made = partial(ForeignStepper, step, before=before, after=after, pristine=fresh_copy(step))
@@ -98,8 +105,8 @@ def opened(
     )
     if found := first_of(trials):
         return found
-    if inspect.isclass(step) and (line := wrapper_line(step)):
-        raise BadInput(f"{_unfitting(step)}{line}")
+    if line := wrapper_line(step) if inspect.isclass(step) else list_wrapper(given):
+        raise BadInput(f"{_unfitting(given)}{line}")
     if not any(isinstance(failure, StaleSlope) for failure in failures) and (found := as_plain()):
         return found
     raise next((failure for failure in failures if isinstance(failure, StaleSlope)), failures[0])
@@ -344,7 +351,7 @@ def imported(named: Callable[..., Any] | str, what: str = "stepper") -> Callable
     Raises ValueError, with a message of one line, for a text of another form and for what cannot be imported or called.
     """
     if not isinstance(named, str):
-        return named
+        return _callable(named, "what was given", what)
     module, colon, path = named.partition(":")
     if module.endswith(".py") and colon:
         raise BadInput(f"{named!r} names a file; write {module[:-3].replace('/', '.').strip('.')}:{path}")
@@ -358,7 +365,13 @@ def imported(named: Callable[..., Any] | str, what: str = "stepper") -> Callable
             found = getattr(found, part)
     except Exception as error:  # the import of a foreign module may raise anything
         raise BadInput(f"{named} cannot be imported: {type(error).__name__}: {error}") from error
+    return _callable(found, named, what)
+
+
+def _callable(found: Any, named: str, what: str) -> Callable[..., Any]:
+    """The callable that was found; raises BadInput for anything else, with a wrapper if an object has a step."""
     if not callable(found):
-        raise BadInput(f"{named} is {type(found).__name__}, which cannot be called")
+        shown = "None" if found is None else f"{type(found).__name__}, which cannot be called"
+        raise BadInput(f"{named} is {shown}{uncalled(found) if what == 'stepper' else ''}")
     function: Callable[..., Any] = found
     return function

@@ -7,6 +7,7 @@ import re
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from copy import copy
+from itertools import product
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -40,6 +41,8 @@ _PUSHES = ("apply_force", "add_force", "apply_central_force", "applyForce", "add
 _BY_POSITION = ("dhdq", "dh_dq", "grad_q", "dhdx", "dh_dx", "gradq")
 _BY_MOMENTUM = ("dhdp", "dh_dp", "grad_p", "dtdp", "dt_dp", "gradp")
 _BEFORE = re.compile("prev|old|last|before|nm1")
+# Names of a list of the last states; a method in use looks back at no more than this many.
+_LISTS, _MOST_STATES = re.compile("^ys$|^us$|^xs$|states|hist|past|prev"), 7
 _SPANS = (*SPANS, "t_bound", "t_end", "tf", "t_final")
 
 
@@ -47,6 +50,62 @@ def wrapper_line(step: Callable[..., Any]) -> str:
     """The wrapper to write, as the end of an error message; "" if none is known to fit."""
     line = _for_object(step) or ("" if inspect.isclass(step) else _for_function(step))
     return f": {line}" if line else ""
+
+
+def template(step: Callable[..., Any]) -> str:
+    """The shortest wrapper of a class or a function of which no more is known, with words in capitals to replace."""
+    name = _name(step)
+    if inspect.isclass(step):
+        if line := _for_world(step):
+            return line
+        makes = f"lambda: {name}(...)" if required_names(step) else name
+        places = f'position="POSITION", velocity="VELOCITY", advance="{_advance(step) or "STEP"}"'
+        return f": from driftproof import stepper_of; wrapped = stepper_of({makes}, {places})  # the attributes' names"
+    arguments = ", ".join(name.upper() for name in required_names(step) or ["..."])
+    return f": def wrapped(f, t, y, h): return {name}({arguments})  # y at t + h, where y' = f(t, y)"
+
+
+def _for_world(cls: type) -> str:
+    """The wrapper of a class made from a list of bodies alone, of one body of its module; "" if there is no such class.
+
+    A gravity g that the object keeps is where the force is given to it: it acts along y if the bodies have a vy.
+    """
+    held = next(iter(required_names(cls) or []), "")
+    known = getattr(cls.__init__, "__globals__", {})  # type: ignore[misc]
+    for name, body in [*known.items()] if held in BODY_LISTS and len(required_names(cls) or []) == 1 else []:
+        with suppress(Exception):
+            ones = [1.0] * len(required_names(body) or [])
+            world, made = cls([body(*ones)]), body(*ones)
+            push = next((each for each in ("g", "gravity") if isinstance(getattr(world, each, None), float)), "")
+            upright = push and hasattr(made, "y") and hasattr(made, "vy")
+            q, v = ("y", "vy") if upright else (_attribute(made, POSITION), _attribute(made, VELOCITY))
+            if not (q and v and isinstance(getattr(world, held)[0], body) and isinstance(getattr(made, q), float)):
+                continue
+            place = f"{{}}=(lambda w: w.{held}[0].{{}}, lambda w, x: setattr(w.{held}[0], '{{}}', x))"
+            makes = f"lambda: {cls.__name__}([{name}({', '.join(map(str, ones))})])"
+            rest = [
+                place.format("position", q, q),
+                place.format("velocity", v, v),
+                *([f'push="{push}"'] if push else []),
+            ]
+            options = f'{", ".join(rest)}, advance="{_advance(cls)}"'
+            return f": from driftproof import stepper_of; wrapped = stepper_of({makes}, {options})"
+    return ""
+
+
+def uncalled(found: object) -> str:
+    """What to hand over in place of an object that cannot be called: a wrapper of its method, or any function."""
+    advance = "" if type(found).__module__ == "builtins" else _advance(type(found))
+    if advance and (line := wrapper_line(getattr(found, advance)) or template(type(found))):
+        return f"; its {advance} makes the step; write{line}"
+    return "; hand over a function that makes one step, say: def step(f, t, y, h): return y + h * f(t, y)"
+
+
+def _advance(cls: type) -> str:
+    """The name of the method that makes a step: a usual one, or the only public one that takes one argument or none."""
+    public = [each for each in dir(cls) if not each.startswith("_") and inspect.isfunction(getattr(cls, each))]
+    alone = [each for each in public if len(required_names(getattr(cls, each)) or ()) in (1, 2)]
+    return next((each for each in _ADVANCES if hasattr(cls, each)), alone[0] if len(alone) == 1 else "")
 
 
 def increment_wrapper(subject: ForeignStepper) -> str:
@@ -93,7 +152,7 @@ def _for_object(step: Callable[..., Any]) -> str:
     if inspect.isclass(owner):
         with suppress(Exception):
             made = cls(*[lambda *x: 0.0 for _ in makes])
-    advance = next((each for each in _ADVANCES if hasattr(cls, each)), "step")
+    advance = _advance(cls) or "step"
     if not inspect.isclass(step):
         advance = getattr(step, "__name__", advance)
     q, v, state, time = (_attribute(made, role) for role in (POSITION, VELOCITY, STATE, TIME))
@@ -233,6 +292,8 @@ def _for_function(step: Callable[..., Any]) -> str:
         return _for_maker(step, names, name)
     of_state = POSITION not in roles or (VELOCITY not in roles and TIME in roles)
     kind = MAP if FUNCTION not in roles else FIELD if of_state else FORCE
+    if line := list_wrapper(step):
+        return line[2:]
     if not (given := _by_role(names, kind)):
         return ""
     pairs = [*zip(names, words, strict=True)]
@@ -241,6 +302,30 @@ def _for_function(step: Callable[..., Any]) -> str:
         given |= {end: "t + h", count: "1"}
         return f"{_call(name, names, given, kind)}{_last_state(step, names, given)}"
     return _call(name, names, given, kind)
+
+
+def list_wrapper(step: Callable[..., Any]) -> str:
+    """The run of n steps of a method that takes a list of the last states; "" if no list of up to seven is taken.
+
+    Of y' = 1 every method finds the next state, t + h, if the list is in its own order.
+    """
+    name, names = _name(step), [] if inspect.isclass(step) else required_names(step) or []
+    past = next((each for each in names if _LISTS.search(each.lower())), "")
+    given = {past: "ys"} | _by_role([each for each in names if each != past], FIELD)
+    if len(given) < len(names) or not {"f", "ys", "h"} <= {*given.values()} <= {"f", "t", "ys", "h"}:
+        return ""
+    for size, turned in product(range(2, _MOST_STATES + 1), (1, -1)):
+        with suppress(Exception):
+            ys = [np.array([i / 4, i / 4]) for i in range(1 - size, 1)][::turned]
+            values = {"f": lambda *x: np.ones(2), "t": 0.0, "ys": ys, "h": 0.25}
+            if np.allclose(step(*[values[given[each]] for each in names]), 0.25, rtol=0, atol=2.0**-20):
+                shown = {"ys": "ys[::-1]" if turned < 0 else "ys", "t": "t + i * h"}
+                call = f"{name}({', '.join(shown.get(given[each], given[each]) for each in names)})"
+                first = "y + h * f(t + h / 2, y + h / 2 * f(t, y))"
+                start = f"s = lambda t, y: {first}; ys = [y]"
+                later = f"ys.append(s(t + i * h, ys[-1]) if i < {size - 1} else {call}) or ys[-1] for i in range(n)"
+                return f": def wrapped(f, t, y, h, n): {start}; return [y, *({later})]  # begins with midpoint2"
+    return ""
 
 
 def _last_state(step: Callable[..., Any], names: Sequence[str], given: dict[Any, str]) -> str:

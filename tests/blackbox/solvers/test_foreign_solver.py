@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from driftproof.blackbox.findings import Misbehaviour, StepRaised
+from driftproof.blackbox.findings import BadInput, Misbehaviour, StepRaised
 from driftproof.blackbox.solvers.foreign_solver import DoesNotEnd, ForeignSolver, SolverTarget, in_binary32, taken_by
 from driftproof.blackbox.stepper.array_adapters import ARRAYS
 from driftproof.symbolic.rounding.formats import BINARY32, BINARY64
@@ -102,6 +102,17 @@ def test_a_solver_is_given_what_it_takes_by_the_names_of_its_parameters(form):
 def test_a_setting_that_is_not_known_is_named_by_the_error():
     with pytest.raises(StepRaised, match="missing 1 required positional argument: 'h'"):
         SolverTarget(lambda f, t_span, y0, h, tol: SOLVED).open()
+
+
+def test_a_class_of_solvers_is_refused_with_what_to_hand_over():
+    class Stepping:
+        def __init__(self, f, t_span, y0):
+            self.t, self.y = [0.0, 1.0], y0
+
+        def step(self): ...
+
+    with pytest.raises(BadInput, match=r"is a class, and making one is no run; write: def wrapped\(f, t_span, y0\): "):
+        SolverTarget(Stepping).open()
 
 
 def test_a_solver_of_lists_is_opened_with_lists():

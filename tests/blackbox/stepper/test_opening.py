@@ -52,7 +52,14 @@ def test_a_stepper_is_found_in_the_current_directory_before_others(tmp_path, mon
         ("driftproof.numeric.steppers:rk4(1)", "names no stepper"),
         ("driftproof.numeric.steppers:rk5", "driftproof.numeric.steppers:rk5 cannot be imported: AttributeError"),
         ("no_such_module_here:step", "cannot be imported: ModuleNotFoundError"),
-        ("driftproof.numeric.steppers:HAND_WRITTEN", ":HAND_WRITTEN is dict, which cannot be called"),
+        (
+            "driftproof.numeric.steppers:HAND_WRITTEN",
+            ":HAND_WRITTEN is dict, which cannot be called; hand over a function",
+        ),
+        (
+            None,
+            "what was given is None; hand over a function that makes one step, say: def step(f, t, y, h): return y + ",
+        ),
     ],
 )
 def test_a_name_without_a_stepper_is_refused_in_one_line(name, message):

@@ -6,8 +6,8 @@ import pytest
 
 from driftproof import verify
 from driftproof.blackbox.families.reports import read_family
-from driftproof.blackbox.findings import Increment, Misbehaviour
-from driftproof.blackbox.stepper.opening import opened
+from driftproof.blackbox.findings import BadInput, Increment, Misbehaviour
+from driftproof.blackbox.stepper.opening import Target, opened
 from driftproof.blackbox.stepper.wrappers import wrapper_line
 from tests.blackbox.stepper.styles import STYLES, keys_of, namespace
 from tests.blackbox.transcripts import summed
@@ -246,6 +246,81 @@ def test_a_class_that_changes_its_state_in_place_is_seen_to_remember_or_not(base
     names = namespace(CLASSES + euler + IN_PLACE.replace("BASE", base))
     for name in ("InPlace", "KeptInPlace"):
         assert f"def wrapped({head}): " in wrapper_line(names[name])
+
+
+def test_an_object_that_cannot_be_called_is_refused_with_the_wrapper_of_the_method_that_makes_its_step():
+    names = namespace(CLASSES)
+    for found in (names["Ball"](), names["Kept"](None, [1.0], 0.1)):
+        with pytest.raises(
+            BadInput, match=f"is {type(found).__name__}, which cannot be called; its .* makes the step"
+        ) as caught:
+            Target(found).open()
+    assert str(caught.value).endswith('wrapped = stepper_of(lambda: Kept(...), state="y", advance="advance")')
+    with pytest.raises(BadInput, match=re.escape(f"write: {WRAPPED['Ball']}")):
+        Target(names["Ball"]()).open()
+
+
+@pytest.mark.parametrize(
+    ("code", "shown"),
+    [
+        ("class Bare:\n    def run(self, dt): pass", 'Bare, position="POSITION", velocity="VELOCITY", advance="run")'),
+        ("class Bare:\n    pass", 'velocity="VELOCITY", advance="STEP")'),
+        ("def bare(one, two): pass", "): return bare(ONE, TWO)  # y at t + h"),
+    ],
+)
+def test_a_refusal_without_a_known_wrapper_is_short_and_shows_what_to_fill_in(code, shown):
+    with pytest.raises(BadInput, match=re.escape(shown)) as caught:
+        opened(list(namespace(code).values())[-1])
+    assert len(str(caught.value)) < 250
+
+
+WORLD = """
+class Body:
+    def __init__(self, x, y, vx, vy, m):
+        self.x, self.y, self.vx, self.vy, self.mass = x, y, vx, vy, m
+
+class World:
+    def __init__(self, bodies, g=-9.81):
+        self.bodies, self.g = bodies, g
+    def step(self, dt):
+        for b in self.bodies:
+            b.vy += self.g * dt
+            b.x, b.y = b.x + b.vx * dt, b.y + b.vy * dt
+"""
+
+
+def test_a_world_made_from_bodies_is_refused_with_a_wrapper_of_one_body_that_works():
+    names = namespace(WORLD)
+    for found in (names["World"], names["World"]([])):
+        with pytest.raises(BadInput, match=r"write: .*World\(\[Body\(") as caught:
+            Target(found).open()
+        exec(str(caught.value).partition("write: ")[2], names)
+        assert keys_of(names["wrapped"])[0] == "symplectic_euler"
+
+
+LISTS = """
+def bdf2(f, t, ys, h):
+    y = ys[-1]
+    for _ in range(60):
+        y = 4 / 3 * ys[-1] - 1 / 3 * ys[-2] + 2 / 3 * h * f(t + h, y)
+    return y
+
+def adams_bashforth2(f, t, states, h):
+    return states[-1] + h / 2 * (3 * f(t, states[-1]) - f(t - h, states[-2]))
+
+def adams_bashforth3(f, t, history, dt):
+    first, second, third = history[:3]
+    return first + dt / 12 * (23 * f(t, first) - 16 * f(t - dt, second) + 5 * f(t - 2 * dt, third))
+"""
+
+
+@pytest.mark.parametrize("name", ["bdf2", "adams_bashforth2", "adams_bashforth3"])
+def test_a_step_that_takes_a_list_of_states_is_refused_with_a_run_of_n_steps_that_works(name):
+    names = namespace(LISTS)
+    with pytest.raises(BadInput, match="write: def wrapped") as caught:
+        opened(names[name])
+    exec(str(caught.value).partition("write: ")[2], names)
+    assert read_family(opened(names["wrapped"])).key == name
 
 
 @pytest.mark.parametrize("parameters", ["", ", f, omega2, mode", ", force, h", ", force, q0, v0, h"])
