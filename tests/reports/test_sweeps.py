@@ -171,5 +171,6 @@ def test_scheduler_that_goes_away_is_told_of_in_one_line_and_the_answers_are_kep
             time.sleep(0.1)
         scheduler.kill()
         out, err = running.communicate(timeout=60)
-    assert (running.returncode, out, err) == (2, "", f"driftproof sweep: the connection to the cluster at {address} was lost\n")
+    lost = f"driftproof sweep: the connection to the cluster at {address} was lost\n"
+    assert (running.returncode, out, err) == (2, "", lost)
     assert path.read_bytes().count(b"\n") == 3
