@@ -60,9 +60,14 @@ class Ledger:
         return entry.evidence if entry and outcome == "passed" else outcome
 
     @property
+    def required(self) -> list[str]:
+        """The claims of the lesson that need a proof, then those about the toolkit."""
+        return [claim for claims in required_claims(self.entries) for claim in claims]
+
+    @property
     def missing(self) -> list[str]:
         """The required claims that no collected test proves."""
-        return [claim for claims in required_claims(self.entries) for claim in claims if claim not in self.entries]
+        return [claim for claim in self.required if claim not in self.entries]
 
     @property
     def complete(self) -> bool:
@@ -70,8 +75,7 @@ class Ledger:
 
         A test without a claim may be skipped: two compare with the lesson's own list, which a clone may lack.
         """
-        lesson, toolkit = required_claims(self.entries)
-        return all(self.standing(claim) in EVIDENCE for claim in (*lesson, *toolkit)) and all(
+        return all(self.standing(claim) in EVIDENCE for claim in self.required) and all(
             self.outcomes.get(test) in ("passed", "skipped") for test in self.tests
         )
 
@@ -90,8 +94,7 @@ class Ledger:
         """The table for a terminal of `width` columns, then the claims that were not run, and the totals."""
         rows = [["claim", "evidence", "technique", "statement"]]
         used = max(len(entry.technique) for entry in self.entries.values()) + 23  # the other columns and the gaps
-        required = [claim for claims in required_claims(self.entries) for claim in claims]
-        for claim in required:
+        for claim in self.required:
             if entry := self.entries.get(claim):
                 statement = textwrap.shorten(entry.statement, max(width - used, SHORTEST), placeholder=" …")
                 rows.append([claim, self.standing(claim), entry.technique, statement])
