@@ -16,6 +16,7 @@ exclude_patterns = ["_build"]
 html_theme = "pydata_sphinx_theme"
 html_title = f"driftproof {release}"
 html_theme_options = {"show_toc_level": 2, "navigation_with_keys": False, "secondary_sidebar_items": ["page-toc"]}
+html_sidebars = {"api": []}  # its sections are all on the page
 html_show_sourcelink = False
 html_static_path = ["static"]
 html_css_files = ["site.css"]
