@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from driftproof import __version__
-from driftproof.cli import CUT_SHORT, INTERRUPTED, LOST
+from driftproof.cli import CUT_SHORT, INTERRUPTED, LOST, main
 from driftproof.commands.arguments import BAD_INPUT, NO_ANSWER
 from driftproof.commands.listing import COMMANDS, command_named
 from driftproof.support import plain_text
@@ -54,6 +54,11 @@ def test_what_goes_wrong_while_answering_gets_one_line_too(error, status, line, 
 
     monkeypatch.setattr(plain_text, "table", broken)
     assert run("methods") == (status, "", f"driftproof methods: {line}\n")
+
+
+def test_a_complaint_that_nobody_can_read_leaves_its_status(monkeypatch):
+    monkeypatch.setattr(sys, "stderr", None)
+    assert main(["stepp"]) == BAD_INPUT
 
 
 def test_defect_of_the_program_is_not_dressed_as_bad_input(run, monkeypatch):
