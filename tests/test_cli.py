@@ -19,8 +19,6 @@ from tests.looping import some
 
 ROOT = Path(__file__).parents[1]
 DRIFTPROOF = (sys.executable, "-m", "driftproof")
-
-
 GONE = "the answer is lost: standard output"
 REFUSED = {
     (): "driftproof: give a command (`driftproof --help` lists the commands)\n",
@@ -257,8 +255,6 @@ def test_version_is_the_package_version(answer):
 
 
 HEAVY = {"sympy", "flint", "numpy", "numba", "hypothesis", "tqdm", "jinja2", "mpmath", "distributed"}
-
-
 HELP_LOADS = {"driftproof", "driftproof.cli", "driftproof.commands", "driftproof.commands.listing"}
 
 

@@ -18,3 +18,5 @@ def test_progress_bar_is_for_long_runs_on_a_terminal_only(monkeypatch):
     assert not isinstance(bar, range)
     assert len(bar) == progress.LONG_RUN
     bar.close()
+    with progress.progress_bar(3, "point") as bar:
+        assert (bar.total, bar.unit) == (3, "point")

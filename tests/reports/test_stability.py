@@ -24,7 +24,8 @@ def test_limits_proved_and_seen_stand_side_by_side(answer):
     out = answer("stability", "stiff_oscillator", "--methods", "rk4,symplectic_euler,radau_iia2", "--h", "1/400")
     assert "h <= sqrt(2)/500 = 0.0028284271..." in out
     assert "h < 1/500 = 0.002" in out
-    assert "every h > 0" in out
+    assert re.search(r"\nradau_iia2 +every h > 0 +up to \S+, the largest tried ", out)
+    assert re.search(r"\nrk4 .* up to 0\.002828427\d+ ", out)
 
 
 def test_powers_of_ten_are_not_cut_off(answer):

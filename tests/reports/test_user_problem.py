@@ -80,7 +80,8 @@ def test_a_problem_may_be_a_dict_with_a_function_of_python(tmp_path):
 
 @pytest.mark.parametrize("key", ["harmonic_oscillator", "pendulum", "henon_heiles"])
 def test_stored_digits_come_out_and_a_wrong_one_is_noticed(key):
-    problem = PROBLEMS[key]
+    problem = problem_given(problem_given(key))
+    assert problem is PROBLEMS[key]
     stored = first(problem.reference, 1)
     found = enclosed_reference(problem.field, problem.start, stored.times)
     assert differing(found, stored) == []
@@ -147,10 +148,6 @@ def test_parameters_of_a_function_are_its_keywords(tmp_path, monkeypatch):
     file.write_text(file.read_text().replace("parameters.c", "parameters.k"))
     with pytest.raises(Refused, match="unexpected keyword argument 'k'"):
         problem_given(str(file))
-
-
-def test_key_is_a_problem_of_ours():
-    assert problem_given("kepler") is problem_given(PROBLEMS["kepler"]) is PROBLEMS["kepler"]
 
 
 def test_bits_are_added_until_the_digits_are_settled_and_no_more_often_than_so(monkeypatch):

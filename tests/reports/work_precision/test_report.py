@@ -25,6 +25,7 @@ from driftproof.reports.work_precision.report import (
     write_study,
 )
 from driftproof.reports.work_precision.study import Measured, measure, timing_name
+from tests.looping import some
 from tests.reports.studies import study, unheard
 
 
@@ -97,6 +98,7 @@ def test_json_and_csv_hold_every_point(tmp_path: Path) -> None:
     assert sum(len(curve["points"]) for curve in errors["curves"]) == len(points)
     kinds = {name.split(" | ")[1] for name in times["timings"]}
     assert set(times["timings"]) == {timing_name(key, kind, setting) for key, setting in points for kind in kinds}
+    assert all(timing["samples"] for timing in some(times["timings"].values()))
     assert times["question"]["machine"]
     assert "numpy" in times["question"]["versions"]
 

@@ -21,8 +21,6 @@ from driftproof.texts.readers.document import Document, document_of, read_docume
 
 ROOT = Path(__file__).parents[3]
 SPRING = ROOT / "examples" / "text" / "spring.md"
-
-
 TODO = re.compile(r"(?m)^# (?:TODO\n)?(?=\[\[claim|id =|phrase =|count =|given =)|^# TODO\n")
 
 
