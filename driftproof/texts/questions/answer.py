@@ -130,9 +130,9 @@ def as_printed(entry: dict[str, Any]) -> Answer:
 
     More digits than it decides raise ValueError.
     """
-    from flint import arb, ctx, fmpq
+    from flint import ctx
 
-    from driftproof.symbolic.algebra.certified import FIRST_BITS
+    from driftproof.symbolic.algebra.certified import FIRST_BITS, enclose
 
     mantissa, _, exponent = entry["decimal"].partition("e")
     places = len(mantissa.partition(".")[2]) - int(exponent or 0)
@@ -141,8 +141,7 @@ def as_printed(entry: dict[str, Any]) -> Answer:
     def enclosure() -> arb:
         if ctx.prec > FIRST_BITS:
             raise ValueError(f"only its decimal {entry['decimal']} is published, which does not determine more digits")
-        low, high = (arb(fmpq(x.numerator, x.denominator)) for x in (middle - half, middle + half))
-        return low.union(high)
+        return enclose(middle - half).union(enclose(middle + half))
 
     return Answer("", enclosure, entry["evidence"])
 
