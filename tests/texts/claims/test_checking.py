@@ -145,6 +145,9 @@ def test_numbers_that_run_together_are_counted_one_by_one() -> None:
     document = document_of("RK40.25-0.12516")
     counts = coverage(document, check_claims(document, parse_claims(text.encode()).claims)).counts
     assert (counts[WORKED_OUT], counts[LABEL], counts[UNCOVERED]) == (3, 1, 0)
+    named = parse_claims(b'[[claim]]\nid="a"\nphrase="is {value} here"\nvalue="title rk4"').claims
+    document = document_of("It is Classical RK4 here, 5.")
+    assert [one.number.text for one in coverage(document, check_claims(document, named)).numbers] == ["5"]
 
 
 # Question, spelled how, a text that is right, one that is not: what is expected there, and what is found.

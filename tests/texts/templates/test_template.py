@@ -80,9 +80,7 @@ def test_problem_of_an_included_template_names_that_one(become: Become) -> None:
 
 def test_value_that_is_not_proved_is_refused(become: Become, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(module, "value", lambda _: Answer("x", Fraction(1), "FUZZED"))
-    with pytest.raises(
-        TemplateProblem, match=r"line 1, column 11: 'x' is only FUZZED; templates print only what is proved"
-    ):
+    with pytest.raises(TemplateProblem, match=r"line 1, column 11: 'x' is only FUZZED; templates print only what is"):
         become('{{ value("x") | digits(2) }}')
 
 
