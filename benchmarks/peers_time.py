@@ -10,6 +10,7 @@ are left out where they are not installed, and so are we without numba.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
+from importlib.metadata import version
 from importlib.util import find_spec
 from math import cos, hypot, sin
 from time import perf_counter
@@ -136,4 +137,4 @@ def sections(rounds: int) -> Iterator[Section]:
 def installed() -> dict[str, str]:
     """The peers that can be had here, with their versions."""
     asked = {who.partition(",")[0] for faster in TIMES_FASTER.values() for who in faster}
-    return {name: peer.version for name, peer in PEERS.items() if name in asked and peer.installed}
+    return {name: version(name) for name, peer in PEERS.items() if name in asked and peer.installed}

@@ -10,8 +10,7 @@ from pathlib import Path
 import pytest
 
 from driftproof import __version__
-from driftproof.cli import CUT_SHORT, INTERRUPTED, LOST
-from driftproof.commands.arguments import BAD_INPUT, NO_ANSWER
+from driftproof.cli import main
 from driftproof.commands.listing import COMMANDS, command_named
 from driftproof.support import plain_text
 from driftproof.texts.values.published import VALUES_FILE
@@ -19,8 +18,6 @@ from tests.looping import some
 
 ROOT = Path(__file__).parents[1]
 DRIFTPROOF = (sys.executable, "-m", "driftproof")
-
-
 GONE = "the answer is lost: standard output"
 REFUSED = {
     (): "driftproof: give a command (`driftproof --help` lists the commands)\n",
@@ -40,11 +37,11 @@ def test_what_cannot_be_understood_gets_one_line(arguments, refusal):
 @pytest.mark.parametrize(
     ("error", "status", "line"),
     [
-        (ValueError("one\n  two\n"), BAD_INPUT, "one two"),
-        (FileNotFoundError(2, "No such file", "x.toml"), BAD_INPUT, "x.toml: No such file"),
-        (OSError("odd"), BAD_INPUT, "odd"),
-        (ArithmeticError("too long"), NO_ANSWER, "too long"),
-        (KeyboardInterrupt(), INTERRUPTED, "interrupted"),
+        (ValueError("one\n  two\n"), 2, "one two"),
+        (FileNotFoundError(2, "No such file", "x.toml"), 2, "x.toml: No such file"),
+        (OSError("odd"), 2, "odd"),
+        (ArithmeticError("too long"), 3, "too long"),
+        (KeyboardInterrupt(), 130, "interrupted"),
     ],
     ids=lambda value: type(value).__name__,
 )
@@ -54,6 +51,11 @@ def test_what_goes_wrong_while_answering_gets_one_line_too(error, status, line, 
 
     monkeypatch.setattr(plain_text, "table", broken)
     assert run("methods") == (status, "", f"driftproof methods: {line}\n")
+
+
+def test_a_complaint_that_nobody_can_read_leaves_its_status(monkeypatch):
+    monkeypatch.setattr(sys, "stderr", None)
+    assert main(["stepp"]) == 2
 
 
 def test_defect_of_the_program_is_not_dressed_as_bad_input(run, monkeypatch):
@@ -67,7 +69,7 @@ def test_real_process_has_the_same_manners_and_nobody_has_to_read_its_answer(tmp
         return subprocess.run([*DRIFTPROOF, *words], cwd=ROOT, stderr=subprocess.PIPE, text=True, timeout=60, **how)
 
     done = process("step", "rk5", "--h", "1/2", stdout=subprocess.PIPE)
-    assert (done.returncode, done.stdout, done.stderr.count("\n")) == (BAD_INPUT, "", 1)
+    assert (done.returncode, done.stdout, done.stderr.count("\n")) == (2, "", 1)
     for name, number in (("old.json", 1), ("new.json", 2)):
         number = {"exact": str(number), "decimal": str(number)}
         (tmp_path / name).write_text(json.dumps({"values": {"x": number}}), encoding="utf-8")
@@ -75,7 +77,7 @@ def test_real_process_has_the_same_manners_and_nobody_has_to_read_its_answer(tmp
     os.close(read)
     done = process("diff", str(tmp_path / "old.json"), str(tmp_path / "new.json"), stdout=write)
     os.close(write)
-    assert (done.returncode, done.stderr) == (CUT_SHORT, ""), "as head leaves it"
+    assert (done.returncode, done.stderr) == (141, ""), "as head leaves it"
 
 
 @pytest.mark.parametrize("words", [["--version"], ["--help"], ["run", "--help"], ["step", "rk4", "--h", "1/2"]])
@@ -83,7 +85,7 @@ def test_real_process_has_the_same_manners_and_nobody_has_to_read_its_answer(tmp
 def test_answer_that_is_lost_is_no_success(words, to, why):
     command = f"{shlex.join([*DRIFTPROOF, *words])} {to}"
     done = subprocess.run(["/bin/sh", "-c", command], cwd=ROOT, capture_output=True, text=True, timeout=60)
-    assert done.returncode == LOST
+    assert done.returncode == 3
     assert done.stderr.count("\n") == 1
     assert GONE in done.stderr
     assert why in done.stderr
@@ -101,7 +103,7 @@ def test_interrupt_while_something_is_imported_gets_one_line(module, run, monkey
     monkeypatch.setattr("builtins.__import__", interrupted)
     found = run("derive", "rk4")
     monkeypatch.undo()
-    assert found == (INTERRUPTED, "", "driftproof derive: interrupted\n")
+    assert found == (130, "", "driftproof derive: interrupted\n")
 
 
 def test_links_in_a_circle_are_refused_by_name(refusal, tmp_path):
@@ -252,8 +254,6 @@ def test_version_is_the_package_version(answer):
 
 
 HEAVY = {"sympy", "flint", "numpy", "numba", "hypothesis", "tqdm", "jinja2", "mpmath", "distributed"}
-
-
 HELP_LOADS = {"driftproof", "driftproof.cli", "driftproof.commands", "driftproof.commands.listing"}
 
 

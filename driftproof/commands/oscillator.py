@@ -5,12 +5,13 @@ from __future__ import annotations
 from argparse import Namespace
 
 from driftproof.commands import arguments as cli
+from driftproof.support.plain_text import DIGITS_UNASKED
 
 QUESTION = (
     cli.METHOD,
     cli.option("--h", "step size, such as 1/4 or 0.25", type=cli.nonzero_step, required=True),
     cli.option("--state", "start: position,velocity (default 1,0)", type=cli.initial_state, default="1,0"),
-    cli.digits_option("significant digits (default 15)", default=15),
+    cli.digits_option("significant digits (default 15)", default=DIGITS_UNASKED),
     cli.option("--rounding", "how ties are rounded", choices=("half-even", "half-away"), default="half-even"),
     cli.TEXT_OR_JSON,
 )

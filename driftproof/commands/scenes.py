@@ -6,9 +6,10 @@ from argparse import Namespace
 from pathlib import Path
 
 from driftproof.commands import arguments as cli
+from driftproof.support.plain_text import DIGITS_UNASKED
 
 MOST_WORKERS = 1024
-CERTIFIED_DIGITS = cli.digits_option("digits of certified readouts (default 15)", default=15)
+CERTIFIED_DIGITS = cli.digits_option("digits of certified readouts (default 15)", default=DIGITS_UNASKED)
 
 
 @cli.command(

@@ -133,18 +133,22 @@ def check_command(options: Namespace) -> str:
     from driftproof.support.plain_text import as_json
     from driftproof.texts.claims.report import TextReport, check, texts_with_claims
 
-    cli.refuse(options, () if options.run else ("time_limit",), "without --run")
-    if options.init and (options.run or options.coverage or options.format != "text"):
-        raise ValueError("--run, --coverage and --format have no effect with --init")
-    if (options.init or options.claims) and (len(options.text) > 1 or options.text[0].is_dir()):
+    if not options.run:
+        cli.refuse(options, ("time_limit",), "without --run")
+    text, *others = options.text
+    if (options.init or options.claims) and (others or text.is_dir()):
         raise ValueError("--init and --claims take one text; each of several texts has a claims file of its own")
     if options.init:
-        return str(check(options.text[0], init=True, ask=options.ask))
-    how = {name: x for name in ("ask", "coverage", "run", "time_limit") if (x := getattr(options, name)) is not None}
-    texts = options.text if options.claims else [text for given in options.text for text in texts_with_claims(given)]
-    reports: list[TextReport] = [check(text, options.claims, **how) for text in with_progress(texts, "text")]
-    listed = options.format == "json" and len(reports) > 1
-    shown = as_json([x.as_dict() for x in reports]) if listed else "\n".join(x.written(options.format) for x in reports)
+        if options.run or options.coverage or options.format != "text":
+            raise ValueError("--run, --coverage and --format have no effect with --init")
+        return str(check(text, init=True, ask=options.ask))
+    texts = [text] if options.claims else [found for given in options.text for found in texts_with_claims(given)]
+    asked = {name: getattr(options, name) for name in ("claims", "ask", "coverage", "run")}
+    limit = {} if options.time_limit is None else {"time_limit": options.time_limit}
+    reports: list[TextReport] = [check(each, **asked, **limit) for each in with_progress(texts, "text")]
+    written = "\n".join(report.written(options.format) for report in reports)
+    if options.format == "json" and len(reports) > 1:
+        written = as_json([report.as_dict() for report in reports])
     if not all(report.passed for report in reports):
-        raise cli.Refuted(shown)
-    return shown
+        raise cli.Refuted(written)
+    return written

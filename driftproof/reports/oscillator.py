@@ -9,7 +9,7 @@ from driftproof.methods.rationals import ExactNumber, GivenState, exact_number, 
 from driftproof.methods.schemes import Method
 from driftproof.methods.tableau_file import method_of
 from driftproof.reports.progress import count_steps
-from driftproof.support.plain_text import Json, as_json
+from driftproof.support.plain_text import DIGITS_UNASKED, Json, as_json
 from driftproof.support.results import Printable
 from driftproof.symbolic.algebra.certified import HALF_EVEN
 from driftproof.symbolic.runs import OscillatorRun
@@ -23,7 +23,7 @@ class RunAnswer(Printable, OscillatorRun):
     `budget` holds the error of the same run in floats, if it was asked for.
     """
 
-    digits: int = 15
+    digits: int = DIGITS_UNASKED
     rounding: str = HALF_EVEN
     budget: Json | None = None
     one_step: bool = False
@@ -45,7 +45,7 @@ def step(
     h: ExactNumber,
     *,
     state: GivenState = (1, 0),
-    digits: int = 15,
+    digits: int = DIGITS_UNASKED,
     rounding: str = HALF_EVEN,
 ) -> RunAnswer:
     """One step of q' = v, v' = -q by a method, given as its key or name, a .toml file, or itself. Raises ValueError.
@@ -64,7 +64,7 @@ def run(
     t: ExactNumber,
     *,
     state: GivenState = (1, 0),
-    digits: int = 15,
+    digits: int = DIGITS_UNASKED,
     rounding: str = HALF_EVEN,
     budget: bool = False,
 ) -> RunAnswer:

@@ -21,7 +21,7 @@ from driftproof.symbolic.linear.oscillator import oscillator_matrix
 from driftproof.symbolic.rounding.fixed_step_bound import fixed_step_bound
 from driftproof.symbolic.rounding.formats import BINARY64, FORMATS, FloatFormat
 from driftproof.symbolic.rounding.n_steps_bound import HypothesisFails, largest_safe_state, run_bound, safe_state_text
-from driftproof.symbolic.rounding.step_bound import StepBound, StepOrMethod, step_bound, step_with_stored_coefficients
+from driftproof.symbolic.rounding.step_bound import StepBound, step_bound, step_with_stored_coefficients
 from driftproof.symbolic.rounding.text import first_order_text, format_text, full_text
 from driftproof.symbolic.runs import OscillatorRun, exact_matrix_at
 from driftproof.texts.writing.answers import exact_and_decimal
@@ -55,7 +55,7 @@ def roundoff(
     if float not in FORMATS:
         raise ValueError(f"unknown number format {float!r}; choose from {', '.join(FORMATS)}")
     method, fmt, steps = method_of(method), FORMATS[float], steps_of(h)
-    subject = _program(method) if fmt == BINARY64 else method
+    subject = (hand_written(method) if fmt == BINARY64 else None) or method
     bound = step_bound(subject, fmt)
     answer = {
         "method": method.key,
@@ -69,11 +69,6 @@ def roundoff(
         "at": [_at(method, subject, bound, fmt.nearest(size)) for size in steps],
     }
     return Answered(answer, roundoff_text, bound)
-
-
-def _program(method: Method) -> StepOrMethod:
-    """The program of a binary64 run: the hand-written step, or the method itself for the generic one."""
-    return hand_written(method) or method
 
 
 def _at(method: Method, subject: Any, bound: StepBound, h: Fraction) -> Json:
@@ -140,7 +135,7 @@ def _in_u(value: CertifiableReal) -> CertifiableReal:
 
 def _theorem(method: Method, h: Fraction, steps: int, start: tuple[Fraction, Fraction]) -> Json:
     try:
-        bound = run_bound(_program(method), h, steps, start).euclidean
+        bound = run_bound(hand_written(method) or method, h, steps, start).euclidean
     except HypothesisFails as reason:
         return {"value": None, "reason": str(reason)}
     return {"value": exact_and_decimal(bound, BOUND_DIGITS, AWAY), "in_u": _in_units(bound, BINARY64)}

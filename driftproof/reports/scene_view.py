@@ -120,9 +120,7 @@ _components = _pair(lambda x: with_digits(x, _DIGITS))
 _SHOWN_OF_PROBLEM: dict[str, tuple[str, Callable[[Any], str]]] = {
     "final_state": ("Numerical y", _components),
     "exact_state": ("Exact y", _components),
-    "state_error": ("State error", short),
-    "energy": ("Final energy", short),
-    "energy_change": ("Energy change", short),
+    **{name: (_SHOWN[name][0], short) for name in ("state_error", "energy", "energy_change")},
     "evaluations": ("Evaluations of f", str),
 }
 

@@ -11,7 +11,7 @@ from driftproof.numeric.scenes import FIGURES, PRESETS, TABLE, Scene, scene_name
 from driftproof.reports.progress import count_steps
 from driftproof.reports.scene_view import scene_json, scene_text, show_scene
 from driftproof.support.files import require_folder
-from driftproof.support.plain_text import table
+from driftproof.support.plain_text import DIGITS_UNASKED, table
 from driftproof.support.results import Answered
 
 
@@ -30,7 +30,7 @@ def scene(
     name: str | Path | Scene | None = None,
     *,
     methods: GivenMethods = (),
-    digits: int = 15,
+    digits: int = DIGITS_UNASKED,
     figures: str | Path | None = None,
 ) -> Answered:
     """A preset, or a scene of your own, run in floats: the readouts, certified readouts and table that it asks for.
@@ -51,7 +51,7 @@ def scene(
     about = scene_given(name)
     if keys := tuple(names_of(methods)):
         about = replace(about, selected=keys[0], methods=keys, panels=tuple(dict.fromkeys((*about.panels, TABLE))))
-    if digits != 15 and not about.certified:
+    if digits != DIGITS_UNASKED and not about.certified:
         raise ValueError(f"digits are for certified readouts, and scene {about.name!r} has none")
     if figures is not None:
         if not {*FIGURES} & {*about.panels}:

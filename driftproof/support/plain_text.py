@@ -10,6 +10,8 @@ from typing import Any, TypeAlias
 Json: TypeAlias = Any
 # A float of this size or more is shown with an exponent.
 LARGEST_PLAIN = 1e9
+# Significant digits of a decimal if the caller names no length.
+DIGITS_UNASKED = 15
 
 # Characters that a terminal obeys instead of showing them: control characters other than tab and newline, directions of
 # writing, line separators. Also lone surrogates, which stand for bytes of file names that are not UTF-8: no output

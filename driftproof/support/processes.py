@@ -170,9 +170,8 @@ class Session:
         os.set_blocking(self._requests[1], False)
         limit = monotonic() + START_UP
         with suppress(BrokenPipeError):
-            while rest and monotonic() < limit:
-                if ready(START_UP, writable=self._requests[1]):
-                    rest = rest[os.write(self._requests[1], rest) :]
+            while rest and ready(limit - monotonic(), writable=self._requests[1]):
+                rest = rest[os.write(self._requests[1], rest) :]
 
     def _received(self, seconds: float) -> dict[str, Json]:
         """The next message of the worker, a JSON object in one line. Raises ProcessEnded."""

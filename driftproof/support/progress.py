@@ -22,8 +22,7 @@ _STAGES: list[Stage] = []
 
 def on_terminal(stream: TextIO | None = None) -> bool:
     """True if the stream, by default standard error, is a terminal."""
-    stream = stream or sys.stderr
-    return stream is not None and stream.isatty()
+    return bool((shown := stream or sys.stderr) and shown.isatty())
 
 
 @contextmanager

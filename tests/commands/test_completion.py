@@ -29,6 +29,7 @@ def test_bash_offers(typed, answer):
 def test_other_shells_know_every_command(answer):
     assert answer("completion", "zsh") == f"autoload -U bashcompinit && bashcompinit\n{answer('completion', 'bash')}"
     fish = answer("completion", "fish")
+    assert f"-n '__fish_use_subcommand' -a '{' '.join(COMMANDS)}'\n" in fish
     assert all(f"__fish_seen_subcommand_from {name}'" in fish for name in some(COMMANDS, 15))
     assert "-n '__fish_seen_subcommand_from facts' -l format -xa 'text json tex'" in fish
     assert "-n '__fish_seen_subcommand_from completion' -a 'bash zsh fish'" in fish

@@ -23,6 +23,7 @@ def test_list_names_every_method_and_every_family(answer):
     head, *rows = answer("methods").splitlines()
     assert head.split() == ["method", "family", "order", "title", "source"]
     assert [row.split()[0] for row in rows] == [*METHODS, *FACTS_ONLY, *FAMILIES]
+    assert rows[0][: head.index("order") + 5].endswith("    1"), "numbers to the right"
     assert "Runge-Kutta in gamma" in next(row for row in rows if row.startswith("sdirk_order_2"))
 
 

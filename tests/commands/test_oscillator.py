@@ -38,8 +38,9 @@ def found(answer):
     return lambda *words: json.loads(answer(*words, "--format", "json"))
 
 
-def test_step_prints_fractions_with_decimals(answer):
+def test_step_prints_fractions_with_decimals_and_run_every_certified_readout(answer):
     assert answer("step", "rk4", "--h", "1/2", "--state", "1,0") == STEP
+    assert answer("run", "forward_euler", "--h", "1/4", "--t", "10", "--digits", "30") == RUN
 
 
 def test_step_as_json_has_every_number_as_a_string(found):
@@ -69,10 +70,6 @@ def test_huge_exact_fractions_are_printed_and_not_refused(found):
     energy = found("step", "rk4", "--h", "1/2", "--state", "1e1200,1e-1200")["energy"]
     assert len(energy["exact"]) > 4300  # Python's own limit for printing an integer
     assert energy["decimal"] == "4.99894883897569e2399"
-
-
-def test_run_prints_every_certified_readout(answer):
-    assert answer("run", "forward_euler", "--h", "1/4", "--t", "10", "--digits", "30") == RUN
 
 
 def test_run_as_json_has_units_counts_and_undefined_as_null(found, answer):

@@ -1,11 +1,9 @@
 """A TOML tableau of a user's own works wherever a key does, and is never taken for the method whose key it has."""
 
 import json
-from fractions import Fraction
 
 import pytest
 
-from driftproof import OscillatorRun, derive, read_method, value
 from driftproof.cli import main
 from tests.looping import exactly
 
@@ -123,13 +121,6 @@ def test_a_sweep_goes_on_only_with_the_same_table_and_problem_in_the_files_that_
     (folder / edited).write_text((folder / edited).read_text().replace(*EDITED[edited]))
     assert main(asked) == 2
     assert "kept.jsonl belongs to another sweep; name another file, or delete it" in capsys.readouterr().err
-
-
-def test_python_takes_it():
-    method = read_method("mine.toml")
-    assert OscillatorRun(method, Fraction(1, 2), Fraction(1, 2)).final_state[0] == Fraction(7, 8)
-    assert derive("mine.toml").determinant.value == derive(method).determinant.value
-    assert value("step mine.toml h=1/2 : q").exact == Fraction(7, 8)
 
 
 def test_a_file_that_is_named_as_a_method_of_ours_is_another_method(folder, capsys):

@@ -18,30 +18,10 @@ from tests.looping import some
 ROOT = Path(__file__).parents[2]
 
 
-def test_list_names_every_scene(answer):
-    assert [line.split() for line in answer("scenes").splitlines()[1:]] == [
-        ["default", "forward_euler", "1/4", "10", "40"],
-        ["small_steps", "forward_euler", "1/10", "10", "100"],
-        ["compare", "forward_euler", "1/2", "10", "20"],
-        ["stability_boundary", "symplectic_euler", "2", "10", "5"],
-    ]
-
-
-def test_scene_shows_the_state_after_the_boundary_run(answer):
-    found = json.loads(answer("scene", "stability_boundary", "--format", "json"))
-    assert found["readouts"]["final_state"] == ["-11.0", "-10.0"]
-
-
 def test_scene_compares_the_methods_that_are_named(answer):
     shown = answer("scene", "default", "--methods", "implicit_midpoint,rk4")
     assert shown.startswith("default: Implicit midpoint")
     assert [line.split()[0] for line in shown.splitlines()[-2:]] == ["Implicit", "Classical"]
-
-
-def test_scene_figures_are_written_where_asked(answer, tmp_path):
-    folder = tmp_path / "new" / "folder"
-    assert answer("scene", "compare", "--figures", str(folder)).endswith(f"wrote {folder}/compare_phase_plane.svg\n")
-    assert len(list(folder.iterdir())) == 2
 
 
 def test_figures_of_a_scene_that_draws_none_are_refused(refusal, tmp_path):
@@ -117,12 +97,6 @@ def test_interrupt_of_a_sweep_is_one_line_and_leaves_the_answers_and_no_process(
             return
         time.sleep(0.1)
     raise AssertionError(f"processes in the states {left} are left")
-
-
-def test_report_says_where_it_is(answer, tmp_path):
-    page = tmp_path / "page.html"
-    assert answer("report", "default", "-o", str(page)) == f"wrote {page}\n"
-    assert page.read_text(encoding="utf-8").startswith("<!DOCTYPE html>")
 
 
 REFUSED = {

@@ -45,6 +45,8 @@ def test_report_is_in_the_format_asked_for(command, run, monkeypatch):
     assert run(command, "mine:step", *words, "--format", "markdown") == (not Report.passed, "as markdown\n", "")
     if words:
         assert run("identify", "mine:step", *words) == (1, "as text\n", "")
+    monkeypatch.setattr("driftproof.blackbox.solvers.identify_solver.identify_solver", lambda step, time_limit: Report)
+    assert run("identify", "mine:solve", "--solver") == (not Report.answered, "as text\n", "")
 
 
 @pytest.mark.parametrize(("answered", "status"), [(True, 0), (False, 1), (None, 3)])

@@ -4,6 +4,7 @@ import pytest
 
 from driftproof import METHODS, Facts, facts
 from driftproof.reports.fact_sheet import FactSheet
+from driftproof.symbolic.family_facts import FAMILY_FACTS
 
 
 def test_only_what_is_asked_for_is_derived():
@@ -23,5 +24,6 @@ def test_facts_of_a_method_are_its_typed_facts():
     assert (found.method, found.terms, found.order_to_tolerance.order) == (METHODS["trapezoid"], 4, 2)
     assert facts("trapezoid").order_to_tolerance is None
     assert "Everything else" in found.written("text", everything=True)
+    assert [*facts("sdirk_order_2").shown] == [*FAMILY_FACTS]
     assert facts("rk4", system=[[0, 1], [-1, 0]]).written("text").startswith("method ")
     assert found.written("tex").startswith(r"\begin{tabular}")

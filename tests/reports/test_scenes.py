@@ -7,15 +7,20 @@ from tests.looping import some
 
 
 def test_a_scene_has_its_numbers_as_numbers(tmp_path):
-    shown = scene("stability_boundary", figures=tmp_path)
+    shown = scene("stability_boundary", figures=(folder := tmp_path / "new" / "folder"))
     assert shown.found["readouts"]["final_state"] == (-11.0, -10.0)
     assert shown["readouts"]["final_state"] == ["-11.0", "-10.0"]
-    assert all(f"wrote {path}" in str(shown) for path in sorted(tmp_path.iterdir()))
+    assert all(f"wrote {path}" in str(shown) for path in some(folder.iterdir()))
 
 
 def test_without_a_name_the_presets_are_listed_numbers_to_the_right():
     _, *lines = str(scene()).splitlines()
-    assert lines[0].split() == ["default", "forward_euler", "1/4", "10", "40"]
+    assert [line.split() for line in lines] == [
+        ["default", "forward_euler", "1/4", "10", "40"],
+        ["small_steps", "forward_euler", "1/10", "10", "100"],
+        ["compare", "forward_euler", "1/2", "10", "20"],
+        ["stability_boundary", "symplectic_euler", "2", "10", "5"],
+    ]
     assert len({(line.rindex(" 10 "), len(line)) for line in lines}) == 1
 
 

@@ -7,6 +7,7 @@ from fractions import Fraction
 import pytest
 
 import driftproof
+from driftproof.methods.schemes import RungeKutta
 from driftproof.numeric.problems.catalogue import PROBLEMS
 from driftproof.reports.stability import stability_text
 from tests.looping import exactly
@@ -23,7 +24,8 @@ def test_limits_proved_and_seen_stand_side_by_side(answer):
     out = answer("stability", "stiff_oscillator", "--methods", "rk4,symplectic_euler,radau_iia2", "--h", "1/400")
     assert "h <= sqrt(2)/500 = 0.0028284271..." in out
     assert "h < 1/500 = 0.002" in out
-    assert "every h > 0" in out
+    assert re.search(r"\nradau_iia2 +every h > 0 +up to \S+, the largest tried ", out)
+    assert re.search(r"\nrk4 .* up to 0\.002828427\d+ ", out)
 
 
 def test_powers_of_ten_are_not_cut_off(answer):
@@ -75,6 +77,7 @@ def test_every_method_does_what_is_proved(stability):
     keys = "forward_euler,rk4,backward_euler,implicit_midpoint,radau_iia2,sdirk2,gauss2"
     verdicts = set()
     for entry in stability("dahlquist_1e3", keys):
+        assert [run["steps"] for run in entry["runs"]] == [10, 100, 1000]
         for run in entry["runs"]:
             verdicts.add(run["bounded"])
             assert run["lost"] is not run["bounded"], (entry["method"], run["h"])
@@ -121,6 +124,15 @@ def test_how_many_steps_follow_the_solution_stands_in_the_text_or_that_none_do()
     for fewest, shown in exactly(2, ((entry["fewest_steps"], str(entry["fewest_steps"])), (None, "none"))):
         entry["fewest_steps"] = fewest
         assert re.search(rf"^rk4 +{shown} +16384$", stability_text(found), re.MULTILINE)
+
+
+def test_what_is_not_decided_has_its_reason_and_no_verdict():
+    """R = 1 at every h, on x''' = -x'' - 5x' - x, whose real eigenvalue alone is decided."""
+    idle = RungeKutta("idle", "Idle", 0, "x", ((Fraction(0),),), (Fraction(0),), (Fraction(0),))
+    found = driftproof.stability({"rates": ["y1", "y2", "-y0 - 5*y1 - y2"], "start": [1, 0, 0], "end": 1}, [idle], h=1)
+    assert "bits do not tell whether" in found["methods"][0]["runs"][0]["bounded"]
+    lines = [line.split() for line in str(found).splitlines() if line.startswith("idle ")]
+    assert [" ".join(line[1:5]) for line in lines] == ["not decided: R(hλ)R(hμ) =", "1 1 not decided"]
 
 
 def test_a_state_too_far_from_the_solution_for_floats_is_lost_and_no_crash():

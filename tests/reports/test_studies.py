@@ -14,7 +14,7 @@ from driftproof.reports.studies import WORK_PRECISION_METHODS
 from tests.reports.studies import be_quick
 
 
-def test_errors_are_those_of_the_command_and_files_are_written(answer, monkeypatch, tmp_path):
+def test_errors_are_those_of_the_command_and_files_are_written(answer, monkeypatch, tmp_path, capsys):
     be_quick(monkeypatch)
     study = driftproof.work_precision("dahlquist_1", "rk4", time_limit=0.01, output=tmp_path)
     shown = json.loads(
@@ -23,6 +23,8 @@ def test_errors_are_those_of_the_command_and_files_are_written(answer, monkeypat
     assert study["errors"] == shown["errors"]
     assert f"wrote {tmp_path / 'errors.json'}" in str(study)
     assert list(study.found.curves) == ["rk4"]
+    driftproof.work_precision("dahlquist_1", "rk4", time_limit=0.02, output=tmp_path)
+    assert "is from another study (time_limit differ)" in capsys.readouterr().err
 
 
 def test_progress_counts_points_none_of_them_before_it_is_known_how_many(monkeypatch):

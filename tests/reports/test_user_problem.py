@@ -80,7 +80,8 @@ def test_a_problem_may_be_a_dict_with_a_function_of_python(tmp_path):
 
 @pytest.mark.parametrize("key", ["harmonic_oscillator", "pendulum", "henon_heiles"])
 def test_stored_digits_come_out_and_a_wrong_one_is_noticed(key):
-    problem = PROBLEMS[key]
+    problem = problem_given(problem_given(key))
+    assert problem is PROBLEMS[key]
     stored = first(problem.reference, 1)
     found = enclosed_reference(problem.field, problem.start, stored.times)
     assert differing(found, stored) == []
@@ -113,9 +114,10 @@ def test_component_that_dies_out_has_the_digits_that_are_certain():
             assert abs(arb(row[1]) - (-60 * arb(t.numerator)).exp()) <= arb(unit.numerator) / unit.denominator / 2
         assert unit < Fraction(1, 10**30)
     assert 1 < len(Decimal(found.states[0][1]).as_tuple().digits) < 20
-    for ball, largest in (("1.23456e-10 +/- 1e-16", "1"), ("1.23456e-25 +/- 1e-29", "1e-20")):
+    for ball, largest in (("1.23456e-10 +/- 1e-16", "1"), ("1.23456e-25 +/- 1e-29", "1e-20"), ("0 +/- 6e-21", "1")):
         with pytest.raises(Uncertified):
             user_problem._digits(arb(ball), arb(largest))
+    assert user_problem._digits(arb("0 +/- 4e-21"), arb(1)) == "0e-20"
 
 
 def test_function_stands_in_the_place_of_rates(tmp_path, monkeypatch):
@@ -148,10 +150,6 @@ def test_parameters_of_a_function_are_its_keywords(tmp_path, monkeypatch):
         problem_given(str(file))
 
 
-def test_key_is_a_problem_of_ours():
-    assert problem_given("kepler") is problem_given(PROBLEMS["kepler"]) is PROBLEMS["kepler"]
-
-
 def test_bits_are_added_until_the_digits_are_settled_and_no_more_often_than_so(monkeypatch):
     asked = field_of_text("-y0"), [Fraction(1)], [Fraction(1)]
     right = enclosed_reference(*asked)
@@ -162,6 +160,18 @@ def test_bits_are_added_until_the_digits_are_settled_and_no_more_often_than_so(m
     monkeypatch.setattr(user_problem, "ENCLOSED_DIGITS", 400)
     with pytest.raises(Refused, match="the solution cannot be enclosed to 400 digits with 162 bits"):
         enclosed_reference(*asked)
+    tried = []
+
+    def stuck(f, start, times, bits):
+        tried.append(bits)
+        raise Refused(f"stuck with {bits} bits", Fraction(1) if bits < 72 else None)
+
+    monkeypatch.setattr(user_problem, "enclose_solution", stuck)
+    for attempts, last in ((2, 48), (5, 72)):  # with 72 bits the refusal says that more lead no further
+        monkeypatch.setattr(user_problem, "_MOST_ATTEMPTS", attempts)
+        with pytest.raises(Refused, match=f"stuck with {last} bits"):
+            enclosed_reference(*asked)
+    assert tried == [32, 48, 32, 48, 72]
 
 
 LINEAR = {

@@ -29,10 +29,12 @@ def cause_of(name, way, limits=None, request=None):
 
 @pytest.mark.parametrize("way", WAYS)
 def test_a_session_answers_one_request_after_another(way):
+    before = os.listdir("/proc/self/fd")
     with Session(handler("echoes", way), LONG) as session:
         for request in (1, [None, "text", {"a": 0.1}], "x" * 2**21, 10**30):
             assert session.ask(request) == request
     assert session.end() == "the process ended (signal 9, SIGKILL)"
+    assert len(os.listdir("/proc/self/fd")) == len(before), "a file is left open"
 
 
 @pytest.mark.parametrize("way", WAYS)

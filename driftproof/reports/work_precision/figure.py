@@ -6,7 +6,7 @@ from math import ceil, floor, log10
 from pathlib import Path
 from textwrap import shorten
 
-from driftproof.numeric.reference_errors import ENERGY, PHASE, STATE, U, floors, half_unit, largest_state_size
+from driftproof.numeric.reference_errors import ENERGY, PHASE, STATE, U, floors, largest_state_size
 from driftproof.numeric.work_precision.curves import Curve
 from driftproof.numeric.work_precision.integrators import COMPILED, ENSEMBLE, PYTHON
 from driftproof.reports.page.figure import write_picture
@@ -27,20 +27,20 @@ _FARTHEST = 1000
 _CHARACTERS = 66
 _NO_RUN = "no run can be shown here"
 _THIN = ("line thin mark", "thin: largest error at the reference's times")
+_FLOOR = ("line floor", "rounding of the exact result")
 
 
 def draw_study(study: Study, measured: Measured, quantity: str, folder: Path) -> Path:
     """Write the figure of a quantity as an SVG file; return its path. Points without error or cost are left out.
 
-    Lines with dots show errors at the end, thin ones the largest at the reference's times. The floor is what rounding
-    the exact result may cost, `reference_errors.floors`; if the reference's own digits are less accurate, they are the
-    floor.
+    Lines with dots show errors at the end, thin ones the largest at the reference's times. The floor, below which no
+    method is but by luck, is what rounding the exact result may cost, `reference_errors.floors`.
     """
-    limits, lines = _limits(study, measured, quantity), _floors(study, quantity)
-    plots = [_panel(measured, quantity, cost, limits, lines) for cost in (EVALUATIONS, *measured.kinds)]
+    limits, rounding = _limits(study, measured, quantity), floors(study.problem)[quantity]
+    plots = [_panel(measured, quantity, cost, limits, rounding) for cost in (EVALUATIONS, *measured.kinds)]
     keys = [key for key, curve in measured.curves.items() if any(_places(measured, curve, quantity, c) for c in _COSTS)]
     legend = [(f"line path {_style(measured, key)}", key) for key in keys]
-    legend += [_THIN, *((f"line {mark}", words) for mark, words, _ in lines)]
+    legend += [_THIN, _FLOOR] if rounding > 0 else [_THIN]
     what = _ERRORS[quantity]
     return write_picture(
         folder / f"work_precision_{quantity}.svg",
@@ -52,9 +52,7 @@ def draw_study(study: Study, measured: Measured, quantity: str, folder: Path) ->
     )
 
 
-def _panel(
-    measured: Measured, quantity: str, cost: str, limits: tuple[int, int], lines: list[tuple[str, str, float]]
-) -> Plot:
+def _panel(measured: Measured, quantity: str, cost: str, limits: tuple[int, int], rounding: float) -> Plot:
     low, high = limits
     places = {key: _places(measured, curve, quantity, cost) for key, curve in measured.curves.items()}
     shown = {key: [p for p in found if low <= p[1] <= high] for key, found in places.items()}
@@ -69,10 +67,8 @@ def _panel(
             plot.dots(((x, final) for x, final, _ in found), f"dots {style}")
     if not costs:
         plot.words(_NO_RUN)
-    for mark, _, at in lines:
-        if low <= at <= high:
-            ends = (plot.x.scale.low, plot.x.scale.high)
-            plot.line([(x, at) for x in ends], mark)
+    if rounding > 0 and low <= (at := log10(rounding)) <= high:
+        plot.line([(x, at) for x in (plot.x.scale.low, plot.x.scale.high)], "floor")
     return plot
 
 
@@ -107,15 +103,4 @@ def _places(measured: Measured, curve: Curve, quantity: str, cost: str) -> list[
         size, x = point.errors.get(quantity), costs.get(point.setting)
         if size is not None and x and size.final > 0:
             found.append((log10(x), log10(size.final), log10(size.largest)))
-    return found
-
-
-def _floors(study: Study, quantity: str) -> list[tuple[str, str, float]]:
-    """Mark, words and log₁₀ of each floor, below which no method is but by luck."""
-    rounding, digits = floors(study.problem).get(quantity, 0.0), half_unit(study.problem.reference.states[-1])
-    found = []
-    if rounding > 0:
-        found.append(("floor", "rounding of the exact result", log10(rounding)))
-    if quantity == STATE and digits > rounding:
-        found.append(("digit", "the reference's last digit", log10(digits)))
     return found

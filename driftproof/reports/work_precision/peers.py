@@ -9,8 +9,6 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from importlib import import_module
-from importlib.metadata import version
-from importlib.util import find_spec
 from math import inf
 from typing import Any
 
@@ -20,7 +18,7 @@ from driftproof.numeric.advance import Rate, State, field_rate, float_start
 from driftproof.numeric.controlled import controlled_runner
 from driftproof.numeric.problems.problem import Problem
 from driftproof.numeric.work_precision.integrators import COMPILED, PYTHON
-from driftproof.support.environment import how_to_install
+from driftproof.support.environment import how_to_install, installed
 from driftproof.support.plain_text import did_you_mean
 
 TOLERANCES = tuple(10.0**-k for k in range(3, 14))
@@ -65,12 +63,7 @@ class Peer:
     @property
     def installed(self) -> bool:
         """True if the package can be imported."""
-        return find_spec(self.name) is not None
-
-    @property
-    def version(self) -> str:
-        """The version that is installed."""
-        return version(self.name)
+        return installed(self.name)
 
 
 def peers_named(names: Iterable[str]) -> list[Peer]:

@@ -279,14 +279,12 @@ def _begin_timings(study: Study, measured: Measured, curve: Curve, made: _Calls)
             continue
         seconds, before = _warm_up(measured, curve, kind, call_at, points), points[0].steps or 1
         for name, point in zip(names, points, strict=True):
-            expected = seconds * (point.steps or 1) / before
-            if expected > study.limit:
-                measured.timings.setdefault(name, Timing(remark=f"about {expected:.2g} s, over {study.limit:g} s"))
-                continue
-            call = call_at(point)
-            remark = "" if kind == ENSEMBLE else state_remark(study.problem, point, call)
+            call, expected = call_at(point), seconds * (point.steps or 1) / before
+            remark = f"about {expected:.2g} s, over {study.limit:g} s" if expected > study.limit else ""
+            if not remark and kind != ENSEMBLE:
+                remark = state_remark(study.problem, point, call)
             if remark:
-                measured.timings[name] = Timing(remark=remark)
+                measured.timings.setdefault(name, Timing(remark=remark))
                 continue
             begun, seconds = started(call)
             before, calls[name] = point.steps or 1, call

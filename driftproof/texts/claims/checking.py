@@ -84,9 +84,9 @@ def _missing(
     """One finding for each missing occurrence: where few numbers are wrong, no claim holds, and they are most alike."""
 
     def distance(match: re.Match[str]) -> tuple[int, bool, float]:
-        wrong = [i for i, pair in enumerate(zip(expected, match.groups(), strict=True), 1) if not spelled_alike(*pair)]
-        pairs = [(_digits_and_power(expected[i - 1]), _digits_and_power(match[i])) for i in wrong]
-        alike = sum(SequenceMatcher(None, *pair).ratio() for pair in pairs)
+        compared = enumerate(zip(expected, match.groups(), strict=True), 1)
+        wrong = {i: map(_digits_and_power, pair) for i, pair in compared if not spelled_alike(*pair)}
+        alike = sum(SequenceMatcher(None, a, b).ratio() for a, b in wrong.values())
         return len(wrong), not held.isdisjoint(map(match.start, wrong)), -alike
 
     missing, known = claim.count - len(occurrences), {one.start() for one in occurrences}

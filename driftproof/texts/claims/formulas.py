@@ -76,17 +76,16 @@ def _ratio(node: tree.ExpressionNode, known: Mapping[str, tuple[Any, Any]], ring
             n = abs(int(exponent))
             _require_few(comb(max(len(num), len(den), 1) + n - 1, n))
             return (num**n, den**n) if exponent >= 0 else (den**n, num**n)
-        case tree.ChainNode(first=first, rest=rest):
-            num, den = _ratio(first, known, ring)
-            for sign, part in rest:
-                a, b = _ratio(part, known, ring)
-                _require_few(max(len(num), len(den)) * max(len(a), len(b)))
-                if sign.text in "+-":
-                    num, den = num * b + a * den if sign.text == "+" else num * b - a * den, den * b
-                else:
-                    num, den = (num * a, den * b) if sign.text == "*" else (num * b, den * a)
-            return num, den
-    raise AssertionError(node)
+    assert isinstance(node, tree.ChainNode)
+    num, den = _ratio(node.first, known, ring)
+    for sign, part in node.rest:
+        a, b = _ratio(part, known, ring)
+        _require_few(max(len(num), len(den)) * max(len(a), len(b)))
+        if sign.text in "+-":
+            num, den = num * b + a * den if sign.text == "+" else num * b - a * den, den * b
+        else:
+            num, den = (num * a, den * b) if sign.text == "*" else (num * b, den * a)
+    return num, den
 
 
 def _require_few(terms: int) -> None:

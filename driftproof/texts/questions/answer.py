@@ -7,7 +7,7 @@ from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
 from driftproof.methods.number_field import Algebraic
-from driftproof.support.plain_text import as_json
+from driftproof.support.plain_text import DIGITS_UNASKED, as_json
 from driftproof.support.results import Printable
 from driftproof.texts.questions.decimals import AWAY, FIXED, HALF_EVEN, PLAIN, SIGNIFICANT, Style, Tie, rounded
 from driftproof.texts.questions.errors import AmbiguousRounding, QuestionError
@@ -19,8 +19,6 @@ if TYPE_CHECKING:
     from driftproof.symbolic.algebra.certified import CertifiableReal
 
 LONGEST_DECIMAL = 10_000
-# Significant digits of a decimal if the caller names no length.
-DIGITS_UNASKED = 15
 GIVEN, PROVED, COUNTED, CERTIFIED, STATED = "GIVEN", "PROVED", "COUNTED", "CERTIFIED", "STATED"
 # From exact to unchecked; an answer computed from several others has the weakest evidence among them.
 EVIDENCE_KINDS = (GIVEN, PROVED, COUNTED, CERTIFIED, STATED)
@@ -132,9 +130,9 @@ def as_printed(entry: dict[str, Any]) -> Answer:
 
     More digits than it decides raise ValueError.
     """
-    from flint import arb, ctx, fmpq
+    from flint import ctx
 
-    from driftproof.symbolic.algebra.certified import FIRST_BITS
+    from driftproof.symbolic.algebra.certified import FIRST_BITS, enclose
 
     mantissa, _, exponent = entry["decimal"].partition("e")
     places = len(mantissa.partition(".")[2]) - int(exponent or 0)
@@ -143,8 +141,7 @@ def as_printed(entry: dict[str, Any]) -> Answer:
     def enclosure() -> arb:
         if ctx.prec > FIRST_BITS:
             raise ValueError(f"only its decimal {entry['decimal']} is published, which does not determine more digits")
-        low, high = (arb(fmpq(x.numerator, x.denominator)) for x in (middle - half, middle + half))
-        return low.union(high)
+        return enclose(middle - half).union(enclose(middle + half))
 
     return Answer("", enclosure, entry["evidence"])
 

@@ -30,7 +30,7 @@ class PieceParser(ExpressionParser):
         """The longest method name or file name that begins with this token, else the token itself."""
         found, at = self.adjacent(first), self.at
         alone, last = keys_of_name(first.text), first
-        for i in range(at, len(self.tokens)):
+        for i in range(at, len(self.tokens) - 1):  # the last token is the end
             token, after = self.tokens[i], self.after(i)
             if token.text in "=:,()" or after.text == "=" or token.text in (*wording.SAY_NOTHING, *WORDS, "at", "from"):
                 break
@@ -45,8 +45,8 @@ class PieceParser(ExpressionParser):
     def adjacent(self, first: Token) -> Token:
         """The name of a .toml file, with folders and hyphens, that begins with this token, else the token itself."""
         last = first
-        for i in range(self.at, len(self.tokens)):
-            if first.text.endswith(".toml") or self.tokens[i].column != last.end or self.tokens[i].kind == END:
+        for i in range(self.at, len(self.tokens) - 1):
+            if first.text.endswith(".toml") or self.tokens[i].column != last.end:
                 break
             last = self.tokens[i]
             if last.text.endswith(".toml"):

@@ -37,8 +37,6 @@ class RenderedText(Printable):
     def difference(self) -> str:
         """A unified diff from the present content of the output file to the text; empty if they are equal."""
         held = self.output.read_bytes().decode("utf-8", errors="replace") if self.output.exists() else ""
-        if held == self.text and self.output.exists():
-            return ""
         old, new = held.splitlines(keepends=True), self.text.splitlines(keepends=True)
         name = str(self.output) if self.output.exists() else f"{self.output} (does not exist)"
         lines = difflib.unified_diff(old, new, name, f"{self.output} as {self.template} renders it")

@@ -7,6 +7,7 @@ import traceback
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from functools import partial
+from inspect import signature
 from pathlib import Path
 from typing import Any
 
@@ -20,6 +21,9 @@ from driftproof.texts.templates.sandbox import PLACE, FolderLoader, Refusal, San
 from driftproof.texts.templates.template_values import VALUE_FILTERS, NumberStyle, TemplateValue, methods_table
 from driftproof.texts.templates.text_kinds import HTML, MARKDOWN, TextKind, is_code, kind_of
 
+# The functions and filters whose result is markup, which is not escaped in HTML.
+_MARKUP = ("methods_table", "mathml")
+
 
 class Template:
     """A template to render; `asked` counts the values that it asks for."""
@@ -29,9 +33,8 @@ class Template:
         self.asked = 0
         self.style = NumberStyle(kind, style or kind.style, rounding)
         self.loader = FolderLoader(template)
-        table = self._placed(lambda s, *a, **b: methods_table(s, partial(self._value, s), *a, **b), markup=True)
-        functions = {"value": self._placed(self._value), "methods_table": table}
-        filters = {name: self._placed(write, markup=name == "mathml") for name, write in VALUE_FILTERS.items()}
+        ours = {"value": self._value, "methods_table": partial(methods_table, self._value)}
+        functions, filters = ({name: self._placed(name, f) for name, f in x.items()} for x in (ours, VALUE_FILTERS))
         self.sandbox = Sandbox(self.loader, kind, functions, filters, self._finalized)
 
     def text(self) -> str:
@@ -61,18 +64,20 @@ class Template:
         known = [TemplatePlace(name, line - 1) for name, line in places if name in self.loader.sources and line]
         return known[-1] if known else None
 
-    def _placed(self, function: Callable[..., Any], markup: bool = False) -> Callable[..., Any]:
-        """Wrap a function for templates: pass it the current NumberStyle first, and give its errors their place.
-
-        A result that is `markup` is not escaped in HTML.
-        """
+    def _placed(self, name: str, function: Any) -> Callable[..., Any]:
+        """Wrap a function for templates: pass it the current NumberStyle first, and give its errors their place."""
 
         @pass_context
         def call(context: Context, *arguments: Any, style: Any = None, rounding: Any = None, **named: Any) -> Any:
             place = named.pop(PLACE, None)
             with self._at(place):
-                found = function(self._style(context, style, rounding, place), *arguments, **named)
-                return Markup(found) if markup and self.style.kind is HTML else found
+                given = self._style(context, style, rounding, place), *arguments
+                try:
+                    signature(function).bind(*given, **named)
+                except TypeError as error:
+                    raise Refusal(f"{name}: {error}") from None
+                found = function(*given, **named)
+                return Markup(found) if name in _MARKUP and self.style.kind is HTML else found
 
         return call
 

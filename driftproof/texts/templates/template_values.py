@@ -6,7 +6,7 @@ import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from typing import NoReturn
+from typing import NoReturn, TypeAlias
 
 from driftproof.methods.tableau_file import method_of
 from driftproof.texts.questions.answer import CERTIFIED, COUNTED, GIVEN, LONGEST_DECIMAL, PROVED, Answer
@@ -139,9 +139,13 @@ def _written(write: Callable[[], str], call: str = "") -> str:
         raise Refusal(f"{error.text!r}: {error.reason}") from None
 
 
+# The function that answers a question of a template.
+_Ask: TypeAlias = Callable[[NumberStyle, str], TemplateValue]
+
+
 def methods_table(
+    ask: _Ask,
     style: NumberStyle,
-    ask: Callable[[str], TemplateValue],
     methods: Sequence[str],
     columns: Sequence[str] | Mapping[str, str],
     h: str | None = None,
@@ -170,16 +174,17 @@ def methods_table(
             title = method_of(key).title
         except ValueError as error:
             raise Refusal(str(error)) from None
-        cells = (_cell(style, ask, key, column, run) for column in parsed)
+        cells = (_cell(ask, style, key, column, run) for column in parsed)
         rows.append([style.kind.escape(title), *cells])
     return style.kind.table(rows)
 
 
-def _cell(style: NumberStyle, ask: Callable[[str], TemplateValue], key: str, column: re.Match[str], run: str) -> str:
+def _cell(ask: _Ask, style: NumberStyle, key: str, column: re.Match[str], run: str) -> str:
     head, _, rest = column["asked"].partition(" ")
-    if head in RUN_READOUTS and not run:
+    of_run = head in RUN_READOUTS
+    if of_run and not run:
         raise Refusal(f"the column {head!r} is a readout of a run; give h and t")
-    found = ask(f"run {key} {run} : {column['asked']}" if head in RUN_READOUTS else f"{head} {key} {rest}".rstrip())
+    found = ask(style, f"run {key} {run} : {column['asked']}" if of_run else f"{head} {key} {rest}".rstrip())
     if column["form"] is None:
         return str(found)
     return VALUE_FILTERS[column["form"]](style, found, *map(int, column["count"].split()))

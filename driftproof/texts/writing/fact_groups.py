@@ -91,10 +91,8 @@ def grouped_facts_text(facts: Mapping[str, Any], everything: bool = False) -> st
     for heading, group in groups.items():
         named = {labels[name]: value for name, value in group.items() if everything or _is_shown(name, value, facts)}
         parts += [_under(heading, _called(named, facts["method"]) if "method" in group else named)]
-    if everything:
-        parts += [_under("Everything else", rest)]
-    elif rest:
-        parts += [f"{len(rest)} more fact{'s' * (len(rest) > 1)} with --all, any one with --only NAME"]
+    further = f"{len(rest)} more facts with --all, any one with --only NAME"
+    parts += [_under("Everything else", rest) if everything else further]
     return "\n\n".join(filter(None, parts))
 
 

@@ -264,9 +264,6 @@ class _Tex(_Text):
     def below(self, attained: bool | None) -> str:
         return r"$h \leq$" if attained else "$h <$"
 
-    def boundary(self, value: RegionBoundary) -> str:
-        return self.words(super().boundary(value))
-
 
 _BY_TYPE: tuple[tuple[Any, str], ...] = (
     (Fraction | Algebraic | Infinity | Formula, "scalar"), (RealRoot | EnclosedTangent | NumberField, "number"),

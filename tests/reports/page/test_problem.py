@@ -41,6 +41,7 @@ def test_own_problem_and_own_method_are_shown_by_their_titles(tmp_path):
     assert "y0′ = y1, y1′ = -g * sin(y0), y0(0) = 1/2, y1(0) = 0, g = 49/5; to t = 1;" in shown
     assert re.findall("<h3>(.*?)</h3>", shown) == ["Work", "Stability"]
     rows = {row[0]: row[1:] for row in cells(shown) if len(row) == 2}
+    assert "<caption>Observed: with N, 2N" in shown
     assert rows["Method"] == ["Step sizes that it can take"], "nothing is expected of it, so no column says so"
     assert rows.keys() == {"Method", "Classical RK4", "Mine"}
     assert re.fullmatch(r"from \d+ steps? on", rows["Mine"][0])
@@ -64,6 +65,7 @@ def test_linear_problem_has_its_proved_limits():
     rows = {row[0]: row[1:] for row in cells(part.content("p")) if len(row) == 3}
     assert rows["Classical RK4"][0] == "h ≤ √2/500 = 0.0028284271..."
     assert rows["Backward Euler"][0] == "every h &gt; 0"
+    assert "<caption>Proved: the step sizes h" in part.content("p")
 
 
 def test_a_method_that_does_not_apply_has_the_reason_and_no_points():

@@ -15,6 +15,7 @@ from hypothesis import strategies as st
 from driftproof.numeric.run import run_method, times_of_steps
 from driftproof.numeric.scenes import PRESETS, Scene
 from driftproof.reports.page import trajectory as drawing
+from driftproof.reports.page.document import document
 from driftproof.reports.page.figure import Figure
 
 
@@ -134,6 +135,8 @@ def test_figure_in_the_readme_is_the_one_that_the_command_writes(tmp_path: Path)
 
 
 def test_run_too_long_to_be_drawn_is_refused_before_it_starts(tmp_path: Path) -> None:
-    with pytest.raises(ValueError, match="1000001 steps are too many to draw; at most 1000000"):
-        drawing.write_figures(Scene("long", "rk4", Q(1), Q(10**6 + 1), panels=("position",)), tmp_path)
+    long = Scene("long", "rk4", Q(1), Q(10**6 + 1), panels=("position",))
+    for draw in (lambda: drawing.write_figures(long, tmp_path), lambda: document([long], 15)):
+        with pytest.raises(ValueError, match="1000001 steps are too many to draw; at most 1000000"):
+            draw()
     assert list(tmp_path.iterdir()) == []

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import re
-from math import log10
+from math import degrees, log10
 from pathlib import Path
 from xml.etree import ElementTree
 
 import pytest
 
-from driftproof.numeric.reference_errors import Size
+from driftproof.numeric.reference_errors import ENERGY, PHASE, STATE, Size, U
 from driftproof.numeric.work_precision.curves import Curve, Point
 from driftproof.reports.page.plot import WIDE, Scale
 from driftproof.reports.work_precision.figure import draw_study
@@ -39,21 +39,28 @@ def test_runs_that_blow_up_keep_the_others_legible(tmp_path: Path) -> None:
     good = Curve("gauss2", "", 4, points((512, 1e-3), (1024, 1e-5)))
     asked = study(problem="dahlquist_1e3")
     both = draw_study(asked, Measured({"rk4": blown, "gauss2": good}), "state", tmp_path)
-    assert not {"10⁶⁰", "10⁹⁰", "no run can be shown here"} & set(texts(both))
+    assert not {"10⁶⁰", "10⁹⁰", "no run can be shown here", "rounding of the exact result"} & set(texts(both))
     # From 10² to 10⁴ evaluations, and from 10⁻⁵ to 1000 times the size of the solution, 1.
     x, y = Scale(2, 4, *WIDE[0]), Scale(-5, 3, *WIDE[1])  # type: ignore[arg-type]
-    wanted = [(float(x(log10(n))), float(y(log10(e)))) for n, e in ((512, 1e-3), (1024, 1e-5))]
-    for drawn, place in exactly(2, zip(places(both, "path m1"), wanted, strict=True)):
-        assert drawn == pytest.approx(place, abs=0.006)  # hundredths, rounded
-    thin = [(float(x(log10(n))), float(y(log10(2 * e)))) for n, e in ((512, 1e-3), (1024, 1e-5))]
-    for drawn, place in exactly(2, zip(places(both, "path m1 thin"), thin, strict=True)):
-        assert drawn == pytest.approx(place, abs=0.006)
+    for class_, size in (("path m1", 1), ("path m1 thin", 2)):
+        wanted = [(float(x(log10(n))), float(y(log10(size * e)))) for n, e in ((512, 1e-3), (1024, 1e-5))]
+        for drawn, place in exactly(2, zip(places(both, class_), wanted, strict=True)):
+            assert drawn == pytest.approx(place, abs=0.006)  # hundredths, rounded
     assert places(both, "path m0") == []
     lost = draw_study(asked, Measured({"rk4": blown}), "state", tmp_path)
     assert "no run can be shown here" in texts(lost)
     nothing = draw_study(asked, Measured({"rk4": Curve("rk4", "", 4, [])}), "state", tmp_path)
     ticks = {x.text: x.get("y") for x in ElementTree.parse(nothing).iter(f"{SVG}text") if x.get("class") == "tick y"}
     assert (ticks["10⁻⁵"], ticks["1"]) == (str(26 + 228 * 5 / 16), "26"), "from 10⁻¹⁶ to 1"
+
+
+def test_axes_reach_from_the_floor_to_a_thousand_times_the_size_of_the_solution(tmp_path: Path) -> None:
+    """Of the oscillator state and energy have the size 1, and the phase half a turn."""
+    for quantity, rounding, low, high in ((STATE, U, -16, 3), (ENERGY, U, -16, 3), (PHASE, degrees(U), -15, 6)):
+        blown = Curve("rk4", "", 4, [Point("8", 8, {quantity: Size(1e60, 1e90)}, scale=1.0)])
+        drawn = draw_study(study(), Measured({"rk4": blown}), quantity, tmp_path)
+        at = float(Scale(low, high, *WIDE[1])(log10(rounding)))  # type: ignore[arg-type]
+        assert [y for _, y in places(drawn, "floor")] == pytest.approx([at, at], abs=0.006)
 
 
 def test_figure_has_a_panel_for_every_cost_and_a_legend_of_all_curves(tmp_path: Path) -> None:

@@ -37,7 +37,6 @@ class FakeSolver:
 
 def test_a_peer_stands_beside_ours_and_its_failure_is_a_remark(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(Peer, "installed", True)
-    monkeypatch.setattr(Peer, "version", "1.0")
     asked = study("rk4", peers=(Peer("fake", ("solver",), "python", FakeSolver),))
     found = measure(asked, None, unheard)
     curve = found.curves["fake solver"]
@@ -61,7 +60,6 @@ asked: list[float] = []
 
 def test_a_solver_is_first_called_twice_at_the_first_point_to_let_it_compile(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(Peer, "installed", True)
-    monkeypatch.setattr(Peer, "version", "1.0")
     asked.clear()
     found = measure(study("rk4", peers=(Peer("willing", ("solver",), "python", Willing),)), None, unheard)
     errors = 2 * len(HARMONIC.reference.times)

@@ -102,19 +102,16 @@ def test_a_number_that_another_claim_holds_is_not_called_wrong() -> None:
         assert (finding.line, finding.column, finding.expected, finding.found) == (*place, "0.2", "0.3")
 
 
-def test_capitals_that_differ_are_said_to() -> None:
-    (outcome,) = check_claims(document_of("The error is 0.4 here"), [claim(HERE)])
-    assert "differs in capitals; ignore_case = true allows that" in outcome.findings[0].message
-
-
 def test_what_stands_where_a_phrase_begins_is_shown_up_to_60_characters() -> None:
     (found_at,) = findings("the error of it " + "x" * 60, claim("the error of it is {value} " + "y" * 60))
     assert found_at[3] == "the error of it " + "x" * 44
 
 
-def test_number_right_but_part_of_more_is_said_to_be() -> None:
-    (outcome,) = check_claims(document_of("is 0.33 %"), [claim("is {value}")])
-    assert "occurs nowhere" in outcome.findings[0].message
+def test_what_is_right_but_for_capitals_or_part_of_more_is_said_to_be() -> None:
+    capitals = "The error is 0.4 here", HERE, "differs in capitals; ignore_case = true allows that"
+    for text, phrase, said in (capitals, ("is 0.33 %", "is {value}", "occurs nowhere")):
+        (outcome,) = check_claims(document_of(text), [claim(phrase)])
+        assert said in outcome.findings[0].message
 
 
 @given(st.integers(0, 999), st.integers(0, 999), st.sampled_from(["", "-"]))
@@ -148,6 +145,9 @@ def test_numbers_that_run_together_are_counted_one_by_one() -> None:
     document = document_of("RK40.25-0.12516")
     counts = coverage(document, check_claims(document, parse_claims(text.encode()).claims)).counts
     assert (counts[WORKED_OUT], counts[LABEL], counts[UNCOVERED]) == (3, 1, 0)
+    named = parse_claims(b'[[claim]]\nid="a"\nphrase="is {value} here"\nvalue="title rk4"').claims
+    document = document_of("It is Classical RK4 here, 5.")
+    assert [one.number.text for one in coverage(document, check_claims(document, named)).numbers] == ["5"]
 
 
 # Question, spelled how, a text that is right, one that is not: what is expected there, and what is found.

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from driftproof.texts.questions.errors import QuestionError
 from driftproof.texts.questions.evaluate import value
 from tests.texts.questions.refusals import require_refusal
 
@@ -99,6 +100,9 @@ def test_start_of_the_question_goes_before_that_of_the_problem() -> None:
     at_rest = value("run rk4 problem=pendulum from 0,0 h=1/4 t=1 : y0")
     assert at_rest.digits(3) != value("run rk4 problem=pendulum h=1/4 t=1 : y0").digits(3)
     assert value("exact rates=(y0) from 3 t=0 : y0").digits(3) == "3.00"
+    assert value("exact rates=(-y0) from 1 t=1 : y0").digits(300)[:20] == "0.367879441171442321"
+    with pytest.raises(QuestionError, match="not decided with 1024 bits: too many digits, or a tie"):
+        value("exact rates=(-y0) from 1 t=1 : y0").digits(400)
 
 
 def test_states_are_fractions_up_to_4096_bits() -> None:

@@ -71,11 +71,11 @@ def test_style_and_rounding_are_set_once_in_a_template_or_by_the_command(become:
 def test_a_table_has_ten_thousand_cells_at_most() -> None:
     style = NumberStyle(MARKDOWN, "plain", None)
 
-    def ask(question: str) -> TemplateValue:
+    def ask(_: NumberStyle, question: str) -> TemplateValue:
         raise LookupError(question)
 
     with pytest.raises(LookupError, match="order rk4"):
-        methods_table(style, ask, ["rk4"] * 100, ["order"] * 100)
+        methods_table(ask, style, ["rk4"] * 100, ["order"] * 100)
     for methods, columns in ((["rk4"] * 10_001, ["order"]), ([], ["order"]), (["rk4"], [])):
         with pytest.raises(Refusal, match="a table of methods has from 1 to 10000 cells"):
-            methods_table(style, ask, methods, columns)
+            methods_table(ask, style, methods, columns)

@@ -182,13 +182,6 @@ def test_bad_json_is_one_line_and_status_2(name: str, tmp_path: Path, run: Run) 
     assert "bad.json" in err
 
 
-def test_file_that_is_too_long_is_refused(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(module, "_LARGEST_FILE", 1000)
-    status, _, err = run("diff", str(VALUES_FILE), str(VALUES_FILE))
-    assert status == BAD_INPUT
-    assert "longer than 1000 bytes" in err
-
-
 @pytest.mark.parametrize(("old", "new"), [("1e99999999", "1e99999998"), ("9" * 9999, "9" * 9998)])
 def test_numbers_of_any_length_are_compared_or_bounded(old: str, new: str) -> None:
     documents = ({"values": {"x": {"exact": None, "decimal": text}}} for text in (old, new))

@@ -22,8 +22,6 @@ EXAMPLE = Path(__file__).parents[3] / "examples" / "tex" / "lesson.tex"
 PDFLATEX = shutil.which("pdflatex")
 
 Latex = Callable[[str], tuple[int, str, bytes]]
-
-
 Run = Callable[..., tuple[int, str, str]]
 
 Answer = Callable[..., str]

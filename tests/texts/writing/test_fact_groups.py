@@ -56,12 +56,6 @@ def test_an_order_that_is_claimed_and_missed_is_shown_and_one_that_is_met_is_not
     assert "claimed order" not in shown(rk4)
 
 
-def test_the_error_constant_of_a_multistep_method_is_no_error_of_a_step() -> None:
-    bdf2, ros2 = (grouped_facts_text(facts_only(FACTS_ONLY[key])) for key in ("bdf2", "ros2"))
-    assert "  error constant: residual of that condition, divided by sigma(1)  -1/3" in bdf2
-    assert "  error constant: leading error of a step on y' = y " in ros2
-
-
 def test_family_has_its_sets_under_the_same_headings() -> None:
     text = grouped_facts_text(facts_by_name(FamilyFacts(FAMILIES["sdirk_order_2"]), FAMILY_FACTS, FAMILY_FACTS))
     assert "  free parameter                        gamma" in text

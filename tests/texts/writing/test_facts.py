@@ -17,6 +17,7 @@ from driftproof.symbolic.family_facts import FamilyFacts, LimitPiece
 from driftproof.symbolic.linear.a_stability import sector_tangent
 from driftproof.symbolic.linear.facts import ExactFunction, Formula, TruncatedSeries
 from driftproof.symbolic.linear.families import Interval, ParameterSet
+from driftproof.symbolic.linear.ray_bounds import UndecidedLimitError
 from driftproof.symbolic.linear.stability_limits import INFINITY
 from driftproof.symbolic.linear.systems import EigenvalueLimit, SystemFacts
 from driftproof.texts.writing.facts import fact_tex, fact_text, facts_tex, facts_text
@@ -31,6 +32,7 @@ def eigenvalue(key: str, text: str) -> EigenvalueLimit:
     return SystemFacts(METHODS[key], parse_system(text)).bounds[0]
 
 
+RESTING = eigenvalue("forward_euler", "-1 0; 0 -1").eigenvalue
 # A fact, as text, as TeX.
 WRITTEN: list[tuple[Any, str, str]] = [
     (None, "none", "none"), (True, "yes", "yes"), ("runge_kutta", "runge_kutta", r"runge\_kutta"),
@@ -52,6 +54,7 @@ WRITTEN: list[tuple[Any, str, str]] = [
     (eigenvalue("forward_euler", "-1 1; 0 -1"), "-1, 2 times, Jordan block of size 2: h < 2", r"size 2: $h <$ $2$"),
     (eigenvalue("rk4", "1"), "1: no h, however small", "$1$: no h, however small"),
     (eigenvalue("backward_euler", "-1"), "-1: every h > 0", "$-1$: every $h > 0$"),
+    (EigenvalueLimit(RESTING, UndecidedLimitError("a_b")), "-1, 2 times: a_b", r"$-1$, 2 times: a\_b"),
     (ArithmeticError("too_long"), "not decided: too_long", r"not decided: too\_long"),
 ]  # fmt: skip
 
