@@ -55,24 +55,27 @@ def test_slow_directions_need_no_eigenvectors():
 
 
 @pytest.mark.parametrize(
-    ("image", "slow", "wanted"),
+    ("image", "width", "slow", "wanted"),
     [
-        ([[1, 0.5], [0, 1]], 2, [[0, 1], [1, 0.5]]),  # its own directions, the wider first
-        ([[1, 1], [1, 1 + 2.0**-30]], 2, None),  # nearly dependent: orthogonal ones
-        ([[1, 0], [1, 0]], 1, [[1, 0], [1, 1]]),  # one, and the fast one
-        ([[0, 0], [0, 0]], 2, None),  # of a point: any directions
+        ([[1, 0.5], [0, 1]], 2, 2, [(0.5, 1), (1, 0)]),  # its own directions, the wider first
+        ([[1, 0.5], [0.3, 1]], 0, 2, [(1, 0.3), (0.5, 1)]),  # however narrow the other one is
+        ([[1, 1], [1, 1 + 2.0**-30]], 2, 2, None),  # nearly dependent: orthogonal ones
+        ([[1, 0], [1, 0]], 2, 1, [(1, 1), (0, 1)]),  # one, and the fast one
+        ([[0, 0], [0, 0]], 2, 2, None),  # of a point: any directions
     ],
 )
-def test_basis_is_near_to_the_set(image, slow, wanted):
+def test_basis_is_near_to_the_set(image, width, slow, wanted):
     end = Coordinates(arb_mat([[1, 0], [0, 1]]), arb_mat([[1, 0], [0, 1]]), slow)
-    basis = basis_around(arb_mat(image), arb_mat([[1], [2]]), end.fast, [1.0, 1.0])
+    basis = basis_around(arb_mat(image), arb_mat([[1], [width]]), end.fast, [1.0, 1.0])
     columns = basis.transpose().tolist()
     if wanted is None:
         assert abs(sum((x * y for x, y in zip(*columns, strict=True)), arb(0))) < 1e-12
+    else:
+        assert all(abs(x * w - y * v) < 1e-12 for (x, y), (v, w) in zip(columns, wanted, strict=True))
     back = basis.inv()
     assert all(x.is_finite() for x in back.entries())
     widths = [
-        float(sum((abs(x) * w for x, w in zip(row, (1, 2), strict=True)), arb(0)))
+        float(sum((abs(x) * w for x, w in zip(row, (1, width), strict=True)), arb(0)))
         for row in (back * arb_mat(image)).tolist()
     ]
     assert max(widths) < 5
