@@ -329,17 +329,12 @@ def test_a_file_that_is_not_of_this_sweep_is_refused_and_left_as_it_is(tmp_path)
 @pytest.mark.parametrize(
     ("grid", "message"),
     [
-        ({"step": [Q(1)]}, "no axis 'step'; choose from selected, h, t, start"),
-        ({"h": []}, "the axis 'h' is"),
-        ({"h": [0.1]}, "the axis 'h' has 0.1; write Fractions"),
+        ({"step": [Q(1)]}, "no axis 'step'; choose from selected, h, t, start"), ({"h": []}, "the axis 'h' is"),
+        ({"h": [0.1]}, "the axis 'h' has 0.1; write Fractions"), ({"selected": ["rk5"]}, "unknown method 'rk5'"),
         ({"selected": "rk4"}, "the axis 'selected' is 'rk4'; write a list"),
-        ({"selected": ["rk5"]}, "unknown method 'rk5'"),
-        ({"start": [Q(1)]}, "write pairs of Fractions"),
-        ({"start": [(1.0, Q(0))]}, "write pairs of Fractions"),
-        ({"start": [(Q(1), Q(0), Q(0))]}, "write pairs of Fractions"),
-        ({"start": [[Q(1), Q(0)]]}, "write pairs of Fractions"),
+        *(({"start": [x]}, "write pairs of F") for x in (Q(1), (1.0, Q(0)), (Q(1), Q(0), Q(0)), [Q(1), Q(0)])),
     ],
-)
+)  # fmt: skip
 def test_a_grid_that_is_none_is_refused_in_one_line(grid, message):
     with pytest.raises(ValueError, match=message) as caught:
         points_of(SCENE, grid)
