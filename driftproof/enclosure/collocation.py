@@ -17,7 +17,6 @@ from driftproof.enclosure.fields import RightHandSide
 from driftproof.enclosure.numbers import Enclosed, Evaluation
 from driftproof.enclosure.steps import linearised
 
-MOST_CORRECTIONS = 16
 # From the third correction on, each has to be at most half of the one before.
 FREE_CORRECTIONS = 2
 # The Jacobians are evaluated anew until corrections are this small; from then on they are accurate enough.
@@ -102,8 +101,8 @@ def solved_stages(
     t, step = time
     m, n = len(method.stages), len(guess[0])
     slopes = np.kron(np.array([[float(x) for x in row[1:]] for row in method.slopes.tolist()]), np.eye(n))
-    values, before, found = arb_mat([list(row) for row in guess]), 1.0, None
-    for k in range(MOST_CORRECTIONS):
+    values, before, k = arb_mat([list(row) for row in guess]), 1.0, 0
+    while True:
         at_stages = [
             linearised(f, Enclosed(Evaluation(), t + step * (1 + arb(sigma)) / 2), row, slopes=before > FROZEN)
             for sigma, row in zip(method.stages, values.tolist()[1:], strict=True)
@@ -120,18 +119,14 @@ def solved_stages(
             matrix *= scale
             rows = np.abs(matrix).max(axis=1)
             found = (matrix / rows[:, None], rows, scale)
-        if found is None or not all(np.isfinite(x).all() for x in (*found, right)):
-            return None
-        stages = Stages(method, values, found)
-        correction = stages.solved(right[:, None]).reshape(m, n)
+        correction = Stages(method, values, found).solved(right[:, None]).reshape(m, n)
         values = (values - arb_mat([[0.0] * n, *correction.tolist()])).mid()
         moved = float(np.max(np.abs(correction).max(axis=0) / np.maximum(scale[:n], _largest(values))))
-        if not moved <= before * (2 if k < FREE_CORRECTIONS else 0.5):
+        if not moved <= before * (2 if k < FREE_CORRECTIONS else 0.5):  # not even a number, beyond the doubles
             return None
         if moved * max(moved / before, GAINED) < accuracy:  # the next correction will not be larger
             return Stages(method, values, found)
-        before = moved
-    return None
+        before, k = moved, k + 1
 
 
 def _largest(values: arb_mat) -> Any:

@@ -74,12 +74,12 @@ def _fast_directions(m: arb_mat) -> list[list[arb]]:
     return found
 
 
-def _complement(columns: Sequence[Sequence[arb]], n: int) -> list[list[arb]]:
+def _complement(columns: list[list[arb]], n: int) -> list[list[arb]]:
     """Orthonormal vectors orthogonal to the columns, in Arb's precision: doubles fail beside fast directions."""
-    made: list[list[arb]] = []
+    made = list[list[arb]]()
     left = [[arb(int(i == j)) for j in range(n)] for i in range(n)]
-    for k in range(n):
-        rests = [_orthogonal(x, made) for x in (columns[k : k + 1] or left)]
+    for choice in [[x] for x in columns] + [left] * (n - len(columns)):
+        rests = [_orthogonal(x, made) for x in choice]
         lengths = [sum((x * x for x in rest), arb(0)).sqrt().mid() for rest in rests]
         longest = max(range(len(rests)), key=lambda i: float(lengths[i]))
         made.append([(x / lengths[longest]).mid() for x in rests[longest]])
@@ -110,9 +110,9 @@ def basis_around(image: arb_mat, widths: arb_mat, fast: arb_mat, sizes: Sequence
     rest, chosen = weighted.copy(), list[int]()
     for _ in range(len(sizes) - fast.ncols()):
         norms = np.linalg.norm(rest, axis=0)
-        norms[chosen] = -1
-        chosen.append(int(np.argmax(norms)))
-        along = rest[:, chosen[-1]] / max(norms.max(), 1e-300)
+        longest = max({*range(len(norms))} - {*chosen}, key=norms.item)
+        chosen.append(longest)
+        along = rest[:, longest] / max(norms[longest], 1e-300)
         rest = rest - np.outer(along, along @ rest)
     found = np.column_stack([directions[:, chosen], _floats(fast, sizes)])
     found = found / np.maximum(np.linalg.norm(found, axis=0), 1e-300)

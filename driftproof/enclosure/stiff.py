@@ -86,7 +86,7 @@ class StiffPath:
         self.first, self.start, self.largest = first, tuple(start), [0.0] * self.n
         self.h = (last - first) / 1024 if step is None else step
         self.step: StiffStep | None = None
-        self.tube = arb_mat(self.n, 1)
+        self.needed = arb_mat(self.n, 1)
         self.doubles: set[float] = set()
 
     def states_at(self, t: Fraction) -> tuple[arb, ...]:
@@ -120,56 +120,66 @@ class StiffPath:
 
     def _attempt(self, h: Fraction) -> float:
         """The error that a step of size h adds, relative to the components; the step is taken if it is small enough."""
-        step = enclose(h)
-        stages = solved_stages(
-            self.f, self.method, (enclose(self.t), step), self._guess(step), self.tolerance * 2.0**-10
-        )
+        step, basis, widths = enclose(h), self.set.basis, self.set.widths
+        time, accuracy = (enclose(self.t), step), self.tolerance * 2.0**-10
+        stages = solved_stages(self.f, self.method, time, self._guess(step), accuracy)
         if stages is None:
             raise Refused("Newton's iteration does not converge")
-        polynomials = stages.polynomials()
-        sizes = self._sizes(stages)
+        polynomials, sizes = stages.polynomials(), self._sizes(stages)
         middle, first = (self._coordinates(step, polynomials, sizes, sigma) for sigma in (0, -1))
-        T, inverse = middle.T, middle.inverse
-        flow = stages.flow(first.slow_part(first.T * self.set.basis).mid())
-        widths = self.set.widths
+        T, back = middle.T, sizes_of(middle.inverse)
+        flow = stages.flow(first.slow_part(first.T * basis).mid())
         jump = arb_mat([[x - p(-1)] for x, p in zip(self.set.point, polynomials, strict=True)])
-        start = sizes_of(T * (self.set.basis - value_at(flow, arb(-1)))) * widths + sizes_of(T * jump)
-        defect = self._defect(step, polynomials, T)
-        carried = bounds(self.method.chebyshev, flow) * widths
-        box = self.tube
-        for multiple in TUBES:
-            M, source = self._comparison(step, polynomials, (T, inverse), flow, box)
-            source = source * widths
-            around = along_the_step(M, start, defect + source, step)
-            if around is None and box is self.tube:  # a guess that may be too wide
-                box = arb_mat(self.n, 1)
-                continue
-            if around is None:
-                raise Refused("the bounds of f around the step do not bound the errors")
-            needed = carried + sizes_of(inverse) * around
-            if all(x < y for x, y in zip(needed.entries(), box.entries(), strict=True)):
-                break
-            box = needed * multiple
-        else:
-            raise Refused("no tube around the step could be proved to hold the solution")
-        grown, added = at_the_end(M, _beside(defect, source), step)
-        own, old = _column(added, 0), grown * start + _column(added, 1)
+        start = sizes_of(T * (basis - value_at(flow, arb(-1)))) * widths + sizes_of(T * jump)
+        M, sources, around, needed = self._tube(step, polynomials, (T, middle.inverse), flow, start)
+        grown, added = at_the_end(M, sources, step)
+        own, old = (arb_mat(self.n, 1, column) for column in added.transpose().tolist())
+        old += grown * start
         if not all(x.is_finite() for x in (own + old).entries()):
             raise Refused("the error bound is not finite")
-        relative = _relative(sizes_of(inverse) * own, sizes)
+        relative = _relative(back * own, sizes)
         lost = sizes_of(middle.slow_part(arb_mat(self.n, self.n, 1))) * old  # fast errors decay by themselves
-        followed = sizes_of(self.set.basis) * widths + sizes_of(value_at(flow, arb(1))) * widths
+        followed = sizes_of(basis) * widths + sizes_of(value_at(flow, arb(1))) * widths
         allowed = [LOOSEST * float(x) + self.tolerance * a for x, a in zip(followed.entries(), sizes, strict=True)]
         if _relative(lost, allowed) > 1:
             return inf
         if relative <= self.tolerance:
-            self.tube = needed * TUBE_AHEAD
+            self.needed = needed
             last = own + old
-            self.step = StiffStep(
-                self.t, h, polynomials, flow, widths, sizes_of(inverse) * around, sizes_of(inverse) * last
-            )
+            self.step = StiffStep(self.t, h, polynomials, flow, widths, back * around, back * last)
             self._carry(self.step, middle, last, sizes)
         return relative
+
+    def _tube(
+        self,
+        step: arb,
+        polynomials: Sequence[arb_poly],
+        coordinates: tuple[arb_mat, arb_mat],
+        flow: Sequence[arb_mat],
+        start: arb_mat,
+    ) -> tuple[arb_mat, arb_mat, arb_mat, arb_mat]:
+        """M and δ in two columns, a bound of |Tρ|, and that of |e|, over a tube around v that holds the solution.
+
+        The columns are the defect and what V leaves of the variational equation. Raises Refused.
+        """
+        (T, inverse), widths = coordinates, self.set.widths
+        defect, carried = self._defect(step, polynomials, T), bounds(self.method.chebyshev, flow) * widths
+        box = guess = self.needed * TUBE_AHEAD
+        for multiple in TUBES:
+            M, source = self._comparison(step, polynomials, coordinates, flow, box)
+            source = source * widths
+            around = along_the_step(M, start, defect + source, step)
+            if around is not None:
+                needed = carried + sizes_of(inverse) * around
+                if all(x < y for x, y in zip(needed.entries(), box.entries(), strict=True)):
+                    sources = arb_mat(2, self.n, [*defect.entries(), *source.entries()]).transpose()
+                    return M, sources, around, needed
+                box = needed * multiple
+            elif box is guess:  # which may be too wide
+                box = arb_mat(self.n, 1)
+            else:
+                raise Refused("the bounds of f around the step do not bound the errors")
+        raise Refused("no tube around the step could be proved to hold the solution")
 
     def _carry(self, step: StiffStep, middle: Coordinates, last: arb_mat, sizes: Sequence[float]) -> None:
         """Keep the set of errors at the end of the step, in a new basis."""
@@ -250,14 +260,6 @@ def _short(h: Fraction) -> Fraction:
     """h cut to about eight bits, so that times stay short."""
     unit = Fraction(2) ** (h.numerator.bit_length() - h.denominator.bit_length() - 8)
     return int(h / unit) * unit
-
-
-def _column(m: arb_mat, j: int) -> arb_mat:
-    return arb_mat([[row[j]] for row in m.tolist()])
-
-
-def _beside(*columns: arb_mat) -> arb_mat:
-    return arb_mat([list(row) for row in zip(*(c.entries() for c in columns), strict=True)])
 
 
 def _around(m: arb_mat) -> arb_mat:

@@ -10,7 +10,6 @@ from typing import Any, TypeAlias
 from driftproof.methods.common_field import in_one_field, rational_power
 from driftproof.methods.expression_tree import (
     CallNode,
-    ChainNode,
     ExpressionError,
     ExpressionNode,
     ExpressionParser,
@@ -108,11 +107,10 @@ class _Evaluation:
                 return self.radical(node)
             case PowerNode():
                 return self.power(node)
-            case ChainNode():
-                total = self.value(node.first)
-                for sign, part in node.rest:
-                    total = self.combined(total, sign, self.value(part))
-                return total
+        total = self.value(node.first)
+        for sign, part in node.rest:
+            total = self.combined(total, sign, self.value(part))
+        return total
 
     def combined(self, a: _Value, sign: Token, b: _Value) -> _Value:
         if sign.text == "/" and not b:

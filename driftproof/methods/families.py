@@ -51,7 +51,7 @@ class ParameterFunction:
 
     def __bool__(self) -> bool:
         """False for the function that is zero everywhere."""
-        return bool(self.num != 0)
+        return bool(self.num)
 
     def __add__(self, other: object) -> ParameterFunction:
         """The sum."""

@@ -166,7 +166,7 @@ class ScalarExtension:
 
     def __bool__(self) -> bool:
         """False for zero."""
-        return any(p != 0 for p in self.parts)
+        return any(self.parts)
 
     def _map(self, change: Callable[[Any], Any]) -> Self:
         return self._made([change(p) for p in self.parts])

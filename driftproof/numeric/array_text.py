@@ -47,8 +47,7 @@ def _without_last_names(lines: Sequence[str]) -> list[str]:
     """The lines without copies such as "q1 = q_4": q_4 is called q1 wherever it stands."""
     lines = list(lines)
     for new in STATE.values():
-        match = next((m for line in lines if (m := re.fullmatch(rf"{new} = (\w+)", line))), None)
-        if match is not None:
+        for match in filter(None, [re.fullmatch(rf"{new} = (\w+)", line) for line in lines]):
             lines.remove(match[0])
             if match[1] not in STATE:
                 lines = [re.sub(rf"\b{match[1]}\b", new, line) for line in lines]

@@ -67,7 +67,8 @@ def integrate(
     the first state that is not finite, the start included; in an ensemble, at that of any member.
     """
     q, v = start
-    finite = isfinite if isinstance(q, float) and isinstance(v, float) else _all_finite
+    floats = isinstance(q, float) and isinstance(v, float)
+    finite: Callable[[Any], Any] = isfinite if floats else lambda x: np.isfinite(x).all()
     if not (finite(q) and finite(v)):
         raise NonFiniteState(0, start)
     with np.errstate(over="ignore", invalid="ignore"):
@@ -196,7 +197,3 @@ def _nearest_time(t: Fraction) -> float:
     if abs(Fraction(nearest) - t) > COARSEST_TIME:
         raise ValueError("t is too large: no binary64 is near enough to it; `driftproof run` gives a certified answer")
     return nearest
-
-
-def _all_finite(x: FloatOrArray) -> bool:
-    return bool(np.isfinite(x).all())

@@ -82,10 +82,8 @@ def _run_problem(scene: Scene, problem: Problem, key: str, counter: Counter) -> 
         "evaluations": lambda: evaluations_of(run, method, problem, scene.steps),
         TRAJECTORY: lambda: (times_of_steps(scene.h, scene.steps), np.array(path)),
     }
-    return {name: _finite(name, read[name]()) for name in scene.readouts}
-
-
-def _finite(name: str, value: Any) -> Any:
-    if isinstance(value, float) and not isfinite(value):
-        raise NonFiniteReadout(f"{name} overflows binary64 at the final state")
-    return value
+    found = {name: read[name]() for name in scene.readouts}
+    for name, value in found.items():
+        if isinstance(value, float) and not isfinite(value):
+            raise NonFiniteReadout(f"{name} overflows binary64 at the final state")
+    return found

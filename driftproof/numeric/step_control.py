@@ -20,6 +20,8 @@ MOST_LONGER, MOST_SHORTER, SAFETY = 5.0, 0.2, 0.9
 SMALLEST = 1e-10
 # No problem needs a step that is this much shorter than the run; at t = 0 steps would otherwise shrink for ever.
 LEAST_STEP = 1e-30
+# Smaller sizes of y and f, and a smaller bend, tell nothing of the first step (hairer-norsett-wanner-1993, II.4).
+_LEAST_SIZE, _LEAST_BEND = 1e-5, 1e-15
 # Indices in a report, and the values of its STATE.
 EVALUATIONS, STEPS, REJECTED, STATE, TIME = range(5)
 DONE, TOO_SHORT, GIVEN_UP = range(3)
@@ -78,7 +80,8 @@ def _first_step(writers: FieldWriters, y: Any, end: float, given: Tolerances, re
     place, slope, other = writers.zeros(3, len(y))
     writers.rate(0.0, y, slope)
     moving, resting = error_size(slope, y, y, given), error_size(y, y, y, given)
-    h = min(0.01 * resting / moving if resting > 1e-5 and 1e-5 < moving < inf else 1e-6, end)
+    told = resting > _LEAST_SIZE and _LEAST_SIZE < moving < inf
+    h = min(0.01 * resting / moving if told else 1e-6, end)
     for k in range(len(y)):
         place[k] = y[k] + h * slope[k]
     writers.rate(h, place, other)
@@ -86,7 +89,7 @@ def _first_step(writers: FieldWriters, y: Any, end: float, given: Tolerances, re
         other[k] = (other[k] - slope[k]) / h
     report[EVALUATIONS] += 2
     bend = max(error_size(other, y, y, given), moving)
-    return min(100 * h, end, exp(log(0.01 / bend) / given.power) if 1e-15 < bend < inf else end)
+    return min(100 * h, end, exp(log(0.01 / bend) / given.power) if _LEAST_BEND < bend < inf else end)
 
 
 def controlled_steps(writers: FieldWriters, attempt: StepAttempt, y: Any, end: float, control: StepControl) -> None:

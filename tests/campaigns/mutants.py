@@ -50,6 +50,8 @@ SYMMETRIC = ("max", "min", "maximum", "minimum", "hypot", "gcd", "lcm", "divisor
 SYMMETRIC += ("same", "_is_same", "suppress", "isclose")  # the last is that of math; NumPy's is not
 # What a bound on rounding errors is called; and how constants are written that bound what is measured.
 BOUND, SMALL = re.compile(r"\.of\(|\.u\b|\b(allowed|rounding|slack|noise)\b"), re.compile(r"2\.0 \*\* \(-\d+\)|1e-\d+")
+# What is computed of pairs of numbers in either order, as in sum(x * y for x, y in
+EITHER_WAY = r"[\[(](?:([a-z]) [*+] ([a-z]) for \1, \2|abs\(([a-z]) - ([a-z])\) for \3, \4) in "
 # Keywords that declare an intent: no answer of a program that is right changes with them.
 DECLARED = {"zip": ("strict",), "dataclass": ("frozen", "slots"), "TypeVar": ("covariant", "contravariant")}
 DECLARED["lru_cache"] = ("maxsize",)
@@ -299,11 +301,17 @@ def small_floats(place: str) -> frozenset[str]:
 
 def reason(mutant: Mutant) -> str:
     """Why no test could notice it, "" where one could."""
+    if re.search(EITHER_WAY + re.escape(mutant.old), mutant.line):
+        return "A product, or a distance, of two numbers is the same from either side."
     for side in edge(mutant):
         if BOUND.search(side) or small_floats(mutant.place).intersection(re.findall(r"\w+", side)):
             return (
                 "Whether a bound on what is measured, or on its rounding, is itself allowed: nothing measured meets it."
             )
+        for where, because in chosen().items() if side.isupper() else ():
+            place, _, line = where.partition(" | ")
+            if place == mutant.place and side in line.partition(" = ")[0].split(", "):
+                return because
     number = re.fullmatch(r"[\d.e-]+", mutant.old)
     return judged().get(mutant.name) or chosen(formulas=not number).get(mutant.where, "")
 

@@ -79,10 +79,11 @@ z = abs(a) > NEAR * size and abs(b) > _COUNT
 w = 0 < abs(a) < 2 * _SMALL
 v = abs(a - b) == _SMALL, a * _SMALL
 u = abs(a) > _FAR
+t = sum(x * y for x, y in zip(a, b)), max(abs(x - y) for x, y in zip(a, c)), [x - y for x, y in zip(a, d)]
 """
 
 
-def test_the_edge_of_what_is_measured_is_equivalent_and_another_side_is_not(
+def test_the_edge_of_what_is_measured_and_the_order_of_a_product_are_equivalent_and_another_side_is_not(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("tests.campaigns.mutants.ROOT", tmp_path)
@@ -91,7 +92,8 @@ def test_the_edge_of_what_is_measured_is_equivalent_and_another_side_is_not(
     place.write_text("_FAR, NEAR = 8.0, 2.0**-10\n", encoding="utf-8")
     place.with_name("b.py").write_text(EDGES, encoding="utf-8")
     edges = [m.new for m in mutants_of(tmp_path, "driftproof/methods/b.py") if reason(m)]
-    assert edges == ["(abs(a - b) < rounding.of(c))", "(abs(a) >= NEAR * size)", "(0 < abs(a) <= 2 * _SMALL)"]
+    moved = ["(abs(a - b) < rounding.of(c))", "(abs(a) >= NEAR * size)", "(0 < abs(a) <= 2 * _SMALL)"]
+    assert edges == [*moved, "zip(b, a)", "zip(c, a)"]
 
 
 def test_every_judgement_names_a_mutant_and_says_why() -> None:

@@ -44,5 +44,7 @@ def test_step_and_flow_follow_the_slow_solution(rate):
         assert abs(sum(c[1, 1] for c in flow) - arb(-0.25).exp()) < 1e-13
 
 
-def test_step_that_has_no_solution_is_none():
-    assert stages_of(lambda t, y: [1 + y[0] ** 2 + 0 * t], [1.0], 10.0) is None
+def test_step_that_has_no_solution_or_leaves_the_doubles_is_none():
+    for rate in (lambda y: 1 + y**2, lambda y: np.exp(np.exp(y)), lambda y: 1e200 * (1e200 + 0 * y)):
+        with np.errstate(all="ignore"):
+            assert stages_of(lambda t, y, rate=rate: [rate(y[0]) + 0 * t], [8.0], 10.0) is None

@@ -18,8 +18,8 @@ def jacobian(rows):
 
 
 def test_slow_and_fast_directions_are_separated():
-    """Eigenvalues -1 and -1000 of (998, 1998; -999, -1999), to (2, -1) and (1, -1)."""
-    found = nearly_diagonal(jacobian([[998, 1998], [-999, -1999]]), arb(0.5), [1.0, 1.0])
+    """Eigenvalues -1 and -1000 of (998, 1998; -999, -1999), to (2, -1) and (1, -1), in any units."""
+    found = nearly_diagonal(jacobian([[998, 1998], [-999, -1999]]), arb(0.5), [1.0, 0.125])
     assert found.slow == 1
     slow = found.slow_part(found.T * arb_mat([[3], [-2]]))  # (2, -1) + (1, -1)
     assert all(abs(x - y) < 1e-9 for x, y in zip(slow.entries(), (2, -1), strict=True))
@@ -34,8 +34,11 @@ def test_pairs_of_conjugates_are_two_real_directions():
 
 
 def test_directions_that_grow_fast_are_refused():
+    """By more than e² in a step; and what decays by more is fast."""
     with pytest.raises(Refused, match="errors grow too fast there for implicit steps"):
-        nearly_diagonal(jacobian([[1000, 0], [0, -1]]), arb(1), [1.0, 1.0])
+        nearly_diagonal(jacobian([[2.0625, 0], [0, -1]]), arb(1), [1.0, 1.0])
+    for decay, slow in ((-2, 2), (-2.0625, 1)):
+        assert nearly_diagonal(jacobian([[2, 0], [0, decay]]), arb(1), [1.0, 1.0]).slow == slow
 
 
 def test_directions_that_are_dependent_are_refused():
@@ -55,27 +58,36 @@ def test_slow_directions_need_no_eigenvectors():
 
 
 @pytest.mark.parametrize(
-    ("image", "slow", "wanted"),
+    ("image", "widths", "slow", "wanted"),
     [
-        ([[1, 0.5], [0, 1]], 2, [[0, 1], [1, 0.5]]),  # its own directions, the wider first
-        ([[1, 1], [1, 1 + 2.0**-30]], 2, None),  # nearly dependent: orthogonal ones
-        ([[1, 0], [1, 0]], 1, [[1, 0], [1, 1]]),  # one, and the fast one
-        ([[0, 0], [0, 0]], 2, None),  # of a point: any directions
+        ([[8, 0.5], [0, 1]], (2.0**-600, 2.0**-595), 2, [(0.5, 1), (8, 0)]),  # its own directions, the wider first
+        ([[1, -0.5], [3, 1]], (1, 0), 2, [(1, 3), (-0.5, 1)]),  # however narrow the other one is
+        ([[-0.5, 1], [1, 3]], (0, 0), 2, [(1, 3), (-0.5, 1)]),  # of a point
+        ([[1, 1], [1, 1 + 2.0**-30]], (1, 2), 2, None),  # nearly dependent: orthogonal ones
+        ([[1, 0], [1, 0]], (1, 2), 1, [(1, 1), (0, 1)]),  # one, and the fast one
+        ([[0, 0], [0, 0]], (1, 2), 2, None),  # any directions
     ],
 )
-def test_basis_is_near_to_the_set(image, slow, wanted):
+def test_basis_is_near_to_the_set(image, widths, slow, wanted):
     end = Coordinates(arb_mat([[1, 0], [0, 1]]), arb_mat([[1, 0], [0, 1]]), slow)
-    basis = basis_around(arb_mat(image), arb_mat([[1], [2]]), end.fast, [1.0, 1.0])
+    basis = basis_around(arb_mat(image), arb_mat([[x] for x in widths]), end.fast, [1.0, 1.0])
     columns = basis.transpose().tolist()
     if wanted is None:
         assert abs(sum((x * y for x, y in zip(*columns, strict=True)), arb(0))) < 1e-12
+    else:
+        assert all(abs(x * w - y * v) < 1e-11 for (x, y), (v, w) in zip(columns, wanted, strict=True))
     back = basis.inv()
     assert all(x.is_finite() for x in back.entries())
-    widths = [
-        float(sum((abs(x) * w for x, w in zip(row, (1, 2), strict=True)), arb(0)))
-        for row in (back * arb_mat(image)).tolist()
-    ]
-    assert max(widths) < 5
+    rows = (back * arb_mat(image)).tolist()
+    assert max(float(sum((abs(x) * w for x, w in zip(row, widths, strict=True)), arb(0))) for row in rows) < 5
+
+
+def test_directions_are_chosen_by_what_is_left_of_them_in_any_units():
+    """Of (4, 0), (3, 1/2) and (1, 1), in units of 2⁻⁴⁰ and 2⁻⁶⁰ and beside a fast one, the first and the last."""
+    rows = [[4, 3, 1], [0, 2.0**-21, 2.0**-20], [0, 0, 0]]
+    fast, widths = arb_mat([[0], [0], [1]]), arb_mat([[1]] * 3)
+    basis = basis_around(arb_mat(rows) * arb(2.0**-40), widths, fast, [1.0, 2.0**-20, 1.0])
+    assert (basis[1, 0], abs(basis[1, 1] / basis[0, 1] - 2.0**-20) < 1e-12, basis[2, 2]) == (0, True, 1)
 
 
 def widened(steps):

@@ -220,23 +220,20 @@ def test_method_that_is_none_is_bad_input():
 
 
 def test_as_many_steps_as_are_too_many_are_refused(monkeypatch):
-    for most in (6, 5):
-        monkeypatch.setattr("driftproof.enclosure.exact_runs.MOST_STEPS_EXACTLY", most)
-        if most == 6:
-            assert certify(pendulum, TIMES, STATES, method="rk4", h=1 / 8).split.steps == 6
+    monkeypatch.setattr("driftproof.enclosure.exact_runs.MOST_STEPS_EXACTLY", 6)
+    assert certify(pendulum, TIMES, STATES, method="rk4", h=1 / 8).split.steps == 6
+    monkeypatch.setattr("driftproof.enclosure.exact_runs.MOST_STEPS_EXACTLY", 5)
     with pytest.raises(Refused, match=r"^6 steps are too many to run exactly; at most 5$"):
         certify(pendulum, TIMES, STATES, method="rk4", h=1 / 8)
 
 
-def test_exact_run_that_is_lost_in_its_balls_is_refused(monkeypatch):
+def test_exact_run_that_is_not_finite_or_lost_in_its_balls_is_made_again_with_more_bits_or_refused(monkeypatch):
+    """Of y' = sqrt(y - 1) from 1 + 2^-20, a ball of 16 bits holds 1."""
     for each in ("BITS_OF_EXACT_RUN", "MOST_BITS_OF_EXACT_RUN"):
         monkeypatch.setattr(f"driftproof.enclosure.certify.{each}", 53)
     with pytest.raises(Refused, match="the exact run of rk4 cannot be found to twelve digits with 53 bits"):
         certify(pendulum, TIMES, STATES, method="rk4")
-
-
-def test_exact_run_that_is_not_finite_is_made_again_with_more_bits(monkeypatch):
-    """Of y' = sqrt(y - 1) from 1 + 2^-20, a ball of 16 bits holds 1."""
+    monkeypatch.setattr("driftproof.enclosure.certify.MOST_BITS_OF_EXACT_RUN", 128)
     f = lambda t, y: np.sqrt(y - 1)
     times, states = classical(f, [1 + 2.0**-20], 1 / 64, 2)
     monkeypatch.setattr("driftproof.enclosure.certify.BITS_OF_EXACT_RUN", 16)

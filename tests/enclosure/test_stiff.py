@@ -142,6 +142,15 @@ WRONG = {
 }  # fmt: skip
 
 
+def test_first_guess_goes_on_along_the_step_before():
+    """On y' = 2t, whose solution t² is a polynomial."""
+    with ctx.workprec(64):
+        path, h = stiff.StiffPath(lambda t, y: [2 * t], [arb(0)], Fraction(0), Fraction(8)), arb(0.125)
+        path.advance()
+        times = [float(path.t) + h * (1 + arb(s)) / 2 for s in (-1, *path.method.stages)]
+        assert all(abs(x - t**2) < 1e-12 for (x,), t in zip(path._guess(h), times, strict=True))
+
+
 @pytest.mark.parametrize("check", CHECKS, ids=lambda check: check.__name__)
 def test_stiff_solution_holds(check):
     assert check(mutant("stiff"))

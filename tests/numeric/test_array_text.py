@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from driftproof.methods.catalogue import METHODS
+from driftproof.methods.schemes import SUBSTEPS, Splitting
 from driftproof.methods.stepping import oscillator, step_source
 from driftproof.numeric.array_text import array_run
 from driftproof.numeric.engine import ARRAY_BLOCK, compiled_ensemble_runner, ensemble_runner, lifted, runner
@@ -13,6 +14,7 @@ from tests.float_bits import bits
 from tests.numeric.engine_runs import ensemble, step_by_step
 
 EXPLICIT = [method for method in METHODS.values() if method.explicit]
+EXPLICIT += [Splitting(kind, "it leaves the other one as it is", 0, "", ((kind, 1),)) for kind in SUBSTEPS]
 SYMPLECTIC = METHODS["symplectic_euler"]
 FORMATS = (np.float16, np.float32, np.float64, np.longdouble)
 

@@ -11,7 +11,7 @@ import pytest
 from driftproof import PROBLEMS, Scene
 from driftproof.methods.catalogue import METHODS
 from driftproof.numeric.advance import advance, float_start
-from driftproof.numeric.run import NonFiniteState, RunEnded, run_method
+from driftproof.numeric.run import NonFiniteReadout, NonFiniteState, RunEnded, run_method
 from driftproof.numeric.scene_run import run_scene
 from driftproof.numeric.scenes import PRESETS, READOUTS
 
@@ -92,6 +92,11 @@ def test_a_run_that_ends_early_says_at_which_step_and_why() -> None:
         run_scene(replace(scene, selected="gauss2"), "gauss2")
     with pytest.raises(ValueError, match="a second-order system"):
         run_scene(scene, "velocity_verlet")
+    star = PROBLEMS["henon_heiles"]  # leaps that square the state: of 10**200, say, whose cube no double holds
+    scene = Scene("far", "forward_euler", star.t / 12, star.t, readouts=("state_error",), problem=star)
+    assert isfinite(run_scene(scene, "forward_euler")["state_error"])
+    with pytest.raises(NonFiniteReadout, match=r"^energy overflows binary64 at the final state$"):
+        run_scene(replace(scene, readouts=("energy",)), "forward_euler")
 
 
 @pytest.mark.parametrize(

@@ -25,7 +25,7 @@ from driftproof.numeric.step_control import (
 HUNDREDTH = Tolerances(0.0, 1e-2, 2.0)
 
 
-def run_of(error, end=1.0, given=HUNDREDTH, slope=lambda y: 1.0, start=0.0):
+def run_of(error, end=1.0, given=HUNDREDTH, slope=lambda t, y: 1.0, start=0.0):
     """The attempts (t, h, moved) of a run of y' = f whose step from t by h has the error that is told; the report."""
     seen, report, y = [], [0.0] * 5, [start]
 
@@ -36,17 +36,17 @@ def run_of(error, end=1.0, given=HUNDREDTH, slope=lambda y: 1.0, start=0.0):
         return error(t, h)
 
     def rate(t, y, f):
-        f[0] = slope(y[0])
+        f[0] = slope(t, y[0])
 
     controlled_steps(FieldWriters(rate, None), attempt, y, end, StepControl(given, None, None, report))
     assert report[STATE] != DONE or y[0] == pytest.approx(start + end, rel=1e-15)
-    assert report[STEPS] + report[REJECTED] == len(seen)
+    assert report[STEPS] + report[REJECTED] == len(seen) == report[EVALUATIONS] - 2
     return seen, report
 
 
 def test_a_step_is_repeated_shorter_until_its_error_is_right_and_the_last_ends_at_the_end():
     seen, report = run_of(lambda t, h: (h / 0.3) ** 2)
-    assert report[STATE] == DONE
+    assert (report[STATE], seen[0][2]) == (DONE, True)
     for (t, h, _), (after, _, moved) in pairwise(seen):
         assert moved == (h <= 0.3)
         assert after == (t + h if moved else t)
@@ -59,7 +59,7 @@ def test_steps_change_by_no_more_than_the_limits_and_small_changes_may_be_kept()
     assert sizes[1] == 5 * sizes[0]
     wrong, report = run_of(lambda t, h: inf)
     assert wrong[1][1] == 0.2 * wrong[0][1]
-    assert (report[STATE], report[STEPS]) == (TOO_SHORT, 0)
+    assert (report[STATE], report[STEPS], wrong[-1][1] > 1e-30) == (TOO_SHORT, 0, True)
     kept = [h for _, h, _ in run_of(lambda t, h: 0.7, given=Tolerances(0.0, 1e-2, 2.0, steady=1.2))[0]]
     assert len(set(kept[:-1])) == 1  # 0.9/sqrt(0.7) = 1.08
     other = [h for _, h, _ in run_of(lambda t, h: 0.7)[0]]
@@ -68,13 +68,16 @@ def test_steps_change_by_no_more_than_the_limits_and_small_changes_may_be_kept()
 
 # With |y|/0.01, |f|/0.01 and (f(y + h0 f) - f)/(0.01 h0), h0 = 0.01 |y|/|f|, or 1e-6 where that tells nothing.
 FIRST = [
-    (1.0, lambda y: y * y, 1.0, sqrt(0.01 / 201)),  # h0 = 0.01: 100, 100 and 201
-    (1.0, lambda y: -3 * y, 1.0, sqrt(0.01 / 900)),
-    (1.0, lambda y: y * y, 0.005, 0.005),
-    (2.0, lambda y: 0.001, 40.0, sqrt(0.1)),  # h0 = 20: 200, 0.1 and 0
-    (0.0, lambda y: 1 + y, 1.0, 1e-4),  # 100 h0
-    (0.0, lambda y: 0.0, 1.0, 1e-4),
-    (1.0, lambda y: 0.0, 1.0, 1e-4),
+    (1.0, lambda t, y: y * y, 1.0, sqrt(0.01 / 201)),  # h0 = 0.01: 100, 100 and 201
+    (1.0, lambda t, y: -3 * y, 1.0, sqrt(0.01 / 900)),
+    (1.0, lambda t, y: y * y, 0.005, 0.005),
+    (2.0, lambda t, y: 0.001, 40.0, sqrt(0.1)),  # h0 = 20: 200, 0.1 and 0
+    (0.0, lambda t, y: 1 + y, 1.0, 1e-4),  # 100 h0
+    (0.0, lambda t, y: 0.0, 1.0, 1e-4),
+    (1.0, lambda t, y: 0.0, 1.0, 1e-4),
+    (1.0, lambda t, y: 1 + 3 * t, 1.0, sqrt(0.01 / 300)),
+    (1e-3, lambda t, y: 1.0, 1.0, 1e-3),  # h0 = 1e-5, and the error would allow 0.01
+    (1.0, lambda t, y: inf, 1.0, 1e-4),
 ]
 
 
@@ -95,6 +98,7 @@ def test_a_run_is_given_up_after_so_many_evaluations_and_where_no_step_is_right(
 def test_the_size_of_an_error_is_its_largest_part_of_what_is_right():
     given = Tolerances(0.5, 1.0, 1.0)
     assert error_size([3.0, -4.0], [2.0, 0.0], [-4.0, 2.0], given) == 2.0
-    assert error_size([0.0, 0.0], [0.0, 1.0], [0.0, 1.0], Tolerances(1.0, 0.0, 1.0)) == 0
+    for y in ([0.0], [0.0, 1.0]):
+        assert error_size([0.0] * len(y), y, y, Tolerances(1.0, 0.0, 1.0)) == 0
     assert error_size([1e-300], [0.0], [0.0], Tolerances(1.0, 0.0, 1.0)) == inf
     assert error_size([0.0], [0.0], [inf], given) == error_size([float("nan")], [0.0], [0.0], given) == inf

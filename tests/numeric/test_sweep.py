@@ -93,10 +93,11 @@ def test_what_is_done_within_a_second_starts_no_process(expected, monkeypatch):
 def test_a_worker_hands_back_what_it_has_no_time_for(monkeypatch):
     monkeypatch.setattr(sweeping, "SHORTEST", inf)
     monkeypatch.setattr(sweeping, "LONGEST", -1)
+    monkeypatch.setattr(sweeping, "WAITING", 1)
     inline, grid = Inline(), {"h": [Q(1, n) for n in range(1, 41)]}
     assert [answer.values["h"] for answer in run_grid(SCENE, grid, inline)] == grid["h"]
-    assert sum(map(len, inline.sweep_batches)) >= 40
-    assert run_points(SCENE, [{"h": Q(1)}, {"h": Q(2)}])[0] == [run_method(SCENE_AT_1, "rk4")]
+    assert [len(batch) for batch in inline.sweep_batches] == [1, 2] * 19 + [1, 1]
+    assert run_points(SCENE, [{"h": Q(1)}, {"h": Q(2)}])[0] == [run_method(replace(SCENE, h=Q(1)), "rk4")]
 
 
 @pytest.mark.parametrize(
@@ -162,10 +163,7 @@ def test_processes_of_an_abandoned_sweep_are_killed_and_hear_no_interrupt(monkey
     assert signal.pthread_sigmask(signal.SIG_BLOCK, []) == mask
 
 
-SCENE_AT_1 = Scene("short", "rk4", Q(1), Q(2), readouts=SCENE.readouts)
-
-
-def test_a_worker_that_dies_is_told_of_in_one_line():
+def test_a_worker_that_dies_is_told_of_in_one_line_and_a_defect_of_the_program_is_no_answer(monkeypatch):
     class Dying(Executor):
         def submit(self, task, *arguments):
             future: Future = Future()
@@ -175,9 +173,6 @@ def test_a_worker_that_dies_is_told_of_in_one_line():
     with pytest.raises(OSError, match="a process of the sweep ended before it answered") as caught:
         run_grid(SCENE, GRID, Dying())
     assert "\n" not in str(caught.value)
-
-
-def test_a_defect_of_the_program_is_no_answer(monkeypatch):
     monkeypatch.setattr(sweeping, "run_scene", None)
     with pytest.raises(TypeError):
         run_grid(SCENE, GRID, Inline())
@@ -334,17 +329,12 @@ def test_a_file_that_is_not_of_this_sweep_is_refused_and_left_as_it_is(tmp_path)
 @pytest.mark.parametrize(
     ("grid", "message"),
     [
-        ({"step": [Q(1)]}, "no axis 'step'; choose from selected, h, t, start"),
-        ({"h": []}, "the axis 'h' is"),
-        ({"h": [0.1]}, "the axis 'h' has 0.1; write Fractions"),
+        ({"step": [Q(1)]}, "no axis 'step'; choose from selected, h, t, start"), ({"h": []}, "the axis 'h' is"),
+        ({"h": [0.1]}, "the axis 'h' has 0.1; write Fractions"), ({"selected": ["rk5"]}, "unknown method 'rk5'"),
         ({"selected": "rk4"}, "the axis 'selected' is 'rk4'; write a list"),
-        ({"selected": ["rk5"]}, "unknown method 'rk5'"),
-        ({"start": [Q(1)]}, "write pairs of Fractions"),
-        ({"start": [(1.0, Q(0))]}, "write pairs of Fractions"),
-        ({"start": [(Q(1), Q(0), Q(0))]}, "write pairs of Fractions"),
-        ({"start": [[Q(1), Q(0)]]}, "write pairs of Fractions"),
+        *(({"start": [x]}, "write pairs of F") for x in (Q(1), (1.0, Q(0)), (Q(1), Q(0), Q(0)), [Q(1), Q(0)])),
     ],
-)
+)  # fmt: skip
 def test_a_grid_that_is_none_is_refused_in_one_line(grid, message):
     with pytest.raises(ValueError, match=message) as caught:
         points_of(SCENE, grid)

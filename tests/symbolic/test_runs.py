@@ -177,19 +177,12 @@ def test_no_time_means_no_error_exactly(start: tuple[Q, Q]) -> None:
     assert fixed(run.exact_state[1], 1) == fixed(start[1], 1)  # 3/20 is a tie, which only a fraction can settle
 
 
-def test_phase_error_is_undefined_at_the_origin_and_the_state_error_is_zero() -> None:
-    run = OscillatorRun(RK4, Q(1, 3), Q(7), (Q(0), Q(0)))
-    assert run.phase_error is None
-    assert significant(run.state_error, 5) == "0"
-
-
-def test_phase_error_is_undefined_where_the_numerical_state_reaches_the_origin() -> None:
+def test_phase_error_is_undefined_from_the_origin_or_where_the_numerical_state_reaches_it() -> None:
     """z + h(k₂ - k₁) = (1 - h²) z: inconsistent, but a method, and it stops dead at h = 1."""
     stops = RungeKutta("stops", "Stops", 0, "test", ((0, 0), (1, 0)), (-1, 1), (0, 1))
-    run = OscillatorRun(stops, Q(1), Q(1))
-    assert run.final_state == (0, 0)
-    assert run.phase_error is None
-    assert significant(run.state_error, 20) == "1.0000000000000000000"
+    for method, h, start, error in ((RK4, Q(1, 3), (Q(0), Q(0)), "0"), (stops, Q(1), START, "1.0000000000000000000")):
+        run = OscillatorRun(method, h, h, start)
+        assert (run.final_state, run.phase_error, significant(run.state_error, 20)) == ((0, 0), None, error)
 
 
 def test_periodic_run_keeps_exact_fractions_however_long() -> None:
@@ -227,13 +220,10 @@ def test_run_that_outgrows_all_writing_is_refused_in_one_line() -> None:
     assert "\n" not in str(caught.value)
 
 
-def test_step_that_does_not_divide_is_refused_when_the_run_is_made() -> None:
+def test_step_that_does_not_divide_and_step_at_a_pole_of_the_matrix_are_refused() -> None:
+    """k = -(q + hv/2) + h² k/4 has no solution at h = 2."""
     with pytest.raises(ValueError, match="nearest that do: 10/33 and 5/17"):
         OscillatorRun(RK4, Q(3, 10), Q(10))
-
-
-def test_step_at_a_pole_of_the_matrix_is_refused() -> None:
-    """k = -(q + hv/2) + h² k/4 has no solution at h = 2."""
     pole = Nystrom("pole", "Pole", 0, "test", (Q(1, 2),), ((Q(-1, 4),),), (Q(1, 2),), (Q(1),))
     assert exact_matrix_at(pole, Q(1))
     with pytest.raises(ValueError, match="pole has no step at h = 2, a pole of its one-step matrix"):

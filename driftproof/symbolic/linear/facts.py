@@ -324,7 +324,7 @@ class LinearFacts:
         if not isinstance(method, RungeKutta | Collocation):
             return None
         functions = {k: prothero_robinson(method, k) for k in range(1, self.linear_order + 2)}
-        return [OrderReduction(k, ExactFunction(f), _at_infinity(f)) for k, f in functions.items() if f.num != 0]
+        return [OrderReduction(k, ExactFunction(f), _at_infinity(f)) for k, f in functions.items() if f.num]
 
     @cached_property
     def ssp_coefficient(self) -> Limit | None:

@@ -101,15 +101,11 @@ def test_pole_on_the_axis_is_not_i_stable_and_a_removable_one_is() -> None:
 
 
 GAMMAS = {
-    "1/4": (Q(1, 4), True, False),
-    "just below 1/4": (Q(1, 4) - Q(1, 10**30), False, False),
-    "just above 1/4": (Q(1, 4) + Q(1, 10**30), True, False),
-    "order 3, large": (Q(1, 2) + ROOT_3 / 6, True, False),
-    "order 3, small": (Q(1, 2) - ROOT_3 / 6, False, False),
-    "L-stable, small": (1 - ROOT_2 / 2, True, True),
-    "L-stable, large": (1 + ROOT_2 / 2, True, True),
-    "negative": (Q(-1), False, False),
-}
+    "1/4": (Q(1, 4), True, False), "just below 1/4": (Q(1, 4) - Q(1, 10**30), False, False),
+    "just above 1/4": (Q(1, 4) + Q(1, 10**30), True, False), "negative": (Q(-1), False, False),
+    "order 3, large": (Q(1, 2) + ROOT_3 / 6, True, False), "order 3, small": (Q(1, 2) - ROOT_3 / 6, False, False),
+    "L-stable, small": (1 - ROOT_2 / 2, True, True), "L-stable, large": (1 + ROOT_2 / 2, True, True),
+}  # fmt: skip
 
 
 @pytest.mark.parametrize("name", GAMMAS)

@@ -72,6 +72,7 @@ def _jordan(text: str) -> list[tuple[int, int]]:
     [
         (5, 1, 2, 1), (1, 0, 0, 0, 1), (250, 35, 251, 15, 50), (2, 0, 2, 0, 1), (-2, 0, 0, 0, 1), (1, -3, 0, 0, 0, 1),
         (5, 4, 20), (1, 0, 4), (-1, 0, 2),
+        (1, 0, 4096, *[0] * 18, 1),  # one is near i/64, 2**-133 to the left of the axis
     ],
 )  # fmt: skip
 def test_places_are_the_roots_and_keep_their_order_at_every_precision(minimal: tuple[int, ...]) -> None:

@@ -12,11 +12,11 @@ from flint import acb_mat, arb, ctx, fmpq
 
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.expressions import System, parse_system
-from driftproof.methods.schemes import Method
+from driftproof.methods.schemes import Method, Splitting
 from driftproof.methods.stepping import stepper
 from driftproof.symbolic.algebra.certified import enclose, endpoints
 from driftproof.symbolic.algebra.polynomials import exact, scalar
-from driftproof.symbolic.algebra.real_roots import ZERO_ROOT, RealRoot
+from driftproof.symbolic.algebra.real_roots import ZERO_ROOT, RealRoot, rational_root
 from driftproof.symbolic.linear.oscillator import linear_step_matrix
 from driftproof.symbolic.linear.ray_bounds import ALWAYS, Bound, UndecidedLimitError
 from driftproof.symbolic.linear.stability_limits import Limit
@@ -336,6 +336,10 @@ def test_what_is_not_decided_is_refused() -> None:
     blocks = "0 1 0 1 0 0; 0 0 1 0 1 0; -1 -1 -1/2 0 0 1; 0 0 0 0 1 0; 0 0 0 0 0 1; 0 0 0 -1 -1 -1/2"
     with pytest.raises(UndecidedLimitError, match="with a Jordan block"):
         bounded_at(facts("rk4", blocks), Q(1, 2))
+    reversed_kick = Splitting("mine", "It turns where the solution grows", 0, "", (("kick", -1), ("drift", 1)))
+    assert SystemFacts(reversed_kick, parse_system("0 1; 1 0")).step_limit == (rational_root(Q(2)), False)
+    with pytest.raises(UndecidedLimitError, match="a Jordan block"):
+        assert SystemFacts(reversed_kick, parse_system("0 0 1 0; 0 0 0 1; 1 1 0 0; 0 1 0 0")).step_limit
 
 
 def test_blocks_of_three_end_where_the_derivative_is_all_that_vanishes() -> None:

@@ -25,6 +25,7 @@ from driftproof.symbolic.trees.order_conditions import (
     runge_kutta_conditions,
     simplifying_assumptions,
 )
+from driftproof.symbolic.trees.order_in_balls import Balls
 from driftproof.symbolic.trees.rooted_trees import bush
 from tests.methods.tables.entries import entry
 from tests.symbolic.linear.linear_examples import pade
@@ -87,7 +88,7 @@ def test_order_by_orthogonality_is_the_order_by_trees(family: Callable[[int], Co
 def test_nodes_polynomial_and_tableau_are_one_method(key: str, nodes: Collocation) -> None:
     tableau = entry(key)
     for n in range(1, 8):
-        assert residuals(runge_kutta_conditions(nodes), n) == residuals(runge_kutta_conditions(tableau), n)
+        assert residuals(runge_kutta_conditions(nodes, Balls()), n) == residuals(runge_kutta_conditions(tableau), n)
     assert simplifying_assumptions(nodes) == simplifying_assumptions(tableau)
     assert order(nodes) == order(tableau)
     assert quadratic_matrix(nodes) == in_powers(quadratic_matrix(tableau), tableau.c)
