@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeVar
+
+Tried = TypeVar("Tried")
+Taken = TypeVar("Taken")
 
 
 class Misbehaviour(Exception):
@@ -60,6 +63,19 @@ class NotFinite(Misbehaviour):
         self.answer = answer
 
 
+def first_taken(
+    ask: Callable[[Tried], Taken], tried: Iterable[Tried], refusal: type[Exception] = Misbehaviour
+) -> Taken:
+    """The answer for the first of some things that is not refused. Raises the refusal of the first if all are."""
+    refusals: list[Exception] = []
+    for each in tried:
+        try:
+            return ask(each)
+        except refusal as refused:
+            refusals.append(refused)
+    raise refusals[0]
+
+
 class NoAnswer(BaseException):
     """A call that did not come back within its time limit. It is not repeated, and it is evidence of nothing.
 
@@ -99,6 +115,10 @@ class StepFinding(NamedTuple):
     holds: bool | None
     words: str
     reproduction: str = ""
+
+
+class RightInAnotherForm(StepFinding):
+    """What is wrong in the form of state that was given, and right in another one."""
 
 
 @dataclass(frozen=True)

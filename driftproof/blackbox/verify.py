@@ -16,12 +16,11 @@ from driftproof.blackbox.checks.determinism import CALL_BEFORE
 from driftproof.blackbox.checks.output_precision import digits
 from driftproof.blackbox.families.magnetic import BORIS_NAMES, Boris
 from driftproof.blackbox.families.reports import turns, verify_family
-from driftproof.blackbox.findings import Outcome, StepFinding, UnsupportedCall, arithmetic_of
+from driftproof.blackbox.findings import Outcome, RightInAnotherForm, StepFinding, UnsupportedCall, arithmetic_of
 from driftproof.blackbox.isolation import TIME_LIMIT, IsolatedRunner
 from driftproof.blackbox.judging.agreement import EXAMPLES, NO_ALLOWANCE, ORDINARY_DOMAIN, Agreement, Domain
-from driftproof.blackbox.judging.habits import ROUNDED
+from driftproof.blackbox.judging.habits import HABITS
 from driftproof.blackbox.judging.nonlinear_step import NonlinearAgreement
-from driftproof.blackbox.judging.state_objects import RIGHT_AS
 from driftproof.blackbox.judging.tolerance import Allowance, Tolerance
 from driftproof.blackbox.probes.force import ForceReading
 from driftproof.blackbox.probes.scripted_answers import NotReadable
@@ -225,7 +224,7 @@ class _Comparison:
     def right_form(self) -> str:
         """The other form of the state in which the step is the method's; "" if there is none."""
         found: StepFinding | None = self.outcomes[criteria.STATE_FORMS].result
-        return found.words if found is not None and found.words.startswith(RIGHT_AS) else ""
+        return found.words if isinstance(found, RightInAnotherForm) else ""
 
 
 @dataclass(frozen=True)
@@ -275,7 +274,7 @@ class _Refutation:
         failing = seen.rounding and order.passed is not False and seen.rounding.failing
         if failing and seen.rounding:
             habit = seen.rounding.but_for
-            if habit and (coefficients.passed is not False or habit.startswith(ROUNDED)):
+            if habit and (coefficients.passed is not False or habit not in HABITS):
                 yield f"is not {key} to roundoff; it is, {habit}"
             if coefficients.passed and failing.answer is not None:
                 if CALL_BEFORE in self._faults:
@@ -300,8 +299,7 @@ class _Refutation:
         by_linear_steps = naming.basis is Basis.LINEAR_ONLY and coefficients.passed is False
         unnamed = naming.basis in (Basis.UNKNOWN, Basis.UNDECIDED)
         if self.mistakes and not one_entry and (by_linear_steps or unnamed or naming.reserved or named):
-            link = "except for" if " instead of " in self.mistakes[0] else "with one mistake:"
-            yield f"is not {key}; it is {key} {link} {self.mistakes[0]}"
+            yield f"is not {key}; it is {key} with one mistake: {self.mistakes[0]}"
         if self.instead.section("Coefficients") is None and named:
             yield f"is not {key}: {first.lines[0 if first.title == criteria.ROUNDING else -1]}"
         if naming.basis is Basis.KNOWN and naming.methods[0] == key and naming.words == self.instead.verdict:

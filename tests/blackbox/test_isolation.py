@@ -170,11 +170,7 @@ def test_a_fault_of_ours_while_a_stepper_is_opened_is_no_bad_input(monkeypatch):
 
 def test_without_isolation_the_stepper_runs_here():
     here = []
-
-    def step(q, v, h):
-        here.append(h)
-        return q + h * v, v - h * q
-
+    step = lambda q, v, h: here.append(h) or (q + h * v, v - h * q)
     assert IsolatedRunner(Target(step), isolate=False).run([answer])[0].result == (1.1875, 0.5)
     assert here == [0.25, 0.25]
     assert IsolatedRunner(Target(step)).run([answer])[0].result == (1.1875, 0.5)
@@ -264,11 +260,7 @@ def test_what_hung_is_refused_on_the_far_side_and_nothing_else():
 
 def test_here_too_one_stepper_is_opened_for_all_questions_of_a_with_statement():
     calls = []
-
-    def step(q, v, h):
-        calls.append(h)
-        return q + h * v, v - h * q
-
+    step = lambda q, v, h: calls.append(h) or (q + h * v, v - h * q)
     with IsolatedRunner(Target(step), isolate=False) as kept:
         assert [kept.run([answer])[0].kind for _ in range(3)] == [None] * 3
     assert len(calls) == 4
@@ -281,11 +273,7 @@ def test_the_file_of_calls_says_which_is_made_and_whether_it_is_back(tmp_path):
     log = _CallLog(tmp_path / "last_call")
     assert (log.now(), log.call) == ("", "")
     seen = []
-
-    def step(q, v, h):
-        seen.append(log.now())
-        return q + h * v, v - h * q
-
+    step = lambda q, v, h: seen.append(log.now()) or (q + h * v, v - h * q)
     serving = Serving(Target(step), [lambda subject: seen.append(log.now())], log.path)
     serving.outcome(0)
     assert seen == ["calling 1: q=1.0, v=0.75, h=0.25", "back 1: q=1.0, v=0.75, h=0.25"]

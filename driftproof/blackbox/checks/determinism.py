@@ -45,9 +45,9 @@ def repeats(subject: ForeignStepper) -> tuple[CheckResult, ...]:
     at_once = [_fixed_call(runner) for _ in range(3)]
     after = [_fixed_call(runner, other) for other in (ANOTHER, _THIRD, ANOTHER, _THIRD)]
     if all(same(answer, at_once[0]) for answer in (*at_once, *after)):
-        holds, words, _ = first_call_again(subject)
-        if holds is False:
-            changing = CheckResult(SAME, False, f"its answers change from call to call: {words}")
+        again = first_call_again(subject)
+        if again.holds is False:
+            changing = CheckResult(SAME, False, f"its answers change from call to call: {again.words}")
             return changing, CheckResult(_MEMORY, None, "not tested: the answers vary from call to call")
         return (
             CheckResult(SAME, True, "the same call gives the same bits"),

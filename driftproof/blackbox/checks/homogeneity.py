@@ -98,6 +98,8 @@ def _odd_and_additive(runner: TrialRunner, rays: Sequence[Ray]) -> CheckResult:
         summed = [x + y for x, y in zip(q.answer, v.answer, strict=True)]
         if relative_error(both.answer, summed) > runner.rounding:
             return CheckResult(LINEAR, False, "not linear: S(q, v) is not S(q, 0) + S(0, v)", (q, v, both))
+    if missing := [trial for trial in (q, minus_q, v, minus_v, both) if not trial.answer]:
+        return CheckResult(LINEAR, None, f"not tested everywhere: {missing[0].line}", (missing[0],))
     return CheckResult(LINEAR, True, "linear in the state, to rounding")
 
 

@@ -13,6 +13,7 @@ import numpy as np
 
 from driftproof.blackbox.checks.quantisation import narrow_format, quantisation_of
 from driftproof.blackbox.findings import Misbehaviour, NoAnswer, NotANumber, NotFinite, StepRaised, WrongShape
+from driftproof.blackbox.probes.linear_steps import MOST_ROUNDING
 from driftproof.blackbox.stepper.call_text import call_text
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.symbolic.rounding.formats import BINARY16, BINARY32, BINARY64, FloatFormat
@@ -31,8 +32,6 @@ _ROUNDINGS = 1024
 SIZES = (1.0, 2.0**-3, 2.0**-6, 2.0**-9)
 # The size of a second state, in which numbers of a fixed point have seven bits less, and those of a format do not.
 _SMALLER = 2.0**-7
-# In binary16, 1024 u would be half of the number: there a defect counts as rounding up to 64 u.
-_MOST_ROUNDING = 2.0**-5
 # In units of the grain: up to eight rounded answers, each off by half of it.
 _GRAINS = 4
 _TYPES: dict[FloatFormat, type[np.floating]] = {BINARY64: np.float64, BINARY32: np.float32, BINARY16: np.float16}
@@ -75,7 +74,7 @@ class TrialRunner:
     @property
     def rounding(self) -> float:
         """The largest defect of a state of ordinary size that counts as rounding, relative to it."""
-        return min(_ROUNDINGS * float(self.format.u), _MOST_ROUNDING) + _GRAINS * self.grain
+        return min(_ROUNDINGS * float(self.format.u), MOST_ROUNDING) + _GRAINS * self.grain
 
     def step(self, q: float, v: float, h: float) -> PhasePoint:
         """One step that should succeed. Raises a `Misbehaviour` if it does not."""

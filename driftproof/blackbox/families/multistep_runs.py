@@ -10,7 +10,7 @@ from itertools import pairwise
 import numpy as np
 
 from driftproof.blackbox.checks.determinism import ALIKE, MANY
-from driftproof.blackbox.findings import Misbehaviour, StepFinding, UnsupportedCall, WrongShape
+from driftproof.blackbox.findings import Misbehaviour, StepFinding, UnsupportedCall, WrongShape, first_taken
 from driftproof.blackbox.judging.nonlinear_problems import NonlinearProblem, gives_force_times, passes_time, walls
 from driftproof.blackbox.matching.tables import Array
 from driftproof.blackbox.probes.scripted_answers import NotReadable
@@ -69,19 +69,13 @@ class MarkedRuns:
 
     @classmethod
     def of(cls, subject: ForeignStepper) -> MarkedRuns:
-        """Runs with as many components as the subject takes. Raises UnsupportedCall, or Misbehaviour with only one."""
+        """Runs with as many components as the subject takes. Raises UnsupportedCall, Misbehaviour."""
         if subject.convention.kind == FORCE:
             timed = gives_force_times(subject.fresh(subject.shortest))
             return cls(subject, 1, clock=False, by_place=not timed)
         if subject.convention.kind != FIELD:
             raise UnsupportedCall("its system is built in: its steps cannot be marked by a given right-hand side")
-        for size in _SIZES:
-            try:
-                timed = passes_time(subject.fresh(subject.shortest), size)
-                break
-            except Misbehaviour:
-                if size == _SIZES[-1]:
-                    raise
+        size, timed = first_taken(lambda n: (n, passes_time(subject.fresh(subject.shortest), n)), _SIZES)
         clock = not timed and size > 1
         return cls(subject, size - clock, clock, by_place=not timed and not clock)
 
@@ -165,16 +159,8 @@ def order_across(subject: ForeignStepper, order: int) -> int | None:
     return order
 
 
-def remembers(subject: ForeignStepper) -> bool:
-    """True if a step after others differs from one taken afresh from that state; False if that cannot be seen."""
-    try:
-        return _departs(subject)
-    except (UnsupportedCall, Misbehaviour):
-        return False
-
-
-def _departs(subject: ForeignStepper, uneven: float = 0.0) -> bool:
-    """Like `remembers`, but raises UnsupportedCall, or the Misbehaviour that comes instead of a step.
+def remembers(subject: ForeignStepper, uneven: float = 0.0) -> bool:
+    """True if a step after others differs from one taken afresh from that state. Raises UnsupportedCall, Misbehaviour.
 
     The intervals of a grid of times become longer by `uneven`; a built-in system steps from a state of its own.
     """
@@ -199,13 +185,13 @@ def later_steps(subject: ForeignStepper) -> StepFinding:
     if not subject.convention.run:
         return StepFinding(None, "it makes single steps, not runs")
     try:
-        departs = _departs(subject)
+        departs = remembers(subject)
     except (UnsupportedCall, Misbehaviour) as refusal:
         return StepFinding(None, f"no run of {MANY} steps was obtained: {refusal}")
     if departs:
         return StepFinding(False, "a step in a run differs from the same step taken alone: it remembers, or varies")
     with suppress(UnsupportedCall, Misbehaviour):  # it may refuse unequal intervals
-        if GRID in subject.convention.order and _departs(subject, _UNEVEN):
+        if GRID in subject.convention.order and remembers(subject, _UNEVEN):
             uneven = "where the times of its grid are unequally spaced"
             return StepFinding(False, f"{uneven}, a later step takes another step size")
     return StepFinding(True, f"{MANY} steps of a run, each the same as taken alone")

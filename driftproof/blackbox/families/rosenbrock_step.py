@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from driftproof.blackbox.findings import Misbehaviour, UnsupportedCall
+from driftproof.blackbox.findings import UnsupportedCall, first_taken
 from driftproof.blackbox.matching.tables import Array
 from driftproof.blackbox.probes.scripted_answers import (
     Listener,
@@ -112,13 +112,7 @@ class _Probe:
     def __init__(self, subject: ForeignStepper) -> None:
         """Take a first step, with as many components as the stepper takes, and tell its calls apart."""
         self.subject = subject
-        for self.size in _SIZES:
-            try:
-                self.first = self._generic()
-                break
-            except Misbehaviour:
-                if self.size == _SIZES[-1]:
-                    raise
+        self.first = first_taken(self._generic, _SIZES)
         if not self.first.places or not self.first.jacobian_at:
             raise NotReadable("it never calls its right-hand side, or its Jacobian")
         self.calls = len(self.first.places)
@@ -133,8 +127,9 @@ class _Probe:
             else:
                 self.groups.append([i])
 
-    def _generic(self) -> _Step:
-        """A step in which no two stages lie at one place by chance."""
+    def _generic(self, size: int) -> _Step:
+        """A step with so many components in which no two stages lie at one place by chance."""
+        self.size = size
         matrix = [[0.25 / (1 + i + 2 * j) - 0.5 * (i == j) for j in range(self.size)] for i in range(self.size)]
 
         def answer(_: int, t: float, y: Array) -> list[float]:

@@ -20,7 +20,6 @@ HABITS: dict[str, Callable[[Allowance], Allowance]] = {
     "if h is rounded to binary32 first": lambda given: replace(given, step_in_binary32=True),
     "if the velocity is a difference of positions over h": lambda given: replace(given, velocity_from_positions=True),
 }
-ROUNDED = "if its coefficients are rounded to"
 # How many digits more and fewer are tried than an error suggests, because it also scales with h and the states.
 _DIGITS_AROUND = 2
 # Chosen: a source with fewer digits is not counted as a rounding of the method.
@@ -55,7 +54,7 @@ def explain_by_habits(
     # Several numbers of digits may give the same coefficients: the fewest, tried last, come first and name them.
     for _, words, rounded in sorted(near, key=lambda each: each[0]):
         if agreement(subject, rounded, allowance, domain, examples).holds:
-            return replace(found, but_for=f"{ROUNDED} {words}")
+            return replace(found, but_for=f"if its coefficients are rounded to {words}")
     return found
 
 
@@ -67,7 +66,7 @@ def _of_few_digits(method: Method, error: float) -> Iterator[tuple[str, Method]]
     for digits in range(middle + _DIGITS_AROUND, max(_FEWEST, middle - _DIGITS_AROUND) - 1, -1):
         for words, text in ((f"{digits} decimals", fixed), (f"{digits} significant digits", significant)):
             rounded = _with_coefficients(method, partial(_rounded, text, digits))
-            if rounded is not None and rounded != method:
+            if rounded != method:
                 yield words, rounded
 
 
@@ -75,8 +74,8 @@ def _rounded(text: Callable[[Exact, int], str], digits: int, x: Exact) -> Fracti
     return Fraction(text(x, digits))
 
 
-def _with_coefficients(method: Method, change: Callable[[Exact], Fraction]) -> Method | None:
-    """The method with changed coefficients; None for a method that is not given by a table."""
+def _with_coefficients(method: Method, change: Callable[[Exact], Fraction]) -> Method:
+    """The method with changed coefficients; itself if it is not given by a table."""
 
     def row(numbers: tuple[Exact, ...]) -> tuple[Exact, ...]:
         return tuple(map(change, numbers))
@@ -89,4 +88,4 @@ def _with_coefficients(method: Method, change: Callable[[Exact], Fraction]) -> M
     if isinstance(method, Nystrom):
         position, velocity = row(method.b_position), row(method.b_velocity)
         return replace(method, a=tuple(map(row, method.a)), c=row(method.c), b_position=position, b_velocity=velocity)
-    return None
+    return method

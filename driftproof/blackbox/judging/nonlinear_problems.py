@@ -10,7 +10,7 @@ from typing import TypeAlias
 
 from flint import arb
 
-from driftproof.blackbox.findings import Misbehaviour, NotANumber, StepRaised, WrongShape
+from driftproof.blackbox.findings import NotANumber, StepRaised, WrongShape, first_taken
 from driftproof.blackbox.stepper.array_adapters import AnyNumber
 from driftproof.blackbox.stepper.calling_conventions import FIELD, FORCE, MAP
 from driftproof.blackbox.stepper.foreign_code import FieldFunction
@@ -118,13 +118,7 @@ def field_problem(subject: ForeignStepper) -> NonlinearProblem:
 
     Raises the Misbehaviour of the first size if all are refused, and UnsupportedCall if no right-hand side is taken.
     """
-    failures: list[Misbehaviour] = []
-    for size in _SIZES:
-        try:
-            return driven(size, timed=passes_time(subject, size))
-        except Misbehaviour as failure:
-            failures.append(failure)
-    raise failures[0]
+    return first_taken(lambda size: driven(size, timed=passes_time(subject, size)), _SIZES)
 
 
 def driven(size: int, *, timed: bool) -> NonlinearProblem:

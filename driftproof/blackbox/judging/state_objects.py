@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from driftproof.blackbox.findings import Misbehaviour, StepFinding
+from driftproof.blackbox.findings import Misbehaviour, RightInAnotherForm, StepFinding
 from driftproof.blackbox.judging.agreement import NO_ALLOWANCE, ORDINARY_DOMAIN, Domain, ordinary_arguments
 from driftproof.blackbox.judging.tolerance import Allowance, Tolerance
 from driftproof.blackbox.judging.walks import Walker, walk_on
@@ -22,8 +22,6 @@ from driftproof.blackbox.stepper.state_forms import BODIES
 from driftproof.blackbox.stepper.wrappers import turn_wrapper
 from driftproof.methods.schemes import Method
 
-# The words of a verdict on a step that is right in another form of state than the one that was given.
-RIGHT_AS = "it is where the state comes as"
 _FORMS = (ARRAYS, LISTS, TUPLES)
 # Chosen: the number of successive steps from each form of state.
 _STEPS = 3
@@ -53,7 +51,8 @@ def state_objects(
         for form, wrapper in {**dict.fromkeys(forms, ""), **turned}.items():
             with suppress(Misbehaviour):
                 if not trial(_in_form(subject, form))[0]:
-                    return StepFinding(False, f"{RIGHT_AS} {form.name}{wrapper}; {given}: {from_copies}")
+                    words = f"it is where the state comes as {form.name}{wrapper}; {given}: {from_copies}"
+                    return RightInAnotherForm(False, words)
         return StepFinding(None, given)
     if wrong:
         return StepFinding(False, f"a step from the object that the previous step returned is wrong: {wrong}")
@@ -115,8 +114,8 @@ def _tried(
         q, v = answer
     if subject.convention.kind not in (FIELD, FORCE):
         return "", seen
-    passed, words, _ = walk_on(_SmallWalker(subject, method, allowance, domain), most=1)
-    return (words if passed is False else ""), seen
+    found = walk_on(_SmallWalker(subject, method, allowance, domain), most=1)
+    return (found.words if found.holds is False else ""), seen
 
 
 class _ReusingAnswers:

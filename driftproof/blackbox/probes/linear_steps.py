@@ -27,6 +27,8 @@ NOT_DYADIC = ("1/10", "3/10", "7/10", "-3/10")
 _FAR = ("2", "4", "16", "-2", "-4")
 # At the step LINEARITY_STEP, no program of the catalogue errs by more than this many u (1 + |M|): a test holds this.
 LINEARITY_ROUNDINGS, LINEARITY_STEP = 1 << 12, Fraction(1, 8)
+# In binary16, so many roundings would be the number itself: there a defect counts as rounding up to 64 u.
+MOST_ROUNDING = 2.0**-5
 # Answers that differ by no more roundings are the same: those of sums of up to 18 terms in another order.
 REPEATED = 16
 # States of this size, in bits, show a limit: a million is beyond what people bound speeds and lengths by.
@@ -209,10 +211,11 @@ def _nonlinearity(subject: ForeignStepper, reading: LinearReading, size: float) 
     """The first case of M(z + w) ≠ M(z) + M(w) at states of `size` times the amplitude; None if none is seen."""
     h = _in_format(reading.format, reading.unit * float(LINEARITY_STEP))
     (qq, qv, vq, vv), scale = _matrix(subject, h, reading.amplitude), size * reading.amplitude
+    u = float(reading.format.u)
     for q, v in ((1.0, 1.0), (0.625, -0.75), (-1.5, 0.0)):
         got = subject.step(scale * q, scale * v, h)
         for x, (a, b) in zip(got, ((qq * q, qv * v), (vq * q, vv * v)), strict=True):
-            allowed = LINEARITY_ROUNDINGS * float(reading.format.u) * (abs(a) + abs(b) + abs(q) + abs(v))
+            allowed = min(LINEARITY_ROUNDINGS * u, MOST_ROUNDING) * (abs(a) + abs(b) + abs(q) + abs(v))
             off = abs(x / scale - (a + b))
             if not off <= allowed:
                 start = f"({scale * q:g}, {scale * v:g})"

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from math import fsum, prod
 from typing import NamedTuple, TypeAlias
 
-from driftproof.blackbox.findings import Misbehaviour
+from driftproof.blackbox.findings import Misbehaviour, first_taken
 from driftproof.blackbox.probes.scripted_answers import Listener, NotReadable, result_of
 from driftproof.blackbox.stepper.foreign_code import FieldFunction
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
@@ -196,12 +197,8 @@ class MarkedSteps:
         return place
 
     def _opened(self) -> tuple[int, MarkedRun]:
-        for size in _SIZES:
-            try:
-                return size, self.smooth(Setting(), lambda node, moved: [1.0] * len(moved), size)
-            except NotReadable as refusal:
-                failure = refusal
-        raise failure
+        moved_by_one = partial(self.smooth, Setting(), lambda node, moved: [1.0] * len(moved))
+        return first_taken(lambda size: (size, moved_by_one(size)), _SIZES, NotReadable)
 
 
 def _distinct(numbers: Sequence[float], distance: float) -> tuple[float, ...]:

@@ -9,7 +9,7 @@ from itertools import chain
 from math import fsum
 from typing import NamedTuple
 
-from driftproof.blackbox.findings import Misbehaviour
+from driftproof.blackbox.findings import first_taken
 from driftproof.blackbox.probes import scripted_answers as scripted
 from driftproof.blackbox.probes.coefficients import coefficient_text
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
@@ -178,13 +178,7 @@ class TableauProbe:
         return replace(reading, remarks=scripted.remarks_of(lambda: self._check(reading, scripted.BACKWARD)))
 
     def _opened(self) -> tuple[int, ScriptedStep]:
-        failures: list[Misbehaviour] = []
-        for size in range(len(_PARTS), 0, -1):
-            try:
-                return size, self.run(size, [], scripted.AT_REST)
-            except Misbehaviour as failure:
-                failures.append(failure)
-        raise failures[0]
+        return first_taken(lambda size: (size, self.run(size, [], scripted.AT_REST)), range(len(_PARTS), 0, -1))
 
     def run(self, size: int, answers: Sequence[Sequence[float]], control: scripted.Control) -> ScriptedStep:
         """One step on `size` numbers, in which call j is answered by answers[j], and later calls by 0."""

@@ -333,14 +333,12 @@ def _fitted(points: Sequence[_Point], terms: int) -> list[Any] | None:
     for found in tried:
         left = logarithms - matrix @ [*map(float, found)]
         if np.ptp(left) <= 2 * _CLOSE:
-            break
-    else:
-        return None
-    if any(0 < abs(float(x)) < 1 / _MOST_DENOMINATOR for x in found[1:]):
-        return None
-    safety = float(left.max() + left.min()) / 2
-    two_digits = log(round(exp(safety), 2) or 1.0)
-    return [two_digits if np.abs(left - two_digits).max() <= _CLOSE else safety, *found]
+            if any(0 < abs(float(x)) < 1 / _MOST_DENOMINATOR for x in found[1:]):
+                return None
+            safety = float(left.max() + left.min()) / 2
+            two_digits = log(round(exp(safety), 2) or 1.0)
+            return [two_digits if np.abs(left - two_digits).max() <= _CLOSE else safety, *found]
+    return None
 
 
 def _repeated(factors: Sequence[float], value: float) -> float | None:

@@ -101,8 +101,6 @@ class SolverRuns:
             found = self.subject.solve(rate, span, y0, steps=length).y
             if len(found) > steps:
                 return np.array(found[: steps + 1])
-            if self.count:
-                break
         raise WrongShape(f"it returns {len(found)} states in a run of {steps} steps")
 
     def stepper(self) -> ForeignStepper:

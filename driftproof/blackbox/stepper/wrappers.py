@@ -141,20 +141,19 @@ def _name(step: Callable[..., Any]) -> str:
 
 def _for_object(step: Callable[..., Any]) -> str:
     """The `stepper_of` line for a class, or for a method that takes the step size alone; "" if no state is found."""
-    names = required_names(step)
-    if inspect.isclass(step) and (line := _for_class(step)):
-        return line
-    owner = step if inspect.isclass(step) else getattr(step, "__self__", None)
-    if owner is None or (not inspect.isclass(step) and (names is None or [*map(_role, names)] not in ([STEP], []))):
-        return ""
-    made, cls = owner, owner if inspect.isclass(owner) else type(owner)
-    makes = required_names(cls) or []
-    if inspect.isclass(owner):
+    made: Any = step
+    if inspect.isclass(step):
+        if line := _for_class(step):
+            return line
+        cls, advance = step, _advance(step) or "step"
         with suppress(Exception):
-            made = cls(*[lambda *x: 0.0 for _ in makes])
-    advance = _advance(cls) or "step"
-    if not inspect.isclass(step):
-        advance = getattr(step, "__name__", advance)
+            made = cls(*[lambda *x: 0.0 for _ in required_names(cls) or ()])
+    else:
+        made, names = getattr(step, "__self__", None), required_names(step)
+        if made is None or names is None or [*map(_role, names)] not in ([STEP], []):
+            return ""
+        cls, advance = type(made), step.__name__
+    makes = required_names(cls) or []
     q, v, state, time = (_attribute(made, role) for role in (POSITION, VELOCITY, STATE, TIME))
     if not state and not (q and v):
         return ""

@@ -1,6 +1,7 @@
 """All checks together: a planted habit is told and no other, clean steppers have no fault, examples can be run."""
 
 import json
+import math
 import warnings
 
 import numpy as np
@@ -71,6 +72,12 @@ def test_clauses_are_json_with_numbers_as_strings():
     }  # fmt: skip
     nan = habits.result(habits.REPAIRS_NAN, "not_a_number").as_dict()
     assert nan["example"][0]["given"]["q"] == "nan"
+
+
+def test_a_step_without_an_answer_from_some_states_is_not_called_linear():
+    seen = habits.result(lambda q, v, h: (q + h * v + 0 * math.sqrt(q), v - h * q), "linear")
+    call = "step(-0.7390851332151607, 0.0, 0.25)"
+    assert (seen.holds, seen.words) == (None, f"not tested everywhere: {call} -> raises ValueError: math domain error")
 
 
 def test_outcomes_without_result_are_clauses_of_their_own():

@@ -70,8 +70,14 @@ EXPLAINED = {
     "another": (as_map(yoshida(float)), "velocity_verlet"),
     "digits of another": (as_map(yoshida(lambda x: fixed(x, 6))), "ruth3"),
     "by collocation": (lambda q, v, h: (q + h * v, v - h * q), "gauss2"),
+    "digits of a collocation": (lambda q, v, h: gauss2_in_decimals(complex(q, v), -1j * h), "gauss2"),
     "Nystrom's": (lambda q, v, h: nystrom_in_decimals(lambda q: -q, q, v, h), "nystrom5"),
 }
+
+
+def gauss2_in_decimals(z, x):
+    z *= (1 + x / 2 + 0.083333 * x * x) / (1 - x / 2 + 0.083333 * x * x)  # 1/12, in six decimals
+    return z.real, z.imag
 
 
 def nystrom_in_decimals(force, q, v, h):

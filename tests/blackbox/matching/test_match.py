@@ -79,6 +79,12 @@ def test_coefficients_that_take_four_operations_are_told_from_those_that_sums_ma
     assert found.matches[0].closeness.startswith(closeness)
 
 
+def test_no_splitting_is_found_through_a_right_hand_side_and_no_explicit_method_in_implicit_stages():
+    solved = replace(read_with("rk4"), solved=StageSolution(0.0, 0.0))
+    assert match_method(read_with("rk4"), METHODS["velocity_verlet"]) == Identity(())
+    assert match_method(solved, METHODS["rk4"]) == Identity(())
+
+
 def test_what_a_solver_leaves_in_a_coefficient_is_told_relative_to_it():
     reading = replace(read_with("sdirk2", ("a", 0, 0), by=1e-9), stage_error=1e-9, solved=StageSolution(0.0, 0.0))
     closeness = f"every coefficient within {1e-9 / (1 - 0.5**0.5):.1e}, the accuracy of its stage solver"

@@ -114,6 +114,8 @@ def test_noise_that_repeats_is_reported_and_not_named():
 def test_a_bent_step_of_a_built_in_length_has_no_rates_and_is_not_linearised():
     read = read_linear_steps(opened(lambda q, v, h: (q + 0.25 * v, v - 0.25 * sin(q))))
     assert (read.kind, read.at_zero) == (NOT_LINEAR, None)
+    cubic = lambda q, v, h: in_half_precision(lambda x: -x - 4 * x**3, q, v, h)
+    assert read_linear_steps(opened(cubic)).kind == NOT_LINEAR
 
 
 def test_rates_are_read_to_more_than_the_length_of_the_steps_that_are_taken():

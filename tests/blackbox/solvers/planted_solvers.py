@@ -6,11 +6,18 @@ from collections import namedtuple
 from math import isfinite
 
 import numpy as np
+import pytest
 
 from driftproof.methods.catalogue import METHODS
 from tests.plain_algebra import product
 
 Answer = namedtuple("Answer", "t y success message")
+
+
+def of_scipy(method, **options):
+    """SciPy's solver, which takes no rtol much below 1e-13."""
+    solve = pytest.importorskip("scipy.integrate").solve_ivp
+    return lambda f, t_span, y0, rtol, atol: solve(f, t_span, y0, method, rtol=max(rtol, 1e-13), atol=atol, **options)
 
 
 def adaptive(

@@ -12,7 +12,7 @@ from driftproof.blackbox.solvers.controller import _fitted, _Point, bumps, read_
 from driftproof.blackbox.solvers.foreign_solver import ForeignSolver, taken_by
 from driftproof.blackbox.solvers.steps import read_steps
 from driftproof.blackbox.stepper.array_adapters import ARRAYS
-from tests.blackbox.solvers.planted_solvers import adaptive, fixed
+from tests.blackbox.solvers.planted_solvers import adaptive, fixed, of_scipy
 from tests.blackbox.transcripts import Asked
 from tests.looping import some
 
@@ -144,12 +144,7 @@ def test_the_bumps_are_of_both_signs_and_bounded():
     ("DOP853", "dop853 blended with dop853_third", 8),
 ])  # fmt: skip
 def test_scipy_has_the_law_that_its_source_says(method, estimate, exponent):
-    solve_ivp = pytest.importorskip("scipy.integrate").solve_ivp
-
-    def solve(f, t_span, y0, rtol, atol):
-        return solve_ivp(f, t_span, y0, method=method, rtol=max(rtol, 1e-13), atol=atol)
-
-    found = read(solve)
+    found = read(of_scipy(method))
     law = found.law
     assert (law.estimate, law.exponent, law.memory, law.after_rejection) == (estimate, Fraction(1, exponent), 0, True)
     assert law.exception == ""

@@ -13,7 +13,7 @@ from driftproof.blackbox.solvers.multistep import BACKWARD_EULER, TRAPEZOID, _qu
 from driftproof.symbolic.linear.multistep import MultistepFacts
 from tests.blackbox.families import remembering_steppers as planted
 from tests.blackbox.families.remembering_steppers import Corrected, Remembering, euler, rk4_step
-from tests.blackbox.solvers.planted_solvers import adaptive, run
+from tests.blackbox.solvers.planted_solvers import adaptive, of_scipy, run
 from tests.blackbox.transcripts import Asked, summed
 from tests.looping import exactly, some
 
@@ -125,12 +125,7 @@ VARYING = {"BDF": {"ndf1", "ndf2", "ndf3", "ndf4", "bdf5"}, "LSODA": {"adams_mou
 
 @pytest.mark.parametrize("method", VARYING)
 def test_the_methods_of_a_solver_of_several_orders_are_told_where_its_steps_are_of_one_length(method):
-    from scipy.integrate import solve_ivp
-
-    def solve(f, t_span, y0, rtol, atol):
-        return solve_ivp(f, t_span, y0, method, rtol=rtol, atol=atol)
-
-    memory = read_memory(SolverTarget(solve).open())
+    memory = read_memory(SolverTarget(of_scipy(method)).open())
     assert memory.name.endswith("where its step size is constant")
     assert VARYING[method] <= set(memory.name.replace(",", "").split())
     assert memory.order is None

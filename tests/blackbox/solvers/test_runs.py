@@ -11,7 +11,7 @@ from driftproof.blackbox.findings import NoAnswer
 from driftproof.blackbox.solvers.foreign_solver import ForeignSolver
 from driftproof.blackbox.solvers.identify_solver import identify_solver
 from driftproof.blackbox.solvers.runs import read_runs
-from tests.blackbox.solvers.planted_solvers import Answer, adaptive, fixed
+from tests.blackbox.solvers.planted_solvers import Answer, adaptive, fixed, of_scipy
 from tests.blackbox.transcripts import Asked
 from tests.looping import some
 
@@ -35,11 +35,7 @@ def of_the_first_number(f, t_span, y0, rtol, atol):
 
 @pytest.mark.parametrize("method", ["Radau", "BDF", "LSODA"])
 def test_what_solves_for_its_steps_is_told_from_what_does_not(method):
-    solve_ivp = pytest.importorskip("scipy.integrate").solve_ivp
-
-    def solve(f, t_span, y0, rtol, atol):
-        return solve_ivp(f, t_span, y0, method=method, rtol=rtol, atol=atol)
-
+    solve = of_scipy(method)
     found = read(solve)
     assert found.seen["Stiffness"][1].startswith("it solves equations for its steps")
     assert "differences of f in y" in found.seen["Stiffness"][2]
@@ -47,8 +43,7 @@ def test_what_solves_for_its_steps_is_told_from_what_does_not(method):
 
 
 def test_the_stages_of_an_explicit_pair_at_the_end_of_its_step_are_no_differences_for_a_jacobian():
-    solve_ivp = pytest.importorskip("scipy.integrate").solve_ivp
-    found = read(lambda f, t_span, y0, rtol, atol: solve_ivp(f, t_span, y0, rtol=1e-6, atol=1e-9))
+    found = read(lambda f, t_span, y0, rtol, atol: of_scipy("RK45")(f, t_span, y0, 1e-6, 1e-9))
     assert [line.split(" its longest")[0] for line in found.seen["Stiffness"]] == ["on y' = -1000 (y - cos t) - sin t"]
 
 
@@ -96,9 +91,7 @@ def test_a_tolerance_that_only_sets_the_first_step_size_is_ignored(name):
 
 
 def test_where_a_largest_step_size_makes_the_errors_no_tolerance_is_said_to_be_ignored():
-    def solve(f, t_span, y0, rtol, atol):
-        return adaptive(most=1.0, first_step=0.02 * (1 + rtol + atol))(f, t_span, y0, rtol, atol)
-
+    solve = lambda *given: adaptive(most=1.0, first_step=0.02 * (1 + sum(given[3:])))(*given)
     (fault,) = read(solve).faults  # as steps never grow
     assert fault.startswith("at a jump of f it does not end")
 

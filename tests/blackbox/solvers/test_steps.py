@@ -10,7 +10,7 @@ from driftproof.blackbox.solvers.foreign_solver import ForeignSolver, SolverTarg
 from driftproof.blackbox.solvers.steps import read_steps
 from driftproof.methods.catalogue import METHODS
 from tests.blackbox import handwritten_steppers as codes
-from tests.blackbox.solvers.planted_solvers import adaptive, fixed, run
+from tests.blackbox.solvers.planted_solvers import adaptive, fixed, of_scipy, run
 from tests.blackbox.transcripts import Asked
 
 PAIRS = ["bogacki_shampine32", "fehlberg45", "dormand_prince54", "dop853"]
@@ -108,12 +108,7 @@ def test_a_step_is_named_or_what_was_seen_instead(name, as_before):
     ("DOP853", "dop853", "dense", 7),
 ])  # fmt: skip
 def test_scipy_advances_and_interpolates_what_it_says(method, name, extension, order):
-    solve_ivp = pytest.importorskip("scipy.integrate").solve_ivp
-
-    def solve(f, t_span, y0, rtol, atol):
-        return solve_ivp(f, t_span, y0, method=method, rtol=max(rtol, 1e-12), atol=atol, dense_output=True)
-
-    found = read_steps(SolverTarget(solve).open())
+    found = read_steps(SolverTarget(of_scipy(method, dense_output=True)).open())
     seen = found.name, found.dense.extension, found.dense.order, found.dense.faults
     assert seen == (name, f"{name}_{extension}", order, ())
 

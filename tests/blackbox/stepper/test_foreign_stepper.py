@@ -38,6 +38,8 @@ def test_a_right_hand_side_of_one_number_may_be_all_it_takes():
 
 
 def test_the_right_hand_side_is_told_the_time():
+    many = opened(lambda force, q, v, h: (q + h * v, v + h * force(q, *range(9))))  # of so many, the position is first
+    assert (many.step(*STATE, H), many.log.asks) == (euler_steps.EULER, ("position",))
     for step in (
         euler_steps.field,
         euler_steps.field_state_first,

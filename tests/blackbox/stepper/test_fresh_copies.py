@@ -60,7 +60,10 @@ def test_functions_that_share_a_variable_share_that_of_the_copy():
         nonlocal seen
         seen += 1
 
+    also = more
+
     def step(again=True):
+        assert also is more
         more()
         return (math.floor(seen), step(again=False)[0]) if again else (seen,)
 

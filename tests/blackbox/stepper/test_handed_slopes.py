@@ -133,18 +133,11 @@ def test_numbered_slopes_reach_their_names_in_whichever_order_they_are_taken():
 
 
 def test_a_history_that_is_too_short_for_good_is_no_start():
-    def deep(f, t, y, h, history):
-        return y + h * history[-9]
-
-    def as_deep_as_allowed(f, t, y, h, history):
-        return y + h * history[-8]
-
-    def later(f, t, y, h, history):
-        return y + h * history[-2] if history else y
-
+    looking_back = lambda n: lambda f, t, y, h, history: y + h * history[-n]
+    later = lambda f, t, y, h, history: y + h * history[-2] if history else y
     with pytest.raises(IndexError):
-        with_slopes_kept(deep)(lambda t, y: y, 0.0, 1.0, 0.5)
-    step = with_slopes_kept(as_deep_as_allowed)
+        with_slopes_kept(looking_back(9))(lambda t, y: y, 0.0, 1.0, 0.5)
+    step = with_slopes_kept(looking_back(8))
     assert [step(lambda t, y, n=n: n, 0.0, 1.0, 0.5) for n in range(10)] == [1.0] * 9 + [1.5]
     step = with_slopes_kept(later)
     assert step(lambda t, y: y, 0.0, 1.0, 0.5) == 1.0

@@ -8,7 +8,7 @@ from driftproof import verify
 from driftproof.blackbox.families.reports import read_family
 from driftproof.blackbox.findings import BadInput, Increment, Misbehaviour
 from driftproof.blackbox.stepper.opening import Target, opened
-from driftproof.blackbox.stepper.wrappers import wrapper_line
+from driftproof.blackbox.stepper.wrappers import list_wrapper, wrapper_line
 from tests.blackbox.stepper.styles import STYLES, keys_of, namespace
 from tests.blackbox.transcripts import summed
 
@@ -321,6 +321,8 @@ def test_a_step_that_takes_a_list_of_states_is_refused_with_a_run_of_n_steps_tha
         opened(names[name])
     exec(str(caught.value).partition("write: ")[2], names)
     assert read_family(opened(names["wrapped"])).key == name
+    back = lambda n: lambda f, t, ys, h: ys[-n] + n * h * f(t, ys[-1])
+    assert [bool(list_wrapper(back(n))) for n in (7, 8)] == [True, False]
 
 
 @pytest.mark.parametrize("parameters", ["", ", f, omega2, mode", ", force, h", ", force, q0, v0, h"])
