@@ -67,12 +67,12 @@ NOT_ELSEWHERE = "sympy"
 # docs and help show.
 BUDGETS = {
     "support": 1194,
-    "methods": 5307,
+    "methods": 5340,
     "symbolic": 10357,
-    "numeric": 4172,
-    "blackbox": 18359,
-    "enclosure": 3137,
-    "texts": 7336,
+    "numeric": 4190,
+    "blackbox": 18500,
+    "enclosure": 3200,
+    "texts": 7480,
 }
 BUDGET_OF_REPORTS_AND_FRONT = 5646
 # The goal is 65 of 100. Independent witnesses, campaigns and guards, 6,000 lines, are among the tests.
