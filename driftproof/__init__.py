@@ -11,8 +11,8 @@ TYPE_CHECKING = False  # type checkers know it by its name; importing typing wou
 if TYPE_CHECKING:
     # The public names. Type checkers follow these imports; at run time `_modules` parses them.
     from driftproof.blackbox.identify import identify as identify
-    from driftproof.blackbox.judging.agreement import Domain as Domain
-    from driftproof.blackbox.judging.tolerance import Allowance as Allowance
+    from driftproof.blackbox.judging.specification import Allowance as Allowance
+    from driftproof.blackbox.judging.specification import Domain as Domain
     from driftproof.blackbox.solvers.identify_solver import identify_solver as identify_solver
     from driftproof.blackbox.stepper.objects import field_stepper_of as field_stepper_of
     from driftproof.blackbox.stepper.objects import stepper_of as stepper_of

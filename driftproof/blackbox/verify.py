@@ -18,10 +18,17 @@ from driftproof.blackbox.families.magnetic import BORIS_NAMES, Boris
 from driftproof.blackbox.families.reports import turns, verify_family
 from driftproof.blackbox.findings import Outcome, RightInAnotherForm, StepFinding, UnsupportedCall, arithmetic_of
 from driftproof.blackbox.isolation import TIME_LIMIT, IsolatedRunner
-from driftproof.blackbox.judging.agreement import EXAMPLES, NO_ALLOWANCE, ORDINARY_DOMAIN, Agreement, Domain
+from driftproof.blackbox.judging.agreement import EXAMPLES, Agreement
 from driftproof.blackbox.judging.habits import HABITS
 from driftproof.blackbox.judging.nonlinear_step import NonlinearAgreement
-from driftproof.blackbox.judging.tolerance import Allowance, Tolerance
+from driftproof.blackbox.judging.specification import (
+    NO_ALLOWANCE,
+    ORDINARY_DOMAIN,
+    Allowance,
+    Domain,
+    Specification,
+)
+from driftproof.blackbox.judging.tolerance import Tolerance
 from driftproof.blackbox.probes.force import ForceReading
 from driftproof.blackbox.probes.scripted_answers import NotReadable
 from driftproof.blackbox.report import NOT_KNOWN, UNDECIDED, Basis, Criterion, Naming, Report, criteria_parts, sections
@@ -30,6 +37,7 @@ from driftproof.methods.catalogue import METHODS, FactsOnly
 from driftproof.methods.schemes import Method
 from driftproof.methods.tableau_file import method_of, subject_of
 from driftproof.support.assertions import AssertedVerdict, assert_verdict, time_limit_of_test
+from driftproof.symbolic.rounding.formats import BINARY64
 
 # What a verdict of `verify` that passes remarks on, besides its criteria.
 _REMARKS = (arguments, digits, types)
@@ -75,8 +83,9 @@ def verify(
         asked = method_of(found)  # raises ValueError for a family
         if METHODS.get(asked.key, asked) != asked:  # a user's method under the key of another one
             asked = replace(asked, key=f"own_{asked.key}")
-        Tolerance(asked, allowance=allowance)  # an allowance without meaning is refused before anything runs
-        return _report_on_one_step(runner, asked, criteria.questions_of(asked, allowance, domain, examples))
+        wanted = Specification(asked, allowance, domain)
+        Tolerance.of(wanted, BINARY64)  # an allowance without meaning is refused before anything runs
+        return _report_on_one_step(runner, asked, criteria.questions_of(wanted, examples))
 
 
 def assert_verified(

@@ -11,8 +11,7 @@ import numpy as np
 import pytest
 
 from driftproof.blackbox.identify import identify
-from driftproof.blackbox.judging.agreement import Domain
-from driftproof.blackbox.judging.tolerance import Allowance
+from driftproof.blackbox.judging.specification import Allowance, Domain
 from driftproof.blackbox.verify import assert_verified, verify
 from driftproof.cli import main
 from driftproof.methods.catalogue import METHODS

@@ -118,7 +118,7 @@ class _TwoFunctionWalker(Walker):
 
     def problems(self, numbers: int) -> list[NonlinearProblem]:
         """The problems of a plain walk, with the functions that the stepper takes besides f."""
-        alone = Walker(_alone(self.subject), self.method)
+        alone = Walker(_alone(self.subject), self.wanted)
         return [self.kind(**vars(problem)) for problem in alone.problems(numbers)]
 
 

@@ -6,12 +6,12 @@ from dataclasses import dataclass, replace
 from decimal import Decimal
 from fractions import Fraction
 from itertools import islice, product
-from math import inf
 from typing import Any
 
 from driftproof.blackbox.findings import Misbehaviour, StepFinding, UnsupportedCall
 from driftproof.blackbox.judging.sampled_steps import Arguments, Sizes, simplest_step, steps_within
-from driftproof.blackbox.judging.tolerance import Allowance, Judgement, Tolerance
+from driftproof.blackbox.judging.specification import ORDINARY_DOMAIN, Domain, Specification
+from driftproof.blackbox.judging.tolerance import Judgement, Tolerance
 from driftproof.blackbox.stepper.call_text import call_text
 from driftproof.blackbox.stepper.calling_conventions import (
     FORCE,
@@ -22,7 +22,6 @@ from driftproof.blackbox.stepper.calling_conventions import (
     UNIT_PARAMETERS,
 )
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
-from driftproof.methods.schemes import Method
 from driftproof.symbolic.algebra.certified import significant
 from driftproof.symbolic.rounding.formats import BINARY64
 
@@ -31,46 +30,6 @@ COMPONENTS = ("q", "v")
 EXAMPLES = 1000
 # The digits of an exact value shown: three more than distinguish two neighbouring doubles.
 _DIGITS = 20
-
-
-@dataclass(frozen=True)
-class Domain:
-    """The sizes of h > 0, q and v at which a stepper is tried; q and v are also tried at 0.
-
-    The smallest sizes keep arguments away from underflow, where codes that convert units lose digits harmlessly; if
-    they are 0, all floats are tried. In narrow formats they are raised to the square root of the smallest normal
-    number. Raises ValueError unless 0 <= smallest < largest < inf.
-
-    >>> from driftproof import Domain, verify
-    >>> step = lambda q, v, h: (q + h * v, v - h * q)
-    >>> verify(step, "forward_euler", domain=Domain(largest_step=0.5), examples=50, isolate=False).passed
-    True
-    """
-
-    largest_step: float = 2.0
-    largest_state: float = 1000.0
-    smallest_step: float = 2.0**-20
-    smallest_state: float = 2.0**-60
-
-    def __post_init__(self) -> None:
-        """Raise ValueError unless 0 <= smallest < largest < inf for steps and for states."""
-        for low, high in self.ranges:
-            if not 0 <= low < high < inf:
-                raise ValueError(f"from {low:g} to {high:g}: need 0 <= smallest < largest < infinity")
-
-    @property
-    def ranges(self) -> tuple[tuple[float, float], tuple[float, float]]:
-        """The smallest and largest sizes, first of steps, then of states."""
-        return (self.smallest_step, self.largest_step), (self.smallest_state, self.largest_state)
-
-    @property
-    def words(self) -> str:
-        """The domain as inequalities."""
-        return f"{self.smallest_step:.3g} <= h <= {self.largest_step:g}, |q|, |v| <= {self.largest_state:g}"
-
-
-ORDINARY_DOMAIN = Domain()
-NO_ALLOWANCE = Allowance()
 
 
 @dataclass(frozen=True)
@@ -170,19 +129,13 @@ class Agreement:
         }
 
 
-def agreement(
-    subject: ForeignStepper,
-    method: Method,
-    allowance: Allowance = NO_ALLOWANCE,
-    domain: Domain = ORDINARY_DOMAIN,
-    examples: int = EXAMPLES,
-) -> Agreement:
+def agreement(subject: ForeignStepper, wanted: Specification, examples: int = EXAMPLES) -> Agreement:
     """Compare the stepper with the method on the oscillator, at `examples` steps that are the same on every run.
 
-    Raises ValueError if `allowance` lacks the solver tolerance of an implicit method or has one for an explicit method,
-    or if the domain leads to overflow; UnsupportedCall if the stepper takes one number only.
+    Raises ValueError if the allowance lacks the solver tolerance of an implicit method or has one for an explicit
+    method, or if the domain leads to overflow; UnsupportedCall if the stepper takes one number only.
     """
-    tolerance = Tolerance(method, subject.format, allowance)
+    tolerance, domain = Tolerance.of(wanted, subject.format), wanted.domain
     if subject.single:
         raise UnsupportedCall("it takes one number, but q'' = -q needs two")
     if domain != ORDINARY_DOMAIN:
@@ -214,17 +167,15 @@ def ordinary_arguments(subject: ForeignStepper, domain: Domain) -> tuple[list[tu
     return [(number(size * q), number(size * v)) for q, v in _STATES_BACK], [number(longest * h) for h in _STEPS_BACK]
 
 
-def steps_back(
-    subject: ForeignStepper, method: Method, allowance: Allowance = NO_ALLOWANCE, domain: Domain = ORDINARY_DOMAIN
-) -> StepFinding:
+def steps_back(subject: ForeignStepper, wanted: Specification) -> StepFinding:
     """Compare a few steps with h < 0 with M(h); which the finding shows again if one is wrong.
 
     The answer is None if h < 0 is refused, and for an implicit method, whose stages need not have a solution at h < 0.
     States and steps are of ordinary size, or smaller if the domain is.
     """
-    if not method.explicit:
-        return StepFinding(None, f"{method.key} is implicit: steps back are not tried")
-    tolerance, (states, steps) = Tolerance(method, subject.format, allowance), ordinary_arguments(subject, domain)
+    if not wanted.method.explicit:
+        return StepFinding(None, f"{wanted.method.key} is implicit: steps back are not tried")
+    tolerance, (states, steps) = Tolerance.of(wanted, subject.format), ordinary_arguments(subject, wanted.domain)
     for h, (q, v) in product(steps, states):
         example = _example(subject, tolerance, q, v, -h)
         if example.answer is None:
@@ -235,14 +186,12 @@ def steps_back(
     return StepFinding(True, f"{len(steps) * len(states)} steps with h < 0 within the bound")
 
 
-def rows_together(
-    subject: ForeignStepper, method: Method, allowance: Allowance = NO_ALLOWANCE, domain: Domain = ORDINARY_DOMAIN
-) -> StepFinding:
+def rows_together(subject: ForeignStepper, wanted: Specification) -> StepFinding:
     """Compare the step of several states in arrays with M(h); return the finding.
 
     The answer is None if only one state is taken at a time. Raises UnsupportedCall if an array is one state.
     """
-    tolerance, (states, (_, h)) = Tolerance(method, subject.format, allowance), ordinary_arguments(subject, domain)
+    tolerance, (states, (_, h)) = Tolerance.of(wanted, subject.format), ordinary_arguments(subject, wanted.domain)
     try:
         answers = subject.step_batch([q for q, _ in states], [v for _, v in states], h)
     except Misbehaviour as refusal:
@@ -254,9 +203,7 @@ def rows_together(
     return StepFinding(True, f"{len(states)} states in arrays, each within the bound")
 
 
-def other_parameters(
-    subject: ForeignStepper, method: Method, allowance: Allowance = NO_ALLOWANCE, domain: Domain = ORDINARY_DOMAIN
-) -> StepFinding:
+def other_parameters(subject: ForeignStepper, wanted: Specification) -> StepFinding:
     """Compare steps of a built-in q'' = -4 q by h/2, or with another mass, with M(h), and return as `steps_back` does.
 
     Raises UnsupportedCall if the parameters of its oscillator do not say how to make it that one.
@@ -275,8 +222,8 @@ def other_parameters(
     convention = replace(found, extra={name: values.get(name, x) for name, x in found.extra.items()})
     adapter = adapter.with_parameters(values) if adapter.with_parameters else adapter
     changed = replace(subject, convention=convention, adapter=adapter)
-    tolerance = Tolerance(method, subject.format, allowance)
-    (states, steps), wrong = ordinary_arguments(subject, domain), dict[float, str]()
+    tolerance = Tolerance.of(wanted, subject.format)
+    (states, steps), wrong = ordinary_arguments(subject, wanted.domain), dict[float, str]()
     shown = ", ".join(f"{name} = {x:g}" for name, x in values.items())
     momenta = [faster * mass] * bool({*convention.names} & {*MOMENTA} and masses and of_force is None)
     for scale, (q, v), h in product((faster, *momenta), states, steps):

@@ -19,7 +19,7 @@ from driftproof.blackbox.judging.nonlinear_problems import (
     field_problem,
     force_problems,
 )
-from driftproof.blackbox.judging.tolerance import Allowance
+from driftproof.blackbox.judging.specification import Allowance, Specification
 from driftproof.blackbox.probes.scripted_answers import Rounding
 from driftproof.blackbox.stepper.array_adapters import AnyNumber
 from driftproof.blackbox.stepper.calling_conventions import FIELD
@@ -72,20 +72,20 @@ class NonlinearAgreement:
         return f"its steps agree with the method's own on {self.problem}, to {self.largest:.1e} in {self.steps} steps"
 
 
-def nonlinear_agreement(subject: ForeignStepper, method: Method, allowance: Allowance) -> NonlinearAgreement:
+def nonlinear_agreement(subject: ForeignStepper, wanted: Specification) -> NonlinearAgreement:
     """Compare the stepper with the method, from states near the solution of a problem in which all derivatives matter.
 
     A splitting or a Nyström method is compared on q'' = F(t, q), with several positions if the stepper takes them, in
     the order of y that fits; its time advances as its positions do. A Runge-Kutta method whose force gets velocities is
     compared on a force that depends on them. Raises UnsupportedCall if the system is built in.
     """
-    partitioned = isinstance(method, Splitting | Nystrom)
+    partitioned = isinstance(wanted.method, Splitting | Nystrom)
     general = subject.convention.kind == FIELD and not partitioned
     if subject.gives_velocities and not partitioned:
         problems = [dragged_problem(subject)]
     else:
         problems = [field_problem(subject)] if general else force_problems(subject)
-    found = [_compared(subject, method, allowance, problem) for problem in problems]
+    found = [_compared(subject, wanted, problem) for problem in problems]
     return next((each for each in found if each.holds), min(found, key=lambda each: each.largest))
 
 
@@ -94,25 +94,24 @@ def nonlinear_twins(subject: ForeignStepper, keys: Sequence[str]) -> tuple[str, 
 
     Stages may be as far off as solvers in use leave them. Raises UnsupportedCall if the system is built in.
     """
-    allowance = Allowance(solver_tolerance=_SOLVED)
-    return tuple(key for key in keys if nonlinear_agreement(subject, METHODS[key], allowance).holds)
+    wanted = {key: Specification(METHODS[key], Allowance(solver_tolerance=_SOLVED)) for key in keys}
+    return tuple(key for key, each in wanted.items() if nonlinear_agreement(subject, each).holds)
 
 
-def _compared(
-    subject: ForeignStepper, method: Method, allowance: Allowance, problem: NonlinearProblem
-) -> NonlinearAgreement:
+def _compared(subject: ForeignStepper, wanted: Specification, problem: NonlinearProblem) -> NonlinearAgreement:
     found = NonlinearAgreement(problem.words, len(TIMES) * len(STEPS), 0.0)
     with ctx.workprec(_BITS):
         for t, h in product(TIMES, STEPS):
             start = problem.start(t)
-            expected = own_step(method, problem, t, start, h)
-            allowed = allowed_off(subject, method, allowance, 1 + max(map(abs, start)), h)
+            expected = own_step(wanted.method, problem, t, start, h)
+            allowed = allowed_off(subject, wanted, 1 + max(map(abs, start)), h)
             seen = problem.stepped(subject, t, start, h)
             off = [*map(error_above, seen, expected)]
             wrong = tuple(name for name, x in zip(problem.names, off, strict=True) if not x <= allowed)
             i = max(range(len(off)), key=lambda i: inf if isnan(off[i]) else off[i])
             if wrong and not off[i] <= found.largest:
-                numbers = f"{problem.names[i]} is {seen[i]!r} where {method.key} gives {float(expected[i].mid())!r}"
+                right = f"{wanted.method.key} gives {float(expected[i].mid())!r}"
+                numbers = f"{problem.names[i]} is {seen[i]!r} where {right}"
                 beyond = f"in a step of {h:g} from t = {t:g}, {numbers}: off by {off[i]:.1e}, allowed {allowed:.1e}"
                 found = replace(found, beyond=beyond, wrong=wrong)
             found = replace(found, largest=max(found.largest, off[i]))
@@ -124,8 +123,9 @@ def error_above(x: AnyNumber, exact: arb) -> float:
     return float(abs(arb(x) - exact).upper())
 
 
-def allowed_off(subject: ForeignStepper, method: Method, allowance: Allowance, size: float, h: float) -> float:
+def allowed_off(subject: ForeignStepper, wanted: Specification, size: float, h: float) -> float:
     """How far a component of a step may be off if components and slopes are of this size."""
+    method, allowance = wanted.method, wanted.allowance
     calls = len(method.parts) if isinstance(method, Splitting) else method.stages
     rounding = Rounding(subject.format, calls).of(2 * size)
     by_quotient = 2 * size * float(subject.format.u) / h if allowance.velocity_from_positions else 0.0

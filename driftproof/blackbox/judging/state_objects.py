@@ -11,8 +11,9 @@ from typing import Any
 import numpy as np
 
 from driftproof.blackbox.findings import Misbehaviour, RightInAnotherForm, StepFinding
-from driftproof.blackbox.judging.agreement import NO_ALLOWANCE, ORDINARY_DOMAIN, Domain, ordinary_arguments
-from driftproof.blackbox.judging.tolerance import Allowance, Tolerance
+from driftproof.blackbox.judging.agreement import ordinary_arguments
+from driftproof.blackbox.judging.specification import Specification
+from driftproof.blackbox.judging.tolerance import Tolerance
 from driftproof.blackbox.judging.walks import Walker, walk_on
 from driftproof.blackbox.stepper.array_adapters import ARRAYS, LISTS, SCALARS, TUPLES, ArrayAdapter, Foreign
 from driftproof.blackbox.stepper.calling_conventions import FIELD, FORCE, POSITION, STATE, VELOCITY, CallingConvention
@@ -20,7 +21,6 @@ from driftproof.blackbox.stepper.foreign_code import CallLog
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.blackbox.stepper.state_forms import BODIES
 from driftproof.blackbox.stepper.wrappers import turn_wrapper
-from driftproof.methods.schemes import Method
 
 _FORMS = (ARRAYS, LISTS, TUPLES)
 # Chosen: the number of successive steps from each form of state.
@@ -28,9 +28,7 @@ _STEPS = 3
 _STATE_ROLES = (POSITION, VELOCITY, STATE)
 
 
-def state_objects(
-    subject: ForeignStepper, method: Method, allowance: Allowance = NO_ALLOWANCE, domain: Domain = ORDINARY_DOMAIN
-) -> StepFinding:
+def state_objects(subject: ForeignStepper, wanted: Specification) -> StepFinding:
     """Compare steps from the very object that the step before returned, and from other forms of state, with the method.
 
     The words name the form that was given. The answer is None if the step is wrong in that form and in every other. If
@@ -39,7 +37,7 @@ def state_objects(
     """
     several = ", several positions as NumPy arrays" * (subject.adapter is SCALARS and subject.convention.kind == FORCE)
     back = ", and comes back as (v1, q1)" * subject.convention.velocity_first
-    trial = partial(_tried, method=method, allowance=allowance, domain=domain)
+    trial = partial(_tried, wanted=wanted)
     given = f"the state is given as {subject.adapter.name}{several}{back}"
     keeping = _ReusingAnswers(subject.function, subject.convention)
     wrong, own = trial(replace(subject, function=keeping, log=CallLog(works_in_place=subject.log.works_in_place)))
@@ -97,15 +95,13 @@ class _SmallWalker(Walker):
         return (5, 2, 1) if self.subject.adapter is BODIES else (2, 1)
 
 
-def _tried(
-    subject: ForeignStepper, method: Method, allowance: Allowance, domain: Domain
-) -> tuple[str, list[tuple[float, float]]]:
+def _tried(subject: ForeignStepper, wanted: Specification) -> tuple[str, list[tuple[float, float]]]:
     """What is wrong with a few successive steps, "" if nothing is, and the answers on q'' = -q.
 
     If a right-hand side can be given, a nonlinear problem is tried as well. Raises a Misbehaviour of the stepper.
     """
-    tolerance, seen = Tolerance(method, subject.format, allowance), list[tuple[float, float]]()
-    (*_, (q, v)), (*_, h) = ordinary_arguments(subject, domain)
+    tolerance, seen = Tolerance.of(wanted, subject.format), list[tuple[float, float]]()
+    (*_, (q, v)), (*_, h) = ordinary_arguments(subject, wanted.domain)
     for _ in range(0 if subject.single else _STEPS):
         answer = subject.step(q, v, h)
         if not all(component.allowed for component in tolerance.judge(q, v, h, answer)):
@@ -114,7 +110,7 @@ def _tried(
         q, v = answer
     if subject.convention.kind not in (FIELD, FORCE):
         return "", seen
-    found = walk_on(_SmallWalker(subject, method, allowance, domain), most=1)
+    found = walk_on(_SmallWalker(subject, wanted), most=1)
     return (found.words if found.holds is False else ""), seen
 
 
