@@ -20,6 +20,7 @@ from driftproof.blackbox.stepper.calling_conventions import (
     MOMENTA,
     STIFFNESSES,
     UNIT_PARAMETERS,
+    word_of,
 )
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.symbolic.algebra.certified import significant
@@ -209,7 +210,7 @@ def other_parameters(subject: ForeignStepper, wanted: Specification) -> StepFind
     Raises UnsupportedCall if the parameters of its oscillator do not say how to make it that one.
     """
     found, adapter = subject.convention, subject.adapter
-    given = {name: name.lower().strip("_") for name in (*found.extra, *adapter.parameters)}
+    given = {name: word_of(name) for name in (*found.extra, *adapter.parameters)}
     masses = [name for name, word in given.items() if word in MASSES]
     others = {name: word for name, word in given.items() if word in UNIT_PARAMETERS and name not in masses}
     of_force = found.scaled(masses, 0.25) if found.kind == FORCE else None

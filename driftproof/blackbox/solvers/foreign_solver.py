@@ -148,7 +148,7 @@ def in_usual_order(solve: Callable[..., Any]) -> Callable[..., Any]:
     ('f', 0, 1, 'y', 2)
     """
     parameters = calling.parameters_of(solve) or {}
-    words = {name.lower().strip("_"): name for name, p in parameters.items() if p.kind is not p.POSITIONAL_ONLY}
+    words = {calling.word_of(name): name for name, p in parameters.items() if p.kind is not p.POSITIONAL_ONLY}
     all_known = (calling.ROLES[calling.FUNCTION], calling.STARTS, calling.SPANS, *calling.RUN_ENDS)
     f, y0, span, *ends = (next((words.pop(x) for x in known if x in words), "") for known in all_known)
     if not (f and y0 and (span or all(ends))) or [*parameters][:3] == [f, span, y0]:
@@ -179,7 +179,7 @@ def taken_by(solve: Callable[..., Any]) -> tuple[str, tuple[str, ...]]:
     if parameters is None or any(p.kind is p.VAR_POSITIONAL for p in parameters.values()):
         return TOLERANCES, ()
     open_ended = any(p.kind is p.VAR_KEYWORD for p in parameters.values())
-    further = {name.lower().strip("_"): name for name, p in parameters.items() if p.kind is not p.VAR_KEYWORD}
+    further = {calling.word_of(name): name for name, p in parameters.items() if p.kind is not p.VAR_KEYWORD}
     further = dict(list(further.items())[3:])
     required = [name for name in further.values() if parameters[name].default is inspect.Parameter.empty]
     known = {

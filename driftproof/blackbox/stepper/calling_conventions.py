@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -154,7 +154,7 @@ class CallingConvention:
 
     def of_steps(self, steps: int) -> CallingConvention:
         """The same convention for a run of `steps` steps."""
-        counts = {name: steps for name in self.extra if _word(name) in COUNTS}
+        counts = {name: steps for name in self.extra if word_of(name) in COUNTS}
         return replace(self, extra={**self.extra, **counts}, steps=steps)
 
     def scaled(self, words: Sequence[str], by: float) -> CallingConvention | None:
@@ -162,7 +162,7 @@ class CallingConvention:
 
         The force, or the fields, become `by` times what they were.
         """
-        changed = {name: by * x for name, x in self.extra.items() if _word(name) in words}
+        changed = {name: by * x for name, x in self.extra.items() if word_of(name) in words}
         return replace(self, extra={**self.extra, **changed}, factor=by * self.factor) if changed else None
 
 
@@ -204,7 +204,7 @@ def required_names(step: Callable[..., Any]) -> list[str] | None:
 
 def has_gradient(names: Sequence[str]) -> bool:
     """True if one of the names is that of a gradient, so that the force is minus its value."""
-    return not {*map(_word, names)}.isdisjoint(_GRADIENTS)
+    return not {*map(word_of, names)}.isdisjoint(_GRADIENTS)
 
 
 def parameters_of(step: Callable[..., Any]) -> Mapping[str, inspect.Parameter] | None:
@@ -226,12 +226,12 @@ def _by_name(found: CallingConvention, step: Callable[..., Any], names: Sequence
 def _fitted(names: Sequence[str], kind: str, roles: Sequence[str]) -> CallingConvention | None:
     """The convention, if names and roles match one to one and all other names are known extras; otherwise None."""
     open_roles, order, extra = [*roles, *([] if GRID in roles else [TIME])], [], dict[str, float]()
-    factor, run, words = 1.0, GRID in roles, {*map(_word, names)}
+    factor, run, words = 1.0, GRID in roles, {*map(word_of, names)}
     # In f(x, y), as books write it, x is the time.
     meant = {"x": "t"} if {FUNCTION, STATE} <= {*roles} and "y" in words and not words & {*ROLES[TIME]} else {}
     meant |= {"q": "y"} if kind == FIELD else {}
     for name in names:
-        word = meant.get(_word(name), _word(name))
+        word = meant.get(word_of(name), word_of(name))
         if kind == MAGNETIC and word in (*CHARGES, *MASSES):
             extra[name] = MASS if word in MASSES else _CHARGE
             factor *= 1 / _CHARGE if word in CHARGES else MASS
@@ -251,9 +251,15 @@ def _fitted(names: Sequence[str], kind: str, roles: Sequence[str]) -> CallingCon
             return None
     if not set(open_roles) <= {TIME}:
         return None
-    handed = dict(zip(order, (_word(name) for name in names if name not in extra), strict=True)).get(CARRIED, "")
+    handed = dict(zip(order, (word_of(name) for name in names if name not in extra), strict=True)).get(CARRIED, "")
     return CallingConvention(kind, tuple(order), extra, (), factor, 1.0 if handed.startswith("a") else factor, run)
 
 
-def _word(name: str) -> str:
+def role_of(name: str, roles: Iterable[str]) -> str | None:
+    """The first of these roles that a name is in use for; None if it is in use for none of them."""
+    return next((role for role in roles if word_of(name) in ROLES[role]), None)
+
+
+def word_of(name: str) -> str:
+    """The name of a parameter without capitals and outer underscores."""
     return name.lower().strip("_")

@@ -29,6 +29,7 @@ from driftproof.blackbox.stepper.array_adapters import (
 from driftproof.blackbox.stepper.foreign_code import CallLog
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.blackbox.stepper.fresh_copies import fresh_copy
+from driftproof.blackbox.stepper.function_wrappers import list_wrapper
 from driftproof.blackbox.stepper.handed_slopes import with_slopes_kept
 from driftproof.blackbox.stepper.plain_forms import plain_forms
 from driftproof.blackbox.stepper.second_functions import with_functions, zeros
@@ -37,7 +38,6 @@ from driftproof.blackbox.stepper.turning import Push, step_in_fields, turn_quate
 from driftproof.blackbox.stepper.wrappers import (
     exchange_wrapper,
     increment_wrapper,
-    list_wrapper,
     template,
     uncalled,
     wrapper_line,

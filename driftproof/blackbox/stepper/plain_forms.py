@@ -22,6 +22,7 @@ from driftproof.blackbox.stepper.calling_conventions import (
     TIME,
     VELOCITY,
     required_names,
+    word_of,
 )
 
 # Further arguments of such steppers: how many numbers, an array for the result, masses, and objects in a list.
@@ -101,7 +102,7 @@ def _pulls_back(call: _Call) -> bool:
 
 def _roles(names: Sequence[str], functions: bool) -> dict[str, str] | None:
     """The role of each name, _OUT for an array that is written into; None if a name has no role."""
-    found, words = dict[str, str](), {name: name.lower().strip("_") for name in names}
+    found, words = dict[str, str](), {name: word_of(name) for name in names}
     bare = {name: re.sub(_VERBS, "", word) for name, word in words.items()}
     called = [name for name in names if bare[name] in _NAMES[FUNCTION] and functions]
     # If two names may be functions, the other one is a slope that is handed on, as acc is if there is a compute_acc.
@@ -202,7 +203,7 @@ class _Call:
             return _written(pushes(np.asarray(place, float)), [x for x in others if x is not speeds])
 
         given: dict[str, Foreign] = {POSITION: places, VELOCITY: speeds, STEP: h, FUNCTION: asked, _MASS: masses}
-        handed = next((name.lower().strip("_") for name, role in self.roles.items() if role == CARRIED), "")
+        handed = next((word_of(name) for name, role in self.roles.items() if role == CARRIED), "")
         given |= {
             _BODIES: bodies,
             TIME: 0.0,
@@ -226,7 +227,7 @@ class _Call:
         outs = {name: np.full_like(state, _LEFT_THERE) for name, role in self.roles.items() if role == _OUT}
         known = {**given, _SIZE: len(state)}
         answer = self.step(*[outs[name] if name in outs else known[self.roles[name]] for name in self.names])
-        ordered = sorted(outs, key=lambda name: _stem(name.lower().strip("_")) in _NAMES[VELOCITY])
+        ordered = sorted(outs, key=lambda name: _stem(word_of(name)) in _NAMES[VELOCITY])
         return answer, [outs[name] for name in ordered]
 
 

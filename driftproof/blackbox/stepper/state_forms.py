@@ -19,12 +19,12 @@ from driftproof.blackbox.stepper.calling_conventions import (
     FIELD,
     MAP,
     POSITION,
-    ROLES,
     STATE,
     TIME,
     UNIT_PARAMETERS,
     VELOCITY,
     CallingConvention,
+    role_of,
 )
 
 _DIMENSIONS = 3
@@ -298,5 +298,4 @@ def clock_of(record: Foreign) -> Foreign:
 
 
 def _role(name: str) -> str | None:
-    word = name.lower().strip("_")
-    return next((role for role in (POSITION, VELOCITY, TIME) if word in ROLES[role]), None)
+    return role_of(name, (POSITION, VELOCITY, TIME))
