@@ -4,9 +4,10 @@ The grammar is that of `driftproof.methods.expression_tree`, in which a name may
 
 query   = head part* [":" readout [unit]]
 part    = subject | "at" value | name "=" (literal | name | rates) | number "steps" | start | "sharp" | equation
-start   = "from" ["("] literal ("," literal)* [")"]
+start   = "from" ["("] entry ("," entry)* [")"]
+entry   = literal | expression with pi or sqrt
 rates   = "(" sum ("," sum)* ")"
-equation = name "'" "=" sum | name "(" "0" ")" "=" literal
+equation = name "'" "=" sum | name "(" "0" ")" "=" entry
 literal = ["-" | "+"] number ["/" number]
 value   = literal | "(" expression of driftproof.methods.expressions ")"
 
@@ -58,7 +59,7 @@ class Query:
     at: Token | None = None
     settings: dict[str, NumberNode] = field(default_factory=dict)
     words: dict[str, Token] = field(default_factory=dict)
-    start: tuple[Fraction, ...] | None = None
+    start: tuple[Fraction | str, ...] | None = None  # text, such as pi/4, if it may be irrational
     readout: Token | None = None
     unit: Token | None = None
     problem: Token | None = None
@@ -271,7 +272,7 @@ class _QuestionParser(PieceParser):
         else:
             self.take(), self.take(), self.expect(")", "a bracket is not closed")
             self.expect("=", f"expected = and a number, as in {token.text}(0)=1")
-            self.put(parts["start"], token, token.text, lambda: self.literal("start"))
+            self.put(parts["start"], token, token.text, self.entry)
         return True
 
     def _assignment(self, token: Token, setting: str, parts: dict[str, Any]) -> bool:
