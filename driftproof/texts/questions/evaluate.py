@@ -185,7 +185,8 @@ def _problem_answer(context: QueryContext, method: Method | None, h: Fraction, t
         else:
             problem = problems.problem_of_rates([rate.text for rate in query.rates], query.unknowns)
         try:
-            start = query.start and tuple(x if isinstance(x, Fraction) else _entry(x) for x in query.start)
+            entries = (x if isinstance(x, Fraction) else _entry(x) for x in query.start or ())
+            start = tuple(entries) if query.start else None
         except QuestionError as error:
             raise context.error(None, f"start {error.text}: {error.reason}") from None
         run = problems.problem_run(method, problem, start, h, t)
