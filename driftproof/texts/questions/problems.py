@@ -23,7 +23,7 @@ from driftproof.support.toml_tables import TomlTable, read_toml, require_keys
 from driftproof.symbolic.algebra.certified import CertifiableReal, Uncertified, enclose
 from driftproof.texts.questions.answer import CERTIFIED, Answer
 from driftproof.texts.questions.arithmetic import NUMBER_FUNCTIONS, OPERATIONS, raised
-from driftproof.texts.questions.runs import evaluations
+from driftproof.texts.questions.runs import evaluations, explicit_slopes
 
 # At most this many steps: some minutes in balls of a few hundred bits.
 MOST_STEPS_OF_PROBLEM = 10**5
@@ -107,12 +107,7 @@ class ProblemRun:
         if not isinstance(self.method, RungeKutta) or not self.method.explicit:
             raise TypeError("no explicit Runge-Kutta method")
         lift: Callable[[Any], Any] = Fraction if isinstance(y[0], Fraction) else enclose
-        found: list[_Row] = []
-        for c, row in zip(self.method.c, self.method.a, strict=True):
-            known = [(lift(self.h) * lift(a), k) for a, k in zip(row, found, strict=False)]
-            at = [sum((a * k[i] for a, k in known), x) for i, x in enumerate(y)]
-            found.append(self.rate(lift(t) + lift(self.h) * lift(c), at))
-        return found
+        return explicit_slopes(self.method, self.rate, t, y, self.h, lift)
 
     def rate(self, t: Any, y: _Row) -> _Row:
         """f(t, y), in the type of y. Raises TypeError if y is in Fractions and a rate has no value in them."""

@@ -8,7 +8,7 @@ from typing import Any
 
 from driftproof.methods.catalogue import FactsOnly
 from driftproof.methods.families import Family
-from driftproof.methods.number_field import Algebraic, NumberField
+from driftproof.methods.number_field import Algebraic, NumberField, as_fraction
 from driftproof.methods.schemes import Collocation, Nystrom, RungeKutta, Splitting
 from driftproof.support.plain_text import Json
 from driftproof.symbolic.algebra import radicals
@@ -98,7 +98,7 @@ def _place_parts(place: Imaginary | Complex) -> dict[str, Any]:
         if place.degree == 2:
             total, product = place.sum_and_product()
             square = product - total * total / 4
-            height = radicals.radical_form(rational_root(Fraction(int(square.p), int(square.q))).square_root())
+            height = radicals.radical_form(rational_root(as_fraction(square)).square_root())
             exact = height and f"{total / 2} + {_times_i(height)}"
     return {"exact": exact, "minpoly": integer_polynomial_text(place.minimal), "real": real, "imaginary": imaginary}
 
