@@ -13,7 +13,7 @@ import numpy as np
 from driftproof.blackbox.findings import BadInput, Misbehaviour, NoAnswer, NotANumber, WrongShape
 from driftproof.blackbox.stepper import calling_conventions as calling
 from driftproof.blackbox.stepper.array_adapters import ARRAYS, LISTS, ArrayAdapter, as_array, type_of
-from driftproof.blackbox.stepper.foreign_code import answer_of
+from driftproof.blackbox.stepper.foreign_code import guarded_call
 from driftproof.blackbox.stepper.opening import Target, imported
 from driftproof.symbolic.rounding.formats import BINARY32, BINARY64, FloatFormat
 
@@ -127,7 +127,7 @@ class ForeignSolver:
         by_name = dict(zip(self.names, given.values(), strict=False))
         by_position = () if self.names else given.values()
         run = lambda: self.function(slopes, t_span, self.adapter.write(y0), *by_position, **by_name)
-        return _solution(answer_of(f"solve({words})", run, self.after), tuple(y0), tuple(calls))
+        return _solution(guarded_call(f"solve({words})", run, self.after), tuple(y0), tuple(calls))
 
 
 def _require_end(calls: Sequence[Call], t_span: tuple[float, float]) -> None:

@@ -126,7 +126,7 @@ class ForeignCode:
         arguments = () if named else values
         kept = {role: _copied(roles[role]) for role in _MOVED if role in roles}
         call = lambda: self._ended(self.function(*arguments, **named, **self.convention.extra), start)
-        return self._answer(answer_of(f"step({words})", call, self.after), roles, kept)
+        return self._answer(guarded_call(f"step({words})", call, self.after), roles, kept)
 
     def _ended(self, answer: Foreign, start: Sequence[AnyNumber]) -> Foreign:
         """The state at the end: the last one of a run, or the one that a generator yields after the start."""
@@ -198,7 +198,7 @@ class ForeignCode:
         return answer
 
 
-def answer_of(words: str, call: Callable[[], Foreign], after: Callable[[], None]) -> Foreign:
+def guarded_call(words: str, call: Callable[[], Foreign], after: Callable[[], None]) -> Foreign:
     """What a call of foreign code returns; `after` is called when it is over. Raises StepRaised for its exceptions."""
     try:
         return call()
