@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 
-from driftproof.blackbox.findings import UnsupportedCall
+from driftproof.blackbox.findings import UnsupportedCall, first_taken
 from driftproof.blackbox.probes.marked_stages import MarkedSteps, Setting
 from driftproof.blackbox.probes.scripted_answers import CoefficientRow, NotReadable, Rounding
 from driftproof.blackbox.probes.stage_chains import StageChains, StageTable
@@ -75,13 +76,7 @@ def read_imex_step(subject: ForeignStepper) -> ImexReading:
     if subject.convention.kind != IMEX:
         raise UnsupportedCall(f"the stepper is called as {subject.convention.kind!r}, which takes one right-hand side")
     steps = _SplitSteps(subject)
-    refusals: list[NotReadable] = []
-    for clocks in range(not steps.timed, steps.size):
-        try:
-            return _read(steps, clocks)
-        except NotReadable as refusal:
-            refusals.append(refusal)
-    raise refusals[0]
+    return first_taken(partial(_read, steps), range(not steps.timed, steps.size), NotReadable)
 
 
 def _read(steps: _SplitSteps, clocks: int) -> ImexReading:
