@@ -56,9 +56,6 @@ if TYPE_CHECKING:
     from driftproof.texts.templates.rendering import render as render
     from driftproof.texts.values.changes import diff as diff
     from driftproof.texts.values.published import published_values as published_values
-    from driftproof.texts.writing.records import facts_of as facts_of
-    from driftproof.texts.writing.records import family_facts as family_facts
-    from driftproof.texts.writing.records import system_facts as system_facts
 
     __all__: list[str]
 else:

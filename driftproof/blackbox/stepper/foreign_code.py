@@ -126,15 +126,8 @@ class ForeignCode:
         named = dict(zip(self.convention.names, values, strict=False))  # either all arguments or none
         arguments = () if named else values
         kept = {role: _copied(roles[role]) for role in _MOVED if role in roles}
-        try:
-            answer = self._ended(self.function(*arguments, **named, **self.convention.extra), start)
-        except Misbehaviour:
-            raise
-        except (Exception, SystemExit) as error:
-            raise StepRaised(f"step({words}) raises {type(error).__name__}: {' '.join(str(error).split())}") from error
-        finally:
-            self.after()
-        return self._answer(answer, roles, kept)
+        call = lambda: self._ended(self.function(*arguments, **named, **self.convention.extra), start)
+        return self._answer(guarded_call(f"step({words})", call, self.after), roles, kept)
 
     def _ended(self, answer: Foreign, start: Sequence[AnyNumber]) -> Foreign:
         """The state at the end: the last one of a run, or the one that a generator yields after the start."""
@@ -204,6 +197,18 @@ class ForeignCode:
             seen = f"from {', '.join(map(repr, given))} it returns {', '.join(map(repr, answer))}"
             raise NotFinite(seen, tuple(answer))
         return answer
+
+
+def guarded_call(words: str, call: Callable[[], Foreign], after: Callable[[], None]) -> Foreign:
+    """What a call of foreign code returns; `after` is called when it is over. Raises StepRaised for its exceptions."""
+    try:
+        return call()
+    except Misbehaviour:
+        raise
+    except (Exception, SystemExit) as error:
+        raise StepRaised(f"{words} raises {type(error).__name__}: {' '.join(str(error).split())}") from error
+    finally:
+        after()
 
 
 def _is_finite(x: AnyNumber) -> bool:
