@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from copy import copy
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -22,9 +21,7 @@ from driftproof.blackbox.stepper.calling_conventions import (
     role_of,
     word_of,
 )
-from driftproof.blackbox.stepper.state_forms import Record, clock_names, record_of
-
-_TAKEN = (FUNCTION, STEP, TIME, STATE)
+from driftproof.blackbox.stepper.state_forms import Record, record_of
 
 
 def record_forms(step: Callable[..., Any]) -> Iterator[Callable[..., Any]]:
@@ -40,11 +37,11 @@ def record_forms(step: Callable[..., Any]) -> Iterator[Callable[..., Any]]:
     >>> next(record_forms(kick_and_drift))(lambda x: -x, 1.0, 0.0, 0.5)
     (0.75, -0.5)
     """
-    names = names_with_step(step) or []
     roles: dict[str, str] = {}
+    names = names_with_step(step) or []
     for name in names:
-        role = role_of(name, [each for each in _TAKEN if each not in roles])
-        roles |= {} if role is None else {role: name}
+        if role := role_of(name, [each for each in (FUNCTION, STEP, TIME, STATE) if each not in roles]):
+            roles[role] = name
     if len(names) != len(roles) or not {FUNCTION, STEP, STATE} <= {*roles}:
         return
 
@@ -53,56 +50,33 @@ def record_forms(step: Callable[..., Any]) -> Iterator[Callable[..., Any]]:
         return step(**{name: given[role] for role, name in roles.items()})
 
     pushed = word_of(roles[FUNCTION])
-    sign = -1.0 if has_gradient([pushed]) else 1.0
-    for answer, stub in ((_number, lambda *asked: 0.0), (_slopes, lambda *asked: min(asked, key=np.isscalar))):
+    for stub, slopes in ((lambda *asked: 0.0, False), (lambda *asked: min(asked, key=np.isscalar), True)):
         record = record_of(step, lambda state, stub=stub: called(stub, state, 0.0, 0.25))
         if record is not None:
             masses = {name: MASS for name in record.given if word_of(name) in MASSES and "acc" not in pushed}
-            form = partial(_moved, called, record, answer, masses, sign * (MASS if masses else 1.0))
-            yield _timed(form) if TIME in roles else _untimed(form)
+            factor = (-1.0 if has_gradient([pushed]) else 1.0) * (MASS if masses else 1.0)
+            form = _form(called, record, slopes, masses, factor)
+            yield form if TIME in roles else lambda force, q, v, h, form=form: form(force, q, v, 0.0, h)
 
 
-def _timed(form: Callable[..., Any]) -> Callable[..., Any]:
-    return lambda force, q, v, t, h: form(force, q, v, t, h)
+def _form(
+    step: Callable[..., Any], record: Record, slopes: bool, masses: Mapping[str, float], factor: float
+) -> Callable[..., Any]:
+    """The step of q'' = force(q, v, t) that a step of records makes, which calls a function `factor` times the force.
 
-
-def _untimed(form: Callable[..., Any]) -> Callable[..., Any]:
-    return lambda force, q, v, h: form(force, q, v, 0.0, h)
-
-
-def _moved(
-    step: Callable[..., Any],
-    record: Record,
-    answer: Callable[..., Foreign],
-    masses: Mapping[str, float],
-    factor: float,
-    force: Callable[..., Any],
-    q: Foreign,
-    v: Foreign,
-    t: float,
-    h: float,
-) -> tuple[Foreign, Foreign]:
-    """A step of q'' = force(q, v, t), read from what the step returns or from the record that it changes.
-
-    What it calls is `factor` times the force: the mass, -1 for a gradient.
+    Or, with `slopes`, a function that answers with a record of the slopes of position and velocity.
     """
 
-    def asked(*arguments: Foreign) -> Foreign:
-        places = next((pair for pair in map(record.pair, arguments) if pair is not None), ())
-        pushed = force(*places, *(x for x in arguments if record.pair(x) is None))
-        return answer(record, places, pushed, factor)
+    def moved(force: Callable[..., Any], q: Foreign, v: Foreign, t: float, h: float) -> tuple[Foreign, Foreign]:
+        def asked(*arguments: Foreign) -> Foreign:
+            places = next((pair for pair in map(record.pair, arguments) if pair is not None), ())
+            pushed = force(*places, *(x for x in arguments if record.pair(x) is None))
+            return record.filled(places[1], pushed) if slopes else factor * pushed
 
-    state = record.filled(copy(q), copy(v), **masses, **dict.fromkeys(clock_names(record), t))
-    found = step(asked, state, t, h)
-    pair = record.pair(state if found is None else found)
-    return tuple(found) if pair is None else pair
+        clocks = {name: t for name in record.known if role_of(name, (TIME,))}
+        state = record.filled(copy(q), copy(v), **masses, **clocks)
+        found = step(asked, state, t, h)
+        pair = record.pair(state if found is None else found)
+        return tuple(found) if pair is None else pair
 
-
-def _number(record: Record, places: Sequence[Foreign], pushed: Foreign, factor: float) -> Foreign:
-    """The answer of a force."""
-    return factor * pushed
-
-
-def _slopes(record: Record, places: Sequence[Foreign], pushed: Foreign, factor: float) -> Foreign:
-    """The answer of a right-hand side: a record of the slopes of position and velocity."""
-    return record.filled(places[1], pushed)
+    return moved

@@ -33,7 +33,8 @@ _DIMENSIONS = 3
 def forms_of(step: Callable[..., Any], convention: CallingConvention) -> Iterator[ArrayAdapter]:
     """Yield the adapters for other forms of a state that the convention allows, the likeliest first."""
     if convention.kind == MAP and STATE in convention.order:
-        yield from _records(step)
+        if (record := record_of(step, lambda state: step(state, 0.25))) is not None:
+            yield _adapter_of(record)
         yield from (COMPLEX, CONJUGATE, BATCH)
     elif convention.kind == FIELD:
         yield BATCH
@@ -180,12 +181,6 @@ class CompiledCallback:
         return np.asarray(self.function(*plain), dtype=shape.dtype).reshape(shape.shape)
 
 
-def _records(step: Callable[..., Any]) -> Iterator[ArrayAdapter]:
-    """Yield the adapter for the record that a step(state, h) takes, if its fields are known."""
-    if (record := record_of(step, lambda state: step(state, 0.25))) is not None:
-        yield _adapter_of(record)
-
-
 def record_of(step: Callable[..., Any], call: Callable[[Any], object]) -> Record | None:
     """The annotated class of the state, or else a record of the keys or attributes that `call` reads of one."""
     if (named := _annotated(step)) is not None:
@@ -267,11 +262,9 @@ class Record:
 
     def pair(self, value: Foreign) -> tuple[Foreign, Foreign] | None:
         """The position and the velocity of a record; None if the value is none."""
-        with suppress(KeyError, AttributeError, TypeError):
-            if isinstance(value, Mapping):
-                return value[self.position], value[self.velocity]
-            return getattr(value, self.position), getattr(value, self.velocity)
-        return None
+        take = value.get if isinstance(value, Mapping) else partial(getattr, value)
+        parts = take(self.position, None), take(self.velocity, None)
+        return None if any(part is None for part in parts) else parts
 
 
 def _record(name: str, make: Any, names: Sequence[str], needed: Sequence[str]) -> Record | None:
@@ -306,11 +299,6 @@ def _adapter_of(record: Record) -> ArrayAdapter:
             dataclasses.replace(record, known={**record.known, **values}, given={**record.given, **values})
         ),
     )
-
-
-def clock_names(record: Record) -> list[str]:
-    """The names of the fields of a record that are its time."""
-    return [name for name in record.known if _role(name) == TIME]
 
 
 def parts_of(record: Foreign) -> Mapping[str, Foreign]:
