@@ -124,12 +124,11 @@ def run_wrapper(step: Callable[..., Any]) -> str:
         with suppress(Exception):
             found = step(*[TRIAL_ARGUMENTS[given[each]] for each in names])
             parts = found if isinstance(found, tuple) else (found,)
-            firsts = [np.asarray(part)[0] if np.ndim(part) else None for part in parts]
-            at = lambda name: next(i for i, x in enumerate(firsts) if np.array_equal(x, TRIAL_ARGUMENTS[name]))
+            at = {repr(np.asarray(part, float).tolist()[0]): i for i, part in enumerate(parts) if np.ndim(part)}
             run = f"{name_of(step)}({', '.join(given[each] for each in names)})"
             if pair:
-                return f": def wrapped({HEADS[kind]}): run = {run}; return run[{at('q')}][-1], run[{at('v')}][-1]"
-            head, part = HEADS[kind] if timed or kind == MAP else "f, y, h", f"[{at('y')}]"
+                return f": def wrapped({HEADS[kind]}): run = {run}; return run[{at['1.0']}][-1], run[{at['0.5']}][-1]"
+            head, part = HEADS[kind] if timed or kind == MAP else "f, y, h", f"[{at['[1.0, 0.5]']}]"
             return f": def wrapped({head}): return {run}{part if parts is found else ''}[-1]"
     return ""
 
@@ -137,7 +136,10 @@ def run_wrapper(step: Callable[..., Any]) -> str:
 def _call(step: Callable[..., Any], names: Sequence[str], given: Mapping[Any, str], kind: str) -> str:
     """The wrapper that calls a function of these names with the arguments given; those left are in capitals."""
     by_place = [*(parameters_of(step) or ())][: len(names)] == [*names]  # a step size with a default may not be
-    write = lambda of: ", ".join(f"{'' if by_place else f'{each}='}{of(each)}" for each in names)
+
+    def write(of: Callable[[str], str]) -> str:
+        return ", ".join(f"{'' if by_place else f'{each}='}{of(each)}" for each in names)
+
     name, left = name_of(step), [each for each in names if each not in given]
     if len(left) == 1 and is_before(left[0]) and kind == FIELD and {"y", "h"} <= {*given.values()}:
         later = {"y": "ys[-1]", "t": "t + i * h"}

@@ -77,7 +77,7 @@ def _state_wrapper(cls: type, made: Any, advance: str) -> str:
     if [*map(_role, makes)] == [FUNCTION] and not (q and v):
         where, maker = f'{where}, time="{time}"' if time else where, "field_stepper_of"
     act, size = f'"{advance}"', _attribute(made, STEP)
-    if size and not any(_role(each) == STEP for each in names_with_step(getattr(cls, advance, None)) or ()):
+    if size and not any(_role(each) == STEP for each in names_with_step(getattr(cls, advance, cls)) or ()):
         act = f"lambda made, h: (setattr(made, '{size}', h), made.{advance}())"
     return f"from driftproof import {maker}; wrapped = {maker}({make}, {where}, advance={act})"
 

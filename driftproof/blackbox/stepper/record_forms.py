@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from copy import copy
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -51,12 +52,20 @@ def record_forms(step: Callable[..., Any]) -> Iterator[Callable[..., Any]]:
 
     pushed = word_of(roles[FUNCTION])
     for stub, slopes in ((lambda *asked: 0.0, False), (lambda *asked: min(asked, key=np.isscalar), True)):
-        record = record_of(step, lambda state, stub=stub: called(stub, state, 0.0, 0.25))
+        record = record_of(step, partial(_with_step, called, stub))
         if record is not None:
             masses = {name: MASS for name in record.given if word_of(name) in MASSES and "acc" not in pushed}
             factor = (-1.0 if has_gradient([pushed]) else 1.0) * (MASS if masses else 1.0)
             form = _form(called, record, slopes, masses, factor)
-            yield form if TIME in roles else lambda force, q, v, h, form=form: form(force, q, v, 0.0, h)
+            yield form if TIME in roles else _untimed(form)
+
+
+def _with_step(called: Callable[..., Any], stub: Callable[..., Any], state: Foreign) -> Foreign:
+    return called(stub, state, 0.0, 0.25)
+
+
+def _untimed(form: Callable[..., Any]) -> Callable[..., Any]:
+    return lambda force, q, v, h: form(force, q, v, 0.0, h)
 
 
 def _form(
@@ -69,9 +78,9 @@ def _form(
 
     def moved(force: Callable[..., Any], q: Foreign, v: Foreign, t: float, h: float) -> tuple[Foreign, Foreign]:
         def asked(*arguments: Foreign) -> Foreign:
-            places = next((pair for pair in map(record.pair, arguments) if pair is not None), ())
-            pushed = force(*places, *(x for x in arguments if record.pair(x) is None))
-            return record.filled(places[1], pushed) if slopes else factor * pushed
+            pairs = [pair for pair in map(record.pair, arguments) if pair is not None]
+            pushed = force(*pairs[0] if pairs else (), *(x for x in arguments if record.pair(x) is None))
+            return record.filled(pairs[0][1], pushed) if slopes else factor * pushed
 
         clocks = {name: t for name in record.known if role_of(name, (TIME,))}
         state = record.filled(copy(q), copy(v), **masses, **clocks)
