@@ -81,7 +81,8 @@ class ForeignCode:
         """
         order = self.convention.order
 
-        def called(*arguments: Foreign) -> Foreign:
+        def called(*passed: Foreign) -> Foreign:
+            arguments = [x for x in passed if x is not None and np.size(x)] or passed  # without empty parameters
             known = self.convention.asks or self.log.asks
             likely = known or order
             time_first = calling.TIME not in likely or likely.index(calling.TIME) < likely.index(calling.STATE)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import inspect
+import sys
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from copy import copy
@@ -20,10 +21,22 @@ from driftproof.blackbox.stepper.calling_conventions import (
     STEP,
     TIME,
     VELOCITY,
+    names_with_step,
     required_names,
     role_of,
 )
-from driftproof.blackbox.stepper.function_wrappers import HEADS, PLAIN_ROLES, arguments_by_role, function_of, name_of
+from driftproof.blackbox.stepper.function_wrappers import (
+    BEFORE,
+    FIRST_STEP,
+    HEADS,
+    PLAIN_ROLES,
+    SPEEDS,
+    TRIAL_ARGUMENTS,
+    arguments_by_role,
+    function_of,
+    is_before,
+    name_of,
+)
 from driftproof.blackbox.stepper.plain_forms import BODY_LISTS
 
 _ADVANCES = ("step", "update", "advance", "integrate", "move", "tick", "do_step")
@@ -63,22 +76,28 @@ def _state_wrapper(cls: type, made: Any, advance: str) -> str:
         where += f", push=lambda body, f: body.{push}({of_x}(f, 0.0))" if of_x else f', push="{push}"'
     if [*map(_role, makes)] == [FUNCTION] and not (q and v):
         where, maker = f'{where}, time="{time}"' if time else where, "field_stepper_of"
-    return f'from driftproof import {maker}; wrapped = {maker}({make}, {where}, advance="{advance}")'
+    act, size = f'"{advance}"', _attribute(made, STEP)
+    if size and not any(_role(each) == STEP for each in names_with_step(getattr(cls, advance, cls)) or ()):
+        act = f"lambda made, h: (setattr(made, '{size}', h), made.{advance}())"
+    return f"from driftproof import {maker}; wrapped = {maker}({make}, {where}, advance={act})"
 
 
 def _class_wrapper(cls: type) -> str:
     """The wrapper of a class made from f, whose method takes and returns the state or whose object keeps it."""
     names = required_names(cls) or []
-    own = next((each for each in (*_ADVANCES, "__call__") if any(each in vars(base) for base in cls.__mro__)), None)
-    taken = required_names(getattr(cls, own)) if own else None
+    ways = (each for base in cls.__mro__ for each in (*_ADVANCES, "__call__") if each in vars(base))
+    own = next(ways, None)  # that of the class itself before that of a base
+    taken = names_with_step(getattr(cls, own)) if own else None
     if not taken:
         return ""
-    kind = FORCE if {POSITION, VELOCITY} <= {_role(each) for each in (*names, *taken)} else FIELD
     method = "" if own == "__call__" else f".{own}"
+    if sum(map(is_before, names)) == 1:
+        return _two_step_wrapper(cls, method, names, taken[1:])
+    kind = FORCE if {POSITION, VELOCITY} <= {_role(each) for each in (*names, *taken)} else FIELD
     made = _Made(kind, cls.__name__, arguments_by_role(names, kind), arguments_by_role(taken[1:], kind), method)
     if len(made.arguments) < len(names) or len(made.call) < len(taken) - 1:
         return ""
-    if function_of(kind) not in made.arguments.values():
+    if function_of(kind) not in (*made.arguments.values(), *made.call.values()):
         return ""
     if made.state <= {*made.call.values()}:
         return made.line(cls)
@@ -90,6 +109,43 @@ def _class_wrapper(cls: type) -> str:
         time = _attribute(kept, TIME) if "t" not in made.arguments.values() else ""
         return made._replace(kept=places, time=time).line(cls) if all(places) else ""
     return ""
+
+
+def _two_step_wrapper(cls: type, method: str, names: Sequence[str], taken: Sequence[str]) -> str:
+    """The run of an object made from its state and the one before, which it keeps; "" if they are not seen.
+
+    If it takes a force it is a method for q'' = force(q), else one for y' = f(y).
+    """
+    kind = FORCE if any(word in each.lower() for each in (*names, *taken) for word in ("acc", "force")) else FIELD
+    (before,) = filter(is_before, names)
+    given, call = (arguments_by_role([x for x in some if x != before], kind) for some in (names, taken))
+    given[before], now = (
+        (BEFORE, "q") if kind == FORCE else ("y", FIRST_STEP.replace("t + h / 2, ", "").replace("t, ", ""))
+    )
+    tried = {**TRIAL_ARGUMENTS, BEFORE: 0.75, now: TRIAL_ARGUMENTS["y"] if kind == FIELD else 1.0}
+    given = {each: now if x == "y" and each != before else x for each, x in given.items()}
+    with suppress(Exception):
+        made = cls(*[tried[given[each]] for each in names])
+        kept = _attribute(made, POSITION if kind == FORCE else STATE)
+        getattr(made, method[1:] or "__call__")(*[tried[call[each]] for each in taken])
+        begin = f"made = {cls.__name__}({', '.join(given[each] for each in names)})"
+        step = f"made{method}({', '.join(call[each] for each in taken)})"
+        if kept and kind == FORCE:
+            xs = f"xs = [q] + [({step}, 1.0 * made.{kept})[1] for _ in range(n)]"
+            return f"def wrapped(force, q, v, h, n): {begin}; {xs}; return xs, [v, *({SPEEDS.format('xs', 'xs[1:]')})]"
+        if kept:
+            later = f"[({step}, [*made.{kept}])[1] for _ in range(n - 1)]"
+            return f"def wrapped(f, y, h, n): {begin}; return [y, [*made.{kept}]] + {later}"
+    return ""
+
+
+def owner_of(step: Callable[..., Any]) -> Callable[..., Any]:
+    """The class of which this function is a method, found by the name it has in its module; otherwise the function."""
+    path = getattr(step, "__qualname__", "").split(".")[:-1]
+    found: Any = sys.modules.get(getattr(step, "__module__", ""))
+    for name in path if inspect.isfunction(step) else ():
+        found = getattr(found, name, None)
+    return found if inspect.isclass(found) else step
 
 
 def makes_steppers(step: Callable[..., Any]) -> bool:
@@ -127,7 +183,7 @@ def world_wrapper(cls: type) -> str:
             push = next((each for each in ("g", "gravity") if isinstance(getattr(world, each, None), float)), "")
             upright = push and hasattr(made, "y") and hasattr(made, "vy")
             q, v = ("y", "vy") if upright else (_attribute(made, POSITION), _attribute(made, VELOCITY))
-            if not (q and v and isinstance(getattr(world, held)[0], body) and isinstance(getattr(made, q), float)):
+            if not (q and v and isinstance(getattr(world, held)[0], body) and np.size(getattr(made, q)) == 1):
                 continue
             place = f"{{}}=(lambda w: w.{held}[0].{{}}, lambda w, x: setattr(w.{held}[0], '{{}}', x))"
             makes = f"lambda: {cls.__name__}([{name}({', '.join(map(str, ones))})])"

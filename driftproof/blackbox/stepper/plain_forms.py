@@ -21,6 +21,7 @@ from driftproof.blackbox.stepper.calling_conventions import (
     STEP,
     TIME,
     VELOCITY,
+    VERBS,
     required_names,
     word_of,
 )
@@ -40,7 +41,6 @@ _NAMES: Mapping[str, Sequence[str]] = {
     STATE: ("y", "state", "z", "u", "s"),
     POSITION: ROLES[POSITION],
 }
-_VERBS = r"^(get|compute|calc|calculate|eval|update)_|_(fn|func|function)$"
 # Names of arrays that are written into: out, yout, y_out, out_q, result, y_new, y1.
 _INTO = re.compile(r"^(out|result|res|dest)_?|_?(out|new|next|1)$")
 # The coordinates of a body in space.
@@ -103,7 +103,7 @@ def _pulls_back(call: _Call) -> bool:
 def _roles(names: Sequence[str], functions: bool) -> dict[str, str] | None:
     """The role of each name, _OUT for an array that is written into; None if a name has no role."""
     found, words = dict[str, str](), {name: word_of(name) for name in names}
-    bare = {name: re.sub(_VERBS, "", word) for name, word in words.items()}
+    bare = {name: VERBS.sub("", word) for name, word in words.items()}
     called = [name for name in names if bare[name] in _NAMES[FUNCTION] and functions]
     # If two names may be functions, the other one is a slope that is handed on, as acc is if there is a compute_acc.
     for name in sorted(called, key=lambda name: (words[name] in _NAMES[CARRIED], bare[name] == words[name]))[:1]:

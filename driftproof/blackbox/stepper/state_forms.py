@@ -33,7 +33,8 @@ _DIMENSIONS = 3
 def forms_of(step: Callable[..., Any], convention: CallingConvention) -> Iterator[ArrayAdapter]:
     """Yield the adapters for other forms of a state that the convention allows, the likeliest first."""
     if convention.kind == MAP and STATE in convention.order:
-        yield from _records(step)
+        if (record := record_of(step, lambda state: step(state, 0.25))) is not None:
+            yield _adapter_of(record)
         yield from (COMPLEX, CONJUGATE, BATCH)
     elif convention.kind == FIELD:
         yield BATCH
@@ -180,18 +181,16 @@ class CompiledCallback:
         return np.asarray(self.function(*plain), dtype=shape.dtype).reshape(shape.shape)
 
 
-def _records(step: Callable[..., Any]) -> Iterator[ArrayAdapter]:
-    """Yield adapters for the annotated class of the state, or else for the keys or attributes that the step reads."""
-    named = _annotated(step)
-    if named is not None:
+def record_of(step: Callable[..., Any], call: Callable[[Any], object]) -> Record | None:
+    """The annotated class of the state, or else a record of the keys or attributes that `call` reads of one."""
+    if (named := _annotated(step)) is not None:
         names, needed = _fields(named)
-        yield from _record(named.__name__, named, names, needed)
-        return
-    keys, attributes = _names_read(step)
+        return _record(named.__name__, named, names, needed)
+    keys, attributes = _names_read(call)
     if keys:
-        yield from _record("dict", dict, keys, keys)
-    elif attributes:
-        yield from _record("State", dataclasses.make_dataclass("State", attributes), attributes, attributes)
+        return _record("dict", dict, keys, keys)
+    make = dataclasses.make_dataclass("State", attributes) if all(map(str.isidentifier, attributes)) else None
+    return _record("State", make, attributes, attributes) if attributes and make else None
 
 
 def _annotated(step: Callable[..., Any]) -> Any:
@@ -235,43 +234,71 @@ class _Asked(dict[str, float]):
         return 1.0
 
 
-def _names_read(step: Callable[..., Any]) -> tuple[list[str], list[str]]:
+def _names_read(call: Callable[[Any], object]) -> tuple[list[str], list[str]]:
     """The keys and the attributes of its state that a step reads, each once, in the order of reading."""
     asked = _Asked()
     with suppress(Exception, SystemExit):
-        step(asked, 0.25)
+        call(asked)
     return list(asked), list(dict.fromkeys(asked.__dict__["attributes"]))
 
 
-def _record(
-    name: str, make: Any, names: Sequence[str], needed: Sequence[str], other: Mapping[str, float] | None = None
-) -> Iterator[ArrayAdapter]:
-    """Yield the adapter of a record that has a position and a velocity, if its other fields are known."""
+@dataclasses.dataclass(frozen=True)
+class Record:
+    """A record with a position and a velocity: its class, the names of both, and the values of its other fields.
+
+    `given` are those of them that are parameters of the oscillator.
+    """
+
+    name: str
+    make: Any
+    position: str
+    velocity: str
+    known: Mapping[str, float]
+    given: Mapping[str, float]
+
+    def filled(self, q: Foreign, v: Foreign, **other: float) -> Foreign:
+        """A new record at this position, with this velocity."""
+        return self.make(**{**self.known, **other, self.position: q, self.velocity: v})
+
+    def pair(self, value: Foreign) -> tuple[Foreign, Foreign] | None:
+        """The position and the velocity of a record; None if the value is none."""
+        take = value.get if isinstance(value, Mapping) else partial(getattr, value)
+        parts = take(self.position, None), take(self.velocity, None)
+        return None if any(part is None for part in parts) else parts
+
+
+def _record(name: str, make: Any, names: Sequence[str], needed: Sequence[str]) -> Record | None:
+    """The record with these fields, some of which are needed; None if some of those are not known."""
     role_of = {each: _role(each) for each in names}
     places = [next((each for each in names if role_of[each] == role), None) for role in (POSITION, VELOCITY)]
     if None in places and len(names) == 2:
         places = list(names)
-    known: dict[str, float] = {each: 0.0 for each in needed if role_of[each] == TIME}
-    given = {each: 1.0 for each in names if each.lower() in UNIT_PARAMETERS and each not in places} | dict(other or {})
-    known |= {each: x for each, x in given.items() if each in needed or other}
+    given = {each: 1.0 for each in names if each.lower() in UNIT_PARAMETERS and each not in places}
+    known = {each: 0.0 for each in needed if role_of[each] == TIME} | {x: 1.0 for x in given if x in needed}
     if None in places or set(needed) - {*known, *places}:
-        return
-    position, velocity = places
+        return None
+    return Record(name, make, str(places[0]), str(places[1]), known, given)
 
-    def write(numbers: Sequence[AnyNumber]) -> Foreign:
-        return make(**known, **{str(position): float(numbers[0]), str(velocity): float(numbers[1])})
+
+def _adapter_of(record: Record) -> ArrayAdapter:
+    """The adapter of a step that takes the record in place of a state."""
 
     def read(value: Foreign, size: int) -> list[AnyNumber]:
-        if isinstance(value, Mapping):
-            return floats_in([value[position], value[velocity]], size)
-        if hasattr(value, str(position)):
-            return floats_in([getattr(value, str(position)), getattr(value, str(velocity))], size)
-        return floats_in(value, size)
+        pair = record.pair(value)
+        return floats_in(value if pair is None else [*pair], size)
 
-    arguments = [*(f"{each}={known[each]!r}" for each in known), f"{position}={{}}", f"{velocity}={{}}"]
-    with_other = lambda values: next(_record(name, make, names, needed, values))
-    title, shown = f"{name} with {position}, {velocity}", f"{name}({', '.join(arguments)})"
-    yield ArrayAdapter(title, write, read, shown=shown, parameters=given, with_parameters=with_other)
+    arguments = [f"{each}={x!r}" for each, x in record.known.items()]
+    shown = f"{record.name}({', '.join([*arguments, f'{record.position}={{}}', f'{record.velocity}={{}}'])})"
+    return ArrayAdapter(
+        f"{record.name} with {record.position}, {record.velocity}",
+        lambda numbers: record.filled(float(numbers[0]), float(numbers[1])),
+        read,
+        shown=shown,
+        parameters=record.given,
+        with_parameters=lambda values: _adapter_of(
+            dataclasses.replace(record, known={**record.known, **values}, given={**record.given, **values})
+        ),
+    )
 
 
 def parts_of(record: Foreign) -> Mapping[str, Foreign]:

@@ -14,12 +14,14 @@ from driftproof.blackbox.stepper.made_wrappers import (
     maker_wrapper,
     makes_steppers,
     object_wrapper,
+    owner_of,
     world_wrapper,
 )
 
 
 def wrapper_line(step: Callable[..., Any]) -> str:
     """The wrapper to write, as the end of an error message; "" if none is known to fit."""
+    step = owner_of(step)
     line = object_wrapper(step)
     if not line and not inspect.isclass(step):
         line = maker_wrapper(step) if makes_steppers(step) else function_wrapper(step)
@@ -28,6 +30,7 @@ def wrapper_line(step: Callable[..., Any]) -> str:
 
 def template(step: Callable[..., Any]) -> str:
     """The shortest wrapper of a class or a function of which no more is known, with words in capitals to replace."""
+    step = owner_of(step)
     name = name_of(step)
     if inspect.isclass(step):
         if line := world_wrapper(step):

@@ -89,6 +89,46 @@ class Ball:
         self.vel = self.vel.plus(self.force, dt)
         self.pos, self.force = self.pos.plus(self.vel, dt), Vec2(0.0, 0.0)
 
+class VerletPoint:
+    def __init__(self, x, x_prev):
+        self.x, self.x_prev = x, x_prev
+    def advance(self, accel, dt):
+        self.x_prev, self.x = self.x, 2 * self.x - self.x_prev + dt**2 * accel(self.x)
+
+class Leapfrog:
+    def __init__(self, rhs, y_old, y):
+        self.rhs, self.y_old, self.y = rhs, y_old, y
+    def step(self, dt):
+        self.y_old, self.y = self.y, self.y_old + 2 * dt * self.rhs(self.y)
+
+class Base:
+    def step(self, y, t, dt):
+        raise NotImplementedError
+
+class Ralston(Base):
+    def __init__(self, deriv):
+        self.deriv = deriv
+    def __call__(self, y, t, dt):
+        k = self.deriv(y, t)
+        return y + dt / 4 * (k + 3 * self.deriv(y + 2 / 3 * dt * k, t + 2 / 3 * dt))
+
+class Euler:
+    def step(self, terms, t0, t1, y0, args):
+        return y0 + (t1 - t0) * terms(t0, y0, args)
+
+class Held:
+    def __init__(self, dt, method="euler"):
+        self.dt = dt
+    def step(self, f, t, y):
+        return y + self.dt * f(t, y)
+
+class Env:
+    def __init__(self):
+        self.state, self.tau = np.array([1.0, 0.0]), 0.02
+    def step(self, action=None):
+        x, v = self.state
+        self.state = np.array([x + self.tau * v, v - self.tau * x])
+
 def pairs(f, y0, t0, t1, n):
     y, t, h = np.array(y0, float), t0, (t1 - t0) / n
     found = [y]
@@ -119,6 +159,16 @@ WRAPPED = {
     "[*ys, *(ys.append(bashforth(f, t + i * h, ys[-1], ys[-2], h)) or ys[-1] for i in range(1, n))]",
     "Ball": 'from driftproof import stepper_of; wrapped = stepper_of(Ball, position="pos.x", velocity="vel.x", '
     'push=lambda body, f: body.apply_force(Vec2(f, 0.0)), advance="update")',
+    "VerletPoint": "def wrapped(force, q, v, h, n): made = VerletPoint(q, q - h * v + h**2 / 2 * force(q)); "
+    "xs = [q] + [(made.advance(force, h), 1.0 * made.x)[1] for _ in range(n)]; "
+    "return xs, [v, *((b - a) / h for a, b in zip(xs, xs[1:]))]",
+    "Leapfrog": "def wrapped(f, y, h, n): made = Leapfrog(f, y, y + h * f(y + h / 2 * f(y))); "
+    "return [y, [*made.y]] + [(made.step(h), [*made.y])[1] for _ in range(n - 1)]",
+    "Ralston": "def wrapped(f, t, y, h): return Ralston(f)(y, t, h)",
+    "Euler": "def wrapped(f, t, y, h): return Euler().step(f, t, t + h, y, ())",
+    "Held": "def wrapped(f, t, y, h): return Held(h).step(f, t, y)",
+    "Env": "from driftproof import stepper_of; "
+    "wrapped = stepper_of(Env, state=\"state\", advance=lambda made, h: (setattr(made, 'tau', h), made.step()))",
     "pairs": "def wrapped(f, t, y, h): return pairs(f, y, t, t + h, 1)[1][-1]",
     "states": "def wrapped(f, t, y, h): return states(f, y, t, t + h, 1)[-1]",
 }
@@ -126,8 +176,11 @@ WRAPPED = {
 
 REMEMBERING = {
     **dict.fromkeys(("AB2", "KeptAB2", "TimedAB2", "make_ab2", "bashforth"), "adams_bashforth2"),
-    "Stormer": "stormer2",
+    **dict.fromkeys(("Stormer", "VerletPoint"), "stormer2"),
+    "Leapfrog": "two_step_leapfrog",
 }
+OTHERS = {"KeptVerlet": "velocity_verlet", "Ball": "symplectic_euler", "Ralston": "ralston2"}
+OTHERS |= dict.fromkeys(("Euler", "Held", "Env"), "forward_euler")
 
 
 @pytest.mark.parametrize("name", WRAPPED)
@@ -139,8 +192,7 @@ def test_a_class_a_maker_and_a_solver_of_n_steps_are_refused_with_a_wrapper_that
     if name in REMEMBERING:
         assert read_family(opened(names["wrapped"])).key == REMEMBERING[name]
     else:
-        others = {"KeptVerlet": "velocity_verlet", "Ball": "symplectic_euler"}
-        assert keys_of(names["wrapped"])[0] == others.get(name, "heun2")
+        assert keys_of(names["wrapped"])[0] == OTHERS.get(name, "heun2")
 
 
 IN_PLACE = """
@@ -174,7 +226,8 @@ def test_an_object_that_cannot_be_called_is_refused_with_the_wrapper_of_the_meth
             BadInput, match=f"is {type(found).__name__}, which cannot be called; its .* makes the step"
         ) as caught:
             Target(found).open()
-    assert str(caught.value).endswith('wrapped = stepper_of(lambda: Kept(...), state="y", advance="advance")')
+    advance = "lambda made, h: (setattr(made, 'dt', h), made.advance())"
+    assert str(caught.value).endswith(f'wrapped = stepper_of(lambda: Kept(...), state="y", advance={advance})')
     with pytest.raises(BadInput, match=re.escape(f"write: {WRAPPED['Ball']}")):
         Target(names["Ball"]()).open()
 
