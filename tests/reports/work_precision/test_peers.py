@@ -152,6 +152,7 @@ def test_peers_solve_the_oscillator_and_refuse_what_they_cannot(name: str, monke
     peer, faked = PEERS[name], not PEERS[name].installed
     if faked:
         monkeypatch.setattr(peers, "import_module", FAKES.__getitem__)
+    assert [f"{x:.0e}" for x in peers.TOLERANCES] == [f"1e-{digits:02}" for digits in range(3, 14)]
     for key in some(peer.solvers):
         solver = peer.on(HARMONIC, key)
         point = solver_point(solver, 1e-6, study(limit=1))
