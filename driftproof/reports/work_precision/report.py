@@ -146,7 +146,7 @@ def _head(study: Study) -> str:
     problem = study.problem
     floor, digits = floors(problem)["state"], half_unit(problem.reference.states[-1])
     return (
-        f"{problem.title} ({problem.key})\n\n"
+        f"{problem.title}{f' ({problem.key})' * (problem.key != problem.title)}\n\n"
         f"Reference {problem.reference.evidence}: {problem.reference.source}\n"
         f"Half a unit of its last digits: {digits:.1e}\n"
         f"Rounding floor of the state, u |y(t)|: {floor:.1e}"

@@ -6,6 +6,7 @@ import csv
 import io
 import json
 import re
+from dataclasses import replace
 from math import inf
 from pathlib import Path
 from types import SimpleNamespace
@@ -29,9 +30,16 @@ from tests.looping import some
 from tests.reports.studies import study, unheard
 
 
+def test_a_problem_without_a_title_is_named_once() -> None:
+    asked = study("rk4", problem="dahlquist_1")
+    asked = replace(asked, problem=replace(asked.problem, title=asked.problem.key))
+    assert study_text(asked, measure(asked, None, unheard)).startswith("dahlquist_1\n\n")
+
+
 def test_tables_say_who_is_cheapest_who_is_dominated_and_what_does_not_apply() -> None:
     asked = study("rk4", "velocity_verlet", "ark324", problem="dahlquist_1")
     shown = study_text(asked, measure(asked, None, unheard))
+    assert shown.partition(" (dahlquist_1)\n")[1]
     assert "velocity_verlet: does not apply: " in shown
     assert "ark324: does not apply: ark324 is an IMEX method" in shown
     assert "Least work for an error of at most 1e-6 (* the least)" in shown
