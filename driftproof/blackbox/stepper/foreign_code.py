@@ -15,7 +15,8 @@ import numpy as np
 from driftproof.blackbox.findings import Misbehaviour, NotANumber, NotFinite, StepRaised, WrongShape
 from driftproof.blackbox.stepper import calling_conventions as calling
 from driftproof.blackbox.stepper.array_adapters import AnyNumber, ArrayAdapter, Foreign, as_array, type_of
-from driftproof.blackbox.stepper.state_forms import TOGETHER, clock_of, part_pair, parts_of
+from driftproof.blackbox.stepper.records import clock_of, part_pair, parts_of
+from driftproof.blackbox.stepper.state_forms import TOGETHER
 from driftproof.symbolic.rounding.formats import BINARY64, FloatFormat
 
 FieldFunction: TypeAlias = Callable[[AnyNumber, list[AnyNumber]], Sequence[AnyNumber]]

@@ -135,35 +135,45 @@ def run_wrapper(step: Callable[..., Any]) -> str:
 
 def _call(step: Callable[..., Any], names: Sequence[str], given: Mapping[Any, str], kind: str) -> str:
     """The wrapper that calls a function of these names with the arguments given; those left are in capitals."""
-    by_place = [*(parameters_of(step) or ())][: len(names)] == [*names]  # a step size with a default may not be
-
-    def write(of: Callable[[str], str]) -> str:
-        return ", ".join(f"{'' if by_place else f'{each}='}{of(each)}" for each in names)
-
-    name, left = name_of(step), [each for each in names if each not in given]
-    if len(left) == 1 and is_before(left[0]) and kind == FIELD and {"y", "h"} <= {*given.values()}:
-        later = {"y": "ys[-1]", "t": "t + i * h"}
-        call = write(lambda each: later.get(text := given.get(each, "ys[-2]"), text))
-        run = f"ys = [y, {FIRST_STEP}]; return [*ys, *(ys.append({name}({call})) or ys[-1] for i in range(1, n))]"
-        return f"def wrapped(f, t, y, h, n): {run}  # a run of n steps, whose first is one of midpoint2"
-    if len(left) == 1 and is_before(left[0]) and kind == FORCE and {*given.values()} == {"force", "q", "h"}:
-        call = write(lambda each: {"q": "xs[-1]"}.get(text := given.get(each, "xs[-2]"), text))
-        with suppress(Exception):
-            pair = isinstance(step(**{each: TRIAL_ARGUMENTS[given.get(each, "q")] for each in names}), tuple)
-            run = f"xs = [{BEFORE}, q]; [xs.append({name}({call}){'[0]' * pair}) for _ in range(n)]"
-            return f"def wrapped(force, q, v, h, n): {run}; return xs[1:], [v, *({SPEEDS.format('xs[1:]', 'xs[2:]')})]"
-    if len(left) == 1 and is_before(left[0]) and kind == MAP:
-        return (
-            f"def {name}(force, {', '.join(names)}): ...  # a method of two steps is read if its force is an argument"
-        )
+    left = [each for each in names if each not in given]
     said = f"  # write values for {', '.join(map(str.upper, left))}" if left else ""
     if len(left) == 1 and is_before(left[0]):
+        if line := _two_step_call(step, names, given, kind):
+            return line
         said = f"  # a method of two steps: let an object keep its {left[0].upper()}, step(f, t, y, h) being its method"
     if kind == MAP and "h" not in given.values():
         said = "  # its h is built in: let it be an argument, or make the step anew for every h"
     if kind == MAP and any(word_of(each) in BODY_LISTS for each in left):
         said = "  # what moves its bodies is built in: let their force be an argument, which can then be given"
-    return f"def wrapped({HEADS[kind]}): return {name}({write(lambda each: given.get(each, each.upper()))}){said}"
+    return (
+        f"def wrapped({HEADS[kind]}): return {_called(step, names, lambda each: given.get(each, each.upper()))}{said}"
+    )
+
+
+def _two_step_call(step: Callable[..., Any], names: Sequence[str], given: Mapping[Any, str], kind: str) -> str:
+    """The run of a function whose one argument not given is the state before; "" if it cannot be written."""
+    if kind == FIELD and {"y", "h"} <= {*given.values()}:
+        later = {"y": "ys[-1]", "t": "t + i * h"}
+        call = _called(step, names, lambda each: later.get(text := given.get(each, "ys[-2]"), text))
+        run = f"ys = [y, {FIRST_STEP}]; return [*ys, *(ys.append({call}) or ys[-1] for i in range(1, n))]"
+        return f"def wrapped(f, t, y, h, n): {run}  # a run of n steps, whose first is one of midpoint2"
+    if kind == FORCE and {*given.values()} == {"force", "q", "h"}:
+        call = _called(step, names, lambda each: {"q": "xs[-1]"}.get(text := given.get(each, "xs[-2]"), text))
+        with suppress(Exception):
+            pair = isinstance(step(**{each: TRIAL_ARGUMENTS[given.get(each, "q")] for each in names}), tuple)
+            run = f"xs = [{BEFORE}, q]; [xs.append({call}{'[0]' * pair}) for _ in range(n)]"
+            return f"def wrapped(force, q, v, h, n): {run}; return xs[1:], [v, *({SPEEDS.format('xs[1:]', 'xs[2:]')})]"
+    if kind == MAP:
+        head = f"def {name_of(step)}(force, {', '.join(names)}): ..."
+        return f"{head}  # a method of two steps is read if its force is an argument"
+    return ""
+
+
+def _called(step: Callable[..., Any], names: Sequence[str], write: Callable[[str], str]) -> str:
+    """The call with what is written for each name, by place if that is the names' own order."""
+    by_place = [*(parameters_of(step) or ())][: len(names)] == [*names]  # a step size with a default may not be
+    passed = [f"{'' if by_place else f'{each}='}{write(each)}" for each in names]
+    return f"{name_of(step)}({', '.join(passed)})"
 
 
 def arguments_by_role(names: Sequence[str], kind: str) -> dict[str, str]:

@@ -22,7 +22,7 @@ from driftproof.blackbox.stepper.calling_conventions import (
     role_of,
     word_of,
 )
-from driftproof.blackbox.stepper.state_forms import Record, record_of
+from driftproof.blackbox.stepper.records import Record, record_of
 
 
 def record_forms(step: Callable[..., Any]) -> Iterator[Callable[..., Any]]:
