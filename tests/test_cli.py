@@ -226,6 +226,7 @@ def test_help_teaches_by_example(command, answer):
     shown = answer(*command, "--help")
     assert f"driftproof {' '.join(command)}".strip() in shown.split("example", 1)[1]
     assert command or all(f"  {name:14}  {what}\n" in shown for name, (_, what) in COMMANDS.items())
+    assert "docs/" not in shown  # which is not installed
 
 
 @pytest.mark.parametrize("command", COMMANDS)

@@ -10,7 +10,8 @@ from driftproof.commands import arguments as cli
 @cli.command(
     cli.option("problem", "a problem, or a .toml file of your own; without it, the problems are listed", nargs="?"),
     cli.methods_option(
-        "keys or .toml files (default forward_euler,rk4,symplectic_euler,backward_euler,implicit_midpoint,radau_iia2)"
+        "keys or .toml files (default"
+        " forward_euler, rk4, symplectic_euler, backward_euler, implicit_midpoint, radau_iia2)"
     ),
     cli.steps_option("step sizes that divide t, such as 1/4,1/8 (default: those of 10, 100 and 1000 steps)"),
     cli.TEXT_OR_JSON,
@@ -47,7 +48,7 @@ def stability_command(options: Namespace) -> str:
     cli.option("problem", "a problem, or a .toml file of your own", nargs="?", default="harmonic_oscillator"),
     cli.methods_option(
         "keys or .toml files (default"
-        " forward_euler,symplectic_euler,rk4,velocity_verlet,dormand_prince54,blanes_moan6,gauss2)"
+        " forward_euler, symplectic_euler, rk4, velocity_verlet, dormand_prince54, blanes_moan6, gauss2)"
     ),
     cli.output_option("a folder for files and figures, from which an interrupted study is resumed", metavar="FOLDER"),
     cli.list_option("--peers", "also scipy, diffrax, heyoka, torchdiffeq", type=cli.several(str), metavar="P,P"),

@@ -55,6 +55,7 @@ def identify_command(options: Namespace) -> str:
     what a stepper may look like:
       step(q, v, h) -> (q1, v1)            with a system built in; also step(state, h), and with m, k, t
       step(force, q, v, h) -> (q1, v1)     q'' = force(q)
+      step(state, t, h, force)             a dict or an object, changed in place or returned
       step(f, t, y, h) -> y1               y' = f(t, y); also without t; or (y1, error), (y1, y1_hat), (y1, dense)
       step(f, jac, t, y, h) -> y1          a Rosenbrock method; step(f_explicit, f_implicit, t, y, h): an IMEX one
     An object with a state, a method that advances it, and a force that it calls or is given, becomes a stepper by

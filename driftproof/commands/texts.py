@@ -26,7 +26,7 @@ def render_command(options: Namespace) -> str:
 
     The ending of the output decides its kind: Markdown (.md, .markdown, .myst), HTML (.html, .htm) or TeX (.tex). In
     the template, value("...") takes an id that `driftproof value --only '*'` lists or a question (`driftproof value
-    --help`), and | digits(6), | places(3), | exact, | tex, | mathml say how it is written; see docs/texts.md.
+    --help`), and | digits(6), | places(3), | exact, | tex, | mathml say how it is written.
 
     lesson.md.j2:
       q = {{ value("rk4.first_step.q") | digits(6) }}, which is {{ value("step rk4 h=1/2 : q") }}.

@@ -54,8 +54,8 @@ class Answered(Printable):
 def html_of(text: str) -> str:
     """Plain text as HTML: aligned columns become tables, a line above indented lines their heading.
 
-    >>> html_of("Order\\n  rk4    4\\n  euler  1")
-    '<div><p><b>Order</b></p><table><tr><td>rk4</td><td>4</td></tr><tr><td>euler</td><td>1</td></tr></table></div>'
+    >>> html_of("  9  1\\n 10  2").replace(' style="text-align: left"', "*")
+    '<div><table><tr><td>9</td><td*>1</td></tr><tr><td>10</td><td*>2</td></tr></table></div>'
     """
     blocks = (_block(block.splitlines()) for block in text.split("\n\n"))
     return f"<div>{''.join(blocks)}</div>"
@@ -71,5 +71,7 @@ def _block(lines: Sequence[str]) -> str:
     spans = [match.span() for match in re.finditer(r"x+(?: x+)*", blank)]  # two blanks separate columns
     if len(spans) < 2:
         return f'<pre style="white-space: pre-wrap">{escape(chr(10).join(lines))}</pre>'
-    rows = ("".join(f"<td>{escape(line[a:b].strip())}</td>" for a, b in spans) for line in lines)
+    left = {a for a, b in spans if all(line[a] != " " for line in lines if line[a:b].strip())}  # notebooks align right
+    cell = {a: '<td style="text-align: left">' if a in left else "<td>" for a, _ in spans}
+    rows = ("".join(f"{cell[a]}{escape(line[a:b].strip())}</td>" for a, b in spans) for line in lines)
     return f"<table>{''.join(f'<tr>{row}</tr>' for row in rows)}</table>"

@@ -51,6 +51,16 @@ def test_workflows_run_what_is_there():
     assert all(command in cli.COMMANDS for command in some(asked))
 
 
+def test_the_oldest_versions_of_all_that_is_required_and_of_the_extras_are_tested():
+    jobs = yaml.safe_load((ROOT / ".github/workflows/ci.yml").read_text(encoding="utf-8"))["jobs"]
+    (install,) = (step["run"] for step in jobs["oldest"]["steps"] if "pip install" in step.get("run", ""))
+    pins = subprocess.run(["bash", "-c", f"echo {install}"], cwd=ROOT, capture_output=True, text=True).stdout.split()
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    extras = project["optional-dependencies"]
+    wanted = {*project["dependencies"], *extras["fast"], *extras["text"], *extras["cluster"]}
+    assert {each.replace(">=", "==") for each in some(wanted, 8)} <= {*pins}
+
+
 def test_the_action_runs_a_command_and_shows_what_it_said(tmp_path):
     action = yaml.safe_load((ROOT / "action.yml").read_text(encoding="utf-8"))
     install, run = action["runs"]["steps"]

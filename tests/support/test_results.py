@@ -17,15 +17,15 @@ def test_an_answer_prints_and_has_its_entries():
 HTML = {
     "one <line>": "<p>one &lt;line&gt;</p>",
     "a  1\nbc 2": '<pre style="white-space: pre-wrap">a  1\nbc 2</pre>',
-    "a   1\nbc  2": "<table><tr><td>a</td><td>1</td></tr><tr><td>bc</td><td>2</td></tr></table>",
-    "a      1\nbc  200": "<table><tr><td>a</td><td>1</td></tr><tr><td>bc</td><td>200</td></tr></table>",
+    "a   1\nbc  2": "<table><tr><td*>a</td><td*>1</td></tr><tr><td*>bc</td><td*>2</td></tr></table>",
+    "a      1\nbc  200": "<table><tr><td*>a</td><td>1</td></tr><tr><td*>bc</td><td>200</td></tr></table>",
     "Head\n  one two\n  three": '<p><b>Head</b></p><pre style="white-space: pre-wrap">one two\nthree</pre>',
-    "H\n  a  1\n     2": "<p><b>H</b></p><table><tr><td>a</td><td>1</td></tr><tr><td></td><td>2</td></tr></table>",
+    "H\n  a  1\n     2": "<p><b>H</b></p><table><tr><td*>a</td><td*>1</td></tr><tr><td*></td><td*>2</td></tr></table>",
     "a\n\nb": "<p>a</p><p>b</p>",
     "": "",
 }
 
 
 @pytest.mark.parametrize("text", HTML)
-def test_columns_become_tables_and_all_else_stays(text):
-    assert html_of(text) == f"<div>{HTML[text]}</div>"
+def test_columns_become_tables_aligned_as_in_the_text_and_all_else_stays(text):
+    assert html_of(text) == f"<div>{HTML[text]}</div>".replace("*", ' style="text-align: left"')

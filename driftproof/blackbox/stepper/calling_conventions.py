@@ -80,7 +80,7 @@ _VELOCITIES = (
 )
 _STATES = (
     *("y", "z", "s", "u", "x", "w", "state", "states", "body", "particle", "y0", "z0", "x0", "u0", "yn", "yi"),
-    *("y_0", "u_0", "x_0", "carry", "point", "planet", "ball", "player", "entity"),
+    *("y_0", "u_0", "x_0", "carry"),
 )
 # "compute" and the like at the start of a function's name, or "fn" at its end, do not change what it computes.
 VERBS = re.compile(r"^(get|compute|calc|calculate|eval|update)_|_(fn|func|fun|function)$")
@@ -184,7 +184,7 @@ def conventions_of(step: Callable[..., Any], kind: str | None = None) -> list[Ca
     if kind is not None and kind not in SIGNATURES:
         raise ValueError(f"unknown calling convention {kind!r}; choose from {', '.join(SIGNATURES)}")
     names = required_names(step)
-    for tried in (names, names_with_step(step)):
+    for tried in (names_with_step(step), names):  # a time or a step size that has a default is given
         if tried is not None:
             fitting = [_fitted(tried, *variant) for variant in VARIANTS if kind in (None, variant[0])]
             if found := [_by_name(each, step, tried) for each in fitting if each is not None]:
@@ -204,23 +204,25 @@ def signature_text(step: Callable[..., Any]) -> str:
 
 
 def required_names(step: Callable[..., Any]) -> list[str] | None:
-    """The names of the parameters that have no default; None if the parameters are unknown or variable."""
-    parameters = parameters_of(step)
-    if parameters is None or any(p.kind is p.VAR_POSITIONAL for p in parameters.values()):
+    """The names of the parameters that have no default; None if they are unknown, or nothing but *args is known."""
+    named = [p for p in (parameters_of(step) or {}).values() if p.kind not in (p.VAR_KEYWORD, p.VAR_POSITIONAL)]
+    if not named and parameters_of(step) != {}:
         return None
-    return [p.name for p in parameters.values() if p.default is p.empty and p.kind is not p.VAR_KEYWORD]
+    return [p.name for p in named if p.default is p.empty]
 
 
 def names_with_step(step: Callable[..., Any]) -> list[str] | None:
-    """The required names, and that of a step size with a default if there is no other one.
+    """The required names, and those of a step size and of a time with a default, unless there are others.
 
     >>> names_with_step(lambda q, v, omega=1.0, dt=0.01: None)
     ['q', 'v', 'dt']
     """
-    names = required_names(step)
-    if names is None or any(role_of(each, (STEP,)) for each in names):
-        return names
-    return names + [each for each in parameters_of(step) or () if each not in names and role_of(each, (STEP,))][:1]
+    if (names := required_names(step)) is None:
+        return None
+    for role in (TIME, STEP):
+        if not any(role_of(each, (role,)) for each in names):
+            names += [each for each in parameters_of(step) or () if each not in names and role_of(each, (role,))][:1]
+    return names
 
 
 def has_gradient(names: Sequence[str]) -> bool:

@@ -1,4 +1,4 @@
-"""Steppers that take a record and a force, as integrate(state, t, dt, acceleration), as plain functions of q and v."""
+"""Steppers of a record, a dict or an object, as integrate(state, t, dt, acceleration), as functions of q and v."""
 
 from __future__ import annotations
 
@@ -28,6 +28,8 @@ from driftproof.blackbox.stepper.records import Record, record_of
 def record_forms(step: Callable[..., Any]) -> Iterator[Callable[..., Any]]:
     """Yield the step(force, q, v, h), or with t before h, that a step of a dict or an object and a force may be.
 
+    Or the step(q, v, h) that one without a force may be.
+
     The force may be asked with the record, which it then sees as it is, or with a position; it answers with a number,
     or, in the second form, with a record of both slopes. A mass in the record is 2 unless the function's name says that
     it is an acceleration.
@@ -43,13 +45,22 @@ def record_forms(step: Callable[..., Any]) -> Iterator[Callable[..., Any]]:
     for name in names:
         if role := role_of(name, [each for each in (FUNCTION, STEP, TIME, STATE) if each not in roles]):
             roles[role] = name
-    if len(names) != len(roles) or not {FUNCTION, STEP, STATE} <= {*roles}:
+    left = [name for name in names if name not in roles.values()]
+    if STATE not in roles and len(left) == 1:  # a record may have any name
+        roles[STATE] = left.pop()
+    if left or not {STEP, STATE} <= {*roles}:
         return
 
-    def called(function: Callable[..., Any], state: Foreign, t: float, h: float) -> Foreign:
+    def called(function: Any, state: Foreign, t: float, h: float) -> Foreign:
         given = {FUNCTION: function, STATE: state, TIME: t, STEP: h}
         return step(**{name: given[role] for role, name in roles.items()})
 
+    if FUNCTION not in roles:
+        record = record_of(step, partial(_with_step, called, None))
+        if record is not None:
+            free = _form(called, record, False, {}, 1.0)
+            yield lambda q, v, h: free(None, q, v, 0.0, h)
+        return
     pushed = word_of(roles[FUNCTION])
     for stub, slopes in ((lambda *asked: 0.0, False), (lambda *asked: min(asked, key=np.isscalar), True)):
         record = record_of(step, partial(_with_step, called, stub))
@@ -60,7 +71,7 @@ def record_forms(step: Callable[..., Any]) -> Iterator[Callable[..., Any]]:
             yield form if TIME in roles else _untimed(form)
 
 
-def _with_step(called: Callable[..., Any], stub: Callable[..., Any], state: Foreign) -> Foreign:
+def _with_step(called: Callable[..., Any], stub: Callable[..., Any] | None, state: Foreign) -> Foreign:
     return called(stub, state, 0.0, 0.25)
 
 
@@ -76,7 +87,7 @@ def _form(
     Or, with `slopes`, a function that answers with a record of the slopes of position and velocity.
     """
 
-    def moved(force: Callable[..., Any], q: Foreign, v: Foreign, t: float, h: float) -> tuple[Foreign, Foreign]:
+    def moved(force: Any, q: Foreign, v: Foreign, t: float, h: float) -> tuple[Foreign, Foreign]:
         def asked(*arguments: Foreign) -> Foreign:
             pairs = [pair for pair in map(record.pair, arguments) if pair is not None]
             pushed = force(*pairs[0] if pairs else (), *(x for x in arguments if record.pair(x) is None))

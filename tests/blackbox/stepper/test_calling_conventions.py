@@ -160,6 +160,9 @@ def test_a_step_size_with_a_default_is_given_and_by_name_where_it_does_not_come_
         found = convention_of(step)
         assert (found.order, found.names) == (STANDARD_ORDER[MAP], ("q", "v", "h"))
     assert convention_of(lambda q, v, dt=0.1: None).names == ()
+    timed = convention_of(lambda f, y, *, t0=0.0, h, further=None: None)
+    assert timed.names == ("f", "y", "h", "t0")
+    assert convention_of(lambda f, t, y, h, *args: None).order == STANDARD_ORDER[FIELD]
     with pytest.raises(ValueError, match=r"\(q, v\) is not one of these"):
         convention_of(lambda q, v, damping=0.0: None)
 

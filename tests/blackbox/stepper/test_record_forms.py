@@ -1,6 +1,7 @@
 """Steps of a dict or an object and a force are opened as they are written, and wrong ones are caught."""
 
 from dataclasses import dataclass
+from typing import TypedDict
 
 import pytest
 
@@ -79,7 +80,24 @@ def accelerated(body, acc, dt):
     undivided(body, acc, dt)
 
 
+class Named(TypedDict):
+    position: float
+    velocity: float
+
+
+def of_a_named_dict(p: Named, force, dt):
+    v = p["velocity"] + dt * force(p["position"])
+    return Named(position=p["position"] + dt * v, velocity=v)
+
+
+def without_a_force(sim, dt):
+    sim["v"] = sim["v"] - dt * sim["x"]
+    sim["x"] = sim["x"] + dt * sim["v"]
+    sim["t"] += dt
+
+
 HELD = [
+    (of_a_named_dict, "symplectic_euler", ""), (without_a_force, "symplectic_euler", ""),
     (integrate, "rk4", ""), (integrate_wrongly, "rk4", "b[3]: 1/3 instead of 1/6"),
     (verlet_of_a_dict, "velocity_verlet", ""), (euler_of_a_dict, "forward_euler", ""),
     (kick_and_drift, "symplectic_euler", ""), (divided, "symplectic_euler", ""),
@@ -101,3 +119,4 @@ def test_the_force_sees_the_record_as_it_is_and_the_time_and_a_step_with_other_a
     assert seen[:2] == [(1.0, 0.5, 8.0), (1.125, 0.25, 8.25)]
     assert [*record_forms(lambda state, force, mesh, dt: state)] == []
     assert [*record_forms(lambda state, force: state)] == [*record_forms(lambda state, force, h: state)] == []
+    assert [*record_forms(lambda sim, mesh, h: sim)] == [*record_forms(lambda sim, h: sim)] == []
