@@ -66,7 +66,7 @@ class ProblemRun:
         step = exact_step(self.method, self._function, len(self.start))
         found[0] = found.get(0) or tuple(enclose(x) for x in self.start)
         for n in range(len(found), self.steps + 1):
-            found[n] = step(found[n - 1], (n - 1) * self.h, self.h)
+            found[n] = step(tuple(found[n - 1]), (n - 1) * self.h, self.h)
         return [found[n] for n in range(self.steps + 1)]
 
     def true(self, steps: range) -> list[_Row]:
