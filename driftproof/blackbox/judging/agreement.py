@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from decimal import Decimal
 from fractions import Fraction
-from itertools import islice, product
+from itertools import cycle, islice, product
 from math import inf
-from typing import Any
+from typing import Any, NamedTuple
 
-from driftproof.blackbox.findings import Misbehaviour, StepFinding, UnsupportedCall
+from driftproof.blackbox.findings import Misbehaviour, StepFinding, UnsupportedCall, WrongShape
 from driftproof.blackbox.judging.sampled_steps import Arguments, Sizes, simplest_step, steps_within
 from driftproof.blackbox.judging.tolerance import Allowance, Judgement, Tolerance
 from driftproof.blackbox.stepper.call_text import call_text
@@ -20,8 +21,10 @@ from driftproof.blackbox.stepper.calling_conventions import (
     MOMENTA,
     STIFFNESSES,
     UNIT_PARAMETERS,
+    parameters_of,
 )
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
+from driftproof.blackbox.stepper.state_forms import BATCH, columns_of
 from driftproof.methods.schemes import Method
 from driftproof.symbolic.algebra.certified import significant
 from driftproof.symbolic.rounding.formats import BINARY64
@@ -29,6 +32,9 @@ from driftproof.symbolic.rounding.formats import BINARY64
 COMPONENTS = ("q", "v")
 # Chosen: an error that one state in 300 shows is missed with probability 1/30; this many steps take 0.1 s.
 EXAMPLES = 1000
+# How many oscillators are stepped together, besides as many as there are ordinary states: with both remainders by two,
+# and more than a block of eight, or of 32.
+_ORDINARY, _TOGETHER = 3, (2, 4, 7, 8, 9, 33)
 # The digits of an exact value shown: three more than distinguish two neighbouring doubles.
 _DIGITS = 20
 
@@ -235,58 +241,150 @@ def steps_back(
     return StepFinding(True, f"{len(steps) * len(states)} steps with h < 0 within the bound")
 
 
-def rows_together(
+def several_together(
     subject: ForeignStepper, method: Method, allowance: Allowance = NO_ALLOWANCE, domain: Domain = ORDINARY_DOMAIN
 ) -> StepFinding:
-    """Compare the step of several states in arrays with M(h); return the finding.
+    """Compare the step of several oscillators at once, of all sizes in the domain, with M(h); return the finding.
 
-    The answer is None if only one state is taken at a time. Raises UnsupportedCall if an array is one state.
+    They are the numbers of one state, or states in arrays if the system is built in. For an implicit method they have
+    one size, since a solver may stop by the largest. The answer is None if only one is taken at a time. Raises
+    UnsupportedCall if an array is one state.
     """
     tolerance, (states, (_, h)) = Tolerance(method, subject.format, allowance), ordinary_arguments(subject, domain)
-    try:
-        answers = subject.step_batch([q for q, _ in states], [v for _, v in states], h)
-    except Misbehaviour as refusal:
-        return StepFinding(None, f"it takes one state at a time: {refusal}")
-    for i, ((q, v), answer) in enumerate(zip(states, answers, strict=True)):
-        if not all(component.allowed for component in tolerance.judge(q, v, h, answer)):
-            seen = f"of {len(states)} states in arrays, row {i} goes from {(q, v)} to {answer} with h = {h!r}"
-            return StepFinding(False, seen)
-    return StepFinding(True, f"{len(states)} states in arrays, each within the bound")
+    steps, sizes = (Sizes(*ends, subject.format) for ends in domain.ranges)
+    drawn, taken, refused = steps_within(steps, sizes), list[int](), ""
+    for count in (len(states), *_TOGETHER):
+        if method.explicit and count != len(states):
+            (q, v, h), *others = islice(drawn, count)
+            states = [(q, v), *((q, v) for q, v, _ in others)]
+        else:
+            states = [*islice(cycle(states[:_ORDINARY]), count)]
+        try:
+            answers = _stepped_together(subject, states, h)
+        except Misbehaviour as refusal:
+            refused = refused or str(refusal)
+            continue
+        taken.append(count)
+        for i, ((q, v), answer) in enumerate(zip(states, answers, strict=True)):
+            if not all(component.allowed for component in tolerance.judge(q, v, h, answer)):
+                seen = f"of {count} oscillators together, number {i} goes from {(q, v)} to {answer} with h = {h!r}"
+                return StepFinding(False, seen)
+    if not taken:
+        return StepFinding(None, f"it takes one at a time: {refused}")
+    return StepFinding(True, f"{', '.join(map(str, taken))} oscillators in one step, each within the bound")
+
+
+def _stepped_together(
+    subject: ForeignStepper, states: Sequence[tuple[float, float]], h: float
+) -> Sequence[tuple[float, float]]:
+    """One step of several oscillators: the numbers of one state, or of several if the system is built in."""
+    q, v = zip(*states, strict=True)
+    if subject.convention.kind == MAP:
+        return subject.step_batch(q, v, h)
+    number = subject.adapter.number
+    if subject.adapter is BATCH:
+        subject = replace(subject, adapter=columns_of(len(q)))
+    ends = subject.step_forced(lambda t, x: [-y for y in x], number(0.0), list(q), list(v), number(h))
+    return [*zip(ends[: len(q)], ends[len(q) :], strict=True)]
 
 
 def other_parameters(
     subject: ForeignStepper, method: Method, allowance: Allowance = NO_ALLOWANCE, domain: Domain = ORDINARY_DOMAIN
 ) -> StepFinding:
-    """Compare steps of a built-in q'' = -4 q by h/2, or with another mass, with M(h), and return as `steps_back` does.
+    """Compare steps with another mass, stiffness or frequency with M(h), and return as `steps_back` does.
 
-    Raises UnsupportedCall if the parameters of its oscillator do not say how to make it that one.
+    The answer is None if it has none of these; its words then name the parameters that were left at their defaults.
+    Raises UnsupportedCall if it has no further parameters at all.
+    """
+    tolerance, (states, steps) = Tolerance(method, subject.format, allowance), ordinary_arguments(subject, domain)
+    known = {*subject.convention.extra, *subject.adapter.parameters}
+    left = [name for name in _optional(subject) if name not in known]
+    held = list[str]()
+    for readings in _with_other_parameters(subject):
+        wrong = list[str]()
+        for values, changed, rate, scale in readings:
+            left = [name for name in left if name not in values]
+            try:
+                wrong.append(_off_with_parameters(changed, tolerance, states, steps, rate, scale))
+            except WrongShape as lost:
+                return StepFinding(False, str(lost))
+            except Misbehaviour:  # such as whole numbers that are refused
+                continue
+        shown = ", ".join(f"{name} = {x:g}" for name, x in readings[0].values.items())
+        if wrong and all(wrong):
+            rate = readings[0].rate
+            system = f"-{f'{rate**2:g} ' * (rate != 1)}q"
+            return StepFinding(False, f"with {shown} its step of q'' = {system} is wrong: {wrong[0]}")
+        held += [f"{len(steps) * len(states)} steps with {shown} within the bound"] * bool(wrong)
+    unseen = [f"{', '.join(left)} left at the default"] * bool(left)
+    if not held and not unseen:
+        raise UnsupportedCall("its oscillator has no frequency or stiffness among its parameters")
+    return StepFinding(True if held else None, "; ".join([*held, *unseen]))
+
+
+class _Reading(NamedTuple):
+    """A stepper with other parameters, as a step of q'' = -rate² q that takes `scale` times the velocity over rate."""
+
+    values: Mapping[str, float]
+    subject: ForeignStepper
+    rate: float
+    scale: float
+
+
+def _off_with_parameters(
+    subject: ForeignStepper, tolerance: Tolerance, states: Sequence[tuple[float, float]], steps: Sequence[float],
+    rate: float, scale: float,
+) -> str:  # fmt: skip
+    """The first step of q'' = -rate² q by h/rate that is not M(h), in words; "" if there is none."""
+    for (q, v), h in product(states, steps):
+        q1, v1 = subject.step(q, scale * v, h / rate)
+        if not all(component.allowed for component in tolerance.judge(q, v, h, (q1, v1 / scale))):
+            return f"from {(q, scale * v)} with h = {h / rate!r} it goes to {(q1, v1)}"
+    return ""
+
+
+def _optional(subject: ForeignStepper) -> dict[str, Any]:
+    """The parameters with a default, by name, without those that are passed."""
+    parameters = (parameters_of(subject.function) or {}).values()
+    return {p.name: p.default for p in parameters if p.default is not p.empty and p.name not in subject.convention.names}
+
+
+def _with_other_parameters(subject: ForeignStepper) -> Iterator[list[_Reading]]:
+    """Yield for each set of parameters what the step may be with it: one of these has to be right.
+
+    A mass alone may be a label, and what is called a momentum may be a velocity. A parameter with a default of 1 is one
+    of the oscillator if its name says so.
     """
     found, adapter = subject.convention, subject.adapter
-    given = {name: name.lower().strip("_") for name in (*found.extra, *adapter.parameters)}
+    ones = [name for name, x in _optional(subject).items() if x == 1 and (type(x) is float or len(name) > 1)]
+    given = {name: name.lower().strip("_") for name in (*found.extra, *adapter.parameters, *ones)}
     masses = [name for name, word in given.items() if word in MASSES]
     others = {name: word for name, word in given.items() if word in UNIT_PARAMETERS and name not in masses}
-    of_force = found.scaled(masses, 0.25) if found.kind == FORCE else None
-    if of_force is None and (found.kind != MAP or not others):
-        raise UnsupportedCall("its oscillator has no frequency or stiffness among its parameters")
-    mass, faster = (1.0 + bool(masses), 2.0) if of_force is None else (found.extra[masses[0]] / 4, 1.0)
-    if of_force is not None:
-        found = replace(of_force, momentum=1.0 if found.momentum == 1 else mass)
-    values = dict.fromkeys(masses, mass) | {x: 4 * mass if word in STIFFNESSES else 2.0 for x, word in others.items()}
-    convention = replace(found, extra={name: values.get(name, x) for name, x in found.extra.items()})
-    adapter = adapter.with_parameters(values) if adapter.with_parameters else adapter
-    changed = replace(subject, convention=convention, adapter=adapter)
-    tolerance = Tolerance(method, subject.format, allowance)
-    (states, steps), wrong = ordinary_arguments(subject, domain), dict[float, str]()
-    shown = ", ".join(f"{name} = {x:g}" for name, x in values.items())
-    momenta = [faster * mass] * bool({*convention.names} & {*MOMENTA} and masses and of_force is None)
-    for scale, (q, v), h in product((faster, *momenta), states, steps):
-        q1, v1 = changed.step(q, scale * v, h / faster)
-        if not all(component.allowed for component in tolerance.judge(q, v, h, (q1, v1 / scale))):
-            went = f"from {(q, scale * v)} with h = {h / faster!r} it goes to {(q1, v1)}"
-            wrong.setdefault(scale, f"with {shown} its step of q'' = -{'4 ' * (faster > 1)}q is wrong: {went}")
-    if len(wrong) == 1 + len(momenta):
-        return StepFinding(False, wrong[faster])
-    return StepFinding(True, f"{len(steps) * len(states)} steps with {shown} within the bound")
+    momentum = bool({*found.names} & {*MOMENTA} and masses)
+
+    def reading(values: Mapping[str, float], rate: float, scale: float, factor: float = 1.0) -> _Reading:
+        held = {name: x for name, x in values.items() if name in adapter.parameters}
+        extra = {**found.extra, **{name: x for name, x in values.items() if name not in held}}
+        convention = replace(found, extra=extra, factor=factor * found.factor)
+        changed = adapter.with_parameters(held) if held and adapter.with_parameters else adapter
+        return _Reading(values, replace(subject, convention=convention, adapter=changed), rate, scale)
+
+    if found.kind == FORCE and masses:
+        if masses[0] in found.extra:
+            mass = found.extra[masses[0]] / 4
+            convention = replace(found.scaled(masses, 0.25) or found, momentum=1.0 if found.momentum == 1 else mass)
+            yield [_Reading({masses[0]: mass}, replace(subject, convention=convention), 1.0, 1.0)]
+        else:
+            yield [reading({masses[0]: 2.0}, 1.0, 1.0, factor) for factor in (2.0, 1.0)]
+    elif found.kind == MAP and (masses or others):
+        mass, rates = (1.0 + bool(masses), (2.0,)) if others else (4.0, (0.5, 1.0))
+        values = dict.fromkeys(masses, mass) | {x: 4 * mass if word in STIFFNESSES else 2.0 for x, word in others.items()}
+        scales = [(rate, rate * m) for rate in rates for m in (1.0, *[mass] * momentum)]
+        yield [reading(values, *each) for each in scales]
+        if masses and {*others.values()} <= {*STIFFNESSES}:  # whole numbers, whose quotient is 1/4
+            heavy, rates = (8, (0.5,)) if others else (4, rates)
+            whole = dict.fromkeys(masses, heavy) | dict.fromkeys(others, 2)
+            yield [reading(whole, rate, rate * m) for rate in rates for m in (1.0, *[heavy] * momentum)]
 
 
 class _Campaign:

@@ -18,7 +18,7 @@ from driftproof.blackbox.stepper.array_adapters import ARRAYS, LISTS, SCALARS, T
 from driftproof.blackbox.stepper.calling_conventions import FIELD, FORCE, POSITION, STATE, VELOCITY, CallingConvention
 from driftproof.blackbox.stepper.foreign_code import CallLog
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
-from driftproof.blackbox.stepper.state_forms import BODIES
+from driftproof.blackbox.stepper.state_forms import BODIES, IN_PLANE, TABLES
 from driftproof.blackbox.stepper.wrappers import turn_wrapper
 from driftproof.methods.schemes import Method
 
@@ -59,8 +59,8 @@ def state_objects(
     if keeping.spoilt:
         return StepFinding(False, "it changes its arguments to something other than its answer")
     found: dict[str, list[str]] = {}
-    in_space = [BODIES] * (subject.convention.kind == FORCE and subject.adapter is not BODIES)
-    for form in (*forms, *in_space):
+    several = {FORCE: (BODIES, IN_PLANE), FIELD: (TABLES, SCALARS) if subject.adapter is ARRAYS else ()}
+    for form in (*forms, *several.get(subject.convention.kind, ())):
         try:
             wrong, seen = trial(_in_form(subject, form))
         except Misbehaviour:
@@ -68,7 +68,7 @@ def state_objects(
             continue
         if wrong:
             return StepFinding(False, f"{given}; with {form.name} it takes a different step: {wrong}")
-        same = "give the same bits" if seen == own else "give the same up to rounding"
+        same = "give the same bits" if seen in ([], own) else "give the same up to rounding"
         found.setdefault(same, []).append(form.name)
     others = [f"{' and '.join(names)} {words}" for words, names in found.items()]
     handed = ["steps from the previous step's own object agree with those from a copy"] if keeping.handed else []
@@ -76,7 +76,9 @@ def state_objects(
 
 
 def _in_form(subject: ForeignStepper, form: ArrayAdapter) -> ForeignStepper:
-    return replace(subject, adapter=form, log=CallLog(works_in_place=subject.log.works_in_place))
+    single = subject.single or (form is SCALARS and subject.convention.kind == FIELD)
+    log = CallLog(works_in_place=subject.log.works_in_place, layout=subject.log.layout)
+    return replace(subject, adapter=form, single=single, log=log)
 
 
 def _turned(adapter: ArrayAdapter) -> ArrayAdapter:
@@ -89,12 +91,16 @@ def _turned(adapter: ArrayAdapter) -> ArrayAdapter:
     )
 
 
+# The numbers of components tried in forms of two dimensions: a whole number of rows, a square or one body, parts of one.
+_OF_ROWS = {BODIES: (15, 3, 5), IN_PLANE: (10, 2, 3), TABLES: (33, 9, 5)}
+
+
 class _SmallWalker(Walker):
-    """A walker with problems of two components, or of one if two are refused; in space of two bodies first."""
+    """A walker with problems of two components, or of one if two are refused; in rows of several."""
 
     @property
     def numbers(self) -> tuple[int, ...]:
-        return (5, 2, 1) if self.subject.adapter is BODIES else (2, 1)
+        return (1,) if self.subject.single else _OF_ROWS.get(self.subject.adapter, (2, 1))
 
 
 def _tried(
@@ -114,7 +120,7 @@ def _tried(
         q, v = answer
     if subject.convention.kind not in (FIELD, FORCE):
         return "", seen
-    found = walk_on(_SmallWalker(subject, method, allowance, domain), most=1)
+    found = walk_on(_SmallWalker(subject, method, allowance, domain), most=3 if subject.adapter in _OF_ROWS else 1)
     return (found.words if found.holds is False else ""), seen
 
 

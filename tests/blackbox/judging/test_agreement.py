@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from driftproof.blackbox.findings import UnsupportedCall
-from driftproof.blackbox.judging.agreement import NO_ALLOWANCE, Domain, agreement, rows_together, steps_back
+from driftproof.blackbox.judging.agreement import NO_ALLOWANCE, Domain, agreement, several_together, steps_back
 from driftproof.blackbox.judging.measured_order import measured_orders
 from driftproof.blackbox.judging.nonlinear_step import nonlinear_agreement
 from driftproof.blackbox.judging.single_mistakes import single_mistakes
@@ -49,7 +49,7 @@ def test_a_cap_is_not_met_in_a_domain_that_ends_before_it():
 @pytest.mark.parametrize(("array", "largest"), [(np.float32, 0.39), (np.float32, 1.67), (np.float16, 0.92)])
 def test_states_in_rows_are_numbers_of_the_format_in_every_domain(array, largest):
     subject = opened(lambda q, v, h: (q + h * v, v - h * q), array=array)
-    passed, words, _ = rows_together(subject, METHODS["forward_euler"], domain=Domain(largest_state=largest))
+    passed, words, _ = several_together(subject, METHODS["forward_euler"], domain=Domain(largest_state=largest))
     assert passed, words
 
 
@@ -122,7 +122,7 @@ def test_all_that_is_asked_and_said_of_steps_is_as_before(name, array, as_before
     found = agreement(subject, method, examples=FEW, **how)
     said = [*found.lines, found.data, str(asked), tuple(steps_back(subject, method, **how))]
     with suppress(UnsupportedCall):
-        said.append(tuple(rows_together(subject, method, **how)))
+        said.append(tuple(several_together(subject, method, **how)))
     if step is codes.rk4:
         said += [single_mistakes(subject, METHODS["rk38"]), *map(attrgetter("words"), measured_orders(subject))]
         said += [nonlinear_agreement(subject, METHODS[other], NO_ALLOWANCE) for other in ("rk4", "rk38")]
