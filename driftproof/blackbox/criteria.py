@@ -10,10 +10,11 @@ from driftproof.blackbox.checks.determinism import first_call_again
 from driftproof.blackbox.families.multistep_runs import later_steps
 from driftproof.blackbox.findings import NO_EVIDENCE, Outcome, StepFinding, UnsupportedCall
 from driftproof.blackbox.isolation import Probe
-from driftproof.blackbox.judging.agreement import Agreement, Domain, other_parameters, several_together
+from driftproof.blackbox.judging.agreement import Agreement, Domain, several_together
 from driftproof.blackbox.judging.habits import explain_by_habits
 from driftproof.blackbox.judging.measured_order import MeasuredOrder, measured_orders
 from driftproof.blackbox.judging.nonlinear_step import BEYOND_TOLERANCE, NonlinearAgreement, nonlinear_agreement
+from driftproof.blackbox.judging.other_parameters import other_parameters
 from driftproof.blackbox.judging.state_objects import state_objects
 from driftproof.blackbox.judging.tolerance import Allowance
 from driftproof.blackbox.judging.walks import back_and_on, walked
@@ -88,7 +89,9 @@ def questions_of(method: Method, allowance: Allowance, domain: Domain, examples:
         Question(DENSE_OUTPUT, judged_dense, _judge_dense),
         Question("Steps elsewhere", partial(walked, **within), _judge_calls, ", but not everywhere"),
         Question("Steps back", partial(back_and_on, **within), _judge_calls, " for h > 0 only"),
-        Question("Several", partial(several_together, **within), _judge_calls, ", but not of several oscillators at once"),
+        Question(
+            "Several", partial(several_together, **within), _judge_calls, ", but not of several oscillators at once"
+        ),
         Question("Parameters", partial(other_parameters, **within), _judge_calls, ", but not for all parameters"),
         Question("Later steps", later_steps, _judge_calls, " for its first step only"),
         Question(STATE_FORMS, partial(state_objects, **within), _judge_calls, ", but not for every form of state"),

@@ -209,7 +209,7 @@ def _after_trial(subject: ForeignStepper, trial: TrialStep) -> ForeignStepper:
     moved = np.max(np.abs(end))
     if 0 < moved < _SUSPICIOUS and np.max(np.abs(trial(subject, _TINY))) < _NEAR:
         raise Increment(f"as h goes to 0 it returns 0, not the state: an increment{increment_wrapper(subject)}")
-    types, asks, timed = subject.log.types, subject.log.asks, subject.log.timed
+    asks, timed = subject.log.asks, subject.log.timed
     subject.format = _format_of_answers(subject.log)
     run = subject.convention.run or subject.log.layout is not None  # a generator yields a run
     subject.convention = replace(subject.convention, run=run, asks=asks, timed=timed)

@@ -89,7 +89,7 @@ def _rows_of(columns: int, name: str) -> ArrayAdapter:
 BODIES = _rows_of(3, "NumPy arrays of bodies in space")
 IN_PLANE = _rows_of(2, "NumPy arrays of bodies in the plane")
 # States of a right-hand side with two dimensions.
-TABLES = _rows_of(3, "NumPy arrays of two dimensions")
+OF_TWO_DIMENSIONS = _rows_of(3, "NumPy arrays of two dimensions")
 
 
 def columns_of(rows: int) -> ArrayAdapter:
@@ -113,7 +113,12 @@ def _vector(size: int) -> ArrayAdapter:
 # For steps that multiply by a matrix of their own, or take a vector product.
 VECTORS = (_vector(2), _vector(3))
 # How many numbers make one body or one vector of an adapter.
-TOGETHER = {BODIES.name: 3, IN_PLANE.name: 2, TABLES.name: 3, **{v.name: n for n, v in zip((2, 3), VECTORS, strict=True)}}
+TOGETHER = {
+    BODIES.name: 3,
+    IN_PLANE.name: 2,
+    OF_TWO_DIMENSIONS.name: 3,
+    **{v.name: n for n, v in zip((2, 3), VECTORS, strict=True)},
+}
 
 
 def _tensors(torch: Any) -> Iterator[ArrayAdapter]:
