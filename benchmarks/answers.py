@@ -18,7 +18,7 @@ from benchmarks.harness import quiet
 from benchmarks.peers import installed, kauri_method, nodepy_method, rkkit_method
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.schemes import RungeKutta
-from driftproof.texts.writing.records import facts_of
+from driftproof.reports.fact_sheet import facts
 
 # Seconds after which a question counts as not answered: far more than any takes that is put.
 PATIENCE = 60.0
@@ -167,7 +167,7 @@ def shown(value: Any) -> str:
 
 def ours(method: RungeKutta, fact: str) -> str:
     """Our answer in that form."""
-    (value,) = facts_of(method, [fact]).values()
+    value = facts(method, only=[fact]).data[fact]
     if isinstance(value, dict):  # a limit that is neither "0" nor "oo"
         return shown(float(value["decimal"]))
     if value == "oo":

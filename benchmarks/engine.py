@@ -22,24 +22,14 @@ import numpy as np
 from benchmarks.harness import Contestant, Section, Subject, timed
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.vector_fields import FieldSource, VectorField, field_source
-from driftproof.numeric.engine import (
-    ARRAY_BLOCK,
-    BLOCK,
-    compiled_ensemble_runner,
-    compiled_field_ensemble_runner,
-    compiled_field_runner,
-    compiled_runner,
-    ensemble_runner,
-    field_runner,
-    runner,
-)
+from driftproof.numeric.engine import BLOCK, compiled_field_ensemble_runner, compiled_field_runner, field_runner
 from driftproof.numeric.problems.catalogue import PROBLEMS
 
 RK4, PAIR = METHODS["rk4"], METHODS["dormand_prince54"]
 H, START = 0.01, (0.6, -0.8)
 # Steps of one trajectory in Python and compiled; members and steps of an ensemble.
-FEW, MANY, MEMBERS, ENSEMBLE_STEPS = 2_000, 200_000, 8 * ARRAY_BLOCK, 20
-SYSTEMS, SYSTEM_STEPS = 10_000, 20
+FEW, MANY, SYSTEMS, SYSTEM_STEPS = 2_000, 200_000, 10_000, 20
+OSCILLATOR = VectorField(("y1", "-y0"))
 LORENZ = VectorField(("10 * (y1 - y0)", "y0 * (28 - y2) - y1", "y0 * y1 - 8 * y2 / 3"))
 LORENZ_START = (1.0, 1.5, 20.0)
 
@@ -58,14 +48,6 @@ void trajectory(double *z, double h, long steps) {
     double q = z[0], v = z[1];
     for (long n = 0; n < steps; n++) { STEP(q, v) q = q1; v = v1; }
     z[0] = q; z[1] = v;
-}
-
-void ensemble(double *restrict qs, double *restrict vs, long members, double h, long steps) {
-    for (long start = 0; start < members; start += BLOCK) {
-        long stop = start + BLOCK < members ? start + BLOCK : members;
-        for (long n = 0; n < steps; n++)
-            for (long i = start; i < stop; i++) { double q = qs[i], v = vs[i]; STEP(q, v) qs[i] = q1; vs[i] = v1; }
-    }
 }
 """
 
@@ -140,36 +122,6 @@ def c_trajectory(library: Any) -> Callable[[], Any]:
         return tuple(z)
 
     return run
-
-
-def c_ensemble(library: Any) -> Callable[[], Any]:
-    """So many steps of an ensemble in C."""
-    pointer = ctypes.POINTER(ctypes.c_double)
-
-    def run() -> Any:
-        q, v = ensemble()
-        places = (x.ctypes.data_as(pointer) for x in (q, v))
-        library.ensemble(*places, ctypes.c_long(len(q)), ctypes.c_double(H), ctypes.c_long(ENSEMBLE_STEPS))
-        return q, v
-
-    return run
-
-
-def ensemble() -> tuple[Any, Any]:
-    """Starts on the unit circle."""
-    angles = np.linspace(0, 6, MEMBERS)
-    return np.cos(angles), np.sin(angles)
-
-
-def our_ensemble(run: Callable[..., None]) -> Callable[[], Any]:
-    """So many steps of an ensemble."""
-
-    def task() -> Any:
-        q, v = ensemble()
-        run(q, v, H, ENSEMBLE_STEPS)
-        return q, v
-
-    return task
 
 
 def with_scipy() -> dict[str, Contestant]:
@@ -250,32 +202,25 @@ def systems(name: str, field: VectorField, start: Sequence[float]) -> Subject:
 def subjects() -> Iterator[Subject]:
     """What can be had here, with the most that our minimum may be of another's; numba compiles beforehand."""
     numba = find_spec("numba") is not None
-    plain, fused = compiled_c("-ffp-contract=off"), compiled_c("-march=native", "-ffp-contract=fast")
-    fused_ensemble = {} if fused is None else {"C, fused": Contestant(c_ensemble(fused), bits)}
+    plain = compiled_c("-ffp-contract=off")
     by_hand_too = {
         "by hand, one loop": same(lambda: by_hand(*START, H, FEW)),
         "by hand, a step function": same(lambda: by_steps(*START, H, FEW)),
     }
     shares = {("ours", "by hand, one loop"): 1.05, ("ours", "scipy, RK45"): 1 / 75}
-    ours = by_us(runner(RK4), *START, H, FEW)
+    ours = by_us(field_runner(RK4, OSCILLATOR), START, H, 0, FEW)
     yield Subject(f"rk4, one trajectory, {FEW} steps", {"ours": ours, **by_hand_too, **with_scipy()}, None, shares)
     if numba:
         others = {} if plain is None else {"C": same(c_trajectory(plain))}
-        by_c = {"ours": compiled(compiled_runner(RK4), *START, H, MANY), **others}
+        by_c = {"ours": compiled(compiled_field_runner(RK4, OSCILLATOR), START, H, 0, MANY), **others}
         yield Subject(f"rk4, one trajectory, {MANY} steps", by_c, None, {("ours", "C"): 1.05})
-        together = our_ensemble(compiled_ensemble_runner(RK4))
-        together()
-        ensembles = {"ours": Contestant(together, bits), **fused_ensemble}
-        yield Subject("rk4, ensemble", ensembles, None, {("ours", "C, fused"): 1.6})
         yield systems("Kepler orbits", PROBLEMS["kepler"].field, (0.4, 0.1, 0.1, 1.6))
         yield systems("Lorenz systems", LORENZ, LORENZ_START)
-    by_numpy = {"ours": Contestant(our_ensemble(ensemble_runner(RK4)), bits), **fused_ensemble}
-    yield Subject("rk4, ensemble by NumPy", by_numpy, None, {("ours", "C, fused"): 13.0})
     lorenz = {"ours": by_us(field_runner(RK4, LORENZ), LORENZ_START, H, 0, FEW)}
-    pair = {"ours": by_us(runner(PAIR), *START, H, FEW)}
+    pair = {"ours": by_us(field_runner(PAIR, OSCILLATOR), START, H, 0, FEW)}
     if numba:
         lorenz["ours, numba"] = compiled(compiled_field_runner(RK4, LORENZ), LORENZ_START, H, 0, FEW, our_bits=True)
-        pair["ours, numba"] = compiled(compiled_runner(PAIR), *START, H, FEW, our_bits=True)
+        pair["ours, numba"] = compiled(compiled_field_runner(PAIR, OSCILLATOR), START, H, 0, FEW, our_bits=True)
     lorenz["by hand, tuples"] = same(lambda: lorenz_by_hand(LORENZ_START, H, FEW))
     yield Subject(f"rk4, Lorenz's system, {FEW} steps", lorenz)
     slower = {("ours, numba", "scipy, RK45"): 1 / 75}

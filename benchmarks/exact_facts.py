@@ -30,6 +30,7 @@ from benchmarks.peers import (
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.schemes import RungeKutta
 from driftproof.numeric.steppers import rk4
+from driftproof.reports.fact_sheet import facts
 from driftproof.symbolic.algebra.radicals import root_decimal
 from driftproof.symbolic.linear.a_stability import a_stability, l_stability
 from driftproof.symbolic.linear.monotonicity import ssp_coefficient
@@ -44,7 +45,6 @@ from driftproof.symbolic.trees.algebraic_stability import algebraic_stability
 from driftproof.symbolic.trees.modified_equation import modified_equation
 from driftproof.symbolic.trees.order_conditions import order, order_of, runge_kutta_conditions
 from driftproof.symbolic.trees.partitioned_trees import embedded_order
-from driftproof.texts.writing.records import facts_of
 
 # Any: the catalogue holds methods of every family under its keys.
 METHOD: dict[str, Any] = {**METHODS}
@@ -132,7 +132,7 @@ def stability() -> list[Subject]:
 
 def every_fact() -> list[Subject]:
     """Two methods, all of them, and the largest table of one's own; goals in ms."""
-    asked = lambda *methods: cold_and_warm(lambda: sum(len(facts_of(method)) for method in methods))
+    asked = lambda *methods: cold_and_warm(lambda: sum(len(facts(method).data) for method in methods))
     return [
         Subject("every fact of rk4", asked(METHODS["rk4"]), 50),
         Subject("every fact of dop853", asked(METHODS["dop853"]), 30),

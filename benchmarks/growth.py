@@ -22,6 +22,7 @@ from typing import Any
 
 import numpy as np
 
+import driftproof
 from benchmarks.enclosure import lorenz, pendulum
 from benchmarks.harness import Goal, Section, forget, milliseconds, quiet
 from driftproof.enclosure.solutions import BITS_AT_FIRST, enclose_solution
@@ -33,7 +34,6 @@ from driftproof.numeric.work_precision.timing import collector_off
 from driftproof.symbolic.trees.order_conditions import order_of, runge_kutta_conditions
 from driftproof.symbolic.trees.rooted_trees import tree_table
 from driftproof.texts.claims.report import check
-from driftproof.texts.writing.records import facts_of
 
 # Sizes that the slope is taken over; how much a slope may be above the one on paper, being measured; and for how long
 # a short task is repeated, in seconds.
@@ -66,7 +66,7 @@ def facts(*, explicit: bool) -> Callable[[int], Callable[[], object]]:
 
     def of(stages: int) -> Callable[[], object]:
         method = dense(stages, explicit=explicit)
-        return lambda: facts_of(method)
+        return lambda: driftproof.facts(method).data
 
     return of
 

@@ -19,7 +19,8 @@ from flint import arb
 
 from benchmarks.harness import Goal, Section
 from driftproof.methods.catalogue import METHODS
-from driftproof.numeric.engine import OSCILLATOR, compiled_ensemble_runner, compiled_runner
+from driftproof.methods.vector_fields import VectorField
+from driftproof.numeric.engine import compiled_field_runner
 from driftproof.symbolic.algebra.certified import significant
 from driftproof.symbolic.error_budget import ErrorOfRun
 from driftproof.symbolic.rounding.n_steps_bound import run_bound
@@ -30,7 +31,7 @@ H, START = 2.0**-6, (0.6, -0.8)
 LONGEST, MEMBERS, OF_OSCILLATORS, OF_PENDULUMS = 10**9, 128, 10, 100
 # The last is not a short binary fraction, and h q is rounded to one side more often than to the other.
 RUNS = (("symplectic_euler", H), ("velocity_verlet", H), ("rk4", H), ("velocity_verlet", 1 / 10))
-PENDULUM = "(-sin({}))"
+OSCILLATOR, PENDULUM = VectorField(("y1", "-y0")), VectorField(("y1", "-sin(y0)"))
 # What the exponent of N may differ by, of root mean squares over the members and three decades.
 NEAR = 0.1
 U = Fraction(1, 2**53)
@@ -59,7 +60,7 @@ def long_run(key: str, steps: int, h: float = H) -> Run:
     method, start = METHODS[key], (Fraction(START[0]), Fraction(START[1]))
     matrix, finals, errors = exact_matrix_at(method, Fraction(h)), [], []
     for compensated in (False, True):
-        q, v = compiled_runner(method, compensated=compensated)(*START, h, steps)
+        q, v = compiled_field_runner(method, OSCILLATOR, compensated=compensated)(START, h, 0, steps)
         finals.append((Fraction(q), Fraction(v)))
         error = ErrorOfRun(matrix, Fraction(h), steps, start, finals[-1])
         errors.append(float(significant(error.rounding, 4)) / float(U))
@@ -70,28 +71,27 @@ def long_run(key: str, steps: int, h: float = H) -> Run:
     return Run(key, steps, change, float(significant(of_map, 6)), errors[0], errors[1], float(theorem / U))
 
 
-def walk(force: str, counts: Sequence[int], members: int = MEMBERS, h: float = H) -> list[tuple[float, float]]:
+def walk(field: VectorField, counts: Sequence[int], members: int = MEMBERS, h: float = H) -> list[tuple[float, float]]:
     """By number of steps of velocity Verlet: rounding over u of the energy and along the motion, root mean squares.
 
     Along the motion means in time: that is the phase on the unit circle of the oscillator.
     """
     starts, found = np.random.default_rng(1).uniform(-1, 1, (2, members)), []
     for count in counts:
-        (dq, dv), (q, v) = _difference(force, starts, h, count)
-        slope = np.sin(q) if "sin" in force else q
+        (dq, dv), (q, v) = _difference(field, starts, h, count)
+        slope = np.sin(q) if field is PENDULUM else q
         energy, time = slope * dq + v * dv, (v * dq - slope * dv) / (v * v + slope * slope)
         rms = lambda x: float(np.sqrt((x * x).mean()) / float(U))
         found.append((rms(energy), rms(time)))
     return found
 
 
-def _difference(force: str, starts: Any, h: float, count: int) -> tuple[Any, Any]:
+def _difference(field: VectorField, starts: Any, h: float, count: int) -> tuple[Any, Any]:
     """What a plain run of velocity Verlet is off the compensated one, and that one."""
     finals = []
     for compensated in (False, True):
-        q, v = starts.copy()
-        compiled_ensemble_runner(METHODS["velocity_verlet"], force, compensated=compensated)(q, v, h, count)
-        finals.append(np.array([q, v]))
+        run = compiled_field_runner(METHODS["velocity_verlet"], field, compensated=compensated)
+        finals.append(np.array([run(start, h, 0, count) for start in zip(*starts.tolist(), strict=True)]).T)
     return finals[0] - finals[1], finals[1]
 
 
@@ -119,12 +119,12 @@ def runs_section(most: int) -> Section:
 def laws_section(most: int) -> Section:
     """Ensembles: the powers of N with which rounding grows."""
     rows, goals = [["velocity_verlet, ensemble", "steps", "in the energy / u", "along the motion / u"]], []
-    for name, force, share, laws in (
+    for name, field, share, laws in (
         ("oscillator", OSCILLATOR, OF_OSCILLATORS, (1 / 2, 1 / 2)),
         ("pendulum", PENDULUM, OF_PENDULUMS, (1 / 2, 3 / 2)),
     ):
         counts = decades(most // share)
-        sizes = walk(force, counts)
+        sizes = walk(field, counts)
         rows += [
             [name if count == counts[0] else "", f"{count:.0e}".replace("+0", ""), *(f"{x:.3g}" for x in size)]
             for count, size in zip(counts, sizes, strict=True)

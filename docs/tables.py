@@ -14,12 +14,12 @@ from typing import Any
 
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.schemes import Method, Nystrom, RungeKutta, Splitting
+from driftproof.reports.fact_sheet import facts
 from driftproof.symbolic.algebra.certified import scientific
 from driftproof.symbolic.trees.elementary_weights import TableauStages
 from driftproof.symbolic.trees.order_conditions import OrderFact, RungeKuttaConditions, order, order_of
 from driftproof.symbolic.trees.partitioned_trees import nystrom_conditions, separable_conditions
 from driftproof.symbolic.trees.rooted_trees import to_brackets
-from driftproof.texts.writing.records import facts_of
 
 HERE = Path(__file__).parent
 Rows = list[list[str]]
@@ -109,8 +109,7 @@ def found(key: str, fact: str, *, embedded: bool = False) -> Any:
     method = METHODS[key]
     if embedded and isinstance(method, RungeKutta) and method.b_embedded is not None:
         method = replace(method, b=method.b_embedded, b_embedded=None, embedded_order=None)
-    (value,) = facts_of(method, [fact]).values()
-    return value
+    return facts(method, only=[fact]).data[fact]
 
 
 def agrees(says: Any, value: Any) -> bool:

@@ -11,8 +11,8 @@ TYPE_CHECKING = False  # type checkers know it by its name; importing typing wou
 if TYPE_CHECKING:
     # The public names. Type checkers follow these imports; at run time `_modules` parses them.
     from driftproof.blackbox.identify import identify as identify
-    from driftproof.blackbox.judging.agreement import Domain as Domain
-    from driftproof.blackbox.judging.tolerance import Allowance as Allowance
+    from driftproof.blackbox.judging.specification import Allowance as Allowance
+    from driftproof.blackbox.judging.specification import Domain as Domain
     from driftproof.blackbox.solvers.identify_solver import identify_solver as identify_solver
     from driftproof.blackbox.stepper.objects import field_stepper_of as field_stepper_of
     from driftproof.blackbox.stepper.objects import stepper_of as stepper_of
@@ -56,9 +56,6 @@ if TYPE_CHECKING:
     from driftproof.texts.templates.rendering import render as render
     from driftproof.texts.values.changes import diff as diff
     from driftproof.texts.values.published import published_values as published_values
-    from driftproof.texts.writing.records import facts_of as facts_of
-    from driftproof.texts.writing.records import family_facts as family_facts
-    from driftproof.texts.writing.records import system_facts as system_facts
 
     __all__: list[str]
 else:

@@ -6,7 +6,9 @@ pytest loads it wherever driftproof is installed; therefore it imports only `dri
 from __future__ import annotations
 
 import json
+import os
 import re
+import shutil
 from collections.abc import Generator
 from hashlib import sha256
 from pathlib import Path
@@ -20,6 +22,8 @@ from driftproof.support.plain_text import as_json
 
 MARKER = "driftproof(time_limit): seconds that assert_verified may take in this test"
 SUMMARY = "summary.md"
+# The property of a failed test, in JUnit's files, too, that is its verdict.
+_PROPERTY = "driftproof"
 # Characters of a report's file name that come from the name of the test; most systems allow names of 255 bytes.
 _LONGEST_NAME = 180
 
@@ -65,7 +69,17 @@ def pytest_runtest_makereport(call: pytest.CallInfo[Any]) -> Generator[None, Any
     crash = getattr(report.longrepr, "reprcrash", None)
     if isinstance(error, VerdictError) and crash is not None:
         crash.message = error.verdict.headline
+        report.user_properties.append((_PROPERTY, crash.message))
     return report
+
+
+def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
+    """Write in full the verdicts that the short summary, which follows, has no room for; on CI it cuts none."""
+    room = shutil.get_terminal_size().columns
+    for report in () if os.environ.get("CI") else terminalreporter.stats.get("failed", ()):
+        verdict = dict(report.user_properties).get(_PROPERTY, "")
+        if verdict and len(f"FAILED {report.nodeid} - {verdict}") > room:
+            terminalreporter.write_line(f"{report.nodeid}: {verdict}")
 
 
 def _time_limit(item: pytest.Item, marker: pytest.Mark) -> float:

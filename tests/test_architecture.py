@@ -34,11 +34,16 @@ ROOMS: dict[str, tuple[str, ...]] = {
 # The front door, files of the package itself among it, may import every room.
 FRONT = ("commands", "cli", "strategies", "__main__", "__init__")
 
-# Folder -> its parts, lowest first; a part imports only those before it; "." are the folder's own files.
+# Folder -> its parts, lowest first; a part imports only those before it. A part is a folder, or a file of its own; "."
+# are the folder's other files.
 STOREYS: dict[str, tuple[str, ...]] = {
     "methods": (".", "tables"),
     "symbolic": ("algebra", "linear", "trees", "derivation", "rounding", "."),
     "numeric": ("problems", ".", "work_precision"),
+    "blackbox": (
+        *("findings", "report", "stepper", "isolation", "probes", "checks", "matching", "judging", "families"),
+        *(".", "solvers"),
+    ),
     "texts": ("writing", "values", "questions", "readers", "claims", "templates"),
 }
 
@@ -205,8 +210,8 @@ def storey(root: Path, module: str) -> tuple[str, int] | None:
     for depth in range(len(parts) - 1, 0, -1):
         folder = "/".join(parts[:depth])
         if folder in STOREYS:
-            part = parts[depth] if (root / PACKAGE / folder / parts[depth]).is_dir() else "."
-            return folder, STOREYS[folder].index(part)
+            alone = parts[depth] in STOREYS[folder] or (root / PACKAGE / folder / parts[depth]).is_dir()
+            return folder, STOREYS[folder].index(parts[depth] if alone else ".")
     return None
 
 
@@ -479,6 +484,9 @@ PLANTED: list[tuple[Guard, str, str]] = [
     (foreign_imports, "driftproof/cli.py", "from sympy import Symbol"),
     (storeys_climbed, "driftproof/symbolic/algebra/a.py", "import driftproof.symbolic.linear.b"),
     (storeys_climbed, "driftproof/symbolic/linear/b.py", "import driftproof.symbolic.c"),
+    (storeys_climbed, "driftproof/blackbox/findings.py", "import driftproof.blackbox.stepper.a"),
+    (storeys_climbed, "driftproof/blackbox/stepper/b.py", "import driftproof.blackbox.isolation"),
+    (storeys_climbed, "driftproof/blackbox/isolation.py", "import driftproof.blackbox.verify"),
     (circles, "driftproof/methods/a.py", "import driftproof.methods.b"),
     (circles, "driftproof/symbolic/linear/d.py", "import driftproof.symbolic.algebra.e"),
     (over_budget, "driftproof/support/a.py", LONG * 200), (over_budget, "driftproof/commands/a.py", LONG * 200),
@@ -539,7 +547,8 @@ def _plant(root: Path, file: str, text: str) -> None:
         "methods/b": "import driftproof.methods.a", "methods/p": "def public():\n    '''Public.'''",
         "symbolic/linear/b": "import driftproof.symbolic.algebra.f",
         "symbolic/algebra/e": "import driftproof.methods.b", "symbolic/algebra/f": "",
-        "symbolic/c": "import driftproof.symbolic.linear.b",
+        "symbolic/c": "import driftproof.symbolic.linear.b", "blackbox/verify": "", "blackbox/isolation": "",
+        "blackbox/stepper/a": "",
     }  # fmt: skip
     if file.endswith("linear/d.py"):
         modules["symbolic/algebra/f"] = "import driftproof.symbolic.linear.d"

@@ -49,11 +49,11 @@ def test_asked_without_sense():
 """
 
 
-def pytest_in(folder, *words, project=PROJECT):
+def pytest_in(folder, *words, project=PROJECT, **variables):
     (folder / "test_steps.py").write_text(project)
     # By its module, so that it is this checkout's; an installed one is not loaded, nor is any other's.
     plugin = ["-p", "driftproof.pytest_plugin", "-p", "no:cacheprovider"]
-    env = {"PYTHONPATH": str(ROOT), "PATH": "", "CI": "1", "PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1"}
+    env = {"PYTHONPATH": str(ROOT), "PATH": "", "CI": "1", "PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1"} | variables
     return subprocess.run(
         [sys.executable, "-m", "pytest", "-q", *plugin, *words],
         cwd=folder, capture_output=True, text=True, env=env,
@@ -72,6 +72,15 @@ def test_the_short_summary_begins_with_the_verdict(run):
         run[0].stdout,
     )
     assert "FAILED test_steps.py::test_plain - assert (1 + 1) == 3" in run[0].stdout
+
+
+def test_a_verdict_that_the_short_summary_cuts_is_shown_in_full_before_it_and_no_other_is(tmp_path):
+    narrow, wide = (pytest_in(tmp_path, "-k", "wrong or plain", CI="", COLUMNS=room).stdout for room in ("70", "200"))
+    (verdict,) = re.findall(r"FAILED test_steps.py::test_wrong - (test_steps:euler is not rk4; .*)\n", wide)
+    line = f"test_steps.py::test_wrong: {verdict}\n"
+    assert [text.count(line) for text in (narrow, wide)] == [1, 0]
+    assert "FAILED test_steps.py::test_wrong - test_steps:euler is not " in narrow.partition(line)[2]
+    assert "test_plain: " not in narrow
 
 
 def test_a_question_without_sense_shows_the_line_that_asks_and_nothing_of_ours(run):
@@ -157,7 +166,7 @@ def test_far():
     assert_accurate(ROWS, lambda t, y: -y, 1e-5)
 """
     done = pytest_in(tmp_path, "--driftproof-report=found", project=project)
-    assert "FAILED test_steps.py::test_far - AssertionError: off by 3.065971263e-5, more than 1e-05" in done.stdout
+    assert "FAILED test_steps.py::test_far - the solution is off by 3.065971263e-5, more than 1e-05" in done.stdout
     summary = (tmp_path / "found" / "summary.md").read_text()
     assert "largest error 3.065971263e-5, proved" in summary
     found = [json.loads(path.read_text())["verdicts"][0] for path in sorted((tmp_path / "found").glob("*.json"))]

@@ -10,13 +10,13 @@ from driftproof.blackbox.checks.determinism import first_call_again
 from driftproof.blackbox.families.multistep_runs import later_steps
 from driftproof.blackbox.findings import NO_EVIDENCE, Outcome, StepFinding, UnsupportedCall
 from driftproof.blackbox.isolation import Probe
-from driftproof.blackbox.judging.agreement import Agreement, Domain, several_together
+from driftproof.blackbox.judging.agreement import Agreement, several_together
 from driftproof.blackbox.judging.habits import explain_by_habits
 from driftproof.blackbox.judging.measured_order import MeasuredOrder, measured_orders
 from driftproof.blackbox.judging.nonlinear_step import BEYOND_TOLERANCE, NonlinearAgreement, nonlinear_agreement
 from driftproof.blackbox.judging.other_parameters import other_parameters
+from driftproof.blackbox.judging.specification import Specification
 from driftproof.blackbox.judging.state_objects import state_objects
-from driftproof.blackbox.judging.tolerance import Allowance
 from driftproof.blackbox.judging.walks import back_and_on, walked
 from driftproof.blackbox.matching.dense_outputs import JudgedDense, judged_dense
 from driftproof.blackbox.matching.entries import other_velocities, rational_method, restoring_entries, side_by_side
@@ -76,25 +76,28 @@ class Question(NamedTuple):
         return Criterion(self.title, None, lines, {}, missing)
 
 
-def questions_of(method: Method, allowance: Allowance, domain: Domain, examples: int) -> list[Question]:
+def questions_of(wanted: Specification, examples: int) -> list[Question]:
     """The questions that `verify` asks of a stepper, in the order of the report."""
-    of_method: dict[str, Any] = {"method": method, "allowance": allowance}
-    within, estimate = {**of_method, "domain": domain}, _READABLE_ESTIMATE * is_pair(method)
+    method, solved = wanted.method, wanted.allowance.solver_tolerance
+
+    def against(ask: Callable[..., Any], **options: Any) -> Probe:
+        return partial(ask, wanted=wanted, **options)
+
+    coefficients = partial(_judge_coefficients, solver_tolerance=float(solved or 0))
+    estimate = _READABLE_ESTIMATE * is_pair(method)
     return [
-        Question(ROUNDING, partial(explain_by_habits, **within, examples=examples), _judge_rounding),
-        Question(COEFFICIENTS, read_coefficients, partial(_judge_coefficients, allowance=allowance), "", _READABLE),
-        Question(NONLINEAR_STEP, partial(nonlinear_agreement, **of_method), _judge_nonlinear_step),
+        Question(ROUNDING, against(explain_by_habits, examples=examples), _judge_rounding),
+        Question(COEFFICIENTS, read_coefficients, coefficients, "", _READABLE),
+        Question(NONLINEAR_STEP, against(nonlinear_agreement), _judge_nonlinear_step),
         Question(ORDER, measured_orders, _judge_order),
         Question(ERROR_ESTIMATE, partial(judged_estimate, method=method), _judge_estimate, "", estimate),
         Question(DENSE_OUTPUT, judged_dense, _judge_dense),
-        Question("Steps elsewhere", partial(walked, **within), _judge_calls, ", but not everywhere"),
-        Question("Steps back", partial(back_and_on, **within), _judge_calls, " for h > 0 only"),
-        Question(
-            "Several", partial(several_together, **within), _judge_calls, ", but not of several oscillators at once"
-        ),
-        Question("Parameters", partial(other_parameters, **within), _judge_calls, ", but not for all parameters"),
+        Question("Steps elsewhere", against(walked), _judge_calls, ", but not everywhere"),
+        Question("Steps back", against(back_and_on), _judge_calls, " for h > 0 only"),
+        Question("Several", against(several_together), _judge_calls, ", but not of several oscillators at once"),
+        Question("Parameters", against(other_parameters), _judge_calls, ", but not for all parameters"),
         Question("Later steps", later_steps, _judge_calls, " for its first step only"),
-        Question(STATE_FORMS, partial(state_objects, **within), _judge_calls, ", but not for every form of state"),
+        Question(STATE_FORMS, against(state_objects), _judge_calls, ", but not for every form of state"),
         Question(FIRST_CALL, first_call_again, _judge_calls, ", but not in every call"),
     ]
 
@@ -103,7 +106,7 @@ def _judge_rounding(method: Method, found: Agreement) -> Judged:
     return found.holds, found.lines, found.data, ""
 
 
-def _judge_coefficients(method: Method, reading: CoefficientReading, allowance: Allowance) -> Judged:
+def _judge_coefficients(method: Method, reading: CoefficientReading, solver_tolerance: float) -> Judged:
     """Compare the coefficients; those read from a force are no tableau if a right-hand side could not be read."""
     solved = reading.solved
     if not method.explicit and solved is None:
@@ -127,7 +130,7 @@ def _judge_coefficients(method: Method, reading: CoefficientReading, allowance: 
         return True, lines, {}, ""
     # A solver with a fixed number of iterations has the method's coefficients, but not its step. A solver that stops
     # early may leave the same error as on the nonlinear problem, where numbers have size 1.
-    early = solved.power and solved.curved > BEYOND_TOLERANCE * float(allowance.solver_tolerance or 0)
+    early = solved.power and solved.curved > BEYOND_TOLERANCE * solver_tolerance
     passed = False if early else None if solved.power else True
     better = "a solver that checks the residual of its equations"
     return passed, [*lines, solved.words], {"stages": solved.words}, better

@@ -14,10 +14,11 @@ from driftproof.blackbox.families.multistep_recurrence import NoRecurrence
 from driftproof.blackbox.families.reports import family_report, read_family, unread_report
 from driftproof.blackbox.findings import NO_EVIDENCE, Outcome, UnsupportedCall, arithmetic_of
 from driftproof.blackbox.isolation import TIME_LIMIT, IsolatedRunner
-from driftproof.blackbox.judging.agreement import EXAMPLES, ORDINARY_DOMAIN
+from driftproof.blackbox.judging.agreement import EXAMPLES
 from driftproof.blackbox.judging.habits import explain_by_habits
 from driftproof.blackbox.judging.measured_order import MeasuredOrder, measured_orders
 from driftproof.blackbox.judging.nonlinear_step import nonlinear_twins
+from driftproof.blackbox.judging.specification import ORDINARY_DOMAIN, Specification
 from driftproof.blackbox.matching.dense_outputs import JudgedDense, judged_dense
 from driftproof.blackbox.matching.estimates import JudgedEstimate, judged_estimate
 from driftproof.blackbox.matching.linear_match import linear_fit
@@ -99,7 +100,8 @@ def identification_report(
 
 def _rounding(runner: IsolatedRunner, method: Method, size: float) -> Outcome:
     domain = ORDINARY_DOMAIN if size >= 1 else replace(ORDINARY_DOMAIN, largest_state=size)
-    return runner.outcome_of(partial(explain_by_habits, method=method, domain=domain, examples=_EXAMPLES))
+    wanted = Specification(method, domain=domain)
+    return runner.outcome_of(partial(explain_by_habits, wanted=wanted, examples=_EXAMPLES))
 
 
 def _sections(name: str, seen: Seen, rounding: Outcome | None) -> tuple[Section, ...]:

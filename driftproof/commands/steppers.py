@@ -99,8 +99,8 @@ def verify_command(options: Namespace) -> str:
 def _examined(options: Namespace) -> str:
     """The report of `identify`, or of `verify` if a method is given. Raises Refuted, Undecided or ValueError."""
     from driftproof.blackbox.identify import identify
-    from driftproof.blackbox.judging.agreement import EXAMPLES, Domain
-    from driftproof.blackbox.judging.tolerance import Allowance
+    from driftproof.blackbox.judging.agreement import EXAMPLES
+    from driftproof.blackbox.judging.specification import Allowance, Domain
     from driftproof.blackbox.verify import verify
 
     how = {name: getattr(options, name) for name in ("calls", "array", "time_limit")}

@@ -23,7 +23,7 @@ from driftproof.enclosure.trajectories import Trajectory, has_trajectory, read_t
 from driftproof.methods.field_text import field_of_file
 from driftproof.methods.rationals import ExactNumber
 from driftproof.methods.schemes import Method
-from driftproof.support.assertions import AssertedVerdict, notify_listeners
+from driftproof.support.assertions import AssertedVerdict, assert_verdict
 from driftproof.support.progress import stage, working
 from driftproof.symbolic.algebra.certified import enclose
 
@@ -164,14 +164,14 @@ def assert_accurate(
     >>> assert_accurate(rows, lambda t, y: -y, 1e-4)
     >>> assert_accurate(rows, lambda t, y: -y, 1e-5, rtol=1e-5)
     Traceback (most recent call last):
-    AssertionError: off by 3.065971263e-5, more than 1e-05: component 0 at t = 0.5, point 1 of 0 to 2 (proved)
+    driftproof.support.assertions.VerdictError: off by 3.065971263e-5, more than 1e-05: component 0 at t = 0.5, point 1 of 0 to 2 (proved)
     rtol = 1e-05 allows an error of 6.07e-06 per step there; the error is 5.06 times that
-    """
+    """  # noqa: E501
     __tracebackhide__ = True  # pytest shows the user's line, and the message
     found = certify(f, *solution) if isinstance(solution, tuple | list) else certify(f, solution)
     if within(found, tolerance):
         words = f"is within {tolerance} of the true one through its first point, t = {found.t[0]:g} (proved)"
-        notify_listeners(AssertedVerdict("the solution", words, True, found.text()))
+        assert_verdict(AssertedVerdict("the solution", words, True, found.text()), holds=True)
         return
     said = f"off by {decimal(found.largest_error)}, more than {tolerance}: {found.place()} (proved)"
     if rtol is not None:
@@ -180,10 +180,8 @@ def assert_accurate(
         times = f"; the error is {float(found.largest_error) / promised:.3g} times that" if promised else ""
         allow = f"rtol = {rtol} and atol = {atol} allow" if atol else f"rtol = {rtol} allows"
         said += f"\n{allow} an error of {promised:.3g} per step there{times}"
-    notify_listeners(
-        AssertedVerdict("the solution", f"is {said.partition(chr(10))[0]}", False, f"{said}\n{found.text()}")
-    )
-    raise AssertionError(said)
+    verdict = AssertedVerdict("the solution", f"is {said.partition(chr(10))[0]}", False, f"{said}\n{found.text()}")
+    assert_verdict(verdict, holds=False, message=said)
 
 
 def within(found: Certificate, tolerance: float | Fraction) -> bool:

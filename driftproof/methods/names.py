@@ -172,7 +172,9 @@ def _lines(text: str, separator: str | None) -> dict[str, tuple[str, ...]]:
 
 
 _NAMES, _OTHERS = _lines(_OTHER_NAMES, ", "), _lines(_NOT_TO_BE_CONFUSED, None)
+# Name -> the keys of the methods that it may mean.
+AMBIGUOUS_NAMES = _lines(_AMBIGUOUS, None)
 _KEYS = {
     **{plain_name(name): (key,) for key, names in _NAMES.items() for name in names},
-    **{plain_name(name): keys for name, keys in _lines(_AMBIGUOUS, None).items()},
+    **{plain_name(name): keys for name, keys in AMBIGUOUS_NAMES.items()},
 }

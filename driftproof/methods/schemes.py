@@ -319,10 +319,10 @@ def lagrange_integrals(nodes: Sequence[Any], polynomial: Callable[[Sequence[Any]
 Method: TypeAlias = RungeKutta | Splitting | Nystrom | Collocation
 
 
-def require_method(given: object, table: str = "METHODS") -> None:
-    """Raise TypeError, with what to write, if the name of a method or family is given rather than the object."""
+def require_method(given: object) -> None:
+    """Raise TypeError, with what to write, if the name of a method is given rather than the object."""
     if isinstance(given, str):
-        need = f"a method is needed: {table}[...], or read_method(...) for a .toml file"
+        need = "a method is needed: METHODS[...], or read_method(...) for a .toml file"
         raise TypeError(f"{shortened(given)!r} is a string, and {need}")
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import ast
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Protocol
 
 from driftproof.methods.number_field import Exact
 from driftproof.methods.program_text import (
@@ -86,6 +86,28 @@ class VectorField:
         return [ast.unparse(_Renamed(names).visit(_parsed(rate, i))) for i, rate in enumerate(self.rates)]
 
 
+class Field(Protocol):
+    """What a step needs of a system; `VectorField` is one."""
+
+    @property
+    def components(self) -> tuple[str, ...]:
+        """The names of the components of the state."""
+
+    @property
+    def parameters(self) -> tuple[tuple[str, Exact], ...]:
+        """The names in the rates that stand for numbers, and these."""
+
+    @property
+    def autonomous(self) -> bool:
+        """True if no rate reads t."""
+
+    def second_order(self) -> tuple[tuple[str, ...], tuple[str, ...]]:
+        """The names of the positions and of the velocities. Raises MethodError for another system."""
+
+    def at(self, names: Mapping[str, str]) -> list[str]:
+        """The rates as text, with t and the components replaced by other names."""
+
+
 @dataclass(frozen=True)
 class FieldSource:
     """The lines of a step, which read y0, y1, ..., t, h and the coefficients, and define y0_new, y1_new, ...
@@ -98,13 +120,15 @@ class FieldSource:
     coefficients: tuple[tuple[str, Exact], ...]
     components: tuple[str, ...]
     compensated: bool
+    timed: bool
 
     def run(self) -> str:
         """The text of make(coefficients...) -> run(y, h, first, last) -> y: steps i = first to last - 1, from t = i h.
 
-        The time is computed anew in each step, with one rounding, rather than accumulated.
+        The time, if a rate reads it, is computed anew in each step, with one rounding, rather than accumulated.
         """
-        body = ["t = i * h", *self.lines, f"{self._tuple('')} = {self._tuple('_new')}"]
+        time = ["t = i * h"] if self.timed else []
+        body = [*time, *self.lines, f"{self._tuple('')} = {self._tuple('_new')}"]
         loop = ["for i in range(first, last):", *indented(body)]
         start = [f"e_{y} = {y} - {y}" for y in self.components] if self.compensated else []
         lines = [f"{self._tuple('')} = y", *start, *loop, f"return {self._tuple('')}"]
@@ -123,15 +147,15 @@ class FieldSource:
         return f"({''.join(f'{name}{suffix}, ' for name in self.components).rstrip()})"
 
 
-def field_source(
-    method: Method, field: VectorField | _ArrayField, *, compensated: bool = False, estimated: bool = False
-) -> FieldSource:
+def field_source(method: Method, field: Field, *, compensated: bool = False, estimated: bool = False) -> FieldSource:
     """The program text of an explicit step for a system, component by component.
 
     Splittings and Nyström methods need a second-order system, see `VectorField.second_order`, and evaluate only its
-    accelerations; time advances with the drifts. The order of operations is that of `step_source`: on q' = v, v' = F(q)
-    both give the same bits. `compensated` is as there; `estimated` adds the error estimates y0_off, ... of a pair.
-    Raises MethodError for an implicit method, and as `second_order` does.
+    accelerations; time advances with the drifts. Sums are taken from the left, h multiplies a sum once, and factors 1
+    and -1 are left out, which is exact in every arithmetic. A stage that nothing uses is left out. In a `compensated`
+    step the additions that advance the state keep their rounding errors; `tests/witnesses/compensated.py` derives what
+    is gained. `estimated` adds the error estimates y0_off, ... of a pair. Raises MethodError for an implicit method,
+    and as `second_order` does.
     """
     if not method.explicit or isinstance(method, Collocation):
         raise MethodError(f"{method.key} is implicit: its stages are equations, so it has no explicit step")
@@ -142,7 +166,7 @@ def field_source(
         _second_order(method, field, text)
     _require_new_names(field, text)
     coefficients = (*text.coefficients.items(), *field.parameters)
-    return FieldSource(tuple(text.lines), coefficients, field.components, compensated)
+    return FieldSource(tuple(text.lines), coefficients, field.components, compensated, not field.autonomous)
 
 
 @dataclass(frozen=True)
@@ -174,9 +198,7 @@ def array_step(method: Method, f: Callable[..., Any], lift: Callable[[Any], Any]
     return step
 
 
-def _runge_kutta(
-    method: RungeKutta, field: VectorField | _ArrayField, text: ProgramText, other: Sequence[Exact] | None
-) -> None:
+def _runge_kutta(method: RungeKutta, field: Field, text: ProgramText, other: Sequence[Exact] | None) -> None:
     """Write kᵢ = f(t + cᵢ h, y + h Σ aᵢⱼ kⱼ), then y + h Σ bᵢ kᵢ; with other weights b̂, also h Σ (bᵢ - b̂ᵢ) kᵢ."""
     components = field.components
     slopes: dict[str, dict[int, str]] = {name: {} for name in components}
@@ -187,8 +209,11 @@ def _runge_kutta(
         if not field.autonomous:
             names["t"] = text.named(f"t_{i + 1}", "t", text.step(f"c{i + 1}", method.c[i]))
         for name, rate in zip(components, field.at(names), strict=True):
-            slopes[name][i] = f"k{i + 1}_{name}"
-            text.lines.append(f"{slopes[name][i]} = {rate}")
+            if other is None and rate.isidentifier():  # it needs no second name; of a pair, all slopes have theirs
+                slopes[name][i] = rate
+            else:
+                slopes[name][i] = f"k{i + 1}_{name}"
+                text.lines.append(f"{slopes[name][i]} = {rate}")
     for name in components:
         text.advance(name, f"{name}_new", name, text.sum(" + h *", "b", method.b, slopes[name]))
         if other is not None:
@@ -196,7 +221,7 @@ def _runge_kutta(
             text.lines.append(f"{name}_off ={text.sum(' h *', 'd', differences, slopes[name])}")
 
 
-def _second_order(method: Splitting | Nystrom, field: VectorField | _ArrayField, text: ProgramText) -> None:
+def _second_order(method: Splitting | Nystrom, field: Field, text: ProgramText) -> None:
     """Write the step for q'' = F(t, q), with F in parentheses because it is a factor."""
     positions, velocities = field.second_order()
 
@@ -206,7 +231,7 @@ def _second_order(method: Splitting | Nystrom, field: VectorField | _ArrayField,
     SecondOrder(positions, velocities, accelerations, "_new", timed=not field.autonomous).write(method, text)
 
 
-def _require_new_names(field: VectorField | _ArrayField, text: ProgramText) -> None:
+def _require_new_names(field: Field, text: ProgramText) -> None:
     """Raise MethodError for a parameter that has the name of something else in the text, such as h."""
     taken = {"t", "h", "i", "y", "first", "last", "range", "make", "run", "step", *FUNCTIONS, *field.components}
     taken |= {"start_", "end_", "begin_", "member_", *(f"{y}_block" for y in field.components)}

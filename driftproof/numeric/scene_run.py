@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Callable
 from functools import partial
-from itertools import islice
 from math import isfinite
-from time import perf_counter
 from typing import Any
 
 import numpy as np
@@ -25,9 +24,6 @@ from driftproof.numeric.run import (
 )
 from driftproof.numeric.scenes import TRAJECTORY, Scene
 
-# Seconds that progress may wait: the steps of one call double until it lasts as long.
-UNSEEN = 0.05
-
 
 def run_scene(scene: Scene, key: str, counter: Counter = range) -> Readouts:
     """The scene's readouts for the method `key`, in binary64; nothing else is computed or kept.
@@ -43,41 +39,34 @@ def run_scene(scene: Scene, key: str, counter: Counter = range) -> Readouts:
 
 
 def _run_problem(scene: Scene, problem: Problem, key: str, counter: Counter) -> Readouts:
-    from driftproof.numeric.advance import State, advance, error_summary, evaluations_of, float_start, step_times
+    from driftproof.numeric.advance import State, advance, evaluations_of, float_start, step_times
     from driftproof.numeric.reference_errors import decimal_energy, distance_from_digits
+    from driftproof.numeric.stability import STEPS_BETWEEN_CHECKS, observe
 
     method = method_of(key)
-    run, (h, _) = advance(method, problem), step_times(scene.t, scene.steps)
-    y, done = float_start(problem), 0
-    path, ticks = [y], iter(counter(scene.steps))
+    run, start = advance(method, problem), float_start(problem)
+    path, ticks = [start], enumerate(counter(scene.steps), start=1)
+    keep = TRAJECTORY in scene.readouts
 
-    def advanced(y: State, first: int, last: int) -> State:
-        """Take steps first to last - 1 in one call; if it fails, singly, to raise the error of the first to fail."""
-        try:
-            after = run(y, h, first, last)
-            if all(map(isfinite, after)):
-                return after
-            ended: RunEnded = NonFiniteState(last, after)
-        except (ArithmeticError, ValueError) as error:
-            ended = RunEnded(f"the run ends at step {last}: {error_summary(error)}")
-        for i in range(first, last) if last > first + 1 else ():
-            y = advanced(y, i, i + 1)
-        raise ended
+    def look(done: int, y: State) -> None:
+        path.extend([y] if keep else [])
+        next(n for n, _ in ticks if n == done)
 
-    together, keep = 1, TRAJECTORY in scene.readouts
-    while taken := sum(1 for _ in islice(ticks, together)):
-        before = perf_counter()
-        y, done = advanced(y, done, done + taken), done + taken
-        path += [y] if keep else []
-        together *= 1 if keep or perf_counter() - before > UNSEEN else 2
+    apart = 1 if keep else STEPS_BETWEEN_CHECKS
+    seen = observe(run, start, step_times(scene.t, scene.steps).h, scene.steps, apart=apart, look=look)
+    if seen.failed_after is not None:
+        if not all(map(isfinite, seen.state)):
+            raise NonFiniteState(seen.failed_after, seen.state)
+        raise RunEnded(f"the run ends at step {seen.failed_after}: {seen.remark}")
+    deque(ticks, maxlen=0)  # a progress bar closes at its end
     digits = problem.reference.states[problem.reference.times.index(scene.t)]
     energy = partial(decimal_energy, problem)
     read: dict[str, Callable[[], Any]] = {
-        "final_state": lambda: y,
+        "final_state": lambda: seen.state,
         "exact_state": lambda: tuple(map(float, digits)),
-        "state_error": lambda: distance_from_digits(y, digits),
-        "energy": lambda: float(energy(y)),
-        "energy_change": lambda: float(energy(y) - energy(problem.start)),
+        "state_error": lambda: distance_from_digits(seen.state, digits),
+        "energy": lambda: float(energy(seen.state)),
+        "energy_change": lambda: float(energy(seen.state) - energy(problem.start)),
         "steps": lambda: scene.steps,
         "evaluations": lambda: evaluations_of(run, method, problem, scene.steps),
         TRAJECTORY: lambda: (times_of_steps(scene.h, scene.steps), np.array(path)),

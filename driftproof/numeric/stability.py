@@ -48,8 +48,20 @@ class Observed:
     remark: str = ""
 
 
-def observe(advance: Advance, start: State, h: float, steps: int, enough: float = inf) -> Observed:
-    """Run, looking at the state after 1, 2, 4, ... more steps; stop if it is not finite or larger than `enough`."""
+def observe(
+    advance: Advance,
+    start: State,
+    h: float,
+    steps: int,
+    enough: float = inf,
+    *,
+    apart: int = STEPS_BETWEEN_CHECKS,
+    look: Callable[[int, State], object] = lambda done, y: None,
+) -> Observed:
+    """Run, looking at the state after 1, 2, 4, ... more steps; stop if it is not finite or larger than `enough`.
+
+    Looks are at most `apart` steps apart; `look` gets the number of steps so far and the state.
+    """
     y, done, stride, largest = start, 0, 1, euclidean_norm(start)
     while done < steps and largest <= enough:
         last = min(steps, done + stride)
@@ -66,7 +78,8 @@ def observe(advance: Advance, start: State, h: float, steps: int, enough: float 
             stride = (last - done) // 2
             continue
         y, done, largest = reached, last, max(largest, euclidean_norm(reached))
-        stride = min(2 * stride, STEPS_BETWEEN_CHECKS)
+        look(done, y)
+        stride = min(2 * stride, apart)
     return Observed(h, steps, y, largest)
 
 

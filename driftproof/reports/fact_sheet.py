@@ -14,7 +14,7 @@ from driftproof.methods.number_field import Exact
 from driftproof.methods.rationals import ExactNumber, exact_number
 from driftproof.methods.schemes import Method
 from driftproof.methods.tableau_file import subject_of
-from driftproof.support.plain_text import as_json
+from driftproof.support.plain_text import Json, as_json
 from driftproof.support.results import Printable
 from driftproof.symbolic.facts import FACTS, ON_REQUEST, Facts, OrderWithin, Reduction, facts_only, order_within
 from driftproof.symbolic.family_facts import FAMILY_FACTS, FamilyFacts
@@ -56,10 +56,16 @@ class FactSheet(Printable):
             except ValueError as error:
                 raise AttributeError(str(error)) from None
 
+    @property
+    def data(self) -> dict[str, Json]:
+        """The facts that are printed, as JSON: numbers are strings, a fact that there is not is None."""
+        found: dict[str, Json] = record(self.shown)
+        return found
+
     def written(self, form: str, everything: bool = False) -> str:
         """The facts as "text", "json" or "tex"; `everything` shows also those that groups of text leave out."""
         if form == "json":
-            return as_json(record(self.shown))
+            return as_json(self.data)
         if form == "tex":
             return facts_tex(self.shown)
         return grouped_facts_text(self.shown, everything) if self._grouped else facts_text(self.shown)

@@ -33,11 +33,11 @@ class AssertedVerdict:
 
 
 class VerdictError(AssertionError):
-    """Raised for a verdict that does not hold, which is `verdict`; the message is its whole report."""
+    """Raised for a `verdict` that does not hold; its whole report is the message unless one is given."""
 
-    def __init__(self, verdict: AssertedVerdict) -> None:
-        """Take the message from the report of the verdict."""
-        super().__init__(verdict.report)
+    def __init__(self, verdict: AssertedVerdict, message: str | None = None) -> None:
+        """Take the message, or else the report of the verdict."""
+        super().__init__(verdict.report if message is None else message)
         self.verdict = verdict
 
 
@@ -47,18 +47,13 @@ listeners: list[Callable[[AssertedVerdict], None]] = []
 time_limit_of_test: ContextVar[float | None] = ContextVar("time_limit_of_test", default=None)
 
 
-def notify_listeners(verdict: AssertedVerdict) -> None:
-    """Pass the verdict to all listeners."""
-    for listener in listeners:
-        listener(verdict)
-
-
-def assert_verdict(verdict: AssertedVerdict, *, holds: bool) -> None:
-    """Pass the verdict to all listeners, and raise VerdictError unless it holds.
+def assert_verdict(verdict: AssertedVerdict, *, holds: bool, message: str | None = None) -> None:
+    """Pass the verdict to all listeners, and raise VerdictError, with the message if one is given, unless it holds.
 
     >>> assert_verdict(AssertedVerdict("springs:step", "is rk4", True, "the whole report"), holds=True)
     """
     __tracebackhide__ = True
-    notify_listeners(verdict)
+    for listener in listeners:
+        listener(verdict)
     if not holds:
-        raise VerdictError(verdict)
+        raise VerdictError(verdict, message)

@@ -159,7 +159,7 @@ class Facts(LinearFacts):
 
     @cached_property
     def modified_equation(self) -> Mapping[Tree, Exact] | None:
-        """The nonzero coefficients, by trees, of the modified equation, whose exact flow is the step."""
+        """The nonzero coefficients, by trees, of the modified equation on y' = f(y), whose exact flow is the step."""
         if self._tableau is None:
             return None
         return {tree: c for tree, c in modified_equation(self._tableau, MODIFIED_ORDER).items() if c}

@@ -9,7 +9,7 @@ import pytest
 from driftproof import verify
 from driftproof.blackbox.criteria import questions_of
 from driftproof.blackbox.isolation import IsolatedRunner
-from driftproof.blackbox.judging.agreement import NO_ALLOWANCE, ORDINARY_DOMAIN
+from driftproof.blackbox.judging.specification import Specification
 from driftproof.blackbox.stepper.opening import opened
 from driftproof.methods.catalogue import METHODS
 from tests.blackbox import handwritten_steppers as codes
@@ -78,7 +78,7 @@ class HangingOnce:
 @pytest.mark.parametrize(("step", "key"), [(codes.rk4, "rk4"), (codes.velocity_verlet, "velocity_verlet")])
 def test_a_call_that_does_not_come_back_refutes_nothing_and_is_no_refusal(step, key, nth):
     method = METHODS[key]
-    for question in exactly(13, questions_of(method, NO_ALLOWANCE, ORDINARY_DOMAIN, 20)):
+    for question in exactly(13, questions_of(Specification(method), 20)):
         marks = []
         for n in (nth, -1):
             target = HangingOnce(step, n)

@@ -161,15 +161,18 @@ def mutants_of(root: Path, place: str, only: Container[str] | None = None) -> li
     begins, lines = [0], source.splitlines(keepends=True)
     for text in lines:
         begins.append(begins[-1] + len(text))
-    found, named = [], Counter[tuple[str, ...]]()
-    for node in nodes(ast.parse(source)):
+    found, named, tree = [], Counter[tuple[str, ...]](), ast.parse(source)
+    for node in nodes(tree):
+        if node in tree.body:  # what the nodes up to the next such are parts of: it alone is compiled
+            first = min(x.lineno for x in (node, *getattr(node, "decorator_list", ())))  # type: ignore[attr-defined]
+            opening, closing = begins[first - 1], begins[node.end_lineno]  # type: ignore[attr-defined]
         line = lines[node.lineno - 1].decode().strip() if hasattr(node, "lineno") else ""
         for new in variants(node, "/tables/" in place) if only is None or line in only else ():
             first, last = begins[node.lineno - 1], begins[node.end_lineno - 1]  # type: ignore[attr-defined]
             start, end = first + node.col_offset, last + node.end_col_offset  # type: ignore[attr-defined]
             new = f"({new})" if isinstance(node, ast.BinOp | ast.BoolOp | ast.Compare | ast.UnaryOp) else new
             with suppress(SyntaxError, ValueError):
-                compile(source[:start] + new.encode() + source[end:], place, "exec")
+                compile(source[opening:start] + new.encode() + source[end:closing], place, "exec")
                 words = (place, line, " ".join(source[start:end].decode().split()), new)
                 named[words] += 1
                 found.append(Mutant(place, start, end, words[2], new, line, named[words]))

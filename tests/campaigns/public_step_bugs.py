@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from driftproof import identify, verify
-from driftproof.blackbox.judging.tolerance import Allowance
+from driftproof.blackbox.judging.specification import Allowance
 from driftproof.methods.catalogue import METHODS
 from tests.blackbox.dragged_steppers import of_stages
 from tests.blackbox.dragged_steppers import verlet as moved

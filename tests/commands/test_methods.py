@@ -30,7 +30,7 @@ def test_list_names_every_method_and_every_family(answer):
 def test_facts_on_a_system_are_those_of_python(facts):
     found = facts("rk4", "--system", DAMPED)
     assert list(found) == sorted(SYSTEM_FACTS)
-    assert found == driftproof.system_facts(METHODS["rk4"], parse_system(DAMPED))
+    assert found == driftproof.facts(METHODS["rk4"], system=parse_system(DAMPED)).data
     assert found["system"] == [["0", "1"], ["-1", "-1/10"]]
     assert found["one_step_matrix"][0][0] == {"num": ["1", "0", "-1/2", "1/60", "33/800"], "den": ["1"]}
     assert found["step_limit"]["decimal"] == "2.909799685490394332749367463504"
@@ -40,7 +40,7 @@ def test_facts_on_a_system_are_those_of_python(facts):
 
 def test_a_family_is_answered_as_functions_and_sets(facts, answer):
     found = facts("sdirk_order_2")
-    assert found == driftproof.family_facts(FAMILIES["sdirk_order_2"])
+    assert found == driftproof.facts(FAMILIES["sdirk_order_2"]).data
     assert found["stability_function"]["num"] == ["1", "1 - 2*gamma", "1/2 - 2*gamma + gamma**2"]
     assert found["l_stable"]["set"] == "{1 - sqrt(2)/2} U {1 + sqrt(2)/2}"
     text = answer("facts", "sdirk_order_2", "--only", "real_limit,order_sets,error_constant")
@@ -63,7 +63,7 @@ def test_a_member_of_a_family_is_a_method_and_the_family_no_single_one(facts):
 
 
 def test_a_multistep_method_is_answered_and_options_that_are_not_for_it_refused(facts, answer, refusal):
-    assert facts("BDF2") == driftproof.facts_of(FACTS_ONLY["bdf2"])
+    assert facts("BDF2") == driftproof.facts(FACTS_ONLY["bdf2"]).data
     text = answer("facts", "adams_bashforth2", "--only", "rho,sigma,order,error_constant,real_limit")
     assert text.splitlines() == [
         "rho             -zeta + zeta^2", "sigma           -1/2 + 3/2 zeta", "order           2",

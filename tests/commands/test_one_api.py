@@ -137,9 +137,7 @@ MEANT = {
     "Facts('rk4')": "'rk4' is a string, and a method is needed: METHODS[...], or read_method(...) for a .toml file",
     "OscillatorRun('rk4', Q(1), Q(1))": "a method is needed",
     "stepper('rk4', float)": "a method is needed", "stability_function_of('rk4')": "a method is needed",
-    "order_within('rk4', Q(1))": "a method is needed", "facts_of('rk4')": "a method is needed",
-    "family_facts('sdirk_order_2')": "a method is needed: FAMILIES[...]",
-    "system_facts('rk4', [[Q(1)]])": "a method is needed",
+    "order_within('rk4', Q(1))": "a method is needed",
 }  # fmt: skip
 
 

@@ -10,7 +10,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from driftproof.blackbox.judging.agreement import Domain
+from driftproof.blackbox.judging.specification import Domain
 
 ROOT = Path(__file__).parents[2]
 

@@ -13,7 +13,7 @@ from driftproof.methods.families import FAMILIES, Family, ParameterFunction, par
 from driftproof.methods.number_field import square_root
 from driftproof.methods.schemes import MethodError
 from driftproof.methods.tableau_file import read_method
-from driftproof.texts.writing.records import family_facts
+from driftproof.reports.fact_sheet import facts
 from tests.methods.conftest import Write
 from tests.symbolic.linear.family_examples import THETA
 
@@ -33,7 +33,7 @@ def test_tableau_with_a_parameter_is_a_family(write: Write) -> None:
     assert (found.a, found.b, found.c, found.parameter) == (THETA.a, THETA.b, THETA.c, "theta")
     assert (found.key, found.title, found.claimed_order, found.stages) == ("mine", "Theta by hand", 1, 2)
     names = ("order_sets", "real_limit", "a_stable", "stability_function")
-    assert family_facts(found, names) == family_facts(THETA, names)
+    assert facts(found, only=names).data == facts(THETA, only=names).data
     assert not found.explicit
     assert FAMILIES["explicit_order_2"].explicit
 

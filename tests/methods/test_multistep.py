@@ -5,7 +5,7 @@ from fractions import Fraction as Q
 
 import pytest
 
-from driftproof import METHODS, facts_of, read_method
+from driftproof import METHODS, facts, read_method
 from driftproof.methods.catalogue import FACTS_ONLY, entry_named, method_named
 from driftproof.methods.multistep import Multistep
 from driftproof.methods.number_field import square_root
@@ -45,7 +45,7 @@ def test_a_file_of_your_own_is_read_and_refused_in_one_line(write, refusal):
     mine = read_method(write(BDF2))
     assert isinstance(mine, Multistep)
     assert (mine.rho, mine.sigma) == (FACTS_ONLY["bdf2"].rho, FACTS_ONLY["bdf2"].sigma)
-    assert facts_of(mine)["order"] == 2
+    assert facts(mine).data["order"] == 2
     assert [FACTS_ONLY[key].explicit for key in ("adams_bashforth2", "bdf2")] == [True, False]
     for old, new, words in exactly(4, [
         ("[0, 0, 1]", "[0, 1]", "sigma 2; both need k + 1 entries"),

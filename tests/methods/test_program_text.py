@@ -12,8 +12,9 @@ from driftproof.methods.catalogue import METHODS
 from driftproof.methods.program_text import maker
 from driftproof.methods.schemes import MethodError, Nystrom, Splitting
 from driftproof.methods.vector_fields import VectorField, field_source
-from driftproof.numeric.engine import compiled_field_runner, field_runner, runner
+from driftproof.numeric.engine import compiled_field_runner, field_runner
 from tests.float_bits import bits
+from tests.numeric.engine_runs import OSCILLATOR, PENDULUM
 
 SECOND_ORDER = [method for method in METHODS.values() if method.explicit and isinstance(method, Splitting | Nystrom)]
 # Those whose steps have few digits in fractions, which each force squares.
@@ -68,8 +69,8 @@ def test_components_that_do_not_meet_are_stepped_each_alone():
     field = VectorField(("y3", "y4", "y5", "-y0", "-sin(y1)", "-y2"))
     for method in (VERLET, NYSTROM):
         y = field_runner(method, field)((0.3, 1.0, -2.0, -0.7, 0.5, 0.25), 0.1, 0, 40)
-        for i, (force, q, v) in enumerate([("(-{})", 0.3, -0.7), ("-sin({})", 1.0, 0.5), ("(-{})", -2.0, 0.25)]):
-            assert bits(y[i], y[i + 3]) == bits(*runner(method, force)(q, v, 0.1, 40))
+        for i, (alone, *start) in enumerate(((OSCILLATOR, 0.3, -0.7), (PENDULUM, 1.0, 0.5), (OSCILLATOR, -2.0, 0.25))):
+            assert bits(y[i], y[i + 3]) == bits(*field_runner(method, alone)(tuple(start), 0.1, 0, 40))
 
 
 @pytest.mark.parametrize("method", SECOND_ORDER, ids=lambda m: m.key)

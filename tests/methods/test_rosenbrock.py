@@ -4,7 +4,7 @@ from fractions import Fraction as Q
 
 import pytest
 
-from driftproof import facts_of, read_method
+from driftproof import facts, read_method
 from driftproof.methods.catalogue import FACTS_ONLY
 from driftproof.methods.rosenbrock import Rosenbrock
 from driftproof.methods.schemes import MethodError
@@ -28,7 +28,7 @@ def test_a_file_is_read_and_refused_in_one_line(write, refusal):
     assert (known.linear_twin().key, known.linear_twin().title) == (known.key, known.title)
     gamma = mine.gamma[0][0]
     assert known.linear_twin().a == ((gamma, 0), (1 - 2 * gamma, gamma))
-    assert facts_of(mine, ["order", "w_order", "l_stable"]) == {"order": 2, "w_order": 2, "l_stable": True}
+    assert facts(mine, only=["order", "w_order", "l_stable"]).data == {"order": 2, "w_order": 2, "l_stable": True}
     for old, new, words in exactly(4, [
         ("[1, 0]]", "[1, 1]]", "alpha has a nonzero entry on or above"),
         ('r/2", 0]', 'r/2", 1]', "gamma has a nonzero entry above its"), ("alpha", "A", "a rosenbrock has no key 'A'"),

@@ -66,7 +66,7 @@ def test_a_wrong_coefficient_gives_other_bits():
 
 @pytest.mark.parametrize("method", EXPLICIT, ids=lambda m: m.key)
 def test_the_text_holds_no_number_and_no_branch(method):
-    nodes = list(ast.walk(ast.parse(step_source(method).step())))
+    nodes = list(ast.walk(ast.parse("\n".join(step_source(method).lines))))
     assert not [node for node in nodes if isinstance(node, ast.Constant | ast.If | ast.IfExp | ast.For | ast.While)]
     assert not {name for name, c in step_source(method).coefficients if c in (0, 1, -1)}
 
@@ -81,16 +81,12 @@ def test_a_stage_that_only_the_embedded_row_needs_is_left_out():
 def test_coefficients_of_one_are_signs():
     back = RungeKutta("back", "back", 0, "a test", ((0, 0), (-1, 0)), (0, -1), (0, -1))
     assert step_source(back).lines == (
-        *("k1_v = force(q)", "k2_q = v + h * (-k1_v)", "q_2 = q + h * (-v)", "k2_v = force(q_2)"),
-        *("q1 = q + h * (-k2_q)", "v1 = v + h * (-k2_v)"),
+        *("k1_v = force(q)", "q_2 = q + h * (-v)", "v_2 = v + h * (-k1_v)", "k2_v = force(q_2)"),
+        *("q_new = q + h * (-v_2)", "v_new = v + h * (-k2_v)"),
     )
     leapfrog = Splitting("kd", "kick and drift", 1, "a test", (("kick", -1), ("drift", 1), ("kick", Q(1, 2))))
     lines = step_source(leapfrog).lines
-    assert lines[:3] == ("v_1 = v - h * force(q)", "q_2 = q + h * v_1", "v_3 = v_1 + (c3 * h) * force(q_2)")
-
-
-def test_the_force_may_be_written_into_the_text():
-    assert "v_1 = v + h * (-(q))" in step_source(METHODS["symplectic_euler"], "(-({}))").lines
+    assert lines[:3] == ("v_1 = v - h * (force(q))", "q_2 = q + h * v_1", "v_3 = v_1 + (c3 * h) * (force(q_2))")
 
 
 @pytest.mark.parametrize("key", ["backward_euler", "gauss2"])

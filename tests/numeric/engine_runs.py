@@ -1,10 +1,18 @@
-"""Steps taken one by one, and arrays of states: what fast runs are compared with, and what they start from."""
+"""Runs of the oscillator, and steps taken one by one, with which they are compared."""
 
 from __future__ import annotations
 
-import numpy as np
-
 from driftproof.methods.stepping import stepper
+from driftproof.methods.vector_fields import VectorField
+from driftproof.numeric.engine import compiled_field_runner, field_runner
+
+OSCILLATOR, PENDULUM = VectorField(("y1", "-y0")), VectorField(("y1", "-sin(y0)"))
+
+
+def oscillator_run(method, *, compiled=False, compensated=False):
+    """Return run(q, v, h, steps) of q' = v, v' = -q in floats, or on arrays."""
+    run = (compiled_field_runner if compiled else field_runner)(method, OSCILLATOR, compensated=compensated)
+    return lambda q, v, h, steps: run((q, v), h, 0, steps)
 
 
 def step_by_step(method, force, q, v, h, steps, lift=float):
@@ -12,8 +20,3 @@ def step_by_step(method, force, q, v, h, steps, lift=float):
     for _ in range(steps):
         q, v = step(force, q, v, h)
     return q, v
-
-
-def ensemble(length, dtype=np.float64):
-    angles = np.linspace(0, 6, length)
-    return np.cos(angles).astype(dtype), np.sin(3 * angles).astype(dtype)

@@ -10,28 +10,23 @@ import numpy as np
 import pytest
 
 from driftproof.methods.catalogue import METHODS
-from driftproof.methods.number_field import square_root
 from driftproof.methods.schemes import MethodError
-from driftproof.methods.stepping import oscillator, step_source
-from driftproof.methods.vector_fields import VectorField
+from driftproof.methods.stepping import oscillator
+from driftproof.methods.vector_fields import VectorField, field_source
 from driftproof.numeric import engine
 from driftproof.numeric.engine import (
     BLOCK,
     array_field_runner,
-    compiled_ensemble_runner,
     compiled_field_ensemble_runner,
-    compiled_runner,
-    ensemble_runner,
+    compiled_field_runner,
     field_runner,
     in_threads,
-    lifted,
-    runner,
 )
 from driftproof.numeric.problems.catalogue import problem_named
 from driftproof.symbolic.runs import exact_matrix_at
 from tests.float_bits import bits
-from tests.looping import exactly, some
-from tests.numeric.engine_runs import ensemble, step_by_step
+from tests.looping import some
+from tests.numeric.engine_runs import OSCILLATOR, PENDULUM, oscillator_run, step_by_step
 from tests.witnesses.any_order import any_order
 
 EXPLICIT = [method for method in METHODS.values() if method.explicit]
@@ -44,17 +39,17 @@ STARTS = [(1.0, 0.0, 0.25), (0.3, -0.7, -0.1), (-2.5, 1e-3, 1.3), (0.0, -0.0, 0.
 def test_a_run_has_the_bits_of_its_steps(method):
     for q, v, h in STARTS:
         alone = step_by_step(method, oscillator, q, v, h, 7)
-        assert bits(*runner(method)(q, v, h, 7)) == bits(*alone)
+        assert bits(*oscillator_run(method)(q, v, h, 7)) == bits(*alone)
 
 
 def test_a_run_has_the_bits_of_its_steps_for_the_pendulum():
     for q, v, h in STARTS:
         alone = step_by_step(METHODS["rk4"], lambda x: -math.sin(x), q, v, h, 50)
-        assert bits(*runner(METHODS["rk4"], "-sin({})")(q, v, h, 50)) == bits(*alone)
+        assert bits(*field_runner(METHODS["rk4"], PENDULUM)((q, v), h, 0, 50)) == bits(*alone)
 
 
 def test_no_step_returns_the_start_and_a_negative_step_runs_back():
-    verlet = runner(METHODS["velocity_verlet"])
+    verlet = oscillator_run(METHODS["velocity_verlet"])
     assert verlet(0.3, -0.0, 0.1, 0) == (0.3, -0.0)
     there = verlet(0.3, -0.7, 0.125, 40)
     back = verlet(*there, -0.125, 40)
@@ -65,84 +60,49 @@ def test_no_step_returns_the_start_and_a_negative_step_runs_back():
 def test_a_compiled_run_has_the_same_bits(method):
     pytest.importorskip("numba")
     for q, v, h in STARTS:
-        assert bits(*compiled_runner(method)(q, v, h, 500)) == bits(*runner(method)(q, v, h, 500))
-    assert compiled_runner(method)(0.3, -0.7, 0.1, 0) == (0.3, -0.7)
+        assert bits(*oscillator_run(method, compiled=True)(q, v, h, 500)) == bits(*oscillator_run(method)(q, v, h, 500))
+    assert oscillator_run(method, compiled=True)(0.3, -0.7, 0.1, 0) == (0.3, -0.7)
 
 
 def test_a_run_that_fuses_products_into_sums_has_other_bits():
     """What a compiler would do if it were let: the test of equal bits above would see it."""
     numba = pytest.importorskip("numba")
-    plain = runner(METHODS["rk4"])
+    plain = field_runner(METHODS["rk4"], OSCILLATOR)
     fused = numba.njit(fastmath=True)(plain)
-    assert fused(0.3, -0.7, 0.1, 500) != plain(0.3, -0.7, 0.1, 500)
+    assert fused((0.3, -0.7), 0.1, 0, 500) != plain((0.3, -0.7), 0.1, 0, 500)
 
 
 def test_without_numba_a_compiled_run_says_what_to_install(monkeypatch):
     monkeypatch.setitem(sys.modules, "numba", None)
     with pytest.raises(ImportError, match=r"driftproof\[fast\]"):
-        compiled_runner.__wrapped__(METHODS["forward_euler"])
-
-
-def test_a_compiled_ensemble_has_the_same_bits_in_both_formats():
-    pytest.importorskip("numba")
-    for dtype in exactly(2, engine.COMPILED):
-        for length in (0, 1, 2 * BLOCK + 17):
-            (q, v), (p, w) = ensemble(length, dtype), ensemble(length, dtype)
-            ensemble_runner(METHODS["yoshida4"])(q, v, 0.1, 20)
-            compiled_ensemble_runner(METHODS["yoshida4"])(p, w, 0.1, 20)
-            assert q.dtype == p.dtype == dtype
-            assert bits(q, v) == bits(p, w)
-
-
-@pytest.mark.skipif(np.finfo(np.longdouble).nmant <= 52, reason="here a long double is a double")
-def test_a_coefficient_reaches_a_wide_format_with_all_its_bits():
-    for exact in (Q(1, 6), square_root(2) / 7, Q(-1, 3 * 2**40), Q(1)):
-        wide = lifted(exact, np.longdouble)
-        high = float(wide)
-        value = Q(high) + Q(float(wide - np.longdouble(high)))  # a long double is two doubles, exactly
-        unit = abs(value) * Q(1, 2 ** np.finfo(np.longdouble).nmant)
-        most = unit / 2 * (1 + Q(1, 2**40))  # rounded twice, the first time by 2^-42 units
-        assert -most <= exact - value <= most
-    assert np.longdouble(1 / 6) != lifted(Q(1, 6), np.longdouble)
-
-
-def test_a_coefficient_in_binary64_is_a_python_float_and_the_nearest_one():
-    assert (type(lifted(Q(1, 3), np.float64)), lifted(Q(1, 3), np.float64)) == (float, 1 / 3)
-    assert (type(lifted(Q(1, 3), np.float32)), lifted(Q(1, 3), np.float32)) == (np.float32, np.float32(1 / 3))
-
-
-def test_a_compiled_ensemble_refuses_formats_that_the_compiler_lacks():
-    with pytest.raises(ValueError, match="float16"):
-        compiled_ensemble_runner(METHODS["rk4"])(*ensemble(3, np.float16), 0.1, 1)
+        compiled_field_runner.__wrapped__(METHODS["forward_euler"], OSCILLATOR)
 
 
 def test_an_implicit_method_has_no_run():
-    for build in (runner, ensemble_runner, compiled_ensemble_runner):
-        with pytest.raises(MethodError, match="is implicit"):
-            build(METHODS["gauss2"])
+    with pytest.raises(MethodError, match="is implicit"):
+        field_runner(METHODS["gauss2"], OSCILLATOR)
 
 
 def test_the_loop_that_is_compiled_is_the_text_of_the_step():
     """Nothing stands in the loop but the lines of the step, and reading and writing of one state."""
     for method in some(EXPLICIT, 80):
-        source = step_source(method, engine.OSCILLATOR)
+        source = field_source(method, OSCILLATOR)
         text = [line.strip() for line in engine._blocks_text(source).splitlines()]
-        at = text.index("v = v_block[member_]") + 1
+        at = text.index("y1 = y1_block[member_]") + 1
         assert tuple(text[at : at + len(source.lines)]) == source.lines
-        assert text[at + len(source.lines) :] == ["q_block[member_] = q1", "v_block[member_] = v1", "return run"]
+        assert text[at + len(source.lines) :] == [
+            *(f"{y}_block[member_] = {y}_new" for y in ("y0", "y1")),
+            "return run",
+        ]
 
 
 @pytest.mark.parametrize("method", [METHODS["rk4"], METHODS["yoshida4"]], ids=lambda m: m.key)
 def test_a_compiled_compensated_run_has_the_same_bits(method):
     """A compiler that may reassociate would find that nothing is lost, and drop what keeps it."""
     pytest.importorskip("numba")
-    kept = runner(method, compensated=True)(0.3, -0.7, 0.01, 500)
-    assert bits(*compiled_runner(method, compensated=True)(0.3, -0.7, 0.01, 500)) == bits(*kept)
-    q, v = ensemble(BLOCK + 5)
-    start = float(q[-1]), float(v[-1])
-    compiled_ensemble_runner(method, compensated=True)(q, v, 0.01, 500)
-    assert (q[-1], v[-1]) == runner(method, compensated=True)(*start, 0.01, 500)
-    assert kept != runner(method)(0.3, -0.7, 0.01, 500)
+    kept = oscillator_run(method, compensated=True)(0.3, -0.7, 0.01, 500)
+    assert bits(*oscillator_run(method, compiled=True, compensated=True)(0.3, -0.7, 0.01, 500)) == bits(*kept)
+    assert kept != oscillator_run(method)(0.3, -0.7, 0.01, 500)
 
 
 KEPLER = problem_named("kepler").field
@@ -185,8 +145,8 @@ def test_an_ensemble_on_arrays_of_any_library_is_within_the_derived_bound(name, 
     library, array, compiled = library_named(name)
     keep, h = (lambda f: f) if as_is else compiled, 0.1
     start = np.random.default_rng(1).uniform(-1, 1, (2, BLOCK))
-    field, method = VectorField(("y1", "-y0")), METHODS["rk4"]
-    run = array_field_runner(method, field, library)
+    method = METHODS["rk4"]
+    run = array_field_runner(method, OSCILLATOR, library)
     found = np.array([[float(x) for x in row] for row in keep(lambda *y: run(y, h, 0, 1))(*map(array, start))])
     qq, qv, vq, vv = exact_matrix_at(method, Q(h))
     bound = any_order(method)
@@ -194,7 +154,7 @@ def test_an_ensemble_on_arrays_of_any_library_is_within_the_derived_bound(name, 
         dq, dv = bound.error_of(Q(h), Q(q), Q(v))
         assert abs(Q(q_found) - qq * Q(q) - qv * Q(v)) <= dq
         assert abs(Q(v_found) - vq * Q(q) - vv * Q(v)) <= dv
-    plain = np.array(array_field_runner(method, field, np)(tuple(start), h, 0, 1))
+    plain = np.array(array_field_runner(method, OSCILLATOR, np)(tuple(start), h, 0, 1))
     assert (found == plain).all() or fuses(array, keep), f"{name} rounds otherwise, and fuses nothing"
 
 

@@ -68,7 +68,10 @@ def test_steps_know_their_time_whether_or_not_they_are_taken_together(readouts: 
     timed = PROBLEMS["prothero_robinson"]
     scene = Scene("mine", "radau_iia2", Q(1, 4), Q(10), readouts=readouts, problem=timed)
     alone = advance(METHODS["radau_iia2"], timed)(float_start(timed), 0.25, 0, 40)
-    assert run_scene(scene, "radau_iia2")["final_state"] == alone
+    counted: list[int] = []
+    found = run_scene(scene, "radau_iia2", lambda steps: (counted.append(i) or i for i in range(steps)))
+    assert found["final_state"] == alone
+    assert counted == list(range(40)), "progress counts every step, once"
 
 
 def test_without_a_problem_it_is_the_oscillator() -> None:

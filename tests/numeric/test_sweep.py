@@ -18,11 +18,11 @@ import pytest
 from driftproof import __version__
 from driftproof.methods.catalogue import METHODS
 from driftproof.numeric import sweep as sweeping
-from driftproof.numeric.engine import runner
 from driftproof.numeric.run import run_method
 from driftproof.numeric.scenes import Scene
 from driftproof.numeric.sweep import SweepAnswer, points_of, run_grid, run_points
 from tests.looping import some
+from tests.numeric.engine_runs import oscillator_run
 
 SCENE = Scene("short", "rk4", Q(1, 4), Q(2), readouts=("final_state", "state_error", "phase_error", "evaluations"))
 METHOD_KEYS = ("yoshida4", "forward_euler")
@@ -60,7 +60,7 @@ def test_points_are_answered_in_the_order_of_the_grid_as_each_alone(expected):
             continue
         q, v = map(float, values["start"])
         steps = int(2 / values["h"])
-        assert found["final_state"] == runner(METHODS[values["selected"]])(q, v, float(values["h"]), steps)
+        assert found["final_state"] == oscillator_run(METHODS[values["selected"]])(q, v, float(values["h"]), steps)
         assert found["phase_error"] is None or q == 1
 
 

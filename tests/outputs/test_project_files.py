@@ -59,9 +59,20 @@ def test_the_action_runs_a_command_and_shows_what_it_said(tmp_path):
     (tmp_path / "driftproof").write_text(f'#!/bin/sh\nexec {sys.executable} -m driftproof "$@"\n')
     (tmp_path / "driftproof").chmod(0o755)
     given = {**os.environ, **asked, "PATH": f"{tmp_path}:{os.environ['PATH']}"}
-    for command, status in ((asked["COMMAND"], 0), ("step rk9", 2)):
+    for command, status, fenced, words in (
+        (asked["COMMAND"], 0, True, "337/384"),
+        ("value --only rk4.first_step.q --format md", 0, False, "| `rk4.first_step.q` | `337/384` |"),
+        ("facts rk9", 2, True, "driftproof facts: unknown method 'rk9'"),
+    ):
+        (tmp_path / "summary").write_text("")
         done = subprocess.run(
-            ["bash", "-c", run["run"]], env={**given, "COMMAND": command}, cwd=ROOT, capture_output=True
+            ["bash", "-e", "-c", run["run"]],
+            env={**given, "COMMAND": command},
+            cwd=ROOT,
+            capture_output=True,
+            text=True,
         )
-        assert done.returncode == status
-    assert "337/384" in (tmp_path / "summary").read_text()
+        summary = (tmp_path / "summary").read_text()
+        assert (done.returncode, summary.count("```")) == (status, 2 * fenced)
+        assert words in done.stdout
+        assert words in summary

@@ -140,7 +140,8 @@ def test_a_cancelled_future_cancels_its_task_and_takes_no_result():
     ],
 )
 def test_what_distributed_logs_of_its_end_is_not_said_twice(error, kind, line, monkeypatch, caplog):
-    fake = SimpleNamespace(Client=lambda *_, **__: nullcontext(), KilledWorker=KeyError)
+    given = []
+    fake = SimpleNamespace(Client=lambda *_, **options: nullcontext(given.append(options)), KilledWorker=KeyError)
     monkeypatch.setitem(sys.modules, "distributed", fake)
     monkeypatch.setattr(sweeps, "require_package", lambda *_: None)
 
@@ -152,6 +153,7 @@ def test_what_distributed_logs_of_its_end_is_not_said_twice(error, kind, line, m
     with pytest.raises(kind) as raised:
         ends()
     assert (str(raised.value), caplog.messages) == (line, [])
+    assert [options["set_as_default"] for options in given] == [False]
     logging.getLogger("distributed.client").error("heard again")
     assert caplog.messages == ["heard again"]
 

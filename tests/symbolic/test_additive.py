@@ -7,7 +7,7 @@ from math import log2
 import numpy as np
 import pytest
 
-from driftproof import METHODS, Facts, facts_of, read_method
+from driftproof import METHODS, Facts, facts, read_method
 from driftproof.methods.additive import Additive
 from driftproof.methods.catalogue import FACTS_ONLY, entry_named
 from driftproof.methods.number_field import Algebraic
@@ -114,7 +114,7 @@ def test_digits_alone_keep_decimal_tables_from_their_order_and_stability():
 
 
 def test_facts_are_written_and_files_read(answer, refusal, tmp_path):
-    assert facts_of(EVERY["ars222"], ["nodes"])["nodes"] == ["0", "1 - 1/2*sqrt(2)", "1"]
+    assert facts(EVERY["ars222"], only=["nodes"]).data["nodes"] == ["0", "1 - 1/2*sqrt(2)", "1"]
     text = answer("facts", "ARS(4,4,3)")
     assert "  order of the implicit tableau                 3" in text
     assert "takes two right-hand sides: `driftproof facts` and" in refusal(
@@ -124,4 +124,4 @@ def test_facts_are_written_and_files_read(answer, refusal, tmp_path):
     path = tmp_path / "mine.toml"
     lines = ['family = "additive"', "A_explicit = [[0, 0], [1, 0]]", "A_implicit = [[0, 0], [0, 1]]"]
     path.write_text("\n".join([*lines, "b_explicit = [1, 0]", "b_implicit = [0, 1]"]), encoding="utf-8")
-    assert facts_of(read_method(path), ["order", "implicit_l_stable"]) == {"order": 1, "implicit_l_stable": True}
+    assert facts(read_method(path), only=["order", "implicit_l_stable"]).data == {"order": 1, "implicit_l_stable": True}

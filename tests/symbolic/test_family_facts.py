@@ -13,10 +13,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from driftproof.methods.families import FAMILIES
+from driftproof.reports.fact_sheet import facts
 from driftproof.symbolic.algebra.polynomials import exact, scalar
 from driftproof.symbolic.family_facts import FamilyFacts, family_residuals
 from driftproof.symbolic.trees.order_conditions import order, residuals, runge_kutta_conditions
-from driftproof.texts.writing.records import facts_of, family_facts, record
+from driftproof.texts.writing.records import record
 from tests.symbolic.linear.family_examples import CUBIC, SDIRK_3, SECOND, THETA, family
 
 EVERY = {**FAMILIES, "theta": THETA, "cubic": CUBIC, "second": SECOND, "sdirk_3": SDIRK_3}
@@ -40,7 +41,7 @@ def inside(value: Q, interval: dict[str, Any]) -> bool:
 
 def agrees(key: str, name: str, value: Q, pieces: list[dict[str, Any]]) -> bool:
     """Is the limit by pieces that of the member, to 29 digits? SymPy counts the roots of the curve below it."""
-    of_member = facts_of(EVERY[key].member(value), (name,))[name]
+    of_member = facts(EVERY[key].member(value), only=(name,)).data[name]
     (piece,) = (piece for piece in pieces if inside(value, piece["interval"]))
     if piece["curve"] is None:
         return bool(piece["limit"] == of_member)
@@ -57,7 +58,7 @@ def agrees(key: str, name: str, value: Q, pieces: list[dict[str, Any]]) -> bool:
 
 @cache
 def pieces_of(key: str, name: str) -> list[dict[str, Any]]:
-    pieces: list[dict[str, Any]] = family_facts(EVERY[key], (name,))[name]
+    pieces: list[dict[str, Any]] = facts(EVERY[key], only=(name,)).data[name]
     return pieces
 
 
@@ -142,7 +143,7 @@ def test_order_and_the_values_where_it_is_higher(key: str) -> None:
 @pytest.mark.parametrize("key", FAMILIES)
 def test_claimed_order_of_a_family_is_its_order_for_all_values(key: str) -> None:
     assert FamilyFacts(FAMILIES[key]).order == FAMILIES[key].claimed_order
-    assert family_facts(FAMILIES[key], ("method", "order")) == {"method": key, "order": FAMILIES[key].claimed_order}
+    assert facts(FAMILIES[key], only=("method", "order")).data == {"method": key, "order": FAMILIES[key].claimed_order}
 
 
 def test_order_four_is_reached_at_the_three_values_of_crouzeix() -> None:
@@ -159,7 +160,7 @@ def test_order_four_is_reached_at_the_three_values_of_crouzeix() -> None:
 def test_a_critical_value_of_high_degree_is_refused_and_said_so() -> None:
     """R = (1 + z)/(1 - p(t)z): A-stability turns where p(t) = -1 or 0, irreducible of degree 13."""
     twisted = family("t", "t**13 - 3", "t**13 - 2", "t**13 - 3")
-    found = family_facts(twisted, ("a_stable", "real_limit", "order"))
+    found = facts(twisted, only=("a_stable", "real_limit", "order")).data
     assert "degree 13" in found["a_stable"]["refused"]
     assert "at a critical value of t: degree 13" in found["real_limit"]["refused"]
     assert found["order"] == 0

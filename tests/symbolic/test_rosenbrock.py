@@ -7,7 +7,7 @@ from math import log2
 import numpy as np
 import pytest
 
-from driftproof import METHODS, Facts, facts_of, significant
+from driftproof import METHODS, Facts, facts, significant
 from driftproof.methods.catalogue import FACTS_ONLY, entry_named
 from driftproof.methods.number_field import Algebraic
 from driftproof.methods.rosenbrock import Rosenbrock
@@ -125,7 +125,7 @@ def test_digits_alone_keep_decimal_tables_from_their_order():
 
 
 def test_facts_are_written_and_asked_for_by_name(answer, refusal):
-    assert facts_of(EVERY["ros2"])["gamma_sums"] == ["1 - 1/2*sqrt(2)", "-1 + 1/2*sqrt(2)"]
+    assert facts(EVERY["ros2"]).data["gamma_sums"] == ["1 - 1/2*sqrt(2)", "-1 + 1/2*sqrt(2)"]
     text = answer("facts", "GRK4T", "--only", "claimed_order,order", "--order-tolerance", "1e-11")
     assert "order: 4, w_order: 1, embedded_order: 3" in text
     assert "its order is exact and takes no tolerance" in refusal("facts", "bdf2", "--order-tolerance", "1e-9")

@@ -10,10 +10,11 @@ import pytest
 
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.schemes import RungeKutta
-from driftproof.numeric.engine import OSCILLATOR, ensemble_runner, runner
+from driftproof.methods.stepping import oscillator
 from driftproof.symbolic.algebra.certified import significant
 from driftproof.symbolic.error_budget import ErrorOfRun
 from driftproof.symbolic.runs import exact_matrix_at
+from tests.numeric.engine_runs import oscillator_run, step_by_step
 from tests.witnesses.compensated import compensated_bound, plain_bound
 
 RK4, VERLET, SYMPLECTIC = METHODS["rk4"], METHODS["velocity_verlet"], METHODS["symplectic_euler"]
@@ -26,8 +27,18 @@ def test_the_rounding_of_a_run_is_of_the_size_of_the_unit_of_its_format(dtype, u
     wide = {np.float32: np.float64, np.float64: np.longdouble}[dtype]
     if np.finfo(wide).nmant == np.finfo(dtype).nmant:
         pytest.skip("here a long double is a double")
-    differences = _rounding(SYMPLECTIC, OSCILLATOR, 0.125, [1000], 64, dtype, wide)[0]
+    differences = _rounding(SYMPLECTIC, oscillator, 0.125, [1000], 64, dtype, wide)[0]
     assert sqrt(1000) / 10 < np.hypot(*differences) / u < 10 * sqrt(1000)
+
+
+def pendulum(q):
+    return -np.sin(q)
+
+
+def _stepped(method, force, state, h, steps):
+    """The arrays q and v after so many steps, with h and the coefficients in their format."""
+    number = state[0].dtype.type
+    return step_by_step(method, force, *state, number(h), steps, lambda c: number(c.numerator) / number(c.denominator))
 
 
 def _rounding(method, force, h, counts, members, dtype, wide):
@@ -35,16 +46,14 @@ def _rounding(method, force, h, counts, members, dtype, wide):
 
     Both runs are of one text from one start; what they differ by is the rounding of the narrower one.
     """
-    starts = np.random.default_rng(1).uniform(-1, 1, (2, members)).astype(dtype)
-    narrow, exact, run, at = list(starts), [x.astype(wide) for x in starts], ensemble_runner(method, force), 0
-    found = []
+    narrow = np.random.default_rng(1).uniform(-1, 1, (2, members)).astype(dtype)
+    exact, at, found = narrow.astype(wide), 0, []
     for count in counts:
-        run(*narrow, h, count - at)
-        run(*exact, h, count - at)
+        narrow, exact = (_stepped(method, force, state, h, count - at) for state in (narrow, exact))
         at = count
         dq, dv = ((x.astype(wide) - y).astype(float) for x, y in zip(narrow, exact, strict=True))
         q, v = (x.astype(float) for x in exact)
-        slope = np.sin(q) if "sin" in force else q
+        slope = -force(q)
         energy, time = slope * dq + v * dv, (v * dq - slope * dv) / (v * v + slope * slope)
         found.append([float(np.sqrt((x * x).mean())) for x in (energy, time)])
     return found
@@ -66,14 +75,14 @@ def _exponents(method, force, members, first):
 @pytest.mark.parametrize(("members", "first"), SIZES)
 def test_rounding_of_the_energy_of_the_oscillator_grows_like_the_root_of_n(members, first):
     """A random walk. Verlet's coefficients 1/2 and 1 are floats, so nothing pulls to one side."""
-    assert abs(_exponents(VERLET, OSCILLATOR, members, first)[0] - 1 / 2) < 0.1
+    assert abs(_exponents(VERLET, oscillator, members, first)[0] - 1 / 2) < 0.1
 
 
 @LONG_DOUBLES
 @pytest.mark.parametrize(("members", "first"), SIZES)
 def test_rounding_of_the_time_of_the_pendulum_grows_like_n_to_the_three_halves(members, first):
     """Its period depends on the energy, and the sum of a random walk grows so (hairer-mclachlan-razakarivony-2008)."""
-    energy, time = _exponents(VERLET, "(-sin({}))", members, first)
+    energy, time = _exponents(VERLET, pendulum, members, first)
     assert abs(energy - 1 / 2) < 0.1
     assert abs(time - 3 / 2) < 0.15
 
@@ -83,7 +92,7 @@ def test_rounding_of_the_time_of_the_pendulum_grows_like_n_to_the_three_halves(m
 def test_rounded_weights_of_rk4_pull_its_time_to_one_side_and_that_grows_like_n(members, first):
     """fl(1/6) + 2 fl(1/3) + ... is 1 - u/2: each step is short by u h/2, whatever the state."""
     assert sum(Q(float(b)) for b in RK4.b) == 1 - U / 2
-    assert abs(_exponents(RK4, OSCILLATOR, members, first)[1] - 1) < 0.05
+    assert abs(_exponents(RK4, oscillator, members, first)[1] - 1) < 0.05
 
 
 # Compensated additions
@@ -105,7 +114,7 @@ def _compensated_by_hand(q, v, h, steps):
 
 def test_a_compensated_run_keeps_exactly_what_its_additions_round_off():
     for h in (0.1, -0.3, 1e-4):
-        assert runner(METHODS["forward_euler"], compensated=True)(0.6, -0.8, h, 50) == tuple(
+        assert oscillator_run(METHODS["forward_euler"], compensated=True)(0.6, -0.8, h, 50) == tuple(
             _compensated_by_hand(0.6, -0.8, h, 50)[0]
         )
 
@@ -132,7 +141,7 @@ def _rounding_of_rk4(steps, *, compensated):
     method = RungeKutta("rk4_in_floats", "", 0, "a test", a, b, RK4.c)
     h, found = 32 / steps, []
     for start in ((1.0, 0.0), (0.6, -0.8), (0.3, 0.7)):
-        final = tuple(map(Q, runner(method, compensated=compensated)(*start, h, steps)))
+        final = tuple(map(Q, oscillator_run(method, compensated=compensated)(*start, h, steps)))
         error = ErrorOfRun(exact_matrix_at(method, Q(h)), Q(h), steps, tuple(map(Q, start)), final)
         found.append(float(significant(error.rounding, 3)) / float(U))
     return max(found)
@@ -152,6 +161,6 @@ def test_compensation_takes_the_root_of_n_out_of_the_rounding_of_rk4():
 
 def test_compensation_does_not_mend_the_weights():
     """Against the map of RK4 itself the clock is short by u/2 a unit of time, compensated or not: 16u at t = 32."""
-    q, v = runner(RK4, compensated=True)(1.0, 0.0, 2.0**-9, 2**14)
+    q, v = oscillator_run(RK4, compensated=True)(1.0, 0.0, 2.0**-9, 2**14)
     error = ErrorOfRun(exact_matrix_at(RK4, Q(1, 2**9)), Q(1, 2**9), 2**14, (Q(1), Q(0)), (Q(q), Q(v)))
     assert 14 < float(significant(error.rounding, 4)) / float(U) < 18

@@ -21,14 +21,14 @@ from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.symbolic.rounding.formats import power_of_two
 
 LINEAR, _REST, _DIGITS, _SUBNORMALS = "linear", "rest", "small_digits", "subnormals"
-# Up to this many roundings of sums with a number of ordinary size, or units of the smallest number, are no rule: no sum
-# of the catalogue has more than 18 terms (kahan_li8), each rounded three times or less in a program's own units.
+# An error of up to this many u of a number of ordinary size, or of this many smallest numbers, is rounding and no rule:
+# no sum of the catalogue has more than 18 terms (kahan_li8), each rounded at most three times in a program's own units.
 _SUMS = 64
 # Exponents of two at which states are tried: closely spaced where rules and bends begin, widely where only overflow is.
 _SMALL = (-30, -20, -12, -8, -5, -3, -1, 0)
 _LARGE = (0, 1, 3, 5, 8, 12, 20, 40, 100, 300, 700)
-# At _SOON times the size at which it shows first, a smooth departure, as the sixth power of the size or less, has grown
-# by less than _SHARP; one that begins at a border has grown by more, or is above _PLAIN of the whole.
+# A smooth departure from proportionality grows at most like the sixth power of the size: from where it first shows to
+# _SOON times that size by less than _SHARP. One that begins at a border grows by more, or exceeds the part _PLAIN.
 _SOON, _SHARP, _PLAIN = 4.0, 2.0**16, 2.0**-4
 # A step that changes within this factor is linear nowhere.
 _NEXT = 1 + 2.0**-20

@@ -13,6 +13,7 @@ from flint import arb, arb_mat, ctx
 
 from driftproof.blackbox.judging.measured_order import MeasuredOrder, measured_in_floats
 from driftproof.blackbox.judging.nonlinear_problems import NonlinearProblem, field_problem
+from driftproof.blackbox.judging.nonlinear_step import solved_in_balls
 from driftproof.blackbox.judging.walks import Walker
 from driftproof.blackbox.probes.scripted_answers import Rounding
 from driftproof.blackbox.stepper.array_adapters import AnyNumber
@@ -23,8 +24,6 @@ from driftproof.symbolic.algebra.certified import enclose
 
 # The precision and the length of a difference in balls: its quotient is right to the last bit of a float of size 1.
 _BITS, _STEP = 256, 2.0**-100
-# The most iterations of the stages, and when they have settled: each gains at least a bit, since h g' contracts.
-_ROUNDS, _SETTLED = 400, 2.0**-150
 # A difference quotient for df/dt in floats is off by a few times the square root of u.
 DIFFERENCES = 4
 # Order conditions count as satisfied up to this: errors of reading, and of printed decimals, leave less.
@@ -118,7 +117,7 @@ class _TwoFunctionWalker(Walker):
 
     def problems(self, numbers: int) -> list[NonlinearProblem]:
         """The problems of a plain walk, with the functions that the stepper takes besides f."""
-        alone = Walker(_alone(self.subject), self.method)
+        alone = Walker(_alone(self.subject), self.wanted)
         return [self.kind(**vars(problem)) for problem in alone.problems(numbers)]
 
 
@@ -170,28 +169,8 @@ class ImexWalker(_TwoFunctionWalker):
     def own_step(self, problem: NonlinearProblem, t: float, y: Sequence[float], h: float) -> list[arb]:
         """y + h Σ (bᵢ f(Yᵢ) + b̂ᵢ g(Yᵢ)), by iteration. Raises ArithmeticError if the stages do not converge."""
         assert isinstance(problem, _InTwoParts)
-        method, parts = self.method, (False, True)
-        tables = [[[enclose(x) for x in row] for row in a] for a in (method.a_explicit, method.a_implicit)]
-        weights = [[enclose(x) for x in b] for b in (method.b_explicit, method.b_implicit)]
+        tables = [[[enclose(x) for x in row] for row in a] for a in (self.method.a_explicit, self.method.a_implicit)]
+        weights = [[enclose(x) for x in b] for b in (self.method.b_explicit, self.method.b_implicit)]
         nodes = [sum(row, arb(0)) for row in tables[0]]
-        slopes = [[[arb(0)] * len(y) for _ in nodes] for _ in parts]
-
-        def moved(rows: Sequence[Sequence[arb]]) -> list[arb]:
-            found = [arb(x) for x in y]
-            for row, part in zip(rows, slopes, strict=True):
-                found = [
-                    x + h * sum((w * k[m] for w, k in zip(row, part, strict=True)), arb(0)) for m, x in enumerate(found)
-                ]
-            return found
-
-        for _ in range(_ROUNDS):
-            before = slopes
-            places = [moved([table[i] for table in tables]) for i in range(len(nodes))]
-            slopes = [
-                [[k.mid() for k in problem.part(t + c * h, z, part)] for c, z in zip(nodes, places, strict=True)]
-                for part in parts
-            ]
-            flat = zip(np.ravel(np.array(slopes, dtype=object)), np.ravel(np.array(before, dtype=object)), strict=True)
-            if all(abs(x - old) <= _SETTLED * (1 + abs(x)) for x, old in flat):
-                return moved(weights)
-        raise ArithmeticError(f"the stages of {method.key} do not converge")
+        slopes_at = lambda i, z, part: problem.part(t + nodes[i] * h, z, bool(part))
+        return solved_in_balls(self.method, tables, weights, slopes_at, [arb(x) for x in y], arb(h))

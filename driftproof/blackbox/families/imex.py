@@ -16,6 +16,7 @@ from driftproof.blackbox.families.family_walks import (
 from driftproof.blackbox.families.imex_step import IMEX_PARTS, ImexReading, read_imex_step
 from driftproof.blackbox.findings import StepFinding
 from driftproof.blackbox.judging.measured_order import MeasuredOrder, order_seen, slopes_text
+from driftproof.blackbox.judging.specification import Specification
 from driftproof.blackbox.judging.walks import there_and_back
 from driftproof.blackbox.probes.coefficients import coefficient_difference, coefficient_text
 from driftproof.blackbox.probes.scripted_answers import CoefficientRow
@@ -154,7 +155,8 @@ def read_imex(subject: ForeignStepper, asked: Additive | None = None) -> ImexIde
     reading = _in_order(read_imex_step(subject))
     known, walked = next((m for m in _methods() if _differences(m, reading) == []), None), None
     if (method := asked or known) and _differences(method, reading) == []:
-        walked = there_and_back(ImexWalker(subject, method, solved=max(_SOLVER * reading.curved, WELL_SOLVED)))
+        solved = max(_SOLVER * reading.curved, WELL_SOLVED)
+        walked = there_and_back(ImexWalker(subject, Specification(method), solved))
     return ImexIdentity(reading, known, measured_of_two(subject, WithDamping, _HALVINGS), walked)
 
 

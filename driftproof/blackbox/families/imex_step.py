@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import fsum
+from functools import partial
 
-from driftproof.blackbox.findings import UnsupportedCall
+from driftproof.blackbox.findings import UnsupportedCall, first_taken
 from driftproof.blackbox.probes.marked_stages import MarkedSteps, Setting
 from driftproof.blackbox.probes.scripted_answers import CoefficientRow, NotReadable, Rounding
 from driftproof.blackbox.probes.stage_chains import StageChains, StageTable
-from driftproof.blackbox.probes.stage_solutions import UNSOLVED
+from driftproof.blackbox.probes.stage_solutions import UNSOLVED, step_by_iteration
 from driftproof.blackbox.stepper.calling_conventions import IMEX, IMPLICIT
 from driftproof.blackbox.stepper.foreign_code import FieldFunction
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
@@ -76,13 +76,7 @@ def read_imex_step(subject: ForeignStepper) -> ImexReading:
     if subject.convention.kind != IMEX:
         raise UnsupportedCall(f"the stepper is called as {subject.convention.kind!r}, which takes one right-hand side")
     steps = _SplitSteps(subject)
-    refusals: list[NotReadable] = []
-    for clocks in range(not steps.timed, steps.size):
-        try:
-            return _read(steps, clocks)
-        except NotReadable as refusal:
-            refusals.append(refusal)
-    raise refusals[0]
+    return first_taken(partial(_read, steps), range(not steps.timed, steps.size), NotReadable)
 
 
 def _read(steps: _SplitSteps, clocks: int) -> ImexReading:
@@ -110,17 +104,7 @@ def _bent(steps: _SplitSteps, reading: ImexReading, setting: Setting) -> float:
         return [(1 - 2 * part) * (0.5 + clock * i) + _BEND / h * x * (1 + part) for i, x in enumerate(drawn)]
 
     run = steps.smooth(setting, lambda node, moved: rates(node, moved, steps.part))
-    nodes = reading.c or (None,) * reading.stages
-    slopes = [[[0.0] * steps.size for _ in nodes] for _ in IMEX_PARTS]
-
-    def summed(rows: Sequence[CoefficientRow]) -> list[float]:
-        columns = [list(zip(*slopes[part], strict=True)) for part in range(len(IMEX_PARTS))]
-        return [
-            h * fsum(x * k for p, row in enumerate(rows) for x, k in zip(row, columns[p][i], strict=True))
-            for i in range(steps.size)
-        ]
-
-    for _ in range(_ROUNDS):
-        places = [summed((reading.a[0][i], reading.a[1][i])) for i in range(reading.stages)]
-        slopes = [[rates(c, y, part) for c, y in zip(nodes, places, strict=True)] for part in range(len(IMEX_PARTS))]
-    return max(abs(x - setting.start - y) for x, y in zip(run.result, summed(reading.b), strict=True))
+    nodes, still = reading.c or (None,) * reading.stages, [0.0] * steps.size
+    slopes = lambda i, y, part: rates(nodes[i], y, part)
+    said, _ = step_by_iteration(reading.a, reading.b, slopes, still, h, _ROUNDS)
+    return max(abs(x - setting.start - float(y)) for x, y in zip(run.result, said, strict=True))

@@ -24,22 +24,22 @@ _NEAR = 2.0**-6
 _SLIGHT = 2.0**-24
 
 
-def _matrix(omega: Array, *, body: bool, last: bool) -> Array:
-    """The matrix of q -> q omega if `body`, else omega q; the scalar of q is its last number if `last`."""
-    x, y, z = omega
-    sign = 1 if body else -1
-    rows = [[0, -x, -y, -z], [x, 0, sign * z, -sign * y], [y, -sign * z, 0, sign * x], [z, sign * y, -sign * x, 0]]
-    place = [1, 2, 3, 0] if last else [0, 1, 2, 3]
-    return np.array(rows, dtype=np.float64)[np.ix_(place, place)]
-
-
-# The products with omega: the arguments `body` and `last` of their matrices.
+# The products with omega that a rate may be: whether q is the first factor, and whether its scalar is its last number.
 _PRODUCTS: Mapping[str, tuple[bool, bool]] = {
     "q omega (scalar first)": (True, False),
     "omega q (scalar first)": (False, False),
     "q omega (scalar last)": (True, True),
     "omega q (scalar last)": (False, True),
 }
+
+
+def _matrix(omega: Array, product: str) -> Array:
+    """The matrix that takes q to its product with omega."""
+    (x, y, z), (first, last) = omega, _PRODUCTS[product]
+    sign = 1 if first else -1
+    rows = [[0, -x, -y, -z], [x, 0, sign * z, -sign * y], [y, -sign * z, 0, sign * x], [z, sign * y, -sign * x, 0]]
+    place = [1, 2, 3, 0] if last else [0, 1, 2, 3]
+    return np.array(rows, dtype=np.float64)[np.ix_(place, place)]
 
 
 @dataclass(frozen=True)
@@ -110,25 +110,47 @@ def read_quaternion(subject: ForeignStepper) -> QuaternionReading:
     """Read a step of a quaternion at constant angular velocities. Raises NotReadable, or the stepper's Misbehaviour."""
     rounding = Rounding(subject.format, 12)  # some 60 operations
     normalised = _normalised(subject, rounding)
+    product, scale, unlike = _rate(subject)
+    if unlike:
+        return QuaternionReading("", turn_of([1.0] * len(TURN_ANGLES), rounding), normalised, unlike)
+    factors, uneven = _factors(subject, product, rounding)
+    slight, turning = _columns(subject, _SLIGHT * _AXES[1], 1.0), _matrix(_AXES[1], product)
+    if not uneven and np.max(np.abs(slight - scale * _SLIGHT * turning)[turning != 0]) > _NEAR * _SLIGHT:
+        uneven = f"with h |omega| = {_SLIGHT:.3g} it does not turn as with larger ones"
+    if scale < 0:
+        product, factors = f"-{product}", [r.conjugate() for r in factors]
+    return QuaternionReading(product, turn_of(factors, rounding), normalised, uneven, _at_rest(subject))
+
+
+def _rate(subject: ForeignStepper) -> tuple[str, float, str]:
+    """The product nearest to the rate of a short step, its factor, and in words what the rate is instead, or ""."""
     short = float(subject.format.u) ** 0.5
     rate = (_columns(subject, _AXES[0], short) - np.eye(4)) / short
-    tables = {words: _matrix(_AXES[0], body=b, last=n) for words, (b, n) in _PRODUCTS.items()}
+    tables = {product: _matrix(_AXES[0], product) for product in _PRODUCTS}
     product = max(tables, key=lambda words: abs(float((rate * tables[words]).sum())))
-    found, said = _PRODUCTS[product], tables[product]
+    said = tables[product]
     scale = float(np.median(rate[said != 0] / said[said != 0]))
     off = rate - scale * said
-    if np.max(np.abs(off)) > _NEAR * (1 + abs(scale)):
-        i, j = np.unravel_index(int(np.argmax(np.abs(off))), off.shape)
-        uneven = (
+    if np.max(np.abs(off)) <= _NEAR * (1 + abs(scale)):
+        return product, scale, ""
+    i, j = np.unravel_index(int(np.argmax(np.abs(off))), off.shape)
+    return (
+        product,
+        scale,
+        (
             f"its rate is not a product of q and omega: at omega = (2, 3, 6)/7 the rate of q[{i}] takes "
             f"{rate[i, j]:.3g} q[{j}], that of {product} {scale * said[i, j]:.3g} q[{j}]"
-        )
-        return QuaternionReading("", turn_of([1.0] * len(TURN_ANGLES), rounding), normalised, uneven)
-    factors, uneven = [], ""
+        ),
+    )
+
+
+def _factors(subject: ForeignStepper, product: str, rounding: Rounding) -> tuple[list[complex], str]:
+    """The factors a + ib at TURN_ANGLES, and in words what else a step depends on, or ""."""
+    factors, uneven = list[complex](), ""
 
     def factor(angle: float, axis: Array, h: float) -> tuple[complex, float, str]:
         """R of a step about an axis, how far it may be off, and what is no rotation about that axis."""
-        turning, step = _matrix(axis, body=found[0], last=found[1]), _columns(subject, 2 * angle * axis / h, h)
+        turning, step = _matrix(axis, product), _columns(subject, 2 * angle * axis / h, h)
         a, b = float(np.trace(step)) / 4, float((step * turning).sum()) / 4
         allowed = rounding.of(8.0 * (1 + abs(complex(a, b))))
         off = np.max(np.abs(step - a * np.eye(4) - b * turning)) > allowed
@@ -144,12 +166,7 @@ def read_quaternion(subject: ForeignStepper) -> QuaternionReading:
     for angle in BETWEEN_ANGLES:
         if not uneven and not turn.is_at(angle, factor(angle, _AXES[1], 1.0)[0]):
             uneven = f"with h |omega| = {2 * angle:.3g} it does not turn as with larger ones"
-    slight, turning = _columns(subject, _SLIGHT * _AXES[1], 1.0), _matrix(_AXES[1], body=found[0], last=found[1])
-    if not uneven and np.max(np.abs(slight - scale * _SLIGHT * turning)[turning != 0]) > _NEAR * _SLIGHT:
-        uneven = f"with h |omega| = {_SLIGHT:.3g} it does not turn as with larger ones"
-    if scale < 0:
-        product, turn = f"-{product}", turn_of([r.conjugate() for r in factors], rounding)
-    return QuaternionReading(product, turn, normalised, uneven, _at_rest(subject))
+    return factors, uneven
 
 
 def _at_rest(subject: ForeignStepper) -> str:

@@ -129,9 +129,9 @@ def verify_family(runner: IsolatedRunner, method: Method | FactsOnly | Boris) ->
     read: FamilyReading = outcome.result
     checks = read.criteria(method)
     open_ones = [check for check in checks if check.passed is None]
-    others = checks[2:]
+    decisive, others = checks[:2], checks[2:]  # what was read comes first, then measurements, of which one suffices
     seen = any(check.passed for check in others) or all(check.mark == "not tested" for check in others)
-    decided = seen and all(check.passed for check in checks[:2])
+    decided = seen and all(check.passed for check in decisive)
     passed = False if any(check.passed is False for check in checks) else True if decided else None
     parts, data = criteria_parts(checks, passed)
     if passed is False:

@@ -21,6 +21,7 @@ from driftproof.blackbox.families.family_walks import (
 from driftproof.blackbox.families.rosenbrock_step import RosenbrockReading, read_rosenbrock_step
 from driftproof.blackbox.findings import StepFinding
 from driftproof.blackbox.judging.measured_order import MeasuredOrder, order_seen, slopes_text
+from driftproof.blackbox.judging.specification import Specification
 from driftproof.blackbox.judging.walks import there_and_back
 from driftproof.blackbox.matching.tables import Array
 from driftproof.blackbox.probes.coefficients import coefficient_text, exact_shown
@@ -290,5 +291,5 @@ def read_rosenbrock(subject: ForeignStepper, asked: Rosenbrock | None = None) ->
     )
     walked = None
     if method := asked or found:
-        walked = there_and_back(RosenbrockWalker(subject, method, slack=reading.slack, autonomous=not reading.by))
+        walked = there_and_back(RosenbrockWalker(subject, Specification(method), reading.slack, not reading.by))
     return RosenbrockIdentity(reading, found, near, measured, with_half.order, walked)

@@ -7,17 +7,16 @@ from dataclasses import dataclass, replace
 from decimal import Decimal
 from fractions import Fraction
 from itertools import cycle, islice, product
-from math import inf
 from typing import Any
 
 from driftproof.blackbox.findings import Misbehaviour, StepFinding, UnsupportedCall
 from driftproof.blackbox.judging.sampled_steps import Arguments, Sizes, simplest_step, steps_within
-from driftproof.blackbox.judging.tolerance import Allowance, Judgement, Tolerance
+from driftproof.blackbox.judging.specification import ORDINARY_DOMAIN, Domain, Specification
+from driftproof.blackbox.judging.tolerance import Judgement, Tolerance
 from driftproof.blackbox.stepper.call_text import call_text
 from driftproof.blackbox.stepper.calling_conventions import MAP
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.blackbox.stepper.state_forms import BATCH, columns_of
-from driftproof.methods.schemes import Method
 from driftproof.symbolic.algebra.certified import significant
 from driftproof.symbolic.rounding.formats import BINARY64
 
@@ -29,46 +28,6 @@ EXAMPLES = 1000
 _ORDINARY, _TOGETHER = 3, (2, 4, 7, 8, 9, 33)
 # The digits of an exact value shown: three more than distinguish two neighbouring doubles.
 _DIGITS = 20
-
-
-@dataclass(frozen=True)
-class Domain:
-    """The sizes of h > 0, q and v at which a stepper is tried; q and v are also tried at 0.
-
-    The smallest sizes keep arguments away from underflow, where codes that convert units lose digits harmlessly; if
-    they are 0, all floats are tried. In narrow formats they are raised to the square root of the smallest normal
-    number. Raises ValueError unless 0 <= smallest < largest < inf.
-
-    >>> from driftproof import Domain, verify
-    >>> step = lambda q, v, h: (q + h * v, v - h * q)
-    >>> verify(step, "forward_euler", domain=Domain(largest_step=0.5), examples=50, isolate=False).passed
-    True
-    """
-
-    largest_step: float = 2.0
-    largest_state: float = 1000.0
-    smallest_step: float = 2.0**-20
-    smallest_state: float = 2.0**-60
-
-    def __post_init__(self) -> None:
-        """Raise ValueError unless 0 <= smallest < largest < inf for steps and for states."""
-        for low, high in self.ranges:
-            if not 0 <= low < high < inf:
-                raise ValueError(f"from {low:g} to {high:g}: need 0 <= smallest < largest < infinity")
-
-    @property
-    def ranges(self) -> tuple[tuple[float, float], tuple[float, float]]:
-        """The smallest and largest sizes, first of steps, then of states."""
-        return (self.smallest_step, self.largest_step), (self.smallest_state, self.largest_state)
-
-    @property
-    def words(self) -> str:
-        """The domain as inequalities."""
-        return f"{self.smallest_step:.3g} <= h <= {self.largest_step:g}, |q|, |v| <= {self.largest_state:g}"
-
-
-ORDINARY_DOMAIN = Domain()
-NO_ALLOWANCE = Allowance()
 
 
 @dataclass(frozen=True)
@@ -168,19 +127,13 @@ class Agreement:
         }
 
 
-def agreement(
-    subject: ForeignStepper,
-    method: Method,
-    allowance: Allowance = NO_ALLOWANCE,
-    domain: Domain = ORDINARY_DOMAIN,
-    examples: int = EXAMPLES,
-) -> Agreement:
+def agreement(subject: ForeignStepper, wanted: Specification, examples: int = EXAMPLES) -> Agreement:
     """Compare the stepper with the method on the oscillator, at `examples` steps that are the same on every run.
 
-    Raises ValueError if `allowance` lacks the solver tolerance of an implicit method or has one for an explicit method,
-    or if the domain leads to overflow; UnsupportedCall if the stepper takes one number only.
+    Raises ValueError if the allowance lacks the solver tolerance of an implicit method or has one for an explicit
+    method, or if the domain leads to overflow; UnsupportedCall if the stepper takes one number only.
     """
-    tolerance = Tolerance(method, subject.format, allowance)
+    tolerance, domain = Tolerance.of(wanted, subject.format), wanted.domain
     if subject.single:
         raise UnsupportedCall("it takes one number, but q'' = -q needs two")
     if domain != ORDINARY_DOMAIN:
@@ -212,17 +165,15 @@ def ordinary_arguments(subject: ForeignStepper, domain: Domain) -> tuple[list[tu
     return [(number(size * q), number(size * v)) for q, v in _STATES_BACK], [number(longest * h) for h in _STEPS_BACK]
 
 
-def steps_back(
-    subject: ForeignStepper, method: Method, allowance: Allowance = NO_ALLOWANCE, domain: Domain = ORDINARY_DOMAIN
-) -> StepFinding:
+def steps_back(subject: ForeignStepper, wanted: Specification) -> StepFinding:
     """Compare a few steps with h < 0 with M(h); which the finding shows again if one is wrong.
 
     The answer is None if h < 0 is refused, and for an implicit method, whose stages need not have a solution at h < 0.
     States and steps are of ordinary size, or smaller if the domain is.
     """
-    if not method.explicit:
-        return StepFinding(None, f"{method.key} is implicit: steps back are not tried")
-    tolerance, (states, steps) = Tolerance(method, subject.format, allowance), ordinary_arguments(subject, domain)
+    if not wanted.method.explicit:
+        return StepFinding(None, f"{wanted.method.key} is implicit: steps back are not tried")
+    tolerance, (states, steps) = Tolerance.of(wanted, subject.format), ordinary_arguments(subject, wanted.domain)
     for h, (q, v) in product(steps, states):
         example = _example(subject, tolerance, q, v, -h)
         if example.answer is None:
@@ -233,20 +184,18 @@ def steps_back(
     return StepFinding(True, f"{len(steps) * len(states)} steps with h < 0 within the bound")
 
 
-def several_together(
-    subject: ForeignStepper, method: Method, allowance: Allowance = NO_ALLOWANCE, domain: Domain = ORDINARY_DOMAIN
-) -> StepFinding:
+def several_together(subject: ForeignStepper, wanted: Specification) -> StepFinding:
     """Compare the step of several oscillators at once, of all sizes in the domain, with M(h); return the finding.
 
     They are the numbers of one state, or states in arrays if the system is built in. For an implicit method they have
     one size, since a solver may stop by the largest. The answer is None if only one is taken at a time. Raises
     UnsupportedCall if an array is one state.
     """
-    tolerance, (states, (_, h)) = Tolerance(method, subject.format, allowance), ordinary_arguments(subject, domain)
-    steps, sizes = (Sizes(*ends, subject.format) for ends in domain.ranges)
+    tolerance, (states, (_, h)) = Tolerance.of(wanted, subject.format), ordinary_arguments(subject, wanted.domain)
+    steps, sizes = (Sizes(*ends, subject.format) for ends in wanted.domain.ranges)
     drawn, taken, refused = steps_within(steps, sizes), list[int](), ""
     for count in (len(states), *_TOGETHER):
-        if method.explicit and count != len(states):
+        if wanted.method.explicit and count != len(states):
             (q, v, h), *others = islice(drawn, count)
             states = [(q, v), *((q, v) for q, v, _ in others)]
         else:

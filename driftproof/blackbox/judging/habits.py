@@ -8,8 +8,9 @@ from fractions import Fraction
 from functools import partial
 from math import inf, log10
 
-from driftproof.blackbox.judging.agreement import EXAMPLES, NO_ALLOWANCE, ORDINARY_DOMAIN, Agreement, Domain, agreement
-from driftproof.blackbox.judging.tolerance import Allowance, Tolerance
+from driftproof.blackbox.judging.agreement import EXAMPLES, Agreement, agreement
+from driftproof.blackbox.judging.specification import Allowance, Specification
+from driftproof.blackbox.judging.tolerance import Tolerance
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.methods.number_field import Exact
 from driftproof.methods.schemes import Method, Nystrom, RungeKutta, Splitting
@@ -26,34 +27,30 @@ _DIGITS_AROUND = 2
 _FEWEST = 5
 
 
-def explain_by_habits(
-    subject: ForeignStepper,
-    method: Method,
-    allowance: Allowance = NO_ALLOWANCE,
-    domain: Domain = ORDINARY_DOMAIN,
-    examples: int = EXAMPLES,
-) -> Agreement:
+def explain_by_habits(subject: ForeignStepper, wanted: Specification, examples: int = EXAMPLES) -> Agreement:
     """The agreement; if it does not hold, `but_for` names the first habit or number of digits with which it does.
 
     Raises the ValueError of `agreement`.
     """
-    found = agreement(subject, method, allowance, domain, examples)
+    found = agreement(subject, wanted, examples)
     if found.failing is None or found.failing.answer is None:
         return found
     q, v, h, answer = found.failing.q, found.failing.v, found.failing.h, found.failing.answer
     if subject.step(q, v, h) != answer:  # no habit explains a step that goes elsewhere when it is made again
         return found
-    for words, allowed in HABITS.items():
-        if allowed(allowance) != allowance and agreement(subject, method, allowed(allowance), domain, examples).holds:
+    for words, habit in HABITS.items():
+        allowing = replace(wanted, allowance=habit(wanted.allowance))
+        if allowing != wanted and agreement(subject, allowing, examples).holds:
             return replace(found, but_for=words)
-    near: list[tuple[float, str, Method]] = []
-    for words, rounded in _of_few_digits(method, found.largest_scaled_error * float(subject.format.u)):
-        judged = Tolerance(rounded, subject.format, allowance).judge(q, v, h, answer)
+    near: list[tuple[float, str, Specification]] = []
+    for words, method in _of_few_digits(wanted.method, found.largest_scaled_error * float(subject.format.u)):
+        rounded = replace(wanted, method=method)
+        judged = Tolerance.of(rounded, subject.format).judge(q, v, h, answer)
         if all(component.allowed for component in judged):
             near.insert(0, (max(component.ratio for component in judged), words, rounded))
     # Several numbers of digits may give the same coefficients: the fewest, tried last, come first and name them.
     for _, words, rounded in sorted(near, key=lambda each: each[0]):
-        if agreement(subject, rounded, allowance, domain, examples).holds:
+        if agreement(subject, rounded, examples).holds:
             return replace(found, but_for=f"if its coefficients are rounded to {words}")
     return found
 

@@ -8,8 +8,9 @@ from itertools import product
 from typing import Any, NamedTuple
 
 from driftproof.blackbox.findings import Misbehaviour, StepFinding, UnsupportedCall, WrongShape
-from driftproof.blackbox.judging.agreement import NO_ALLOWANCE, ORDINARY_DOMAIN, Domain, ordinary_arguments
-from driftproof.blackbox.judging.tolerance import Allowance, Tolerance
+from driftproof.blackbox.judging.agreement import ordinary_arguments
+from driftproof.blackbox.judging.specification import Specification
+from driftproof.blackbox.judging.tolerance import Tolerance
 from driftproof.blackbox.stepper.calling_conventions import (
     FORCE,
     MAP,
@@ -18,20 +19,18 @@ from driftproof.blackbox.stepper.calling_conventions import (
     STIFFNESSES,
     UNIT_PARAMETERS,
     parameters_of,
+    word_of,
 )
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
-from driftproof.methods.schemes import Method
 
 
-def other_parameters(
-    subject: ForeignStepper, method: Method, allowance: Allowance = NO_ALLOWANCE, domain: Domain = ORDINARY_DOMAIN
-) -> StepFinding:
+def other_parameters(subject: ForeignStepper, wanted: Specification) -> StepFinding:
     """Compare steps with another mass, stiffness or frequency with M(h), and return as `steps_back` does.
 
     The answer is None if it has none of these; its words then name the parameters that were left at their defaults.
     Raises UnsupportedCall if it has no further parameters at all.
     """
-    tolerance, (states, steps) = Tolerance(method, subject.format, allowance), ordinary_arguments(subject, domain)
+    tolerance, (states, steps) = Tolerance.of(wanted, subject.format), ordinary_arguments(subject, wanted.domain)
     known = {*subject.convention.extra, *subject.adapter.parameters}
     left = [name for name in _optional(subject) if name not in known]
     held = list[str]()
@@ -94,7 +93,7 @@ def _with_other_parameters(subject: ForeignStepper) -> Iterator[list[_Reading]]:
     """
     found, adapter = subject.convention, subject.adapter
     ones = [name for name, x in _optional(subject).items() if x == 1 and (type(x) is float or len(name) > 1)]
-    given = {name: name.lower().strip("_") for name in (*found.extra, *adapter.parameters, *ones)}
+    given = {name: word_of(name) for name in (*found.extra, *adapter.parameters, *ones)}
     masses = [name for name, word in given.items() if word in MASSES]
     others = {name: word for name, word in given.items() if word in UNIT_PARAMETERS and name not in masses}
     momentum = bool({*found.names} & {*MOMENTA} and masses)

@@ -11,8 +11,9 @@ from typing import Any
 import numpy as np
 
 from driftproof.blackbox.findings import Misbehaviour, RightInAnotherForm, StepFinding, WrongShape
-from driftproof.blackbox.judging.agreement import NO_ALLOWANCE, ORDINARY_DOMAIN, Domain, ordinary_arguments
-from driftproof.blackbox.judging.tolerance import Allowance, Tolerance
+from driftproof.blackbox.judging.agreement import ordinary_arguments
+from driftproof.blackbox.judging.specification import Specification
+from driftproof.blackbox.judging.tolerance import Tolerance
 from driftproof.blackbox.judging.walks import Walker, walk_on
 from driftproof.blackbox.stepper.array_adapters import ARRAYS, LISTS, SCALARS, TUPLES, ArrayAdapter, Foreign
 from driftproof.blackbox.stepper.calling_conventions import (
@@ -26,9 +27,9 @@ from driftproof.blackbox.stepper.calling_conventions import (
 )
 from driftproof.blackbox.stepper.foreign_code import CallLog
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
-from driftproof.blackbox.stepper.state_forms import BODIES, IN_PLANE, OF_TWO_DIMENSIONS, clock_of, parts_of
+from driftproof.blackbox.stepper.records import clock_of, parts_of
+from driftproof.blackbox.stepper.state_forms import BODIES, IN_PLANE, OF_TWO_DIMENSIONS
 from driftproof.blackbox.stepper.wrappers import turn_wrapper
-from driftproof.methods.schemes import Method
 
 _FORMS = (ARRAYS, LISTS, TUPLES)
 # Chosen: the number of successive steps from each form of state.
@@ -38,9 +39,7 @@ _CLOCK = 2.0**-8
 _STATE_ROLES = (POSITION, VELOCITY, STATE)
 
 
-def state_objects(
-    subject: ForeignStepper, method: Method, allowance: Allowance = NO_ALLOWANCE, domain: Domain = ORDINARY_DOMAIN
-) -> StepFinding:
+def state_objects(subject: ForeignStepper, wanted: Specification) -> StepFinding:
     """Compare steps from the very object that the step before returned, and from other forms of state, with the method.
 
     The words name the form that was given. The answer is None if the step is wrong in that form and in every other. If
@@ -49,7 +48,7 @@ def state_objects(
     """
     several = ", several positions as NumPy arrays" * (subject.adapter is SCALARS and subject.convention.kind == FORCE)
     back = ", and comes back as (v1, q1)" * subject.convention.velocity_first
-    trial = partial(_tried, method=method, allowance=allowance, domain=domain)
+    trial = partial(_tried, wanted=wanted)
     given = f"the state is given as {subject.adapter.name}{several}{back}"
     keeping = _ReusingAnswers(subject.function, subject.convention)
     wrong, own = trial(replace(subject, function=keeping, log=CallLog(works_in_place=subject.log.works_in_place)))
@@ -71,8 +70,8 @@ def state_objects(
     if keeping.spoilt:
         return StepFinding(False, "it changes its arguments to something other than its answer")
     found: dict[str, list[str]] = {}
-    several = {FORCE: (BODIES, IN_PLANE), FIELD: (OF_TWO_DIMENSIONS, SCALARS) if subject.adapter is ARRAYS else ()}
-    for form in (*forms, *several.get(subject.convention.kind, ())):
+    further = {FORCE: (BODIES, IN_PLANE), FIELD: (OF_TWO_DIMENSIONS, SCALARS) if subject.adapter is ARRAYS else ()}
+    for form in (*forms, *further.get(subject.convention.kind, ())):
         try:
             wrong, seen = trial(_in_form(subject, form))
         except Misbehaviour:
@@ -115,27 +114,25 @@ class _SmallWalker(Walker):
         return (1,) if self.subject.single else _OF_ROWS.get(self.subject.adapter, (2, 1))
 
 
-def _tried(
-    subject: ForeignStepper, method: Method, allowance: Allowance, domain: Domain
-) -> tuple[str, list[tuple[float, float]]]:
+def _tried(subject: ForeignStepper, wanted: Specification) -> tuple[str, list[tuple[float, float]]]:
     """What is wrong with a few successive steps, "" if nothing is, and the answers on q'' = -q.
 
     If a right-hand side can be given, a nonlinear problem is tried as well. Raises a Misbehaviour of the stepper.
     """
-    tolerance, seen = Tolerance(method, subject.format, allowance), list[tuple[float, float]]()
-    (*_, (q, v)), (*_, h) = ordinary_arguments(subject, domain)
+    tolerance, seen = Tolerance.of(wanted, subject.format), list[tuple[float, float]]()
+    (*_, (q, v)), (*_, h) = ordinary_arguments(subject, wanted.domain)
     for _ in range(0 if subject.single else _STEPS):
         answer = subject.step(q, v, h)
         if not all(component.allowed for component in tolerance.judge(q, v, h, answer)):
             return f"from q={q!r}, v={v!r} with h={h!r} it goes to {answer}", seen
         seen.append(answer)
         q, v = answer
-    if method.explicit and subject.adapter.with_parameters:  # the clock of a record goes back as well
+    if wanted.method.explicit and subject.adapter.with_parameters:  # the clock of a record goes back as well
         with suppress(Misbehaviour):
             subject.step(q, v, -h)
     if subject.convention.kind not in (FIELD, FORCE):
         return "", seen
-    found = walk_on(_SmallWalker(subject, method, allowance, domain), most=3 if subject.adapter in _OF_ROWS else 1)
+    found = walk_on(_SmallWalker(subject, wanted), most=3 if subject.adapter in _OF_ROWS else 1)
     if found.holds is None and not seen:
         raise WrongShape(found.words)
     return (found.words if found.holds is False else ""), seen
@@ -204,7 +201,7 @@ def _copy_into(x: Foreign, other: Foreign) -> None:
         x.update(other)
     elif parts_of(x):
         with suppress(Exception):  # a record that cannot be changed was not
-            vars(x).update(vars(other))
+            x.__dict__.update(vars(other))
     else:
         x[:] = other
 

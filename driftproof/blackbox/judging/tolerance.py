@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 from flint import arb, arb_poly, ctx
 
 from driftproof.blackbox.findings import BadInput
+from driftproof.blackbox.judging.specification import NO_ALLOWANCE, Allowance, Specification
 from driftproof.methods.schemes import Method
 from driftproof.symbolic.algebra.certified import CertifiableReal, enclose
 from driftproof.symbolic.algebra.polynomials import coefficients
@@ -23,35 +24,6 @@ from driftproof.symbolic.runs import apply, exact_matrix_at
 # A product of two doubles needs 106 bits, and a step of the longest program some 30 products. At this precision the
 # radii of all balls here are below 2**-200 of what they enclose, so every comparison with a bound of size u is decided.
 _BITS = 320
-
-
-@dataclass(frozen=True)
-class Allowance:
-    """The errors that a stepper is allowed beyond the rounding of the definition's sums and products in any order.
-
-    `step_in_binary32`: h is rounded to binary32 before it is used. `velocity_from_positions`: v is formed as a
-    difference of positions over h, which adds u (|q| + |q₁|)/h to its error. `flush_to_zero`: subnormal arguments and
-    results become 0. `solver_tolerance`: how far the solution of implicit stages may be off, both absolutely and
-    relative to the sum of |monomials|; required for implicit methods, and refused for explicit ones. Raises ValueError
-    unless it is finite and above 0.
-
-    >>> from driftproof import Allowance, verify
-    >>> step = lambda q, v, h: (q + h * v, ((q + h * v) - q) / h - h * q)
-    >>> allowance = Allowance(velocity_from_positions=True)
-    >>> verify(step, "forward_euler", allowance=allowance, examples=50, isolate=False).passed
-    True
-    """
-
-    step_in_binary32: bool = False
-    velocity_from_positions: bool = False
-    flush_to_zero: bool = False
-    solver_tolerance: Fraction | float | None = None
-
-    def __post_init__(self) -> None:
-        """Raise ValueError unless `solver_tolerance` is finite and above 0."""
-        given = self.solver_tolerance
-        if given is not None and not 0 < given < inf:
-            raise ValueError(f"solver_tolerance={given}: must be a finite number > 0, e.g. 1e-10")
 
 
 class Judgement(NamedTuple):
@@ -75,7 +47,12 @@ class Tolerance:
 
     method: Method
     format: FloatFormat = BINARY64
-    allowance: Allowance = Allowance()
+    allowance: Allowance = NO_ALLOWANCE
+
+    @classmethod
+    def of(cls, wanted: Specification, fmt: FloatFormat) -> Tolerance:
+        """The tolerance of a specification in a format."""
+        return cls(wanted.method, fmt, wanted.allowance)
 
     def __post_init__(self) -> None:
         """Raise ValueError unless a `solver_tolerance` is given for an implicit method, and only then."""

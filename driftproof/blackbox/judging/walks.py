@@ -21,7 +21,7 @@ from driftproof.blackbox.findings import (
     StepRaised,
     WrongShape,
 )
-from driftproof.blackbox.judging.agreement import NO_ALLOWANCE, ORDINARY_DOMAIN, Domain, steps_back
+from driftproof.blackbox.judging.agreement import steps_back
 from driftproof.blackbox.judging.nonlinear_problems import (
     START,
     NonlinearProblem,
@@ -37,10 +37,10 @@ from driftproof.blackbox.judging.nonlinear_problems import (
     walls,
 )
 from driftproof.blackbox.judging.nonlinear_step import allowed_off, error_above, own_step
-from driftproof.blackbox.judging.tolerance import Allowance
+from driftproof.blackbox.judging.specification import Domain, Specification
 from driftproof.blackbox.stepper.calling_conventions import FIELD, FORCE
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
-from driftproof.methods.schemes import Method, Nystrom, Splitting
+from driftproof.methods.schemes import Nystrom, Splitting
 
 # Chosen: balls of this precision are far narrower than the rounding errors of doubles.
 _BITS = 192
@@ -126,12 +126,15 @@ class _Step:
 
 @dataclass(frozen=True)
 class Walker:
-    """A stepper, the method it is compared with, and its allowance; each family overrides the step and the problems."""
+    """A stepper and what it is compared with; each family overrides the step and the problems."""
 
     subject: ForeignStepper
-    method: Any
-    allowance: Allowance = NO_ALLOWANCE
-    domain: Domain = ORDINARY_DOMAIN
+    wanted: Specification
+
+    @property
+    def method(self) -> Any:
+        """The method that the steps are compared with."""
+        return self.wanted.method
 
     @property
     def partitioned(self) -> bool:
@@ -156,7 +159,7 @@ class Walker:
     @property
     def places(self) -> list[_Place]:
         """The places that lie within the domain."""
-        return [place for place in map(self.fitted, _PLACES) if place.within(self.domain, self.subject)]
+        return [place for place in map(self.fitted, _PLACES) if place.within(self.wanted.domain, self.subject)]
 
     def fitted(self, place: _Place) -> _Place:
         """The place, with sizes of 1 for an implicit method, whose solver has a scale of its own."""
@@ -202,7 +205,7 @@ class Walker:
     ) -> tuple[str, list[float]]:
         """What is wrong with one step, "" if nothing is, and the state at its end."""
         seen = [float(x) for x in problem.stepped(self.subject, t, y, h)]
-        taken = float(np.float32(h)) if self.allowance.step_in_binary32 else h
+        taken = float(np.float32(h)) if self.wanted.allowance.step_in_binary32 else h
         expected, scales = self.own_step(problem, t, y, taken), problem.scales
         # Slopes change by about their size in a unit of the problem's own time, so that the rounding of t matters, too.
         size = 1 + max(abs(x / s) for x, s in zip(y, scales, strict=True)) + abs(t) * 2.0**place.pace
@@ -222,7 +225,7 @@ class Walker:
 
     def allowed(self, size: float, numbers: int, h: float) -> float:
         """The allowed error of a component, for components and slopes of this size and this number of components."""
-        return allowed_off(self.subject, self.method, self.allowance, size, h)
+        return allowed_off(self.subject, self.wanted, size, h)
 
     def why(self, step: _Step, problem: NonlinearProblem, of_numbers: dict[int, list[NonlinearProblem]]) -> str:
         """The one condition under which the step is wrong, "" if there is not just one. Raises a Misbehaviour."""
@@ -245,24 +248,17 @@ class Walker:
         return next((words for words, place in alone.items() if self.walk(problem, place, lengths)), "")
 
 
-def walked(
-    subject: ForeignStepper,
-    method: Method,
-    allowance: Allowance = NO_ALLOWANCE,
-    domain: Domain = ORDINARY_DOMAIN,
-    lengths: Sequence[float] = _LENGTHS,
-    most: int | None = None,
-) -> StepFinding:
+def walked(subject: ForeignStepper, wanted: Specification) -> StepFinding:
+    """Compare successive steps with the method's, as `walk_on` does."""
+    return walk_on(Walker(subject, wanted))
+
+
+def walk_on(walker: Walker, lengths: Sequence[float] = _LENGTHS, most: int | None = None) -> StepFinding:
     """Compare successive steps with the method's, for each number of components and at each place.
 
     Places and numbers of components are paired so that each occurs, in `most` pairs at most. The answer is None if no
     such step is taken, and the call is always "". Raises UnsupportedCall if the system is built in.
     """
-    return walk_on(Walker(subject, method, allowance, domain), lengths, most)
-
-
-def walk_on(walker: Walker, lengths: Sequence[float] = _LENGTHS, most: int | None = None) -> StepFinding:
-    """Compare successive steps with the method's, as `walked` does, for a walker of any family."""
     with ctx.workprec(_BITS):
         try:
             return _walked_on(walker, lengths, most)
@@ -333,19 +329,18 @@ def _settings(
     for i in range(max(len(sizes), len(places))):
         yield places[i % len(places)], sizes[i % len(sizes)], lengths
     home = walker.fitted(_HOME)
-    if walker.method.explicit and home.within(walker.domain, walker.subject):  # others are iterated in balls: slow
+    # Stages of an implicit method are iterated in balls, which is slow.
+    if walker.method.explicit and home.within(walker.wanted.domain, walker.subject):
         yield from ((home, problems, lengths[:1]) for problems in sizes[1:])
     yield places[0], sizes[min(1, len(sizes) - 1)], [lengths[0] / 2] * _EQUAL
 
 
-def back_and_on(
-    subject: ForeignStepper, method: Method, allowance: Allowance = NO_ALLOWANCE, domain: Domain = ORDINARY_DOMAIN
-) -> StepFinding:
+def back_and_on(subject: ForeignStepper, wanted: Specification) -> StepFinding:
     """Compare steps with h < 0 as `steps_back` does; if right, also on nonlinear problems if these can be given."""
-    found = steps_back(subject, method, allowance, domain)
+    found = steps_back(subject, wanted)
     if not found.holds or subject.convention.kind not in (FIELD, FORCE):
         return found
-    on = walked(subject, method, allowance, domain, _BACK, _PAIRS_BACK)
+    on = walk_on(Walker(subject, wanted), _BACK, _PAIRS_BACK)
     if on.holds is False:
         return StepFinding(False, f"a step with h < 0 is wrong: {on.words}")
     return StepFinding(True, f"{found.words}; {on.words}") if on.holds else found

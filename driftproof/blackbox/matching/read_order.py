@@ -63,11 +63,6 @@ class ReadOrder:
             lines.append(f"order {self.untimed_order} on problems without time: f is called at wrong times")
         return lines
 
-    def beside(self, claimed: int) -> str:
-        """The order claimed and the order found, such as "claims 4, has 4", with the reason if it is lower."""
-        text = f"claims {claimed}, has {self.order}"
-        return text if self.order >= claimed else f"{text}: {self.reason}"
-
 
 def read_order(reading: CoefficientReading, match: Match | None = None) -> ReadOrder:
     """The largest p such that no condition of order at most p provably fails, with the coefficients taken as balls.

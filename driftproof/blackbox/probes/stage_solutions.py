@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from math import fsum, log2
+from operator import eq
+from typing import Any, TypeAlias
 
 from driftproof.blackbox.probes.marked_stages import MarkedSteps, MovedSlopes, Setting
 from driftproof.blackbox.probes.scripted_answers import CONTROLS, Control, NotReadable
@@ -98,18 +100,48 @@ class StageEquations:
 
     def _moved(self, rates: MovedSlopes, h: float) -> list[float]:
         """How far the numbers move in a step, by our own iteration."""
-        nodes = self.reading.c or (None,) * self.reading.calls
-        slopes: list[Sequence[float]] = [[0.0] * self.steps.size for _ in nodes]
-        for _ in range(_ROUNDS):
-            before = slopes
-            slopes = [rates(c, _summed(row, slopes, h)) for c, row in zip(nodes, self.reading.a, strict=True)]
-            if slopes == before:
-                break
-        return _summed(self.reading.b, slopes, h)
+        reading, still = self.reading, [0.0] * self.steps.size
+        nodes = reading.c or (None,) * reading.calls
+        slopes = lambda i, moved, part: rates(nodes[i], moved)
+        return step_by_iteration((reading.a,), (reading.b,), slopes, still, h, _ROUNDS)[0]
 
 
-def _summed(row: Sequence[float], slopes: Sequence[Sequence[float]], h: float) -> list[float]:
-    return [h * fsum(x * k for x, k in zip(row, column, strict=True)) for column in zip(*slopes, strict=True)]
+# The slopes of each function at each stage.
+_Slopes: TypeAlias = Sequence[Sequence[Sequence[Any]]]
+
+
+def advanced(
+    y: Sequence[Any], h: Any, rows: Sequence[Sequence[Any]], slopes: _Slopes, total: Callable[..., Any] = fsum
+) -> list[Any]:
+    """The numbers y + h Σ w k, with a row of weights for each function; slopes that are not known yet are left out."""
+    terms = [pair for row, known in zip(rows, slopes, strict=True) for pair in zip(row, known, strict=False)]
+    return [x + h * total(w * k[i] for w, k in terms) for i, x in enumerate(y)]
+
+
+def step_by_iteration(
+    tables: Sequence[Sequence[Sequence[Any]]],
+    weights: Sequence[Sequence[Any]],
+    slopes_at: Callable[[int, Sequence[Any], int], Sequence[Any]],
+    y: Sequence[Any],
+    h: Any,
+    rounds: int,
+    settled: Callable[[_Slopes, _Slopes], bool] = eq,
+    total: Callable[..., Any] = fsum,
+) -> tuple[list[Any], bool]:
+    """The end of a step whose stages are solved by fixed-point iteration from k = y, and whether they settled.
+
+    Each function has a table A and a row b. `slopes_at` gives the slopes at stage i in a place, by the function with
+    this number.
+    """
+    slopes: _Slopes = [[y] * len(row) for row in weights]
+    done = False
+    for _ in range(rounds):
+        before = slopes
+        places = [advanced(y, h, rows, slopes, total) for rows in zip(*tables, strict=True)]
+        slopes = [[slopes_at(i, place, part) for i, place in enumerate(places)] for part in range(len(tables))]
+        if done := settled(slopes, before):
+            break
+    return advanced(y, h, weights, slopes, total), done
 
 
 def _power(errors: Sequence[float]) -> int:

@@ -329,16 +329,18 @@ def _fitted(points: Sequence[_Point], terms: int) -> list[Any] | None:
     solved, *_ = np.linalg.lstsq(np.hstack([np.ones((len(points), 1)), matrix]), logarithms, rcond=None)
     exact: list[Fraction | float] = solved[1:].tolist()
     near: list[Fraction | float] = [Fraction(x).limit_denominator(_MOST_DENOMINATOR) for x in exact]
-    tried = [near, *([*exact[:i], x, *exact[i + 1 :]] for i, x in enumerate(near)), exact]
-    for found in tried:
-        left = logarithms - matrix @ [*map(float, found)]
-        if np.ptp(left) <= 2 * _CLOSE:
-            if any(0 < abs(float(x)) < 1 / _MOST_DENOMINATOR for x in found[1:]):
-                return None
-            safety = float(left.max() + left.min()) / 2
-            two_digits = log(round(exp(safety), 2) or 1.0)
-            return [two_digits if np.abs(left - two_digits).max() <= _CLOSE else safety, *found]
-    return None
+    tried = (near, *([*exact[:i], x, *exact[i + 1 :]] for i, x in enumerate(near)), exact)
+
+    def left_by(terms: Sequence[Fraction | float]) -> np.ndarray[Any, Any]:
+        return np.asarray(logarithms - matrix @ [*map(float, terms)])
+
+    found = next((each for each in tried if np.ptp(left_by(each)) <= 2 * _CLOSE), None)
+    if found is None or any(0 < abs(float(x)) < 1 / _MOST_DENOMINATOR for x in found[1:]):
+        return None
+    left = left_by(found)
+    safety = float(left.max() + left.min()) / 2
+    two_digits = log(round(exp(safety), 2) or 1.0)
+    return [two_digits if np.abs(left - two_digits).max() <= _CLOSE else safety, *found]
 
 
 def _repeated(factors: Sequence[float], value: float) -> float | None:

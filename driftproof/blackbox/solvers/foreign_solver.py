@@ -10,9 +10,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from driftproof.blackbox.findings import BadInput, Misbehaviour, NoAnswer, NotANumber, StepRaised, WrongShape
+from driftproof.blackbox.findings import BadInput, Misbehaviour, NoAnswer, NotANumber, WrongShape
 from driftproof.blackbox.stepper import calling_conventions as calling
 from driftproof.blackbox.stepper.array_adapters import ARRAYS, LISTS, ArrayAdapter, as_array, type_of
+from driftproof.blackbox.stepper.foreign_code import guarded_call
 from driftproof.blackbox.stepper.opening import Target, imported
 from driftproof.symbolic.rounding.formats import BINARY32, BINARY64, FloatFormat
 
@@ -103,11 +104,7 @@ class ForeignSolver:
         calls: list[Call] = []
 
         def slopes(t: Any, y: Any, *further: Any) -> Any:
-            if len(calls) >= MOST_CALLS_OF_A_RUN:
-                at, before = calls[-1].t, calls[len(calls) // 2].t
-                slow = 100 * abs(at - before) > abs(t_span[1] - t_span[0]) and min(t_span) <= at <= max(t_span)
-                words = f"after {len(calls)} calls of f it is at t = {at:.6g} of {t_span}"
-                raise TooSlow(words) if slow else DoesNotEnd(words)
+            _require_end(calls, t_span)
             if len(y0) > 1 and not calls:
                 self.state_first = as_array(t).size > 1
             t, y = ((further or [y])[-1], t) if self.state_first else (t, y)
@@ -127,18 +124,19 @@ class ForeignSolver:
         given = settings[self.takes]
         words = ", ".join([f"f, t_span={t_span!r}, y0={list(y0)!r}", *(f"{name}={x!r}" for name, x in given.items())])
         self.before(words)
-        try:
-            by_name = dict(zip(self.names, given.values(), strict=False))
-            by_position = () if self.names else given.values()
-            answer = self.function(slopes, t_span, self.adapter.write(y0), *by_position, **by_name)
-        except Misbehaviour:
-            raise
-        except (Exception, SystemExit) as error:
-            text = " ".join(str(error).split())
-            raise StepRaised(f"solve({words}) raises {type(error).__name__}: {text}") from error
-        finally:
-            self.after()
-        return _solution(answer, tuple(y0), tuple(calls))
+        by_name = dict(zip(self.names, given.values(), strict=False))
+        by_position = () if self.names else given.values()
+        run = lambda: self.function(slopes, t_span, self.adapter.write(y0), *by_position, **by_name)
+        return _solution(guarded_call(f"solve({words})", run, self.after), tuple(y0), tuple(calls))
+
+
+def _require_end(calls: Sequence[Call], t_span: tuple[float, float]) -> None:
+    """Raise DoesNotEnd after MOST_CALLS_OF_A_RUN calls, or TooSlow if the second half of them led on by a hundredth."""
+    if len(calls) >= MOST_CALLS_OF_A_RUN:
+        at, before = calls[-1].t, calls[len(calls) // 2].t
+        slow = 100 * abs(at - before) > abs(t_span[1] - t_span[0]) and min(t_span) <= at <= max(t_span)
+        words = f"after {len(calls)} calls of f it is at t = {at:.6g} of {t_span}"
+        raise TooSlow(words) if slow else DoesNotEnd(words)
 
 
 def in_usual_order(solve: Callable[..., Any]) -> Callable[..., Any]:
@@ -148,7 +146,7 @@ def in_usual_order(solve: Callable[..., Any]) -> Callable[..., Any]:
     ('f', 0, 1, 'y', 2)
     """
     parameters = calling.parameters_of(solve) or {}
-    words = {name.lower().strip("_"): name for name, p in parameters.items() if p.kind is not p.POSITIONAL_ONLY}
+    words = {calling.word_of(name): name for name, p in parameters.items() if p.kind is not p.POSITIONAL_ONLY}
     all_known = (calling.ROLES[calling.FUNCTION], calling.STARTS, calling.SPANS, *calling.RUN_ENDS)
     f, y0, span, *ends = (next((words.pop(x) for x in known if x in words), "") for known in all_known)
     if not (f and y0 and (span or all(ends))) or [*parameters][:3] == [f, span, y0]:
@@ -179,7 +177,7 @@ def taken_by(solve: Callable[..., Any]) -> tuple[str, tuple[str, ...]]:
     if parameters is None or any(p.kind is p.VAR_POSITIONAL for p in parameters.values()):
         return TOLERANCES, ()
     open_ended = any(p.kind is p.VAR_KEYWORD for p in parameters.values())
-    further = {name.lower().strip("_"): name for name, p in parameters.items() if p.kind is not p.VAR_KEYWORD}
+    further = {calling.word_of(name): name for name, p in parameters.items() if p.kind is not p.VAR_KEYWORD}
     further = dict(list(further.items())[3:])
     required = [name for name in further.values() if parameters[name].default is inspect.Parameter.empty]
     known = {

@@ -19,6 +19,7 @@ from driftproof.blackbox.matching.read_order import ReadOrder, read_order
 from driftproof.blackbox.probes.coefficients import coefficient_text
 from driftproof.blackbox.probes.dense import BETWEEN, THETAS, DenseReading
 from driftproof.blackbox.probes.scripted_answers import MOST_CALLS, CoefficientRow, NotReadable, shown_apart, varied
+from driftproof.blackbox.probes.stage_solutions import advanced
 from driftproof.blackbox.probes.tableau import TableauReading
 from driftproof.blackbox.solvers.foreign_solver import Call, ForeignSolver, RunSlopes, Solution, TooSlow, in_binary32
 from driftproof.blackbox.stepper.array_adapters import as_array
@@ -174,12 +175,8 @@ def _stepped(reading: TableauReading, rate: _Rate, t: float, h: float, y: Sequen
     """The end of a step by the stages read."""
     slopes: list[Sequence[float]] = []
     for row, c in zip(reading.a, reading.c or (), strict=True):
-        slopes.append(rate(t + c * h, _moved(y, h, row, slopes)))
-    return _moved(y, h, reading.b, slopes)
-
-
-def _moved(y: Sequence[float], h: float, row: Sequence[float], slopes: Sequence[Sequence[float]]) -> list[float]:
-    return [x + h * fsum(w * k[i] for w, k in zip(row, slopes, strict=False)) for i, x in enumerate(y)]
+        slopes.append(rate(t + c * h, advanced(y, h, [row], [slopes])))
+    return advanced(y, h, [reading.b], [slopes])
 
 
 def _bent(t: float, y: Sequence[float]) -> list[float]:

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable, Mapping, Sequence
+import re
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -64,7 +65,7 @@ STANDARD_ORDER = {
 _FUNCTIONS = (
     *("f", "fun", "func", "function", "rhs", "field", "vector_field", "force", "forces", "acc", "accel"),
     *("acceleration", "a", "deriv", "derivs", "derivative", "derivatives", "dydt", "dxdt", "ode", "system"),
-    *("dynamics", "get_force", "get_acceleration"),
+    *("dynamics", "terms", "odefun", "fcn", "eom"),
     *("f_explicit", "f_exp", "f_ex", "fex", "fe", "f_e", "explicit", "f_nonstiff", "nonstiff", "f1", "f_slow"),
 )
 # Names for the gradient of a potential; the force is minus its value.
@@ -77,7 +78,12 @@ _VELOCITIES = (
     *("v", "vel", "velocity", "velocities", "p", "momentum", "omega", "qdot", "xdot", "q_dot", "x_dot"),
     *("dq", "dx", "theta_dot", "v0", "p0", "vx", "vy"),
 )
-_STATES = ("y", "z", "s", "u", "x", "w", "state", "states", "body", "particle", "y0", "z0", "x0", "u0", "yn", "yi")
+_STATES = (
+    *("y", "z", "s", "u", "x", "w", "state", "states", "body", "particle", "y0", "z0", "x0", "u0", "yn", "yi"),
+    *("y_0", "u_0", "x_0", "carry", "point", "planet", "ball", "player", "entity"),
+)
+# "compute" and the like at the start of a function's name, or "fn" at its end, do not change what it computes.
+VERBS = re.compile(r"^(get|compute|calc|calculate|eval|update)_|_(fn|func|fun|function)$")
 # The names under which steppers in the wild take each argument.
 ROLES: dict[str, tuple[str, ...]] = {
     FUNCTION: (*_FUNCTIONS, *_GRADIENTS),
@@ -85,7 +91,10 @@ ROLES: dict[str, tuple[str, ...]] = {
     VELOCITY: _VELOCITIES,
     STATE: _STATES,
     TIME: ("t", "time", "t0", "tn", "ti"),
-    STEP: ("h", "dt", "step", "step_size", "stepsize", "timestep", "time_step", "delta_t", "tau", "delta", "eps"),
+    STEP: (
+        *("h", "dt", "step", "step_size", "stepsize", "timestep", "time_step", "delta_t", "tau", "delta", "eps"),
+        *("frame_time", "frametime", "deltatime", "delta_time", "deltat", "elapsed", "δt"),
+    ),
     GRID: ("t", "ts", "times", "grid", "t_grid", "tgrid", "time_grid", "t_eval", "tlist"),
     JACOBIAN: ("jac", "jacobian", "j", "dfdy", "df_dy", "dfdx", "df_dx", "fy", "df", "fprime", "jac_f"),
     TIME_SLOPE: ("dfdt", "df_dt", "ft", "f_t", "dt_f"),
@@ -154,7 +163,7 @@ class CallingConvention:
 
     def of_steps(self, steps: int) -> CallingConvention:
         """The same convention for a run of `steps` steps."""
-        counts = {name: steps for name in self.extra if _word(name) in COUNTS}
+        counts = {name: steps for name in self.extra if word_of(name) in COUNTS}
         return replace(self, extra={**self.extra, **counts}, steps=steps)
 
     def scaled(self, words: Sequence[str], by: float) -> CallingConvention | None:
@@ -162,7 +171,7 @@ class CallingConvention:
 
         The force, or the fields, become `by` times what they were.
         """
-        changed = {name: by * x for name, x in self.extra.items() if _word(name) in words}
+        changed = {name: by * x for name, x in self.extra.items() if word_of(name) in words}
         return replace(self, extra={**self.extra, **changed}, factor=by * self.factor) if changed else None
 
 
@@ -175,11 +184,11 @@ def conventions_of(step: Callable[..., Any], kind: str | None = None) -> list[Ca
     if kind is not None and kind not in SIGNATURES:
         raise ValueError(f"unknown calling convention {kind!r}; choose from {', '.join(SIGNATURES)}")
     names = required_names(step)
-    if names is not None:
-        fitting = [_fitted(names, *variant) for variant in VARIANTS if kind in (None, variant[0])]
-        found = [_by_name(each, step, names) for each in fitting if each is not None]
-        if found:
-            return found
+    for tried in (names, names_with_step(step)):
+        if tried is not None:
+            fitting = [_fitted(tried, *variant) for variant in VARIANTS if kind in (None, variant[0])]
+            if found := [_by_name(each, step, tried) for each in fitting if each is not None]:
+                return found
     if kind is not None and (names is None or len(names) == len(STANDARD_ORDER[kind])):
         return [CallingConvention(kind, STANDARD_ORDER[kind])]
     choices = "; ".join(f"{kind}: {words}" for kind, words in SIGNATURES.items())
@@ -202,9 +211,21 @@ def required_names(step: Callable[..., Any]) -> list[str] | None:
     return [p.name for p in parameters.values() if p.default is p.empty and p.kind is not p.VAR_KEYWORD]
 
 
+def names_with_step(step: Callable[..., Any]) -> list[str] | None:
+    """The required names, and that of a step size with a default if there is no other one.
+
+    >>> names_with_step(lambda q, v, omega=1.0, dt=0.01: None)
+    ['q', 'v', 'dt']
+    """
+    names = required_names(step)
+    if names is None or any(role_of(each, (STEP,)) for each in names):
+        return names
+    return names + [each for each in parameters_of(step) or () if each not in names and role_of(each, (STEP,))][:1]
+
+
 def has_gradient(names: Sequence[str]) -> bool:
     """True if one of the names is that of a gradient, so that the force is minus its value."""
-    return not {*map(_word, names)}.isdisjoint(_GRADIENTS)
+    return not {*map(word_of, names)}.isdisjoint(_GRADIENTS)
 
 
 def parameters_of(step: Callable[..., Any]) -> Mapping[str, inspect.Parameter] | None:
@@ -218,7 +239,8 @@ def parameters_of(step: Callable[..., Any]) -> Mapping[str, inspect.Parameter] |
 def _by_name(found: CallingConvention, step: Callable[..., Any], names: Sequence[str]) -> CallingConvention:
     """The convention with the names of its arguments, if they cannot be passed by position."""
     parameters = parameters_of(step) or {}
-    if found.extra or any(parameters[name].kind is inspect.Parameter.KEYWORD_ONLY for name in names):
+    by_place = [*parameters][: len(names)] == [*names]
+    if found.extra or not by_place or any(parameters[x].kind is inspect.Parameter.KEYWORD_ONLY for x in names):
         return replace(found, names=tuple(name for name in names if name not in found.extra))
     return found
 
@@ -226,17 +248,21 @@ def _by_name(found: CallingConvention, step: Callable[..., Any], names: Sequence
 def _fitted(names: Sequence[str], kind: str, roles: Sequence[str]) -> CallingConvention | None:
     """The convention, if names and roles match one to one and all other names are known extras; otherwise None."""
     open_roles, order, extra = [*roles, *([] if GRID in roles else [TIME])], [], dict[str, float]()
-    factor, run, words = 1.0, GRID in roles, {*map(_word, names)}
+    factor, run, words = 1.0, GRID in roles, {*map(word_of, names)}
+    if {*MASSES} & words and not {*ROLES[FUNCTION]} & words and FUNCTION in roles:
+        return None  # whether get_acc(x, m) is a force or an acceleration shows in its calls: `plain_forms`
     # In f(x, y), as books write it, x is the time.
     meant = {"x": "t"} if {FUNCTION, STATE} <= {*roles} and "y" in words and not words & {*ROLES[TIME]} else {}
     meant |= {"q": "y"} if kind == FIELD else {}
     for name in names:
-        word = meant.get(_word(name), _word(name))
+        word = meant.get(word_of(name), word_of(name))
+        if name == "T" and any(map(str.islower, names)):  # the time at which a run ends
+            return None
         if kind == MAGNETIC and word in (*CHARGES, *MASSES):
             extra[name] = MASS if word in MASSES else _CHARGE
             factor *= 1 / _CHARGE if word in CHARGES else MASS
             continue
-        role = next((role for role in open_roles if word in ROLES[role] or (kind, role, word) == _PARTICLE), None)
+        role = next((role for role in open_roles if is_called(role, word) or (kind, role, word) == _PARTICLE), None)
         if role is not None:
             open_roles.remove(role)
             order.append(role)
@@ -251,9 +277,20 @@ def _fitted(names: Sequence[str], kind: str, roles: Sequence[str]) -> CallingCon
             return None
     if not set(open_roles) <= {TIME}:
         return None
-    handed = dict(zip(order, (_word(name) for name in names if name not in extra), strict=True)).get(CARRIED, "")
+    handed = dict(zip(order, (word_of(name) for name in names if name not in extra), strict=True)).get(CARRIED, "")
     return CallingConvention(kind, tuple(order), extra, (), factor, 1.0 if handed.startswith("a") else factor, run)
 
 
-def _word(name: str) -> str:
+def role_of(name: str, roles: Iterable[str]) -> str | None:
+    """The first of these roles that a name is in use for; None if it is in use for none of them."""
+    return next((role for role in roles if is_called(role, word_of(name))), None)
+
+
+def is_called(role: str, word: str) -> bool:
+    """True if a word is in use for a role; a function may have a verb before it, as get_acceleration."""
+    return word in ROLES[role] or (role == FUNCTION and VERBS.sub("", word) in ROLES[role])
+
+
+def word_of(name: str) -> str:
+    """The name of a parameter without capitals and outer underscores."""
     return name.lower().strip("_")

@@ -15,7 +15,8 @@ import numpy as np
 from driftproof.blackbox.findings import Misbehaviour, NotANumber, NotFinite, StepRaised, WrongShape
 from driftproof.blackbox.stepper import calling_conventions as calling
 from driftproof.blackbox.stepper.array_adapters import AnyNumber, ArrayAdapter, Foreign, as_array, type_of
-from driftproof.blackbox.stepper.state_forms import TOGETHER, clock_of, part_pair, parts_of
+from driftproof.blackbox.stepper.records import clock_of, part_pair, parts_of
+from driftproof.blackbox.stepper.state_forms import TOGETHER
 from driftproof.symbolic.rounding.formats import BINARY64, FloatFormat
 
 FieldFunction: TypeAlias = Callable[[AnyNumber, list[AnyNumber]], Sequence[AnyNumber]]
@@ -83,7 +84,8 @@ class ForeignCode:
         """
         order = self.convention.order
 
-        def called(*arguments: Foreign) -> Foreign:
+        def called(*passed: Foreign) -> Foreign:
+            arguments = [x for x in passed if x is not None and np.size(x)] or passed  # without empty parameters
             known = self.convention.asks or self.log.asks
             likely = known or order
             time_first = calling.TIME not in likely or likely.index(calling.TIME) < likely.index(calling.STATE)
@@ -133,15 +135,8 @@ class ForeignCode:
         named = dict(zip(self.convention.names, values, strict=False))  # either all arguments or none
         arguments = () if named else values
         kept = {role: _copied(roles[role]) for role in _MOVED if role in roles}
-        try:
-            answer = self._ended(self.function(*arguments, **named, **self.convention.extra), start)
-        except Misbehaviour:
-            raise
-        except (Exception, SystemExit) as error:
-            raise StepRaised(f"step({words}) raises {type(error).__name__}: {' '.join(str(error).split())}") from error
-        finally:
-            self.after()
-        return self._answer(answer, roles, kept)
+        call = lambda: self._ended(self.function(*arguments, **named, **self.convention.extra), start)
+        return self._answer(guarded_call(f"step({words})", call, self.after), roles, kept)
 
     def _ended(self, answer: Foreign, start: Sequence[AnyNumber]) -> Foreign:
         """The state at the end: the last one of a run, or the one that a generator yields after the start."""
@@ -212,6 +207,18 @@ class ForeignCode:
             seen = f"from {', '.join(map(repr, given))} it returns {', '.join(map(repr, answer))}"
             raise NotFinite(seen, tuple(answer))
         return answer
+
+
+def guarded_call(words: str, call: Callable[[], Foreign], after: Callable[[], None]) -> Foreign:
+    """What a call of foreign code returns; `after` is called when it is over. Raises StepRaised for its exceptions."""
+    try:
+        return call()
+    except Misbehaviour:
+        raise
+    except (Exception, SystemExit) as error:
+        raise StepRaised(f"{words} raises {type(error).__name__}: {' '.join(str(error).split())}") from error
+    finally:
+        after()
 
 
 def _is_finite(x: AnyNumber) -> bool:

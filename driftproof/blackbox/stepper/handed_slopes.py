@@ -13,13 +13,14 @@ from driftproof.blackbox.stepper.array_adapters import Foreign
 from driftproof.blackbox.stepper.calling_conventions import (
     FUNCTION,
     POSITION,
-    ROLES,
     STATE,
     STEP,
     TIME,
     VELOCITY,
     parameters_of,
     required_names,
+    role_of,
+    word_of,
 )
 
 # Names for the slope of the step before; with a number, for the slope that many steps before.
@@ -62,7 +63,7 @@ class HandedSlopes:
         self.returned = _Decisions()
         self.rest = [name for name in names if name not in (*slots, history)]
         self.roles = {
-            role: next((name for name in self.rest if name.lower().strip("_") in ROLES[role]), "")
+            role: next((name for name in self.rest if role_of(name, (role,))), "")
             for role in (FUNCTION, STATE, TIME, STEP, POSITION, VELOCITY)
         }
         self.of_force = bool(self.roles[POSITION] and self.roles[VELOCITY])
@@ -144,7 +145,7 @@ def with_slopes_kept(step: Callable[..., Any]) -> Callable[..., Any]:
     (0.0, 1.5)
     """
     names = list(parameters_of(step) or {})
-    words = {name: name.lower().strip("_") for name in names}
+    words = {name: word_of(name) for name in names}
     slots = [name for name in names if _PREVIOUS.fullmatch(words[name])]
     slots.sort(key=lambda name: int(re.sub(r"\D", "", words[name]) or 1))
     history = next((name for name in names if words[name] in _HISTORIES), "")

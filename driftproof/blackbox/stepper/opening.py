@@ -10,7 +10,7 @@ from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import partial
 from importlib import import_module
-from itertools import product
+from itertools import chain, product
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -29,15 +29,16 @@ from driftproof.blackbox.stepper.array_adapters import (
 from driftproof.blackbox.stepper.foreign_code import CallLog
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.blackbox.stepper.fresh_copies import fresh_copy
+from driftproof.blackbox.stepper.function_wrappers import list_wrapper
 from driftproof.blackbox.stepper.handed_slopes import with_slopes_kept
 from driftproof.blackbox.stepper.plain_forms import plain_forms
+from driftproof.blackbox.stepper.record_forms import record_forms
 from driftproof.blackbox.stepper.second_functions import with_functions, zeros
 from driftproof.blackbox.stepper.state_forms import COMPLEX, forms_of
 from driftproof.blackbox.stepper.turning import Push, step_in_fields, turn_quaternion
 from driftproof.blackbox.stepper.wrappers import (
     exchange_wrapper,
     increment_wrapper,
-    list_wrapper,
     template,
     uncalled,
     wrapper_line,
@@ -84,7 +85,7 @@ def opened(
         return None
 
     def as_plain() -> ForeignStepper | None:
-        forms = plain_forms(step) if calls is None else ()
+        forms = chain(plain_forms(step), record_forms(step)) if calls is None else ()
         return first_of(partial(opened, form, None, array, before, after) for form in forms)
 
     try:

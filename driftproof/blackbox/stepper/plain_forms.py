@@ -21,7 +21,9 @@ from driftproof.blackbox.stepper.calling_conventions import (
     STEP,
     TIME,
     VELOCITY,
+    VERBS,
     required_names,
+    word_of,
 )
 
 # Further arguments of such steppers: how many numbers, an array for the result, masses, and objects in a list.
@@ -39,7 +41,6 @@ _NAMES: Mapping[str, Sequence[str]] = {
     STATE: ("y", "state", "z", "u", "s"),
     POSITION: ROLES[POSITION],
 }
-_VERBS = r"^(get|compute|calc|calculate|eval|update)_|_(fn|func|function)$"
 # Names of arrays that are written into: out, yout, y_out, out_q, result, y_new, y1.
 _INTO = re.compile(r"^(out|result|res|dest)_?|_?(out|new|next|1)$")
 # The coordinates of a body in space.
@@ -101,8 +102,8 @@ def _pulls_back(call: _Call) -> bool:
 
 def _roles(names: Sequence[str], functions: bool) -> dict[str, str] | None:
     """The role of each name, _OUT for an array that is written into; None if a name has no role."""
-    found, words = dict[str, str](), {name: name.lower().strip("_") for name in names}
-    bare = {name: re.sub(_VERBS, "", word) for name, word in words.items()}
+    found, words = dict[str, str](), {name: word_of(name) for name in names}
+    bare = {name: VERBS.sub("", word) for name, word in words.items()}
     called = [name for name in names if bare[name] in _NAMES[FUNCTION] and functions]
     # If two names may be functions, the other one is a slope that is handed on, as acc is if there is a compute_acc.
     for name in sorted(called, key=lambda name: (words[name] in _NAMES[CARRIED], bare[name] == words[name]))[:1]:
@@ -177,57 +178,69 @@ class _Call:
             with suppress(Exception):  # as many bodies as coordinates: masses then divide columns as well as rows
                 rows = (_IN_SPACE, _IN_SPACE)
                 return tuple(x.ravel() for x in self.moved(force, np.reshape(q, rows), np.reshape(v, rows), h))
-        alike = self.alike
-        places, speeds = (np.array(x, dtype=float, ndmin=1) for x in (q, v))
-        shape, masses = np.shape(q), np.resize(self.heavy[:1] if self.alike else self.heavy, len(places))
-        factors = masses.reshape(-1, *[1] * (places.ndim - 1)) ** self.of_force
-
-        def pushes(at: Any, whose: int | None = None) -> Any:
-            """The forces at these places, in their shape, times the masses unless they are accelerations."""
-            pushed = -at if force is None else np.asarray(force(at.reshape(shape) if at.size == places.size else at))
-            if at.size == places.size:
-                return (np.asarray(pushed, float).reshape(places.shape) * factors).reshape(at.shape)
-            self.alike |= whose is None
-            return np.asarray(pushed, float).reshape(at.shape) * factors[whose or 0]
-
-        one: Callable[[Any], Any] = lambda x: x.copy() if np.ndim(x) else float(x)
-        each = zip(places, speeds, masses, strict=True) if _BODIES in self.roles.values() else ()
-        bodies = (left or {}).get(_BODIES) or [_Body(one(q), one(v), float(mass)) for q, v, mass in each]
-
-        def asked(*arguments: Foreign) -> Foreign:
-            if bodies:
-                return _answer_of_bodies(pushes, arguments, bodies)
-            arrays, _ = _arrays_and_numbers(arguments, places.size)
-            place, *others = [x for x in arrays if x is not masses] or arguments
-            return _written(pushes(np.asarray(place, float)), [x for x in others if x is not speeds])
-
-        given: dict[str, Foreign] = {POSITION: places, VELOCITY: speeds, STEP: h, FUNCTION: asked, _MASS: masses}
-        handed = next((name.lower().strip("_") for name, role in self.roles.items() if role == CARRIED), "")
-        given |= {
-            _BODIES: bodies,
-            TIME: 0.0,
-            CARRIED: pushes(places) / factors ** handed.startswith("a") if handed else None,
-        }
+        alike, handed = self.alike, next((word_of(name) for name, role in self.roles.items() if role == CARRIED), "")
+        system = _System(self, force, q, v, (left or {}).get(_BODIES))
+        given: dict[str, Foreign] = {POSITION: system.places, VELOCITY: system.speeds, STEP: h, TIME: 0.0}
+        given |= {FUNCTION: lambda *arguments: system.asked(*arguments), _MASS: system.masses, _BODIES: system.bodies}
+        if handed:
+            given[CARRIED] = system.pushes(system.places) / system.factors ** handed.startswith("a")
         given |= left or {}
-        answer, outs = self._called(given, places)
-        self.left = {role: given[role] for role in (_BODIES, CARRIED)} if answer is None or answer is bodies else {}
-        if handed and isinstance(answer, tuple) and np.shape(answer[-1]) == places.shape and len(answer) > 2:
-            self.left = {_BODIES: bodies, CARRIED: answer[-1]}
+        answer, outs = self._called(given, system.places)
+        kept = answer is None or answer is system.bodies
+        self.left = {role: given.get(role) for role in (_BODIES, CARRIED)} if kept else {}
+        if handed and isinstance(answer, tuple) and np.shape(answer[-1]) == system.places.shape and len(answer) > 2:
+            self.left = {_BODIES: system.bodies, CARRIED: answer[-1]}
         if self.alike > alike:  # a force that does not know its body: begin again with equal masses
             return self.moved(force, q, v, h)
-        if bodies:
-            moved = answer if isinstance(answer, list | tuple) and len(answer) == len(bodies) else bodies
-            return tuple(np.array([getattr(b, role) for b in moved]).reshape(shape) for role in ("pos", "vel"))
-        pair = answer if answer is not None else outs if len(outs) == 2 else (places, speeds)
-        return tuple(np.reshape(x, shape) for x in pair[:2])
+        return system.ends(answer, outs)
 
     def _called(self, given: Mapping[str, Foreign], state: Any) -> tuple[Foreign, list[Foreign]]:
         """What the stepper returns, and the arrays it writes into, the position before the velocity."""
         outs = {name: np.full_like(state, _LEFT_THERE) for name, role in self.roles.items() if role == _OUT}
         known = {**given, _SIZE: len(state)}
         answer = self.step(*[outs[name] if name in outs else known[self.roles[name]] for name in self.names])
-        ordered = sorted(outs, key=lambda name: _stem(name.lower().strip("_")) in _NAMES[VELOCITY])
+        ordered = sorted(outs, key=lambda name: _stem(word_of(name)) in _NAMES[VELOCITY])
         return answer, [outs[name] for name in ordered]
+
+
+class _System:
+    """Positions, velocities and masses as a stepper takes them, in arrays or bodies, and the force on them."""
+
+    def __init__(
+        self, call: _Call, force: Callable[..., Any] | None, q: Foreign, v: Foreign, bodies: Sequence[_Body] | None
+    ) -> None:
+        self.call, self.force, self.shape = call, force, np.shape(q)
+        self.places, self.speeds = (np.array(x, dtype=float, ndmin=1) for x in (q, v))
+        self.masses = np.resize(call.heavy[:1] if call.alike else call.heavy, len(self.places))
+        self.factors = self.masses.reshape(-1, *[1] * (self.places.ndim - 1)) ** call.of_force
+        one: Callable[[Any], Any] = lambda x: x.copy() if np.ndim(x) else float(x)
+        each = zip(self.places, self.speeds, self.masses, strict=True) if _BODIES in call.roles.values() else ()
+        self.bodies = bodies or [_Body(one(q), one(v), float(mass)) for q, v, mass in each]
+
+    def pushes(self, at: Any, whose: int | None = None) -> Any:
+        """The forces at these places, in their shape, times the masses unless they are accelerations."""
+        whole = at.size == self.places.size
+        pushed = -at if self.force is None else self.force(at.reshape(self.shape) if whole else at)
+        if whole:
+            return (np.asarray(pushed, float).reshape(self.places.shape) * self.factors).reshape(at.shape)
+        self.call.alike |= whose is None
+        return np.asarray(pushed, float).reshape(at.shape) * self.factors[whose or 0]
+
+    def asked(self, *arguments: Foreign) -> Foreign:
+        """The answer to the stepper's call of its force."""
+        if self.bodies:
+            return _answer_of_bodies(self.pushes, arguments, self.bodies)
+        arrays, _ = _arrays_and_numbers(arguments, self.places.size)
+        place, *others = [x for x in arrays if x is not self.masses] or arguments
+        return _written(self.pushes(np.asarray(place, float)), [x for x in others if x is not self.speeds])
+
+    def ends(self, answer: Foreign, outs: Sequence[Foreign]) -> Foreign:
+        """The new positions and velocities: those of bodies, those returned, or those written into the arrays."""
+        if self.bodies:
+            moved = answer if isinstance(answer, list | tuple) and len(answer) == len(self.bodies) else self.bodies
+            return tuple(np.array([getattr(b, role) for b in moved]).reshape(self.shape) for role in ("pos", "vel"))
+        pair = answer if answer is not None else outs if len(outs) == 2 else (self.places, self.speeds)
+        return tuple(np.reshape(x, self.shape) for x in pair[:2])
 
 
 def _arrays_and_numbers(asked: Sequence[Foreign], size: int) -> tuple[list[Foreign], list[Foreign]]:

@@ -1,37 +1,26 @@
-"""Adapters for other forms of states: complex numbers, batches, bodies, dataclasses, named tuples, dicts, tensors."""
+"""Adapters for other forms of states: complex numbers, batches, bodies, vectors, tensors, arrays of compiled code."""
 
 from __future__ import annotations
 
-import dataclasses
-import inspect
 import sys
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import suppress
+from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 from importlib import import_module
-from typing import Any, get_type_hints
+from typing import Any
 
 import numpy as np
 
 from driftproof.blackbox.findings import NotANumber, WrongShape
 from driftproof.blackbox.stepper.array_adapters import AnyNumber, ArrayAdapter, Foreign, as_array, floats_in, one_number
-from driftproof.blackbox.stepper.calling_conventions import (
-    FIELD,
-    MAP,
-    POSITION,
-    ROLES,
-    STATE,
-    TIME,
-    UNIT_PARAMETERS,
-    VELOCITY,
-    CallingConvention,
-)
+from driftproof.blackbox.stepper.calling_conventions import FIELD, MAP, STATE, CallingConvention
+from driftproof.blackbox.stepper.records import adapter_of, record_of
 
 
 def forms_of(step: Callable[..., Any], convention: CallingConvention) -> Iterator[ArrayAdapter]:
     """Yield the adapters for other forms of a state that the convention allows, the likeliest first."""
     if convention.kind == MAP and STATE in convention.order:
-        yield from _records(step)
+        if (record := record_of(step, lambda state: step(state, 0.25))) is not None:
+            yield adapter_of(record)
         yield from (COMPLEX, CONJUGATE, BATCH)
     elif convention.kind == FIELD:
         yield BATCH
@@ -190,130 +179,3 @@ class CompiledCallback:
         assert self.function is not None
         plain = [np.asarray(x).item() if np.ndim(x) == 0 else np.asarray(x) for x in arguments]
         return np.asarray(self.function(*plain), dtype=shape.dtype).reshape(shape.shape)
-
-
-def _records(step: Callable[..., Any]) -> Iterator[ArrayAdapter]:
-    """Yield adapters for the annotated class of the state, or else for the keys or attributes that the step reads."""
-    named = _annotated(step)
-    if named is not None:
-        names, needed = _fields(named)
-        yield from _record(named.__name__, named, names, needed)
-        return
-    keys, attributes = _names_read(step)
-    if keys:
-        yield from _record("dict", dict, keys, keys)
-    elif attributes:
-        yield from _record("State", dataclasses.make_dataclass("State", attributes), attributes, attributes)
-
-
-def _annotated(step: Callable[..., Any]) -> Any:
-    """The first dataclass, named tuple or typed dict in the annotations of the parameters; None if there is none."""
-    hints: Mapping[str, Any] = {}
-    with suppress(Exception):  # foreign annotations may name what does not exist
-        hints = get_type_hints(step if inspect.isroutine(step) else type(step).__call__)
-    return next((hint for name, hint in hints.items() if name != "return" and _fields(hint)[0]), None)
-
-
-def _fields(record: Any) -> tuple[list[str], list[str]]:
-    """The names of all fields, and those of the fields without a default."""
-    if dataclasses.is_dataclass(record):
-        fields = [field for field in dataclasses.fields(record) if field.init]
-        plain = (dataclasses.MISSING, dataclasses.MISSING)
-        return [f.name for f in fields], [f.name for f in fields if (f.default, f.default_factory) == plain]
-    if isinstance(record, type) and issubclass(record, tuple) and hasattr(record, "_fields"):
-        names = list(record._fields)
-        return names, [name for name in names if name not in getattr(record, "_field_defaults", {})]
-    keys = list(getattr(record, "__annotations__", {})) if hasattr(record, "__total__") else []
-    return keys, keys
-
-
-class _Asked(dict[str, float]):
-    """A state that has every key and attribute, and records which of them are read."""
-
-    def __init__(self) -> None:
-        super().__init__()
-        self.__dict__["attributes"] = []
-
-    def __missing__(self, key: object) -> float:
-        if not isinstance(key, str):
-            raise KeyError(key)
-        self[key] = 1.0
-        return 1.0
-
-    def __getattr__(self, name: str) -> float:
-        if name.startswith("_"):
-            raise AttributeError(name)
-        self.__dict__["attributes"].append(name)
-        return 1.0
-
-
-def _names_read(step: Callable[..., Any]) -> tuple[list[str], list[str]]:
-    """The keys and the attributes of its state that a step reads, each once, in the order of reading."""
-    asked = _Asked()
-    with suppress(Exception, SystemExit):
-        step(asked, 0.25)
-    return list(asked), list(dict.fromkeys(asked.__dict__["attributes"]))
-
-
-def _record(
-    name: str, make: Any, names: Sequence[str], needed: Sequence[str], other: Mapping[str, float] | None = None
-) -> Iterator[ArrayAdapter]:
-    """Yield the adapter of a record that has a position and a velocity, if its other fields are known."""
-    role_of = {each: _role(each) for each in names}
-    places = [next((each for each in names if role_of[each] == role), None) for role in (POSITION, VELOCITY)]
-    if None in places and len(names) == 2:
-        places = list(names)
-    known: dict[str, float] = {each: 0.0 for each in needed if role_of[each] == TIME}
-    given = {each: 1.0 for each in names if each.lower() in UNIT_PARAMETERS and each not in places} | dict(other or {})
-    known |= {each: x for each, x in given.items() if each in needed or other}
-    if None in places or set(needed) - {*known, *places}:
-        return
-    position, velocity = places
-
-    def write(numbers: Sequence[AnyNumber]) -> Foreign:
-        q, v = (np.array(x, dtype=float) if np.ndim(x) else float(x) for x in numbers)
-        return make(**known, **{str(position): q, str(velocity): v})
-
-    def read(value: Foreign, size: int) -> list[AnyNumber]:
-        parts = parts_of(value)
-        for each in given.keys() & known.keys() & parts.keys():
-            if parts[each] != known[each]:
-                raise WrongShape(f"a record whose {each} is {known[each]:g} comes back with {parts[each]}")
-        if isinstance(value, Mapping):
-            return floats_in([value[position], value[velocity]], size)
-        if hasattr(value, str(position)):
-            return floats_in([getattr(value, str(position)), getattr(value, str(velocity))], size)
-        return floats_in(value, size)
-
-    arguments = [*(f"{each}={known[each]!r}" for each in known), f"{position}={{}}", f"{velocity}={{}}"]
-    with_other = lambda values: next(_record(name, make, names, needed, values))
-    title, shown = f"{name} with {position}, {velocity}", f"{name}({', '.join(arguments)})"
-    yield ArrayAdapter(title, write, read, shown=shown, parameters=given, with_parameters=with_other)
-
-
-def parts_of(record: Foreign) -> Mapping[str, Foreign]:
-    """The fields of a dataclass or a named tuple by name, or a mapping as it is; nothing for any other value."""
-    if hasattr(record, "_asdict"):
-        return dict(record._asdict())
-    if dataclasses.is_dataclass(record):
-        return {field.name: getattr(record, field.name) for field in dataclasses.fields(record)}
-    return record if isinstance(record, Mapping) else {}
-
-
-def part_pair(answer: Foreign) -> Foreign:
-    """Position and velocity of a record, by name or else as its fields in order; any other answer unchanged."""
-    parts = parts_of(answer)
-    if not parts:
-        return answer
-    named = [next((x for name, x in parts.items() if _role(name) == role), None) for role in (POSITION, VELOCITY)]
-    return list(parts.values()) if any(part is None for part in named) else named
-
-
-def clock_of(record: Foreign) -> Foreign:
-    """The time in a record; None if it has none."""
-    return next((x for name, x in parts_of(record).items() if _role(str(name)) == TIME), None)
-
-
-def _role(name: str) -> str | None:
-    word = name.lower().strip("_")
-    return next((role for role in (POSITION, VELOCITY, TIME) if word in ROLES[role]), None)

@@ -5,8 +5,7 @@ from __future__ import annotations
 from fractions import Fraction
 
 from driftproof.methods.vector_fields import VectorField
-from driftproof.numeric.problems.problem import CERTIFIED, EXACT, TWICE, Problem, reference
-from driftproof.numeric.problems.stiff import TWO_METHODS
+from driftproof.numeric.problems.problem import CERTIFIED, ENCLOSED, EXACT, Problem, reference
 
 CONSERVATIVE = {
     "explicit": "right at small steps; the energy drifts, more slowly the higher the order",
@@ -65,7 +64,7 @@ HENON_HEILES = Problem(
     title="Hénon and Heiles, two coupled oscillators at energy 1/8, to t = 100",
     field=VectorField(("y2", "y3", "-y0 - 2 * y0 * y1", "-y1 - y0 * y0 + y1 * y1")),
     start=(Fraction(0), Fraction(0), Fraction(3, 10), Fraction(2, 5)),
-    reference=reference("henon_heiles", CERTIFIED, "Taylor series with Lagrange's remainder, in ball arithmetic"),
+    reference=reference("henon_heiles", CERTIFIED, ENCLOSED),
     source="henon-heiles-1964; hairer-lubich-wanner-2006, I.3",
     energy="(y2 * y2 + y3 * y3 + y0 * y0 + y1 * y1) / 2 + y0 * y0 * y1 - y1 * y1 * y1 / 3",
     second_order=True,
@@ -86,7 +85,7 @@ def _fermi_pasta_ulam() -> Problem:
         title="Fermi, Pasta and Ulam's chain with three stiff springs, omega = 50, to t = 100",
         field=VectorField((*speeds, *(f + g for f, g in zip(forces, stiff, strict=True))), (("omega", Fraction(50)),)),
         start=tuple(Fraction(x) for x in (1, 0, 0, "1/50", 0, 0, 1, 0, 0, 1, 0, 0)),
-        reference=reference("fermi_pasta_ulam", TWICE, TWO_METHODS),
+        reference=reference("fermi_pasta_ulam", CERTIFIED, ENCLOSED),
         source="fermi-pasta-ulam-1955; hairer-lubich-wanner-2006, I.5.1",
         energy=f"({' + '.join(f'{v} * {v}' for v in speeds)}) / 2 + ({quartic}) / 4"
         " + omega * omega * (y3 * y3 + y4 * y4 + y5 * y5) / 2",

@@ -14,8 +14,10 @@ from typing import Any, TypeAlias
 from driftproof.methods.vector_fields import VectorField
 
 # The kinds of evidence for a reference, best first.
-EXACT, CERTIFIED, TWICE = "exact", "certified", "computed twice"
-KINDS_OF_EVIDENCE = (EXACT, CERTIFIED, TWICE)
+EXACT, CERTIFIED = KINDS_OF_EVIDENCE = ("exact", "certified")
+
+# The source of a CERTIFIED reference, in which every ball determines all the digits given.
+ENCLOSED = "the solution, enclosed in ball arithmetic"
 
 # One decimal per component, as text: every digit is significant.
 Digits: TypeAlias = tuple[str, ...]
@@ -25,8 +27,8 @@ Digits: TypeAlias = tuple[str, ...]
 class Reference:
     """y at some times: `states[i]` is y(times[i]), each component within half a unit of its last digit.
 
-    `evidence` is EXACT (decimals of a closed form, certified), CERTIFIED (enclosed in balls) or TWICE (two independent
-    methods agree on every digit given). `source` names them, and says where published digits differ.
+    `evidence` is EXACT (decimals of a closed form, certified) or CERTIFIED (the solution is enclosed). `source` names
+    the form, or says how many published digits agree.
     """
 
     times: tuple[Fraction, ...]

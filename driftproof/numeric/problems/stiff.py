@@ -5,7 +5,7 @@ from __future__ import annotations
 from fractions import Fraction
 
 from driftproof.methods.vector_fields import VectorField
-from driftproof.numeric.problems.problem import EXACT, TWICE, Problem, reference
+from driftproof.numeric.problems.problem import CERTIFIED, ENCLOSED, EXACT, Problem, reference
 
 STIFF = {
     "explicit": "unstable, so overflows or fails, unless h times the largest rate is within the stability limit",
@@ -45,12 +45,6 @@ KAPS = Problem(
     },
 )
 
-# The programs in tests/witnesses/references that agree on every digit given, out of some 24 computed.
-TWO_METHODS = (
-    "Radau IIA collocation, 24 stages, binary, 64 digits; Chebyshev collocation, 32 stages, decimal, 52 digits"
-)
-
-
 SLOW_THEN_FAST = {
     "explicit": "overflows unless h is at most the method's real limit divided by 3 mu^2, the largest rate",
     "a_stable": "y0 is right on a slow branch; y1 starts off it and oscillates about it for long if |R(oo)| = 1",
@@ -65,7 +59,7 @@ def _van_der_pol(name: str, mu: int, shown: str, in_print: str = "") -> Problem:
         title=f"Van der Pol's oscillator, mu = {shown}, in the time t = physical time / mu, to t = 2",
         field=VectorField(("y1", "mu * mu * ((1 - y0 * y0) * y1 - y0)"), (("mu", Fraction(mu)),)),
         start=(Fraction(2), Fraction(0)),
-        reference=reference(f"van_der_pol_{name}", TWICE, TWO_METHODS + in_print),
+        reference=reference(f"van_der_pol_{name}", CERTIFIED, ENCLOSED + in_print),
         source="hairer-wanner-1996, IV.1; mazzia-magherini-2008, vdpol",
         stiff=True,
         expected=SLOW_THEN_FAST,
@@ -80,7 +74,7 @@ ROBERTSON = Problem(
         (("slow", Fraction(1, 25)), ("fast", Fraction(10**4)), ("fastest", Fraction(3 * 10**7))),
     ),
     start=(Fraction(1), Fraction(0), Fraction(0)),
-    reference=reference("robertson", TWICE, f"{TWO_METHODS}; the published digits at t = 10^11 agree to 13 places"),
+    reference=reference("robertson", CERTIFIED, f"{ENCLOSED}; the published digits at t = 10^11 agree to 13 places"),
     source="robertson-1966; hairer-wanner-1996, IV.1 and IV.10; mazzia-magherini-2008, rober",
     stiff=True,
     expected={
@@ -111,7 +105,7 @@ HIRES = Problem(
         ),
     ),
     start=(Fraction(1), *[Fraction(0)] * 6, Fraction(57, 10000)),
-    reference=reference("hires", TWICE, f"{TWO_METHODS}; the published digits agree to 15 places or more"),
+    reference=reference("hires", CERTIFIED, f"{ENCLOSED}; the published digits agree to 15 places or more"),
     source="schafer-1975; hairer-wanner-1996, IV.10; mazzia-magherini-2008, hires",
     stiff=True,
     expected={
@@ -128,7 +122,7 @@ OREGONATOR = Problem(
         (("s", Fraction(7727, 100)), ("q", Fraction(8375, 10**9)), ("w", Fraction(161, 1000))),
     ),
     start=(Fraction(1), Fraction(2), Fraction(3)),
-    reference=reference("oregonator", TWICE, f"{TWO_METHODS}; the published digits at t = 360 agree to 13 places"),
+    reference=reference("oregonator", CERTIFIED, f"{ENCLOSED}; the published digits at t = 360 agree to 13 places"),
     source="field-noyes-1974; hairer-wanner-1996, IV.1 and IV.10; mazzia-magherini-2008, orego",
     stiff=True,
     expected={

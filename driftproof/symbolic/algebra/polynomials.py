@@ -10,7 +10,7 @@ from typing import Any, TypeAlias
 
 from flint import acb, acb_poly, arb, arb_poly, fmpq, fmpq_mat, fmpq_poly, fmpz, nmod_poly
 
-from driftproof.methods.number_field import Algebraic, Exact, ScalarExtension
+from driftproof.methods.number_field import Algebraic, Exact, ScalarExtension, as_fraction
 
 # fmpq_poly over Q, FieldPolynomial over a number field; FLINT has no static types.
 Polynomial: TypeAlias = Any
@@ -160,7 +160,7 @@ def exact(x: Scalar) -> Exact:
     if isinstance(x, FieldPolynomial):
         element = x.element()
         return element.as_fraction() if element.is_rational else element
-    return Fraction(int(x.p), int(x.q))
+    return as_fraction(x)
 
 
 def polynomial(coefficients_: Iterable[Exact | int]) -> Polynomial:

@@ -11,7 +11,7 @@ from driftproof.symbolic.derivation.one_step import RING, H, entries, matrix
 from driftproof.symbolic.derivation.phase import cosine_series, leading_term, sine_series
 
 J = sympy.ImmutableMatrix([[0, 1], [-1, 0]])
-FINAL_TIME = sympy.Symbol("T", real=True)
+FINAL_TIME = sympy.Symbol("T")
 
 
 def exact_flow_series(terms: int) -> DomainMatrix:

@@ -118,7 +118,7 @@ class MultistepFacts(FactsOfFamily[Multistep]):
 
     @cached_property
     def error_constant(self) -> Fraction | None:
-        """C = C_{p+d}/σ(1): local errors C hᵖ⁺ᵈ y⁽ᵖ⁺ᵈ⁾ give the leading global error (III.2); None if σ(1) = 0."""
+        """C = C_{p+d}/σ(1), local errors C hᵖ⁺ᵈ y⁽ᵖ⁺ᵈ⁾ being exact minus computed (III.2); None if σ(1) = 0."""
         total = sum(self.method.sigma)
         return None if not total else self.order_fails.residual / total
 

@@ -42,9 +42,9 @@ class LeadingTerm:
 
 
 def error_constant(r: RationalFunction) -> LeadingTerm:
-    """C zᵖ⁺¹, the leading term of R(z) - eᶻ; p is the order on linear problems, never below the order.
+    """C zᵖ⁺¹, the leading term of R(z) - eᶻ, computed minus exact; p is the order on linear problems.
 
-    It exists: R agrees with exp at most up to the power deg P + deg Q (Padé).
+    p is never below the order. The term exists: R agrees with exp at most up to the power deg P + deg Q (Padé).
     """
     terms = r.num.degree() + r.den.degree() + 2
     return _leading([a - b for a, b in zip(taylor(r, terms), exponential_series(terms), strict=True)])

@@ -51,9 +51,9 @@ def method_series(method: TreeMethod, order: int) -> BSeries:
 def modified_equation(method: TreeMethod, order: int) -> BSeries:
     """The series b of the modified equation h y' = B(b, y), whose time-h flow is the method, for trees up to `order`.
 
-    In y' = f + h f₂ + h² f₃ + ... the term of t is h^(r(t)-1) b(t)/σ(t) F(t). The method's series is
-    a = Σⱼ ∂_bʲ⁻¹ b / j!. The terms with j > 1 need b on smaller trees only, so b(t) = a(t) - Σ_{j>1} ... follows tree
-    by tree (hairer-lubich-wanner-2006, IX.9.1).
+    It is that on y' = f(y), where the nodes c of a table play no part. In y' = f + h f₂ + h² f₃ + ... the term of t is
+    h^(r(t)-1) b(t)/σ(t) F(t). The method's series is a = Σⱼ ∂_bʲ⁻¹ b / j!. The terms with j > 1 need b on smaller trees
+    only, so b(t) = a(t) - Σ_{j>1} ... follows tree by tree (hairer-lubich-wanner-2006, IX.9.1).
     """
     rows: list[list[RingElement]] = []  # for each tree, ∂_bʲ⁻¹ b for j = 1, 2, ... up to its number of vertices
     for a, cuts in zip(method_series(method, order).coefficients, tree_table(order).cuts, strict=True):

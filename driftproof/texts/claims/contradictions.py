@@ -8,7 +8,7 @@ from fractions import Fraction
 from functools import cache
 
 from driftproof.methods.catalogue import FACTS_ONLY, METHODS
-from driftproof.methods.names import also_known_as, keys_called
+from driftproof.methods.names import AMBIGUOUS_NAMES, also_known_as
 from driftproof.texts.values.published import published_values
 
 # Quantity -> the words that name it, and the words of quantities that are confused with it.
@@ -40,6 +40,8 @@ _CHOSEN = "htzkγλ"  # what a text chooses, so no other quantity
 _IN_FORMULA = (r"(?:[+*/^√]\(?|(?:\)|\b[a-z]) ?-)\s?\Z", r"\s?(?:[+*/^√]|-\s?(?:[^\sa-z]|[a-z]\b))")
 # What ends a sentence. A line that ends in a word or a comma goes on in the next one, unless an item or a row begins.
 _ENDS = re.compile(r"[.;?!]\s|(?<![^\W\d_])(?<![,(])\n|\n(?=\s*(?:[\n|!*#:{-]|[0-9]+[.)]\s))")
+# Names of several methods that a text may have for other reasons.
+_PEOPLE = {"Butcher", "Verner", "Gauss", "Ralston", "Suzuki", "Yoshida"}
 # Characters on each side of a number that may belong to its sentence.
 _LONGEST = 400
 _GIVEN = {x: re.compile(rf"(?<![a-z]){x}\s?=\s?([0-9]+(?:\.[0-9]+|/[1-9][0-9]*)?)(?![\w/])") for x in "ht"}
@@ -130,8 +132,21 @@ def _methods(text: str, key: str) -> tuple[list[int], list[int]]:
 
 
 def methods_named(text: str) -> set[str]:
-    """The keys of all methods named in the lower-case text by key, title or another name."""
-    return {key for match in _spoken_names().finditer(_flat(text)) for key in _names()[match[0]]}
+    """The keys of all methods named in the lower-case text by key, title or another name.
+
+    An ambiguous name, such as Verlet, stands for those of its methods that are named in full as well, if there are any.
+    """
+    found = [_names()[match[0]] for match in _spoken_names().finditer(_flat(text))]
+    sure = set[str]().union(*(keys for keys in found if len(keys) == 1))
+    return sure.union(*(keys & sure or keys for keys in found))
+
+
+def last_methods_named(*texts: str) -> set[str]:
+    """The keys of the method named last in the first of the texts that names one."""
+    for found in ([*_spoken_names().finditer(_flat(text))] for text in texts):
+        if found:
+            return _names()[found[-1][0]]
+    return set()
 
 
 def _flat(text: str) -> str:
@@ -140,7 +155,7 @@ def _flat(text: str) -> str:
 
 @cache
 def _names() -> dict[str, set[str]]:
-    found = {"leapfrog": {*keys_called("leapfrog")}}
+    found = {_flat(name.lower()): {*keys} for name, keys in AMBIGUOUS_NAMES.items() if name not in _PEOPLE}
     for key, method in (*METHODS.items(), *FACTS_ONLY.items()):
         for name in (key, method.title, *also_known_as(key)):
             found.setdefault(_flat(name.lower()), set()).add(key)

@@ -8,16 +8,18 @@ from contextlib import suppress
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cache, cached_property
-from itertools import product, takewhile
+from itertools import pairwise, product, takewhile
 from math import prod
 from typing import TypeAlias
 
 from flint import arb, ctx
 
-from driftproof.methods.catalogue import FACTS_ONLY, METHODS
+from driftproof.methods.catalogue import FACTS_ONLY, METHODS, keys_of_name
 from driftproof.symbolic.algebra.certified import Uncertified, enclose
 from driftproof.texts.claims.contradictions import contradicted, methods_named, names_limit
 from driftproof.texts.claims.phrases import NumberForm
+from driftproof.texts.claims.places import Place, place_of
+from driftproof.texts.claims.stated_problems import stated_questions
 from driftproof.texts.questions.answer import GIVEN, Answer
 from driftproof.texts.questions.arithmetic import NUMBER_FUNCTIONS
 from driftproof.texts.questions.evaluate import value
@@ -89,11 +91,20 @@ def questions_in(asked: str) -> dict[str, tuple[str, ...]]:
 
 @dataclass(frozen=True)
 class _Known:
-    """A value that a number may be, by question or id; `chosen` has the choices from the braces of an asked one."""
+    """A value that a number may be, by question or id; `chosen` has the choices from the braces of an asked one.
+
+    A `stated` one was not asked by the author, but is about a problem that the text states.
+    """
 
     question: str
     answer: Answer
     chosen: tuple[str, ...] | None = None
+    stated: bool = False
+
+    @cached_property
+    def methods(self) -> list[set[str]]:
+        """The methods that are chosen, each as the keys that its name may mean."""
+        return [{*keys} for text in self.chosen or () if (keys := keys_of_name(text))]
 
     @cached_property
     def numbers(self) -> list[set[Fraction]]:
@@ -105,16 +116,32 @@ class _Known:
     @cached_property
     def names(self) -> list[str]:
         """The words that name the value, without single letters and words common to all questions."""
-        text = " ".join(self.chosen or ()) or re.sub(r"\b(?:run|step|from) |[htN]=\S+", "", self.question)
+        words_chosen = [text for text in self.chosen or () if not keys_of_name(text)]
+        text = " ".join(words_chosen) if self.chosen else re.sub(r"\b(?:run|step|from) |[htN]=\S+", "", self.question)
         words = dict.fromkeys(re.split(r"[^a-z0-9]+", text.lower()))
         least = "[a-z]{2,}[0-9]*" if self.chosen is not None else ".*[a-z].+|.+[a-z].*"
         return [word for word in words if re.fullmatch(least, word)]
 
+    @cached_property
+    def keys(self) -> set[str]:
+        """The methods that the question may be about."""
+        return set().union(*self.methods) or methods_named(self.question.lower())
+
+    @property
+    def rank(self) -> int:
+        """2 for what the author asks for, 1 for what is about a stated problem, 0 for other values."""
+        return (self.chosen is not None) + (self.chosen is not None and not self.stated)
+
+    @property
+    def most(self) -> int:
+        """How many names, methods and numbers it has, all of which may stand near a number."""
+        return len(self.names) + len(self.methods) + len(self.numbers)
+
     def is_meant(self, x: Fraction, digits: int, fit: int, rivals: int) -> bool:
         """True if x hardly looks so by chance: `fit` names are near, and as near to no more than `rivals` values."""
         asked = self.chosen is not None
-        likely = rivals * (_ODDS_OF_ASKED if asked else _ODDS) <= 9 * 10 ** (digits - 1)
-        named = fit == len(self.names) + len(self.numbers) and fit > (digits < 2 or not asked)
+        likely = rivals * (_ODDS_OF_ASKED if asked and not self.stated else _ODDS) <= 9 * 10 ** (digits - 1)
+        named = fit == self.most and fit > (digits < 2 or not asked)
         # Digits of roots of small numbers are not random, so an irrational value needs a name nearby.
         near = asked or fit > 0 or isinstance(self.answer.exact, Fraction)
         # A constant that the lesson chose may be chosen by another text, too, without being meant.
@@ -128,6 +155,7 @@ class Suggestions:
         """Take a text in canonical spelling, and questions, braces allowed, whose values its author says it has."""
         self.text, self._lower = text, text.lower()
         asked_for = {question: chosen for one in asked for question, chosen in questions_in(one).items()}
+        self.stated = stated_questions(text, self.column_of)
         # Of braces such as h={0.1,0.2}, t={0.5,1}, the combinations that are runs, or all if none is, to be refused.
         pairs = {one: zip(*(map(Fraction, x.findall(one)) for x in (_H, _T)), strict=False) for one in asked_for}
         runs = {one: asked_for[one] for one in asked_for if all((t / h).denominator == 1 for h, t in pairs[one] if h)}
@@ -150,16 +178,31 @@ class Suggestions:
         possible = [
             k for k in self._known if (k.answer.unit == "%") == percent or (k.question in self.asked and not percent)
         ]
+        meant = self._meant_at(number)
         alike = {each.question for each in self._written(form).get(_spelled(number), ())}
         for known in (each for each in possible if each.question in alike):
             fit, asked = fits[known.question], known.chosen is not None
-            rivals = sum(fits[other.question] >= fit for other in possible if (other.chosen is not None) >= asked)
+            rivals = sum(fits[other.question] >= fit for other in possible if other.rank >= known.rank)
             denied = contradicted(known.question, self._lower, number.start, number.end, asked)
+            rivals = min(rivals, len(meant)) if known in meant else rivals
             strong = not denied and known.is_meant(x, digits, fit, rivals)
             other = _SOLVED.search(before) is not None and not re.search(r"\bexact\b", known.question)
             last = known.answer.exact != x, known.question not in ids, len(known.question), known.question
             far = sum(one[:2] == word[:2] and one != word for one in settings for word in known.question.split())
-            found.append(((not asked, denied, other, -fit, far, *last), LookAlike(known.question, form, strong)))
+            found.append(
+                (
+                    (
+                        -known.rank if strong or known.rank == 2 else 0,
+                        denied,
+                        known not in meant,
+                        other,
+                        -fit,
+                        far,
+                        *last,
+                    ),
+                    LookAlike(known.question, form, strong),
+                )
+            )
         return [alike for _, alike in sorted(found, key=lambda pair: pair[0])]
 
     def nowhere(self) -> list[Missed]:
@@ -167,7 +210,7 @@ class Suggestions:
 
         First come the likely slips, then the numbers that are equal to the value, with few digits.
         """
-        asked = [known for known in self._known if known.chosen is not None and known.question in self.asked]
+        asked = [known for known in self._known if known.rank == 2 and known.question in self.asked]
         missed: dict[str, Missed] = {known.question: (known.question, known.answer, [], []) for known in asked}
         shares = {_SHARE.format(question): question for question in missed}
         for number in (each for each in numbers_in(self.text) if missed and each.label is None):
@@ -188,11 +231,23 @@ class Suggestions:
         limit needs five and its names in the sentence: one number in 1800 is by chance a slip for a given value.
         """
         found, digits = dict[str, str](), _digits(number.text, telling=True)
-        if digits > 2 and not any(one.strong or one.question in self.asked for one in self.look_alikes(number)):
+        meant = {known.question for known in self._meant_at(number)}
+        alike = {one.question for one in self.look_alikes(number) if one.strong or one.question in self.asked}
+        if digits > 1 and not alike and meant.isdisjoint(one.question for one in self.look_alikes(number)):
+            written = self._written(form_of(number))
+            spelled = dict[str, list[str]]()
+            for spelling, ones in written.items():
+                for known in ones:
+                    spelled.setdefault(known.question, []).extend([spelling] * (known.question in meant))
+            sizes = len({tuple(one) for one in spelled.values() if one})
             other_sign, *others = _slips(_spelled(number))
             for slip in (other_sign, *others):
-                for known in self._written(form_of(number)).get(slip, ()):
-                    sure = slip == other_sign or digits > 4 or self._is_near(known, number, digits)
+                for known in written.get(slip, ()):
+                    sure = digits > 2 and (slip == other_sign or digits > 4 or self._is_near(known, number, digits))
+                    sure = (sure and not known.stated) or digits > 5
+                    sure |= known.question in meant and (
+                        digits > 3 or (sizes <= 2 * digits - 3 and not known.question.endswith("evaluations"))
+                    )
                     found |= {known.question: slip} if sure and known.chosen is not None else {}
                     if known.question.startswith(_LIMITS) and slip in others and digits > 4:
                         place = self._lower, number.start, number.end, self.column_of(number)
@@ -203,26 +258,64 @@ class Suggestions:
         """True if all the numbers of an asked value stand on the line or, if there are none, its names nearby."""
         if known.numbers:
             return not any(map(self._on_line_of(number).isdisjoint, known.numbers))
-        return digits > 3 and 0 < len(known.names) == self._fits(number)[known.question]
+        return digits > 3 and 0 < known.most == self._fits(number)[known.question]
 
     def _fits(self, number: TextNumber) -> dict[str, int]:
         """For each value, how many of its names stand near the number plus how many of its numbers on the same line."""
         near = self._lower[max(0, number.start - _NEIGHBOURHOOD) : number.end + _NEIGHBOURHOOD] + self.column_of(number)
         stand = {name for name in self._all_names if re.search(rf"(?<![a-z]){name}", near)}
-        line = self._on_line_of(number) if self.asked else set()
+        spoken, line = methods_named(near), self._on_line_of(number) if self.asked or self.stated else set()
         return {
-            known.question: sum(x in stand for x in known.names) + sum(not line.isdisjoint(x) for x in known.numbers)
+            known.question: sum(x in stand for x in known.names)
+            + sum(not line.isdisjoint(x) for x in known.numbers)
+            + sum(not spoken.isdisjoint(x) for x in known.methods)
             for known in self._known
         }
 
     def column_of(self, number: TextNumber) -> str:
         """The head of the number's column in a table, in lower case; "" for other numbers."""
-        *above, row = self._lower[max(0, number.start - _FARTHEST) : number.start].split("\n")
-        column, head = len(_CELL.findall(row)), ""
+        return next((head for head, _, start, end in self._row_of(number) if start <= number.start < end), "")
+
+    def _row_of(self, number: TextNumber) -> list[tuple[str, str, int, int]]:
+        """The head, the text and the span of each cell of the number's row in a table; [] outside tables."""
+        start = self._lower.rfind("\n", 0, number.start) + 1
+        row = self._lower[start:].split("\n", 1)[0]
+        if start not in self._rows:
+            self._rows[start] = [*self._cells(row, start)] if _CELL.search(row) else []
+        return self._rows[start]
+
+    def _cells(self, row: str, start: int) -> Iterator[tuple[str, str, int, int]]:
+        heads = dict[int, str]()
+        above = self._lower[max(0, start - _FARTHEST) : max(0, start - 1)].split("\n")
         for cells in takewhile(lambda cells: len(cells) > 1, map(_CELL.split, reversed(above))):
-            inside = len(cells) > column and cells[0] != "{" and not cells[1].startswith(("+", "-"))
-            head = cells[column] if inside else head
-        return head.strip(" '")
+            if cells[0] != "{" and not cells[1].startswith(("+", "-")):
+                heads |= {i: cell.strip(" '") for i, cell in enumerate(cells)}
+        ends = [*(match.end() for match in _CELL.finditer(row)), len(row)]
+        for column, (begin, end) in enumerate(pairwise([0, *ends])):
+            cell = _CELL.sub("", row[begin:end])
+            yield heads.get(column, ""), cell.strip(), start + begin, start + end
+
+    @cached_property
+    def _rows(self) -> dict[int, list[tuple[str, str, int, int]]]:
+        return {}
+
+    def _place_of(self, number: TextNumber) -> Place:
+        row = [(head, cell) for head, cell, *_ in self._row_of(number)]
+        heads = [head for head, _, begin, _ in self._row_of(number) if begin <= number.start]
+        return place_of(self._lower, number.start, number.end, heads, row)
+
+    def _meant_at(self, number: TextNumber) -> list[_Known]:
+        """The asked and stated values that the place of the number names."""
+        if number.start not in self._meant:
+            place = self._place_of(number)
+            self._meant[number.start] = [
+                k for k in self._known if k.chosen is not None and place.means(k.question, k.keys)
+            ]
+        return self._meant[number.start]
+
+    @cached_property
+    def _meant(self) -> dict[int, list[_Known]]:
+        return {}
 
     @cached_property
     def _all_names(self) -> set[str]:
@@ -262,6 +355,10 @@ class Suggestions:
         questions = published_values() | dict.fromkeys(self._questions())
         found = [_Known(each, answer) for each in questions if (answer := _usual(each))]
         asked = [_Known(question, _limited(value(question)), chosen) for question, chosen in self.asked.items()]
+        stated = {q: chosen for one in self.stated for q, chosen in questions_in(one).items() if q not in self.asked}
+        for question, chosen in stated.items():
+            with suppress(ValueError):  # a method that is not for the problem, or a solution that ends
+                asked.append(_Known(question, _limited(value(question)), chosen, stated=True))
         percent, one = NUMBER_FUNCTIONS["percent"][0], Answer("", Fraction(1))
         shares = [each for each in asked if each.answer.is_number and not each.answer.unit]
         shares = [replace(k, question=_SHARE.format(k.question), answer=percent(k.answer, one)) for k in shares]
@@ -331,9 +428,11 @@ def _spelled(number: TextNumber) -> str:
 def _slips(spelled: str) -> Iterator[str]:
     """What was meant if the sign is wrong, first, or if one digit is wrong, or two neighbours are exchanged."""
     yield spelled[1:] if spelled.startswith("-") else f"-{spelled}"
-    for i, old in enumerate(spelled):
-        yield spelled[:i] + spelled[i + 1 : i + 2] + old + spelled[i + 2 :]
-        yield from (spelled[:i] + new + spelled[i + 1 :] for new in "0123456789" if old.isdigit())
+    digits = [i for i, sign in enumerate(spelled) if sign.isdigit()]
+    for i, j in pairwise(digits):
+        yield spelled[:i] + spelled[j] + spelled[i + 1 : j] + spelled[i] + spelled[j + 1 :]
+    for i in digits:
+        yield from (spelled[:i] + new + spelled[i + 1 :] for new in "0123456789")
 
 
 def _digits(text: str, telling: bool = False) -> int:

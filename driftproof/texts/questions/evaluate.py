@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 from fractions import Fraction
+from functools import cache
 from typing import TYPE_CHECKING
 
 from driftproof.methods.expression_tree import CallNode, ChainNode, NameNode, NegatedNode, NumberNode, PowerNode
@@ -17,6 +18,7 @@ from driftproof.texts.questions.wording import COEFFICIENT
 
 if TYPE_CHECKING:
     from driftproof.methods.schemes import Method
+    from driftproof.symbolic.algebra.certified import CertifiableReal
 
 # What a step or a run may have besides its settings.
 _PARTS = ("start", "readout", "unit", "problem")
@@ -182,9 +184,23 @@ def _problem_answer(context: QueryContext, method: Method | None, h: Fraction, t
             problem = problems.problem_of_name(named.text)
         else:
             problem = problems.problem_of_rates([rate.text for rate in query.rates], query.unknowns)
-        run = problems.problem_run(method, problem, query.start, h, t)
+        try:
+            entries = (x if isinstance(x, Fraction) else _entry(x) for x in query.start or ())
+            start = tuple(entries) if query.start else None
+        except QuestionError as error:
+            raise context.error(None, f"start {error.text}: {error.reason}") from None
+        run = problems.problem_run(method, problem, start, h, t)
     with context.refused(query.readout):
         return context.readout(problems.problem_readouts(run, problem[2]))(run)
+
+
+@cache
+def _entry(text: str) -> CertifiableReal:
+    """The number that an entry of a start spells; equal texts have the same, so that runs from it are known."""
+    found = value(text).exact
+    if found is None:
+        raise ValueError(f"start: {text!r} is not a number")
+    return found
 
 
 def _exact(context: QueryContext) -> Answer:

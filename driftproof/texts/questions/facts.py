@@ -9,7 +9,7 @@ from typing import Any
 from driftproof.methods.catalogue import FactsOnly
 from driftproof.methods.expressions import parse_number
 from driftproof.methods.families import Family
-from driftproof.methods.number_field import Algebraic
+from driftproof.methods.number_field import Algebraic, Exact
 from driftproof.methods.schemes import RungeKutta
 from driftproof.symbolic.algebra.polynomials import Polynomial, coefficients, evaluate, exact, polynomial, scalar
 from driftproof.symbolic.algebra.radicals import radical_form
@@ -71,7 +71,7 @@ def coefficient(context: QueryContext) -> Answer:
             raise ValueError(f"{method.key} has no {context.head}")
         for number in numbers:
             row = row[number - 1]
-        return of_number(row) or Answer("", None)
+        return _exact_answer(row)
 
 
 def _part(context: QueryContext, found: Any, key: str) -> tuple[str, Any]:
@@ -136,7 +136,7 @@ def _quadratic(context: QueryContext, form: QuadraticForm) -> Answer:
     q, v = context.start
     monomials = (q * q, q * v, v * v)
     found = sum(exact(p[0]) * x for p, x in zip(polynomials, monomials, strict=True))
-    return of_number(found) or Answer("", None)
+    return _exact_answer(found)
 
 
 def _times(p: Polynomial, monomial: str) -> str:
@@ -163,6 +163,8 @@ def of_number(x: Any) -> Answer | None:
         return Answer("", parse_number(form, "root") if form and len(x.minimal) == 3 else x.ball, form=form)
     if isinstance(x, RealRoot):
         return Answer("", x.rational)
-    if isinstance(x, Algebraic):
-        return Answer("", x.as_fraction() if x.is_rational else x)
-    return Answer("", Fraction(x)) if isinstance(x, int | Fraction) and not isinstance(x, bool) else None
+    return _exact_answer(x) if isinstance(x, int | Fraction | Algebraic) and not isinstance(x, bool) else None
+
+
+def _exact_answer(x: int | Exact) -> Answer:
+    return Answer("", Fraction(x) if isinstance(x, int | Fraction) else x.as_fraction() if x.is_rational else x)

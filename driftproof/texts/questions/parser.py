@@ -4,9 +4,10 @@ The grammar is that of `driftproof.methods.expression_tree`, in which a name may
 
 query   = head part* [":" readout [unit]]
 part    = subject | "at" value | name "=" (literal | name | rates) | number "steps" | start | "sharp" | equation
-start   = "from" ["("] literal ("," literal)* [")"]
+start   = "from" ["("] entry ("," entry)* [")"]
+entry   = literal | expression with pi or sqrt
 rates   = "(" sum ("," sum)* ")"
-equation = name "'" "=" sum | name "(" "0" ")" "=" literal
+equation = name "'" "=" sum | name "(" "0" ")" "=" entry
 literal = ["-" | "+"] number ["/" number]
 value   = literal | "(" expression of driftproof.methods.expressions ")"
 
@@ -58,7 +59,7 @@ class Query:
     at: Token | None = None
     settings: dict[str, NumberNode] = field(default_factory=dict)
     words: dict[str, Token] = field(default_factory=dict)
-    start: tuple[Fraction, ...] | None = None
+    start: tuple[Fraction | str, ...] | None = None  # text, such as pi/4, if it may be irrational
     readout: Token | None = None
     unit: Token | None = None
     problem: Token | None = None
@@ -229,60 +230,85 @@ class _QuestionParser(PieceParser):
         return "", 0
 
     def part(self, token: Token, parts: dict[str, Any]) -> None:
+        """Parse the part of a query that begins with this token, which was just taken."""
         setting, words = self._setting_name(self.at - 1)
         if words == 2:
             self.take()
-        after = self.after(self.at)
-        key = {"at": "at", "from": "start"}.get(token.text, "subject")
         if self._is_count(self.at - 1) and self.next.text.startswith("step"):
             steps = self.rational(token.text, token) if token.kind == NUMBER else wording.WORDED_COUNTS[token.text]
             count = NumberNode(token.column, Fraction(steps))
             self.put(parts["settings"], self.take(), "N", lambda: count)
-        elif (token.text in wording.SAY_NOTHING and not setting) or (
-            key == "at" and self.next.kind == NAME and after.text in "='"
+        elif not (
+            (not setting and self._says_nothing(token, parts))
+            or self._equation(token, parts)
+            or self._assignment(token, setting, parts)
         ):
-            pass
-        elif f"{token.text}_{self.next.text}" in wording.OTHER_SETTINGS and not setting:  # step size h=0.1
+            self._bare_part(token, parts)
+
+    def _says_nothing(self, token: Token, parts: dict[str, Any]) -> bool:
+        """True for a word that may stand between parts, and for words that only announce a setting or an equation."""
+        if f"{token.text}_{self.next.text}" in wording.OTHER_SETTINGS:  # step size h=0.1
             self.take()
-        elif token.text == "steps" and "N" in parts["settings"] and not setting:  # N=10 steps
-            return
-        elif self.next.text == "'" and after.text in ("=", "(", "'"):
+            return True
+        announced = token.text == "at" and self.next.kind == NAME and self.after(self.at).text in "='"  # at t=1
+        counted = token.text == "steps" and "N" in parts["settings"]  # N=10 steps
+        return token.text in wording.SAY_NOTHING or announced or counted
+
+    def _equation(self, token: Token, parts: dict[str, Any]) -> bool:
+        """Parse y' = ..., dy/dt = ..., y(0) = ... or, at the end of a question, y(1); False if it is none of them."""
+        after = self.after(self.at)
+        if self.next.text == "'" and after.text in ("=", "(", "'"):
             self.put(parts["rates"], token, token.text, self.rate)
         elif token.text[:1] == "d" and (self.next.text, after.text) == ("/", "dt"):
             self.take()
             self.put(parts["rates"], token, token.text[1:], self.rate)
-        elif key == "subject" and self.next.text == "(" and after.kind == NUMBER:
-            if self.after(self.at + 2).kind == END:
-                self.take()
-                return self._at_time(token, parts)
-            if after.text != "0":
-                raise self.error(after, f"time starts at 0: write the initial value as {token.text}(0) = ...")
+        elif token.text in ("at", "from") or self.next.text != "(" or after.kind != NUMBER:
+            return False
+        elif self.after(self.at + 2).kind == END:
+            self.take()
+            self._at_time(token, parts)
+        elif after.text != "0":
+            raise self.error(after, f"time starts at 0: write the initial value as {token.text}(0) = ...")
+        else:
             self.take(), self.take(), self.expect(")", "a bracket is not closed")
             self.expect("=", f"expected = and a number, as in {token.text}(0)=1")
-            self.put(parts["start"], token, token.text, lambda: self.literal("start"))
-        elif token.text == PROBLEM and self.accept("="):
+            self.put(parts["start"], token, token.text, self.entry)
+        return True
+
+    def _assignment(self, token: Token, setting: str, parts: dict[str, Any]) -> bool:
+        """Parse problem=NAME, rates=(...) or a setting, whose equals sign is optional; False if it is none of them."""
+        if token.text == PROBLEM and self.accept("="):
             self.put(parts, token, PROBLEM, lambda: self.adjacent(self.take()))
         elif token.text == RATES and self.accept("="):
             self.put(parts, token, RATES, self.rates)
-        elif setting or (key != "at" and self.next.text == "="):
+        elif setting or (token.text != "at" and self.next.text == "="):
             self.setting(token._replace(text=setting or token.text), parts["settings"])
-        elif token.text in WORDS:
+        else:
+            return False
+        return True
+
+    def _bare_part(self, token: Token, parts: dict[str, Any]) -> None:
+        """Parse a part without an equals sign: a word such as sharp, a start, the value of a parameter, or a method."""
+        key = token.text if token.text == "at" else "subject"
+        if token.text in WORDS:
             parts["words"][token.text] = token
-        elif key == "start":
-            self.put(parts, token, key, self.start)
+        elif token.text == "from":
+            self.put(parts, token, "start", self.start)
         elif not wording.PERIODS.isdisjoint((token.text, self.next.text)):
             raise self.error(token, f"a period is not a whole number of steps: {OWN_PI}")
         elif key in parts:
-            from driftproof.numeric.problems.catalogue import PROBLEMS
-
-            hint = "" if ":" in self.text else f", {_WITH_EQUATION}"
-            if token.text in PROBLEMS:
-                raise self.error(token, f"to name a problem, write problem={token.text}")
-            if token.text in wording.ASKED_ELSEWHERE:
-                raise self.error(token, wording.ASKED_ELSEWHERE[token.text])
-            raise self.error(token, f"unexpected {token.shown}; a colon and a readout may follow{hint}")
+            raise self.error(token, self._why_unexpected(token))
         else:
             parts[key] = self.method_name(token) if key == "subject" else self.value()
+
+    def _why_unexpected(self, token: Token) -> str:
+        from driftproof.numeric.problems.catalogue import PROBLEMS
+
+        if token.text in PROBLEMS:
+            return f"to name a problem, write problem={token.text}"
+        hint = "" if ":" in self.text else f", {_WITH_EQUATION}"
+        unexpected = f"unexpected {token.shown}; a colon and a readout may follow{hint}"
+        return wording.ASKED_ELSEWHERE.get(token.text, unexpected)
 
     def rate(self) -> Token:
         """Parse the rate after y' =, y'(t) = or dy/dt =, from the prime or dt on; a name in it begins no query."""

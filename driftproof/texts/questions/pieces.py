@@ -12,7 +12,7 @@ from driftproof.texts.questions.errors import QuestionError
 
 # Words that are parts of a query by themselves.
 WORDS = ("sharp",)
-OWN_PI = "steps, times and starts are rational, so round pi yourself, as in h=0.01 t=6.28"
+OWN_PI = "steps and times are rational, so round pi yourself, as in h=0.01 t=6.28"
 
 
 class PieceParser(ExpressionParser):
@@ -65,15 +65,29 @@ class PieceParser(ExpressionParser):
             *_, last = self.bracketed()
         return self.piece(first.column, last.end)
 
-    def start(self) -> tuple[Fraction, ...]:
+    def start(self) -> tuple[Fraction | str, ...]:
         """Parse a state: one or more numbers, separated by commas, with or without brackets."""
         bracket = self.accept("(")
-        found = [self.literal("start")]
+        found = [self.entry()]
         while self.accept(","):
-            found.append(self.literal("start"))
+            found.append(self.entry())
         if bracket:
             self.expect(")", "the bracket of a start is not closed")
         return tuple(found)
+
+    def entry(self) -> Fraction | str:
+        """An entry of a start: a literal, or as text a product with pi or sqrt, such as -pi/4 or 2*sqrt(3)."""
+        first, count, depth = self.next, 0, 0
+        for count, token in enumerate(self.tokens[self.at :]):
+            depth += (token.text == "(") - (token.text == ")")
+            before = self.tokens[self.at + count - 1]
+            apart = count > 0 and token.column > before.end and not {token.text, before.text} & {*"*/-+"}
+            if token.kind == END or depth < 0 or (not depth and (token.text in ",:" or apart)):
+                break
+        if not any(token.text in ("pi", "π", "sqrt") for token in self.tokens[self.at : self.at + count]):
+            return self.literal("start")
+        self.at += count
+        return self.piece(first.column, self.tokens[self.at - 1].end).text
 
     def rates(self) -> tuple[Token, ...]:
         """The components of y' as texts, given in brackets and separated by commas."""
@@ -110,8 +124,7 @@ class PieceParser(ExpressionParser):
         if token.kind == NUMBER and self.next.text in ("i", "j"):
             raise self.error(first, f"{what} must be real; |R(iy)|^2 is energy_multiplier METHOD h=y")
         if token.kind != NUMBER:
-            own = "; write its decimal" * (what == "start" and token.text == "sqrt")
-            own = f"; {OWN_PI}" if token.text in ("pi", "π") else own
+            own = f"; {OWN_PI}" if token.text in ("pi", "π") else ""
             raise self.error(token, f"{what}: expected a number such as 1/4 or 0.25, found {token.shown}{own}")
         text = (sign.text if sign else "") + token.text
         if self.next.text == "/" and self.next.column == token.end and self.tokens[self.at + 1].kind == NUMBER:

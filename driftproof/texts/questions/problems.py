@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property, lru_cache, partial, reduce
 from typing import Any
@@ -23,7 +23,7 @@ from driftproof.support.toml_tables import TomlTable, read_toml, require_keys
 from driftproof.symbolic.algebra.certified import CertifiableReal, Uncertified, enclose
 from driftproof.texts.questions.answer import CERTIFIED, Answer
 from driftproof.texts.questions.arithmetic import NUMBER_FUNCTIONS, OPERATIONS, raised
-from driftproof.texts.questions.runs import evaluations
+from driftproof.texts.questions.runs import evaluations, explicit_slopes
 
 # At most this many steps: some minutes in balls of a few hundred bits.
 MOST_STEPS_OF_PROBLEM = 10**5
@@ -35,7 +35,7 @@ _LONGEST_EXACT = 4096
 _ERRORS = ("state_error", "relative_error", "largest_error")
 PROBLEM_READOUTS = ("y0", "exact.y0", "slope.y0", "k1.y0", *_ERRORS, "steps", "evaluations")
 # Vector field, start, and the names of the unknowns, empty for y0, y1, ...
-FieldAndStart = tuple[VectorField, tuple[Fraction, ...], tuple[str, ...]]
+FieldAndStart = tuple[VectorField, tuple[CertifiableReal, ...], tuple[str, ...]]
 # A vector of balls or of Fractions.
 _Row = Sequence[Any]
 
@@ -44,15 +44,15 @@ _Row = Sequence[Any]
 class ProblemRun:
     """A run of a method, None for the solution alone, on y' = f(t, y), y(0) = start, with `steps` steps of size h.
 
-    States and solutions are enclosed at Arb's current precision; `known` caches them for other readouts.
+    States and solutions are enclosed at Arb's current precision, once for all runs of a method with the same steps, and
+    for all runs on a problem.
     """
 
     method: Method | None
     rates: VectorField
-    start: tuple[Fraction, ...]
+    start: tuple[CertifiableReal, ...]
     h: Fraction
     steps: int
-    known: dict[tuple[str, int], list[_Row]] = field(default_factory=dict, compare=False)
 
     @property
     def t(self) -> Fraction:
@@ -61,32 +61,33 @@ class ProblemRun:
 
     def numerical(self) -> list[_Row]:
         """Enclosures of the states of the exact run, the start first, in balls of the current precision."""
-
-        def stepped() -> list[_Row]:
-            assert self.method is not None
-            step = exact_step(self.method, self._function, len(self.start))
-            found: list[Any] = [tuple(enclose(x) for x in self.start)]
-            for n in range(self.steps):
-                found.append(step(found[-1], n * self.h, self.h))
-            return found
-
-        return self._kept("numerical", stepped)
+        assert self.method is not None
+        found = _states(self.method, self.rates, self.start, self.h, ctx.prec)
+        step = exact_step(self.method, self._function, len(self.start))
+        found[0] = found.get(0) or tuple(enclose(x) for x in self.start)
+        for n in range(len(found), self.steps + 1):
+            found[n] = step(tuple(found[n - 1]), (n - 1) * self.h, self.h)
+        return [found[n] for n in range(self.steps + 1)]
 
     def true(self, steps: range) -> list[_Row]:
         """Enclosures of the solution after these increasing numbers of steps. Raises Uncertified at too many bits."""
-        bits, times = max(ctx.prec, BITS_AT_FIRST), [Fraction(0), *(n * self.h for n in steps if n)]
+        bits, times = max(ctx.prec, BITS_AT_FIRST), [n * self.h for n in steps]
         if bits > _MOST_BITS_OF_SOLUTION:
             raise Uncertified(f"not decided with {_MOST_BITS_OF_SOLUTION} bits: too many digits, or a tie")
-
-        def solved() -> list[_Row]:
-            return [*enclose_solution(self._function, self.start, times, bits).states]
-
-        return self._kept(str(steps), solved)[-len(steps) :]
+        found = _states(None, self.rates, self.start, Fraction(0), bits)
+        if missing := [t for t in times if t not in found]:
+            with ctx.workprec(bits):
+                start = [enclose(x) for x in self.start]
+            at = [Fraction(0), *(t for t in missing if t)]
+            found.update(zip(at, enclose_solution(self._function, start, at, bits).states, strict=True))
+        return [found[t] for t in times]
 
     @cached_property
     def exactly(self) -> _Row | None:
         """The final state in Fractions; None if it is not rational, not from an explicit method, or too long."""
         y: _Row = self.start
+        if not all(isinstance(x, Fraction) for x in y):
+            return None
         try:
             for n in range(self.steps):
                 slopes = self.slopes(n * self.h, y)
@@ -106,12 +107,7 @@ class ProblemRun:
         if not isinstance(self.method, RungeKutta) or not self.method.explicit:
             raise TypeError("no explicit Runge-Kutta method")
         lift: Callable[[Any], Any] = Fraction if isinstance(y[0], Fraction) else enclose
-        found: list[_Row] = []
-        for c, row in zip(self.method.c, self.method.a, strict=True):
-            known = [(lift(self.h) * lift(a), k) for a, k in zip(row, found, strict=False)]
-            at = [sum((a * k[i] for a, k in known), x) for i, x in enumerate(y)]
-            found.append(self.rate(lift(t) + lift(self.h) * lift(c), at))
-        return found
+        return explicit_slopes(self.method, self.rate, t, y, self.h, lift)
 
     def rate(self, t: Any, y: _Row) -> _Row:
         """f(t, y), in the type of y. Raises TypeError if y is in Fractions and a rate has no value in them."""
@@ -125,15 +121,9 @@ class ProblemRun:
     def _function(self) -> RightHandSide:
         return enclosable(field_function(self.rates))
 
-    def _kept(self, which: str, find: Callable[[], list[_Row]]) -> list[_Row]:
-        key = which, ctx.prec
-        if key not in self.known:
-            self.known[key] = find()
-        return self.known[key]
-
 
 def problem_run(
-    method: Method | None, problem: FieldAndStart, given: tuple[Fraction, ...] | None, h: Fraction, t: Fraction
+    method: Method | None, problem: FieldAndStart, given: tuple[CertifiableReal, ...] | None, h: Fraction, t: Fraction
 ) -> ProblemRun:
     """The run to time t with steps of size h from the `given` start, else that of the problem; see ProblemRun.
 
@@ -150,11 +140,15 @@ def problem_run(
         raise ValueError(f"{steps} steps; on a problem at most {MOST_STEPS_OF_PROBLEM} are allowed")
     if isinstance(method, Splitting | Nystrom):
         rates.second_order()
-    return _remembered(ProblemRun(method, rates, start, h, int(steps)))
+    return ProblemRun(method, rates, start, h, int(steps))
 
 
-# An equal run that was constructed before, with its cache, if there is one.
-_remembered: Callable[[ProblemRun], ProblemRun] = lru_cache(maxsize=64)(lambda run: run)
+@lru_cache(maxsize=64)
+def _states(
+    method: Method | None, rates: VectorField, start: tuple[CertifiableReal, ...], h: Fraction, bits: int
+) -> dict[Fraction | int, _Row]:
+    """The states known so far, by the number of steps or, without a method, by time; filled by its callers."""
+    return {}
 
 
 def problem_readouts(run: ProblemRun, unknowns: Sequence[str] = ()) -> dict[str, Callable[[ProblemRun], Answer]]:

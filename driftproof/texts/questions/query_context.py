@@ -36,7 +36,10 @@ class QueryContext:
             return START_AT_REST
         if len(self.query.start) != 2:
             raise self.error(None, "a start is a position and a velocity, as in 1,0")
-        return self.query.start[0], self.query.start[1]
+        for entry in self.query.start:
+            if isinstance(entry, str):
+                raise self.error(None, f"{entry}: the oscillator starts from rationals; with equations you may say pi")
+        return self.query.start[0], self.query.start[1]  # type: ignore[return-value]
 
     @property
     def about_problem(self) -> Token | None:

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from fractions import Fraction
+from typing import Any
 
 from flint import arb
 
-from driftproof.methods.number_field import Exact as Coefficient
 from driftproof.methods.schemes import Method, RungeKutta
 from driftproof.symbolic.algebra.certified import CertifiableReal, certified_sign, enclose
 from driftproof.symbolic.algebra.polynomials import polynomial
@@ -105,12 +105,25 @@ def stage_slope(run: OscillatorRun, readout: str) -> Answer | None:
         raise ValueError(f"{method.key} has no slopes k1, k2, ...; only explicit Runge-Kutta methods do")
     if number > method.stages:
         raise ValueError(f"{method.key} has only the slopes k1 to k{method.stages}")
-    slopes: list[tuple[Coefficient, Coefficient]] = []
-    for row in method.a[:number]:
-        sums = (sum((a * k[i] for a, k in zip(row, slopes, strict=False)), Fraction(0)) for i in (0, 1))
-        q, v = (x + run.h * total for x, total in zip(run.start, sums, strict=True))
-        slopes.append((v, -q))
-    return _answer(slopes[-1]["qv".index(named[2])])
+    slopes = explicit_slopes(method, lambda _, y: (y[1], -y[0]), Fraction(0), run.start, run.h)
+    return _answer(slopes[number - 1]["qv".index(named[2])])
+
+
+def explicit_slopes(
+    method: RungeKutta,
+    rate: Callable[[Any, Any], Sequence[Any]],
+    t: Fraction,
+    y: Sequence[Any],
+    h: Fraction,
+    lift: Callable[[Any], Any] = lambda x: x,
+) -> list[Sequence[Any]]:
+    """The slopes kᵢ = f(t + cᵢ h, y + h Σⱼ aᵢⱼ kⱼ) of an explicit method, `lift` making numbers of the type of y."""
+    found: list[Sequence[Any]] = []
+    for c, row in zip(method.c, method.a, strict=True):
+        known = [(lift(h) * lift(a), k) for a, k in zip(row, found, strict=False)]
+        at = [sum((a * k[i] for a, k in known), x) for i, x in enumerate(y)]
+        found.append(rate(lift(t) + lift(h) * lift(c), at))
+    return found
 
 
 def in_unit(angle: Answer, unit: str) -> Answer:

@@ -32,6 +32,9 @@ _ENDINGS = {
     ".ipynb": "notebook",
 }
 _CODE = re.compile(r"^[^\n#]*[^\s#]", re.MULTILINE)
+# A decimal comma, outside of brackets and lists; 0,25 is nothing else, and says so of the others of its text.
+_DECIMAL_COMMA = re.compile(r"(?<![\w.,(\[{])(-?[0-9]+),(?=[0-9]+(?![\w)\]}]|[.,][0-9]))")
+_SURELY, _ENOUGH = re.compile(rf"{_DECIMAL_COMMA.pattern}(?<=0,)(?<![0-9]0,)[0-9]{{2}}"), 2
 # Comments in TeX and MyST begin with a percent sign.
 _COMMENT = re.compile(r"(?<!\\)%.*")
 _TAKEN_IN = re.compile(
@@ -110,8 +113,11 @@ def document_of(source: str, form: str = "plain") -> Document:
     blocks = tuple(READERS[form](SourceText.of(source)))
     pieces: list[SourceText | Insertion] = []
     starts, end = list[int](), 0
+    commas = sum(len(_SURELY.findall(block.text.text)) for block in blocks if not block.is_program) >= _ENOUGH
     for block in blocks:
         text = canonical_spelling(block.text).stripped()
+        if commas and not block.is_program:
+            text = text.rewritten(_DECIMAL_COMMA, lambda match: [match.span(1), "."])
         if text.text:
             pieces += [Insertion("\n", text.origin(0)), text] if pieces else [text]
             starts.append(end)

@@ -2,22 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from fractions import Fraction
 from typing import Any
 
 from driftproof.methods.catalogue import FactsOnly
 from driftproof.methods.families import Family
-from driftproof.methods.number_field import Algebraic, NumberField
-from driftproof.methods.schemes import Collocation, Method, Nystrom, RungeKutta, Splitting, require_method
+from driftproof.methods.number_field import Algebraic, NumberField, as_fraction
+from driftproof.methods.schemes import Collocation, Nystrom, RungeKutta, Splitting
 from driftproof.support.plain_text import Json
 from driftproof.symbolic.algebra import radicals
 from driftproof.symbolic.algebra.certified import decide_by_enclosure, significant
 from driftproof.symbolic.algebra.radicals import PRINTED_DIGITS, integer_polynomial_text
 from driftproof.symbolic.algebra.rational_functions import RationalFunction, exact_text, fraction
 from driftproof.symbolic.algebra.real_roots import ZERO_ROOT, RealRoot, rational_root, root_of
-from driftproof.symbolic.facts import FACTS, ON_REQUEST, Facts, facts_only
-from driftproof.symbolic.family_facts import FAMILY_FACTS, FailingTree, FamilyFacts, LimitPiece, OrderSet
+from driftproof.symbolic.family_facts import FailingTree, LimitPiece, OrderSet
 from driftproof.symbolic.linear import facts as linear
 from driftproof.symbolic.linear.a_stability import Angle, EnclosedTangent
 from driftproof.symbolic.linear.eigenvalues import Complex, Imaginary
@@ -26,7 +25,7 @@ from driftproof.symbolic.linear.invariants import QuadraticForm
 from driftproof.symbolic.linear.phase import LeadingTerm
 from driftproof.symbolic.linear.region import PLACES
 from driftproof.symbolic.linear.stability_limits import INFINITY, Infinity
-from driftproof.symbolic.linear.systems import SYSTEM_FACTS, EigenvalueLimit, facts_on_system
+from driftproof.symbolic.linear.systems import EigenvalueLimit
 from driftproof.symbolic.trees.order_conditions import OrderFact, PrincipalError, Simplifying
 from driftproof.symbolic.trees.rooted_trees import to_brackets
 
@@ -34,54 +33,6 @@ from driftproof.symbolic.trees.rooted_trees import to_brackets
 LONGEST_BARE = 60
 # The 1842 trees of order 11 take 100 kB; those of order 15, of a method of 7 stages, took 5 MB.
 MOST_TREES_READ = 2000
-
-
-def facts_of(method: Method | FactsOnly, names: Sequence[str] = (), terms: int = linear.TERMS) -> dict[str, Json]:
-    """The named facts of the method, by default all, as JSON: numbers are strings, a fact that it lacks is None.
-
-    Only the named facts are computed. `terms` is the length of series. Besides FACTS, `names` may hold those of
-    ON_REQUEST, such as "region_boundary", points of the boundary of the stability region, or "root_locus" of a
-    multistep method. Raises ValueError for an unknown name.
-
-    >>> from driftproof import METHODS, facts_of
-    >>> facts_of(METHODS["rk4"], ["order", "stability_function"])
-    {'order': 4, 'stability_function': {'num': ['1', '1', '1/2', '1/6', '1/24'], 'den': ['1']}}
-    """
-    if isinstance(method, FactsOnly):
-        return record(facts_only(method, names))  # type: ignore[no-any-return]
-    return record(linear.facts_by_name(Facts(method, terms), names or FACTS, (*FACTS, *ON_REQUEST)))  # type: ignore[no-any-return]
-
-
-def system_facts(
-    method: Method, rows: Sequence[Sequence[Fraction]], names: Sequence[str] = tuple(SYSTEM_FACTS)
-) -> dict[str, Json]:
-    """The named facts of the method on z' = Az, A given by rows, as JSON: one-step matrix, eigenvalues, limits of h.
-
-    Raises ValueError for an unknown name, a matrix that is not square, and a system that the method does not apply to.
-
-    >>> from fractions import Fraction
-    >>> from driftproof import METHODS, system_facts
-    >>> system_facts(METHODS["forward_euler"], [[Fraction(-3)]], ["step_limit"])["step_limit"]["exact"]
-    '2/3'
-    """
-    return record(facts_on_system(method, rows, names))  # type: ignore[no-any-return]
-
-
-def family_facts(family: Family, names: Sequence[str] = FAMILY_FACTS) -> dict[str, Json]:
-    """The named facts of the family as JSON: what holds for almost all values of its parameter, or for which.
-
-    The facts of a single member may differ. Sets are exact unions of intervals, functions in SymPy's syntax. Raises
-    ValueError for an unknown name.
-
-    >>> from driftproof import FAMILIES, family_facts
-    >>> family_facts(FAMILIES["sdirk_order_2"], ["a_stable"])["a_stable"]["set"]
-    '[1/4, oo)'
-    """
-    require_method(family, "FAMILIES")
-    return record(linear.facts_by_name(FamilyFacts(family), names, FAMILY_FACTS))  # type: ignore[no-any-return]
-
-
-# --- the parts of facts
 
 
 def parts(value: Any) -> Mapping[str, Any] | None:
@@ -147,7 +98,7 @@ def _place_parts(place: Imaginary | Complex) -> dict[str, Any]:
         if place.degree == 2:
             total, product = place.sum_and_product()
             square = product - total * total / 4
-            height = radicals.radical_form(rational_root(Fraction(int(square.p), int(square.q))).square_root())
+            height = radicals.radical_form(rational_root(as_fraction(square)).square_root())
             exact = height and f"{total / 2} + {_times_i(height)}"
     return {"exact": exact, "minpoly": integer_polynomial_text(place.minimal), "real": real, "imaginary": imaginary}
 

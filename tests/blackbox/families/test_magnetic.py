@@ -6,8 +6,7 @@ import pytest
 
 from driftproof import verify
 from driftproof.blackbox.families.magnetic_step import read_magnetic
-from driftproof.blackbox.judging.agreement import NO_ALLOWANCE
-from driftproof.blackbox.judging.tolerance import Allowance
+from driftproof.blackbox.judging.specification import NO_ALLOWANCE, Allowance
 from driftproof.blackbox.stepper.opening import opened
 from tests.blackbox.families import turning_steppers as codes
 

@@ -5,9 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from driftproof.blackbox.judging.agreement import NO_ALLOWANCE
 from driftproof.blackbox.judging.habits import explain_by_habits
-from driftproof.blackbox.judging.tolerance import Allowance
+from driftproof.blackbox.judging.specification import NO_ALLOWANCE, Allowance, Specification
 from driftproof.blackbox.stepper.opening import opened
 from driftproof.blackbox.verify import verify
 from driftproof.methods.catalogue import METHODS
@@ -92,5 +91,5 @@ def test_what_explains_a_step_is_what_it_was(name, as_before):
     step, key = EXPLAINED[name]
     asked = Asked(step)
     solved = NO_ALLOWANCE if METHODS[key].explicit else Allowance(solver_tolerance=1e-9)
-    found = explain_by_habits(opened(asked.code), METHODS[key], solved, examples=60)
+    found = explain_by_habits(opened(asked.code), Specification(METHODS[key], solved), examples=60)
     as_before(found.holds, found.but_for, *found.lines, asked)

@@ -8,10 +8,9 @@ import numpy as np
 import pytest
 
 from driftproof.blackbox.findings import UnsupportedCall
-from driftproof.blackbox.judging.agreement import NO_ALLOWANCE
 from driftproof.blackbox.judging.nonlinear_problems import NonlinearProblem
 from driftproof.blackbox.judging.nonlinear_step import allowed_off, nonlinear_agreement, nonlinear_twins, own_step
-from driftproof.blackbox.judging.tolerance import Allowance
+from driftproof.blackbox.judging.specification import NO_ALLOWANCE, Allowance, Specification
 from driftproof.blackbox.stepper.opening import opened
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.schemes import RungeKutta
@@ -22,6 +21,7 @@ from tests.blackbox.transcripts import Asked
 from tests.catalogue.representatives import THOROUGH
 
 SOLVED = Allowance(solver_tolerance=Fraction(1, 10**12))
+RK4 = Specification(METHODS["rk4"])
 
 
 def iterated(key):
@@ -36,7 +36,7 @@ ITS_OWN += [(key, opened(codes.tableau(*codes.floats(METHODS[key])), "field")) f
 
 @pytest.mark.parametrize(("key", "subject"), ITS_OWN)
 def test_an_explicit_method_agrees_with_itself_by_its_force_or_its_right_hand_side(key, subject, as_before):
-    found = nonlinear_agreement(subject, METHODS[key], NO_ALLOWANCE)
+    found = nonlinear_agreement(subject, Specification(METHODS[key]))
     assert found.holds, found.words
     as_before(found.words)
 
@@ -46,11 +46,10 @@ IMPLICIT = [key for key, method in METHODS.items() if not method.explicit and ty
 
 @pytest.mark.parametrize("key", IMPLICIT if THOROUGH else IMPLICIT[::3])
 def test_an_implicit_method_agrees_with_itself_and_with_no_neighbour(key):
-    method = METHODS[key]
     subject = opened(iterated(key), "field")
-    assert nonlinear_agreement(subject, method, SOLVED).holds
+    assert nonlinear_agreement(subject, Specification(METHODS[key], SOLVED)).holds
     other = METHODS["backward_euler" if key != "backward_euler" else "trapezoid"]
-    assert not nonlinear_agreement(subject, other, SOLVED).holds
+    assert not nonlinear_agreement(subject, Specification(other, SOLVED)).holds
 
 
 def test_stages_that_do_not_converge_are_no_step():
@@ -68,23 +67,21 @@ def test_stages_that_do_not_converge_are_no_step():
 )
 def test_a_number_may_be_off_by_what_rounding_a_quotient_and_a_solver_leave(key, allowance, roundings, more):
     subject = opened(codes.in_precision(codes.rk4, np.float32), "field")
-    found = allowed_off(subject, METHODS[key], allowance, 3.0, 0.125)
+    found = allowed_off(subject, Specification(METHODS[key], allowance), 3.0, 0.125)
     assert found == roundings * (2.0**-24 * 2 * 3.0 + 2.0**-149) + more
 
 
 @pytest.mark.parametrize(("times", "holds"), [(3.9, True), (4.1, False)])
 def test_a_solver_may_be_off_by_four_times_its_tolerance(times, holds):
-    method = METHODS["backward_euler"]
-
     def off(f, t, y, h):
         return iterated("backward_euler")(f, t, y, h) + times * 1e-9 * (1 + np.max(np.abs(y)))
 
-    allowed = Allowance(solver_tolerance=Fraction(1, 10**9))
-    assert nonlinear_agreement(opened(off, "field"), method, allowed).holds == holds
+    wanted = Specification(METHODS["backward_euler"], Allowance(solver_tolerance=Fraction(1, 10**9)))
+    assert nonlinear_agreement(opened(off, "field"), wanted).holds == holds
 
 
 def test_the_worst_place_is_shown(as_before):
-    found = nonlinear_agreement(opened(codes.rk38), METHODS["rk4"], NO_ALLOWANCE)
+    found = nonlinear_agreement(opened(codes.rk38), RK4)
     assert not found.holds
     as_before(found.words, found)
 
@@ -93,15 +90,14 @@ def test_a_coefficient_that_is_off_by_little_more_than_rounding_is_seen():
     rk4 = METHODS["rk4"]
     assert isinstance(rk4, RungeKutta)
     other = replace(rk4, b=(rk4.b[0] + Fraction(1, 2**34), *rk4.b[1:]))
-    assert not nonlinear_agreement(opened(codes.rk4), other, NO_ALLOWANCE).holds
+    assert not nonlinear_agreement(opened(codes.rk4), Specification(other)).holds
 
 
 def test_narrow_floats_and_velocities_from_positions_have_their_allowance():
     single = opened(codes.in_precision(codes.rk4, np.float32), "field")
-    assert nonlinear_agreement(single, METHODS["rk4"], NO_ALLOWANCE).holds
-    quotient = opened(codes.velocity_from_positions)
-    allowed = Allowance(velocity_from_positions=True)
-    assert nonlinear_agreement(quotient, METHODS["symplectic_euler"], allowed).holds
+    assert nonlinear_agreement(single, RK4).holds
+    by_quotient = Specification(METHODS["symplectic_euler"], Allowance(velocity_from_positions=True))
+    assert nonlinear_agreement(opened(codes.velocity_from_positions), by_quotient).holds
 
 
 def kick_drift_kick(where, times=(0.0, 1.0), left=None):
@@ -169,14 +165,14 @@ RIGHT = ("halves", "pairs", "a force", "a force of time", "drift first")
 def test_no_position_and_no_time_of_a_splitting_is_left_out(name, as_before):
     asked = Asked(OF_SEVERAL[name])
     method = METHODS["symplectic_euler_position_first" if name.startswith("drift first") else "velocity_verlet"]
-    found = nonlinear_agreement(opened(asked.code), method, NO_ALLOWANCE)
+    found = nonlinear_agreement(opened(asked.code), Specification(method))
     assert found.holds == (name in RIGHT), found.words
     as_before(found, found.words, asked)
 
 
 def test_a_built_in_system_is_not_asked():
     with pytest.raises(UnsupportedCall):
-        nonlinear_agreement(opened(lambda q, v, h: (q + h * v, v - h * q)), METHODS["rk4"], NO_ALLOWANCE)
+        nonlinear_agreement(opened(lambda q, v, h: (q + h * v, v - h * q)), RK4)
 
 
 def test_of_methods_with_one_linear_step_those_are_kept_whose_nonlinear_steps_it_takes():

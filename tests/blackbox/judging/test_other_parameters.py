@@ -7,6 +7,7 @@ import pytest
 from driftproof import verify
 from driftproof.blackbox.findings import UnsupportedCall
 from driftproof.blackbox.judging.other_parameters import other_parameters
+from driftproof.blackbox.judging.specification import Specification
 from driftproof.blackbox.stepper.opening import opened
 from driftproof.methods.catalogue import METHODS
 
@@ -97,14 +98,14 @@ RIGHT = [
 
 @pytest.mark.parametrize(("step", "method", "cause"), WRONG, ids=range(len(WRONG)))
 def test_what_is_wrong_with_other_parameters_alone_is_caught(step, method, cause):
-    passed, words, _ = other_parameters(opened(step), method)
+    passed, words, _ = other_parameters(opened(step), Specification(method))
     assert passed is False
     assert cause in words
 
 
 @pytest.mark.parametrize(("step", "method", "said"), RIGHT, ids=range(len(RIGHT)))
 def test_what_is_right_with_them_passes(step, method, said):
-    passed, words, _ = other_parameters(opened(step), method)
+    passed, words, _ = other_parameters(opened(step), Specification(method))
     assert passed is True, words
     assert words.startswith(said)
 
@@ -116,11 +117,11 @@ def test_what_is_left_at_its_default_is_named():
     report = verify(euler_of, "forward_euler", examples=60, isolate=False)
     assert report.passed
     assert report.section("Parameters: not tested").lines == ("args, damping left at the default",)
-    assert other_parameters(opened(in_turns), EULER)[:2] == (None, "m left at the default")
+    assert other_parameters(opened(in_turns), Specification(EULER))[:2] == (None, "m left at the default")
     assert "; c left at the default" in other_parameters(opened(lambda x, v, h, k, c=0: (x + h * v, v - h * k * x)),
-                                                         METHODS["forward_euler"])[1]  # fmt: skip
+                                                         Specification(METHODS["forward_euler"]))[1]  # fmt: skip
 
 
 def test_what_has_no_further_parameters_is_not_asked():
     with pytest.raises(UnsupportedCall, match="no frequency or stiffness"):
-        other_parameters(opened(lambda x, v, h: (x + h * v, v - h * x)), METHODS["forward_euler"])
+        other_parameters(opened(lambda x, v, h: (x + h * v, v - h * x)), Specification(METHODS["forward_euler"]))

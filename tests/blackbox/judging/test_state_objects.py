@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from driftproof import verify
-from driftproof.blackbox.judging.agreement import Domain
+from driftproof.blackbox.judging.specification import Domain, Specification
 from driftproof.blackbox.judging.state_objects import state_objects
 from driftproof.blackbox.stepper.opening import opened
 from driftproof.methods.catalogue import METHODS
@@ -103,7 +103,7 @@ FOUND = {
 @pytest.mark.parametrize(("step", "key", "holds"), FOUND.values(), ids=FOUND)
 def test_the_objects_of_a_state_are_told_and_what_depends_on_them_fails(step, key, holds, as_before):
     asked = Asked(step)
-    passed, said, _ = state_objects(opened(asked.code), METHODS[key])
+    passed, said, _ = state_objects(opened(asked.code), Specification(METHODS[key]))
     assert passed is holds, said
     as_before(said, asked)
 
@@ -112,8 +112,9 @@ def test_the_objects_of_a_state_are_told_and_what_depends_on_them_fails(step, ke
 @pytest.mark.parametrize("array", [None, np.float32])
 def test_the_objects_of_a_small_domain_are_asked_within_it(array, as_before):
     asked = Asked(codes.velocity_verlet)
-    narrow = Domain(largest_step=0.06, largest_state=1.0, smallest_step=0.0)
-    passed, said, _ = state_objects(opened(asked.code, array=array), METHODS["velocity_verlet"], domain=narrow)
+    domain = Domain(largest_step=0.06, largest_state=1.0, smallest_step=0.0)
+    narrow = Specification(METHODS["velocity_verlet"], domain=domain)
+    passed, said, _ = state_objects(opened(asked.code, array=array), narrow)
     assert passed is True
     as_before(said, asked)
 

@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 from flint import arb, ctx
 
-from driftproof.blackbox.judging.agreement import Domain, agreement
-from driftproof.blackbox.judging.tolerance import _BITS, Allowance, Tolerance
+from driftproof.blackbox.judging.agreement import agreement
+from driftproof.blackbox.judging.specification import Allowance, Domain, Specification
+from driftproof.blackbox.judging.tolerance import _BITS, Tolerance
 from driftproof.blackbox.stepper.opening import opened
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.stepping import oscillator
@@ -147,13 +148,11 @@ def test_a_solver_that_stops_at_an_absolute_tolerance_passes_with_that_tolerance
                 return q1, v1
 
     subject, half = opened(midpoint), Domain(largest_step=0.5)
-    method = METHODS["implicit_midpoint"]
-    assert agreement(subject, method, Allowance(solver_tolerance=1e-9), half, 200).holds
-    assert not agreement(subject, method, Allowance(solver_tolerance=1e-13), half, 200).holds
-    assert not agreement(subject, METHODS["backward_euler"], Allowance(solver_tolerance=1e-9), half, 200).holds
-    for refused in (0.0, -1e-9, inf, float("nan")):
-        with pytest.raises(ValueError, match="a finite number > 0"):
-            Allowance(solver_tolerance=refused)
+    for key, tolerance, holds in (
+        ("implicit_midpoint", 1e-9, True), ("implicit_midpoint", 1e-13, False), ("backward_euler", 1e-9, False),
+    ):  # fmt: skip
+        wanted = Specification(METHODS[key], Allowance(solver_tolerance=tolerance), half)
+        assert agreement(subject, wanted, 200).holds == holds
 
 
 def test_binary32_steps_are_held_to_the_unit_of_binary32():

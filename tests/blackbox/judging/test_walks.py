@@ -1,13 +1,14 @@
 """Steps far from home: right code passes there, and what is wrong there alone is caught and said to be."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from driftproof import verify
 from driftproof.blackbox.findings import UnsupportedCall
-from driftproof.blackbox.judging.agreement import NO_ALLOWANCE, ORDINARY_DOMAIN, Domain
 from driftproof.blackbox.judging.nonlinear_problems import driven
-from driftproof.blackbox.judging.tolerance import Allowance
+from driftproof.blackbox.judging.specification import Allowance, Domain, Specification
 from driftproof.blackbox.judging.walks import Walker, _Place, back_and_on, there_and_back, walked
 from driftproof.blackbox.stepper.opening import opened
 from driftproof.methods.catalogue import METHODS
@@ -16,7 +17,8 @@ from tests.blackbox import handwritten_steppers as codes
 from tests.blackbox.judging.test_nonlinear_step import SOLVED, iterated
 from tests.blackbox.transcripts import Asked
 
-RK4, VERLET = METHODS["rk4"], METHODS["velocity_verlet"]
+RK4, VERLET = (Specification(METHODS[key]) for key in ("rk4", "velocity_verlet"))
+EULER = Specification(METHODS["forward_euler"])
 
 
 def rk4_at(times):
@@ -78,17 +80,17 @@ WRONG = {
     "the last of five": (rk4_ending(lambda end, y: np.append(end[:4], y[4:]) if len(y) > 4 else end), RK4),
     "no small slopes": (rk4_ending(lambda end, y: np.where((abs(end - y) < 1e-8) & (len(y) > 2), y, end)), RK4),
     "a stale slope": (going_on, RK4),
-    "a slope of its time": (remembering_the_time_alone, METHODS["heun2"]),
+    "a slope of its time": (remembering_the_time_alone, Specification(METHODS["heun2"])),
     "the fourth position": (positions_from_the_fourth_stay, VERLET),
     "the last position": (last_position_is_kicked_by_the_force_before, VERLET),
     "NaN": (rk4_ending(lambda end, y: end * (np.nan if len(y) == 3 else 1)), RK4),
 }
 
 
-@pytest.mark.parametrize(("step", "method"), WRONG.values(), ids=WRONG)
-def test_what_is_wrong_elsewhere_alone_is_caught_and_named(step, method, as_before):
+@pytest.mark.parametrize(("step", "wanted"), WRONG.values(), ids=WRONG)
+def test_what_is_wrong_elsewhere_alone_is_caught_and_named(step, wanted, as_before):
     asked = Asked(step)
-    passed, words, _ = walked(opened(asked.code), method)
+    passed, words, _ = walked(opened(asked.code), wanted)
     assert passed is False
     as_before(words, asked)
 
@@ -96,7 +98,7 @@ def test_what_is_wrong_elsewhere_alone_is_caught_and_named(step, method, as_befo
 @pytest.mark.parametrize("key", ["forward_euler", "rk4", "dormand_prince54", "yoshida6", "nystrom5", "ssprk104"])
 def test_explicit_methods_are_themselves_everywhere_by_their_force(key, as_before):
     asked = Asked(stepper(METHODS[key], float))
-    as_before(tuple(walked(opened(asked.code, "force"), METHODS[key])), asked)
+    as_before(tuple(walked(opened(asked.code, "force"), Specification(METHODS[key]))), asked)
 
 
 def positive_times_only(f, t, y, h):
@@ -108,13 +110,13 @@ def positive_times_only(f, t, y, h):
 RIGHT = [codes.rk4, codes.rk4_without_time, codes.rk4_of_one_number, positive_times_only]
 RIGHT = [(step, RK4) for step in (*RIGHT, codes.in_precision(codes.rk4, np.float32))]
 RIGHT += [(codes.velocity_verlet_in_time, VERLET), (one_position_after_the_other, VERLET)]
-RIGHT += [(iterated("gauss2"), METHODS["gauss2"])]
+RIGHT += [(iterated("gauss2"), Specification(METHODS["gauss2"], SOLVED))]
 
 
-@pytest.mark.parametrize(("step", "method"), RIGHT)
-def test_right_codes_are_right_everywhere_and_it_is_said_where_and_what_they_refuse(step, method, as_before):
+@pytest.mark.parametrize(("step", "wanted"), RIGHT)
+def test_right_codes_are_right_everywhere_and_it_is_said_where_and_what_they_refuse(step, wanted, as_before):
     asked = Asked(step)
-    passed, words, _ = walked(opened(asked.code), method, NO_ALLOWANCE if method.explicit else SOLVED)
+    passed, words, _ = walked(opened(asked.code), wanted)
     assert passed is True, words
     as_before(words, asked)
 
@@ -125,7 +127,7 @@ def test_a_step_is_held_to_the_roundings_of_its_numbers_its_slopes_and_its_time(
     place, t, h = _Place((0.5,), 2, -1.0), 0.75, 0.0625
     allowed = 12 * 2.0**-53 * 2 * (1 + 0.25 / 0.5 + 0.75 * 4)
     subject = opened(lambda f, t, y, h: y + h * f(t, y) + share * allowed * 0.5)
-    walker, problem = Walker(subject, METHODS["forward_euler"]), place.problem(driven(1, timed=True))
+    walker, problem = Walker(subject, EULER), place.problem(driven(1, timed=True))
     words, (end,) = walker.compared(problem, place, t, [0.25], h)
     assert (words == "") == right
     told = f"y[0] is {end!r} where forward_euler gives "
@@ -151,26 +153,26 @@ def test_a_place_is_within_a_domain_that_holds_its_numbers_twice_and_its_steps(d
 def test_no_step_is_taken_outside_of_the_domain():
     capped = rk4_ending(lambda end, y: np.clip(end, -100, 100))
     assert walked(opened(capped), RK4)[0] is False
-    assert walked(opened(capped), RK4, NO_ALLOWANCE, Domain(largest_state=90.0))[0] is True
-    short = walked(opened(codes.rk4), RK4, NO_ALLOWANCE, Domain(largest_step=2.0**-19))
+    assert walked(opened(capped), replace(RK4, domain=Domain(largest_state=90.0)))[0] is True
+    short = walked(opened(codes.rk4), replace(RK4, domain=Domain(largest_step=2.0**-19)))
     assert short == (None, "the domain is too small for it", "")
 
 
 def test_allowances_hold_there_too():
     short = lambda f, t, y, h: codes.rk4(f, t, y, float(np.float32(h)))
     assert walked(opened(short), RK4)[0] is False
-    assert walked(opened(short), RK4, Allowance(step_in_binary32=True))[0] is True
-    quotient = opened(codes.velocity_from_positions)
-    assert walked(quotient, METHODS["symplectic_euler"], Allowance(velocity_from_positions=True))[0] is True
+    assert walked(opened(short), replace(RK4, allowance=Allowance(step_in_binary32=True)))[0] is True
+    by_quotient = Specification(METHODS["symplectic_euler"], Allowance(velocity_from_positions=True))
+    assert walked(opened(codes.velocity_from_positions), by_quotient)[0] is True
 
 
 def test_steps_back_are_looked_at_where_the_right_hand_side_is_ours():
     assert walked(opened(rk4_at(lambda at, t: t + abs(at - t))), RK4)[0] is True
     refused = back_and_on(opened(lambda f, t, y, h: codes.rk4(f, t, y, h if h > 0 else 1 / 0)), RK4)
     assert refused[0] is None
-    short = back_and_on(opened(codes.rk4), RK4, NO_ALLOWANCE, Domain(largest_step=2.0**-19))
+    short = back_and_on(opened(codes.rk4), replace(RK4, domain=Domain(largest_step=2.0**-19)))
     assert short == (True, "6 steps with h < 0 within the bound", "")
-    built_in = back_and_on(opened(lambda q, v, h: (q + h * v, v - h * q)), METHODS["forward_euler"])
+    built_in = back_and_on(opened(lambda q, v, h: (q + h * v, v - h * q)), EULER)
     assert built_in == (True, "6 steps with h < 0 within the bound", "")
 
 
@@ -185,7 +187,7 @@ def test_few_steps_back_are_asked_for_where_those_ahead_are_right(as_before):
 
 def test_a_built_in_system_is_not_walked():
     with pytest.raises(UnsupportedCall):
-        walked(opened(lambda q, v, h: (q + h * v, v - h * q)), METHODS["forward_euler"], NO_ALLOWANCE, ORDINARY_DOMAIN)
+        walked(opened(lambda q, v, h: (q + h * v, v - h * q)), EULER)
 
 
 def test_the_verdict_says_that_it_is_the_method_but_not_everywhere():

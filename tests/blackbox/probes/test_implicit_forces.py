@@ -9,8 +9,7 @@ import numpy as np
 import pytest
 
 from driftproof import identify, verify
-from driftproof.blackbox.judging.agreement import ORDINARY_DOMAIN
-from driftproof.blackbox.judging.tolerance import Allowance
+from driftproof.blackbox.judging.specification import ORDINARY_DOMAIN, Allowance
 from driftproof.blackbox.matching.entries import side_by_side
 from driftproof.blackbox.matching.match import match_forces, match_method
 from driftproof.blackbox.probes.implicit_forces import read_implicit_forces

@@ -155,9 +155,13 @@ def test_methods_objects_and_bound_functions_are_steppers():
     assert convention_of(functools.wraps(general)(lambda *arguments: general(*arguments))).kind == FIELD
 
 
-def test_a_step_size_that_is_bound_leaves_no_convention():
-    with pytest.raises(ValueError, match=r"partial\(q, v\) is not one of these"):
-        convention_of(functools.partial(Oscillator().step, h=0.1))
+def test_a_step_size_with_a_default_is_given_and_by_name_where_it_does_not_come_next():
+    for step in (functools.partial(Oscillator().step, h=0.1), lambda q, v, damping=0.0, h=0.1: None):
+        found = convention_of(step)
+        assert (found.order, found.names) == (STANDARD_ORDER[MAP], ("q", "v", "h"))
+    assert convention_of(lambda q, v, dt=0.1: None).names == ()
+    with pytest.raises(ValueError, match=r"\(q, v\) is not one of these"):
+        convention_of(lambda q, v, damping=0.0: None)
 
 
 @pytest.mark.parametrize("no_signature", [dict, max, 42])

@@ -11,8 +11,7 @@ import sys
 import pytest
 
 from driftproof.blackbox.identify import identify
-from driftproof.blackbox.judging.agreement import Domain
-from driftproof.blackbox.judging.tolerance import Allowance
+from driftproof.blackbox.judging.specification import Allowance, Domain
 from driftproof.blackbox.stepper.float_environment import FloatEnvironment, arithmetic_seen
 from driftproof.blackbox.verify import verify
 

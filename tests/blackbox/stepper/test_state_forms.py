@@ -3,7 +3,6 @@
 import inspect
 import re
 import sys
-from dataclasses import dataclass
 from types import SimpleNamespace
 
 import numpy as np
@@ -47,34 +46,6 @@ def test_a_vector_holds_no_more_numbers_than_it_has():
         assert vector.write([0.25] * (size - 1)).tolist() == [*[0.25] * (size - 1), 0.0]
         with pytest.raises(WrongShape, match=f"a vector of {size} numbers holds no {size + 1}"):
             vector.write([0.25] * (size + 1))
-
-
-@dataclass(slots=True)
-class Slotted:
-    q: float
-    v: float
-
-
-def moved(q, v, h):
-    return Slotted(q + h * v, v - h * (q + h * v))
-
-
-def returned(state: Slotted, h):
-    return moved(state.q, state.v, h)
-
-
-def in_place(state: Slotted, h):
-    new = moved(state.q, state.v, h)
-    state.q, state.v = new.q, new.v
-
-
-def of_a_particle(p: Slotted, h):
-    return returned(p, h)
-
-
-@pytest.mark.parametrize("step", [moved, returned, in_place, of_a_particle])
-def test_a_dataclass_with_slots_is_a_state_as_well(step):
-    assert opened(step).step(1.0, 0.5, 0.25) == (1.125, 0.21875)
 
 
 def verlet_handing_on(acceleration):
@@ -151,13 +122,6 @@ def test_a_complex_number_is_read_the_way_it_turns():
 def test_an_answer_that_holds_no_state_is_its_own_mistake(answer):
     with pytest.raises(Misbehaviour):
         opened(lambda y, h: answer)
-
-
-@pytest.mark.parametrize(
-    "answer", [lambda q, v: {"velocity": v, "x": q}, lambda q, v: {"a": q, "b": v}], ids=["names", "order"]
-)
-def test_what_is_returned_is_read_by_its_names_or_in_its_order(answer):
-    assert opened(lambda q, v, h: answer(q + h * v, v - h * q)).step(1.0, 0.75, 0.25) == (1.1875, 0.5)
 
 
 def test_code_compiled_by_numba_calls_what_it_is_given_each_time():

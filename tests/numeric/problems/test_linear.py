@@ -12,10 +12,10 @@ from driftproof.methods.catalogue import METHODS
 from driftproof.methods.schemes import Collocation, RungeKutta
 from driftproof.numeric.advance import State, float_start
 from driftproof.numeric.problems.catalogue import PROBLEMS
+from driftproof.reports.fact_sheet import facts
 from driftproof.symbolic.algebra.certified import enclose, endpoints
 from driftproof.symbolic.algebra.polynomials import exact, scalar
 from driftproof.symbolic.linear.oscillator import stability_function_of
-from driftproof.texts.writing.records import facts_of
 from tests.numeric.problems.runs_on_problems import RIGHT, fate, growth, states
 
 Tableau = RungeKutta | Collocation
@@ -68,7 +68,7 @@ def test_explicit_methods_are_bounded_within_their_limit_over_the_largest_rate_a
     key: str, name: str, axis: str, rate: float
 ) -> None:
     fact = f"{axis}_limit"
-    limit = float(facts_of(METHODS[key], [fact])[fact]["decimal"])
+    limit = float(facts(METHODS[key], only=[fact]).data[fact]["decimal"])
     steps = float(PROBLEMS[name].t) * rate / limit
     # The soft springs add a little to the chain's 50, and near the limit Verlet's amplitudes are large.
     room = 1.1 if name == "fermi_pasta_ulam" else 1.01

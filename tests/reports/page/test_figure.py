@@ -9,8 +9,8 @@ from xml.etree import ElementTree
 
 import pytest
 
-from driftproof.reports.page.figure import Figure
-from driftproof.reports.page.plot import SQUARE, WIDE, Axis, Plot, Scale
+from driftproof.reports.page.figure import Figure, write_picture
+from driftproof.reports.page.plot import SQUARE, WIDE, Axis, Plot, Scale, frame, linear
 
 
 @pytest.fixture(params=[WIDE, SQUARE], ids=["wide", "square"])
@@ -44,10 +44,15 @@ def test_file_holds_the_same_marks_in_light_colours_and_asks_for_nothing(figure:
     assert not re.search(r"var\(|href|url\(|@import", shown)
 
 
-def test_file_is_as_large_as_what_stands_in_it(figure: Figure, tmp_path: Path) -> None:
-    root = ElementTree.fromstring(written(figure, tmp_path))
-    _, top, width, height = map(float, str(root.get("viewBox")).split())
-    assert (float(root.get("width", 0)), float(root.get("height", 0))) == (1.5 * width, 1.5 * height)
-    rows = [float(y) for y in re.findall(r"translate\(\S+ (\S+)\)", written(figure, tmp_path))]
-    assert len(rows) == 3
-    assert top + height >= rows[-1] + 14  # as high as a swatch
+def test_plots_and_legend_of_a_file_stand_in_rows(tmp_path: Path) -> None:
+    """Three plots of 168 by 132, two in a row, and five entries of a legend, four in a row: all worked out by hand."""
+    across, up = frame(100, 60)
+    plot = Plot(linear(Q(0), Q(1), "x", across), linear(Q(0), Q(1), "y", up))
+    path = write_picture(tmp_path / "a.svg", "A", "B", "C", [plot] * 3, [("line a", name) for name in "vwxyz"])
+    root = ElementTree.fromstring(shown := path.read_text(encoding="utf-8"))
+    assert [root.get(name) for name in ("viewBox", "width", "height")] == ["0 -44 336 356", "504", "534"]
+    places = ["168 0", "0 132", "52 264", "123 264", "194 264", "265 264", "52 284"]
+    assert re.findall(r"translate\((.*?)\)", shown) == places
+    texts = [(x.get("x"), x.get("y")) for x in root.iter() if x.text in ("A", "B", "z")]
+    assert texts[-3:] == [("52", "-24"), ("52", "-7"), ("36", "11")]
+    assert '<rect y="-44" fill="#ffffff" width="336" height="356">' in shown

@@ -2,12 +2,19 @@
 
 from __future__ import annotations
 
+from contextlib import nullcontext
 from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
 
+import numpy as np
 import pytest
+import sympy
+from scipy.integrate import solve_ivp
 
-from driftproof.methods.vector_fields import VectorField
+from driftproof.methods.vector_fields import FUNCTIONS, VectorField
 from driftproof.numeric.problems.linear import HARMONIC
+from driftproof.reports.work_precision import peers
 from driftproof.reports.work_precision.peers import PEERS, Peer, peers_named
 from driftproof.reports.work_precision.report import study_text, times_json
 from driftproof.reports.work_precision.study import measure, solver_point
@@ -75,13 +82,86 @@ def test_peers_that_are_absent_are_named(monkeypatch: pytest.MonkeyPatch) -> Non
     assert set(times_json(asked, found)["absent"]) >= {"heyoka", "scipy"}
 
 
+solved: list[Any] = []
+
+
+def solve(rate: Any, y: Any, span: tuple[float, float], tolerance: float) -> Any:
+    """SciPy's solution for a package that is not installed; it counts the evaluations by itself."""
+    solved.append(solve_ivp(rate, span, y, rtol=tolerance, atol=tolerance))
+    return solved[-1]
+
+
+def odeint(rate: Any, y: Any, times: Any, *, rtol: float, atol: float, method: str) -> Any:
+    found = solve(rate, y, times, max(rtol, atol))
+    if method not in PEERS["torchdiffeq"].solvers or not found.success:
+        raise AssertionError("underflow in dt")
+    return found.y.T
+
+
+class Taylor:
+    """heyoka's integrator, which goes on from where it is."""
+
+    def __init__(self, system: Any, start: Any, tol: float) -> None:
+        self.state, self.time, self.tolerance = np.array(start), 0.0, tol
+        variables, rates = zip(*system, strict=True)
+        self.rate = sympy.lambdify([TIME, variables], rates)
+
+    def propagate_until(self, t: float, max_steps: int) -> tuple[str]:
+        found = solve(self.rate, self.state, (self.time, t), self.tolerance)
+        self.state[:], self.time = found.y[:, -1], t
+        return ("time_limit" if found.success and max_steps == 10**5 else "failed",)
+
+
+def diffeqsolve(term: Any, solver: str, t0: float, t1: float, dt0: None, y0: Any, **settings: Any) -> Any:
+    tolerances = settings.pop("stepsize_controller").values()
+    found = solve(lambda t, y: term(t, y, None), y0, (t0, t1), max(tolerances))
+    usual = (solver in PEERS["diffrax"].solvers, settings) == (
+        True, {"saveat": {"t1": True}, "max_steps": 10**5, "throw": False},
+    )  # fmt: skip
+    return SimpleNamespace(ys=[found.y[:, -1]], result="successful" if found.success and usual else "other")
+
+
+TIME, double = sympy.Symbol("t"), []
+of_numpy, of_sympy = ({name: getattr(of, name, None) for name in FUNCTIONS} for of in (np, sympy))
+# What we call of packages that are not installed here.
+FAKES = {
+    "torch": SimpleNamespace(tensor=np.array, float64=float, stack=np.array, no_grad=nullcontext, **of_numpy),
+    "torchdiffeq": SimpleNamespace(odeint=odeint),
+    "heyoka": SimpleNamespace(
+        expression=sympy.Symbol, time=TIME, taylor_adaptive=Taylor,
+        taylor_outcome=SimpleNamespace(time_limit="time_limit"), **of_sympy,
+    ),
+    "jax": SimpleNamespace(
+        numpy=np, jit=lambda f: f, effects_barrier=lambda: None, debug=SimpleNamespace(callback=lambda f: f()),
+        config=SimpleNamespace(update=lambda *setting: double.append(setting)),
+    ),
+    "diffrax": SimpleNamespace(
+        PIDController=dict, SaveAt=dict, ODETerm=lambda f: f, diffeqsolve=diffeqsolve,
+        RESULTS=SimpleNamespace(successful="successful"), Dopri8=lambda: "Dopri8", Tsit5=lambda: "Tsit5",
+    ),
+}  # fmt: skip
+REFUSED = {
+    "torchdiffeq": "underflow in dt",
+    "heyoka": "stopped within 100000 steps: failed",
+    "diffrax": "the end is not reached within 100000 steps",
+}
+
+
 @pytest.mark.parametrize("name", PEERS)
-def test_peers_that_are_installed_solve_the_oscillator_and_refuse_what_they_cannot(name: str) -> None:
-    pytest.importorskip(name)
-    peer = PEERS[name]
+def test_peers_solve_the_oscillator_and_refuse_what_they_cannot(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    peer, faked = PEERS[name], not PEERS[name].installed
+    if faked:
+        monkeypatch.setattr(peers, "import_module", FAKES.__getitem__)
+    assert [f"{x:.0e}" for x in peers.TOLERANCES] == [f"1e-{digits:02}" for digits in range(3, 14)]
     for key in some(peer.solvers):
         solver = peer.on(HARMONIC, key)
         point = solver_point(solver, 1e-6, study(limit=1))
         assert point.error < 1e-2
         assert point.evaluations is None if name == "heyoka" else 20 < (point.evaluations or 0) < 2000
-        assert solver_point(peer.on(POLE, key), 1e-3, study(limit=1)).remark
+        assert solver.solve(1e-6, 1.0) == solver.solve(1e-6, 1.0)
+        refused = solver_point(peer.on(POLE, key), 1e-3, study(limit=1)).remark
+        if faked:
+            assert refused == REFUSED[name]
+            assert name == "heyoka" or solver.counted(1e-6, 1.0) == solved[-1].nfev
+            assert name != "diffrax" or set(double) == {("jax_enable_x64", True)}
+        assert refused

@@ -71,8 +71,9 @@ def test_the_least_cost_for_a_goal_has_a_star_and_one_that_is_not_known_is_over_
     timings = {"a | python | 8": Timing(1, [3e-3]), "b | python | 8": Timing(1, [2e-3])}
     measured = Measured({key: Curve(key, key, 1, points) for key in "abc"}, timings, {"a | python": 1, "b | python": 1})
     cost = {"python": priced(measured, "python")}
-    found = [[row[1] for row in goal_rows(measured, cost, goal)[1:]] for goal in (1e-2, 1e-3)]
-    assert found == [["3.00 ms", "2.00 ms *", "-"], ["over the limit", "over the limit", "-"]]
+    found = [[row[1] for row in goal_rows(measured, cost, goal)[1:]] for goal in (1e-2, 1e-3, 1e-5)]
+    over = ["over the limit", "over the limit", "-"]
+    assert found == [["3.00 ms", "2.00 ms *", "-"], over, over]
     counted = {"evaluations": priced(measured, "evaluations")}
     assert [goal_rows(measured, counted, goal)[1][1] for goal in (1e-3, 1e-6)] == ["16 *", "not met: 1.0e-5"]
 

@@ -7,7 +7,7 @@ from math import comb, log2, radians, tan
 import numpy as np
 import pytest
 
-from driftproof import METHODS, Facts, facts_of, significant
+from driftproof import METHODS, Facts, facts, significant
 from driftproof.methods.catalogue import FACTS_ONLY
 from driftproof.methods.multistep import Multistep
 from driftproof.symbolic.algebra.radicals import radical_form
@@ -213,11 +213,11 @@ def test_a_locus_that_meets_the_negative_axis_at_an_irrational_point_leaves_no_s
 
 
 def test_facts_are_written_as_records():
-    found = facts_of(FACTS_ONLY["bdf2"])
+    found = facts(FACTS_ONLY["bdf2"]).data
     assert found["rho"] == {"num": ["1/2", "-2", "3/2"], "den": ["1"]}
     assert found["order_fails"] == {"power": 3, "residual": "-1/3"}
     assert (found["sector"], found["method"]) == ({"tan": "oo", "degrees": "90"}, "bdf2")
-    for point in exactly(11, facts_of(FACTS_ONLY["bdf2"], ["root_locus"])["root_locus"]):
+    for point in exactly(11, facts(FACTS_ONLY["bdf2"], only=["root_locus"]).data["root_locus"]):
         z, unit = (complex(float(Q(point[a])), float(Q(point[b]))) for a, b in (("re", "im"), ("cosine", "sine")))
         assert abs(unit) == pytest.approx(1)
         assert min(abs(root - unit) for root in roots(FIRST["bdf2"], z)) < 1e-12
@@ -225,4 +225,4 @@ def test_facts_are_written_as_records():
     assert len(one_step("pole", (-1, 0, 1), (1, 0, 1)).root_locus) == len(of("bdf2").root_locus) - 1  # sigma(i) = 0
     assert tan(radians(86.03)) < float(of("bdf3").sector.tan.ball()) < tan(radians(86.04))
     with pytest.raises(ValueError, match="a linear multistep method, and has no symplectic; choose from"):
-        facts_of(FACTS_ONLY["bdf2"], ["symplectic"])
+        facts(FACTS_ONLY["bdf2"], only=["symplectic"]).json()

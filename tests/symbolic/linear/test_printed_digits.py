@@ -10,10 +10,10 @@ import pytest
 
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.schemes import RungeKutta
+from driftproof.reports.fact_sheet import facts
 from driftproof.symbolic.facts import Facts
 from driftproof.symbolic.linear.printed_digits import stability_within_digits
 from driftproof.texts.writing.facts import fact_tex, fact_text
-from driftproof.texts.writing.records import facts_of
 
 
 def esdirk(gamma: str, *rows: str) -> RungeKutta:
@@ -73,7 +73,7 @@ def test_table_that_is_l_stable_but_for_its_rounding_is_so_within_its_digits() -
     assert "l_stable: yes" in text
     assert f"limit_at_infinity: 5.57e-11, digits_allow: {found.digits_allow}" in text
     assert "5.57" in fact_tex(found)
-    assert facts_of(SHORT, ["stability_within_digits"])["stability_within_digits"] == found._asdict()
+    assert facts(SHORT, only=["stability_within_digits"]).data["stability_within_digits"] == found._asdict()
 
 
 def test_four_hundred_digits_are_judged_by_all_of_them() -> None:

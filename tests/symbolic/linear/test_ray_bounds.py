@@ -9,6 +9,7 @@ from typing import Any
 import pytest
 from flint import acb_poly, arb, ctx, fmpq, fmpq_poly
 
+import driftproof
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.expressions import parse_system
 from driftproof.methods.number_field import Algebraic
@@ -18,7 +19,6 @@ from driftproof.symbolic.algebra.polynomials import exact
 from driftproof.symbolic.linear.oscillator import stability_function_of
 from driftproof.symbolic.linear.ray_bounds import UndecidedLimitError, pair_polynomial
 from driftproof.symbolic.linear.systems import SystemFacts, bounded_at
-from driftproof.texts.writing.records import system_facts
 from tests.symbolic.linear.linear_examples import STUCK
 
 
@@ -28,19 +28,19 @@ def facts(key: str, text: str) -> SystemFacts:
 
 
 def test_what_is_not_decided_is_refused_with_a_reason() -> None:
-    stuck = system_facts(METHODS["nystrom4"], parse_system(STUCK), ("eigenvalues", "step_limit", "step_limit_attained"))
+    stuck = driftproof.facts("nystrom4", system=STUCK, only=("eigenvalues", "step_limit", "step_limit_attained")).data
     assert stuck["step_limit"]["refused"].startswith("no procedure decides this: a Jordan block")
     assert stuck["eigenvalues"][0]["limit"] == stuck["step_limit"]
     assert stuck["step_limit_attained"] is None
     pushed = Splitting("push", "Push", 0, "x", (("kick", Q(1)),))
-    assert "without kicks or drifts" in str(system_facts(pushed, parse_system("0 1; 0 0"), ("step_limit",)))
+    assert "without kicks or drifts" in str(driftproof.facts(pushed, system="0 1; 0 0", only=("step_limit",)).data)
     blocks = "0 1 0 1 0 0; 0 0 1 0 1 0; -1 -1 -1/2 0 0 1; 0 0 0 0 1 0; 0 0 0 0 0 1; 0 0 0 -1 -1 -1/2"
-    refused = system_facts(METHODS["rk4"], parse_system(blocks), ("eigenvalues",))["eigenvalues"]
+    refused = driftproof.facts("rk4", system=blocks, only=("eigenvalues",)).data["eigenvalues"]
     assert any("with a Jordan block" in str(e["limit"]) for e in refused)
     wide = "; ".join(
         " ".join("1" if j == i + 1 else "-1" if i == 9 and j in (0, 1) else "0" for j in range(10)) for i in range(10)
     )
-    answer = system_facts(METHODS["dormand_prince54"], parse_system(wide), ("eigenvalues",))["eigenvalues"]
+    answer = driftproof.facts("dormand_prince54", system=wide, only=("eigenvalues",)).data["eigenvalues"]
     assert any("has degree 540 > 300" in str(e["limit"]) for e in answer), "R of degree 6, 45 pairs of 10 eigenvalues"
     idle = RungeKutta("idle", "Idle", 0, "x", ((Q(0),),), (Q(0),), (Q(0),))
     found = SystemFacts(idle, parse_system("0 1 0; 0 0 1; -5 -1 -1/2"))  # R = 1

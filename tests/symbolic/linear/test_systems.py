@@ -10,6 +10,7 @@ from typing import Any
 import pytest
 from flint import acb_mat, arb, ctx, fmpq
 
+import driftproof
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.expressions import System, parse_system
 from driftproof.methods.schemes import Method, Splitting
@@ -21,7 +22,6 @@ from driftproof.symbolic.linear.oscillator import linear_step_matrix
 from driftproof.symbolic.linear.ray_bounds import ALWAYS, Bound, UndecidedLimitError
 from driftproof.symbolic.linear.stability_limits import Limit
 from driftproof.symbolic.linear.systems import SystemFacts, bounded_at, factor_at, stiffest_factor
-from driftproof.texts.writing.records import system_facts
 from tests.looping import some
 from tests.symbolic.linear.linear_examples import (
     CHAIN,
@@ -145,7 +145,7 @@ def test_limit_of_h_is_where_powers_begin_to_grow(key: str, text: str) -> None:
     limit = found.step_limit.limit
     assert is_where_growth_begins(limit, lambda h: radius(found, h))
     wanted = LIMITS[key, text]
-    record = system_facts(METHODS[key], parse_system(text), ("step_limit",))["step_limit"]
+    record = driftproof.facts(key, system=text, only=("step_limit",)).data["step_limit"]
     assert wanted is None or wanted in (record, *(record.values() if isinstance(record, dict) else ()))
     if isinstance(limit, RealRoot) and limit != ZERO_ROOT:
         for moved in (fmpq(10**9 - 1, 10**9), fmpq(10**9 + 1, 10**9)):
@@ -158,7 +158,7 @@ def test_limit_is_the_least_of_those_of_the_eigenvalues() -> None:
     assert len({limit_text(bound.limit) for bound in bounds if isinstance(bound, Bound)}) == 1  # conjugates
     assert facts("rk4", COUPLED).step_limit.limit in [b.limit for b in bounds if isinstance(b, Bound)]
     diagonal = parse_system("-1 0 0; 0 -3 0; 0 0 -2")
-    euler = system_facts(METHODS["forward_euler"], diagonal, ("eigenvalues", "step_limit"))
+    euler = driftproof.facts("forward_euler", system=diagonal, only=("eigenvalues", "step_limit")).data
     assert [record_text(e["limit"]) for e in euler["eigenvalues"]] == ["2", "1", "2/3"]
     assert record_text(euler["step_limit"]) == "2/3"
 

@@ -8,7 +8,7 @@ from driftproof.texts.questions.errors import QuestionError
 from driftproof.texts.questions.evaluate import value
 from tests.texts.questions.refusals import require_refusal
 
-_ROUNDED = "steps, times and starts are rational, so round pi yourself, as in h=0.01 t=6.28"
+_ROUNDED = "steps and times are rational, so round pi yourself, as in h=0.01 t=6.28"
 REFUSED = [
     ("order sdirk_order_2 at (1", 24, "a bracket is not closed"),
     ("order sdirk_order_2 at sqrt(2)", 24, "expected a number such as 1/4 or 0.25, found 'sqrt'"),
@@ -18,7 +18,10 @@ REFUSED = [
     ("step rk4 h=0,1 : q", 13, "write it with a point: 0.1"),
     ("step rk4 h=-: q", 13, "h: expected a number such as 1/4 or 0.25, found ':'"),
     ("step rk4 h=1/x : q", 13, "unexpected '/' in a number"),
-    ("run rk4 y'=-y y(0)=sqrt(3) h=1 t=1 : y", 20, "found 'sqrt'; write its decimal"),
+    ("run rk4 y'=-y y(0)=3pi h=1 t=1 : y", 1, "start 3pi: unexpected 'pi'"),
+    ("run rk4 y'=-y y(0)=e h=1 t=1 : y", 20, "start: expected a number such as 1/4 or 0.25, found 'e'"),
+    ("run rk4 y'=-y y(0)=sqrt(-3) h=1 t=1 : y", 1, "start sqrt(-3): a root of a negative number"),
+    ("run rk4 h=1 t=1 from pi,0 : q", 1, "pi: the oscillator starts from rationals; with equations you may say pi"),
     ("run rk4 h=pi/50 N=100 : q", 11, f"expected a number such as 1/4 or 0.25, found 'pi'; {_ROUNDED}"),
     ("run rk4 N=100 t=2*pi : q", 18, f"unexpected '*' in a number; {_ROUNDED}"),
     ("run rk4 N=100 t=2π : q", 18, f"unexpected 'π' in a number; {_ROUNDED}"),

@@ -9,6 +9,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from driftproof.enclosure.solutions import enclose_solution
+from driftproof.texts.questions import problems
 from driftproof.texts.questions.errors import QuestionError
 from driftproof.texts.questions.evaluate import value
 from tests.texts.questions.refusals import require_refusal
@@ -21,10 +23,10 @@ parameters.g = "9.81"
 """
 
 
-def by_hand(steps: int, h: float) -> np.ndarray:
+def by_hand(steps: int, h: float, start: float = 0.5) -> np.ndarray:
     """Heun's method on the pendulum of MINE, in floats."""
     f = lambda y: np.array([y[1], -9.81 * math.sin(y[0])])
-    y = np.array([0.5, 0.0])
+    y = np.array([start, 0.0])
     for _ in range(steps):
         k = f(y)
         y = y + h / 2 * (k + f(y + h * k))
@@ -103,6 +105,35 @@ def test_start_of_the_question_goes_before_that_of_the_problem() -> None:
     assert value("exact rates=(-y0) from 1 t=1 : y0").digits(300)[:20] == "0.367879441171442321"
     with pytest.raises(QuestionError, match="not decided with 1024 bits: too many digits, or a tie"):
         value("exact rates=(-y0) from 1 t=1 : y0").digits(400)
+
+
+def test_start_may_be_irrational() -> None:
+    for start, x in (("pi/4", math.pi / 4), ("-2 * pi / 3", -2 * math.pi / 3), ("sqrt(3 + 1)/8", 1 / 4)):
+        asked = f"run heun2 q'=v, v'=-9.81 sin(q), q(0)={start}, v(0)=0, h=1/16, t=1"
+        y = by_hand(16, 1 / 16, x)
+        assert abs(float(value(f"{asked} : q").digits(17)) - y[0]) < 1e-13
+        tuples = f"run heun2 rates=(y1, -9.81*sin(y0)) from ({start}, 0) h=1/16 t=1 : y1"
+        assert abs(float(value(tuples).digits(17)) - y[1]) < 1e-13
+    assert value("exact y'=-y, y(0)=sqrt(2), t=1 : y").digits(12) == value("sqrt(2) * exp(-1)").digits(12)
+    assert value("1 + run heun2 y'=-y, y(0)=1, h=1, t=1 : y").exact == Q(3, 2), "a sum after the question is its own"
+
+
+def test_runs_and_solutions_are_enclosed_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    solved = list[list[Q]]()
+
+    def counted(f, start, times, bits):  # type: ignore[no-untyped-def]
+        solved.append([*times])
+        return enclose_solution(f, start, times, bits)
+
+    monkeypatch.setattr(problems, "enclose_solution", counted)
+    for h in ("1/7", "1/14"):
+        for key in ("heun2", "rk4"):
+            for readout in ("exact.y", "state_error", "relative_error"):
+                value(f"run {key} y'=-y-y^3/7, y(0)=1, h={h}, t=1 : {readout}").digits(8)
+    assert solved == [[0, 1]]
+    longer, shorter = (value(f"run rk4 y'=-y-y^3/7, y(0)=1, h=1/14, N={n} : y").digits(12) for n in (15, 3))
+    assert longer != shorter
+    assert solved == [[0, 1]]
 
 
 def test_states_are_fractions_up_to_4096_bits() -> None:

@@ -163,7 +163,7 @@ REFUSED = [
     (
         "energy error of RK4 after one period",
         27,
-        "a period is not a whole number of steps: steps, times and starts are rational",
+        "a period is not a whole number of steps: steps and times are rational",
     ),
     ("energy drift of RK4 per period", 21, "a period is not a whole number of steps"),
     ("error of RK4 on the pendulum with h=0.1", 21, "to name a problem, write problem=pendulum"),

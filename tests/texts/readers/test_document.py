@@ -40,6 +40,25 @@ def test_what_a_text_takes_in_from_other_files_is_named() -> None:
     assert document_of(markdown, "markdown").other_files == ["part.md", "b.py"]
 
 
+@pytest.mark.parametrize(
+    ("text", "numbers"),
+    [
+        ("0,25 und 0,75, dann 12,5 %, in (1,0).", ["0.25", "0.75", "12.5", "1", "0"]),
+        ("0,25 and 1,000 and -0,75", ["0.25", "1.000", "-0.75"]),
+        ("0,25 and 12,5", ["0", "25", "12", "5"]),  # one is not enough
+        ("from 0,1 and 0,5", ["0", "1", "0", "5"]),
+        ("0,25 and 0,75 and 1,2,3", ["0.25", "0.75", "1", "2", "3"]),
+        ("y[0,25] and (0,75) and 0,5", ["0", "25", "0", "75", "0", "5"]),
+    ],
+)
+def test_a_comma_is_a_decimal_point_where_the_text_says_so_twice(text: str, numbers: list[str]) -> None:
+    found = document_of(text)
+    assert [number.text for number in numbers_in(found.text.text)] == numbers
+    assert all(found.position(i).column == i + 1 for i in range(len(text)))
+    code = document_of(f"{text}\n\n```python\nf(1, 0,25)\n```\n", "markdown")
+    assert "f(1, 0,25)" in code.text.text
+
+
 def test_reader_is_chosen_by_the_ending(tmp_path: Path) -> None:
     for name, text in (("a.md", "*b*"), ("a.html", "<i>b</i>"), ("a.TEX", "\\emph{b}"), ("a.txt", "b"), ("a", "b")):
         (tmp_path / name).write_text(text, encoding="utf-8")

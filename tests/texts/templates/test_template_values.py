@@ -35,7 +35,7 @@ FIRST = MARKDOWN, HTML, LATEX
         ('{{ value("a_stable rk4") }} {{ value("order rk4") }}', "no 4"),
         ('{{ value("run rk4 h=1/4 t=10 : phase_error").unit }}', "degrees"),
         ('{{ "q = " ~ value("1/2") ~ (1 + 1) }} {{ "<i>" }}', ("q = 1/22 <i>", "q = 1/22 &lt;i&gt;", "q = 1/22 <i>")),
-        ("{% for i in range(3) %}{{ loop.index }}{% endfor %}", "123"),
+        ("{% for i in range(3) %}{{ loop.index }}{{ loop.cycle('a', 'b') }}{% endfor %}", "1a2b3a"),
         ('{% macro m(x) %}[{{ x | digits(2) }}]{% endmacro %}{{ m(value("1/3")) }}', "[0.33]"),
         ("{{ 'a' + 'b' }}{{ 7 // 2 + 7 % 4 }}", "ab6"),
         ("{# nothing #}{% raw %}{{ x }}{% endraw %}\n", "{{ x }}\n"),

@@ -13,9 +13,9 @@ from driftproof.numeric.problems.catalogue import PROBLEMS
 DOCS = Path(__file__).parents[3] / "docs"
 HEAD = """# Digits in print of stiff reference solutions
 
-Ours are computed twice, by programs that share neither method nor arithmetic, and agree in 20 digits
-(`tests/witnesses/references`). A published number has so many right digits as it has when it is within half a unit of
-the last of them. This page is written by `python -m tests.witnesses.references.literature`.
+Ours are enclosed in balls, to 20 digits; `make long` encloses them anew. A published number has so many right digits as
+it has when it is within half a unit of the last of them. This page is written by
+`python -m tests.witnesses.references.literature`.
 
 | problem | t | component | published | ours | right digits | source |
 |---|---|---|---|---|---|---|

@@ -1,4 +1,4 @@
-"""Writes numeric/problems/digits.json anew: `python -m tests.witnesses.references.write [KEY...]`, a minute for all.
+"""Writes numeric/problems/digits.json anew: `python -m tests.witnesses.references.write [KEY...]`, minutes a key.
 
 The times stand in the file; those of a new problem are written there by hand first, with any states.
 """

@@ -1,0 +1,215 @@
+"""Wrappers of functions, ready to paste: steps with other arguments, of gradients, or of a list of the last states."""
+
+from __future__ import annotations
+
+import inspect
+import re
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
+from itertools import product
+from typing import Any
+
+import numpy as np
+
+from driftproof.blackbox.stepper.calling_conventions import (
+    COUNTS,
+    FIELD,
+    FORCE,
+    FUNCTION,
+    MAP,
+    POSITION,
+    RUN_ENDS,
+    SPANS,
+    STATE,
+    STEP,
+    TIME,
+    UNIT_PARAMETERS,
+    VELOCITY,
+    has_gradient,
+    names_with_step,
+    parameters_of,
+    required_names,
+    role_of,
+    word_of,
+)
+from driftproof.blackbox.stepper.plain_forms import BODY_LISTS
+
+# The arguments of a wrapper by role, and all of them for a wrapper of each kind.
+ARGUMENTS = {FUNCTION: "f", TIME: "t", STATE: "y", POSITION: "q", VELOCITY: "v", STEP: "h"}
+HEADS = {MAP: "q, v, h", FORCE: "force, q, v, h", FIELD: "f, t, y, h"}
+# Roles in the order in which a name is tried for them.
+PLAIN_ROLES = (FUNCTION, STEP, TIME, POSITION, VELOCITY, STATE)
+# Gradients of an energy by the positions and by the momenta: H(q, p) = p^2/2 + V(q).
+_BY_POSITION = ("dhdq", "dh_dq", "grad_q", "dhdx", "dh_dx", "gradq")
+_BY_MOMENTUM = ("dhdp", "dh_dp", "grad_p", "dtdp", "dt_dp", "gradp")
+_BEFORE = re.compile("prev|old|last|before|nm1")
+# Names of a list of the last states; a method in use looks back at no more than this many.
+_LISTS, _MOST_STATES = re.compile("^ys$|^us$|^xs$|states|hist|past|prev"), 7
+_SPANS = (*SPANS, "t_bound", "t_end", "tf", "t_final")
+# The values of a wrapper's arguments with which a step is tried, in a field in which nothing moves by itself.
+TRIAL_ARGUMENTS = {
+    **dict.fromkeys(("f", "force"), lambda *x: 0.0 * max(x, key=np.size)),
+    **{"t": 0.0, "0.0": 0.0, "h": 0.25, "t + h": 0.25, "q": 1.0, "v": 0.5, "1.0": 1.0, "1": 1, "()": ()},
+    **{"y": np.array([1.0, 0.5]), "[q, v]": np.array([1.0, 0.5])},
+}
+_PARAMETERS = ("args", "params", "parameters", "kwargs")
+# Of a method for q'' = F(q) that takes two positions: the position before, and the velocities, of order 1.
+BEFORE, SPEEDS = "q - h * v + h**2 / 2 * force(q)", "(b - a) / h for a, b in zip({}, {})"
+# The step of second order that stands in for the first steps of a method that takes earlier states.
+FIRST_STEP = "y + h * f(t + h / 2, y + h / 2 * f(t, y))"
+
+
+def function_wrapper(step: Callable[..., Any]) -> str:
+    """The wrapper of a function: a step with gradients of an energy, a run, a solver, or a plain step."""
+    if (names := names_with_step(step)) is None:
+        return ""
+    if _named(names, _SPANS) and not any(role_of(each, (STEP,)) for each in names):
+        return f"identify_solver({name_of(step)}), for a whole solver"
+    by_position = next((each for each in names if has_gradient([each])), _named(names, _BY_POSITION))
+    by_momentum = _named(names, _BY_MOMENTUM)
+    if by_position is not None and by_momentum is not None:
+        gradients = {by_position: "lambda q, *p: -force(q)", by_momentum: "lambda *p: p[-1]"}
+        rest = [each for each in names if each not in gradients]
+        return _call(step, names, {**gradients, **arguments_by_role(rest, FORCE)}, FORCE)
+    roles = {role_of(each, PLAIN_ROLES) for each in names}
+    of_state = POSITION not in roles or (VELOCITY not in roles and TIME in roles)
+    kind = MAP if FUNCTION not in roles else FIELD if of_state else FORCE
+    if line := list_wrapper(step) or run_wrapper(step):
+        return line[2:]
+    given = arguments_by_role(names, kind)
+    return _call(step, names, given, kind) if given else ""
+
+
+def _named(names: Sequence[str], known: Sequence[str]) -> str | None:
+    """The first of the names that is a known one; None if none is."""
+    return next((each for each in names if word_of(each) in known), None)
+
+
+def list_wrapper(step: Callable[..., Any]) -> str:
+    """The run of n steps of a method that takes a list of the last states; "" if no list of up to seven is taken.
+
+    Of y' = 1 every method finds the next state, t + h, if the list is in its own order.
+    """
+    name, names = name_of(step), [] if inspect.isclass(step) else required_names(step) or []
+    past = next((each for each in names if _LISTS.search(each.lower())), "")
+    given = {past: "ys"} | arguments_by_role([each for each in names if each != past], FIELD)
+    if len(given) < len(names) or not {"f", "ys", "h"} <= {*given.values()} <= {"f", "t", "ys", "h"}:
+        return ""
+    for size, turned in product(range(2, _MOST_STATES + 1), (1, -1)):
+        with suppress(Exception):
+            ys = [np.array([i / 4, i / 4]) for i in range(1 - size, 1)][::turned]
+            values = {"f": lambda *x: np.ones(2), "t": 0.0, "ys": ys, "h": 0.25}
+            if np.allclose(step(*[values[given[each]] for each in names]), 0.25, rtol=0, atol=2.0**-20):
+                shown = {"ys": "ys[::-1]" if turned < 0 else "ys", "t": "t + i * h"}
+                call = f"{name}({', '.join(shown.get(given[each], given[each]) for each in names)})"
+                start = f"s = lambda t, y: {FIRST_STEP}; ys = [y]"
+                later = f"ys.append(s(t + i * h, ys[-1]) if i < {size - 1} else {call}) or ys[-1] for i in range(n)"
+                return f": def wrapped(f, t, y, h, n): {start}; return [y, *({later})]  # begins with midpoint2"
+    return ""
+
+
+def run_wrapper(step: Callable[..., Any]) -> str:
+    """The wrapper of a run to a given end, by its last state; "" unless the run is seen to begin at the start.
+
+    Among the parts of its answer that is the array whose first row is the state at the start.
+    """
+    names = [] if inspect.isclass(step) else names_with_step(step) or []
+    end = next((each for each in names if word_of(each) in RUN_ENDS[1] or each == "T"), None)
+    pair = {POSITION, VELOCITY} <= {role_of(each, PLAIN_ROLES) for each in names}
+    kind = MAP if not any(role_of(each, (FUNCTION,)) for each in names) else FORCE if pair else FIELD
+    if end is not None:
+        given = arguments_by_role([each for each in names if each != end], kind)
+        timed = "t" in given.values()
+        given[end] = "t + h" if timed else "h"
+        with suppress(Exception):
+            found = step(*[TRIAL_ARGUMENTS[given[each]] for each in names])
+            parts = found if isinstance(found, tuple) else (found,)
+            at = {repr(np.asarray(part, float).tolist()[0]): i for i, part in enumerate(parts) if np.ndim(part)}
+            run = f"{name_of(step)}({', '.join(given[each] for each in names)})"
+            if pair:
+                return f": def wrapped({HEADS[kind]}): run = {run}; return run[{at['1.0']}][-1], run[{at['0.5']}][-1]"
+            head, part = HEADS[kind] if timed or kind == MAP else "f, y, h", f"[{at['[1.0, 0.5]']}]"
+            return f": def wrapped({head}): return {run}{part if parts is found else ''}[-1]"
+    return ""
+
+
+def _call(step: Callable[..., Any], names: Sequence[str], given: Mapping[Any, str], kind: str) -> str:
+    """The wrapper that calls a function of these names with the arguments given; those left are in capitals."""
+    left = [each for each in names if each not in given]
+    said = f"  # write values for {', '.join(map(str.upper, left))}" if left else ""
+    if len(left) == 1 and is_before(left[0]):
+        if line := _two_step_call(step, names, given, kind):
+            return line
+        said = f"  # a method of two steps: let an object keep its {left[0].upper()}, step(f, t, y, h) being its method"
+    if kind == MAP and "h" not in given.values():
+        said = "  # its h is built in: let it be an argument, or make the step anew for every h"
+    if kind == MAP and any(word_of(each) in BODY_LISTS for each in left):
+        said = "  # what moves its bodies is built in: let their force be an argument, which can then be given"
+    return (
+        f"def wrapped({HEADS[kind]}): return {_called(step, names, lambda each: given.get(each, each.upper()))}{said}"
+    )
+
+
+def _two_step_call(step: Callable[..., Any], names: Sequence[str], given: Mapping[Any, str], kind: str) -> str:
+    """The run of a function whose one argument not given is the state before; "" if it cannot be written."""
+    if kind == FIELD and {"y", "h"} <= {*given.values()}:
+        later = {"y": "ys[-1]", "t": "t + i * h"}
+        call = _called(step, names, lambda each: later.get(text := given.get(each, "ys[-2]"), text))
+        run = f"ys = [y, {FIRST_STEP}]; return [*ys, *(ys.append({call}) or ys[-1] for i in range(1, n))]"
+        return f"def wrapped(f, t, y, h, n): {run}  # a run of n steps, whose first is one of midpoint2"
+    if kind == FORCE and {*given.values()} == {"force", "q", "h"}:
+        call = _called(step, names, lambda each: {"q": "xs[-1]"}.get(text := given.get(each, "xs[-2]"), text))
+        with suppress(Exception):
+            pair = isinstance(step(**{each: TRIAL_ARGUMENTS[given.get(each, "q")] for each in names}), tuple)
+            run = f"xs = [{BEFORE}, q]; [xs.append({call}{'[0]' * pair}) for _ in range(n)]"
+            return f"def wrapped(force, q, v, h, n): {run}; return xs[1:], [v, *({SPEEDS.format('xs[1:]', 'xs[2:]')})]"
+    if kind == MAP:
+        head = f"def {name_of(step)}(force, {', '.join(names)}): ..."
+        return f"{head}  # a method of two steps is read if its force is an argument"
+    return ""
+
+
+def _called(step: Callable[..., Any], names: Sequence[str], write: Callable[[str], str]) -> str:
+    """The call with what is written for each name, by place if that is the names' own order."""
+    by_place = [*(parameters_of(step) or ())][: len(names)] == [*names]  # a step size with a default may not be
+    passed = [f"{'' if by_place else f'{each}='}{write(each)}" for each in names]
+    return f"{name_of(step)}({', '.join(passed)})"
+
+
+def arguments_by_role(names: Sequence[str], kind: str) -> dict[str, str]:
+    """The wrapper's argument for each name whose role is known; a single state of a map is [q, v]."""
+    given: dict[str, str] = {}
+    for each in names:
+        wanted = (FUNCTION, STEP, TIME, *((STATE,) if kind == FIELD else (POSITION, VELOCITY, STATE)))
+        role = role_of(each, [role for role in wanted if ARGUMENTS[role] not in given.values()])
+        if role is not None:
+            function = "lambda x: -force(x)" if kind == FORCE and has_gradient([each]) else function_of(kind)
+            given[each] = function if role == FUNCTION else ARGUMENTS[role]
+    open_names = [each for each in names if each not in given]
+    if kind == FIELD and "h" not in given.values():
+        given |= {each: "t + h" for each in open_names if word_of(each) in RUN_ENDS[1]}
+        given |= {each: "1" for each in open_names if word_of(each) in COUNTS}
+    given |= {each: "()" for each in open_names if word_of(each) in _PARAMETERS}
+    if kind == MAP:
+        given |= {each: "1.0" for each in open_names if word_of(each) in UNIT_PARAMETERS}
+    if kind == MAP and not {"q", "v"} <= {*given.values()}:
+        given = {each: "[q, v]" if text in ("q", "v", "y") else text for each, text in given.items()}
+    if kind != FIELD:
+        given = {each: "0.0" if text == "t" else text for each, text in given.items()}
+    return {each: given[each] for each in names if each in given}
+
+
+def is_before(name: str) -> bool:
+    """True if it is the name of a state or a slope before the present one."""
+    return bool(_BEFORE.search(name.lower()))
+
+
+def function_of(kind: str) -> str:
+    """The name that a wrapper of this kind has for the function that it is given."""
+    return "f" if kind == FIELD else "force"
+
+
+def name_of(step: Callable[..., Any]) -> str:
+    """The name by which a wrapper calls the code."""
+    name = str(getattr(step, "__qualname__", type(step).__name__)).rpartition("<locals>.")[2]
+    return name if all(part.isidentifier() for part in name.split(".")) else "step"

@@ -1,0 +1,282 @@
+"""Wrappers of steppers that are made first, ready to paste: classes, objects that keep a state, makers of steppers."""
+
+from __future__ import annotations
+
+import inspect
+import sys
+from collections.abc import Callable, Sequence
+from contextlib import suppress
+from copy import copy
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from driftproof.blackbox.stepper.calling_conventions import (
+    FIELD,
+    FORCE,
+    FUNCTION,
+    MAP,
+    POSITION,
+    STATE,
+    STEP,
+    TIME,
+    VELOCITY,
+    names_with_step,
+    required_names,
+    role_of,
+)
+from driftproof.blackbox.stepper.function_wrappers import (
+    BEFORE,
+    FIRST_STEP,
+    HEADS,
+    PLAIN_ROLES,
+    SPEEDS,
+    TRIAL_ARGUMENTS,
+    arguments_by_role,
+    function_of,
+    is_before,
+    name_of,
+)
+from driftproof.blackbox.stepper.plain_forms import BODY_LISTS
+
+_ADVANCES = ("step", "update", "advance", "integrate", "move", "tick", "do_step")
+_PUSHES = ("apply_force", "add_force", "apply_central_force", "applyForce", "addForce")
+_START = {FIELD: (np.array([1.0, 0.5]),), FORCE: (1.0, 0.5), MAP: (1.0, 0.5)}
+# Within this many steps a multistep method shows that it remembers, whatever its start: none in use remembers more.
+_TRIED = 12
+
+
+def object_wrapper(step: Callable[..., Any]) -> str:
+    """The wrapper of a class, or of a method that takes the step size alone; "" if no state is found."""
+    if inspect.isclass(step):
+        return _class_wrapper(step) or _state_wrapper(step, _made_anyhow(step), advance_of(step) or "step")
+    made, names = getattr(step, "__self__", None), required_names(step)
+    if made is None or names is None or [*map(_role, names)] not in ([STEP], []):
+        return ""
+    return _state_wrapper(type(made), made, step.__name__)
+
+
+def _made_anyhow(cls: type) -> Any:
+    """An object of the class, made with a function for each argument; the class itself if it takes none there."""
+    with suppress(Exception):
+        return cls(*[lambda *x: 0.0 for _ in required_names(cls) or ()])
+    return cls
+
+
+def _state_wrapper(cls: type, made: Any, advance: str) -> str:
+    """The `stepper_of` line for an object whose attributes hold its state; "" if their names do not tell where."""
+    makes = required_names(cls) or []
+    q, v, state, time = (_attribute(made, role) for role in (POSITION, VELOCITY, STATE, TIME))
+    if not state and not (q and v):
+        return ""
+    make = cls.__name__ if len(makes) < 2 else f"lambda: {cls.__name__}(...)"
+    where, maker = f'position="{q}", velocity="{v}"' if q and v else f'state="{state}"', "stepper_of"
+    if not makes and (push := next((each for each in _PUSHES if hasattr(cls, each)), "")):
+        of_x = type(getattr(made, q.partition(".")[0], 0.0)).__name__ if q.endswith(".x") else ""
+        where += f", push=lambda body, f: body.{push}({of_x}(f, 0.0))" if of_x else f', push="{push}"'
+    if [*map(_role, makes)] == [FUNCTION] and not (q and v):
+        where, maker = f'{where}, time="{time}"' if time else where, "field_stepper_of"
+    act, size = f'"{advance}"', _attribute(made, STEP)
+    if size and not any(_role(each) == STEP for each in names_with_step(getattr(cls, advance, cls)) or ()):
+        act = f"lambda made, h: (setattr(made, '{size}', h), made.{advance}())"
+    return f"from driftproof import {maker}; wrapped = {maker}({make}, {where}, advance={act})"
+
+
+def _class_wrapper(cls: type) -> str:
+    """The wrapper of a class made from f, whose method takes and returns the state or whose object keeps it."""
+    names = required_names(cls) or []
+    ways = (each for base in cls.__mro__ for each in (*_ADVANCES, "__call__") if each in vars(base))
+    own = next(ways, None)  # that of the class itself before that of a base
+    taken = names_with_step(getattr(cls, own)) if own else None
+    if not taken:
+        return ""
+    method = "" if own == "__call__" else f".{own}"
+    if sum(map(is_before, names)) == 1:
+        return _two_step_wrapper(cls, method, names, taken[1:])
+    kind = FORCE if {POSITION, VELOCITY} <= {_role(each) for each in (*names, *taken)} else FIELD
+    made = _Made(kind, cls.__name__, arguments_by_role(names, kind), arguments_by_role(taken[1:], kind), method)
+    if len(made.arguments) < len(names) or len(made.call) < len(taken) - 1:
+        return ""
+    if function_of(kind) not in (*made.arguments.values(), *made.call.values()):
+        return ""
+    if made.state <= {*made.call.values()}:
+        return made.line(cls)
+    if not made.state <= {*made.arguments.values()}:
+        return ""
+    with suppress(Exception):
+        kept = made.new(cls, _START[kind], 0.0)
+        places = [_attribute(kept, role) for role in ((POSITION, VELOCITY) if kind == FORCE else (STATE,))]
+        time = _attribute(kept, TIME) if "t" not in made.arguments.values() else ""
+        return made._replace(kept=places, time=time).line(cls) if all(places) else ""
+    return ""
+
+
+def _two_step_wrapper(cls: type, method: str, names: Sequence[str], taken: Sequence[str]) -> str:
+    """The run of an object made from its state and the one before, which it keeps; "" if they are not seen.
+
+    If it takes a force it is a method for q'' = force(q), else one for y' = f(y).
+    """
+    kind = FORCE if any(word in each.lower() for each in (*names, *taken) for word in ("acc", "force")) else FIELD
+    (before,) = filter(is_before, names)
+    given, call = (arguments_by_role([x for x in some if x != before], kind) for some in (names, taken))
+    given[before], now = (
+        (BEFORE, "q") if kind == FORCE else ("y", FIRST_STEP.replace("t + h / 2, ", "").replace("t, ", ""))
+    )
+    tried = {**TRIAL_ARGUMENTS, BEFORE: 0.75, now: TRIAL_ARGUMENTS["y"] if kind == FIELD else 1.0}
+    given = {each: now if x == "y" and each != before else x for each, x in given.items()}
+    with suppress(Exception):
+        made = cls(*[tried[given[each]] for each in names])
+        kept = _attribute(made, POSITION if kind == FORCE else STATE)
+        getattr(made, method[1:] or "__call__")(*[tried[call[each]] for each in taken])
+        begin = f"made = {cls.__name__}({', '.join(given[each] for each in names)})"
+        step = f"made{method}({', '.join(call[each] for each in taken)})"
+        if kept and kind == FORCE:
+            xs = f"xs = [q] + [({step}, 1.0 * made.{kept})[1] for _ in range(n)]"
+            return f"def wrapped(force, q, v, h, n): {begin}; {xs}; return xs, [v, *({SPEEDS.format('xs', 'xs[1:]')})]"
+        if kept:
+            later = f"[({step}, [*made.{kept}])[1] for _ in range(n - 1)]"
+            return f"def wrapped(f, y, h, n): {begin}; return [y, [*made.{kept}]] + {later}"
+    return ""
+
+
+def owner_of(step: Callable[..., Any]) -> Callable[..., Any]:
+    """The class of which this function is a method, found by the name it has in its module; otherwise the function."""
+    path = getattr(step, "__qualname__", "").split(".")[:-1]
+    found: Any = sys.modules.get(getattr(step, "__module__", ""))
+    for name in path if inspect.isfunction(step) else ():
+        found = getattr(found, name, None)
+    return found if inspect.isclass(found) else step
+
+
+def makes_steppers(step: Callable[..., Any]) -> bool:
+    """True if it takes a function or a step size, or both, and nothing else."""
+    return {*map(_role, required_names(step) or ())} in ({FUNCTION}, {STEP}, {FUNCTION, STEP})
+
+
+def maker_wrapper(step: Callable[..., Any]) -> str:
+    """The wrapper of a function that makes a stepper from a right-hand side, from a step size, or from both."""
+    names = required_names(step) or []
+    made: Callable[..., Any] | None = None
+    with suppress(Exception):
+        made = step(*(0.25 if _role(each) == STEP else (lambda *x: x[-1]) for each in names))
+    inner = required_names(made) if callable(made) else None
+    if not inner:
+        return ""
+    positions = {POSITION, VELOCITY} <= {_role(each) for each in inner}
+    kind = MAP if FUNCTION not in map(_role, names) else FORCE if positions else FIELD
+    arguments = {each: "h" if _role(each) == STEP else function_of(kind) for each in names}
+    given = {each: each.upper() for each in inner} | arguments_by_role(inner, kind)
+    return _Made(kind, name_of(step), arguments, given).line(step)
+
+
+def world_wrapper(cls: type) -> str:
+    """The wrapper of a class made from a list of bodies alone, of one body of its module; "" if there is no such class.
+
+    A gravity g that the object keeps is where the force is given to it: it acts along y if the bodies have a vy.
+    """
+    held = next(iter(required_names(cls) or []), "")
+    known = getattr(cls.__init__, "__globals__", {})  # type: ignore[misc]
+    for name, body in [*known.items()] if held in BODY_LISTS and len(required_names(cls) or []) == 1 else []:
+        with suppress(Exception):
+            ones = [1.0] * len(required_names(body) or [])
+            world, made = cls([body(*ones)]), body(*ones)
+            push = next((each for each in ("g", "gravity") if isinstance(getattr(world, each, None), float)), "")
+            upright = push and hasattr(made, "y") and hasattr(made, "vy")
+            q, v = ("y", "vy") if upright else (_attribute(made, POSITION), _attribute(made, VELOCITY))
+            if not (q and v and isinstance(getattr(world, held)[0], body) and np.size(getattr(made, q)) == 1):
+                continue
+            place = f"{{}}=(lambda w: w.{held}[0].{{}}, lambda w, x: setattr(w.{held}[0], '{{}}', x))"
+            makes = f"lambda: {cls.__name__}([{name}({', '.join(map(str, ones))})])"
+            rest = [
+                place.format("position", q, q),
+                place.format("velocity", v, v),
+                *([f'push="{push}"'] if push else []),
+            ]
+            options = f'{", ".join(rest)}, advance="{advance_of(cls)}"'
+            return f": from driftproof import stepper_of; wrapped = stepper_of({makes}, {options})"
+    return ""
+
+
+def advance_of(cls: type) -> str:
+    """The name of the method that makes a step: a usual one, or the only public one that takes one argument or none."""
+    public = [each for each in dir(cls) if not each.startswith("_") and inspect.isfunction(getattr(cls, each))]
+    alone = [each for each in public if len(required_names(getattr(cls, each)) or ()) in (1, 2)]
+    return next((each for each in _ADVANCES if hasattr(cls, each)), alone[0] if len(alone) == 1 else "")
+
+
+def _attribute(made: Any, role: str) -> str:
+    """The public attribute of an object with one of the role's names; "" if there is none."""
+    named = vars(made) if hasattr(made, "__dict__") and not inspect.isclass(made) else {}
+    found = next((name for name in named if not name.startswith("_") and role_of(name, (role,))), "")
+    return f"{found}.x" if found and hasattr(named[found], "x") and hasattr(named[found], "y") else found
+
+
+class _Made(NamedTuple):
+    """A stepper that is made first: its kind, its maker, and the arguments of maker and step by the wrapper's names.
+
+    `kept` are the attributes that hold its state, if it keeps one, and `time` is the attribute with its time.
+    """
+
+    kind: str
+    maker: str
+    arguments: dict[str, str]
+    call: dict[str, str]
+    method: str = ""
+    kept: Sequence[str] = ()
+    time: str = ""
+
+    @property
+    def state(self) -> set[str]:
+        return {"y"} if self.kind == FIELD else {"q", "v"}
+
+    def line(self, make: Callable[..., Any]) -> str:
+        """The wrapper of one step; for a stepper that remembers, that of n steps, which do not start anew."""
+        timed = self.kind != FIELD or self.time or "t" in (*self.arguments.values(), *self.call.values())
+        head = HEADS[self.kind] if timed else "f, y, h"
+        made, call = f"{self.maker}({', '.join(self.arguments.values())})", ", ".join(self.call.values())
+        begin = f"made = {made}; {f'made.{self.time} = t; ' if self.time else ''}"
+        left, once = ", ".join(f"made.{each}" for each in self.kept), f"made{self.method}({call})"
+        if not self._remembers(make):
+            return f"def wrapped({head}): " + (f"{begin}{once}; return {left}" if left else f"return {made}{once[4:]}")
+        state = "y" if self.kind == FIELD else "(q, v)"
+        if left:
+            copied = f"[*{left}]" if self.kind == FIELD else f"({left})"
+            return f"def wrapped({head}, n): {begin}return [{state}] + [({once}, {copied})[1] for _ in range(n)]"
+        of_last = {"t": "t + i * h", "q": "z[0]", "v": "z[1]", "y": "z", "[q, v]": "z"}
+        later = f"made{self.method}({', '.join(of_last.get(each, each) for each in self.call.values())})"
+        return f"def wrapped({head}, n): {begin}z = {state}; return [z] + [z := {later} for i in range(n)]"
+
+    def new(self, make: Callable[..., Any], state: Sequence[Any], t: float) -> Any:
+        made = make(*self._values(self.arguments, state, t))
+        if self.time:
+            setattr(made, self.time, t)
+        return made
+
+    def _values(self, names: dict[str, str], state: Sequence[Any], t: float) -> list[Any]:
+        known = {"t": t, "h": 0.25, "[q, v]": np.array(state)}
+        known |= dict.fromkeys(("f", "force"), lambda *x: x[0] - 0.5 * x[-1])  # of the time, too, where it is given
+        known |= dict(zip("y" if self.kind == FIELD else "qv", map(copy, state), strict=True))
+        return [known[name] for name in names.values()]
+
+    def _remembers(self, make: Callable[..., Any]) -> bool:
+        """True if some step differs from that of a new stepper in the same state; False if none can be made."""
+
+        def stepped(made: Any, t: float) -> tuple[Any, ...]:
+            step = getattr(made, self.method[1:]) if self.method else made
+            found = step(*self._values(self.call, state, t))
+            found = [getattr(made, each) for each in self.kept] if self.kept else found
+            return tuple(map(copy, found if self.kept or self.kind != FIELD else [found]))
+
+        with suppress(Exception):
+            state = _START[self.kind]
+            made = self.new(make, state, 0.0)
+            for i in range(_TRIED):
+                found, anew = stepped(made, i / 4), stepped(self.new(make, state, i / 4), i / 4)
+                if not np.array_equal(np.array(found), np.array(anew)):
+                    return True
+                state = found
+        return False
+
+
+def _role(name: str) -> str | None:
+    return role_of(name, PLAIN_ROLES)

@@ -1,0 +1,169 @@
+"""States held in records: dataclasses, named tuples, typed dicts, dicts, and any object with attributes."""
+
+from __future__ import annotations
+
+import dataclasses
+import inspect
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
+from functools import partial
+from typing import Any, get_type_hints
+
+import numpy as np
+
+from driftproof.blackbox.findings import WrongShape
+from driftproof.blackbox.stepper.array_adapters import AnyNumber, ArrayAdapter, Foreign, floats_in
+from driftproof.blackbox.stepper.calling_conventions import POSITION, TIME, UNIT_PARAMETERS, VELOCITY, role_of
+
+
+def record_of(step: Callable[..., Any], call: Callable[[Any], object]) -> Record | None:
+    """The annotated class of the state, or else a record of the keys or attributes that `call` reads of one."""
+    if (named := _annotated(step)) is not None:
+        names, needed = _fields(named)
+        return _record(named.__name__, named, names, needed)
+    keys, attributes = _names_read(call)
+    if keys:
+        return _record("dict", dict, keys, keys)
+    make = dataclasses.make_dataclass("State", attributes) if all(map(str.isidentifier, attributes)) else None
+    return _record("State", make, attributes, attributes) if attributes and make else None
+
+
+def _annotated(step: Callable[..., Any]) -> Any:
+    """The first dataclass, named tuple or typed dict in the annotations of the parameters; None if there is none."""
+    hints: Mapping[str, Any] = {}
+    with suppress(Exception):  # foreign annotations may name what does not exist
+        hints = get_type_hints(step if inspect.isroutine(step) else type(step).__call__)
+    return next((hint for name, hint in hints.items() if name != "return" and _fields(hint)[0]), None)
+
+
+def _fields(record: Any) -> tuple[list[str], list[str]]:
+    """The names of all fields, and those of the fields without a default."""
+    if dataclasses.is_dataclass(record):
+        fields = [field for field in dataclasses.fields(record) if field.init]
+        plain = (dataclasses.MISSING, dataclasses.MISSING)
+        return [f.name for f in fields], [f.name for f in fields if (f.default, f.default_factory) == plain]
+    if isinstance(record, type) and issubclass(record, tuple) and hasattr(record, "_fields"):
+        names = list(record._fields)
+        return names, [name for name in names if name not in getattr(record, "_field_defaults", {})]
+    keys = list(getattr(record, "__annotations__", {})) if hasattr(record, "__total__") else []
+    return keys, keys
+
+
+class _Asked(dict[str, float]):
+    """A state that has every key and attribute, and records which of them are read."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.__dict__["attributes"] = []
+
+    def __missing__(self, key: object) -> float:
+        if not isinstance(key, str):
+            raise KeyError(key)
+        self[key] = 1.0
+        return 1.0
+
+    def __getattr__(self, name: str) -> float:
+        if name.startswith("_"):
+            raise AttributeError(name)
+        self.__dict__["attributes"].append(name)
+        return 1.0
+
+
+def _names_read(call: Callable[[Any], object]) -> tuple[list[str], list[str]]:
+    """The keys and the attributes of its state that a step reads, each once, in the order of reading."""
+    asked = _Asked()
+    with suppress(Exception, SystemExit):
+        call(asked)
+    return list(asked), list(dict.fromkeys(asked.__dict__["attributes"]))
+
+
+@dataclasses.dataclass(frozen=True)
+class Record:
+    """A record with a position and a velocity: its class, the names of both, and the values of its other fields.
+
+    `given` are those of them that are parameters of the oscillator.
+    """
+
+    name: str
+    make: Any
+    position: str
+    velocity: str
+    known: Mapping[str, float]
+    given: Mapping[str, float]
+
+    def filled(self, q: Foreign, v: Foreign, **other: float) -> Foreign:
+        """A new record at this position, with this velocity."""
+        return self.make(**{**self.known, **other, self.position: q, self.velocity: v})
+
+    def pair(self, value: Foreign) -> tuple[Foreign, Foreign] | None:
+        """The position and the velocity of a record; None if the value is none."""
+        take = value.get if isinstance(value, Mapping) else partial(getattr, value)
+        parts = take(self.position, None), take(self.velocity, None)
+        return None if any(part is None for part in parts) else parts
+
+
+def _record(name: str, make: Any, names: Sequence[str], needed: Sequence[str]) -> Record | None:
+    """The record with these fields, some of which are needed; None if some of those are not known."""
+    roles = {each: _role(each) for each in names}
+    places = [next((each for each in names if roles[each] == role), None) for role in (POSITION, VELOCITY)]
+    if None in places and len(names) == 2:
+        places = list(names)
+    given = {each: 1.0 for each in names if each.lower() in UNIT_PARAMETERS and each not in places}
+    known = {each: 0.0 for each in needed if roles[each] == TIME} | {x: 1.0 for x in given if x in needed}
+    if None in places or set(needed) - {*known, *places}:
+        return None
+    return Record(name, make, str(places[0]), str(places[1]), known, given)
+
+
+def adapter_of(record: Record) -> ArrayAdapter:
+    """The adapter of a step that takes the record in place of a state."""
+
+    def write(numbers: Sequence[AnyNumber]) -> Foreign:
+        return record.filled(*(np.array(x, dtype=float) if np.ndim(x) else float(x) for x in numbers))
+
+    def read(value: Foreign, size: int) -> list[AnyNumber]:
+        parts, pair = parts_of(value), record.pair(value)
+        for each in record.given.keys() & record.known.keys() & parts.keys():
+            if parts[each] != record.known[each]:
+                raise WrongShape(f"a record whose {each} is {record.known[each]:g} comes back with {parts[each]}")
+        return floats_in(value if pair is None else [*pair], size)
+
+    arguments = [f"{each}={x!r}" for each, x in record.known.items()]
+    shown = f"{record.name}({', '.join([*arguments, f'{record.position}={{}}', f'{record.velocity}={{}}'])})"
+    return ArrayAdapter(
+        f"{record.name} with {record.position}, {record.velocity}",
+        write,
+        read,
+        shown=shown,
+        parameters=record.given,
+        with_parameters=lambda values: adapter_of(
+            dataclasses.replace(record, known={**record.known, **values}, given={**record.given, **values})
+        ),
+    )
+
+
+def parts_of(record: Foreign) -> Mapping[str, Foreign]:
+    """The fields of a dataclass or a named tuple by name, or a mapping as it is; nothing for any other value."""
+    if hasattr(record, "_asdict"):
+        return dict(record._asdict())
+    if dataclasses.is_dataclass(record):
+        return {field.name: getattr(record, field.name) for field in dataclasses.fields(record)}
+    return record if isinstance(record, Mapping) else {}
+
+
+def part_pair(answer: Foreign) -> Foreign:
+    """Position and velocity of a record, by name or else as its fields in order; any other answer unchanged."""
+    parts = parts_of(answer)
+    if not parts:
+        return answer
+    named = [next((x for name, x in parts.items() if _role(name) == role), None) for role in (POSITION, VELOCITY)]
+    return list(parts.values()) if any(part is None for part in named) else named
+
+
+def clock_of(record: Foreign) -> Foreign:
+    """The time in a record; None if it has none."""
+    return next((x for name, x in parts_of(record).items() if _role(str(name)) == TIME), None)
+
+
+def _role(name: str) -> str | None:
+    return role_of(name, (POSITION, VELOCITY, TIME))

@@ -1,0 +1,105 @@
+"""What the place of a number says about it: the method, step size, time and quantity that its row or sentence names."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+
+from driftproof.texts.claims.contradictions import last_methods_named, methods_named, sentence_around
+
+# Quantity -> the words that name it; the last of these words before a number, or in its column's head, counts.
+_WORDS = {
+    "ratio": r"factor|ratio|times as",
+    "relative_error": r"relative(?: errors?)?",
+    "error": r"errors?|off(?= by)|wrong|deviat\w+|differ\w+",
+    "exact": r"exact|true|solution|analytical",
+    "evaluations": r"evaluations|calls",
+}
+_QUANTITY = re.compile("|".join(rf"(?P<{name}>\b(?:{words}))\b" for name, words in _WORDS.items()))
+# An unknown with its sign right before a number, as in x = 0.5, or its value at a time, as in y(1) ≈ 0.5.
+_UNKNOWN = re.compile(r"(?<!\w)(?P<name>[^\W\d_][a-z]*)(?:\([0-9][0-9./]*\)|_?(?P<n>[0-9]))? ?[=≈] ?\Z")
+_POSITIVE = r"((?:[1-9][0-9]*|0(?=\.))(?:\.[0-9]+|/[1-9][0-9]*)?)"
+_SETTING = {x: re.compile(rf"(?<![\w.]){x} ?= ?{_POSITIVE}(?![\w./]*\w)") for x in "ht"}
+# A time is also given by the value of an unknown then, as in y(1).
+_TIME = re.compile(rf"(?<!\w)(?:t ?= ?(?=[0-9])|[^\W\d]\w*\((?=[0-9./]*\))){_POSITIVE}(?![\w./]*\w)")
+_HEADS = {"h": r"h|dt|δt|step ?size", "t": r"t(?:_[ni])?|time|t_\{?n\}?"}
+# Characters before a number that are searched for a step size or time, and for a method.
+_FARTHEST, _NEAR = 2000, 400
+_NUMBER = re.compile(r"[-+]?[0-9]+(?:\.[0-9]+|/[1-9][0-9]*)?")
+
+
+@dataclass(frozen=True)
+class Place:
+    """What is named where a number stands: None or an empty set where nothing is."""
+
+    methods: frozenset[str]
+    settings: dict[str, Fraction]
+    quantity: str | None
+    unknown: str | None
+
+    def means(self, question: str, methods: set[str]) -> bool:
+        """True if a question about one of these methods asks for what is named here, and all that it asks for is."""
+        quantity, unknown = asked_quantity(question)
+        for x, pattern in _SETTING.items():
+            given = [*map(Fraction, pattern.findall(question))]
+            if given and self.settings.get(x) not in (given if quantity == "ratio" else given[:1]):
+                return False
+        if (methods and not methods & self.methods) or (self.unknown and unknown not in ("", self.unknown)):
+            return False
+        return quantity == self.quantity if self.quantity else quantity in ("state", "error", "exact")
+
+
+def asked_quantity(question: str) -> tuple[str, str]:
+    """The quantity that a question asks for, and the unknown whose value it is, if it is one's."""
+    readout = question.removesuffix(", 1)").rpartition(" : ")[2]
+    kind, _, unknown = readout.rpartition(".")
+    unknown = "" if "rates=" in question else unknown  # y0, y1, ... need not be the names in the text
+    if question.startswith(("ratio(", "R(")):
+        return "ratio", ""
+    if " : " not in question:
+        return "fact", ""
+    if question.startswith("percent("):
+        return "percent" if "relative_error" in question else "share", ""
+    if readout in ("error", "state_error", "relative_error", "evaluations"):
+        return readout.removeprefix("state_"), ""
+    if kind[:1] == "k":
+        return kind, ""
+    return "exact" if kind == "exact" or question.startswith("exact ") else "state", unknown
+
+
+def place_of(text: str, start: int, end: int, heads: Sequence[str], row: Sequence[tuple[str, str]]) -> Place:
+    """The place of the number from `start` to `end` of a text in lower case.
+
+    `heads` are those of the columns up to its own, and `row` has the head and the text of each cell of its row, both
+    empty outside tables.
+    """
+    head = heads[-1] if heads else ""
+    before, after = sentence_around(text, start, end)
+    settings = dict[str, Fraction]()
+    for x, pattern in (("h", _SETTING["h"]), ("t", _TIME)):
+        given = pattern.findall(before)[-1:] or pattern.findall(after)[:1]
+        given = given or pattern.findall(text[max(0, start - _FARTHEST) : start])[-1:]
+        cells = [cell for name, cell in row if _heads(x, name) and _NUMBER.fullmatch(cell)]
+        settings |= {x: Fraction((cells or given)[0])} if cells or given else {}
+    unknown, said = _UNKNOWN.search(before), [*_QUANTITY.finditer(head if row else before)]
+    quantity, name = said[-1].lastgroup if said else "state" if head else None, unknown["name"] if unknown else None
+    if unknown and unknown["n"] and name == "k":
+        quantity, name = f"k{unknown['n']}", None
+    elif unknown:
+        quantity = "exact" if quantity == "exact" else "state"
+        settings |= {"t": int(unknown["n"]) * settings["h"]} if unknown["n"] and "h" in settings else {}
+    if more := re.match(r" ?(?:(%)|times (?:as|less|more|smaller|larger))", text[end : end + 20]):
+        quantity = "percent" if more[1] else "ratio"
+    if any(_heads(x, head) for x in _HEADS):
+        quantity = "chosen"
+    methods = next((named for one in reversed(heads) if (named := methods_named(one))), set[str]())
+    methods = methods or methods_named(" ".join(cell for _, cell in row))
+    methods = methods or last_methods_named(before, text[max(0, start - _NEAR) : start], after)
+    return Place(frozenset(methods), settings, quantity, name)
+
+
+def _heads(setting: str, head: str) -> bool:
+    """True if the head of a column is that of values of h or t."""
+    return re.fullmatch(rf"(?:{_HEADS[setting]})(?: ?[(\[].*)?", head) is not None

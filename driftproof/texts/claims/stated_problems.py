@@ -1,0 +1,204 @@
+"""The problems y' = f(t, y) that a text states, as questions with the methods, step sizes and times that it gives."""
+
+from __future__ import annotations
+
+import re
+import unicodedata
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass
+from fractions import Fraction
+from itertools import pairwise
+
+from driftproof.methods.catalogue import METHODS
+from driftproof.methods.field_text import rate_of_text
+from driftproof.methods.vector_fields import FUNCTIONS
+from driftproof.texts.claims.contradictions import methods_named
+from driftproof.texts.readers.numbers import TextNumber, numbers_in
+
+# Limits that keep this to some hundred questions about runs of some hundred steps: seconds.
+_MOST_PROBLEMS, _MOST_METHODS, _MOST_SIZES, _MOST_TIMES, _LONGEST_RUN, _MOST_STEPS = 4, 8, 8, 12, 500, 10_000
+_NUMBER = r"[-+]?[0-9]+(?:\.[0-9]+)?(?:/[1-9][0-9]*)?(?![\w/^]|\.[0-9])"
+_VALUE = rf"-?(?:[0-9]+ ?[*·]? ?)?(?:pi|√\(?[0-9]+\)?)(?: ?/ ?[0-9]+)?|{_NUMBER}"
+_LIST = rf"{_NUMBER}(?:(?:,? (?:and |or )?|,){_NUMBER})*"
+_SIZES = re.compile(rf"(?:(?<!\w)(?:h|dt|Δt)|[Ss]tep ?sizes?(?: of)?|[Ss]teps of) ?(?:[=∈≈] ?)?[{{(]?({_LIST})")
+_TIMES = re.compile(rf"(?<!\w)[tT] ?[=∈] ?[{{(]?({_LIST})")
+_COUNTS = re.compile(r"(?<![\w.])([1-9][0-9]{0,3}) (?:time |equal )?steps\b|(?<!\w)[nN] ?= ?([1-9][0-9]{0,3})(?![\w.])")
+_COLUMNS = {"h": r"h|dt|δt|step ?size", "t": r"t(?:_[ni])?|time|t_\{?n\}?"}
+# Between two equations of one system, and before the first of them, no sentence ends.
+_GAP = 80
+_TOGETHER = re.compile(rf"(?:(?![.;?!]\s)[\s\S]){{0,{_GAP}}}")
+_EQUATION = re.compile(
+    r"(?<![\w'])(?:d(?P<d>[^\W\d]\w*) ?/ ?dt|(?P<name>[^\W\d]\w{0,9})'(?: ?\(t\))?) ?(?:\| ?)?= ?"
+    r"(?=(?P<rate>[^=≤≥≈<>:;]{1,200}))"
+)
+# Characters after the last equation in which x = 1 without a time is a start.
+_NEAR = 150
+_WORD = re.compile(r"[^\W\d]\w*")
+
+
+@dataclass(frozen=True)
+class _Problem:
+    """Rates by the names of the unknowns, and the part of the text, from `at` on, that is about them."""
+
+    rates: dict[str, str]
+    part: str
+    at: int
+
+    @property
+    def equations(self) -> str | None:
+        """The equations and the start as a question has them; None if the text gives no start."""
+        starts = {name: self._start(name, i) for i, name in enumerate(self.rates)}
+        if None in starts.values():
+            return None
+        given = [f"{name}(0)={start}" for name, start in starts.items()]
+        return ", ".join([*(f"{name}'={rate}" for name, rate in self.rates.items()), *given])
+
+    def _start(self, name: str, index: int) -> str | None:
+        """What the text says that the unknown is at first: at 0, "at rest", in a list of all, or near the equations."""
+        part, n, velocity = _ascii(self.part), len(self.rates), name in self.rates.values()
+        tuples = [rf"\(({_VALUE})" + rf", ?({_VALUE})" * (n - 1) + r"\)"] if n > 1 else []
+        for pattern in (rf"(?<![\w']){name}(?:_0| ?\(0(?:\.0)?\)) ?= ?({_VALUE})", *tuples):
+            if found := re.search(pattern, part):
+                return _start_of(found[index + 1 if pattern in tuples else 1])
+        near = part[: part.rindex("'") + _NEAR] if "'" in part else part[:_NEAR]
+        found = re.search(rf"(?<![\w'(]){name} ?= ?({_VALUE})", near)
+        return "0" if velocity and re.search(r"\b(?:at|from) rest\b", part) else found and _start_of(found[1])
+
+
+def _start_of(spelled: str) -> str:
+    return re.sub(r"([0-9]) ?(?=pi|sqrt)", r"\1*", _plain(spelled))
+
+
+def stated_questions(text: str, column_of: Callable[[TextNumber], str]) -> list[str]:
+    """Questions, with braces, about the problems that a text in canonical spelling states with their starts.
+
+    The methods, step sizes and times are those that the text names after the equations, the methods else those that it
+    names anywhere; `column_of` gives the head of the column of a number.
+    """
+    found = list[str]()
+    for problem in [*_problems(text)][:_MOST_PROBLEMS]:
+        if equations := problem.equations:
+            found += _questions(problem, equations, text, column_of)
+    return list(dict.fromkeys(found))
+
+
+def _problems(text: str) -> Iterator[_Problem]:
+    """The systems of equations of the text, each with the text from a little before it to the next one."""
+    systems, done, last = list[tuple[int, dict[str, str]]](), list[dict[str, str]](), 0
+    for match in _EQUATION.finditer(text):
+        name = match["name"] or match["d"]
+        if name == "t" or name in FUNCTIONS:
+            continue
+        joined = (
+            systems
+            and name not in systems[-1][1]
+            and _TOGETHER.fullmatch(text, min(last, match.start()), match.start())
+        )
+        if not joined:
+            systems.append((match.start(), {}))
+        systems[-1][1][name] = match["rate"]
+        last = match.start("rate") + len(_first(match["rate"]))
+    for (start, raw), (end, _) in pairwise([*systems, (len(text), {})]):
+        names, begins = [*map(_ascii, raw)], start - len(re.split(r"[.;?!]\s", text[max(0, start - _GAP) : start])[-1])
+        rates = {name: rate for name, one in zip(names, raw.values(), strict=True) if (rate := _rate(one, names, text))}
+        if len(rates) == len(raw) and rates not in done:
+            done.append(rates)
+            yield _Problem(rates, text[begins:end], begins)
+
+
+def _questions(problem: _Problem, equations: str, text: str, column_of: Callable[[TextNumber], str]) -> Iterator[str]:
+    part, at = problem.part, problem.at
+    value_at = re.compile(rf"(?<!\w)(?:{'|'.join(problem.rates)})\(({_NUMBER})\)")
+    sizes, times, counts, also = (_listed(pattern, part) for pattern in (_SIZES, _TIMES, _COUNTS, value_at))
+    times += also
+    for number in numbers_in(text[at : at + len(part)]):
+        head = column_of(TextNumber(number.start + at, number.end + at, number.text, None))
+        for letter, into in (("h", sizes), ("t", times)):
+            if head and number.text[0] != "-" and re.fullmatch(rf"(?:{_COLUMNS[letter]})(?: ?[(\[].*)?", head):
+                into.append(Fraction(number.text) if re.fullmatch(_NUMBER, number.text) else Fraction(0))
+    sizes, times = (sorted({x for x in numbers if x > 0}) for numbers in (sizes, times))
+    if not sizes:
+        sizes = sorted({t / n for t in times for n in counts})
+    times = times or sorted({n * h for n in counts for h in sizes})
+    after = {int(n) for n in re.findall(rf"(?<!\w)(?:{'|'.join(problem.rates)})_([1-9])(?!\w)", part)}
+    after |= {1} if re.search(r"\b(?:first|one|single) step\b", part) else set()
+    times = sorted({*times, *(n * h for n in after for h in sizes)})
+    spoken = methods_named(part.lower()) & {*METHODS} or methods_named(text.lower()) & {*METHODS}
+    if "explicit" in text.lower() and "implicit" not in text.lower():
+        spoken -= {key for key in METHODS if key.startswith("implicit")}  # of what midpoint may mean
+    methods = ",".join([key for key in METHODS if key in spoken][:_MOST_METHODS])
+    if ends := ",".join(map(str, times[-_MOST_TIMES:])):
+        yield f"exact {equations}, t={{{ends}}} : {{{','.join(problem.rates)}}}"
+    read = [*problem.rates, "error"] + ["relative_error"] * ("%" in part or "relative" in part)
+    read += ["evaluations"] * bool(re.search("evaluation|calls", part))
+    left, runs = _MOST_STEPS, list[tuple[Fraction, list[Fraction]]]()
+    for h in sizes[::-1][:_MOST_SIZES] if methods else ():
+        fitting = [t for t in times if (t / h).denominator == 1 and t / h <= min(_LONGEST_RUN, left)]
+        if fitting := fitting[-_MOST_TIMES:]:
+            left -= int(fitting[-1] / h)
+            runs.append((h, fitting))
+            ends = ",".join(map(str, fitting))
+            yield f"run {{{methods}}} {equations}, h={{{h}}}, t={{{ends}}} : {{{','.join(read)}}}"
+            if re.search(r"k_?1\b", part):
+                slopes = ",".join(f"k{i}.{name}" for i in (1, 2, 3, 4) for name in problem.rates)
+                yield f"step {{{methods}}} {equations}, h={{{h}}} : {{{slopes}}}"
+    for (h, fitting), (shorter, also) in pairwise(runs) if re.search("factor|ratio|times as", part) else ():
+        if ends := ",".join(str(t) for t in fitting if t in also):
+            pair = (f"run {{{methods}}} {equations}, h={x}, t={{{ends}}} : error" for x in (f"{{{h}}}", shorter))
+            yield f"ratio({', '.join(pair)})"
+
+
+def _listed(pattern: re.Pattern[str], text: str) -> list[Fraction]:
+    """The numbers of all lists that the pattern finds."""
+    lists = ("".join(group or "" for group in match.groups()) for match in pattern.finditer(text))
+    return [Fraction(x) for one in lists for x in re.findall(_NUMBER, one) if len(x) < 20]
+
+
+def _rate(raw: str, names: Iterable[str], text: str) -> str | None:
+    """The longest beginning of `raw` that is a rate in the names, others replaced by what the text says they are."""
+    raw = _plain(_ascii(_first(raw)))
+    for end in sorted({len(raw), *(match.start() for match in re.finditer(r"[\s.]", raw))}, reverse=True):
+        try:
+            written = _WORD.sub(lambda match: _meant(match[0], [*names], text), raw[:end].strip(" .\n"))
+            rate_of_text(written, dict.fromkeys(names, "y0"))
+        except (ValueError, LookupError):
+            continue
+        return re.sub(r"\s+", " ", written)
+    return None
+
+
+def _meant(word: str, names: list[str], text: str) -> str:
+    """A name of a rate as it stands, as a product of names, or as its definition. Raises LookupError for none."""
+    if word in ("t", "pi", *FUNCTIONS, "ln", "tan", *names):
+        return word
+    if {*word} <= {"t", *names}:
+        return "*".join(word)
+    found = re.search(rf"(?<![\w'(]){re.escape(word)} ?= ?(?:({_NUMBER})|([^=,;]{{1,100}}))", _ascii(text))
+    written = found and (found[1] or _rate(found[2], names, ""))
+    if not written:
+        raise LookupError(word)
+    return f"({written})"
+
+
+def _first(rate: str) -> str:
+    """The rate up to its first comma outside brackets, or the first bracket that was not opened."""
+    depth = 0
+    for i, sign in enumerate(rate):
+        depth += (sign == "(") - (sign == ")")
+        if depth < 0 or (sign in ",|" and not depth):
+            return rate[:i]
+    return rate
+
+
+def _plain(formula: str) -> str:
+    """A formula of a text as a question has it: sqrt, exp and brackets spelled out."""
+    formula = formula.replace("π", "pi").replace("·", "*").replace("[", "(").replace("]", ")")
+    formula = re.sub(r"√\(", "sqrt(", re.sub(r"√(\w+)", r"sqrt(\1)", formula))
+    formula = re.sub(r"\be ?\^\{([^{}]*)\}|\be ?\^\(?(-?\w+)\)?", lambda to: f"exp({to[1] or to[2]})", formula)
+    formula = re.sub(r"\^\{(-?[0-9]+)\}", r"^\1", formula)
+    return re.sub(r"\b(sin|cos|tan|exp|ln|log|sqrt) (\w+)", r"\1(\2)", formula)
+
+
+def _ascii(text: str) -> str:
+    """The text with Greek letters spelled out, as questions have them: theta for θ."""
+    return re.sub("[α-ω]", lambda letter: unicodedata.name(letter[0]).split()[-1].lower(), text.replace("π", "pi"))

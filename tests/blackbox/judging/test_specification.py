@@ -1,0 +1,21 @@
+"""What a stepper is compared with: domains and allowances that make no sense are refused."""
+
+from math import inf, nan
+
+import pytest
+
+from driftproof.blackbox.judging.specification import Allowance, Domain
+
+
+@pytest.mark.parametrize(
+    "bad", [{"largest_step": 2.0**-20}, {"largest_state": inf}, {"largest_step": nan}, {"smallest_step": -1}]
+)
+def test_a_domain_without_steps_or_states_is_refused(bad):
+    with pytest.raises(ValueError, match="need 0 <= smallest < largest"):
+        Domain(**bad)
+
+
+@pytest.mark.parametrize("refused", [0.0, -1e-9, inf, nan])
+def test_a_tolerance_of_a_solver_is_a_finite_number_above_0(refused):
+    with pytest.raises(ValueError, match="a finite number > 0"):
+        Allowance(solver_tolerance=refused)

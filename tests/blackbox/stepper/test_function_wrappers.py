@@ -1,0 +1,143 @@
+"""What a refused function is shown is pasted, and works; what cannot be known is left in capitals."""
+
+import numpy as np
+import pytest
+
+from driftproof.blackbox.families.reports import read_family
+from driftproof.blackbox.findings import BadInput
+from driftproof.blackbox.stepper.function_wrappers import list_wrapper, run_wrapper
+from driftproof.blackbox.stepper.opening import opened
+from driftproof.blackbox.stepper.wrappers import wrapper_line
+from tests.blackbox.stepper.styles import keys_of, namespace
+
+
+def test_a_whole_solver_is_sent_to_its_own_command_and_nothing_is_said_of_the_unknown():
+    def solve(f, t_span, y0, rtol, atol):
+        return None
+
+    assert wrapper_line(solve) == ": identify_solver(solve), for a whole solver"
+    assert wrapper_line(max) == ""
+    for step in (lambda q, h, mesh: None, lambda p, h, mesh: None, lambda y, h, mesh: None):
+        assert "([q, v], h, MESH)" in wrapper_line(step)
+
+
+def test_of_a_step_whose_h_is_built_in_the_wrapper_says_what_to_do():
+    names = namespace("def made(h):\n    return lambda q, v: (q + h * v, v - h * q)\n")
+    with pytest.raises(ValueError, match=r"# its h is built in: let it be an argument, or make the step anew"):
+        opened(names["made"](0.25))
+
+
+def test_of_a_step_whose_force_is_built_in_and_that_takes_the_state_before_the_force_is_asked_for():
+    line = wrapper_line(lambda x, x_old, dt: x_old)
+    assert line.startswith(": def step(force, x, x_old, dt): ...  # a method of two steps is read if")
+    assert "two steps" not in wrapper_line(lambda f, t, y, h, mesh: y)
+
+
+PLAIN = """
+def stormer(x, x_prev, acc, dt):
+    return 2 * x - x_prev + dt**2 * acc(x), x
+
+def stormer_alone(acc, dt, x_prev, x):
+    return 2 * x - x_prev + dt**2 * acc(x)
+
+def simulate(f, y0, t0, t_end, dt):
+    times, states = [t0], [y0]
+    for _ in range(round((t_end - t0) / dt)):
+        states.append(states[-1] + dt * f(times[-1], states[-1]))
+        times.append(times[-1] + dt)
+    return np.array(times), np.array(states)
+
+def from_zero(f, U_0, dt, T):
+    u = np.zeros((round(T / dt) + 1, len(U_0)))
+    u[0] = U_0
+    for n in range(round(T / dt)):
+        u[n + 1] = u[n] + dt * f(u[n], n * dt)
+    return u, np.linspace(0, T, len(u))
+
+def euler_cromer(x0, v0, omega, dt, T):
+    x, v = np.full(round(T / dt) + 1, x0), np.full(round(T / dt) + 1, v0)
+    for n in range(len(x) - 1):
+        v[n + 1] = v[n] - dt * omega**2 * x[n]
+        x[n + 1] = x[n] + dt * v[n + 1]
+    return np.linspace(0, T, len(x)), x, v
+
+def separable(q, p, dVdq, dTdp, dt):
+    p = p - dt * dVdq(q)
+    return q + dt * dTdp(p), p
+
+def of_interval(func, y, t0, t1, args):
+    return y + (t1 - t0) * func(t0, y, args)
+
+def with_parameters(params, y, vector_field, t, g=0.0, h=0.1):
+    return y + h * vector_field(t, y, params)
+"""
+RUN = "xs = [q - h * v + h**2 / 2 * force(q), q]; [xs.append({}) for _ in range(n)]; return xs[1:], "
+RUN += "[v, *((b - a) / h for a, b in zip(xs[1:], xs[2:]))]"
+PASTED = {
+    "stormer": ("force, q, v, h, n", RUN.format("stormer(xs[-1], xs[-2], force, h)[0]"), "stormer2"),
+    "stormer_alone": ("force, q, v, h, n", RUN.format("stormer_alone(force, h, xs[-2], xs[-1])"), "stormer2"),
+    "simulate": ("f, t, y, h", "return simulate(f, y, t, t + h, h)[1][-1]", "forward_euler"),
+    "from_zero": ("f, y, h", "return from_zero(f, y, h, h)[0][-1]", "forward_euler"),
+    "euler_cromer": (
+        "q, v, h",
+        "run = euler_cromer(q, v, 1.0, h, h); return run[1][-1], run[2][-1]",
+        "symplectic_euler",
+    ),
+    "separable": (
+        "force, q, v, h",
+        "return separable(q, v, lambda q, *p: -force(q), lambda *p: p[-1], h)",
+        "symplectic_euler",
+    ),
+    "of_interval": ("f, t, y, h", "return of_interval(f, y, t, t + h, ())", "forward_euler"),
+    "with_parameters": (
+        "f, t, y, h",
+        "return with_parameters(params=(), y=y, vector_field=f, t=t, h=h)",
+        "forward_euler",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", PASTED)
+def test_a_run_or_a_step_with_other_arguments_is_refused_with_a_wrapper_that_works(name):
+    names = namespace(PLAIN)
+    head, body, key = PASTED[name]
+    with pytest.raises(BadInput) as caught:
+        opened(names[name])
+    assert str(caught.value).endswith(f"write: def wrapped({head}): {body}")
+    exec(f"def wrapped({head}): {body}", names)
+    subject = opened(names["wrapped"])
+    assert key == read_family(subject).key if key == "stormer2" else key in keys_of(names["wrapped"])
+
+
+def test_a_run_is_read_where_it_begins_and_nothing_is_said_of_one_that_does_not():
+    """Or of a run whose states are not to be told from its times."""
+    assert run_wrapper(lambda f, y0, t0, t_end, dt: np.array([2.0 * y0, y0])) == ""
+    assert run_wrapper(lambda x0, v0, dt, T: (np.zeros(2), np.zeros(2))) == ""
+    assert run_wrapper(lambda f, y0, t0, dt: np.array([y0, y0])) == ""
+
+
+LISTS = """
+def bdf2(f, t, ys, h):
+    y = ys[-1]
+    for _ in range(60):
+        y = 4 / 3 * ys[-1] - 1 / 3 * ys[-2] + 2 / 3 * h * f(t + h, y)
+    return y
+
+def adams_bashforth2(f, t, states, h):
+    return states[-1] + h / 2 * (3 * f(t, states[-1]) - f(t - h, states[-2]))
+
+def adams_bashforth3(f, t, history, dt):
+    first, second, third = history[:3]
+    return first + dt / 12 * (23 * f(t, first) - 16 * f(t - dt, second) + 5 * f(t - 2 * dt, third))
+"""
+
+
+@pytest.mark.parametrize("name", ["bdf2", "adams_bashforth2", "adams_bashforth3"])
+def test_a_step_that_takes_a_list_of_states_is_refused_with_a_run_of_n_steps_that_works(name):
+    names = namespace(LISTS)
+    with pytest.raises(BadInput, match="write: def wrapped") as caught:
+        opened(names[name])
+    exec(str(caught.value).partition("write: ")[2], names)
+    assert read_family(opened(names["wrapped"])).key == name
+    back = lambda n: lambda f, t, ys, h: ys[-n] + n * h * f(t, ys[-1])
+    assert [bool(list_wrapper(back(n))) for n in (7, 8)] == [True, False]

@@ -1,0 +1,262 @@
+"""What a refused class, object or maker is shown is pasted, works, and forgets nothing."""
+
+import re
+
+import pytest
+
+from driftproof.blackbox.families.reports import read_family
+from driftproof.blackbox.findings import BadInput
+from driftproof.blackbox.stepper.opening import Target, opened
+from driftproof.blackbox.stepper.wrappers import wrapper_line
+from tests.blackbox.stepper.styles import keys_of, namespace
+
+CLASSES = """
+import numpy as np
+
+class Heun:
+    def __init__(self, f, h):
+        self.f, self.h = f, h
+    def step(self, t, y):
+        k = self.f(t, y)
+        return y + self.h / 2 * (k + self.f(t + self.h, y + self.h * k))
+
+class Kept:
+    def __init__(self, f, y0, dt):
+        self.f, self.y, self.t, self.dt = f, np.array(y0, float), 0.0, dt
+    def advance(self):
+        k = self.f(self.t, self.y)
+        self.y = self.y + self.dt / 2 * (k + self.f(self.t + self.dt, self.y + self.dt * k))
+        self.t += self.dt
+
+class Called:
+    def __call__(self, t, y):
+        k = self.f(t, y)
+        k, self.last = (k if self.last is None else 1.5 * k - 0.5 * self.last), k
+        return y + self.h * k
+
+class AB2(Called):
+    def __init__(self, f, h):
+        self.f, self.h, self.last = f, h, None
+
+class KeptAB2:
+    def __init__(self, f, y0, h):
+        self.inner, self.y, self.t = AB2(f, h), np.array(y0, float), 0.0
+    def step(self):
+        self.y, self.t = self.inner(self.t, self.y), self.t + self.inner.h
+
+class TimedAB2:
+    def __init__(self, f):
+        self.inner, self.y, self.t = AB2(f, 0.0), None, 0.0
+    def step(self, h):
+        self.inner.h = h
+        self.y, self.t = self.inner(self.t, self.y), self.t + h
+
+def make_ab2(f, h):
+    inner = AB2(f, h)
+    return lambda t, y: inner(t, y)
+
+class Stormer:
+    def __init__(self, force, h):
+        self.force, self.h, self.before = force, h, None
+    def step(self, q, v):
+        first, last = q + self.h * v + self.h**2 / 2 * self.force(q), self.before
+        q1, self.before = (first if last is None else 2 * q - last + self.h**2 * self.force(q)), q
+        return q1, (q1 - q) / self.h
+
+class KeptVerlet:
+    def __init__(self, acc, x0, v0, dt):
+        self.acc, self.x, self.v, self.dt = acc, x0, v0, dt
+    def step(self):
+        self.v += self.dt / 2 * self.acc(self.x)
+        self.x += self.dt * self.v
+        self.v += self.dt / 2 * self.acc(self.x)
+
+def bashforth(f, t, y, y_prev, h):
+    return y + h / 2 * (3 * f(t, y) - f(t - h, y_prev))
+
+class Vec2:
+    def __init__(self, x, y):
+        self.x, self.y = x, y
+    def plus(self, other, k):
+        return Vec2(self.x + k * other.x, self.y + k * other.y)
+
+class Ball:
+    def __init__(self):
+        self.pos, self.vel, self.force = Vec2(0.0, 0.0), Vec2(0.0, 0.0), Vec2(0.0, 0.0)
+    def apply_force(self, force):
+        self.force = self.force.plus(force, 1.0)
+    def update(self, dt):
+        self.vel = self.vel.plus(self.force, dt)
+        self.pos, self.force = self.pos.plus(self.vel, dt), Vec2(0.0, 0.0)
+
+class VerletPoint:
+    def __init__(self, x, x_prev):
+        self.x, self.x_prev = x, x_prev
+    def advance(self, accel, dt):
+        self.x_prev, self.x = self.x, 2 * self.x - self.x_prev + dt**2 * accel(self.x)
+
+class Leapfrog:
+    def __init__(self, rhs, y_old, y):
+        self.rhs, self.y_old, self.y = rhs, y_old, y
+    def step(self, dt):
+        self.y_old, self.y = self.y, self.y_old + 2 * dt * self.rhs(self.y)
+
+class Base:
+    def step(self, y, t, dt):
+        raise NotImplementedError
+
+class Ralston(Base):
+    def __init__(self, deriv):
+        self.deriv = deriv
+    def __call__(self, y, t, dt):
+        k = self.deriv(y, t)
+        return y + dt / 4 * (k + 3 * self.deriv(y + 2 / 3 * dt * k, t + 2 / 3 * dt))
+
+class Euler:
+    def step(self, terms, t0, t1, y0, args):
+        return y0 + (t1 - t0) * terms(t0, y0, args)
+
+class Held:
+    def __init__(self, dt, method="euler"):
+        self.dt = dt
+    def step(self, f, t, y):
+        return y + self.dt * f(t, y)
+
+class Env:
+    def __init__(self):
+        self.state, self.tau = np.array([1.0, 0.0]), 0.02
+    def step(self, action=None):
+        x, v = self.state
+        self.state = np.array([x + self.tau * v, v - self.tau * x])
+
+def pairs(f, y0, t0, t1, n):
+    y, t, h = np.array(y0, float), t0, (t1 - t0) / n
+    found = [y]
+    for _ in range(n):
+        k = f(t, y)
+        y, t = y + h / 2 * (k + f(t + h, y + h * k)), t + h
+        found.append(y)
+    return np.linspace(t0, t1, n + 1), np.array(found)
+
+def states(f, y0, t0, t1, n):
+    return pairs(f, y0, t0, t1, n)[1]
+"""
+WRAPPED = {
+    "Heun": "def wrapped(f, t, y, h): return Heun(f, h).step(t, y)",
+    "Kept": "def wrapped(f, t, y, h): made = Kept(f, y, h); made.t = t; made.advance(); return made.y",
+    "KeptVerlet": "def wrapped(force, q, v, h): made = KeptVerlet(force, q, v, h); made.step(); return made.x, made.v",
+    "AB2": "def wrapped(f, t, y, h, n): made = AB2(f, h); z = y; "
+    "return [z] + [z := made(t + i * h, z) for i in range(n)]",
+    "KeptAB2": "def wrapped(f, t, y, h, n): made = KeptAB2(f, y, h); made.t = t; "
+    "return [y] + [(made.step(), [*made.y])[1] for _ in range(n)]",
+    "TimedAB2": "from driftproof import field_stepper_of; "
+    'wrapped = field_stepper_of(TimedAB2, state="y", time="t", advance="step")',
+    "make_ab2": "def wrapped(f, t, y, h, n): made = make_ab2(f, h); z = y; "
+    "return [z] + [z := made(t + i * h, z) for i in range(n)]",
+    "Stormer": "def wrapped(force, q, v, h, n): made = Stormer(force, h); z = (q, v); "
+    "return [z] + [z := made.step(z[0], z[1]) for i in range(n)]",
+    "bashforth": "def wrapped(f, t, y, h, n): ys = [y, y + h * f(t + h / 2, y + h / 2 * f(t, y))]; return "
+    "[*ys, *(ys.append(bashforth(f, t + i * h, ys[-1], ys[-2], h)) or ys[-1] for i in range(1, n))]",
+    "Ball": 'from driftproof import stepper_of; wrapped = stepper_of(Ball, position="pos.x", velocity="vel.x", '
+    'push=lambda body, f: body.apply_force(Vec2(f, 0.0)), advance="update")',
+    "VerletPoint": "def wrapped(force, q, v, h, n): made = VerletPoint(q, q - h * v + h**2 / 2 * force(q)); "
+    "xs = [q] + [(made.advance(force, h), 1.0 * made.x)[1] for _ in range(n)]; "
+    "return xs, [v, *((b - a) / h for a, b in zip(xs, xs[1:]))]",
+    "Leapfrog": "def wrapped(f, y, h, n): made = Leapfrog(f, y, y + h * f(y + h / 2 * f(y))); "
+    "return [y, [*made.y]] + [(made.step(h), [*made.y])[1] for _ in range(n - 1)]",
+    "Ralston": "def wrapped(f, t, y, h): return Ralston(f)(y, t, h)",
+    "Euler": "def wrapped(f, t, y, h): return Euler().step(f, t, t + h, y, ())",
+    "Held": "def wrapped(f, t, y, h): return Held(h).step(f, t, y)",
+    "Env": "from driftproof import stepper_of; "
+    "wrapped = stepper_of(Env, state=\"state\", advance=lambda made, h: (setattr(made, 'tau', h), made.step()))",
+    "pairs": "def wrapped(f, t, y, h): return pairs(f, y, t, t + h, 1)[1][-1]",
+    "states": "def wrapped(f, t, y, h): return states(f, y, t, t + h, 1)[-1]",
+}
+
+
+REMEMBERING = {
+    **dict.fromkeys(("AB2", "KeptAB2", "TimedAB2", "make_ab2", "bashforth"), "adams_bashforth2"),
+    **dict.fromkeys(("Stormer", "VerletPoint"), "stormer2"),
+    "Leapfrog": "two_step_leapfrog",
+}
+OTHERS = {"KeptVerlet": "velocity_verlet", "Ball": "symplectic_euler", "Ralston": "ralston2"}
+OTHERS |= dict.fromkeys(("Euler", "Held", "Env"), "forward_euler")
+
+
+@pytest.mark.parametrize("name", WRAPPED)
+def test_a_class_a_maker_and_a_solver_of_n_steps_are_refused_with_a_wrapper_that_works_and_forgets_nothing(name):
+    names = namespace(CLASSES)
+    with pytest.raises(ValueError, match=re.escape(f"`driftproof verify --help`; write: {WRAPPED[name]}")):
+        opened(names[name])
+    exec(WRAPPED[name], names)
+    if name in REMEMBERING:
+        assert read_family(opened(names["wrapped"])).key == REMEMBERING[name]
+    else:
+        assert keys_of(names["wrapped"])[0] == OTHERS.get(name, "heun2")
+
+
+IN_PLACE = """
+class InPlace(BASE):
+    def __call__(self, t, y):
+        y[:] = BASE.__call__(self, t, y)
+        return y
+
+class KeptInPlace(BASE):
+    def __init__(self, f, y, h):
+        BASE.__init__(self, f, h)
+        self.y, self.t = y, 0.0
+    def step(self):
+        self.y[:] = BASE.__call__(self, self.t, self.y)
+        self.t += self.h
+"""
+
+
+@pytest.mark.parametrize(("base", "head"), [("AB2", "f, t, y, h, n"), ("Euler", "f, t, y, h")])
+def test_a_class_that_changes_its_state_in_place_is_seen_to_remember_or_not(base, head):
+    euler = "class Euler(AB2):\n    def __call__(self, t, y): return y + self.h * self.f(t, y)\n"
+    names = namespace(CLASSES + euler + IN_PLACE.replace("BASE", base))
+    for name in ("InPlace", "KeptInPlace"):
+        assert f"def wrapped({head}): " in wrapper_line(names[name])
+
+
+def test_an_object_that_cannot_be_called_is_refused_with_the_wrapper_of_the_method_that_makes_its_step():
+    names = namespace(CLASSES)
+    for found in (names["Ball"](), names["Kept"](None, [1.0], 0.1)):
+        with pytest.raises(
+            BadInput, match=f"is {type(found).__name__}, which cannot be called; its .* makes the step"
+        ) as caught:
+            Target(found).open()
+    advance = "lambda made, h: (setattr(made, 'dt', h), made.advance())"
+    assert str(caught.value).endswith(f'wrapped = stepper_of(lambda: Kept(...), state="y", advance={advance})')
+    with pytest.raises(BadInput, match=re.escape(f"write: {WRAPPED['Ball']}")):
+        Target(names["Ball"]()).open()
+
+
+WORLD = """
+class Body:
+    def __init__(self, x, y, vx, vy, m):
+        self.x, self.y, self.vx, self.vy, self.mass = x, y, vx, vy, m
+
+class World:
+    def __init__(self, bodies, g=-9.81):
+        self.bodies, self.g = bodies, g
+    def step(self, dt):
+        for b in self.bodies:
+            b.vy += self.g * dt
+            b.x, b.y = b.x + b.vx * dt, b.y + b.vy * dt
+"""
+
+
+def test_a_world_made_from_bodies_is_refused_with_a_wrapper_of_one_body_that_works():
+    names = namespace(WORLD)
+    for found in (names["World"], names["World"]([])):
+        with pytest.raises(BadInput, match=r"write: .*World\(\[Body\(") as caught:
+            Target(found).open()
+        exec(str(caught.value).partition("write: ")[2], names)
+        assert keys_of(names["wrapped"])[0] == "symplectic_euler"
+
+
+@pytest.mark.parametrize("parameters", ["", ", f, omega2, mode", ", force, h", ", force, q0, v0, h"])
+def test_of_a_class_whose_names_do_not_tell_where_its_state_is_nothing_is_shown(parameters):
+    names = namespace(f"class Opaque:\n    def __init__(self{parameters}): self.a = 0.0\n    def step(self): pass\n")
+    assert wrapper_line(names["Opaque"]) == ""

@@ -1,0 +1,72 @@
+"""A number's row or sentence says which method, step size, time and quantity it is about, and no more."""
+
+from fractions import Fraction as Q
+
+import pytest
+
+from driftproof.texts.claims.places import asked_quantity
+from driftproof.texts.claims.suggestions import Suggestions
+from driftproof.texts.readers.numbers import numbers_in
+
+TABLE = """We take h = 0.1.
+
+| t | Euler | error | RK4 | error |
+| 0.5 | 0.61 | 0.02 | 0.6065 | 0.0001 |
+"""
+
+
+def place(text, number):
+    (found,) = [x for x in numbers_in(text) if x.text == number]
+    return Suggestions(text)._place_of(found)
+
+
+@pytest.mark.parametrize(
+    ("text", "methods", "settings", "quantity", "unknown"),
+    [
+        ("With h = 0.1 Heun's method gives y(1) = 0.77.", {"heun2"}, (Q(1, 10), 1), "state", "y"),
+        ("Heun is off by 0.77 at t = 1, where h = 1/4", {"heun2"}, (Q(1, 4), 1), "error", None),
+        ("t = 2. Euler's error\nfor h = 0.5 is,\nbriefly, 0.77.", {"forward_euler"}, (Q(1, 2), 2), "error", None),
+        ("The exact solution is x = 0.77", set(), (None, None), "exact", "x"),
+        ("RK4: the relative error is 0.77 %", {"rk4"}, (None, None), "percent", None),
+        ("RK4: the relative error is 0.77", {"rk4"}, (None, None), "relative_error", None),
+        ("RK4's error is 0.77 times as large", {"rk4"}, (None, None), "ratio", None),
+        ("h = 0.1, so that k_2 = 0.77", set(), (Q(1, 10), None), "k2", None),
+        ("h = 0.1, so that y_3 = 0.77", set(), (Q(1, 10), Q(3, 10)), "state", "y"),
+        ("y(0) = 1, and 0.77 later", set(), (None, None), None, None),
+    ],
+)
+def test_a_sentence_names(text, methods, settings, quantity, unknown):
+    found = place(text, "0.77")
+    assert found.methods == methods
+    assert (found.settings.get("h"), found.settings.get("t")) == settings
+    assert (found.quantity, found.unknown) == (quantity, unknown)
+
+
+def test_a_cell_is_of_its_row_and_its_column_or_the_last_one_that_names_a_method():
+    for number, methods, quantity in (
+        ("0.61", {"forward_euler"}, "state"),
+        ("0.02", {"forward_euler"}, "error"),
+        ("0.6065", {"rk4"}, "state"),
+        ("0.0001", {"rk4"}, "error"),
+    ):
+        found = place(TABLE, number)
+        assert (found.methods, found.quantity, found.settings) == (methods, quantity, {"h": Q(1, 10), "t": Q(1, 2)})
+    assert place(TABLE, "0.5").quantity == "chosen"
+    rows = "| method | y | error |\n| RK4 | 0.6065 | 1e-4 |"
+    assert place(rows, "0.6065").methods == {"rk4"}
+
+
+def test_a_question_is_meant_if_all_that_it_names_is_named():
+    run = "run rk4 y'=-y, y(0)=1, h=1/10, t=1/2 : "
+    found = place(TABLE, "0.6065")
+    assert found.means(f"{run}y", {"rk4"})
+    for other in (f"{run}error", run.replace("1/10", "1/5") + "y", run.replace("t=1/2", "t=1") + "y", "order rk4"):
+        assert not found.means(other, {"rk4"})
+    assert not found.means(f"{run}y", {"heun2"})
+    ratio = "ratio(run rk4 y'=-y, h=1/5, t=1/2 : error, run rk4 y'=-y, h=1/10, t=1/2 : error)"
+    assert place("RK4, t = 1/2 and h = 0.1: a factor of 15.9", "15.9").means(ratio, {"rk4"})
+    assert not place("RK4, t = 1/2 and h = 0.3: a factor of 15.9", "15.9").means(ratio, {"rk4"})
+    told = {"y": "state", "exact.y": "exact", "k2.y": "k2", "state_error": "error", "evaluations": "evaluations"}
+    assert {readout: asked_quantity(run + readout)[0] for readout in told} == told
+    assert asked_quantity(f"percent({run}relative_error, 1)") == ("percent", "")
+    assert asked_quantity(f"percent({run}y, 1)")[0] == "share"

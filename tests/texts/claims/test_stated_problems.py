@@ -1,0 +1,105 @@
+"""The problems that a text states are read out of it, with methods, step sizes and times; not what it leaves open."""
+
+import pytest
+
+from driftproof.texts.claims.stated_problems import stated_questions
+from driftproof.texts.claims.suggestions import Suggestions, questions_in
+from driftproof.texts.readers.document import document_of
+from driftproof.texts.readers.numbers import numbers_in
+from tests.looping import some
+
+
+def stated(text, form="plain"):
+    suggestions = Suggestions(document_of(text, form).text.text)
+    return suggestions.stated
+
+
+def equations(text, form="plain"):
+    """What the question for the solution says of the problem."""
+    return [one.removeprefix("exact ").partition(", t=")[0] for one in stated(text, form) if one.startswith("exact")]
+
+
+@pytest.mark.parametrize(
+    ("text", "read"),
+    [
+        ("y' = -2ty with y(0) = 1 until t = 1", "y'=-2t*y, y(0)=1"),
+        ("dy/dt = cos t - y, y(0) = 1/2, and t = 1", "y'=cos(t) - y, y(0)=1/2"),
+        ("y'(t) = -k y, where k = 0.3; y_0 = 2. At t = 1", "y'=-(0.3) y, y(0)=2"),
+        (
+            "x' = v, v' = -x/r^3, r = √(x^2 + 1), x(0) = 1, v(0) = 0, t = 1",
+            "x'=v, v'=-x/(sqrt(x^2 + 1))^3, x(0)=1, v(0)=0",
+        ),
+        ("θ' = ω, ω' = -9.81 sin θ, from rest at θ(0) = π/4, to t = 1", None),
+        ("x' = v and v' = -x start from (1, -1/2); t = 2", "x'=v, v'=-x, x(0)=1, v(0)=-1/2"),
+        ("y' = y e^{-t}, y(0) = 1. At t = 1", "y'=y exp(-t), y(0)=1"),
+    ],
+)
+def test_equations_and_starts_are_read_as_texts_have_them(text, read):
+    read = read or "theta'=omega, omega'=-9.81 sin(theta), theta(0)=pi/4, omega(0)=0"
+    assert equations(text) == [read]
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "y' = -y, and t = 1",  # no start
+        "y' = -k y, y(0) = 1, and t = 1",  # k is not said
+        "y' = f(t, y), y(0) = 1, and t = 1",
+        "y' = -y, y(0) = 1",  # no time
+        "nothing of the kind, t = 1",
+    ],
+)
+def test_what_the_text_leaves_open_is_no_problem(text):
+    assert stated(text) == []
+
+
+def test_tex_and_two_problems_are_read_each_with_its_own_numbers():
+    text = r"""\[ y' = -50\,(y - \cos t), \qquad y(0) = 0, \] Euler, $h = 0.1$, $t = 1$.
+    \[ \frac{dx}{dt} = \frac{x}{2}, \quad x(0) = \sqrt{2} \] By Heun's method with $h = 1/8$ and $h=1/4$, to $t = 3$."""
+    assert equations(text, "tex") == ["y'=-50 (y - cos(t)), y(0)=0", "x'=x/2, x(0)=sqrt(2)"]
+    runs = [one for one in stated(text, "tex") if one.startswith("run")]
+    assert [(one.split()[1], "h={1/10}" in one) for one in runs] == [
+        ("{forward_euler}", True),
+        *[("{heun2}", False)] * 2,
+    ]
+
+
+def test_methods_sizes_times_and_what_is_read_are_those_of_the_text():
+    text = """y' = -y, y(0) = 1: Euler, the explicit midpoint method and RK4 with steps of 0.1 and 0.05.
+| t | y | relative error |
+| 0.5 | 0.59 | 2 % |
+| 1.0 | 0.35 | 5 % |
+The slopes k_1 = -1 and so on; a factor of 2, and 40 evaluations after one step."""
+    found = {one: chosen for asked in stated(text) for one, chosen in questions_in(asked).items()}
+    assert {c[0] for one, c in some(found.items(), 40) if one.startswith("run")} == {
+        "forward_euler",
+        "midpoint2",
+        "rk4",
+    }
+    for part in ("h=1/10, t=1/2 : error", "h=1/20, t=1 : relative_error", "h=1/20, t=1/20 : y", "evaluations", "k2.y"):
+        assert any(part in one for one in found), part
+    assert sum(one.startswith("ratio(run rk4") for one in found) == 3  # at 1/10, 1/2 and 1
+    assert not [one for one in found if "h=1/10, t=1/20" in one], "h must divide t"
+
+
+def test_a_draft_works_out_the_numbers_of_a_stated_problem_and_names_the_slips():
+    text = """Heun's method on y' = y - t^2 + 1, y(0) = 0.5, with h = 0.2.
+
+| t | y | error |
+| 0.4 | 1.20692 | 0.00717 |
+| 2.0 | 5.23305 | 0.0742 |
+"""
+    suggestions = Suggestions(text)
+    found = {x.text: (suggestions.look_alikes(x), suggestions.slips(x)) for x in numbers_in(text)}
+    run = "run heun2 y'=y - t^2 + 1, y(0)=0.5, h=1/5, t="
+    for number, question in {"1.20692": "2/5 : y", "0.00717": "2/5 : error", "5.23305": "2 : y"}.items():
+        (alike, *_), slips = found[number]
+        assert (alike.question, alike.strong, slips) == (run + question, True, {})
+    assert found["0.0742"][1] == {f"{run}2 : error": "0.0724"}
+    assert not any(x.strong for x in found["0.0742"][0])
+
+
+def test_a_question_is_asked_once():
+    text = "y' = -y, y(0) = 1, h = 0.1, t = 1, Euler. Again y' = -y, y(0) = 1, h = 0.1, t = 1."
+    asked = stated_questions(text, lambda number: "")
+    assert len(asked) == len({*asked}) == 2
