@@ -85,6 +85,10 @@ def _optional(subject: ForeignStepper) -> dict[str, Any]:
     }
 
 
+def _is_one(x: Any) -> bool:
+    return type(x) in (int, float) and bool(x == 1)
+
+
 def _with_other_parameters(subject: ForeignStepper) -> Iterator[list[_Reading]]:
     """Yield for each set of parameters what the step may be with it: one of these has to be right.
 
@@ -92,7 +96,7 @@ def _with_other_parameters(subject: ForeignStepper) -> Iterator[list[_Reading]]:
     of the oscillator if its name says so.
     """
     found, adapter = subject.convention, subject.adapter
-    ones = [name for name, x in _optional(subject).items() if x == 1 and (type(x) is float or len(name) > 1)]
+    ones = [name for name, x in _optional(subject).items() if _is_one(x) and (type(x) is float or len(name) > 1)]
     given = {name: word_of(name) for name in (*found.extra, *adapter.parameters, *ones)}
     masses = [name for name, word in given.items() if word in MASSES]
     others = {name: word for name, word in given.items() if word in UNIT_PARAMETERS and name not in masses}

@@ -297,7 +297,7 @@ def _walked_on(walker: Walker, lengths: Sequence[float], most: int | None) -> St
             return StepFinding(False, ": ".join(filter(None, [cause, found[0].words])))
     if not taken:
         return StepFinding(None, f"it takes no such step: {refused}" if refused else "the domain is too small for it")
-    sizes = ", ".join(filter(None, [_listed(sorted({*taken} - {max(taken)})), walker.counted(max(taken))]))
+    sizes = f"{_listed(sorted({*taken}))}{walker.counted(max(taken)).removeprefix(str(max(taken)))}"
     also = f"; it does not take all of them: {refused}" if refused else ""
     steps = "runs, each step from the end of the previous one, the last from another state"
     words = f"{len(taken)} {steps}, with {sizes}"

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass, replace
 
+import numpy as np
 import pytest
 
 from driftproof import verify
@@ -111,8 +112,8 @@ def test_what_is_right_with_them_passes(step, method, said):
 
 
 def test_what_is_left_at_its_default_is_named():
-    def euler_of(f, t, y, h, args=(), damping=0.0):
-        return y + h * (f(t, y, *args) - damping * y)
+    def euler_of(f, t, y, h, args=(), damping=np.zeros(2)):  # noqa: B008
+        return y + h * (f(t, y, *args) - damping[0] * y)
 
     report = verify(euler_of, "forward_euler", examples=60, isolate=False)
     assert report.passed
