@@ -14,16 +14,15 @@ from driftproof.methods.catalogue import METHODS
 from driftproof.methods.stepping import oscillator
 from driftproof.numeric.steppers import HAND_WRITTEN, evaluations_per_step
 from driftproof.symbolic.algebra.certified import CertifiableReal, certified_sign, enclose, fixed
-from driftproof.symbolic.derivation.convergence import FINAL_TIME, global_error_coefficient, local_error
 from driftproof.symbolic.derivation.energy import energy_multiplier
 from driftproof.symbolic.derivation.expression_balls import certifiable
 from driftproof.symbolic.derivation.one_step import H, expression
-from driftproof.symbolic.derivation.phase import STEPS, closed_form
-from driftproof.symbolic.derivation.signs import is_positive_between
 from driftproof.symbolic.derivation.stability import AtStep
 from driftproof.symbolic.trees.order_conditions import elementary_weight, order
 from driftproof.symbolic.trees.rooted_trees import density, rooted_trees
 from proofs.claims import CERTIFIED, PROVED, RESTRICTED, claim
+from proofs.derivations.convergence import FINAL_TIME, STEPS, closed_form, global_error_coefficient, local_error
+from proofs.derivations.signs import is_positive_between
 from proofs.setting import (
     COMPARE_H,
     DEFAULT_H,

@@ -13,15 +13,24 @@ from driftproof.numeric import readouts
 from driftproof.numeric.scenes import PRESETS
 from driftproof.numeric.steppers import HAND_WRITTEN
 from driftproof.symbolic.derivation.energy import (
+    EnergyForm,
     StateDependentEnergy,
-    definiteness,
     energy_change,
     energy_multiplier,
     invariant_quadratic,
 )
-from driftproof.symbolic.derivation.one_step import STATE_H, STATE_Q, STATE_V, H, at_rational, determinant, matrix
-from driftproof.symbolic.derivation.signs import is_positive_between, roots_between
+from driftproof.symbolic.derivation.one_step import (
+    STATE_H,
+    STATE_Q,
+    STATE_V,
+    H,
+    StepPolynomial,
+    at_rational,
+    determinant,
+    matrix,
+)
 from proofs.claims import CERTIFIED, PROVED, RESTRICTED, claim
+from proofs.derivations.signs import is_positive_between, roots_between
 from proofs.setting import (
     COMPARE_H,
     DEFAULT_H,
@@ -201,6 +210,11 @@ def test_modified_quadratic_differs_from_energy() -> None:
     assert q2 * q**2 + qv * q * v + v2 * v**2 - E(q, v) == -h * q * v / 2
 
 
+def _definiteness(invariant: EnergyForm) -> StepPolynomial:
+    """The polynomial 4·q2·v2 - qv² in Q[h]: the level curves are ellipses exactly where it and q2 are positive."""
+    return 4 * invariant.q2 * invariant.v2 - invariant.qv**2
+
+
 @claim("L055", evidence=RESTRICTED, by="sum of two squares")
 def test_invariant_level_curves_are_ellipses_of_h_lt_two() -> None:
     """For 0 < h < 2 the level curves of the modified quadratic are ellipses, so q and v stay bounded.
@@ -209,7 +223,7 @@ def test_invariant_level_curves_are_ellipses_of_h_lt_two() -> None:
     origin alone.
     """
     assert (q - h * v / 2) ** 2 + (1 - h**2 / 4) * v**2 == q**2 + v**2 - h * q * v
-    definite = definiteness(invariant_quadratic(M(SYMPLECTIC)))
+    definite = _definiteness(invariant_quadratic(M(SYMPLECTIC)))
     assert definite == (2 - H) * (2 + H) / 4
     assert is_positive_between(definite, Q(0), Q(2))
     assert not is_positive_between(definite, Q(0), Q(3))
@@ -220,7 +234,7 @@ def test_invariant_level_curves_are_ellipses_of_h_lt_two() -> None:
 @claim("L056", evidence=PROVED, by="sign of definiteness")
 def test_level_curves_degenerate_at_two_and_open_beyond() -> None:
     """The bound h < 2 matters: at h = 2 the quadratic is ½(q - v)², parallel lines; beyond, the curves are open."""
-    definite = definiteness(invariant_quadratic(M(SYMPLECTIC)))
+    definite = _definiteness(invariant_quadratic(M(SYMPLECTIC)))
     assert at_rational(definite, Q(2)) == 0
     assert (q**2 + v**2 - h * q * v).evaluate(h, 2) == ((q - v) ** 2).evaluate(h, 2)
     assert is_positive_between(-definite, Q(2), None)

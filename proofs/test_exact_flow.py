@@ -13,8 +13,8 @@ from driftproof.numeric.scenes import PRESETS
 from driftproof.symbolic.algebra.certified import certified_sign
 from driftproof.symbolic.derivation.expression_balls import certifiable
 from driftproof.symbolic.derivation.one_step import matrix
-from driftproof.symbolic.derivation.physical import Spring
 from proofs.claims import CERTIFIED, PROVED, RESTRICTED, claim
+from proofs.derivations.physical import Spring
 from proofs.setting import END, LESSON_METHODS, START, M, Real, energy, run
 
 t = symbols("t", real=True)

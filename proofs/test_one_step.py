@@ -119,7 +119,7 @@ def test_symplectic_euler_is_implicit_for_a_nonseparable_energy() -> None:
 @claim("L048", evidence=PROVED, by="series, first term")
 def test_symplectic_euler_has_order_one_and_not_two() -> None:
     """Symplectic Euler is of first order: its step leaves the exact flow at h², by ((-½, 0), (0, ½))h²."""
-    from driftproof.symbolic.derivation.convergence import local_error
+    from proofs.derivations.convergence import local_error
 
     error = local_error(M(SYMPLECTIC))
     assert error.linear_order == 1

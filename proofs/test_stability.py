@@ -12,8 +12,6 @@ from driftproof.symbolic.algebra.certified import certified_sign
 from driftproof.symbolic.derivation.energy import energy_multiplier
 from driftproof.symbolic.derivation.expression_balls import certifiable
 from driftproof.symbolic.derivation.one_step import RING, H, at_rational, expression, matrix
-from driftproof.symbolic.derivation.physical import one_step_with_frequency
-from driftproof.symbolic.derivation.signs import in_square_of_h, is_positive_between, roots_between
 from driftproof.symbolic.derivation.stability import (
     LAMBDA,
     AtStep,
@@ -23,6 +21,8 @@ from driftproof.symbolic.derivation.stability import (
     stability_limit,
 )
 from proofs.claims import CERTIFIED, PROVED, claim
+from proofs.derivations.physical import one_step_with_frequency
+from proofs.derivations.signs import in_square_of_h, is_positive_between, roots_between
 from proofs.setting import BOUNDARY_H, EULER, RK4, START, SYMPLECTIC, M, Real, energy, state_after
 
 h = expression(H)

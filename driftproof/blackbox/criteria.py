@@ -10,10 +10,11 @@ from driftproof.blackbox.checks.determinism import first_call_again
 from driftproof.blackbox.families.multistep_runs import later_steps
 from driftproof.blackbox.findings import NO_EVIDENCE, Outcome, StepFinding, UnsupportedCall
 from driftproof.blackbox.isolation import Probe
-from driftproof.blackbox.judging.agreement import Agreement, other_parameters, rows_together
+from driftproof.blackbox.judging.agreement import Agreement, several_together
 from driftproof.blackbox.judging.habits import explain_by_habits
 from driftproof.blackbox.judging.measured_order import MeasuredOrder, measured_orders
 from driftproof.blackbox.judging.nonlinear_step import BEYOND_TOLERANCE, NonlinearAgreement, nonlinear_agreement
+from driftproof.blackbox.judging.other_parameters import other_parameters
 from driftproof.blackbox.judging.specification import Specification
 from driftproof.blackbox.judging.state_objects import state_objects
 from driftproof.blackbox.judging.walks import back_and_on, walked
@@ -93,7 +94,7 @@ def questions_of(wanted: Specification, examples: int) -> list[Question]:
         Question(DENSE_OUTPUT, judged_dense, _judge_dense),
         Question("Steps elsewhere", against(walked), _judge_calls, ", but not everywhere"),
         Question("Steps back", against(back_and_on), _judge_calls, " for h > 0 only"),
-        Question("Rows", against(rows_together), _judge_calls, " for one state at a time only"),
+        Question("Several", against(several_together), _judge_calls, ", but not of several oscillators at once"),
         Question("Parameters", against(other_parameters), _judge_calls, ", but not for all parameters"),
         Question("Later steps", later_steps, _judge_calls, " for its first step only"),
         Question(STATE_FORMS, against(state_objects), _judge_calls, ", but not for every form of state"),

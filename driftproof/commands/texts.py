@@ -32,17 +32,19 @@ def render_command(options: Namespace) -> str:
       q = {{ value("rk4.first_step.q") | digits(6) }}, which is {{ value("step rk4 h=1/2 : q") }}.
       {{ methods_table(["forward_euler", "rk4"], ["state_error digits 4", "evaluations"], h="1/4", t="10") }}
     """
+    from os.path import realpath  # unlike Path.resolve, it passes circular links on
+
     from driftproof.support.files import require_file
     from driftproof.texts.templates.rendering import output_of, render
 
     if options.output is not None and len(options.templates) > 1:
         raise ValueError("--output takes a single template; render several one by one")
-    outputs, taken = [output_of(each, options.output) for each in options.templates], list[Path]()
+    outputs, taken = [output_of(each, options.output) for each in options.templates], list[str]()
     for out in outputs:
-        require_file(out)  # first, because circular links cannot be resolved
-        if out.resolve() in (*taken, *(template.resolve() for template in options.templates)):
+        require_file(out)
+        if realpath(out) in (*taken, *map(realpath, options.templates)):
             raise ValueError(f"{out} is one of the templates or outputs already; name another with -o")
-        taken.append(out.resolve())
+        taken.append(realpath(out))
     rendered = [render(each, options.output, options.style, options.rounding) for each in options.templates]
     if options.check:
         if diffs := list(filter(None, (each.difference() for each in rendered))):

@@ -37,6 +37,8 @@ BITS_OF_EXACT_RUN, MOST_BITS_OF_EXACT_RUN = 256, 2**16
 # f in floats may differ from f in balls by this much, relative to the sizes of f and of (∂f/∂y) y: half of a double's
 # digits. This detects another function, and does not bound rounding.
 REPRODUCED = 2.0**-26
+# Floats keep fewer digits of smaller numbers, or none.
+UNDERFLOW = arb(2) ** -1022
 # The number of points at which this is checked, evenly spread.
 MOST_REPRODUCED = 64
 # If twice the bits lead further by less than this part of the whole time, f is the obstacle and not the precision.
@@ -209,7 +211,7 @@ def _require_reproduced(f: RightHandSide, times: list[float], states: list[list[
             raise ValueError(f"f returns {len(given)} numbers for {len(balls)} components")
         rates, slopes = linearised(in_balls, Enclosed(Evaluation(), arb(t)), balls)
         moved = [sum((abs(J * x) for J, x in zip(row, balls, strict=True)), arb(0)) for row in slopes]
-        allowed = REPRODUCED * (size(rates) + size(moved))
+        allowed = REPRODUCED * (size(rates) + size(moved)) + UNDERFLOW
         if not allowed.is_finite():
             raise Refused(f"f or its derivative is not finite at t = {t}")
         for j, (a, again, b) in enumerate(zip(given, repeated, rates, strict=True)):

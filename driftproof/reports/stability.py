@@ -122,7 +122,7 @@ def behaviour(method: Method, problem: Problem) -> str:
 
 
 def _linear_part(problem: Problem, found: SystemFacts, runs: Advance) -> Json:
-    norm = max(sum(abs(x) for x in row) for row in found.rows)
+    norm = max(sum(abs(x) for x in row) for row in found.rows) or 1
     low, high = largest_bounded(lambda h: stays_bounded(runs, len(problem.start), h), 1 / float(norm))
     r = stability_function_of(found.method)
     return {

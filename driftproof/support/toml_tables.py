@@ -47,7 +47,7 @@ def parse_toml(content: bytes, longest: int) -> TomlTable:
     if any(line.count(b".") > MOST_DOTS for line in _DECIMAL.sub(b"", content).splitlines()):
         raise ValueError(f"not TOML: more than {MOST_DOTS} dots in one line")
     try:
-        return tomllib.loads(content.decode(), parse_float=str)
+        return tomllib.loads(content.decode("utf-8-sig"), parse_float=str)
     except UnicodeDecodeError as error:
         raise ValueError(f"byte {error.start} is not UTF-8 text") from None
     except RecursionError:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import random
 import re
 
@@ -47,23 +46,6 @@ def test_a_rogue_is_a_finding(step, seen):
     _, _, unanswered = text.partition("Not answered\n")
     lines = unanswered.splitlines()
     assert len(lines) == len(set(lines)) < 4
-
-
-def test_an_end_from_outside_asks_for_no_more_time():
-    lines = identify(broken_steppers.is_killed).section("What to do").lines
-    assert lines == ("try again where nothing kills its process; running out of memory also kills processes",)
-
-
-def test_the_report_is_json_markdown_and_text():
-    report = identify(rk38)
-    data = json.loads(report.json())
-    assert (data["method"], data["order"], data["calls"]) == ("rk38", 4, "field")
-    assert report.markdown().startswith("### `")
-    assert str(report) == report.text()
-    assert [section.title for section in report.sections[:2]] == ["What to do", "Coefficients"]
-    assert "driftproof verify" in report.section("What to do").lines[0]
-    assert re.search(r"^  \d\d passed, \d on traits such as areas; --all shows each$", report.text(), re.MULTILINE)
-    assert "h = 0 returns the state unchanged" in report.text(everything=True)
 
 
 def test_an_iteration_to_a_loose_tolerance_is_named_with_what_it_leaves():
@@ -118,8 +100,3 @@ def test_a_step_that_varies_by_more_is_not_named():
 
 def _faults(report):
     return report.section("Faults").lines
-
-
-def test_what_to_do_with_a_lambda_is_no_command_that_cannot_work():
-    (first, *_) = identify(lambda q, v, h: (q + h * v, v - h * (q + h * v))).section("What to do").lines
-    assert f"give it a NAME in its module, then driftproof verify {__name__}:NAME --method" in first

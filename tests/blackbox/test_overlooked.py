@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
-from driftproof import assert_verified, identify, verify
+from driftproof import assert_verified, field_stepper_of, identify, verify
 from tests.blackbox.families.remembering_steppers import Remembering, euler
 from tests.blackbox.families.split_steppers import imex
 from tests.blackbox.handwritten_steppers import rk4
@@ -232,6 +232,132 @@ def sampled(kick):
     return step
 
 
+def ending(change=lambda end, y: end, at=lambda t: t):
+    """Heun's method, whose end is changed, and whose right-hand side is asked at other times."""
+
+    def step(f, t, y, h):
+        slope = f(at(t), y)
+        return change(y + h / 2 * (slope + f(at(t) + h, y + h * slope)), y)
+
+    return step
+
+
+def on_equal_steps(most):
+    """Heun's method; Adams' of two steps after so many equal steps."""
+    before = []
+
+    def step(f, t, y, h):
+        if not before or before[-1][:2] != (t, h):
+            before.clear()
+        slope = f(t, y)
+        end = y + h / 2 * (slope + f(t + h, y + h * slope))
+        if len(before) > most:
+            end = y + h * (1.5 * slope - 0.5 * before[-1][2])
+        before.append((t + h, h, slope))
+        return end
+
+    return step
+
+
+def kicked(change):
+    """Velocity Verlet, whose velocities are changed at its end."""
+
+    def step(acc, x, v, dt):
+        v = v + dt / 2 * acc(x)
+        x = x + dt * v
+        return x, change(v + dt / 2 * acc(x), x)
+
+    return step
+
+
+@dataclass
+class Particle:
+    x: float
+    v: float
+    t: float = 0.0
+    m: float = 1.0
+
+
+def particle(ended):
+    def step(p: Particle, dt: float) -> Particle:
+        v = p.v - dt * p.x / p.m
+        return ended(p, p.x + dt * v, v, dt)
+
+    return step
+
+
+def remembered(new):
+    """Velocity Verlet of a dict, which finds its acceleration there from the second step on."""
+
+    def step(state, dt):
+        v = state["v"] + dt / 2 * state.get("a", -state["x"])
+        x = state["x"] + dt * v
+        return {"x": x, "v": v - dt / 2 * x, "a": new(state["x"], x)}
+
+    return step
+
+
+def handed_on(last):
+    """Nyström's method, which hands on its last force, or that at its end."""
+
+    def step(force, q, v, a, h):
+        b = force(q + h / 2 * v + h * h / 8 * a)
+        c = force(q + h * v + h * h / 2 * b)
+        end = q + h * v + h * h * (a + 2 * b) / 6
+        return end, v + h * (a + 4 * b + c) / 6, c if last else force(end)
+
+    return step
+
+
+def estimated(late):
+    def step(f, t, y, h):
+        k1 = f(t, y)
+        k2 = f(t + h / 2, y + h / 2 * k1)
+        k3 = f(t + 3 * h / 4, y + 3 * h / 4 * k2)
+        end = y + h * (2 * k1 + 3 * k2 + 4 * k3) / 9
+        k4 = f(t + late * h, end)
+        return end, h * (-5 / 72 * k1 + k2 / 12 + k3 / 9 - k4 / 8)
+
+    return step
+
+
+class Advancing:
+    def __init__(self, f, share):
+        self.f, self.share, self.t, self.y = f, share, 0.0, None
+
+    def step(self, h):
+        self.y, self.t = self.y + h * self.f(self.t, self.y), self.t + self.share * h
+
+
+def advancing(share):
+    return field_stepper_of(lambda f: Advancing(f, share), state="y", time="t")
+
+
+def of_rows(change):
+    def step(f, t, y, h):
+        rows, _ = y.shape
+        return change(y + h * f(t, y), rows, y)
+
+    return step
+
+
+def springs(change):
+    def step(x, v, dt):
+        v = v - dt * change(np.array(x, float))
+        return x + dt * v, v
+
+    return step
+
+
+def scaling(slope_of):
+    def step(f, t, y, h):
+        slope = slope_of(f(t, y))
+        slope *= h
+        return y + slope
+
+    return step
+
+
 RUN = later(lambda n: n - 1)
 EULER, VERLET, FIRST = "symplectic_euler", "velocity_verlet", "its first step ended at"
 WRONG = [
@@ -252,10 +378,10 @@ WRONG = [
     (called(lambda n: n % 10 == 0), heun(), "heun2", f"is not heun2: its answers change from call to call: {FIRST}"),
     (heun(length=nearly(1e-3)), heun(length=nearly(0)), "heun2", "is heun2, but not everywhere"),
     (heun(length=lambda h: h if h > -1 else -1), heun(), "heun2", "is heun2 for h > 0 only: a step with"),
-    (heun(lambda slope: np.clip(slope, -1e4, 1e4)), heun(), "heun2", "with 17 components"),
+    (heun(lambda slope: np.clip(slope, -1e4, 1e4)), heun(), "heun2", "is heun2, but not everywhere: in"),
     (verlet(lambda force, m: force * m / 4), verlet(), VERLET, "but not for all parameters: with m = 0.5"),
     (verlet(ended=lambda x, v: v - np.mean(v, axis=0) if np.ndim(v) > 1 else v), verlet(), VERLET, "in space"),
-    (rows(lambda q: q[0]), rows(lambda q: q), EULER, "for one state at a time only: of 3 states in arrays, row 1"),
+    (rows(lambda q: q[0]), rows(lambda q: q), EULER, "at once: of 3 oscillators together, number 1"),
     (later(lambda n: n - 1 - (n % 10 == 9)), RUN, EULER, "for its first step only"),
     (out_of(lambda out, y: np.add(out, y, out)), out_of(lambda out, y: np.copyto(out, y)), "forward_euler", "0.59375"),
     (held(lambda s: s["k"] + 0 * s["m"]), held(lambda s: s["k"] / s["m"]), EULER, "with m = 2, k = 8"),
@@ -265,6 +391,27 @@ WRONG = [
     (ros2(lambda h: 1), ros2(lambda h: h), "ros2", "is not ros2: order 1 is observed where f depends on t"),
     (sampled(1), sampled(0.5), VERLET, "kick 2: 1 instead of 1/2"),
     (leap(False), leap(True), VERLET, "is not velocity_verlet"),
+    (ending(lambda end, y: end * (1 + 1e-6 * (len(y) == 6))), ending(), "heun2", "with 6 components it takes"),
+    (ending(lambda end, y: end * (1 + 1e-6 * (len(y) == 13))), ending(), "heun2", "with 13 components it takes"),
+    (ending(lambda end, y: np.r_[end[:-4], y[-4:]] if len(y) % 8 == 0 else end), ending(), "heun2", "with 8 comp"),
+    (ending(lambda end, y: end.astype(np.float32) if len(y) > 40 else end), ending(), "heun2", "with 64 components"),
+    (ending(at=lambda t: t or 1.0), ending(), "heun2", "is heun2, but not everywhere: at t = 0 it takes"),
+    (ending(at=lambda t: np.float32(t) if t > 1e5 else t), ending(), "heun2", "at t = 2.45154e+06 it takes"),
+    (on_equal_steps(3), on_equal_steps(99), "heun2", "a step that continues from the previous one differs"),
+    (ending(lambda end, y: end if y.ndim < 2 else end[::-1]), ending(), "heun2", "arrays of two dimensions it takes"),
+    (ending(lambda end, y: end if np.ndim(y) else y), ending(), "heun2", "with Python floats it takes a different"),
+    (kicked(lambda v, x: v * (1 - (np.shape(x)[1:] == (2,)) / 9)), kicked(lambda v, x: v), VERLET, "in the plane"),
+    (kicked(lambda v, x: v * (1 - (np.shape(x) == (1, 3)) / 9)), kicked(lambda v, x: v), VERLET, "bodies in space"),
+    (kicked(lambda v, x: np.float32(v) if np.max(x) > 999 else v), kicked(lambda v, x: v), VERLET, "of 8 oscillators"),
+    (springs(lambda x: x * (1 + 1e-9 * (np.arange(x.size) == 1))), springs(lambda x: x), EULER, "number 1 goes"),
+    (springs(lambda x: x if x.size < 9 else x * x.dtype.type(1 + 1e-9)), springs(lambda x: x), EULER, "of 9 osc"),
+    (of_rows(lambda end, rows, y: end if rows < 2 else y), of_rows(lambda end, rows, y: end), "forward_euler", "of 3"),
+    (particle(lambda p, x, v, h: Particle(x, v, p.t + abs(h), p.m)),
+     particle(lambda p, x, v, h: Particle(x, v, p.t, p.m)), EULER, "its clock goes from"),
+    (remembered(lambda old, new: -old), remembered(lambda old, new: -new), VERLET, "the previous step returned is"),
+    (handed_on(True), handed_on(False), "nystrom4", "it passes on -1.15356 as the slope at its end, not -1.15446"),
+    (estimated(0), estimated(1), "bogacki_shampine32", "call 3, which the error estimate alone uses, is made at t + 0"),
+    (advancing(0.5), advancing(1), "forward_euler", "its clock goes from 0.0 to 0.125 in a step of 0.25"),
 ]  # fmt: skip
 
 
@@ -306,6 +453,14 @@ def test_a_remark_on_a_step_that_passes_is_warned_of():
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         assert_verified(narrow, "forward_euler", array=np.float32, examples=60, isolate=False)
+
+
+def test_slopes_that_are_written_into_are_remarked_on():
+    with pytest.warns(UserWarning, match="it writes into the arrays that its function returns"):
+        assert_verified(scaling(lambda slope: slope), "forward_euler", examples=60, isolate=False)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert_verified(scaling(np.copy), "forward_euler", examples=60, isolate=False)
 
 
 def test_the_object_of_a_method_is_left_as_it_is():

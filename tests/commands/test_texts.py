@@ -34,6 +34,12 @@ def test_refusal_is_one_line(words, refusal):
     assert REFUSED[words] in refusal(*words)
 
 
+def test_a_template_that_is_a_circular_link_is_refused_in_one_line(refusal, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "a.md.j2").symlink_to("a.md.j2")
+    assert "a.md.j2: Too many levels of symbolic links" in refusal("render", "a.md.j2")
+
+
 def test_numbers_are_rendered_then_drafted_as_claims_that_hold(answer, run, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "a.md.j2").write_text('q = {{ value("rk4.first_step.q") | digits(6) }}\n', encoding="utf-8")

@@ -15,8 +15,8 @@ from driftproof.methods.catalogue import METHODS, method_named
 from driftproof.methods.schemes import RungeKutta, Splitting
 from driftproof.methods.stepping import stepper
 from driftproof.numeric.steppers import HAND_WRITTEN
-from driftproof.symbolic.derivation.convergence import local_error
 from driftproof.symbolic.derivation.one_step import matrix_of, one_step_matrix, rational
+from proofs.derivations.convergence import local_error
 from tests.methods.tables.entries import FILES
 from tests.nine import NINE, is_printed
 

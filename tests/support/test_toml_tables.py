@@ -43,6 +43,10 @@ def test_what_is_not_toml_or_too_much_is_refused(content: bytes, reason: str, tm
     assert reason in str(caught.value)
 
 
+def test_a_byte_order_mark_is_no_part_of_the_table() -> None:
+    assert toml.parse_toml("\ufeffx = 1".encode(), 10) == {"x": 1}
+
+
 def test_a_reason_of_the_caller_and_one_of_the_system_name_the_file(tmp_path: Path) -> None:
     path = tmp_path / "mine.toml"
     path.write_text("x = 1", encoding="utf-8")

@@ -29,7 +29,7 @@ def arguments(subject: ForeignStepper) -> tuple[CheckResult, ...]:
     return tuple(a if a.holds else replace(a, words=f"given arrays, {a.words}") for a in arrays)
 
 
-def _keeping(steady: TrialRunner, subject: ForeignStepper) -> tuple[CheckResult, CheckResult]:
+def _keeping(steady: TrialRunner, subject: ForeignStepper) -> tuple[CheckResult, ...]:
     came: list[adapters.Foreign] = []
 
     def recorded(*arguments: adapters.Foreign, **named: adapters.Foreign) -> adapters.Foreign:
@@ -47,11 +47,13 @@ def _keeping(steady: TrialRunner, subject: ForeignStepper) -> tuple[CheckResult,
         answers = CheckResult("keeps_answers", True, "earlier answers are not changed")
     else:
         answers = CheckResult("keeps_answers", False, "an answer is overwritten by the next call", (trial,))
+    slopes = "it writes into the arrays that its function returns: a function that keeps one is changed"
+    others = (answers, *[CheckResult("keeps_slopes", False, slopes, (trial,))] * log.changes_slopes)
     if not log.changes_its_arguments:
-        return CheckResult("keeps_arguments", True, "its arguments are not changed"), answers
+        return CheckResult("keeps_arguments", True, "its arguments are not changed"), *others
     in_place = "it writes its answer into its arguments and returns nothing"
     words = in_place if log.works_in_place else "it changes its arguments, besides returning an answer"
-    return CheckResult("keeps_arguments", log.works_in_place, words, (trial,)), answers
+    return CheckResult("keeps_arguments", log.works_in_place, words, (trial,)), *others
 
 
 def _numbers(answer: adapters.Foreign) -> list[float]:

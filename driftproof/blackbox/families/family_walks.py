@@ -113,7 +113,7 @@ class _TwoFunctionWalker(Walker):
 
     @property
     def numbers(self) -> tuple[int, ...]:
-        return (1, 2, 3, 5, 9)
+        return (*range(1, 8), 9, 13)
 
     def problems(self, numbers: int) -> list[NonlinearProblem]:
         """The problems of a plain walk, with the functions that the stepper takes besides f."""

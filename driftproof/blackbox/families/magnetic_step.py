@@ -9,7 +9,7 @@ from itertools import product
 import numpy as np
 
 from driftproof.blackbox.families.magnetic import Halves, MagneticReading
-from driftproof.blackbox.families.rotations import TURN_ANGLES, turn_of
+from driftproof.blackbox.families.rotations import BETWEEN_ANGLES, TURN_ANGLES, turn_of
 from driftproof.blackbox.findings import Misbehaviour
 from driftproof.blackbox.matching.tables import Array
 from driftproof.blackbox.probes.scripted_answers import NotReadable, Rounding
@@ -21,6 +21,8 @@ from driftproof.blackbox.stepper.turning import Push, Pushed, step_in_fields
 _AXES = ((0.0, 0.0, 1.0), (1.0, 2.0, 2.0), (-6.0, 2.0, 3.0))
 # Two step sizes with the same h B, and so with the same rotation.
 _STEPS = (1.0, 0.25)
+# The sizes of states and electric fields at which a step is made again, since it is linear in them.
+_SIZES = (1.0, 2.0**-20, 2.0**20)
 # An angle too small to turn anything, and one so small that codes may leave it out, though it turns by 2^28 u.
 _STILL, _SLIGHT = 2.0**-60, 2.0**-24
 
@@ -91,21 +93,27 @@ class _Probe:
         slight = self._across(self.step(_SLIGHT, one).v).imag
         if not uneven and abs(slight - turn.scale * _SLIGHT) > _SLIGHT / 64:  # of an angle, 64 is near enough
             uneven = f"the rotation is not a function of h B: it turns by {slight + 0:.3g} at h B = {_SLIGHT:.3g}"
+        for x in BETWEEN_ANGLES:
+            if not uneven and not turn.is_at(x, self._across(self.step(x, one).v)):
+                uneven = f"the rotation is not a function of h B: at h B = {x:.3g} it does not turn as at larger ones"
         two = [self.step(1.0, one, one * self.electric, negative=negative) for negative in (False, True)]
         if not uneven and turn.scale == 1 and np.max(np.abs(np.subtract(two[0].v, two[1].v))) > self.rounding.of(8.0):
             uneven = "with a negative charge in fields that give the same forces, the step is another one"
-        known = (turn, kick, affine, push, drift, *flags, asked, uneven, self._at_rest(one), kept)
+        known = (turn, kick, affine, push, drift, *flags, asked, uneven, self._at_rest(one, push), kept)
         return MagneticReading(*known, self.rounding, flat=len(self.frames[0]) == 2)
 
-    def _at_rest(self, one: Array) -> str:
-        """What a step without fields does to v, in words; "" if it leaves v as it is."""
-        with np.errstate(all="ignore"):
-            try:
-                seen = self.step(0.0, one).v
-            except Misbehaviour as failure:
-                return f"with B = 0, {failure}"
-        moved = not np.max(np.abs(np.array(seen) - one)) <= self.rounding.of(4.0)
-        return f"with B = 0, the velocity 1 becomes {self._across(seen).real:g}" if moved else ""
+    def _at_rest(self, one: Array, push: float) -> str:
+        """What a step without B does to v, in words; "" if it adds to v what it adds in the slightest field."""
+        for e in (0.0, 1.0 * self.electric):
+            with np.errstate(all="ignore"):
+                try:
+                    seen = self.step(0.0, one, e * one).v
+                except Misbehaviour as failure:
+                    return f"with B = 0, {failure}"
+            if not np.max(np.abs(np.array(seen) - (1 + e * push) * one)) <= self.rounding.of(4.0):
+                also = f" and E = {e:g}" * bool(e)
+                return f"with B = 0{also}, the velocity 1 becomes {self._across(seen).real:g}"
+        return ""
 
     def _across(self, v: Sequence[float], axis: int = 0) -> complex:
         """The part of v across B as a complex number z, so that v x B is iz for |B| = 1."""
@@ -158,16 +166,18 @@ class _Probe:
         frame = self.frames[axis]
         along = frame[2:].sum(axis=0)
         x, v, e = frame[0] - 3 * along, frame[0] - 2 * frame[1] + along, (frame[1] - 2 * along) * self.electric
-        seen = self.step(TURN_ANGLES[1], v, e, x, axis, h)
         said = self._vector(r * self._across(v, axis) + h * kick * self._across(e, axis), axis)
         said = said + along * float(along @ (v + h * push * e))
-        if np.max(np.abs(said - seen.v)) > allowed:
-            return "with both fields, and at other states, the step is not made of these kicks and this rotation"
-        if moved:
+        for size in _SIZES:
+            seen = self.step(TURN_ANGLES[1], size * v, size * e, size * x, axis, h)
+            if np.max(np.abs(said - np.array(seen.v) / size)) > allowed:
+                return "with both fields, and at other states, the step is not made of these kicks and this rotation"
+            if not moved:
+                continue
             by_v, by_e, (along_v, along_e) = moved
             across = h * by_v * self._across(v, axis) + h**2 * by_e * self._across(e, axis)
             there = x + self._vector(across, axis) + along * float(along @ (h * along_v * v + h**2 * along_e * e))
-            if np.max(np.abs(there - seen.x)) > allowed:
+            if np.max(np.abs(there - np.array(seen.x) / size)) > allowed:
                 return "with both fields, and at other states, the position moves in another way"
         return ""
 

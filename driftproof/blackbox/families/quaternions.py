@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from driftproof.blackbox.families.rotations import TURN_ANGLES, Turn, turn_of
+from driftproof.blackbox.families.rotations import BETWEEN_ANGLES, TURN_ANGLES, Turn, turn_of
 from driftproof.blackbox.findings import Misbehaviour
 from driftproof.blackbox.matching.tables import Array
 from driftproof.blackbox.probes.scripted_answers import NotReadable, Rounding
@@ -147,17 +147,25 @@ def _rate(subject: ForeignStepper) -> tuple[str, float, str]:
 def _factors(subject: ForeignStepper, product: str, rounding: Rounding) -> tuple[list[complex], str]:
     """The factors a + ib at TURN_ANGLES, and in words what else a step depends on, or ""."""
     factors, uneven = list[complex](), ""
+
+    def factor(angle: float, axis: Array, h: float) -> tuple[complex, float, str]:
+        """R of a step about an axis, how far it may be off, and what is no rotation about that axis."""
+        turning, step = _matrix(axis, product), _columns(subject, 2 * angle * axis / h, h)
+        a, b = float(np.trace(step)) / 4, float((step * turning).sum()) / 4
+        allowed = rounding.of(8.0 * (1 + abs(complex(a, b))))
+        off = np.max(np.abs(step - a * np.eye(4) - b * turning)) > allowed
+        return complex(a, b), allowed, f"a step of h |omega| = {2 * angle:g} is not a rotation about omega" * bool(off)
+
     for angle in TURN_ANGLES:
-        for axis, h in ((_AXES[0], 1.0), (_AXES[1], 0.25)):
-            turning, step = _matrix(axis, product), _columns(subject, 2 * angle * axis / h, h)
-            a, b = float(np.trace(step)) / 4, float((step * turning).sum()) / 4
-            allowed = rounding.of(8.0 * (1 + abs(complex(a, b))))
-            if np.max(np.abs(step - a * np.eye(4) - b * turning)) > allowed:
-                uneven = uneven or f"a step of h |omega| = {2 * angle:g} is not a rotation about omega"
-            if axis is _AXES[0]:
-                factors.append(complex(a, b))
-            elif abs(complex(a, b) - factors[-1]) > allowed:
-                uneven = uneven or "its angle depends on more than h |omega|: on the step or on the direction"
+        (r, _, off), (other, allowed, also) = factor(angle, _AXES[0], 1.0), factor(angle, _AXES[1], 0.25)
+        uneven = uneven or off or also
+        factors.append(r)
+        if abs(other - r) > allowed:
+            uneven = uneven or "its angle depends on more than h |omega|: on the step or on the direction"
+    turn = turn_of(factors, rounding)
+    for angle in BETWEEN_ANGLES:
+        if not uneven and not turn.is_at(angle, factor(angle, _AXES[1], 1.0)[0]):
+            uneven = f"with h |omega| = {2 * angle:.3g} it does not turn as with larger ones"
     return factors, uneven
 
 

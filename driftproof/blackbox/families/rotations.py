@@ -18,6 +18,8 @@ from driftproof.methods.schemes import Collocation, RungeKutta
 
 # The angles at which factors are compared; the short ones show leading powers, with an error O(θ²).
 TURN_ANGLES = (2.0, 1.0, 0.5, 0.25, 2.0**-3, 2.0**-4, 2.0**-5, 2.0**-6, 2.0**-7)
+# Between these and the slightest angle tried, where codes may take a series instead.
+BETWEEN_ANGLES = (2.0**-9, 2.0**-12, 2.0**-16)
 # R as a function of z = i θ, for steps of y' = iy.
 _METHODS: dict[str, Callable[[complex], complex]] = {
     "exact": cmath.exp,
@@ -56,6 +58,11 @@ class Turn:
     def known(self) -> bool:
         """True if it is a known method at the right angle."""
         return bool(self.method) and self.times == 1
+
+    def is_at(self, angle: float, factor: complex) -> bool:
+        """True if a known rotation has this factor at this angle, to rounding; also if it is not known."""
+        told = _factor(self.times, self.parts, self.normalised, self.method, angle) if self.method else factor
+        return abs(told - factor) <= self.rounding.of(4.0) * (1 + abs(factor))
 
     @property
     def order(self) -> int | None:

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from decimal import Decimal
 from fractions import Fraction
-from itertools import islice, product
+from itertools import cycle, islice, product
 from typing import Any
 
 from driftproof.blackbox.findings import Misbehaviour, StepFinding, UnsupportedCall
@@ -13,22 +14,18 @@ from driftproof.blackbox.judging.sampled_steps import Arguments, Sizes, simplest
 from driftproof.blackbox.judging.specification import ORDINARY_DOMAIN, Domain, Specification
 from driftproof.blackbox.judging.tolerance import Judgement, Tolerance
 from driftproof.blackbox.stepper.call_text import call_text
-from driftproof.blackbox.stepper.calling_conventions import (
-    FORCE,
-    MAP,
-    MASSES,
-    MOMENTA,
-    STIFFNESSES,
-    UNIT_PARAMETERS,
-    word_of,
-)
+from driftproof.blackbox.stepper.calling_conventions import MAP
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
+from driftproof.blackbox.stepper.state_forms import BATCH, columns_of
 from driftproof.symbolic.algebra.certified import significant
 from driftproof.symbolic.rounding.formats import BINARY64
 
 COMPONENTS = ("q", "v")
 # Chosen: an error that one state in 300 shows is missed with probability 1/30; this many steps take 0.1 s.
 EXAMPLES = 1000
+# How many oscillators are stepped together, besides as many as there are ordinary states: with both remainders by two,
+# and more than a block of eight, or of 32.
+_ORDINARY, _TOGETHER = 3, (2, 4, 7, 8, 9, 33)
 # The digits of an exact value shown: three more than distinguish two neighbouring doubles.
 _DIGITS = 20
 
@@ -187,54 +184,49 @@ def steps_back(subject: ForeignStepper, wanted: Specification) -> StepFinding:
     return StepFinding(True, f"{len(steps) * len(states)} steps with h < 0 within the bound")
 
 
-def rows_together(subject: ForeignStepper, wanted: Specification) -> StepFinding:
-    """Compare the step of several states in arrays with M(h); return the finding.
+def several_together(subject: ForeignStepper, wanted: Specification) -> StepFinding:
+    """Compare the step of several oscillators at once, of all sizes in the domain, with M(h); return the finding.
 
-    The answer is None if only one state is taken at a time. Raises UnsupportedCall if an array is one state.
+    They are the numbers of one state, or states in arrays if the system is built in. For an implicit method they have
+    one size, since a solver may stop by the largest. The answer is None if only one is taken at a time. Raises
+    UnsupportedCall if an array is one state.
     """
     tolerance, (states, (_, h)) = Tolerance.of(wanted, subject.format), ordinary_arguments(subject, wanted.domain)
-    try:
-        answers = subject.step_batch([q for q, _ in states], [v for _, v in states], h)
-    except Misbehaviour as refusal:
-        return StepFinding(None, f"it takes one state at a time: {refusal}")
-    for i, ((q, v), answer) in enumerate(zip(states, answers, strict=True)):
-        if not all(component.allowed for component in tolerance.judge(q, v, h, answer)):
-            seen = f"of {len(states)} states in arrays, row {i} goes from {(q, v)} to {answer} with h = {h!r}"
-            return StepFinding(False, seen)
-    return StepFinding(True, f"{len(states)} states in arrays, each within the bound")
+    steps, sizes = (Sizes(*ends, subject.format) for ends in wanted.domain.ranges)
+    drawn, taken, refused = steps_within(steps, sizes), list[int](), ""
+    for count in (len(states), *_TOGETHER):
+        if wanted.method.explicit and count != len(states):
+            (q, v, h), *others = islice(drawn, count)
+            states = [(q, v), *((q, v) for q, v, _ in others)]
+        else:
+            states = [*islice(cycle(states[:_ORDINARY]), count)]
+        try:
+            answers = _stepped_together(subject, states, h)
+        except Misbehaviour as refusal:
+            refused = refused or str(refusal)
+            continue
+        taken.append(count)
+        for i, ((q, v), answer) in enumerate(zip(states, answers, strict=True)):
+            if not all(component.allowed for component in tolerance.judge(q, v, h, answer)):
+                seen = f"of {count} oscillators together, number {i} goes from {(q, v)} to {answer} with h = {h!r}"
+                return StepFinding(False, seen)
+    if not taken:
+        return StepFinding(None, f"it takes one at a time: {refused}")
+    return StepFinding(True, f"{', '.join(map(str, taken))} oscillators in one step, each within the bound")
 
 
-def other_parameters(subject: ForeignStepper, wanted: Specification) -> StepFinding:
-    """Compare steps of a built-in q'' = -4 q by h/2, or with another mass, with M(h), and return as `steps_back` does.
-
-    Raises UnsupportedCall if the parameters of its oscillator do not say how to make it that one.
-    """
-    found, adapter = subject.convention, subject.adapter
-    given = {name: word_of(name) for name in (*found.extra, *adapter.parameters)}
-    masses = [name for name, word in given.items() if word in MASSES]
-    others = {name: word for name, word in given.items() if word in UNIT_PARAMETERS and name not in masses}
-    of_force = found.scaled(masses, 0.25) if found.kind == FORCE else None
-    if of_force is None and (found.kind != MAP or not others):
-        raise UnsupportedCall("its oscillator has no frequency or stiffness among its parameters")
-    mass, faster = (1.0 + bool(masses), 2.0) if of_force is None else (found.extra[masses[0]] / 4, 1.0)
-    if of_force is not None:
-        found = replace(of_force, momentum=1.0 if found.momentum == 1 else mass)
-    values = dict.fromkeys(masses, mass) | {x: 4 * mass if word in STIFFNESSES else 2.0 for x, word in others.items()}
-    convention = replace(found, extra={name: values.get(name, x) for name, x in found.extra.items()})
-    adapter = adapter.with_parameters(values) if adapter.with_parameters else adapter
-    changed = replace(subject, convention=convention, adapter=adapter)
-    tolerance = Tolerance.of(wanted, subject.format)
-    (states, steps), wrong = ordinary_arguments(subject, wanted.domain), dict[float, str]()
-    shown = ", ".join(f"{name} = {x:g}" for name, x in values.items())
-    momenta = [faster * mass] * bool({*convention.names} & {*MOMENTA} and masses and of_force is None)
-    for scale, (q, v), h in product((faster, *momenta), states, steps):
-        q1, v1 = changed.step(q, scale * v, h / faster)
-        if not all(component.allowed for component in tolerance.judge(q, v, h, (q1, v1 / scale))):
-            went = f"from {(q, scale * v)} with h = {h / faster!r} it goes to {(q1, v1)}"
-            wrong.setdefault(scale, f"with {shown} its step of q'' = -{'4 ' * (faster > 1)}q is wrong: {went}")
-    if len(wrong) == 1 + len(momenta):
-        return StepFinding(False, wrong[faster])
-    return StepFinding(True, f"{len(steps) * len(states)} steps with {shown} within the bound")
+def _stepped_together(
+    subject: ForeignStepper, states: Sequence[tuple[float, float]], h: float
+) -> Sequence[tuple[float, float]]:
+    """One step of several oscillators: the numbers of one state, or of several if the system is built in."""
+    q, v = zip(*states, strict=True)
+    if subject.convention.kind == MAP:
+        return subject.step_batch(q, v, h)
+    number = subject.adapter.number
+    if subject.adapter is BATCH:
+        subject = replace(subject, adapter=columns_of(len(q)))
+    ends = subject.step_forced(lambda t, x: [-y for y in x], number(0.0), list(q), list(v), number(h))
+    return [*zip(ends[: len(q)], ends[len(q) :], strict=True)]
 
 
 class _Campaign:

@@ -97,6 +97,21 @@ def moved(problem: NonlinearProblem, sizes: Sequence[float], pace: float, origin
     return replace(problem, rate=rate, solution=solution, scales=tuple(scales(len(problem.solution(arb(START))))))
 
 
+def beginning_at_rest(problem: NonlinearProblem, t: float) -> NonlinearProblem:
+    """The problem with velocities of 0 at its start and with its slopes less those at the time t, which vanish there.
+
+    In floats they vanish exactly; `solution` then gives starts only.
+    """
+
+    def solution(at: arb) -> list[arb]:
+        state = problem.solution(at)
+        return [*state[: problem.positions or None], *[arb(0)] * problem.positions]
+
+    still = problem.rate(t, [float(x.mid()) for x in solution(arb(t))])
+    rate = lambda t, y: [k - s for k, s in zip(problem.rate(t, y), still, strict=True)]
+    return replace(problem, rate=rate, solution=solution)
+
+
 def turned(problem: NonlinearProblem) -> NonlinearProblem:
     """The problem with its components, or positions, rotated by half their number if they are three or more.
 

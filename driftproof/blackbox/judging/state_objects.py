@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from functools import partial
@@ -10,21 +10,32 @@ from typing import Any
 
 import numpy as np
 
-from driftproof.blackbox.findings import Misbehaviour, RightInAnotherForm, StepFinding
+from driftproof.blackbox.findings import Misbehaviour, RightInAnotherForm, StepFinding, WrongShape
 from driftproof.blackbox.judging.agreement import ordinary_arguments
 from driftproof.blackbox.judging.specification import Specification
 from driftproof.blackbox.judging.tolerance import Tolerance
 from driftproof.blackbox.judging.walks import Walker, walk_on
 from driftproof.blackbox.stepper.array_adapters import ARRAYS, LISTS, SCALARS, TUPLES, ArrayAdapter, Foreign
-from driftproof.blackbox.stepper.calling_conventions import FIELD, FORCE, POSITION, STATE, VELOCITY, CallingConvention
+from driftproof.blackbox.stepper.calling_conventions import (
+    FIELD,
+    FORCE,
+    POSITION,
+    STATE,
+    STEP,
+    VELOCITY,
+    CallingConvention,
+)
 from driftproof.blackbox.stepper.foreign_code import CallLog
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
-from driftproof.blackbox.stepper.state_forms import BODIES
+from driftproof.blackbox.stepper.records import clock_of, parts_of
+from driftproof.blackbox.stepper.state_forms import BODIES, IN_PLANE, OF_TWO_DIMENSIONS
 from driftproof.blackbox.stepper.wrappers import turn_wrapper
 
 _FORMS = (ARRAYS, LISTS, TUPLES)
 # Chosen: the number of successive steps from each form of state.
 _STEPS = 3
+# The relative error allowed to a clock, which may be a number of 11 bits.
+_CLOCK = 2.0**-8
 _STATE_ROLES = (POSITION, VELOCITY, STATE)
 
 
@@ -54,11 +65,13 @@ def state_objects(subject: ForeignStepper, wanted: Specification) -> StepFinding
         return StepFinding(None, given)
     if wrong:
         return StepFinding(False, f"a step from the object that the previous step returned is wrong: {wrong}")
+    if keeping.clock:
+        return StepFinding(False, keeping.clock)
     if keeping.spoilt:
         return StepFinding(False, "it changes its arguments to something other than its answer")
     found: dict[str, list[str]] = {}
-    in_space = [BODIES] * (subject.convention.kind == FORCE and subject.adapter is not BODIES)
-    for form in (*forms, *in_space):
+    further = {FORCE: (BODIES, IN_PLANE), FIELD: (OF_TWO_DIMENSIONS, SCALARS) if subject.adapter is ARRAYS else ()}
+    for form in (*forms, *further.get(subject.convention.kind, ())):
         try:
             wrong, seen = trial(_in_form(subject, form))
         except Misbehaviour:
@@ -66,7 +79,7 @@ def state_objects(subject: ForeignStepper, wanted: Specification) -> StepFinding
             continue
         if wrong:
             return StepFinding(False, f"{given}; with {form.name} it takes a different step: {wrong}")
-        same = "give the same bits" if seen == own else "give the same up to rounding"
+        same = "give the same bits" if seen in ([], own) else "give the same up to rounding"
         found.setdefault(same, []).append(form.name)
     others = [f"{' and '.join(names)} {words}" for words, names in found.items()]
     handed = ["steps from the previous step's own object agree with those from a copy"] if keeping.handed else []
@@ -74,7 +87,9 @@ def state_objects(subject: ForeignStepper, wanted: Specification) -> StepFinding
 
 
 def _in_form(subject: ForeignStepper, form: ArrayAdapter) -> ForeignStepper:
-    return replace(subject, adapter=form, log=CallLog(works_in_place=subject.log.works_in_place))
+    single = subject.single or (form is SCALARS and subject.convention.kind == FIELD)
+    log = CallLog(works_in_place=subject.log.works_in_place, layout=subject.log.layout)
+    return replace(subject, adapter=form, single=single, log=log)
 
 
 def _turned(adapter: ArrayAdapter) -> ArrayAdapter:
@@ -87,12 +102,16 @@ def _turned(adapter: ArrayAdapter) -> ArrayAdapter:
     )
 
 
+# The numbers of components tried in two dimensions: those of whole rows, of a square or one body, and of parts of one.
+_OF_ROWS = {BODIES: (15, 3, 5), IN_PLANE: (10, 2, 3), OF_TWO_DIMENSIONS: (33, 9, 5)}
+
+
 class _SmallWalker(Walker):
-    """A walker with problems of two components, or of one if two are refused; in space of two bodies first."""
+    """A walker with problems of two components, or of one if two are refused; in rows of several."""
 
     @property
     def numbers(self) -> tuple[int, ...]:
-        return (5, 2, 1) if self.subject.adapter is BODIES else (2, 1)
+        return (1,) if self.subject.single else _OF_ROWS.get(self.subject.adapter, (2, 1))
 
 
 def _tried(subject: ForeignStepper, wanted: Specification) -> tuple[str, list[tuple[float, float]]]:
@@ -108,17 +127,22 @@ def _tried(subject: ForeignStepper, wanted: Specification) -> tuple[str, list[tu
             return f"from q={q!r}, v={v!r} with h={h!r} it goes to {answer}", seen
         seen.append(answer)
         q, v = answer
+    if wanted.method.explicit and subject.adapter.with_parameters:  # the clock of a record goes back as well
+        with suppress(Misbehaviour):
+            subject.step(q, v, -h)
     if subject.convention.kind not in (FIELD, FORCE):
         return "", seen
-    found = walk_on(_SmallWalker(subject, wanted), most=1)
+    found = walk_on(_SmallWalker(subject, wanted), most=3 if subject.adapter in _OF_ROWS else 1)
+    if found.holds is None and not seen:
+        raise WrongShape(found.words)
     return (found.words if found.holds is False else ""), seen
 
 
 class _ReusingAnswers:
-    """A stepper that gets, in place of an array or a list, the object with these numbers that its last step left.
+    """A stepper that gets, in place of an array, a list or a record, the object of its numbers that its last step left.
 
     `handed` is True once it got one. `spoilt` is True once a position, a velocity or a state that it got is afterwards
-    neither unchanged nor a part of the answer.
+    neither unchanged nor a part of the answer. `clock` says in words how the clock of a record goes wrong.
     """
 
     def __init__(self, function: Callable[..., Any], convention: CallingConvention) -> None:
@@ -127,18 +151,20 @@ class _ReusingAnswers:
         self.roles = dict(zip(convention.names, convention.order, strict=False))
         self.known: list[Foreign] = []
         self.handed = self.spoilt = False
+        self.clock = ""
 
     def __call__(self, *arguments: Foreign, **named: Foreign) -> Foreign:
         given = [self._known_as(x) for x in arguments]
         by_name = {name: self._known_as(x) for name, x in named.items()}
         roles = [*zip(self.order, given, strict=False), *((self.roles.get(name), x) for name, x in by_name.items())]
         moved = [x for role, x in roles if role in _STATE_ROLES and _can_be_written(x)]
-        before = [_bits(x) for x in moved]
+        before, t = [_bits(x) for x in moved], next(filter(None, (clock_of(x) for x in moved)), 0.0)
         answer = self.function(*given, **by_name)
         for mine, its in zip((*arguments, *named.values()), (*given, *by_name.values()), strict=True):
             if mine is not its:
                 self.handed = True
-                mine[:] = its  # which holds the answer of a step that returns nothing
+                _copy_into(mine, its)  # which holds the answer of a step that returns nothing
+        self._look_at_clock(t, [answer, *moved], dict(roles).get(STEP, 0.0))
         parts = [answer, *(answer if isinstance(answer, tuple | list) else ())]
         ends = b"".join(_bits(part) + b"|" for part in parts)
         after = [_bits(x) for x in moved]
@@ -147,13 +173,37 @@ class _ReusingAnswers:
         self.known = [part for part in (*parts, *moved) if _can_be_written(part)]
         return answer
 
+    def _look_at_clock(self, before: float, records: Sequence[Foreign], h: float) -> None:
+        """Note the clock of a record that neither stands still nor goes on by h; it may be a number of 11 bits."""
+        after = next((t for t in map(clock_of, records) if t is not None), before)
+        if not np.isclose(after - before, (0.0, h), rtol=_CLOCK, atol=_CLOCK * abs(before)).any():
+            self.clock = self.clock or f"its clock goes from {before:g} to {after:g} in a step of {h:g}"
+
     def _known_as(self, x: Foreign) -> Foreign:
+        if mine := _without_clock(x):
+            return next((y for y in self.known if mine.items() <= _without_clock(y).items()), x)
         same = (y for y in self.known if type(y) is type(x) and np.shape(y) == np.shape(x) and _bits(y) == _bits(x))
         return next(same, x) if _can_be_written(x) else x
 
 
 def _can_be_written(x: Foreign) -> bool:
-    return hasattr(x, "__setitem__") and hasattr(x, "__len__") and not isinstance(x, dict)
+    return bool(parts_of(x)) or (hasattr(x, "__setitem__") and hasattr(x, "__len__"))
+
+
+def _without_clock(x: Foreign) -> dict[str, Foreign]:
+    """The numbers of a record by name, without its time; empty for anything else, and for arrays in a record."""
+    parts = parts_of(x)
+    return {} if any(map(np.ndim, parts.values())) else {name: y for name, y in parts.items() if y is not clock_of(x)}
+
+
+def _copy_into(x: Foreign, other: Foreign) -> None:
+    if isinstance(x, dict):
+        x.update(other)
+    elif parts_of(x):
+        with suppress(Exception):  # a record that cannot be changed was not
+            x.__dict__.update(vars(other))
+    else:
+        x[:] = other
 
 
 def _bits(x: Foreign) -> bytes:

@@ -25,6 +25,7 @@ from driftproof.blackbox.judging.agreement import steps_back
 from driftproof.blackbox.judging.nonlinear_problems import (
     START,
     NonlinearProblem,
+    beginning_at_rest,
     dragged_problem,
     driven,
     gives_force_times,
@@ -43,13 +44,17 @@ from driftproof.methods.schemes import Nystrom, Splitting
 
 # Chosen: balls of this precision are far narrower than the rounding errors of doubles.
 _BITS = 192
-# The numbers of components tried: 1; some near the 2 and 4 by which short loops are unrolled; one more than the widest
-# vector registers hold. There are fewer positions, because each force is a product of all of them, and fewer components
-# for implicit methods, because iterating their stages in balls is slow.
-_NUMBERS, _POSITIONS, _SOLVED_FOR = (1, 2, 3, 5, 17), (1, 2, 3, 5, 9), (1, 2, 3, 5)
+# The numbers of components tried: all up to one more than the widest vector registers hold, among them those of states
+# that codes treat in a way of their own (6 of a satellite, 7 with a quaternion, 13 of a rigid body); then whole blocks.
+# There are fewer positions, because each force is a product of all of them, and fewer components for implicit methods,
+# because iterating their stages in balls is slow.
+_NUMBERS, _POSITIONS, _SOLVED_FOR = (*range(1, 18), 24, 32, 64), (*range(1, 13), 16, 32), (1, 2, 3, 4, 6, 7)
 # Step sizes in units of the problem's own time: so short that numbers keep their sizes, of many bits, one taken twice.
 # The third is almost the second, for which a code that keeps something of that h may take it.
 _LENGTHS, _BACK = (0.1, 0.1, 0.1 * (1 - 2.0**-10), 1 / 30), (-0.07, -0.03)
+# More equal steps than the start of any multistep method in use has, for codes that become one; and how many pairs of a
+# place and a number of components are tried with h < 0.
+_EQUAL, _PAIRS_BACK = 12, 7
 # What precedes a step: a step that ends where it starts, or one after which the state was changed, as by an event.
 _GOES_ON, _MOVED = "continues from the previous one", "begins when the previous one ended, in another state,"
 # The stepper may use another arithmetic or convention; a step that it refuses to take is no evidence against it.
@@ -58,15 +63,25 @@ _REFUSALS = (StepRaised, WrongShape, NotANumber)
 
 @dataclass(frozen=True)
 class _Place:
-    """The place of a moved problem: signed sizes, repeated as needed; the exponent of its pace; its origin of time."""
+    """The place of a moved problem: signed sizes, repeated as needed; the exponent of its pace; its origin of time.
+
+    If it is `at_rest`, all slopes of a problem with t vanish at its start.
+    """
 
     sizes: tuple[float, ...] = (1.0,)
     pace: int = 0
     origin: float = 0.0
+    at_rest: bool = False
+
+    @property
+    def start(self) -> float:
+        """The time at which walks begin here."""
+        return self.origin + START * 2.0**-self.pace
 
     def problem(self, problem: NonlinearProblem) -> NonlinearProblem:
         """The problem moved here, with positions of one size if a force may be asked for a single one of them."""
-        return moved(problem, self.sizes if problem.coupled else self.sizes[:1], 2.0**self.pace, self.origin)
+        there = moved(problem, self.sizes if problem.coupled else self.sizes[:1], 2.0**self.pace, self.origin)
+        return beginning_at_rest(there, self.start) if self.at_rest and problem.timed else there
 
     def within(self, domain: Domain, subject: ForeignStepper) -> bool:
         """True if its numbers, doubled, and step sizes lie in the domain and well inside the range of the format."""
@@ -81,13 +96,16 @@ class _Place:
         )
 
 
-# Short steps with steep slopes and long steps with flat ones, at times before 0 and long after it, which have all bits.
+# Short steps with steep slopes and long steps with flat ones, at times before 0 and long after it, which have all bits;
+# then at the time 0 itself, and at a Julian day, the largest times in use.
 _PLACES = (
     _Place(),
     _Place((256.0,), -4, 1000.1),
     _Place((1.0, -256.0, 2.0**-30), 0, -7.3),
     _Place((2.0**-20,), 12, 100.1),
     _Place((-256.0,), 10, -0.7),
+    _Place((1.0, -1.0), 0, -START, at_rest=True),
+    _Place(origin=2451544.5),
 )
 # The place at which every number of components is tried.
 _HOME = _Place((1.0, -1.0))
@@ -168,7 +186,7 @@ class Walker:
 
     def walk(self, problem: NonlinearProblem, place: _Place, lengths: Sequence[float]) -> _Step | None:
         """The first step that is not the method's; None if all are. Raises a Misbehaviour of the stepper."""
-        there, t = place.problem(problem), place.origin + START * 2.0**-place.pace
+        there, t = place.problem(problem), place.start
         y = start = there.start(t)
         # A step of another right-hand side from the same start: a code that caches by t, y and h alone then goes wrong.
         rest = replace(there, rate=lambda t, y: [0.0 * x for x in y])
@@ -251,7 +269,7 @@ def walk_on(walker: Walker, lengths: Sequence[float] = _LENGTHS, most: int | Non
 def there_and_back(walker: Walker) -> StepFinding:
     """Compare as `walk_on` does and, if the steps are right and h < 0 is not refused, also for h < 0 at two places."""
     found = walk_on(walker)
-    if found.holds and (back := walk_on(walker, _BACK, 2)).holds is False:
+    if found.holds and (back := walk_on(walker, _BACK, _PAIRS_BACK)).holds is False:
         return StepFinding(False, f"a step with h < 0 is wrong: {back.words}")
     return found
 
@@ -259,11 +277,11 @@ def there_and_back(walker: Walker) -> StepFinding:
 def _walked_on(walker: Walker, lengths: Sequence[float], most: int | None) -> StepFinding:
     taken, times, refused = list[int](), list[float](), ""
     of_numbers = {n: problems for n in walker.numbers if (problems := walker.problems(n))}
-    for place, problems in islice(_settings(walker, [*of_numbers.values()]), most):
+    for place, problems, each in islice(_settings(walker, [*of_numbers.values()], lengths), most):
         found: list[_Step] = []
         for problem in problems:
             try:
-                step = walker.walk(problem, place, lengths)
+                step = walker.walk(problem, place, each)
             except _REFUSALS as refusal:
                 refused = refused or str(refusal)
                 break
@@ -279,26 +297,42 @@ def _walked_on(walker: Walker, lengths: Sequence[float], most: int | None) -> St
             return StepFinding(False, ": ".join(filter(None, [cause, found[0].words])))
     if not taken:
         return StepFinding(None, f"it takes no such step: {refused}" if refused else "the domain is too small for it")
-    sizes = ", ".join([*map(str, sorted(set(taken) - {max(taken)})), walker.counted(max(taken))])
+    sizes = f"{_listed(sorted({*taken}))}{walker.counted(max(taken)).removeprefix(str(max(taken)))}"
     also = f"; it does not take all of them: {refused}" if refused else ""
-    steps = f"{len(lengths)} steps, each from the end of the previous one, then one from another state"
-    words = f"{len(taken)} runs of {steps}, with {sizes}"
+    steps = "runs, each step from the end of the previous one, the last from another state"
+    words = f"{len(taken)} {steps}, with {sizes}"
     when = f", at times from {min(times):g} to {max(times):g}" if times else ""
     return StepFinding(True, f"{words}{when}{also}")
 
 
+def _listed(numbers: Sequence[int]) -> str:
+    """The numbers in words, with runs of three or more as "1 to 17"."""
+    runs = list[list[int]]()
+    for n in numbers:
+        if runs and n == runs[-1][-1] + 1:
+            runs[-1].append(n)
+        else:
+            runs.append([n])
+    return ", ".join(f"{run[0]} to {run[-1]}" if len(run) > 2 else ", ".join(map(str, run)) for run in runs)
+
+
 def _settings(
-    walker: Walker, sizes: Sequence[list[NonlinearProblem]]
-) -> Iterator[tuple[_Place, list[NonlinearProblem]]]:
-    """Yield places with problems, the shorter list repeated; then the home place with the problems of further sizes."""
+    walker: Walker, sizes: Sequence[list[NonlinearProblem]], lengths: Sequence[float]
+) -> Iterator[tuple[_Place, list[NonlinearProblem], Sequence[float]]]:
+    """Yield places with problems and step sizes, so that each place and each number of components occurs.
+
+    Then come further steps of each number at the home place, and many equal steps.
+    """
     places = walker.places
-    if sizes and places:
-        for i in range(max(len(sizes), len(places))):
-            yield places[i % len(places)], sizes[i % len(sizes)]
-        if not walker.method.explicit:  # iterated in balls, which is slow
-            return
-        home = walker.fitted(_HOME)
-        yield from ((home, problems) for problems in sizes[1:] if home.within(walker.wanted.domain, walker.subject))
+    if not (sizes and places):
+        return
+    for i in range(max(len(sizes), len(places))):
+        yield places[i % len(places)], sizes[i % len(sizes)], lengths
+    home = walker.fitted(_HOME)
+    # Stages of an implicit method are iterated in balls, which is slow.
+    if walker.method.explicit and home.within(walker.wanted.domain, walker.subject):
+        yield from ((home, problems, lengths[:1]) for problems in sizes[1:])
+    yield places[0], sizes[min(1, len(sizes) - 1)], [lengths[0] / 2] * _EQUAL
 
 
 def back_and_on(subject: ForeignStepper, wanted: Specification) -> StepFinding:
@@ -306,7 +340,7 @@ def back_and_on(subject: ForeignStepper, wanted: Specification) -> StepFinding:
     found = steps_back(subject, wanted)
     if not found.holds or subject.convention.kind not in (FIELD, FORCE):
         return found
-    on = walk_on(Walker(subject, wanted), _BACK, 2)
+    on = walk_on(Walker(subject, wanted), _BACK, _PAIRS_BACK)
     if on.holds is False:
         return StepFinding(False, f"a step with h < 0 is wrong: {on.words}")
     return StepFinding(True, f"{found.words}; {on.words}") if on.holds else found

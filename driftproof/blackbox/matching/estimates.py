@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from math import fsum
 from operator import sub
 from typing import TypeAlias, TypeGuard
 
@@ -71,6 +72,7 @@ def judged_estimate(subject: ForeignStepper, method: Method | None = None) -> Ju
     pair, factor, described, faults = _pair_of(estimate, reading, method)
     if not estimate.power:
         faults = ["the error estimate is divided by h: an error per unit step, one order lower", *faults]
+    faults += _mistimed(estimate, reading)
     if estimate.fault:
         faults = [f"the error estimate is not the same everywhere: {estimate.fault}", *faults]
     radius, pairs = Rounding(estimate.format, len(estimate.row)), zip(estimate.row, estimate.sizes, strict=True)
@@ -94,6 +96,18 @@ def judged_estimate(subject: ForeignStepper, method: Method | None = None) -> Ju
         f"the row of order {propagated} is propagated, the other one has order {other}",
     ]
     return JudgedEstimate(vanishing.order, propagated, other, pair, tuple(lines), tuple(faults))
+
+
+def _mistimed(estimate: EstimateReading, reading: TableauReading) -> list[str]:
+    """Lines on calls whose answers the estimate alone uses, and whose times are not those of their places."""
+    if reading.c is None:
+        return []
+    alone = [j for j in reading.unused if estimate.row[j]]
+    return [
+        f"call {j}, which the error estimate alone uses, is made at t + {c:.6g} h with the place of t + {total:.6g} h"
+        for j in alone
+        if abs((c := reading.c[j]) - (total := fsum(reading.a[j]))) > reading.rounding.of(1.0)
+    ]
 
 
 def _other_order(estimate: EstimateReading, reading: TableauReading, factor: float) -> int:

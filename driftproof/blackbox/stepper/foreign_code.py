@@ -39,6 +39,8 @@ class CallLog:
     calls: int = 0
     types: set[str] = field(default_factory=set)  # of the numbers in answers, as their library calls them
     changes_its_arguments: bool = False
+    slopes: list[tuple[Foreign, Foreign]] = field(default_factory=list)  # that the last call got, with copies of them
+    changes_slopes: bool = False
     works_in_place: bool = False
     beside: list[AnyNumber] | None = None  # after y1 in the last answer: an error estimate or another y1
     dense: Callable[..., Foreign] | None = None  # the last dense output, a function of the time or of theta
@@ -102,9 +104,14 @@ class ForeignCode:
             if len(arguments) > 1 and not known:
                 self.log.asks = (calling.STATE, calling.TIME) if time else (calling.TIME, calling.STATE)
             (at,) = self.adapter.read(arguments[time], 1) if len(arguments) > 1 else (t,)
-            return write(rate(at, asked))
+            return self.answered(write(rate(at, asked)))
 
         return self.adapter.function(called)
+
+    def answered(self, slopes: Foreign) -> Foreign:
+        """The slopes, which are an answer to the code; it is logged if the code changes them."""
+        self.log.slopes.append((slopes, _copied(slopes)))
+        return slopes
 
     def two_parts(self, answer: Foreign) -> tuple[Foreign, Foreign]:
         """The position and the velocity in an answer. Raises WrongShape."""
@@ -123,6 +130,7 @@ class ForeignCode:
         """
         self.before(words)
         self.log.calls += 1
+        self.log.slopes.clear()
         values = [roles[role] for role in self.convention.order]
         named = dict(zip(self.convention.names, values, strict=False))  # either all arguments or none
         arguments = () if named else values
@@ -153,6 +161,7 @@ class ForeignCode:
         """What was returned; if that is None and the step was written into its arguments, these."""
         changed = any(_differs(roles[role], before) for role, before in kept.items())
         self.log.changes_its_arguments |= changed
+        self.log.changes_slopes |= any(_differs(*pair) for pair in self.log.slopes)
         if answer is not None or not (changed or self.log.works_in_place):
             return answer
         self.log.works_in_place = True

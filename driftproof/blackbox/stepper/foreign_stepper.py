@@ -129,6 +129,10 @@ class ForeignStepper(ForeignCode):
             ends = self.called({STATE: rows, STEP: h, TIME: 0.0}, f"states={rows.tolist()!r}, h={h!r}", [*qs, *vs])
             numbers = self.adapter.read(ends, rows.size)
             return list(zip(numbers[::2], numbers[1::2], strict=True))
+        if self.adapter.with_parameters is not None:
+            record, words = self.adapter.write([qs, vs]), f"q={list(qs)!r}, v={list(vs)!r}, h={h!r}"
+            ends = self.adapter.read(self.called({STATE: record, STEP: h, TIME: 0.0}, words, [*qs, *vs]), 2 * len(qs))
+            return list(zip(ends[: len(qs)], ends[len(qs) :], strict=True))
         if POSITION not in self.convention.order:
             raise UnsupportedCall("position and velocity come in one array, which is one state")
         write = self._of_several.write
@@ -181,7 +185,7 @@ class ForeignStepper(ForeignCode):
             (at,) = adapter.read(given[TIME], 1) if TIME in order and TIME in given else (t,)
             moving = [x / momentum for x in adapter.read(given[VELOCITY], size)] if VELOCITY in given else []
             answering = SCALARS if adapter is ARRAYS and np.ndim(position) == 0 else adapter
-            return answering.write([factor * x for x in force(at, asked, moving)])
+            return self.answered(answering.write([factor * x for x in force(at, asked, moving)]))
 
         factor, carried, function = self.convention.factor, self.convention.carried, adapter.function(callback)
         roles = {FUNCTION: function, POSITION: adapter.write(q), VELOCITY: adapter.write(v), STEP: h, TIME: t}

@@ -19,6 +19,9 @@ Location: TypeAlias = str | tuple[Callable[[Object], Any], Callable[[Object, Any
 # How an object takes a number: the name of a method of one argument, or of an attribute; or a function.
 Act: TypeAlias = str | Callable[[Object, Any], object]
 
+# The relative error allowed to an object's clock, which may be a number of 11 bits.
+_CLOCK = 2.0**-8
+
 
 def stepper_of(
     make: Callable[..., Object],
@@ -172,6 +175,10 @@ class _Held:
             _Accessor.of(place).write(solver, times)
         state.write(solver, y)
         _act(solver, self.advance, h)
+        for place, t in zip(self.places[1:], times, strict=True):
+            (clock,) = _Accessor.of(place).read(solver)
+            if not np.isclose(clock - t, (0.0, h), rtol=_CLOCK, atol=_CLOCK * abs(t)).any():
+                raise RuntimeError(f"its clock goes from {t!r} to {clock!r} in a step of {h!r}")
         y1 = np.array(self._drop_unless_finite(state.read(solver)))
         beside = [] if self.error is None else [as_array(_Accessor.of(self.error).get(solver))]
         if self.dense is not None:

@@ -9,6 +9,9 @@ from contextlib import suppress
 from functools import partial
 from typing import Any, get_type_hints
 
+import numpy as np
+
+from driftproof.blackbox.findings import WrongShape
 from driftproof.blackbox.stepper.array_adapters import AnyNumber, ArrayAdapter, Foreign, floats_in
 from driftproof.blackbox.stepper.calling_conventions import POSITION, TIME, UNIT_PARAMETERS, VELOCITY, role_of
 
@@ -115,15 +118,21 @@ def _record(name: str, make: Any, names: Sequence[str], needed: Sequence[str]) -
 def adapter_of(record: Record) -> ArrayAdapter:
     """The adapter of a step that takes the record in place of a state."""
 
+    def write(numbers: Sequence[AnyNumber]) -> Foreign:
+        return record.filled(*(np.array(x, dtype=float) if np.ndim(x) else float(x) for x in numbers))
+
     def read(value: Foreign, size: int) -> list[AnyNumber]:
-        pair = record.pair(value)
+        parts, pair = parts_of(value), record.pair(value)
+        for each in record.given.keys() & record.known.keys() & parts.keys():
+            if parts[each] != record.known[each]:
+                raise WrongShape(f"a record whose {each} is {record.known[each]:g} comes back with {parts[each]}")
         return floats_in(value if pair is None else [*pair], size)
 
     arguments = [f"{each}={x!r}" for each, x in record.known.items()]
     shown = f"{record.name}({', '.join([*arguments, f'{record.position}={{}}', f'{record.velocity}={{}}'])})"
     return ArrayAdapter(
         f"{record.name} with {record.position}, {record.velocity}",
-        lambda numbers: record.filled(float(numbers[0]), float(numbers[1])),
+        write,
         read,
         shown=shown,
         parameters=record.given,

@@ -15,8 +15,6 @@ from driftproof.blackbox.stepper.array_adapters import AnyNumber, ArrayAdapter, 
 from driftproof.blackbox.stepper.calling_conventions import FIELD, MAP, STATE, CallingConvention
 from driftproof.blackbox.stepper.records import adapter_of, record_of
 
-_DIMENSIONS = 3
-
 
 def forms_of(step: Callable[..., Any], convention: CallingConvention) -> Iterator[ArrayAdapter]:
     """Yield the adapters for other forms of a state that the convention allows, the likeliest first."""
@@ -59,25 +57,34 @@ BATCH = ArrayAdapter(
 )
 
 
-def _in_space(numbers: Sequence[AnyNumber]) -> Foreign:
-    """The numbers as coordinates of bodies in space, with 0 for the missing ones of the last body."""
-    filled = np.zeros((-(-len(numbers) // _DIMENSIONS), _DIMENSIONS))
-    filled.flat[: len(numbers)] = numbers
-    return filled
-
-
 def _first_of(filled: int, value: Foreign, size: int) -> list[AnyNumber]:
     """The first `size` numbers of an array of `filled` numbers; any other array has to hold exactly `size`."""
     array = as_array(value)
     return floats_in(array.ravel()[:size] if array.size == filled else array, size)
 
 
-BODIES = ArrayAdapter(
-    "NumPy arrays of bodies in space",
-    _in_space,
-    lambda value, size: _first_of(-(-size // _DIMENSIONS) * _DIMENSIONS, value, size),
-    shown="numpy.array([[{}, 0.0, 0.0]])",
-)
+def _rows_of(columns: int, name: str) -> ArrayAdapter:
+    """The adapter of arrays with this many columns, filled row by row, with 0 for the missing numbers of the last."""
+
+    def write(numbers: Sequence[AnyNumber]) -> Foreign:
+        filled = np.zeros((-(-len(numbers) // columns), columns))
+        filled.flat[: len(numbers)] = numbers
+        return filled
+
+    read = lambda value, size: _first_of(-(-size // columns) * columns, value, size)
+    return ArrayAdapter(name, write, read, shown=f"numpy.array([[{{}}{', 0.0' * (columns - 1)}]])")
+
+
+BODIES = _rows_of(3, "NumPy arrays of bodies in space")
+IN_PLANE = _rows_of(2, "NumPy arrays of bodies in the plane")
+# States of a right-hand side with two dimensions.
+OF_TWO_DIMENSIONS = _rows_of(3, "NumPy arrays of two dimensions")
+
+
+def columns_of(rows: int) -> ArrayAdapter:
+    """The adapter of numbers [q..., v...] as this many rows (q, v)."""
+    write = lambda numbers: np.array(numbers, dtype=np.float64).reshape(-1, rows).T
+    return ArrayAdapter(BATCH.name, write, lambda value, size: floats_in(as_array(value).T, size))
 
 
 def _vector(size: int) -> ArrayAdapter:
@@ -95,7 +102,12 @@ def _vector(size: int) -> ArrayAdapter:
 # For steps that multiply by a matrix of their own, or take a vector product.
 VECTORS = (_vector(2), _vector(3))
 # How many numbers make one body or one vector of an adapter.
-TOGETHER = {BODIES.name: _DIMENSIONS} | {vectors.name: size for size, vectors in zip((2, 3), VECTORS, strict=True)}
+TOGETHER = {
+    BODIES.name: 3,
+    IN_PLANE.name: 2,
+    OF_TWO_DIMENSIONS.name: 3,
+    **{v.name: n for n, v in zip((2, 3), VECTORS, strict=True)},
+}
 
 
 def _tensors(torch: Any) -> Iterator[ArrayAdapter]:

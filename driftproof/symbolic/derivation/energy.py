@@ -82,10 +82,5 @@ def _normalised(q2: StepPolynomial, qv: StepPolynomial, v2: StepPolynomial) -> E
     return EnergyForm(*(polynomial / (2 * at_zero) for polynomial in cleared))
 
 
-def definiteness(invariant: EnergyForm) -> StepPolynomial:
-    """The polynomial 4·q2·v2 - qv² in Q[h]: the level curves are ellipses exactly where it and q2 are positive."""
-    return 4 * invariant.q2 * invariant.v2 - invariant.qv**2
-
-
 def _show(form: EnergyForm) -> str:
     return f"({form.q2})*q**2 + ({form.qv})*q*v + ({form.v2})*v**2"

@@ -1,17 +1,14 @@
-"""The angle by which one step turns the state, its series in h, and the powers of M in closed form."""
+"""The angle by which one step turns the state, and its series in h."""
 
 from __future__ import annotations
 
 from typing import Any
 
 import sympy
-from sympy import QQ
 from sympy.polys.matrices import DomainMatrix
 from sympy.polys.ring_series import rs_atan, rs_nth_root, rs_series_inversion, rs_trunc
 
-from driftproof.symbolic.derivation.formulas import as_matrix
 from driftproof.symbolic.derivation.one_step import (
-    RING,
     H,
     MatrixEntry,
     StepPolynomial,
@@ -20,8 +17,6 @@ from driftproof.symbolic.derivation.one_step import (
     numerator_and_denominator,
     trace,
 )
-
-STEPS = sympy.Symbol("n", integer=True)
 
 
 def phase_per_step(m: DomainMatrix) -> sympy.Expr:
@@ -61,31 +56,3 @@ def leading_term(series: StepPolynomial) -> tuple[int, Any] | None:
         return None
     (power,) = min(series.monoms())
     return power, series.coeff(H**power)
-
-
-def sine_series(terms: int) -> StepPolynomial:
-    """sin h modulo h**terms, in Q[h]."""
-    return _exponential_part(terms, 1)
-
-
-def cosine_series(terms: int) -> StepPolynomial:
-    """cos h modulo h**terms, in Q[h]."""
-    return _exponential_part(terms, 0)
-
-
-def closed_form(m: DomainMatrix) -> sympy.ImmutableMatrix:
-    """Mⁿ = ρⁿ⁻¹ (sin(nθ) M - ρ sin((n-1)θ) I) / sin θ, with ρ = sqrt(det M): entries in the symbols h and n.
-
-    It holds wherever the two roots are complex, so that 0 < θ < π, by the Cayley-Hamilton theorem and induction on n.
-    """
-    rho, theta = sympy.sqrt(expression(determinant(m))), phase_per_step(m)
-    turned = sympy.sin(STEPS * theta) * as_matrix(m) - rho * sympy.sin((STEPS - 1) * theta) * sympy.eye(2)
-    return sympy.ImmutableMatrix(rho ** (STEPS - 1) * turned / sympy.sin(theta))
-
-
-def _exponential_part(terms: int, start: int) -> StepPolynomial:
-    total = RING.zero
-    for power in range(start, terms, 2):
-        sign = -1 if power % 4 >= 2 else 1
-        total += H**power * QQ(sign, int(sympy.factorial(power)))
-    return total

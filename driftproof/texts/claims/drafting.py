@@ -42,7 +42,7 @@ _HEADER = """\
 # A number that looks like a value need not mean that value: read each claim. Numbers that look like no value, or
 # hardly like one, are comments: ask for the value (`driftproof value --help` shows how), or say why the number is
 # given. What the text chooses, as in h = 0.1, is marked as given. If the text solves a problem of its own, say which
-# one, and its numbers are drafted as well; the option may be repeated:
+# one if it is not read from the text, and its numbers are drafted as well; the option may be repeated:
 # --ask "run heun2 y'=-y, y(0)=1, h=0.1, t=1 : {{y,exact.y,error}}"
 """
 
@@ -106,6 +106,10 @@ def draft(document: Document, name: str, asked: Iterable[str] = ()) -> str:
     members = [member for member in members if member.number.start not in code or member.strong]
     fences = sorted({0, len(text), *(number.start for number in left_out), *(number.end for number in left_out)})
     drafted, covered, ids = [_HEADER.format(name=" ".join(name.split()))], set[int](), Counter[str]()
+    if suggestions.stated:
+        drafted.append(
+            "".join(["# Read from the text:\n", *(f"# --ask {_quoted(one)}\n" for one in suggestions.stated)])
+        )
     for *room, group in _uncovered(text, [*_groups(text, members, fences)], fences, covered):
         if len(drafted) > MOST_CLAIMS:
             raise ValueError(f"claims for more than {MOST_CLAIMS} groups of numbers are not drafted")

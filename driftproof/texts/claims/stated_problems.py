@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import re
 import unicodedata
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Collection, Iterator
+from contextlib import suppress
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import pairwise
@@ -13,6 +14,8 @@ from driftproof.methods.catalogue import METHODS
 from driftproof.methods.field_text import rate_of_text
 from driftproof.methods.vector_fields import FUNCTIONS
 from driftproof.texts.claims.contradictions import methods_named
+from driftproof.texts.questions.errors import QuestionError
+from driftproof.texts.questions.parser import parse_question
 from driftproof.texts.readers.numbers import TextNumber, numbers_in
 
 # Limits that keep this to some hundred questions about runs of some hundred steps: seconds.
@@ -51,18 +54,24 @@ class _Problem:
         if None in starts.values():
             return None
         given = [f"{name}(0)={start}" for name, start in starts.items()]
-        return ", ".join([*(f"{name}'={rate}" for name, rate in self.rates.items()), *given])
+        found = ", ".join([*(f"{name}'={rate}" for name, rate in self.rates.items()), *given])
+        with suppress(QuestionError):
+            parse_question(f"exact {found}, t=1 : {next(iter(self.rates))}")
+            return found
+        return None
 
     def _start(self, name: str, index: int) -> str | None:
         """What the text says that the unknown is at first: at 0, "at rest", in a list of all, or near the equations."""
-        part, n, velocity = _ascii(self.part), len(self.rates), name in self.rates.values()
-        tuples = [rf"\(({_VALUE})" + rf", ?({_VALUE})" * (n - 1) + r"\)"] if n > 1 else []
-        for pattern in (rf"(?<![\w']){name}(?:_0| ?\(0(?:\.0)?\)) ?= ?({_VALUE})", *tuples):
-            if found := re.search(pattern, part):
-                return _start_of(found[index + 1 if pattern in tuples else 1])
+        part, n = _ascii(self.part), len(self.rates)
         near = part[: part.rindex("'") + _NEAR] if "'" in part else part[:_NEAR]
-        found = re.search(rf"(?<![\w'(]){name} ?= ?({_VALUE})", near)
-        return "0" if velocity and re.search(r"\b(?:at|from) rest\b", part) else found and _start_of(found[1])
+        at_zero = re.search(rf"(?<![\w']){name}(?:_0| ?\(0(?:\.0)?\)) ?= ?({_VALUE})", part)
+        if not at_zero and name in self.rates.values() and re.search(r"\b(?:at|from) rest\b", part):
+            return "0"
+        of_all = rf"(?:\b(?:from|at|in)|=) ?\(({_VALUE})" + rf", ?({_VALUE})" * (n - 1) + r"\)"
+        if n > 1 and not at_zero and (found := re.search(of_all, part)):
+            return _start_of(found[index + 1])
+        found = at_zero or re.search(rf"(?<![\w'(]){name} ?= ?({_VALUE})", near)
+        return _start_of(found[1]) if found else None
 
 
 def _start_of(spelled: str) -> str:
@@ -127,7 +136,7 @@ def _questions(problem: _Problem, equations: str, text: str, column_of: Callable
     if "explicit" in text.lower() and "implicit" not in text.lower():
         spoken -= {key for key in METHODS if key.startswith("implicit")}  # of what midpoint may mean
     methods = ",".join([key for key in METHODS if key in spoken][:_MOST_METHODS])
-    if ends := ",".join(map(str, times[-_MOST_TIMES:])):
+    if ends := ",".join(map(_shown, times[-_MOST_TIMES:])):
         yield f"exact {equations}, t={{{ends}}} : {{{','.join(problem.rates)}}}"
     read = [*problem.rates, "error"] + ["relative_error"] * ("%" in part or "relative" in part)
     read += ["evaluations"] * bool(re.search("evaluation|calls", part))
@@ -137,15 +146,23 @@ def _questions(problem: _Problem, equations: str, text: str, column_of: Callable
         if fitting := fitting[-_MOST_TIMES:]:
             left -= int(fitting[-1] / h)
             runs.append((h, fitting))
-            ends = ",".join(map(str, fitting))
-            yield f"run {{{methods}}} {equations}, h={{{h}}}, t={{{ends}}} : {{{','.join(read)}}}"
+            ends = ",".join(map(_shown, fitting))
+            yield f"run {{{methods}}} {equations}, h={{{_shown(h)}}}, t={{{ends}}} : {{{','.join(read)}}}"
             if re.search(r"k_?1\b", part):
                 slopes = ",".join(f"k{i}.{name}" for i in (1, 2, 3, 4) for name in problem.rates)
-                yield f"step {{{methods}}} {equations}, h={{{h}}} : {{{slopes}}}"
+                yield f"step {{{methods}}} {equations}, h={{{_shown(h)}}} : {{{slopes}}}"
     for (h, fitting), (shorter, also) in pairwise(runs) if re.search("factor|ratio|times as", part) else ():
-        if ends := ",".join(str(t) for t in fitting if t in also):
-            pair = (f"run {{{methods}}} {equations}, h={x}, t={{{ends}}} : error" for x in (f"{{{h}}}", shorter))
+        if ends := ",".join(_shown(t) for t in fitting if t in also):
+            pair = (
+                f"run {{{methods}}} {equations}, h={x}, t={{{ends}}} : error"
+                for x in (f"{{{_shown(h)}}}", _shown(shorter))
+            )
             yield f"ratio({', '.join(pair)})"
+
+
+def _shown(x: Fraction) -> str:
+    """A decimal that is the number, if it is short, else a fraction."""
+    return f"{float(x):g}" if Fraction(f"{float(x):g}") == x else str(x)
 
 
 def _listed(pattern: re.Pattern[str], text: str) -> list[Fraction]:
@@ -154,15 +171,17 @@ def _listed(pattern: re.Pattern[str], text: str) -> list[Fraction]:
     return [Fraction(x) for one in lists for x in re.findall(_NUMBER, one) if len(x) < 20]
 
 
-def _rate(raw: str, names: Iterable[str], text: str) -> str | None:
+def _rate(raw: str, names: Collection[str], text: str) -> str | None:
     """The longest beginning of `raw` that is a rate in the names, others replaced by what the text says they are."""
-    raw = _plain(_ascii(_first(raw)))
+    raw = re.sub(rf"\b({'|'.join(names)}) ?\(t\)", r"\1", _ascii(_first(raw)))  # y(t)
+    raw = _plain(raw)
     for end in sorted({len(raw), *(match.start() for match in re.finditer(r"[\s.]", raw))}, reverse=True):
         try:
             written = _WORD.sub(lambda match: _meant(match[0], [*names], text), raw[:end].strip(" .\n"))
             rate_of_text(written, dict.fromkeys(names, "y0"))
         except (ValueError, LookupError):
             continue
+        written = re.sub(rf"\b({'|'.join(names)}|t) ?\(", r"\1*(", written)  # p(1 - p) is no start of p
         return re.sub(r"\s+", " ", written)
     return None
 
@@ -177,7 +196,7 @@ def _meant(word: str, names: list[str], text: str) -> str:
     written = found and (found[1] or _rate(found[2], names, ""))
     if not written:
         raise LookupError(word)
-    return f"({written})"
+    return written if written[0].isdigit() and found[1] else f"({written})"
 
 
 def _first(rate: str) -> str:

@@ -185,11 +185,11 @@ def _problem_answer(context: QueryContext, method: Method | None, h: Fraction, t
         else:
             problem = problems.problem_of_rates([rate.text for rate in query.rates], query.unknowns)
         try:
-            entries = (x if isinstance(x, Fraction) else _entry(x) for x in query.start or ())
-            start = tuple(entries) if query.start else None
+            given = query.start or ()
+            start: tuple[CertifiableReal, ...] = tuple(_entry(x) if isinstance(x, str) else x for x in given)
         except QuestionError as error:
             raise context.error(None, f"start {error.text}: {error.reason}") from None
-        run = problems.problem_run(method, problem, start, h, t)
+        run = problems.problem_run(method, problem, start or None, h, t)
     with context.refused(query.readout):
         return context.readout(problems.problem_readouts(run, problem[2]))(run)
 

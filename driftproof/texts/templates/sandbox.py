@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterator
+from os.path import realpath
 from pathlib import Path
 from types import MethodType
 from typing import Any, NamedTuple
@@ -66,7 +67,7 @@ class FolderLoader(BaseLoader):
     def get_source(self, environment: Environment, template: str) -> tuple[str, str, None]:
         """Read a template. Raises Refusal for a path out of the folder, ValueError if the file is not UTF-8."""
         path = self.folder / template
-        if template != self.template and not path.resolve().is_relative_to(self.folder.resolve()):
+        if template != self.template and not Path(realpath(path)).is_relative_to(realpath(self.folder)):
             raise Refusal(f"{template[:60]!r} lies outside the folder of the template")
         if not path.is_file():
             raise TemplateNotFound(template)

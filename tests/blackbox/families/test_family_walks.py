@@ -1,5 +1,7 @@
 """Rosenbrock and IMEX steps far from home: right codes pass there, and what is wrong there alone is caught."""
 
+import re
+
 import numpy as np
 import pytest
 from flint import ctx
@@ -72,8 +74,8 @@ def test_right_codes_are_right_everywhere_and_the_report_says_where(key, step):
     report = verify(step, key, isolate=False)
     assert report.passed, report.text()
     (line,) = report.section("Steps: passed").lines
-    walks = "5 runs of 4 steps, each from the end of the previous one, then one from another state, with 1,"
-    assert line.startswith(walks)
+    walks = r"\d+ runs, each step from the end of the previous one, the last from another state, with 1 to 7, 9, 13 "
+    assert re.match(walks, line)
 
 
 def test_derivatives_are_those_of_the_problem_to_the_last_bit():

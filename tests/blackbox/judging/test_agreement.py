@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from driftproof.blackbox.findings import UnsupportedCall
-from driftproof.blackbox.judging.agreement import agreement, rows_together, steps_back
+from driftproof.blackbox.judging.agreement import agreement, several_together, steps_back
 from driftproof.blackbox.judging.measured_order import measured_orders
 from driftproof.blackbox.judging.nonlinear_step import nonlinear_agreement
 from driftproof.blackbox.judging.single_mistakes import single_mistakes
@@ -49,7 +49,7 @@ def test_a_cap_is_not_met_in_a_domain_that_ends_before_it():
 def test_states_in_rows_are_numbers_of_the_format_in_every_domain(array, largest):
     subject = opened(lambda q, v, h: (q + h * v, v - h * q), array=array)
     narrow = Specification(METHODS["forward_euler"], domain=Domain(largest_state=largest))
-    passed, words, _ = rows_together(subject, narrow)
+    passed, words, _ = several_together(subject, narrow)
     assert passed, words
 
 
@@ -114,7 +114,7 @@ def test_all_that_is_asked_and_said_of_steps_is_as_before(name, array, as_before
     found = agreement(subject, wanted, FEW)
     said = [*found.lines, found.data, str(asked), tuple(steps_back(subject, wanted))]
     with suppress(UnsupportedCall):
-        said.append(tuple(rows_together(subject, wanted)))
+        said.append(tuple(several_together(subject, wanted)))
     if step is codes.rk4:
         said += [single_mistakes(subject, METHODS["rk38"]), *map(attrgetter("words"), measured_orders(subject))]
         said += [nonlinear_agreement(subject, Specification(METHODS[other])) for other in ("rk4", "rk38")]

@@ -18,6 +18,7 @@ from driftproof.numeric.work_precision.curves import Curve, Point, curve_of
 from driftproof.numeric.work_precision.timing import Timing
 from driftproof.numeric.work_precision.verdicts import Priced, dominators
 from driftproof.reports.work_precision.report import (
+    csv_text,
     goal_rows,
     order_rows,
     priced,
@@ -110,6 +111,28 @@ def test_json_and_csv_hold_every_point(tmp_path: Path) -> None:
     assert all(timing["samples"] for timing in some(times["timings"].values()))
     assert times["question"]["machine"]
     assert "numpy" in times["question"]["versions"]
+
+
+def test_every_cell_of_a_row_stands_below_its_name_and_the_head_says_how_exact_the_reference_is() -> None:
+    """An ensemble's call integrates 512 states; the quartiles of 1, 2 and 4 ms are 1.5 and 3."""
+    point, none = Point("8", 8, {"state": Size(0.1, 0.2)}, 1e-9, steps=8), Point("16", None, remark="over", steps=16)
+    timings = {"a | python | 8": Timing(1, [4e-3, 1e-3, 2e-3]), "a | ensemble | 8": Timing(1, [1.024])}
+    found = Measured({"a": Curve("a", "A", 1, [point, none])}, timings, {}, {"a | compiled": "why"})
+    sizes = "state_final,state_largest,energy_final,energy_largest,phase_final,phase_largest"
+    costs = [f"{kind}_{what}" for kind in ("python", "ensemble") for what in ("minimum", "median", "spread")]
+    assert csv_text(found).splitlines() == [
+        f"curve,setting,evaluations,{sizes},doubt,remark,{','.join(costs)}",
+        "a,8,8,0.1,0.2,,,,,1e-09,,0.001,0.002,0.75,0.002,0.002,",
+        "a,16,,,,,,,,0.0,over,,,,,,",
+    ]
+    head, remarks = (study_text(study("rk4"), found).split("\n\n")[i] for i in (1, -1))
+    assert head.splitlines() == [
+        "Reference exact: (cos t, -sin t), in ball arithmetic",
+        "Half a unit of its last digits: 7.1e-21",
+        "Rounding floor of the state, u |y(t)|: 1.1e-16",
+    ]
+    assert remarks.startswith("a at N = 16: over\nno times (compiled) for a: why\nTimes are the least")
+    assert "half of the spreads are below 75 %" in remarks
 
 
 def test_timing_of_no_sample_is_an_infinite_cost_and_a_kind_never_called_none() -> None:

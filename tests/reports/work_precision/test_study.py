@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+from itertools import cycle
 from pathlib import Path
 
 import pytest
@@ -11,7 +12,7 @@ import pytest
 from driftproof.methods.catalogue import METHODS
 from driftproof.numeric.problems.linear import HARMONIC
 from driftproof.numeric.work_precision import curves, integrators
-from driftproof.numeric.work_precision.timing import ROUNDS
+from driftproof.numeric.work_precision.timing import ROUNDS, Timing
 from driftproof.reports.work_precision import study as work_precision
 from driftproof.reports.work_precision.report import errors_json, study_text, write_study
 from driftproof.reports.work_precision.study import Study, measure, state_remark
@@ -128,6 +129,17 @@ def test_points_over_the_limit_are_marked_and_not_timed() -> None:
     assert found.timings
     assert all("over 0.0001 s" in timing.remark and not timing.samples for timing in found.timings.values())
     assert "not timed: gauss2 (Python) at 8" in study_text(asked, found)
+
+
+def test_what_a_point_takes_is_guessed_from_the_one_before(monkeypatch: pytest.MonkeyPatch) -> None:
+    """As many times as long as it has steps: 0.03 s for 16 are 0.06 s for 32, which is not begun, and 0.12 s for 64."""
+    taken = cycle((0.021, 0.03))
+    monkeypatch.setattr(work_precision, "_warm_up", lambda *_: 0.02)
+    monkeypatch.setattr(work_precision, "started", lambda call: (Timing(1, [0.0]), next(taken)))
+    found = measure(study("rk4", limit=0.05), None, unheard)
+    for kind in ("python", "ensemble"):
+        remarks = [found.timings[f"rk4 | {kind} | {steps}"].remark for steps in (8, 16, 32, 64)]
+        assert remarks == ["", "", "about 0.06 s, over 0.05 s", "about 0.12 s, over 0.05 s"]
 
 
 def test_methods_that_tell_their_error_also_choose_their_steps() -> None:

@@ -13,7 +13,6 @@ from driftproof.methods.schemes import RungeKutta, Splitting
 from driftproof.symbolic.derivation.energy import (
     EnergyForm,
     StateDependentEnergy,
-    definiteness,
     energy_after,
     energy_change,
     energy_multiplier,
@@ -105,9 +104,3 @@ def test_every_consistent_splitting_conserves_a_quadratic_that_becomes_the_energ
 def test_invariant_is_refused_unless_it_is_one_that_becomes_the_energy(rows: Any, reason: str) -> None:
     with pytest.raises(ValueError, match=reason):
         invariant_quadratic(matrix(rows))
-
-
-def test_definiteness_of_symplectic_euler_is_one_minus_a_quarter_h_squared() -> None:
-    invariant = invariant_quadratic(one_step_matrix(NINE["symplectic_euler"]))
-    assert definiteness(invariant) == 1 - H**2 / 4
-    assert definiteness(EnergyForm(RING.one, 2 * RING.one, RING.one)) == 0

@@ -1,30 +1,20 @@
-"""Phase per step and powers in closed form: against published coefficients, mpmath and squaring."""
+"""Phase per step: its series against its closed form, enclosed, and against published coefficients."""
 
 from __future__ import annotations
 
 from fractions import Fraction as Q
-from math import factorial
 
 import pytest
 import sympy
-from flint import arb, ctx
-from hypothesis import given
-from hypothesis import strategies as st
 
 from driftproof.symbolic.algebra.certified import enclose, is_less
 from driftproof.symbolic.derivation.expression_balls import enclose_expression
-from driftproof.symbolic.derivation.one_step import RING, H, at_rational, matrix, matrix_at, one_step_matrix, rational
+from driftproof.symbolic.derivation.one_step import RING, H, at_rational, matrix, one_step_matrix, rational
 from driftproof.symbolic.derivation.phase import (
-    STEPS,
-    closed_form,
-    cosine_series,
     leading_term,
     phase_error_series,
     phase_per_step,
-    sine_series,
 )
-from driftproof.symbolic.runs import power
-from tests.looping import exactly
 from tests.nine import NINE
 
 TERMS = 9
@@ -71,39 +61,6 @@ def test_forward_euler_turns_by_the_arctangent() -> None:
 def test_phase_series_of_an_inconsistent_step_is_refused(rows: list[list[object]]) -> None:
     with pytest.raises(ValueError, match="does not turn by an angle h"):
         phase_error_series(matrix(rows), TERMS)
-
-
-@pytest.mark.parametrize("key", NINE)
-@pytest.mark.parametrize("n", [0, 1, 7, 100])
-def test_closed_form_is_the_power(key: str, n: int) -> None:
-    m, h = one_step_matrix(NINE[key]), Q(1, 2)
-    exact = power(matrix_at(m, h), n)
-    assert all(_encloses(form, x) for form, x in exactly(4, zip(_closed(key, n), exact, strict=True)))
-
-
-def test_closed_form_notices_one_step_too_few() -> None:
-    exact = power(matrix_at(one_step_matrix(NINE["rk4"]), Q(1, 2)), 7)
-    assert not all(_encloses(form, x) for form, x in zip(_closed("rk4", 6), exact, strict=True))
-
-
-def _closed(key: str, n: int) -> list[sympy.Expr]:
-    form = closed_form(one_step_matrix(NINE[key]))
-    return list(form.subs({STEPS: n, sympy.Symbol("h"): sympy.Rational(1, 2)}))
-
-
-def _encloses(form: sympy.Expr, x: Q) -> bool:
-    """The two agree to 10^-40, certified. A tie of both cannot be decided by balls, so a distance is."""
-    with ctx.workprec(300):
-        return bool(abs(enclose_expression(form) - enclose(Q(x))) < arb(10) ** -40)
-
-
-@given(st.integers(1, 20))
-def test_sine_and_cosine_series_have_their_factorials_and_stop_in_time(terms: int) -> None:
-    s, c = sine_series(terms), cosine_series(terms)
-    for k in range(terms):
-        sign, series = (-1) ** (k // 2), (s if k % 2 else c)
-        assert series.coeff(H**k) == rational(Q(sign, factorial(k)))
-    assert max(s.degree(), c.degree()) <= max(terms - 1, 0)
 
 
 def test_leading_term_is_the_lowest_and_zero_has_none() -> None:

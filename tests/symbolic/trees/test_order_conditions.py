@@ -14,7 +14,6 @@ from hypothesis import given
 from driftproof import strategies
 from driftproof.methods.number_field import Exact, square_root
 from driftproof.methods.schemes import Collocation, RungeKutta
-from driftproof.symbolic.derivation.convergence import local_error
 from driftproof.symbolic.derivation.one_step import one_step_matrix
 from driftproof.symbolic.trees.order_conditions import (
     elementary_weight,
@@ -27,6 +26,7 @@ from driftproof.symbolic.trees.order_conditions import (
     simplifying_assumptions,
 )
 from driftproof.symbolic.trees.rooted_trees import Tree, density, rooted_trees, vertices
+from proofs.derivations.convergence import local_error
 from tests.looping import exactly, some
 from tests.methods.tables.entries import entry
 from tests.witnesses.trees import symmetry

@@ -34,6 +34,7 @@ HOSTILE = [
     ("{% include '../secret' %}", 4, "'../secret' lies outside the folder of the template"),
     ("{% include '/etc/passwd' %}", 4, "'/etc/passwd' lies outside the folder of the template"),
     ("{% include 'link' %}", 4, "'link' lies outside the folder of the template"),
+    ("{% include 'circle' %}", 4, "no template 'circle' is in the folder of this one"),
     ("{% include 'none' %}", 4, "no template 'none' is in the folder of this one"),
     ("{% include 't.j2' %}", 4, "nested too deeply, or a template includes itself"),
 ]  # fmt: skip
@@ -43,6 +44,7 @@ HOSTILE = [
 def test_template_reaches_nothing_but_what_it_is_given(template, column, reason, become, tmp_path):
     (tmp_path.parent / "secret").write_text("secret", encoding="utf-8")
     (tmp_path / "link").symlink_to(tmp_path.parent / "secret")
+    (tmp_path / "circle").symlink_to("circle")
     with pytest.raises(TemplateProblem) as raised:
         become(template)
     assert str(raised.value).startswith(f"t.j2, line 1, column {column}: ")

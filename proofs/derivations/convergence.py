@@ -1,23 +1,34 @@
-"""The error of one step, and at a fixed final time, as h goes to 0: orders and exact leading coefficients."""
+"""Powers of M in closed form, and the error of one step, and at a fixed final time, as h goes to 0."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
 import sympy
+from sympy import QQ
 from sympy.polys.matrices import DomainMatrix
 
-from driftproof.symbolic.derivation.one_step import RING, H, entries, matrix
-from driftproof.symbolic.derivation.phase import cosine_series, leading_term, sine_series
+from driftproof.symbolic.derivation.formulas import as_matrix
+from driftproof.symbolic.derivation.one_step import RING, H, StepPolynomial, determinant, entries, expression, matrix
+from driftproof.symbolic.derivation.phase import leading_term, phase_per_step
 
 J = sympy.ImmutableMatrix([[0, 1], [-1, 0]])
 FINAL_TIME = sympy.Symbol("T")
+STEPS = sympy.Symbol("n", integer=True)
 
 
 def exact_flow_series(terms: int) -> DomainMatrix:
     """exp(hJ) = [[cos h, sin h], [-sin h, cos h]] modulo h**terms, over Q[h]."""
-    c, s = cosine_series(terms), sine_series(terms)
+    c, s = _exponential_part(terms, 0), _exponential_part(terms, 1)
     return matrix([[c, s], [-s, c]])
+
+
+def _exponential_part(terms: int, start: int) -> StepPolynomial:
+    total = RING.zero
+    for power in range(start, terms, 2):
+        sign = -1 if power % 4 >= 2 else 1
+        total += H**power * QQ(sign, int(sympy.factorial(power)))
+    return total
 
 
 def rotation(angle: sympy.Expr) -> sympy.ImmutableMatrix:
@@ -61,3 +72,13 @@ def global_error_coefficient(local: LocalError) -> sympy.ImmutableMatrix:
     conjugated = J * c * J  # = -c on the commuting part, +c on the anticommuting part
     commuting, anticommuting = (c - conjugated) / 2, (c + conjugated) / 2
     return sympy.ImmutableMatrix(FINAL_TIME * rotation(FINAL_TIME) * commuting + sympy.sin(FINAL_TIME) * anticommuting)
+
+
+def closed_form(m: DomainMatrix) -> sympy.ImmutableMatrix:
+    """Mⁿ = ρⁿ⁻¹ (sin(nθ) M - ρ sin((n-1)θ) I) / sin θ, with ρ = sqrt(det M): entries in the symbols h and n.
+
+    It holds wherever the two roots are complex, so that 0 < θ < π, by the Cayley-Hamilton theorem and induction on n.
+    """
+    rho, theta = sympy.sqrt(expression(determinant(m))), phase_per_step(m)
+    turned = sympy.sin(STEPS * theta) * as_matrix(m) - rho * sympy.sin((STEPS - 1) * theta) * sympy.eye(2)
+    return sympy.ImmutableMatrix(rho ** (STEPS - 1) * turned / sympy.sin(theta))

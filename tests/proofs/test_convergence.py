@@ -1,8 +1,9 @@
-"""Local and global error coefficients against what exact runs really do as h goes to 0, in balls."""
+"""Powers of M, and local and global error coefficients, against what exact runs do as h goes to 0, in balls."""
 
 from __future__ import annotations
 
 from fractions import Fraction as Q
+from math import factorial
 from typing import Any
 
 import pytest
@@ -12,18 +13,21 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from driftproof.symbolic.algebra.certified import enclose
-from driftproof.symbolic.derivation.convergence import (
+from driftproof.symbolic.derivation.expression_balls import enclose_expression
+from driftproof.symbolic.derivation.one_step import H, entries, matrix, matrix_at, one_step_matrix, rational
+from driftproof.symbolic.runs import as_balls, power
+from proofs.derivations.convergence import (
     FINAL_TIME,
+    STEPS,
     J,
     LocalError,
+    closed_form,
     exact_flow_series,
     global_error_coefficient,
     local_error,
     rotation,
 )
-from driftproof.symbolic.derivation.expression_balls import enclose_expression
-from driftproof.symbolic.derivation.one_step import H, entries, matrix, matrix_at, one_step_matrix
-from driftproof.symbolic.runs import as_balls, power
+from tests.looping import exactly
 from tests.nine import NINE
 
 PRECISION = 400
@@ -128,3 +132,36 @@ def test_global_coefficient_satisfies_the_variational_equation() -> None:
     assert coefficient.diff(FINAL_TIME) - J * coefficient - rotation(FINAL_TIME) * c != sympy.zeros(
         2, 2
     )  # C does not commute with J
+
+
+@pytest.mark.parametrize("key", NINE)
+@pytest.mark.parametrize("n", [0, 1, 7, 100])
+def test_closed_form_is_the_power(key: str, n: int) -> None:
+    m, h = one_step_matrix(NINE[key]), Q(1, 2)
+    exact = power(matrix_at(m, h), n)
+    assert all(_encloses(form, x) for form, x in exactly(4, zip(_closed(key, n), exact, strict=True)))
+
+
+def test_closed_form_notices_one_step_too_few() -> None:
+    exact = power(matrix_at(one_step_matrix(NINE["rk4"]), Q(1, 2)), 7)
+    assert not all(_encloses(form, x) for form, x in zip(_closed("rk4", 6), exact, strict=True))
+
+
+def _closed(key: str, n: int) -> list[sympy.Expr]:
+    form = closed_form(one_step_matrix(NINE[key]))
+    return list(form.subs({STEPS: n, sympy.Symbol("h"): sympy.Rational(1, 2)}))
+
+
+def _encloses(form: sympy.Expr, x: Q) -> bool:
+    """The two agree to 10^-40, certified. A tie of both cannot be decided by balls, so a distance is."""
+    with ctx.workprec(300):
+        return bool(abs(enclose_expression(form) - enclose(Q(x))) < arb(10) ** -40)
+
+
+@given(st.integers(1, 20))
+def test_sine_and_cosine_of_the_exact_flow_have_their_factorials_and_stop_in_time(terms: int) -> None:
+    c, s = entries(exact_flow_series(terms))[:2]
+    for k in range(terms):
+        sign, series = (-1) ** (k // 2), (s if k % 2 else c)
+        assert series.coeff(H**k) == rational(Q(sign, factorial(k)))
+    assert max(s.degree(), c.degree()) <= max(terms - 1, 0)

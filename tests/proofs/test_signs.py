@@ -10,7 +10,7 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from driftproof.symbolic.derivation.one_step import RING, H, rational
-from driftproof.symbolic.derivation.signs import in_square_of_h, is_positive_between, roots_between
+from proofs.derivations.signs import in_square_of_h, is_positive_between, roots_between
 
 ROOTS = st.lists(st.fractions(-5, 5, max_denominator=6), max_size=5)
 ENDS = st.none() | st.fractions(-6, 6, max_denominator=6)

@@ -6,7 +6,7 @@ import pytest
 import sympy
 
 from driftproof.symbolic.derivation.one_step import entries, expression, one_step_matrix
-from driftproof.symbolic.derivation.physical import Spring, one_step_with_frequency
+from proofs.derivations.physical import Spring, one_step_with_frequency
 from tests.nine import NINE
 
 m, k, L, x, u, h = sympy.symbols("m k L x u h", positive=True)

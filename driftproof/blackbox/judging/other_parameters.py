@@ -1,0 +1,129 @@
+"""Comparison of steps with another mass, stiffness or frequency; parameters left at their defaults are named."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+from itertools import product
+from typing import Any, NamedTuple
+
+from driftproof.blackbox.findings import Misbehaviour, StepFinding, UnsupportedCall, WrongShape
+from driftproof.blackbox.judging.agreement import ordinary_arguments
+from driftproof.blackbox.judging.specification import Specification
+from driftproof.blackbox.judging.tolerance import Tolerance
+from driftproof.blackbox.stepper.calling_conventions import (
+    FORCE,
+    MAP,
+    MASSES,
+    MOMENTA,
+    STIFFNESSES,
+    UNIT_PARAMETERS,
+    parameters_of,
+    word_of,
+)
+from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
+
+
+def other_parameters(subject: ForeignStepper, wanted: Specification) -> StepFinding:
+    """Compare steps with another mass, stiffness or frequency with M(h), and return as `steps_back` does.
+
+    The answer is None if it has none of these; its words then name the parameters that were left at their defaults.
+    Raises UnsupportedCall if it has no further parameters at all.
+    """
+    tolerance, (states, steps) = Tolerance.of(wanted, subject.format), ordinary_arguments(subject, wanted.domain)
+    known = {*subject.convention.extra, *subject.adapter.parameters}
+    left = [name for name in _optional(subject) if name not in known]
+    held = list[str]()
+    for readings in _with_other_parameters(subject):
+        wrong = list[str]()
+        for values, changed, rate, scale in readings:
+            left = [name for name in left if name not in values]
+            try:
+                wrong.append(_off_with_parameters(changed, tolerance, states, steps, rate, scale))
+            except WrongShape as lost:
+                return StepFinding(False, str(lost))
+            except Misbehaviour:  # such as whole numbers that are refused
+                continue
+        shown = ", ".join(f"{name} = {x:g}" for name, x in readings[0].values.items())
+        if wrong and all(wrong):
+            rate = readings[0].rate
+            system = f"-{f'{rate**2:g} ' * (rate != 1)}q"
+            return StepFinding(False, f"with {shown} its step of q'' = {system} is wrong: {wrong[0]}")
+        held += [f"{len(steps) * len(states)} steps with {shown} within the bound"] * bool(wrong)
+    unseen = [f"{', '.join(left)} left at the default"] * bool(left)
+    if not held and not unseen:
+        raise UnsupportedCall("its oscillator has no frequency or stiffness among its parameters")
+    return StepFinding(True if held else None, "; ".join([*held, *unseen]))
+
+
+class _Reading(NamedTuple):
+    """A stepper with other parameters, as a step of q'' = -rate² q that takes `scale` times the velocity over rate."""
+
+    values: Mapping[str, float]
+    subject: ForeignStepper
+    rate: float
+    scale: float
+
+
+def _off_with_parameters(
+    subject: ForeignStepper, tolerance: Tolerance, states: Sequence[tuple[float, float]], steps: Sequence[float],
+    rate: float, scale: float,
+) -> str:  # fmt: skip
+    """The first step of q'' = -rate² q by h/rate that is not M(h), in words; "" if there is none."""
+    for (q, v), h in product(states, steps):
+        q1, v1 = subject.step(q, scale * v, h / rate)
+        if not all(component.allowed for component in tolerance.judge(q, v, h, (q1, v1 / scale))):
+            return f"from {(q, scale * v)} with h = {h / rate!r} it goes to {(q1, v1)}"
+    return ""
+
+
+def _optional(subject: ForeignStepper) -> dict[str, Any]:
+    """The parameters with a default, by name, without those that are passed."""
+    parameters = (parameters_of(subject.function) or {}).values()
+    return {
+        p.name: p.default for p in parameters if p.default is not p.empty and p.name not in subject.convention.names
+    }
+
+
+def _is_one(x: Any) -> bool:
+    return type(x) in (int, float) and bool(x == 1)
+
+
+def _with_other_parameters(subject: ForeignStepper) -> Iterator[list[_Reading]]:
+    """Yield for each set of parameters what the step may be with it: one of these has to be right.
+
+    A mass alone may be a label, and what is called a momentum may be a velocity. A parameter with a default of 1 is one
+    of the oscillator if its name says so.
+    """
+    found, adapter = subject.convention, subject.adapter
+    ones = [name for name, x in _optional(subject).items() if _is_one(x) and (type(x) is float or len(name) > 1)]
+    given = {name: word_of(name) for name in (*found.extra, *adapter.parameters, *ones)}
+    masses = [name for name, word in given.items() if word in MASSES]
+    others = {name: word for name, word in given.items() if word in UNIT_PARAMETERS and name not in masses}
+    momentum = bool({*found.names} & {*MOMENTA} and masses)
+
+    def reading(values: Mapping[str, float], rate: float, scale: float, factor: float = 1.0) -> _Reading:
+        held = {name: x for name, x in values.items() if name in adapter.parameters}
+        extra = {**found.extra, **{name: x for name, x in values.items() if name not in held}}
+        convention = replace(found, extra=extra, factor=factor * found.factor)
+        changed = adapter.with_parameters(held) if held and adapter.with_parameters else adapter
+        return _Reading(values, replace(subject, convention=convention, adapter=changed), rate, scale)
+
+    if found.kind == FORCE and masses:
+        if masses[0] in found.extra:
+            mass = found.extra[masses[0]] / 4
+            convention = replace(found.scaled(masses, 0.25) or found, momentum=1.0 if found.momentum == 1 else mass)
+            yield [_Reading({masses[0]: mass}, replace(subject, convention=convention), 1.0, 1.0)]
+        else:
+            yield [reading({masses[0]: 2.0}, 1.0, 1.0, factor) for factor in (2.0, 1.0)]
+    elif found.kind == MAP and (masses or others):
+        mass, rates = (1.0 + bool(masses), (2.0,)) if others else (4.0, (0.5, 1.0))
+        values = dict.fromkeys(masses, mass) | {
+            x: 4 * mass if word in STIFFNESSES else 2.0 for x, word in others.items()
+        }
+        scales = [(rate, rate * m) for rate in rates for m in (1.0, *[mass] * momentum)]
+        yield [reading(values, *each) for each in scales]
+        if masses and {*others.values()} <= {*STIFFNESSES}:  # whole numbers, whose quotient is 1/4
+            heavy, rates = (8, (0.5,)) if others else (4, rates)
+            whole = dict.fromkeys(masses, heavy) | dict.fromkeys(others, 2)
+            yield [reading(whole, rate, rate * m) for rate in rates for m in (1.0, *[heavy] * momentum)]
