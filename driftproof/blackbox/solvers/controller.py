@@ -23,8 +23,8 @@ from driftproof.methods.schemes import RungeKutta
 # The error estimate of a step of size h from the slopes k of its stages.
 _Estimate: TypeAlias = Callable[[Sequence[float], float], float]
 # The span of the run: bumps and jumps at every unit of time make some hundred steps, some of them rejected.
-_SPAN, _WIDTH = (0.0, 8.0), 12.0
-_SHORTER = (0.0, 3.0)  # with a wrong stage the estimate may be O(h^2), and take some thousand steps
+# The shorter span is for estimates with a wrong stage, O(h^2), which take some thousand steps.
+_SPAN, _SHORTER, _WIDTH = (0.0, 8.0), (0.0, 3.0), 12.0
 # |y| stays below 1, so that rtol changes the scale of errors by less than one part in 10^6. The larger atol is for
 # methods of low order, which take too many steps at the smaller one.
 _RTOL, _ATOL, _LARGER_ATOL = 1e-13, 1e-7, 1e-4
@@ -170,9 +170,8 @@ def _elsewhere(subject: ForeignSolver, steps: SolverSteps, law: Law, estimate: _
     rate: StageRate = lambda t, y: [bumps(t) * (1 + y[0] * y[0])]
     run = subject.solve(lambda n, t, y: rate(t, [*y]), _SHORTER, (0.0,), _RTOL, atol)
     points = list(_points(rate, run, list(_attempts(run, steps)), atol, law.estimate, estimate))
-    factors = [p.factor for p in points]
-    if points and _exception(points, law, min(factors), max(factors)) is None:
-        words = "on y' = b(t) (1 + y^2) most step sizes do not follow this law"
+    words = "on y' = b(t) (1 + y^2) most step sizes do not follow this law"
+    if (factors := [p.factor for p in points]) and _exception(points, law, min(factors), max(factors)) is None:
         yield f"{words}, as if a stage of {law.estimate} had another state in the estimate"
 
 

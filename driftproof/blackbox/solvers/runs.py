@@ -172,9 +172,8 @@ def _backward(subject: ForeignSolver) -> tuple[list[str], list[str]]:
 def _numbers(subject: ForeignSolver) -> tuple[list[str], list[str]]:
     """Compare the step sizes of runs in which one of five numbers has a bump: they should be the same for each.
 
-    If all have it, a norm of the errors is at most five times as large, which takes at most five times as many steps,
-    and if none has it, fewer are needed than for one. If two have opposite ones, the norm is no smaller than for one of
-    them. The sign of a bump changes no step.
+    If all have it, a norm of the errors is at most five times as large, which takes at most five times as many steps;
+    if two have opposite ones, it is no smaller than for one of them. None takes fewer; a sign changes no step.
     """
     times, alone = [], [[float(i == place) for i in range(_NUMBERS)] for place in range(_NUMBERS)]
     bump: Callable[[float], float] = lambda t: 1 / (1 + (8 * (t - 1)) ** 2)
@@ -309,10 +308,9 @@ def _ignored(subject: ForeignSolver) -> list[str]:
 
 
 def _of_another_scale(subject: ForeignSolver) -> list[str]:
-    """The fault of a scale of errors that does not grow with atol and y, as atol + rtol |y| does.
+    """The fault of other steps where y and atol are 2^20 times as large; they are the same for atol + rtol |y|.
 
-    From y = (1, 0) and 2^20 (1, 0), with atol and 2^20 atol, q'' = -q takes the same steps. If it is so where rtol is
-    given as atol and atol as rtol, they are exchanged.
+    If they are the same where rtol is given as atol and atol as rtol, the two are exchanged.
     """
 
     def apart(*runs: tuple[float, float, float]) -> tuple[int, int] | None:
