@@ -20,8 +20,9 @@ from dataclasses import replace
 from fractions import Fraction
 from hashlib import sha256
 from itertools import product
-from multiprocessing import get_context, resource_tracker
+from multiprocessing import get_context, parent_process, resource_tracker
 from pathlib import Path
+from threading import Thread
 from time import perf_counter
 from typing import Any, NamedTuple, TypeAlias
 
@@ -121,7 +122,7 @@ def sweep_batches(
 
 
 class Workers(ProcessPoolExecutor):
-    """Fresh processes on this machine, which inherit no threads or locks and ignore Ctrl-C; their parent ends them."""
+    """Fresh processes on this machine, which inherit no threads or locks, ignore Ctrl-C and end with their parent."""
 
     def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
         """Submit as usual; the first call starts the processes, in which interrupts are blocked from the start."""
@@ -141,7 +142,19 @@ class Workers(ProcessPoolExecutor):
 
 def processes(workers: int | None = None) -> Workers:
     """A pool of `workers` processes, by default one for each processor."""
-    return Workers(workers, mp_context=get_context("spawn"))
+    return Workers(workers, mp_context=get_context("spawn"), initializer=_end_with_parent)
+
+
+def _end_with_parent() -> None:
+    """End this process as soon as its parent has ended: one that is killed cannot end its workers."""
+    parent = parent_process()
+    assert parent is not None
+
+    def watch() -> None:
+        parent.join()
+        os._exit(1)
+
+    Thread(target=watch, daemon=True).start()
 
 
 def _all_batches(scene: Scene, points: list[Values], left: deque[int], executor: Executor | None) -> Iterator[Batch]:

@@ -5,6 +5,8 @@ from __future__ import annotations
 import os
 import re
 import signal
+import subprocess
+import sys
 from collections.abc import Iterator
 from concurrent.futures import BrokenExecutor, Executor, Future, ThreadPoolExecutor, wait
 from dataclasses import replace
@@ -161,6 +163,19 @@ def test_processes_of_an_abandoned_sweep_are_killed_and_hear_no_interrupt(monkey
     batches.close()
     assert process.exitcode == -signal.SIGKILL
     assert signal.pthread_sigmask(signal.SIG_BLOCK, []) == mask
+
+
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGKILL])
+def test_processes_of_a_sweep_that_is_killed_end_with_it(number, tmp_path):
+    """They have its standard output, which is at its end only when they are. Two keep each other's queue open."""
+    lines = (
+        "import os, time", "from driftproof.numeric.sweep import processes", "if __name__ == '__main__':",
+        "    pool = processes(2)", "    [task.result() for task in [pool.submit(time.sleep, 1) for _ in range(4)]]",
+        f"    os.kill(os.getpid(), {int(number)})",
+    )  # fmt: skip
+    (tmp_path / "killed.py").write_text("\n".join(lines), encoding="utf-8")
+    killed = subprocess.run([sys.executable, tmp_path / "killed.py"], stdout=subprocess.PIPE, timeout=60, check=False)
+    assert killed.returncode == -number
 
 
 def test_a_worker_that_dies_is_told_of_in_one_line_and_a_defect_of_the_program_is_no_answer(monkeypatch):

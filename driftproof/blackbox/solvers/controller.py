@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import partial
 from itertools import pairwise
-from math import exp, fsum, isclose, log
+from math import exp, fsum, isclose, log, log1p
 from operator import sub
 from typing import Any, NamedTuple, TypeAlias
 
@@ -15,7 +15,7 @@ import numpy as np
 
 from driftproof.blackbox.probes.scripted_answers import NotReadable
 from driftproof.blackbox.solvers.foreign_solver import DoesNotEnd, ForeignSolver, Solution, TooSlow
-from driftproof.blackbox.solvers.steps import SolverSteps
+from driftproof.blackbox.solvers.steps import SolverSteps, StageRate, stage_slopes
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.number_field import Exact
 from driftproof.methods.schemes import RungeKutta
@@ -23,7 +23,8 @@ from driftproof.methods.schemes import RungeKutta
 # The error estimate of a step of size h from the slopes k of its stages.
 _Estimate: TypeAlias = Callable[[Sequence[float], float], float]
 # The span of the run: bumps and jumps at every unit of time make some hundred steps, some of them rejected.
-_SPAN, _WIDTH = (0.0, 8.0), 12.0
+# The shorter span is for estimates with a wrong stage, O(h^2), which take some thousand steps.
+_SPAN, _SHORTER, _WIDTH = (0.0, 8.0), (0.0, 3.0), 12.0
 # |y| stays below 1, so that rtol changes the scale of errors by less than one part in 10^6. The larger atol is for
 # methods of low order, which take too many steps at the smaller one.
 _RTOL, _ATOL, _LARGER_ATOL = 1e-13, 1e-7, 1e-4
@@ -139,7 +140,8 @@ def read_controller(subject: ForeignSolver, steps: SolverSteps) -> ControllerRea
     in_a_row = f", up to {most} in a row" * (most > 1)
     rejected = sum(not each.accepted for each in attempts)
     counts = f"{len(attempts)} attempted steps observed, {rejected} rejected{in_a_row}"
-    law = next(filter(None, (_law(name, estimate, attempts, atol) for name, estimate in estimates)), None)
+    points = partial(_points, lambda t, y: [bumps(t)], run, attempts, atol)
+    law = next(filter(None, (_law(name, list(points(name, estimate))) for name, estimate in estimates)), None)
     if law is None:
         pairs = ", ".join(name for name, _ in estimates) or "any pair of the catalogue"
         return ControllerReading(None, (f"no law in the estimate of {pairs} gives the step sizes", counts), traces)
@@ -147,7 +149,12 @@ def read_controller(subject: ForeignSolver, steps: SolverSteps) -> ControllerRea
         law = replace(law, exception="", accepted=1.0)
     after = ["a step after a rejected one does not grow"] if law.after_rejection else []
     lines = (f"measured: {law.words}", f"r is the estimate of {law.estimate} over the tolerance", *after, counts)
-    return ControllerReading(law, lines, (*_wrong_exponent(law), *(traces or _accepted_beyond(law))))
+    others = (
+        []
+        if traces
+        else [*_accepted_beyond(law), *_elsewhere(subject, steps, law, dict(estimates)[law.estimate], atol)]
+    )
+    return ControllerReading(law, lines, (*_wrong_exponent(law), *traces, *others))
 
 
 def _accepted_beyond(law: Law) -> Iterator[str]:
@@ -156,6 +163,16 @@ def _accepted_beyond(law: Law) -> Iterator[str]:
     if law.accepted > _MOST_ACCEPTED or (law.accepted > 1 and factor < _LEAST_SAFETY):
         asked = f"after which its law gives {factor:.2g} h"
         yield f"steps are accepted with {law.accepted:.3g} times the tolerance, {asked}"
+
+
+def _elsewhere(subject: ForeignSolver, steps: SolverSteps, law: Law, estimate: _Estimate, atol: float) -> Iterator[str]:
+    """Say that most step sizes do not follow the law where slopes depend on y, as if a stage had another state."""
+    rate: StageRate = lambda t, y: [bumps(t) * (1 + y[0] * y[0])]
+    run = subject.solve(lambda n, t, y: rate(t, [*y]), _SHORTER, (0.0,), _RTOL, atol)
+    points = list(_points(rate, run, list(_attempts(run, steps)), atol, law.estimate, estimate))
+    words = "on y' = b(t) (1 + y^2) most step sizes do not follow this law"
+    if (factors := [p.factor for p in points]) and _exception(points, law, min(factors), max(factors)) is None:
+        yield f"{words}, as if a stage of {law.estimate} had another state in the estimate"
 
 
 def _wrong_exponent(law: Law) -> Iterator[str]:
@@ -252,12 +269,17 @@ class _Point(NamedTuple):
     at_jump: bool
 
 
-def _points(estimate: _Estimate, nodes: Sequence[float], attempts: Sequence[Attempt], atol: float) -> Iterator[_Point]:
-    """The attempts whose error is known and not 0, and whose factor is known."""
+def _points(
+    rate: StageRate, run: Solution, attempts: Sequence[Attempt], atol: float, name: str, estimate: _Estimate
+) -> Iterator[_Point]:
+    """The attempts whose error is known and not 0, and whose factor is known, by the stages of the pair."""
+    pair, states = METHODS[name.partition(" ")[0]], dict(zip(run.t, run.y, strict=True))
+    assert isinstance(pair, RungeKutta)
+    a, c = [[*map(float, row)] for row in pair.a], [*map(float, pair.c)]
     before, length = log(_LEAST_REMEMBERED), attempts[0].h  # the first error remembered is the code's own
     for each in attempts:
-        times = [each.start + c * each.h for c in nodes]
-        r = estimate([bumps(t) for t in times], each.h) / atol
+        times = [each.start + x * each.h for x in c]
+        r = estimate([k for (k,) in stage_slopes(a, c, rate, each.start, each.h, states[each.start])], each.h) / atol
         if each.factor is not None and r > 0:
             at_jump = any(abs(t - round(t)) <= _NEAR for t in times)
             growth = log(each.h / length)
@@ -268,11 +290,8 @@ def _points(estimate: _Estimate, nodes: Sequence[float], attempts: Sequence[Atte
             before, length = log(r), each.h
 
 
-def _law(name: str, estimate: _Estimate, attempts: Sequence[Attempt], atol: float) -> Law | None:
+def _law(name: str, points: Sequence[_Point]) -> Law | None:
     """The law in this estimate, or None: fitted to the steps that no limit clips, then compared with all."""
-    method = METHODS[name.partition(" ")[0]]
-    assert isinstance(method, RungeKutta)
-    points = list(_points(estimate, [float(x) for x in method.c], attempts, atol))
     factors = [p.factor for p in points if p.rejections <= 1]
     largest, smallest = _repeated(factors, max(factors)), _repeated(factors, min(factors))
     limits = (largest, smallest, 1.0)
@@ -302,8 +321,11 @@ def _exception(points: Sequence[_Point], law: Law, smallest: float, largest: flo
     for p in known:
         forgetful = log(law.safety) - law.exponent * p.error
         remembering = forgetful + law.memory * p.before + law.filtered * p.growth
-        said = [exp(min(max(x, log(smallest)), log(largest))) for x in (remembering, forgetful)]
-        if not any(isclose(p.factor, x, rel_tol=_CLOSE + p.rounded) for x in (*said, 1.0)):
+        # Where rounding may be more than r, the step still grows as after an error of both together.
+        doubtful = min(remembering, forgetful) - law.exponent * log1p(p.rounded)
+        *said, least = (exp(min(max(x, log(smallest)), log(largest))) for x in (remembering, forgetful, doubtful))
+        short = p.rounded > 1 and not p.rejections and p.factor < least * (1 - _CLOSE)
+        if short or not any(isclose(p.factor, x, rel_tol=_CLOSE + p.rounded) for x in (*said, 1.0)):
             others.append((p, said[0]))
     if 2 * len(others) >= len(known):
         return None

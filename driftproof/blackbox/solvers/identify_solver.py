@@ -11,7 +11,7 @@ from driftproof.blackbox.isolation import TIME_LIMIT, IsolatedRunner
 from driftproof.blackbox.probes.scripted_answers import NotReadable
 from driftproof.blackbox.report import NO_ANSWER, UNDECIDED, Report, sections, without_duplicates
 from driftproof.blackbox.solvers.controller import ControllerReading, read_controller
-from driftproof.blackbox.solvers.foreign_solver import ForeignSolver, SolverTarget
+from driftproof.blackbox.solvers.foreign_solver import DoesNotEnd, ForeignSolver, SolverTarget
 from driftproof.blackbox.solvers.multistep import SolverMemory, read_memory
 from driftproof.blackbox.solvers.runs import RunsReading, read_runs
 from driftproof.blackbox.solvers.steps import SolverSteps, read_steps
@@ -88,7 +88,8 @@ def _controlled(subject: ForeignSolver) -> ControllerReading:
 def _faults(steps: Outcome, controller: Outcome, runs: Outcome) -> tuple[str, ...]:
     found = [outcome.result for outcome in (steps, controller, runs) if outcome.result is not None]
     dense = None if steps.failed else steps.result.dense
-    return tuple(fault for each in (*filter(None, [dense]), *found) for fault in each.faults)
+    endless = [f"step size control: does not end: {controller.seen}"] * (controller.kind == DoesNotEnd.kind)
+    return (*(fault for each in (*filter(None, [dense]), *found) for fault in each.faults), *endless)
 
 
 def _verdict(steps: Outcome, controller: Outcome, runs: Outcome) -> str:

@@ -27,6 +27,7 @@ from driftproof.blackbox.solvers.foreign_solver import (
 _SPAN = (0.1, 0.1 + 1.7)
 _RTOL, _ATOL = 1e-6, 1e-9
 _TOLERANCES = (1e-3, 1e-4, 1e-5, 1e-6)
+_SIZE = 2.0**20  # a power of two: numbers so many times as large are rounded alike
 # In each of these pairs of rtol and atol only the tolerance named is large enough to matter.
 _ONE_AT_A_TIME = {"rtol": ((1e-3, 1e-12), (1e-6, 1e-12)), "atol": ((1e-12, 1e-3), (1e-12, 1e-6))}
 # Errors follow at least the square root of a tolerance (by 30 here). They fall by less where it is without effect, and
@@ -172,34 +173,33 @@ def _numbers(subject: ForeignSolver) -> tuple[list[str], list[str]]:
     """Compare the step sizes of runs in which one of five numbers has a bump: they should be the same for each.
 
     If all have it, a norm of the errors is at most five times as large, which takes at most five times as many steps;
-    if two have opposite ones, it is no smaller than for one of them. The sign of a bump changes no step.
+    if two have opposite ones, it is no smaller than for one of them. None takes fewer; a sign changes no step.
     """
     times, alone = [], [[float(i == place) for i in range(_NUMBERS)] for place in range(_NUMBERS)]
     bump: Callable[[float], float] = lambda t: 1 / (1 + (8 * (t - 1)) ** 2)
     opposite = [x - y for x, y in zip(*alone[:2], strict=True)]
-    for sizes in [*alone, alone[0], [-x for x in alone[0]], opposite, [1.0] * _NUMBERS]:
+    for sizes in [*alone, alone[0], [-x for x in alone[0]], opposite, [1.0] * _NUMBERS, [0.0] * _NUMBERS]:
         slopes = lambda n, t, y, sizes=sizes: [bump(t) * x for x in sizes]
         times.append(subject.solve(slopes, _SPAN, (0.0,) * _NUMBERS, _RTOL, _ATOL).t)
-    first, together, opposed = times[0], *(len(times.pop()) - 1 for _ in range(2))
-    negative, again = times.pop(), times.pop()
+    first, (negative, *others) = times[0], times[-4:]
     same: Callable[[Any], bool] = lambda t: len(t) == len(first) and np.allclose(t, first, rtol=0, atol=_SAME_TIME)
-    if not same(again):
+    steps, opposed, together, still = (len(t) - 1 for t in (first, *others))
+    if not same(times[_NUMBERS]):
         return [], ["the same run, made again after others, takes other steps: it remembers them"]
     if not same(negative):
-        seen = f"with a bump in y[0] it takes {len(first) - 1} steps, with its negative {len(negative) - 1}"
+        seen = f"with a bump in y[0] it takes {steps} steps, with its negative {len(negative) - 1}"
         return [], [f"the step sizes depend on the signs of the numbers: {seen}"]
-    if 2 * opposed < len(first) - 1:  # far fewer: by other orders it may make some
-        seen = f"with opposite bumps in y[0] and y[1] it takes {opposed} steps, with one of them {len(first) - 1}"
+    if 2 * opposed < steps:  # far fewer: by other orders it may make some
+        seen = f"with opposite bumps in y[0] and y[1] it takes {opposed} steps, with one of them {steps}"
         return [], [f"errors of opposite signs cancel in its error norm: {seen}"]
-    if together > _NUMBERS * (len(first) - 1):
-        seen = f"with a bump in one of {_NUMBERS} components it takes {len(times[0]) - 1} steps, in all of them"
+    if together > _NUMBERS * steps or steps <= still < together:
+        seen = f"with a bump in one of {_NUMBERS} components it takes {steps} steps, in all of them"
         return [], [f"an error counts only if other components have errors as well: {seen} {together}"]
-    for place, found in enumerate(times[1:], 1):
+    for place, found in enumerate(times[:_NUMBERS]):
         if not same(found):
-            made, other = len(found) - 1, len(first) - 1
-            seen = f"with a bump in y[{place}] it takes {made} steps, with one in y[0] {other}"
+            seen = f"with a bump in y[{place}] it takes {len(found) - 1} steps, with one in y[0] {steps}"
             return [], [f"the error norm does not treat all components alike: {seen}"]
-    return [f"a bump in any of {_NUMBERS} components gives the same {len(times[0]) - 1} steps"], []
+    return [f"a bump in any of {_NUMBERS} components gives the same {steps} steps"], []
 
 
 def _nan(subject: ForeignSolver) -> tuple[list[str], list[str]]:
@@ -243,7 +243,7 @@ def _tolerance(subject: ForeignSolver) -> tuple[list[str], list[str]]:
         lines += [f"{words}: {line}" for line in seen]
         if faults:
             return lines, faults if any("is ignored" in fault for fault in faults) else [*faults, *_ignored(subject)]
-    return lines, _ignored(subject)
+    return lines, [*_ignored(subject), *(_of_another_scale(subject) if subject.takes == TOLERANCES else [])]
 
 
 def _requested(
@@ -305,6 +305,25 @@ def _ignored(subject: ForeignSolver) -> list[str]:
         elif large < _EFFECT * small and _BELOW * large < both_large:
             found.append(f"{name} is ignored: the error is {large:.2g} at {name} = 0.001 and {small:.2g} at 1e-06")
     return found
+
+
+def _of_another_scale(subject: ForeignSolver) -> list[str]:
+    """The fault of other steps where y and atol are 2^20 times as large; they are the same for atol + rtol |y|.
+
+    If they are the same where rtol is given as atol and atol as rtol, the two are exchanged.
+    """
+
+    def apart(*runs: tuple[float, float, float]) -> tuple[int, int] | None:
+        slopes: RunSlopes = lambda n, t, y: [y[1], -y[0]]
+        solved = [subject.solve(slopes, _KNOWN[0][2], (size, 0.0), rtol, atol) for size, rtol, atol in runs]
+        small, large = (0 if run.complaint else len(run.t) - 1 for run in solved)
+        return (small, large) if 4 * abs(large - small) > small > 0 else None
+
+    if (found := apart((1.0, _RTOL, _ATOL), (_SIZE, _RTOL, _SIZE * _ATOL))) is None:
+        return []
+    exchanged = apart((1.0, _ATOL, _RTOL), (_SIZE, _SIZE * _ATOL, _RTOL)) is None
+    how = "rtol and atol are exchanged" if exchanged else "errors are not compared with atol + rtol |y|"
+    return [f"{how}: with y and atol 2^20 times as large it takes {found[1]} steps instead of {found[0]}"]
 
 
 def _solved(subject: ForeignSolver, problem: NonlinearProblem, span: tuple[float, float], **settings: Any) -> Solution:

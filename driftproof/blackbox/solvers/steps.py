@@ -49,7 +49,7 @@ _ODD_SPAN = (0.1, 1.8)
 _MIDDLE, _OF_DENSE = len(THETAS) // 2, 2.0**14
 # No explicit method in use makes so many calls in a row at one time.
 _AT_ONE_TIME = 8
-_Rate: TypeAlias = Callable[[float, list[float]], Sequence[float]]
+StageRate: TypeAlias = Callable[[float, list[float]], Sequence[float]]
 # The roundings in a coefficient: times h, the difference of two times that it is divided by, and the quotient.
 _ROUNDINGS = 4
 
@@ -171,12 +171,19 @@ def _wrong(
     return None
 
 
-def _stepped(reading: TableauReading, rate: _Rate, t: float, h: float, y: Sequence[float]) -> list[float]:
+def _stepped(reading: TableauReading, rate: StageRate, t: float, h: float, y: Sequence[float]) -> list[float]:
     """The end of a step by the stages read."""
+    return advanced(y, h, [reading.b], [stage_slopes(reading.a, reading.c or (), rate, t, h, y)])
+
+
+def stage_slopes(
+    a: Sequence[Sequence[float]], c: Sequence[float], rate: StageRate, t: float, h: float, y: Sequence[float]
+) -> list[Sequence[float]]:
+    """The slopes of the explicit stages of a step of size h from y at t."""
     slopes: list[Sequence[float]] = []
-    for row, c in zip(reading.a, reading.c or (), strict=True):
-        slopes.append(rate(t + c * h, advanced(y, h, [row], [slopes])))
-    return advanced(y, h, [reading.b], [slopes])
+    for row, node in zip(a, c, strict=True):
+        slopes.append(rate(t + node * h, advanced(y, h, [row], [slopes])))
+    return slopes
 
 
 def _bent(t: float, y: Sequence[float]) -> list[float]:

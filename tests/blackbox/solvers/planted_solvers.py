@@ -44,6 +44,7 @@ def adaptive(
     accepted=1.0,
     size=abs,
     first_error=1.0,
+    state=lambda stage, y, moved: moved,
 ):
     """The solver of a pair whose last stage is the first of the next step, with a controller of that law.
 
@@ -51,7 +52,7 @@ def adaptive(
     `ending` "beyond" or "tiny"; `on_nan` "accept", "silent" or "retry"; `growth_at_zero` of an estimate that is 0;
     `stepped`, the length by which t advances; `changed`, the factor after so many rejections in a row; `norm` of the
     errors; `accepted`, the largest error of a step that is taken; `size` of the numbers in the scale of errors.
-    `first_error` is the one that the first step remembers.
+    `state` is where a stage is evaluated. `first_error` is the one that the first step remembers.
     """
     pair = METHODS[key]
     a, c = [[float(x) for x in row] for row in pair.a], [float(x) for x in pair.c]
@@ -72,7 +73,8 @@ def adaptive(
                 h = float(end - t)
             k = [first]
             for i in range(1, len(c)):
-                k.append(f(float(t) + c[i] * h, y + h * sum(a[i][j] * k[j] for j in range(i))))
+                moved = y + h * sum(a[i][j] * k[j] for j in range(i))
+                k.append(f(float(t) + c[i] * h, state(i, y, moved)))
             y1 = y + h * product(b, k)
             scale = atol + rtol * np.maximum(size(y), size(y1))
             r = float(norm(abs(h * product(e, k)) / scale))

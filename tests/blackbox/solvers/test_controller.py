@@ -134,6 +134,21 @@ def test_a_step_that_ends_elsewhere_is_counted_unless_rounding_explains_it(by, f
     ] * faults
 
 
+AT = {
+    "its own": lambda stage, y, moved: moved,
+    "the start": lambda stage, y, moved: y if stage == 5 else moved,
+    "an eighth beyond": lambda stage, y, moved: moved + (moved - y) / 8 if stage == 5 else moved,
+}
+
+
+@pytest.mark.parametrize("state", AT)
+def test_a_stage_of_the_estimate_alone_at_another_state_is_told(state):
+    """Fehlberg's sixth stage: its weight in the row propagated is 0, and slopes of t alone do not show its state."""
+    faults = read(adaptive("fehlberg45", exponent=0.2, state=AT[state])).faults
+    words = "most step sizes do not follow this law, as if a stage of fehlberg45 had another state in the estimate"
+    assert [words in fault for fault in faults] == [True] * (state != "its own")
+
+
 def test_the_bumps_are_of_both_signs_and_bounded():
     values = [bumps(n / 64) for n in range(128)]
     assert min(some(values, 128)) == -1.5 == -max(values)

@@ -57,6 +57,16 @@ def test_numbers_that_differ_are_shown_to_differ():
     assert 0 < abs(float(seen) - float(said)) < 1e-8
 
 
+def test_a_run_for_the_step_size_control_that_does_not_end_is_a_fault():
+    def solve(f, t_span, y0, rtol, atol):
+        while t_span == (0.0, 8.0) and len(y0) == 1:  # that of the bumps
+            f(0.0, np.array(y0))
+        return adaptive()(f, t_span, y0, rtol, atol)
+
+    (fault,) = identify_solver(solve, isolate=False).data["faults"]
+    assert fault.startswith("step size control: does not end: after 30000 calls of f")
+
+
 def test_a_hang_and_a_refusal_are_told():
     def hangs(f, t_span, y0, rtol, atol):
         while True:

@@ -298,6 +298,25 @@ def test_a_scale_of_errors_from_numbers_with_their_signs_is_told():
     assert [fault.partition(":")[0] for fault in faults] == ["the step sizes depend on the signs of the numbers"]
 
 
+SCALES = {
+    "rtol and atol are exchanged": lambda rtol, atol: (atol, rtol),
+    "errors are not compared with atol + rtol |y|": lambda rtol, atol: (0.0, max(rtol, atol)),
+    "": lambda rtol, atol: (rtol, atol),
+    "half of it": lambda rtol, atol: (rtol / 2, atol / 2),
+}
+
+
+@pytest.mark.parametrize("words", SCALES)
+def test_a_scale_of_errors_that_does_not_grow_with_the_numbers_is_told(words):
+    faults = read(adaptive("dormand_prince54", exponent=0.2, tolerances=SCALES[words])).faults
+    assert [fault.partition(":")[0] for fault in faults] == [words] * (words in [*SCALES][:2])
+
+
+def test_an_error_norm_that_is_0_unless_all_numbers_have_errors_is_told():
+    (fault,) = read(adaptive("dormand_prince54", exponent=0.2, norm=np.min)).faults
+    assert fault.startswith("an error counts only if other components have errors as well: with a bump in one of 5")
+
+
 @pytest.mark.parametrize("cancel", [True, False])
 def test_errors_that_cancel_and_runs_that_remember_others_are_told(cancel):
     made = []
