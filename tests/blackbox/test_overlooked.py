@@ -394,7 +394,7 @@ WRONG = [
     (ending(lambda end, y: end * (1 + 1e-6 * (len(y) == 6))), ending(), "heun2", "with 6 components it takes"),
     (ending(lambda end, y: end * (1 + 1e-6 * (len(y) == 13))), ending(), "heun2", "with 13 components it takes"),
     (ending(lambda end, y: np.r_[end[:-4], y[-4:]] if len(y) % 8 == 0 else end), ending(), "heun2", "with 8 comp"),
-    (ending(lambda end, y: end.astype(np.float32) if len(y) > 40 else end), ending(), "heun2", "with 64 components"),
+    (ending(lambda end, y: end.astype(np.float32) if len(y) > 30 else end), ending(), "heun2", "with 32 components"),
     (ending(at=lambda t: t or 1.0), ending(), "heun2", "is heun2, but not everywhere: at t = 0 it takes"),
     (ending(at=lambda t: np.float32(t) if t > 1e5 else t), ending(), "heun2", "at t = 2.45154e+06 it takes"),
     (on_equal_steps(3), on_equal_steps(99), "heun2", "a step that continues from the previous one differs"),

@@ -48,10 +48,12 @@ _BITS = 192
 # that codes treat in a way of their own (6 of a satellite, 7 with a quaternion, 13 of a rigid body); then whole blocks.
 # There are fewer positions, because each force is a product of all of them, and fewer components for implicit methods,
 # because iterating their stages in balls is slow.
-_NUMBERS, _POSITIONS, _SOLVED_FOR = (*range(1, 18), 24, 32, 64), (*range(1, 13), 16, 32), (1, 2, 3, 4, 6, 7)
+_NUMBERS, _POSITIONS, _SOLVED_FOR = (*range(1, 18), 24, 32), (*range(1, 13), 16, 32), (1, 2, 3, 4, 6, 7)
 # Step sizes in units of the problem's own time: so short that numbers keep their sizes, of many bits, one taken twice.
 # The third is almost the second, for which a code that keeps something of that h may take it.
 _LENGTHS, _BACK = (0.1, 0.1, 0.1 * (1 - 2.0**-10), 1 / 30), (-0.07, -0.03)
+# How many step sizes are tried with each further number of components, and how many numbers at the home place as well.
+_FEW, _AT_HOME = 2, 9
 # More equal steps than the start of any multistep method in use has, for codes that become one; and how many pairs of a
 # place and a number of components are tried with h < 0.
 _EQUAL, _PAIRS_BACK = 12, 7
@@ -327,11 +329,11 @@ def _settings(
     if not (sizes and places):
         return
     for i in range(max(len(sizes), len(places))):
-        yield places[i % len(places)], sizes[i % len(sizes)], lengths
+        yield places[i % len(places)], sizes[i % len(sizes)], lengths if i < len(places) else lengths[:_FEW]
     home = walker.fitted(_HOME)
     # Stages of an implicit method are iterated in balls, which is slow.
     if walker.method.explicit and home.within(walker.wanted.domain, walker.subject):
-        yield from ((home, problems, lengths[:1]) for problems in sizes[1:])
+        yield from ((home, problems, lengths[:1]) for problems in sizes[1:_AT_HOME])
     yield places[0], sizes[min(1, len(sizes) - 1)], [lengths[0] / 2] * _EQUAL
 
 
