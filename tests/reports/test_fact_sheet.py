@@ -27,3 +27,9 @@ def test_facts_of_a_method_are_its_typed_facts():
     assert [*facts("sdirk_order_2").shown] == [*FAMILY_FACTS]
     assert facts("rk4", system=[[0, 1], [-1, 0]]).written("text").startswith("method ")
     assert found.written("tex").startswith(r"\begin{tabular}")
+
+
+@pytest.mark.parametrize("asked", [{"system": [[1]]}, {"order_tolerance": 1}])
+def test_a_family_has_no_facts_on_a_system_or_within_a_tolerance(asked):
+    with pytest.raises(ValueError, match="sdirk_order_2 is a family; choose one method with `at`, a value of gamma"):
+        facts("sdirk_order_2", **asked)

@@ -30,6 +30,7 @@ STANDS = [
     ("is {value}", "0.5", "is .5", ["is 1.5", "is 0.0.5", "is .55"]),
     ("O(h^{value})", "4", "O(h⁴)", ["O(h⁵)", "O(h⁴⁴)", "O(h4)"]),
     ("Euler{value}-0.054", "0.090", "Euler0.090-0.054", ["Euler0.090-0.055", "Euler0.091-0.054"]),
+    ("f{{x}} is {value}", "0.5", "f{x} is 0.5", ["fx is 0.5", "f{{x}} is 0.5", "f{} is 0.5"]),
     ("after {value}", "2", "after 2.", ["after 2.5", "after 2/3", "after 2h", "after 2√2", "after 2²"]),
 ]
 
