@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
@@ -10,6 +10,7 @@ from typing import Any, ClassVar, Generic, NamedTuple, Protocol, TypeVar
 
 from driftproof.methods.number_field import Exact
 from driftproof.methods.schemes import Collocation, Method, RungeKutta, require_method
+from driftproof.support.plain_text import did_you_mean
 from driftproof.symbolic.algebra.matrices import StepMatrix
 from driftproof.symbolic.algebra.polynomials import coefficients, exact, scalar
 from driftproof.symbolic.algebra.radicals import is_readable
@@ -377,11 +378,11 @@ def facts_by_name(facts: Any, names: Sequence[str], known: Sequence[str]) -> dic
     return {name: getattr(facts if name in own else facts.method, name) for name in names}
 
 
-def require_known(names: Sequence[str], known: Iterable[str]) -> None:
+def require_known(names: Sequence[str], known: Collection[str]) -> None:
     """Raise ValueError for a name that is not in `known`."""
     for name in names:
         if name not in known:
-            raise ValueError(f"unknown fact {name!r}; choose from {', '.join(known)}")
+            raise ValueError(f"unknown fact {name!r}{did_you_mean(name, known) or ';'} choose from {', '.join(known)}")
 
 
 def _series(coefficients: list[Any], variable: str = "h") -> TruncatedSeries:

@@ -18,6 +18,9 @@ _WORDS = {
     "evaluations": r"evaluations|calls",
 }
 _QUANTITY = re.compile("|".join(rf"(?P<{name}>\b(?:{words}))\b" for name, words in _WORDS.items()))
+_AFTER = re.compile(
+    r" ?(?:(?P<percent>%)|times (?:as|less|more|smaller|larger)|(?P<count>evaluations|calls|(?:time )?steps))"
+)
 # An unknown with its sign right before a number, as in x = 0.5, or its value at a time, as in y(1) ≈ 0.5.
 _UNKNOWN = re.compile(r"(?<!\w)(?P<name>[^\W\d_][a-z]*)(?:\([0-9][0-9./]*\)|_?(?P<n>[0-9]))? ?[=≈] ?\Z")
 _POSITIVE = r"((?:[1-9][0-9]*|0(?=\.))(?:\.[0-9]+|/[1-9][0-9]*)?)"
@@ -62,7 +65,7 @@ def asked_quantity(question: str) -> tuple[str, str]:
         return "fact", ""
     if question.startswith("percent("):
         return "percent" if "relative_error" in question else "share", ""
-    if readout in ("error", "state_error", "relative_error", "evaluations"):
+    if readout in ("error", "state_error", "relative_error", "evaluations", "steps"):
         return readout.removeprefix("state_"), ""
     if kind[:1] == "k":
         return kind, ""
@@ -90,8 +93,9 @@ def place_of(text: str, start: int, end: int, heads: Sequence[str], row: Sequenc
     elif unknown:
         quantity = "exact" if quantity == "exact" else "state"
         settings |= {"t": int(unknown["n"]) * settings["h"]} if unknown["n"] and "h" in settings else {}
-    if more := re.match(r" ?(?:(%)|times (?:as|less|more|smaller|larger))", text[end : end + 20]):
-        quantity = "percent" if more[1] else "ratio"
+    if more := _AFTER.match(text, end):
+        counted = "steps" if (more["count"] or "").endswith("steps") else "evaluations" if more["count"] else ""
+        quantity = "percent" if more["percent"] else counted or "ratio"
     if any(_heads(x, head) for x in _HEADS):
         quantity = "chosen"
     methods = next((named for one in reversed(heads) if (named := methods_named(one))), set[str]())

@@ -197,6 +197,8 @@ def claims_beside(text: str | Path) -> Path:
     """The default path of the claims of a text. Raises ValueError if there is no such file."""
     path = Path(f"{text}.claims.toml")
     if not path.is_file():
+        if not Path(text).is_file():
+            raise ValueError(f"{text}: No such file")
         draft = f"to draft them: driftproof check {text} --init > {path}"
         raise ValueError(f"no claims to check: give --claims FILE or write {path.name}; {draft}")
     return path

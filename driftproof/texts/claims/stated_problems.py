@@ -193,10 +193,11 @@ def _meant(word: str, names: list[str], text: str) -> str:
     if {*word} <= {"t", *names}:
         return "*".join(word)
     found = re.search(rf"(?<![\w'(]){re.escape(word)} ?= ?(?:({_NUMBER})|([^=,;]{{1,100}}))", _ascii(text))
-    written = found and (found[1] or _rate(found[2], names, ""))
-    if not written:
-        raise LookupError(word)
-    return written if written[0].isdigit() and found[1] else f"({written})"
+    if found and found[1] and found[1][0].isdigit():
+        return found[1]
+    if found and (written := found[1] or _rate(found[2], names, "")):
+        return f"({written})"
+    raise LookupError(word)
 
 
 def _first(rate: str) -> str:

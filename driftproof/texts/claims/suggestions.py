@@ -45,8 +45,8 @@ _MOST_ASKED = 2000
 # Bits of precision: enough for the digits of any number of a text.
 _MOST_BITS = 256
 _BRACES = re.compile(r"\{([^{}]*)\}")
-# The question for a value as a percentage, and words shortly before a number that is no approximation.
-_SHARE, _SOLVED = "percent({}, 1)", re.compile(r"\b(?:exact|true|solution)\b")
+# The question for a value as a percentage.
+_SHARE = "percent({}, 1)"
 # Characters on each side of a number that are searched for the names of a value: about a line.
 _NEIGHBOURHOOD = 100
 
@@ -56,8 +56,8 @@ Missed: TypeAlias = tuple[str, Answer, list[TextNumber], list[TextNumber]]
 _CELL = re.compile(r"\|\|?|!!|^!")
 
 _H, _T = (re.compile(rf"\b{letter} ?= ?([0-9]+(?:\.[0-9]+|/[1-9][0-9]*)?)(?![\w./])") for letter in "ht")
-# Either of them, and the characters before a number that are searched for the last of each, and for a table.
-_GIVEN, _FARTHEST = re.compile(rf"(?=([ht])){_H.pattern.replace('h', '[ht]')}"), 2000
+# Characters before a number that are searched for the head of its table.
+_FARTHEST = 2000
 _N = re.compile(r"(?:\bN ?= ?|\b(?=[0-9]+ (?:time )?steps\b))([0-9]{1,5})\b")
 
 
@@ -155,13 +155,15 @@ class Suggestions:
         """Take a text in canonical spelling, and questions, braces allowed, whose values its author says it has."""
         self.text, self._lower = text, text.lower()
         asked_for = {question: chosen for one in asked for question, chosen in questions_in(one).items()}
-        self.stated = stated_questions(text, self.column_of)
         # Of braces such as h={0.1,0.2}, t={0.5,1}, the combinations that are runs, or all if none is, to be refused.
         pairs = {one: zip(*(map(Fraction, x.findall(one)) for x in (_H, _T)), strict=False) for one in asked_for}
         runs = {one: asked_for[one] for one in asked_for if all((t / h).denominator == 1 for h, t in pairs[one] if h)}
         self.asked = runs or asked_for
         self.no_runs = [question for question in asked_for if question not in self.asked]
         self._spelled: dict[NumberForm, dict[str, list[_Known]]] = {}
+        self._meant: dict[int, list[_Known]] = {}
+        self._rows: dict[int, list[tuple[str, str, int, int]]] = {}
+        self.stated = stated_questions(text, self.column_of)
 
     def look_alikes(self, number: TextNumber) -> list[LookAlike]:
         """Every value written like the number, best first: asked, not contradicted, more of its names nearby, equal."""
@@ -171,10 +173,7 @@ class Suggestions:
             return []
         fits = self._fits(number)
         form, found, digits, ids = form_of(number), [], _digits(number.text, telling=True), published_values()
-        before = self.text[max(0, number.start - _NEIGHBOURHOOD) : number.start]
         percent = self.text[number.end : number.end + 2].lstrip(" ").startswith("%")
-        given = _GIVEN.finditer(self.text, max(0, number.start - _FARTHEST), number.start)
-        settings = {one[1]: f"{one[1]}={Fraction(one[2])}" for one in given}.values()
         possible = [
             k for k in self._known if (k.answer.unit == "%") == percent or (k.question in self.asked and not percent)
         ]
@@ -184,25 +183,14 @@ class Suggestions:
             fit, asked = fits[known.question], known.chosen is not None
             rivals = sum(fits[other.question] >= fit for other in possible if other.rank >= known.rank)
             denied = contradicted(known.question, self._lower, number.start, number.end, asked)
-            rivals = min(rivals, len(meant)) if known in meant else rivals
+            rivals = min(rivals, len(meant)) if asked and known in meant else rivals
             strong = not denied and known.is_meant(x, digits, fit, rivals)
-            other = _SOLVED.search(before) is not None and not re.search(r"\bexact\b", known.question)
             last = known.answer.exact != x, known.question not in ids, len(known.question), known.question
-            far = sum(one[:2] == word[:2] and one != word for one in settings for word in known.question.split())
-            found.append(
-                (
-                    (
-                        -known.rank if strong or known.rank == 2 else 0,
-                        denied,
-                        known not in meant,
-                        other,
-                        -fit,
-                        far,
-                        *last,
-                    ),
-                    LookAlike(known.question, form, strong),
-                )
-            )
+            published = known.question in ids
+            first = -known.rank if strong or known.rank == 2 else 0
+            far = known not in meant and not published
+            order = first, denied, not strong, far, -fit, *last
+            found.append((order, LookAlike(known.question, form, strong)))
         return [alike for _, alike in sorted(found, key=lambda pair: pair[0])]
 
     def nowhere(self) -> list[Missed]:
@@ -230,16 +218,12 @@ class Suggestions:
         An asked value needs five digits, or four and all its names nearby, or its numbers on the line. A stability
         limit needs five and its names in the sentence: one number in 1800 is by chance a slip for a given value.
         """
-        found, digits = dict[str, str](), _digits(number.text, telling=True)
-        meant = {known.question for known in self._meant_at(number)}
-        alike = {one.question for one in self.look_alikes(number) if one.strong or one.question in self.asked}
-        if digits > 1 and not alike and meant.isdisjoint(one.question for one in self.look_alikes(number)):
-            written = self._written(form_of(number))
-            spelled = dict[str, list[str]]()
-            for spelling, ones in written.items():
-                for known in ones:
-                    spelled.setdefault(known.question, []).extend([spelling] * (known.question in meant))
-            sizes = len({tuple(one) for one in spelled.values() if one})
+        found, digits, written = dict[str, str](), _digits(number.text, telling=True), self._written(form_of(number))
+        alike = self.look_alikes(number)
+        meant = {known.question for known in self._meant_at(number) if known.rank}
+        if digits > 1 and not any(one.strong or one.question in (meant | self.asked.keys()) for one in alike):
+            first = {known.question: spelling for spelling, ones in written.items() for known in ones}
+            sizes = len({first[question] for question in meant & first.keys()})
             other_sign, *others = _slips(_spelled(number))
             for slip in (other_sign, *others):
                 for known in written.get(slip, ()):
@@ -279,7 +263,7 @@ class Suggestions:
     def _row_of(self, number: TextNumber) -> list[tuple[str, str, int, int]]:
         """The head, the text and the span of each cell of the number's row in a table; [] outside tables."""
         start = self._lower.rfind("\n", 0, number.start) + 1
-        row = self._lower[start:].split("\n", 1)[0]
+        row = self._lower[start : (self._lower.find("\n", number.end) + 1 or len(self._lower) + 1) - 1]
         if start not in self._rows:
             self._rows[start] = [*self._cells(row, start)] if _CELL.search(row) else []
         return self._rows[start]
@@ -295,27 +279,17 @@ class Suggestions:
             cell = _CELL.sub("", row[begin:end])
             yield heads.get(column, ""), cell.strip(), start + begin, start + end
 
-    @cached_property
-    def _rows(self) -> dict[int, list[tuple[str, str, int, int]]]:
-        return {}
-
     def _place_of(self, number: TextNumber) -> Place:
-        row = [(head, cell) for head, cell, *_ in self._row_of(number)]
-        heads = [head for head, _, begin, _ in self._row_of(number) if begin <= number.start]
-        return place_of(self._lower, number.start, number.end, heads, row)
+        row = self._row_of(number)
+        heads = [head for head, _, begin, _ in row if begin <= number.start]
+        return place_of(self._lower, number.start, number.end, heads, [(head, cell) for head, cell, *_ in row])
 
     def _meant_at(self, number: TextNumber) -> list[_Known]:
-        """The asked and stated values that the place of the number names."""
+        """The values that the place of the number names."""
         if number.start not in self._meant:
             place = self._place_of(number)
-            self._meant[number.start] = [
-                k for k in self._known if k.chosen is not None and place.means(k.question, k.keys)
-            ]
+            self._meant[number.start] = [known for known in self._known if place.means(known.question, known.keys)]
         return self._meant[number.start]
-
-    @cached_property
-    def _meant(self) -> dict[int, list[_Known]]:
-        return {}
 
     @cached_property
     def _all_names(self) -> set[str]:
