@@ -35,10 +35,10 @@ RULE = re.compile(r"^ *(\w+) += (.*)$", re.MULTILINE)
 def test_page_shows_the_grammar_of_expressions_with_the_queries_that_extend_it() -> None:
     on_page = dict(RULE.findall(PAGE.partition("## Grammar")[2]))
     expressions, queries = (dict(RULE.findall(str(module.__doc__))) for module in (expression_tree, parser))
-    assert set(queries) == {"query", "part", "start", "rates", "equation", "literal", "value"}
+    assert set(queries) == {"query", "part", "start", "entry", "rates", "equation", "literal", "value"}
     extended = expressions["atom"].replace(' | "(" sum', ' | query | "(" sum')
     assert on_page == {**expressions, **queries, "atom": extended, "value": on_page["value"]}
-    assert len(on_page) == 13
+    assert len(on_page) == 14
 
 
 def test_every_kind_of_question_has_examples() -> None:
