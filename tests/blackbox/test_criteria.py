@@ -31,7 +31,7 @@ def slow_far_from_home(f, t, y, h):
 def stopped_once(f, t, y, h, calls=[]):  # noqa: B006
     """As one that a busy machine, or somebody at a terminal, has stopped."""
     calls.append(t)
-    if len(calls) == 60:
+    if len(calls) == 300:
         os.kill(os.getpid(), signal.SIGSTOP)
     return codes.rk4(f, t, y, h)
 

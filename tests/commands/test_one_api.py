@@ -131,7 +131,7 @@ REFUSED = {
     "roundoff('rk4', float='single')": "unknown number format 'single'; choose from binary",
     "facts('rk4', only=['ordre']).json()": "unknown fact 'ordre'",
     "facts('rk4', at=1)": "rk4 has no parameter",
-    "check('text.md')": "to draft them: driftproof check text.md --init",
+    "check('text.md')": "text.md: No such file or directory",
 }
 MEANT = {
     "Facts('rk4')": "'rk4' is a string, and a method is needed: METHODS[...], or read_method(...) for a .toml file",

@@ -12,7 +12,7 @@ REFUSED = {
     ("render", "a.md", "-o", "a.md"): "a.md is one of the templates or outputs already; name another with -o",
     ("render", "a.md.j2", "b.md.j2", "-o", "c.md"): "--output takes a single template",
     ("render", "a.md.j2", "a.md.j2"): "a.md is one of the templates or outputs already; name another with -o",
-    ("check", "none.md"): "to draft them: driftproof check none.md --init > none.md.claims.toml",
+    ("check", "none.md"): "none.md: No such file or directory",
     ("check", "docs"): "no text in docs has a claims file; that of chapter.md would be chapter.md.claims.toml",
     ("check", "a.md", "b.md", "--claims", "c.toml"): "--init and --claims take one text",
     ("check", "a.md", "b.md", "--init"): "--init and --claims take one text",

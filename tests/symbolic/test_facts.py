@@ -47,10 +47,10 @@ def test_only_what_is_asked_for_is_derived() -> None:
     assert isinstance(Facts(METHODS["gauss9"]).principal_error, TooManyTrees)
     assert {name for name in vars(facts) if not name.startswith("_")} == {"method", "terms", "order", "order_fails"}
     assert facts_by_name(facts, ("title", "method"), FACTS) == {"title": "Classical RK4", "method": METHODS["rk4"]}
-    with pytest.raises(
-        ValueError, match="unknown fact 'colour'; did you mean source or sector\\? choose from method, title"
-    ):
+    with pytest.raises(ValueError, match="unknown fact 'colour'; choose from method, title, family"):
         facts_by_name(facts, ("order", "colour"), FACTS)
+    with pytest.raises(ValueError, match="unknown fact 'simplectic'; did you mean symplectic\\? choose from method"):
+        facts_by_name(facts, ("simplectic",), FACTS)
 
 
 def test_order_and_linear_order_are_two_facts() -> None:

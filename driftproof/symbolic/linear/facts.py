@@ -382,7 +382,8 @@ def require_known(names: Sequence[str], known: Collection[str]) -> None:
     """Raise ValueError for a name that is not in `known`."""
     for name in names:
         if name not in known:
-            raise ValueError(f"unknown fact {name!r}{did_you_mean(name, known) or ';'} choose from {', '.join(known)}")
+            hint = did_you_mean(name, known, likeness=0.7) or ";"  # of long words many are alike by half
+            raise ValueError(f"unknown fact {name!r}{hint} choose from {', '.join(known)}")
 
 
 def _series(coefficients: list[Any], variable: str = "h") -> TruncatedSeries:

@@ -198,7 +198,7 @@ def claims_beside(text: str | Path) -> Path:
     path = Path(f"{text}.claims.toml")
     if not path.is_file():
         if not Path(text).is_file():
-            raise ValueError(f"{text}: No such file")
+            raise ValueError(f"{text}: No such file or directory")
         draft = f"to draft them: driftproof check {text} --init > {path}"
         raise ValueError(f"no claims to check: give --claims FILE or write {path.name}; {draft}")
     return path
