@@ -63,14 +63,14 @@ def short(x: float) -> str:
     return f"{mantissa}e{int(exponent)}"
 
 
-def did_you_mean(key: str, known: Iterable[str], likeness: float = 0.4) -> str:
+def did_you_mean(key: str, known: Iterable[str], *, strict: bool = False) -> str:
     """The hint "; did you mean a or b?" with the known names nearest to `key`, or "" if none is near.
 
-    `likeness`, from 0 to 1, is that of difflib; the default fits short names such as those of methods.
+    Of long words, as facts have them, many are alike by half: `strict` asks for more likeness than short keys need.
     """
     from difflib import get_close_matches
 
-    close = get_close_matches(key, known, n=2, cutoff=likeness)
+    close = get_close_matches(key, known, n=2, cutoff=0.7 if strict else 0.4)
     return f"; did you mean {' or '.join(close)}?" if close else ""
 
 
