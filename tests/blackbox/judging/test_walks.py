@@ -128,10 +128,10 @@ def test_a_step_is_held_to_the_roundings_of_its_numbers_its_slopes_and_its_time(
     allowed = 12 * 2.0**-53 * 2 * (1 + 0.25 / 0.5 + 0.75 * 4)
     subject = opened(lambda f, t, y, h: y + h * f(t, y) + share * allowed * 0.5)
     walker, problem = Walker(subject, EULER), place.problem(driven(1, timed=True))
-    words, (end,) = walker.compared(problem, place, t, [0.25], h)
-    assert (words == "") == right
-    told = f"y[0] is {end!r} where forward_euler gives "
-    assert right or f"in a step of 0.0625 from t = 0.75, with 1 component, {told}" in words
+    found = walker.compared(problem, t, [0.25], h)
+    assert found.wrong == (() if right else ("y[0]",))
+    assert found.place == "in a step of 0.0625 from t = 0.75"
+    assert found.numbers.startswith(f"y[0] is {found.end[0]!r} where forward_euler gives ")
 
 
 # A domain, a place within it, and one that is not.
