@@ -164,6 +164,7 @@ def test_allowances_hold_there_too():
     assert walked(opened(short), replace(RK4, allowance=Allowance(step_in_binary32=True)))[0] is True
     by_quotient = Specification(METHODS["symplectic_euler"], Allowance(velocity_from_positions=True))
     assert walked(opened(codes.velocity_from_positions), by_quotient)[0] is True
+    assert back_and_on(opened(codes.velocity_from_positions), by_quotient)[0] is True
 
 
 def test_steps_back_are_looked_at_where_the_right_hand_side_is_ours():
