@@ -17,13 +17,7 @@ from driftproof.blackbox.families.reports import turns, verify_family
 from driftproof.blackbox.findings import UnsupportedCall, arithmetic_of
 from driftproof.blackbox.isolation import TIME_LIMIT, IsolatedRunner
 from driftproof.blackbox.judging.agreement import EXAMPLES
-from driftproof.blackbox.judging.specification import (
-    NO_ALLOWANCE,
-    ORDINARY_DOMAIN,
-    Allowance,
-    Domain,
-    Specification,
-)
+from driftproof.blackbox.judging.specification import NO_ALLOWANCE, ORDINARY_DOMAIN, Allowance, Domain, Specification
 from driftproof.blackbox.judging.tolerance import Tolerance
 from driftproof.blackbox.report import Report, criteria_parts, sections
 from driftproof.blackbox.stepper.opening import Target

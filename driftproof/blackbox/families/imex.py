@@ -40,10 +40,10 @@ _SOLVER, WELL_SOLVED = 64, 2.0**-30
 
 @dataclass(frozen=True)
 class ImexIdentity:
-    """Both tables of a step, the catalogue method that has them (or None), the measured order, and a walk of steps."""
+    """Both tables of a step, the key of the method that has them or "", the measured order, and a walk of steps."""
 
     reading: ImexReading
-    known: Additive | None
+    known: str
     measured: MeasuredOrder
     walked: StepFinding | None = None
 
@@ -78,20 +78,20 @@ class ImexIdentity:
     @property
     def key(self) -> str | None:
         """The catalogue key of the method, if it has no fault; else None."""
-        return self.known.key if self.known and not self.faults else None
+        return self.known if self.known and not self.faults else None
 
     @property
     def verdict(self) -> str:
         """The verdict in one line."""
         unknown = f"an IMEX method of {self.reading.stages} stages that is not in the catalogue"
-        name = self.known.key if self.known else self.near or unknown
+        name = self.known or self.near or unknown
         solved = f", its stages solved to {self.reading.curved:.1e}" if self.reading.curved > WELL_SOLVED else ""
         return "; ".join([f"it is {name}" + (solved if self.known else f", {self._orders[0]}"), *self.faults])
 
     @property
     def parts(self) -> list[tuple[str, list[str]]]:
         """The evidence: titles with lines."""
-        return [("Coefficients", self._coefficients(self.known.key if self.known else "")), ("Order", self._orders)]
+        return [("Coefficients", self._coefficients(self.known)), ("Order", self._orders)]
 
     def _coefficients(self, key: str) -> list[str]:
         """Both tables as lines, for the method with this key, or for none if it is ""."""
@@ -110,7 +110,8 @@ class ImexIdentity:
     @property
     def _orders(self) -> list[str]:
         """The order by the tables (those of the method, or as read), together and alone, and the order measured."""
-        facts, measured = AdditiveFacts(self.known or _as_read(self.reading)), self.measured
+        known = next((m for m in _methods() if m.key == self.known), None)
+        facts, measured = AdditiveFacts(known or _as_read(self.reading)), self.measured
         found = facts.orders_within(NO_RESIDUAL) if facts.method.decimal else facts
         alone = f"its tables alone have order {found.explicit_order} and {found.implicit_order}"
         words = f"of order {found.order} on f + g, {alone}{', to the precision of its decimals' * facts.method.decimal}"
@@ -157,7 +158,7 @@ def read_imex(subject: ForeignStepper, asked: Additive | None = None) -> ImexIde
     if (method := asked or known) and _differences(method, reading) == []:
         solved = max(_SOLVER * reading.curved, WELL_SOLVED)
         walked = there_and_back(ImexWalker(subject, Specification(method), solved))
-    return ImexIdentity(reading, known, measured_of_two(subject, WithDamping, _HALVINGS), walked)
+    return ImexIdentity(reading, known.key if known else "", measured_of_two(subject, WithDamping, _HALVINGS), walked)
 
 
 def _methods() -> Iterator[Additive]:

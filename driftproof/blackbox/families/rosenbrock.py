@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
-from functools import cached_property
+from dataclasses import dataclass, replace
+from fractions import Fraction
 from typing import Any
 
 import numpy as np
@@ -152,12 +152,13 @@ def _shown(reading: RosenbrockReading, numbers: Iterable[float]) -> str:
 class RosenbrockIdentity:
     """The products of a step, the method that has them, and the orders measured with f' and with half of it as J.
 
-    `method` is of the catalogue, or the one asked for, or None if none has them; `near` is one that differs in one
-    entry, in words.
+    `method` is of the catalogue, or the one asked for, or None if none has them, with its entries in floats, since an
+    isolated process sends plain numbers; `told` says its orders, and `near` is one that differs in one entry, in words.
     """
 
     reading: RosenbrockReading
     method: Rosenbrock | None
+    told: str
     near: str
     measured: MeasuredOrder
     w_order: int | None
@@ -168,22 +169,17 @@ class RosenbrockIdentity:
         """The order measured with J = f'."""
         return self.measured.order
 
-    @cached_property
-    def _products(self) -> _Products | None:
-        return None if self.method is None else _Products.of(self.method, len(self.reading.weights))
-
     @property
     def faults(self) -> list[str]:
         """The faults, whatever method it is meant to be."""
-        reading, known = self.reading, self._products
-        found, order = [], self.order
+        reading, found, order = self.reading, list[str](), self.order
         left_out = not reading.by
         claimed = 0 if self.method is None or reading.nodes is None else self.method.claimed_order
         slow = f"order {order} is observed where f depends on t, not {claimed}"
         slow = slow if order is not None and order < claimed else ""
         if slow and left_out:
             found.append(f"df/dt is left out: {slow}")
-        if known is not None and known.time_slope_differs(reading):
+        if self.method and _Products.of(self.method, len(reading.weights)).time_slope_differs(reading):
             found.append("df/dt enters with other weights than the row sums of gamma")
         at, place = reading.jacobian_at
         if at or place:
@@ -232,12 +228,7 @@ class RosenbrockIdentity:
 
     @property
     def _orders(self) -> list[str]:
-        lines = []
-        if self.method is not None:
-            facts = RosenbrockFacts(self.method)
-            told = facts.orders_within(NO_RESIDUAL) if self.method.decimal else facts
-            digits = ", to the precision of its decimals" * self.method.decimal
-            lines.append(f"order {told.order} with J = f', {told.w_order} with any matrix{digits}")
+        lines = [self.told] if self.told else []
         for order, with_what in ((self.order, "J = f'"), (self.w_order, "half of f' as J")):
             lines.append(f"{order_seen(order)} with {with_what} on {self.measured.problem}")
         lines[-2] += f" (slopes of the local error: {slopes_text(self.measured.slopes)})"
@@ -292,4 +283,18 @@ def read_rosenbrock(subject: ForeignStepper, asked: Rosenbrock | None = None) ->
     walked = None
     if method := asked or found:
         walked = there_and_back(RosenbrockWalker(subject, Specification(method), reading.slack, not reading.by))
-    return RosenbrockIdentity(reading, found, near, measured, with_half.order, walked)
+    told, plain = (_known_orders(found), _with_float_entries(found)) if found else ("", None)
+    return RosenbrockIdentity(reading, plain, told, near, measured, with_half.order, walked)
+
+
+def _with_float_entries(method: Rosenbrock) -> Rosenbrock:
+    *parts, b = (part.tolist() for part in _floats(method))
+    alpha, gamma = (tuple(tuple(map(Fraction, row)) for row in part) for part in parts)
+    return replace(method, alpha=alpha, gamma=gamma, b=tuple(map(Fraction, b)), b_embedded=None, embedded_order=None)
+
+
+def _known_orders(method: Rosenbrock) -> str:
+    facts = RosenbrockFacts(method)
+    told = facts.orders_within(NO_RESIDUAL) if method.decimal else facts
+    digits = ", to the precision of its decimals" * method.decimal
+    return f"order {told.order} with J = f', {told.w_order} with any matrix{digits}"

@@ -28,8 +28,9 @@ from driftproof.symbolic.rounding.formats import FloatFormat
 _SIZES = (8, 4, 3, 2)
 # Calls at the start but nearer to its time than this part of h are differences for df/dt.
 _DIFFERENCE = 2.0**-6
-# Calls with places and times this close are of one stage: rounding separates them by less, stages by more.
-_SAME = 2.0**-30
+# Calls with places and times this close are of one stage: rounding separates them by less, stages by more. The control
+# allows as much, or this many u in a narrower format, as seven systems of eight equations need: 1 + 8 for each.
+_SAME, _ROUNDINGS = 2.0**-30, 64
 
 
 @dataclass(frozen=True)
@@ -189,7 +190,7 @@ class _Probe:
         require_calls(self.calls, len(step.places))
         said = np.tensordot(np.array(slopes), columns[:, -1, :], axes=1) * h ** np.arange(1, self.size + 1) + start
         i = int(np.argmax(off := np.abs(step.result - said)))
-        if off[i] > _SAME * (1 + np.abs(said).max()):
+        if off[i] > max(_SAME, _ROUNDINGS * float(self.subject.format.u)) * (1 + np.abs(said).max()):
             ends = "it ends at {}, where the coefficients read give {}".format(*shown_apart(step.result[i], said[i]))
             why = "it is not linear in its slopes, does not scale with h, or remembers another step"
             raise NotReadable(f"with other slopes and h = {h:g} {ends}: {why}")

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import product
+from math import inf
 from typing import Any, NamedTuple
 
 from driftproof.blackbox.findings import Misbehaviour, StepFinding, UnsupportedCall, WrongShape
@@ -16,6 +17,7 @@ from driftproof.blackbox.stepper.calling_conventions import (
     MAP,
     MASSES,
     MOMENTA,
+    STATE,
     STIFFNESSES,
     UNIT_PARAMETERS,
     parameters_of,
@@ -85,22 +87,20 @@ def _optional(subject: ForeignStepper) -> dict[str, Any]:
     }
 
 
-def _is_one(x: Any) -> bool:
-    return type(x) in (int, float) and bool(x == 1)
-
-
 def _with_other_parameters(subject: ForeignStepper) -> Iterator[list[_Reading]]:
     """Yield for each set of parameters what the step may be with it: one of these has to be right.
 
-    A mass alone may be a label, and what is called a momentum may be a velocity. A parameter with a default of 1 is one
-    of the oscillator if its name says so.
+    A mass alone may be a label, and what is called a momentum, or has no name, may be a velocity. A
+    parameter with a default of 1 is one of the oscillator if its name says so.
     """
     found, adapter = subject.convention, subject.adapter
-    ones = [name for name, x in _optional(subject).items() if _is_one(x) and (type(x) is float or len(name) > 1)]
+    named = {float: 1, int: 2}  # the fewest letters: m = 1 may count something
+    ones = [n for n, x in _optional(subject).items() if len(n) >= named.get(type(x), inf) and x == 1]
     given = {name: word_of(name) for name in (*found.extra, *adapter.parameters, *ones)}
     masses = [name for name, word in given.items() if word in MASSES]
     others = {name: word for name, word in given.items() if word in UNIT_PARAMETERS and name not in masses}
-    momentum = bool({*found.names} & {*MOMENTA} and masses)
+    names = {*(parameters_of(subject.function) or ()), *adapter.parts}
+    momentum = bool(masses and (names & {*MOMENTA} or (STATE in found.order and not adapter.parts)))
 
     def reading(values: Mapping[str, float], rate: float, scale: float, factor: float = 1.0) -> _Reading:
         held = {name: x for name, x in values.items() if name in adapter.parameters}
@@ -115,7 +115,8 @@ def _with_other_parameters(subject: ForeignStepper) -> Iterator[list[_Reading]]:
             convention = replace(found.scaled(masses, 0.25) or found, momentum=1.0 if found.momentum == 1 else mass)
             yield [_Reading({masses[0]: mass}, replace(subject, convention=convention), 1.0, 1.0)]
         else:
-            yield [reading({masses[0]: 2.0}, 1.0, 1.0, factor) for factor in (2.0, 1.0)]
+            sizes = (1.0, *[2.0] * momentum)
+            yield [reading({masses[0]: 2.0}, 1.0, scale, factor) for factor in (2.0, 1.0) for scale in sizes]
     elif found.kind == MAP and (masses or others):
         mass, rates = (1.0 + bool(masses), (2.0,)) if others else (4.0, (0.5, 1.0))
         values = dict.fromkeys(masses, mass) | {

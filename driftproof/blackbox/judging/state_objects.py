@@ -70,7 +70,9 @@ def state_objects(subject: ForeignStepper, wanted: Specification) -> StepFinding
     if keeping.spoilt:
         return StepFinding(False, "it changes its arguments to something other than its answer")
     found: dict[str, list[str]] = {}
-    further = {FORCE: (BODIES, IN_PLANE), FIELD: (OF_TWO_DIMENSIONS, SCALARS) if subject.adapter is ARRAYS else ()}
+    numbers = (SCALARS,) * (not subject.log.works_in_place)  # a float that is handed over cannot be changed
+    rows = (OF_TWO_DIMENSIONS, *numbers) if subject.adapter is ARRAYS else ()
+    further = {FORCE: (BODIES, IN_PLANE), FIELD: rows}
     for form in (*forms, *further.get(subject.convention.kind, ())):
         try:
             wrong, seen = trial(_in_form(subject, form))

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from functools import partial
 from math import fsum
 from operator import sub
 from typing import TypeAlias, TypeGuard
@@ -17,6 +18,7 @@ from driftproof.blackbox.probes.coefficients import coefficient_difference, coef
 from driftproof.blackbox.probes.estimate import ABSOLUTE, NORM, EstimateReading, read_estimate
 from driftproof.blackbox.probes.scripted_answers import Rounding
 from driftproof.blackbox.probes.tableau import TableauReading, read_tableau
+from driftproof.blackbox.stepper.calling_conventions import TOLERANCE_NAMES, parameters_of, word_of
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.methods.catalogue import EMBEDDED_SUFFIX, METHODS
 from driftproof.methods.number_field import Exact
@@ -61,6 +63,7 @@ def judged_estimate(subject: ForeignStepper, method: Method | None = None) -> Ju
 
     If `method` is given, it is the only pair considered. Raises NotReadable, and UnsupportedCall without an estimate.
     """
+    subject = _unscaled(subject)
     estimate, reading = read_estimate(subject), read_tableau(subject)
     propagated = read_order(reading).order
     lines = [f"besides y1 it returns {estimate.form}: e = {_shown(estimate)}"]
@@ -96,6 +99,13 @@ def judged_estimate(subject: ForeignStepper, method: Method | None = None) -> Ju
         f"the row of order {propagated} is propagated, the other one has order {other}",
     ]
     return JudgedEstimate(vanishing.order, propagated, other, pair, tuple(lines), tuple(faults))
+
+
+def _unscaled(subject: ForeignStepper) -> ForeignStepper:
+    """The stepper with the tolerances that it takes, by which it may divide its estimate, set to 0 |y| + 1."""
+    names = [*(parameters_of(subject.function) or ())]
+    held = {x: float(i) for i, words in enumerate(TOLERANCE_NAMES) for x in names if word_of(x) in words}
+    return replace(subject, function=partial(subject.function, **held)) if 1.0 in held.values() else subject
 
 
 def _mistimed(estimate: EstimateReading, reading: TableauReading) -> list[str]:

@@ -23,8 +23,8 @@ MOST_CALLS_OF_A_RUN = 30_000
 TOLERANCES, TOLERANCE, LENGTH, COUNT, NOTHING = "tolerances", "tolerance", "length", "count", "nothing"
 # The names that these settings go by, in the order in which a solver is asked whether it has them.
 _SETTINGS = {
-    TOLERANCES: (("rtol", "reltol", "rel_tol"), ("atol", "abstol", "abs_tol")),
-    TOLERANCE: (("tol", "tolerance", "eps", "epsilon", "accuracy", "rtol", "reltol", "rel_tol"),),
+    TOLERANCES: calling.TOLERANCE_NAMES,
+    TOLERANCE: (("tol", "tolerance", "eps", "epsilon", "accuracy", *calling.TOLERANCE_NAMES[0]),),
     LENGTH: (calling.ROLES[calling.STEP],),
     COUNT: (calling.COUNTS,),
 }

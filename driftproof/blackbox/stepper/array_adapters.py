@@ -23,8 +23,8 @@ class ArrayAdapter:
 
     `number` makes a single number from a float, and `function` turns a Python function into one that the stepper can
     call. `read` raises WrongShape or NotANumber. All are exact, up to the rounding to the stepper's own precision.
-    `shown` is the format of the numbers in a line of Python, if this is not a call of `name`. A record may hold
-    `parameters` of its oscillator; `with_parameters` makes the adapter with others.
+    `shown` is the format of the numbers in a line of Python, if this is not a call of `name`. A record has `parts`, the
+    names of position and velocity, and maybe `parameters` of its oscillator; `with_parameters` makes it with others.
     """
 
     name: str
@@ -33,6 +33,7 @@ class ArrayAdapter:
     number: Callable[[float], AnyNumber] = float
     function: Callable[[Callable[..., Foreign]], Callable[..., Foreign]] = lambda function: function
     shown: str = ""
+    parts: tuple[str, ...] = ()
     parameters: Mapping[str, float] = field(default_factory=dict, compare=False)
     with_parameters: Callable[[Mapping[str, float]], ArrayAdapter] | None = None
 

@@ -118,6 +118,8 @@ STIFFNESSES = ("k", "stiffness")
 UNIT_PARAMETERS = ("m", "mass", *STIFFNESSES, "omega", "omega0", "w", "w0")
 # Names for the number of steps of a run.
 COUNTS = ("n", "steps", "n_steps", "nsteps", "num_steps", "number_of_steps", "nt", "n_iter", "iterations", "l")
+# Names for tolerances: relative to the state, and absolute.
+TOLERANCE_NAMES = ("rtol", "reltol", "rel_tol"), ("atol", "abstol", "abs_tol")
 # Names for what a solver takes: the span of a run or both of its ends, and the state at its start.
 SPANS = ("t_span", "tspan", "span", "interval", "t_interval", "t_range", "trange")
 RUN_ENDS = (

@@ -36,13 +36,7 @@ from driftproof.blackbox.stepper.record_forms import record_forms
 from driftproof.blackbox.stepper.second_functions import with_functions, zeros
 from driftproof.blackbox.stepper.state_forms import COMPLEX, forms_of
 from driftproof.blackbox.stepper.turning import Push, step_in_fields, turn_quaternion
-from driftproof.blackbox.stepper.wrappers import (
-    exchange_wrapper,
-    increment_wrapper,
-    template,
-    uncalled,
-    wrapper_line,
-)
+from driftproof.blackbox.stepper.wrappers import exchange_wrapper, increment_wrapper, template, uncalled, wrapper_line
 from driftproof.symbolic.rounding.formats import BINARY16, BINARY32, BINARY64, FloatFormat
 
 # The state and the step size of trials: nothing cancels, and every term of a step is of ordinary size.

@@ -135,6 +135,7 @@ def adapter_of(record: Record) -> ArrayAdapter:
         write,
         read,
         shown=shown,
+        parts=(record.position, record.velocity),
         parameters=record.given,
         with_parameters=lambda values: adapter_of(
             dataclasses.replace(record, known={**record.known, **values}, given={**record.given, **values})

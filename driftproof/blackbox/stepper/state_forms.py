@@ -25,7 +25,7 @@ def forms_of(step: Callable[..., Any], convention: CallingConvention) -> Iterato
     elif convention.kind == FIELD:
         yield BATCH
     else:
-        yield from (BODIES, BATCH, *VECTORS)
+        yield from (BODIES, BATCH, *VECTORS, IN_PLANE)
     if "torch" in sys.modules:
         yield from _tensors(sys.modules["torch"])
     if "jax" in sys.modules and convention.kind != MAP:

@@ -14,6 +14,7 @@ from driftproof.methods.catalogue import FACTS_ONLY
 from driftproof.methods.rosenbrock import Rosenbrock
 from tests.blackbox.families.bounds import U
 from tests.blackbox.families.linearised_steppers import linearly_implicit_euler, ros2_by_hand, rosenbrock
+from tests.blackbox.families.split_steppers import imex
 from tests.blackbox.transcripts import to_twelve_digits
 from tests.looping import some
 
@@ -155,3 +156,9 @@ def test_what_may_be_rounding_has_a_bound():
                 found = replace(right, reading=replace(right.reading, **{level: numbers.tolist()}))
                 held = found.criteria(FACTS_ONLY["ros3p"])[0].passed and not found.faults
                 assert held is passes, (level, place, k)
+
+
+@pytest.mark.parametrize(("step", "key"), [(rosenbrock("ros2"), "ros2"), (imex("ars222"), "ars222")])
+def test_a_method_with_irrational_entries_is_read_in_an_isolated_process(step, key):
+    assert verify(step, key).verdict == f"is {key}"
+    assert identify(step).data["method"] == key

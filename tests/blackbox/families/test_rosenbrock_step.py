@@ -7,6 +7,7 @@ from driftproof.blackbox.families.rosenbrock_step import read_rosenbrock_step
 from driftproof.blackbox.findings import StepRaised, UnsupportedCall
 from driftproof.blackbox.probes.scripted_answers import NotReadable
 from driftproof.blackbox.stepper.opening import opened
+from driftproof.blackbox.verify import verify
 from driftproof.methods.catalogue import FACTS_ONLY
 from tests.blackbox.families.linearised_steppers import floats, linearly_implicit_euler, ros2_by_hand, rosenbrock
 from tests.looping import some
@@ -30,6 +31,20 @@ def test_no_time_is_no_node_and_the_place_of_the_jacobian_is_told():
     assert read_rosenbrock_step(opened(ros2_by_hand)).nodes is None
     assert read_rosenbrock_step(opened(linearly_implicit_euler)).jacobian_at == (0.0, 0.0)
     assert read_rosenbrock_step(opened(rosenbrock("ros2", at_end=True))).jacobian_at == (1.0, 0.0)
+
+
+def test_a_step_in_binary32_is_read_to_its_own_rounding():
+    def ros2(f, jac, t, y, h, off=0.0):
+        single = lambda x: np.asarray(x, dtype=np.float32)
+        y, h, gamma = single(y), np.float32(h), np.float32(1 - 2**-0.5)
+        system = np.eye(len(y), dtype=np.float32) - gamma * h * single(jac(t, y))
+        k1 = np.linalg.solve(system, single(f(t, y)))
+        k2 = np.linalg.solve(system, single(f(t + h, y + h * k1)) - 2 * k1)
+        return y + h * (single(1.5) * k1 + single(0.5) * k2) * single(1 + off * (h != 1))
+
+    assert verify(ros2, "ros2", isolate=False).verdict == "is ros2"
+    with pytest.raises(NotReadable, match="does not scale with h"):
+        read_rosenbrock_step(opened(lambda f, jac, t, y, h: ros2(f, jac, t, y, h, 2.0**-12)))
 
 
 def test_what_is_no_such_step_is_refused_in_words():

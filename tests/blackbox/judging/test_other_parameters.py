@@ -67,6 +67,28 @@ def of_momentum(x, p, dt, m):
     return x + dt * p / m, p
 
 
+def of_momentum_by_default(x, p, dt, m=1.0, k=1.0):
+    p = p - dt * k * x
+    return x + dt * p / m, p
+
+
+def forced_momentum(force, q, p, dt, m=1.0):
+    p = p + dt * force(q)
+    return q + dt * p / m, p
+
+
+def of_array(state, dt, m=1.0, k=1.0):
+    return of_momentum_by_default(*state, dt, m, k)
+
+
+def of_momenta_in_a_record(velocity):
+    def step(state, dt):
+        p = state[velocity] - dt * state["k"] * state["q"]
+        return {**state, "q": state["q"] + dt * p / state["m"], velocity: p}
+
+    return step
+
+
 def of_record(ended):
     def step(p: Particle, dt: float) -> Particle:
         v = p.v - dt * p.x / p.m
@@ -82,6 +104,7 @@ WRONG = [
     (of_mass(lambda x, m: x // m if type(m) is int else x / m), EULER, "with m = 4 its step of q'' = -0.25 q is wrong"),
     (of_both(lambda k, m: k * m), EULER, "with m = 2, k = 8 its step of q'' = -4 q is wrong"),
     (of_both(lambda k, m: k // m), EULER, "with m = 8, k = 2 its step of q'' = -0.25 q is wrong"),
+    (of_momenta_in_a_record("v"), EULER, "with m = 2, k = 8 its step of q'' = -4 q is wrong"),
     (of_record(lambda p, x, v: Particle(x, v)), EULER, "a record whose m is 4 comes back with 1.0"),
 ]
 # A mass may be a label, and one of `m` times: then the force is an acceleration, or m counts something.
@@ -93,6 +116,10 @@ RIGHT = [
     (of_mass(lambda x, m: x / m), EULER, "6 steps with m = 4 within the bound; 6 steps with m = 4 within the bound"),
     (of_both(lambda k, m: k / m), EULER, "6 steps with m = 2, k = 8 within the bound; 6 steps with m = 8, k = 2 wi"),
     (of_momentum, EULER, "6 steps with m = 4 within the bound; 6 steps with m = 4 within the bound"),
+    (of_momentum_by_default, EULER, "6 steps with m = 2, k = 8 within the bound; 6 steps with m = 8, k = 2 within"),
+    (forced_momentum, EULER, "6 steps with m = 2 within the bound"),
+    (of_array, EULER, "6 steps with m = 2, k = 8 within the bound; 6 steps with m = 8, k = 2 within the bound"),
+    (of_momenta_in_a_record("p"), EULER, "6 steps with m = 2, k = 8 within the bound; 6 steps with m = 8, k = 2"),
     (of_record(lambda p, x, v: replace(p, x=x, v=v)), EULER, "6 steps with m = 4 within the bound; 6 steps with m = 4"),
 ]
 

@@ -51,6 +51,11 @@ def in_place(f, t, y, h):
     y[:] = codes.rk4(f, t, np.array(y), h)
 
 
+def moved_in_place(f, t, y, h):
+    """Forward Euler, which changes an array and no float."""
+    y += h * f(t, y)
+
+
 def in_place_and_returned(f, t, y, h):
     in_place(f, t, y, h)
     return y
@@ -89,6 +94,7 @@ FOUND = {
     "arrays": (codes.rk4, "rk4", True),
     "a buffer of answers": (answered_in_a_buffer, "rk4", True),
     "in place": (in_place, "rk4", True),
+    "moved in place": (moved_in_place, "forward_euler", True),
     "in place and returned": (in_place_and_returned, "rk4", True),
     "sequences": (one_by_one, "heun2", True),
     "floats": (codes.velocity_verlet, "velocity_verlet", True),

@@ -17,6 +17,9 @@ from tests.blackbox.transcripts import Asked
 PAIRS = [key for key, m in METHODS.items() if getattr(m, "b_embedded", None) is not None and m.explicit]
 
 
+RELATIVE = ("the error estimate is already relative: it is divided by the size of y before any tolerance",)
+
+
 def judged(step):
     return judged_estimate(opened(step, "field"))
 
@@ -66,6 +69,19 @@ def test_a_wrong_estimate_says_what_is_wrong(name, as_before):
     found = judged(asked.code)
     assert found.faults
     as_before(found.data, asked)
+
+
+@pytest.mark.parametrize("key", ["dormand_prince54", "bogacki_shampine32"])
+def test_an_estimate_in_units_of_tolerances_that_the_step_takes_is_judged_without_them(key):
+    step = pair_step(key)
+
+    def scaled(f, t, y, h, rtol=1e-6, atol=1e-9):
+        y1, error = step(f, t, y, h)
+        return y1, np.sqrt(np.mean((error / (atol + rtol * np.maximum(abs(y), abs(y1)))) ** 2))
+
+    assert (judged(scaled).pair, judged(scaled).faults) == (key, ())
+    assert judged(lambda f, t, y, h, atol=1.0: relative(*step(f, t, y, h), h, y)).faults == RELATIVE
+    assert judged(lambda f, t, y, h, rtol=1.0: relative(*step(f, t, y, h), h, y)).faults == RELATIVE
 
 
 @pytest.mark.parametrize("key", ["dop853", "dop853_third"])

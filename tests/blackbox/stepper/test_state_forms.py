@@ -12,7 +12,7 @@ from driftproof.blackbox.findings import Misbehaviour, StaleSlope, WrongShape
 from driftproof.blackbox.stepper.call_text import call_text
 from driftproof.blackbox.stepper.calling_conventions import FIELD, FORCE, MAP, CallingConvention
 from driftproof.blackbox.stepper.opening import opened
-from driftproof.blackbox.stepper.state_forms import VECTORS, CompiledCallback, forms_of
+from driftproof.blackbox.stepper.state_forms import IN_PLANE, VECTORS, CompiledCallback, forms_of
 from tests.blackbox.stepper.styles import STYLES, defined, keys_of, namespace
 from tests.blackbox.transcripts import Asked
 
@@ -35,6 +35,18 @@ def test_the_call_that_a_report_shows_works(title):
     step = defined(style.code)
     text = call_text(opened(step), 1.0, 0.75, 0.25)
     assert eval(text, namespace(style.code) | {"numpy": np}) is not None
+
+
+def test_bodies_in_the_plane_alone_are_opened():
+    def step(force, x, v, dt):
+        if x.ndim != 2 or x.shape[1] != 2:
+            raise ValueError("positions have two columns")
+        v = v + dt / 2 * force(x)
+        x = x + dt * v
+        return x, v + dt / 2 * force(x)
+
+    assert opened(step).adapter is IN_PLANE
+    assert keys_of(step) == ("velocity_verlet",)
 
 
 def test_most_styles_are_opened_as_they_are_written():
