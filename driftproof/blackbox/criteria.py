@@ -149,7 +149,7 @@ def _other_coefficients(method: Method, reading: CoefficientReading, identity: I
 
 
 def _judge_nonlinear_step(method: Method, found: NonlinearAgreement) -> Judged:
-    return found.holds, [found.words], {"largest": f"{found.largest:.6g}"}, ""
+    return found.holds, [found.words], {"largest": f"{found.worst.off:.6g}"}, ""
 
 
 def _judge_order(method: Method, measured: Sequence[MeasuredOrder]) -> Judged:

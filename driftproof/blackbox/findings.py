@@ -64,7 +64,9 @@ class NotFinite(Misbehaviour):
 
 
 def first_taken(
-    ask: Callable[[Tried], Taken], tried: Iterable[Tried], refusal: type[Exception] = Misbehaviour
+    ask: Callable[[Tried], Taken],
+    tried: Iterable[Tried],
+    refusal: type[Exception] | tuple[type[Exception], ...] = Misbehaviour,
 ) -> Taken:
     """The answer for the first of some things that is not refused. Raises the refusal of the first if all are."""
     refusals: list[Exception] = []

@@ -165,7 +165,7 @@ class Refutation:
                 yield f"is not {key} {seen.how_near}: {agrees} {off}"
         found: NonlinearAgreement | None = seen.outcomes[criteria.NONLINEAR_STEP].result
         if coefficients.passed and rounding.passed and found is not None and nonlinear.passed is False:
-            names = f"{', '.join(found.wrong)} {'is' if len(found.wrong) == 1 else 'are'}"
+            names = f"{', '.join(found.worst.wrong)} {'is' if len(found.worst.wrong) == 1 else 'are'}"
             yield f"is not {key}: {agrees} on {found.problem}, {names} not what the coefficients give"
 
     def _explanations(self) -> Iterator[str]:

@@ -29,14 +29,6 @@ def spring(force_of=lambda x, k, m: k / m * x):
     return step
 
 
-def pendulum(power):
-    def step(x, v, dt, omega):
-        v = v - dt * omega**power * x
-        return x + dt * v, v
-
-    return step
-
-
 def heavy(masses_of):
     def step(force, x, v, masses, dt):
         m = masses_of(np.asarray(masses), x)
@@ -361,11 +353,9 @@ def scaling(slope_of):
 RUN = later(lambda n: n - 1)
 EULER, VERLET, FIRST = "symplectic_euler", "velocity_verlet", "its first step ended at"
 WRONG = [
-    (spring(lambda x, k, m: k * x), spring(), "symplectic_euler", "with m = 2, k = 8 its step of q'' = -4 q is wrong"),
     (spring(lambda x, k, m: x / m), spring(), "symplectic_euler", "not for all parameters: with m = 2, k = 8"),
-    (pendulum(1), pendulum(2), "symplectic_euler", "not for all parameters: with omega = 2"),
     (heavy(lambda m, x: m), heavy(lambda m, x: m[:, None] if x.ndim > 1 else m), VERLET, "9 positions of unequal"),
-    (heavy(lambda m, x: m.mean()), heavy(lambda m, x: (m * x.T**0).T), "velocity_verlet", "q[0], q[1], v[0], v[1]"),
+    (heavy(lambda m, x: m.mean()), heavy(lambda m, x: (m * x.T**0).T), "velocity_verlet", "q[0], q[2], v[0], v[2]"),
     (on_times(lambda t: [t[1] - t[0]] * (len(t) - 1)), on_times(np.diff), "heun2", "times of its grid are unequally"),
     (later(lambda n: max(n - 2, 0)), RUN, "symplectic_euler", "for its first step only"),
     (end_of(later(lambda n: max(n - 2, 0))), end_of(RUN), "symplectic_euler", "for its first step only"),
@@ -391,7 +381,6 @@ WRONG = [
     (ros2(lambda h: 1), ros2(lambda h: h), "ros2", "is not ros2: order 1 is observed where f depends on t"),
     (sampled(1), sampled(0.5), VERLET, "kick 2: 1 instead of 1/2"),
     (leap(False), leap(True), VERLET, "is not velocity_verlet"),
-    (ending(lambda end, y: end * (1 + 1e-6 * (len(y) == 6))), ending(), "heun2", "with 6 components it takes"),
     (ending(lambda end, y: end * (1 + 1e-6 * (len(y) == 13))), ending(), "heun2", "with 13 components it takes"),
     (ending(lambda end, y: np.r_[end[:-4], y[-4:]] if len(y) % 8 == 0 else end), ending(), "heun2", "with 8 comp"),
     (ending(lambda end, y: end.astype(np.float32) if len(y) > 30 else end), ending(), "heun2", "with 32 components"),

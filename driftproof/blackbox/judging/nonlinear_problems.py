@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from contextlib import suppress
 from dataclasses import dataclass, replace
 from math import exp, prod
 from typing import TypeAlias
 
 from flint import arb
 
-from driftproof.blackbox.findings import NotANumber, StepRaised, WrongShape, first_taken
+from driftproof.blackbox.findings import WrongShape, first_taken
 from driftproof.blackbox.stepper.array_adapters import AnyNumber
-from driftproof.blackbox.stepper.calling_conventions import FIELD, FORCE, MAP
+from driftproof.blackbox.stepper.calling_conventions import FIELD, MAP
 from driftproof.blackbox.stepper.foreign_code import FieldFunction
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 
@@ -34,8 +33,8 @@ class NonlinearProblem:
 
     If `positions` is not 0, it is q'' = F(t, q) with that many positions, or q'' = F(t, q, v) if `dragged`, and y is
     [q..., v...]; if `interleaved`, a stepper of a right-hand side gets [q, v, q, v, ...]. `scales` are the sizes of the
-    components if they are not 1. The rate depends on t only if `timed`. If the positions are not `coupled`, their
-    forces may be asked for one at a time.
+    components if they are not 1, and `pace` is how much faster than t its own time runs. The rate depends on t only if
+    `timed`. If the positions are not `coupled`, their forces may be asked for one at a time.
     """
 
     words: str
@@ -47,6 +46,7 @@ class NonlinearProblem:
     scales: tuple[float, ...] = ()
     timed: bool = False
     coupled: bool = True
+    pace: float = 1.0
 
     @property
     def names(self) -> list[str]:
@@ -94,7 +94,8 @@ def moved(problem: NonlinearProblem, sizes: Sequence[float], pace: float, origin
         state = problem.solution(pace * (t - origin))
         return [s * x for x, s in zip(state, scales(len(state)), strict=True)]
 
-    return replace(problem, rate=rate, solution=solution, scales=tuple(scales(len(problem.solution(arb(START))))))
+    own = tuple(scales(len(problem.solution(arb(START)))))
+    return replace(problem, rate=rate, solution=solution, scales=own, pace=pace)
 
 
 def beginning_at_rest(problem: NonlinearProblem, t: float) -> NonlinearProblem:
@@ -178,26 +179,11 @@ def dragged_problem(subject: ForeignStepper, positions: int = 1) -> NonlinearPro
     return replace(still, words=f"a nonlinear q'' = F({'t, ' * timed}q, v){several}", rate=rate, dragged=True)
 
 
-def force_problems(subject: ForeignStepper) -> list[NonlinearProblem]:
-    """Problems q'' = F(t, q) with as many positions as the stepper takes, one for each order in which y may hold them.
-
-    If no time is passed on, the last of several coupled positions is the clock. A force that is asked for one position
-    at a time gets the problem `walls`.
-    """
-    timed = gives_force_times(subject)
-    found = [pushed(n, timed=timed) for n in ((2,) if timed else (3, 2))]
-    found += [walls(2)] if subject.convention.kind == FORCE else []
-    return in_each_order(subject, found) or [force_problem(subject)]
-
-
-def in_each_order(subject: ForeignStepper, problems: Sequence[NonlinearProblem]) -> list[NonlinearProblem]:
-    """The first problem that the stepper takes, in each order in which y may hold it; empty if it takes none."""
-    for problem in problems:
-        with suppress(StepRaised, WrongShape, NotANumber):
-            problem.stepped(subject, START, problem.start(START), _SHORT)
-            orders = (False, True) if subject.convention.kind == FIELD and problem.positions > 1 else (False,)
-            return [replace(problem, interleaved=interleaved) for interleaved in orders]
-    return []
+def in_each_order(subject: ForeignStepper, problem: NonlinearProblem) -> list[NonlinearProblem]:
+    """The problem in each order in which y may hold it. Raises a Misbehaviour if the stepper does not take it."""
+    problem.stepped(subject, START, problem.start(START), _SHORT)
+    orders = (False, True) if subject.convention.kind == FIELD and problem.positions > 1 else (False,)
+    return [replace(problem, interleaved=interleaved) for interleaved in orders]
 
 
 def gives_force_times(subject: ForeignStepper) -> bool:
@@ -280,7 +266,7 @@ def pushed(positions: int, *, timed: bool) -> NonlinearProblem:
         return [*(bell for _, bell in pairs), *clock, *(-2 * x * bell * bell for x, bell in pairs), *speed]
 
     several = "" if positions == 1 else f" of {positions} positions"
-    words = f"a nonlinear q'' = {'F(t, q)' if timed else 'F(q)'}{several}{'' if timed else ', the last being the time'}"
+    words = f"a nonlinear q'' = {'F(t, q)' if timed else 'F(q)'}{several}{'' if timed else ', one being the time'}"
     return NonlinearProblem(words, rate, solution, positions, timed=timed)
 
 

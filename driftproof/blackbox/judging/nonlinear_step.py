@@ -3,20 +3,26 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import chain, product
 from math import inf, isnan
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from flint import arb, ctx
 
+from driftproof.blackbox.findings import NotANumber, StepRaised, WrongShape, first_taken
 from driftproof.blackbox.judging.nonlinear_problems import (
     START,
     NonlinearProblem,
     dragged_problem,
-    field_problem,
-    force_problems,
+    driven,
+    gives_force_times,
+    in_each_order,
+    passes_time,
+    pushed,
+    turned,
+    walls,
 )
 from driftproof.blackbox.judging.specification import Allowance, Specification
 from driftproof.blackbox.probes.scripted_answers import Rounding
@@ -30,63 +36,139 @@ from driftproof.methods.stepping import stepper
 from driftproof.symbolic.algebra.certified import enclose
 
 # Chosen: balls of this precision are far narrower than the rounding errors of doubles.
-_BITS = 192
+BITS = 192
+# An iteration that converges for the steps taken gains at least one bit a round. Chosen: twice as many as are needed.
+_ROUNDS = 2 * BITS
+# A smaller change of a slope of size 1 is far below the rounding of doubles, and above that of the balls themselves.
+_SETTLED = 2.0**-150
 # Step sizes so small that the iteration for the stages converges for every method of the catalogue, and so large that
 # two tables of one order differ by far more than a solver's tolerance; and the times at which the steps start.
 STEPS, TIMES = (2.0**-4, 2.0**-5, 2.0**-7), (START, 1.5)
-# An iteration that converges at those step sizes gains at least one bit a round. Chosen: twice as many as are needed.
-_ROUNDS = 2 * _BITS
-# A smaller change of a slope of size 1 is far below the rounding of doubles, and above that of the balls themselves.
-_SETTLED = 2.0**-150
+# The numbers of components, or of positions, tried: the largest first, as some codes take only two, or one.
+_COMPONENTS, _POSITIONS = (4, 2, 1), (3, 2, 1)
 # Methods with one linear step differ by 1e-6 and more at those step sizes, and solvers in use leave less than this.
 _SOLVED = 1e-8
 # The factor by which the stages of a solver may exceed its tolerance: it stops by a change or a residual, and the error
 # is larger than these by a factor of at most 1/(1 - h L), with h L up to 3/4 here.
 BEYOND_TOLERANCE = 4
+# The stepper may use another arithmetic or convention; a step that it refuses to take is no evidence against it.
+REFUSALS = (StepRaised, WrongShape, NotANumber)
+
+
+class ComparedStep(NamedTuple):
+    """The end of a step, how far off its worst component is in units of its scale, and how far it may be.
+
+    `wrong` are the names of all components that are farther off; `place` and `numbers` show the worst of them.
+    """
+
+    end: list[float]
+    off: float
+    allowed: float
+    wrong: tuple[str, ...]
+    place: str
+    numbers: str
+
+
+@dataclass(frozen=True)
+class NonlinearComparison:
+    """A stepper and what it is compared with; each family overrides the step and the problems."""
+
+    subject: ForeignStepper
+    wanted: Specification
+
+    @property
+    def method(self) -> Any:
+        """The method that the steps are compared with."""
+        return self.wanted.method
+
+    @property
+    def partitioned(self) -> bool:
+        """True if the stepper is compared on y'' = F(t, y)."""
+        return isinstance(self.method, Splitting | Nystrom) or self.subject.convention.kind != FIELD
+
+    def problems(self, numbers: int) -> list[NonlinearProblem]:
+        """The problem with this many numbers or positions, in each order in which y may hold them.
+
+        A Runge-Kutta method whose force gets velocities is compared on a force that depends on them. A force that is
+        asked for one position at a time gets the problem `walls`. Raises one of the REFUSALS if none is taken, and
+        UnsupportedCall if the system is built in.
+        """
+        if not self.partitioned:
+            timed = passes_time(self.subject, numbers)
+            return [driven(numbers, timed=timed) if timed else turned(driven(numbers, timed=timed))]
+        timed = gives_force_times(self.subject)
+        if self.subject.gives_velocities and not isinstance(self.method, Splitting | Nystrom):
+            found = [dragged_problem(self.subject, numbers)]
+        else:
+            found = [pushed(numbers, timed=timed)] if timed or numbers > 1 else []
+            found = found if timed else [turned(problem) for problem in found]
+            found += [] if timed or (found and self.subject.convention.kind == FIELD) else [walls(numbers)]
+        return first_taken(lambda problem: in_each_order(self.subject, problem), found, REFUSALS)
+
+    def compared(self, problem: NonlinearProblem, t: float, y: Sequence[float], h: float) -> ComparedStep:
+        """One step beside the method's own."""
+        seen = [float(x) for x in problem.stepped(self.subject, t, y, h)]
+        taken = float(np.float32(h)) if self.wanted.allowance.step_in_binary32 else h
+        expected, scales = self.own_step(problem, t, y, taken), problem.scales or [1.0] * len(y)
+        # Slopes change by about their size in a unit of the problem's own time, so that the rounding of t matters, too.
+        size = 1 + max(abs(x / s) for x, s in zip(y, scales, strict=True)) + abs(t) * problem.pace
+        allowed = self.allowed(size, len(y), h * problem.pace)
+        off = [gap / abs(s) for gap, s in zip(map(error_above, seen, expected), scales, strict=True)]
+        names, i = problem.names, max(range(len(off)), key=lambda i: inf if isnan(off[i]) else off[i])
+        wrong = tuple(name for name, x in zip(names, off, strict=True) if not x <= allowed)
+        place = f"in a step of {h:.6g} from t = {t:.6g}"
+        numbers = f"{names[i]} is {seen[i]!r} where {self.method.key} gives {float(expected[i].mid())!r}"
+        return ComparedStep(seen, off[i], allowed, wrong, place, numbers)
+
+    def own_step(self, problem: NonlinearProblem, t: float, y: Sequence[float], h: float) -> list[arb]:
+        """The method's step in balls."""
+        return own_step(self.method, problem, t, y, h)
+
+    def allowed(self, size: float, numbers: int, h: float) -> float:
+        """The allowed error of a component, for components and slopes of this size and this number of components."""
+        allowance = self.wanted.allowance
+        calls = len(self.method.parts) if isinstance(self.method, Splitting) else self.method.stages
+        rounding = Rounding(self.subject.format, calls).of(2 * size)
+        by_quotient = 2 * size * float(self.subject.format.u) / abs(h) if allowance.velocity_from_positions else 0.0
+        return rounding + by_quotient + BEYOND_TOLERANCE * size * float(allowance.solver_tolerance or 0)
 
 
 @dataclass(frozen=True)
 class NonlinearAgreement:
-    """The largest difference from the method's step that was seen, and where it exceeded the allowed one, if it did.
-
-    `beyond` is the worst place in words, "" for none, and `wrong` are the names of all components that are wrong there.
-    """
+    """The steps of one problem that were compared, by their number, and the worst of them."""
 
     problem: str
     steps: int
-    largest: float
-    beyond: str = ""
-    wrong: tuple[str, ...] = ()
+    worst: ComparedStep
 
     @property
     def holds(self) -> bool:
         """True if every step is the method's, up to rounding or the tolerance of its solver."""
-        return not self.beyond
+        return not self.worst.wrong
 
     @property
     def words(self) -> str:
         """The finding in one line."""
-        if self.beyond:
-            others = f"; wrong components: {', '.join(self.wrong)}" if len(self.wrong) > 1 else ""
-            return f"on {self.problem}, {self.beyond}{others}"
-        return f"its steps agree with the method's own on {self.problem}, to {self.largest:.1e} in {self.steps} steps"
+        _, off, allowed, wrong, place, numbers = self.worst
+        if wrong:
+            others = f"; wrong components: {', '.join(wrong)}" if len(wrong) > 1 else ""
+            return f"on {self.problem}, {place}, {numbers}: off by {off:.1e}, allowed {allowed:.1e}{others}"
+        return f"its steps agree with the method's own on {self.problem}, to {off:.1e} in {self.steps} steps"
 
 
 def nonlinear_agreement(subject: ForeignStepper, wanted: Specification) -> NonlinearAgreement:
-    """Compare the stepper with the method, from states near the solution of a problem in which all derivatives matter.
+    """Compare single steps with the method's, from states near the solution of the largest problem that is taken.
 
-    A splitting or a Nyström method is compared on q'' = F(t, q), with several positions if the stepper takes them, in
-    the order of y that fits; its time advances as its positions do. A Runge-Kutta method whose force gets velocities is
-    compared on a force that depends on them. Raises UnsupportedCall if the system is built in.
+    They are compared in the order of y that fits. Raises a Misbehaviour, or UnsupportedCall if the system is built in.
     """
-    partitioned = isinstance(wanted.method, Splitting | Nystrom)
-    general = subject.convention.kind == FIELD and not partitioned
-    if subject.gives_velocities and not partitioned:
-        problems = [dragged_problem(subject)]
-    else:
-        problems = [field_problem(subject)] if general else force_problems(subject)
-    found = [_compared(subject, wanted, problem) for problem in problems]
-    return next((each for each in found if each.holds), min(found, key=lambda each: each.largest))
+    comparison, found = NonlinearComparison(subject, wanted), list[NonlinearAgreement]()
+    numbers = _POSITIONS if comparison.partitioned else _COMPONENTS
+    for problem in first_taken(comparison.problems, numbers, REFUSALS):
+        with ctx.workprec(BITS):
+            steps = [comparison.compared(problem, t, problem.start(t), h) for t, h in product(TIMES, STEPS)]
+        worst = max(steps, key=lambda step: (step.wrong != (), inf if isnan(step.off) else step.off))
+        found.append(NonlinearAgreement(problem.words, len(steps), worst))
+    return next((each for each in found if each.holds), min(found, key=lambda each: each.worst.off))
 
 
 def nonlinear_twins(subject: ForeignStepper, keys: Sequence[str]) -> tuple[str, ...]:
@@ -98,38 +180,9 @@ def nonlinear_twins(subject: ForeignStepper, keys: Sequence[str]) -> tuple[str, 
     return tuple(key for key, each in wanted.items() if nonlinear_agreement(subject, each).holds)
 
 
-def _compared(subject: ForeignStepper, wanted: Specification, problem: NonlinearProblem) -> NonlinearAgreement:
-    found = NonlinearAgreement(problem.words, len(TIMES) * len(STEPS), 0.0)
-    with ctx.workprec(_BITS):
-        for t, h in product(TIMES, STEPS):
-            start = problem.start(t)
-            expected = own_step(wanted.method, problem, t, start, h)
-            allowed = allowed_off(subject, wanted, 1 + max(map(abs, start)), h)
-            seen = problem.stepped(subject, t, start, h)
-            off = [*map(error_above, seen, expected)]
-            wrong = tuple(name for name, x in zip(problem.names, off, strict=True) if not x <= allowed)
-            i = max(range(len(off)), key=lambda i: inf if isnan(off[i]) else off[i])
-            if wrong and not off[i] <= found.largest:
-                right = f"{wanted.method.key} gives {float(expected[i].mid())!r}"
-                numbers = f"{problem.names[i]} is {seen[i]!r} where {right}"
-                beyond = f"in a step of {h:g} from t = {t:g}, {numbers}: off by {off[i]:.1e}, allowed {allowed:.1e}"
-                found = replace(found, beyond=beyond, wrong=wrong)
-            found = replace(found, largest=max(found.largest, off[i]))
-    return found
-
-
 def error_above(x: AnyNumber, exact: arb) -> float:
     """An upper bound of |x - exact|, as a float."""
     return float(abs(arb(x) - exact).upper())
-
-
-def allowed_off(subject: ForeignStepper, wanted: Specification, size: float, h: float) -> float:
-    """How far a component of a step may be off if components and slopes are of this size."""
-    method, allowance = wanted.method, wanted.allowance
-    calls = len(method.parts) if isinstance(method, Splitting) else method.stages
-    rounding = Rounding(subject.format, calls).of(2 * size)
-    by_quotient = 2 * size * float(subject.format.u) / h if allowance.velocity_from_positions else 0.0
-    return rounding + by_quotient + BEYOND_TOLERANCE * size * float(allowance.solver_tolerance or 0)
 
 
 def own_step(method: Method, problem: NonlinearProblem, t: float, y: Sequence[float], h: float) -> list[arb]:
@@ -154,7 +207,7 @@ def _runge_kutta_step(
 
     Explicit stages are computed in turn, implicit ones as `solved_in_balls` does.
     """
-    tableau: Any = method.tableau(_BITS) if isinstance(method, Collocation) else (method.a, method.b, method.c)
+    tableau: Any = method.tableau(BITS) if isinstance(method, Collocation) else (method.a, method.b, method.c)
     a = [[enclose(x) for x in row] for row in tableau[0]]
     b, c = ([enclose(x) for x in row] for row in tableau[1:])
     if method.explicit:

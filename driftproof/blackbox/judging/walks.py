@@ -7,43 +7,17 @@ from contextlib import suppress
 from dataclasses import dataclass, replace
 from itertools import islice
 from math import log2
-from typing import Any
 
-import numpy as np
-from flint import arb, ctx
+from flint import ctx
 
-from driftproof.blackbox.findings import (
-    Misbehaviour,
-    NoAnswer,
-    NotANumber,
-    NotFinite,
-    StepFinding,
-    StepRaised,
-    WrongShape,
-)
+from driftproof.blackbox.findings import Misbehaviour, NoAnswer, NotFinite, StepFinding
 from driftproof.blackbox.judging.agreement import steps_back
-from driftproof.blackbox.judging.nonlinear_problems import (
-    START,
-    NonlinearProblem,
-    beginning_at_rest,
-    dragged_problem,
-    driven,
-    gives_force_times,
-    in_each_order,
-    moved,
-    passes_time,
-    pushed,
-    turned,
-    walls,
-)
-from driftproof.blackbox.judging.nonlinear_step import allowed_off, error_above, own_step
+from driftproof.blackbox.judging.nonlinear_problems import START, NonlinearProblem, beginning_at_rest, moved
+from driftproof.blackbox.judging.nonlinear_step import BITS, REFUSALS, NonlinearComparison
 from driftproof.blackbox.judging.specification import Domain, Specification
 from driftproof.blackbox.stepper.calling_conventions import FIELD, FORCE
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
-from driftproof.methods.schemes import Nystrom, Splitting
 
-# Chosen: balls of this precision are far narrower than the rounding errors of doubles.
-_BITS = 192
 # The numbers of components tried: all up to one more than the widest vector registers hold, among them those of states
 # that codes treat in a way of their own (6 of a satellite, 7 with a quaternion, 13 of a rigid body); then whole blocks.
 # There are fewer positions, because each force is a product of all of them, and fewer components for implicit methods,
@@ -59,8 +33,6 @@ _FEW, _AT_HOME = 2, 9
 _EQUAL, _PAIRS_BACK = 12, 7
 # What precedes a step: a step that ends where it starts, or one after which the state was changed, as by an event.
 _GOES_ON, _MOVED = "continues from the previous one", "begins when the previous one ended, in another state,"
-# The stepper may use another arithmetic or convention; a step that it refuses to take is no evidence against it.
-_REFUSALS = (StepRaised, WrongShape, NotANumber)
 
 
 @dataclass(frozen=True)
@@ -126,22 +98,8 @@ class _Step:
     words: str
 
 
-@dataclass(frozen=True)
-class Walker:
-    """A stepper and what it is compared with; each family overrides the step and the problems."""
-
-    subject: ForeignStepper
-    wanted: Specification
-
-    @property
-    def method(self) -> Any:
-        """The method that the steps are compared with."""
-        return self.wanted.method
-
-    @property
-    def partitioned(self) -> bool:
-        """True if the stepper is compared on y'' = F(t, y)."""
-        return isinstance(self.method, Splitting | Nystrom) or self.subject.convention.kind != FIELD
+class Walker(NonlinearComparison):
+    """A comparison of successive steps at many places."""
 
     @property
     def what(self) -> str:
@@ -167,25 +125,6 @@ class Walker:
         """The place, with sizes of 1 for an implicit method, whose solver has a scale of its own."""
         return place if self.method.explicit else replace(place, sizes=(1.0,))
 
-    def problems(self, numbers: int) -> list[NonlinearProblem]:
-        """The problem with this many numbers or positions, in each order in which y may hold them; empty if refused.
-
-        A force that is asked for one position at a time gets the problem `walls`.
-        """
-        if not self.partitioned:
-            with suppress(*_REFUSALS):
-                timed = passes_time(self.subject, numbers)
-                return [driven(numbers, timed=timed) if timed else turned(driven(numbers, timed=timed))]
-            return []
-        timed = gives_force_times(self.subject)
-        if self.subject.gives_velocities and not isinstance(self.method, Splitting | Nystrom):
-            found = [dragged_problem(self.subject, numbers)]
-        else:
-            found = [pushed(numbers, timed=timed)] if timed or numbers > 1 else []
-            found = found if timed else [turned(problem) for problem in found]
-            found += [] if timed or self.subject.convention.kind == FIELD else [walls(numbers)]
-        return in_each_order(self.subject, found)
-
     def walk(self, problem: NonlinearProblem, place: _Place, lengths: Sequence[float]) -> _Step | None:
         """The first step that is not the method's; None if all are. Raises a Misbehaviour of the stepper."""
         there, t = place.problem(problem), place.start
@@ -196,45 +135,20 @@ class Walker:
         after = ["", *[_GOES_ON] * (len(lengths) - 1), _MOVED]
         for length, before in zip((*lengths, lengths[-1]), after, strict=True):
             h, y = length * 2.0**-place.pace, start if before == _MOVED else y
-            words, end = self.compared(there, place, t, y, h)
-            if words:
-                return _Step(place, there.positions or len(y), t, tuple(y), h, before, words)
-            t, y = t + h, end
+            seen = self.compared(there, t, y, h)
+            if seen.wrong:
+                n = there.positions or len(y)
+                words = f"{seen.place}, with {self.counted(n)}, {seen.numbers}"
+                return _Step(place, n, t, tuple(y), h, before, words)
+            t, y = t + h, seen.end
         return None
-
-    def compared(
-        self, problem: NonlinearProblem, place: _Place, t: float, y: Sequence[float], h: float
-    ) -> tuple[str, list[float]]:
-        """What is wrong with one step, "" if nothing is, and the state at its end."""
-        seen = [float(x) for x in problem.stepped(self.subject, t, y, h)]
-        taken = float(np.float32(h)) if self.wanted.allowance.step_in_binary32 else h
-        expected, scales = self.own_step(problem, t, y, taken), problem.scales
-        # Slopes change by about their size in a unit of the problem's own time, so that the rounding of t matters, too.
-        size = 1 + max(abs(x / s) for x, s in zip(y, scales, strict=True)) + abs(t) * 2.0**place.pace
-        allowed = self.allowed(size, len(y), h * 2.0**place.pace)
-        off = [gap / abs(s) for gap, s in zip(map(error_above, seen, expected), scales, strict=True)]
-        wrong = [i for i, x in enumerate(off) if not x <= allowed]
-        if not wrong:
-            return "", seen
-        i = max(wrong, key=lambda i: off[i])
-        numbers = f"{problem.names[i]} is {seen[i]!r} where {self.method.key} gives {float(expected[i].mid())!r}"
-        of = self.counted(problem.positions or len(y))
-        return f"in a step of {h:.6g} from t = {t:.6g}, with {of}, {numbers}", seen
-
-    def own_step(self, problem: NonlinearProblem, t: float, y: Sequence[float], h: float) -> list[arb]:
-        """The method's step in balls."""
-        return own_step(self.method, problem, t, y, h)
-
-    def allowed(self, size: float, numbers: int, h: float) -> float:
-        """The allowed error of a component, for components and slopes of this size and this number of components."""
-        return allowed_off(self.subject, self.wanted, size, h)
 
     def why(self, step: _Step, problem: NonlinearProblem, of_numbers: dict[int, list[NonlinearProblem]]) -> str:
         """The one condition under which the step is wrong, "" if there is not just one. Raises a Misbehaviour."""
         there = step.place.problem(problem)
         if step.before:
             there.stepped(self.subject, step.t + 1, [x / 2 for x in step.y], step.h)
-            if not self.compared(there, step.place, step.t, step.y, step.h)[0]:
+            if not self.compared(there, step.t, step.y, step.h).wrong:
                 return f"a step that {step.before} differs from the same step taken alone"
         lengths = _LENGTHS if step.h > 0 else _BACK
         if self.walk(problem, _Place(), lengths):
@@ -261,7 +175,7 @@ def walk_on(walker: Walker, lengths: Sequence[float] = _LENGTHS, most: int | Non
     Places and numbers of components are paired so that each occurs, in `most` pairs at most. The answer is None if no
     such step is taken, and the call is always "". Raises UnsupportedCall if the system is built in.
     """
-    with ctx.workprec(_BITS):
+    with ctx.workprec(BITS):
         try:
             return _walked_on(walker, lengths, most)
         except NotFinite as failure:
@@ -278,13 +192,16 @@ def there_and_back(walker: Walker) -> StepFinding:
 
 def _walked_on(walker: Walker, lengths: Sequence[float], most: int | None) -> StepFinding:
     taken, times, refused = list[int](), list[float](), ""
-    of_numbers = {n: problems for n in walker.numbers if (problems := walker.problems(n))}
+    of_numbers: dict[int, list[NonlinearProblem]] = {}
+    for n in walker.numbers:
+        with suppress(*REFUSALS):
+            of_numbers[n] = walker.problems(n)
     for place, problems, each in islice(_settings(walker, [*of_numbers.values()], lengths), most):
         found: list[_Step] = []
         for problem in problems:
             try:
                 step = walker.walk(problem, place, each)
-            except _REFUSALS as refusal:
+            except REFUSALS as refusal:
                 refused = refused or str(refusal)
                 break
             if step is None:

@@ -223,7 +223,7 @@ def of_velocities(ahead: Callable[[np.ndarray, np.ndarray], np.ndarray]):
 VELOCITIES = [
     (lambda v, middle: middle, True, "is midpoint2"),
     (lambda v, middle: v, False, "the velocity of call 1 holds F[0]: 0 instead of 1/2"),
-    (lambda v, middle: np.array([middle[0], *v[1:]]), False, "with 2 positions it takes a different step"),
+    (lambda v, middle: np.array([middle[0], *v[1:]]), False, "of 2 positions, v[0] is not what the coefficients"),
     (lambda v, middle: middle[::-1].copy(), False, "is not midpoint2"),
 ]
 

@@ -117,5 +117,5 @@ def test_all_that_is_asked_and_said_of_steps_is_as_before(name, array, as_before
         said.append(tuple(several_together(subject, wanted)))
     if step is codes.rk4:
         said += [single_mistakes(subject, METHODS["rk38"]), *map(attrgetter("words"), measured_orders(subject))]
-        said += [nonlinear_agreement(subject, Specification(METHODS[other])) for other in ("rk4", "rk38")]
+        said += [nonlinear_agreement(subject, Specification(METHODS[other])).words for other in ("rk4", "rk38")]
     as_before(said[0], *shortened(said[1:], array is None), asked)

@@ -3,7 +3,6 @@
 from itertools import product
 from math import exp
 
-import numpy as np
 import pytest
 from flint import arb, ctx
 
@@ -12,7 +11,6 @@ from driftproof.blackbox.judging.nonlinear_problems import (
     dragged_problem,
     field_problem,
     force_problem,
-    force_problems,
     moved,
     pushed,
     walls,
@@ -45,7 +43,7 @@ PROBLEMS += [
     ("q'' = exp(-2q) of 2 positions", walls(2)),
     ("a nonlinear q'' = F(t, q)", force_problem(opened(codes.rk4))),
     ("a nonlinear q'' = F(t, q) of 2 positions", pushed(2, timed=True)),
-    ("a nonlinear q'' = F(q) of 3 positions, the last being the time", pushed(3, timed=False)),
+    ("a nonlinear q'' = F(q) of 3 positions, one being the time", pushed(3, timed=False)),
     ("a nonlinear q'' = F(t, q, v)", dragged_problem(opened(of_stages("rk4")))),
     ("a nonlinear q'' = F(t, q, v) of 3 positions", dragged_problem(opened(of_stages("rk4")), 3)),
     ("a nonlinear q'' = F(q, v) of 2 positions", dragged_problem(opened(semi_implicit), 2)),
@@ -110,37 +108,5 @@ def test_every_force_of_a_coupled_problem_depends_on_the_time_and_on_the_other_p
         assert all(other[i] != here[i] for other in (later, *moved) for i in range(2))
 
 
-def floats_only(force, q, v, h):
-    return codes.velocity_verlet(force, float(q), float(v), h)
-
-
-def of_two_positions(force, q, v, h):
-    first, second = q
-    return codes.velocity_verlet(force, np.array([first, second]), v, h)
-
-
-def one_by_one(force, q, v, h):
-    pairs = [codes.velocity_verlet(force, x, w, h) for x, w in zip(q, v, strict=True)]
-    return [x for x, _ in pairs], [w for _, w in pairs]
-
-
-SHAPES = {
-    codes.velocity_verlet: [(3, False, True)], of_two_positions: [(2, False, True)], floats_only: [(1, False, False)],
-    one_by_one: [(2, False, False)], codes.symplectic_euler_in_a_field: [(1, False, True)],
-    codes.rk4: [(2, False, True), (2, True, True)],
-    codes.rk4_without_time: [(3, False, True), (3, True, True)],
-}  # fmt: skip
-
-
-@pytest.mark.parametrize(("step", "shapes"), SHAPES.items(), ids=lambda step: getattr(step, "__name__", ""))
-def test_a_stepper_is_asked_with_the_most_positions_that_it_takes(step, shapes):
-    assert [(each.positions, each.interleaved, each.coupled) for each in force_problems(opened(step))] == shapes
-
-
 def test_a_step_that_goes_far_meets_no_force_beyond_that_of_the_largest_exponent():
     assert walls(1).rate(0.0, [-1e9, 2.0]) == [2.0, exp(700.0)]
-
-
-def test_a_built_in_system_has_no_force():
-    with pytest.raises(UnsupportedCall):
-        force_problems(opened(lambda q, v, h: (q + h * v, v - h * q)))

@@ -128,10 +128,10 @@ def test_a_step_is_held_to_the_roundings_of_its_numbers_its_slopes_and_its_time(
     allowed = 12 * 2.0**-53 * 2 * (1 + 0.25 / 0.5 + 0.75 * 4)
     subject = opened(lambda f, t, y, h: y + h * f(t, y) + share * allowed * 0.5)
     walker, problem = Walker(subject, EULER), place.problem(driven(1, timed=True))
-    words, (end,) = walker.compared(problem, place, t, [0.25], h)
-    assert (words == "") == right
-    told = f"y[0] is {end!r} where forward_euler gives "
-    assert right or f"in a step of 0.0625 from t = 0.75, with 1 component, {told}" in words
+    found = walker.compared(problem, t, [0.25], h)
+    assert found.wrong == (() if right else ("y[0]",))
+    assert found.place == "in a step of 0.0625 from t = 0.75"
+    assert found.numbers.startswith(f"y[0] is {found.end[0]!r} where forward_euler gives ")
 
 
 # A domain, a place within it, and one that is not.
@@ -164,6 +164,7 @@ def test_allowances_hold_there_too():
     assert walked(opened(short), replace(RK4, allowance=Allowance(step_in_binary32=True)))[0] is True
     by_quotient = Specification(METHODS["symplectic_euler"], Allowance(velocity_from_positions=True))
     assert walked(opened(codes.velocity_from_positions), by_quotient)[0] is True
+    assert back_and_on(opened(codes.velocity_from_positions), by_quotient)[0] is True
 
 
 def test_steps_back_are_looked_at_where_the_right_hand_side_is_ours():

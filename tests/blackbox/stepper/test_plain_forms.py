@@ -171,7 +171,7 @@ HELD = [
     (lambda out, y, f, t, h: out.__setitem__(slice(None), y + h * f(t, y)), "forward_euler", ""),
     (two_arrays, "symplectic_euler", ""), (with_masses, "velocity_verlet", ""), (one_by_one, "symplectic_euler", ""),
     (first_mass, "symplectic_euler", "its coefficients agree, but on a nonlinear q'' = F(q) of 3 positions"),
-    (first_mass_of_bodies, "symplectic_euler", "its coefficients agree, but on q'' = exp(-2q) of 2 positions"),
+    (first_mass_of_bodies, "symplectic_euler", "its coefficients agree, but on q'' = exp(-2q) of 3 positions"),
     (divided_again, "symplectic_euler", "kick 0: 1/2 instead of 1"),
     (one_after_the_other, "symplectic_euler", "its coefficients agree, but on a nonlinear q'' = F(q) of 3 positions"),
     (mass_forgotten, "symplectic_euler", "kick 0: 2 instead of 1"),
