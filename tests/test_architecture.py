@@ -68,16 +68,17 @@ NOT_ELSEWHERE = "sympy"
 # methods the one grammar of expressions, the one number field and fields with several roots; symbolic the front door
 # of `derive` and facts as typed properties; blackbox verdicts that say what was seen, and implicit
 # stages, its own sampler of steps, 100 lines, in which objects a state comes, 300, and thirty kinds of wrong steps that
-# a passing verdict had overlooked, 250, five faults of whole solvers, 60, and wrappers for objects, 110; texts what
-# docs and help show.
+# a passing verdict had overlooked, 250, five faults of whole solvers, 60, and wrappers for objects, 110; fifty more
+# kinds of wrong steps, 400, and steps of records and wrappers that work when pasted, 270; texts what docs and help show,
+# and the problems that a text states, 450.
 BUDGETS = {
-    "support": 1194,
-    "methods": 5340,
-    "symbolic": 10357,
-    "numeric": 4190,
-    "blackbox": 19200,
-    "enclosure": 3200,
-    "texts": 7810,
+    "support": 1200,
+    "methods": 5320,
+    "symbolic": 10220,
+    "numeric": 3960,
+    "blackbox": 19250,
+    "enclosure": 3160,
+    "texts": 7830,
 }
 BUDGET_OF_REPORTS_AND_FRONT = 5646
 # The goal is 65 of 100. Independent witnesses, campaigns and guards, 6,000 lines, are among the tests.
