@@ -6,6 +6,7 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import cache
 
 from driftproof.texts.claims.contradictions import last_methods_named, methods_named, sentence_around
 
@@ -45,8 +46,7 @@ class Place:
     def means(self, question: str, methods: set[str]) -> bool:
         """True if a question about one of these methods asks for what is named here, and all that it asks for is."""
         quantity, unknown = asked_quantity(question)
-        for x, pattern in _SETTING.items():
-            given = [*map(Fraction, pattern.findall(question))]
+        for x, given in _asked_settings(question).items():
             if given and self.settings.get(x) not in (given if quantity == "ratio" else given[:1]):
                 return False
         if (methods and not methods & self.methods) or (self.unknown and unknown not in ("", self.unknown)):
@@ -54,6 +54,13 @@ class Place:
         return quantity == self.quantity if self.quantity else quantity in ("state", "error", "exact")
 
 
+@cache
+def _asked_settings(question: str) -> dict[str, list[Fraction]]:
+    """The step sizes and the times that a question has, by letter."""
+    return {x: [*map(Fraction, pattern.findall(question))] for x, pattern in _SETTING.items()}
+
+
+@cache
 def asked_quantity(question: str) -> tuple[str, str]:
     """The quantity that a question asks for, and the unknown whose value it is, if it is one's."""
     readout = question.removesuffix(", 1)").rpartition(" : ")[2]
@@ -84,7 +91,7 @@ def place_of(text: str, start: int, end: int, heads: Sequence[str], row: Sequenc
     for x, pattern in (("h", _SETTING["h"]), ("t", _TIME)):
         given = pattern.findall(before)[-1:] or pattern.findall(after)[:1]
         given = given or pattern.findall(text[max(0, start - _FARTHEST) : start])[-1:]
-        cells = [cell for name, cell in row if _heads(x, name) and _NUMBER.fullmatch(cell)]
+        cells = [cell for name, cell in row if is_head_of(x, name) and _NUMBER.fullmatch(cell)]
         settings |= {x: Fraction((cells or given)[0])} if cells or given else {}
     unknown, said = _UNKNOWN.search(before), [*_QUANTITY.finditer(head if row else before)]
     quantity, name = said[-1].lastgroup if said else "state" if head else None, unknown["name"] if unknown else None
@@ -96,7 +103,7 @@ def place_of(text: str, start: int, end: int, heads: Sequence[str], row: Sequenc
     if more := _AFTER.match(text, end):
         counted = "steps" if (more["count"] or "").endswith("steps") else "evaluations" if more["count"] else ""
         quantity = "percent" if more["percent"] else counted or "ratio"
-    if any(_heads(x, head) for x in _HEADS):
+    if any(is_head_of(x, head) for x in _HEADS):
         quantity = "chosen"
     methods = next((named for one in reversed(heads) if (named := methods_named(one))), set[str]())
     methods = methods or methods_named(" ".join(cell for _, cell in row))
@@ -104,6 +111,6 @@ def place_of(text: str, start: int, end: int, heads: Sequence[str], row: Sequenc
     return Place(frozenset(methods), settings, quantity, name)
 
 
-def _heads(setting: str, head: str) -> bool:
-    """True if the head of a column is that of values of h or t."""
+def is_head_of(setting: str, head: str) -> bool:
+    """True if the head of a column, in lower case, is that of values of h or t."""
     return re.fullmatch(rf"(?:{_HEADS[setting]})(?: ?[(\[].*)?", head) is not None

@@ -14,6 +14,7 @@ from driftproof.methods.catalogue import METHODS
 from driftproof.methods.field_text import rate_of_text
 from driftproof.methods.vector_fields import FUNCTIONS
 from driftproof.texts.claims.contradictions import methods_named
+from driftproof.texts.claims.places import is_head_of
 from driftproof.texts.questions.errors import QuestionError
 from driftproof.texts.questions.parser import parse_question
 from driftproof.texts.readers.numbers import TextNumber, numbers_in
@@ -26,7 +27,6 @@ _LIST = rf"{_NUMBER}(?:(?:,? (?:and |or )?|,){_NUMBER})*"
 _SIZES = re.compile(rf"(?:(?<!\w)(?:h|dt|Δt)|[Ss]tep ?sizes?(?: of)?|[Ss]teps of) ?(?:[=∈≈] ?)?[{{(]?({_LIST})")
 _TIMES = re.compile(rf"(?<!\w)[tT] ?[=∈] ?[{{(]?({_LIST})")
 _COUNTS = re.compile(r"(?<![\w.])([1-9][0-9]{0,3}) (?:time |equal )?steps\b|(?<!\w)[nN] ?= ?([1-9][0-9]{0,3})(?![\w.])")
-_COLUMNS = {"h": r"h|dt|δt|step ?size", "t": r"t(?:_[ni])?|time|t_\{?n\}?"}
 # Between two equations of one system, and before the first of them, no sentence ends.
 _GAP = 80
 _TOGETHER = re.compile(rf"(?:(?![.;?!]\s)[\s\S]){{0,{_GAP}}}")
@@ -123,7 +123,7 @@ def _questions(problem: _Problem, equations: str, text: str, column_of: Callable
     for number in numbers_in(text[at : at + len(part)]):
         head = column_of(TextNumber(number.start + at, number.end + at, number.text, None))
         for letter, into in (("h", sizes), ("t", times)):
-            if head and number.text[0] != "-" and re.fullmatch(rf"(?:{_COLUMNS[letter]})(?: ?[(\[].*)?", head):
+            if number.text[0] != "-" and is_head_of(letter, head):
                 into.append(Fraction(number.text) if re.fullmatch(_NUMBER, number.text) else Fraction(0))
     sizes, times = (sorted({x for x in numbers if x > 0}) for numbers in (sizes, times))
     if not sizes:
