@@ -24,14 +24,13 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from itertools import pairwise, takewhile
 from typing import Any, TypeAlias
-from unicodedata import normalize
 
 from driftproof.methods.catalogue import keys_of_name
 from driftproof.methods.expression_tree import END, NAME, NUMBER, CallNode, ExpressionNode, NameNode, NumberNode, Token
 from driftproof.support.plain_text import did_you_mean
 from driftproof.texts.questions import wording
 from driftproof.texts.questions.errors import QuestionError
-from driftproof.texts.questions.pieces import OWN_PI, WORDS, PieceParser
+from driftproof.texts.questions.pieces import OWN_PI, WORDS, PieceParser, without_accents
 
 SETTINGS = ("h", "t", "N", "steps", "error", "z", "lambda")
 PROBLEM, RATES = ("problem", "rates")
@@ -72,7 +71,7 @@ Node: TypeAlias = ExpressionNode | Query
 
 def parse_question(question: str) -> Node:
     """Parse a question into its tree; accents on letters are ignored. Raises QuestionError."""
-    plain = "".join(normalize("NFKD", c)[0] if c.isalpha() else c for c in question).translate(PieceParser.typographic)
+    plain = without_accents(question).translate(PieceParser.typographic)
     if rounded := wording.TO_DIGITS.search(plain):
         kind = "digits" if rounded["digits"] else "places"
         count = rounded["count"]
