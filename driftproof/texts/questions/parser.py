@@ -40,6 +40,7 @@ _HEADS = ("step", "run", "exact", "roundoff")
 _WITH_EQUATION = "as in run heun2 y'=-y y(0)=1 h=0.1 t=1 : error"
 _OF_METHOD = "order rk4, or run rk4 h=0.1 t=1 : q"
 _UNKNOWNS = re.compile(r"\w+(?= ?')|(?<=\bd)\w+(?= ?/ ?dt\b)")
+_LAMBDA = re.compile(r"\blambda\b|λ")  # in a rate, as in y'=lambda*y, lambda=-2
 # Texts have powers such as (17/16)**1000; powers that are too long to write out are enclosed.
 LARGEST_POWER_ASKED = 10**6
 
@@ -217,6 +218,8 @@ class _QuestionParser(PieceParser):
                 raise self.error(head, f"{lacks} = ... is missing, as in y'=-y, y(0)=1")
             start = tuple(start[name] for name in names)
         rates = tuple(rates.values()) if names else tuple(rates)
+        if any(_LAMBDA.search(rate.text) for rate in rates) and (scale := parts["settings"].pop("lambda", None)):
+            rates = tuple(rate._replace(text=_LAMBDA.sub(f"({scale.value})", rate.text)) for rate in rates)
         return {**parts, "rates": rates, "start": start or None, "unknowns": names}
 
     def _setting_name(self, at: int) -> tuple[str, int]:

@@ -102,6 +102,15 @@ def test_what_the_text_chooses_is_given_and_what_looks_like_a_value_is_not(setti
     assert limit["value"] == "imaginary_limit rk4"
 
 
+@pytest.mark.parametrize("method", ["forward Euler", "velocity Verlet"])
+def test_a_digit_beside_the_name_of_a_method_is_no_state_of_it(method: str) -> None:
+    """No word but the method's names q = 1, which forward Euler has after a step from (1, 0)."""
+    for said, times in (("y(0) = 1", 1), ("a ratio of 1", 0)):
+        drafted = draft(document_of(f"We run {method} with h = 0.1 and {said}, often.", "markdown"), "a")
+        assert 'value = "' not in drafted
+        assert drafted.count("the text chooses it") == 1 + times
+
+
 def test_a_start_in_brackets_is_given_as_one() -> None:
     document = document_of("It runs from (1, -0.3) with h = 0.3 to (1, -0.3), from 1 on.")
     text = draft(document, "a")
