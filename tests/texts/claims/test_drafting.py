@@ -180,6 +180,14 @@ def test_numbers_of_programs_are_left_out_and_counted_but_for_those_that_are_val
     assert held(document, text) == {"value": 1, "given": 0, "run": 0, "label": 5, "uncovered": 2}
 
 
+def test_single_digits_of_programs_are_no_values_though_their_words_stand_around() -> None:
+    said = "Heun has two stages per step. RK4 uses 16 evaluations in all. The energy of forward Euler grows.\n\n"
+    code = "```python\ny = 1.0\nfor n in range(2): y = y * (1 - 0.5 + 0.125)\n```\n"
+    drafted = draft(document_of(said + code, "markdown"), "a")
+    assert "value =" not in drafted
+    assert drafted.endswith("# Left out: numbers in program code, 5 in all; they are inputs, not claims.")
+
+
 def test_phrase_that_would_be_too_long_is_not_drafted() -> None:
     for length, drafted in ((396, True), (397, False)):
         text = draft(document_of(f"{'y' * length} 7.5"), "a")
