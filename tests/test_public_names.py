@@ -94,6 +94,7 @@ def test_names_resolve_and_others_do_not():
     assert len(NAMES) > 30
     assert set(NAMES) < set(dir(driftproof))
     assert all(getattr(driftproof, name) is not None for name in NAMES)
+    assert not [name for name in NAMES if re.search("(docs|tests|examples)/", documentation(name))]  # not installed
     with pytest.raises(AttributeError, match="module 'driftproof' has no attribute 'missing'"):
         _ = driftproof.missing
 

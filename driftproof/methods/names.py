@@ -8,6 +8,7 @@ from __future__ import annotations
 import re
 import unicodedata
 
+_ORDINALS = {"2nd": "second", "3rd": "third", "4th": "fourth", "5th": "fifth", "6th": "sixth", "8th": "eighth"}
 _FILLER_WORDS = {"the", "of", "method", "methods", "rule", "scheme", "integrator"}
 
 # Key | other names.
@@ -77,6 +78,8 @@ _AMBIGUOUS = """
 Verlet | velocity_verlet position_verlet
 Störmer-Verlet | velocity_verlet position_verlet
 Stoermer-Verlet | velocity_verlet position_verlet
+Störmer | velocity_verlet position_verlet stormer2 stormer3 stormer4
+Nyström | nystrom4 nystrom5
 leapfrog | velocity_verlet position_verlet two_step_leapfrog
 midpoint | midpoint2 implicit_midpoint
 modified Euler | heun2 midpoint2
@@ -94,6 +97,7 @@ GL6 | gauss3 gauss6
 Radau IIA | radau_iia2 radau_iia3 radau_iia4
 RadauIIA5 | radau_iia3 radau_iia5
 Radau IA | radau_ia2 radau_ia3
+Lobatto | trapezoid lobatto_iiia3 lobatto_iiib3 lobatto_iiic3
 Lobatto IIIA | trapezoid lobatto_iiia3 lobatto_iiia4
 Lobatto IIIB | lobatto_iiib2 lobatto_iiib3 lobatto_iiib4
 Lobatto IIIC | lobatto_iiic2 lobatto_iiic3 lobatto_iiic4
@@ -140,7 +144,7 @@ def plain_name(name: str) -> str:
     """
     letters = "".join(c for c in unicodedata.normalize("NFKD", name.casefold()) if not unicodedata.combining(c))
     words = re.findall(r"[a-z0-9]+", re.sub(r"['’]s\b", "", letters))
-    return "".join(word for word in words if word not in _FILLER_WORDS)
+    return "".join(_ORDINALS.get(word, word) for word in words if word not in _FILLER_WORDS)
 
 
 def keys_called(name: str) -> tuple[str, ...]:

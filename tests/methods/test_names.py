@@ -19,6 +19,7 @@ SAID = {
     "implicit Euler": "backward_euler", "explicit midpoint": "midpoint2", "TR-BDF2": "tr_bdf2",
     "Kutta's 3/8 rule": "rk38", "Velocity Verlet": "velocity_verlet", "velocity-verlet": "velocity_verlet",
     "two-stage Gauss-Legendre": "gauss2", "SSPRK(3,3), Shu-Osher": "ssprk33", "DOP853": "dop853",
+    "4th-order Runge-Kutta": "rk4", "Heun's 2nd-order method": "heun2",
 }  # fmt: skip
 
 
@@ -28,7 +29,8 @@ def test_a_name_leads_to_its_method(name, key):
 
 
 @pytest.mark.parametrize(
-    "name", ["Verlet", "leapfrog", "Störmer–Verlet", "midpoint", "Yoshida", "RK2", "modified Euler", "RadauIIA5"]
+    "name",
+    ["Verlet", "leapfrog", "Störmer–Verlet", "midpoint", "Yoshida", "RK2", "modified Euler", "RadauIIA5", "Störmer"],
 )
 def test_an_ambiguous_name_lists_what_it_may_mean(name):
     with pytest.raises(ValueError, match=r"may mean .* or ") as caught:

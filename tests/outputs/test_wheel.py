@@ -48,6 +48,7 @@ DECOYS = [
 RUNS = {
     "assert_verified": (["-c", THREE_LINES], "verified"),
     "identify": (["-m", "driftproof", "identify", "springs:step"], "judging by linear steps only, it is forward_euler"),
+    "verify": (["-m", "driftproof", "verify", "springs:step", "--method", "Euler"], "is forward_euler on q'' = -q"),
     "render": (["-c", RENDER_AND_SHOW], "q = 337/384 and v = -23/48"),
     "check": (["-m", "driftproof", "check", "lesson.md", "--claims", "claims.toml"], "1 claim"),
     "facts": (["-m", "driftproof", "facts", "rk4", "--only", "order"], "4"),

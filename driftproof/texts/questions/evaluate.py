@@ -25,7 +25,7 @@ _PARTS = ("start", "readout", "unit", "problem")
 
 
 def value(question: str) -> Answer:
-    """The answer to a question in the language of docs/language.md; the id of a published value is a question, too.
+    """The answer to a question, as `driftproof value --help` teaches them; the id of a published value is one, too.
 
     Raises QuestionError, with one line and the column, for a question without an answer, and TypeError if it is not a
     string. No part of the question is evaluated as Python code.
