@@ -97,7 +97,8 @@ class Scene:
                 refusal = f"the problem {problem.key} has no {what} {absent[0]}; choose from {', '.join(allowed)}"
                 raise SceneError(f"scene {self.name!r}: {refusal}")
         if self.t not in (times := problem.reference.times):
-            known = ", ".join(map(str, times))
+            more = "; another `end` in its file gives others" if problem.key.endswith(".toml") else ""
+            known = ", ".join(map(str, times)) + more
             raise SceneError(f"scene {self.name!r}: the solution of {problem.key} is known only at t = {known}")
 
     @property
