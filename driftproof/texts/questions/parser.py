@@ -90,6 +90,12 @@ class _QuestionParser(PieceParser):
 
     in_rate = False
 
+    def _atom(self) -> Any:
+        """Parse an atom of arithmetic, or a query that begins with its count: 1000 steps of rk4 h=0.01 : q."""
+        counted = self.next.kind == NUMBER and not self.in_rate and self._is_count(self.at)
+        run = self.next._replace(kind=NAME, text="run")
+        return self.query(self.next, run, defaultdict(dict)) if counted else super()._atom()
+
     def named(self, name: Token) -> Node:
         """Parse a name that was just taken: the id of a published value, or the beginning of a query."""
         while name.text.lower() in wording.ASKING | wording.SAY_NOTHING and self.next.kind == NAME and not self.in_rate:

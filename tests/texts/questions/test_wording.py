@@ -57,6 +57,7 @@ SAME = {
     "run heun2 lambda=-1 h=1/10 t=1 : relative_error": f"({DECAY}) / exp(-1)",
     "relative error of RK4 h=1/4 t=10 from 3,4": "(run rk4 h=1/4 t=10 from 3,4 : state_error) / 5",
     "2*π": "2*pi",
+    "1 - 10 steps of RK4 with h=0.1 : q": "1 - run rk4 h=1/10 t=1 : q",
     "run Heun y'=lambda y, lambda=-2, y(0)=3, h=1/4, t=1 : y": "3 * run heun2 lambda=-2 h=1/4 t=1 : y",
     "run rk4 rates=(lambda*y1, λy0) λ=1/2 from 1,0 h=1 t=1 : y1": "run rk4 rates=(y1/2, y0/2) from 1,0 h=1 t=1 : y1",
     "exact y'=λy λ=-2 y(0)=1 t=1": "exact rates=(-2*y0) from 1 t=1 : y0",
