@@ -16,7 +16,7 @@ from driftproof.methods.catalogue import METHODS
 from driftproof.methods.field_text import field_of_text
 from driftproof.numeric.engine import runner
 from driftproof.numeric.problems.catalogue import PROBLEMS
-from driftproof.numeric.problems.problem import CERTIFIED, Reference
+from driftproof.numeric.problems.problem import CERTIFIED, EXACT, Reference
 from driftproof.numeric.reference_errors import decimal_energy
 from driftproof.reports import user_problem
 from driftproof.reports.pages import report
@@ -91,8 +91,8 @@ def test_stored_digits_come_out_and_a_wrong_one_is_noticed(key):
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("key", PROBLEMS)
-def test_all_stored_digits_come_out(key):
+@pytest.mark.parametrize("key", [key for key, problem in PROBLEMS.items() if problem.reference.evidence == EXACT])
+def test_all_digits_of_closed_forms_come_out(key):
     problem = PROBLEMS[key]
     found = enclosed_reference(problem.field, problem.start, problem.reference.times)
     assert differing(found, problem.reference) == []
