@@ -484,6 +484,7 @@ WRONG = [
 ]  # fmt: skip
 
 
+@pytest.mark.slow(keep=1)
 @pytest.mark.parametrize(("wrong", "right", "method", "cause"), WRONG, ids=range(len(WRONG)))
 def test_the_mistake_is_caught_and_its_twin_passes(wrong, right, method, cause):
     assert verify(right, method, examples=60, isolate=False).passed

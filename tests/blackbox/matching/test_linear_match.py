@@ -178,6 +178,7 @@ ALIKE = ("dragged", "iterated", "adaptive", "repelled", "near_rk4", "shortly_for
 CASES = [(each, name) for name in LINEAR_STEPS for each in (None, np.float32) if each is None or name not in ALIKE]
 
 
+@pytest.mark.slow(keep=2)
 @pytest.mark.parametrize(("array", "name"), CASES)
 def test_a_step_is_named_as_what_it_is_and_all_else_is_as_it_was(name, array, as_before):
     asked = Asked(LINEAR_STEPS[name])

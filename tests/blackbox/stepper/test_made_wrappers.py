@@ -184,6 +184,7 @@ OTHERS = {"KeptVerlet": "velocity_verlet", "Ball": "symplectic_euler", "Ralston"
 OTHERS |= dict.fromkeys(("Euler", "Held", "Env"), "forward_euler")
 
 
+@pytest.mark.slow(keep=3)
 @pytest.mark.parametrize("name", WRAPPED)
 def test_a_class_a_maker_and_a_solver_of_n_steps_are_refused_with_a_wrapper_that_works_and_forgets_nothing(name):
     names = namespace(CLASSES)

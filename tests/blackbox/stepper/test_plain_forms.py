@@ -200,6 +200,7 @@ HELD = [
 ]  # fmt: skip
 
 
+@pytest.mark.slow(keep=1)
 @pytest.mark.parametrize(("step", "key", "wrong"), HELD, ids=range(len(HELD)))
 def test_a_step_is_opened_as_it_is_written_and_a_wrong_one_is_caught(step, key, wrong, as_before):
     asked = Asked(step)

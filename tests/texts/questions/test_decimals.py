@@ -91,6 +91,7 @@ def test_to_fixed_rounds_the_nearest_double_and_a_tie_away_from_zero(x: Q, place
 NODE = shutil.which("node")
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(NODE is None, reason="node is not installed")
 def test_to_fixed_and_to_precision_are_those_of_a_javascript_engine() -> None:
     grid = [Q(n, 1000) for n in range(-3000, 3000, 5)] + [x for x, *_ in TO_FIXED]
