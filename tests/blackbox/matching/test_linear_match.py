@@ -176,16 +176,10 @@ LINEAR_STEPS = {
 }  # fmt: skip
 
 
+# In binary32 and in binary64.
 ALIKE = (
-    "dragged",
-    "spurred",
-    "spurred_spring",
-    "iterated",
-    "adaptive",
-    "repelled",
-    "near_rk4",
-    "shortly_forwards",
-)  # in binary32 and in binary64
+    "dragged", "spurred", "spurred_spring", "iterated", "adaptive", "repelled", "near_rk4", "shortly_forwards",
+)  # fmt: skip
 CASES = [(each, name) for name in LINEAR_STEPS for each in (None, np.float32) if each is None or name not in ALIKE]
 
 
