@@ -265,7 +265,7 @@ def test_a_clock_that_goes_on_leaves_a_verdict_open_and_is_set_in_the_wrapper():
     held = field_stepper_of(names["Kept"])
     for step, key, line in (
         (names["Clocked"]("a"), "heun2", "f, t, y, h): made = Clocked(NAME); made.time = t; return made(f, y, h)"),
-        (names["Clocked"]("a").ab2, "adams_bashforth2", "f, t, y, h, n): made = Clocked(NAME); made.time = t; ys = [y]"),
+        (names["Clocked"]("a").ab2, "adams_bashforth2", "f, t, y, h, n): made = Clocked(NAME); made.time = t"),
         (names["closure"](), "heun2", "let the time be an argument, or make the step anew each time"),
         (held, "heun2", 'write time="time" in the call of field_stepper_of'),
     ):
