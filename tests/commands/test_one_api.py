@@ -136,6 +136,7 @@ REFUSED = {
 }
 MEANT = {
     "Facts('rk4')": "'rk4' is a string, and a method is needed: METHODS[...], or read_method(...) for a .toml file",
+    "Facts(Path('mine.toml'))": "'mine.toml' is a path, and a method is needed",
     "OscillatorRun('rk4', Q(1), Q(1))": "a method is needed",
     "stepper('rk4', float)": "a method is needed", "stability_function_of('rk4')": "a method is needed",
     "order_within('rk4', Q(1))": "a method is needed",
