@@ -198,13 +198,12 @@ def test_file_that_cannot_be_written_is_refused_in_one_line_that_names_it(call, 
 
 
 def test_no_function_that_takes_a_file_is_left_out():
-    takes = ("Path", "GivenProblem", "GivenMethods")
+    functions = [(name, getattr(driftproof, name)) for name in driftproof.__all__]
+    said = {name: str(inspect.signature(found)) for name, found in functions if inspect.isfunction(found)}
+    takes = {name for name, text in said.items() if re.search("Path|GivenProblem|GivenMethods", text)}
     asked = {call.partition("(")[0] for call in (*WRITERS, *(call for _, call in READERS))}
-    for name in driftproof.__all__:
-        function = getattr(driftproof, name)
-        if inspect.isfunction(function):
-            written = " ".join(str(each.annotation) for each in inspect.signature(function).parameters.values())
-            assert name in asked or not any(word in written for word in takes), name
+    assert takes <= asked
+    assert len(takes) >= 17
 
 
 def test_facts_are_attributes_and_entries():
