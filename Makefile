@@ -1,10 +1,12 @@
 # Two commands are enough: `make proofs` and `make test`. Each sets up .venv on its first call.
 
 PYTHON ?= python3
+# Where it is set, each process compiles all test files anew, for half a minute.
+unexport PYTHONDONTWRITEBYTECODE
 BIN := .venv/bin
 PEERS := build/peers
 
-.PHONY: proofs kernel test lint thorough long mutants docs site bench clean
+.PHONY: proofs kernel test slow lint thorough long mutants docs site bench clean
 
 proofs: .venv
 	$(BIN)/python -m pytest proofs
@@ -16,13 +18,17 @@ kernel: .venv
 test: .venv
 	$(BIN)/python -m pytest -n 2
 
+# The cases that `make test` leaves out because they take seconds each.
+slow: .venv
+	$(BIN)/python -m pytest -n 2 -m "slow and not long" tests
+
 lint: .venv
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 
 thorough: .venv
-	HYPOTHESIS_PROFILE=thorough $(BIN)/python -m pytest -n 2
+	HYPOTHESIS_PROFILE=thorough $(BIN)/python -m pytest -n 2 -m "not long"
 
 long: .venv
 	$(BIN)/python -m pytest -n 2 -m long

@@ -265,6 +265,7 @@ def test_version_and_help_load_no_parser_and_no_command(words, modules_after):
     assert not loaded & {"argparse", "typing", "fractions", "dataclasses", *HEAVY}
 
 
+@pytest.mark.slow(keep=2)
 @pytest.mark.parametrize("command", COMMANDS)
 def test_help_of_a_command_loads_that_command_alone(command, modules_after):
     start = "import contextlib; from driftproof.cli import main"
@@ -284,6 +285,7 @@ NEEDED = {
 }  # fmt: skip
 
 
+@pytest.mark.slow(keep=1)
 @pytest.mark.parametrize("line", NEEDED)
 def test_answer_loads_what_it_needs(line, modules_after):
     loaded = modules_after(f"from driftproof.cli import main; main({line.split()!r})")

@@ -104,6 +104,7 @@ def documentation(name):
     return (found if callable(found) else import_module(driftproof._MODULES[name])).__doc__
 
 
+@pytest.mark.slow(keep=6)
 @pytest.mark.parametrize("name", NAMES)
 def test_name_has_an_example_that_runs_as_it_stands(name, capsys):
     text = documentation(name)

@@ -66,6 +66,7 @@ def run(tmp_path_factory):
     return pytest_in(folder, "--driftproof-report=found", "--strict-markers"), folder / "found"
 
 
+@pytest.mark.slow
 def test_the_short_summary_begins_with_the_verdict(run):
     assert re.search(
         r"(?m)^FAILED test_steps.py::test_wrong - \S*euler is not rk4; judging by linear .*, it is forward_euler",
@@ -74,6 +75,7 @@ def test_the_short_summary_begins_with_the_verdict(run):
     assert "FAILED test_steps.py::test_plain - assert (1 + 1) == 3" in run[0].stdout
 
 
+@pytest.mark.slow
 def test_a_verdict_that_the_short_summary_cuts_is_shown_in_full_before_it_and_no_other_is(tmp_path):
     narrow, wide = (pytest_in(tmp_path, "-k", "wrong or plain", CI="", COLUMNS=room).stdout for room in ("70", "200"))
     (verdict,) = re.findall(r"FAILED test_steps.py::test_wrong - (test_steps:euler is not rk4; .*)\n", wide)
@@ -107,6 +109,7 @@ def test_the_folder_has_a_file_for_each_test_that_found_something_and_a_summary(
     assert f"\n\nfailed without a verdict: {silent}\n\n###" in summary
 
 
+@pytest.mark.slow
 def test_workers_write_the_same_folder(run, tmp_path):
     pytest_in(tmp_path, "-p", "xdist", "-n", "2", "--driftproof-report=found")
     paths = [path.name for path in run[1].iterdir()]
@@ -125,6 +128,7 @@ def test_named_alike(method, tmp_path):
 """
 
 
+@pytest.mark.slow
 def test_names_that_files_cannot_have_lose_nothing_and_a_verdict_of_another_time_is_none(tmp_path):
     pytest_in(tmp_path, "--driftproof-report=found", project=ALIKE)
     rows = (tmp_path / "found" / "summary.md").read_text().splitlines()[2:4]

@@ -49,6 +49,7 @@ REACHED: dict[str, tuple[Any, Callable[[Any], bool]]] = {
 }
 
 
+@pytest.mark.slow(keep=2)
 @pytest.mark.parametrize("name", REACHED)
 def test_strategy_reaches(name: str) -> None:
     strategy, wanted = REACHED[name]
@@ -134,10 +135,11 @@ print(settings().derandomize, settings().max_examples)
 """
 
 
+@pytest.mark.slow(keep=1)
 @pytest.mark.parametrize(
     ("env", "chosen"),
     [
-        ({}, "False 100"), ({"CI": "true"}, "True 100"), ({"CI": "false"}, "False 100"),
+        ({}, "False 50"), ({"CI": "true"}, "True 100"), ({"CI": "false"}, "False 50"),
         ({"HYPOTHESIS_PROFILE": "thorough", "CI": "true"}, "False 2000"),
     ],
     ids=["nothing", "CI", "CI off", "named"],

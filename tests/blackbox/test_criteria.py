@@ -42,6 +42,7 @@ def forwards_only(f, t, y, h):
     return codes.rk4(f, t, y, h)
 
 
+@pytest.mark.slow(keep=1)
 @pytest.mark.parametrize(
     ("step", "passed", "verdict", "section"),
     [
@@ -74,6 +75,7 @@ class HangingOnce:
         return subject
 
 
+@pytest.mark.slow(keep=1)
 @pytest.mark.parametrize("nth", [0, 1, 12])
 @pytest.mark.parametrize(("step", "key"), [(codes.rk4, "rk4"), (codes.velocity_verlet, "velocity_verlet")])
 def test_a_call_that_does_not_come_back_refutes_nothing_and_is_no_refusal(step, key, nth):

@@ -29,6 +29,7 @@ def two_half_steps(q, v, h):
     return q, v
 
 
+@pytest.mark.slow(keep=1)
 @pytest.mark.parametrize("step", [rk38, with_drag, half_moved, two_half_steps])
 def test_a_stepper_is_named(step, as_before):
     as_before(*summed(identify(step)))

@@ -55,6 +55,7 @@ SILENT = {
 }
 
 
+@pytest.mark.slow(keep=1)
 @pytest.mark.parametrize(("rogue", "way"), [*product(SILENT, WAYS[:1]), (broken_steppers.hoards, "by name")])
 def test_a_rogue_without_an_answer_has_one_check(rogue, way):
     checks = all_checks(runner(rogue, way))
@@ -194,6 +195,7 @@ def test_outcomes_come_in_the_order_of_the_questions():
         assert mistake.seen.startswith(f"{name} in test_isolation.py, line ")
 
 
+@pytest.mark.slow
 def test_every_experiment_is_picklable_by_name():
     found = runner(broken_steppers.crashes_backwards, "by name").run(list(CHECKS.values()))
     kinds = dict(zip(CHECKS, (outcome.kind for outcome in found), strict=True))
@@ -201,6 +203,7 @@ def test_every_experiment_is_picklable_by_name():
     assert {kinds["negative_step"], kinds["reversal"]} == {"crashes"}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("first", "forked"), [("", True), ("import pytest; ", False)], ids=["alone", "with others"])
 def test_our_command_alone_forks_and_with_modules_of_others_a_new_interpreter_is_started(first, forked, tmp_path):
     (tmp_path / "who.py").write_text("import sys\nraise ImportError('driftproof.cli' in sys.modules)\n")

@@ -28,6 +28,7 @@ def backward(force, q, v, h):
     return q + h * v + h * h * a, v + h * a
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("step", [of_average, backward])
 def test_implicit_steps_of_a_force_with_one_linear_step_are_told_apart_by_nonlinear_ones(step, as_before):
     as_before(*summed(identify(step, isolate=False)))
@@ -67,6 +68,7 @@ def solved_by_iteration(theta, tolerance, *, relative):
     return step
 
 
+@pytest.mark.slow(keep=1)
 @pytest.mark.parametrize(
     ("theta", "tolerance", "relative"), [(0.5, 1e-6, False), (0.5, 1e-6, True), (1.0, 1e-8, False), (1.0, 1e-5, True)]
 )

@@ -162,6 +162,7 @@ VERDICTS = {
 }  # fmt: skip
 
 
+@pytest.mark.slow(keep=1)
 @pytest.mark.parametrize("name", VERDICTS)
 def test_a_verdict_says_what_was_seen(name, as_before):
     step, method, *rest = VERDICTS[name]
@@ -182,6 +183,7 @@ EARLY = {
 }  # fmt: skip
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("solver", "seen"), EARLY.values(), ids=EARLY)
 def test_a_solver_that_stops_early_fails_and_is_told_by_the_power_of_its_error(solver, seen, as_before):
     step = all_at_once(table("backward_euler"), solver)

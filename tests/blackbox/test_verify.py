@@ -117,6 +117,7 @@ def test_an_implicit_stepper_needs_a_tolerance_that_is_stated():
             ask(backward_euler, "backward_euler")
 
 
+@pytest.mark.slow
 def test_a_failing_verification_takes_one_process(monkeypatch):
     started = []
     monkeypatch.setattr(
@@ -143,6 +144,7 @@ TWINS = {
 }  # fmt: skip
 
 
+@pytest.mark.slow(keep=1)
 @pytest.mark.parametrize("key", IMPLICIT)
 def test_an_implicit_step_of_a_right_hand_side_passes_by_its_coefficients_and_its_nonlinear_steps(key, as_before):
     report = held(IMPLICIT[key], key, allowance=SOLVED, domain=SHORT)
@@ -156,6 +158,7 @@ def test_an_implicit_step_of_a_right_hand_side_passes_by_its_coefficients_and_it
     as_before(*titles(report), *titles(named))
 
 
+@pytest.mark.slow(keep=1)
 @pytest.mark.parametrize(("key", "step", "entry"), TWINS.values(), ids=TWINS)
 def test_what_only_a_nonlinear_problem_or_the_time_tells_apart_fails(key, step, entry, as_before):
     report = held(step, key, allowance=SOLVED, domain=SHORT)
@@ -175,6 +178,7 @@ def test_a_solver_that_stops_early_within_the_tolerance_stated_leaves_the_coeffi
     assert report.section("Coefficients: undecided")
 
 
+@pytest.mark.slow
 def test_implicit_stages_of_no_known_method_are_shown_with_their_order():
     other = one_by_one(([[0.375, 0], [0.25, 0.375]], [0.5, 0.5], [0.375, 0.625]))
     found = identify(other, isolate=False)
@@ -190,6 +194,7 @@ def gives_up_on_what_bends(f, t, y, h):
     return codes.rk4(f, t, y, h)
 
 
+@pytest.mark.slow
 def test_what_was_not_seen_is_undecided_and_says_what_would_decide_it(monkeypatch, capsys):
     report = verify(gives_up_on_what_bends, "rk4", examples=FEW, time_limit=0.5)
     assert report.passed is None, report
@@ -233,6 +238,7 @@ IN_WORDS = ("right", "of its force", "of the oscillator", "of another map", "cal
 IN_WORDS += ("with a weight off", "with the other row", "with a wrong one")
 
 
+@pytest.mark.slow(keep=1)
 @pytest.mark.parametrize("name", EXPLAINED)
 def test_all_that_is_reported_is_as_before(name, as_before):
     step, method, how = EXPLAINED[name]
@@ -244,6 +250,7 @@ def test_all_that_is_reported_is_as_before(name, as_before):
     as_before(*said)
 
 
+@pytest.mark.slow
 def test_no_verdict_hangs_on_assert_statements():
     words = ["-O", "-m", "driftproof", "verify", HERE, "--method", "forward_euler", "--examples", "50"]
     found = subprocess.run([sys.executable, *words], capture_output=True, text=True, check=False)

@@ -225,7 +225,7 @@ class Workshop:
 
     def run(self, tests: list[str], limit: float) -> tuple[int | None, str]:
         """pytest's exit status, None past the limit, and the first test that failed, "" for none."""
-        command = [sys.executable, "-m", "pytest", "-x", "-q", "-rfE", "--no-header", *tests]
+        command = [sys.executable, "-m", "pytest", "-m", "not long", "-x", "-q", "-rfE", "--no-header", *tests]
         environment = {**os.environ, "PYTHONPATH": str(self.root), "HYPOTHESIS_PROFILE": "ci"}
         running = subprocess.Popen(
             command, cwd=self.root, env=environment, start_new_session=True,

@@ -96,6 +96,7 @@ def test_the_edge_of_what_is_measured_and_the_order_of_a_product_are_equivalent_
     assert edges == [*moved, "zip(b, a)", "zip(c, a)"]
 
 
+@pytest.mark.slow
 def test_every_judgement_names_a_mutant_and_says_why() -> None:
     lines: dict[str, set[str]] = {}
     for place, line, _ in some((name.split(" | ", 2) for name in judged()), 40):

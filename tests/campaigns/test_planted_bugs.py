@@ -28,6 +28,7 @@ PAGE = Path(__file__).parents[2] / "docs" / "planted_bugs.md"
 OTHER_SYSTEM = "small steps follow q' = v, v' = -0.5 q"
 
 
+@pytest.mark.slow(keep=1)
 @pytest.mark.parametrize("kind", KINDS)
 def test_the_first_bug_of_each_kind_is_caught_and_its_right_twin_passes(kind):
     bug = next(bug for bug, equivalent in planted(kind) if not equivalent)

@@ -20,6 +20,7 @@ EACH = [
 ]
 
 
+@pytest.mark.slow(keep=1)
 @pytest.mark.parametrize("replay", EACH)
 def test_the_bug_is_caught_its_cause_is_named_and_its_mended_twin_raises_no_alarm(replay):
     found = outcome(replay)

@@ -13,11 +13,13 @@ EACH = [
 ]
 
 
+@pytest.mark.slow(keep=1)
 @pytest.mark.parametrize("replay", EACH)
 def test_the_bug_is_caught_and_its_cause_is_named(replay):
     assert replay.cause in replay.examine(replay.buggy).words
 
 
+@pytest.mark.slow(keep=1)
 @pytest.mark.parametrize("replay", EACH)
 def test_the_mended_twin_raises_no_alarm(replay):
     said = replay.examine(replay.mended)

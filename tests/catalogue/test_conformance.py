@@ -83,6 +83,7 @@ def test_entry_is_consistent_or_known_not_to_be(key: str) -> None:
         assert residuals == KNOWN_INCONSISTENT.get(key, {})
 
 
+@pytest.mark.slow(keep=3)
 @REPRESENTATIVES
 def test_every_fact_is_answered_as_json_as_text_and_as_tex(key: str) -> None:
     facts = facts_by_name(Facts(METHODS[key]), FACTS, FACTS)
@@ -113,6 +114,7 @@ def meetings() -> Iterator[Any]:
                 yield pytest.param(key, name, marks=pytest.mark.long if slow else (), id=f"{key}-{name}")
 
 
+@pytest.mark.slow(keep=9)
 @pytest.mark.parametrize(("key", "name"), list(meetings()))
 def test_step_in_each_arithmetic_is_the_one_step_matrix_and_another_step_is_not(key: str, name: str) -> None:
     method, arithmetic = METHODS[key], ARITHMETICS[name]
@@ -199,6 +201,7 @@ def test_structure_by_coefficients_is_structure_by_trees(key: str) -> None:
 # --- witnesses of the order -------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow(keep=17)
 @EVERY
 def test_claimed_order_is_the_order_by_trees(key: str) -> None:
     """Exactly; of a rounded table to its last digits, while taken exactly it is of a lower order."""

@@ -77,6 +77,7 @@ def folder(tmp_path, monkeypatch):
     monkeypatch.syspath_prepend(tmp_path)
 
 
+@pytest.mark.slow(keep=1)
 @pytest.mark.usefixtures("folder")
 @pytest.mark.parametrize("line", SAME)
 def test_function_answers_what_the_command_prints(line, answer):
@@ -109,6 +110,7 @@ def test_words_are_the_same(name):
     assert options - OTHERWISE.get(name, set()) <= parameters
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("folder")
 def test_commands_that_were_merged_keep_their_names(answer):
     shown = answer("values", "--only", "rk4.*")

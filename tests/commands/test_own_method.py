@@ -52,6 +52,7 @@ ASKED = {
 }
 
 
+@pytest.mark.slow(keep=2)
 @pytest.mark.parametrize("asked", ASKED)
 def test_a_command_takes_it(asked, capsys):
     words, shown = ASKED[asked]

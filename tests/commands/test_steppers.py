@@ -15,6 +15,7 @@ from driftproof.blackbox.judging.specification import Domain
 ROOT = Path(__file__).parents[2]
 
 
+@pytest.mark.slow
 def test_stepper_that_is_another_method_is_refuted_and_no_folder_is_left_behind(tmp_path):
     source = "def step(q, v, h):\n    return q + h * v, v - h * q\n"
     (tmp_path / "mine.py").write_text(source, encoding="utf-8")

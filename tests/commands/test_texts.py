@@ -40,6 +40,7 @@ def test_a_template_that_is_a_circular_link_is_refused_in_one_line(refusal, tmp_
     assert "a.md.j2: Too many levels of symbolic links" in refusal("render", "a.md.j2")
 
 
+@pytest.mark.slow
 def test_numbers_are_rendered_then_drafted_as_claims_that_hold(answer, run, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "a.md.j2").write_text('q = {{ value("rk4.first_step.q") | digits(6) }}\n', encoding="utf-8")

@@ -143,6 +143,7 @@ def test_exact_step_is_the_definition_on_the_oscillator(key):
 EXACT_METHODS = [m for m in METHODS.values() if m.explicit and not m.decimal]
 
 
+@pytest.mark.slow(keep=5)
 @pytest.mark.parametrize("method", EXACT_METHODS, ids=lambda m: m.key)
 def test_order_is_seen_against_the_enclosure(method):
     """The next power of h = 1/64 moves the slope; half way to the next order would be 0.5."""
@@ -243,6 +244,7 @@ def test_exact_run_that_is_not_finite_or_lost_in_its_balls_is_made_again_with_mo
         certify(f, times, states, method="rk4")
 
 
+@pytest.mark.slow
 def test_long_run_gets_as_many_bits_as_its_balls_widen(monkeypatch):
     """Of y' = -20y with h = 1/8 a ball widens by 2.72 bits a step, log2(R(5/2)): 400 steps need over 1024 bits."""
     monkeypatch.setattr("driftproof.enclosure.certify.BITS_OF_EXACT_RUN", 16)

@@ -32,6 +32,7 @@ def test_step_on_the_oscillator_is_that_of_its_matrix(method):
             assert x.rad() < 1e-70
 
 
+@pytest.mark.slow(keep=3)
 @pytest.mark.parametrize("method", IMPLICIT, ids=lambda m: m.key)
 def test_order_is_seen_against_the_enclosure(method):
     """The next power of h = 1/16 moves the slope; half way to the next order would be 0.5."""

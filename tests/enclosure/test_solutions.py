@@ -33,6 +33,7 @@ def violations(problem, random, bits=64):
         return sum(not x.overlaps(y) for row, true in rows for x, y in zip(row, true, strict=True))
 
 
+@pytest.mark.slow
 def test_three_hundred_random_problems_lie_within():
     random, seen = Random(20), set()
     for _ in range(300):

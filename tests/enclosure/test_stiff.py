@@ -38,6 +38,7 @@ def violations(problem, random, bits):
         return sum(not x.overlaps(y) for x, y in exactly(10, pairs))
 
 
+@pytest.mark.slow
 def test_random_stiff_problems_lie_within():
     random = Random(5)
     assert [violations(relaxed(random), random, 64) for _ in range(8)] == [0] * 8
@@ -54,6 +55,7 @@ def robertson(t, y):
     return [-0.04 * y[0] + 1e4 * y[1] * y[2], 0.04 * y[0] - 1e4 * y[1] * y[2] - 3e7 * y[1] ** 2, 3e7 * y[1] ** 2]
 
 
+@pytest.mark.slow
 def test_certificate_of_a_stiff_trajectory_from_anywhere():
     """Stored points: SciPy 1.17.1, Radau, rtol 1e-6, atol 1e-10; at 0.4 and 4 the digits in print are as good."""
     t = [0.0, 0.4, 4.0]
@@ -156,6 +158,7 @@ def test_first_guess_goes_on_along_the_step_before():
         assert all(abs(x - t**2) < 1e-12 for (x,), t in zip(path._guess(h), times, strict=True))
 
 
+@pytest.mark.slow(keep=1)
 @pytest.mark.parametrize("check", CHECKS, ids=lambda check: check.__name__)
 def test_stiff_solution_holds(check):
     assert check(mutant("stiff"))

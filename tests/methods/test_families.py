@@ -89,6 +89,7 @@ def functions() -> st.SearchStrategy[ParameterFunction]:
     return st.builds(parameter_function, coefficients, coefficients.filter(any))
 
 
+@pytest.mark.slow
 @given(functions(), functions(), st.fractions(-5, 5, max_denominator=11))
 def test_arithmetic_of_functions_is_that_of_their_values(f: ParameterFunction, g: ParameterFunction, x: Q) -> None:
     try:

@@ -59,6 +59,7 @@ def in_sympy(x: Algebraic) -> Any:
     return sympy.Poly(list(reversed(x.coefficients)) or [0], X, domain="QQ")
 
 
+@pytest.mark.slow
 @given(fields_with_two())
 def test_arithmetic_is_that_of_residue_classes_in_sympy(two: tuple[Algebraic, Algebraic]) -> None:
     x, y = two
@@ -76,6 +77,7 @@ def test_arithmetic_is_that_of_residue_classes_in_sympy(two: tuple[Algebraic, Al
     assert (x - x) ** 0 == 1
 
 
+@pytest.mark.slow
 @given(fields_with_two())
 def test_order_and_equality_are_those_of_balls(two: tuple[Algebraic, Algebraic]) -> None:
     x, y = two
@@ -199,6 +201,7 @@ def test_field_of_too_large_a_degree_is_refused_and_large_numbers_are_not() -> N
     assert NumberField("alpha", (-(2**3001) - 2, 0, 0, 1), Q(0), Q(2**1200)).degree == 3
 
 
+@pytest.mark.slow
 @given(st.lists(st.integers(-6, 6), min_size=1, max_size=7).filter(any), st.sampled_from([8, 200]))
 def test_real_roots_are_sympys_each_once(f: list[int], bits: int) -> None:
     p = sympy.Poly(list(reversed(f)), X, domain="ZZ")

@@ -90,6 +90,7 @@ def _is_sine(node):
     return isinstance(node, ast.Call) and getattr(node.func, "id", "") == "sin"
 
 
+@pytest.mark.slow
 def test_a_compiled_run_of_a_system_has_the_same_bits():
     pytest.importorskip("numba")
     for method, field, compensated in (

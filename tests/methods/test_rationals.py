@@ -102,6 +102,7 @@ def test_step_count_inverts_multiplication(h: Q, n: int) -> None:
     assert step_count(n * h, h) == n
 
 
+@pytest.mark.slow
 @given(rational_steps(), rationals())
 def test_step_that_does_not_divide_names_the_two_nearest_that_do(h: Q, t: Q) -> None:
     quotient = t / h

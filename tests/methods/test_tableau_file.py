@@ -186,6 +186,7 @@ def test_thousands_of_stages_are_refused_before_their_numbers_are_read(
     assert len(numbers) <= 1
 
 
+@pytest.mark.slow
 def test_two_hundred_stages_are_read(write: Write) -> None:
     rows = ",".join("[" + ",".join(["'1/7'"] * i + ["0"] * (200 - i)) + "]" for i in range(200))
     method = read_method(write(HEAD + f"A = [{rows}]\nb = [{','.join(['0.005'] * 200)}]\n"))

@@ -54,6 +54,7 @@ def moved(y, weights, slopes, h):
     return [x + h * s for x, s in zip(y, sums, strict=True)]
 
 
+@pytest.mark.slow(keep=8)
 @pytest.mark.parametrize("method", TABLEAUX, ids=lambda m: m.key)
 def test_a_run_of_a_system_has_the_bits_of_loops_over_the_tableau(method):
     for field, (rate, start) in FIELDS.items():

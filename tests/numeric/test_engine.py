@@ -138,6 +138,7 @@ def fuses(array, compiled):
     return float(compiled(lambda x, z: x * x - z)(x, z)[0]) != 0
 
 
+@pytest.mark.slow(keep=1)
 @pytest.mark.parametrize("as_is", [True, False], ids=["as it is", "compiled"])
 @pytest.mark.parametrize("name", ["numpy", "torch", "jax", "cupy"])
 def test_an_ensemble_on_arrays_of_any_library_is_within_the_derived_bound(name, as_is):

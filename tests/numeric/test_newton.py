@@ -113,6 +113,7 @@ def test_rows_are_exchanged_where_the_diagonal_is_zero():
     assert run((3.0, 5.0), 1.0, 0, 1) == (-8.0, -3.0)
 
 
+@pytest.mark.slow
 def test_damping_solves_what_newtons_method_alone_does_not():
     """HIRES by Radau IIA with seven stages, h = t/64: more than 128 iterations, of which some in part, lead there."""
     problem = PROBLEMS["hires"]

@@ -56,6 +56,7 @@ def test_readouts_of_a_problem_are_those_of_a_run_by_hand() -> None:
     assert (len(times), times[-1], tuple(states[-1])) == (1001, 20.0, found["final_state"])
 
 
+@pytest.mark.slow
 def test_only_what_is_asked_for_is_answered_and_implicit_stages_are_counted() -> None:
     found = run_scene(of_kepler(selected="gauss4", readouts=("state_error", "evaluations")), "gauss4")
     assert set(found) == {"state_error", "evaluations"}

@@ -231,6 +231,7 @@ def is_the_limit(key: str, name: str) -> bool:
     return all(abs(Q(low) / end - 1) < NINE_DIGITS for end in endpoints(limit.ball()))
 
 
+@pytest.mark.slow(keep=1)
 @pytest.mark.parametrize("key", CHOSEN)
 def test_bisected_limits_are_the_proved_ones(key: str) -> None:
     found = {name: turns(key, name) for name in LINEAR}

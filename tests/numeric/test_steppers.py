@@ -71,6 +71,7 @@ ALL = pytest.mark.parametrize("key", NINE)
 ENSEMBLES = st.lists(st.tuples(BELOW_OVERFLOW, steps()), min_size=1, max_size=6)
 
 
+@pytest.mark.slow(keep=1)
 @ALL
 @given(members=ENSEMBLES)
 def test_arrays_step_to_the_same_bits_as_their_members(key: str, members: list[Any]) -> None:
@@ -112,6 +113,7 @@ def test_generic_stepper_differs_from_the_hand_written_by_rounding_only(
         assert abs(Q(a) - Q(b)) <= 2 * bound
 
 
+@pytest.mark.slow(keep=1)
 @ALL
 @given(state=BELOW_OVERFLOW)
 def test_no_step_at_all_returns_the_state(key: str, state: tuple[float, float]) -> None:
@@ -119,6 +121,7 @@ def test_no_step_at_all_returns_the_state(key: str, state: tuple[float, float]) 
         assert float_stepper(key)(oscillator, *state, h) == state  # == does not look at the sign of a zero
 
 
+@pytest.mark.slow(keep=1)
 @ALL
 @given(state=BELOW_OVERFLOW, h=steps())
 def test_negative_step_is_the_mirror_image(key: str, state: tuple[float, float], h: float) -> None:

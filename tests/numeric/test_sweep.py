@@ -165,6 +165,7 @@ def test_processes_of_an_abandoned_sweep_are_killed_and_hear_no_interrupt(monkey
     assert signal.pthread_sigmask(signal.SIG_BLOCK, []) == mask
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGKILL])
 def test_processes_of_a_sweep_that_is_killed_end_with_it(number, tmp_path):
     """They have its standard output, which is at its end only when they are. Two keep each other's queue open."""
@@ -287,6 +288,7 @@ def corruptions(text: bytes, other: bytes) -> Iterator[bytes]:
     yield from (b"".join([*lines[:i], line, *lines[i + 1 :]]) for i, line in enumerate(other.splitlines(keepends=True)))
 
 
+@pytest.mark.slow
 def test_no_corruption_of_a_file_is_taken_for_a_result(expected, tmp_path):
     """A damaged or foreign line is refused in one line, or its point is computed anew."""
     path, lines, taken = tmp_path / "answers.jsonl", list[str](), 0

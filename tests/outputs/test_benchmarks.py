@@ -55,6 +55,7 @@ def takes(seconds: float, clock: list[float], turns: list[str], name: str) -> Ca
     return task
 
 
+@pytest.mark.slow
 def test_contestants_take_turns_and_a_slow_one_gets_a_single_one(clock: list[float]) -> None:
     turns: list[str] = []
     both = {"ours": Contestant(takes(1, clock, turns, "quick")), "peer": Contestant(takes(9, clock, turns, "slow"))}
@@ -154,6 +155,7 @@ def test_growth_is_the_slope_of_the_last_sizes(monkeypatch: pytest.MonkeyPatch, 
     assert shown.rows[-1][-3:] == [str(exponent), "3.00", "it is so"]
 
 
+@pytest.mark.slow(keep=1)
 @pytest.mark.parametrize("law", growth.LAWS, ids=lambda law: law.name)
 def test_what_grows_is_done_at_its_smallest_size(law: growth.Law) -> None:
     assert law.task(law.sizes[0])()

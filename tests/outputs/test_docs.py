@@ -18,6 +18,7 @@ PAGE = (ROOT / "docs" / "differences.md").read_text(encoding="utf-8")
 PROSE = TABLE.sub("", SESSION.sub("", CONSOLE.sub("", PAGE)))
 
 
+@pytest.mark.slow
 def test_page_is_what_its_generator_writes_and_wrong_numbers_are_put_right() -> None:
     wrong = PAGE
     for shown, planted in (

@@ -15,6 +15,7 @@ PAGE = (ROOT / "docs" / "certify.md").read_text(encoding="utf-8")
 FIRST_LINES = re.search(r"```python no-session\n(.*?)```", PAGE, re.DOTALL)
 
 
+@pytest.mark.slow
 def test_page_and_pictures_are_what_their_commands_make_and_a_wrong_number_is_put_right(monkeypatch):
     monkeypatch.chdir(ROOT)
     pictures = [ROOT / "docs" / name for name in re.findall(r"!\[[^]]*\]\(([\w.]+)\)", PAGE)]

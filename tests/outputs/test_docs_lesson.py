@@ -36,6 +36,7 @@ def test_lesson_stands_as_its_claims_say_and_its_listing_prints_what_it_shows(
     assert "1 listing run, all hold" in capsys.readouterr().out
 
 
+@pytest.mark.slow
 @beside
 def test_figures_of_the_page_are_those_of_the_lesson() -> None:
     """At least 95 of 100 numbers are covered, and of all changes of one covered digit none goes unnoticed."""
@@ -105,6 +106,7 @@ def test_text_of_ours_stands_as_its_claims_say(capsys: pytest.CaptureFixture[str
     assert capsys.readouterr().out.startswith(f"{SPRING}: 19 claims, 1 listing run, all hold\n100% of 40 numbers")
 
 
+@pytest.mark.slow
 def test_every_misprint_of_our_text_is_noticed_and_told_in_its_place() -> None:
     document = read_document(SPRING)
     tried = 0

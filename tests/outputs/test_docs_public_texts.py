@@ -14,6 +14,7 @@ from tests.looping import exactly
 PAGE = (Path(__file__).parents[2] / "docs" / "public_texts.md").read_text(encoding="utf-8")
 
 
+@pytest.mark.slow
 def test_page_is_what_its_questions_are_answered() -> None:
     assert refreshed(PAGE, TABLES) == PAGE, "run `make docs`"
 

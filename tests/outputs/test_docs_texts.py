@@ -67,6 +67,7 @@ def sessions(page: str) -> list[tuple[str, str]]:
     return [match for text in blocks for match in re.findall(r"^\$ (.*)\n((?:(?!\$ ).*\n)*)", text, re.MULTILINE)]
 
 
+@pytest.mark.slow
 def test_page_shows_what_its_commands_print(printed: Print, tmp_path: Path) -> None:
     template = next(text for kind, text in BLOCK.findall(PAGE) if kind == "jinja")
     (tmp_path / "lesson.md.j2").write_text(template, encoding="utf-8")

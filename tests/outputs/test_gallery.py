@@ -86,6 +86,7 @@ def test_table_is_markdown_with_a_row_for_each_target() -> None:
     assert text.endswith("Not asked: other.\n")
 
 
+@pytest.mark.slow(keep=1)
 @pytest.mark.parametrize(
     "name", ASKED or [pytest.param("", marks=pytest.mark.skip("no package of the gallery is here"))]
 )
@@ -129,6 +130,7 @@ def _flow(problem: str) -> tuple[Callable[[float], list[mpmath.mpf]], float]:
     return flow, start
 
 
+@pytest.mark.slow
 def test_whole_solvers_stand_in_their_table_as_they_are_found() -> None:
     cells = solver_table.row("scipy RK45")
     assert cells[2:5] == ("5", "dormand_prince54", "5")

@@ -54,6 +54,7 @@ def standings(done: subprocess.CompletedProcess[str]) -> dict[str, str]:
     return dict(line.split()[:2] for line in done.stdout.splitlines() if line.startswith("L"))
 
 
+@pytest.mark.slow
 def test_planted_error_fails_what_it_touches_of_a_selection_and_the_rest_is_called_not_run(planted):
     before = digest()
     done = run_proofs("-k", "test_energy or test_one_step or L080", "-p", "planted_error", plugins=planted)
@@ -67,6 +68,7 @@ def test_planted_error_fails_what_it_touches_of_a_selection_and_the_rest_is_call
     assert digest() == before
 
 
+@pytest.mark.slow
 def test_a_claim_whose_proof_is_deleted_fails_the_run_of_all_files(tmp_path):
     (tmp_path / "deleted.py").write_text(DELETED, encoding="utf-8")
     done, whole = (run_proofs("--collect-only", *more, plugins=tmp_path) for more in (("-p", "deleted"), ()))

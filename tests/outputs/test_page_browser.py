@@ -104,6 +104,7 @@ def shown_figures(page: Page) -> list[str]:
     return [figure.get_attribute("id") or "" for figure in page.locator("figure:visible").all()]
 
 
+@pytest.mark.slow(keep=1)
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 @pytest.mark.parametrize("width", [360, 1200])
 def test_page_is_silent_and_legible_everywhere(
@@ -123,6 +124,7 @@ def test_page_is_silent_and_legible_everywhere(
         assert shown.complaints == []
 
 
+@pytest.mark.slow
 def test_every_figure_is_titled_described_and_has_its_numbers(chromium: Browser, page: Path) -> None:
     with opened(chromium, page) as shown:
         assert shown.page.locator("figure").count() == FIGURES
@@ -130,6 +132,7 @@ def test_every_figure_is_titled_described_and_has_its_numbers(chromium: Browser,
         assert shown.page.get_by_role("img", name="Phase plane: Forward Euler").count() == 1
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("script", [True, False])
 def test_scene_and_method_are_selected_with_and_without_script(chromium: Browser, page: Path, script: bool) -> None:
     with opened(chromium, page, script=script) as shown:
@@ -143,6 +146,7 @@ def test_scene_and_method_are_selected_with_and_without_script(chromium: Browser
         assert shown_figures(shown.page) == [*boundary, "scene-2-growth"]
 
 
+@pytest.mark.slow
 def test_selection_works_from_the_keyboard(chromium: Browser, page: Path) -> None:
     with opened(chromium, page) as shown:
         shown.page.keyboard.press("Tab")
@@ -152,6 +156,7 @@ def test_selection_works_from_the_keyboard(chromium: Browser, page: Path) -> Non
         assert shown.page.locator("label", has_text="Stability boundary").evaluate(outline) == "solid"
 
 
+@pytest.mark.slow
 def test_print_shows_every_scene_and_every_method_and_the_schemes_differ(chromium: Browser, page: Path) -> None:
     with opened(chromium, page) as shown:
         colour = "getComputedStyle(document.body).color"
@@ -176,6 +181,7 @@ BOXES = """() => [...document.querySelectorAll("figure.square")].filter(f => f.c
 })"""
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("width", [360, 1200])
 def test_phase_planes_have_equal_scales_as_they_are_rendered(chromium: Browser, page: Path, width: int) -> None:
     """Between the same ticks there are as many pixels across as up, and the exact circle is as wide as it is high."""
@@ -204,6 +210,7 @@ BROKEN = {
 }
 
 
+@pytest.mark.slow
 def test_page_that_asks_or_complains_is_found(chromium: Browser, tmp_path: Path) -> None:
     path = tmp_path / "broken.html"
     for what in BROKEN.values():
@@ -223,6 +230,7 @@ def test_the_page_s_own_policy_blocks_what_is_smuggled_in(chromium: Browser, pag
         assert len([message for message in shown.console if "violates" in message and "img-src" in message]) == 1
 
 
+@pytest.mark.slow
 def test_figure_that_is_spoiled_is_found(chromium: Browser, page: Path) -> None:
     """Each check is tried out on the page itself, with one thing taken away or made worse."""
     spoilers = [
@@ -257,6 +265,7 @@ def test_missing_browser_skips_and_fails_where_it_is_required(monkeypatch: pytes
         pass
 
 
+@pytest.mark.slow
 def test_all_presets_print_on_at_most_twelve_pages_without_a_split_box(chromium: Browser, tmp_path: Path) -> None:
     path = tmp_path / "all.html"
     path.write_text(document([*PRESETS.values()], 15), encoding="utf-8")

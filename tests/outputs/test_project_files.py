@@ -61,6 +61,7 @@ def test_the_oldest_versions_of_all_that_is_required_and_of_the_extras_are_teste
     assert {each.replace(">=", "==") for each in some(wanted, 8)} <= {*pins}
 
 
+@pytest.mark.slow
 def test_the_action_runs_a_command_and_shows_what_it_said(tmp_path):
     action = yaml.safe_load((ROOT / "action.yml").read_text(encoding="utf-8"))
     install, run = action["runs"]["steps"]

@@ -14,6 +14,7 @@ PAGES = {path.stem: path.read_text(encoding="utf-8") for path in TUTORIALS if "`
 SLOW = re.compile(r"```console\n\$ driftproof work-precision.*?```", re.DOTALL)
 
 
+@pytest.mark.slow(keep=1)
 @pytest.mark.parametrize("name", PAGES)
 def test_a_tutorial_says_what_its_commands_say(name, installed, tmp_path):
     page = SLOW.sub("", PAGES[name])

@@ -61,6 +61,7 @@ def ready(shown: Shown) -> Shown:
     return shown
 
 
+@pytest.mark.slow(keep=1)
 def test_numbers_are_shown_and_say_what_they_are(shown: Shown) -> None:
     page = shown.page
     numbers = page.locator("driftproof-value data")
@@ -84,6 +85,7 @@ def test_numbers_are_shown_and_say_what_they_are(shown: Shown) -> None:
     assert sorted(names) == ["", "driftproof.mjs", "values.json"]
 
 
+@pytest.mark.slow(keep=1)
 def test_remark_opens_with_the_focus_and_closes_with_escape(shown: Shown) -> None:
     page = shown.page
     tips = page.locator("[role=tooltip]")
@@ -97,6 +99,7 @@ def test_remark_opens_with_the_focus_and_closes_with_escape(shown: Shown) -> Non
     assert tips.nth(1).is_hidden()
 
 
+@pytest.mark.slow(keep=1)
 def test_remark_is_readable_in_either_scheme(shown: Shown) -> None:
     """Text and ground differ as WCAG 2.2 asks: 4.5 : 1 at least."""
     tip = "getComputedStyle(document.querySelector('[role=tooltip]'))"
@@ -146,6 +149,7 @@ def test_element_follows_its_attributes(plain: Shown) -> None:
     page.close()
 
 
+@pytest.mark.slow
 def test_text_kept_for_pages_without_script_is_what_a_script_shows(plain: Shown, chromium: Browser, site: str) -> None:
     texts = plain.page.locator("driftproof-value data").all_inner_texts()
     with opened(chromium, site, script=False) as shown:

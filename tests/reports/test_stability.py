@@ -128,6 +128,7 @@ def test_a_method_that_does_not_apply_says_why(answer):
 EVERY = [pytest.param(key, marks=pytest.mark.long if key == "hires" else ()) for key in PROBLEMS]
 
 
+@pytest.mark.slow(keep=2)
 @pytest.mark.parametrize("key", EVERY)
 def test_every_problem_is_answered(answer, key):
     assert PROBLEMS[key].title in answer(

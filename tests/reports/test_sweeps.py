@@ -55,6 +55,7 @@ def cluster(tmp_path):
             process.wait()
 
 
+@pytest.mark.slow
 def test_of_a_sweep_with_a_worker_killed_every_point_is_answered_once(cluster, tmp_path, monkeypatch):
     file, (_, first, _) = cluster
     from distributed import Client

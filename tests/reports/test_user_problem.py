@@ -104,6 +104,7 @@ def test_component_that_stays_at_zero_has_a_zero_with_its_place():
     assert all(int(Decimal(text).as_tuple().exponent) <= -20 for text in exactly(3, found.states[0]))
 
 
+@pytest.mark.slow
 def test_component_that_dies_out_has_the_digits_that_are_certain():
     """y1 = exp(-60 t) beside y0 = 1 + t: 20 digits of 1e-26 and less are not certain with 128 bits, and not needed."""
     found = enclosed_reference(field_of_text("1; -60*y1"), [Fraction(1), Fraction(1)], [Fraction(1), Fraction(20)])
@@ -188,6 +189,7 @@ def test_matrix_is_read_from_linear_rates_of_which_no_solution_grows(rates):
     assert matrix_in(field_of_text(rates)) == (wanted and tuple(map(tuple, wanted)))
 
 
+@pytest.mark.slow
 def test_own_linear_problem_has_the_same_proofs_as_ours():
     rows = PROBLEMS["heat_equation"].matrix
     rates = [" + ".join(f"({x})*y{j}" for j, x in enumerate(row)) for row in rows]

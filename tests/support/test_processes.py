@@ -37,6 +37,7 @@ def test_a_session_answers_one_request_after_another(way):
     assert len(os.listdir("/proc/self/fd")) == len(before), "a file is left open"
 
 
+@pytest.mark.slow(keep=2)
 @pytest.mark.parametrize("way", WAYS)
 @pytest.mark.parametrize(
     ("name", "cause", "words"),

@@ -53,6 +53,7 @@ def test_a_program_that_keeps_our_pipe_open_keeps_nobody_waiting(tmp_path):
     assert not any(map(alive, noted(tmp_path)))
 
 
+@pytest.mark.slow
 def test_a_fork_bomb_is_ended_with_all_that_came_of_it(tmp_path):
     with pytest.raises(ProcessEnded, match=r"no answer within 1 s"):
         ask_once(misbehaving.forks_without_end, str(tmp_path), Limits(seconds=1))
@@ -60,6 +61,7 @@ def test_a_fork_bomb_is_ended_with_all_that_came_of_it(tmp_path):
     assert not any(map(alive, noted(tmp_path)))
 
 
+@pytest.mark.slow
 def test_without_a_subreaper_or_process_descriptors_the_group_is_ended(tmp_path, monkeypatch):
     monkeypatch.setattr(supervisor, "_prctl", lambda option, argument: None)
     monkeypatch.delattr(os, "pidfd_open", raising=False)

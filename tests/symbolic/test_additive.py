@@ -57,6 +57,7 @@ def rate(method, steps=40):
     return log2(np.linalg.norm(first - second) / np.linalg.norm(second - third))
 
 
+@pytest.mark.slow(keep=2)
 @pytest.mark.parametrize("key", EVERY)
 def test_orders_are_those_claimed_and_those_measured(key):
     method, facts = EVERY[key], AdditiveFacts(EVERY[key])

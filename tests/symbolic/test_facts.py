@@ -103,6 +103,7 @@ ROUNDED = sorted(key for key, method in METHODS.items() if method.decimal)
 ON_FEWER_PROBLEMS = {"blanes_moan_rkn6a": 4, "blanes_moan_rkn6b": 4, "mclachlan_atela4": 3, "mclachlan_atela5": 3}
 
 
+@pytest.mark.slow(keep=1)
 @pytest.mark.parametrize("key", ROUNDED)
 def test_rounded_tables_have_the_order_of_their_source_but_for_rounding(key: str) -> None:
     facts = Facts(METHODS[key])

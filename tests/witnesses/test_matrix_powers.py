@@ -52,6 +52,7 @@ def test_an_endpoint_has_the_bits_of_products_of_matrices_and_says_how_many(key,
     assert (one_by_one != power) or steps <= 3
 
 
+@pytest.mark.slow(keep=1)
 @pytest.mark.parametrize(("steps", "h"), [(0, 0.5), (1, 0.5), (1000, 0.125)])
 def test_an_endpoint_by_powers_is_that_of_the_run_and_says_that_it_is_none(steps, h):
     """Rotation by Gauss's matrix: each product of two matrices rounds each entry by at most 3u, each step too."""

@@ -15,6 +15,7 @@ from tests.witnesses.worst_case import random_floats
 NATIVE = [(BINARY16, np.float16), (BINARY32, np.float32), (BINARY64, np.float64)]
 
 
+@pytest.mark.slow(keep=1)
 @pytest.mark.parametrize(("fmt", "dtype"), NATIVE)
 def test_soft_floats_agree_bit_for_bit_with_the_machine(fmt, dtype):
     rng = np.random.default_rng(2)

@@ -42,6 +42,7 @@ def points(dtype, count: int, seed: int):
     return random_steps(rng, kind, (0.0, 2.0), count), random_floats(rng, kind, count), random_floats(rng, kind, count)
 
 
+@pytest.mark.slow(keep=1)
 @pytest.mark.parametrize("step", [forward_euler, rk4])
 @pytest.mark.parametrize("dtype", FORMATS)
 def test_the_fast_ratio_encloses_the_ratio_in_fractions(step, dtype):

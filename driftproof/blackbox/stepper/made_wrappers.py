@@ -113,6 +113,19 @@ def _class_wrapper(cls: type) -> str:
     return ""
 
 
+def clock_wrapper(step: Callable[..., Any]) -> str:
+    """The wrapper of an object with a clock of its own, which is set; if none is found, what to do."""
+    if clock := _attribute(getattr(getattr(step, "held", None), "made", None), TIME):
+        return f'; write time="{clock}" in the call of field_stepper_of'
+    owner = getattr(step, "__self__", step)
+    cls, method = type(owner), f".{step.__name__}" if inspect.ismethod(step) else ""
+    if not (clock := _attribute(owner, TIME)):
+        return ": let the time be an argument, or make the step anew each time"
+    given = {each: each.upper() for each in required_names(cls) or ()}
+    call = arguments_by_role(required_names(step) or (), FIELD)
+    return f"; write: {_Made(FIELD, cls.__name__, given, call, method, time=clock).line(cls)}"
+
+
 def _two_step_wrapper(cls: type, method: str, names: Sequence[str], taken: Sequence[str]) -> str:
     """The run of an object made from its state and the one before, which it keeps; "" if they are not seen.
 
@@ -238,7 +251,8 @@ class _Made(NamedTuple):
         begin = f"made = {made}; {f'made.{self.time} = t; ' if self.time else ''}"
         left, once = ", ".join(f"made.{each}" for each in self.kept), f"made{self.method}({call})"
         if not self._remembers(make):
-            return f"def wrapped({head}): " + (f"{begin}{once}; return {left}" if left else f"return {made}{once[4:]}")
+            ends = f"{once}; return {left}" if left else f"return {once}"
+            return f"def wrapped({head}): {f'{begin}{ends}' if left or self.time else f'return {made}{once[4:]}'}"
         arguments = later_arguments(self.call, q="ys[-1][0]", v="ys[-1][1]").values()
         later = f"made{self.method}({', '.join(arguments)})"
         if left:
@@ -255,7 +269,7 @@ class _Made(NamedTuple):
         known = {"t": t, "h": 0.25, "[q, v]": np.array(state)}
         known |= dict.fromkeys(("f", "force"), lambda *x: x[0] - 0.5 * x[-1])  # of the time, too, where it is given
         known |= dict(zip("y" if self.kind == FIELD else "qv", map(copy, state), strict=True))
-        return [known[name] for name in names.values()]
+        return [known.get(name) for name in names.values()]
 
     def _remembers(self, make: Callable[..., Any]) -> bool:
         """True if some step differs from that of a new stepper in the same state; False if none can be made."""

@@ -144,6 +144,7 @@ IN_BINARY32 = ("plain", "SPEED_CAPPED", "SLOW_SPEEDS_REST", "EPISODE", "WRAPPED"
 IN_BINARY32 += ("SUB_STEPS", "ITERATES", "the rk4 of others")
 
 
+@pytest.mark.slow(keep=4)
 @pytest.mark.parametrize(
     ("name", "array"),
     [*((name, None) for name in HABITS), *((name, np.float32) for name in (*IN_BINARY32, *EDGES_IN_BINARY32))],

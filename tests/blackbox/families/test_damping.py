@@ -166,6 +166,7 @@ OF_VECTORS = [
 ]  # fmt: skip
 
 
+@pytest.mark.slow(keep=1)
 @pytest.mark.parametrize(("step", "kind", "law"), OF_VECTORS, ids=range(len(OF_VECTORS)))
 def test_a_matrix_of_drag_or_of_turning_is_told_and_is_no_method_of_one_number(step, kind, law):
     report = identify(step, isolate=False)

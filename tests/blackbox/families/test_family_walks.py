@@ -69,6 +69,7 @@ RIGHT = {
 }
 
 
+@pytest.mark.slow(keep=1)
 @pytest.mark.parametrize(("key", "step"), RIGHT.items(), ids=RIGHT)
 def test_right_codes_are_right_everywhere_and_the_report_says_where(key, step):
     report = verify(step, key, isolate=False)
@@ -96,6 +97,7 @@ def test_stages_that_do_not_converge_are_none_to_be_held_to():
         walker.own_step(problem, 0.25, [0.5], 64.0)
 
 
+@pytest.mark.slow
 def test_how_well_stages_are_solved_is_told():
     for key, words in (
         ("ars222", "is ars222, its stages solved to 2.3e-08"),

@@ -57,6 +57,7 @@ def test_another_step_is_not_known_and_has_its_order(step):
     assert verify(step, "ars111", isolate=False).passed is False
 
 
+@pytest.mark.slow
 def test_tables_are_shown_row_by_row_each_stage_after_those_that_it_needs():
     """Of backward Euler for g and then Euler for f, whose stages come in the order 1, 0."""
     shown = ("c = 1, 0", "b_explicit = 0, 1", "a_implicit[0] = 1", "a_implicit[1] = 1, 0", "b_implicit = 1, 0")
@@ -71,6 +72,7 @@ def test_tables_are_shown_row_by_row_each_stage_after_those_that_it_needs():
     assert (*lines[:5], lines[-1]) == (held, *shown, "it receives no time")
 
 
+@pytest.mark.slow
 def test_a_program_is_told_both_tables_and_the_orders_are_shown():
     report, g = identify(imex("ars222"), isolate=False), 0.2928932188134525
     assert report.data["method"] == "ars222"
@@ -92,6 +94,7 @@ def test_one_that_differs_in_two_entries_is_near_and_in_three_it_is_not():
         assert verdict.endswith(facts)
 
 
+@pytest.mark.slow
 def test_an_entry_and_a_time_are_held_to_what_rounding_and_its_solver_leave():
     """Of size 1, 1.7 as the entry, and 1 + 2.4 as the row of a time."""
     method, right = FACTS_ONLY["ars222"], read_imex(opened(imex("ars222")))
@@ -107,6 +110,7 @@ def test_an_entry_and_a_time_are_held_to_what_rounding_and_its_solver_leave():
             assert (first.passed and second.passed) is passes
 
 
+@pytest.mark.slow
 def test_a_stage_counts_that_one_table_weighs_and_none_that_neither_does():
     """Of four stages, the second weighed in f alone, the third in g alone, the last nowhere."""
     a, none, half = FACTS_ONLY["ars343"].a_explicit, (0, 0, 0, 0), Fraction(1, 2)
@@ -125,6 +129,7 @@ def test_a_stage_counts_that_one_table_weighs_and_none_that_neither_does():
     assert report.section("Coefficients: passed").lines[1].startswith("c = 0, 0.4358665215084")
 
 
+@pytest.mark.slow
 def test_a_method_of_somebody_s_own_is_held_to_its_own_tables():
     own = replace(FACTS_ONLY["ars111"], key="mine", a_implicit=((0, 0), (0, 2)), b_implicit=(-1, 2))
     step = imex("ars111", a_implicit=((1, 1), 2.0), b_implicit=(slice(None), [-1.0, 2.0]))

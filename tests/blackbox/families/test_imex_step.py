@@ -23,6 +23,7 @@ def test_every_entry_of_both_tables_is_read():
     assert reading.curved < 1e-12
 
 
+@pytest.mark.slow
 def test_stages_are_told_apart_without_times_and_where_times_coincide():
     assert read_imex_step(opened(euler_pair)).c is None
     assert sorted(read_imex_step(opened(imex("ars443"))).c)[1:3] == [0.5, 0.5]

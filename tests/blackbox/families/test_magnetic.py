@@ -42,6 +42,7 @@ HELD = [
 ]
 
 
+@pytest.mark.slow(keep=4)
 @pytest.mark.parametrize(("step", "key", "passed", "words"), HELD, ids=range(len(HELD)))
 def test_a_push_is_held_to_boris_step_or_to_a_method_for_the_whole(step, key, passed, words):
     found = verify(step, key, isolate=False, allowance=SOLVED if key == "implicit_midpoint" else NO_ALLOWANCE)

@@ -49,6 +49,7 @@ NAMED = [
 ]
 
 
+@pytest.mark.slow(keep=1)
 @pytest.mark.parametrize("key", [*EXPLICIT, *IMPLICIT])
 def test_a_method_that_is_started_well_enough_passes_as_itself(key):
     report = verify(Remembering(key, rk4_step).step, key, isolate=False)
@@ -56,6 +57,7 @@ def test_a_method_that_is_started_well_enough_passes_as_itself(key):
     assert report.passed or "its start is too inaccurate: first errors are like h^5" in report.verdict
 
 
+@pytest.mark.slow(keep=1)
 @pytest.mark.parametrize(("step", "words"), NAMED, ids=range(len(NAMED)))
 def test_a_stepper_is_named_with_its_start_in_every_form(step, words):
     assert to_twelve_digits(identify(step, isolate=False).verdict) == f"it is {words}"
@@ -78,6 +80,7 @@ WRONG = [
 ]
 
 
+@pytest.mark.slow(keep=1)
 @pytest.mark.parametrize(("step", "key", "words"), WRONG, ids=range(len(WRONG)))
 def test_a_wrong_one_fails_with_its_cause(step, key, words):
     report = verify(step, key, isolate=False)

@@ -109,6 +109,7 @@ BOUNDS = [
 ]
 
 
+@pytest.mark.slow(keep=1)
 @pytest.mark.parametrize(("made", "words", "places"), BOUNDS, ids=range(len(BOUNDS)))
 def test_what_may_be_rounding_has_a_bound(made, words, places):
     assert parted(lambda subject: read_recurrence(MarkedRuns.of(subject)).name, made, words, places)

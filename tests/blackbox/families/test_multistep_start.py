@@ -32,6 +32,7 @@ STARTS = [
 ]  # fmt: skip
 
 
+@pytest.mark.slow(keep=1)
 @pytest.mark.parametrize(("step", "methods", "power", "order", "first", "whole"), STARTS, ids=range(len(STARTS)))
 def test_a_start_is_named_and_its_errors_measured(step, methods, power, order, first, whole):
     runs = MarkedRuns.of(opened(step))

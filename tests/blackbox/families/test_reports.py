@@ -26,7 +26,9 @@ def test_a_report_says_what_to_do_and_how_it_was_called():
 
 
 def test_a_stepper_that_hangs_is_undecided_and_one_that_raises_gives_no_answer():
-    assert verify(broken_steppers.hangs, "bdf2", time_limit=1.0).passed is None
+    hanging = verify(broken_steppers.hangs, "bdf2", time_limit=1.0)
+    assert hanging.passed is None
+    assert hanging.section("What would decide it").lines == ("a longer time limit",)
     report = verify(_raising, "bdf2", isolate=False)
     assert report.passed is False
     assert report.verdict.startswith("gives no answer")
@@ -43,6 +45,7 @@ def test_a_stepper_that_is_not_there_is_refused():
         verify("no_such_module:step", "ars111", isolate=False)
 
 
+@pytest.mark.slow
 def test_each_example_of_the_page_gets_the_verdict_that_stands_below_it():
     examples = re.findall(r"```python\n([^`]*)```\n\nVerdict: (.*)", PAGE.read_text(encoding="utf-8"))
     for code, verdict in exactly(11, examples):

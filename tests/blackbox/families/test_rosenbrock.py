@@ -26,6 +26,7 @@ HOW = ({}, {"reuse": True}, {"stored": True}, {"time_slope": "differences"})
 WRITTEN = {*((KEYS[0], n) for n in range(len(HOW))), *((key, n % len(HOW)) for n, key in enumerate(KEYS))}
 
 
+@pytest.mark.slow(keep=1)
 @pytest.mark.parametrize(("key", "how"), [(key, HOW[n]) for key, n in sorted(WRITTEN)], ids=str)
 def test_a_method_passes_however_it_is_written(key, how):
     report = verify(rosenbrock(key, **how), key, isolate=False)
@@ -158,6 +159,7 @@ def test_what_may_be_rounding_has_a_bound():
                 assert held is passes, (level, place, k)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("step", "key"), [(rosenbrock("ros2"), "ros2"), (imex("ars222"), "ars222")])
 def test_a_method_with_irrational_entries_is_read_in_an_isolated_process(step, key):
     assert verify(step, key).verdict == f"is {key}"

@@ -105,6 +105,7 @@ TRIED = {
 }  # fmt: skip
 
 
+@pytest.mark.slow(keep=10)
 @pytest.mark.parametrize("name", TRIED)
 @pytest.mark.parametrize("array", [None, np.float32, np.float16])
 def test_all_that_is_asked_and_said_of_steps_is_as_before(name, array, as_before):

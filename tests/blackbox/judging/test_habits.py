@@ -86,6 +86,7 @@ def nystrom_in_decimals(force, q, v, h):
     return step(force, q, v, h)
 
 
+@pytest.mark.slow(keep=3)
 @pytest.mark.parametrize("name", EXPLAINED)
 def test_what_explains_a_step_is_what_it_was(name, as_before):
     step, key = EXPLAINED[name]

@@ -69,6 +69,7 @@ def test_the_orders_of_a_code_are_seen_and_wrong_times_and_a_number_left_out_cos
 EXPLICIT = [key for key, method in METHODS.items() if isinstance(method, RungeKutta) and method.explicit]
 
 
+@pytest.mark.slow(keep=5)
 @pytest.mark.parametrize("method", EXPLICIT)
 def test_no_method_is_seen_with_a_lower_order_than_its_own(method, as_before):
     field = opened(codes.tableau(*codes.floats(METHODS[method])), "field")

@@ -35,6 +35,7 @@ def iterated(key):
 IMPLICIT = [key for key, method in METHODS.items() if not method.explicit and type(method).__name__ != "Nystrom"]
 
 
+@pytest.mark.slow(keep=3)
 @pytest.mark.parametrize("key", IMPLICIT if THOROUGH else IMPLICIT[::3])
 def test_an_implicit_method_agrees_with_itself_and_with_no_neighbour(key):
     subject = opened(iterated(key), "field")

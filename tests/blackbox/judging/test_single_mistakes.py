@@ -80,6 +80,7 @@ WRONG = {
 }
 
 
+@pytest.mark.slow(keep=2)
 @pytest.mark.parametrize(("step", "key"), WRONG.values(), ids=WRONG)
 def test_the_mistake_is_among_those_that_take_the_same_steps(step, key, as_before):
     asked = Asked(step)

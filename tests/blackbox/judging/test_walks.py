@@ -95,6 +95,7 @@ def test_what_is_wrong_elsewhere_alone_is_caught_and_named(step, wanted, as_befo
     as_before(words, asked)
 
 
+@pytest.mark.slow(keep=1)
 @pytest.mark.parametrize("key", ["forward_euler", "rk4", "dormand_prince54", "yoshida6", "nystrom5", "ssprk104"])
 def test_explicit_methods_are_themselves_everywhere_by_their_force(key, as_before):
     asked = Asked(stepper(METHODS[key], float))

@@ -20,6 +20,7 @@ def judged(step):
     return judged_dense(opened(step, "field"))
 
 
+@pytest.mark.slow(keep=1)
 @pytest.mark.parametrize("key", EXTENSIONS)
 def test_every_extension_of_the_catalogue_is_named(key, as_before):
     found, table = judged(extension_step(key)), EXTENSIONS[key]
@@ -58,6 +59,7 @@ WRONG = {
 }
 
 
+@pytest.mark.slow(keep=1)
 @pytest.mark.parametrize("name", WRONG)
 def test_what_does_not_fit_is_at_fault(name, as_before):
     found = judged(WRONG[name])
@@ -101,6 +103,7 @@ def test_a_dense_output_that_is_no_sum_of_slopes_alike_in_all_numbers_leaves_it_
     assert report.section("What would decide it").lines[0].startswith("dense output: a dense output that is a sum of ")
 
 
+@pytest.mark.slow
 def test_reports_have_a_section_for_it():
     step = extension_step("dormand_prince54_shampine")
     assert identify(step, isolate=False).section("Dense output").lines[0].startswith("dormand_prince54_shampine")

@@ -25,6 +25,7 @@ def judged(step):
 
 
 # The order of a decimal table is read from floats, in which its residuals do not show.
+@pytest.mark.slow(keep=3)
 @pytest.mark.parametrize("key", [*PAIRS, *(f"{key}_embedded" for key in PAIRS)])
 def test_every_pair_of_the_catalogue_is_named_with_both_its_rows(key):
     found, pair = judged(pair_step(key)), METHODS[key]
@@ -99,6 +100,7 @@ def test_a_call_beyond_the_stages_does_not_enter_an_estimate():
     assert (found.pair, found.faults, found.order) == ("fehlberg45", (), 4)
 
 
+@pytest.mark.slow
 def test_reports_name_both_rows_and_the_fault_and_a_pair_is_held_to_both():
     named = identify(pair_step("dormand_prince54_embedded"), isolate=False)
     assert named.verdict == (
@@ -122,6 +124,7 @@ def cut(y1, error, h, y):
     return y1, np.minimum(error, 1e-3)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("key", ["verner65", "verner76"])
 def test_an_estimate_of_stages_called_in_another_order_is_held_to_the_stages_that_they_are(key):
     stages = [*range(METHODS[key].stages)]
@@ -154,6 +157,7 @@ SPOILED = {
 }
 
 
+@pytest.mark.slow(keep=2)
 @pytest.mark.parametrize("name", SPOILED)
 @pytest.mark.parametrize("form", ["a difference", "absolute"])
 def test_all_that_is_said_of_an_estimate_is_what_it_was(name, form, as_before):

@@ -83,6 +83,7 @@ def test_a_rate_that_is_off_by_less_than_a_part_in_1024_is_no_factor_of_a_method
     assert (found.best is not None) == named
 
 
+@pytest.mark.slow(keep=1)
 @pytest.mark.parametrize("key", ["pefrl", "vefrl", "nystrom4", "suzuki_umeno8"])
 def test_of_many_methods_that_few_bits_leave_alike_the_first_are_told(key, as_before):
     half = stepper(METHODS[key], np.float16)

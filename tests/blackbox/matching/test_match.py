@@ -18,6 +18,7 @@ from tests.blackbox.transcripts import Asked
 from tests.looping import some
 
 
+@pytest.mark.slow(keep=14)
 @pytest.mark.parametrize("key", EXPLICIT)
 def test_every_method_is_recognised_by_its_forces_and_none_is_taken_for_another(key, as_before):
     identity = on_force(stepper(METHODS[key], float))

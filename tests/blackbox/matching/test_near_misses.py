@@ -60,6 +60,7 @@ def sample(changed, key):
     return found[sum(map(ord, key)) % len(found)]
 
 
+@pytest.mark.slow(keep=2)
 @pytest.mark.parametrize("key", SHORT[::4])
 def test_a_wrong_coefficient_is_named_through_both_conventions(key, as_before):
     name, wrong = sample(changed_tableaux(METHODS[key]), key)
@@ -140,6 +141,7 @@ def test_what_is_said_of_rounded_tables_is_what_it_was(key, as_before):
     as_before(*said)
 
 
+@pytest.mark.slow(keep=1)
 @pytest.mark.parametrize("key", ["ruth3", "nystrom4", "heun3"])
 @pytest.mark.parametrize("off", [1e-12, 0.1])
 def test_what_is_said_of_forces_that_are_off_is_what_it_was(key, off, as_before):

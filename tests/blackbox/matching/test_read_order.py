@@ -29,6 +29,7 @@ def on_force(step):
     return read_order(read_forces(opened(step)))
 
 
+@pytest.mark.slow(keep=15)
 @pytest.mark.parametrize("key", EXPLICIT)
 def test_the_forces_of_a_method_give_its_order(key):
     method, found = METHODS[key], on_force(stepper(METHODS[key], float))
@@ -40,6 +41,7 @@ def test_the_forces_of_a_method_give_its_order(key):
         assert found.residual[0] <= exact.residual <= found.residual[1]
 
 
+@pytest.mark.slow(keep=8)
 @pytest.mark.parametrize("key", TABLEAUX)
 def test_the_slopes_of_a_method_give_its_order_and_the_tree_that_fails(key, as_before):
     method = METHODS[key]

@@ -108,11 +108,13 @@ VERDICTS = [
 ]  # fmt: skip
 
 
+@pytest.mark.slow(keep=1)
 @pytest.mark.parametrize(("step", "verdict"), VERDICTS, ids=range(len(VERDICTS)))
 def test_implicit_steps_of_a_force_are_named_as_they_are_written(step, verdict):
     assert identify(step, isolate=False).verdict == verdict
 
 
+@pytest.mark.slow(keep=1)
 @pytest.mark.parametrize("row", [None, 0, 1, 2, 3])
 def test_a_wrong_entry_stands_beside_the_one_claimed_and_a_right_one_does_not(row):
     table = [np.array(part, dtype=float) for part in induced("gauss2")]
@@ -125,6 +127,7 @@ def test_a_wrong_entry_stands_beside_the_one_claimed_and_a_right_one_does_not(ro
     assert (beside == []) if row is None else any(line.startswith(f"{names[row]} ") for line in beside)
 
 
+@pytest.mark.slow
 def test_a_right_step_is_verified_and_a_wrong_one_is_not():
     right = verify(of_force(induced("trapezoid")), "trapezoid", examples=20, isolate=False, allowance=SOLVED)
     assert right.passed is True
@@ -136,6 +139,7 @@ def test_a_right_step_is_verified_and_a_wrong_one_is_not():
     assert "a[0][0]  1/4      17/64      0.0156" in found.section("Coefficients: FAILED").lines
 
 
+@pytest.mark.slow
 def test_a_velocity_of_the_start_costs_an_order_and_is_named():
     assert "order 1 where the force depends on the velocity, not 2" in identify(late, isolate=False).verdict
     right = verify(midpoint, "implicit_midpoint", examples=20, isolate=False, allowance=SOLVED, domain=NEAR)
@@ -151,6 +155,7 @@ def test_velocities_that_do_not_tell_the_stages_apart_are_refused():
         read(lambda force, x, v, dt: gauss(lambda q: force(q, v), x, v, dt))
 
 
+@pytest.mark.slow
 def test_a_solver_that_stops_early_is_told_by_what_it_leaves():
     early = of_force(induced("gauss2"), partial(newton, most=1))
     assert "its solver stops early" in identify(early, isolate=False).verdict
@@ -195,6 +200,7 @@ ASKED = {
 }  # fmt: skip
 
 
+@pytest.mark.slow(keep=2)
 @pytest.mark.parametrize("name", ASKED)
 def test_all_that_is_asked_of_implicit_steps_of_forces_and_said_is_as_before(name, as_before):
     asked = Asked(ASKED[name])

@@ -63,6 +63,7 @@ def the_same(reading, coefficients, error):
     return max(apart) <= error
 
 
+@pytest.mark.slow(keep=6)
 @pytest.mark.parametrize("key", [*FAMILIES, *OTHERS])
 def test_every_coefficient_of_an_implicit_method_is_read_to_rounding(key):
     reading = read(all_at_once(table(key)))
@@ -71,6 +72,7 @@ def test_every_coefficient_of_an_implicit_method_is_read_to_rounding(key):
     assert key in match_tableau(reading).keys
 
 
+@pytest.mark.slow(keep=1)
 @pytest.mark.parametrize("solver", SOLVERS.values(), ids=SOLVERS)
 def test_the_coefficients_do_not_depend_on_what_solves_the_stages(solver):
     for way in some((all_at_once, one_by_one)):
@@ -90,6 +92,7 @@ def test_the_solver_leaves_what_two_readings_differ_by():
     assert not read(all_at_once(table("gauss2"))).rounding.besides > 1e-13
 
 
+@pytest.mark.slow(keep=1)
 @pytest.mark.parametrize("solver", [newton, fixed_point, broyden])
 def test_stages_at_one_time_are_told_apart_by_a_clock_in_y(solver):
     for way in some((all_at_once, one_by_one)):
@@ -197,6 +200,7 @@ READ |= {
 }  # fmt: skip
 
 
+@pytest.mark.slow(keep=1)
 @pytest.mark.parametrize("name", READ)
 def test_all_that_is_asked_of_implicit_steps_and_read_is_as_before(name, as_before):
     asked = Asked(READ[name])

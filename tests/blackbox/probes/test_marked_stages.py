@@ -103,6 +103,7 @@ def test_what_a_step_does_on_marked_stages_is_no_fault_of_it():
         subject.run(subject.marks(0), Setting(), lambda shares, moved: [2.0] * len(moved))
 
 
+@pytest.mark.slow
 def test_a_step_that_never_ends_by_itself_is_ended():
     def endless(f, t, y, h):
         while np.all(f(t, y) == 1):

@@ -73,6 +73,7 @@ def test_what_has_none_is_refused():
         read_coefficients(opened(lambda q, v, h: (q + h * v, v - h * q)))
 
 
+@pytest.mark.slow(keep=1)
 @pytest.mark.parametrize(("step", "key"), RIGHT, ids=range(len(RIGHT)))
 def test_a_step_whose_force_is_given_right_velocities_is_its_method_and_raises_no_alarm(step, key):
     report = identify(step, isolate=False)
@@ -81,6 +82,7 @@ def test_a_step_whose_force_is_given_right_velocities_is_its_method_and_raises_n
     assert (step, key) not in RIGHT[::4] or verify(step, key, examples=20, isolate=False).passed
 
 
+@pytest.mark.slow(keep=1)
 @pytest.mark.parametrize(("step", "key", "words"), WRONG, ids=[f"{key}: {words}" for _, key, words in WRONG])
 def test_wrong_velocities_fail_and_are_named(step, key, words):
     found = verify(step, key, examples=20, isolate=False)

@@ -24,6 +24,7 @@ def test_a_table_is_read_of_one_function_and_holds_its_own_control():
 
 
 # For Gauss' rule, whose rows of |A| and b sum up to less than 1, and for Lobatto's with larger entries.
+@pytest.mark.slow(keep=1)
 @pytest.mark.parametrize("besides", [0.0, 1e-6, 1e-4])
 @pytest.mark.parametrize("key", ["gauss2", "lobatto_iiic3"])
 def test_so_far_a_chain_may_be_off_as_before(key, besides, as_before):

@@ -50,6 +50,7 @@ def test_iterations_that_are_fixed_are_told_where_too_little_is_left_for_a_power
     assert seen.words.endswith("and the number of calls does not depend on the nonlinearity")
 
 
+@pytest.mark.slow(keep=1)
 @pytest.mark.parametrize(("solver", "power"), ITERATIONS.values(), ids=ITERATIONS)
 def test_a_number_of_iterations_that_is_fixed_shows_in_a_power(solver, power):
     seen = equations(all_at_once(table("trapezoid"), solver)).solved()

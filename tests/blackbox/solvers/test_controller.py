@@ -34,6 +34,7 @@ LAWS = {
 }
 
 
+@pytest.mark.slow(keep=1)
 @pytest.mark.parametrize("name", LAWS)
 def test_the_law_comes_out_as_it_went_in(name, as_before):
     switches, (safety, exponent, memory, least, most) = LAWS[name]
@@ -91,6 +92,7 @@ RULES = {
 }
 
 
+@pytest.mark.slow(keep=1)
 @pytest.mark.parametrize(("name", "law"), [*((name, "PI") for name in RULES), ("at the second", "as planted")])
 def test_steps_after_rejections_that_are_not_of_the_law_are_said_with_it(name, law, as_before):
     rule, words = RULES[name]
@@ -108,6 +110,7 @@ def test_what_most_step_sizes_contradict_is_no_law(ratio, is_law):
     assert (law is not None) == is_law
 
 
+@pytest.mark.slow(keep=1)
 @pytest.mark.parametrize(("switches", "limit", "faults"), [
     ({}, 1, 0), ({"safety": 0.4}, 1, 0), ({"accepted": 2.0}, 2, 0),
     ({"accepted": 8.0, "safety": 0.9}, 8, 1),  # after which the law gives 0.9/2
@@ -141,6 +144,7 @@ AT = {
 }
 
 
+@pytest.mark.slow(keep=1)
 @pytest.mark.parametrize("state", AT)
 def test_a_stage_of_the_estimate_alone_at_another_state_is_told(state):
     """Fehlberg's sixth stage: its weight in the row propagated is 0, and slopes of t alone do not show its state."""
@@ -154,6 +158,7 @@ def test_the_bumps_are_of_both_signs_and_bounded():
     assert min(some(values, 128)) == -1.5 == -max(values)
 
 
+@pytest.mark.slow(keep=1)
 @pytest.mark.parametrize(("method", "estimate", "exponent"), [
     ("RK23", "bogacki_shampine32", 3), ("RK45", "dormand_prince54", 5),
     ("DOP853", "dop853 blended with dop853_third", 8),
@@ -189,6 +194,7 @@ OTHERS = {
 }  # fmt: skip
 
 
+@pytest.mark.slow(keep=1)
 @pytest.mark.parametrize("name", OTHERS)
 def test_what_is_seen_of_step_sizes_is_said(name, as_before):
     asked = Asked(OTHERS[name])

@@ -46,6 +46,7 @@ def test_every_call_is_kept_with_its_number():
     assert found.y == ((0.0,), (0.5,), (3.0,), (7.5,))
 
 
+@pytest.mark.slow
 def test_what_comes_instead_of_an_answer_is_named():
     def fails(f, t_span, y0, rtol, atol):
         raise RuntimeError("two\nlines")

@@ -21,6 +21,7 @@ SOLVERS = {
 IN_WORDS = ("as planted", "stale", "of one length", "without an answer")
 
 
+@pytest.mark.slow(keep=1)
 @pytest.mark.parametrize("name", SOLVERS)
 def test_all_that_is_reported_is_as_before(name, as_before):
     report = identify_solver(SOLVERS[name], isolate=False)
@@ -67,6 +68,7 @@ def test_a_run_for_the_step_size_control_that_does_not_end_is_a_fault():
     assert fault.startswith("step size control: does not end: after 30000 calls of f")
 
 
+@pytest.mark.slow
 def test_a_hang_and_a_refusal_are_told():
     def hangs(f, t_span, y0, rtol, atol):
         while True:

@@ -75,6 +75,7 @@ RIGHT = {
 }
 
 
+@pytest.mark.slow(keep=1)
 @pytest.mark.parametrize("name", RIGHT)
 def test_a_right_one_is_named_without_alarm(name, as_before):
     said = []
@@ -143,6 +144,7 @@ def of_two_lengths(f, t_span, y0, rtol, atol):
     return times, states
 
 
+@pytest.mark.slow
 def test_steps_of_two_lengths_are_told_and_counted(as_before):
     asked = Asked(of_two_lengths)
     memory = read_memory(SolverTarget(asked.code).open())
@@ -200,6 +202,7 @@ NO_MEMORY = {
 }
 
 
+@pytest.mark.slow(keep=1)
 @pytest.mark.parametrize(("solve", "words"), NO_MEMORY.values(), ids=NO_MEMORY)
 def test_what_is_no_memory_says_what_was_seen(solve, words):
     with pytest.raises(NotReadable, match=words):

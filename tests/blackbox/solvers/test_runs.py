@@ -33,6 +33,7 @@ def of_the_first_number(f, t_span, y0, rtol, atol):
     return adaptive(tolerances=lambda rtol, atol: (rtol, atol * weights))(f, t_span, y0, rtol, atol)
 
 
+@pytest.mark.slow(keep=1)
 @pytest.mark.parametrize("method", ["Radau", "BDF", "LSODA"])
 def test_what_solves_for_its_steps_is_told_from_what_does_not(method):
     solve = of_scipy(method)
@@ -90,6 +91,7 @@ def test_a_tolerance_that_only_sets_the_first_step_size_is_ignored(name):
     assert [fault.partition(":")[0] for fault in faults] == [f"{name} is ignored"]
 
 
+@pytest.mark.slow
 def test_where_a_largest_step_size_makes_the_errors_no_tolerance_is_said_to_be_ignored():
     solve = lambda *given: adaptive(most=1.0, first_step=0.02 * (1 + sum(given[3:])))(*given)
     (fault,) = read(solve).faults  # as steps never grow
@@ -156,6 +158,7 @@ OTHERS = {
 }  # fmt: skip
 
 
+@pytest.mark.slow(keep=1)
 @pytest.mark.parametrize("name", OTHERS)
 def test_all_that_runs_show_is_what_it_was(name, as_before):
     asked = Asked(OTHERS[name])
@@ -292,6 +295,12 @@ NOT_SAID = [
 ]  # fmt: skip
 
 
+def test_a_step_that_is_never_shorter_is_told_where_it_costs_more_than_the_tolerance():
+    (fault,) = read(adaptive(shortest=2e-5)).faults
+    assert fault.startswith("across a jump of f the shortest step that it takes, of 2e-05, is off by 2.")
+    assert not read(adaptive(shortest=1e-9)).faults
+
+
 def test_a_scale_of_errors_from_numbers_with_their_signs_is_told():
     squared = lambda errors: np.mean(errors**2) ** 0.5
     faults = read(adaptive("dormand_prince54", exponent=0.2, size=lambda y: y, norm=squared)).faults
@@ -306,6 +315,7 @@ SCALES = {
 }
 
 
+@pytest.mark.slow(keep=1)
 @pytest.mark.parametrize("words", SCALES)
 def test_a_scale_of_errors_that_does_not_grow_with_the_numbers_is_told(words):
     faults = read(adaptive("dormand_prince54", exponent=0.2, tolerances=SCALES[words])).faults
@@ -336,6 +346,7 @@ def lines_of(reading):
     return [*reading.faults, *(line for lines in reading.seen.values() for line in lines)]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("is_said", [True, False])
 def test_what_is_off_by_much_is_said_and_by_little_not(is_said, as_before):
     plain, said = lines_of(read(fixed())), []

@@ -91,6 +91,7 @@ OTHERS = {
 }  # fmt: skip
 
 
+@pytest.mark.slow(keep=6)
 @pytest.mark.parametrize("name", OTHERS)
 def test_a_step_is_named_or_what_was_seen_instead(name, as_before):
     asked = Asked(OTHERS[name])
@@ -154,6 +155,7 @@ def test_a_dense_output_that_looks_for_its_step_forward_in_time_alone_is_at_faul
     assert [each.partition(":")[0] for each in found.faults] == fault
 
 
+@pytest.mark.slow
 def test_steps_that_become_too_small_for_a_run_are_read_all_the_same():
     slow = adaptive("dormand_prince54", exponent=0.2, estimate=lambda e: [*e[:-1], -e[-1]])
     found = read_steps(ForeignSolver(slow))

@@ -68,6 +68,7 @@ def test_a_call_that_changes_the_rounding_mode_is_named_in_every_verdict(library
     assert arithmetic_seen() == ""
 
 
+@pytest.mark.slow
 def test_an_import_that_changes_the_rounding_mode_is_named(tmp_path, monkeypatch):
     (tmp_path / "upwards.py").write_text(
         "import ctypes\nctypes.CDLL('libm.so.6').fesetround(0xC00)\n"

@@ -132,6 +132,7 @@ def adams_bashforth3(f, t, history, dt):
 """
 
 
+@pytest.mark.slow(keep=1)
 @pytest.mark.parametrize("name", ["bdf2", "adams_bashforth2", "adams_bashforth3"])
 def test_a_step_that_takes_a_list_of_states_is_refused_with_a_run_of_n_steps_that_works(name):
     names = namespace(LISTS)

@@ -70,6 +70,7 @@ def of_the_wrong_end(f, t, y, h, f_prev):
 NAMED = {name: step for name, step in vars().items() if getattr(step, "__module__", "") == __name__}
 
 
+@pytest.mark.slow(keep=1)
 @pytest.mark.parametrize("name", NAMED)
 def test_a_step_is_named_by_what_it_makes_of_the_slopes(name, as_before):
     asked = Asked(NAMED[name])

@@ -4,6 +4,7 @@ import re
 
 import pytest
 
+from driftproof import field_stepper_of, identify, verify
 from driftproof.blackbox.families.reports import read_family
 from driftproof.blackbox.findings import BadInput
 from driftproof.blackbox.stepper.opening import Target, opened
@@ -183,6 +184,7 @@ OTHERS = {"KeptVerlet": "velocity_verlet", "Ball": "symplectic_euler", "Ralston"
 OTHERS |= dict.fromkeys(("Euler", "Held", "Env"), "forward_euler")
 
 
+@pytest.mark.slow(keep=3)
 @pytest.mark.parametrize("name", WRAPPED)
 def test_a_class_a_maker_and_a_solver_of_n_steps_are_refused_with_a_wrapper_that_works_and_forgets_nothing(name):
     names = namespace(CLASSES)
@@ -230,6 +232,50 @@ def test_an_object_that_cannot_be_called_is_refused_with_the_wrapper_of_the_meth
     assert str(caught.value).endswith(f'wrapped = stepper_of(lambda: Kept(...), state="y", advance={advance})')
     with pytest.raises(BadInput, match=re.escape(f"write: {WRAPPED['Ball']}")):
         Target(names["Ball"]()).open()
+
+
+CLOCKS = """
+class Clocked:
+    def __init__(self, name):
+        self.time, self.last = 0.0, None
+    def __call__(self, f, y, h):
+        k = f(self.time, y)
+        y, self.time = y + h / 2 * (k + f(self.time + h, y + h * k)), self.time + h
+        return y
+    def ab2(self, f, y, h):
+        k = f(self.time, y)
+        moved, self.last = k if self.last is None else 1.5 * k - 0.5 * self.last, k
+        self.time += h
+        return y + h * moved
+
+class Kept(Clocked):
+    def __init__(self, f):
+        self.f, self.time, self.y = f, 0.0, None
+    def step(self, h):
+        self.y = Clocked.__call__(self, self.f, self.y, h)
+
+def closure():
+    clocked = Clocked("a")
+    return lambda f, y, h: clocked(f, y, h)
+"""
+
+
+def test_a_clock_that_goes_on_leaves_a_verdict_open_and_is_set_in_the_wrapper():
+    names = namespace(CLOCKS)
+    held = field_stepper_of(names["Kept"])
+    for step, key, line in (
+        (names["Clocked"]("a"), "heun2", "f, t, y, h): made = Clocked(NAME); made.time = t; return made(f, y, h)"),
+        (names["Clocked"]("a").ab2, "adams_bashforth2", "f, t, y, h, n): made = Clocked(NAME); made.time = t"),
+        (names["closure"](), "heun2", "let the time be an argument, or make the step anew each time"),
+        (held, "heun2", 'write time="time" in the call of field_stepper_of'),
+    ):
+        found = verify(step, key, isolate=False)
+        assert (found.passed, identify(step, isolate=False).verdict.count("a clock of its own")) == (None, 1)
+        assert line in found.verdict
+        if line.endswith(("h)", " = t")):
+            exec(found.verdict.partition("write: ")[2], names | {"NAME": ""}, names)
+            assert verify(names["wrapped"], key, isolate=False).verdict.startswith(f"is {key}")
+    assert verify(field_stepper_of(names["Kept"], time="time"), "heun2", examples=60, isolate=False).passed
 
 
 WORLD = """

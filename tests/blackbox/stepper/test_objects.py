@@ -122,6 +122,7 @@ NAMED = {
 }
 
 
+@pytest.mark.slow(keep=1)
 @pytest.mark.parametrize("name", NAMED)
 def test_an_object_is_named_like_the_step_that_it_makes(name, as_before):
     step, verdict = NAMED[name]

@@ -105,6 +105,7 @@ HELD = [
 ]  # fmt: skip
 
 
+@pytest.mark.slow(keep=1)
 @pytest.mark.parametrize(("step", "key", "wrong"), HELD, ids=[step.__name__ for step, _, _ in HELD])
 def test_a_step_of_a_record_is_opened_as_it_is_written_and_a_wrong_one_is_caught(step, key, wrong):
     found = verify(step, key, examples=50, isolate=False)

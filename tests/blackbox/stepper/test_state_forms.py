@@ -17,6 +17,7 @@ from tests.blackbox.stepper.styles import STYLES, defined, keys_of, namespace
 from tests.blackbox.transcripts import Asked
 
 
+@pytest.mark.slow(keep=2)
 @pytest.mark.parametrize("style", [s for s in STYLES if not s.wrapper], ids=lambda style: style.title)
 def test_a_style_is_opened_as_it_is_written_and_named(style, as_before):
     for package in style.needs:

@@ -39,6 +39,7 @@ def predicted(key: str, z: Fraction, steps: int) -> tuple[float, float]:
     return steps * logarithm, float(low)
 
 
+@pytest.mark.slow(keep=11)
 @pytest.mark.parametrize("key", [*EXPLICIT, *IMPLICIT])
 def test_decay_of_a_million_follows_the_stability_function_and_overflows_where_that_says_so(key: str) -> None:
     size, factor = predicted(key, Fraction(-1000000, 32), 32)

@@ -21,6 +21,7 @@ def test_energy_drifts_with_explicit_methods_and_stays_bounded_with_symplectic_o
     assert drifts(energy_errors("rk4", name, steps))
 
 
+@pytest.mark.slow(keep=1)
 @pytest.mark.parametrize(("name", "steps"), CHAIN)
 def test_energy_drifts_down_with_l_stable_methods_and_not_with_symmetric_ones(name: str, steps: int) -> None:
     for key in ("radau_iia2", "radau_iia3"):

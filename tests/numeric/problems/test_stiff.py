@@ -40,6 +40,7 @@ def test_explicit_methods_overflow_or_are_refused_on_a_stiff_problem(key: str) -
     assert fate(key, "kaps", 64, 0.01) == ENDED
 
 
+@pytest.mark.slow(keep=4)
 @pytest.mark.parametrize("key", [key for key in IMPLICIT if holds_for_any_stiffness(key)])
 def test_implicit_methods_are_right_on_a_stiff_problem(key: str) -> None:
     assert fate(key, "kaps", 64, 0.01) == RIGHT

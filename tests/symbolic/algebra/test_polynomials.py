@@ -55,6 +55,7 @@ def test_scalars_compute_as_the_data_do(pair: tuple[Algebraic, Algebraic]) -> No
     assert exact(1 / y) * b == 1
 
 
+@pytest.mark.slow
 @given(st.lists(elements(CUBE_2), min_size=1, max_size=5), st.lists(elements(CUBE_2), min_size=1, max_size=4))
 def test_division_over_a_number_field_leaves_a_smaller_rest(a: list[Algebraic], b: list[Algebraic]) -> None:
     p, q = (scalar(CUBE_2) * 0 + polynomial(c) for c in (a, b))

@@ -124,6 +124,7 @@ def test_numbers_put_into_the_formulas_satisfy_what_they_say(key: str) -> None:
         assert sympy.expand(moved - invariant.subs(AT)) == 0
 
 
+@pytest.mark.slow(keep=1)
 @pytest.mark.parametrize("key", FEW)
 def test_every_result_has_steps_and_the_last_of_a_value_ends_in_it(key: str) -> None:
     """What stands in one chain is equal, at h = 3/7, where trace, determinant and angle are those of the matrix."""

@@ -105,6 +105,7 @@ def test_limit_without_radicals_is_a_root_of_its_polynomial() -> None:
     assert sympy.minimal_polynomial(limit, LAMBDA) == LAMBDA**5 - LAMBDA - 3
 
 
+@pytest.mark.slow(keep=1)
 @pytest.mark.parametrize("key", ["yoshida8", "suzuki_umeno8", "kahan_li8"])
 def test_limit_with_long_coefficients_is_found_without_a_list_of_all_roots(
     key: str, monkeypatch: pytest.MonkeyPatch
@@ -125,6 +126,7 @@ def test_limit_passes_each_touch_in_turn() -> None:
     assert all(AtStep(TOUCHING_TWICE, sympy.Integer(touch)).matrix == sympy.eye(2) for touch in (1, 2))
 
 
+@pytest.mark.slow
 @given(strategies.runge_kutta_methods(max_stages=3) | strategies.splittings(max_pairs=2))
 def test_powers_are_bounded_inside_the_limit_and_not_just_beyond(method: Any) -> None:
     m = one_step_matrix(method)

@@ -46,6 +46,7 @@ def test_every_rational_method_has_the_matrix_of_the_other_engine() -> None:
 QUARTERS = st.integers(-4, 4).map(lambda n: Q(n, 4))
 
 
+@pytest.mark.slow
 @given(st.tuples(*6 * [QUARTERS]))
 def test_any_implicit_table_has_the_matrix_of_the_other_engine(entries: tuple[Q, ...]) -> None:
     a, b = (entries[:2], entries[2:4]), entries[4:]
@@ -58,6 +59,7 @@ def test_any_implicit_table_has_the_matrix_of_the_other_engine(entries: tuple[Q,
     assert matrix_at(m, Q(1, 7)) == wanted
 
 
+@pytest.mark.slow(keep=1)
 @pytest.mark.parametrize("key", ["rk4", "implicit_midpoint", "radau_iia2"])
 def test_stages_satisfy_their_equations(key: str) -> None:
     """The slope that is called k_i is put into the equations again, as z -> (q, v) and J -> its matrix."""

@@ -233,6 +233,7 @@ def test_no_sector_for_polynomials_and_for_what_is_unstable_at_infinity() -> Non
     assert (record(Angle(ZERO_ROOT)), record(Angle(INFINITY))) == ("0", "90")
 
 
+@pytest.mark.slow(keep=1)
 @pytest.mark.parametrize(("num", "den"), [(0, 3), (0, 4), (1, 4), (2, 5)])
 def test_sector_by_bisection_is_the_exact_one(num: int, den: int) -> None:
     """The second method: Phragmén and Lindelöf, a ray and the poles, instead of a discriminant."""

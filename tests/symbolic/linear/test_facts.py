@@ -31,6 +31,7 @@ from tests.symbolic.linear.linear_examples import by_determinants, limit_text, r
 WITH_R = [key for key, method in METHODS.items() if isinstance(method, RungeKutta | Collocation)]
 
 
+@pytest.mark.slow(keep=11)
 @pytest.mark.parametrize("key", WITH_R)
 def test_two_formulas_for_r(key: str) -> None:
     data = scalar_tableau(METHODS[key])

@@ -145,6 +145,7 @@ def bounded(method, z, slack=1e-9):
     return largest(method, z) <= 1 + slack
 
 
+@pytest.mark.slow(keep=4)
 @pytest.mark.parametrize("key", FIRST)
 def test_sectors_and_limits_hold_on_companion_matrices(key):
     method, facts = FIRST[key], of(key)

@@ -29,6 +29,7 @@ from tests.symbolic.linear.linear_examples import BACKWARD, EVERY, MIDPOINT, MID
 from tests.witnesses.witness_steps import witness_matrix
 
 
+@pytest.mark.slow
 @given(strategies.splittings(max_pairs=3) | strategies.runge_kutta_methods(max_stages=4))
 def test_matrix_of_a_drawn_method_is_what_its_step_is_in_other_arithmetics_and_without_one(method: Any) -> None:
     assert oscillator_matrix(method) == witness_matrix(method)

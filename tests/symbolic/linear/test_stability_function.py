@@ -86,6 +86,7 @@ def test_two_formulas_for_r_agree_over_q_and_over_number_fields(gamma: Exact) ->
     assert one + fraction(Z) * resolvent(data, data.power(0)) == r
 
 
+@pytest.mark.slow
 def test_twelve_implicit_stages_over_a_number_field_take_no_division_with_remainder(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

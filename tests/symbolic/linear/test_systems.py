@@ -139,6 +139,7 @@ LIMITS = {
 }  # fmt: skip
 
 
+@pytest.mark.slow(keep=1)
 @pytest.mark.parametrize(("key", "text"), LIMITS)
 def test_limit_of_h_is_where_powers_begin_to_grow(key: str, text: str) -> None:
     found = facts(key, text)
@@ -282,6 +283,7 @@ def test_verdict_turns_at_the_limit(key: str, text: str, turn: Q | None, verdict
     assert tuple(bounded_at(found, turn * x) for x in (1 - near_by, Q(1), 1 + near_by)) == verdicts
 
 
+@pytest.mark.slow
 def test_verdict_agrees_with_the_limit_of_every_method_on_the_oscillator() -> None:
     for method in some(METHODS.values(), 100):
         found = SystemFacts(method, parse_system("0 1; -1 0"))

@@ -76,6 +76,7 @@ def test_a_root_is_rounded_up_by_less_than_its_last_bits(x, scale):
     assert ends == [2**200, 2**347, 1, 2**197], "as many bits as are promised, and no more"
 
 
+@pytest.mark.slow(keep=1)
 @pytest.mark.parametrize("key", ["symplectic_euler", "velocity_verlet", "position_verlet"])
 @settings(max_examples=60)
 @given(

@@ -89,6 +89,7 @@ def test_a_sum_counts_the_most_additions_that_any_order_can_put_on_a_term():
     assert any_order(NINE["rk4"]).roundings == 17
 
 
+@pytest.mark.slow(keep=1)
 @pytest.mark.parametrize("fusing", [False, True])
 @pytest.mark.parametrize("step", [rk4, rk4_reassociated, stepper(NINE["rk4"], lambda c: c)])
 def test_no_coarse_float_state_leaves_it_in_any_order_fused_or_not(step, fusing):

@@ -63,6 +63,7 @@ def test_rk4_at_five_halves_comes_within_a_factor_of_two_of_that():
     assert found.ratio > 1 / 2
 
 
+@pytest.mark.slow(keep=8)
 @pytest.mark.parametrize("key", PROGRAMS)
 @pytest.mark.parametrize("h", [0.25, 1.9, 2.5, 1e-8])
 def test_no_step_of_a_search_exceeds_the_sharper_bound(key, h):
@@ -72,6 +73,7 @@ def test_no_step_of_a_search_exceeds_the_sharper_bound(key, h):
     assert search(step, envelope(subject, Q(h)), **at).violations == 0
 
 
+@pytest.mark.slow(keep=1)
 @pytest.mark.parametrize("key", PROGRAMS)
 @settings(max_examples=16)
 @given(h=st.floats(-2.5, 2.5).map(Q), q=st.floats(-1, 1).map(Q), v=st.floats(-1, 1).map(Q))
@@ -89,6 +91,7 @@ def test_the_sharper_bound_holds_for_the_very_state_and_is_hardly_ever_above_the
         assert e <= most * (1 + 64 * BINARY64.u) + 64 * BINARY64.eta
 
 
+@pytest.mark.slow(keep=3)
 @pytest.mark.parametrize("key", [*PROGRAMS, *IRRATIONAL])
 def test_its_matrix_is_the_definition_s_at_that_h(key):
     """Over a field the program with the coefficients that are stored has another one."""
@@ -100,6 +103,7 @@ def test_its_matrix_is_the_definition_s_at_that_h(key):
         assert stored.matrix != sharp_of(key).matrix
 
 
+@pytest.mark.slow(keep=2)
 @pytest.mark.parametrize("fusing", [False, True])
 @pytest.mark.parametrize("step", [*HAND_WRITTEN.values(), leapfrog])
 @pytest.mark.parametrize("fmt", [COARSE, BFLOAT16], ids=lambda fmt: fmt.name)

@@ -54,6 +54,7 @@ def test_forty_steps_of_a_quarter_are_bounded_as_promised(step, target, reached)
     assert 0 < squared <= sharp.euclidean**2
 
 
+@pytest.mark.slow(keep=1)
 @pytest.mark.parametrize("key", PROGRAMS)
 @settings(max_examples=10)
 @given(
@@ -159,6 +160,7 @@ def test_the_growth_of_a_step_is_its_bound_seen_in_the_norm():
 # --- over a number field --------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow(keep=1)
 @pytest.mark.parametrize("key", IRRATIONAL)
 def test_n_steps_over_a_field_stay_within_the_theorem_and_a_planted_error_of_1e_13_leaves_it(key: str):
     h, start, steps, method = Q(1, 4), (Q(1), Q(3, 8)), 12, METHODS[key]

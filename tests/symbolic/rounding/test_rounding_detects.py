@@ -100,6 +100,7 @@ def test_the_order_of_the_updates_is_noticed():
     assert caught(symplectic_euler, "forward_euler", step_bound(forward_euler).error_of, *points) == 1
 
 
+@pytest.mark.slow(keep=1)
 @pytest.mark.parametrize("key", HAND_WRITTEN)
 def test_fused_multiply_adds_pass(key):
     """Emulated exactly: every product that enters a sum is fused into it, which changes bits and stays in bounds."""
@@ -116,6 +117,7 @@ def test_fused_multiply_adds_pass(key):
     assert changed > 5
 
 
+@pytest.mark.slow
 def test_a_reassociated_step_stays_inside_the_definition_s_any_order_bound():
     points, allowed = random_checks(7, 60), cache(any_order(METHODS["rk4"]).error_of)
     assert caught(rk4_reassociated, "rk4", allowed, *points) == 0

@@ -210,6 +210,7 @@ def _steps_of_every_state(step, fmt: FloatFormat, fusing: bool):
             yield h, q, v, None
 
 
+@pytest.mark.slow(keep=1)
 @pytest.mark.parametrize("fusing", [False, True])
 @pytest.mark.parametrize("step", [forward_euler, symplectic_euler, leapfrog])
 def test_no_state_of_a_coarse_format_leaves_the_bound(step, fusing):
@@ -256,6 +257,7 @@ def emulated(key: str, fmt: FloatFormat, h: Q, q: Q, v: Q) -> list[Q]:
         return []
 
 
+@pytest.mark.slow(keep=1)
 @FORMATS
 @pytest.mark.parametrize("key", PROGRAMS)
 @settings(max_examples=40)
@@ -280,6 +282,7 @@ def test_the_machine_lifts_each_coefficient_to_the_float_that_the_bound_assumes(
     assert all(Q(float(NATIVE[fmt](float(c)))) == decide_by_enclosure(c, fmt.nearest) for c in seen)
 
 
+@pytest.mark.slow(keep=6)
 @NATIVE_FORMATS
 @pytest.mark.parametrize("key", PROGRAMS)
 def test_no_step_of_a_search_that_climbs_exceeds_the_bound(key, fmt):
@@ -299,6 +302,7 @@ def test_the_bound_is_within_a_factor_2_of_the_worst_error_found(key, h_range, f
     assert found.ratio >= 1 / 2
 
 
+@pytest.mark.slow(keep=1)
 @pytest.mark.parametrize("key", IRRATIONAL)
 def test_no_step_of_a_search_leaves_the_bound_around_the_exact_map_over_a_field(key: str):
     """The search measures against rationals next to M; the worst that it finds is measured again, in balls."""
@@ -314,6 +318,7 @@ def test_no_step_of_a_search_leaves_the_bound_around_the_exact_map_over_a_field(
 SCALES = [(1.0, 0.0), (0.0, 1.0), (0.0, 0.0), (6e-8, 0.0), (0.0, 6e-8), (6e-5, -6e-5), (1.0009765625, 0.99951171875)]
 
 
+@pytest.mark.slow(keep=1)
 @pytest.mark.parametrize("key", PROGRAMS)
 def test_every_finite_binary16_step_size_is_within_the_bound(key):
     """Exhaustive in h, 63488 of them, for states of all scales, the subnormals and zero included."""

@@ -75,6 +75,7 @@ FOUND = [
 ]
 
 
+@pytest.mark.slow(keep=4)
 @pytest.mark.parametrize(("phrase", "more", "text", "found"), FOUND, ids=range(len(FOUND)))
 def test_finding_is_the_place_that_comes_closest_and_says_what_is_expected(phrase, more, text, found):
     given = "given = true\n" if any(character.isdigit() for character in phrase) else ""

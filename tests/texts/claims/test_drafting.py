@@ -184,6 +184,7 @@ def test_name_of_the_text_cannot_break_the_draft() -> None:
 PIECES = ("0.877604", "337/384", "0.5", "40", "2.390", "RK4 ", "energy ", "is ", ". ", *'{}"\\\n(%\x7f√')
 
 
+@pytest.mark.slow
 @given(st.lists(st.sampled_from(PIECES), max_size=15))
 @example(pieces=["0.5", "0.5", ". "])
 def test_draft_of_any_text_holds_of_it(pieces: list[str]) -> None:
@@ -196,6 +197,7 @@ def test_draft_of_any_text_holds_of_it(pieces: list[str]) -> None:
 LINES = ("the error of the run is {}\n", "the error is 0.7 here\n", "is 0.33 % {}x\n", "| RK4 | 0.25 | 0.3{} |\n")
 
 
+@pytest.mark.slow(keep=1)
 @pytest.mark.parametrize("line", LINES)
 def test_draft_of_twice_the_text_takes_twice_the_steps(line: str) -> None:
     """Of Python's own, where numbers differ and where they are equal in equal contexts."""

@@ -72,6 +72,7 @@ TEXTS = {
 }  # fmt: skip
 
 
+@pytest.mark.slow(keep=1)
 @pytest.mark.parametrize("form", TEXTS)
 def test_listing_prints_what_the_text_says_or_the_line_is_found(form: str) -> None:
     source, shown, count, line = TEXTS[form]
@@ -89,6 +90,7 @@ def test_listing_prints_what_the_text_says_or_the_line_is_found(form: str) -> No
 DIFFERENT = {"9\n2\n3": 6, "1\n9\n3": 7, "1\n2\n9": 8, "1\n2\n3\n4": 9, "1\n2": 7, "1": 6, "\n\n1\n\n3\n": 9}
 
 
+@pytest.mark.slow(keep=1)
 @pytest.mark.parametrize("shown", DIFFERENT)
 def test_finding_is_at_the_beginning_of_the_line_that_differs(shown: str) -> None:
     source = f"```python\nprint('1\\n2\\n3')\n```\n\n```\n{shown}\n```\n"
@@ -108,6 +110,7 @@ def outcome(program: str, printed: str = "x", time_limit: float = 10.0) -> str:
     return " ".join(finding.message for finding in run_listings(document, time_limit).findings)
 
 
+@pytest.mark.slow(keep=1)
 @pytest.mark.parametrize(
     ("program", "message"),
     [

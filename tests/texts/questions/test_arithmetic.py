@@ -98,6 +98,7 @@ OF_A_BOUND: dict[str, Q | None] = {
 }  # fmt: skip
 
 
+@pytest.mark.slow(keep=1)
 @pytest.mark.parametrize("text", OF_A_BOUND)
 def test_what_is_computed_from_a_bound_is_a_bound_or_refused(text: str) -> None:
     question, times, one = text.format(BOUND, BOUND), OF_A_BOUND[text], value(BOUND)

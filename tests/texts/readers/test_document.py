@@ -99,6 +99,7 @@ def test_a_document_has_four_mebibytes_at_most_and_one_of_five_formats(tmp_path,
         read_document(tmp_path / "a", "word")
 
 
+@pytest.mark.slow(keep=1)
 @pytest.mark.parametrize("form", sorted({*READERS} - {"notebook"}))
 def test_markup_that_never_ends_is_read_to_the_end(form: str) -> None:
     for piece in ENDLESS:

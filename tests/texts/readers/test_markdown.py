@@ -53,6 +53,7 @@ def test_fences_are_listings_and_mathematics() -> None:
     assert blocks("markdown", source) == expected
 
 
+@pytest.mark.slow(keep=1)
 @pytest.mark.parametrize("mark", [">", "> ", " "])
 def test_million_marks_alone_are_read(mark: str) -> None:
     """A pattern that looked to the end of the line at each of them would take 10^12 steps: this would not end."""

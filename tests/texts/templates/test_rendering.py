@@ -25,6 +25,7 @@ def lesson(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return path
 
 
+@pytest.mark.slow
 def test_check_passes_what_was_rendered_and_shows_what_was_changed(lesson: Path, run: Run) -> None:
     status, out, _ = run("render", "lesson.md.j2", "--check")
     assert status == REFUTED
@@ -58,6 +59,7 @@ def test_nothing_is_written_where_a_template_has_a_problem(lesson: Path, run: Ru
     assert Path("lesson.md").read_text(encoding="utf-8") == "before"
 
 
+@pytest.mark.slow
 def test_ends_of_lines_are_those_of_the_template(lesson: Path, run: Run) -> None:
     lesson.write_bytes(b"a\r\n{{ methods_table(['rk4'], ['order']) }}\r\n")
     assert run("render", "lesson.md.j2", "-o", "out.md")[0] == 0
@@ -88,6 +90,7 @@ def test_bad_arguments_are_one_line(arguments: tuple[str, ...], message: str, le
     assert message in err
 
 
+@pytest.mark.slow
 def test_memory_and_time_of_a_template_are_bounded(lesson: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(rendering, "RENDERING_MEMORY", 6 * 10**8)
     lesson.write_text("{% set n = namespace(s='aaaa') %}{% for i in range(60) %}{% set n.s = n.s ~ n.s %}{% endfor %}")

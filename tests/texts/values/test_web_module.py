@@ -110,6 +110,7 @@ def test_published_values_come_out_of_the_module_as_they_went_in(script: Script)
     assert answers["rk4.first_step.q"][6][0] == "0.877604"
 
 
+@pytest.mark.slow(keep=1)
 @pytest.mark.parametrize(
     ("code", "message"),
     [
@@ -136,6 +137,7 @@ def test_values_of_a_json_file_take_the_place_of_those_of_the_module(script: Scr
     assert script({"a": value("1/2", "0.5")}, code) == [["b"], "0.33333"]
 
 
+@pytest.mark.slow(keep=1)
 @pytest.mark.parametrize("document", ["null", "{}", '{"values": null}', '{"values": 3}', "3"])
 def test_json_without_values_is_refused_and_changes_nothing(document: str, script: Script) -> None:
     code = f"try {{ await load('data:application/json,{document}'); }} "

@@ -71,6 +71,7 @@ def written(coefficients: list[Q]) -> str:
     return " - ".join(terms)
 
 
+@pytest.mark.slow
 @given(POLYNOMIALS, POLYNOMIALS, st.fractions(max_denominator=20))
 def test_mathml_of_a_rational_function_has_its_value(top: list[Q], bottom: list[Q], h: Q) -> None:
     def at(coefficients: list[Q]) -> Q:
@@ -139,6 +140,7 @@ def test_exact_form_of_a_number_is_a_question_with_the_same_answer() -> None:
             assert value(f"{form} + 1").digits(40, Style("half-even")) != value(question).digits(40, Style("half-even"))
 
 
+@pytest.mark.slow
 def test_every_formula_of_the_catalogue_can_be_written() -> None:
     formulas = []
     for key in METHODS:

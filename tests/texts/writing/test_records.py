@@ -71,6 +71,7 @@ def test_boundary_is_given_only_when_it_is_named() -> None:
     assert facts(METHODS["velocity_verlet"], only=("region_boundary",)).data == {"region_boundary": None}
 
 
+@pytest.mark.slow
 @given(strategies.runge_kutta_methods(max_stages=3))
 def test_limits_of_drawn_methods_are_strings_or_records(method: RungeKutta) -> None:
     found = facts(method, only=("real_limit", "imaginary_limit", "ssp_coefficient")).data
