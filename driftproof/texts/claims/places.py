@@ -8,13 +8,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache
 
-from driftproof.texts.claims.contradictions import (
-    POSITIVE,
-    SETTING,
-    last_methods_named,
-    methods_named,
-    sentence_around,
-)
+from driftproof.texts.claims.contradictions import POSITIVE, SETTING, last_methods_named, methods_named, sentence_around
 
 # Quantity -> the words that name it; the last of these words before a number, or in its column's head, counts.
 _WORDS = {
