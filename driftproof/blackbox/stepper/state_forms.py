@@ -77,6 +77,7 @@ def _rows_of(columns: int, name: str) -> ArrayAdapter:
 
 BODIES = _rows_of(3, "NumPy arrays of bodies in space")
 IN_PLANE = _rows_of(2, "NumPy arrays of bodies in the plane")
+WITH_GAPS = ArrayAdapter("arrays with gaps such as y[::2]", lambda x: np.repeat(np.array(x, float), 2)[::2], floats_in)
 # States of a right-hand side with two dimensions.
 OF_TWO_DIMENSIONS = _rows_of(3, "NumPy arrays of two dimensions")
 
