@@ -103,12 +103,7 @@ def _vector(size: int) -> ArrayAdapter:
 # For steps that multiply by a matrix of their own, or take a vector product.
 VECTORS = (_vector(2), _vector(3))
 # How many numbers make one body or one vector of an adapter.
-TOGETHER = {
-    BODIES.name: 3,
-    IN_PLANE.name: 2,
-    OF_TWO_DIMENSIONS.name: 3,
-    **{v.name: n for n, v in zip((2, 3), VECTORS, strict=True)},
-}
+TOGETHER = {BODIES.name: 3, IN_PLANE.name: 2, OF_TWO_DIMENSIONS.name: 3, VECTORS[0].name: 2, VECTORS[1].name: 3}
 
 
 def _tensors(torch: Any) -> Iterator[ArrayAdapter]:
