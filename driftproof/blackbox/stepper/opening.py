@@ -317,7 +317,7 @@ def _require_own_clock(subject: ForeignStepper, state: Sequence[float]) -> None:
 def _require_no_clock(subject: ForeignStepper, state: Sequence[float]) -> None:
     """Raise OwnClock if a step that takes no time begins h later than the one before it."""
     found = subject.convention
-    if found.kind != calling.FIELD or calling.TIME in found.order or calling.TIME not in subject.log.asks:
+    if found.kind != calling.FIELD or {calling.TIME, calling.GRID} & {*found.order} or not subject.log.asks:
         return
     asked = list[AnyNumber]()
 
