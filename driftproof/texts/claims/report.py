@@ -9,6 +9,7 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any, Literal, overload
 
+from driftproof.support.files import require_file
 from driftproof.support.plain_text import annotation, as_json
 from driftproof.support.results import Answered, Printable
 from driftproof.texts.claims.checking import Accounted, CheckedClaim, Coverage, Finding, check_claims, coverage
@@ -197,7 +198,8 @@ def claims_beside(text: str | Path) -> Path:
     """The default path of the claims of a text. Raises ValueError if there is no such file."""
     path = Path(f"{text}.claims.toml")
     if not path.is_file():
-        if not Path(text).is_file():
+        require_file(Path(text))
+        if not Path(text).exists():
             raise ValueError(f"{text}: No such file or directory")
         draft = f"to draft them: driftproof check {text} --init > {path}"
         raise ValueError(f"no claims to check: give --claims FILE or write {path.name}; {draft}")
