@@ -10,6 +10,9 @@ from typing import Any, TypeAlias
 Json: TypeAlias = Any
 # A float of this size or more is shown with an exponent.
 LARGEST_PLAIN = 1e9
+# A name that is so like, by difflib's measure, is suggested. One wrong letter of three is 2/3; long words are alike by
+# half if they only end alike.
+LIKENESS = 0.65
 # Significant digits of a decimal if the caller names no length.
 DIGITS_UNASKED = 15
 
@@ -63,14 +66,11 @@ def short(x: float) -> str:
     return f"{mantissa}e{int(exponent)}"
 
 
-def did_you_mean(key: str, known: Iterable[str], *, strict: bool = False) -> str:
-    """The hint "; did you mean a or b?" with the known names nearest to `key`, or "" if none is near.
-
-    Of long words, as facts have them, many are alike by half: `strict` asks for more likeness than short keys need.
-    """
+def did_you_mean(key: str, known: Iterable[str]) -> str:
+    """The hint "; did you mean a or b?" with the known names nearest to `key`, or "" if none is near."""
     from difflib import get_close_matches
 
-    close = get_close_matches(key, known, n=2, cutoff=0.7 if strict else 0.4)
+    close = get_close_matches(key, known, n=2, cutoff=LIKENESS)
     return f"; did you mean {' or '.join(close)}?" if close else ""
 
 

@@ -12,6 +12,7 @@ from collections.abc import Callable, Collection
 from pathlib import Path
 from typing import Any, TypeAlias, TypeVar
 
+from driftproof.support.files import read_bytes
 from driftproof.support.plain_text import shortened
 
 TomlTable: TypeAlias = dict[str, Any]
@@ -26,15 +27,11 @@ def read_toml(
     path: str | Path, longest: int, make: Callable[[TomlTable], _T], refusal: type[ValueError] = ValueError
 ) -> _T:
     """Return make(table) for the table in the file. Raises `refusal` for any error, in one line that names the file."""
+    content = read_bytes(path, longest, refusal)
     try:
-        with Path(path).open("rb") as file:
-            content = file.read(longest + 1)
         return make(parse_toml(content, longest))
-    except OSError as error:
-        reason = error.strerror or "cannot be read"
     except ValueError as error:
-        reason = str(error)
-    raise refusal(" ".join(f"{path}: {reason}".split()))
+        raise refusal(" ".join(f"{path}: {error}".split())) from None
 
 
 def parse_toml(content: bytes, longest: int) -> TomlTable:

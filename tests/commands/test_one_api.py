@@ -2,6 +2,7 @@
 
 import inspect
 import json
+import re
 import shlex
 from fractions import Fraction as Q
 from pathlib import Path
@@ -11,6 +12,7 @@ import pytest
 import driftproof
 from driftproof import FAMILIES, METHODS, PRESETS
 from driftproof.commands.listing import COMMANDS, command_named
+from tests.looping import some
 
 ROOT = Path(__file__).parents[2]
 RUN = str(ROOT / "examples" / "trajectories" / "pendulum_RK45.csv")
@@ -149,6 +151,62 @@ def test_what_makes_no_sense_is_refused_in_one_line(call):
         eval(call, NAMES)
     assert {**REFUSED, **MEANT}[call] in str(refused.value)
     assert "\n" not in str(refused.value)
+
+
+# What reads or writes files, and how it is asked for one at PATH.
+FILES = {
+    ".csv": ["certify('-y0', PATH)", "assert_accurate(PATH, '-y0', 1)"],
+    ".npz": ["certify('-y0', PATH)", "assert_accurate(PATH, '-y0', 1)"],
+    ".toml": [
+        *("read_method(PATH)", "facts(PATH)", "derive(PATH)", "roundoff(PATH)", "step(PATH, 1)", "run(PATH, 1, 1)"),
+        *("verify(min, PATH)", "assert_verified(min, PATH)", "certify('y1; -y0', RUN, method=PATH)"),
+        *("certify(str(PATH), RUN)", "read_scene(PATH)", "scene(PATH)", "sweep(PATH)", "report(PATH)"),
+        *("stability(PATH)", "stability('kepler', PATH)", "work_precision(PATH)", "work_precision('kepler', PATH)"),
+        *("check(RUN, PATH)", "scene('compare', methods=PATH)"),
+    ],
+    ".md": ["check(PATH)", "check(PATH, init=True)"],
+    ".md.j2": ["render(PATH)"],
+    ".json": ["diff(PATH, 'x.json')", "diff('x.json', PATH)"],
+}
+READERS = [(suffix, call) for suffix, calls in FILES.items() for call in calls]
+
+
+@pytest.mark.parametrize(("suffix", "call"), READERS, ids=lambda x: x)
+def test_file_that_cannot_be_read_is_refused_in_one_line_that_names_it(suffix, call, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    Path("x.json").write_text("{}", encoding="utf-8")
+    rubbish, folder, loop = (tmp_path / f"{name}{suffix}" for name in ("rubbish", "folder", "loop"))
+    rubbish.write_bytes(bytes(range(255, 99, -1)))
+    folder.mkdir()
+    loop.symlink_to(loop)
+    for path in (rubbish, folder, loop, rubbish / f"x{suffix}", tmp_path / f"none{suffix}", "9" * 300 + suffix):
+        with pytest.raises(ValueError, match=re.escape(Path(path).name)) as refused:
+            eval(call, {**NAMES, "PATH": path})
+        assert "\n" not in str(refused.value)
+
+
+WRITERS = "report('default', output=PATH)", "sweep('default', output=PATH)", "work_precision('kepler', output=PATH)"
+
+
+@pytest.mark.parametrize("call", WRITERS)
+def test_file_that_cannot_be_written_is_refused_in_one_line_that_names_it(call, tmp_path):
+    taken, loop = tmp_path / "taken", tmp_path / "loop"
+    taken.mkdir() if "work" not in call else taken.touch()
+    loop.symlink_to(loop)
+    for path in (taken, loop, tmp_path / ("9" * 300)):
+        with pytest.raises(ValueError, match=re.escape(path.name)) as refused:
+            eval(call, {**NAMES, "PATH": path})
+        assert "\n" not in str(refused.value)
+
+
+def test_no_function_that_takes_a_file_is_left_out():
+    takes = ("Path", "GivenProblem", "GivenMethods")
+    asked = {call.partition("(")[0] for call in (*WRITERS, *(call for _, call in READERS))}
+    for name in some(driftproof.__all__, 40):
+        function = getattr(driftproof, name)
+        if inspect.isfunction(function):
+            written = " ".join(str(each.annotation) for each in inspect.signature(function).parameters.values())
+            assert name in asked or not any(word in written for word in takes), name
 
 
 def test_facts_are_attributes_and_entries():

@@ -80,7 +80,7 @@ BAD_FILES = {
     'selected = "rk4"\nh = 1\nt = 1\n': "scene 'mine' computes nothing; give readouts, certified or panels",
     MINIMAL + "colour = 1": "a scene has no key 'colour'; its keys are name, selected, h, t, start",
     'selected = "rk5"\nh = 1\nt = 1\n' + ASKED: "scene 'mine': unknown method 'rk5'; did you mean rk4 or ",
-    MINIMAL + 'methods = ["rk4", "oiler"]': "unknown method 'oiler'; did you mean",
+    MINIMAL + 'methods = ["rk4", "oiler"]': "unknown method 'oiler' (`driftproof methods`",
     MINIMAL + "methods = 5": "methods is 5; write a list",
     MINIMAL + 'methods = "rk4"': "methods is 'rk4'; write a list",
     MINIMAL + "methods = [1]": "methods[0] is 1; write text in quotes",

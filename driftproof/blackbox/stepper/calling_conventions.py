@@ -229,7 +229,7 @@ def names_with_step(step: Callable[..., Any]) -> list[str] | None:
 
 def has_gradient(names: Sequence[str]) -> bool:
     """True if one of the names is that of a gradient, so that the force is minus its value."""
-    return not {*map(word_of, names)}.isdisjoint(_GRADIENTS)
+    return not {VERBS.sub("", word_of(name)) for name in names}.isdisjoint(_GRADIENTS)
 
 
 def parameters_of(step: Callable[..., Any]) -> Mapping[str, inspect.Parameter] | None:

@@ -13,8 +13,8 @@ from typing import Any, TypeAlias
 
 from driftproof.methods.vector_fields import VectorField
 
-# The kinds of evidence for a reference, best first.
-EXACT, CERTIFIED, TWICE = KINDS_OF_EVIDENCE = ("exact", "certified", "computed twice")
+# The kinds of evidence for a reference.
+EXACT, CERTIFIED = KINDS_OF_EVIDENCE = ("exact", "certified")
 
 # The source of a CERTIFIED reference, in which every ball determines all the digits given.
 ENCLOSED = "the solution, enclosed in ball arithmetic"
@@ -27,9 +27,8 @@ Digits: TypeAlias = tuple[str, ...]
 class Reference:
     """y at some times: `states[i]` is y(times[i]), each component within half a unit of its last digit.
 
-    `evidence` is EXACT (decimals of a closed form, certified), CERTIFIED (the solution is enclosed) or TWICE (two
-    independent methods agreed on every digit given). `source` names the form or the methods, or says how many
-    published digits agree.
+    `evidence` is EXACT (decimals of a closed form, certified) or CERTIFIED (the solution is enclosed). `source` names
+    the form, or says how the solution was enclosed.
     """
 
     times: tuple[Fraction, ...]

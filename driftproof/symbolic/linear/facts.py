@@ -382,7 +382,7 @@ def require_known(names: Sequence[str], known: Collection[str]) -> None:
     """Raise ValueError for a name that is not in `known`."""
     for name in names:
         if name not in known:
-            hint = did_you_mean(name, known, strict=True) or ";"
+            hint = did_you_mean(name, known) or ";"
             raise ValueError(f"unknown fact {name!r}{hint} choose from {', '.join(known)}")
 
 

@@ -6,10 +6,11 @@ from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from os.path import isfile
 from pathlib import Path
 from typing import Any, Literal, overload
 
-from driftproof.support.files import require_file
+from driftproof.support.files import read_utf8
 from driftproof.support.plain_text import annotation, as_json
 from driftproof.support.results import Answered, Printable
 from driftproof.texts.claims.checking import Accounted, CheckedClaim, Coverage, Finding, check_claims, coverage
@@ -17,7 +18,7 @@ from driftproof.texts.claims.claims import Claims, read_claims
 from driftproof.texts.claims.drafting import draft
 from driftproof.texts.claims.listings import Ran, run_listings
 from driftproof.texts.claims.suggestions import Suggestions
-from driftproof.texts.readers.document import Document, read_document
+from driftproof.texts.readers.document import LARGEST_DOCUMENT, Document, read_document
 from driftproof.texts.readers.number_words import TextWord
 from driftproof.texts.readers.numbers import TextNumber
 
@@ -195,12 +196,10 @@ def check(
 
 
 def claims_beside(text: str | Path) -> Path:
-    """The default path of the claims of a text. Raises ValueError if there is no such file."""
+    """The default path of the claims of a text. Raises ValueError if there is no such file, or no text."""
     path = Path(f"{text}.claims.toml")
-    if not path.is_file():
-        require_file(Path(text))
-        if not Path(text).exists():
-            raise ValueError(f"{text}: No such file or directory")
+    if not isfile(path):
+        read_utf8(text, LARGEST_DOCUMENT)  # or it is the text that is missing
         draft = f"to draft them: driftproof check {text} --init > {path}"
         raise ValueError(f"no claims to check: give --claims FILE or write {path.name}; {draft}")
     return path
