@@ -226,7 +226,7 @@ def test_quarter_cycle_error_is_root_two(publish: Any) -> None:
     """The numerical result (0, -1) for the exact (1, 0) has the state error sqrt 2."""
     squared = sum((a - b) ** 2 for a, b in zip(*QUARTER, strict=True))
     assert squared == 2
-    publish("quarter_cycle.state_error", "L247", f"√{squared}", square_root(int(squared)), PROVED)
+    publish("quarter_cycle.state_error", f"√{squared}", square_root(int(squared)))
 
 
 @claim("L003", "L007", evidence=PROVED, by="pairs alike in one")
