@@ -201,4 +201,4 @@ def test_three_methods_share_one_state(publish: Any) -> None:
     """Three methods are applied to the same state: from (1, 0) with h = ½ they reach three different states."""
     reached = {state_after(key, 1, FIRST_H, START) for key in LESSON_METHODS}
     assert len(reached) == 3
-    publish("methods", "L005", str(len(reached)), Q(len(reached)), COUNTED)
+    publish("methods", str(len(reached)), Q(len(reached)))

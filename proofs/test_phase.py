@@ -52,7 +52,7 @@ def test_radii_show_energy_and_angles_show_wrapped_phase_error() -> None:
     """Marks of equal radius have equal energy, and the angle between two marks is the wrapped phase error.
 
     In polar form cross and dot product are rρ sin(α - β) and rρ cos(α - β), of which the readout takes the angle; for
-    the 64 pairs of octants it gives that angle, wrapped, exactly.
+    the 64 pairs of octants it gives that angle, wrapped, exactly, and for others to ten decimals.
     """
     r, rho, alpha, beta = sympy.symbols("r rho alpha beta", positive=True)
     (q1, v1), (q2, v2) = (r * cos(alpha), -r * sin(alpha)), (rho * cos(beta), -rho * sin(beta))
@@ -62,15 +62,26 @@ def test_radii_show_energy_and_angles_show_wrapped_phase_error() -> None:
     for ahead, state in enumerate(OCTANTS):
         for behind, exact in enumerate(OCTANTS):
             assert readouts.phase_error(state, exact) == _wrapped(45 * (ahead - behind))
+    assert all(_is_read(state, exact) for state in BETWEEN for exact in BETWEEN)
 
 
 # States at the phase angles 0, 45, ..., 315 degrees: clockwise, as the motion runs.
 OCTANTS = ((1.0, 0.0), (1.0, -1.0), (0.0, -1.0), (-1.0, -1.0), (-1.0, 0.0), (-1.0, 1.0), (0.0, 1.0), (1.0, 1.0))
+# And states between those angles, in three quarters of the plane, at whole distances.
+BETWEEN = ((3.0, -4.0), (-12.0, -5.0), (8.0, 15.0))
 
 
 def _wrapped(degrees: int) -> int:
     """The angle degrees + 360k that lies in [-180, 180)."""
     return (degrees + 180) % 360 - 180
+
+
+def _is_read(state: tuple[float, float], exact: tuple[float, float]) -> bool:
+    """True if the readout is in [-180, 180), and to ten decimals the difference of the angles, up to a whole turn."""
+    ahead, behind = (atan2(-int(v), int(q)) for q, v in (state, exact))
+    found = readouts.phase_error(state, exact)
+    turned = [certifiable((ahead - behind) * 180 / pi + 360 * k) for k in (-1, 0, 1)]
+    return -180 <= found < 180 and f"{found:.10f}" in [fixed(angle, 10) for angle in turned]
 
 
 @claim("L153", evidence=PROVED, by="rotated state")
@@ -122,6 +133,7 @@ def test_phase_angle_of_the_solution_is_time() -> None:
     assert sympy.simplify(atan2(v_exact, q_exact).diff(t)) == -1
     for eighths, state in enumerate(OCTANTS):  # the readout measures from (1, 0) by the same angle
         assert readouts.phase_error(state, OCTANTS[0]) == _wrapped(45 * eighths)
+    assert all(_is_read(state, OCTANTS[0]) for state in BETWEEN)
 
 
 @claim("L158", evidence=CERTIFIED, by="ball enclosure")
@@ -147,6 +159,7 @@ def test_phase_error_is_wrapped_to_half_open_turn() -> None:
             assert turns.denominator == 1
             assert -180 <= found < 180
             assert all(abs(found) <= abs(found + 360 * k) for k in (-2, -1, 1, 2))
+    assert all(_is_read(state, exact) for state in BETWEEN for exact in BETWEEN)
     assert readouts.phase_error(OCTANTS[1], OCTANTS[0]) == 45
     for opposite in ((-1.0, 0.0), (-1.0, -0.0)):
         assert readouts.phase_error(opposite, (1.0, 0.0)) == -180
@@ -213,7 +226,7 @@ def test_quarter_cycle_error_is_root_two(publish: Any) -> None:
     """The numerical result (0, -1) for the exact (1, 0) has the state error sqrt 2."""
     squared = sum((a - b) ** 2 for a, b in zip(*QUARTER, strict=True))
     assert squared == 2
-    publish("quarter_cycle.state_error", "L247", f"√{squared}", square_root(int(squared)), PROVED)
+    publish("quarter_cycle.state_error", f"√{squared}", square_root(int(squared)))
 
 
 @claim("L003", "L007", evidence=PROVED, by="pairs alike in one")

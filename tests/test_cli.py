@@ -115,6 +115,7 @@ def test_links_in_a_circle_are_refused_by_name(refusal, tmp_path):
         ("scene", loop),
         ("facts", loop),
         ("diff", loop, loop),
+        ("check", loop),
         ("check", loop, "--init"),
         ("report", "default", "-o", loop),
         ("sweep", "default", "--h", "1/4", "-o", loop),
