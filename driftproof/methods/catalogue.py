@@ -129,6 +129,17 @@ def keys_of_name(name: str) -> tuple[str, ...]:
     return keys_called(name) or tuple(_keys_by_title().get(plain_name(name), ()))
 
 
+def names_listed(text: str) -> list[str]:
+    """The names in a list with commas, stripped; a title with a comma, such as "Gauss, 4 stages", is one of them."""
+    parts, found = text.split(","), list[str]()
+    while parts:
+        longest = len(parts) if ", " in text or "(" in text else 1  # else no title is among them, and none is read
+        names = [",".join(parts[:count]) for count in range(longest, 1, -1)]
+        found.append(next(filter(keys_of_name, names), parts[0]))
+        del parts[: found[-1].count(",") + 1]
+    return [name.strip() for name in found]
+
+
 @cache
 def _keys_by_title() -> dict[str, list[str]]:
     found = defaultdict[str, list[str]](list)

@@ -140,7 +140,9 @@ class _Known:
         """True if x hardly looks so by chance: `fit` names are near, and as near to no more than `rivals` values."""
         asked = self.chosen is not None
         likely = rivals * (_ODDS_OF_ASKED if asked and not self.stated else _ODDS) <= 9 * 10 ** (digits - 1)
-        named = fit == self.most and fit > (digits < 2 or not asked)
+        only_method = {*self.names} <= {*"_".join(self.keys).split("_")}
+        says_what = asked or digits > 1 or not only_method
+        named = says_what and fit == self.most and fit > (digits < 2 or not asked)
         # Digits of roots of small numbers are not random, so an irrational value needs a name nearby.
         near = asked or fit > 0 or isinstance(self.answer.exact, Fraction)
         # A constant that the lesson chose may be chosen by another text, too, without being meant.

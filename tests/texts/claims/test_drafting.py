@@ -102,6 +102,15 @@ def test_what_the_text_chooses_is_given_and_what_looks_like_a_value_is_not(setti
     assert limit["value"] == "imaginary_limit rk4"
 
 
+@pytest.mark.parametrize("method", ["forward Euler", "velocity Verlet"])
+def test_a_digit_beside_the_name_of_a_method_is_no_state_of_it(method: str) -> None:
+    """No word but the method's names q = 1, which forward Euler has after a step from (1, 0)."""
+    for said, times in (("y(0) = 1", 1), ("a ratio of 1", 0)):
+        drafted = draft(document_of(f"We run {method} with h = 0.1 and {said}, often.", "markdown"), "a")
+        assert 'value = "' not in drafted
+        assert drafted.count("the text chooses it") == 1 + times
+
+
 def test_a_start_in_brackets_is_given_as_one() -> None:
     document = document_of("It runs from (1, -0.3) with h = 0.3 to (1, -0.3), from 1 on.")
     text = draft(document, "a")
@@ -169,6 +178,14 @@ def test_numbers_of_programs_are_left_out_and_counted_but_for_those_that_are_val
     left = [line for line in text.splitlines() if line.startswith("# phrase")]
     assert left == ['# phrase = "one step, or 4.5"', '# phrase = "is 3.75"']
     assert held(document, text) == {"value": 1, "given": 0, "run": 0, "label": 5, "uncovered": 2}
+
+
+def test_single_digits_of_programs_are_no_values_though_their_words_stand_around() -> None:
+    said = "Heun has two stages per step. RK4 uses 16 evaluations in all. The energy of forward Euler grows.\n\n"
+    code = "```python\ny = 1.0\nfor n in range(2): y = y * (1 - 0.5 + 0.125)\n```\n"
+    drafted = draft(document_of(said + code, "markdown"), "a")
+    assert "value =" not in drafted
+    assert drafted.endswith("# Left out: numbers in program code, 5 in all; they are inputs, not claims.")
 
 
 def test_phrase_that_would_be_too_long_is_not_drafted() -> None:
