@@ -69,8 +69,8 @@ NOT_ELSEWHERE = "sympy"
 # of `derive` and facts as typed properties; blackbox verdicts that say what was seen, and implicit
 # stages, its own sampler of steps, 100 lines, in which objects a state comes, 300, and thirty kinds of wrong steps that
 # a passing verdict had overlooked, 250, five faults of whole solvers, 60, and wrappers for objects, 110; fifty more
-# kinds of wrong steps, 400, six more, 30, and steps of records and wrappers that work when pasted, 270; texts what docs and help show
-# and the problems that a text states, 450.
+# kinds of wrong steps, 400, six more, 30, and steps of records and wrappers that work when pasted, 270; texts what docs
+# and help show and the problems that a text states, 450.
 BUDGETS = {
     "support": 1200,
     "methods": 5320,
