@@ -23,7 +23,7 @@ REFUSED = {
     (): "driftproof: give a command (`driftproof --help` lists the commands)\n",
     ("-x", "step"): "driftproof: unknown option -x (`driftproof --help` lists the commands)\n",
     ("stepp",): "driftproof: unknown command 'stepp'; did you mean step? (see `driftproof --help`)\n",
-    ("x" * 9999,): f"driftproof: unknown command {'x' * 60!r} (see `driftproof --help`)\n",
+    ("x" * 9999,): f"driftproof: unknown command {'x' * 57 + '...'!r} (see `driftproof --help`)\n",
     ("methods", "more\nwords"): "driftproof methods: unrecognized arguments: more words (`driftproof methods --help`",
     ("scene", "two\nlines.toml"): "driftproof scene: two lines.toml: No such file or directory\n",
 }

@@ -19,7 +19,7 @@ from driftproof.methods.multistep import Multistep
 from driftproof.methods.names import keys_called, plain_name
 from driftproof.methods.rosenbrock import Rosenbrock
 from driftproof.methods.schemes import Method, MethodError, RungeKutta
-from driftproof.support.plain_text import did_you_mean, shortened
+from driftproof.support.plain_text import shortened, unknown
 
 # The tables of `driftproof.methods.tables`, in the order in which the methods are listed.
 TABLES = (
@@ -119,8 +119,7 @@ def entry_named(name: str) -> Entry:
     if entries:
         meant = " or ".join(f"{each.key} ({each.title})" for each in entries)
         raise ValueError(f"{shortened(name)!r} may mean {meant}: say which")
-    near = did_you_mean(name, (*METHODS, *FACTS_ONLY))
-    raise ValueError(f"unknown method {shortened(name)!r}{near} (`driftproof methods` lists all)")
+    raise ValueError(unknown("method", name, (*METHODS, *FACTS_ONLY), "`driftproof methods` lists all"))
 
 
 def keys_of_name(name: str) -> tuple[str, ...]:
@@ -128,6 +127,17 @@ def keys_of_name(name: str) -> tuple[str, ...]:
     if name in METHODS or name in FACTS_ONLY:
         return (name,)
     return keys_called(name) or tuple(_keys_by_title().get(plain_name(name), ()))
+
+
+def names_listed(text: str) -> list[str]:
+    """The names in a list with commas, stripped; a title with a comma, such as "Gauss, 4 stages", is one of them."""
+    parts, found = text.split(","), list[str]()
+    while parts:
+        longest = len(parts) if ", " in text or "(" in text else 1  # else no title is among them, and none is read
+        names = [",".join(parts[:count]) for count in range(longest, 1, -1)]
+        found.append(next(filter(keys_of_name, names), parts[0]))
+        del parts[: found[-1].count(",") + 1]
+    return [name.strip() for name in found]
 
 
 @cache

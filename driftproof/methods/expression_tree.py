@@ -34,8 +34,8 @@ _LONGEST_REASON = 500
 NUMBER, NAME, SIGN, END = "number", "name", "sign", "end"
 
 _TOKEN = re.compile(
-    r"(?P<number>(?:\d[\d_]*(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d+)?)"
-    r"|(?P<name>[A-Za-z_][A-Za-z_0-9]*(?:\.[A-Za-z_0-9]+)*)"
+    r"(?P<name>[A-Za-z_][A-Za-z_0-9]*(?:\.[A-Za-z_0-9]+)*)"
+    r"|(?P<number>(?:\d[\d_]*(?:\.\d*)?|\.\d+)(?:[eE][+-]?\d+)?)"
     r"|(?P<sign>\*\*|[-+*/^()=:,])",
     re.ASCII,
 )
@@ -130,7 +130,6 @@ class ExpressionParser:
     what: ClassVar[str] = "an expression"
     example: ClassVar[str] = "write a number such as 1/4"
     refusal: ClassVar[type[ExpressionError]] = ExpressionError
-    tokens_are: ClassVar[re.Pattern[str]] = _TOKEN
     typographic = str.maketrans("−·×’′", "-**''")  # signs of printed texts, for which others are typed
     numbers: Collection[str] = ()  # their names in a rate, where a bracket after one is a factor
 
@@ -143,15 +142,20 @@ class ExpressionParser:
         self.tokens = self._cut_into_tokens()
         self.at = self.depth = 0
 
+    @staticmethod
+    def token() -> re.Pattern[str]:
+        """The pattern of a token, a group for each kind."""
+        return _TOKEN
+
     def _cut_into_tokens(self) -> list[Token]:
         """The tokens of the text, then an empty one of kind END."""
-        text, at = self.text.translate(self.typographic), 0
+        text, at, pattern = self.text.translate(self.typographic), 0, self.token()
         found: list[Token] = []
         while at < len(text):
             if text[at].isspace():
                 at += 1
                 continue
-            match = self.tokens_are.match(text, at)
+            match = pattern.match(text, at)
             if match is None:
                 raise self.refusal(self.text, at + 1, f"{text[at]!r} is not allowed in {self.what}")
             found.append(Token(str(match.lastgroup), match[0], at + 1))

@@ -27,11 +27,20 @@ from pathlib import Path
 from typing import Any, TypeAlias
 
 from driftproof.methods.additive import Additive
-from driftproof.methods.catalogue import METHODS, Entry, FactsOnly, entry_named, of_one_state
+from driftproof.methods.catalogue import (
+    METHODS,
+    Entry,
+    FactsOnly,
+    entry_named,
+    keys_of_name,
+    names_listed,
+    of_one_state,
+)
 from driftproof.methods.common_field import common_field, element_of
 from driftproof.methods.expressions import RADICALS, parse_exact, parse_number
 from driftproof.methods.families import FAMILIES, Family, ParameterFunction, parameter_function, parse_function
 from driftproof.methods.multistep import Multistep
+from driftproof.methods.names import plain_name
 from driftproof.methods.number_field import Algebraic, Exact, NumberField
 from driftproof.methods.rosenbrock import Rosenbrock
 from driftproof.methods.schemes import SUBSTEPS, Collocation, Method, MethodError, Nystrom, RungeKutta, Splitting
@@ -332,7 +341,7 @@ def methods_of(given: GivenMethods) -> list[Entry]:
 
 def _each(given: GivenMethods) -> Sequence[str | Path | Method]:
     if isinstance(given, str):
-        return [name.strip() for name in given.split(",")]
+        return names_listed(given)
     return given if isinstance(given, Sequence) else [given]
 
 
@@ -351,7 +360,11 @@ def subject_of(given: str | Path | Method | Family | FactsOnly) -> Method | Fami
     of, at, value = name.rpartition(" at ")
     if at and isinstance(family := subject_of(of), Family):
         return family.member(parse_number(value, family.parameter))
-    return FAMILIES[name] if name in FAMILIES else entry_named(name)
+    if not keys_of_name(name):  # else no family is read, for which it takes FLINT
+        for family in FAMILIES.values():
+            if plain_name(name) in (plain_name(family.key), plain_name(family.title)):
+                return family
+    return entry_named(name)
 
 
 def names_of(given: GivenMethods) -> list[str]:

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from errno import EAGAIN
 from pathlib import Path
-from stat import S_IMODE
+from stat import S_IMODE, S_ISDIR, S_ISREG
 
 
 @contextmanager
@@ -73,26 +73,24 @@ def sole_writer(path: Path) -> Iterator[None]:
 
 def require_folder(path: Path) -> None:
     """Raise ValueError if `path` exists and is no folder, or cannot be reached."""
-    _look(path)
-    if path.exists() and not path.is_dir():
+    if (mode := _mode(path)) and not S_ISDIR(mode):
         raise ValueError(f"{path} is a file; name a folder")
 
 
 def require_file(path: Path) -> None:
     """Raise ValueError if `path` exists and is no regular file, or cannot be reached, before it is to be written."""
-    _look(path)
-    if path.is_dir():
+    if S_ISDIR(mode := _mode(path)):
         raise ValueError(f"{path} is a folder; name a file in it")
-    if path.exists() and not path.is_file():
+    if mode and not S_ISREG(mode):
         raise ValueError(f"{path} is not a regular file; name another")
 
 
-def _look(path: Path) -> None:
-    """Raise ValueError for circular links, a file in place of a folder, and a folder that may not be searched."""
+def _mode(path: Path) -> int:
+    """The mode of a file, 0 if there is none. Raises ValueError for circular links, and if the folder is none."""
     try:
-        path.stat()
+        return path.stat().st_mode
     except FileNotFoundError:
-        pass
+        return 0
     except (OSError, ValueError) as error:
         raise ValueError(_unreachable(path, error)) from None
 
@@ -114,9 +112,9 @@ def read_bytes(path: str | Path, most: int, refusal: type[ValueError] = ValueErr
     return content
 
 
-def read_utf8(path: str | Path, most: int) -> str:
-    """The text of a UTF-8 file of at most `most` bytes. Raises ValueError for any other file, as `read_bytes` does."""
+def read_utf8(path: str | Path, most: int, refusal: type[ValueError] = ValueError) -> str:
+    """The text of a UTF-8 file of at most `most` bytes. Raises `refusal` for any other file, as `read_bytes` does."""
     try:
-        return read_bytes(path, most).decode("utf-8-sig")
+        return read_bytes(path, most, refusal).decode("utf-8-sig")
     except UnicodeDecodeError as error:
-        raise ValueError(f"{path}: not UTF-8 at byte {error.start}") from None
+        raise refusal(f"{path}: not UTF-8 at byte {error.start}") from None

@@ -2,9 +2,10 @@
 
 import pytest
 
-from driftproof import METHODS
-from driftproof.methods.catalogue import FACTS_ONLY, method_named
+from driftproof import FAMILIES, METHODS
+from driftproof.methods.catalogue import FACTS_ONLY, method_named, names_listed
 from driftproof.methods.names import also_known_as, keys_called, not_to_be_confused_with, plain_name
+from driftproof.methods.tableau_file import methods_of, subject_of
 from tests.looping import some
 
 # As in textbooks, libraries and encyclopedias, spelled as there.
@@ -40,6 +41,19 @@ def test_every_title_and_every_key_leads_to_its_method():
         assert method_named(method.title) is method_named(key) is method
         if len(keys_called(key)) < 2:  # radau_iia5 has five stages, and RadauIIA5 is of order 5 to many
             assert method_named(key.replace("_", "-").upper()) is method
+
+
+def test_titles_may_stand_in_a_list_with_their_commas():
+    for method in some((*METHODS.values(), *FACTS_ONLY.values())):
+        assert names_listed(f"rk4,{method.title}, Heun,pefrl") == ["rk4", method.title, "Heun", "pefrl"]
+    assert names_listed("PEFRL, rk4") == ["PEFRL", "rk4"]
+    assert names_listed("rk4,,a b.toml") == ["rk4", "", "a b.toml"]
+    assert [each.key for each in methods_of("Radau IIA, two stages,Heun")] == ["radau_iia2", "heun2"]
+
+
+@pytest.mark.parametrize("key", FAMILIES)
+def test_the_title_of_a_family_leads_to_it(key):
+    assert subject_of(FAMILIES[key].title.lower()) is subject_of(key.upper()) is FAMILIES[key]
 
 
 def test_names_are_unique_and_of_methods_that_exist():

@@ -29,14 +29,13 @@ from driftproof.blackbox.stepper.calling_conventions import (
 from driftproof.blackbox.stepper.foreign_code import CallLog
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.blackbox.stepper.records import clock_of, parts_of
-from driftproof.blackbox.stepper.state_forms import BODIES, IN_PLANE, OF_TWO_DIMENSIONS
+from driftproof.blackbox.stepper.state_forms import BODIES, IN_PLANE, OF_TWO_DIMENSIONS, WITH_GAPS
 from driftproof.blackbox.stepper.wrappers import turn_wrapper
 
 _FORMS = (ARRAYS, LISTS, TUPLES)
 # By what the state is multiplied before each of the successive steps from each form of state.
 _NUDGES = (1.0, 1.0, NUDGE)
-# In what further ways a state is handed over.
-_WITH_GAPS, _AGAIN = "arrays with gaps such as y[::2]", "one object overwritten between steps"
+_AGAIN = "one object overwritten between steps"
 # The relative error allowed to a clock, which may be a number of 11 bits.
 _CLOCK = 2.0**-8
 _STATE_ROLES = (POSITION, VELOCITY, STATE)
@@ -76,13 +75,12 @@ def state_objects(subject: ForeignStepper, wanted: Specification) -> StepFinding
         return StepFinding(False, "it changes its arguments to something other than its answer")
     found: dict[str, list[str]] = {}
     numbers = (SCALARS,) * (not subject.log.works_in_place)  # a float that is handed over cannot be changed
-    rows = (OF_TWO_DIMENSIONS, *numbers) if subject.adapter is ARRAYS else ()
-    further = {FORCE: (BODIES, IN_PLANE), FIELD: rows}
-    ways = {form.name: _in_form(subject, form) for form in (*forms, *further.get(subject.convention.kind, ()))}
-    if several or subject.adapter in (ARRAYS, LISTS):
-        for words in (*[_WITH_GAPS] * (subject.adapter is not LISTS), _AGAIN):
-            overwriting = _Overwriting(subject.function, subject.convention, gaps=words is _WITH_GAPS)
-            ways[words] = _changed(subject, function=overwriting)
+    rows = {FORCE: (BODIES, IN_PLANE), FIELD: (OF_TWO_DIMENSIONS, *numbers) * (subject.adapter is ARRAYS)}
+    apart = (WITH_GAPS,) * bool(several or subject.adapter is ARRAYS)
+    ways = {x.name: _in_form(subject, x) for x in (*forms, *rows.get(subject.convention.kind, ()), *apart)}
+    overwriting = _Overwriting(subject.function, subject.convention)
+    if apart or subject.adapter is LISTS:
+        ways[_AGAIN] = _changed(subject, function=overwriting)
     for words, changed in ways.items():
         try:
             wrong, seen = trial(changed)
@@ -92,7 +90,7 @@ def state_objects(subject: ForeignStepper, wanted: Specification) -> StepFinding
         if wrong:
             return StepFinding(False, f"{given}; with {words} it takes a different step: {wrong}")
         same = "give the same bits" if seen in ([], own) else "give the same up to rounding"
-        if getattr(changed.function, "handed", True):
+        if words != _AGAIN or overwriting.handed:
             found.setdefault(same, []).append(words)
     others = [f"{', '.join(names[:-1])}{' and ' * (names[1:] != [])}{names[-1]} {x}" for x, names in found.items()]
     handed = ["steps from the previous step's own object agree with those from a copy"] if keeping.handed else []
@@ -170,7 +168,7 @@ class _ReusingAnswers:
         self.function = function
         self.order = convention.order
         self.roles = dict(zip(convention.names, convention.order, strict=False))
-        self.known: list[Foreign] = []
+        self.known, self.same = list[Foreign](), dict[tuple[int | str, ...], Foreign]()
         self.handed = self.spoilt = False
         self.clock = ""
 
@@ -208,19 +206,12 @@ class _ReusingAnswers:
 
 
 class _Overwriting(_ReusingAnswers):
-    """A stepper that gets the same list or array at every call, with the numbers of that call.
-
-    With `gaps` it gets a new array at every call, a view of every second number of a longer one.
-    """
-
-    def __init__(self, function: Callable[..., Any], convention: CallingConvention, *, gaps: bool) -> None:
-        super().__init__(function, convention)
-        self.gaps, self.same = gaps, dict[tuple[int | str, tuple[int, ...]], Foreign]()
+    """A stepper that gets the same list or array at every call, with the numbers of that call."""
 
     def _known_as(self, x: Foreign, place: int | str) -> Foreign:
         if not isinstance(x, np.ndarray | list) or not np.ndim(x):
             return x
-        its = np.repeat(x, 2, axis=-1)[..., ::2] if self.gaps else self.same.setdefault((place, np.shape(x)), x)
+        its = self.same.setdefault((place, *np.shape(x)), x)
         its[:] = x
         return its
 

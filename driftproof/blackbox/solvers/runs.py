@@ -364,12 +364,6 @@ def _stiffness(subject: ForeignSolver) -> tuple[list[str], list[str]]:
 
 
 _QUESTIONS = {
-    "Constant slopes": _constant_slopes,
-    "Clock": _clock,
-    "Backward": _backward,
-    "Numbers": _numbers,
-    "NaN": _nan,
-    "A jump": _jump,
-    "Tolerance": _tolerance,
-    "Stiffness": _stiffness,
-}
+    "Constant slopes": _constant_slopes, "Clock": _clock, "Backward": _backward, "Numbers": _numbers, "NaN": _nan,
+    "A jump": _jump, "Tolerance": _tolerance, "Stiffness": _stiffness,
+}  # fmt: skip

@@ -201,11 +201,7 @@ def world_wrapper(cls: type) -> str:
                 continue
             place = f"{{}}=(lambda w: w.{held}[0].{{}}, lambda w, x: setattr(w.{held}[0], '{{}}', x))"
             makes = f"lambda: {cls.__name__}([{name}({', '.join(map(str, ones))})])"
-            rest = [
-                place.format("position", q, q),
-                place.format("velocity", v, v),
-                *([f'push="{push}"'] if push else []),
-            ]
+            rest = [place.format("position", q, q), place.format("velocity", v, v), *[f'push="{push}"'] * bool(push)]
             options = f'{", ".join(rest)}, advance="{advance_of(cls)}"'
             return f": from driftproof import stepper_of; wrapped = stepper_of({makes}, {options})"
     return ""

@@ -157,11 +157,8 @@ def _one_number(subject: ForeignStepper, h: float) -> Sequence[float]:
 
 def _with_jacobian(subject: ForeignStepper, h: float) -> Sequence[float]:
     """A step of the oscillator with its Jacobian, or with an implicit part of 0."""
-    functions = {
-        calling.JACOBIAN: lambda t, y: [[0.0, 1.0], [-1.0, 0.0]],
-        calling.TIME_SLOPE: zeros,
-        calling.IMPLICIT: zeros,
-    }
+    functions = dict.fromkeys((calling.TIME_SLOPE, calling.IMPLICIT), zeros)
+    functions[calling.JACOBIAN] = lambda t, y: [[0.0, 1.0], [-1.0, 0.0]]
     return with_functions(subject, functions).step(*TRIAL_STATE, h)
 
 
@@ -221,11 +218,8 @@ def _after_trial(subject: ForeignStepper, trial: TrialStep) -> ForeignStepper:
 
 
 def _format_of_answers(log: CallLog) -> FloatFormat:
-    return min(map(_format_of, log.types), key=lambda found: found.u, default=BINARY64)
-
-
-def _format_of(name: str) -> FloatFormat:
-    return next((found for ending, found in _FORMATS.items() if name.endswith(ending)), BINARY64)
+    found = (next((x for ending, x in _FORMATS.items() if name.endswith(ending)), BINARY64) for name in log.types)
+    return min(found, key=lambda x: x.u, default=BINARY64)
 
 
 def _with_strong_floats(subject: ForeignStepper, trial: TrialStep) -> ForeignStepper:
@@ -323,7 +317,7 @@ def _require_own_clock(subject: ForeignStepper, state: Sequence[float]) -> None:
 def _require_no_clock(subject: ForeignStepper, state: Sequence[float]) -> None:
     """Raise OwnClock if a step that takes no time begins h later than the one before it."""
     found = subject.convention
-    if found.kind != calling.FIELD or calling.TIME in found.order or calling.TIME not in subject.log.asks:
+    if found.kind != calling.FIELD or {calling.TIME, calling.GRID} & {*found.order} or not subject.log.asks:
         return
     asked = list[AnyNumber]()
 

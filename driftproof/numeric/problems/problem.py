@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any, TypeAlias
 
 from driftproof.methods.vector_fields import VectorField
+from driftproof.support.plain_text import unknown
 
 # The kinds of evidence for a reference.
 EXACT, CERTIFIED = KINDS_OF_EVIDENCE = ("exact", "certified")
@@ -43,7 +44,7 @@ class Reference:
         if len({len(state) for state in self.states}) != 1:
             raise ValueError("the states of a reference must all have the same length")
         if self.evidence not in KINDS_OF_EVIDENCE:
-            raise ValueError(f"unknown evidence {self.evidence!r}; choose from {', '.join(KINDS_OF_EVIDENCE)}")
+            raise ValueError(unknown("evidence", self.evidence, KINDS_OF_EVIDENCE))
 
 
 def reference(key: str, evidence: str, source: str) -> Reference:

@@ -11,7 +11,7 @@ from typing import TypeAlias
 from flint import arb, ctx, fmpq, fmpq_poly
 
 from driftproof.methods.number_field import Algebraic, Exact, NumberField, as_fmpq, dyadic, real_root_balls
-from driftproof.symbolic.algebra.certified import ISOLATING_BITS, settled, sign_of_ball
+from driftproof.symbolic.algebra.certified import ISOLATING_BITS, settled, sign_of_ball, significant
 from driftproof.symbolic.algebra.polynomials import (
     ONE,
     Polynomial,
@@ -25,6 +25,7 @@ from driftproof.symbolic.algebra.polynomials import (
     scalar,
     sign_changes,
 )
+from driftproof.symbolic.algebra.rational_functions import monomial_text, sum_text
 
 # Coefficients of a primitive polynomial over Z, constant term first, leading coefficient positive.
 Minimal: TypeAlias = tuple[int, ...]
@@ -39,6 +40,11 @@ class RealRoot:
 
     minimal: Minimal
     index: int
+
+    def __repr__(self) -> str:
+        """The number's digits and its minimal polynomial; a rational number itself."""
+        polynomial = sum_text(monomial_text(Fraction(c), k, "x") for k, c in reversed([*enumerate(self.minimal)]) if c)
+        return f"{significant(self.ball, 20)}, a root of {polynomial}" if self.rational is None else str(self.rational)
 
     def ball(self) -> arb:
         """A ball around the number, at Arb's current precision or ISOLATING_BITS, whichever is higher."""

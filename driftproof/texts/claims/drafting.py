@@ -67,7 +67,7 @@ class _Member:
             alone = not text[cell : number.start].strip("| ") and re.match(r" *(?:[|\n]|\Z)", text[number.end :])
             setting = cell if alone else setting
         letter = _SOLVED_FOR.fullmatch(found[0].rstrip("= ") if found else suggestions.column_of(number))
-        if letter and (f"{letter[0]}'" in text or len(re.sub("[^0-9]", "", number.text).strip("0")) > 3):
+        if letter and (f"{letter[0]}'" in text or _digits(number) > 3):
             setting = None
         return cls(number, alike, suggestions.slips(number), strong, None if strong else setting)
 
@@ -102,8 +102,10 @@ def draft(document: Document, name: str, asked: Iterable[str] = ()) -> str:
     suggestions, search = Suggestions(text, asked), _Search(text)
     members = [_Member.of(number, suggestions, text) for number in search.numbers if number.label is None]
     code = {at for span in document.code for at in range(*span)}
-    left_out = [member.number for member in members if member.number.start in code and not member.strong]
-    members = [member for member in members if member.number.start not in code or member.strong]
+    # A single digit of a program, such as an initial 1.0 or a number of turns, looks like too much to be a value.
+    inputs = [m for m in members if m.number.start in code and not (m.strong and _digits(m.number) > 1)]
+    left_out = [member.number for member in inputs]
+    members = [member for member in members if member not in inputs]
     fences = sorted({0, len(text), *(number.start for number in left_out), *(number.end for number in left_out)})
     drafted, covered, ids = [_HEADER.format(name=" ".join(name.split()))], set[int](), Counter[str]()
     if suggestions.stated:
@@ -128,6 +130,10 @@ def draft(document: Document, name: str, asked: Iterable[str] = ()) -> str:
     if left_out:
         drafted.append(f"# Left out: numbers in program code, {len(left_out)} in all; they are inputs, not claims.\n")
     return "\n".join(drafted).rstrip("\n")
+
+
+def _digits(number: TextNumber) -> int:
+    return len(re.sub("[^0-9]", "", number.text).strip("0"))
 
 
 def _claim(group: _Group, phrase: str, count: int, place: str, ids: Counter[str]) -> str:

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any, Literal, overload
 
 from driftproof.support.files import read_utf8
-from driftproof.support.plain_text import annotation, as_json
+from driftproof.support.plain_text import annotation, as_json, counted
 from driftproof.support.results import Answered, Printable
 from driftproof.texts.claims.checking import Accounted, CheckedClaim, Coverage, Finding, check_claims, coverage
 from driftproof.texts.claims.claims import Claims, read_claims
@@ -112,16 +112,16 @@ class TextReport(Printable):
             line, column = self.document.position(number.start)
             yield f"{self.file}:{line}:{column}: not covered: {self._context(number)!r}{alike}"
         wrong = len({finding.claim for finding in self.findings})
-        listings = f", {_counted(self.ran.count, 'listing')} run" if self.ran else ""
+        listings = f", {counted(self.ran.count, 'listing')} run" if self.ran else ""
         verdict = f"{wrong} refuted" if wrong else "all hold" if self.checked or self.ran else "so nothing was checked"
-        yield f"{self.file}: {_counted(len(self.checked), 'claim')}{listings}, {verdict}"
+        yield f"{self.file}: {counted(len(self.checked), 'claim')}{listings}, {verdict}"
         worked_out, given, run, labels, uncovered = self.coverage.counts.values()
-        numbers = _counted(worked_out + given + run + uncovered, "number")
+        numbers = counted(worked_out + given + run + uncovered, "number")
         kinds = f"{worked_out} by values, {given} given{f', {run} by running' if run else ''}, {uncovered} uncovered"
-        yield f"{_percent(self.coverage.share)} of {numbers} covered: {kinds}; {_counted(labels, 'label')} not counted"
+        yield f"{_percent(self.coverage.share)} of {numbers} covered: {kinds}; {counted(labels, 'label')} not counted"
         if unread := Counter(word.text.lower() for word in self.coverage.unread):
             words = [word for word, _ in unread.most_common(_MOST_WORDS)] + ["..."] * (len(unread) > _MOST_WORDS)
-            yield f"not checked: {_counted(unread.total(), 'word')} for numbers or growth ({', '.join(words)})"
+            yield f"not checked: {counted(unread.total(), 'word')} for numbers or growth ({', '.join(words)})"
         if others := self.document.other_files:
             yield f"not read: {', '.join(others)}, included by the text; check each separately"
 
@@ -213,10 +213,6 @@ def texts_with_claims(given: Path) -> list[Path]:
     if not found:
         raise ValueError(f"no text in {given} has a claims file; that of chapter.md would be chapter.md.claims.toml")
     return found
-
-
-def _counted(count: int, noun: str) -> str:
-    return f"{count} {noun}" if count == 1 else f"{count} {noun}s"
 
 
 def _percent(share: Fraction) -> str:

@@ -24,14 +24,13 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from itertools import pairwise, takewhile
 from typing import Any, TypeAlias
-from unicodedata import normalize
 
 from driftproof.methods.catalogue import keys_of_name
 from driftproof.methods.expression_tree import END, NAME, NUMBER, CallNode, ExpressionNode, NameNode, NumberNode, Token
 from driftproof.support.plain_text import did_you_mean
 from driftproof.texts.questions import wording
 from driftproof.texts.questions.errors import QuestionError
-from driftproof.texts.questions.pieces import OWN_PI, WORDS, PieceParser
+from driftproof.texts.questions.pieces import OWN_PI, WORDS, PieceParser, without_accents
 
 SETTINGS = ("h", "t", "N", "steps", "error", "z", "lambda")
 PROBLEM, RATES = ("problem", "rates")
@@ -41,6 +40,7 @@ _HEADS = ("step", "run", "exact", "roundoff")
 _WITH_EQUATION = "as in run heun2 y'=-y y(0)=1 h=0.1 t=1 : error"
 _OF_METHOD = "order rk4, or run rk4 h=0.1 t=1 : q"
 _UNKNOWNS = re.compile(r"\w+(?= ?')|(?<=\bd)\w+(?= ?/ ?dt\b)")
+_LAMBDA = re.compile(r"\blambda\b|λ")  # in a rate, as in y'=lambda*y, lambda=-2
 # Texts have powers such as (17/16)**1000; powers that are too long to write out are enclosed.
 LARGEST_POWER_ASKED = 10**6
 
@@ -72,7 +72,7 @@ Node: TypeAlias = ExpressionNode | Query
 
 def parse_question(question: str) -> Node:
     """Parse a question into its tree; accents on letters are ignored. Raises QuestionError."""
-    plain = "".join(normalize("NFKD", c)[0] if c.isalpha() else c for c in question).translate(PieceParser.typographic)
+    plain = without_accents(question).translate(PieceParser.typographic)
     if rounded := wording.TO_DIGITS.search(plain):
         kind = "digits" if rounded["digits"] else "places"
         count = rounded["count"]
@@ -218,6 +218,8 @@ class _QuestionParser(PieceParser):
                 raise self.error(head, f"{lacks} = ... is missing, as in y'=-y, y(0)=1")
             start = tuple(start[name] for name in names)
         rates = tuple(rates.values()) if names else tuple(rates)
+        if any(_LAMBDA.search(rate.text) for rate in rates) and (scale := parts["settings"].pop("lambda", None)):
+            rates = tuple(rate._replace(text=_LAMBDA.sub(f"({scale.value})", rate.text)) for rate in rates)
         return {**parts, "rates": rates, "start": start or None, "unknowns": names}
 
     def _setting_name(self, at: int) -> tuple[str, int]:

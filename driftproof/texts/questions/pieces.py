@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import re
 from fractions import Fraction
+from functools import cache
+from unicodedata import normalize
 
-from driftproof.methods.catalogue import keys_of_name
+from driftproof.methods.catalogue import FACTS_ONLY, METHODS, keys_of_name
 from driftproof.methods.expression_tree import END, NAME, NUMBER, ExpressionParser, Token
+from driftproof.methods.names import also_known_as
 from driftproof.texts.questions import wording
 from driftproof.texts.questions.errors import QuestionError
 
@@ -15,16 +18,29 @@ WORDS = ("sharp",)
 OWN_PI = "steps and times are rational, so round pi yourself, as in h=0.01 t=6.28"
 
 
+def without_accents(text: str) -> str:
+    """The text with each accented letter as its plain one, so that columns stay."""
+    return "".join(normalize("NFKD", c)[0] if c.isalpha() else c for c in text)
+
+
+@cache
+def _token() -> re.Pattern[str]:
+    """A token of a question: also the prime of y', π, λ, and a title or common name of a method with signs in it."""
+    methods = {**METHODS, **FACTS_ONLY}
+    names = {without_accents(name) for key in methods for name in (methods[key].title, *also_known_as(key))}
+    longest_first = sorted((re.escape(name) for name in names if re.search(r"[^\w ]", name)), key=len, reverse=True)
+    names_with_signs = f"(?i:{'|'.join(longest_first)})(?!\\w)"
+    plain = ExpressionParser.token().pattern.replace("[A-Za-z_]", f"{names_with_signs}|[A-Za-z_πλ]")
+    return re.compile(f"(?P<prime>')|{plain}", re.ASCII)
+
+
 class PieceParser(ExpressionParser):
     """A parser of the parts of a question; each method consumes its tokens or raises QuestionError at their column."""
 
     what = "a question"
     example = "ask for example: step rk4 h=1/2 : q"
     refusal = QuestionError
-    # The prime of y' is a sign; π and λ are names.
-    tokens_are = re.compile(
-        f"(?P<prime>')|{ExpressionParser.tokens_are.pattern.replace('[A-Za-z_]', '[A-Za-z_πλ]')}", re.ASCII
-    )
+    token = staticmethod(_token)
 
     def method_name(self, first: Token) -> Token:
         """The longest method name or file name that begins with this token, else the token itself."""

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from driftproof.support.environment import require_package
 from driftproof.support.files import atomic_write, read_utf8
-from driftproof.support.plain_text import as_json
+from driftproof.support.plain_text import as_json, counted
 from driftproof.support.processes import Limits, ProcessEnded, ask_once
 from driftproof.support.results import Printable
 from driftproof.texts.templates.text_kinds import LARGEST_TEMPLATE, kind_of
@@ -48,7 +48,7 @@ class RenderedText(Printable):
             return as_json({"output": str(self.output), "values": self.asked, "text": self.text})
         signs = [line[0] for line in self.difference().splitlines()[2:]]
         lines = f", {max(map(signs.count, '+-'))} of its lines changed" if self.output.exists() else ""
-        return f"{self.output}: {self.asked} value{'s' * (self.asked != 1)}{lines}"
+        return f"{self.output}: {counted(self.asked, 'value')}{lines}"
 
 
 def render(

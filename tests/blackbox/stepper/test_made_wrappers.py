@@ -253,20 +253,16 @@ class Kept(Clocked):
         self.f, self.time, self.y = f, 0.0, None
     def step(self, h):
         self.y = Clocked.__call__(self, self.f, self.y, h)
-
-def closure():
-    clocked = Clocked("a")
-    return lambda f, y, h: clocked(f, y, h)
 """
 
 
 def test_a_clock_that_goes_on_leaves_a_verdict_open_and_is_set_in_the_wrapper():
     names = namespace(CLOCKS)
-    held = field_stepper_of(names["Kept"])
+    held, own = field_stepper_of(names["Kept"]), names["Clocked"]("a")
     for step, key, line in (
-        (names["Clocked"]("a"), "heun2", "f, t, y, h): made = Clocked(NAME); made.time = t; return made(f, y, h)"),
+        (own, "heun2", "f, t, y, h): made = Clocked(NAME); made.time = t; return made(f, y, h)"),
         (names["Clocked"]("a").ab2, "adams_bashforth2", "f, t, y, h, n): made = Clocked(NAME); made.time = t"),
-        (names["closure"](), "heun2", "let the time be an argument, or make the step anew each time"),
+        (lambda f, y, h: own(f, y, h), "heun2", "let the time be an argument, or make the step anew each time"),
         (held, "heun2", 'write time="time" in the call of field_stepper_of'),
     ):
         found = verify(step, key, isolate=False)

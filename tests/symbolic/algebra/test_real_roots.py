@@ -26,6 +26,18 @@ ROOT_3, ROOT_2 = square_root(3), square_root(2)
 X = fmpq_poly([0, 1])
 
 
+@pytest.mark.parametrize(
+    ("root", "shown"),
+    [
+        (RealRoot((-8, 0, 1), 1), "2.8284271247461900976, a root of x**2 - 8"),
+        (rational_root(Q(-1, 3)), "-1/3"),
+        (RealRoot((1, -3, 0, 1), 0), "-1.8793852415718167681, a root of x**3 - 3*x + 1"),
+    ],
+)
+def test_a_root_is_shown_as_people_write_it(root: RealRoot, shown: str) -> None:
+    assert str(root) == repr(root) == shown
+
+
 @settings(max_examples=40)
 @given(st.lists(st.integers(-6, 6), min_size=2, max_size=6))
 def test_positive_roots_are_those_that_sympy_isolates(c: list[int]) -> None:

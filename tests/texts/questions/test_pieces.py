@@ -2,10 +2,16 @@
 
 from __future__ import annotations
 
+from fractions import Fraction as Q
+
 import pytest
 
+from driftproof.methods.catalogue import METHODS, keys_of_name
+from driftproof.methods.names import also_known_as
 from driftproof.texts.questions.errors import QuestionError
 from driftproof.texts.questions.evaluate import value
+from driftproof.texts.questions.parser import parse_question
+from tests.looping import some
 from tests.texts.questions.refusals import require_refusal
 
 _ROUNDED = "steps and times are rational, so round pi yourself, as in h=0.01 t=6.28"
@@ -32,6 +38,16 @@ REFUSED = [
 @pytest.mark.parametrize(("question", "column", "reason"), REFUSED)
 def test_what_is_no_piece_of_a_question_is_refused_at_its_column(question: str, column: int, reason: str) -> None:
     require_refusal(question, column, reason)
+
+
+def test_every_title_and_common_name_is_understood_in_a_question() -> None:
+    """Also those with signs in them, such as "Euler-Cromer" or "Gauss, two stages (Hammer-Hollingsworth)"."""
+    for key, method in some(METHODS.items(), 100):
+        for name in {method.title, *also_known_as(key)}:
+            if "[" in name:  # refused in any question
+                continue
+            query = parse_question(f"1 + step {name}, h=1/2 : q").rest[0][1]
+            assert (keys_of_name(query.subject.text), query.settings["h"].value) == ((key,), Q(1, 2))
 
 
 def test_numbers_are_ascii_and_exact() -> None:
