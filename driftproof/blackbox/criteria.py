@@ -34,7 +34,7 @@ from driftproof.methods.schemes import Collocation, Method, Nystrom, RungeKutta,
 # Outcomes that leave any question open, and what would decide it.
 _OPEN = {
     DenseOutputDiffers.kind: "a dense output that is a sum of slopes, the same in all components, as the step is",
-    "crashes": "a step that does not terminate its process",
+    "crashes": "a step that leaves its process, and the pipes of it, alone",
     **NO_EVIDENCE,
 }
 # What would decide a question whose reading was refused.
