@@ -22,7 +22,7 @@ import numpy as np
 from benchmarks.harness import Contestant, Section, Subject, timed
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.vector_fields import FieldSource, VectorField, field_source
-from driftproof.numeric.engine import BLOCK, compiled_field_ensemble_runner, compiled_field_runner, field_runner
+from driftproof.numeric.engine import BLOCK, compiled_ensemble_runner, compiled_runner, runner
 from driftproof.numeric.problems.catalogue import PROBLEMS
 
 RK4, PAIR = METHODS["rk4"], METHODS["dormand_prince54"]
@@ -170,7 +170,7 @@ def c_text_of(source: FieldSource) -> str:
 def systems(name: str, field: VectorField, start: Sequence[float]) -> Subject:
     """SYSTEMS of them, each from its own start: ours in one thread, and C, compiled from the same text."""
     starts = np.ascontiguousarray(np.array(start)[:, None] * np.linspace(1.0, 1.05, SYSTEMS))
-    run, source = compiled_field_ensemble_runner(RK4, field), field_source(RK4, field)
+    run, source = compiled_ensemble_runner(RK4, field), field_source(RK4, field)
     run(starts.copy(), H, 0, 0)
 
     def ours() -> Any:
@@ -208,19 +208,19 @@ def subjects() -> Iterator[Subject]:
         "by hand, a step function": same(lambda: by_steps(*START, H, FEW)),
     }
     shares = {("ours", "by hand, one loop"): 1.05, ("ours", "scipy, RK45"): 1 / 75}
-    ours = by_us(field_runner(RK4, OSCILLATOR), START, H, 0, FEW)
+    ours = by_us(runner(RK4, OSCILLATOR), START, H, 0, FEW)
     yield Subject(f"rk4, one trajectory, {FEW} steps", {"ours": ours, **by_hand_too, **with_scipy()}, None, shares)
     if numba:
         others = {} if plain is None else {"C": same(c_trajectory(plain))}
-        by_c = {"ours": compiled(compiled_field_runner(RK4, OSCILLATOR), START, H, 0, MANY), **others}
+        by_c = {"ours": compiled(compiled_runner(RK4, OSCILLATOR), START, H, 0, MANY), **others}
         yield Subject(f"rk4, one trajectory, {MANY} steps", by_c, None, {("ours", "C"): 1.05})
         yield systems("Kepler orbits", PROBLEMS["kepler"].field, (0.4, 0.1, 0.1, 1.6))
         yield systems("Lorenz systems", LORENZ, LORENZ_START)
-    lorenz = {"ours": by_us(field_runner(RK4, LORENZ), LORENZ_START, H, 0, FEW)}
-    pair = {"ours": by_us(field_runner(PAIR, OSCILLATOR), START, H, 0, FEW)}
+    lorenz = {"ours": by_us(runner(RK4, LORENZ), LORENZ_START, H, 0, FEW)}
+    pair = {"ours": by_us(runner(PAIR, OSCILLATOR), START, H, 0, FEW)}
     if numba:
-        lorenz["ours, numba"] = compiled(compiled_field_runner(RK4, LORENZ), LORENZ_START, H, 0, FEW, our_bits=True)
-        pair["ours, numba"] = compiled(compiled_field_runner(PAIR, OSCILLATOR), START, H, 0, FEW, our_bits=True)
+        lorenz["ours, numba"] = compiled(compiled_runner(RK4, LORENZ), LORENZ_START, H, 0, FEW, our_bits=True)
+        pair["ours, numba"] = compiled(compiled_runner(PAIR, OSCILLATOR), START, H, 0, FEW, our_bits=True)
     lorenz["by hand, tuples"] = same(lambda: lorenz_by_hand(LORENZ_START, H, FEW))
     yield Subject(f"rk4, Lorenz's system, {FEW} steps", lorenz)
     slower = {("ours, numba", "scipy, RK45"): 1 / 75}

@@ -21,7 +21,7 @@ from benchmarks.harness import Contestant, Section, Subject, quiet, timed
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.vector_fields import FUNCTIONS, VectorField
 from driftproof.numeric.advance import field_rate
-from driftproof.numeric.engine import compiled_field_ensemble_runner
+from driftproof.numeric.engine import compiled_ensemble_runner
 from driftproof.numeric.problems.catalogue import PROBLEMS
 
 SYSTEMS, ERROR, REFERENCE_STEPS = 10_000, 1e-6, 4096
@@ -52,7 +52,7 @@ def starts_of(name: str) -> Any:
 def by_steps(name: str, key: str, steps: int) -> Solve:
     """All systems at the end, in so many steps."""
     field, _, end, _ = CASES[name]
-    run = compiled_field_ensemble_runner(METHODS[key], field)
+    run = compiled_ensemble_runner(METHODS[key], field)
 
     def solve() -> Any:
         y = starts_of(name).copy()

@@ -20,7 +20,7 @@ from flint import arb
 from benchmarks.harness import Goal, Section
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.vector_fields import VectorField
-from driftproof.numeric.engine import compiled_field_runner
+from driftproof.numeric.engine import compiled_runner
 from driftproof.symbolic.algebra.certified import significant
 from driftproof.symbolic.error_budget import ErrorOfRun
 from driftproof.symbolic.rounding.n_steps_bound import run_bound
@@ -60,7 +60,7 @@ def long_run(key: str, steps: int, h: float = H) -> Run:
     method, start = METHODS[key], (Fraction(START[0]), Fraction(START[1]))
     matrix, finals, errors = exact_matrix_at(method, Fraction(h)), [], []
     for compensated in (False, True):
-        q, v = compiled_field_runner(method, OSCILLATOR, compensated=compensated)(START, h, 0, steps)
+        q, v = compiled_runner(method, OSCILLATOR, compensated=compensated)(START, h, 0, steps)
         finals.append((Fraction(q), Fraction(v)))
         error = ErrorOfRun(matrix, Fraction(h), steps, start, finals[-1])
         errors.append(float(significant(error.rounding, 4)) / float(U))
@@ -90,7 +90,7 @@ def _difference(field: VectorField, starts: Any, h: float, count: int) -> tuple[
     """What a plain run of velocity Verlet is off the compensated one, and that one."""
     finals = []
     for compensated in (False, True):
-        run = compiled_field_runner(METHODS["velocity_verlet"], field, compensated=compensated)
+        run = compiled_runner(METHODS["velocity_verlet"], field, compensated=compensated)
         finals.append(np.array([run(start, h, 0, count) for start in zip(*starts.tolist(), strict=True)]).T)
     return finals[0] - finals[1], finals[1]
 

@@ -19,7 +19,7 @@ from typing import Any
 from benchmarks.harness import Contestant, Section, Subject, quiet, timed
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.vector_fields import VectorField
-from driftproof.numeric.engine import compiled_field_runner
+from driftproof.numeric.engine import compiled_runner
 from driftproof.numeric.problems.catalogue import PROBLEMS
 from driftproof.reports.work_precision.peers import PEERS, Peer, Solver
 from tests.witnesses.matrix_powers import endpoint
@@ -100,7 +100,7 @@ def _seconds(task: Callable[[], Any]) -> float:
 
 def by_steps(t: float, error: float) -> Contestant:
     """Compiled steps, as few as reach the error."""
-    run = compiled_field_runner(STEPPED, OSCILLATOR)
+    run = compiled_runner(STEPPED, OSCILLATOR)
     steps = next(n for n in range(1, 1000) if error_at(t, run(START, t / n, 0, n)) <= error)
     h = t / steps
     return Contestant(lambda: run(START, h, 0, steps), lambda z: f"{error_at(t, z):.1e}, {steps} steps")

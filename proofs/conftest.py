@@ -65,11 +65,13 @@ def _statement(docstring: str | None, evidence: str, test: str) -> str:
 
 @pytest.fixture
 def publish(request: pytest.FixtureRequest) -> Any:
-    """Return publish(id, claim, text, value, evidence), which records a proved exact value for values.json.
+    """Return publish(id, text, value), which records the proved exact value of the test's claim for values.json.
 
     Its digits are computed from the value; the file is written only if every proof of the whole run passes.
     """
-    return lambda *value: request.node.user_properties.append((PUBLISHED, published(*value)))
+    marker = request.node.get_closest_marker("claim")
+    (claim,), evidence = marker.args, marker.kwargs["evidence"]
+    return lambda *value: request.node.user_properties.append((PUBLISHED, published(claim, evidence, *value)))
 
 
 @pytest.hookimpl(wrapper=True)

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from fractions import Fraction
 from typing import Any
 
+from driftproof.methods.number_field import square_root
 from driftproof.methods.rationals import parse_rational
 from driftproof.symbolic.algebra.certified import CertifiableReal, fixed, scientific
 from driftproof.texts.writing.answers import exact_and_decimal
@@ -46,15 +48,25 @@ class Printed:
         value = self.quantity.value()
         if self.relation == EQUALS:
             return text if parse_rational(text) == value else str(value)
-        if "e" in text:
-            return scientific(value, sum(map(str.isdigit, text.split("e")[0])))
-        return fixed(value, len(text.partition(".")[2]))
+        return _rounded_like(text, value)
 
 
-def published(key: str, claim: str, text: str, value: CertifiableReal, evidence: str) -> dict[str, Any]:
-    """The entry of values.json for a value, with the claim that prints it as `text`; the digits are computed here."""
+def _rounded_like(text: str, value: CertifiableReal) -> str:
+    if "e" in text:
+        return scientific(value, sum(map(str.isdigit, text.split("e")[0])))
+    return fixed(value, len(text.partition(".")[2]))
+
+
+def published(claim: str, evidence: str, key: str, text: str, value: CertifiableReal) -> dict[str, Any]:
+    """The entry of values.json for a value, with the claim that prints it as `text`; the digits are computed here.
+
+    Raises ValueError unless the text is the value: exactly, rounded to its digits, or √ and the value's square.
+    """
     answer = exact_and_decimal(value, DIGITS)
     assert answer is not None
+    root, exact = text.startswith("√"), isinstance(value, Fraction) and parse_rational(text) == value
+    if not (square_root(int(text[1:])) == value if root else exact or text == _rounded_like(text, value)):
+        raise ValueError(f"{claim} prints {text}, and {key} is {answer['decimal']}")
     return {"id": key, "claim": claim, "text": text, "evidence": evidence, **answer}
 
 

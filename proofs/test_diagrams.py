@@ -190,6 +190,7 @@ def test_final_states_are_marked_apart_on_one_scale() -> None:
     page = document([PRESETS["default"]], 1)
     fills = dict(re.findall(r"svg \.(exact|samples)\.end \{[^}]*fill: var\(--(\w+)\)", page))
     assert fills == {"exact": "sheet", "samples": "computed"}
+    assert re.findall(r"svg \.exact\.end \{[^}]*stroke: var\(--(\w+)\)", page) == ["exact"]
     assert [hues(page, name) for name in ("exact", "computed")] == [["blue"] * 2, ["amber"] * 2]
 
 

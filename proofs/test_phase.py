@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from fractions import Fraction as Q
+from itertools import product
 from typing import Any
 
 import sympy
@@ -52,7 +53,7 @@ def test_radii_show_energy_and_angles_show_wrapped_phase_error() -> None:
     """Marks of equal radius have equal energy, and the angle between two marks is the wrapped phase error.
 
     In polar form cross and dot product are rρ sin(α - β) and rρ cos(α - β), of which the readout takes the angle; for
-    the 64 pairs of octants it gives that angle, wrapped, exactly.
+    the 64 pairs of octants it gives that angle, wrapped, exactly, and for others to ten decimals.
     """
     r, rho, alpha, beta = sympy.symbols("r rho alpha beta", positive=True)
     (q1, v1), (q2, v2) = (r * cos(alpha), -r * sin(alpha)), (rho * cos(beta), -rho * sin(beta))
@@ -62,15 +63,26 @@ def test_radii_show_energy_and_angles_show_wrapped_phase_error() -> None:
     for ahead, state in enumerate(OCTANTS):
         for behind, exact in enumerate(OCTANTS):
             assert readouts.phase_error(state, exact) == _wrapped(45 * (ahead - behind))
+    for state, exact in product(BETWEEN, BETWEEN):
+        assert f"{readouts.phase_error(state, exact):.10f}" == _wrapped_difference(state, exact)
 
 
 # States at the phase angles 0, 45, ..., 315 degrees: clockwise, as the motion runs.
 OCTANTS = ((1.0, 0.0), (1.0, -1.0), (0.0, -1.0), (-1.0, -1.0), (-1.0, 0.0), (-1.0, 1.0), (0.0, 1.0), (1.0, 1.0))
+# And states between those angles, in three quarters of the plane, at whole distances.
+BETWEEN = ((3.0, -4.0), (-12.0, -5.0), (8.0, 15.0))
 
 
 def _wrapped(degrees: int) -> int:
     """The angle degrees + 360k that lies in [-180, 180)."""
     return (degrees + 180) % 360 - 180
+
+
+def _wrapped_difference(state: tuple[float, float], exact: tuple[float, float]) -> str:
+    """The difference of the phase angles atan2(-v, q) in degrees, without whole turns, to ten decimals."""
+    ahead, behind = (atan2(-int(v), int(q)) for q, v in (state, exact))
+    turns = round((ahead - behind) / (2 * pi))  # none of these states is opposite to another
+    return fixed(certifiable((ahead - behind - 2 * pi * turns) * 180 / pi), 10)
 
 
 @claim("L153", evidence=PROVED, by="rotated state")
@@ -122,6 +134,8 @@ def test_phase_angle_of_the_solution_is_time() -> None:
     assert sympy.simplify(atan2(v_exact, q_exact).diff(t)) == -1
     for eighths, state in enumerate(OCTANTS):  # the readout measures from (1, 0) by the same angle
         assert readouts.phase_error(state, OCTANTS[0]) == _wrapped(45 * eighths)
+    for state in BETWEEN:
+        assert f"{readouts.phase_error(state, OCTANTS[0]):.10f}" == _wrapped_difference(state, OCTANTS[0])
 
 
 @claim("L158", evidence=CERTIFIED, by="ball enclosure")
@@ -147,6 +161,8 @@ def test_phase_error_is_wrapped_to_half_open_turn() -> None:
             assert turns.denominator == 1
             assert -180 <= found < 180
             assert all(abs(found) <= abs(found + 360 * k) for k in (-2, -1, 1, 2))
+    for state, exact in product(BETWEEN, BETWEEN):
+        assert f"{readouts.phase_error(state, exact):.10f}" == _wrapped_difference(state, exact)
     assert readouts.phase_error(OCTANTS[1], OCTANTS[0]) == 45
     for opposite in ((-1.0, 0.0), (-1.0, -0.0)):
         assert readouts.phase_error(opposite, (1.0, 0.0)) == -180
@@ -213,7 +229,7 @@ def test_quarter_cycle_error_is_root_two(publish: Any) -> None:
     """The numerical result (0, -1) for the exact (1, 0) has the state error sqrt 2."""
     squared = sum((a - b) ** 2 for a, b in zip(*QUARTER, strict=True))
     assert squared == 2
-    publish("quarter_cycle.state_error", "L247", f"√{squared}", square_root(int(squared)), PROVED)
+    publish("quarter_cycle.state_error", f"√{squared}", square_root(int(squared)))
 
 
 @claim("L003", "L007", evidence=PROVED, by="pairs alike in one")

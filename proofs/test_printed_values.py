@@ -9,8 +9,10 @@ from typing import Any
 
 import pytest
 
+from driftproof.methods.number_field import square_root
+from driftproof.symbolic.algebra.certified import CertifiableReal
 from proofs.claims import CERTIFIED, claim
-from proofs.printed import ROWS, TECHNIQUES, Printed
+from proofs.printed import ROWS, TECHNIQUES, Printed, published
 
 
 @pytest.mark.parametrize(
@@ -29,7 +31,7 @@ def test_printed_number_spells_the_value(row: Printed, publish: Any) -> None:
     value = row.quantity.value()
     assert row.text == row.spelling(row.text)
     assert isinstance(value, Fraction) == (row.quantity.evidence != CERTIFIED)
-    publish(row.id, row.claim, row.text, value, row.quantity.evidence)
+    publish(row.id, row.text, value)
 
 
 @pytest.mark.parametrize("row", ROWS, ids=lambda row: row.claim)
@@ -50,6 +52,16 @@ def _misprints(text: str) -> Iterator[str]:
 def _differs(digit: str, i: int, text: str) -> bool:
     changed = text[:i] + digit + text[i + 1 :]
     return digit != text[i] and not changed.endswith("/0")
+
+
+@pytest.mark.parametrize(
+    ("text", "value"),
+    [("√3", square_root(2)), ("4", Fraction(3)), ("0.6", Fraction(1, 2)), ("337/385", Fraction(337, 384))],
+)
+def test_a_text_that_is_not_the_value_is_not_published(text: str, value: CertifiableReal) -> None:
+    """Neither a root, nor a count, nor a decimal, nor a ratio that was typed; the right ones of all proofs are."""
+    with pytest.raises(ValueError, match=f"L005 prints {text}, and methods is "):
+        published("L005", "PROVED", "methods", text, value)
 
 
 def test_no_claim_prints_two_numbers() -> None:

@@ -13,8 +13,10 @@ import pytest
 
 from driftproof.methods.catalogue import method_named
 from driftproof.methods.rationals import step_count
+from driftproof.methods.stepping import oscillator
 from driftproof.numeric.run import run_method
 from driftproof.numeric.scenes import PRESETS
+from driftproof.numeric.steppers import HAND_WRITTEN
 from proofs import program
 from proofs.claims import COUNTED, PROVED, claim
 from proofs.printed import ROWS
@@ -56,6 +58,8 @@ def listing(folder: Path) -> Path:
 def test_program_needs_only_the_standard_library(tmp_path: Path) -> None:
     """A program of the standard library alone implements all three updates: it runs without any other package."""
     assert output(PROGRAM)[-1] == "foreign: []"
+    for key, name in zip(LESSON_METHODS, program.METHODS, strict=True):  # bit for bit, h being a power of two
+        assert program.step(name, (0.75, -0.5), 0.5) == HAND_WRITTEN[key](oscillator, 0.75, -0.5, 0.5)
     other = tmp_path / "other.py"  # the audit notices other imports
     (tmp_path / "methods.py").write_text("", encoding="utf-8")
     other.write_text(f"import sys; sys.path.insert(0, {str(tmp_path)!r}); import methods\n", encoding="utf-8")
@@ -88,7 +92,7 @@ def test_whole_number_of_quarters_is_ten() -> None:
     assert Q(float(Q(1, 10))) != PRESETS["small_steps"].h
     orders = list(permutations(program.METHODS))
     reached = [{name: program.final_state(name, 0.25, 40) for name in order} for order in orders]
-    assert all(states == reached[0] for states in reached)
+    assert reached == [reached[0]] * 6
     for key, name in zip(LESSON_METHODS, program.METHODS, strict=True):
         assert run_method(PRESETS["default"], key)["final_state"] == reached[0][name]  # bit for bit, h being dyadic
 

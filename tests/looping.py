@@ -44,6 +44,13 @@ def idle_tests(root: Path, path: Path) -> list[str]:
     return found
 
 
+@cache
+def _asserting(tree: ast.Module) -> set[str]:
+    """The functions of a file that assert something."""
+    defined = (node for node in tree.body if isinstance(node, ast.FunctionDef))
+    return {node.name for node in defined if any(isinstance(x, ast.Assert) for x in ast.walk(node))}
+
+
 ALIKE = {"enumerate", "reversed", "sorted", "list", "tuple", "set", "dict", "frozenset", "iter", "map"}
 
 
@@ -56,10 +63,12 @@ class _Reading:
     function: ast.FunctionDef | None
 
     def surely_made(self, body: list[ast.stmt], surely: bool) -> Iterator[bool]:
-        """Of every assert, and of every demand for an error, whether something is surely looked at."""
+        """Of every assert, demand for an error, and call of a helper of the file that asserts: whether surely made."""
         for node in body:
             if isinstance(node, ast.Assert):
                 yield surely and not self.may_hold_of_nothing(node.test)
+            if isinstance(node, ast.Expr) and _called(node.value) in _asserting(self.tree):
+                yield surely
             if isinstance(node, ast.With) and any(_called(i.context_expr) in ("raises", "warns") for i in node.items):
                 yield surely
             if not isinstance(node, ast.FunctionDef | ast.ClassDef):

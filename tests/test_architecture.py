@@ -69,21 +69,22 @@ NOT_ELSEWHERE = "sympy"
 # of `derive` and facts as typed properties; blackbox verdicts that say what was seen, and implicit
 # stages, its own sampler of steps, 100 lines, in which objects a state comes, 300, and thirty kinds of wrong steps that
 # a passing verdict had overlooked, 250, five faults of whole solvers, 60, and wrappers for objects, 110; fifty more
-# kinds of wrong steps, 400, and steps of records and wrappers that work when pasted, 270; texts what docs and help show
-# and the problems that a text states, 450.
+# kinds of wrong steps, 400, six more, 30, and steps of records and wrappers that work when pasted, 270; texts what docs
+# and help show and the problems that a text states, 450.
 BUDGETS = {
     "support": 1200,
     "methods": 5320,
     "symbolic": 10220,
     "numeric": 3960,
-    "blackbox": 19250,
+    "blackbox": 19280,
     "enclosure": 3160,
     "texts": 7830,
 }
 BUDGET_OF_REPORTS_AND_FRONT = 5646
 # The goal is 65 of 100. Independent witnesses, campaigns and guards, 6,000 lines, are among the tests.
-# From 93 to 94: a failing test first for each of some thirty faults, and a guard of the docstrings.
-TESTS_PER_LINE_OF_SOURCE = Fraction(949, 1000)
+# From 93 to 94: a failing test first for each of some thirty faults, and a guard of the docstrings; then a
+# line at each test that is slow, 220.
+TESTS_PER_LINE_OF_SOURCE = Fraction(953, 1000)
 
 # A file of fewer lines needs a reason.
 SMALLEST = 40

@@ -54,6 +54,9 @@ try:
 finally:
     f()
 
+for y in {}:
+    held(y)
+
 assert all(y for y in {})
 
 assert not any(y for y in {})
@@ -71,7 +74,8 @@ def is_idle(root: Path, body: str, by: str = "given") -> bool:
     (root / "a").mkdir(exist_ok=True)
     (root / "a/nine.py").write_text("NINE: list = [9]\nFEW = []\n")
     path = root / f"a/test_{len(list((root / 'a').iterdir()))}.py"
-    head = f"from a.nine import NINE, FEW\nMANY = {{1: 2}}\n@{by}(drawn=x)\ndef test_it(drawn):\n"
+    head = "from a.nine import NINE, FEW\nMANY = {1: 2}\ndef held(y):\n    assert y\n"
+    head += f"@{by}(drawn=x)\ndef test_it(drawn):\n"
     path.write_text(head + indent(f"many = few = [1]\nfew = []\n{body}\n", "    "))
     return idle_tests(root, path) != []
 

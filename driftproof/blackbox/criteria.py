@@ -28,12 +28,13 @@ from driftproof.blackbox.probes.questions import CoefficientReading, read_coeffi
 from driftproof.blackbox.probes.scripted_answers import NotReadable
 from driftproof.blackbox.probes.tableau import TableauReading
 from driftproof.blackbox.report import Criterion
+from driftproof.methods.catalogue import of_one_state
 from driftproof.methods.schemes import Collocation, Method, Nystrom, RungeKutta, Splitting
 
 # Outcomes that leave any question open, and what would decide it.
 _OPEN = {
     DenseOutputDiffers.kind: "a dense output that is a sum of slopes, the same in all components, as the step is",
-    "crashes": "a step that does not terminate its process",
+    "crashes": "a step that leaves its process, and the pipes of it, alone",
     **NO_EVIDENCE,
 }
 # What would decide a question whose reading was refused.
@@ -78,7 +79,7 @@ class Question(NamedTuple):
 
 def questions_of(wanted: Specification, examples: int) -> list[Question]:
     """The questions that `verify` asks of a stepper, in the order of the report."""
-    method, solved = wanted.method, wanted.allowance.solver_tolerance
+    method, solved = of_one_state(wanted.method), wanted.allowance.solver_tolerance
 
     def against(ask: Callable[..., Any], **options: Any) -> Probe:
         return partial(ask, wanted=wanted, **options)

@@ -52,6 +52,12 @@ class StaleSlope(Misbehaviour):
     kind = "stale_slope"
 
 
+class OwnClock(Misbehaviour):
+    """The step takes no time, and asks for slopes at the times of a clock of its own, which goes on with each step."""
+
+    kind = "own_clock"
+
+
 class NotFinite(Misbehaviour):
     """The answer to finite arguments is NaN or infinite. `answer` holds the numbers returned."""
 
@@ -99,12 +105,13 @@ class BadInput(ValueError):
     kind = "bad_input"
 
 
-# Kinds of outcome that say nothing about a stepper (a time limit, an end from outside, a fault of ours), each with what
-# would settle the question.
+# Kinds of outcome that say nothing about a stepper (a time limit, an end from outside, a fault of ours, a clock that we
+# cannot set), each with what would settle the question.
 NO_EVIDENCE = {
     "time_limit": "a longer time limit",
     "killed": "a run whose process is not killed",
     "instrument_failed": "a report to us",
+    OwnClock.kind: "a step that begins at the time that it is given, as in the wrapper",
 }
 
 

@@ -23,6 +23,7 @@ _HELPS = {
     "time_limit": "give it more time: --time-limit",
     "killed": "try again where nothing kills its process; running out of memory also kills processes",
     "instrument_failed": "report this to us",
+    "own_clock": "examine the wrapper in its place",
 }
 
 

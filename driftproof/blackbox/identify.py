@@ -68,7 +68,7 @@ def identify(
                 return unread_report(runner.target.name, family)
         # If later steps depend on earlier ones by no known recurrence, only the first step was read.
         remembering = family.kind in (NotReadable.kind, NoRecurrence.kind, *NO_EVIDENCE)
-        later = f"this holds for its first step only: {family.seen}" if remembering else ""
+        later = f"this holds for its first step only: {family.seen}" if remembering and family.seen != read.seen else ""
         return identification_report(runner, read, order, dense, later)[0]
 
 

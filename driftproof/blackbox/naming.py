@@ -26,6 +26,7 @@ from driftproof.blackbox.probes.tableau import TableauReading
 from driftproof.blackbox.report import NO_ANSWER, NOT_KNOWN, UNDECIDED, Basis, Naming
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.schemes import RungeKutta
+from driftproof.support.plain_text import counted
 
 
 class Recognised(NamedTuple):
@@ -196,7 +197,7 @@ class Seen:
         if read.identity.near:
             return _near(read.identity.near[0], read.solved)
         calls, implicit = read.reading.calls, "implicit " * read.reading.implicit
-        stages = f"{calls} {implicit}stage{'s' * (calls > 1)}"
+        stages = counted(calls, f"{implicit}stage")
         best = None if self.fit is None or self.fit.best is None else _in_words(self.fit, self.fit.best)
         linear = f", though on linear problems it is {best}" if best is not None else ""
         words = f"{NOT_KNOWN}, but has {stages} and order {read.order.order}{linear}{read.solved}"

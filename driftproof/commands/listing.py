@@ -37,13 +37,13 @@ def command_named(name: str) -> Command:
     """Import and return the command. Raises ValueError, with the names nearest to it, for one that does not exist."""
     from importlib import import_module
 
-    from driftproof.support.plain_text import did_you_mean
+    from driftproof.support.plain_text import unknown
 
     if not name or name.startswith("-"):
         wrong = f"unknown option {name}" if name else "give a command"
         raise ValueError(f"{wrong} (`driftproof --help` lists the commands)")
     if name not in COMMANDS:
-        raise ValueError(f"unknown command {name[:60]!r}{did_you_mean(name, COMMANDS)} (see `driftproof --help`)")
+        raise ValueError(unknown("command", name, COMMANDS, "see `driftproof --help`"))
     module = import_module(f"driftproof.commands.{COMMANDS[name][0]}")
     command: Command = getattr(module, f"{name.replace('-', '_')}_command")
     return command

@@ -15,7 +15,7 @@ from driftproof.enclosure.numbers import Enclosed, Evaluation, Refused
 from driftproof.enclosure.text_fields import GivenField, field_function
 from driftproof.methods.field_text import rate_of_text
 from driftproof.methods.vector_fields import VectorField
-from driftproof.support.plain_text import did_you_mean
+from driftproof.support.plain_text import unknown
 
 # I(y) as a function of y or as text; a name in FIRST_INTEGRALS stands for its text.
 Invariant: TypeAlias = Callable[[Any], Any] | str
@@ -65,8 +65,7 @@ def n_body_integrals(masses: Sequence[Any], dimension: int = 3, gravity: Any = 1
 def known_invariant(name: str) -> str:
     """The text of the first integral with this name. Raises ValueError for an unknown name."""
     if name not in FIRST_INTEGRALS:
-        known = f"{did_you_mean(name, FIRST_INTEGRALS)} (choose from {', '.join(FIRST_INTEGRALS)})"
-        raise ValueError(f"unknown first integral {name[:60]!r}{known}")
+        raise ValueError(unknown("first integral", name, FIRST_INTEGRALS))
     return FIRST_INTEGRALS[name]
 
 

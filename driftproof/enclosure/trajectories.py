@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 from fractions import Fraction
+from io import BytesIO
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -12,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from driftproof.enclosure.numbers import Refused
+from driftproof.support.files import read_bytes, read_utf8
 
 # The unit roundoffs of the two formats that the numbers of a trajectory may have.
 BINARY64_UNIT, BINARY32_UNIT = Fraction(1, 2**53), Fraction(1, 2**24)
@@ -87,25 +89,23 @@ def _floats(name: str, values: Any) -> Any:
 
 
 def read_trajectory(path: Path) -> Trajectory:
-    """The trajectory in a .csv or .npz file. Raises ValueError, in one line, for a file of another form, and OSError.
+    """The trajectory in a .csv or .npz file. Raises ValueError, in one line, if it cannot be read or is none.
 
     .csv: a line for each time, with t and then the components, separated by commas, semicolons or blanks. A first line
     of names and lines that begin with # are ignored. Numbers are decimal, such as 1.5, 1.5e0 or 1.5d0, or hexadecimal,
     such as 0x1.8p+0, and then exact. .npz: the arrays t and y, or ts and ys, with a row for each time.
     """
-    if path.stat().st_size > LARGEST_RUN:
-        raise ValueError(f"{path}: too large; at most {LARGEST_RUN} bytes are read")
     if (suffix := path.suffix.lower()) not in (".csv", ".npz"):
         raise ValueError(f"{path}: a trajectory must be a .csv or .npz file")
     try:
         return trajectory_of(*(_arrays(path) if suffix == ".npz" else _columns(path)))
-    except (UnicodeDecodeError, Refused) as reason:
-        raise ValueError(f"{path}: {reason if isinstance(reason, Refused) else 'not UTF-8 text'}") from None
+    except Refused as reason:
+        raise ValueError(f"{path}: {reason}") from None
 
 
 def _columns(path: Path) -> tuple[list[float], list[list[float]]]:
     """The times and the rows in a .csv file."""
-    read = enumerate(path.read_text(encoding="utf-8-sig").splitlines(), 1)
+    read = enumerate(read_utf8(path, LARGEST_RUN).splitlines(), 1)
     lines, rows = [(i, line) for i, line in read if line.strip() and not line.startswith("#")], list[list[float]]()
     for number, line in lines:
         if _DECIMAL_COMMA.match(line):
@@ -147,11 +147,14 @@ def _is_number(word: str) -> bool:
 def _arrays(path: Path) -> tuple[Any, Any]:
     import zipfile
 
+    content = BytesIO(read_bytes(path, LARGEST_RUN))
     try:
-        with np.load(path, allow_pickle=False) as held:
+        if not zipfile.is_zipfile(content):
+            raise ValueError("it is no .npz file, as numpy.savez writes it")
+        with np.load(content, allow_pickle=False) as held:
             for names in (("t", "y"), ("ts", "ys")):
                 if all(name in held for name in names):
                     return held[names[0]], held[names[1]]
             raise ValueError(f"it has {', '.join(held) or 'no arrays'}; it must have the arrays t and y")
-    except (ValueError, EOFError, zipfile.BadZipFile, AttributeError) as error:
+    except (ValueError, EOFError, zipfile.BadZipFile) as error:
         raise ValueError(f"{path}: {' '.join(str(error).split())}") from None

@@ -19,7 +19,7 @@ from driftproof.methods.multistep import Multistep
 from driftproof.methods.names import keys_called, plain_name
 from driftproof.methods.rosenbrock import Rosenbrock
 from driftproof.methods.schemes import Method, MethodError, RungeKutta
-from driftproof.support.plain_text import did_you_mean, shortened
+from driftproof.support.plain_text import shortened, unknown
 
 # The tables of `driftproof.methods.tables`, in the order in which the methods are listed.
 TABLES = (
@@ -119,8 +119,7 @@ def entry_named(name: str) -> Entry:
     if entries:
         meant = " or ".join(f"{each.key} ({each.title})" for each in entries)
         raise ValueError(f"{shortened(name)!r} may mean {meant}: say which")
-    near = did_you_mean(name, (*METHODS, *FACTS_ONLY))
-    raise ValueError(f"unknown method {shortened(name)!r}{near} (`driftproof methods` lists all)")
+    raise ValueError(unknown("method", name, (*METHODS, *FACTS_ONLY), "`driftproof methods` lists all"))
 
 
 def keys_of_name(name: str) -> tuple[str, ...]:

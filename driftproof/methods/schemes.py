@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
 from math import lcm, prod
+from os import PathLike
 from typing import TYPE_CHECKING, Any, ClassVar, TypeAlias
 
 from driftproof.methods.number_field import (
@@ -320,10 +321,11 @@ Method: TypeAlias = RungeKutta | Splitting | Nystrom | Collocation
 
 
 def require_method(given: object) -> None:
-    """Raise TypeError, with what to write, if the name of a method is given rather than the object."""
-    if isinstance(given, str):
+    """Raise TypeError, with what to write, if the name or the file of a method is given rather than the object."""
+    if isinstance(given, str | PathLike):
+        what = "a string" if isinstance(given, str) else "a path"
         need = "a method is needed: METHODS[...], or read_method(...) for a .toml file"
-        raise TypeError(f"{shortened(given)!r} is a string, and {need}")
+        raise TypeError(f"{shortened(str(given))!r} is {what}, and {need}")
 
 
 def is_strictly_lower(a: Sequence[Sequence[object]]) -> bool:

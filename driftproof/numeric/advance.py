@@ -10,7 +10,7 @@ from typing import Any, NamedTuple, TypeAlias
 from driftproof.methods.program_text import indented, maker_text
 from driftproof.methods.schemes import Method
 from driftproof.methods.vector_fields import VectorField, field_source
-from driftproof.numeric.engine import FLOAT_FUNCTIONS, compiled_field_runner, field_runner, program_function
+from driftproof.numeric.engine import FLOAT_FUNCTIONS, compiled_runner, program_function, runner
 from driftproof.numeric.implicit import ImplicitRun, compiled_implicit_runner, implicit_runner
 from driftproof.numeric.problems.problem import Problem
 from driftproof.numeric.run import nearest_double
@@ -28,7 +28,7 @@ def advance(method: Method, problem: Problem, *, compiled: bool = False) -> Adva
     it returns raises ArithmeticError or ValueError if floats overflow, f is undefined or stages are not found.
     """
     if method.explicit:
-        return (compiled_field_runner if compiled else field_runner)(method, problem.field)
+        return (compiled_runner if compiled else runner)(method, problem.field)
     return (compiled_implicit_runner if compiled else implicit_runner)(method, problem.field)
 
 

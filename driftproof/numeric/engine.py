@@ -23,26 +23,26 @@ from driftproof.methods.vector_fields import FUNCTIONS, FieldSource, VectorField
 
 FloatArray: TypeAlias = NDArray[np.floating[Any]]
 # run(y, h, first, last) overwrites the array y with the states after steps first to last - 1.
-FieldEnsembleRun: TypeAlias = Callable[[FloatArray, float, int, int], None]
+EnsembleRun: TypeAlias = Callable[[FloatArray, float, int, int], None]
 # run(y, h, first, last) -> y after steps first to last - 1.
-FieldRun: TypeAlias = Callable[[tuple[float, ...], float, int, int], tuple[float, ...]]
+Run: TypeAlias = Callable[[tuple[float, ...], float, int, int], tuple[float, ...]]
 
 # How many states of an ensemble are stepped together: such a block stays in the fastest cache.
 BLOCK = 512
 FLOAT_FUNCTIONS = {name: getattr(math, name) for name in FUNCTIONS}
 
 
-def compiled_field_ensemble_runner(method: Method, field: VectorField, *, threads: int = 1) -> FieldEnsembleRun:
+def compiled_ensemble_runner(method: Method, field: VectorField, *, threads: int = 1) -> EnsembleRun:
     """Return run(y, h, first, last) on many systems: y has a row for each component and a column for each system.
 
     y, of binary64, is overwritten with the states after steps first to last - 1, step i from t = i h, with the bits of
-    `field_runner`. `threads` threads share the systems. Needs the extra `fast`. Raises ValueError for another y.
+    `runner`. `threads` threads share the systems. Needs the extra `fast`. Raises ValueError for another y.
     """
     source = field_source(method, field)
 
     def run_blocks(y: FloatArray, h: float, first: int, last: int) -> None:
         require_ensemble(y, len(source.components))
-        run = _compiled_field_blocks(source)
+        run = _compiled_blocks(source)
         in_threads(lambda start, stop: run(y, h, first, last, start, stop), y.shape[1], threads, BLOCK)
 
     return run_blocks
@@ -67,10 +67,10 @@ def require_ensemble(y: FloatArray, rows: int) -> None:
         raise ValueError(f"y is {y.dtype}{list(y.shape)}; an ensemble is a C-contiguous float64 array with {rows} rows")
 
 
-def array_field_runner(method: Method, field: VectorField, library: Any) -> FieldRun:
+def array_runner(method: Method, field: VectorField, library: Any) -> Run:
     """Return run(y, h, first, last) on a tuple of arrays of any library with the functions of the array API standard.
 
-    It executes the text of `field_runner`, one operation at a time on whole arrays. In NumPy, torch and JAX the four
+    It executes the text of `runner`, one operation at a time on whole arrays. In NumPy, torch and JAX the four
     operations have the same bits; if `jax.jit` fuses products into sums, results differ within the derived bound.
     """
     source = field_source(method, field)
@@ -79,7 +79,7 @@ def array_field_runner(method: Method, field: VectorField, library: Any) -> Fiel
 
 
 @cache
-def field_runner(method: Method, field: VectorField, *, compensated: bool = False) -> FieldRun:
+def runner(method: Method, field: VectorField, *, compensated: bool = False) -> Run:
     """Return run(y, h, first, last) of an explicit method for y' = f(t, y), in plain Python floats.
 
     y is a tuple: any state for a Runge-Kutta method; positions, then velocities, of a second-order system for a
@@ -92,9 +92,9 @@ def field_runner(method: Method, field: VectorField, *, compensated: bool = Fals
 
 
 @cache
-def compiled_field_runner(method: Method, field: VectorField, *, compensated: bool = False) -> FieldRun:
-    """Return the loop of `field_runner` compiled by numba, with the same bits. Needs the extra `fast`."""
-    return compiled_function(field_runner(method, field, compensated=compensated))
+def compiled_runner(method: Method, field: VectorField, *, compensated: bool = False) -> Run:
+    """Return the loop of `runner` compiled by numba, with the same bits. Needs the extra `fast`."""
+    return compiled_function(runner(method, field, compensated=compensated))
 
 
 def program_function(
@@ -109,7 +109,7 @@ def program_function(
 
 
 @cache
-def _compiled_field_blocks(source: FieldSource) -> Callable[..., Any]:
+def _compiled_blocks(source: FieldSource) -> Callable[..., Any]:
     return compiled_function(program_function(_blocks_text(source), "ensemble", source.coefficients))
 
 

@@ -37,7 +37,7 @@ from numpy.typing import NDArray
 from driftproof.methods.schemes import Method
 from driftproof.methods.vector_fields import VectorField
 from driftproof.numeric import newton
-from driftproof.numeric.engine import FieldEnsembleRun, FloatArray, in_threads, require_ensemble
+from driftproof.numeric.engine import EnsembleRun, FloatArray, in_threads, require_ensemble
 from driftproof.numeric.field_loops import field_writers
 from driftproof.numeric.loops import FieldWriters, loop
 from driftproof.numeric.newton import StepTable, run_ensemble, run_steps
@@ -170,8 +170,8 @@ def compiled_implicit_runner(method: Method, field: VectorField) -> ImplicitRun:
     return ImplicitRun(method, _on_field(run_steps, field, compiled=True), arrays, lambda x: np.array(x, np.float64))
 
 
-def compiled_implicit_ensemble_runner(method: Method, field: VectorField, *, threads: int = 1) -> FieldEnsembleRun:
-    """Return run(y, h, first, last) of an implicit method on many systems, as `engine.compiled_field_ensemble_runner`.
+def compiled_implicit_ensemble_runner(method: Method, field: VectorField, *, threads: int = 1) -> EnsembleRun:
+    """Return run(y, h, first, last) of an implicit method on many systems, as `engine.compiled_ensemble_runner`.
 
     Each system has its own matrices and iterations. Raises StageEquationsUnsolved, which names a system that fails; the
     states of the others are then undefined.

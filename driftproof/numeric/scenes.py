@@ -9,13 +9,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, fields
-from difflib import get_close_matches
 from fractions import Fraction
 from pathlib import Path
 
 from driftproof.methods.rationals import parse_rational, step_count
 from driftproof.methods.tableau_file import method_of
 from driftproof.numeric.problems.problem import Problem
+from driftproof.support.plain_text import unknown
 from driftproof.support.toml_tables import TomlTable, as_list, as_text, as_texts, quoted, read_toml, require_keys
 
 TRAJECTORY = "trajectory"
@@ -116,7 +116,7 @@ class Scene:
 def _check_names(scene: str, what: str, names: tuple[str, ...], known: tuple[str, ...]) -> None:
     for name in names:
         if name not in known:
-            raise SceneError(f"scene {scene!r}: unknown {what} {name!r}; choose from {', '.join(known)}")
+            raise SceneError(f"scene {scene!r}: {unknown(what, name, known)}")
 
 
 def _lesson_scene(name: str, selected: str, h: Fraction, *panels: str) -> Scene:
@@ -153,8 +153,7 @@ def scene_named(given: str | Path | Scene, problem_of: Callable[[str], Problem] 
         return read_scene(Path(name), problem_of)
     if name in PRESETS:
         return PRESETS[name]
-    close = get_close_matches(name, PRESETS, n=1, cutoff=0.4) or sorted(PRESETS)
-    raise SceneError(f"unknown scene {name!r}; did you mean {' or '.join(close)}? (or a file that ends in .toml)")
+    raise SceneError(unknown("scene", name, PRESETS, "`driftproof scene` lists them; a file ends in .toml"))
 
 
 def read_scene(path: Path, problem_of: Callable[[str], Problem] = _problem_of_ours) -> Scene:

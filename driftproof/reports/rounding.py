@@ -13,7 +13,7 @@ from driftproof.methods.schemes import Method
 from driftproof.methods.stepping import oscillator
 from driftproof.methods.tableau_file import method_of
 from driftproof.numeric.steppers import float_stepper, hand_written
-from driftproof.support.plain_text import Json, table
+from driftproof.support.plain_text import Json, table, unknown
 from driftproof.support.results import Answered
 from driftproof.symbolic.algebra.certified import AWAY, CertifiableReal, enclose
 from driftproof.symbolic.error_budget import ErrorOfRun
@@ -53,7 +53,7 @@ def roundoff(
     'binary64'
     """
     if float not in FORMATS:
-        raise ValueError(f"unknown number format {float!r}; choose from {', '.join(FORMATS)}")
+        raise ValueError(unknown("number format", float, FORMATS))
     method, fmt, steps = method_of(method), FORMATS[float], steps_of(h)
     subject = (hand_written(method) if fmt == BINARY64 else None) or method
     bound = step_bound(subject, fmt)

@@ -19,7 +19,7 @@ from driftproof.numeric.reference_errors import distance_from_digits
 from driftproof.numeric.stability import Observed, euclidean_norm, fewest_steps, largest_bounded, observe, stays_bounded
 from driftproof.reports.progress import with_progress
 from driftproof.reports.user_problem import GivenProblem, problem_given
-from driftproof.support.plain_text import Json, table, with_digits
+from driftproof.support.plain_text import Json, counted, table, with_digits
 from driftproof.support.results import Answered
 from driftproof.symbolic.algebra.certified import HALF_EVEN, CertifiableReal, enclose, significant
 from driftproof.symbolic.facts import Facts
@@ -107,7 +107,7 @@ def steps_in_words(problem: Problem, method: Entry) -> str:
     if problem.matrix is not None:
         return _limit_text(_proved_limit(SystemFacts(method, problem.matrix)))
     fewest, most = _nonlinear_part(problem, method, runs).values()
-    return f"not with {most} steps" if fewest is None else f"from {fewest} step{'s' * (fewest > 1)} on"
+    return f"not with {most} steps" if fewest is None else f"from {counted(fewest, 'step')} on"
 
 
 def _proved_limit(found: SystemFacts) -> Json:

@@ -19,7 +19,7 @@ from driftproof.reports.progress import progress_bar
 from driftproof.reports.scene_view import scene_json
 from driftproof.reports.scenes import scene_given
 from driftproof.support.environment import require_package
-from driftproof.support.plain_text import table, with_digits
+from driftproof.support.plain_text import counted, table, with_digits
 from driftproof.support.results import Answered
 
 # Pairs would widen the table; they are in the JSON.
@@ -89,7 +89,7 @@ def sweep_text(scene: Scene, found: list[SweepAnswer]) -> str:
     for values, answer in found:
         cells = [*("" for _ in names), answer] if isinstance(answer, str) else [*_cells(answer, names), ""]
         rows.append([*map(_shown, values.values()), *cells])
-    return f"{scene.name}: {len(found)} point{'' if len(found) == 1 else 's'}\n\n{table(rows)}"
+    return f"{scene.name}: {counted(len(found), 'point')}\n\n{table(rows)}"
 
 
 def _shown(value: Any) -> str:

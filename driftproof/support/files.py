@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from errno import EAGAIN
 from pathlib import Path
-from secrets import token_hex
-from stat import S_IMODE
+from stat import S_IMODE, S_ISDIR, S_ISREG
 
 
 @contextmanager
@@ -22,7 +21,7 @@ def atomic_write(path: Path) -> Iterator[str]:
     require_file(path)
     target = path.resolve()  # so that a link is kept, and its target replaced
     target.parent.mkdir(parents=True, exist_ok=True)
-    draft = str(target.with_name(f".{token_hex(8)}{target.suffix}"))  # a name that no other file has
+    draft = str(target.with_name(f".{os.urandom(8).hex()}{target.suffix}"))  # a name that no other file has
     with naming(path, draft):
         os.close(os.open(draft, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o666))
         try:
@@ -73,37 +72,49 @@ def sole_writer(path: Path) -> Iterator[None]:
 
 
 def require_folder(path: Path) -> None:
-    """Raise ValueError if `path` exists and is no folder, and OSError as `require_file` does."""
-    _look(path)
-    if path.exists() and not path.is_dir():
+    """Raise ValueError if `path` exists and is no folder, or cannot be reached."""
+    if (mode := _mode(path)) and not S_ISDIR(mode):
         raise ValueError(f"{path} is a file; name a folder")
 
 
 def require_file(path: Path) -> None:
-    """Raise ValueError if `path` exists and is no regular file, before anything is computed that could not be written.
-
-    Raises OSError for circular links, and for a folder that may not be searched.
-    """
-    _look(path)
-    if path.is_dir():
+    """Raise ValueError if `path` exists and is no regular file, or cannot be reached, before it is to be written."""
+    if S_ISDIR(mode := _mode(path)):
         raise ValueError(f"{path} is a folder; name a file in it")
-    if path.exists() and not path.is_file():
+    if mode and not S_ISREG(mode):
         raise ValueError(f"{path} is not a regular file; name another")
 
 
-def _look(path: Path) -> None:
-    """Raise the OSError that `Path.exists`, `is_dir` and `is_file` suppress."""
-    with suppress(FileNotFoundError):
-        path.stat()
-
-
-def read_utf8(path: Path, most: int) -> str:
-    """The text of a UTF-8 file of at most `most` bytes. Raises OSError and ValueError, in one line naming the file."""
-    with naming(path), path.open("rb") as file:
-        content = file.read(most + 1)
-    if len(content) > most:
-        raise ValueError(f"{path}: longer than {most} bytes")
+def _mode(path: Path) -> int:
+    """The mode of a file, 0 if there is none. Raises ValueError for circular links, and if the folder is none."""
     try:
-        return content.decode("utf-8-sig")
+        return path.stat().st_mode
+    except FileNotFoundError:
+        return 0
+    except (OSError, ValueError) as error:
+        raise ValueError(_unreachable(path, error)) from None
+
+
+def _unreachable(path: str | Path, error: Exception) -> str:
+    """Why a file cannot be opened, in one line that names it; a ValueError is for a zero byte in the name."""
+    return " ".join(f"{path}: {getattr(error, 'strerror', None) or error}".split())
+
+
+def read_bytes(path: str | Path, most: int, refusal: type[ValueError] = ValueError) -> bytes:
+    """The content of a file of at most `most` bytes. Raises `refusal` for any other file, in one line that names it."""
+    try:
+        with Path(path).open("rb") as file:
+            content = file.read(most + 1)
+    except (OSError, ValueError) as error:
+        raise refusal(_unreachable(path, error)) from None
+    if len(content) > most:
+        raise refusal(f"{path}: too large; at most {most} bytes are read")
+    return content
+
+
+def read_utf8(path: str | Path, most: int, refusal: type[ValueError] = ValueError) -> str:
+    """The text of a UTF-8 file of at most `most` bytes. Raises `refusal` for any other file, as `read_bytes` does."""
+    try:
+        return read_bytes(path, most, refusal).decode("utf-8-sig")
     except UnicodeDecodeError as error:
-        raise ValueError(f"{path}: not UTF-8 at byte {error.start}") from None
+        raise refusal(f"{path}: not UTF-8 at byte {error.start}") from None

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from typing import Any, TypeAlias
 
 # A Python value that JSON can express.
@@ -14,8 +14,7 @@ LARGEST_PLAIN = 1e9
 DIGITS_UNASKED = 15
 
 # Characters that a terminal obeys instead of showing them: control characters other than tab and newline, directions of
-# writing, line separators. Also lone surrogates, which stand for bytes of file names that are not UTF-8: no output
-# accepts these.
+# writing, line separators; and lone surrogates, for bytes of file names that are not UTF-8, which no output accepts.
 _UNPRINTABLE = re.compile("[\0-\x08\x0b-\x1f\x7f-\x9f\u200e\u200f\u2028-\u202e\u2066-\u2069\ud800-\udfff]")
 
 
@@ -31,6 +30,11 @@ def printable(text: str) -> str:
 def shortened(text: str, longest: int = 60) -> str:
     """The text as a message quotes it: cut to `longest` characters, of which the last are then "..."."""
     return text if len(text) <= longest else f"{text[: longest - 3]}..."
+
+
+def counted(count: int, noun: str) -> str:
+    """The count with its noun: "1 step", "2 steps"."""
+    return f"{count} {noun}{'s' * (count != 1)}"
 
 
 def as_json(answer: Any) -> str:
@@ -63,15 +67,19 @@ def short(x: float) -> str:
     return f"{mantissa}e{int(exponent)}"
 
 
-def did_you_mean(key: str, known: Iterable[str], *, strict: bool = False) -> str:
-    """The hint "; did you mean a or b?" with the known names nearest to `key`, or "" if none is near.
-
-    Of long words, as facts have them, many are alike by half: `strict` asks for more likeness than short keys need.
-    """
+def did_you_mean(key: str, known: Iterable[str]) -> str:
+    """The hint "; did you mean a or b?", or "" if no known name is like it, as with one wrong letter of three (2/3)."""
     from difflib import get_close_matches
 
-    close = get_close_matches(key, known, n=2, cutoff=0.7 if strict else 0.4)
+    close = get_close_matches(key, known, n=2, cutoff=0.65)
     return f"; did you mean {' or '.join(close)}?" if close else ""
+
+
+def unknown(what: str, name: object, known: Collection[str], listed: str = "") -> str:
+    """The complaint about a name that is not known, with the nearest names; all are shown unless they are `listed`."""
+    near = did_you_mean(str(name), known)
+    all_known = f" ({listed})" if listed else f"{'' if near else ';'} choose from {', '.join(known)}"
+    return f"unknown {what} {shortened(str(name))!r}{near}{all_known}"
 
 
 def annotation(level: str, message: str, **properties: object) -> str:

@@ -57,8 +57,7 @@ class Stage:
 
     def left(self) -> str:
         """The estimate of the time left, as in ", about 7 s to go", or "" before any part is done."""
-        left = (monotonic() - self.since) * (1 - self.part) / self.part if self.part else 0.0
-        return f", about {left:.0f} s to go" if self.part else ""
+        return f", about {(monotonic() - self.since) * (1 / self.part - 1):.0f} s to go" if self.part else ""
 
 
 @contextmanager

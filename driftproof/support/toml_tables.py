@@ -12,6 +12,7 @@ from collections.abc import Callable, Collection
 from pathlib import Path
 from typing import Any, TypeAlias, TypeVar
 
+from driftproof.support.files import read_utf8
 from driftproof.support.plain_text import shortened
 
 TomlTable: TypeAlias = dict[str, Any]
@@ -19,47 +20,34 @@ _T = TypeVar("_T")
 
 # The time that tomllib takes for a key grows with the square of the number of its dots: 1 ms for this many.
 MOST_DOTS = 300
-_DECIMAL = re.compile(rb"(?<![\w.])\d+\.\d+(?![\w.])")
+_DECIMAL = re.compile(r"(?<![\w.])\d+\.\d+(?![\w.])", re.ASCII)
+# An entry such as [1/2, ...
+_BARE_FRACTION = re.compile(r"[\[,=]\s*-?\d+\s*/\s*\d")
 
 
 def read_toml(
     path: str | Path, longest: int, make: Callable[[TomlTable], _T], refusal: type[ValueError] = ValueError
 ) -> _T:
     """Return make(table) for the table in the file. Raises `refusal` for any error, in one line that names the file."""
+    text = read_utf8(path, longest, refusal)
     try:
-        with Path(path).open("rb") as file:
-            content = file.read(longest + 1)
-        return make(parse_toml(content, longest))
-    except OSError as error:
-        reason = error.strerror or "cannot be read"
+        return make(parse_toml(text))
     except ValueError as error:
-        reason = str(error)
-    raise refusal(" ".join(f"{path}: {reason}".split()))
+        raise refusal(" ".join(f"{path}: {error}".split())) from None
 
 
-def parse_toml(content: bytes, longest: int) -> TomlTable:
-    """Parse TOML, with each decimal kept as the string that is written there, because 0.1 is to mean 1/10.
-
-    Raises ValueError for more than `longest` bytes, and for content that is not TOML.
-    """
-    if len(content) > longest:
-        raise ValueError(f"too large; at most {longest} bytes are read")
-    if any(line.count(b".") > MOST_DOTS for line in _DECIMAL.sub(b"", content).splitlines()):
+def parse_toml(text: str) -> TomlTable:
+    """Parse TOML, with each decimal kept as it is written, because 0.1 is to mean 1/10. Raises ValueError."""
+    if any(line.count(".") > MOST_DOTS for line in _DECIMAL.sub("", text).split("\n")):
         raise ValueError(f"not TOML: more than {MOST_DOTS} dots in one line")
     try:
-        return tomllib.loads(content.decode("utf-8-sig"), parse_float=str)
-    except UnicodeDecodeError as error:
-        raise ValueError(f"byte {error.start} is not UTF-8 text") from None
+        return tomllib.loads(text, parse_float=str)
     except RecursionError:
         raise ValueError("nested too deeply") from None
     except ValueError as error:
         reason = str(error).replace("Cannot overwrite a value", "a key is given twice")
-        hint = '; write a fraction in quotes, "1/2"' if _BARE_FRACTION.search(content) else ""
+        hint = '; write a fraction in quotes, "1/2"' if _BARE_FRACTION.search(text) else ""
         raise ValueError(f"not TOML: {reason}{hint}") from None
-
-
-# An entry such as [1/2, ...
-_BARE_FRACTION = re.compile(rb"[\[,=]\s*-?\d+\s*/\s*\d")
 
 
 def quoted(value: object) -> str:

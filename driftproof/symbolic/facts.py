@@ -16,6 +16,7 @@ from driftproof.methods.schemes import Collocation, Method, Nystrom, RungeKutta,
 from driftproof.symbolic.additive import ADDITIVE_FACTS, AdditiveFacts
 from driftproof.symbolic.linear.facts import LinearFacts, fact_names, facts_by_name
 from driftproof.symbolic.linear.multistep import MULTISTEP_FACTS, MULTISTEP_ON_REQUEST, MultistepFacts
+from driftproof.symbolic.linear.printed_digits import rounding
 from driftproof.symbolic.linear.reduced_tableau import reduced_stages_of
 from driftproof.symbolic.pairs import EstimateFacts, ExtensionFacts, estimate_facts, extension_facts
 from driftproof.symbolic.rosenbrock import ROSENBROCK_FACTS, RosenbrockFacts
@@ -23,7 +24,7 @@ from driftproof.symbolic.trees import order_conditions, partitioned_trees
 from driftproof.symbolic.trees.algebraic_stability import algebraic_stability
 from driftproof.symbolic.trees.modified_equation import modified_equation
 from driftproof.symbolic.trees.order_conditions import TOLERANCE_ORDER, Conditions, OrderFact
-from driftproof.symbolic.trees.order_in_balls import RoundedOrder, order_but_for_rounding
+from driftproof.symbolic.trees.order_in_balls import JUMP, RoundedOrder, order_but_for_rounding
 from driftproof.symbolic.trees.partitioned_trees import general_conditions
 from driftproof.symbolic.trees.rooted_trees import TooManyTrees, Tree
 
@@ -107,8 +108,18 @@ class Facts(LinearFacts):
 
     @property
     def _rounded(self) -> bool:
-        """True if the source says so, or if the residuals of the order conditions show it."""
-        return super()._rounded or self.order_but_for_rounding is not None
+        """True if the source says so, or if the residuals of the order conditions show it.
+
+        They jump, or the first is as small as rounding makes it, as in a table of a higher order than is tried.
+        """
+        method = self.method
+        if super()._rounded or self.order_but_for_rounding is not None:
+            return True
+        if not isinstance(method, RungeKutta) or method.field:
+            return False
+        residual = self.order_fails.residual
+        assert isinstance(residual, Fraction)
+        return 0 < abs(residual) <= JUMP * rounding(method) < Fraction(1, JUMP**2)
 
     @cached_property
     def order_second_order_problems(self) -> int | None:
@@ -187,7 +198,7 @@ WHY_NONE = {
     **dict.fromkeys(("stability_function", "real_limit", "a_stable", "a_stability", "i_stable", "l_stable"), _NO_R),
     **dict.fromkeys(("sector", "limit_at_infinity", "error_constant", "modified_rate", "region_boundary"), _NO_R),
     "reduction": "every stage counts: table and method have the same facts",
-    "stability_within_digits": "the method is explicit, its coefficients are exact, or R has no limit at infinity",
+    "stability_within_digits": "the method is explicit, its residuals show no rounding, or R has no limit at infinity",
     "order_but_for_rounding": f"no residual up to {TOLERANCE_ORDER} vertices is far larger than all before it",
     "estimate": "the method is not an embedded pair",
     "continuous_extensions": "the catalogue has none for this method",

@@ -7,6 +7,7 @@ import pytest
 
 from driftproof.blackbox.identify import identify
 from tests.blackbox import handwritten_steppers as codes
+from tests.blackbox.dragged_steppers import WRONG
 from tests.blackbox.transcripts import summed
 
 
@@ -112,6 +113,13 @@ def test_a_step_that_is_not_read_is_told_how_to_be_and_is_no_method_that_it_is_f
     report = identify(step, isolate=False)
     assert any(line.startswith(words) for line in report.section("What to do").lines)
     assert "nearly" not in report.verdict
+
+
+def test_the_first_call_with_a_velocity_of_another_time_is_told_and_how_many_are_like_it():
+    (step,) = (step for step, key, _ in WRONG if key == "yoshida4")
+    _, call, others = identify(step, isolate=False).verdict.partition("not 4: call 1 is given the position of ")
+    assert call
+    assert others.endswith(", and 2 more")
 
 
 @pytest.mark.parametrize("calls", [40, 41])

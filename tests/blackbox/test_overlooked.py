@@ -1,5 +1,6 @@
 """Mistakes that once passed, misled or were blamed on right code, each beside its right twin."""
 
+import ctypes
 import itertools
 import re
 import warnings
@@ -350,7 +351,68 @@ def scaling(slope_of):
     return step
 
 
+def in_memory(state):
+    """Forward Euler from the numbers that lie in memory from where the state begins."""
+
+    def step(f, t, y, h):
+        y = state(y)
+        y = np.array((ctypes.c_double * y.size).from_address(y.ctypes.data)).reshape(y.shape)
+        return y + h * f(t, y)
+
+    return step
+
+
+def of_objects(known):
+    """Forward Euler from the numbers of a state, which are read again unless it is known."""
+    kept = []
+
+    def step(f, t, y, h):
+        if not (kept and known(*kept, y)):
+            kept[:] = y, np.array(y)
+        return kept[1] + h * f(t, kept[1])
+
+    return step
+
+
+def moving(moves):
+    """Heun's method, unless nothing seems to move."""
+
+    def step(f, t, y, h):
+        slope = f(t, y)
+        return y + h / 2 * (slope + f(t + h, y + h * slope)) if np.any(moves(slope)) else y
+
+    return step
+
+
+def pulled(near):
+    """Velocity Verlet, which begins with the acceleration at the end of the step before if x is near to that end."""
+    kept = []
+
+    def step(force, x, v, dt):
+        goes_on = kept and np.shape(kept[0]) == np.shape(x) and near(kept[0], x)
+        v = v + dt / 2 * (kept[1] if goes_on else force(x))
+        x = x + dt * v
+        kept[:] = np.copy(x), force(x)
+        return x, v + dt / 2 * kept[1]
+
+    return step
+
+
+def sprung(near):
+    step = pulled(near)
+    return lambda x, v, dt: step(np.negative, x, v, dt)
+
+
+def resisted(change):
+    def step(force, x, v, dt):
+        v = v + dt * force(x, change(v))
+        return x + dt * v, v
+
+    return step
+
+
 RUN = later(lambda n: n - 1)
+FORWARD, COARSE = "forward_euler", lambda x, y: np.allclose(x, y, rtol=1e-9, atol=0)
 EULER, VERLET, FIRST = "symplectic_euler", "velocity_verlet", "its first step ended at"
 WRONG = [
     (spring(lambda x, k, m: x / m), spring(), "symplectic_euler", "not for all parameters: with m = 2, k = 8"),
@@ -400,6 +462,13 @@ WRONG = [
     (remembered(lambda old, new: -old), remembered(lambda old, new: -new), VERLET, "the previous step returned is"),
     (handed_on(True), handed_on(False), "nystrom4", "it passes on -1.15356 as the slope at its end, not -1.15446"),
     (estimated(0), estimated(1), "bogacki_shampine32", "call 3, which the error estimate alone uses, is made at t + 0"),
+    (in_memory(lambda y: y), in_memory(np.ascontiguousarray), FORWARD, "with arrays with gaps such as y[::2] it takes"),
+    (of_objects(lambda old, x, y: old is y), of_objects(lambda old, x, y: old is y and np.array_equal(x, y)), FORWARD,
+     "with one object overwritten between steps it takes a different step"),
+    (moving(lambda slope: slope), moving(lambda slope: [1]), "heun2", "with 6 components, y[5] is"),
+    (pulled(COARSE), pulled(np.array_equal), VERLET, "when the previous one ended, in almost its state, differs"),
+    (sprung(COARSE), sprung(np.array_equal), VERLET, "a step that begins in almost the state where one ended is wrong"),
+    (resisted(lambda v: v * (np.arange(np.size(v)) < 3)), resisted(lambda v: v), EULER, "number 3 goes from"),
     (advancing(0.5), advancing(1), "forward_euler", "its clock goes from 0.0 to 0.125 in a step of 0.25"),
 ]  # fmt: skip
 

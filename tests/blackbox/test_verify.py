@@ -1,8 +1,10 @@
 """verify, from end to end: right steppers pass, wrong ones fail with the name of what they are and an example."""
 
 import json
+import os
 import subprocess
 import sys
+from contextlib import suppress
 from fractions import Fraction
 from functools import partial
 
@@ -207,6 +209,20 @@ def test_what_was_not_seen_is_undecided_and_says_what_would_decide_it(monkeypatc
     assert_verified(gives_up_on_what_bends, "rk4", allow_undecided=True)
     assert main(["verify", "tests.blackbox.test_verify:gives_up_on_what_bends", "--method", "rk4"]) == 3
     assert "undecided whether it is rk4" in capsys.readouterr().out
+
+
+def scribbling(q, v, h):
+    for number in range(3, 64):
+        with suppress(OSError):
+            os.write(number, b"[]\n")
+    return codes.symplectic_euler(lambda x: -x, q, v, h)
+
+
+def test_code_that_writes_into_the_pipe_to_us_is_undecided_and_told_what_to_leave_alone():
+    report = verify(scribbling, "symplectic_euler", examples=FEW)
+    assert (report.passed, "the code wrote into the pipe" in report.verdict) == (None, True)
+    left_alone = "rounding: a step that leaves its process, and the pipes of it, alone"
+    assert left_alone in report.section("What would decide it").lines
 
 
 def later_by_half(f, t, y, h):

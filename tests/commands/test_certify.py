@@ -74,7 +74,7 @@ def test_drifts_of_first_integrals_are_shown(answer):
 
 
 BAD = {
-    (TEXT, RUN, "--invariant", "energy"): "unknown first integral 'energy'; did you mean",
+    (TEXT, RUN, "--invariant", "energy"): "unknown first integral 'energy'; choose from osc",
     (TEXT, RUN, "--invariant", "E=y1^"): "first integral E: ",
     ("y1; -sinn(y0)", RUN): "'-sinn(y0)', column 3: the functions are sin, cos",
     ("certified_model:nothing", RUN): "cannot be imported: AttributeError",

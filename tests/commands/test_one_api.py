@@ -2,6 +2,7 @@
 
 import inspect
 import json
+import re
 import shlex
 from fractions import Fraction as Q
 from pathlib import Path
@@ -137,6 +138,7 @@ REFUSED = {
 }
 MEANT = {
     "Facts('rk4')": "'rk4' is a string, and a method is needed: METHODS[...], or read_method(...) for a .toml file",
+    "Facts(Path('mine.toml'))": "'mine.toml' is a path, and a method is needed",
     "OscillatorRun('rk4', Q(1), Q(1))": "a method is needed",
     "stepper('rk4', float)": "a method is needed", "stability_function_of('rk4')": "a method is needed",
     "order_within('rk4', Q(1))": "a method is needed",
@@ -149,6 +151,61 @@ def test_what_makes_no_sense_is_refused_in_one_line(call):
         eval(call, NAMES)
     assert {**REFUSED, **MEANT}[call] in str(refused.value)
     assert "\n" not in str(refused.value)
+
+
+# What reads or writes files, and how it is asked for one at PATH.
+FILES = {
+    ".csv": ["certify('-y0', PATH)", "assert_accurate(PATH, '-y0', 1)"],
+    ".npz": ["certify('-y0', PATH)", "assert_accurate(PATH, '-y0', 1)"],
+    ".toml": [
+        *("read_method(PATH)", "facts(PATH)", "derive(PATH)", "roundoff(PATH)", "step(PATH, 1)", "run(PATH, 1, 1)"),
+        *("verify(min, PATH)", "assert_verified(min, PATH)", "certify('y1; -y0', RUN, method=PATH)"),
+        *("certify(str(PATH), RUN)", "read_scene(PATH)", "scene(PATH)", "sweep(PATH)", "report(PATH)"),
+        *("stability(PATH)", "stability('kepler', PATH)", "work_precision(PATH)", "work_precision('kepler', PATH)"),
+        *("check(RUN, PATH)", "scene('compare', methods=PATH)"),
+    ],
+    ".md": ["check(PATH)", "check(PATH, init=True)"],
+    ".md.j2": ["render(PATH)"],
+    ".json": ["diff(PATH, 'x.json')", "diff('x.json', PATH)"],
+}
+READERS = [(suffix, call) for suffix, calls in FILES.items() for call in calls]
+
+
+@pytest.mark.parametrize(("suffix", "call"), READERS, ids=lambda x: x)
+def test_file_that_cannot_be_read_is_refused_in_one_line_that_names_it(suffix, call, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    Path("x.json").write_text("{}", encoding="utf-8")
+    rubbish, folder, loop = (tmp_path / f"{name}{suffix}" for name in ("rubbish", "folder", "loop"))
+    rubbish.write_bytes(bytes(range(255, 99, -1)))
+    folder.mkdir()
+    loop.symlink_to(loop)
+    for path in (rubbish, folder, loop, rubbish / f"x{suffix}", tmp_path / f"none{suffix}", "9" * 300 + suffix):
+        with pytest.raises(ValueError, match=re.escape(Path(path).name)) as refused:
+            eval(call, {**NAMES, "PATH": path})
+        assert "\n" not in str(refused.value)
+
+
+WRITERS = "report('default', output=PATH)", "sweep('default', output=PATH)", "work_precision('kepler', output=PATH)"
+
+
+@pytest.mark.parametrize("call", WRITERS)
+def test_file_that_cannot_be_written_is_refused_in_one_line_that_names_it(call, tmp_path):
+    taken, loop = tmp_path / "taken", tmp_path / "loop"
+    taken.mkdir() if "work" not in call else taken.touch()
+    loop.symlink_to(loop)
+    for path in (taken, loop, tmp_path / ("9" * 300)):
+        with pytest.raises(ValueError, match=re.escape(path.name)) as refused:
+            eval(call, {**NAMES, "PATH": path})
+        assert "\n" not in str(refused.value)
+
+
+def test_no_function_that_takes_a_file_is_left_out():
+    functions = [(name, getattr(driftproof, name)) for name in driftproof.__all__]
+    said = {name: str(inspect.signature(found)) for name, found in functions if inspect.isfunction(found)}
+    takes = {name for name, text in said.items() if re.search("Path|GivenProblem|GivenMethods", text)}
+    asked = {call.partition("(")[0] for call in (*WRITERS, *(call for _, call in READERS))}
+    assert takes <= asked
+    assert len(takes) >= 17
 
 
 def test_facts_are_attributes_and_entries():

@@ -80,8 +80,8 @@ def test_file_of_another_form_is_refused_with_its_line(text, tmp_path):
 def test_other_files_are_refused(tmp_path, monkeypatch):
     for name, content, said in (
         ("run.txt", b"0 1", r"must be a \.csv or \.npz file"),
-        ("run.npz", b"no zip", r"run\.npz: "),
-        ("run.csv", b"\xff\xfe", r"not UTF-8 text"),
+        ("run.npz", b"no zip", r"run\.npz: it is no \.npz file"),
+        ("run.csv", b"\xff\xfe", r"run\.csv: not UTF-8 at byte 0"),
     ):
         (tmp_path / name).write_bytes(content)
         with pytest.raises(ValueError, match=said):

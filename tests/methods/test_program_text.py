@@ -12,7 +12,7 @@ from driftproof.methods.catalogue import METHODS
 from driftproof.methods.program_text import maker
 from driftproof.methods.schemes import MethodError, Nystrom, Splitting
 from driftproof.methods.vector_fields import VectorField, field_source
-from driftproof.numeric.engine import compiled_field_runner, field_runner
+from driftproof.numeric.engine import compiled_runner, runner
 from tests.float_bits import bits
 from tests.numeric.engine_runs import OSCILLATOR, PENDULUM
 
@@ -68,9 +68,9 @@ def test_components_that_do_not_meet_are_stepped_each_alone():
     """Two oscillators and a pendulum, apart from each other: the bits of three runs of one component."""
     field = VectorField(("y3", "y4", "y5", "-y0", "-sin(y1)", "-y2"))
     for method in (VERLET, NYSTROM):
-        y = field_runner(method, field)((0.3, 1.0, -2.0, -0.7, 0.5, 0.25), 0.1, 0, 40)
+        y = runner(method, field)((0.3, 1.0, -2.0, -0.7, 0.5, 0.25), 0.1, 0, 40)
         for i, (alone, *start) in enumerate(((OSCILLATOR, 0.3, -0.7), (PENDULUM, 1.0, 0.5), (OSCILLATOR, -2.0, 0.25))):
-            assert bits(y[i], y[i + 3]) == bits(*field_runner(method, alone)(tuple(start), 0.1, 0, 40))
+            assert bits(y[i], y[i + 3]) == bits(*runner(method, alone)(tuple(start), 0.1, 0, 40))
 
 
 @pytest.mark.parametrize("method", SECOND_ORDER, ids=lambda m: m.key)
@@ -98,9 +98,7 @@ def test_a_compiled_run_of_a_system_has_the_same_bits():
         (VERLET, KEPLER, True),
         (NYSTROM, KEPLER, True),
     ):
-        compiled, plain = (
-            make(method, field, compensated=compensated) for make in (compiled_field_runner, field_runner)
-        )
+        compiled, plain = (make(method, field, compensated=compensated) for make in (compiled_runner, runner))
         assert bits(*compiled(ECCENTRIC, 0.01, 0, 300)) == bits(*plain(ECCENTRIC, 0.01, 0, 300))
 
 
@@ -118,7 +116,7 @@ def test_compensation_of_a_system_keeps_what_additions_lose():
         v = v + step / 2 * force(q)
         q = _short(q + step * v)
         v = _short(v + step / 2 * force(q))
-    plain, kept = (field_runner(VERLET, field, compensated=c)(start, h, 0, steps) for c in (False, True))
+    plain, kept = (runner(VERLET, field, compensated=c)(start, h, 0, steps) for c in (False, True))
     error = lambda y: max(abs(Q(y[0]) - q), abs(Q(y[1]) - v)) * 2**53
     assert error(kept) < 2
     assert error(plain) > 4 * error(kept)

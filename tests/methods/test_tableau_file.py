@@ -156,7 +156,7 @@ WRONG: list[tuple[str | bytes, str]] = [
     (f'family = "multistep"\nrho = {[1] * 32}', "rho has 32 entries; at most 31 are allowed"),
     ('family = "collocation"\nnode_polynomial = ["r", 1]\n[roots]\nr = "sqrt(2)"', "a rational number is needed"),
     ("not toml", "Expected '=' after a key in a key/value pair (at line 1, column 5)"),
-    (b"\xff\xfe", "byte 0 is not UTF-8 text"),
+    (b"\xff\xfe", "not UTF-8 at byte 0"),
     ("a = " + "[" * 5000 + "]" * 5000, ""),
 ]
 

@@ -11,7 +11,7 @@ import pytest
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.schemes import MethodError, RungeKutta
 from driftproof.methods.vector_fields import VectorField, array_step, field_source, partial_derivative
-from driftproof.numeric.engine import field_runner
+from driftproof.numeric.engine import runner
 from tests.float_bits import bits
 
 EXPLICIT = [method for method in METHODS.values() if method.explicit]
@@ -58,7 +58,7 @@ def moved(y, weights, slopes, h):
 @pytest.mark.parametrize("method", TABLEAUX, ids=lambda m: m.key)
 def test_a_run_of_a_system_has_the_bits_of_loops_over_the_tableau(method):
     for field, (rate, start) in FIELDS.items():
-        found = field_runner(method, field)(start, 0.01, 3, 8)
+        found = runner(method, field)(start, 0.01, 3, 8)
         assert bits(*found) == bits(*looped(method, rate, start, 0.01, 3, 8))
 
 
@@ -71,7 +71,7 @@ def test_step_of_arrays_has_the_bits_of_a_run_by_components(method):
     step = array_step(method, force if second_order else lambda t, y: np.array([*y[2:], *force(t, y[:2])]), float)
     y = [np.array(part) for part in ((start[:2], start[2:]) if second_order else (start,))]
     made = [float(x) for part in step(y, 0.0, 0.01) for x in part]
-    assert bits(*made) == bits(*field_runner(method, field)(start, 0.01, 0, 1))
+    assert bits(*made) == bits(*runner(method, field)(start, 0.01, 0, 1))
 
 
 @pytest.mark.parametrize(("key", "times"), [("rk4", ["t_2", "t_3", "t_4"]), ("nystrom4", ["t_2", "t_3"])])
@@ -91,7 +91,7 @@ def test_what_an_embedded_row_leads_away_by_is_written_where_it_is_asked_for():
 
 def test_a_run_of_a_system_goes_on_where_it_stopped_bit_for_bit():
     """Time is i h for a whole i: a clock that adds h up would read something else from the sixth step on."""
-    run = field_runner(METHODS["rk4"], VAN_DER_POL)
+    run = runner(METHODS["rk4"], VAN_DER_POL)
     whole = run((1.0, 0.5), 0.1, 0, 60)
     assert run(run((1.0, 0.5), 0.1, 0, 23), 0.1, 23, 60) == whole
     clock = 0.0
@@ -119,7 +119,7 @@ def test_a_rate_that_is_no_plain_formula_is_refused(rates, parameters, what):
 @pytest.mark.parametrize("name", ["h", "t", "y0", "k1_y0", "b_1", "sin", "range"])
 def test_a_parameter_with_a_name_of_the_text_is_refused(name):
     with pytest.raises(MethodError, match=f"'{name}'"):
-        field_runner(METHODS["rk4"], VectorField((f"{name} * y0",), ((name, Q(2)),)))
+        runner(METHODS["rk4"], VectorField((f"{name} * y0",), ((name, Q(2)),)))
 
 
 @pytest.mark.parametrize(
@@ -139,4 +139,4 @@ def test_derivatives_are_written_without_ones_and_zeros(rate, derivative):
 
 def test_an_implicit_method_has_no_run_of_a_system():
     with pytest.raises(MethodError, match="is implicit"):
-        field_runner(METHODS["gauss2"], LORENZ)
+        runner(METHODS["gauss2"], LORENZ)

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from driftproof.methods.stepping import stepper
 from driftproof.methods.vector_fields import VectorField
-from driftproof.numeric.engine import compiled_field_runner, field_runner
+from driftproof.numeric.engine import compiled_runner, runner
 
 OSCILLATOR, PENDULUM = VectorField(("y1", "-y0")), VectorField(("y1", "-sin(y0)"))
 
 
 def oscillator_run(method, *, compiled=False, compensated=False):
     """Return run(q, v, h, steps) of q' = v, v' = -q in floats, or on arrays."""
-    run = (compiled_field_runner if compiled else field_runner)(method, OSCILLATOR, compensated=compensated)
+    run = (compiled_runner if compiled else runner)(method, OSCILLATOR, compensated=compensated)
     return lambda q, v, h, steps: run((q, v), h, 0, steps)
 
 

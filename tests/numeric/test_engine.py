@@ -16,11 +16,11 @@ from driftproof.methods.vector_fields import VectorField, field_source
 from driftproof.numeric import engine
 from driftproof.numeric.engine import (
     BLOCK,
-    array_field_runner,
-    compiled_field_ensemble_runner,
-    compiled_field_runner,
-    field_runner,
+    array_runner,
+    compiled_ensemble_runner,
+    compiled_runner,
     in_threads,
+    runner,
 )
 from driftproof.numeric.problems.catalogue import problem_named
 from driftproof.symbolic.runs import exact_matrix_at
@@ -45,7 +45,7 @@ def test_a_run_has_the_bits_of_its_steps(method):
 def test_a_run_has_the_bits_of_its_steps_for_the_pendulum():
     for q, v, h in STARTS:
         alone = step_by_step(METHODS["rk4"], lambda x: -math.sin(x), q, v, h, 50)
-        assert bits(*field_runner(METHODS["rk4"], PENDULUM)((q, v), h, 0, 50)) == bits(*alone)
+        assert bits(*runner(METHODS["rk4"], PENDULUM)((q, v), h, 0, 50)) == bits(*alone)
 
 
 def test_no_step_returns_the_start_and_a_negative_step_runs_back():
@@ -67,7 +67,7 @@ def test_a_compiled_run_has_the_same_bits(method):
 def test_a_run_that_fuses_products_into_sums_has_other_bits():
     """What a compiler would do if it were let: the test of equal bits above would see it."""
     numba = pytest.importorskip("numba")
-    plain = field_runner(METHODS["rk4"], OSCILLATOR)
+    plain = runner(METHODS["rk4"], OSCILLATOR)
     fused = numba.njit(fastmath=True)(plain)
     assert fused((0.3, -0.7), 0.1, 0, 500) != plain((0.3, -0.7), 0.1, 0, 500)
 
@@ -75,12 +75,12 @@ def test_a_run_that_fuses_products_into_sums_has_other_bits():
 def test_without_numba_a_compiled_run_says_what_to_install(monkeypatch):
     monkeypatch.setitem(sys.modules, "numba", None)
     with pytest.raises(ImportError, match=r"driftproof\[fast\]"):
-        compiled_field_runner.__wrapped__(METHODS["forward_euler"], OSCILLATOR)
+        compiled_runner.__wrapped__(METHODS["forward_euler"], OSCILLATOR)
 
 
 def test_an_implicit_method_has_no_run():
     with pytest.raises(MethodError, match="is implicit"):
-        field_runner(METHODS["gauss2"], OSCILLATOR)
+        runner(METHODS["gauss2"], OSCILLATOR)
 
 
 def test_the_loop_that_is_compiled_is_the_text_of_the_step():
@@ -113,12 +113,12 @@ def test_an_ensemble_of_systems_has_the_bits_of_each_system():
     pytest.importorskip("numba")
     forced = VectorField(("y1", "sin(t) - mass * y0"), (("mass", Q(1, 3)),))
     start = np.array([np.linspace(0.4 + k, 1.1, 2 * BLOCK + 17) for k in range(2)])
-    alone, found = field_runner(METHODS["rk4"], forced), start.copy()
-    compiled_field_ensemble_runner(METHODS["rk4"], forced, threads=2)(found, 0.01, 3, 23)
+    alone, found = runner(METHODS["rk4"], forced), start.copy()
+    compiled_ensemble_runner(METHODS["rk4"], forced, threads=2)(found, 0.01, 3, 23)
     for member in (0, BLOCK - 1, BLOCK, 2 * BLOCK + 16):
         assert tuple(found[:, member]) == alone(tuple(map(float, start[:, member])), 0.01, 3, 23)
-    arrays = array_field_runner(METHODS["rk4"], KEPLER, np)(tuple(np.ones((4, 9)) / 3), 0.01, 0, 20)
-    assert tuple(x[4] for x in arrays) == field_runner(METHODS["rk4"], KEPLER)((1 / 3,) * 4, 0.01, 0, 20)
+    arrays = array_runner(METHODS["rk4"], KEPLER, np)(tuple(np.ones((4, 9)) / 3), 0.01, 0, 20)
+    assert tuple(x[4] for x in arrays) == runner(METHODS["rk4"], KEPLER)((1 / 3,) * 4, 0.01, 0, 20)
 
 
 def library_named(name):
@@ -147,7 +147,7 @@ def test_an_ensemble_on_arrays_of_any_library_is_within_the_derived_bound(name, 
     keep, h = (lambda f: f) if as_is else compiled, 0.1
     start = np.random.default_rng(1).uniform(-1, 1, (2, BLOCK))
     method = METHODS["rk4"]
-    run = array_field_runner(method, OSCILLATOR, library)
+    run = array_runner(method, OSCILLATOR, library)
     found = np.array([[float(x) for x in row] for row in keep(lambda *y: run(y, h, 0, 1))(*map(array, start))])
     qq, qv, vq, vv = exact_matrix_at(method, Q(h))
     bound = any_order(method)
@@ -155,7 +155,7 @@ def test_an_ensemble_on_arrays_of_any_library_is_within_the_derived_bound(name, 
         dq, dv = bound.error_of(Q(h), Q(q), Q(v))
         assert abs(Q(q_found) - qq * Q(q) - qv * Q(v)) <= dq
         assert abs(Q(v_found) - vq * Q(q) - vv * Q(v)) <= dv
-    plain = np.array(array_field_runner(method, OSCILLATOR, np)(tuple(start), h, 0, 1))
+    plain = np.array(array_runner(method, OSCILLATOR, np)(tuple(start), h, 0, 1))
     assert (found == plain).all() or fuses(array, keep), f"{name} rounds otherwise, and fuses nothing"
 
 
@@ -170,7 +170,7 @@ def test_threads_take_parts_of_whole_blocks(members, threads, size):
 
 
 def test_an_ensemble_of_systems_is_rows_of_doubles():
-    run = compiled_field_ensemble_runner(METHODS["rk4"], KEPLER)
+    run = compiled_ensemble_runner(METHODS["rk4"], KEPLER)
     for wrong in (np.ones(4), np.ones((3, 8)), np.ones((4, 8), np.float32), np.ones((8, 4)).T):
         with pytest.raises(ValueError, match=r"an ensemble is a C-contiguous float64 array with 4 rows"):
             run(wrong, 0.01, 0, 1)

@@ -321,15 +321,17 @@ def test_two_sweeps_do_not_write_one_file(tmp_path):
 
 
 def test_a_link_is_written_through_and_the_mode_and_a_draft_of_the_users_are_kept(tmp_path):
-    path, link, draft = tmp_path / "answers.jsonl", tmp_path / "link", tmp_path / "link.draft"
-    draft.write_bytes(b"mine")
+    path, link = tmp_path / "answers.jsonl", tmp_path / "link"
+    drafts = [tmp_path / f"{name}.draft" for name in ("link", "answers.jsonl")]
+    for draft in drafts:
+        draft.write_bytes(b"mine")
     path.touch(0o600)
     link.symlink_to(path)
     run_grid(SCENE, GRID, Inline(), link)
     assert link.is_symlink()
     assert path.read_bytes().count(b"\n") == 13
     assert path.stat().st_mode & 0o777 == 0o600
-    assert draft.read_bytes() == b"mine"
+    assert [draft.read_bytes() for draft in drafts] == [b"mine"] * 2
 
 
 def test_a_file_that_is_not_of_this_sweep_is_refused_and_left_as_it_is(tmp_path):

@@ -41,9 +41,9 @@ def test_rounding_of_rk4_is_the_pull_of_its_weights_which_the_theorem_bounds_and
 
 def test_a_run_that_is_told_a_wrong_step_is_beyond_the_theorem(monkeypatch):
     """The bound has teeth: 2⁻⁴⁰ more in each of a thousand steps is beyond what rounding may do."""
-    right = long_runs.compiled_field_runner
+    right = long_runs.compiled_runner
     wrong = lambda *args, **options: lambda y, h, first, last: right(*args, **options)(y, h + 2.0**-40, first, last)
-    monkeypatch.setattr(long_runs, "compiled_field_runner", wrong)
+    monkeypatch.setattr(long_runs, "compiled_runner", wrong)
     run = long_run("velocity_verlet", 10**3)
     assert run.rounding > run.theorem
 

@@ -18,7 +18,7 @@ from benchmarks.harness import Contestant, Goal, Row, Section, Subject, forget, 
 from driftproof.methods.catalogue import METHODS
 from driftproof.numeric import field_loops
 from driftproof.numeric.advance import field_rate
-from driftproof.numeric.engine import field_runner
+from driftproof.numeric.engine import runner
 from driftproof.numeric.steppers import rk4
 from driftproof.numeric.work_precision.timing import Timing
 from driftproof.reports.work_precision.peers import Peer
@@ -162,16 +162,16 @@ def test_what_grows_is_done_at_its_smallest_size(law: growth.Law) -> None:
 
 
 def test_loops_by_hand_have_the_bits_of_ours() -> None:
-    ours = field_runner(engine.RK4, engine.OSCILLATOR)(engine.START, engine.H, 0, 100)
+    ours = runner(engine.RK4, engine.OSCILLATOR)(engine.START, engine.H, 0, 100)
     assert engine.by_hand(*engine.START, engine.H, 100) == engine.by_steps(*engine.START, engine.H, 100) == ours
-    lorenz = field_runner(engine.RK4, engine.LORENZ)(engine.LORENZ_START, engine.H, 0, 100)
+    lorenz = runner(engine.RK4, engine.LORENZ)(engine.LORENZ_START, engine.H, 0, 100)
     assert engine.lorenz_by_hand(engine.LORENZ_START, engine.H, 100) == lorenz
 
 
 @pytest.mark.skipif(not (shutil.which("gcc") or shutil.which("cc")), reason="no C compiler")
 def test_unfused_c_has_our_bits_and_fused_c_has_others(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(engine, "MANY", 1000)
-    ours = field_runner(engine.RK4, engine.OSCILLATOR)(engine.START, engine.H, 0, 1000)
+    ours = runner(engine.RK4, engine.OSCILLATOR)(engine.START, engine.H, 0, 1000)
     assert engine.c_trajectory(engine.compiled_c("-ffp-contract=off"))() == ours
     flags = Path("/proc/cpuinfo")
     if flags.exists() and " fma " in flags.read_text(encoding="utf-8"):

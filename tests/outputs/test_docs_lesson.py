@@ -146,7 +146,7 @@ class Careless(Phrase):
 
 
 def test_misprints_that_a_careless_claim_lets_pass_are_counted() -> None:
-    (claim,) = parse_claims(b'[[claim]]\nid="a"\nphrase="is {value} at RK4"\nvalue="1/4"').claims
+    (claim,) = parse_claims('[[claim]]\nid="a"\nphrase="is {value} at RK4"\nvalue="1/4"').claims
     document = document_of("it is 0.25 at RK4, q\u2081")
     careless = replace(claim, phrase=Careless(claim.phrase.literals, claim.phrase.names))
     for one, missed in ((claim, 0), (careless, 27)):

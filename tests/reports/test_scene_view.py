@@ -20,6 +20,8 @@ def test_default_scene_shows_what_the_lesson_shows() -> None:
     shown = scene_text(PRESETS["default"], show_scene(PRESETS["default"], 15))
     lines = [" ".join(line.split()) for line in shown.splitlines()]
     assert set(LESSON_DEFAULT) <= set(lines)
+    heads, *rows = shown.splitlines()[-4:]
+    assert {len(row) for row in rows} == {len(heads)}  # numbers stand at the right of their columns
 
 
 LESSON_DEFAULT = [

@@ -88,9 +88,8 @@ def test_error_of_a_draft_names_the_file(tmp_path, number):
     loop = tmp_path / "loop"
     loop.symlink_to(loop)
     for given in (atomic_write(loop).__enter__, lambda: require_folder(loop)):
-        with pytest.raises(OSError, match="loop") as refused:
+        with pytest.raises(ValueError, match=f"loop: {os.strerror(ELOOP)}"):
             given()
-        assert refused.value.errno == ELOOP
     assert loop.is_symlink()
 
 
@@ -114,16 +113,15 @@ def test_what_is_in_the_way_is_named(tmp_path):
     os.mkfifo(tmp_path / "pipe")
     with pytest.raises(ValueError, match="pipe is not a regular file"):
         require_file(tmp_path / "pipe")
-    with pytest.raises(OSError, match="file") as refused, atomic_write(tmp_path / "file" / "below"):
+    with pytest.raises(ValueError, match="file/below: Not a directory"), atomic_write(tmp_path / "file" / "below"):
         raise AssertionError
-    assert str(refused.value.filename).startswith(str(tmp_path))
 
 
 def test_text_is_read_within_a_limit(tmp_path):
     path = tmp_path / "x.txt"
     path.write_bytes(b"\xef\xbb\xbf\xce\xb1")  # with a byte order mark
     assert read_utf8(path, 5) == "α"
-    for content, reason in ((b"1234567", "longer than 6 bytes"), (b"ab\xff", "not UTF-8 at byte 2")):
+    for content, reason in ((b"1234567", "too large; at most 6 bytes are read"), (b"ab\xff", "not UTF-8 at byte 2")):
         path.write_bytes(content)
         with pytest.raises(ValueError, match=f"x.txt: {reason}$"):
             read_utf8(path, 6)

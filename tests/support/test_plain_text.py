@@ -2,7 +2,7 @@
 
 import pytest
 
-from driftproof.support.plain_text import as_json, did_you_mean, short, table, with_digits
+from driftproof.support.plain_text import as_json, counted, did_you_mean, short, table, unknown, with_digits
 
 
 def test_table_aligns_columns_and_ends_no_line_with_blanks():
@@ -37,4 +37,9 @@ def test_near_names_are_suggested():
     known = ("rk4", "rk38", "rk2", "gauss2")
     assert did_you_mean("rk5", known) == "; did you mean rk4 or rk2?"
     assert did_you_mean("gauss", known) == "; did you mean gauss2?"
-    assert did_you_mean("zzz", known) == ""
+    near = "; did you mean rk4 or rk2? choose from rk4, rk38, rk2, gauss2"
+    assert unknown("method", "rk5", known) == f"unknown method 'rk5'{near}"
+    assert unknown("method", "zzz", known) == "unknown method 'zzz'; choose from rk4, rk38, rk2, gauss2"
+    assert unknown("method", "z" * 61, known, "a list") == f"unknown method {'z' * 57 + '...'!r} (a list)"
+    assert [counted(n, "step") for n in (0, 1, 2)] == ["0 steps", "1 step", "2 steps"]
+    assert did_you_mean("zzz", known) == did_you_mean("energy", ["kepler_energy"]) == ""

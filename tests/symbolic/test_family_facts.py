@@ -9,13 +9,16 @@ from typing import Any
 
 import pytest
 import sympy
+from flint import fmpq_poly
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from driftproof.methods.families import FAMILIES
 from driftproof.reports.fact_sheet import facts
+from driftproof.symbolic.algebra.bivariate import T_OF_TWO, X_OF_TWO
 from driftproof.symbolic.algebra.polynomials import exact, scalar
-from driftproof.symbolic.family_facts import FamilyFacts, family_residuals
+from driftproof.symbolic.algebra.real_roots import positive_roots
+from driftproof.symbolic.family_facts import Branch, FamilyFacts, _at_point, family_residuals
 from driftproof.symbolic.trees.order_conditions import order, residuals, runge_kutta_conditions
 from driftproof.texts.writing.records import record
 from tests.symbolic.linear.family_examples import CUBIC, SDIRK_3, SECOND, THETA, family
@@ -109,6 +112,14 @@ def test_the_point_where_two_curves_meet_is_a_piece_of_its_own() -> None:
     pieces = pieces_of("cubic", "real_limit")
     assert [p["where"] for p in pieces] == ["(-oo, -1/2)", "{-1/2}", "(-1/2, 2]", "(2, oo)"]
     assert pieces[1]["limit"]["exact"] == "1 + sqrt(5)"
+
+
+def test_a_limit_at_a_point_continues_the_branch_whose_root_it_is_there() -> None:
+    """At t = 2 the roots of (x - 1)(x - t) are 1 and 2."""
+    curves, (one, two) = [(X_OF_TWO - 1) * (X_OF_TWO - T_OF_TWO)], positive_roots([fmpq_poly([2, -3, 1])])
+    first, second = Branch(0, 1), Branch(0, 2)
+    assert [_at_point(curves, Q(2), limit, [first, second]) for limit in (one, two)] == [first, second]
+    assert _at_point(curves, Q(2), two, [first]) == two
 
 
 # --- order

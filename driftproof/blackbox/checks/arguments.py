@@ -108,11 +108,7 @@ def _whole(numbers: Sequence[adapters.AnyNumber]) -> list[adapters.AnyNumber]:
 
 # Adapters that pass whole numbers as integers, and others, such as those of a force, as they are.
 _INTEGERS = {
-    adapters.SCALARS.name: adapters.ArrayAdapter(
-        "int", lambda numbers: adapters.one_number(_whole(numbers)), adapters.SCALARS.read
-    ),
-    adapters.ARRAYS.name: adapters.ArrayAdapter(
-        "numpy.array", lambda numbers: np.array(_whole(numbers)), adapters.ARRAYS.read
-    ),
-    adapters.LISTS.name: adapters.ArrayAdapter("list", _whole, adapters.LISTS.read),
+    adapters.SCALARS.name: replace(adapters.SCALARS, name="int", write=lambda x: adapters.one_number(_whole(x))),
+    adapters.ARRAYS.name: replace(adapters.ARRAYS, name="numpy.array", write=lambda x: np.array(_whole(x))),
+    adapters.LISTS.name: replace(adapters.LISTS, name="list", write=_whole),
 }

@@ -20,11 +20,7 @@ from driftproof.symbolic.rounding.formats import BINARY16, BINARY32, power_of_tw
 Neighbours = tuple[float, float]
 COMPONENT_NAMES = ("q", "v")
 # A state with few bits, which a rule that rounds leaves unchanged; then states with all their bits.
-_STATES: tuple[PhasePoint, ...] = (
-    (0.3125, 0.375),
-    (0.27182818284590454, 0.31415926535897931),
-    (0.2236067977499790, 0.3),
-)
+_STATES = (0.3125, 0.375), (0.27182818284590454, 0.31415926535897931), (0.2236067977499790, 0.3)
 # Sums inside the stepper, such as an angle plus pi before and after it is wrapped, round numbers up to 4 times the
 # state, by this many u at most.
 _SLACK = 16

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
+from driftproof.support.plain_text import counted
 from driftproof.symbolic.rounding.formats import BINARY16, BINARY32, FloatFormat
 
 # No decimals from here on are looked for: numbers of size 1000 have no more after the point.
@@ -35,7 +36,7 @@ def quantisation_of(numbers: Sequence[float]) -> Quantisation | None:
         return Quantisation(1.0, "answers are whole numbers")
     decimals = next((k for k in range(1, _DECIMALS) if all(round(x, k) == x for x in numbers)), None)
     if decimals is not None:
-        return Quantisation(10.0**-decimals, f"answers are rounded to {decimals} decimal{'s' * (decimals > 1)}")
+        return Quantisation(10.0**-decimals, f"answers are rounded to {counted(decimals, 'decimal')}")
     last = max(Fraction(x).denominator.bit_length() - 1 for x in numbers)  # bits after the point
     bits = sorted(significant_bits(x) for x in numbers if x)
     # Of floats, three in four have nearly as many bits as the longest.

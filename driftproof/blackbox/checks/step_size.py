@@ -20,6 +20,7 @@ from driftproof.blackbox.checks.trials import (
 )
 from driftproof.blackbox.stepper.calling_conventions import MAP
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
+from driftproof.support.plain_text import counted
 from driftproof.symbolic.rounding.formats import power_of_two
 
 _KEY, IGNORED = "step_size", "h is ignored"
@@ -160,7 +161,7 @@ def _by_calls(runner: TrialRunner) -> CheckResult:
         words = f"it calls the force {first} times at h = {ends[0]:.3g}, {len(beyond)} times from there on"
         why = "it iterates" if _closes_in(beyond) else "it iterates, or adapts a step of its own"
         return CheckResult(_SUB_STEPS, None, f"{words}: {why}")
-    return CheckResult(_SUB_STEPS, True, f"one step calls the force {first} time{'s' * (first != 1)}, whatever h is")
+    return CheckResult(_SUB_STEPS, True, f"one step calls the force {counted(first, 'time')}, whatever h is")
 
 
 def _places(runner: TrialRunner, h: float, state: PhasePoint | None = None) -> list[float]:

@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from decimal import Decimal
 from fractions import Fraction
 from itertools import cycle, islice, product
 from typing import Any
 
+import numpy as np
+
+from driftproof.blackbox.checks.determinism import ALIKE
 from driftproof.blackbox.findings import Misbehaviour, StepFinding, UnsupportedCall
 from driftproof.blackbox.judging.sampled_steps import Arguments, Sizes, simplest_step, steps_within
 from driftproof.blackbox.judging.specification import ORDINARY_DOMAIN, Domain, Specification
@@ -26,6 +30,8 @@ EXAMPLES = 1000
 # How many oscillators are stepped together, besides as many as there are ordinary states: with both remainders by two,
 # and more than a block of eight, or of 32.
 _TOGETHER = (2, 4, 7, 8, 9, 33)
+# One position more than a vector of three, or four, holds.
+_DRAGGED = 5
 # The digits of an exact value shown: three more than distinguish two neighbouring doubles.
 _DIGITS = 20
 
@@ -205,7 +211,32 @@ def several_together(subject: ForeignStepper, wanted: Specification) -> StepFind
                 return StepFinding(False, f"of {len(states)} oscillators together, {seen}")
     if not taken:
         return StepFinding(None, f"it takes one at a time: {refused}")
+    if subject.gives_velocities and (seen := _pushed_apart(subject, wanted.domain)):
+        return StepFinding(False, seen)
     return StepFinding(True, f"{', '.join(map(str, taken))} oscillators in one step, each within the bound")
+
+
+def _pushed_apart(subject: ForeignStepper, domain: Domain) -> str:
+    """A position that ends elsewhere with others than alone, under a force of its own velocity; "" if none does.
+
+    A method for q'' = F(q) does not say which velocity a force is given, but it is that of the same position.
+    """
+    (*_, (q, v)), (h, _) = ordinary_arguments(subject, domain)
+    states = [(q, v / 2**i) for i in range(_DRAGGED)]
+
+    def stepped(*some: tuple[float, float]) -> list[float]:
+        q, v = map(list, zip(*some, strict=True))
+        drag = lambda t, q, v: [-x - y for x, y in zip(q, v, strict=True)]
+        return subject.step_dragged(drag, subject.adapter.number(0.0), q, v, subject.adapter.number(h))
+
+    with suppress(Misbehaviour):
+        together = stepped(*states)
+        for i, state in enumerate(states):
+            ends = together[i :: len(states)], stepped(state)
+            if not np.allclose(*ends, rtol=ALIKE, atol=0):
+                where = f"of {len(states)} positions whose forces depend on velocities, number {i} goes from {state}"
+                return f"{where} to {tuple(ends[0])}, and alone to {tuple(ends[1])}"
+    return ""
 
 
 def _sets_together(

@@ -12,6 +12,7 @@ from driftproof.blackbox.judging.agreement import EXAMPLES, Agreement, agreement
 from driftproof.blackbox.judging.specification import Allowance, Specification
 from driftproof.blackbox.judging.tolerance import Tolerance
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
+from driftproof.methods.catalogue import of_one_state
 from driftproof.methods.number_field import Exact
 from driftproof.methods.schemes import Method, Nystrom, RungeKutta, Splitting
 from driftproof.symbolic.algebra.certified import fixed, significant
@@ -43,7 +44,8 @@ def explain_by_habits(subject: ForeignStepper, wanted: Specification, examples: 
         if allowing != wanted and agreement(subject, allowing, examples).holds:
             return replace(found, but_for=words)
     near: list[tuple[float, str, Specification]] = []
-    for words, method in _of_few_digits(wanted.method, found.largest_scaled_error * float(subject.format.u)):
+    off = found.largest_scaled_error * float(subject.format.u)
+    for words, method in _of_few_digits(of_one_state(wanted.method), off):
         rounded = replace(wanted, method=method)
         judged = Tolerance.of(rounded, subject.format).judge(q, v, h, answer)
         if all(component.allowed for component in judged):

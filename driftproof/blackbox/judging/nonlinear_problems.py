@@ -14,6 +14,7 @@ from driftproof.blackbox.stepper.array_adapters import AnyNumber
 from driftproof.blackbox.stepper.calling_conventions import FIELD, MAP
 from driftproof.blackbox.stepper.foreign_code import FieldFunction
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
+from driftproof.support.plain_text import counted
 
 _State: TypeAlias = list[AnyNumber]
 # The start is not 0, so that a clock that stays at 0 or is reset to it shows. Of the starts, spacings of the bells and
@@ -140,7 +141,7 @@ def field_problem(subject: ForeignStepper) -> NonlinearProblem:
 def driven(size: int, *, timed: bool) -> NonlinearProblem:
     """The problem with `size` components; if it is not timed and there are two or more, the last one is the clock."""
     if timed or size > 1:
-        numbers = f"{size} component{'s' * (size > 1)}"
+        numbers = counted(size, "component")
         words = f"a nonlinear problem of {numbers}, {'with t' if timed else 'without t: the code passes no time'}"
         bells = size if timed else size - 1
         ends: Callable[[arb], list[arb]] = lambda t: [*(_bell(i, t)[1] for i in range(bells)), *[t] * (size - bells)]

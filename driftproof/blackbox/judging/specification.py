@@ -5,7 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from fractions import Fraction
 from math import inf
-from typing import Any
+
+from driftproof.methods.catalogue import Entry
 
 
 @dataclass(frozen=True)
@@ -81,6 +82,6 @@ NO_ALLOWANCE = Allowance()
 class Specification:
     """A method of any family, as a stepper is to be compared with it."""
 
-    method: Any
+    method: Entry
     allowance: Allowance = NO_ALLOWANCE
     domain: Domain = ORDINARY_DOMAIN

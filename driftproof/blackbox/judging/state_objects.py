@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import replace
+from fractions import Fraction
 from functools import partial
 from typing import Any
 
@@ -14,7 +15,7 @@ from driftproof.blackbox.findings import Misbehaviour, RightInAnotherForm, StepF
 from driftproof.blackbox.judging.agreement import ordinary_arguments
 from driftproof.blackbox.judging.specification import Specification
 from driftproof.blackbox.judging.tolerance import Tolerance
-from driftproof.blackbox.judging.walks import Walker, walk_on
+from driftproof.blackbox.judging.walks import NUDGE, Walker, walk_on
 from driftproof.blackbox.stepper.array_adapters import ARRAYS, LISTS, SCALARS, TUPLES, ArrayAdapter, Foreign
 from driftproof.blackbox.stepper.calling_conventions import (
     FIELD,
@@ -28,12 +29,13 @@ from driftproof.blackbox.stepper.calling_conventions import (
 from driftproof.blackbox.stepper.foreign_code import CallLog
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.blackbox.stepper.records import clock_of, parts_of
-from driftproof.blackbox.stepper.state_forms import BODIES, IN_PLANE, OF_TWO_DIMENSIONS
+from driftproof.blackbox.stepper.state_forms import BODIES, IN_PLANE, OF_TWO_DIMENSIONS, WITH_GAPS
 from driftproof.blackbox.stepper.wrappers import turn_wrapper
 
 _FORMS = (ARRAYS, LISTS, TUPLES)
-# Chosen: the number of successive steps from each form of state.
-_STEPS = 3
+# By what the state is multiplied before each of the successive steps from each form of state.
+_NUDGES = (1.0, 1.0, NUDGE)
+_AGAIN = "one object overwritten between steps"
 # The relative error allowed to a clock, which may be a number of 11 bits.
 _CLOCK = 2.0**-8
 _STATE_ROLES = (POSITION, VELOCITY, STATE)
@@ -51,11 +53,13 @@ def state_objects(subject: ForeignStepper, wanted: Specification) -> StepFinding
     trial = partial(_tried, wanted=wanted)
     given = f"the state is given as {subject.adapter.name}{several}{back}"
     keeping = _ReusingAnswers(subject.function, subject.convention)
-    wrong, own = trial(replace(subject, function=keeping, log=CallLog(works_in_place=subject.log.works_in_place)))
+    wrong, own = trial(_changed(subject, function=keeping))
     forms = [form for form in _FORMS if subject.adapter in _FORMS and form is not subject.adapter]
     if wrong and (from_copies := trial(subject)[0]):
         if trial(subject)[0] != from_copies:
             return StepFinding(None, f"{given}: the same steps, taken again, end elsewhere")
+        if not trial(subject, nudges=_NUDGES[:-1])[0]:
+            return StepFinding(False, f"a step that begins in almost the state where one ended is wrong: {from_copies}")
         turned = {_turned(subject.adapter): turn_wrapper(subject)} if STATE in subject.convention.order else {}
         for form, wrapper in {**dict.fromkeys(forms, ""), **turned}.items():
             with suppress(Misbehaviour):
@@ -71,27 +75,37 @@ def state_objects(subject: ForeignStepper, wanted: Specification) -> StepFinding
         return StepFinding(False, "it changes its arguments to something other than its answer")
     found: dict[str, list[str]] = {}
     numbers = (SCALARS,) * (not subject.log.works_in_place)  # a float that is handed over cannot be changed
-    rows = (OF_TWO_DIMENSIONS, *numbers) if subject.adapter is ARRAYS else ()
-    further = {FORCE: (BODIES, IN_PLANE), FIELD: rows}
-    for form in (*forms, *further.get(subject.convention.kind, ())):
+    rows = {FORCE: (BODIES, IN_PLANE), FIELD: (OF_TWO_DIMENSIONS, *numbers) * (subject.adapter is ARRAYS)}
+    apart = (WITH_GAPS,) * bool(several or subject.adapter is ARRAYS)
+    ways = {x.name: _in_form(subject, x) for x in (*forms, *rows.get(subject.convention.kind, ()), *apart)}
+    overwriting = _Overwriting(subject.function, subject.convention)
+    if apart or subject.adapter is LISTS:
+        ways[_AGAIN] = _changed(subject, function=overwriting)
+    for words, changed in ways.items():
         try:
-            wrong, seen = trial(_in_form(subject, form))
+            wrong, seen = trial(changed)
         except Misbehaviour:
-            found.setdefault("are refused", []).append(form.name)
+            found.setdefault("are refused", []).append(words)
             continue
         if wrong:
-            return StepFinding(False, f"{given}; with {form.name} it takes a different step: {wrong}")
+            return StepFinding(False, f"{given}; with {words} it takes a different step: {wrong}")
         same = "give the same bits" if seen in ([], own) else "give the same up to rounding"
-        found.setdefault(same, []).append(form.name)
-    others = [f"{' and '.join(names)} {words}" for words, names in found.items()]
+        if words != _AGAIN or overwriting.handed:
+            found.setdefault(same, []).append(words)
+    others = [f"{', '.join(names[:-1])}{' and ' * (names[1:] != [])}{names[-1]} {x}" for x, names in found.items()]
     handed = ["steps from the previous step's own object agree with those from a copy"] if keeping.handed else []
     return StepFinding(True, "; ".join([given, *others, *handed]))
 
 
 def _in_form(subject: ForeignStepper, form: ArrayAdapter) -> ForeignStepper:
     single = subject.single or (form is SCALARS and subject.convention.kind == FIELD)
+    return _changed(subject, adapter=form, single=single)
+
+
+def _changed(subject: ForeignStepper, **parts: Any) -> ForeignStepper:
+    """The subject with other parts, whose log knows only how its answers are read."""
     log = CallLog(works_in_place=subject.log.works_in_place, layout=subject.log.layout)
-    return replace(subject, adapter=form, single=single, log=log)
+    return replace(subject, log=log, **parts)
 
 
 def _turned(adapter: ArrayAdapter) -> ArrayAdapter:
@@ -116,14 +130,17 @@ class _SmallWalker(Walker):
         return (1,) if self.subject.single else _OF_ROWS.get(self.subject.adapter, (2, 1))
 
 
-def _tried(subject: ForeignStepper, wanted: Specification) -> tuple[str, list[tuple[float, float]]]:
+def _tried(
+    subject: ForeignStepper, wanted: Specification, nudges: Sequence[float] = _NUDGES
+) -> tuple[str, list[tuple[float, float]]]:
     """What is wrong with a few successive steps, "" if nothing is, and the answers on q'' = -q.
 
     If a right-hand side can be given, a nonlinear problem is tried as well. Raises a Misbehaviour of the stepper.
     """
     tolerance, seen = Tolerance.of(wanted, subject.format), list[tuple[float, float]]()
     (*_, (q, v)), (*_, h) = ordinary_arguments(subject, wanted.domain)
-    for _ in range(0 if subject.single else _STEPS):
+    for nudge in () if subject.single else nudges:
+        q, v = (float(subject.format.nearest(Fraction(nudge * x))) for x in (q, v))
         answer = subject.step(q, v, h)
         if not all(component.allowed for component in tolerance.judge(q, v, h, answer)):
             return f"from q={q!r}, v={v!r} with h={h!r} it goes to {answer}", seen
@@ -151,13 +168,13 @@ class _ReusingAnswers:
         self.function = function
         self.order = convention.order
         self.roles = dict(zip(convention.names, convention.order, strict=False))
-        self.known: list[Foreign] = []
+        self.known, self.same = list[Foreign](), dict[tuple[int | str, ...], Foreign]()
         self.handed = self.spoilt = False
         self.clock = ""
 
     def __call__(self, *arguments: Foreign, **named: Foreign) -> Foreign:
-        given = [self._known_as(x) for x in arguments]
-        by_name = {name: self._known_as(x) for name, x in named.items()}
+        given = [self._known_as(x, place) for place, x in enumerate(arguments)]
+        by_name = {name: self._known_as(x, name) for name, x in named.items()}
         roles = [*zip(self.order, given, strict=False), *((self.roles.get(name), x) for name, x in by_name.items())]
         moved = [x for role, x in roles if role in _STATE_ROLES and _can_be_written(x)]
         before, t = [_bits(x) for x in moved], next(filter(None, (clock_of(x) for x in moved)), 0.0)
@@ -181,11 +198,22 @@ class _ReusingAnswers:
         if not np.isclose(after - before, (0.0, h), rtol=_CLOCK, atol=_CLOCK * abs(before)).any():
             self.clock = self.clock or f"its clock goes from {before:g} to {after:g} in a step of {h:g}"
 
-    def _known_as(self, x: Foreign) -> Foreign:
+    def _known_as(self, x: Foreign, place: int | str) -> Foreign:
         if mine := _without_clock(x):
             return next((y for y in self.known if mine.items() <= _without_clock(y).items()), x)
         same = (y for y in self.known if type(y) is type(x) and np.shape(y) == np.shape(x) and _bits(y) == _bits(x))
         return next(same, x) if _can_be_written(x) else x
+
+
+class _Overwriting(_ReusingAnswers):
+    """A stepper that gets the same list or array at every call, with the numbers of that call."""
+
+    def _known_as(self, x: Foreign, place: int | str) -> Foreign:
+        if not isinstance(x, np.ndarray | list) or not np.ndim(x):
+            return x
+        its = self.same.setdefault((place, *np.shape(x)), x)
+        its[:] = x
+        return its
 
 
 def _can_be_written(x: Foreign) -> bool:

@@ -13,6 +13,7 @@ from flint import arb, arb_poly, ctx
 
 from driftproof.blackbox.findings import BadInput
 from driftproof.blackbox.judging.specification import NO_ALLOWANCE, Allowance, Specification
+from driftproof.methods.catalogue import of_one_state
 from driftproof.methods.schemes import Method
 from driftproof.symbolic.algebra.certified import CertifiableReal, enclose
 from driftproof.symbolic.algebra.polynomials import coefficients
@@ -52,7 +53,7 @@ class Tolerance:
     @classmethod
     def of(cls, wanted: Specification, fmt: FloatFormat) -> Tolerance:
         """The tolerance of a specification in a format."""
-        return cls(wanted.method, fmt, wanted.allowance)
+        return cls(of_one_state(wanted.method), fmt, wanted.allowance)
 
     def __post_init__(self) -> None:
         """Raise ValueError unless a `solver_tolerance` is given for an implicit method, and only then."""

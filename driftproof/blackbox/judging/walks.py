@@ -31,8 +31,10 @@ _FEW, _AT_HOME = 2, 9
 # More equal steps than the start of any multistep method in use has, for codes that become one; and how many pairs of a
 # place and a number of components are tried with h < 0.
 _EQUAL, _PAIRS_BACK = 12, 7
-# What precedes a step: a step that ends where it starts, or one after which the state was changed, as by an event.
+# What precedes a step: a step that ends where it starts, or one after which the state was changed, as by an event, or
+# by so little that a code which compares states to ten digits takes it for the same one, and far above rounding.
 _GOES_ON, _MOVED = "continues from the previous one", "begins when the previous one ended, in another state,"
+_NUDGED, NUDGE = "begins when the previous one ended, in almost its state,", 1 + 2.0**-33
 
 
 @dataclass(frozen=True)
@@ -132,9 +134,10 @@ class Walker(NonlinearComparison):
         # A step of another right-hand side from the same start: a code that caches by t, y and h alone then goes wrong.
         rest = replace(there, rate=lambda t, y: [0.0 * x for x in y])
         rest.stepped(self.subject, t, y, lengths[0] * 2.0**-place.pace)
-        after = ["", *[_GOES_ON] * (len(lengths) - 1), _MOVED]
+        after = ["", *[_GOES_ON] * (len(lengths) - 1), _MOVED if lengths == _LENGTHS else _NUDGED]
         for length, before in zip((*lengths, lengths[-1]), after, strict=True):
-            h, y = length * 2.0**-place.pace, start if before == _MOVED else y
+            h = length * 2.0**-place.pace
+            y = start if before == _MOVED else [NUDGE * x for x in y] if before == _NUDGED else y
             seen = self.compared(there, t, y, h)
             if seen.wrong:
                 n = there.positions or len(y)
@@ -196,6 +199,8 @@ def _walked_on(walker: Walker, lengths: Sequence[float], most: int | None) -> St
     for n in walker.numbers:
         with suppress(*REFUSALS):
             of_numbers[n] = walker.problems(n)
+        if len(of_numbers) == most:
+            break
     for place, problems, each in islice(_settings(walker, [*of_numbers.values()], lengths), most):
         found: list[_Step] = []
         for problem in problems:

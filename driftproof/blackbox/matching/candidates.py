@@ -33,6 +33,7 @@ from driftproof.blackbox.matching.tables import (
 from driftproof.blackbox.probes.coefficients import short_rational, simple_rational
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.schemes import Collocation, Method, Nystrom, RungeKutta, Splitting
+from driftproof.support.plain_text import counted
 from driftproof.symbolic.linear.reduced_tableau import StageCoefficients, reduced
 
 # Makes a table of the kind of number wanted, with its drift, which is None for a right-hand side.
@@ -246,7 +247,7 @@ def _iterations(calls: int, timed: bool) -> Iterator[tuple[str, str, Callable[[F
                 times, rest = divmod(calls - first, rows)
                 if rest or (state and (not timed or times < 1)):
                     continue
-                count = f"{times + state} fixed-point iteration{'s' * (times + state > 1)}"
+                count = counted(times + state, "fixed-point iteration")
                 start = "state" if state else "slope"
                 iterated = _then(make, partial(tableau_iterated, state=state), times)
                 yield method.key, f"with {count} from the {start} at the start: explicit", iterated

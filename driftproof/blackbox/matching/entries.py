@@ -21,7 +21,7 @@ from driftproof.blackbox.probes.scripted_answers import Rounding
 from driftproof.blackbox.probes.tableau import TableauReading
 from driftproof.methods.number_field import Exact
 from driftproof.methods.schemes import Collocation, RungeKutta
-from driftproof.support.plain_text import table
+from driftproof.support.plain_text import counted, table
 from driftproof.symbolic.trees.order_conditions import order
 
 # Chosen: the most entries that are shown in a table; further ones are only counted.
@@ -33,7 +33,7 @@ _MOST_STAGES = 7
 def side_by_side(reading: CoefficientReading, method: RungeKutta | Collocation) -> list[str]:
     """The entries that differ, claimed and read, as a table; then the rows of the A read that do not sum to their c."""
     if reading.calls != method.stages:
-        return [f"{method.key} has {method.stages} stage{'s' * (method.stages > 1)}, {reading.calls} read"]
+        return [f"{method.key} has {counted(method.stages, 'stage')}, {reading.calls} read"]
     rounding, fmt = reading.rounding, reading.format
     full = reading.implicit or not method.explicit
     if isinstance(reading, ForceReading):

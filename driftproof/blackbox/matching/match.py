@@ -30,6 +30,7 @@ from driftproof.blackbox.probes.scripted_answers import CoefficientRow, Rounding
 from driftproof.blackbox.probes.tableau import TableauReading
 from driftproof.methods import catalogue
 from driftproof.methods.schemes import Collocation, Method, RungeKutta
+from driftproof.support.plain_text import counted
 from driftproof.symbolic.linear.reduced_tableau import reduced
 
 # A coefficient that is computed where it is used, as a quotient or with a root, takes at most four operations, as
@@ -71,7 +72,7 @@ class Match:
             return "every coefficient correctly rounded"
         if self.within:
             return f"every coefficient within {self.within:.1e}, the accuracy of its stage solver"
-        within = f"{self.roundings} rounding{'s' * (self.roundings > 1)}"
+        within = counted(self.roundings, "rounding")
         if not self.summed:
             return f"every coefficient within {within}"
         return f"coefficients formed as sums: {self.farthest} is off by {within} of the largest in its column"

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple, TypeAlias, TypeVar
 
 from driftproof.blackbox.findings import Misbehaviour, NoAnswer
+from driftproof.support.plain_text import counted
 from driftproof.symbolic.rounding.formats import FloatFormat
 
 CoefficientRow: TypeAlias = tuple[float, ...]
@@ -101,7 +102,7 @@ def require_same(rounding: Rounding, first: Sequence[float], second: Sequence[fl
     """Raise NotReadable if a step that is taken again shows other numbers, beyond rounding."""
     allowed = rounding.of(max(map(abs, first), default=0.0))
     if len(first) != len(second) or not all(abs(x - y) <= allowed for x, y in zip(first, second, strict=True)):
-        seen = f"the same step of {rounding.calls} call{'s' * (rounding.calls != 1)} taken twice is not the same"
+        seen = f"the same step of {counted(rounding.calls, 'call')} taken twice is not the same"
         raise NotReadable(f"{seen}: it remembers the previous step, or is random")
 
 

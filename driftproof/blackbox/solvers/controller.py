@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import partial
-from itertools import pairwise
+from itertools import chain, pairwise
 from math import exp, fsum, isclose, log, log1p
 from operator import sub
 from typing import Any, NamedTuple, TypeAlias
@@ -149,12 +149,8 @@ def read_controller(subject: ForeignSolver, steps: SolverSteps) -> ControllerRea
         law = replace(law, exception="", accepted=1.0)
     after = ["a step after a rejected one does not grow"] if law.after_rejection else []
     lines = (f"measured: {law.words}", f"r is the estimate of {law.estimate} over the tolerance", *after, counts)
-    others = (
-        []
-        if traces
-        else [*_accepted_beyond(law), *_elsewhere(subject, steps, law, dict(estimates)[law.estimate], atol)]
-    )
-    return ControllerReading(law, lines, (*_wrong_exponent(law), *traces, *others))
+    others = chain(_accepted_beyond(law), _elsewhere(subject, steps, law, dict(estimates)[law.estimate], atol))
+    return ControllerReading(law, lines, (*_wrong_exponent(law), *(traces or others)))
 
 
 def _accepted_beyond(law: Law) -> Iterator[str]:

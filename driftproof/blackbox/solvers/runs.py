@@ -232,6 +232,12 @@ def _jump(subject: ForeignSolver) -> tuple[list[str], list[str]]:
         return [*lines, f"it reports: {run.complaint}"], []
     if off > _OF_A_JUMP * _RTOL and subject.adaptive:
         return lines, [f"across a jump of f it is off by {off:.3g} at rtol = {_RTOL:g}: the jump is stepped over"]
+    shortest = min((b - a for a, b in pairwise(run.t[:-1])), default=0.0) * (1 + _TINY)
+    for (a, b), (u,), (v,) in zip(pairwise(run.t), run.y, run.y[1:], strict=False):
+        error = abs(v - u - (b - at)) / ((_ATOL if subject.takes == TOLERANCES else _RTOL) + _RTOL * abs(v))
+        if a <= at < b <= a + shortest and error > _OF_A_JUMP and subject.adaptive:
+            most = f"the shortest step that it takes, of {b - a:.3g}, is off by {error:.2g} times the tolerance"
+            return lines, [f"across a jump of f {most}, without saying so"]
     return lines, []
 
 
@@ -358,12 +364,6 @@ def _stiffness(subject: ForeignSolver) -> tuple[list[str], list[str]]:
 
 
 _QUESTIONS = {
-    "Constant slopes": _constant_slopes,
-    "Clock": _clock,
-    "Backward": _backward,
-    "Numbers": _numbers,
-    "NaN": _nan,
-    "A jump": _jump,
-    "Tolerance": _tolerance,
-    "Stiffness": _stiffness,
-}
+    "Constant slopes": _constant_slopes, "Clock": _clock, "Backward": _backward, "Numbers": _numbers, "NaN": _nan,
+    "A jump": _jump, "Tolerance": _tolerance, "Stiffness": _stiffness,
+}  # fmt: skip

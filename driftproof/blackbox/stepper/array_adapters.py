@@ -11,6 +11,7 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from driftproof.blackbox.findings import NotANumber, StepRaised, WrongShape
+from driftproof.support.plain_text import counted
 
 # A float, or a number of the arithmetic that an adapter is for.
 AnyNumber: TypeAlias = Any
@@ -45,7 +46,7 @@ def floats_in(value: Foreign, size: int) -> list[float]:
     """
     array = as_array(value)
     if array.size != size:
-        raise WrongShape(f"{size} number{'s' * (size != 1)} went in, {array.size} came out (shape {array.shape})")
+        raise WrongShape(f"{counted(size, 'number')} went in, {array.size} came out (shape {array.shape})")
     return array.astype(float, copy=False).ravel().tolist()
 
 

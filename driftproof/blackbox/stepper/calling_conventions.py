@@ -8,6 +8,8 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
+from driftproof.support.plain_text import unknown
+
 MAP, FORCE, FIELD, ROSENBROCK, IMEX = "map", "force", "field", "rosenbrock", "imex"
 MAGNETIC, ROTATION = "magnetic", "rotation"
 # Kinds whose steps are not those of y' = f(t, y) alone; each kind has probes of its own.
@@ -184,7 +186,7 @@ def conventions_of(step: Callable[..., Any], kind: str | None = None) -> list[Ca
     the names fit no convention, and for an unknown kind.
     """
     if kind is not None and kind not in SIGNATURES:
-        raise ValueError(f"unknown calling convention {kind!r}; choose from {', '.join(SIGNATURES)}")
+        raise ValueError(unknown("calling convention", kind, SIGNATURES))
     names = required_names(step)
     for tried in (names_with_step(step), names):  # a time or a step size that has a default is given
         if tried is not None:
@@ -229,7 +231,7 @@ def names_with_step(step: Callable[..., Any]) -> list[str] | None:
 
 def has_gradient(names: Sequence[str]) -> bool:
     """True if one of the names is that of a gradient, so that the force is minus its value."""
-    return not {*map(word_of, names)}.isdisjoint(_GRADIENTS)
+    return not {VERBS.sub("", word_of(name)) for name in names}.isdisjoint(_GRADIENTS)
 
 
 def parameters_of(step: Callable[..., Any]) -> Mapping[str, inspect.Parameter] | None:

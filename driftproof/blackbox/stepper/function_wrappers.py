@@ -49,12 +49,12 @@ _SPANS = (*SPANS, "t_bound", "t_end", "tf", "t_final")
 # The values of a wrapper's arguments with which a step is tried, in a field in which nothing moves by itself.
 TRIAL_ARGUMENTS = {
     **dict.fromkeys(("f", "force"), lambda *x: 0.0 * max(x, key=np.size)),
-    **{"t": 0.0, "0.0": 0.0, "h": 0.25, "t + h": 0.25, "q": 1.0, "v": 0.5, "1.0": 1.0, "1": 1, "()": ()},
+    **{"t": 0.0, "0.0": 0.0, "h": 0.25, "t + h": 0.25, "q": 1.0, "ys[-2]": 1.0, "v": 0.5, "1.0": 1.0, "1": 1, "()": ()},
     **{"y": np.array([1.0, 0.5]), "[q, v]": np.array([1.0, 0.5])},
 }
 _PARAMETERS = ("args", "params", "parameters", "kwargs")
-# Of a method for q'' = F(q) that takes two positions: the position before, and the velocities, of order 1.
-BEFORE, SPEEDS = "q - h * v + h**2 / 2 * force(q)", "(b - a) / h for a, b in zip({}, {})"
+# Of a method for q'' = F(q) that takes two positions: the position before, and the pairs, with velocities of order 1.
+BEFORE, WITH_SPEEDS = "q - h * v + h**2 / 2 * force(q)", "{0}, [v, *((b - a) / h for a, b in zip({0}, {1}))]"
 # The step of second order that stands in for the first steps of a method that takes earlier states.
 FIRST_STEP = "y + h * f(t + h / 2, y + h / 2 * f(t, y))"
 
@@ -90,7 +90,7 @@ def list_wrapper(step: Callable[..., Any]) -> str:
 
     Of y' = 1 every method finds the next state, t + h, if the list is in its own order.
     """
-    name, names = name_of(step), [] if inspect.isclass(step) else required_names(step) or []
+    names = [] if inspect.isclass(step) else required_names(step) or []
     past = next((each for each in names if _LISTS.search(each.lower())), "")
     given = {past: "ys"} | arguments_by_role([each for each in names if each != past], FIELD)
     if len(given) < len(names) or not {"f", "ys", "h"} <= {*given.values()} <= {"f", "t", "ys", "h"}:
@@ -100,11 +100,10 @@ def list_wrapper(step: Callable[..., Any]) -> str:
             ys = [np.array([i / 4, i / 4]) for i in range(1 - size, 1)][::turned]
             values = {"f": lambda *x: np.ones(2), "t": 0.0, "ys": ys, "h": 0.25}
             if np.allclose(step(*[values[given[each]] for each in names]), 0.25, rtol=0, atol=2.0**-20):
-                shown = {"ys": "ys[::-1]" if turned < 0 else "ys", "t": "t + i * h"}
-                call = f"{name}({', '.join(shown.get(given[each], given[each]) for each in names)})"
-                start = f"s = lambda t, y: {FIRST_STEP}; ys = [y]"
-                later = f"ys.append(s(t + i * h, ys[-1]) if i < {size - 1} else {call}) or ys[-1] for i in range(n)"
-                return f": def wrapped(f, t, y, h, n): {start}; return [y, *({later})]  # begins with midpoint2"
+                call = _called(step, names, later_arguments(given, ys="ys[::-1]" if turned < 0 else "ys"))
+                later = f"s(t + i * h, ys[-1]) if i < {size - 1} else {call}"
+                line = run_of_steps(HEADS[FIELD], "y", later, f"s = lambda t, y: {FIRST_STEP}; ")
+                return f": {line}  # begins with midpoint2"
     return ""
 
 
@@ -145,34 +144,44 @@ def _call(step: Callable[..., Any], names: Sequence[str], given: Mapping[Any, st
         said = "  # its h is built in: let it be an argument, or make the step anew for every h"
     if kind == MAP and any(word_of(each) in BODY_LISTS for each in left):
         said = "  # what moves its bodies is built in: let their force be an argument, which can then be given"
-    return (
-        f"def wrapped({HEADS[kind]}): return {_called(step, names, lambda each: given.get(each, each.upper()))}{said}"
-    )
+    call = _called(step, names, {each: each.upper() for each in left} | {**given})
+    return f"def wrapped({HEADS[kind]}): return {call}{said}"
 
 
 def _two_step_call(step: Callable[..., Any], names: Sequence[str], given: Mapping[Any, str], kind: str) -> str:
     """The run of a function whose one argument not given is the state before; "" if it cannot be written."""
+    given = dict.fromkeys(names, "ys[-2]") | {**given}
     if kind == FIELD and {"y", "h"} <= {*given.values()}:
-        later = {"y": "ys[-1]", "t": "t + i * h"}
-        call = _called(step, names, lambda each: later.get(text := given.get(each, "ys[-2]"), text))
-        run = f"ys = [y, {FIRST_STEP}]; return [*ys, *(ys.append({call}) or ys[-1] for i in range(1, n))]"
-        return f"def wrapped(f, t, y, h, n): {run}  # a run of n steps, whose first is one of midpoint2"
-    if kind == FORCE and {*given.values()} == {"force", "q", "h"}:
-        call = _called(step, names, lambda each: {"q": "xs[-1]"}.get(text := given.get(each, "xs[-2]"), text))
+        later = _called(step, names, later_arguments(given))
+        line = run_of_steps(HEADS[kind], f"y, {FIRST_STEP}", later, first=1)
+        return f"{line}  # a run of n steps, whose first is one of midpoint2"
+    if kind == FORCE and {*given.values()} == {"force", "q", "h", "ys[-2]"}:
         with suppress(Exception):
-            pair = isinstance(step(**{each: TRIAL_ARGUMENTS[given.get(each, "q")] for each in names}), tuple)
-            run = f"xs = [{BEFORE}, q]; [xs.append({call}{'[0]' * pair}) for _ in range(n)]"
-            return f"def wrapped(force, q, v, h, n): {run}; return xs[1:], [v, *({SPEEDS.format('xs[1:]', 'xs[2:]')})]"
+            pair = isinstance(step(**{each: TRIAL_ARGUMENTS[given[each]] for each in names}), tuple)
+            later = _called(step, names, later_arguments(given, q="ys[-1]")) + "[0]" * pair
+            return run_of_steps(HEADS[kind], f"{BEFORE}, q", later, found=WITH_SPEEDS.format("ys[1:]", "ys[2:]"))
     if kind == MAP:
         head = f"def {name_of(step)}(force, {', '.join(names)}): ..."
         return f"{head}  # a method of two steps is read if its force is an argument"
     return ""
 
 
-def _called(step: Callable[..., Any], names: Sequence[str], write: Callable[[str], str]) -> str:
-    """The call with what is written for each name, by place if that is the names' own order."""
+def run_of_steps(head: str, states: str, later: str, begin: str = "", first: int = 0, found: str = "ys") -> str:
+    """The wrapper of a run: the `states` before step number `first`, then `later`, which is a text in terms of ys."""
+    steps = f"[ys.append({later}) for i in range({f'{first}, ' if first else ''}n)]"
+    return f"def wrapped({head}, n): {begin}ys = [{states}]; {steps}; return {found}"
+
+
+def later_arguments(given: Mapping[str, str], **of_last: str) -> dict[str, str]:
+    """What step i of a run is given in place of the start."""
+    of_last = {"t": "t + i * h", "y": "ys[-1]", "[q, v]": "ys[-1]"} | of_last
+    return {each: of_last.get(text, text) for each, text in given.items()}
+
+
+def _called(step: Callable[..., Any], names: Sequence[str], given: Mapping[str, str]) -> str:
+    """The call with what is given for each name, by place if that is the names' own order."""
     by_place = [*(parameters_of(step) or ())][: len(names)] == [*names]  # a step size with a default may not be
-    passed = [f"{'' if by_place else f'{each}='}{write(each)}" for each in names]
+    passed = [f"{'' if by_place else f'{each}='}{given[each]}" for each in names]
     return f"{name_of(step)}({', '.join(passed)})"
 
 

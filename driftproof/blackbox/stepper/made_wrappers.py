@@ -30,12 +30,14 @@ from driftproof.blackbox.stepper.function_wrappers import (
     FIRST_STEP,
     HEADS,
     PLAIN_ROLES,
-    SPEEDS,
     TRIAL_ARGUMENTS,
+    WITH_SPEEDS,
     arguments_by_role,
     function_of,
     is_before,
+    later_arguments,
     name_of,
+    run_of_steps,
 )
 from driftproof.blackbox.stepper.plain_forms import BODY_LISTS
 
@@ -111,6 +113,19 @@ def _class_wrapper(cls: type) -> str:
     return ""
 
 
+def clock_wrapper(step: Callable[..., Any]) -> str:
+    """The wrapper of an object with a clock of its own, which is set; if none is found, what to do."""
+    if clock := _attribute(getattr(getattr(step, "held", None), "made", None), TIME):
+        return f'; write time="{clock}" in the call of field_stepper_of'
+    owner = getattr(step, "__self__", step)
+    cls, method = type(owner), f".{step.__name__}" if inspect.ismethod(step) else ""
+    if not (clock := _attribute(owner, TIME)):
+        return ": let the time be an argument, or make the step anew each time"
+    given = {each: each.upper() for each in required_names(cls) or ()}
+    call = arguments_by_role(required_names(step) or (), FIELD)
+    return f"; write: {_Made(FIELD, cls.__name__, given, call, method, time=clock).line(cls)}"
+
+
 def _two_step_wrapper(cls: type, method: str, names: Sequence[str], taken: Sequence[str]) -> str:
     """The run of an object made from its state and the one before, which it keeps; "" if they are not seen.
 
@@ -128,14 +143,13 @@ def _two_step_wrapper(cls: type, method: str, names: Sequence[str], taken: Seque
         made = cls(*[tried[given[each]] for each in names])
         kept = _attribute(made, POSITION if kind == FORCE else STATE)
         getattr(made, method[1:] or "__call__")(*[tried[call[each]] for each in taken])
-        begin = f"made = {cls.__name__}({', '.join(given[each] for each in names)})"
+        begin = f"made = {cls.__name__}({', '.join(given[each] for each in names)}); "
         step = f"made{method}({', '.join(call[each] for each in taken)})"
         if kept and kind == FORCE:
-            xs = f"xs = [q] + [({step}, 1.0 * made.{kept})[1] for _ in range(n)]"
-            return f"def wrapped(force, q, v, h, n): {begin}; {xs}; return xs, [v, *({SPEEDS.format('xs', 'xs[1:]')})]"
+            later, found = f"({step}, 1.0 * made.{kept})[1]", WITH_SPEEDS.format("ys", "ys[1:]")
+            return run_of_steps(HEADS[kind], "q", later, begin, found=found)
         if kept:
-            later = f"[({step}, [*made.{kept}])[1] for _ in range(n - 1)]"
-            return f"def wrapped(f, y, h, n): {begin}; return [y, [*made.{kept}]] + {later}"
+            return run_of_steps("f, y, h", f"y, [*made.{kept}]", f"({step}, [*made.{kept}])[1]", begin, first=1)
     return ""
 
 
@@ -187,11 +201,7 @@ def world_wrapper(cls: type) -> str:
                 continue
             place = f"{{}}=(lambda w: w.{held}[0].{{}}, lambda w, x: setattr(w.{held}[0], '{{}}', x))"
             makes = f"lambda: {cls.__name__}([{name}({', '.join(map(str, ones))})])"
-            rest = [
-                place.format("position", q, q),
-                place.format("velocity", v, v),
-                *([f'push="{push}"'] if push else []),
-            ]
+            rest = [place.format("position", q, q), place.format("velocity", v, v), *[f'push="{push}"'] * bool(push)]
             options = f'{", ".join(rest)}, advance="{advance_of(cls)}"'
             return f": from driftproof import stepper_of; wrapped = stepper_of({makes}, {options})"
     return ""
@@ -237,14 +247,13 @@ class _Made(NamedTuple):
         begin = f"made = {made}; {f'made.{self.time} = t; ' if self.time else ''}"
         left, once = ", ".join(f"made.{each}" for each in self.kept), f"made{self.method}({call})"
         if not self._remembers(make):
-            return f"def wrapped({head}): " + (f"{begin}{once}; return {left}" if left else f"return {made}{once[4:]}")
-        state = "y" if self.kind == FIELD else "(q, v)"
+            ends = f"{once}; return {left}" if left else f"return {once}"
+            return f"def wrapped({head}): {f'{begin}{ends}' if left or self.time else f'return {made}{once[4:]}'}"
+        arguments = later_arguments(self.call, q="ys[-1][0]", v="ys[-1][1]").values()
+        later = f"made{self.method}({', '.join(arguments)})"
         if left:
-            copied = f"[*{left}]" if self.kind == FIELD else f"({left})"
-            return f"def wrapped({head}, n): {begin}return [{state}] + [({once}, {copied})[1] for _ in range(n)]"
-        of_last = {"t": "t + i * h", "q": "z[0]", "v": "z[1]", "y": "z", "[q, v]": "z"}
-        later = f"made{self.method}({', '.join(of_last.get(each, each) for each in self.call.values())})"
-        return f"def wrapped({head}, n): {begin}z = {state}; return [z] + [z := {later} for i in range(n)]"
+            later = f"({once}, {f'[*{left}]' if self.kind == FIELD else f'({left})'})[1]"
+        return run_of_steps(head, "y" if self.kind == FIELD else "(q, v)", later, begin)
 
     def new(self, make: Callable[..., Any], state: Sequence[Any], t: float) -> Any:
         made = make(*self._values(self.arguments, state, t))
@@ -256,7 +265,7 @@ class _Made(NamedTuple):
         known = {"t": t, "h": 0.25, "[q, v]": np.array(state)}
         known |= dict.fromkeys(("f", "force"), lambda *x: x[0] - 0.5 * x[-1])  # of the time, too, where it is given
         known |= dict(zip("y" if self.kind == FIELD else "qv", map(copy, state), strict=True))
-        return [known[name] for name in names.values()]
+        return [known.get(name) for name in names.values()]
 
     def _remembers(self, make: Callable[..., Any]) -> bool:
         """True if some step differs from that of a new stepper in the same state; False if none can be made."""

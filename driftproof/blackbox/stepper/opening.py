@@ -15,7 +15,7 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from driftproof.blackbox.findings import BadInput, Exchanged, Increment, Misbehaviour, StaleSlope, WrongShape
+from driftproof.blackbox.findings import BadInput, Exchanged, Increment, Misbehaviour, OwnClock, StaleSlope, WrongShape
 from driftproof.blackbox.stepper import calling_conventions as calling
 from driftproof.blackbox.stepper.array_adapters import (
     ARRAYS,
@@ -31,6 +31,7 @@ from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.blackbox.stepper.fresh_copies import fresh_copy
 from driftproof.blackbox.stepper.function_wrappers import list_wrapper
 from driftproof.blackbox.stepper.handed_slopes import with_slopes_kept
+from driftproof.blackbox.stepper.made_wrappers import clock_wrapper
 from driftproof.blackbox.stepper.plain_forms import plain_forms
 from driftproof.blackbox.stepper.record_forms import record_forms
 from driftproof.blackbox.stepper.second_functions import with_functions, zeros
@@ -65,7 +66,7 @@ def opened(
 
     `array` makes the stepper's own numbers from a list of floats (torch.tensor, ...) or from one float (numpy.float32).
     `before` receives each call as text before it is made; `after` is called when it is over. Raises ValueError if no
-    calling convention fits. If no adapter gets an answer, raises StaleSlope if there was one, and otherwise the
+    calling convention fits, and OwnClock. If no adapter gets an answer, raises StaleSlope if there was one, else the
     `Misbehaviour` of the most natural adapter.
     """
     given, step, failures = step, with_slopes_kept(step), list[Misbehaviour]()
@@ -74,6 +75,8 @@ def opened(
         for attempt in attempts:
             try:
                 return attempt()
+            except OwnClock:
+                raise
             except Misbehaviour as failure:
                 failures.append(failure)
         return None
@@ -154,11 +157,8 @@ def _one_number(subject: ForeignStepper, h: float) -> Sequence[float]:
 
 def _with_jacobian(subject: ForeignStepper, h: float) -> Sequence[float]:
     """A step of the oscillator with its Jacobian, or with an implicit part of 0."""
-    functions = {
-        calling.JACOBIAN: lambda t, y: [[0.0, 1.0], [-1.0, 0.0]],
-        calling.TIME_SLOPE: zeros,
-        calling.IMPLICIT: zeros,
-    }
+    functions = dict.fromkeys((calling.TIME_SLOPE, calling.IMPLICIT), zeros)
+    functions[calling.JACOBIAN] = lambda t, y: [[0.0, 1.0], [-1.0, 0.0]]
     return with_functions(subject, functions).step(*TRIAL_STATE, h)
 
 
@@ -196,6 +196,7 @@ def _after_trial(subject: ForeignStepper, trial: TrialStep) -> ForeignStepper:
         _require_slope_at_end(subject, end)
         _require_time_of_end(subject, TRIAL_STATE[: len(end)])
     _require_own_clock(subject, TRIAL_STATE[: len(end)])
+    _require_no_clock(subject, TRIAL_STATE[: len(end)])
     read_as = subject.convention
     if read_as.kind in (calling.MAP, calling.FORCE) and end[0] < end[1] and not read_as.velocity_first:
         ends = trial(subject, _TINY), end  # the longer step moves away
@@ -217,11 +218,8 @@ def _after_trial(subject: ForeignStepper, trial: TrialStep) -> ForeignStepper:
 
 
 def _format_of_answers(log: CallLog) -> FloatFormat:
-    return min(map(_format_of, log.types), key=lambda found: found.u, default=BINARY64)
-
-
-def _format_of(name: str) -> FloatFormat:
-    return next((found for ending, found in _FORMATS.items() if name.endswith(ending)), BINARY64)
+    found = (next((x for ending, x in _FORMATS.items() if name.endswith(ending)), BINARY64) for name in log.types)
+    return min(found, key=lambda x: x.u, default=BINARY64)
 
 
 def _with_strong_floats(subject: ForeignStepper, trial: TrialStep) -> ForeignStepper:
@@ -314,6 +312,24 @@ def _require_own_clock(subject: ForeignStepper, state: Sequence[float]) -> None:
         if subject.log.clock is None or not np.isclose(subject.log.clock - clock, 1, rtol=_AS_CARRIED, atol=0):
             return
     raise StaleSlope(f"it returns the time t + {clock:g} with the state at its end, t + {TRIAL_STEP:g}")
+
+
+def _require_no_clock(subject: ForeignStepper, state: Sequence[float]) -> None:
+    """Raise OwnClock if a step that takes no time begins h later than the one before it."""
+    found = subject.convention
+    if found.kind != calling.FIELD or {calling.TIME, calling.GRID} & {*found.order} or not subject.log.asks:
+        return
+    asked = list[AnyNumber]()
+
+    def still(t: AnyNumber, y: Sequence[AnyNumber]) -> list[AnyNumber]:
+        asked.append(t)
+        return zeros(t, y)
+
+    for size in (1, 2):  # in another state than that at the end, whose slope may be kept
+        calls = len(asked)
+        subject.step_field(still, 0.0, [size * x for x in state], TRIAL_STEP)
+    if calls < len(asked) and np.isclose(asked[calls] - asked[0], TRIAL_STEP, rtol=_AS_CARRIED, atol=0):
+        raise OwnClock(f"it keeps a clock of its own, which goes on with each step{clock_wrapper(subject.function)}")
 
 
 @dataclass(frozen=True)

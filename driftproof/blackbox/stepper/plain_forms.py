@@ -22,6 +22,7 @@ from driftproof.blackbox.stepper.calling_conventions import (
     TIME,
     VELOCITY,
     VERBS,
+    has_gradient,
     required_names,
     word_of,
 )
@@ -35,7 +36,7 @@ _NAMES: Mapping[str, Sequence[str]] = {
     _BODIES: BODY_LISTS,
     STEP: ROLES[STEP],
     FUNCTION: (*ROLES[FUNCTION], "accelerations", "derivatives"),
-    CARRIED: (*ROLES[CARRIED], "accelerations", "forces", "force", "dydx", "dydt", "dy", "ydot"),
+    CARRIED: (*ROLES[CARRIED], "accelerations", "forces", "force", "f", "dydx", "dydt", "dy", "ydot"),
     TIME: ROLES[TIME],
     VELOCITY: ROLES[VELOCITY],
     STATE: ("y", "state", "z", "u", "s"),
@@ -71,8 +72,8 @@ def plain_forms(step: Callable[..., Any]) -> Iterator[Callable[..., Any]]:
     [1.25, 0.0]
     """
     names = required_names(step) or []
-    for functions in (True, False):  # an argument a may be a function, or a slope that is handed on
-        roles = _roles(names, functions)
+    for function in (*_functions(names), ""):  # an argument a may be a function, or a slope that is handed on
+        roles = _roles(names, function)
         held = {*roles.values()} if roles else set()
         if roles is None or not {_SIZE, _OUT, _BODIES, _MASS} & held or STEP not in held:
             continue
@@ -83,7 +84,7 @@ def plain_forms(step: Callable[..., Any]) -> Iterator[Callable[..., Any]]:
                     call.see_what_is_left(places)
             if of_force:
                 form: Any = lambda force, q, v, h, call=call: call.moved(force, q, v, h)
-                form.unequal_masses = not call.alike and len(call.heavy) > 1 and bool({_MASS, _BODIES} & held)
+                form.unequal_masses = not call.alike and len(call.heavy) > 1
                 yield form
             elif call.stale or _pulls_back(call):
                 yield lambda q, v, h, call=call: call.moved(None, q, v, h)
@@ -100,17 +101,21 @@ def _pulls_back(call: _Call) -> bool:
     return False
 
 
-def _roles(names: Sequence[str], functions: bool) -> dict[str, str] | None:
-    """The role of each name, _OUT for an array that is written into; None if a name has no role."""
-    found, words = dict[str, str](), {name: word_of(name) for name in names}
+def _functions(names: Sequence[str]) -> list[str]:
+    """The names that may be a function, the likeliest first: of compute_acc and acc, the latter is a slope."""
+    words = {name: word_of(name) for name in names}
     bare = {name: VERBS.sub("", word) for name, word in words.items()}
-    called = [name for name in names if bare[name] in _NAMES[FUNCTION] and functions]
-    # If two names may be functions, the other one is a slope that is handed on, as acc is if there is a compute_acc.
-    for name in sorted(called, key=lambda name: (words[name] in _NAMES[CARRIED], bare[name] == words[name]))[:1]:
-        found[name] = FUNCTION
-    for name, word in words.items():
-        if name in found:
+    called = [name for name in names if bare[name] in _NAMES[FUNCTION]]
+    return sorted(called, key=lambda name: (words[name] in _NAMES[CARRIED], bare[name] == words[name]))
+
+
+def _roles(names: Sequence[str], function: str) -> dict[str, str] | None:
+    """The role of each name, _OUT for an array that is written into; None if a name has no role."""
+    found = {function: FUNCTION} if function else {}
+    for name in names:
+        if name == function:
             continue
+        word = word_of(name)
         taken = {*found.values()}
         role = next((r for r, known in _NAMES.items() if word in known and r not in taken and r != FUNCTION), None)
         found[name] = role or (_OUT if _INTO.search(word) else "")
@@ -133,8 +138,9 @@ class _Call:
     def __init__(self, step: Callable[..., Any], names: Sequence[str], roles: Mapping[str, str]) -> None:
         self.step, self.names, self.roles = step, names, roles
         function = next((name for name, role in roles.items() if role == FUNCTION), "")
-        self.of_force, self.alike = "force" in function.lower(), False
-        self.heavy = _HEAVY if self.of_force or _ACCELERATIONS in function.lower() else (1.0,)
+        self.of_force, self.alike, self.sign = "force" in function.lower(), False, 1 - 2 * has_gradient([function])
+        divided = {_MASS, _BODIES} & {*roles.values()} and (self.of_force or _ACCELERATIONS in function.lower())
+        self.heavy = _HEAVY if divided else (1.0,)
         self.left, self.stale = dict[str, Any](), ""
 
     def see_what_is_left(self, places: Any) -> None:
@@ -212,13 +218,13 @@ class _System:
         self.call, self.force, self.shape = call, force, np.shape(q)
         self.places, self.speeds = (np.array(x, dtype=float, ndmin=1) for x in (q, v))
         self.masses = np.resize(call.heavy[:1] if call.alike else call.heavy, len(self.places))
-        self.factors = self.masses.reshape(-1, *[1] * (self.places.ndim - 1)) ** call.of_force
+        self.factors = call.sign * self.masses.reshape(-1, *[1] * (self.places.ndim - 1)) ** call.of_force
         one: Callable[[Any], Any] = lambda x: x.copy() if np.ndim(x) else float(x)
         each = zip(self.places, self.speeds, self.masses, strict=True) if _BODIES in call.roles.values() else ()
         self.bodies = bodies or [_Body(one(q), one(v), float(mass)) for q, v, mass in each]
 
     def pushes(self, at: Any, whose: int | None = None) -> Any:
-        """The forces at these places, in their shape, times the masses unless they are accelerations."""
+        """The forces at these places, in their shape, times the masses unless they are accelerations, or gradients."""
         whole = at.size == self.places.size
         pushed = -at if self.force is None else self.force(at.reshape(self.shape) if whole else at)
         if whole:

@@ -77,6 +77,7 @@ def _rows_of(columns: int, name: str) -> ArrayAdapter:
 
 BODIES = _rows_of(3, "NumPy arrays of bodies in space")
 IN_PLANE = _rows_of(2, "NumPy arrays of bodies in the plane")
+WITH_GAPS = ArrayAdapter("arrays with gaps such as y[::2]", lambda x: np.repeat(np.array(x, float), 2)[::2], floats_in)
 # States of a right-hand side with two dimensions.
 OF_TWO_DIMENSIONS = _rows_of(3, "NumPy arrays of two dimensions")
 
@@ -102,12 +103,7 @@ def _vector(size: int) -> ArrayAdapter:
 # For steps that multiply by a matrix of their own, or take a vector product.
 VECTORS = (_vector(2), _vector(3))
 # How many numbers make one body or one vector of an adapter.
-TOGETHER = {
-    BODIES.name: 3,
-    IN_PLANE.name: 2,
-    OF_TWO_DIMENSIONS.name: 3,
-    **{v.name: n for n, v in zip((2, 3), VECTORS, strict=True)},
-}
+TOGETHER = {BODIES.name: 3, IN_PLANE.name: 2, OF_TWO_DIMENSIONS.name: 3, VECTORS[0].name: 2, VECTORS[1].name: 3}
 
 
 def _tensors(torch: Any) -> Iterator[ArrayAdapter]:

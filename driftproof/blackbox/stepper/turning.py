@@ -40,12 +40,8 @@ def step_in_fields(subject: ForeignStepper, push: Push) -> Pushed:
         raise UnsupportedCall("it takes no magnetic field")
     order, factor, write, size = subject.convention.order, subject.convention.factor, subject.adapter.write, len(push.v)
     fields: list[_Field] = []
-    roles: dict[str, Foreign] = {
-        calling.POSITION: write(push.x),
-        calling.VELOCITY: write(push.v),
-        calling.STEP: push.h,
-        calling.TIME: 0.0,
-    }
+    roles: dict[str, Foreign] = {calling.POSITION: write(push.x), calling.VELOCITY: write(push.v)}
+    roles |= {calling.STEP: push.h, calling.TIME: 0.0}
     for role, numbers in ((calling.ELECTRIC, push.electric), (calling.MAGNETIC_FIELD, push.magnetic)):
         scaled = np.multiply(factor, numbers)
         made = _Field(as_array(write(scaled.tolist())) if len(numbers) > 1 else scaled[0])

@@ -11,7 +11,7 @@ from driftproof.numeric.problems.linear import LINEAR_PROBLEMS
 from driftproof.numeric.problems.mechanics import MECHANICS_PROBLEMS
 from driftproof.numeric.problems.problem import Problem
 from driftproof.numeric.problems.stiff import STIFF_PROBLEMS
-from driftproof.support.plain_text import did_you_mean
+from driftproof.support.plain_text import unknown
 
 PROBLEMS: dict[str, Problem] = {p.key: p for p in (*LINEAR_PROBLEMS, *STIFF_PROBLEMS, *MECHANICS_PROBLEMS)}
 
@@ -20,4 +20,4 @@ def problem_named(key: str) -> Problem:
     """The problem `key`. Raises ValueError naming the closest keys if there is none."""
     if key in PROBLEMS:
         return PROBLEMS[key]
-    raise ValueError(f"unknown problem {key[:60]!r}{did_you_mean(key, PROBLEMS)} (`driftproof stability` lists them)")
+    raise ValueError(unknown("problem", key, PROBLEMS, "`driftproof stability` lists them"))

@@ -12,9 +12,10 @@ from pathlib import Path
 from typing import Any, TypeAlias
 
 from driftproof.methods.vector_fields import VectorField
+from driftproof.support.plain_text import unknown
 
-# The kinds of evidence for a reference, best first.
-EXACT, CERTIFIED, TWICE = KINDS_OF_EVIDENCE = ("exact", "certified", "computed twice")
+# The kinds of evidence for a reference.
+EXACT, CERTIFIED = KINDS_OF_EVIDENCE = ("exact", "certified")
 
 # The source of a CERTIFIED reference, in which every ball determines all the digits given.
 ENCLOSED = "the solution, enclosed in ball arithmetic"
@@ -27,9 +28,8 @@ Digits: TypeAlias = tuple[str, ...]
 class Reference:
     """y at some times: `states[i]` is y(times[i]), each component within half a unit of its last digit.
 
-    `evidence` is EXACT (decimals of a closed form, certified), CERTIFIED (the solution is enclosed) or TWICE (two
-    independent methods agreed on every digit given). `source` names the form or the methods, or says how many
-    published digits agree.
+    `evidence` is EXACT (decimals of a closed form, certified) or CERTIFIED (the solution is enclosed). `source` names
+    the form, or says how the solution was enclosed.
     """
 
     times: tuple[Fraction, ...]
@@ -44,7 +44,7 @@ class Reference:
         if len({len(state) for state in self.states}) != 1:
             raise ValueError("the states of a reference must all have the same length")
         if self.evidence not in KINDS_OF_EVIDENCE:
-            raise ValueError(f"unknown evidence {self.evidence!r}; choose from {', '.join(KINDS_OF_EVIDENCE)}")
+            raise ValueError(unknown("evidence", self.evidence, KINDS_OF_EVIDENCE))
 
 
 def reference(key: str, evidence: str, source: str) -> Reference:

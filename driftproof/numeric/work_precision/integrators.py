@@ -16,11 +16,11 @@ from driftproof.methods.schemes import Method
 from driftproof.numeric.advance import Advance, State, advance, evaluations_of, float_start, step_times
 from driftproof.numeric.engine import (
     BLOCK,
-    FieldEnsembleRun,
-    FieldRun,
+    EnsembleRun,
     FloatArray,
-    array_field_runner,
-    compiled_field_ensemble_runner,
+    Run,
+    array_runner,
+    compiled_ensemble_runner,
 )
 from driftproof.numeric.implicit import compiled_implicit_ensemble_runner
 from driftproof.numeric.problems.problem import Problem
@@ -108,12 +108,12 @@ def steps_at_reference_times(problem: Problem, steps: int) -> list[tuple[Fractio
 def _ensemble(method: Method, problem: Problem, *, fast: bool) -> TimedCall | str:
     """The call for MEMBERS states, or the reason why there is none."""
     start = np.array(float_start(problem))[:, None]
-    run: FieldEnsembleRun
+    run: EnsembleRun
     if fast:
-        compiled = compiled_field_ensemble_runner if method.explicit else compiled_implicit_ensemble_runner
+        compiled = compiled_ensemble_runner if method.explicit else compiled_implicit_ensemble_runner
         run = compiled(method, problem.field)
     elif method.explicit:
-        run = _on_arrays(array_field_runner(method, problem.field, np))
+        run = _on_arrays(array_runner(method, problem.field, np))
     else:
         return "implicit methods are only timed compiled"
 
@@ -130,7 +130,7 @@ def _ensemble(method: Method, problem: Problem, *, fast: bool) -> TimedCall | st
     return call
 
 
-def _on_arrays(step: FieldRun) -> FieldEnsembleRun:
+def _on_arrays(step: Run) -> EnsembleRun:
     def run(y: FloatArray, h: float, first: int, last: int) -> None:
         with np.errstate(all="ignore"):
             y[:] = step(tuple(y), h, first, last)

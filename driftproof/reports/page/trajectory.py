@@ -23,6 +23,7 @@ from driftproof.reports.page.figure import Figure
 from driftproof.reports.page.markup import details, html_table
 from driftproof.reports.page.plot import COLUMNS_OF_PIXELS, SQUARE, WIDE, Plot, label, linear, symmetric_limit
 from driftproof.reports.scene_view import asking_for
+from driftproof.support.plain_text import counted
 
 # A drawn run is kept whole in memory, which the samples of a longer one would fill.
 MOST_DRAWN_STEPS = 10**6
@@ -167,7 +168,7 @@ def require_drawable(scene: Scene) -> None:
 def setting(scene: Scene) -> str:
     """Start, step, end and number of steps of the scene, in words."""
     q, v = scene.start
-    steps = "1 step" if scene.steps == 1 else f"{scene.steps} steps"
+    steps = counted(scene.steps, "step")
     return f"start ({q}, {v}), h = {scene.h}, t = {scene.t}, {steps}"
 
 

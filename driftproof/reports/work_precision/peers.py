@@ -19,7 +19,7 @@ from driftproof.numeric.controlled import controlled_runner
 from driftproof.numeric.problems.problem import Problem
 from driftproof.numeric.work_precision.integrators import COMPILED, PYTHON
 from driftproof.support.environment import how_to_install, installed
-from driftproof.support.plain_text import did_you_mean
+from driftproof.support.plain_text import unknown
 
 TOLERANCES = tuple(10.0**-k for k in range(3, 14))
 # Packages that run outside Python cannot be stopped after some evaluations, but after a number of steps.
@@ -71,8 +71,7 @@ def peers_named(names: Iterable[str]) -> list[Peer]:
     found = []
     for name in dict.fromkeys(names):
         if name not in PEERS:
-            others = f"; choose from {', '.join(PEERS)}"
-            raise ValueError(f"unknown peer {name[:60]!r}{did_you_mean(name, PEERS) or others}")
+            raise ValueError(unknown("peer", name, PEERS))
         found.append(PEERS[name])
     return found
 

@@ -10,6 +10,7 @@ from typing import TypeAlias, TypeVar
 from flint import arb, ctx, fmpz
 
 from driftproof.methods.number_field import Algebraic, as_fmpq, ends_of
+from driftproof.support.plain_text import unknown
 
 # A real number, known exactly: a rational, an element of a number field, or a procedure that returns an Arb ball around
 # the number, which shrinks as Arb's current precision grows.
@@ -181,7 +182,7 @@ def _require_a_digit(digits: int) -> None:
 def _round_to_integer(x: Fraction, rounding: str) -> int:
     """|x| rounded to an integer: up for AWAY, else to the nearest, ties up for HALF_AWAY and to even for HALF_EVEN."""
     if rounding not in ROUNDINGS:
-        raise ValueError(f"unknown rounding {rounding!r}; choose from {', '.join(ROUNDINGS)}")
+        raise ValueError(unknown("rounding", rounding, ROUNDINGS))
     x = abs(x)
     if rounding == AWAY:
         return ceil(x)

@@ -12,7 +12,7 @@ from sympy.polys.matrices import DomainMatrix
 
 from driftproof.methods.schemes import Method
 from driftproof.methods.tableau_file import method_of
-from driftproof.support.plain_text import as_json
+from driftproof.support.plain_text import as_json, unknown
 from driftproof.support.results import Printable
 from driftproof.symbolic.derivation.energy import (
     StateDependentEnergy,
@@ -210,7 +210,7 @@ class Derivation(Printable):
         """The derivations with these names, by default all. Raises ValueError for an unknown name."""
         for name in names:
             if name not in DERIVED:
-                raise ValueError(f"unknown derivation {name!r}; choose from {', '.join(DERIVED)}")
+                raise ValueError(unknown("derivation", name, DERIVED))
         return tuple(getattr(self, name) for name in names or DERIVED)
 
     def written(self, form: str) -> str:

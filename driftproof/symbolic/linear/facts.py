@@ -10,7 +10,7 @@ from typing import Any, ClassVar, Generic, NamedTuple, Protocol, TypeVar
 
 from driftproof.methods.number_field import Exact
 from driftproof.methods.schemes import Collocation, Method, RungeKutta, require_method
-from driftproof.support.plain_text import did_you_mean
+from driftproof.support.plain_text import unknown
 from driftproof.symbolic.algebra.matrices import StepMatrix
 from driftproof.symbolic.algebra.polynomials import coefficients, exact, scalar
 from driftproof.symbolic.algebra.radicals import is_readable
@@ -382,8 +382,7 @@ def require_known(names: Sequence[str], known: Collection[str]) -> None:
     """Raise ValueError for a name that is not in `known`."""
     for name in names:
         if name not in known:
-            hint = did_you_mean(name, known, strict=True) or ";"
-            raise ValueError(f"unknown fact {name!r}{hint} choose from {', '.join(known)}")
+            raise ValueError(unknown("fact", name, known))
 
 
 def _series(coefficients: list[Any], variable: str = "h") -> TruncatedSeries:

@@ -42,8 +42,7 @@ def stability_within_digits(method: RungeKutta) -> StabilityWithinDigits | None:
     """
     if method.field or method.explicit:
         return None
-    exact = stability_function(method)
-    places = max(_digits(x) for row in (*method.a, method.b) for x in row)
+    exact, places = stability_function(method), _longest(method)
     with ctx.workprec(4 * places + SPARE_BITS):
         size = range(method.stages)
         a, b = [[_ball(x, places) for x in row] for row in method.a], [_ball(x, places) for x in method.b]
@@ -66,6 +65,16 @@ def stability_within_digits(method: RungeKutta) -> StabilityWithinDigits | None:
         )
 
 
+def rounding(method: RungeKutta) -> Fraction:
+    """The largest rounding, as in `stability_within_digits`, of a coefficient; they are rational."""
+    longest = _longest(method)
+    return max(_rounding(x, longest) for row in (*method.a, method.b) for x in row)
+
+
+def _longest(method: RungeKutta) -> int:
+    return max(_digits(x) for row in (*method.a, method.b) for x in row)
+
+
 def _digits(x: Exact) -> int:
     """The number of significant digits of a finite decimal; for any other number, of digits of its denominator."""
     assert isinstance(x, Fraction)
@@ -86,13 +95,18 @@ def _places(x: Exact) -> int | None:
 
 
 def _ball(x: Exact, longest: int) -> arb:
-    """x with its rounding as radius; exact if x has less than half the digits of the longest, such as 0.25 or 1/3."""
+    """x with its rounding as radius."""
     assert isinstance(x, Fraction)
-    places, middle = _places(x), arb(as_fmpq(x))
-    if 2 * _digits(x) < longest:
-        return middle
-    rounding = Fraction(1, x.denominator**2 if places is None else 2 * 10**places)
-    return middle + arb(0, 1) * arb(as_fmpq(rounding))
+    return arb(as_fmpq(x)) + arb(0, 1) * arb(as_fmpq(_rounding(x, longest)))
+
+
+def _rounding(x: Exact, longest: int) -> Fraction:
+    """How far x may be from what it was rounded from; 0 if it has less than half the digits of the longest."""
+    assert isinstance(x, Fraction)
+    if 2 * _digits(x) < longest:  # such as 0.25 or 1/3
+        return Fraction(0)
+    places = _places(x)
+    return Fraction(1, x.denominator**2 if places is None else 2 * 10**places)
 
 
 def _determinant(rows: list[list[arb]]) -> arb_poly:

@@ -93,9 +93,9 @@ def read_claims(path: str | Path) -> Claims:
     return toml.read_toml(path, _LARGEST_FILE, _claims)
 
 
-def parse_claims(content: bytes) -> Claims:
-    """Parse the content of a claims file. Raises ValueError, with one line, if it is not valid."""
-    return _claims(toml.parse_toml(content, _LARGEST_FILE))
+def parse_claims(text: str) -> Claims:
+    """Parse the text of a claims file. Raises ValueError, with one line, if it is not valid."""
+    return _claims(toml.parse_toml(text))
 
 
 @contextmanager

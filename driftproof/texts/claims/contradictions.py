@@ -44,7 +44,9 @@ _ENDS = re.compile(r"[.;?!]\s|(?<![^\W\d_])(?<![,(])\n|\n(?=\s*(?:[\n|!*#:{-]|[0
 _PEOPLE = {"Butcher", "Verner", "Gauss", "Ralston", "Suzuki", "Yoshida"}
 # Characters on each side of a number that may belong to its sentence.
 _LONGEST = 400
-_GIVEN = {x: re.compile(rf"(?<![a-z]){x}\s?=\s?([0-9]+(?:\.[0-9]+|/[1-9][0-9]*)?)(?![\w/])") for x in "ht"}
+# A number above 0, and a step size or time that a text gives: whole, so not the 10 of t = 10^6 or the 2 of t = 2*pi.
+POSITIVE = r"(?=[0.]*[1-9])([0-9]+(?:\.[0-9]+|/[1-9][0-9]*)?)(?!\^|[\w./*]*\w)"
+SETTING = {x: re.compile(rf"(?<![\w.]){x}\s?=\s?{POSITIVE}") for x in "ht"}
 
 
 def contradicted(question: str, text: str, start: int, end: int, asked: bool = False) -> bool:
@@ -170,7 +172,7 @@ def _spoken_names() -> re.Pattern[str]:
 
 def _gives_another_value(letter: str, head: str, before: str, after: str) -> bool:
     """True if the sentence gives `letter`, h or t, another value than the question does."""
-    said = _GIVEN[letter].findall(before)[-1:] or _GIVEN[letter].findall(after)[:1]
+    said = SETTING[letter].findall(before)[-1:] or SETTING[letter].findall(after)[:1]
     asked = re.search(rf"(?<![a-z]){letter}=(\S+)", head)
     run = head.split(".")[-2:-1] if letter == "h" else []
     published = published_values().get(f"{run[0]}.h") if run else None  # the step size of a published run

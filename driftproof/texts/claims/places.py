@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache
 
-from driftproof.texts.claims.contradictions import last_methods_named, methods_named, sentence_around
+from driftproof.texts.claims.contradictions import POSITIVE, SETTING, last_methods_named, methods_named, sentence_around
 
 # Quantity -> the words that name it; the last of these words before a number, or in its column's head, counts.
 _WORDS = {
@@ -24,10 +24,8 @@ _AFTER = re.compile(
 )
 # An unknown with its sign right before a number, as in x = 0.5, or its value at a time, as in y(1) ≈ 0.5.
 _UNKNOWN = re.compile(r"(?<!\w)(?P<name>[^\W\d_][a-z]*)(?:\([0-9][0-9./]*\)|_?(?P<n>[0-9]))? ?[=≈] ?\Z")
-_POSITIVE = r"((?:[1-9][0-9]*|0(?=\.))(?:\.[0-9]+|/[1-9][0-9]*)?)"
-_SETTING = {x: re.compile(rf"(?<![\w.]){x} ?= ?{_POSITIVE}(?![\w./]*\w)") for x in "ht"}
 # A time is also given by the value of an unknown then, as in y(1).
-_TIME = re.compile(rf"(?<!\w)(?:t ?= ?(?=[0-9])|[^\W\d]\w*\((?=[0-9./]*\))){_POSITIVE}(?![\w./]*\w)")
+_TIME = re.compile(rf"(?<!\w)(?:t\s?=\s?|[^\W\d]\w*\((?=[0-9./]*\))){POSITIVE}")
 _HEADS = {"h": r"h|dt|δt|step ?size", "t": r"t(?:_[ni])?|time|t_\{?n\}?"}
 # Characters before a number that are searched for a step size or time, and for a method.
 _FARTHEST, _NEAR = 2000, 400
@@ -57,7 +55,7 @@ class Place:
 @cache
 def _asked_settings(question: str) -> dict[str, list[Fraction]]:
     """The step sizes and the times that a question has, by letter."""
-    return {x: [*map(Fraction, pattern.findall(question))] for x, pattern in _SETTING.items()}
+    return {x: [*map(Fraction, pattern.findall(question))] for x, pattern in SETTING.items()}
 
 
 @cache
@@ -88,7 +86,7 @@ def place_of(text: str, start: int, end: int, heads: Sequence[str], row: Sequenc
     head = heads[-1] if heads else ""
     before, after = sentence_around(text, start, end)
     settings = dict[str, Fraction]()
-    for x, pattern in (("h", _SETTING["h"]), ("t", _TIME)):
+    for x, pattern in (("h", SETTING["h"]), ("t", _TIME)):
         given = pattern.findall(before)[-1:] or pattern.findall(after)[:1]
         given = given or pattern.findall(text[max(0, start - _FARTHEST) : start])[-1:]
         cells = [cell for name, cell in row if is_head_of(x, name) and _NUMBER.fullmatch(cell)]

@@ -6,17 +6,19 @@ from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from os.path import isfile
 from pathlib import Path
 from typing import Any, Literal, overload
 
-from driftproof.support.plain_text import annotation, as_json
+from driftproof.support.files import read_utf8
+from driftproof.support.plain_text import annotation, as_json, counted
 from driftproof.support.results import Answered, Printable
 from driftproof.texts.claims.checking import Accounted, CheckedClaim, Coverage, Finding, check_claims, coverage
 from driftproof.texts.claims.claims import Claims, read_claims
 from driftproof.texts.claims.drafting import draft
 from driftproof.texts.claims.listings import Ran, run_listings
 from driftproof.texts.claims.suggestions import Suggestions
-from driftproof.texts.readers.document import Document, read_document
+from driftproof.texts.readers.document import LARGEST_DOCUMENT, Document, read_document
 from driftproof.texts.readers.number_words import TextWord
 from driftproof.texts.readers.numbers import TextNumber
 
@@ -110,16 +112,16 @@ class TextReport(Printable):
             line, column = self.document.position(number.start)
             yield f"{self.file}:{line}:{column}: not covered: {self._context(number)!r}{alike}"
         wrong = len({finding.claim for finding in self.findings})
-        listings = f", {_counted(self.ran.count, 'listing')} run" if self.ran else ""
+        listings = f", {counted(self.ran.count, 'listing')} run" if self.ran else ""
         verdict = f"{wrong} refuted" if wrong else "all hold" if self.checked or self.ran else "so nothing was checked"
-        yield f"{self.file}: {_counted(len(self.checked), 'claim')}{listings}, {verdict}"
+        yield f"{self.file}: {counted(len(self.checked), 'claim')}{listings}, {verdict}"
         worked_out, given, run, labels, uncovered = self.coverage.counts.values()
-        numbers = _counted(worked_out + given + run + uncovered, "number")
+        numbers = counted(worked_out + given + run + uncovered, "number")
         kinds = f"{worked_out} by values, {given} given{f', {run} by running' if run else ''}, {uncovered} uncovered"
-        yield f"{_percent(self.coverage.share)} of {numbers} covered: {kinds}; {_counted(labels, 'label')} not counted"
+        yield f"{_percent(self.coverage.share)} of {numbers} covered: {kinds}; {counted(labels, 'label')} not counted"
         if unread := Counter(word.text.lower() for word in self.coverage.unread):
             words = [word for word, _ in unread.most_common(_MOST_WORDS)] + ["..."] * (len(unread) > _MOST_WORDS)
-            yield f"not checked: {_counted(unread.total(), 'word')} for numbers or growth ({', '.join(words)})"
+            yield f"not checked: {counted(unread.total(), 'word')} for numbers or growth ({', '.join(words)})"
         if others := self.document.other_files:
             yield f"not read: {', '.join(others)}, included by the text; check each separately"
 
@@ -194,11 +196,10 @@ def check(
 
 
 def claims_beside(text: str | Path) -> Path:
-    """The default path of the claims of a text. Raises ValueError if there is no such file."""
+    """The default path of the claims of a text. Raises ValueError if there is no such file, or no text."""
     path = Path(f"{text}.claims.toml")
-    if not path.is_file():
-        if not Path(text).is_file():
-            raise ValueError(f"{text}: No such file or directory")
+    if not isfile(path):
+        read_utf8(text, LARGEST_DOCUMENT)  # or it is the text that is missing
         draft = f"to draft them: driftproof check {text} --init > {path}"
         raise ValueError(f"no claims to check: give --claims FILE or write {path.name}; {draft}")
     return path
@@ -212,10 +213,6 @@ def texts_with_claims(given: Path) -> list[Path]:
     if not found:
         raise ValueError(f"no text in {given} has a claims file; that of chapter.md would be chapter.md.claims.toml")
     return found
-
-
-def _counted(count: int, noun: str) -> str:
-    return f"{count} {noun}" if count == 1 else f"{count} {noun}s"
 
 
 def _percent(share: Fraction) -> str:

@@ -16,7 +16,7 @@ from flint import arb, ctx
 
 from driftproof.methods.catalogue import FACTS_ONLY, METHODS, keys_of_name
 from driftproof.symbolic.algebra.certified import Uncertified, enclose
-from driftproof.texts.claims.contradictions import contradicted, methods_named, names_limit
+from driftproof.texts.claims.contradictions import SETTING, contradicted, methods_named, names_limit
 from driftproof.texts.claims.phrases import NumberForm
 from driftproof.texts.claims.places import Place, place_of
 from driftproof.texts.claims.stated_problems import stated_questions
@@ -55,7 +55,6 @@ Missed: TypeAlias = tuple[str, Answer, list[TextNumber], list[TextNumber]]
 # What separates the cells of a row, also on a page of a wiki.
 _CELL = re.compile(r"\|\|?|!!|^!")
 
-_H, _T = (re.compile(rf"\b{letter} ?= ?([0-9]+(?:\.[0-9]+|/[1-9][0-9]*)?)(?![\w./])") for letter in "ht")
 # Characters before a number that are searched for the head of its table.
 _FARTHEST = 2000
 _N = re.compile(r"(?:\bN ?= ?|\b(?=[0-9]+ (?:time )?steps\b))([0-9]{1,5})\b")
@@ -110,7 +109,7 @@ class _Known:
     def numbers(self) -> list[set[Fraction]]:
         """The chosen numbers, which stand beside the value in a table; for a number N of steps also the time N h."""
         chosen = [{number.value} for text in self.chosen or () for number in numbers_in(text) if number.text == text]
-        h, n = (Fraction(*found[:1]) for found in (x.findall(self.question) for x in (_H, _N)))
+        h, n = (Fraction(*found[:1]) for found in (x.findall(self.question) for x in (SETTING["h"], _N)))
         return [x | {n * h} if x == {n} else x for x in chosen]
 
     @cached_property
@@ -158,8 +157,8 @@ class Suggestions:
         self.text, self._lower = text, text.lower()
         asked_for = {question: chosen for one in asked for question, chosen in questions_in(one).items()}
         # Of braces such as h={0.1,0.2}, t={0.5,1}, the combinations that are runs, or all if none is, to be refused.
-        pairs = {one: zip(*(map(Fraction, x.findall(one)) for x in (_H, _T)), strict=False) for one in asked_for}
-        runs = {one: asked_for[one] for one in asked_for if all((t / h).denominator == 1 for h, t in pairs[one] if h)}
+        pairs = {one: zip(*(map(Fraction, SETTING[x].findall(one)) for x in "ht"), strict=False) for one in asked_for}
+        runs = {one: asked_for[one] for one in asked_for if all((t / h).denominator == 1 for h, t in pairs[one])}
         self.asked = runs or asked_for
         self.no_runs = [question for question in asked_for if question not in self.asked]
         self._spelled: dict[NumberForm, dict[str, list[_Known]]] = {}
@@ -341,8 +340,9 @@ class Suggestions:
         return [*found, *asked, *shares]
 
     def _questions(self) -> Iterator[str]:
-        sizes, times = _given(_H, self.text, _USUAL_STEPS)[:_MOST_SIZES], _given(_T, self.text, ("10",))[:_MOST_TIMES]
-        own, counts = _given(_H, self.text, ()), _given(_N, self.text, ())[:_MOST_COUNTS]
+        own, given, counts = (_given(pattern, self.text) for pattern in (SETTING["h"], SETTING["t"], _N))
+        sizes = [*dict.fromkeys((*own, *_USUAL_STEPS))][:_MOST_SIZES]
+        times = [*dict.fromkeys((*given, "10"))][:_MOST_TIMES]
         spoken = methods_named(self._lower)
         named = dict.fromkeys(key for key in (*_USUAL_METHODS, *METHODS, *FACTS_ONLY) if key in spoken)
         for i, method in enumerate([*(named or _USUAL_METHODS)][:_MOST_METHODS]):
@@ -350,7 +350,7 @@ class Suggestions:
             for h in sizes if method in METHODS and i < _MOST_RUN else ():
                 yield f"energy_multiplier {method} h={h}"
                 yield from (f"step {method} h={h} : {readout}" for readout in _STEP_READOUTS)
-                ends = {Fraction(n): f"N={n}" for n in counts if h in own}
+                ends = {Fraction(n): f"N={n}" for n in counts[:_MOST_COUNTS] if h in own}
                 ends |= {Fraction(t) / Fraction(h): f"t={t}" for t in times}
                 for end in (end for n, end in ends.items() if n.denominator == 1 and n <= _LONGEST_RUN):
                     readouts = [readout for readout in _RUN_READOUTS if readout != "steps" or end.startswith("t")]
@@ -380,9 +380,9 @@ def _limited(answer: Answer) -> Answer:
     return replace(answer, exact=ball)
 
 
-def _given(pattern: re.Pattern[str], text: str, default: Iterable[str]) -> list[str]:
-    """The positive numbers that the text gives to a letter, then the default ones, without repetition."""
-    spelled = [number for number in (*pattern.findall(text), *default) if len(number) < 20]
+def _given(pattern: re.Pattern[str], text: str) -> list[str]:
+    """The positive numbers that the text gives to a letter, without repetition."""
+    spelled = [number for number in pattern.findall(text) if len(number) < 20]
     return [str(x) for x in dict.fromkeys(map(Fraction, spelled)) if x]
 
 

@@ -9,7 +9,7 @@ from functools import cache
 from typing import TYPE_CHECKING
 
 from driftproof.methods.expression_tree import CallNode, ChainNode, NameNode, NegatedNode, NumberNode, PowerNode
-from driftproof.support.plain_text import did_you_mean
+from driftproof.support.plain_text import counted, did_you_mean
 from driftproof.texts.questions.answer import Answer, as_printed
 from driftproof.texts.questions.errors import QuestionError, refused_at
 from driftproof.texts.questions.parser import Node, Query, parse_question
@@ -99,7 +99,7 @@ def _call(node: CallNode, question: str) -> Answer:
         raise QuestionError(question, node.column, f"{name[:40]!r} is not a function; the functions are {known}")
     function, count = NUMBER_FUNCTIONS[name]
     if len(node.arguments) != count:
-        raise QuestionError(question, node.column, f"{name} takes {count} number{'s' * (count > 1)}")
+        raise QuestionError(question, node.column, f"{name} takes {counted(count, 'number')}")
     return _computed(question, node.column, function, *node.arguments)
 
 

@@ -128,7 +128,7 @@ def document_of(source: str, form: str = "plain") -> Document:
 def read_document(path: str | Path, form: str | None = None) -> Document:
     """Read the file at `path` in the format `form`, by default the one of its suffix, plain for unknown suffixes.
 
-    Raises OSError; ValueError for a file of more than LARGEST_DOCUMENT bytes, not in UTF-8, or not in the format.
+    Raises ValueError for no file, one of more than LARGEST_DOCUMENT bytes, not in UTF-8, or not in the format.
     """
     path = Path(path)
     source = read_utf8(path, LARGEST_DOCUMENT)

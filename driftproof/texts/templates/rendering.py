@@ -7,11 +7,11 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from driftproof.support.environment import require_package
-from driftproof.support.files import atomic_write
-from driftproof.support.plain_text import as_json
+from driftproof.support.files import atomic_write, read_utf8
+from driftproof.support.plain_text import as_json, counted
 from driftproof.support.processes import Limits, ProcessEnded, ask_once
 from driftproof.support.results import Printable
-from driftproof.texts.templates.text_kinds import kind_of
+from driftproof.texts.templates.text_kinds import LARGEST_TEMPLATE, kind_of
 
 # Chosen: examples take less than one second, a thousand questions some seconds.
 RENDERING_SECONDS, RENDERING_MEMORY, LONGEST_RENDERED = 120.0, 2 * 10**9, 10**7
@@ -48,7 +48,7 @@ class RenderedText(Printable):
             return as_json({"output": str(self.output), "values": self.asked, "text": self.text})
         signs = [line[0] for line in self.difference().splitlines()[2:]]
         lines = f", {max(map(signs.count, '+-'))} of its lines changed" if self.output.exists() else ""
-        return f"{self.output}: {self.asked} value{'s' * (self.asked != 1)}{lines}"
+        return f"{self.output}: {counted(self.asked, 'value')}{lines}"
 
 
 def render(
@@ -62,7 +62,7 @@ def render(
 
     The file is written only by the method `write` of the result. `style` is "plain" or "printed", `rounding` a policy
     for ties. Needs the extra `text`. Raises ValueError, with one line that names the place in the template if it is
-    known, and OSError for a template that cannot be read.
+    known.
 
     >>> from pathlib import Path
     >>> from tempfile import TemporaryDirectory
@@ -75,8 +75,7 @@ def render(
     """
     template, output = Path(template), output_of(template, output)
     require_package("jinja2", "text", "templates need Jinja2")
-    with template.open("rb") as file:
-        line_end = "\r\n" if file.readline().endswith(b"\r\n") else "\n"
+    line_end = "\r\n" if read_utf8(template, LARGEST_TEMPLATE).partition("\n")[0].endswith("\r") else "\n"
     order = {"template": str(template), "output": str(output), "style": style, "rounding": rounding}
     limits = Limits(seconds=time_limit, memory=RENDERING_MEMORY, answer=LONGEST_RENDERED)
     try:

@@ -17,10 +17,8 @@ from jinja2.sandbox import SandboxedEnvironment, safe_range
 from jinja2.utils import Namespace
 
 from driftproof.support.files import read_utf8
-from driftproof.texts.templates.text_kinds import HTML, LATEX, TextKind
+from driftproof.texts.templates.text_kinds import HTML, LARGEST_TEMPLATE, LATEX, TextKind
 
-# Bytes of a template: more than any text that people read.
-_LARGEST_TEMPLATE = 10**7
 # The allowed filters of Jinja2: those that need no limit, without `default`, which would hide what is missing.
 FILTERS = ("capitalize", "join", "length", "lower", "replace", "sort", "title", "trim", "upper")
 # The keyword argument that passes the place of a call to our functions and filters.
@@ -71,7 +69,7 @@ class FolderLoader(BaseLoader):
             raise Refusal(f"{template[:60]!r} lies outside the folder of the template")
         if not path.is_file():
             raise TemplateNotFound(template)
-        text = read_utf8(path, _LARGEST_TEMPLATE).replace("\r\n", "\n").replace("\r", "\n")
+        text = read_utf8(path, LARGEST_TEMPLATE).replace("\r\n", "\n").replace("\r", "\n")
         self.sources[template] = text
         return text, template, None
 
@@ -185,4 +183,4 @@ def _place_keyword(name: str | None, at: int, of_question: bool = False) -> node
 
 def _first(node: nodes.Node) -> int:
     """The number of the first token of an expression, its offset plus one."""
-    return min([node.lineno or _LARGEST_TEMPLATE, *map(_first, node.iter_child_nodes())])
+    return min([node.lineno or LARGEST_TEMPLATE, *map(_first, node.iter_child_nodes())])

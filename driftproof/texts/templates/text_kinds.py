@@ -11,6 +11,8 @@ from typing import TypeAlias
 
 CellRows: TypeAlias = Sequence[Sequence[str]]
 
+# Bytes of a template: more than any text that people read.
+LARGEST_TEMPLATE = 10**7
 _MARKUP = re.compile(r"[\\`*_\[\]<>|&]")
 _FENCE = re.compile(r" {0,3}(`{3,}|~{3,})")
 _ESCAPES = str.maketrans({c: rf"\{c}" for c in "_#&%${}"} | {"^": r"\^{}", "~": r"\~{}", "\\": r"\textbackslash{}"})

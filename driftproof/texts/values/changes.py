@@ -63,10 +63,7 @@ class Change:
 
 def read_values(path: Path) -> dict[str, Any]:
     """Read a JSON object, with numbers kept as text so that none is rounded. Raises ValueError with one line."""
-    try:
-        text, hook = read_utf8(path, _LARGEST_FILE), _without_repetition
-    except OSError as error:
-        raise ValueError(f"{path}: {error.strerror}") from None
+    text, hook = read_utf8(path, _LARGEST_FILE), _without_repetition
     try:
         read = json.loads(text, parse_int=str, parse_float=str, parse_constant=str, object_pairs_hook=hook)
     except (RecursionError, ValueError) as error:

@@ -21,6 +21,7 @@ family | kind
 parameter | free parameter
 source | source
 stages | stages
+reduction | reducible: which facts are of the table, which of the method
 steps | steps
 rho | rho: coefficients of the values y
 sigma | sigma: coefficients of the slopes F(y)

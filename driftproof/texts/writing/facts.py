@@ -27,8 +27,8 @@ from driftproof.texts.writing.records import is_long, parts, record
 
 # Entries shown of a list of trees or points; --format json has all.
 MOST_ITEMS_SHOWN = 12
-# Characters of a formula; digits of the coefficients of a longer one, which JSON has exactly.
-LONGEST_FORMULA, COEFFICIENT_DIGITS = 400, 17
+# Characters of a formula, and of a coefficient in it; digits of coefficients in a longer one, which JSON has exactly.
+LONGEST_FORMULA, LONGEST_COEFFICIENT, COEFFICIENT_DIGITS = 400, 100, 17
 # Characters of an exact formula in TeX, which is pasted rather than read.
 LONGEST_TEX = 20_000
 # Characters of a decimal beside an exact form in TeX.
@@ -281,9 +281,9 @@ def _more(found: Sized) -> str:
 
 
 def _coefficients(values: Sequence[Any]) -> list[str]:
-    """The coefficients as text; if their total length is too large, long ones as decimals that end in "..."."""
+    """The coefficients as text; if together or one alone they are too long, long ones as decimals that end in "..."."""
     exact = [exact_text(x) if isinstance(x, Fraction) else str(x) for x in values]
-    if sum(map(len, exact)) <= LONGEST_FORMULA:
+    if sum(map(len, exact)) <= LONGEST_FORMULA and max(map(len, exact), default=0) <= LONGEST_COEFFICIENT:
         return exact
     pairs = zip(exact, values, strict=True)
     return [f"{significant(x, COEFFICIENT_DIGITS)}..." if is_long(x) else text for text, x in pairs]

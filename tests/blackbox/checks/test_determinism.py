@@ -14,12 +14,12 @@ from tests.blackbox.handwritten_steppers import velocity_verlet
 class Slip:
     """Another answer at one of its calls."""
 
-    def __init__(self, slips_at):
-        self.calls, self.slips_at = 0, slips_at
+    def __init__(self, slips_at, by=1e-9):
+        self.calls, self.slips_at, self.by = 0, slips_at, by
 
     def step(self, q, v, h):
         self.calls += 1
-        return q + h * v + 1e-9 * (self.calls == self.slips_at), v - h * q
+        return q + h * v + self.by * (self.calls == self.slips_at), v - h * q
 
 
 # Of eleven calls, those that ask the same: three at once, and four after another one.
@@ -30,6 +30,14 @@ def test_one_slip_is_seen_at_whichever_call_and_is_not_taken_for_memory(call):
     slip.calls, slip.slips_at = 0, call
     same, *_ = repeats(subject)
     assert (same.key, same.holds) == ("same_answer_twice", False)
+
+
+def test_a_slip_at_a_later_call_is_seen_when_the_first_is_made_many_times_again():
+    slip = Slip(None, by=1.0)
+    subject = opened(slip.step)
+    slip.calls, slip.slips_at = 0, 30
+    same, memory = repeats(subject)
+    assert (same.key, same.holds, memory.holds) == ("same_answer_twice", False, None)
 
 
 def test_of_an_unsteady_stepper_nothing_else_is_asked():

@@ -152,6 +152,8 @@ def forwards_only(force, q, v, h):
 LINEAR_STEPS = {
     "damped": lambda q, v, h: (q + 2 * h * (v + h * (-4 * q - 0.25 * v)), v + h * (-4 * q - 0.25 * v)),
     "dragged": lambda q, v, h: (q + h * v, v - h * v / 8),
+    "spurred": lambda q, v, h: (q + h * v, v + h * v / 8),
+    "spurred_spring": lambda q, v, h: (q + h * v, v + h * (v / 8 - q)),
     "short_only": short_only,
     "capped": kicked_first(lambda q, v, h: max(-8.0, min(8.0, v - h * q))),
     "cubic": lambda q, v, h: (q + h * v, v - h * q**3),
@@ -174,7 +176,10 @@ LINEAR_STEPS = {
 }  # fmt: skip
 
 
-ALIKE = ("dragged", "iterated", "adaptive", "repelled", "near_rk4", "shortly_forwards")  # in binary32 and in binary64
+# In binary32 and in binary64.
+ALIKE = (
+    "dragged", "spurred", "spurred_spring", "iterated", "adaptive", "repelled", "near_rk4", "shortly_forwards",
+)  # fmt: skip
 CASES = [(each, name) for name in LINEAR_STEPS for each in (None, np.float32) if each is None or name not in ALIKE]
 
 

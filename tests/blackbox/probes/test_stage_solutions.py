@@ -8,7 +8,7 @@ import pytest
 from driftproof.blackbox.probes.implicit_tableau import read_implicit_tableau
 from driftproof.blackbox.probes.marked_stages import MarkedSteps
 from driftproof.blackbox.probes.scripted_answers import BACKWARD, CONTROLS, NotReadable
-from driftproof.blackbox.probes.stage_solutions import StageEquations
+from driftproof.blackbox.probes.stage_solutions import StageEquations, _power
 from driftproof.blackbox.probes.tableau import NO_POWER, StageSolution
 from driftproof.blackbox.stepper.opening import opened
 from tests.blackbox.implicit_steppers import all_at_once, fixed_point, newton, one_by_one, simplified, table
@@ -57,6 +57,10 @@ def test_a_number_of_iterations_that_is_fixed_shows_in_a_power(solver, power):
     assert seen.power == power
     assert seen.curved > 1e-7
     assert f"power {power} of the nonlinearity" in seen.words
+
+
+def test_a_power_is_that_of_both_last_halvings_of_the_strength():
+    assert [_power([1.0, 1 / 2, 1 / 16, last]) for last in (1 / 128, 1 / 64)] == [3, NO_POWER]
 
 
 def test_so_many_iterations_that_nothing_is_left_are_no_finding():

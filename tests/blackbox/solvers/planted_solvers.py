@@ -39,6 +39,7 @@ def adaptive(
     changed=lambda factor, rejections: factor,
     growth_at_zero=None,
     first_step=1e-3,
+    shortest=0.0,
     stepped=lambda h: h,
     norm=np.max,
     accepted=1.0,
@@ -52,7 +53,8 @@ def adaptive(
     `ending` "beyond" or "tiny"; `on_nan` "accept", "silent" or "retry"; `growth_at_zero` of an estimate that is 0;
     `stepped`, the length by which t advances; `changed`, the factor after so many rejections in a row; `norm` of the
     errors; `accepted`, the largest error of a step that is taken; `size` of the numbers in the scale of errors.
-    `state` is where a stage is evaluated. `first_error` is the one that the first step remembers.
+    `shortest`, the length of a step that is taken whatever its error; `state` is where a stage is evaluated.
+    `first_error` is the one that the first step remembers.
     """
     pair = METHODS[key]
     a, c = [[float(x) for x in row] for row in pair.a], [float(x) for x in pair.c]
@@ -91,7 +93,7 @@ def adaptive(
                 remembered = before[0] ** memory * (h / before[1]) ** filtered
                 factor = min(most, max(least, safety * r**-exponent * remembered))
             factor = changed(factor, rejections + (r > accepted))
-            if r <= accepted:
+            if r <= accepted or abs(h) <= shortest:
                 t, y, before = clock(t + stepped(h)), y1, (max(r, 1e-4), h)
                 first = k[-1] if first_same_as_last else f(float(t), y)
                 factor = min(1.0, factor) if rejections and not grows_after_rejection else factor
@@ -103,7 +105,7 @@ def adaptive(
                 if abs(h) < 1e-13 and on_nan != "retry":
                     failure = "the step size is too small"
                     break
-            h *= factor
+            h = sign * max(abs(h * factor), shortest)
             if ending != "beyond" and sign * (t + h - end) > 0 and abs(float(end - t)) > 0:
                 h = float(end - t)
         if ending == "tiny":

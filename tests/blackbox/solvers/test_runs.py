@@ -295,6 +295,12 @@ NOT_SAID = [
 ]  # fmt: skip
 
 
+def test_a_step_that_is_never_shorter_is_told_where_it_costs_more_than_the_tolerance():
+    (fault,) = read(adaptive(shortest=2e-5)).faults
+    assert fault.startswith("across a jump of f the shortest step that it takes, of 2e-05, is off by 2.")
+    assert not read(adaptive(shortest=1e-9)).faults
+
+
 def test_a_scale_of_errors_from_numbers_with_their_signs_is_told():
     squared = lambda errors: np.mean(errors**2) ** 0.5
     faults = read(adaptive("dormand_prince54", exponent=0.2, size=lambda y: y, norm=squared)).faults

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from driftproof.blackbox.findings import Misbehaviour, NotANumber, NotFinite, StepRaised, WrongShape
+from driftproof.blackbox.stepper.foreign_code import size_of
 from driftproof.blackbox.stepper.opening import opened
 from tests.blackbox.stepper import euler_steps
 from tests.looping import exactly
@@ -30,6 +31,10 @@ def test_the_log_tells_changed_arguments_from_a_step_in_place():
     clean.step(*STATE, H)
     assert (clean.log.changes_its_arguments, clean.log.works_in_place) == (False, False)
     assert (clean.log.calls, clean.log.types) == (1, {"float64"})
+
+
+def test_what_is_no_array_of_numbers_is_counted_as_one():
+    assert (size_of([1.0, 2.0, 3.0]), size_of("three"), size_of(None)) == (3, 1, 1)
 
 
 def test_nan_in_an_argument_is_no_change_of_it():

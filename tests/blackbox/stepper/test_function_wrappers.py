@@ -71,11 +71,11 @@ def of_interval(func, y, t0, t1, args):
 def with_parameters(params, y, vector_field, t, g=0.0, h=0.1):
     return y + h * vector_field(t, y, params)
 """
-RUN = "xs = [q - h * v + h**2 / 2 * force(q), q]; [xs.append({}) for _ in range(n)]; return xs[1:], "
-RUN += "[v, *((b - a) / h for a, b in zip(xs[1:], xs[2:]))]"
+RUN = "ys = [q - h * v + h**2 / 2 * force(q), q]; [ys.append({}) for i in range(n)]; return ys[1:], "
+RUN += "[v, *((b - a) / h for a, b in zip(ys[1:], ys[2:]))]"
 PASTED = {
-    "stormer": ("force, q, v, h, n", RUN.format("stormer(xs[-1], xs[-2], force, h)[0]"), "stormer2"),
-    "stormer_alone": ("force, q, v, h, n", RUN.format("stormer_alone(force, h, xs[-2], xs[-1])"), "stormer2"),
+    "stormer": ("force, q, v, h, n", RUN.format("stormer(ys[-1], ys[-2], force, h)[0]"), "stormer2"),
+    "stormer_alone": ("force, q, v, h, n", RUN.format("stormer_alone(force, h, ys[-2], ys[-1])"), "stormer2"),
     "simulate": ("f, t, y, h", "return simulate(f, y, t, t + h, h)[1][-1]", "forward_euler"),
     "from_zero": ("f, y, h", "return from_zero(f, y, h, h)[0][-1]", "forward_euler"),
     "euler_cromer": (

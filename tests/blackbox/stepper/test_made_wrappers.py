@@ -4,6 +4,7 @@ import re
 
 import pytest
 
+from driftproof import field_stepper_of, identify, verify
 from driftproof.blackbox.families.reports import read_family
 from driftproof.blackbox.findings import BadInput
 from driftproof.blackbox.stepper.opening import Target, opened
@@ -145,25 +146,25 @@ WRAPPED = {
     "Heun": "def wrapped(f, t, y, h): return Heun(f, h).step(t, y)",
     "Kept": "def wrapped(f, t, y, h): made = Kept(f, y, h); made.t = t; made.advance(); return made.y",
     "KeptVerlet": "def wrapped(force, q, v, h): made = KeptVerlet(force, q, v, h); made.step(); return made.x, made.v",
-    "AB2": "def wrapped(f, t, y, h, n): made = AB2(f, h); z = y; "
-    "return [z] + [z := made(t + i * h, z) for i in range(n)]",
-    "KeptAB2": "def wrapped(f, t, y, h, n): made = KeptAB2(f, y, h); made.t = t; "
-    "return [y] + [(made.step(), [*made.y])[1] for _ in range(n)]",
+    "AB2": "def wrapped(f, t, y, h, n): made = AB2(f, h); ys = [y]; "
+    "[ys.append(made(t + i * h, ys[-1])) for i in range(n)]; return ys",
+    "KeptAB2": "def wrapped(f, t, y, h, n): made = KeptAB2(f, y, h); made.t = t; ys = [y]; "
+    "[ys.append((made.step(), [*made.y])[1]) for i in range(n)]; return ys",
     "TimedAB2": "from driftproof import field_stepper_of; "
     'wrapped = field_stepper_of(TimedAB2, state="y", time="t", advance="step")',
-    "make_ab2": "def wrapped(f, t, y, h, n): made = make_ab2(f, h); z = y; "
-    "return [z] + [z := made(t + i * h, z) for i in range(n)]",
-    "Stormer": "def wrapped(force, q, v, h, n): made = Stormer(force, h); z = (q, v); "
-    "return [z] + [z := made.step(z[0], z[1]) for i in range(n)]",
-    "bashforth": "def wrapped(f, t, y, h, n): ys = [y, y + h * f(t + h / 2, y + h / 2 * f(t, y))]; return "
-    "[*ys, *(ys.append(bashforth(f, t + i * h, ys[-1], ys[-2], h)) or ys[-1] for i in range(1, n))]",
+    "make_ab2": "def wrapped(f, t, y, h, n): made = make_ab2(f, h); ys = [y]; "
+    "[ys.append(made(t + i * h, ys[-1])) for i in range(n)]; return ys",
+    "Stormer": "def wrapped(force, q, v, h, n): made = Stormer(force, h); ys = [(q, v)]; "
+    "[ys.append(made.step(ys[-1][0], ys[-1][1])) for i in range(n)]; return ys",
+    "bashforth": "def wrapped(f, t, y, h, n): ys = [y, y + h * f(t + h / 2, y + h / 2 * f(t, y))]; "
+    "[ys.append(bashforth(f, t + i * h, ys[-1], ys[-2], h)) for i in range(1, n)]; return ys",
     "Ball": 'from driftproof import stepper_of; wrapped = stepper_of(Ball, position="pos.x", velocity="vel.x", '
     'push=lambda body, f: body.apply_force(Vec2(f, 0.0)), advance="update")',
     "VerletPoint": "def wrapped(force, q, v, h, n): made = VerletPoint(q, q - h * v + h**2 / 2 * force(q)); "
-    "xs = [q] + [(made.advance(force, h), 1.0 * made.x)[1] for _ in range(n)]; "
-    "return xs, [v, *((b - a) / h for a, b in zip(xs, xs[1:]))]",
+    "ys = [q]; [ys.append((made.advance(force, h), 1.0 * made.x)[1]) for i in range(n)]; "
+    "return ys, [v, *((b - a) / h for a, b in zip(ys, ys[1:]))]",
     "Leapfrog": "def wrapped(f, y, h, n): made = Leapfrog(f, y, y + h * f(y + h / 2 * f(y))); "
-    "return [y, [*made.y]] + [(made.step(h), [*made.y])[1] for _ in range(n - 1)]",
+    "ys = [y, [*made.y]]; [ys.append((made.step(h), [*made.y])[1]) for i in range(1, n)]; return ys",
     "Ralston": "def wrapped(f, t, y, h): return Ralston(f)(y, t, h)",
     "Euler": "def wrapped(f, t, y, h): return Euler().step(f, t, t + h, y, ())",
     "Held": "def wrapped(f, t, y, h): return Held(h).step(f, t, y)",
@@ -231,6 +232,46 @@ def test_an_object_that_cannot_be_called_is_refused_with_the_wrapper_of_the_meth
     assert str(caught.value).endswith(f'wrapped = stepper_of(lambda: Kept(...), state="y", advance={advance})')
     with pytest.raises(BadInput, match=re.escape(f"write: {WRAPPED['Ball']}")):
         Target(names["Ball"]()).open()
+
+
+CLOCKS = """
+class Clocked:
+    def __init__(self, name):
+        self.time, self.last = 0.0, None
+    def __call__(self, f, y, h):
+        k = f(self.time, y)
+        y, self.time = y + h / 2 * (k + f(self.time + h, y + h * k)), self.time + h
+        return y
+    def ab2(self, f, y, h):
+        k = f(self.time, y)
+        moved, self.last = k if self.last is None else 1.5 * k - 0.5 * self.last, k
+        self.time += h
+        return y + h * moved
+
+class Kept(Clocked):
+    def __init__(self, f):
+        self.f, self.time, self.y = f, 0.0, None
+    def step(self, h):
+        self.y = Clocked.__call__(self, self.f, self.y, h)
+"""
+
+
+def test_a_clock_that_goes_on_leaves_a_verdict_open_and_is_set_in_the_wrapper():
+    names = namespace(CLOCKS)
+    held, own = field_stepper_of(names["Kept"]), names["Clocked"]("a")
+    for step, key, line in (
+        (own, "heun2", "f, t, y, h): made = Clocked(NAME); made.time = t; return made(f, y, h)"),
+        (names["Clocked"]("a").ab2, "adams_bashforth2", "f, t, y, h, n): made = Clocked(NAME); made.time = t"),
+        (lambda f, y, h: own(f, y, h), "heun2", "let the time be an argument, or make the step anew each time"),
+        (held, "heun2", 'write time="time" in the call of field_stepper_of'),
+    ):
+        found = verify(step, key, isolate=False)
+        assert (found.passed, identify(step, isolate=False).verdict.count("a clock of its own")) == (None, 1)
+        assert line in found.verdict
+        if line.endswith(("h)", " = t")):
+            exec(found.verdict.partition("write: ")[2], names | {"NAME": ""}, names)
+            assert verify(names["wrapped"], key, isolate=False).verdict.startswith(f"is {key}")
+    assert verify(field_stepper_of(names["Kept"], time="time"), "heun2", examples=60, isolate=False).passed
 
 
 WORLD = """

@@ -164,6 +164,17 @@ def with_masses(pos, vel, mass, dt, N, get_acc):
     return pos, vel
 
 
+def force_last(x, v, f, n, dt, force, kick=1.0):
+    force(x, f, n)
+    for i in range(n):
+        v[i] += kick * dt * f[i]
+        x[i] += dt * v[i]
+
+
+def down(step, kick=-1.0):
+    return lambda q, p, n, h, compute_grad: step(q, p, np.zeros(n), n, h, compute_grad, kick)
+
+
 HELD = [
     (springs, "symplectic_euler", ""), (of_one_body, "velocity_verlet", ""), (of_all_bodies, "symplectic_euler", ""),
     (among_bodies, "symplectic_euler", ""), (in_space, "symplectic_euler", ""), (halves_of_y, "symplectic_euler", ""),
@@ -181,6 +192,11 @@ HELD = [
      "a second step with the a that the first one left is not"),
     (lambda force, x, v, a, m, dt: returned(x, v, a, np.array(m), dt, force), "velocity_verlet", ""),
     (lambda force, x, v, a, m, dt: returned(x, v, a, np.array(m), dt, force, True), "velocity_verlet", "passes on -1"),
+    (force_last, "symplectic_euler", ""), (down(force_last), "symplectic_euler", ""),
+    (lambda x, v, n, dt, force: force_last(x, v, np.zeros(n), n, dt, force), "symplectic_euler", ""),
+    (lambda x, v, a, n, dt, force: force_last(x, v, a, n, dt, force, 2.0), "symplectic_euler", "kick 0: 2 instead of"),
+    (down(force_last, 1.0), "symplectic_euler", "kick 0: -1 instead of 1"),
+    (lambda get_grad, q, p, h: (q + h * (p - h * get_grad(q)), p - h * get_grad(q)), "symplectic_euler", ""),
 ]  # fmt: skip
 
 

@@ -1,4 +1,4 @@
-"""The digits of the references are right: certified by balls, but for one computed twice; another digit is noticed."""
+"""The digits of the references are right: certified by balls; another digit is noticed."""
 
 from __future__ import annotations
 

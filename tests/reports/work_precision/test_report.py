@@ -96,7 +96,7 @@ def test_neighbouring_points_of_one_remark_are_told_by_the_first_and_the_last() 
 
 
 def test_json_and_csv_hold_every_point(tmp_path: Path) -> None:
-    asked = study("rk4", "heun3")
+    asked = study("rk4", "heun3", problem="dahlquist_1")
     measured = measure(asked, None, unheard)
     write_study(asked, measured, tmp_path)
     rows = list(csv.DictReader(io.StringIO((tmp_path / "work_precision.csv").read_text(encoding="utf-8"))))
@@ -105,6 +105,7 @@ def test_json_and_csv_hold_every_point(tmp_path: Path) -> None:
     assert float(rows[0]["state_final"]) == measured.curves["rk4"].points[0].error
     errors = json.loads((tmp_path / "errors.json").read_text(encoding="utf-8"))
     times = json.loads((tmp_path / "times.json").read_text(encoding="utf-8"))
+    assert errors["reference"]["half_unit"] == "5e-25"  # of 0.000045399929762484851536, at the last time
     assert sum(len(curve["points"]) for curve in errors["curves"]) == len(points)
     kinds = {name.split(" | ")[1] for name in times["timings"]}
     assert set(times["timings"]) == {timing_name(key, kind, setting) for key, setting in points for kind in kinds}

@@ -181,7 +181,7 @@ def test_formats_of_the_command(capsys: pytest.CaptureFixture[str], tmp_path: Pa
     ("arguments", "words"),
     [
         (["rk5"], "rk5"),
-        (["rk4", "--only", "phas"], "unknown derivation 'phas'; choose from one_step_matrix"),
+        (["rk4", "--only", "phas"], "unknown derivation 'phas'; did you mean phase? choose from one_step_matrix"),
         (["gauss2"], "derivations take only rational ones"),
         (["sdirk_order_2"], "is a family of methods"),
         (["missing.toml"], "missing.toml"),

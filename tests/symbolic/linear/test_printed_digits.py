@@ -10,6 +10,7 @@ import pytest
 
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.schemes import RungeKutta
+from driftproof.methods.tables.collocation import radau_iia
 from driftproof.reports.fact_sheet import facts
 from driftproof.symbolic.facts import Facts
 from driftproof.symbolic.linear.printed_digits import stability_within_digits
@@ -62,6 +63,22 @@ def test_wrong_ratio_is_no_rounding() -> None:
     found = facts.stability_within_digits
     assert found is not None
     assert not found.l_stable
+
+
+def test_table_of_higher_order_than_is_looked_for_is_judged_within_its_digits() -> None:
+    """Radau IIA with seven stages has order 13; the twin has one wrong digit in the middle of a weight."""
+    a, b, _ = radau_iia(7).tableau(200)
+    rows = tuple(tuple(round(x, 16) for x in row) for row in a)
+    weights = [round(x, 16) for x in b]
+    wrong = [x + Q(i == 3, 10**8) for i, x in enumerate(weights)]
+    printed, misprinted = (
+        Facts(RungeKutta("mine", "mine", 0, "", rows, tuple(each), tuple(map(sum, rows)))) for each in (weights, wrong)
+    )
+    assert (printed.l_stable, printed.order_but_for_rounding) == (False, None)
+    found = printed.stability_within_digits
+    assert found is not None
+    assert (found.i_stable, found.a_stable, found.l_stable) == (True, True, True)
+    assert misprinted.stability_within_digits is None
 
 
 def test_table_that_is_l_stable_but_for_its_rounding_is_so_within_its_digits() -> None:

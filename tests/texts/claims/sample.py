@@ -13,7 +13,7 @@ def claim(phrase: str, more: str = "", value: str = "0.33") -> Claim:
     """A claim whose one value, if its phrase has one, is a number spelled so."""
     values = f"value = {{given = {json.dumps(value)}}}" if "{value}" in phrase else ""
     text = f"[[claim]]\nid = 'a'\nphrase = {json.dumps(phrase, ensure_ascii=False)}\n{values}\n{more}"
-    return parse_claims(text.encode()).claims[0]
+    return parse_claims(text).claims[0]
 
 
 def stands(text: str, one: Claim, form: str = "plain") -> int:
@@ -27,5 +27,5 @@ RK4, read in 5 min.
 It prints 0.25, and nobody claims 7 or 8/9."""
 CLAIMS = Claims(
     (claim("error is {value} after 40 steps", "given = true"),),
-    parse_claims(b"[[label]]\nphrase = '{n} min'\nwhy = 'time'").labels,
+    parse_claims("[[label]]\nphrase = '{n} min'\nwhy = 'time'").labels,
 )

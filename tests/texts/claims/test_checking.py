@@ -144,9 +144,9 @@ def test_numbers_of_programs_are_labels_where_nobody_claims_them() -> None:
 def test_numbers_that_run_together_are_counted_one_by_one() -> None:
     text = '[[claim]]\nid="a"\nphrase="RK4{a}{b}{c}"\nvalues={a="1/4", b="-1/8", c="16"}'
     document = document_of("RK40.25-0.12516")
-    counts = coverage(document, check_claims(document, parse_claims(text.encode()).claims)).counts
+    counts = coverage(document, check_claims(document, parse_claims(text).claims)).counts
     assert (counts[WORKED_OUT], counts[LABEL], counts[UNCOVERED]) == (3, 1, 0)
-    named = parse_claims(b'[[claim]]\nid="a"\nphrase="is {value} here"\nvalue="title rk4"').claims
+    named = parse_claims('[[claim]]\nid="a"\nphrase="is {value} here"\nvalue="title rk4"').claims
     document = document_of("It is Classical RK4 here, 5.")
     assert [one.number.text for one in coverage(document, check_claims(document, named)).numbers] == ["5"]
 
@@ -163,7 +163,7 @@ IN_WORDS = [
 def test_value_in_words_is_held_and_other_words_are_found(readout, how, right, wrong, found):
     asked = f'value = "run rk4 h=1/4 t=10 : {readout}"'
     text = f'[[claim]]\nid="a"\nphrase="makes {{value}} calls"\n{asked}\nspelled="{how}"'
-    (one,) = parse_claims(text.encode()).claims
+    (one,) = parse_claims(text).claims
     assert findings(right, one) == []
     ((*_, expected, instead),) = findings(wrong, one)
     assert instead == found != expected in one.spellings()["value"]

@@ -15,7 +15,7 @@ CLAIM = '[[claim]]\nid = "a"\nphrase = "is {value}"\nvalue = "rk4.first_step.q"\
 
 def test_claims_file_says_phrases_values_forms_and_labels() -> None:
     claims = parse_claims(
-        b"""
+        """
         [text]
         format = "tex"
         coverage = "97.5%"
@@ -43,20 +43,20 @@ def test_claims_file_says_phrases_values_forms_and_labels() -> None:
 
 def test_reason_of_what_is_given_has_200_characters_at_most() -> None:
     with_reason = "{}given = '{}'".format
-    assert parse_claims(with_reason(CLAIM, "x" * 200).encode()).claims[0].given == "x" * 200
-    assert parse_claims(f"{CLAIM}given = true".encode()).claims[0].given == "given"
+    assert parse_claims(with_reason(CLAIM, "x" * 200)).claims[0].given == "x" * 200
+    assert parse_claims(f"{CLAIM}given = true").claims[0].given == "given"
     with pytest.raises(ValueError, match="given is true, or a short reason why"):
-        parse_claims(with_reason(CLAIM, "x" * 201).encode())
+        parse_claims(with_reason(CLAIM, "x" * 201))
 
 
 def test_limits_are_within_what_is_read() -> None:
     long = f"{{given = '{'1' * 200}'}}", f"{{ask = 'order rk4', written = '{'x' * 400}'}}"
     text = "\n".join(CLAIM.replace('"a"', f'"{i}"').replace('"rk4.first_step.q"', one) for i, one in enumerate(long))
-    given, written = parse_claims(f"{text}\ncount = 10000\n[text]\ncoverage = '100%'".encode()).claims
+    given, written = parse_claims(f"{text}\ncount = 10000\n[text]\ncoverage = '100%'").claims
     assert given.spellings() == {"value": ["1" * 200]}
     assert written.count == 10_000
     assert written.values["value"].form.exact
-    label = parse_claims(f"[[label]]\nphrase = '{{n}}'\nwhy = '{'x' * 200}'".encode())
+    label = parse_claims(f"[[label]]\nphrase = '{{n}}'\nwhy = '{'x' * 200}'")
     assert (len(label.labels[0].why), label.coverage) == (200, 0)
 
 
@@ -108,7 +108,6 @@ BAD = [
     ("[text]\ncoverage = 0.5", "coverage of text is a percentage"),
     ("a = " + "[" * 100_000, "nested too deep"), ("a = " + "{a=" * 100_000, "nested too deep"),
     ("a" + ".a" * 500_000 + " = 1", "dots in one line"),
-    ("#" * (2**20 + 1), "too large; at most 1048576 bytes are read"),
     ("x = ", "Invalid value"),
     ("[[claim]]\n" * 5001, "claim has 5001 entries; at most 5000 are allowed"),
 ]  # fmt: skip
@@ -117,7 +116,7 @@ BAD = [
 @pytest.mark.parametrize(("text", "message"), BAD, ids=range(len(BAD)))
 def test_bad_claims_file_is_refused_in_one_line(text: str, message: str) -> None:
     with pytest.raises(ValueError, match=r"\A[^\n]*\Z") as error:
-        parse_claims(text.encode())
+        parse_claims(text)
     assert message in str(error.value)
     assert len(str(error.value)) < 300
 
@@ -139,7 +138,7 @@ def test_no_claim_crashes_the_reader_of_claims(claim: dict[str, str]) -> None:
 
 def held(text: str) -> None:
     try:
-        parse_claims(text.encode())
+        parse_claims(text)
     except ValueError as error:
         complaint = str(error)
     else:

@@ -2,7 +2,7 @@
 
 import pytest
 
-from driftproof.texts.claims.contradictions import contradicted
+from driftproof.texts.claims.contradictions import SETTING, contradicted
 from driftproof.texts.claims.suggestions import Suggestions
 from driftproof.texts.readers.numbers import numbers_in
 from tests.looping import some
@@ -97,3 +97,10 @@ def test_a_root_that_nothing_near_names_is_a_guess():
     text = "the gain is 2.828427124746190 dB"
     (number,) = numbers_in(text)
     assert not any(alike.strong for alike in some(Suggestions(text).look_alikes(number)))
+
+
+def test_a_setting_is_a_whole_number_above_zero_with_its_own_letter():
+    read = {"h = 0.1.": "0.1", "*h = 1/8*,": "1/8", "h =\n0.5 and": "0.5", "(h=12)": "12"}
+    other = ("δh = 0.1", "x.h = 1", "h = 0.0", "h = 0.", "h = 10^6", "h = 10⁶", "h = 2*pi", "h = 1e-3", "h = 1.2.3")
+    assert {text: SETTING["h"].findall(text) for text in read} == {text: [number] for text, number in read.items()}
+    assert [text for text in other if SETTING["h"].search(text)] == []

@@ -26,7 +26,7 @@ TODO = re.compile(r"(?m)^# (?:TODO\n)?(?=\[\[claim|id =|phrase =|count =|given =
 
 def held(document: Document, text: str) -> dict[str, int]:
     """The coverage by drafted claims, all of which hold."""
-    claims = parse_claims(text.encode())
+    claims = parse_claims(text)
     outcomes = check_claims(document, claims.claims)
     findings = [finding for outcome in outcomes for finding in outcome.findings]
     assert findings == []  # of a text without numbers there is nothing to find
@@ -43,7 +43,7 @@ def test_drafted_claims_hold_and_cover_all_once_the_rest_is_given() -> None:
 
 
 def test_drafted_claims_notice_a_changed_digit() -> None:
-    claims = parse_claims(draft(read_document(SPRING), "spring.md").encode())
+    claims = parse_claims(draft(read_document(SPRING), "spring.md"))
     wrong = document_of(SPRING.read_text(encoding="utf-8").replace("5.151", "5.152"), "markdown")
     findings = [finding for outcome in check_claims(wrong, claims.claims) for finding in outcome.findings]
     assert [(finding.expected, finding.found) for finding in findings] == [("5.151", "5.152")]

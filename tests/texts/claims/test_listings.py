@@ -189,6 +189,13 @@ def test_limits_of_what_listings_take_write_and_print(monkeypatch: pytest.Monkey
     assert given == [Limits(seconds=10, memory=2 * 2**30, file=64 * 2**20)]
 
 
+def test_listing_is_not_read_by_the_rules_that_our_own_code_asks_for() -> None:
+    """Annotations are values in it: from __future__ import annotations is ours."""
+    for shows in (False, True):
+        program = "def f(x: 1 + 1): ...\nprint(f.__annotations__['x'] * 2)"
+        assert listings.run_listing({"program": program, "shows": shows}) == {"printed": "4\n", "error": None}
+
+
 def test_names_are_shared_and_order_is_kept() -> None:
     alone = run_listings(document_of(MARKDOWN.replace("x = 3\nprint(f", "print(f"), "markdown"))
     assert [finding.claim for finding in alone.findings] == ["listing 1", "listing 2"]

@@ -62,7 +62,7 @@ CLAIM = '[[claim]]\nid = "a"\nphrase = "is {value}"\nvalue = "rk4.first_step.q"\
     ],
 )
 def test_value_that_cannot_be_written_so_is_refused_in_one_line(question: str, form: str, message: str) -> None:
-    (claim,) = parse_claims((CLAIM.replace("rk4.first_step.q", question) + form).encode()).claims
+    (claim,) = parse_claims(CLAIM.replace("rk4.first_step.q", question) + form).claims
     with pytest.raises(ValueError, match=r"\A[^\n]*\Z") as error:
         claim.spellings()
     assert message in str(error.value)
@@ -107,5 +107,5 @@ def test_no_phrase_crashes_its_reader(text: str) -> None:
 
 
 def test_a_table_may_print_all_its_numbers_with_one_exponent() -> None:
-    one = parse_claims(b"[[claim]]\nid='a'\nphrase='is {value}'\nvalue='113670/1000000'\ndigits=3").claims[0]
+    one = parse_claims("[[claim]]\nid='a'\nphrase='is {value}'\nvalue='113670/1000000'\ndigits=3").claims[0]
     assert [stands(f"is {text}", one) for text in ("11.4×10⁻²", "114e-3", "11.4×10⁻³", "11.5e-2")] == [1, 1, 0, 0]

@@ -25,6 +25,7 @@ def suggested(text: str) -> list[list[LookAlike]]:
     [
         ("one step of RK4 leads to the position 337/384", "rk4.first_step.q"),
         ("one step of RK4 leads to 0.877604", "rk4.first_step.q"),
+        ("forward Euler, h = 1/4, t = 10: state error 2.390297", "forward_euler.default.state_error"),  # published
         ("forward Euler's state error is 2.390 at the end", "forward_euler.default.state_error"),
         ("with RK4, h = 1/8 and t = 2: energy change -1.26e-7", None),
         ("RK4, h = 1/5, t = 2: the state error is 2.7e-5", "run rk4 h=1/5 t=2 : state_error"),

@@ -50,8 +50,10 @@ def test_tie_is_refused_exactly_where_the_policies_differ(x: Q, places: int) -> 
     if even == away:
         assert answer.places(places) == even
     else:
-        with pytest.raises(AmbiguousRounding, match=f"half-even gives {even}, half-away {away}; choose a rounding"):
+        said = f"half-even gives {even}, half-away {away}; choose a rounding"
+        with pytest.raises(AmbiguousRounding, match=said) as refused:
             answer.places(places)
+        assert refused.value.column == 1
 
 
 def double_to_fixed(x: Q, places: int) -> str:

@@ -70,7 +70,7 @@ def test_reader_is_chosen_by_the_ending(tmp_path: Path) -> None:
     ("content", "message"),
     [
         (b"\xff\xfe", "not UTF-8 at byte 0"),
-        (b" " * (LARGEST_DOCUMENT + 1), "longer than 4194304 bytes"),
+        (b" " * (LARGEST_DOCUMENT + 1), "too large; at most 4194304 bytes"),
         (b"{", "it is not a notebook"), (b'{"cells": 3}', 'a list "cells"'), (b"[" * 100_000, "nested too deep"),
     ],
     ids=range(5),

@@ -157,4 +157,7 @@ def test_twelve_items_400_characters_and_17_digits_are_shown() -> None:
         assert text.startswith(f"{10**size + 1}/100" if exact else f"a number of {size + 5} characters")
     long = [Q(1, 3), Q(10**395, 3)]
     assert fact_text(long) == f"[1/3, {'3' * 1}.{'3' * 16}e394...]"
-    assert fact_text([Q(1, 3), Q(10**394, 3)]) == f"[1/3, {10**394}/3]"
+    assert fact_text([Q(1, 3), Q(10**97, 3)]) == f"[1/3, {10**97}/3]"
+    assert fact_text([Q(1, 3), Q(10**98, 3)]) == f"[1/3, 3.{'3' * 16}e97...]", "one of 101 characters"
+    assert "..." not in fact_text(4 * [Q(10**97, 3)])
+    assert fact_text([*4 * [Q(10**97, 3)], Q(1)]).count("...") == 4, "401 characters together"
