@@ -134,8 +134,8 @@ def names_listed(text: str) -> list[str]:
     parts, found = text.split(","), list[str]()
     while parts:
         longest = len(parts) if ", " in text or "(" in text else 1  # else no title is among them, and none is read
-        names = [",".join(parts[:count]) for count in range(longest, 1, -1)]
-        found.append(next(filter(keys_of_name, names), parts[0]))
+        joined = (",".join(parts[:count]) for count in range(longest, 1, -1))
+        found.append(next(filter(keys_of_name, joined), parts[0]))
         del parts[: found[-1].count(",") + 1]
     return [name.strip() for name in found]
 

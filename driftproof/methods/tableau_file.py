@@ -360,11 +360,9 @@ def subject_of(given: str | Path | Method | Family | FactsOnly) -> Method | Fami
     of, at, value = name.rpartition(" at ")
     if at and isinstance(family := subject_of(of), Family):
         return family.member(parse_number(value, family.parameter))
-    if not keys_of_name(name):  # else no family is read, for which it takes FLINT
-        for family in FAMILIES.values():
-            if plain_name(name) in (plain_name(family.key), plain_name(family.title)):
-                return family
-    return entry_named(name)
+    families = () if keys_of_name(name) else FAMILIES.values()  # which take FLINT to be read
+    called = (each for each in families if plain_name(name) in (plain_name(each.key), plain_name(each.title)))
+    return next(called, None) or entry_named(name)
 
 
 def names_of(given: GivenMethods) -> list[str]:
