@@ -106,6 +106,13 @@ def test_no_phrase_crashes_its_reader(text: str) -> None:
     assert phrase.exact(spellings).fullmatch(written)
 
 
+def test_any_number_may_stand_for_a_value_and_literal_numbers_stay() -> None:
+    pattern = Phrase.of("after 40 steps {q} and {v} are left").any_numbers()
+    found = [pattern.search(f"after {n} steps 0.5 and -1e-3 are left") for n in (40, 41)]
+    assert found[0] is not None
+    assert (found[0].groups(), found[1]) == (("0.5", "-1e-3"), None)
+
+
 def test_a_table_may_print_all_its_numbers_with_one_exponent() -> None:
     one = parse_claims("[[claim]]\nid='a'\nphrase='is {value}'\nvalue='113670/1000000'\ndigits=3").claims[0]
     assert [stands(f"is {text}", one) for text in ("11.4×10⁻²", "114e-3", "11.4×10⁻³", "11.5e-2")] == [1, 1, 0, 0]
