@@ -75,7 +75,8 @@ def render(
     """
     template, output = Path(template), output_of(template, output)
     require_package("jinja2", "text", "templates need Jinja2")
-    line_end = "\r\n" if read_utf8(template, LARGEST_TEMPLATE).partition("\n")[0].endswith("\r") else "\n"
+    first, feed, _ = read_utf8(template, LARGEST_TEMPLATE).partition("\n")
+    line_end = "\r\n" if feed and first.endswith("\r") else "\n"
     order = {"template": str(template), "output": str(output), "style": style, "rounding": rounding}
     limits = Limits(seconds=time_limit, memory=RENDERING_MEMORY, answer=LONGEST_RENDERED)
     try:

@@ -68,6 +68,12 @@ def test_ends_of_lines_are_those_of_the_template(lesson: Path, run: Run) -> None
     assert run("render", "lesson.md.j2", "-o", "out.md", "--check")[0] == 0
 
 
+def test_a_template_of_returns_alone_has_line_feeds(lesson: Path, run: Run) -> None:
+    lesson.write_bytes(b"a\rb\r")
+    assert run("render", "lesson.md.j2", "-o", "out.md")[0] == 0
+    assert Path("out.md").read_bytes() == b"a\nb\n"
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
