@@ -31,13 +31,12 @@ def pytest_configure(config: pytest.Config) -> None:
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Of the cases of a test that is `slow` with some to keep, take the mark from as many, spread evenly over them."""
-    cases = defaultdict[tuple[Path, str], list[pytest.Item]](list)
+    cases = defaultdict[tuple[Path, str, int], list[pytest.Item]](list)
     for item in items:
         if (mark := item.get_closest_marker("slow")) and mark.kwargs and not item.get_closest_marker("long"):
-            cases[item.path, item.originalname].append(item)  # type: ignore[attr-defined]
-    for of_one in cases.values():
-        mark = of_one[0].get_closest_marker("slow")
-        kept = min(mark.kwargs["keep"], len(of_one))  # type: ignore[union-attr]
+            cases[item.path, item.originalname, mark.kwargs["keep"]].append(item)  # type: ignore[attr-defined]
+    for (*_, keep), of_one in cases.items():
+        kept = min(keep, len(of_one))
         for k in range(kept):
             item = of_one[k * len(of_one) // kept]
             item.own_markers = [mark for mark in item.own_markers if mark.name != "slow"]

@@ -168,7 +168,7 @@ class _ReusingAnswers:
         self.function = function
         self.order = convention.order
         self.roles = dict(zip(convention.names, convention.order, strict=False))
-        self.known, self.same = list[Foreign](), dict[tuple[int | str, ...], Foreign]()
+        self.known: list[Foreign] = []
         self.handed = self.spoilt = False
         self.clock = ""
 
@@ -207,6 +207,10 @@ class _ReusingAnswers:
 
 class _Overwriting(_ReusingAnswers):
     """A stepper that gets the same list or array at every call, with the numbers of that call."""
+
+    def __init__(self, function: Callable[..., Any], convention: CallingConvention) -> None:
+        super().__init__(function, convention)
+        self.same: dict[tuple[int | str, ...], Foreign] = {}
 
     def _known_as(self, x: Foreign, place: int | str) -> Foreign:
         if not isinstance(x, np.ndarray | list) or not np.ndim(x):

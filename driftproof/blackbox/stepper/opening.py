@@ -195,7 +195,7 @@ def _after_trial(subject: ForeignStepper, trial: TrialStep) -> ForeignStepper:
     if subject.log.carried is not None:
         _require_slope_at_end(subject, end)
         _require_time_of_end(subject, TRIAL_STATE[: len(end)])
-    _require_own_clock(subject, TRIAL_STATE[: len(end)])
+    _require_time_returned(subject, TRIAL_STATE[: len(end)])
     _require_no_clock(subject, TRIAL_STATE[: len(end)])
     read_as = subject.convention
     if read_as.kind in (calling.MAP, calling.FORCE) and end[0] < end[1] and not read_as.velocity_first:
@@ -299,7 +299,7 @@ def _require_time_of_end(subject: ForeignStepper, state: Sequence[float]) -> Non
         raise StaleSlope(f"it passes on the slope at t + {seen - start:g} as that at its end, t + {TRIAL_STEP:g}")
 
 
-def _require_own_clock(subject: ForeignStepper, state: Sequence[float]) -> None:
+def _require_time_returned(subject: ForeignStepper, state: Sequence[float]) -> None:
     """Raise StaleSlope if the time that the step returns is neither that at its end nor, left to its caller, the start.
 
     In a tuple, a number that does not move with t is no time, but a step size or an error.
