@@ -78,7 +78,10 @@ def read_values(path: Path) -> dict[str, Any]:
 
 
 def _part_that_is_no_number(number: dict[str, Any]) -> str | None:
-    """The part of a number entry, decimal or exact, that is not a number; None if both are. exact may be a formula."""
+    """The part of a number entry that is not what belongs there: a decimal, or an exact number or formula; or None.
+
+    A quotient by 0 is a formula, too, and so a changed value beside what it was before.
+    """
     if _rounded(number["decimal"]) is None:
         return "decimal"
     exact = number.get("exact")
@@ -86,16 +89,15 @@ def _part_that_is_no_number(number: dict[str, Any]) -> str | None:
 
 
 def _is_formula(text: Any) -> bool:
-    """True for a formula in integers and the functions of _NAMES that does not divide by a literal 0."""
+    """True for a formula in integers and the functions of _NAMES."""
     if not isinstance(text, str):
         return False
-    # Integers may have more digits than int() accepts; only whether they are 0 matters here.
-    short = re.sub("(?<![a-z0-9])[0-9]+", lambda run: "1" if run[0].strip("0") else "0", text)
+    short = re.sub("(?<![a-z0-9])[0-9]+", "1", text)  # integers may have more digits than int() accepts
     try:
         parse_form(short)
     except ValueError:
         return False
-    return set(re.findall("[A-Za-z_][A-Za-z_0-9]*", short)) <= _NAMES and not re.search(r"/ *0(?!\.?[1-9])", short)
+    return set(re.findall("[A-Za-z_][A-Za-z_0-9]*", short)) <= _NAMES
 
 
 def _name(place: tuple[str, ...]) -> str:

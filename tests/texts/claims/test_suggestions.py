@@ -181,6 +181,10 @@ def test_a_row_at_time_t_is_of_the_run_of_as_many_steps_and_its_column_has_a_nam
     assert {text for text, alike in found.items() if alike and alike[0].strong} == {"0.8", "0.829293", "1.152", "1.214"}
     wiki = Suggestions("{| class=a\n! ''t'' !! Heun\n|-\n| 0.5 || 1.125", [])
     assert [wiki.column_of(number) for number in numbers_in(wiki.text)] == ["t", "heun"]
+    narrow = Suggestions("|t|Heun|\n|0.5|1.125|")
+    assert [narrow.column_of(number) for number in numbers_in(narrow.text)] == ["t", "heun"]
+    two = _Known("run rk4 h=1/2 N=3 : q - run rk4 h=1/4 N=6 : q", value("1"), ("3",))
+    assert two.numbers == [{3, Q(3, 2)}], "the first step size and the first number of steps"
 
 
 def test_the_last_step_size_given_before_a_number_decides_between_equal_values() -> None:
