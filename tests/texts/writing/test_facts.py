@@ -124,6 +124,7 @@ def test_text_and_tex_of_long_numbers_are_bounded_and_json_is_exact_with_decimal
     shown = {name: getattr(facts, name) for name in names}
     for value in (facts_text(shown), facts_tex(shown)):
         assert 1000 < len(value) < 20_000
+    assert r"\ldots" in facts_tex(shown)
     known = record(shown)
     residual = known["order_fails"]["residual"]
     assert set(residual) == {"exact", "decimal"}
