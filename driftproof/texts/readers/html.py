@@ -82,7 +82,7 @@ class _Page:
         return self.done
 
     def keep(self, start: int, stop: int) -> None:
-        if not self.hidden and start < stop:
+        if not self.hidden:
             self.pieces.append(self.source[start:stop])
 
     def write(self, text: str, index: int) -> None:

@@ -124,7 +124,7 @@ class _Text:
         if found.get("exact"):
             return self.radicals(found["exact"], found["decimal"])
         minimal = found["minpoly"] or ""
-        root = f"the root of {self.form(minimal)}" if 0 < len(minimal) <= LONGEST_FORMULA else "a number"
+        root = f"the root of {self.form(minimal)}" if minimal and len(minimal) <= LONGEST_FORMULA else "a number"
         place = f"{root} in {self.math('(' + ', '.join(found['interval']) + ')')}"
         place = f"{self.form(found['generator'])}, {place}" if "generator" in found else place
         return self.about(place, found["decimal"])

@@ -111,4 +111,5 @@ def test_an_exact_form_of_24_characters_is_shown_beside_its_decimal_and_15_digit
     for digits, shown in ((22, True), (23, False)):
         assert (", exactly 1/3" in value(f"1/{'3' * digits}").written("text")) is shown
     assert value("1/7").written("text").startswith("0.142857142857143,")
+    assert value("stages rk4").written("text") == "4  (COUNTED)"
     assert '"decimal": "0.142857142857143"' in value("1/7").written("json")

@@ -190,6 +190,7 @@ REFUSED = [
     ("order rk4 problem=pendulum", 19, "takes no problem"),
     ("run rk4 lambda=-1 h=1/3 t=1/2 : y", 1, "does not divide"),
     ("run velocity_verlet lambda=-1 h=1/4 t=1 : y", 5, "no stability_function"),
+    ("2**999999", 1, "the power is too long to write out: more than 262144 bits"),
     ("ln(0)", 1, "only a positive number has a logarithm"),
     ("exact problem=pendulum h=1 t=1 : y0", 24, "does not take h here"),
 ]

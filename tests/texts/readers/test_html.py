@@ -20,7 +20,7 @@ READ = [
     ("<span class='katex-html'>9<span>8<i>4</i></span><span/>7</span>6<template>5</template>", "6"),
     ("<math><msup></i><mi>h</mi></mn><mn>6</mn></i></msup></math>", "h^6"),
     ("<td>1<td>2", "1 | 2"),
-    ("<b>0.090</b>40", "0.09040"),
+    ("<b>0.090</b>40<div>a</div>b", "0.09040\na\nb"),
     ("<math><msubsup><mi>q</mi><mn>1</mn><mn>2</mn></msubsup></math>", "q_1^2"),
 ]
 
