@@ -86,7 +86,7 @@ class _Page:
             self.pieces.append(self.source[start:stop])
 
     def write(self, text: str, index: int) -> None:
-        if not self.hidden and text:
+        if not self.hidden:
             self.pieces.append(Insertion(text, self.source.origin(index)))
 
     def finish(self) -> None:

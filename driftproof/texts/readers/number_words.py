@@ -6,12 +6,12 @@ import re
 from fractions import Fraction
 from typing import NamedTuple
 
-_NAMES = """
-zero one two three four five six seven eight nine ten
-eleven twelve thirteen fourteen fifteen sixteen seventeen eighteen nineteen
-twenty thirty forty fifty sixty seventy eighty ninety
-"""
-_SMALL, _TENS = _NAMES.split()[:20], _NAMES.split()[20:]
+_NAMES = (
+    "zero one two three four five six seven eight nine ten "
+    "eleven twelve thirteen fourteen fifteen sixteen seventeen eighteen nineteen",
+    "twenty thirty forty fifty sixty seventy eighty ninety",
+)
+_SMALL, _TENS = map(str.split, _NAMES)
 _SCALES = {10**9: "billion", 10**6: "million", 1000: "thousand"}
 _PARTS = dict(enumerate(("half", "third", "quarter", "fifth", "sixth", "seventh", "eighth", "ninth", "tenth"), 2))
 # Sign of a change -> the words for it, the plainest first.

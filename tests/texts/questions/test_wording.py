@@ -194,6 +194,7 @@ REFUSED = [
     ("order of RK4 on the real axis", 21, "unexpected 'real'"),
     ("energy growth per step of Euler", 1, "may mean energy_multiplier METHOD h=1/4 (factor per step)"),
     ("z(1) of Heun for y'=-y, y(0)=1, h=0.1", 1, "'z' is not a readout of run; the readouts are y"),
+    ("roundoff rk4 h=1/4 t=1 : qq", 20, "roundoff does not take t here"),
     ("total energie of RK4", 1, "'total energie' is not a known fact or readout"),
     ("phase- error of RK4 h=1 t=1", 1, "'phase' is not the id of a published value"),
     ("rk4 y'=y y(0)=1 h=1 y(1) rk4", 23, "time starts at 0"),
