@@ -105,8 +105,9 @@ def test_an_eigenvalue_has_its_limit_and_whether_that_is_attained_or_neither():
         value, limit = found.pop("value"), found.pop("limit")
         assert (value["exact"], limit["exact"]) == ("-1", "2")
         assert found == {"multiplicity": 2, "largest_block": block, "attained": attained}
-    (found,) = facts("forward_euler", system="-1 -2; 2 -1").data["eigenvalues"]
-    assert found["value"]["exact"] == "-1 + 2*I"
+    for system, exact in (("-1 -2; 2 -1", "-1 + 2*I"), ("0 -1; 2 0", "sqrt(2)*I")):
+        (found,) = facts("forward_euler", system=system).data["eigenvalues"]
+        assert found["value"]["exact"] == exact
     (bound,) = SystemFacts(METHODS["forward_euler"], [[Q(-1)]]).bounds
     undecided = record(EigenvalueLimit(bound.eigenvalue, UndecidedLimitError("why")))
     assert isinstance(undecided, dict)
