@@ -30,12 +30,15 @@ from driftproof.methods.expression_tree import END, NAME, NUMBER, CallNode, Expr
 from driftproof.support.plain_text import did_you_mean
 from driftproof.texts.questions import wording
 from driftproof.texts.questions.errors import QuestionError
-from driftproof.texts.questions.pieces import OWN_PI, WORDS, PieceParser, without_accents
+from driftproof.texts.questions.pieces import OWN_PI, WORDS, PieceParser
 
 SETTINGS = ("h", "t", "N", "steps", "error", "z", "lambda")
 PROBLEM, RATES = ("problem", "rates")
 _WITHOUT_SIGN = {*SETTINGS, *wording.OTHER_SETTINGS}
+# Sign that is not allowed -> what to write; and what may be the name of a file, with blanks and such signs.
 _HINTS = {"%": "a percentage is percent(a, b)", "[": "coefficients are b2 and a21, counted from 1, starts from 1,0"}
+_QUOTES = "a file's name with blanks or signs stands in quotes: 'my method.toml'"
+_UNQUOTED = re.compile(r"(?:[^\s=:\"]+ )*[^\s=:\"]*\.toml\b")
 _HEADS = ("step", "run", "exact", "roundoff")
 _WITH_EQUATION = "as in run heun2 y'=-y y(0)=1 h=0.1 t=1 : error"
 _OF_METHOD = "order rk4, or run rk4 h=0.1 t=1 : q"
@@ -72,16 +75,18 @@ Node: TypeAlias = ExpressionNode | Query
 
 def parse_question(question: str) -> Node:
     """Parse a question into its tree; accents on letters are ignored. Raises QuestionError."""
-    plain = without_accents(question).translate(PieceParser.typographic)
-    if rounded := wording.TO_DIGITS.search(plain):
+    if rounded := wording.TO_DIGITS.search(question):
         kind = "digits" if rounded["digits"] else "places"
         count = rounded["count"]
         how = f"{kind} are not part of the question: use --{kind} {count}, or | {kind}({count}) in a template"
         raise QuestionError(question, rounded.start() + 1, how)
-    for sign, hint in _HINTS.items():
-        if sign in plain:
-            raise QuestionError(question, plain.index(sign) + 1, f"{sign!r} is not allowed in a question; {hint}")
-    node: Node = _QuestionParser(plain.removesuffix("?"), largest_power=LARGEST_POWER_ASKED).tree()
+    try:
+        node: Node = _QuestionParser(question, LARGEST_POWER_ASKED).tree()
+    except QuestionError as error:
+        of_file = any(match.start() < error.column <= match.end() for match in _UNQUOTED.finditer(question))
+        if hint := _QUOTES if of_file else _HINTS.get(question[error.column - 1 : error.column]):
+            raise QuestionError(error.text, error.column, f"{error.reason}; {hint}") from None
+        raise
     return node
 
 
@@ -104,18 +109,19 @@ class _QuestionParser(PieceParser):
                 called: Node = self._call(name)
                 return called
         of_somebody = self.next.text == "'" and self.after(self.at).text == "s"
-        hyphened = self.next.text == "-" and self.next.column == name.end and self._has_hyphen(name)
+        adjacent = self.next.text == "-" and self.next.column == name.end
+        named = (adjacent or self.next.kind == NUMBER) and self._goes_on(name)
         if not self.in_rate and self.next.text == "'" and self.after(self.at).text == "=":
             raise self.error(name, f"an equation alone is not a question; add what to compute, {_WITH_EQUATION}")
-        if self.in_rate or not (self.next.kind == NAME or self.next.text == ":" or of_somebody or hyphened):
+        if self.in_rate or not (self.next.kind == NAME or self.next.text == ":" or of_somebody or named):
             if not self.in_rate and keys_of_name(name.text):
                 raise self.error(name, f"{name.text} is a method; ask for one of its values, as in {_OF_METHOD}")
             return NameNode(name.column, "pi" if name.text == "π" else name.text)
         parts: dict[str, Any] = defaultdict(dict)
         return self.query(name, self.head(name, parts), parts)
 
-    def _has_hyphen(self, name: Token) -> bool:
-        """True if the next hyphen belongs to the name of a fact or method, such as Crank-Nicolson: it is no minus."""
+    def _goes_on(self, name: Token) -> bool:
+        """True if the next hyphen or number belongs to the name of a fact or method: Crank-Nicolson, BDF 2."""
         start = self.at
         self.method_name(name)
         longer, self.at = self.at > start, start
@@ -286,7 +292,7 @@ class _QuestionParser(PieceParser):
     def _assignment(self, token: Token, setting: str, parts: dict[str, Any]) -> bool:
         """Parse problem=NAME, rates=(...) or a setting, whose equals sign is optional; False if it is none of them."""
         if token.text == PROBLEM and self.accept("="):
-            self.put(parts, token, PROBLEM, lambda: self.adjacent(self.take()))
+            self.put(parts, token, PROBLEM, self.take)
         elif token.text == RATES and self.accept("="):
             self.put(parts, token, RATES, self.rates)
         elif setting or (token.text != "at" and self.next.text == "="):
