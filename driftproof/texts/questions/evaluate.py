@@ -125,7 +125,9 @@ def _run(context: QueryContext) -> Answer:
         with context.refused():
             given = {"t": t, "h": t / steps_to_error(method, t, context.start, given["error"])}
     if len(given) != 2:
-        raise context.error(None, "run needs exactly two of h, t and N, as in h=1/4 t=10")
+        lacks = {0: " h=0.1 t=1", 1: " h=0.1" if "N" in given else " N=10"}.get(len(given))
+        reason = "run needs exactly two of h, t and N, as in h=1/4 t=10"
+        raise context.error(None, reason + (context.ask_for(lacks) if lacks else ""))
     h = given["h"] if "h" in given else given["t"] / _whole_number(context)
     return _run_answer(context, h, given["t"] if "t" in given else h * _whole_number(context))
 
@@ -223,14 +225,9 @@ def _roundoff(context: QueryContext) -> Answer:
 
 
 def _fact(context: QueryContext) -> Answer:
-    from driftproof.texts.questions.facts import FACT_NAMES, coefficient, fact
+    from driftproof.texts.questions.facts import coefficient, fact
 
-    if COEFFICIENT.fullmatch(context.head):
-        return coefficient(context)
-    if context.head not in FACT_NAMES:
-        hint = f"{did_you_mean(context.head, [*_QUERY_KINDS, *FACT_NAMES])} (`driftproof value --list` lists all)"
-        raise context.error(None, f"{context.head[:40]!r} is not a known fact or readout{hint}")
-    return fact(context)
+    return coefficient(context) if COEFFICIENT.fullmatch(context.head) else fact(context)
 
 
 # Heads of queries that are not facts -> the function that answers them.

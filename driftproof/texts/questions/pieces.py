@@ -65,7 +65,7 @@ class PieceParser(ExpressionParser):
                 break
             last = token
             piece = self.piece(first.column, token.end)
-            if keys_of_name(piece.text):
+            if token.text not in wording.SAY_NOTHING and keys_of_name(piece.text):
                 found, self.at = piece, i + 1
         return found
 
