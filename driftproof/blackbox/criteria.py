@@ -73,7 +73,7 @@ class Question(NamedTuple):
         if kind == UnsupportedCall.kind:  # a stepper that returns y1 alone needs no line
             return Criterion(self.title, None, () if self.title in _UNUSUAL else lines, {})
         if of_step and not missing:
-            return Criterion(self.title, False, (f"{kind}: {outcome.seen}",), {})
+            return Criterion(self.title, False, (outcome.said,), {})
         return Criterion(self.title, None, lines, {}, missing)
 
 

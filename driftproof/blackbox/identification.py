@@ -68,7 +68,6 @@ class Identification:
         damping: Damping | None = seen.damping.result
         damps = damping.faults if damping and not seen.ignores_step else []
         faults = [*damps, *(check.words for check in seen.checks if check.is_fault)]
-        failed = [o for o in self._unanswered if o.kind != "unsupported_call"]
         stepper = [SIGNATURES[opened.calls], f"takes {opened.numbers}, works in {opened.format}"] if opened else []
         evidence = sections(
             ("What to do", self._what_to_do),
@@ -82,8 +81,9 @@ class Identification:
             ("Rounding", [] if self.rounding.result is None else self.rounding.result.lines),
             ("Stepper", [*stepper, *filter(None, [seen.arithmetic])]),
         )
-        answers = sections(("Not answered", without_duplicates(f"{o.kind}: {o.seen}" for o in failed)))
-        return (*evidence, *_checks([check for check in seen.checks if not check.is_fault]), *answers)
+        said = without_duplicates(o.said for o in self._unanswered if o.kind != "unsupported_call")
+        checks = _checks([check for check in seen.checks if not check.is_fault])
+        return (*evidence, *checks, *sections(("Not answered", said)))
 
     @property
     def _what_to_do(self) -> list[str]:

@@ -217,11 +217,9 @@ def test_what_an_expression_may_mean_is_shown_with_the_method_of_the_question():
             assert caught.value.reason == f"{name} may mean {meant}: say which"
 
 
-_PASTED = re.compile(r"(?<!driftproof )\b[a-z]\w+ METHOD(?: [hzt]=[0-9/]+)*(?: : \w+)?")
-
-
 def test_what_an_expression_may_mean_is_a_question_that_is_answered():
-    meant = {name for meaning in AMBIGUOUS_FACTS.values() for name in _PASTED.findall(meaning)}
+    pasted = re.compile(r"(?<!driftproof )\b[a-z]\w+ METHOD(?: [hzt]=[0-9/]+)*(?: : \w+)?")
+    meant = {name for meaning in AMBIGUOUS_FACTS.values() for name in pasted.findall(meaning)}
     for example in some(sorted(meant), 12):
         method = "symplectic Euler" if example.startswith("invariant") else "RK4"
         found = value(example.replace("METHOD", method))
