@@ -65,6 +65,8 @@ BAD = [
     ("claim = 1", "claim is 1; write a list"),
     ("[claim]\nid = 'a'", "claim is {'id': 'a'}; write a list"),
     ("[[claim]]\nphrase = 'a'", "id of claim 1 is missing; write a line of text of 1 to 200 characters"),
+    ("text.x = 1", "text has no key 'x'"), ("[[label]]\nphrase = '{n}'\nwhy = 'a'\nx = 1", "a label has no key 'x'"),
+    (CLAIM.replace('"rk4.first_step.q"', "{ask = '1', x = 1}"), "a value has no key 'x'; its keys are ask, given"),
     (CLAIM + CLAIM, "two claims have the id 'a'"), (CLAIM + "plases = 3", "a claim has no key 'plases'"),
     (CLAIM + "places = 3\ndigits = 4", "it has places and digits; give only one of them"),
     (CLAIM + "places = 1000000000", "places is 1000000000; write a whole number from 0 to 1000"),

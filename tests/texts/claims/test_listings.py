@@ -98,6 +98,13 @@ def test_finding_is_at_the_beginning_of_the_line_that_differs(shown: str) -> Non
     assert (finding.line, finding.column) == (DIFFERENT[shown], 1)
 
 
+def test_a_listing_that_ends_with_an_error_is_found_at_its_beginning() -> None:
+    for output in ("```text\n1\n```\n", ""):
+        document = document_of(f"First:\n\n```python\nx = 0\n1/x\n```\n{output}", "markdown")
+        (finding,) = run_listings(document).findings
+        assert (finding.line, finding.column) == (4, 1)
+
+
 def test_numbers_seen_printed_are_those_of_the_output() -> None:
     document = document_of(PLAIN)
     ((start, end),) = run_listings(document).spans

@@ -14,7 +14,7 @@ import pytest
 from driftproof.texts.claims.checking import UNCOVERED
 from driftproof.texts.claims.claims import Claims
 from driftproof.texts.claims.listings import run_listings
-from driftproof.texts.claims.report import TextReport, check
+from driftproof.texts.claims.report import TextReport, check, claims_beside, texts_with_claims
 from driftproof.texts.readers.document import document_of
 from tests.texts.claims.sample import CLAIMS, TEXT, claim
 
@@ -81,6 +81,40 @@ def test_report_shows_24_characters_three_values_five_words_and_5000_numbers() -
     assert TextReport.of("a.txt", document_of("7 " * 5000), Claims(), suggest=True).coverage.counts[UNCOVERED] == 5000
     with pytest.raises(ValueError, match="5001 numbers are not covered; at most 5000 are listed"):
         TextReport.of("a.txt", document_of("7 " * 5001), Claims(), suggest=True)
+
+
+def test_as_many_values_as_are_named_are_all(monkeypatch: pytest.MonkeyPatch) -> None:
+    report = TextReport.of("a.txt", document_of("It is 0.877604 !"), Claims(), suggest=True)
+    everything = [one.question for one in report.suggestions.look_alikes(report.coverage.uncovered[0])]
+    monkeypatch.setattr("driftproof.texts.claims.report._MOST_NAMED", len(everything))
+    line, *_ = report.written("text").splitlines()
+    assert line == f"a.txt:1:7: not covered: 'It is 0.877604 !'; looks like {', '.join(everything)}"
+
+
+def test_listing_that_prints_something_else_is_a_finding(files: Path) -> None:
+    (files / "none.toml").write_text("", encoding="utf-8")
+    for shown, passed in (("0.25", True), ("0.26", False)):
+        (files / "b.md").write_text(f"5 of\n\n```python\nprint(1/4)\n```\n```\n{shown}\n```\n", encoding="utf-8")
+        report = check("b.md", "none.toml", run=True)
+        assert report.passed is passed
+        assert [(one.claim, one.line) for one in report.findings] == [("listing 1", 7)][passed:]
+        share, run, uncovered = ("50%", ", 1 by running", 1) if passed else ("0%", "", 2)
+        counted = f"{share} of 2 numbers covered: 0 by values, 0 given{run}, {uncovered} uncovered; 1 label not counted"
+        assert report.written("text").splitlines()[-1] == counted
+
+
+def test_claims_stand_beside_the_text_or_what_is_missing_is_named(files: Path) -> None:
+    with pytest.raises(
+        ValueError, match=r"^no claims to check: give --claims FILE or write a\.md\.claims\.toml; to draft"
+    ):
+        claims_beside("a.md")
+    with pytest.raises(ValueError, match=r"^no\.md: No such file or directory$"):
+        claims_beside("no.md")
+    with pytest.raises(ValueError, match=r"^no text in \. has a claims file; that of chapter\.md would be"):
+        texts_with_claims(Path())
+    (files / "a.md.claims.toml").write_text("", encoding="utf-8")
+    assert claims_beside("a.md") == Path("a.md.claims.toml")
+    assert texts_with_claims(Path()) == texts_with_claims(Path("a.md")) == [Path("a.md")]
 
 
 @pytest.mark.parametrize(

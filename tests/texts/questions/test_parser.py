@@ -59,6 +59,7 @@ REFUSED = [
     ("R(-2)", 1, "stability_function needs a method"), ("R(2*2) rk4", 4, "unexpected '*' in a number"),
     ("R(-2 rk4", 6, "the bracket of R is not closed; found 'rk4'"),
     ("step rk4 h=1/2 from 1 : q", 1, "a start is a position and a velocity"),
+    ("half + s", 1, "'half' is not the id of a published value"), ("half' : q", 5, "unexpected \"'\"; expected"),
     ("step rk4 h=1/2 from 1,0 from 1,0 : q", 25, "'from' is given twice"),
 ]  # fmt: skip
 

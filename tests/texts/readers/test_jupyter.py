@@ -38,6 +38,13 @@ def test_notebook_is_read_as_people_read_it() -> None:
     assert [kind for kind, *_ in blocks("notebook", json.dumps(NOTEBOOK))].count("output") == 2
 
 
+def test_what_notes_of_programs_say_is_not_read() -> None:
+    note = {"a": {"text": "7", "cell_type": "markdown", "source": "8"}}
+    cells = [{**cell, "metadata": note, "attachments": note} for cell in NOTEBOOK["cells"]]
+    noted = {**NOTEBOOK, "cells": ["9", *cells], "metadata": NOTEBOOK["metadata"] | note}
+    assert read("notebook", json.dumps(noted)) == read("notebook", json.dumps(NOTEBOOK))
+
+
 LANGUAGES = [
     ({"language_info": {"name": "Julia"}}, "julia"),
     ({"language_info": {"name": "R"}, "kernelspec": {"language": "python"}}, "r"),

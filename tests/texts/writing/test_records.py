@@ -17,6 +17,8 @@ from driftproof.methods.schemes import RungeKutta
 from driftproof.reports.fact_sheet import facts
 from driftproof.symbolic.facts import FACTS, Facts
 from driftproof.symbolic.family_facts import FAMILY_FACTS
+from driftproof.symbolic.linear.ray_bounds import UndecidedLimitError
+from driftproof.symbolic.linear.systems import EigenvalueLimit, SystemFacts
 from driftproof.texts.writing.records import record
 from tests.looping import exactly
 from tests.symbolic.linear.family_examples import THETA
@@ -86,6 +88,19 @@ def test_every_fact_of_a_family_is_json_and_the_same_every_time() -> None:
         assert json.loads(json.dumps(found)) == found == facts(each).data
     with pytest.raises(ValueError, match="unknown fact 'colour'; choose from method"):
         facts(THETA, only=("colour",)).json()
+
+
+def test_an_eigenvalue_has_its_limit_and_whether_that_is_attained_or_neither():
+    """Forward Euler multiplies z' = -z by 1 - h: its powers are bounded at h = 2, too, but not with a Jordan block."""
+    for system, block, attained in (("-1 0; 0 -1", 1, True), ("-1 1; 0 -1", 2, False)):
+        (found,) = facts("forward_euler", system=system).data["eigenvalues"]
+        value, limit = found.pop("value"), found.pop("limit")
+        assert (value["exact"], limit["exact"]) == ("-1", "2")
+        assert found == {"multiplicity": 2, "largest_block": block, "attained": attained}
+    (bound,) = SystemFacts(METHODS["forward_euler"], [[Q(-1)]]).bounds
+    undecided = record(EigenvalueLimit(bound.eigenvalue, UndecidedLimitError("why")))
+    assert isinstance(undecided, dict)
+    assert (undecided["limit"], undecided["attained"]) == ({"refused": "why"}, None)
 
 
 def test_coefficients_of_thousands_of_trees_are_counted_and_not_listed() -> None:
