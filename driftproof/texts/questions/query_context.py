@@ -50,9 +50,9 @@ class QueryContext:
         """A QuestionError at the token, at the head for None."""
         return QuestionError(self.text, (token or self.query.head).column, reason)
 
-    def ask_for(self, lacks: str, readout: str = "") -> str:
+    def ask_for(self, lacks: str | None, readout: str = "") -> str:
         """The end of a message: the question with what it lacks, ready to be asked; "" if it asks for more."""
-        if parse_question(self.text) != self.query:
+        if lacks is None or parse_question(self.text) != self.query:
             return ""
         lacks = lacks or " t=10" * (self.head == "exact" and "t" not in self.query.settings)
         asked, colon, given = self.text.rstrip(" ?").partition(":")
@@ -112,7 +112,7 @@ class QueryContext:
             raise self.error(None, f"{self.head} takes no start here; leave out 'from'")
         if query.readout is not None and "readout" not in parts:
             raise self.error(query.readout, f"{self.head} has no parts; leave out {query.readout.shown}")
-        if query.unit is not None and "unit" not in parts:
+        if query.unit is not None and ("unit" not in parts or (query.readout or query.unit).text != "phase_error"):
             raise self.error(query.unit, f"{query.unit.shown} is not allowed here; only angles take a unit")
 
     def setting(self, name: str, example: str) -> Fraction:
