@@ -245,6 +245,13 @@ def test_a_step_of_one_number_with_an_implicit_stage_is_undecided():
     assert "a scalar holds one number" in found.verdict
 
 
+def test_a_step_that_takes_its_jacobian_is_undecided_and_told_what_to_do():
+    step = lambda f, jac, t, y, h: y + np.linalg.solve(np.eye(len(y)) - h * jac(t, y), h * f(t, y))
+    found = held(step, "backward_euler", **CONVERGING)
+    assert found.passed is None
+    assert found.verdict.endswith("takes a Jacobian: let it form that of f itself, as in step(f, t, y, h)")
+
+
 @pytest.mark.slow
 def test_implicit_stages_of_no_known_method_are_shown_with_their_order():
     other = one_by_one(([[0.375, 0], [0.25, 0.375]], [0.5, 0.5], [0.375, 0.625]))

@@ -44,8 +44,7 @@ class MagneticReading:
     h E. `drift` is (m, n), None if there is no x or another law; with an x, `moved` is what v and what E move it by, as
     factors of h v and h² E at TURN_ANGLES. `asked` holds the c of the places x + c h v at which the fields are
     evaluated. `uneven` says in words that the rotation depends on more than h B, `at_rest` what goes wrong where B is
-    0; `kept` is the largest change of |v| seen without E; `flat` is true if all this was
-    seen in a plane across B alone.
+    0; `kept` is the largest change of |v| seen without E; `flat` is true if only a plane across B was seen.
     """
 
     turn: Turn
