@@ -91,7 +91,7 @@ def questions_of(wanted: Specification, examples: int) -> list[Question]:
         Question(ROUNDING, against(explain_by_habits, examples=examples), _judge_rounding),
         Question(COEFFICIENTS, read_coefficients, coefficients, "", _READABLE),
         Question(NONLINEAR_STEP, against(nonlinear_agreement), _judge_nonlinear_step),
-        Question(ORDER, measured_orders, _judge_order),
+        Question(ORDER, against(measured_orders), _judge_order),
         Question(ERROR_ESTIMATE, partial(judged_estimate, method=method), _judge_estimate, "", estimate),
         Question(DENSE_OUTPUT, judged_dense, _judge_dense),
         Question("Steps elsewhere", against(walked), _judge_calls, ", but not everywhere"),
@@ -133,7 +133,7 @@ def _judge_coefficients(method: Method, reading: CoefficientReading, solver_tole
     # A solver with a fixed number of iterations has the method's coefficients, but not its step. A solver that stops
     # early may leave the same error as on the nonlinear problem, where numbers have size 1.
     early = solved.power and solved.curved > BEYOND_TOLERANCE * solver_tolerance
-    passed = False if early else None if solved.power else True
+    passed = False if early or solved.skipped else None if solved.power else True
     better = "a solver that checks the residual of its equations"
     return passed, [*lines, solved.words], {"stages": solved.words}, better
 
