@@ -83,8 +83,9 @@ BUDGETS = {
 BUDGET_OF_REPORTS_AND_FRONT = 5648
 # The goal is 65 of 100. Independent witnesses, campaigns and guards, 6,000 lines, are among the tests.
 # From 93 to 94: a failing test first for each of some thirty faults, and a guard of the docstrings; then a
-# line at each test that is slow, 220; and what shows small errors that no test of texts had noticed.
-TESTS_PER_LINE_OF_SOURCE = Fraction(957, 1000)
+# line at each test that is slow, 220; what shows small errors that no test of texts had noticed,
+# and implicit steps as engineers write them.
+TESTS_PER_LINE_OF_SOURCE = Fraction(961, 1000)
 
 # A file of fewer lines needs a reason.
 SMALLEST = 40
