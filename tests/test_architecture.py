@@ -62,7 +62,7 @@ NOT_ELSEWHERE = "sympy"
 # Room -> the most lines it may have, blank ones and docstrings too. Raised on purpose only, in a commit that says why.
 # One function for each command, and answers that print, are 500 lines in support, methods, symbolic, texts and reports;
 # Tab completion, lines against silence, problems and stiff verdicts on the page are 300 more of the front, and 11 let a
-# result of a cluster survive its worker.
+# result of a cluster survive its worker, and 2 keep a legend from being cut off.
 # The goals are 400, 3500, 7300, 3000, 7500 and 4600, and 4200 for reports with the front. What stands above them:
 # support holds the one runner of isolated processes, its messages and the one reader of TOML, which stood thrice;
 # methods the one grammar of expressions, the one number field and fields with several roots; symbolic the front door
@@ -80,11 +80,12 @@ BUDGETS = {
     "enclosure": 3160,
     "texts": 7830,
 }
-BUDGET_OF_REPORTS_AND_FRONT = 5646
+BUDGET_OF_REPORTS_AND_FRONT = 5648
 # The goal is 65 of 100. Independent witnesses, campaigns and guards, 6,000 lines, are among the tests.
 # From 93 to 94: a failing test first for each of some thirty faults, and a guard of the docstrings; then a
-# line at each test that is slow, 220.
-TESTS_PER_LINE_OF_SOURCE = Fraction(953, 1000)
+# line at each test that is slow, 220; what shows small errors that no test of texts had noticed,
+# and implicit steps as engineers write them.
+TESTS_PER_LINE_OF_SOURCE = Fraction(961, 1000)
 
 # A file of fewer lines needs a reason.
 SMALLEST = 40

@@ -30,6 +30,7 @@ from driftproof.blackbox.probes.tableau import TableauReading
 from driftproof.blackbox.report import Criterion
 from driftproof.methods.catalogue import of_one_state
 from driftproof.methods.schemes import Collocation, Method, Nystrom, RungeKutta, Splitting
+from driftproof.symbolic.facts import stated_orders
 
 # Outcomes that leave any question open, and what would decide it.
 _OPEN = {
@@ -73,7 +74,7 @@ class Question(NamedTuple):
         if kind == UnsupportedCall.kind:  # a stepper that returns y1 alone needs no line
             return Criterion(self.title, None, () if self.title in _UNUSUAL else lines, {})
         if of_step and not missing:
-            return Criterion(self.title, False, (f"{kind}: {outcome.seen}",), {})
+            return Criterion(self.title, False, (outcome.said,), {})
         return Criterion(self.title, None, lines, {}, missing)
 
 
@@ -90,7 +91,7 @@ def questions_of(wanted: Specification, examples: int) -> list[Question]:
         Question(ROUNDING, against(explain_by_habits, examples=examples), _judge_rounding),
         Question(COEFFICIENTS, read_coefficients, coefficients, "", _READABLE),
         Question(NONLINEAR_STEP, against(nonlinear_agreement), _judge_nonlinear_step),
-        Question(ORDER, measured_orders, _judge_order),
+        Question(ORDER, against(measured_orders), _judge_order),
         Question(ERROR_ESTIMATE, partial(judged_estimate, method=method), _judge_estimate, "", estimate),
         Question(DENSE_OUTPUT, judged_dense, _judge_dense),
         Question("Steps elsewhere", against(walked), _judge_calls, ", but not everywhere"),
@@ -125,14 +126,14 @@ def _judge_coefficients(method: Method, reading: CoefficientReading, solver_tole
         if reading.a_velocity is not None and isinstance(method, RungeKutta):
             found = other_velocities(method, reading)
             return False, found, {"differences": found}, ""
-        if reading.velocities_limit_order and _claimed_order(method) > 1:
+        if reading.velocities_limit_order and stated_orders([method])[method.key] > 1:
             return False, ["order 1 where the force depends on the velocity", *reading.stale_velocities], {}, ""
     if solved is None:
         return True, lines, {}, ""
     # A solver with a fixed number of iterations has the method's coefficients, but not its step. A solver that stops
     # early may leave the same error as on the nonlinear problem, where numbers have size 1.
     early = solved.power and solved.curved > BEYOND_TOLERANCE * solver_tolerance
-    passed = False if early else None if solved.power else True
+    passed = False if early or solved.skipped else None if solved.power else True
     better = "a solver that checks the residual of its equations"
     return passed, [*lines, solved.words], {"stages": solved.words}, better
 
@@ -156,7 +157,7 @@ def _judge_nonlinear_step(method: Method, found: NonlinearAgreement) -> Judged:
 def _judge_order(method: Method, measured: Sequence[MeasuredOrder]) -> Judged:
     """A splitting claims its order on q'' = F(q), a Runge-Kutta method on every problem."""
     found = measured[-1 if isinstance(method, Splitting | Nystrom) else 0]
-    order = _claimed_order(method)
+    order = stated_orders([method])[method.key]
     passed = None if found.order is None else found.order >= order
     return passed, [f"{method.key} has order {order}", found.words], {"measured": found.order}, "smaller roundoff"
 
@@ -179,10 +180,3 @@ def _judge_dense(method: Method, found: JudgedDense) -> Judged:
 
 def _judge_calls(method: Method, found: StepFinding) -> Judged:
     return found.holds, [found.words, *[f"to reproduce: {found.reproduction}"] * bool(found.reproduction)], {}, ""
-
-
-def _claimed_order(method: Method) -> int:
-    """The order that the method claims, or else the derived one."""
-    from driftproof.symbolic.facts import general_order
-
-    return method.claimed_order or general_order(method).order

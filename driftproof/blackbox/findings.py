@@ -149,6 +149,11 @@ class Outcome:
         """True if there is no result."""
         return self.kind is not None
 
+    @property
+    def said(self) -> str:
+        """The kind of failure in plain words, and what was seen."""
+        return f"{str(self.kind).replace('_', ' ')}: {self.seen}"
+
 
 def arithmetic_of(outcomes: Iterable[Outcome]) -> str:
     """The first change of the arithmetic that an outcome reports; "" if none does."""

@@ -20,7 +20,7 @@ from driftproof.support.plain_text import Json
 
 # What to do about a stepper that gives no answer at all, by the kind of its failure.
 _HELPS = {
-    "time_limit": "give it more time: --time-limit",
+    "time_limit": "give it more time: --time-limit, in Python time_limit",
     "killed": "try again where nothing kills its process; running out of memory also kills processes",
     "instrument_failed": "report this to us",
     "own_clock": "examine the wrapper in its place",
@@ -68,7 +68,6 @@ class Identification:
         damping: Damping | None = seen.damping.result
         damps = damping.faults if damping and not seen.ignores_step else []
         faults = [*damps, *(check.words for check in seen.checks if check.is_fault)]
-        failed = [o for o in self._unanswered if o.kind != "unsupported_call"]
         stepper = [SIGNATURES[opened.calls], f"takes {opened.numbers}, works in {opened.format}"] if opened else []
         evidence = sections(
             ("What to do", self._what_to_do),
@@ -82,8 +81,9 @@ class Identification:
             ("Rounding", [] if self.rounding.result is None else self.rounding.result.lines),
             ("Stepper", [*stepper, *filter(None, [seen.arithmetic])]),
         )
-        answers = sections(("Not answered", without_duplicates(f"{o.kind}: {o.seen}" for o in failed)))
-        return (*evidence, *_checks([check for check in seen.checks if not check.is_fault]), *answers)
+        said = without_duplicates(o.said for o in self._unanswered if o.kind != "unsupported_call")
+        checks = _checks([check for check in seen.checks if not check.is_fault])
+        return (*evidence, *checks, *sections(("Not answered", said)))
 
     @property
     def _what_to_do(self) -> list[str]:
@@ -149,8 +149,9 @@ def _checks(checks: Sequence[CheckResult]) -> tuple[Section, ...]:
     undecided = sum(check.holds is None for check in checks)
     counts = {"passed": len(checks) - traits - undecided, "on traits such as areas": traits, "undecided": undecided}
     brief = ", ".join(f"{count} {what}" for what, count in counts.items() if count)
+    brief += "; --all (in Python, .text(True)) shows each"
     lines = tuple(check.words for check in checks)
-    return (Section("Checks", lines, f"{brief}; --all shows each" if len(lines) > 1 else ""),) if lines else ()
+    return (Section("Checks", lines, brief * (len(lines) > 1)),) if lines else ()
 
 
 def _returned_besides_y1(outcome: Outcome) -> list[str]:

@@ -161,8 +161,9 @@ class Refutation:
             if coefficients.passed and failing.answer is not None:
                 if CALL_BEFORE in self._faults:
                     yield f"is not {key}: {agrees} {CALL_BEFORE}"
-                off = f"a step is off by {failing.error_over_bound:.3g} times the bound"
-                yield f"is not {key} {seen.how_near}: {agrees} {off}"
+                off, solved = failing.error_over_bound, seen.rounding.solver_tolerance
+                as_if = f", as if its stages were solved to {off * solved:.1e}" if solved else ""
+                yield f"is not {key} {seen.how_near}: {agrees} a step is off by {off:.3g} times the bound{as_if}"
         found: NonlinearAgreement | None = seen.outcomes[criteria.NONLINEAR_STEP].result
         if coefficients.passed and rounding.passed and found is not None and nonlinear.passed is False:
             names = f"{', '.join(found.worst.wrong)} {'is' if len(found.worst.wrong) == 1 else 'are'}"

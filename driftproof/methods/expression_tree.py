@@ -130,7 +130,7 @@ class ExpressionParser:
     what: ClassVar[str] = "an expression"
     example: ClassVar[str] = "write a number such as 1/4"
     refusal: ClassVar[type[ExpressionError]] = ExpressionError
-    typographic = str.maketrans("−·×’′", "-**''")  # signs of printed texts, for which others are typed
+    typographic = str.maketrans("−·×’′‘“”", "-**'''" + '""')  # signs of printed texts, for which others are typed
     numbers: Collection[str] = ()  # their names in a rate, where a bracket after one is a factor
 
     def __init__(self, text: str, longest: int = LONGEST_EXPRESSION, largest_power: int = LARGEST_POWER) -> None:
@@ -158,7 +158,8 @@ class ExpressionParser:
             match = pattern.match(text, at)
             if match is None:
                 raise self.refusal(self.text, at + 1, f"{text[at]!r} is not allowed in {self.what}")
-            found.append(Token(str(match.lastgroup), match[0], at + 1))
+            kind = str(match.lastgroup)
+            found.append(Token(kind, match[kind], match.start(kind) + 1))
             at = match.end()
         return [*found, Token(END, "", len(text) + 1)]
 

@@ -358,7 +358,7 @@ def subject_of(given: str | Path | Method | Family | FactsOnly) -> Method | Fami
     if name.endswith(".toml"):
         return read_method(Path(name))
     of, at, value = name.rpartition(" at ")
-    if at and isinstance(family := subject_of(of), Family):
+    if at and not keys_of_name(name) and isinstance(family := subject_of(of), Family):
         return family.member(parse_number(value, family.parameter))
     families = () if keys_of_name(name) else FAMILIES.values()  # which take FLINT to be read
     called = (each for each in families if plain_name(name) in (plain_name(each.key), plain_name(each.title)))

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from fractions import Fraction
 from functools import cached_property
 from typing import Any, NamedTuple
 
 from driftproof.methods.additive import Additive
-from driftproof.methods.catalogue import FactsOnly
+from driftproof.methods.catalogue import Entry, FactsOnly
 from driftproof.methods.multistep import Multistep
 from driftproof.methods.number_field import Exact
 from driftproof.methods.rosenbrock import Rosenbrock
@@ -250,6 +250,22 @@ def general_order(method: Method) -> OrderFact[Any]:
     if isinstance(method, Collocation):
         return order_conditions.order(method)  # by its quadrature formula
     return order_conditions.order_of(general_conditions(method))
+
+
+def stated_orders(methods: Iterable[Entry]) -> dict[str, int]:
+    """The order that each method claims, or else the derived one, by key.
+
+    >>> from driftproof.methods.catalogue import METHODS
+    >>> from driftproof.symbolic.facts import stated_orders
+    >>> stated_orders([METHODS["rk4"]])
+    {'rk4': 4}
+    """
+    return {method.key: method.claimed_order or _derived_order(method) for method in methods}
+
+
+def _derived_order(method: Entry) -> int:
+    found = facts_only(method, ("order",))["order"] if isinstance(method, FactsOnly) else general_order(method).order
+    return int(found)
 
 
 def order_within(method: Method, tolerance: Fraction) -> OrderWithin:

@@ -21,7 +21,8 @@ def test_the_report_is_json_markdown_and_text():
     assert str(report) == report.text()
     assert [section.title for section in report.sections[:2]] == ["What to do", "Coefficients"]
     assert "driftproof verify" in report.section("What to do").lines[0]
-    assert re.search(r"^  \d\d passed, \d on traits such as areas; --all shows each$", report.text(), re.MULTILINE)
+    brief = r"^  \d\d passed, \d on traits such as areas; --all \(in Python, \.text\(True\)\) shows each$"
+    assert re.search(brief, report.text(), re.MULTILINE)
     assert "h = 0 returns the state unchanged" in report.text(everything=True)
 
 

@@ -180,6 +180,78 @@ def test_a_solver_that_stops_early_within_the_tolerance_stated_leaves_the_coeffi
     assert report.section("Coefficients: undecided")
 
 
+def plainly_iterated(tolerance, start=lambda f, t, y, h: y):
+    """Backward Euler by plain iteration until a change is below the tolerance, relative to the norm of the state."""
+
+    def step(f, t, y, h):
+        y1 = start(f, t, y, h)
+        for _ in range(200):
+            before, y1 = y1, y + h * f(t + h, y1)
+            if np.linalg.norm(y1 - before) <= tolerance * (1 + np.linalg.norm(y1)):
+                return y1
+        raise RuntimeError("no convergence")
+
+    return step
+
+
+CONVERGING = {"allowance": SOLVED, "domain": Domain(largest_step=0.5)}
+
+
+def test_a_right_step_that_converges_in_the_domain_passes_whatever_it_does_in_longer_steps():
+    report = held(plainly_iterated(1e-10), "backward_euler", **CONVERGING)
+    assert report.passed, report
+    assert any("order 1 is observed" in line for line in report.section("Order: passed").lines)
+
+
+def test_a_right_step_that_starts_where_the_last_one_ended_passes_and_keeps_no_number_of_ours():
+    kept = {}
+
+    def warm(f, t, y, h):
+        y1 = plainly_iterated(1e-13, lambda f, t, y, h: y + h * kept.get(len(y), 0.0))(f, t, y, h)
+        kept[len(y)] = (y1 - y) / h
+        return y1
+
+    assert held(warm, "backward_euler", allowance=SOLVED, domain=Domain(largest_step=0.125)).passed
+    assert {x.dtype for x in kept.values()} == {np.dtype(float)}
+
+
+def test_a_right_step_that_is_solved_less_well_than_stated_is_told_how_well():
+    found = held(plainly_iterated(1e-8), "backward_euler", **CONVERGING)
+    assert found.passed is False
+    assert "its coefficients agree, but a step is off by" in found.verdict
+    assert " times the bound, as if its stages were solved to " in found.verdict
+    assert 1e-9 < float(found.verdict.split()[-1].rstrip(";")) < 1e-7
+
+
+def test_a_step_that_ends_where_a_slope_is_0_is_not_the_method():
+    step = all_at_once(table("gauss2"))
+    ending = lambda f, t, y, h: step(f, t, y, h) if np.any(f(t + (0.5 + 3**0.5 / 6) * h, y)) else y
+    found, why = held(ending, "gauss2", allowance=SOLVED, domain=SHORT), "where the slope of a stage is exactly 0"
+    assert found.passed is False
+    assert found.verdict.endswith(f"its coefficients agree, but {why}, its stages are not solved")
+    assert identify(ending, isolate=False).verdict == f"it is gauss2, but {why}, its stages are not solved"
+
+
+def test_a_step_of_one_number_with_an_implicit_stage_is_undecided():
+    def alone(f, t, y, h):
+        before, y1 = 0.0, float(y)
+        while abs(y1 - before) > 1e-13 * (1 + abs(y1)):
+            before, y1 = y1, float(y) + h * f(t + h, y1)
+        return y1
+
+    found = held(alone, "backward_euler", **CONVERGING)
+    assert found.passed is None, found
+    assert "nonlinear step" in found.text().lower()
+    assert "a scalar holds one number" in found.verdict
+
+
+def test_a_step_that_takes_its_jacobian_is_undecided_and_told_what_to_do():
+    step = lambda f, jac, t, y, h: y + np.linalg.solve(np.eye(len(y)) - h * jac(t, y), h * f(t, y))
+    found = held(step, "backward_euler", **CONVERGING)
+    assert found.passed is None
+    assert found.verdict.endswith("takes a Jacobian: let it form that of f itself, as in step(f, t, y, h)")
+
+
 @pytest.mark.slow
 def test_implicit_stages_of_no_known_method_are_shown_with_their_order():
     other = one_by_one(([[0.375, 0], [0.25, 0.375]], [0.5, 0.5], [0.375, 0.625]))

@@ -109,6 +109,16 @@ def test_page_and_text_show_it(folder, capsys):
     assert "1 claim" in said(capsys, "check", "text.md", "--claims", "claims.toml")
 
 
+def test_a_name_with_blanks_is_quoted_in_questions_of_templates_and_drafts(folder, capsys):
+    (folder / "my (1).toml").write_text(KUTTA3)
+    (folder / "text.md.j2").write_text("""{{ value("step 'my (1).toml' h=1/2 : v") | places(3) }}\n""")
+    said(capsys, "render", "text.md.j2")
+    draft = said(capsys, "check", "text.md", "--init", "--ask", "step {heun2,'my (1).toml'} h=1/2 : {q,v}")
+    assert """value = "step 'my (1).toml' h=1/2 : v\"""" in draft
+    (folder / "claims.toml").write_text(draft)
+    assert "1 claim" in said(capsys, "check", "text.md", "--claims", "claims.toml")
+
+
 EDITED = {"mine.toml": ("1/6", "1/7"), "problem.toml": ("y0^2/2", "y0^2")}
 
 

@@ -44,8 +44,7 @@ class MagneticReading:
     h E. `drift` is (m, n), None if there is no x or another law; with an x, `moved` is what v and what E move it by, as
     factors of h v and h² E at TURN_ANGLES. `asked` holds the c of the places x + c h v at which the fields are
     evaluated. `uneven` says in words that the rotation depends on more than h B, `at_rest` what goes wrong where B is
-    0; `kept` is the largest change of |v| seen without E; `flat` is true if all this was
-    seen in a plane across B alone.
+    0; `kept` is the largest change of |v| seen without E; `flat` is true if only a plane across B was seen.
     """
 
     turn: Turn
@@ -85,11 +84,7 @@ class MagneticReading:
         elif self.boris and self._leapfrog and self._misplaced:
             right = self._place(self._leapfrog[0])
             found.append(f"the fields are evaluated at {self._misplaced}, not at {right}: order 1")
-        elif (
-            self.affine
-            and self.moved
-            and not (self.uneven or self._staggered or self._of_one_method(self.turn.factors))
-        ):
+        elif self.affine and self.moved and not (self.uneven or self._staggered or self._of_one_method()):
             found.append(f"the position does not move as in a single method for all of {_ALL}")
         return found
 
@@ -109,10 +104,10 @@ class MagneticReading:
         """True if x and v are half a step apart."""
         return self._is(self.drift, _LEAPFROG) or (self._is(self.drift, _AHEAD) and any(self.asked))
 
-    def _of_one_method(self, factors: Sequence[complex], pulled: Sequence[complex] | None = None) -> bool:
-        """True if x moves by (R - 1)/z h v with this R, and by `pulled` times h² E, usually ((R - 1)/z - 1)/z."""
+    def _of_one_method(self, factors: Sequence[complex] = (), pulled: Sequence[complex] = ()) -> bool:
+        """True if x moves by (R - 1)/z h v, for R as read or given, and by `pulled` or ((R - 1)/z - 1)/z of h² E."""
         assert self.moved is not None
-        said = [(r - 1) / (1j * x) for x, r in zip(TURN_ANGLES, factors, strict=True)]
+        said = [(r - 1) / (1j * x) for x, r in zip(TURN_ANGLES, factors or self.turn.factors, strict=True)]
         pulled = pulled or [(d - 1) / (1j * x) for x, d in zip(TURN_ANGLES, said, strict=True)]
         allowed = [self.rounding.of(8.0 * (1 + abs(d))) / x**2 for x, d in zip(TURN_ANGLES, said, strict=True)]
         rows = [(self.moved[0], said), *([(self.moved[1], pulled)] if self.electric else [])]

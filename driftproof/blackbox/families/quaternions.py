@@ -134,14 +134,9 @@ def _rate(subject: ForeignStepper) -> tuple[str, float, str]:
     if np.max(np.abs(off)) <= _NEAR * (1 + abs(scale)):
         return product, scale, ""
     i, j = np.unravel_index(int(np.argmax(np.abs(off))), off.shape)
-    return (
-        product,
-        scale,
-        (
-            f"its rate is not a product of q and omega: at omega = (2, 3, 6)/7 the rate of q[{i}] takes "
-            f"{rate[i, j]:.3g} q[{j}], that of {product} {scale * said[i, j]:.3g} q[{j}]"
-        ),
-    )
+    there = f"at omega = (2, 3, 6)/7 the rate of q[{i}] takes {rate[i, j]:.3g} q[{j}]"
+    its = f"that of {product} {scale * said[i, j]:.3g} q[{j}]"
+    return product, scale, f"its rate is not a product of q and omega: {there}, {its}"
 
 
 def _factors(subject: ForeignStepper, product: str, rounding: Rounding) -> tuple[list[complex], str]:

@@ -151,12 +151,10 @@ def verify_family(runner: IsolatedRunner, method: Method | FactsOnly | Boris) ->
 
 def _not_read(name: str, outcome: Outcome, method: Method | FactsOnly | Boris) -> Report:
     """The report of `verify` on a stepper that could not be read, and why: refuted, no answer, or undecided."""
-    if outcome.kind == NoRecurrence.kind:
-        return Report(name, f"is not {method.key}: {outcome.seen}", False, (), {"not_answered": outcome.seen})
-    open_kinds = (NotReadable.kind, UnsupportedCall.kind, *NO_EVIDENCE)
-    if outcome.kind not in open_kinds:
-        return Report(name, f"{NO_ANSWER}: {outcome.seen}", False, (), {"not_answered": outcome.seen})
+    if outcome.kind not in (NotReadable.kind, UnsupportedCall.kind, *NO_EVIDENCE):
+        refuted = f"is not {method.key}" if outcome.kind == NoRecurrence.kind else NO_ANSWER
+        return Report(name, f"{refuted}: {outcome.seen}", False, (), {"not_answered": outcome.seen})
     needed = NO_EVIDENCE.get(outcome.kind or "") or _NEEDED.get(type(method), _TURNING_NEEDED)
-    parts = sections(("Not answered", [f"{outcome.kind}: {outcome.seen}"]), ("What would decide it", [needed]))
+    parts = sections(("Not answered", [outcome.said]), ("What would decide it", [needed]))
     verdict = f"{UNDECIDED} whether it is {method.key}: {outcome.seen}"
     return Report(name, verdict, None, parts, {"not_answered": outcome.seen})

@@ -90,7 +90,8 @@ class Agreement:
 
     `worst` is the example tried with the largest error over its bound. `failing` is the simplest example found beyond
     its bound, or None. `but_for` says under which allowance no example is beyond its bound, if that was tried. `narrow`
-    names the format of answers that are not doubles. Sampling is evidence, not proof; the bound is proved.
+    names the format of answers that are not doubles. Sampling is evidence, not proof; the bound, which is proportional
+    to the `solver_tolerance` of an implicit method, is proved.
     """
 
     method: str
@@ -101,6 +102,7 @@ class Agreement:
     largest_scaled_error: float
     but_for: str = ""
     narrow: str = ""
+    solver_tolerance: float = 0.0
 
     @property
     def holds(self) -> bool:
@@ -295,7 +297,8 @@ class _Campaign:
         worst = _in_full(self.worst, tolerance, subject)
         failing = None if self.failing is None else _in_full(self.failing, tolerance, subject)
         narrow, largest = "" if tolerance.format is BINARY64 else tolerance.format.name, max(self.scaled_errors)
-        return Agreement(tolerance.method.key, domain, self.examples, worst, failing, largest, narrow=narrow)
+        solved = float(tolerance.allowance.solver_tolerance or 0)
+        return Agreement(tolerance.method.key, domain, self.examples, worst, failing, largest, "", narrow, solved)
 
 
 def _fails(example: Example) -> bool:

@@ -12,9 +12,10 @@ from typing import Any
 import numpy as np
 from flint import arb, ctx
 
-from driftproof.blackbox.findings import Misbehaviour, NoAnswer, NotANumber, WrongShape
+from driftproof.blackbox.findings import Misbehaviour, NoAnswer, NotANumber, NotFinite, StepRaised, WrongShape
 from driftproof.blackbox.judging import nonlinear_problems as problems
 from driftproof.blackbox.judging.nonlinear_step import error_above
+from driftproof.blackbox.judging.specification import Specification
 from driftproof.blackbox.stepper.array_adapters import AnyNumber, ArrayAdapter
 from driftproof.blackbox.stepper.calling_conventions import FIELD
 from driftproof.blackbox.stepper.foreign_code import CallLog
@@ -61,30 +62,37 @@ def slopes_text(slopes: Sequence[float]) -> str:
     return ", ".join(f"{slope:.2f}" for slope in slopes) or "none above the noise"
 
 
-def measured_orders(subject: ForeignStepper) -> tuple[MeasuredOrder, ...]:
+def measured_orders(subject: ForeignStepper, wanted: Specification | None = None) -> tuple[MeasuredOrder, ...]:
     """The orders on y' = f(t, y), if the stepper takes a right-hand side, and on q'' = F(q) or q'' = F(q, v).
 
     The force depends on v if the stepper gives it velocities. A stepper that runs on balls is measured in balls, where
-    only its own constants are rounded, and any other in its own floats. A splitting that is written for a right-hand
-    side has the second order, but seldom the first. Raises UnsupportedCall if the system is built in.
+    only its own constants are rounded, and any other in its own floats. If it is `wanted` to be a method, its steps lie
+    in the domain, and balls are for explicit methods: an iteration may keep one as its next first guess. A splitting
+    that is written for a right-hand side has the second order, but seldom the first. Raises UnsupportedCall if the
+    system is built in.
     """
     if subject.convention.kind != FIELD:
         problem = problems.dragged_problem(subject) if subject.gives_velocities else problems.force_problem(subject)
-        return (measured_on(subject, problem),)
-    found = [measured_on(subject, problems.field_problem(subject))]
+        return (measured_on(subject, problem, wanted),)
+    found = [measured_on(subject, problems.field_problem(subject), wanted)]
     with suppress(Misbehaviour):  # of a code that takes one number only
-        found.append(measured_on(subject, problems.force_problem(subject)))
+        found.append(measured_on(subject, problems.force_problem(subject), wanted))
     return tuple(found)
 
 
-def measured_on(subject: ForeignStepper, problem: problems.NonlinearProblem) -> MeasuredOrder:
+def measured_on(
+    subject: ForeignStepper, problem: problems.NonlinearProblem, wanted: Specification | None = None
+) -> MeasuredOrder:
     """The order on a problem. Raises a Misbehaviour, or UnsupportedCall if the problem cannot be given."""
-    steps, least = [2.0**-k for k in HALVINGS], CLEARANCE * float(subject.format.u)
+    longest, least = wanted.domain.largest_step if wanted else inf, CLEARANCE * float(subject.format.u)
+    steps = [h for k in HALVINGS if (h := 2.0**-k) <= longest or k == HALVINGS[-1]]
     with ctx.workprec(_BITS):
-        for adapter in (BALLS, ARRAYS_OF_BALLS):
+        for adapter in (BALLS, ARRAYS_OF_BALLS) * (wanted is None or wanted.method.explicit):
             with suppress(Misbehaviour, NoAnswer):  # no code has to run, or to end, on balls
                 errors = _errors(replace(subject, adapter=adapter, log=CallLog()), problem, steps, [])
-                return _fitted(errors, [least * h for h in steps], "Arb balls", problem)
+                found = _fitted(errors, [least * h for h in steps], "Arb balls", problem)
+                if found.slopes:  # balls become infinitely wide in an iteration
+                    return found
     return measured_in_floats(subject, problem, steps)
 
 
@@ -93,8 +101,13 @@ def measured_in_floats(
 ) -> MeasuredOrder:
     """The order that steps of these sizes h show in the stepper's own floats; errors up to `slack` h² are noise."""
     answers = list[AnyNumber]()
-    with ctx.workprec(_BITS):
-        errors = _errors(subject, problem, steps, answers)
+    try:
+        with ctx.workprec(_BITS):
+            errors = _errors(subject, problem, steps, answers)
+    except (StepRaised, NotFinite, NotANumber):  # the iteration for an implicit stage, in a long step
+        if len(steps) == 1:
+            raise
+        return measured_in_floats(subject, problem, steps[1:], slack)
     # A code may work in binary32 and return doubles, whose noise is that of binary32.
     seen = BINARY32 if all(float(np.float32(x)) == x for x in answers) else subject.format
     noise = [CLEARANCE * float(max(seen.u, subject.format.u)) + slack * h * h for h in steps]

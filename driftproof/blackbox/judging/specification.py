@@ -16,8 +16,8 @@ class Allowance:
     `step_in_binary32`: h is rounded to binary32 before it is used. `velocity_from_positions`: v is formed as a
     difference of positions over h, which adds u (|q| + |q₁|)/h to its error. `flush_to_zero`: subnormal arguments and
     results become 0. `solver_tolerance`: how far the solution of implicit stages may be off, both absolutely and
-    relative to the sum of |monomials|; required for implicit methods, and refused for explicit ones. Raises ValueError
-    unless it is finite and above 0.
+    relative to the sum of |monomials| of the larger component; required for implicit methods, and refused for explicit
+    ones. Raises ValueError unless it is finite and above 0.
 
     >>> from driftproof import Allowance, verify
     >>> step = lambda q, v, h: (q + h * v, ((q + h * v) - q) / h - h * q)

@@ -114,10 +114,11 @@ class Tolerance:
 
     def _bound(self, component: int, h: arb, state: tuple[arb, arb]) -> arb:
         if self.allowance.solver_tolerance is not None:
-            # A stage, or a slope times h, that is off by the tolerance moves the step by as much.
+            # A stage, or a slope times h, that is off by the tolerance moves the step by as much. Solvers see a norm.
             (_, below), _ = self._matrix[component]
             moved = enclose(Fraction(self.allowance.solver_tolerance)) / abs(below(h))
-            return moved * (_at(self._size[component], h, state) + 1 + h) + enclose(power_of_two(self.format.emin))
+            larger = max(_at(size, h, state) for size in self._size)
+            return moved * (larger + 1 + h) + enclose(power_of_two(self.format.emin))
         bound = _at(self._derived[component], h, state)
         return bound + _at(self._flushed[component], h, state) if self.allowance.flush_to_zero else bound
 

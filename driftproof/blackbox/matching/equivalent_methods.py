@@ -30,14 +30,9 @@ from driftproof.methods.schemes import Method, Splitting
 from driftproof.methods.stepping import stepper
 from driftproof.symbolic.algebra.certified import enclose
 from driftproof.symbolic.algebra.matrices import StepMatrix
-from driftproof.symbolic.algebra.polynomials import coefficients, deflate, odd_part, reflected
+from driftproof.symbolic.algebra.polynomials import coefficients, deflate, odd_part
 from driftproof.symbolic.algebra.rational_functions import fraction
-from driftproof.symbolic.linear.oscillator import (
-    area_factor,
-    is_matrix_symmetric,
-    oscillator_matrix,
-    stability_function_of,
-)
+from driftproof.symbolic.linear.oscillator import area_factor, oscillator_matrix, stability_function_of
 from driftproof.symbolic.rounding.any_evaluation_order import ErrorTally
 from driftproof.symbolic.rounding.formats import FloatFormat
 
@@ -51,8 +46,9 @@ _COEFFICIENT_ROUNDINGS = 4
 _SCALING_ROUNDINGS = 4
 # A program's force may hold parameters, as in -(k/m) q: two operations more than a change of sign.
 _FORCE_ROUNDINGS = 2
-# In an implicit method, each further power of hL costs two products, by h and by a rate, and two sums of two terms.
-_PER_POWER = 4
+# Each further power of hL costs two products, by h and by a rate, and a sum. Dividing by Q in two components, by
+# Cramer's rule, costs a determinant, which is a sum of two products, and a quotient.
+_PER_POWER, _PER_DIVISION = 3, 3
 
 
 @dataclass(frozen=True)
@@ -188,12 +184,16 @@ class LinearlyEquivalentMethods:
         return tuple(_largest(entries) for entries in zip(*found, strict=True))
 
     def _of_solver(self, rates: Rates, fmt: FloatFormat) -> Four:
-        """The most that a program for R = P/Q errs to first order: |Q(hL)^-1| (dP + dQ |M|), L = [[0, a], [-k, 0]].
+        """The most that a program for Q(hL) M = P(hL) errs to first order: |Q^-1| (dP + dQ |M|), L = [[0, a], [-k, 0]].
 
-        The program forms P and Q as sums of monomials in hL and divides. Their errors dP and dQ scale with P and Q with
-        absolute values throughout.
+        The program forms P and Q as sums of monomials in hL, and divides. A monomial of degree d passes the roundings
+        of its coefficient, its product with it, and those of d powers, so that with k = k(d) roundings dP is at most
+        k u times P with absolute values throughout; so is dQ. Dividing adds to the k of either: |M| <= |Q^-1| |Q| |M|,
+        and the same is true of the determinant's terms over the determinant.
         """
-        num, den = self._stability
+        r = stability_function_of(self.methods[0])
+        assert r is not None
+        num, den = ([float(c) for c in coefficients(p)] for p in (r.num, r.den))
         s = rates.position * rates.stiffness * rates.h**2
         above, below = (_at_hl([abs(c) for c in p], abs(s), rates) for p in (num, den))
         q = _at_hl(den, -s, rates)
@@ -201,17 +201,9 @@ class LinearlyEquivalentMethods:
             inverse = np.abs(q / (q[0, 0] ** 2 + np.sign(s) * q[0, 1] * q[1, 0]))
             matrix = np.abs(all_matrices((self,), rates)).reshape(2, 2)
             size = (inverse @ (above + below @ matrix)).ravel().tolist()
-        count = _COEFFICIENT_ROUNDINGS + (_PER_POWER + _FORCE_ROUNDINGS + 3) * (len(num) + len(den))
+        degree = max(len(num), len(den)) - 1
+        count = _COEFFICIENT_ROUNDINGS + 1 + (_PER_POWER + _FORCE_ROUNDINGS) * degree + _PER_DIVISION
         return [_allowance(x, count, fmt) for x in size]
-
-    @cached_property
-    def _stability(self) -> tuple[list[float], list[float]]:
-        """The coefficients of P and Q, for R = P/Q, or for 1/R(-z) in an adjoint class."""
-        r = stability_function_of(self.methods[0])
-        assert r is not None
-        pair = (reflected(r.den), reflected(r.num)) if self.adjoint else (r.num, r.den)
-        num, den = ([float(c) for c in coefficients(p)] for p in pair)
-        return num, den
 
 
 @dataclass(frozen=True)
@@ -255,20 +247,16 @@ def equivalent_methods() -> tuple[LinearlyEquivalentMethods, ...]:
 
 @cache
 def adjoint_methods() -> tuple[LinearlyEquivalentMethods, ...]:
-    """The adjoint classes whose matrix is that of no method of the catalogue.
+    """The adjoint classes of splittings whose matrix is that of no method of the catalogue.
 
-    Self-adjoint methods are left out: as adjoints, their steps would be allowed an error 13 to 38 times as large. So
-    are classes of Nyström methods alone, whose adjoints are implicit and not in use.
+    The adjoint of an explicit Runge-Kutta or Nyström method is implicit; it and those of implicit methods are either in
+    the catalogue or not in use.
     """
-    known, found = {_written(each.matrix) for each in equivalent_methods()}, []
+    known, split = {_written(each.matrix) for each in equivalent_methods()}, list[LinearlyEquivalentMethods]()
     for each in equivalent_methods():
-        has_program = any(isinstance(m, Splitting) for m in each.methods)
-        if is_matrix_symmetric(each.matrix) or not (has_program or stability_function_of(each.methods[0])):
-            continue
-        matrix = _adjoint(each.matrix)
-        if _written(matrix) not in known:
-            found.append(LinearlyEquivalentMethods(each.methods, matrix, adjoint=True))
-    return tuple(found)
+        if any(isinstance(m, Splitting) for m in each.methods):
+            split.append(LinearlyEquivalentMethods(each.methods, _adjoint(each.matrix), adjoint=True))
+    return tuple(each for each in split if _written(each.matrix) not in known)
 
 
 def _adjoint(matrix: StepMatrix) -> StepMatrix:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import replace
 
 from driftproof.blackbox.probes.marked_stages import MarkedSteps
@@ -35,7 +34,10 @@ def read_implicit_tableau(subject: ForeignStepper) -> TableauReading:
 
 
 def read_by_chains(steps: MarkedSteps) -> tuple[TableauReading, StageChains]:
-    """The coefficients of such steps and the chains that show them, with as few clocks as tell the stages apart."""
+    """The coefficients of such steps and the chains that show them, with as few clocks as tell the stages apart.
+
+    These account for nonlinear steps, unless a solver that stops early explains the rest; otherwise raises NotReadable.
+    """
     found: list[tuple[TableauReading, StageChains]] = []
     refusals: list[NotReadable] = []
     for clocks in range(not steps.timed, min(_MOST_CLOCKS, steps.size - 1) + 1):
@@ -49,14 +51,6 @@ def read_by_chains(steps: MarkedSteps) -> tuple[TableauReading, StageChains]:
             break
     if not found:
         raise refusals[0]
-    return _best(found)
-
-
-def _best(found: Sequence[tuple[TableauReading, StageChains]]) -> tuple[TableauReading, StageChains]:
-    """The reading with the fewest clocks that accounts for nonlinear steps, or else with the fewest of all.
-
-    Raises NotReadable if none accounts for nonlinear steps, unless a solver that stops early explains the rest.
-    """
     best, chains = next((pair for pair in found if _curved(pair[0]) <= _DOUBTFUL), found[0])
     if _curved(best) > UNSOLVED:
         if best.solved is None or not best.solved.power:
@@ -66,6 +60,9 @@ def _best(found: Sequence[tuple[TableauReading, StageChains]]) -> tuple[TableauR
             )
         if len(found) == 1:
             best = replace(best, remarks=(*best.remarks, _AS_ONE))
+    # Without a clock all slopes but those of one stage are 0. It tells apart whatever has times of its own.
+    if chains.marks.hands and best.solved and best.c and len({*best.c}) == best.calls:
+        best = replace(best, solved=replace(best.solved, skipped=True))
     return best, chains
 
 

@@ -53,7 +53,10 @@ def read_coefficients(subject: ForeignStepper) -> CoefficientReading:
     try:
         reading = read_forces(subject)
     except NotReadable as refusal:
-        reading = _implicit_forces(subject, refusal)
+        try:
+            reading = read_implicit_forces(subject)
+        except NotReadable as second:
+            raise NotReadable(f"{refusal}; as one with implicit stages: {second}") from None
     return _as_tableau(reading, timed=TIME in subject.convention.order and TIME in subject.convention.asks) or reading
 
 
@@ -84,14 +87,6 @@ def _require_inertia(subject: ForeignStepper) -> None:
             raise NotReadable(f"with h = 1 and without a force, the velocity {became}")
 
 
-def _implicit_forces(subject: ForeignStepper, refusal: NotReadable) -> ForceReading:
-    """The coefficients with implicit stages. Raises the refusal, extended by the reason against these."""
-    try:
-        return read_implicit_forces(subject)
-    except NotReadable as second:
-        raise NotReadable(f"{refusal}; as one with implicit stages: {second}") from None
-
-
 def _otherwise(subject: ForeignStepper, refusal: NotReadable | Misbehaviour) -> CoefficientReading:
     """The coefficients with implicit stages, or as a force shows them. Raises the refusal, with the second reason."""
     try:
@@ -99,6 +94,6 @@ def _otherwise(subject: ForeignStepper, refusal: NotReadable | Misbehaviour) -> 
     except NotReadable as second:
         if isinstance(refusal, Misbehaviour):
             raise refusal from None
-        with suppress(NotReadable):
+        with suppress(NotReadable, Misbehaviour):  # of a step of one number
             return replace(read_forces(subject), refused=str(refusal))
         raise NotReadable(f"{refusal}; as one with implicit stages: {second}") from None

@@ -26,16 +26,19 @@ class StageSolution:
     """How far a step is off because its stages are not solved: for an f linear in y, and for a nonlinear one.
 
     `power` is 0 unless the number of calls is the same however nonlinear f is. The error is then like that power of the
-    nonlinearity, or `power` is NO_POWER if too little is left to tell.
+    nonlinearity, or `power` is NO_POWER if too little is left to tell. `skipped` if a slope of exactly 0 ends the step.
     """
 
     linear: float
     curved: float
     power: int = 0
+    skipped: bool = False
 
     @property
     def words(self) -> str:
         """The finding in one line."""
+        if self.skipped:
+            return "where the slope of a stage is exactly 0, its stages are not solved"
         if not self.power:
             return f"its stages are solved to {max(self.linear, self.curved):.1e}, also on nonlinear problems"
         early = f"its solver stops early: where f is nonlinear, a step is off by {self.curved:.1e}, and"

@@ -118,7 +118,7 @@ def _implicit(runs: Outcome) -> str:
 def _sections(steps: Outcome, controller: Outcome, runs: Outcome) -> Any:
     measured: RunsReading | None = runs.result
     found = [] if measured is None else [(f"{title}, measured", lines) for title, lines in measured.seen.items()]
-    unanswered = [f"{o.kind}: {o.seen}" for o in (steps, controller, runs) if o.failed]
+    unanswered = [o.said for o in (steps, controller, runs) if o.failed]
     return sections(
         ("What to do", [_WHAT_TO_DO[steps.kind]] if steps.kind in _WHAT_TO_DO and runs.failed else []),
         ("Steps", [] if steps.failed else steps.result.lines),

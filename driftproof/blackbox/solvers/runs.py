@@ -159,7 +159,7 @@ def _backward(subject: ForeignSolver) -> tuple[list[str], list[str]]:
     try:
         run = subject.solve(_scalar(lambda t, u: -u), (1.0, 0.0), (1.0,), _RTOL, _ATOL)
     except Misbehaviour as failure:
-        return [f"backward in time it gives no answer: {failure.kind}"], []
+        return [f"backward in time it gives no answer: {failure.kind.replace('_', ' ')}"], []
     if run.complaint:
         return [f"backward in time it ends at t = {run.t[-1]:.6g} and reports: {run.complaint}"], []
     (last,) = run.y[-1]
@@ -210,7 +210,7 @@ def _nan(subject: ForeignSolver) -> tuple[list[str], list[str]]:
     except DoesNotEnd as failure:
         return [], [f"where f is NaN it does not end: {failure}"]
     except Misbehaviour as failure:
-        return [f"where f becomes NaN it reports that: {failure.kind}"], []
+        return [f"where f becomes NaN it reports that: {failure.kind.replace('_', ' ')}"], []
     if run.complaint:
         return [f"where f becomes NaN it ends at t = {run.t[-1]:.6g} and reports: {run.complaint}"], []
     if not all(isfinite(x) for x in run.y[-1]):

@@ -26,6 +26,8 @@ _MOST_SHOWN = 60
 _MOVED = (calling.POSITION, calling.VELOCITY, calling.STATE, calling.QUATERNION)
 # A sum of times in the narrowest format, with 8 bits after the first, is closer than this to the exact one.
 _ABOUT = 2.0**-6
+# Complex steps for a Jacobian are shorter; they are answered by differences between states this far apart.
+_COMPLEX_STEP, _SHIFT = 1e-7, 2.0**-20
 # Where the states stand in what a run returns; _END if only the last one comes.
 _ROWS, _COLUMNS, _END = "rows", "columns", "end"
 # The start comes back rounded to the format of the run, which has at least 11 bits.
@@ -99,6 +101,13 @@ class ForeignCode:
                 state, time = time, state
                 asked = self.adapter.read(arguments[state], size)
             except NotANumber as refusal:
+                near = np.asarray(arguments[state])
+                if near.dtype.kind == "c" and 0 < (off := abs(near.imag).max()) < _COMPLEX_STEP:
+                    ends = [
+                        called(*(near.real + by * near.imag if x is arguments[state] else x for x in passed))
+                        for by in (0.0, _SHIFT / off)
+                    ]
+                    return ends[0] + 1j * np.subtract(ends[1], ends[0]) * (off / _SHIFT)
                 place = str(refusal).replace("it returns", "it asks for its right-hand side at")
                 raise NotANumber(place) from None
             if len(arguments) > 1 and not known:

@@ -19,6 +19,7 @@ from driftproof.blackbox.stepper.calling_conventions import (
     FORCE,
     FUNCTION,
     GRID,
+    JACOBIAN,
     MAP,
     POSITION,
     STATE,
@@ -107,15 +108,16 @@ class ForeignStepper(ForeignCode):
     def step_field(self, rate: FieldFunction, t: AnyNumber, y: Sequence[AnyNumber], h: AnyNumber) -> list[AnyNumber]:
         """One step of y' = rate(t, y). Raises UnsupportedCall if the stepper takes no right-hand side."""
         if self.convention.kind != FIELD:
-            raise UnsupportedCall(f"the stepper is called as {self.convention.kind!r}, which takes no right-hand side")
+            own = "takes a Jacobian: let it form that of f itself, as in step(f, t, y, h)"
+            other = f"is called as {self.convention.kind!r}, which takes no right-hand side"
+            raise UnsupportedCall(f"the stepper {own if JACOBIAN in self.convention.order else other}")
         size, write = len(y), self.adapter.write
         roles = {FUNCTION: self.callback(rate, t, size, write), TIME: t, STATE: write(y), STEP: h}
         if CARRIED in self.convention.order:
             roles[CARRIED] = write(rate(t, list(y)))
         if GRID in self.convention.order:
-            roles[GRID] = np.array(
-                [t + h * n * (1 + self.convention.uneven * n) for n in range(self.convention.steps + 1)]
-            )
+            uneven, steps = self.convention.uneven, range(self.convention.steps + 1)
+            roles[GRID] = np.array([t + h * n * (1 + uneven * n) for n in steps])
         answer = self.called(roles, f"t={t!r}, y={list(y)!r}, h={h!r}", y)
         return self.finite(self._read_state(answer, size, t + h), [*y, h])
 

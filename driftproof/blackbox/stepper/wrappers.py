@@ -37,7 +37,8 @@ def template(step: Callable[..., Any]) -> str:
             return line
         makes = f"lambda: {name}(...)" if required_names(step) else name
         places = f'position="POSITION", velocity="VELOCITY", advance="{advance_of(step) or "STEP"}"'
-        return f": from driftproof import stepper_of; wrapped = stepper_of({makes}, {places})  # the attributes' names"
+        wrapper = f"from driftproof import stepper_of; wrapped = stepper_of({makes}, {places})"
+        return f': {wrapper}  # attributes\' names, or state="STATE"'
     arguments = ", ".join(name.upper() for name in required_names(step) or ["..."])
     return f": def wrapped(f, t, y, h): return {name}({arguments})  # y at t + h, where y' = f(t, y)"
 

@@ -15,8 +15,8 @@ from driftproof.reports.page.plot import LEFT, Plot, place
 from driftproof.support.files import atomic_write
 
 # Units of the picture that a file has above its plots for two lines, below them for each row of the legend, and at the
-# foot.
-_HEADING, _LEGEND_ROW, _FOOT = 44, 20, 8
+# foot; in an entry of the legend, before its words, and at most for each of their characters in common fonts.
+_HEADING, _LEGEND_ROW, _FOOT, _WORDS, _CHARACTER = 44, 20, 8, 36, 7
 _SWATCHES = {
     "line": '<path class="{mark}" d="M1 7H27"/>',
     "dotted": '<path class="{mark} path" d="M1 7H27"/><path class="{mark} dots" d="M4 7h0M14 7h0M24 7h0"/>',
@@ -78,12 +78,14 @@ def write_picture(
 
 def _file(title: str, setting: str, description: str, plots: Sequence[Plot], legend: Sequence[tuple[str, str]]) -> str:
     across, (one, high) = min(2, len(plots)), plots[0].size
-    width, height, entries = across * one, -(-len(plots) // across) * high, 2 * across
+    width, height = across * one, -(-len(plots) // across) * high
+    longest = max((len(words) for _, words in legend), default=0)
+    entries = max(1, min(2 * across, int((width - LEFT) // (_WORDS + _CHARACTER * longest))))
     below = height + _LEGEND_ROW * -(-len(legend) // entries) + _FOOT
     shown = [_moved(i % across * one, i // across * high, [*plot.axes(), *plot.drawn]) for i, plot in enumerate(plots)]
     for i, (mark, words) in enumerate(legend):
         x, y = LEFT + i % entries * (width - LEFT) / entries, height + i // entries * _LEGEND_ROW
-        shown.append([_group(x, y, [_swatch(mark), element("text", escaped(words), x=36, y=11)])])
+        shown.append([_group(x, y, [_swatch(mark), element("text", escaped(words), x=_WORDS, y=11)])])
     size = {"width": place(width), "height": place(below + _HEADING)}
     return element(
         "svg",

@@ -18,6 +18,7 @@ from driftproof.reports.page.work import FINEST, FINEST_IMPLICIT, work_figure, w
 from driftproof.reports.progress import with_progress
 from driftproof.reports.scene_view import comparison_rows, readout_rows, show_scene
 from driftproof.reports.stability import expected_of, steps_in_words
+from driftproof.symbolic.facts import stated_orders
 
 # One explicit method, and implicit ones that are L-stable, A-stable only, and L-stable of a higher order.
 STIFF_METHODS = ("rk4", "backward_euler", "trapezoid", "radau_iia2")
@@ -41,7 +42,7 @@ def _problem(problem: Problem, methods: Sequence[Entry], scene: Scene | None, id
     counts = {explicit: step_counts(problem, FINEST if explicit else FINEST_IMPLICIT) for explicit in (True, False)}
     found = [curve_of(method, problem, counts[method.explicit]) for method in asked]
     figure = work_figure(found, identity, problem.t, cost=_EVALUATIONS).markup()
-    work = element("div", figure, work_table(found), class_="beside")
+    work = element("div", figure, work_table(found, stated_orders(methods)), class_="beside")
     rows = [[each.title, _steps(problem, each), expected_of(problem, each)] for each in methods]
     columns = slice(None) if any(row[-1] for row in rows) else slice(-1)
     rows = [row[columns] for row in (["Method", "Step sizes that it can take", "Expected"], *rows)]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction
 from math import isfinite, log10
@@ -103,8 +103,8 @@ def _sentence(curve: Curve) -> str:
     return f"{curve.title}: from {words[0]} to {words[1]}."
 
 
-def work_table(found: Sequence[Curve]) -> str:
-    """A row per method: the order claimed and measured, and the fewest evaluations seen to reach each goal."""
+def work_table(found: Sequence[Curve], stated: Mapping[str, int | str] = {}) -> str:
+    """A row per method: the order stated and measured, and the fewest evaluations seen to reach each goal."""
     header = ["Method", "order", "measured", *(f"calls for {ten_to(goal)}" for goal in _GOALS)]
     rows = []
     for curve in found:
@@ -115,7 +115,7 @@ def work_table(found: Sequence[Curve]) -> str:
         most = max((point.steps or 0 for point in curve.points), default=0)
         enough = [[p.evaluations for p in curve.points if p.error <= 10.0**g and p.evaluations] for g in _GOALS]
         fewest = [str(min(calls)) if calls else f"not with {most} steps" for calls in enough]
-        rows.append([curve.title, str(curve.claimed_order or "–"), measured, *fewest])
+        rows.append([curve.title, str(curve.claimed_order or stated.get(curve.key, "–")), measured, *fewest])
     return html_table([header, *rows], "Orders, and the least work measured", "orders")
 
 

@@ -26,7 +26,7 @@ _FARTHEST = 1000
 # Characters that fit above a panel.
 _CHARACTERS = 66
 _NO_RUN = "no run can be shown here"
-_THIN = ("line thin mark", "thin: largest error at the reference's times")
+_THIN = ("line thin mark", "thin: largest at the reference's times")
 _FLOOR = ("line floor", "rounding of the exact result")
 
 
@@ -39,7 +39,7 @@ def draw_study(study: Study, measured: Measured, quantity: str, folder: Path) ->
     limits, rounding = _limits(study, measured, quantity), floors(study.problem)[quantity]
     plots = [_panel(measured, quantity, cost, limits, rounding) for cost in (EVALUATIONS, *measured.kinds)]
     keys = [key for key, curve in measured.curves.items() if any(_places(measured, curve, quantity, c) for c in _COSTS)]
-    legend = [(f"line path {_style(measured, key)}", key) for key in keys]
+    legend = [(f"line path {_style(measured, key)}", measured.curves[key].title or key) for key in keys]
     legend += [_THIN, _FLOOR] if rounding > 0 else [_THIN]
     what = _ERRORS[quantity]
     return write_picture(

@@ -20,6 +20,7 @@ from driftproof.reports.work_precision.peers import INSTALL
 from driftproof.reports.work_precision.study import EVALUATIONS, Measured, Study, per_state, timing_name
 from driftproof.support.files import atomic_write
 from driftproof.support.plain_text import Json, as_json, table, with_digits
+from driftproof.symbolic.facts import stated_orders
 
 _LABELS = {EVALUATIONS: EVALUATIONS, "compiled": "compiled", "python": "Python", ENSEMBLE: "ensemble, per state"}
 _Key = TypeVar("_Key")
@@ -129,7 +130,7 @@ def study_text(study: Study, measured: Measured) -> str:
     """The tables: orders, dominated methods, and the least work for each goal; then what was not run, and why."""
     costs = [EVALUATIONS, *measured.kinds]
     by_cost = {cost: priced(measured, cost) for cost in costs}
-    parts = [_head(study), table(order_rows(measured, study.problem.stiff), right=(1,))]
+    parts = [_head(study), table(order_rows(measured, study.problem.stiff, stated_orders(study.methods)), right=(1,))]
     dominated = dominated_rows(by_cost)
     if len(dominated) > 1:
         title = "Dominated: for each of its points, another method has no larger error and no larger cost"
@@ -153,14 +154,14 @@ def _head(study: Study) -> str:
     )
 
 
-def order_rows(measured: Measured, stiff: bool = False) -> list[list[str]]:
-    """Claimed and measured order, with the least and the largest slope, and the least error; names order reduction."""
+def order_rows(measured: Measured, stiff: bool = False, stated: Mapping[str, int | str] = {}) -> list[list[str]]:
+    """Stated and measured order, with the least and the largest slope, and the least error; names order reduction."""
     rows = [["method", "order", "measured", "least error", ""]]
     for key, curve in measured.curves.items():
-        order = curve.order
-        shown = f"{order.median:.2f} ({order.least:.2f} to {order.largest:.2f})" if order else ""
+        order = str(curve.claimed_order or stated.get(key.removesuffix(" controlled"), ""))
+        shown = f"{x.median:.2f} ({x.least:.2f} to {x.largest:.2f})" if (x := curve.order) else ""
         reduced = ": order reduction" * (stiff and curve.verdict.startswith("below"))
-        rows.append([key, str(curve.claimed_order or ""), shown, _least_error(curve), curve.verdict + reduced])
+        rows.append([key, order, shown, _least_error(curve), curve.verdict + reduced])
     return rows
 
 

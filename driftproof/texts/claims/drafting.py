@@ -13,7 +13,7 @@ from typing import TypeAlias
 
 from driftproof.texts.claims.claims import MOST_CLAIMS
 from driftproof.texts.claims.phrases import NumberForm, Phrase
-from driftproof.texts.claims.suggestions import LookAlike, Missed, Suggestions
+from driftproof.texts.claims.suggestions import LookAlike, Missed, Suggestions, digits_of
 from driftproof.texts.questions.decimals import HALF_EVEN, Style
 from driftproof.texts.readers.document import Document
 from driftproof.texts.readers.numbers import TextNumber, numbers_in
@@ -67,7 +67,7 @@ class _Member:
             alone = not text[cell : number.start].strip("| ") and re.match(r" *(?:[|\n]|\Z)", text[number.end :])
             setting = cell if alone else setting
         letter = _SOLVED_FOR.fullmatch(found[0].rstrip("= ") if found else suggestions.column_of(number))
-        if letter and (f"{letter[0]}'" in text or _digits(number) > 3):
+        if letter and (f"{letter[0]}'" in text or len(digits_of(number.text).rstrip("0")) > 3):
             setting = None
         return cls(number, alike, suggestions.slips(number), strong, None if strong else setting)
 
@@ -103,10 +103,10 @@ def draft(document: Document, name: str, asked: Iterable[str] = ()) -> str:
     members = [_Member.of(number, suggestions, text) for number in search.numbers if number.label is None]
     code = {at for span in document.code for at in range(*span)}
     # A single digit of a program, such as an initial 1.0 or a number of turns, looks like too much to be a value.
-    inputs = [m for m in members if m.number.start in code and not (m.strong and _digits(m.number) > 1)]
-    left_out = [member.number for member in inputs]
+    in_code = [m for m in members if m.number.start in code]
+    inputs = [m for m in in_code if not (m.strong and len(digits_of(m.number.text).rstrip("0")) > 1)]
     members = [member for member in members if member not in inputs]
-    fences = sorted({0, len(text), *(number.start for number in left_out), *(number.end for number in left_out)})
+    fences = sorted({0, len(text), *(at for one in inputs for at in (one.number.start, one.number.end))})
     drafted, covered, ids = [_HEADER.format(name=" ".join(name.split()))], set[int](), Counter[str]()
     if suggestions.stated:
         drafted.append(
@@ -125,15 +125,11 @@ def draft(document: Document, name: str, asked: Iterable[str] = ()) -> str:
     for guessed, said in enumerate(("but not found in the text", "and found only as a guess, a comment above")):
         lines = [_asked_line(document, one) for one in missed if bool(one[3] and not one[2]) == guessed]
         drafted += [f"# Asked for with --ask, {said}:\n{''.join(lines)}"] * bool(lines)
-    if no_runs := suggestions.no_runs:
-        drafted.append(f"# Not asked, because h does not divide t: {len(no_runs)}, such as {no_runs[0]}\n")
-    if left_out:
-        drafted.append(f"# Left out: numbers in program code, {len(left_out)} in all; they are inputs, not claims.\n")
+    for why, those in suggestions.not_asked.items():
+        drafted += [f"# Not asked, because {why}: {len(those)}, such as {those[0]}\n"] if those else []
+    if inputs:
+        drafted.append(f"# Left out: numbers in program code, {len(inputs)} in all; they are inputs, not claims.\n")
     return "\n".join(drafted).rstrip("\n")
-
-
-def _digits(number: TextNumber) -> int:
-    return len(re.sub("[^0-9]", "", number.text).strip("0"))
 
 
 def _claim(group: _Group, phrase: str, count: int, place: str, ids: Counter[str]) -> str:

@@ -14,6 +14,7 @@ from driftproof.methods import expression_tree as tree
 # At most this many terms are written out; even facts of this package that are longer than a line need fewer.
 _MOST_TERMS = 20_000
 _GREEK = str.maketrans({"α": "alpha", "β": "beta", "γ": "gamma", "δ": "delta", "θ": "theta", "λ": "lambda"})
+_NAME = re.compile(r"(?<![\w.])[A-Za-z_][\w.]*")
 _SUPERSCRIPT = re.compile(r"\^\{(-?[0-9]+)\}")
 # An implied product: a number and a name, a bracket and its neighbour, or two names with a space between.
 _SIDE_BY_SIDE = re.compile(
@@ -26,41 +27,22 @@ def same_formula(a: str, b: str) -> bool:
 
     b may have implied products, as on paper. Raises ValueError for another function and for too long a formula.
     """
-    first, second = tree.parse_form(a), _parsed(b)
-    names = sorted(_names(first) | _names(second))
+    text = _SUPERSCRIPT.sub(r"^(\1)", b.translate(_GREEK))
+    spelled = a, _SIDE_BY_SIDE.sub("*", text)
+    try:
+        formulas = [tree.parse_form(each) for each in spelled]
+    except tree.ExpressionError as error:
+        raise ValueError(f"{text[:60]!r} is not a formula: {error.reason}") from None
+    names = sorted({name for each in spelled for name in _NAME.findall(each)})
     ring = fmpq_mpoly_ctx.get(names, Ordering.lex)
     known = {name: (x, ring.constant(1)) for name, x in zip(names, ring.gens(), strict=True)}
-    (n, d), (m, e) = (_ratio(formula, known, ring) for formula in (first, second))
+    (n, d), (m, e) = (_ratio(formula, known, ring) for formula in formulas)
     _require_few(max(len(n) * len(e), len(m) * len(d)))
     return bool(d and e and n * e == m * d)
 
 
-def _parsed(text: str) -> tree.ExpressionNode:
-    text = _SUPERSCRIPT.sub(r"^(\1)", text.translate(_GREEK))
-    try:
-        return tree.parse_form(_SIDE_BY_SIDE.sub("*", text))
-    except tree.ExpressionError as error:
-        raise ValueError(f"{text[:60]!r} is not a formula: {error.reason}") from None
-
-
-def _names(node: tree.ExpressionNode) -> set[str]:
-    match node:
-        case tree.NameNode(name=name):
-            return {name}
-        case tree.ChainNode(first=first, rest=rest):
-            return _names(first).union(*(_names(part) for _, part in rest))
-        case tree.NegatedNode(node=inner) | tree.PowerNode(base=inner):
-            return _names(inner)
-        case tree.CallNode(function=function):
-            raise ValueError(f"it contains {function}; only rational functions are compared")
-    return set()
-
-
 def _ratio(node: tree.ExpressionNode, known: Mapping[str, tuple[Any, Any]], ring: Any) -> tuple[Any, Any]:
-    """Numerator and denominator, polynomials of the ring; nothing is divided.
-
-    A function call does not occur: `_names` has refused it. Raises ValueError for a root and for too many terms.
-    """
+    """Numerator and denominator, polynomials of the ring; nothing is divided. Raises ValueError if there are none."""
     match node:
         case tree.NumberNode(value=value):
             return ring.constant(fmpq(value.numerator, value.denominator)), ring.constant(1)
@@ -76,7 +58,8 @@ def _ratio(node: tree.ExpressionNode, known: Mapping[str, tuple[Any, Any]], ring
             n = abs(int(exponent))
             _require_few(comb(max(len(num), len(den), 1) + n - 1, n))
             return (num**n, den**n) if exponent >= 0 else (den**n, num**n)
-    assert isinstance(node, tree.ChainNode)
+        case tree.CallNode(function=function):
+            raise ValueError(f"it contains {function}; only rational functions are compared")
     num, den = _ratio(node.first, known, ring)
     for sign, part in node.rest:
         a, b = _ratio(part, known, ring)

@@ -12,7 +12,7 @@ from driftproof.texts.claims.contradictions import POSITIVE, SETTING, last_metho
 
 # Quantity -> the words that name it; the last of these words before a number, or in its column's head, counts.
 _WORDS = {
-    "ratio": r"factor|ratio|times as",
+    "ratio": r"factor|ratio|times as|divides",
     "relative_error": r"relative(?: errors?)?",
     "error": r"errors?|off(?= by)|wrong|deviat\w+|differ\w+",
     "exact": r"exact|true|solution|analytical",

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from os.path import isfile
 from pathlib import Path
+from shlex import quote
 from typing import Any, Literal, overload
 
 from driftproof.support.files import read_utf8
@@ -197,10 +198,9 @@ def check(
 
 def claims_beside(text: str | Path) -> Path:
     """The default path of the claims of a text. Raises ValueError if there is no such file, or no text."""
-    path = Path(f"{text}.claims.toml")
-    if not isfile(path):
+    if not isfile(path := Path(f"{text}.claims.toml")):
         read_utf8(text, LARGEST_DOCUMENT)  # or it is the text that is missing
-        draft = f"to draft them: driftproof check {text} --init > {path}"
+        draft = f"to draft them: driftproof check {quote(str(text))} --init > {quote(str(path))}"
         raise ValueError(f"no claims to check: give --claims FILE or write {path.name}; {draft}")
     return path
 

@@ -130,7 +130,7 @@ def _questions(problem: _Problem, equations: str, text: str, column_of: Callable
         sizes = sorted({t / n for t in times for n in counts})
     times = times or sorted({n * h for n in counts for h in sizes})
     after = {int(n) for n in re.findall(rf"(?<!\w)(?:{'|'.join(problem.rates)})_([1-9])(?!\w)", part)}
-    after |= {1} if re.search(r"\b(?:first|one|single) step\b", part) else set()
+    after |= {1} if re.search(r"\b(?:first|one|single) step\b", part.lower()) else set()
     times = sorted({*times, *(n * h for n in after for h in sizes)})
     spoken = methods_named(part.lower()) & {*METHODS} or methods_named(text.lower()) & {*METHODS}
     if "explicit" in text.lower() and "implicit" not in text.lower():
@@ -151,7 +151,7 @@ def _questions(problem: _Problem, equations: str, text: str, column_of: Callable
             if re.search(r"k_?1\b", part):
                 slopes = ",".join(f"k{i}.{name}" for i in (1, 2, 3, 4) for name in problem.rates)
                 yield f"step {{{methods}}} {equations}, h={{{_shown(h)}}} : {{{slopes}}}"
-    for (h, fitting), (shorter, also) in pairwise(runs) if re.search("factor|ratio|times as", part) else ():
+    for (h, fitting), (shorter, also) in pairwise(runs) if re.search("factor|ratio|times as|divides", part) else ():
         if ends := ",".join(_shown(t) for t in fitting if t in also):
             pair = (
                 f"run {{{methods}}} {equations}, h={x}, t={{{ends}}} : error"
@@ -175,7 +175,9 @@ def _rate(raw: str, names: Collection[str], text: str) -> str | None:
     """The longest beginning of `raw` that is a rate in the names, others replaced by what the text says they are."""
     raw = re.sub(rf"\b({'|'.join(names)}) ?\(t\)", r"\1", _ascii(_first(raw)))  # y(t)
     raw = _plain(raw)
-    for end in sorted({len(raw), *(match.start() for match in re.finditer(r"[\s.]", raw))}, reverse=True):
+    # Not before a sign, an unknown or another letter, so that x' = 2/3 k x is not read as x' = 2/3.
+    ends = re.finditer(rf"\n|\.(?!\d)|\s(?!\s*(?:[-+*/^]|(?:{'|'.join(names)}|[^\W\d])\b(?! ?['(=_])))", raw)
+    for end in (len(raw), *reversed([match.start() for match in ends])):
         try:
             written = _WORD.sub(lambda match: _meant(match[0], [*names], text), raw[:end].strip(" .\n"))
             rate_of_text(written, dict.fromkeys(names, "y0"))
@@ -216,6 +218,7 @@ def _plain(formula: str) -> str:
     formula = re.sub(r"√\(", "sqrt(", re.sub(r"√(\w+)", r"sqrt(\1)", formula))
     formula = re.sub(r"\be ?\^\{([^{}]*)\}|\be ?\^\(?(-?\w+)\)?", lambda to: f"exp({to[1] or to[2]})", formula)
     formula = re.sub(r"\^\{(-?[0-9]+)\}", r"^\1", formula)
+    formula = re.sub(r"(?<![\w./^])([0-9]+/[0-9]+) (?=[A-Za-z(])", r"(\1) ", formula)  # 2/3 x, no 2/(3x)
     return re.sub(r"\b(sin|cos|tan|exp|ln|log|sqrt) (\w+)", r"\1(\2)", formula)
 
 

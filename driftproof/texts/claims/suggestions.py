@@ -52,6 +52,8 @@ _NEIGHBOURHOOD = 100
 
 # An asked question, its answer, and the numbers that may be slips for it, or equal to it in few digits.
 Missed: TypeAlias = tuple[str, Answer, list[TextNumber], list[TextNumber]]
+# A question whose answer stands in it, such as run rk4 h=0.1 N=10 : steps: a claim of it could not fail.
+_SAYS_ITSELF = re.compile(r"(?:\bN ?=|[0-9] steps\b).*: ?steps$|\bh ?=.*: ?h$|\bt ?=.*: ?t$")
 # What separates the cells of a row, also on a page of a wiki.
 _CELL = re.compile(r"\|\|?|!!|^!")
 
@@ -159,8 +161,10 @@ class Suggestions:
         # Of braces such as h={0.1,0.2}, t={0.5,1}, the combinations that are runs, or all if none is, to be refused.
         pairs = {one: zip(*(map(Fraction, SETTING[x].findall(one)) for x in "ht"), strict=False) for one in asked_for}
         runs = {one: asked_for[one] for one in asked_for if all((t / h).denominator == 1 for h, t in pairs[one])}
-        self.asked = runs or asked_for
-        self.no_runs = [question for question in asked_for if question not in self.asked]
+        self.asked = {one: chosen for one, chosen in (runs or asked_for).items() if not _SAYS_ITSELF.search(one)}
+        said = [one for one in asked_for if _SAYS_ITSELF.search(one)]
+        no_runs = [one for one in asked_for if runs and one not in runs]
+        self.not_asked = {"h does not divide t": no_runs, "the question itself says the value": said}
         self._spelled: dict[NumberForm, dict[str, list[_Known]]] = {}
         self._meant: dict[int, list[_Known]] = {}
         self._rows: dict[int, list[tuple[str, str, int, int]]] = {}
@@ -173,7 +177,7 @@ class Suggestions:
         except (ValueError, ZeroDivisionError):
             return []
         fits = self._fits(number)
-        form, found, digits, ids = form_of(number), [], _digits(number.text, telling=True), published_values()
+        form, found, digits, ids = form_of(number), [], len(digits_of(number.text, telling=True)), published_values()
         percent = self.text[number.end : number.end + 2].lstrip(" ").startswith("%")
         possible = [
             k for k in self._known if (k.answer.unit == "%") == percent or (k.question in self.asked and not percent)
@@ -207,7 +211,7 @@ class Suggestions:
                 question = shares.get(alike.question, alike.question)
                 if alike.strong:
                     missed.pop(question, None)
-                elif question in missed and (_digits(number.text) > 1 or missed[question][1].exact == number.value):
+                elif question in missed and (digits_of(number.text)[1:] or missed[question][1].exact == number.value):
                     missed[question][3].append(number)
             for question in missed.keys() & self.slips(number).keys():
                 missed[question][2].append(number)
@@ -219,8 +223,8 @@ class Suggestions:
         An asked value needs five digits, or four and all its names nearby, or its numbers on the line. A stability
         limit needs five and its names in the sentence: one number in 1800 is by chance a slip for a given value.
         """
-        found, digits, written = dict[str, str](), _digits(number.text, telling=True), self._written(form_of(number))
-        alike = self.look_alikes(number)
+        found, written = dict[str, str](), self._written(form_of(number))
+        alike, digits = self.look_alikes(number), len(digits_of(number.text, telling=True))
         meant = {known.question for known in self._meant_at(number) if known.rank}
         if digits > 1 and not any(one.strong or one.question in (meant | self.asked.keys()) for one in alike):
             first = {known.question: spelling for spelling, ones in written.items() for known in ones}
@@ -391,7 +395,7 @@ def form_of(number: TextNumber) -> NumberForm:
     if "/" in number.text:
         return NumberForm(exact=True)
     if number.places is None:
-        return NumberForm(digits=max(1, _digits(number.text)))
+        return NumberForm(digits=max(1, len(digits_of(number.text))))
     return NumberForm(places=number.places or None)
 
 
@@ -411,12 +415,12 @@ def _slips(spelled: str) -> Iterator[str]:
         yield from (spelled[:i] + new + spelled[i + 1 :] for new in "0123456789")
 
 
-def _digits(text: str, telling: bool = False) -> int:
-    """The number of significant digits of a number as text.
+def digits_of(text: str, telling: bool = False) -> str:
+    """The significant digits of a number; with `telling`, without the zeros of a final .0 or final 00 after the point.
 
-    With `telling`, the zeros of a final .0 and of two or more final zeros after the point do not count: a round number
-    such as 4.000 is likelier than one in 9000.
+    A round value such as 4.000 is likelier than one in 9000. A number that a text chooses, such as 1000, may have any
+    zeros at its end, so a draft asks for its digits without them.
     """
     mantissa = re.split(r"[eE]| ?[×·]", text)[0]
     mantissa = re.sub(r"(?<=\.)0$|00+$", "", mantissa) if telling and "." in mantissa else mantissa
-    return len(re.sub(r"[^0-9]", "", mantissa).lstrip("0"))
+    return re.sub(r"[^0-9]", "", mantissa).lstrip("0")

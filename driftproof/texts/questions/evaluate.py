@@ -125,7 +125,8 @@ def _run(context: QueryContext) -> Answer:
         with context.refused():
             given = {"t": t, "h": t / steps_to_error(method, t, context.start, given["error"])}
     if len(given) != 2:
-        raise context.error(None, "run needs exactly two of h, t and N, as in h=1/4 t=10")
+        lacks = {0: " h=0.1 t=1", 1: " h=0.1" if "N" in given else " N=10"}.get(len(given))
+        raise context.error(None, f"run needs exactly two of h, t and N, as in h=1/4 t=10{context.ask_for(lacks)}")
     h = given["h"] if "h" in given else given["t"] / _whole_number(context)
     return _run_answer(context, h, given["t"] if "t" in given else h * _whole_number(context))
 
@@ -138,7 +139,7 @@ def _whole_number(context: QueryContext) -> int:
 
 
 def _run_answer(context: QueryContext, h: Fraction, t: Fraction) -> Answer:
-    from driftproof.texts.questions.runs import ANGLES, RUN_READOUTS, UNITS, in_unit, run_of, stage_slope
+    from driftproof.texts.questions.runs import RUN_READOUTS, UNITS, in_unit, run_of, stage_slope
 
     readout, unit = context.query.readout, context.query.unit
     if h == 0:
@@ -146,8 +147,6 @@ def _run_answer(context: QueryContext, h: Fraction, t: Fraction) -> Answer:
     if context.about_problem is not None or "lambda" in context.query.settings:
         return _problem_answer(context, context.method() if context.about_problem is not None else None, h, t)
     method = context.method()
-    if unit is not None and (readout is None or readout.text not in ANGLES):
-        raise context.error(unit, f"{unit.shown} is not allowed here; only angles take a unit")
     if unit is not None and unit.text not in UNITS:
         raise context.error(unit, f"{unit.shown} is not a unit of angles; the units are {', '.join(UNITS)}")
     with context.refused():
@@ -223,14 +222,9 @@ def _roundoff(context: QueryContext) -> Answer:
 
 
 def _fact(context: QueryContext) -> Answer:
-    from driftproof.texts.questions.facts import FACT_NAMES, coefficient, fact
+    from driftproof.texts.questions.facts import coefficient, fact
 
-    if COEFFICIENT.fullmatch(context.head):
-        return coefficient(context)
-    if context.head not in FACT_NAMES:
-        hint = f"{did_you_mean(context.head, [*_QUERY_KINDS, *FACT_NAMES])} (`driftproof value --list` lists all)"
-        raise context.error(None, f"{context.head[:40]!r} is not a known fact or readout{hint}")
-    return fact(context)
+    return coefficient(context) if COEFFICIENT.fullmatch(context.head) else fact(context)
 
 
 # Heads of queries that are not facts -> the function that answers them.

@@ -30,13 +30,15 @@ from driftproof.methods.expression_tree import END, NAME, NUMBER, CallNode, Expr
 from driftproof.support.plain_text import did_you_mean
 from driftproof.texts.questions import wording
 from driftproof.texts.questions.errors import QuestionError
-from driftproof.texts.questions.pieces import OWN_PI, WORDS, PieceParser, without_accents
+from driftproof.texts.questions.pieces import OWN_PI, WORDS, PieceParser
 
 SETTINGS = ("h", "t", "N", "steps", "error", "z", "lambda")
 PROBLEM, RATES = ("problem", "rates")
 _WITHOUT_SIGN = {*SETTINGS, *wording.OTHER_SETTINGS}
+# Sign that is not allowed -> what to write; and what may be the name of a file, with blanks and such signs.
 _HINTS = {"%": "a percentage is percent(a, b)", "[": "coefficients are b2 and a21, counted from 1, starts from 1,0"}
-_HEADS = ("step", "run", "exact", "roundoff")
+_QUOTES = "a file's name with blanks or signs stands in quotes: 'my method.toml'"
+_UNQUOTED = re.compile(r"(?:[^\s=:]+ )*[^\s=:]*\.toml(?![\w'\"])")
 _WITH_EQUATION = "as in run heun2 y'=-y y(0)=1 h=0.1 t=1 : error"
 _OF_METHOD = "order rk4, or run rk4 h=0.1 t=1 : q"
 _UNKNOWNS = re.compile(r"\w+(?= ?')|(?<=\bd)\w+(?= ?/ ?dt\b)")
@@ -72,16 +74,18 @@ Node: TypeAlias = ExpressionNode | Query
 
 def parse_question(question: str) -> Node:
     """Parse a question into its tree; accents on letters are ignored. Raises QuestionError."""
-    plain = without_accents(question).translate(PieceParser.typographic)
-    if rounded := wording.TO_DIGITS.search(plain):
+    if rounded := wording.TO_DIGITS.search(question):
         kind = "digits" if rounded["digits"] else "places"
         count = rounded["count"]
         how = f"{kind} are not part of the question: use --{kind} {count}, or | {kind}({count}) in a template"
         raise QuestionError(question, rounded.start() + 1, how)
-    for sign, hint in _HINTS.items():
-        if sign in plain:
-            raise QuestionError(question, plain.index(sign) + 1, f"{sign!r} is not allowed in a question; {hint}")
-    node: Node = _QuestionParser(plain.removesuffix("?"), largest_power=LARGEST_POWER_ASKED).tree()
+    try:
+        node: Node = _QuestionParser(question, LARGEST_POWER_ASKED).tree()
+    except QuestionError as error:
+        of_file = any(match.start() < error.column <= match.end() for match in _UNQUOTED.finditer(question))
+        if hint := _QUOTES if of_file else _HINTS.get(question[error.column - 1 : error.column]):
+            raise QuestionError(error.text, error.column, f"{error.reason}; {hint}") from None
+        raise
     return node
 
 
@@ -92,7 +96,7 @@ class _QuestionParser(PieceParser):
 
     def _atom(self) -> Any:
         """Parse an atom of arithmetic, or a query that begins with its count: 1000 steps of rk4 h=0.01 : q."""
-        counted = self.next.kind == NUMBER and not self.in_rate and self._is_count(self.at)
+        counted = self.next.text != "one" and not self.in_rate and self._is_count(self.at)
         run = self.next._replace(kind=NAME, text="run")
         return self.query(self.next, run, defaultdict(dict)) if counted else super()._atom()
 
@@ -104,18 +108,22 @@ class _QuestionParser(PieceParser):
                 called: Node = self._call(name)
                 return called
         of_somebody = self.next.text == "'" and self.after(self.at).text == "s"
-        hyphened = self.next.text == "-" and self.next.column == name.end and self._has_hyphen(name)
+        adjacent = self.next.text == "-" and self.next.column == name.end
+        named = (adjacent or self.next.kind == NUMBER) and self._goes_on(name)
         if not self.in_rate and self.next.text == "'" and self.after(self.at).text == "=":
-            raise self.error(name, f"an equation alone is not a question; add what to compute, {_WITH_EQUATION}")
-        if self.in_rate or not (self.next.kind == NAME or self.next.text == ":" or of_somebody or hyphened):
+            parts: dict[str, Any] = defaultdict(dict)
+            self._equation(name, parts)
+            return self.query(name, name._replace(text="run"), parts)
+        named = named or (self.next.text == "," and bool(keys_of_name(name.text)) and self._another_part())
+        if self.in_rate or not (self.next.kind == NAME or self.next.text == ":" or of_somebody or named):
             if not self.in_rate and keys_of_name(name.text):
                 raise self.error(name, f"{name.text} is a method; ask for one of its values, as in {_OF_METHOD}")
             return NameNode(name.column, "pi" if name.text == "π" else name.text)
-        parts: dict[str, Any] = defaultdict(dict)
+        parts = defaultdict(dict)
         return self.query(name, self.head(name, parts), parts)
 
-    def _has_hyphen(self, name: Token) -> bool:
-        """True if the next hyphen belongs to the name of a fact or method, such as Crank-Nicolson: it is no minus."""
+    def _goes_on(self, name: Token) -> bool:
+        """True if the next hyphen or number belongs to the name of a fact or method: Crank-Nicolson, BDF 2."""
         start = self.at
         self.method_name(name)
         longer, self.at = self.at > start, start
@@ -153,7 +161,9 @@ class _QuestionParser(PieceParser):
                 head = head._replace(text=head.text.removesuffix(wording.PER_STEP) + wording.PER_STEP)
             else:
                 self.part(token, parts)
-        if self.accept(":"):
+        if (colon := self.accept(":")) and self.after(self.at).text == "(":
+            self.part(self.take(), parts)  # y(1)
+        elif colon:
             self.put(parts, self.next, "readout", self.readout)
             if self.next.kind == NAME:
                 parts["unit"] = self.take()
@@ -170,13 +180,12 @@ class _QuestionParser(PieceParser):
     def head(self, name: Token, parts: dict[str, Any]) -> Token:
         """Parse a head of several words; it may follow its method, as in "RK4 real limit", or be missing, for run."""
         start, (text, count) = self.at, wording.longest_name(self.tokens[self.at - 1 :])
-        if (name.text in _HEADS and not text) or self.next.text == ":":
-            return name._replace(text=wording.FACT_WORDS.get(name.text, name.text))
         method = self.method_name(name)
         if self.at - start >= count and (keys_of_name(method.text) or method.text.endswith(".toml")):
             parts["subject"] = method
             text, count = wording.longest_name(self.tokens[self.at :])
-            if self.tokens[self.at + count].text == "=":  # steps = 10
+            after = self.tokens[self.at + count]
+            if after.text == "=" or after.kind == NUMBER:  # steps = 10
                 text, count = "", 0
             self.at += count
         elif text:
@@ -186,16 +195,22 @@ class _QuestionParser(PieceParser):
             if any(a.text == name.text and b.text == "'" for a, b in pairwise(self.tokens)):
                 parts["readout"] = name  # an unknown: y at t=1 of rk4 on y'=-y
                 return name._replace(text="run")
-            after = takewhile(lambda x: x.kind == NAME and x.text not in wording.SAY_NOTHING, self.tokens[start:])
-            words = [name.text, *(token.text for token in after if not keys_of_name(token.text))]
-            hint = did_you_mean("_".join(words), (*_HEADS, *sorted(wording.names_that_ask())))
+            more = takewhile(lambda x: x.kind == NAME and x.text not in wording.SAY_NOTHING, self.tokens[start:])
+            words = [name.text, *(token.text for token in more if not keys_of_name(token.text))]
+            hint = did_you_mean("_".join(words), sorted(wording.names_that_ask()))
             what = f"{' '.join(words)[:40]!r} is not a known fact or readout{hint}"
             raise self.error(name, f"{what} (`driftproof value --list` lists all)")
         axis = next((i for i, token in enumerate(self.tokens) if token.text == "axis"), 0)
         if (of := self.tokens[axis - 1].text) in wording.AXIS and wording.AMBIGUOUS_FACTS.get(text) == wording.LIMITS:
             text, self.tokens[axis - 1 : axis + 1] = f"{of}_limit", []
         if text in wording.AMBIGUOUS_FACTS:
-            raise self.error(name, f"{text} may mean {wording.AMBIGUOUS_FACTS[text]}: say which")
+            rest = (self.method_name(x) for x in iter(self.take, self.tokens[-1]) if x.text not in wording.SAY_NOTHING)
+            named = (x for x in rest if len(keys_of_name(x.text)) == 1 or x.text.endswith(".toml"))
+            of_it = parts.get("subject") or next(named, None)
+            said = self.text[max(of_it.column - 2, 0) : of_it.end].strip(" ,()") if of_it else "METHOD"
+            raise self.error(
+                name, f"{text} may mean {wording.AMBIGUOUS_FACTS[text].replace('METHOD', said)}: say which"
+            )
         return name._replace(text=wording.FACT_WORDS.get(text, text or "run"))
 
     def _another_part(self) -> bool:
@@ -286,7 +301,7 @@ class _QuestionParser(PieceParser):
     def _assignment(self, token: Token, setting: str, parts: dict[str, Any]) -> bool:
         """Parse problem=NAME, rates=(...) or a setting, whose equals sign is optional; False if it is none of them."""
         if token.text == PROBLEM and self.accept("="):
-            self.put(parts, token, PROBLEM, lambda: self.adjacent(self.take()))
+            self.put(parts, token, PROBLEM, self.take)
         elif token.text == RATES and self.accept("="):
             self.put(parts, token, RATES, self.rates)
         elif setting or (token.text != "at" and self.next.text == "="):

@@ -25,13 +25,17 @@ def without_accents(text: str) -> str:
 
 @cache
 def _token() -> re.Pattern[str]:
-    """A token of a question: also the prime of y', π, λ, and a title or common name of a method with signs in it."""
-    methods = {**METHODS, **FACTS_ONLY}
+    """A token of a question: also the prime of y', π, λ, names of files, names in quotes, and titles with signs."""
+    from driftproof.methods.families import FAMILIES
+
+    methods = {**METHODS, **FACTS_ONLY, **FAMILIES}
     names = {without_accents(name) for key in methods for name in (methods[key].title, *also_known_as(key))}
     longest_first = sorted((re.escape(name) for name in names if re.search(r"[^\w ]", name)), key=len, reverse=True)
     names_with_signs = f"(?i:{'|'.join(longest_first)})(?!\\w)"
     plain = ExpressionParser.token().pattern.replace("[A-Za-z_]", f"{names_with_signs}|[A-Za-z_πλ]")
-    return re.compile(f"(?P<prime>')|{plain}", re.ASCII)
+    quoted = r"(?<![\w)])(?P<mark>[\"'])(?! ?[=('])(?P<quoted>.+?)(?P=mark)"
+    file = r"(?![-+])(?P<file>[^\s\"'*()=:,^]+\.toml(?!\w))"
+    return re.compile(f"{quoted}|(?P<prime>')|{file}|{plain}", re.ASCII)
 
 
 class PieceParser(ExpressionParser):
@@ -42,33 +46,28 @@ class PieceParser(ExpressionParser):
     refusal = QuestionError
     token = staticmethod(_token)
 
+    def __init__(self, question: str, largest_power: int) -> None:
+        """Cut the question into tokens; accents count in names of files and in quotes only."""
+        plain = without_accents(question).translate(self.typographic).removesuffix("?")
+        super().__init__(plain, largest_power=largest_power)
+        for i, (kind, text, column) in enumerate(self.tokens):
+            if kind in ("quoted", "file"):
+                self.tokens[i] = Token(NAME, question[column - 1 :][: len(text)], column)
+
     def method_name(self, first: Token) -> Token:
         """The longest method name or file name that begins with this token, else the token itself."""
-        found, at = self.adjacent(first), self.at
-        alone, last = keys_of_name(first.text), first
-        for i in range(at, len(self.tokens) - 1):  # the last token is the end
+        found, alone, last = first, keys_of_name(first.text), first
+        for i in range(self.at, len(self.tokens) - 1):  # the last token is the end
             token, after = self.tokens[i], self.after(i)
-            if token.text in "=:,()" or after.text == "=" or token.text in (*wording.SAY_NOTHING, *WORDS, "at", "from"):
+            if token.text in "=:,()" or after.text == "=" or token.text in (*WORDS, "at", "from"):
                 break
             if token.kind not in (NAME, NUMBER) and token.text != "'" and (len(alone) == 1 or token.column > last.end):
                 break
             last = token
             piece = self.piece(first.column, token.end)
-            if keys_of_name(piece.text):
+            if token.text not in wording.SAY_NOTHING and keys_of_name(piece.text):
                 found, self.at = piece, i + 1
         return found
-
-    def adjacent(self, first: Token) -> Token:
-        """The name of a .toml file, with folders and hyphens, that begins with this token, else the token itself."""
-        last = first
-        for i in range(self.at, len(self.tokens) - 1):
-            if first.text.endswith(".toml") or self.tokens[i].column != last.end:
-                break
-            last = self.tokens[i]
-            if last.text.endswith(".toml"):
-                self.at = i + 1
-                return self.piece(first.column, last.end)
-        return first
 
     def value(self) -> Token:
         """The value of a parameter as text: a literal, or an expression in brackets, which is not parsed here."""

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, TypeVar
 from driftproof.methods.expression_tree import Token
 from driftproof.support.plain_text import did_you_mean
 from driftproof.texts.questions.errors import QuestionError, refused_at
-from driftproof.texts.questions.parser import Query
+from driftproof.texts.questions.parser import Query, parse_question
 
 if TYPE_CHECKING:
     from driftproof.methods.catalogue import FactsOnly
@@ -49,6 +49,18 @@ class QueryContext:
     def error(self, token: Token | None, reason: str) -> QuestionError:
         """A QuestionError at the token, at the head for None."""
         return QuestionError(self.text, (token or self.query.head).column, reason)
+
+    def ask_for(self, lacks: str | None, readout: str = "") -> str:
+        """The end of a message: the question with what it lacks, ready to be asked; "" if it asks for more."""
+        if lacks is None or parse_question(self.text) != self.query:
+            return ""
+        lacks = lacks or " t=10" * (self.head == "exact" and "t" not in self.query.settings)
+        asked, colon, given = self.text.rstrip(" ?").partition(":")
+        if self.query.readout is None and self.head in ("step", "run", "exact"):
+            readout = readout or ("error" if self.about_problem or "lambda" in self.query.settings else "q")
+        method = " with rk4" * (self.query.subject is None and self.head in ("step", "run"))
+        ends = f" : {given.strip() or readout}" * bool(colon or readout)
+        return f"; ask for example: {asked.rstrip()}{method}{lacks}{ends}"
 
     def refused(self, token: Token | None = None) -> AbstractContextManager[None]:
         """Turn errors raised inside into QuestionErrors at the token, at the head for None."""
@@ -100,13 +112,13 @@ class QueryContext:
             raise self.error(None, f"{self.head} takes no start here; leave out 'from'")
         if query.readout is not None and "readout" not in parts:
             raise self.error(query.readout, f"{self.head} has no parts; leave out {query.readout.shown}")
-        if query.unit is not None and "unit" not in parts:
+        if query.unit is not None and ("unit" not in parts or (query.readout or query.unit).text != "phase_error"):
             raise self.error(query.unit, f"{query.unit.shown} is not allowed here; only angles take a unit")
 
     def setting(self, name: str, example: str) -> Fraction:
         """The value of a required setting; `example` is for the error message."""
         if name not in self.query.settings:
-            raise self.error(None, f"{self.head} needs {name}, as in {example}")
+            raise self.error(None, f"{self.head} needs {name}, as in {example}{self.ask_for(f' {example}')}")
         return self.query.settings[name].value
 
     def readout(self, table: Mapping[str, _Entry], more: str = "") -> _Entry:
@@ -116,7 +128,8 @@ class QueryContext:
             return next(iter(table.values()))
         names = f"the readouts are {', '.join(table)}{more}"
         if token is None:
-            raise self.error(None, f"{self.head} needs a readout after a colon; {names}")
+            lacks = f"{self.head} needs a readout after a colon; {names}{self.ask_for('', next(iter(table)))}"
+            raise self.error(None, lacks)
         if token.text.rpartition(".")[2] == "y" and f"{token.text}0" in table and f"{token.text}1" not in table:
             token = token._replace(text=f"{token.text}0")  # a single unknown
         if token.text not in table:

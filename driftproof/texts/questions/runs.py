@@ -88,7 +88,6 @@ RUN_READOUTS: dict[str, Callable[[OscillatorRun], Answer]] = {
     "h": lambda run: Answer("", run.h),
     "t": lambda run: Answer("", run.t),
 }
-ANGLES = ("phase_error",)
 _SLOPE = re.compile(r"k([1-9][0-9]{0,2})\.([qv])")
 
 

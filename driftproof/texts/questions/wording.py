@@ -50,28 +50,29 @@ FACT_WORDS = {
     **dict.fromkeys(("principal_error_norm", "principal_error_constant"), "principal_error:squared_norm:sqrt"),
     **{"energy_factor": "energy_multiplier", "dissipation_error": "dissipation", "stiff_decay": "l_stable"},
     **dict.fromkeys(("rounding_error", "roundoff_error"), "roundoff"),
+    **dict.fromkeys(("one_step", "first_step", "single_step"), "step"),
+    **{head: head for head in ("step", "run", "exact", "roundoff")},
     **dict.fromkeys(("solution", "exact_solution", "true_solution"), "exact"),
     **dict.fromkeys(("reversible", "time_reversible", "self_adjoint"), "symmetric"),
 }
 
 # Ambiguous name -> what it may mean, as error messages show it.
-LIMITS = "real_limit (largest hλ on y' = -λy) or imaginary_limit (largest hω on y' = iωy)"
-_DAMPING = "energy_multiplier (factor on the oscillator's energy) or dissipation (leading change of its amplitude)"
-_KEPT = "energy_multiplier (1 if a step preserves the energy), invariant (the form preserved instead) or energy_change"
-_TABLEAU = "one of its entries, such as a21, b1, bhat1 or c2; `driftproof facts METHOD --all` shows more"
+LIMITS = "real_limit METHOD (largest hλ on y' = -λy) or imaginary_limit METHOD (largest hω on y' = iωy)"
+_DAMPING = "energy_multiplier METHOD (factor on the oscillator's energy) or dissipation METHOD (of its amplitude)"
+_KEPT = "energy_multiplier METHOD (1 if a step preserves the energy), invariant METHOD (what is) or energy_change"
+_TABLEAU = "one of its entries, such as b1 METHOD, a21, bhat1 or c2; `driftproof facts METHOD --all` shows more"
 _OBSERVED = "ratio(run METHOD h=1/10 t=1 : error, run METHOD h=1/20 t=1 : error), or log2 of it, the observed order"
-_FIRST_STEP = "step METHOD h=1/2 : q, or v, energy, k1.q; with y'=-y y(0)=1 on a problem"
-_DIGITS = "relative_error of a run, or roundoff METHOD h=1/4 : c, the bound on the rounding of each step in units of u"
+_DIGITS = "run METHOD h=1/10 t=1 : relative_error, or roundoff METHOD h=1/4 : c (bound on the rounding of a step, in u)"
 _GROWS = "energy_multiplier METHOD h=1/4 (factor per step), or step METHOD h=1/4 : energy_change (change in one step)"
-_SIGNED = "error_constant or its negative: computed minus exact for one-step methods, the reverse for multistep methods"
-_B_STABLE = "algebraically_stable, which is equivalent if no stage is superfluous"
-_SPECTRUM = "stability_function (y' = λy, z = hλ) or one_step_matrix (of the oscillator)"
+_SIGNED = "error_constant METHOD or its negative: computed minus exact for one-step methods, else the reverse"
+_B_STABLE = "algebraically_stable METHOD, which is equivalent if no stage is superfluous"
+_SPECTRUM = "stability_function METHOD (y' = λy, z = hλ) or one_step_matrix (of the oscillator), as in : M_qq"
 _ENERGY_ERRORS = ("energy_error", "energy_change", "energy_drift")
-_AT_THE_END = "energy_change (at the end of a run), or largest_error (of the state, over all steps)"
+_AT_THE_END = "run METHOD h=1/10 t=1 : energy_change (at the end), or largest_error (of the state, over all steps)"
 _TURNING, _MOST = ("period", "frequency"), ("largest", "max", "maximal", "maximum")
 _SIZES = ("h", "step", "step_size", "time_step")
 _POWER = "(the leading power of h), or one less, as in most papers"
-_TURNS = "dispersion (leading phase error of a step), or phase_error of a run or a step"
+_TURNS = "dispersion METHOD (leading phase error of a step), or run METHOD h=1/10 t=1 : phase_error"
 AMBIGUOUS_FACTS = {
     **dict.fromkeys(("limit", "stability_limit", "stability_interval", "absolute_stability_interval"), LIMITS),
     **dict.fromkeys(("interval_of_stability", "interval_of_absolute_stability", "cfl", "cfl_number"), LIMITS),
@@ -80,7 +81,6 @@ AMBIGUOUS_FACTS = {
     **dict.fromkeys(("stability_region", "stability_bound", "time_step_limit", "step_size_limit"), LIMITS),
     **dict.fromkeys(("conserve_energy", "preserve_energy", "energy_conservation"), _KEPT),
     **dict.fromkeys(("butcher_tableau", "tableau", "coefficients", "b_coefficients", "weights", "nodes"), _TABLEAU),
-    **dict.fromkeys(("first_step", "one_step", "single_step"), _FIRST_STEP),
     **dict.fromkeys(("digits", "number_of_digits"), _DIGITS),
     **dict.fromkeys(("damping", "damping_ratio", "damping_factor", "growth", "growth_per_step"), _DAMPING),
     **dict.fromkeys(("b_stable", "b_stability"), _B_STABLE),
@@ -90,7 +90,7 @@ AMBIGUOUS_FACTS = {
     **dict.fromkeys(("observed_order", "experimental_order", "error_ratio", "ratio_of_errors"), _OBSERVED),
     **dict.fromkeys(("spectral_radius", "eigenvalue", "eigenvalues"), _SPECTRUM),
     **{f"{most}_{what}": _AT_THE_END for most in _MOST for what in _ENERGY_ERRORS},
-    "cost": "stages, evaluations_per_step, or evaluations of a run",
+    "cost": "stages METHOD, evaluations_per_step METHOD, or run METHOD h=1/10 t=1 : evaluations",
     **{f"{of}{what}{error}": _TURNS for of in ("", "numerical_") for what in _TURNING for error in ("", "_error")},
     "machine_epsilon": "2**-52 (from 1 to the next binary64 number) or 2**-53 (the unit roundoff u)",
     "unit_roundoff": "2**-53 (binary64) or 2**-24 (binary32)",
@@ -105,10 +105,10 @@ OTHER_SETTINGS = {
 }
 
 # Words that are skipped between the parts of a question.
-SAY_NOTHING = {"of", "with", "on", "after", "to", "for", "and", "until", "by", "using", "over", "in", "the"}
+SAY_NOTHING = {"of", "with", "on", "after", "to", "up", "for", "and", "until", "by", "using", "over", "in", "the"}
 SAY_NOTHING |= {"does", "do", "have", "need", "needs", "needed", "required", "take", "reach"}
 # Words that are skipped before a question and within a name.
-ASKING = {"what", "is", "the", "a", "how", "many", "large", "does", "do", "are", "has", "have", "value", "slope"}
+ASKING = {"what", "is", "the", "a", "an", "how", "many", "large", "does", "do", "are", "has", "have", "value", "slope"}
 ASKING |= {"approximate", "calculate", "compute", "find", "solve", "solve_ivp", "scipy"}
 # Steps may be counted in words; a period is refused, because it is no whole number of steps.
 _COUNT_WORDS = ("one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten")
@@ -128,7 +128,7 @@ SLOPE = re.compile(r"k[1-9][0-9]{0,2}(?:\.[A-Za-z][A-Za-z0-9]*)?")
 
 @cache
 def names_that_ask() -> frozenset[str]:
-    """Every name that a question may begin with, except step, run, exact and roundoff."""
+    """Every name that a question may begin with."""
     from driftproof.symbolic.facts import FACTS, ON_REQUEST, OTHER_FACTS
     from driftproof.symbolic.family_facts import FAMILY_FACTS
 

@@ -126,7 +126,8 @@ def _inside(match: re.Match[str]) -> Iterable[Piece]:
 def _in_brackets(match: re.Match[str], *names: str) -> Iterable[Piece]:
     """The first of these groups that matched, in brackets unless it is a single number or name."""
     name = next(name for name in names if match[name] is not None)
-    return [match.span(name)] if match[name].strip().isalnum() else ["(", match.span(name), ")"]
+    single = (x := match[name].strip()).isdigit() or x.isidentifier()
+    return [match.span(name)] if single else ["(", match.span(name), ")"]
 
 
 _STEPS: tuple[tuple[re.Pattern[str], Callable[[re.Match[str]], Iterable[Piece]]], ...] = (

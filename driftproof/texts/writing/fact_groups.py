@@ -92,7 +92,7 @@ def grouped_facts_text(facts: Mapping[str, Any], everything: bool = False) -> st
     for heading, group in groups.items():
         named = {labels[name]: value for name, value in group.items() if everything or _is_shown(name, value, facts)}
         parts += [_under(heading, _called(named, facts["method"]) if "method" in group else named)]
-    further = f"{len(rest)} more facts with --all, any one with --only NAME"
+    further = f"{len(rest)} more facts with --all, any one with --only NAME; in Python in .json(), and as .NAME"
     parts += [_under("Everything else", rest) if everything else further]
     return "\n\n".join(filter(None, parts))
 

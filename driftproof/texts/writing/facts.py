@@ -277,7 +277,7 @@ _BY_TYPE: tuple[tuple[Any, str], ...] = (
 def _more(found: Sized) -> str:
     """The remark about entries beyond the first MOST_ITEMS_SHOWN; "" if there are none."""
     more = len(found) - MOST_ITEMS_SHOWN
-    return f", and {more} more (--format json has all)" if more > 0 else ""
+    return f", and {more} more (JSON has all)" if more > 0 else ""
 
 
 def _coefficients(values: Sequence[Any]) -> list[str]:

@@ -5,8 +5,10 @@ import math
 import numpy as np
 import pytest
 
-from driftproof.blackbox.findings import UnsupportedCall
+from driftproof.blackbox.findings import StepRaised, UnsupportedCall
 from driftproof.blackbox.judging.measured_order import measured_orders, power_of_errors
+from driftproof.blackbox.judging.nonlinear_problems import START
+from driftproof.blackbox.judging.specification import Domain, Specification
 from driftproof.blackbox.stepper.opening import opened
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.schemes import RungeKutta
@@ -31,6 +33,25 @@ def test_the_order_of_a_method_is_seen_in_balls_and_in_floats(key, order):
     floats = measured_orders(opened(in_floats(step), "force"))[0]
     assert (balls.order, balls.arithmetic) == (order, "Arb balls")
     assert (floats.order, floats.arithmetic) == (order, "binary64")
+
+
+def test_steps_without_an_answer_and_beyond_the_domain_are_left_out():
+    def short(f, t, y, h):
+        if h > 0.3:
+            raise RuntimeError("no convergence")
+        return y + h * f(t, y)
+
+    seen = measured_orders(opened(in_arrays(short), "field"))[0]
+    assert (seen.order, len(seen.slopes)) == (1, 6)
+    wanted = Specification(METHODS["backward_euler"], domain=Domain(largest_step=2.0**-4))
+    assert len(measured_orders(opened(codes.euler, "field"), wanted)[0].slopes) == 4
+    with pytest.raises(StepRaised):
+        measured_orders(opened(lambda f, t, y, h: codes.euler(f, t, y, h) if t != START else 1 / 0, "field"))
+
+
+def in_arrays(step):
+    """The same step of y' = f(t, y), but deaf to any other arithmetic."""
+    return lambda f, t, y, h: np.array(step(f, t, np.asarray(y, dtype=float), float(h)), dtype=float)
 
 
 def test_noise_hides_the_order():

@@ -139,6 +139,15 @@ def test_an_implicit_step_passes_within_the_tolerance_of_its_solver_and_not_beyo
     assert not all(x.allowed for x in tolerance.judge(q, v, h, (q1, v1 + 1e-9)))
 
 
+def test_the_tolerance_of_a_solver_is_relative_to_the_larger_component():
+    """At this step the position is 111 times 1e-6, and an error of 1e-9 is 1e-11 of the velocity."""
+    tolerance = Tolerance(METHODS["backward_euler"], allowance=Allowance(solver_tolerance=1e-10))
+    (q, v), h = tolerance.exact(0.0, 111.0, 2.0**-20), 2.0**-20
+    for off, allowed in ((1e-9, True), (2e-8, False)):
+        position, velocity = tolerance.judge(0.0, 111.0, h, (float(q.mid()) + off, float(v.mid()) + off))
+        assert (position.allowed, velocity.allowed) == (allowed, allowed)
+
+
 def test_a_solver_that_stops_at_an_absolute_tolerance_passes_with_that_tolerance_as_a_float():
     def midpoint(q, v, h):
         q1, v1 = q, v

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from fractions import Fraction as Q
 from functools import cache
 
@@ -10,6 +11,8 @@ import numpy as np
 from driftproof.blackbox.matching.linear_match import LinearFit, linear_fit
 from driftproof.blackbox.stepper.opening import opened
 from driftproof.methods.catalogue import METHODS
+from driftproof.methods.schemes import Splitting
+from driftproof.methods.stepping import stepper
 from driftproof.numeric.steppers import rk4
 from driftproof.symbolic.algebra.certified import significant
 from driftproof.symbolic.runs import exact_matrix_at
@@ -29,15 +32,14 @@ def alike() -> dict[str, list[str]]:
     return {key: keys for keys in found.values() for key in keys}
 
 
-def adjoint_of_rk4(q, v, h):
-    c, s = 1 - h**2 / 2 + h**4 / 24, h - h**3 / 6
-    det = c * c + s * s
-    return (c * q + s * v) / det, (c * v - s * q) / det
+RUTH3 = METHODS["ruth3"]
+assert isinstance(RUTH3, Splitting)
+adjoint_of_ruth3 = stepper(replace(RUTH3, parts=RUTH3.parts[::-1]), float)
 
 
 VARIANTS = [
     (lambda force, q, v, h: rk4(force, q, v, -h), "rk4, with -h for h: it steps back in time"),
-    (adjoint_of_rk4, "the adjoint of rk4"),
+    (lambda force, q, v, h: adjoint_of_ruth3(force, q, v, h), "the adjoint of ruth3"),
     (lambda force, q, v, h: rk4(force, q, v, float(np.float32(h))), "rk4, with h rounded to binary32"),
     (lambda force, q, v, h: rk4(lambda x: force(x) / 2, q, v, h), "rk4, but the force enters 0.5 times"),
     (lambda force, q, v, h: rk4(force, q, v, 0.75 * h), "rk4, with 0.75 h for h"),

@@ -113,6 +113,39 @@ def test_without_a_time_the_stages_are_told_apart_by_the_sums_of_their_rows(key)
     assert match_tableau(reading).keys[0] == key
 
 
+def ending_at_a_slope_of_0(key, node, solver=newton):
+    """The method, but for a state that stays where the first guess of a stage has the slope 0."""
+    step = all_at_once(table(key), solver)
+    return lambda f, t, y, h: step(f, t, y, h) if np.any(f(t + node * h, y)) else y
+
+
+# Where the only stage of a method is asked for, a slope of 0 means that the state stays.
+RIGHT_SHORTCUTS = {"backward_euler": 1.0, "implicit_midpoint": 0.5}
+
+
+@pytest.mark.parametrize("key", ["trapezoid", "gauss2", "radau_iia2", *RIGHT_SHORTCUTS])
+def test_a_step_that_ends_where_the_slope_of_one_stage_is_0_is_told(key):
+    for node in some(table(key)[2]):
+        reading = read(ending_at_a_slope_of_0(key, node))
+        assert key in match_tableau(reading).keys
+        assert reading.solved.skipped == (key not in RIGHT_SHORTCUTS)
+    assert read(ending_at_a_slope_of_0(key, 0.0)).solved.skipped
+
+
+def to_a_part_of_the_slope(residual, x):
+    """Plain iteration, which stops at once where the slope is 0, and stays so."""
+    while np.abs(change := residual(x)).max() > 1e-13 * np.abs(x - change).max():
+        x = x - change
+    return x - change
+
+
+@pytest.mark.parametrize("solver", [to_a_part_of_the_slope, newton, broyden])
+def test_a_solver_that_stops_by_the_size_of_the_slope_is_not_told_to_skip_stages(solver):
+    for key in some(("backward_euler", "trapezoid", "gauss2")):
+        assert not read(all_at_once(table(key), solver)).solved.skipped
+    assert not read(one_by_one(TWO_AT_ONE_TIME, newton)).solved.skipped
+
+
 def test_guesses_that_are_no_stages_are_left_out_of_what_the_clocks_show():
     steps = MarkedSteps(opened(one_by_one(BOTH_AT_START)))
     chains = StageChains(steps, steps.marks(1))

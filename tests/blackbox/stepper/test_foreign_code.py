@@ -33,6 +33,20 @@ def test_the_log_tells_changed_arguments_from_a_step_in_place():
     assert (clean.log.calls, clean.log.types) == (1, {"float64"})
 
 
+def test_a_jacobian_by_complex_steps_is_answered_and_other_complex_states_are_not():
+    seen = []
+
+    def step(f, t, y, h, by=1e-30j):
+        seen.append(np.imag([f(t, y + by * e) for e in np.eye(len(y))]).T / abs(by))
+        return y + h * np.real(f(t, y))
+
+    subject = opened(step, "field")
+    subject.step_field(lambda t, y: [y[0] * y[1], t - 3 * y[0]], 2.0, [4.0, 5.0], H)
+    assert np.abs(seen[-1] - [[5.0, 4.0], [-3.0, 0.0]]).max() < 1e-5
+    with pytest.raises(NotANumber, match="at ndarray with entries of type complex128"):
+        opened(lambda f, t, y, h: step(f, t, y, h, by=1e-3j), "field")
+
+
 def test_what_is_no_array_of_numbers_is_counted_as_one():
     assert (size_of([1.0, 2.0, 3.0]), size_of("three"), size_of(None)) == (3, 1, 1)
 

@@ -69,7 +69,7 @@ def test_a_step_of_velocities_first_is_read_so_where_its_arguments_say_it_and_el
 @pytest.mark.parametrize(
     ("code", "shown"),
     [
-        ("class Bare:\n    def run(self, dt): pass", 'Bare, position="POSITION", velocity="VELOCITY", advance="run")'),
+        ("class Bare:\n    def run(self, dt): pass", 'velocity="VELOCITY", advance="run")  # attributes'),
         ("class Bare:\n    pass", 'velocity="VELOCITY", advance="STEP")'),
         ("def bare(one, two): pass", "): return bare(ONE, TWO)  # y at t + h"),
     ],

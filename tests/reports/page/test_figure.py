@@ -56,3 +56,8 @@ def test_plots_and_legend_of_a_file_stand_in_rows(tmp_path: Path) -> None:
     texts = [(x.get("x"), x.get("y")) for x in root.iter() if x.text in ("A", "B", "z")]
     assert texts[-3:] == [("52", "-24"), ("52", "-7"), ("36", "11")]
     assert '<rect y="-44" fill="#ffffff" width="336" height="356">' in shown
+    # The words begin at 36 and take 7 units a character: 8 of them leave room for three of 92 units, 33 for one.
+    for longest, columns in (("v" * 8, ["52", "146.67", "241.33"]), ("v" * 15, ["52", "194"]), ("v" * 33, ["52"])):
+        write_picture(path, "A", "B", "C", [plot] * 2, [("line a", name) for name in (longest, *"wxyz")])
+        found = re.findall(r"translate\((\S+) (1\d\d)\)", path.read_text(encoding="utf-8"))
+        assert [x for x, y in found if y == "132"] == columns

@@ -92,7 +92,7 @@ def test_second_number_of_a_group_is_drafted_where_only_the_first_stands_in_an_e
     assert phrases == ["at 44.001", "| 59.727"]
 
 
-@pytest.mark.parametrize("setting", ["h = 0.3", "dt=0.3", "t_end =\n0.3", "step size of 0.3", "λ = -0.3", "y' = -0.3"])
+@pytest.mark.parametrize("setting", ["h = 0.3", "dt=0.3", "t_end =\n0.3", "step size of 3", "λ = -3e-144", "y' = -0.3"])
 def test_what_the_text_chooses_is_given_and_what_looks_like_a_value_is_not(setting: str) -> None:
     document = document_of(f"Of RK4 with {setting}, then {setting}, and h2 = 0.3; e = 0.3; h = 2.828.")
     text = draft(document, "a")
@@ -129,6 +129,9 @@ def test_draft_says_what_was_asked_for_and_is_nowhere_and_its_ids_are_short() ->
     drafted = draft(document, "a", ["run rk4 h={1/4,1/2} t={1,3/4} : q"])
     assert drafted.endswith("\n# Not asked, because h does not divide t: 1, such as run rk4 h=1/2 t=3/4 : q")
     assert drafted.count("#   run rk4 h=") == 3
+    drafted = draft(document_of("RK4: 30 steps of 0.2."), "a", ["run rk4 h=0.2 N=30 : {steps,h,evaluations}"])
+    assert "the question itself says the value: 2, such as run rk4 h=0.2 N=30 : steps" in drafted
+    assert "value =" not in drafted
 
 
 def test_what_was_asked_for_is_listed_with_the_slips_and_the_guesses_that_may_mean_it() -> None:

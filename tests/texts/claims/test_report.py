@@ -104,10 +104,10 @@ def test_listing_that_prints_something_else_is_a_finding(files: Path) -> None:
 
 
 def test_claims_stand_beside_the_text_or_what_is_missing_is_named(files: Path) -> None:
-    with pytest.raises(
-        ValueError, match=r"^no claims to check: give --claims FILE or write a\.md\.claims\.toml; to draft"
-    ):
-        claims_beside("a.md")
+    (files / "my text.md").write_text("7")
+    draft = r"driftproof check 'my text\.md' --init > 'my text\.md\.claims\.toml'$"
+    with pytest.raises(ValueError, match=rf"^no claims to check: give --claims FILE or write .* draft them: {draft}"):
+        claims_beside("my text.md")
     with pytest.raises(ValueError, match=r"^no\.md: No such file or directory$"):
         claims_beside("no.md")
     with pytest.raises(ValueError, match=r"^no text in \. has a claims file; that of chapter\.md would be"):

@@ -35,6 +35,7 @@ def equations(text, form="plain"):
         ("θ' = ω, ω' = -9.81 sin θ, from rest at θ(0) = π/4, to t = 1", None),
         ("x' = v and v' = -x start from (1, -1/2); t = 2", "x'=v, v'=-x, x(0)=1, v(0)=-1/2"),
         ("y' = y e^{-t}, y(0) = 1. At t = 1", "y'=y exp(-t), y(0)=1"),
+        ("x' = 2/3 x - 4/3 x y, y' = x, x(0) = 1, y(0) = 1, t = 1", "x'=(2/3) x - (4/3) x y, y'=x, x(0)=1, y(0)=1"),
     ],
 )
 def test_equations_and_starts_are_read_as_texts_have_them(text, read):
@@ -46,7 +47,8 @@ def test_equations_and_starts_are_read_as_texts_have_them(text, read):
     "text",
     [
         "y' = -y, and t = 1",  # no start
-        "y' = -k y, y(0) = 1, and t = 1",  # k is not said
+        *("y' = -k y, y(0) = 1, and t = 1", "y' = 2.5 k y, y(0) = 1, and t = 1"),  # k is not said
+        "y' = 2 - a-b y, y(0) = 1, and t = 1",
         "y' = f(t, y), y(0) = 1, and t = 1",
         "y' = -y, y(0) = 1",  # no time
         "nothing of the kind, t = 1",
@@ -72,7 +74,7 @@ def test_methods_sizes_times_and_what_is_read_are_those_of_the_text():
 | t | y | relative error |
 | 0.5 | 0.59 | 2 % |
 | 1.0 | 0.35 | 5 % |
-The slopes k_1 = -1 and so on; a factor of 2, and 40 evaluations after one step."""
+The slopes k_1 = -1 and so on; 1/2 divides the error by 2. 40 evaluations. One step."""
     found = {one: chosen for asked in stated(text) for one, chosen in questions_in(asked).items()}
     assert {c[0] for one, c in some(found.items(), 40) if one.startswith("run")} == {
         "forward_euler",

@@ -6,12 +6,14 @@ from fractions import Fraction as Q
 
 import pytest
 
-from driftproof.methods.catalogue import METHODS, keys_of_name
+from driftproof.methods.catalogue import FACTS_ONLY, METHODS, keys_of_name
+from driftproof.methods.families import FAMILIES
 from driftproof.methods.names import also_known_as
+from driftproof.methods.tableau_file import subject_of
 from driftproof.texts.questions.errors import QuestionError
 from driftproof.texts.questions.evaluate import value
 from driftproof.texts.questions.parser import parse_question
-from tests.looping import some
+from tests.looping import exactly, some
 from tests.texts.questions.refusals import require_refusal
 
 _ROUNDED = "steps and times are rational, so round pi yourself, as in h=0.01 t=6.28"
@@ -41,13 +43,44 @@ def test_what_is_no_piece_of_a_question_is_refused_at_its_column(question: str, 
 
 
 def test_every_title_and_common_name_is_understood_in_a_question() -> None:
-    """Also those with signs in them, such as "Euler-Cromer" or "Gauss, two stages (Hammer-Hollingsworth)"."""
-    for key, method in some(METHODS.items(), 100):
+    """Also with signs in it, as in "Euler-Cromer", with words such as "of order 2", and before what is asked."""
+    for key, method in some({**METHODS, **FACTS_ONLY}.items(), 150):
         for name in {method.title, *also_known_as(key)}:
-            if "[" in name:  # refused in any question
-                continue
             query = parse_question(f"1 + step {name}, h=1/2 : q").rest[0][1]
             assert (keys_of_name(query.subject.text), query.settings["h"].value) == ((key,), Q(1, 2))
+            assert subject_of(query.subject.text).key == key
+            assert keys_of_name(parse_question(f"{name} order").subject.text) == (key,)
+    for key, family in exactly(len(FAMILIES), FAMILIES.items()):
+        assert subject_of(parse_question(f"order of {family.title} at 1/2").subject.text).key == key
+
+
+PLAIN_FILES = (
+    "m.toml my-m.toml sub/m.toml ./m.toml ../m.toml /tmp/m.toml 2_m.toml a+b.toml 50%.toml m[1].toml méthode.toml"
+)
+QUOTED_FILES = ("my dir/m.toml", "order of m.toml", "m (1).toml", "a,b.toml", "C:m.toml", "h = 1.toml", "it's.toml")
+
+
+def test_names_of_files_are_taken_as_they_stand_and_in_quotes_with_any_sign() -> None:
+    plain = PLAIN_FILES.split()
+    for name in exactly(18, (*plain, *QUOTED_FILES)):
+        spellings = [f'"{name}"', f"“{name}”", *[f"'{name}'"] * ("'" not in name), *[name] * (name in plain)]
+        for spelled in some(spellings, 2):
+            query = parse_question(f"2*(run {spelled} problem={spelled}, h=1/2 : v)").rest[0][1]
+            assert (query.subject.text, query.problem.text, query.readout.text) == (name, name, "v")
+            with_equations = parse_question(f"error of {spelled} with x'=v, v' = -x, x(0)=1, v(0)=0, h=1/2, t=1")
+            assert (with_equations.subject.text, with_equations.unknowns) == (name, ("x", "v"))
+
+
+@pytest.mark.parametrize("name", [name for name in QUOTED_FILES if {*":="}.isdisjoint(name)])
+def test_an_unquoted_name_of_a_file_is_refused_with_how_to_quote_it(name: str) -> None:
+    for question in (f"order {name}", f"run {name} h=1 t=1 : q", f"run rk4 problem={name} h=1 t=1 : y0"):
+        with pytest.raises(
+            QuestionError, match=r"a file's name with blanks or signs stands in quotes: 'my method.toml'"
+        ):
+            value(question)
+    with pytest.raises(QuestionError) as other:
+        value("run rk4 k=1 problem=m.toml h=1 t=1 : q")
+    assert "quotes" not in str(other.value)
 
 
 def test_numbers_are_ascii_and_exact() -> None:

@@ -37,7 +37,7 @@ def test_groups_have_plain_words_and_all_has_every_fact(key: str) -> None:
     brief, whole = shown(METHODS[key]), shown(METHODS[key], everything=True)
     assert [part.splitlines()[0] for part in brief.split("\n\n")[:-1]] == list(GROUPS)
     assert "order p: the error at a fixed time is O(h^p)  " in brief
-    assert brief.endswith(" more facts with --all, any one with --only NAME")
+    assert brief.endswith(" more facts with --all, any one with --only NAME; in Python in .json(), and as .NAME")
     assert "none" not in brief
     rest = set(FACTS) - {name for names in GROUPS.values() for name in names}
     assert all(f"  {name.replace('_', ' ')}  " in whole for name in rest)

@@ -106,7 +106,7 @@ def test_a_list_takes_a_line_for_each_row_in_text_and_a_matrix_is_one_in_tex() -
 
 
 def test_long_lists_are_cut_and_say_so() -> None:
-    assert fact_text({str(n): n for n in range(14)}).endswith("11: 11, and 2 more (--format json has all)")
+    assert fact_text({str(n): n for n in range(14)}).endswith("11: 11, and 2 more (JSON has all)")
     assert fact_tex({str(n): n for n in range(12)}).endswith("11: 11")
 
 
@@ -147,10 +147,10 @@ def test_number_of_thousands_of_characters_is_its_decimal_alone() -> None:
 
 
 def test_twelve_items_400_characters_and_17_digits_are_shown() -> None:
-    for count, last in ((12, "12"), (13, "and 1 more (--format json has all)")):
+    for count, last in ((12, "12"), (13, "and 1 more (JSON has all)")):
         assert facts_text({"x": [str(i) for i in range(1, count + 1)]}).splitlines()[-1].strip() == last
         shown = fact_text({f"k{i}": i for i in range(1, count + 1)})
-        assert shown.endswith("k12: 12" if count == 12 else "k12: 12, and 1 more (--format json has all)")
+        assert shown.endswith("k12: 12" if count == 12 else "k12: 12, and 1 more (JSON has all)")
     assert fact_text(Formula("x" * 400)) == "x" * 400
     assert fact_text(Formula("x" * 401)) == "a formula of 401 characters"
     assert not is_long(Q(1, 10**57))
