@@ -41,8 +41,7 @@ def facts_text(facts: Mapping[str, Any]) -> str:
     rows = []
     for name, value in facts.items():
         listed = value if _is_list(value) and value else [value]
-        lines = [fact_text(part) for part in listed[:MOST_ITEMS_SHOWN]]
-        lines += filter(None, [_more(listed).removeprefix(", ")])
+        lines = [*map(fact_text, listed[:MOST_ITEMS_SHOWN]), *filter(None, [_more(listed).removeprefix(", ")])]
         labels = [name.replace("_", " "), *[""] * (len(lines) - 1)]
         rows += [[label, line] for label, line in zip(labels, lines, strict=True)]
     return table(rows)
