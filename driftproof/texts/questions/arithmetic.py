@@ -110,7 +110,7 @@ def _logarithm(a: Answer, base: int = 0) -> Answer:
         # 10^k has floor(k log2(10)) + 1 bits, so its bits times 0.30103, about log10(2), lie between k and k + 1.
         exponent = size.bit_length() - 1 if base == 2 else size.bit_length() * 30103 // 100000
         if base**exponent == size:
-            return Answer("", Fraction(exponent if x >= 1 else -exponent), a.evidence)
+            return Answer("", Fraction(exponent if x.denominator == 1 else -exponent), a.evidence)
     return _enclosed(a, lambda ball: ball.log() / arb(base).log())
 
 

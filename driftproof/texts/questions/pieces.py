@@ -92,7 +92,7 @@ class PieceParser(ExpressionParser):
 
     def entry(self) -> Fraction | str:
         """An entry of a start: a literal, or as text a product with pi or sqrt, such as -pi/4 or 2*sqrt(3)."""
-        first, count, depth = self.next, 0, 0
+        first, depth = self.next, 0
         for count, token in enumerate(self.tokens[self.at :]):
             depth += (token.text == "(") - (token.text == ")")
             before = self.tokens[self.at + count - 1]

@@ -64,7 +64,7 @@ class ProblemRun:
         assert self.method is not None
         found = _states(self.method, self.rates, self.start, self.h, ctx.prec)
         step = exact_step(self.method, self._function, len(self.start))
-        found[0] = found.get(0) or tuple(enclose(x) for x in self.start)
+        found[0] = tuple(enclose(x) for x in self.start)
         for n in range(len(found), self.steps + 1):
             found[n] = step(tuple(found[n - 1]), (n - 1) * self.h, self.h)
         return [found[n] for n in range(self.steps + 1)]
@@ -74,7 +74,7 @@ class ProblemRun:
         bits, times = max(ctx.prec, BITS_AT_FIRST), [n * self.h for n in steps]
         if bits > _MOST_BITS_OF_SOLUTION:
             raise Uncertified(f"not decided with {_MOST_BITS_OF_SOLUTION} bits: too many digits, or a tie")
-        found = _states(None, self.rates, self.start, Fraction(0), bits)
+        found = _states(None, self.rates, self.start, Fraction(), bits)
         if missing := [t for t in times if t not in found]:
             with ctx.workprec(bits):
                 start = [enclose(x) for x in self.start]
@@ -159,10 +159,17 @@ def problem_readouts(run: ProblemRun, unknowns: Sequence[str] = ()) -> dict[str,
     evaluations; and k1.y0, k2.y0, ... of the first step of an explicit Runge-Kutta method.
     """
     all_steps = range(run.steps + 1)
-    end = all_steps[-1:]
+
+    def off(run: ProblemRun) -> arb:
+        return _distance(run.numerical()[-1], solved(run))
+
+    def solved(run: ProblemRun) -> _Row:
+        (end,) = run.true(all_steps[-1:])
+        return end
+
     exact = "exact." if run.method is not None else ""
     components = [(i, unknowns[i] if unknowns else f"y{i}") for i in range(len(run.start))]
-    solution = {f"{exact}{y}": (lambda run, i=i: _enclosed(lambda: run.true(end)[0][i])) for i, y in components}
+    solution = {f"{exact}{y}": (lambda run, i=i: _enclosed(lambda: solved(run)[i])) for i, y in components}
     if (method := run.method) is None:
         return {**solution}
     read: dict[str, _StateFunction] = {"slope": lambda run, end: run.rate(run.t, end)}
@@ -171,10 +178,8 @@ def problem_readouts(run: ProblemRun, unknowns: Sequence[str] = ()) -> dict[str,
     return {
         **{y: partial(_component, lambda run, end: end, i) for i, y in components},
         **solution,
-        "state_error": lambda run: _enclosed(lambda: _distance(run.numerical()[-1], run.true(end)[0])),
-        "relative_error": lambda run: _enclosed(
-            lambda: _distance(run.numerical()[-1], run.true(end)[0]) / _distance(run.true(end)[0], [0] * len(run.start))
-        ),
+        "state_error": lambda run: _enclosed(lambda: off(run)),
+        "relative_error": lambda run: _enclosed(lambda: off(run) / _distance(solved(run), [0] * len(run.start))),
         "largest_error": lambda run: _enclosed(lambda: _largest(run.numerical(), run.true(all_steps))),
         "steps": lambda run: Answer("", Fraction(run.steps)),
         "evaluations": lambda run: evaluations(method, run.steps),

@@ -78,7 +78,7 @@ class Document:
         return start, end
 
     def _index(self, origin: int) -> int:
-        at = bisect_right(self._ranges, (origin, len(self.text.text), 0)) - 1
+        at = bisect_right(self._ranges, (origin, len(self.text.text))) - 1
         return bisect_left(self.text.origins, origin, *self._ranges[at][1:])
 
     @cached_property

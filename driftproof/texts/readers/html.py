@@ -82,11 +82,11 @@ class _Page:
         return self.done
 
     def keep(self, start: int, stop: int) -> None:
-        if not self.hidden and start < stop:
+        if not self.hidden:
             self.pieces.append(self.source[start:stop])
 
     def write(self, text: str, index: int) -> None:
-        if not self.hidden and text:
+        if not self.hidden:
             self.pieces.append(Insertion(text, self.source.origin(index)))
 
     def finish(self) -> None:

@@ -104,9 +104,9 @@ def _fenced(source: SourceText, match: re.Match[str], depth: int) -> list[Block]
     if name in _UNREAD:
         return []
     if depth < _DEEPEST and (name in _READ or name.startswith(("prf:", "proof:")) or match["fence"].startswith(":")):
-        title = source[match.start("info") + (directive.end() if directive else 0) : match.end("info")]
-        read = [] if name in _NO_TITLES or not directive else [Block(PROSE, markdown_prose(title))]
-        return [*read, *_parts(body, depth + 1)]
+        info = source[match.start("info") : match.end("info")]
+        title = [Block(PROSE, markdown_prose(info[directive.end() :]))] if directive and name not in _NO_TITLES else []
+        return [*title, *_parts(body, depth + 1)]
     language = next((name for name in names if name not in ("code-cell", "code-block", "code", "sourcecode")), "")
     return [Block(LISTING, body, language.lower())]
 
@@ -131,10 +131,8 @@ def _code_and_mathematics_shielded(text: SourceText) -> SourceText:
     for match in _KEPT.finditer(text.text):
         pieces.append(text[done : match.start()])
         done = match.end()
-        if match["gone"]:
-            continue
         name, role = next((name for name in _MATHEMATICS if match[name]), "code"), (match["role"] or "").lower()
-        kept = text[match.start(name) : match.end(name)]
+        kept = text[match.start(name) : match.end(name)]  # nothing, from -1 to -1, for what is gone
         if not _KEYS.isdisjoint(role.split(":")) or role.startswith("cite"):
             shown = _SHOWN.match(kept.text)
             kept = kept[slice(*shown.span("a"))] if shown else kept[:0]

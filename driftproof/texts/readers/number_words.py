@@ -6,12 +6,12 @@ import re
 from fractions import Fraction
 from typing import NamedTuple
 
-_NAMES = """
-zero one two three four five six seven eight nine ten
-eleven twelve thirteen fourteen fifteen sixteen seventeen eighteen nineteen
-twenty thirty forty fifty sixty seventy eighty ninety
-"""
-_SMALL, _TENS = _NAMES.split()[:20], _NAMES.split()[20:]
+_NAMES = (
+    "zero one two three four five six seven eight nine ten "
+    "eleven twelve thirteen fourteen fifteen sixteen seventeen eighteen nineteen",
+    "twenty thirty forty fifty sixty seventy eighty ninety",
+)
+_SMALL, _TENS = map(str.split, _NAMES)
 _SCALES = {10**9: "billion", 10**6: "million", 1000: "thousand"}
 _PARTS = dict(enumerate(("half", "third", "quarter", "fifth", "sixth", "seventh", "eighth", "ninth", "tenth"), 2))
 # Sign of a change -> the words for it, the plainest first.
@@ -50,7 +50,7 @@ def worded_number(x: Fraction) -> list[str]:
         plain = _cardinal(int(x))
         found = [plain, plain.replace("-", " "), *{2: ["twice"], 3: ["thrice"]}.get(int(x), [])]
         found += ["a" + plain[3:]] if re.match(r"one (?:hundred|thousand|million|billion)", plain) else []
-    elif x.denominator in _PARTS and 0 < x < 1:
+    elif x.denominator in _PARTS and x // 1 == 0:
         part, many = _PARTS[x.denominator], x.numerator > 1
         spaced = f"{_SMALL[x.numerator]} {part}{'s' * many}"
         found = [spaced, spaced.replace(" ", "-")]

@@ -64,7 +64,7 @@ def with_macros_expanded(text: SourceText) -> SourceText:
     r"""The text with the macros that it defines by \newcommand, \def or \DeclareMathOperator expanded."""
     macros = {}
     for match in _DEFINITION.finditer(text.text):
-        count = int(match["count"] or 0) if match["plain"] is None else len(match["places"]) // 2
+        count = int(match["count"] or "0") if match["plain"] is None else len(match["places"]) // 2
         macros[match["name"] or match["bare"] or match["plain"]] = (count, match["body"] or match["inside"] or "")
     if not macros:
         return text

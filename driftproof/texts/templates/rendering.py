@@ -11,7 +11,7 @@ from driftproof.support.files import atomic_write, read_utf8
 from driftproof.support.plain_text import as_json, counted
 from driftproof.support.processes import Limits, ProcessEnded, ask_once
 from driftproof.support.results import Printable
-from driftproof.texts.templates.text_kinds import LARGEST_TEMPLATE, kind_of
+from driftproof.texts.templates.text_kinds import LARGEST_TEMPLATE
 
 # Chosen: examples take less than one second, a thousand questions some seconds.
 RENDERING_SECONDS, RENDERING_MEMORY, LONGEST_RENDERED = 120.0, 2 * 10**9, 10**7
@@ -90,9 +90,7 @@ def render(
 
 
 def output_of(template: str | Path, output: str | Path | None = None) -> Path:
-    """The output file, by default the template's name without .j2. Raises ValueError for a suffix of no text kind."""
+    """The output file, by default the template's name without .j2. Raises ValueError for a name without it."""
     if output is None and Path(template).suffix != TEMPLATE_SUFFIX:
         raise ValueError(f"{template}: the name does not end in {TEMPLATE_SUFFIX}; name the output with -o")
-    found = Path(template).with_suffix("") if output is None else Path(output)
-    kind_of(found)
-    return found
+    return Path(template).with_suffix("") if output is None else Path(output)

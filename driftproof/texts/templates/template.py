@@ -58,7 +58,7 @@ class Template:
 
     def _place(self, error: Exception) -> TemplatePlace | None:
         """The place of a Jinja2 error, whose line numbers are our offsets plus one; None if it is unknown."""
-        places = [(frame.filename, frame.lineno or 0) for frame in traceback.extract_tb(error.__traceback__)]
+        places = [(frame.filename, frame.lineno) for frame in traceback.extract_tb(error.__traceback__)]
         if isinstance(error, TemplateSyntaxError):
             places = [(error.name or "", error.lineno)]
         known = [TemplatePlace(name, line - 1) for name, line in places if name in self.loader.sources and line]

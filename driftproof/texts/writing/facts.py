@@ -41,8 +41,7 @@ def facts_text(facts: Mapping[str, Any]) -> str:
     rows = []
     for name, value in facts.items():
         listed = value if _is_list(value) and value else [value]
-        lines = [fact_text(part) for part in listed[:MOST_ITEMS_SHOWN]]
-        lines += [_more(listed).removeprefix(", ")] if len(listed) > MOST_ITEMS_SHOWN else []
+        lines = [*map(fact_text, listed[:MOST_ITEMS_SHOWN]), *filter(None, [_more(listed).removeprefix(", ")])]
         labels = [name.replace("_", " "), *[""] * (len(lines) - 1)]
         rows += [[label, line] for label, line in zip(labels, lines, strict=True)]
     return table(rows)
@@ -124,7 +123,7 @@ class _Text:
         if found.get("exact"):
             return self.radicals(found["exact"], found["decimal"])
         minimal = found["minpoly"] or ""
-        root = f"the root of {self.form(minimal)}" if 0 < len(minimal) <= LONGEST_FORMULA else "a number"
+        root = f"the root of {self.form(minimal)}" if minimal and len(minimal) <= LONGEST_FORMULA else "a number"
         place = f"{root} in {self.math('(' + ', '.join(found['interval']) + ')')}"
         place = f"{self.form(found['generator'])}, {place}" if "generator" in found else place
         return self.about(place, found["decimal"])
@@ -283,7 +282,7 @@ def _more(found: Sized) -> str:
 def _coefficients(values: Sequence[Any]) -> list[str]:
     """The coefficients as text; if together or one alone they are too long, long ones as decimals that end in "..."."""
     exact = [exact_text(x) if isinstance(x, Fraction) else str(x) for x in values]
-    if sum(map(len, exact)) <= LONGEST_FORMULA and max(map(len, exact), default=0) <= LONGEST_COEFFICIENT:
+    if sum(map(len, exact)) <= LONGEST_FORMULA and all(len(x) <= LONGEST_COEFFICIENT for x in exact):
         return exact
     pairs = zip(exact, values, strict=True)
     return [f"{significant(x, COEFFICIENT_DIGITS)}..." if is_long(x) else text for text, x in pairs]

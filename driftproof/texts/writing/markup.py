@@ -59,7 +59,7 @@ _OPERATORS = {"-": "\N{MINUS SIGN}", "": "\N{INVISIBLE TIMES}"}
 
 
 def _mathml_row(parts: Sequence[str]) -> str:
-    return parts[0] if len(parts) == 1 else f"<mrow>{''.join(parts)}</mrow>"
+    return "".join(parts) if len(parts) == 1 else f"<mrow>{''.join(parts)}</mrow>"
 
 
 def _mathml_bracket(inner: str) -> str:
@@ -124,7 +124,7 @@ class _Formula:
             case tree.NegatedNode():
                 return write.row([write.operator("-"), self.factor(node.node)])
             case tree.CallNode():
-                inner = self.of(node.arguments[0])
+                inner = self.of(*node.arguments)
                 return write.root(inner, 2) if node.function == "sqrt" else write.function(node.function, inner)
             case tree.PowerNode():
                 return self.power(node.base, node.exponent)
@@ -155,7 +155,7 @@ class _Formula:
     def side_by_side(self, factors: Sequence[tree.ExpressionNode]) -> str:
         """Write factors, with a sign between those that would run together as numbers."""
         if len(factors) == 1:
-            return self.of(factors[0])
+            return self.of(*factors)
         parts = [self.factor(factors[0])]
         for factor in factors[1:]:
             parts += [self.write.operator("·" if _begins_with_digit(factor) else ""), self.factor(factor)]
@@ -163,7 +163,7 @@ class _Formula:
 
     def power(self, base: tree.ExpressionNode, exponent: Fraction) -> str:
         """Write a power, or a root if the exponent is 1/n."""
-        if exponent.denominator > 1 and exponent.numerator == 1:
+        if exponent.numerator == 1 != exponent.denominator:
             return self.write.root(self.of(base), exponent.denominator)
         plain = isinstance(base, tree.NameNode) or (isinstance(base, tree.NumberNode) and base.value.denominator == 1)
         written = self.of(base) if plain else self.write.bracket(self.of(base))

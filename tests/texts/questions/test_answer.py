@@ -13,6 +13,7 @@ from driftproof.texts.questions.decimals import Style
 from driftproof.texts.questions.errors import QuestionError
 from driftproof.texts.questions.evaluate import value
 from driftproof.texts.values.published import published_values
+from tests.texts.questions.refusals import require_refusal
 from tests.texts.questions.steps_by_hand import BY_HAND
 
 HALF_EVEN = Style(rounding="half-even")
@@ -85,7 +86,7 @@ def test_value_without_an_exact_form_has_its_published_digits_and_no_more() -> N
 
 @pytest.mark.parametrize(("n", "reason"), [(0, "must be at least 1"), (10_001, "at most 10000"), (10**9, "at most")])
 def test_number_of_digits_has_its_bounds(n: int, reason: str) -> None:
-    with pytest.raises(QuestionError, match=reason):
+    with pytest.raises(QuestionError, match=f"column 1: .*{reason}"):
         value("1/3").digits(n)
     assert value("1/3").digits(10_000) == "0." + "3" * 10_000
 
@@ -95,17 +96,20 @@ def test_what_is_no_number_has_no_decimals() -> None:
         assert not value(question).is_number
         with pytest.raises(QuestionError, match="is not a number"):
             float(value(question))
-        with pytest.raises(QuestionError, match="is not a number and has no decimals"):
-            value(question).digits(6)
+        require_refusal(question, 1, "is not a number and has no decimals")
 
 
 def test_number_that_no_enclosure_decides_is_an_error_and_not_a_guess() -> None:
-    nothing = value("(run rk4 h=1/4 t=10 : state_error) - (run rk4 h=1/4 t=10 : state_error)")
-    with pytest.raises(QuestionError, match="undecided with 131072 bits"):
-        nothing.digits(3)
+    nothing = "(run rk4 h=1/4 t=10 : state_error) - (run rk4 h=1/4 t=10 : state_error)"
+    require_refusal(nothing, 1, "undecided with 131072 bits")
+    require_refusal("0.1234565", 1, "tie")
+    with pytest.raises(QuestionError, match="column 1: the number has no exact form"):
+        value("2*pi").tex()
 
 
 def test_an_exact_form_of_24_characters_is_shown_beside_its_decimal_and_15_digits_unasked() -> None:
     for digits, shown in ((22, True), (23, False)):
         assert (", exactly 1/3" in value(f"1/{'3' * digits}").written("text")) is shown
     assert value("1/7").written("text").startswith("0.142857142857143,")
+    assert value("stages rk4").written("text") == "4  (COUNTED)"
+    assert '"decimal": "0.142857142857143"' in value("1/7").written("json")

@@ -78,6 +78,7 @@ def test_roots_of_different_fields_are_enclosed() -> None:
         "5**(1/5)": 1.3797297,
         "sqrt(2) * sqrt(3)": 2.4494897,
         "(3**65) ** (1/65)": "3.0000000",
+        "log2(3)": 1.5849625,
     }.items():
         assert (value(question).evidence, value(question).digits(8)) == ("CERTIFIED", str(wanted))
 
@@ -86,6 +87,7 @@ def test_evidence_is_the_weakest_of_the_parts() -> None:
     assert value("1 + order rk4").evidence == "PROVED"
     assert value("stages rk4 * order rk4").evidence == "COUNTED"
     assert value("stages rk4 * cos(1)").evidence == "CERTIFIED"
+    assert [value(f"0 * 2**{n}").evidence for n in (2**17, 2**17 + 1)] == ["PROVED", "CERTIFIED"], "of 2**18 bits"
     assert value("claimed_order rk4 + stages rk4").evidence == "STATED"
 
 

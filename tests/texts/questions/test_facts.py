@@ -6,7 +6,10 @@ from fractions import Fraction as Q
 
 import pytest
 
+from driftproof.symbolic.linear.a_stability import sector_tangent
 from driftproof.texts.questions.evaluate import value
+from driftproof.texts.questions.facts import of_number
+from tests.symbolic.linear.linear_examples import pade
 from tests.texts.questions.steps_by_hand import BY_HAND, energy, reached
 
 
@@ -47,6 +50,7 @@ def test_invariant_keeps_its_value_over_a_step() -> None:
     assert before == after == (z[0] ** 2 - h * z[0] * z[1] + z[1] ** 2) / 2
     assert value("invariant symplectic_euler").exact_text == "q**2/2 - h*q*v/2 + v**2/2"
     assert value("invariant symplectic_euler h=1/2 : qv").exact == Q(-1, 4)
+    assert not value("invariant symplectic_euler").is_number
     assert value("determinant symplectic_euler").exact == 1
 
 
@@ -62,6 +66,8 @@ def test_stability_limits_of_rk4_are_where_its_polynomial_leaves_the_disc() -> N
     imaginary = value("imaginary_limit rk4")
     assert (imaginary.exact_text, value("(imaginary_limit rk4)**2").exact) == ("2*sqrt(2)", 8)
     assert value("real_limit backward_euler").exact_text == "oo"
+    enclosed = of_number(sector_tangent(pade(2, 8)))
+    assert (enclosed.digits(9), enclosed.evidence) == ("11.1675076", "CERTIFIED")
 
 
 FACTS = {

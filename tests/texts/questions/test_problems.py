@@ -149,6 +149,7 @@ KNOWN = {
     "pi**(1/3)": math.pi ** (1 / 3), "sqrt(pi)": math.pi**0.5, "pi**(2/5)": math.pi**0.4,
     "ln(2)": math.log(2), "ln(exp(2))": 2.0, "cos(pi/3)": 0.5, "(17/16)**1000": (17 / 16) ** 1000,
     "run rk4 h=1/1000 1000 steps : steps": 1000.0, "run rk4 problem=pendulum h=1e-5 t=1 : steps": 100000.0,
+    "run backward_euler y'=-y y(0)=1 h=1 t=1 : y": 0.5, "exact rates=(0*y0, 0*y1) from (1, pi) t=1 : y1": math.pi,
 }  # fmt: skip
 
 
@@ -175,6 +176,8 @@ REFUSED = [
     ("run rk4 rates=(y0 2) from 1 h=1/4 t=1 : y0", 16, "column 4: unexpected '2'"),
     ("run rk4 rates=(y0, z) from 1,1 h=1/4 t=1 : y0", 16, "'z' is not allowed"),
     ("run gauss2 rates=(y0) from 1 h=1/4 t=1 : k1.y0", 42, "not a readout of run; the readouts are y0"),
+    ("run heun2 rates=(y0) from 1 h=1/4 t=1 : k0.y0", 41, "not a readout of run; the readouts are y0"),
+    ("run heun2 rates=(y0) from 1 h=1/4 t=1 : k3.y0", 41, "not a readout of run; the readouts are y0"),
     ("run rk4 lambda=1 from 1 h=1/4 t=1 : y", 1, "y' = λy always starts at 1"),
     ("exact rates=(y0) from 1 t=1 : state_error", 31, "not a readout of exact; the readouts are y0"),
     ("order rk4 rates=(y0)", 18, "takes no problem"),
@@ -187,6 +190,7 @@ REFUSED = [
     ("order rk4 problem=pendulum", 19, "takes no problem"),
     ("run rk4 lambda=-1 h=1/3 t=1/2 : y", 1, "does not divide"),
     ("run velocity_verlet lambda=-1 h=1/4 t=1 : y", 5, "no stability_function"),
+    ("2**999999", 1, "the power is too long to write out: more than 262144 bits"),
     ("ln(0)", 1, "only a positive number has a logarithm"),
     ("exact problem=pendulum h=1 t=1 : y0", 24, "does not take h here"),
 ]

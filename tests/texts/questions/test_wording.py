@@ -108,6 +108,8 @@ SAME = {
     "run rk4 x'=2v, v'=-3x, x(0)=2, v(0)=0, h=1, t=1 : x": "run rk4 rates=(2*y1,-3*y0) from 2,0 h=1 t=1 : y0",
     "run rk4 y'=-2 y(0)=1 h=1/2 t=1 : y": "run rk4 rates=(-2) from 1 h=1/2 t=1 : y0",
     "steps needed by Euler for error 1e-2 at t=2": "steps of Euler error=1e-2 t=2",
+    "velocity-Verlet order": "order velocity_verlet",
+    "run rk4 h=1/4, problem=pendulum, t=1 : y0": "run rk4 problem=pendulum h=1/4 t=1 : y0",
     "one step of RK4 with h=0.5 : q": "step rk4 h=1/2 : q", "first step of RK4, h=0.5 : v": "step rk4 h=1/2 : v",
     "RK4 step 0.5 t=1 : q": "run rk4 h=1/2 t=1 : q",
     "an Euler step with h=1/2 for y'=-y, y(0)=1 : y": "1/2", "one-step error of RK4 h=1/2": "local error of rk4 h=1/2",
@@ -176,6 +178,10 @@ REFUSED = [
     ("f(1) + 1", 1, "'f' is not a function; the functions are abs"),
     ("order of RK4 on the real axis", 21, "unexpected 'real'"),
     ("z(1) of Heun for y'=-y, y(0)=1, h=0.1", 1, "'z' is not a readout of run; the readouts are y"),
+    ("roundoff rk4 h=1/4 t=1 : qq", 20, "roundoff does not take t here"),
+    ("total energie of RK4", 1, "'total energie' is not a known fact or readout"),
+    ("phase- error of RK4 h=1 t=1", 1, "'phase' is not the id of a published value"),
+    ("rk4 y'=y y(0)=1 h=1 y(1) rk4", 23, "time starts at 0"),
 ]
 
 

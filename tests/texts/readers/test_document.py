@@ -15,6 +15,7 @@ from tests.texts.readers.reading import standing
 
 
 def test_number_stands_where_the_file_has_it() -> None:
+    held("markdown", "a\n```\nb c\n```\n{sub}`d e`")
     assert standing("plain", "one\r\ntwo  \u221242.5 and ½", "42.5").startswith("42.5")
 
 

@@ -10,16 +10,17 @@ from tests.texts.readers.reading import blocks, read, standing
 
 READ = [
     ("<p>a<script>1</script>b<style>2</style><!-- 3 -->c</p><p title='4'>d", "abc\nd"),
-    ("<table><tr><td>0.090<td>&minus;0.054<td>40</table>", "0.090 | -0.054 | 40"),
+    ("<table><tr><td>0.090<td>&minus;0.054<td>40<tr><td>1</table>", "0.090 | -0.054 | 40\n1"),
     ("h<sup>6</sup>, q<sub>1</sub>, &frac12; &lt;b&gt;", "h^6, q_1, 1/2 <b>"),
     ("<math><mfrac><mn>337</mn><mn>384</mn></mfrac></math>", "337/384"),
     ("<math><mfrac><mrow><mi>a</mi><mo>+</mo><mn>1</mn></mrow><mn>2</mn></mfrac></math>", "(a+1)/2"),
     ("<math><msup><mi>h</mi><mn>6</mn></msup><msqrt><mn>2</mn></msqrt></math>", "h^6√(2)"),
     ("<math><mfrac><msup><mrow><mi>a</mi><mi>b</mi></mrow><mn>2</mn></msup><mn>3</mn></mfrac></math>", "ab^2/3"),
-    ("<span class='katex-html'>9<span>8<i>4</i></span><span/>7</span>6<template>5</template>", "6"),
+    ("<math><msqrt><mfrac><mrow><mi>a</mi><mi>b</mi></mrow><mn>2</mn></mfrac></msqrt></math>", "√((ab)/2)"),
+    ("<span class='katex-html'>9<span>8<i>4</i></span><span/>7</span>6<template>5&lt;</template>", "6"),
     ("<math><msup></i><mi>h</mi></mn><mn>6</mn></i></msup></math>", "h^6"),
     ("<td>1<td>2", "1 | 2"),
-    ("<b>0.090</b>40", "0.09040"),
+    ("<b>0.090</b>40<div>a</div>b", "0.09040\na\nb"),
     ("<math><msubsup><mi>q</mi><mn>1</mn><mn>2</mn></msubsup></math>", "q_1^2"),
 ]
 
@@ -38,6 +39,7 @@ def test_markup_is_followed_a_hundred_levels_deep() -> None:
 
 
 def test_preformatted_text_is_a_listing_in_the_language_of_its_class() -> None:
-    source = '<div class="highlight-python"><pre><span>x</span></pre></div><pre>y</pre>'
-    assert blocks("html", source) == [("listing", "python", "x"), ("listing", "", "y")]
+    source = 'w<div class="highlight-python"><pre><span>x</span></pre></div><pre>y</pre>z'
+    listings = [("listing", "python", "x"), ("listing", "", "y")]
+    assert blocks("html", source) == [("prose", "", "w"), *listings, ("prose", "", "z")]
     assert blocks("html", "<pre>a<b>1</b> c</pre>") == [("listing", "", "a1 c")]

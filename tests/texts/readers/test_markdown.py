@@ -12,6 +12,7 @@ READ = [
     ("$\\frac{337}{384}$ and $$h^{-2}$$, \\$5 and 3$", "337/384 and h^{-2}, $5 and 3$"),
     ("| a | b |\n|:--|--:|\n| 1 | 2 |\n\n[r]: http://x/8\n> quoted\n- 5", "| a | b |\n| 1 | 2 |\nquoted\n5"),
     ("0 < h < 2, a<b", "0 < h < 2, a<b"),
+    ("a<br>b <i>c</i> `\\frac{1}{2}` {math}`\\frac{1}{2}`", "a\nb c \\frac{1}{2} 1/2"),
     ("{ref}`fig-1`, {ref}`the 3 <fig-1>`, {cite:p}`hairer1993` {eq}`e-2` {sup}`4` {kbd}`5`", ", the 3, ^4 5"),
     ('(sec-1)=\n# A\n% todo 2\nb {{ x7 }}\n+++ {"a": 7}\n$$c = 1$$ (eq-8)', "A\nb\nc = 1"),
     ("{math:numref}`e-3` {glue:text}`x:.3f` {eval}`2+2` {nb-download}`n7.ipynb`.\n:::{grid} 2\n4\n:::", ".\n4"),
@@ -48,7 +49,7 @@ def test_number_stands_where_the_file_has_it() -> None:
 
 
 def test_fences_are_listings_and_mathematics() -> None:
-    source = "a\n```python\nb\n```\n~~~\nc\n~~~\n```{math}\nh^{2}\n```\n"
+    source = "a\n```python\nb\n```\n~~~\nc\n~~~\n```math {#eq-8}\nh^{2}\n```\n"
     expected = [("prose", "", "a"), ("listing", "python", "b"), ("listing", "", "c"), ("prose", "", "h^{2}")]
     assert blocks("markdown", source) == expected
 

@@ -12,9 +12,10 @@ from driftproof.texts.readers.number_words import is_worded, worded_number, word
 from tests.looping import some
 
 SPELLED = {
-    Q(0): "zero", Q(2): "twice", Q(16): "sixteen", Q(21): "twenty-one", Q(100): "a hundred", Q(1, 8): "an eighth",
+    Q(0): "zero", Q(2): "twice", Q(16): "sixteen", Q(21): "twenty one", Q(100): "a hundred", Q(1, 8): "an eighth",
     Q(160): "one hundred and sixty", Q(5651): "five thousand six hundred and fifty-one", Q(10**6): "One million",
     Q(10**9): "a billion", Q(1, 2): "half", Q(1, 3): "a third", Q(2, 3): "two-thirds", Q(3, 4): "three quarters",
+    Q(19): "nineteen", Q(99): "ninety-nine", Q(3): "thrice", Q(9 * 10**11): "nine hundred billion",
 }  # fmt: skip
 
 

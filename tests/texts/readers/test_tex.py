@@ -14,6 +14,8 @@ READ = [
     ("$2\\sqrt{2}$ $3.3\\times 10^{-4}$ $1\\,000$ $q_{n+1}$", "2√2 3.3×10^{-4} 1,000 q_{n+1}"),
     ("\\newcommand{\\half}{\\tfrac{1}{2}}\\newcommand\\pow[2]{#1^{#2}}$\\half\\pow{h}{12}\\pow h3$", "1/2h^{12}h^3"),
     ("\\def\\a{\\b}\\def\\b{\\a}\\DeclareMathOperator{\\tr}{tr} \\a 5 \\tr 6", "5 tr 6"),
+    ("\\def\\a{1234567890123}" + "\\a" * 12, "1234567890123" * 12),  # 180 characters of 45
+    ("a\\;b\\-c $\\frac{\\frac{1}{2}}{3}$", "a bc (1/2)/3"),
     ("$-\\cos 10 \\log\\theta$", "-cos 10 log θ"),
     ("$\\nicefrac{1}{4}$ and $\\sfrac{3}{8}$, \\tablevref{t-5} and \\href{u7}{b}", "1/4 and 3/8, and b"),
     ("\\begin{tabular}{lr} a & 0.5 \\\\ b & 1 \\end{tabular}", "a | 0.5\nb | 1"),
@@ -48,5 +50,6 @@ def test_number_stands_where_the_file_has_it() -> None:
 
 
 def test_verbatim_environment_is_a_listing() -> None:
-    source = "\\begin{lstlisting}[language=Python]\nx\n\\end{lstlisting}"
-    assert blocks("tex", source) == [("listing", "python", "x")]
+    for environment, options in (("lstlisting", "[language=Python]"), ("minted", "{Python}")):
+        source = f"a\\begin{{{environment}}}{options}\nx\n\\end{{{environment}}}"
+        assert blocks("tex", source) == [("prose", "", "a"), ("listing", "python", "x")]

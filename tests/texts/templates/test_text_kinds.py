@@ -35,7 +35,7 @@ def test_table_of_methods_is_written_in_the_kind_of_the_text(kind: TextKind, bec
     ("source", "code"),
     [
         ("a `b X` c", True), ("a `b` X `c`", False), ("a ` X c", False), ("```\nX\n```", True),
-        ("```\n```\nX", False), ("~~~~\n```\nX", True), ("  ```\n```\nX", False), ("```x\n~~~\n```\nX", False),
+        ("```\n```\nX", False), ("~~~~\n```\nX", True), ("  ```\n  ```\nX", False), ("```x\n~~~\n```\nX", False),
     ],
 )  # fmt: skip
 def test_code_of_markdown_is_told_from_prose(source: str, code: bool) -> None:

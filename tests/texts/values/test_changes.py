@@ -34,7 +34,7 @@ def of_number(**change: Any) -> list[tuple[str, str]]:
         ({}, []), ({"exact": "337/385"}, [("value", "")]),
         ({"exact": "-337/384", "decimal": "-0.877604"}, [("value", "")]),
         ({"decimal": "0.877605"}, [("value", "")]), ({"decimal": "0.8776041667"}, [("digits", "")]),
-        ({"decimal": "0.88"}, [("digits", "")]), ({"decimal": "0.87"}, [("value", "")]),
+        ({"decimal": "0.878"}, [("digits", "")]), ({"decimal": "0.87"}, [("value", "")]),
         ({"decimal": "8.776e-1"}, [("digits", "")]), ({"decimal": "8.776e-2"}, [("value", "")]),
         ({"decimal": "8.77604e-1"}, [("digits", "")]), ({"exact": "sqrt(3)/2"}, [("value", "")]),
         ({"decimal": "nan"}, [("value", "")]), ({"exact": "674/768"}, [("wording", "")]),
@@ -58,7 +58,7 @@ def test_change_of_a_number_is_named(change: dict[str, Any], kinds: list[tuple[s
         ({"order": 4}, {"order": 5}, "value"), ({"a_stable": True}, {"a_stable": False}, "value"),
         ({"limit": None}, {"limit": "oo"}, "value"), ({"c": ["1", "1/2"]}, {"c": ["1", "2/4"]}, "wording"),
         ({"c": ["1", "1/2"]}, {"c": ["1", "1/3"]}, "value"), ({"c": ["1"]}, {"c": ["1", "1/3"]}, "added"),
-        ({"title": "RK4"}, {"title": "Classical RK4"}, "wording"),
+        ({"rk4": {"title": "RK4"}}, {"rk4": {"title": "Classical RK4"}}, "wording"),
         ({"digits": 15}, {"digits": 30}, "digits"), ({"x": 0.25}, {"x": 0.5}, "value"),
         ({"limit": {"decimal": "2.83", "exact": "2*sqrt(2)"}}, {"limit": "0"}, "value"),
         ({"x": {"decimal": "1.4", "exact": "sqrt(2)"}}, {"x": {"decimal": "1.4", "exact": "sqrt(3)"}}, "value"),
@@ -224,6 +224,7 @@ def test_exact_forms_of_irrational_and_of_long_numbers_are_read(exact: str | Non
 def test_limits_of_exponents_texts_and_files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     value = lambda decimal: {"values": {"a": {"decimal": decimal}}}
     assert changes(value("1e100000"), value("10e99999"))[0].kind == "digits"
+    assert [changes(x, {})[0].old for x in (value("1.4"), {"a": {"exact": "2", "decimal": "2"}})] == ["1.4", "2"]
     path = tmp_path / "values.json"
     for exponent, wrong in ((100000, False), (100001, True), (-100001, True)):
         path.write_text(json.dumps(value(f"1e{exponent}")), encoding="utf-8")

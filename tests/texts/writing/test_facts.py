@@ -28,8 +28,8 @@ from tests.symbolic.linear.linear_examples import pade
 RK4, GAUSS, SDIRK = Facts(METHODS["rk4"]), Facts(METHODS["gauss2"]), FamilyFacts(FAMILIES["sdirk_order_2"])
 
 
-def eigenvalue(key: str, text: str) -> EigenvalueLimit:
-    return SystemFacts(METHODS[key], parse_system(text)).bounds[0]
+def eigenvalue(key: str, text: str, i: int = 0) -> EigenvalueLimit:
+    return SystemFacts(METHODS[key], parse_system(text)).bounds[i]
 
 
 RESTING = eigenvalue("forward_euler", "-1 0; 0 -1").eigenvalue
@@ -55,7 +55,9 @@ WRITTEN: list[tuple[Any, str, str]] = [
     (eigenvalue("rk4", "1"), "1: no h, however small", "$1$: no h, however small"),
     (eigenvalue("backward_euler", "-1"), "-1: every h > 0", "$-1$: every $h > 0$"),
     (EigenvalueLimit(RESTING, UndecidedLimitError("a_b")), "-1, 2 times: a_b", r"$-1$, 2 times: a\_b"),
-    (ArithmeticError("too_long"), "not decided: too_long", r"not decided: too\_long"),
+    (ArithmeticError("too_long: h**2"), "not decided: too_long: h**2", r"not decided: too\_long: h\^{}2"),
+    (RK4.real_limit, "the root of x**3 - 4*x**2 + 12*x - 24 in (2, 3) = 2.785", r"-24$ in $(2, 3)$, $\approx 2.785293"),
+    (eigenvalue("rk4", "0 1 0; 0 0 1; -1 -1 -2", 1), "a root of x**3 + 2*x**2 + x + 1 = -0.12256", "0.74486176 I$: $h"),
 ]  # fmt: skip
 
 
@@ -124,6 +126,7 @@ def test_text_and_tex_of_long_numbers_are_bounded_and_json_is_exact_with_decimal
     shown = {name: getattr(facts, name) for name in names}
     for value in (facts_text(shown), facts_tex(shown)):
         assert 1000 < len(value) < 20_000
+    assert r"\ldots" in facts_tex(shown)
     known = record(shown)
     residual = known["order_fails"]["residual"]
     assert set(residual) == {"exact", "decimal"}

@@ -15,7 +15,7 @@ from driftproof.texts.questions.answer import Answer
 from driftproof.texts.questions.decimals import Style
 from driftproof.texts.questions.errors import QuestionError
 from driftproof.texts.questions.evaluate import value
-from driftproof.texts.writing.markup import MATHML, TEX, decimal_markup, formula
+from driftproof.texts.writing.markup import MATHML, TEX, decimal_markup, formula, in_any_mode
 
 IN_TEX = {
     "337/384": r"\frac{337}{384}", "-23/48": r"-\frac{23}{48}", "-h/2": r"-\frac{h}{2}", "1 - (-2*h)": "1-(-2 h)",
@@ -27,12 +27,19 @@ IN_TEX = {
     "3*cos(1/2)/5": r"\frac{3 \cos\left(\frac{1}{2}\right)}{5}",
     "acos(1 - h)": r"\arccos(1-h)", "1 - (1 - h)": "1-(1-h)", "1 - (-h)": "1-(-h)", "(-h)**2": "(-h)^{2}",
     "(2 - sqrt(2))*h": r"(2-\sqrt{2}) h", "1/2*gamma": r"\frac{\gamma}{2}", "oo": r"\infty",
+    "1*1/h": r"\frac{1}{h}", "3**(2/3)": r"3^{\frac{2}{3}}", "2**(1/2)": r"\sqrt{2}",
 }  # fmt: skip
 
 
 @pytest.mark.parametrize("form", IN_TEX)
 def test_tex_is_what_an_author_would_write(form: str) -> None:
     assert formula(form, TEX) == IN_TEX[form]
+
+
+def test_roots_in_mathml_and_digits_in_any_mode() -> None:
+    roots = "<mn>2</mn><mo>\u2062</mo><msqrt><mn>2</mn></msqrt><mo>\u2062</mo><mroot><mn>3</mn><mn>5</mn></mroot>"
+    assert formula("2*sqrt(2)*3**(1/5)", MATHML) == f"<mrow>{roots}</mrow>"
+    assert (in_any_mode("5.2"), in_any_mode("-1")) == ("5.2", r"\ensuremath{-1}")
 
 
 OPERATORS = {"+": "+", "−": "-", "⁢": "*", "·": "*"}

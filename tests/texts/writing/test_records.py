@@ -17,6 +17,7 @@ from driftproof.methods.schemes import RungeKutta
 from driftproof.reports.fact_sheet import facts
 from driftproof.symbolic.facts import FACTS, Facts
 from driftproof.symbolic.family_facts import FAMILY_FACTS
+from driftproof.symbolic.linear.families import Interval
 from driftproof.symbolic.linear.ray_bounds import UndecidedLimitError
 from driftproof.symbolic.linear.systems import EigenvalueLimit, SystemFacts
 from driftproof.texts.writing.records import record
@@ -33,6 +34,13 @@ from tests.symbolic.linear.family_examples import THETA
 )  # fmt: skip
 def test_a_limit_that_is_none_or_always_is_a_bare_string(key: str, name: str, wanted: Any) -> None:
     assert facts(METHODS[key], only=(name,)).data[name] == wanted
+
+
+def test_what_has_no_end_is_infinite() -> None:
+    ends = {"low_closed": False, "high_closed": False}
+    assert record(Interval(None, None, False, False)) == {"low": "-oo", "high": "oo", **ends}
+    assumed = facts("forward_euler", only=["simplifying_assumptions"]).data["simplifying_assumptions"]
+    assert assumed == {"B": 1, "C": "oo", "D": 0}
 
 
 def test_a_limit_that_is_a_number_is_a_record() -> None:
@@ -97,6 +105,9 @@ def test_an_eigenvalue_has_its_limit_and_whether_that_is_attained_or_neither():
         value, limit = found.pop("value"), found.pop("limit")
         assert (value["exact"], limit["exact"]) == ("-1", "2")
         assert found == {"multiplicity": 2, "largest_block": block, "attained": attained}
+    for system, exact in (("-1 -2; 2 -1", "-1 + 2*I"), ("0 -1; 2 0", "sqrt(2)*I")):
+        (found,) = facts("forward_euler", system=system).data["eigenvalues"]
+        assert found["value"]["exact"] == exact
     (bound,) = SystemFacts(METHODS["forward_euler"], [[Q(-1)]]).bounds
     undecided = record(EigenvalueLimit(bound.eigenvalue, UndecidedLimitError("why")))
     assert isinstance(undecided, dict)
