@@ -57,8 +57,8 @@ class PieceParser(ExpressionParser):
     def method_name(self, first: Token) -> Token:
         """The longest method name or file name that begins with this token, else the token itself."""
         found, alone, last = first, keys_of_name(first.text), first
-        for i in range(self.at, len(self.tokens) - 1):  # the last token is the end
-            token, after = self.tokens[i], self.after(i)
+        for i, token in enumerate(self.tokens[self.at :], self.at):
+            after = self.after(i)
             if token.text in "=:,()" or after.text == "=" or token.text in (*WORDS, "at", "from"):
                 break
             if token.kind not in (NAME, NUMBER) and token.text != "'" and (len(alone) == 1 or token.column > last.end):

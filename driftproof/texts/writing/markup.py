@@ -59,7 +59,8 @@ _OPERATORS = {"-": "\N{MINUS SIGN}", "": "\N{INVISIBLE TIMES}"}
 
 
 def _mathml_row(parts: Sequence[str]) -> str:
-    return "".join(parts) if len(parts) == 1 else f"<mrow>{''.join(parts)}</mrow>"
+    row = "".join(parts)
+    return row if len(parts) == 1 else f"<mrow>{row}</mrow>"
 
 
 def _mathml_bracket(inner: str) -> str:
@@ -163,7 +164,7 @@ class _Formula:
 
     def power(self, base: tree.ExpressionNode, exponent: Fraction) -> str:
         """Write a power, or a root if the exponent is 1/n."""
-        if exponent.numerator == 1 != exponent.denominator:
+        if exponent.numerator == 1 and exponent.denominator != 1:
             return self.write.root(self.of(base), exponent.denominator)
         plain = isinstance(base, tree.NameNode) or (isinstance(base, tree.NumberNode) and base.value.denominator == 1)
         written = self.of(base) if plain else self.write.bracket(self.of(base))
