@@ -110,7 +110,7 @@ def test_what_stands_where_a_phrase_begins_is_shown_up_to_60_characters() -> Non
 
 def test_what_is_right_but_for_capitals_or_part_of_more_is_said_to_be() -> None:
     capitals = "The error is 0.4 here", HERE, "differs in capitals; ignore_case = true allows that"
-    for text, phrase, said in (capitals, ("is 0.33 %", "is {value}", "occurs nowhere")):
+    for text, phrase, said in (capitals, ("is 0.33 %", "is {value}", "nowhere in the text; expected once")):
         (outcome,) = check_claims(document_of(text), [claim(phrase)])
         assert said in outcome.findings[0].message
 

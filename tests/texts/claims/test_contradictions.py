@@ -32,6 +32,7 @@ DENIED = [
     ("The axis of imaginary values is met up to √({2})", "imaginary_limit symplectic_euler"),
     ("Backward Euler has R(-1) = {0.5}", "error_constant backward_euler"),
     ("Velocity Verlet has order 2 and is stable for h < {2}", "order velocity_verlet"),
+    ("{0.877604} is RK4's for h = 1/4, and not for h = 1/2", Q),
 ]
 MEANT = [
     ("RK4's real and imaginary limits are {2.785294} and 2.828427", REAL),
@@ -60,6 +61,7 @@ DENIED_IF_ASKED = [
     ("of order two, with γ = {1} - √2/2", "order backward_euler"),
     ("x' = x(y - {1})", "run heun2 y'=y y(0)=1 h=1 N=1 : y"),
     ("starts at ''x'' = {2}, ''y'' = 1", "run forward_euler y'=y y(0)=1 h=1 N=1 : y"),
+    ("where h = {2} is too much", "run forward_euler h=1/10 t=1 : state_error"),
     ("to t = {10} in steps of h = 0.1", "run forward_euler h=1/10 t=1 : steps"),
 ]
 MEANT_IF_ASKED = [

@@ -226,6 +226,7 @@ def test_listing_of_plain_text_begins_where_it_can_be_python() -> None:
     assert found(document_of(PLAIN))[0][0].startswith("def double")
     assert found(document_of("prose only\n\nExpected output:\n\n5\n")) == []
     assert found(document_of("import os\nOutput:\n")) == []
+    assert found(document_of("print('\\d')\nOutput:\n\\d\n")) == [("print('\\d')", True)], "though Python warns of it"
 
 
 def test_text_without_listings_starts_no_process(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -20,7 +20,7 @@ STANDS = [
     ("v = {value}", "-0.5", "v = −0.5", ["v = 0.5", "v = - 0.5", "v = −0.55", "v = −0,5"]),
     ("v = {value}", "-0.5", "v = -0.5", ["v = +0.5"]),
     ("{value} steps", "12345678", "12,345,678 steps", ["1,2345,678 steps", "12,345678 steps", "12,34,5678 steps"]),
-    ("{value} steps", "123456", "123,456 steps", ["1234,56 steps"]),
+    ("{value} steps", "123456", "123'456 steps", ["1234'56 steps", "123,'456 steps"]),
     ("in {value} steps", "5651", "in 5,651 steps", ["in 56,51 steps", "in 5651.0 steps", "in 5 651 steps"]),
     ("in {value} steps", "5651", "in 5\u202f651 steps", ["in 5\u202f652 steps"]),
     ("is {value}", "3.3e-4", "is 3.3×10⁻⁴.", ["is 3.3×10⁻³.", "is 3.3×10⁴.", "is 3.3"]),
@@ -72,7 +72,7 @@ def test_value_that_cannot_be_written_so_is_refused_in_one_line(question: str, f
 @pytest.mark.parametrize(
     ("question", "form", "spellings"),
     [
-        ("1/2", NumberForm(), ["0.5"]), ("40", NumberForm(), ["40"]),
+        ("1/2", NumberForm(), ["0.5"]), ("40", NumberForm(), ["40"]), ("1/3125", NumberForm(), ["0.00032"]),
         ("337/384", NumberForm(exact=True), ["337/384"]), ("337/384", NumberForm(places=3), ["0.878"]),
         ("-1/3000", NumberForm(digits=2), ["-0.00033", "-3.3e-4", "-0.33e-3", "-33e-5"]),
         ("5651", NumberForm(digits=2), ["5700", "5.7e3", "0.57e4", "57e2"]),

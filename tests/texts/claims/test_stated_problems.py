@@ -35,6 +35,7 @@ def equations(text, form="plain"):
         ("θ' = ω, ω' = -9.81 sin θ, from rest at θ(0) = π/4, to t = 1", None),
         ("x' = v and v' = -x start from (1, -1/2); t = 2", "x'=v, v'=-x, x(0)=1, v(0)=-1/2"),
         ("y' = y e^{-t}, y(0) = 1. At t = 1", "y'=y exp(-t), y(0)=1"),
+        ("sin' = cos, t' = 1 and y' = -y, y(0) = 1. At t = 1", "y'=-y, y(0)=1"),
     ],
 )
 def test_equations_and_starts_are_read_as_texts_have_them(text, read):

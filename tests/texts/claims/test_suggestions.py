@@ -51,6 +51,7 @@ def test_suggestion_is_strong_only_where_the_digits_or_the_names_say_so() -> Non
     assert suggested("forward Euler's state error is 2.390 at the end")[-1][0].strong
     of_roots = [suggested(f"t = 2: the {name}q is -0.41614684")[-1][0].strong for name in ("", "exact ")]
     assert of_roots == [False, True], "a letter is no name"
+    assert Suggestions("about 0.5", ["1/2"]).look_alikes(numbers_in("about 0.5")[0])[0].question == "1/2"
     exact = [value(candidate.question).exact == Q(1, 2) for candidate in suggested("about 0.5")[0]]
     assert exact == sorted(exact, reverse=True), "what is equal stands before what is rounded"
     assert {*exact} == {True, False}
@@ -166,10 +167,26 @@ def test_a_slip_is_a_wrong_digit_or_sign_or_two_neighbours_exchanged_and_no_numb
     for text, asked, best in ((four, ["angle {bdf3,bdf4}"], "angle bdf4"), (limits, [], "real_limit rk4")):
         suggestions, (number,) = Suggestions(text, asked), [x for x in numbers_in(text) if "." in x.text]
         assert [*suggestions.slips(number)] == [best], text
-    for text in (four, limits.replace("RK4", "Heun"), "RK4 takes 2.7835.", limits.replace("2.7835", "2.7905")):
+    other = "RK4 is stable on the imaginary axis to 2.7835.", "RK4 takes 2.7835.", limits.replace("2.7835", "2.7905")
+    for text in (four, limits.replace("RK4", "Heun"), *other):
         assert not Suggestions(text).slips(next(x for x in numbers_in(text) if "." in x.text)), text
     row = Suggestions("| 0.6 | 0.182 |", ASKED)
     assert [*row.slips(numbers_in(row.text)[1])] == ["run forward_euler rates=(t+y0) from 0 h=0.2 t=0.6 : y0"]
+
+
+@pytest.mark.parametrize(
+    ("said", "value"),
+    [
+        ("Euler, h = 0.1: 0.108", "0.107"),  # or 0.0280 or 0.135, for which it is no slip
+        ("Euler, h = 0.1: 0.17", None),
+        ("Euler, h = 0.1: the error 0.038", "0.028"),
+        ("Euler, h = 0.002: 501 evaluations", None),
+        ("RK4, h = 0.002: 2001 evaluations", "2000"),
+    ],
+)
+def test_a_slip_for_what_a_problem_asks_has_few_digits_where_its_place_names_few_values(said, value):
+    text = f"y' = -2y, y(0) = 1, to t = 1. {said}"
+    assert [*Suggestions(text).slips(numbers_in(text)[-1]).values()] == [value][: value is not None]
 
 
 def test_a_row_at_time_t_is_of_the_run_of_as_many_steps_and_its_column_has_a_name() -> None:
