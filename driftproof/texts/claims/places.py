@@ -89,8 +89,9 @@ def place_of(text: str, start: int, end: int, heads: Sequence[str], row: Sequenc
     for x, pattern in (("h", SETTING["h"]), ("t", _TIME)):
         given = pattern.findall(before)[-1:] or pattern.findall(after)[:1]
         given = given or pattern.findall(text[max(0, start - _FARTHEST) : start])[-1:]
-        cells = [cell for name, cell in row if is_head_of(x, name) and _NUMBER.fullmatch(cell)]
-        settings |= {x: Fraction((cells or given)[0])} if cells or given else {}
+        nearest = (*row[len(heads) :], *row[: len(heads)])  # the last one: of columns h, y, h, y the one on the left
+        cells = [cell for name, cell in nearest if is_head_of(x, name) and _NUMBER.fullmatch(cell)]
+        settings |= {x: Fraction((cells or given)[-1])} if cells or given else {}
     unknown, said = _UNKNOWN.search(before), [*_QUANTITY.finditer(head if row else before)]
     quantity, name = said[-1].lastgroup if said else "state" if head else None, unknown["name"] if unknown else None
     if unknown and unknown["n"] and name == "k":

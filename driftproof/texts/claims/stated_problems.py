@@ -20,7 +20,7 @@ from driftproof.texts.questions.parser import parse_question
 from driftproof.texts.readers.numbers import TextNumber, numbers_in
 
 # Limits that keep this to some hundred questions about runs of some hundred steps: seconds.
-_MOST_PROBLEMS, _MOST_METHODS, _MOST_SIZES, _MOST_TIMES, _LONGEST_RUN, _MOST_STEPS = 4, 8, 8, 12, 500, 10_000
+_MOST_PROBLEMS, _MOST_METHODS, _MOST_SIZES, _MOST_TIMES, _LONGEST_RUN = 4, 8, 8, 12, 500
 _NUMBER = r"[-+]?[0-9]+(?:\.[0-9]+)?(?:/[1-9][0-9]*)?(?![\w/^]|\.[0-9])"
 _VALUE = rf"-?(?:[0-9]+ ?[*·]? ?)?(?:pi|√\(?[0-9]+\)?)(?: ?/ ?[0-9]+)?|{_NUMBER}"
 _LIST = rf"{_NUMBER}(?:(?:,? (?:and |or )?|,){_NUMBER})*"
@@ -140,11 +140,10 @@ def _questions(problem: _Problem, equations: str, text: str, column_of: Callable
         yield f"exact {equations}, t={{{ends}}} : {{{','.join(problem.rates)}}}"
     read = [*problem.rates, "error"] + ["relative_error"] * ("%" in part or "relative" in part)
     read += ["evaluations"] * bool(re.search("evaluation|calls", part))
-    left, runs = _MOST_STEPS, list[tuple[Fraction, list[Fraction]]]()
+    runs = list[tuple[Fraction, list[Fraction]]]()
     for h in sizes[::-1][:_MOST_SIZES] if methods else ():
-        fitting = [t for t in times if (t / h).denominator == 1 and t / h <= min(_LONGEST_RUN, left)]
+        fitting = [t for t in times if (t / h).denominator == 1 and t / h <= _LONGEST_RUN]
         if fitting := fitting[-_MOST_TIMES:]:
-            left -= int(fitting[-1] / h)
             runs.append((h, fitting))
             ends = ",".join(map(_shown, fitting))
             yield f"run {{{methods}}} {equations}, h={{{_shown(h)}}}, t={{{ends}}} : {{{','.join(read)}}}"

@@ -174,7 +174,7 @@ class Suggestions:
             return []
         fits = self._fits(number)
         form, found, digits, ids = form_of(number), [], _digits(number.text, telling=True), published_values()
-        percent = self.text[number.end : number.end + 2].lstrip(" ").startswith("%")
+        percent = self.text.startswith(("%", " %"), number.end)
         possible = [
             k for k in self._known if (k.answer.unit == "%") == percent or (k.question in self.asked and not percent)
         ]

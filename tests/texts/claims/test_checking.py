@@ -58,7 +58,7 @@ FOUND = [
     ("0.5: Euler2.390{value}", "", "0.5: Euler2.3900.34", [(1, 11, "2.3900.33", "2.3900.34")]),
     # A number that is right is, however it is spelled, and in a row of a table; what is expected is spelled likewise.
     ("| {value} | 5", "", "| 6 | 0.34 | 5 |", [(1, 7, "0.33", "0.34")]),
-    ("{value} to 0.00051", "", "3.3e-1 to 5.2e-4", [(1, 11, "5.1e-4", "5.2e-4")]),
+    ("{value} to 0.00051", "", "3.3×10⁻¹ to 5.2e-4\n0.34 to 0.00051", [(1, 13, "5.1e-4", "5.2e-4")]),
     # A name with another number comes close where nothing comes closer.
     ("RK4 ends at {value}", "", "RK5 ends at 0.33", [(1, 3, "4", "5")]),
     ("RK4 ends at {value}", "", "RK5 ends at 0.33\nRK4 ends at 0.34", [(2, 13, "0.33", "0.34")]),
@@ -97,10 +97,14 @@ def test_three_findings_of_a_kind_are_named(count: int, text: str, found: int) -
 
 
 def test_a_number_that_another_claim_holds_is_not_called_wrong() -> None:
-    one, other = (claim(f"h = {h}", "given = true") for h in ("0.1", "0.2"))
-    for text, place in (("h = 0.1\nh = 0.3", (2, 5)), ("h = 0.3\nh = 0.1", (1, 5))):
-        (finding,) = [found for each in check_claims(document_of(text), [one, other]) for found in each.findings]
-        assert (finding.line, finding.column, finding.expected, finding.found) == (*place, "0.2", "0.3")
+    h, other, begun = (claim(phrase, "given = true") for phrase in ("h = 0.1", "h = 0.2", "h = 0.1 gives {value}"))
+    for text, wrong, place in (
+        ("h = 0.1\nh = 0.3", other, (2, 5, "0.2", "0.3")),
+        ("h = 0.3\nh = 0.1", other, (1, 5, "0.2", "0.3")),
+        ("h = 0.1 gives 0.3\nh = 0.2 gives 0.33", begun, (1, 15, "0.33", "0.3")),
+    ):
+        (finding,) = [found for each in check_claims(document_of(text), [h, wrong]) for found in each.findings]
+        assert (finding.line, finding.column, finding.expected, finding.found) == place
 
 
 def test_what_stands_where_a_phrase_begins_is_shown_up_to_60_characters() -> None:

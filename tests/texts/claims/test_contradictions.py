@@ -2,7 +2,7 @@
 
 import pytest
 
-from driftproof.texts.claims.contradictions import SETTING, contradicted
+from driftproof.texts.claims.contradictions import SETTING, contradicted, last_methods_named, methods_named
 from driftproof.texts.claims.suggestions import Suggestions
 from driftproof.texts.readers.numbers import numbers_in
 from tests.looping import some
@@ -93,6 +93,13 @@ def test_a_value_that_is_denied_is_a_guess_and_stands_behind_the_others():
     assert (right.question, right.strong) == ("step velocity_verlet h=1/2 : q", True)
     (other,) = best("Position Verlet with h = 1/2: q = 0.875, and not velocity Verlet")
     assert other.question == "step position_verlet h=1/2 : q"
+
+
+def test_methods_are_named_in_every_way_but_by_the_names_of_people():
+    assert methods_named("a verlet method") == {"velocity_verlet", "position_verlet"}
+    assert methods_named("velocity\nverlet, and verlet again") == {"velocity_verlet"}
+    assert methods_named("by gauss and yoshida") == set()
+    assert last_methods_named("", "rk4, then velocity-verlet", "heun") == {"velocity_verlet"}
 
 
 def test_a_root_that_nothing_near_names_is_a_guess():

@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from driftproof.texts.claims.claims import parse_claims
-from driftproof.texts.claims.phrases import NumberForm, Phrase
+from driftproof.texts.claims.phrases import NumberForm, Phrase, decimal_spellings
 from driftproof.texts.questions.evaluate import value
 from tests.texts.claims.sample import claim, stands
 
@@ -85,6 +85,10 @@ def test_value_that_cannot_be_written_so_is_refused_in_one_line(question: str, f
 )  # fmt: skip
 def test_value_is_spelled_in_every_way_that_means_the_same(question, form, spellings):
     assert form.spellings(value(question)) == spellings
+
+
+def test_full_decimals_have_exponents_of_1000_at_most() -> None:
+    assert [len(decimal_spellings(f"1e{n}")[0]) for n in (1000, -1000, 1001, -1001)] == [1001, 1002, 6, 7]
 
 
 def test_exact_form_has_400_characters_at_most() -> None:

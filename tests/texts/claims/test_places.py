@@ -32,7 +32,7 @@ def place(text, number):
         ("RK4's error is 0.77 times as large", {"rk4"}, (None, None), "ratio", None),
         ("h = 0.1, so that k_2 = 0.77", set(), (Q(1, 10), None), "k2", None),
         ("h = 0.1, so that y_3 = 0.77", set(), (Q(1, 10), Q(3, 10)), "state", "y"),
-        ("y(0) = 1, and 0.77 later", set(), (None, None), None, None),
+        ("By Heun. There y(0) = 1, and 0.77 later", {"heun2"}, (None, None), None, None),
     ],
 )
 def test_a_sentence_names(text, methods, settings, quantity, unknown):
@@ -52,6 +52,9 @@ def test_a_cell_is_of_its_row_and_its_column_or_the_last_one_that_names_a_method
         found = place(TABLE, number)
         assert (found.methods, found.quantity, found.settings) == (methods, quantity, {"h": Q(1, 10), "t": Q(1, 2)})
     assert place(TABLE, "0.5").quantity == "chosen"
+    assert place("t | y\n0.5 | 0.77", "0.77").settings == {"t": Q(1, 2)}
+    for number, h in (("0.61", Q(1, 2)), ("0.77", Q(1, 4))):
+        assert place("| h | y | h | y |\n| 0.5 | 0.61 | 0.25 | 0.77 |", number).settings == {"h": h}
     rows = "| method | y | error |\n| RK4 | 0.6065 | 1e-4 |"
     assert place(rows, "0.6065").methods == {"rk4"}
 

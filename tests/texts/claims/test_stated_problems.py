@@ -1,5 +1,7 @@
 """The problems that a text states are read out of it, with methods, step sizes and times; not what it leaves open."""
 
+import re
+
 import pytest
 
 from driftproof.texts.claims.stated_problems import stated_questions
@@ -85,8 +87,9 @@ The slopes k_1 = -1 and so on; a factor of 2, and 40 evaluations after one step.
     assert sum(one.startswith("ratio(run rk4") for one in found) == 3  # at 1/10, 1/2 and 1
     assert not [one for one in found if "h=0.1, t=0.05" in one], "h must divide t"
     for told in (" relative", "", "%"):
-        asked = " ".join(stated(f"y' = -y, y(0) = 1: RK4 with h = 0.1 has the{told} error 3e-7 at t = 1"))
+        asked = " ".join(stated(f"So h = 0.5. With h = 0.1 RK4 on y' = -y, y(0) = 1 has the{told} error 3e-7 at t = 1"))
         assert ("relative_error" in asked) == bool(told)
+        assert re.findall("h={(.*?)}", asked) == ["0.1"], "of the sentence in which the equation stands"
 
 
 def test_a_draft_works_out_the_numbers_of_a_stated_problem_and_names_the_slips():
