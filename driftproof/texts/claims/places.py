@@ -87,8 +87,8 @@ def place_of(text: str, start: int, end: int, heads: Sequence[str], row: Sequenc
     before, after = sentence_around(text, start, end)
     settings = dict[str, Fraction]()
     for x, pattern in (("h", SETTING["h"]), ("t", _TIME)):
-        given = pattern.findall(before)[-1:] or pattern.findall(after)[:1]
-        given = given or pattern.findall(text[max(0, start - _FARTHEST) : start])[-1:]
+        near = pattern.findall(before) or pattern.findall(after)[:1]
+        given = near or pattern.findall(text[max(0, start - _FARTHEST) : start])
         nearest = (*row[len(heads) :], *row[: len(heads)])  # the last one: of columns h, y, h, y the one on the left
         cells = [cell for name, cell in nearest if is_head_of(x, name) and _NUMBER.fullmatch(cell)]
         settings |= {x: Fraction((cells or given)[-1])} if cells or given else {}

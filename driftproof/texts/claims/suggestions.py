@@ -222,7 +222,7 @@ class Suggestions:
         found, digits, written = dict[str, str](), _digits(number.text, telling=True), self._written(form_of(number))
         alike = self.look_alikes(number)
         meant = {known.question for known in self._meant_at(number) if known.rank}
-        if digits > 1 and not any(one.strong or one.question in (meant | self.asked.keys()) for one in alike):
+        if not any(one.strong or one.question in (meant | self.asked.keys()) for one in alike):
             first = {known.question: spelling for spelling, ones in written.items() for known in ones}
             sizes = len({first[question] for question in meant & first.keys()})
             other_sign, *others = _slips(_spelled(number))
@@ -391,7 +391,7 @@ def form_of(number: TextNumber) -> NumberForm:
     if "/" in number.text:
         return NumberForm(exact=True)
     if number.places is None:
-        return NumberForm(digits=max(1, _digits(number.text)))
+        return NumberForm(digits=_digits(number.text))
     return NumberForm(places=number.places or None)
 
 

@@ -145,6 +145,17 @@ def test_numbers_of_programs_are_labels_where_nobody_claims_them() -> None:
     assert accounts == [f"0.33:{program}", f"7:{program}", "8:uncovered:", "5:given:a"]
 
 
+def test_a_number_in_two_phrases_is_of_the_first_and_one_of_a_formula_has_its_place() -> None:
+    entry = '[[claim]]\nid="{}"\nphrase="{}"\ngiven=true\n'.format
+    formula = 'values.m={ask="energy_multiplier rk4", exact=true}'
+    text = entry("b", "is 5 after 6 steps") + entry("a", "after 6") + entry("m", "by {m}") + formula
+    document = document_of("It is 5 after 6 steps, by 1 - h^6/72 + h^8/576.")
+    accounts = coverage(document, check_claims(document, parse_claims(text).claims)).numbers
+    assert [one.by for one in accounts] == ["b", "b", *["m"] * 5]
+    spelled = [document.text.text[one.number.start : one.number.end] for one in accounts]
+    assert spelled == ["5", "6", "1", "6", "72", "8", "576"]
+
+
 def test_numbers_that_run_together_are_counted_one_by_one() -> None:
     text = '[[claim]]\nid="a"\nphrase="RK4{a}{b}{c}"\nvalues={a="1/4", b="-1/8", c="16"}'
     document = document_of("RK40.25-0.12516")

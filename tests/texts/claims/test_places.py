@@ -24,9 +24,9 @@ def place(text, number):
     ("text", "methods", "settings", "quantity", "unknown"),
     [
         ("With h = 0.1 Heun's method gives y(1) = 0.77.", {"heun2"}, (Q(1, 10), 1), "state", "y"),
-        ("Heun is off by 0.77 at t = 1, where h = 1/4", {"heun2"}, (Q(1, 4), 1), "error", None),
+        ("Heun is off by 0.77 at t = 1, where h = 1/4, not h = 1/2", {"heun2"}, (Q(1, 4), 1), "error", None),
         ("t = 2. Euler's error\nfor h = 0.5 is,\nbriefly, 0.77.", {"forward_euler"}, (Q(1, 2), 2), "error", None),
-        ("The exact solution is x = 0.77", set(), (None, None), "exact", "x"),
+        ("Errors aside, the exact solution is x = 0.77", set(), (None, None), "exact", "x"),
         ("RK4: the relative error is 0.77 %", {"rk4"}, (None, None), "percent", None),
         ("RK4: the relative error is 0.77", {"rk4"}, (None, None), "relative_error", None),
         ("RK4's error is 0.77 times as large", {"rk4"}, (None, None), "ratio", None),

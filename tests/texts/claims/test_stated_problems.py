@@ -71,7 +71,7 @@ def test_tex_and_two_problems_are_read_each_with_its_own_numbers():
 
 
 def test_methods_sizes_times_and_what_is_read_are_those_of_the_text():
-    text = """y' = -y, y(0) = 1: Euler, the explicit midpoint method and RK4 with steps of 0.1 and 0.05.
+    text = """A problem. y' = -y, y(0) = 1: Euler, the explicit midpoint method and RK4 with steps of 0.1 and 0.05.
 | t | y | relative error |
 | 0.5 | 0.59 | 2 % |
 | 1.0 | 0.35 | 5 % |
@@ -84,12 +84,17 @@ The slopes k_1 = -1 and so on; a factor of 2, and 40 evaluations after one step.
     }
     for part in ("h=0.1, t=0.5 : error", "h=0.05, t=1 : relative_error", "h=0.05, t=0.05 : y", "evaluations", "k2.y"):
         assert any(part in one for one in found), part
-    assert sum(one.startswith("ratio(run rk4") for one in found) == 3  # at 1/10, 1/2 and 1
+    assert sum(one.startswith("ratio(run rk4 y'=-y, y(0)=1, h=0.1,") for one in found) == 3  # at 1/10, 1/2 and 1
     assert not [one for one in found if "h=0.1, t=0.05" in one], "h must divide t"
-    for told in (" relative", "", "%"):
-        asked = " ".join(stated(f"So h = 0.5. With h = 0.1 RK4 on y' = -y, y(0) = 1 has the{told} error 3e-7 at t = 1"))
+    for told, before in ((" relative", "h = 0.5. With "), ("", "(h = 0.5; it is odd) "), ("%", "")):
+        asked = " ".join(stated(f"{before}h = 0.1 RK4 on y' = -y, y(0) = 1 has the{told} error 3e-7 at t = 1"))
         assert ("relative_error" in asked) == bool(told)
         assert re.findall("h={(.*?)}", asked) == ["0.1"], "of the sentence in which the equation stands"
+
+    assert ", t={0.3} : " in stated("y' = -y, y(0) = 1: Euler with h = 0.1 has y_3 = 0.729")[0]
+    for said, count in (("explicit methods", 1), ("methods", 2), ("explicit and implicit methods", 2)):
+        *_, run = stated(f"y' = -y, y(0) = 1 by {said} of midpoint type to t = 1 with h = 0.1")
+        assert run.partition("}")[0].count(",") == count - 1, run
 
 
 def test_a_draft_works_out_the_numbers_of_a_stated_problem_and_names_the_slips():

@@ -116,6 +116,9 @@ def test_values_that_the_author_asks_for_are_strong_on_the_line_of_what_was_chos
     }
     assert slips == {"0.4 : y0": [], "1.0 : y0": ["0.489"], "1.0 : state_error": []}
     assert [[n.text for n in vague] for *_, vague in suggestions.nowhere()] == [["0.04"], [], []]
+    assert [numbers for _, _, *numbers in Suggestions("0.4", ["0.41"]).nowhere()] == [[[], []]], "one digit is none"
+    itself = Suggestions("a\n0.652", ["{0.652} - 0.027"])
+    assert not itself.slips(numbers_in(itself.text)[0]), "beside what was chosen, and not the same number"
     rows = Suggestions("| RK4 | 1.64872 |\n| Heun | 1.64745 |", ["run {Heun,RK4} lambda=1 h=1/10 t=1/2 : {exact.y,y}"])
     assert rows.look_alikes(numbers_in(rows.text)[1])[0].question == "run RK4 lambda=1 h=1/10 t=1/2 : y"
     text = "It is -1/2 for Euler and -1/3 for Heun. BDF2 has -1/3."
@@ -189,6 +192,8 @@ def test_a_slip_is_a_wrong_digit_or_sign_or_two_neighbours_exchanged_and_no_numb
         ("Euler, h = 0.1: the error 0.038", "0.028"),
         ("Euler, h = 0.002: 501 evaluations", None),
         ("RK4, h = 0.002: 2001 evaluations", "2000"),
+        ("Euler, h = 0.1: the error 0.135353", "0.135335"),  # the solution
+        ("Euler, h = 0.1: the error 0.13543", None),
     ],
 )
 def test_a_slip_for_what_a_problem_asks_has_few_digits_where_its_place_names_few_values(said, value):
@@ -203,7 +208,7 @@ def test_a_row_at_time_t_is_of_the_run_of_as_many_steps_and_its_column_has_a_nam
     assert (suggestions.column_of(of_time), suggestions.column_of(values[0])) == ("t", "euler")
     found = {number.text: suggestions.look_alikes(number)[:1] for number in values}
     assert {text for text, alike in found.items() if alike and alike[0].strong} == {"0.8", "0.829293", "1.152", "1.214"}
-    wiki = Suggestions("{| class=a\n! ''t'' !! Heun\n|-\n| 0.5 || 1.125", [])
+    wiki = Suggestions("{| class=a\n|+ of t\n! ''t'' !! Heun\n|-\n| 0.5 || 1.125", [])
     assert [wiki.column_of(number) for number in numbers_in(wiki.text)] == ["t", "heun"]
     narrow = Suggestions("|t|Heun|\n|0.5|1.125|")
     assert [narrow.column_of(number) for number in numbers_in(narrow.text)] == ["t", "heun"]
