@@ -6,7 +6,7 @@ import re
 import unicodedata
 from collections.abc import Callable, Collection, Iterator
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import pairwise
 
@@ -93,7 +93,7 @@ def stated_questions(text: str, column_of: Callable[[TextNumber], str]) -> list[
 
 def _problems(text: str) -> Iterator[_Problem]:
     """The systems of equations of the text, each with the text from a little before it to the next one."""
-    systems, done, last = list[tuple[int, dict[str, str]]](), list[dict[str, str]](), 0
+    systems, done, last = list[tuple[int, dict[str, str]]](), list[dict[str, str]](), len(text)
     for match in _EQUATION.finditer(text):
         name = match["name"] or match["d"]
         if name == "t" or name in FUNCTIONS:
@@ -121,10 +121,10 @@ def _questions(problem: _Problem, equations: str, text: str, column_of: Callable
     sizes, times, counts, also = (_listed(pattern, part) for pattern in (_SIZES, _TIMES, _COUNTS, value_at))
     times += also
     for number in numbers_in(text[at : at + len(part)]):
-        head = column_of(TextNumber(number.start + at, number.end + at, number.text, None))
+        head = column_of(replace(number, start=number.start + at, end=number.end + at))
         for letter, into in (("h", sizes), ("t", times)):
-            if number.text[0] != "-" and is_head_of(letter, head):
-                into.append(Fraction(number.text) if re.fullmatch(_NUMBER, number.text) else Fraction(0))
+            if is_head_of(letter, head) and re.fullmatch(_NUMBER, number.text):
+                into.append(Fraction(number.text))
     sizes, times = (sorted({x for x in numbers if x > 0}) for numbers in (sizes, times))
     if not sizes:
         sizes = sorted({t / n for t in times for n in counts})

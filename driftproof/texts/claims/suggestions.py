@@ -188,7 +188,7 @@ class Suggestions:
             strong = not denied and known.is_meant(x, digits, fit, rivals)
             last = known.answer.exact != x, known.question not in ids, len(known.question), known.question
             published = known.question in ids
-            first = -known.rank if strong or known.rank == 2 else 0
+            first = -known.rank * (strong or known.rank == 2)
             far = known not in meant and not published
             order = first, denied, not strong, far, -fit, *last
             found.append((order, LookAlike(known.question, form, strong)))

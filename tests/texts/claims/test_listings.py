@@ -207,8 +207,8 @@ def test_listing_is_not_read_by_the_rules_that_our_own_code_asks_for() -> None:
 def test_a_cell_shows_its_last_value_and_of_an_error_500_characters_are_told() -> None:
     for shows, printed in ((True, "3\n"), (False, "")):
         assert listings.run_listing({"program": "x = 2\nx + 1", "shows": shows}) == {"printed": printed, "error": None}
-    error = f"ValueError: {'x' * 488} (line 2 of the listing)"
-    assert listings.run_listing({"program": "\nraise ValueError('x' * 489)", "shows": True})["error"] == error
+    told = listings.run_listing({"program": "def f(): raise ValueError('x' * 489)\nf()", "shows": True})["error"]
+    assert told == f"ValueError: {'x' * 488} (line 2 of the listing)"
 
 
 def test_names_are_shared_and_order_is_kept() -> None:
@@ -244,9 +244,12 @@ def test_text_without_listings_starts_no_process(monkeypatch: pytest.MonkeyPatch
 
 def test_answer_of_a_listing_that_is_none_is_no_outcome(monkeypatch: pytest.MonkeyPatch) -> None:
     """As where a program writes into the pipe through which its outcome comes."""
-    monkeypatch.setattr(listings.Session, "ask", lambda self, *order: {"printed": 7, "error": None})
+    orders: list[tuple[object, ...]] = []
+    answer = {"printed": 7, "error": None}
+    monkeypatch.setattr(listings.Session, "ask", lambda self, *order: orders.append(order) or answer)
     (finding,) = run_listings(document_of("```python\nprint(1)\n```\n", "markdown")).findings
     assert "an invalid answer" in finding.found
+    assert [len(order) for order in orders] == [1, 2], "the start of the process takes nothing of its time"
 
 
 @given(

@@ -29,7 +29,9 @@ def equations(text, form="plain"):
         ("p' = r p (1 - p/K), p(0) = 1. Here r = 0.5 and K = 10; t = 1", "p'=0.5 p*(1 - p/10), p(0)=1"),
         ("x' = v, v' = -4x, at rest, x(0) = 1, for h in (0.1, 0.05); t = 1", "x'=v, v'=-4x, x(0)=1, v(0)=0"),
         ("dy/dt = cos t - y, y(0) = 1/2, and t = 1", "y'=cos(t) - y, y(0)=1/2"),
-        ("y'(t) = -k y, where k = 0.3; y_0 = 2. At t = 1", "y'=-0.3 y, y(0)=2"),
+        ("y'(t) = -k y, where k = -0.3; y_0 = 2. At t = 1", "y'=-(-0.3) y, y(0)=2"),
+        ("y' = -y - a decay - where y = 2 at first. At t = 1", "y'=-y, y(0)=2"),
+        (f"x' = v{' + 0 v' * 9}, v' = -x from (1, 0) to t = 2", f"x'=v{' + 0 v' * 9}, v'=-x, x(0)=1, v(0)=0"),
         (
             "x' = v, v' = -x/r^3, r = √(x^2 + 1), x(0) = 1, v(0) = 0, t = 1",
             "x'=v, v'=-x/(sqrt(x^2 + 1))^3, x(0)=1, v(0)=0",
@@ -48,7 +50,8 @@ def test_equations_and_starts_are_read_as_texts_have_them(text, read):
 @pytest.mark.parametrize(
     "text",
     [
-        "y' = -y, and t = 1",  # no start
+        "y' = -y for h = (0.1), and t = 1",  # no start
+        "from' = -from, from(0) = 1, and t = 1",
         "y' = -k y, y(0) = 1, and t = 1",  # k is not said
         "y' = f(t, y), y(0) = 1, and t = 1",
         "y' = -y, y(0) = 1",  # no time
@@ -82,8 +85,9 @@ The slopes k_1 = -1 and so on; a factor of 2, and 40 evaluations after one step.
         "midpoint2",
         "rk4",
     }
-    for part in ("h=0.1, t=0.5 : error", "h=0.05, t=1 : relative_error", "h=0.05, t=0.05 : y", "evaluations", "k2.y"):
+    for part in ("h=0.1, t=0.5 : error", "h=0.05, t=1 : relative_error", "h=0.05, t=0.05 : y", "evaluations"):
         assert any(part in one for one in found), part
+    assert {one[-4:] for one in found if one.startswith("step")} == {"k1.y", "k2.y", "k3.y", "k4.y"}
     assert sum(one.startswith("ratio(run rk4 y'=-y, y(0)=1, h=0.1,") for one in found) == 3  # at 1/10, 1/2 and 1
     assert not [one for one in found if "h=0.1, t=0.05" in one], "h must divide t"
     for told, before in ((" relative", "h = 0.5. With "), ("", "(h = 0.5; it is odd) "), ("%", "")):
@@ -91,7 +95,12 @@ The slopes k_1 = -1 and so on; a factor of 2, and 40 evaluations after one step.
         assert ("relative_error" in asked) == bool(told)
         assert re.findall("h={(.*?)}", asked) == ["0.1"], "of the sentence in which the equation stands"
 
-    assert ", t={0.3} : " in stated("y' = -y, y(0) = 1: Euler with h = 0.1 has y_3 = 0.729")[0]
+    for said, times in (("h = 0.1 has y_3 = 0.729", "t={0.3}"), ("h = 0.1 has y(2) = 0.122", "t={2}")):
+        assert f", {times} : " in stated(f"y' = -y, y(0) = 1: Euler with {said}")[0]
+    for said in ("10 steps to t = 2", "10 steps with h = 0.2"):
+        assert ", h={0.2}, t={2} : " in stated(f"y' = -y, y(0) = 1: Euler takes {said}")[-1]
+    assert [len(stated(f"y' = -y, y(0) = 1: Euler with h = {h} to t = 1")) for h in ("0.002", "0.001")] == [2, 1]
+    assert [len(stated(f"y' = -y, y(0) = 1, t = 1.{'1' * n}")) for n in (17, 18)] == [1, 0]
     for said, count in (("explicit methods", 1), ("methods", 2), ("explicit and implicit methods", 2)):
         *_, run = stated(f"y' = -y, y(0) = 1 by {said} of midpoint type to t = 1 with h = 0.1")
         assert run.partition("}")[0].count(",") == count - 1, run
@@ -118,3 +127,6 @@ def test_a_question_is_asked_once():
     text = "y' = -y, y(0) = 1, h = 0.1, t = 1, Euler. Again y' = -y, y(0) = 1, h = 0.1, t = 1."
     asked = stated_questions(text, lambda number: "")
     assert len(asked) == len({*asked}) == 2
+    assert len(stated("y' = -y, y(0) = 1, t = 1. " * 4 + "x' = x, x(0) = 1, t = 1.")) == 2
+    other = "y' = -y, y(0) = 1, t = 1. x' = y, y' = -x from (1, 0) to t = 2."
+    assert equations(other) == ["y'=-y, y(0)=1", "x'=y, y'=-x, x(0)=1, y(0)=0"]
