@@ -106,7 +106,7 @@ def place_of(text: str, start: int, end: int, heads: Sequence[str], row: Sequenc
         quantity = "chosen"
     methods = next((named for one in reversed(heads) if (named := methods_named(one))), set[str]())
     methods = methods or methods_named(" ".join(cell for _, cell in row))
-    methods = methods or last_methods_named(before, text[max(0, start - _NEAR) : start], after)
+    methods = methods or last_methods_named(text[max(0, start - _NEAR) : start], after)
     return Place(frozenset(methods), settings, quantity, name)
 
 

@@ -65,6 +65,11 @@ def test_a_question_is_meant_if_all_that_it_names_is_named():
     assert found.means(f"{run}y", {"rk4"})
     for other in (f"{run}error", run.replace("1/10", "1/5") + "y", run.replace("t=1/2", "t=1") + "y", "order rk4"):
         assert not found.means(other, {"rk4"})
+    assert not found.means(f"{run.replace('1/10', '1/5')}y - {run}y", {"rk4"}), "the first step size is asked for"
+    two = "run heun2 x'=y, y'=-x from (1, 0) h=1/10, t=1 : "
+    for said, meant in (("gives y(1) =", [True, False, False]), ("to t = 1 has", [True, True, False])):
+        named = place(f"With h = 0.1 Heun's method {said} 0.77.", "0.77")
+        assert [named.means(two + asked, {"heun2"}) for asked in ("y", "x", "evaluations")] == meant
     assert not found.means(f"{run}y", {"heun2"})
     ratio = "ratio(run rk4 y'=-y, h=1/5, t=1/2 : error, run rk4 y'=-y, h=1/10, t=1/2 : error)"
     assert place("RK4, t = 1/2 and h = 0.1: a factor of 15.9", "15.9").means(ratio, {"rk4"})
@@ -73,3 +78,4 @@ def test_a_question_is_meant_if_all_that_it_names_is_named():
     assert {readout: asked_quantity(run + readout)[0] for readout in told} == told
     assert asked_quantity(f"percent({run}relative_error, 1)") == ("percent", "")
     assert asked_quantity(f"percent({run}y, 1)")[0] == "share"
+    assert [asked_quantity(f"{asked}y0")[1] for asked in (run, "run rk4 rates=(y0) : ")] == ["y0", ""]

@@ -28,7 +28,7 @@ def equations(text, form="plain"):
         ("y'(t) = t √y(t), y(0) = 1, t = 1", "y'=t sqrt(y), y(0)=1"),
         ("p' = r p (1 - p/K), p(0) = 1. Here r = 0.5 and K = 10; t = 1", "p'=0.5 p*(1 - p/10), p(0)=1"),
         ("x' = v, v' = -4x, at rest, x(0) = 1, for h in (0.1, 0.05); t = 1", "x'=v, v'=-4x, x(0)=1, v(0)=0"),
-        ("dy/dt = cos t - y, y(0) = 1/2, and t = 1", "y'=cos(t) - y, y(0)=1/2"),
+        ("(dy/dt = cos t - y) y(0) = 1/2, and t = 1", "y'=cos(t) - y, y(0)=1/2"),
         ("y'(t) = -k y, where k = -0.3; y_0 = 2. At t = 1", "y'=-(-0.3) y, y(0)=2"),
         ("y' = -y - a decay - where y = 2 at first. At t = 1", "y'=-y, y(0)=2"),
         (f"x' = v{' + 0 v' * 9}, v' = -x from (1, 0) to t = 2", f"x'=v{' + 0 v' * 9}, v'=-x, x(0)=1, v(0)=0"),
@@ -36,14 +36,14 @@ def equations(text, form="plain"):
             "x' = v, v' = -x/r^3, r = √(x^2 + 1), x(0) = 1, v(0) = 0, t = 1",
             "x'=v, v'=-x/(sqrt(x^2 + 1))^3, x(0)=1, v(0)=0",
         ),
-        ("θ' = ω, ω' = -9.81 sin θ, from rest at θ(0) = π/4, to t = 1", None),
+        ("θ' = ω, ω' = -9.81·sin θ, from rest at θ(0) = π/4, to t = 1", None),
         ("x' = v and v' = -x start from (1, -1/2); t = 2", "x'=v, v'=-x, x(0)=1, v(0)=-1/2"),
         ("y' = y e^{-t}, y(0) = 1. At t = 1", "y'=y exp(-t), y(0)=1"),
         ("sin' = cos, t' = 1 and y' = -y, y(0) = 1. At t = 1", "y'=-y, y(0)=1"),
     ],
 )
 def test_equations_and_starts_are_read_as_texts_have_them(text, read):
-    read = read or "theta'=omega, omega'=-9.81 sin(theta), theta(0)=pi/4, omega(0)=0"
+    read = read or "theta'=omega, omega'=-9.81*sin(theta), theta(0)=pi/4, omega(0)=0"
     assert equations(text) == [read]
 
 
