@@ -32,7 +32,7 @@ def place(text, number):
         ("RK4's error is 0.77 times as large", {"rk4"}, (None, None), "ratio", None),
         ("h = 0.1, so that k_2 = 0.77", set(), (Q(1, 10), None), "k2", None),
         ("h = 0.1, so that y_3 = 0.77", set(), (Q(1, 10), Q(3, 10)), "state", "y"),
-        ("By Heun. There y(0) = 1, and 0.77 later", {"heun2"}, (None, None), None, None),
+        ("By Heun. There y(0) = 1, and 0.77 later, not RK4", {"heun2"}, (None, None), None, None),
     ],
 )
 def test_a_sentence_names(text, methods, settings, quantity, unknown):

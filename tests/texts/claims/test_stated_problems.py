@@ -31,7 +31,7 @@ def equations(text, form="plain"):
         ("(dy/dt = cos t - y) y(0) = 1/2, and t = 1", "y'=cos(t) - y, y(0)=1/2"),
         ("y'(t) = -k y, where k = -0.3; y_0 = 2. At t = 1", "y'=-(-0.3) y, y(0)=2"),
         ("y' = -y - a decay - where y = 2 at first. At t = 1", "y'=-y, y(0)=2"),
-        (f"x' = v{' + 0 v' * 9}, v' = -x from (1, 0) to t = 2", f"x'=v{' + 0 v' * 9}, v'=-x, x(0)=1, v(0)=0"),
+        (f"x' = v{' + 0 v' * 14}, v' = -x from (1, 0) to t = 2", f"x'=v{' + 0 v' * 14}, v'=-x, x(0)=1, v(0)=0"),
         (
             "x' = v, v' = -x/r^3, r = √(x^2 + 1), x(0) = 1, v(0) = 0, t = 1",
             "x'=v, v'=-x/(sqrt(x^2 + 1))^3, x(0)=1, v(0)=0",

@@ -234,6 +234,7 @@ def test_braces_are_chosen_from_in_every_way_and_equal_braces_alike() -> None:
     assert [*questions_in("step rk4 h=1/{2,4} N={1..2} : q")] == every_way
     assert questions_in("{1..2} - {1..2} + {a_b}") == {"1 - 1 + a_b": ("1", "a_b"), "2 - 2 + a_b": ("2", "a_b")}
     assert questions_in("1/3") == {"1/3": ()}
+    assert len(questions_in("{1..2000}")) == 2000
     with pytest.raises(ValueError, match="expands to 2001 questions"):
         questions_in("{1..2001}")
     with pytest.raises(ValueError, match="expands to 0 questions"):
