@@ -49,7 +49,7 @@ POSITIVE = r"(?=[0.]*[1-9])([0-9]+(?:\.[0-9]+|/[1-9][0-9]*)?)(?!\^|[\w./*]*\w)"
 SETTING = {x: re.compile(rf"(?<![\w.]){x}\s?=\s?{POSITIVE}") for x in "ht"}
 
 
-def contradicted(question: str, text: str, start: int, end: int, asked: bool = False) -> bool:
+def contradicted(question: str, text: str, start: int, end: int, asked: bool) -> bool:
     """True if the sentence around the number from `start` to `end` names something other than the question does.
 
     Compared are the method, step size, time, component and quantity: the last one named before the number counts or, if
@@ -97,7 +97,7 @@ def names_limit(question: str, text: str, start: int, end: int, column: str) -> 
     said = " ".join((*sentence_around(text, start, end), column))
     words = f"{_QUANTITIES[fact][0]}|stable|stability" if fact in _QUANTITIES else fact
     named = bool(_words(words, said)) and not methods_named(said).isdisjoint(methods_named(method))
-    return named and not contradicted(question, text, start, end)
+    return named and not contradicted(question, text, start, end, False)
 
 
 def _differs(

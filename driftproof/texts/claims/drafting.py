@@ -20,6 +20,7 @@ from driftproof.texts.readers.numbers import TextNumber, numbers_in
 
 # Words of a phrase before its first number: enough to tell which number of a table or a sentence is meant.
 _WORDS = 3
+_BEGINNING = re.compile(r"(?!(?<=\w)\w)\S+")  # not in the middle of a word
 # A claim with longer questions takes its phrase as its id.
 _LONGEST_ID = 150
 # Significant digits shown of a value that the text does not contain, and the numbers that are named beside it.
@@ -63,9 +64,9 @@ class _Member:
         found = _SETTING.search(text[start : number.start].replace("\n", " "))
         setting, strong = start + found.start() if found else None, bool(alike) and alike[0].strong
         if _HEAD_OF_SETTINGS.fullmatch(suggestions.column_of(number)):
-            cell = max(text.rfind("|", 0, number.start), text.rfind("\n", 0, number.start) + 1)
-            alone = not text[cell : number.start].strip("| ") and re.match(r" *(?:[|\n]|\Z)", text[number.end :])
-            setting = cell if alone else setting
+            cell = re.search(r"(?m)(?:\||^) ?\Z", text[start : number.start])
+            if cell and re.match(r" ?(?:[|\n]|\Z)", text[number.end :]):
+                setting = start + cell.start()
         letter = _SOLVED_FOR.fullmatch(found[0].rstrip("= ") if found else suggestions.column_of(number))
         if letter and (f"{letter[0]}'" in text or len(digits_of(number.text).rstrip("0")) > 3):
             setting = None
@@ -112,7 +113,7 @@ def draft(document: Document, name: str, asked: Iterable[str] = ()) -> str:
         drafted.append(
             "".join(["# Read from the text:\n", *(f"# --ask {_quoted(one)}\n" for one in suggestions.stated)])
         )
-    for *room, group in _uncovered(text, [*_groups(text, members, fences)], fences, covered):
+    for *room, group in _uncovered([*_groups(text, members, fences)], fences, covered):
         if len(drafted) > MOST_CLAIMS:
             raise ValueError(f"claims for more than {MOST_CLAIMS} groups of numbers are not drafted")
         first = group[0].number
@@ -134,14 +135,15 @@ def draft(document: Document, name: str, asked: Iterable[str] = ()) -> str:
 
 def _claim(group: _Group, phrase: str, count: int, place: str, ids: Counter[str]) -> str:
     """The claim of a group, with remarks; a comment with its `place` as id if its numbers are only guessed."""
-    known = group[0].chosen or group[0].strong
+    head, *_ = group
+    known = head.chosen or head.strong
     if known:
         asked = ", ".join(member.alike[0].question for member in group if member.strong)
-        place = asked if 0 < len(asked) <= _LONGEST_ID else phrase
+        place = asked if asked and len(asked) <= _LONGEST_ID else phrase
         ids[place] += 1
         place += f" ({ids[place]})" if ids[place] > 1 else ""
     lines = ["[[claim]]", f"id = {_quoted(place)}", f"phrase = {_quoted(phrase)}", *[f"count = {count}"] * (count > 1)]
-    if group[0].chosen:
+    if head.chosen:
         lines.append('given = "the text chooses it"')
     elif known:
         lines += _values(group)
@@ -159,12 +161,13 @@ def _asked_line(document: Document, missed: Missed) -> str:
     return f"#   {question}, {shown}{(bool(places) * ('; a slip? ' if slips else '; perhaps ')) + ', '.join(places)}\n"
 
 
-def _uncovered(text: str, groups: list[_Group], fences: list[int], covered: set[int]) -> Iterator[_Bounded]:
+def _uncovered(groups: list[_Group], fences: list[int], covered: set[int]) -> Iterator[_Bounded]:
     """The runs of the groups that no drafted phrase covers, each with the bounds that its phrase must stay within."""
-    edges = [0, *(x for group in groups for x in (group[0].number.start, group[-1].number.end)), len(text)]
-    for before, after, group in zip(edges[:-2:2], edges[3::2], groups, strict=True):
-        at = bisect_right(fences, group[0].number.start)  # a number that is left out may stand in no phrase
+    befores = [fences[0], *(group[-1].number.end for group in groups)]
+    afters = [*(group[0].number.start for group in groups[1:]), fences[-1]]
+    for before, after, group in zip(befores, afters, groups, strict=False):
         starts = [member.number.start for member in group]
+        at = bisect_right(fences, min(starts))  # a number that is left out may stand in no phrase
         ends = [max(before, fences[at - 1]), *(member.number.end for member in group)]
         for is_covered, run in groupby(range(len(group)), lambda i, starts=starts: starts[i] in covered):  # type: ignore[misc]
             part = [*run]
@@ -178,10 +181,11 @@ def _groups(text: str, members: list[_Member], fences: list[int]) -> Iterator[_G
     group: _Group = []
     for member in members:
         if group:
-            between = text[group[-1].number.end : member.number.start]
+            last = group[-1]
+            between = text[last.number.end : member.number.start]
             together = len(between) <= _WIDEST_GAP and not re.search(r"[.;?!] |\S.*\n|\n.*\S", between)
-            alike = group[-1].strong == member.strong and group[-1].chosen_at == member.chosen_at
-            fenced = bisect_right(fences, group[-1].number.start) != bisect_right(fences, member.number.start)
+            alike = (last.strong, last.chosen_at) == (member.strong, member.chosen_at)
+            fenced = bisect_right(fences, last.number.start) != bisect_right(fences, member.number.start)
             if not (together and alike and not fenced and len(group) < _MOST_IN_PHRASE):
                 yield group
                 group = []
@@ -208,18 +212,18 @@ class _Search:
         after the last number is included only if it belongs to the number, as in " %". Strong look-alikes become
         placeholders for values; other numbers stand in the phrase literally.
         """
-        text, start, end = self.text, group[0].number.start, group[-1].number.end
-        words = [room[0] + match.start() for match in re.finditer(r"\S+", text[room[0] : start])]
-        words = [at for at in words if not re.match(r"\w\w", text[max(at - 1, 0) : at + 1])][-_WORDS:]
+        head, *_ = group
+        text, start, end = self.text, head.number.start, group[-1].number.end
+        words = [match.start() for match in _BEGINNING.finditer(text, room[0], start)][-_WORDS:]
         first = at = words[0] if words else start
-        if group[0].chosen:
-            first = at = max(room[0], group[0].chosen_at or 0)
+        if head.chosen_at is not None:
+            first = at = max(room[0], head.chosen_at)
         phrase = ""
         for member, name in zip(group, _names(group), strict=True):
             number = member.number
             phrase += _escaped(text[at : number.start]) + (f"{{{name}}}" if member.strong else _escaped(number.text))
             at = number.end
-        cell = group[0].chosen and not text[first:start].strip("| ")
+        cell = head.chosen and not text[first:start].strip("| ")
         for more in (*[r" ?\|\|?"] * cell, r"", r"\S+", r"\S*\s+\S+"):
             follows = re.match(more, text[end : room[1]])
             last = end + len(follows[0].rstrip(".,;:!? ") if follows else "")

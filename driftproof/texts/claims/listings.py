@@ -45,10 +45,9 @@ _KEPT = ("PATH", "HOME", "LANG", "LC_ALL", "TMPDIR", "SYSTEMROOT")
 
 @dataclass(frozen=True)
 class Listing:
-    """A program, its offset in the file, and its expected output; `shows` if it prints its last value, as cells do."""
+    """A program and its expected output; `shows` if it prints its last value, as cells do."""
 
-    program: str
-    origin: int
+    program: SourceText
     printed: SourceText | None = None
     shows: bool = False
 
@@ -83,11 +82,11 @@ def listings_in(document: Document) -> list[Listing]:
 def _with_output(program: SourceText, following: Sequence[Block]) -> Listing:
     outputs = [block.text for block in takewhile(lambda block: block.kind == OUTPUT, following)]
     if outputs:
-        return Listing(program.text, program.origin(0), joined(outputs), shows=True)
+        return Listing(program, joined(outputs), shows=True)
     prose = [block.text.text for block in takewhile(lambda block: block.kind != LISTING, following)]
     next_one = following[len(prose)] if len(prose) < len(following) else None
     shows = next_one and next_one.language in OUTPUT_LANGUAGES and sum(map(len, prose)) <= _MOST_PROSE
-    return Listing(program.text, program.origin(0), next_one.text if next_one and shows else None)
+    return Listing(program, next_one.text if next_one and shows else None)
 
 
 def _under_headings(text: SourceText) -> Iterator[Listing]:
@@ -98,8 +97,7 @@ def _under_headings(text: SourceText) -> Iterator[Listing]:
         body = re.compile(r"\n*(?P<lines>(?:[^\n]*\S[^\n]*(?:\n|\Z))+)").match(text.text, heading.end())
         if start is not None and body:
             done = body.end()
-            printed = text[slice(*body.span("lines"))]
-            yield Listing(text.text[start : heading.start()], text.origin(start), printed)
+            yield Listing(text[start : heading.start()], text[slice(*body.span("lines"))])
 
 
 def _is_python(text: str) -> bool:
@@ -139,7 +137,7 @@ def _outcomes(found: Sequence[Listing], time_limit: float) -> list[dict[str, Any
             session.ask({"program": "", "shows": False})  # so that the start of the process does not count
             end = monotonic() + time_limit
             for listing in found:
-                request = {"program": listing.program, "shows": listing.shows}
+                request = {"program": listing.program.text, "shows": listing.shows}
                 outcome = session.ask(request, max(0.0, end - monotonic()))
                 if not (isinstance(outcome, dict) and isinstance(outcome.get("printed"), str) and "error" in outcome):
                     raise ProcessEnded("answer", "an invalid answer")
@@ -153,7 +151,7 @@ def _outcomes(found: Sequence[Listing], time_limit: float) -> list[dict[str, Any
 def _compared(document: Document, name: str, listing: Listing, outcome: dict[str, Any]) -> Finding | None:
     """The finding for one listing: its error, or the first line that differs; None if its output is as shown."""
     if outcome["error"] is not None:
-        error, place = " ".join(str(outcome["error"]).split()), document.position_of_origin(listing.origin)
+        error, place = " ".join(str(outcome["error"]).split()), document.position_of_origin(listing.program.origin(0))
         return Finding(name, *place, "an end without error", error, f"running this listing: {error}")
     if listing.printed is None:
         return None

@@ -116,10 +116,8 @@ def _spelling_pattern(spelling: str) -> str:
     if match is None:
         return _literal_pattern(spelling)
     whole, rest, exponent = match["whole"], match["rest"], match["exponent"]
-    if len(whole) > 3:
-        head = len(whole) % 3 or 3
-        groups = [whole[:head], *(whole[i : i + 3] for i in range(head, len(whole), 3))]
-        whole = f"(?:{whole}|{','.join(groups)}|{chr(39).join(groups)})"
+    if (groups := re.sub(r"(?<=[0-9])(?=(?:[0-9]{3})+\Z)", ",", whole)) != whole:
+        whole = f"(?:{whole}|{groups}|{groups.replace(',', chr(39))})"
     whole = "0?" if whole == "0" and rest else whole
     text = f"{match['sign']}{whole}" + (rf"\.{rest}" if rest else "")
     if exponent is None:

@@ -87,10 +87,11 @@ def place_of(text: str, start: int, end: int, heads: Sequence[str], row: Sequenc
     before, after = sentence_around(text, start, end)
     settings = dict[str, Fraction]()
     for x, pattern in (("h", SETTING["h"]), ("t", _TIME)):
-        given = pattern.findall(before)[-1:] or pattern.findall(after)[:1]
-        given = given or pattern.findall(text[max(0, start - _FARTHEST) : start])[-1:]
-        cells = [cell for name, cell in row if is_head_of(x, name) and _NUMBER.fullmatch(cell)]
-        settings |= {x: Fraction((cells or given)[0])} if cells or given else {}
+        near = pattern.findall(before) or pattern.findall(after)[:1]
+        given = near or pattern.findall(text[max(0, start - _FARTHEST) : start])
+        nearest = (*row[len(heads) :], *row[: len(heads)])  # the last one: of columns h, y, h, y the one on the left
+        cells = [cell for name, cell in nearest if is_head_of(x, name) and _NUMBER.fullmatch(cell)]
+        settings |= {x: Fraction((cells or given)[-1])} if cells or given else {}
     unknown, said = _UNKNOWN.search(before), [*_QUANTITY.finditer(head if row else before)]
     quantity, name = said[-1].lastgroup if said else "state" if head else None, unknown["name"] if unknown else None
     if unknown and unknown["n"] and name == "k":
@@ -105,7 +106,7 @@ def place_of(text: str, start: int, end: int, heads: Sequence[str], row: Sequenc
         quantity = "chosen"
     methods = next((named for one in reversed(heads) if (named := methods_named(one))), set[str]())
     methods = methods or methods_named(" ".join(cell for _, cell in row))
-    methods = methods or last_methods_named(before, text[max(0, start - _NEAR) : start], after)
+    methods = methods or last_methods_named(text[max(0, start - _NEAR) : start], after)
     return Place(frozenset(methods), settings, quantity, name)
 
 

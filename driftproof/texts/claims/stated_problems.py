@@ -6,7 +6,7 @@ import re
 import unicodedata
 from collections.abc import Callable, Collection, Iterator
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import pairwise
 
@@ -20,7 +20,7 @@ from driftproof.texts.questions.parser import parse_question
 from driftproof.texts.readers.numbers import TextNumber, numbers_in
 
 # Limits that keep this to some hundred questions about runs of some hundred steps: seconds.
-_MOST_PROBLEMS, _MOST_METHODS, _MOST_SIZES, _MOST_TIMES, _LONGEST_RUN, _MOST_STEPS = 4, 8, 8, 12, 500, 10_000
+_MOST_PROBLEMS, _MOST_METHODS, _MOST_SIZES, _MOST_TIMES, _LONGEST_RUN = 4, 8, 8, 12, 500
 _NUMBER = r"[-+]?[0-9]+(?:\.[0-9]+)?(?:/[1-9][0-9]*)?(?![\w/^]|\.[0-9])"
 _VALUE = rf"-?(?:[0-9]+ ?[*·]? ?)?(?:pi|√\(?[0-9]+\)?)(?: ?/ ?[0-9]+)?|{_NUMBER}"
 _LIST = rf"{_NUMBER}(?:(?:,? (?:and |or )?|,){_NUMBER})*"
@@ -93,7 +93,7 @@ def stated_questions(text: str, column_of: Callable[[TextNumber], str]) -> list[
 
 def _problems(text: str) -> Iterator[_Problem]:
     """The systems of equations of the text, each with the text from a little before it to the next one."""
-    systems, done, last = list[tuple[int, dict[str, str]]](), list[dict[str, str]](), 0
+    systems, done, last = list[tuple[int, dict[str, str]]](), list[dict[str, str]](), len(text)
     for match in _EQUATION.finditer(text):
         name = match["name"] or match["d"]
         if name == "t" or name in FUNCTIONS:
@@ -121,10 +121,10 @@ def _questions(problem: _Problem, equations: str, text: str, column_of: Callable
     sizes, times, counts, also = (_listed(pattern, part) for pattern in (_SIZES, _TIMES, _COUNTS, value_at))
     times += also
     for number in numbers_in(text[at : at + len(part)]):
-        head = column_of(TextNumber(number.start + at, number.end + at, number.text, None))
+        head = column_of(replace(number, start=number.start + at, end=number.end + at))
         for letter, into in (("h", sizes), ("t", times)):
-            if number.text[0] != "-" and is_head_of(letter, head):
-                into.append(Fraction(number.text) if re.fullmatch(_NUMBER, number.text) else Fraction(0))
+            if is_head_of(letter, head) and re.fullmatch(_NUMBER, number.text):
+                into.append(Fraction(number.text))
     sizes, times = (sorted({x for x in numbers if x > 0}) for numbers in (sizes, times))
     if not sizes:
         sizes = sorted({t / n for t in times for n in counts})
@@ -140,11 +140,10 @@ def _questions(problem: _Problem, equations: str, text: str, column_of: Callable
         yield f"exact {equations}, t={{{ends}}} : {{{','.join(problem.rates)}}}"
     read = [*problem.rates, "error"] + ["relative_error"] * ("%" in part or "relative" in part)
     read += ["evaluations"] * bool(re.search("evaluation|calls", part))
-    left, runs = _MOST_STEPS, list[tuple[Fraction, list[Fraction]]]()
+    runs = list[tuple[Fraction, list[Fraction]]]()
     for h in sizes[::-1][:_MOST_SIZES] if methods else ():
-        fitting = [t for t in times if (t / h).denominator == 1 and t / h <= min(_LONGEST_RUN, left)]
+        fitting = [t for t in times if (t / h).denominator == 1 and t / h <= _LONGEST_RUN]
         if fitting := fitting[-_MOST_TIMES:]:
-            left -= int(fitting[-1] / h)
             runs.append((h, fitting))
             ends = ",".join(map(_shown, fitting))
             yield f"run {{{methods}}} {equations}, h={{{_shown(h)}}}, t={{{ends}}} : {{{','.join(read)}}}"

@@ -178,7 +178,7 @@ class Suggestions:
             return []
         fits = self._fits(number)
         form, found, digits, ids = form_of(number), [], len(digits_of(number.text, telling=True)), published_values()
-        percent = self.text[number.end : number.end + 2].lstrip(" ").startswith("%")
+        percent = self.text.startswith(("%", " %"), number.end)
         possible = [
             k for k in self._known if (k.answer.unit == "%") == percent or (k.question in self.asked and not percent)
         ]
@@ -192,7 +192,7 @@ class Suggestions:
             strong = not denied and known.is_meant(x, digits, fit, rivals)
             last = known.answer.exact != x, known.question not in ids, len(known.question), known.question
             published = known.question in ids
-            first = -known.rank if strong or known.rank == 2 else 0
+            first = -known.rank * (strong or known.rank == 2)
             far = known not in meant and not published
             order = first, denied, not strong, far, -fit, *last
             found.append((order, LookAlike(known.question, form, strong)))
@@ -226,7 +226,7 @@ class Suggestions:
         found, written = dict[str, str](), self._written(form_of(number))
         alike, digits = self.look_alikes(number), len(digits_of(number.text, telling=True))
         meant = {known.question for known in self._meant_at(number) if known.rank}
-        if digits > 1 and not any(one.strong or one.question in (meant | self.asked.keys()) for one in alike):
+        if not any(one.strong or one.question in (meant | self.asked.keys()) for one in alike):
             first = {known.question: spelling for spelling, ones in written.items() for known in ones}
             sizes = len({first[question] for question in meant & first.keys()})
             other_sign, *others = _slips(_spelled(number))
@@ -395,7 +395,7 @@ def form_of(number: TextNumber) -> NumberForm:
     if "/" in number.text:
         return NumberForm(exact=True)
     if number.places is None:
-        return NumberForm(digits=max(1, len(digits_of(number.text))))
+        return NumberForm(digits=len(digits_of(number.text)))
     return NumberForm(places=number.places or None)
 
 

@@ -58,7 +58,7 @@ FOUND = [
     ("0.5: Euler2.390{value}", "", "0.5: Euler2.3900.34", [(1, 11, "2.3900.33", "2.3900.34")]),
     # A number that is right is, however it is spelled, and in a row of a table; what is expected is spelled likewise.
     ("| {value} | 5", "", "| 6 | 0.34 | 5 |", [(1, 7, "0.33", "0.34")]),
-    ("{value} to 0.00051", "", "3.3e-1 to 5.2e-4", [(1, 11, "5.1e-4", "5.2e-4")]),
+    ("{value} to 0.00051", "", "3.3×10⁻¹ to 5.2e-4\n0.34 to 0.00051", [(1, 13, "5.1e-4", "5.2e-4")]),
     # A name with another number comes close where nothing comes closer.
     ("RK4 ends at {value}", "", "RK5 ends at 0.33", [(1, 3, "4", "5")]),
     ("RK4 ends at {value}", "", "RK5 ends at 0.33\nRK4 ends at 0.34", [(2, 13, "0.33", "0.34")]),
@@ -97,10 +97,14 @@ def test_three_findings_of_a_kind_are_named(count: int, text: str, found: int) -
 
 
 def test_a_number_that_another_claim_holds_is_not_called_wrong() -> None:
-    one, other = (claim(f"h = {h}", "given = true") for h in ("0.1", "0.2"))
-    for text, place in (("h = 0.1\nh = 0.3", (2, 5)), ("h = 0.3\nh = 0.1", (1, 5))):
-        (finding,) = [found for each in check_claims(document_of(text), [one, other]) for found in each.findings]
-        assert (finding.line, finding.column, finding.expected, finding.found) == (*place, "0.2", "0.3")
+    h, other, begun = (claim(phrase, "given = true") for phrase in ("h = 0.1", "h = 0.2", "h = 0.1 gives {value}"))
+    for text, wrong, place in (
+        ("h = 0.1\nh = 0.3", other, (2, 5, "0.2", "0.3")),
+        ("h = 0.3\nh = 0.1", other, (1, 5, "0.2", "0.3")),
+        ("h = 0.1 gives 0.3\nh = 0.2 gives 0.33", begun, (1, 15, "0.33", "0.3")),
+    ):
+        (finding,) = [found for each in check_claims(document_of(text), [h, wrong]) for found in each.findings]
+        assert (finding.line, finding.column, finding.expected, finding.found) == place
 
 
 def test_what_stands_where_a_phrase_begins_is_shown_up_to_60_characters() -> None:
@@ -110,7 +114,7 @@ def test_what_stands_where_a_phrase_begins_is_shown_up_to_60_characters() -> Non
 
 def test_what_is_right_but_for_capitals_or_part_of_more_is_said_to_be() -> None:
     capitals = "The error is 0.4 here", HERE, "differs in capitals; ignore_case = true allows that"
-    for text, phrase, said in (capitals, ("is 0.33 %", "is {value}", "occurs nowhere")):
+    for text, phrase, said in (capitals, ("is 0.33 %", "is {value}", "nowhere in the text; expected once")):
         (outcome,) = check_claims(document_of(text), [claim(phrase)])
         assert said in outcome.findings[0].message
 
@@ -139,6 +143,17 @@ def test_numbers_of_programs_are_labels_where_nobody_claims_them() -> None:
     accounts = [f"{one.number.text}:{one.kind}:{one.by}" for one in coverage(document, outcomes).numbers]
     program = "label:an input of a program"
     assert accounts == [f"0.33:{program}", f"7:{program}", "8:uncovered:", "5:given:a"]
+
+
+def test_a_number_in_two_phrases_is_of_the_first_and_one_of_a_formula_has_its_place() -> None:
+    entry = '[[claim]]\nid="{}"\nphrase="{}"\ngiven=true\n'.format
+    formula = 'values.m={ask="energy_multiplier rk4", exact=true}'
+    text = entry("b", "is 5 after 6 steps") + entry("a", "after 6") + entry("m", "by {m}") + formula
+    document = document_of("It is 5 after 6 steps, by 1 - h^6/72 + h^8/576.")
+    accounts = coverage(document, check_claims(document, parse_claims(text).claims)).numbers
+    assert [one.by for one in accounts] == ["b", "b", *["m"] * 5]
+    spelled = [document.text.text[one.number.start : one.number.end] for one in accounts]
+    assert spelled == ["5", "6", "1", "6", "72", "8", "576"]
 
 
 def test_numbers_that_run_together_are_counted_one_by_one() -> None:

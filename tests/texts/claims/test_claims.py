@@ -56,7 +56,8 @@ def test_limits_are_within_what_is_read() -> None:
     assert given.spellings() == {"value": ["1" * 200]}
     assert written.count == 10_000
     assert written.values["value"].form.exact
-    label = parse_claims(f"[[label]]\nphrase = '{{n}}'\nwhy = '{'x' * 200}'")
+    names = "".join(f"{{n{i}}}" for i in range(20))
+    label = parse_claims(f"[[label]]\nphrase = '{names}'\nwhy = '{'x' * 200}'")
     assert (len(label.labels[0].why), label.coverage) == (200, 0)
 
 

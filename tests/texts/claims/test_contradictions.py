@@ -2,7 +2,7 @@
 
 import pytest
 
-from driftproof.texts.claims.contradictions import SETTING, contradicted
+from driftproof.texts.claims.contradictions import SETTING, contradicted, last_methods_named, methods_named
 from driftproof.texts.claims.suggestions import Suggestions
 from driftproof.texts.readers.numbers import numbers_in
 from tests.looping import some
@@ -32,6 +32,7 @@ DENIED = [
     ("The axis of imaginary values is met up to √({2})", "imaginary_limit symplectic_euler"),
     ("Backward Euler has R(-1) = {0.5}", "error_constant backward_euler"),
     ("Velocity Verlet has order 2 and is stable for h < {2}", "order velocity_verlet"),
+    ("{0.877604} is RK4's for h = 1/4, and not for h = 1/2", Q),
 ]
 MEANT = [
     ("RK4's real and imaginary limits are {2.785294} and 2.828427", REAL),
@@ -60,6 +61,7 @@ DENIED_IF_ASKED = [
     ("of order two, with γ = {1} - √2/2", "order backward_euler"),
     ("x' = x(y - {1})", "run heun2 y'=y y(0)=1 h=1 N=1 : y"),
     ("starts at ''x'' = {2}, ''y'' = 1", "run forward_euler y'=y y(0)=1 h=1 N=1 : y"),
+    ("where h = {2} is too much", "run forward_euler h=1/10 t=1 : state_error"),
     ("to t = {10} in steps of h = 0.1", "run forward_euler h=1/10 t=1 : steps"),
 ]
 MEANT_IF_ASKED = [
@@ -91,6 +93,13 @@ def test_a_value_that_is_denied_is_a_guess_and_stands_behind_the_others():
     assert (right.question, right.strong) == ("step velocity_verlet h=1/2 : q", True)
     (other,) = best("Position Verlet with h = 1/2: q = 0.875, and not velocity Verlet")
     assert other.question == "step position_verlet h=1/2 : q"
+
+
+def test_methods_are_named_in_every_way_but_by_the_names_of_people():
+    assert methods_named("a verlet method") == {"velocity_verlet", "position_verlet"}
+    assert methods_named("velocity\nverlet, and verlet again") == {"velocity_verlet"}
+    assert methods_named("by gauss and yoshida") == set()
+    assert last_methods_named("", "rk4, then velocity-verlet", "heun") == {"velocity_verlet"}
 
 
 def test_a_root_that_nothing_near_names_is_a_guess():

@@ -77,9 +77,11 @@ def test_phrase_has_three_words_before_its_numbers_and_after_them_what_belongs_t
         ("from 1.5 " + "y" * 23 + " 2.5", ["from 1.5 " + "y" * 23 + " 2.5"]),
         ("from 1.5 " + "y" * 24 + " 2.5", ["from 1.5", "y" * 24 + " 2.5"]),
         ("at 0.5x is 0.877604", ["at 0.5x", "is {value}"]),
+        ("from 1.5 to 0.33 % of it", ["from 1.5 to 0.33 %"]),
         ("at 1.5. Or 2.5", ["at 1.5", ". Or 2.5"]),
         ("rk4 2.828427125/3(17", ["rk4 {value}/", "/3(17"]),  # 3 belongs to the next phrase
-        ("1.5 " * 9, ["1.5 " * 7 + "1.5", "1.5"]),
+        ("1.75 " * 9, ["1.75 " * 7 + "1.75", "1.75"]),
+        ("5x. 7.5", ["5x", ". 7.5"]),  # no phrase begins within a word
     ],
 )
 def test_numbers_of_one_line_that_are_near_stand_in_one_phrase(text: str, phrases: list[str]) -> None:
@@ -92,7 +94,11 @@ def test_second_number_of_a_group_is_drafted_where_only_the_first_stands_in_an_e
     assert phrases == ["at 44.001", "| 59.727"]
 
 
-@pytest.mark.parametrize("setting", ["h = 0.3", "dt=0.3", "t_end =\n0.3", "step size of 3", "λ = -3e-144", "y' = -0.3"])
+SETTINGS = ["h = 0.3", "dt=0.3", "t_end =\n0.3", "step size of 0.3", "step size of 3", "λ = -9.47", "λ = -3e-144"]
+SETTINGS += ["y' = -0.3"]
+
+
+@pytest.mark.parametrize("setting", SETTINGS)
 def test_what_the_text_chooses_is_given_and_what_looks_like_a_value_is_not(setting: str) -> None:
     document = document_of(f"Of RK4 with {setting}, then {setting}, and h2 = 0.3; e = 0.3; h = 2.828.")
     text = draft(document, "a")
@@ -116,6 +122,7 @@ def test_a_start_in_brackets_is_given_as_one() -> None:
     text = draft(document, "a")
     assert held(document, text) == {"value": 0, "given": 3, "run": 0, "label": 0, "uncovered": 3}
     assert [claim["phrase"] for claim in tomllib.loads(text)["claim"]] == ["from (1, -0.3", "h = 0.3"]
+    assert 'id = "line 1, column 41"' in text
 
 
 def test_draft_says_what_was_asked_for_and_is_nowhere_and_its_ids_are_short() -> None:
@@ -150,6 +157,7 @@ def test_numbers_in_a_column_of_steps_or_times_are_given_if_they_stand_alone() -
     table = "| $h$ | error |\n| --- | --- |\n| 0.1 | 0.3 |\n| 0.05 | 0.7 |\n| of 9 | 8 |\n\nand 0.1 too"
     drafted = draft(document_of(table, "markdown"), "a")
     assert [claim["phrase"] for claim in tomllib.loads(drafted)["claim"]] == ["| 0.1 |", "| 0.05 |"]
+    assert 'phrase = "| 0.1"' in draft(document_of("error | h\n0.3 | 0.1\nend"), "a")
     for text in ("θ' = ω, ω' = -sin(θ)\n\n| ω |\n| --- |\n| -0.963 |\n\nω = -0.963", "eigenvalue λ = -9.373"):
         assert "\n[[claim]]" not in draft(document_of(text, "markdown"), "a"), "computed, and not chosen"
 

@@ -16,10 +16,10 @@ SAME = [
     ("(1 + z/2)/(1 - z/2)", "(2 + z)/(2 - z)", ["(2 - z)/(2 + z)", "(2+z)/(2-z) + (z-2)/(1-z)", "1/0"]),
     ("q**2/2 - h*q*v/2 + v**2/2", "(q² − hqv + v²)/2".replace("hqv", "h q v"), ["(q² + h q v + v²)/2", "(q² + v²)/2"]),
     ("(1 - 2*gamma)/(1 - gamma*z)**2", "(1 − 2γ)(1 − γ z)^{-2}", ["(1 − 2γ)/(1 − γ z)", "(1 - 2γ)(1 - z)^{-2}"]),
-    ("h**2", "h h", ["2h", "h^{12}"]),
+    ("h**2", "h h", ["2h", "h^{12}", "(0/0)^0"]),
     ("0/((h - 2)*(h - 3))", "0", ["h*(h - 1)", "0/(h - h)"]),  # 0 at fewer points than their degrees add up to
     ("h*(h - 1)", "h^2 - h", ["0/((h - 2)(h - 3))"]),
-    ("-h**2 + 1/h", "(1 - h^3)/h", ["-(h**2 + 1/h)", "h**2 + 1/h", "-(h**2) - 1/h"]),
+    ("-h**2 + 1/h", "(1 - h^3) h^{-1}", ["-(h**2 + 1/h)", "h**2 + 1/h", "-(h**2) - 1/h"]),
 ]
 
 
@@ -35,7 +35,7 @@ def test_formula_is_the_same_however_it_is_written(ours: str, theirs: str, other
         ("sqrt(h)", "it contains sqrt; only rational functions"),
         ("h^(1/2)", "it contains a root; only rational"),
         ("1 +", "is not a formula"),
-        ("(w + h + z)^{199}", "too long to compare: 20100 terms"),
+        ("(1 + h + h^2)^{199}", "too long to compare: 20100 terms"),  # at most
         ("(1 + h)^{199} (w + z)^{100}", "too long to compare: 20200 terms"),
     ],
 )

@@ -148,7 +148,8 @@ def test_listing_sees_neither_our_folder_nor_our_secrets(tmp_path: Path, monkeyp
     monkeypatch.setenv("SOME_TOKEN", "secret")
     monkeypatch.chdir(tmp_path)
     Path("module_of_ours.py").touch()
-    assert outcome("import os\nprint(os.environ.get('SOME_TOKEN'))", "None") == ""
+    program = "import os\nprint(os.environ.get('SOME_TOKEN'), os.environ['OPENBLAS_NUM_THREADS'])"
+    assert outcome(program, "None 1") == ""
     assert "ModuleNotFoundError" in outcome("import module_of_ours")
     outcome("open('left', 'w').write('x')")
     assert os.listdir(tmp_path) == ["module_of_ours.py"]
@@ -178,7 +179,7 @@ def test_200_listings_are_run_and_60_first_lines_tried() -> None:
         listings_in(many(201))
     for lines in (60, 61):
         (one,) = listings_in(document_of("x = 1\n" * lines + "Output:\n\n1\n"))
-        assert one.program.count("\n") == 60
+        assert one.program.text.count("\n") == 60
 
 
 def test_limits_of_what_listings_take_write_and_print(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -203,13 +204,20 @@ def test_listing_is_not_read_by_the_rules_that_our_own_code_asks_for() -> None:
         assert listings.run_listing({"program": program, "shows": shows}) == {"printed": "4\n", "error": None}
 
 
+def test_a_cell_shows_its_last_value_and_of_an_error_500_characters_are_told() -> None:
+    for shows, printed in ((True, "3\n"), (False, "")):
+        assert listings.run_listing({"program": "x = 2\nx + 1", "shows": shows}) == {"printed": printed, "error": None}
+    told = listings.run_listing({"program": "def f(): raise ValueError('x' * 489)\nf()", "shows": True})["error"]
+    assert told == f"ValueError: {'x' * 488} (line 2 of the listing)"
+
+
 def test_names_are_shared_and_order_is_kept() -> None:
     alone = run_listings(document_of(MARKDOWN.replace("x = 3\nprint(f", "print(f"), "markdown"))
     assert [finding.claim for finding in alone.findings] == ["listing 1", "listing 2"]
 
 
 def found(document: Document) -> list[tuple[str, bool]]:
-    return [(listing.program.strip(), listing.printed is not None) for listing in listings_in(document)]
+    return [(listing.program.text.strip(), listing.printed is not None) for listing in listings_in(document)]
 
 
 def test_output_far_away_or_in_another_language_belongs_to_no_listing() -> None:
@@ -226,6 +234,7 @@ def test_listing_of_plain_text_begins_where_it_can_be_python() -> None:
     assert found(document_of(PLAIN))[0][0].startswith("def double")
     assert found(document_of("prose only\n\nExpected output:\n\n5\n")) == []
     assert found(document_of("import os\nOutput:\n")) == []
+    assert found(document_of("print('\\d')\nOutput:\n\\d\n")) == [("print('\\d')", True)], "though Python warns of it"
 
 
 def test_text_without_listings_starts_no_process(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -235,9 +244,12 @@ def test_text_without_listings_starts_no_process(monkeypatch: pytest.MonkeyPatch
 
 def test_answer_of_a_listing_that_is_none_is_no_outcome(monkeypatch: pytest.MonkeyPatch) -> None:
     """As where a program writes into the pipe through which its outcome comes."""
-    monkeypatch.setattr(listings.Session, "ask", lambda self, *order: {"printed": 7, "error": None})
+    orders: list[tuple[object, ...]] = []
+    answer = {"printed": 7, "error": None}
+    monkeypatch.setattr(listings.Session, "ask", lambda self, *order: orders.append(order) or answer)
     (finding,) = run_listings(document_of("```python\nprint(1)\n```\n", "markdown")).findings
     assert "an invalid answer" in finding.found
+    assert [len(order) for order in orders] == [1, 2], "the start of the process takes nothing of its time"
 
 
 @given(

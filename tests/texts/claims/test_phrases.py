@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from driftproof.texts.claims.claims import parse_claims
-from driftproof.texts.claims.phrases import NumberForm, Phrase
+from driftproof.texts.claims.phrases import NumberForm, Phrase, decimal_spellings
 from driftproof.texts.questions.evaluate import value
 from tests.texts.claims.sample import claim, stands
 
@@ -20,7 +20,7 @@ STANDS = [
     ("v = {value}", "-0.5", "v = −0.5", ["v = 0.5", "v = - 0.5", "v = −0.55", "v = −0,5"]),
     ("v = {value}", "-0.5", "v = -0.5", ["v = +0.5"]),
     ("{value} steps", "12345678", "12,345,678 steps", ["1,2345,678 steps", "12,345678 steps", "12,34,5678 steps"]),
-    ("{value} steps", "123456", "123,456 steps", ["1234,56 steps"]),
+    ("{value} steps", "123456", "123'456 steps", ["1234'56 steps", "123,'456 steps"]),
     ("in {value} steps", "5651", "in 5,651 steps", ["in 56,51 steps", "in 5651.0 steps", "in 5 651 steps"]),
     ("in {value} steps", "5651", "in 5\u202f651 steps", ["in 5\u202f652 steps"]),
     ("is {value}", "3.3e-4", "is 3.3×10⁻⁴.", ["is 3.3×10⁻³.", "is 3.3×10⁴.", "is 3.3"]),
@@ -72,19 +72,25 @@ def test_value_that_cannot_be_written_so_is_refused_in_one_line(question: str, f
 @pytest.mark.parametrize(
     ("question", "form", "spellings"),
     [
-        ("1/2", NumberForm(), ["0.5"]), ("40", NumberForm(), ["40"]),
+        ("1/2", NumberForm(), ["0.5"]), ("40", NumberForm(), ["40"]), ("1/3125", NumberForm(), ["0.00032"]),
         ("337/384", NumberForm(exact=True), ["337/384"]), ("337/384", NumberForm(places=3), ["0.878"]),
         ("-1/3000", NumberForm(digits=2), ["-0.00033", "-3.3e-4", "-0.33e-3", "-33e-5"]),
         ("5651", NumberForm(digits=2), ["5700", "5.7e3", "0.57e4", "57e2"]),
+        ("123456", NumberForm(digits=6), ["123456", "1.23456e5", "0.123456e6", "12.3456e4", "123.456e3", "1234.56e2"]),
         ("1/8", NumberForm(places=2, rounding="half-away"), ["0.13"]),
         ("1/8", NumberForm(places=2, rounding="half-even"), ["0.12"]),
         ("0", NumberForm(digits=3), ["0"]),
         ("imaginary_limit rk4", NumberForm(exact=True), ["2√2", "2*sqrt(2)"]),
+        ("imaginary_limit ssprk43", NumberForm(exact=True), ["√(-8 + 4√10)", "sqrt(-8 + 4*sqrt(10))"]),
         ("energy_multiplier rk4", NumberForm(places=3), ["1 - h^6/72 + h^8/576", "1 - h**6/72 + h**8/576"]),
     ],
 )  # fmt: skip
 def test_value_is_spelled_in_every_way_that_means_the_same(question, form, spellings):
     assert form.spellings(value(question)) == spellings
+
+
+def test_full_decimals_have_exponents_of_1000_at_most() -> None:
+    assert [len(decimal_spellings(f"1e{n}")[0]) for n in (1000, -1000, 1001, -1001)] == [1001, 1002, 6, 7]
 
 
 def test_exact_form_has_400_characters_at_most() -> None:

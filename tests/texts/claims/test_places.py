@@ -24,15 +24,15 @@ def place(text, number):
     ("text", "methods", "settings", "quantity", "unknown"),
     [
         ("With h = 0.1 Heun's method gives y(1) = 0.77.", {"heun2"}, (Q(1, 10), 1), "state", "y"),
-        ("Heun is off by 0.77 at t = 1, where h = 1/4", {"heun2"}, (Q(1, 4), 1), "error", None),
+        ("Heun is off by 0.77 at t = 1, where h = 1/4, not h = 1/2", {"heun2"}, (Q(1, 4), 1), "error", None),
         ("t = 2. Euler's error\nfor h = 0.5 is,\nbriefly, 0.77.", {"forward_euler"}, (Q(1, 2), 2), "error", None),
-        ("The exact solution is x = 0.77", set(), (None, None), "exact", "x"),
+        ("Errors aside, the exact solution is x = 0.77", set(), (None, None), "exact", "x"),
         ("RK4: the relative error is 0.77 %", {"rk4"}, (None, None), "percent", None),
         ("RK4: the relative error is 0.77", {"rk4"}, (None, None), "relative_error", None),
         ("RK4's error is 0.77 times as large", {"rk4"}, (None, None), "ratio", None),
         ("h = 0.1, so that k_2 = 0.77", set(), (Q(1, 10), None), "k2", None),
         ("h = 0.1, so that y_3 = 0.77", set(), (Q(1, 10), Q(3, 10)), "state", "y"),
-        ("y(0) = 1, and 0.77 later", set(), (None, None), None, None),
+        ("By Heun. There y(0) = 1, and 0.77 later, not RK4", {"heun2"}, (None, None), None, None),
     ],
 )
 def test_a_sentence_names(text, methods, settings, quantity, unknown):
@@ -52,6 +52,9 @@ def test_a_cell_is_of_its_row_and_its_column_or_the_last_one_that_names_a_method
         found = place(TABLE, number)
         assert (found.methods, found.quantity, found.settings) == (methods, quantity, {"h": Q(1, 10), "t": Q(1, 2)})
     assert place(TABLE, "0.5").quantity == "chosen"
+    assert place("t | y\n0.5 | 0.77", "0.77").settings == {"t": Q(1, 2)}
+    for number, h in (("0.61", Q(1, 2)), ("0.77", Q(1, 4))):
+        assert place("| h | y | h | y |\n| 0.5 | 0.61 | 0.25 | 0.77 |", number).settings == {"h": h}
     rows = "| method | y | error |\n| RK4 | 0.6065 | 1e-4 |"
     assert place(rows, "0.6065").methods == {"rk4"}
 
@@ -62,6 +65,11 @@ def test_a_question_is_meant_if_all_that_it_names_is_named():
     assert found.means(f"{run}y", {"rk4"})
     for other in (f"{run}error", run.replace("1/10", "1/5") + "y", run.replace("t=1/2", "t=1") + "y", "order rk4"):
         assert not found.means(other, {"rk4"})
+    assert not found.means(f"{run.replace('1/10', '1/5')}y - {run}y", {"rk4"}), "the first step size is asked for"
+    two = "run heun2 x'=y, y'=-x from (1, 0) h=1/10, t=1 : "
+    for said, meant in (("gives y(1) =", [True, False, False]), ("to t = 1 has", [True, True, False])):
+        named = place(f"With h = 0.1 Heun's method {said} 0.77.", "0.77")
+        assert [named.means(two + asked, {"heun2"}) for asked in ("y", "x", "evaluations")] == meant
     assert not found.means(f"{run}y", {"heun2"})
     ratio = "ratio(run rk4 y'=-y, h=1/5, t=1/2 : error, run rk4 y'=-y, h=1/10, t=1/2 : error)"
     assert place("RK4, t = 1/2 and h = 0.1: a factor of 15.9", "15.9").means(ratio, {"rk4"})
@@ -70,3 +78,4 @@ def test_a_question_is_meant_if_all_that_it_names_is_named():
     assert {readout: asked_quantity(run + readout)[0] for readout in told} == told
     assert asked_quantity(f"percent({run}relative_error, 1)") == ("percent", "")
     assert asked_quantity(f"percent({run}y, 1)")[0] == "share"
+    assert [asked_quantity(f"{asked}y0")[1] for asked in (run, "run rk4 rates=(y0) : ")] == ["y0", ""]

@@ -1,5 +1,7 @@
 """The problems that a text states are read out of it, with methods, step sizes and times; not what it leaves open."""
 
+import re
+
 import pytest
 
 from driftproof.texts.claims.stated_problems import stated_questions
@@ -26,27 +28,31 @@ def equations(text, form="plain"):
         ("y'(t) = t √y(t), y(0) = 1, t = 1", "y'=t sqrt(y), y(0)=1"),
         ("p' = r p (1 - p/K), p(0) = 1. Here r = 0.5 and K = 10; t = 1", "p'=0.5 p*(1 - p/10), p(0)=1"),
         ("x' = v, v' = -4x, at rest, x(0) = 1, for h in (0.1, 0.05); t = 1", "x'=v, v'=-4x, x(0)=1, v(0)=0"),
-        ("dy/dt = cos t - y, y(0) = 1/2, and t = 1", "y'=cos(t) - y, y(0)=1/2"),
-        ("y'(t) = -k y, where k = 0.3; y_0 = 2. At t = 1", "y'=-0.3 y, y(0)=2"),
+        ("(dy/dt = cos t - y) y(0) = 1/2, and t = 1", "y'=cos(t) - y, y(0)=1/2"),
+        ("y'(t) = -k y, where k = -0.3; y_0 = 2. At t = 1", "y'=-(-0.3) y, y(0)=2"),
+        ("y' = -y — a decay — where y = 2 at first. At t = 1", "y'=-y, y(0)=2"),
+        (f"x' = v{' + 0 v' * 14}, v' = -x from (1, 0) to t = 2", f"x'=v{' + 0 v' * 14}, v'=-x, x(0)=1, v(0)=0"),
         (
             "x' = v, v' = -x/r^3, r = √(x^2 + 1), x(0) = 1, v(0) = 0, t = 1",
             "x'=v, v'=-x/(sqrt(x^2 + 1))^3, x(0)=1, v(0)=0",
         ),
-        ("θ' = ω, ω' = -9.81 sin θ, from rest at θ(0) = π/4, to t = 1", None),
+        ("θ' = ω, ω' = -9.81·sin θ, from rest at θ(0) = π/4, to t = 1", None),
         ("x' = v and v' = -x start from (1, -1/2); t = 2", "x'=v, v'=-x, x(0)=1, v(0)=-1/2"),
         ("y' = y e^{-t}, y(0) = 1. At t = 1", "y'=y exp(-t), y(0)=1"),
         ("x' = 2/3 x - 4/3 x y, y' = x, x(0) = 1, y(0) = 1, t = 1", "x'=(2/3) x - (4/3) x y, y'=x, x(0)=1, y(0)=1"),
+        ("sin' = cos, t' = 1 and y' = -y, y(0) = 1. At t = 1", "y'=-y, y(0)=1"),
     ],
 )
 def test_equations_and_starts_are_read_as_texts_have_them(text, read):
-    read = read or "theta'=omega, omega'=-9.81 sin(theta), theta(0)=pi/4, omega(0)=0"
+    read = read or "theta'=omega, omega'=-9.81*sin(theta), theta(0)=pi/4, omega(0)=0"
     assert equations(text) == [read]
 
 
 @pytest.mark.parametrize(
     "text",
     [
-        "y' = -y, and t = 1",  # no start
+        "y' = -y for h = (0.1), and t = 1",  # no start
+        "from' = -from, from(0) = 1, and t = 1",
         *("y' = -k y, y(0) = 1, and t = 1", "y' = 2.5 k y, y(0) = 1, and t = 1"),  # k is not said
         "y' = 2 - a-b y, y(0) = 1, and t = 1",
         "y' = f(t, y), y(0) = 1, and t = 1",
@@ -70,7 +76,7 @@ def test_tex_and_two_problems_are_read_each_with_its_own_numbers():
 
 
 def test_methods_sizes_times_and_what_is_read_are_those_of_the_text():
-    text = """y' = -y, y(0) = 1: Euler, the explicit midpoint method and RK4 with steps of 0.1 and 0.05.
+    text = """A problem. y' = -y, y(0) = 1: Euler, the explicit midpoint method and RK4 with steps of 0.1 and 0.05.
 | t | y | relative error |
 | 0.5 | 0.59 | 2 % |
 | 1.0 | 0.35 | 5 % |
@@ -81,13 +87,25 @@ The slopes k_1 = -1 and so on; 1/2 divides the error by 2. 40 evaluations. One s
         "midpoint2",
         "rk4",
     }
-    for part in ("h=0.1, t=0.5 : error", "h=0.05, t=1 : relative_error", "h=0.05, t=0.05 : y", "evaluations", "k2.y"):
+    for part in ("h=0.1, t=0.5 : error", "h=0.05, t=1 : relative_error", "h=0.05, t=0.05 : y", "evaluations"):
         assert any(part in one for one in found), part
-    assert sum(one.startswith("ratio(run rk4") for one in found) == 3  # at 1/10, 1/2 and 1
+    assert {one[-4:] for one in found if one.startswith("step")} == {"k1.y", "k2.y", "k3.y", "k4.y"}
+    assert sum(one.startswith("ratio(run rk4 y'=-y, y(0)=1, h=0.1,") for one in found) == 3  # at 1/10, 1/2 and 1
     assert not [one for one in found if "h=0.1, t=0.05" in one], "h must divide t"
-    for told in (" relative", "", "%"):
-        asked = " ".join(stated(f"y' = -y, y(0) = 1: RK4 with h = 0.1 has the{told} error 3e-7 at t = 1"))
+    for told, before in ((" relative", "h = 0.5. With "), ("", "(h = 0.5; it is odd) "), ("%", "")):
+        asked = " ".join(stated(f"{before}h = 0.1 RK4 on y' = -y, y(0) = 1 has the{told} error 3e-7 at t = 1"))
         assert ("relative_error" in asked) == bool(told)
+        assert re.findall("h={(.*?)}", asked) == ["0.1"], "of the sentence in which the equation stands"
+
+    for said, times in (("h = 0.1 has y_3 = 0.729", "t={0.3}"), ("h = 0.1 has y(2) = 0.122", "t={2}")):
+        assert f", {times} : " in stated(f"y' = -y, y(0) = 1: Euler with {said}")[0]
+    for said in ("10 steps to t = 2", "10 steps with h = 0.2"):
+        assert ", h={0.2}, t={2} : " in stated(f"y' = -y, y(0) = 1: Euler takes {said}")[-1]
+    assert [len(stated(f"y' = -y, y(0) = 1: Euler with h = {h} to t = 1")) for h in ("0.002", "0.001")] == [2, 1]
+    assert [len(stated(f"y' = -y, y(0) = 1, t = 1.{'1' * n}")) for n in (17, 18)] == [1, 0]
+    for said, count in (("explicit methods", 1), ("methods", 2), ("explicit and implicit methods", 2)):
+        *_, run = stated(f"y' = -y, y(0) = 1 by {said} of midpoint type to t = 1 with h = 0.1")
+        assert run.partition("}")[0].count(",") == count - 1, run
 
 
 def test_a_draft_works_out_the_numbers_of_a_stated_problem_and_names_the_slips():
@@ -111,3 +129,6 @@ def test_a_question_is_asked_once():
     text = "y' = -y, y(0) = 1, h = 0.1, t = 1, Euler. Again y' = -y, y(0) = 1, h = 0.1, t = 1."
     asked = stated_questions(text, lambda number: "")
     assert len(asked) == len({*asked}) == 2
+    assert len(stated("y' = -y, y(0) = 1, t = 1. " * 4 + "x' = x, x(0) = 1, t = 1.")) == 2
+    other = "y' = -y, y(0) = 1, t = 1. x' = y, y' = -x from (1, 0) to t = 2."
+    assert equations(other) == ["y'=-y, y(0)=1", "x'=y, y'=-x, x(0)=1, y(0)=0"]

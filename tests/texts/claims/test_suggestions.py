@@ -51,6 +51,7 @@ def test_suggestion_is_strong_only_where_the_digits_or_the_names_say_so() -> Non
     assert suggested("forward Euler's state error is 2.390 at the end")[-1][0].strong
     of_roots = [suggested(f"t = 2: the {name}q is -0.41614684")[-1][0].strong for name in ("", "exact ")]
     assert of_roots == [False, True], "a letter is no name"
+    assert Suggestions("about 0.5", ["1/2"]).look_alikes(numbers_in("about 0.5")[0])[0].question == "1/2"
     exact = [value(candidate.question).exact == Q(1, 2) for candidate in suggested("about 0.5")[0]]
     assert exact == sorted(exact, reverse=True), "what is equal stands before what is rounded"
     assert {*exact} == {True, False}
@@ -115,6 +116,10 @@ def test_values_that_the_author_asks_for_are_strong_on_the_line_of_what_was_chos
     }
     assert slips == {"0.4 : y0": [], "1.0 : y0": ["0.489"], "1.0 : state_error": []}
     assert [[n.text for n in vague] for *_, vague in suggestions.nowhere()] == [["0.04"], [], []]
+    few = Suggestions("0.4 or 0.41", ["0.412 + {1..5} - {1..5}"]).nowhere()
+    assert [[n.text for n in vague] for *_, vague in few] == [["0.41"]] * 5, "one digit is no guess"
+    itself = Suggestions("a\n0.652", ["{0.652} - 0.027"])
+    assert not itself.slips(numbers_in(itself.text)[0]), "beside what was chosen, and not the same number"
     rows = Suggestions("| RK4 | 1.64872 |\n| Heun | 1.64745 |", ["run {Heun,RK4} lambda=1 h=1/10 t=1/2 : {exact.y,y}"])
     assert rows.look_alikes(numbers_in(rows.text)[1])[0].question == "run RK4 lambda=1 h=1/10 t=1/2 : y"
     text = "It is -1/2 for Euler and -1/3 for Heun. BDF2 has -1/3."
@@ -146,6 +151,11 @@ def test_one_digit_that_agrees_does_not_hide_a_wrong_number():
     assert nowhere - right == {"run Heun y'=-2y, y(0)=1, h=0.1, t=1 : y"}
 
 
+def test_an_asked_value_of_one_digit_needs_two_names_nearby():
+    for chosen, digits, fit, meant in ((("2",), 1, 1, False), (("2",), 2, 1, True), (("2", "3"), 1, 2, True)):
+        assert _Known("", value("0.4"), chosen).is_meant(Q(2, 5), digits, fit, rivals=5) is meant
+
+
 # Of 90 numbers of two digits one in 20 is asked for, or of 9000 of four digits one in 100 is usual, or one more.
 @pytest.mark.parametrize(("x", "chosen", "most"), [("0.34", (), 4), ("0.337", (), 45), ("0.3371", None, 90)])
 def test_so_many_values_leave_a_number_of_few_digits_strong_and_one_more_does_not(x, chosen, most):
@@ -158,18 +168,40 @@ def test_so_many_values_leave_a_number_of_few_digits_strong_and_one_more_does_no
 
 
 def test_a_slip_is_a_wrong_digit_or_sign_or_two_neighbours_exchanged_and_no_number_of_few_digits() -> None:
-    wrong = [("1.35914", "1.35941"), ("1.35914", "1.35924"), ("2.785", "-2.785"), ("1/120", "-1/120")]
-    for asked, printed in (*wrong, ("1.35914", "1.35914"), ("1.35914", "1.35851"), ("2.785", "2.758"), ("2.7", "-2.7")):
+    wrong = [("1.3591", "1.3519"), ("1.35914", "1.35924"), ("2.785", "-2.785"), ("1/120", "-1/120")]
+    none = [("1.35914", "1.35914"), ("1.35914", "1.35851"), ("2.785", "2.758"), ("2.7", "-2.7"), ("1.3", "1.20000")]
+    for asked, printed in wrong + none:
         suggestions, (number,) = Suggestions(f"is {printed}.", [asked]), numbers_in(f"is {printed}.")
         assert suggestions.slips(number) == ({asked: asked} if (asked, printed) in wrong else {}), printed
     four, limits = "The angle of BDF4 is 73.53.", "RK4's real limit is 2.7835 here."
     for text, asked, best in ((four, ["angle {bdf3,bdf4}"], "angle bdf4"), (limits, [], "real_limit rk4")):
         suggestions, (number,) = Suggestions(text, asked), [x for x in numbers_in(text) if "." in x.text]
         assert [*suggestions.slips(number)] == [best], text
-    for text in (four, limits.replace("RK4", "Heun"), "RK4 takes 2.7835.", limits.replace("2.7835", "2.7905")):
+    other = "RK4 is stable on the imaginary axis to 2.7835.", "RK4 takes 2.7835.", limits.replace("2.7835", "2.7905")
+    three = Suggestions(four.replace("73.53", "74.3"), ["angle {bdf3,bdf4}"])  # 73.4
+    assert not three.slips(numbers_in(three.text)[-1])
+    for text in (four, limits.replace("RK4", "Heun"), *other):
         assert not Suggestions(text).slips(next(x for x in numbers_in(text) if "." in x.text)), text
     row = Suggestions("| 0.6 | 0.182 |", ASKED)
     assert [*row.slips(numbers_in(row.text)[1])] == ["run forward_euler rates=(t+y0) from 0 h=0.2 t=0.6 : y0"]
+
+
+@pytest.mark.parametrize(
+    ("said", "value"),
+    [
+        ("Euler, h = 0.1: 0.108", "0.107"),  # or 0.0280 or 0.135, for which it is no slip
+        ("RK4, h = 0.1: 0.17", None),  # 0.14, or 0.00
+        ("Euler, h = 0.1: the error 0.038", "0.028"),
+        ("Euler, h = 0.1: the error 0.028", None),
+        ("Euler, h = 0.002: 501 evaluations", None),
+        ("RK4, h = 0.002: 2001 evaluations", "2000"),
+        ("Euler, h = 0.1: the error 0.135353", "0.135335"),  # the solution
+        ("Euler, h = 0.1: the error 0.13543", None),
+    ],
+)
+def test_a_slip_for_what_a_problem_asks_has_few_digits_where_its_place_names_few_values(said, value):
+    text = f"y' = -2y, y(0) = 1, to t = 1. {said}"
+    assert [*Suggestions(text).slips(numbers_in(text)[-1]).values()] == [value][: value is not None]
 
 
 def test_a_row_at_time_t_is_of_the_run_of_as_many_steps_and_its_column_has_a_name() -> None:
@@ -179,7 +211,7 @@ def test_a_row_at_time_t_is_of_the_run_of_as_many_steps_and_its_column_has_a_nam
     assert (suggestions.column_of(of_time), suggestions.column_of(values[0])) == ("t", "euler")
     found = {number.text: suggestions.look_alikes(number)[:1] for number in values}
     assert {text for text, alike in found.items() if alike and alike[0].strong} == {"0.8", "0.829293", "1.152", "1.214"}
-    wiki = Suggestions("{| class=a\n! ''t'' !! Heun\n|-\n| 0.5 || 1.125", [])
+    wiki = Suggestions("{| class=a\n|+ of t\n! ''t'' !! Heun\n|-\n| 0.5 || 1.125", [])
     assert [wiki.column_of(number) for number in numbers_in(wiki.text)] == ["t", "heun"]
     narrow = Suggestions("|t|Heun|\n|0.5|1.125|")
     assert [narrow.column_of(number) for number in numbers_in(narrow.text)] == ["t", "heun"]
@@ -202,6 +234,7 @@ def test_braces_are_chosen_from_in_every_way_and_equal_braces_alike() -> None:
     assert [*questions_in("step rk4 h=1/{2,4} N={1..2} : q")] == every_way
     assert questions_in("{1..2} - {1..2} + {a_b}") == {"1 - 1 + a_b": ("1", "a_b"), "2 - 2 + a_b": ("2", "a_b")}
     assert questions_in("1/3") == {"1/3": ()}
+    assert len(questions_in("{1..2000}")) == 2000
     with pytest.raises(ValueError, match="expands to 2001 questions"):
         questions_in("{1..2001}")
     with pytest.raises(ValueError, match="expands to 0 questions"):
