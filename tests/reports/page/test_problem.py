@@ -12,6 +12,7 @@ from driftproof.reports.page import problem as page
 from driftproof.reports.page.stability import with_roots
 from driftproof.reports.user_problem import problem_given
 from tests.looping import exactly
+from tests.reports.page.test_document import Read
 
 PENDULUM = """
 title = "A pendulum"
@@ -37,6 +38,8 @@ def test_own_problem_and_own_method_are_shown_by_their_titles(tmp_path):
     (tmp_path / "pendulum.toml").write_text(PENDULUM)
     (tmp_path / "mine.toml").write_text(RALSTON)
     shown = report(tmp_path / "pendulum.toml", methods=["rk4", tmp_path / "mine.toml"]).html
+    assert Read(shown).wrong == []
+    assert "<p>What each method computes, next to the solution, which is exact or enclosed.</p>" in shown
     assert re.search("<section[^<>]*><h2>A pendulum</h2>", shown)
     assert "y0′ = y1, y1′ = -g * sin(y0), y0(0) = 1/2, y1(0) = 0, g = 49/5; to t = 1;" in shown
     assert re.findall("<h3>(.*?)</h3>", shown) == ["Work", "Stability"]
