@@ -18,6 +18,13 @@ def test_only_what_is_asked_for_is_derived():
         _ = sheet._private
 
 
+def test_of_the_facts_asked_for_it_is_said_which_belong_to_the_table():
+    found = facts("fehlberg12", only=("order", "stages", "symplectic")).data["reduction"]
+    assert (found["irreducible_stages"], found["of_the_table"]) == (2, ["stages"])
+    assert found["of_the_irreducible_method"] == ["symplectic"]
+    assert "reduction" not in facts("fehlberg12", only=("order",)).data
+
+
 def test_facts_of_a_method_are_its_typed_facts():
     found = facts("trapezoid", order_tolerance="1e-3", terms=4)
     assert isinstance(found, Facts)

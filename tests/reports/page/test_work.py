@@ -41,12 +41,12 @@ def test_work_of_a_scene_that_runs_backwards_or_nowhere_is_refused() -> None:
 
 
 def test_the_fewest_evaluations_for_each_goal_and_the_first_and_last_error_are_told() -> None:
-    seen = ((8, 2e-3), (16, 1e-3), (32, 5e-7))
+    seen = ((8, 1.2e-3), (16, 1e-3), (24, 1.2e-6), (32, 5e-7))
     found = [Curve("c", "C", 0, [Point(str(n), 4 * n, {STATE: Size(x, x)}, steps=n) for n, x in seen])]
     assert "<td>64</td><td>128</td>" in work_table(found)
     assert "<td>3</td>" in work_table(found, {"c": 3})
     figure = work_figure(found, "id", Q(1), 16)
-    assert figure.description.endswith("C: from 0.002 at 32 to 5.0e-7 at 128.")
+    assert figure.description.endswith("C: from 0.001 at 32 to 5.0e-7 at 128.")
     drawn = [figure.markup().count(f'class="{name} ') for name in ("path", "dots", "own")]
     assert drawn == [2, 1, 1]  # the path also in the legend
 

@@ -110,6 +110,7 @@ def test_no_phrase_crashes_its_reader(text: str) -> None:
     written = phrase.written(spellings)
     assert len(phrase.numbers(spellings)) == phrase.shape(spellings).groups
     assert phrase.exact(spellings).fullmatch(written)
+    assert not Phrase.of("Of {x}").exact({"x": ["1"]}).fullmatch("of 1")
 
 
 def test_any_number_may_stand_for_a_value_and_literal_numbers_stay() -> None:
