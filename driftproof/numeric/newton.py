@@ -217,12 +217,13 @@ def _solved_group(writers: FieldWriters, equations: Equations, moves: Any, repor
             regular = _factored_newton_matrix(band, equations, jacobians, m, order, layout)
     report[ITERATIONS] += iterations
     report[EVALUATIONS] += evaluations
-    if best <= 1:
+    solved = best <= 1
+    if solved:
         report[RESIDUAL], report[OVER_FLOOR] = max(report[RESIDUAL], left), max(report[OVER_FLOOR], best)
     elif not damped:
         report[TRIED], report[TIME] = iterations, equations.t + equations.c[stages - 1] * equations.h
         report[LEFT], report[LEFT_OVER_FLOOR] = left, best
-    return best <= 1
+    return solved
 
 
 def _group_equations(

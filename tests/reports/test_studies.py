@@ -16,6 +16,7 @@ from tests.reports.studies import be_quick
 
 def test_errors_are_those_of_the_command_and_files_are_written(answer, monkeypatch, tmp_path, capsys):
     be_quick(monkeypatch)
+    driftproof.work_precision("dahlquist_1", "rk4", time_limit=0.01, output=tmp_path / "new" / "folder")
     study = driftproof.work_precision("dahlquist_1", "rk4", time_limit=0.01, output=tmp_path)
     shown = json.loads(
         answer("work-precision", "dahlquist_1", "--methods", "rk4", "--time-limit", "0.01", "--format=json")

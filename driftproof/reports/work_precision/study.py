@@ -272,14 +272,15 @@ def _begin_timings(study: Study, measured: Measured, curve: Curve, made: _Calls)
     """The calls of the points that have errors, each with a timing begun; those not to be timed get a remark."""
     calls: dict[str, Callable[[], object]] = {}
     points = [point for point in curve.points if isfinite(point.error)]
+    sizes = [point.steps or 1 for point in points]
     for kind, call_at in (made if points else {}).items():
         names = [timing_name(curve.key, kind, point.setting) for point in points]
         known = [measured.timings.get(name) for name in names]
         if all(timing and not needs_more_samples(timing, ROUNDS, study.limit) for timing in known):
             continue
-        seconds, before = _warm_up(measured, curve, kind, call_at, points), points[0].steps or 1
-        for name, point in zip(names, points, strict=True):
-            call, expected = call_at(point), seconds * (point.steps or 1) / before
+        seconds, before = _warm_up(measured, curve, kind, call_at, points), sizes[0]
+        for name, point, size in zip(names, points, sizes, strict=True):
+            call, expected = call_at(point), seconds * size / before
             remark = f"about {expected:.2g} s, over {study.limit:g} s" if expected > study.limit else ""
             if not remark and kind != ENSEMBLE:
                 remark = state_remark(study.problem, point, call)
@@ -287,7 +288,7 @@ def _begin_timings(study: Study, measured: Measured, curve: Curve, made: _Calls)
                 measured.timings.setdefault(name, Timing(remark=remark))
                 continue
             begun, seconds = started(call)
-            before, calls[name] = point.steps or 1, call
+            before, calls[name] = size, call
             measured.timings.setdefault(name, begun)
     return calls
 

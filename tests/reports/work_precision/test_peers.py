@@ -43,6 +43,13 @@ class FakeSolver:
         return 3
 
 
+def test_as_many_calls_as_are_allowed_are_made_and_no_more() -> None:
+    rate = peers._CountedRate(lambda t, y: [y, t], 2)
+    assert [rate(1.0, 3.0), rate(2.0, 4.0)] == [[3.0, 1.0], [4.0, 2.0]]
+    with pytest.raises(ArithmeticError, match="given up after 2 evaluations"):
+        rate(1.0, 3.0)
+
+
 def test_a_peer_stands_beside_ours_and_its_failure_is_a_remark(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(Peer, "installed", True)
     asked = study("rk4", peers=(Peer("fake", ("solver",), "python", FakeSolver),))

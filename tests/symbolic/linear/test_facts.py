@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.number_field import Algebraic
-from driftproof.methods.schemes import Collocation, RungeKutta, Splitting
+from driftproof.methods.schemes import Collocation, Nystrom, RungeKutta, Splitting
 from driftproof.symbolic.algebra.real_roots import ZERO_ROOT
 from driftproof.symbolic.linear.a_stability import Angle
 from driftproof.symbolic.linear.facts import LinearFacts
@@ -119,6 +119,18 @@ def test_facts_of_symplectic_euler_are_those_of_the_design() -> None:
         "linearly_symmetric": False,
     }  # fmt: skip
     assert {name: record(getattr(facts, name)) for name in wanted} == wanted
+
+
+def test_a_factor_of_the_energy_is_a_function_of_h_without_a_stability_function() -> None:
+    """The explicit midpoint rule, written for q'' = F(q), multiplies it by (1 - h²/2)² + h² = 1 + h⁴/4."""
+    row = lambda *entries: tuple(map(Q, entries))
+    weights = {"b_position": row("1/2", 0), "b_velocity": row(0, 1)}
+    midpoint = Nystrom("m", "M", 2, "", c=row(0, "1/2"), a=(row(0, 0), row(0, 0)), **weights)
+    found = LinearFacts(midpoint)
+    assert found.stability_function is None
+    factor = found.energy_multiplier
+    assert factor is not None
+    assert (str(factor), factor(Q(1, 2))) == ("1 + h**4/4", Q(65, 64))
 
 
 def test_a_refusal_names_a_witness() -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from fractions import Fraction as Q
 
 import pytest
@@ -95,3 +96,4 @@ FACTS = {
 def test_facts_are_answered_by_name(question: str) -> None:
     found = value(question)
     assert (found.exact_text, found.evidence) == FACTS[question]
+    assert found.is_number is (not re.search("[a-zA-Z]", found.exact_text or ""))
