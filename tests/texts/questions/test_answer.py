@@ -77,6 +77,10 @@ def test_published_decimal_stands_for_all_numbers_that_round_to_it() -> None:
     assert high - low < half * Q(2001, 1000)
 
 
+def test_answer_is_shown_as_it_is_printed() -> None:
+    assert repr(value("337/384")) == str(value("337/384")) == "0.877604166666667, exactly 337/384  (PROVED)"
+
+
 def test_value_without_an_exact_form_has_its_published_digits_and_no_more() -> None:
     key = "rk4.default.state_error"
     assert value(key).digits(24) == published_values()[key]["decimal"][:29]
