@@ -275,8 +275,7 @@ def _begin_timings(study: Study, measured: Measured, curve: Curve, made: _Calls)
     sizes = [point.steps or 1 for point in points]
     for kind, call_at in (made if points else {}).items():
         names = [timing_name(curve.key, kind, point.setting) for point in points]
-        known = [measured.timings.get(name) for name in names]
-        if all(timing and not needs_more_samples(timing, ROUNDS, study.limit) for timing in known):
+        if all((x := measured.timings.get(name)) and not needs_more_samples(x, ROUNDS, study.limit) for name in names):
             continue
         seconds, before = _warm_up(measured, curve, kind, call_at, points), sizes[0]
         for name, point, size in zip(names, points, sizes, strict=True):
