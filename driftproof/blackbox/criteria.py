@@ -30,7 +30,6 @@ from driftproof.blackbox.probes.tableau import TableauReading
 from driftproof.blackbox.report import Criterion
 from driftproof.methods.catalogue import of_one_state
 from driftproof.methods.schemes import Collocation, Method, Nystrom, RungeKutta, Splitting
-from driftproof.symbolic.facts import stated_orders
 
 # Outcomes that leave any question open, and what would decide it.
 _OPEN = {
@@ -119,6 +118,8 @@ def _judge_coefficients(method: Method, reading: CoefficientReading, solver_tole
         return _other_coefficients(method, reading, identity)
     lines = [*identity.lines]
     if isinstance(reading, ForceReading):
+        from driftproof.symbolic.facts import stated_order
+
         if reading.refused and isinstance(method, RungeKutta):
             return None, [*lines, f"{NO_TABLEAU}: {reading.refused}"], {}, _READABLE
         if reading.wrong_time:
@@ -126,7 +127,7 @@ def _judge_coefficients(method: Method, reading: CoefficientReading, solver_tole
         if reading.a_velocity is not None and isinstance(method, RungeKutta):
             found = other_velocities(method, reading)
             return False, found, {"differences": found}, ""
-        if reading.velocities_limit_order and stated_orders([method])[method.key] > 1:
+        if reading.velocities_limit_order and stated_order(method) > 1:
             return False, ["order 1 where the force depends on the velocity", *reading.stale_velocities], {}, ""
     if solved is None:
         return True, lines, {}, ""
@@ -156,8 +157,10 @@ def _judge_nonlinear_step(method: Method, found: NonlinearAgreement) -> Judged:
 
 def _judge_order(method: Method, measured: Sequence[MeasuredOrder]) -> Judged:
     """A splitting claims its order on q'' = F(q), a Runge-Kutta method on every problem."""
+    from driftproof.symbolic.facts import stated_order
+
     found = measured[-1 if isinstance(method, Splitting | Nystrom) else 0]
-    order = stated_orders([method])[method.key]
+    order = stated_order(method)
     passed = None if found.order is None else found.order >= order
     return passed, [f"{method.key} has order {order}", found.words], {"measured": found.order}, "smaller roundoff"
 

@@ -50,8 +50,7 @@ class Recognised(NamedTuple):
     def solved(self) -> str:
         """The remark that the implicit stages are solved less accurately than by most solvers; "" if they are not."""
         solved = self.reading.solved
-        said = solved is not None and (solved.skipped or solved.curved > SOLVED)
-        return f", but {solved.words}" if solved is not None and said else ""
+        return f", but {solved.words}" if solved and (solved.skipped or solved.curved > SOLVED) else ""
 
     def beyond_plain_forces(self, measured: Sequence[MeasuredOrder]) -> str:
         """How coefficients read from a force fail beyond q'' = F(q): as a tableau, in times or for velocities."""

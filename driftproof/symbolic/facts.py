@@ -252,20 +252,24 @@ def general_order(method: Method) -> OrderFact[Any]:
     return order_conditions.order_of(general_conditions(method))
 
 
+def stated_order(method: Entry) -> int:
+    """The order that the method claims, or else the derived one."""
+    if method.claimed_order:
+        return method.claimed_order
+    if isinstance(method, FactsOnly):
+        return int(facts_only(method, ("order",))["order"])
+    return general_order(method).order
+
+
 def stated_orders(methods: Iterable[Entry]) -> dict[str, int]:
-    """The order that each method claims, or else the derived one, by key.
+    """`stated_order` of each method, by key.
 
     >>> from driftproof.methods.catalogue import METHODS
     >>> from driftproof.symbolic.facts import stated_orders
     >>> stated_orders([METHODS["rk4"]])
     {'rk4': 4}
     """
-    return {method.key: method.claimed_order or _derived_order(method) for method in methods}
-
-
-def _derived_order(method: Entry) -> int:
-    found = facts_only(method, ("order",))["order"] if isinstance(method, FactsOnly) else general_order(method).order
-    return int(found)
+    return {method.key: stated_order(method) for method in methods}
 
 
 def order_within(method: Method, tolerance: Fraction) -> OrderWithin:

@@ -88,10 +88,9 @@ class Example:
 class Agreement:
     """The comparison of a stepper with a method over `examples` steps.
 
-    `worst` is the example tried with the largest error over its bound. `failing` is the simplest example found beyond
-    its bound, or None. `but_for` says under which allowance no example is beyond its bound, if that was tried. `narrow`
-    names the format of answers that are not doubles. Sampling is evidence, not proof; the bound, which is proportional
-    to the `solver_tolerance` of an implicit method, is proved.
+    `worst` is the example tried with the largest error over its bound, `failing` the simplest one beyond its bound, or
+    None. `but_for` says under which allowance none is, if that was tried, `narrow` the format of answers that are not
+    doubles. Sampling is evidence, not proof; the bound, proportional to a `solver_tolerance`, is proved.
     """
 
     method: str

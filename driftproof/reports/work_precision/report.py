@@ -20,7 +20,6 @@ from driftproof.reports.work_precision.peers import INSTALL
 from driftproof.reports.work_precision.study import EVALUATIONS, Measured, Study, per_state, timing_name
 from driftproof.support.files import atomic_write
 from driftproof.support.plain_text import Json, as_json, table, with_digits
-from driftproof.symbolic.facts import stated_orders
 
 _LABELS = {EVALUATIONS: EVALUATIONS, "compiled": "compiled", "python": "Python", ENSEMBLE: "ensemble, per state"}
 _Key = TypeVar("_Key")
@@ -128,8 +127,9 @@ def write_study(study: Study, measured: Measured, folder: Path) -> list[Path]:
 
 def study_text(study: Study, measured: Measured) -> str:
     """The tables: orders, dominated methods, and the least work for each goal; then what was not run, and why."""
-    costs = [EVALUATIONS, *measured.kinds]
-    by_cost = {cost: priced(measured, cost) for cost in costs}
+    from driftproof.symbolic.facts import stated_orders
+
+    by_cost = {cost: priced(measured, cost) for cost in (EVALUATIONS, *measured.kinds)}
     parts = [_head(study), table(order_rows(measured, study.problem.stiff, stated_orders(study.methods)), right=(1,))]
     dominated = dominated_rows(by_cost)
     if len(dominated) > 1:

@@ -97,7 +97,7 @@ def names_limit(question: str, text: str, start: int, end: int, column: str) -> 
     said = " ".join((*sentence_around(text, start, end), column))
     words = f"{_QUANTITIES[fact][0]}|stable|stability" if fact in _QUANTITIES else fact
     named = bool(_words(words, said)) and not methods_named(said).isdisjoint(methods_named(method))
-    return named and not contradicted(question, text, start, end, False)
+    return named and not contradicted(question, text, start, end, asked=False)
 
 
 def _differs(

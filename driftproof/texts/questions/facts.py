@@ -117,7 +117,7 @@ def _at_setting(context: QueryContext, f: ExactFunction) -> Any:
     if number is None and (f.f.num.degree() > 0 or f.f.den.degree() > 0):
         return Formula(str(f))
     try:
-        return f(number.value if number else Fraction())
+        return f(Fraction(0) if number is None else number.value)
     except ZeroDivisionError:
         raise ValueError(f"{context.head} has a pole at {f.variable} = {number and number.value}") from None
 

@@ -74,7 +74,7 @@ class ProblemRun:
         bits, times = max(ctx.prec, BITS_AT_FIRST), [n * self.h for n in steps]
         if bits > _MOST_BITS_OF_SOLUTION:
             raise Uncertified(f"not decided with {_MOST_BITS_OF_SOLUTION} bits: too many digits, or a tie")
-        found = _states(None, self.rates, self.start, Fraction(), bits)
+        found = _states(None, self.rates, self.start, Fraction(0), bits)
         if missing := [t for t in times if t not in found]:
             with ctx.workprec(bits):
                 start = [enclose(x) for x in self.start]

@@ -131,8 +131,10 @@ def _code_and_mathematics_shielded(text: SourceText) -> SourceText:
     for match in _KEPT.finditer(text.text):
         pieces.append(text[done : match.start()])
         done = match.end()
+        if match["gone"]:
+            continue
         name, role = next((name for name in _MATHEMATICS if match[name]), "code"), (match["role"] or "").lower()
-        kept = text[match.start(name) : match.end(name)]  # nothing, from -1 to -1, for what is gone
+        kept = text[match.start(name) : match.end(name)]
         if not _KEYS.isdisjoint(role.split(":")) or role.startswith("cite"):
             shown = _SHOWN.match(kept.text)
             kept = kept[slice(*shown.span("a"))] if shown else kept[:0]

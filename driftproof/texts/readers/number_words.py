@@ -50,7 +50,7 @@ def worded_number(x: Fraction) -> list[str]:
         plain = _cardinal(int(x))
         found = [plain, plain.replace("-", " "), *{2: ["twice"], 3: ["thrice"]}.get(int(x), [])]
         found += ["a" + plain[3:]] if re.match(r"one (?:hundred|thousand|million|billion)", plain) else []
-    elif x.denominator in _PARTS and x // 1 == 0:
+    elif x.denominator in _PARTS and 0 < x < 1:
         part, many = _PARTS[x.denominator], x.numerator > 1
         spaced = f"{_SMALL[x.numerator]} {part}{'s' * many}"
         found = [spaced, spaced.replace(" ", "-")]
