@@ -44,6 +44,8 @@ _LEAST_REMEMBERED = 1e-3
 _LEAST_SAFETY = 0.5
 # Other scales in use, such as (1 + |y|) tol, limits of their own and halved estimates make a few times the tolerance.
 _MOST_ACCEPTED = 10.0
+# Of an estimate that is divided by h (burden-faires, section 5.5).
+_PER_UNIT = "per unit of time"
 _NO_TOLERANCE = "it takes no tolerance: its step size is constant"
 # The largest denominator of an exponent, and 1 over the least one: controllers in use have 1/5, 7/50, 17/100, ...
 _MOST_DENOMINATOR = 120
@@ -141,9 +143,10 @@ def read_controller(subject: ForeignSolver, steps: SolverSteps) -> ControllerRea
     rejected = sum(not each.accepted for each in attempts)
     counts = f"{len(attempts)} attempted steps observed, {rejected} rejected{in_a_row}"
     points = partial(_points, lambda t, y: [bumps(t)], run, attempts, atol)
-    law = next(filter(None, (_law(name, list(points(name, estimate))) for name, estimate in estimates)), None)
+    laws = filter(None, (_law(name, list(points(name, estimate))) for name, estimate in estimates))
+    law = min(laws, key=lambda law: (bool(law.exception), bool(law.memory or law.filtered)), default=None)
     if law is None:
-        pairs = ", ".join(name for name, _ in estimates) or "any pair of the catalogue"
+        pairs = ", ".join(pair.key for pair in steps.pairs) or "any pair of the catalogue"
         return ControllerReading(None, (f"no law in the estimate of {pairs} gives the step sizes", counts), traces)
     if traces:  # with slopes of other times, errors differ as well
         law = replace(law, exception="", accepted=1.0)
@@ -173,9 +176,9 @@ def _elsewhere(subject: ForeignSolver, steps: SolverSteps, law: Law, estimate: _
 
 def _wrong_exponent(law: Law) -> Iterator[str]:
     """Say that the exponent of a law without memory is not 1/p, as an estimate r ~ h^p needs."""
-    method = METHODS.get(law.estimate)  # a blend has no order of its own
+    method = METHODS.get(law.estimate.removesuffix(f" {_PER_UNIT}"))  # a blend has no order of its own
     if isinstance(method, RungeKutta) and method.embedded_order is not None and not law.memory and not law.filtered:
-        power = 1 + min(method.claimed_order, method.embedded_order)
+        power = (not law.estimate.endswith(_PER_UNIT)) + min(method.claimed_order, method.embedded_order)
         if not _is_same(float(law.exponent), 1 / power):
             right = f"for an estimate O(h^{power}) it is 1/{power}"
             yield f"the exponent of the step size control is {_shown(law.exponent)}, {right}"
@@ -212,6 +215,7 @@ def _attempts(run: Solution, steps: SolverSteps) -> Iterator[Attempt]:
     # A step that would pass the end is shortened, and the last ones may be stretched to land there.
     for this, after in pairwise(found):
         free = this.start < found[-_LANDING:][0].start and after.start + after.h < run.t[-1] - _SAME * after.h
+        free = free and min(this.h, after.h) > _NEAR * this.start  # an error per unit of time stays large at a jump
         yield this._replace(factor=after.h / this.h if free else None)
 
 
@@ -224,7 +228,8 @@ def _estimates(steps: SolverSteps) -> Iterator[tuple[str, _Estimate]]:
     pairs = {pair.key: pair for pair in steps.pairs}
     rows = {key: [*map(float, _row(pair))] for key, pair in pairs.items()}
     for key, row in rows.items():
-        yield key, lambda k, h, row=row: h * abs(fsum(e * x for e, x in zip(row, k, strict=False)))  # type: ignore[misc]
+        yield key, partial(_weighed, row)
+        yield f"{key} {_PER_UNIT}", lambda k, h, row=row: _weighed(row, k, 1.0)  # type: ignore[misc]
     if {"dop853", "dop853_third"} <= set(rows):
         fifth, third = rows["dop853"], rows["dop853_third"]
 
@@ -233,6 +238,10 @@ def _estimates(steps: SolverSteps) -> Iterator[tuple[str, _Estimate]]:
             return h * a * a / (a * a + 0.01 * b * b) ** 0.5 if a or b else 0.0
 
         yield "dop853 blended with dop853_third", blended
+
+
+def _weighed(row: Sequence[float], slopes: Sequence[float], h: float) -> float:
+    return h * abs(fsum(e * k for e, k in zip(row, slopes, strict=False)))
 
 
 def _row(pair: RungeKutta) -> list[Exact]:

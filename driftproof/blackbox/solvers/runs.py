@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from itertools import pairwise
 from math import cos, e, hypot, isclose, isfinite, log, log2, nan, sin
@@ -20,13 +21,14 @@ from driftproof.blackbox.solvers.foreign_solver import (
     ForeignSolver,
     RunSlopes,
     Solution,
+    TooSlow,
     in_binary32,
 )
 
 # The start, the end and the length all have many bits.
 _SPAN = (0.1, 0.1 + 1.7)
 _RTOL, _ATOL = 1e-6, 1e-9
-_TOLERANCES = (1e-3, 1e-4, 1e-5, 1e-6)
+_TOLERANCES, _TINIEST = (1e-3, 1e-4, 1e-5, 1e-6), 1e-12
 _SIZE = 2.0**20  # a power of two: numbers so many times as large are rounded alike
 # In each of these pairs of rtol and atol only the tolerance named is large enough to matter.
 _ONE_AT_A_TIME = {"rtol": ((1e-3, 1e-12), (1e-6, 1e-12)), "atol": ((1e-12, 1e-3), (1e-12, 1e-6))}
@@ -265,7 +267,9 @@ def _requested(
         for rtol, error, run in zip(_TOLERANCES, errors, runs, strict=True)
     ]
     if len({run.t for run in runs}) == 1:
-        return lines, ["rtol is ignored: the steps are the same at every tolerance"]
+        if _is_deaf(subject, problem, span, runs[0]):
+            return lines, ["rtol is ignored: the steps are the same at every tolerance"]
+        return [*lines, f"a largest step size hides these tolerances: at rtol = {_TINIEST:g} steps are others"], []
     # Rounding of a few hundred steps, or a largest step size, may hide the effect of the last tolerance.
     floor = max(float(run.format.u) for run in runs) * 2.0**10
     if max(errors[-1], floor) > max(errors[0] / 10, _TOLERANCES[-1]) and errors[0] > 10 * floor:
@@ -307,10 +311,18 @@ def _ignored(subject: ForeignSolver) -> list[str]:
             continue
         large, small, both_large = (_error(run, problem) for run in runs)
         if runs[0].t == runs[1].t:
-            found.append(f"{name} is ignored: the steps are the same whatever it is")
+            deaf = _is_deaf(subject, problem, span, runs[0])
+            found += [f"{name} is ignored: the steps are the same whatever it is"] * deaf
         elif large < _EFFECT * small and _BELOW * large < both_large:
             found.append(f"{name} is ignored: the error is {large:.2g} at {name} = 0.001 and {small:.2g} at 1e-06")
     return found
+
+
+def _is_deaf(subject: ForeignSolver, problem: NonlinearProblem, span: tuple[float, float], run: Solution) -> bool:
+    """True if the steps are those of the run also at tolerances that no largest step size hides."""
+    with suppress(DoesNotEnd, TooSlow):
+        return _solved(subject, problem, span, rtol=_TINIEST, atol=_TINIEST).t == run.t
+    return False
 
 
 def _of_another_scale(subject: ForeignSolver) -> list[str]:

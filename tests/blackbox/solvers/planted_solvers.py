@@ -45,6 +45,8 @@ def adaptive(
     accepted=1.0,
     size=abs,
     first_error=1.0,
+    longest=float("inf"),
+    per_unit=False,
     state=lambda stage, y, moved: moved,
 ):
     """The solver of a pair whose last stage is the first of the next step, with a controller of that law.
@@ -54,7 +56,7 @@ def adaptive(
     `stepped`, the length by which t advances; `changed`, the factor after so many rejections in a row; `norm` of the
     errors; `accepted`, the largest error of a step that is taken; `size` of the numbers in the scale of errors.
     `shortest`, the length of a step that is taken whatever its error; `state` is where a stage is evaluated.
-    `first_error` is the one that the first step remembers.
+    `first_error` is the one that the first step remembers. With `per_unit` the estimate is divided by h.
     """
     pair = METHODS[key]
     a, c = [[float(x) for x in row] for row in pair.a], [float(x) for x in pair.c]
@@ -79,7 +81,7 @@ def adaptive(
                 k.append(f(float(t) + c[i] * h, state(i, y, moved)))
             y1 = y + h * product(b, k)
             scale = atol + rtol * np.maximum(size(y), size(y1))
-            r = float(norm(abs(h * product(e, k)) / scale))
+            r = float(norm(abs((sign if per_unit else h) * product(e, k)) / scale))
             if not isfinite(r):
                 if on_nan == "fail":
                     failure = "the error is not finite"
@@ -105,7 +107,7 @@ def adaptive(
                 if abs(h) < 1e-13 and on_nan != "retry":
                     failure = "the step size is too small"
                     break
-            h = sign * max(abs(h * factor), shortest)
+            h = sign * min(max(abs(h * factor), shortest), longest)
             if ending != "beyond" and sign * (t + h - end) > 0 and abs(float(end - t)) > 0:
                 h = float(end - t)
         if ending == "tiny":

@@ -30,6 +30,10 @@ LAWS = {
     "PI after no error": ({**PI, "first_error": 1e-4}, (0.9, Fraction(17, 100), Fraction(1, 25), 0.2, 10.0)),
     "filtered": ({**PI, "filtered": 0.125}, (0.9, Fraction(17, 100), Fraction(1, 25), 0.2, 10.0)),
     "of low order": ({"key": "heun_euler21", "exponent": 0.5}, (0.8, Fraction(1, 2), 0, 0.25, 4.0)),
+    "per unit of time": (
+        {"key": "fehlberg45", "exponent": 0.25, "safety": 0.84, "least": 0.1, "per_unit": True},
+        (0.84, Fraction(1, 4), 0, 0.1, 4.0),
+    ),
     "of another pair": ({"key": "cash_karp54", "exponent": 0.2}, (0.8, Fraction(1, 5), 0, 0.25, 4.0)),
 }
 
@@ -42,7 +46,8 @@ def test_the_law_comes_out_as_it_went_in(name, as_before):
     found = read(asked.code)
     as_before(*found.lines, *found.faults, asked)
     law = found.law
-    assert (law.estimate, law.exponent, law.memory) == (switches.get("key", "bogacki_shampine32"), exponent, memory)
+    estimate = switches.get("key", "bogacki_shampine32") + " per unit of time" * ("per_unit" in switches)
+    assert (law.estimate, law.exponent, law.memory) == (estimate, exponent, memory)
     # The scale of errors is known to a part in 10^6, of which a cube root is taken or so, by a least squares fit.
     assert [law.safety, law.smallest, law.largest] == pytest.approx([safety, least, most], rel=1e-4)
     assert law.after_rejection

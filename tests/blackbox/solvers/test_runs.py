@@ -98,6 +98,15 @@ def test_where_a_largest_step_size_makes_the_errors_no_tolerance_is_said_to_be_i
     assert fault.startswith("at a jump of f it does not end")
 
 
+@pytest.mark.slow
+def test_a_largest_step_size_hides_a_tolerance_that_is_not_ignored():
+    found = read(adaptive(longest=0.002, first_step=0.002))
+    assert found.seen["Tolerance"][4].startswith("q'' = -q to t = 6: a largest step size hides these tolerances")
+    assert found.faults == ()
+    ignored = read(adaptive(longest=0.002, first_step=0.002, tolerances=lambda rtol, atol: (1e-6, 1e-9)))
+    assert "rtol is ignored: the steps are the same at every tolerance" in ignored.faults
+
+
 def raises_at_nan(f, t_span, y0, rtol, atol):
     def checked(t, y):
         slopes = f(t, y)
