@@ -31,6 +31,7 @@ bogacki_shampine32 | Bogacki-Shampine, BS3, BS23, RK23, ode23
 bogacki_shampine54 | BS5
 fehlberg45 | Fehlberg, RKF45, Runge-Kutta-Fehlberg
 fehlberg78 | RKF78, RK78
+rk4_doubling54 | RK4 with step doubling, step doubling, RK4 with Richardson extrapolation
 merson45 | Merson, Kutta-Merson
 cash_karp54 | Cash-Karp, RKCK, CK45
 dormand_prince54 | Dormand-Prince, DOPRI5, DOPRI54, RKDP, DP5, RK45, ode45

@@ -100,6 +100,22 @@ _ORDERS_FOUR_AND_FIVE: tuple[RungeKutta, ...] = tableaux(
          | 35/384 0 500/1113 125/192 -2187/6784 11/84 0
          | 5179/57600 0 7571/16695 393/640 -92097/339200 187/2100 1/40
 
+    # A step and two half steps of RK4: the first row extrapolates both (Richardson), the second is that of the halves.
+    rk4_doubling54 | RK4 with step doubling 5(4) | 5(4) | hairer-norsett-wanner-1993, II.4 (4.1) to (4.5)
+      0 |
+    1/2 | 1/2
+    1/2 | 0 1/2
+      1 | 0 0 1
+    1/4 | 1/4
+    1/4 | 0 0 0 0 1/4
+    1/2 | 0 0 0 0 0 1/2
+    1/2 | 1/12 0 0 0 1/6 1/6 1/12
+    3/4 | 1/12 0 0 0 1/6 1/6 1/12 1/4
+    3/4 | 1/12 0 0 0 1/6 1/6 1/12 0 1/4
+      1 | 1/12 0 0 0 1/6 1/6 1/12 0 0 1/2
+        | 7/90 -1/45 -1/45 -1/90 8/45 8/45 4/45 4/45 8/45 8/45 4/45
+        | 1/12 0 0 0 1/6 1/6 1/12 1/12 1/6 1/6 1/12
+
     # The source has a second embedded row, with seven stages; this is the one that reuses the next step's slope.
     bogacki_shampine54 | Bogacki-Shampine 5(4) | 5(4) | bogacki-shampine-1996, the 5(4) pair
       0 |

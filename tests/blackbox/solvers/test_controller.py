@@ -34,6 +34,7 @@ LAWS = {
         {"key": "fehlberg45", "exponent": 0.25, "safety": 0.84, "least": 0.1, "per_unit": True},
         (0.84, Fraction(1, 4), 0, 0.1, 4.0),
     ),
+    "of step doubling": ({"key": "rk4_doubling54", "exponent": 0.2}, (0.8, Fraction(1, 5), 0, 0.25, 4.0)),
     "of another pair": ({"key": "cash_karp54", "exponent": 0.2}, (0.8, Fraction(1, 5), 0, 0.25, 4.0)),
 }
 

@@ -250,3 +250,22 @@ def test_last_digits_of_yoshidas_tables_are_wrong(key: str) -> None:
     worst = [max(abs(x) for p in range(3, 6) for _, x in residuals(each, p)) for each in conditions]
     assert worst[0] < Q("1e-21")
     assert worst[1] > Q("1e-16")
+
+
+def test_step_doubling_is_a_step_and_two_halves_of_rk4_extrapolated():
+    def rk4(y: Q, t: Q, h: Q) -> Q:
+        k1 = rate(t, y)
+        k2 = rate(t + h / 2, y + h / 2 * k1)
+        k3 = rate(t + h / 2, y + h / 2 * k2)
+        return y + h / 6 * (k1 + 2 * k2 + 2 * k3 + rate(t + h, y + h * k3))
+
+    def rate(t: Q, y: Q) -> Q:
+        return t * t - y * y
+
+    method, y, t, h = entry("rk4_doubling54"), Q(1, 3), Q(-1, 5), Q(1, 2)
+    slopes: list[Q] = []
+    for a, c in zip(method.a, method.c, strict=True):
+        slopes.append(rate(t + c * h, y + h * sum(x * k for x, k in zip(a, slopes, strict=False))))
+    whole, halves = rk4(y, t, h), rk4(rk4(y, t, h / 2), t + h / 2, h / 2)
+    ends = (y + h * sum(x * k for x, k in zip(row, slopes, strict=True)) for row in (method.b, method.b_embedded))
+    assert [*ends] == [halves + (halves - whole) / 15, halves] != [halves, whole]
