@@ -65,8 +65,8 @@ NOT_ELSEWHERE = "sympy"
 # result of a cluster survive its worker, and 2 keep a legend from being cut off.
 # The goals are 400, 3500, 7300, 3000, 7500 and 4600, and 4200 for reports with the front. What stands above them:
 # support holds the one runner of isolated processes, its messages and the one reader of TOML, which stood thrice;
-# methods the one grammar of expressions, the one number field and fields with several roots, 18 for step doubling; symbolic the front door
-# of `derive` and facts as typed properties; blackbox verdicts that say what was seen, and implicit
+# methods the one grammar of expressions, the one number field, fields with several roots, step doubling; symbolic the
+# door of `derive` and facts as typed properties; blackbox verdicts that say what was seen, and implicit
 # stages, its own sampler of steps, 100 lines, in which objects a state comes, 300, and thirty kinds of wrong steps that
 # a passing verdict had overlooked, 250, five faults of whole solvers, 60, and wrappers for objects, 110; fifty more
 # kinds of wrong steps, 400, six more, 30, and steps of records and wrappers that work when pasted, 270; texts what docs

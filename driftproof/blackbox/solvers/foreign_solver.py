@@ -179,7 +179,7 @@ def taken_by(solve: Callable[..., Any]) -> tuple[str, tuple[str, ...]]:
     open_ended = any(p.kind is p.VAR_KEYWORD for p in parameters.values())
     further = {calling.word_of(name): name for name, p in parameters.items() if p.kind is not p.VAR_KEYWORD}
     further = dict(list(further.items())[3:])
-    required = [name for name in further.values() if parameters[name].default is inspect.Parameter.empty]
+    required = _required(solve)
     known = {
         taken: tuple(next((further[word] for word in words if word in further), "") for words in roles)
         for taken, roles in _SETTINGS.items()
@@ -192,6 +192,12 @@ def taken_by(solve: Callable[..., Any]) -> tuple[str, tuple[str, ...]]:
     if not required:
         return (TOLERANCES, ("rtol", "atol")) if open_ended and further else (NOTHING, ())
     return TOLERANCES if len(required) > 1 else TOLERANCE, ()
+
+
+def _required(solve: Callable[..., Any]) -> list[str]:
+    """The parameters after f, t_span and y0 that have no default."""
+    further = list((calling.parameters_of(solve) or {}).values())[3:]
+    return [p.name for p in further if p.default is p.empty and p.kind not in (p.VAR_POSITIONAL, p.VAR_KEYWORD)]
 
 
 def _solution(answer: Any, y0: tuple[float, ...], calls: tuple[Call, ...]) -> Solution:
@@ -266,8 +272,13 @@ class SolverTarget:
             write = f"write: def wrapped(f, t_span, y0): made = {given.__name__}(...); ...; return times, states"
             raise BadInput(f"{given.__name__} is a class, and making one is no run; {write}")
         solve = in_usual_order(given)
+        takes, names = taken_by(solve)
+        if names and solve is not given and (missing := [name for name in _required(solve) if name not in names]):
+            values = ", ".join(f"{name}=..." for name in missing)
+            called = f"functools.partial({getattr(given, '__name__', 'solve')}, {values})"
+            raise BadInput(f"it needs {', '.join(missing)} as well; write: wrapped = {called}, with values of your own")
         for adapter in (ARRAYS, LISTS):
-            subject = ForeignSolver(solve, adapter, *taken_by(solve), before, after)
+            subject = ForeignSolver(solve, adapter, takes, names, before, after)
             try:
                 found = subject.solve(lambda n, t, y: [0.0 * x for x in y], (0.0, 1.0), (1.0, 0.5))
             except Misbehaviour as failure:

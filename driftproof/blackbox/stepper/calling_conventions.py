@@ -128,7 +128,23 @@ RUN_ENDS = (
     ("t0", "t_0", "t_start", "tstart", "t_begin", "t_initial", "t_init", "ti", "start", "a"),
     ("t1", "t_1", "tf", "t_end", "tend", "t_final", "tfinal", "t_stop", "tstop", "t_max", "tmax", "t_bound", "b"),
 )
-STARTS = ("y0", "u0", "x0", "z0", "y_0", "u_0", "x_0", "state0", "y_init", "yinit", "initial", "initial_state", "ic")
+STARTS = (
+    "y0",
+    "u0",
+    "x0",
+    "z0",
+    "y_0",
+    "u_0",
+    "x_0",
+    "ya",
+    "alpha",
+    "state0",
+    "y_init",
+    "yinit",
+    "initial",
+    "initial_state",
+    "ic",
+)
 # The p of step(p, h) is a particle, not a momentum.
 _PARTICLE = MAP, STATE, "p"
 # A mass other than 1 shows whether the force is divided by it; for a power of two the quotient is exact.

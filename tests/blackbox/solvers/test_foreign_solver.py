@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from types import SimpleNamespace
 
 import numpy as np
@@ -186,3 +187,15 @@ def test_targets_are_named_and_opened_as_before(as_before):
         except (Misbehaviour, ValueError) as refusal:
             said.append((target.name, target.by_name, type(refusal).__name__, str(refusal)))
     as_before(*said)
+
+
+def test_a_solver_that_needs_more_shows_how_to_give_it():
+    def rkf(f, a, b, alpha, tol, hmax, hmin):
+        return fixed(20)(f, (a, b), alpha, tol, tol)
+
+    with pytest.raises(
+        BadInput, match=r"it needs hmax, hmin as well; write: wrapped = functools.partial\(rkf, hmax=\.\.\."
+    ):
+        SolverTarget(rkf).open()
+    found = SolverTarget(partial(rkf, hmax=1.0, hmin=1e-6)).open()
+    assert (found.takes, found.names) == ("tolerance", ("tol",))
