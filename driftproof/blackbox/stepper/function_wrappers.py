@@ -71,12 +71,14 @@ def function_wrapper(step: Callable[..., Any]) -> str:
         gradients = {by_position: "lambda q, *p: -force(q)", by_momentum: "lambda *p: p[-1]"}
         rest = [each for each in names if each not in gradients]
         return _call(step, names, {**gradients, **arguments_by_role(rest, FORCE)}, FORCE)
-    roles = {role_of(each, PLAIN_ROLES) for each in names}
-    of_state = POSITION not in roles or (VELOCITY not in roles and TIME in roles)
+    roles = {role_of(each, PLAIN_ROLES): word_of(each) for each in names}
+    of_state = POSITION not in roles or (VELOCITY not in roles and roles.get(FUNCTION, "a")[0] != "a")
     kind = MAP if FUNCTION not in roles else FIELD if of_state else FORCE
     if line := list_wrapper(step) or run_wrapper(step):
         return line[2:]
     given = arguments_by_role(names, kind)
+    if line := _grid_wrapper(step, names, given):
+        return line
     return _call(step, names, given, kind) if given else ""
 
 
@@ -132,10 +134,22 @@ def run_wrapper(step: Callable[..., Any]) -> str:
     return ""
 
 
+def _grid_wrapper(step: Callable[..., Any], names: Sequence[str], given: Mapping[str, str]) -> str:
+    """The wrapper of a run over a row of times, whatever their name, by its last state; "" if it is none."""
+    left = [each for each in names if each not in given]
+    if len(left) == 1 and {*given.values()} in ({"f", "y"}, {"f", "y", "()"}):
+        given = {**given, left[0]: "[t, t + h]"}
+        with suppress(Exception):
+            if np.shape(step(*[TRIAL_ARGUMENTS.get(given[each], np.array([0.0, 0.25])) for each in names])) == (2, 2):
+                return f"def wrapped({HEADS[FIELD]}): return {_called(step, names, given)}[-1]"
+    return ""
+
+
 def _call(step: Callable[..., Any], names: Sequence[str], given: Mapping[Any, str], kind: str) -> str:
     """The wrapper that calls a function of these names with the arguments given; those left are in capitals."""
     left = [each for each in names if each not in given]
-    said = f"  # write values for {', '.join(map(str.upper, left))}" if left else ""
+    time = ", t for the time" * (kind == FIELD and len(left) == 1 and {"t", "t + h"}.isdisjoint(given.values()))
+    said = f"  # write values for {', '.join(map(str.upper, left))}{time}" if left else ""
     if len(left) == 1 and is_before(left[0]):
         if line := _two_step_call(step, names, given, kind):
             return line

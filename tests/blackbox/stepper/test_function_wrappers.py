@@ -33,6 +33,13 @@ def test_of_a_step_whose_force_is_built_in_and_that_takes_the_state_before_the_f
     assert "two steps" not in wrapper_line(lambda f, t, y, h, mesh: y)
 
 
+def test_a_state_called_x_is_no_position_where_a_right_hand_side_is_taken():
+    line = wrapper_line(lambda f, iv, x, h, args: x)
+    assert line.endswith("(f, IV, y, h, ())  # write values for IV, t for the time")
+    assert "force, MESH, q, h)" in wrapper_line(lambda acc, mesh, x, h: x)
+    assert wrapper_line(lambda f, x0, iv: x0).endswith("(f, y, IV)  # write values for IV, t for the time")
+
+
 PLAIN = """
 def stormer(x, x_prev, acc, dt):
     return 2 * x - x_prev + dt**2 * acc(x), x
@@ -68,6 +75,12 @@ def separable(q, p, dVdq, dTdp, dt):
 def of_interval(func, y, t0, t1, args):
     return y + (t1 - t0) * func(t0, y, args)
 
+def over_a_grid(fun, x0, iv, args=()):
+    x = [np.asarray(x0)]
+    for t, dt in zip(iv, np.diff(iv)):
+        x.append(x[-1] + dt * fun(x[-1], t, *args))
+    return np.asarray(x)
+
 def with_parameters(params, y, vector_field, t, g=0.0, h=0.1):
     return y + h * vector_field(t, y, params)
 """
@@ -88,6 +101,7 @@ PASTED = {
         "return separable(q, v, lambda q, *p: -force(q), lambda *p: p[-1], h)",
         "symplectic_euler",
     ),
+    "over_a_grid": ("f, t, y, h", "return over_a_grid(f, y, [t, t + h])[-1]", "forward_euler"),
     "of_interval": ("f, t, y, h", "return of_interval(f, y, t, t + h, ())", "forward_euler"),
     "with_parameters": (
         "f, t, y, h",
