@@ -90,7 +90,7 @@ def questions_of(wanted: Specification, examples: int) -> list[Question]:
         Question(ROUNDING, against(explain_by_habits, examples=examples), _judge_rounding),
         Question(COEFFICIENTS, read_coefficients, coefficients, "", _READABLE),
         Question(NONLINEAR_STEP, against(nonlinear_agreement), _judge_nonlinear_step),
-        Question(ORDER, against(measured_orders), _judge_order),
+        Question(ORDER, against(measured_orders, explicit=method.explicit), _judge_order),
         Question(ERROR_ESTIMATE, partial(judged_estimate, method=method), _judge_estimate, "", estimate),
         Question(DENSE_OUTPUT, judged_dense, _judge_dense),
         Question("Steps elsewhere", against(walked), _judge_calls, ", but not everywhere"),

@@ -57,7 +57,7 @@ def identify(
     """
     with IsolatedRunner(Target(step, calls, array), time_limit, isolate) as runner:
         of_run = partial(read_family, runs_only=True)
-        read, order, dense, family = runner.run([read_coefficients, measured_orders, judged_dense, of_run])
+        read, dense, family = runner.run([read_coefficients, judged_dense, of_run])
         if read.failed and read.kind not in (UnsupportedCall.kind, *NO_EVIDENCE):
             family = runner.outcome_of(read_family)
         if family.result is not None or read.kind == UnsupportedCall.kind:
@@ -69,6 +69,7 @@ def identify(
         # If later steps depend on earlier ones by no known recurrence, only the first step was read.
         remembering = family.kind in (NotReadable.kind, NoRecurrence.kind, *NO_EVIDENCE)
         later = f"this holds for its first step only: {family.seen}" if remembering and family.seen != read.seen else ""
+        order = runner.outcome_of(partial(measured_orders, explicit=not (read.failed or read.result.implicit)))
         return identification_report(runner, read, order, dense, later)[0]
 
 

@@ -232,17 +232,38 @@ def test_a_step_that_ends_where_a_slope_is_0_is_not_the_method():
     assert identify(ending, isolate=False).verdict == f"it is gauss2, but {why}, its stages are not solved"
 
 
-def test_a_step_of_one_number_with_an_implicit_stage_is_undecided():
-    def alone(f, t, y, h):
-        before, y1 = 0.0, float(y)
+def backward(number, part=1.0):
+    def step(f, t, y, h):
+        before, y1 = np.inf, number(y)
         while abs(y1 - before) > 1e-13 * (1 + abs(y1)):
-            before, y1 = y1, float(y) + h * f(t + h, y1)
+            before, y1 = y1, number(y) + h * f(t + h, y1 + (1 - part) * (number(y) - y1))
         return y1
 
-    found = held(alone, "backward_euler", **CONVERGING)
-    assert found.passed is None, found
-    assert "nonlinear step" in found.text().lower()
-    assert "a scalar holds one number" in found.verdict
+    return step
+
+
+def test_a_step_of_one_number_is_read_where_others_may_stand_for_it_and_else_undecided():
+    found, wrong = (held(backward(lambda y: y, part), "backward_euler", **CONVERGING) for part in (1.0, 0.999))
+    assert found.verdict.startswith("is backward_euler for a single component: its coefficients agree, and")
+    assert wrong.verdict == "is not backward_euler; it is backward_euler except for a[0][0]: 999/1000 instead of 1"
+    what = "one number shows the stability function only; a step that takes an array of them shows its stages"
+    alone = held(backward(float), "backward_euler", **CONVERGING)
+    assert alone.passed is None
+    assert "Nonlinear step: passed" in alone.text()
+    assert alone.verdict.endswith(what)
+    other = held(backward(float), "implicit_midpoint", **CONVERGING).verdict
+    assert other.startswith("is not implicit_midpoint: on a nonlinear problem of 1 component")
+    seen = identify(backward(float), isolate=False)
+    assert seen.verdict.startswith("undecided: the number of calls depends on the answers")
+    assert seen.verdict.endswith(what)
+    assert seen.section("Faults") is None
+
+
+def test_a_step_of_one_number_is_tried_back_as_well():
+    back = lambda f, t, y, h: float(y) + h * f(t, float(y)) * (1 if h > 0 else 1.01)
+    found = held(back, "forward_euler")
+    assert found.verdict.startswith("is forward_euler for h > 0 only: a step with h < 0 is wrong")
+    assert "Steps back: passed" in held(lambda f, t, y, h: float(y) + h * f(t, float(y)), "forward_euler").text()
 
 
 def test_a_step_that_takes_its_jacobian_is_undecided_and_told_what_to_do():

@@ -267,4 +267,4 @@ def back_and_on(subject: ForeignStepper, wanted: Specification) -> StepFinding:
     on = walk_on(Walker(subject, wanted), _BACK, _PAIRS_BACK)
     if on.holds is False:
         return StepFinding(False, f"a step with h < 0 is wrong: {on.words}")
-    return StepFinding(True, f"{found.words}; {on.words}") if on.holds else found
+    return on._replace(words="; ".join(filter(None, (found.words, on.words)))) if on.holds or subject.single else found

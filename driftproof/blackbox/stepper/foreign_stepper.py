@@ -76,8 +76,10 @@ class ForeignStepper(ForeignCode):
         """One step of q' = v, v' = force(t, q): the new positions, then the new velocities.
 
         The state of a right-hand side is [q..., v...], or [q, v, q, v, ...] if `interleaved`. The stepper may ask for
-        the force at fewer positions at a time. Raises UnsupportedCall if the system is built in.
+        the force at fewer positions at a time. Raises UnsupportedCall if the system is built in, or of one number.
         """
+        if self.single:
+            raise UnsupportedCall("it takes one number, but q'' = -q needs two")
         if self.convention.kind == FORCE:
             return self._forced(lambda at, x, velocity: force(at, x), t, q, v, h)
         places = [*range(0, 2 * len(q), 2), *range(1, 2 * len(q), 2)] if interleaved else [*range(2 * len(q))]

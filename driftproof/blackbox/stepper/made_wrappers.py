@@ -115,7 +115,7 @@ def _class_wrapper(cls: type) -> str:
 
 def clock_wrapper(step: Callable[..., Any]) -> str:
     """The wrapper of an object with a clock of its own, which is set; if none is found, what to do."""
-    if clock := _attribute(getattr(getattr(step, "held", None), "made", None), TIME):
+    if clock := _attribute(getattr(step, "made", None), TIME):
         return f'; write time="{clock}" in the call of field_stepper_of'
     owner = getattr(step, "__self__", step)
     cls, method = type(owner), f".{step.__name__}" if inspect.ismethod(step) else ""
