@@ -266,11 +266,41 @@ def test_a_step_of_one_number_is_tried_back_as_well():
     assert "Steps back: passed" in held(lambda f, t, y, h: float(y) + h * f(t, float(y)), "forward_euler").text()
 
 
-def test_a_step_that_takes_its_jacobian_is_undecided_and_told_what_to_do():
-    step = lambda f, jac, t, y, h: y + np.linalg.solve(np.eye(len(y)) - h * jac(t, y), h * f(t, y))
-    found = held(step, "backward_euler", **CONVERGING)
-    assert found.passed is None
-    assert found.verdict.endswith("takes a Jacobian: let it form that of f itself, as in step(f, t, y, h)")
+def theta_step(theta, late=1.0, most=50):
+    """By Newton's method with the Jacobian that is handed in: backward Euler's for theta = 1."""
+
+    def step(f, jac, y, t, h):
+        known, y1 = y + h * (1 - theta) * f(y, t), y
+        for _ in range(most):
+            change = np.linalg.solve(
+                np.eye(len(y)) - h * theta * jac(y1, t + late * h), y1 - known - h * theta * f(y1, t + late * h)
+            )
+            y1 = y1 - change
+            if np.abs(change).max() <= 1e-13 * (1 + np.abs(y1).max()):
+                break
+        return y1
+
+    return step
+
+
+def of_one_with_its_derivative(f, dfdy, t, y, h):
+    y1, change = y, np.inf
+    while abs(change) > 1e-13 * (1 + abs(y1)):
+        change = (y1 - y - h * f(t + h, y1)) / (1 - h * dfdy(t + h, y1))
+        y1 = y1 - change
+    return y1
+
+
+@pytest.mark.parametrize(("step", "passed", "name"), [
+    (theta_step(1.0), True, "backward_euler"), (of_one_with_its_derivative, True, "backward_euler"),
+    (theta_step(1.0, late=0.5), False, "backward_euler except for c[0]: 1/2 instead of 1"),
+    (theta_step(0.5), False, "trapezoid"), (theta_step(1.0, most=2), False, "backward_euler, but its solver stops"),
+])  # fmt: skip
+def test_a_step_that_solves_with_a_jacobian_is_handed_differences_of_f_and_the_verdict_says_so(step, passed, name):
+    found, seen = held(step, "backward_euler", **CONVERGING), identify(step, isolate=False)
+    assert found.passed is passed
+    assert seen.verdict.startswith(f"it is {name}")
+    assert [x.verdict.endswith("; as its Jacobian it was handed differences of f") for x in (found, seen)] == [True] * 2
 
 
 @pytest.mark.slow
