@@ -97,7 +97,9 @@ def questions_of(wanted: Specification, examples: int) -> list[Question]:
         Question("Steps back", against(back_and_on), _judge_calls, " for h > 0 only"),
         Question("Several", against(several_together), _judge_calls, ", but not of several oscillators at once"),
         Question("Parameters", against(other_parameters), _judge_calls, ", but not for all parameters"),
-        Question("Later steps", later_steps, _judge_calls, " for its first step only"),
+        Question(
+            "Later steps", partial(later_steps, explicit=method.explicit), _judge_calls, " for its first step only"
+        ),
         Question(STATE_FORMS, against(state_objects), _judge_calls, ", but not for every form of state"),
         Question(FIRST_CALL, first_call_again, _judge_calls, ", but not in every call"),
     ]
