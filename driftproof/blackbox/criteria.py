@@ -90,14 +90,16 @@ def questions_of(wanted: Specification, examples: int) -> list[Question]:
         Question(ROUNDING, against(explain_by_habits, examples=examples), _judge_rounding),
         Question(COEFFICIENTS, read_coefficients, coefficients, "", _READABLE),
         Question(NONLINEAR_STEP, against(nonlinear_agreement), _judge_nonlinear_step),
-        Question(ORDER, against(measured_orders), _judge_order),
+        Question(ORDER, against(measured_orders, explicit=method.explicit), _judge_order),
         Question(ERROR_ESTIMATE, partial(judged_estimate, method=method), _judge_estimate, "", estimate),
         Question(DENSE_OUTPUT, judged_dense, _judge_dense),
         Question("Steps elsewhere", against(walked), _judge_calls, ", but not everywhere"),
         Question("Steps back", against(back_and_on), _judge_calls, " for h > 0 only"),
         Question("Several", against(several_together), _judge_calls, ", but not of several oscillators at once"),
         Question("Parameters", against(other_parameters), _judge_calls, ", but not for all parameters"),
-        Question("Later steps", later_steps, _judge_calls, " for its first step only"),
+        Question(
+            "Later steps", partial(later_steps, explicit=method.explicit), _judge_calls, " for its first step only"
+        ),
         Question(STATE_FORMS, against(state_objects), _judge_calls, ", but not for every form of state"),
         Question(FIRST_CALL, first_call_again, _judge_calls, ", but not in every call"),
     ]

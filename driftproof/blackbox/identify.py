@@ -10,7 +10,7 @@ from typing import Any
 from driftproof.blackbox.checks.suite import CHECKS, checks_of
 from driftproof.blackbox.families.damping import read_damping
 from driftproof.blackbox.families.multistep_recurrence import NoRecurrence
-from driftproof.blackbox.families.reports import family_report, read_family, unread_report
+from driftproof.blackbox.families.reports import family_report, hand_jacobian, read_family, unread_report
 from driftproof.blackbox.findings import NO_EVIDENCE, Outcome, UnsupportedCall, arithmetic_of
 from driftproof.blackbox.identification import Identification
 from driftproof.blackbox.isolation import TIME_LIMIT, IsolatedRunner
@@ -56,20 +56,29 @@ def identify(
     judging by linear steps only, it is forward_euler
     """
     with IsolatedRunner(Target(step, calls, array), time_limit, isolate) as runner:
-        of_run = partial(read_family, runs_only=True)
-        read, order, dense, family = runner.run([read_coefficients, measured_orders, judged_dense, of_run])
-        if read.failed and read.kind not in (UnsupportedCall.kind, *NO_EVIDENCE):
-            family = runner.outcome_of(read_family)
-        if family.result is not None or read.kind == UnsupportedCall.kind:
-            opened = runner.outcome_of(introduction).result
-            if family.result is not None:
-                return family_report(runner.target.name, opened, family.result)
-            if opened is not None and opened.calls in FAMILY_KINDS:
-                return unread_report(runner.target.name, family)
-        # If later steps depend on earlier ones by no known recurrence, only the first step was read.
-        remembering = family.kind in (NotReadable.kind, NoRecurrence.kind, *NO_EVIDENCE)
-        later = f"this holds for its first step only: {family.seen}" if remembering and family.seen != read.seen else ""
-        return identification_report(runner, read, order, dense, later)[0]
+        return _identified(runner)
+
+
+def _identified(runner: IsolatedRunner) -> Report:
+    """The report on a runner's stepper; of one that takes a Jacobian in vain for a family, on its steps of f alone."""
+    of_run = partial(read_family, runs_only=True)
+    read, dense, family = runner.run([read_coefficients, judged_dense, of_run])
+    if read.failed and read.kind not in (UnsupportedCall.kind, *NO_EVIDENCE):
+        family = runner.outcome_of(read_family)
+    if family.result is not None or read.kind == UnsupportedCall.kind:
+        opened = runner.outcome_of(introduction).result
+        if family.result is not None:
+            return family_report(runner.target.name, opened, family.result)
+        if opened is not None and opened.calls in FAMILY_KINDS:
+            if family.kind not in NO_EVIDENCE and (handed := hand_jacobian(runner)):
+                report = _identified(runner)
+                return replace(report, verdict=report.verdict + handed)
+            return unread_report(runner.target.name, family)
+    # If later steps depend on earlier ones by no known recurrence, only the first step was read.
+    remembering = family.kind in (NotReadable.kind, NoRecurrence.kind, *NO_EVIDENCE)
+    later = f"this holds for its first step only: {family.seen}" if remembering and family.seen != read.seen else ""
+    order = runner.outcome_of(partial(measured_orders, explicit=not (read.failed or read.result.implicit)))
+    return identification_report(runner, read, order, dense, later)[0]
 
 
 def identification_report(

@@ -103,6 +103,11 @@ class IsolatedRunner:
             self._process[0].close()
             self._process = None
 
+    def turn_to(self, target: Examined) -> None:
+        """Examine another subject from now on, in the time that is left."""
+        self.__exit__()
+        self.target, self._here = target, None
+
     def run(self, probes: Sequence[Probe]) -> list[Outcome]:
         """Return the outcome of each probe. After a hang or a crash, a new process runs the remaining probes.
 

@@ -10,7 +10,7 @@ from typing import NamedTuple
 from driftproof.blackbox.checks.step_size import IGNORED
 from driftproof.blackbox.checks.trials import CheckResult
 from driftproof.blackbox.families.damping import Damping
-from driftproof.blackbox.findings import NO_EVIDENCE, Outcome, StaleSlope
+from driftproof.blackbox.findings import NO_EVIDENCE, Outcome, StaleSlope, UnsupportedCall
 from driftproof.blackbox.judging.measured_order import MeasuredOrder
 from driftproof.blackbox.matching.candidates import EMBEDDED
 from driftproof.blackbox.matching.linear_candidates import LinearCandidate
@@ -156,7 +156,8 @@ class Seen:
             off = f", to {nearly.off:.1e} at states of size 1" if nearly.off else few_bits
             words = f"judging by linear steps only, it is {name}{off}{alike}"
             return Naming(Basis.LINEAR_ONLY, words, (*nearly.methods, *twins), reserved=True)
-        open_questions = [o for o in (self.coefficients, self.linear) if o.kind in NO_EVIDENCE]
+        of_one_number = self.linear.kind == UnsupportedCall.kind and self.coefficients.failed
+        open_questions = [o for o in (self.coefficients, self.linear) if o.kind in NO_EVIDENCE or of_one_number]
         return Naming(Basis.UNDECIDED, f"{UNDECIDED}: {open_questions[0].seen}") if open_questions else self._unknown
 
     def _known(self, read: Recognised) -> Naming:

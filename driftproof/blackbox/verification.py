@@ -183,7 +183,7 @@ class Refutation:
         unnamed = naming.basis in (Basis.UNKNOWN, Basis.UNDECIDED)
         if self.mistakes and not one_entry and (by_linear_steps or unnamed or naming.reserved or named):
             yield f"is not {key}; it is {key} with one mistake: {self.mistakes[0]}"
-        if self.instead.section("Coefficients") is None and named:
+        if self.instead.section("Coefficients") is None and (named or naming.basis is Basis.UNDECIDED):
             yield f"is not {key}: {first.lines[0 if first.title == criteria.ROUNDING else -1]}"
         if naming.basis is Basis.KNOWN and naming.methods[0] == key and naming.words == self.instead.verdict:
             yield f"is {key}, but not everywhere: {first.lines[0]}"

@@ -13,7 +13,7 @@ from driftproof.blackbox import criteria
 from driftproof.blackbox.checks.arguments import arguments, types
 from driftproof.blackbox.checks.output_precision import digits
 from driftproof.blackbox.families.magnetic import BORIS_NAMES, Boris
-from driftproof.blackbox.families.reports import turns, verify_family
+from driftproof.blackbox.families.reports import hand_jacobian, turns, verify_family
 from driftproof.blackbox.findings import UnsupportedCall, arithmetic_of
 from driftproof.blackbox.isolation import TIME_LIMIT, IsolatedRunner
 from driftproof.blackbox.judging.agreement import EXAMPLES
@@ -74,7 +74,9 @@ def verify(
             asked = replace(asked, key=f"own_{asked.key}")
         wanted = Specification(asked, allowance, domain)
         Tolerance.of(wanted, BINARY64)  # an allowance without meaning is refused before anything runs
-        return _report_on_one_step(runner, asked, criteria.questions_of(wanted, examples))
+        handed = hand_jacobian(runner)
+        report = _report_on_one_step(runner, asked, criteria.questions_of(wanted, examples))
+        return replace(report, verdict=report.verdict + handed)
 
 
 def assert_verified(

@@ -5,6 +5,7 @@ from __future__ import annotations
 import random
 import re
 
+import numpy as np
 import pytest
 
 from driftproof.blackbox.identify import identify
@@ -61,6 +62,24 @@ def test_an_iteration_to_a_loose_tolerance_is_named_with_what_it_leaves():
     assert report.verdict.startswith("it is implicit_midpoint")
     assert "--method implicit_midpoint --solver-tolerance 1e-10, or" in report.section("What to do").lines[-1]
     assert re.search(r"its stages are solved to \d.\de-0[78]", "".join(report.section("Coefficients").lines))
+
+
+def test_an_iteration_that_keeps_its_first_guess_is_asked_for_its_order_in_floats():
+    kept = {}
+
+    def midpoint(f, t, y, h):
+        slope = kept.get(len(y), 0 * y)
+        for _ in range(100):
+            before, slope = slope, np.asarray(f(t + h / 2, y + h / 2 * slope))
+            if max(abs(slope - before)) <= 1e-15:
+                break
+        kept[len(y)] = slope if all(abs(slope) < 1e3) else 0 * y
+        return y + h * slope
+
+    report = identify(midpoint)
+    assert report.verdict == "it is implicit_midpoint"
+    assert report.section("Not answered") is None
+    assert report.section("Order").lines[1].startswith("order 2 is observed on a nonlinear problem of 4 components")
 
 
 def speed_limited(force, q, v, h):

@@ -9,10 +9,11 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
-from driftproof import assert_verified, field_stepper_of, identify, verify
+from driftproof import Allowance, Domain, assert_verified, field_stepper_of, identify, verify
 from tests.blackbox.families.remembering_steppers import Remembering, euler
 from tests.blackbox.families.split_steppers import imex
 from tests.blackbox.handwritten_steppers import rk4
+from tests.blackbox.implicit_steppers import all_at_once, fixed_point, table
 
 
 @dataclass
@@ -384,6 +385,29 @@ def moving(moves):
     return step
 
 
+def stopping(stops, moved=0.0):
+    """Heun's method, unless its second slope is of no size."""
+
+    def step(f, t, y, h):
+        k = f(t, y)
+        k2 = f(t + h, y + h * k)
+        return y + moved * h * k if stops(k2) else y + h / 2 * (k + k2)
+
+    return step
+
+
+def pushed_twice(stops):
+    """Velocity Verlet, unless its second force is of no size."""
+
+    def step(force, x, v, dt):
+        a = force(x)
+        x = x + dt * v + dt**2 / 2 * a
+        b = force(x)
+        return x, v if stops(b) else v + dt / 2 * (a + b)
+
+    return step
+
+
 def pulled(near):
     """Velocity Verlet, which begins with the acceleration at the end of the step before if x is near to that end."""
     kept = []
@@ -412,7 +436,8 @@ def resisted(change):
 
 
 RUN = later(lambda n: n - 1)
-FORWARD, COARSE = "forward_euler", lambda x, y: np.allclose(x, y, rtol=1e-9, atol=0)
+FORWARD, COARSE = "forward_euler", lambda x, y: np.allclose(x, y, rtol=1e-11, atol=0)
+STILL, MOVES = (lambda slope: not np.any(slope)), lambda slope: False
 EULER, VERLET, FIRST = "symplectic_euler", "velocity_verlet", "its first step ended at"
 WRONG = [
     (spring(lambda x, k, m: x / m), spring(), "symplectic_euler", "not for all parameters: with m = 2, k = 8"),
@@ -466,6 +491,13 @@ WRONG = [
     (of_objects(lambda old, x, y: old is y), of_objects(lambda old, x, y: old is y and np.array_equal(x, y)), FORWARD,
      "with one object overwritten between steps it takes a different step"),
     (moving(lambda slope: slope), moving(lambda slope: [1]), "heun2", "with 6 components, y[5] is"),
+    (stopping(STILL), stopping(MOVES), "heun2", "but not everywhere: where the slope of one stage is exactly 0"),
+    (stopping(STILL, 1.0), stopping(MOVES), "heun2", "where the slope of one stage is exactly 0, in a step of"),
+    (pushed_twice(STILL), pushed_twice(MOVES), VERLET, "where the slope of one stage is exactly 0, in a step of"),
+    (on_times(lambda t: np.full(len(t) - 1, t[1] - t[0]) if np.allclose(np.diff(t), t[1] - t[0], 0.09) else np.diff(t)),
+     on_times(np.diff), "heun2", "times of its grid are unequally"),
+    (on_times(lambda t: np.diff(t) * (1 + 1e-9 * (np.arange(1, len(t)) == 40))), on_times(np.diff), "heun2",
+     "for its first step only: a step in a run differs"),
     (pulled(COARSE), pulled(np.array_equal), VERLET, "when the previous one ended, in almost its state, differs"),
     (sprung(COARSE), sprung(np.array_equal), VERLET, "a step that begins in almost the state where one ended is wrong"),
     (resisted(lambda v: v * (np.arange(np.size(v)) < 3)), resisted(lambda v: v), EULER, "number 3 goes from"),
@@ -480,6 +512,34 @@ def test_the_mistake_is_caught_and_its_twin_passes(wrong, right, method, cause):
     found = verify(wrong, method, examples=60, isolate=False)
     assert found.passed is False
     assert cause in found.verdict
+
+
+def of_the_first_stage(residual, x):
+    """Plain iteration, until the slope of the first of two stages settles."""
+    for _ in range(200):
+        change = residual(x)
+        x = x - change
+        if not np.abs(change)[: len(x) // 2].max() > 1e-13:
+            break
+    return x
+
+
+def guessed(residual, x):
+    """Plain iteration, unless the first guess is right for the first of two stages."""
+    return x if np.abs(residual(x)[: len(x) // 2]).max() < 1e-13 else fixed_point(residual, x)
+
+
+@pytest.mark.parametrize("key", ["gauss2", "radau_iia2"])
+def test_an_iteration_that_looks_at_one_stage_alone_is_caught_where_that_needs_none(key):
+    settings = {"allowance": Allowance(solver_tolerance=1e-10), "domain": Domain(largest_step=0.5), "examples": 60}
+    right, *wrong = (
+        verify(all_at_once(table(key), solver), key, isolate=False, **settings)
+        for solver in (fixed_point, of_the_first_stage, guessed)
+    )
+    assert right.passed
+    for found in wrong:
+        assert found.passed is False
+        assert "where the slope of one stage is exactly 0, in a step of 0.05" in found.text()
 
 
 def test_a_time_that_is_left_to_the_caller_or_a_step_size_is_no_wrong_time():

@@ -232,24 +232,75 @@ def test_a_step_that_ends_where_a_slope_is_0_is_not_the_method():
     assert identify(ending, isolate=False).verdict == f"it is gauss2, but {why}, its stages are not solved"
 
 
-def test_a_step_of_one_number_with_an_implicit_stage_is_undecided():
-    def alone(f, t, y, h):
-        before, y1 = 0.0, float(y)
+def backward(number, part=1.0):
+    def step(f, t, y, h):
+        before, y1 = np.inf, number(y)
         while abs(y1 - before) > 1e-13 * (1 + abs(y1)):
-            before, y1 = y1, float(y) + h * f(t + h, y1)
+            before, y1 = y1, number(y) + h * f(t + h, y1 + (1 - part) * (number(y) - y1))
         return y1
 
-    found = held(alone, "backward_euler", **CONVERGING)
-    assert found.passed is None, found
-    assert "nonlinear step" in found.text().lower()
-    assert "a scalar holds one number" in found.verdict
+    return step
 
 
-def test_a_step_that_takes_its_jacobian_is_undecided_and_told_what_to_do():
-    step = lambda f, jac, t, y, h: y + np.linalg.solve(np.eye(len(y)) - h * jac(t, y), h * f(t, y))
-    found = held(step, "backward_euler", **CONVERGING)
-    assert found.passed is None
-    assert found.verdict.endswith("takes a Jacobian: let it form that of f itself, as in step(f, t, y, h)")
+def test_a_step_of_one_number_is_read_where_others_may_stand_for_it_and_else_undecided():
+    found, wrong = (held(backward(lambda y: y, part), "backward_euler", **CONVERGING) for part in (1.0, 0.999))
+    assert found.verdict.startswith("is backward_euler for a single component: its coefficients agree, and")
+    assert wrong.verdict == "is not backward_euler; it is backward_euler except for a[0][0]: 999/1000 instead of 1"
+    what = "one number shows the stability function only; a step that takes an array of them shows its stages"
+    alone = held(backward(float), "backward_euler", **CONVERGING)
+    assert alone.passed is None
+    assert "Nonlinear step: passed" in alone.text()
+    assert alone.verdict.endswith(what)
+    other = held(backward(float), "implicit_midpoint", **CONVERGING).verdict
+    assert other.startswith("is not implicit_midpoint: on a nonlinear problem of 1 component")
+    seen = identify(backward(float), isolate=False)
+    assert seen.verdict.startswith("undecided: the number of calls depends on the answers")
+    assert seen.verdict.endswith(what)
+    assert seen.section("Faults") is None
+
+
+def test_a_step_of_one_number_is_tried_back_as_well():
+    back = lambda f, t, y, h: float(y) + h * f(t, float(y)) * (1 if h > 0 else 1.01)
+    found = held(back, "forward_euler")
+    assert found.verdict.startswith("is forward_euler for h > 0 only: a step with h < 0 is wrong")
+    assert "Steps back: passed" in held(lambda f, t, y, h: float(y) + h * f(t, float(y)), "forward_euler").text()
+
+
+def theta_step(theta, late=1.0, most=50):
+    """By Newton's method with the Jacobian that is handed in: backward Euler's for theta = 1."""
+
+    def step(f, jac, y, t, h):
+        known, y1 = y + h * (1 - theta) * f(y, t), y
+        for _ in range(most):
+            change = np.linalg.solve(
+                np.eye(len(y)) - h * theta * jac(y1, t + late * h), y1 - known - h * theta * f(y1, t + late * h)
+            )
+            y1 = y1 - change
+            if np.abs(change).max() <= 1e-13 * (1 + np.abs(y1).max()):
+                break
+        return y1
+
+    return step
+
+
+def of_one_with_its_derivative(f, dfdy, t, y, h):
+    y1, change = y, np.inf
+    while abs(change) > 1e-13 * (1 + abs(y1)):
+        change = (y1 - y - h * f(t + h, y1)) / (1 - h * dfdy(t + h, y1))
+        y1 = y1 - change
+    return y1
+
+
+@pytest.mark.parametrize(("step", "passed", "name"), [
+    (theta_step(1.0), True, "backward_euler"), (of_one_with_its_derivative, True, "backward_euler"),
+    (theta_step(1.0, late=0.5), False, "backward_euler except for c[0]: 1/2 instead of 1"),
+    (theta_step(0.5), False, "trapezoid"), (theta_step(1.0, most=2), False, "backward_euler, but its solver stops"),
+])  # fmt: skip
+def test_a_step_that_solves_with_a_jacobian_is_handed_differences_of_f_and_the_verdict_says_so(step, passed, name):
+    found, seen = held(step, "backward_euler", **CONVERGING), identify(step, isolate=False)
+    assert found.passed is passed
+    assert seen.verdict.startswith(f"it is {name}")
+    assert [x.verdict.endswith("; as its Jacobian it was handed differences of f") for x in (found, seen)] == [True] * 2
 
 
 @pytest.mark.slow

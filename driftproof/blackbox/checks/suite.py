@@ -20,7 +20,7 @@ from driftproof.blackbox.checks.special_arguments import (
 )
 from driftproof.blackbox.checks.step_size import step_size, sub_steps
 from driftproof.blackbox.checks.trials import CheckResult, Unsteady
-from driftproof.blackbox.findings import NO_EVIDENCE, Outcome
+from driftproof.blackbox.findings import NO_EVIDENCE, Outcome, UnsupportedCall
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 
 # The checks by their names, which are the keys of results where they give none.
@@ -39,7 +39,7 @@ def checks_of(outcomes: Sequence[Outcome]) -> tuple[CheckResult, ...]:
     """The results of all checks in order; one result `answers` if none of them got an answer, for the same reason."""
     first, *others = outcomes
     if first.failed and all(outcome == first for outcome in others):
-        holds = None if first.kind in NO_EVIDENCE else False
+        holds = None if first.kind in (*NO_EVIDENCE, UnsupportedCall.kind) else False
         return (CheckResult("answers", holds, f"nothing could be tested: {first.seen}"),)
     found: list[CheckResult] = []
     for key, outcome in zip(CHECKS, outcomes, strict=True):

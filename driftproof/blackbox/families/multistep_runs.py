@@ -24,8 +24,10 @@ _GOLDEN = 0.6180339887498949
 _PLACES = 16
 # The numbers of components to try, the largest first; some codes take only one.
 _SIZES = (3, 2, 1)
-# Each interval of an uneven grid is longer than the one before by twice this part of the first.
-_UNEVEN = 0.125
+# Each interval of an uneven grid is longer than the one before by twice such a part of the first.
+_UNEVEN = (0.125, 2.0**-10)
+# The part by which explicit steps may differ in a run and alone: that of times, or so many roundings.
+_EXACTLY, _ROUNDINGS = 2.0**-36, 2.0**12
 # A bound on the derivative of the slopes by the state, so that iterations contract with the h of 1 of these runs.
 _BEND = 0.125
 
@@ -159,10 +161,11 @@ def order_across(subject: ForeignStepper, order: int) -> int | None:
     return order
 
 
-def remembers(subject: ForeignStepper, uneven: float = 0.0) -> bool:
+def remembers(subject: ForeignStepper, uneven: float = 0.0, alike: float = ALIKE) -> bool:
     """True if a step after others differs from one taken afresh from that state. Raises UnsupportedCall, Misbehaviour.
 
-    The intervals of a grid of times become longer by `uneven`; a built-in system steps from a state of its own.
+    The intervals of a grid of times become longer by `uneven`; a built-in system steps from a state of its own. A part
+    `alike` of the numbers does not count.
     """
     if subject.shortest > 1:
         return True
@@ -177,21 +180,22 @@ def remembers(subject: ForeignStepper, uneven: float = 0.0) -> bool:
     for at, after in pairwise(times):
         alone.append(problem.stepped(subject.fresh(), at, alone[-1], after - at))
     off = np.abs(np.array(seen, dtype=float) - np.array(alone[-len(seen) :], dtype=float)).max()
-    return bool(off > ALIKE * np.abs(np.array(alone, dtype=float)).max())
+    return bool(off > alike * np.abs(np.array(alone, dtype=float)).max())
 
 
-def later_steps(subject: ForeignStepper) -> StepFinding:
+def later_steps(subject: ForeignStepper, explicit: bool = False) -> StepFinding:
     """Whether later steps of a run are like its first, in words; None for single steps, or if no run is seen."""
     if not subject.convention.run:
         return StepFinding(None, "it makes single steps, not runs")
+    alike = max(_EXACTLY, _ROUNDINGS * float(subject.format.u)) if explicit else ALIKE
     try:
-        departs = remembers(subject)
+        departs = remembers(subject, alike=alike)
     except (UnsupportedCall, Misbehaviour) as refusal:
         return StepFinding(None, f"no run of {MANY} steps was obtained: {refusal}")
     if departs:
         return StepFinding(False, "a step in a run differs from the same step taken alone: it remembers, or varies")
     with suppress(UnsupportedCall, Misbehaviour):  # it may refuse unequal intervals
-        if GRID in subject.convention.order and remembers(subject, _UNEVEN):
+        if GRID in subject.convention.order and any(remembers(subject, x, alike) for x in _UNEVEN):
             uneven = "where the times of its grid are unequally spaced"
             return StepFinding(False, f"{uneven}, a later step takes another step size")
     return StepFinding(True, f"{MANY} steps of a run, each the same as taken alone")

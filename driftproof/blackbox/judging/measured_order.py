@@ -12,7 +12,15 @@ from typing import Any
 import numpy as np
 from flint import arb, ctx
 
-from driftproof.blackbox.findings import Misbehaviour, NoAnswer, NotANumber, NotFinite, StepRaised, WrongShape
+from driftproof.blackbox.findings import (
+    Misbehaviour,
+    NoAnswer,
+    NotANumber,
+    NotFinite,
+    StepRaised,
+    UnsupportedCall,
+    WrongShape,
+)
 from driftproof.blackbox.judging import nonlinear_problems as problems
 from driftproof.blackbox.judging.nonlinear_step import error_above
 from driftproof.blackbox.judging.specification import Specification
@@ -62,32 +70,38 @@ def slopes_text(slopes: Sequence[float]) -> str:
     return ", ".join(f"{slope:.2f}" for slope in slopes) or "none above the noise"
 
 
-def measured_orders(subject: ForeignStepper, wanted: Specification | None = None) -> tuple[MeasuredOrder, ...]:
+def measured_orders(
+    subject: ForeignStepper, wanted: Specification | None = None, *, explicit: bool = True
+) -> tuple[MeasuredOrder, ...]:
     """The orders on y' = f(t, y), if the stepper takes a right-hand side, and on q'' = F(q) or q'' = F(q, v).
 
     The force depends on v if the stepper gives it velocities. A stepper that runs on balls is measured in balls, where
-    only its own constants are rounded, and any other in its own floats. If it is `wanted` to be a method, its steps lie
-    in the domain, and balls are for explicit methods: an iteration may keep one as its next first guess. A splitting
-    that is written for a right-hand side has the second order, but seldom the first. Raises UnsupportedCall if the
-    system is built in.
+    only its own constants are rounded, and any other in its own floats. Balls are for `explicit` steps: iterations may
+    keep one as their next first guess. If it is `wanted` to be a method, its steps lie in the domain. A splitting that
+    is written for a right-hand side has the second order, but seldom the first. Raises UnsupportedCall if the system
+    is built in.
     """
     if subject.convention.kind != FIELD:
         problem = problems.dragged_problem(subject) if subject.gives_velocities else problems.force_problem(subject)
-        return (measured_on(subject, problem, wanted),)
-    found = [measured_on(subject, problems.field_problem(subject), wanted)]
-    with suppress(Misbehaviour):  # of a code that takes one number only
-        found.append(measured_on(subject, problems.force_problem(subject), wanted))
+        return (measured_on(subject, problem, wanted, explicit=explicit),)
+    found = [measured_on(subject, problems.field_problem(subject), wanted, explicit=explicit)]
+    with suppress(Misbehaviour, UnsupportedCall):  # of a code that takes one number only
+        found.append(measured_on(subject, problems.force_problem(subject), wanted, explicit=explicit))
     return tuple(found)
 
 
 def measured_on(
-    subject: ForeignStepper, problem: problems.NonlinearProblem, wanted: Specification | None = None
+    subject: ForeignStepper,
+    problem: problems.NonlinearProblem,
+    wanted: Specification | None = None,
+    *,
+    explicit: bool = True,
 ) -> MeasuredOrder:
     """The order on a problem. Raises a Misbehaviour, or UnsupportedCall if the problem cannot be given."""
     longest, least = wanted.domain.largest_step if wanted else inf, CLEARANCE * float(subject.format.u)
     steps = [h for k in HALVINGS if (h := 2.0**-k) <= longest or k == HALVINGS[-1]]
     with ctx.workprec(_BITS):
-        for adapter in (BALLS, ARRAYS_OF_BALLS) * (wanted is None or wanted.method.explicit):
+        for adapter in (BALLS, ARRAYS_OF_BALLS) * explicit:
             with suppress(Misbehaviour, NoAnswer):  # no code has to run, or to end, on balls
                 errors = _errors(replace(subject, adapter=adapter, log=CallLog()), problem, steps, [])
                 found = _fitted(errors, [least * h for h in steps], "Arb balls", problem)

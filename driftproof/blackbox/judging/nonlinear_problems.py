@@ -114,6 +114,18 @@ def beginning_at_rest(problem: NonlinearProblem, t: float) -> NonlinearProblem:
     return replace(problem, rate=rate, solution=solution)
 
 
+def standing_still(place: float, near: float, numbers: int, positions: int = 0) -> NonlinearProblem:
+    """The problem y' = C y, or q'' = q, whose slopes, or forces, are 0 where the first number is `near` this place."""
+
+    def rate(t: AnyNumber, y: Sequence[AnyNumber]) -> _State:
+        moves = abs(y[0] - place) > near
+        pushes = [(1 - 1.5 * (i % 2)) * moves * x for i, x in enumerate(y[: positions or None])]
+        return [*y[positions:], *pushes] if positions else pushes
+
+    words = "a problem that stands still at the place of one stage"
+    return NonlinearProblem(words, rate, lambda t: [arb(1)] * (numbers or 2 * positions), positions)
+
+
 def turned(problem: NonlinearProblem) -> NonlinearProblem:
     """The problem with its components, or positions, rotated by half their number if they are three or more.
 

@@ -5,16 +5,25 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
+from functools import partial
 from itertools import islice
 from math import log2
 
-from flint import ctx
+from flint import arb, ctx
 
 from driftproof.blackbox.findings import Misbehaviour, NoAnswer, NotFinite, StepFinding
-from driftproof.blackbox.judging.agreement import steps_back
-from driftproof.blackbox.judging.nonlinear_problems import START, NonlinearProblem, beginning_at_rest, moved
+from driftproof.blackbox.judging.agreement import ordinary_arguments, steps_back
+from driftproof.blackbox.judging.nonlinear_problems import (
+    START,
+    NonlinearProblem,
+    beginning_at_rest,
+    moved,
+    standing_still,
+)
 from driftproof.blackbox.judging.nonlinear_step import BITS, REFUSALS, NonlinearComparison
 from driftproof.blackbox.judging.specification import Domain, Specification
+from driftproof.blackbox.matching.tables import exact_tableau
+from driftproof.blackbox.stepper.array_adapters import AnyNumber
 from driftproof.blackbox.stepper.calling_conventions import FIELD, FORCE
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 
@@ -32,9 +41,11 @@ _FEW, _AT_HOME = 2, 9
 # place and a number of components are tried with h < 0.
 _EQUAL, _PAIRS_BACK = 12, 7
 # What precedes a step: a step that ends where it starts, or one after which the state was changed, as by an event, or
-# by so little that a code which compares states to ten digits takes it for the same one, and far above rounding.
+# by so little that a code which compares states to eleven digits takes it for the same one, and far above rounding.
 _GOES_ON, _MOVED = "continues from the previous one", "begins when the previous one ended, in another state,"
-_NUDGED, NUDGE = "begins when the previous one ended, in almost its state,", 1 + 2.0**-33
+_NUDGED, NUDGE = "begins when the previous one ended, in almost its state,", 1 + 2.0**-37
+# Places of stages, in units of u, that count as one: rounding moves them by less.
+_NEAR = 2.0**16
 
 
 @dataclass(frozen=True)
@@ -168,8 +179,49 @@ class Walker(NonlinearComparison):
 
 
 def walked(subject: ForeignStepper, wanted: Specification) -> StepFinding:
-    """Compare successive steps with the method's, as `walk_on` does."""
-    return walk_on(Walker(subject, wanted))
+    """Compare successive steps with the method's, as `walk_on` does, and steps with the slope 0 at a later stage."""
+    walker = Walker(subject, wanted)
+    found = walk_on(walker)
+    if found.holds:
+        with suppress(*REFUSALS), ctx.workprec(BITS):
+            _, (h, shorter) = ordinary_arguments(subject, wanted.domain)
+            explicit, taken = wanted.method.explicit, h if wanted.method.explicit else shorter
+            for problem in (_standing_still if explicit else _settled)(walker, taken):
+                seen = walker.compared(problem, START, problem.start(START), taken)
+                if seen.wrong:
+                    return StepFinding(
+                        False, f"where the slope of one stage is exactly 0, {seen.place}, {seen.numbers}"
+                    )
+    return found
+
+
+def _standing_still(walker: Walker, h: float) -> Iterator[NonlinearProblem]:
+    """Yield, for each later stage of an explicit method, a problem in which all slopes are 0 at its place."""
+    near, numbers = _NEAR * float(walker.subject.format.u), 0 if walker.partitioned else 2 - walker.subject.single
+    problem = partial(standing_still, near=near, numbers=numbers, positions=int(walker.partitioned))
+    steady, places = problem(0.0), list[arb]()
+
+    def noted(t: AnyNumber, y: list[AnyNumber]) -> Sequence[AnyNumber]:
+        places.append(y[0])
+        return steady.rate(t, y)
+
+    walker.own_step(replace(steady, rate=noted), START, steady.start(START), h)
+    found = dict.fromkeys(float(x.mid()) for x in places)
+    yield from (problem(place) for place in found if abs(place - 1) > 4 * near)
+
+
+def _settled(walker: Walker, h: float) -> Iterator[NonlinearProblem]:
+    """Yield, for each stage of an implicit method, a problem in which the slope of that stage is 0, as at the start."""
+    (problem,), t = walker.problems(2 - walker.subject.single), START
+    near = _NEAR * float(walker.subject.format.u)
+    for node in exact_tableau(walker.method)[2] if problem.timed and not walker.partitioned else ():
+        stage = t + float(node) * h
+
+        def rate(at: AnyNumber, y: Sequence[AnyNumber], stage: float = stage) -> list[AnyNumber]:
+            weight = (at - t) * (at - stage) / h**2 * (abs(at - stage) > near)
+            return [weight * k for k in problem.rate(at, [*y])]
+
+        yield replace(problem, rate=rate)
 
 
 def walk_on(walker: Walker, lengths: Sequence[float] = _LENGTHS, most: int | None = None) -> StepFinding:
@@ -267,4 +319,4 @@ def back_and_on(subject: ForeignStepper, wanted: Specification) -> StepFinding:
     on = walk_on(Walker(subject, wanted), _BACK, _PAIRS_BACK)
     if on.holds is False:
         return StepFinding(False, f"a step with h < 0 is wrong: {on.words}")
-    return StepFinding(True, f"{found.words}; {on.words}") if on.holds else found
+    return on._replace(words="; ".join(filter(None, (found.words, on.words)))) if on.holds or subject.single else found

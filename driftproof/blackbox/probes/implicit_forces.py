@@ -8,19 +8,11 @@ from dataclasses import replace
 from driftproof.blackbox.findings import Misbehaviour
 from driftproof.blackbox.probes.force import ForceReading
 from driftproof.blackbox.probes.implicit_tableau import read_by_chains
-from driftproof.blackbox.probes.marked_stages import (
-    MarkedRun,
-    MarkedSlopes,
-    MarkedSteps,
-    Setting,
-    StageLabel,
-    StageMarks,
-    StageShares,
-)
+from driftproof.blackbox.probes.marked_stages import MarkedSteps, Setting, StageLabel, StageShares
 from driftproof.blackbox.probes.scripted_answers import CoefficientRow, NotReadable, Rounding
 from driftproof.blackbox.probes.stage_chains import StageChains
 from driftproof.blackbox.probes.tableau import is_explicit
-from driftproof.blackbox.stepper.array_adapters import PARTED, SCALARS, AnyNumber
+from driftproof.blackbox.stepper.array_adapters import AnyNumber
 from driftproof.blackbox.stepper.foreign_code import FieldFunction
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 
@@ -38,56 +30,35 @@ class ForcedSteps(MarkedSteps):
     velocity's weights plus `position` times that of the position's, or the latter alone if `position` is None. If y is
     v, which the stepper has to pass to its force, A is that of the velocities. The number `moving`, if not -1, starts
     with the velocity 1.
-
-    A stepper that takes one number only is given one that stands for several (`PARTED`). Its difference quotients then
-    shift all of them at once: marks depend on distances from an idle number, which shifts by the same amount.
     """
 
     def __init__(self, subject: ForeignStepper, *, of_velocity: bool = False) -> None:
         """Raises NotReadable if the stepper takes no two positions, or never calls its force."""
-        self.of_velocity, self.moving, self._marked = of_velocity, -1, False
+        self.of_velocity, self.moving = of_velocity, -1
         self.position: float | None = _OF_POSITION
         self.may_be_explicit = subject.gives_velocities
-        try:
-            super().__init__(subject)
-        except NotReadable:
-            if subject.adapter is not SCALARS:
-                raise
-            self.alone = True
-            super().__init__(replace(subject, adapter=PARTED))
-
-    def run(
-        self, marks: StageMarks, setting: Setting, slopes: MarkedSlopes, *, clocks: int | None = None, size: int = 0
-    ) -> MarkedRun:
-        """Run a step as `MarkedSteps.run`, with an idle number if several numbers are parts of one."""
-        self._marked = self.alone
-        try:
-            return super().run(marks, setting, slopes, clocks=clocks, size=size)
-        finally:
-            self._marked = False
+        super().__init__(subject)
 
     def step(self, rate: FieldFunction, t: float, y: list[float], h: float) -> list[float]:
         """One step of the subject."""
-        idle, count = [y[0]] * self._marked, len(y)
+        count = len(y)
 
         def force(at: AnyNumber, q: Sequence[AnyNumber], v: Sequence[AnyNumber] = ()) -> Sequence[AnyNumber]:
             asked = [*(v if self.of_velocity else q)]
-            if len(asked) != count + len(idle):
+            if len(asked) != count:
                 raise Misbehaviour("its force is called for one position after the other")
-            shift = asked[-1] - y[0] if idle else 0.0
-            slopes = rate(at, [x - shift for x in asked[:count]])
-            return [*(slopes if self.of_velocity else (k / h for k in slopes)), *[0.0] * len(idle)]
+            return [k if self.of_velocity else k / h for k in rate(at, asked)]
 
-        given, rest = [*y, *idle], [float(i == self.moving) for i in range(count + len(idle))]
-        q, v = (rest, given) if self.of_velocity else (given, rest)
+        rest = [float(i == self.moving) for i in range(count)]
+        q, v = (rest, y) if self.of_velocity else (y, rest)
         stepped = self.subject.step_dragged if self.subject.gives_velocities else self.subject.step_forced
         end = stepped(force, t, q, v, h)
-        q1, v1 = end[:count], end[len(given) :]
+        q1, v1 = end[:count], end[count:]
         if self.of_velocity:
-            return v1[:count]
+            return v1
         if self.position is None:
             return q1
-        return [x + h * w + self.position * (x1 - x) for x, x1, w in zip(y, q1, v1, strict=False)]
+        return [x + h * w + self.position * (x1 - x) for x, x1, w in zip(y, q1, v1, strict=True)]
 
 
 def read_implicit_forces(subject: ForeignStepper) -> ForceReading:

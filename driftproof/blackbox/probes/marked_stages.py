@@ -10,6 +10,7 @@ from typing import NamedTuple, TypeAlias
 
 from driftproof.blackbox.findings import Misbehaviour, first_taken
 from driftproof.blackbox.probes.scripted_answers import Listener, NotReadable, result_of
+from driftproof.blackbox.stepper.array_adapters import PARTED, SCALARS
 from driftproof.blackbox.stepper.foreign_code import FieldFunction
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 
@@ -107,18 +108,28 @@ def clock_slopes(shares: Sequence[StageShares]) -> list[float]:
 
 
 class MarkedSteps:
-    """Steps of one subject on right-hand sides that know the stage; `part` is the number of the function called."""
+    """Steps of one subject on right-hand sides that know the stage; `part` is the number of the function called.
+
+    A stepper that takes one number only is given one that stands for several (`PARTED`). Its difference quotients then
+    shift all of them at once: marks depend on distances from an idle number, which shifts by the same amount.
+    """
 
     parts = 1
-    # True if the numbers are parts of one, so that a difference quotient shifts all of them at once.
-    alone = False
     # True if all of these stages may be explicit, because others, those of velocities, may be implicit.
     may_be_explicit = False
 
     def __init__(self, subject: ForeignStepper) -> None:
         """Raises NotReadable if the subject takes no two numbers, or never calls its right-hand side."""
         self.subject, self.part = subject, 0
-        self.size, first = self._opened()
+        # True if the numbers are parts of one; they are `marked` in runs that know the stage.
+        self.alone = self.marked = False
+        try:
+            self.size, first = self._opened()
+        except NotReadable:
+            if not subject.single and subject.adapter is not SCALARS:
+                raise
+            self.subject, self.alone = replace(subject, adapter=PARTED), True
+            self.size, first = self._opened()
         times = [node for node in first.nodes if node is not None]
         if not first.nodes:
             raise NotReadable("the right-hand side is never called")
@@ -156,7 +167,11 @@ class MarkedSteps:
             seen = [replace(marks, hands=marks.hands[:k]).shares(place, hands) for k in range(count + 1)]
             return [*clock_slopes(seen[:-1]), *slopes(marks.shares(place, hands), moved[count:])]
 
-        return self.smooth(setting, rates, max(2, count + size) if size else self.size)
+        self.marked = self.alone
+        try:
+            return self.smooth(setting, rates, max(2, count + size) if size else self.size)
+        finally:
+            self.marked = False
 
     def smooth(self, setting: Setting, rates: MovedSlopes, size: int = 0) -> MarkedRun:
         """One step of y' = rates(node, y - start). Raises NotReadable for any Misbehaviour: it is no evidence here."""
@@ -174,12 +189,19 @@ class MarkedSteps:
             return answer
 
         try:
-            y1 = result_of(lambda: self.step(rate, clock, [start] * (size or self.size), h))
+            y1 = result_of(lambda: self._beside_idle(rate, clock, [start] * (size or self.size), h))
         except _UnknownNode as seen:
             raise NotReadable(str(seen)) from None
         except Misbehaviour as failure:
             raise NotReadable(f"with its stages marked, {failure}") from failure
         return MarkedRun([node for node, _ in heard.calls], [y for _, y in heard.calls], y1)
+
+    def _beside_idle(self, rate: FieldFunction, t: float, y: list[float], h: float) -> list[float]:
+        """One step, beside an idle number if the numbers are marked parts of one."""
+        if not self.marked:
+            return self.step(rate, t, y, h)
+        moved: FieldFunction = lambda at, z: [*rate(at, [x - (z[-1] - y[0]) for x in z[:-1]]), 0.0]
+        return self.step(moved, t, [*y, y[0]], h)[:-1]
 
     def step(self, rate: FieldFunction, t: float, y: list[float], h: float) -> list[float]:
         """One step of the subject."""

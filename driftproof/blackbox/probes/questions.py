@@ -6,7 +6,7 @@ from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import TypeAlias
 
-from driftproof.blackbox.findings import Misbehaviour
+from driftproof.blackbox.findings import Misbehaviour, UnsupportedCall
 from driftproof.blackbox.probes.force import ForceReading, read_forces
 from driftproof.blackbox.probes.implicit_forces import read_implicit_forces
 from driftproof.blackbox.probes.implicit_tableau import read_implicit_tableau
@@ -16,6 +16,7 @@ from driftproof.blackbox.stepper.calling_conventions import FIELD, TIME
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.blackbox.stepper.state_forms import TOGETHER
 
+_OF_ONE = "one number shows the stability function only; a step that takes an array of them shows its stages"
 CoefficientReading: TypeAlias = TableauReading | ForceReading
 
 
@@ -94,6 +95,6 @@ def _otherwise(subject: ForeignStepper, refusal: NotReadable | Misbehaviour) -> 
     except NotReadable as second:
         if isinstance(refusal, Misbehaviour):
             raise refusal from None
-        with suppress(NotReadable, Misbehaviour):  # of a step of one number
+        with suppress(NotReadable, Misbehaviour, UnsupportedCall):  # of a step of one number
             return replace(read_forces(subject), refused=str(refusal))
-        raise NotReadable(f"{refusal}; as one with implicit stages: {second}") from None
+        raise NotReadable(f"{refusal}; as one with implicit stages: {_OF_ONE if subject.single else second}") from None

@@ -83,23 +83,23 @@ def one_number(numbers: Sequence[AnyNumber]) -> AnyNumber:
     return number
 
 
-class _Parted(np.ndarray[Any, Any]):
+class Parted(np.ndarray[Any, Any]):
     """Several numbers that pass for one: their absolute value is the largest, and less means that all of them are."""
 
     def __array_ufunc__(self, ufunc: Any, method: str, *inputs: Any, **named: Any) -> Any:
-        # No argument is changed in place, because a single number is not.
-        plain = [np.asarray(x).view(np.ndarray) if isinstance(x, _Parted) else x for x in inputs]
+        """The answer; no argument is changed in place, because a single number is not."""
+        plain = [np.asarray(x).view(np.ndarray) if isinstance(x, Parted) else x for x in inputs]
         answer = getattr(ufunc, method)(*plain, **{name: x for name, x in named.items() if name != "out"})
         if ufunc in (np.absolute, np.fabs):
             return float(np.max(answer))
         if getattr(answer, "dtype", None) == np.bool_:
             return bool(np.any(answer) if ufunc in (np.greater, np.greater_equal, np.not_equal) else np.all(answer))
-        return answer.view(_Parted) if np.ndim(answer) else answer
+        return answer.view(Parted) if np.ndim(answer) else answer
 
 
 SCALARS = ArrayAdapter("Python floats", lambda numbers: float(one_number(numbers)), floats_in)
 ARRAYS = ArrayAdapter("NumPy arrays", lambda numbers: np.array(numbers, dtype=np.float64), floats_in)
-PARTED = ArrayAdapter("numbers of parts", lambda numbers: np.array(numbers, float).view(_Parted), floats_in)
+PARTED = ArrayAdapter("numbers of parts", lambda numbers: np.array(numbers, float).view(Parted), floats_in)
 LISTS = ArrayAdapter("lists", lambda numbers: [float(x) for x in numbers], floats_in)
 TUPLES = ArrayAdapter("tuples", lambda numbers: tuple(float(x) for x in numbers), floats_in)
 

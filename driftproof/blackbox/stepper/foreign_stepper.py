@@ -19,7 +19,6 @@ from driftproof.blackbox.stepper.calling_conventions import (
     FORCE,
     FUNCTION,
     GRID,
-    JACOBIAN,
     MAP,
     POSITION,
     STATE,
@@ -76,8 +75,10 @@ class ForeignStepper(ForeignCode):
         """One step of q' = v, v' = force(t, q): the new positions, then the new velocities.
 
         The state of a right-hand side is [q..., v...], or [q, v, q, v, ...] if `interleaved`. The stepper may ask for
-        the force at fewer positions at a time. Raises UnsupportedCall if the system is built in.
+        the force at fewer positions at a time. Raises UnsupportedCall if the system is built in, or of one number.
         """
+        if self.single:
+            raise UnsupportedCall("it takes one number, but q'' = -q needs two")
         if self.convention.kind == FORCE:
             return self._forced(lambda at, x, velocity: force(at, x), t, q, v, h)
         places = [*range(0, 2 * len(q), 2), *range(1, 2 * len(q), 2)] if interleaved else [*range(2 * len(q))]
@@ -108,9 +109,7 @@ class ForeignStepper(ForeignCode):
     def step_field(self, rate: FieldFunction, t: AnyNumber, y: Sequence[AnyNumber], h: AnyNumber) -> list[AnyNumber]:
         """One step of y' = rate(t, y). Raises UnsupportedCall if the stepper takes no right-hand side."""
         if self.convention.kind != FIELD:
-            own = "takes a Jacobian: let it form that of f itself, as in step(f, t, y, h)"
-            other = f"is called as {self.convention.kind!r}, which takes no right-hand side"
-            raise UnsupportedCall(f"the stepper {own if JACOBIAN in self.convention.order else other}")
+            raise UnsupportedCall(f"the stepper is called as {self.convention.kind!r}, which takes no right-hand side")
         size, write = len(y), self.adapter.write
         roles = {FUNCTION: self.callback(rate, t, size, write), TIME: t, STATE: write(y), STEP: h}
         if CARRIED in self.convention.order:

@@ -20,10 +20,13 @@ from driftproof.blackbox.stepper.calling_conventions import (
     STATE,
     STEP,
     TIME,
+    UNIT_PARAMETERS,
     VELOCITY,
+    has_gradient,
     names_with_step,
     required_names,
     role_of,
+    word_of,
 )
 from driftproof.blackbox.stepper.function_wrappers import (
     BEFORE,
@@ -43,6 +46,8 @@ from driftproof.blackbox.stepper.plain_forms import BODY_LISTS
 
 _ADVANCES = ("step", "update", "advance", "integrate", "move", "tick", "do_step")
 _PUSHES = ("apply_force", "add_force", "apply_central_force", "applyForce", "addForce")
+# What stands for the wrapper's arguments where an object is made.
+_AT_REST = {"h": "0.1", "t": "0.0", "t + h": "0.1", "y": "[1.0, 0.0]", "q": "1.0", "v": "0.0"}
 _START = {FIELD: (np.array([1.0, 0.5]),), FORCE: (1.0, 0.5), MAP: (1.0, 0.5)}
 # Within this many steps a multistep method shows that it remembers, whatever its start: none in use remembers more.
 _TRIED = 12
@@ -55,14 +60,40 @@ def object_wrapper(step: Callable[..., Any]) -> str:
     made, names = getattr(step, "__self__", None), required_names(step)
     if made is None or names is None or [*map(_role, names)] not in ([STEP], []):
         return ""
-    return _state_wrapper(type(made), made, step.__name__)
+    cls = type(made)
+    taken = function_argument(cls) and _class_wrapper(cls, step.__name__)
+    return taken or _state_wrapper(cls, made, step.__name__)
 
 
 def _made_anyhow(cls: type) -> Any:
-    """An object of the class, made with a function for each argument; the class itself if it takes none there."""
-    with suppress(Exception):
-        return cls(*[lambda *x: 0.0 for _ in required_names(cls) or ()])
+    """An object of the class, made with trial values, or a function, for each argument; else the class itself."""
+    given = arguments_by_role(names := required_names(cls) or [], FIELD)
+    for known in (given, {}):
+        with suppress(Exception):
+            return cls(*[TRIAL_ARGUMENTS.get(known.get(each, ""), lambda *x: 0.0) for each in names])
     return cls
+
+
+def function_argument(cls: type) -> str:
+    """The argument of a class by which its objects are given the function that they call; "" if there is none."""
+    return next((each for each in required_names(cls) or () if _role(each) == FUNCTION), "")
+
+
+def making(cls: type, kind: str, made: Any = None) -> str:
+    """The text that makes an object of a class, from the function that it calls if it takes one, and from nothing else.
+
+    Its other arguments get the numbers that the object `made` keeps under their names, 1 for masses and the like, and
+    those of some start for a state.
+    """
+    names, name = required_names(cls) or [], name_of(cls)
+    taken = function_of(kind) * bool(function_argument(cls))
+    if len(names) == bool(taken) and not has_gradient(names):
+        return name
+    kept = {each: repr(x) for each, x in getattr(made, "__dict__", {}).items() if isinstance(x, int | float)}
+    given = {each: _AT_REST.get(text, text) for each, text in arguments_by_role(names, kind).items()}
+    given |= {each: "1.0" for each in names if each not in given and word_of(each) in UNIT_PARAMETERS}
+    arguments = ", ".join(given.get(each, kept.get(each, each.upper())) for each in names)
+    return f"lambda {taken}: {name}({arguments})".replace("lambda :", "lambda:")
 
 
 def _state_wrapper(cls: type, made: Any, advance: str) -> str:
@@ -71,24 +102,24 @@ def _state_wrapper(cls: type, made: Any, advance: str) -> str:
     q, v, state, time = (_attribute(made, role) for role in (POSITION, VELOCITY, STATE, TIME))
     if not state and not (q and v):
         return ""
-    make = cls.__name__ if len(makes) < 2 else f"lambda: {cls.__name__}(...)"
     where, maker = f'position="{q}", velocity="{v}"' if q and v else f'state="{state}"', "stepper_of"
     if not makes and (push := next((each for each in _PUSHES if hasattr(cls, each)), "")):
         of_x = type(getattr(made, q.partition(".")[0], 0.0)).__name__ if q.endswith(".x") else ""
         where += f", push=lambda body, f: body.{push}({of_x}(f, 0.0))" if of_x else f', push="{push}"'
-    if [*map(_role, makes)] == [FUNCTION] and not (q and v):
+    if function_argument(cls) and not (q and v):
         where, maker = f'{where}, time="{time}"' if time else where, "field_stepper_of"
+    make = making(cls, FORCE if q and v else FIELD, made)
     act, size = f'"{advance}"', _attribute(made, STEP)
     if size and not any(_role(each) == STEP for each in names_with_step(getattr(cls, advance, cls)) or ()):
         act = f"lambda made, h: (setattr(made, '{size}', h), made.{advance}())"
     return f"from driftproof import {maker}; wrapped = {maker}({make}, {where}, advance={act})"
 
 
-def _class_wrapper(cls: type) -> str:
+def _class_wrapper(cls: type, own: str | None = None) -> str:
     """The wrapper of a class made from f, whose method takes and returns the state or whose object keeps it."""
     names = required_names(cls) or []
     ways = (each for base in cls.__mro__ for each in (*_ADVANCES, "__call__") if each in vars(base))
-    own = next(ways, None)  # that of the class itself before that of a base
+    own = own or next(ways, None)  # that of the class itself before that of a base
     taken = names_with_step(getattr(cls, own)) if own else None
     if not taken:
         return ""
@@ -115,7 +146,7 @@ def _class_wrapper(cls: type) -> str:
 
 def clock_wrapper(step: Callable[..., Any]) -> str:
     """The wrapper of an object with a clock of its own, which is set; if none is found, what to do."""
-    if clock := _attribute(getattr(getattr(step, "held", None), "made", None), TIME):
+    if clock := _attribute(getattr(step, "made", None), TIME):
         return f'; write time="{clock}" in the call of field_stepper_of'
     owner = getattr(step, "__self__", step)
     cls, method = type(owner), f".{step.__name__}" if inspect.ismethod(step) else ""

@@ -54,8 +54,7 @@ def stepper_of(
     >>> stepper_of(Body, position="x", velocity="v", advance="update")(lambda q: -q, 1.0, 0.0, 0.5)
     (0.75, -0.5)
     """
-    held = _Held(make, anew, advance, (position, velocity) if state is None else (state,), push)
-    return (ForcedObject if held.takes_function or push is not None else FreeObject)(held)
+    return ObjectStep(make, "q v h", anew, advance, (position, velocity) if state is None else (state,), push)
 
 
 def field_stepper_of(
@@ -85,64 +84,21 @@ def field_stepper_of(
     >>> float(step(lambda t, y: -y, 0.0, [1.0], 0.5)[0])
     0.5
     """
-    places = (state,) if time is None else (state, time)
-    held = _Held(make, anew, advance, places, error=error, dense=dense)
-    return (UntimedSolver if time is None else TimedSolver)(held)
+    names, places = ("f y h", (state,)) if time is None else ("f t y h", (state, time))
+    return ObjectStep(make, names, anew, advance, places, error=error, dense=dense)
 
 
 @dataclass
-class _OfObject:
-    """A step made by an object, with the usual names of arguments; each copy of it has an object of its own."""
+class ObjectStep:
+    """The step made by an object, which is made when it is first needed; each copy of it has an object of its own.
 
-    held: _Held
-
-    def __post_init__(self) -> None:
-        """Have the name of what is made: reports show it."""
-        make = self.held.make
-        self.__module__, self.__qualname__ = make.__module__, getattr(make, "__qualname__", type(make).__name__)
-
-
-class FreeObject(_OfObject):
-    """The step (q, v, h)."""
-
-    def __call__(self, q: float, v: float, h: float) -> tuple[float, float]:
-        """Make one step."""
-        return self.held.moved(None, q, v, h)
-
-
-class ForcedObject(_OfObject):
-    """The step (force, q, v, h)."""
-
-    def __call__(self, force: Callable[[float], float], q: float, v: float, h: float) -> tuple[float, float]:
-        """Make one step."""
-        return self.held.moved(force, q, v, h)
-
-
-class UntimedSolver(_OfObject):
-    """The step (f, y, h)."""
-
-    def __call__(self, f: Callable[..., Any], y: Sequence[float], h: float) -> Any:
-        """Make one step."""
-        return self.held.solved(f, [], y, h)
-
-
-class TimedSolver(_OfObject):
-    """The step (f, t, y, h)."""
-
-    def __call__(self, f: Callable[..., Any], t: float, y: Sequence[float], h: float) -> Any:
-        """Make one step."""
-        return self.held.solved(f, [t], y, h)
-
-
-@dataclass
-class _Held:
-    """The object, made when it is first needed, with the ways to move it and the function that it calls at present.
-
-    `places` are those of q and v, or of the state, and then of the time, if the object has one. `error` is where it
-    keeps its error estimate, `dense` the name of its dense output or of a method that makes it.
+    `names` are those of its arguments. `places` are those of q and v, or of the state, and then of the time, if the
+    object has one. `error` is where it keeps its error estimate, `dense` the name of its dense output or of a method
+    that makes it. `function` is what the object calls at present.
     """
 
     make: Callable[..., Object]
+    names: str
     anew: bool
     advance: Act
     places: Sequence[Location]
@@ -153,9 +109,21 @@ class _Held:
     function: Callable[..., Any] | None = None
 
     def __post_init__(self) -> None:
-        self.takes_function = _takes_function(self.make)
+        """Have the name of what is made, which reports show, and arguments with names."""
+        make, kind = self.make, inspect.Parameter.POSITIONAL_OR_KEYWORD
+        self.takes_function = _takes_function(make)
+        self.names = (
+            f"force {self.names}" if self.names == "q v h" and (self.takes_function or self.push) else self.names
+        )
+        self.__signature__ = inspect.Signature([inspect.Parameter(name, kind) for name in self.names.split()])
+        self.__module__, self.__qualname__ = make.__module__, getattr(make, "__qualname__", type(make).__name__)
 
-    def moved(self, force: Callable[[float], float] | None, q: float, v: float, h: float) -> tuple[float, float]:
+    def __call__(self, *arguments: Any, **named: Any) -> Any:
+        """Make one step."""
+        given = self.__signature__.bind(*arguments, **named).arguments
+        return (self.moved if "q" in given else self.solved)(**given)
+
+    def moved(self, q: float, v: float, h: float, force: Callable[[float], float] | None = None) -> tuple[float, float]:
         """Write position and velocity into their places, advance the object, and read them."""
         body = self._ready(force and partial(_by_first, force))
         apart = len(self.places) == 2
@@ -168,14 +136,14 @@ class _Held:
         q1, v1 = self._drop_unless_finite([x for place in places for x in place.read(body)])
         return q1, v1
 
-    def solved(self, f: Callable[..., Any], times: Sequence[float], y: Sequence[float], h: float) -> Any:
+    def solved(self, f: Callable[..., Any], y: Sequence[float], h: float, t: float = 0.0) -> Any:
         """Write the state and the time, advance the object, and read its state, error estimate and dense output."""
         solver, state = self._ready(f), _Accessor.of(self.places[0], len(y))
         for place in self.places[1:]:
-            _Accessor.of(place).write(solver, times)
+            _Accessor.of(place).write(solver, [t])
         state.write(solver, y)
         _act(solver, self.advance, h)
-        for place, t in zip(self.places[1:], times, strict=True):
+        for place in self.places[1:]:
             (clock,) = _Accessor.of(place).read(solver)
             if not np.isclose(clock - t, (0.0, h), rtol=_CLOCK, atol=_CLOCK * abs(t)).any():
                 raise RuntimeError(f"its clock goes from {t!r} to {clock!r} in a step of {h!r}")

@@ -34,7 +34,7 @@ from driftproof.blackbox.stepper.handed_slopes import with_slopes_kept
 from driftproof.blackbox.stepper.made_wrappers import clock_wrapper
 from driftproof.blackbox.stepper.plain_forms import plain_forms
 from driftproof.blackbox.stepper.record_forms import record_forms
-from driftproof.blackbox.stepper.second_functions import with_functions, zeros
+from driftproof.blackbox.stepper.second_functions import with_functions, with_own_jacobian, zeros
 from driftproof.blackbox.stepper.state_forms import COMPLEX, forms_of
 from driftproof.blackbox.stepper.turning import Push, step_in_fields, turn_quaternion
 from driftproof.blackbox.stepper.wrappers import exchange_wrapper, increment_wrapper, template, uncalled, wrapper_line
@@ -69,7 +69,8 @@ def opened(
     calling convention fits, and OwnClock. If no adapter gets an answer, raises StaleSlope if there was one, else the
     `Misbehaviour` of the most natural adapter.
     """
-    given, step, failures = step, with_slopes_kept(step), list[Misbehaviour]()
+    own = with_own_jacobian(step) if calls == calling.FIELD else step
+    given, step, failures = step, with_slopes_kept(own), list[Misbehaviour]()
 
     def first_of(attempts: Iterable[Callable[[], ForeignStepper]]) -> ForeignStepper | None:
         for attempt in attempts:
@@ -98,7 +99,7 @@ def opened(
         return found  # with unequal masses, before one of all
     made = partial(ForeignStepper, step, before=before, after=after, pristine=fresh_copy(step))
     trials = (
-        partial(_tried, made(convention, adapter, single=trial is _one_number), trial)
+        partial(_tried, made(convention, adapter, single=trial in (_one_number, _with_derivative)), trial)
         for convention in conventions
         for adapters in _adapters(step, convention, array)
         for trial, adapter in product(_TRIALS.get(convention.kind, (_one_step,)), adapters)
@@ -162,6 +163,12 @@ def _with_jacobian(subject: ForeignStepper, h: float) -> Sequence[float]:
     return with_functions(subject, functions).step(*TRIAL_STATE, h)
 
 
+def _with_derivative(subject: ForeignStepper, h: float) -> Sequence[float]:
+    """A step of y' = -y with its derivative, for a stepper that takes one number only."""
+    functions = {calling.TIME_SLOPE: zeros, calling.JACOBIAN: lambda t, y: [[-1.0]]}
+    return _one_number(with_functions(subject, functions), h)
+
+
 def _in_fields(subject: ForeignStepper, h: float, size: int = 3) -> Sequence[float]:
     """A velocity in fields of three components, or in the plane, where B is one number."""
     x, v, electric = (all_of[:size] for all_of in ((1.0, 0.5, 0.25), (0.75, 1.0, 0.5), (0.5, 0.25, 1.0)))
@@ -171,7 +178,7 @@ def _in_fields(subject: ForeignStepper, h: float, size: int = 3) -> Sequence[flo
 
 _TRIALS = {
     calling.FIELD: (_one_step, _one_number),
-    calling.ROSENBROCK: (_with_jacobian,),
+    calling.ROSENBROCK: (_with_jacobian, _with_derivative),
     calling.IMEX: (_with_jacobian,),
     calling.MAGNETIC: (_in_fields, partial(_in_fields, size=2)),
     calling.ROTATION: (lambda subject, h: turn_quaternion(subject, (0.5, 0.5, 0.5, 0.5), (1.0, 0.5, 0.25), h),),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
@@ -9,8 +10,16 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from driftproof.blackbox.stepper.array_adapters import LISTS, SCALARS, AnyNumber, Foreign, as_array
-from driftproof.blackbox.stepper.calling_conventions import FIELD, JACOBIAN, STATE, TIME
+from driftproof.blackbox.stepper.array_adapters import LISTS, SCALARS, AnyNumber, Foreign, Parted, as_array
+from driftproof.blackbox.stepper.calling_conventions import (
+    FIELD,
+    FUNCTION,
+    JACOBIAN,
+    STATE,
+    TIME,
+    names_with_step,
+    role_of,
+)
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 
 # A function of t and y that returns slopes, or the rows of a matrix.
@@ -49,6 +58,50 @@ def with_functions(
 
     left, called = (tuple(each[place] for place in kept if each) for each in (order, names))
     return replace(subject, function=step, convention=replace(subject.convention, kind=FIELD, order=left, names=called))
+
+
+# The part of a number by which it is shifted for a derivative: half of the digits of binary64 are left.
+_SHIFT = 2.0**-26
+
+
+def with_own_jacobian(step: Callable[..., Any]) -> Callable[..., Any]:
+    """The step of f alone that hands on differences of f where a step takes its Jacobian; itself if it takes none.
+
+    >>> def step(f, jac, t, y, h):
+    ...     return y + h * f(t, y) / (1 - h * jac(t, y))
+    >>> with_own_jacobian(step)(lambda t, y: -y, 0.0, 1.0, 1.0)
+    0.5
+    """
+    roles = {name: role_of(name, (FUNCTION, JACOBIAN, TIME, STATE)) for name in names_with_step(step) or ()}
+    named = {role: name for name, role in roles.items()}
+    if not {FUNCTION, JACOBIAN} <= {*named}:
+        return step
+    left, asked = [name for name, role in roles.items() if role != JACOBIAN], [*roles.values()]
+    last = TIME in asked and asked.index(TIME) < asked.index(STATE)
+
+    def stepped(*arguments: Foreign, **given: Foreign) -> Foreign:
+        given = {**dict(zip(left, arguments, strict=False)), **given}
+        jacobian = lambda *at: _differences(given[named[FUNCTION]], at, last)
+        return step(**given, **{named[JACOBIAN]: jacobian})
+
+    kind = inspect.Parameter.POSITIONAL_OR_KEYWORD
+    stepped.__signature__ = inspect.Signature([inspect.Parameter(name, kind) for name in left])  # type: ignore[attr-defined]
+    stepped.__qualname__, stepped.__module__ = getattr(step, "__qualname__", type(step).__name__), step.__module__
+    return stepped
+
+
+def _differences(f: Callable[..., Foreign], at: Sequence[Foreign], last: bool) -> Foreign:
+    """The derivative of f by its state, the largest argument; of several numbers, the last or else the first one."""
+    place = max(range(len(at)), key=lambda i: (np.size(at[i]), i if last else -i))
+    y, here = at[place], np.asarray(f(*at))
+
+    def slope(way: Any) -> Any:
+        shift = _SHIFT * max(1.0, float(np.max(np.abs(y))))
+        return (np.asarray(f(*at[:place], y + shift * way, *at[place + 1 :])) - here) / shift
+
+    if np.ndim(y) == 0 or isinstance(y, Parted):
+        return slope(1.0)[()]
+    return np.array([slope(way) for way in np.eye(np.size(y))]).T
 
 
 def _matrix(subject: ForeignStepper, rows: Sequence[Sequence[AnyNumber]]) -> Foreign:

@@ -6,13 +6,14 @@ import inspect
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from driftproof.blackbox.stepper.calling_conventions import FUNCTION, STATE, required_names
+from driftproof.blackbox.stepper.calling_conventions import FORCE, FUNCTION, STATE, required_names
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.blackbox.stepper.function_wrappers import ARGUMENTS, function_wrapper, name_of
 from driftproof.blackbox.stepper.made_wrappers import (
     advance_of,
     maker_wrapper,
     makes_steppers,
+    making,
     object_wrapper,
     owner_of,
     world_wrapper,
@@ -35,7 +36,7 @@ def template(step: Callable[..., Any]) -> str:
     if inspect.isclass(step):
         if line := world_wrapper(step):
             return line
-        makes = f"lambda: {name}(...)" if required_names(step) else name
+        makes = making(step, FORCE)
         places = f'position="POSITION", velocity="VELOCITY", advance="{advance_of(step) or "STEP"}"'
         wrapper = f"from driftproof import stepper_of; wrapped = stepper_of({makes}, {places})"
         return f': {wrapper}  # attributes\' names, or state="STATE"'

@@ -25,6 +25,7 @@ from tests.blackbox.implicit_steppers import (
     one_by_one,
     table,
     untimed,
+    with_entry,
 )
 from tests.blackbox.transcripts import Asked
 from tests.looping import some
@@ -193,6 +194,38 @@ def symplectic(f, t, y, h):
 def alone(f, t, y, h):
     """One number only."""
     return newton(lambda x: x - float(np.asarray(y).item()) - h * f(t + h, x), np.array(y))
+
+
+def of_one_number(coefficients, newtons=False):
+    """One number only, until a change is small, by iteration or, of one stage, by Newton's method with differences."""
+    a, b, c = coefficients
+
+    def step(f, t, y, h):
+        slopes = [f(t, y)] * len(b)
+        at = lambda ks: [
+            f(t + node * h, y + h * sum(x * k for x, k in zip(row, ks, strict=True)))
+            for row, node in zip(a, c, strict=True)
+        ]
+        for _ in range(200):
+            before, slopes = slopes, at(slopes)
+            if newtons:
+                off, (k,) = 2.0**-20, before
+                slopes = [k - (k - slopes[0]) / (1 - (at([k + off])[0] - at([k - off])[0]) / (2 * off))]
+            if max(abs(x - k) for x, k in zip(slopes, before, strict=True)) <= 1e-15 * max(map(abs, slopes)):
+                break
+        return y + h * sum(x * k for x, k in zip(b, slopes, strict=True))
+
+    return step
+
+
+@pytest.mark.parametrize(
+    ("key", "newtons"),
+    [("backward_euler", 1), ("trapezoid", 0), ("implicit_midpoint", 1), ("gauss2", 0), ("sdirk2", 0)],
+)
+def test_implicit_stages_of_one_number_are_read_through_one_that_stands_for_several(key, newtons):
+    wrong = with_entry(key, -1, 0, table(key)[0][-1][0] + 1e-6)
+    assert [found.key for found in match_tableau(read(of_one_number(table(key), newtons))).matches] == [key]
+    assert not match_tableau(read(of_one_number(wrong, newtons))).matches
 
 
 def late(f, t, y, h):

@@ -64,6 +64,25 @@ class Stormer:
         q1, self.before = (first if last is None else 2 * q - last + self.h**2 * self.force(q)), q
         return q1, (q1 - q) / self.h
 
+class Moving:
+    def __init__(self, acceleration, mass, dt, name):
+        self.acceleration, self.mass, self.dt, self.x, self.v = acceleration, mass, dt, 0.0, 1.0
+    def step(self):
+        self.v += self.dt * self.acceleration(self.x) / self.mass
+        self.x += self.dt * self.v
+
+class Sampler(Moving):
+    def __init__(self, grad_U, dt):
+        Moving.__init__(self, lambda x: -grad_U(x), 1.0, dt, "")
+
+class Flow:
+    def __init__(self, deriv, dt):
+        self.deriv, self.dt, self.state, self.time = deriv, dt, np.array([1.0, 0.0]), 0.0
+    def update(self):
+        k = self.deriv(self.time, self.state)
+        k2 = self.deriv(self.time + self.dt, self.state + self.dt * k)
+        self.state, self.time = self.state + self.dt / 2 * (k + k2), self.time + self.dt
+
 class KeptVerlet:
     def __init__(self, acc, x0, v0, dt):
         self.acc, self.x, self.v, self.dt = acc, x0, v0, dt
@@ -170,6 +189,12 @@ WRAPPED = {
     "Held": "def wrapped(f, t, y, h): return Held(h).step(f, t, y)",
     "Env": "from driftproof import stepper_of; "
     "wrapped = stepper_of(Env, state=\"state\", advance=lambda made, h: (setattr(made, 'tau', h), made.step()))",
+    "Moving": "from driftproof import stepper_of; wrapped = stepper_of(lambda force: Moving(force, 1.0, 0.1, NAME), "
+    'position="x", velocity="v", advance=lambda made, h: (setattr(made, \'dt\', h), made.step()))',
+    "Sampler": "from driftproof import stepper_of; wrapped = stepper_of(lambda force: Sampler(lambda x: -force(x), "
+    '0.1), position="x", velocity="v", advance=lambda made, h: (setattr(made, \'dt\', h), made.step()))',
+    "Flow": "from driftproof import field_stepper_of; wrapped = field_stepper_of(lambda f: Flow(f, 0.1), "
+    'state="state", time="time", advance=lambda made, h: (setattr(made, \'dt\', h), made.update()))',
     "pairs": "def wrapped(f, t, y, h): return pairs(f, y, t, t + h, 1)[1][-1]",
     "states": "def wrapped(f, t, y, h): return states(f, y, t, t + h, 1)[-1]",
 }
@@ -181,13 +206,15 @@ REMEMBERING = {
     "Leapfrog": "two_step_leapfrog",
 }
 OTHERS = {"KeptVerlet": "velocity_verlet", "Ball": "symplectic_euler", "Ralston": "ralston2"}
-OTHERS |= dict.fromkeys(("Euler", "Held", "Env"), "forward_euler")
+OTHERS |= dict.fromkeys(("Euler", "Held", "Env"), "forward_euler") | dict.fromkeys(
+    ("Moving", "Sampler"), OTHERS["Ball"]
+)
 
 
 @pytest.mark.slow(keep=3)
 @pytest.mark.parametrize("name", WRAPPED)
 def test_a_class_a_maker_and_a_solver_of_n_steps_are_refused_with_a_wrapper_that_works_and_forgets_nothing(name):
-    names = namespace(CLASSES)
+    names = namespace(CLASSES) | {"NAME": ""}
     with pytest.raises(ValueError, match=re.escape(f"`driftproof verify --help`; write: {WRAPPED[name]}")):
         opened(names[name])
     exec(WRAPPED[name], names)
@@ -223,15 +250,24 @@ def test_a_class_that_changes_its_state_in_place_is_seen_to_remember_or_not(base
 
 def test_an_object_that_cannot_be_called_is_refused_with_the_wrapper_of_the_method_that_makes_its_step():
     names = namespace(CLASSES)
-    for found in (names["Ball"](), names["Kept"](None, [1.0], 0.1)):
-        with pytest.raises(
-            BadInput, match=f"is {type(found).__name__}, which cannot be called; its .* makes the step"
-        ) as caught:
+    for found in (names["Ball"](), names["Kept"](None, [1.0], 0.1), names["Flow"](None, 0.1)):
+        name = type(found).__name__
+        words = f"is {name}, which cannot be called; its .* makes the step; write: {re.escape(WRAPPED[name])}"
+        with pytest.raises(BadInput, match=words):
             Target(found).open()
-    advance = "lambda made, h: (setattr(made, 'dt', h), made.advance())"
-    assert str(caught.value).endswith(f'wrapped = stepper_of(lambda: Kept(...), state="y", advance={advance})')
-    with pytest.raises(BadInput, match=re.escape(f"write: {WRAPPED['Ball']}")):
-        Target(names["Ball"]()).open()
+    made = names["Moving"](None, 2.0, 0.25, "")
+    made.name = 7
+    with pytest.raises(BadInput, match=re.escape("lambda force: Moving(force, 1.0, 0.1, 7)")):
+        Target(made.step).open()
+
+
+def test_a_class_that_takes_its_force_is_judged_by_its_coefficients_where_its_wrapper_is_pasted():
+    names = namespace(CLASSES) | {"NAME": ""}
+    exec(WRAPPED["Moving"], names)
+    found = verify(names["wrapped"], "symplectic_euler", examples=60, isolate=False)
+    assert found.passed
+    assert "Coefficients: passed" in found.text()
+    assert verify(names["wrapped"], "velocity_verlet", examples=60, isolate=False).passed is False
 
 
 CLOCKS = """

@@ -127,7 +127,7 @@ NAMED = {
 def test_an_object_is_named_like_the_step_that_it_makes(name, as_before):
     step, verdict = NAMED[name]
     report = identify(step)
-    assert (report.verdict, report.target) == (verdict, f"{__name__}:{type(step.held._ready(None)).__name__}")
+    assert (report.verdict, report.target) == (verdict, f"{__name__}:{type(step._ready(None)).__name__}")
     assert report.section("Faults") is None
     as_before(*summed(report))
 
