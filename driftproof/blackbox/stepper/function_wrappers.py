@@ -235,4 +235,6 @@ def function_of(kind: str) -> str:
 def name_of(step: Callable[..., Any]) -> str:
     """The name by which a wrapper calls the code."""
     name = str(getattr(step, "__qualname__", type(step).__name__)).rpartition("<locals>.")[2]
+    if inspect.ismethod(step) and not inspect.isclass(step.__self__):
+        name = f"made.{step.__name__}"
     return name if all(part.isidentifier() for part in name.split(".")) else "step"

@@ -56,13 +56,25 @@ _TRIED = 12
 def object_wrapper(step: Callable[..., Any]) -> str:
     """The wrapper of a class, or of a method that takes the step size alone; "" if no state is found."""
     if inspect.isclass(step):
-        return _class_wrapper(step) or _state_wrapper(step, _made_anyhow(step), advance_of(step) or "step")
+        advance = advance_of(step) or "step"
+        return _class_wrapper(step) or _own_step(step) or _state_wrapper(step, _made_anyhow(step), advance)
     made, names = getattr(step, "__self__", None), required_names(step)
     if made is None or names is None or [*map(_role, names)] not in ([STEP], []):
         return ""
     cls = type(made)
     taken = function_argument(cls) and _class_wrapper(cls, step.__name__)
     return taken or _state_wrapper(cls, made, step.__name__)
+
+
+def _own_step(cls: type) -> str:
+    """The method of an object of the class that is a step already, of the state and a function or of q and v."""
+    for each in (name for name in _ADVANCES if hasattr(cls, name)):
+        roles = {_role(name) for name in names_with_step(getattr(cls, each)) or ()}
+        if {STEP, POSITION, VELOCITY} <= roles or ({STEP, FUNCTION} <= roles and roles & {STATE, POSITION}):
+            given = [name.upper() for name in required_names(cls) or ()]
+            said = f"  # write values for {', '.join(given)}" if given else ""
+            return f"wrapped = {name_of(cls)}({', '.join(given)}).{each}{said}"
+    return ""
 
 
 def _made_anyhow(cls: type) -> Any:

@@ -338,3 +338,25 @@ def test_a_world_made_from_bodies_is_refused_with_a_wrapper_of_one_body_that_wor
 def test_of_a_class_whose_names_do_not_tell_where_its_state_is_nothing_is_shown(parameters):
     names = namespace(f"class Opaque:\n    def __init__(self{parameters}): self.a = 0.0\n    def step(self): pass\n")
     assert wrapper_line(names["Opaque"]) == ""
+
+
+OWN_STEPS = """
+class RK:
+    def __init__(self, c, b):
+        self.c, self.b = c, b
+    def step(self, f, t, u, h):
+        return u + self.b * h * f(t + self.c * h, u)
+
+class Springs:
+    def step(self, pos, vel, dt):
+        vel = vel - dt * pos
+        return pos + dt * vel, vel
+"""
+
+
+def test_a_class_whose_method_is_a_step_of_the_state_is_shown_an_object_of_it():
+    names = namespace(OWN_STEPS)
+    assert wrapper_line(names["RK"]) == ": wrapped = RK(C, B).step  # write values for C, B"
+    assert wrapper_line(names["Springs"]) == ": wrapped = Springs().step"
+    assert [*keys_of(names["RK"](0.0, 1.0).step)] == ["forward_euler"]
+    assert "symplectic_euler" in identify(names["Springs"]().step, isolate=False).verdict
