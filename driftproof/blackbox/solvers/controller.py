@@ -46,6 +46,8 @@ _LEAST_SAFETY = 0.5
 _MOST_ACCEPTED = 10.0
 # Of an estimate that is divided by h (burden-faires, section 5.5).
 _PER_UNIT = "per unit of time"
+# As many factors have codes that halve and double their steps; chosen with room.
+_FEW = 5
 _NO_TOLERANCE = "it takes no tolerance: its step size is constant"
 # The largest denominator of an exponent, and 1 over the least one: controllers in use have 1/5, 7/50, 17/100, ...
 _MOST_DENOMINATOR = 120
@@ -147,7 +149,11 @@ def read_controller(subject: ForeignSolver, steps: SolverSteps) -> ControllerRea
     law = min(laws, key=lambda law: (bool(law.exception), bool(law.memory or law.filtered)), default=None)
     if law is None:
         pairs = ", ".join(pair.key for pair in steps.pairs) or "any pair of the catalogue"
-        return ControllerReading(None, (f"no law in the estimate of {pairs} gives the step sizes", counts), traces)
+        few = sorted({f"{factor:.4g}" for factor in factors}, key=float)
+        seen = f"; each step is {', '.join(few[:-1])} or {few[-1]} times as long as the one before" * (len(few) <= _FEW)
+        return ControllerReading(
+            None, (f"no law in the estimate of {pairs} gives the step sizes{seen}", counts), traces
+        )
     if traces:  # with slopes of other times, errors differ as well
         law = replace(law, exception="", accepted=1.0)
     after = ["a step after a rejected one does not grow"] if law.after_rejection else []

@@ -251,7 +251,9 @@ class _Marked:
         stages, a, c = self._stages({n for n, x in weights.items() if x})
         if not stages:
             raise NotReadable("no call moves the step in which it is made")
-        self.first = next((n for n in stages if self.silent.calls[n].t > self.start), self.near[-1])
+        # The calls of another row may come first; in the first step, those that choose its size come before all.
+        later = [n for n in (self.near if self.place else stages) if self.silent.calls[n].t > self.start]
+        self.first = later[0] if later else self.near[-1]
         if c[-_AT_ONE_TIME:] == c[-1:] * _AT_ONE_TIME:
             raise NotReadable(f"{len(c)} calls in one step, the last {_AT_ONE_TIME} at one time: it iterates")
         reading = TableauReading(a, tuple(weights[n] for n in stages), c, self.format)
