@@ -22,6 +22,7 @@ def test_without_a_name_the_presets_are_listed_numbers_to_the_right():
         ["stability_boundary", "symplectic_euler", "2", "10", "5"],
     ]
     assert len({(line.rindex(" 10 "), len(line)) for line in lines}) == 1
+    assert len({line.index(f" {line.split()[2]} ") + len(line.split()[2]) for line in lines}) == 1
 
 
 OWN = 'rates = ["y1", "-y0"]\nstart = ["1", "0"]\nend = "10"\nenergy = "(y0^2 + y1^2)/2"\n'

@@ -88,6 +88,12 @@ def test_growth_is_the_norm_of_the_powers() -> None:
     ]
 
 
+def test_growth_that_stays_near_1_stands_in_the_middle_of_two_decades() -> None:
+    shown = growth_figure(PRESETS["compare"], [verdict("implicit_midpoint", Q(1, 2))], "id")
+    scale = shown.plot.y.scale
+    assert (scale.low, scale.high) == (-1, 1)
+
+
 def test_growth_of_a_step_that_vanishes_is_minus_infinity_from_the_first_step_on(tmp_path: Path) -> None:
     """The step has R(z) = 1 + z + z² + z³, which is 0 at z = i."""
     own = tmp_path / "own.toml"

@@ -30,6 +30,13 @@ def test_errors_are_the_same_bytes_in_two_runs_and_seconds_stand_elsewhere(tmp_p
     assert str(tmp_path).encode() not in b"".join(first.values())
 
 
+def test_progress_is_told_to_the_end(tmp_path: Path) -> None:
+    told = list[tuple[int, int]]()
+    measure(study("rk4", "heun2"), tmp_path, unheard, lambda more, done: told.append((more, done)))
+    assert told[:3] == [(2, 0), (0, 1), (0, 1)]
+    assert [*map(sum, zip(*told, strict=True))] == [(total := 2 + told[3][0]), total]
+
+
 def test_what_is_measured_is_not_measured_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     asked = study("rk4", "gauss2")
     before = measure(asked, tmp_path, unheard)
