@@ -199,7 +199,7 @@ def several_together(subject: ForeignStepper, wanted: Specification) -> StepFind
     tolerance, taken, refused = Tolerance.of(wanted, subject.format), list[int](), ""
     for states, h in _sets_together(subject, wanted):
         try:
-            answers = subject.step_batch(*zip(*states, strict=True), h)
+            answers = subject.step_batch([q for q, _ in states], [v for _, v in states], h)
         except Misbehaviour as refusal:
             refused = refused or str(refusal)
             continue
