@@ -21,6 +21,7 @@ from driftproof.blackbox.checks.trials import (
 )
 from driftproof.blackbox.findings import Misbehaviour, StepFinding, UnsupportedCall
 from driftproof.blackbox.probes.coefficients import half_spacing
+from driftproof.blackbox.stepper.calling_conventions import FIELD
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.blackbox.stepper.fresh_copies import fresh_copy
 from driftproof.symbolic.rounding.formats import FloatFormat
@@ -162,6 +163,8 @@ _STATES = ((1.0, 0.75), (-0.625, 0.25), (0.1, -1.3))
 def several_states(subject: ForeignStepper) -> tuple[CheckResult, ...]:
     """Check that three states in arrays give the same bits as one by one; nothing if no arrays can be passed."""
     runner = steady_runner(subject)
+    if subject.convention.kind == FIELD:
+        return ()
     states = [(runner.size * q, runner.size * v) for q, v in _STATES]
     h = runner.number(IRREGULAR_STEP)
     try:

@@ -18,9 +18,7 @@ from driftproof.blackbox.judging.sampled_steps import Arguments, Sizes, simplest
 from driftproof.blackbox.judging.specification import ORDINARY_DOMAIN, Domain, Specification
 from driftproof.blackbox.judging.tolerance import Judgement, Tolerance
 from driftproof.blackbox.stepper.call_text import call_text
-from driftproof.blackbox.stepper.calling_conventions import MAP
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
-from driftproof.blackbox.stepper.state_forms import BATCH, columns_of
 from driftproof.symbolic.algebra.certified import significant
 from driftproof.symbolic.rounding.formats import BINARY64
 
@@ -201,7 +199,7 @@ def several_together(subject: ForeignStepper, wanted: Specification) -> StepFind
     tolerance, taken, refused = Tolerance.of(wanted, subject.format), list[int](), ""
     for states, h in _sets_together(subject, wanted):
         try:
-            answers = _stepped_together(subject, states, h)
+            answers = subject.step_batch([q for q, _ in states], [v for _, v in states], h)
         except Misbehaviour as refusal:
             refused = refused or str(refusal)
             continue
@@ -256,20 +254,6 @@ def _sets_together(
             yield [(q, v), *((q, v) for q, v, _ in others)], h
         else:
             yield [*islice(cycle(ordinary), count)], step
-
-
-def _stepped_together(
-    subject: ForeignStepper, states: Sequence[tuple[float, float]], h: float
-) -> Sequence[tuple[float, float]]:
-    """One step of several oscillators: the numbers of one state, or of several if the system is built in."""
-    q, v = zip(*states, strict=True)
-    if subject.convention.kind == MAP:
-        return subject.step_batch(q, v, h)
-    number = subject.adapter.number
-    if subject.adapter is BATCH:
-        subject = replace(subject, adapter=columns_of(len(q)))
-    ends = subject.step_forced(lambda t, x: [-y for y in x], number(0.0), list(q), list(v), number(h))
-    return [*zip(ends[: len(q)], ends[len(q) :], strict=True)]
 
 
 class _Campaign:

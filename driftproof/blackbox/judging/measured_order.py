@@ -12,15 +12,7 @@ from typing import Any
 import numpy as np
 from flint import arb, ctx
 
-from driftproof.blackbox.findings import (
-    Misbehaviour,
-    NoAnswer,
-    NotANumber,
-    NotFinite,
-    StepRaised,
-    UnsupportedCall,
-    WrongShape,
-)
+from driftproof.blackbox.findings import Misbehaviour, NoAnswer, NotANumber, NotFinite, StepRaised, WrongShape
 from driftproof.blackbox.judging import nonlinear_problems as problems
 from driftproof.blackbox.judging.nonlinear_step import error_above
 from driftproof.blackbox.judging.specification import Specification
@@ -81,24 +73,21 @@ def measured_orders(
     is written for a right-hand side has the second order, but seldom the first. Raises UnsupportedCall if the system
     is built in.
     """
+    longest = wanted.domain.largest_step if wanted else inf
     if subject.convention.kind != FIELD:
         problem = problems.dragged_problem(subject) if subject.gives_velocities else problems.force_problem(subject)
-        return (measured_on(subject, problem, wanted, explicit=explicit),)
-    found = [measured_on(subject, problems.field_problem(subject), wanted, explicit=explicit)]
-    with suppress(Misbehaviour, UnsupportedCall):  # of a code that takes one number only
-        found.append(measured_on(subject, problems.force_problem(subject), wanted, explicit=explicit))
+        return (measured_on(subject, problem, longest, explicit),)
+    found = [measured_on(subject, problems.field_problem(subject), longest, explicit)]
+    with suppress(Misbehaviour):
+        found += [] if subject.single else [measured_on(subject, problems.force_problem(subject), longest, explicit)]
     return tuple(found)
 
 
 def measured_on(
-    subject: ForeignStepper,
-    problem: problems.NonlinearProblem,
-    wanted: Specification | None = None,
-    *,
-    explicit: bool = True,
+    subject: ForeignStepper, problem: problems.NonlinearProblem, longest: float = inf, explicit: bool = True
 ) -> MeasuredOrder:
     """The order on a problem. Raises a Misbehaviour, or UnsupportedCall if the problem cannot be given."""
-    longest, least = wanted.domain.largest_step if wanted else inf, CLEARANCE * float(subject.format.u)
+    least = CLEARANCE * float(subject.format.u)
     steps = [h for k in HALVINGS if (h := 2.0**-k) <= longest or k == HALVINGS[-1]]
     with ctx.workprec(_BITS):
         for adapter in (BALLS, ARRAYS_OF_BALLS) * explicit:

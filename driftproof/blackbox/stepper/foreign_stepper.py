@@ -28,7 +28,7 @@ from driftproof.blackbox.stepper.calling_conventions import (
 )
 from driftproof.blackbox.stepper.foreign_code import CallLog, FieldFunction, ForeignCode, size_of
 from driftproof.blackbox.stepper.fresh_copies import fresh_copy
-from driftproof.blackbox.stepper.state_forms import BATCH
+from driftproof.blackbox.stepper.state_forms import BATCH, columns_of
 from driftproof.methods.stepping import oscillator
 
 # A force on numbers of the adapter.
@@ -121,11 +121,17 @@ class ForeignStepper(ForeignCode):
         return self.finite(self._read_state(answer, size, t + h), [*y, h])
 
     def step_batch(self, qs: Sequence[float], vs: Sequence[float], h: float) -> list[tuple[float, float]]:
-        """One step of several states at once, as arrays, under the force -q if the stepper takes a force.
+        """One step of several states at once, as arrays, or as the numbers of one state if a function is taken.
 
-        Raises UnsupportedCall if position and velocity share one array, which is one state.
+        The force is then -q. Raises UnsupportedCall if a system that is built in has one array, which is one state.
         """
-        if self.adapter is BATCH and self.convention.kind == MAP:
+        if self.convention.kind != MAP:
+            number, subject = self.adapter.number, self
+            if self.adapter is BATCH:
+                subject = replace(self, adapter=columns_of(len(qs)))
+            ends = subject.step_forced(lambda t, x: [-y for y in x], number(0.0), list(qs), list(vs), number(h))
+            return list(zip(ends[: len(qs)], ends[len(qs) :], strict=True))
+        if self.adapter is BATCH:
             rows = np.array([qs, vs]).T
             ends = self.called({STATE: rows, STEP: h, TIME: 0.0}, f"states={rows.tolist()!r}, h={h!r}", [*qs, *vs])
             numbers = self.adapter.read(ends, rows.size)
@@ -137,18 +143,10 @@ class ForeignStepper(ForeignCode):
         if POSITION not in self.convention.order:
             raise UnsupportedCall("position and velocity come in one array, which is one state")
         write = self._of_several.write
-        factor, asks, carried = self.convention.factor, self.convention.asks, self.convention.carried
-
-        def force(*asked: Foreign) -> Foreign:
-            return -factor * (asked[asks.index(POSITION)] if asks else max(asked, key=size_of))  # a time is one number
-
-        momentum = self.convention.momentum
-        moving = write([momentum * v for v in vs])
-        roles = {FUNCTION: force, POSITION: write(qs), VELOCITY: moving, STEP: h, TIME: 0.0}
-        roles[CARRIED] = write([-carried * q for q in qs])
+        roles = {POSITION: write(qs), VELOCITY: write(vs), CARRIED: write([-q for q in qs]), STEP: h, TIME: 0.0}
         answer = self.called(roles, f"q={list(qs)!r}, v={list(vs)!r}, h={h!r}", [*qs, *vs])
         positions, velocities = (self.adapter.read(part, len(qs)) for part in self.two_parts(answer))
-        return list(zip(positions, (v / momentum for v in velocities), strict=True))
+        return list(zip(positions, velocities, strict=True))
 
     def _map(self, q: AnyNumber, v: AnyNumber, h: AnyNumber) -> tuple[AnyNumber, AnyNumber]:
         write = self.adapter.write

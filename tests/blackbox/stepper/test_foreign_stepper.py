@@ -88,8 +88,9 @@ def test_several_states_are_stepped_at_once_where_position_and_velocity_are_apar
 
     ends = [(1.1875, 0.5), (2.125, 0.0)]
     assert opened(step).step_batch([1.0, 2.0], [0.75, 0.5], H) == ends
+    assert opened(euler_steps.field).step_batch([1.0, 2.0], [0.75, 0.5], H) == ends
     with pytest.raises(UnsupportedCall, match="one array, which is one state"):
-        opened(euler_steps.field).step_batch([1.0, 2.0], [0.75, 0.5], H)
+        opened(lambda state, h: [state[0] + h * state[1], state[1]]).step_batch([1.0, 2.0], [0.75, 0.5], H)
 
 
 def by_mass(force, q, v, f0, mass, h):
