@@ -66,7 +66,7 @@ STANDARD_ORDER = {
 }
 _FUNCTIONS = (
     *("f", "fun", "func", "function", "rhs", "field", "vector_field", "force", "forces", "acc", "accel"),
-    *("acceleration", "a", "deriv", "derivs", "derivative", "derivatives", "dydt", "dxdt", "ode", "system"),
+    *("acceleration", "a", "deriv", "derivs", "derivative", "derivatives", "dydt", "dxdt", "dydx", "ode", "system"),
     *("dynamics", "terms", "odefun", "fcn", "eom"),
     *("f_explicit", "f_exp", "f_ex", "fex", "fe", "f_e", "explicit", "f_nonstiff", "nonstiff", "f1", "f_slow"),
 )
@@ -126,7 +126,24 @@ TOLERANCE_NAMES = ("rtol", "reltol", "rel_tol"), ("atol", "abstol", "abs_tol")
 SPANS = ("t_span", "tspan", "span", "interval", "t_interval", "t_range", "trange")
 RUN_ENDS = (
     ("t0", "t_0", "t_start", "tstart", "t_begin", "t_initial", "t_init", "ti", "start", "a"),
-    ("t1", "t_1", "tf", "t_end", "tend", "t_final", "tfinal", "t_stop", "tstop", "t_max", "tmax", "t_bound", "b"),
+    (
+        "t1",
+        "t_1",
+        "tf",
+        "t_end",
+        "tend",
+        "t_final",
+        "tfinal",
+        "t_stop",
+        "tstop",
+        "t_max",
+        "tmax",
+        "t_bound",
+        "b",
+        "x_end",
+        "xn",
+        "xf",
+    ),
 )
 STARTS = (
     "y0",

@@ -77,7 +77,7 @@ def function_wrapper(step: Callable[..., Any]) -> str:
     if line := list_wrapper(step) or run_wrapper(step):
         return line[2:]
     given = arguments_by_role(names, kind)
-    if line := _grid_wrapper(step, names, given):
+    if line := _grid_wrapper(step, names, given) or _pair_wrapper(step, names, given):
         return line
     return _call(step, names, given, kind) if given else ""
 
@@ -145,6 +145,26 @@ def _grid_wrapper(step: Callable[..., Any], names: Sequence[str], given: Mapping
     return ""
 
 
+def _pair_wrapper(step: Callable[..., Any], names: Sequence[str], given: Mapping[str, str]) -> str:
+    """The wrapper of a step of x' = f, v' = g with both functions as arguments; "" if it calls no two with x and v."""
+    functions = [each for each in names if given.get(each, "force") == "force"]
+    if len(functions) != 2 or not {"q", "v"} <= {*given.values()}:
+        return ""
+    asked: list[tuple[Any, ...]] = []
+
+    def asks(*x: Any) -> float:
+        asked.append(x)
+        return 0.0
+
+    values = {each: TRIAL_ARGUMENTS.get(given.get(each, "")) for each in names} | dict.fromkeys(functions, asks)
+    with suppress(Exception):
+        step(*[values[each] for each in names])
+        at_q, at_v = (asked[0].index(TRIAL_ARGUMENTS[each]) for each in "qv")
+        both = dict(zip(functions, (f"lambda *x: x[{at_v}]", f"lambda *x: force(x[{at_q}])"), strict=True))
+        return f"def wrapped({HEADS[FORCE]}): return {_called(step, names, {**given, **both})}"
+    return ""
+
+
 def _call(step: Callable[..., Any], names: Sequence[str], given: Mapping[Any, str], kind: str) -> str:
     """The wrapper that calls a function of these names with the arguments given; those left are in capitals."""
     left = [each for each in names if each not in given]
@@ -202,16 +222,19 @@ def _called(step: Callable[..., Any], names: Sequence[str], given: Mapping[str, 
 def arguments_by_role(names: Sequence[str], kind: str) -> dict[str, str]:
     """The wrapper's argument for each name whose role is known; a single state of a map is [q, v]."""
     given: dict[str, str] = {}
-    for each in names:
+    if kind == FIELD and (pair := [each for each in names if word_of(each) in ("x", "x0", "y", "y0")])[1:]:
+        given = dict(zip(pair, "ty", strict=False))  # of f(x, y) the first is the time
+    for each in (name for name in names if name not in given):
         wanted = (FUNCTION, STEP, TIME, *((STATE,) if kind == FIELD else (POSITION, VELOCITY, STATE)))
         role = role_of(each, [role for role in wanted if ARGUMENTS[role] not in given.values()])
         if role is not None:
             function = "lambda x: -force(x)" if kind == FORCE and has_gradient([each]) else function_of(kind)
             given[each] = function if role == FUNCTION else ARGUMENTS[role]
     open_names = [each for each in names if each not in given]
-    if kind == FIELD and "h" not in given.values():
-        given |= {each: "t + h" for each in open_names if word_of(each) in RUN_ENDS[1]}
-        given |= {each: "1" for each in open_names if word_of(each) in COUNTS}
+    if kind == FIELD:
+        sized = "h" in given.values()
+        given |= {each: "t + h" for each in open_names if word_of(each) in RUN_ENDS[1] and (each != "b" or not sized)}
+        given |= {each: "1" for each in open_names if word_of(each) in COUNTS and not sized}
     given |= {each: "()" for each in open_names if word_of(each) in _PARAMETERS}
     if kind == MAP:
         given |= {each: "1.0" for each in open_names if word_of(each) in UNIT_PARAMETERS}

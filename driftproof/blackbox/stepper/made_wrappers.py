@@ -254,6 +254,7 @@ def advance_of(cls: type) -> str:
     """The name of the method that makes a step: a usual one, or the only public one that takes one argument or none."""
     public = [each for each in dir(cls) if not each.startswith("_") and inspect.isfunction(getattr(cls, each))]
     alone = [each for each in public if len(required_names(getattr(cls, each)) or ()) in (1, 2)]
+    alone = [each for each in alone if any(word in each for word in _ADVANCES)] or alone
     return next((each for each in _ADVANCES if hasattr(cls, each)), alone[0] if len(alone) == 1 else "")
 
 

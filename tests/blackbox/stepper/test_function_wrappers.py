@@ -81,6 +81,20 @@ def over_a_grid(fun, x0, iv, args=()):
         x.append(x[-1] + dt * fun(x[-1], t, *args))
     return np.asarray(x)
 
+def to_an_end(dydx, x, y, x_end, h):
+    while x < x_end - 1e-12:
+        x, y = x + h, y + h * dydx(x, y)
+    return y
+
+def in_n_steps(f, x0, y0, xn, n):
+    h = (xn - x0) / n
+    for i in range(n):
+        y0 = y0 + h * f(x0 + i * h, y0)
+    return y0
+
+def coupled(f, g, t, x, v, h):
+    return x + h * f(t, x, v), v + h * g(t, x, v)
+
 def with_parameters(params, y, vector_field, t, g=0.0, h=0.1):
     return y + h * vector_field(t, y, params)
 """
@@ -102,6 +116,13 @@ PASTED = {
         "symplectic_euler",
     ),
     "over_a_grid": ("f, t, y, h", "return over_a_grid(f, y, [t, t + h])[-1]", "forward_euler"),
+    "to_an_end": ("f, t, y, h", "return to_an_end(f, t, y, t + h, h)", "forward_euler"),
+    "in_n_steps": ("f, t, y, h", "return in_n_steps(f, t, y, t + h, 1)", "forward_euler"),
+    "coupled": (
+        "force, q, v, h",
+        "return coupled(lambda *x: x[2], lambda *x: force(x[1]), 0.0, q, v, h)",
+        "forward_euler",
+    ),
     "of_interval": ("f, t, y, h", "return of_interval(f, y, t, t + h, ())", "forward_euler"),
     "with_parameters": (
         "f, t, y, h",

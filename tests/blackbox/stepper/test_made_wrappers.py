@@ -347,6 +347,15 @@ class RK:
     def step(self, f, t, u, h):
         return u + self.b * h * f(t + self.c * h, u)
 
+class Game:
+    def __init__(self):
+        self.x, self.v, self.dt = 1.0, 0.0, 0.01
+    def pull(self):
+        return -self.x
+    def run_step(self):
+        self.v += self.pull() * self.dt
+        self.x += self.v * self.dt
+
 class Springs:
     def step(self, pos, vel, dt):
         vel = vel - dt * pos
@@ -358,5 +367,6 @@ def test_a_class_whose_method_is_a_step_of_the_state_is_shown_an_object_of_it():
     names = namespace(OWN_STEPS)
     assert wrapper_line(names["RK"]) == ": wrapped = RK(C, B).step  # write values for C, B"
     assert wrapper_line(names["Springs"]) == ": wrapped = Springs().step"
+    assert "advance=lambda made, h: (setattr(made, 'dt', h), made.run_step())" in wrapper_line(names["Game"])
     assert [*keys_of(names["RK"](0.0, 1.0).step)] == ["forward_euler"]
     assert "symplectic_euler" in identify(names["Springs"]().step, isolate=False).verdict
