@@ -100,6 +100,11 @@ class Stale:
         return q + h * v, v + h * old
 
 
+def pendulum(theta, omega, dt):
+    omega = omega - 9.81 * dt * np.sin(theta)
+    return theta + dt * omega, omega
+
+
 def other_row(pair="fehlberg45"):
     rows, _, nodes = codes.floats(METHODS[pair])
     return codes.tableau(rows, [float(x) for x in METHODS[pair].b_embedded], nodes)
@@ -133,6 +138,8 @@ VERDICTS = {
         "Several: not tested", ""),
     "the row of order 5": (other_row(), "fehlberg45_embedded"),
     "not of order 4": (other_row(), "fehlberg45"), "far": (raising_far_out, "rk4"),
+    "of a pendulum": (pendulum, "symplectic_euler", "",
+        "on q'' = -q; at small states it is on q' = v, v' = -9.81 q: if its force is its own, let it be an argument"),
     "capped": (capped, "symplectic_euler", "Identified instead: faults", "100"),
     "not reached": (capped, "symplectic_euler", {"domain": Domain(largest_state=30.0)}),
     "left out": (kick_drift_kick("halves", left=1), "velocity_verlet"),
