@@ -183,12 +183,13 @@ class Refutation:
         unnamed = naming.basis in (Basis.UNKNOWN, Basis.UNDECIDED)
         if self.mistakes and not one_entry and (by_linear_steps or unnamed or naming.reserved or named):
             yield f"is not {key}; it is {key} with one mistake: {self.mistakes[0]}"
-        lines = self.instead.data["matrix"] or ()
-        system = next((line for line in lines if line.startswith("small steps follow")), "")
-        if named and (system or any(line.startswith("not linear at ordinary size") for line in lines)):
-            on = f" on{system.removeprefix('small steps follow')}" if system else ""
-            yield f"is not {key} on q'' = -q; at small states it is{on}: if its force is its own, let it be an argument"
         if self.instead.section("Coefficients") is None and (named or naming.basis is Basis.UNDECIDED):
+            lines = self.instead.data["matrix"] or ()
+            system = next((line for line in lines if line.startswith("small steps follow q' = v,")), "")
+            if named and (system or any(line.startswith("not linear at ordinary size") for line in lines)):
+                on = f" on{system.removeprefix('small steps follow')}" if system else ""
+                own = "if its force is its own, let it be an argument"
+                yield f"is not {key} on q'' = -q; at small states it is{on}: {own}"
             yield f"is not {key}: {first.lines[0 if first.title == criteria.ROUNDING else -1]}"
         if naming.basis is Basis.KNOWN and naming.methods[0] == key and naming.words == self.instead.verdict:
             yield f"is {key}, but not everywhere: {first.lines[0]}"

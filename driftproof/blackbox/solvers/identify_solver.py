@@ -18,7 +18,7 @@ from driftproof.blackbox.solvers.steps import SolverSteps, read_steps
 
 _WHAT_TO_DO = {
     StepRaised.kind: "write def wrapped(f, t_span, y0): return solve(f, *t_span, y0), say; t_span is (start, end)",
-    WrongShape.kind: "return the times and the states of its own steps, or give one of its steps to identify",
+    WrongShape.kind: "return the times and the states of its own steps; of a run over given times, leave --solver out",
 }
 
 

@@ -136,12 +136,18 @@ def run_wrapper(step: Callable[..., Any]) -> str:
 
 def _grid_wrapper(step: Callable[..., Any], names: Sequence[str], given: Mapping[str, str]) -> str:
     """The wrapper of a run over a row of times, whatever their name, by its last state; "" if it is none."""
-    left = [each for each in names if each not in given]
-    if len(left) == 1 and {*given.values()} in ({"f", "y"}, {"f", "y", "()"}):
-        given = {**given, left[0]: "[t, t + h]"}
-        with suppress(Exception):
-            if np.shape(step(*[TRIAL_ARGUMENTS.get(given[each], np.array([0.0, 0.25])) for each in names])) == (2, 2):
-                return f"def wrapped({HEADS[FIELD]}): return {_called(step, names, given)}[-1]"
+    left = [each for each in names if given.get(each, "0.0") == "0.0"]
+    kind, times = (FORCE, "[0.0, h]") if "force" in given.values() else (FIELD, "[t, t + h]")
+    if len(left) != 1 or not {"y", "q", "v"} & {*given.values()} or "h" in given.values():
+        return ""
+    given = {**given, left[0]: times}
+    with suppress(Exception):
+        found = step(*[TRIAL_ARGUMENTS.get(given[each], np.array([0.0, 0.25])) for each in names])
+        call = _called(step, names, given)
+        if kind == FIELD and np.shape(found) == (2, 2):
+            return f"def wrapped({HEADS[kind]}): return {call}[-1]"
+        if kind == FORCE and [*map(np.shape, found)] == [(2,), (2,)]:
+            return f"def wrapped({HEADS[kind]}): run = {call}; return run[0][-1], run[1][-1]"
     return ""
 
 

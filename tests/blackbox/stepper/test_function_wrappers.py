@@ -81,6 +81,13 @@ def over_a_grid(fun, x0, iv, args=()):
         x.append(x[-1] + dt * fun(x[-1], t, *args))
     return np.asarray(x)
 
+def over_times(acc, x0, v0, t):
+    x, v = np.full(len(t), x0), np.full(len(t), v0)
+    for i, h in enumerate(np.diff(t)):
+        v[i + 1] = v[i] + h * acc(x[i])
+        x[i + 1] = x[i] + h * v[i + 1]
+    return x, v
+
 def to_an_end(dydx, x, y, x_end, h):
     while x < x_end - 1e-12:
         x, y = x + h, y + h * dydx(x, y)
@@ -116,6 +123,11 @@ PASTED = {
         "symplectic_euler",
     ),
     "over_a_grid": ("f, t, y, h", "return over_a_grid(f, y, [t, t + h])[-1]", "forward_euler"),
+    "over_times": (
+        "force, q, v, h",
+        "run = over_times(force, q, v, [0.0, h]); return run[0][-1], run[1][-1]",
+        "symplectic_euler",
+    ),
     "to_an_end": ("f, t, y, h", "return to_an_end(f, t, y, t + h, h)", "forward_euler"),
     "in_n_steps": ("f, t, y, h", "return in_n_steps(f, t, y, t + h, 1)", "forward_euler"),
     "coupled": (
