@@ -107,6 +107,26 @@ def test_evaluations_are_the_calls_of_the_rate():
         assert run.calls == len(calls)
 
 
+@pytest.mark.parametrize(
+    ("key", "start"), [("sdirk2", 2e-4), ("alexander3", 2e-4), ("sdirk4", 0.0), ("esdirk43", 0.0), ("radau_iia3", 0.0)]
+)
+def test_stiff_stages_are_not_those_of_another_solution(key, start):
+    """y' = 1 - 10^8 y^2 from above -10^-4 tends to 10^-4; a stage equation is also solved near the repeller, -10^-4.
+
+    There ended Newton's method from Z = w, which lies below the repeller for each of these SDIRK methods.
+    """
+    run = implicit_runner(METHODS[key], VectorField(("1 - 100000000 * y0 * y0",)))
+    assert run((start,), 1.0, 0, 1) > (0,)
+
+
+@pytest.mark.parametrize("key", ["sdirk2", "sdirk4"])
+def test_robertsons_second_concentration_stays_positive(key):
+    run = implicit_runner(METHODS[key], PROBLEMS["robertson"].field)
+    fine = implicit_runner(METHODS["radau_iia3"], PROBLEMS["robertson"].field)
+    start = float_start(PROBLEMS["robertson"])
+    assert run(start, 1 / 8, 0, 8) == pytest.approx(fine(start, 1 / 8, 0, 8), rel=1e-2)
+
+
 def test_rows_are_exchanged_where_the_diagonal_is_zero():
     """y' = (y0 + y1, y0), h = 1: M = [[0, -1], [-1, 1]], and backward Euler leads from (3, 5) to (-8, -3)."""
     run = implicit_runner(METHODS["backward_euler"], VectorField(("y0 + y1", "y0")))
