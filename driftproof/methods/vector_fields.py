@@ -263,9 +263,8 @@ def _out_of_place(tree: ast.Expression, known: Collection[str]) -> Iterator[str]
     """The parts that a rate may not have: unknown names, calls other than of `FUNCTIONS`, numbers not whole."""
     called = {node.func for node in ast.walk(tree) if isinstance(node, ast.Call)}
     for node in ast.walk(tree):
-        if isinstance(node, ast.Constant) and type(node.value) is int:
-            continue
-        if isinstance(node, ast.Call) and not node.keywords:
+        whole = isinstance(node, ast.Constant) and type(node.value) is int
+        if whole or (isinstance(node, ast.Call) and not node.keywords):
             continue
         allowed = FUNCTIONS if node in called else known
         if not isinstance(node, _ALLOWED) or (isinstance(node, ast.Name) and node.id not in allowed):

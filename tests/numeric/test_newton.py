@@ -119,14 +119,6 @@ def test_stiff_stages_are_not_those_of_another_solution(key, start):
     assert run((start,), 1.0, 0, 1) > (0,)
 
 
-@pytest.mark.parametrize("key", ["sdirk2", "sdirk4"])
-def test_robertsons_second_concentration_stays_positive(key):
-    run = implicit_runner(METHODS[key], PROBLEMS["robertson"].field)
-    fine = implicit_runner(METHODS["radau_iia3"], PROBLEMS["robertson"].field)
-    start = float_start(PROBLEMS["robertson"])
-    assert run(start, 1 / 8, 0, 8) == pytest.approx(fine(start, 1 / 8, 0, 8), rel=1e-2)
-
-
 def test_rows_are_exchanged_where_the_diagonal_is_zero():
     """y' = (y0 + y1, y0), h = 1: M = [[0, -1], [-1, 1]], and backward Euler leads from (3, 5) to (-8, -3)."""
     run = implicit_runner(METHODS["backward_euler"], VectorField(("y0 + y1", "y0")))
