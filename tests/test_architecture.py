@@ -70,7 +70,8 @@ NOT_ELSEWHERE = "sympy"
 # stages, its own sampler of steps, 100 lines, in which objects a state comes, 300, and thirty kinds of wrong steps that
 # a passing verdict had overlooked, 250, five faults of whole solvers, 60, and wrappers for objects, 110; fifty more
 # kinds of wrong steps, 400, six more, 30, and steps of records and wrappers that work when pasted, 270; texts what docs
-# and help show and the problems that a text states, 450, and questions shown with what they lack, 10.
+# and help show and the problems that a text states, 450, questions shown with what they lack, 10,
+# and a draft that ends: its share done, and the solutions that it gave up, 26.
 BUDGETS = {
     "support": 1200,
     "methods": 5320,
@@ -78,7 +79,7 @@ BUDGETS = {
     "numeric": 3960,
     "blackbox": 19280,
     "enclosure": 3160,
-    "texts": 7840,
+    "texts": 7866,
 }
 BUDGET_OF_REPORTS_AND_FRONT = 5648
 # The goal is 65 of 100. Independent witnesses, campaigns and guards, 6,000 lines, are among the tests.

@@ -10,7 +10,9 @@ of a spring q'' = -ω² q is ω, not ω².
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
+from contextvars import ContextVar
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any, TypeAlias
@@ -37,6 +39,7 @@ SHORTEST_PART = Fraction(1, 2**40)
 FIRST_TUBE, WIDEST_TUBE = 4, arb(2) ** 12
 # Sweeps to balance the weights. A few suffice even for the first step; others begin with the weights of the one before.
 SWEEPS = 2
+_EFFORT = ContextVar("part of the steps that are allowed", default=1.0)
 
 # The weights d of the norm |e| = max |e_i|/d_i, each a power of two.
 Weights: TypeAlias = Sequence[arb]
@@ -92,7 +95,17 @@ def size(values: Iterable[arb]) -> arb:
 
 def fewer_steps(most: int, components: int) -> int:
     """The number of steps that takes about as much time as `most` steps of 128 bits and twelve components."""
-    return int(most * min(1, 128 / ctx.prec) * min(1, (12 / components) ** 2))
+    return int(most * _EFFORT.get() * min(1, 128 / ctx.prec) * min(1, (12 / components) ** 2))
+
+
+@contextmanager
+def with_effort(part: float) -> Iterator[None]:
+    """Refuse a solution that takes more than this part of the steps allowed: for values that nobody asked for."""
+    before = _EFFORT.set(part)
+    try:
+        yield
+    finally:
+        _EFFORT.reset(before)
 
 
 def decisions(f: RightHandSide, t: Fraction, y: Sequence[arb], seen: set[float]) -> list[bool]:

@@ -96,6 +96,17 @@ def test_fast_oscillation_for_long_is_refused_and_for_far_too_long_at_once(end, 
         enclose_solution(lambda t, y: [y[1], -y[0]], [Fraction(1), Fraction(0)], [Fraction(0), Fraction(end)], 64)
 
 
+@pytest.mark.parametrize(("f", "end"), [(lambda t, y: [y[1], -y[0]], 60), (lambda t, y: [-1000 * y[0], 0 * t], 30)])
+def test_less_effort_is_refused_where_all_of_it_is_enough(f, end):
+    times = [Fraction(0), Fraction(end)]
+    with (
+        steps.with_effort(1e-3),
+        pytest.raises(Refused, match=r"too long: .* at most 20 |20 implicit steps|5 implicit"),
+    ):
+        enclose_solution(f, [Fraction(1), Fraction(0)], times)
+    assert enclose_solution(f, [Fraction(1), Fraction(0)], times).steps > 20
+
+
 def test_times_that_decrease_are_refused():
     with pytest.raises(Refused, match="times must not decrease"):
         enclose_solution(lambda t, y: y, [Fraction(1)], [Fraction(0), Fraction(1), Fraction(-1)], 64)

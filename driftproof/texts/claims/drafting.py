@@ -127,7 +127,7 @@ def draft(document: Document, name: str, asked: Iterable[str] = ()) -> str:
         lines = [_asked_line(document, one) for one in missed if bool(one[3] and not one[2]) == guessed]
         drafted += [f"# Asked for with --ask, {said}:\n{''.join(lines)}"] * bool(lines)
     for why, those in suggestions.not_asked.items():
-        drafted += [f"# Not asked, because {why}: {len(those)}, such as {those[0]}\n"] if those else []
+        drafted += [f"# Not asked, because {why}: {len(those)}, such as {next(iter(those))}\n"] if those else []
     if inputs:
         drafted.append(f"# Left out: numbers in program code, {len(inputs)} in all; they are inputs, not claims.\n")
     return "\n".join(drafted).rstrip("\n")

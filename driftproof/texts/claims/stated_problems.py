@@ -84,16 +84,21 @@ def stated_questions(text: str, column_of: Callable[[TextNumber], str]) -> list[
     The methods, step sizes and times are those that the text names after the equations, the methods else those that it
     names anywhere; `column_of` gives the head of the column of a number.
     """
-    found = list[str]()
-    for problem in [*_problems(text)][:_MOST_PROBLEMS]:
-        if equations := problem.equations:
+    found, known = list[str](), dict[tuple[tuple[str, str], ...], str]()
+    for problem in _problems(text):
+        rates = tuple(problem.rates.items())
+        if rates not in known and len(known) == _MOST_PROBLEMS:
+            continue
+        # Where the equations stand again without a start, it is that of before.
+        if equations := problem.equations or known.get(rates):
+            known[rates] = equations
             found += _questions(problem, equations, text, column_of)
     return list(dict.fromkeys(found))
 
 
 def _problems(text: str) -> Iterator[_Problem]:
     """The systems of equations of the text, each with the text from a little before it to the next one."""
-    systems, done, last = list[tuple[int, dict[str, str]]](), list[dict[str, str]](), len(text)
+    systems, last = list[tuple[int, dict[str, str]]](), len(text)
     for match in _EQUATION.finditer(text):
         name = match["name"] or match["d"]
         if name == "t" or name in FUNCTIONS:
@@ -110,8 +115,7 @@ def _problems(text: str) -> Iterator[_Problem]:
     for (start, raw), (end, _) in pairwise([*systems, (len(text), {})]):
         names, begins = [*map(_ascii, raw)], start - len(re.split(r"[.;?!]\s", text[max(0, start - _GAP) : start])[-1])
         rates = {name: rate for name, one in zip(names, raw.values(), strict=True) if (rate := _rate(one, names, text))}
-        if len(rates) == len(raw) and rates not in done:
-            done.append(rates)
+        if len(rates) == len(raw):
             yield _Problem(rates, text[begins:end], begins)
 
 

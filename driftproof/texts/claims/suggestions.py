@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from fractions import Fraction
@@ -14,7 +14,10 @@ from typing import TypeAlias
 
 from flint import arb, ctx
 
+from driftproof.enclosure.numbers import Refused
+from driftproof.enclosure.steps import with_effort
 from driftproof.methods.catalogue import FACTS_ONLY, METHODS, keys_of_name
+from driftproof.support.progress import stage
 from driftproof.symbolic.algebra.certified import Uncertified, enclose
 from driftproof.texts.claims.contradictions import SETTING, contradicted, methods_named, names_limit
 from driftproof.texts.claims.phrases import NumberForm
@@ -36,6 +39,8 @@ _USUAL_FACTS = (*_LIMITS, "order", "error_constant", "limit_at_infinity")
 # Limits that keep this to a few hundred questions of cheap runs, a second or two in all.
 _MOST_METHODS, _MOST_RUN, _MOST_SIZES, _MOST_TIMES, _MOST_COUNTS = 12, 6, 4, 2, 2
 _LONGEST_RUN = 10_000
+# Of the steps that may enclose a solution: at most 1000 explicit ones, some seconds.
+_EFFORT = 1 / 20
 # Chosen: a look-alike is strong if at most one in 100 random numbers with as many digits would look as good.
 _ODDS = 100
 # The same for values that the author asked for, which the text is known to contain.
@@ -164,7 +169,12 @@ class Suggestions:
         self.asked = {one: chosen for one, chosen in (runs or asked_for).items() if not _SAYS_ITSELF.search(one)}
         said = [one for one in asked_for if _SAYS_ITSELF.search(one)]
         no_runs = [one for one in asked_for if runs and one not in runs]
-        self.not_asked = {"h does not divide t": no_runs, "the question itself says the value": said}
+        self._refused = dict[str, Refused]()
+        self.not_asked: dict[str, Collection[str]] = {
+            "h does not divide t": no_runs,
+            "the question itself says the value": said,
+            "the solution is not enclosed in the few steps of a draft; --ask takes more": self._refused,
+        }
         self._spelled: dict[NumberForm, dict[str, list[_Known]]] = {}
         self._meant: dict[int, list[_Known]] = {}
         self._rows: dict[int, list[tuple[str, str, int, int]]] = {}
@@ -319,10 +329,12 @@ class Suggestions:
         """Spelling -> the values spelled so in this form; a value without this form, such as a tie, is left out."""
         if form not in self._spelled:
             table = self._spelled[form] = {}
-            for known in self._known:
-                with suppress(ValueError):
-                    for spelling in form.spellings(known.answer):
-                        table.setdefault(spelling, []).append(known)
+            with stage("working out values that the text may mean") as progress:
+                for i, known in enumerate(self._known):
+                    progress.part = i / len(self._known)
+                    with suppress(ValueError):
+                        for spelling in form.spellings(known.answer):
+                            table.setdefault(spelling, []).append(known)
         return self._spelled[form]
 
     @cached_property
@@ -333,11 +345,11 @@ class Suggestions:
         """
         questions = published_values() | dict.fromkeys(self._questions())
         found = [_Known(each, answer) for each in questions if (answer := _usual(each))]
-        asked = [_Known(question, _limited(value(question)), chosen) for question, chosen in self.asked.items()]
+        asked = [_Known(question, self._limited(question), chosen) for question, chosen in self.asked.items()]
         stated = {q: chosen for one in self.stated for q, chosen in questions_in(one).items() if q not in self.asked}
         for question, chosen in stated.items():
             with suppress(ValueError):  # a method that is not for the problem, or a solution that ends
-                asked.append(_Known(question, _limited(value(question)), chosen, stated=True))
+                asked.append(_Known(question, self._limited(question, _EFFORT), chosen, stated=True))
         percent, one = NUMBER_FUNCTIONS["percent"][0], Answer("", Fraction(1))
         shares = [each for each in asked if each.answer.is_number and not each.answer.unit]
         shares = [replace(k, question=_SHARE.format(k.question), answer=percent(k.answer, one)) for k in shares]
@@ -361,6 +373,27 @@ class Suggestions:
                     yield from (f"run {method} h={h} {end} : {readout}" for readout in readouts)
         yield from (f"exact t={t} : {readout}" for t in (*times, *sizes) for readout in "qv")
 
+    def _limited(self, question: str, effort: float = 1.0) -> Answer:
+        """The answer, refused where it is a tie or takes more than this part of the steps allowed: once is enough."""
+        answer = value(question)
+        x = answer.exact
+        if x is None or not callable(x):
+            return answer
+
+        def ball() -> arb:
+            if ctx.prec > _MOST_BITS:
+                raise Uncertified("a tie")
+            if question in self._refused:
+                raise self._refused[question]
+            try:
+                with with_effort(effort):
+                    return enclose(x)
+            except Refused as refusal:
+                self._refused[question] = refusal
+                raise
+
+        return replace(answer, exact=ball)
+
 
 @cache
 def _usual(question: str) -> Answer | None:
@@ -368,20 +401,6 @@ def _usual(question: str) -> Answer | None:
     with suppress(ValueError):
         return value(question)
     return None
-
-
-def _limited(answer: Answer) -> Answer:
-    """The answer with its enclosure limited in precision, so that a tie ends early and is not suggested."""
-    x = answer.exact
-    if x is None or not callable(x):
-        return answer
-
-    def ball() -> arb:
-        if ctx.prec > _MOST_BITS:
-            raise Uncertified("a tie")
-        return enclose(x)
-
-    return replace(answer, exact=ball)
 
 
 def _given(pattern: re.Pattern[str], text: str) -> list[str]:

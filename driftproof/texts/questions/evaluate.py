@@ -160,6 +160,7 @@ def _run_answer(context: QueryContext, h: Fraction, t: Fraction) -> Answer:
 
 def _problem_answer(context: QueryContext, method: Method | None, h: Fraction, t: Fraction) -> Answer:
     """Answer for a problem by name, for y' = f(t, y) with its rates written out, or for y' = λy from 1."""
+    from driftproof.methods.field_text import field_of_text
     from driftproof.texts.questions import problems
 
     query, named = context.query, context.about_problem
@@ -182,7 +183,8 @@ def _problem_answer(context: QueryContext, method: Method | None, h: Fraction, t
         if query.problem:
             problem = problems.problem_of_name(named.text)
         else:
-            problem = problems.problem_of_rates([rate.text for rate in query.rates], query.unknowns)
+            names = {name: f"y{i}" for i, name in enumerate(query.unknowns)}
+            problem = field_of_text([rate.text for rate in query.rates], names=names), (), query.unknowns
         try:
             given = query.start or ()
             start: tuple[CertifiableReal, ...] = tuple(_entry(x) if isinstance(x, str) else x for x in given)

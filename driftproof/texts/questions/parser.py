@@ -102,7 +102,7 @@ class _QuestionParser(PieceParser):
 
     def named(self, name: Token) -> Node:
         """Parse a name that was just taken: the id of a published value, or the beginning of a query."""
-        while name.text.lower() in wording.ASKING | wording.SAY_NOTHING and self.next.kind == NAME and not self.in_rate:
+        while self.next.kind == NAME and not self.in_rate and self._only_asks(name):
             name = self.take()
             if self.accept("("):
                 called: Node = self._call(name)
@@ -121,6 +121,12 @@ class _QuestionParser(PieceParser):
             return NameNode(name.column, "pi" if name.text == "π" else name.text)
         parts = defaultdict(dict)
         return self.query(name, self.head(name, parts), parts)
+
+    def _only_asks(self, name: Token) -> bool:
+        """True for a word before a question, as "what", and for "one" before a method, as in one RK4 step."""
+        if name.text.lower() in ("one", "single", "first"):
+            return bool(keys_of_name(self.next.text))
+        return name.text.lower() in wording.ASKING | wording.SAY_NOTHING
 
     def _goes_on(self, name: Token) -> bool:
         """True if the next hyphen or number belongs to the name of a fact or method: Crank-Nicolson, BDF 2."""

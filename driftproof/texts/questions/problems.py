@@ -15,7 +15,7 @@ from driftproof.enclosure.fields import RightHandSide, enclosable, enclosed_rate
 from driftproof.enclosure.numbers import Enclosed, Evaluation
 from driftproof.enclosure.solutions import BITS_AT_FIRST, enclose_solution
 from driftproof.enclosure.text_fields import field_function
-from driftproof.methods.field_text import LONGEST_PROBLEM, PROBLEM_KEYS, field_of_table, field_of_text, start_of_table
+from driftproof.methods.field_text import LONGEST_PROBLEM, PROBLEM_KEYS, field_of_table, start_of_table
 from driftproof.methods.rationals import parse_rational
 from driftproof.methods.schemes import Method, Nystrom, RungeKutta, Splitting
 from driftproof.methods.vector_fields import VectorField
@@ -63,8 +63,9 @@ class ProblemRun:
         """Enclosures of the states of the exact run, the start first, in balls of the current precision."""
         assert self.method is not None
         found = _states(self.method, self.rates, self.start, self.h, ctx.prec)
-        step = exact_step(self.method, self._function, len(self.start))
-        found[0] = tuple(enclose(x) for x in self.start)
+        if self.steps not in found:
+            step = exact_step(self.method, self._function, len(self.start))
+            found[0] = tuple(enclose(x) for x in self.start)
         for n in range(len(found), self.steps + 1):
             found[n] = step(tuple(found[n - 1]), (n - 1) * self.h, self.h)
         return [found[n] for n in range(self.steps + 1)]
@@ -226,11 +227,6 @@ def decay_readouts(factor: Answer, rate: Fraction, h: Fraction, steps: int) -> d
         "relative_error": lambda: NUMBER_FUNCTIONS["ratio"][0](OPERATIONS["-"](y(), exact()), exact()),
         "steps": lambda: Answer("", Fraction(steps)),
     }
-
-
-def problem_of_rates(rates: Sequence[str], unknowns: Sequence[str] = ()) -> FieldAndStart:
-    """The problem of rates in y0, y1, ... or in the named unknowns, without a start. Raises ValueError."""
-    return field_of_text(rates, names={name: f"y{i}" for i, name in enumerate(unknowns)}), (), tuple(unknowns)
 
 
 def problem_of_name(name: str) -> FieldAndStart:

@@ -59,16 +59,18 @@ FACT_WORDS = {
 # Ambiguous name -> what it may mean, as error messages show it.
 LIMITS = "real_limit METHOD (largest hλ on y' = -λy) or imaginary_limit METHOD (largest hω on y' = iωy)"
 _DAMPING = "energy_multiplier METHOD (factor on the oscillator's energy) or dissipation METHOD (of its amplitude)"
-_KEPT = "energy_multiplier METHOD (1 if a step preserves the energy), invariant METHOD (what is) or energy_change"
+_KEPT = "energy_multiplier METHOD (1 if energy is kept), invariant METHOD (what is), run METHOD h=1 t=9 : energy_change"
 _TABLEAU = "one of its entries, such as b1 METHOD, a21, bhat1 or c2; `driftproof facts METHOD --all` shows more"
 _OBSERVED = "ratio(run METHOD h=1/10 t=1 : error, run METHOD h=1/20 t=1 : error), or log2 of it, the observed order"
 _DIGITS = "run METHOD h=1/10 t=1 : relative_error, or roundoff METHOD h=1/4 : c (bound on the rounding of a step, in u)"
 _GROWS = "energy_multiplier METHOD h=1/4 (factor per step), or step METHOD h=1/4 : energy_change (change in one step)"
 _SIGNED = "error_constant METHOD or its negative: computed minus exact for one-step methods, else the reverse"
 _B_STABLE = "algebraically_stable METHOD, which is equivalent if no stage is superfluous"
-_SPECTRUM = "stability_function METHOD (y' = λy, z = hλ) or one_step_matrix (of the oscillator), as in : M_qq"
+_SPECTRUM = "stability_function METHOD z=-1/2 (y' = λy, z = hλ) or one_step_matrix METHOD h=1/2 : M_qq (oscillator)"
 _ENERGY_ERRORS = ("energy_error", "energy_change", "energy_drift")
-_AT_THE_END = "run METHOD h=1/10 t=1 : energy_change (at the end), or largest_error (of the state, over all steps)"
+_AT_THE_END = (
+    "run METHOD h=1/10 t=1 : energy_change (at the end), or run METHOD y'=-y, y(0)=1, h=1/10, t=1 : largest_error"
+)
 _TURNING, _MOST = ("period", "frequency"), ("largest", "max", "maximal", "maximum")
 _SIZES = ("h", "step", "step_size", "time_step")
 _POWER = "(the leading power of h), or one less, as in most papers"

@@ -25,8 +25,18 @@ _UNSEEN = re.compile(
     r"include|bibliography(?:style)?|driftproof|hspace|vspace|setlength|color|textcolor|url)\*?"
     r"(?:\s*\[[^\]\n]{0,200}\])*\s*\{[^{}]*\}(?:\[[^\]\n]{0,200}\]|(?<=tabular\})\{[^{}]*\}|(?<=array\})\{[^{}]*\})?"
 )
+_SIGNS = {
+    "times": "×", "cdot": "·", "pm": "±", "mp": "∓", "le": "≤", "leq": "≤", "ge": "≥", "geq": "≥", "ne": "≠",
+    "neq": "≠", "approx": "≈", "sim": "~", "infty": "∞", "prime": "′", "circ": "°", "degree": "°", "percent": "%",
+    "to": "→", "sqrt": "√", "lambda": "λ", "omega": "ω", "pi": "π", "theta": "θ", "tau": "τ", "gamma": "γ",
+    "alpha": "α", "beta": "β", "delta": "δ", "epsilon": "ε", "varepsilon": "ε", "mu": "μ", "sigma": "σ", "phi": "φ",
+    "rho": "ρ", "quad": " ", "qquad": " ", **{name: f"{name} " for name in ("cos", "sin", "tan", "exp", "ln", "log")},
+}  # fmt: skip
+_LETTERS = "|".join(["[dtcs]?frac", *(name for name, sign in _SIGNS.items() if sign[0].isalpha())])
+# Before a factor a blank follows, as 2/3 x is no 2/(3x).
 _FRACTION = re.compile(
     r"\\(?:[dtcs]?frac|nicefrac|xfrac|flatfrac)\s*(?:\{(?P<a>[^{}]*)\}|(?P<c>[0-9]))\s*(?:\{(?P<b>[^{}]*)\}|(?P<d>[0-9]))"
+    rf"(?P<factor>(?=[A-Za-z(]|\\(?:{_LETTERS})))?"
 )
 _ROOT = re.compile(r"\\sqrt\s*(?:\{(?P<a>[^{}]*)\}|(?P<c>\w))")
 _NUMBER = re.compile(
@@ -35,13 +45,6 @@ _NUMBER = re.compile(
 )
 _SCRIPT = re.compile(r"(?P<sign>[\^_])\s*\{(?P<a>[^{}]*)\}")
 _THIN = re.compile(r"(?<=[0-9])(?:\\,|\{,\}|\{\\,\})(?=[0-9]{3}(?![0-9]))")
-_SIGNS = {
-    "times": "×", "cdot": "·", "pm": "±", "mp": "∓", "le": "≤", "leq": "≤", "ge": "≥", "geq": "≥", "ne": "≠",
-    "neq": "≠", "approx": "≈", "sim": "~", "infty": "∞", "prime": "′", "circ": "°", "degree": "°", "percent": "%",
-    "to": "→", "sqrt": "√", "lambda": "λ", "omega": "ω", "pi": "π", "theta": "θ", "tau": "τ", "gamma": "γ",
-    "alpha": "α", "beta": "β", "delta": "δ", "epsilon": "ε", "varepsilon": "ε", "mu": "μ", "sigma": "σ", "phi": "φ",
-    "rho": "ρ", "quad": " ", "qquad": " ", **{name: f"{name} " for name in ("cos", "sin", "tan", "exp", "ln", "log")},
-}  # fmt: skip
 _COMMAND = re.compile(
     r"\\(?:(?P<name>[A-Za-z]+)\*?[ \t]*|(?P<break>\\)(?:\[[^\]\n]{0,200}\])?|(?P<sign>[\s\S]))|(?P<other>[~&$])"
 )
@@ -131,7 +134,7 @@ def _in_brackets(match: re.Match[str], *names: str) -> Iterable[Piece]:
 
 
 _STEPS: tuple[tuple[re.Pattern[str], Callable[[re.Match[str]], Iterable[Piece]]], ...] = (
-    (_FRACTION, lambda match: [*_in_brackets(match, "a", "c"), "/", *_in_brackets(match, "b", "d")]),
+    (_FRACTION, lambda m: [*_in_brackets(m, "a", "c"), "/", *_in_brackets(m, "b", "d"), " " * (m["factor"] == "")]),
     (_ROOT, lambda match: ["√", *_in_brackets(match, "a", "c")]),
     (_SCRIPT, lambda match: [match["sign"] + _OPEN, match.span("a"), _CLOSE]),
     (_NUMBER, _inside),

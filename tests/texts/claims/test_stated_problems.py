@@ -132,3 +132,15 @@ def test_a_question_is_asked_once():
     assert len(stated("y' = -y, y(0) = 1, t = 1. " * 4 + "x' = x, x(0) = 1, t = 1.")) == 2
     other = "y' = -y, y(0) = 1, t = 1. x' = y, y' = -x from (1, 0) to t = 2."
     assert equations(other) == ["y'=-y, y(0)=1", "x'=y, y'=-x, x(0)=1, y(0)=0"]
+
+
+def test_equations_that_stand_again_have_the_numbers_of_both_places_and_their_first_start_if_no_other():
+    first = "y' = -y, y(0) = 1, by Euler with h = 0.1 to t = 1. "
+    for again, read in {
+        "y' = -y with h = 0.5 to t = 2.": ("y(0)=1", "h={0.5}, t={2}"),
+        "Once more y' = -y, y(0) = 3, with h = 0.5 to t = 2.": ("y(0)=3", "h={0.5}, t={2}"),
+    }.items():
+        runs = [one for one in stated(first + again) if one.startswith("run")]
+        for one, (start, steps) in zip(runs, (("y(0)=1", "h={0.1}, t={1}"), read), strict=True):
+            assert f"y'=-y, {start}, {steps} : " in one
+    assert stated("y' = -y with h = 0.5 to t = 2. And again y' = -y with h = 0.1.") == []

@@ -251,6 +251,16 @@ def test_tie_of_a_solution_is_no_suggestion_and_takes_no_time() -> None:
     assert [len(suggestions.look_alikes(n)) for n in numbers_in(suggestions.text)] == [0, 1]
 
 
+def test_a_draft_encloses_a_stated_solution_in_few_steps_and_says_which_it_did_not():
+    lorenz = "x' = 10(y - x), y' = x(28 - z) - y, z' = xy - 8/3 z, x(0) = 1, y(0) = 1, z(0) = 1"
+    suggestions = Suggestions(f"{lorenz}. At t = 1/4, x is 11.04284. At t = 200, x is 1.2345.")
+    asked = [x for x in numbers_in(suggestions.text) if "." in x.text]
+    assert [len(suggestions.look_alikes(x)) for x in exactly(2, asked)] == [1, 0]
+    *_, (why, refused) = suggestions.not_asked.items()
+    assert "few steps" in why
+    assert [one[-9:] for one in exactly(3, refused)] == ["t=200 : x", "t=200 : y", "t=200 : z"]
+
+
 def test_number_of_seventy_places_is_suggested_and_one_of_eighty_takes_too_many_bits() -> None:
     for places, count in ((70, 1), (80, 0)):
         text = value("exp(1)").places(places)

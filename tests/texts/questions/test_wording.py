@@ -110,6 +110,7 @@ SAME = {
     "steps needed by Euler for error 1e-2 at t=2": "steps of Euler error=1e-2 t=2",
     "velocity-Verlet order": "order velocity_verlet",
     "run rk4 h=1/4, problem=pendulum, t=1 : y0": "run rk4 problem=pendulum h=1/4 t=1 : y0",
+    "one RK4 step with h=0.5 : q": "step rk4 h=1/2 : q", "the first RK4 step, h=0.5 : q": "step rk4 h=1/2 : q",
     "one step of RK4 with h=0.5 : q": "step rk4 h=1/2 : q", "first step of RK4, h=0.5 : v": "step rk4 h=1/2 : v",
     "RK4 step 0.5 t=1 : q": "run rk4 h=1/2 t=1 : q",
     "an Euler step with h=1/2 for y'=-y, y(0)=1 : y": "1/2", "one-step error of RK4 h=1/2": "local error of rk4 h=1/2",
@@ -224,9 +225,10 @@ def test_what_an_expression_may_mean_is_shown_with_the_method_of_the_question():
 
 
 def test_what_an_expression_may_mean_is_a_question_that_is_answered():
-    pasted = re.compile(r"(?<!driftproof )\b[a-z]\w+ METHOD(?: [hzt]=[0-9/]+)*(?: : \w+)?")
+    settings = r"(?: y'=-y, y\(0\)=1,)?(?: [hzt]=[-0-9/]+,?(?= ))*(?: : \w+)?"
+    pasted = re.compile(rf"(?<!driftproof )\b[a-z]\w+ METHOD{settings}")
     meant = {name for meaning in AMBIGUOUS_FACTS.values() for name in pasted.findall(meaning)}
-    for example in some(sorted(meant), 12):
+    for example in some(sorted(meant), 14):
         method = "symplectic Euler" if example.startswith("invariant") else "RK4"
         found = value(example.replace("METHOD", method))
         assert found.is_number or found.exact_text

@@ -11,6 +11,7 @@ from tests.texts.readers.reading import blocks, read, standing
 READ = [
     ("a % 5\nb\\% \\label{eq:1}\\cite{x2} \\emph{c} \\num{0.5}~d", "a b% c 0.5 d"),
     ("$\\frac{337}{384}$, $\\tfrac12$, $\\frac{h^2}{2}, \\frac1{2y}$", "337/384, 1/2, (h^2)/2, 1/(2y)"),
+    ("$\\frac{2}{3}x\\frac12\\frac13(a)\\frac12\\sin\\frac12\\right)$", "2/3 x1/2 1/3 (a)1/2 sin 1/2)"),
     ("$2\\sqrt{2}$ $3.3\\times 10^{-4}$ $1\\,000$ $q_{n+1}$", "2√2 3.3×10^{-4} 1,000 q_{n+1}"),
     ("\\newcommand{\\half}{\\tfrac{1}{2}}\\newcommand\\pow[2]{#1^{#2}}$\\half\\pow{h}{12}\\pow h3$", "1/2h^{12}h^3"),
     ("\\def\\a{\\b}\\def\\b{\\a}\\DeclareMathOperator{\\tr}{tr} \\a 5 \\tr 6", "5 tr 6"),
