@@ -71,9 +71,9 @@ def field_of_text(
 ) -> VectorField:
     """The field y' = f(t, y) from a text for each component, or from one text with ";" or "," between components.
 
-    A text is an expression in t, y0, y1, ..., pi and the parameters; one text for all may have equations, x' = v, with
-    names of your own. `names` maps further names to such expressions; without it, a single component is also called y.
-    Numbers are exact: 0.1 is 1/10. Exponents are whole numbers or halves of them. Raises ValueError in one line.
+    A text is an expression in t, y0, y1, ..., pi and the parameters, or an equation x' = v with names of your own.
+    `names` maps further names to such expressions; without it, a single component is also called y. Numbers are exact:
+    0.1 is 1/10. Exponents are whole numbers or halves of them. Raises ValueError in one line.
 
     >>> field_of_text("y1; -0.5 * y0^2").rates, field_of_text("x' = v, v' = -x").rates
     (('y1', '-(1 / 2) * (y0 * y0)'), ('y1', '-y0'))

@@ -72,7 +72,7 @@ class VectorField:
             raise MethodError(f"a second-order system has as many velocities as positions, not {len(self.rates)} rates")
         for i, (rate, v) in enumerate(zip(self.rates, velocities, strict=False)):
             if ast.unparse(_parsed(rate, i)) != v:
-                raise MethodError(f"rate {i} is {rate!r}; a second-order system needs {v!r}, the velocity of y{i}")
+                raise MethodError(f"rate {i} is {rate!r}; a second-order system needs {v!r}: positions come first")
         for i, rate in enumerate(self.rates[half:], half):
             for v in sorted(_names(_parsed(rate, i)).intersection(velocities)):
                 raise MethodError(

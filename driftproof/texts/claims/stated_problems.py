@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import unicodedata
 from collections.abc import Callable, Collection, Iterator
 from contextlib import suppress
 from dataclasses import dataclass, replace
@@ -17,6 +16,7 @@ from driftproof.texts.claims.contradictions import methods_named
 from driftproof.texts.claims.places import is_head_of
 from driftproof.texts.questions.errors import QuestionError
 from driftproof.texts.questions.parser import parse_question
+from driftproof.texts.questions.pieces import with_greek_spelled
 from driftproof.texts.readers.numbers import TextNumber, numbers_in
 
 # Limits that keep this to some hundred questions about runs of some hundred steps: seconds.
@@ -31,7 +31,8 @@ _COUNTS = re.compile(r"(?<![\w.])([1-9][0-9]{0,3}) (?:time |equal )?steps\b|(?<!
 _GAP = 80
 _TOGETHER = re.compile(rf"(?:(?![.;?!]\s)[\s\S]){{0,{_GAP}}}")
 _EQUATION = re.compile(
-    r"(?<![\w'])(?:d(?P<d>[^\W\d]\w*) ?/ ?dt|(?P<name>[^\W\d]\w{0,9})'(?: ?\(t\))?) ?(?:\| ?)?= ?"
+    r"(?<![\w'])(?:d(?P<d>[^\W\d]\w*) ?/ ?dt|\(?d\^2 ?(?P<dd>[^\W\d]\w*)\)? ?/ ?\(?dt\^2\)?|"
+    r"(?P<name>[^\W\d]\w{0,9})'(?P<second>'?)(?: ?\(t\))?) ?(?:\| ?)?= ?"
     r"(?=(?P<rate>[^=≤≥≈<>:;]{1,200}))"
 )
 # Characters after the last equation in which x = 1 without a time is a start.
@@ -63,9 +64,10 @@ class _Problem:
     def _start(self, name: str, index: int) -> str | None:
         """What the text says that the unknown is at first: at 0, "at rest", in a list of all, or near the equations."""
         part, n = _ascii(self.part), len(self.rates)
+        of = next((other for other, rate in self.rates.items() if rate == name), name)
         near = part[: part.rindex("'") + _NEAR] if "'" in part else part[:_NEAR]
-        at_zero = re.search(rf"(?<![\w']){name}(?:_0| ?\(0(?:\.0)?\)) ?= ?({_VALUE})", part)
-        if not at_zero and name in self.rates.values() and re.search(r"\b(?:at|from) rest\b", part):
+        at_zero = re.search(rf"(?<![\w'])(?:{name}|{of}')(?:_0| ?\(0(?:\.0)?\)) ?= ?({_VALUE})", part)
+        if not at_zero and of != name and re.search(r"\b(?:at|from) rest\b", part):
             return "0"
         of_all = rf"(?:\b(?:from|at|in)|=) ?\(({_VALUE})" + rf", ?({_VALUE})" * (n - 1) + r"\)"
         if n > 1 and not at_zero and (found := re.search(of_all, part)):
@@ -100,7 +102,7 @@ def _problems(text: str) -> Iterator[_Problem]:
     """The systems of equations of the text, each with the text from a little before it to the next one."""
     systems, last = list[tuple[int, dict[str, str]]](), len(text)
     for match in _EQUATION.finditer(text):
-        name = match["name"] or match["d"]
+        name = match["name"] or match["d"] or match["dd"]
         if name == "t" or name in FUNCTIONS:
             continue
         joined = (
@@ -110,9 +112,13 @@ def _problems(text: str) -> Iterator[_Problem]:
         )
         if not joined:
             systems.append((match.start(), {}))
+        if match["second"] or match["dd"]:
+            systems[-1][1][name] = name = f"d{name}"
         systems[-1][1][name] = match["rate"]
         last = match.start("rate") + len(_first(match["rate"]))
     for (start, raw), (end, _) in pairwise([*systems, (len(text), {})]):
+        for name in [name for name in raw if f"d{name}" in raw]:
+            raw = {of: re.sub(rf"\b{name}'", f"d{name}", rate) for of, rate in raw.items()}
         names, begins = [*map(_ascii, raw)], start - len(re.split(r"[.;?!]\s", text[max(0, start - _GAP) : start])[-1])
         rates = {name: rate for name, one in zip(names, raw.values(), strict=True) if (rate := _rate(one, names, text))}
         if len(rates) == len(raw):
@@ -120,11 +126,11 @@ def _problems(text: str) -> Iterator[_Problem]:
 
 
 def _questions(problem: _Problem, equations: str, text: str, column_of: Callable[[TextNumber], str]) -> Iterator[str]:
-    part, at = problem.part, problem.at
+    part, at = _ascii(problem.part), problem.at
     value_at = re.compile(rf"(?<!\w)(?:{'|'.join(problem.rates)})\(({_NUMBER})\)")
     sizes, times, counts, also = (_listed(pattern, part) for pattern in (_SIZES, _TIMES, _COUNTS, value_at))
     times += also
-    for number in numbers_in(text[at : at + len(part)]):
+    for number in numbers_in(text[at : at + len(problem.part)]):
         head = column_of(replace(number, start=number.start + at, end=number.end + at))
         for letter, into in (("h", sizes), ("t", times)):
             if is_head_of(letter, head) and re.fullmatch(_NUMBER, number.text):
@@ -142,7 +148,9 @@ def _questions(problem: _Problem, equations: str, text: str, column_of: Callable
     methods = ",".join([key for key in METHODS if key in spoken][:_MOST_METHODS])
     if ends := ",".join(map(_shown, times[-_MOST_TIMES:])):
         yield f"exact {equations}, t={{{ends}}} : {{{','.join(problem.rates)}}}"
-    read = [*problem.rates, "error"] + ["relative_error"] * ("%" in part or "relative" in part)
+    read = [*problem.rates, "error", *(f"error.{name}" for name in problem.rates if len(problem.rates) > 1)]
+    read += ["position_error"] * any(name in problem.rates for name in problem.rates.values())
+    read += ["relative_error"] * ("%" in part or "relative" in part)
     read += ["evaluations"] * bool(re.search("evaluation|calls", part))
     runs = list[tuple[Fraction, list[Fraction]]]()
     for h in sizes[::-1][:_MOST_SIZES] if methods else ():
@@ -176,8 +184,9 @@ def _listed(pattern: re.Pattern[str], text: str) -> list[Fraction]:
 
 def _rate(raw: str, names: Collection[str], text: str) -> str | None:
     """The longest beginning of `raw` that is a rate in the names, others replaced by what the text says they are."""
-    raw = re.sub(rf"\b({'|'.join(names)}) ?\(t\)", r"\1", _ascii(_first(raw)))  # y(t)
-    raw = _plain(raw)
+    raw = _plain(re.sub(rf"\b({'|'.join(names)}) ?\(t\)", r"\1", _ascii(_first(raw))))  # y(t)
+    for ratio, value in re.findall(rf"(?<![\w'/(])([^\W\d]\w*/[^\W\d]\w*) ?= ?({_NUMBER})", _ascii(text)):
+        raw = raw.replace(ratio, value)
     # Not before a sign, an unknown or another letter, so that x' = 2/3 k x is not read as x' = 2/3.
     ends = re.finditer(rf"\n|\.(?!\d)|\s(?!\s*(?:[-+*/^]|(?:{'|'.join(names)}|[^\W\d])\b(?! ?['(=_])))", raw)
     for end in (len(raw), *reversed([match.start() for match in ends])):
@@ -220,11 +229,11 @@ def _plain(formula: str) -> str:
     formula = formula.replace("π", "pi").replace("·", "*").replace("[", "(").replace("]", ")")
     formula = re.sub(r"√\(", "sqrt(", re.sub(r"√(\w+)", r"sqrt(\1)", formula))
     formula = re.sub(r"\be ?\^\{([^{}]*)\}|\be ?\^\(?(-?\w+)\)?", lambda to: f"exp({to[1] or to[2]})", formula)
-    formula = re.sub(r"\^\{(-?[0-9]+)\}", r"^\1", formula)
+    formula = re.sub(r"\^\{(-?[0-9]+(?:/[0-9]+)?)\}", r"^(\1)", formula)
     formula = re.sub(r"(?<![\w./^])([0-9]+/[0-9]+) (?=[A-Za-z(])", r"(\1) ", formula)  # 2/3 x, no 2/(3x)
     return re.sub(r"\b(sin|cos|tan|exp|ln|log|sqrt) (\w+)", r"\1(\2)", formula)
 
 
 def _ascii(text: str) -> str:
     """The text with Greek letters spelled out, as questions have them: theta for θ."""
-    return re.sub("[α-ω]", lambda letter: unicodedata.name(letter[0]).split()[-1].lower(), text.replace("π", "pi"))
+    return with_greek_spelled(text.replace("π", "pi").replace("λ", "lambda"))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from fractions import Fraction
 from functools import cache
-from unicodedata import normalize
+from unicodedata import name, normalize
 
 from driftproof.methods.catalogue import FACTS_ONLY, METHODS, keys_of_name
 from driftproof.methods.expression_tree import END, NAME, NUMBER, ExpressionParser, Token
@@ -17,10 +17,26 @@ from driftproof.texts.questions.errors import QuestionError
 WORDS = ("sharp",)
 OWN_PI = "steps and times are rational, so round pi yourself, as in h=0.01 t=6.28"
 
+# An unknown in front of two primes and a sign of equality.
+_SECOND = re.compile(r"\b([^\W\d]\w*)(?:['′’]{2}|[″\"]) ?(?:\(t\))?(?= ?=)")
+
 
 def without_accents(text: str) -> str:
     """The text with each accented letter as its plain one, so that columns stay."""
     return "".join(normalize("NFKD", c)[0] if c.isalpha() else c for c in text)
+
+
+def with_greek_spelled(text: str) -> str:
+    """The text with Greek letters other than λ and π spelled out: theta for θ, and beta y for βy."""
+    spelled = lambda letter: name(letter[0][0]).split()[-1].lower() + " " * (letter[1] is not None)
+    return re.sub(r"[α-κμ-ορ-ω](?=([^\W\d_]))?", spelled, text.replace("µ", "μ"))
+
+
+def of_first_order(question: str) -> str:
+    """The question with each equation of second order as two: x'' = -x as x'=dx, dx' = -x, and x'(0) as dx(0)."""
+    if of_second := "|".join({*_SECOND.findall(question)}):
+        question = re.sub(rf"\b({of_second})['′’](?!['′’])", r"d\1", question)
+    return _SECOND.sub(r"\1'=d\1, d\1'", question)
 
 
 @cache

@@ -38,6 +38,10 @@ _FRACTION = re.compile(
     r"\\(?:[dtcs]?frac|nicefrac|xfrac|flatfrac)\s*(?:\{(?P<a>[^{}]*)\}|(?P<c>[0-9]))\s*(?:\{(?P<b>[^{}]*)\}|(?P<d>[0-9]))"
     rf"(?P<factor>(?=[A-Za-z(]|\\(?:{_LETTERS})))?"
 )
+# A derivative in time: x' with the prime after the index, as in x_1'.
+_DOTS = re.compile(
+    r"\\d(?P<second>d?)ot(?![A-Za-z])\s*(?:\{(?P<a>[^{}]*)\}|(?P<c>[A-Za-z]|\\[A-Za-z]+))(?P<index>_(?:\w|\{[^{}]*\}))?"
+)
 _ROOT = re.compile(r"\\sqrt\s*(?:\{(?P<a>[^{}]*)\}|(?P<c>\w))")
 _NUMBER = re.compile(
     r"\\(?:num|ang|qty|SI|text[a-z]*|math[a-z]+|operatorname|emph|mbox|boxed|underline|section|subsection|"
@@ -136,6 +140,7 @@ def _in_brackets(match: re.Match[str], *names: str) -> Iterable[Piece]:
 _STEPS: tuple[tuple[re.Pattern[str], Callable[[re.Match[str]], Iterable[Piece]]], ...] = (
     (_FRACTION, lambda m: [*_in_brackets(m, "a", "c"), "/", *_in_brackets(m, "b", "d"), " " * (m["factor"] == "")]),
     (_ROOT, lambda match: ["√", *_in_brackets(match, "a", "c")]),
+    (_DOTS, lambda m: [m.span("a" if m["c"] is None else "c"), m.span("index"), "''" if m["second"] else "'"]),
     (_SCRIPT, lambda match: [match["sign"] + _OPEN, match.span("a"), _CLOSE]),
     (_NUMBER, _inside),
 )

@@ -37,6 +37,13 @@ def equations(text, form="plain"):
             "x'=v, v'=-x/(sqrt(x^2 + 1))^3, x(0)=1, v(0)=0",
         ),
         ("θ' = ω, ω' = -9.81·sin θ, from rest at θ(0) = π/4, to t = 1", None),
+        (
+            "θ'' = -g/L sin θ - c θ', c = 0.2, g/L = 9.81, θ(0) = 1, θ'(0) = 1/2, t = 1",
+            "theta'=dtheta, dtheta'=-9.81 sin(theta) - 0.2 dtheta, theta(0)=1, dtheta(0)=1/2",
+        ),
+        ("d^2x/dt^2 = -βx, β = 2, x(0) = 1 from rest; t = 1", "x'=dx, dx'=-2 x, x(0)=1, dx(0)=0"),
+        ("θ' = ω, ω' = -θ, θ(0) = 1, θ'(0) = 2; t = 1", "theta'=omega, omega'=-theta, theta(0)=1, omega(0)=2"),
+        ("x'' = -x/(x^2 + 1)^{3/2}, x(0) = 1, x'(0) = 0; t = 1", "x'=dx, dx'=-x/(x^2 + 1)^(3/2), x(0)=1, dx(0)=0"),
         ("x' = v and v' = -x start from (1, -1/2); t = 2", "x'=v, v'=-x, x(0)=1, v(0)=-1/2"),
         ("y' = y e^{-t}, y(0) = 1. At t = 1", "y'=y exp(-t), y(0)=1"),
         ("x' = 2/3 x - 4/3 x y, y' = x, x(0) = 1, y(0) = 1, t = 1", "x'=(2/3) x - (4/3) x y, y'=x, x(0)=1, y(0)=1"),
@@ -55,6 +62,7 @@ def test_equations_and_starts_are_read_as_texts_have_them(text, read):
         "from' = -from, from(0) = 1, and t = 1",
         *("y' = -k y, y(0) = 1, and t = 1", "y' = 2.5 k y, y(0) = 1, and t = 1"),  # k is not said
         "y' = 2 - a-b y, y(0) = 1, and t = 1",
+        "y'' = -y, y(0) = 1, and t = 1",  # y'(0) is not said
         "y' = f(t, y), y(0) = 1, and t = 1",
         "y' = -y, y(0) = 1",  # no time
         "nothing of the kind, t = 1",

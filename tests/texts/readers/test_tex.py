@@ -19,6 +19,10 @@ READ = [
     ("a\\;b\\-c $\\frac{\\frac{1}{2}}{3}$", "a bc (1/2)/3"),
     ("$-\\cos 10 \\log\\theta$", "-cos 10 log θ"),
     ("$\\nicefrac{1}{4}$ and $\\sfrac{3}{8}$, \\tablevref{t-5} and \\href{u7}{b}", "1/4 and 3/8, and b"),
+    (
+        "$\\dot x=v, \\ddot{\\theta}(0), \\dot\\omega_{12} \\ddot x_1$\\dotfill 3 \\dots",
+        "x'=v, θ''(0), ω_{12}' x_1''3",
+    ),
     ("\\begin{tabular}{lr} a & 0.5 \\\\ b & 1 \\end{tabular}", "a | 0.5\nb | 1"),
 ]
 
