@@ -102,7 +102,7 @@ def _problems(text: str) -> Iterator[_Problem]:
     """The systems of equations of the text, each with the text from a little before it to the next one."""
     systems, last = list[tuple[int, dict[str, str]]](), len(text)
     for match in _EQUATION.finditer(text):
-        name = match["name"] or match["d"] or match["dd"]
+        name = _ascii(match["name"] or match["d"] or match["dd"])
         if name == "t" or name in FUNCTIONS:
             continue
         joined = (
@@ -114,12 +114,12 @@ def _problems(text: str) -> Iterator[_Problem]:
             systems.append((match.start(), {}))
         if match["second"] or match["dd"]:
             systems[-1][1][name] = name = f"d{name}"
-        systems[-1][1][name] = match["rate"]
+        systems[-1][1][name] = _ascii(match["rate"])
         last = match.start("rate") + len(_first(match["rate"]))
     for (start, raw), (end, _) in pairwise([*systems, (len(text), {})]):
         for name in [name for name in raw if f"d{name}" in raw]:
             raw = {of: re.sub(rf"\b{name}'", f"d{name}", rate) for of, rate in raw.items()}
-        names, begins = [*map(_ascii, raw)], start - len(re.split(r"[.;?!]\s", text[max(0, start - _GAP) : start])[-1])
+        names, begins = [*raw], start - len(re.split(r"[.;?!]\s", text[max(0, start - _GAP) : start])[-1])
         rates = {name: rate for name, one in zip(names, raw.values(), strict=True) if (rate := _rate(one, names, text))}
         if len(rates) == len(raw):
             yield _Problem(rates, text[begins:end], begins)

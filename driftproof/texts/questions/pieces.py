@@ -27,9 +27,10 @@ def without_accents(text: str) -> str:
 
 
 def with_greek_spelled(text: str) -> str:
-    """The text with Greek letters other than λ and π spelled out: theta for θ, and beta y for βy."""
-    spelled = lambda letter: name(letter[0][0]).split()[-1].lower() + " " * (letter[1] is not None)
-    return re.sub(r"[α-κμ-ορ-ω](?=([^\W\d_]))?", spelled, text.replace("µ", "μ"))
+    """The text with Greek letters other than λ and π spelled out: theta for θ, beta y for βy, k theta for kθ."""
+    spelled = lambda letter: name(letter[0][0]).split()[-1].lower()
+    apart = re.sub(r"(?<=[A-Zabce-zα-ω])(?=[α-ω])|(?<=[α-ω])(?=[^\W\d_])", " ", text.replace("µ", "μ"))
+    return re.sub(r"[α-κμ-ορ-ω]", spelled, apart)
 
 
 def of_first_order(question: str) -> str:

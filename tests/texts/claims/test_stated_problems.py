@@ -38,7 +38,7 @@ def equations(text, form="plain"):
         ),
         ("θ' = ω, ω' = -9.81·sin θ, from rest at θ(0) = π/4, to t = 1", None),
         (
-            "θ'' = -g/L sin θ - c θ', c = 0.2, g/L = 9.81, θ(0) = 1, θ'(0) = 1/2, t = 1",
+            "θ'' = -g/L sin θ - cθ', c = 0.2, g/L = 9.81, θ(0) = 1, θ'(0) = 1/2, t = 1",
             "theta'=dtheta, dtheta'=-9.81 sin(theta) - 0.2 dtheta, theta(0)=1, dtheta(0)=1/2",
         ),
         ("d^2x/dt^2 = -βx, β = 2, x(0) = 1 from rest; t = 1", "x'=dx, dx'=-2 x, x(0)=1, dx(0)=0"),
