@@ -7,6 +7,7 @@ import re
 from collections.abc import Callable, Iterable, Sequence
 from contextlib import suppress
 from functools import partial
+from inspect import signature
 from types import BuiltinFunctionType, CellType, FunctionType, MethodType, ModuleType
 from typing import Any
 
@@ -66,6 +67,16 @@ def array_of(values: Iterable[Any]) -> Any:
 
 def _lifted(rate: object, evaluation: Evaluation) -> Enclosed:
     return rate if isinstance(rate, Enclosed) else Enclosed(evaluation, evaluation.constant(rate))
+
+
+def time_first(f: RightHandSide) -> RightHandSide:
+    """The function itself. Raises ValueError if its parameters are named (y, t), as those of SciPy's odeint are."""
+    names = list[str]()
+    with suppress(TypeError, ValueError):  # compiled code may have no signature
+        names = [*signature(f).parameters][:2]
+    if names[1:] in (["t"], ["time"]):
+        raise ValueError(f"f takes ({', '.join(names)}), but is called with the time first: give lambda t, y: f(y, t)")
+    return f
 
 
 def enclosable(f: RightHandSide) -> RightHandSide:

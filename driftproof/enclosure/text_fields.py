@@ -9,7 +9,7 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from driftproof.enclosure.fields import RightHandSide
+from driftproof.enclosure.fields import RightHandSide, time_first
 from driftproof.enclosure.numbers import Enclosed
 from driftproof.methods.field_text import field_of_text
 from driftproof.methods.number_field import Exact
@@ -28,7 +28,7 @@ def right_hand_side(f: GivenField, components: int) -> RightHandSide:
     [0.5, -1.0]
     """
     if callable(f):
-        return f
+        return time_first(f)
     try:
         field = f if isinstance(f, VectorField) else field_of_text(f)
     except ValueError as error:

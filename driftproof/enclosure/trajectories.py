@@ -64,7 +64,8 @@ def trajectory_of(t: Any, y: Any = None) -> Trajectory:
         raise Refused(f"y has the shape {states.shape}; it must have a row for each of {len(times)} times")
     for i, (before, after) in enumerate(pairwise(times), 1):
         if not before < after:
-            raise Refused(f"times must increase, but t[{i}] = {after} is not above t[{i - 1}] = {before}")
+            how = "; of a run backwards give lambda s, y: -f(-s, y) and -t" if (np.diff(times) < 0).all() else ""
+            raise Refused(f"times must increase, but t[{i}] = {after} is not above t[{i - 1}] = {before}{how}")
     with np.errstate(over="ignore"):
         narrow = (states.astype(np.float32) == states).all() and (times.astype(np.float32) == times).all()
     return Trajectory(times.tolist(), states.tolist(), BINARY32_UNIT if narrow else BINARY64_UNIT)

@@ -15,7 +15,7 @@ import numpy as np
 from flint import arb, ctx
 
 from driftproof.blackbox.stepper.opening import imported
-from driftproof.enclosure.fields import enclosable
+from driftproof.enclosure.fields import enclosable, time_first
 from driftproof.enclosure.numbers import Refused
 from driftproof.enclosure.solutions import BITS_AT_FIRST, enclose_solution
 from driftproof.enclosure.steps import size
@@ -124,7 +124,8 @@ def _field(table: TomlTable, components: int) -> VectorField:
         if "rates" in table:
             raise ValueError("give either rates or function, not both")
         own = table["function"]
-        function = enclosable(own if callable(own) else imported(as_text(own, "function"), "function"))
+        own = own if callable(own) else imported(as_text(own, "function"), "function")
+        function = enclosable(time_first(own))
         parameters = _doubles(table)
         return field_of_function(lambda t, y: function(t, y, **parameters), components)
     field = field_of_table(table)

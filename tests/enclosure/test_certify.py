@@ -140,12 +140,24 @@ class Thermostat:
         return [3.0 - y[0] if self.heats else -y[0]]
 
 
+def test_f_that_takes_the_time_last_is_refused_and_the_run_backwards_that_the_refusal_shows_is_enclosed():
+    for f in (lambda y, t: -y, lambda x, time, k=1: -k * x):
+        with pytest.raises(ValueError, match=r"f takes \(\w, t\w*\), .*: give lambda t, y: f\(y, t\)"):
+            certify(f, [0, 1], [[1.0], [0.5]])
+        assert certify(lambda t, y, f=f: f(y, t), [0, 1], [[1.0], [0.5]]).largest_error > 0.1
+    t = np.array([1.0, 0.0])
+    assert float(certify(lambda s, y: -decay(-s, y), -t, [[1.0], [2.0]]).largest_error) == pytest.approx(
+        2 - np.exp(0.1)
+    )
+
+
 def smooth_in_floats_only(t, y):
     return np.asarray(y * 0.5) if isinstance(y[0], float) else y
 
 
 REFUSED = {
     r"times must increase, but t\[2\] = 1.0 is not above t\[1\] = 1.0": (decay, [0, 1, 1], [[1], [1], [1]]),
+    r"t\[1\] = 0\.0 is not above t\[0\] = 1\.0; of a run backwards give .*-f\(-s, y\)": (decay, [1, 0], [[1], [2]]),
     r"t has the shape \(1,\); it must be a row of at least two times": (decay, [0.0], [[1.0]]),
     r"y has the shape \(3, 1\); it must have a row for each of 2 times": (decay, [0, 1], [[1], [1], [1]]),
     r"y\[1, 0\] is nan": (decay, [0, 1], [[1.0], [np.nan]]),

@@ -76,6 +76,8 @@ def test_a_problem_may_be_a_dict_with_a_function_of_python(tmp_path):
     assert problem_given(own | {"rates": ["y1", "-g * sin(y0)"], "start": np.array([0.5, 0])}).key == "own"
     with pytest.raises(ValueError, match=r"as well: \{'function': swing, 'start': \[1, 0\], 'end': 10\}"):
         problem_given(swing)
+    with pytest.raises(ValueError, match=r"f takes \(y, t\), but is called with the time first"):
+        problem_given(own | {"function": lambda y, t, g: [y[1], -g * y[0]]})
 
 
 @pytest.mark.parametrize("key", ["harmonic_oscillator", "pendulum", "henon_heiles"])

@@ -136,10 +136,8 @@ def study_text(study: Study, measured: Measured) -> str:
         title = "Dominated: for each of its points, another method has no larger error and no larger cost"
         parts.append(f"{title}\n\n{table(dominated)}")
     for goal in GOALS:
-        rows = goal_rows(measured, by_cost, goal)
-        parts.append(
-            f"Least work for an error of at most {f'{goal:.0e}'.replace('e-0', 'e-')} (* the least)\n\n{table(rows)}"
-        )
+        title = f"Least work for an error of at most {f'{goal:.0e}'.replace('e-0', 'e-')} (* the least)"
+        parts.append(f"{title}\n\n{table(goal_rows(measured, by_cost, goal))}")
     return "\n\n".join([*parts, "\n".join(_remarks(study, measured))])
 
 
