@@ -91,7 +91,7 @@ class Ledger:
         return ", ".join(f"{counts[standing]} {standing}" for standing in order if counts[standing])
 
     def text(self, width: int) -> str:
-        """The table for a terminal of `width` columns, then the claims that were not run, the totals, and what failed."""
+        """The table for a terminal of `width` columns, then what was not run, the totals, and what failed."""
         rows = [["claim", "evidence", "technique", "statement"]]
         used = max(len(entry.technique) for entry in self.entries.values()) + 23  # the other columns and the gaps
         for claim in self.required:

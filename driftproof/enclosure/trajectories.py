@@ -19,7 +19,6 @@ from driftproof.support.files import read_bytes, read_utf8
 BINARY64_UNIT, BINARY32_UNIT = Fraction(1, 2**53), Fraction(1, 2**24)
 # chosen: a trajectory in a file of more bytes than this could not be enclosed in a session.
 LARGEST_RUN = 2**28
-_TEXTS = (".csv", ".txt", ".dat")
 _SEPARATOR = re.compile(r"[,;\s]+")
 # A comma between digits, in a line where other signs separate numbers.
 _DECIMAL_COMMA = re.compile(r"(?=.*\d,\d).*[^,;\s](\s*;\s*|\s+)[^,;\s]")
@@ -97,8 +96,8 @@ def read_trajectory(path: Path) -> Trajectory:
     first line of names and lines that begin with # are ignored. Numbers are decimal, such as 1.5, 1.5e0 or 1.5d0, or
     hexadecimal, such as 0x1.8p+0, and then exact. .npz: the arrays t and y, or ts and ys, with a row for each time.
     """
-    if (suffix := path.suffix.lower()) not in (*_TEXTS, ".npz"):
-        raise ValueError(f"{path}: a trajectory must be a {', '.join(_TEXTS)} or .npz file")
+    if (suffix := path.suffix.lower()) not in (".csv", ".txt", ".dat", ".npz"):
+        raise ValueError(f"{path}: a trajectory must be a .csv, .txt, .dat or .npz file")
     try:
         return trajectory_of(*(_arrays(path) if suffix == ".npz" else _columns(path)))
     except Refused as reason:

@@ -174,5 +174,5 @@ _NAMES = _lines(_OTHER_NAMES, ", ")
 # Key -> the keys of methods that are easily taken for it; name -> the keys of the methods that it may mean.
 EASILY_CONFUSED, AMBIGUOUS_NAMES = _lines(_NOT_TO_BE_CONFUSED, None), _lines(_AMBIGUOUS, None)
 COMMON_NAMES = (*(name for names in _NAMES.values() for name in names), *AMBIGUOUS_NAMES)
-_KEYS = {plain_name(name): (key,) for key, names in _NAMES.items() for name in names}
+_KEYS: dict[str, tuple[str, ...]] = {plain_name(name): (key,) for key, names in _NAMES.items() for name in names}
 _KEYS |= {plain_name(name): keys for name, keys in AMBIGUOUS_NAMES.items()}

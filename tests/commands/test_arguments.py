@@ -85,11 +85,8 @@ def test_options_are_data(parse):
     found = parse("--format", "b", "--h", "1/4,1/8", "--that", "--h", "-1/2", "-1,.5")
     assert (found.format, found.h, found.that, found.state) == ("b", [Q(1, 4), Q(1, 8), Q(-1, 2)], True, (-1, Q(1, 2)))
     assert parse().h == []  # nothing is left of the call before
-
-
-@pytest.mark.parametrize("formula", ["-y0", "-y", "-y0+1", "-k*y", "-cos(1)", "-1/2", "-0.5"])
-def test_formula_that_begins_with_minus_is_no_option(formula, parse):
-    assert parse("1,0", formula).more == formula
+    for formula in ("-y0", "-y", "-y0+1", "-k*y", "-cos(1)", "-1/2", "-0.5"):
+        assert parse("1,0", formula).more == formula
 
 
 @pytest.mark.parametrize(

@@ -146,6 +146,7 @@ def test_start_by_names_needs_the_names_of_the_rates():
 @pytest.mark.parametrize(("text", "plain"), [
     ("-2y", "-2*y"), ("y(1 - y)", "y*(1 - y)"), ("2 sin(t) y/3", "2*sin(t)*y/3"), ("(1 - y)(2 - y)", "(1 - y)*(2 - y)"),
     ("k(1 - y)", "k*(1 - y)"), ("-y^2(1 - y)", "-y^2*(1 - y)"), ("2t - 3pi", "2*t - 3*pi"), ("2y0(1-t)", "2*y0*(1-t)"),
+    ("(1 - y^2) y - 2", "(1 - y^2)*y - 2"),
 ])  # fmt: skip
 def test_a_product_may_stand_without_its_sign_where_it_has_one_meaning(text: str, plain: str) -> None:
     assert field_of_text([text], {"k": Fraction(3)}) == field_of_text([plain], {"k": Fraction(3)})

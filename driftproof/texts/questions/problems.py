@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from contextlib import suppress
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property, lru_cache, partial, reduce
@@ -18,7 +17,7 @@ from driftproof.enclosure.solutions import BITS_AT_FIRST, enclose_solution
 from driftproof.enclosure.text_fields import field_function
 from driftproof.methods.field_text import LONGEST_PROBLEM, PROBLEM_KEYS, field_of_table, start_of_table
 from driftproof.methods.rationals import parse_rational
-from driftproof.methods.schemes import Method, MethodError, Nystrom, RungeKutta, Splitting
+from driftproof.methods.schemes import Method, Nystrom, RungeKutta, Splitting
 from driftproof.methods.vector_fields import VectorField
 from driftproof.support.toml_tables import TomlTable, read_toml, require_keys
 from driftproof.symbolic.algebra.certified import CertifiableReal, Uncertified, enclose
@@ -158,8 +157,8 @@ def problem_readouts(run: ProblemRun, unknowns: Sequence[str] = ()) -> dict[str,
 
     Without a method these are the components of the solution. With one they are y0, ... and exact.y0, ... at the end;
     slope.y0, ..., which is f(t, y) there; state_error, relative_error, largest_error over all steps, error.y0, ... of
-    one component, and for q'' = F(t, q) position_error; steps and evaluations; and k1.y0, k2.y0, ... of the first step
-    of an explicit Runge-Kutta method.
+    a component, and for q'' = F(t, q, q') position_error; steps and evaluations; and k1.y0, k2.y0, ... of the first
+    step of an explicit Runge-Kutta method.
     """
     all_steps = range(run.steps + 1)
 
@@ -179,8 +178,9 @@ def problem_readouts(run: ProblemRun, unknowns: Sequence[str] = ()) -> dict[str,
     if (method := run.method) is None:
         return {**solution}
     errors = {f"error.{y}": slice(i, i + 1) for i, y in components}
-    with suppress(MethodError):
-        errors["position_error"] = slice(len(run.rates.second_order()[0]))
+    half = len(run.start) // 2
+    if run.rates.rates[:half] == run.rates.components[half:]:
+        errors["position_error"] = slice(half)
     read: dict[str, _StateFunction] = {"slope": lambda run, end: run.rate(run.t, end)}
     if isinstance(run.method, RungeKutta) and run.method.explicit:
         read |= {f"k{j}": partial(_slope, j - 1) for j in range(1, len(run.method.b) + 1)}

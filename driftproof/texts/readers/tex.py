@@ -42,6 +42,7 @@ _FRACTION = re.compile(
 _DOTS = re.compile(
     r"\\d(?P<second>d?)ot(?![A-Za-z])\s*(?:\{(?P<a>[^{}]*)\}|(?P<c>[A-Za-z]|\\[A-Za-z]+))(?P<index>_(?:\w|\{[^{}]*\}))?"
 )
+_SPANNING = re.compile(r"\\multicolumn\s*\{(?P<n>[1-9])\}\s*\{[^{}]*\}\s*\{(?P<a>[^{}]*)\}")
 _ROOT = re.compile(r"\\sqrt\s*(?:\{(?P<a>[^{}]*)\}|(?P<c>\w))")
 _NUMBER = re.compile(
     r"\\(?:num|ang|qty|SI|text[a-z]*|math[a-z]+|operatorname|emph|mbox|boxed|underline|section|subsection|"
@@ -142,6 +143,7 @@ _STEPS: tuple[tuple[re.Pattern[str], Callable[[re.Match[str]], Iterable[Piece]]]
     (_ROOT, lambda match: ["√", *_in_brackets(match, "a", "c")]),
     (_DOTS, lambda m: [m.span("a" if m["c"] is None else "c"), m.span("index"), "''" if m["second"] else "'"]),
     (_SCRIPT, lambda match: [match["sign"] + _OPEN, match.span("a"), _CLOSE]),
+    (_SPANNING, lambda match: [match.span("a"), " | " * (int(match["n"]) - 1)]),
     (_NUMBER, _inside),
 )
 

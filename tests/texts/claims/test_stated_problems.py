@@ -133,6 +133,24 @@ def test_a_draft_works_out_the_numbers_of_a_stated_problem_and_names_the_slips()
     assert not any(x.strong for x in found["0.0742"][0])
 
 
+TWO_ROWS = """On y' = -y, y(0) = 1 to t = 1:
+|     | Euler |  | Heun |  |
+| h | y | error | y | error |
+| 0.1 | 0.348678 | 0.0192 | 0.368541 | 6.61e-4 |
+| 0.2 | 0.327680 | 0.0402 | 0.370740 | 2.86e-3 |
+"""
+
+
+def test_a_head_of_two_rows_has_the_methods_above_and_what_is_read_below():
+    suggestions = Suggestions(TWO_ROWS)
+    for text, question in {"0.370740": "heun2 y'=-y, y(0)=1, h=0.2, t=1 : y", "0.0402": "forward_euler"}.items():
+        number = next(x for x in numbers_in(TWO_ROWS) if x.text == text)
+        assert suggestions.look_alikes(number)[0].question.startswith(f"run {question}")
+        assert suggestions.column_of(number) == ("heun" if question.endswith("y") else "error")
+    corner = Suggestions(TWO_ROWS.replace("| h |", "| 0.5 |"))  # twin: no second row of heads, so no head but the first
+    assert [corner.column_of(x) for x in numbers_in(TWO_ROWS) if x.text in ("0.1", "0.2")] == ["", ""]
+
+
 def test_a_question_is_asked_once():
     text = "y' = -y, y(0) = 1, h = 0.1, t = 1, Euler. Again y' = -y, y(0) = 1, h = 0.1, t = 1."
     asked = stated_questions(text, lambda number: "")

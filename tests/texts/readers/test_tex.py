@@ -23,6 +23,7 @@ READ = [
         "$\\dot x=v, \\ddot{\\theta}(0), \\dot\\omega_{12} \\ddot x_1$\\dotfill 3 \\dots",
         "x'=v, θ''(0), ω_{12}' x_1''3",
     ),
+    ("& \\multicolumn{2}{c}{Euler} & \\multicolumn{1}{l|}{RK4}\\\\ 0.1", "| Euler | | RK4\n0.1"),
     ("\\begin{tabular}{lr} a & 0.5 \\\\ b & 1 \\end{tabular}", "a | 0.5\nb | 1"),
 ]
 
