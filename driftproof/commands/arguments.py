@@ -45,7 +45,7 @@ class Parser(argparse.ArgumentParser):
         """Keep the line breaks of descriptions and examples."""
         keep = argparse.RawDescriptionHelpFormatter
         super().__init__(prog, description=description, epilog=epilog, formatter_class=keep)
-        self._negative_number_matcher = re.compile(r"-(?:[\d.(]|\w$|\w+[\d(*/^+])")
+        self._negative_number_matcher = re.compile(r"-(?:[\d.(]|\w$|\w+[\d(*/^+[])")
 
     def error(self, message: str) -> NoReturn:
         """Print one line that names the problem and where to read more, and exit with status 2."""

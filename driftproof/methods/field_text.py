@@ -139,7 +139,7 @@ def energy_of_table(table: TomlTable) -> str | None:
 
 def start_of_table(table: TomlTable) -> list[Any]:
     """The `start` of a TOML table: a list, one number, or a number for each name of its rates. Raises ValueError."""
-    start, rates = table.get("start"), table.get("rates")
+    start, rates = table.get("start"), _rates(table.get("rates", []))
     if isinstance(start, dict):
         if not isinstance(rates, dict) or set(start) != set(rates):
             raise ValueError(f"start has the names {', '.join(start)}; rates must have the same names")
@@ -150,7 +150,7 @@ def start_of_table(table: TomlTable) -> list[Any]:
 def _rates(given: object) -> list[str] | dict[str, str]:
     """The rates in a list or one text; by the names of the unknowns in a table, or if all are equations as x' = v."""
     if isinstance(given, str):
-        texts = _BETWEEN.split(given)
+        texts = _BETWEEN.split(re.sub(r"\by\[(\d+)\]", r"y\1", given))
         equations = {found[1]: found[2] for text in texts if (found := _EQUATION.fullmatch(text))}
         return equations if len(equations) == len(texts) else texts
     if isinstance(given, dict):
