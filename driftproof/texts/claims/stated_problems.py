@@ -98,6 +98,13 @@ def stated_questions(text: str, column_of: Callable[[TextNumber], str]) -> list[
     return list(dict.fromkeys(found))
 
 
+def equations_in(text: str) -> Iterator[tuple[int, int]]:
+    """The spans of equations such as y' = -2y, whose numbers the text chooses."""
+    for match in _EQUATION.finditer(text):
+        rate = re.split(r"\n|[.;](?!\d)", _first(match["rate"]))[0]
+        yield match.start(), match.start("rate") + len(rate)
+
+
 def _problems(text: str) -> Iterator[_Problem]:
     """The systems of equations of the text, each with the text from a little before it to the next one."""
     systems, last = list[tuple[int, dict[str, str]]](), len(text)
