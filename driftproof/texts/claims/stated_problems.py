@@ -63,7 +63,7 @@ class _Problem:
 
     def _start(self, name: str, index: int) -> str | None:
         """What the text says that the unknown is at first: at 0, "at rest", in a list of all, or near the equations."""
-        part, n = _ascii(self.part), len(self.rates)
+        part, n = with_greek_spelled(self.part), len(self.rates)
         of = next((other for other, rate in self.rates.items() if rate == name), name)
         near = part[: part.rindex("'") + _NEAR] if "'" in part else part[:_NEAR]
         at_zero = re.search(rf"(?<![\w'])(?:{name}|{of}')(?:_0| ?\(0(?:\.0)?\)) ?= ?({_VALUE})", part)
@@ -109,7 +109,7 @@ def _problems(text: str) -> Iterator[_Problem]:
     """The systems of equations of the text, each with the text from a little before it to the next one."""
     systems, last = list[tuple[int, dict[str, str]]](), len(text)
     for match in _EQUATION.finditer(text):
-        name = _ascii(match["name"] or match["d"] or match["dd"])
+        name = with_greek_spelled(match["name"] or match["d"] or match["dd"])
         if name == "t" or name in FUNCTIONS:
             continue
         joined = (
@@ -121,7 +121,7 @@ def _problems(text: str) -> Iterator[_Problem]:
             systems.append((match.start(), {}))
         if match["second"] or match["dd"]:
             systems[-1][1][name] = name = f"d{name}"
-        systems[-1][1][name] = _ascii(match["rate"])
+        systems[-1][1][name] = with_greek_spelled(match["rate"])
         last = match.start("rate") + len(_first(match["rate"]))
     for (start, raw), (end, _) in pairwise([*systems, (len(text), {})]):
         for name in [name for name in raw if f"d{name}" in raw]:
@@ -133,7 +133,7 @@ def _problems(text: str) -> Iterator[_Problem]:
 
 
 def _questions(problem: _Problem, equations: str, text: str, column_of: Callable[[TextNumber], str]) -> Iterator[str]:
-    part, at = _ascii(problem.part), problem.at
+    part, at = with_greek_spelled(problem.part), problem.at
     value_at = re.compile(rf"(?<!\w)(?:{'|'.join(problem.rates)})\(({_NUMBER})\)")
     sizes, times, counts, also = (_listed(pattern, part) for pattern in (_SIZES, _TIMES, _COUNTS, value_at))
     times += also
@@ -191,8 +191,8 @@ def _listed(pattern: re.Pattern[str], text: str) -> list[Fraction]:
 
 def _rate(raw: str, names: Collection[str], text: str) -> str | None:
     """The longest beginning of `raw` that is a rate in the names, others replaced by what the text says they are."""
-    raw = _plain(re.sub(rf"\b({'|'.join(names)}) ?\(t\)", r"\1", _ascii(_first(raw))))  # y(t)
-    for ratio, value in re.findall(rf"(?<![\w'/(])([^\W\d]\w*/[^\W\d]\w*) ?= ?({_NUMBER})", _ascii(text)):
+    raw = _plain(re.sub(rf"\b({'|'.join(names)}) ?\(t\)", r"\1", with_greek_spelled(_first(raw))))  # y(t)
+    for ratio, value in re.findall(rf"(?<![\w'/(])([^\W\d]\w*/[^\W\d]\w*) ?= ?({_NUMBER})", with_greek_spelled(text)):
         raw = raw.replace(ratio, value)
     # Not before a sign, an unknown or another letter, so that x' = 2/3 k x is not read as x' = 2/3.
     ends = re.finditer(rf"\n|\.(?!\d)|\s(?!\s*(?:[-+*/^]|(?:{'|'.join(names)}|[^\W\d])\b(?! ?['(=_])))", raw)
@@ -213,7 +213,7 @@ def _meant(word: str, names: list[str], text: str) -> str:
         return word
     if {*word} <= {"t", *names}:
         return "*".join(word)
-    found = re.search(rf"(?<![\w'(]){re.escape(word)} ?= ?(?:({_NUMBER})|([^=,;]{{1,100}}))", _ascii(text))
+    found = re.search(rf"(?<![\w'(]){re.escape(word)} ?= ?(?:({_NUMBER})|([^=,;]{{1,100}}))", with_greek_spelled(text))
     if found and found[1] and found[1][0].isdigit():
         return found[1]
     if found and (written := found[1] or _rate(found[2], names, "")):
@@ -239,8 +239,3 @@ def _plain(formula: str) -> str:
     formula = re.sub(r"\^\{(-?[0-9]+(?:/[0-9]+)?)\}", r"^(\1)", formula)
     formula = re.sub(r"(?<![\w./^])([0-9]+/[0-9]+) (?=[A-Za-z(])", r"(\1) ", formula)  # 2/3 x, no 2/(3x)
     return re.sub(r"\b(sin|cos|tan|exp|ln|log|sqrt) (\w+)", r"\1(\2)", formula)
-
-
-def _ascii(text: str) -> str:
-    """The text with Greek letters spelled out, as questions have them: theta for θ."""
-    return with_greek_spelled(text.replace("π", "pi").replace("λ", "lambda"))

@@ -43,7 +43,6 @@ _UNQUOTED = re.compile(r"(?:[^\s=:]+ )*[^\s=:]*\.toml(?![\w'\"])")
 _WITH_EQUATION = "as in run heun2 y'=-y y(0)=1 h=0.1 t=1 : error"
 _OF_METHOD = "order rk4, or run rk4 h=0.1 t=1 : q"
 _UNKNOWNS = re.compile(r"\w+(?= ?')|(?<=\bd)\w+(?= ?/ ?dt\b)")
-_LAMBDA = re.compile(r"\blambda\b|λ")  # in a rate, as in y'=lambda*y, lambda=-2
 # Texts have powers such as (17/16)**1000; powers that are too long to write out are enclosed.
 LARGEST_POWER_ASKED = 10**6
 
@@ -120,7 +119,7 @@ class _QuestionParser(PieceParser):
         if self.in_rate or not (self.next.kind == NAME or self.next.text == ":" or of_somebody or named):
             if not self.in_rate and keys_of_name(name.text):
                 raise self.error(name, f"{name.text} is a method; ask for one of its values, as in {_OF_METHOD}")
-            return NameNode(name.column, "pi" if name.text == "π" else name.text)
+            return NameNode(name.column, name.text)
         parts = defaultdict(dict)
         return self.query(name, self.head(name, parts), parts)
 
@@ -250,10 +249,11 @@ class _QuestionParser(PieceParser):
                 names = (*velocity, *velocity.values())  # x' = v, v' = -x, and so on: the order that kicks need
             start = tuple(start[name] for name in names)
         rates = tuple(rates[name] for name in names) or tuple(rates)
-        for name in {"lambda", *parts["settings"]} - {*SETTINGS[:-1], *names}:
-            in_rate = _LAMBDA if name == "lambda" else re.compile(rf"\b{name}\b")
-            if any(in_rate.search(rate.text) for rate in rates) and (scale := parts["settings"].pop(name, None)):
-                rates = tuple(rate._replace(text=in_rate.sub(f"({scale.value})", rate.text)) for rate in rates)
+        for name in parts["settings"].keys() - {*SETTINGS[:-1], *names}:  # as k and lambda in y'=-k*y + lambda
+            in_rate = re.compile(rf"\b{name}\b")
+            if any(in_rate.search(rate.text) for rate in rates):
+                text = f"({parts['settings'].pop(name).value})"
+                rates = tuple(rate._replace(text=in_rate.sub(text, rate.text)) for rate in rates)
         if wrong := [*parts["settings"].keys() - {*SETTINGS}]:
             column = parts["settings"][wrong[0]].column
             raise self.error(Token(NAME, wrong[0], column), _NO_SETTING.format(repr(wrong[0])))
@@ -357,7 +357,7 @@ class _QuestionParser(PieceParser):
         if self.accept("("):
             self.take(), self.expect(")", "a bracket is not closed")
         self.expect("=", "expected = and a rate, as in y'=-2*y")
-        first, self.in_rate, self.numbers = self.next, True, ("t", "pi", "π", *_UNKNOWNS.findall(self.text))
+        first, self.in_rate, self.numbers = self.next, True, ("t", "pi", *_UNKNOWNS.findall(self.text))
         self.sum()
         self.in_rate, self.numbers = False, ()
         if self.next.kind == NAME and self.next.column == self.tokens[self.at - 1].end:

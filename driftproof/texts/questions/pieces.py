@@ -27,10 +27,10 @@ def without_accents(text: str) -> str:
 
 
 def with_greek_spelled(text: str) -> str:
-    """The text with Greek letters other than λ and π spelled out: theta for θ, beta y for βy, k theta for kθ."""
-    spelled = lambda letter: name(letter[0][0]).split()[-1].lower()
+    """The text with Greek letters spelled out: theta for θ, beta y for βy, k theta for kθ, but dtheta for dθ."""
+    spelled = lambda letter: name(letter[0][0]).split()[-1].lower().replace("lamda", "lambda")
     apart = re.sub(r"(?<=[A-Zabce-zα-ω])(?=[α-ω])|(?<=[α-ω])(?=[^\W\d_])", " ", text.replace("µ", "μ"))
-    return re.sub(r"[α-κμ-ορ-ω]", spelled, apart)
+    return re.sub(r"[α-ω]", spelled, apart)
 
 
 def of_first_order(question: str) -> str:
@@ -42,14 +42,14 @@ def of_first_order(question: str) -> str:
 
 @cache
 def _token() -> re.Pattern[str]:
-    """A token of a question: also the prime of y', π, λ, names of files, names in quotes, and titles with signs."""
+    """A token of a question: also the prime of y', names of files, names in quotes, and titles with signs."""
     from driftproof.methods.families import FAMILIES
 
     methods = {**METHODS, **FACTS_ONLY, **FAMILIES}
     names = {without_accents(name) for key in methods for name in (methods[key].title, *also_known_as(key))}
     longest_first = sorted((re.escape(name) for name in names if re.search(r"[^\w ]", name)), key=len, reverse=True)
     names_with_signs = f"(?i:{'|'.join(longest_first)})(?!\\w)"
-    plain = ExpressionParser.token().pattern.replace("[A-Za-z_]", f"{names_with_signs}|[A-Za-z_πλ]")
+    plain = ExpressionParser.token().pattern.replace("[A-Za-z_]", f"{names_with_signs}|[A-Za-z_]")
     quoted = r"(?<![\w)])(?P<mark>[\"'])(?! ?[=('])(?P<quoted>.+?)(?P=mark)"
     file = r"(?![-+])(?P<file>[^\s\"'*()=:,^]+\.toml(?!\w))"
     return re.compile(f"{quoted}|(?P<prime>')|{file}|{plain}", re.ASCII)
@@ -116,7 +116,7 @@ class PieceParser(ExpressionParser):
             apart = count > 0 and token.column > before.end and not {token.text, before.text} & {*"*/-+"}
             if token.kind == END or depth < 0 or (not depth and (token.text in ",:" or apart)):
                 break
-        if not any(token.text in ("pi", "π", "sqrt") for token in self.tokens[self.at : self.at + count]):
+        if not any(token.text in ("pi", "sqrt") for token in self.tokens[self.at : self.at + count]):
             return self.literal("start")
         self.at += count
         return self.piece(first.column, self.tokens[self.at - 1].end).text
@@ -156,7 +156,7 @@ class PieceParser(ExpressionParser):
         if token.kind == NUMBER and self.next.text in ("i", "j"):
             raise self.error(first, f"{what} must be real; |R(iy)|^2 is energy_multiplier METHOD h=y")
         if token.kind != NUMBER:
-            own = f"; {OWN_PI}" if token.text in ("pi", "π") else ""
+            own = f"; {OWN_PI}" if token.text == "pi" else ""
             raise self.error(token, f"{what}: expected a number such as 1/4 or 0.25, found {token.shown}{own}")
         text = (sign.text if sign else "") + token.text
         if self.next.text == "/" and self.next.column == token.end and self.tokens[self.at + 1].kind == NUMBER:
@@ -164,7 +164,7 @@ class PieceParser(ExpressionParser):
             token = self.take()
             text += f"/{token.text}"
         if self.next.kind != END and self.next.column == token.end and self.next.text not in "):,":
-            has_pi = not {"pi", "π"}.isdisjoint((self.next.text, self.after(self.at).text))
+            has_pi = "pi" in (self.next.text, self.after(self.at).text)
             hint = OWN_PI if has_pi else "put brackets around the question"
             raise self.error(self.next, f"unexpected {self.next.shown} in a number; {hint}")
         return self.rational(text, first)
