@@ -98,7 +98,7 @@ def _names(rates: Sequence[str] | Mapping[str, str], parameters: Mapping[str, An
 
 def rate_of_text(text: str, names: Mapping[str, str] | None = None) -> str:
     """The expression as a `VectorField` takes it: names replaced, no decimals, no powers. Raises ExpressionError."""
-    writer = _Writer(text, names or {})
+    writer = _Writer(re.sub(r"\by\[(\d+)\]", r"y\1", text), names or {})  # y[1] as in Python
     return writer.bare_text(writer.tree())
 
 
@@ -150,7 +150,7 @@ def start_of_table(table: TomlTable) -> list[Any]:
 def _rates(given: object) -> list[str] | dict[str, str]:
     """The rates in a list or one text; by the names of the unknowns in a table, or if all are equations as x' = v."""
     if isinstance(given, str):
-        texts = _BETWEEN.split(re.sub(r"\by\[(\d+)\]", r"y\1", given))
+        texts = _BETWEEN.split(given)
         equations = {found[1]: found[2] for text in texts if (found := _EQUATION.fullmatch(text))}
         return equations if len(equations) == len(texts) else texts
     if isinstance(given, dict):

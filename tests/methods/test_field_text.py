@@ -33,7 +33,7 @@ def test_expression_is_written_in_products(text):
 
 
 def test_components_are_parted_by_semicolons_or_listed():
-    assert field_of_text("y1; -y0") == field_of_text(["y1", "-y0"]) == field_of_text("y[1], -y[0]")
+    assert field_of_text("y1; -y0") == field_of_text(["y1", "-y0"]) == field_of_text(["y[1]", "-y[0]"])
     for text in ("x' = v, v' = -x", "x'=v;v'=-x", "x ' = v\n; v'= -x"):
         assert field_of_text(text) == field_of_text(["y1", "-y0"]) == field_of_table({"rates": text})
     for text in ("y1,2*y0", "0,5*y0", "x' = v, -x", "x' = v; x' = -v"):  # twin: may be a decimal, or is no equation
