@@ -156,7 +156,7 @@ def _questions(problem: _Problem, equations: str, text: str, column_of: Callable
     if ends := ",".join(map(_shown, times[-_MOST_TIMES:])):
         yield f"exact {equations}, t={{{ends}}} : {{{','.join(problem.rates)}}}"
     read = [*problem.rates, "error", *(f"error.{name}" for name in problem.rates if len(problem.rates) > 1)]
-    read += ["position_error"] * (2 * len({*problem.rates} & {*problem.rates.values()}) == len(problem.rates))
+    read += ["position_error"] * (2 * len({*problem.rates} & {*problem.rates.values()}) == len(problem.rates) > 2)
     read += ["relative_error"] * ("%" in part or "relative" in part)
     read += ["evaluations"] * bool(re.search("evaluation|calls", part))
     runs = list[tuple[Fraction, list[Fraction]]]()
