@@ -32,7 +32,8 @@ _GAP = 80
 _TOGETHER = re.compile(rf"(?:(?![.;?!]\s)[\s\S]){{0,{_GAP}}}")
 _EQUATION = re.compile(
     r"(?<![\w'])(?:d(?P<d>[^\W\d]\w*) ?/ ?dt|\(?d\^2 ?(?P<dd>[^\W\d]\w*)\)? ?/ ?\(?dt\^2\)?|"
-    r"(?P<name>[^\W\d]\w{0,9})'(?P<second>'?)(?: ?\(t\))?) ?(?:\| ?)?= ?"
+    r"(?P<name>[^\W\d]\w{0,9})'(?P<second>'?)(?: ?\(t\))?)"
+    r"(?P<left> ?[-+][^=≤≥≈<>:;|]{1,100}?)? ?(?:\| ?)?= ?"
     r"(?=(?P<rate>[^=≤≥≈<>:;]{1,200}))"
 )
 # Characters after the last equation in which x = 1 without a time is a start.
@@ -121,11 +122,14 @@ def _problems(text: str) -> Iterator[_Problem]:
             systems.append((match.start(), {}))
         if match["second"] or match["dd"]:
             systems[-1][1][name] = name = f"d{name}"
-        systems[-1][1][name] = with_greek_spelled(match["rate"])
+        left = f"-({match['left'].lstrip(' +')}) + " if match["left"] else ""  # y'' + 4y = 0
+        systems[-1][1][name] = with_greek_spelled(left + match["rate"])
         last = match.start("rate") + len(_first(match["rate"]))
     for (start, raw), (end, _) in pairwise([*systems, (len(text), {})]):
         for name in [name for name in raw if f"d{name}" in raw]:
-            raw = {of: re.sub(rf"\b{name}'", f"d{name}", rate) for of, rate in raw.items()}
+            raw = {
+                of: re.sub(rf"\b{name}'|(?<![A-Za-z])d{name} ?/ ?dt\b", f"d{name}", rate) for of, rate in raw.items()
+            }
         names, begins = [*raw], start - len(re.split(r"[.;?!]\s", text[max(0, start - _GAP) : start])[-1])
         rates = {name: rate for name, one in zip(names, raw.values(), strict=True) if (rate := _rate(one, names, text))}
         if len(rates) == len(raw):
@@ -214,7 +218,7 @@ def _meant(word: str, names: list[str], text: str) -> str:
     if {*word} <= {"t", *names}:
         return "*".join(word)
     found = re.search(rf"(?<![\w'(]){re.escape(word)} ?= ?(?:({_NUMBER})|([^=,;]{{1,100}}))", with_greek_spelled(text))
-    if found and found[1] and found[1][0].isdigit():
+    if found and found[1] and found[1][0].isdigit() and "/" not in found[1]:
         return found[1]
     if found and (written := found[1] or _rate(found[2], names, "")):
         return f"({written})"

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterable, Iterator
 from functools import partial
+from unicodedata import lookup
 
 from driftproof.texts.readers.source_text import LISTING, PROSE, Block, Piece, SourceText
 
@@ -25,12 +26,16 @@ _UNSEEN = re.compile(
     r"include|bibliography(?:style)?|driftproof|hspace|vspace|setlength|color|textcolor|url)\*?"
     r"(?:\s*\[[^\]\n]{0,200}\])*\s*\{[^{}]*\}(?:\[[^\]\n]{0,200}\]|(?<=tabular\})\{[^{}]*\}|(?<=array\})\{[^{}]*\})?"
 )
+# Letters and functions, without which a formula would be another one.
+_GREEK = "alpha beta gamma delta epsilon zeta eta theta iota kappa mu nu xi pi rho sigma tau upsilon phi chi psi omega"
+_FUNCTIONS = "cos sin tan cot sec csc exp ln log lg cosh sinh tanh coth arccos arcsin arctan min max sup inf det"
 _SIGNS = {
     "times": "×", "cdot": "·", "pm": "±", "mp": "∓", "le": "≤", "leq": "≤", "ge": "≥", "geq": "≥", "ne": "≠",
     "neq": "≠", "approx": "≈", "sim": "~", "infty": "∞", "prime": "′", "circ": "°", "degree": "°", "percent": "%",
-    "to": "→", "sqrt": "√", "lambda": "λ", "omega": "ω", "pi": "π", "theta": "θ", "tau": "τ", "gamma": "γ",
-    "alpha": "α", "beta": "β", "delta": "δ", "epsilon": "ε", "varepsilon": "ε", "mu": "μ", "sigma": "σ", "phi": "φ",
-    "rho": "ρ", "quad": " ", "qquad": " ", **{name: f"{name} " for name in ("cos", "sin", "tan", "exp", "ln", "log")},
+    "to": "→", "sqrt": "√", "varepsilon": "ε", "vartheta": "θ", "varphi": "φ", "lambda": "λ", "Lambda": "Λ",
+    "quad": " ", "qquad": " ", **{name: f"{name} " for name in re.split(" ", _FUNCTIONS)},
+    **{name: lookup(f"greek small letter {name}") for name in re.split(" ", _GREEK)},
+    **{name.capitalize(): lookup(f"greek capital letter {name}") for name in re.split(" ", _GREEK)},
 }  # fmt: skip
 _LETTERS = "|".join(["[dtcs]?frac", *(name for name, sign in _SIGNS.items() if sign[0].isalpha())])
 # Before a factor a blank follows, as 2/3 x is no 2/(3x).

@@ -44,6 +44,12 @@ def equations(text, form="plain"):
         ("d^2x/dt^2 = -βx, β = 2, x(0) = 1 from rest; t = 1", "x'=dx, dx'=-2 x, x(0)=1, dx(0)=0"),
         ("θ' = ω, ω' = -θ, θ(0) = 1, θ'(0) = 2; t = 1", "theta'=omega, omega'=-theta, theta(0)=1, omega(0)=2"),
         ("x'' = -x/(x^2 + 1)^{3/2}, x(0) = 1, x'(0) = 0; t = 1", "x'=dx, dx'=-x/(x^2 + 1)^(3/2), x(0)=1, dx(0)=0"),
+        ("y'' + 4y = 0, y(0) = 1, y'(0) = 0; t = 1", "y'=dy, dy'=-(4y) + 0, y(0)=1, dy(0)=0"),
+        (
+            "(d^2 u)/(dt^2) + 0.3du/dt - u + u^3 = 0, u(0) = 1.5, u'(0) = 0, t = 3",
+            "u'=du, du'=-(0.3du - u + u^3) + 0, u(0)=1.5, du(0)=0",
+        ),
+        ("z' = x - βz, x' = z from (1, 2). Here β = 8/3. t = 1", "z'=x - (8/3) z, x'=z, z(0)=1, x(0)=2"),
         ("x' = v and v' = -x start from (1, -1/2); t = 2", "x'=v, v'=-x, x(0)=1, v(0)=-1/2"),
         ("y' = y e^{-t}, y(0) = 1. At t = 1", "y'=y exp(-t), y(0)=1"),
         ("x' = 2/3 x - 4/3 x y, y' = x, x(0) = 1, y(0) = 1, t = 1", "x'=(2/3) x - (4/3) x y, y'=x, x(0)=1, y(0)=1"),
@@ -63,7 +69,7 @@ def test_equations_and_starts_are_read_as_texts_have_them(text, read):
         *("y' = -k y, y(0) = 1, and t = 1", "y' = 2.5 k y, y(0) = 1, and t = 1"),  # k is not said
         "y' = 2 - a-b y, y(0) = 1, and t = 1",
         "y'' = -y, y(0) = 1, and t = 1",  # y'(0) is not said
-        "y' = f(t, y), y(0) = 1, and t = 1",
+        *("y' = f(t, y), y(0) = 1, and t = 1", "y' = -tanh y, y(0) = 1, and t = 1"),
         "y' = -y, y(0) = 1",  # no time
         "nothing of the kind, t = 1",
     ],
