@@ -33,7 +33,9 @@ _SIGNS = {
     "times": "×", "cdot": "·", "pm": "±", "mp": "∓", "le": "≤", "leq": "≤", "ge": "≥", "geq": "≥", "ne": "≠",
     "neq": "≠", "approx": "≈", "sim": "~", "infty": "∞", "prime": "′", "circ": "°", "degree": "°", "percent": "%",
     "to": "→", "sqrt": "√", "varepsilon": "ε", "vartheta": "θ", "varphi": "φ", "lambda": "λ", "Lambda": "Λ",
-    "quad": " ", "qquad": " ", **{name: f"{name} " for name in re.split(" ", _FUNCTIONS)},
+    "lvert": "|", "rvert": "|", "vert": "|", "lfloor": "⌊", "lceil": "⌈", "ell": "ℓ", "partial": "∂", "nabla": "∇",
+    "int": "∫", "sum": "∑", "prod": "∏", "quad": " ", "qquad": " ",
+    **{name: f"{name} " for name in re.split(" ", _FUNCTIONS)},
     **{name: lookup(f"greek small letter {name}") for name in re.split(" ", _GREEK)},
     **{name.capitalize(): lookup(f"greek capital letter {name}") for name in re.split(" ", _GREEK)},
 }  # fmt: skip
@@ -48,7 +50,7 @@ _DOTS = re.compile(
     r"\\d(?P<second>d?)ot(?![A-Za-z])\s*(?:\{(?P<a>[^{}]*)\}|(?P<c>[A-Za-z]|\\[A-Za-z]+))(?P<index>_(?:\w|\{[^{}]*\}))?"
 )
 _SPANNING = re.compile(r"\\multicolumn\s*\{(?P<n>[1-9])\}\s*\{[^{}]*\}\s*\{(?P<a>[^{}]*)\}")
-_ROOT = re.compile(r"\\sqrt\s*(?:\{(?P<a>[^{}]*)\}|(?P<c>\w))")
+_ROOT = re.compile(r"\\sqrt\s*(?:\[(?P<n>[0-9]+)\])?(?:\{(?P<a>[^{}]*)\}|(?P<c>\w))")
 _NUMBER = re.compile(
     r"\\(?:num|ang|qty|SI|text[a-z]*|math[a-z]+|operatorname|emph|mbox|boxed|underline|section|subsection|"
     r"subsubsection|chapter|paragraph|title|caption|footnote)\*?(?:\[[^\]\n]{0,200}\])?\{(?P<a>[^{}]*)\}"
@@ -143,9 +145,13 @@ def _in_brackets(match: re.Match[str], *names: str) -> Iterable[Piece]:
     return [match.span(name)] if single else ["(", match.span(name), ")"]
 
 
+def _root(match: re.Match[str], of: list[Piece]) -> Iterable[Piece]:
+    return [*of, "^" + _OPEN + "1/", match.span("n"), _CLOSE] if match["n"] else ["√", *of]
+
+
 _STEPS: tuple[tuple[re.Pattern[str], Callable[[re.Match[str]], Iterable[Piece]]], ...] = (
     (_FRACTION, lambda m: [*_in_brackets(m, "a", "c"), "/", *_in_brackets(m, "b", "d"), " " * (m["factor"] == "")]),
-    (_ROOT, lambda match: ["√", *_in_brackets(match, "a", "c")]),
+    (_ROOT, lambda match: _root(match, [*_in_brackets(match, "a", "c")])),
     (_DOTS, lambda m: [m.span("a" if m["c"] is None else "c"), m.span("index"), "''" if m["second"] else "'"]),
     (_SCRIPT, lambda match: [match["sign"] + _OPEN, match.span("a"), _CLOSE]),
     (_SPANNING, lambda match: [match.span("a"), " | " * (int(match["n"]) - 1)]),

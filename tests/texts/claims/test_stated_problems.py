@@ -78,6 +78,11 @@ def test_what_the_text_leaves_open_is_no_problem(text):
     assert stated(text) == []
 
 
+@pytest.mark.parametrize("rate", ["-\\lvert y\\rvert", "-\\sqrt[3]{y}", "-\\lfloor y\\rfloor", "-\\ell y", "\\nabla y"])
+def test_what_no_rate_may_have_is_not_left_out_of_one(rate):
+    assert equations(f"$y' = {rate}$, $y(0) = 1$, and $t = 1$", "tex") == []
+
+
 def test_tex_and_two_problems_are_read_each_with_its_own_numbers():
     text = r"""\[ y' = -50\,(y - \cos t), \qquad y(0) = 0, \] Euler, $h = 0.1$, $t = 1$.
     \[ \frac{dx}{dt} = \frac{x}{2}, \quad x(0) = \sqrt{2} \] By Heun's method with $h = 1/8$ and $h=1/4$, to $t = 3$."""
