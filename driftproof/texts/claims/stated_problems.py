@@ -64,7 +64,7 @@ class _Problem:
 
     def _start(self, name: str, index: int) -> str | None:
         """What the text says that the unknown is at first: at 0, "at rest", in a list of all, or near the equations."""
-        part, n = with_greek_spelled(self.part), len(self.rates)
+        part, n = with_greek_spelled(self.part.replace("| =", "=")), len(self.rates)
         of = next((other for other, rate in self.rates.items() if rate == name), name)
         near = part[: part.rindex("'") + _NEAR] if "'" in part else part[:_NEAR]
         at_zero = re.search(rf"(?<![\w'])(?:{name}|{of}')(?:_0| ?\(0(?:\.0)?\)) ?= ?({_VALUE})", part)
