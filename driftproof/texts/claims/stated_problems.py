@@ -16,7 +16,7 @@ from driftproof.texts.claims.contradictions import methods_named
 from driftproof.texts.claims.places import is_head_of
 from driftproof.texts.questions.errors import QuestionError
 from driftproof.texts.questions.parser import parse_question
-from driftproof.texts.questions.pieces import with_greek_spelled
+from driftproof.texts.questions.pieces import with_greek_spelled, with_time
 from driftproof.texts.readers.numbers import TextNumber, numbers_in
 
 # Limits that keep this to some hundred questions about runs of some hundred steps: seconds.
@@ -31,8 +31,8 @@ _COUNTS = re.compile(r"(?<![\w.])([1-9][0-9]{0,3}) (?:time |equal )?steps\b|(?<!
 _GAP = 80
 _TOGETHER = re.compile(rf"(?:(?![.;?!]\s)[\s\S]){{0,{_GAP}}}")
 _EQUATION = re.compile(
-    r"(?<![\w'])(?:d(?P<d>[^\W\d]\w*) ?/ ?dt|\(?d\^2 ?(?P<dd>[^\W\d]\w*)\)? ?/ ?\(?dt\^2\)?|"
-    r"(?P<name>[^\W\d]\w{0,9})'(?P<second>'?)(?: ?\(t\))?)"
+    r"(?<![\w'])(?:d(?P<d>[^\W\d]\w*) ?/ ?d[tx]|\(?d\^2 ?(?P<dd>[^\W\d]\w*)\)? ?/ ?\(?dt\^2\)?|"
+    r"(?P<name>[^\W\d]\w{0,9})'(?P<second>'?)(?: ?\([tx]\))?)"
     r"(?P<left> ?[-+][^=≤≥≈<>:;|]{1,100}?)? ?(?:\| ?)?= ?"
     r"(?=(?P<rate>[^=≤≥≈<>:;]{1,200}))"
 )
@@ -130,10 +130,13 @@ def _problems(text: str) -> Iterator[_Problem]:
             raw = {
                 of: re.sub(rf"\b{name}'|(?<![A-Za-z])d{name} ?/ ?dt\b", f"d{name}", rate) for of, rate in raw.items()
             }
+        part = text[:end]
+        if not any("x" in names for _, names in systems):  # y' = x + y: the time is called x
+            raw, part = {name: with_time(rate, raw) for name, rate in raw.items()}, with_time(part, raw)
         names, begins = [*raw], start - len(re.split(r"[.;?!]\s", text[max(0, start - _GAP) : start])[-1])
         rates = {name: rate for name, one in zip(names, raw.values(), strict=True) if (rate := _rate(one, names, text))}
         if len(rates) == len(raw):
-            yield _Problem(rates, text[begins:end], begins)
+            yield _Problem(rates, part[begins:], begins)
 
 
 def _questions(problem: _Problem, equations: str, text: str, column_of: Callable[[TextNumber], str]) -> Iterator[str]:

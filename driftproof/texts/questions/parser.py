@@ -30,7 +30,7 @@ from driftproof.methods.expression_tree import END, NAME, NUMBER, CallNode, Expr
 from driftproof.support.plain_text import did_you_mean
 from driftproof.texts.questions import wording
 from driftproof.texts.questions.errors import QuestionError
-from driftproof.texts.questions.pieces import OWN_PI, WORDS, PieceParser, of_first_order, with_greek_spelled
+from driftproof.texts.questions.pieces import OWN_PI, WORDS, PieceParser, of_first_order, with_greek_spelled, with_time
 
 SETTINGS = ("h", "t", "N", "steps", "error", "z", "lambda")
 PROBLEM, RATES = ("problem", "rates")
@@ -42,7 +42,7 @@ _QUOTES = "a file's name with blanks or signs stands in quotes: 'my method.toml'
 _UNQUOTED = re.compile(r"(?:[^\s=:]+ )*[^\s=:]*\.toml(?![\w'\"])")
 _WITH_EQUATION = "as in run heun2 y'=-y y(0)=1 h=0.1 t=1 : error"
 _OF_METHOD = "order rk4, or run rk4 h=0.1 t=1 : q"
-_UNKNOWNS = re.compile(r"\w+(?= ?')|(?<=\bd)\w+(?= ?/ ?dt\b)")
+_UNKNOWNS = re.compile(r"\w+(?= ?')|(?<=\bd)\w+(?= ?/ ?d[tx]\b)")
 # Texts have powers such as (17/16)**1000; powers that are too long to write out are enclosed.
 LARGEST_POWER_ASKED = 10**6
 
@@ -75,6 +75,7 @@ Node: TypeAlias = ExpressionNode | Query
 def parse_question(question: str) -> Node:
     """Parse a question into its tree; accents are ignored, Greek letters spelled out. Raises QuestionError."""
     question = of_first_order(with_greek_spelled(question))
+    question = with_time(question, unknowns) if (unknowns := _UNKNOWNS.findall(question)) else question
     if rounded := wording.TO_DIGITS.search(question):
         kind = "digits" if rounded["digits"] else "places"
         count = rounded["count"]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Collection
 from fractions import Fraction
 from functools import cache
 from unicodedata import name, normalize
@@ -38,6 +39,12 @@ def of_first_order(question: str) -> str:
     if of_second := "|".join({*_SECOND.findall(question)}):
         question = re.sub(rf"\b({of_second})['′’](?!['′’])", r"d\1", question)
     return _SECOND.sub(r"\1'=d\1, d\1'", question)
+
+
+def with_time(text: str, unknowns: Collection[str]) -> str:
+    """The text with t for x, if no unknown has that name, in dy/dx and words such as x and xy, as in y' = x + xy."""
+    timed = lambda word: word[0].replace("x", "t") if {*word[0]} <= {"x", *unknowns} or word[0] == "dx" else word[0]
+    return text if "x" in unknowns else re.sub(r"[^\W\d]\w*", timed, text)
 
 
 @cache

@@ -45,6 +45,7 @@ _FRACTION = re.compile(
     r"\\(?:[dtcs]?frac|nicefrac|xfrac|flatfrac)\s*(?:\{(?P<a>[^{}]*)\}|(?P<c>[0-9]))\s*(?:\{(?P<b>[^{}]*)\}|(?P<d>[0-9]))"
     rf"(?P<factor>(?=[A-Za-z(]|\\(?:{_LETTERS})))?"
 )
+_PRIMES = re.compile(r"\^\s*(?:\{(?:\s*\\prime(?![A-Za-z]))+\s*\}|\\prime(?![A-Za-z]))")
 # A derivative in time: x' with the prime after the index, as in x_1'.
 _DOTS = re.compile(
     r"\\d(?P<second>d?)ot(?![A-Za-z])\s*(?:\{(?P<a>[^{}]*)\}|(?P<c>[A-Za-z]|\\[A-Za-z]+))(?P<index>_(?:\w|\{[^{}]*\}))?"
@@ -152,6 +153,7 @@ def _root(match: re.Match[str], of: list[Piece]) -> Iterable[Piece]:
 _STEPS: tuple[tuple[re.Pattern[str], Callable[[re.Match[str]], Iterable[Piece]]], ...] = (
     (_FRACTION, lambda m: [*_in_brackets(m, "a", "c"), "/", *_in_brackets(m, "b", "d"), " " * (m["factor"] == "")]),
     (_ROOT, lambda match: _root(match, [*_in_brackets(match, "a", "c")])),
+    (_PRIMES, lambda match: ["'" * match[0].count("prime")]),
     (_DOTS, lambda m: [m.span("a" if m["c"] is None else "c"), m.span("index"), "''" if m["second"] else "'"]),
     (_SCRIPT, lambda match: [match["sign"] + _OPEN, match.span("a"), _CLOSE]),
     (_SPANNING, lambda match: [match.span("a"), " | " * (int(match["n"]) - 1)]),

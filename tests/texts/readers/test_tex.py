@@ -18,6 +18,7 @@ READ = [
     ("\\def\\a{1234567890123}" + "\\a" * 12, "1234567890123" * 12),  # 180 characters of 45
     ("a\\;b\\-c $\\frac{\\frac{1}{2}}{3}$", "a bc (1/2)/3"),
     ("$\\sqrt[3]{x+1} \\sqrt[3]8 -\\lvert x\\rvert \\ell y$", "(x+1)^{1/3} 8^{1/3} -|x|ℓy"),
+    ("$y^\\prime + y^{\\prime\\prime} x^{2\\prime}$", "y' + y'' x^{2'}"),
     ("$-\\cos 10 \\log\\theta$ $\\Delta t = \\kappa\\tanh x$", "-cos 10 log θ Δt = κtanh x"),
     ("$\\nicefrac{1}{4}$ and $\\sfrac{3}{8}$, \\tablevref{t-5} and \\href{u7}{b}", "1/4 and 3/8, and b"),
     (
