@@ -67,7 +67,8 @@ class _Problem:
         part, n = with_greek_spelled(self.part.replace("| =", "=")), len(self.rates)
         of = next((other for other, rate in self.rates.items() if rate == name), name)
         near = part[: part.rindex("'") + _NEAR] if "'" in part else part[:_NEAR]
-        at_zero = re.search(rf"(?<![\w'])(?:{name}|{of}')(?:_0| ?\(0(?:\.0)?\)) ?= ?({_VALUE})", part)
+        zero = r"(?:_0| ?\(0(?:\.0)?\)) ?= ?"
+        at_zero = re.search(rf"(?<![\w'])(?:{name}|{of}'){zero}(?:\w+'?{zero})*({_VALUE})", part)
         if not at_zero and of != name and re.search(r"\b(?:at|from) rest\b", part):
             return "0"
         of_all = rf"(?:\b(?:from|at|in)|=) ?\(({_VALUE})" + rf", ?({_VALUE})" * (n - 1) + r"\)"
