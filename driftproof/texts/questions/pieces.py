@@ -44,7 +44,7 @@ def of_first_order(question: str) -> str:
 def with_time(text: str, unknowns: Collection[str]) -> str:
     """The text with t for x, if no unknown has that name, in dy/dx and words such as x and xy, as in y' = x + xy."""
     timed = lambda word: word[0].replace("x", "t") if {*word[0]} <= {"x", *unknowns} or word[0] == "dx" else word[0]
-    return text if "x" in unknowns else re.sub(r"[^\W\d]\w*", timed, text)
+    return text if "x" in unknowns else re.sub(r"(?<![^\W\d])(?!exp\b)[^\W\d]\w*", timed, text)
 
 
 @cache
