@@ -85,8 +85,8 @@ def test_options_are_data(parse):
     found = parse("--format", "b", "--h", "1/4,1/8", "--that", "--h", "-1/2", "-1,.5")
     assert (found.format, found.h, found.that, found.state) == ("b", [Q(1, 4), Q(1, 8), Q(-1, 2)], True, (-1, Q(1, 2)))
     assert parse().h == []  # nothing is left of the call before
-    for formula in ("-y0", "-y", "-y[0]", "-y0+1", "-k*y", "-cos(1)", "-1/2", "-0.5"):
-        assert parse("1,0", formula).more == formula
+    formulas = ["-y0", "-y", "-y[0]", "-y0+1", "-k*y", "-cos(1)", "-1/2", "-0.5"]
+    assert [parse("1,0", formula).more for formula in formulas] == formulas
 
 
 @pytest.mark.parametrize(

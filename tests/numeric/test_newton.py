@@ -111,10 +111,7 @@ def test_evaluations_are_the_calls_of_the_rate():
     ("key", "start"), [("sdirk2", 2e-4), ("alexander3", 2e-4), ("sdirk4", 0.0), ("esdirk43", 0.0), ("radau_iia3", 0.0)]
 )
 def test_stiff_stages_are_not_those_of_another_solution(key, start):
-    """y' = 1 - 10^8 y^2 from above -10^-4 tends to 10^-4; a stage equation is also solved near the repeller, -10^-4.
-
-    There ended Newton's method from Z = w, which lies below the repeller for each of these SDIRK methods.
-    """
+    """y' = 1 - 10^8 y^2: beyond its repeller, -10^-4, lies Z = w, from which Newton's method would end there."""
     run = implicit_runner(METHODS[key], VectorField(("1 - 100000000 * y0 * y0",)))
     assert run((start,), 1.0, 0, 1) > (0,)
 

@@ -44,8 +44,7 @@ def test_drafted_claims_hold_and_cover_all_once_the_rest_is_given() -> None:
 
 def test_numbers_of_an_equation_are_given_and_those_after_it_are_not() -> None:
     for text, count in (("x'' = -x/(x^2 + 4)^{3/2}; 2", 3), ("y' = -2y + 0.5, 25 of them", 2), ("3y = 2y + 0.5", 0)):
-        document = document_of(text, "plain")
-        assert held(document, draft(document, "a"))[GIVEN] == count
+        assert held(document := document_of(text, "plain"), draft(document, "a"))[GIVEN] == count
 
 
 def test_drafted_claims_notice_a_changed_digit() -> None:

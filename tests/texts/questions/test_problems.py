@@ -162,8 +162,7 @@ SAME = {
     "rk4 y'=-βy y(0)=1 β=2 h=1/4 t=1 : error": "run rk4 lambda=-2 h=1/4 t=1 : state_error",
     "y(1) of Heun for dy/dx = x - 2x*y, y(0)=1, h=1/4": "run heun2 rates=(t - 2*t*y0) from 1 h=1/4 t=1 : y0",
     "run heun2 y'(x)=x + cos(y), y(0)=1, h=1/4, x=1 : y": "run heun2 rates=(t + cos(y0)) from 1 h=1/4 t=1 : y0",
-    "run rk4 e'=-p, p'=x*exp(-e), e(0)=1, p(0)=0, h=1/4, t=1 : e":
-        "run rk4 rates=(-y1, t*exp(-y0)) from 1,0 h=1/4 t=1 : y0",
+    "rk4 e'=-p, p'=x*exp(-e), e(0)=1, p(0)=0, h=1 t=2 : e": "run rk4 rates=(-y1, t*exp(-y0)) from 1,0 h=1 t=2 : y0",
     "rk4 rates=(-k*y0) from 1 k=2 h=1/4 t=1 : y0": "run rk4 lambda=-2 h=1/4 t=1 : y",
     "velocity_verlet x'=u, u'=-x, y'=w, w'=-4*y, x(0)=3, u(0)=0, y(0)=0, w(0)=4, h=1/4, t=1 : w":
         "run velocity_verlet rates=(y2, y3, -y0, -4*y1) from 3,0,0,4 h=1/4 t=1 : y3",
