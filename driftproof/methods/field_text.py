@@ -78,7 +78,7 @@ def field_of_text(
     >>> field_of_text("y1; -0.5 * y0^2").rates, field_of_text("x' = v, v' = -x").rates
     (('y1', '-(1 / 2) * (y0 * y0)'), ('y1', '-y0'))
     """
-    texts, known = _rates(rates), dict(parameters or {})
+    texts, known = _rates(rates) if isinstance(rates, str) else list(rates), dict(parameters or {})
     spelled = {name: name for name in known} | dict(names or _names(texts, known))
     written = tuple(rate_of_text(text, spelled) for text in (texts.values() if isinstance(texts, dict) else texts))
     if any("pi" in _WORD.findall(text) for text in written):
@@ -155,7 +155,7 @@ def _rates(given: object) -> list[str] | dict[str, str]:
         return equations if len(equations) == len(texts) else texts
     if isinstance(given, dict):
         return dict(zip(given, as_texts([*given.values()], "rates"), strict=True))
-    return [*as_texts([*given] if isinstance(given, tuple) else given, "rates")]
+    return [*as_texts(given, "rates")]
 
 
 def _parameters(table: TomlTable) -> tuple[dict[str, Exact], dict[str, str]]:
