@@ -245,5 +245,6 @@ def _plain(formula: str) -> str:
     formula = re.sub(r"√\(", "sqrt(", re.sub(r"√(\w+)", r"sqrt(\1)", formula))
     formula = re.sub(r"\be ?\^\{([^{}]*)\}|\be ?\^\(?(-?\w+)\)?", lambda to: f"exp({to[1] or to[2]})", formula)
     formula = re.sub(r"\^\{(-?[0-9]+(?:/[0-9]+)?)\}", r"^(\1)", formula)
+    formula = re.sub(r"(\^[0-9]+) (?=[A-Za-z(])", r"\1*", formula)  # x^2 y
     formula = re.sub(r"(?<![\w./^])([0-9]+/[0-9]+) (?=[A-Za-z(])", r"(\1) ", formula)  # 2/3 x, no 2/(3x)
     return re.sub(r"\b(sin|cos|tan|exp|ln|log|sqrt) (\w+)", r"\1(\2)", formula)
