@@ -91,7 +91,7 @@ class Ledger:
         return ", ".join(f"{counts[standing]} {standing}" for standing in order if counts[standing])
 
     def text(self, width: int) -> str:
-        """The table for a terminal of `width` columns, then the claims that were not run, and the totals."""
+        """The table for a terminal of `width` columns, then what was not run, the totals, and what failed."""
         rows = [["claim", "evidence", "technique", "statement"]]
         used = max(len(entry.technique) for entry in self.entries.values()) + 23  # the other columns and the gaps
         for claim in self.required:
@@ -103,7 +103,8 @@ class Ledger:
             more = f" and {len(missing) - NAMED} more" if len(missing) > NAMED else ""
             named = f"{', '.join(missing[:NAMED])}{more}"
             lines.append(textwrap.fill(f"not run, or without a proof: {named}; {HOW_TO_ADD}", width))
-        return "\n".join([*lines, self.totals()])
+        failed = [f"failed: {row[0]}  {row[-1]}" for row in rows if row[1] == "failed"]
+        return "\n".join([*lines, self.totals(), *failed])
 
     def markdown(self) -> str:
         """The content of ledger.md: the table with full statements, in Markdown."""

@@ -39,13 +39,13 @@ class Help(Exception):
 
 
 class Parser(argparse.ArgumentParser):
-    """An argument parser that complains in one line, and reads -1/2, -1,0 and -cos(1) as values, not as options."""
+    """An argument parser that complains in one line, and reads -1/2, -1,0 and -y0 as values, not as options."""
 
     def __init__(self, prog: str, description: str, epilog: str) -> None:
         """Keep the line breaks of descriptions and examples."""
         keep = argparse.RawDescriptionHelpFormatter
         super().__init__(prog, description=description, epilog=epilog, formatter_class=keep)
-        self._negative_number_matcher = re.compile(r"-(?:[\d.(]|\w+\()")
+        self._negative_number_matcher = re.compile(r"-(?:[\d.(]|\w$|\w+[\d(*/^+[])")
 
     def error(self, message: str) -> NoReturn:
         """Print one line that names the problem and where to read more, and exit with status 2."""

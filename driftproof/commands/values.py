@@ -33,7 +33,7 @@ def value_command(options: Namespace) -> str:
       exact t=10 [from q,v] : q|v|energy                       the solution itself
       run METHOD problem=NAME h=1/4 1000 steps : READOUT       y0 exact.y0 slope.y0 k1.y0 ... state_error relative_error
       run METHOD rates=(t*sqrt(y0)) from 1 h=1/4 t=1 : READOUT largest_error steps; of a problem, a .toml, your own y'
-      run METHOD y'=-2*y y(0)=1 h=1/4 t=1 : READOUT            x'=v, v'=-sin(x), x(0)=2, v(0)=0: with names, x exact.x
+      run METHOD y'=-2*y y(0)=1 h=1/4 t=1 : READOUT            or x''=-k*x, x(0)=2, x'(0)=0, k=3: x x' exact.x error.x
       run METHOD lambda=-2 h=1/4 t=1 : READOUT                 the same of y' = lambda y, y(0) = 1, from R(h lambda)
       FACT METHOD [at VALUE] [h=1/4] [: PART]                  order, energy_multiplier, imaginary_limit, a_stable, ...
       roundoff METHOD h=1/4 [sharp] [from q,v] : READOUT       q v qq qv vq vv c, bounds in units of u

@@ -1,4 +1,4 @@
-"""Reading float trajectories of any solver: objects with .t and .y, arrays, .csv and .npz files."""
+"""Reading float trajectories of any solver: objects with .t and .y, arrays, files of text and .npz files."""
 
 from __future__ import annotations
 
@@ -90,14 +90,14 @@ def _floats(name: str, values: Any) -> Any:
 
 
 def read_trajectory(path: Path) -> Trajectory:
-    """The trajectory in a .csv or .npz file. Raises ValueError, in one line, if it cannot be read or is none.
+    """The trajectory in a file of text or of arrays. Raises ValueError, in one line, if it cannot be read or is none.
 
-    .csv: a line for each time, with t and then the components, separated by commas, semicolons or blanks. A first line
-    of names and lines that begin with # are ignored. Numbers are decimal, such as 1.5, 1.5e0 or 1.5d0, or hexadecimal,
-    such as 0x1.8p+0, and then exact. .npz: the arrays t and y, or ts and ys, with a row for each time.
+    .csv, .txt, .dat: a line for each time, with t and then the components, separated by commas, semicolons or blanks. A
+    first line of names and lines that begin with # are ignored. Numbers are decimal, such as 1.5, 1.5e0 or 1.5d0, or
+    hexadecimal, such as 0x1.8p+0, and then exact. .npz: the arrays t and y, or ts and ys, with a row for each time.
     """
-    if (suffix := path.suffix.lower()) not in (".csv", ".npz"):
-        raise ValueError(f"{path}: a trajectory must be a .csv or .npz file")
+    if (suffix := path.suffix.lower()) not in (".csv", ".txt", ".dat", ".npz"):
+        raise ValueError(f"{path}: a trajectory must be a .csv, .txt, .dat or .npz file")
     try:
         return trajectory_of(*(_arrays(path) if suffix == ".npz" else _columns(path)))
     except Refused as reason:

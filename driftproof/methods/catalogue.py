@@ -16,7 +16,7 @@ from typing import Any, Generic, TypeAlias, TypeVar
 from driftproof.methods.additive import Additive
 from driftproof.methods.continuous import ContinuousExtension
 from driftproof.methods.multistep import Multistep
-from driftproof.methods.names import keys_called, plain_name
+from driftproof.methods.names import COMMON_NAMES, keys_called, plain_name
 from driftproof.methods.rosenbrock import Rosenbrock
 from driftproof.methods.schemes import Method, MethodError, RungeKutta
 from driftproof.support.plain_text import shortened, unknown
@@ -119,7 +119,7 @@ def entry_named(name: str) -> Entry:
     if entries:
         meant = " or ".join(f"{each.key} ({each.title})" for each in entries)
         raise ValueError(f"{shortened(name)!r} may mean {meant}: say which")
-    raise ValueError(unknown("method", name, (*METHODS, *FACTS_ONLY), "`driftproof methods` lists all"))
+    raise ValueError(unknown("method", name, (*METHODS, *FACTS_ONLY, *COMMON_NAMES), "`driftproof methods` lists all"))
 
 
 def keys_of_name(name: str) -> tuple[str, ...]:

@@ -60,24 +60,27 @@ _WRITTEN = {"tan": "(sin({0}) / cos({0}))", "ln": "log({0})"}
 # Not an element of a number field, and yet exact: a `VectorField` takes it as a parameter like those.
 PI: Any = _Pi()
 _WORD = re.compile(r"[A-Za-z_]\w*")
+# A comma between digits may be meant as a decimal comma, one in brackets as that of a function.
+_BETWEEN = re.compile(r";|(?:(?<!\d),|,(?!\d))(?![^()]*\))")
+_EQUATION = re.compile(r"\s*([A-Za-z_]\w*)\s*'\s*=(.*)", re.DOTALL)
 _FACTOR = re.compile(r"(?<![A-Za-z_])(?:y[0-9]*\b|[A-Za-z_]\w*+(?! *\())")
 
 
 def field_of_text(
     rates: str | Sequence[str], parameters: Mapping[str, Exact] | None = None, names: Mapping[str, str] | None = None
 ) -> VectorField:
-    """The field y' = f(t, y) from a text for each component, or from one text with ";" between components.
+    """The field y' = f(t, y) from a text for each component, or from one text with ";" or "," between components.
 
-    A text is an expression in t, y0, y1, ..., pi and the parameters. `names` maps further names to such expressions;
-    without it, a single component is also called y. Numbers are exact: 0.1 is 1/10. Exponents are whole numbers or
-    halves of them. Raises ValueError in one line.
+    A text is an expression in t, y0, y1, ..., pi and the parameters, or an equation x' = v with names of your own.
+    `names` maps further names to such expressions; without it, a single component is also called y. Numbers are exact:
+    0.1 is 1/10. Exponents are whole numbers or halves of them. Raises ValueError in one line.
 
-    >>> field_of_text("y1; -0.5 * y0^2").rates
-    ('y1', '-(1 / 2) * (y0 * y0)')
+    >>> field_of_text("y1; -0.5 * y0^2").rates, field_of_text("x' = v, v' = -x").rates
+    (('y1', '-(1 / 2) * (y0 * y0)'), ('y1', '-y0'))
     """
-    texts, known = rates.split(";") if isinstance(rates, str) else list(rates), dict(parameters or {})
+    texts, known = _rates(rates) if isinstance(rates, str) else list(rates), dict(parameters or {})
     spelled = {name: name for name in known} | dict(names or _names(texts, known))
-    written = tuple(rate_of_text(text, spelled) for text in texts)
+    written = tuple(rate_of_text(text, spelled) for text in (texts.values() if isinstance(texts, dict) else texts))
     if any("pi" in _WORD.findall(text) for text in written):
         known.setdefault("pi", PI)
     return VectorField(written, tuple(known.items()))
@@ -86,13 +89,16 @@ def field_of_text(
 def _names(rates: Sequence[str] | Mapping[str, str], parameters: Mapping[str, Any]) -> dict[str, str]:
     """The components y0, y1, ... by the names of the unknowns: those of a table, or y if there is one component."""
     if isinstance(rates, Mapping):
+        for name in rates:
+            if not _WORD.fullmatch(name) or name in ("t", "pi", *FUNCTIONS, *parameters):
+                raise ValueError(f"rates: {quoted(name)} cannot name an unknown: not a valid name, or already in use")
         return {name: f"y{i}" for i, name in enumerate(rates)}
     return {"y": "y0"} if len(rates) == 1 and "y" not in parameters else {}
 
 
 def rate_of_text(text: str, names: Mapping[str, str] | None = None) -> str:
     """The expression as a `VectorField` takes it: names replaced, no decimals, no powers. Raises ExpressionError."""
-    writer = _Writer(text, names or {})
+    writer = _Writer(re.sub(r"\by\[(\d+)\]", r"y\1", text), names or {})  # y[1] as in Python
     return writer.bare_text(writer.tree())
 
 
@@ -113,7 +119,7 @@ def field_of_table(table: TomlTable) -> VectorField:
     "2*pi*f", which is substituted for its name. pi becomes a parameter even if only the `energy` reads it.
     """
     parameters, names = _parameters(table)
-    rates = _rates(table)
+    rates = _rates(table.get("rates"))
     try:
         field = field_of_text(rates if isinstance(rates, list) else [*rates.values()], parameters, names)
     except MethodError as error:
@@ -133,7 +139,7 @@ def energy_of_table(table: TomlTable) -> str | None:
 
 def start_of_table(table: TomlTable) -> list[Any]:
     """The `start` of a TOML table: a list, one number, or a number for each name of its rates. Raises ValueError."""
-    start, rates = table.get("start"), table.get("rates")
+    start, rates = table.get("start"), _rates(table.get("rates", []))
     if isinstance(start, dict):
         if not isinstance(rates, dict) or set(start) != set(rates):
             raise ValueError(f"start has the names {', '.join(start)}; rates must have the same names")
@@ -141,21 +147,21 @@ def start_of_table(table: TomlTable) -> list[Any]:
     return [start] if isinstance(start, int | float | str) else as_list(start, "start")
 
 
-def _rates(table: TomlTable) -> list[str] | dict[str, str]:
-    """The texts of the rates, as a list, or by the names of the unknowns if these are named."""
-    rates = table.get("rates")
-    if isinstance(rates, dict):
-        return dict(zip(rates, as_texts([*rates.values()], "rates"), strict=True))
-    return rates.split(";") if isinstance(rates, str) else [*as_texts(rates, "rates")]
+def _rates(given: object) -> list[str] | dict[str, str]:
+    """The rates in a list or one text; by the names of the unknowns in a table, or if all are equations as x' = v."""
+    if isinstance(given, str):
+        texts = _BETWEEN.split(given)
+        equations = {found[1]: found[2] for text in texts if (found := _EQUATION.fullmatch(text))}
+        return equations if len(equations) == len(texts) else texts
+    if isinstance(given, dict):
+        return dict(zip(given, as_texts([*given.values()], "rates"), strict=True))
+    return [*as_texts(given, "rates")]
 
 
 def _parameters(table: TomlTable) -> tuple[dict[str, Exact], dict[str, str]]:
     """The parameters that are numbers, and the replacements of all other names: y0, y1, ... and expressions."""
     given = as_table(table.get("parameters", {}), "parameters")
-    names = _names(_rates(table), given)
-    for name in names:
-        if not _WORD.fullmatch(name) or name in ("t", "pi", *FUNCTIONS, *given):
-            raise ValueError(f"rates: {quoted(name)} cannot name an unknown: not a valid name, or already in use")
+    names = _names(_rates(table.get("rates")), given)
     parameters: dict[str, Exact] = {}
     for name, value in given.items():
         try:

@@ -166,20 +166,14 @@ def also_known_as(key: str) -> tuple[str, ...]:
     return _NAMES.get(key, ())
 
 
-def not_to_be_confused_with(key: str) -> tuple[str, ...]:
-    """The keys of methods that are easily taken for this one."""
-    return _OTHERS.get(key, ())
-
-
 def _lines(text: str, separator: str | None) -> dict[str, tuple[str, ...]]:
     pairs = (line.split(" | ") for line in text.strip().splitlines())
     return {name: tuple(word.strip() for word in words.split(separator)) for name, words in pairs}
 
 
-_NAMES, _OTHERS = _lines(_OTHER_NAMES, ", "), _lines(_NOT_TO_BE_CONFUSED, None)
-# Name -> the keys of the methods that it may mean.
-AMBIGUOUS_NAMES = _lines(_AMBIGUOUS, None)
-_KEYS = {
-    **{plain_name(name): (key,) for key, names in _NAMES.items() for name in names},
-    **{plain_name(name): keys for name, keys in AMBIGUOUS_NAMES.items()},
-}
+_NAMES = _lines(_OTHER_NAMES, ", ")
+# Key -> the keys of methods that are easily taken for it; name -> the keys of the methods that it may mean.
+EASILY_CONFUSED, AMBIGUOUS_NAMES = _lines(_NOT_TO_BE_CONFUSED, None), _lines(_AMBIGUOUS, None)
+COMMON_NAMES = (*(name for names in _NAMES.values() for name in names), *AMBIGUOUS_NAMES)
+_KEYS: dict[str, tuple[str, ...]] = {plain_name(name): (key,) for key, names in _NAMES.items() for name in names}
+_KEYS |= {plain_name(name): keys for name, keys in AMBIGUOUS_NAMES.items()}

@@ -339,10 +339,11 @@ def methods_of(given: GivenMethods) -> list[Entry]:
     return found if any(isinstance(each, Method) for each in found) else [*map(of_one_state, found)]
 
 
+_GIVE, _FIRST = "give a key, a .toml file, or a method", "; what is examined comes first"
+
+
 def _each(given: GivenMethods) -> Sequence[str | Path | Method]:
-    if isinstance(given, str):
-        return names_listed(given)
-    return given if isinstance(given, Sequence) else [given]
+    return names_listed(given) if isinstance(given, str) else given if isinstance(given, Sequence) else [given]
 
 
 def subject_of(given: str | Path | Method | Family | FactsOnly) -> Method | Family | FactsOnly:
@@ -353,7 +354,7 @@ def subject_of(given: str | Path | Method | Family | FactsOnly) -> Method | Fami
     if isinstance(given, Method | Family | FactsOnly):
         return given
     if not isinstance(given, str | Path):
-        raise ValueError(f"{shortened(str(given))!r} is not a method: give a key, a .toml file, or a method")
+        raise ValueError(f"{shortened(str(given))!r} is not a method: {_GIVE}{_FIRST * callable(given)}")
     name = str(given)
     if name.endswith(".toml"):
         return read_method(Path(name))

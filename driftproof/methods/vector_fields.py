@@ -72,7 +72,7 @@ class VectorField:
             raise MethodError(f"a second-order system has as many velocities as positions, not {len(self.rates)} rates")
         for i, (rate, v) in enumerate(zip(self.rates, velocities, strict=False)):
             if ast.unparse(_parsed(rate, i)) != v:
-                raise MethodError(f"rate {i} is {rate!r}; a second-order system needs {v!r}, the velocity of y{i}")
+                raise MethodError(f"rate {i} is {rate!r}; a second-order system needs {v!r}: positions come first")
         for i, rate in enumerate(self.rates[half:], half):
             for v in sorted(_names(_parsed(rate, i)).intersection(velocities)):
                 raise MethodError(
@@ -263,9 +263,8 @@ def _out_of_place(tree: ast.Expression, known: Collection[str]) -> Iterator[str]
     """The parts that a rate may not have: unknown names, calls other than of `FUNCTIONS`, numbers not whole."""
     called = {node.func for node in ast.walk(tree) if isinstance(node, ast.Call)}
     for node in ast.walk(tree):
-        if isinstance(node, ast.Constant) and type(node.value) is int:
-            continue
-        if isinstance(node, ast.Call) and not node.keywords:
+        whole = isinstance(node, ast.Constant) and type(node.value) is int
+        if whole or (isinstance(node, ast.Call) and not node.keywords):
             continue
         allowed = FUNCTIONS if node in called else known
         if not isinstance(node, _ALLOWED) or (isinstance(node, ast.Name) and node.id not in allowed):

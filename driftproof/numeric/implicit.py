@@ -14,8 +14,9 @@ the norm of I - G'M⁻¹. Let κ ≤ 1/2. As long as |ĝ| > 8E + 4R, the next re
                   full, and with shortened corrections where the next one would not be shorter;
     failed        after another 128 iterations.
 
-The iteration of a solved step goes on while the residual still halves, and the best Z is kept. Of several solutions it
-finds one; as h tends to 0, the one near the start. Norms are of ĝ divided by 8E + 4R.
+The iteration starts at the stage before, at first at Z = 0; from Z = w a stiff stage may end in another solution. That
+of a solved step goes on while the residual still halves, and the best Z is kept. Of several solutions it finds one; as
+h tends to 0, the one near the start. Norms are of ĝ divided by 8E + 4R.
 
 E: in g = Z - w - h Σ aᵢⱼ fⱼ with w known, the terms a f undergo 1 rounding of a, s of the products and the sum, 1 of h
 and 2 of the differences, s + 4 together; Z and w at most 2. The rate is assumed to be computed as f(y(1 + α))(1 + β)

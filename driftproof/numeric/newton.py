@@ -172,8 +172,10 @@ def _factored_newton_matrix(
     return factored(m, order, len(m), layout.lower, layout.upper)
 
 
-def _solved_group(writers: FieldWriters, equations: Equations, moves: Any, report: Any, damped: bool) -> bool:
-    """Solve for the moves Z of one group of stages, from Z = w; report residual and iterations. True if solved.
+def _solved_group(
+    writers: FieldWriters, equations: Equations, start: Any, moves: Any, report: Any, damped: bool
+) -> bool:
+    """Solve for the moves Z of one group of stages, from Z = start; report residual and iterations. True if solved.
 
     Damped, the matrix is made anew in each iteration, and a correction is shortened until the next one, by the same
     matrix, is shorter than it: the natural test (hairer-wanner-1996, IV.8).
@@ -184,8 +186,9 @@ def _solved_group(writers: FieldWriters, equations: Equations, moves: Any, repor
     m, order = zeros(size, min(size, 2 * layout.lower + layout.upper + 1)), writers.indices(size)
     g, x, next_x = zeros(stages, n), zeros(size), zeros(size)
     now, trial = zeros(stages, n), zeros(stages, n)
-    _copy_rows(equations.known, moves)
-    _copy_rows(equations.known, now)
+    for i in range(stages):
+        for k in range(n):
+            moves[i][k] = now[i][k] = start[k]
     _derivatives_at(writers, equations, now[:1], jacobians)
     for j in range(1, stages):
         _copy_rows(jacobians[0], jacobians[j])
@@ -253,8 +256,10 @@ def _take_step(writers: FieldWriters, t: float, y: Any, h: float, table: StepTab
         found, slope = moves[first:last], slopes[first]
         equations = _group_equations(writers, t, y, h, table, first, last, slopes)
         if _largest_entry(equations.a) > 0:
-            plain = _solved_group(writers, equations, found, report, damped=False)
-            if not plain and not _solved_group(writers, equations, found, report, damped=True):
+            # from the stage before: w may lie, where f is stiff, beyond another solution
+            start = moves[first - 1] if first else writers.zeros(n)
+            plain = _solved_group(writers, equations, start, found, report, damped=False)
+            if not plain and not _solved_group(writers, equations, start, found, report, damped=True):
                 return UNSOLVED
             # h f for later stages, from the equation: evaluating a stiff f again would magnify rounding
             if last - first == 1:

@@ -69,6 +69,7 @@ PARSER = cli.Command(
         cli.list_option("--h", "steps", type=cli.several(cli.nonzero_step)),
         cli.one_of(cli.flag("--this", "this"), cli.flag("--that", "that")),
         cli.option("state", "a start", type=cli.initial_state, nargs="?"),
+        cli.option("more", "a formula", nargs="?"),
     ),
 )
 
@@ -80,10 +81,12 @@ def parse(monkeypatch):
 
 
 def test_options_are_data(parse):
-    assert vars(parse()) == {"format": "a", "h": [], "this": False, "that": False, "state": None}
+    assert vars(parse()) == {"format": "a", "h": [], "this": False, "that": False, "state": None, "more": None}
     found = parse("--format", "b", "--h", "1/4,1/8", "--that", "--h", "-1/2", "-1,.5")
     assert (found.format, found.h, found.that, found.state) == ("b", [Q(1, 4), Q(1, 8), Q(-1, 2)], True, (-1, Q(1, 2)))
     assert parse().h == []  # nothing is left of the call before
+    formulas = ["-y0", "-y", "-y[0]", "-y0+1", "-k*y", "-cos(1)", "-1/2", "-0.5"]
+    assert [parse("1,0", formula).more for formula in formulas] == formulas
 
 
 @pytest.mark.parametrize(
@@ -92,7 +95,8 @@ def test_options_are_data(parse):
         (("--format", "c"), "prog: argument --format: invalid choice: 'c' (choose from 'a', 'b') (`prog --help` shows"),
         (("--this", "--that"), "prog: argument --that: not allowed with argument --this"),
         (("--h", "0"), "prog: argument --h: the step size h must not be 0"),
-        (("1,0", "two\nlines"), "prog: unrecognized arguments: two lines (`prog --help` shows how)\n"),
+        (("1,0", "0", "two\nlines"), "prog: unrecognized arguments: two lines (`prog --help` shows how)\n"),
+        (("1,0", "-out"), "prog: unrecognized arguments: -out"),
     ],
 )
 def test_parser_complains_in_one_line(words, complaint, parse, capsys):

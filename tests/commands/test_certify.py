@@ -32,7 +32,7 @@ def own(tmp_path, monkeypatch):
     sys.modules.pop("certified_model", None)
 
 
-@pytest.mark.parametrize("function", ["certified_model:pendulum", "pendulum.toml", TEXT])
+@pytest.mark.parametrize("function", ["certified_model:pendulum", "pendulum.toml", TEXT, "x' = v, v' = -sin(x)"])
 def test_error_is_that_of_the_file_however_f_is_given(function, own, answer):
     shown = answer("certify", function, RUN).splitlines()
     assert shown[0] == "largest error 9.299099764e-7, proved: component 1 at t = 4, point 19 of 0 to 19"

@@ -42,8 +42,9 @@ def test_every_form_is_the_same_trajectory(form):
 
 @pytest.mark.parametrize("form", FILES)
 def test_file_of_text_is_read(form, tmp_path):
-    (tmp_path / "run.csv").write_text(FILES[form])
-    assert read_trajectory(tmp_path / "run.csv").states == STATES.tolist()
+    for name in ("run.csv", "run.TXT", "run.dat"):
+        (tmp_path / name).write_text(FILES[form])
+        assert read_trajectory(tmp_path / name).states == STATES.tolist()
 
 
 @pytest.mark.parametrize("names", [("t", "y"), ("ts", "ys")])
@@ -79,7 +80,7 @@ def test_file_of_another_form_is_refused_with_its_line(text, tmp_path):
 
 def test_other_files_are_refused(tmp_path, monkeypatch):
     for name, content, said in (
-        ("run.txt", b"0 1", r"must be a \.csv or \.npz file"),
+        ("run.npy", b"0 1", r"must be a \.csv, \.txt, \.dat or \.npz file"),
         ("run.npz", b"no zip", r"run\.npz: it is no \.npz file"),
         ("run.csv", b"\xff\xfe", r"run\.csv: not UTF-8 at byte 0"),
     ):

@@ -59,8 +59,13 @@ def test_unknown_key_names_the_closest() -> None:
     with pytest.raises(ValueError, match="unknown method 'rk5'; did you mean rk4 or ") as caught:
         method_named("rk5")
     assert "\n" not in str(caught.value)
-    with pytest.raises(ValueError, match="lists all"):
-        method_named("zzzzzzzz")
+    for wrong, near in (
+        ("Eulr", "; did you mean Euler"),
+        ("Cranc-Nicolson", "; did you mean Crank-Nic"),
+        ("zzzzzzzz", ""),
+    ):
+        with pytest.raises(ValueError, match=rf"unknown method '{wrong}'{near}.* \(.* lists all"):
+            method_named(wrong)
 
 
 def splitting_order(method: Splitting) -> int:

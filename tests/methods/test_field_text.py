@@ -33,7 +33,14 @@ def test_expression_is_written_in_products(text):
 
 
 def test_components_are_parted_by_semicolons_or_listed():
-    assert field_of_text("y1; -y0") == field_of_text(["y1", "-y0"])
+    assert field_of_text("y1; -y0") == field_of_text(["y1", "-y0"]) == field_of_text(["y[1]", "-y[0]"])
+    for text in ("x' = v, v' = -x", "x'=v;v'=-x", "x ' = v\n; v'= -x"):
+        assert field_of_text(text) == field_of_text(["y1", "-y0"]) == field_of_table({"rates": text})
+    for text in ("y1,2*y0", "0,5*y0", "x' = v, -x", "x' = v; x' = -v"):  # twin: may be a decimal, or is no equation
+        with pytest.raises(ValueError, match=r"unexpected ','|is not allowed in a right-hand side"):
+            field_of_text(text)
+    with pytest.raises(ValueError, match="rates: 't' cannot name an unknown"):
+        field_of_text("t' = 1; x' = t")
     assert len(rate_of_text("1 + x", {"x": 99_996 * "y"})) == 100_000
     with pytest.raises(ValueError, match="column 6: written out it has more than 100000 characters"):
         rate_of_text("t - (1 + x)", {"x": 99_997 * "y"})
@@ -139,6 +146,7 @@ def test_start_by_names_needs_the_names_of_the_rates():
 @pytest.mark.parametrize(("text", "plain"), [
     ("-2y", "-2*y"), ("y(1 - y)", "y*(1 - y)"), ("2 sin(t) y/3", "2*sin(t)*y/3"), ("(1 - y)(2 - y)", "(1 - y)*(2 - y)"),
     ("k(1 - y)", "k*(1 - y)"), ("-y^2(1 - y)", "-y^2*(1 - y)"), ("2t - 3pi", "2*t - 3*pi"), ("2y0(1-t)", "2*y0*(1-t)"),
+    ("(1 - y^2) y - 2", "(1 - y^2)*y - 2"),
 ])  # fmt: skip
 def test_a_product_may_stand_without_its_sign_where_it_has_one_meaning(text: str, plain: str) -> None:
     assert field_of_text([text], {"k": Fraction(3)}) == field_of_text([plain], {"k": Fraction(3)})

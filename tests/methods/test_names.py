@@ -4,7 +4,7 @@ import pytest
 
 from driftproof import FAMILIES, METHODS
 from driftproof.methods.catalogue import FACTS_ONLY, method_named, names_listed
-from driftproof.methods.names import also_known_as, keys_called, not_to_be_confused_with, plain_name
+from driftproof.methods.names import EASILY_CONFUSED, also_known_as, keys_called, plain_name
 from driftproof.methods.tableau_file import methods_of, subject_of
 from tests.looping import some
 
@@ -61,7 +61,7 @@ def test_the_title_of_a_family_leads_to_it(key):
 def test_names_are_unique_and_of_methods_that_exist():
     for key in some((*METHODS, *FACTS_ONLY)):
         assert all(keys_called(name) == (key,) for name in also_known_as(key))
-        assert all(other in (*METHODS, *FACTS_ONLY) and other != key for other in not_to_be_confused_with(key))
+        assert all(other in (*METHODS, *FACTS_ONLY) and other != key for other in EASILY_CONFUSED.get(key, ()))
     titles = [plain_name(method.title) for method in (*METHODS.values(), *FACTS_ONLY.values())]
     assert len(set(titles)) == len(titles)
 

@@ -242,7 +242,8 @@ def test_methods_are_named_in_one_text_or_one_by_one() -> None:
     assert methods_of(rk4) == [rk4]
     for wrong, reason in (
         ("sdirk_order_2", "a family of methods, with"),
-        (4, "^'4' is not a method: give a key, a .toml file, or a method"),
+        (4, "^'4' is not a method: give a key, a .toml file, or a method$"),
+        (len, "give a key, a .toml file, or a method; what is examined comes first$"),
     ):
         with pytest.raises(ValueError, match=reason):
             method_of(wrong)  # type: ignore[arg-type]

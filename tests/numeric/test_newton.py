@@ -107,6 +107,15 @@ def test_evaluations_are_the_calls_of_the_rate():
         assert run.calls == len(calls)
 
 
+@pytest.mark.parametrize(
+    ("key", "start"), [("sdirk2", 2e-4), ("alexander3", 2e-4), ("sdirk4", 0.0), ("esdirk43", 0.0), ("radau_iia3", 0.0)]
+)
+def test_stiff_stages_are_not_those_of_another_solution(key, start):
+    """y' = 1 - 10^8 y^2: beyond its repeller, -10^-4, lies Z = w, from which Newton's method would end there."""
+    run = implicit_runner(METHODS[key], VectorField(("1 - 100000000 * y0 * y0",)))
+    assert run((start,), 1.0, 0, 1) > (0,)
+
+
 def test_rows_are_exchanged_where_the_diagonal_is_zero():
     """y' = (y0 + y1, y0), h = 1: M = [[0, -1], [-1, 1]], and backward Euler leads from (3, 5) to (-8, -3)."""
     run = implicit_runner(METHODS["backward_euler"], VectorField(("y0 + y1", "y0")))

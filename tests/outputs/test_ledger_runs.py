@@ -64,6 +64,10 @@ def test_planted_error_fails_what_it_touches_of_a_selection_and_the_rest_is_call
     assert (standing["L036"], standing["L052"]) == ("PROVED", "PROVED")
     assert "assert '337/384' == '" in done.stdout  # what is printed beside what it would be now
     assert "L163   not run" in done.stdout
+    assert ("\nfailed: L059  " in done.stdout.partition(" claims: ")[2], "\nfailed: L036" in done.stdout) == (
+        True,
+        False,
+    )
     assert "values.json not written" in done.stdout
     assert digest() == before
 

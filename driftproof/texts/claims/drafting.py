@@ -6,13 +6,14 @@ import json
 import re
 from bisect import bisect_right
 from collections import Counter
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from itertools import groupby
 from typing import TypeAlias
 
 from driftproof.texts.claims.claims import MOST_CLAIMS
 from driftproof.texts.claims.phrases import NumberForm, Phrase
+from driftproof.texts.claims.stated_problems import equations_in
 from driftproof.texts.claims.suggestions import LookAlike, Missed, Suggestions, digits_of
 from driftproof.texts.questions.decimals import HALF_EVEN, Style
 from driftproof.texts.readers.document import Document
@@ -59,7 +60,7 @@ class _Member:
     chosen_at: int | None
 
     @classmethod
-    def of(cls, number: TextNumber, suggestions: Suggestions, text: str) -> _Member:
+    def of(cls, number: TextNumber, suggestions: Suggestions, text: str, equations: Mapping[int, int]) -> _Member:
         start, alike = max(0, number.start - _LONGEST_SETTING), suggestions.look_alikes(number)
         found = _SETTING.search(text[start : number.start].replace("\n", " "))
         setting, strong = start + found.start() if found else None, bool(alike) and alike[0].strong
@@ -70,6 +71,8 @@ class _Member:
         letter = _SOLVED_FOR.fullmatch(found[0].rstrip("= ") if found else suggestions.column_of(number))
         if letter and (f"{letter[0]}'" in text or len(digits_of(number.text).rstrip("0")) > 3):
             setting = None
+        if number.start in equations:
+            strong, setting = False, equations[number.start]
         return cls(number, alike, suggestions.slips(number), strong, None if strong else setting)
 
     @property
@@ -101,7 +104,8 @@ def draft(document: Document, name: str, asked: Iterable[str] = ()) -> str:
     """
     text = document.text.text
     suggestions, search = Suggestions(text, asked), _Search(text)
-    members = [_Member.of(number, suggestions, text) for number in search.numbers if number.label is None]
+    equations = {at: start for start, end in equations_in(text) for at in range(start, end)}
+    members = [_Member.of(number, suggestions, text, equations) for number in search.numbers if number.label is None]
     code = {at for span in document.code for at in range(*span)}
     # A single digit of a program, such as an initial 1.0 or a number of turns, looks like too much to be a value.
     in_code = [m for m in members if m.number.start in code]

@@ -70,11 +70,13 @@ def asked_quantity(question: str) -> tuple[str, str]:
         return "fact", ""
     if question.startswith("percent("):
         return "percent" if "relative_error" in question else "share", ""
-    if readout in ("error", "state_error", "relative_error", "evaluations", "steps"):
-        return readout.removeprefix("state_"), ""
+    if readout in ("error", "state_error", "position_error", "relative_error", "evaluations", "steps"):
+        return readout.removeprefix("state_").removeprefix("position_"), ""
     if kind[:1] == "k":
         return kind, ""
-    return "exact" if kind == "exact" or question.startswith("exact ") else "state", unknown
+    return "error" if kind == "error" else "exact" if kind == "exact" or question.startswith(
+        "exact "
+    ) else "state", unknown
 
 
 def place_of(text: str, start: int, end: int, heads: Sequence[str], row: Sequence[tuple[str, str]]) -> Place:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import unicodedata
 from collections.abc import Callable, Collection, Iterator
 from contextlib import suppress
 from dataclasses import dataclass, replace
@@ -17,6 +16,7 @@ from driftproof.texts.claims.contradictions import methods_named
 from driftproof.texts.claims.places import is_head_of
 from driftproof.texts.questions.errors import QuestionError
 from driftproof.texts.questions.parser import parse_question
+from driftproof.texts.questions.pieces import with_greek_spelled, with_time
 from driftproof.texts.readers.numbers import TextNumber, numbers_in
 
 # Limits that keep this to some hundred questions about runs of some hundred steps: seconds.
@@ -31,7 +31,9 @@ _COUNTS = re.compile(r"(?<![\w.])([1-9][0-9]{0,3}) (?:time |equal )?steps\b|(?<!
 _GAP = 80
 _TOGETHER = re.compile(rf"(?:(?![.;?!]\s)[\s\S]){{0,{_GAP}}}")
 _EQUATION = re.compile(
-    r"(?<![\w'])(?:d(?P<d>[^\W\d]\w*) ?/ ?dt|(?P<name>[^\W\d]\w{0,9})'(?: ?\(t\))?) ?(?:\| ?)?= ?"
+    r"(?<![\w'])(?:d(?P<d>[^\W\d]\w*) ?/ ?d[tx]|\(?d\^2 ?(?P<dd>[^\W\d]\w*)\)? ?/ ?\(?dt\^2\)?|"
+    r"(?P<name>[^\W\d]\w{0,9})'(?P<second>'?)(?: ?\([tx]\))?)"
+    r"(?P<left> ?[-+][^=≤≥≈<>:;|]{1,100}?)? ?(?:\| ?)?= ?"
     r"(?=(?P<rate>[^=≤≥≈<>:;]{1,200}))"
 )
 # Characters after the last equation in which x = 1 without a time is a start.
@@ -62,10 +64,12 @@ class _Problem:
 
     def _start(self, name: str, index: int) -> str | None:
         """What the text says that the unknown is at first: at 0, "at rest", in a list of all, or near the equations."""
-        part, n = _ascii(self.part), len(self.rates)
+        part, n = with_greek_spelled(self.part.replace("| =", "=")), len(self.rates)
+        of = next((other for other, rate in self.rates.items() if rate == name), name)
         near = part[: part.rindex("'") + _NEAR] if "'" in part else part[:_NEAR]
-        at_zero = re.search(rf"(?<![\w']){name}(?:_0| ?\(0(?:\.0)?\)) ?= ?({_VALUE})", part)
-        if not at_zero and name in self.rates.values() and re.search(r"\b(?:at|from) rest\b", part):
+        zero = r"(?:_0| ?\(0(?:\.0)?\)) ?= ?"
+        at_zero = re.search(rf"(?<![\w'])(?:{name}|{of}'){zero}(?:\w+'?{zero})*({_VALUE})", part)
+        if not at_zero and of != name and re.search(r"\b(?:at|from) rest\b", part):
             return "0"
         of_all = rf"(?:\b(?:from|at|in)|=) ?\(({_VALUE})" + rf", ?({_VALUE})" * (n - 1) + r"\)"
         if n > 1 and not at_zero and (found := re.search(of_all, part)):
@@ -96,11 +100,18 @@ def stated_questions(text: str, column_of: Callable[[TextNumber], str]) -> list[
     return list(dict.fromkeys(found))
 
 
+def equations_in(text: str) -> Iterator[tuple[int, int]]:
+    """The spans of equations such as y' = -2y, whose numbers the text chooses."""
+    for match in _EQUATION.finditer(text):
+        rate = re.split(r"\n|[.;](?!\d)", _first(match["rate"]))[0]
+        yield match.start(), match.start("rate") + len(rate)
+
+
 def _problems(text: str) -> Iterator[_Problem]:
     """The systems of equations of the text, each with the text from a little before it to the next one."""
     systems, last = list[tuple[int, dict[str, str]]](), len(text)
     for match in _EQUATION.finditer(text):
-        name = match["name"] or match["d"]
+        name = with_greek_spelled(match["name"] or match["d"] or match["dd"])
         if name == "t" or name in FUNCTIONS:
             continue
         joined = (
@@ -110,21 +121,31 @@ def _problems(text: str) -> Iterator[_Problem]:
         )
         if not joined:
             systems.append((match.start(), {}))
-        systems[-1][1][name] = match["rate"]
+        if match["second"] or match["dd"]:
+            systems[-1][1][name] = name = f"d{name}"
+        left = f"-({match['left'].lstrip(' +')}) + " if match["left"] else ""  # y'' + 4y = 0
+        systems[-1][1][name] = with_greek_spelled(left + match["rate"])
         last = match.start("rate") + len(_first(match["rate"]))
     for (start, raw), (end, _) in pairwise([*systems, (len(text), {})]):
-        names, begins = [*map(_ascii, raw)], start - len(re.split(r"[.;?!]\s", text[max(0, start - _GAP) : start])[-1])
+        for name in [name for name in raw if f"d{name}" in raw]:
+            raw = {
+                of: re.sub(rf"\b{name}'|(?<![A-Za-z])d{name} ?/ ?dt\b", f"d{name}", rate) for of, rate in raw.items()
+            }
+        part = text[:end]
+        if not any("x" in names for _, names in systems):  # y' = x + y: the time is called x
+            raw, part = {name: with_time(rate, raw) for name, rate in raw.items()}, with_time(part, raw)
+        names, begins = [*raw], start - len(re.split(r"[.;?!]\s", text[max(0, start - _GAP) : start])[-1])
         rates = {name: rate for name, one in zip(names, raw.values(), strict=True) if (rate := _rate(one, names, text))}
         if len(rates) == len(raw):
-            yield _Problem(rates, text[begins:end], begins)
+            yield _Problem(rates, part[begins:], begins)
 
 
 def _questions(problem: _Problem, equations: str, text: str, column_of: Callable[[TextNumber], str]) -> Iterator[str]:
-    part, at = problem.part, problem.at
+    part, at = with_greek_spelled(problem.part), problem.at
     value_at = re.compile(rf"(?<!\w)(?:{'|'.join(problem.rates)})\(({_NUMBER})\)")
     sizes, times, counts, also = (_listed(pattern, part) for pattern in (_SIZES, _TIMES, _COUNTS, value_at))
     times += also
-    for number in numbers_in(text[at : at + len(part)]):
+    for number in numbers_in(text[at : at + len(problem.part)]):
         head = column_of(replace(number, start=number.start + at, end=number.end + at))
         for letter, into in (("h", sizes), ("t", times)):
             if is_head_of(letter, head) and re.fullmatch(_NUMBER, number.text):
@@ -142,7 +163,9 @@ def _questions(problem: _Problem, equations: str, text: str, column_of: Callable
     methods = ",".join([key for key in METHODS if key in spoken][:_MOST_METHODS])
     if ends := ",".join(map(_shown, times[-_MOST_TIMES:])):
         yield f"exact {equations}, t={{{ends}}} : {{{','.join(problem.rates)}}}"
-    read = [*problem.rates, "error"] + ["relative_error"] * ("%" in part or "relative" in part)
+    read = [*problem.rates, "error", *(f"error.{name}" for name in problem.rates if len(problem.rates) > 1)]
+    read += ["position_error"] * (2 * len({*problem.rates} & {*problem.rates.values()}) == len(problem.rates) > 2)
+    read += ["relative_error"] * ("%" in part or "relative" in part)
     read += ["evaluations"] * bool(re.search("evaluation|calls", part))
     runs = list[tuple[Fraction, list[Fraction]]]()
     for h in sizes[::-1][:_MOST_SIZES] if methods else ():
@@ -176,8 +199,9 @@ def _listed(pattern: re.Pattern[str], text: str) -> list[Fraction]:
 
 def _rate(raw: str, names: Collection[str], text: str) -> str | None:
     """The longest beginning of `raw` that is a rate in the names, others replaced by what the text says they are."""
-    raw = re.sub(rf"\b({'|'.join(names)}) ?\(t\)", r"\1", _ascii(_first(raw)))  # y(t)
-    raw = _plain(raw)
+    raw = _plain(re.sub(rf"\b({'|'.join(names)}) ?\(t\)", r"\1", with_greek_spelled(_first(raw))))  # y(t)
+    for ratio, value in re.findall(rf"(?<![\w'/(])([^\W\d]\w*/[^\W\d]\w*) ?= ?({_NUMBER})", with_greek_spelled(text)):
+        raw = raw.replace(ratio, value)
     # Not before a sign, an unknown or another letter, so that x' = 2/3 k x is not read as x' = 2/3.
     ends = re.finditer(rf"\n|\.(?!\d)|\s(?!\s*(?:[-+*/^]|(?:{'|'.join(names)}|[^\W\d])\b(?! ?['(=_])))", raw)
     for end in (len(raw), *reversed([match.start() for match in ends])):
@@ -197,8 +221,8 @@ def _meant(word: str, names: list[str], text: str) -> str:
         return word
     if {*word} <= {"t", *names}:
         return "*".join(word)
-    found = re.search(rf"(?<![\w'(]){re.escape(word)} ?= ?(?:({_NUMBER})|([^=,;]{{1,100}}))", _ascii(text))
-    if found and found[1] and found[1][0].isdigit():
+    found = re.search(rf"(?<![\w'(]){re.escape(word)} ?= ?(?:({_NUMBER})|([^=,;]{{1,100}}))", with_greek_spelled(text))
+    if found and found[1] and found[1][0].isdigit() and "/" not in found[1]:
         return found[1]
     if found and (written := found[1] or _rate(found[2], names, "")):
         return f"({written})"
@@ -220,11 +244,7 @@ def _plain(formula: str) -> str:
     formula = formula.replace("π", "pi").replace("·", "*").replace("[", "(").replace("]", ")")
     formula = re.sub(r"√\(", "sqrt(", re.sub(r"√(\w+)", r"sqrt(\1)", formula))
     formula = re.sub(r"\be ?\^\{([^{}]*)\}|\be ?\^\(?(-?\w+)\)?", lambda to: f"exp({to[1] or to[2]})", formula)
-    formula = re.sub(r"\^\{(-?[0-9]+)\}", r"^\1", formula)
+    formula = re.sub(r"\^\{(-?[0-9]+(?:/[0-9]+)?)\}", r"^(\1)", formula)
+    formula = re.sub(r"(\^[0-9]+) (?=[A-Za-z(])", r"\1*", formula)  # x^2 y
     formula = re.sub(r"(?<![\w./^])([0-9]+/[0-9]+) (?=[A-Za-z(])", r"(\1) ", formula)  # 2/3 x, no 2/(3x)
     return re.sub(r"\b(sin|cos|tan|exp|ln|log|sqrt) (\w+)", r"\1(\2)", formula)
-
-
-def _ascii(text: str) -> str:
-    """The text with Greek letters spelled out, as questions have them: theta for θ."""
-    return re.sub("[α-ω]", lambda letter: unicodedata.name(letter[0]).split()[-1].lower(), text.replace("π", "pi"))

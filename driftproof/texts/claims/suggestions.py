@@ -284,11 +284,13 @@ class Suggestions:
         return self._rows[start]
 
     def _cells(self, row: str, start: int) -> Iterator[tuple[str, str, int, int]]:
-        heads = dict[int, str]()
+        heads, below = dict[int, str](), list[str]()
         above = self._lower[max(0, start - _FARTHEST) : max(0, start - 1)].split("\n")
         for cells in takewhile(lambda cells: len(cells) > 1, map(_CELL.split, reversed(above))):
             if cells[0] != "{" and not cells[1].startswith(("+", "-")):
-                heads |= {i: cell.strip(" '") for i, cell in enumerate(cells)}
+                named = [cell.strip(" '") for cell in cells]
+                heads |= {i: cell or "".join(below[i : i + 1]) for i, cell in enumerate(named)}
+                below = [] if any(cell[:1].isdigit() for cell in named) else named  # a second row of heads
         ends = [*(match.end() for match in _CELL.finditer(row)), len(row)]
         for column, (begin, end) in enumerate(pairwise([0, *ends])):
             cell = _CELL.sub("", row[begin:end])

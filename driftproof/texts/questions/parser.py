@@ -30,10 +30,11 @@ from driftproof.methods.expression_tree import END, NAME, NUMBER, CallNode, Expr
 from driftproof.support.plain_text import did_you_mean
 from driftproof.texts.questions import wording
 from driftproof.texts.questions.errors import QuestionError
-from driftproof.texts.questions.pieces import OWN_PI, WORDS, PieceParser
+from driftproof.texts.questions.pieces import OWN_PI, WORDS, PieceParser, of_first_order, with_greek_spelled, with_time
 
 SETTINGS = ("h", "t", "N", "steps", "error", "z", "lambda")
 PROBLEM, RATES = ("problem", "rates")
+_NO_SETTING = f"{{}} is not a setting; use {', '.join((*SETTINGS, PROBLEM, RATES))}, or a name in your equation"
 _WITHOUT_SIGN = {*SETTINGS, *wording.OTHER_SETTINGS}
 # Sign that is not allowed -> what to write; and what may be the name of a file, with blanks and such signs.
 _HINTS = {"%": "a percentage is percent(a, b)", "[": "coefficients are b2 and a21, counted from 1, starts from 1,0"}
@@ -41,8 +42,7 @@ _QUOTES = "a file's name with blanks or signs stands in quotes: 'my method.toml'
 _UNQUOTED = re.compile(r"(?:[^\s=:]+ )*[^\s=:]*\.toml(?![\w'\"])")
 _WITH_EQUATION = "as in run heun2 y'=-y y(0)=1 h=0.1 t=1 : error"
 _OF_METHOD = "order rk4, or run rk4 h=0.1 t=1 : q"
-_UNKNOWNS = re.compile(r"\w+(?= ?')|(?<=\bd)\w+(?= ?/ ?dt\b)")
-_LAMBDA = re.compile(r"\blambda\b|λ")  # in a rate, as in y'=lambda*y, lambda=-2
+_UNKNOWNS = re.compile(r"\w+(?= ?')|(?<=\bd)\w+(?= ?/ ?d[tx]\b)")
 # Texts have powers such as (17/16)**1000; powers that are too long to write out are enclosed.
 LARGEST_POWER_ASKED = 10**6
 
@@ -73,7 +73,9 @@ Node: TypeAlias = ExpressionNode | Query
 
 
 def parse_question(question: str) -> Node:
-    """Parse a question into its tree; accents on letters are ignored. Raises QuestionError."""
+    """Parse a question into its tree; accents are ignored, Greek letters spelled out. Raises QuestionError."""
+    question = of_first_order(with_greek_spelled(question))
+    question = with_time(question, unknowns) if (unknowns := _UNKNOWNS.findall(question)) else question
     if rounded := wording.TO_DIGITS.search(question):
         kind = "digits" if rounded["digits"] else "places"
         count = rounded["count"]
@@ -118,7 +120,7 @@ class _QuestionParser(PieceParser):
         if self.in_rate or not (self.next.kind == NAME or self.next.text == ":" or of_somebody or named):
             if not self.in_rate and keys_of_name(name.text):
                 raise self.error(name, f"{name.text} is a method; ask for one of its values, as in {_OF_METHOD}")
-            return NameNode(name.column, "pi" if name.text == "π" else name.text)
+            return NameNode(name.column, name.text)
         parts = defaultdict(dict)
         return self.query(name, self.head(name, parts), parts)
 
@@ -226,7 +228,7 @@ class _QuestionParser(PieceParser):
             said = name in wording.SAY_NOTHING or after[:1] == ["steps"] or self._setting_name(self.at + 1)[1]
             ends = [token.text for token in self.tokens[self.at + 4 : self.at + 6]]  # of y(1) at the end, or y(0)=1
             said = said or (after[:1] == ["("] and ends in ([")", ""], [")", "="]))
-            if said or after[:1] == ["="] or after == ["'", "="] or name in ("at", "from"):
+            if said or after[:1] == ["="] or after in (["'", "="], ["'", "("]) or name in ("at", "from"):
                 self.take()
         return self.next.kind == NAME or self._is_count(self.at)
 
@@ -243,10 +245,19 @@ class _QuestionParser(PieceParser):
             if missing := [name for name in (*names, *start) if name not in start or name not in names]:
                 lacks = f"{missing[0]}(0)" if missing[0] in names else f"{missing[0]}'"
                 raise self.error(head, f"{lacks} = ... is missing, as in y'=-y, y(0)=1")
+            velocity = {name: said for name in names if (said := rates[name].text.strip()) in names}
+            if {*velocity, *velocity.values()} == {*names} and not velocity.keys() & velocity.values():
+                names = (*velocity, *velocity.values())  # x' = v, v' = -x, and so on: the order that kicks need
             start = tuple(start[name] for name in names)
-        rates = tuple(rates.values()) if names else tuple(rates)
-        if any(_LAMBDA.search(rate.text) for rate in rates) and (scale := parts["settings"].pop("lambda", None)):
-            rates = tuple(rate._replace(text=_LAMBDA.sub(f"({scale.value})", rate.text)) for rate in rates)
+        rates = tuple(rates[name] for name in names) or tuple(rates)
+        for name in parts["settings"].keys() - {*SETTINGS[:-1], *names}:  # as k and lambda in y'=-k*y + lambda
+            in_rate = re.compile(rf"\b{name}\b")
+            if any(in_rate.search(rate.text) for rate in rates):
+                text = f"({parts['settings'].pop(name).value})"
+                rates = tuple(rate._replace(text=in_rate.sub(text, rate.text)) for rate in rates)
+        if wrong := [*parts["settings"].keys() - {*SETTINGS}]:
+            column = parts["settings"][wrong[0]].column
+            raise self.error(Token(NAME, wrong[0], column), _NO_SETTING.format(repr(wrong[0])))
         return {**parts, "rates": rates, "start": start or None, "unknowns": names}
 
     def _setting_name(self, at: int) -> tuple[str, int]:
@@ -343,11 +354,11 @@ class _QuestionParser(PieceParser):
         """Parse the rate after y' =, y'(t) = or dy/dt =, from the prime or dt on; a name in it begins no query."""
         prime = self.take()
         if self.next.text == "'":
-            raise self.error(prime, "equations must be of first order; write y'' = -y as y'=v, v'=-y")
+            raise self.error(prime, "an equation has at most two primes; write y''' = y as y'=v, v'=a, a'=y")
         if self.accept("("):
             self.take(), self.expect(")", "a bracket is not closed")
         self.expect("=", "expected = and a rate, as in y'=-2*y")
-        first, self.in_rate, self.numbers = self.next, True, ("t", "pi", "π", *_UNKNOWNS.findall(self.text))
+        first, self.in_rate, self.numbers = self.next, True, ("t", "pi", *_UNKNOWNS.findall(self.text))
         self.sum()
         self.in_rate, self.numbers = False, ()
         if self.next.kind == NAME and self.next.column == self.tokens[self.at - 1].end:
@@ -366,8 +377,8 @@ class _QuestionParser(PieceParser):
         """Parse a setting NAME=LITERAL after its name; the equals sign is optional, and steps means N."""
         self.accept("=")
         key = wording.OTHER_SETTINGS.get(name.text, name.text)
-        if key not in SETTINGS:
-            raise self.error(name, f"{name.shown} is not a setting; use {', '.join((*SETTINGS, PROBLEM, RATES))}")
+        if key not in SETTINGS and [token.text for token in self.tokens].count(key) < 2:
+            raise self.error(name, _NO_SETTING.format(name.shown))
         self.put(settings, name, key, lambda: NumberNode(name.column, self.literal(name.text)))
         before, after = self.tokens[self.at - 1], self.after(self.at)
         if (self.next.text, self.next.column, after.kind, after.column) == (",", before.end, NUMBER, self.next.end):

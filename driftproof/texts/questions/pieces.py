@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Collection
 from fractions import Fraction
 from functools import cache
-from unicodedata import normalize
+from unicodedata import name, normalize
 
 from driftproof.methods.catalogue import FACTS_ONLY, METHODS, keys_of_name
 from driftproof.methods.expression_tree import END, NAME, NUMBER, ExpressionParser, Token
@@ -17,22 +18,45 @@ from driftproof.texts.questions.errors import QuestionError
 WORDS = ("sharp",)
 OWN_PI = "steps and times are rational, so round pi yourself, as in h=0.01 t=6.28"
 
+# An unknown in front of two primes and a sign of equality.
+_SECOND = re.compile(r"\b([^\W\d]\w*)(?:['′’]{2}|[″\"]) ?(?:\(t\))?(?= ?=)")
+
 
 def without_accents(text: str) -> str:
     """The text with each accented letter as its plain one, so that columns stay."""
     return "".join(normalize("NFKD", c)[0] if c.isalpha() else c for c in text)
 
 
+def with_greek_spelled(text: str) -> str:
+    """The text with Greek letters spelled out: theta for θ, beta y for βy, k theta for kθ, but dtheta for dθ."""
+    spelled = lambda letter: name(letter[0][0]).split()[-1].lower().replace("lamda", "lambda")
+    apart = re.sub(r"(?<=[A-Zabce-zα-ω])(?=[α-ω])|(?<=[α-ω])(?=[^\W\d_])", " ", text.replace("µ", "μ"))
+    return re.sub(r"[α-ω]", spelled, apart)
+
+
+def of_first_order(question: str) -> str:
+    """The question with each equation of second order as two: x'' = -x as x'=dx, dx' = -x, and x'(0) as dx(0)."""
+    if of_second := "|".join({*_SECOND.findall(question)}):
+        question = re.sub(rf"\b({of_second})['′’](?!['′’])", r"d\1", question)
+    return _SECOND.sub(r"\1'=d\1, d\1'", question)
+
+
+def with_time(text: str, unknowns: Collection[str]) -> str:
+    """The text with t for x, if no unknown has that name, in dy/dx and words such as x and xy, as in y' = x + xy."""
+    timed = lambda word: word[0].replace("x", "t") if {*word[0]} <= {"x", *unknowns} or word[0] == "dx" else word[0]
+    return text if "x" in unknowns else re.sub(r"(?<![^\W\d])(?!exp\b)[^\W\d]\w*", timed, text)
+
+
 @cache
 def _token() -> re.Pattern[str]:
-    """A token of a question: also the prime of y', π, λ, names of files, names in quotes, and titles with signs."""
+    """A token of a question: also the prime of y', names of files, names in quotes, and titles with signs."""
     from driftproof.methods.families import FAMILIES
 
     methods = {**METHODS, **FACTS_ONLY, **FAMILIES}
     names = {without_accents(name) for key in methods for name in (methods[key].title, *also_known_as(key))}
     longest_first = sorted((re.escape(name) for name in names if re.search(r"[^\w ]", name)), key=len, reverse=True)
     names_with_signs = f"(?i:{'|'.join(longest_first)})(?!\\w)"
-    plain = ExpressionParser.token().pattern.replace("[A-Za-z_]", f"{names_with_signs}|[A-Za-z_πλ]")
+    plain = ExpressionParser.token().pattern.replace("[A-Za-z_]", f"{names_with_signs}|[A-Za-z_]")
     quoted = r"(?<![\w)])(?P<mark>[\"'])(?! ?[=('])(?P<quoted>.+?)(?P=mark)"
     file = r"(?![-+])(?P<file>[^\s\"'*()=:,^]+\.toml(?!\w))"
     return re.compile(f"{quoted}|(?P<prime>')|{file}|{plain}", re.ASCII)
@@ -99,7 +123,7 @@ class PieceParser(ExpressionParser):
             apart = count > 0 and token.column > before.end and not {token.text, before.text} & {*"*/-+"}
             if token.kind == END or depth < 0 or (not depth and (token.text in ",:" or apart)):
                 break
-        if not any(token.text in ("pi", "π", "sqrt") for token in self.tokens[self.at : self.at + count]):
+        if not any(token.text in ("pi", "sqrt") for token in self.tokens[self.at : self.at + count]):
             return self.literal("start")
         self.at += count
         return self.piece(first.column, self.tokens[self.at - 1].end).text
@@ -139,7 +163,7 @@ class PieceParser(ExpressionParser):
         if token.kind == NUMBER and self.next.text in ("i", "j"):
             raise self.error(first, f"{what} must be real; |R(iy)|^2 is energy_multiplier METHOD h=y")
         if token.kind != NUMBER:
-            own = f"; {OWN_PI}" if token.text in ("pi", "π") else ""
+            own = f"; {OWN_PI}" if token.text == "pi" else ""
             raise self.error(token, f"{what}: expected a number such as 1/4 or 0.25, found {token.shown}{own}")
         text = (sign.text if sign else "") + token.text
         if self.next.text == "/" and self.next.column == token.end and self.tokens[self.at + 1].kind == NUMBER:
@@ -147,7 +171,7 @@ class PieceParser(ExpressionParser):
             token = self.take()
             text += f"/{token.text}"
         if self.next.kind != END and self.next.column == token.end and self.next.text not in "):,":
-            has_pi = not {"pi", "π"}.isdisjoint((self.next.text, self.after(self.at).text))
+            has_pi = "pi" in (self.next.text, self.after(self.at).text)
             hint = OWN_PI if has_pi else "put brackets around the question"
             raise self.error(self.next, f"unexpected {self.next.shown} in a number; {hint}")
         return self.rational(text, first)

@@ -32,7 +32,7 @@ _MOST_BITS_OF_SOLUTION = 1024
 # Chosen: a longer state is not kept in Fractions, as its length may double with every step, as for y' = y².
 _LONGEST_EXACT = 4096
 # Readouts of a run: 0 stands for any index and 1 for any stage, of explicit Runge-Kutta methods only.
-_ERRORS = ("state_error", "relative_error", "largest_error")
+_ERRORS = ("state_error", "relative_error", "largest_error", "error.y0", "position_error")
 PROBLEM_READOUTS = ("y0", "exact.y0", "slope.y0", "k1.y0", *_ERRORS, "steps", "evaluations")
 # Vector field, start, and the names of the unknowns, empty for y0, y1, ...
 FieldAndStart = tuple[VectorField, tuple[CertifiableReal, ...], tuple[str, ...]]
@@ -156,13 +156,17 @@ def problem_readouts(run: ProblemRun, unknowns: Sequence[str] = ()) -> dict[str,
     """The readouts of a run by name; `unknowns` replace the names y0, y1, ...
 
     Without a method these are the components of the solution. With one they are y0, ... and exact.y0, ... at the end;
-    slope.y0, ..., which is f(t, y) there; state_error, relative_error, largest_error over all steps; steps and
-    evaluations; and k1.y0, k2.y0, ... of the first step of an explicit Runge-Kutta method.
+    slope.y0, ..., which is f(t, y) there; state_error, relative_error, largest_error over all steps, error.y0, ... of
+    a component, and for q'' = F(t, q, q') position_error; steps and evaluations; and k1.y0, k2.y0, ... of the first
+    step of an explicit Runge-Kutta method.
     """
     all_steps = range(run.steps + 1)
 
-    def off(run: ProblemRun) -> arb:
-        return _distance(run.numerical()[-1], solved(run))
+    def off(run: ProblemRun, part: slice) -> arb:
+        return _distance(run.numerical()[-1][part], solved(run)[part])
+
+    def error_of(part: slice, run: ProblemRun) -> Answer:
+        return _enclosed(lambda: off(run, part))
 
     def solved(run: ProblemRun) -> _Row:
         (end,) = run.true(all_steps[-1:])
@@ -173,14 +177,21 @@ def problem_readouts(run: ProblemRun, unknowns: Sequence[str] = ()) -> dict[str,
     solution = {f"{exact}{y}": (lambda run, i=i: _enclosed(lambda: solved(run)[i])) for i, y in components}
     if (method := run.method) is None:
         return {**solution}
+    errors = {f"error.{y}": slice(i, i + 1) for i, y in components}
+    half = len(run.start) // 2
+    if run.rates.rates[:half] == run.rates.components[half:]:
+        errors["position_error"] = slice(half)
     read: dict[str, _StateFunction] = {"slope": lambda run, end: run.rate(run.t, end)}
     if isinstance(run.method, RungeKutta) and run.method.explicit:
         read |= {f"k{j}": partial(_slope, j - 1) for j in range(1, len(run.method.b) + 1)}
     return {
         **{y: partial(_component, lambda run, end: end, i) for i, y in components},
         **solution,
-        "state_error": lambda run: _enclosed(lambda: off(run)),
-        "relative_error": lambda run: _enclosed(lambda: off(run) / _distance(solved(run), [0] * len(run.start))),
+        "state_error": partial(error_of, slice(None)),
+        "relative_error": lambda run: _enclosed(
+            lambda: off(run, slice(None)) / _distance(solved(run), [0] * len(run.start))
+        ),
+        **{name: partial(error_of, part) for name, part in errors.items()},
         "largest_error": lambda run: _enclosed(lambda: _largest(run.numerical(), run.true(all_steps))),
         "steps": lambda run: Answer("", Fraction(run.steps)),
         "evaluations": lambda run: evaluations(method, run.steps),

@@ -100,10 +100,10 @@ AMBIGUOUS_FACTS = {
 
 # Synonym -> setting.
 OTHER_SETTINGS = {
-    **{"steps": "N", "n": "N", "dt": "h", "T": "t", "λ": "lambda"},
+    **{"steps": "N", "n": "N", "dt": "h", "T": "t"},
     **dict.fromkeys(("tol", "tolerance", "reach"), "error"),
     **dict.fromkeys(("step", "stepsize", "step_size", "timestep", "time_step"), "h"),
-    **dict.fromkeys(("hλ", "h_λ", "h_lambda"), "z"),
+    **dict.fromkeys(("h_lambda", "hlambda"), "z"),
 }
 
 # Words that are skipped between the parts of a question.

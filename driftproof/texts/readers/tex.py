@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterable, Iterator
 from functools import partial
+from unicodedata import lookup
 
 from driftproof.texts.readers.source_text import LISTING, PROSE, Block, Piece, SourceText
 
@@ -25,12 +26,18 @@ _UNSEEN = re.compile(
     r"include|bibliography(?:style)?|driftproof|hspace|vspace|setlength|color|textcolor|url)\*?"
     r"(?:\s*\[[^\]\n]{0,200}\])*\s*\{[^{}]*\}(?:\[[^\]\n]{0,200}\]|(?<=tabular\})\{[^{}]*\}|(?<=array\})\{[^{}]*\})?"
 )
+# Letters and functions, without which a formula would be another one.
+_GREEK = "alpha beta gamma delta epsilon zeta eta theta iota kappa mu nu xi pi rho sigma tau upsilon phi chi psi omega"
+_FUNCTIONS = "cos sin tan cot sec csc exp ln log lg cosh sinh tanh coth arccos arcsin arctan min max sup inf det"
 _SIGNS = {
     "times": "×", "cdot": "·", "pm": "±", "mp": "∓", "le": "≤", "leq": "≤", "ge": "≥", "geq": "≥", "ne": "≠",
     "neq": "≠", "approx": "≈", "sim": "~", "infty": "∞", "prime": "′", "circ": "°", "degree": "°", "percent": "%",
-    "to": "→", "sqrt": "√", "lambda": "λ", "omega": "ω", "pi": "π", "theta": "θ", "tau": "τ", "gamma": "γ",
-    "alpha": "α", "beta": "β", "delta": "δ", "epsilon": "ε", "varepsilon": "ε", "mu": "μ", "sigma": "σ", "phi": "φ",
-    "rho": "ρ", "quad": " ", "qquad": " ", **{name: f"{name} " for name in ("cos", "sin", "tan", "exp", "ln", "log")},
+    "to": "→", "sqrt": "√", "varepsilon": "ε", "vartheta": "θ", "varphi": "φ", "lambda": "λ", "Lambda": "Λ",
+    "lvert": "|", "rvert": "|", "vert": "|", "lfloor": "⌊", "lceil": "⌈", "ell": "ℓ", "partial": "∂", "nabla": "∇",
+    "int": "∫", "sum": "∑", "prod": "∏", "quad": " ", "qquad": " ",
+    **{name: f"{name} " for name in re.split(" ", _FUNCTIONS)},
+    **{name: lookup(f"greek small letter {name}") for name in re.split(" ", _GREEK)},
+    **{name.capitalize(): lookup(f"greek capital letter {name}") for name in re.split(" ", _GREEK)},
 }  # fmt: skip
 _LETTERS = "|".join(["[dtcs]?frac", *(name for name, sign in _SIGNS.items() if sign[0].isalpha())])
 # Before a factor a blank follows, as 2/3 x is no 2/(3x).
@@ -38,7 +45,13 @@ _FRACTION = re.compile(
     r"\\(?:[dtcs]?frac|nicefrac|xfrac|flatfrac)\s*(?:\{(?P<a>[^{}]*)\}|(?P<c>[0-9]))\s*(?:\{(?P<b>[^{}]*)\}|(?P<d>[0-9]))"
     rf"(?P<factor>(?=[A-Za-z(]|\\(?:{_LETTERS})))?"
 )
-_ROOT = re.compile(r"\\sqrt\s*(?:\{(?P<a>[^{}]*)\}|(?P<c>\w))")
+_PRIMES = re.compile(r"\^\s*(?:\{(?:\s*\\prime(?![A-Za-z]))+\s*\}|\\prime(?![A-Za-z]))")
+# A derivative in time: x' with the prime after the index, as in x_1'.
+_DOTS = re.compile(
+    r"\\d(?P<second>d?)ot(?![A-Za-z])\s*(?:\{(?P<a>[^{}]*)\}|(?P<c>[A-Za-z]|\\[A-Za-z]+))(?P<index>_(?:\w|\{[^{}]*\}))?"
+)
+_SPANNING = re.compile(r"\\multicolumn\s*\{(?P<n>[1-9])\}\s*\{[^{}]*\}\s*\{(?P<a>[^{}]*)\}")
+_ROOT = re.compile(r"\\sqrt\s*(?:\[(?P<n>[0-9]+)\])?(?:\{(?P<a>[^{}]*)\}|(?P<c>\w))")
 _NUMBER = re.compile(
     r"\\(?:num|ang|qty|SI|text[a-z]*|math[a-z]+|operatorname|emph|mbox|boxed|underline|section|subsection|"
     r"subsubsection|chapter|paragraph|title|caption|footnote)\*?(?:\[[^\]\n]{0,200}\])?\{(?P<a>[^{}]*)\}"
@@ -133,10 +146,17 @@ def _in_brackets(match: re.Match[str], *names: str) -> Iterable[Piece]:
     return [match.span(name)] if single else ["(", match.span(name), ")"]
 
 
+def _root(match: re.Match[str], of: list[Piece]) -> Iterable[Piece]:
+    return [*of, "^" + _OPEN + "1/", match.span("n"), _CLOSE] if match["n"] else ["√", *of]
+
+
 _STEPS: tuple[tuple[re.Pattern[str], Callable[[re.Match[str]], Iterable[Piece]]], ...] = (
     (_FRACTION, lambda m: [*_in_brackets(m, "a", "c"), "/", *_in_brackets(m, "b", "d"), " " * (m["factor"] == "")]),
-    (_ROOT, lambda match: ["√", *_in_brackets(match, "a", "c")]),
+    (_ROOT, lambda match: _root(match, [*_in_brackets(match, "a", "c")])),
+    (_PRIMES, lambda match: ["'" * match[0].count("prime")]),
+    (_DOTS, lambda m: [m.span("a" if m["c"] is None else "c"), m.span("index"), "''" if m["second"] else "'"]),
     (_SCRIPT, lambda match: [match["sign"] + _OPEN, match.span("a"), _CLOSE]),
+    (_SPANNING, lambda match: [match.span("a"), " | " * (int(match["n"]) - 1)]),
     (_NUMBER, _inside),
 )
 

@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from driftproof.methods.catalogue import FACTS_ONLY, METHODS
-from driftproof.methods.names import also_known_as, not_to_be_confused_with
+from driftproof.methods.names import EASILY_CONFUSED, also_known_as
 from driftproof.texts.writing.facts import fact_text, facts_text
 
 # Heading, then fact | its label, for readers who may not know its name. The oscillator is q' = v, v' = -q.
@@ -108,7 +108,7 @@ def _called(named: Mapping[str, Any], method: Any) -> dict[str, Any]:
     """The group with other names of a method of the catalogue, and methods not to confuse it with, at its end."""
     if method not in (METHODS.get(fact_text(method)), FACTS_ONLY.get(fact_text(method))):
         return dict(named)
-    names, others = also_known_as(method.key), not_to_be_confused_with(method.key)
+    names, others = also_known_as(method.key), EASILY_CONFUSED.get(method.key, ())
     called = {"also called": ", ".join(names), "not to be confused with": ", ".join(others)}
     return {**named, **{word: keys for word, keys in called.items() if keys}}
 

@@ -42,6 +42,11 @@ def test_drafted_claims_hold_and_cover_all_once_the_rest_is_given() -> None:
     assert held(document, TODO.sub("", text))[UNCOVERED] == 0
 
 
+def test_numbers_of_an_equation_are_given_and_those_after_it_are_not() -> None:
+    for text, count in (("x'' = -x/(x^2 + 4)^{3/2}; 2", 3), ("y' = -2y + 0.5, 25 of them", 2), ("3y = 2y + 0.5", 0)):
+        assert held(document := document_of(text, "plain"), draft(document, "a"))[GIVEN] == count
+
+
 def test_drafted_claims_notice_a_changed_digit() -> None:
     claims = parse_claims(draft(read_document(SPRING), "spring.md"))
     wrong = document_of(SPRING.read_text(encoding="utf-8").replace("5.151", "5.152"), "markdown")

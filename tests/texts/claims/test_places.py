@@ -74,7 +74,14 @@ def test_a_question_is_meant_if_all_that_it_names_is_named():
     ratio = "ratio(run rk4 y'=-y, h=1/5, t=1/2 : error, run rk4 y'=-y, h=1/10, t=1/2 : error)"
     assert place("RK4, t = 1/2 and h = 0.1: a factor of 15.9", "15.9").means(ratio, {"rk4"})
     assert not place("RK4, t = 1/2 and h = 0.3: a factor of 15.9", "15.9").means(ratio, {"rk4"})
-    told = {"y": "state", "exact.y": "exact", "k2.y": "k2", "state_error": "error", "evaluations": "evaluations"}
+    told = {
+        "y": "state",
+        "exact.y": "exact",
+        "k2.y": "k2",
+        "error.y": "error",
+        "position_error": "error",
+        "evaluations": "evaluations",
+    }
     assert {readout: asked_quantity(run + readout)[0] for readout in told} == told
     assert asked_quantity(f"percent({run}relative_error, 1)") == ("percent", "")
     assert asked_quantity(f"percent({run}y, 1)")[0] == "share"

@@ -37,6 +37,24 @@ def equations(text, form="plain"):
             "x'=v, v'=-x/(sqrt(x^2 + 1))^3, x(0)=1, v(0)=0",
         ),
         ("θ' = ω, ω' = -9.81·sin θ, from rest at θ(0) = π/4, to t = 1", None),
+        (
+            "θ'' = -g/L sin θ - cθ', c = 0.2, g/L = 9.81, θ(0) = 1, θ'(0) = 1/2, t = 1",
+            "theta'=dtheta, dtheta'=-9.81 sin(theta) - 0.2 dtheta, theta(0)=1, dtheta(0)=1/2",
+        ),
+        ("d^2x/dt^2 = -βx, β = 2, x(0) = 1 from rest; t = 1", "x'=dx, dx'=-2 x, x(0)=1, dx(0)=0"),
+        ("θ' = ω, ω' = -θ, θ(0) = 1, θ'(0) = 2; t = 1", "theta'=omega, omega'=-theta, theta(0)=1, omega(0)=2"),
+        ("x'' = -x/(x^2 + 1)^{3/2}, x(0) = 1, x'(0) = 0; t = 1", "x'=dx, dx'=-x/(x^2 + 1)^(3/2), x(0)=1, dx(0)=0"),
+        ("u' | = u(1 - v), | u(0) | = 2,\nv' | = u, | v(0) | = 1. t = 1", "u'=u*(1 - v), v'=u, u(0)=2, v(0)=1"),
+        ("y' = x + 2xy, y(0) = 1, to x = 1", "y'=t + 2t*y, y(0)=1"),
+        ("dy/dx = x - y, y(0) = 1, at x = 1", "y'=t - y, y(0)=1"),
+        ("x' = y, y' = -x, x(0) = y(0) = 1, to t = 1", "x'=y, y'=-x, x(0)=1, y(0)=1"),
+        ("x' = 1 + x^2 y, y' = -x^2 y, (x, y) = (1, 2), t = 1", "x'=1 + x^2*y, y'=-x^2*y, x(0)=1, y(0)=2"),
+        ("y'' + 4y = 0, y(0) = 1, y'(0) = 0; t = 1", "y'=dy, dy'=-(4y) + 0, y(0)=1, dy(0)=0"),
+        (
+            "(d^2 u)/(dt^2) + 0.3du/dt - u + u^3 = 0, u(0) = 1.5, u'(0) = 0, t = 3",
+            "u'=du, du'=-(0.3du - u + u^3) + 0, u(0)=1.5, du(0)=0",
+        ),
+        ("z' = x - βz, x' = z from (1, 2). Here β = 8/3. t = 1", "z'=x - (8/3) z, x'=z, z(0)=1, x(0)=2"),
         ("x' = v and v' = -x start from (1, -1/2); t = 2", "x'=v, v'=-x, x(0)=1, v(0)=-1/2"),
         ("y' = y e^{-t}, y(0) = 1. At t = 1", "y'=y exp(-t), y(0)=1"),
         ("x' = 2/3 x - 4/3 x y, y' = x, x(0) = 1, y(0) = 1, t = 1", "x'=(2/3) x - (4/3) x y, y'=x, x(0)=1, y(0)=1"),
@@ -55,13 +73,19 @@ def test_equations_and_starts_are_read_as_texts_have_them(text, read):
         "from' = -from, from(0) = 1, and t = 1",
         *("y' = -k y, y(0) = 1, and t = 1", "y' = 2.5 k y, y(0) = 1, and t = 1"),  # k is not said
         "y' = 2 - a-b y, y(0) = 1, and t = 1",
-        "y' = f(t, y), y(0) = 1, and t = 1",
+        "y'' = -y, y(0) = 1, and t = 1",  # y'(0) is not said
+        *("y' = f(t, y), y(0) = 1, and t = 1", "y' = -tanh y, y(0) = 1, and t = 1"),
         "y' = -y, y(0) = 1",  # no time
         "nothing of the kind, t = 1",
     ],
 )
 def test_what_the_text_leaves_open_is_no_problem(text):
     assert stated(text) == []
+
+
+@pytest.mark.parametrize("rate", ["-\\lvert y\\rvert", "-\\sqrt[3]{y}", "-\\lfloor y\\rfloor", "-\\ell y", "\\nabla y"])
+def test_what_no_rate_may_have_is_not_left_out_of_one(rate):
+    assert equations(f"$y' = {rate}$, $y(0) = 1$, and $t = 1$", "tex") == []
 
 
 def test_tex_and_two_problems_are_read_each_with_its_own_numbers():
@@ -123,6 +147,24 @@ def test_a_draft_works_out_the_numbers_of_a_stated_problem_and_names_the_slips()
         assert (alike.question, alike.strong, slips) == (run + question, True, {})
     assert found["0.0742"][1] == {f"{run}2 : error": "0.0724"}
     assert not any(x.strong for x in found["0.0742"][0])
+
+
+TWO_ROWS = """On y' = -y, y(0) = 1 to t = 1:
+|     | Euler |  | Heun |  |
+| h | y | error | y | error |
+| 0.1 | 0.348678 | 0.0192 | 0.368541 | 6.61e-4 |
+| 0.2 | 0.327680 | 0.0402 | 0.370740 | 2.86e-3 |
+"""
+
+
+def test_a_head_of_two_rows_has_the_methods_above_and_what_is_read_below():
+    suggestions = Suggestions(TWO_ROWS)
+    for text, question in {"0.370740": "heun2 y'=-y, y(0)=1, h=0.2, t=1 : y", "0.0402": "forward_euler"}.items():
+        number = next(x for x in numbers_in(TWO_ROWS) if x.text == text)
+        assert suggestions.look_alikes(number)[0].question.startswith(f"run {question}")
+        assert suggestions.column_of(number) == ("heun" if question.endswith("y") else "error")
+    corner = Suggestions(TWO_ROWS.replace("| h |", "| 5 |"))  # twin: no second row of heads, so no head but the first
+    assert {corner.column_of(x) for x in numbers_in(TWO_ROWS) if x.text in ("0.1", "0.2")} == {""}
 
 
 def test_a_question_is_asked_once():

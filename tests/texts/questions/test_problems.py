@@ -153,6 +153,29 @@ KNOWN = {
 }  # fmt: skip
 
 
+KICKED = "run velocity_verlet x''=-x, y''=-4*y, x(0)=3, y(0)=0, x'(0)=0, y'(0)=4, h=1/4, t=1 : "
+# A question in the words of a text -> the same of first order, with numbers, in the order of kicks and drifts.
+SAME = {
+    "RK4 θ'' = -c θ' - g/L*sin(θ), θ(0)=1, θ'(0)=0, c=0.2, g=9.81, L=2, h=0.1, t=1 : θ'":
+        "run rk4 rates=(y1, -1/5*y1 - 981/200*sin(y0)) from 1,0 h=0.1 t=1 : y1",
+    "rk4 x''(t) = -k*x, x(0)=1, x′(0)=1/2, k=4, h=1/4, t=1 : x": "run rk4 rates=(y1,-4*y0) from 1,1/2 h=1/4 t=1 : y0",
+    "rk4 y'=-βy y(0)=1 β=2 h=1/4 t=1 : error": "run rk4 lambda=-2 h=1/4 t=1 : state_error",
+    "y(1) of Heun for dy/dx = x - 2x*y, y(0)=1, h=1/4": "run heun2 rates=(t - 2*t*y0) from 1 h=1/4 t=1 : y0",
+    "run heun2 y'(x)=x + cos(y), y(0)=1, h=1/4, x=1 : y": "run heun2 rates=(t + cos(y0)) from 1 h=1/4 t=1 : y0",
+    "rk4 e'=-p, p'=x*exp(-e), e(0)=1, p(0)=0, h=1 t=2 : e": "run rk4 rates=(-y1, t*exp(-y0)) from 1,0 h=1 t=2 : y0",
+    "rk4 rates=(-k*y0) from 1 k=2 h=1/4 t=1 : y0": "run rk4 lambda=-2 h=1/4 t=1 : y",
+    "velocity_verlet x'=u, u'=-x, y'=w, w'=-4*y, x(0)=3, u(0)=0, y(0)=0, w(0)=4, h=1/4, t=1 : w":
+        "run velocity_verlet rates=(y2, y3, -y0, -4*y1) from 3,0,0,4 h=1/4 t=1 : y3",
+    f"{KICKED}error.x": "abs((run velocity_verlet h=1/4 t=1 from 3,0 : q) - 3*cos(1))",
+    f"{KICKED}position_error": f"sqrt(({KICKED}error.x)**2 + ({KICKED}error.y)**2)",
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("question", SAME)
+def test_question_in_the_words_of_a_text_is_the_one_in_those_of_the_grammar(question: str) -> None:
+    assert value(question).digits(20) == value(SAME[question]).digits(20)
+
+
 @pytest.mark.parametrize("question", KNOWN)
 def test_constants_functions_powers_and_counts_of_steps(question: str) -> None:
     assert float(value(question).digits(12)) == pytest.approx(KNOWN[question], rel=1e-11)

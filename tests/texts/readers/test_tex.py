@@ -17,8 +17,15 @@ READ = [
     ("\\def\\a{\\b}\\def\\b{\\a}\\DeclareMathOperator{\\tr}{tr} \\a 5 \\tr 6", "5 tr 6"),
     ("\\def\\a{1234567890123}" + "\\a" * 12, "1234567890123" * 12),  # 180 characters of 45
     ("a\\;b\\-c $\\frac{\\frac{1}{2}}{3}$", "a bc (1/2)/3"),
-    ("$-\\cos 10 \\log\\theta$", "-cos 10 log θ"),
+    ("$\\sqrt[3]{x+1} \\sqrt[3]8 -\\lvert x\\rvert \\ell y$", "(x+1)^{1/3} 8^{1/3} -|x|ℓy"),
+    ("$y^\\prime + y^{\\prime\\prime} x^{2\\prime}$", "y' + y'' x^{2'}"),
+    ("$-\\cos 10 \\log\\theta$ $\\Delta t = \\kappa\\tanh x$", "-cos 10 log θ Δt = κtanh x"),
     ("$\\nicefrac{1}{4}$ and $\\sfrac{3}{8}$, \\tablevref{t-5} and \\href{u7}{b}", "1/4 and 3/8, and b"),
+    (
+        "$\\dot x=v, \\ddot{\\theta}(0), \\dot\\omega_{12} \\ddot x_1$\\dotfill 3 \\dots",
+        "x'=v, θ''(0), ω_{12}' x_1''3",
+    ),
+    ("& \\multicolumn{2}{c}{Euler} & \\multicolumn{1}{l|}{RK4}\\\\ 0.1", "| Euler | | RK4\n0.1"),
     ("\\begin{tabular}{lr} a & 0.5 \\\\ b & 1 \\end{tabular}", "a | 0.5\nb | 1"),
 ]
 
