@@ -71,7 +71,8 @@ NOT_ELSEWHERE = "sympy"
 # a passing verdict had overlooked, 250, five faults of whole solvers, 60, and wrappers for objects, 110; fifty more
 # kinds of wrong steps, 400, six more, 30, and steps of records and wrappers that work when pasted, 270; texts what docs
 # and help show and the problems that a text states, 450, questions shown with what they lack, 10,
-# and a draft that ends: its share done, and the solutions that it gave up, 26.
+# a draft that ends: its share done, and the solutions that it gave up, 26, and equations of
+# second order, parameters and tables as texts have them, 94.
 BUDGETS = {
     "support": 1200,
     "methods": 5338,
@@ -79,7 +80,7 @@ BUDGETS = {
     "numeric": 3960,
     "blackbox": 19280,
     "enclosure": 3160,
-    "texts": 7866,
+    "texts": 7960,
 }
 BUDGET_OF_REPORTS_AND_FRONT = 5648
 # The goal is 65 of 100. Independent witnesses, campaigns and guards, 6,000 lines, are among the tests.
