@@ -142,16 +142,21 @@ def agreement(subject: ForeignStepper, wanted: Specification, examples: int = EX
     if domain != ORDINARY_DOMAIN:
         tolerance.require_no_overflow(domain.largest_state, domain.largest_step)
     steps, states = (Sizes(*ends, subject.format) for ends in domain.ranges)
-    seen = _Campaign()
+    tried = list[Example]()
 
     def fails(step: Arguments) -> bool:
-        return seen.add(_example(subject, tolerance, *step))
+        tried.append(_example(subject, tolerance, *step))
+        return _fails(tried[-1])
 
-    for step in islice(steps_within(steps, states), examples):
-        if fails(step):
-            simplest_step(fails, step, steps, states)
-            break
-    return seen.summary(tolerance, domain, subject)
+    found = next(filter(fails, islice(steps_within(steps, states), examples)), None)
+    count = len(tried)
+    if found:
+        simplest_step(fails, found, steps, states)  # after one that fails, only simpler ones: the last is the simplest
+    failing = next((_in_full(each, tolerance, subject) for each in tried[::-1] if _fails(each)), None)
+    worst = _in_full(max(tried, key=lambda each: each.error_over_bound), tolerance, subject)
+    narrow, largest = "" if subject.format is BINARY64 else subject.format.name, max(x.scaled_error for x in tried)
+    solved = float(wanted.allowance.solver_tolerance or 0)
+    return Agreement(tolerance.method.key, domain, count, worst, failing, largest, "", narrow, solved)
 
 
 # States of ordinary size and of both signs, so that each entry of M(h) shows; steps of few bits and of many.
@@ -254,34 +259,6 @@ def _sets_together(
             yield [(q, v), *((q, v) for q, v, _ in others)], h
         else:
             yield [*islice(cycle(ordinary), count)], step
-
-
-class _Campaign:
-    """The examples tried so far; once one fails, only simpler ones follow, so the last that fails is the simplest."""
-
-    def __init__(self) -> None:
-        self.examples = 0
-        self.worst: Example | None = None
-        self.failing: Example | None = None
-        self.scaled_errors = list[float]()
-
-    def add(self, example: Example) -> bool:
-        """Record an example and return True if it fails."""
-        self.examples += self.failing is None
-        self.scaled_errors.append(example.scaled_error)
-        if _fails(example):
-            self.failing = example
-        if self.worst is None or example.error_over_bound > self.worst.error_over_bound:
-            self.worst = example
-        return self.failing is example
-
-    def summary(self, tolerance: Tolerance, domain: Domain, subject: ForeignStepper) -> Agreement:
-        assert self.worst is not None
-        worst = _in_full(self.worst, tolerance, subject)
-        failing = None if self.failing is None else _in_full(self.failing, tolerance, subject)
-        narrow, largest = "" if tolerance.format is BINARY64 else tolerance.format.name, max(self.scaled_errors)
-        solved = float(tolerance.allowance.solver_tolerance or 0)
-        return Agreement(tolerance.method.key, domain, self.examples, worst, failing, largest, "", narrow, solved)
 
 
 def _fails(example: Example) -> bool:

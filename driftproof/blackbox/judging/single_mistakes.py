@@ -61,14 +61,6 @@ class Program:
         return (known["q1"], known["v1"]) if "q1" in known else (known["q"][-1], known["v"][-1])
 
 
-@dataclass(frozen=True)
-class Mistake:
-    """A program with one mistake, and the mistake in words."""
-
-    words: str
-    program: Program
-
-
 def single_mistakes(subject: ForeignStepper, method: Method) -> tuple[str, ...]:
     """The mistakes, in words, each of which alone makes the method's program take the subject's steps.
 
@@ -87,7 +79,7 @@ def single_mistakes(subject: ForeignStepper, method: Method) -> tuple[str, ...]:
     program = program_of(method)
     if seen.are_of(program):
         return ()
-    edited = (each.words for each in _edits(method, program) if seen.are_of(each.program))
+    edited = (words for words, lines in _edits(method, program.lines) if seen.are_of(replace(program, lines=lines)))
     solved = map(seen.solved, _one_parameter(method, program))
     return tuple(islice(chain(edited, filter(None, solved)), MOST_SHOWN))
 
@@ -181,20 +173,20 @@ def _shown(line: str) -> str:
     return re.sub(r"^([qv]) \+= \[(.*)\]$", r"new \1 = \2", line)
 
 
-def _edits(method: Method, program: Program) -> Iterator[Mistake]:
-    """Yield the programs with one mistake in a line, in the order of sub-steps, or in when the state is advanced."""
-    for at, line in enumerate(program.lines):
-        before = program.lines[:at]
+def _edits(method: Method, program: Lines) -> Iterator[tuple[str, Lines]]:
+    """Yield the mistakes in a line, in the order of sub-steps, or in when the state is advanced, with all lines."""
+    for at, line in enumerate(program):
+        before = program[:at]
         wrong = chain(_wrong_factors(line), _wrong_names(before, line), _left_out(line), _in_one_component(line))
         for words, *lines in wrong:
-            yield Mistake(words, replace(program, lines=(*program.lines[:at], *lines, *program.lines[at + 1 :])))
+            yield words, (*before, *lines, *program[at + 1 :])
     if isinstance(method, Splitting):
         for i in range(len(method.parts) - 1):
             order = [*range(i), i + 1, i, *range(i + 2, len(method.parts))]
             words = f"{method.parts[i][0]} {i} and {method.parts[i + 1][0]} {i + 1} are exchanged"
-            yield Mistake(words, replace(program, lines=_splitting_lines(order, method)))
+            yield words, _splitting_lines(order, method)
     else:
-        yield from _too_early(program)
+        yield from _too_early(program, method.stages, isinstance(method, RungeKutta))
 
 
 def _wrong_factors(line: str) -> Iterator[tuple[str, str]]:
@@ -233,20 +225,18 @@ def _left_out(line: str) -> Iterator[tuple[str, ...]]:
         yield f"{_shown(line)} is left out", start + "]" * ("[" in start.partition("=")[2])
 
 
-def _too_early(program: Program) -> Iterator[Mistake]:
-    """Yield the programs that advance the state, or one component of it, while stages are still formed from it."""
-    lines, runge_kutta = program.lines, "b" in program.tables
+def _too_early(lines: Lines, stages: int, runge_kutta: bool) -> Iterator[tuple[str, Lines]]:
+    """Yield the lines that advance the state, or one component of it, while stages are still formed from it."""
     if not runge_kutta:
-        late = (*lines[:-1], lines[-1].replace("h * v ", "h * v1 "))
-        yield Mistake("v1 moves the position in place of v", replace(program, lines=late))
+        yield "v1 moves the position in place of v", (*lines[:-1], lines[-1].replace("h * v ", "h * v1 "))
     y, weights = ("y", "h * b") if runge_kutta else ("q", "h * h * b_position")
-    for i in range(len(program.tables["c"])):
+    for i in range(stages):
         early = f"{y} + {weights}[{i}] * k[{i}]"
         for words, starts in (("stages", "YQ"), ("stages and the result", "YQyq")):
             wrong = [each.replace(f" = {y}", f" = ({early})", 1) if each[0] in starts else each for each in lines]
             pairs = enumerate(zip(lines, wrong, strict=True))
             formed = tuple(late if n // 2 > i else line for n, (line, late) in pairs)
-            yield Mistake(f"after k[{i}], {words} are formed from {early}", replace(program, lines=formed))
+            yield f"after k[{i}], {words} are formed from {early}", formed
         for weight in (f"b[{i}]", f"a[{i + 1}][{i}]") if runge_kutta else ():
             if weight in "".join(lines):
                 turns = (
@@ -254,7 +244,7 @@ def _too_early(program: Program) -> Iterator[Mistake]:
                     f"k[{i}] = k[{i}] * q_only + f(Y[{i}]) * v_only",
                 )
                 words = f"in k[{i}], the position moves by h {weight} k[{i}] before the velocity's slope is taken"
-                yield Mistake(words, replace(program, lines=(*lines[: 2 * i + 2], *turns, *lines[2 * i + 2 :])))
+                yield words, (*lines[: 2 * i + 2], *turns, *lines[2 * i + 2 :])
 
 
 @dataclass(frozen=True)

@@ -28,7 +28,7 @@ from driftproof.blackbox.stepper.calling_conventions import (
 )
 from driftproof.blackbox.stepper.foreign_code import CallLog
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
-from driftproof.blackbox.stepper.records import clock_of, parts_of
+from driftproof.blackbox.stepper.records import clock_of, goes_on, parts_of
 from driftproof.blackbox.stepper.state_forms import BODIES, IN_PLANE, OF_TWO_DIMENSIONS, WITH_GAPS
 from driftproof.blackbox.stepper.wrappers import turn_wrapper
 
@@ -36,8 +36,6 @@ _FORMS = (ARRAYS, LISTS, TUPLES)
 # By what the state is multiplied before each of the successive steps from each form of state.
 _NUDGES = (1.0, 1.0, NUDGE)
 _AGAIN = "one object overwritten between steps"
-# The relative error allowed to a clock, which may be a number of 11 bits.
-_CLOCK = 2.0**-8
 _STATE_ROLES = (POSITION, VELOCITY, STATE)
 
 
@@ -193,9 +191,9 @@ class _ReusingAnswers:
         return answer
 
     def _look_at_clock(self, before: float, records: Sequence[Foreign], h: float) -> None:
-        """Note the clock of a record that neither stands still nor goes on by h; it may be a number of 11 bits."""
+        """Note the clock of a record that neither stands still nor goes on by h."""
         after = next((t for t in map(clock_of, records) if t is not None), before)
-        if not np.isclose(after - before, (0.0, h), rtol=_CLOCK, atol=_CLOCK * abs(before)).any():
+        if not goes_on(before, after, h):
             self.clock = self.clock or f"its clock goes from {before:g} to {after:g} in a step of {h:g}"
 
     def _known_as(self, x: Foreign, place: int | str) -> Foreign:

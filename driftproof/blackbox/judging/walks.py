@@ -183,15 +183,16 @@ def walked(subject: ForeignStepper, wanted: Specification) -> StepFinding:
     walker = Walker(subject, wanted)
     found = walk_on(walker)
     if found.holds:
-        with suppress(*REFUSALS), ctx.workprec(BITS):
-            _, (h, shorter) = ordinary_arguments(subject, wanted.domain)
-            explicit, taken = wanted.method.explicit, h if wanted.method.explicit else shorter
-            for problem in (_standing_still if explicit else _settled)(walker, taken):
-                seen = walker.compared(problem, START, problem.start(START), taken)
-                if seen.wrong:
-                    return StepFinding(
-                        False, f"where the slope of one stage is exactly 0, {seen.place}, {seen.numbers}"
-                    )
+        still, (_, steps) = "where the slope of one stage is exactly 0", ordinary_arguments(subject, wanted.domain)
+        of_stages, h = (_standing_still, steps[0]) if wanted.method.explicit else (_settled, steps[1])
+        try:
+            with suppress(*REFUSALS), ctx.workprec(BITS):
+                for problem in of_stages(walker, h):
+                    seen = walker.compared(problem, START, problem.start(START), h)
+                    if seen.wrong:
+                        return StepFinding(False, f"{still}, {seen.place}, {seen.numbers}")
+        except NotFinite as failure:
+            return StepFinding(False, f"{still}, {failure}")
     return found
 
 

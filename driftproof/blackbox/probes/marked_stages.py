@@ -121,8 +121,7 @@ class MarkedSteps:
     def __init__(self, subject: ForeignStepper) -> None:
         """Raises NotReadable if the subject takes no two numbers, or never calls its right-hand side."""
         self.subject, self.part = subject, 0
-        # True if the numbers are parts of one; they are `marked` in runs that know the stage.
-        self.alone = self.marked = False
+        self.alone = False  # True if the numbers are parts of one
         try:
             self.size, first = self._opened()
         except NotReadable:
@@ -167,14 +166,13 @@ class MarkedSteps:
             seen = [replace(marks, hands=marks.hands[:k]).shares(place, hands) for k in range(count + 1)]
             return [*clock_slopes(seen[:-1]), *slopes(marks.shares(place, hands), moved[count:])]
 
-        self.marked = self.alone
-        try:
-            return self.smooth(setting, rates, max(2, count + size) if size else self.size)
-        finally:
-            self.marked = False
+        return self.smooth(setting, rates, max(2, count + size) if size else self.size, self.alone)
 
-    def smooth(self, setting: Setting, rates: MovedSlopes, size: int = 0) -> MarkedRun:
-        """One step of y' = rates(node, y - start). Raises NotReadable for any Misbehaviour: it is no evidence here."""
+    def smooth(self, setting: Setting, rates: MovedSlopes, size: int = 0, idle: bool = False) -> MarkedRun:
+        """One step of y' = rates(node, y - start), perhaps beside an `idle` number.
+
+        Raises NotReadable for any Misbehaviour: it is no evidence here.
+        """
         start, clock, h = setting.start, float(setting.time), setting.h
 
         def answered(asked: tuple[float | None, list[float]]) -> Sequence[float]:
@@ -189,7 +187,8 @@ class MarkedSteps:
             return answer
 
         try:
-            y1 = result_of(lambda: self._beside_idle(rate, clock, [start] * (size or self.size), h))
+            step = self._beside_idle if idle else self.step
+            y1 = result_of(lambda: step(rate, clock, [start] * (size or self.size), h))
         except _UnknownNode as seen:
             raise NotReadable(str(seen)) from None
         except Misbehaviour as failure:
@@ -197,9 +196,7 @@ class MarkedSteps:
         return MarkedRun([node for node, _ in heard.calls], [y for _, y in heard.calls], y1)
 
     def _beside_idle(self, rate: FieldFunction, t: float, y: list[float], h: float) -> list[float]:
-        """One step, beside an idle number if the numbers are marked parts of one."""
-        if not self.marked:
-            return self.step(rate, t, y, h)
+        """One step beside a number whose shift is taken from all others."""
         moved: FieldFunction = lambda at, z: [*rate(at, [x - (z[-1] - y[0]) for x in z[:-1]]), 0.0]
         return self.step(moved, t, [*y, y[0]], h)[:-1]
 

@@ -12,15 +12,13 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from driftproof.blackbox.stepper.array_adapters import as_array, floats_in
+from driftproof.blackbox.stepper.records import goes_on
 
 Object: TypeAlias = Any
 # Where an object keeps numbers: the name of an attribute, dotted if it lies deeper, or two functions, get and put.
 Location: TypeAlias = str | tuple[Callable[[Object], Any], Callable[[Object, Any], object]]
 # How an object takes a number: the name of a method of one argument, or of an attribute; or a function.
 Act: TypeAlias = str | Callable[[Object, Any], object]
-
-# The relative error allowed to an object's clock, which may be a number of 11 bits.
-_CLOCK = 2.0**-8
 
 
 def stepper_of(
@@ -145,7 +143,7 @@ class ObjectStep:
         _act(solver, self.advance, h)
         for place in self.places[1:]:
             (clock,) = _Accessor.of(place).read(solver)
-            if not np.isclose(clock - t, (0.0, h), rtol=_CLOCK, atol=_CLOCK * abs(t)).any():
+            if not goes_on(t, clock, h):
                 raise RuntimeError(f"its clock goes from {t!r} to {clock!r} in a step of {h!r}")
         y1 = np.array(self._drop_unless_finite(state.read(solver)))
         beside = [] if self.error is None else [as_array(_Accessor.of(self.error).get(solver))]

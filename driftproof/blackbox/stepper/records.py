@@ -15,6 +15,9 @@ from driftproof.blackbox.findings import WrongShape
 from driftproof.blackbox.stepper.array_adapters import AnyNumber, ArrayAdapter, Foreign, floats_in
 from driftproof.blackbox.stepper.calling_conventions import POSITION, TIME, UNIT_PARAMETERS, VELOCITY, role_of
 
+# The relative error allowed to a clock, which may be a number of 11 bits.
+_CLOCK = 2.0**-8
+
 
 def record_of(step: Callable[..., Any], call: Callable[[Any], object]) -> Record | None:
     """The annotated class of the state, or else a record of the keys or attributes that `call` reads of one."""
@@ -164,6 +167,11 @@ def part_pair(answer: Foreign) -> Foreign:
 def clock_of(record: Foreign) -> Foreign:
     """The time in a record; None if it has none."""
     return next((x for name, x in parts_of(record).items() if _role(str(name)) == TIME), None)
+
+
+def goes_on(before: float, after: float, h: float) -> bool:
+    """True if a clock stands still or goes on by h."""
+    return bool(np.isclose(after - before, (0.0, h), rtol=_CLOCK, atol=_CLOCK * abs(before)).any())
 
 
 def _role(name: str) -> str | None:
