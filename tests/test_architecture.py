@@ -69,7 +69,9 @@ NOT_ELSEWHERE = "sympy"
 # door of `derive` and facts as typed properties; blackbox verdicts that say what was seen, and implicit
 # stages, its own sampler of steps, 100 lines, in which objects a state comes, 300, and thirty kinds of wrong steps that
 # a passing verdict had overlooked, 250, five faults of whole solvers, 60, and wrappers for objects, 110; fifty more
-# kinds of wrong steps, 400, six more, 30, and steps of records and wrappers that work when pasted, 270; texts what docs
+# kinds of wrong steps, 400, six more, 30, and steps of records and wrappers that work when pasted, 270; what
+# steps of one number, of a Jacobian and of a slope 0 show, 110, and errors per unit of time, solvers that need more and
+# wrappers of runs, coupled functions and classes, 140; texts what docs
 # and help show and the problems that a text states, 450, questions shown with what they lack, 10,
 # a draft that ends: its share done, and the solutions that it gave up, 26, and equations of
 # second order, parameters and tables as texts have them, 94.
@@ -78,7 +80,7 @@ BUDGETS = {
     "methods": 5338,
     "symbolic": 10220,
     "numeric": 3960,
-    "blackbox": 19280,
+    "blackbox": 19530,
     "enclosure": 3160,
     "texts": 7960,
 }
@@ -86,8 +88,8 @@ BUDGET_OF_REPORTS_AND_FRONT = 5648
 # The goal is 65 of 100. Independent witnesses, campaigns and guards, 6,000 lines, are among the tests.
 # From 93 to 94: a failing test first for each of some thirty faults, and a guard of the docstrings; then a
 # line at each test that is slow, 220; what shows small errors that no test of texts had noticed,
-# and implicit steps as engineers write them.
-TESTS_PER_LINE_OF_SOURCE = Fraction(961, 1000)
+# implicit steps as engineers write them, and steps and solvers as they stand in public code.
+TESTS_PER_LINE_OF_SOURCE = Fraction(963, 1000)
 
 # A file of fewer lines needs a reason.
 SMALLEST = 40

@@ -318,7 +318,7 @@ def test_a_scale_of_errors_from_numbers_with_their_signs_is_told():
 
 SCALES = {
     "rtol and atol are exchanged": lambda rtol, atol: (atol, rtol),
-    "errors are not compared with atol + rtol |y|": lambda rtol, atol: (0.0, max(rtol, atol)),
+    "errors are not compared with atol + rtol |y| alone": lambda rtol, atol: (0.0, max(rtol, atol)),
     "": lambda rtol, atol: (rtol, atol),
     "half of it": lambda rtol, atol: (rtol / 2, atol / 2),
 }
