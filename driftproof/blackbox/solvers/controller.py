@@ -149,11 +149,11 @@ def read_controller(subject: ForeignSolver, steps: SolverSteps) -> ControllerRea
     law = min(laws, key=lambda law: (bool(law.exception), bool(law.memory or law.filtered)), default=None)
     if law is None:
         pairs = ", ".join(pair.key for pair in steps.pairs) or "any pair of the catalogue"
+        seen = f"no law in the estimate of {pairs} gives the step sizes"
         few = sorted({f"{factor:.4g}" for factor in factors}, key=float)
-        seen = f"; each step is {', '.join(few[:-1])} or {few[-1]} times as long as the one before" * (len(few) <= _FEW)
-        return ControllerReading(
-            None, (f"no law in the estimate of {pairs} gives the step sizes{seen}", counts), traces
-        )
+        if 1 < len(few) <= _FEW:
+            seen += f"; each step is {', '.join(few[:-1])} or {few[-1]} times as long as the one before"
+        return ControllerReading(None, (seen, counts), traces)
     if traces:  # with slopes of other times, errors differ as well
         law = replace(law, exception="", accepted=1.0)
     after = ["a step after a rejected one does not grow"] if law.after_rejection else []
