@@ -69,7 +69,7 @@ def with_own_jacobian(step: Callable[..., Any]) -> Callable[..., Any]:
 
     >>> def step(f, jac, t, y, h):
     ...     return y + h * f(t, y) / (1 - h * jac(t, y))
-    >>> with_own_jacobian(step)(lambda t, y: -y, 0.0, 1.0, 1.0)
+    >>> print(with_own_jacobian(step)(lambda t, y: -y, 0.0, 1.0, 1.0))
     0.5
     """
     roles = {name: role_of(name, (FUNCTION, JACOBIAN, TIME, STATE)) for name in names_with_step(step) or ()}
