@@ -529,6 +529,7 @@ def guessed(residual, x):
     return x if np.abs(residual(x)[: len(x) // 2]).max() < 1e-13 else fixed_point(residual, x)
 
 
+@pytest.mark.slow(keep=1)
 @pytest.mark.parametrize("key", ["gauss2", "radau_iia2"])
 def test_an_iteration_that_looks_at_one_stage_alone_is_caught_where_that_needs_none(key):
     settings = {"allowance": Allowance(solver_tolerance=1e-10), "domain": Domain(largest_step=0.5), "examples": 60}

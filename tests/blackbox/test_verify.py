@@ -223,6 +223,7 @@ def test_a_right_step_that_is_solved_less_well_than_stated_is_told_how_well():
     assert 1e-9 < float(found.verdict.split()[-1].rstrip(";")) < 1e-7
 
 
+@pytest.mark.slow
 def test_a_step_that_ends_where_a_slope_is_0_is_not_the_method():
     step = all_at_once(table("gauss2"))
     ending = lambda f, t, y, h: step(f, t, y, h) if np.any(f(t + (0.5 + 3**0.5 / 6) * h, y)) else y
@@ -291,6 +292,7 @@ def of_one_with_its_derivative(f, dfdy, t, y, h):
     return y1
 
 
+@pytest.mark.slow(keep=2)
 @pytest.mark.parametrize(("step", "passed", "name"), [
     (theta_step(1.0), True, "backward_euler"), (of_one_with_its_derivative, True, "backward_euler"),
     (theta_step(1.0, late=0.5), False, "backward_euler except for c[0]: 1/2 instead of 1"),
