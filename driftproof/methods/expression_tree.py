@@ -207,7 +207,7 @@ class ExpressionParser:
         rest = list[tuple[Token, Any]]()
         while (sign := self.accept(*signs)) or ("*" in signs and self.continues()):
             *before, last = (token.text for token in self.tokens[max(self.at - 3, 0) : self.at])
-            raised = "(" != self.next.text and last != ")" and not {"^", "**"}.isdisjoint(before)
+            raised = self.next.text != "(" and last != ")" and not {"^", "**"}.isdisjoint(before)
             if not sign and (raised or "/" in [divided.text for divided, _ in rest]):
                 raise self.error(self.next, f"after / or ^ write a product with its sign: {last}*{self.next.text}")
             rest.append((sign or Token(SIGN, "*", self.next.column), read()))

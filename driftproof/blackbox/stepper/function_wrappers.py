@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import inspect
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
 from itertools import product
 from typing import Any
@@ -72,7 +72,8 @@ def function_wrapper(step: Callable[..., Any]) -> str:
         rest = [each for each in names if each not in gradients]
         return _call(step, names, {**gradients, **arguments_by_role(rest, FORCE)}, FORCE)
     roles = {role_of(each, PLAIN_ROLES): word_of(each) for each in names}
-    of_state = POSITION not in roles or (VELOCITY not in roles and roles.get(FUNCTION, "a")[0] != "a")
+    forced = takes_force(names) or has_gradient(names) or roles.get(FUNCTION) == "a"
+    of_state = POSITION not in roles or (VELOCITY not in roles and (TIME in roles or not forced))
     kind = MAP if FUNCTION not in roles else FIELD if of_state else FORCE
     if line := list_wrapper(step) or run_wrapper(step):
         return line[2:]
@@ -80,6 +81,11 @@ def function_wrapper(step: Callable[..., Any]) -> str:
     if line := _grid_wrapper(step, names, given) or _pair_wrapper(step, names, given):
         return line
     return _call(step, names, given, kind) if given else ""
+
+
+def takes_force(names: Iterable[str]) -> bool:
+    """True if one of these is the name of a force or an acceleration."""
+    return any(word in each.lower() for each in names for word in ("acc", "force"))
 
 
 def _named(names: Sequence[str], known: Sequence[str]) -> str | None:

@@ -41,6 +41,7 @@ from driftproof.blackbox.stepper.function_wrappers import (
     later_arguments,
     name_of,
     run_of_steps,
+    takes_force,
 )
 from driftproof.blackbox.stepper.plain_forms import BODY_LISTS
 
@@ -71,9 +72,8 @@ def _own_step(cls: type) -> str:
     for each in (name for name in _ADVANCES if hasattr(cls, name)):
         roles = {_role(name) for name in names_with_step(getattr(cls, each)) or ()}
         if {STEP, POSITION, VELOCITY} <= roles or ({STEP, FUNCTION} <= roles and roles & {STATE, POSITION}):
-            given = [name.upper() for name in required_names(cls) or ()]
-            said = f"  # write values for {', '.join(given)}" if given else ""
-            return f"wrapped = {name_of(cls)}({', '.join(given)}).{each}{said}"
+            given = ", ".join(name.upper() for name in required_names(cls) or ())
+            return f"wrapped = {name_of(cls)}({given}).{each}{f'  # write values for {given}' if given else ''}"
     return ""
 
 
@@ -174,7 +174,7 @@ def _two_step_wrapper(cls: type, method: str, names: Sequence[str], taken: Seque
 
     If it takes a force it is a method for q'' = force(q), else one for y' = f(y).
     """
-    kind = FORCE if any(word in each.lower() for each in (*names, *taken) for word in ("acc", "force")) else FIELD
+    kind = FORCE if takes_force((*names, *taken)) else FIELD
     (before,) = filter(is_before, names)
     given, call = (arguments_by_role([x for x in some if x != before], kind) for some in (names, taken))
     given[before], now = (

@@ -74,9 +74,9 @@ def asked_quantity(question: str) -> tuple[str, str]:
         return readout.removeprefix("state_").removeprefix("position_"), ""
     if kind[:1] == "k":
         return kind, ""
-    return "error" if kind == "error" else "exact" if kind == "exact" or question.startswith(
-        "exact "
-    ) else "state", unknown
+    if kind == "error":
+        return kind, unknown
+    return "exact" if kind == "exact" or question.startswith("exact ") else "state", unknown
 
 
 def place_of(text: str, start: int, end: int, heads: Sequence[str], row: Sequence[tuple[str, str]]) -> Place:

@@ -109,7 +109,7 @@ def equations_in(text: str) -> Iterator[tuple[int, int]]:
 
 def _problems(text: str) -> Iterator[_Problem]:
     """The systems of equations of the text, each with the text from a little before it to the next one."""
-    systems, last = list[tuple[int, dict[str, str]]](), len(text)
+    systems, last, spelled = list[tuple[int, dict[str, str]]](), len(text), with_greek_spelled(text)
     for match in _EQUATION.finditer(text):
         name = with_greek_spelled(match["name"] or match["d"] or match["dd"])
         if name == "t" or name in FUNCTIONS:
@@ -135,7 +135,7 @@ def _problems(text: str) -> Iterator[_Problem]:
         if not any("x" in names for _, names in systems):  # y' = x + y: the time is called x
             raw, part = {name: with_time(rate, raw) for name, rate in raw.items()}, with_time(part, raw)
         names, begins = [*raw], start - len(re.split(r"[.;?!]\s", text[max(0, start - _GAP) : start])[-1])
-        rates = {name: rate for name, one in zip(names, raw.values(), strict=True) if (rate := _rate(one, names, text))}
+        rates = {of: rate for of, one in raw.items() if (rate := _rate(one, names, spelled))}
         if len(rates) == len(raw):
             yield _Problem(rates, part[begins:], begins)
 
@@ -199,8 +199,8 @@ def _listed(pattern: re.Pattern[str], text: str) -> list[Fraction]:
 
 def _rate(raw: str, names: Collection[str], text: str) -> str | None:
     """The longest beginning of `raw` that is a rate in the names, others replaced by what the text says they are."""
-    raw = _plain(re.sub(rf"\b({'|'.join(names)}) ?\(t\)", r"\1", with_greek_spelled(_first(raw))))  # y(t)
-    for ratio, value in re.findall(rf"(?<![\w'/(])([^\W\d]\w*/[^\W\d]\w*) ?= ?({_NUMBER})", with_greek_spelled(text)):
+    raw = _plain(re.sub(rf"\b({'|'.join(names)}) ?\(t\)", r"\1", _first(raw)))  # y(t)
+    for ratio, value in re.findall(rf"(?<![\w'/(])([^\W\d]\w*/[^\W\d]\w*) ?= ?({_NUMBER})", text):
         raw = raw.replace(ratio, value)
     # Not before a sign, an unknown or another letter, so that x' = 2/3 k x is not read as x' = 2/3.
     ends = re.finditer(rf"\n|\.(?!\d)|\s(?!\s*(?:[-+*/^]|(?:{'|'.join(names)}|[^\W\d])\b(?! ?['(=_])))", raw)
@@ -221,7 +221,7 @@ def _meant(word: str, names: list[str], text: str) -> str:
         return word
     if {*word} <= {"t", *names}:
         return "*".join(word)
-    found = re.search(rf"(?<![\w'(]){re.escape(word)} ?= ?(?:({_NUMBER})|([^=,;]{{1,100}}))", with_greek_spelled(text))
+    found = re.search(rf"(?<![\w'(]){re.escape(word)} ?= ?(?:({_NUMBER})|([^=,;]{{1,100}}))", text)
     if found and found[1] and found[1][0].isdigit() and "/" not in found[1]:
         return found[1]
     if found and (written := found[1] or _rate(found[2], names, "")):

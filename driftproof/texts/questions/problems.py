@@ -66,8 +66,8 @@ class ProblemRun:
         if self.steps not in found:
             step = exact_step(self.method, self._function, len(self.start))
             found[0] = tuple(enclose(x) for x in self.start)
-        for n in range(len(found), self.steps + 1):
-            found[n] = step(tuple(found[n - 1]), (n - 1) * self.h, self.h)
+            for n in range(len(found), self.steps + 1):
+                found[n] = step(tuple(found[n - 1]), (n - 1) * self.h, self.h)
         return [found[n] for n in range(self.steps + 1)]
 
     def true(self, steps: range) -> list[_Row]:

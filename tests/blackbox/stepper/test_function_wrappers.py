@@ -37,6 +37,8 @@ def test_a_state_called_x_is_no_position_where_a_right_hand_side_is_taken():
     line = wrapper_line(lambda f, iv, x, h, args: x)
     assert line.endswith("(f, IV, y, h, ())  # write values for IV, t for the time")
     assert "force, MESH, q, h)" in wrapper_line(lambda acc, mesh, x, h: x)
+    assert "force, MESH, q, h)" in wrapper_line(lambda force, mesh, x, h: x)
+    assert "lambda x: -force(x), MESH, q, h)" in wrapper_line(lambda grad_u, mesh, x, h: x)
     assert wrapper_line(lambda f, x0, iv: x0).endswith("(f, y, IV)  # write values for IV, t for the time")
 
 
