@@ -147,6 +147,12 @@ def start_of_table(table: TomlTable) -> list[Any]:
     return [start] if isinstance(start, int | float | str) else as_list(start, "start")
 
 
+def unknowns_of_table(table: TomlTable) -> tuple[str, ...]:
+    """The names that the rates of a TOML table give to y0, y1, ...; none if they are a list or a function's."""
+    rates = _rates(table.get("rates", []))
+    return tuple(rates) if isinstance(rates, dict) else ()
+
+
 def _rates(given: object) -> list[str] | dict[str, str]:
     """The rates in a list or one text; by the names of the unknowns in a table, or if all are equations as x' = v."""
     if isinstance(given, str):
