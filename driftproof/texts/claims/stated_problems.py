@@ -135,9 +135,19 @@ def _problems(text: str) -> Iterator[_Problem]:
         if not any("x" in names for _, names in systems):  # y' = x + y: the time is called x
             raw, part = {name: with_time(rate, raw) for name, rate in raw.items()}, with_time(part, raw)
         names, begins = [*raw], start - len(re.split(r"[.;?!]\s", text[max(0, start - _GAP) : start])[-1])
-        rates = {of: rate for of, one in raw.items() if (rate := _rate(one, names, spelled))}
-        if len(rates) == len(raw):
-            yield _Problem(rates, part[begins:], begins)
+        known = list[dict[str, str]]()
+        for given in ("", *_other_values(raw, spelled)):
+            rates = {of: rate for of, one in raw.items() if (rate := _rate(one, names, given + spelled))}
+            if len(rates) == len(raw) and rates not in known:
+                known.append(rates)
+                yield _Problem(rates, part[begins:], begins)
+
+
+def _other_values(raw: dict[str, str], text: str) -> Iterator[str]:
+    """The values but the first that the text gives to words of the rates, as "k = 3; ", to stand before the text."""
+    for word in dict.fromkeys(word for rate in raw.values() for word in _WORD.findall(rate)):
+        values = re.findall(rf"(?<![\w'(]){re.escape(word)} ?= ?({_NUMBER})", text)
+        yield from (f"{word} = {value}; " for value in [*dict.fromkeys(values)][1:_MOST_PROBLEMS])
 
 
 def _questions(problem: _Problem, equations: str, text: str, column_of: Callable[[TextNumber], str]) -> Iterator[str]:

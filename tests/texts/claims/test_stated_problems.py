@@ -140,6 +140,13 @@ The slopes k_1 = -1 and so on; 1/2 divides the error by 2. 40 evaluations. One s
         assert run.partition("}")[0].count(",") == count - 1, run
 
 
+def test_a_parameter_with_several_values_states_a_problem_for_each():
+    text = "y' = -k y with h = 0.1, y(0) = 1. Euler to t = 1: for k = 2 (h = 0.2) 0.08; for k = 3, 0.01; for k = 2, 0.1"
+    assert [re.findall(r"y'=(\S+ y),", one) for one in stated(text) if one.startswith("exact")] == [["-2 y"], ["-3 y"]]
+    for same in (text.replace("k = 3", "y = 3"), text.replace("k = 3", "k = 2"), text.replace("-k y", "-2y")):
+        assert len([one for one in stated(same) if one.startswith("exact")]) == 1, same
+
+
 def test_a_draft_works_out_the_numbers_of_a_stated_problem_and_names_the_slips():
     text = """Heun's method on y' = y - t^2 + 1, y(0) = 0.5, with h = 0.2.
 
