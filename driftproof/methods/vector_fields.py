@@ -9,14 +9,7 @@ from fractions import Fraction
 from typing import Any, Protocol
 
 from driftproof.methods.number_field import Exact
-from driftproof.methods.program_text import (
-    ProgramText,
-    indented,
-    looping_maker_text,
-    maker,
-    maker_text,
-    used_stages,
-)
+from driftproof.methods.program_text import ProgramText, indented, looping_maker_text, maker, maker_text, used_stages
 from driftproof.methods.schemes import Collocation, Method, MethodError, Nystrom, RungeKutta, Splitting
 
 # The functions that a rate may call; every type of numbers in which runs are computed has them.
