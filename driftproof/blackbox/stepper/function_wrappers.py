@@ -84,7 +84,7 @@ def plain_role(name: str) -> str | None:
     return role_of(name, (FUNCTION, STEP, TIME, POSITION, VELOCITY, STATE))
 
 
-def kind_of(names: Iterable[str]) -> str:
+def kind_by_names(names: Iterable[str]) -> str:
     """The kind of a step with these arguments: with a function, FORCE for a position and a velocity, else FIELD."""
     roles = {*map(plain_role, names)}
     return MAP if FUNCTION not in roles else FORCE if {POSITION, VELOCITY} <= roles else FIELD
@@ -127,7 +127,7 @@ def _run_wrapper(step: Callable[..., Any], names: Sequence[str]) -> str:
 
     It is "" unless the run is seen to begin at the start: the first row of a part of its answer is the state there.
     """
-    kind = kind_of(names)
+    kind = kind_by_names(names)
     end = next((each for each in names if word_of(each) in RUN_ENDS[1] or each == "T"), "")
     given = arguments_by_role([each for each in names if each != end], kind)
     left, timed = [each for each in names if given.get(each, "0.0") == "0.0"], "t" in given.values()

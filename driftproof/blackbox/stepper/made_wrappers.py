@@ -37,7 +37,7 @@ from driftproof.blackbox.stepper.function_wrappers import (
     arguments_by_role,
     function_of,
     is_before,
-    kind_of,
+    kind_by_names,
     later_arguments,
     name_of,
     plain_role,
@@ -139,7 +139,7 @@ def _class_wrapper(cls: type, own: str | None = None) -> str:
     method = "" if own == "__call__" else f".{own}"
     if sum(map(is_before, names)) == 1:
         return _two_step_wrapper(cls, method, names, taken[1:])
-    kind = kind_of((*names, *taken))
+    kind = kind_by_names((*names, *taken))
     made = _Made(kind, cls.__name__, arguments_by_role(names, kind), arguments_by_role(taken[1:], kind), method)
     if len(made.arguments) < len(names) or len(made.call) < len(taken) - 1:
         return ""
@@ -220,7 +220,7 @@ def maker_wrapper(step: Callable[..., Any]) -> str:
     inner = required_names(made) if callable(made) else None
     if not inner:
         return ""
-    kind = kind_of((*names, *inner))
+    kind = kind_by_names((*names, *inner))
     arguments = {each: "h" if plain_role(each) == STEP else function_of(kind) for each in names}
     given = {each: each.upper() for each in inner} | arguments_by_role(inner, kind)
     return _Made(kind, name_of(step), arguments, given).line(step)
