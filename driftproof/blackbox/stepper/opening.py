@@ -30,7 +30,7 @@ from driftproof.blackbox.stepper.function_wrappers import list_wrapper
 from driftproof.blackbox.stepper.handed_slopes import with_slopes_kept
 from driftproof.blackbox.stepper.made_wrappers import clock_wrapper
 from driftproof.blackbox.stepper.plain_forms import plain_forms
-from driftproof.blackbox.stepper.record_forms import record_forms
+from driftproof.blackbox.stepper.records import record_forms
 from driftproof.blackbox.stepper.second_functions import with_functions, with_own_jacobian, zeros
 from driftproof.blackbox.stepper.state_forms import COMPLEX, forms_of
 from driftproof.blackbox.stepper.turning import Push, step_in_fields, turn_quaternion
