@@ -43,9 +43,8 @@ def _keeping(steady: TrialRunner, subject: ForeignStepper) -> tuple[CheckResult,
     _, answer = came
     before = _numbers(answer)
     runner.step(*steady.another, TYPICAL_STEP)
-    if same(before, _numbers(answer)):
-        answers = CheckResult("keeps_answers", True, "earlier answers are not changed")
-    else:
+    answers = CheckResult("keeps_answers", True, "earlier answers are not changed")
+    if not same(before, _numbers(answer)):
         answers = CheckResult("keeps_answers", False, "an answer is overwritten by the next call", (trial,))
     slopes = "it writes into the arrays that its function returns: a function that keeps one is changed"
     others = (answers, *[CheckResult("keeps_slopes", False, slopes, (trial,))] * log.changes_slopes)
@@ -74,9 +73,8 @@ def types(subject: ForeignStepper) -> tuple[CheckResult, ...]:
     found = sorted(log.types)
     if all(name.rpartition(".")[2].startswith(("int", "uint", "bool")) for name in found):
         trial = runner.trial(1.0, 0.75, 0.0)
-        rounded = trial.answer is not None and trial.answer != (1.0, 0.75)
-        words = f"returns integers{': at h = 0, (1.0, 0.75) becomes ' + trial.seen if rounded else ''}"
-        returns = CheckResult("returns", False, words, (trial,))
+        rounded = f": at h = 0, (1.0, 0.75) becomes {trial.seen}" * (trial.answer not in (None, (1.0, 0.75)))
+        returns = CheckResult("returns", False, f"returns integers{rounded}", (trial,))
     else:
         returns = CheckResult("returns", True, f"returns {' and '.join(found)}")
     return returns, *_integers(runner)

@@ -72,30 +72,30 @@ def _backward(runner: TrialRunner, shown: Trial) -> CheckResult:
 
 def not_a_number(subject: ForeignStepper) -> tuple[CheckResult, ...]:
     """Check that a NaN is handed on or refused."""
-    return (_noticed(subject, "not_a_number", "NaN", ((nan, 0.75), (1.0, nan))),)
+    return _noticed(subject, "not_a_number", "NaN", (nan, 0.75), (1.0, nan))
 
 
 def infinity(subject: ForeignStepper) -> tuple[CheckResult, ...]:
     """Check that an infinite position or velocity is handed on or refused."""
-    return (_noticed(subject, "infinity", "an infinity", ((inf, 0.75), (1.0, inf), (-inf, 0.75), (1.0, -inf))),)
+    return _noticed(subject, "infinity", "an infinity", (inf, 0.75), (1.0, inf), (-inf, 0.75), (1.0, -inf))
 
 
 def not_a_number_step(subject: ForeignStepper) -> tuple[CheckResult, ...]:
     """Check that h = NaN is handed on or refused."""
-    return (_noticed(subject, "not_a_number_step", "h = NaN", ((1.0, 0.75),), nan),)
+    return _noticed(subject, "not_a_number_step", "h = NaN", (1.0, 0.75), h=nan)
 
 
 def _noticed(
-    subject: ForeignStepper, key: str, name: str, states: tuple[PhasePoint, ...], h: float = 0.25
-) -> CheckResult:
-    runner = steady_runner(subject)
-    trials = [runner.trial(*z, h) for z in states]
-    finite, silent = [each for each in trials if each.finite], [each for each in trials if each.answer is None]
-    if finite:
-        return CheckResult(key, False, f"{name} gives finite numbers: {finite[0].line}", (finite[0],))
-    if silent:
-        return CheckResult(key, None, f"{name} is refused: {silent[0].refusal}", (silent[0],))
-    return CheckResult(key, True, f"{name} propagates", (trials[0],))
+    subject: ForeignStepper, key: str, name: str, *states: PhasePoint, h: float = TYPICAL_STEP
+) -> tuple[CheckResult, ...]:
+    trials = [steady_runner(subject).trial(*z, h) for z in states]
+    for trial in trials:
+        if trial.finite:
+            return (CheckResult(key, False, f"{name} gives finite numbers: {trial.line}", (trial,)),)
+    for trial in trials:
+        if trial.answer is None:
+            return (CheckResult(key, None, f"{name} is refused: {trial.refusal}", (trial,)),)
+    return (CheckResult(key, True, f"{name} propagates", (trials[0],)),)
 
 
 _KEY = "time"
