@@ -115,7 +115,7 @@ def work_table(found: Sequence[Curve], stated: Mapping[str, int | str] = {}) -> 
         most = max((point.steps or 0 for point in curve.points), default=0)
         enough = [[p.evaluations for p in curve.points if p.error <= 10.0**g and p.evaluations] for g in _GOALS]
         fewest = [str(min(calls)) if calls else f"not with {most} steps" for calls in enough]
-        rows.append([curve.title, str(curve.claimed_order or stated.get(curve.key, "–")), measured, *fewest])
+        rows.append([curve.title, str(stated.get(curve.key, "–")), measured, *fewest])
     return html_table([header, *rows], "Orders, and the least work measured", "orders")
 
 

@@ -156,7 +156,7 @@ def order_rows(measured: Measured, stiff: bool = False, stated: Mapping[str, int
     """Stated and measured order, with the least and the largest slope, and the least error; names order reduction."""
     rows = [["method", "order", "measured", "least error", ""]]
     for key, curve in measured.curves.items():
-        order = str(curve.claimed_order or stated.get(key.removesuffix(" controlled"), ""))
+        order = str(stated.get(key.removesuffix(" controlled"), ""))
         shown = f"{x.median:.2f} ({x.least:.2f} to {x.largest:.2f})" if (x := curve.order) else ""
         reduced = ": order reduction" * (stiff and curve.verdict.startswith("below"))
         rows.append([key, order, shown, _least_error(curve), curve.verdict + reduced])

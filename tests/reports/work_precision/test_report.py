@@ -71,10 +71,8 @@ def test_errors_have_two_digits_and_seconds_three_in_their_unit():
     rows = order_rows(Measured({str(i): curve for i, curve in enumerate([*found, Curve("b", "B", 0, [])])}))
     assert [row[3] for row in rows] == ["least error", *ERRORS.values(), "none"]
     stated = stated_orders(replace(METHODS[key], claimed_order=0) for key in ("kutta3", "rk4"))
-    own = {
-        key: Curve(key, "Mine", 2 * (key == "rk4"), []) for key in ("kutta3", "kutta3 controlled", "rk4", "scipy RK45")
-    }
-    assert [row[1] for row in order_rows(Measured(own), stated=stated)] == ["order", "3", "3", "2", ""]
+    own = {key: Curve(key, "Mine", 0, []) for key in ("kutta3", "kutta3 controlled", "rk4", "scipy RK45")}
+    assert [row[1] for row in order_rows(Measured(own), stated=stated)] == ["order", "3", "3", "4", ""]
     assert {seconds: seconds_text(seconds) for seconds in SECONDS} == SECONDS
 
 
