@@ -61,7 +61,7 @@ def work_figure(
     found: Sequence[Curve], identity: str, t: Fraction, own: int | None = None, cost: str = ACCELERATIONS
 ) -> Figure:
     """Error at t against evaluations, both logarithmic; rings mark the points with `own` steps, if any."""
-    places = {curve.key: _places(curve) for curve in found}
+    places = {c.key: {p.steps: (log10(spent), log10(p.error)) for p, spent in _plotted(c)} for c in found}
     every = [place for points in places.values() for place in points.values()] or [(0.0, 0.0)]
     names = (cost, "error at the end")
     x, y = (decades_of((place[i] for place in every), names[i], WIDE[i]) for i in (0, 1))
@@ -89,11 +89,6 @@ def work_figure(
 def _plotted(curve: Curve) -> list[tuple[Point, int]]:
     """The points that have a place on logarithmic axes, each with its evaluations."""
     return [(p, p.evaluations) for p in curve.points if p.evaluations and 0 < p.error and isfinite(p.error)]
-
-
-def _places(curve: Curve) -> dict[int | None, tuple[float, float]]:
-    """log₁₀ of evaluations and error, by the number of steps."""
-    return {point.steps: (log10(spent), log10(point.error)) for point, spent in _plotted(curve)}
 
 
 def _sentence(curve: Curve) -> str:

@@ -196,12 +196,10 @@ def _least_error(curve: Curve) -> str:
     best = min(curve.points, key=lambda point: point.error, default=None)
     if best is None or not isfinite(best.error):
         return "none"
-    return "lost" if best.error >= best.scale else _error(best.error)
-
-
-def _error(value: float) -> str:
-    mantissa, _, exponent = f"{value:.1e}".partition("e")
-    return f"{value:.2g}" if 1e-3 <= value < 100 or not value else f"{mantissa}e{int(exponent)}"
+    if best.error >= best.scale:
+        return "lost"
+    mantissa, _, exponent = f"{best.error:.1e}".partition("e")
+    return f"{best.error:.2g}" if 1e-3 <= best.error < 100 or not best.error else f"{mantissa}e{int(exponent)}"
 
 
 def seconds_text(seconds: float) -> str:
@@ -252,7 +250,6 @@ def _settings(curve: Curve, points: Sequence[Point]) -> str:
 
 
 def _grouped(pairs: Iterable[tuple[_Key, _Member]]) -> dict[_Key, list[_Member]]:
-    """The members of each key, in the order in which they come."""
     found: dict[_Key, list[_Member]] = {}
     for key, member in pairs:
         found.setdefault(key, []).append(member)
