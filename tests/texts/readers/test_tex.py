@@ -19,10 +19,7 @@ READ = [
     ("$y^\\prime + y^{\\prime\\prime} x^{2\\prime}$", "y' + y'' x^{2'}"),
     ("$-\\cos 10 \\log\\theta$ $\\Delta t = \\kappa\\tanh x$", "-cos 10 log θ Δt = κtanh x"),
     ("$\\nicefrac{1}{4}$ and $\\sfrac{3}{8}$, \\tablevref{t-5} and \\href{u7}{b}", "1/4 and 3/8, and b"),
-    (
-        "$\\dot x=v, \\ddot{\\theta}(0), \\dot\\omega_{12} \\ddot x_1$\\dotfill 3 \\dots",
-        "x'=v, θ''(0), ω_{12}' x_1''3",
-    ),
+    ("$\\dot x=v, \\ddot{\\theta}(0), \\dot\\omega_{12} \\ddot x_1$\\dotfill 3 \\dots", "x'=v, θ''(0), ω_{12}' x_1''3"),
     ("& \\multicolumn{2}{c}{Euler} & \\multicolumn{1}{l|}{RK4}\\\\ 0.1", "| Euler | | RK4\n0.1"),
     ("\\begin{tabular}{lr} a & 0.5 \\\\ b & 1 \\end{tabular}", "a | 0.5\nb | 1"),
 ]
