@@ -21,17 +21,9 @@ from driftproof.enclosure.solutions import BITS_AT_FIRST, enclose_solution
 from driftproof.enclosure.steps import size
 from driftproof.enclosure.text_fields import field_function
 from driftproof.enclosure.traced_fields import field_of_function
+from driftproof.methods import field_text
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.expressions import parse_number
-from driftproof.methods.field_text import (
-    LONGEST_PROBLEM,
-    PROBLEM_KEYS,
-    energy_of_table,
-    field_of_table,
-    field_of_text,
-    rate_of_text,
-    start_of_table,
-)
 from driftproof.methods.schemes import MethodError
 from driftproof.methods.vector_fields import VectorField, partial_derivative
 from driftproof.numeric.problems.catalogue import problem_named
@@ -76,12 +68,12 @@ def problem_given(given: GivenProblem) -> Problem:
         raise ValueError(f"a function alone does not define a problem; give start and end as well: {example}")
     if not (name := str(given)).endswith(".toml"):
         return problem_named(name)
-    return read_toml(name, LONGEST_PROBLEM, lambda table: _problem(table, name))
+    return read_toml(name, field_text.LONGEST_PROBLEM, lambda table: _problem(table, name))
 
 
 def _problem(table: TomlTable, name: str) -> Problem:
-    require_keys(table, PROBLEM_KEYS, "a problem")
-    start = tuple(_rational(x, f"start[{i}]") for i, x in enumerate(start_of_table(table)))
+    require_keys(table, field_text.PROBLEM_KEYS, "a problem")
+    start = tuple(_rational(x, f"start[{i}]") for i, x in enumerate(field_text.start_of_table(table)))
     end = _rational(table.get("end"), "end")
     field = _field(table, len(start))
     if end <= 0:
@@ -98,10 +90,10 @@ def _problem(table: TomlTable, name: str) -> Problem:
 def _energy(table: TomlTable) -> str | None:
     """The energy in terms of y0, y1, ...; if the rates are a function's, its parameters stand there as doubles."""
     if "rates" in table or "energy" not in table:
-        return energy_of_table(table)
+        return field_text.energy_of_table(table)
     doubles = {name: Fraction(x) for name, x in _doubles(table).items()}
     names = {name: f"({x.numerator} / {x.denominator})" for name, x in doubles.items()}
-    return rate_of_text(as_text(table["energy"], "energy"), names)
+    return field_text.rate_of_text(as_text(table["energy"], "energy"), names)
 
 
 def _doubles(table: TomlTable) -> dict[str, float]:
@@ -128,7 +120,7 @@ def _field(table: TomlTable, components: int) -> VectorField:
         function = enclosable(time_first(own))
         parameters = _doubles(table)
         return field_of_function(lambda t, y: function(t, y, **parameters), components)
-    field = field_of_table(table)
+    field = field_text.field_of_table(table)
     if len(field.rates) != components:
         raise ValueError(f"start has {components} entries, but the rates need {len(field.rates)}")
     return field
@@ -182,7 +174,7 @@ def _rational(value: object, where: str) -> Fraction:
     except ValueError:  # perhaps it is written as rates are, such as 2*pi
         number = math.nan
         with np.errstate(all="ignore"), suppress(ValueError, ArithmeticError):
-            number = field_function(field_of_text([str(value)]))(math.nan, [math.nan])[0]
+            number = field_function(field_text.field_of_text([str(value)]))(math.nan, [math.nan])[0]
         if not np.isfinite(number):
             raise
     if not isinstance(number, Fraction):

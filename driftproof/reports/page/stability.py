@@ -18,15 +18,9 @@ from driftproof.reports.page.plot import WIDE, Plot, decades, linear, ten_to
 from driftproof.symbolic.algebra.certified import FIRST_BITS, CertifiableReal, enclose, significant
 from driftproof.symbolic.algebra.polynomials import evaluate, scalar, sign
 from driftproof.symbolic.algebra.real_roots import ZERO_ROOT, rational_root
+from driftproof.symbolic.linear import stability_limits
 from driftproof.symbolic.linear.facts import LinearFacts
-from driftproof.symbolic.linear.stability_limits import (
-    Infinity,
-    Limit,
-    boundary_of,
-    is_bounded,
-    smallest,
-    spectral_radius,
-)
+from driftproof.symbolic.linear.stability_limits import Infinity, Limit, smallest
 from driftproof.symbolic.runs import as_balls, exact_matrix_at, power
 from driftproof.texts.writing.records import number_record
 
@@ -52,9 +46,10 @@ class Verdict:
 def verdict(key: str, h: Fraction) -> Verdict:
     """The verdict on the method `key` at exactly this h. Raises ValueError at a pole of M(h)."""
     facts = LinearFacts(method_of(key))
-    radius = spectral_radius(exact_matrix_at(facts.method, h))
+    radius = stability_limits.spectral_radius(exact_matrix_at(facts.method, h))
     growth = radius - 1 if isinstance(radius, Fraction) else lambda: enclose(radius) - 1
-    bounded = is_bounded(boundary_of(facts.one_step_matrix), lambda p: sign(evaluate(p, scalar(h))))
+    boundary = stability_limits.boundary_of(facts.one_step_matrix)
+    bounded = stability_limits.is_bounded(boundary, lambda p: sign(evaluate(p, scalar(h))))
     return Verdict(key, facts.imaginary_limit, bounded, growth)
 
 
