@@ -9,10 +9,19 @@ from driftproof.texts.readers.document import LARGEST_DOCUMENT, READERS, documen
 from driftproof.texts.readers.numbers import numbers_in
 from tests.texts.readers.reading import standing
 
+SOURCES = {
+    "plain": "one\r\ntwo  \u221242.5 and ½",
+    "html": "<p>one\n<b>two</b> &amp; &#8722;42.5</p>",
+    "markdown": "# x\n\n> *one* [two](three) **\u221242.5** and `1/2`",
+    "tex": "% 1\none $\\frac{x}{y} \\num{-42.5}$",
+    "notebook": '{\n "cells": [{"cell_type": "markdown", "source": ["a\\n", "b \\u2212 -42.5"]}]}',
+}
 
-def test_number_stands_where_the_file_has_it():
+
+@pytest.mark.parametrize("form", SOURCES)
+def test_number_stands_where_the_file_has_it(form):
     held("markdown", "a\n```\nb c\n```\n{sub}`d e`")
-    assert standing("plain", "one\r\ntwo  \u221242.5 and ½", "42.5").startswith("42.5")
+    assert standing(form, SOURCES[form], "42.5").startswith("42.5")
 
 
 def test_piece_of_a_block_has_its_span_also_where_a_notebook_has_outputs_before_the_code():

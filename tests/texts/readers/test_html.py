@@ -4,7 +4,7 @@ import pytest
 
 from driftproof.texts.readers.html import html_blocks
 from driftproof.texts.readers.source_text import SourceText
-from tests.texts.readers.reading import blocks, read, standing
+from tests.texts.readers.reading import blocks, read
 
 READ = [
     ("<p>a<script>1</script>b<style>2</style><!-- 3 -->c</p><p title='4'>d", "abc\nd"),
@@ -26,10 +26,6 @@ READ = [
 @pytest.mark.parametrize(("source", "text"), READ)
 def test_html_is_read_as_people_read_it(source, text):
     assert read("html", source) == text
-
-
-def test_number_stands_where_the_file_has_it():
-    assert standing("html", "<p>one\n<b>two</b> &amp; &#8722;42.5</p>", "42.5").startswith("42.5")
 
 
 def test_markup_is_followed_a_hundred_levels_deep():

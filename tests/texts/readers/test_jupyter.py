@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from driftproof.texts.claims.listings import listings_in
 from driftproof.texts.readers.document import document_of
 from driftproof.texts.readers.source_text import LISTING
-from tests.texts.readers.reading import blocks, read, standing
+from tests.texts.readers.reading import blocks, read
 from tests.texts.readers.test_document import held
 
 NOTEBOOK = {
@@ -60,11 +60,6 @@ def test_code_is_in_the_language_that_the_notebook_names(metadata, language):
     text = json.dumps({**NOTEBOOK, "metadata": metadata})
     assert [(kind, spoken) for kind, spoken, _ in blocks("notebook", text) if kind == LISTING] == [(LISTING, language)]
     assert len(listings_in(document_of(text, "notebook"))) == (language == "python")
-
-
-def test_number_stands_where_the_file_has_it():
-    cells = {"cells": [{"cell_type": "markdown", "source": ["a\n", "b \\u2212 -42.5"]}]}
-    assert standing("notebook", json.dumps(cells, indent=1), "42.5").startswith("42.5")
 
 
 leaves = st.none() | st.integers() | st.text(max_size=5) | st.lists(st.text(max_size=5), max_size=3)

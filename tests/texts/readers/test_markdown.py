@@ -2,7 +2,7 @@
 
 import pytest
 
-from tests.texts.readers.reading import blocks, read, standing
+from tests.texts.readers.reading import blocks, read
 
 READ = [
     ("---\ntitle: 7\n---\n# A *b* `x*2*y` [c](u/9) ![d](e)", "A b x*2*y c d"),
@@ -39,11 +39,6 @@ def test_directives_are_read_eight_levels_deep():
         ends = ["`" * (deep + 3 - i) for i in range(deep)]
         source = "\n".join([*(f"{end}{{note}}" for end in ends), "x 5", *reversed(ends)])
         assert {kind for kind, *_ in blocks("markdown", source)} == kinds, deep
-
-
-def test_number_stands_where_the_file_has_it():
-    source = "# x\n\n> *one* [two](three) **\u221242.5** and `1/2`"
-    assert standing("markdown", source, "42.5").startswith("42.5")
 
 
 def test_fences_are_listings_and_mathematics():

@@ -48,10 +48,6 @@ def test_macros_are_put_in_five_times_and_braces_opened_twenty_times():
     assert read("tex", deep(20)) == "x"
 
 
-def test_number_stands_where_the_file_has_it():
-    assert standing("tex", "% 1\none $\\frac{x}{y} \\num{-42.5}$", "42.5").startswith("42.5")
-
-
 def test_verbatim_environment_is_a_listing():
     for environment, options in (("lstlisting", "[language=Python]"), ("minted", "{Python}")):
         source = f"a\\begin{{{environment}}}{options}\nx\n\\end{{{environment}}}"
