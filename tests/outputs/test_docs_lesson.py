@@ -8,7 +8,6 @@ import pytest
 
 from docs.lesson_tables import CLAIMS, LESSON, MISPRINTS, TABLES, figures, known, misprints, unnoticed
 from docs.pages import refreshed
-from driftproof.cli import main
 from driftproof.texts.claims.checking import check_claim, check_claims, coverage
 from driftproof.texts.claims.claims import parse_claims, read_claims
 from driftproof.texts.claims.listings import run_listings
@@ -27,9 +26,8 @@ beside = pytest.mark.skipif(not LESSON.exists(), reason="the lesson is not besid
 
 
 @beside
-def test_lesson_stands_as_its_claims_say_and_its_listing_prints_what_it_shows(capsys):
-    assert main(["check", str(LESSON), "--claims", str(CLAIMS), "--run"]) == 0
-    assert "1 listing run, all hold" in capsys.readouterr().out
+def test_lesson_stands_as_its_claims_say_and_its_listing_prints_what_it_shows(answer):
+    assert "1 listing run, all hold" in answer("check", str(LESSON), "--claims", str(CLAIMS), "--run")
 
 
 @pytest.mark.slow
@@ -100,9 +98,9 @@ def _statements(claim):
     return re.findall(r"\bL\d+\b", claim.id)
 
 
-def test_text_of_ours_stands_as_its_claims_say(capsys):
-    assert main(["check", str(SPRING), "--claims", str(SPRING_CLAIMS), "--run", "--coverage"]) == 0
-    assert capsys.readouterr().out.startswith(f"{SPRING}: 19 claims, 1 listing run, all hold\n100% of 40 numbers")
+def test_text_of_ours_stands_as_its_claims_say(answer):
+    shown = answer("check", str(SPRING), "--claims", str(SPRING_CLAIMS), "--run", "--coverage")
+    assert shown.startswith(f"{SPRING}: 19 claims, 1 listing run, all hold\n100% of 40 numbers")
 
 
 @pytest.mark.slow
