@@ -6,8 +6,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from docs.pages import TABLE, rows_of
-from driftproof.texts.questions.answer import OutputOptions, format_answer
-from driftproof.texts.questions.decimals import PLAIN, ROUNDING_POLICIES, Style
+from driftproof.texts.questions.decimals import ROUNDING_POLICIES, Style
 from driftproof.texts.questions.evaluate import value
 
 Rows = list[list[str]]
@@ -15,9 +14,7 @@ Rows = list[list[str]]
 
 def answers(shown: Sequence[Sequence[str]]) -> Rows:
     """Each question of the table with what `driftproof value` prints."""
-    options = OutputOptions(None, None, PLAIN)
-    rows = [[question, format_answer(value(question.strip("`")), options, "text")] for question, *_ in shown]
-    return [["question", "answer"], *rows]
+    return [["question", "answer"], *([question, str(value(question.strip("`")))] for question, *_ in shown)]
 
 
 def roundings(shown: Sequence[Sequence[str]]) -> Rows:

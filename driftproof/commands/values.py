@@ -60,7 +60,6 @@ def value_command(options: Namespace) -> str:
     """
     from dataclasses import replace
 
-    from driftproof.texts.questions.answer import OutputOptions, format_answer
     from driftproof.texts.questions.decimals import PLAIN, PRINTED
     from driftproof.texts.questions.errors import QUESTION_SECONDS, time_limit
     from driftproof.texts.questions.evaluate import value, vocabulary
@@ -77,9 +76,9 @@ def value_command(options: Namespace) -> str:
     if options.format in OF_SEVERAL:
         raise ValueError(f"--format {options.format} needs --only PATTERN")
     style = replace(PRINTED if options.style == "printed" else PLAIN, rounding=options.rounding)
-    output = OutputOptions(options.digits, options.places, style)
     with time_limit(options.question, QUESTION_SECONDS):
-        return format_answer(value(options.question), output, options.format or "text")
+        found = value(options.question)
+        return found.written(options.format or "text", digits=options.digits, places=options.places, style=style)
 
 
 def _published(options: Namespace) -> str:

@@ -118,19 +118,17 @@ def budget_answer(asked: OscillatorRun, digits: int, rounding: str, counter: Cou
         return {"h_run": h_run, **dict.fromkeys(MEASURED), "reason": str(overflow)}
     reached = (Fraction(final[0]), Fraction(final[1]))
     error = ErrorOfRun(exact_matrix_at(method, exact_h), exact_h, steps, exact_start, reached)
+    off, u = error.rounding, BINARY64.u
+    in_u: CertifiableReal = off / u if isinstance(off, Fraction) else lambda: enclose(off) / enclose(u)
     return {
         "h_run": h_run,
         "final_state": [repr(x) for x in final],
         "state_error": exact_and_decimal(error.total, digits, rounding),
         "truncation": exact_and_decimal(error.truncation, digits, rounding),
-        "rounding": exact_and_decimal(error.rounding, digits, rounding),
-        "rounding_in_u": exact_and_decimal(_in_u(error.rounding), BOUND_DIGITS, unit="u"),
+        "rounding": exact_and_decimal(off, digits, rounding),
+        "rounding_in_u": exact_and_decimal(in_u, BOUND_DIGITS, unit="u"),
         "bound": _theorem(method, exact_h, steps, exact_start),
     }
-
-
-def _in_u(value: CertifiableReal) -> CertifiableReal:
-    return value / BINARY64.u if isinstance(value, Fraction) else lambda: enclose(value) / enclose(BINARY64.u)
 
 
 def _theorem(method: Method, h: Fraction, steps: int, start: tuple[Fraction, Fraction]) -> Json:

@@ -56,7 +56,8 @@ def work_precision(
             bar.total += more
             bar.update(done)
 
-        measured = measure(study, folder, _say, progress)
+        say = lambda line: print(printable(f"driftproof work-precision: {line}"), file=sys.stderr)
+        measured = measure(study, folder, say, progress)
         if folder:
             from driftproof.reports.work_precision.figure import draw_study
 
@@ -64,7 +65,3 @@ def work_precision(
             written = [f"wrote {path}" for path in (*write_study(study, measured, folder), *figures)]
     both = {"errors": errors_json(study, measured), "times": times_json(study, measured)}
     return Answered(both, lambda _: "\n".join([study_text(study, measured), *written]), measured)
-
-
-def _say(line: str) -> None:
-    print(printable(f"driftproof work-precision: {line}"), file=sys.stderr)

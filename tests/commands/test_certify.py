@@ -1,7 +1,5 @@
 """`driftproof certify`: a function, a file, and the error with exit statuses as of `verify`; refusals in one line."""
 
-from __future__ import annotations
-
 import json
 import sys
 from pathlib import Path

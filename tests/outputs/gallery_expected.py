@@ -1,7 +1,5 @@
 """What each target of the gallery is, found without driftproof: read in its source, and tried with numbers."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 
@@ -20,7 +18,7 @@ class Expected:
     loose: float = 0.0
 
 
-def _same(package: str, loose: float = 0.0, **whats: str) -> dict[str, Expected]:
+def _same(package, loose=0.0, **whats):
     """Targets that are the catalogue's method to roundoff, or so loosely, with its order, as their packages say."""
     return {f"{package} {step}": Expected(what, ORDERS[what], loose=loose) for step, what in whats.items()}
 

@@ -1,7 +1,5 @@
 """Runs of up to 10⁹ steps: energies where the exact map has them, rounding within the theorem and by its laws."""
 
-from __future__ import annotations
-
 from fractions import Fraction as Q
 
 import pytest

@@ -1,7 +1,5 @@
 """docs/certify.md is true: its commands and sessions are run, its pictures drawn again, its tests pass and fail."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 
@@ -28,7 +26,7 @@ def test_page_and_pictures_are_what_their_commands_make_and_a_wrong_number_is_pu
 
 def test_the_first_test_of_the_page_passes_and_the_second_fails():
     pytest.importorskip("scipy.integrate")
-    names: dict[str, object] = {}
+    names = {}
     exec(compile(FIRST_LINES[1], "docs/certify.md", "exec"), names)
     names["test_the_pendulum_is_right_to_nine_digits"]()
     with pytest.raises(AssertionError, match=r"off by 0\.\d+, more than 1e-09: .* \(proved\)\nrtol = 0\.001 allows"):

@@ -1,7 +1,5 @@
 """The page of public texts is true: every number on it is worked out anew, and said to be right or wrong."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 
@@ -15,11 +13,11 @@ PAGE = (Path(__file__).parents[2] / "docs" / "public_texts.md").read_text(encodi
 
 
 @pytest.mark.slow
-def test_page_is_what_its_questions_are_answered() -> None:
+def test_page_is_what_its_questions_are_answered():
     assert refreshed(PAGE, TABLES) == PAGE, "run `make docs`"
 
 
-def test_four_fifths_of_the_computed_numbers_of_each_text_are_worked_out() -> None:
+def test_four_fifths_of_the_computed_numbers_of_each_text_are_worked_out():
     summary = next(match[2] for match in TABLE.finditer(PAGE) if match[1] == "summary")
     shares = [int(found.split()[1]) for *_, found, _ in exactly(5, rows_of(summary))]
     assert min(shares) >= 80
@@ -36,13 +34,12 @@ def test_four_fifths_of_the_computed_numbers_of_each_text_are_worked_out() -> No
         ("step rk4 rates=(t+y0) from 1 h=0.1 : k{1..2}.y0 - 1", "0 .1", [None, None]),
     ],
 )
-def test_numbers_are_held_as_claims_hold_them(asked: str, printed: str, should_be: list[str | None]) -> None:
+def test_numbers_are_held_as_claims_hold_them(asked, printed, should_be):
     assert [one.should_be for one in numbers_held(f"`{asked}`", printed)] == should_be
 
 
-def test_wrong_verdict_and_number_too_many_are_noticed() -> None:
+def test_wrong_verdict_and_number_too_many_are_noticed():
     row = re.search(r"\| (`run rk4[^|]*`) \| ([^|]*) \| right \|", PAGE)
-    assert row is not None
     name = TABLE.findall(PAGE.partition(row[0])[0])[-1][0]
     planted = f"<!-- table: {name} -->\n\n| | | |\n| --- | --- | --- |\n{row[0].replace('0.713542', '0.713543')}\n"
     assert "**0.713543 should be 0.713542**" in refreshed(planted, TABLES)

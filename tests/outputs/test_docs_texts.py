@@ -1,10 +1,7 @@
 """docs/texts.md is true: run in an empty folder, in order, as it stands."""
 
-from __future__ import annotations
-
 import re
 import shlex
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -17,15 +14,14 @@ from tests.looping import exactly
 ROOT = Path(__file__).parents[2]
 PAGE = (ROOT / "docs" / "texts.md").read_text(encoding="utf-8")
 BLOCK = re.compile(r"```(\w+)\n(.*?)```", re.DOTALL)
-Print = Callable[[str], str]
 
 
 @pytest.fixture
-def printed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Print:
+def printed(tmp_path, monkeypatch, capsys):
     """printed(command): what a command of the page prints in an empty folder, or writes where it says > FILE."""
     monkeypatch.chdir(tmp_path)
 
-    def run(command: str) -> str:
+    def run(command):
         words, _, target = command.partition(" > ")
         program, *arguments = shlex.split(words)
         if program == "driftproof":
@@ -46,12 +42,12 @@ def printed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.Capt
     return run
 
 
-def tail(path: Path, arguments: list[str]) -> str:
+def tail(path, arguments):
     """tail -N FILE."""
     return "".join(path.read_text(encoding="utf-8").splitlines(keepends=True)[int(arguments[0]) :])
 
 
-def sed(option: str, command: str, file: str) -> str:
+def sed(option, command, file):
     """sed -i s/OLD/NEW/ FILE."""
     assert option == "-i"
     _, old, new, _ = command.split("/")
@@ -61,14 +57,14 @@ def sed(option: str, command: str, file: str) -> str:
     return ""
 
 
-def sessions(page: str) -> list[tuple[str, str]]:
+def sessions(page):
     """(command, output) of every console block."""
     blocks = [text for kind, text in BLOCK.findall(page) if kind == "console"]
     return [match for text in blocks for match in re.findall(r"^\$ (.*)\n((?:(?!\$ ).*\n)*)", text, re.MULTILINE)]
 
 
 @pytest.mark.slow
-def test_page_shows_what_its_commands_print(printed: Print, tmp_path: Path) -> None:
+def test_page_shows_what_its_commands_print(printed, tmp_path):
     template = next(text for kind, text in BLOCK.findall(PAGE) if kind == "jinja")
     (tmp_path / "lesson.md.j2").write_text(template, encoding="utf-8")
     for name, content in exactly(3, re.findall(r"`((?:calls|euler)[.]\w+)`:\n\n```\w+\n(.*?)```", PAGE, re.DOTALL)):
@@ -77,31 +73,25 @@ def test_page_shows_what_its_commands_print(printed: Print, tmp_path: Path) -> N
         assert printed(command) == shown, command
 
 
-def rendered(template: str, folder: Path) -> str:
+def rendered(template, folder):
     (folder / "page.md.j2").write_text(template, encoding="utf-8")
     return Template(folder / "page.md.j2", MARKDOWN, None, None).text()
 
 
-def test_filters_do_what_the_table_of_the_page_says(tmp_path: Path) -> None:
+def test_filters_do_what_the_table_of_the_page_says(tmp_path):
     rows = re.findall(r"^\| `(\{\{.*?\}\})` \| (.*?) \|", PAGE, re.MULTILINE)
     assert len(rows) == 7
     for asked, shown in rows:
         assert rendered(asked.replace(r"\|", "|"), tmp_path) == shown.strip("`"), asked
 
 
-def test_table_of_methods_is_as_the_page_shows_it(tmp_path: Path) -> None:
+def test_table_of_methods_is_as_the_page_shows_it(tmp_path):
     _, template = [text for kind, text in BLOCK.findall(PAGE) if kind == "jinja"]
     shown = next(text for kind, text in BLOCK.findall(PAGE) if kind == "markdown")
     assert rendered(template, tmp_path) == shown
 
 
-def test_links_lead_to_files() -> None:
-    links = re.findall(r"\]\((.*?)\)", PAGE)
-    assert len(links) == 3
-    assert all((ROOT / "docs" / link).is_file() for link in links)
-
-
-def test_hooks_are_commands_that_the_page_names() -> None:
+def test_hooks_are_commands_that_the_page_names():
     hooks = (ROOT / ".pre-commit-hooks.yaml").read_text(encoding="utf-8")
     names = re.findall(r"^- id: (.*)$", hooks, re.MULTILINE)
     assert [f"driftproof {entry}" for entry in re.findall(r"^  entry: driftproof (.*)$", hooks, re.MULTILINE)] == [

@@ -27,7 +27,7 @@ claims.claim = lambda *keys, **said: kept(*(key for key in keys if key != "L034"
 """
 
 
-def run_proofs(*arguments: str, plugins: Path | None = None) -> subprocess.CompletedProcess[str]:
+def run_proofs(*arguments, plugins=None):
     path = {"PYTHONPATH": str(plugins)} if plugins else {}
     return subprocess.run(
         [sys.executable, "-m", "pytest", "-q", "proofs", *arguments],
@@ -39,17 +39,17 @@ def run_proofs(*arguments: str, plugins: Path | None = None) -> subprocess.Compl
     )
 
 
-def digest() -> str:
+def digest():
     return hashlib.sha256(VALUES_FILE.read_bytes()).hexdigest()
 
 
 @pytest.fixture
-def planted(tmp_path: Path) -> Path:
+def planted(tmp_path):
     (tmp_path / "planted_error.py").write_text(PLANT, encoding="utf-8")
     return tmp_path
 
 
-def standings(done: subprocess.CompletedProcess[str]) -> dict[str, str]:
+def standings(done):
     """What the ledger prints of each claim: its evidence, "failed", or "not"."""
     return dict(line.split()[:2] for line in done.stdout.splitlines() if line.startswith("L"))
 

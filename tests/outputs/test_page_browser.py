@@ -1,15 +1,9 @@
 """The page as readers see it, in a real browser: silent, self-contained, legible at any width, selectable, to scale."""
 
-from __future__ import annotations
-
 import re
-from collections.abc import Iterator
 from itertools import combinations
-from pathlib import Path
-from typing import Any, Literal
 
 import pytest
-from playwright.sync_api import Browser, Page
 
 from driftproof.numeric.scenes import PRESETS
 from driftproof.reports.page.document import document
@@ -26,13 +20,13 @@ FIGURES = 2 * 3 * 2 + 1 + 2
 
 
 @pytest.fixture(scope="module")
-def chromium() -> Iterator[Browser]:
+def chromium():
     with started() as browser:
         yield browser
 
 
 @pytest.fixture(scope="module")
-def page(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def page(tmp_path_factory):
     path = tmp_path_factory.mktemp("page") / "report.html"
     path.write_text(document([PRESETS["default"], PRESETS["stability_boundary"]], 15), encoding="utf-8")
     return path
@@ -79,7 +73,7 @@ TEXTS = "h1, h2, h3, h4, p, label, dt, dd, li, summary, caption, th, td, i"
 MARKS = "svg .path, svg .dots, svg .own, svg .exact.end, svg .axis"
 
 
-def faint(page: Page) -> list[str]:
+def faint(page):
     """What is too faint: text, text of pictures, marks of pictures. Fails where it finds nothing to look at."""
     complaints = []
     for selector, key, least in [
@@ -94,12 +88,12 @@ def faint(page: Page) -> list[str]:
     return complaints
 
 
-def overflow(page: Page) -> float:
+def overflow(page):
     """By how many pixels the page is wider than its window."""
     return float(page.evaluate("document.documentElement.scrollWidth - document.documentElement.clientWidth"))
 
 
-def shown_figures(page: Page) -> list[str]:
+def shown_figures(page):
     """The ids of the figures that can be seen."""
     return [figure.get_attribute("id") or "" for figure in page.locator("figure:visible").all()]
 
@@ -107,9 +101,7 @@ def shown_figures(page: Page) -> list[str]:
 @pytest.mark.slow(keep=1)
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 @pytest.mark.parametrize("width", [360, 1200])
-def test_page_is_silent_and_legible_everywhere(
-    chromium: Browser, page: Path, width: int, scheme: Literal["light", "dark"]
-) -> None:
+def test_page_is_silent_and_legible_everywhere(chromium, page, width, scheme):
     """No complaint, no request; nothing wider than the window, however it is; no small and no faint text."""
     with opened(chromium, page, width=width, scheme=scheme) as shown:
         assert shown.requests == [shown.address]
@@ -125,7 +117,7 @@ def test_page_is_silent_and_legible_everywhere(
 
 
 @pytest.mark.slow
-def test_every_figure_is_titled_described_and_has_its_numbers(chromium: Browser, page: Path) -> None:
+def test_every_figure_is_titled_described_and_has_its_numbers(chromium, page):
     with opened(chromium, page) as shown:
         assert shown.page.locator("figure").count() == FIGURES
         assert shown.page.evaluate(UNTITLED) == []
@@ -134,7 +126,7 @@ def test_every_figure_is_titled_described_and_has_its_numbers(chromium: Browser,
 
 @pytest.mark.slow
 @pytest.mark.parametrize("script", [True, False])
-def test_scene_and_method_are_selected_with_and_without_script(chromium: Browser, page: Path, script: bool) -> None:
+def test_scene_and_method_are_selected_with_and_without_script(chromium, page, script):
     with opened(chromium, page, script=script) as shown:
         own = ["scene-1-work", "scene-1-growth"]
         euler = ["scene-1-forward_euler-position", "scene-1-forward_euler-phase_plane"]
@@ -147,7 +139,7 @@ def test_scene_and_method_are_selected_with_and_without_script(chromium: Browser
 
 
 @pytest.mark.slow
-def test_selection_works_from_the_keyboard(chromium: Browser, page: Path) -> None:
+def test_selection_works_from_the_keyboard(chromium, page):
     with opened(chromium, page) as shown:
         shown.page.keyboard.press("Tab")
         shown.page.keyboard.press("ArrowRight")
@@ -157,7 +149,7 @@ def test_selection_works_from_the_keyboard(chromium: Browser, page: Path) -> Non
 
 
 @pytest.mark.slow
-def test_print_shows_every_scene_and_every_method_and_the_schemes_differ(chromium: Browser, page: Path) -> None:
+def test_print_shows_every_scene_and_every_method_and_the_schemes_differ(chromium, page):
     with opened(chromium, page) as shown:
         colour = "getComputedStyle(document.body).color"
         light = shown.page.evaluate(colour)
@@ -183,10 +175,10 @@ BOXES = """() => [...document.querySelectorAll("figure.square")].filter(f => f.c
 
 @pytest.mark.slow
 @pytest.mark.parametrize("width", [360, 1200])
-def test_phase_planes_have_equal_scales_as_they_are_rendered(chromium: Browser, page: Path, width: int) -> None:
+def test_phase_planes_have_equal_scales_as_they_are_rendered(chromium, page, width):
     """Between the same ticks there are as many pixels across as up, and the exact circle is as wide as it is high."""
     with opened(chromium, page, width=width) as shown:
-        boxes: list[dict[str, Any]] = []
+        boxes = []
         for label in shown.page.locator("main > .choice > label").all():
             label.click()
             boxes += shown.page.evaluate(BOXES)
@@ -211,7 +203,7 @@ BROKEN = {
 
 
 @pytest.mark.slow
-def test_page_that_asks_or_complains_is_found(chromium: Browser, tmp_path: Path) -> None:
+def test_page_that_asks_or_complains_is_found(chromium, tmp_path):
     path = tmp_path / "broken.html"
     for what in BROKEN.values():
         path.write_text(f"<!DOCTYPE html><title>b</title>{what}", encoding="utf-8")
@@ -219,7 +211,7 @@ def test_page_that_asks_or_complains_is_found(chromium: Browser, tmp_path: Path)
             assert shown.complaints
 
 
-def test_the_page_s_own_policy_blocks_what_is_smuggled_in(chromium: Browser, page: Path, tmp_path: Path) -> None:
+def test_the_page_s_own_policy_blocks_what_is_smuggled_in(chromium, page, tmp_path):
     """A script in the page does not run, and an image is not loaded: the browser says so instead."""
     path = tmp_path / "smuggled.html"
     smuggled = '<script>document.title = "run"</script><img src="http://127.0.0.1:9/x.png"></body>'
@@ -231,7 +223,7 @@ def test_the_page_s_own_policy_blocks_what_is_smuggled_in(chromium: Browser, pag
 
 
 @pytest.mark.slow
-def test_figure_that_is_spoiled_is_found(chromium: Browser, page: Path) -> None:
+def test_figure_that_is_spoiled_is_found(chromium, page):
     """Each check is tried out on the page itself, with one thing taken away or made worse."""
     spoilers = [
         "document.querySelector('figure > svg > title').textContent = ''",
@@ -255,7 +247,7 @@ def test_figure_that_is_spoiled_is_found(chromium: Browser, page: Path) -> None:
         assert abs(box["width"] - box["height"]) > 5
 
 
-def test_missing_browser_skips_and_fails_where_it_is_required(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_missing_browser_skips_and_fails_where_it_is_required(monkeypatch):
     monkeypatch.setattr("tests.browser.shutil.which", lambda _: None)
     monkeypatch.delenv("DRIFTPROOF_BROWSER", raising=False)
     with pytest.raises(pytest.skip.Exception, match="no Chromium"), started():
@@ -266,7 +258,7 @@ def test_missing_browser_skips_and_fails_where_it_is_required(monkeypatch: pytes
 
 
 @pytest.mark.slow
-def test_all_presets_print_on_at_most_twelve_pages_without_a_split_box(chromium: Browser, tmp_path: Path) -> None:
+def test_all_presets_print_on_at_most_twelve_pages_without_a_split_box(chromium, tmp_path):
     path = tmp_path / "all.html"
     path.write_text(document([*PRESETS.values()], 15), encoding="utf-8")
     with opened(chromium, path, width=SHEET_WIDTH) as shown:

@@ -1,19 +1,14 @@
 """The example of a web lesson in Chromium: numbers, remarks by pointer and by key, both schemes, 360 px, errors."""
 
-from __future__ import annotations
-
 import threading
-from collections.abc import Iterator
 from functools import partial
 from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
-from typing import Any
 
 import pytest
-from playwright.sync_api import Browser
 
 from driftproof.texts.values.published import published_values, render_values
-from tests.browser import Shown, opened, started
+from tests.browser import opened, started
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "web" / "index.html"
 
@@ -21,18 +16,18 @@ EXAMPLE = Path(__file__).parents[2] / "examples" / "web" / "index.html"
 class Silent(SimpleHTTPRequestHandler):
     """Serves files and writes no log."""
 
-    def log_message(self, *_: Any) -> None:
+    def log_message(self, *_):
         """Nothing."""
 
 
 @pytest.fixture(scope="module")
-def chromium() -> Iterator[Browser]:
+def chromium():
     with started() as browser:
         yield browser
 
 
 @pytest.fixture(scope="module")
-def site(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
+def site(tmp_path_factory):
     """The address of a folder made as index.html says."""
     folder = tmp_path_factory.mktemp("site")
     (folder / "index.html").write_bytes(EXAMPLE.read_bytes())
@@ -45,24 +40,24 @@ def site(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
 
 
 @pytest.fixture(params=[(1200, "light"), (360, "light"), (360, "dark")], ids=["wide", "narrow", "dark"])
-def shown(request: pytest.FixtureRequest, chromium: Browser, site: str) -> Iterator[Shown]:
+def shown(request, chromium, site):
     with opened(chromium, site, width=request.param[0], scheme=request.param[1]) as shown:
         yield ready(shown)
 
 
 @pytest.fixture
-def plain(chromium: Browser, site: str) -> Iterator[Shown]:
+def plain(chromium, site):
     with opened(chromium, site) as shown:
         yield ready(shown)
 
 
-def ready(shown: Shown) -> Shown:
+def ready(shown):
     shown.page.wait_for_function("document.querySelector('#energy').textContent")
     return shown
 
 
 @pytest.mark.slow(keep=1)
-def test_numbers_are_shown_and_say_what_they_are(shown: Shown) -> None:
+def test_numbers_are_shown_and_say_what_they_are(shown):
     page = shown.page
     numbers = page.locator("driftproof-value data")
     assert numbers.count() == page.locator("driftproof-value").count() == 8
@@ -76,8 +71,7 @@ def test_numbers_are_shown_and_say_what_they_are(shown: Shown) -> None:
         number.locator("data").hover()
         assert tip.is_visible()
         box = tip.bounding_box()
-        assert box is not None
-        assert 0 <= box["x"] <= box["x"] + box["width"] <= page.viewport_size["width"]  # type: ignore[index]
+        assert 0 <= box["x"] <= box["x"] + box["width"] <= page.viewport_size["width"]
         assert number.locator("data").get_attribute("aria-describedby") == tip.get_attribute("id")
     assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
     assert shown.console == shown.errors == []
@@ -86,7 +80,7 @@ def test_numbers_are_shown_and_say_what_they_are(shown: Shown) -> None:
 
 
 @pytest.mark.slow(keep=1)
-def test_remark_opens_with_the_focus_and_closes_with_escape(shown: Shown) -> None:
+def test_remark_opens_with_the_focus_and_closes_with_escape(shown):
     page = shown.page
     tips = page.locator("[role=tooltip]")
     page.keyboard.press("Tab")
@@ -100,7 +94,7 @@ def test_remark_opens_with_the_focus_and_closes_with_escape(shown: Shown) -> Non
 
 
 @pytest.mark.slow(keep=1)
-def test_remark_is_readable_in_either_scheme(shown: Shown) -> None:
+def test_remark_is_readable_in_either_scheme(shown):
     """Text and ground differ as WCAG 2.2 asks: 4.5 : 1 at least."""
     tip = "getComputedStyle(document.querySelector('[role=tooltip]'))"
     colours = [shown.page.evaluate(f"{tip}.{name}") for name in ("color", "backgroundColor")]
@@ -108,7 +102,7 @@ def test_remark_is_readable_in_either_scheme(shown: Shown) -> None:
     assert (light + 0.05) / (dark + 0.05) >= 4.5
 
 
-def _luminance(colour: str) -> float:
+def _luminance(colour):
     channels = [int(part) / 255 for part in colour.removeprefix("rgb(").removesuffix(")").split(",")]
     linear = [c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4 for c in channels]
     return sum(weight * c for weight, c in zip((0.2126, 0.7152, 0.0722), linear, strict=True))
@@ -130,7 +124,7 @@ NOT_SHOWN = [
 ]
 
 
-def test_what_cannot_be_shown_is_a_visible_error(plain: Shown) -> None:
+def test_what_cannot_be_shown_is_a_visible_error(plain):
     page = plain.page
     for attributes, message in NOT_SHOWN:
         element = f"<driftproof-value {attributes}>0.5</driftproof-value>"
@@ -140,7 +134,7 @@ def test_what_cannot_be_shown_is_a_visible_error(plain: Shown) -> None:
     assert plain.console == plain.errors == []
 
 
-def test_element_follows_its_attributes(plain: Shown) -> None:
+def test_element_follows_its_attributes(plain):
     page = plain.page
     page.evaluate("document.querySelector('driftproof-value').setAttribute('digits', '3')")
     assert page.locator("driftproof-value data").first.text_content() == "0.878"
@@ -150,7 +144,7 @@ def test_element_follows_its_attributes(plain: Shown) -> None:
 
 
 @pytest.mark.slow
-def test_text_kept_for_pages_without_script_is_what_a_script_shows(plain: Shown, chromium: Browser, site: str) -> None:
+def test_text_kept_for_pages_without_script_is_what_a_script_shows(plain, chromium, site):
     texts = plain.page.locator("driftproof-value data").all_inner_texts()
     with opened(chromium, site, script=False) as shown:
         assert shown.page.locator("driftproof-value").all_inner_texts() == texts != []

@@ -1,7 +1,5 @@
 """The wheel, installed where a user's project has files of our folders' names: it owns one name; nothing shadows it."""
 
-from __future__ import annotations
-
 import subprocess
 import zipfile
 from pathlib import Path
@@ -55,7 +53,7 @@ RUNS = {
 }
 
 
-def project(folder: Path) -> Path:
+def project(folder):
     files = {
         "springs.py": SPRINGS, "lesson.md.j2": TEMPLATE, "lesson.md": "RK4 leads to q = 337/384 at once.\n",
         "claims.toml": CLAIMS,
@@ -67,34 +65,34 @@ def project(folder: Path) -> Path:
     return folder
 
 
-def said(python: Path, arguments: list[str], folder: Path) -> tuple[int, str, str]:
+def said(python, arguments, folder):
     done = subprocess.run(
         [str(python), *arguments], cwd=folder, capture_output=True, text=True, timeout=120, stdin=subprocess.DEVNULL
     )
     return done.returncode, done.stdout, done.stderr
 
 
-def test_wheel_holds_one_name(wheel: Path) -> None:
+def test_wheel_holds_one_name(wheel):
     with zipfile.ZipFile(wheel) as archive:
         tops = {name.split("/")[0] for name in archive.namelist()}
     assert {name for name in tops if not name.endswith(".dist-info")} == {"driftproof"}
     assert len(tops) == 2
 
 
-def test_environment_is_that_of_the_wheel(installed: Path, tmp_path: Path) -> None:
+def test_environment_is_that_of_the_wheel(installed, tmp_path):
     status, out, _ = said(installed, ["-c", "import driftproof; print(driftproof.__file__)"], tmp_path)
     assert status == 0
     assert Path(out.strip()).is_relative_to(installed.parents[1])
 
 
 @pytest.mark.parametrize("name", RUNS)
-def test_answer_beside_decoys_is_right(name: str, installed: Path, tmp_path: Path) -> None:
+def test_answer_beside_decoys_is_right(name, installed, tmp_path):
     arguments, part = RUNS[name]
     status, out, err = said(installed, arguments, project(tmp_path))
     assert (status, err) == (0, "")
     assert part in out
 
 
-def test_decoys_would_shadow_what_is_not_in_the_package(installed: Path, tmp_path: Path) -> None:
+def test_decoys_would_shadow_what_is_not_in_the_package(installed, tmp_path):
     folder = project(tmp_path)
     assert said(installed, ["-c", "import methods; print(methods.X)"], folder)[1] == "1\n"

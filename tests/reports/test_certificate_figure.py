@@ -1,7 +1,5 @@
 """The picture of an error: its parts by name, its axis in whole decades, few points drawn of many."""
 
-from __future__ import annotations
-
 import re
 from dataclasses import replace
 from math import log10

@@ -1,50 +1,45 @@
 """Pictures of methods: drawn whole, the same bytes each time, with certified points on the boundary of the region."""
 
-from __future__ import annotations
-
 import re
 from dataclasses import replace
 from math import atan, exp, hypot, log, sqrt
-from pathlib import Path
 from xml.etree import ElementTree
 
 import pytest
 
 from driftproof.methods.catalogue import METHODS
-from driftproof.methods.schemes import Method
 from driftproof.reports.method_figures import PICTURES, draw_method
-from driftproof.reports.page.plot import Plot
 from driftproof.symbolic.linear.oscillator import stability_function_of
 from driftproof.symbolic.linear.region import boundary_points
 from tests.looping import exactly, some
 
 
 @pytest.mark.parametrize("kind", PICTURES)
-def test_picture_is_whole_and_the_same_bytes_each_time(kind: str, tmp_path: Path) -> None:
+def test_picture_is_whole_and_the_same_bytes_each_time(kind, tmp_path):
     first, second = (draw_method(kind, METHODS["rk4"], tmp_path / name).read_bytes() for name in ("1.svg", "2.svg"))
     assert first == second
     assert ElementTree.fromstring(first).tag.endswith("svg")
     assert sorted(path.name for path in tmp_path.iterdir()) == ["1.svg", "2.svg"]
 
 
-def test_splitting_has_no_picture_and_no_file_is_left(tmp_path: Path) -> None:
+def test_splitting_has_no_picture_and_no_file_is_left(tmp_path):
     with pytest.raises(ValueError, match="symplectic_euler has no stability function to draw"):
         draw_method("region", METHODS["symplectic_euler"], tmp_path / "x.svg")
     assert list(tmp_path.iterdir()) == []
 
 
-def test_name_of_a_picture_says_its_kind(tmp_path: Path) -> None:
+def test_name_of_a_picture_says_its_kind(tmp_path):
     with pytest.raises(ValueError, match=r"x\.png: a picture must be a \.svg file"):
         draw_method("phase", METHODS["rk4"], tmp_path / "x.png")
     assert draw_method("phase", METHODS["rk4"], tmp_path / "x.SVG").stat().st_size > 1000
 
 
-def strokes(path: Path) -> list[tuple[float, float, float]]:
+def strokes(path):
     (shade,) = (x for x in ElementTree.parse(path).iter() if x.get("class") == "shade")
     return [tuple(map(float, found)) for found in re.findall(r"M([\d.]+) ([\d.]+)H([\d.]+)", shade.get("d", ""))]
 
 
-def test_what_is_shaded_is_the_inside_of_the_region(tmp_path: Path) -> None:
+def test_what_is_shaded_is_the_inside_of_the_region(tmp_path):
     """Forward Euler's region is the disc of radius 1 around -1, in a square of side 2.4, 264 units of the picture.
 
     A column is half a unit wide, and shaded from the first one inside to the last.
@@ -60,7 +55,7 @@ def test_what_is_shaded_is_the_inside_of_the_region(tmp_path: Path) -> None:
         assert hypot(float(x) - middle, float(y) - 26 - 132) == pytest.approx(unit, abs=0.02)
 
 
-def test_order_star_is_where_the_step_is_longer_than_the_exponential(tmp_path: Path) -> None:
+def test_order_star_is_where_the_step_is_longer_than_the_exponential(tmp_path):
     larger = lambda x, y: abs(1 + x + 1j * y) > exp(x)
     at = lambda left, y: ((left - 52 - 132) / 26.4, (26 + 132 - y) / 26.4)
     seen = strokes(draw_method("order-star", METHODS["forward_euler"], tmp_path / "2.svg"))
@@ -72,11 +67,11 @@ def test_order_star_is_where_the_step_is_longer_than_the_exponential(tmp_path: P
         assert left < 53 or not larger(*at(left - 1, y))
 
 
-def picture(kind: str, method: Method) -> Plot:
+def picture(kind, method):
     return PICTURES[kind](stability_function_of(method))[0]
 
 
-def test_phase_and_growth_are_those_of_the_step() -> None:
+def test_phase_and_growth_are_those_of_the_step():
     """Forward Euler's R(ih) = 1 + ih turns by atan h and is sqrt(1 + h²) long; up to h = 3, in 600 steps."""
     plot = picture("phase", METHODS["forward_euler"])
     low, high = plot.y.scale.low, plot.y.scale.high
@@ -89,7 +84,7 @@ def test_phase_and_growth_are_those_of_the_step() -> None:
         assert [y for _, y in places] == pytest.approx([float(plot.y.scale(curves[name](x))) for x in h], abs=0.006)
 
 
-def test_a_picture_is_no_deeper_than_ten_no_smaller_than_one_and_no_farther_than_twelve() -> None:
+def test_a_picture_is_no_deeper_than_ten_no_smaller_than_one_and_no_farther_than_twelve():
     """R = 1 + z + z² + z³ is 0 at i; |1 + z + 100 z²| <= 1 is small; Gauss's region ends at an axis."""
     own = lambda a, *weights: replace(METHODS["rk4"], a=a, b=weights, c=tuple(map(sum, a)))
     deep = picture("phase", own(((0, 0, 0), (1, 0, 0), (0, 1, 0)), 0, 0, 1)).y.scale

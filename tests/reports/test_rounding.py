@@ -8,7 +8,6 @@ from fractions import Fraction as Q
 import pytest
 
 from driftproof import run
-from driftproof.cli import main
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.stepping import oscillator
 from driftproof.numeric.steppers import float_stepper
@@ -151,15 +150,12 @@ def test_budget_is_shown_line_by_line():
     ]
 
 
-def test_run_whose_floats_overflow_is_answered_and_says_so(capsys):
+def test_run_whose_floats_overflow_is_answered_and_says_so(answer):
     """|1 + 4i|**1000 is about 1e615: no double, and no obstacle to the exact run."""
-    arguments = ["run", "forward_euler", "--h", "4", "--t", "4000", "--budget"]
-    assert main(arguments) == 0
-    text = capsys.readouterr().out
+    asked = ("run", "forward_euler", "--h", "4", "--t", "4000", "--budget")
+    text, found = answer(*asked), json.loads(answer(*asked, "--format", "json"))
     assert "e615" in text
     assert "overflow: the state is no longer finite after step 5" in text
-    assert main([*arguments, "--format", "json"]) == 0
-    answer = json.loads(capsys.readouterr().out)
-    assert answer["state_error"]["decimal"].endswith("e615")
-    assert set(answer["budget"]) == set(budget("rk4")) | {"reason"}
-    assert answer["budget"]["rounding"] is None
+    assert found["state_error"]["decimal"].endswith("e615")
+    assert set(found["budget"]) == set(budget("rk4")) | {"reason"}
+    assert found["budget"]["rounding"] is None

@@ -1,7 +1,5 @@
 """A sweep on a real cluster, of two workers over TCP: a worker is killed in the midst, or the scheduler is."""
 
-from __future__ import annotations
-
 import json
 import logging
 import os
@@ -146,7 +144,7 @@ def test_what_distributed_logs_of_its_end_is_not_said_twice(error, kind, line, m
     monkeypatch.setitem(sys.modules, "distributed", fake)
     monkeypatch.setattr(sweeps, "require_package", lambda *_: None)
 
-    def ends() -> None:
+    def ends():
         with cluster_executor("tcp://a:1"):
             logging.getLogger("distributed.client").error("a traceback")
             raise error("of what")

@@ -1,7 +1,5 @@
 """A user's problem from a file: its digits are enclosed, and those of our own problems come out the same."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from decimal import Decimal
@@ -16,7 +14,7 @@ from driftproof.methods.catalogue import METHODS
 from driftproof.methods.field_text import field_of_text
 from driftproof.numeric.engine import runner
 from driftproof.numeric.problems.catalogue import PROBLEMS
-from driftproof.numeric.problems.problem import CERTIFIED, EXACT, Reference
+from driftproof.numeric.problems.problem import CERTIFIED, EXACT
 from driftproof.numeric.reference_errors import decimal_energy
 from driftproof.reports import user_problem
 from driftproof.reports.pages import report
@@ -36,14 +34,14 @@ parameters.g = 9.81
 """
 
 
-def differing(ours: Reference, stored: Reference) -> list[str]:
+def differing(ours, stored):
     """Digits that do not speak of one number: each is right to half a unit of its last place."""
     pairs = [pair for rows in zip(ours.states, stored.states, strict=True) for pair in zip(*rows, strict=True)]
     half = lambda text: Fraction(10) ** int(Decimal(text).as_tuple().exponent) / 2
     return [b for a, b in pairs if abs(Fraction(a) - Fraction(b)) > half(a) + half(b)]
 
 
-def first(reference: Reference, count: int) -> Reference:
+def first(reference, count):
     return replace(reference, times=reference.times[:count], states=reference.states[:count])
 
 

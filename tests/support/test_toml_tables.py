@@ -1,11 +1,5 @@
 """A table is read as it is written; what does not fit is refused in one line with its place and what is allowed."""
 
-from __future__ import annotations
-
-from collections.abc import Callable
-from pathlib import Path
-from typing import Any
-
 import pytest
 
 from driftproof.support import toml_tables as toml
@@ -15,7 +9,7 @@ class Refused(ValueError):
     """What a caller of its own calls a refusal."""
 
 
-def test_decimals_stay_as_they_are_written() -> None:
+def test_decimals_stay_as_they_are_written():
     assert toml.parse_toml("x = 0.1\ny = [1, 2e-3]") == {"x": "0.1", "y": [1, "2e-3"]}
     assert toml.parse_toml("x = [" + "0.125, " * 600 + "]")["x"] == ["0.125"] * 600
     assert toml.parse_toml("a" + ".a" * 300 + " = 1")
@@ -35,7 +29,7 @@ def test_decimals_stay_as_they_are_written() -> None:
         (b"x = " + b"9" * 5000, "not TOML: Exceeds the limit"),
     ],
 )
-def test_what_is_not_toml_or_too_much_is_refused(content: bytes, reason: str, tmp_path: Path) -> None:
+def test_what_is_not_toml_or_too_much_is_refused(content, reason, tmp_path):
     path = tmp_path / "mine.toml"
     path.write_bytes(content)
     with pytest.raises(Refused, match=r"\A[^\n]*\Z") as caught:
@@ -44,12 +38,12 @@ def test_what_is_not_toml_or_too_much_is_refused(content: bytes, reason: str, tm
     assert reason in str(caught.value)
 
 
-def test_a_byte_order_mark_is_no_part_of_the_table(tmp_path: Path) -> None:
+def test_a_byte_order_mark_is_no_part_of_the_table(tmp_path):
     (tmp_path / "mine.toml").write_text("\ufeffx = 1", encoding="utf-8")
     assert toml.read_toml(tmp_path / "mine.toml", 10, dict) == {"x": 1}
 
 
-def test_a_reason_of_the_caller_and_one_of_the_system_name_the_file(tmp_path: Path) -> None:
+def test_a_reason_of_the_caller_and_one_of_the_system_name_the_file(tmp_path):
     path = tmp_path / "mine.toml"
     path.write_text("x = 1", encoding="utf-8")
     assert toml.read_toml(path, 10, lambda table: toml.as_whole(table["x"], "x", 0, 9)) == 1
@@ -60,14 +54,14 @@ def test_a_reason_of_the_caller_and_one_of_the_system_name_the_file(tmp_path: Pa
             toml.read_toml(missing, 10, dict, Refused)
 
 
-FITS: list[tuple[Any, Any]] = [
+FITS = [
     (toml.as_text("", "x"), ""), (toml.as_line("  a  b   ", "x", 9), "a  b"),
     (toml.as_texts(["a", "b"], "x"), ("a", "b")), (toml.as_flag(False, "x"), False),
     (toml.as_whole(9, "x", 0, 9) - toml.as_whole(0, "x", 0, 9), 9),
     (toml.as_choice("a", "x", ("a", "b")), "a"), (toml.as_table({}, "x"), {}),
     (toml.as_list([1, 2], "x", 2, 2), [1, 2]),
 ]  # fmt: skip
-REFUSALS: list[tuple[Callable[[], Any], str]] = [
+REFUSALS = [
     (lambda: toml.as_text(1, "x"), "x is 1; write text in quotes"),
     (lambda: toml.as_text(None, "x"), "x is missing; write text in quotes"),
     (lambda: toml.as_line("  ", "x", 9), "x is '  '; write a line of text of 1 to 9 characters, in quotes"),
@@ -87,18 +81,18 @@ REFUSALS: list[tuple[Callable[[], Any], str]] = [
 ]
 
 
-def test_a_value_that_fits_is_returned() -> None:
+def test_a_value_that_fits_is_returned():
     toml.require_keys({"a": 1}, ("a", "b"), "a table")
     assert [found for found, _ in FITS] == [expected for _, expected in FITS]
 
 
 @pytest.mark.parametrize(("demand", "line"), REFUSALS, ids=[line for _, line in REFUSALS])
-def test_a_value_that_does_not_fit_is_refused_with_what_is_allowed(demand: Callable[[], Any], line: str) -> None:
+def test_a_value_that_does_not_fit_is_refused_with_what_is_allowed(demand, line):
     with pytest.raises(ValueError, match=r"\A[^\n]*\Z") as caught:
         demand()
     assert str(caught.value).startswith(line)
 
 
-def test_what_is_quoted_is_cut_and_a_huge_number_is_not_written_out() -> None:
+def test_what_is_quoted_is_cut_and_a_huge_number_is_not_written_out():
     assert toml.quoted("x" * 99) == "'" + "x" * 56 + "..."
     assert toml.quoted(10**5000) == "a huge number"

@@ -9,17 +9,10 @@ from dataclasses import dataclass, replace
 from driftproof.methods.tableau_file import method_of
 from driftproof.numeric.run import Counter, Readouts
 from driftproof.numeric.scenes import FIGURES, STABILITY, TABLE, TRAJECTORY, WORK_PRECISION, Scene
+from driftproof.reports import scene_view
 from driftproof.reports.page.figure import style_sheet
 from driftproof.reports.page.markup import element, escaped, html_table
 from driftproof.reports.page.trajectory import DRAWN, SampledRun, require_drawable, setting
-from driftproof.reports.scene_view import (
-    COMPARED_READOUTS,
-    certified,
-    certified_rows,
-    comparison_rows,
-    readout_rows,
-    runs_of,
-)
 
 # Browsers may load nothing at all: the style sheet is in the page, the icon is empty, there is no script.
 POLICY = "default-src 'none'; style-src 'unsafe-inline'; img-src data:"
@@ -138,11 +131,11 @@ def _runs(scene: Scene, counter: Counter) -> dict[str, Readouts | str]:
         wanted[TRAJECTORY] = None
     keys = dict.fromkeys(scene.every_method if wanted else ())
     if TABLE in scene.panels:
-        wanted |= dict.fromkeys(COMPARED_READOUTS)
+        wanted |= dict.fromkeys(scene_view.COMPARED_READOUTS)
         keys |= dict.fromkeys(scene.methods)
     if TRAJECTORY in wanted:
         require_drawable(scene)
-    return runs_of(scene, wanted, keys, counter) if keys else {}
+    return scene_view.runs_of(scene, wanted, keys, counter) if keys else {}
 
 
 def _method(shown: _Shown, key: str) -> str:
@@ -152,9 +145,10 @@ def _method(shown: _Shown, key: str) -> str:
         parts.append(element("p", escaped(run), class_="message"))
     elif run is not None:
         readouts = {name: run[name] for name in scene.readouts if name != TRAJECTORY}
-        parts.append(_cards(readout_rows(readouts), "readouts"))
+        parts.append(_cards(scene_view.readout_rows(readouts), "readouts"))
     if scene.certified:
-        parts.append(_cards(certified_rows(certified(replace(scene, selected=key), shown.digits)), "certified"))
+        certified = scene_view.certified(replace(scene, selected=key), shown.digits)
+        parts.append(_cards(scene_view.certified_rows(certified), "certified"))
     if run is not None and not isinstance(run, str) and TRAJECTORY in run:
         times, states = run[TRAJECTORY]
         drawn = SampledRun(scene, key, times, states, shown.identity_of(key))
@@ -169,7 +163,7 @@ def _cards(rows: Sequence[Sequence[str]], class_: str) -> str:
 
 
 def _table(shown: _Shown) -> str:
-    rows = comparison_rows({key: shown.runs[key] for key in shown.scene.methods})
+    rows = scene_view.comparison_rows({key: shown.runs[key] for key in shown.scene.methods})
     return html_table(rows, f"At t = {shown.scene.t}, each with h = {shown.scene.h}", "methods")
 
 

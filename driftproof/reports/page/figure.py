@@ -82,7 +82,8 @@ def _file(title: str, setting: str, description: str, plots: Sequence[Plot], leg
     longest = max((len(words) for _, words in legend), default=0)
     entries = max(1, min(2 * across, int((width - LEFT) // (_WORDS + _CHARACTER * longest))))
     below = height + _LEGEND_ROW * -(-len(legend) // entries) + _FOOT
-    shown = [_moved(i % across * one, i // across * high, [*plot.axes(), *plot.drawn]) for i, plot in enumerate(plots)]
+    shown = [[*plot.axes(), *plot.drawn] for plot in plots]
+    shown[1:] = ([_group(i % across * one, i // across * high, parts)] for i, parts in enumerate(shown[1:], 1))
     for i, (mark, words) in enumerate(legend):
         x, y = LEFT + i % entries * (width - LEFT) / entries, height + i // entries * _LEGEND_ROW
         shown.append([_group(x, y, [_swatch(mark), element("text", escaped(words), x=_WORDS, y=11)])])
@@ -101,10 +102,6 @@ def _file(title: str, setting: str, description: str, plots: Sequence[Plot], leg
         font_family="Segoe UI, Noto Sans, DejaVu Sans, sans-serif",
         **{name: place(length * Fraction(3, 2)) for name, length in (("width", width), ("height", below + _HEADING))},
     )
-
-
-def _moved(x: Fraction, y: Fraction, parts: list[str]) -> list[str]:
-    return [_group(x, y, parts)] if x or y else parts
 
 
 def _group(x: Fraction, y: Fraction, parts: list[str]) -> str:

@@ -46,7 +46,10 @@ def _problem(problem: Problem, methods: Sequence[Entry], scene: Scene | None, id
     rows = [[each.title, _steps(problem, each), expected_of(problem, each)] for each in methods]
     columns = slice(None) if any(row[-1] for row in rows) else slice(-1)
     rows = [row[columns] for row in (["Method", "Step sizes that it can take", "Expected"], *rows)]
-    table = html_table(rows, _about(problem), "words")
+    about = "Observed: with N, 2N, ... steps the error at the end is at most a tenth of the solution's size"
+    if problem.matrix is not None:
+        about = "Proved: the step sizes h whose powers stay bounded"
+    table = html_table(rows, about, "words")
     return "".join(
         [
             element("p", escaped(_setting(problem)), class_="setting"),
@@ -79,12 +82,6 @@ def _setting(problem: Problem) -> str:
     equations = ", ".join([*rates, *start, *parameters])
     shown = [equations] if len(equations) <= _LONGEST_EQUATIONS else []
     return "; ".join([*shown, f"to t = {problem.t}", *([problem.source] if problem.source != problem.title else [])])
-
-
-def _about(problem: Problem) -> str:
-    if problem.matrix is not None:
-        return "Proved: the step sizes h whose powers stay bounded"
-    return "Observed: with N, 2N, ... steps the error at the end is at most a tenth of the solution's size"
 
 
 def _steps(problem: Problem, method: Entry) -> str:

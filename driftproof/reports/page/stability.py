@@ -18,15 +18,9 @@ from driftproof.reports.page.plot import WIDE, Plot, decades, linear, ten_to
 from driftproof.symbolic.algebra.certified import FIRST_BITS, CertifiableReal, enclose, significant
 from driftproof.symbolic.algebra.polynomials import evaluate, scalar, sign
 from driftproof.symbolic.algebra.real_roots import ZERO_ROOT, rational_root
+from driftproof.symbolic.linear import stability_limits
 from driftproof.symbolic.linear.facts import LinearFacts
-from driftproof.symbolic.linear.stability_limits import (
-    Infinity,
-    Limit,
-    boundary_of,
-    is_bounded,
-    smallest,
-    spectral_radius,
-)
+from driftproof.symbolic.linear.stability_limits import Infinity, Limit, smallest
 from driftproof.symbolic.runs import as_balls, exact_matrix_at, power
 from driftproof.texts.writing.records import number_record
 
@@ -52,13 +46,11 @@ class Verdict:
 def verdict(key: str, h: Fraction) -> Verdict:
     """The verdict on the method `key` at exactly this h. Raises ValueError at a pole of M(h)."""
     facts = LinearFacts(method_of(key))
-    growth = spectral_radius(exact_matrix_at(facts.method, h))
-    bounded = is_bounded(boundary_of(facts.one_step_matrix), lambda p: sign(evaluate(p, scalar(h))))
-    return Verdict(key, facts.imaginary_limit, bounded, _minus_one(growth))
-
-
-def _minus_one(x: CertifiableReal) -> CertifiableReal:
-    return x - 1 if isinstance(x, Fraction) else lambda: enclose(x) - 1
+    radius = stability_limits.spectral_radius(exact_matrix_at(facts.method, h))
+    growth = radius - 1 if isinstance(radius, Fraction) else lambda: enclose(radius) - 1
+    boundary = stability_limits.boundary_of(facts.one_step_matrix)
+    bounded = stability_limits.is_bounded(boundary, lambda p: sign(evaluate(p, scalar(h))))
+    return Verdict(key, facts.imaginary_limit, bounded, growth)
 
 
 def verdicts_table(scene: Scene, verdicts: Sequence[Verdict]) -> str:
@@ -122,7 +114,11 @@ def growth_figure(scene: Scene, verdicts: Sequence[Verdict], identity: str) -> F
     plot = Plot(x, decades(low, high, "growth after n steps", WIDE[1]))
     for i, curve in enumerate(curves.values()):
         plot.line([(n, value) for n, value in curve if value > -inf], f"path {line_style(i)}")
-    ends = [f"{method_of(key).title} {10 ** curve[-1][1]:.3g}" for key, curve in curves.items() if curve[-1][1] < 300]
+    titles = [method_of(key).title for key in curves]
+    columns = [[f"{value:z.4f}" for _, value in curve] for curve in curves.values()]
+    rows = [list(row) for row in zip(map(str, counts), *columns, strict=True)]
+    lasts = [curve[-1][1] for curve in curves.values()]
+    ends = [f"{title} {10**last:.3g}" for title, last in zip(titles, lasts, strict=True) if last < 300]
     return Figure(
         identity=f"{identity}-growth",
         kind="wide",
@@ -130,9 +126,9 @@ def growth_figure(scene: Scene, verdicts: Sequence[Verdict], identity: str) -> F
         description=f"Size of the n-th power of the one-step matrix, n from 0 to {end}, logarithmic axis from "
         f"{ten_to(low)} to {ten_to(high)}. At the end: {', '.join(ends)}.",
         plot=plot,
-        legend=[(f"line path {line_style(i)}", method_of(key).title) for i, key in enumerate(curves)],
+        legend=[(f"line path {line_style(i)}", title) for i, title in enumerate(titles)],
         note=f"{LENGTHS} times as many steps as the scene has. The line of an unbounded method keeps climbing.",
-        data=_data(counts, curves),
+        data=[["n", *titles], *rows[:: max(1, len(rows) // 20)]],
         data_title="Growth, as powers of ten",
     )
 
@@ -146,10 +142,3 @@ def _growth(key: str, h: Fraction, counts: Sequence[int]) -> list[tuple[float, f
             size = sum((x * x for x in power(balls, n)), arb(0)) / 2
             found.append((float(n), float((size.log() / arb(10).log() / 2).mid()) if size > 0 else -inf))
     return found
-
-
-def _data(counts: Sequence[int], curves: dict[str, list[tuple[float, float]]]) -> list[list[str]]:
-    header = ["n", *(method_of(key).title for key in curves)]
-    columns = [[f"{value:z.4f}" for _, value in curve] for curve in curves.values()]
-    rows = [list(row) for row in zip(map(str, counts), *columns, strict=True)]
-    return [header, *rows[:: max(1, len(rows) // 20)]]

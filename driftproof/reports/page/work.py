@@ -61,7 +61,7 @@ def work_figure(
     found: Sequence[Curve], identity: str, t: Fraction, own: int | None = None, cost: str = ACCELERATIONS
 ) -> Figure:
     """Error at t against evaluations, both logarithmic; rings mark the points with `own` steps, if any."""
-    places = {curve.key: _places(curve) for curve in found}
+    places = {c.key: {p.steps: (log10(spent), log10(p.error)) for p, spent in _plotted(c)} for c in found}
     every = [place for points in places.values() for place in points.values()] or [(0.0, 0.0)]
     names = (cost, "error at the end")
     x, y = (decades_of((place[i] for place in every), names[i], WIDE[i]) for i in (0, 1))
@@ -91,11 +91,6 @@ def _plotted(curve: Curve) -> list[tuple[Point, int]]:
     return [(p, p.evaluations) for p in curve.points if p.evaluations and 0 < p.error and isfinite(p.error)]
 
 
-def _places(curve: Curve) -> dict[int | None, tuple[float, float]]:
-    """log₁₀ of evaluations and error, by the number of steps."""
-    return {point.steps: (log10(spent), log10(point.error)) for point, spent in _plotted(curve)}
-
-
 def _sentence(curve: Curve) -> str:
     if not (plotted := _plotted(curve)):
         return f"{curve.title}: none."
@@ -115,7 +110,7 @@ def work_table(found: Sequence[Curve], stated: Mapping[str, int | str] = {}) -> 
         most = max((point.steps or 0 for point in curve.points), default=0)
         enough = [[p.evaluations for p in curve.points if p.error <= 10.0**g and p.evaluations] for g in _GOALS]
         fewest = [str(min(calls)) if calls else f"not with {most} steps" for calls in enough]
-        rows.append([curve.title, str(curve.claimed_order or stated.get(curve.key, "–")), measured, *fewest])
+        rows.append([curve.title, str(stated.get(curve.key, "–")), measured, *fewest])
     return html_table([header, *rows], "Orders, and the least work measured", "orders")
 
 

@@ -96,11 +96,10 @@ class ControlledSolver(Solver):
         return self.run.calls
 
 
-class Scipy(Solver):
+class _Scipy(Solver):
     """scipy.integrate.solve_ivp, with the rate in plain Python."""
 
     def __init__(self, problem: Problem, solver: str) -> None:
-        """Import SciPy; prepare the rate and the start."""
         self.solve_ivp = import_module("scipy.integrate").solve_ivp
         self.rate, self.start, self.solver = field_rate(problem.field), float_start(problem), solver
 
@@ -111,11 +110,10 @@ class Scipy(Solver):
         return tuple(map(float, found.y[:, -1]))
 
 
-class TorchDiffEq(Solver):
+class _TorchDiffEq(Solver):
     """torchdiffeq.odeint on tensors of binary64; a result at t is interpolated in the step that passes it."""
 
     def __init__(self, problem: Problem, solver: str) -> None:
-        """Import torch and torchdiffeq; prepare the rate and the start."""
         self.torch, self.odeint = import_module("torch"), import_module("torchdiffeq").odeint
         self.rate = field_rate(problem.field, {name: getattr(self.torch, name) for name in FUNCTIONS})
         self.start = self.torch.tensor(float_start(problem), dtype=self.torch.float64)
@@ -132,11 +130,10 @@ class TorchDiffEq(Solver):
         return tuple(found[-1].tolist())
 
 
-class Heyoka(Solver):
+class _Heyoka(Solver):
     """heyoka's Taylor integrator, compiled once for each tolerance, which sets its order."""
 
     def __init__(self, problem: Problem, solver: str) -> None:
-        """Write the rates as expressions; compile nothing yet."""
         self.heyoka, self.start = import_module("heyoka"), float_start(problem)
         variables = [self.heyoka.expression(name) for name in problem.field.components]
         rate = field_rate(problem.field, {name: getattr(self.heyoka, name) for name in FUNCTIONS})
@@ -144,7 +141,6 @@ class Heyoka(Solver):
         self.compiled: dict[float, Any] = {}
 
     def solve(self, tolerance: float, t: float) -> State:
-        """The state at t."""
         if tolerance not in self.compiled:
             self.compiled[tolerance] = self.heyoka.taylor_adaptive(self.system, list(self.start), tol=tolerance)
         stepper = self.compiled[tolerance]
@@ -156,15 +152,13 @@ class Heyoka(Solver):
         return tuple(map(float, stepper.state))
 
     def counted(self, tolerance: float, t: float, most: float = inf) -> int | None:
-        """None, because Taylor series call no rate."""
-        return None
+        return None  # Taylor series call no rate
 
 
-class Diffrax(Solver):
+class _Diffrax(Solver):
     """diffrax.diffeqsolve compiled by jax, once for all tolerances, in binary64."""
 
     def __init__(self, problem: Problem, solver: str) -> None:
-        """Import jax and diffrax; compile nothing yet."""
         self.jax, self.diffrax, self.solver = import_module("jax"), import_module("diffrax"), solver
         self.jax.config.update("jax_enable_x64", True)
         self.numpy = self.jax.numpy
@@ -173,7 +167,6 @@ class Diffrax(Solver):
         self.compiled, self.counting = (self.jax.jit(self._solver(counting=counting)) for counting in (False, True))
 
     def solve(self, tolerance: float, t: float) -> State:
-        """The state at t."""
         return self._result(self.compiled(t, tolerance))
 
     def counted(self, tolerance: float, t: float, most: float = inf) -> int | None:
@@ -225,9 +218,9 @@ class _CountedRate:
 PEERS: Mapping[str, Peer] = {
     peer.name: peer
     for peer in (
-        Peer("scipy", ("DOP853", "RK45", "Radau"), PYTHON, Scipy),
-        Peer("diffrax", ("Dopri8", "Tsit5"), COMPILED, Diffrax),
-        Peer("heyoka", ("Taylor",), COMPILED, Heyoka),
-        Peer("torchdiffeq", ("dopri8", "dopri5"), PYTHON, TorchDiffEq),
+        Peer("scipy", ("DOP853", "RK45", "Radau"), PYTHON, _Scipy),
+        Peer("diffrax", ("Dopri8", "Tsit5"), COMPILED, _Diffrax),
+        Peer("heyoka", ("Taylor",), COMPILED, _Heyoka),
+        Peer("torchdiffeq", ("dopri8", "dopri5"), PYTHON, _TorchDiffEq),
     )
 }

@@ -156,7 +156,7 @@ def order_rows(measured: Measured, stiff: bool = False, stated: Mapping[str, int
     """Stated and measured order, with the least and the largest slope, and the least error; names order reduction."""
     rows = [["method", "order", "measured", "least error", ""]]
     for key, curve in measured.curves.items():
-        order = str(curve.claimed_order or stated.get(key.removesuffix(" controlled"), ""))
+        order = str(stated.get(key.removesuffix(" controlled"), ""))
         shown = f"{x.median:.2f} ({x.least:.2f} to {x.largest:.2f})" if (x := curve.order) else ""
         reduced = ": order reduction" * (stiff and curve.verdict.startswith("below"))
         rows.append([key, order, shown, _least_error(curve), curve.verdict + reduced])
@@ -196,12 +196,10 @@ def _least_error(curve: Curve) -> str:
     best = min(curve.points, key=lambda point: point.error, default=None)
     if best is None or not isfinite(best.error):
         return "none"
-    return "lost" if best.error >= best.scale else _error(best.error)
-
-
-def _error(value: float) -> str:
-    mantissa, _, exponent = f"{value:.1e}".partition("e")
-    return f"{value:.2g}" if 1e-3 <= value < 100 or not value else f"{mantissa}e{int(exponent)}"
+    if best.error >= best.scale:
+        return "lost"
+    mantissa, _, exponent = f"{best.error:.1e}".partition("e")
+    return f"{best.error:.2g}" if 1e-3 <= best.error < 100 or not best.error else f"{mantissa}e{int(exponent)}"
 
 
 def seconds_text(seconds: float) -> str:
@@ -252,7 +250,6 @@ def _settings(curve: Curve, points: Sequence[Point]) -> str:
 
 
 def _grouped(pairs: Iterable[tuple[_Key, _Member]]) -> dict[_Key, list[_Member]]:
-    """The members of each key, in the order in which they come."""
     found: dict[_Key, list[_Member]] = {}
     for key, member in pairs:
         found.setdefault(key, []).append(member)

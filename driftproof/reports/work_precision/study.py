@@ -21,15 +21,8 @@ from driftproof.numeric.advance import State, error_summary
 from driftproof.numeric.problems.problem import Problem
 from driftproof.numeric.reference_errors import Size, distance_from_digits, doubt, errors, largest_state_size
 from driftproof.numeric.sweep import digest
+from driftproof.numeric.work_precision import integrators
 from driftproof.numeric.work_precision.curves import Curve, Point, curve_of, speed
-from driftproof.numeric.work_precision.integrators import (
-    COMPILED,
-    ENSEMBLE,
-    KINDS,
-    MEMBERS,
-    integrator,
-    kinds_of_trajectories,
-)
 from driftproof.numeric.work_precision.timing import ROUNDS, SEED, Timing, interleave, needs_more_samples, started
 from driftproof.reports.work_precision.peers import TOLERANCES, ControlledSolver, Peer, Solver
 from driftproof.support.environment import machine_description, versions_of
@@ -73,7 +66,7 @@ class Measured:
     @property
     def kinds(self) -> list[str]:
         """The kinds of time with at least one timing."""
-        return [kind for kind in KINDS if any(self.timed(curve, kind) for curve in self.curves.values())]
+        return [kind for kind in integrators.KINDS if any(self.timed(curve, kind) for curve in self.curves.values())]
 
 
 def timing_name(*parts: str) -> str:
@@ -83,7 +76,7 @@ def timing_name(*parts: str) -> str:
 
 def per_state(kind: str, seconds: float) -> float:
     """The seconds of one state: a call of an ensemble integrates MEMBERS of them."""
-    return seconds / MEMBERS if kind == ENSEMBLE else seconds
+    return seconds / integrators.MEMBERS if kind == integrators.ENSEMBLE else seconds
 
 
 @dataclass(frozen=True)
@@ -191,8 +184,8 @@ def _contestants(study: Study) -> list[_Contestant]:
 def _controlled(method: Method, study: Study) -> _Contestant:
     """The method with step-size control. Raises MethodError."""
     solvers: dict[str, Callable[[], Solver]] = {
-        kind: cache(partial(ControlledSolver, method, study.problem, compiled=kind == COMPILED))
-        for kind in kinds_of_trajectories()
+        kind: cache(partial(ControlledSolver, method, study.problem, compiled=kind == integrators.COMPILED))
+        for kind in integrators.kinds_of_trajectories()
     }
     for solver in solvers.values():
         solver()
@@ -203,7 +196,7 @@ def _controlled(method: Method, study: Study) -> _Contestant:
 
 def _calls_of_method(method: Entry, problem: Problem) -> tuple[_Calls, Mapping[str, str]]:
     try:
-        runs = integrator(of_one_state(method), problem, compiled=True)
+        runs = integrators.integrator(of_one_state(method), problem, compiled=True)
     except MethodError:  # its curve says why
         return {}, {}
     return {kind: lambda point, call=call: call(point.steps or 0) for kind, call in runs.calls.items()}, runs.absent
@@ -281,7 +274,7 @@ def _begin_timings(study: Study, measured: Measured, curve: Curve, made: _Calls)
         for name, point, size in zip(names, points, sizes, strict=True):
             call, expected = call_at(point), seconds * size / before
             remark = f"about {expected:.2g} s, over {study.limit:g} s" if expected > study.limit else ""
-            if not remark and kind != ENSEMBLE:
+            if not remark and kind != integrators.ENSEMBLE:
                 remark = state_remark(study.problem, point, call)
             if remark:
                 measured.timings.setdefault(name, Timing(remark=remark))

@@ -91,8 +91,7 @@ def _missing(
 
     missing, known = claim.count - len(occurrences), {one.start() for one in occurrences}
     for names in (True, False):  # second, names such as RK4 may have another number
-        expected = claim.phrase.numbers(spellings, names)
-        shape = claim.phrase.shape(spellings, claim.ignore_case, names)
+        shape, expected = claim.phrase.shape(spellings, claim.ignore_case, names)
         shape = re.compile(f"(?={shape.pattern})", shape.flags)  # a lookahead, because matches may overlap
         found = islice(shape.finditer(document.text.text), _MOST_COMPARED)
         near = [match for match in found if match.start() not in known]
@@ -104,7 +103,7 @@ def _missing(
     often = "nowhere" if not occurrences else f"only {_times(len(occurrences))}"
     written = claim.phrase.written(spellings)
     message = f"{written!r} occurs {often} in the text; expected {_times(claim.count)}"
-    capitals = None if claim.ignore_case else claim.phrase.shape(spellings, True).search(document.text.text)
+    capitals = None if claim.ignore_case else claim.phrase.shape(spellings, True)[0].search(document.text.text)
     if capitals:
         place, shown = document.position(capitals.start()), capitals[0]
         message += f"; {shown!r} differs in capitals; ignore_case = true allows that"
@@ -204,7 +203,12 @@ def coverage(
         holders += [(*span, LABEL, label.why) for span in found]
     holders += [(*span, RUN, "running the listing") for span in ran]
     holders += [(*span, LABEL, IN_PROGRAM) for span in document.code]
-    numbers = [number for span, how in values.items() for number in _numbers_of_value(text, span, *how)]
+    numbers = [
+        Accounted(replace(number, start=start + number.start, end=start + number.end), *how)
+        for (start, end), how in values.items()
+        for number in numbers_in(text[start:end])  # several in a formula
+        if number.label is None
+    ]
     rest = list(text)
     for start, end in values:  # replaced by private-use characters, part of no number and no word
         rest[start:end] = "\uf8ff" * (end - start)
@@ -214,14 +218,6 @@ def coverage(
         held.update(range(start, end))
     unread = tuple(word for word in words_in(text) if word.start not in held)
     return Coverage(tuple(sorted(numbers, key=lambda accounted: accounted.number.start)), unread)
-
-
-def _numbers_of_value(text: str, span: Span, kind: str, by: str) -> Iterator[Accounted]:
-    """The numbers within one value: a formula may hold several."""
-    start, end = span
-    for number in numbers_in(text[start:end]):
-        if number.label is None:
-            yield Accounted(replace(number, start=start + number.start, end=start + number.end), kind, by)
 
 
 def _other_numbers(text: str, holders: list[tuple[int, int, str, str]]) -> Iterator[Accounted]:

@@ -127,10 +127,8 @@ def _words(pattern: str, text: str) -> list[int]:
 
 def _methods(text: str, key: str) -> tuple[list[int], list[int]]:
     """The positions that name the method, and those that name other methods only."""
-    own, other = list[int](), list[int]()
-    for match in _spoken_names().finditer(_flat(text)):
-        (own if key in _names()[match[0]] else other).append(match.start())
-    return own, other
+    found = _named(text)
+    return [at for at, keys in found if key in keys], [at for at, keys in found if key not in keys]
 
 
 def methods_named(text: str) -> set[str]:
@@ -138,17 +136,19 @@ def methods_named(text: str) -> set[str]:
 
     An ambiguous name, such as Verlet, stands for those of its methods that are named in full as well, if there are any.
     """
-    found = [_names()[match[0]] for match in _spoken_names().finditer(_flat(text))]
+    found = [keys for _, keys in _named(text)]
     sure = set[str]().union(*(keys for keys in found if len(keys) == 1))
     return sure.union(*(keys & sure or keys for keys in found))
 
 
 def last_methods_named(*texts: str) -> set[str]:
     """The keys of the method named last in the first of the texts that names one."""
-    for found in ([*_spoken_names().finditer(_flat(text))] for text in texts):
-        if found:
-            return _names()[found[-1][0]]
-    return set()
+    return next((found[-1][1] for text in texts if (found := _named(text))), set())
+
+
+def _named(text: str) -> list[tuple[int, set[str]]]:
+    """The positions of the names of methods in the lower-case text, and the methods that each may mean."""
+    return [(match.start(), _names()[match[0]]) for match in _spoken_names().finditer(_flat(text))]
 
 
 def _flat(text: str) -> str:

@@ -12,7 +12,7 @@ from itertools import groupby
 from typing import TypeAlias
 
 from driftproof.texts.claims.claims import MOST_CLAIMS
-from driftproof.texts.claims.phrases import NumberForm, Phrase
+from driftproof.texts.claims.phrases import Phrase
 from driftproof.texts.claims.stated_problems import equations_in
 from driftproof.texts.claims.suggestions import LookAlike, Missed, Suggestions, digits_of
 from driftproof.texts.questions.decimals import HALF_EVEN, Style
@@ -114,9 +114,7 @@ def draft(document: Document, name: str, asked: Iterable[str] = ()) -> str:
     fences = sorted({0, len(text), *(at for one in inputs for at in (one.number.start, one.number.end))})
     drafted, covered, ids = [_HEADER.format(name=" ".join(name.split()))], set[int](), Counter[str]()
     if suggestions.stated:
-        drafted.append(
-            "".join(["# Read from the text:\n", *(f"# --ask {_quoted(one)}\n" for one in suggestions.stated)])
-        )
+        drafted.append("# Read from the text:\n" + "".join(f"# --ask {_quoted(one)}\n" for one in suggestions.stated))
     for *room, group in _uncovered([*_groups(text, members, fences)], fences, covered):
         if len(drafted) > MOST_CLAIMS:
             raise ValueError(f"claims for more than {MOST_CLAIMS} groups of numbers are not drafted")
@@ -275,16 +273,15 @@ def _escaped(text: str) -> str:
 
 
 def _values(group: _Group) -> list[str]:
-    best = [(_quoted(alike.question), _form(alike.form)) for alike, *_ in (member.alike for member in group)]
+    best = []
+    for alike, *_ in (member.alike for member in group):
+        sizes = (("places", alike.form.places), ("digits", alike.form.digits))
+        form = ["exact = true"] * alike.form.exact + [f"{key} = {n}" for key, n in sizes if n is not None]
+        best.append((_quoted(alike.question), form))
     if len(best) == 1:
         return [f"value = {best[0][0]}", *best[0][1]]
     tables = [f"{{ {', '.join([f'ask = {question}', *form])} }}" if form else question for question, form in best]
     return [f"values = {{ {', '.join(map('{} = {}'.format, _names(group), tables))} }}"]
-
-
-def _form(form: NumberForm) -> list[str]:
-    sizes = (("places", form.places), ("digits", form.digits))
-    return ["exact = true"] * form.exact + [f"{key} = {n}" for key, n in sizes if n is not None]
 
 
 def _quoted(text: str) -> str:

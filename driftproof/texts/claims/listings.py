@@ -180,10 +180,7 @@ _NAMES: dict[str, Any] = {"__name__": "__main__"}
 
 
 class _LimitedOutput(io.StringIO):
-    """The output of a listing, limited in length."""
-
     def write(self, text: str) -> int:
-        """Append the text. Raises MemoryError if the output exceeds its limit."""
         if self.tell() + len(text) > _MOST_PRINTED:
             raise MemoryError(f"it prints more than {_MOST_PRINTED} characters")
         return super().write(text)

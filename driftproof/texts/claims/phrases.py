@@ -180,20 +180,21 @@ class Phrase:
         values = (f"(?P<{name}>{'|'.join(map(_spelling_pattern, spellings[name]))})" for name in self.names)
         return self._pattern(_alternating(map(_literal_pattern, self.literals), values), ignore_case)
 
-    def shape(self, spellings: Spellings, ignore_case: bool = False, names: bool = True) -> re.Pattern[str]:
-        """A pattern of the phrase with any numbers, each a group; with `names`, numbers in names such as RK4 stay."""
+    def shape(
+        self, spellings: Spellings, ignore_case: bool = False, names: bool = True
+    ) -> tuple[re.Pattern[str], list[str]]:
+        """A pattern of the phrase with any numbers, each a group, and the correct ones in the order of the groups.
+
+        With `names`, numbers in names such as RK4 stay.
+        """
         texts, found = self._texts_and_numbers(spellings, names)
         numbers = (f"({_ANY_WORD if words.is_worded(number) else ANY_NUMBER})" for number in found)
-        return self._pattern(_alternating(map(_literal_pattern, texts), numbers), ignore_case)
+        return self._pattern(_alternating(map(_literal_pattern, texts), numbers), ignore_case), found
 
     def any_numbers(self) -> re.Pattern[str]:
         """A pattern of the phrase with any number for each value; literal numbers stay."""
         numbers = [f"({ANY_NUMBER})"] * len(self.names)
         return self._pattern(_alternating(map(_literal_pattern, self.literals), numbers))
-
-    def numbers(self, spellings: Spellings, names: bool = True) -> list[str]:
-        """The correct numbers, in the order of the groups of `shape`."""
-        return self._texts_and_numbers(spellings, names)[1]
 
     def written(self, spellings: Spellings) -> str:
         """The phrase with each value in its plainest spelling."""

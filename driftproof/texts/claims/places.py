@@ -54,7 +54,6 @@ class Place:
 
 @cache
 def _asked_settings(question: str) -> dict[str, list[Fraction]]:
-    """The step sizes and the times that a question has, by letter."""
     return {x: [*map(Fraction, pattern.findall(question))] for x, pattern in SETTING.items()}
 
 

@@ -114,12 +114,8 @@ def _problems(text: str) -> Iterator[_Problem]:
         name = with_greek_spelled(match["name"] or match["d"] or match["dd"])
         if name == "t" or name in FUNCTIONS:
             continue
-        joined = (
-            systems
-            and name not in systems[-1][1]
-            and _TOGETHER.fullmatch(text, min(last, match.start()), match.start())
-        )
-        if not joined:
+        near = _TOGETHER.fullmatch(text, min(last, match.start()), match.start())
+        if not (systems and near and name not in systems[-1][1]):
             systems.append((match.start(), {}))
         if match["second"] or match["dd"]:
             systems[-1][1][name] = name = f"d{name}"
@@ -128,9 +124,8 @@ def _problems(text: str) -> Iterator[_Problem]:
         last = match.start("rate") + len(_first(match["rate"]))
     for (start, raw), (end, _) in pairwise([*systems, (len(text), {})]):
         for name in [name for name in raw if f"d{name}" in raw]:
-            raw = {
-                of: re.sub(rf"\b{name}'|(?<![A-Za-z])d{name} ?/ ?dt\b", f"d{name}", rate) for of, rate in raw.items()
-            }
+            rated = re.compile(rf"\b{name}'|(?<![A-Za-z])d{name} ?/ ?dt\b")
+            raw = {of: rated.sub(f"d{name}", rate) for of, rate in raw.items()}
         part = text[:end]
         if not any("x" in names for _, names in systems):  # y' = x + y: the time is called x
             raw, part = {name: with_time(rate, raw) for name, rate in raw.items()}, with_time(part, raw)
@@ -191,11 +186,8 @@ def _questions(problem: _Problem, equations: str, text: str, column_of: Callable
                 yield f"step {{{methods}}} {equations}, h={{{_shown(h)}}} : {{{slopes}}}"
     for (h, fitting), (shorter, also) in pairwise(runs) if re.search("factor|ratio|times as|divides", part) else ():
         if ends := ",".join(_shown(t) for t in fitting if t in also):
-            pair = (
-                f"run {{{methods}}} {equations}, h={x}, t={{{ends}}} : error"
-                for x in (f"{{{_shown(h)}}}", _shown(shorter))
-            )
-            yield f"ratio({', '.join(pair)})"
+            both = (f"h={x}, t={{{ends}}} : error" for x in (f"{{{_shown(h)}}}", _shown(shorter)))
+            yield f"ratio({', '.join(f'run {{{methods}}} {equations}, {rest}' for rest in both)})"
 
 
 def _shown(x: Fraction) -> str:
@@ -204,7 +196,6 @@ def _shown(x: Fraction) -> str:
 
 
 def _listed(pattern: re.Pattern[str], text: str) -> list[Fraction]:
-    """The numbers of all lists that the pattern finds."""
     lists = ("".join(group or "" for group in match.groups()) for match in pattern.finditer(text))
     return [Fraction(x) for one in lists for x in re.findall(_NUMBER, one) if len(x) < 20]
 

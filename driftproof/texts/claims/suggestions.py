@@ -130,7 +130,6 @@ class _Known:
 
     @cached_property
     def keys(self) -> set[str]:
-        """The methods that the question may be about."""
         return set().union(*self.methods) or methods_named(self.question.lower())
 
     @property
@@ -200,12 +199,11 @@ class Suggestions:
             denied = contradicted(known.question, self._lower, number.start, number.end, asked)
             rivals = min(rivals, len(meant)) if asked and known in meant else rivals
             strong = not denied and known.is_meant(x, digits, fit, rivals)
-            last = known.answer.exact != x, known.question not in ids, len(known.question), known.question
-            published = known.question in ids
+            unpublished = known.question not in ids
             first = -known.rank * (strong or known.rank == 2)
-            far = known not in meant and not published
-            order = first, denied, not strong, far, -fit, *last
-            found.append((order, LookAlike(known.question, form, strong)))
+            order = first, denied, not strong, known not in meant and unpublished, -fit
+            last = known.answer.exact != x, unpublished, len(known.question), known.question
+            found.append(((*order, *last), LookAlike(known.question, form, strong)))
         return [alike for _, alike in sorted(found, key=lambda pair: pair[0])]
 
     def nowhere(self) -> list[Missed]:
@@ -358,7 +356,8 @@ class Suggestions:
         return [*found, *asked, *shares]
 
     def _questions(self) -> Iterator[str]:
-        own, given, counts = (_given(pattern, self.text) for pattern in (SETTING["h"], SETTING["t"], _N))
+        spelled = ([x for x in p.findall(self.text) if len(x) < 20] for p in (SETTING["h"], SETTING["t"], _N))
+        own, given, counts = ([str(x) for x in dict.fromkeys(map(Fraction, found)) if x] for found in spelled)
         sizes = [*dict.fromkeys((*own, *_USUAL_STEPS))][:_MOST_SIZES]
         times = [*dict.fromkeys((*given, "10"))][:_MOST_TIMES]
         spoken = methods_named(self._lower)
@@ -403,12 +402,6 @@ def _usual(question: str) -> Answer | None:
     with suppress(ValueError):
         return value(question)
     return None
-
-
-def _given(pattern: re.Pattern[str], text: str) -> list[str]:
-    """The positive numbers that the text gives to a letter, without repetition."""
-    spelled = [number for number in pattern.findall(text) if len(number) < 20]
-    return [str(x) for x in dict.fromkeys(map(Fraction, spelled)) if x]
 
 
 def form_of(number: TextNumber) -> NumberForm:

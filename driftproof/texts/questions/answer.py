@@ -43,9 +43,21 @@ class Answer(Printable):
     words: str | None = None
     remark: str | None = None
 
-    def written(self, form: str) -> str:
-        """The answer as "text", "json", "tex", "mathml" or "md". Raises what `tex` raises."""
-        return format_answer(self, OutputOptions(None, None, PLAIN), form)
+    def written(self, form: str, *, digits: int | None = None, places: int | None = None, style: Style = PLAIN) -> str:
+        """The answer as "text", "json", "tex", "mathml" or "md"; with `digits` or `places` as text or "md" a decimal.
+
+        Raises what `tex` raises.
+        """
+        if form in ("tex", "mathml"):
+            return (self.tex if form == "tex" else self.mathml)(digits=digits, places=places, style=style)
+        named = digits is not None or places is not None
+        if form == "json":
+            decimal = self._to_length(digits, places, style) if self.is_number or named else None
+            said = {"question": self.question, "exact": self.exact_text, "decimal": decimal}
+            return as_json({**said, "rounding": self._rounding(style), "unit": self.unit, "evidence": self.evidence})
+        if named:
+            return self._to_length(digits, places, style)
+        return f"${self.tex()}$" if form == "md" else self._as_text(style)
 
     def __float__(self) -> float:
         """The double nearest to the number. Raises QuestionError for a formula or words."""
@@ -93,16 +105,15 @@ class Answer(Printable):
 
         Raises what `digits` raises, and QuestionError if there is no exact form.
         """
-        return self._marked_up(markup.TEX, OutputOptions(digits, places, style))
+        return self._marked_up(markup.TEX, digits, places, style)
 
     def mathml(self, *, digits: int | None = None, places: int | None = None, style: Style = PLAIN) -> str:
         """The content of `tex` as a <math> element. Raises what `tex` raises."""
-        return f"<math>{self._marked_up(markup.MATHML, OutputOptions(digits, places, style))}</math>"
+        return f"<math>{self._marked_up(markup.MATHML, digits, places, style)}</math>"
 
-    def _marked_up(self, write: markup.Writer, options: OutputOptions) -> str:
-        if options.names_a_length:
-            plain = replace(options, style=Style(rounding=options.style.rounding))
-            return markup.decimal_markup(plain.decimal(self), write)
+    def _marked_up(self, write: markup.Writer, digits: int | None, places: int | None, style: Style) -> str:
+        if digits is not None or places is not None:
+            return markup.decimal_markup(self._to_length(digits, places, Style(rounding=style.rounding)), write)
         text = self.exact_text
         if text is None:
             raise QuestionError(self.question, 1, "the number has no exact form; add digits or places")
@@ -112,6 +123,29 @@ class Answer(Printable):
             numerator, _, denominator = text.partition("/")
             return markup.rational_markup(numerator, denominator or "1", write)
         return markup.formula(text, write)
+
+    def _as_text(self, style: Style) -> str:
+        """The answer with its unit, its exact form if that is short, and the evidence."""
+        exact = self.exact_text
+        if not self.is_number or (isinstance(self.exact, Fraction) and self.exact.denominator == 1):
+            shown, exact = style.written(str(exact)) if self.is_number else str(exact), None
+        else:
+            shown = self._to_length(None, None, style)
+        unit = f" {self.unit}" if self.unit else ""
+        exactly = f", exactly {exact}" if exact and len(exact) <= markup.LONGEST_IN_TEXT else ""
+        remark = f"; {self.remark}" if self.remark else ""
+        return f"{shown}{unit}{exactly}  ({self.evidence}{remark})"
+
+    def _to_length(self, digits: int | None, places: int | None, style: Style) -> str:
+        """The decimal to the given length, else to DIGITS_UNASKED, where a tie is no error."""
+        if places is not None:
+            return self.places(places, style)
+        if digits is not None:
+            return self.digits(digits, style)
+        return self.digits(DIGITS_UNASKED, replace(style, rounding=self._rounding(style)))
+
+    def _rounding(self, style: Style) -> str:
+        return style.rounding or (AWAY if self.is_bound else HALF_EVEN)
 
     def _decimal(self, form: str, n: int, style: Style) -> str:
         x = self._number()
@@ -144,56 +178,3 @@ def as_printed(entry: dict[str, Any]) -> Answer:
         return enclose(middle - half).union(enclose(middle + half))
 
     return Answer("", enclosure, entry["evidence"])
-
-
-@dataclass(frozen=True)
-class OutputOptions:
-    """Options of a printed answer: significant digits, places after the point or neither, and the style."""
-
-    digits: int | None
-    places: int | None
-    style: Style
-
-    @property
-    def names_a_length(self) -> bool:
-        """True if digits or places are given."""
-        return self.digits is not None or self.places is not None
-
-    def decimal(self, answer: Answer) -> str:
-        """The decimal to the given length, else to DIGITS_UNASKED, where a tie is no error. Raises QuestionError."""
-        if self.places is not None:
-            return answer.places(self.places, self.style)
-        if self.digits is not None:
-            return answer.digits(self.digits, self.style)
-        return answer.digits(DIGITS_UNASKED, replace(self.style, rounding=self.rounding(answer)))
-
-    def rounding(self, answer: Answer) -> str:
-        """The rounding policy in effect: the one of the style, else away for bounds and half-even for other numbers."""
-        return self.style.rounding or (AWAY if answer.is_bound else HALF_EVEN)
-
-
-def format_answer(answer: Answer, options: OutputOptions, form: str) -> str:
-    """The answer as "text", "json", "tex", "mathml" or "md". Raises what the methods of Answer raise."""
-    if form == "json":
-        decimal = options.decimal(answer) if answer.is_number or options.names_a_length else None
-        said = {"question": answer.question, "exact": answer.exact_text, "decimal": decimal}
-        return as_json({**said, "rounding": options.rounding(answer), "unit": answer.unit, "evidence": answer.evidence})
-    if form in ("tex", "mathml"):
-        write = answer.tex if form == "tex" else answer.mathml
-        return write(digits=options.digits, places=options.places, style=options.style)
-    if options.names_a_length:
-        return options.decimal(answer)
-    return f"${answer.tex()}$" if form == "md" else _as_text(answer, options)
-
-
-def _as_text(answer: Answer, options: OutputOptions) -> str:
-    """The answer with its unit, its exact form if that is short, and the evidence."""
-    exact = answer.exact_text
-    if not answer.is_number or (isinstance(answer.exact, Fraction) and answer.exact.denominator == 1):
-        shown, exact = options.style.written(str(exact)) if answer.is_number else str(exact), None
-    else:
-        shown = options.decimal(answer)
-    unit = f" {answer.unit}" if answer.unit else ""
-    exactly = f", exactly {exact}" if exact and len(exact) <= markup.LONGEST_IN_TEXT else ""
-    remark = f"; {answer.remark}" if answer.remark else ""
-    return f"{shown}{unit}{exactly}  ({answer.evidence}{remark})"

@@ -53,8 +53,10 @@ def _pieces(match: re.Match[str]) -> Iterable[Piece]:
         return [","]
     if kind == "space":
         return ["\n" if "\n" in found or "\r" in found else " "]
-    if kind == "fraction":
-        return [_fraction(match)]
+    if kind == "fraction":  # ½ as 1/2, with a space between it and a neighbouring digit: 1½ is 1 1/2
+        before, after = match.string[match.start() - 1 : match.start()], match.string[match.end() : match.end() + 1]
+        spelled = unicodedata.normalize("NFKC", found).replace("\N{FRACTION SLASH}", "/")
+        return [" " * _is_digit(before), spelled, " " * (_is_digit(after) and after not in FRACTIONS)]
     return [_ONE_SIGN[found] if kind == "sign" else str(unicodedata.decimal(found))]
 
 
@@ -67,13 +69,6 @@ def _script(sign: str, table: dict[str, str], match: re.Match[str]) -> Iterator[
     yield sign + "{" * braces
     yield from (Insertion(table[character], i) for i, character in enumerate(match[0], match.start()))
     yield "}" * braces
-
-
-def _fraction(match: re.Match[str]) -> str:
-    """½ as 1/2, with a space between it and a neighbouring digit: 1½ is 1 1/2."""
-    before, after = match.string[match.start() - 1 : match.start()], match.string[match.end() : match.end() + 1]
-    spelled = unicodedata.normalize("NFKC", match[0]).replace("\N{FRACTION SLASH}", "/")
-    return " " * _is_digit(before) + spelled + " " * (_is_digit(after) and after not in FRACTIONS)
 
 
 def _is_digit(character: str) -> bool:

@@ -27,7 +27,12 @@ def notebook_blocks(source: SourceText) -> list[Block]:
             last = path[:-1] if isinstance(path[-1], int) else path  # without the number of the line
             if last[-1] in _READ:
                 cells.setdefault(path[1], {}).setdefault(last[2:], []).append(_decoded(string))
-    return [block for cell in cells.values() for block in _blocks_of(cell, language)]
+    blocks: list[Block] = []
+    for cell in cells.values():
+        kind, code = joined(cell.get(("cell_type",), [])).text, joined(cell.get(("source",), []))
+        blocks += [Block(LISTING, code, language), *_outputs(cell)] if kind == "code" else []
+        blocks += markdown_blocks(code) if kind == "markdown" else []
+    return blocks
 
 
 def _checked(text: str) -> str:
@@ -72,13 +77,6 @@ def _strings(source: SourceText) -> Iterator[tuple[tuple[Key, ...], SourceText]]
 def _decoded(string: SourceText) -> SourceText:
     """A JSON string with its escapes decoded; half of a surrogate pair becomes U+FFFD."""
     return string.rewritten(_ESCAPE, lambda match: [_LONE_SURROGATE.sub("\ufffd", json.loads(f'"{match[0]}"'))])
-
-
-def _blocks_of(cell: dict[tuple[Key, ...], list[SourceText]], language: str) -> list[Block]:
-    kind, source = joined(cell.get(("cell_type",), [])).text, joined(cell.get(("source",), []))
-    if kind == "code":
-        return [Block(LISTING, source, language), *_outputs(cell)]
-    return markdown_blocks(source) if kind == "markdown" else []
 
 
 def _outputs(cell: dict[tuple[Key, ...], list[SourceText]]) -> Iterator[Block]:

@@ -117,7 +117,7 @@ def markdown_prose(text: SourceText) -> SourceText:
     text = text.removed(_DELIMITER_ROW).removed(_DEFINITION).removed(_LINE_MARK)
     text = text.rewritten(_ESCAPED, lambda match: [_shield(match[1])]).removed(_ADDRESS)
     for pattern in (_LINK, _LINK, _STRONG, _STRESSED):  # twice, as the text of a link may be a link or a picture
-        text = text.rewritten(pattern, _inside)
+        text = text.rewritten(pattern, lambda match: [match.span("b" if match["a"] is None else "a")])
     text = text.rewritten(_TAG, _tag).rewritten(_ENTITY, lambda match: [html.unescape(match[0])])
     return text.rewritten(_SHIELDED, lambda match: [chr(ord(match[0]) - _FIRST_SHIELD)])
 
@@ -139,17 +139,14 @@ def _code_and_mathematics_shielded(text: SourceText) -> SourceText:
             shown = _SHOWN.match(kept.text)
             kept = kept[slice(*shown.span("a"))] if shown else kept[:0]
         kept = kept if name == "code" and role != "math" else tex_prose(kept)
-        if role in ("sub", "sup"):
-            before = Insertion("_{" if role == "sub" else "^{", kept.origin(0))
+        if role in _SCRIPTS:
+            before = Insertion(_SCRIPTS[role], kept.origin(0))
             kept = joined([before, kept, Insertion("}", kept.origin(len(kept.text)))])
         pieces.append(kept.rewritten(_PUNCTUATION, lambda sign: [_shield(sign[0])]))
     return joined([*pieces, text[done:]])
 
 
-def _inside(match: re.Match[str]) -> Iterable[Piece]:
-    return [match.span("b" if match["a"] is None else "a")]
-
-
+_SCRIPTS = {"sup": "^{", "sub": "_{"}
 # Tags that separate the text around them, and the separators.
 _PARTING = {
     "br": "\n", "p": "\n", "div": "\n", "tr": "\n", "table": "\n", "li": "\n", "ul": "\n", "ol": "\n", "hr": "\n",
@@ -159,6 +156,6 @@ _PARTING = {
 
 def _tag(match: re.Match[str]) -> Iterable[Piece]:
     name = match["name"].lower()
-    if name in ("sup", "sub"):
-        return ["}" if match["end"] else "^{" if name == "sup" else "_{"]
-    return ["" if match["end"] else _PARTING.get(name, "")]
+    if match["end"]:
+        return ["}" if name in _SCRIPTS else ""]
+    return [_SCRIPTS.get(name, _PARTING.get(name, ""))]

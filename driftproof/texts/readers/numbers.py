@@ -92,6 +92,6 @@ def _label(text: str, match: re.Match[str], place: str | None) -> str | None:
         return "part of a name" if before.isalpha() else "an index"
     refers = match["number"] and before in _BEFORE_REFERENCE and match[0][0] not in "+-"
     refers = refers and (before != "#" or match[0].isdigit())  # x = 1 #2.5 is a comment
-    if place is None and refers and _REFERENCE.search(text, start - _LONGEST_REFERENCE, start):
+    if place is None and refers and _REFERENCE.search(text, max(0, start - _LONGEST_REFERENCE), start):
         return "a reference"
     return place

@@ -72,20 +72,13 @@ def read_values(path: Path) -> dict[str, Any]:
     if not isinstance(read, dict):
         raise ValueError(f"{path}: not a JSON object; give the output of `driftproof value --only '*'`")
     for place, leaf in _leaves(read):
-        if isinstance(leaf, dict) and leaf and (wrong := _part_that_is_no_number(leaf)):
-            raise ValueError(f"{path}: {_name(place)}: {wrong} is {str(leaf[wrong])[:60]!r}, not a number")
+        if isinstance(leaf, dict) and leaf:
+            exact = leaf.get("exact")
+            # A quotient by 0 is a formula, too, and so a changed value beside what it was before.
+            fits = exact is None or _number(exact) is not None or _is_formula(exact)
+            for part in ["decimal"] * (_rounded(leaf["decimal"]) is None) + ["exact"] * (not fits):
+                raise ValueError(f"{path}: {_name(place)}: {part} is {str(leaf[part])[:60]!r}, not a number")
     return read
-
-
-def _part_that_is_no_number(number: dict[str, Any]) -> str | None:
-    """The part of a number entry that is not what belongs there: a decimal, or an exact number or formula; or None.
-
-    A quotient by 0 is a formula, too, and so a changed value beside what it was before.
-    """
-    if _rounded(number["decimal"]) is None:
-        return "decimal"
-    exact = number.get("exact")
-    return None if exact is None or _number(exact) is not None or _is_formula(exact) else "exact"
 
 
 def _is_formula(text: Any) -> bool:

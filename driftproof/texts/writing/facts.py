@@ -201,8 +201,6 @@ class _Text:
 
 
 class _Tex(_Text):
-    """A writer of facts as TeX."""
-
     def words(self, text: str) -> str:
         return text.replace("**", "^").translate(_ESCAPED)
 
@@ -305,7 +303,6 @@ def _cut(digits: str) -> str:
 
 
 def _end(root: RealRoot) -> str:
-    """An end of an interval in TeX."""
     radicals = radical_form(root)
     return rf"\approx {root_decimal(root, DIGITS_OF_ENDS)}" if radicals is None else formula(radicals, TEX)
 

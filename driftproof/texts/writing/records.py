@@ -80,12 +80,6 @@ def _tangent_parts(value: EnclosedTangent) -> dict[str, Any]:
     return {"exact": None, "minpoly": None, "interval": ends, "decimal": significant(value.ball, PRINTED_DIGITS)}
 
 
-def _field_parts(field: NumberField) -> dict[str, Any]:
-    ends, digits = [str(field.low), str(field.high)], significant(field.generator, PRINTED_DIGITS)
-    minimal = integer_polynomial_text(field.minimal)
-    return {"generator": field.name, "minpoly": minimal, "interval": ends, "decimal": digits}
-
-
 def _place_parts(place: Imaginary | Complex) -> dict[str, Any]:
     """A non-real eigenvalue, the one above the real axis."""
     exact = None
@@ -144,7 +138,12 @@ _PARTS: dict[type, Callable[[Any], dict[str, Any]]] = {
     EigenvalueLimit: _eigenvalue_parts,
     RealRoot: number_record,
     EnclosedTangent: _tangent_parts,
-    NumberField: _field_parts,
+    NumberField: lambda x: {
+        "generator": x.name,
+        "minpoly": integer_polynomial_text(x.minimal),
+        "interval": [str(x.low), str(x.high)],
+        "decimal": significant(x.generator, PRINTED_DIGITS),
+    },
     Imaginary: _place_parts,
     Complex: _place_parts,
 }

@@ -1,16 +1,11 @@
 """The page as a file: whole, the same each time, with nothing to fetch, and no panel that a scene leaves out."""
 
-from __future__ import annotations
-
 import hashlib
 import re
-from collections.abc import Callable
 from dataclasses import replace
 from fractions import Fraction as Q
 from html import escape
 from html.parser import HTMLParser
-from pathlib import Path
-from typing import Any
 
 import pytest
 
@@ -33,11 +28,11 @@ PLAIN = Scene("plain", "rk4", Q(1, 4), Q(1), readouts=("energy",))
 class Read(HTMLParser):
     """The elements of a page, its texts by the id of the nearest element above that has one, and what is wrong."""
 
-    def __init__(self, page: str) -> None:
+    def __init__(self, page):
         super().__init__()
-        self.open: list[str] = []
-        self.elements: list[tuple[str, dict[str, str | None]]] = []
-        self.wrong: list[str] = []
+        self.open = []
+        self.elements = []
+        self.wrong = []
         self.feed(page)
         self.close()
         self.ids = [attributes["id"] for _, attributes in self.elements if "id" in attributes]
@@ -50,28 +45,28 @@ class Read(HTMLParser):
             if key in attributes and attributes[key] not in self.ids
         ]
 
-    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+    def handle_starttag(self, tag, attrs):
         self.elements.append((tag, dict(attrs)))
         if tag not in VOID:
             self.open.append(tag)
 
-    def handle_startendtag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+    def handle_startendtag(self, tag, attrs):
         self.elements.append((tag, dict(attrs)))
 
-    def handle_endtag(self, tag: str) -> None:
+    def handle_endtag(self, tag):
         if not self.open or self.open.pop() != tag:
             self.wrong.append(f"closed without being open: {tag}")
 
-    def all(self, tag: str) -> list[dict[str, str | None]]:
+    def all(self, tag):
         return [attributes for name, attributes in self.elements if name == tag]
 
 
 @pytest.fixture(scope="module")
-def page() -> str:
+def page():
     return document(list(PRESETS.values()), 15)
 
 
-def test_page_is_well_formed_and_every_reference_has_its_target(page: str) -> None:
+def test_page_is_well_formed_and_every_reference_has_its_target(page):
     assert Read(page).wrong == []
     assert {tag for tag, _ in Read(page).elements} <= {*NAMES.split(), *VOID}
 
@@ -83,11 +78,11 @@ def test_page_is_well_formed_and_every_reference_has_its_target(page: str) -> No
         ("<label for='b'></label>", "nowhere"),
     ],
 )  # fmt: skip
-def test_a_broken_page_is_noticed(planted: str, found: str) -> None:
+def test_a_broken_page_is_noticed(planted, found):
     assert any(found in complaint for complaint in Read(planted).wrong)
 
 
-def test_page_holds_nothing_that_loads_nor_says_when_and_where_it_was_made(page: str) -> None:
+def test_page_holds_nothing_that_loads_nor_says_when_and_where_it_was_made(page):
     assert not re.search(r"20[2-9]\d-|\b\d\d:\d\d\b|/tmp|/home", page)
     read = Read(page)
     assert {tag for tag, _ in read.elements} & LOADING == set()
@@ -97,7 +92,7 @@ def test_page_holds_nothing_that_loads_nor_says_when_and_where_it_was_made(page:
     assert all(not key.startswith("on") and key != "style" for _, attributes in read.elements for key in attributes)
 
 
-def test_figures_are_those_of_every_preset_and_method(page: str) -> None:
+def test_figures_are_those_of_every_preset_and_method(page):
     ids = [figure["id"] for figure in Read(page).all("figure")]
     methods = ("forward_euler", "symplectic_euler", "rk4")
     each = [f"scene-{i}-{key}-{panel}" for i in range(1, 5) for key in methods for panel in ("position", "phase_plane")]
@@ -105,7 +100,7 @@ def test_figures_are_those_of_every_preset_and_method(page: str) -> None:
     assert len(ids) == len(set(ids)) == 29
 
 
-def test_every_picture_has_title_description_and_numbers(page: str) -> None:
+def test_every_picture_has_title_description_and_numbers(page):
     pictures = re.findall(r"<figure .*?</figure>", page, re.DOTALL)
     assert len(pictures) == 29
     for picture in pictures:
@@ -115,7 +110,7 @@ def test_every_picture_has_title_description_and_numbers(page: str) -> None:
         assert len(re.findall("<tr>", picture)) > 5
 
 
-def test_same_scenes_make_the_same_bytes(page: str, fresh_python: Callable[[str], str]) -> None:
+def test_same_scenes_make_the_same_bytes(page, fresh_python):
     code = (
         "import hashlib\nfrom driftproof.reports.page.document import document\n"
         "from driftproof.numeric.scenes import PRESETS\n"
@@ -124,7 +119,7 @@ def test_same_scenes_make_the_same_bytes(page: str, fresh_python: Callable[[str]
     assert fresh_python(code) == hashlib.sha256(page.encode()).hexdigest()
 
 
-def test_page_selects_the_method_of_the_scene_first(page: str) -> None:
+def test_page_selects_the_method_of_the_scene_first(page):
     read = Read(page)
     checked = [box["id"] for box in read.all("input") if "checked" in box]
     selected = [f"scene-{i}-{scene.selected}-shown" for i, scene in enumerate(PRESETS.values(), 1)]
@@ -133,13 +128,13 @@ def test_page_selects_the_method_of_the_scene_first(page: str) -> None:
     assert len(read.all("input")) == 4 + 12
 
 
-def test_single_scene_with_a_single_method_leaves_nothing_to_choose() -> None:
+def test_single_scene_with_a_single_method_leaves_nothing_to_choose():
     read = Read(document([PLAIN], 15))
     assert read.all("input") == []
     assert read.wrong == []
 
 
-def heads(scene: Scene) -> set[str]:
+def heads(scene):
     """The third-level headings of a page, and the kinds of its figures."""
     shown = document([scene], 15)
     kinds = {figure["id"] or "" for figure in Read(shown).all("figure")}
@@ -154,14 +149,14 @@ def heads(scene: Scene) -> set[str]:
         ("stability", {"Stability", "growth"}),
     ],
 )  # fmt: skip
-def test_page_has_the_panel_that_the_scene_names_and_no_other(panel: str, expected: set[str]) -> None:
+def test_page_has_the_panel_that_the_scene_names_and_no_other(panel, expected):
     methods = ("rk4",) if panel == "table" else ()
     assert heads(Scene("one", "rk4", Q(1, 4), Q(1), methods=methods, panels=(panel,))) == expected
     assert set(PANELS) == {"table", "position", "phase_plane", "work_precision", "stability"}
 
 
-def test_nothing_is_run_for_a_scene_that_asks_for_no_run(monkeypatch: pytest.MonkeyPatch) -> None:
-    def forbidden(*_: object) -> None:
+def test_nothing_is_run_for_a_scene_that_asks_for_no_run(monkeypatch):
+    def forbidden(*_):
         raise AssertionError("a float run was made")
 
     monkeypatch.setattr(scene_view, "run_scene", forbidden)
@@ -179,12 +174,10 @@ def test_nothing_is_run_for_a_scene_that_asks_for_no_run(monkeypatch: pytest.Mon
         ({"panels": ("table",), "methods": ("heun2",)}, {"heun2": {"state_error", "energy_change", "evaluations"}}),
     ],
 )
-def test_runs_are_made_once_and_yield_what_is_named_and_no_more(
-    monkeypatch: pytest.MonkeyPatch, asked: dict[str, tuple[str, ...]], expected: dict[str, set[str]]
-) -> None:
+def test_runs_are_made_once_and_yield_what_is_named_and_no_more(monkeypatch, asked, expected):
     made = []
 
-    def recorded(scene: Scene, key: str, *rest: Any) -> Any:
+    def recorded(scene, key, *rest):
         made.append((key, set(scene.readouts)))
         return run_method(scene, key, *rest)
 
@@ -193,7 +186,7 @@ def test_runs_are_made_once_and_yield_what_is_named_and_no_more(
     assert made == list(expected.items())
 
 
-def test_page_without_stability_or_certified_numbers_imports_no_sympy(modules_after: Callable[[str], set[str]]) -> None:
+def test_page_without_stability_or_certified_numbers_imports_no_sympy(modules_after):
     code = "from fractions import Fraction as Q; from driftproof.reports.page.document import document; "
     code += "from driftproof.numeric.scenes import Scene; "
     asked = "document([Scene('s', 'rk4', Q(1, 4), Q(1), methods=('rk4',), readouts=('energy',), panels={})], 5)"
@@ -202,7 +195,7 @@ def test_page_without_stability_or_certified_numbers_imports_no_sympy(modules_af
     assert "flint" in modules_after(code + asked.format("('stability',)"))
 
 
-def test_run_that_overflows_has_its_message_and_the_others_their_figures() -> None:
+def test_run_that_overflows_has_its_message_and_the_others_their_figures():
     scene = Scene("edge", "rk4", Q(2), Q(2000), methods=("forward_euler",), readouts=("energy",), panels=PANELS)
     shown = document([scene], 15)
     assert shown.count("overflow: the state is no longer finite after step 883") == 2
@@ -210,13 +203,13 @@ def test_run_that_overflows_has_its_message_and_the_others_their_figures() -> No
     assert 'id="scene-1-forward_euler-position"' not in shown
 
 
-def test_trajectory_without_a_figure_is_a_table_of_samples() -> None:
+def test_trajectory_without_a_figure_is_a_table_of_samples():
     shown = document([Scene("t", "rk4", Q(1, 4), Q(1), readouts=("trajectory",))], 15)
     assert "<figure" not in shown
     assert shown.count("<tr>") == 2 * (1 + 5)
 
 
-def test_name_of_a_scene_is_text_and_no_markup() -> None:
+def test_name_of_a_scene_is_text_and_no_markup():
     evil = replace(PLAIN, name='<script>alert(1)<\\script>"&\x00')
     shown = document([evil, evil], 15)
     read = Read(shown)
@@ -226,21 +219,21 @@ def test_name_of_a_scene_is_text_and_no_markup() -> None:
     assert "&lt;script&gt;alert(1)" in shown
 
 
-def test_every_readout_has_its_place_on_the_page() -> None:
+def test_every_readout_has_its_place_on_the_page():
     scene = Scene("all", "rk4", Q(1, 4), Q(1), readouts=READOUTS, certified=("energy", "phase_error"))
     shown = document([scene], 20)
     assert shown.count("<dt>") == len(READOUTS) - 1 + 2
     assert re.search(r"<dt>Final energy</dt><dd>0\.4999\d{16}</dd>", shown)
 
 
-def test_command_writes_the_page(answer: Callable[..., str], tmp_path: Path, page: str) -> None:
+def test_command_writes_the_page(answer, tmp_path, page):
     path = tmp_path / "new folder" / "report.html"
     assert answer("report", "-o", str(path)) == f"wrote {path}\n"
     assert path.read_text(encoding="utf-8") == page
     assert [file.name for file in path.parent.iterdir()] == ["report.html"]
 
 
-def test_command_takes_scenes_by_name_and_from_files(answer: Callable[..., str], tmp_path: Path) -> None:
+def test_command_takes_scenes_by_name_and_from_files(answer, tmp_path):
     mine = tmp_path / "mine.toml"
     mine.write_text('selected = "heun2"\nh = 0.1\nt = 1\nreadouts = ["energy"]\n', encoding="utf-8")
     answer("report", str(mine), "compare", "-o", str(tmp_path / "r.html"))
@@ -248,10 +241,7 @@ def test_command_takes_scenes_by_name_and_from_files(answer: Callable[..., str],
     assert escape(METHODS["heun2"].title) in (tmp_path / "r.html").read_text(encoding="utf-8")
 
 
-Run = Callable[..., tuple[int, str, str]]
-
-
-def test_page_that_fails_leaves_the_old_one_as_it_was(run: Run, tmp_path: Path) -> None:
+def test_page_that_fails_leaves_the_old_one_as_it_was(run, tmp_path):
     path = tmp_path / "report.html"
     path.write_text("old", encoding="utf-8")
     scene = tmp_path / "back.toml"

@@ -1,10 +1,7 @@
 """A figure: its picture with title, description and numbers in a page, and the same picture as a file of its own."""
 
-from __future__ import annotations
-
 import re
 from fractions import Fraction as Q
-from pathlib import Path
 from xml.etree import ElementTree
 
 import pytest
@@ -14,7 +11,7 @@ from driftproof.reports.page.plot import SQUARE, WIDE, Axis, Plot, Scale, frame,
 
 
 @pytest.fixture(params=[WIDE, SQUARE], ids=["wide", "square"])
-def figure(request: pytest.FixtureRequest) -> Figure:
+def figure(request):
     across, up = request.param
     plot = Plot(Axis(Scale(Q(0), Q(1), *across), "x", [Q(0), Q(1)]), Axis(Scale(Q(0), Q(1), *up), "y", [Q(0), Q(1)]))
     plot.line([(0, 0), (1, 1)], "samples path")
@@ -22,11 +19,11 @@ def figure(request: pytest.FixtureRequest) -> Figure:
     return Figure("id", "wide", "A & B", "what is seen", plot, legend, "a note", [["x"], ["1"]], "the numbers")
 
 
-def written(figure: Figure, folder: Path) -> str:
+def written(figure, folder):
     return figure.write(folder / "figure.svg", "h = 1/4").read_text(encoding="utf-8")
 
 
-def test_figure_of_a_page_has_heading_legend_picture_note_and_numbers(figure: Figure) -> None:
+def test_figure_of_a_page_has_heading_legend_picture_note_and_numbers(figure):
     root = ElementTree.fromstring(figure.markup())
     assert [child.tag for child in root] == ["figcaption", "svg", "p", "details"]
     assert root.get("aria-labelledby") == "id-heading"
@@ -35,7 +32,7 @@ def test_figure_of_a_page_has_heading_legend_picture_note_and_numbers(figure: Fi
     assert [cell.text for cell in root.iter("th")] == ["x", "1"]
 
 
-def test_file_holds_the_same_marks_in_light_colours_and_asks_for_nothing(figure: Figure, tmp_path: Path) -> None:
+def test_file_holds_the_same_marks_in_light_colours_and_asks_for_nothing(figure, tmp_path):
     shown = written(figure, tmp_path)
     root = ElementTree.fromstring(shown)
     assert all(mark in shown for mark in figure.plot.drawn)
@@ -44,7 +41,7 @@ def test_file_holds_the_same_marks_in_light_colours_and_asks_for_nothing(figure:
     assert not re.search(r"var\(|href|url\(|@import", shown)
 
 
-def test_plots_and_legend_of_a_file_stand_in_rows(tmp_path: Path) -> None:
+def test_plots_and_legend_of_a_file_stand_in_rows(tmp_path):
     """Three plots of 168 by 132, two in a row, and five entries of a legend, four in a row: all worked out by hand."""
     across, up = frame(100, 60)
     plot = Plot(linear(Q(0), Q(1), "x", across), linear(Q(0), Q(1), "y", up))

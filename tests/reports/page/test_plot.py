@@ -1,7 +1,5 @@
 """Axes and plots: ticks are round, few and inside; limits are just beyond; scales and labels are exact."""
 
-from __future__ import annotations
-
 import re
 from fractions import Fraction as Q
 from itertools import pairwise
@@ -31,7 +29,7 @@ positive = st.builds(Q, st.integers(1, 10**12), st.integers(1, 10**12))
 
 
 @given(low=fractions, high=fractions)
-def test_ticks_are_three_to_six_multiples_of_the_coarsest_round_step_inside(low: Q, high: Q) -> None:
+def test_ticks_are_three_to_six_multiples_of_the_coarsest_round_step_inside(low, high):
     """The coarsest: twice the step, which is round or between two round ones, is not reached by any round one."""
     assume(low < high)
     found = ticks(low, high)
@@ -57,25 +55,25 @@ def test_ticks_are_three_to_six_multiples_of_the_coarsest_round_step_inside(low:
         (0, Q(10) ** 308, [0, 5 * Q(10) ** 307, Q(10) ** 308]),
     ],
 )  # fmt: skip
-def test_ticks_of_known_axes(low: Q, high: Q, expected: list[Q]) -> None:
+def test_ticks_of_known_axes(low, high, expected):
     assert ticks(Q(low), Q(high)) == expected
 
 
 @pytest.mark.parametrize("low", [1, 2])
-def test_axis_without_length_has_no_ticks(low: int) -> None:
+def test_axis_without_length_has_no_ticks(low):
     with pytest.raises(ValueError, match="has no length"):
         ticks(Q(low), Q(1))
 
 
 @given(largest=positive)
-def test_limit_is_round_beyond_and_near(largest: Q) -> None:
+def test_limit_is_round_beyond_and_near(largest):
     limit = symmetric_limit(largest)
     assert limit / Q(10) ** decade(limit) in AXIS_ENDS
     assert largest < limit <= Q(7, 5) * largest
     assert largest * Q(21, 20) <= limit
 
 
-def test_limits_grow_by_a_third_at_most() -> None:
+def test_limits_grow_by_a_third_at_most():
     ends = [*AXIS_ENDS, Q(10)]
     assert max(b / a for a, b in pairwise(ends)) == Q(4, 3)
     assert (symmetric_limit(Q(0)), symmetric_limit(Q(3)), symmetric_limit(Q(39, 4))) == (1, 4, Q(25, 2))
@@ -84,7 +82,7 @@ def test_limits_grow_by_a_third_at_most() -> None:
 
 
 @given(x=positive)
-def test_decade_is_the_last_power_of_ten_not_above(x: Q) -> None:
+def test_decade_is_the_last_power_of_ten_not_above(x):
     assert Q(10) ** decade(x) <= x < Q(10) ** (decade(x) + 1)
 
 
@@ -95,19 +93,19 @@ def test_decade_is_the_last_power_of_ten_not_above(x: Q) -> None:
         (Q(-4 * 10**7), "−4·10⁷"), (Q(1, 10**4), "0.0001"), (Q(5, 10**5), "5·10⁻⁵"), (Q(5, 4) * 10**20, "1.25·10²⁰"),
     ],
 )  # fmt: skip
-def test_label_says_the_number(x: Q, shown: str) -> None:
+def test_label_says_the_number(x, shown):
     assert label(x) == shown
 
 
 @given(low=fractions, high=fractions, start=fractions, end=fractions, x=fractions)
-def test_scale_is_affine_and_hits_both_ends(low: Q, high: Q, start: Q, end: Q, x: Q) -> None:
+def test_scale_is_affine_and_hits_both_ends(low, high, start, end, x):
     assume(low < high)
     scale = Scale(low, high, start, end)
     assert (scale(low), scale(high)) == (start, end)
     assert scale(x) - scale(x - 1) == scale.per_unit == (end - start) / (high - low)
 
 
-def test_scale_refuses_what_is_no_number() -> None:
+def test_scale_refuses_what_is_no_number():
     scale = Scale(Q(0), Q(1), Q(0), Q(1))
     assert scale(0.1) == Q(0.1) != Q(1, 10)
     for x in (float("inf"), float("nan")):
@@ -116,16 +114,16 @@ def test_scale_refuses_what_is_no_number() -> None:
 
 
 @given(fractions)
-def test_place_is_within_half_a_hundredth(x: Q) -> None:
+def test_place_is_within_half_a_hundredth(x):
     assert abs(Q(place(x)) - x) <= Q(1, 200)
     assert place(x) != "-0"
 
 
-def small_plot() -> Plot:
+def small_plot():
     return Plot(linear(Q(-1), Q(1), "x", (Q(0), Q(100))), linear(Q(-1), Q(1), "y", (Q(100), Q(0))))
 
 
-def test_marks_are_where_their_numbers_are() -> None:
+def test_marks_are_where_their_numbers_are():
     plot = small_plot()
     plot.line([(-1.0, -1.0), (0.5, 1.0)], "a")
     plot.dots([(0.0, 0.0)], "b")
@@ -139,7 +137,7 @@ def test_marks_are_where_their_numbers_are() -> None:
     ]
 
 
-def test_marks_part_the_distances_between_labels() -> None:
+def test_marks_part_the_distances_between_labels():
     (left, right), _ = frame(100, 100)
     for low, high, marks in ((0, 10, 8), (-4, 4, 6), (0, 2, 8), (-6, 6, 10)):
         axis = linear(Q(low), Q(high), "x", (left, right))
@@ -156,7 +154,7 @@ def test_marks_part_the_distances_between_labels() -> None:
         assert (scale.low, scale.high) == ends, "whole decades around the values, two at least"
 
 
-def test_axes_stand_where_their_numbers_are() -> None:
+def test_axes_stand_where_their_numbers_are():
     """A frame of 100 by 60, 52 from the left and 26 from above: every place worked out by hand."""
     across, up = frame(100, 60)
     plot = Plot(linear(Q(0), Q(1), "x", across), decades(-1, 1, "<y>", up))

@@ -1,11 +1,8 @@
 """The panel of stability: verdicts on both sides of the limit, held to another derivation and to eigenvalues."""
 
-from __future__ import annotations
-
 import re
 from dataclasses import replace
 from fractions import Fraction as Q
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -30,20 +27,20 @@ VERDICTS = [
 ]  # fmt: skip
 
 
-def test_twelve_curves_are_told_apart() -> None:
+def test_twelve_curves_are_told_apart():
     assert [line_style(i) for i in (0, 5, 6)] == ["m0", "m5", "m0 again"]
     assert len({line_style(i) for i in range(12)}) == 12
 
 
 @pytest.mark.parametrize(("key", "h", "bounded", "where"), VERDICTS)
-def test_verdict_and_place_beside_the_limit(key: str, h: Q, bounded: bool, where: str) -> None:
+def test_verdict_and_place_beside_the_limit(key, h, bounded, where):
     found = verdict(key, h)
     assert (found.bounded, beside(found.limit, h)) == (bounded, where)
 
 
 @pytest.mark.parametrize("key", ["forward_euler", "symplectic_euler", "rk4", "velocity_verlet", "heun2"])
 @pytest.mark.parametrize("h", [Q(1, 10), Q(1), Q(2), Q(5, 2), Q(3)])
-def test_verdict_agrees_with_the_other_derivation(key: str, h: Q) -> None:
+def test_verdict_agrees_with_the_other_derivation(key, h):
     """The witness works over Q[h] with SymPy's number fields, and with NumPy's eigenvalues; neither is used here."""
     found = verdict(key, h)
     assert found.bounded == AtStep(one_step_matrix(METHODS[key]), sympy.Rational(h.numerator, h.denominator)).bounded
@@ -53,7 +50,7 @@ def test_verdict_agrees_with_the_other_derivation(key: str, h: Q) -> None:
     assert abs(float(enclose(found.growth)) + 1 - seen) < 1e-6
 
 
-def test_radius_of_one_is_known_to_be_one() -> None:
+def test_radius_of_one_is_known_to_be_one():
     """Where M keeps area and its powers are bounded, also with coefficients in a number field: no enclosure decides."""
     for key in ("symplectic_euler", "velocity_verlet", "yoshida4", "implicit_midpoint", "gauss2"):
         assert verdict(key, Q(1, 2)).growth == 0
@@ -63,11 +60,11 @@ def test_radius_of_one_is_known_to_be_one() -> None:
     assert spectral_radius((Q(0), Q(4), Q(-4), Q(0))) == 4
 
 
-def test_limit_of_the_verdict_is_the_fact() -> None:
+def test_limit_of_the_verdict_is_the_fact():
     assert verdict("rk4", Q(1)).limit == LinearFacts(METHODS["rk4"]).imaginary_limit
 
 
-def test_growth_is_the_norm_of_the_powers() -> None:
+def test_growth_is_the_norm_of_the_powers():
     """Of forward Euler at h = 1, whose step turns and grows by sqrt 2, n log10(2)/2."""
     scene = replace(PRESETS["compare"], h=Q(1), t=Q(2))
     data = growth_figure(scene, [verdict("forward_euler", Q(1))], "id").data
@@ -88,13 +85,13 @@ def test_growth_is_the_norm_of_the_powers() -> None:
     ]
 
 
-def test_growth_that_stays_near_1_stands_in_the_middle_of_two_decades() -> None:
+def test_growth_that_stays_near_1_stands_in_the_middle_of_two_decades():
     shown = growth_figure(PRESETS["compare"], [verdict("implicit_midpoint", Q(1, 2))], "id")
     scale = shown.plot.y.scale
     assert (scale.low, scale.high) == (-1, 1)
 
 
-def test_growth_of_a_step_that_vanishes_is_minus_infinity_from_the_first_step_on(tmp_path: Path) -> None:
+def test_growth_of_a_step_that_vanishes_is_minus_infinity_from_the_first_step_on(tmp_path):
     """The step has R(z) = 1 + z + z² + z³, which is 0 at z = i."""
     own = tmp_path / "own.toml"
     own.write_text('family = "runge_kutta"\nA = [[], [1], [0, 1]]\nb = [0, 0, 1]\n', encoding="utf-8")
@@ -105,7 +102,7 @@ def test_growth_of_a_step_that_vanishes_is_minus_infinity_from_the_first_step_on
     assert "logarithmic axis from 1 to 10⁴. At the end: own 0, " in shown.description
 
 
-def test_table_of_verdicts_says_each_limit_exactly_and_in_decimals() -> None:
+def test_table_of_verdicts_says_each_limit_exactly_and_in_decimals():
     keys = ("forward_euler", "rk4", "symplectic_euler", "implicit_midpoint", "dormand_prince54")
     shown = verdicts_table(replace(PRESETS["compare"], h=Q(1)), [verdict(key, Q(1)) for key in keys])
     assert [re.findall(r"<td>(.*?)</td>", row) for row in shown.split("</tr>")[1:-1]] == [

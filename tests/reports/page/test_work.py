@@ -1,7 +1,5 @@
 """The panel of work: numbers of steps are halved and doubled, and errors are measured from the scene's own start."""
 
-from __future__ import annotations
-
 from fractions import Fraction as Q
 from itertools import pairwise
 from math import cos, hypot, sin
@@ -15,14 +13,14 @@ from driftproof.numeric.work_precision.curves import Curve, Point
 from driftproof.reports.page.work import halved_and_doubled, work_curves, work_figure, work_table
 
 
-def test_numbers_of_steps_hold_the_scene_and_only_halve_and_doubles() -> None:
+def test_numbers_of_steps_hold_the_scene_and_only_halve_and_doubles():
     assert halved_and_doubled(40) == [5, 10, 20, 40, 80, 160, 320, 640, 1280, 2560, 5120]
     assert [halved_and_doubled(n)[0] for n in (3, 7, 11)] == [3, 7, 11]
     assert halved_and_doubled(10**6)[-1] == 10**6
     assert all(b == 2 * a for a, b in pairwise(halved_and_doubled(96)))
 
 
-def test_work_is_measured_from_the_scene_s_own_start() -> None:
+def test_work_is_measured_from_the_scene_s_own_start():
     """The error at the scene's own number of steps is the distance from the exact state that its start leads to."""
     scene = Scene("s", "rk4", Q(1, 2), Q(3), (Q(1, 3), Q(-2)), readouts=("final_state",))
     (curve,) = work_curves(scene)
@@ -33,14 +31,14 @@ def test_work_is_measured_from_the_scene_s_own_start() -> None:
     assert own.error == pytest.approx(hypot(q - exact[0], v - exact[1]), rel=1e-9)
 
 
-def test_work_of_a_scene_that_runs_backwards_or_nowhere_is_refused() -> None:
+def test_work_of_a_scene_that_runs_backwards_or_nowhere_is_refused():
     for h, t in ((Q(-1), Q(-3)), (Q(1), Q(0))):
         with pytest.raises(ValueError, match="comparing work needs t > 0"):
             work_curves(Scene("back", "rk4", h, t, panels=("work_precision",)))
     assert work_curves(Scene("short", "rk4", Q(1, 4), Q(1, 2), panels=("work_precision",)))[0].points[0].steps == 2
 
 
-def test_the_fewest_evaluations_for_each_goal_and_the_first_and_last_error_are_told() -> None:
+def test_the_fewest_evaluations_for_each_goal_and_the_first_and_last_error_are_told():
     seen = ((8, 1.2e-3), (16, 1e-3), (24, 1.2e-6), (32, 5e-7))
     found = [Curve("c", "C", 0, [Point(str(n), 4 * n, {STATE: Size(x, x)}, steps=n) for n, x in seen])]
     assert "<td>64</td><td>128</td>" in work_table(found)
@@ -51,7 +49,7 @@ def test_the_fewest_evaluations_for_each_goal_and_the_first_and_last_error_are_t
     assert drawn == [2, 1, 1]  # the path also in the legend
 
 
-def test_methods_without_any_error_are_told_of() -> None:
+def test_methods_without_any_error_are_told_of():
     found = [Curve("a", "A", 2, refused="has no steps"), Curve("b", "B", 0, [Point("8", 8, remark="lost", steps=8)])]
     shown, figure = work_table(found), work_figure(found, "id", Q(1))
     assert '<td colspan="4">has no steps</td>' in shown

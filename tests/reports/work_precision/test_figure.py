@@ -1,10 +1,7 @@
 """Figures of error against work: legible where runs blow up, words where there is nothing to draw, a legend for all."""
 
-from __future__ import annotations
-
 import re
 from math import degrees, log10
-from pathlib import Path
 from xml.etree import ElementTree
 
 import pytest
@@ -20,28 +17,28 @@ from tests.reports.studies import study, unheard
 SVG = "{http://www.w3.org/2000/svg}"
 
 
-def points(*errors: tuple[int, float]) -> list[Point]:
+def points(*errors):
     return [Point(str(n), n, {"state": Size(e, 2 * e)}, scale=1.0) for n, e in errors]
 
 
-def texts(path: Path) -> list[str]:
+def texts(path):
     return [text.text or "" for text in ElementTree.parse(path).iter(f"{SVG}text")]
 
 
-def places(path: Path, class_: str) -> list[tuple[float, float]]:
+def places(path, class_):
     """Of the lines of that class, the samples in the legend left out."""
     found = [x.get("d", "") for x in ElementTree.parse(path).iter(f"{SVG}path") if x.get("class") == class_]
     return [(float(x), float(y)) for d in found for x, y in re.findall(r"[ML]([\d.]+) ([\d.]+)", d) if "H" not in d]
 
 
-def test_runs_that_blow_up_keep_the_others_legible(tmp_path: Path) -> None:
+def test_runs_that_blow_up_keep_the_others_legible(tmp_path):
     blown = Curve("rk4", "", 4, points((8, 1e90), (64, 1e60)))
     good = Curve("gauss2", "", 4, points((512, 1e-3), (1024, 1e-5)))
     asked = study(problem="dahlquist_1e3")
     both = draw_study(asked, Measured({"rk4": blown, "gauss2": good}), "state", tmp_path)
     assert not {"10⁶⁰", "10⁹⁰", "no run can be shown here", "rounding of the exact result"} & set(texts(both))
     # From 10² to 10⁴ evaluations, and from 10⁻⁵ to 1000 times the size of the solution, 1.
-    x, y = Scale(2, 4, *WIDE[0]), Scale(-5, 3, *WIDE[1])  # type: ignore[arg-type]
+    x, y = Scale(2, 4, *WIDE[0]), Scale(-5, 3, *WIDE[1])
     for class_, size in (("path m1", 1), ("path m1 thin", 2)):
         wanted = [(float(x(log10(n))), float(y(log10(size * e)))) for n, e in ((512, 1e-3), (1024, 1e-5))]
         for drawn, place in exactly(2, zip(places(both, class_), wanted, strict=True)):
@@ -54,16 +51,16 @@ def test_runs_that_blow_up_keep_the_others_legible(tmp_path: Path) -> None:
     assert (ticks["10⁻⁵"], ticks["1"]) == (str(26 + 228 * 5 / 16), "26"), "from 10⁻¹⁶ to 1"
 
 
-def test_axes_reach_from_the_floor_to_a_thousand_times_the_size_of_the_solution(tmp_path: Path) -> None:
+def test_axes_reach_from_the_floor_to_a_thousand_times_the_size_of_the_solution(tmp_path):
     """Of the oscillator state and energy have the size 1, and the phase half a turn."""
     for quantity, rounding, low, high in ((STATE, U, -16, 3), (ENERGY, U, -16, 3), (PHASE, degrees(U), -15, 6)):
         blown = Curve("rk4", "", 4, [Point("8", 8, {quantity: Size(1e60, 1e90)}, scale=1.0)])
         drawn = draw_study(study(), Measured({"rk4": blown}), quantity, tmp_path)
-        at = float(Scale(low, high, *WIDE[1])(log10(rounding)))  # type: ignore[arg-type]
+        at = float(Scale(low, high, *WIDE[1])(log10(rounding)))
         assert [y for _, y in places(drawn, "floor")] == pytest.approx([at, at], abs=0.006)
 
 
-def test_figure_has_a_panel_for_every_cost_and_a_legend_of_all_curves(tmp_path: Path) -> None:
+def test_figure_has_a_panel_for_every_cost_and_a_legend_of_all_curves(tmp_path):
     asked = study("rk4", "heun3", "gauss2")
     measured = measure(asked, None, unheard)
     drawn = draw_study(asked, measured, "state", tmp_path)
@@ -77,7 +74,7 @@ def test_figure_has_a_panel_for_every_cost_and_a_legend_of_all_curves(tmp_path: 
     assert float(size[2]) == 2 * float(WIDE[0][1] + 16)  # two in a row, and a third below
 
 
-def test_the_seventh_curve_is_the_first_again_broader(tmp_path: Path) -> None:
+def test_the_seventh_curve_is_the_first_again_broader(tmp_path):
     curves = {str(i): Curve(str(i), "", 4, points((8 << i, 1e-3), (16 << i, 1e-5))) for i in range(7)}
     drawn = draw_study(study(problem="dahlquist_1e3"), Measured(curves), "state", tmp_path)
     assert [len(places(drawn, f"path m0{again}")) for again in ("", " again")] == [2, 2]

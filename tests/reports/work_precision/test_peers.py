@@ -1,12 +1,9 @@
 """Other people's integrators beside ours: counted, timed, and told apart where they fail or are absent."""
 
-from __future__ import annotations
-
 import re
 from contextlib import nullcontext
 from dataclasses import replace
 from types import SimpleNamespace
-from typing import Any
 
 import numpy as np
 import pytest
@@ -31,26 +28,26 @@ class FakeSolver:
 
     """Exact at every tolerance but the last, where it fails; counts three evaluations."""
 
-    def __init__(self, problem: object, solver: str) -> None:
+    def __init__(self, problem, solver):
         self.exact = dict(zip(HARMONIC.reference.times, HARMONIC.reference.states, strict=True))
 
-    def solve(self, tolerance: float, t: float) -> tuple[float, ...]:
+    def solve(self, tolerance, t):
         if tolerance < 1e-4:
             raise ArithmeticError("step too\nsmall")
         return tuple(float(x) + tolerance for x in self.exact[next(x for x in self.exact if float(x) == t)])
 
-    def counted(self, tolerance: float, t: float, limit: float = 0) -> int:
+    def counted(self, tolerance, t, limit=0):
         return 3
 
 
-def test_as_many_calls_as_are_allowed_are_made_and_no_more() -> None:
+def test_as_many_calls_as_are_allowed_are_made_and_no_more():
     rate = peers._CountedRate(lambda t, y: [y, t], 2)
     assert [rate(1.0, 3.0), rate(2.0, 4.0)] == [[3.0, 1.0], [4.0, 2.0]]
     with pytest.raises(ArithmeticError, match="given up after 2 evaluations"):
         rate(1.0, 3.0)
 
 
-def test_a_peer_stands_beside_ours_and_its_failure_is_a_remark(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_peer_stands_beside_ours_and_its_failure_is_a_remark(monkeypatch):
     monkeypatch.setattr(Peer, "installed", True)
     asked = study("rk4", peers=(Peer("fake", ("solver",), "python", FakeSolver),))
     found = measure(asked, None, unheard)
@@ -65,15 +62,15 @@ def test_a_peer_stands_beside_ours_and_its_failure_is_a_remark(monkeypatch: pyte
 class Willing(FakeSolver):
     """Exact at every tolerance; keeps those that it is asked for."""
 
-    def solve(self, tolerance: float, t: float) -> tuple[float, ...]:
+    def solve(self, tolerance, t):
         asked.append(tolerance)
         return super().solve(1e-3, t)
 
 
-asked: list[float] = []
+asked = []
 
 
-def test_a_solver_is_first_called_twice_at_the_first_point_to_let_it_compile(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_solver_is_first_called_twice_at_the_first_point_to_let_it_compile(monkeypatch):
     monkeypatch.setattr(Peer, "installed", True)
     asked.clear()
     found = measure(study("rk4", peers=(Peer("willing", ("solver",), "python", Willing),)), None, unheard)
@@ -82,7 +79,7 @@ def test_a_solver_is_first_called_twice_at_the_first_point_to_let_it_compile(mon
     assert set(found.warm_up) == {"rk4 | python", "rk4 | ensemble", "willing solver | python"}
 
 
-def test_peers_that_are_absent_are_named(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_peers_that_are_absent_are_named(monkeypatch):
     monkeypatch.setattr(Peer, "installed", False)
     asked = study("rk4", peers=tuple(peers_named(["heyoka", "scipy"])))
     found = measure(asked, None, unheard)
@@ -93,16 +90,16 @@ def test_peers_that_are_absent_are_named(monkeypatch: pytest.MonkeyPatch) -> Non
             peers_named(["scipy", name])
 
 
-solved: list[Any] = []
+solved = []
 
 
-def solve(rate: Any, y: Any, span: tuple[float, float], tolerance: float) -> Any:
+def solve(rate, y, span, tolerance):
     """SciPy's solution for a package that is not installed; it counts the evaluations by itself."""
     solved.append(solve_ivp(rate, span, y, rtol=tolerance, atol=tolerance))
     return solved[-1]
 
 
-def odeint(rate: Any, y: Any, times: Any, *, rtol: float, atol: float, method: str) -> Any:
+def odeint(rate, y, times, *, rtol, atol, method):
     found = solve(rate, y, times, max(rtol, atol))
     if method not in PEERS["torchdiffeq"].solvers or not found.success:
         raise AssertionError("underflow in dt")
@@ -112,18 +109,18 @@ def odeint(rate: Any, y: Any, times: Any, *, rtol: float, atol: float, method: s
 class Taylor:
     """heyoka's integrator, which goes on from where it is."""
 
-    def __init__(self, system: Any, start: Any, tol: float) -> None:
+    def __init__(self, system, start, tol):
         self.state, self.time, self.tolerance = np.array(start), 0.0, tol
         variables, rates = zip(*system, strict=True)
         self.rate = sympy.lambdify([TIME, variables], rates)
 
-    def propagate_until(self, t: float, max_steps: int) -> tuple[str]:
+    def propagate_until(self, t, max_steps):
         found = solve(self.rate, self.state, (self.time, t), self.tolerance)
         self.state[:], self.time = found.y[:, -1], t
         return ("time_limit" if found.success and max_steps == 10**5 else "failed",)
 
 
-def diffeqsolve(term: Any, solver: str, t0: float, t1: float, dt0: None, y0: Any, **settings: Any) -> Any:
+def diffeqsolve(term, solver, t0, t1, dt0, y0, **settings):
     tolerances = settings.pop("stepsize_controller").values()
     found = solve(lambda t, y: term(t, y, None), y0, (t0, t1), max(tolerances))
     usual = (solver in PEERS["diffrax"].solvers, settings) == (
@@ -159,7 +156,7 @@ REFUSED = {
 
 
 @pytest.mark.parametrize("name", PEERS)
-def test_peers_solve_the_oscillator_and_refuse_what_they_cannot(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_peers_solve_the_oscillator_and_refuse_what_they_cannot(name, monkeypatch):
     peer, faked = PEERS[name], not PEERS[name].installed
     if faked:
         monkeypatch.setattr(peers, "import_module", FAKES.__getitem__)

@@ -1,14 +1,11 @@
 """What a study tells: who is cheapest, who is dominated, what was lost or left out; the same bytes in JSON and CSV."""
 
-from __future__ import annotations
-
 import csv
 import io
 import json
 import re
 from dataclasses import replace
 from math import inf
-from pathlib import Path
 from types import SimpleNamespace
 
 from driftproof.methods.catalogue import METHODS
@@ -17,30 +14,22 @@ from driftproof.numeric.reference_errors import Size
 from driftproof.numeric.work_precision.curves import Curve, Point, curve_of
 from driftproof.numeric.work_precision.timing import Timing
 from driftproof.numeric.work_precision.verdicts import Priced, dominators
-from driftproof.reports.work_precision.report import (
-    csv_text,
-    goal_rows,
-    order_rows,
-    priced,
-    seconds_text,
-    study_text,
-    write_study,
-)
+from driftproof.reports.work_precision import report
 from driftproof.reports.work_precision.study import Measured, measure, timing_name
 from driftproof.symbolic.facts import stated_orders
 from tests.looping import some
 from tests.reports.studies import study, unheard
 
 
-def test_a_problem_without_a_title_is_named_once() -> None:
+def test_a_problem_without_a_title_is_named_once():
     asked = study("rk4", problem="dahlquist_1")
     asked = replace(asked, problem=replace(asked.problem, title=asked.problem.key))
-    assert study_text(asked, measure(asked, None, unheard)).startswith("dahlquist_1\n\n")
+    assert report.study_text(asked, measure(asked, None, unheard)).startswith("dahlquist_1\n\n")
 
 
-def test_tables_say_who_is_cheapest_who_is_dominated_and_what_does_not_apply() -> None:
+def test_tables_say_who_is_cheapest_who_is_dominated_and_what_does_not_apply():
     asked = study("rk4", "velocity_verlet", "ark324", problem="dahlquist_1")
-    shown = study_text(asked, measure(asked, None, unheard))
+    shown = report.study_text(asked, measure(asked, None, unheard))
     assert shown.partition(" (dahlquist_1)\n")[1]
     assert "velocity_verlet: does not apply: " in shown
     assert "ark324: does not apply: ark324 is an IMEX method" in shown
@@ -50,61 +39,60 @@ def test_tables_say_who_is_cheapest_who_is_dominated_and_what_does_not_apply() -
     assert re.search(r"^rk4 +4 +4\.\d\d \(", shown, re.MULTILINE)
 
 
-def test_errors_as_large_as_the_solution_are_lost_and_decide_nothing() -> None:
-    def curve(key: str, *errors: float) -> Curve:
+def test_errors_as_large_as_the_solution_are_lost_and_decide_nothing():
+    def curve(key, *errors):
         points = [Point(str(8 << i), 8 << i, {"state": Size(e, e)}, scale=1.0) for i, e in enumerate(errors)]
         return Curve(key, key, 1, points)
 
     measured = Measured({"a": curve("a", 1e9, 0.1), "b": curve("b", 1e8, 0.01), "c": curve("c", 1.0)})
-    shown = study_text(study("rk4"), measured)
+    shown = report.study_text(study("rk4"), measured)
     assert re.search(r"(?m)^Dominated: .*\n\nmethod +evaluations\s+a +by b$", shown)
     assert "\nlost: no run has an error below the size of the solution.\n" in shown
-    cost = {"evaluations": priced(measured, "evaluations")}
+    cost = {"evaluations": report.priced(measured, "evaluations")}
     assert cost["evaluations"] == {"a": [Priced(0.1, 16)], "b": [Priced(0.01, 16)], "c": []}
     assert dominators(cost["evaluations"]) == {"a": ["b"]}
-    assert [row[1] for row in goal_rows(measured, cost, 1e-3)[1:]] == ["not met: 0.1", "not met: 0.01", "not met: lost"]
+    met = [row[1] for row in report.goal_rows(measured, cost, 1e-3)[1:]]
+    assert met == ["not met: 0.1", "not met: 0.01", "not met: lost"]
 
 
 ERRORS = {0.0: "0", 0.001: "0.001", 99.4: "99", 100.0: "1.0e2", 0.00099: "9.9e-4", 1e-12: "1.0e-12"}
 SECONDS = {1.0: "1.00 s", 0.999: "999 ms", 1e-3: "1.00 ms", 2e-6: "2.00 µs", 1e-6: "1.00 µs", 5e-8: "50.0 ns"}
 
 
-def test_errors_have_two_digits_and_seconds_three_in_their_unit() -> None:
+def test_errors_have_two_digits_and_seconds_three_in_their_unit():
     found = [Curve("a", "A", 1, [Point("8", 8, {"state": Size(error, error)})]) for error in ERRORS]
-    rows = order_rows(Measured({str(i): curve for i, curve in enumerate([*found, Curve("b", "B", 0, [])])}))
+    rows = report.order_rows(Measured({str(i): curve for i, curve in enumerate([*found, Curve("b", "B", 0, [])])}))
     assert [row[3] for row in rows] == ["least error", *ERRORS.values(), "none"]
     stated = stated_orders(replace(METHODS[key], claimed_order=0) for key in ("kutta3", "rk4"))
-    own = {
-        key: Curve(key, "Mine", 2 * (key == "rk4"), []) for key in ("kutta3", "kutta3 controlled", "rk4", "scipy RK45")
-    }
-    assert [row[1] for row in order_rows(Measured(own), stated=stated)] == ["order", "3", "3", "2", ""]
-    assert {seconds: seconds_text(seconds) for seconds in SECONDS} == SECONDS
+    own = {key: Curve(key, "Mine", 0, []) for key in ("kutta3", "kutta3 controlled", "rk4", "scipy RK45")}
+    assert [row[1] for row in report.order_rows(Measured(own), stated=stated)] == ["order", "3", "3", "4", ""]
+    assert {seconds: report.seconds_text(seconds) for seconds in SECONDS} == SECONDS
 
 
-def test_the_least_cost_for_a_goal_has_a_star_and_one_that_is_not_known_is_over_the_limit() -> None:
+def test_the_least_cost_for_a_goal_has_a_star_and_one_that_is_not_known_is_over_the_limit():
     points = [Point(str(n), n, {"state": Size(e, e)}, steps=n) for n, e in ((8, 1e-2), (16, 1e-5))]
     timings = {"a | python | 8": Timing(1, [3e-3]), "b | python | 8": Timing(1, [2e-3])}
     measured = Measured({key: Curve(key, key, 1, points) for key in "abc"}, timings, {"a | python": 1, "b | python": 1})
-    cost = {"python": priced(measured, "python")}
-    found = [[row[1] for row in goal_rows(measured, cost, goal)[1:]] for goal in (1e-2, 1e-3, 1e-5)]
+    cost = {"python": report.priced(measured, "python")}
+    found = [[row[1] for row in report.goal_rows(measured, cost, goal)[1:]] for goal in (1e-2, 1e-3, 1e-5)]
     over = ["over the limit", "over the limit", "-"]
     assert found == [["3.00 ms", "2.00 ms *", "-"], over, over]
-    counted = {"evaluations": priced(measured, "evaluations")}
-    assert [goal_rows(measured, counted, goal)[1][1] for goal in (1e-3, 1e-6)] == ["16 *", "not met: 1.0e-5"]
+    counted = {"evaluations": report.priced(measured, "evaluations")}
+    assert [report.goal_rows(measured, counted, goal)[1][1] for goal in (1e-3, 1e-6)] == ["16 *", "not met: 1.0e-5"]
 
 
-def test_neighbouring_points_of_one_remark_are_told_by_the_first_and_the_last() -> None:
+def test_neighbouring_points_of_one_remark_are_told_by_the_first_and_the_last():
     remarks = ["not finite", "not finite", "", "not finite", "", "not solved"]
     points = [Point(str(8 << i), None, {}, remark=remark, steps=8 << i) for i, remark in enumerate(remarks)]
-    shown = study_text(study("rk4"), Measured({"rk4": Curve("rk4", "", 4, points)}))
+    shown = report.study_text(study("rk4"), Measured({"rk4": Curve("rk4", "", 4, points)}))
     assert "rk4 at N = 8 to 16, 64: not finite" in shown
     assert "rk4 at N = 256: not solved" in shown
 
 
-def test_json_and_csv_hold_every_point(tmp_path: Path) -> None:
+def test_json_and_csv_hold_every_point(tmp_path):
     asked = study("rk4", "heun3", problem="dahlquist_1")
     measured = measure(asked, None, unheard)
-    write_study(asked, measured, tmp_path)
+    report.write_study(asked, measured, tmp_path)
     rows = list(csv.DictReader(io.StringIO((tmp_path / "work_precision.csv").read_text(encoding="utf-8"))))
     points = [(curve.key, point.setting) for curve in measured.curves.values() for point in curve.points]
     assert [(row["curve"], row["setting"]) for row in rows] == points
@@ -120,19 +108,19 @@ def test_json_and_csv_hold_every_point(tmp_path: Path) -> None:
     assert "numpy" in times["question"]["versions"]
 
 
-def test_every_cell_of_a_row_stands_below_its_name_and_the_head_says_how_exact_the_reference_is() -> None:
+def test_every_cell_of_a_row_stands_below_its_name_and_the_head_says_how_exact_the_reference_is():
     """An ensemble's call integrates 512 states; the quartiles of 1, 2 and 4 ms are 1.5 and 3."""
     point, none = Point("8", 8, {"state": Size(0.1, 0.2)}, 1e-9, steps=8), Point("16", None, remark="over", steps=16)
     timings = {"a | python | 8": Timing(1, [4e-3, 1e-3, 2e-3]), "a | ensemble | 8": Timing(1, [1.024])}
     found = Measured({"a": Curve("a", "A", 1, [point, none])}, timings, {}, {"a | compiled": "why"})
     sizes = "state_final,state_largest,energy_final,energy_largest,phase_final,phase_largest"
     costs = [f"{kind}_{what}" for kind in ("python", "ensemble") for what in ("minimum", "median", "spread")]
-    assert csv_text(found).splitlines() == [
+    assert report.csv_text(found).splitlines() == [
         f"curve,setting,evaluations,{sizes},doubt,remark,{','.join(costs)}",
         "a,8,8,0.1,0.2,,,,,1e-09,,0.001,0.002,0.75,0.002,0.002,",
         "a,16,,,,,,,,0.0,over,,,,,,",
     ]
-    head, remarks = (study_text(study("rk4"), found).split("\n\n")[i] for i in (1, -1))
+    head, remarks = (report.study_text(study("rk4"), found).split("\n\n")[i] for i in (1, -1))
     assert head.splitlines() == [
         "Reference exact: (cos t, -sin t), in ball arithmetic",
         "Half a unit of its last digits: 7.1e-21",
@@ -142,15 +130,15 @@ def test_every_cell_of_a_row_stands_below_its_name_and_the_head_says_how_exact_t
     assert "half of the spreads are below 75 %" in remarks
 
 
-def test_timing_of_no_sample_is_an_infinite_cost_and_a_kind_never_called_none() -> None:
+def test_timing_of_no_sample_is_an_infinite_cost_and_a_kind_never_called_none():
     point = Point("8", 8, {"state": Size(0.1, 0.1)}, steps=8)
     marked = {"a | python | 8": Timing(remark="too long")}
     measured = Measured({"a": Curve("a", "A", 1, [point])}, marked, {"a | python": 1.0})
-    assert priced(measured, "python") == {"a": [Priced(0.1, inf)]}
-    assert priced(measured, "compiled") == {"a": []}
+    assert report.priced(measured, "python") == {"a": [Priced(0.1, inf)]}
+    assert report.priced(measured, "compiled") == {"a": []}
 
 
-def test_an_order_below_the_claim_is_order_reduction_on_stiff_problems_only() -> None:
+def test_an_order_below_the_claim_is_order_reduction_on_stiff_problems_only():
     found = curve_of(METHODS["gauss2"], problem_named("prothero_robinson"), (20, 40, 80, 160))
-    shown = [order_rows(SimpleNamespace(curves={"gauss2": found}), stiff)[1][-1] for stiff in (True, False)]
+    shown = [report.order_rows(SimpleNamespace(curves={"gauss2": found}), stiff)[1][-1] for stiff in (True, False)]
     assert shown == ["below the claimed order 4: order reduction", "below the claimed order 4"]

@@ -1,11 +1,8 @@
 """A study of error against work: kept point by point, gone on from where it stopped, never measured twice."""
 
-from __future__ import annotations
-
 import json
 import re
 from itertools import cycle
-from pathlib import Path
 
 import pytest
 
@@ -15,11 +12,11 @@ from driftproof.numeric.work_precision import curves, integrators
 from driftproof.numeric.work_precision.timing import ROUNDS, Timing
 from driftproof.reports.work_precision import study as work_precision
 from driftproof.reports.work_precision.report import errors_json, study_text, write_study
-from driftproof.reports.work_precision.study import Study, measure, state_remark
+from driftproof.reports.work_precision.study import measure, state_remark
 from tests.reports.studies import contents, study, unheard
 
 
-def test_errors_are_the_same_bytes_in_two_runs_and_seconds_stand_elsewhere(tmp_path: Path) -> None:
+def test_errors_are_the_same_bytes_in_two_runs_and_seconds_stand_elsewhere(tmp_path):
     asked = study("rk4", "velocity_verlet", "gauss2")
     for folder in ("first", "second"):
         write_study(asked, measure(asked, tmp_path / folder, unheard), tmp_path / folder)
@@ -30,14 +27,14 @@ def test_errors_are_the_same_bytes_in_two_runs_and_seconds_stand_elsewhere(tmp_p
     assert str(tmp_path).encode() not in b"".join(first.values())
 
 
-def test_progress_is_told_to_the_end(tmp_path: Path) -> None:
+def test_progress_is_told_to_the_end(tmp_path):
     told = list[tuple[int, int]]()
     measure(study("rk4", "heun2"), tmp_path, unheard, lambda more, done: told.append((more, done)))
     assert told[:3] == [(2, 0), (0, 1), (0, 1)]
     assert [*map(sum, zip(*told, strict=True))] == [(total := 2 + told[3][0]), total]
 
 
-def test_what_is_measured_is_not_measured_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_what_is_measured_is_not_measured_again(tmp_path, monkeypatch):
     asked = study("rk4", "gauss2")
     before = measure(asked, tmp_path, unheard)
     kept = (tmp_path / "points.json").read_bytes()
@@ -49,11 +46,11 @@ def test_what_is_measured_is_not_measured_again(tmp_path: Path, monkeypatch: pyt
     assert (tmp_path / "points.json").read_bytes() == kept
 
 
-def test_a_study_that_is_interrupted_goes_on_where_it_was(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_study_that_is_interrupted_goes_on_where_it_was(tmp_path, monkeypatch):
     asked, turns = study("rk4", "velocity_verlet"), work_precision.interleave
 
-    def interrupted(*arguments: object, **named: object) -> object:
-        taken = turns(*arguments, **named)  # type: ignore[arg-type]
+    def interrupted(*arguments, **named):
+        taken = turns(*arguments, **named)
         for name in taken:
             yield name
             if not name:
@@ -72,7 +69,7 @@ def test_a_study_that_is_interrupted_goes_on_where_it_was(tmp_path: Path, monkey
         assert len(timing.samples) == ROUNDS
 
 
-def test_a_save_that_fails_leaves_the_file_as_it_was(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_save_that_fails_leaves_the_file_as_it_was(tmp_path, monkeypatch):
     asked = study("rk4")
     measure(asked, tmp_path, unheard)
     before = contents(tmp_path)
@@ -91,9 +88,9 @@ def test_a_save_that_fails_leaves_the_file_as_it_was(tmp_path: Path, monkeypatch
         (study("rk4", problem="dahlquist_1"), "problem, definition differ"),
     ],
 )
-def test_another_question_starts_anew_with_one_line(tmp_path: Path, asked: Study, said: str) -> None:
+def test_another_question_starts_anew_with_one_line(tmp_path, asked, said):
     before = measure(study("rk4"), tmp_path, unheard)
-    heard: list[str] = []
+    heard = []
     found = measure(asked, tmp_path, heard.append)
     assert all(
         found.timings[name].samples != before.timings[name].samples for name in found.timings.keys() & before.timings
@@ -105,15 +102,15 @@ def test_another_question_starts_anew_with_one_line(tmp_path: Path, asked: Study
 
 
 @pytest.mark.parametrize("held", ["", "{", "[]", '{"question": 1}', '{"question": {}, "curves": 3}'])
-def test_a_file_that_cannot_be_read_starts_anew_with_one_line(tmp_path: Path, held: str) -> None:
+def test_a_file_that_cannot_be_read_starts_anew_with_one_line(tmp_path, held):
     (tmp_path / "points.json").write_text(held, encoding="utf-8")
-    heard: list[str] = []
+    heard = []
     assert measure(study("rk4"), tmp_path, heard.append).curves
     assert len(heard) == 1
 
 
 @pytest.mark.parametrize("key", ["evaluations", "samples", "claimed_order", "problem", "checksum"])
-def test_no_digit_that_was_changed_is_taken_for_a_measurement(tmp_path: Path, key: str) -> None:
+def test_no_digit_that_was_changed_is_taken_for_a_measurement(tmp_path, key):
     measure(asked := study("rk4"), tmp_path, unheard)
     path, heard = tmp_path / "points.json", list[str]()
     before, name, after = path.read_text(encoding="utf-8").partition(f'"{key}": ')
@@ -122,7 +119,7 @@ def test_no_digit_that_was_changed_is_taken_for_a_measurement(tmp_path: Path, ke
     assert len(heard) == 1
 
 
-def test_a_timed_call_that_reaches_another_state_is_not_timed() -> None:
+def test_a_timed_call_that_reaches_another_state_is_not_timed():
     point = curves.curves(HARMONIC, ["rk4"], [16])[0].points[0]
     state = integrators.integrator(METHODS["rk4"], HARMONIC).calls["python"](16)
     assert state_remark(HARMONIC, point, state) == ""
@@ -130,7 +127,7 @@ def test_a_timed_call_that_reaches_another_state_is_not_timed() -> None:
     assert "ZeroDivisionError" in state_remark(HARMONIC, point, lambda: (1 / 0,))
 
 
-def test_points_over_the_limit_are_marked_and_not_timed() -> None:
+def test_points_over_the_limit_are_marked_and_not_timed():
     asked = study("gauss2", limit=1e-4)
     found = measure(asked, None, unheard)
     assert found.timings
@@ -138,7 +135,7 @@ def test_points_over_the_limit_are_marked_and_not_timed() -> None:
     assert "not timed: gauss2 (Python) at 8" in study_text(asked, found)
 
 
-def test_what_a_point_takes_is_guessed_from_the_one_before(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_what_a_point_takes_is_guessed_from_the_one_before(monkeypatch):
     """As many times as long as it has steps: 0.03 s for 16 are 0.06 s for 32, which is not begun, and 0.12 s for 64."""
     taken = cycle((0.021, 0.03))
     monkeypatch.setattr(work_precision, "_warm_up", lambda *_: 0.02)
@@ -149,7 +146,7 @@ def test_what_a_point_takes_is_guessed_from_the_one_before(monkeypatch: pytest.M
         assert remarks == ["", "", "about 0.06 s, over 0.05 s", "about 0.12 s, over 0.05 s"]
 
 
-def test_methods_that_tell_their_error_also_choose_their_steps() -> None:
+def test_methods_that_tell_their_error_also_choose_their_steps():
     """Pairs, Gauss's methods and Radau IIA, at the tolerances of peers; nobody else."""
     found = measure(study("rk4", "heun_euler21", "radau_iia2", limit=0.01), None, unheard).curves
     assert list(found) == ["rk4", "heun_euler21", "heun_euler21 controlled", "radau_iia2", "radau_iia2 controlled"]

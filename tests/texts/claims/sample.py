@@ -1,22 +1,20 @@
 """A claim in one line, and a text with claims about it, for several test files."""
 
-from __future__ import annotations
-
 import json
 
 from driftproof.texts.claims.checking import check_claims
-from driftproof.texts.claims.claims import Claim, Claims, parse_claims
+from driftproof.texts.claims.claims import Claims, parse_claims
 from driftproof.texts.readers.document import document_of
 
 
-def claim(phrase: str, more: str = "", value: str = "0.33") -> Claim:
+def claim(phrase, more="", value="0.33"):
     """A claim whose one value, if its phrase has one, is a number spelled so."""
     values = f"value = {{given = {json.dumps(value)}}}" if "{value}" in phrase else ""
     text = f"[[claim]]\nid = 'a'\nphrase = {json.dumps(phrase, ensure_ascii=False)}\n{values}\n{more}"
     return parse_claims(text).claims[0]
 
 
-def stands(text: str, one: Claim, form: str = "plain") -> int:
+def stands(text, one, form="plain"):
     """How often the phrase of the claim stands in the text."""
     return len(check_claims(document_of(text, form), [one])[0].occurrences)
 

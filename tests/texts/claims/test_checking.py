@@ -1,7 +1,5 @@
 """A claim holds of the text that says it and of no text that says another number; every number is accounted for."""
 
-from __future__ import annotations
-
 from fractions import Fraction
 
 import pytest
@@ -9,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from driftproof.texts.claims.checking import LABEL, UNCOVERED, WORKED_OUT, check_claim, check_claims, coverage
-from driftproof.texts.claims.claims import Claim, parse_claims
+from driftproof.texts.claims.claims import parse_claims
 from driftproof.texts.readers.document import document_of
 from tests.texts.claims.sample import CLAIMS, TEXT, claim, stands
 
@@ -22,18 +20,18 @@ from tests.texts.claims.sample import CLAIMS, TEXT, claim, stands
         ("tex", "RK4 & $3.3\\times 10^{-4}$ \\\\"),
     ],
 )
-def test_one_phrase_serves_every_format(form: str, text: str) -> None:
+def test_one_phrase_serves_every_format(form, text):
     one = claim("RK4 | {value}", value="3.3e-4")
     assert stands(text, one, form) == 1
     assert stands(text.replace("3.3", "3.4"), one, form) == 0
 
 
-def test_case_counts_unless_told() -> None:
+def test_case_counts_unless_told():
     assert stands("Is 0.33", claim("is {value}")) == 0
     assert stands("Is 0.33", claim("is {value}", "ignore_case = true")) == 1
 
 
-def findings(text: str, one: Claim) -> list[tuple[int, int, str, str]]:
+def findings(text, one):
     (outcome,) = check_claims(document_of(text), [one])
     return [(finding.line, finding.column, finding.expected, finding.found) for finding in outcome.findings]
 
@@ -41,6 +39,7 @@ def findings(text: str, one: Claim) -> list[tuple[int, int, str, str]]:
 # Phrase with more of its claim, text, what is found: line, column, expected, found.
 STEPS, ENERGY, HERE = "at {value} after 5 steps", "the\nenergy grows by {value}", "the error is {value} here"
 NEAR = "the end of\nthe energy is near, and\nthe energy "
+LONG, FIRST_WORDS = f"the error of it is {{value}} {'y' * 60}", "the error of it "
 FOUND = [
     (STEPS, "", "x\n\nis at 0.33 after 5 steps", []),
     (STEPS, "", "x\n\nis at 0.34 after 5 steps", [(3, 7, "0.33", "0.34")]),
@@ -53,6 +52,8 @@ FOUND = [
     ("| error {value}", "", "a | b", [(1, 1, "| error 0.33", "")]),
     (HERE, "", "nothing", [(1, 1, "the error is 0.33 here", "")]),
     *(("is {value}", "", before + "is so", [(1, 1 + len(before), "is 0.33", "is so")]) for before in ("", "it ")),
+    # What stands where a phrase begins is shown up to 60 characters.
+    (LONG, "", FIRST_WORDS + "x" * 60, [(1, 1, LONG.format(value=0.33), FIRST_WORDS + "x" * 44)]),
     # Cells that run together are shown as one run.
     ("Euler2.390{value}", "", "Euler2.3900.34", [(1, 6, "2.3900.33", "2.3900.34")]),
     ("0.5: Euler2.390{value}", "", "0.5: Euler2.3900.34", [(1, 11, "2.3900.33", "2.3900.34")]),
@@ -82,7 +83,7 @@ def test_finding_is_the_place_that_comes_closest_and_says_what_is_expected(phras
     assert findings(text, claim(phrase, given + more)) == found
 
 
-def test_a_power_of_ten_counts_as_much_as_a_digit() -> None:
+def test_a_power_of_ten_counts_as_much_as_a_digit():
     one, text = claim("| {value}", "digits = 3", value="6.99e-6"), "| 0.800000 | 6.91e-6 | 1,000 | 1/3"
     assert findings(text, one) == [(1, 14, "6.99e-6", "6.91e-6")]
     assert findings(text.replace("6.91e-6", "6.91×10⁻⁶"), one) == [(1, 14, "6.99e-6", "6.91×10^{-6}")]
@@ -92,11 +93,11 @@ def test_a_power_of_ten_counts_as_much_as_a_digit() -> None:
     ("count", "text", "found"),
     [(0, "at 0.33 now\n" * 5, 3), (5, "at 0.34 now\n" * 5, 3), (2, "at 0.33 now\n" + "at 0.34 now\n" * 3, 1)],
 )
-def test_three_findings_of_a_kind_are_named(count: int, text: str, found: int) -> None:
+def test_three_findings_of_a_kind_are_named(count, text, found):
     assert len(findings(text, claim("at {value} now", f"count = {count}"))) == found
 
 
-def test_a_number_that_another_claim_holds_is_not_called_wrong() -> None:
+def test_a_number_that_another_claim_holds_is_not_called_wrong():
     h, other, begun = (claim(phrase, "given = true") for phrase in ("h = 0.1", "h = 0.2", "h = 0.1 gives {value}"))
     for text, wrong, place in (
         ("h = 0.1\nh = 0.3", other, (2, 5, "0.2", "0.3")),
@@ -107,12 +108,7 @@ def test_a_number_that_another_claim_holds_is_not_called_wrong() -> None:
         assert (finding.line, finding.column, finding.expected, finding.found) == place
 
 
-def test_what_stands_where_a_phrase_begins_is_shown_up_to_60_characters() -> None:
-    (found_at,) = findings("the error of it " + "x" * 60, claim("the error of it is {value} " + "y" * 60))
-    assert found_at[3] == "the error of it " + "x" * 44
-
-
-def test_what_is_right_but_for_capitals_or_part_of_more_is_said_to_be() -> None:
+def test_what_is_right_but_for_capitals_or_part_of_more_is_said_to_be():
     capitals = "The error is 0.4 here", HERE, "differs in capitals; ignore_case = true allows that"
     for text, phrase, said in (capitals, ("is 0.33 %", "is {value}", "nowhere in the text; expected once")):
         (outcome,) = check_claims(document_of(text), [claim(phrase)])
@@ -120,12 +116,12 @@ def test_what_is_right_but_for_capitals_or_part_of_more_is_said_to_be() -> None:
 
 
 @given(st.integers(0, 999), st.integers(0, 999), st.sampled_from(["", "-"]))
-def test_claim_holds_of_its_own_number_only(n: int, m: int, sign: str) -> None:
+def test_claim_holds_of_its_own_number_only(n, m, sign):
     one = claim("at {value} now", value=f"{sign}{n / 100:.2f}")
     assert stands(f"it is at {sign.replace('-', chr(0x2212))}{m / 100:.2f} now", one) == (n == m)
 
 
-def test_every_number_is_accounted_for() -> None:
+def test_every_number_is_accounted_for():
     document = document_of(TEXT)
     outcomes = check_claims(document, CLAIMS.claims)
     at = document.text.text.index("0.25")
@@ -137,7 +133,7 @@ def test_every_number_is_accounted_for() -> None:
     assert coverage(document, [], CLAIMS.labels).counts[UNCOVERED] == 6
 
 
-def test_numbers_of_programs_are_labels_where_nobody_claims_them() -> None:
+def test_numbers_of_programs_are_labels_where_nobody_claims_them():
     document = document_of("```python\nx = 0.33 + 7  # 8\nerror = 5\n```\n", "markdown")
     outcomes = check_claims(document, [claim("error = 5", "given = true")])
     accounts = [f"{one.number.text}:{one.kind}:{one.by}" for one in coverage(document, outcomes).numbers]
@@ -145,7 +141,7 @@ def test_numbers_of_programs_are_labels_where_nobody_claims_them() -> None:
     assert accounts == [f"0.33:{program}", f"7:{program}", "8:uncovered:", "5:given:a"]
 
 
-def test_a_number_in_two_phrases_is_of_the_first_and_one_of_a_formula_has_its_place() -> None:
+def test_a_number_in_two_phrases_is_of_the_first_and_one_of_a_formula_has_its_place():
     entry = '[[claim]]\nid="{}"\nphrase="{}"\ngiven=true\n'.format
     formula = 'values.m={ask="energy_multiplier rk4", exact=true}'
     text = entry("b", "is 5 after 6 steps") + entry("a", "after 6") + entry("m", "by {m}") + formula
@@ -156,7 +152,7 @@ def test_a_number_in_two_phrases_is_of_the_first_and_one_of_a_formula_has_its_pl
     assert spelled == ["5", "6", "1", "6", "72", "8", "576"]
 
 
-def test_numbers_that_run_together_are_counted_one_by_one() -> None:
+def test_numbers_that_run_together_are_counted_one_by_one():
     text = '[[claim]]\nid="a"\nphrase="RK4{a}{b}{c}"\nvalues={a="1/4", b="-1/8", c="16"}'
     document = document_of("RK40.25-0.12516")
     counts = coverage(document, check_claims(document, parse_claims(text).claims)).counts
@@ -184,7 +180,7 @@ def test_value_in_words_is_held_and_other_words_are_found(readout, how, right, w
     assert instead == found != expected in one.spellings()["value"]
 
 
-def test_words_that_no_phrase_holds_are_told() -> None:
+def test_words_that_no_phrase_holds_are_told():
     document = document_of("The error is 0.33 after 40 steps, two of sixteen. It uses one, 0.5, and grows.")
     one = claim("two of sixteen. It uses one, {value}", "given = true", "0.5")
     assert [word.text for word in coverage(document, []).unread] == ["two", "sixteen", "one", "grows"]
@@ -194,13 +190,13 @@ def test_words_that_no_phrase_holds_are_told() -> None:
     assert [word.text for word in unread] == ["two", "sixteen", "one", "grows"], "nobody worked these out, or gave them"
 
 
-def test_label_that_stands_nowhere_is_refused() -> None:
+def test_label_that_stands_nowhere_is_refused():
     with pytest.raises(ValueError, match="the phrase of the label 'time' occurs nowhere"):
         coverage(document_of("none"), [], CLAIMS.labels)
 
 
 @given(st.lists(st.sampled_from(["error is 0.33 after 40 steps", "0.5", "5 min", "RK4", " ", "1/2", "x"])))
-def test_coverage_counts_every_number_once(pieces: list[str]) -> None:
+def test_coverage_counts_every_number_once(pieces):
     document = document_of(" ".join(["5 min", *pieces]))
     covered = coverage(document, check_claims(document, CLAIMS.claims), CLAIMS.labels)
     spans = [(one.number.start, one.number.end) for one in covered.numbers]
@@ -209,7 +205,7 @@ def test_coverage_counts_every_number_once(pieces: list[str]) -> None:
     assert digits == {i for start, end in spans for i in range(start, end)} & digits
 
 
-def test_check_of_one_claim_looks_at_no_more_places_than_it_says() -> None:
+def test_check_of_one_claim_looks_at_no_more_places_than_it_says():
     one = claim("a {value} b")
     outcome = check_claim(document_of("a 1 b " * 5000), one, one.spellings())
     assert len(outcome.findings) == 1

@@ -1,13 +1,10 @@
 """Drafted claims hold of the text they are drafted from, and cover what they say."""
 
-from __future__ import annotations
-
 import re
 import sys
 import tomllib
 from collections import Counter
 from pathlib import Path
-from types import FrameType
 
 import pytest
 from hypothesis import example, given
@@ -17,14 +14,14 @@ from driftproof.texts.claims import drafting
 from driftproof.texts.claims.checking import GIVEN, UNCOVERED, WORKED_OUT, check_claims, coverage
 from driftproof.texts.claims.claims import parse_claims
 from driftproof.texts.claims.drafting import draft
-from driftproof.texts.readers.document import Document, document_of, read_document
+from driftproof.texts.readers.document import document_of, read_document
 
 ROOT = Path(__file__).parents[3]
 SPRING = ROOT / "examples" / "text" / "spring.md"
 TODO = re.compile(r"(?m)^# (?:TODO\n)?(?=\[\[claim|id =|phrase =|count =|given =)|^# TODO\n")
 
 
-def held(document: Document, text: str) -> dict[str, int]:
+def held(document, text):
     """The coverage by drafted claims, all of which hold."""
     claims = parse_claims(text)
     outcomes = check_claims(document, claims.claims)
@@ -33,7 +30,7 @@ def held(document: Document, text: str) -> dict[str, int]:
     return coverage(document, outcomes).counts
 
 
-def test_drafted_claims_hold_and_cover_all_once_the_rest_is_given() -> None:
+def test_drafted_claims_hold_and_cover_all_once_the_rest_is_given():
     document = read_document(SPRING)
     text = draft(document, "spring.md")
     counts = held(document, text)
@@ -42,19 +39,19 @@ def test_drafted_claims_hold_and_cover_all_once_the_rest_is_given() -> None:
     assert held(document, TODO.sub("", text))[UNCOVERED] == 0
 
 
-def test_numbers_of_an_equation_are_given_and_those_after_it_are_not() -> None:
+def test_numbers_of_an_equation_are_given_and_those_after_it_are_not():
     for text, count in (("x'' = -x/(x^2 + 4)^{3/2}; 2", 3), ("y' = -2y + 0.5, 25 of them", 2), ("3y = 2y + 0.5", 0)):
         assert held(document := document_of(text, "plain"), draft(document, "a"))[GIVEN] == count
 
 
-def test_drafted_claims_notice_a_changed_digit() -> None:
+def test_drafted_claims_notice_a_changed_digit():
     claims = parse_claims(draft(read_document(SPRING), "spring.md"))
     wrong = document_of(SPRING.read_text(encoding="utf-8").replace("5.151", "5.152"), "markdown")
     findings = [finding for outcome in check_claims(wrong, claims.claims) for finding in outcome.findings]
     assert [(finding.expected, finding.found) for finding in findings] == [("5.151", "5.152")]
 
 
-def test_phrase_in_a_program_holds_no_number_that_is_left_out() -> None:
+def test_phrase_in_a_program_holds_no_number_that_is_left_out():
     """Of such a number nothing can be claimed: the claims were refused that had it in their phrases."""
     listing = "y = 1.0\ny = y - 2*0.1*y  # 0.877604 after 3 of 0.875 and 5\nz = 4*0.877604\nz = 0.875 + 6 * 0.877604\n"
     document = document_of(f"RK4:\n\n```python\n{listing}```\n", "markdown")
@@ -63,7 +60,7 @@ def test_phrase_in_a_program_holds_no_number_that_is_left_out() -> None:
     assert drafted.endswith("# Left out: numbers in program code, 5 in all; they are inputs, not claims.")
 
 
-def test_phrase_has_three_words_before_its_numbers_and_after_them_what_belongs_to_them() -> None:
+def test_phrase_has_three_words_before_its_numbers_and_after_them_what_belongs_to_them():
     text = "RK4 ends at 0.877604 here. One step of RK4 ends at 0.499895, and a step of RK4 ends at 0.877604 again."
     drafted = draft(document_of(f"{text} That is 0.33 % of all."), "a")
     found = tomllib.loads(TODO.sub("", drafted))["claim"]
@@ -89,11 +86,11 @@ def test_phrase_has_three_words_before_its_numbers_and_after_them_what_belongs_t
         ("5x. 7.5", ["5x", ". 7.5"]),  # no phrase begins within a word
     ],
 )
-def test_numbers_of_one_line_that_are_near_stand_in_one_phrase(text: str, phrases: list[str]) -> None:
+def test_numbers_of_one_line_that_are_near_stand_in_one_phrase(text, phrases):
     assert re.findall(r'phrase = "(.*)"', draft(document_of(text), "a")) == phrases
 
 
-def test_second_number_of_a_group_is_drafted_where_only_the_first_stands_in_an_earlier_phrase() -> None:
+def test_second_number_of_a_group_is_drafted_where_only_the_first_stands_in_an_earlier_phrase():
     text = "at 44.001\nat 44.001 | 59.727"
     phrases = re.findall(r'phrase = "(.*)"', draft(document_of(text), "a"))
     assert phrases == ["at 44.001", "| 59.727"]
@@ -104,7 +101,7 @@ SETTINGS += ["y' = -0.3"]
 
 
 @pytest.mark.parametrize("setting", SETTINGS)
-def test_what_the_text_chooses_is_given_and_what_looks_like_a_value_is_not(setting: str) -> None:
+def test_what_the_text_chooses_is_given_and_what_looks_like_a_value_is_not(setting):
     document = document_of(f"Of RK4 with {setting}, then {setting}, and h2 = 0.3; e = 0.3; h = 2.828.")
     text = draft(document, "a")
     assert held(document, text) == {"value": 1, "given": 2, "run": 0, "label": 2, "uncovered": 2}
@@ -114,7 +111,7 @@ def test_what_the_text_chooses_is_given_and_what_looks_like_a_value_is_not(setti
 
 
 @pytest.mark.parametrize("method", ["forward Euler", "velocity Verlet"])
-def test_a_digit_beside_the_name_of_a_method_is_no_state_of_it(method: str) -> None:
+def test_a_digit_beside_the_name_of_a_method_is_no_state_of_it(method):
     """No word but the method's names q = 1, which forward Euler has after a step from (1, 0)."""
     for said, times in (("y(0) = 1", 1), ("a ratio of 1", 0)):
         drafted = draft(document_of(f"We run {method} with h = 0.1 and {said}, often.", "markdown"), "a")
@@ -122,7 +119,7 @@ def test_a_digit_beside_the_name_of_a_method_is_no_state_of_it(method: str) -> N
         assert drafted.count("the text chooses it") == 1 + times
 
 
-def test_a_start_in_brackets_is_given_as_one() -> None:
+def test_a_start_in_brackets_is_given_as_one():
     document = document_of("It runs from (1, -0.3) with h = 0.3 to (1, -0.3), from 1 on.")
     text = draft(document, "a")
     assert held(document, text) == {"value": 0, "given": 3, "run": 0, "label": 0, "uncovered": 3}
@@ -130,7 +127,7 @@ def test_a_start_in_brackets_is_given_as_one() -> None:
     assert 'id = "line 1, column 41"' in text
 
 
-def test_draft_says_what_was_asked_for_and_is_nowhere_and_its_ids_are_short() -> None:
+def test_draft_says_what_was_asked_for_and_is_nowhere_and_its_ids_are_short():
     asked = "run forward_euler rates=(t+y0+0*(t+y0+t+y0+t+y0)) from 0 h=0.2 t={0.4,0.6,1.0} : {y0,state_error}"
     document = document_of("| 0.4 | 0.04 | 0.052 |\n| 0.6 | 0.128 | 0.094 |\n| 1.0 | 0.489 | 0.229 |\n")
     text = draft(document, "a", [asked])
@@ -146,7 +143,7 @@ def test_draft_says_what_was_asked_for_and_is_nowhere_and_its_ids_are_short() ->
     assert "value =" not in drafted
 
 
-def test_what_was_asked_for_is_listed_with_the_slips_and_the_guesses_that_may_mean_it() -> None:
+def test_what_was_asked_for_is_listed_with_the_slips_and_the_guesses_that_may_mean_it():
     asked = ["1.35914", "5/8 + 0.0000000005", "2.5", "64.5 - 1/2", "stability_function rk4", "order rk4", "exp(-9)"]
     drafted = draft(document_of("It is 1.35941 here, 2.5 there\nand 3 elsewhere: 2.5."), "a", asked)
     _, nowhere, guessed = drafted.split("# Asked for with --ask")
@@ -158,7 +155,7 @@ def test_what_was_asked_for_is_listed_with_the_slips_and_the_guesses_that_may_me
     assert "#   0.625000005, 0.625\n" in draft(document_of(""), "a", ["0.625000005"]) + "\n", "a tie"
 
 
-def test_numbers_in_a_column_of_steps_or_times_are_given_if_they_stand_alone() -> None:
+def test_numbers_in_a_column_of_steps_or_times_are_given_if_they_stand_alone():
     table = "| $h$ | error |\n| --- | --- |\n| 0.1 | 0.3 |\n| 0.05 | 0.7 |\n| of 9 | 8 |\n\nand 0.1 too"
     drafted = draft(document_of(table, "markdown"), "a")
     assert [claim["phrase"] for claim in tomllib.loads(drafted)["claim"]] == ["| 0.1 |", "| 0.05 |"]
@@ -167,7 +164,7 @@ def test_numbers_in_a_column_of_steps_or_times_are_given_if_they_stand_alone() -
         assert "\n[[claim]]" not in draft(document_of(text, "markdown"), "a"), "computed, and not chosen"
 
 
-def test_two_other_values_are_named_and_the_rest_counted_unless_the_text_chooses_the_number() -> None:
+def test_two_other_values_are_named_and_the_rest_counted_unless_the_text_chooses_the_number():
     _, two, three, _ = asked = [f"0.1234567 + {k} - {k}" for k in range(4)]
     for count, said in ((1, []), (2, [two]), (3, [f"{two}, {three}"]), (4, [f"{two}, {three} and 1 more"])):
         drafted = draft(document_of("is 0.123457"), "a", asked[:count])
@@ -176,7 +173,7 @@ def test_two_other_values_are_named_and_the_rest_counted_unless_the_text_chooses
     assert re.fullmatch(r"like [^,]+, [^,]+ and \d\d more", weak)
 
 
-def test_an_id_has_150_characters_at_most_and_what_is_nowhere_8_digits() -> None:
+def test_an_id_has_150_characters_at_most_and_what_is_nowhere_8_digits():
     for length, shown in ((150, True), (151, False)):
         question = f"0.123457 +{' ' * (length - 11)}0"
         text = draft(document_of("is 0.123457"), "a", [question])
@@ -185,7 +182,7 @@ def test_an_id_has_150_characters_at_most_and_what_is_nowhere_8_digits() -> None
     assert draft(document_of("7"), "a", ["1/3"]).endswith("#   1/3, 0.33333333")
 
 
-def test_numbers_of_programs_are_left_out_and_counted_but_for_those_that_are_values() -> None:
+def test_numbers_of_programs_are_left_out_and_counted_but_for_those_that_are_values():
     program = "```python\nx = 3.75\nq = rk4(1, h=0.5)\nassert q == 337/384  # rk4, one step, or 4.5\n```\n"
     document = document_of(f"{program}\nis 3.75\n", "markdown")
     text = draft(document, "a")
@@ -196,7 +193,7 @@ def test_numbers_of_programs_are_left_out_and_counted_but_for_those_that_are_val
     assert held(document, text) == {"value": 1, "given": 0, "run": 0, "label": 5, "uncovered": 2}
 
 
-def test_single_digits_of_programs_are_no_values_though_their_words_stand_around() -> None:
+def test_single_digits_of_programs_are_no_values_though_their_words_stand_around():
     said = "Heun has two stages per step. RK4 uses 16 evaluations in all. The energy of forward Euler grows.\n\n"
     code = "```python\ny = 1.0\nfor n in range(2): y = y * (1 - 0.5 + 0.125)\n```\n"
     drafted = draft(document_of(said + code, "markdown"), "a")
@@ -204,13 +201,13 @@ def test_single_digits_of_programs_are_no_values_though_their_words_stand_around
     assert drafted.endswith("# Left out: numbers in program code, 5 in all; they are inputs, not claims.")
 
 
-def test_phrase_that_would_be_too_long_is_not_drafted() -> None:
+def test_phrase_that_would_be_too_long_is_not_drafted():
     for length, drafted in ((396, True), (397, False)):
         text = draft(document_of(f"{'y' * length} 7.5"), "a")
         assert ("# line 1, column 399: no phrase can be drafted for 7.5" in text) is not drafted
 
 
-def test_name_of_the_text_cannot_break_the_draft() -> None:
+def test_name_of_the_text_cannot_break_the_draft():
     assert tomllib.loads(draft(document_of("7"), 'a\nb = 1\n"')) == {}
 
 
@@ -220,7 +217,7 @@ PIECES = ("0.877604", "337/384", "0.5", "40", "2.390", "RK4 ", "energy ", "is ",
 @pytest.mark.slow
 @given(st.lists(st.sampled_from(PIECES), max_size=15))
 @example(pieces=["0.5", "0.5", ". "])
-def test_draft_of_any_text_holds_of_it(pieces: list[str]) -> None:
+def test_draft_of_any_text_holds_of_it(pieces):
     document = document_of("".join(pieces))
     text = draft(document, "a.txt")
     held(document, text)
@@ -232,11 +229,11 @@ LINES = ("the error of the run is {}\n", "the error is 0.7 here\n", "is 0.33 % {
 
 @pytest.mark.slow(keep=1)
 @pytest.mark.parametrize("line", LINES)
-def test_draft_of_twice_the_text_takes_twice_the_steps(line: str) -> None:
+def test_draft_of_twice_the_text_takes_twice_the_steps(line):
     """Of Python's own, where numbers differ and where they are equal in equal contexts."""
     steps = Counter[int]()
 
-    def trace(frame: FrameType, *_: object) -> object:
+    def trace(frame, *_):
         frame.f_trace_opcodes = frame.f_code.co_filename == drafting.__file__
         steps[lines] += frame.f_trace_opcodes
         return trace if frame.f_trace_opcodes else None
@@ -251,7 +248,7 @@ def test_draft_of_twice_the_text_takes_twice_the_steps(line: str) -> None:
     assert steps[30] < steps[60] < 2.2 * steps[30]
 
 
-def test_more_claims_than_a_file_may_have_are_not_drafted(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_more_claims_than_a_file_may_have_are_not_drafted(monkeypatch):
     monkeypatch.setattr(drafting, "MOST_CLAIMS", 3)
     assert draft(document_of("a 1.5\nb 2.5\nc 3.5"), "a").count("[[claim]]") == 3
     assert draft(document_of("a 1.5\n" * 9), "a").count("[[claim]]") == 1

@@ -1,13 +1,9 @@
 """The report says what is wrong and what is covered, as text, JSON and annotations, and the command its status."""
 
-from __future__ import annotations
-
 import json
-from collections.abc import Callable
 from fractions import Fraction
 from inspect import signature
 from pathlib import Path
-from typing import Any
 
 import pytest
 
@@ -18,10 +14,8 @@ from driftproof.texts.claims.report import TextReport, check, claims_beside, tex
 from driftproof.texts.readers.document import document_of
 from tests.texts.claims.sample import CLAIMS, TEXT, claim
 
-Run = Callable[..., tuple[int, str, str]]
 
-
-def test_report_says_what_is_wrong_and_what_is_covered() -> None:
+def test_report_says_what_is_wrong_and_what_is_covered():
     document = document_of(TEXT)
     covered = "33.3% of 6 numbers covered: 0 by values, 2 given, 4 uncovered; 5 labels not counted"
     assert TextReport.of("a.txt", document, CLAIMS).written("text") == f"a.txt: 1 claim, all hold\n{covered}"
@@ -39,7 +33,7 @@ def test_report_says_what_is_wrong_and_what_is_covered() -> None:
     assert "looks like default.h" in listed.written("text")
 
 
-def test_report_in_json_has_every_number_and_every_finding() -> None:
+def test_report_in_json_has_every_number_and_every_finding():
     report = TextReport.of("a.txt", document_of(TEXT.replace("40", "41")), CLAIMS, suggest=True)
     answer = json.loads(report.written("json"))
     assert answer["passed"] is False
@@ -51,7 +45,7 @@ def test_report_in_json_has_every_number_and_every_finding() -> None:
     assert {"text": "4", "line": 1, "column": 3, "kind": "label", "by": "part of a name"} in answer["numbers"]
 
 
-def test_report_for_github_escapes_what_it_must() -> None:
+def test_report_for_github_escapes_what_it_must():
     report = TextReport.of("a,b:c%.txt", document_of("is 0.34 %\nis 0.3"), Claims((claim("is {value}\n"),)))
     (line,) = report.written("github").splitlines()
     assert line.startswith("::error file=a%2Cb%3Ac%25.txt,line=2,col=4,title=a::expected 0.33")
@@ -59,7 +53,7 @@ def test_report_for_github_escapes_what_it_must() -> None:
     assert suggested == "::notice file=a.txt,line=1,col=4,title=coverage::no claim covers 0.1234"
 
 
-def test_least_coverage_fails_a_text_with_new_numbers() -> None:
+def test_least_coverage_fails_a_text_with_new_numbers():
     claims = Claims(CLAIMS.claims, CLAIMS.labels, coverage=Fraction(1, 3))
     assert not TextReport.of("a", document_of(TEXT), claims).findings
     report = TextReport.of("a", document_of(TEXT + " And 9."), claims)
@@ -69,7 +63,7 @@ def test_least_coverage_fails_a_text_with_new_numbers() -> None:
     assert not TextReport.of("a", document_of("5 min"), Claims((), CLAIMS.labels, coverage=Fraction(1))).findings
 
 
-def test_report_shows_24_characters_three_values_five_words_and_5000_numbers() -> None:
+def test_report_shows_24_characters_three_values_five_words_and_5000_numbers():
     text = "a" * 30 + " 40 " + "b" * 30 + "\ntwo three four five six seven"
     report = TextReport.of("a.txt", document_of(text), Claims(), suggest=True).written("text").splitlines()
     assert report[0].startswith(f"a.txt:1:32: not covered: '{'a' * 23} 40 {'b' * 23}'; looks like ")
@@ -83,7 +77,7 @@ def test_report_shows_24_characters_three_values_five_words_and_5000_numbers() -
         TextReport.of("a.txt", document_of("7 " * 5001), Claims(), suggest=True)
 
 
-def test_as_many_values_as_are_named_are_all(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_as_many_values_as_are_named_are_all(monkeypatch):
     report = TextReport.of("a.txt", document_of("It is 0.877604 !"), Claims(), suggest=True)
     everything = [one.question for one in report.suggestions.look_alikes(report.coverage.uncovered[0])]
     monkeypatch.setattr("driftproof.texts.claims.report._MOST_NAMED", len(everything))
@@ -91,7 +85,7 @@ def test_as_many_values_as_are_named_are_all(monkeypatch: pytest.MonkeyPatch) ->
     assert line == f"a.txt:1:7: not covered: 'It is 0.877604 !'; looks like {', '.join(everything)}"
 
 
-def test_listing_that_prints_something_else_is_a_finding(files: Path) -> None:
+def test_listing_that_prints_something_else_is_a_finding(files):
     (files / "none.toml").write_text("", encoding="utf-8")
     for shown, passed in (("0.25", True), ("0.26", False)):
         (files / "b.md").write_text(f"5 of\n\n```python\nprint(1/4)\n```\n```\n{shown}\n```\n", encoding="utf-8")
@@ -103,7 +97,7 @@ def test_listing_that_prints_something_else_is_a_finding(files: Path) -> None:
         assert report.written("text").splitlines()[-1] == counted
 
 
-def test_claims_stand_beside_the_text_or_what_is_missing_is_named(files: Path) -> None:
+def test_claims_stand_beside_the_text_or_what_is_missing_is_named(files):
     (files / "my text.md").write_text("7")
     draft = r"driftproof check 'my text\.md' --init > 'my text\.md\.claims\.toml'$"
     with pytest.raises(ValueError, match=rf"^no claims to check: give --claims FILE or write .* draft them: {draft}"):
@@ -120,17 +114,17 @@ def test_claims_stand_beside_the_text_or_what_is_missing_is_named(files: Path) -
 @pytest.mark.parametrize(
     "asked", [{"claims": "c.toml", "init": True}, {"init": True, "run": True}, {"init": True, "coverage": True}]
 )
-def test_claims_are_drafted_or_held(asked: dict[str, Any], files: Path) -> None:
+def test_claims_are_drafted_or_held(asked, files):
     with pytest.raises(ValueError, match="--init drafts claims"):
         check("a.md", **asked)
 
 
-def test_listings_have_ten_seconds_unless_told() -> None:
+def test_listings_have_ten_seconds_unless_told():
     assert {signature(f).parameters["time_limit"].default for f in (check, run_listings)} == {10}
 
 
 @pytest.fixture
-def files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+def files(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "a.md").write_text("One step of RK4 leads to **337/384**, or 0.8776.\n", encoding="utf-8")
     (tmp_path / "c.toml").write_text(
@@ -141,7 +135,7 @@ def files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
-def test_command_answers_with_its_exit_status(files: Path, run: Run) -> None:
+def test_command_answers_with_its_exit_status(files, run):
     out = "a.md: 1 claim, all hold\n100% of 2 numbers covered: 2 by values, 0 given, 0 uncovered; 1 label not counted\n"
     assert run("check", "a.md", "--claims", "c.toml") == (0, out, "")
     text = (files / "a.md").read_text(encoding="utf-8")

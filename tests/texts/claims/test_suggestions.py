@@ -1,21 +1,18 @@
 """What a number might be is suggested, the best first; an author's questions go before ours."""
 
-from __future__ import annotations
-
-from collections.abc import Callable
 from fractions import Fraction as Q
 
 import pytest
 
 from driftproof.methods.catalogue import METHODS
-from driftproof.texts.claims.suggestions import LookAlike, Suggestions, _Known, questions_in
+from driftproof.texts.claims.suggestions import Suggestions, _Known, questions_in
 from driftproof.texts.questions.errors import QuestionError
 from driftproof.texts.questions.evaluate import value
 from driftproof.texts.readers.numbers import numbers_in
 from tests.looping import exactly
 
 
-def suggested(text: str) -> list[list[LookAlike]]:
+def suggested(text):
     suggestions = Suggestions(text)
     return [suggestions.look_alikes(number) for number in numbers_in(text) if number.label is None]
 
@@ -39,12 +36,12 @@ def suggested(text: str) -> list[list[LookAlike]]:
         ("not a number 1/0", None),
     ],
 )
-def test_best_suggestion_is_the_value_whose_names_are_near(text: str, best: str | None) -> None:
+def test_best_suggestion_is_the_value_whose_names_are_near(text, best):
     *_, last = suggested(text)
     assert (last[0].question if last else None) == best
 
 
-def test_suggestion_is_strong_only_where_the_digits_or_the_names_say_so() -> None:
+def test_suggestion_is_strong_only_where_the_digits_or_the_names_say_so():
     assert [candidate.strong for candidate in suggested("about 0.877604")[0]] == [True, True]
     for text, strong in (("0.5", False), ("2.4", False), ("2.39", False), ("0.090", False)):
         assert {candidate.strong for candidate in suggested(f"about {text}")[0]} == {strong}, text
@@ -59,13 +56,13 @@ def test_suggestion_is_strong_only_where_the_digits_or_the_names_say_so() -> Non
     assert (candidates[0].question, candidates[0].strong) == ("exact.energy", True)
 
 
-def test_names_of_a_value_are_near_within_a_line_of_the_number() -> None:
+def test_names_of_a_value_are_near_within_a_line_of_the_number():
     for spaces, near in ((91, True), (92, False)):  # the number, and 100 characters before it
         alike = suggested(f"order rk4{' ' * spaces}4")[-1]
         assert [one.strong for one in alike if one.question == "order rk4"] == [near]
 
 
-def test_so_many_methods_steps_and_times_are_asked_of_and_no_more() -> None:
+def test_so_many_methods_steps_and_times_are_asked_of_and_no_more():
     given = ["h = 1/123456789012345678", "h = 1/12345678901234567"]  # of 20 characters, and of 19
     given += [f"{letter} = {'1/' * (letter == 'h')}{n}" for letter in "htN" for n in range(2, 9)]
     text = " ".join([*METHODS, *given])
@@ -80,7 +77,7 @@ def test_so_many_methods_steps_and_times_are_asked_of_and_no_more() -> None:
     assert runs == {"h=1/4", "h=1/2"}, "neither long ones, nor those that end beside t"
 
 
-def test_suggested_value_is_spelled_as_the_number_is() -> None:
+def test_suggested_value_is_spelled_as_the_number_is():
     text = "RK4 and forward Euler: 2.390, 3.3e-4, 337/384, 160, 0.8776"
     numbers = [n for n in numbers_in(text) if n.label is None]
     for number, candidates in exactly(5, zip(numbers, suggested(text), strict=True)):
@@ -88,7 +85,7 @@ def test_suggested_value_is_spelled_as_the_number_is() -> None:
         assert all(number.text in candidate.form.spellings(value(candidate.question)) for candidate in candidates)
 
 
-def test_round_numbers_say_no_more_than_their_digits_before_the_zeros() -> None:
+def test_round_numbers_say_no_more_than_their_digits_before_the_zeros():
     assert not any(one.strong for text in ("1.000000", "4.0000000", "40.00") for one in suggested(f"| {text} |")[0])
     assert suggested("RK4: the order is 4")[-1][0].strong
     assert not suggested("the first step: y + 0.5 k")[0][0].strong, "a step size of ours, which is no value"
@@ -103,7 +100,7 @@ TABLE = """
 ASKED = ["run forward_euler rates=(t+y0) from 0 h=0.2 t={0.4,0.6,1.0} : {y0,state_error}"]
 
 
-def test_values_that_the_author_asks_for_are_strong_on_the_line_of_what_was_chosen() -> None:
+def test_values_that_the_author_asks_for_are_strong_on_the_line_of_what_was_chosen():
     suggestions = Suggestions(TABLE, ASKED)
     found = {n.text: suggestions.look_alikes(n) for n in numbers_in(TABLE)}
     run = "run forward_euler rates=(t+y0) from 0 h=0.2"
@@ -167,7 +164,7 @@ def test_so_many_values_leave_a_number_of_few_digits_strong_and_one_more_does_no
         assert [alike.strong for alike in suggestions.look_alikes(number)] == [strong]
 
 
-def test_a_slip_is_a_wrong_digit_or_sign_or_two_neighbours_exchanged_and_no_number_of_few_digits() -> None:
+def test_a_slip_is_a_wrong_digit_or_sign_or_two_neighbours_exchanged_and_no_number_of_few_digits():
     wrong = [("1.3591", "1.3519"), ("1.35914", "1.35924"), ("2.785", "-2.785"), ("1/120", "-1/120")]
     none = [("1.35914", "1.35914"), ("1.35914", "1.35851"), ("2.785", "2.758"), ("2.7", "-2.7"), ("1.3", "1.20000")]
     for asked, printed in wrong + none:
@@ -204,7 +201,7 @@ def test_a_slip_for_what_a_problem_asks_has_few_digits_where_its_place_names_few
     assert [*Suggestions(text).slips(numbers_in(text)[-1]).values()] == [value][: value is not None]
 
 
-def test_a_row_at_time_t_is_of_the_run_of_as_many_steps_and_its_column_has_a_name() -> None:
+def test_a_row_at_time_t_is_of_the_run_of_as_many_steps_and_its_column_has_a_name():
     table = "| t | Euler | RK4 |\n| 0.2 | 0.8 | 0.829293 |\n| 0.4 | 1.152 | 1.214 |"
     suggestions = Suggestions(table, ["run {Euler,RK4} y'=y-t^2+1, y(0)=0.5, h=0.2, N={1,2} : y"])
     of_time, *values = [number for number in numbers_in(table) if number.label is None]
@@ -219,7 +216,7 @@ def test_a_row_at_time_t_is_of_the_run_of_as_many_steps_and_its_column_has_a_nam
     assert two.numbers == [{3, Q(3, 2)}], "the first step size and the first number of steps"
 
 
-def test_the_last_step_size_given_before_a_number_decides_between_equal_values() -> None:
+def test_the_last_step_size_given_before_a_number_decides_between_equal_values():
     text = "RK4 with h = 0.2 to t = 2, and then RK4.\nNow h = 0.1, t = 1:\nRK4 needs 40 evaluations."
     assert suggested(text)[-1][0].question == "run rk4 h=1/10 t=1 : evaluations"
 
@@ -229,7 +226,7 @@ def best_of(text, spelled):
     return next((alike.question for alike in Suggestions(text, [OF_NOTE]).look_alikes(number)), None)
 
 
-def test_braces_are_chosen_from_in_every_way_and_equal_braces_alike() -> None:
+def test_braces_are_chosen_from_in_every_way_and_equal_braces_alike():
     every_way = [f"step rk4 h=1/{h} N={n} : q" for h in (2, 4) for n in (1, 2)]
     assert [*questions_in("step rk4 h=1/{2,4} N={1..2} : q")] == every_way
     assert questions_in("{1..2} - {1..2} + {a_b}") == {"1 - 1 + a_b": ("1", "a_b"), "2 - 2 + a_b": ("2", "a_b")}
@@ -245,7 +242,7 @@ def test_braces_are_chosen_from_in_every_way_and_equal_braces_alike() -> None:
         Suggestions("1.5", ["run rk4 h={3,4} t=1 : q"]).look_alikes(numbers_in("1.5")[0])
 
 
-def test_tie_of_a_solution_is_no_suggestion_and_takes_no_time() -> None:
+def test_tie_of_a_solution_is_no_suggestion_and_takes_no_time():
     """y' = t sqrt(y), y(0) = 1 is 25/16 at t = 1, which balls do not tell from 1.562 or 1.563."""
     suggestions = Suggestions("1.563 or 1.5625", ["exact rates=(t*sqrt(y0)) from 1 t=1 : y0"])
     assert [len(suggestions.look_alikes(n)) for n in numbers_in(suggestions.text)] == [0, 1]
@@ -261,17 +258,17 @@ def test_a_draft_encloses_a_stated_solution_in_few_steps_and_says_which_it_did_n
     assert [one[-9:] for one in exactly(3, refused)] == ["t=200 : x", "t=200 : y", "t=200 : z"]
 
 
-def test_number_of_seventy_places_is_suggested_and_one_of_eighty_takes_too_many_bits() -> None:
+def test_number_of_seventy_places_is_suggested_and_one_of_eighty_takes_too_many_bits():
     for places, count in ((70, 1), (80, 0)):
         text = value("exp(1)").places(places)
         assert len(Suggestions(text, ["exp(1)"]).look_alikes(numbers_in(text)[0])) == count
 
 
 @pytest.mark.parametrize("spelled", ["1.45722e-07", "1.45722E-7", "1.45722e-007", "1.45722×10^{-7}"])
-def test_exponents_of_any_program_are_read(spelled: str) -> None:
+def test_exponents_of_any_program_are_read(spelled):
     suggestions = Suggestions(spelled, ["run rk4 rates=(t*sqrt(y0)) from 1 h=1/10 t=1 : state_error"])
     assert suggestions.look_alikes(numbers_in(spelled)[0])[0].strong
 
 
-def test_questions_are_asked_of_a_draft_only(refusal: Callable[..., str]) -> None:
+def test_questions_are_asked_of_a_draft_only(refusal):
     assert "--ask needs --init" in refusal("check", "a.md", "--claims", "c.toml", "--ask", "pi")

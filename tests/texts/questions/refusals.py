@@ -1,14 +1,12 @@
 """How a question is refused, for several test files."""
 
-from __future__ import annotations
-
 import pytest
 
 from driftproof.texts.questions.errors import QuestionError
 from driftproof.texts.questions.evaluate import value
 
 
-def require_refusal(question: str, column: int, reason: str) -> None:
+def require_refusal(question, column, reason):
     """It is refused in one line that names the column and what is allowed."""
     with pytest.raises(QuestionError) as caught:
         value(question).digits(6)

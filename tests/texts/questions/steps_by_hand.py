@@ -1,28 +1,24 @@
 """The lesson's three steps and the energy, written out with Fractions: what answers are held against."""
 
-from __future__ import annotations
-
 from fractions import Fraction as Q
 
-State = tuple[Q, Q]
 
-
-def forward_euler(z: State, h: Q) -> State:
+def forward_euler(z, h):
     q, v = z
     return q + h * v, v - h * q
 
 
-def symplectic_euler(z: State, h: Q) -> State:
+def symplectic_euler(z, h):
     q, v = z
     v = v - h * q
     return q + h * v, v
 
 
-def rk4(z: State, h: Q) -> State:
-    def rate(z: State) -> State:
+def rk4(z, h):
+    def rate(z):
         return z[1], -z[0]
 
-    def moved(by: Q, k: State) -> State:
+    def moved(by, k):
         return z[0] + by * k[0], z[1] + by * k[1]
 
     k1 = rate(z)
@@ -35,12 +31,12 @@ def rk4(z: State, h: Q) -> State:
 BY_HAND = {"forward_euler": forward_euler, "symplectic_euler": symplectic_euler, "rk4": rk4}
 
 
-def reached(key: str, h: Q, n: int, start: State = (Q(1), Q(0))) -> State:
+def reached(key, h, n, start=(Q(1), Q(0))):
     z = start
     for _ in range(n):
         z = BY_HAND[key](z, h)
     return z
 
 
-def energy(z: State) -> Q:
+def energy(z):
     return (z[0] ** 2 + z[1] ** 2) / 2

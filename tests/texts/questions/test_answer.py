@@ -1,7 +1,5 @@
 """Answers: published values asked for by id, how many digits there are, and what has none."""
 
-from __future__ import annotations
-
 from fractions import Fraction as Q
 
 import pytest
@@ -50,7 +48,7 @@ EQUIVALENT = {
 
 
 @pytest.mark.parametrize("key", EQUIVALENT)
-def test_published_value_is_the_answer_to_a_free_question(key: str) -> None:
+def test_published_value_is_the_answer_to_a_free_question(key):
     published, free = value(key), value(EQUIVALENT[key])
     assert published.digits(25, HALF_EVEN) == free.digits(25, HALF_EVEN)
     entry = published_values()[key]
@@ -60,7 +58,7 @@ def test_published_value_is_the_answer_to_a_free_question(key: str) -> None:
     assert published.evidence == entry["evidence"]
 
 
-def test_every_published_value_can_be_asked_for_and_most_have_a_question() -> None:
+def test_every_published_value_can_be_asked_for_and_most_have_a_question():
     ids = published_values()
     for key in ids:
         assert value(key).digits(20, HALF_EVEN).strip("0.-") != "" or ids[key]["exact"] == "0"
@@ -68,7 +66,7 @@ def test_every_published_value_can_be_asked_for_and_most_have_a_question() -> No
     assert len(EQUIVALENT) >= 50
 
 
-def test_published_decimal_stands_for_all_numbers_that_round_to_it() -> None:
+def test_published_decimal_stands_for_all_numbers_that_round_to_it():
     with ctx.workprec(128):
         low, high = endpoints(enclose(as_printed({"decimal": "-1.250e-7", "evidence": "CERTIFIED"}).exact))
     half = Q(1, 2 * 10**10)
@@ -77,11 +75,11 @@ def test_published_decimal_stands_for_all_numbers_that_round_to_it() -> None:
     assert high - low < half * Q(2001, 1000)
 
 
-def test_answer_is_shown_as_it_is_printed() -> None:
+def test_answer_is_shown_as_it_is_printed():
     assert repr(value("337/384")) == str(value("337/384")) == "0.877604166666667, exactly 337/384  (PROVED)"
 
 
-def test_value_without_an_exact_form_has_its_published_digits_and_no_more() -> None:
+def test_value_without_an_exact_form_has_its_published_digits_and_no_more():
     key = "rk4.default.state_error"
     assert value(key).digits(24) == published_values()[key]["decimal"][:29]
     with pytest.raises(ValueError, match="which does not determine more digits"):
@@ -89,13 +87,13 @@ def test_value_without_an_exact_form_has_its_published_digits_and_no_more() -> N
 
 
 @pytest.mark.parametrize(("n", "reason"), [(0, "must be at least 1"), (10_001, "at most 10000"), (10**9, "at most")])
-def test_number_of_digits_has_its_bounds(n: int, reason: str) -> None:
+def test_number_of_digits_has_its_bounds(n, reason):
     with pytest.raises(QuestionError, match=f"column 1: .*{reason}"):
         value("1/3").digits(n)
     assert value("1/3").digits(10_000) == "0." + "3" * 10_000
 
 
-def test_what_is_no_number_has_no_decimals() -> None:
+def test_what_is_no_number_has_no_decimals():
     for question in ("energy_multiplier rk4", "a_stable rk4", "real_limit backward_euler"):
         assert not value(question).is_number
         with pytest.raises(QuestionError, match="is not a number"):
@@ -103,7 +101,7 @@ def test_what_is_no_number_has_no_decimals() -> None:
         require_refusal(question, 1, "is not a number and has no decimals")
 
 
-def test_number_that_no_enclosure_decides_is_an_error_and_not_a_guess() -> None:
+def test_number_that_no_enclosure_decides_is_an_error_and_not_a_guess():
     nothing = "(run rk4 h=1/4 t=10 : state_error) - (run rk4 h=1/4 t=10 : state_error)"
     require_refusal(nothing, 1, "undecided with 131072 bits")
     require_refusal("0.1234565", 1, "tie")
@@ -111,7 +109,7 @@ def test_number_that_no_enclosure_decides_is_an_error_and_not_a_guess() -> None:
         value("2*pi").tex()
 
 
-def test_an_exact_form_of_24_characters_is_shown_beside_its_decimal_and_15_digits_unasked() -> None:
+def test_an_exact_form_of_24_characters_is_shown_beside_its_decimal_and_15_digits_unasked():
     for digits, shown in ((22, True), (23, False)):
         assert (", exactly 1/3" in value(f"1/{'3' * digits}").written("text")) is shown
     assert value("1/7").written("text").startswith("0.142857142857143,")

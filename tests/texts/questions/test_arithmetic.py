@@ -1,7 +1,5 @@
 """Arithmetic on answers is what Python's Fractions make of it."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from fractions import Fraction as Q
 
@@ -21,7 +19,7 @@ class Sum:
     number: Q | None
 
 
-def combined(a: Sum, b: Sum, sign: str) -> Sum:
+def combined(a, b, sign):
     text = f"({a.text} {sign} {b.text})"
     if a.number is None or b.number is None or (sign == "/" and not b.number):
         return Sum(text, None)
@@ -29,7 +27,7 @@ def combined(a: Sum, b: Sum, sign: str) -> Sum:
     return Sum(text, a.number / b.number if sign == "/" else found[sign])
 
 
-def powered(a: Sum, n: int) -> Sum:
+def powered(a, n):
     return Sum(f"({a.text})**{n}", None if a.number is None or (n < 0 and not a.number) else a.number**n)
 
 
@@ -53,7 +51,7 @@ SUMS = st.recursive(
 
 
 @given(SUMS)
-def test_arithmetic_is_that_of_fractions(made: Sum) -> None:
+def test_arithmetic_is_that_of_fractions(made):
     if made.number is None:
         with pytest.raises(QuestionError, match="division by zero"):
             value(made.text)
@@ -61,7 +59,7 @@ def test_arithmetic_is_that_of_fractions(made: Sum) -> None:
         assert value(made.text).exact == made.number
 
 
-def test_units_follow_the_arithmetic() -> None:
+def test_units_follow_the_arithmetic():
     angle = "run rk4 h=1/4 t=10 : phase_error"
     assert value(f"2 * ({angle})").unit == "degrees"
     assert value(f"{angle} + 180").unit == "degrees"
@@ -72,7 +70,7 @@ def test_units_follow_the_arithmetic() -> None:
     assert value(f"({angle}) ** 1").unit == "degrees"
 
 
-def test_roots_of_different_fields_are_enclosed() -> None:
+def test_roots_of_different_fields_are_enclosed():
     for question, wanted in {
         "sqrt(2) + 2**(1/3)": 2.6741346,
         "5**(1/5)": 1.3797297,
@@ -83,7 +81,7 @@ def test_roots_of_different_fields_are_enclosed() -> None:
         assert (value(question).evidence, value(question).digits(8)) == ("CERTIFIED", str(wanted))
 
 
-def test_evidence_is_the_weakest_of_the_parts() -> None:
+def test_evidence_is_the_weakest_of_the_parts():
     assert value("1 + order rk4").evidence == "PROVED"
     assert value("stages rk4 * order rk4").evidence == "COUNTED"
     assert value("stages rk4 * cos(1)").evidence == "CERTIFIED"
@@ -93,7 +91,7 @@ def test_evidence_is_the_weakest_of_the_parts() -> None:
 
 BOUND = "(roundoff rk4 h=1/4 : c)"
 # What is computed from a bound -> how many times that bound it is, as a bound; None where it is refused.
-OF_A_BOUND: dict[str, Q | None] = {
+OF_A_BOUND = {
     "2*{}": Q(2), "{}*(1/3)": Q(1, 3), "0*{}": Q(0), "{} + {}": Q(2), "0 + {} * sqrt(4)": Q(2),
     **dict.fromkeys(("-{}", "{} - 0", "1 - {}", "{}/2", "2/{}", "{}**2", "{}**1", "sqrt({})", "abs({})", "ln({})")),
     **dict.fromkeys(("-1*{}", "{}*cos(3)", "-3 + {}", "{} + (-3)", "{} * {}", "ratio({}, 1)", "percent(1, {})")),
@@ -102,18 +100,18 @@ OF_A_BOUND: dict[str, Q | None] = {
 
 @pytest.mark.slow(keep=1)
 @pytest.mark.parametrize("text", OF_A_BOUND)
-def test_what_is_computed_from_a_bound_is_a_bound_or_refused(text: str) -> None:
+def test_what_is_computed_from_a_bound_is_a_bound_or_refused(text):
     question, times, one = text.format(BOUND, BOUND), OF_A_BOUND[text], value(BOUND)
     if times is None:
         with pytest.raises(QuestionError, match=r"\bbound\b|\bunit\b|\bof u\b"):
             value(question)
     else:
         found = value(question)
-        assert (found.exact, found.is_bound) == (times * Q(one.exact), True)  # type: ignore[arg-type]
+        assert (found.exact, found.is_bound) == (times * Q(one.exact), True)
         assert value(f"pi * {BOUND}").digits(3) == "7.53"  # 7.5247, rounded up
 
 
-def test_remarks_stay_with_what_is_computed_and_are_not_repeated() -> None:
+def test_remarks_stay_with_what_is_computed_and_are_not_repeated():
     order = "order dormand_prince853"
     asked = [text.format(order, order) for text in ("2 * {}", "1 - {}", "-({})", "sqrt({})", "({}) ** 2", "{} + {}")]
     assert {value(question).remark for question in asked} == {value(order).remark} != {None}

@@ -1,7 +1,5 @@
 """Digits in a style: every rounding policy against Python's decimal, toFixed against the standard and an engine."""
 
-from __future__ import annotations
-
 import json
 import shutil
 import subprocess
@@ -22,14 +20,14 @@ IN_DECIMAL = {"half-even": ROUND_HALF_EVEN, "half-away": ROUND_HALF_UP, "away": 
 SHORT = st.builds(lambda n, k: Q(n, 10**k), st.integers(-(10**7), 10**7), st.integers(0, 6))
 
 
-def quantized(x: Q, places: int, rounding: str) -> Decimal:
+def quantized(x, places, rounding):
     with localcontext(Context(prec=60)):
         exact = Decimal(x.numerator) / x.denominator
         return exact.quantize(Decimal(1).scaleb(-places), rounding=rounding)
 
 
 @given(SHORT, st.integers(0, 7), st.sampled_from(sorted(IN_DECIMAL)))
-def test_places_are_rounded_as_decimal_rounds(x: Q, places: int, rounding: str) -> None:
+def test_places_are_rounded_as_decimal_rounds(x, places, rounding):
     found = rounded(x, FIXED, places, Style(rounding))
     assert Decimal(found) == quantized(x, places, IN_DECIMAL[rounding])
     assert len(found.partition(".")[2]) == places
@@ -37,14 +35,14 @@ def test_places_are_rounded_as_decimal_rounds(x: Q, places: int, rounding: str) 
 
 
 @given(SHORT.filter(bool), st.integers(1, 9), st.sampled_from(sorted(IN_DECIMAL)))
-def test_digits_are_rounded_as_decimal_rounds(x: Q, digits: int, rounding: str) -> None:
+def test_digits_are_rounded_as_decimal_rounds(x, digits, rounding):
     with localcontext(Context(prec=digits, rounding=IN_DECIMAL[rounding])):
         expected = Decimal(x.numerator) / x.denominator
     assert Decimal(rounded(x, SIGNIFICANT, digits, Style(rounding))) == expected
 
 
 @given(SHORT, st.integers(0, 7))
-def test_tie_is_refused_exactly_where_the_policies_differ(x: Q, places: int) -> None:
+def test_tie_is_refused_exactly_where_the_policies_differ(x, places):
     even, away = (rounded(x, FIXED, places, Style(rounding)) for rounding in ("half-even", "half-away"))
     answer = Answer("a question", x)
     if even == away:
@@ -56,7 +54,7 @@ def test_tie_is_refused_exactly_where_the_policies_differ(x: Q, places: int) -> 
         assert refused.value.column == 1
 
 
-def double_to_fixed(x: Q, places: int) -> str:
+def double_to_fixed(x, places):
     """ECMA-262, Number.prototype.toFixed, by its own words: let n be an integer for which n / 10ᶠ - x is as close to
     zero as possible; if there are two such n, pick the larger one; the sign of x is set aside first.
     """
@@ -77,14 +75,14 @@ TO_FIXED = [
 
 
 @pytest.mark.parametrize(("x", "places", "text"), TO_FIXED)
-def test_to_fixed_is_what_the_standard_says(x: Q, places: int, text: str) -> None:
+def test_to_fixed_is_what_the_standard_says(x, places, text):
     found = rounded(x, FIXED, places, Style("tofixed"))
     assert found == double_to_fixed(x, places)
     assert text in ("", found)
 
 
 @given(SHORT, st.integers(0, 20))
-def test_to_fixed_rounds_the_nearest_double_and_a_tie_away_from_zero(x: Q, places: int) -> None:
+def test_to_fixed_rounds_the_nearest_double_and_a_tie_away_from_zero(x, places):
     assert rounded(x, FIXED, places, Style("tofixed")) == double_to_fixed(x, places)
     rounded_first = quantized(Q(float(x)), places, ROUND_HALF_UP) if places < 8 else None
     assert rounded_first is None or Decimal(double_to_fixed(x, places)) == rounded_first
@@ -95,7 +93,7 @@ NODE = shutil.which("node")
 
 @pytest.mark.slow
 @pytest.mark.skipif(NODE is None, reason="node is not installed")
-def test_to_fixed_and_to_precision_are_those_of_a_javascript_engine() -> None:
+def test_to_fixed_and_to_precision_are_those_of_a_javascript_engine():
     grid = [Q(n, 1000) for n in range(-3000, 3000, 5)] + [x for x, *_ in TO_FIXED]
     asked = [(float(x), places) for x in grid for places in (0, 1, 2, 3, 6)]
     program = (
@@ -112,12 +110,12 @@ def test_to_fixed_and_to_precision_are_those_of_a_javascript_engine() -> None:
         assert Decimal(rounded(Q(x), SIGNIFICANT, n + 1, style)) == Decimal(precise), (x, n)
 
 
-def test_digits_under_to_fixed_are_those_of_the_nearest_double() -> None:
+def test_digits_under_to_fixed_are_those_of_the_nearest_double():
     assert value("1.005").digits(3, Style("tofixed")) == "1.00"
     assert value("1.005").digits(3, Style("half-away")) == "1.01"
 
 
-def test_to_fixed_of_an_enclosed_number_goes_through_its_nearest_double() -> None:
+def test_to_fixed_of_an_enclosed_number_goes_through_its_nearest_double():
     root = value("sqrt(2)")
     assert root.places(20, Style("tofixed")) == double_to_fixed(Q(2**0.5), 20) == "1.41421356237309514547"
     assert root.places(20) == "1.41421356237309504880"
@@ -127,12 +125,12 @@ def test_to_fixed_of_an_enclosed_number_goes_through_its_nearest_double() -> Non
     ("question", "places"),
     [("10**21", 2), ("-10**21", 2), ("1/3", 101), ("10**60 * 10**60 * 10**60 * 10**60 * 10**60 * 10**60", 1)],
 )
-def test_to_fixed_is_refused_where_javascript_has_no_such_text(question: str, places: int) -> None:
+def test_to_fixed_is_refused_where_javascript_has_no_such_text(question, places):
     with pytest.raises(QuestionError, match="toFixed"):
         value(question).places(places, Style("tofixed"))
 
 
-def test_styles_write_the_sign_and_the_exponent() -> None:
+def test_styles_write_the_sign_and_the_exponent():
     small = value("-67/1000000 - 1/10**7")
     assert small.digits(2) == "-0.000067"
     assert small.digits(2, PRINTED) == "−0.000067"
@@ -145,13 +143,13 @@ def test_styles_write_the_sign_and_the_exponent() -> None:
 
 
 @pytest.mark.parametrize("wrong", [{"rounding": "up"}, {"minus": "~"}, {"exponent": "E"}])
-def test_unknown_style_is_refused(wrong: dict[str, str]) -> None:
+def test_unknown_style_is_refused(wrong):
     with pytest.raises(ValueError, match="is unknown; choose one of"):
         Style(**wrong)
 
 
 @pytest.mark.parametrize("rounding", IN_DECIMAL)
-def test_irrational_numbers_are_never_refused_and_never_tied(rounding: str) -> None:
+def test_irrational_numbers_are_never_refused_and_never_tied(rounding):
     with localcontext(Context(prec=70, rounding=ROUND_DOWN)):
         root = Decimal(2).sqrt()
     for n in range(1, 50):

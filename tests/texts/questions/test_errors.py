@@ -1,7 +1,5 @@
 """Errors of questions are one line of bounded length; answers that do not end are ended."""
 
-from __future__ import annotations
-
 import signal
 import threading
 import time
@@ -12,13 +10,13 @@ from driftproof.texts.questions.errors import QUESTION_SECONDS, QuestionError, t
 from driftproof.texts.questions.evaluate import value
 
 
-def test_time_limit_ends_what_does_not_end_and_leaves_the_rest_alone() -> None:
+def test_time_limit_ends_what_does_not_end_and_leaves_the_rest_alone():
     with time_limit("quick", 60):
         assert value("1 + 1").exact == 2
     assert signal.getitimer(signal.ITIMER_REAL) == (0, 0)
     assert signal.getsignal(signal.SIGALRM) == signal.SIG_DFL
 
-    def for_ever() -> None:
+    def for_ever():
         with time_limit("for ever", 0.05):
             while True:
                 pass
@@ -28,8 +26,8 @@ def test_time_limit_ends_what_does_not_end_and_leaves_the_rest_alone() -> None:
     assert signal.getsignal(signal.SIGALRM) == signal.SIG_DFL
 
 
-def test_the_timer_of_the_caller_runs_on() -> None:
-    rung: list[int] = []
+def test_the_timer_of_the_caller_runs_on():
+    rung = []
     before = signal.signal(signal.SIGALRM, lambda *_: rung.append(1))
     try:
         signal.setitimer(signal.ITIMER_REAL, 1000, 50)
@@ -47,10 +45,10 @@ def test_the_timer_of_the_caller_runs_on() -> None:
         signal.signal(signal.SIGALRM, before)
 
 
-def test_time_is_not_limited_beside_the_main_thread() -> None:
-    found: list[object] = []
+def test_time_is_not_limited_beside_the_main_thread():
+    found = []
 
-    def limited() -> None:
+    def limited():
         with time_limit("long", 60):
             found.append(signal.getitimer(signal.ITIMER_REAL))
 
@@ -61,7 +59,7 @@ def test_time_is_not_limited_beside_the_main_thread() -> None:
     assert QUESTION_SECONDS == 60, "as docs/language.md says"
 
 
-def test_error_is_one_line_that_quotes_no_more_than_it_must() -> None:
+def test_error_is_one_line_that_quotes_no_more_than_it_must():
     error = QuestionError("a\nb" * 100, 3, "no\n" * 1000)
     assert str(error).startswith("'a ba ba")
     assert len(str(error)) < 600

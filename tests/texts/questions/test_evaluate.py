@@ -1,7 +1,5 @@
 """Whatever is asked, the language answers or refuses in one line."""
 
-from __future__ import annotations
-
 from contextlib import suppress
 from fractions import Fraction
 from pathlib import Path
@@ -28,7 +26,7 @@ PIECES = sorted(
 )
 
 
-def answer_or_refuse(question: str) -> None:
+def answer_or_refuse(question):
     """Ask for everything that can be asked for. Only QuestionError may come, and on one line."""
     try:
         answer = value(question)
@@ -46,17 +44,17 @@ def answer_or_refuse(question: str) -> None:
 
 
 @given(st.text(max_size=60))
-def test_any_text_is_answered_or_refused(text: str) -> None:
+def test_any_text_is_answered_or_refused(text):
     answer_or_refuse(text)
 
 
 @given(st.lists(st.sampled_from(PIECES), max_size=14).map(" ".join))
-def test_any_row_of_words_is_answered_or_refused(text: str) -> None:
+def test_any_row_of_words_is_answered_or_refused(text):
     answer_or_refuse(text)
 
 
 @st.composite
-def mutated(draw: st.DrawFn) -> str:
+def mutated(draw):
     """A question with a few pieces cut out, put in or doubled."""
     text = draw(st.sampled_from(QUESTIONS))
     for _ in range(draw(st.integers(1, 3))):
@@ -68,19 +66,19 @@ def mutated(draw: st.DrawFn) -> str:
 
 @given(mutated())
 @settings(suppress_health_check=[HealthCheck.too_slow])
-def test_any_mutated_question_is_answered_or_refused(text: str) -> None:
+def test_any_mutated_question_is_answered_or_refused(text):
     answer_or_refuse(text)
 
 
 @settings(max_examples=30)  # a difference of equal numbers takes a while to be refused
 @given(st.sampled_from(QUESTIONS), st.sampled_from(QUESTIONS), st.sampled_from("+-*/"), st.integers(-70, 70))
-def test_any_two_questions_in_arithmetic_are_answered_or_refused(a: str, b: str, sign: str, power: int) -> None:
+def test_any_two_questions_in_arithmetic_are_answered_or_refused(a, b, sign, power):
     answer_or_refuse(f"({a}) {sign} ({b})")
     answer_or_refuse(f"log2(({a}) ** {power})")
 
 
-def test_fuzzing_would_notice_another_exception(monkeypatch: pytest.MonkeyPatch) -> None:
-    def broken(question: str) -> None:
+def test_fuzzing_would_notice_another_exception(monkeypatch):
+    def broken(question):
         raise KeyError(question)
 
     monkeypatch.setattr(evaluate, "parse_question", broken)
@@ -88,7 +86,7 @@ def test_fuzzing_would_notice_another_exception(monkeypatch: pytest.MonkeyPatch)
         answer_or_refuse("1 + 1 + 1")
 
 
-def test_fuzzing_reaches_answers_and_not_only_refusals() -> None:
+def test_fuzzing_reaches_answers_and_not_only_refusals():
     answered = 0
     for question in QUESTIONS:
         with suppress(QuestionError):
@@ -96,7 +94,7 @@ def test_fuzzing_reaches_answers_and_not_only_refusals() -> None:
     assert answered >= len(QUESTIONS) - len(REFUSED)
 
 
-def test_a_question_is_text() -> None:
+def test_a_question_is_text():
     with pytest.raises(TypeError, match="a question is a string, such as 'order rk4', not 3"):
         value(3)
 
@@ -114,15 +112,7 @@ def test_a_question_is_text() -> None:
         ),
     ],
 )  # fmt: skip
-def test_file_that_was_edited_is_read_anew(
-    text: str,
-    question: str,
-    edit: tuple[str, str],
-    before: object,
-    after: object,
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_file_that_was_edited_is_read_anew(text, question, edit, before, after, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     Path("mine.toml").write_text(text, encoding="utf-8")
     assert value(question).exact == before

@@ -1,7 +1,5 @@
 """Answers that are facts, against Fractions by hand and against what is in print; why a method has none."""
 
-from __future__ import annotations
-
 import re
 from fractions import Fraction as Q
 
@@ -14,7 +12,7 @@ from tests.symbolic.linear.linear_examples import pade
 from tests.texts.questions.steps_by_hand import BY_HAND, energy, reached
 
 
-def test_energy_multiplier_is_what_a_step_does_to_the_energy() -> None:
+def test_energy_multiplier_is_what_a_step_does_to_the_energy():
     for h in (Q(1, 4), Q(-2), Q(17, 5)):
         for key in ("forward_euler", "rk4"):
             expected = energy(reached(key, h, 1)) / energy((Q(1), Q(0)))
@@ -23,18 +21,18 @@ def test_energy_multiplier_is_what_a_step_does_to_the_energy() -> None:
     assert not value("energy_multiplier rk4").is_number
 
 
-def test_an_order_of_rounded_coefficients_is_said_to_be_that() -> None:
+def test_an_order_of_rounded_coefficients_is_said_to_be_that():
     for method, rounded in (("tsitouras54", True), ("KenCarp4", True), ("rk4", False), ("bdf2", False)):
         assert ("with the coefficients as rounded" in str(value(f"order of {method}"))) is rounded
 
 
-def test_leading_term_with_a_root_is_exact() -> None:
+def test_leading_term_with_a_root_is_exact():
     """C = 1/6 - gamma + gamma**2/2 times -1 for two stages (hairer-wanner-1996, IV.6), gamma = 1 - sqrt(1/2)."""
     found = value("error_constant sdirk2")
     assert (found.exact_text, found.evidence) == ("-2/3 + 1/2*sqrt(2)", "PROVED")
 
 
-def test_one_step_matrix_has_the_images_of_the_axes_for_columns() -> None:
+def test_one_step_matrix_has_the_images_of_the_axes_for_columns():
     h = Q(3, 7)
     for key in BY_HAND:
         columns = [reached(key, h, 1, axis) for axis in ((Q(1), Q(0)), (Q(0), Q(1)))]
@@ -44,7 +42,7 @@ def test_one_step_matrix_has_the_images_of_the_axes_for_columns() -> None:
         assert value(f"determinant {key} h={h}").exact == a * d - b * c
 
 
-def test_invariant_keeps_its_value_over_a_step() -> None:
+def test_invariant_keeps_its_value_over_a_step():
     h, z = Q(2, 3), (Q(1, 5), Q(-4))
     q, v = BY_HAND["symplectic_euler"](z, h)
     before, after = (value(f"invariant symplectic_euler h={h} from {a},{b}").exact for a, b in (z, (q, v)))
@@ -55,11 +53,11 @@ def test_invariant_keeps_its_value_over_a_step() -> None:
     assert value("determinant symplectic_euler").exact == 1
 
 
-def taylor(x: Q) -> Q:
+def taylor(x):
     return 1 - x + x**2 / 2 - x**3 / 6 + x**4 / 24
 
 
-def test_stability_limits_of_rk4_are_where_its_polynomial_leaves_the_disc() -> None:
+def test_stability_limits_of_rk4_are_where_its_polynomial_leaves_the_disc():
     limit = Q(value("real_limit rk4").digits(40))
     unit = Q(1, 10**38)
     assert taylor(limit - unit) < 1 < taylor(limit + unit)
@@ -93,7 +91,7 @@ FACTS = {
 
 
 @pytest.mark.parametrize("question", FACTS)
-def test_facts_are_answered_by_name(question: str) -> None:
+def test_facts_are_answered_by_name(question):
     found = value(question)
     assert (found.exact_text, found.evidence) == FACTS[question]
     assert found.is_number is (not re.search("[a-zA-Z]", found.exact_text or ""))

@@ -1,7 +1,5 @@
 """Questions are parsed and never evaluated: what is read, what is refused, at which column, and how large it may be."""
 
-from __future__ import annotations
-
 from fractions import Fraction as Q
 
 import pytest
@@ -30,7 +28,7 @@ ARITHMETIC = {
 
 
 @pytest.mark.parametrize("question", ARITHMETIC)
-def test_arithmetic_is_read_as_mathematics_writes_it(question: str) -> None:
+def test_arithmetic_is_read_as_mathematics_writes_it(question):
     assert value(question).exact == ARITHMETIC[question]
 
 
@@ -65,11 +63,11 @@ REFUSED = [
 
 
 @pytest.mark.parametrize(("question", "column", "reason"), REFUSED)
-def test_what_is_no_question_is_refused_at_its_column(question: str, column: int, reason: str) -> None:
+def test_what_is_no_question_is_refused_at_its_column(question, column, reason):
     require_refusal(question, column, reason)
 
 
-def test_question_too_long_or_nested_too_deep_is_refused_before_anything_is_computed() -> None:
+def test_question_too_long_or_nested_too_deep_is_refused_before_anything_is_computed():
     inside = "(" * DEEPEST_NESTING + "1" + ")" * DEEPEST_NESTING
     assert value(inside).exact == 1
     for deep in (f"({inside})", "-" * (DEEPEST_NESTING + 1) + "1", "abs(" * 41 + "1" + ")" * 41):
@@ -81,6 +79,6 @@ def test_question_too_long_or_nested_too_deep_is_refused_before_anything_is_comp
     assert value("+".join(["1"] * 999)).exact == 999
 
 
-def test_tokens_know_their_columns() -> None:
+def test_tokens_know_their_columns():
     tokens = " ".join(f"{token.text}@{token.column}" for token in ExpressionParser("2**(−x.y) ").tokens)
     assert tokens == "2@1 **@2 (@4 -@5 x.y@6 )@9 @11"

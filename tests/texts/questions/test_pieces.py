@@ -1,7 +1,5 @@
 """Numbers, lists, names of methods and readouts in a question, and what is said where they are none."""
 
-from __future__ import annotations
-
 from fractions import Fraction as Q
 
 import pytest
@@ -38,11 +36,11 @@ REFUSED = [
 
 
 @pytest.mark.parametrize(("question", "column", "reason"), REFUSED)
-def test_what_is_no_piece_of_a_question_is_refused_at_its_column(question: str, column: int, reason: str) -> None:
+def test_what_is_no_piece_of_a_question_is_refused_at_its_column(question, column, reason):
     require_refusal(question, column, reason)
 
 
-def test_every_title_and_common_name_is_understood_in_a_question() -> None:
+def test_every_title_and_common_name_is_understood_in_a_question():
     """Also with signs in it, as in "Euler-Cromer", with words such as "of order 2", and before what is asked."""
     for key, method in some({**METHODS, **FACTS_ONLY}.items(), 150):
         for name in {method.title, *also_known_as(key)}:
@@ -60,7 +58,7 @@ PLAIN_FILES = (
 QUOTED_FILES = ("my dir/m.toml", "order of m.toml", "m (1).toml", "a,b.toml", "C:m.toml", "h = 1.toml", "it's.toml")
 
 
-def test_names_of_files_are_taken_as_they_stand_and_in_quotes_with_any_sign() -> None:
+def test_names_of_files_are_taken_as_they_stand_and_in_quotes_with_any_sign():
     plain = PLAIN_FILES.split()
     for name in exactly(18, (*plain, *QUOTED_FILES)):
         spellings = [f'"{name}"', f"“{name}”", *[f"'{name}'"] * ("'" not in name), *[name] * (name in plain)]
@@ -72,7 +70,7 @@ def test_names_of_files_are_taken_as_they_stand_and_in_quotes_with_any_sign() ->
 
 
 @pytest.mark.parametrize("name", [name for name in QUOTED_FILES if {*":="}.isdisjoint(name)])
-def test_an_unquoted_name_of_a_file_is_refused_with_how_to_quote_it(name: str) -> None:
+def test_an_unquoted_name_of_a_file_is_refused_with_how_to_quote_it(name):
     for question in (f"order {name}", f"run {name} h=1 t=1 : q", f"run rk4 problem={name} h=1 t=1 : y0"):
         with pytest.raises(
             QuestionError, match=r"a file's name with blanks or signs stands in quotes: 'my method.toml'"
@@ -83,7 +81,7 @@ def test_an_unquoted_name_of_a_file_is_refused_with_how_to_quote_it(name: str) -
     assert "quotes" not in str(other.value)
 
 
-def test_numbers_are_ascii_and_exact() -> None:
+def test_numbers_are_ascii_and_exact():
     assert value("0.1 * 10").exact == 1
     for foreign in ("٣", "1²", "½", "１"):
         with pytest.raises(QuestionError, match="is not allowed"):

@@ -1,7 +1,5 @@
 """Runs on problems and on y' = λy are those of Fractions and of floats; constants, exponents and counts of steps."""
 
-from __future__ import annotations
-
 import math
 import sys
 from fractions import Fraction as Q
@@ -24,7 +22,7 @@ parameters.g = "9.81"
 """
 
 
-def by_hand(steps: int, h: float, start: float = 0.5) -> np.ndarray:
+def by_hand(steps, h, start=0.5):
     """Heun's method on the pendulum of MINE, in floats."""
     f = lambda y: np.array([y[1], -9.81 * math.sin(y[0])])
     y = np.array([start, 0.0])
@@ -34,7 +32,7 @@ def by_hand(steps: int, h: float, start: float = 0.5) -> np.ndarray:
     return y
 
 
-def test_run_on_a_problem_of_a_file_is_that_of_a_float_program(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_run_on_a_problem_of_a_file_is_that_of_a_float_program(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     Path("mine.toml").write_text(MINE, encoding="utf-8")
     q, v = (float(value(f"run heun2 problem=mine.toml h=1/16 16 steps : y{i}").digits(17)) for i in (0, 1))
@@ -49,7 +47,7 @@ def test_run_on_a_problem_of_a_file_is_that_of_a_float_program(tmp_path: Path, m
 
 
 @pytest.mark.parametrize("key", ["rk4", "backward_euler", "gauss2", "heun2"])
-def test_run_on_decay_is_the_power_of_the_stability_function(key: str) -> None:
+def test_run_on_decay_is_the_power_of_the_stability_function(key):
     factor = value(f"stability_function {key} z=-1/2").exact
     assert value(f"run {key} lambda=-2 h=1/4 t=1 : y").exact == factor**4
     off = abs(float(factor**4) - math.exp(-2))
@@ -97,7 +95,7 @@ def test_energy_with_a_function_is_enclosed_where_the_states_are_rational(tmp_pa
     )
 
 
-def test_rates_that_are_written_out_are_those_of_the_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_rates_that_are_written_out_are_those_of_the_file(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     Path("mine.toml").write_text(MINE, encoding="utf-8")
     for readout in ("y1", "exact.y1", "slope.y1", "k2.y1", "state_error", "largest_error"):
@@ -106,7 +104,7 @@ def test_rates_that_are_written_out_are_those_of_the_file(tmp_path: Path, monkey
         assert written == value(f"run heun2 problem=mine.toml {asked}").digits(30), readout
 
 
-def test_rational_runs_are_fractions_and_others_balls_around_the_same_numbers() -> None:
+def test_rational_runs_are_fractions_and_others_balls_around_the_same_numbers():
     """y' = t + y, y(0) = 1, by Heun's method, by hand; with a root that is 0 the same run is in balls."""
     y, t, h = Q(1), Q(0), Q(1, 4)
     for _ in range(4):
@@ -123,7 +121,7 @@ def test_rational_runs_are_fractions_and_others_balls_around_the_same_numbers() 
     assert value("run gauss2 rates=(t*y0) from 1 h=1/4 t=1 : y0").evidence == "CERTIFIED"
 
 
-def test_largest_error_is_that_of_the_worst_step() -> None:
+def test_largest_error_is_that_of_the_worst_step():
     run = "rates=(-y0) from 1 h=1/8"
     errors = [float(value(f"run forward_euler {run} N={n} : state_error").digits(12)) for n in range(1, 17)]
     largest = float(value(f"run forward_euler {run} N=16 : largest_error").digits(12))
@@ -131,7 +129,7 @@ def test_largest_error_is_that_of_the_worst_step() -> None:
     assert largest == pytest.approx(max(abs((7 / 8) ** n - math.exp(-n / 8)) for n in range(17)), rel=1e-11)
 
 
-def test_start_of_the_question_goes_before_that_of_the_problem() -> None:
+def test_start_of_the_question_goes_before_that_of_the_problem():
     at_rest = value("run rk4 problem=pendulum from 0,0 h=1/4 t=1 : y0")
     assert at_rest.digits(3) != value("run rk4 problem=pendulum h=1/4 t=1 : y0").digits(3)
     assert value("exact rates=(y0) from 3 t=0 : y0").digits(3) == "3.00"
@@ -140,7 +138,7 @@ def test_start_of_the_question_goes_before_that_of_the_problem() -> None:
         value("exact rates=(-y0) from 1 t=1 : y0").digits(400)
 
 
-def test_start_may_be_irrational() -> None:
+def test_start_may_be_irrational():
     for start, x in (("pi/4", math.pi / 4), ("-2 * pi / 3", -2 * math.pi / 3), ("sqrt(3 + 1)/8", 1 / 4)):
         asked = f"run heun2 q'=v, v'=-9.81 sin(q), q(0)={start}, v(0)=0, h=1/16, t=1"
         y = by_hand(16, 1 / 16, x)
@@ -151,10 +149,10 @@ def test_start_may_be_irrational() -> None:
     assert value("1 + run heun2 y'=-y, y(0)=1, h=1, t=1 : y").exact == Q(3, 2), "a sum after the question is its own"
 
 
-def test_runs_and_solutions_are_enclosed_once(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_runs_and_solutions_are_enclosed_once(monkeypatch):
     solved = list[list[Q]]()
 
-    def counted(f, start, times, bits):  # type: ignore[no-untyped-def]
+    def counted(f, start, times, bits):
         solved.append([*times])
         return enclose_solution(f, start, times, bits)
 
@@ -169,7 +167,7 @@ def test_runs_and_solutions_are_enclosed_once(monkeypatch: pytest.MonkeyPatch) -
     assert solved == [[0, 1]]
 
 
-def test_states_are_fractions_up_to_4096_bits() -> None:
+def test_states_are_fractions_up_to_4096_bits():
     """Numerators and denominators of both components: 2047 + 1 + 2047 + 1 bits, and one more."""
     for power, evidence in ((2046, "PROVED"), (2047, "CERTIFIED")):
         run = f"run rk4 rates=(0*y0, 0*y1) from {2**2046},{2**power} h=1 t=1"
@@ -205,16 +203,16 @@ SAME = {
 
 
 @pytest.mark.parametrize("question", SAME)
-def test_question_in_the_words_of_a_text_is_the_one_in_those_of_the_grammar(question: str) -> None:
+def test_question_in_the_words_of_a_text_is_the_one_in_those_of_the_grammar(question):
     assert value(question).digits(20) == value(SAME[question]).digits(20)
 
 
 @pytest.mark.parametrize("question", KNOWN)
-def test_constants_functions_powers_and_counts_of_steps(question: str) -> None:
+def test_constants_functions_powers_and_counts_of_steps(question):
     assert float(value(question).digits(12)) == pytest.approx(KNOWN[question], rel=1e-11)
 
 
-def test_power_too_long_to_write_out_is_enclosed() -> None:
+def test_power_too_long_to_write_out_is_enclosed():
     assert value("(17/16)**1000").exact == Q(17, 16) ** 1000
     huge = value("(17/16)**100000")
     assert (huge.evidence, huge.digits(3)) == ("CERTIFIED", "7.83e2632")
@@ -253,10 +251,10 @@ REFUSED = [
 
 
 @pytest.mark.parametrize(("question", "column", "reason"), REFUSED)
-def test_what_has_no_answer_is_refused_at_its_column(question: str, column: int, reason: str) -> None:
+def test_what_has_no_answer_is_refused_at_its_column(question, column, reason):
     require_refusal(question, column, reason)
 
 
-def test_evaluations_of_an_explicit_run_are_counted_and_of_an_implicit_one_refused() -> None:
+def test_evaluations_of_an_explicit_run_are_counted_and_of_an_implicit_one_refused():
     assert value("evaluations of RK4 y'=-2y, y(0)=1, h=0.1, t=1").exact == 40
     require_refusal("run gauss2 y'=-y y(0)=1 h=1/10 t=1 : evaluations", 38, "gauss2 is implicit")

@@ -1,7 +1,5 @@
 """What a query names is refused at its column where there is no such thing, and what is allowed is named."""
 
-from __future__ import annotations
-
 import pytest
 
 from tests.texts.questions.refusals import require_refusal
@@ -90,5 +88,5 @@ REFUSED = [
 
 
 @pytest.mark.parametrize(("question", "column", "reason"), REFUSED)
-def test_query_is_refused_at_the_column_of_what_is_wrong_with_it(question: str, column: int, reason: str) -> None:
+def test_query_is_refused_at_the_column_of_what_is_wrong_with_it(question, column, reason):
     require_refusal(question, column, reason)

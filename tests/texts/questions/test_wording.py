@@ -1,7 +1,5 @@
 """A question in the words of people asks what the plain one asks; a word that may mean two things is answered so."""
 
-from __future__ import annotations
-
 import re
 
 import pytest

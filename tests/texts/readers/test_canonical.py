@@ -1,7 +1,5 @@
 """Space, signs, raised and lowered digits and fractions have one spelling, which is its own."""
 
-from __future__ import annotations
-
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -18,11 +16,11 @@ READ = [
 
 
 @pytest.mark.parametrize(("source", "text"), READ)
-def test_text_has_one_spelling(source: str, text: str) -> None:
+def test_text_has_one_spelling(source, text):
     assert read("plain", source) == text
 
 
 @given(st.text(alphabet="0123456789 ,.-−½⁰¹²₁ab\n\u00a0"))
-def test_canonical_spelling_is_its_own(text: str) -> None:
+def test_canonical_spelling_is_its_own(text):
     once = canonical_text(text)
     assert canonical_text(once) == once

@@ -1,12 +1,10 @@
 """HTML is read as a browser shows it, cells apart and MathML in one line."""
 
-from __future__ import annotations
-
 import pytest
 
 from driftproof.texts.readers.html import html_blocks
 from driftproof.texts.readers.source_text import SourceText
-from tests.texts.readers.reading import blocks, read, standing
+from tests.texts.readers.reading import blocks, read
 
 READ = [
     ("<p>a<script>1</script>b<style>2</style><!-- 3 -->c</p><p title='4'>d", "abc\nd"),
@@ -26,19 +24,15 @@ READ = [
 
 
 @pytest.mark.parametrize(("source", "text"), READ)
-def test_html_is_read_as_people_read_it(source: str, text: str) -> None:
+def test_html_is_read_as_people_read_it(source, text):
     assert read("html", source) == text
 
 
-def test_number_stands_where_the_file_has_it() -> None:
-    assert standing("html", "<p>one\n<b>two</b> &amp; &#8722;42.5</p>", "42.5").startswith("42.5")
-
-
-def test_markup_is_followed_a_hundred_levels_deep() -> None:
+def test_markup_is_followed_a_hundred_levels_deep():
     assert [html_blocks(SourceText.of("<sup>" * n))[0].text.text.count("^{") for n in (99, 100, 101)] == [99, 100, 100]
 
 
-def test_preformatted_text_is_a_listing_in_the_language_of_its_class() -> None:
+def test_preformatted_text_is_a_listing_in_the_language_of_its_class():
     source = 'w<div class="highlight-python"><pre><span>x</span></pre></div><pre>y</pre>z'
     listings = [("listing", "python", "x"), ("listing", "", "y")]
     assert blocks("html", source) == [("prose", "", "w"), *listings, ("prose", "", "z")]

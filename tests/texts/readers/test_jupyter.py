@@ -1,7 +1,5 @@
 """Notebooks are read cell by cell, code with what it printed, every character at its place in the JSON."""
 
-from __future__ import annotations
-
 import json
 
 import pytest
@@ -11,7 +9,7 @@ from hypothesis import strategies as st
 from driftproof.texts.claims.listings import listings_in
 from driftproof.texts.readers.document import document_of
 from driftproof.texts.readers.source_text import LISTING
-from tests.texts.readers.reading import blocks, read, standing
+from tests.texts.readers.reading import blocks, read
 from tests.texts.readers.test_document import held
 
 NOTEBOOK = {
@@ -32,13 +30,13 @@ NOTEBOOK = {
 }
 
 
-def test_notebook_is_read_as_people_read_it() -> None:
+def test_notebook_is_read_as_people_read_it():
     text = "The error is 0.33\nafter h^6/72 é-\nprint(1/4)\n0.25\n0.5\n7.5"
     assert read("notebook", json.dumps(NOTEBOOK)) == text
     assert [kind for kind, *_ in blocks("notebook", json.dumps(NOTEBOOK))].count("output") == 2
 
 
-def test_what_notes_of_programs_say_is_not_read() -> None:
+def test_what_notes_of_programs_say_is_not_read():
     note = {"a": {"text": "7", "cell_type": "markdown", "source": "8"}}
     cells = [{**cell, "metadata": note, "attachments": note} for cell in NOTEBOOK["cells"]]
     noted = {**NOTEBOOK, "cells": ["9", *cells], "metadata": NOTEBOOK["metadata"] | note}
@@ -57,16 +55,11 @@ LANGUAGES = [
 
 
 @pytest.mark.parametrize(("metadata", "language"), LANGUAGES)
-def test_code_is_in_the_language_that_the_notebook_names(metadata: object, language: str) -> None:
+def test_code_is_in_the_language_that_the_notebook_names(metadata, language):
     """What is not Python is no listing that could be run."""
     text = json.dumps({**NOTEBOOK, "metadata": metadata})
     assert [(kind, spoken) for kind, spoken, _ in blocks("notebook", text) if kind == LISTING] == [(LISTING, language)]
     assert len(listings_in(document_of(text, "notebook"))) == (language == "python")
-
-
-def test_number_stands_where_the_file_has_it() -> None:
-    cells = {"cells": [{"cell_type": "markdown", "source": ["a\n", "b \\u2212 -42.5"]}]}
-    assert standing("notebook", json.dumps(cells, indent=1), "42.5").startswith("42.5")
 
 
 leaves = st.none() | st.integers() | st.text(max_size=5) | st.lists(st.text(max_size=5), max_size=3)
@@ -74,5 +67,5 @@ outputs = st.lists(st.dictionaries(st.sampled_from(["data", "text", "text/plain"
 
 
 @given(st.lists(st.dictionaries(st.sampled_from(["cell_type", "source", "outputs"]), leaves | outputs), max_size=3))
-def test_no_notebook_crashes_its_reader(cells: list[dict[str, object]]) -> None:
+def test_no_notebook_crashes_its_reader(cells):
     held("notebook", json.dumps({"cells": cells}))

@@ -1,10 +1,8 @@
 """Markdown is read without its markup, and fences are listings."""
 
-from __future__ import annotations
-
 import pytest
 
-from tests.texts.readers.reading import blocks, read, standing
+from tests.texts.readers.reading import blocks, read
 
 READ = [
     ("---\ntitle: 7\n---\n# A *b* `x*2*y` [c](u/9) ![d](e)", "A b x*2*y c d"),
@@ -22,11 +20,11 @@ READ = [
 
 
 @pytest.mark.parametrize(("source", "text"), READ)
-def test_markdown_is_read_as_people_read_it(source: str, text: str) -> None:
+def test_markdown_is_read_as_people_read_it(source, text):
     assert read("markdown", source) == text
 
 
-def test_directives_are_prose_listings_or_for_the_machine() -> None:
+def test_directives_are_prose_listings_or_for_the_machine():
     inner = "````{note} Of 2\n:class: x-1\nis 3\n```{code-cell} ipython3\n:tags: [t-1]\nx\n```\n````\n"
     figure = "```{figure} a-1.png\n---\nwidth: 400px\n---\nCaption 5\n```\n"
     rest = ":::{prf:theorem} T\n6\n:::\n```{toctree}\n7\n```\n```{math}\n:label: e-1\nh\n```\n```{python}\ny\n```"
@@ -36,19 +34,14 @@ def test_directives_are_prose_listings_or_for_the_machine() -> None:
     ]  # fmt: skip
 
 
-def test_directives_are_read_eight_levels_deep() -> None:
+def test_directives_are_read_eight_levels_deep():
     for deep, kinds in ((8, {"prose"}), (9, {"listing"})):
         ends = ["`" * (deep + 3 - i) for i in range(deep)]
         source = "\n".join([*(f"{end}{{note}}" for end in ends), "x 5", *reversed(ends)])
         assert {kind for kind, *_ in blocks("markdown", source)} == kinds, deep
 
 
-def test_number_stands_where_the_file_has_it() -> None:
-    source = "# x\n\n> *one* [two](three) **\u221242.5** and `1/2`"
-    assert standing("markdown", source, "42.5").startswith("42.5")
-
-
-def test_fences_are_listings_and_mathematics() -> None:
+def test_fences_are_listings_and_mathematics():
     source = "a\n```python\nb\n```\n~~~\nc\n~~~\n```math {#eq-8}\nh^{2}\n```\n"
     expected = [("prose", "", "a"), ("listing", "python", "b"), ("listing", "", "c"), ("prose", "", "h^{2}")]
     assert blocks("markdown", source) == expected
@@ -56,6 +49,6 @@ def test_fences_are_listings_and_mathematics() -> None:
 
 @pytest.mark.slow(keep=1)
 @pytest.mark.parametrize("mark", [">", "> ", " "])
-def test_million_marks_alone_are_read(mark: str) -> None:
+def test_million_marks_alone_are_read(mark):
     """A pattern that looked to the end of the line at each of them would take 10^12 steps: this would not end."""
     assert "7" in read("markdown", mark * (10**6 // len(mark)) + " 7")

@@ -1,7 +1,5 @@
 """Numbers in words are spelled as they are read, and one by itself is no number."""
 
-from __future__ import annotations
-
 from fractions import Fraction as Q
 
 import pytest
@@ -20,19 +18,19 @@ SPELLED = {
 
 
 @pytest.mark.parametrize("number", SPELLED)
-def test_number_is_written_so(number: Q) -> None:
+def test_number_is_written_so(number):
     assert SPELLED[number] in worded_number(number)
 
 
 @given(st.integers(0, 10**12 - 1) | st.fractions(0, 1, max_denominator=10).filter(lambda x: x.denominator > 1))
-def test_every_spelling_is_read_as_one_number(number: int | Q) -> None:
+def test_every_spelling_is_read_as_one_number(number):
     for spelling in some(worded_number(Q(number)), 2):
         assert is_worded(spelling)
         assert [word.text for word in words_in(f"only {spelling}, and")] == [spelling]
 
 
 @pytest.mark.parametrize("number", [Q(-1), Q(10**12), Q(1, 11), Q(4, 3)])
-def test_what_nobody_writes_in_words_is_refused(number: Q) -> None:
+def test_what_nobody_writes_in_words_is_refused(number):
     with pytest.raises(ValueError, match="this number has no usual form in words"):
         worded_number(number)
 
@@ -47,10 +45,10 @@ READ = {
 
 
 @pytest.mark.parametrize("text", READ)
-def test_words_of_a_text(text: str) -> None:
+def test_words_of_a_text(text):
     assert [word.text for word in words_in(text)] == READ[text]
 
 
-def test_trend_is_the_sign_of_a_change() -> None:
+def test_trend_is_the_sign_of_a_change():
     assert [worded_trend(sign)[0] for sign in (1, -1, 0)] == ["grows", "shrinks", "stays"]
     assert not is_worded("steps")

@@ -1,7 +1,5 @@
 """Every number of a text is found, whole, with its sign, and those that belong to names are told from the rest."""
 
-from __future__ import annotations
-
 from fractions import Fraction
 from itertools import pairwise
 
@@ -13,7 +11,7 @@ from driftproof.texts.readers.document import document_of
 from driftproof.texts.readers.numbers import numbers_in
 
 # text in a file, its numbers, its labels
-CASES: list[tuple[str, list[str], list[str]]] = [
+CASES = [
     ("q = −0.5, v = +1 and 3 − 2", ["-0.5", "+1", "3", "2"], []),
     ("(−3, −2), (5,4)", ["-3", "-2", "5", "4"], []), ("2.390297.", ["2.390297"], []),
     ("337/384 and ½(q² + v²)", ["337/384", "1/2", "2", "2"], []),
@@ -40,7 +38,7 @@ CASES: list[tuple[str, list[str], list[str]]] = [
 
 
 @pytest.mark.parametrize(("text", "expected", "labels"), CASES)
-def test_numbers_and_labels_of_a_text(text: str, expected: list[str], labels: list[str]) -> None:
+def test_numbers_and_labels_of_a_text(text, expected, labels):
     found = numbers_in(document_of(text).text.text)
     assert [number.text for number in found if number.label is None] == expected
     assert [number.text for number in found if number.label is not None] == labels
@@ -53,13 +51,13 @@ def test_numbers_and_labels_of_a_text(text: str, expected: list[str], labels: li
         ("3.3×10^{-4}", Fraction(33, 100_000), None), ("5,651", Fraction(5651), 0),
     ],
 )  # fmt: skip
-def test_number_spells_a_value(text: str, value: Fraction, places: int | None) -> None:
+def test_number_spells_a_value(text, value, places):
     (number,) = numbers_in(text)
     assert (number.value, number.places) == (value, places)
 
 
 @given(st.text(alphabet="0123456789.,-+/eE^_{}()[]' ×%hq\n"))
-def test_every_digit_belongs_to_one_number(text: str) -> None:
+def test_every_digit_belongs_to_one_number(text):
     found = numbers_in(text)
     covered = {i for number in found for i in range(number.start, number.end)}
     assert {i for i, character in enumerate(text) if character.isdigit()} <= covered
@@ -69,11 +67,11 @@ def test_every_digit_belongs_to_one_number(text: str) -> None:
 @pytest.mark.parametrize(
     ("read", "refused"), [("1" * 1000, "1" * 1001), ("1e999", "1e1000"), ("1e-999", "1e-1000"), ("0/1", "1/0")]
 )
-def test_numbers_that_nobody_writes_have_no_value(read: str, refused: str) -> None:
+def test_numbers_that_nobody_writes_have_no_value(read, refused):
     assert numbers_in(read)[0].value == Fraction(read)
     with pytest.raises((ValueError, ZeroDivisionError), match=r"is too long|, 0"):
         _ = numbers_in(refused)[0].value
 
 
-def test_a_reference_is_known_by_the_longest_of_its_words() -> None:
+def test_a_reference_is_known_by_the_longest_of_its_words():
     assert [number.label for number in numbers_in("Propositions (5) and (6")] == ["a reference", None]

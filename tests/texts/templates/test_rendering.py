@@ -1,10 +1,7 @@
 """`driftproof render`: files written whole or not at all, --check with a diff, and bounds on memory and time."""
 
-from __future__ import annotations
-
 import json
 import sys
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -13,11 +10,9 @@ from driftproof.commands.arguments import BAD_INPUT, REFUTED
 from driftproof.support.processes import Limits, ProcessEnded
 from driftproof.texts.templates import rendering
 
-Run = Callable[..., tuple[int, str, str]]
-
 
 @pytest.fixture
-def lesson(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+def lesson(tmp_path, monkeypatch):
     """lesson.md.j2 in the current folder."""
     monkeypatch.chdir(tmp_path)
     path = Path("lesson.md.j2")
@@ -26,7 +21,7 @@ def lesson(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 @pytest.mark.slow
-def test_check_passes_what_was_rendered_and_shows_what_was_changed(lesson: Path, run: Run) -> None:
+def test_check_passes_what_was_rendered_and_shows_what_was_changed(lesson, run):
     status, out, _ = run("render", "lesson.md.j2", "--check")
     assert status == REFUTED
     assert out.startswith("--- lesson.md (does not exist)\n+++ lesson.md as lesson.md.j2 renders it\n")
@@ -48,14 +43,14 @@ def test_check_passes_what_was_rendered_and_shows_what_was_changed(lesson: Path,
         assert run("render", "lesson.md.j2") == (0, f"lesson.md: 1 value, {lines} of its lines changed\n", "")
 
 
-def test_template_runs_no_code_that_a_problem_names(lesson: Path, run: Run) -> None:
+def test_template_runs_no_code_that_a_problem_names(lesson, run):
     Path("mine.toml").write_text('function = "os:abort"\nstart = ["1"]\n', encoding="utf-8")
     lesson.write_text("{{ value('step rk4 problem=mine.toml h=1 : y0') }}", encoding="utf-8")
     status, _, told = run("render", "lesson.md.j2")
     assert (status, "function 'os:abort' is Python code, which templates do not run" in told) == (BAD_INPUT, True)
 
 
-def test_nothing_is_written_where_a_template_has_a_problem(lesson: Path, run: Run) -> None:
+def test_nothing_is_written_where_a_template_has_a_problem(lesson, run):
     Path("lesson.md").write_text("before", encoding="utf-8")
     Path("good.md.j2").write_text("x", encoding="utf-8")
     lesson.write_text("{{ nope }}", encoding="utf-8")
@@ -67,7 +62,7 @@ def test_nothing_is_written_where_a_template_has_a_problem(lesson: Path, run: Ru
 
 
 @pytest.mark.slow
-def test_ends_of_lines_are_those_of_the_template(lesson: Path, run: Run) -> None:
+def test_ends_of_lines_are_those_of_the_template(lesson, run):
     lesson.write_bytes(b"a\r\n{{ methods_table(['rk4'], ['order']) }}\r\n")
     assert run("render", "lesson.md.j2", "-o", "out.md")[0] == 0
     written = Path("out.md").read_bytes()
@@ -75,7 +70,7 @@ def test_ends_of_lines_are_those_of_the_template(lesson: Path, run: Run) -> None
     assert run("render", "lesson.md.j2", "-o", "out.md", "--check")[0] == 0
 
 
-def test_a_template_of_returns_alone_has_line_feeds(lesson: Path, run: Run) -> None:
+def test_a_template_of_returns_alone_has_line_feeds(lesson, run):
     lesson.write_bytes(b"a\rb\r")
     assert run("render", "lesson.md.j2", "-o", "out.md")[0] == 0
     assert Path("out.md").read_bytes() == b"a\nb\n"
@@ -92,7 +87,7 @@ def test_a_template_of_returns_alone_has_line_feeds(lesson: Path, run: Run) -> N
         (("folder.md.j2",), "folder.md.j2: Is a directory"),
     ],
 )
-def test_bad_arguments_are_one_line(arguments: tuple[str, ...], message: str, lesson: Path, run: Run) -> None:
+def test_bad_arguments_are_one_line(arguments, message, lesson, run):
     Path("latin.md.j2").write_bytes(b"a\xe9")
     Path("link.md").write_text("x", encoding="utf-8")
     Path("folder.md.j2").mkdir()
@@ -104,7 +99,7 @@ def test_bad_arguments_are_one_line(arguments: tuple[str, ...], message: str, le
 
 
 @pytest.mark.slow
-def test_memory_and_time_of_a_template_are_bounded(lesson: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_memory_and_time_of_a_template_are_bounded(lesson, monkeypatch):
     monkeypatch.setattr(rendering, "RENDERING_MEMORY", 6 * 10**8)
     lesson.write_text("{% set n = namespace(s='aaaa') %}{% for i in range(60) %}{% set n.s = n.s ~ n.s %}{% endfor %}")
     with pytest.raises(
@@ -123,7 +118,7 @@ def test_process_that_dies_or_writes_too_much_is_reported_in_one_line(lesson, mo
     with pytest.raises(ValueError, match=r"^lesson\.md\.j2: an answer of more than 1000 bytes$"):
         rendering.render(lesson, Path("lesson.md"))
 
-    def dies(*_: object) -> None:
+    def dies(*_):
         raise ProcessEnded("signal", "the process ended (signal 11, SIGSEGV)")
 
     monkeypatch.setattr(rendering, "ask_once", dies)
@@ -131,14 +126,14 @@ def test_process_that_dies_or_writes_too_much_is_reported_in_one_line(lesson, mo
         rendering.render(lesson, Path("lesson.md"))
 
 
-def test_without_jinja_one_line_says_what_to_install(lesson: Path, run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_without_jinja_one_line_says_what_to_install(lesson, run, monkeypatch):
     monkeypatch.setitem(sys.modules, "jinja2", None)
     status, out, err = run("render", "lesson.md.j2")
     assert (status, out, "pip install 'driftproof[text]'" in err) == (BAD_INPUT, "", True)
 
 
 def test_a_template_has_two_minutes_two_gigabytes_and_ten_million_characters(tmp_path, monkeypatch):
-    given: list[Limits] = []
+    given = []
     answer = {"text": "", "asked": 0}
     monkeypatch.setattr(rendering, "ask_once", lambda what, order, limits: given.append(limits) or answer)
     (tmp_path / "a.md.j2").touch()

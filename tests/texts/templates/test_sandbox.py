@@ -1,17 +1,10 @@
 """What is hostile in a template is refused or bounded, at its place; TeX keeps its own signs."""
 
-from __future__ import annotations
-
-from collections.abc import Callable
-from pathlib import Path
-
 import pytest
 from jinja2 import Environment
 
 from driftproof.texts.templates.sandbox import FILTERS, FolderLoader, TemplateProblem
 from driftproof.texts.templates.text_kinds import HTML, LATEX
-
-Become = Callable[..., str]
 
 # Template, column on its only line, reason.
 HOSTILE = [
@@ -51,17 +44,17 @@ def test_template_reaches_nothing_but_what_it_is_given(template, column, reason,
     assert reason in str(raised.value)
 
 
-def test_arguments_and_comment_signs_of_tex_stay_what_they_are(become: Become) -> None:
+def test_arguments_and_comment_signs_of_tex_stay_what_they_are(become):
     text = "\\newcommand{\\x}[1]{#1}\n\\newcommand{\\y}{%\n  {##1}}{%  \n"
     assert become(text + "{{ value('1/2') }}", LATEX) == text + "1/2"
     assert become("{#1#}", HTML) == ""
 
 
-def test_no_filter_of_jinja_turns_what_is_missing_into_a_blank() -> None:
+def test_no_filter_of_jinja_turns_what_is_missing_into_a_blank():
     assert not {"default", "d", "format", "center", "indent", "attr", "map", "safe", "tojson"} & set(FILTERS)
 
 
-def test_a_template_has_ten_million_bytes_at_most(tmp_path: Path) -> None:
+def test_a_template_has_ten_million_bytes_at_most(tmp_path):
     path = tmp_path / "t.j2"
     for size, read in ((10**7, True), (10**7 + 1, False)):
         path.write_bytes(b" " * size)

@@ -1,9 +1,6 @@
 """What is wrong with a template is one line with file, line and column."""
 
-from __future__ import annotations
-
 import re
-from collections.abc import Callable
 from fractions import Fraction
 
 import pytest
@@ -15,8 +12,6 @@ from driftproof.texts.templates import template as module
 from driftproof.texts.templates.sandbox import TemplateProblem
 from driftproof.texts.templates.template import Template
 from driftproof.texts.templates.text_kinds import TEXT_KINDS
-
-Become = Callable[..., str]
 
 # Template, line, column, reason.
 PROBLEMS = [
@@ -71,20 +66,20 @@ def test_problem_is_one_line_with_file_line_and_column(template, line, column, r
     assert reason in str(raised.value)
 
 
-def test_problem_of_an_included_template_names_that_one(become: Become) -> None:
+def test_problem_of_an_included_template_names_that_one(become):
     with pytest.raises(TemplateProblem, match=r"^b\.md, line 2, column 4: 'nope' is undefined$"):
         become("{% include 'b.md' %}", b_md="x\n{{ nope }}")
     assert become("{% include 'b.md' %}", b_md="[{{ value('1/2') }}]") == "[1/2]"
     assert become("a `{{ value('sqrt(8)*1') | exact }}` {{ value('sqrt(8)') | exact }}") == r"a `2*sqrt(2)` 2\*sqrt(2)"
 
 
-def test_value_that_is_not_proved_is_refused(become: Become, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_value_that_is_not_proved_is_refused(become, monkeypatch):
     monkeypatch.setattr(module, "value", lambda _: Answer("x", Fraction(1), "FUZZED"))
     with pytest.raises(TemplateProblem, match=r"line 1, column 11: 'x' is only FUZZED; templates print only what is"):
         become('{{ value("x") | digits(2) }}')
 
 
-def test_template_nested_too_deeply_is_refused(become: Become) -> None:
+def test_template_nested_too_deeply_is_refused(become):
     with pytest.raises(TemplateProblem, match=r"^t\.j2: nested too deeply"):
         become(f"{{{{ {'(' * 5000}1{')' * 5000} }}}}")
 

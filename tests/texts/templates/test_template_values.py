@@ -1,16 +1,10 @@
 """Values in a template: how a number is written in each kind of text, and what is no value."""
 
-from __future__ import annotations
-
-from collections.abc import Callable
-
 import pytest
 
 from driftproof.texts.templates.sandbox import Refusal, TemplateProblem
-from driftproof.texts.templates.template_values import NumberStyle, TemplateValue, methods_table
+from driftproof.texts.templates.template_values import NumberStyle, methods_table
 from driftproof.texts.templates.text_kinds import HTML, LATEX, MARKDOWN
-
-Become = Callable[..., str]
 
 Q, V = 'value("rk4.first_step.q")', 'value("rk4.first_step.v")'
 LIMIT = 'value("imaginary_limit rk4")'
@@ -41,11 +35,11 @@ FIRST = MARKDOWN, HTML, LATEX
         ("{# nothing #}{% raw %}{{ x }}{% endraw %}\n", "{{ x }}\n"),
     ],
 )
-def test_template_becomes_text_in_every_kind(expression: str, texts: str | tuple[str, ...], become: Become) -> None:
+def test_template_becomes_text_in_every_kind(expression, texts, become):
     assert [become(expression, kind) for kind in FIRST] == list([texts] * 3 if isinstance(texts, str) else texts)
 
 
-def test_mathml_is_markup_in_html_and_in_markdown_and_refused_in_tex(become: Become) -> None:
+def test_mathml_is_markup_in_html_and_in_markdown_and_refused_in_tex(become):
     asked = '{{ value("1/3") | mathml }}'
     formula = "<math><mfrac><mn>1</mn><mn>3</mn></mfrac></math>"
     assert become(asked, HTML) == become(asked, MARKDOWN) == formula
@@ -53,12 +47,12 @@ def test_mathml_is_markup_in_html_and_in_markdown_and_refused_in_tex(become: Bec
         become(asked, LATEX)
 
 
-def test_headings_of_columns_are_what_is_asked_in_words(become: Become) -> None:
+def test_headings_of_columns_are_what_is_asked_in_words(become):
     first = become('{{ methods_table(["rk4"], ["q digits 3", "state_error places 3", "order"], h="1/2", t="1") }}')
     assert first.splitlines()[0] == "| Method | q | State error | Order |"
 
 
-def test_style_and_rounding_are_set_once_in_a_template_or_by_the_command(become: Become) -> None:
+def test_style_and_rounding_are_set_once_in_a_template_or_by_the_command(become):
     tie = '{{ value("-5/8") | places(2) }}'
     assert become('{% set style = "printed" %}{% set rounding = "half-away" %}' + tie) == "−0.63"
     assert become('{% set rounding = "half-even" %}' + tie, style="printed") == "−0.62"
@@ -68,10 +62,10 @@ def test_style_and_rounding_are_set_once_in_a_template_or_by_the_command(become:
     assert become(imported, m_j2=macro) == "−0.5"
 
 
-def test_a_table_has_ten_thousand_cells_at_most() -> None:
+def test_a_table_has_ten_thousand_cells_at_most():
     style = NumberStyle(MARKDOWN, "plain", None)
 
-    def ask(_: NumberStyle, question: str) -> TemplateValue:
+    def ask(_, question):
         raise LookupError(question)
 
     with pytest.raises(LookupError, match="order rk4"):

@@ -1,15 +1,10 @@
 """What a file is called says which kind of text it holds; words, tables and code are written in that kind."""
 
-from __future__ import annotations
-
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
-from driftproof.texts.templates.text_kinds import HTML, LATEX, MARKDOWN, TEXT_KINDS, TextKind, is_code, kind_of
-
-Become = Callable[..., str]
+from driftproof.texts.templates.text_kinds import HTML, LATEX, MARKDOWN, TEXT_KINDS, is_code, kind_of
 
 TABLE = (
     '{{ methods_table(["forward_euler", "rk4"], {"A_1": "energy_change digits 2", "Limit": "imaginary_limit exact"},'
@@ -27,7 +22,7 @@ TABLES = {
 
 
 @pytest.mark.parametrize("kind", TEXT_KINDS, ids=lambda kind: kind.name)
-def test_table_of_methods_is_written_in_the_kind_of_the_text(kind: TextKind, become: Become) -> None:
+def test_table_of_methods_is_written_in_the_kind_of_the_text(kind, become):
     assert become(TABLE, kind) == TABLES[kind.name]
 
 
@@ -38,11 +33,11 @@ def test_table_of_methods_is_written_in_the_kind_of_the_text(kind: TextKind, bec
         ("```\n```\nX", False), ("~~~~\n```\nX", True), ("  ```\n  ```\nX", False), ("```x\n~~~\n```\nX", False),
     ],
 )  # fmt: skip
-def test_code_of_markdown_is_told_from_prose(source: str, code: bool) -> None:
+def test_code_of_markdown_is_told_from_prose(source, code):
     assert is_code(source, source.index("X")) is code
 
 
-def test_output_is_known_by_its_name() -> None:
+def test_output_is_known_by_its_name():
     assert [kind_of(Path(f"a.{end}")) for end in ("md", "MYST", "htm", "tex")] == [MARKDOWN, MARKDOWN, HTML, LATEX]
     with pytest.raises(ValueError, match=r"a.txt: the name of the rendered file must end in one of .md, .markdown"):
         kind_of(Path("a.txt"))

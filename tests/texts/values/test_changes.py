@@ -1,12 +1,8 @@
 """`driftproof diff`: a changed value is told from more digits and from other words, in any file of values."""
 
-from __future__ import annotations
-
 import json
-from collections.abc import Callable
 from fractions import Fraction
 from pathlib import Path
-from typing import Any
 
 import pytest
 from hypothesis import given
@@ -18,12 +14,10 @@ from driftproof.texts.values import changes as module
 from driftproof.texts.values.changes import CHANGES, changes, read_values
 from driftproof.texts.values.published import VALUES_FILE
 
-Run = Callable[..., tuple[int, str, str]]
-
 NUMBER = {"exact": "337/384", "decimal": "0.877604", "evidence": "PROVED", "printed": {"L080": "337/384"}}
 
 
-def of_number(**change: Any) -> list[tuple[str, str]]:
+def of_number(**change):
     old, new = ({"values": {"a.q": number}} for number in (NUMBER, {**NUMBER, **change}))
     return [(found.kind, found.part) for found in changes(old, new)]
 
@@ -48,7 +42,7 @@ def of_number(**change: Any) -> list[tuple[str, str]]:
         ({"exact": "1/3", "decimal": "0.333333", "evidence": "?"}, [("value", ""), ("wording", "evidence")]),
     ],
 )  # fmt: skip
-def test_change_of_a_number_is_named(change: dict[str, Any], kinds: list[tuple[str, str]]) -> None:
+def test_change_of_a_number_is_named(change, kinds):
     assert of_number(**change) == kinds
 
 
@@ -76,20 +70,20 @@ def test_leaves_of_any_document_are_compared(old, new, kind, tmp_path):
     assert kind in [found.kind for found in changes(*read) if found.id]
 
 
-def test_numbers_of_json_are_read_to_the_last_digit(tmp_path: Path) -> None:
+def test_numbers_of_json_are_read_to_the_last_digit(tmp_path):
     for name, text in (("old", '{"x": 0.1}'), ("new", '{"x": 0.10000000000000001}')):
         (tmp_path / name).write_text(text, encoding="utf-8")
     assert [found.kind for found in changes(read_values(tmp_path / "old"), read_values(tmp_path / "new"))] == ["value"]
 
 
 @given(st.fractions(-10, 10), st.integers(0, 12), st.integers(0, 12))
-def test_roundings_of_one_number_never_count_as_a_change_of_value(x: Fraction, few: int, many: int) -> None:
+def test_roundings_of_one_number_never_count_as_a_change_of_value(x, few, many):
     old, new = ({"values": {"x": {"exact": None, "decimal": fixed(x, places)}}} for places in (few, many))
     assert [found.kind for found in changes(old, new)] in ([], ["digits"])
 
 
 @given(st.fractions(-10, 10), st.integers(0, 12), st.integers(0, 12))
-def test_unit_in_the_last_place_of_the_shorter_is_a_change_of_value(x: Fraction, few: int, more: int) -> None:
+def test_unit_in_the_last_place_of_the_shorter_is_a_change_of_value(x, few, more):
     """Rounding moves each decimal by half a unit of its own at most, so two units apart cannot be one number."""
     other = x + 2 * Fraction(1, 10**few)
     old = {"values": {"x": {"exact": None, "decimal": fixed(x, few)}}}
@@ -98,10 +92,10 @@ def test_unit_in_the_last_place_of_the_shorter_is_a_change_of_value(x: Fraction,
 
 
 @pytest.fixture
-def files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[..., None]:
+def files(tmp_path, monkeypatch):
     """files(**change): old.json as published and new.json with rk4.first_step.q changed, in the current folder."""
 
-    def write(**change: Any) -> None:
+    def write(**change):
         monkeypatch.chdir(tmp_path)
         document = json.loads(VALUES_FILE.read_text(encoding="utf-8"))
         Path("old.json").write_text(json.dumps(document, indent=1), encoding="utf-8")
@@ -111,7 +105,7 @@ def files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[..., None
     return write
 
 
-def test_same_values_are_status_0_and_a_changed_one_status_1(files: Callable[..., None], run: Run) -> None:
+def test_same_values_are_status_0_and_a_changed_one_status_1(files, run):
     files()
     assert run("diff", "old.json", "new.json") == (0, "old.json and new.json say the same\n", "")
     files(decimal="0.8776")
@@ -126,7 +120,7 @@ def test_same_values_are_status_0_and_a_changed_one_status_1(files: Callable[...
     assert out.startswith("value  rk4.first_step.q  337/384 = 0.877604166666666666666666666667 became 337/385 = ")
 
 
-def test_json_says_every_change_in_full_and_counts_kinds(files: Callable[..., None], run: Run) -> None:
+def test_json_says_every_change_in_full_and_counts_kinds(files, run):
     files(exact="1" * 50 + "/7", evidence="GUESSED")
     status, out, _ = run("diff", "old.json", "new.json", "--format", "json")
     said = json.loads(out)
@@ -136,7 +130,7 @@ def test_json_says_every_change_in_full_and_counts_kinds(files: Callable[..., No
     assert said["counts"] == {**dict.fromkeys(CHANGES, 0), "value": 1, "wording": 1}
 
 
-def test_annotations_stand_at_the_line_of_the_id_and_are_escaped(files: Callable[..., None], run: Run) -> None:
+def test_annotations_stand_at_the_line_of_the_id_and_are_escaped(files, run):
     files(statement="so\n%")
     _, out, _ = run("diff", "old.json", "new.json", "--format", "github")
     lines = Path("new.json").read_text(encoding="utf-8").splitlines()
@@ -153,9 +147,7 @@ def test_annotations_stand_at_the_line_of_the_id_and_are_escaped(files: Callable
 
 
 @pytest.mark.parametrize(("new", "line"), [({"a": 1, "b": {"a": 3}}, 3), ({"b": {"a": 2, "c": [3]}}, 2), ({}, 1)])
-def test_what_has_no_line_of_its_own_is_annotated_at_its_first_key(
-    new: Any, line: int, tmp_path: Path, run: Run
-) -> None:
+def test_what_has_no_line_of_its_own_is_annotated_at_its_first_key(new, line, tmp_path, run):
     for name, document in (("old", {"b": {"a": 2, "c": [1]}}), ("new", new)):
         (tmp_path / name).write_text(json.dumps(document, indent=1), encoding="utf-8")
     _, out, _ = run("diff", str(tmp_path / "old"), str(tmp_path / "new"), "--format", "github")
@@ -173,7 +165,7 @@ BAD = {
 
 
 @pytest.mark.parametrize("name", BAD)
-def test_bad_json_is_one_line_and_status_2(name: str, tmp_path: Path, run: Run) -> None:
+def test_bad_json_is_one_line_and_status_2(name, tmp_path, run):
     content, message = BAD[name]
     (tmp_path / "bad.json").write_bytes(content)
     status, out, err = run("diff", str(VALUES_FILE), str(tmp_path / "bad.json"))
@@ -183,7 +175,7 @@ def test_bad_json_is_one_line_and_status_2(name: str, tmp_path: Path, run: Run) 
 
 
 @pytest.mark.parametrize(("old", "new"), [("1e99999999", "1e99999998"), ("9" * 9999, "9" * 9998)])
-def test_numbers_of_any_length_are_compared_or_bounded(old: str, new: str) -> None:
+def test_numbers_of_any_length_are_compared_or_bounded(old, new):
     documents = ({"values": {"x": {"exact": None, "decimal": text}}} for text in (old, new))
     assert [found.kind for found in changes(*documents)] == ["value"]
 
@@ -195,7 +187,7 @@ NO_DECIMAL = ["1/0", "NaN", "inf", "", "0.5.", "1e9999999"]
 @pytest.mark.parametrize(
     ("part", "text"), [*(("exact", text) for text in NO_EXACT), *(("decimal", text) for text in NO_DECIMAL)]
 )
-def test_what_is_no_number_is_refused_by_file_and_id(part: str, text: object, tmp_path: Path) -> None:
+def test_what_is_no_number_is_refused_by_file_and_id(part, text, tmp_path):
     path, number = tmp_path / "new.json", {"exact": "1/2", "decimal": "0.5", part: text}
     for document, name in (({"values": {"a.b": number}}, r"a\.b"), ({"a": [number]}, r"a\[0\]")):
         path.write_text(json.dumps(document), encoding="utf-8")
@@ -203,7 +195,7 @@ def test_what_is_no_number_is_refused_by_file_and_id(part: str, text: object, tm
             read_values(path)
 
 
-def test_quotient_by_zero_is_a_changed_value(tmp_path: Path, run: Run) -> None:
+def test_quotient_by_zero_is_a_changed_value(tmp_path, run):
     paths = [tmp_path / f"{name}.json" for name in ("before", "after", "later")]
     for path, exact in zip(paths, ("1/2", "1/0", "2/0"), strict=True):
         path.write_text(json.dumps({"values": {"a.b": {"exact": exact, "decimal": "0.5"}}}), encoding="utf-8")
@@ -215,13 +207,13 @@ def test_quotient_by_zero_is_a_changed_value(tmp_path: Path, run: Run) -> None:
 
 
 @pytest.mark.parametrize("exact", [None, "-1/2", "2*sqrt(2)", "-sin(1/2)", "2**(1/3)", "7" * 9000, "atan2(-1, 3) + pi"])
-def test_exact_forms_of_irrational_and_of_long_numbers_are_read(exact: str | None, tmp_path: Path) -> None:
+def test_exact_forms_of_irrational_and_of_long_numbers_are_read(exact, tmp_path):
     path = tmp_path / "new.json"
     path.write_text(json.dumps({"values": {"a": {"exact": exact, "decimal": "0.5"}}}), encoding="utf-8")
     assert read_values(path)["values"]["a"]["exact"] == exact
 
 
-def test_limits_of_exponents_texts_and_files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_limits_of_exponents_texts_and_files(tmp_path, monkeypatch):
     value = lambda decimal: {"values": {"a": {"decimal": decimal}}}
     assert changes(value("1e100000"), value("10e99999"))[0].kind == "digits"
     assert [changes(x, {})[0].old for x in (value("1.4"), {"a": {"exact": "2", "decimal": "2"}})] == ["1.4", "2"]
@@ -235,6 +227,6 @@ def test_limits_of_exponents_texts_and_files(tmp_path: Path, monkeypatch: pytest
             assert read_values(path)
     for length, shown in ((40, "x" * 40), (41, "x" * 18 + "..." + "x" * 18)):
         assert str(module.Change("added", "a", "", None, "x" * length)) == shown
-    limits: list[int] = []
+    limits = []
     monkeypatch.setattr(module, "read_utf8", lambda path, most: limits.append(most) or "{}")
     assert (read_values(path), limits) == ({}, [64_000_000])

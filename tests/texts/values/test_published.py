@@ -1,15 +1,11 @@
 """The published values: every form to the letter, patterns over ids, never a blank, and what LaTeX makes of them."""
 
-from __future__ import annotations
-
 import json
 import re
 import shutil
 import subprocess
-from collections.abc import Callable
 from fractions import Fraction
 from pathlib import Path
-from typing import Any
 
 import pytest
 
@@ -21,10 +17,6 @@ from driftproof.texts.values.published import MACROS_FILE, MOST_MACRO_DIGITS, pu
 EXAMPLE = Path(__file__).parents[3] / "examples" / "tex" / "lesson.tex"
 PDFLATEX = shutil.which("pdflatex")
 
-Latex = Callable[[str], tuple[int, str, bytes]]
-Run = Callable[..., tuple[int, str, str]]
-
-Answer = Callable[..., str]
 
 DOCUMENT = {
     "rounding": "half-even",
@@ -45,25 +37,25 @@ RENDERED = {
 
 
 @pytest.fixture
-def published(monkeypatch: pytest.MonkeyPatch) -> None:
+def published(monkeypatch):
     monkeypatch.setattr(module, "_document", lambda: json.loads(json.dumps(DOCUMENT)))
 
 
 @pytest.mark.usefixtures("published")
 @pytest.mark.parametrize("form", RENDERED)
-def test_values_are_rendered(form: str, answer: Answer) -> None:
+def test_values_are_rendered(form, answer):
     assert answer("values", "--format", form) == RENDERED[form]
 
 
 @pytest.mark.usefixtures("published")
-def test_values_as_json_are_canonical_and_as_javascript_the_same(answer: Answer) -> None:
+def test_values_as_json_are_canonical_and_as_javascript_the_same(answer):
     assert json.loads(answer("values")) == DOCUMENT
     script = answer("values", "--format", "js").split("export const values = ")[1]
     assert json.JSONDecoder().raw_decode(script)[0] == DOCUMENT["values"]
 
 
 @pytest.mark.usefixtures("published")
-def test_only_takes_a_shell_pattern_in_every_format(answer: Answer, run: Run) -> None:
+def test_only_takes_a_shell_pattern_in_every_format(answer, run):
     assert set(json.loads(answer("values", "--only", "a.*"))["values"]) == {"a.h"}
     rows = answer("values", "--only", "*error", "--format", "csv")
     assert rows.endswith("evidence\nb.state_error,,2.390,2.39 2.390,CERTIFIED\n")
@@ -71,14 +63,14 @@ def test_only_takes_a_shell_pattern_in_every_format(answer: Answer, run: Run) ->
 
 
 @pytest.mark.usefixtures("published")
-def test_missing_decimal_is_an_error_and_never_a_blank(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_missing_decimal_is_an_error_and_never_a_blank(run, monkeypatch):
     monkeypatch.setattr(module, "_document", lambda: {"values": {"x": {"exact": "1", "printed": {}, "evidence": "P"}}})
     for form in ("tex", *RENDERED):
         with pytest.raises(KeyError):
             run("values", "--format", form)
 
 
-def value(exact: str | None, decimal: str, *printed: str) -> dict[str, Any]:
+def value(exact, decimal, *printed):
     return {"exact": exact, "decimal": decimal, "printed": dict(enumerate(printed)), "evidence": "PROVED"}
 
 
@@ -104,13 +96,13 @@ def test_definition_has_exact_form_printed_decimal_and_digits(found, exact, prin
     assert line.count(r"\or ") == MOST_MACRO_DIGITS
 
 
-def test_decimal_that_settles_no_digit_is_refused() -> None:
+def test_decimal_that_settles_no_digit_is_refused():
     with pytest.raises(ValueError, match=r"x: the certified decimal 0.125 does not settle 2 digits"):
         render_values({"x": value(None, "0.125")}, "tex")
     assert r"\or 0.12\or " in render_values({"x": value("1/8", "0.125")}, "tex")  # half-even, of a number that is a tie
 
 
-def test_macros_say_how_many_digits_there_are() -> None:
+def test_macros_say_how_many_digits_there_are():
     macros = MACROS_FILE.read_text(encoding="utf-8")
     assert macros.count(f"1 to {MOST_MACRO_DIGITS} digits") == 2
     assert f"1 ... {MOST_MACRO_DIGITS} significant" in macros
@@ -118,13 +110,12 @@ def test_macros_say_how_many_digits_there_are() -> None:
 
 
 @pytest.fixture
-def latex(tmp_path: Path) -> Latex:
+def latex(tmp_path):
     """latex(document): exit status, log and uncompressed PDF of a LaTeX run beside values.tex."""
     (tmp_path / "values.tex").write_text(render_values(published_values(), "tex") + "\n", encoding="utf-8")
 
-    def run(document: str) -> tuple[int, str, bytes]:
+    def run(document):
         (tmp_path / "lesson.tex").write_text(document, encoding="utf-8")
-        assert PDFLATEX is not None
         environment = {
             "PATH": f"{Path(PDFLATEX).parent}:/usr/bin:/bin",
             "HOME": str(tmp_path),
@@ -138,13 +129,13 @@ def latex(tmp_path: Path) -> Latex:
     return run
 
 
-def document(body: str) -> str:
+def document(body):
     return f"\\documentclass{{article}}\n\\input{{values}}\n\\begin{{document}}\n{body}\n\\end{{document}}\n"
 
 
 @pytest.mark.long
 @pytest.mark.skipif(PDFLATEX is None, reason="there is no pdflatex")
-def test_example_is_built_with_the_values_in_it(latex: Latex) -> None:
+def test_example_is_built_with_the_values_in_it(latex):
     status, log, pdf = latex(EXAMPLE.read_text(encoding="utf-8"))
     assert status == 0, log
     assert "Warning" not in log
@@ -155,7 +146,7 @@ def test_example_is_built_with_the_values_in_it(latex: Latex) -> None:
 
 @pytest.mark.long
 @pytest.mark.skipif(PDFLATEX is None, reason="there is no pdflatex")
-def test_every_value_is_found_by_its_id_to_every_number_of_digits(latex: Latex) -> None:
+def test_every_value_is_found_by_its_id_to_every_number_of_digits(latex):
     values = published_values()
     asked = [(key, n) for key in values for n in range(1, MOST_MACRO_DIGITS + 1)]
     lines = [rf"\typeout{{SAID {key} {n} \driftproofdigits{{{n}}}{{{key}}}}}" for key, n in asked]
@@ -183,7 +174,7 @@ def test_every_value_is_found_by_its_id_to_every_number_of_digits(latex: Latex) 
         (r"\section{\driftproof{no_such.id}}", "driftproof: no value has the id no_such.id"),
     ],
 )
-def test_what_is_not_known_is_an_error_of_tex_and_stands_in_the_text(asked: str, message: str, latex: Latex) -> None:
+def test_what_is_not_known_is_an_error_of_tex_and_stands_in_the_text(asked, message, latex):
     status, log, pdf = latex(document(asked))
     assert status == 1
     assert f"! {message}." in log

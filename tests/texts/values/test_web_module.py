@@ -1,14 +1,10 @@
 """The module for web pages rounds as the proofs do, integer by integer; what it does not know is an error."""
 
-from __future__ import annotations
-
 import json
 import re
 import shutil
 import subprocess
-from collections.abc import Callable
 from fractions import Fraction
-from typing import Any
 
 import pytest
 
@@ -26,15 +22,13 @@ DECIMALS = {
     "large": "1.2346e12", "carry": "0.99996", "tie": "2500.0",
 }  # fmt: skip
 
-Script = Callable[[dict[str, Any], str], Any]
-
 
 @pytest.fixture(scope="module")
-def script(tmp_path_factory: pytest.TempPathFactory) -> Script:
+def script(tmp_path_factory):
     """script(values, code): what `code`, which has the module's names, returns; in one Node.js process."""
     folder = tmp_path_factory.mktemp("module")
 
-    def run(values: dict[str, Any], code: str) -> Any:
+    def run(values, code):
         (folder / "driftproof.mjs").write_text(render_values(values, "js"), encoding="utf-8")
         (folder / "main.mjs").write_text(
             'import * as module from "./driftproof.mjs";\n'
@@ -44,7 +38,6 @@ def script(tmp_path_factory: pytest.TempPathFactory) -> Script:
             "console.log(JSON.stringify(await answer()));\n",
             encoding="utf-8",
         )
-        assert NODE is not None
         done = subprocess.run([NODE, folder / "main.mjs"], capture_output=True, text=True, timeout=60)
         assert (done.returncode, done.stderr) == (0, "")
         return json.loads(done.stdout)
@@ -52,7 +45,7 @@ def script(tmp_path_factory: pytest.TempPathFactory) -> Script:
     return run
 
 
-def value(exact: str | None, decimal: str) -> dict[str, Any]:
+def value(exact, decimal):
     return {"exact": exact, "decimal": decimal, "evidence": "PROVED", "printed": {}}
 
 
@@ -67,7 +60,7 @@ return answers;
 HALF_WAY = "half-way in the digits that are certified; ask for one digit more or less"
 
 
-def expected(name: str, decimal: str, n: int) -> str:
+def expected(name, decimal, n):
     """What becomes of a decimal that stands for a number half a unit of its last digit away at most."""
     known = decimal.partition("e")[0].replace(".", "").lstrip("-0")
     if n > len(known):
@@ -77,7 +70,7 @@ def expected(name: str, decimal: str, n: int) -> str:
     return significant(Fraction(decimal), n)
 
 
-def test_rationals_are_rounded_as_the_proofs_round_them(script: Script) -> None:
+def test_rationals_are_rounded_as_the_proofs_round_them(script):
     answers = script({text: value(text, "0.5") for text in RATIONALS}, ALL)
     for text in RATIONALS:
         for n, (digits, places) in some(enumerate(answers[text]), 10):
@@ -88,7 +81,7 @@ def test_rationals_are_rounded_as_the_proofs_round_them(script: Script) -> None:
                 assert digits == "Error: driftproof: digits is 0; it must be a whole number from 1 to 10000"
 
 
-def test_decimals_are_rounded_as_the_proofs_round_them_and_no_further(script: Script) -> None:
+def test_decimals_are_rounded_as_the_proofs_round_them_and_no_further(script):
     answers = script({name: value(None, text) for name, text in DECIMALS.items()}, ALL)
     for name, text in DECIMALS.items():
         assert [digits for digits, _ in answers[name][1:]] == [expected(name, text, n) for n in range(1, 40)]
@@ -99,7 +92,7 @@ def test_decimals_are_rounded_as_the_proofs_round_them_and_no_further(script: Sc
     assert answers["tie"][1][0].endswith(HALF_WAY)
 
 
-def test_published_values_come_out_of_the_module_as_they_went_in(script: Script) -> None:
+def test_published_values_come_out_of_the_module_as_they_went_in(script):
     values = published_values()
     answers = script(values, ALL)
     assert script(values, "return values;") == values
@@ -126,12 +119,12 @@ def test_published_values_come_out_of_the_module_as_they_went_in(script: Script)
         ('places("tie", 1)', "tie is half-way in the digits that are certified"),
     ],
 )
-def test_what_cannot_be_answered_is_an_error(code: str, message: str, script: Script) -> None:
+def test_what_cannot_be_answered_is_an_error(code, message, script):
     values = {"x": value("1/3", "0.333"), "word": value("yes", "yes"), "tie": value(None, "0.250")}
     assert script(values, f"return said(() => {code});").startswith(f"Error: driftproof: {message}")
 
 
-def test_values_of_a_json_file_take_the_place_of_those_of_the_module(script: Script) -> None:
+def test_values_of_a_json_file_take_the_place_of_those_of_the_module(script):
     document = json.dumps({"values": {"b": value("1/3", "0.333")}})
     code = f"await load('data:application/json,{document}'); return [Object.keys(values), digits('b', 5)];"
     assert script({"a": value("1/2", "0.5")}, code) == [["b"], "0.33333"]
@@ -139,7 +132,7 @@ def test_values_of_a_json_file_take_the_place_of_those_of_the_module(script: Scr
 
 @pytest.mark.slow(keep=1)
 @pytest.mark.parametrize("document", ["null", "{}", '{"values": null}', '{"values": 3}', "3"])
-def test_json_without_values_is_refused_and_changes_nothing(document: str, script: Script) -> None:
+def test_json_without_values_is_refused_and_changes_nothing(document, script):
     code = f"try {{ await load('data:application/json,{document}'); }} "
     code += "catch (e) { return [e.message, digits('a', 1)]; }"
     message, kept = script({"a": value("1/2", "0.5")}, code)
@@ -147,14 +140,14 @@ def test_json_without_values_is_refused_and_changes_nothing(document: str, scrip
     assert kept == "0.5"
 
 
-def test_remark_shows_a_short_exact_form_and_else_the_decimal(script: Script) -> None:
+def test_remark_shows_a_short_exact_form_and_else_the_decimal(script):
     values = {"a": value("337/384", "0.8776"), "b": value("1" * 61, "1.11e60"), "c": value(None, "2.39")}
     values["c"]["evidence"] = "CERTIFIED"
     remarks = ["= 337/384, proved", "≈ 1.11e60, proved", "≈ 2.39, certified"]
     assert script(values, 'return ["a", "b", "c"].map(remark);') == remarks
 
 
-def test_module_holds_one_place_for_the_values() -> None:
+def test_module_holds_one_place_for_the_values():
     module = MODULE_FILE.read_text(encoding="utf-8")
     assert module.count(NO_VALUES) == 1
     assert NO_VALUES not in render_values(published_values(), "js")

@@ -1,9 +1,6 @@
 """Facts as text and as TeX: the same words around forms that are written in two ways, for every type of fact."""
 
-from __future__ import annotations
-
 from fractions import Fraction as Q
-from typing import Any
 
 import pytest
 
@@ -28,13 +25,13 @@ from tests.symbolic.linear.linear_examples import pade
 RK4, GAUSS, SDIRK = Facts(METHODS["rk4"]), Facts(METHODS["gauss2"]), FamilyFacts(FAMILIES["sdirk_order_2"])
 
 
-def eigenvalue(key: str, text: str, i: int = 0) -> EigenvalueLimit:
+def eigenvalue(key, text, i=0):
     return SystemFacts(METHODS[key], parse_system(text)).bounds[i]
 
 
 RESTING = eigenvalue("forward_euler", "-1 0; 0 -1").eigenvalue
 # A fact, as text, as TeX.
-WRITTEN: list[tuple[Any, str, str]] = [
+WRITTEN = [
     (None, "none", "none"), (True, "yes", "yes"), ("runge_kutta", "runge_kutta", r"runge\_kutta"),
     (Q(-1, 120), "-1/120", r"$-\frac{1}{120}$"),
     (1 - square_root(2) / 2, "1 - 1/2*sqrt(2)", r"$1-\frac{\sqrt{2}}{2}$"),
@@ -62,30 +59,30 @@ WRITTEN: list[tuple[Any, str, str]] = [
 
 
 @pytest.mark.parametrize(("fact", "text", "tex"), WRITTEN, ids=range(len(WRITTEN)))
-def test_fact_in_text_and_in_tex(fact: Any, text: str, tex: str) -> None:
+def test_fact_in_text_and_in_tex(fact, text, tex):
     assert fact_text(fact).startswith(text)
     assert tex in fact_tex(fact)
     assert fact_tex(fact).count("$") % 2 == 0
 
 
-def test_whole_number_stands_once() -> None:
+def test_whole_number_stands_once():
     two = Facts(METHODS["forward_euler"]).real_limit
     assert (fact_text(two), fact_tex(two)) == ("2", "$2$")
 
 
-def test_tangent_that_is_only_enclosed_has_an_interval_and_no_polynomial() -> None:
+def test_tangent_that_is_only_enclosed_has_an_interval_and_no_polynomial():
     enclosed = sector_tangent(pade(2, 8))
     ends = "(11167507641/1000000000, 5583753821/500000000)"
     assert fact_text(enclosed).startswith(f"a number in {ends} = 11.16750764")
     assert fact_tex(enclosed) == rf"a number in ${ends}$, $\approx 11.1675076$"
 
 
-def test_an_end_without_radicals_is_a_decimal_with_a_sign_that_it_is_one() -> None:
+def test_an_end_without_radicals_is_a_decimal_with_a_sign_that_it_is_one():
     (*_, third) = FamilyFacts(SDIRK_3).order_sets[3].values.intervals
     assert (str(third), fact_tex(third)) == ("{~1.06857902130}", r"$\{\approx 1.06857902130\}$")
 
 
-def test_a_piece_is_a_number_a_formula_or_a_root_of_its_curve() -> None:
+def test_a_piece_is_a_number_a_formula_or_a_root_of_its_curve():
     everywhere = Interval(None, None, False, False)
     assert fact_text(LimitPiece(everywhere, INFINITY)) == "oo on (-oo, oo)"
     assert fact_tex(LimitPiece(everywhere, None, "a*x**3 - 2", 1)) == (
@@ -94,7 +91,7 @@ def test_a_piece_is_a_number_a_formula_or_a_root_of_its_curve() -> None:
     assert fact_tex(LimitPiece(everywhere, None, "a*x - 2", 1, "2/a")) == r"$\frac{2}{a}$ on $(-\infty, \infty)$"
 
 
-def test_a_list_takes_a_line_for_each_row_in_text_and_a_matrix_is_one_in_tex() -> None:
+def test_a_list_takes_a_line_for_each_row_in_text_and_a_matrix_is_one_in_tex():
     h = ExactFunction(Facts(METHODS["forward_euler"]).one_step_matrix[0][1], "h")
     facts = {"one_step_matrix": Facts(METHODS["forward_euler"]).one_step_matrix, "entry": h}
     assert facts_text(facts).splitlines() == [
@@ -105,12 +102,12 @@ def test_a_list_takes_a_line_for_each_row_in_text_and_a_matrix_is_one_in_tex() -
     assert r"one step matrix & $\begin{pmatrix}1 & h \\ -h & 1\end{pmatrix}$ \\" in facts_tex(facts)
 
 
-def test_long_lists_are_cut_and_say_so() -> None:
+def test_long_lists_are_cut_and_say_so():
     assert fact_text({str(n): n for n in range(14)}).endswith("11: 11, and 2 more (JSON has all)")
     assert fact_tex({str(n): n for n in range(12)}).endswith("11: 11")
 
 
-def hostile(stages: int) -> RungeKutta:
+def hostile(stages):
     """An implicit table whose numbers have forty digits each, as different as can be."""
     a = tuple(
         tuple(Q(10**20 * (i**j % 11 + 1) + i, 10**20 + 7 ** (i * j % 13)) for j in range(stages)) for i in range(stages)
@@ -119,7 +116,7 @@ def hostile(stages: int) -> RungeKutta:
     return RungeKutta("hostile", "hostile", 0, "", a, b, tuple(sum(row) for row in a))
 
 
-def test_text_and_tex_of_long_numbers_are_bounded_and_json_is_exact_with_decimals() -> None:
+def test_text_and_tex_of_long_numbers_are_bounded_and_json_is_exact_with_decimals():
     """Exact also beyond the 4300 digits after which Python refuses to write an integer."""
     facts = Facts(hostile(12))
     names = ("stability_function", "modified_rate", "order_fails", "order_reduction")
@@ -138,7 +135,7 @@ def test_text_and_tex_of_long_numbers_are_bounded_and_json_is_exact_with_decimal
     assert len(record(TruncatedSeries((Q(10**5000, 3),)))[0]) == 5003
 
 
-def test_number_of_thousands_of_characters_is_its_decimal_alone() -> None:
+def test_number_of_thousands_of_characters_is_its_decimal_alone():
     number = Q(10**900 + 1, 3**1500)
     assert fact_text(number).startswith("a number of 1618 characters = 2.0802")
     assert fact_text(Q(1, 3)) == "1/3"
@@ -146,7 +143,7 @@ def test_number_of_thousands_of_characters_is_its_decimal_alone() -> None:
     assert fact_text(Formula("x" * 500)) == "a formula of 500 characters"
 
 
-def test_twelve_items_400_characters_and_17_digits_are_shown() -> None:
+def test_twelve_items_400_characters_and_17_digits_are_shown():
     for count, last in ((12, "12"), (13, "and 1 more (JSON has all)")):
         assert facts_text({"x": [str(i) for i in range(1, count + 1)]}).splitlines()[-1].strip() == last
         shown = fact_text({f"k{i}": i for i in range(1, count + 1)})

@@ -1,7 +1,5 @@
 """TeX and MathML of exact forms: to the letter, and evaluated back to the number that they are about."""
 
-from __future__ import annotations
-
 from contextlib import suppress
 from fractions import Fraction as Q
 from xml.etree import ElementTree
@@ -32,11 +30,11 @@ IN_TEX = {
 
 
 @pytest.mark.parametrize("form", IN_TEX)
-def test_tex_is_what_an_author_would_write(form: str) -> None:
+def test_tex_is_what_an_author_would_write(form):
     assert formula(form, TEX) == IN_TEX[form]
 
 
-def test_roots_in_mathml_and_digits_in_any_mode() -> None:
+def test_roots_in_mathml_and_digits_in_any_mode():
     roots = "<mn>2</mn><mo>\u2062</mo><msqrt><mn>2</mn></msqrt><mo>\u2062</mo><mroot><mn>3</mn><mn>5</mn></mroot>"
     assert formula("2*sqrt(2)*3**(1/5)", MATHML) == f"<mrow>{roots}</mrow>"
     assert (in_any_mode("5.2"), in_any_mode("-1")) == ("5.2", r"\ensuremath{-1}")
@@ -45,7 +43,7 @@ def test_roots_in_mathml_and_digits_in_any_mode() -> None:
 OPERATORS = {"+": "+", "−": "-", "⁢": "*", "·": "*"}
 
 
-def evaluated(element: ElementTree.Element, names: dict[str, Q]) -> Q:
+def evaluated(element, names):
     """The number that presentation MathML without functions shows, read from left to right as one reads it."""
     parts = list(element)
     if element.tag == "mn":
@@ -73,15 +71,15 @@ def evaluated(element: ElementTree.Element, names: dict[str, Q]) -> Q:
 POLYNOMIALS = st.lists(st.fractions(max_denominator=99), min_size=1, max_size=6)
 
 
-def written(coefficients: list[Q]) -> str:
+def written(coefficients):
     terms = [f"({c})*h**{k}" for k, c in enumerate(coefficients)]
     return " - ".join(terms)
 
 
 @pytest.mark.slow
 @given(POLYNOMIALS, POLYNOMIALS, st.fractions(max_denominator=20))
-def test_mathml_of_a_rational_function_has_its_value(top: list[Q], bottom: list[Q], h: Q) -> None:
-    def at(coefficients: list[Q]) -> Q:
+def test_mathml_of_a_rational_function_has_its_value(top, bottom, h):
+    def at(coefficients):
         terms = [c * h**k for k, c in enumerate(coefficients)]
         return terms[0] - sum(terms[1:])
 
@@ -92,7 +90,7 @@ def test_mathml_of_a_rational_function_has_its_value(top: list[Q], bottom: list[
 
 @pytest.mark.parametrize("key", ["rk4", "radau_iia2", "sdirk4", "velocity_verlet", "gauss3", "ssprk33"])
 @pytest.mark.parametrize("entry", ["M_qq", "M_qv"])
-def test_mathml_of_a_matrix_entry_has_the_value_of_the_answer_at_h(key: str, entry: str) -> None:
+def test_mathml_of_a_matrix_entry_has_the_value_of_the_answer_at_h(key, entry):
     root = ElementTree.fromstring(value(f"one_step_matrix {key} : {entry}").mathml())
     for h in (Q(1, 3), Q(-2)):
         exact = value(f"one_step_matrix {key} h={h} : {entry}").exact
@@ -101,16 +99,16 @@ def test_mathml_of_a_matrix_entry_has_the_value_of_the_answer_at_h(key: str, ent
             assert evaluated(root, {"h": h + 1}) != exact
 
 
-def test_mathml_is_well_formed_and_its_fractions_have_two_parts() -> None:
+def test_mathml_is_well_formed_and_its_fractions_have_two_parts():
     for question in ("exact t=1/2 from 3/5,-2 : q", "imaginary_limit rk4", "title rk4", "rk4.first_step.v", "2**(1/3)"):
         root = ElementTree.fromstring(value(question).mathml())
         for element in root.iter():
             if element.tag in ("mfrac", "msup", "mroot"):
                 assert len(element) == 2
-    assert ElementTree.fromstring(value("rk4.first_step.v").mathml(digits=3)).find(".//mn").text == "0.479"  # type: ignore[union-attr]
+    assert ElementTree.fromstring(value("rk4.first_step.v").mathml(digits=3)).find(".//mn").text == "0.479"
 
 
-def test_decimals_in_tex_and_mathml_have_powers_of_ten() -> None:
+def test_decimals_in_tex_and_mathml_have_powers_of_ten():
     assert decimal_markup("-6.7e-5", TEX) == r"-6.7 \cdot 10^{-5}"
     assert decimal_markup("0.479", MATHML) == "<mn>0.479</mn>"
     assert decimal_markup("1.2e30", MATHML) == "<mrow><mn>1.2</mn><mo>·</mo><msup><mn>10</mn><mn>30</mn></msup></mrow>"
@@ -119,26 +117,26 @@ def test_decimals_in_tex_and_mathml_have_powers_of_ten() -> None:
     assert value("run rk4 h=1/1000 t=10 : state_error").tex(digits=2) == r"8.3 \cdot 10^{-14}"
 
 
-def test_number_without_an_exact_form_has_none_in_tex_either() -> None:
+def test_number_without_an_exact_form_has_none_in_tex_either():
     for mark_up in ("tex", "mathml"):
         with pytest.raises(QuestionError, match="has no exact form; add digits or places"):
             getattr(value("run rk4 h=1/4 t=10 : state_error"), mark_up)()
     assert value("1/3").tex() != ""
 
 
-def test_form_that_says_more_than_its_number_is_what_is_written() -> None:
+def test_form_that_says_more_than_its_number_is_what_is_written():
     assert Answer("", Q(1, 2), form="cos(0)/2").tex() == r"\frac{\cos(0)}{2}"
     assert Answer("", Q(1, 2)).tex() == r"\frac{1}{2}"
 
 
-def test_words_are_text_and_hold_their_own_mathematics() -> None:
+def test_words_are_text_and_hold_their_own_mathematics():
     assert value("a_stable radau_iia2").tex() == r"\text{yes}"
     assert value("a_stable radau_iia2").mathml() == "<math><mtext>yes</mtext></math>"
     assert value("a_stable sdirk_order_2").tex() == r"\text{$[\frac{1}{4}, \infty)$}"
     assert value("family rk4").tex() == r"\text{runge\_kutta}"
 
 
-def test_exact_form_of_a_number_is_a_question_with_the_same_answer() -> None:
+def test_exact_form_of_a_number_is_a_question_with_the_same_answer():
     rational = ("rk4.first_step.q", "exact.default.v", "exact t=1/2 from 3/5,-2 : v")
     for question in (*rational, "imaginary_limit rk4", "sqrt(8) + 1", "2**(1/3)", "imaginary_limit merson45"):
         form = value(question).exact_text
@@ -148,7 +146,7 @@ def test_exact_form_of_a_number_is_a_question_with_the_same_answer() -> None:
 
 
 @pytest.mark.slow
-def test_every_formula_of_the_catalogue_can_be_written() -> None:
+def test_every_formula_of_the_catalogue_can_be_written():
     formulas = []
     for key in METHODS:
         for question in (f"energy_multiplier {key}", f"invariant {key}", f"one_step_matrix {key} : M_qq"):
