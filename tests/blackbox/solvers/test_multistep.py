@@ -12,7 +12,8 @@ from driftproof.blackbox.solvers.foreign_solver import SolverTarget
 from driftproof.blackbox.solvers.multistep import BACKWARD_EULER, TRAPEZOID, _quadrature, _solution, read_memory
 from driftproof.symbolic.linear.multistep import MultistepFacts
 from tests.blackbox.families import remembering_steppers as planted
-from tests.blackbox.families.remembering_steppers import Corrected, Remembering, euler, rk4_step
+from tests.blackbox.families.remembering_steppers import Corrected, Remembering, rk4_step
+from tests.blackbox.handwritten_steppers import euler
 from tests.blackbox.solvers.planted_solvers import adaptive, of_scipy, run
 from tests.blackbox.transcripts import Asked, summed
 from tests.looping import exactly, some
