@@ -240,6 +240,8 @@ class Suggestions:
             other_sign, *others = _slips(_spelled(number))
             for slip in (other_sign, *others):
                 for known in written.get(slip, ()):
+                    if known.question.endswith("evaluations") and abs(Fraction(slip) - number.value) == 1:
+                        continue  # a call at the start, which may be shared or not
                     sure = digits > 2 and (slip == other_sign or digits > 4 or self._is_near(known, number, digits))
                     sure = (sure and not known.stated) or digits > 5
                     sure |= known.question in meant and (
@@ -311,7 +313,9 @@ class Suggestions:
         return {name for known in self._known for name in known.names}
 
     def _on_line_of(self, number: TextNumber) -> set[Fraction]:
-        return {x for start, x in self._lines[self.text.count("\n", 0, number.start)] if start != number.start}
+        """The other numbers of the line, and in a table the step size and time that heads and counts of steps give."""
+        line = {x for start, x in self._lines[self.text.count("\n", 0, number.start)] if start != number.start}
+        return line | ({*self._place_of(number).settings.values()} if self._row_of(number) else set())
 
     @cached_property
     def _lines(self) -> list[list[tuple[int, Fraction]]]:

@@ -59,11 +59,27 @@ def equations(text, form="plain"):
         ("y' = y e^{-t}, y(0) = 1. At t = 1", "y'=y exp(-t), y(0)=1"),
         ("x' = 2/3 x - 4/3 x y, y' = x, x(0) = 1, y(0) = 1, t = 1", "x'=(2/3) x - (4/3) x y, y'=x, x(0)=1, y(0)=1"),
         ("sin' = cos, t' = 1 and y' = -y, y(0) = 1. At t = 1", "y'=-y, y(0)=1"),
+        ("y' = -y/K cos t, K = 3, y(0) = 1. At t = 1", "y'=-(y/3) cos(t), y(0)=1"),
+        ("x'' = -k/m x, k = 3, m = 2, x(0) = 1, x'(0) = 0, t = 1", "x'=dx, dx'=-(3/2) x, x(0)=1, dx(0)=0"),
+        ("m x'' = -k x, k = 3, m = 2, x(0) = 1, x'(0) = 0, t = 1", "x'=dx, dx'=(-3 x)/(2), x(0)=1, dx(0)=0"),
+        ("In a 2 y'' + y = 0, y(0) = 1, y'(0) = 0, t = 1", "y'=dy, dy'=(-(y) + 0)/(2), y(0)=1, dy(0)=0"),
+        ("x'' + kx = 0, k = 3, x(0) = 1, x'(0) = 0, t = 1", "x'=dx, dx'=-(3*x) + 0, x(0)=1, dx(0)=0"),
+        ("2m dy/dt = -y by a, m = 2, y(0) = 1, t = 1", "y'=(-y)/(2*2), y(0)=1"),
+        ("x y' = 2y, y(0) = 1, t = 1", "y'=(2y)/(t), y(0)=1"),
+        ("t = 1 as h = 0.1 y' = -y, y(0) = 1", "y'=-y, y(0)=1"),
+        ("A y' = -y, y(0) = 1. t = 1", "y'=-y, y(0)=1"),
+        ("| - y' = -y, y(0) = 1. t = 1", "y'=-y, y(0)=1"),
+        (r"$\tau y' = -y$, $\tau = 0.5$, $y(0) = 1$, $t = 1$", "y'=(-y)/(0.5), y(0)=1"),
+        (
+            r"$m\ddot{x} + 2\zeta\omega_0\dot{x} = -g\sin x$, $\zeta=0.1$, $\omega_0 = 3$, $m = 2$, $g=9$, "
+            "$x(0) = 1$, at rest, $t = 1$",
+            "x'=dx, dx'=(-(2*0.1 *3 dx) + -9 sin(x))/(2), x(0)=1, dx(0)=0",
+        ),
     ],
 )
 def test_equations_and_starts_are_read_as_texts_have_them(text, read):
     read = read or "theta'=omega, omega'=-9.81*sin(theta), theta(0)=pi/4, omega(0)=0"
-    assert equations(text) == [read]
+    assert equations(text, "tex" if "$" in text else "plain") == [read]
 
 
 @pytest.mark.parametrize(
@@ -77,6 +93,7 @@ def test_equations_and_starts_are_read_as_texts_have_them(text, read):
         *("y' = f(t, y), y(0) = 1, and t = 1", "y' = -tanh y, y(0) = 1, and t = 1"),
         "y' = -y, y(0) = 1",  # no time
         "nothing of the kind, t = 1",
+        *("c x' + m x'' = -x, c = m = 1, x(0) = 1, x'(0) = 0, t = 1", "m x'' = -x, x(0) = 1, x'(0) = 0, t = 1"),
     ],
 )
 def test_what_the_text_leaves_open_is_no_problem(text):
