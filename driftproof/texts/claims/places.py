@@ -96,7 +96,10 @@ def place_of(text: str, start: int, end: int, heads: Sequence[str], row: Sequenc
     counts = [int(cell) for name, cell in nearest if is_head_of("n", name) and re.fullmatch("[1-9][0-9]*", cell)]
     if counts and "t" in settings and "h" not in settings:
         settings["h"] = settings["t"] / counts[-1]
-    unknown, said = _UNKNOWN.search(before), [*_QUANTITY.finditer(head if row else before)]
+    about = head if row else before
+    if methods_named(head) or SETTING["h"].search(head):  # what is read stands above the table
+        about = next(iter(re.findall(r"^[^|\n]+$", text[max(0, start - _FARTHEST) : start], re.MULTILINE)[-1:]), head)
+    unknown, said = _UNKNOWN.search(before), [*_QUANTITY.finditer(about)]
     quantity, name = said[-1].lastgroup if said else "state" if head else None, unknown["name"] if unknown else None
     if unknown and unknown["n"] and name == "k":
         quantity, name = f"k{unknown['n']}", None

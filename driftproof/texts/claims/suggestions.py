@@ -17,6 +17,7 @@ from flint import arb, ctx
 from driftproof.enclosure.numbers import Refused
 from driftproof.enclosure.steps import with_effort
 from driftproof.methods.catalogue import FACTS_ONLY, METHODS, keys_of_name
+from driftproof.methods.schemes import Splitting
 from driftproof.support.progress import stage
 from driftproof.symbolic.algebra.certified import Uncertified, enclose
 from driftproof.texts.claims.contradictions import SETTING, contradicted, methods_named, names_limit
@@ -240,8 +241,9 @@ class Suggestions:
             other_sign, *others = _slips(_spelled(number))
             for slip in (other_sign, *others):
                 for known in written.get(slip, ()):
-                    if known.question.endswith("evaluations") and abs(Fraction(slip) - number.value) == 1:
-                        continue  # a call at the start, which may be shared or not
+                    split = any(isinstance(METHODS.get(key), Splitting) for key in known.keys)
+                    if split and known.question.endswith("evaluations") and number.value - Fraction(slip) == 1:
+                        continue  # the force at the start, which a code may need once more
                     sure = digits > 2 and (slip == other_sign or digits > 4 or self._is_near(known, number, digits))
                     sure = (sure and not known.stated) or digits > 5
                     sure |= known.question in meant and (

@@ -199,6 +199,33 @@ def test_a_head_of_two_rows_has_the_methods_above_and_what_is_read_below():
     assert {corner.column_of(x) for x in numbers_in(TWO_ROWS) if x.text in ("0.1", "0.2")} == {""}
 
 
+BY_COUNTS = """Error at t = 2 for y' = -2*t*y, y(0) = 1:
+| N | Euler | RK4 |
+| 10 | 1.28e-2 | 1.42e-4 |
+| 20 | 6.29e-3 | 6.81e-6 |
+| 40 | 3.10e-3 | 3.73e-7 |
+"""
+BY_HEADS = """Error at t = 2 for y' = -2*t*y, y(0) = 1:
+| Method | h = 0.2 | h = 0.1 | h = 0.05 |
+| Euler | 1.28e-2 | 6.29e-3 | 3.10e-3 |
+| Heun | 6.93e-3 | 1.26e-3 | 2.75e-4 |
+| RK4 | 1.42e-4 | 6.81e-6 | 3.73e-7 |
+"""
+
+
+@pytest.mark.parametrize("table", [BY_COUNTS, BY_HEADS])
+def test_counts_of_steps_and_heads_of_columns_give_the_step_size_and_the_line_above_what_is_read(table):
+    suggestions, read = Suggestions(table), [x for x in numbers_in(table) if "e-" in x.text]
+    alike = {x.text: suggestions.look_alikes(x)[0] for x in read}
+    assert all(one.strong and one.question.endswith(" : error") for one in alike.values())
+    for text, question in {"1.42e-4": "rk4 {}, h=0.2,", "6.29e-3": "forward_euler {}, h=0.1,"}.items():
+        assert question.format("y'=-2*t*y, y(0)=1") in alike[text].question
+        exchanged = text[:2] + text[3] + text[2] + text[4:]
+        wrong = table.replace(text, exchanged)
+        slip = next(x for x in numbers_in(wrong) if x.text == exchanged)
+        assert Suggestions(wrong).slips(slip) == {alike[text].question: text}
+
+
 def test_a_question_is_asked_once():
     text = "y' = -y, y(0) = 1, h = 0.1, t = 1, Euler. Again y' = -y, y(0) = 1, h = 0.1, t = 1."
     asked = stated_questions(text, lambda number: "")
