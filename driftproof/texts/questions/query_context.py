@@ -101,6 +101,10 @@ class QueryContext:
         query = self.query
         if self.about_problem is not None and "problem" not in parts:
             raise self.error(self.about_problem, f"{self.head} takes no problem here; leave it out")
+        if query.energy is not None and not query.rates:
+            raise self.error(
+                query.energy, "energy goes with equations such as y'=v, v'=-y; a problem has it in its file"
+            )
         for name, number in query.settings.items():
             if name not in settings:
                 takes = f"it takes {', '.join(settings)}" if settings else "it takes no settings"
