@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from fractions import Fraction as Q
 from math import comb, factorial
 from typing import Any
@@ -87,6 +88,32 @@ def at(f: RationalFunction, x: arb) -> arb:
 def ball(c: Any) -> arb:
     """A ball around a scalar, at Arb's current precision."""
     return at_ball(fmpq_poly([1]) * c, arb(0))
+
+
+def nodes_method(nodes: Iterable[Q]) -> Collocation:
+    return Collocation("x", "X", 0, "test", tuple(nodes))
+
+
+def legendre(s: int) -> list[Q]:
+    """The Legendre polynomial on [0, 1], constant term first, by its closed formula."""
+    return [Q((-1) ** (s - k) * comb(s, k) * comb(s + k, k)) for k in range(s + 1)]
+
+
+def combined(s: int, lower: int, factor: int) -> Collocation:
+    padded = legendre(lower) + [Q(0)] * (s - lower)
+    return nodes_method((x + factor * y for x, y in zip(legendre(s), padded, strict=True)))
+
+
+def gauss(s: int) -> Collocation:
+    return nodes_method(legendre(s))
+
+
+def radau_iia(s: int) -> Collocation:
+    return combined(s, s - 1, -1)
+
+
+def lobatto_iiia(s: int) -> Collocation:
+    return combined(s, s - 2, -1)
 
 
 BACKWARD = runge_kutta(((1,),), (1,))
