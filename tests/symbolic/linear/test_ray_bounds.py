@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from fractions import Fraction as Q
-from functools import cache
 from typing import Any
 
 import pytest
@@ -20,11 +19,6 @@ from driftproof.symbolic.linear.oscillator import stability_function_of
 from driftproof.symbolic.linear.ray_bounds import UndecidedLimitError, pair_polynomial
 from driftproof.symbolic.linear.systems import SystemFacts, bounded_at
 from tests.symbolic.linear.linear_examples import STUCK
-
-
-@cache
-def facts(key: str, text: str) -> SystemFacts:
-    return SystemFacts(METHODS[key], parse_system(text))
 
 
 def test_what_is_not_decided_is_refused_with_a_reason() -> None:
