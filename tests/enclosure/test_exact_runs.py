@@ -20,6 +20,7 @@ from tests.enclosure.mutants import mutant
 from tests.enclosure.right_hand_sides import kepler, pendulum, rk4
 from tests.enclosure.truncations import slope_of_truncation
 from tests.looping import exactly, some
+from tests.methods.tables.entries import IMPLICIT
 
 RUNS = Path(__file__).parents[2] / "examples" / "trajectories"
 
@@ -121,7 +122,6 @@ def test_binary32_run_is_split():
     assert 0.9e-5 < max(abs(x) for x in found.split.truncation[-1]) < 1.1e-5
 
 
-IMPLICIT = [method for method in METHODS.values() if not method.explicit]
 EXPLICIT = ["rk4", "gill4", "velocity_verlet", "yoshida4", "dormand_elmikkawy_prince4", "rk38"]
 
 
