@@ -62,6 +62,9 @@ def test_what_is_compiled_has_the_same_bits_on_arrays_before_that(monkeypatch):
     assert run((0.5, 0.25), 0.125, 2, 9) == alone[0]
     assert on_arrays((0.5, 0.25), 0.125, 2, 9) == alone[0]
     assert run.calls == on_arrays.calls > 2 * 7
+    for key in ("gauss2", "lobatto_iiia3", "tr_bdf2"):
+        plain, compiled = (implicit_runner(METHODS[key], field, compiled=x) for x in (False, True))
+        assert plain((0.5, 0.25), 0.125, 2, 9) == compiled((0.5, 0.25), 0.125, 2, 9)
     found, run_systems = starts.copy(), compiled_implicit_ensemble_runner(method, field)
     run_systems(found, 0.125, 2, 9)
     assert found.T.tolist() == list(map(list, alone))
