@@ -363,6 +363,11 @@ class LinearFacts:
         return self._turning_rate is not None and is_readable(self._turning_rate)
 
 
+# What the facts of a method of stages begin with.
+IDENTITY = ("method", "title", "family", "source", "stages", "explicit", "decimal", "field", "inconsistencies",
+            "claimed_order")  # fmt: skip
+
+
 def fact_names(kind: type) -> tuple[str, ...]:
     """The names of the facts of a class: its public cached properties, in the order of their definition."""
     return tuple(name for name, x in vars(kind).items() if isinstance(x, cached_property) and not name.startswith("_"))
