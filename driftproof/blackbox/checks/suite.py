@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 
 from driftproof.blackbox.checks import arguments, determinism, domain, geometry, homogeneity, step_size
-from driftproof.blackbox.checks.output_precision import digits
 from driftproof.blackbox.checks.trials import CheckResult, Unsteady
 from driftproof.blackbox.findings import NO_EVIDENCE, Outcome, UnsupportedCall
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
@@ -14,8 +13,8 @@ from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 CHECKS: Mapping[str, Callable[[ForeignStepper], tuple[CheckResult, ...]]] = {
     check.__name__: check
     for check in (
-        *(determinism.repeats, arguments.arguments, arguments.types, determinism.several_states, digits),
-        *(arguments.zero_step, arguments.negative_step, step_size.step_size, step_size.sub_steps),
+        *(determinism.repeats, arguments.arguments, arguments.types, determinism.several_states),
+        *(homogeneity.digits, arguments.zero_step, arguments.negative_step, step_size.step_size, step_size.sub_steps),
         *(arguments.time_argument, geometry.reversal, geometry.area, domain.domain, homogeneity.homogeneity),
         *(arguments.not_a_number, arguments.infinity, arguments.not_a_number_step),
     )
