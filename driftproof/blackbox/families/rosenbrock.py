@@ -273,17 +273,15 @@ def read_rosenbrock(subject: ForeignStepper, asked: Rosenbrock | None = None) ->
     walked = None
     if method := asked or found:
         walked = there_and_back(walks.RosenbrockWalker(subject, Specification(method), reading.slack, not reading.by))
-    told, plain = (_known_orders(found), _with_float_entries(found)) if found else ("", None)
+    told, plain = "", None
+    if found:
+        facts, digits = RosenbrockFacts(found), ", to the precision of its decimals" * found.decimal
+        orders = facts.orders_within(walks.NO_RESIDUAL) if found.decimal else facts
+        told = f"order {orders.order} with J = f', {orders.w_order} with any matrix{digits}"
+        plain = _with_float_entries(found)
     return RosenbrockIdentity(reading, plain, told, near, measured, with_half.order, walked)
 
 
 def _with_float_entries(method: Rosenbrock) -> Rosenbrock:
     alpha, gamma, b = (tuple(tuple(map(Fraction, row)) for row in np.atleast_2d(part)) for part in _floats(method))
     return replace(method, alpha=alpha, gamma=gamma, b=b[0], b_embedded=None, embedded_order=None)
-
-
-def _known_orders(method: Rosenbrock) -> str:
-    facts = RosenbrockFacts(method)
-    told = facts.orders_within(walks.NO_RESIDUAL) if method.decimal else facts
-    digits = ", to the precision of its decimals" * method.decimal
-    return f"order {told.order} with J = f', {told.w_order} with any matrix{digits}"
