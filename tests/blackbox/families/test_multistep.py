@@ -89,7 +89,6 @@ def test_a_wrong_one_fails_with_its_cause(step, key, words):
 def test_stormers_positions_are_told_from_velocity_verlets_velocities():
     assert verify(Stormer().step, "stormer2", isolate=False).passed
     assert identify(Stormer().step, isolate=False).verdict == "it is stormer2; order 1 is observed in its velocities"
-    assert identify(Remembering(AB2, euler).step, isolate=False).verdict == f"it is {AB2}, started by forward_euler"
 
 
 def test_a_right_hand_side_that_is_asked_beside_the_states_is_a_fault_that_is_said_once():
@@ -127,13 +126,10 @@ def test_a_run_whose_later_steps_were_not_seen_in_time_is_named_by_its_first_ste
     assert verdict == "it is forward_euler; this holds for its first step only: the time is over"
 
 
-def test_a_run_that_begins_as_another_method_is_not_that_one():
+def test_a_run_that_begins_as_another_method_is_not_that_one_and_one_of_its_steps_alone_is():
     report = verify(planted.run_of_adams_bashforth2, "forward_euler", isolate=False)
     assert report.verdict.startswith("is forward_euler for its first step only")
     assert report.passed is False
-
-
-def test_a_run_of_a_one_step_method_passes_as_itself():
     assert verify(planted.run_of(lambda h: [[1.0]]), "forward_euler", isolate=False).passed
 
 
