@@ -28,7 +28,6 @@ class StageChains:
     """Chains of marked stages in steps of one subject, whose stages are told apart by one set of marks."""
 
     def __init__(self, steps: MarkedSteps, marks: StageMarks) -> None:
-        """Begin without any chain read."""
         self.steps, self.marks = steps, marks
         self.kept: list[StageLabel] = []
         self._off = 0.0

@@ -72,7 +72,6 @@ class Formula:
     function: ExactFunction | None = None
 
     def __str__(self) -> str:
-        """The text of the formula."""
         return self.text
 
 
@@ -168,7 +167,6 @@ class FactsOfFamily(Generic[_M]):
     kind: ClassVar[str]
 
     def __init__(self, method: _M) -> None:
-        """Keep the method; nothing is computed yet."""
         self.method = method
 
     @cached_property

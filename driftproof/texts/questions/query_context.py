@@ -26,7 +26,6 @@ class QueryContext:
     """A query within the question `text`."""
 
     def __init__(self, query: Query, text: str) -> None:
-        """Keep the query; nothing is resolved yet."""
         self.query, self.text, self.head = query, text, query.head.text
 
     @property
