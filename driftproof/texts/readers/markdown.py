@@ -49,6 +49,7 @@ _KEPT = re.compile(
     re.DOTALL | re.IGNORECASE,
 )
 _SHOWN = re.compile(r"(?P<a>[^<]*\S)\s*<[^<>]*>\Z")
+_CELL_OF_LIST = re.compile(r"(?m)^[ \t]*(?P<row>[*-] +)- ?|\n[ \t]+- ?")
 # Levels of directives inside directives: more than a grid of cards of tabs has.
 _DEEPEST = 8
 _MATHEMATICS = ("amsmath", "display", "bracket", "paren", "inline")
@@ -103,6 +104,8 @@ def _fenced(source: SourceText, match: re.Match[str], depth: int) -> list[Block]
         return [Block(PROSE, tex_prose(body))]
     if name in _UNREAD:
         return []
+    if name == "list-table":  # "* - " begins a row, "  - " a cell
+        body = body.rewritten(_CELL_OF_LIST, lambda match: ["| " if match["row"] else " | "])
     if depth < _DEEPEST and (name in _READ or name.startswith(("prf:", "proof:")) or match["fence"].startswith(":")):
         info = source[match.start("info") : match.end("info")]
         title = [Block(PROSE, markdown_prose(info[directive.end() :]))] if directive and name not in _NO_TITLES else []

@@ -10,6 +10,10 @@ READ = [
     ("$\\frac{337}{384}$ and $$h^{-2}$$, \\$5 and 3$", "337/384 and h^{-2}, $5 and 3$"),
     ("| a | b |\n|:--|--:|\n| 1 | 2 |\n\n[r]: http://x/8\n> quoted\n- 5", "| a | b |\n| 1 | 2 |\nquoted\n5"),
     ("0 < h < 2, a<b", "0 < h < 2, a<b"),
+    (
+        "```{list-table} T 3\n:header-rows: 1\n\n* - h\n  - y\n* - 0.1\n  - -2\n* -\n  - 4\n```",
+        "T 3\n| h | y\n| 0.1 | -2\n| | 4",
+    ),
     ("a<br>b <i>c</i> `\\frac{1}{2}` {math}`\\frac{1}{2}`", "a\nb c \\frac{1}{2} 1/2"),
     ("{ref}`fig-1`, {ref}`the 3 <fig-1>`, {cite:p}`hairer1993` {eq}`e-2` {sup}`4` {kbd}`5`", ", the 3, ^4 5"),
     ('(sec-1)=\n# A\n% todo 2\nb {{ x7 }}\n+++ {"a": 7}\n$$c = 1$$ (eq-8)', "A\nb\nc = 1"),
