@@ -15,6 +15,11 @@ class Misbehaviour(Exception):
 
     kind = "misbehaviour"
 
+    @property
+    def word(self) -> str:
+        """The kind in plain words."""
+        return self.kind.replace("_", " ")
+
 
 class StepRaised(Misbehaviour):
     """The stepper raised an exception of its own."""

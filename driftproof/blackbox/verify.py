@@ -74,9 +74,7 @@ def verify(
             asked = replace(asked, key=f"own_{asked.key}")
         wanted = Specification(asked, allowance, domain)
         Tolerance.of(wanted, BINARY64)  # an allowance without meaning is refused before anything runs
-        handed = hand_jacobian(runner)
-        report = _report_on_one_step(runner, asked, criteria.questions_of(wanted, examples))
-        return replace(report, verdict=report.verdict + handed)
+        return _report_on_one_step(runner, asked, criteria.questions_of(wanted, examples))
 
 
 def assert_verified(
@@ -122,8 +120,12 @@ def _report_on_one_step(runner: IsolatedRunner, method: Method, questions: Seque
     rounding = seen.outcomes[criteria.ROUNDING]
     if rounding.kind == "bad_input":
         raise ValueError(rounding.seen)
-    if rounding.kind == UnsupportedCall.kind and runner.outcome_of(turns).result:
-        return verify_family(runner, method)
+    if rounding.kind == UnsupportedCall.kind:
+        if runner.outcome_of(turns).result:
+            return verify_family(runner, method)
+        if handed := hand_jacobian(runner):
+            report = _report_on_one_step(runner, method, questions)
+            return replace(report, verdict=report.verdict + handed)
     target, made, arithmetic = runner.target.name, sum(reply.calls for reply in replies), arithmetic_of(replies)
     parts, data = criteria_parts([*seen.checks.values()], seen.passed)
     data |= {"remarks": [], "calls_made": made}

@@ -21,7 +21,7 @@ def _step(text: str) -> Fraction:
 
 @cli.command(
     cli.option("function", "f of y' = f(t, y): module:f, its text, or a .toml file", metavar="F"),
-    cli.option("run", "the trajectory: a .csv, .txt, .dat or .npz file", type=Path),
+    cli.option("run", "the trajectory: a .csv, .txt, .dat, .npz or .npy file", type=Path),
     cli.option("--method", "also split the error, for this method: a key, .toml file, or SciPy's RK23, RK45, DOP853"),
     cli.option("--h", "the step size, if the file has only some points of the run", type=_step),
     cli.option(
@@ -42,7 +42,8 @@ def certify_command(options: Namespace) -> str:
 
     what f may be:
       module:f        your own Python function f(t, y), unchanged: arithmetic, math, NumPy; imported from this folder
-      'y1; -sin(y0)'  rates in t, y0, y1, ..., sin, cos, tan, exp, log, sqrt, with exact numbers; or "x'=v, v'=-sin(x)"
+      'y1; -sin(y0)'  rates in t, y0, y1, ..., sin, cos, tan, exp, log, sqrt, with exact numbers; "x'=v, v'=-sin(x)", as
+                      equations; "x''=-sin(x)", whose velocities follow all positions in the file
       file.toml       rates = ["y1", "-g * sin(y0)"], and [parameters] with g = "9.81"
     f runs in this process with your rights, as in your own tests; Ctrl-C stops it.
 
@@ -51,6 +52,7 @@ def certify_command(options: Namespace) -> str:
              line of names and lines that begin with # are skipped. Write decimals of 17 digits (Fortran's 1.5D0 is
              understood), or hexadecimal floats such as 0x1.8p+0, as C and C++ print with %a, which keep every bit.
       .npz   the arrays t and y (or ts and ys), a row or a column for each time
+      .npy   one array, with a row for each time: t and the components
 
     With --method, error = truncation + rounding, each enclosed: the method is run exactly with the steps of the run,
     which lead from point to point, or have the size --h. Points that the method does not reach so are refused.

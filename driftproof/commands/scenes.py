@@ -49,7 +49,7 @@ def scene_command(options: Namespace) -> str:
 
 
 @cli.command(
-    cli.option("scene", "a preset that `driftproof scene` lists, or a .toml file of your own"),
+    cli.option("scene", "a preset that `driftproof scene` lists, a problem, or your own .toml file"),
     cli.methods_option("keys that `driftproof methods` lists"),
     cli.option("--state", "position,velocity; may be repeated", type=cli.initial_state, action="append"),
     cli.list_option("--t", "final times", type=cli.several(cli.exactly("t")), metavar="T,T"),
@@ -73,6 +73,7 @@ def sweep_command(options: Namespace) -> str:
       driftproof sweep default --h 1/4,1/8,1/16 --methods rk4,velocity_verlet
       driftproof sweep default --h 1/8,1/16 --t 10,20 --state 1,0 --state 0,1 --format json
       driftproof sweep default --methods rk4 --h 1/4,1/8 -o answers.jsonl      run it again to resume where it stopped
+      driftproof sweep pendulum --methods rk4,velocity_verlet --h 1/10:1/80    its errors at the end of the problem
 
     The grid has a point for each combination, --h varying fastest; what is not given is as in the scene. For a run that
     overflows, or an h that does not divide t, the answer is a message. The answers do not depend on --workers, nor on

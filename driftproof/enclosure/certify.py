@@ -57,9 +57,9 @@ def certify(
     """Enclose the error of a float trajectory of y' = f(t, y) from any solver, with a row y[i] for each time t[i].
 
     t and y may be replaced by a solver's result, also as the first argument: an object with .t and .y, a column for
-    each time (SciPy's), or with .ts and .ys, a row for each time (diffrax's); or by the path of a .csv, .txt, .dat or
-    .npz file. f is run unchanged on balls, and on series of balls. If it is text, such as "y1; -sin(y0)", or the path
-    of a .toml file, its numbers are exact. Raises Refused if nothing can be proved.
+    each time (SciPy's), or with .ts and .ys, a row for each time (diffrax's); or by the path of a .csv, .txt, .dat,
+    .npz or .npy file. f is run unchanged on balls, and on series of balls. If it is text, such as "y1; -sin(y0)", or
+    the path of a .toml file, its numbers are exact. Raises Refused if nothing can be proved.
 
     `method` splits the error into those of the method and of rounding: a key of the catalogue, a .toml file, or RK23,
     RK45, DOP853 as SciPy has them. Its steps lead from point to point or, if the points are only some multiples of h,

@@ -235,77 +235,17 @@ class Enclosed:
         result = ufunc(*(_boxed(x) for x in inputs))
         return result[()] if isinstance(result, np.ndarray) and not result.ndim else result
 
+    def __getattr__(self, name: str) -> Callable[[], Enclosed]:
+        """A function of the tables below: numpy.sin(x) calls x.sin()."""
+        if name in _ANALYTIC:
+            return lambda: self._analytic(*_ANALYTIC[name])
+        if name in _BY_OTHERS:
+            return lambda: _BY_OTHERS[name](self)
+        raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
+
     def _analytic(self, name: str, slope: Callable[[Value, Value], Value]) -> Enclosed:
         value = _function(name, self.value)
         return self._with_chain_rule(value, (self, lambda: slope(self.value, value)))
-
-    def sin(self) -> Enclosed:
-        """The sine."""
-        return self._analytic("sin", lambda x, _: x.cos())
-
-    def cos(self) -> Enclosed:
-        """The cosine."""
-        return self._analytic("cos", lambda x, _: -x.sin())
-
-    def tan(self) -> Any:
-        """The tangent."""
-        return self.sin() / self.cos()
-
-    def exp(self) -> Enclosed:
-        """The exponential function."""
-        return self._analytic("exp", lambda _, y: y)
-
-    def log(self) -> Enclosed:
-        """The natural logarithm of a positive number."""
-        return self._analytic("log", lambda x, _: _inverse(x))
-
-    def sqrt(self) -> Enclosed:
-        """The square root of a positive number."""
-        return self._analytic("sqrt", lambda _, y: _inverse(2 * y))
-
-    def arctan(self) -> Enclosed:
-        """The inverse tangent."""
-        return self._analytic("atan", lambda x, _: _inverse(1 + x * x))
-
-    def arcsin(self) -> Enclosed:
-        """The inverse sine of a number between -1 and 1."""
-        return self._analytic("asin", lambda x, _: _inverse(_function("sqrt", 1 - x * x)))
-
-    def arccos(self) -> Enclosed:
-        """The inverse cosine of a number between -1 and 1."""
-        return self._analytic("acos", lambda x, _: -_inverse(_function("sqrt", 1 - x * x)))
-
-    def sinh(self) -> Any:
-        """(exp x - exp -x)/2."""
-        return (self.exp() - (-self).exp()) / 2
-
-    def cosh(self) -> Any:
-        """(exp x + exp -x)/2."""
-        return (self.exp() + (-self).exp()) / 2
-
-    def tanh(self) -> Any:
-        """1 - 2/(exp 2x + 1)."""
-        return 1 - 2 / ((2 * self).exp() + 1)
-
-    def expm1(self) -> Any:
-        """exp x - 1."""
-        return self.exp() - 1
-
-    def log1p(self) -> Any:
-        """log(1 + x)."""
-        return (1 + self).log()
-
-    def log2(self) -> Any:
-        """The logarithm to base 2."""
-        return self.log() / Enclosed(self.evaluation, arb(2).log())
-
-    def log10(self) -> Any:
-        """The logarithm to base 10."""
-        return self.log() / Enclosed(self.evaluation, arb(10).log())
-
-    def cbrt(self) -> Any:
-        """The cube root of a number whose sign is known."""
-        return (self.log() / 3).exp() if self > 0 else -(((-self).log() / 3).exp())
 
     @_lifts_other
     def hypot(self, o: Enclosed) -> Any:
@@ -320,19 +260,33 @@ class Enclosed:
         half_turn = Enclosed(self.evaluation, arb.pi())
         return (self / x).arctan() + half_turn if self > 0 else (self / x).arctan() - half_turn
 
-    def conjugate(self) -> Enclosed:
-        """The number itself, since it is real."""
-        return self
 
-    def radians(self) -> Any:
-        """The angle in radians, self being in degrees."""
-        return self * Enclosed(self.evaluation, arb.pi() / 180)
-
-    def degrees(self) -> Any:
-        """The angle in degrees, self being in radians."""
-        return self * Enclosed(self.evaluation, 180 / arb.pi())
-
-    deg2rad, rad2deg = radians, degrees
+# NumPy's names of functions; FLINT's, and the derivative from the argument and the value.
+_ANALYTIC: dict[str, tuple[str, Callable[[Value, Value], Value]]] = {
+    "sin": ("sin", lambda x, _: x.cos()),
+    "cos": ("cos", lambda x, _: -x.sin()),
+    "exp": ("exp", lambda _, y: y),
+    "log": ("log", lambda x, _: _inverse(x)),
+    "sqrt": ("sqrt", lambda _, y: _inverse(2 * y)),
+    "arctan": ("atan", lambda x, _: _inverse(1 + x * x)),
+    "arcsin": ("asin", lambda x, _: _inverse(_function("sqrt", 1 - x * x))),
+    "arccos": ("acos", lambda x, _: -_inverse(_function("sqrt", 1 - x * x))),
+}
+# Functions in terms of others; the number itself is its conjugate, since it is real.
+_BY_OTHERS: dict[str, Callable[[Any], Any]] = {
+    "tan": lambda x: x.sin() / x.cos(),
+    "sinh": lambda x: (x.exp() - (-x).exp()) / 2,
+    "cosh": lambda x: (x.exp() + (-x).exp()) / 2,
+    "tanh": lambda x: 1 - 2 / ((2 * x).exp() + 1),
+    "expm1": lambda x: x.exp() - 1,
+    "log1p": lambda x: (1 + x).log(),
+    "log2": lambda x: x.log() / Enclosed(x.evaluation, arb(2).log()),
+    "log10": lambda x: x.log() / Enclosed(x.evaluation, arb(10).log()),
+    "cbrt": lambda x: (x.log() / 3).exp() if x > 0 else -(((-x).log() / 3).exp()),
+    "conjugate": lambda x: x,
+    **dict.fromkeys(("radians", "deg2rad"), lambda x: x * Enclosed(x.evaluation, arb.pi() / 180)),
+    **dict.fromkeys(("degrees", "rad2deg"), lambda x: x * Enclosed(x.evaluation, 180 / arb.pi())),
+}
 
 
 def _function(name: str, x: Value) -> Value:

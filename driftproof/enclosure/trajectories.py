@@ -95,11 +95,12 @@ def read_trajectory(path: Path) -> Trajectory:
     .csv, .txt, .dat: a line for each time, with t and then the components, separated by commas, semicolons or blanks. A
     first line of names and lines that begin with # are ignored. Numbers are decimal, such as 1.5, 1.5e0 or 1.5d0, or
     hexadecimal, such as 0x1.8p+0, and then exact. .npz: the arrays t and y, or ts and ys, with a row for each time.
+    .npy: an array with a row for each time, t first.
     """
-    if (suffix := path.suffix.lower()) not in (".csv", ".txt", ".dat", ".npz"):
-        raise ValueError(f"{path}: a trajectory must be a .csv, .txt, .dat or .npz file")
+    if (suffix := path.suffix.lower()) not in (".csv", ".txt", ".dat", ".npz", ".npy"):
+        raise ValueError(f"{path}: a trajectory must be a .csv, .txt, .dat, .npz or .npy file")
     try:
-        return trajectory_of(*(_arrays(path) if suffix == ".npz" else _columns(path)))
+        return trajectory_of(*(_arrays(path) if suffix in (".npz", ".npy") else _columns(path)))
     except Refused as reason:
         raise ValueError(f"{path}: {reason}") from None
 
@@ -148,14 +149,19 @@ def _is_number(word: str) -> bool:
 def _arrays(path: Path) -> tuple[Any, Any]:
     import zipfile
 
-    content = BytesIO(read_bytes(path, LARGEST_RUN))
+    content, zipped = BytesIO(read_bytes(path, LARGEST_RUN)), path.suffix.lower() == ".npz"
     try:
-        if not zipfile.is_zipfile(content):
-            raise ValueError("it is no .npz file, as numpy.savez writes it")
-        with np.load(content, allow_pickle=False) as held:
-            for names in (("t", "y"), ("ts", "ys")):
-                if all(name in held for name in names):
-                    return held[names[0]], held[names[1]]
-            raise ValueError(f"it has {', '.join(held) or 'no arrays'}; it must have the arrays t and y")
+        if zipped != zipfile.is_zipfile(content):
+            raise ValueError(f"it is no {path.suffix} file, as numpy.{'savez' if zipped else 'save'} writes it")
+        content.seek(0)
+        held: Any = np.load(content, allow_pickle=False)
+        if not zipped:
+            if held.ndim != 2 or held.shape[1] < 2:
+                raise ValueError(f"its array has the shape {held.shape}; it must have a row for each time: t, y0, ...")
+            return held[:, 0], held[:, 1:]
+        for names in (("t", "y"), ("ts", "ys")):
+            if all(name in held for name in names):
+                return held[names[0]], held[names[1]]
+        raise ValueError(f"it has {', '.join(held) or 'no arrays'}; it must have the arrays t and y")
     except (ValueError, EOFError, zipfile.BadZipFile) as error:
         raise ValueError(f"{path}: {' '.join(str(error).split())}") from None

@@ -63,6 +63,7 @@ _WORD = re.compile(r"[A-Za-z_]\w*")
 # A comma between digits may be meant as a decimal comma, one in brackets as that of a function.
 _BETWEEN = re.compile(r";|(?:(?<!\d),|,(?!\d))(?![^()]*\))")
 _EQUATION = re.compile(r"\s*([A-Za-z_]\w*)\s*'\s*=(.*)", re.DOTALL)
+_SECOND = re.compile(r"\b([^\W\d]\w*)(?:['′’]{2}|[″\"]) ?(?:\(t\))?(?= ?=)")
 _FACTOR = re.compile(r"(?<![A-Za-z_])(?:y[0-9]*\b|[A-Za-z_]\w*+(?! *\())")
 
 
@@ -147,15 +148,30 @@ def start_of_table(table: TomlTable) -> list[Any]:
     return [start] if isinstance(start, int | float | str) else as_list(start, "start")
 
 
+def unknowns_of_table(table: TomlTable) -> tuple[str, ...]:
+    """The names that the rates of a TOML table give to y0, y1, ...; none if they are a list or a function's."""
+    rates = _rates(table.get("rates", []))
+    return tuple(rates) if isinstance(rates, dict) else ()
+
+
 def _rates(given: object) -> list[str] | dict[str, str]:
     """The rates in a list or one text; by the names of the unknowns in a table, or if all are equations as x' = v."""
     if isinstance(given, str):
-        texts = _BETWEEN.split(given)
+        texts = _BETWEEN.split(of_first_order(given))
         equations = {found[1]: found[2] for text in texts if (found := _EQUATION.fullmatch(text))}
+        velocities = {f"d{name}" for name in _SECOND.findall(given)}  # stand behind all positions
+        equations = {name: equations[name] for name in sorted(equations, key=velocities.__contains__)}
         return equations if len(equations) == len(texts) else texts
     if isinstance(given, dict):
         return dict(zip(given, as_texts([*given.values()], "rates"), strict=True))
     return [*as_texts(given, "rates")]
+
+
+def of_first_order(text: str) -> str:
+    """The text with each equation of second order as two: x'' = -x as x'=dx, dx' = -x, and x'(0) as dx(0)."""
+    if of_second := "|".join({*_SECOND.findall(text)}):
+        text = re.sub(rf"\b({of_second})['′’](?!['′’])", r"d\1", text)
+    return _SECOND.sub(r"\1'=d\1, d\1'", text)
 
 
 def _parameters(table: TomlTable) -> tuple[dict[str, Exact], dict[str, str]]:

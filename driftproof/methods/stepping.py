@@ -7,14 +7,14 @@ floats, in fractions and with polynomials, and traced to derive rounding bounds.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from functools import cache
 from typing import Any, TypeAlias
 
 from driftproof.methods.number_field import Exact
 from driftproof.methods.program_text import indented, maker, maker_text
 from driftproof.methods.schemes import Method, require_method
-from driftproof.methods.vector_fields import FieldSource, field_source
+from driftproof.methods.vector_fields import CalledField, FieldSource, field_source
 
 # Any type with + and * (and what its force needs); the arithmetic is the type's own.
 Number: TypeAlias = Any
@@ -24,26 +24,12 @@ Step: TypeAlias = Callable[[Force, Number, Number, Number], tuple[Number, Number
 Lift: TypeAlias = Callable[[Any], Number]
 
 
-class _UnderForce:
-    """The system q' = v, v' = force(q), whose force is a function that the step is given."""
-
-    components = ("q", "v")
-    parameters = ()
-    autonomous = True
-
-    def second_order(self) -> tuple[tuple[str, ...], tuple[str, ...]]:
-        return ("q",), ("v",)
-
-    def at(self, names: Mapping[str, str]) -> list[str]:
-        return [names.get("v", "v"), f"force({names['q']})"]
-
-
 def step_source(method: Method) -> FieldSource:
     """The lines of a step, which read q, v, h, force and the coefficients, and define q_new and v_new.
 
     Raises MethodError for an implicit method, whose stages are equations rather than formulas.
     """
-    return field_source(method, _UnderForce())
+    return field_source(method, CalledField(("q", "v"), "force({1})", autonomous=True))
 
 
 def stepper(method: Method, lift: Lift) -> Step:

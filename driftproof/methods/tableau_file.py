@@ -343,7 +343,9 @@ _GIVE, _FIRST = "give a key, a .toml file, or a method", "; what is examined com
 
 
 def _each(given: GivenMethods) -> Sequence[str | Path | Method]:
-    return names_listed(given) if isinstance(given, str) else given if isinstance(given, Sequence) else [given]
+    if isinstance(given, str):
+        return names_listed(given)
+    return given if isinstance(given, Sequence) else [given]
 
 
 def subject_of(given: str | Path | Method | Family | FactsOnly) -> Method | Family | FactsOnly:

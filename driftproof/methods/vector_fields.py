@@ -5,18 +5,11 @@ from __future__ import annotations
 import ast
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from fractions import Fraction
 from typing import Any, Protocol
 
 from driftproof.methods.number_field import Exact
-from driftproof.methods.program_text import (
-    ProgramText,
-    SecondOrder,
-    indented,
-    looping_maker_text,
-    maker,
-    maker_text,
-    used_stages,
-)
+from driftproof.methods.program_text import ProgramText, indented, looping_maker_text, maker, maker_text, used_stages
 from driftproof.methods.schemes import Collocation, Method, MethodError, Nystrom, RungeKutta, Splitting
 
 # The functions that a rate may call; every type of numbers in which runs are computed has them.
@@ -162,27 +155,32 @@ def field_source(method: Method, field: Field, *, compensated: bool = False, est
     text = ProgramText(compensated=compensated)
     if isinstance(method, RungeKutta):
         _runge_kutta(method, field, text, method.b_embedded if estimated else None)
+    elif isinstance(method, Splitting):
+        _splitting(method, field, text)
     else:
-        _second_order(method, field, text)
+        _nystrom(method, field, text)
     _require_new_names(field, text)
     coefficients = (*text.coefficients.items(), *field.parameters)
     return FieldSource(tuple(text.lines), coefficients, field.components, compensated, not field.autonomous)
 
 
 @dataclass(frozen=True)
-class _ArrayField:
-    """A system whose state is one array y, or two arrays q and v, and whose rate is a call of the function f."""
+class CalledField:
+    """A system whose state is y, or q and v, and whose last rate is a call, of the names of t and of y or q."""
 
     components: tuple[str, ...]
+    call: str
+    autonomous: bool = False
     parameters: tuple[tuple[str, Exact], ...] = ()
-    autonomous = False
 
     def second_order(self) -> tuple[tuple[str, ...], tuple[str, ...]]:
-        return ("q",), ("v",)
+        """The names q and v."""
+        return self.components[:1], self.components[1:]
 
     def at(self, names: Mapping[str, str]) -> list[str]:
-        call = f"f({names.get('t', 't')}, {names[self.components[0]]})"
-        return [call] if self.components == ("y",) else ["", call]
+        """The rates v, unless the state is y, and the call."""
+        velocities = (names.get(v, v) for v in self.components[1:])
+        return [*velocities, self.call.format(names.get("t", "t"), names[self.components[0]])]
 
 
 def array_step(method: Method, f: Callable[..., Any], lift: Callable[[Any], Any]) -> Callable[..., tuple[Any, ...]]:
@@ -191,8 +189,7 @@ def array_step(method: Method, f: Callable[..., Any], lift: Callable[[Any], Any]
     For a splitting or a Nyström method it is step((q, v), t, h) -> (q₁, v₁), for q'' = f(t, q). Its text is that of
     `field_source`. `lift` converts each coefficient to the arithmetic of y. Raises MethodError for an implicit method.
     """
-    field = _ArrayField(("y",) if isinstance(method, RungeKutta) else ("q", "v"))
-    source = field_source(method, field)
+    source = field_source(method, CalledField(("y",) if isinstance(method, RungeKutta) else ("q", "v"), "f({0}, {1})"))
     make = maker(source.step(), method.key, {"f": f})
     step: Callable[..., tuple[Any, ...]] = make(*(lift(c) for _, c in source.coefficients))
     return step
@@ -206,8 +203,7 @@ def _runge_kutta(method: RungeKutta, field: Field, text: ProgramText, other: Seq
         names = {name: f"{name}_{i + 1}" for name in components}
         for name in components:
             names[name] = text.named(names[name], name, text.sum(" + h *", f"a{i + 1}", method.a[i], slopes[name]))
-        if not field.autonomous:
-            names["t"] = text.named(f"t_{i + 1}", "t", text.step(f"c{i + 1}", method.c[i]))
+        names["t"] = _time(field, text, i + 1, f"c{i + 1}", method.c[i])
         for name, rate in zip(components, field.at(names), strict=True):
             if other is None and rate.isidentifier():  # it needs no second name; of a pair, all slopes have theirs
                 slopes[name][i] = rate
@@ -221,14 +217,55 @@ def _runge_kutta(method: RungeKutta, field: Field, text: ProgramText, other: Seq
             text.lines.append(f"{name}_off ={text.sum(' h *', 'd', differences, slopes[name])}")
 
 
-def _second_order(method: Splitting | Nystrom, field: Field, text: ProgramText) -> None:
-    """Write the step for q'' = F(t, q), with F in parentheses because it is a factor."""
+def _splitting(method: Splitting, field: Field, text: ProgramText) -> None:
+    """Write the kicks and drifts one after the other; time advances with the drifts."""
     positions, velocities = field.second_order()
+    latest = {x: x for x in (*positions, *velocities, "t")}
+    drifted: Exact = Fraction(0)
+    for i, (kind, c) in enumerate(method.parts, 1):
+        if c == 0:
+            continue
+        if kind == "kick":
+            latest["t"] = _time(field, text, i, f"s{i}", drifted)
+            moved, rates = velocities, _accelerations(field, latest)
+        else:
+            moved, rates = positions, [latest[v] for v in velocities]
+            drifted = drifted + c
+        for x, rate in zip(moved, rates, strict=True):
+            text.advance(x, f"{x}_{i}", latest[x], f"{text.step(f'c{i}', c)} * {rate}")
+            latest[x] = f"{x}_{i}"
+    text.lines += [f"{x}_new = {latest[x]}" for x in (*positions, *velocities)]
 
-    def accelerations(names: Mapping[str, str]) -> list[str]:
-        return [f"({rate})" for rate in field.at(names)[len(positions) :]]
 
-    SecondOrder(positions, velocities, accelerations, "_new", timed=not field.autonomous).write(method, text)
+def _nystrom(method: Nystrom, field: Field, text: ProgramText) -> None:
+    """Write the forces kᵢ at q + cᵢ h v + h² Σ aᵢⱼ kⱼ, then the two sums."""
+    pairs = list(zip(*field.second_order(), strict=True))
+    forces: dict[str, dict[int, str]] = {q: {} for q, _ in pairs}
+    for i in used_stages(method.a, [method.b_position, method.b_velocity]):
+        node = method.c[i]
+        names = {"t": _time(field, text, i + 1, f"c{i + 1}", node)}
+        for q, v in pairs:
+            drift = text.step(f"c{i + 1}", node)
+            moved = f"{drift} * {v}" if drift else ""
+            moved += text.sum(" + h * h *", f"a{i + 1}", method.a[i], forces[q])
+            names[q] = text.named(f"{q}_{i + 1}", q, moved)
+        for (q, v), force in zip(pairs, _accelerations(field, names), strict=True):
+            forces[q][i] = f"k{i + 1}_{v}"
+            text.lines.append(f"{forces[q][i]} = {force}")
+    for q, v in pairs:
+        text.advance(q, f"{q}_new", q, f" + h * {v}{text.sum(' + h * h *', 'p', method.b_position, forces[q])}")
+    for q, v in pairs:
+        text.advance(v, f"{v}_new", v, text.sum(" + h *", "b", method.b_velocity, forces[q]))
+
+
+def _accelerations(field: Field, names: Mapping[str, str]) -> list[str]:
+    """F(t, q), in parentheses because it is a factor, with these names of t and the positions."""
+    return [f"({rate})" for rate in field.at(names)[len(field.components) // 2 :]]
+
+
+def _time(field: Field, text: ProgramText, i: int, name: str, c: Exact) -> str:
+    """The name of t + c h, which is only written if a rate reads it."""
+    return "t" if field.autonomous else text.named(f"t_{i}", "t", text.step(name, c))
 
 
 def _require_new_names(field: Field, text: ProgramText) -> None:

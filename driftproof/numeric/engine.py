@@ -98,10 +98,7 @@ def compiled_runner(method: Method, field: VectorField, *, compensated: bool = F
 
 
 def program_function(
-    text: str,
-    key: str,
-    coefficients: Iterable[tuple[str, Exact]],
-    functions: Mapping[str, Any] = FLOAT_FUNCTIONS,
+    text: str, key: str, coefficients: Iterable[tuple[str, Exact]], functions: Mapping[str, Any] = FLOAT_FUNCTIONS
 ) -> Callable[..., Any]:
     """Build the function of a program text with its coefficients as the nearest floats; see `maker`."""
     made: Callable[..., Any] = maker(text, key, functions)(*(float(c) for _, c in coefficients))

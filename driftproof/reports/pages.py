@@ -2,25 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from driftproof.methods.field_text import LONGEST_PROBLEM
 from driftproof.methods.tableau_file import GivenMethods, methods_of
-from driftproof.numeric.problems.catalogue import PROBLEMS
-from driftproof.numeric.problems.problem import Problem
 from driftproof.numeric.scenes import PRESETS, Scene
 from driftproof.reports.page.document import Part, document, scene_title
 from driftproof.reports.page.problem import problem_part, stiff_part
 from driftproof.reports.progress import count_steps
 from driftproof.reports.scenes import scene_given
 from driftproof.reports.stability import STABILITY_METHODS
-from driftproof.reports.user_problem import GivenProblem, problem_given
+from driftproof.reports.user_problem import GivenProblem, names_problem, problem_given
 from driftproof.support.files import atomic_write, require_file
 from driftproof.support.plain_text import DIGITS_UNASKED, as_json
 from driftproof.support.results import Printable
-from driftproof.support.toml_tables import read_toml
 
 
 @dataclass(frozen=True, repr=False)
@@ -78,16 +73,13 @@ def report(
 
 
 def _part(given: GivenProblem | Scene, methods: GivenMethods) -> Scene | Part:
-    """The scene, or the part of the page for a problem; a file with an `end` is a problem."""
-    if isinstance(given, Problem | Mapping) or callable(given):
-        return problem_part(problem_given(given), methods_of(methods))
+    """The scene, or the part of the page for a problem."""
     if isinstance(given, Scene):
         if given.problem is None:
             return given
         return problem_part(given.problem, methods_of(given.methods or methods), given)
-    if (name := str(given)) == "stiff":
+    if given == "stiff":
         return stiff_part()
-    own = name.endswith(".toml") and read_toml(name, LONGEST_PROBLEM, lambda table: "end" in table)
-    if own or (name in PROBLEMS and name not in PRESETS):
-        return problem_part(problem_given(name), methods_of(methods))
-    return _part(scene_given(name), methods)
+    if str(given) not in PRESETS and names_problem(given):
+        return problem_part(problem_given(given), methods_of(methods))
+    return _part(scene_given(str(given)), methods)

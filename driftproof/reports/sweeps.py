@@ -12,12 +12,14 @@ from typing import Any
 
 from driftproof.methods.rationals import ExactNumber, GivenState, exact_numbers, state_of, steps_of
 from driftproof.methods.tableau_file import GivenMethods, names_of
+from driftproof.numeric.problems.problem import Problem
 from driftproof.numeric.run import Readouts
 from driftproof.numeric.scenes import Scene
 from driftproof.numeric.sweep import SweepAnswer, points_of, processes, run_grid, strings
 from driftproof.reports.progress import progress_bar
 from driftproof.reports.scene_view import scene_json
 from driftproof.reports.scenes import scene_given
+from driftproof.reports.user_problem import GivenProblem, names_problem, problem_given
 from driftproof.support.environment import require_package
 from driftproof.support.plain_text import counted, table, with_digits
 from driftproof.support.results import Answered
@@ -34,7 +36,7 @@ _SECONDS_TO_CONNECT = 10
 
 
 def sweep(
-    scene: str | Path | Scene,
+    scene: GivenProblem | Scene,
     *,
     methods: GivenMethods = (),
     state: Sequence[GivenState] = (),
@@ -48,13 +50,17 @@ def sweep(
 
     The grid has a point for each combination, h varying fastest; values that are not given are the scene's. `output` is
     a file in which answers are kept as they come, and from which the same sweep goes on. `workers` is a number of
-    processes, or an executor of your own; `cluster` is the address of a dask scheduler. Raises ValueError.
+    processes, or an executor of your own; `cluster` is the address of a dask scheduler. A problem, as for
+    `work_precision`, is swept to its end, and needs methods and h. Raises ValueError.
 
     >>> from driftproof import sweep
     >>> [answer.found["final_state"] for answer in sweep("stability_boundary", h=[1, 2]).found]
     [(0.0, 1.0), (-11.0, -10.0)]
     """
-    about = scene_given(scene)
+    if isinstance(scene, Scene) or not names_problem(scene):
+        about = scene if isinstance(scene, Scene) else scene_given(str(scene))
+    else:
+        about = _on_problem(problem_given(scene), methods, h)
     times, states = exact_numbers(t, "t"), [state_of(each) for each in state or ()]
     axes: dict[str, Sequence[Any]] = {"selected": names_of(methods), "start": states, "t": times, "h": steps_of(h)}
     grid = {name: values for name, values in axes.items() if values}
@@ -62,6 +68,15 @@ def sweep(
     with _executor(workers, cluster) as executor, progress_bar(len(points), "point") as bar:
         found = run_grid(about, grid, executor, None if output is None else Path(output), bar.update)
     return Answered(sweep_json(about, found), lambda _: sweep_text(about, found), found)
+
+
+def _on_problem(problem: Problem, methods: GivenMethods, h: ExactNumber | Sequence[ExactNumber]) -> Scene:
+    """The scene of the errors at the problem's end, for the first of the methods and step sizes."""
+    keys, steps = names_of(methods), steps_of(h)
+    if not (keys and steps):
+        raise ValueError(f"{problem.key} is a problem; a sweep of it needs methods and h, such as rk4 and 1/10,1/20")
+    readouts = ("state_error", *(("energy_change",) if problem.energy else ()), "evaluations")
+    return Scene(Path(problem.key).stem, keys[0], steps[0], problem.t, readouts=readouts, problem=problem)
 
 
 def _executor(workers: int | Executor | None, cluster: str | None) -> AbstractContextManager[Executor | None]:

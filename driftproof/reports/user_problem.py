@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import re
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
@@ -14,22 +13,19 @@ from typing import Any, TypeAlias
 import numpy as np
 from flint import arb, ctx
 
-from driftproof.blackbox.stepper.opening import imported
-from driftproof.enclosure.fields import enclosable, time_first
 from driftproof.enclosure.numbers import Refused
+from driftproof.enclosure.problem_tables import problem_table, rational_entry
 from driftproof.enclosure.solutions import BITS_AT_FIRST, enclose_solution
 from driftproof.enclosure.steps import size
 from driftproof.enclosure.text_fields import field_function
-from driftproof.enclosure.traced_fields import field_of_function
-from driftproof.methods import field_text
 from driftproof.methods.catalogue import METHODS
-from driftproof.methods.expressions import parse_number
+from driftproof.methods.field_text import LONGEST_PROBLEM
 from driftproof.methods.schemes import MethodError
 from driftproof.methods.vector_fields import VectorField, partial_derivative
-from driftproof.numeric.problems.catalogue import problem_named
+from driftproof.numeric.problems.catalogue import PROBLEMS, problem_named
 from driftproof.numeric.problems.problem import CERTIFIED, Problem, Reference
 from driftproof.support.progress import working
-from driftproof.support.toml_tables import TomlTable, as_line, as_table, as_text, quoted, read_toml, require_keys
+from driftproof.support.toml_tables import TomlTable, as_line, read_toml
 from driftproof.symbolic.algebra.certified import Uncertified, significant
 from driftproof.symbolic.linear.ray_bounds import ALWAYS
 from driftproof.symbolic.linear.systems import SystemFacts
@@ -68,38 +64,28 @@ def problem_given(given: GivenProblem) -> Problem:
         raise ValueError(f"a function alone does not define a problem; give start and end as well: {example}")
     if not (name := str(given)).endswith(".toml"):
         return problem_named(name)
-    return read_toml(name, field_text.LONGEST_PROBLEM, lambda table: _problem(table, name))
+    return read_toml(name, LONGEST_PROBLEM, lambda table: _problem(table, name))
+
+
+def names_problem(given: object) -> bool:
+    """True for a problem: an object, a dict, a key of the catalogue, a .toml file with an `end`; and for a function."""
+    if isinstance(given, Problem | Mapping) or callable(given):
+        return True
+    name = str(given)
+    return name in PROBLEMS or (name.endswith(".toml") and read_toml(name, LONGEST_PROBLEM, lambda own: "end" in own))
 
 
 def _problem(table: TomlTable, name: str) -> Problem:
-    require_keys(table, field_text.PROBLEM_KEYS, "a problem")
-    start = tuple(_rational(x, f"start[{i}]") for i, x in enumerate(field_text.start_of_table(table)))
-    end = _rational(table.get("end"), "end")
-    field = _field(table, len(start))
+    field, start, energy, unknowns = problem_table(table)
+    end = rational_entry(table.get("end"), "end")
     if end <= 0:
         raise ValueError(f"end is {end}; it must be above 0, where problems begin")
     title = as_line(table.get("title", name), "title", _LONGEST_TITLE)
     reference, second_order = enclosed_reference(field, start, [end * k / PARTS for k in range(1, PARTS + 1)]), False
     with suppress(MethodError):
         second_order = bool(field.second_order())
-    unknowns = tuple(rates) if isinstance(rates := table.get("rates"), dict) else ()
-    found = Problem(name, title, field, start, reference, name, _energy(table), second_order, matrix=matrix_in(field))
+    found = Problem(name, title, field, start, reference, name, energy, second_order, matrix=matrix_in(field))
     return replace(found, unknowns=unknowns)
-
-
-def _energy(table: TomlTable) -> str | None:
-    """The energy in terms of y0, y1, ...; if the rates are a function's, its parameters stand there as doubles."""
-    if "rates" in table or "energy" not in table:
-        return field_text.energy_of_table(table)
-    doubles = {name: Fraction(x) for name, x in _doubles(table).items()}
-    names = {name: f"({x.numerator} / {x.denominator})" for name, x in doubles.items()}
-    return field_text.rate_of_text(as_text(table["energy"], "energy"), names)
-
-
-def _doubles(table: TomlTable) -> dict[str, float]:
-    """The parameters of a function, as doubles."""
-    given = as_table(table.get("parameters", {}), "parameters")
-    return {name: float(_rational(x, f"parameters.{name}")) for name, x in given.items()}
 
 
 def _as_toml(value: Any) -> Any:
@@ -109,21 +95,6 @@ def _as_toml(value: Any) -> Any:
     if isinstance(value, tuple | list | np.ndarray):
         return [_as_toml(each) for each in value]
     return str(value) if isinstance(value, float | Fraction) else value
-
-
-def _field(table: TomlTable, components: int) -> VectorField:
-    if "function" in table:
-        if "rates" in table:
-            raise ValueError("give either rates or function, not both")
-        own = table["function"]
-        own = own if callable(own) else imported(as_text(own, "function"), "function")
-        function = enclosable(time_first(own))
-        parameters = _doubles(table)
-        return field_of_function(lambda t, y: function(t, y, **parameters), components)
-    field = field_text.field_of_table(table)
-    if len(field.rates) != components:
-        raise ValueError(f"start has {components} entries, but the rates need {len(field.rates)}")
-    return field
 
 
 @working("a problem of your own")
@@ -163,23 +134,6 @@ def _digits(x: arb, largest: arb) -> str:
     if places < ENCLOSED_DIGITS:
         raise Uncertified("the ball around 0 is too wide")
     return f"0e-{places}"
-
-
-def _rational(value: object, where: str) -> Fraction:
-    if value is None or isinstance(value, bool | list | dict):
-        shown = "missing" if value is None else quoted(value)
-        raise ValueError(f'{where} is {shown}; write a number such as "1/3" or 0.1')
-    try:
-        number: Any = parse_number(str(value), where)
-    except ValueError:  # perhaps it is written as rates are, such as 2*pi
-        number = math.nan
-        with np.errstate(all="ignore"), suppress(ValueError, ArithmeticError):
-            number = field_function(field_text.field_of_text([str(value)]))(math.nan, [math.nan])[0]
-        if not np.isfinite(number):
-            raise
-    if not isinstance(number, Fraction):
-        raise ValueError(f"{where} is {value}; write a rational number, such as {float(number)!r}")
-    return number
 
 
 def matrix_in(field: VectorField) -> tuple[tuple[Fraction, ...], ...] | None:

@@ -4,9 +4,17 @@ from __future__ import annotations
 
 import os
 import platform
+import re
+import sys
 from collections.abc import Iterable
+from contextvars import ContextVar
+from importlib import import_module
 from importlib.util import find_spec
 from pathlib import Path
+from typing import Any
+
+# False where a user's modules must not be imported: while a template is rendered.
+OWN_CODE_RUNS: ContextVar[bool] = ContextVar("OWN_CODE_RUNS", default=True)
 
 
 def installed(package: str) -> bool:
@@ -23,6 +31,32 @@ def require_package(package: str, extra: str, need: str) -> None:
     """Raise ValueError if the package is missing, before any work is done; the message is `need` and how to install."""
     if not installed(package):
         raise ValueError(f"{need}; install it with {how_to_install(extra)}")
+
+
+def imported_object(named: str, what: str) -> Any:
+    """The object that `package.module:name` names, also found from the current directory.
+
+    Raises ValueError, with a message of one line, for a text of another form, for what cannot be imported, and where
+    OWN_CODE_RUNS is false.
+    """
+    if not OWN_CODE_RUNS.get():
+        raise ValueError(f"{what} {named!r} is Python code, which templates do not run")
+    module, colon, path = named.partition(":")
+    if module.endswith(".py") and colon:
+        raise ValueError(f"{named!r} names a file; write {module[:-3].replace('/', '.').strip('.')}:{path}")
+    if not (colon and all(part.isidentifier() for part in (*module.split("."), *path.split(".")))):
+        dotted = re.fullmatch(r"([^\W\d][\w.]*)\.(\w+)", named)
+        example = f", perhaps {dotted[1]}:{dotted[2]}" if dotted else ""
+        raise ValueError(f"{named!r} names no {what}; write package.module:function{example}")
+    if os.getcwd() not in sys.path:
+        sys.path.insert(0, os.getcwd())
+    try:
+        found: Any = import_module(module)
+        for part in path.split("."):
+            found = getattr(found, part)
+    except Exception as error:  # the import of a foreign module may raise anything
+        raise ValueError(f"{named} cannot be imported: {type(error).__name__}: {error}") from error
+    return found
 
 
 def machine_description() -> str:

@@ -14,7 +14,7 @@ from types import SimpleNamespace
 import pytest
 
 from driftproof import assert_verified, cli, identify, verify
-from driftproof.blackbox.checks.special_arguments import negative_step, zero_step
+from driftproof.blackbox.checks.arguments import negative_step, zero_step
 from driftproof.blackbox.checks.suite import CHECKS
 from driftproof.blackbox.checks.trials import steady_runner
 from driftproof.blackbox.findings import NoAnswer, Outcome, StepRaised

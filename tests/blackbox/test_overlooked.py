@@ -31,22 +31,39 @@ def spring(force_of=lambda x, k, m: k / m * x):
     return step
 
 
-def heavy(masses_of):
-    def step(force, x, v, masses, dt):
-        m = masses_of(np.asarray(masses), x)
-        v = v + dt / 2 * force(x) / m
+def verlet(force_of=lambda force, m: force / m, ended=lambda v, x: v):
+    def step(force, x, v, m, dt):
+        v = v + dt / 2 * force_of(force(x), m)
         x = x + dt * v
-        return x, v + dt / 2 * force(x) / m
+        return x, ended(v + dt / 2 * force(x) / m, x)
+
+    return step
+
+
+def heavy(masses_of):
+    return lambda force, x, v, masses, dt: verlet()(force, x, v, masses_of(np.asarray(masses), x), dt)
+
+
+def kicked(change):
+    """Velocity Verlet, whose velocities are changed at its end."""
+    return lambda acc, x, v, dt: verlet(ended=change)(acc, x, v, 1.0, dt)
+
+
+def heun(slope_of=lambda slope: slope, length=lambda h: h, ended=lambda end, y: end, at=lambda t: t):
+    """Heun's method, of changed slopes in steps of another length, asked at other times; its end is changed."""
+
+    def step(f, t, y, h):
+        slope, h = slope_of(f(at(t), y)), length(h)
+        return ended(y + h / 2 * (slope + slope_of(f(at(t) + h, y + h * slope))), y)
 
     return step
 
 
 def on_times(intervals):
     def step(f, y0, t):
-        rows, sizes = [np.array(y0)], intervals(t)
-        for at, h in zip(t[:-1], sizes, strict=True):
-            slope = f(at, rows[-1])
-            rows.append(rows[-1] + h / 2 * (slope + f(at + h, rows[-1] + h * slope)))
+        rows = [np.array(y0)]
+        for at, h in zip(t[:-1], intervals(t), strict=True):
+            rows.append(heun()(f, at, rows[-1], h))
         return np.array(rows)
 
     return step
@@ -72,11 +89,7 @@ def end_of(run):
 
 
 def timed(ahead):
-    def step(f, t, y, h):
-        slope = f(t, y)
-        return t + ahead * h, y + h / 2 * (slope + f(t + h, y + h * slope))
-
-    return step
+    return lambda f, t, y, h: (t + ahead * h, heun()(f, t, y, h))
 
 
 def record(ahead):
@@ -107,20 +120,7 @@ def cast(form):
 def called(turn):
     """Heun's method, or Euler's in the calls of these numbers."""
     count = itertools.count(1)
-
-    def step(f, t, y, h):
-        slope = f(t, y)
-        return y + h * slope if turn(next(count)) else y + h / 2 * (slope + f(t + h, y + h * slope))
-
-    return step
-
-
-def heun(slope_of=lambda slope: slope, length=lambda h: h):
-    def step(f, t, y, h):
-        slope, h = slope_of(f(t, y)), length(h)
-        return y + h / 2 * (slope + slope_of(f(t + h, y + h * slope)))
-
-    return step
+    return lambda f, t, y, h: y + h * f(t, y) if turn(next(count)) else heun()(f, t, y, h)
 
 
 def nearly(apart, kept=None):
@@ -130,15 +130,6 @@ def nearly(apart, kept=None):
         return kept
 
     return length
-
-
-def verlet(force_of=lambda force, m: force / m, ended=lambda x, v: v):
-    def step(force, x, v, m, dt):
-        v = v + dt / 2 * force_of(force(x), m)
-        x = x + dt * v
-        return x, ended(x, v + dt / 2 * force(x) / m)
-
-    return step
 
 
 def rows(of_row):
@@ -226,16 +217,6 @@ def sampled(kick):
     return step
 
 
-def ending(change=lambda end, y: end, at=lambda t: t):
-    """Heun's method, whose end is changed, and whose right-hand side is asked at other times."""
-
-    def step(f, t, y, h):
-        slope = f(at(t), y)
-        return change(y + h / 2 * (slope + f(at(t) + h, y + h * slope)), y)
-
-    return step
-
-
 def on_equal_steps(most):
     """Heun's method; Adams' of two steps after so many equal steps."""
     before = []
@@ -243,23 +224,11 @@ def on_equal_steps(most):
     def step(f, t, y, h):
         if not before or before[-1][:2] != (t, h):
             before.clear()
-        slope = f(t, y)
-        end = y + h / 2 * (slope + f(t + h, y + h * slope))
+        slope, end = f(t, y), heun()(f, t, y, h)
         if len(before) > most:
             end = y + h * (1.5 * slope - 0.5 * before[-1][2])
         before.append((t + h, h, slope))
         return end
-
-    return step
-
-
-def kicked(change):
-    """Velocity Verlet, whose velocities are changed at its end."""
-
-    def step(acc, x, v, dt):
-        v = v + dt / 2 * acc(x)
-        x = x + dt * v
-        return x, change(v + dt / 2 * acc(x), x)
 
     return step
 
@@ -336,11 +305,7 @@ def of_rows(change):
 
 
 def springs(change):
-    def step(x, v, dt):
-        v = v - dt * change(np.array(x, float))
-        return x + dt * v, v
-
-    return step
+    return lambda x, v, dt: spring(lambda x, k, m: change(np.array(x, float)))(x, v, dt, 1.0, 1.0)
 
 
 def scaling(slope_of):
@@ -377,12 +342,7 @@ def of_objects(known):
 
 def moving(moves):
     """Heun's method, unless nothing seems to move."""
-
-    def step(f, t, y, h):
-        slope = f(t, y)
-        return y + h / 2 * (slope + f(t + h, y + h * slope)) if np.any(moves(slope)) else y
-
-    return step
+    return lambda f, t, y, h: heun()(f, t, y, h) if np.any(moves(f(t, y))) else y
 
 
 def stopping(stops, moved=0.0):
@@ -457,7 +417,7 @@ WRONG = [
     (heun(length=lambda h: h if h > -1 else -1), heun(), "heun2", "is heun2 for h > 0 only: a step with"),
     (heun(lambda slope: np.clip(slope, -1e4, 1e4)), heun(), "heun2", "is heun2, but not everywhere: in"),
     (verlet(lambda force, m: force * m / 4), verlet(), VERLET, "but not for all parameters: with m = 0.5"),
-    (verlet(ended=lambda x, v: v - np.mean(v, axis=0) if np.ndim(v) > 1 else v), verlet(), VERLET, "in space"),
+    (verlet(ended=lambda v, x: v - np.mean(v, axis=0) if np.ndim(v) > 1 else v), verlet(), VERLET, "in space"),
     (rows(lambda q: q[0]), rows(lambda q: q), EULER, "at once: of 3 oscillators together, number 1"),
     (later(lambda n: n - 1 - (n % 10 == 9)), RUN, EULER, "for its first step only"),
     (out_of(lambda out, y: np.add(out, y, out)), out_of(lambda out, y: np.copyto(out, y)), "forward_euler", "0.59375"),
@@ -468,14 +428,14 @@ WRONG = [
     (ros2(lambda h: 1), ros2(lambda h: h), "ros2", "is not ros2: order 1 is observed where f depends on t"),
     (sampled(1), sampled(0.5), VERLET, "kick 2: 1 instead of 1/2"),
     (leap(False), leap(True), VERLET, "is not velocity_verlet"),
-    (ending(lambda end, y: end * (1 + 1e-6 * (len(y) == 13))), ending(), "heun2", "with 13 components it takes"),
-    (ending(lambda end, y: np.r_[end[:-4], y[-4:]] if len(y) % 8 == 0 else end), ending(), "heun2", "with 8 comp"),
-    (ending(lambda end, y: end.astype(np.float32) if len(y) > 30 else end), ending(), "heun2", "with 32 components"),
-    (ending(at=lambda t: t or 1.0), ending(), "heun2", "is heun2, but not everywhere: at t = 0 it takes"),
-    (ending(at=lambda t: np.float32(t) if t > 1e5 else t), ending(), "heun2", "at t = 2.45154e+06 it takes"),
+    (heun(ended=lambda end, y: end * (1 + 1e-6 * (len(y) == 13))), heun(), "heun2", "with 13 components it takes"),
+    (heun(ended=lambda end, y: np.r_[end[:-4], y[-4:]] if len(y) % 8 == 0 else end), heun(), "heun2", "with 8 comp"),
+    (heun(ended=lambda end, y: end.astype(np.float32) if len(y) > 30 else end), heun(), "heun2", "with 32 components"),
+    (heun(at=lambda t: t or 1.0), heun(), "heun2", "is heun2, but not everywhere: at t = 0 it takes"),
+    (heun(at=lambda t: np.float32(t) if t > 1e5 else t), heun(), "heun2", "at t = 2.45154e+06 it takes"),
     (on_equal_steps(3), on_equal_steps(99), "heun2", "a step that continues from the previous one differs"),
-    (ending(lambda end, y: end if y.ndim < 2 else end[::-1]), ending(), "heun2", "arrays of two dimensions it takes"),
-    (ending(lambda end, y: end if np.ndim(y) else y), ending(), "heun2", "with Python floats it takes a different"),
+    (heun(ended=lambda end, y: end if y.ndim < 2 else end[::-1]), heun(), "heun2", "arrays of two dimensions it takes"),
+    (heun(ended=lambda end, y: end if np.ndim(y) else y), heun(), "heun2", "with Python floats it takes a different"),
     (kicked(lambda v, x: v * (1 - (np.shape(x)[1:] == (2,)) / 9)), kicked(lambda v, x: v), VERLET, "in the plane"),
     (kicked(lambda v, x: v * (1 - (np.shape(x) == (1, 3)) / 9)), kicked(lambda v, x: v), VERLET, "bodies in space"),
     (kicked(lambda v, x: np.float32(v) if np.max(x) > 999 else v), kicked(lambda v, x: v), VERLET, "of 8 oscillators"),

@@ -19,15 +19,7 @@ from driftproof.methods.catalogue import METHODS
 from driftproof.support.processes import Session
 from tests.blackbox import handwritten_steppers as codes
 from tests.blackbox.extension_steppers import extension_step, first_and_last_exchanged
-from tests.blackbox.implicit_steppers import (
-    G,
-    all_at_once,
-    broyden,
-    newton,
-    one_by_one,
-    simplified,
-    table,
-)
+from tests.blackbox.implicit_steppers import G, all_at_once, broyden, newton, one_by_one, simplified, table
 from tests.blackbox.pair_steppers import pair_step
 from tests.blackbox.transcripts import checksum, shortened, titles
 

@@ -163,6 +163,11 @@ def planted(kind: str) -> Iterator[tuple[Bug, bool]]:
     raise AssertionError(f"{told} bugs of the kind {kind!r}, {PER_KIND} are wanted")
 
 
+def words_of(report: Report) -> list[str]:
+    """The verdict and every line of a report."""
+    return [report.verdict, *(line for section in report.sections for line in section.lines)]
+
+
 def names_the_cause(bug: Bug, report: Report) -> bool:
     """True when the words of the report hold what was planted.
 
@@ -200,7 +205,7 @@ def names_the_cause(bug: Bug, report: Report) -> bool:
             rf"its coefficients agree, but on .*\b[qv]\[{bug.component}\]",
         ],
     }
-    words = "\n".join([report.verdict, *(line for section in report.sections for line in section.lines)])
+    words = "\n".join(words_of(report))
     # A headline may name a method and leave it to the lines that this is of another system.
     became = re.search(other, words) and "small steps follow" not in words
     return bool(became) or any(re.search(pattern, words) for pattern in patterns[bug.kind])

@@ -5,25 +5,12 @@ Each is a small twin in our own words, with its mistake and mended, as in `publi
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Any
-
-from driftproof import verify
 from tests.blackbox.families.linearised_steppers import rosenbrock
-from tests.blackbox.families.remembering_steppers import Remembering, euler, implicit_euler, rk4_step
+from tests.blackbox.families.remembering_steppers import Remembering, implicit_euler
+from tests.blackbox.handwritten_steppers import euler, rk4
 from tests.blackbox.implicit_steppers import newton
-from tests.campaigns.public_solver_bugs import Replay, Said
-
-
-def of_key(key: str) -> Callable[[Any], Said]:
-    """What `verify` says of a step that is to be this multistep or Rosenbrock method."""
-
-    def examine(step: Any) -> Said:
-        report = verify(step, key, isolate=False)
-        words = "; ".join([report.verdict, *(line for section in report.sections for line in section.lines)])
-        return Said(words, [] if report.passed else [report.verdict])
-
-    return examine
+from tests.campaigns.public_solver_bugs import Replay
+from tests.campaigns.public_step_bugs import of_method
 
 
 class Early(Remembering):
@@ -48,21 +35,21 @@ def without_before(f, t, y, h):
 
 def at_one_time(f, t, y, h):
     """A start whose clock stands still: the stages of a step are all asked at its start."""
-    return rk4_step(lambda _, z: f(t, z), t, y, h)
+    return rk4(lambda _, z: f(t, z), t, y, h)
 
 
 _START = "its start is too inaccurate: first errors are like h^1"
 FAMILIES = (
     Replay("CliMA/Oceananigans.jl#127", "Adams-Bashforth from the first step on, the slope before it 0",
-           of_key("adams_bashforth2"), Remembering("adams_bashforth2", without_before).step,
+           of_method("adams_bashforth2"), Remembering("adams_bashforth2", without_before).step,
            Remembering("adams_bashforth2", euler).step, _START),
     Replay("KratosMultiphysics/Kratos#5515", "BDF2 from the first step on, the value before it the first one",
-           of_key("bdf2"), Remembering("bdf2", repeated).step, Remembering("bdf2", implicit_euler).step, _START),
+           of_method("bdf2"), Remembering("bdf2", repeated).step, Remembering("bdf2", implicit_euler).step, _START),
     Replay("SciML/OrdinaryDiffEq.jl#4329", "a three-step formula before there are three values",
-           of_key("bdf3"), Early("bdf3", rk4_step).step, Remembering("bdf3", rk4_step).step, _START),
+           of_method("bdf3"), Early("bdf3", rk4).step, Remembering("bdf3", rk4).step, _START),
     Replay("headmyshoulder/odeint-v2#215", "the time does not advance in the stepper that starts it",
-           of_key("adams_bashforth4"), Remembering("adams_bashforth4", at_one_time).step,
-           Remembering("adams_bashforth4", rk4_step).step, "called at wrong times"),
-    Replay("AMReX-Astro/Microphysics#2061", "a Rosenbrock method without df/dt", of_key("rodas4"),
+           of_method("adams_bashforth4"), Remembering("adams_bashforth4", at_one_time).step,
+           Remembering("adams_bashforth4", rk4).step, "called at wrong times"),
+    Replay("AMReX-Astro/Microphysics#2061", "a Rosenbrock method without df/dt", of_method("rodas4"),
            rosenbrock("rodas4", time_slope="none"), rosenbrock("rodas4"), "df/dt is left out"),
 )  # fmt: skip

@@ -6,7 +6,7 @@ The codes are not those of the threads: they have their mistakes, in methods of 
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import cache
+from functools import cache, partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -16,6 +16,7 @@ from driftproof.blackbox.matching.dense_outputs import judged_dense
 from driftproof.blackbox.matching.estimates import judged_estimate
 from driftproof.blackbox.solvers.foreign_solver import ForeignSolver
 from driftproof.blackbox.solvers.runs import read_runs
+from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.blackbox.stepper.opening import opened
 from driftproof.methods.catalogue import METHODS
 from tests.blackbox.extension_steppers import but_the_last, extension_step, first_and_last_exchanged
@@ -44,16 +45,13 @@ class Replay(NamedTuple):
     cause: str
 
 
-def of_pair(step: Any) -> Said:
-    """What `identify` says of the error estimate of a step."""
-    found = judged_estimate(opened(step, "field"))
+def of_second(judged: Callable[[ForeignStepper], Any], step: Any) -> Said:
+    """What `identify` says of what a step returns besides y1."""
+    found = judged(opened(step, "field"))
     return Said("; ".join((*found.lines, *found.faults)), list(found.faults))
 
 
-def of_dense(step: Any) -> Said:
-    """What `identify` says of the dense output of a step."""
-    found = judged_dense(opened(step, "field"))
-    return Said("; ".join((*found.lines, *found.faults)), list(found.faults))
+of_pair, of_dense = partial(of_second, judged_estimate), partial(of_second, judged_dense)
 
 
 @cache  # several mistakes have the same mended twin
@@ -89,14 +87,12 @@ def midpoints(first_step_twice: bool):
     """The midpoint rule with 64 steps; the first is integrated over twice, and counted once, where asked."""
 
     def solve(f, t_span, y0, rtol, atol):
-        start, h = t_span[0], (t_span[1] - t_span[0]) / 64
-        y, times = np.array(y0, float), [start]
-        states = [y]
-        for n in range(64):
-            t = start + n * h
+        times, h = np.linspace(*t_span, 65), (t_span[1] - t_span[0]) / 64
+        states = [np.array(y0, float)]
+        for n, t in enumerate(times[:-1]):
+            y = states[-1]
             for _ in range(2 if first_step_twice and not n else 1):
                 y = y + h * f(t + h / 2, y + h / 2 * f(t, y))
-            times.append(start + (n + 1) * h)
             states.append(y)
         return times, states
 
@@ -107,15 +103,13 @@ def last_stage_as_first(taken: bool):
     """Heun's method; the slope at y + h f is taken for the one at y1, where `taken`: f is called half as often."""
 
     def solve(f, t_span, y0, rtol, atol):
-        start, h = t_span[0], (t_span[1] - t_span[0]) / 64
-        y, times = np.array(y0, float), [start]
-        states, first = [y], f(start, y)
-        for n in range(64):
-            second = f(start + (n + 1) * h, y + h * first)
-            y = y + h / 2 * (first + second)
-            first = second if taken else f(start + (n + 1) * h, y)
-            times.append(start + (n + 1) * h)
-            states.append(y)
+        times, h = np.linspace(*t_span, 65), (t_span[1] - t_span[0]) / 64
+        states = [np.array(y0, float)]
+        first = f(times[0], states[0])
+        for t in times[1:]:
+            second = f(t, states[-1] + h * first)
+            states.append(states[-1] + h / 2 * (first + second))
+            first = second if taken else f(t, states[-1])
         return times, states
 
     return solve

@@ -53,6 +53,20 @@ def test_file_of_arrays_is_read(names, tmp_path):
     assert read_trajectory(tmp_path / "run.npz").times == TIMES.tolist()
 
 
+def test_file_of_one_array_has_the_time_first(tmp_path):
+    np.save(tmp_path / "run.npy", np.column_stack([TIMES, STATES]))
+    found = read_trajectory(tmp_path / "run.npy")
+    assert (found.times, found.states) == (TIMES.tolist(), STATES.tolist())
+    for wrong in (TIMES, TIMES[:, None], STATES[None]):
+        np.save(tmp_path / "run.npy", wrong)
+        with pytest.raises(ValueError, match=r"run\.npy: its array has the shape \(.*\); it must have a row for each"):
+            read_trajectory(tmp_path / "run.npy")
+    np.savez(tmp_path / "run.npz", t=TIMES)
+    (tmp_path / "run.npz").rename(tmp_path / "run.npy")
+    with pytest.raises(ValueError, match=r"it is no \.npy file, as numpy\.save writes it"):
+        read_trajectory(tmp_path / "run.npy")
+
+
 def test_binary32_is_seen():
     assert trajectory_of(TIMES.astype(np.float32), STATES.astype(np.float32)).unit == BINARY32_UNIT
     assert trajectory_of([0, 1], [[1.0], [1e300]]).unit == BINARY64_UNIT
@@ -80,7 +94,8 @@ def test_file_of_another_form_is_refused_with_its_line(text, tmp_path):
 
 def test_other_files_are_refused(tmp_path, monkeypatch):
     for name, content, said in (
-        ("run.npy", b"0 1", r"must be a \.csv, \.txt, \.dat or \.npz file"),
+        ("run.mat", b"0 1", r"must be a \.csv, \.txt, \.dat, \.npz or \.npy file"),
+        ("run.npy", b"0 1", r"run\.npy: "),
         ("run.npz", b"no zip", r"run\.npz: it is no \.npz file"),
         ("run.csv", b"\xff\xfe", r"run\.csv: not UTF-8 at byte 0"),
     ):

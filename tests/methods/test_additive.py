@@ -31,8 +31,7 @@ def test_residuals_and_parts_are_named():
     method = FACTS_ONLY["ars111"]
     assert isinstance(method, Additive)
     assert replace(method, b_implicit=(1, 1)).inconsistencies() == {"sum(b_implicit) - 1": 1}
-    assert [method.table(part).key for part in ("explicit", "implicit")] == [
-        "ars111, explicit part",
-        "ars111, implicit part",
+    assert [method.table(x).key for x in ("explicit", "implicit")] == [
+        f"ars111, {x} part" for x in ("explicit", "implicit")
     ]
     assert (method.explicit, method.stages) == (False, 2)

@@ -36,6 +36,11 @@ def test_components_are_parted_by_semicolons_or_listed():
     assert field_of_text("y1; -y0") == field_of_text(["y1", "-y0"]) == field_of_text(["y[1]", "-y[0]"])
     for text in ("x' = v, v' = -x", "x'=v;v'=-x", "x ' = v\n; v'= -x"):
         assert field_of_text(text) == field_of_text(["y1", "-y0"]) == field_of_table({"rates": text})
+    for text in ("x'' = -x", 'x" = -x', "x''=-x", "x ' = dx, dx' = -x"):
+        assert field_of_text(text) == field_of_text(["y1", "-y0"]), text
+    two = field_of_text("x'' = -y' - x; y'' = x'")
+    assert two == field_of_text(["y2", "y3", "-y3 - y0", "y2"])
+    assert field_of_text("x'=dx; dx'=-x; y'=dy; dy'=-y").rates == ("y1", "-y0", "y3", "-y2")  # twin: as they stand
     for text in ("y1,2*y0", "0,5*y0", "x' = v, -x", "x' = v; x' = -v"):  # twin: may be a decimal, or is no equation
         with pytest.raises(ValueError, match=r"unexpected ','|is not allowed in a right-hand side"):
             field_of_text(text)

@@ -135,8 +135,3 @@ def test_a_parameter_with_a_name_of_the_text_is_refused(name):
 )
 def test_derivatives_are_written_without_ones_and_zeros(rate, derivative):
     assert partial_derivative(rate, "y0") == derivative
-
-
-def test_an_implicit_method_has_no_run_of_a_system():
-    with pytest.raises(MethodError, match="is implicit"):
-        runner(METHODS["gauss2"], LORENZ)

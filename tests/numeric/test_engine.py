@@ -14,14 +14,7 @@ from driftproof.methods.schemes import MethodError
 from driftproof.methods.stepping import oscillator
 from driftproof.methods.vector_fields import VectorField, field_source
 from driftproof.numeric import engine
-from driftproof.numeric.engine import (
-    BLOCK,
-    array_runner,
-    compiled_ensemble_runner,
-    compiled_runner,
-    in_threads,
-    runner,
-)
+from driftproof.numeric.engine import BLOCK, array_runner, compiled_ensemble_runner, compiled_runner, in_threads, runner
 from driftproof.numeric.problems.catalogue import problem_named
 from driftproof.symbolic.runs import exact_matrix_at
 from tests.float_bits import bits

@@ -1,5 +1,7 @@
 """A scene from Python: numbers, figures where asked."""
 
+from fractions import Fraction as Q
+
 import pytest
 
 from driftproof import report, scene, sweep
@@ -47,6 +49,21 @@ def test_a_scene_and_a_sweep_of_ones_own_problem_are_those_of_the_oscillator_tha
         sweep(path, h=["1/4", "1/8"], output=tmp_path / "kept.jsonl")
     with pytest.raises(ValueError, match="the problem fixes the start"):
         sweep(path, state=[(0, 1)])
+
+
+def test_a_problem_itself_is_swept_to_its_end(tmp_path):
+    own = tmp_path / "own.toml"
+    own.write_text(OWN)
+    for problem in (own, str(own), {"rates": ["y1", "-y0"], "start": [1, 0], "end": 10}):
+        found = sweep(problem, methods=["rk4", "heun2"], h=["1/2", "1/4"]).found
+        assert [point.values["h"] for point in found] == [Q(1, 2), Q(1, 4)] * 2
+        known = sweep("default", methods=["rk4", "heun2"], h=["1/2", "1/4"]).found
+        for ours, theirs in zip(found, known, strict=True):
+            assert ours.found["state_error"] == pytest.approx(theirs.found["state_error"], rel=1e-9)
+            assert ("energy_change" in ours.found) is not isinstance(problem, dict)
+    for lacks in ({}, {"methods": "rk4"}, {"h": "1/10"}):
+        with pytest.raises(ValueError, match="pendulum is a problem; a sweep of it needs methods and h, such as"):
+            sweep("pendulum", **lacks)
 
 
 def test_a_page_of_a_scene_on_a_problem_shows_the_problem_and_a_problem_is_no_scene(tmp_path):

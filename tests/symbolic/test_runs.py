@@ -149,9 +149,18 @@ def test_exact_state_is_written_as_sympy_writes_it(start: tuple[Q, Q], t: Q) -> 
         assert fixed(x, 25) == fixed(Q(str(sympy.N(wanted, 60))), 25)
 
 
-@pytest.mark.parametrize("command", ["run rk4 --h 1/4 --t 10", "step rk4 --h 1/4 --state 1,0", "facts gauss2"])
-def test_answers_load_no_sympy(command: str, modules_after: Callable[[str], set[str]]) -> None:
-    assert "sympy" not in modules_after(f"from driftproof.cli import main; main({command.split()!r})")
+@pytest.mark.parametrize(
+    ("command", "used"),
+    [
+        *(("run rk4 --h 1/4 --t 10", "symbolic.runs"), ("step rk4 --h 1/4 --state 1,0", "methods.stepping")),
+        *(("facts gauss2", "symbolic.facts"), ("roundoff yoshida4 --h 1/10", "symbolic.rounding.step_bound")),
+        ("verify examples.in_your_tests.springs:velocity_verlet --method rk4", "blackbox.verify"),
+    ],
+)
+def test_answers_load_no_sympy(command: str, used: str, modules_after: Callable[[str], set[str]]) -> None:
+    loaded = modules_after(f"from driftproof.cli import main; main({command.split()!r})")
+    assert f"driftproof.{used}" in loaded
+    assert "sympy" not in loaded
 
 
 def test_positive_phase_error_means_ahead() -> None:

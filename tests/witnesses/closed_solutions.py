@@ -14,94 +14,48 @@ from flint import arb, arb_series
 class Solved:
     """y' = f(t, y) from `start` at t0, solved by `solution(t)`, which takes balls and series; good up to `end`."""
 
-    name: str
     f: Callable
     start: tuple[float, ...]
-    t0: float
     end: float
     solution: Callable
+    t0: float = 0.0
 
 
-def drawn(random: Random) -> Solved:
-    """One of the families below with random doubles."""
+# Of random doubles: a rate a, which may be negative, a frequency w, and y0 and an end, which are positive.
+FAMILIES: dict[str, Callable[[float, float, float, float], Solved]] = {
+    "growth": lambda a, w, y0, end: Solved(
+        lambda t, y: a * y + w, (y0,), end, lambda t: [(y0 + arb(w) / a) * (a * t).exp() - arb(w) / a]),
+    "spiral": lambda a, w, y0, end: Solved(
+        lambda t, y: np.array([[a, w], [-w, a]]) @ y, (y0, 0.0), end,
+        lambda t: [y0 * (a * t).exp() * (w * t).cos(), -y0 * (a * t).exp() * (w * t).sin()]),
+    "logistic": lambda a, w, y0, end: Solved(
+        lambda t, y: [a * y[0] * (1 - y[0])], (y0,), end if a > 0 else end / 8,
+        lambda t: [y0 / (y0 + (1 - arb(y0)) * (-a * t).exp())]),
+    "tangent": lambda a, w, y0, end: Solved(lambda t, y: 1 + y**2, (0.0,), end, lambda t: [t.sin() / t.cos()]),
+    "swing": lambda a, w, y0, end: Solved(
+        lambda t, y: a * np.cos(t) * y, (y0,), end, lambda t: [y0 * (a * t.sin()).exp()]),
+    "hyperbola": lambda a, w, y0, end: Solved(
+        lambda t, y: -2 * t * y * y, (y0,), end, lambda t: [y0 / (1 + y0 * t * t)]),
+    "square": lambda a, w, y0, end: Solved(
+        lambda t, y: np.sqrt(y), (y0,), end, lambda t: [(arb(y0).sqrt() + t / 2) * (arb(y0).sqrt() + t / 2)]),
+    "decay": lambda a, w, y0, end: Solved(lambda t, y: np.abs(y), (-y0,), end, lambda t: [-y0 * (-t).exp()]),
+    "double exponential": lambda a, w, y0, end: Solved(
+        lambda t, y: y * np.log(y), (y0,), end, lambda t: [(arb(y0).log() * t.exp()).exp()]),
+    "cube": lambda a, w, y0, end: Solved(
+        lambda t, y: -(y**3), (y0,), end, lambda t: [y0 / (1 + 2 * arb(y0) ** 2 * t).sqrt()]),
+    "homogeneous": lambda a, w, y0, end: Solved(
+        lambda t, y: y / t, (y0,), w + end, lambda t: [y0 / arb(w) * t], t0=w),
+    "powers": lambda a, w, y0, end: Solved(
+        lambda t, y: y**1.5, (y0,), end / 2, lambda t: [(1 / arb(y0).sqrt() - t / 2) ** -2]),
+}  # fmt: skip
+
+
+def drawn(random: Random) -> tuple[str, Solved]:
+    """The name of one of the families, and the problem with random doubles."""
     a, w = random.uniform(-2, 2), random.uniform(0.2, 3)
     y0, end = random.uniform(0.1, 2), random.uniform(0.1, 1.5)
-    return random.choice(FAMILIES)(a, w, y0, end)
-
-
-def growth(a, w, y0, end):
-    return Solved(
-        "growth", lambda t, y: a * y + w, (y0,), 0.0, end, lambda t: [(y0 + arb(w) / a) * (a * t).exp() - arb(w) / a]
-    )
-
-
-def spiral(a, w, y0, end):
-    def f(t, y):
-        return np.array([[a, w], [-w, a]]) @ y
-
-    return Solved(
-        "spiral",
-        f,
-        (y0, 0.0),
-        0.0,
-        end,
-        lambda t: [y0 * (a * t).exp() * (w * t).cos(), -y0 * (a * t).exp() * (w * t).sin()],
-    )
-
-
-def logistic(a, w, y0, end):
-    return Solved(
-        "logistic", lambda t, y: [a * y[0] * (1 - y[0])], (y0,), 0.0, end if a > 0 else end / 8,
-        lambda t: [y0 / (y0 + (1 - arb(y0)) * (-a * t).exp())],
-    )  # fmt: skip
-
-
-def tangent(a, w, y0, end):
-    return Solved("tangent", lambda t, y: 1 + y**2, (0.0,), 0.0, end, lambda t: [t.sin() / t.cos()])
-
-
-def swing(a, w, y0, end):
-    return Solved("swing", lambda t, y: a * np.cos(t) * y, (y0,), 0.0, end, lambda t: [y0 * (a * t.sin()).exp()])
-
-
-def hyperbola(a, w, y0, end):
-    return Solved("hyperbola", lambda t, y: -2 * t * y * y, (y0,), 0.0, end, lambda t: [y0 / (1 + y0 * t * t)])
-
-
-def square(a, w, y0, end):
-    def solution(t):
-        root = arb(y0).sqrt() + t / 2
-        return [root * root]
-
-    return Solved("square", lambda t, y: np.sqrt(y), (y0,), 0.0, end, solution)
-
-
-def decay(a, w, y0, end):
-    return Solved("decay", lambda t, y: np.abs(y), (-y0,), 0.0, end, lambda t: [-y0 * (-t).exp()])
-
-
-def double_exponential(a, w, y0, end):
-    return Solved(
-        "double exponential", lambda t, y: y * np.log(y), (y0,), 0.0, end, lambda t: [(arb(y0).log() * t.exp()).exp()]
-    )
-
-
-def cube(a, w, y0, end):
-    return Solved("cube", lambda t, y: -(y**3), (y0,), 0.0, end, lambda t: [y0 / (1 + 2 * arb(y0) ** 2 * t).sqrt()])
-
-
-def homogeneous(a, w, y0, end):
-    return Solved("homogeneous", lambda t, y: y / t, (y0,), w, w + end, lambda t: [y0 / arb(w) * t])
-
-
-def powers(a, w, y0, end):
-    return Solved("powers", lambda t, y: y**1.5, (y0,), 0.0, end / 2, lambda t: [(1 / arb(y0).sqrt() - t / 2) ** -2])
-
-
-FAMILIES = (
-    *(growth, spiral, logistic, tangent, swing, hyperbola, square, decay),
-    *(double_exponential, cube, homogeneous, powers),
-)
+    name = random.choice([*FAMILIES])
+    return name, FAMILIES[name](a, w, y0, end)
 
 
 def kepler(e: arb, t: arb) -> list[arb]:
@@ -141,4 +95,4 @@ def relaxed(random: Random) -> Solved:
         b = (arb(w) - 1) * (fast * t).exp()
         return [(arb(u) - (arb(w) - 1)) * (slow * t).exp() + b + t.sin(), b + t.cos()]
 
-    return Solved("relaxed", f, (u, w), 0.0, random.uniform(0.5, 5), solution)
+    return Solved(f, (u, w), random.uniform(0.5, 5), solution)

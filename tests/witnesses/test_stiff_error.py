@@ -9,6 +9,7 @@ import pytest
 
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.schemes import Collocation, RungeKutta
+from driftproof.numeric.tableaux import solved
 from driftproof.symbolic.algebra.polynomials import exact, scalar
 from driftproof.symbolic.linear.stability_function import prothero_robinson, scalar_tableau
 from tests.looping import some
@@ -50,15 +51,8 @@ def defect(method: Tableau, power: int, z: Fraction) -> Fraction:
         *([Fraction(str(x)) for x in v] for v in (data.b, data.c)),
     )
     right = [power * x ** (power - 1) - z * x**power for x in c]
-    rows = [[(i == j) - z * x for j, x in enumerate(row)] + [right[i]] for i, row in enumerate(a)]
-    for i in range(len(rows)):
-        pivot = next(r for r in range(i, len(rows)) if rows[r][i])
-        rows[i], rows[pivot] = rows[pivot], rows[i]
-        rows[i] = [x / rows[i][i] for x in rows[i]]
-        for r in range(len(rows)):
-            if r != i:
-                rows[r] = [x - rows[r][i] * y for x, y in zip(rows[r], rows[i], strict=True)]
-    return 1 - sum((w * row[-1] for w, row in zip(b, rows, strict=True)), Fraction(0))
+    slopes = solved([[(i == j) - z * x for j, x in enumerate(row)] for i, row in enumerate(a)], right)
+    return 1 - sum((w * x for w, x in zip(b, slopes, strict=True)), Fraction(0))
 
 
 # Both sides are quotients of polynomials of degree stages + 1 at most: equal at 2 stages + 4 points, they are equal.

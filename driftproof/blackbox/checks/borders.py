@@ -89,6 +89,11 @@ class Border:
     kept: Trial
     beyond: tuple[Trial, ...]
 
+    @property
+    def example(self) -> tuple[Trial, Trial]:
+        """The last state that is left unchanged, and the first that is not."""
+        return self.kept, self.beyond[0]
+
 
 def border(
     short: NegligibleStep,

@@ -80,26 +80,18 @@ def _fixed_call(runner: TrialRunner, before: PhasePoint | None = None) -> PhaseP
 
 
 def _remembers(runner: TrialRunner) -> tuple[CheckResult, ...]:
-    """The checks of a stepper whose answer depends on the call before, and on nothing else that changes."""
+    """The checks of a stepper whose answer depends on the call before, and perhaps on calls of its copies."""
     example = tuple(runner.trial(*z, IRREGULAR_STEP) for before in (ANOTHER, _THIRD) for z in (before, ORDINARY_STATE))
-    found = (
-        CheckResult(SAME, True, "the same call gives the same bits after the same previous call"),
-        CheckResult(_MEMORY, False, CALL_BEFORE, example),
-    )
-    return found + _memory_of_another(runner)
-
-
-def _memory_of_another(runner: TrialRunner) -> tuple[CheckResult, ...]:
-    """Check that a copy of the stepper leaves this one's memory alone; nothing if it has no copy."""
+    repeated = CheckResult(SAME, True, "the same call gives the same bits after the same previous call")
+    found = repeated, CheckResult(_MEMORY, False, CALL_BEFORE, example)
     other = _copy(runner)
     if other is None:
-        return ()
+        return found
     alone = _fixed_call(runner, ANOTHER)
     runner.step(*ANOTHER, IRREGULAR_STEP)
     other.step(*_THIRD, IRREGULAR_STEP)
-    if same(_fixed_call(runner), alone):
-        return (CheckResult("own_memory", True, "a second object has its own memory"),)
-    return (CheckResult("own_memory", False, "a second object shares its memory"),)
+    own = same(_fixed_call(runner), alone)
+    return *found, CheckResult("own_memory", own, f"a second object {'has its own' if own else 'shares its'} memory")
 
 
 def _copy(runner: TrialRunner) -> TrialRunner | None:

@@ -48,18 +48,13 @@ class Rule:
     @property
     def ends(self) -> tuple[float, float]:
         """The last value that is left unchanged, and the first beyond."""
-        kept, beyond = (trial.given[self.component] for trial in (self.border.kept, self.border.beyond[0]))
+        kept, beyond = (trial.given[self.component] for trial in self.border.example)
         return kept, beyond
 
     @property
     def limit(self) -> float:
         """The border as a programmer may have written it: the end with the shorter name."""
         return shorter_number(*self.ends)
-
-    @property
-    def example(self) -> tuple[Trial, ...]:
-        """The trials of the last state that is left unchanged and of the first that is not."""
-        return self.border.kept, self.border.beyond[0]
 
 
 def domain(subject: ForeignStepper) -> tuple[CheckResult, ...]:
@@ -100,8 +95,7 @@ def _rule_of(short: NegligibleStep, component: int, seen: Border) -> Rule | None
     answers = {trial.answer for trial in finite if trial.answer is not None}
     values = {answer[component] for answer in answers}
     if len(values) == 1 and len({trial.given[component] for trial in finite}) > 1:
-        others_kept = all(short.keeps_other(component, trial) for trial in finite)
-        if others_kept:
+        if all(short.keeps_other(component, trial) for trial in finite):
             return Rule(CAPPED, component, seen, values.pop())
         if len(answers) == 1:
             return Rule(RESET, component, seen, more=f"the state jumps to {first.seen}")
@@ -115,7 +109,7 @@ def _range_check(component: int, found: Sequence[Rule]) -> CheckResult:
     rules = [rule for rule in found if rule.kind != OVERFLOWS]
     if not rules:
         return CheckResult(_RANGES[component], True, f"{_PLURALS[component]} of any size are used as given")
-    example = tuple(trial for rule in rules for trial in rule.example)
+    example = tuple(trial for rule in rules for trial in rule.border.example)
     holds = None if all(rule.kind == REFUSED for rule in rules) else False
     return CheckResult(_RANGES[component], holds, _in_words(COMPONENT_NAMES[component], rules), example)
 
@@ -153,7 +147,7 @@ def _large(runner: TrialRunner, rules: Sequence[Rule]) -> CheckResult:
     holds = abs(first.limit) >= _EARLY * float(runner.format.largest)
     room = "close to" if holds else "far from"
     words = f"overflows from {name} = {first.limit:.4g} on, where the answer is {room} overflow"
-    return CheckResult("large_states", holds, words, first.example)
+    return CheckResult("large_states", holds, words, first.border.example)
 
 
 def _small(short: NegligibleStep) -> CheckResult:
@@ -163,16 +157,13 @@ def _small(short: NegligibleStep) -> CheckResult:
         base = short.state[component]
         seen = border(short, partial(short.along, component), base, [base * s for s in shrinking])
         if seen is not None:
-            return _small_check(_put_to_rest(short, component, seen), seen)
+            return CheckResult("small_states", False, _put_to_rest(short, component, seen), seen.example)
     # Where a rule rounds, as a wrapped angle does, small states lose digits without being put to rest.
     seen = None if short.slack else border(short, short.scaled, 1.0, shrinking)
     if seen is None:
         return CheckResult("small_states", True, "small states are used as given")
-    return _small_check(f"small states change even as h -> 0: {_becomes(seen.beyond[0])}", seen)
-
-
-def _small_check(words: str, seen: Border) -> CheckResult:
-    return CheckResult("small_states", False, words, (seen.kept, seen.beyond[0]))
+    words = f"small states change even as h -> 0: {_becomes(seen.beyond[0])}"
+    return CheckResult("small_states", False, words, seen.example)
 
 
 def _put_to_rest(short: NegligibleStep, component: int, seen: Border) -> str:

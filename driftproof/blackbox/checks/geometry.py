@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from fractions import Fraction
 from math import log2, sqrt
@@ -11,45 +10,39 @@ from driftproof.blackbox.checks.trials import TYPICAL_STEP, CheckResult, PhasePo
 from driftproof.blackbox.findings import Misbehaviour
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 
-_SYMMETRIC = "symmetric"
 _STEPS = (1.0, 0.5, 0.25, 0.125, 0.0625)
 # Measured powers of catalogue methods are nearer to a whole number than this, unless no leading term shows yet.
 _NEAR = 1 / 8
-# A step from a state and another one back, with one h.
-_Round = Callable[[TrialRunner, PhasePoint, float], PhasePoint]
 
 
 def reversal(subject: ForeignStepper) -> tuple[CheckResult, ...]:
     """Check symmetry, S(-h) S(h) = 1, and reversibility, (R S(h))² = 1 with R (q, v) = (q, -v)."""
     runner = steady_runner(subject)
     return (
-        _check(runner, _SYMMETRIC, "S(-h) undoes S(h)", lambda runner, z, h: runner.step(*runner.step(*z, h), -h)),
-        _check(runner, "reversible", "a step with the velocity reversed undoes a step", _turned_round),
+        _undone(runner, "symmetric", "S(-h) undoes S(h)", turn=1, way=-1),
+        _undone(runner, "reversible", "a step with the velocity reversed undoes a step", turn=-1, way=1),
     )
 
 
-def _turned_round(runner: TrialRunner, z: PhasePoint, h: float) -> PhasePoint:
-    q, v = runner.step(*z, h)
-    q, v = runner.step(q, -v, h)
-    return q, -v
+def _undone(runner: TrialRunner, key: str, words: str, turn: int, way: int) -> CheckResult:
+    """Check that a step, its velocity times `turn`, is undone by one of `way` h; the worse of two states counts."""
 
+    def defect(z: PhasePoint, h: float) -> float:
+        q, v = runner.step(*z, h)
+        q, v = runner.step(q, turn * v, way * h)
+        return max(abs(x - y) for x, y in zip((q, turn * v), z, strict=True)) / max(map(abs, z))
 
-def _check(runner: TrialRunner, key: str, words: str, back: _Round) -> CheckResult:
     try:
-        defects = [_defect(runner, back, h) for h in _STEPS]
+        defects = [max(defect(z, h) for z in (runner.ordinary, runner.another)) for h in _STEPS]
     except Misbehaviour as seen:
         return CheckResult(key, None, f"not tested: {seen}")
     if max(defects) <= runner.rounding:
         return CheckResult(key, True, f"{words}, to rounding")
-    return CheckResult(key, False, f"{words} up to {_shown(runner, defects)}", _example(runner, key))
-
-
-def _defect(runner: TrialRunner, back: _Round, h: float) -> float:
-    """How far from its start a state comes back, relative to it, in the larger component; the worse of two states."""
-    return max(
-        max(abs(x - y) for x, y in zip(back(runner, z, h), z, strict=True)) / max(map(abs, z))
-        for z in (runner.ordinary, runner.another)
-    )
+    there = runner.trial(*runner.ordinary, TYPICAL_STEP)
+    assert there.answer is not None
+    q, v = there.answer
+    example = there, runner.trial(q, turn * v, way * TYPICAL_STEP)
+    return CheckResult(key, False, f"{words} up to {_shown(runner, defects)}", example)
 
 
 def _shown(runner: TrialRunner, defects: list[float]) -> str:
@@ -71,14 +64,6 @@ def _power(defects: list[float]) -> int | None:
     return round(power) if abs(power - round(power)) < _NEAR else None
 
 
-def _example(runner: TrialRunner, key: str) -> tuple[Trial, ...]:
-    first = runner.trial(*runner.ordinary, TYPICAL_STEP)
-    assert first.answer is not None
-    q, v = first.answer
-    second = (q, v, -TYPICAL_STEP) if key == _SYMMETRIC else (q, -v, TYPICAL_STEP)
-    return first, runner.trial(*second)
-
-
 _AREA, _NORM = "area_preserving", "norm_preserving"
 # The second step shows changes by methods of high order, which are lost in rounding at the first.
 _AREA_STEPS = (TYPICAL_STEP, 1.0)
@@ -92,10 +77,9 @@ def area(subject: ForeignStepper) -> tuple[CheckResult, ...]:
     columns = [found for found in (_columns(runner, h) for h in _AREA_STEPS) if found is not None]
     if len(columns) < len(_AREA_STEPS):
         return _by_differences(runner), CheckResult(_NORM, None, "not tested: the step is not linear")
-    return tuple(
-        next((check for check in checks if not check.holds), checks[0])
-        for checks in ([_area(runner, m) for m in columns], [_norm(runner, m) for m in columns])
-    )
+    areas = [_area(m.a * m.d - m.b * m.c, runner.rounding * m.size, m.where, m.trials) for m in columns]
+    both = areas, [_norm(runner, m) for m in columns]
+    return tuple(next((check for check in checks if not check.holds), checks[0]) for checks in both)
 
 
 @dataclass(frozen=True)
@@ -108,6 +92,10 @@ class _Columns:
     b: Fraction
     d: Fraction
     trials: tuple[Trial, ...]
+
+    @property
+    def where(self) -> str:
+        return f"in a step of h = {Fraction(self.h)}"
 
     @property
     def size(self) -> float:
@@ -130,12 +118,7 @@ def _columns(runner: TrialRunner, h: float) -> _Columns | None:
     return _Columns(h, a, c, b, d, tuple(runner.trial(*z, h) for z in units))
 
 
-def _area(runner: TrialRunner, m: _Columns) -> CheckResult:
-    where = f"in a step of h = {Fraction(m.h)}"
-    return _determinant_check(m.a * m.d - m.b * m.c, runner.rounding * m.size, where, m.trials)
-
-
-def _determinant_check(determinant: Fraction, allowed: float, where: str, trials: tuple[Trial, ...]) -> CheckResult:
+def _area(determinant: Fraction, allowed: float, where: str, trials: tuple[Trial, ...]) -> CheckResult:
     if abs(determinant - 1) <= allowed:
         return CheckResult(_AREA, True, f"areas are preserved, to rounding, {where}", trials)
     turned = " and change orientation" if determinant < 0 else ""
@@ -148,14 +131,14 @@ def _norm(runner: TrialRunner, m: _Columns) -> CheckResult:
     """Check q² + v² by the matrix MᵀM: its eigenvalues are the least and the largest value of |Mz|²/|z|²."""
     p, r, s = m.a**2 + m.c**2, m.a * m.b + m.c * m.d, m.b**2 + m.d**2
     mean, spread = (p + s) / 2, sqrt(((p - s) / 2) ** 2 + r**2)
-    where, allowed = f"in a step of h = {Fraction(m.h)}", runner.rounding * m.size
+    allowed = runner.rounding * m.size
     if spread > allowed:
         least, most = float(mean) - spread, float(mean) + spread
-        words = f"q**2 + v**2 changes by a factor from {least:.6g} to {most:.6g} {where}, depending on the state"
+        words = f"q**2 + v**2 changes by a factor from {least:.6g} to {most:.6g} {m.where}, depending on the state"
         return CheckResult(_NORM, False, words, m.trials)
     if abs(mean - 1) <= allowed:
-        return CheckResult(_NORM, True, f"q**2 + v**2 is preserved, to rounding, {where}", m.trials)
-    words = f"q**2 + v**2 {'grows' if mean > 1 else 'shrinks'} by the factor {float(mean):.10g} {where}"
+        return CheckResult(_NORM, True, f"q**2 + v**2 is preserved, to rounding, {m.where}", m.trials)
+    words = f"q**2 + v**2 {'grows' if mean > 1 else 'shrinks'} by the factor {float(mean):.10g} {m.where}"
     return CheckResult(_NORM, False, words, m.trials)
 
 
@@ -170,4 +153,4 @@ def _by_differences(runner: TrialRunner) -> CheckResult:
     steps = [[tuple(map(Fraction, runner.step(*z, h))) for z in pair] for pair in ends]
     (a, c), (b, e) = ([(x - y) / Fraction(2 * d) for x, y in zip(*pair, strict=True)] for pair in steps)
     where = f"in a step of h = {Fraction(h)} from near ({q:.3g}, {v:.3g})"
-    return _determinant_check(a * e - b * c, _TERMS * part * part, where, (runner.trial(q, v, h),))
+    return _area(a * e - b * c, _TERMS * part * part, where, (runner.trial(q, v, h),))

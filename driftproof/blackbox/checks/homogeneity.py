@@ -55,7 +55,7 @@ def _linear(runner: TrialRunner, rays: Sequence[Ray]) -> tuple[CheckResult, ...]
     """Check that the step is proportional along the rays, if need be from ordinary size on, and odd and additive."""
     small = next(filter(None, map(_absolute_rounding, rays)), None)
     exponents = [*(() if small else _small(runner)[:-1]), *(k for k in _LARGE if k in range(runner.format.emax))]
-    broken = [(ray, *pair) for ray in rays for pair in [_first_break(ray, exponents)] if pair]
+    broken = [(ray, *change) for ray in rays if (change := _first_break(ray, exponents))]
     found = _departing(broken) if broken else _odd_and_additive(runner, rays)
     return found, small or CheckResult(_DIGITS, True, "small states keep all their digits")
 

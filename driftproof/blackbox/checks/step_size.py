@@ -208,11 +208,10 @@ def _by_halves(runner: TrialRunner) -> CheckResult:
 
     For very short steps it holds to rounding for every method: what counts is that it begins to hold as h grows.
     """
-    lengths = [2.0**k for k in range(-14, 4)]
-    agree = [_halves_agree(runner, h) for h in lengths]
-    for place in range(1, len(lengths)):
-        if agree[place] and not agree[place - 1]:
-            ends = bisected_neighbours(lambda h: _halves_agree(runner, h), lengths[place - 1], lengths[place], runner)
+    agree = {h: _halves_agree(runner, h) for h in (2.0**k for k in range(-14, 4))}
+    for shorter, longer in pairwise(agree):
+        if agree[longer] and not agree[shorter]:
+            ends = bisected_neighbours(lambda h: _halves_agree(runner, h), shorter, longer, runner)
             return _made_of_shorter(runner, ends, "")
     return CheckResult(_SUB_STEPS, True, "no sub-steps were detected")
 
@@ -231,6 +230,6 @@ def _halves_agree(runner: TrialRunner, h: float) -> bool:
 def _made_of_shorter(runner: TrialRunner, ends: tuple[float, float], more: str) -> CheckResult:
     limit = shorter_number(*ends)
     where = "above" if limit == ends[0] else "from"
-    example: tuple[Trial, ...] = tuple(runner.trial(*runner.ordinary, h) for h in ends)
+    example = tuple(runner.trial(*runner.ordinary, h) for h in ends)
     words = f"{where} h = {short_name(limit)}{'' if where == 'above' else ' on'} it takes sub-steps{more}"
     return CheckResult(_SUB_STEPS, False, words, example)

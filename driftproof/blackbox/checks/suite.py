@@ -4,20 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 
-from driftproof.blackbox.checks.arguments import arguments, types
-from driftproof.blackbox.checks.determinism import SAME, repeats, several_states
-from driftproof.blackbox.checks.domain import domain
-from driftproof.blackbox.checks.geometry import area, reversal
-from driftproof.blackbox.checks.homogeneity import homogeneity
-from driftproof.blackbox.checks.output_precision import digits
-from driftproof.blackbox.checks.special_arguments import (
+from driftproof.blackbox.checks.arguments import (
+    arguments,
     infinity,
     negative_step,
     not_a_number,
     not_a_number_step,
     time_argument,
+    types,
     zero_step,
 )
+from driftproof.blackbox.checks.determinism import SAME, repeats, several_states
+from driftproof.blackbox.checks.domain import domain
+from driftproof.blackbox.checks.geometry import area, reversal
+from driftproof.blackbox.checks.homogeneity import homogeneity
+from driftproof.blackbox.checks.output_precision import digits
 from driftproof.blackbox.checks.step_size import step_size, sub_steps
 from driftproof.blackbox.checks.trials import CheckResult, Unsteady
 from driftproof.blackbox.findings import NO_EVIDENCE, Outcome, UnsupportedCall

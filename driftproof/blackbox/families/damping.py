@@ -150,7 +150,7 @@ def _shown(matrix: Array, text: Callable[[float], str] = "{:.6g}".format, *off: 
 
 
 def _rows(matrix: Array) -> _Rows:
-    return tuple(tuple(float(x) for x in row) for row in matrix)
+    return tuple(map(tuple, matrix.tolist()))
 
 
 def _law(text: str, rate_of: Callable[[Any, float], Any], seen: Mapping[float, Array], rounding: Rounding) -> str:

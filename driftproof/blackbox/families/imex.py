@@ -136,19 +136,17 @@ class ImexIdentity:
         data: dict[str, Json] = {"differences": list(found or [])}
         order = self.measured.order
         reached = None if order is None else order >= method.claimed_order
-        return [
+        checks = [
             Criterion("Coefficients", found == [], tuple(shown), data),
             Criterion("Times", not self.faults, tuple(self.faults or ["the times are those of its stages"]), {}),
             Criterion("Order", reached, tuple(self._orders), {"measured": order}),
-            *self._steps(found == []),
         ]
-
-    def _steps(self, same: bool) -> Iterator[Criterion]:
-        """The criteria of a step that has the tables: how well its stages are solved, and its steps elsewhere."""
-        if same and self.reading.curved > SOLVED:
-            yield Criterion("Stages", False, (f"its equations are solved to {self.reading.curved:.1e} only",), {})
-        elif same and not self.faults and self.walked is not None:
-            yield Criterion("Steps", self.walked.holds, (self.walked.words,), {})
+        if found == [] and self.reading.curved > SOLVED:
+            early = f"its equations are solved to {self.reading.curved:.1e} only"
+            checks.append(Criterion("Stages", False, (early,), {}))
+        elif found == [] and not self.faults and self.walked is not None:
+            checks.append(Criterion("Steps", self.walked.holds, (self.walked.words,), {}))
+        return checks
 
 
 def read_imex(subject: ForeignStepper, asked: Additive | None = None) -> ImexIdentity:
@@ -166,7 +164,7 @@ def _methods() -> Iterator[Additive]:
 
 
 def _used(method: Additive) -> list[int]:
-    """The stages that y₁ depends on, directly or through others."""
+    """The stages that y₁ depends on."""
     used = {j for b in (method.b_explicit, method.b_implicit) for j, x in enumerate(b) if x != 0}
     tables = (method.a_explicit, method.a_implicit)
     while more := {j for i in used for a in tables for j, x in enumerate(a[i]) if x != 0} - used:
@@ -208,7 +206,7 @@ def _in_order(reading: ImexReading) -> ImexReading:
     a, a_implicit = (tuple(sorted_row(table[i]) for i in order) for table in reading.a)
     b, b_implicit = map(sorted_row, reading.b)
     c = None if reading.c is None else sorted_row(reading.c)
-    return ImexReading((a, a_implicit), (b, b_implicit), c, reading.format, reading.stage_error, reading.curved)
+    return replace(reading, a=(a, a_implicit), b=(b, b_implicit), c=c)
 
 
 def _as_read(reading: ImexReading) -> Additive:

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
+from typing import Any
 
 from driftproof.blackbox.findings import UnsupportedCall, first_taken
 from driftproof.blackbox.probes.marked_stages import MarkedSteps, Setting
@@ -57,10 +58,9 @@ class _SplitSteps(MarkedSteps):
         """One step in which both functions answer by `rate`."""
 
         def asked(part: int) -> SecondFunction:
-            def answered(at: float, z: Sequence[float]) -> Sequence[float]:
+            def answered(at: float, z: Sequence[float]) -> Any:
                 self.part = part
-                slopes: Sequence[float] = rate(at, list(z))
-                return slopes
+                return rate(at, list(z))
 
             return answered
 
@@ -90,7 +90,7 @@ def _read(steps: _SplitSteps, clocks: int) -> ImexReading:
             f"on nonlinear problems the step is off by {curved:.1e} from what its coefficients give: a solver that "
             "stops too early, or other stages"
         )
-    return ImexReading(reading.a, reading.b, c, reading.format, reading.stage_error, curved)
+    return replace(reading, curved=curved)
 
 
 def _bent(steps: _SplitSteps, reading: ImexReading, setting: Setting) -> float:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import Any
@@ -76,8 +76,7 @@ def read_start(runs: MarkedRuns, reading: RecurrenceReading) -> StartReading:
 
     Raises the Misbehaviour that comes instead of a step.
     """
-    length = reading.recurrence.steps - 1 + reading.late
-    subject = runs.subject
+    length, subject = reading.recurrence.steps - 1 + reading.late, runs.subject
     trial = subject.fresh(subject.shortest)
     problem = force_problem(trial) if subject.convention.kind == FORCE else field_problem(trial)
     noise = CLEARANCE * float(subject.format.u)
@@ -98,13 +97,16 @@ def _methods(runs: MarkedRuns, length: int) -> tuple[str, ...]:
         return ()
     first, steps = _one_step(runs.subject), runs.run(max(length + 1, runs.subject.shortest), bent=not runs.by_place)
     problem, found = runs.problem(1.0, 0.0, bent=not runs.by_place), [first]
+    allowed = CLEARANCE * float(runs.subject.format.u)
     for n in range(1, length):
         shorter = [m for m in candidates(runs.derivative) if m.steps == n + 1]
         left = [(Recurrence.of(m, runs.subject.format), m) for m in shorter]
         kept = [m.key for r, m in left if r.left(steps)[0] <= max(r.rounding, tolerance_of(m))]
         if not kept and runs.derivative == 1:
             state = [*steps.states[n], *([float(n)] if runs.clock else [])]
-            kept = [first] * _same_step(runs.subject, problem, float(n), state, steps.states[n + 1])
+            alone = course(runs.subject, problem, float(n), state, 1.0, runs.subject.shortest)[1]
+            pairs = zip(alone, steps.states[n + 1], strict=False)
+            kept = [first] * all(abs(float(x) - y) <= allowed * max(1.0, abs(y)) for x, y in pairs)
         found += kept[:1] or [""]
     return tuple(found)
 
@@ -133,14 +135,6 @@ def _one_step(subject: ForeignStepper) -> str:
         return min(found, key=lambda m: getattr(METHODS[m.key], "stages", 0)).name + times if found else ""
     except (NotReadable, UnsupportedCall, Misbehaviour):
         return ""
-
-
-def _same_step(
-    subject: ForeignStepper, problem: NonlinearProblem, t: float, state: Sequence[float], after: Sequence[float]
-) -> bool:
-    alone = course(subject, problem, t, list(state), 1.0, subject.shortest)[1]
-    allowed = CLEARANCE * float(subject.format.u)
-    return all(abs(float(x) - y) <= allowed * max(1.0, abs(y)) for x, y in zip(alone, after, strict=False))
 
 
 def _errors(subject: ForeignStepper, problem: NonlinearProblem, h: float, steps: int) -> list[float]:

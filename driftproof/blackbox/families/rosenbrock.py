@@ -51,7 +51,6 @@ class _Products:
 
     @classmethod
     def of(cls, method: Rosenbrock, powers: int) -> _Products:
-        """The products of a method."""
         return cls(*_floats(method), powers)
 
     def _levels(self, entering: Array, powers: int) -> tuple[list[Array], list[Array]]:
@@ -73,7 +72,6 @@ class _Products:
         return found, sizes
 
     def _rounding(self, reading: RosenbrockReading) -> Rounding:
-        """The rounding of a sum for each stage and each call."""
         return Rounding(reading.format, len(self.table[1]) + reading.calls)
 
     def differences(self, reading: RosenbrockReading) -> list[str] | None:
@@ -288,9 +286,8 @@ def read_rosenbrock(subject: ForeignStepper, asked: Rosenbrock | None = None) ->
 
 
 def _with_float_entries(method: Rosenbrock) -> Rosenbrock:
-    *parts, b = (part.tolist() for part in _floats(method))
-    alpha, gamma = (tuple(tuple(map(Fraction, row)) for row in part) for part in parts)
-    return replace(method, alpha=alpha, gamma=gamma, b=tuple(map(Fraction, b)), b_embedded=None, embedded_order=None)
+    alpha, gamma, b = (tuple(tuple(map(Fraction, row)) for row in np.atleast_2d(part)) for part in _floats(method))
+    return replace(method, alpha=alpha, gamma=gamma, b=b[0], b_embedded=None, embedded_order=None)
 
 
 def _known_orders(method: Rosenbrock) -> str:

@@ -85,22 +85,19 @@ class _Step:
     """One step: where it evaluated f and the Jacobian, and its result."""
 
     def __init__(self, subject: ForeignStepper, answer: Callable[[int, float, Array], Sequence[float]], **given: Any):
-        rows: Sequence[Any] = given["jacobian"]
-        time_slope = given["time_slope"]
         heard = Listener(lambda asked: answer(len(heard.calls) - 1, *asked))
         self.jacobian_at: list[tuple[float, Array]] = []
 
-        def matrix(t: float, y: Sequence[float]) -> Sequence[Any]:
+        def matrix(t: float, y: Sequence[float]) -> Any:
             self.jacobian_at.append((t, np.array(y)))
-            return rows
+            return given["jacobian"]
 
-        functions = {JACOBIAN: matrix, TIME_SLOPE: lambda t, y: time_slope}
+        functions = {JACOBIAN: matrix, TIME_SLOPE: lambda t, y: given["time_slope"]}
         clock = float(given["t"])
 
-        def rate(t: float, y: Sequence[float]) -> Sequence[float]:
-            slopes: Sequence[float] = heard((clock if t is clock else t, np.array(y)))
+        def rate(t: float, y: Sequence[float]) -> Any:
             self.timed |= t is not clock
-            return slopes
+            return heard((t, np.array(y)))
 
         self.timed = False
         stepped = with_functions(subject, functions)

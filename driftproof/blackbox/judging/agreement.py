@@ -16,7 +16,7 @@ from driftproof.blackbox.checks.determinism import ALIKE
 from driftproof.blackbox.findings import Misbehaviour, StepFinding
 from driftproof.blackbox.judging.sampled_steps import Arguments, Sizes, simplest_step, steps_within
 from driftproof.blackbox.judging.specification import ORDINARY_DOMAIN, Domain, Specification
-from driftproof.blackbox.judging.tolerance import Judgement, Tolerance
+from driftproof.blackbox.judging.tolerance import Tolerance
 from driftproof.blackbox.stepper.call_text import call_text
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.symbolic.algebra.certified import significant
@@ -272,8 +272,7 @@ def _example(subject: ForeignStepper, tolerance: Tolerance, q: float, v: float, 
         return Example(q, v, h, None, misbehaved=str(error))
     judged = tolerance.judge(q, v, h, answer)
     worse = max((0, 1), key=lambda i: judged[i].ratio)
-    judgement: Judgement = judged[worse]
-    return Example(q, v, h, answer, COMPONENTS[worse], "", judgement.ratio, max(j.scaled for j in judged))
+    return Example(q, v, h, answer, COMPONENTS[worse], "", judged[worse].ratio, max(j.scaled for j in judged))
 
 
 def _in_full(example: Example, tolerance: Tolerance, subject: ForeignStepper) -> Example:

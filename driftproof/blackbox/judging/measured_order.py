@@ -53,7 +53,7 @@ class MeasuredOrder:
 
 
 def order_seen(order: int | None) -> str:
-    """The words "order 4 is seen", or "no order is seen"."""
+    """The words "order 4 is observed", or "no order is observed"."""
     return "no order is observed" if order is None else f"order {order} is observed"
 
 

@@ -38,10 +38,10 @@ def other_parameters(subject: ForeignStepper, wanted: Specification) -> StepFind
     held = list[str]()
     for readings in _with_other_parameters(subject):
         wrong = list[str]()
-        for values, changed, rate, scale in readings:
-            left = [name for name in left if name not in values]
+        for reading in readings:
+            left = [name for name in left if name not in reading.values]
             try:
-                wrong.append(_off_with_parameters(changed, tolerance, states, steps, rate, scale))
+                wrong.append(reading.off(tolerance, states, steps))
             except WrongShape as lost:
                 return StepFinding(False, str(lost))
             except Misbehaviour:  # such as whole numbers that are refused
@@ -66,25 +66,19 @@ class _Reading(NamedTuple):
     rate: float
     scale: float
 
-
-def _off_with_parameters(
-    subject: ForeignStepper, tolerance: Tolerance, states: Sequence[tuple[float, float]], steps: Sequence[float],
-    rate: float, scale: float,
-) -> str:  # fmt: skip
-    """The first step of q'' = -rate² q by h/rate that is not M(h), in words; "" if there is none."""
-    for (q, v), h in product(states, steps):
-        q1, v1 = subject.step(q, scale * v, h / rate)
-        if not all(component.allowed for component in tolerance.judge(q, v, h, (q1, v1 / scale))):
-            return f"from {(q, scale * v)} with h = {h / rate!r} it goes to {(q1, v1)}"
-    return ""
+    def off(self, tolerance: Tolerance, states: Sequence[tuple[float, float]], steps: Sequence[float]) -> str:
+        """The first step by h/rate that is not M(h), in words; "" if there is none."""
+        for (q, v), h in product(states, steps):
+            q1, v1 = self.subject.step(q, self.scale * v, h / self.rate)
+            if not all(component.allowed for component in tolerance.judge(q, v, h, (q1, v1 / self.scale))):
+                return f"from {(q, self.scale * v)} with h = {h / self.rate!r} it goes to {(q1, v1)}"
+        return ""
 
 
 def _optional(subject: ForeignStepper) -> dict[str, Any]:
     """The parameters with a default, by name, without those that are passed."""
-    parameters = (parameters_of(subject.function) or {}).values()
-    return {
-        p.name: p.default for p in parameters if p.default is not p.empty and p.name not in subject.convention.names
-    }
+    given, parameters = subject.convention.names, (parameters_of(subject.function) or {}).values()
+    return {p.name: p.default for p in parameters if p.default is not p.empty and p.name not in given}
 
 
 def _with_other_parameters(subject: ForeignStepper) -> Iterator[list[_Reading]]:

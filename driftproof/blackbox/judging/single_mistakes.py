@@ -98,13 +98,13 @@ class _StepsSeen:
 
     def are_of(self, program: Program) -> bool:
         """True if the program takes these steps, to rounding."""
-        return all(self._is_of(program, at, end) for at, end in zip(_STEPS, self.ends, strict=True))
-
-    def _is_of(self, program: Program, at: tuple[float, float, float], end: Sequence[float]) -> bool:
-        with np.errstate(all="ignore"):
-            made = program.step(self.force, *at)
-        allowed = _INSIDE * self.rounding.of(1 + max(map(abs, (*end, *made))))
-        return all(abs(gap) <= allowed for gap in map(sub, made, end))
+        for at, end in zip(_STEPS, self.ends, strict=True):
+            with np.errstate(all="ignore"):
+                made = program.step(self.force, *at)
+            allowed = _INSIDE * self.rounding.of(1 + max(map(abs, (*end, *made))))
+            if not all(abs(gap) <= allowed for gap in map(sub, made, end)):
+                return False
+        return True
 
     def solved(self, one: _Parameter) -> str:
         """The x for which the first step is the one seen, by the secant method, in words; "" if other steps differ."""
@@ -260,9 +260,8 @@ class _Parameter:
 
     @property
     def row(self) -> list[float]:
-        table = self.program.tables[self.name]
-        row: list[float] = table if self.i is None else table[self.i]
-        return row
+        table: Any = self.program.tables[self.name]
+        return list(table if self.i is None else table[self.i])
 
     def at(self, x: float) -> Program:
         row = [(y * x if self.scaled else x) if j in self.chosen else y for j, y in enumerate(self.row)]

@@ -57,17 +57,13 @@ def facts_of_class(
     terms, ctx.cap = ctx.cap, SERIES_LENGTH
     try:
         with ctx.workprec(CERTIFYING_BITS):
-            step, one, nil = stepper(each.programs[0], _printed), arb_series([1]), arb_series([0])
+            printed = lambda x: arb_series([enclose(x) * arb(1, float(BINARY64.u))])
+            step, one, nil = stepper(each.programs[0], printed), arb_series([1]), arb_series([0])
             columns = [step(lambda q: -q, q, v, arb_series([0, 1])) for q, v in ((one, nil), (nil, one))]
             series = [entry.coeffs() for row in zip(*columns, strict=True) for entry in row]
             return replace(found, linear_order=order_on_linear_system(series, system, Fraction(0)))
     finally:
         ctx.cap = terms
-
-
-def _printed(x: Exact) -> arb_series:
-    """A ball around a decimal that its source prints, with the radius of one rounding of binary64."""
-    return arb_series([enclose(x) * arb(1, float(BINARY64.u))])
 
 
 def matrix_facts(matrix: StepMatrix, stiffness: Fraction, damping: Fraction) -> MatrixFacts:

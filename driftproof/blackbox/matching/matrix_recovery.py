@@ -76,7 +76,7 @@ class _Shape:
         return len(self.num) + len(self.den)
 
 
-def recovered(reading: LinearReading) -> tuple[Recovered, Recovered, Recovered, Recovered] | None:
+def recovered(reading: LinearReading) -> list[Recovered] | None:
     """The four entries of the matrix; None if one of them is no polynomial or quotient of few coefficients."""
     found = []
     for i in range(4):
@@ -85,8 +85,7 @@ def recovered(reading: LinearReading) -> tuple[Recovered, Recovered, Recovered, 
         if entry is None:
             return None
         found.append(_in_seconds(entry, Fraction(reading.unit)))
-    qq, qv, vq, vv = found
-    return qq, qv, vq, vv
+    return found
 
 
 def _fitting(values: dict[Fraction, Fraction], u: Fraction) -> Iterator[Recovered]:

@@ -17,7 +17,7 @@ from driftproof.blackbox.probes.scripted_answers import (
     require_predicted,
     unit,
 )
-from driftproof.blackbox.probes.tableau import TableauProbe
+from driftproof.blackbox.probes.tableau import TableauProbe, starts
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.symbolic.rounding.formats import FloatFormat
 
@@ -185,7 +185,7 @@ class _EstimateProbe(TableauProbe):
         answers = [[k] * self.size for k in slopes[0]] if alike else list(zip(*slopes, strict=True))
         self.run(self.size, answers, control)
         scale, found = control.h if reading.power else 1.0, []
-        for seen, y, k in zip(self._beside, self.starts(control), slopes, strict=False):
+        for seen, y, k in zip(self._beside, starts(control, self.size), slopes, strict=False):
             said = offset * y + scale * fsum(e * x for e, x in zip(row, k, strict=True))
             terms = fsum(size * abs(x) for size, x in zip(reading.sizes, k, strict=True))
             allowed = self.rounding.of(2 * (abs(y) + abs(control.h) * terms))

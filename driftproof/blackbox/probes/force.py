@@ -79,7 +79,19 @@ class ForceReading:
 
         Neighbours of one kind are merged, zeros are left out. The drift after a kick is a quotient of coefficients.
         """
-        return None if self.implicit else _parts(self)
+        if self.implicit:
+            return None
+        stages: Any = reduced(self.stages)  # its entries are fractions, not numbers of a field
+        b_position, kicks = stages.weights
+        ends = [*zip(stages.c, stages.a, strict=True), (Fraction(self.drift), b_position)]
+        length = max(1, *(abs(c) for c, _ in ends))
+        for i, (end, row) in enumerate(ends):
+            for node, moved, kick in list(zip(stages.c, row, kicks, strict=True))[:i]:
+                # A kick y at time c moves each later place by y times the drift since: aᵢⱼ = yⱼ (cᵢ - cⱼ).
+                if abs(moved - kick * (end - node)) > self.rounding.of(float(4 * length * abs(kick))):
+                    return None
+        word = groupby((part for part in _word(kicks, ends) if part[1]), key=lambda part: part[0])
+        return tuple((kind, fsum(x for _, x in run)) for kind, run in word)
 
     @property
     def lines(self) -> list[str]:
@@ -300,21 +312,6 @@ def _start(control: scripted.Control) -> tuple[float, float]:
 
 def _dot(row: Sequence[float], forces: Sequence[float]) -> float:
     return fsum(x * f for x, f in zip(row, forces, strict=True))
-
-
-def _parts(reading: ForceReading) -> SubSteps | None:
-    """The sub-steps, if a kick y at time c moves each later place by y times the drift since: aᵢⱼ = yⱼ (cᵢ - cⱼ)."""
-    stages: Any = reduced(reading.stages)  # its entries are fractions, not numbers of a field
-    b_position, kicks = stages.weights
-    ends = [*zip(stages.c, stages.a, strict=True), (Fraction(reading.drift), b_position)]
-    length = max(1, *(abs(c) for c, _ in ends))
-    rounding = reading.rounding
-    for i, (end, row) in enumerate(ends):
-        for node, moved, kick in list(zip(stages.c, row, kicks, strict=True))[:i]:
-            if abs(moved - kick * (end - node)) > rounding.of(float(4 * length * abs(kick))):
-                return None
-    word = groupby((part for part in _word(kicks, ends) if part[1]), key=lambda part: part[0])
-    return tuple((kind, fsum(x for _, x in run)) for kind, run in word)
 
 
 def _word(kicks: Sequence[Any], ends: Sequence[tuple[Any, Any]]) -> Iterator[tuple[str, float]]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from math import isfinite, ldexp, log2, sqrt
-from typing import NamedTuple, TypeAlias
+from typing import TypeAlias
 
 from driftproof.blackbox.findings import Misbehaviour, NoAnswer
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
@@ -95,13 +95,14 @@ def read_linear_steps(subject: ForeignStepper, amplitude: float = 1.0) -> Linear
     seen = _nonlinearity(subject, reading, 1.0)
     if seen is None:
         return _with_steps(subject, replace(reading, remarks=_far_out(subject, reading)))
+    words, off = seen
     tiny = _linearised(subject, fmt, reading.starts_at_identity)
     if tiny is not None:
         steps = [_in_format(fmt, tiny.unit * share) for share in ORDINARY_STEPS]
         ordinary = tuple((h, _matrix(subject, h, 1.0)) for h in steps)
-        remark = f"not linear at ordinary size: {seen.words}"
-        return _with_steps(subject, replace(tiny, ordinary=ordinary, loose=seen.off, remarks=(remark,)))
-    return _with_steps(subject, replace(reading, kind=NOT_LINEAR, remarks=(seen.words,)))
+        remark = f"not linear at ordinary size: {words}"
+        return _with_steps(subject, replace(tiny, ordinary=ordinary, loose=off, remarks=(remark,)))
+    return _with_steps(subject, replace(reading, kind=NOT_LINEAR, remarks=(words,)))
 
 
 def _linearised(subject: ForeignStepper, fmt: FloatFormat, at_identity: bool) -> LinearReading | None:
@@ -180,8 +181,7 @@ def _same_rates(m: MatrixEntries, finer: MatrixEntries) -> bool:
 
 def _agree(x: float, y: float) -> bool:
     """True if two rates are the same to RATE_BITS bits."""
-    allowed = ldexp(abs(x) + abs(y), -RATE_BITS)
-    return abs(x - y) <= allowed
+    return abs(x - y) <= ldexp(abs(x) + abs(y), -RATE_BITS)
 
 
 def _extrapolated(m: MatrixEntries, finer: MatrixEntries) -> MatrixEntries:
@@ -200,15 +200,11 @@ def _unit(m: MatrixEntries, tiny: float) -> float:
     return ldexp(1.0, -round(log2(frequency))) if isfinite(frequency) and frequency else 1.0
 
 
-class _Nonlinearity(NamedTuple):
-    """A step that is not the sum of its parts, and how far it is off, relative to their size."""
+def _nonlinearity(subject: ForeignStepper, reading: LinearReading, size: float) -> tuple[str, float] | None:
+    """The first case of M(z + w) ≠ M(z) + M(w) at `size` times the amplitude, in words, with how far it is off.
 
-    words: str
-    off: float
-
-
-def _nonlinearity(subject: ForeignStepper, reading: LinearReading, size: float) -> _Nonlinearity | None:
-    """The first case of M(z + w) ≠ M(z) + M(w) at states of `size` times the amplitude; None if none is seen."""
+    None if none is seen.
+    """
     h = _in_format(reading.format, reading.unit * float(LINEARITY_STEP))
     (qq, qv, vq, vv), scale = _matrix(subject, h, reading.amplitude), size * reading.amplitude
     u = float(reading.format.u)
@@ -219,8 +215,7 @@ def _nonlinearity(subject: ForeignStepper, reading: LinearReading, size: float) 
             off = abs(x / scale - (a + b))
             if not off <= allowed:
                 start = f"({scale * q:g}, {scale * v:g})"
-                words = f"a step of {h:g} from {start} is off the sum of its parts by {off:.1e} of their size"
-                return _Nonlinearity(words, off)
+                return f"a step of {h:g} from {start} is off the sum of its parts by {off:.1e} of their size", off
     return None
 
 
@@ -235,8 +230,7 @@ def _is_linearisation(subject: ForeignStepper, tiny: LinearReading) -> bool:
 def _far_out(subject: ForeignStepper, reading: LinearReading) -> tuple[str, ...]:
     """A remark on a limit on the size of states, if one is seen."""
     try:
-        found = _nonlinearity(subject, reading, 2.0 ** min(FAR_BITS, reading.format.emax // 2))
-        seen = found.words if found else ""
+        seen, _ = _nonlinearity(subject, reading, 2.0 ** min(FAR_BITS, reading.format.emax // 2)) or ("", 0.0)
     except Misbehaviour as failure:
         seen = str(failure)
     except NoAnswer as hang:

@@ -9,7 +9,7 @@ from math import fsum, log2
 from operator import eq
 from typing import Any, TypeAlias
 
-from driftproof.blackbox.probes.marked_stages import MarkedSteps, MovedSlopes, Setting
+from driftproof.blackbox.probes.marked_stages import MarkedSteps, Setting
 from driftproof.blackbox.probes.scripted_answers import CONTROLS, Control, NotReadable
 from driftproof.blackbox.probes.tableau import NO_POWER, StageSolution, TableauReading
 
@@ -81,7 +81,7 @@ class StageEquations:
         return [error for error, _ in runs], all(made == calls for _, made in runs)
 
     def _left(self, control: Control, strength: float, *, curved: bool) -> tuple[float, int]:
-        """The error of the step, relative to the size of its numbers, and how many calls it makes."""
+        """How far the step is off our own iteration, relative to the size of its numbers; how many calls it makes."""
         h, largest = control.h, max(fsum(map(abs, row)) for row in self.reading.a)
         # From 1/4 to 64: a limit or an error control that does not act at one size acts at another.
         size = 1.0 if curved else 4.0 ** (control.salt - 2)
@@ -94,16 +94,12 @@ class StageEquations:
             return [size * (1 / (1 + i) - clock / 2) + weight * clock * x for i, x in enumerate(drawn)]
 
         run = self.steps.smooth(Setting(control.start, control.time, h), rates)
-        said = self._moved(rates, h)
-        gaps = [x - control.start - y for x, y in zip(run.result, said, strict=True)]
-        return max(map(abs, gaps)) / max(1.0, abs(control.start), *map(abs, said)), len(run.nodes)
-
-    def _moved(self, rates: MovedSlopes, h: float) -> list[float]:
-        """How far the numbers move in a step, by our own iteration."""
         reading, still = self.reading, [0.0] * self.steps.size
         nodes = reading.c or (None,) * reading.calls
         slopes = lambda i, moved, part: rates(nodes[i], moved)
-        return step_by_iteration((reading.a,), (reading.b,), slopes, still, h, _ROUNDS)[0]
+        said, _ = step_by_iteration((reading.a,), (reading.b,), slopes, still, h, _ROUNDS)
+        gaps = [x - control.start - y for x, y in zip(run.result, said, strict=True)]
+        return max(map(abs, gaps)) / max(1.0, abs(control.start), *map(abs, said)), len(run.nodes)
 
 
 # The slopes of each function at each stage.

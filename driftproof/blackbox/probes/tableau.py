@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import chain
 from math import fsum
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from driftproof.blackbox.findings import first_taken
 from driftproof.blackbox.probes import scripted_answers as scripted
@@ -104,15 +104,13 @@ class TableauReading:
         """The reading as lines, each coefficient as the fraction that it is the rounding of, if that is convincing."""
         shown = self.a if self.implicit else tuple(row[:i] for i, row in enumerate(self.a))
         named = [*([] if self.c is None else [("c", self.c)]), *((f"a[{i}]", row) for i, row in enumerate(shown))]
-        rows = [f"{name} = {self._row(row)}" for name, row in [*named, ("b", self.b)] if row]
+        text = lambda x: coefficient_text(x, self.format, self.rounding.besides)
+        rows = [f"{name} = {', '.join(map(text, row))}" for name, row in [*named, ("b", self.b)] if row]
         rows = rows if self.calls <= _MOST_SHOWN else [f"A, b and c are not shown: a step makes {self.calls} calls"]
         unused = [f"call {j} is made, and its answer is not used" for j in self.unused]
         clock = ["the right-hand side receives no time"] if self.c is None else []
         solved = [] if self.solved is None else [self.solved.words]
         return [*rows, *unused, *clock, *solved, *self.remarks]
-
-    def _row(self, row: scripted.CoefficientRow) -> str:
-        return ", ".join(coefficient_text(x, self.format, self.rounding.besides) for x in row)
 
 
 def read_tableau(subject: ForeignStepper) -> TableauReading:
@@ -157,7 +155,8 @@ class TableauProbe:
     def __init__(self, subject: ForeignStepper, amplitude: float) -> None:
         """Make a first step with all slopes 0. Raises NotReadable if it calls nothing, or moves."""
         self.subject, self.amplitude = subject, amplitude
-        self.size, self.silent = self._opened()
+        sizes = range(len(_PARTS), 0, -1)
+        self.size, self.silent = first_taken(lambda size: (size, self.run(size, [], scripted.AT_REST)), sizes)
         self.calls = len(self.silent.places)
         if not self.calls:
             raise scripted.NotReadable("the right-hand side is never called")
@@ -180,26 +179,19 @@ class TableauProbe:
             self._check(reading, control)
         return replace(reading, remarks=scripted.remarks_of(lambda: self._check(reading, scripted.BACKWARD)))
 
-    def _opened(self) -> tuple[int, ScriptedStep]:
-        return first_taken(lambda size: (size, self.run(size, [], scripted.AT_REST)), range(len(_PARTS), 0, -1))
-
     def run(self, size: int, answers: Sequence[Sequence[float]], control: scripted.Control) -> ScriptedStep:
         """One step on `size` numbers, in which call j is answered by answers[j], and later calls by 0."""
-        script = scripted.Script([self._sized(k) for k in answers], [0.0] * size)
+        script = scripted.Script([[self.amplitude * x for x in k] for k in answers], [0.0] * size)
         clock = float(control.time)
 
-        def rate(t: float, y: Sequence[float]) -> Sequence[float]:
+        def rate(t: float, y: Sequence[float]) -> Any:
             # If the stepper passes on no time, t is the very object `clock`.
-            slope: Sequence[float] = script((None if t is clock else t, list(y)))
-            return slope
+            return script((None if t is clock else t, list(y)))
 
-        start = self._sized(_start(control, size))
+        start = [self.amplitude * y for y in starts(control, size)]
         result = scripted.result_of(lambda: self.subject.step_field(rate, clock, start, control.h))
         places = [[x / self.amplitude for x in y] for _, y in script.calls]
         return ScriptedStep([t for t, _ in script.calls], places, [x / self.amplitude for x in result])
-
-    def _sized(self, numbers: Sequence[float]) -> list[float]:
-        return [self.amplitude * x for x in numbers]
 
     def _column(self, j: int) -> list[float]:
         """What the answer 1 to call j adds to the place of each call and to the result."""
@@ -226,10 +218,6 @@ class TableauProbe:
         scripted.require_calls(self.calls, len(run.places))
         return run
 
-    def starts(self, control: scripted.Control) -> list[float]:
-        """The numbers of y from which a control starts."""
-        return _start(control, self.size)
-
     def slopes(self, control: scripted.Control) -> list[list[float]]:
         """The answers of a control: for each number of y, those to all calls."""
         first = scripted.varied(self.calls, control.salt)
@@ -239,7 +227,7 @@ class TableauProbe:
         """Raise NotReadable unless one more step goes as the coefficients say."""
         run, slopes = self._controlled(control), self.slopes(control)
         seen = [*run.places, run.result]
-        for component, (y, answers) in enumerate(zip(_start(control, self.size), slopes, strict=True)):
+        for component, (y, answers) in enumerate(zip(starts(control, self.size), slopes, strict=True)):
             asked = control._replace(broken=_UNLIKE) if component else control
             self._compare(reading, asked, y, answers, [numbers[component] for numbers in seen])
         if reading.c:
@@ -279,5 +267,6 @@ _UNLIKE = "the components of y are not advanced alike, or not linearly in their 
 _PARTS = (1.0, -1.0, 0.5, -0.25)
 
 
-def _start(control: scripted.Control, size: int) -> list[float]:
+def starts(control: scripted.Control, size: int) -> list[float]:
+    """The numbers of y from which a control starts."""
     return [part * control.start + 0.0 for part in _PARTS[:size]]  # 0.0, not -0.0

@@ -7,7 +7,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 from itertools import pairwise
 from math import cos, e, hypot, isclose, isfinite, log, log2, nan, sin
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 from flint import arb
@@ -55,6 +55,8 @@ _TINY = 1e-9
 _SAME_TIME = 1e-6
 # One more number than the widest unrolled loops have.
 _NUMBERS = 5
+# What was seen, and the faults, in lines.
+_Seen: TypeAlias = tuple[list[str], list[str]]
 
 
 @dataclass(frozen=True)
@@ -75,7 +77,7 @@ def read_runs(subject: ForeignSolver) -> RunsReading:
         except NoAnswer as hang:
             lines, wrong = [f"not seen: {hang}"], []
         except Misbehaviour as failure:
-            lines, wrong = [], [f"{title.lower()}: {failure.kind.replace('_', ' ')}: {failure}"]
+            lines, wrong = [], [f"{title.lower()}: {failure.word}: {failure}"]
         seen[title] = tuple(lines)
         faults += wrong
         if any("cannot integrate" in words for words in wrong):  # other runs would show nothing else
@@ -83,7 +85,7 @@ def read_runs(subject: ForeignSolver) -> RunsReading:
     return RunsReading(seen, tuple(faults))
 
 
-def _constant_slopes(subject: ForeignSolver) -> tuple[list[str], list[str]]:
+def _constant_slopes(subject: ForeignSolver) -> _Seen:
     """Make runs of u' = 0 and u' = 1, where every method is exact and its error estimate is rounding."""
     lines, faults = [], []
     for slope, start in ((0.0, 1 / 3), (1.0, 0.5)):  # many bits, and one
@@ -104,21 +106,14 @@ def _constant_slopes(subject: ForeignSolver) -> tuple[list[str], list[str]]:
     return lines, faults
 
 
-def _scalar(slope: Callable[[float, float], float]) -> RunSlopes:
-    """The right-hand side of u' = slope(t, u) for one number."""
-    return lambda n, t, y: [slope(t, *y)]
-
-
-def _clock(subject: ForeignSolver) -> tuple[list[str], list[str]]:
+def _clock(subject: ForeignSolver) -> _Seen:
     """Check where the last step ends, whether there is one too many, and in which format time is kept."""
     run = subject.solve(lambda n, t, y: [1.0, y[0]], _SPAN, (0.0, 0.0), _RTOL, _ATOL)
     end, t = _SPAN[1], run.t
     if len(t) < 2:
         return [], ["it makes no step"]
-    lines, faults = [], []
-    if any(b <= a for a, b in pairwise(t)):
-        faults.append("its times do not increase")
-    length = end - _SPAN[0]
+    lines, length = list[str](), end - _SPAN[0]
+    faults = ["its times do not increase"] * any(b <= a for a, b in pairwise(t))
     off, beyond = t[-1] - end, max(call.t for call in run.calls) - end
     last, steps = t[-1] - t[-2], len(t) - 1
     accumulated = _accumulated(t)
@@ -156,12 +151,12 @@ def _accumulated(times: Sequence[float]) -> str:
     return ""
 
 
-def _backward(subject: ForeignSolver) -> tuple[list[str], list[str]]:
+def _backward(subject: ForeignSolver) -> _Seen:
     """Solve y' = -y, which grows backward in time, from t = 1 to 0."""
     try:
-        run = subject.solve(_scalar(lambda t, u: -u), (1.0, 0.0), (1.0,), _RTOL, _ATOL)
+        run = subject.solve(lambda n, t, y: [-y[0]], (1.0, 0.0), (1.0,), _RTOL, _ATOL)
     except Misbehaviour as failure:
-        return [f"backward in time it gives no answer: {failure.kind.replace('_', ' ')}"], []
+        return [f"backward in time it gives no answer: {failure.word}"], []
     if run.complaint:
         return [f"backward in time it ends at t = {run.t[-1]:.6g} and reports: {run.complaint}"], []
     (last,) = run.y[-1]
@@ -171,7 +166,7 @@ def _backward(subject: ForeignSolver) -> tuple[list[str], list[str]]:
     return [], [f"backward in time, from 1 to 0, it ends at t = {run.t[-1]:.6g}, off by {off:.3g}, without saying so"]
 
 
-def _numbers(subject: ForeignSolver) -> tuple[list[str], list[str]]:
+def _numbers(subject: ForeignSolver) -> _Seen:
     """Compare the step sizes of runs in which one of five numbers has a bump: they should be the same for each.
 
     If all have it, a norm of the errors is at most five times as large, which takes at most five times as many steps;
@@ -204,15 +199,15 @@ def _numbers(subject: ForeignSolver) -> tuple[list[str], list[str]]:
     return [f"a bump in any of {_NUMBERS} components gives the same {steps} steps"], []
 
 
-def _nan(subject: ForeignSolver) -> tuple[list[str], list[str]]:
+def _nan(subject: ForeignSolver) -> _Seen:
     """Solve with a right-hand side that is NaN from the middle on: the solver should return NaN or report failure."""
     middle = sum(_SPAN) / 2
     try:
-        run = subject.solve(_scalar(lambda t, u: nan if t > middle else -u), _SPAN, (1.0,), _RTOL, _ATOL)
+        run = subject.solve(lambda n, t, y: [nan if t > middle else -y[0]], _SPAN, (1.0,), _RTOL, _ATOL)
     except DoesNotEnd as failure:
         return [], [f"where f is NaN it does not end: {failure}"]
     except Misbehaviour as failure:
-        return [f"where f becomes NaN it reports that: {failure.kind.replace('_', ' ')}"], []
+        return [f"where f becomes NaN it reports that: {failure.word}"], []
     if run.complaint:
         return [f"where f becomes NaN it ends at t = {run.t[-1]:.6g} and reports: {run.complaint}"], []
     if not all(isfinite(x) for x in run.y[-1]):
@@ -220,7 +215,7 @@ def _nan(subject: ForeignSolver) -> tuple[list[str], list[str]]:
     return [], [f"where f becomes NaN it ends at t = {run.t[-1]:.6g} with {run.y[-1][0]:.6g}, without saying so"]
 
 
-def _jump(subject: ForeignSolver) -> tuple[list[str], list[str]]:
+def _jump(subject: ForeignSolver) -> _Seen:
     """Solve u' = 0 before t = 2/3 and u' = 1 after it, where every step across the jump has a large error."""
     at = 2.0 / 3.0
     try:
@@ -243,7 +238,7 @@ def _jump(subject: ForeignSolver) -> tuple[list[str], list[str]]:
     return lines, []
 
 
-def _tolerance(subject: ForeignSolver) -> tuple[list[str], list[str]]:
+def _tolerance(subject: ForeignSolver) -> _Seen:
     """Measure the effect of smaller tolerances or steps on two problems whose solutions are enclosed in balls."""
     lines: list[str] = []
     for words, problem, span in _KNOWN:
@@ -254,9 +249,7 @@ def _tolerance(subject: ForeignSolver) -> tuple[list[str], list[str]]:
     return lines, [*_ignored(subject), *(_of_another_scale(subject) if subject.takes == TOLERANCES else [])]
 
 
-def _requested(
-    subject: ForeignSolver, problem: NonlinearProblem, span: tuple[float, float]
-) -> tuple[list[str], list[str]]:
+def _requested(subject: ForeignSolver, problem: NonlinearProblem, span: tuple[float, float]) -> _Seen:
     """For each rtol, the error at the end and its multiple of rtol; then the power of rtol that the errors follow."""
     runs = [_solved(subject, problem, span, rtol=rtol, atol=rtol * 1e-3) for rtol in _TOLERANCES]
     if failed := next((run for run in runs if run.complaint), None):
@@ -282,9 +275,7 @@ def _requested(
     return lines, [f"errors are {max(far):.2g} times the tolerance: rtol does not indicate the error"] if far else []
 
 
-def _shortened(
-    subject: ForeignSolver, problem: NonlinearProblem, span: tuple[float, float]
-) -> tuple[list[str], list[str]]:
+def _shortened(subject: ForeignSolver, problem: NonlinearProblem, span: tuple[float, float]) -> _Seen:
     """The errors with more and more equal steps, if the solver takes their size or number."""
     lines, before = [], 0.0
     for steps in (64, 128, 256) if subject.takes != NOTHING else (64,):
@@ -355,10 +346,10 @@ def _error(run: Solution, problem: NonlinearProblem) -> float:
     return hypot(*(float((arb(x) - y).mid()) for x, y in zip(run.y[-1], true, strict=True)))
 
 
-def _stiffness(subject: ForeignSolver) -> tuple[list[str], list[str]]:
+def _stiffness(subject: ForeignSolver) -> _Seen:
     """Solve y' = -1000 (y - cos t) - sin t, which an explicit method follows only in steps of a few thousandths."""
     try:
-        slopes = _scalar(lambda t, u: -_STIFF * (u - cos(t)) - sin(t))
+        slopes: RunSlopes = lambda n, t, y: [-_STIFF * (y[0] - cos(t)) - sin(t)]
         run = subject.solve(slopes, _SPAN, (cos(_SPAN[0]),), 1e-3, 1e-6)
     except DoesNotEnd as failure:
         return [f"on y' = -1000 (y - cos t) - sin t it does not end: {failure}"], []

@@ -127,40 +127,13 @@ SPANS = ("t_span", "tspan", "span", "interval", "t_interval", "t_range", "trange
 RUN_ENDS = (
     ("t0", "t_0", "t_start", "tstart", "t_begin", "t_initial", "t_init", "ti", "start", "a"),
     (
-        "t1",
-        "t_1",
-        "tf",
-        "t_end",
-        "tend",
-        "t_final",
-        "tfinal",
-        "t_stop",
-        "tstop",
-        "t_max",
-        "tmax",
-        "t_bound",
-        "b",
-        "x_end",
-        "xn",
-        "xf",
+        *("t1", "t_1", "tf", "t_end", "tend", "t_final", "tfinal", "t_stop", "tstop", "t_max", "tmax", "t_bound", "b"),
+        *("x_end", "xn", "xf"),
     ),
 )
 STARTS = (
-    "y0",
-    "u0",
-    "x0",
-    "z0",
-    "y_0",
-    "u_0",
-    "x_0",
-    "ya",
-    "alpha",
-    "state0",
-    "y_init",
-    "yinit",
-    "initial",
-    "initial_state",
-    "ic",
+    *("y0", "u0", "x0", "z0", "y_0", "u_0", "x_0", "ya", "alpha", "state0", "y_init", "yinit"),
+    *("initial", "initial_state", "ic"),
 )
 # The p of step(p, h) is a particle, not a momentum.
 _PARTICLE = MAP, STATE, "p"
@@ -260,6 +233,13 @@ def names_with_step(step: Callable[..., Any]) -> list[str] | None:
         if not any(role_of(each, (role,)) for each in names):
             names += [each for each in parameters_of(step) or () if each not in names and role_of(each, (role,))][:1]
     return names
+
+
+def stand_in(made: Any, step: Callable[..., Any], names: Sequence[str]) -> None:
+    """Give something callable these parameters, and the name of the step that it stands for."""
+    kind = inspect.Parameter.POSITIONAL_OR_KEYWORD
+    made.__signature__ = inspect.Signature([inspect.Parameter(name, kind) for name in names])
+    made.__qualname__, made.__module__ = getattr(step, "__qualname__", type(step).__name__), step.__module__
 
 
 def has_gradient(names: Sequence[str]) -> bool:

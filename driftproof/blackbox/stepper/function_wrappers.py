@@ -37,8 +37,6 @@ from driftproof.blackbox.stepper.plain_forms import BODY_LISTS
 # The arguments of a wrapper by role, and all of them for a wrapper of each kind.
 ARGUMENTS = {FUNCTION: "f", TIME: "t", STATE: "y", POSITION: "q", VELOCITY: "v", STEP: "h"}
 HEADS = {MAP: "q, v, h", FORCE: "force, q, v, h", FIELD: "f, t, y, h"}
-# Roles in the order in which a name is tried for them.
-PLAIN_ROLES = (FUNCTION, STEP, TIME, POSITION, VELOCITY, STATE)
 # Gradients of an energy by the positions and by the momenta: H(q, p) = p^2/2 + V(q).
 _BY_POSITION = ("dhdq", "dh_dq", "grad_q", "dhdx", "dh_dx", "gradq")
 _BY_MOMENTUM = ("dhdp", "dh_dp", "grad_p", "dtdp", "dt_dp", "gradp")
@@ -50,7 +48,8 @@ _SPANS = (*SPANS, "t_bound", "t_end", "tf", "t_final")
 TRIAL_ARGUMENTS = {
     **dict.fromkeys(("f", "force"), lambda *x: 0.0 * max(x, key=np.size)),
     **{"t": 0.0, "0.0": 0.0, "h": 0.25, "t + h": 0.25, "q": 1.0, "ys[-2]": 1.0, "v": 0.5, "1.0": 1.0, "1": 1, "()": ()},
-    **{"y": np.array([1.0, 0.5]), "[q, v]": np.array([1.0, 0.5])},
+    **dict.fromkeys(("y", "[q, v]"), np.array([1.0, 0.5])),
+    **dict.fromkeys(("[t, t + h]", "[0.0, h]"), np.array([0.0, 0.25])),
 }
 _PARAMETERS = ("args", "params", "parameters", "kwargs")
 # Of a method for q'' = F(q) that takes two positions: the position before, and the pairs, with velocities of order 1.
@@ -71,16 +70,24 @@ def function_wrapper(step: Callable[..., Any]) -> str:
         gradients = {by_position: "lambda q, *p: -force(q)", by_momentum: "lambda *p: p[-1]"}
         rest = [each for each in names if each not in gradients]
         return _call(step, names, {**gradients, **arguments_by_role(rest, FORCE)}, FORCE)
-    roles = {role_of(each, PLAIN_ROLES): word_of(each) for each in names}
+    roles = {plain_role(each): word_of(each) for each in names}
     forced = takes_force(names) or has_gradient(names) or roles.get(FUNCTION) == "a"
     of_state = POSITION not in roles or (VELOCITY not in roles and (TIME in roles or not forced))
     kind = MAP if FUNCTION not in roles else FIELD if of_state else FORCE
-    if line := list_wrapper(step) or run_wrapper(step):
-        return line[2:]
     given = arguments_by_role(names, kind)
-    if line := _grid_wrapper(step, names, given) or _pair_wrapper(step, names, given):
-        return line
-    return _call(step, names, given, kind) if given else ""
+    line = list_wrapper(step)[2:] or _run_wrapper(step, names) or _pair_wrapper(step, names, given)
+    return line or (_call(step, names, given, kind) if given else "")
+
+
+def plain_role(name: str) -> str | None:
+    """The role of an argument by its name."""
+    return role_of(name, (FUNCTION, STEP, TIME, POSITION, VELOCITY, STATE))
+
+
+def kind_by_names(names: Iterable[str]) -> str:
+    """The kind of a step with these arguments: with a function, FORCE for a position and a velocity, else FIELD."""
+    roles = {*map(plain_role, names)}
+    return MAP if FUNCTION not in roles else FORCE if {POSITION, VELOCITY} <= roles else FIELD
 
 
 def takes_force(names: Iterable[str]) -> bool:
@@ -115,45 +122,30 @@ def list_wrapper(step: Callable[..., Any]) -> str:
     return ""
 
 
-def run_wrapper(step: Callable[..., Any]) -> str:
-    """The wrapper of a run to a given end, by its last state; "" unless the run is seen to begin at the start.
+def _run_wrapper(step: Callable[..., Any], names: Sequence[str]) -> str:
+    """The wrapper of a run to a given end, or over a row of times whatever their name, by its last state.
 
-    Among the parts of its answer that is the array whose first row is the state at the start.
+    It is "" unless the run is seen to begin at the start: the first row of a part of its answer is the state there.
     """
-    names = [] if inspect.isclass(step) else names_with_step(step) or []
-    end = next((each for each in names if word_of(each) in RUN_ENDS[1] or each == "T"), None)
-    pair = {POSITION, VELOCITY} <= {role_of(each, PLAIN_ROLES) for each in names}
-    kind = MAP if not any(role_of(each, (FUNCTION,)) for each in names) else FORCE if pair else FIELD
-    if end is not None:
-        given = arguments_by_role([each for each in names if each != end], kind)
-        timed = "t" in given.values()
+    kind = kind_by_names(names)
+    end = next((each for each in names if word_of(each) in RUN_ENDS[1] or each == "T"), "")
+    given = arguments_by_role([each for each in names if each != end], kind)
+    left, timed = [each for each in names if given.get(each, "0.0") == "0.0"], "t" in given.values()
+    if end:
         given[end] = "t + h" if timed else "h"
-        with suppress(Exception):
-            found = step(*[TRIAL_ARGUMENTS[given[each]] for each in names])
-            parts = found if isinstance(found, tuple) else (found,)
-            at = {repr(np.asarray(part, float).tolist()[0]): i for i, part in enumerate(parts) if np.ndim(part)}
-            run = f"{name_of(step)}({', '.join(given[each] for each in names)})"
-            if pair:
-                return f": def wrapped({HEADS[kind]}): run = {run}; return run[{at['1.0']}][-1], run[{at['0.5']}][-1]"
-            head, part = HEADS[kind] if timed or kind == MAP else "f, y, h", f"[{at['[1.0, 0.5]']}]"
-            return f": def wrapped({head}): return {run}{part if parts is found else ''}[-1]"
-    return ""
-
-
-def _grid_wrapper(step: Callable[..., Any], names: Sequence[str], given: Mapping[str, str]) -> str:
-    """The wrapper of a run over a row of times, whatever their name, by its last state; "" if it is none."""
-    left = [each for each in names if given.get(each, "0.0") == "0.0"]
-    kind, times = (FORCE, "[0.0, h]") if "force" in given.values() else (FIELD, "[t, t + h]")
-    if len(left) != 1 or not {"y", "q", "v"} & {*given.values()} or "h" in given.values():
+    elif len(left) == 1 and "h" not in given.values():
+        timed = kind == FIELD
+        given[left[0]] = "[t, t + h]" if timed else "[0.0, h]"
+    else:
         return ""
-    given = {**given, left[0]: times}
     with suppress(Exception):
-        found = step(*[TRIAL_ARGUMENTS.get(given[each], np.array([0.0, 0.25])) for each in names])
-        call = _called(step, names, given)
-        if kind == FIELD and np.shape(found) == (2, 2):
-            return f"def wrapped({HEADS[kind]}): return {call}[-1]"
-        if kind == FORCE and [*map(np.shape, found)] == [(2,), (2,)]:
-            return f"def wrapped({HEADS[kind]}): run = {call}; return run[0][-1], run[1][-1]"
+        found = step(*[TRIAL_ARGUMENTS[given[each]] for each in names])
+        parts = found if isinstance(found, tuple) else (found,)
+        at = {repr(np.asarray(part, float).tolist()[0]): f"[{i}]" for i, part in enumerate(parts) if np.ndim(part)}
+        head, run = HEADS[kind] if timed or kind != FIELD else "f, y, h", _called(step, names, given)
+        if {"q", "v"} <= {*given.values()}:
+            return f"def wrapped({head}): run = {run}; return run{at['1.0']}[-1], run{at['0.5']}[-1]"
+        return f"def wrapped({head}): return {run}{at['[1.0, 0.5]'] * (parts is found)}[-1]"
     return ""
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import inspect
 import re
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
@@ -20,6 +19,7 @@ from driftproof.blackbox.stepper.calling_conventions import (
     parameters_of,
     required_names,
     role_of,
+    stand_in,
     word_of,
 )
 
@@ -69,9 +69,7 @@ class HandedSlopes:
         self.of_force = bool(self.roles[POSITION] and self.roles[VELOCITY])
         if self.of_force:
             self.roles[STATE] = self.roles[POSITION]
-        kind = inspect.Parameter.POSITIONAL_OR_KEYWORD
-        self.__signature__ = inspect.Signature([inspect.Parameter(name, kind) for name in self.rest])
-        self.__qualname__, self.__module__ = getattr(step, "__qualname__", type(step).__name__), step.__module__
+        stand_in(self, step, self.rest)
 
     def __call__(self, *arguments: Foreign, **named: Foreign) -> Foreign:
         """Make one step, and keep the slope at its start or what the step hands on."""

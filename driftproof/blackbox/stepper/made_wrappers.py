@@ -32,14 +32,15 @@ from driftproof.blackbox.stepper.function_wrappers import (
     BEFORE,
     FIRST_STEP,
     HEADS,
-    PLAIN_ROLES,
     TRIAL_ARGUMENTS,
     WITH_SPEEDS,
     arguments_by_role,
     function_of,
     is_before,
+    kind_by_names,
     later_arguments,
     name_of,
+    plain_role,
     run_of_steps,
     takes_force,
 )
@@ -60,7 +61,7 @@ def object_wrapper(step: Callable[..., Any]) -> str:
         advance = advance_of(step) or "step"
         return _class_wrapper(step) or _own_step(step) or _state_wrapper(step, _made_anyhow(step), advance)
     made, names = getattr(step, "__self__", None), required_names(step)
-    if made is None or names is None or [*map(_role, names)] not in ([STEP], []):
+    if made is None or names is None or [*map(plain_role, names)] not in ([STEP], []):
         return ""
     cls = type(made)
     taken = function_argument(cls) and _class_wrapper(cls, step.__name__)
@@ -70,7 +71,7 @@ def object_wrapper(step: Callable[..., Any]) -> str:
 def _own_step(cls: type) -> str:
     """The method of an object of the class that is a step already, of the state and a function or of q and v."""
     for each in (name for name in _ADVANCES if hasattr(cls, name)):
-        roles = {_role(name) for name in names_with_step(getattr(cls, each)) or ()}
+        roles = {plain_role(name) for name in names_with_step(getattr(cls, each)) or ()}
         if {STEP, POSITION, VELOCITY} <= roles or ({STEP, FUNCTION} <= roles and roles & {STATE, POSITION}):
             given = ", ".join(name.upper() for name in required_names(cls) or ())
             return f"wrapped = {name_of(cls)}({given}).{each}{f'  # write values for {given}' if given else ''}"
@@ -88,7 +89,7 @@ def _made_anyhow(cls: type) -> Any:
 
 def function_argument(cls: type) -> str:
     """The argument of a class by which its objects are given the function that they call; "" if there is none."""
-    return next((each for each in required_names(cls) or () if _role(each) == FUNCTION), "")
+    return next((each for each in required_names(cls) or () if plain_role(each) == FUNCTION), "")
 
 
 def making(cls: type, kind: str, made: Any = None) -> str:
@@ -122,7 +123,7 @@ def _state_wrapper(cls: type, made: Any, advance: str) -> str:
         where, maker = f'{where}, time="{time}"' if time else where, "field_stepper_of"
     make = making(cls, FORCE if q and v else FIELD, made)
     act, size = f'"{advance}"', _attribute(made, STEP)
-    if size and not any(_role(each) == STEP for each in names_with_step(getattr(cls, advance, cls)) or ()):
+    if size and not any(plain_role(each) == STEP for each in names_with_step(getattr(cls, advance, cls)) or ()):
         act = f"lambda made, h: (setattr(made, '{size}', h), made.{advance}())"
     return f"from driftproof import {maker}; wrapped = {maker}({make}, {where}, advance={act})"
 
@@ -138,7 +139,7 @@ def _class_wrapper(cls: type, own: str | None = None) -> str:
     method = "" if own == "__call__" else f".{own}"
     if sum(map(is_before, names)) == 1:
         return _two_step_wrapper(cls, method, names, taken[1:])
-    kind = FORCE if {POSITION, VELOCITY} <= {_role(each) for each in (*names, *taken)} else FIELD
+    kind = kind_by_names((*names, *taken))
     made = _Made(kind, cls.__name__, arguments_by_role(names, kind), arguments_by_role(taken[1:], kind), method)
     if len(made.arguments) < len(names) or len(made.call) < len(taken) - 1:
         return ""
@@ -207,7 +208,7 @@ def owner_of(step: Callable[..., Any]) -> Callable[..., Any]:
 
 def makes_steppers(step: Callable[..., Any]) -> bool:
     """True if it takes a function or a step size, or both, and nothing else."""
-    return {*map(_role, required_names(step) or ())} in ({FUNCTION}, {STEP}, {FUNCTION, STEP})
+    return {*map(plain_role, required_names(step) or ())} in ({FUNCTION}, {STEP}, {FUNCTION, STEP})
 
 
 def maker_wrapper(step: Callable[..., Any]) -> str:
@@ -215,13 +216,12 @@ def maker_wrapper(step: Callable[..., Any]) -> str:
     names = required_names(step) or []
     made: Callable[..., Any] | None = None
     with suppress(Exception):
-        made = step(*(0.25 if _role(each) == STEP else (lambda *x: x[-1]) for each in names))
+        made = step(*(0.25 if plain_role(each) == STEP else (lambda *x: x[-1]) for each in names))
     inner = required_names(made) if callable(made) else None
     if not inner:
         return ""
-    positions = {POSITION, VELOCITY} <= {_role(each) for each in inner}
-    kind = MAP if FUNCTION not in map(_role, names) else FORCE if positions else FIELD
-    arguments = {each: "h" if _role(each) == STEP else function_of(kind) for each in names}
+    kind = kind_by_names((*names, *inner))
+    arguments = {each: "h" if plain_role(each) == STEP else function_of(kind) for each in names}
     given = {each: each.upper() for each in inner} | arguments_by_role(inner, kind)
     return _Made(kind, name_of(step), arguments, given).line(step)
 
@@ -329,7 +329,3 @@ class _Made(NamedTuple):
                     return True
                 state = found
         return False
-
-
-def _role(name: str) -> str | None:
-    return role_of(name, PLAIN_ROLES)

@@ -12,6 +12,7 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from driftproof.blackbox.stepper.array_adapters import as_array, floats_in
+from driftproof.blackbox.stepper.calling_conventions import stand_in
 from driftproof.blackbox.stepper.records import goes_on
 
 Object: TypeAlias = Any
@@ -108,17 +109,13 @@ class ObjectStep:
 
     def __post_init__(self) -> None:
         """Have the name of what is made, which reports show, and arguments with names."""
-        make, kind = self.make, inspect.Parameter.POSITIONAL_OR_KEYWORD
-        self.takes_function = _takes_function(make)
-        self.names = (
-            f"force {self.names}" if self.names == "q v h" and (self.takes_function or self.push) else self.names
-        )
-        self.__signature__ = inspect.Signature([inspect.Parameter(name, kind) for name in self.names.split()])
-        self.__module__, self.__qualname__ = make.__module__, getattr(make, "__qualname__", type(make).__name__)
+        self.takes_function = _takes_function(self.make)
+        pushed = self.names == "q v h" and (self.takes_function or self.push)
+        stand_in(self, self.make, f"{'force ' if pushed else ''}{self.names}".split())
 
     def __call__(self, *arguments: Any, **named: Any) -> Any:
         """Make one step."""
-        given = self.__signature__.bind(*arguments, **named).arguments
+        given = inspect.signature(self).bind(*arguments, **named).arguments
         return (self.moved if "q" in given else self.solved)(**given)
 
     def moved(self, q: float, v: float, h: float, force: Callable[[float], float] | None = None) -> tuple[float, float]:

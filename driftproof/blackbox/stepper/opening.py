@@ -3,13 +3,10 @@
 from __future__ import annotations
 
 import inspect
-import os
-import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import partial
-from importlib import import_module
 from itertools import chain, product
 from typing import Any, TypeAlias
 
@@ -33,11 +30,12 @@ from driftproof.blackbox.stepper.function_wrappers import list_wrapper
 from driftproof.blackbox.stepper.handed_slopes import with_slopes_kept
 from driftproof.blackbox.stepper.made_wrappers import clock_wrapper
 from driftproof.blackbox.stepper.plain_forms import plain_forms
-from driftproof.blackbox.stepper.record_forms import record_forms
+from driftproof.blackbox.stepper.records import record_forms
 from driftproof.blackbox.stepper.second_functions import with_functions, with_own_jacobian, zeros
 from driftproof.blackbox.stepper.state_forms import COMPLEX, forms_of
 from driftproof.blackbox.stepper.turning import Push, step_in_fields, turn_quaternion
 from driftproof.blackbox.stepper.wrappers import exchange_wrapper, increment_wrapper, template, uncalled, wrapper_line
+from driftproof.support.environment import imported_object
 from driftproof.symbolic.rounding.formats import BINARY16, BINARY32, BINARY64, FloatFormat
 
 # The state and the step size of trials: nothing cancels, and every term of a step is of ordinary size.
@@ -377,19 +375,10 @@ def imported(named: Callable[..., Any] | str, what: str = "stepper") -> Callable
     """
     if not isinstance(named, str):
         return _callable(named, "what was given", what)
-    module, colon, path = named.partition(":")
-    if module.endswith(".py") and colon:
-        raise BadInput(f"{named!r} names a file; write {module[:-3].replace('/', '.').strip('.')}:{path}")
-    if not (colon and all(part.isidentifier() for part in (*module.split("."), *path.split(".")))):
-        raise BadInput(f"{named!r} names no {what}; write package.module:function")
-    if os.getcwd() not in sys.path:
-        sys.path.insert(0, os.getcwd())
     try:
-        found: Any = import_module(module)
-        for part in path.split("."):
-            found = getattr(found, part)
-    except Exception as error:  # the import of a foreign module may raise anything
-        raise BadInput(f"{named} cannot be imported: {type(error).__name__}: {error}") from error
+        found = imported_object(named, what)
+    except ValueError as error:
+        raise BadInput(str(error)) from error.__cause__
     return _callable(found, named, what)
 
 

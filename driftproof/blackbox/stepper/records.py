@@ -1,11 +1,12 @@
-"""States held in records: dataclasses, named tuples, typed dicts, dicts, and any object with attributes."""
+"""States held in records: dataclasses, named tuples, typed dicts, dicts, objects; steps of these as steps of q, v."""
 
 from __future__ import annotations
 
 import dataclasses
 import inspect
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
+from copy import copy
 from functools import partial
 from typing import Any, get_type_hints
 
@@ -13,7 +14,21 @@ import numpy as np
 
 from driftproof.blackbox.findings import WrongShape
 from driftproof.blackbox.stepper.array_adapters import AnyNumber, ArrayAdapter, Foreign, floats_in
-from driftproof.blackbox.stepper.calling_conventions import POSITION, TIME, UNIT_PARAMETERS, VELOCITY, role_of
+from driftproof.blackbox.stepper.calling_conventions import (
+    FUNCTION,
+    MASS,
+    MASSES,
+    POSITION,
+    STATE,
+    STEP,
+    TIME,
+    UNIT_PARAMETERS,
+    VELOCITY,
+    has_gradient,
+    names_with_step,
+    role_of,
+    word_of,
+)
 
 # The relative error allowed to a clock, which may be a number of 11 bits.
 _CLOCK = 2.0**-8
@@ -176,3 +191,70 @@ def goes_on(before: float, after: float, h: float) -> bool:
 
 def _role(name: str) -> str | None:
     return role_of(name, (POSITION, VELOCITY, TIME))
+
+
+def record_forms(step: Callable[..., Any]) -> Iterator[Callable[..., Any]]:
+    """Yield the step(force, q, v, h), or with t before h, that a step of a dict or an object and a force may be.
+
+    Or the step(q, v, h) that one without a force may be.
+
+    The force may be asked with the record, which it then sees as it is, or with a position; it answers with a number,
+    or, in the second form, with a record of both slopes. A mass in the record is 2 unless the function's name says that
+    it is an acceleration.
+
+    >>> def kick_and_drift(body, force, dt):
+    ...     body["v"] += dt * force(body["x"])
+    ...     body["x"] += dt * body["v"]
+    >>> next(record_forms(kick_and_drift))(lambda x: -x, 1.0, 0.0, 0.5)
+    (0.75, -0.5)
+    """
+    roles: dict[str, str] = {}
+    names = names_with_step(step) or []
+    for name in names:
+        if role := role_of(name, [each for each in (FUNCTION, STEP, TIME, STATE) if each not in roles]):
+            roles[role] = name
+    left = [name for name in names if name not in roles.values()]
+    if STATE not in roles and len(left) == 1:  # a record may have any name
+        roles[STATE] = left.pop()
+    if left or not {STEP, STATE} <= {*roles}:
+        return
+
+    def called(function: Any, state: Foreign, t: float = 0.0, h: float = 0.25) -> Foreign:
+        given = {FUNCTION: function, STATE: state, TIME: t, STEP: h}
+        return step(**{name: given[role] for role, name in roles.items()})
+
+    if FUNCTION not in roles:
+        if (record := record_of(step, partial(called, None))) is not None:
+            free = _form(called, record, False, {}, 1.0)
+            yield lambda q, v, h: free(None, q, v, 0.0, h)
+        return
+    pushed = word_of(roles[FUNCTION])
+    for stub, slopes in ((lambda *asked: 0.0, False), (lambda *asked: min(asked, key=np.isscalar), True)):
+        if (record := record_of(step, partial(called, stub))) is not None:
+            masses = {name: MASS for name in record.given if word_of(name) in MASSES and "acc" not in pushed}
+            factor = (-1.0 if has_gradient([pushed]) else 1.0) * (MASS if masses else 1.0)
+            form = _form(called, record, slopes, masses, factor)
+            yield form if TIME in roles else lambda force, q, v, h, form=form: form(force, q, v, 0.0, h)
+
+
+def _form(
+    step: Callable[..., Any], record: Record, slopes: bool, masses: Mapping[str, float], factor: float
+) -> Callable[..., Any]:
+    """The step of q'' = force(q, v, t) that a step of records makes, which calls a function `factor` times the force.
+
+    Or, with `slopes`, a function that answers with a record of the slopes of position and velocity.
+    """
+
+    def moved(force: Any, q: Foreign, v: Foreign, t: float, h: float) -> tuple[Foreign, Foreign]:
+        def asked(*arguments: Foreign) -> Foreign:
+            pairs = [pair for pair in map(record.pair, arguments) if pair is not None]
+            pushed = force(*pairs[0] if pairs else (), *(x for x in arguments if record.pair(x) is None))
+            return record.filled(pairs[0][1], pushed) if slopes else factor * pushed
+
+        clocks = {name: t for name in record.known if role_of(name, (TIME,))}
+        state = record.filled(copy(q), copy(v), **masses, **clocks)
+        found = step(asked, state, t, h)
+        pair = record.pair(state if found is None else found)
+        return tuple(found) if pair is None else pair
+
+    return moved

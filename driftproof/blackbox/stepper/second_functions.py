@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import inspect
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
@@ -19,6 +18,7 @@ from driftproof.blackbox.stepper.calling_conventions import (
     TIME,
     names_with_step,
     role_of,
+    stand_in,
 )
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 
@@ -84,9 +84,7 @@ def with_own_jacobian(step: Callable[..., Any]) -> Callable[..., Any]:
         jacobian = lambda *at: _differences(given[named[FUNCTION]], at, last)
         return step(**given, **{named[JACOBIAN]: jacobian})
 
-    kind = inspect.Parameter.POSITIONAL_OR_KEYWORD
-    stepped.__signature__ = inspect.Signature([inspect.Parameter(name, kind) for name in left])  # type: ignore[attr-defined]
-    stepped.__qualname__, stepped.__module__ = getattr(step, "__qualname__", type(step).__name__), step.__module__
+    stand_in(stepped, step, left)
     return stepped
 
 

@@ -34,24 +34,23 @@ def forms_of(step: Callable[..., Any], convention: CallingConvention) -> Iterato
         yield _in_machine_code(sys.modules["numba"])
 
 
-def _complex_part(value: Foreign, size: int, sign: int) -> list[AnyNumber]:
-    try:
-        z = complex(np.asarray(value).item())
-    except Exception as error:
-        raise NotANumber(f"it returns {type(value).__name__}, which is not read as a complex number: {error}") from None
-    return floats_in([z.real, sign * z.imag], size)
+def _complex(sign: int) -> ArrayAdapter:
+    """The adapter of z = q + i v with z' = -i z, or of its conjugate, which turns the other way."""
+
+    def read(value: Foreign, size: int) -> list[AnyNumber]:
+        try:
+            z = complex(np.asarray(value).item())
+        except Exception as error:
+            what = f"{type(value).__name__}, which is not read as a complex number"
+            raise NotANumber(f"it returns {what}: {error}") from None
+        return floats_in([z.real, sign * z.imag], size)
+
+    name, shown = ("q + i v", "complex({}, {})") if sign > 0 else ("q - i v", "complex({}, -{})")
+    return ArrayAdapter(f"a complex number {name}", lambda x: complex(x[0], sign * x[1]), read, shown=shown)
 
 
-# z' = -i z, and z' = i z. With the wrong one the state turns the other way, which the first trial shows.
-COMPLEX = ArrayAdapter(
-    "a complex number q + i v", lambda x: complex(*x), lambda z, n: _complex_part(z, n, 1), shown="complex({}, {})"
-)
-CONJUGATE = ArrayAdapter(
-    "a complex number q - i v",
-    lambda x: complex(x[0], -x[1]),
-    lambda z, n: _complex_part(z, n, -1),
-    shown="complex({}, -{})",
-)
+# With the wrong one the state turns the other way, which the first trial shows.
+COMPLEX, CONJUGATE = _complex(1), _complex(-1)
 BATCH = ArrayAdapter(
     "NumPy arrays of rows", lambda x: np.array([x], dtype=np.float64), floats_in, shown="numpy.array([[{}]])"
 )

@@ -14,14 +14,7 @@ import numpy as np
 
 from driftproof.methods.schemes import Method
 from driftproof.numeric.advance import Advance, State, advance, evaluations_of, float_start, step_times
-from driftproof.numeric.engine import (
-    BLOCK,
-    EnsembleRun,
-    FloatArray,
-    Run,
-    array_runner,
-    compiled_ensemble_runner,
-)
+from driftproof.numeric.engine import BLOCK, EnsembleRun, FloatArray, Run, array_runner, compiled_ensemble_runner
 from driftproof.numeric.implicit import compiled_implicit_ensemble_runner
 from driftproof.numeric.problems.problem import Problem
 

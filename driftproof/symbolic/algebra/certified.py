@@ -75,8 +75,8 @@ def decide_by_enclosure(value: CertifiableReal, read: Callable[[Fraction], T]) -
 
     def at_both_ends() -> T | None:
         ball = enclose(value)
-        if not ball.is_finite() or _is_vague(ball):
-            return None
+        if not ball.is_finite() or (ball.rad() > 1 and ball.contains(0)):
+            return None  # it settles nothing, and its ends may be too long to write out
         at_low, at_high = map(read, endpoints(ball))
         return at_low if at_low == at_high else None
 
@@ -100,11 +100,6 @@ def settled(read: Callable[[], T | None], bits: int = ISOLATING_BITS, last: int 
 def sign_of_ball(ball: arb) -> int | None:
     """The common sign of all numbers in the ball, 1 or -1; None if the ball contains 0."""
     return (ball > 0) - (ball < 0) or None
-
-
-def _is_vague(ball: arb) -> bool:
-    """True for a ball wider than 2 that contains 0: it settles nothing, and its ends may be too long to write out."""
-    return bool(ball.rad() > 1) and bool(ball.contains(0))
 
 
 def endpoints(ball: arb) -> tuple[Fraction, Fraction]:

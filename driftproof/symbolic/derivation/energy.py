@@ -41,7 +41,8 @@ def energy_multiplier(m: DomainMatrix) -> MatrixEntry:
     """
     after = energy_after(m)
     if after.qv or after.q2 != after.v2:
-        raise StateDependentEnergy(f"the energy change depends on the state: E after one step is {_show(after)}")
+        shown = f"({after.q2})*q**2 + ({after.qv})*q*v + ({after.v2})*v**2"
+        raise StateDependentEnergy(f"the energy change depends on the state: E after one step is {shown}")
     return 2 * after.q2
 
 
@@ -80,7 +81,3 @@ def _normalised(q2: StepPolynomial, qv: StepPolynomial, v2: StepPolynomial) -> E
     if not at_zero or cleared[2].evaluate(H, 0) != at_zero or cleared[1].evaluate(H, 0):
         raise ValueError("the conserved quadratic form does not tend to the energy as h goes to 0")
     return EnergyForm(*(polynomial / (2 * at_zero) for polynomial in cleared))
-
-
-def _show(form: EnergyForm) -> str:
-    return f"({form.q2})*q**2 + ({form.qv})*q*v + ({form.v2})*v**2"

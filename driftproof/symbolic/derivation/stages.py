@@ -44,7 +44,9 @@ def derived_matrix(method: Method) -> tuple[DomainMatrix, list[ProofStep]]:
         )
     derive = {RungeKutta: _runge_kutta, Splitting: _splitting, Nystrom: _nystrom, Collocation: _collocation}
     m, steps = derive[type(method)](method)  # type: ignore[operator]
-    m = matrix([[_as_polynomial(x) for x in row] for row in m.to_list()])
+    parts = [[(x, *numerator_and_denominator(x)) for x in row] for row in m.to_list()]
+    # a fraction with a constant denominator is a polynomial
+    m = matrix([[top.quo_ground(bottom.LC) if bottom.is_ground else x for x, top, bottom in row] for row in parts])
     return m, steps if isinstance(method, Splitting) else [*steps, ProofStep("So $M$ is:", (MATRIX, as_matrix(m)))]
 
 
@@ -176,9 +178,3 @@ def _forms(rows: DomainMatrix) -> list[sympy.Expr]:
     """The expression a q + b v for each row (a, b), written in this order."""
     pairs = [(expression(a) * POSITION, expression(b) * VELOCITY) for a, b in rows.to_list()]
     return [sympy.Add(*pair, evaluate=False) if all(pair) else sum(pair) for pair in pairs]
-
-
-def _as_polynomial(x: Any) -> Any:
-    """A fraction with a constant denominator as a polynomial, any other fraction unchanged."""
-    top, bottom = numerator_and_denominator(x)
-    return top.quo_ground(bottom.LC) if bottom.is_ground else x

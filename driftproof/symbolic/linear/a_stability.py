@@ -304,14 +304,9 @@ def _critical(margin: list[Polynomial]) -> list[Polynomial]:
     bounds = [(conjugates * n,) * 2 for n in (len(margin) - 1, max(c.degree() for c in margin))]
 
     def with_slope(square: fmpq) -> tuple[Polynomial, Polynomial]:
-        value = _rational_at(margin, square, conjugates)
+        value = _at(margin, square)  # over a field the product of all conjugates, polynomial in T and over Q
+        value = value.norm() if isinstance(value, FieldPolynomial) else value**conjugates
         return value, value.derivative()
 
     merging = critical_polynomial(ParametricPair(with_slope, *bounds))
     return [p for p in (margin[0], merging) if p]
-
-
-def _rational_at(margin: list[Polynomial], square: fmpq, conjugates: int) -> Polynomial:
-    """The product of the conjugates of the margin at T = square: over Q, with coefficients that are polynomial in T."""
-    value = _at(margin, square)
-    return value.norm() if isinstance(value, FieldPolynomial) else value**conjugates

@@ -17,7 +17,6 @@ from driftproof.symbolic.algebra.polynomials import (
     coefficients,
     descend,
     dot,
-    evaluate,
     from_scalars,
     scalar,
     sign,
@@ -25,7 +24,7 @@ from driftproof.symbolic.algebra.polynomials import (
 )
 from driftproof.symbolic.algebra.real_roots import ZERO_ROOT as ZERO_LIMIT
 from driftproof.symbolic.linear.reduced_tableau import StageCoefficients, reduced_stages_of
-from driftproof.symbolic.linear.stability_limits import INFINITY, Infinity, Limit, first_failure, smallest
+from driftproof.symbolic.linear.stability_limits import INFINITY, Infinity, Limit, nonnegative_limit, smallest
 
 
 def ssp_coefficient(method: RungeKutta | Collocation) -> Limit:
@@ -40,7 +39,7 @@ def ssp_coefficient(method: RungeKutta | Collocation) -> Limit:
         return ZERO_LIMIT
     limit: Limit = INFINITY
     for p in monotonicity_conditions(stages):
-        limit = limit if _is_positive_to(p, limit) else smallest([limit, _nonnegative_limit(p)])
+        limit = limit if _is_positive_to(p, limit) else smallest([limit, nonnegative_limit(p)])
     return limit
 
 
@@ -83,7 +82,3 @@ def monotonicity_conditions(stages: StageCoefficients) -> list[Polynomial]:
     slack = [common - (X * dot(row, [ONE] * len(row))) for row in entries]
     distinct = {coefficients(p): descend(p) for p in (common, *(p for row in entries for p in row), *slack) if p}
     return list(distinct.values())
-
-
-def _nonnegative_limit(p: Polynomial) -> Limit:
-    return first_failure([p], lambda r: sign(evaluate(p, r)) != -1)

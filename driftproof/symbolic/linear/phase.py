@@ -55,7 +55,8 @@ def matrix_error(m: StepMatrix) -> int:
     terms = 2
     while True:
         terms *= 2
-        entries = zip(chain.from_iterable(m), chain.from_iterable(_rotation(terms)), strict=True)
+        cosine, sine = _real_and_imaginary(exponential_series(terms))
+        entries = zip(chain.from_iterable(m), (cosine, sine, [-c for c in sine], cosine), strict=True)
         pairs = ((k, x, y) for f, e in entries for k, (x, y) in enumerate(zip(taylor(f, terms), e, strict=True)))
         if differing := [k for k, x, y in pairs if x != y]:
             return min(differing)
@@ -170,11 +171,6 @@ def modified_factor_series(m: StepMatrix, terms: int) -> PowerSeries:
     angle = angle_error_series(m, terms + 1)
     over_step = [c if k else c + 1 for k, c in enumerate(angle[1:])]
     return series_quotient(over_step, _cosine_and_sine(m, terms + 1)[1])
-
-
-def _rotation(terms: int) -> tuple[tuple[PowerSeries, PowerSeries], tuple[PowerSeries, PowerSeries]]:
-    cosine, sine = _real_and_imaginary(exponential_series(terms))
-    return (cosine, sine), ([-c for c in sine], cosine)
 
 
 def _real_and_imaginary(series: PowerSeries) -> tuple[PowerSeries, PowerSeries]:

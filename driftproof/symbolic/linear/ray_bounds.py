@@ -12,7 +12,7 @@ from typing import Any, NamedTuple, TypeAlias
 
 from flint import fmpq, fmpq_mat
 
-from driftproof.methods.number_field import Exact, NumberField
+from driftproof.methods.number_field import Exact
 from driftproof.symbolic.algebra.certified import Uncertified, settled, sign_of_ball
 from driftproof.symbolic.algebra.polynomials import (
     ONE,
@@ -155,7 +155,7 @@ def pair_polynomial(r: RationalFunction, minimal: Minimal) -> Polynomial:
     an eigenvector of S: u∧v ↦ Cu∧v + u∧Cv and of D: u∧v ↦ Cu∧Cv, and the factor of λ and μ is a polynomial in S and D.
     On the kernel of S, where R(z)R(-z) = 1 would make it 0, it is replaced by 1. Over a number field the norm is taken.
     """
-    generator = _powers_of_generator(_field(r))
+    generator = _powers_of_generator(r)
     in_step = 2 * max(int(r.num.degree()), int(r.den.degree()))
     degree = in_step * comb(len(minimal) - 1, 2) * len(generator)
     if degree > LARGEST_PAIR_DEGREE:
@@ -184,7 +184,8 @@ def _margin_terms(r: RationalFunction, total: _Matrix, product: _Matrix, width: 
     for p, factor in ((r.den, 1), (r.num, -1)):
         scalars = p.coeffs()
         for j, k, matrix in _symmetric_powers(total, product, len(scalars)):
-            for i, x in enumerate(_coordinates(scalars[j] * scalars[k] * factor)):
+            c = scalars[j] * scalars[k] * factor
+            for i, x in enumerate([p[0] for p in c.parts] if isinstance(c, FieldPolynomial) else [c]):
                 terms[j + k][i] = terms[j + k][i] + matrix * x
     return terms
 
@@ -231,18 +232,10 @@ def _kronecker(a: _Matrix, b: _Matrix) -> _Matrix:
     return fmpq_mat([[a[i, j] * b[k, m] for j in rows[0] for m in rows[1]] for i in rows[0] for k in rows[1]])
 
 
-def _field(r: RationalFunction) -> NumberField | None:
-    return next((p.field for p in (r.num, r.den) if isinstance(p, FieldPolynomial)), None)
-
-
-def _powers_of_generator(field: NumberField | None) -> list[_Matrix]:
-    """The matrices of multiplication by 1, α, α², ... below the degree; [[1]] over Q."""
-    if field is None:
+def _powers_of_generator(r: RationalFunction) -> list[_Matrix]:
+    """The matrices of multiplication by 1, α, α², ... below the degree of the field of R; [[1]] over Q."""
+    fields = [p.field for p in (r.num, r.den) if isinstance(p, FieldPolynomial)]
+    if not fields:
         return [fmpq_mat([[1]])]
-    alpha = _companion(field.minimal)
+    alpha = _companion(fields[0].minimal)
     return [alpha**k for k in range(alpha.nrows())]
-
-
-def _coordinates(x: Scalar) -> list[fmpq]:
-    """The coordinates with respect to 1, α, α², ..., without the zeros of a rational number."""
-    return [p[0] for p in x.parts] if isinstance(x, FieldPolynomial) else [x]

@@ -19,7 +19,6 @@ from driftproof.symbolic.algebra.matrices import StepMatrix
 from driftproof.symbolic.algebra.polynomials import (
     ONE,
     Polynomial,
-    Scalar,
     descend,
     evaluate,
     exact,
@@ -51,7 +50,7 @@ def real_limit(r: RationalFunction) -> Limit:
     factors = [f for f in (den - num, den + num) if f]
     if len(factors) < 2:
         return INFINITY
-    return first_failure(factors, lambda x: prod(sign(evaluate(f, x)) for f in factors) != -1)
+    return nonnegative_limit(*factors)
 
 
 def imaginary_limit(r: RationalFunction) -> Limit:
@@ -59,13 +58,18 @@ def imaginary_limit(r: RationalFunction) -> Limit:
     margin = imaginary_margin(r)
     if not margin:
         return INFINITY
-    limit = first_failure([margin], lambda square: sign(evaluate(margin, square)) != -1)
+    limit = nonnegative_limit(margin)
     return limit if isinstance(limit, Infinity) else limit.square_root()
 
 
 def imaginary_margin(r: RationalFunction) -> Polynomial:
     """|Q(iy)|² - |P(iy)|² as a polynomial in y², negative at a pole (hairer-wanner-1996, IV.3)."""
     return modulus_squared_on_imaginary_axis(r.den) - modulus_squared_on_imaginary_axis(r.num)
+
+
+def nonnegative_limit(*factors: Polynomial) -> Limit:
+    """The left end of the first interval of x > 0 in which the product of the factors is negative; `oo` without any."""
+    return first_failure(factors, lambda x: prod(sign(evaluate(f, x)) for f in factors) != -1)
 
 
 def first_failure(polynomials: Sequence[Polynomial], holds: Callable[[fmpq], bool]) -> Limit:
@@ -120,7 +124,7 @@ def bounded_limit(m: StepMatrix) -> Limit:
     for start, inner in zip([ZERO_ROOT, *roots], samples(roots), strict=True):
         if start != ZERO_ROOT and not is_bounded(boundary, partial(sign_at, root=start)):
             return start
-        if not is_bounded(boundary, partial(_sign_at_rational, x=inner)):
+        if not is_bounded(boundary, lambda p, x=inner: sign(evaluate(p, x))):  # type: ignore[misc]
             return start
     return INFINITY
 
@@ -147,10 +151,6 @@ def boundary_of(m: StepMatrix) -> Boundary:
     square, area, trace = den * den, qq * vv - qv * vq, (qq + vv) * den
     merged = (qq - vv) * (qq - vv) + 4 * qv * vq
     return Boundary(den, square - area, square + area + trace, square + area - trace, merged, (qv, vq, qq - vv))
-
-
-def _sign_at_rational(p: Polynomial, x: Scalar) -> int:
-    return sign(evaluate(p, x))
 
 
 def common_denominator(rows: Iterable[Iterable[RationalFunction | ParameterFunction]]) -> Polynomial:

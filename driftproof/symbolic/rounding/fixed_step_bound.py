@@ -62,9 +62,10 @@ class FixedStepBound:
     @property
     def linear(self) -> LinearBound:
         """E and r with |dz| <= E|z| + r: the triangle inequality in each |a q + b v + c|."""
+        rests = [(*error, free) for error, free in zip(*self.remainder, strict=True)]
         rows = [
             [sum((abs(form[i]) for form in forms), Fraction(0)) + rest[i] for i in range(3)]
-            for forms, rest in zip(self.leading, _rows(self.remainder), strict=True)
+            for forms, rest in zip(self.leading, rests, strict=True)
         ]
         (qq, qv, rq), (vq, vv, rv) = rows
         return LinearBound(((qq, qv), (vq, vv)), (rq, rv))
@@ -131,8 +132,3 @@ def _row(exact: ErrorPolynomial) -> tuple[Exact, Exact]:
     by_state = {(in_q, in_v): c for (_, _, _, in_q, in_v), c in terms(exact)}
     require_linear(by_state)
     return by_state.get((1, 0), Fraction(0)), by_state.get((0, 1), Fraction(0))
-
-
-def _rows(bound: LinearBound) -> tuple[Form, Form]:
-    (qq, qv), (vq, vv) = bound.error
-    return (qq, qv, bound.underflow[0]), (vq, vv, bound.underflow[1])

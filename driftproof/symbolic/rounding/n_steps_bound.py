@@ -21,7 +21,7 @@ from flint import arb, ctx
 from driftproof.methods.stepping import Force, oscillator
 from driftproof.symbolic.algebra.certified import enclose, endpoints, scientific, settled
 from driftproof.symbolic.rounding.adapted_norm import AdaptedNorm, NoAdaptedNorm, adapted_norm
-from driftproof.symbolic.rounding.fixed_step_bound import FixedStepBound, fixed_step_bound
+from driftproof.symbolic.rounding.fixed_step_bound import fixed_step_bound
 from driftproof.symbolic.rounding.formats import BINARY64, FloatFormat
 from driftproof.symbolic.rounding.step_bound import (
     LinearBound,
@@ -87,7 +87,10 @@ def run_bound(
     if steps < 0:
         raise HypothesisFails(f"N = {steps}: the number of steps must not be negative")
     derived = fixed_step_bound(subject, h, fmt, force)
-    norm = _norm(derived, h)
+    try:
+        norm = adapted_norm((*derived.matrix[0], *derived.matrix[1]))
+    except NoAdaptedNorm as reason:
+        raise HypothesisFails(f"at h = {h}: {reason}") from None
     growth, underflow = growth_per_step(norm, local or derived.linear)
     run = _Run(norm, norm.length(*start), growth, underflow, steps)
     _require_safe(run, largest_safe_state(subject, h, fmt, force), fmt)
@@ -145,28 +148,19 @@ class _Run(NamedTuple):
         """The bound on |e_N|, rounded up."""
         if not self.growth and not self.underflow:
             return Fraction(0)
-        return _above(lambda: enclose(self.length) * self._difference_of_powers() + self._spread())
+        length, factor, rho, n = self.length, self.factor, self.norm.rho, self.steps
+        return _above(lambda: enclose(length) * (enclose(factor) ** n - enclose(rho) ** n) + self._spread())
 
     def reach(self) -> arb:
         """A bound on |q| and |v| of every state on the way: the powers grow or shrink monotonically."""
         power = enclose(max(self.factor, Fraction(1))) ** self.steps
         return enclose(self.norm.component_per_unit) * (enclose(self.length) * power + self._spread())
 
-    def _difference_of_powers(self) -> arb:
-        return enclose(self.factor) ** self.steps - enclose(self.norm.rho) ** self.steps
-
     def _spread(self) -> arb:
         if self.factor == 1:
             return enclose(self.underflow * self.steps)
         excess = self.factor - 1
         return enclose(self.underflow) * (enclose(self.factor) ** self.steps - 1) / enclose(excess)
-
-
-def _norm(derived: FixedStepBound, h: Fraction) -> AdaptedNorm:
-    try:
-        return adapted_norm((*derived.matrix[0], *derived.matrix[1]))
-    except NoAdaptedNorm as reason:
-        raise HypothesisFails(f"at h = {h}: {reason}") from None
 
 
 def _require_number(what: str, x: Fraction, fmt: FloatFormat) -> None:

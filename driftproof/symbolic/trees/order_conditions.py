@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import cached_property
@@ -12,7 +12,7 @@ from typing import Any, Generic, Protocol, TypeAlias, TypeVar
 from flint import fmpq, fmpq_poly
 
 from driftproof.methods.number_field import Exact, as_fraction
-from driftproof.methods.schemes import Collocation, RungeKutta
+from driftproof.methods.schemes import Collocation
 from driftproof.symbolic.algebra.polynomials import dot
 from driftproof.symbolic.trees.elementary_weights import (
     EXACT,
@@ -26,31 +26,6 @@ from driftproof.symbolic.trees.elementary_weights import (
     stage_algebra,
 )
 from driftproof.symbolic.trees.rooted_trees import AnyTree, Tree, bush, shapes, tree_number, tree_table, vertices
-
-
-@dataclass(frozen=True)
-class QuadratureFact:
-    """The order p = s + k of a quadrature formula: ∫₀¹ M(x) xʲ dx, M monic, is 0 for j < k and `residual` for j = k.
-
-    The residual is also 1/(p + 1) - Σ bᵢ cᵢᵖ, the error for xᵖ, the first power that is not integrated exactly.
-    """
-
-    order: int
-    residual: Fraction
-
-
-def collocation_order(nodes: Sequence[Exact]) -> QuadratureFact:
-    """The order s + k of the collocation method at the s roots of M, which is that of its quadrature formula.
-
-    M is orthogonal on [0, 1] to the first k powers (hairer-lubich-wanner-2006, II.1.2 Theorem 1.5); Gauss has k = s.
-    `nodes` is M's coefficients, constant term first. Raises ValueError if M is constant or has a multiple root.
-    """
-    polynomial = distinct_nodes(nodes)
-    power = fmpq_poly([0, 1])
-    moments = ((k, (polynomial * power**k).integral()(1)) for k in count())
-    k, moment = next(found for found in moments if found[1])  # at k = s, since M is not orthogonal to itself
-    return QuadratureFact(int(polynomial.degree()) + k, as_fraction(moment / polynomial.leading_coefficient()))
-
 
 TreeType = TypeVar("TreeType", bound=AnyTree)
 TreeTypeOut = TypeVar("TreeTypeOut", bound=AnyTree, covariant=True)
@@ -127,13 +102,26 @@ class RungeKuttaConditions(ElementaryWeights):
 def order(method: TreeMethod) -> OrderFact[Tree]:
     """The largest p with Φ(t) = 1/γ(t), exactly, for every tree of at most p vertices, and the first tree that fails.
 
-    For collocation given by its node polynomial no tree is visited: its order is that of its quadrature formula, whose
-    first failing condition is that of a bush (hairer-lubich-wanner-2006, II.1.2 Theorem 1.5).
+    For collocation given by its node polynomial no tree is visited.
     """
     if isinstance(method, Collocation):
-        quadrature = collocation_order(method.node_polynomial)
-        return OrderFact(quadrature.order, bush(quadrature.order + 1), -quadrature.residual)
+        return collocation_order(method.node_polynomial)
     return order_of(runge_kutta_conditions(method))
+
+
+def collocation_order(nodes: Sequence[Exact]) -> OrderFact[Tree]:
+    """The order p = s + k of the collocation method at the s roots of M, which is that of its quadrature formula.
+
+    M is orthogonal on [0, 1] to the first k powers (hairer-lubich-wanner-2006, II.1.2 Theorem 1.5); Gauss has k = s. A
+    bush fails: its residual Σ bᵢ cᵢᵖ - 1/(p + 1), for xᵖ, is -∫₀¹ M(x) xᵏ dx, M monic. `nodes` is M's coefficients,
+    constant term first. Raises ValueError if M is constant or has a multiple root.
+    """
+    polynomial = distinct_nodes(nodes)
+    power = fmpq_poly([0, 1])
+    moments = ((k, (polynomial * power**k).integral()(1)) for k in count())
+    k, moment = next(found for found in moments if found[1])  # at k = s, since M is not orthogonal to itself
+    p = int(polynomial.degree()) + k
+    return OrderFact(p, bush(p + 1), -as_fraction(moment / polynomial.leading_coefficient()))
 
 
 def runge_kutta_conditions(method: TreeMethod, scalars: Scalars = EXACT) -> RungeKuttaConditions:
@@ -198,10 +186,6 @@ def elementary_weight(method: TreeMethod, tree: Tree) -> Exact:
     return algebra.scalars.exact(ElementaryWeights(algebra).of_order(size)[position])
 
 
-# A function of k: the residuals of the k-th condition of a family, one for each equation in it.
-Condition = Callable[[int], list[RingElement]]
-
-
 @dataclass(frozen=True)
 class Simplifying:
     """The largest p, q, r for which B(p), C(q), D(r) hold; None where the conditions hold for every k.
@@ -228,40 +212,25 @@ def simplifying_assumptions(method: TreeMethod) -> Simplifying:
     if isinstance(method, Collocation):
         order, stages = collocation_order(method.node_polynomial).order, len(method.node_polynomial) - 1
         return Simplifying(order, stages, order - stages)
-    conditions = _Conditions(method)
+    weights, nodes, *rows = ([EXACT.lift(x) for x in row] for row in (method.b, method.c, *method.a))
+    columns = list(zip(*rows, strict=True))
+
+    def powers(k: int) -> list[RingElement]:
+        return [x**k for x in nodes]
+
+    def of_b(k: int) -> list[RingElement]:
+        return [dot(weights, powers(k - 1)) - fmpq(1, k)]
+
+    def of_c(k: int) -> list[RingElement]:
+        return [dot(row, powers(k - 1)) - x * fmpq(1, k) for row, x in zip(rows, powers(k), strict=True)]
+
+    def of_d(k: int) -> list[RingElement]:
+        weighted = [w * x for w, x in zip(weights, powers(k - 1), strict=True)]
+        expected = [w * (1 - x) * fmpq(1, k) for w, x in zip(weights, powers(k), strict=True)]
+        return [dot(weighted, column) - x for column, x in zip(columns, expected, strict=True)]
+
     # Π (x - cⱼ)², of degree 2s, is 0 at all nodes but its integrals are not: 2s + 1 conditions that hold imply all.
-    last = 2 * len(method.b) + 1
-    b, c, d = (_degree(condition, last) for condition in (conditions.b, conditions.c, conditions.d))
+    tried = range(1, 2 * len(weights) + 2)
+    b, c, d = (next((k - 1 for k in tried if any(condition(k))), None) for condition in (of_b, of_c, of_d))
     assert b is not None  # a quadrature formula with s nodes has order 2s at most
     return Simplifying(b, c, d)
-
-
-class _Conditions:
-    """The residuals of B, C and D for k = 1, 2, ..., in the method's field."""
-
-    def __init__(self, method: RungeKutta) -> None:
-        lift = EXACT.lift
-        self.weights, self.nodes = [lift(x) for x in method.b], [lift(x) for x in method.c]
-        self.rows = [[lift(x) for x in row] for row in method.a]
-        self.columns = list(zip(*self.rows, strict=True))
-
-    def b(self, k: int) -> list[RingElement]:
-        return [dot(self.weights, self._powers(k - 1)) - fmpq(1, k)]
-
-    def c(self, k: int) -> list[RingElement]:
-        inverse = fmpq(1, k)
-        below = self._powers(k - 1)
-        return [dot(row, below) - x * inverse for row, x in zip(self.rows, self._powers(k), strict=True)]
-
-    def d(self, k: int) -> list[RingElement]:
-        weighted = [w * x for w, x in zip(self.weights, self._powers(k - 1), strict=True)]
-        expected = [w * (1 - x) * fmpq(1, k) for w, x in zip(self.weights, self._powers(k), strict=True)]
-        return [dot(weighted, column) - x for column, x in zip(self.columns, expected, strict=True)]
-
-    def _powers(self, k: int) -> list[RingElement]:
-        return [x**k for x in self.nodes]
-
-
-def _degree(condition: Condition, last: int) -> int | None:
-    """The largest k up to which the conditions hold; None if they hold up to `last`."""
-    return next((k - 1 for k in range(1, last + 1) if any(condition(k))), None)

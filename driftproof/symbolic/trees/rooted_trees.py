@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from bisect import bisect_right
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache, cached_property
 from itertools import chain, repeat
@@ -215,7 +214,7 @@ def to_brackets(tree: AnyTree) -> str:
 
     The notation is that of hairer-lubich-wanner-2006, III.1.1 and III.2.1.
     """
-    colour, branches = _parts(tree)
+    colour, branches = tree if tree and isinstance(tree[0], str) else ("", tree)
     body = f"[{','.join(map(to_brackets, branches))}]" if branches else "τ"
     return f"{body}_{colour}" if colour else body
 
@@ -228,9 +227,3 @@ def _numbers(order: int) -> dict[Tree, int]:
 def _key(tree: Tree) -> tuple[object, ...]:
     """The sort key of the tables: the number of vertices, then the largest branch, then the next largest."""
     return vertices(tree), tuple(map(_key, reversed(tree)))
-
-
-def _parts(tree: AnyTree) -> tuple[str, Sequence[AnyTree]]:
-    if tree and isinstance(tree[0], str):
-        return tree[0], tree[1]
-    return "", tree

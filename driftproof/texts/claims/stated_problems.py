@@ -19,8 +19,8 @@ from driftproof.texts.questions.parser import parse_question
 from driftproof.texts.questions.pieces import with_greek_spelled, with_time
 from driftproof.texts.readers.numbers import TextNumber, numbers_in
 
-# Limits that keep this to some hundred questions about runs of some hundred steps: seconds.
-_MOST_PROBLEMS, _MOST_METHODS, _MOST_SIZES, _MOST_TIMES, _LONGEST_RUN = 4, 8, 8, 12, 500
+# Limits that keep this to some hundred questions, and to runs of so many steps in all for each problem: seconds.
+_MOST_PROBLEMS, _MOST_METHODS, _MOST_SIZES, _MOST_TIMES, _MOST_STEPS = 4, 8, 8, 12, 30_000
 _NUMBER = r"[-+]?[0-9]+(?:\.[0-9]+)?(?:/[1-9][0-9]*)?(?![\w/^]|\.[0-9])"
 _VALUE = rf"-?(?:[0-9]+ ?[*·]? ?)?(?:pi|√\(?[0-9]+\)?)(?: ?/ ?[0-9]+)?|{_NUMBER}"
 _LIST = rf"{_NUMBER}(?:(?:,? (?:and |or )?|,){_NUMBER})*"
@@ -130,9 +130,19 @@ def _problems(text: str) -> Iterator[_Problem]:
         if not any("x" in names for _, names in systems):  # y' = x + y: the time is called x
             raw, part = {name: with_time(rate, raw) for name, rate in raw.items()}, with_time(part, raw)
         names, begins = [*raw], start - len(re.split(r"[.;?!]\s", text[max(0, start - _GAP) : start])[-1])
-        rates = {of: rate for of, one in raw.items() if (rate := _rate(one, names, spelled))}
-        if len(rates) == len(raw):
-            yield _Problem(rates, part[begins:], begins)
+        known = list[dict[str, str]]()
+        for given in ("", *_other_values(raw, spelled)):
+            rates = {of: rate for of, one in raw.items() if (rate := _rate(one, names, given + spelled))}
+            if len(rates) == len(raw) and rates not in known:
+                known.append(rates)
+                yield _Problem(rates, part[begins:], begins)
+
+
+def _other_values(raw: dict[str, str], text: str) -> Iterator[str]:
+    """The values but the first that the text gives to words of the rates, as "k = 3; ", to stand before the text."""
+    for word in dict.fromkeys(word for rate in raw.values() for word in _WORD.findall(rate)):
+        values = re.findall(rf"(?<![\w'(]){re.escape(word)} ?= ?({_NUMBER})", text)
+        yield from (f"{word} = {value}; " for value in [*dict.fromkeys(values)][1:_MOST_PROBLEMS])
 
 
 def _questions(problem: _Problem, equations: str, text: str, column_of: Callable[[TextNumber], str]) -> Iterator[str]:
@@ -155,7 +165,8 @@ def _questions(problem: _Problem, equations: str, text: str, column_of: Callable
     spoken = methods_named(part.lower()) & {*METHODS} or methods_named(text.lower()) & {*METHODS}
     if "explicit" in text.lower() and "implicit" not in text.lower():
         spoken -= {key for key in METHODS if key.startswith("implicit")}  # of what midpoint may mean
-    methods = ",".join([key for key in METHODS if key in spoken][:_MOST_METHODS])
+    chosen = [key for key in METHODS if key in spoken][:_MOST_METHODS]
+    methods, left = ",".join(chosen), Fraction(_MOST_STEPS)
     if ends := ",".join(map(_shown, times[-_MOST_TIMES:])):
         yield f"exact {equations}, t={{{ends}}} : {{{','.join(problem.rates)}}}"
     read = [*problem.rates, "error", *(f"error.{name}" for name in problem.rates if len(problem.rates) > 1)]
@@ -164,8 +175,9 @@ def _questions(problem: _Problem, equations: str, text: str, column_of: Callable
     read += ["evaluations"] * bool(re.search("evaluation|calls", part))
     runs = list[tuple[Fraction, list[Fraction]]]()
     for h in sizes[::-1][:_MOST_SIZES] if methods else ():
-        fitting = [t for t in times if (t / h).denominator == 1 and t / h <= _LONGEST_RUN]
+        fitting = [t for t in times if (t / h).denominator == 1 and len(chosen) * t / h <= left]
         if fitting := fitting[-_MOST_TIMES:]:
+            left -= len(chosen) * fitting[-1] / h
             runs.append((h, fitting))
             ends = ",".join(map(_shown, fitting))
             yield f"run {{{methods}}} {equations}, h={{{_shown(h)}}}, t={{{ends}}} : {{{','.join(read)}}}"

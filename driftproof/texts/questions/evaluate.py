@@ -160,6 +160,7 @@ def _run_answer(context: QueryContext, h: Fraction, t: Fraction) -> Answer:
 
 def _problem_answer(context: QueryContext, method: Method | None, h: Fraction, t: Fraction) -> Answer:
     """Answer for a problem by name, for y' = f(t, y) with its rates written out, or for y' = λy from 1."""
+    from driftproof.enclosure.problem_tables import ProblemTable
     from driftproof.methods.field_text import field_of_text
     from driftproof.texts.questions import problems
 
@@ -184,7 +185,8 @@ def _problem_answer(context: QueryContext, method: Method | None, h: Fraction, t
             problem = problems.problem_of_name(named.text)
         else:
             names = {name: f"y{i}" for i, name in enumerate(query.unknowns)}
-            problem = field_of_text([rate.text for rate in query.rates], names=names), (), query.unknowns
+            field = field_of_text([rate.text for rate in query.rates], names=names)
+            problem = ProblemTable(field, (), unknowns=query.unknowns)
         try:
             given = query.start or ()
             start: tuple[CertifiableReal, ...] = tuple(_entry(x) if isinstance(x, str) else x for x in given)
@@ -192,7 +194,7 @@ def _problem_answer(context: QueryContext, method: Method | None, h: Fraction, t
             raise context.error(None, f"start {error.text}: {error.reason}") from None
         run = problems.problem_run(method, problem, start or None, h, t)
     with context.refused(query.readout):
-        return context.readout(problems.problem_readouts(run, problem[2]))(run)
+        return context.readout(problems.problem_readouts(run, problem.unknowns))(run)
 
 
 @cache

@@ -27,10 +27,11 @@ from typing import Any, TypeAlias
 
 from driftproof.methods.catalogue import keys_of_name
 from driftproof.methods.expression_tree import END, NAME, NUMBER, CallNode, ExpressionNode, NameNode, NumberNode, Token
+from driftproof.methods.field_text import of_first_order
 from driftproof.support.plain_text import did_you_mean
 from driftproof.texts.questions import wording
 from driftproof.texts.questions.errors import QuestionError
-from driftproof.texts.questions.pieces import OWN_PI, WORDS, PieceParser, of_first_order, with_greek_spelled, with_time
+from driftproof.texts.questions.pieces import OWN_PI, WORDS, PieceParser, with_greek_spelled, with_time
 
 SETTINGS = ("h", "t", "N", "steps", "error", "z", "lambda")
 PROBLEM, RATES = ("problem", "rates")

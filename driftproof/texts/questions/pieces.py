@@ -19,7 +19,6 @@ WORDS = ("sharp",)
 OWN_PI = "steps and times are rational, so round pi yourself, as in h=0.01 t=6.28"
 
 # An unknown in front of two primes and a sign of equality.
-_SECOND = re.compile(r"\b([^\W\d]\w*)(?:['′’]{2}|[″\"]) ?(?:\(t\))?(?= ?=)")
 
 
 def without_accents(text: str) -> str:
@@ -32,13 +31,6 @@ def with_greek_spelled(text: str) -> str:
     spelled = lambda letter: name(letter[0][0]).split()[-1].lower().replace("lamda", "lambda")
     apart = re.sub(r"(?<=[A-Zabce-zα-ω])(?=[α-ω])|(?<=[α-ω])(?=[^\W\d_])", " ", text.replace("µ", "μ"))
     return re.sub(r"[α-ω]", spelled, apart)
-
-
-def of_first_order(question: str) -> str:
-    """The question with each equation of second order as two: x'' = -x as x'=dx, dx' = -x, and x'(0) as dx(0)."""
-    if of_second := "|".join({*_SECOND.findall(question)}):
-        question = re.sub(rf"\b({of_second})['′’](?!['′’])", r"d\1", question)
-    return _SECOND.sub(r"\1'=d\1, d\1'", question)
 
 
 def with_time(text: str, unknowns: Collection[str]) -> str:

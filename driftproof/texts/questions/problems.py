@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property, lru_cache, partial, reduce
@@ -11,15 +12,15 @@ from typing import Any
 from flint import arb, ctx
 
 from driftproof.enclosure.exact_runs import exact_step
-from driftproof.enclosure.fields import RightHandSide, enclosable, enclosed_rates
+from driftproof.enclosure.fields import RightHandSide, enclosable, enclosed_values
 from driftproof.enclosure.numbers import Enclosed, Evaluation
+from driftproof.enclosure.problem_tables import ProblemTable, problem_table
 from driftproof.enclosure.solutions import BITS_AT_FIRST, enclose_solution
 from driftproof.enclosure.text_fields import field_function
-from driftproof.methods.field_text import LONGEST_PROBLEM, PROBLEM_KEYS, field_of_table, start_of_table
-from driftproof.methods.rationals import parse_rational
+from driftproof.methods.field_text import LONGEST_PROBLEM
 from driftproof.methods.schemes import Method, Nystrom, RungeKutta, Splitting
 from driftproof.methods.vector_fields import VectorField
-from driftproof.support.toml_tables import TomlTable, read_toml, require_keys
+from driftproof.support.toml_tables import read_toml
 from driftproof.symbolic.algebra.certified import CertifiableReal, Uncertified, enclose
 from driftproof.texts.questions.answer import CERTIFIED, Answer
 from driftproof.texts.questions.arithmetic import NUMBER_FUNCTIONS, OPERATIONS, raised
@@ -33,9 +34,7 @@ _MOST_BITS_OF_SOLUTION = 1024
 _LONGEST_EXACT = 4096
 # Readouts of a run: 0 stands for any index and 1 for any stage, of explicit Runge-Kutta methods only.
 _ERRORS = ("state_error", "relative_error", "largest_error", "error.y0", "position_error")
-PROBLEM_READOUTS = ("y0", "exact.y0", "slope.y0", "k1.y0", *_ERRORS, "steps", "evaluations")
-# Vector field, start, and the names of the unknowns, empty for y0, y1, ...
-FieldAndStart = tuple[VectorField, tuple[CertifiableReal, ...], tuple[str, ...]]
+PROBLEM_READOUTS = ("y0", "exact.y0", "slope.y0", "k1.y0", *_ERRORS, "energy", "energy_change", "steps", "evaluations")
 # A vector of balls or of Fractions.
 _Row = Sequence[Any]
 
@@ -53,6 +52,7 @@ class ProblemRun:
     start: tuple[CertifiableReal, ...]
     h: Fraction
     steps: int
+    energy: str | None = None
 
     @property
     def t(self) -> Fraction:
@@ -112,26 +112,35 @@ class ProblemRun:
 
     def rate(self, t: Any, y: _Row) -> _Row:
         """f(t, y), in the type of y. Raises TypeError if y is in Fractions and a rate has no value in them."""
-        if isinstance(y[0], Fraction):
-            return [*self._function(t, y)]
-        evaluation = Evaluation()
-        state, at = [Enclosed(evaluation, x) for x in y], t if isinstance(t, arb) else enclose(t)
-        return [arb(x.value) for x in enclosed_rates(self._function, Enclosed(evaluation, at), state)]
+        return _values(self._function, t, y)
+
+    def energies(self, t: Any, y: _Row) -> _Row:
+        """The energy of y, the only entry, in the type of y. Raises TypeError as `rate` does."""
+        return _values(enclosable(field_function(self.rates, [self.energy or "0"])), t, y)
 
     @cached_property
     def _function(self) -> RightHandSide:
         return enclosable(field_function(self.rates))
 
 
+def _values(function: RightHandSide, t: Any, y: _Row) -> _Row:
+    if isinstance(y[0], Fraction):
+        return [*function(t, y)]
+    evaluation = Evaluation()
+    state, at = [Enclosed(evaluation, x) for x in y], t if isinstance(t, arb) else enclose(t)
+    found = enclosed_values("f", partial(function, Enclosed(evaluation, at)), state, evaluation)
+    return [arb(x.value) for x in found]
+
+
 def problem_run(
-    method: Method | None, problem: FieldAndStart, given: tuple[CertifiableReal, ...] | None, h: Fraction, t: Fraction
+    method: Method | None, problem: ProblemTable, given: tuple[CertifiableReal, ...] | None, h: Fraction, t: Fraction
 ) -> ProblemRun:
     """The run to time t with steps of size h from the `given` start, else that of the problem; see ProblemRun.
 
     Raises ValueError for a method that is not for the problem, a start of another dimension, an h that does not divide
     t, and more than MOST_STEPS_OF_PROBLEM steps.
     """
-    rates, start = problem[0], given or problem[1]
+    rates, start = problem.field, given or problem.start
     if len(start) != len(rates.rates):
         raise ValueError(f"the start has {len(start)} entries, required: {len(rates.rates)}, as in y(0)=1 or from 1,0")
     steps = t / h if h else t
@@ -141,7 +150,7 @@ def problem_run(
         raise ValueError(f"{steps} steps; on a problem at most {MOST_STEPS_OF_PROBLEM} are allowed")
     if isinstance(method, Splitting | Nystrom):
         rates.second_order()
-    return ProblemRun(method, rates, start, h, int(steps))
+    return ProblemRun(method, rates, start, h, int(steps), problem.energy)
 
 
 @lru_cache(maxsize=64)
@@ -157,8 +166,8 @@ def problem_readouts(run: ProblemRun, unknowns: Sequence[str] = ()) -> dict[str,
 
     Without a method these are the components of the solution. With one they are y0, ... and exact.y0, ... at the end;
     slope.y0, ..., which is f(t, y) there; state_error, relative_error, largest_error over all steps, error.y0, ... of
-    a component, and for q'' = F(t, q, q') position_error; steps and evaluations; and k1.y0, k2.y0, ... of the first
-    step of an explicit Runge-Kutta method.
+    a component, and for q'' = F(t, q, q') position_error; energy and energy_change if the problem has an energy; steps
+    and evaluations; and k1.y0, k2.y0, ... of the first step of an explicit Runge-Kutta method.
     """
     all_steps = range(run.steps + 1)
 
@@ -181,6 +190,9 @@ def problem_readouts(run: ProblemRun, unknowns: Sequence[str] = ()) -> dict[str,
     half = len(run.start) // 2
     if run.rates.rates[:half] == run.rates.components[half:]:
         errors["position_error"] = slice(half)
+    energies: dict[str, Callable[[ProblemRun], Answer]] = {}
+    if run.energy is not None:
+        energies = {"energy": _energy, "energy_change": _energy_change}
     read: dict[str, _StateFunction] = {"slope": lambda run, end: run.rate(run.t, end)}
     if isinstance(run.method, RungeKutta) and run.method.explicit:
         read |= {f"k{j}": partial(_slope, j - 1) for j in range(1, len(run.method.b) + 1)}
@@ -193,6 +205,7 @@ def problem_readouts(run: ProblemRun, unknowns: Sequence[str] = ()) -> dict[str,
         ),
         **{name: partial(error_of, part) for name, part in errors.items()},
         "largest_error": lambda run: _enclosed(lambda: _largest(run.numerical(), run.true(all_steps))),
+        **energies,
         "steps": lambda run: Answer("", Fraction(run.steps)),
         "evaluations": lambda run: evaluations(method, run.steps),
         **{f"{name}.{y}": partial(_component, state, i) for name, state in read.items() for i, y in components},
@@ -206,6 +219,22 @@ def _component(read: _StateFunction, index: int, run: ProblemRun) -> Answer:
     if run.exactly is not None:
         return Answer("", read(run, run.exactly)[index])
     return _enclosed(lambda: read(run, run.numerical()[-1])[index])
+
+
+def _energy(run: ProblemRun) -> Answer:
+    return _of_states(run, lambda _, y: run.energies(run.t, y)[0])
+
+
+def _energy_change(run: ProblemRun) -> Answer:
+    return _of_states(run, lambda first, y: run.energies(run.t, y)[0] - run.energies(Fraction(0), first)[0])
+
+
+def _of_states(run: ProblemRun, read: Callable[[_Row, _Row], Any]) -> Answer:
+    """A function of the first and the last state: exactly if it is rational, and else enclosed."""
+    if run.exactly is not None:
+        with suppress(TypeError):  # a function such as log
+            return Answer("", read(run.start, run.exactly))
+    return _enclosed(lambda: read(run.numerical()[0], run.numerical()[-1]))
 
 
 def _slope(stage: int, run: ProblemRun, end: _Row) -> _Row:
@@ -240,20 +269,11 @@ def decay_readouts(factor: Answer, rate: Fraction, h: Fraction, steps: int) -> d
     }
 
 
-def problem_of_name(name: str) -> FieldAndStart:
+def problem_of_name(name: str) -> ProblemTable:
     """The problem with this name in the catalogue, or in this .toml file. Raises ValueError if there is none."""
-    if not name.endswith(".toml"):
-        from driftproof.numeric.problems.catalogue import problem_named
+    if name.endswith(".toml"):
+        return read_toml(name, LONGEST_PROBLEM, problem_table)
+    from driftproof.numeric.problems.catalogue import problem_named
 
-        problem = problem_named(name)
-        return problem.field, problem.start, ()
-
-    def read(table: TomlTable) -> FieldAndStart:
-        require_keys(table, PROBLEM_KEYS, "a problem")
-        if "function" in table:
-            raise ValueError('function is Python code, which questions do not run; give rates, as in rates = ["-y0"]')
-        rates = field_of_table(table)
-        start = tuple(parse_rational(str(x), f"start[{i}]") for i, x in enumerate(start_of_table(table)))
-        return rates, start, tuple(table["rates"]) if isinstance(table["rates"], dict) else ()
-
-    return read_toml(name, LONGEST_PROBLEM, read)
+    problem = problem_named(name)
+    return ProblemTable(problem.field, problem.start, problem.energy)

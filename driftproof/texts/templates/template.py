@@ -15,6 +15,7 @@ from jinja2 import TemplateNotFound, TemplateSyntaxError, Undefined, UndefinedEr
 from jinja2.runtime import Context
 from markupsafe import Markup
 
+from driftproof.support.environment import OWN_CODE_RUNS
 from driftproof.texts.questions.errors import QuestionError
 from driftproof.texts.questions.evaluate import value
 from driftproof.texts.templates.sandbox import PLACE, FolderLoader, Refusal, Sandbox, TemplatePlace, TemplateProblem
@@ -137,9 +138,12 @@ def _in_words(error: Exception) -> str:
 
 def render_order(order: dict[str, Any]) -> dict[str, Any]:
     """Carry out an order of `rendering.render` in the separate process: {"text", "asked"} or {"problem"}."""
+    before = OWN_CODE_RUNS.set(False)
     try:
         kind = kind_of(Path(order["output"]))
         template = Template(Path(order["template"]), kind, order["style"], order["rounding"])
         return {"text": template.text(), "asked": template.asked}
     except Exception as error:
         return {"problem": " ".join(str(error).split()) or type(error).__name__}
+    finally:
+        OWN_CODE_RUNS.reset(before)

@@ -7,21 +7,11 @@ from itertools import pairwise
 import numpy as np
 
 from driftproof.methods.catalogue import FACTS_ONLY
+from tests.blackbox.handwritten_steppers import rk4
 from tests.blackbox.implicit_steppers import newton
 
 # Weights of the slopes, the newest first.
 BASHFORTH4 = [55 / 24, -59 / 24, 37 / 24, -9 / 24]
-
-
-def euler(f, t, y, h):
-    return y + h * f(t, y)
-
-
-def rk4_step(f, t, y, h):
-    k1 = f(t, y)
-    k2 = f(t + h / 2, y + h / 2 * k1)
-    k3 = f(t + h / 2, y + h / 2 * k2)
-    return y + h / 6 * (k1 + 2 * k2 + 2 * k3 + f(t + h, y + h * k3))
 
 
 def implicit_euler(f, t, y, h):
@@ -106,7 +96,7 @@ def run_of_adams_bashforth3(f, y0, ts):
     h, ys = ts[1] - ts[0], np.zeros((len(ts), len(y0)))
     ys[0] = y0
     for n in range(2):
-        ys[n + 1] = rk4_step(f, ts[n], ys[n], h)
+        ys[n + 1] = rk4(f, ts[n], ys[n], h)
     for n in range(2, len(ts) - 1):
         slopes = [f(ts[m], ys[m]) for m in (n, n - 1, n - 2)]
         ys[n + 1] = ys[n] + h / 12 * (23 * slopes[0] - 16 * slopes[1] + 5 * slopes[2])

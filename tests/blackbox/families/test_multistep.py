@@ -13,7 +13,8 @@ from driftproof.blackbox.verify import verify
 from driftproof.methods.catalogue import FACTS_ONLY
 from driftproof.methods.multistep import Multistep
 from tests.blackbox.families import remembering_steppers as planted
-from tests.blackbox.families.remembering_steppers import Corrected, Displaced, Remembering, Stormer, euler, rk4_step
+from tests.blackbox.families.remembering_steppers import Corrected, Displaced, Remembering, Stormer
+from tests.blackbox.handwritten_steppers import euler, rk4
 from tests.blackbox.transcripts import to_twelve_digits
 
 EXPLICIT = [key for key, m in FACTS_ONLY.items() if isinstance(m, Multistep) and m.explicit and m.derivative == 1]
@@ -34,11 +35,11 @@ NAMED = [
     (Remembering("bdf2", planted.implicit_euler).step, "bdf2, started by backward_euler"),
     (Remembering("two_step_leapfrog", euler).step, f"two_step_leapfrog, {BY_EULER}"),
     (
-        Corrected(AM3, rk4_step, planted.BASHFORTH4).step,
+        Corrected(AM3, rk4, planted.BASHFORTH4).step,
         f"{AM3}, corrected once from the prediction of {AB4} (PECE), {BY_RK4}",
     ),
     (
-        planted.without_times(Corrected("adams_moulton2", rk4_step, [1.0], times=2)),
+        planted.without_times(Corrected("adams_moulton2", rk4, [1.0], times=2)),
         f"adams_moulton2, corrected 2 times from the prediction of forward_euler (PECECE), {BY_RK4}",
     ),
     (
@@ -52,7 +53,7 @@ NAMED = [
 @pytest.mark.slow(keep=1)
 @pytest.mark.parametrize("key", [*EXPLICIT, *IMPLICIT])
 def test_a_method_that_is_started_well_enough_passes_as_itself(key):
-    report = verify(Remembering(key, rk4_step).step, key, isolate=False)
+    report = verify(Remembering(key, rk4).step, key, isolate=False)
     assert report.passed is (FACTS_ONLY[key].claimed_order <= 5), report.text()
     assert report.passed or "its start is too inaccurate: first errors are like h^5" in report.verdict
 
@@ -70,13 +71,13 @@ WRONG = [
     (THIRDS.step, AB2, f"{AB2} except for sigma[0]: -1/3 instead of -1/2"),
     (Remembering(AB4, euler).step, AB4, f"{LATE[:-1]}4"),
     (Remembering(AB2, euler).step, AB3, f"it is {AB2}"),
-    (Corrected(AM3, rk4_step, planted.BASHFORTH4).step, AM3, f"evaluated at the prediction of {AB4}"),
+    (Corrected(AM3, rk4, planted.BASHFORTH4).step, AM3, f"evaluated at the prediction of {AB4}"),
     (Remembering("bdf2", euler, most=1).step, "bdf2", "its equations are solved to"),
     (Displaced(AB2, euler).step, AB2, BESIDE),
     (lambda f, t, y, h: y + 0.875 * h * f(t, y), AB2, f"{ALONE}; it is not consistent: rho'(1) - sigma(1) = 1/8"),
     (lambda f, t, y, h: y + 0 * f(t, y), AB2, ALONE),
     (Stormer(right=False).step, "stormer2", "first errors are like h^2"),
-    (rk4_step, AB4, "its steps satisfy no recurrence of up to 8 steps"),
+    (rk4, AB4, "its steps satisfy no recurrence of up to 8 steps"),
 ]
 
 

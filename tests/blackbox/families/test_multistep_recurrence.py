@@ -13,7 +13,8 @@ from driftproof.methods.catalogue import FACTS_ONLY
 from driftproof.symbolic.linear.multistep import MultistepFacts
 from driftproof.symbolic.rounding.formats import BINARY64
 from tests.blackbox.families.bounds import U, parted
-from tests.blackbox.families.remembering_steppers import BASHFORTH4, Corrected, Remembering, euler, rk4_step
+from tests.blackbox.families.remembering_steppers import BASHFORTH4, Corrected, Remembering
+from tests.blackbox.handwritten_steppers import euler, rk4
 from tests.looping import some
 
 
@@ -23,7 +24,7 @@ from tests.looping import some
 def test_coefficients_are_read_that_no_method_of_the_catalogue_has(key, error):
     sigma = [float(x / FACTS_ONLY[key].rho[-1]) for x in FACTS_ONLY[key].sigma]
     sigma[0] += 1 / 64
-    reading = read_recurrence(MarkedRuns.of(opened(Remembering(key, rk4_step, sigma=sigma).step)))
+    reading = read_recurrence(MarkedRuns.of(opened(Remembering(key, rk4, sigma=sigma).step)))
     assert reading.method is None
     for seen, right in some(zip(reading.recurrence.sigma, sigma, strict=True)):
         assert abs(seen - right) <= reading.recurrence.error
@@ -33,7 +34,7 @@ def test_coefficients_are_read_that_no_method_of_the_catalogue_has(key, error):
 
 
 def test_exact_fractions_lead_to_exact_facts():
-    step = Remembering("adams_bashforth2", rk4_step, sigma=[-1 / 4, 5 / 4, 0.0]).step
+    step = Remembering("adams_bashforth2", rk4, sigma=[-1 / 4, 5 / 4, 0.0]).step
     facts = read_recurrence(MarkedRuns.of(opened(step))).facts
     assert (facts.order, str(facts.error_constant)) == (1, "1/4")
 
@@ -49,7 +50,7 @@ def test_the_floats_of_a_method_are_its_own_fractions():
 
 def test_a_one_step_method_of_several_stages_keeps_no_recurrence():
     with pytest.raises(NoRecurrence, match="of up to 8 steps"):
-        read_recurrence(MarkedRuns.of(opened(rk4_step)))
+        read_recurrence(MarkedRuns.of(opened(rk4)))
 
 
 CHANGES = {
@@ -73,7 +74,7 @@ def test_a_recurrence_that_is_left_somewhere_is_none(when, instead):
             after = super().step(f, t, y, h)
             return instead(f, t, y, h) if CHANGES[when](self, t, h) else after
 
-    runs = MarkedRuns.of(opened(Leaving("adams_bashforth2", rk4_step).step))
+    runs = MarkedRuns.of(opened(Leaving("adams_bashforth2", rk4).step))
     if instead is refused and when in ("after fifty steps", "in steps back"):
         assert read_recurrence(runs).method.key == "adams_bashforth2"
         return
@@ -88,11 +89,11 @@ def beside(made, off):
 
 
 def adams_bashforth2(**how):
-    return Remembering("adams_bashforth2", rk4_step, **how)
+    return Remembering("adams_bashforth2", rk4, **how)
 
 
 def predicted_and_corrected():
-    return Corrected("adams_moulton3", rk4_step, BASHFORTH4)
+    return Corrected("adams_moulton3", rk4, BASHFORTH4)
 
 
 HALVES = [-0.25, 1.25, 0.0]
@@ -104,7 +105,7 @@ BOUNDS = [
     (lambda k: beside(adams_bashforth2(), lambda y, h: k * U * (h == 0.75)), LEFT, (8.5, 8.9)),
     # Of one that is not known, what is read wrongly of 2 (3 + 3) coefficients; of implicit ones, what solvers leave.
     (lambda k: beside(adams_bashforth2(sigma=HALVES), lambda y, h: k * U * (h == 0.75)), LEFT, (5100, 5320)),
-    (lambda k: beside(Remembering("adams_moulton2", rk4_step), lambda y, h: k * U), LEFT, (2.6e9, 2.7e9)),
+    (lambda k: beside(Remembering("adams_moulton2", rk4), lambda y, h: k * U), LEFT, (2.6e9, 2.7e9)),
     (lambda k: beside(predicted_and_corrected(), lambda y, h: k * U * np.eye(len(y))[0]), "solved to", (1395, 1430)),
 ]
 
@@ -137,12 +138,12 @@ class Late(Remembering):
     def step(self, f, t, y, h):
         """One step."""
         after = super().step(f, t, y, h)
-        return after if len(self.states) > 3 else rk4_step(f, t, y, h)
+        return after if len(self.states) > 3 else rk4(f, t, y, h)
 
 
 LINES = [
     (predicted_and_corrected(), -2, "F is evaluated at the prediction of adams_bashforth4 and at the states returned"),
-    (Late("adams_bashforth2", rk4_step), -2, "the first 3 steps differ"),
+    (Late("adams_bashforth2", rk4), -2, "the first 3 steps differ"),
     (adams_bashforth2(sigma=[0.0, 1.0, 0.0]), -2, "the first step differs"),
     (Remembering("bdf2", euler, most=2), 0, "bdf2: satisfied to 1.6e-09, the accuracy of its solver, in runs of 40"),
 ]

@@ -9,7 +9,8 @@ from driftproof.blackbox.families.multistep_runs import MarkedRuns, later_steps,
 from driftproof.blackbox.findings import StepRaised, UnsupportedCall, WrongShape
 from driftproof.blackbox.stepper.opening import opened
 from tests.blackbox.families import remembering_steppers as planted
-from tests.blackbox.families.remembering_steppers import Remembering, Stormer, euler
+from tests.blackbox.families.remembering_steppers import Remembering, Stormer
+from tests.blackbox.handwritten_steppers import euler
 
 STEPS = [
     (euler, False), (Remembering("adams_bashforth2", euler).step, True), (planted.in_a_closure(), True),

@@ -9,7 +9,8 @@ from driftproof.blackbox.families.multistep_runs import MarkedRuns
 from driftproof.blackbox.families.multistep_start import read_start
 from driftproof.blackbox.stepper.opening import opened
 from tests.blackbox.families import remembering_steppers as planted
-from tests.blackbox.families.remembering_steppers import Remembering, Stormer, euler, rk4_step
+from tests.blackbox.families.remembering_steppers import Remembering, Stormer
+from tests.blackbox.handwritten_steppers import euler, rk4
 
 
 def ramped(f, t, y, h):
@@ -22,7 +23,7 @@ AB2, AB3 = "adams_bashforth2", "adams_bashforth3"
 STARTS = [
     (Remembering(AB2, euler).step, ("forward_euler",), 2, 2, "1.74, 1.89, 1.95, 1.97, 1.99, 1.99, 2.00",
      "1.82, 1.92, 1.97, 1.98, 1.99"),
-    (Remembering("adams_bashforth4", rk4_step).step, ("rk4",) * 3, 5, 4, "", ""),
+    (Remembering("adams_bashforth4", rk4).step, ("rk4",) * 3, 5, 4, "", ""),
     (Remembering("bdf3", planted.implicit_euler).step, ("backward_euler",) * 2, 2, 2, "", ""),
     (Remembering(AB3, ramped).step, ("forward_euler, 2 steps of h/2",) * 2, 2, 2, "", ""),
     (planted.run_of_adams_bashforth3, ("rk4",) * 2, 5, 3, "3.84, 4.39, 4.61, 4.82, 4.92, 4.96, 4.98",

@@ -10,7 +10,8 @@ from driftproof.blackbox.solvers.identify_solver import identify_solver
 from driftproof.blackbox.verify import verify
 from tests.blackbox import broken_steppers
 from tests.blackbox.families import turning_steppers as codes
-from tests.blackbox.families.remembering_steppers import Remembering, euler
+from tests.blackbox.families.remembering_steppers import Remembering
+from tests.blackbox.handwritten_steppers import euler
 from tests.blackbox.stepper.styles import PAGE, defined
 from tests.looping import exactly
 

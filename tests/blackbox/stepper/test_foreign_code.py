@@ -172,15 +172,7 @@ def test_each_call_is_said_to_be_over_also_where_it_raises():
         lambda f, y0, h, n: ([0.0, h], [[*y0], [*(y0 + h * f(0.0, y0))]]),
         lambda f, y0, ts: [[a, b] for a, b in zip(y0, y0 + ts[1] * f(0.0, y0), strict=True)],
     ],
-    ids=[
-        "times and columns",
-        "rows",
-        "rounded rows",
-        "columns apart",
-        "the end alone",
-        "times and rows",
-        "columns",
-    ],
+    ids=["times and columns", "rows", "rounded rows", "columns apart", "the end alone", "times and rows", "columns"],
 )
 def test_the_end_of_a_run_is_found_in_rows_and_columns_with_and_without_times(run):
     subject = opened(run)

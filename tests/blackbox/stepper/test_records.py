@@ -1,10 +1,14 @@
-"""Records as states: a dataclass with slots, changed or returned; what is returned, by its names or in its order."""
+"""Steps of a dataclass, a dict or an object, with a force or without, are opened as they are written."""
 
 from dataclasses import dataclass
+from typing import TypedDict
 
 import pytest
 
+from driftproof import verify
 from driftproof.blackbox.stepper.opening import opened
+from driftproof.blackbox.stepper.records import record_forms
+from tests.looping import exactly
 
 
 @dataclass(slots=True)
@@ -40,3 +44,116 @@ def test_a_dataclass_with_slots_is_a_state_as_well(step):
 )
 def test_what_is_returned_is_read_by_its_names_or_in_its_order(answer):
     assert opened(lambda q, v, h: answer(q + h * v, v - h * q)).step(1.0, 0.75, 0.25) == (1.1875, 0.5)
+
+
+@dataclass
+class State:
+    x: float
+    v: float
+    m: float = 1.0
+    t: float = 0.0
+
+
+@dataclass(frozen=True)
+class Phase:
+    q: float
+    p: float
+    t: float = 0.0
+
+
+@dataclass
+class Slopes:
+    dx: float = 0.0
+    dv: float = 0.0
+
+
+def slopes(state, t, dt, before, acceleration):
+    moved = State(state.x + dt * before.dx, state.v + dt * before.dv)
+    return Slopes(moved.v, acceleration(moved, t + dt))
+
+
+def integrate(state, t, dt, acceleration, last=1 / 6):
+    """Classical RK4 as games write it, in place."""
+    a = slopes(state, t, 0.0, Slopes(), acceleration)
+    b = slopes(state, t, dt / 2, a, acceleration)
+    c = slopes(state, t, dt / 2, b, acceleration)
+    d = slopes(state, t, dt, c, acceleration)
+    state.x += dt * (a.dx / 6 + b.dx / 3 + c.dx / 3 + last * d.dx)
+    state.v += dt * (a.dv / 6 + b.dv / 3 + c.dv / 3 + last * d.dv)
+
+
+def integrate_wrongly(state, t, dt, acceleration):
+    integrate(state, t, dt, acceleration, last=1 / 3)
+
+
+def verlet_of_a_dict(particle, force, dt):
+    particle["vel"] += dt / 2 * force(particle["pos"])
+    particle["pos"] += dt * particle["vel"]
+    particle["vel"] += dt / 2 * force(particle["pos"])
+
+
+def euler_of_a_dict(state, t, dt, rhs):
+    rate = rhs(state, t)
+    return {"x": state["x"] + dt * rate["x"], "v": state["v"] + dt * rate["v"]}
+
+
+def kick_and_drift(state: Phase, grad_U, eps: float) -> Phase:
+    p = state.p - eps * grad_U(state.q)
+    return Phase(state.q + eps * p, p, state.t + eps)
+
+
+def divided(body, force, dt=0.01):
+    body.v += dt * force(body.x) / body.m
+    body.x += dt * body.v
+
+
+def undivided(body, force, dt):
+    body.v += dt * force(body.x)
+    body.x += dt * body.v * body.m / body.m
+
+
+def accelerated(body, acc, dt):
+    undivided(body, acc, dt)
+
+
+class Named(TypedDict):
+    position: float
+    velocity: float
+
+
+def of_a_named_dict(p: Named, force, dt):
+    v = p["velocity"] + dt * force(p["position"])
+    return Named(position=p["position"] + dt * v, velocity=v)
+
+
+def without_a_force(sim, dt):
+    sim["v"] = sim["v"] - dt * sim["x"]
+    sim["x"] = sim["x"] + dt * sim["v"]
+    sim["t"] += dt
+
+
+HELD = [
+    (of_a_named_dict, "symplectic_euler", ""), (without_a_force, "symplectic_euler", ""),
+    (integrate, "rk4", ""), (integrate_wrongly, "rk4", "b[3]: 1/3 instead of 1/6"),
+    (verlet_of_a_dict, "velocity_verlet", ""), (euler_of_a_dict, "forward_euler", ""),
+    (kick_and_drift, "symplectic_euler", ""), (divided, "symplectic_euler", ""),
+    (undivided, "symplectic_euler", "kick 0: 2 instead of 1"), (accelerated, "symplectic_euler", ""),
+]  # fmt: skip
+
+
+@pytest.mark.slow(keep=1)
+@pytest.mark.parametrize(("step", "key", "wrong"), HELD, ids=[step.__name__ for step, _, _ in HELD])
+def test_a_step_of_a_record_is_opened_as_it_is_written_and_a_wrong_one_is_caught(step, key, wrong):
+    found = verify(step, key, examples=50, isolate=False)
+    assert found.passed is not bool(wrong), found.text
+    assert wrong in found.verdict
+
+
+def test_the_force_sees_the_record_as_it_is_and_the_time_and_a_step_with_other_arguments_has_no_form():
+    seen = []
+    (form,) = exactly(1, [*record_forms(integrate)][:1])
+    form(lambda *asked: seen.append(asked) or -asked[0], 1.0, 0.5, 8.0, 0.5)
+    assert seen[:2] == [(1.0, 0.5, 8.0), (1.125, 0.25, 8.25)]
+    assert [*record_forms(lambda state, force, mesh, dt: state)] == []
+    assert [*record_forms(lambda state, force: state)] == [*record_forms(lambda state, force, h: state)] == []
+    assert [*record_forms(lambda sim, mesh, h: sim)] == [*record_forms(lambda sim, h: sim)] == []

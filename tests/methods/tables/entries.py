@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from fractions import Fraction
 from hashlib import sha256
 from importlib import import_module
+from itertools import product as pairs
 from pkgutil import iter_modules
 from typing import Any
 
@@ -33,6 +36,14 @@ def of_type(family: type) -> list[Any]:
 
 def by_key(method: Method) -> str:
     return method.key
+
+
+def product(p: Sequence[Fraction], q: Sequence[Fraction]) -> tuple[Fraction, ...]:
+    """The product of two polynomials, coefficient by coefficient."""
+    found = [Fraction(0)] * (len(p) + len(q) - 1)
+    for (i, x), (j, y) in pairs(enumerate(p), enumerate(q)):
+        found[i + j] += x * y
+    return tuple(found)
 
 
 def fingerprint(method: Method) -> str:

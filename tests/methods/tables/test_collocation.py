@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from fractions import Fraction as Q
-from itertools import product
+from itertools import product as pairs
 
 import pytest
 
@@ -19,25 +18,18 @@ from driftproof.methods.tables.collocation import (
     radau_right_nodes,
 )
 from tests.looping import exactly
+from tests.methods.tables.entries import product
 
 
 def test_gauss_polynomials_are_orthogonal_to_each_other() -> None:
     polynomials = [gauss_nodes(s) for s in range(1, 11)]
-    for p, q in product(polynomials, polynomials):
-        integral = sum((x * Q(1, k + 1) for k, x in enumerate(convolved(p, q))), Q(0))
+    for p, q in pairs(polynomials, polynomials):
+        integral = sum((x * Q(1, k + 1) for k, x in enumerate(product(p, q))), Q(0))
         assert (integral == 0) is (p != q)
     assert gauss_nodes(2) == (Q(1, 6), Q(-1), Q(1))
     assert radau_right_nodes(2) == (Q(1, 3), Q(-4, 3), Q(1))
     assert radau_left_nodes(2) == (Q(0), Q(-2, 3), Q(1))
     assert lobatto_nodes(3) == (Q(0), Q(1, 2), Q(-3, 2), Q(1))
-
-
-def convolved(p: Sequence[Q], q: Sequence[Q]) -> list[Q]:
-    """The product of two polynomials, coefficient by coefficient."""
-    found = [Q(0)] * (len(p) + len(q) - 1)
-    for (i, x), (j, y) in product(enumerate(p), enumerate(q)):
-        found[i + j] += x * y
-    return found
 
 
 def test_ends_are_nodes_where_the_names_say_so() -> None:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import dataclasses
 from fractions import Fraction as Q
-from itertools import product as pairs
 from typing import Any, TypeAlias
 
 import pytest
@@ -18,7 +17,7 @@ from driftproof.methods.tables.stabilised import chebyshev_first_order, ssprk_se
 from driftproof.symbolic.facts import general_order
 from driftproof.symbolic.trees.order_conditions import residuals
 from driftproof.symbolic.trees.partitioned_trees import separable_conditions
-from tests.methods.tables.entries import entry
+from tests.methods.tables.entries import entry, product
 
 Polynomial: TypeAlias = tuple[Q, ...]
 
@@ -39,14 +38,6 @@ def test_nodes_of_tableau_are_the_roots_of_its_node_polynomial(key: str) -> None
     assert all(at(NODES[key], c) == 0 for c in nodes)
     assert len(set(nodes)) == len(NODES[key]) - 1
     assert at(NODES[key], nodes[0] + Q(1, 10**40)) != 0
-
-
-def product(p: Polynomial, q: Polynomial) -> Polynomial:
-    """The product, coefficient by coefficient."""
-    found = [Q(0)] * (len(p) + len(q) - 1)
-    for (i, x), (j, y) in pairs(enumerate(p), enumerate(q)):
-        found[i + j] += x * y
-    return tuple(found)
 
 
 def at(polynomial: Polynomial, x: Any) -> Any:

@@ -19,7 +19,7 @@ from driftproof.numeric.reference_errors import decimal_energy
 from tests.looping import exactly, some
 from tests.witnesses.references.closed_forms import CLOSED_FORMS, ball
 from tests.witnesses.references.literature import DOCS, page, published, right_digits, rows
-from tests.witnesses.references.solutions import Row, computed
+from tests.witnesses.references.write import Row, computed
 
 BY_EVIDENCE = {e: [p for p in PROBLEMS.values() if p.reference.evidence == e] for e in (EXACT, CERTIFIED)}
 # Whose first states are computed again in a moment.

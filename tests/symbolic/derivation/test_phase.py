@@ -10,11 +10,7 @@ import sympy
 from driftproof.symbolic.algebra.certified import enclose, is_less
 from driftproof.symbolic.derivation.expression_balls import enclose_expression
 from driftproof.symbolic.derivation.one_step import RING, H, at_rational, matrix, one_step_matrix, rational
-from driftproof.symbolic.derivation.phase import (
-    leading_term,
-    phase_error_series,
-    phase_per_step,
-)
+from driftproof.symbolic.derivation.phase import leading_term, phase_error_series, phase_per_step
 from tests.nine import NINE
 
 TERMS = 9

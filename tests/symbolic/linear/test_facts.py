@@ -20,10 +20,7 @@ from driftproof.symbolic.linear.monotonicity import ssp_coefficient
 from driftproof.symbolic.linear.oscillator import oscillator_matrix, stability_function_of
 from driftproof.symbolic.linear.phase import NoRotationError, angle_error_series, leading_frequency
 from driftproof.symbolic.linear.region import rounded_boundary
-from driftproof.symbolic.linear.stability_function import (
-    scalar_tableau,
-    stability_function_by_moments,
-)
+from driftproof.symbolic.linear.stability_function import scalar_tableau, stability_function_by_moments
 from driftproof.symbolic.linear.stability_limits import INFINITY
 from driftproof.texts.writing.records import record
 from tests.symbolic.linear.linear_examples import by_determinants, limit_text, record_text, value

@@ -65,8 +65,8 @@ def ssp_10_4() -> RungeKutta:
 
 def test_ssp_coefficient_of_the_ten_stage_method_is_six(monkeypatch: pytest.MonkeyPatch) -> None:
     """Of 34 conditions nearly all are seen to hold up to 6 without their roots."""
-    asked, limit_of = [], monotonicity._nonnegative_limit
-    monkeypatch.setattr(monotonicity, "_nonnegative_limit", lambda p: asked.append(p) or limit_of(p))
+    asked, limit_of = [], monotonicity.nonnegative_limit
+    monkeypatch.setattr(monotonicity, "nonnegative_limit", lambda p: asked.append(p) or limit_of(p))
     assert limit_text(ssp_coefficient(ssp_10_4())) == "6"
     assert len(asked) < 5
     assert limit_text(ssp_coefficient(MIDPOINT_THRICE)) == "2"  # of the irreducible form

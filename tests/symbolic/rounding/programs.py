@@ -7,7 +7,7 @@ from fractions import Fraction as Q
 from flint import ctx
 
 from driftproof.methods.catalogue import METHODS
-from driftproof.methods.stepping import oscillator
+from driftproof.methods.stepping import oscillator, stepper
 from driftproof.numeric.steppers import HAND_WRITTEN
 from driftproof.symbolic.algebra.certified import enclose
 from driftproof.symbolic.rounding.step_bound import StepBound, in_format
@@ -20,6 +20,11 @@ WRITTEN_OUT = {**HAND_WRITTEN, "leapfrog": leapfrog}
 PROGRAMS = {f"generic {key}": method for key, method in NINE.items()} | WRITTEN_OUT
 IRRATIONAL = [key for key, m in METHODS.items() if m.explicit and getattr(m, "field", None)]
 ONE_ZERO = (Q(1), Q(0))
+
+
+def as_step(subject, lift=float):
+    """The step function itself, or that of a method with its coefficients lifted."""
+    return subject if callable(subject) else stepper(subject, lift)
 
 
 def rk4_reassociated(force, q, v, h):

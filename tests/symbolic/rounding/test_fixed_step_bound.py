@@ -25,7 +25,7 @@ from driftproof.symbolic.rounding.step_bound import NotLinear, step_bound, step_
 from driftproof.symbolic.runs import apply, exact_matrix_at
 from tests.changes import first_weight, moved
 from tests.looping import exactly
-from tests.symbolic.rounding.programs import IRRATIONAL, PROGRAMS, all_within, error_in_balls
+from tests.symbolic.rounding.programs import IRRATIONAL, PROGRAMS, all_within, as_step, error_in_balls
 from tests.witnesses.leapfrog import leapfrog
 from tests.witnesses.soft_float import soft_lift
 from tests.witnesses.worst_case import Envelope, envelope_of, search
@@ -67,10 +67,8 @@ def test_rk4_at_five_halves_comes_within_a_factor_of_two_of_that():
 @pytest.mark.parametrize("key", PROGRAMS)
 @pytest.mark.parametrize("h", [0.25, 1.9, 2.5, 1e-8])
 def test_no_step_of_a_search_exceeds_the_sharper_bound(key, h):
-    subject = PROGRAMS[key]
-    step = subject if callable(subject) else stepper(subject, float)
     at = {"dtype": np.float64, "h_range": (h, h), "seed": 2, "generations": 6, "population": 1 << 10}
-    assert search(step, envelope(subject, Q(h)), **at).violations == 0
+    assert search(as_step(PROGRAMS[key]), envelope(PROGRAMS[key], Q(h)), **at).violations == 0
 
 
 @pytest.mark.slow(keep=1)
@@ -79,8 +77,7 @@ def test_no_step_of_a_search_exceeds_the_sharper_bound(key, h):
 @given(h=st.floats(-2.5, 2.5).map(Q), q=st.floats(-1, 1).map(Q), v=st.floats(-1, 1).map(Q))
 def test_the_sharper_bound_holds_for_the_very_state_and_is_hardly_ever_above_the_plain_one(key, h, q, v):
     subject = PROGRAMS[key]
-    step = subject if callable(subject) else stepper(subject, float)
-    floats = step(oscillator, float(q), float(v), float(h))
+    floats = as_step(subject)(oscillator, float(q), float(v), float(h))
     bound = fixed_step_bound(subject, h)
     exact = apply((*bound.matrix[0], *bound.matrix[1]), q, v)
     plain = step_bound(subject).error_of(h, q, v)

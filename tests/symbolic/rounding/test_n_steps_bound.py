@@ -28,7 +28,7 @@ from driftproof.symbolic.rounding.n_steps_bound import (
 from driftproof.symbolic.rounding.step_bound import LinearBound, step_bound
 from driftproof.symbolic.runs import apply, exact_matrix_at, power
 from tests.changes import first_weight, moved
-from tests.symbolic.rounding.programs import IRRATIONAL, ONE_ZERO, PROGRAMS, float_run, matrix_at
+from tests.symbolic.rounding.programs import IRRATIONAL, ONE_ZERO, PROGRAMS, as_step, float_run, matrix_at
 from tests.witnesses.leapfrog import leapfrog
 from tests.witnesses.soft_float import soft_lift
 
@@ -68,8 +68,7 @@ def test_no_run_leaves_its_bound(key, h, start, steps, dtype):
     size = Q(float(dtype(h)))
     z = tuple(Q(x) for x in start)
     bound = run_bound(PROGRAMS[key], size, steps, z, fmt)
-    step = PROGRAMS[key] if callable(PROGRAMS[key]) else stepper(PROGRAMS[key], float)
-    final = float_run(step, float(size), steps, start, dtype)
+    final = float_run(as_step(PROGRAMS[key]), float(size), steps, start, dtype)
     exact = apply(power(matrix_at(step_bound(PROGRAMS[key], fmt), size), steps), *z)
     errors = [x - y for x, y in zip(final, exact, strict=True)]
     assert sum(e * e for e in errors) <= bound.euclidean**2
@@ -188,7 +187,7 @@ def test_a_splitting_over_a_field_has_rho_one_and_a_norm_up_to_its_limit_only():
 @pytest.mark.parametrize("key", PROGRAMS)
 def test_nothing_overflows_at_the_guard_and_something_does_far_beyond_it(key, fmt):
     h, subject, lift = Q(3, 2), PROGRAMS[key], soft_lift(fmt)
-    step = subject if callable(subject) else stepper(subject, lift)
+    step = as_step(subject, lift)
     guard = largest_safe_state(subject, h, fmt)
     assert step_bound(subject, fmt).is_safe(h, Q(1), Q(1))
     inside = fmt.nearest(guard * (1 - 2 * fmt.u))

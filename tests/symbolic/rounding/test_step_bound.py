@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from tqdm import tqdm
 
 from driftproof.methods.catalogue import METHODS
-from driftproof.methods.stepping import oscillator, stepper
+from driftproof.methods.stepping import oscillator
 from driftproof.numeric.steppers import HAND_WRITTEN, forward_euler, rk4, symplectic_euler
 from driftproof.symbolic.algebra.certified import decide_by_enclosure, enclose
 from driftproof.symbolic.algebra.polynomials import ONE as CONSTANT
@@ -28,7 +28,7 @@ from driftproof.symbolic.rounding.step_bound import NotLinear, step_bound
 from driftproof.symbolic.runs import apply
 from tests.changes import coefficients, first_weight, moved
 from tests.nine import NINE
-from tests.symbolic.rounding.programs import IRRATIONAL, PROGRAMS, all_within, error_in_balls, matrix_at
+from tests.symbolic.rounding.programs import IRRATIONAL, PROGRAMS, all_within, as_step, error_in_balls, matrix_at
 from tests.witnesses.leapfrog import leapfrog
 from tests.witnesses.soft_float import soft_lift
 from tests.witnesses.worst_case import (
@@ -65,8 +65,7 @@ def envelope(key: str, fmt: FloatFormat = BINARY64) -> Envelope:
 
 def in_floats(key: str):
     """The step as it runs on floats of any type."""
-    subject = PROGRAMS.get(key) or METHODS[key]
-    return subject if callable(subject) else stepper(subject, float)
+    return as_step(PROGRAMS.get(key) or METHODS[key])
 
 
 # --- what is derived ------------------------------------------------------------------------------------------------
@@ -181,19 +180,6 @@ def test_the_evaluated_bound_is_the_printed_one():
     assert underflow[0] == (eta * (1 + d) / 2,)
 
 
-@pytest.mark.parametrize(
-    "code",
-    [
-        "driftproof.cli.main(['roundoff', 'yoshida4', '--h', '1/10'])",
-        "driftproof.cli.main(['verify', 'examples.in_your_tests.springs:velocity_verlet', '--method', 'rk4'])",
-    ],
-)
-def test_no_bound_loads_sympy(code: str, modules_after):
-    loaded = modules_after(f"import driftproof.cli; {code}")
-    assert "driftproof.symbolic.rounding.step_bound" in loaded or "verify" in code
-    assert "sympy" not in loaded
-
-
 # --- no float step leaves it ----------------------------------------------------------------------------------------
 
 
@@ -249,10 +235,9 @@ def on_the_machine(key: str, fmt: FloatFormat, h: Q, q: Q, v: Q) -> list[Q]:
 
 def emulated(key: str, fmt: FloatFormat, h: Q, q: Q, v: Q) -> list[Q]:
     """The same for a format that the machine does not have."""
-    subject, lift = PROGRAMS[key], soft_lift(fmt)
-    step = subject if callable(subject) else stepper(subject, lift)
+    lift = soft_lift(fmt)
     try:
-        return [x.value for x in step(oscillator, lift(q), lift(v), lift(h))]
+        return [x.value for x in as_step(PROGRAMS[key], lift)(oscillator, lift(q), lift(v), lift(h))]
     except OverflowError:
         return []
 

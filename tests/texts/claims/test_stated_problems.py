@@ -125,11 +125,26 @@ The slopes k_1 = -1 and so on; 1/2 divides the error by 2. 40 evaluations. One s
         assert f", {times} : " in stated(f"y' = -y, y(0) = 1: Euler with {said}")[0]
     for said in ("10 steps to t = 2", "10 steps with h = 0.2"):
         assert ", h={0.2}, t={2} : " in stated(f"y' = -y, y(0) = 1: Euler takes {said}")[-1]
-    assert [len(stated(f"y' = -y, y(0) = 1: Euler with h = {h} to t = 1")) for h in ("0.002", "0.001")] == [2, 1]
+    for who, sizes, longest in (
+        ("Euler", "0.0003 to t = 9", ["0.0003"]),
+        ("Euler", "0.00029 to t = 8.7", ["0.00029"]),
+        ("Euler", "0.00029 to t = 8.70029", []),
+        ("Euler and RK4", "0.001 to t = 15.001", []),
+        ("Euler", "0.001, 0.002 and 0.0005 to t = 10", ["0.002", "0.001"]),
+    ):
+        asked = " ".join(stated(f"y' = -y, y(0) = 1: {who} with h = {sizes}"))
+        assert re.findall(r"run .*? h={(.*?)}", asked) == longest, "30000 steps in all"
     assert [len(stated(f"y' = -y, y(0) = 1, t = 1.{'1' * n}")) for n in (17, 18)] == [1, 0]
     for said, count in (("explicit methods", 1), ("methods", 2), ("explicit and implicit methods", 2)):
         *_, run = stated(f"y' = -y, y(0) = 1 by {said} of midpoint type to t = 1 with h = 0.1")
         assert run.partition("}")[0].count(",") == count - 1, run
+
+
+def test_a_parameter_with_several_values_states_a_problem_for_each():
+    text = "y' = -k y with h = 0.1, y(0) = 1. Euler to t = 1: for k = 2 (h = 0.2) 0.08; for k = 3, 0.01; for k = 2, 0.1"
+    assert [re.findall(r"y'=(\S+ y),", one) for one in stated(text) if one.startswith("exact")] == [["-2 y"], ["-3 y"]]
+    for same in (text.replace("k = 3", "y = 3"), text.replace("k = 3", "k = 2"), text.replace("-k y", "-2y")):
+        assert len([one for one in stated(same) if one.startswith("exact")]) == 1, same
 
 
 def test_a_draft_works_out_the_numbers_of_a_stated_problem_and_names_the_slips():

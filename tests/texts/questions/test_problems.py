@@ -1,6 +1,7 @@
 """Runs on problems and on y' = λy are those of Fractions and of floats; constants, exponents and counts of steps."""
 
 import math
+import sys
 from fractions import Fraction as Q
 from pathlib import Path
 
@@ -54,11 +55,43 @@ def test_run_on_decay_is_the_power_of_the_stability_function(key):
     assert value(f"step {key} lambda=-2 h=1/4 : exact.y").exact_text == "exp(-1/2)"
 
 
-def test_question_runs_no_code_of_a_file(tmp_path, monkeypatch):
+ENERGY = """\
+parameters = {k = 0.5}
+start = [1, 2]
+energy = "y1^2/2 + k*y0^2/2"
+end = 1
+"""
+
+
+def test_energy_of_a_problem_and_its_change_are_those_of_the_states(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    Path("mine.toml").write_text('function = "os:abort"\nstart = ["1"]\nend = "2"\n', encoding="utf-8")
-    require_refusal(
-        "run rk4 problem=mine.toml h=1/4 t=1 : y0", 17, "function is Python code, which questions do not run"
+    Path("rates.toml").write_text(f"{ENERGY}rates = ['y1', '-k*y0']", encoding="utf-8")
+    Path("code.toml").write_text(f"{ENERGY}function = 'spring_of_a_question:spring'", encoding="utf-8")
+    Path("spring_of_a_question.py").write_text("def spring(t, y, k): return [y[1], -k * y[0]]", encoding="utf-8")
+    monkeypatch.setattr("sys.path", [*sys.path])
+    y, h = (Q(1), Q(2)), Q(1, 4)
+    for _ in range(3):
+        y = y[0] + h * y[1], y[1] - h * y[0] / 2
+    energy = y[1] ** 2 / 2 + y[0] ** 2 / 4
+    for name in ("rates", "code"):
+        run = f"run forward_euler problem={name}.toml h=1/4 N=3"
+        assert value(f"{run} : energy").exact == energy
+        assert value(f"{run} : energy_change").exact == energy - (2 + Q(1, 4))
+        assert value(f"run rk4 problem={name}.toml h=1/4 N=3 from 0,1 : energy").exact != energy
+    require_refusal("run rk4 rates=(-y0) from 1 h=1/4 t=1 : energy", 40, "'energy' is not a readout of run")
+
+
+def test_energy_with_a_function_is_enclosed_where_the_states_are_rational(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    predators = "rates = \"x' = x - x*y, y' = x*y - y\"\nstart = {x = 2, y = 1}\n"
+    Path("mine.toml").write_text(f"{predators}energy = 'x - log(x) + y - log(y)'", encoding="utf-8")
+    x, y = Q(2), Q(1) + Q(1, 8)  # x' = 0 and y' = 1 at the start
+    assert value("step forward_euler problem=mine.toml h=1/8 : y").exact == y
+    found = value("step forward_euler problem=mine.toml h=1/8 : energy_change")
+    assert found.exact_text is None
+    assert float(found.digits(15)) == pytest.approx(float(y) - math.log(y) - 1, rel=1e-13)
+    assert float(value("step forward_euler problem=mine.toml h=1/8 : energy").digits(15)) == pytest.approx(
+        float(x + y) - math.log(x) - math.log(y), rel=1e-13
     )
 
 

@@ -43,6 +43,13 @@ def test_check_passes_what_was_rendered_and_shows_what_was_changed(lesson, run):
         assert run("render", "lesson.md.j2") == (0, f"lesson.md: 1 value, {lines} of its lines changed\n", "")
 
 
+def test_template_runs_no_code_that_a_problem_names(lesson, run):
+    Path("mine.toml").write_text('function = "os:abort"\nstart = ["1"]\n', encoding="utf-8")
+    lesson.write_text("{{ value('step rk4 problem=mine.toml h=1 : y0') }}", encoding="utf-8")
+    status, _, told = run("render", "lesson.md.j2")
+    assert (status, "function 'os:abort' is Python code, which templates do not run" in told) == (BAD_INPUT, True)
+
+
 def test_nothing_is_written_where_a_template_has_a_problem(lesson, run):
     Path("lesson.md").write_text("before", encoding="utf-8")
     Path("good.md.j2").write_text("x", encoding="utf-8")

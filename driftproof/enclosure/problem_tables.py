@@ -1,0 +1,96 @@
+"""A user's own problem as a table of TOML: its field from rates or from a Python function, its start and its energy."""
+
+from __future__ import annotations
+
+import math
+from contextlib import suppress
+from fractions import Fraction
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from driftproof.enclosure.fields import enclosable, time_first
+from driftproof.enclosure.text_fields import field_function
+from driftproof.enclosure.traced_fields import field_of_function
+from driftproof.methods.expressions import parse_number
+from driftproof.methods.field_text import (
+    PROBLEM_KEYS,
+    energy_of_table,
+    field_of_table,
+    field_of_text,
+    rate_of_text,
+    start_of_table,
+    unknowns_of_table,
+)
+from driftproof.methods.vector_fields import VectorField
+from driftproof.support.environment import imported_object
+from driftproof.support.toml_tables import TomlTable, as_table, as_text, quoted, require_keys
+
+
+class ProblemTable(NamedTuple):
+    """y' = f(t, y), y(0) = start, an energy in y0, y1, ... or None, and the names of the unknowns, if they have any."""
+
+    field: VectorField
+    start: tuple[Any, ...]
+    energy: str | None = None
+    unknowns: tuple[str, ...] = ()
+
+
+def problem_table(table: TomlTable) -> ProblemTable:
+    """The problem in a table with the keys of PROBLEM_KEYS. Raises Refused, and ValueError in one line.
+
+    `function`, "module:f" or a Python function, is run once on symbols; it gets the parameters as keywords, as doubles.
+    """
+    require_keys(table, PROBLEM_KEYS, "a problem")
+    start = tuple(rational_entry(x, f"start[{i}]") for i, x in enumerate(start_of_table(table)))
+    return ProblemTable(_field(table, len(start)), start, _energy(table), unknowns_of_table(table))
+
+
+def _field(table: TomlTable, components: int) -> VectorField:
+    if "function" in table:
+        if "rates" in table:
+            raise ValueError("give either rates or function, not both")
+        own = table["function"]
+        if not callable(own):
+            own = imported_object(as_text(own, "function"), "function")
+        if not callable(own):
+            raise ValueError(f"function is {type(own).__name__}, which cannot be called")
+        function, parameters = enclosable(time_first(own)), _doubles(table)
+        return field_of_function(lambda t, y: function(t, y, **parameters), components)
+    field = field_of_table(table)
+    if len(field.rates) != components:
+        raise ValueError(f"start has {components} entries, but the rates need {len(field.rates)}")
+    return field
+
+
+def _energy(table: TomlTable) -> str | None:
+    """The energy in terms of y0, y1, ...; if the rates are a function's, its parameters stand there as doubles."""
+    if "rates" in table or "energy" not in table:
+        return energy_of_table(table)
+    doubles = {name: Fraction(x) for name, x in _doubles(table).items()}
+    names = {name: f"({x.numerator} / {x.denominator})" for name, x in doubles.items()}
+    return rate_of_text(as_text(table["energy"], "energy"), names)
+
+
+def _doubles(table: TomlTable) -> dict[str, float]:
+    """The parameters of a function, as doubles."""
+    given = as_table(table.get("parameters", {}), "parameters")
+    return {name: float(rational_entry(x, f"parameters.{name}")) for name, x in given.items()}
+
+
+def rational_entry(value: object, where: str) -> Fraction:
+    """The rational number in an entry of a table. Raises ValueError, which names the nearest double if it is 2*pi."""
+    if value is None or isinstance(value, bool | list | dict):
+        shown = "missing" if value is None else quoted(value)
+        raise ValueError(f'{where} is {shown}; write a number such as "1/3" or 0.1')
+    try:
+        number: Any = parse_number(str(value), where)
+    except ValueError:  # perhaps it is written as rates are, such as 2*pi
+        number = math.nan
+        with np.errstate(all="ignore"), suppress(ValueError, ArithmeticError):
+            number = field_function(field_of_text([str(value)]))(math.nan, [math.nan])[0]
+        if not np.isfinite(number):
+            raise
+    if not isinstance(number, Fraction):
+        raise ValueError(f"{where} is {value}; write a rational number, such as {float(number)!r}")
+    return number

@@ -1,0 +1,53 @@
+"""A problem is read from its table exactly, from rates or from code; what is no problem is refused in one line."""
+
+from __future__ import annotations
+
+from fractions import Fraction as Q
+
+import pytest
+
+from driftproof.enclosure.problem_tables import problem_table
+
+
+def test_function_and_rates_give_one_field_with_the_energy_in_doubles():
+    spring = {"start": ["1", "0"], "parameters": {"k": "0.5"}, "energy": "y1^2/2 + k*y0^2/2"}
+    code = problem_table({**spring, "function": lambda t, y, k: [y[1], -k * y[0]]})
+    text = problem_table({**spring, "rates": ["y1", "-k * y0"]})
+    assert code.start == text.start == (Q(1), Q(0))
+    assert dict(code.field.parameters) == {"double_0": Q(-1, 2)}
+    assert dict(text.field.parameters) == {"k": Q(1, 2)}
+    assert text.energy == "((y1 * y1) / 2) + (k * (y0 * y0) / 2)"
+    assert code.energy == "((y1 * y1) / 2) + ((1 / 2) * (y0 * y0) / 2)"
+
+
+@pytest.mark.parametrize(
+    "rates", [{"x": "-v", "v": "x"}, "x' = -v, v' = x"], ids=["a table of names", "equations in one text"]
+)
+def test_unknowns_are_named_as_their_rates_name_them(rates):
+    found = problem_table({"rates": rates, "start": {"v": 2, "x": "1/3"}})
+    assert (found.unknowns, found.start, found.energy) == (("x", "v"), (Q(1, 3), Q(2)), None)
+    assert problem_table({"rates": ["-y"], "start": 1}).unknowns == ()
+
+
+REFUSED = {
+    "start is missing; write a list": {},
+    "rates is missing": {"start": []},
+    r"start\[0\] is sin\(pi/6\)\*2\*pi; write .*, such as 3\.1415926535897": {"start": ["sin(pi/6)*2*pi"]},
+    r"start\[0\]: 'sin\(t\)', column 1: 'sin' is not a function": {"start": ["sin(t)"]},
+    "give either rates or function, not both": {"start": [0], "rates": ["y0"], "function": "m:f"},
+    "function is int, which cannot be called": {
+        "start": [0],
+        "function": "sys:maxsize",
+    },
+    "start has 2 entries, but the rates need 1": {"start": [1, 2], "rates": ["y0"]},
+    r"start\[0\] is \[1\]; write a number": {"start": [[1]], "rates": ["y0"]},
+    "a problem has no key 'width'; its keys are rates": {"start": [1], "rates": ["y0"], "width": 2},
+    r"'y0 \+', column 5": {"start": [1], "rates": ["y0 +"]},
+}
+
+
+@pytest.mark.parametrize("message", REFUSED)
+def test_table_that_is_no_problem_is_refused_in_one_line(message):
+    with pytest.raises(ValueError, match=f"^{message}") as refused:
+        problem_table(REFUSED[message])
+    assert "\n" not in str(refused.value)
