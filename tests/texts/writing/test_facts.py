@@ -60,7 +60,7 @@ WRITTEN = [
     (sector_tangent(pade(2, 8)), f"a number in {ENDS} = 11.16750764", rf"a number in ${ENDS}$, $\approx 11.1675076$"),
     (FamilyFacts(SDIRK_3).order_sets[3].values.intervals[-1], "{~1.06857902130}", r"$\{\approx 1.06857902130\}$"),
     (LimitPiece(EVERYWHERE, INFINITY), "oo on (-oo, oo)", r"$\infty$ on $(-\infty, \infty)$"),
-    (LimitPiece(EVERYWHERE, None, "a*x**3 - 2", 1), "positive root 1 of a*x**3 - 2 on (", r"root 1 of $a x^{3}-2$ on $("),
+    (LimitPiece(EVERYWHERE, None, "a*x**3 - 2", 1), "positive root 1 of a*x**3 - 2 on (", r"root 1 of $a x^{3}-2$ on"),
     (LimitPiece(EVERYWHERE, None, "a*x - 2", 1, "2/a"), "2/a on (-oo, oo)", r"$\frac{2}{a}$ on $(-\infty, \infty)$"),
 ]  # fmt: skip
 
