@@ -63,6 +63,7 @@ _WORD = re.compile(r"[A-Za-z_]\w*")
 # A comma between digits may be meant as a decimal comma, one in brackets as that of a function.
 _BETWEEN = re.compile(r";|(?:(?<!\d),|,(?!\d))(?![^()]*\))")
 _EQUATION = re.compile(r"\s*([A-Za-z_]\w*)\s*'\s*=(.*)", re.DOTALL)
+_SETTING = re.compile(r"\s*([A-Za-z_]\w*)\s*=([^=']+)")
 _SECOND = re.compile(r"\b([^\W\d]\w*)(?:['′’]{2}|[″\"]) ?(?:\(t\))?(?= ?=)")
 _FACTOR = re.compile(r"(?<![A-Za-z_])(?:y[0-9]*\b|[A-Za-z_]\w*+(?! *\())")
 
@@ -155,13 +156,19 @@ def unknowns_of_table(table: TomlTable) -> tuple[str, ...]:
 
 
 def _rates(given: object) -> list[str] | dict[str, str]:
-    """The rates in a list or one text; by the names of the unknowns in a table, or if all are equations as x' = v."""
+    """The rates in a list or one text; by the names of the unknowns in a table, or if all are equations as x' = v.
+
+    Among equations a number may be given a name, as in x' = -k x, k = 2.
+    """
     if isinstance(given, str):
         texts = _BETWEEN.split(of_first_order(given))
         equations = {found[1]: found[2] for text in texts if (found := _EQUATION.fullmatch(text))}
+        settings = {found[1]: found[2] for text in texts if equations and (found := _SETTING.fullmatch(text))}
         velocities = {f"d{name}" for name in _SECOND.findall(given)}  # stand behind all positions
-        equations = {name: equations[name] for name in sorted(equations, key=velocities.__contains__)}
-        return equations if len(equations) == len(texts) else texts
+        names = sorted(equations, key=velocities.__contains__)
+        known = {name: f"({setting})" for name, setting in settings.items()}
+        rates = {name: _WORD.sub(lambda word: known.get(word[0], word[0]), equations[name]) for name in names}
+        return rates if len(rates) + len(settings) == len(texts) else texts
     if isinstance(given, dict):
         return dict(zip(given, as_texts([*given.values()], "rates"), strict=True))
     return [*as_texts(given, "rates")]

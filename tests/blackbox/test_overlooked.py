@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 from driftproof import Allowance, Domain, assert_verified, field_stepper_of, identify, verify
-from tests.blackbox.families.remembering_steppers import Remembering, euler
+from tests.blackbox.families.remembering_steppers import Remembering
 from tests.blackbox.families.split_steppers import imex
-from tests.blackbox.handwritten_steppers import rk4
+from tests.blackbox.handwritten_steppers import euler, rk4
 from tests.blackbox.implicit_steppers import all_at_once, fixed_point, table
 
 

@@ -41,6 +41,11 @@ def test_components_are_parted_by_semicolons_or_listed():
     two = field_of_text("x'' = -y' - x; y'' = x'")
     assert two == field_of_text(["y2", "y3", "-y3 - y0", "y2"])
     assert field_of_text("x'=dx; dx'=-x; y'=dy; dy'=-y").rates == ("y1", "-y0", "y3", "-y2")  # twin: as they stand
+    known = field_of_text("x'=v, v' = k*(1 - x^2)*v - k x, k = 2/3")
+    assert known == field_of_text(["y1", "(2/3)*(1 - y0^2)*y1 - (2/3) y0"])
+    for wrong in ("x' = -k*x, k = ", "x' = -k*x, k = x = 2", "x' = -k*x, k = z", "k = 2"):
+        with pytest.raises(ValueError, match=r"right-hand side|expected|'z' is not allowed"):
+            field_of_text(wrong)
     for text in ("y1,2*y0", "0,5*y0", "x' = v, -x", "x' = v; x' = -v"):  # twin: may be a decimal, or is no equation
         with pytest.raises(ValueError, match=r"unexpected ','|is not allowed in a right-hand side"):
             field_of_text(text)

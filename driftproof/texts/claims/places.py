@@ -26,7 +26,7 @@ _AFTER = re.compile(
 _UNKNOWN = re.compile(r"(?<!\w)(?P<name>[^\W\d_][a-z]*)(?:\([0-9][0-9./]*\)|_?(?P<n>[0-9]))? ?[=≈] ?\Z")
 # A time is also given by the value of an unknown then, as in y(1).
 _TIME = re.compile(rf"(?<!\w)(?:t\s?=\s?|[^\W\d]\w*\((?=[0-9./]*\))){POSITIVE}")
-_HEADS = {"h": r"h|dt|δt|step ?size", "t": r"t(?:_[ni])?|time|t_\{?n\}?"}
+_HEADS = {"h": r"h|dt|δt|step ?size", "t": r"t(?:_[ni])?|time|t_\{?n\}?", "n": r"n|(?:number of |n_?)?steps"}
 # Characters before a number that are searched for a step size or time, and for a method.
 _FARTHEST, _NEAR = 2000, 400
 _NUMBER = re.compile(r"[-+]?[0-9]+(?:\.[0-9]+|/[1-9][0-9]*)?")
@@ -87,13 +87,19 @@ def place_of(text: str, start: int, end: int, heads: Sequence[str], row: Sequenc
     head = heads[-1] if heads else ""
     before, after = sentence_around(text, start, end)
     settings = dict[str, Fraction]()
+    nearest = (*row[len(heads) :], *row[: len(heads)])  # the last one: of columns h, y, h, y the one on the left
     for x, pattern in (("h", SETTING["h"]), ("t", _TIME)):
-        near = pattern.findall(before) or pattern.findall(after)[:1]
+        near = pattern.findall(head) or pattern.findall(before) or pattern.findall(after)[:1]
         given = near or pattern.findall(text[max(0, start - _FARTHEST) : start])
-        nearest = (*row[len(heads) :], *row[: len(heads)])  # the last one: of columns h, y, h, y the one on the left
         cells = [cell for name, cell in nearest if is_head_of(x, name) and _NUMBER.fullmatch(cell)]
         settings |= {x: Fraction((cells or given)[-1])} if cells or given else {}
-    unknown, said = _UNKNOWN.search(before), [*_QUANTITY.finditer(head if row else before)]
+    counts = [int(cell) for name, cell in nearest if is_head_of("n", name) and re.fullmatch("[1-9][0-9]*", cell)]
+    if counts and "t" in settings and "h" not in settings:
+        settings["h"] = settings["t"] / counts[-1]
+    about = head if row else before
+    if methods_named(head) or SETTING["h"].search(head):  # what is read stands above the table
+        about = next(iter(re.findall(r"^[^|\n]+$", text[max(0, start - _FARTHEST) : start], re.MULTILINE)[-1:]), head)
+    unknown, said = _UNKNOWN.search(before), [*_QUANTITY.finditer(about)]
     quantity, name = said[-1].lastgroup if said else "state" if head else None, unknown["name"] if unknown else None
     if unknown and unknown["n"] and name == "k":
         quantity, name = f"k{unknown['n']}", None
@@ -112,5 +118,5 @@ def place_of(text: str, start: int, end: int, heads: Sequence[str], row: Sequenc
 
 
 def is_head_of(setting: str, head: str) -> bool:
-    """True if the head of a column, in lower case, is that of values of h or t."""
+    """True if the head of a column, in lower case, is that of values of h, t or the number of steps."""
     return re.fullmatch(rf"(?:{_HEADS[setting]})(?: ?[(\[].*)?", head) is not None

@@ -7,6 +7,7 @@ from collections.abc import Callable, Collection, Iterator
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from functools import partial
 from itertools import pairwise
 
 from driftproof.methods.catalogue import METHODS
@@ -30,9 +31,13 @@ _COUNTS = re.compile(r"(?<![\w.])([1-9][0-9]{0,3}) (?:time |equal )?steps\b|(?<!
 # Between two equations of one system, and before the first of them, no sentence ends.
 _GAP = 80
 _TOGETHER = re.compile(rf"(?:(?![.;?!]\s)[\s\S]){{0,{_GAP}}}")
+# What multiplies the derivative, as in m x'' = -k x.
+_FACTOR = r"(?:[0-9]+(?:\.[0-9]+)?|(?:[A-Za-z]|[α-ω])(?:_\w)?(?![A-Za-z]))"
+_LEAD = re.compile(rf"(?<![\w'.])(?:{_FACTOR}(?: ?[*·]? ?{_FACTOR})* ?[*·]? ?)?\Z")
+_LONGEST_LEAD = 40
 _EQUATION = re.compile(
-    r"(?<![\w'])(?:d(?P<d>[^\W\d]\w*) ?/ ?d[tx]|\(?d\^2 ?(?P<dd>[^\W\d]\w*)\)? ?/ ?\(?dt\^2\)?|"
-    r"(?P<name>[^\W\d]\w{0,9})'(?P<second>'?)(?: ?\([tx]\))?)"
+    r"(?:(?<![\w'])|(?<=[α-ω]))(?:d(?P<d>[^\W\d]\w*) ?/ ?d[tx]|\(?d\^2 ?(?P<dd>[^\W\d]\w*)\)? ?/ ?\(?dt\^2\)?|"
+    r"(?P<name>[α-ω](?:_\w|[0-9])?|(?![α-ω])[^\W\d][^\Wα-ω]{0,9})'(?P<second>'?)(?: ?\([tx]\))?)"
     r"(?P<left> ?[-+][^=≤≥≈<>:;|]{1,100}?)? ?(?:\| ?)?= ?"
     r"(?=(?P<rate>[^=≤≥≈<>:;]{1,200}))"
 )
@@ -109,33 +114,50 @@ def equations_in(text: str) -> Iterator[tuple[int, int]]:
 
 def _problems(text: str) -> Iterator[_Problem]:
     """The systems of equations of the text, each with the text from a little before it to the next one."""
-    systems, last, spelled = list[tuple[int, dict[str, str]]](), len(text), with_greek_spelled(text)
+    systems, last, spelled = list[tuple[int, dict[str, str], dict[str, str]]](), len(text), with_greek_spelled(text)
     for match in _EQUATION.finditer(text):
-        name = with_greek_spelled(match["name"] or match["d"] or match["dd"])
-        if name == "t" or name in FUNCTIONS:
+        name, lead = with_greek_spelled(match["name"] or match["d"] or match["dd"]), _lead(text, match.start())
+        if name == "t" or name in FUNCTIONS or lead is None:
             continue
         near = _TOGETHER.fullmatch(text, min(last, match.start()), match.start())
         if not (systems and near and name not in systems[-1][1]):
-            systems.append((match.start(), {}))
+            systems.append((match.start(), {}, {}))
+        _, raw, leads = systems[-1]
         if match["second"] or match["dd"]:
-            systems[-1][1][name] = name = f"d{name}"
+            raw[name] = name = f"d{name}"
         left = f"-({match['left'].lstrip(' +')}) + " if match["left"] else ""  # y'' + 4y = 0
-        systems[-1][1][name] = with_greek_spelled(left + match["rate"])
+        raw[name], leads[name] = with_greek_spelled(left + match["rate"]), lead
         last = match.start("rate") + len(_first(match["rate"]))
-    for (start, raw), (end, _) in pairwise([*systems, (len(text), {})]):
+    for (start, raw, leads), (end, *_) in pairwise([*systems, (len(text), {}, {})]):
         for name in [name for name in raw if f"d{name}" in raw]:
             rated = re.compile(rf"\b{name}'|(?<![A-Za-z])d{name} ?/ ?dt\b")
             raw = {of: rated.sub(f"d{name}", rate) for of, rate in raw.items()}
         part = text[:end]
-        if not any("x" in names for _, names in systems):  # y' = x + y: the time is called x
-            raw, part = {name: with_time(rate, raw) for name, rate in raw.items()}, with_time(part, raw)
+        if not any("x" in names for _, names, _ in systems):  # y' = x + y: the time is called x
+            raw, leads = ({of: with_time(one, raw) for of, one in texts.items()} for texts in (raw, leads))
+            part = with_time(part, raw)
         names, begins = [*raw], start - len(re.split(r"[.;?!]\s", text[max(0, start - _GAP) : start])[-1])
         known = list[dict[str, str]]()
         for given in ("", *_other_values(raw, spelled)):
-            rates = {of: rate for of, one in raw.items() if (rate := _rate(one, names, given + spelled))}
-            if len(rates) == len(raw) and rates not in known:
+            known_as = partial(_rate, names=names, text=given + spelled)
+            rates = {of: rate for of, one in raw.items() if (rate := known_as(one))}
+            over = {of: known_as(lead) for of, lead in leads.items() if lead}
+            rates = {of: f"({rate})/({over[of]})" if of in over else rate for of, rate in rates.items()}
+            if len(rates) == len(raw) and None not in over.values() and rates not in known:
                 known.append(rates)
                 yield _Problem(rates, part[begins:], begins)
+
+
+def _lead(text: str, at: int) -> str | None:
+    """What multiplies the derivative that begins there, as a product; None if it is one term of a sum."""
+    line = text[:at].rpartition("\n")[2][-_LONGEST_LEAD:]
+    found = _LEAD.search(line)
+    before = line[: found.start() if found else at].rstrip()
+    if before[-1:] and before[-1] in "+-*/^" and before[:-1].strip(" |>"):
+        return None
+    factors = re.findall(_FACTOR, found[0]) if found and before[-1:] != "=" else []
+    article = factors[:1] in (["a"], ["A"]) and not re.search(rf"(?<!\w){factors[0]} ?=", text)
+    return with_greek_spelled("*".join(factors[article:]))
 
 
 def _other_values(raw: dict[str, str], text: str) -> Iterator[str]:
@@ -152,12 +174,12 @@ def _questions(problem: _Problem, equations: str, text: str, column_of: Callable
     times += also
     for number in numbers_in(text[at : at + len(problem.part)]):
         head = column_of(replace(number, start=number.start + at, end=number.end + at))
-        for letter, into in (("h", sizes), ("t", times)):
+        for letter, into in (("h", sizes), ("t", times), ("n", counts)):
             if is_head_of(letter, head) and re.fullmatch(_NUMBER, number.text):
                 into.append(Fraction(number.text))
     sizes, times = (sorted({x for x in numbers if x > 0}) for numbers in (sizes, times))
     if not sizes:
-        sizes = sorted({t / n for t in times for n in counts})
+        sizes = sorted({t / n for t in times for n in counts if n})
     times = times or sorted({n * h for n in counts for h in sizes})
     after = {int(n) for n in re.findall(rf"(?<!\w)(?:{'|'.join(problem.rates)})_([1-9])(?!\w)", part)}
     after |= {1} if re.search(r"\b(?:first|one|single) step\b", part.lower()) else set()
@@ -202,14 +224,16 @@ def _listed(pattern: re.Pattern[str], text: str) -> list[Fraction]:
 
 def _rate(raw: str, names: Collection[str], text: str) -> str | None:
     """The longest beginning of `raw` that is a rate in the names, others replaced by what the text says they are."""
-    raw = _plain(re.sub(rf"\b({'|'.join(names)}) ?\(t\)", r"\1", _first(raw)))  # y(t)
+    raw = re.sub(rf"\b({'|'.join(names)}) ?\(t\)", r"\1", _first(raw))  # y(t)
     for ratio, value in re.findall(rf"(?<![\w'/(])([^\W\d]\w*/[^\W\d]\w*) ?= ?({_NUMBER})", text):
         raw = raw.replace(ratio, value)
+    raw = _plain(raw)
     # Not before a sign, an unknown or another letter, so that x' = 2/3 k x is not read as x' = 2/3.
-    ends = re.finditer(rf"\n|\.(?!\d)|\s(?!\s*(?:[-+*/^]|(?:{'|'.join(names)}|[^\W\d])\b(?! ?['(=_])))", raw)
+    factor = rf"[-+*/^]|(?:{'|'.join(FUNCTIONS)})\b|(?:{'|'.join(names)}|[^\W\d])\b(?! ?['(=_])"
+    ends = re.finditer(rf"\n|\.(?!\d)|\s(?!\s*(?:{factor}))", raw)
     for end in (len(raw), *reversed([match.start() for match in ends])):
         try:
-            written = _WORD.sub(lambda match: _meant(match[0], [*names], text), raw[:end].strip(" .\n"))
+            written = _WORD.sub(lambda match: _factor(match, [*names], text), raw[:end].strip(" .\n"))
             rate_of_text(written, dict.fromkeys(names, "y0"))
         except (ValueError, LookupError):
             continue
@@ -218,17 +242,24 @@ def _rate(raw: str, names: Collection[str], text: str) -> str | None:
     return None
 
 
+def _factor(match: re.Match[str], names: list[str], text: str) -> str:
+    """What a name of a rate means there: a number after another factor has a sign, so that 2k is no 20.1."""
+    meant, after = _meant(match[0], names, text), re.search(r"[\w)] *\Z", match.string[: match.start()])
+    return f"*{meant}" if after and meant[0].isdigit() else meant
+
+
 def _meant(word: str, names: list[str], text: str) -> str:
-    """A name of a rate as it stands, as a product of names, or as its definition. Raises LookupError for none."""
+    """A name of a rate as it stands, as its definition, or as a product of names. Raises LookupError for none."""
     if word in ("t", "pi", *FUNCTIONS, "ln", "tan", *names):
         return word
-    if {*word} <= {"t", *names}:
-        return "*".join(word)
-    found = re.search(rf"(?<![\w'(]){re.escape(word)} ?= ?(?:({_NUMBER})|([^=,;]{{1,100}}))", text)
+    # Not the end of a sum, as in m x'' + kx = 0.
+    found = re.search(rf"(?<![\w'(])(?<![-+*/] ){re.escape(word)} ?= ?(?:({_NUMBER})|([^=,;]{{1,100}}))", text)
     if found and found[1] and found[1][0].isdigit() and "/" not in found[1]:
         return found[1]
     if found and (written := found[1] or _rate(found[2], names, "")):
         return f"({written})"
+    if {*word} <= {"t", *names} or (word[-1] in names and word.isalpha() and word != "by"):
+        return "*".join(_meant(letter, names, text) for letter in word)
     raise LookupError(word)
 
 
@@ -249,5 +280,5 @@ def _plain(formula: str) -> str:
     formula = re.sub(r"\be ?\^\{([^{}]*)\}|\be ?\^\(?(-?\w+)\)?", lambda to: f"exp({to[1] or to[2]})", formula)
     formula = re.sub(r"\^\{(-?[0-9]+(?:/[0-9]+)?)\}", r"^(\1)", formula)
     formula = re.sub(r"(\^[0-9]+) (?=[A-Za-z(])", r"\1*", formula)  # x^2 y
-    formula = re.sub(r"(?<![\w./^])([0-9]+/[0-9]+) (?=[A-Za-z(])", r"(\1) ", formula)  # 2/3 x, no 2/(3x)
+    formula = re.sub(r"(?<![\w./^])((?:\w+|\([^()]*\))/\w+) (?=[A-Za-z(])", r"(\1) ", formula)  # 2/3 x, no 2/(3x)
     return re.sub(r"\b(sin|cos|tan|exp|ln|log|sqrt) (\w+)", r"\1(\2)", formula)

@@ -17,6 +17,7 @@ from flint import arb, ctx
 from driftproof.enclosure.numbers import Refused
 from driftproof.enclosure.steps import with_effort
 from driftproof.methods.catalogue import FACTS_ONLY, METHODS, keys_of_name
+from driftproof.methods.schemes import Splitting
 from driftproof.support.progress import stage
 from driftproof.symbolic.algebra.certified import Uncertified, enclose
 from driftproof.texts.claims.contradictions import SETTING, contradicted, methods_named, names_limit
@@ -240,6 +241,9 @@ class Suggestions:
             other_sign, *others = _slips(_spelled(number))
             for slip in (other_sign, *others):
                 for known in written.get(slip, ()):
+                    split = any(isinstance(METHODS.get(key), Splitting) for key in known.keys)
+                    if split and known.question.endswith("evaluations") and number.value - Fraction(slip) == 1:
+                        continue  # the force at the start, which a code may need once more
                     sure = digits > 2 and (slip == other_sign or digits > 4 or self._is_near(known, number, digits))
                     sure = (sure and not known.stated) or digits > 5
                     sure |= known.question in meant and (
@@ -311,7 +315,9 @@ class Suggestions:
         return {name for known in self._known for name in known.names}
 
     def _on_line_of(self, number: TextNumber) -> set[Fraction]:
-        return {x for start, x in self._lines[self.text.count("\n", 0, number.start)] if start != number.start}
+        """The other numbers of the line, and in a table the step size and time that heads and counts of steps give."""
+        line = {x for start, x in self._lines[self.text.count("\n", 0, number.start)] if start != number.start}
+        return line | ({*self._place_of(number).settings.values()} if self._row_of(number) else set())
 
     @cached_property
     def _lines(self) -> list[list[tuple[int, Fraction]]]:

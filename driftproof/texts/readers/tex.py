@@ -150,11 +150,21 @@ def _root(match: re.Match[str], of: list[Piece]) -> Iterable[Piece]:
     return [*of, "^" + _OPEN + "1/", match.span("n"), _CLOSE] if match["n"] else ["√", *of]
 
 
+def _apart(match: re.Match[str]) -> str:
+    """A blank after a letter, a number or a bracket, since g sin x is no gsin x."""
+    return " " if re.match(r"[\w)'}]", match.string[max(0, match.start() - 1) : match.start()]) else ""
+
+
+def _dotted(match: re.Match[str]) -> Iterable[Piece]:
+    of = match.span("a" if match["c"] is None else "c")
+    return [_apart(match), of, match.span("index"), "''" if match["second"] else "'"]
+
+
 _STEPS: tuple[tuple[re.Pattern[str], Callable[[re.Match[str]], Iterable[Piece]]], ...] = (
     (_FRACTION, lambda m: [*_in_brackets(m, "a", "c"), "/", *_in_brackets(m, "b", "d"), " " * (m["factor"] == "")]),
     (_ROOT, lambda match: _root(match, [*_in_brackets(match, "a", "c")])),
     (_PRIMES, lambda match: ["'" * match[0].count("prime")]),
-    (_DOTS, lambda m: [m.span("a" if m["c"] is None else "c"), m.span("index"), "''" if m["second"] else "'"]),
+    (_DOTS, _dotted),
     (_SCRIPT, lambda match: [match["sign"] + _OPEN, match.span("a"), _CLOSE]),
     (_SPANNING, lambda match: [match.span("a"), " | " * (int(match["n"]) - 1)]),
     (_NUMBER, _inside),
@@ -164,7 +174,8 @@ _STEPS: tuple[tuple[re.Pattern[str], Callable[[re.Match[str]], Iterable[Piece]]]
 def _command(match: re.Match[str]) -> Iterable[Piece]:
     """The sign that a command stands for, the character that it escapes, or nothing."""
     if match["name"]:
-        return [_SIGNS.get(match["name"], "")]
+        shown = _SIGNS.get(match["name"], "")
+        return [_apart(match) * shown.endswith(" "), shown]
     if match["break"]:
         return ["\n"]
     if match["other"]:

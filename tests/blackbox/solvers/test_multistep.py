@@ -12,7 +12,8 @@ from driftproof.blackbox.solvers.foreign_solver import SolverTarget
 from driftproof.blackbox.solvers.multistep import BACKWARD_EULER, TRAPEZOID, _quadrature, _solution, read_memory
 from driftproof.symbolic.linear.multistep import MultistepFacts
 from tests.blackbox.families import remembering_steppers as planted
-from tests.blackbox.families.remembering_steppers import Corrected, Remembering, euler, rk4_step
+from tests.blackbox.families.remembering_steppers import Corrected, Remembering
+from tests.blackbox.handwritten_steppers import euler, rk4
 from tests.blackbox.solvers.planted_solvers import adaptive, of_scipy, run
 from tests.blackbox.transcripts import Asked, summed
 from tests.looping import exactly, some
@@ -67,10 +68,10 @@ RIGHT = {
     STARTED: [
         kind(adams_bashforth2) for kind in (by_number, by_length, of_its_own_number, of_its_own_length, of_whole_steps)
     ],
-    "adams_bashforth4, started by rk4": [by_length(lambda: Remembering("adams_bashforth4", rk4_step).step)],
+    "adams_bashforth4, started by rk4": [by_length(lambda: Remembering("adams_bashforth4", rk4).step)],
     "bdf2, started by backward_euler": [by_number(lambda: Remembering("bdf2", planted.implicit_euler).step)],
     "adams_moulton3, corrected once from the prediction of adams_bashforth4 (PECE), started by rk4": [
-        by_number(lambda: Corrected("adams_moulton3", rk4_step, BASHFORTH4).step)
+        by_number(lambda: Corrected("adams_moulton3", rk4, BASHFORTH4).step)
     ],
 }
 

@@ -127,6 +127,31 @@ def test_a_timed_call_that_reaches_another_state_is_not_timed():
     assert "ZeroDivisionError" in state_remark(HARMONIC, point, lambda: (1 / 0,))
 
 
+def test_a_solver_that_fails_at_a_loose_tolerance_is_asked_for_tighter_ones(monkeypatch):
+    class Solver:
+        once = 1
+
+        def __init__(self, failing):
+            self.failing = failing
+
+        def counted(self, tolerance, t, most):
+            if tolerance in self.failing:
+                raise ArithmeticError("no step size meets the tolerance")
+            return 7
+
+        def solve(self, tolerance, t):
+            return [1.0, 0.0]
+
+    def settings(*failing):
+        points = work_precision._solver_curve("x", lambda: Solver(failing), study("rk4")).points
+        return [float(point.setting) for point in points]
+
+    loose, tight = work_precision.TOLERANCES
+    assert settings() == settings(loose) == settings(loose, tight) == [loose, tight]
+    monkeypatch.setattr(work_precision, "TOLERANCES", (loose, tight, tight / 10))
+    assert settings(tight) == [loose, tight], "twin: one that fails where it did not before is not"
+
+
 def test_points_over_the_limit_are_marked_and_not_timed():
     asked = study("gauss2", limit=1e-4)
     found = measure(asked, None, unheard)

@@ -59,11 +59,27 @@ def equations(text, form="plain"):
         ("y' = y e^{-t}, y(0) = 1. At t = 1", "y'=y exp(-t), y(0)=1"),
         ("x' = 2/3 x - 4/3 x y, y' = x, x(0) = 1, y(0) = 1, t = 1", "x'=(2/3) x - (4/3) x y, y'=x, x(0)=1, y(0)=1"),
         ("sin' = cos, t' = 1 and y' = -y, y(0) = 1. At t = 1", "y'=-y, y(0)=1"),
+        ("y' = -y/K cos t, K = 3, y(0) = 1. At t = 1", "y'=-(y/3) cos(t), y(0)=1"),
+        ("x'' = -k/m x, k = 3, m = 2, x(0) = 1, x'(0) = 0, t = 1", "x'=dx, dx'=-(3/2) x, x(0)=1, dx(0)=0"),
+        ("m x'' = -k x, k = 3, m = 2, x(0) = 1, x'(0) = 0, t = 1", "x'=dx, dx'=(-3 x)/(2), x(0)=1, dx(0)=0"),
+        ("In a 2 y'' + y = 0, y(0) = 1, y'(0) = 0, t = 1", "y'=dy, dy'=(-(y) + 0)/(2), y(0)=1, dy(0)=0"),
+        ("x'' + kx = 0, k = 3, x(0) = 1, x'(0) = 0, t = 1", "x'=dx, dx'=-(3*x) + 0, x(0)=1, dx(0)=0"),
+        ("2m dy/dt = -y by a, m = 2, y(0) = 1, t = 1", "y'=(-y)/(2*2), y(0)=1"),
+        ("x y' = 2y, y(0) = 1, t = 1", "y'=(2y)/(t), y(0)=1"),
+        ("t = 1 as h = 0.1 y' = -y, y(0) = 1", "y'=-y, y(0)=1"),
+        ("A y' = -y, y(0) = 1. t = 1", "y'=-y, y(0)=1"),
+        ("| - y' = -y, y(0) = 1. t = 1", "y'=-y, y(0)=1"),
+        (r"$\tau y' = -y$, $\tau = 0.5$, $y(0) = 1$, $t = 1$", "y'=(-y)/(0.5), y(0)=1"),
+        (
+            r"$m\ddot{x} + 2\zeta\omega_0\dot{x} = -g\sin x$, $\zeta=0.1$, $\omega_0 = 3$, $m = 2$, $g=9$, "
+            "$x(0) = 1$, at rest, $t = 1$",
+            "x'=dx, dx'=(-(2*0.1 *3 dx) + -9 sin(x))/(2), x(0)=1, dx(0)=0",
+        ),
     ],
 )
 def test_equations_and_starts_are_read_as_texts_have_them(text, read):
     read = read or "theta'=omega, omega'=-9.81*sin(theta), theta(0)=pi/4, omega(0)=0"
-    assert equations(text) == [read]
+    assert equations(text, "tex" if "$" in text else "plain") == [read]
 
 
 @pytest.mark.parametrize(
@@ -77,6 +93,7 @@ def test_equations_and_starts_are_read_as_texts_have_them(text, read):
         *("y' = f(t, y), y(0) = 1, and t = 1", "y' = -tanh y, y(0) = 1, and t = 1"),
         "y' = -y, y(0) = 1",  # no time
         "nothing of the kind, t = 1",
+        *("c x' + m x'' = -x, c = m = 1, x(0) = 1, x'(0) = 0, t = 1", "m x'' = -x, x(0) = 1, x'(0) = 0, t = 1"),
     ],
 )
 def test_what_the_text_leaves_open_is_no_problem(text):
@@ -180,6 +197,33 @@ def test_a_head_of_two_rows_has_the_methods_above_and_what_is_read_below():
         assert suggestions.column_of(number) == ("heun" if question.endswith("y") else "error")
     corner = Suggestions(TWO_ROWS.replace("| h |", "| 5 |"))  # twin: no second row of heads, so no head but the first
     assert {corner.column_of(x) for x in numbers_in(TWO_ROWS) if x.text in ("0.1", "0.2")} == {""}
+
+
+BY_COUNTS = """Error at t = 2 for y' = -2*t*y, y(0) = 1:
+| N | Euler | RK4 |
+| 10 | 1.28e-2 | 1.42e-4 |
+| 20 | 6.29e-3 | 6.81e-6 |
+| 40 | 3.10e-3 | 3.73e-7 |
+"""
+BY_HEADS = """Error at t = 2 for y' = -2*t*y, y(0) = 1:
+| Method | h = 0.2 | h = 0.1 | h = 0.05 |
+| Euler | 1.28e-2 | 6.29e-3 | 3.10e-3 |
+| Heun | 6.93e-3 | 1.26e-3 | 2.75e-4 |
+| RK4 | 1.42e-4 | 6.81e-6 | 3.73e-7 |
+"""
+
+
+@pytest.mark.parametrize("table", [BY_COUNTS, BY_HEADS])
+def test_counts_of_steps_and_heads_of_columns_give_the_step_size_and_the_line_above_what_is_read(table):
+    suggestions, read = Suggestions(table), [x for x in numbers_in(table) if "e-" in x.text]
+    alike = {x.text: suggestions.look_alikes(x)[0] for x in read}
+    assert all(one.strong and one.question.endswith(" : error") for one in alike.values())
+    for text, question in {"1.42e-4": "rk4 {}, h=0.2,", "6.29e-3": "forward_euler {}, h=0.1,"}.items():
+        assert question.format("y'=-2*t*y, y(0)=1") in alike[text].question
+        exchanged = text[:2] + text[3] + text[2] + text[4:]
+        wrong = table.replace(text, exchanged)
+        slip = next(x for x in numbers_in(wrong) if x.text == exchanged)
+        assert Suggestions(wrong).slips(slip) == {alike[text].question: text}
 
 
 def test_a_question_is_asked_once():

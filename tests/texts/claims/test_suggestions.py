@@ -192,6 +192,8 @@ def test_a_slip_is_a_wrong_digit_or_sign_or_two_neighbours_exchanged_and_no_numb
         ("Euler, h = 0.1: the error 0.028", None),
         ("Euler, h = 0.002: 501 evaluations", None),
         ("RK4, h = 0.002: 2001 evaluations", "2000"),
+        ("x'' = -x, x(0) = 1, x'(0) = 0. Position Verlet, h = 0.0005, t = 1: 2001 evaluations", None),
+        ("x'' = -x, x(0) = 1, x'(0) = 0. Position Verlet, h = 0.0005, t = 1: 2002 evaluations", "2000"),
         ("Euler, h = 0.1: the error 0.135353", "0.135335"),  # the solution
         ("Euler, h = 0.1: the error 0.13543", None),
     ],
