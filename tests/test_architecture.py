@@ -114,7 +114,7 @@ UNMIRRORED: dict[str, str] = {
     },
     **{
         f"blackbox/checks/{name}.py": "all that it says of each planted habit: tests/blackbox/checks/test_suite.py"
-        for name in ("arguments", "homogeneity", "output_precision")
+        for name in ("arguments", "homogeneity")
     },
     "__main__.py": "tests/commands runs python -m driftproof",
 }  # fmt: skip

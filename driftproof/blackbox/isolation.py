@@ -98,7 +98,6 @@ class IsolatedRunner:
         return self
 
     def __exit__(self, *_: object) -> None:
-        """End the process."""
         if self._process is not None:
             self._process[0].close()
             self._process = None

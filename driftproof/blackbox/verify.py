@@ -11,7 +11,7 @@ from typing import Any
 
 from driftproof.blackbox import criteria
 from driftproof.blackbox.checks.arguments import arguments, types
-from driftproof.blackbox.checks.output_precision import digits
+from driftproof.blackbox.checks.homogeneity import digits
 from driftproof.blackbox.families.magnetic import BORIS_NAMES, Boris
 from driftproof.blackbox.families.reports import hand_jacobian, turns, verify_family
 from driftproof.blackbox.findings import UnsupportedCall, arithmetic_of

@@ -56,7 +56,6 @@ class TaylorModel:
         return bool(self.norm.is_finite())
 
     def __add__(self, other: TaylorModel | Constant) -> TaylorModel:
-        """The sum."""
         if isinstance(other, TaylorModel):
             return TaylorModel(self.polynomial + other.polynomial, self.length, self.tail + other.tail)
         return TaylorModel(self.polynomial + other, self.length, self.tail)
@@ -64,15 +63,12 @@ class TaylorModel:
     __radd__ = __add__
 
     def __neg__(self) -> TaylorModel:
-        """The negative."""
         return TaylorModel(-self.polynomial, self.length, self.tail)
 
     def __sub__(self, other: TaylorModel | Constant) -> TaylorModel:
-        """The difference."""
         return self + -other
 
     def __rsub__(self, other: Constant) -> TaylorModel:
-        """The difference with the operands exchanged."""
         return -self + other
 
     def __mul__(self, other: TaylorModel | Constant) -> TaylorModel:

@@ -38,7 +38,6 @@ class Refused(ArithmeticError):
     made: ClassVar[int] = 0
 
     def __init__(self, message: str, t: Fraction | None = None) -> None:
-        """Take the message, which is one line."""
         super().__init__(message)
         self.t = t
         Refused.made += 1
@@ -127,7 +126,6 @@ class Enclosed:
 
     @_lifts_other
     def __add__(self, o: Enclosed) -> Enclosed:
-        """The sum."""
         if self.partials is None or o.partials is None:
             return Enclosed(self.evaluation, self.value + o.value, self.partials or o.partials)
         partials = tuple(a + b for a, b in zip(self.partials, o.partials, strict=True))
@@ -136,40 +134,33 @@ class Enclosed:
     __radd__ = __add__
 
     def __neg__(self) -> Enclosed:
-        """The negative."""
         return Enclosed(self.evaluation, -self.value, self.partials and tuple(-d for d in self.partials))
 
     def __pos__(self) -> Enclosed:
-        """The number itself."""
         return self
 
     @_lifts_other
     def __sub__(self, o: Enclosed) -> Any:
-        """The difference."""
         return self + -o
 
     @_lifts_other
     def __rsub__(self, o: Enclosed) -> Any:
-        """The difference with the operands exchanged."""
         return o + -self
 
     @_lifts_other
     def __mul__(self, o: Enclosed) -> Enclosed:
-        """The product."""
         return self._with_chain_rule(self.value * o.value, (self, lambda: o.value), (o, lambda: self.value))
 
     __rmul__ = __mul__
 
     @_lifts_other
     def __truediv__(self, o: Enclosed) -> Enclosed:
-        """The quotient."""
         inverse = _inverse(o.value)
         value = self.value * inverse
         return self._with_chain_rule(value, (self, lambda: inverse), (o, lambda: -value * inverse))
 
     @_lifts_other
     def __rtruediv__(self, o: Enclosed) -> Any:
-        """The quotient with the operands exchanged."""
         return o / self
 
     def __pow__(self, other: object) -> Any:

@@ -76,7 +76,6 @@ class Traced:
         return Traced(f"({a.text} {sign} {b.text})", self.doubles, divisor)
 
     def __add__(self, other: Any) -> Traced:
-        """The sum."""
         return self._with("+", other)
 
     def __mul__(self, other: Any) -> Traced:
@@ -84,15 +83,12 @@ class Traced:
         return self._with("*", other)
 
     def __rtruediv__(self, other: Any) -> Traced:
-        """The quotient."""
         return Traced.of(other, self.doubles)._with("/", self)
 
     def __neg__(self) -> Traced:
-        """The negative."""
         return Traced(f"(-{self.text})", self.doubles)
 
     def __sub__(self, other: Any) -> Traced:
-        """The difference."""
         return self._with("-", other)
 
     def __gt__(self, other: Any) -> bool:

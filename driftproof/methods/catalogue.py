@@ -67,7 +67,6 @@ class Catalogue(Mapping[str, _Kind], Generic[_Kind]):
         return iter(self._methods)
 
     def __len__(self) -> int:
-        """The number of methods."""
         return sum(1 for _ in self)
 
     def _read_next(self) -> None:

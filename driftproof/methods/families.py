@@ -54,26 +54,21 @@ class ParameterFunction:
         return bool(self.num)
 
     def __add__(self, other: object) -> ParameterFunction:
-        """The sum."""
         g = _coerced(other)
         return parameter_function(self.num * g.den + g.num * self.den, self.den * g.den)
 
     __radd__ = __add__
 
     def __neg__(self) -> ParameterFunction:
-        """The negative."""
         return ParameterFunction(-self.num, self.den)
 
     def __sub__(self, other: object) -> ParameterFunction:
-        """The difference."""
         return self + -_coerced(other)
 
     def __rsub__(self, other: object) -> ParameterFunction:
-        """The difference."""
         return -self + other
 
     def __mul__(self, other: object) -> ParameterFunction:
-        """The product."""
         g = _coerced(other)
         return parameter_function(self.num * g.num, self.den * g.den)
 

@@ -117,25 +117,20 @@ class ScalarExtension:
         raise NotImplementedError
 
     def __neg__(self) -> Self:
-        """The negative."""
         return self._map(lambda p: -p)
 
     def __add__(self, other: object) -> Self:
-        """The sum."""
         return self._made([p + q for p, q in zip(self.parts, self._parts(other), strict=True)])
 
     __radd__ = __add__
 
     def __sub__(self, other: object) -> Self:
-        """The difference."""
         return self._made([p - q for p, q in zip(self.parts, self._parts(other), strict=True)])
 
     def __rsub__(self, other: object) -> Self:
-        """The difference."""
         return -(self - other)
 
     def __mul__(self, other: object) -> Self:
-        """The product."""
         factors = self._parts(other)
         if not isinstance(other, type(self)):
             return self._map(lambda p: p * factors[0])
@@ -165,7 +160,6 @@ class ScalarExtension:
     __hash__: Any = None
 
     def __bool__(self) -> bool:
-        """False for zero."""
         return any(self.parts)
 
     def _map(self, change: Callable[[Any], Any]) -> Self:

@@ -16,7 +16,6 @@ class ProgramText:
     """
 
     def __init__(self, *, compensated: bool) -> None:
-        """Start without lines and coefficients."""
         self.compensated = compensated
         self.lines: list[str] = []
         self.coefficients: dict[str, Exact] = {}

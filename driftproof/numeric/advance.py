@@ -11,7 +11,7 @@ from driftproof.methods.program_text import indented, maker_text
 from driftproof.methods.schemes import Method
 from driftproof.methods.vector_fields import VectorField, field_source
 from driftproof.numeric.engine import FLOAT_FUNCTIONS, compiled_runner, program_function, runner
-from driftproof.numeric.implicit import ImplicitRun, compiled_implicit_runner, implicit_runner
+from driftproof.numeric.implicit import ImplicitRun, implicit_runner
 from driftproof.numeric.problems.problem import Problem
 from driftproof.numeric.run import nearest_double
 
@@ -29,7 +29,7 @@ def advance(method: Method, problem: Problem, *, compiled: bool = False) -> Adva
     """
     if method.explicit:
         return (compiled_runner if compiled else runner)(method, problem.field)
-    return (compiled_implicit_runner if compiled else implicit_runner)(method, problem.field)
+    return implicit_runner(method, problem.field, compiled=compiled)
 
 
 def evaluations_of(run: Advance, method: Method, problem: Problem, steps: int) -> int:

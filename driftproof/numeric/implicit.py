@@ -156,19 +156,17 @@ class ImplicitRun:
         return tuple(map(float, state))
 
 
-def implicit_runner(method: Method, field: VectorField) -> ImplicitRun:
-    """The loop of an implicit method in plain Python, on floats, with Jacobian matrices by exact formulas."""
-    return ImplicitRun(method, _on_field(run_steps, field, compiled=False), _table(method), list)
+def implicit_runner(method: Method, field: VectorField, *, compiled: bool = False) -> ImplicitRun:
+    """The loop of an implicit method on floats, with Jacobian matrices by exact formulas.
 
-
-def compiled_implicit_runner(method: Method, field: VectorField) -> ImplicitRun:
-    """The loop of `implicit_runner` compiled by numba, with the same bits. Needs the extra `fast`.
-
-    The first call on a field compiles, which takes some ten seconds; other methods on that field need no more.
+    Compiled by numba it has the same bits, and needs the extra `fast`. The first call on a field then compiles, which
+    takes some ten seconds; other methods on that field need no more.
     """
-    table = _table(method)
+    table, run = _table(method), _on_field(run_steps, field, compiled=compiled)
+    if not compiled:
+        return ImplicitRun(method, run, table, list)
     arrays = StepTable._make((*map(np.array, table[:4]), table.way))
-    return ImplicitRun(method, _on_field(run_steps, field, compiled=True), arrays, lambda x: np.array(x, np.float64))
+    return ImplicitRun(method, run, arrays, lambda x: np.array(x, np.float64))
 
 
 def compiled_implicit_ensemble_runner(method: Method, field: VectorField, *, threads: int = 1) -> EnsembleRun:
@@ -177,7 +175,7 @@ def compiled_implicit_ensemble_runner(method: Method, field: VectorField, *, thr
     Each system has its own matrices and iterations. Raises StageEquationsUnsolved, which names a system that fails; the
     states of the others are then undefined.
     """
-    arrays, run = compiled_implicit_runner(method, field).table, _on_field(run_ensemble, field, compiled=True)
+    arrays, run = implicit_runner(method, field, compiled=True).table, _on_field(run_ensemble, field, compiled=True)
 
     def run_systems(y: FloatArray, h: float, first: int, last: int) -> None:
         require_ensemble(y, len(field.rates))

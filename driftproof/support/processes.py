@@ -54,7 +54,6 @@ class ProcessEnded(Exception):
     """
 
     def __init__(self, cause: str, words: str) -> None:
-        """Take the cause, in one word, and the message."""
         super().__init__(words)
         self.cause = cause
 
@@ -108,11 +107,9 @@ class Session:
         self._started = False
 
     def __enter__(self) -> Session:
-        """The session itself."""
         return self
 
     def __exit__(self, *_: object) -> None:
-        """End the worker."""
         self.end()
 
     def ask(self, request: Json, seconds: float | None = None) -> Json:

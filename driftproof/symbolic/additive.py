@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 from driftproof.methods.additive import Additive
 from driftproof.methods.number_field import Exact, total
-from driftproof.symbolic.linear.facts import FactsOfFamily, LinearFacts, fact_names, fact_of_twin
+from driftproof.symbolic.linear.facts import IDENTITY, FactsOfFamily, LinearFacts, fact_names, fact_of_twin
 from driftproof.symbolic.rosenbrock import MOST_VERTICES
 from driftproof.symbolic.trees.elementary_weights import EXACT, TableauStages
 from driftproof.symbolic.trees.order_conditions import OrderFact, order, order_of, order_to_tolerance
@@ -125,6 +125,5 @@ class AdditiveFacts(FactsOfFamily[Additive]):
         return ColouredConditions(_COLOURS, *stages, internal=2, scalars=EXACT)
 
 
-_IDENTITY = ("method", "title", "family", "source", "stages", "explicit", "decimal", "field")
 # Every fact by name, in the order in which a reader wants them.
-ADDITIVE_FACTS = tuple(dict.fromkeys((*_IDENTITY, "inconsistencies", "claimed_order", *fact_names(AdditiveFacts))))
+ADDITIVE_FACTS = tuple(dict.fromkeys((*IDENTITY, *fact_names(AdditiveFacts))))

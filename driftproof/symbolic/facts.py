@@ -14,7 +14,7 @@ from driftproof.methods.number_field import Exact
 from driftproof.methods.rosenbrock import Rosenbrock
 from driftproof.methods.schemes import Collocation, Method, Nystrom, RungeKutta, Splitting, require_method
 from driftproof.symbolic.additive import ADDITIVE_FACTS, AdditiveFacts
-from driftproof.symbolic.linear.facts import LinearFacts, fact_names, facts_by_name
+from driftproof.symbolic.linear.facts import IDENTITY, LinearFacts, fact_names, facts_by_name
 from driftproof.symbolic.linear.multistep import MULTISTEP_FACTS, MULTISTEP_ON_REQUEST, MultistepFacts
 from driftproof.symbolic.linear.printed_digits import rounding
 from driftproof.symbolic.linear.reduced_tableau import reduced_stages_of
@@ -189,9 +189,8 @@ class Facts(LinearFacts):
 # Facts that are so long that they are given only if they are asked for by name.
 ON_REQUEST = ("region_boundary",)
 # The names of all facts in the order in which a reader wants them; most of what the method itself states comes first.
-_IDENTITY = ("method", "title", "family", "source", "stages", "explicit", "decimal", "field", "inconsistencies")
 _LINEAR = (name for name in fact_names(LinearFacts) if name not in ON_REQUEST)
-FACTS = tuple(dict.fromkeys((*_IDENTITY, "claimed_order", *fact_names(Facts), *_LINEAR)))
+FACTS = tuple(dict.fromkeys((*IDENTITY, *fact_names(Facts), *_LINEAR)))
 # Why a method may not have a fact.
 _NO_R = "only Runge-Kutta and collocation methods have R(z)"
 WHY_NONE = {

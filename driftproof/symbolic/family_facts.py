@@ -105,7 +105,6 @@ class FamilyFacts:
     """
 
     def __init__(self, method: Family) -> None:
-        """Compute nothing yet."""
         self.method = method
 
     @cached_property

@@ -11,7 +11,7 @@ from flint import fmpq
 
 from driftproof.methods.number_field import Exact, total
 from driftproof.methods.rosenbrock import Rosenbrock
-from driftproof.symbolic.linear.facts import FactsOfFamily, LinearFacts, fact_names, fact_of_twin
+from driftproof.symbolic.linear.facts import IDENTITY, FactsOfFamily, LinearFacts, fact_names, fact_of_twin
 from driftproof.symbolic.trees.elementary_weights import EXACT, RingElement, StageValues, TableauStages
 from driftproof.symbolic.trees.order_conditions import (
     OrderFact,
@@ -208,6 +208,5 @@ class RosenbrockFacts(FactsOfFamily[Rosenbrock]):
         return RungeKuttaConditions(RosenbrockStages(self.method, weights))
 
 
-_IDENTITY = ("method", "title", "family", "source", "stages", "explicit", "decimal", "field")
 # Every fact by name, in the order in which a reader wants them.
-ROSENBROCK_FACTS = tuple(dict.fromkeys((*_IDENTITY, "inconsistencies", "claimed_order", *fact_names(RosenbrockFacts))))
+ROSENBROCK_FACTS = tuple(dict.fromkeys((*IDENTITY, *fact_names(RosenbrockFacts))))

@@ -194,11 +194,7 @@ def names_the_cause(bug: Bug, report: Report) -> bool:
         ],
         "stale force": ["remembers", "depends on the previous call"],
         "state overwritten": [*matrix, rf"\ba\[\d+\]\[{at}\]: ", rf"after k\[{at}\], stages are formed from"],
-        "elsewhere": [
-            r"but not everywhere: (at t|with \d+|a step that continues)",
-            r"in a step of \S+ from t",
-            "h > 0 only",
-        ],
+        "elsewhere": [r"everywhere: (at t|with \d+|a step that continues)", r"in a step of \S+ from t", "h > 0 only"],
         "missing factor": [*matrix, "does not scale with h", rf"h (is missing|appears twice) in {line}"],
         "component left out": [
             *(*matrix, r"\b(drift|c|b_\w+|a)(\[\d+\])*: 0 instead", "not advanced alike", rf"{line}.* is left"),
@@ -252,18 +248,10 @@ def page(tallies: dict[str, Tally]) -> str:
     """The page of docs."""
     total = sum((tally.counts for tally in tallies.values()), Counter[str]())
     rows = [(f"**{kind}**: {KINDS[kind]}", tally.counts) for kind, tally in tallies.items()]
-    lines = [
-        f"| {name} | {' | '.join(str(counts[column]) for column in COLUMNS)} |"
-        for name, counts in (*rows, ("all", total))
-    ]
+    lines = [HEAD, f"| kind | {' | '.join(COLUMNS)} |", "|---" * (1 + len(COLUMNS)) + "|"]
+    lines += [f"| {name} | {' | '.join(str(counts[x]) for x in COLUMNS)} |" for name, counts in (*rows, ("all", total))]
     stories = [f"- {kind}: {story}" for kind, tally in tallies.items() for story in dict.fromkeys(tally.stories)]
-    return "\n".join(
-        [
-            HEAD, f"| kind | {' | '.join(COLUMNS)} |", "|---" * (1 + len(COLUMNS)) + "|", *lines, "",
-            *(stories or ["Each bug was caught, and each twin passed."]),
-            "",
-        ]
-    )  # fmt: skip
+    return "\n".join([*lines, "", *(stories or ["Each bug was caught, and each twin passed."]), ""])
 
 
 HEAD = """# Planted bugs

@@ -16,6 +16,7 @@ from driftproof.methods.catalogue import METHODS
 from tests.blackbox.dragged_steppers import of_stages
 from tests.blackbox.dragged_steppers import verlet as moved
 from tests.blackbox.extension_steppers import extension_step
+from tests.blackbox.families.remembering_steppers import Remembering
 from tests.blackbox.families.turning_steppers import body, boris, product, quaternion, space, turned_by
 from tests.blackbox.implicit_steppers import one_by_one, table
 from tests.blackbox.pair_steppers import but_one, pair_step
@@ -158,19 +159,9 @@ def verlet_handing_on(new: bool):
     return step
 
 
-class AdamsBashforth:
+def adams_bashforth(first: float):
     """The two-step method; its first step is Euler's, this many h long."""
-
-    def __init__(self, first: float) -> None:
-        """Nothing remembered yet."""
-        self.first, self.slope = first, None
-
-    def step(self, f, t, y, h):
-        """One step."""
-        slope = f(t, y)
-        step = self.first * slope if self.slope is None else 1.5 * slope - 0.5 * self.slope
-        self.slope = slope
-        return y + h * step
+    return Remembering("adams_bashforth2", lambda f, t, y, h: y + first * h * f(t, y)).step
 
 
 def counting(more: Callable[[float, float, float], bool], cut: bool = False):
@@ -189,11 +180,6 @@ def counting(more: Callable[[float, float, float], bool], cut: bool = False):
         return times, states
 
     return solve
-
-
-def scaled_but_the_last(rows: Sequence[Sequence[float]]) -> list[list[float]]:
-    """Weights of a dense output, those of the highest degree 1 % off."""
-    return [[*row[:-1], 1.01 * row[-1]] for row in rows]
 
 
 def eulers(velocity_first: bool, apart: bool = False):
@@ -247,7 +233,8 @@ STEPS = (
     Replay("headmyshoulder/odeint-v2#235", "1/40 of the estimate has the other sign", of_pair, pair_step(DP,
            estimate=but_one(6, 1 / 40)), pair_step(DP), "e[6]: 1/40 instead of -1/40"),
     Replay("princemahajan/FLINT#14", "coefficients of the interpolation", of_dense, extension_step("dop853_dense",
-           weights=scaled_but_the_last), extension_step("dop853_dense"), "is not y1 at theta = 1"),
+           weights=lambda rows: [[*row[:-1], 1.01 * row[-1]] for row in rows]), extension_step("dop853_dense"),
+           "is not y1 at theta = 1"),
     Replay("SciML/OrdinaryDiffEq.jl#2875", "SDIRK2 is the trapezoidal rule", of_method("sdirk2"),
            one_by_one(table("trapezoid")), one_by_one(table("sdirk2")), "it is trapezoid"),
     Replay("ufz/ogs5#25", "Crank-Nicolson is backward Euler", of_method("trapezoid"),
@@ -316,6 +303,6 @@ STEPS = (
            RIGHT, "beyond the end"),
     Replay("OPALX-project/OPAL#1375", "the time is doubled", of_solver, adaptive(stepped=lambda h: 2 * h), RIGHT,
            "that it returns differ"),
-    Replay("pyqg/pyqg#6", "the first step of Adams-Bashforth is 3/2 h long", of_step, AdamsBashforth(1.5).step,
-           AdamsBashforth(1.0).step, "forward_euler, with the step 3/2 h in place of h"),
+    Replay("pyqg/pyqg#6", "the first step of Adams-Bashforth is 3/2 h long", of_step, adams_bashforth(1.5),
+           adams_bashforth(1.0), "forward_euler, with the step 3/2 h in place of h"),
 )  # fmt: skip

@@ -23,11 +23,12 @@ from driftproof.symbolic.derivation.one_step import STATE_H, STATE_Q, STATE_RING
 from driftproof.symbolic.linear.oscillator import oscillator_matrix
 from driftproof.symbolic.rounding import polynomials
 from driftproof.symbolic.rounding.fixed_step_bound import FixedStepBound, fixed_step_bound
-from driftproof.symbolic.rounding.formats import BINARY16, BINARY32, BINARY64, FloatFormat
+from driftproof.symbolic.rounding.formats import BINARY16, BINARY32, BINARY64
 from driftproof.symbolic.rounding.number import Rounded, constant
 from driftproof.symbolic.rounding.step_bound import StepBound, lift_to
 from driftproof.symbolic.runs import apply, exact_matrix_at
 from tests.changes import changed, coefficients
+from tests.witnesses.soft_float import FORMATS
 from tests.witnesses.witness_steps import Pair, as_function, stage_equations
 
 # q, v and h, in the numbers of an arithmetic.
@@ -128,7 +129,6 @@ def is_contained(found: Pair, method: Method) -> bool:
 
 # --- floats, held to the bound that is derived from their own program -------------------------------------------------
 
-FORMATS: dict[Any, FloatFormat] = {np.float64: BINARY64, np.float32: BINARY32, np.float16: BINARY16}
 FLOAT_STEP = 0.7  # no dyadic number, so that h times a coefficient really rounds
 STATES = {BINARY64: 60, BINARY32: 30, BINARY16: 30}
 

@@ -10,16 +10,17 @@ import numpy as np
 import pytest
 from flint import arb, ctx
 
-from driftproof import METHODS, Facts, Refused, certify, stepper
+from driftproof import METHODS, Facts, OscillatorRun, Refused, certify
 from driftproof.enclosure import exact_runs
 from driftproof.enclosure.exact_runs import SCIPY_SOLVERS, exact_step, named_method, plan_of
 from driftproof.enclosure.fields import enclosable
 from driftproof.enclosure.trajectories import read_trajectory, trajectory_of
-from driftproof.symbolic.algebra.certified import endpoints
+from driftproof.symbolic.algebra.certified import enclose, endpoints
 from tests.enclosure.mutants import mutant
-from tests.enclosure.right_hand_sides import kepler, pendulum
+from tests.enclosure.right_hand_sides import kepler, pendulum, rk4
 from tests.enclosure.truncations import slope_of_truncation
 from tests.looping import exactly, some
+from tests.methods.tables.entries import IMPLICIT
 
 RUNS = Path(__file__).parents[2] / "examples" / "trajectories"
 
@@ -30,15 +31,11 @@ def oscillator(t, y):
 
 def classical(f, start, h, steps, number=np.float64):
     """Times and rows of classical RK4 in the numbers of one format."""
-    y, h, rows = np.array(start, dtype=number), number(h), []
-    for i in range(steps):
-        rows.append(y)
-        t = h * number(i)
-        a = f(t, y)
-        b = f(t + h / 2, y + h / 2 * a)
-        c = f(t + h / 2, y + h / 2 * b)
-        y = y + h / 6 * (a + 2 * b + 2 * c + f(t + h, y + h * c))
-    return np.array([h * number(i) for i in range(steps + 1)]), np.array([*rows, y])
+    h, rows = number(h), [np.array(start, dtype=number)]
+    times = np.array([h * number(i) for i in range(steps + 1)])
+    for t in times[:-1]:
+        rows.append(rk4(f, t, rows[-1], h))
+    return times, np.array(rows)
 
 
 def test_pendulum_of_classical_rk4_to_eight():
@@ -125,29 +122,29 @@ def test_binary32_run_is_split():
     assert 0.9e-5 < max(abs(x) for x in found.split.truncation[-1]) < 1.1e-5
 
 
-@pytest.mark.parametrize("key", ["rk4", "gill4", "velocity_verlet", "yoshida4", "dormand_elmikkawy_prince4", "rk38"])
-def test_exact_step_is_the_definition_on_the_oscillator(key):
-    """The step of `stepper`, whose own tests hold it to published tables, in balls at the same point."""
-    method = METHODS[key]
-    with ctx.workprec(200):
-        lift = lambda x: x.ball() if hasattr(x, "ball") else arb(x.numerator) / x.denominator
-        q, v, h = arb(3) / 4, arb(-1) / 3, arb(1) / 8
-        wanted = stepper(method, lift)(lambda x: -x, q, v, h)
-        found = exact_step(method, enclosable(oscillator), 2)((q, v), Fraction(7), Fraction(1, 8))
-        for x, y in exactly(2, zip(found, wanted, strict=True)):
+EXPLICIT = ["rk4", "gill4", "velocity_verlet", "yoshida4", "dormand_elmikkawy_prince4", "rk38"]
+
+
+@pytest.mark.parametrize("method", [*(METHODS[key] for key in EXPLICIT), *IMPLICIT], ids=lambda m: m.key)
+def test_exact_step_on_the_oscillator_is_that_of_its_matrix(method):
+    h, start = Fraction(1, 8), (Fraction(3, 4), Fraction(-1, 3))
+    wanted = OscillatorRun(method, h, h, start).final_state
+    with ctx.workprec(256):
+        found = exact_step(method, enclosable(oscillator), 2)(tuple(map(enclose, start)), Fraction(7), h)
+        for x, y in exactly(2, zip(found, map(enclose, wanted), strict=True)):
             assert x.overlaps(y)
-            assert x.rad() < 1e-50
+            assert x.rad() < 1e-70
 
 
 # Rounded tables have their order only down to the residuals.
 EXACT_METHODS = [m for m in METHODS.values() if m.explicit and not m.decimal]
 
 
-@pytest.mark.slow(keep=5)
-@pytest.mark.parametrize("method", EXACT_METHODS, ids=lambda m: m.key)
+@pytest.mark.slow(keep=8)
+@pytest.mark.parametrize("method", EXACT_METHODS + IMPLICIT, ids=lambda m: m.key)
 def test_order_is_seen_against_the_enclosure(method):
-    """The next power of h = 1/64 moves the slope; half way to the next order would be 0.5."""
-    assert abs(slope_of_truncation(method, 32) - Facts(method).order) < 0.45
+    """The next power of h, 1/64 or, for implicit methods, 1/16, moves the slope; half way to an order would be 0.5."""
+    assert abs(slope_of_truncation(method, 32 if method.explicit else 8) - Facts(method).order) < 0.45
 
 
 @pytest.mark.parametrize(

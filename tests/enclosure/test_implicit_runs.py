@@ -1,4 +1,4 @@
-"""Stages of implicit methods, proved: the oscillator's matrices, orders, both ends of a ball, and no stages at all."""
+"""Stages of implicit methods, proved: both ends of a ball, and no stages at all."""
 
 from __future__ import annotations
 
@@ -8,35 +8,12 @@ import numpy as np
 import pytest
 from flint import arb, ctx
 
-from driftproof import METHODS, Facts, OscillatorRun, Refused, certify
+from driftproof import METHODS, Refused, certify
 from driftproof.enclosure import implicit_runs
-from driftproof.enclosure.exact_runs import exact_step
 from driftproof.enclosure.implicit_runs import coefficient_balls
-from driftproof.symbolic.algebra.certified import enclose
 from tests.enclosure.mutants import mutant
 from tests.enclosure.right_hand_sides import kepler
-from tests.enclosure.truncations import slope_of_truncation
 from tests.looping import exactly
-
-IMPLICIT = [method for method in METHODS.values() if not method.explicit]
-
-
-@pytest.mark.parametrize("method", IMPLICIT, ids=lambda m: m.key)
-def test_step_on_the_oscillator_is_that_of_its_matrix(method):
-    h, start = Fraction(1, 8), (Fraction(3, 4), Fraction(-1, 3))
-    wanted = OscillatorRun(method, h, h, start).final_state
-    with ctx.workprec(256):
-        found = exact_step(method, lambda t, y: [y[1], -y[0]], 2)(tuple(map(enclose, start)), Fraction(0), h)
-        for x, y in exactly(2, zip(found, map(enclose, wanted), strict=True)):
-            assert x.overlaps(y)
-            assert x.rad() < 1e-70
-
-
-@pytest.mark.slow(keep=3)
-@pytest.mark.parametrize("method", IMPLICIT, ids=lambda m: m.key)
-def test_order_is_seen_against_the_enclosure(method):
-    """The next power of h = 1/16 moves the slope; half way to the next order would be 0.5."""
-    assert abs(slope_of_truncation(method, 8) - Facts(method).order) < 0.45
 
 
 def test_table_of_a_collocation_method_is_that_of_its_formula():

@@ -12,8 +12,8 @@ from driftproof.methods.catalogue import METHODS
 from driftproof.methods.schemes import MethodError, Nystrom, RungeKutta, Splitting
 from driftproof.methods.stepping import step_source, stepper
 from driftproof.numeric.steppers import CountedForce
+from tests.methods.tables.entries import EXPLICIT
 
-EXPLICIT = [method for method in METHODS.values() if method.explicit]
 STATES = [(1.0, 0.0, 0.5), (0.3, -0.7, 0.1), (-2.5, 1e-3, -1.3)]
 
 

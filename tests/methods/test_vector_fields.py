@@ -13,8 +13,8 @@ from driftproof.methods.schemes import MethodError, RungeKutta
 from driftproof.methods.vector_fields import VectorField, array_step, field_source, partial_derivative
 from driftproof.numeric.engine import runner
 from tests.float_bits import bits
+from tests.methods.tables.entries import EXPLICIT
 
-EXPLICIT = [method for method in METHODS.values() if method.explicit]
 VAN_DER_POL = VectorField(("y1", "mu * (1 - y0 * y0) * y1 - y0 + sin(t)"), (("mu", Q(5, 2)),))
 LOTKA_VOLTERRA = VectorField(("y0 * (2 - y1)", "y1 * (y0 - 1)"))
 LORENZ = VectorField(("10 * (y1 - y0)", "y0 * (rho - y2) - y1", "y0 * y1 - 8 * y2 / 3"), (("rho", Q(28)),))

@@ -19,10 +19,10 @@ from driftproof.numeric.problems.catalogue import problem_named
 from driftproof.symbolic.runs import exact_matrix_at
 from tests.float_bits import bits
 from tests.looping import some
+from tests.methods.tables.entries import EXPLICIT
 from tests.numeric.engine_runs import OSCILLATOR, PENDULUM, oscillator_run, step_by_step
 from tests.witnesses.any_order import any_order
 
-EXPLICIT = [method for method in METHODS.values() if method.explicit]
 # One of each family, and one with irrational coefficients: each takes numba half a second.
 COMPILED = [METHODS[key] for key in ("rk4", "velocity_verlet", "yoshida4", "nystrom5")]
 STARTS = [(1.0, 0.0, 0.25), (0.3, -0.7, -0.1), (-2.5, 1e-3, 1.3), (0.0, -0.0, 0.5)]

@@ -12,9 +12,9 @@ from driftproof.methods.catalogue import METHODS
 from driftproof.methods.stepping import oscillator
 from driftproof.numeric.steppers import rk4
 from driftproof.symbolic.runs import exact_matrix_at
+from tests.methods.tables.entries import EXPLICIT
 from tests.numeric.engine_runs import oscillator_run
 
-EXPLICIT = [method for method in METHODS.values() if method.explicit]
 RK4, VERLET, SYMPLECTIC = METHODS["rk4"], METHODS["velocity_verlet"], METHODS["symplectic_euler"]
 U = Q(1, 2**53)
 LARGEST, TINIEST = Q(np.finfo(float).max.item()), 5e-324

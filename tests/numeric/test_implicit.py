@@ -15,9 +15,9 @@ from driftproof.methods.vector_fields import VectorField
 from driftproof.numeric.implicit import StageEquationsUnsolved, _groups, implicit_runner, implicit_stepper
 from driftproof.numeric.tableaux import float_tableau
 from driftproof.symbolic.runs import exact_matrix_at
+from tests.methods.tables.entries import IMPLICIT
 from tests.numeric.implicit_runs import U, implicit_run, oscillator, rounding_of_a_step
 
-IMPLICIT = [method for method in METHODS.values() if not method.explicit]
 BACKWARD_EULER, MIDPOINT = METHODS["backward_euler"], METHODS["implicit_midpoint"]
 
 

@@ -13,7 +13,6 @@ from driftproof.numeric.elimination import FULL, Band
 from driftproof.numeric.implicit import (
     StageEquationsUnsolved,
     compiled_implicit_ensemble_runner,
-    compiled_implicit_runner,
     implicit_runner,
     implicit_stepper,
 )
@@ -29,13 +28,13 @@ def test_compiled_steps_have_the_same_bits_and_count_the_same_evaluations():
     problem = PROBLEMS["oregonator"]
     start = float_start(problem)
     for key in ("radau_iia3", "sdirk2", "lobatto_iiia4", "lobatto_iiib4", "trapezoid", "gauss2", "rk4"):
-        plain, compiled = (make(METHODS[key], problem.field) for make in (implicit_runner, compiled_implicit_runner))
+        plain, compiled = (implicit_runner(METHODS[key], problem.field, compiled=x) for x in (False, True))
         assert plain(start, 0.01, 3, 40) == compiled(start, 0.01, 3, 40)
         assert plain.calls == compiled.calls > 37
     errors = []
-    for make in (implicit_runner, compiled_implicit_runner):
+    for compiled in (False, True):
         with pytest.raises(StageEquationsUnsolved) as caught:
-            make(METHODS["radau_iia3"], problem.field)(start, 45.0, 0, 8)
+            implicit_runner(METHODS["radau_iia3"], problem.field, compiled=compiled)(start, 45.0, 0, 8)
         errors.append(str(caught.value))
     assert errors[0] == errors[1]
 
@@ -59,10 +58,13 @@ def test_what_is_compiled_has_the_same_bits_on_arrays_before_that(monkeypatch):
     method, field = METHODS["radau_iia2"], VectorField(("y1 + t / 8", "y0 * y0 * y0 - y1"))
     starts, run = np.array([[0.5, 0.25], [-1.0, 0.5], [0.125, 2.0]]).T.copy(), implicit_runner(method, field)
     alone = [run(tuple(start), 0.125, 2, 9) for start in starts.T.tolist()]
-    run, on_arrays = implicit_runner(method, field), compiled_implicit_runner(method, field)
+    run, on_arrays = implicit_runner(method, field), implicit_runner(method, field, compiled=True)
     assert run((0.5, 0.25), 0.125, 2, 9) == alone[0]
     assert on_arrays((0.5, 0.25), 0.125, 2, 9) == alone[0]
     assert run.calls == on_arrays.calls > 2 * 7
+    for key in ("gauss2", "lobatto_iiia3", "tr_bdf2"):
+        plain, compiled = (implicit_runner(METHODS[key], field, compiled=x) for x in (False, True))
+        assert plain((0.5, 0.25), 0.125, 2, 9) == compiled((0.5, 0.25), 0.125, 2, 9)
     found, run_systems = starts.copy(), compiled_implicit_ensemble_runner(method, field)
     run_systems(found, 0.125, 2, 9)
     assert found.T.tolist() == list(map(list, alone))

@@ -10,7 +10,6 @@ import pytest
 from driftproof import METHODS, Facts, facts, read_method
 from driftproof.methods.additive import Additive
 from driftproof.methods.catalogue import FACTS_ONLY, entry_named
-from driftproof.methods.number_field import Algebraic
 from driftproof.symbolic.additive import AdditiveFacts
 from tests.looping import exactly, some
 
@@ -18,13 +17,9 @@ EVERY = {key: method for key, method in FACTS_ONLY.items() if isinstance(method,
 TINY = Q(1, 10**20)  # above the rounding of fractions of 13 digits in each part, squared or not, with room
 
 
-def number(x):
-    return float(x.ball()) if isinstance(x, Algebraic) else float(x)
-
-
 def arrays(method):
     rows = (method.a_explicit, method.a_implicit, method.b_explicit, method.b_implicit)
-    return [np.vectorize(number)(np.array(row, dtype=object)) for row in rows]
+    return [np.array(row, dtype=float) for row in rows]
 
 
 def explicit_part(y):

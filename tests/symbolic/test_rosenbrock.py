@@ -9,7 +9,6 @@ import pytest
 
 from driftproof import METHODS, Facts, facts, significant
 from driftproof.methods.catalogue import FACTS_ONLY, entry_named
-from driftproof.methods.number_field import Algebraic
 from driftproof.methods.rosenbrock import Rosenbrock
 from driftproof.symbolic.rosenbrock import RosenbrockFacts
 from tests.looping import exactly, some
@@ -20,13 +19,9 @@ ORDERS = {"ros2": (2, 2, 1), "ros3p": (3, 1, 2), "grk4t": (4, 1, 3), "rodas3": (
 TINY = Q(1, 10**11)  # above the rounding of 12 printed digits, far below any residual of a wrong order
 
 
-def number(x):
-    return float(x.ball()) if isinstance(x, Algebraic) else float(x)
-
-
 def arrays(method, weights=None):
     rows = (method.alpha, method.gamma, method.b if weights is None else weights)
-    return [np.vectorize(number)(np.array(row, dtype=object)) for row in rows]
+    return [np.array(row, dtype=float) for row in rows]
 
 
 def field(y):

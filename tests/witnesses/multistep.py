@@ -8,39 +8,33 @@ from fractions import Fraction as Q
 import numpy as np
 
 from driftproof.methods.multistep import Multistep
+from tests.methods.tables.entries import product
 
 Numbers = Sequence[Q]
 
 
-def _times(p: Numbers, q: Numbers) -> list[Q]:
-    found = [Q(0)] * (len(p) + len(q) - 1)
-    for i, x in enumerate(p):
-        for j, y in enumerate(q):
-            found[i + j] += x * y
-    return found
-
-
-def lagrange(nodes: Sequence[int]) -> list[list[Q]]:
+def lagrange(nodes: Sequence[Q | int]) -> list[Numbers]:
     """Lagrange's polynomials of the nodes, constant term first."""
     found = []
     for node in nodes:
-        basis = [Q(1)]
+        basis: Numbers = (Q(1),)
         for other in nodes:
             if other != node:
-                basis = _times(basis, [Q(-other, node - other), Q(1, node - other)])
+                basis = product(basis, (Q(-other, node - other), Q(1, node - other)))
         found.append(basis)
     return found
 
 
+def integral(p: Numbers, end: Q) -> Q:
+    """The integral of a polynomial from 0."""
+    return sum((c * end ** (j + 1) / (j + 1) for j, c in enumerate(p)), Q(0))
+
+
 def adams(steps: int, *, implicit: bool, back: int = 1) -> Multistep:
     """y(k) - y(k - back) = the integral of the polynomial through the slopes at 0, ..., k - 1, and k if implicit."""
-    nodes = range(steps + implicit)
-
-    def integral(p: Numbers) -> Q:
-        return sum((c * (Q(steps) ** (j + 1) - Q(steps - back) ** (j + 1)) / (j + 1) for j, c in enumerate(p)), Q(0))
-
     rho = [Q(0)] * (steps - back) + [Q(-1)] + [Q(0)] * (back - 1) + [Q(1)]
-    sigma = [integral(p) for p in lagrange(nodes)] + [Q(0)] * (not implicit)
+    made = [integral(p, Q(steps)) - integral(p, Q(steps - back)) for p in lagrange(range(steps + implicit))]
+    sigma = made + [Q(0)] * (not implicit)
     return Multistep("adams", "", 0, "", tuple(rho), tuple(sigma))
 
 

@@ -6,9 +6,15 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from fractions import Fraction
 
+import numpy as np
+
 from driftproof.methods.number_field import Exact
 from driftproof.symbolic.algebra.certified import decide_by_enclosure
-from driftproof.symbolic.rounding.formats import FloatFormat
+from driftproof.symbolic.rounding.formats import BINARY16, BINARY32, BINARY64, FloatFormat
+
+# The formats that the machine has.
+NATIVE: dict[FloatFormat, type] = {BINARY16: np.float16, BINARY32: np.float32, BINARY64: np.float64}
+FORMATS: dict[type, FloatFormat] = {dtype: fmt for fmt, dtype in NATIVE.items()}
 
 
 @dataclass(frozen=True, eq=False)

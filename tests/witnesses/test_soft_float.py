@@ -7,16 +7,14 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from driftproof.symbolic.rounding.formats import BINARY16, BINARY32, BINARY64
+from driftproof.symbolic.rounding.formats import BINARY64
 from tests.looping import exactly
-from tests.witnesses.soft_float import SoftFloat, soft_lift
+from tests.witnesses.soft_float import NATIVE, SoftFloat, soft_lift
 from tests.witnesses.worst_case import random_floats
-
-NATIVE = [(BINARY16, np.float16), (BINARY32, np.float32), (BINARY64, np.float64)]
 
 
 @pytest.mark.slow(keep=1)
-@pytest.mark.parametrize(("fmt", "dtype"), NATIVE)
+@pytest.mark.parametrize(("fmt", "dtype"), NATIVE.items())
 def test_soft_floats_agree_bit_for_bit_with_the_machine(fmt, dtype):
     rng = np.random.default_rng(2)
     xs, ys = (random_floats(rng, np.dtype(dtype), 1500) for _ in range(2))

@@ -4,19 +4,17 @@ from __future__ import annotations
 
 import math
 from fractions import Fraction
+from typing import Any
 
 import pytest
 
-from driftproof.methods.catalogue import METHODS
-from driftproof.methods.schemes import Collocation, RungeKutta
 from driftproof.numeric.tableaux import solved
 from driftproof.symbolic.algebra.polynomials import exact, scalar
 from driftproof.symbolic.linear.stability_function import prothero_robinson, scalar_tableau
 from tests.looping import some
+from tests.methods.tables.entries import entry
 from tests.witnesses.stiff_error import stiff_error
 
-Tableau = RungeKutta | Collocation
-TABLEAUX = {key: m for key, m in METHODS.items() if isinstance(m, Tableau)}
 # Local error C h^k (h lambda)^-m, R(oo), order on stiff problems.
 REDUCED = {
     "backward_euler": (2, 1, Fraction(1, 2), 0, 1), "implicit_midpoint": (2, 0, Fraction(1, 4), -1, 2),
@@ -29,21 +27,21 @@ REDUCED = {
 
 @pytest.mark.parametrize("key", REDUCED)
 def test_order_on_stiff_problems_is_that_of_the_first_term_of_the_error(key: str) -> None:
-    error = stiff_error(TABLEAUX[key])
+    error = stiff_error(entry(key))
     assert (error.power, error.decay, error.coefficient, error.at_infinity, error.order) == REDUCED[key]
 
 
 def test_order_is_reduced_for_collocation_of_two_stages_and_more() -> None:
     for key in ("gauss2", "gauss3", "radau_ia3", "radau_iia3", "lobatto_iiic3"):
-        assert stiff_error(TABLEAUX[key]).order < TABLEAUX[key].claimed_order
+        assert stiff_error(entry(key)).order < entry(key).claimed_order
 
 
 def test_order_on_stiff_problems_is_refused_where_errors_grow() -> None:
     with pytest.raises(ValueError, match="unstable"):
-        stiff_error(METHODS["rk4"])
+        stiff_error(entry("rk4"))
 
 
-def defect(method: Tableau, power: int, z: Fraction) -> Fraction:
+def defect(method: Any, power: int, z: Fraction) -> Fraction:
     """phi(1) - y1 of one step h = 1 from 0 on y' = z (y - phi) + phi', phi = t^power: stages by elimination."""
     data = scalar_tableau(method)
     a, b, c = (
@@ -58,7 +56,7 @@ def defect(method: Tableau, power: int, z: Fraction) -> Fraction:
 # Both sides are quotients of polynomials of degree stages + 1 at most: equal at 2 stages + 4 points, they are equal.
 @pytest.mark.parametrize("key", ["backward_euler", "trapezoid", "radau_iia2", "lobatto_iiic3"])
 def test_error_of_a_step_is_exactly_the_function_of_prothero_and_robinson(key: str) -> None:
-    method = TABLEAUX[key]
+    method = entry(key)
     for power in range(1, 6):
         function = prothero_robinson(method, power)
         for z in some((Fraction(-i - 1, 3) for i in range(2 * method.stages + 4)), 6):

@@ -9,9 +9,9 @@ import pytest
 
 from driftproof.methods.stepping import oscillator
 from driftproof.numeric.steppers import forward_euler, rk4, symplectic_euler
-from driftproof.symbolic.rounding.formats import BINARY16, BINARY32, BINARY64
 from driftproof.symbolic.rounding.step_bound import step_bound
 from tests.witnesses import worst_case
+from tests.witnesses.soft_float import FORMATS
 from tests.witnesses.worst_case import (
     Envelope,
     envelope_of,
@@ -23,8 +23,6 @@ from tests.witnesses.worst_case import (
     search,
     worst_of,
 )
-
-FORMATS = {np.float16: BINARY16, np.float32: BINARY32, np.float64: BINARY64}
 
 
 def envelope_for(step, dtype) -> Envelope:

@@ -7,15 +7,7 @@ from dataclasses import dataclass
 from functools import partial
 from math import ldexp, nan
 
-from driftproof.blackbox.checks.borders import (
-    COMPONENT_NAMES,
-    Border,
-    NegligibleStep,
-    border,
-    negligible_step,
-    short_name,
-    shorter_number,
-)
+from driftproof.blackbox.checks import borders
 from driftproof.blackbox.checks.trials import CheckResult, Trial, TrialRunner, pair_text, steady_runner
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 
@@ -41,7 +33,7 @@ class Rule:
 
     kind: str
     component: int
-    border: Border
+    border: borders.Border
     value: float = nan
     more: str = ""
 
@@ -54,13 +46,13 @@ class Rule:
     @property
     def limit(self) -> float:
         """The border as a programmer may have written it: the end with the shorter name."""
-        return shorter_number(*self.ends)
+        return borders.shorter_number(*self.ends)
 
 
 def domain(subject: ForeignStepper) -> tuple[CheckResult, ...]:
     """Check what large and small positions and velocities become, and from where on the arithmetic overflows."""
     runner = steady_runner(subject)
-    short = negligible_step(runner)
+    short = borders.negligible_step(runner)
     if short is None:
         return (CheckResult("domain", None, "not tested: no step is short enough to leave the state unchanged"),)
     rules: list[Rule] = []
@@ -71,7 +63,7 @@ def domain(subject: ForeignStepper) -> tuple[CheckResult, ...]:
     return (*ranges, _small(short), _large(runner, rules))
 
 
-def _outwards(short: NegligibleStep, component: int, sign: int, before: Sequence[Rule]) -> Rule | None:
+def _outwards(short: borders.NegligibleStep, component: int, sign: int, before: Sequence[Rule]) -> Rule | None:
     """The rule for large values of one component and sign; the borders of the rules found `before` are tried first.
 
     The way out starts from the state, or from 0 for the other sign.
@@ -80,11 +72,11 @@ def _outwards(short: NegligibleStep, component: int, sign: int, before: Sequence
     powers = {*_OUTWARDS, e_max // 2 + 8, e_max - 24} & {*range(e_max)}
     points = [sign * ldexp(base, k) for k in [*([0] if sign == -1 else []), *sorted({*powers, e_max + 1})]]
     hints = [(sign * abs(inner), sign * abs(outer)) for inner, outer in (rule.ends for rule in before)]
-    seen = border(short, partial(short.along, component), base if sign == 1 else 0.0, points, hints)
+    seen = borders.border(short, partial(short.along, component), base if sign == 1 else 0.0, points, hints)
     return _rule_of(short, component, seen) if seen else None
 
 
-def _rule_of(short: NegligibleStep, component: int, seen: Border) -> Rule | None:
+def _rule_of(short: borders.NegligibleStep, component: int, seen: borders.Border) -> Rule | None:
     """The rule behind the border; None if it is only a strong force that begins to be felt."""
     first = seen.beyond[0]
     if first.answer is None and not first.failure.startswith("raises OverflowError"):  # of Python's own powers
@@ -111,7 +103,7 @@ def _range_check(component: int, found: Sequence[Rule]) -> CheckResult:
         return CheckResult(_RANGES[component], True, f"{_PLURALS[component]} of any size are used as given")
     example = tuple(trial for rule in rules for trial in rule.border.example)
     holds = None if all(rule.kind == REFUSED for rule in rules) else False
-    return CheckResult(_RANGES[component], holds, _in_words(COMPONENT_NAMES[component], rules), example)
+    return CheckResult(_RANGES[component], holds, _in_words(borders.COMPONENT_NAMES[component], rules), example)
 
 
 def _in_words(name: str, rules: Sequence[Rule]) -> str:
@@ -119,7 +111,7 @@ def _in_words(name: str, rules: Sequence[Rule]) -> str:
     if len(rules) == 2 and rules[0].kind == rules[1].kind and rules[0].limit == -rules[1].limit:
         above, below = rules
         if above.kind == CAPPED and above.value == -below.value and above.value in above.ends:
-            return f"|{name}| is capped at {short_name(above.value)}"
+            return f"|{name}| is capped at {borders.short_name(above.value)}"
         if above.kind == CHANGED or (above.kind != CAPPED and above.more == below.more):
             rules, name = [above], f"|{name}|"
     return "; ".join(_one_side(name, rule) for rule in rules)
@@ -128,12 +120,12 @@ def _in_words(name: str, rules: Sequence[Rule]) -> str:
 def _one_side(name: str, rule: Rule) -> str:
     """The border on its side, such as "q beyond 2.4" or "q from -2.4 down", and what happens there."""
     inner, outer = rule.ends
-    above, limit = outer > inner, short_name(rule.limit)
+    above, limit = outer > inner, borders.short_name(rule.limit)
     where = f"from {limit} {'on' if above else 'down'}"
     if rule.limit != outer:
         where = f"{'beyond' if above else 'below'} {limit}"
     if rule.kind == CAPPED:
-        return f"{name} {where} becomes {short_name(rule.value)}"
+        return f"{name} {where} becomes {borders.short_name(rule.value)}"
     return f"{name} {where} is refused: {rule.more}" if rule.kind == REFUSED else f"with {name} {where} {rule.more}"
 
 
@@ -143,38 +135,38 @@ def _large(runner: TrialRunner, rules: Sequence[Rule]) -> CheckResult:
     if not overflows:
         return CheckResult("large_states", True, "large states give finite answers")
     first = min(overflows, key=lambda rule: abs(rule.limit))
-    name = COMPONENT_NAMES[first.component]
+    name = borders.COMPONENT_NAMES[first.component]
     holds = abs(first.limit) >= _EARLY * float(runner.format.largest)
     room = "close to" if holds else "far from"
     words = f"overflows from {name} = {first.limit:.4g} on, where the answer is {room} overflow"
     return CheckResult("large_states", holds, words, first.border.example)
 
 
-def _small(short: NegligibleStep) -> CheckResult:
+def _small(short: borders.NegligibleStep) -> CheckResult:
     """Check whether small values of one component, or small states, are put to rest."""
     shrinking = [2.0**-k for k in _INWARDS if k in range(short.runner.format.emax // 3)]
     for component in (1, 0):
         base = short.state[component]
-        seen = border(short, partial(short.along, component), base, [base * s for s in shrinking])
+        seen = borders.border(short, partial(short.along, component), base, [base * s for s in shrinking])
         if seen is not None:
             return CheckResult("small_states", False, _put_to_rest(short, component, seen), seen.example)
     # Where a rule rounds, as a wrapped angle does, small states lose digits without being put to rest.
-    seen = None if short.slack else border(short, short.scaled, 1.0, shrinking)
+    seen = None if short.slack else borders.border(short, short.scaled, 1.0, shrinking)
     if seen is None:
         return CheckResult("small_states", True, "small states are used as given")
     words = f"small states change even as h -> 0: {_becomes(seen.beyond[0])}"
     return CheckResult("small_states", False, words, seen.example)
 
 
-def _put_to_rest(short: NegligibleStep, component: int, seen: Border) -> str:
+def _put_to_rest(short: borders.NegligibleStep, component: int, seen: borders.Border) -> str:
     """What small values of a component become, in words: "|v| below 0.01 becomes 0"."""
-    name, kept, first = COMPONENT_NAMES[component], seen.kept.given[component], seen.beyond[0]
+    name, kept, first = borders.COMPONENT_NAMES[component], seen.kept.given[component], seen.beyond[0]
     given = first.given[component]
     answers = (trial.answer or (None, None) for trial in (first, short.along(component, -given)))
     after, mirrored = (answer[component] for answer in answers)
-    limit = shorter_number(kept, given)
+    limit = borders.shorter_number(kept, given)
     name = f"|{name}|" if after == mirrored == 0 else name
-    where = f"{name} {'up to' if limit == given else 'below'} {short_name(limit)}"
+    where = f"{name} {'up to' if limit == given else 'below'} {borders.short_name(limit)}"
     return f"{where} becomes 0" if after == 0 else f"with {where} the state changes even as h -> 0: {_becomes(first)}"
 
 

@@ -4,22 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 
-from driftproof.blackbox.checks.arguments import (
-    arguments,
-    infinity,
-    negative_step,
-    not_a_number,
-    not_a_number_step,
-    time_argument,
-    types,
-    zero_step,
-)
-from driftproof.blackbox.checks.determinism import SAME, repeats, several_states
-from driftproof.blackbox.checks.domain import domain
-from driftproof.blackbox.checks.geometry import area, reversal
-from driftproof.blackbox.checks.homogeneity import homogeneity
-from driftproof.blackbox.checks.output_precision import digits
-from driftproof.blackbox.checks.step_size import step_size, sub_steps
+from driftproof.blackbox.checks import arguments, determinism, domain, geometry, homogeneity, step_size
 from driftproof.blackbox.checks.trials import CheckResult, Unsteady
 from driftproof.blackbox.findings import NO_EVIDENCE, Outcome, UnsupportedCall
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
@@ -28,8 +13,10 @@ from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 CHECKS: Mapping[str, Callable[[ForeignStepper], tuple[CheckResult, ...]]] = {
     check.__name__: check
     for check in (
-        *(repeats, arguments, types, several_states, digits, zero_step, negative_step, step_size, sub_steps),
-        *(time_argument, reversal, area, domain, homogeneity, not_a_number, infinity, not_a_number_step),
+        *(determinism.repeats, arguments.arguments, arguments.types, determinism.several_states),
+        *(homogeneity.digits, arguments.zero_step, arguments.negative_step, step_size.step_size, step_size.sub_steps),
+        *(arguments.time_argument, geometry.reversal, geometry.area, domain.domain, homogeneity.homogeneity),
+        *(arguments.not_a_number, arguments.infinity, arguments.not_a_number_step),
     )
 }
 # Results that compare answers bit by bit, and say nothing if the same call gives other bits again.
@@ -46,7 +33,7 @@ def checks_of(outcomes: Sequence[Outcome]) -> tuple[CheckResult, ...]:
     for key, outcome in zip(CHECKS, outcomes, strict=True):
         if outcome.kind != Unsteady.kind:
             found += _unanswered(key, outcome) if outcome.failed else outcome.result
-    if any(check.key == SAME and check.holds is False for check in found):
+    if any(check.key == determinism.SAME and check.holds is False for check in found):
         found = [check for check in found if check.key not in _BITWISE]
     unsteady = {outcome.seen for outcome in outcomes if outcome.kind == Unsteady.kind}
     return (*found, *(CheckResult(Unsteady.kind, None, f"nothing else was tested: {seen}") for seen in unsteady))

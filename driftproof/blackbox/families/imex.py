@@ -6,13 +6,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 
-from driftproof.blackbox.families.family_walks import (
-    DIFFERENCES_SHOWN,
-    NO_RESIDUAL,
-    ImexWalker,
-    WithDamping,
-    measured_of_two,
-)
+from driftproof.blackbox.families import family_walks as walks
 from driftproof.blackbox.families.imex_step import IMEX_PARTS, ImexReading, read_imex_step
 from driftproof.blackbox.findings import StepFinding
 from driftproof.blackbox.judging.measured_order import MeasuredOrder, order_seen, slopes_text
@@ -112,7 +106,7 @@ class ImexIdentity:
         """The order by the tables (those of the method, or as read), together and alone, and the order measured."""
         known = next((m for m in _methods() if m.key == self.known), None)
         facts, measured = AdditiveFacts(known or _as_read(self.reading)), self.measured
-        found = facts.orders_within(NO_RESIDUAL) if facts.method.decimal else facts
+        found = facts.orders_within(walks.NO_RESIDUAL) if facts.method.decimal else facts
         alone = f"its tables alone have order {found.explicit_order} and {found.implicit_order}"
         words = f"of order {found.order} on f + g, {alone}{', to the precision of its decimals' * facts.method.decimal}"
         slopes = f"(slopes of the local error: {slopes_text(measured.slopes)})"
@@ -129,7 +123,7 @@ class ImexIdentity:
     def criteria(self, method: Additive) -> list[Criterion]:
         """The criteria of a method: both tables, the nodes, the order, and how the steps go elsewhere."""
         found = _differences(method, self.reading)
-        differing = [f"not those of {method.key}", *(found or [])[:DIFFERENCES_SHOWN]]
+        differing = [f"not those of {method.key}", *(found or [])[: walks.DIFFERENCES_SHOWN]]
         shown = self._coefficients(method.key) if found == [] else differing
         if found is None:
             shown.append(f"{method.key} has {len(_used(method))} stages with an effect, this one {self.reading.stages}")
@@ -155,8 +149,9 @@ def read_imex(subject: ForeignStepper, asked: Additive | None = None) -> ImexIde
     known, walked = next((m for m in _methods() if _differences(m, reading) == []), None), None
     if (method := asked or known) and _differences(method, reading) == []:
         solved = max(_SOLVER * reading.curved, WELL_SOLVED)
-        walked = there_and_back(ImexWalker(subject, Specification(method), solved))
-    return ImexIdentity(reading, known.key if known else "", measured_of_two(subject, WithDamping, _HALVINGS), walked)
+        walked = there_and_back(walks.ImexWalker(subject, Specification(method), solved))
+    measured = walks.measured_of_two(subject, walks.WithDamping, _HALVINGS)
+    return ImexIdentity(reading, known.key if known else "", measured, walked)
 
 
 def _methods() -> Iterator[Additive]:

@@ -9,15 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from driftproof.blackbox.families.family_walks import (
-    DIFFERENCES,
-    DIFFERENCES_SHOWN,
-    NO_RESIDUAL,
-    RosenbrockWalker,
-    WithHalfJacobian,
-    WithJacobian,
-    measured_of_two,
-)
+from driftproof.blackbox.families import family_walks as walks
 from driftproof.blackbox.families.rosenbrock_step import RosenbrockReading, read_rosenbrock_step
 from driftproof.blackbox.findings import StepFinding
 from driftproof.blackbox.judging.measured_order import MeasuredOrder, order_seen, slopes_text
@@ -251,7 +243,7 @@ class RosenbrockIdentity:
             asked = f"{method.key} evaluates f at {len(products.nodes)} places, this one at {self.reading.calls}"
             return [Criterion("Coefficients", False, (asked,), {})]
         same = not differences
-        shown = self._coefficients if same else [f"not those of {method.key}", *differences[:DIFFERENCES_SHOWN]]
+        shown = self._coefficients if same else [f"not those of {method.key}", *differences[: walks.DIFFERENCES_SHOWN]]
         if self.near.startswith(f"{method.key} except for "):
             shown.insert(1, self.near)
         whole = len(self.reading.weights) >= method.stages  # by Cayley and Hamilton, higher powers tell no more
@@ -275,23 +267,21 @@ def read_rosenbrock(subject: ForeignStepper, asked: Rosenbrock | None = None) ->
     found = next((m for m in known if _Products.of(m, len(reading.weights)).differences(reading) == []), None)
     near = "" if found else next((f"{m.key} except for {x}" for m in known for x in _near(reading, m)), "")
     measured, with_half = (
-        measured_of_two(subject, kind, _HALVINGS, DIFFERENCES * reading.slack)
-        for kind in (WithJacobian, WithHalfJacobian)
+        walks.measured_of_two(subject, kind, _HALVINGS, walks.DIFFERENCES * reading.slack)
+        for kind in (walks.WithJacobian, walks.WithHalfJacobian)
     )
     walked = None
     if method := asked or found:
-        walked = there_and_back(RosenbrockWalker(subject, Specification(method), reading.slack, not reading.by))
-    told, plain = (_known_orders(found), _with_float_entries(found)) if found else ("", None)
+        walked = there_and_back(walks.RosenbrockWalker(subject, Specification(method), reading.slack, not reading.by))
+    told, plain = "", None
+    if found:
+        facts, digits = RosenbrockFacts(found), ", to the precision of its decimals" * found.decimal
+        orders = facts.orders_within(walks.NO_RESIDUAL) if found.decimal else facts
+        told = f"order {orders.order} with J = f', {orders.w_order} with any matrix{digits}"
+        plain = _with_float_entries(found)
     return RosenbrockIdentity(reading, plain, told, near, measured, with_half.order, walked)
 
 
 def _with_float_entries(method: Rosenbrock) -> Rosenbrock:
     alpha, gamma, b = (tuple(tuple(map(Fraction, row)) for row in np.atleast_2d(part)) for part in _floats(method))
     return replace(method, alpha=alpha, gamma=gamma, b=b[0], b_embedded=None, embedded_order=None)
-
-
-def _known_orders(method: Rosenbrock) -> str:
-    facts = RosenbrockFacts(method)
-    told = facts.orders_within(NO_RESIDUAL) if method.decimal else facts
-    digits = ", to the precision of its decimals" * method.decimal
-    return f"order {told.order} with J = f', {told.w_order} with any matrix{digits}"

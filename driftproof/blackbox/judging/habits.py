@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
 from fractions import Fraction
-from functools import partial
 from math import inf, log10
 
 from driftproof.blackbox.judging.agreement import EXAMPLES, Agreement, agreement
@@ -64,23 +63,20 @@ def _of_few_digits(method: Method, error: float) -> Iterator[tuple[str, Method]]
     middle = round(-log10(error))
     for digits in range(middle + _DIGITS_AROUND, max(_FEWEST, middle - _DIGITS_AROUND) - 1, -1):
         for words, text in ((f"{digits} decimals", fixed), (f"{digits} significant digits", significant)):
-            rounded = _with_coefficients(method, partial(_rounded, text, digits))
+            rounded = _with_coefficients(method, text, digits)
             if rounded != method:
                 yield words, rounded
 
 
-def _rounded(text: Callable[[Exact, int], str], digits: int, x: Exact) -> Fraction:
-    return Fraction(text(x, digits))
+def _with_coefficients(method: Method, text: Callable[[Exact, int], str], digits: int) -> Method:
+    """The method with coefficients of so many digits; itself if it is not given by a table."""
 
-
-def _with_coefficients(method: Method, change: Callable[[Exact], Fraction]) -> Method:
-    """The method with changed coefficients; itself if it is not given by a table."""
-
-    def row(numbers: tuple[Exact, ...]) -> tuple[Exact, ...]:
-        return tuple(map(change, numbers))
+    def row(numbers: Iterable[Exact]) -> tuple[Exact, ...]:
+        return tuple(Fraction(text(x, digits)) for x in numbers)
 
     if isinstance(method, Splitting):
-        return replace(method, parts=tuple((kind, change(x)) for kind, x in method.parts))
+        kinds, numbers = zip(*method.parts, strict=True)
+        return replace(method, parts=tuple(zip(kinds, row(numbers), strict=True)))
     if isinstance(method, RungeKutta):
         rows = tuple(map(row, method.a))
         return replace(method, a=rows, b=row(method.b), c=row(method.c), b_embedded=None, embedded_order=None)

@@ -12,18 +12,8 @@ import numpy as np
 from flint import arb, ctx
 
 from driftproof.blackbox.findings import NotANumber, StepRaised, WrongShape, first_taken
-from driftproof.blackbox.judging.nonlinear_problems import (
-    START,
-    NonlinearProblem,
-    dragged_problem,
-    driven,
-    gives_force_times,
-    in_each_order,
-    passes_time,
-    pushed,
-    turned,
-    walls,
-)
+from driftproof.blackbox.judging import nonlinear_problems as nonlinear
+from driftproof.blackbox.judging.nonlinear_problems import START, NonlinearProblem
 from driftproof.blackbox.judging.specification import Allowance, Specification
 from driftproof.blackbox.probes.scripted_answers import Rounding
 from driftproof.blackbox.probes.stage_solutions import advanced, step_by_iteration
@@ -94,16 +84,17 @@ class NonlinearComparison:
         UnsupportedCall if the system is built in.
         """
         if not self.partitioned:
-            timed = passes_time(self.subject, numbers)
-            return [driven(numbers, timed=timed) if timed else turned(driven(numbers, timed=timed))]
-        timed = gives_force_times(self.subject)
+            timed = nonlinear.passes_time(self.subject, numbers)
+            problem = nonlinear.driven(numbers, timed=timed)
+            return [problem if timed else nonlinear.turned(problem)]
+        timed = nonlinear.gives_force_times(self.subject)
         if self.subject.gives_velocities and not isinstance(self.method, Splitting | Nystrom):
-            found = [dragged_problem(self.subject, numbers)]
+            found = [nonlinear.dragged_problem(self.subject, numbers)]
         else:
-            found = [pushed(numbers, timed=timed)] if timed or numbers > 1 else []
-            found = found if timed else [turned(problem) for problem in found]
-            found += [] if timed or (found and self.subject.convention.kind == FIELD) else [walls(numbers)]
-        return first_taken(lambda problem: in_each_order(self.subject, problem), found, REFUSALS)
+            found = [nonlinear.pushed(numbers, timed=timed)] if timed or numbers > 1 else []
+            found = found if timed else [nonlinear.turned(problem) for problem in found]
+            found += [] if timed or (found and self.subject.convention.kind == FIELD) else [nonlinear.walls(numbers)]
+        return first_taken(lambda problem: nonlinear.in_each_order(self.subject, problem), found, REFUSALS)
 
     def compared(self, problem: NonlinearProblem, t: float, y: Sequence[float], h: float) -> ComparedStep:
         """One step beside the method's own."""

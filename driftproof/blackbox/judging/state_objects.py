@@ -181,20 +181,15 @@ class _ReusingAnswers:
             if mine is not its:
                 self.handed = True
                 _copy_into(mine, its)  # which holds the answer of a step that returns nothing
-        self._look_at_clock(t, [answer, *moved], dict(roles).get(STEP, 0.0))
+        h, after = dict(roles).get(STEP, 0.0), next((x for x in map(clock_of, (answer, *moved)) if x is not None), t)
+        if not goes_on(t, after, h):  # a clock should stand still, or go on by h
+            self.clock = self.clock or f"its clock goes from {t:g} to {after:g} in a step of {h:g}"
         parts = [answer, *(answer if isinstance(answer, tuple | list) else ())]
         ends = b"".join(_bits(part) + b"|" for part in parts)
-        after = [_bits(x) for x in moved]
-        changed = [new for old, new in zip(before, after, strict=True) if new != old]
+        changed = [new for old, new in zip(before, map(_bits, moved), strict=True) if new != old]
         self.spoilt |= answer is not None and any(new + b"|" not in ends for new in changed)
         self.known = [part for part in (*parts, *moved) if _can_be_written(part)]
         return answer
-
-    def _look_at_clock(self, before: float, records: Sequence[Foreign], h: float) -> None:
-        """Note the clock of a record that neither stands still nor goes on by h."""
-        after = next((t for t in map(clock_of, records) if t is not None), before)
-        if not goes_on(before, after, h):
-            self.clock = self.clock or f"its clock goes from {before:g} to {after:g} in a step of {h:g}"
 
     def _known_as(self, x: Foreign, place: int | str) -> Foreign:
         if mine := _without_clock(x):

@@ -88,8 +88,10 @@ class Tolerance:
                 bound, size = self._bound(i, at, state), _at(self._size[i], at, state)
                 if i == 1 and self.allowance.velocity_from_positions:
                     bound += enclose(self.format.u) * (state[0] + abs(expected[0])) / at
-                error = abs(arb(got) - want)
-                judged.append(_judgement(error, bound, self._unit(size)))
+                # In the range of underflow, errors say nothing about the method.
+                unit = size * enclose(self.format.u)
+                unit = unit if bool(unit >= enclose(power_of_two(self.format.emin))) else arb.pos_inf()
+                judged.append(_judgement(abs(arb(got) - want), bound, unit))
             return judged[0], judged[1]
 
     def require_no_overflow(self, state: float, h: float) -> None:
@@ -103,11 +105,6 @@ class Tolerance:
                 f"states up to {state:g} and steps up to {h:g}: sums of {self.method.key} reach about "
                 f"10^{reached / log(10):.0f}, where {self.format.name} overflows; choose smaller sizes"
             )
-
-    def _unit(self, size: arb) -> arb:
-        """The unit u Σ|monomials|; infinite in the range of underflow, where errors say nothing about the method."""
-        unit = size * enclose(self.format.u)
-        return unit if bool(unit >= enclose(power_of_two(self.format.emin))) else arb.pos_inf()
 
     def _step(self, h: float) -> float:
         return float(BINARY32.nearest(Fraction(h))) if self.allowance.step_in_binary32 else h

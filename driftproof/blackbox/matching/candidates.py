@@ -10,26 +10,8 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from driftproof.blackbox.matching.tables import (
-    Array,
-    BoundedCoefficient,
-    Fingerprint,
-    FromExact,
-    LiftedTableau,
-    TableRow,
-    bounded,
-    induced_by_nystrom,
-    induced_by_parts,
-    induced_by_tableau,
-    induced_repeated,
-    induced_scaled,
-    stages,
-    tableau_iterated,
-    tableau_of,
-    tableau_repeated,
-    tableau_scaled,
-    timed_stages,
-)
+from driftproof.blackbox.matching import tables
+from driftproof.blackbox.matching.tables import Array, FromExact, LiftedTableau, TableRow
 from driftproof.blackbox.probes.coefficients import short_rational, simple_rational
 from driftproof.methods.catalogue import METHODS
 from driftproof.methods.schemes import Collocation, Method, Nystrom, RungeKutta, Splitting
@@ -57,15 +39,15 @@ class ExactTable:
 
     entries: tuple[TableRow, ...]
     nodes: TableRow | None
-    drift: BoundedCoefficient | None
+    drift: tables.BoundedCoefficient | None
 
     @classmethod
     def of(cls, stages: StageCoefficients, drift: Any) -> ExactTable:
         """The table of stages as `symbolic.linear.reduced_tableau` has them; `drift` is None for a right-hand side."""
         weights = stages.weights if drift is not None else stages.weights[:1]
-        entries = tuple(tuple(map(bounded, row)) for row in (*stages.a, *weights))
-        nodes = tuple(map(bounded, stages.c)) if len(stages.weights) > 1 else None
-        return cls(entries, nodes, None if drift is None else bounded(drift))
+        entries = tuple(tuple(map(tables.bounded, row)) for row in (*stages.a, *weights))
+        nodes = tuple(map(tables.bounded, stages.c)) if len(stages.weights) > 1 else None
+        return cls(entries, nodes, None if drift is None else tables.bounded(drift))
 
     @property
     def calls(self) -> int:
@@ -106,9 +88,9 @@ class Candidate:
     recipe: Recipe
 
     @cached_property
-    def fingerprint(self) -> Fingerprint:
+    def fingerprint(self) -> tables.Fingerprint:
         """The table with every stage, in floats."""
-        return Fingerprint(*self.recipe(float))
+        return tables.Fingerprint(*self.recipe(float))
 
     @cached_property
     def raw(self) -> ExactTable:
@@ -123,7 +105,7 @@ class Candidate:
 
     @cached_property
     def _exact(self) -> tuple[StageCoefficients, Any]:
-        return self.recipe(bounded)
+        return self.recipe(tables.bounded)
 
 
 @cache
@@ -134,7 +116,7 @@ def field_methods(timed: bool, implicit: bool = False) -> tuple[Candidate, ...]:
 
 def in_field(method: RungeKutta | Collocation, timed: bool) -> Candidate:
     """A Runge-Kutta method as it is read through a right-hand side; its nodes count if `timed`."""
-    return Candidate(method.key, "", _in_field(partial(tableau_of, method), timed))
+    return Candidate(method.key, "", _in_field(partial(tables.tableau_of, method), timed))
 
 
 @cache
@@ -150,10 +132,10 @@ def force_methods(implicit: bool = False) -> tuple[Candidate, ...]:
 def on_force(method: Method) -> Candidate:
     """The method as it is read through a force."""
     if isinstance(method, Splitting):
-        return Candidate(method.key, "", partial(induced_by_parts, method.parts))
+        return Candidate(method.key, "", partial(tables.induced_by_parts, method.parts))
     if isinstance(method, Nystrom):
-        return Candidate(method.key, "", partial(induced_by_nystrom, method))
-    return Candidate(method.key, "", _on_force(partial(tableau_of, method)))
+        return Candidate(method.key, "", partial(tables.induced_by_nystrom, method))
+    return Candidate(method.key, "", _on_force(partial(tables.tableau_of, method)))
 
 
 def newmark(read: ExactTable) -> Iterator[Candidate]:
@@ -168,7 +150,9 @@ def newmark(read: ExactTable) -> Iterator[Candidate]:
     def recipe(lift: FromExact) -> tuple[StageCoefficients, Any]:
         ends = [lift(half - beta), lift(beta)]
         rows = [[lift(Fraction(0))] * 2, ends]
-        return stages(rows, (ends, [lift(1 - gamma), lift(gamma)]), [lift(Fraction(0)), lift(Fraction(1))]), lift(1)
+        return tables.stages(
+            rows, (ends, [lift(1 - gamma), lift(gamma)]), [lift(Fraction(0)), lift(Fraction(1))]
+        ), lift(1)
 
     shown = (str(x) if x.denominator < _WRITTEN_OUT else short_rational(x) for x in (beta, gamma))
     yield Candidate("newmark", "with beta = {} and gamma = {}".format(*shown), recipe)
@@ -177,10 +161,10 @@ def newmark(read: ExactTable) -> Iterator[Candidate]:
 def field_variants(timed: bool, calls: int, factor: Fraction | None, *, implicit: bool) -> Iterator[Candidate]:
     """Yield variants of the Runge-Kutta methods with `calls` stages that count; `factor` is the step in units of h."""
     for method, candidate in zip(_runge_kutta(implicit), field_methods(timed, implicit), strict=True):
-        make = partial(tableau_of, method)
+        make = partial(tables.tableau_of, method)
         if isinstance(method, RungeKutta) and method.b_embedded is not None:
             yield Candidate(method.key, EMBEDDED, _in_field(partial(make, weights=method.b_embedded), timed))
-        for relation, change, by in _resized(candidate, calls, factor, tableau_scaled, tableau_repeated):
+        for relation, change, by in _resized(candidate, calls, factor, tables.tableau_scaled, tables.tableau_repeated):
             yield Candidate(method.key, relation, _in_field(_then(make, change, by), timed))
     for key, relation, iterated in _iterations(calls, timed) if not implicit else ():
         yield Candidate(key, relation, _in_field(iterated, timed))
@@ -190,13 +174,13 @@ def force_variants(calls: int, factor: Fraction | None) -> Iterator[Candidate]:
     """Yield variants as read through a force; for splittings, also the adjoint, and kicks and drifts exchanged."""
     for method in METHODS.values():
         if isinstance(method, RungeKutta) and method.explicit and method.b_embedded:
-            embedded = partial(tableau_of, method, weights=method.b_embedded)
+            embedded = partial(tables.tableau_of, method, weights=method.b_embedded)
             yield Candidate(method.key, EMBEDDED, _on_force(embedded))
     for splitting in METHODS.values():
         if isinstance(splitting, Splitting):
             yield from _rearranged(splitting, calls)
     for candidate in force_methods():
-        for relation, change, by in _resized(candidate, calls, factor, induced_scaled, induced_repeated):
+        for relation, change, by in _resized(candidate, calls, factor, tables.induced_scaled, tables.induced_repeated):
             yield Candidate(candidate.key, relation, _then(candidate.recipe, change, by))
     for key, relation, iterated in _iterations(calls, timed=False):
         yield Candidate(key, relation, _on_force(iterated))
@@ -220,15 +204,15 @@ def _rearranged(method: Splitting, calls: int) -> Iterator[Candidate]:
     words = {ADJOINT: method.parts[::-1], EXCHANGED: exchanged, f"{ADJOINT}, {EXCHANGED}": exchanged[::-1]}
     for relation, parts in words.items():
         if sum(kind == "kick" and x != 0 for kind, x in parts) == calls:
-            yield Candidate(method.key, relation, partial(induced_by_parts, parts))
+            yield Candidate(method.key, relation, partial(tables.induced_by_parts, parts))
 
 
 def _in_field(make: Callable[[FromExact], LiftedTableau], timed: bool) -> Recipe:
-    return lambda lift: (timed_stages(make(lift), timed), None)
+    return lambda lift: (tables.timed_stages(make(lift), timed), None)
 
 
 def _on_force(make: Callable[[FromExact], LiftedTableau]) -> Recipe:
-    return lambda lift: induced_by_tableau(make(lift))
+    return lambda lift: tables.induced_by_tableau(make(lift))
 
 
 def _then(make: Callable[[FromExact], Any], change: _Change, by: Fraction | int) -> Callable[[FromExact], Any]:
@@ -242,14 +226,14 @@ def _iterations(calls: int, timed: bool) -> Iterator[tuple[str, str, Callable[[F
     """
     for method in METHODS.values():
         if isinstance(method, RungeKutta) and not method.explicit:
-            make, rows = partial(tableau_of, method), sum(any(row) for row in method.a)
+            make, rows = partial(tables.tableau_of, method), sum(any(row) for row in method.a)
             for state, first in ((False, 1), (True, len({*method.c}))):
                 times, rest = divmod(calls - first, rows)
                 if rest or (state and (not timed or times < 1)):
                     continue
                 count = counted(times + state, "fixed-point iteration")
                 start = "state" if state else "slope"
-                iterated = _then(make, partial(tableau_iterated, state=state), times)
+                iterated = _then(make, partial(tables.tableau_iterated, state=state), times)
                 yield method.key, f"with {count} from the {start} at the start: explicit", iterated
 
 

@@ -15,7 +15,6 @@ from driftproof.blackbox.matching.candidates import ExactTable
 from driftproof.blackbox.matching.tables import Array, BoundedCoefficient
 from driftproof.blackbox.probes.coefficients import is_nearest
 from driftproof.blackbox.probes.scripted_answers import Rounding
-from driftproof.methods.number_field import Exact
 
 
 class CoefficientPlace(NamedTuple):
@@ -144,14 +143,9 @@ class Comparison:
         """The distance in units of u times the size of the terms, and of u times the scale, both rounded up."""
         if is_nearest(place.seen, place.exact.value, self.rounding.format):
             return 0, 0
-        gap = abs(Fraction(place.seen) - _near(place.exact.value)) / self.rounding.format.u
+        # Balls so narrow that the count of roundings is the same in every format.
+        exact = place.exact.value
+        near = exact if isinstance(exact, Fraction) else sum(exact.enclosure(256), Fraction(0)) / 2
+        gap = abs(Fraction(place.seen) - near) / self.rounding.format.u
         own = ceil(gap / Fraction(place.exact.size)) if place.exact.size else self.rounding.most + 1
         return own, ceil(gap / Fraction(place.scale)) if place.scale else own
-
-
-def _near(exact: Exact) -> Fraction:
-    """The number, or a fraction so near to it that the count of roundings is the same in every format."""
-    if isinstance(exact, Fraction):
-        return exact
-    low, high = exact.enclosure(256)
-    return (low + high) / 2

@@ -41,8 +41,7 @@ class JudgedDense:
     @property
     def data(self) -> dict[str, Json]:
         """The judgement as JSON data."""
-        found: dict[str, Json] = {"order": self.order, "degree": self.degree, "extension": self.extension}
-        return {**found, "lines": list(self.lines), "faults": list(self.faults)}
+        return {**vars(self), "lines": list(self.lines), "faults": list(self.faults)}
 
 
 def judged_dense(subject: ForeignStepper) -> JudgedDense:

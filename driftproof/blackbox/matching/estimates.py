@@ -50,8 +50,7 @@ class JudgedEstimate:
     @property
     def data(self) -> dict[str, Json]:
         """The judgement as JSON data."""
-        orders = {"order": self.order, "propagated_order": self.propagated_order, "other_order": self.other_order}
-        return {**orders, "pair": self.pair, "lines": list(self.lines), "faults": list(self.faults)}
+        return {**vars(self), "lines": list(self.lines), "faults": list(self.faults)}
 
 
 # The key of a pair, the factor of its row, the lines that describe the estimate, and its faults.

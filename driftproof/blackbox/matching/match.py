@@ -8,18 +8,8 @@ from fractions import Fraction
 from math import ceil, fsum
 from typing import NamedTuple
 
-from driftproof.blackbox.matching.candidates import (
-    EMBEDDED,
-    Candidate,
-    ExactTable,
-    field_methods,
-    field_variants,
-    force_methods,
-    force_variants,
-    in_field,
-    newmark,
-    on_force,
-)
+from driftproof.blackbox.matching import candidates
+from driftproof.blackbox.matching.candidates import EMBEDDED, Candidate, ExactTable
 from driftproof.blackbox.matching.comparing import Comparison
 from driftproof.blackbox.matching.near_misses import Near, near_misses, typed_in
 from driftproof.blackbox.matching.tables import Fingerprint
@@ -114,8 +104,8 @@ def match_tableau(reading: TableauReading) -> Identity:
     The nodes c are compared only if the code passes times to its right-hand side.
     """
     timed, implicit, read = reading.c is not None, reading.implicit, _Read.of(reading)
-    variants = field_variants(timed, read.small.calls, _factor(reading.b, read.rounding), implicit=implicit)
-    methods = field_methods(timed, implicit)
+    variants = candidates.field_variants(timed, read.small.calls, _factor(reading.b, read.rounding), implicit=implicit)
+    methods = candidates.field_methods(timed, implicit)
     return _identity(read, methods, variants, typed_in(read.fingerprint, methods, read.rounding))
 
 
@@ -126,9 +116,9 @@ def match_forces(reading: ForceReading) -> Identity:
     """
     read = _Read.of(reading)
     if reading.implicit:
-        return _identity(read, force_methods(implicit=True), newmark(read.small), ())
-    variants = force_variants(read.small.calls, _factor((reading.drift,), read.rounding))
-    return _identity(read, force_methods(), variants, near_misses(reading))
+        return _identity(read, candidates.force_methods(implicit=True), candidates.newmark(read.small), ())
+    variants = candidates.force_variants(read.small.calls, _factor((reading.drift,), read.rounding))
+    return _identity(read, candidates.force_methods(), variants, near_misses(reading))
 
 
 def matched(reading: CoefficientReading) -> Identity:
@@ -142,12 +132,12 @@ def match_method(reading: CoefficientReading, method: Method) -> Identity:
     If they differ in few places, `near` holds the differences. Through a right-hand side no splitting matches. An
     implicit method matches only a reading of implicit stages, and an explicit one only a reading of explicit stages.
     """
-    read, candidates = _Read.of(reading), list[Candidate]()
+    read, alone = _Read.of(reading), list[Candidate]()
     if isinstance(reading, ForceReading):
-        return _identity(read, [on_force(method)] if method.explicit != reading.implicit else [], (), ())
+        return _identity(read, [candidates.on_force(method)] if method.explicit != reading.implicit else [], (), ())
     if isinstance(method, RungeKutta | Collocation) and method.explicit != reading.implicit:
-        candidates = [in_field(method, reading.c is not None)]
-    return _identity(read, candidates, (), typed_in(read.fingerprint, candidates, read.rounding))
+        alone = [candidates.in_field(method, reading.c is not None)]
+    return _identity(read, alone, (), typed_in(read.fingerprint, alone, read.rounding))
 
 
 class _Read(NamedTuple):

@@ -58,7 +58,6 @@ class BoundedCoefficient:
         return bool(self.value == bounded(other).value)
 
     def __bool__(self) -> bool:
-        """False for the value zero."""
         return bool(self.value)
 
 

@@ -61,8 +61,8 @@ def read_dense(subject: ForeignStepper) -> DenseReading:
     """The dense output of a step (f, t, y, h) that returns (y1, dense), read as a step to each of 17 values of theta.
 
     `dense` is a function of t, of theta or of the time since the start; each step passes all controls of
-    `read_tableau`. Raises NotReadable, UnsupportedCall if no function is returned, and NotAlike if the step is readable
-    and this is not.
+    `read_tableau`. Raises NotReadable, UnsupportedCall if no function is returned, and DenseOutputDiffers if the
+    step is readable and this is not.
     """
     state = _trial_state(subject)
     if subject.log.dense is None:

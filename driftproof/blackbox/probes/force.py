@@ -200,14 +200,14 @@ class _Probe:
         columns = [self._column(j) for j in range(self.calls)]
         a = tuple(tuple(column.places[i] for column in columns) for i in range(self.calls))
         b_position, b_velocity = tuple(x.q for x in columns), tuple(x.v for x in columns)
-        self._require_no_memory()
+        first = self._controlled(scripted.CONTROLS[0])  # after the last column, then after a step without forces
+        self._answered(0.0, 0.0, [])
+        scripted.require_same(self._rounding, first.numbers, self._controlled(scripted.CONTROLS[0]).numbers)
         c, fmt = tuple(moving.places), self.subject.format
         a_velocity = None
         if self.subject.gives_velocities:
             a_velocity = tuple(tuple(column.velocities[i] for column in columns) for i in range(self.calls))
-        reading = ForceReading(
-            c, a, b_position, b_velocity, moving.q, fmt, amplitude=self.amplitude, a_velocity=a_velocity
-        )
+        reading = ForceReading(c, a, b_position, b_velocity, moving.q, fmt, (), self.amplitude, a_velocity=a_velocity)
         for control in scripted.CONTROLS:
             self._check(reading, control)
         wrong = (self._wrong_time(reading, control) for control in (scripted.AT_REST, *scripted.CONTROLS))
@@ -255,12 +255,6 @@ class _Probe:
         found = [f"{what} {x:.6g} {of}, not {said:g} {of}" for what, x, of, said in weights if abs(x - said) > allowed]
         if found:
             raise scripted.NotReadable(f"with h = 1 and without a force, {'; '.join(found)}")
-
-    def _require_no_memory(self) -> None:
-        """Raise NotReadable if a step differs after the last column and after a step without forces."""
-        first = self._controlled(scripted.CONTROLS[0])
-        self._answered(0.0, 0.0, [])
-        scripted.require_same(self._rounding, first.numbers, self._controlled(scripted.CONTROLS[0]).numbers)
 
     def _controlled(self, control: scripted.Control) -> _Run:
         return self._answered(*_start(control), scripted.varied(self.calls, control.salt), control)

@@ -39,7 +39,6 @@ class Listener:
     """A function that answers by `answer`, records what it is called with, and ends the step after `most` calls."""
 
     def __init__(self, answer: Callable[[Any], Any], most: int = MOST_CALLS) -> None:
-        """Begin with no calls."""
         self._answer, self._most = answer, most
         self.calls: list[Any] = []
 
@@ -55,7 +54,6 @@ class Script(Listener):
     """A function that answers its j-th call by `answers[j]` and later ones by `silence`, and records its calls."""
 
     def __init__(self, answers: Sequence[Any], silence: Any) -> None:
-        """Begin with no calls."""
         super().__init__(lambda _: answers[len(self.calls) - 1] if len(self.calls) <= len(answers) else silence)
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from math import frexp, fsum
-from typing import NamedTuple, TypeAlias
+from typing import TypeAlias
 
 from driftproof.blackbox.probes.marked_stages import MarkedSteps, Setting, StageLabel, StageMarks, StageShares, spread
 from driftproof.blackbox.probes.scripted_answers import CoefficientRow, NotReadable, Rounding
@@ -19,20 +19,15 @@ Link: TypeAlias = tuple[StageLabel, int]
 StageTable: TypeAlias = tuple[CoefficientRow, ...]
 
 
-class _Variant(NamedTuple):
-    setting: Setting
-    amplitude: float
-
-
-# Coefficients are read from the first, and the second shows what a solver leaves. Powers of two: products are exact.
-_VARIANTS = (_Variant(Setting(), 1.0), _Variant(Setting(1.0, 1.0, 0.5), -1.0))
+# Settings with amplitudes. Coefficients are read from the first, and the second shows what a solver leaves. Powers of
+# two: products are exact.
+_VARIANTS = ((Setting(), 1.0), (Setting(1.0, 1.0, 0.5), -1.0))
 
 
 class StageChains:
     """Chains of marked stages in steps of one subject, whose stages are told apart by one set of marks."""
 
     def __init__(self, steps: MarkedSteps, marks: StageMarks) -> None:
-        """Begin without any chain read."""
         self.steps, self.marks = steps, marks
         self.kept: list[StageLabel] = []
         self._off = 0.0
@@ -129,7 +124,7 @@ class StageChains:
 
     def _chained(self, chain: Sequence[Link], product: float) -> float:
         """The factor that the last link of a chain i, j, ..., k adds to the product bᵢ aᵢⱼ ... of the others."""
-        seen = [self._one_reading(variant, chain, product) for variant in _VARIANTS]
+        seen = [self._one_reading(*variant, chain, product) for variant in _VARIANTS]
         off = abs(seen[0] - seen[1])
         if off > _FAR * max(1.0, *map(abs, seen)):
             raise NotReadable(
@@ -139,12 +134,12 @@ class StageChains:
         self._off = max(self._off, off)
         return seen[0]
 
-    def _one_reading(self, variant: _Variant, chain: Sequence[Link], product: float) -> float:
+    def _one_reading(self, setting: Setting, amplitude: float, chain: Sequence[Link], product: float) -> float:
         links, clocks = len(chain), len(self.marks.hands)
         if links + clocks > self.steps.size:
             raise NotReadable(f"a chain of {links} stages needs more than the {self.steps.size} components it takes")
         # The amplitude brings the result to size 1, because a solver's tolerance is usually absolute.
-        size = variant.amplitude * 2.0 ** -frexp(product)[1]
+        size = amplitude * 2.0 ** -frexp(product)[1]
         marked = chain[::-1]
 
         def slopes(shares: StageShares, moved: Sequence[float]) -> Sequence[float]:
@@ -153,9 +148,8 @@ class StageChains:
             own = [x * shares.get(label, 0.0) if part == here else 0.0 for x, (label, part) in pairs]
             return [*own, *[0.0] * (len(moved) - links)]
 
-        result = self.steps.run(self.marks, variant.setting, slopes, size=links).result
-        start, _, h = variant.setting
-        return float((result[clocks + links - 1] - start) / (size * product * h**links))
+        result = self.steps.run(self.marks, setting, slopes, size=links).result
+        return float((result[clocks + links - 1] - setting.start) / (size * product * setting.h**links))
 
     def _cleaned(self, x: float) -> float:
         return x if abs(x) > Rounding(self.steps.subject.format, 1, 4 * self.left).of(1.0) else 0.0

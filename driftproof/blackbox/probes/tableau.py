@@ -173,7 +173,9 @@ class TableauProbe:
         *a, b = (tuple(column[i] for column in columns) for i in range(self.calls + 1))
         clock = tuple(t for t in self.silent.times if t is not None)
         c = clock if len(clock) == self.calls else None
-        self._demand_no_memory()
+        first = self._controlled(scripted.CONTROLS[0])  # after the last column, then after a step with all slopes 0
+        self.run(self.size, [], scripted.AT_REST)
+        scripted.require_same(self.rounding, first.numbers, self._controlled(scripted.CONTROLS[0]).numbers)
         reading = TableauReading(tuple(a), b, c, self.subject.format, amplitude=self.amplitude)
         for control in scripted.CONTROLS:
             self._check(reading, control)
@@ -206,12 +208,6 @@ class TableauProbe:
         if any(number for numbers in (*run.places, run.result) for number in numbers[1:]):
             raise scripted.NotReadable("the slope of one component of y moves another one")
         return column
-
-    def _demand_no_memory(self) -> None:
-        """Raise NotReadable if a step differs after the last column and after a step with all slopes 0."""
-        first = self._controlled(scripted.CONTROLS[0])
-        self.run(self.size, [], scripted.AT_REST)
-        scripted.require_same(self.rounding, first.numbers, self._controlled(scripted.CONTROLS[0]).numbers)
 
     def _controlled(self, control: scripted.Control) -> ScriptedStep:
         run = self.run(self.size, list(zip(*self.slopes(control), strict=True)), control)

@@ -154,7 +154,6 @@ class CompiledCallback:
     """
 
     def __init__(self) -> None:
-        """Begin without a function."""
         self.function: Callable[..., Any] | None = None
 
     def calling(self, function: Callable[..., Any]) -> CompiledCallback:

@@ -74,7 +74,6 @@ class FieldPolynomial(ScalarExtension):
         return self._coerce(other) * self.inverse()
 
     def __divmod__(self, other: object) -> tuple[FieldPolynomial, FieldPolynomial]:
-        """Quotient and remainder in K[z]."""
         divisor = self._coerce(other)
         size, inverse = divisor.degree(), divisor.leading_coefficient().inverse()
         quotient, rest = self * 0, self
@@ -84,11 +83,9 @@ class FieldPolynomial(ScalarExtension):
         return quotient, rest
 
     def __floordiv__(self, other: object) -> FieldPolynomial:
-        """The quotient in K[z]."""
         return divmod(self, other)[0]
 
     def __mod__(self, other: object) -> FieldPolynomial:
-        """The remainder in K[z]."""
         return divmod(self, other)[1]
 
     def gcd(self, other: object) -> FieldPolynomial:

@@ -49,19 +49,15 @@ class RationalFunction:
         return evaluate(self.num, x) / evaluate(self.den, x)
 
     def __add__(self, other: RationalFunction) -> RationalFunction:
-        """The sum."""
         return fraction(self.num * other.den + other.num * self.den, self.den * other.den)
 
     def __neg__(self) -> RationalFunction:
-        """The negative."""
         return RationalFunction(-self.num, self.den)
 
     def __sub__(self, other: RationalFunction) -> RationalFunction:
-        """The difference."""
         return self + -other
 
     def __mul__(self, other: RationalFunction) -> RationalFunction:
-        """The product."""
         return fraction(self.num * other.num, self.den * other.den)
 
 

@@ -42,7 +42,6 @@ class Decision:
     witness: Fraction | None = None
 
     def __bool__(self) -> bool:
-        """The answer."""
         return self.holds
 
 

@@ -72,7 +72,6 @@ class Formula:
     function: ExactFunction | None = None
 
     def __str__(self) -> str:
-        """The text of the formula."""
         return self.text
 
 
@@ -168,7 +167,6 @@ class FactsOfFamily(Generic[_M]):
     kind: ClassVar[str]
 
     def __init__(self, method: _M) -> None:
-        """Keep the method; nothing is computed yet."""
         self.method = method
 
     @cached_property
@@ -361,6 +359,11 @@ class LinearFacts:
     def _turns_readably(self) -> bool:
         """True if the series of the eigenvalue angle has coefficients that are short enough to read."""
         return self._turning_rate is not None and is_readable(self._turning_rate)
+
+
+# What the facts of a method of stages begin with.
+IDENTITY = ("method", "title", "family", "source", "stages", "explicit", "decimal", "field", "inconsistencies",
+            "claimed_order")  # fmt: skip
 
 
 def fact_names(kind: type) -> tuple[str, ...]:

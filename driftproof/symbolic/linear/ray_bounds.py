@@ -68,14 +68,12 @@ def ray_conditions(
 ) -> tuple[Polynomial, list[Polynomial]]:
     """|Q|² - |P|² at xλ, whose sign decides unless it is 0, and what must vanish where it is 0; polynomials in x."""
     margin = modulus_squared_along(r.den, total, product) - modulus_squared_along(r.num, total, product)
-    slope = r.num.derivative() * r.den - r.num * r.den.derivative()
-    return margin, [modulus_squared_along(p, total, product) for p in _derivatives(slope, block - 1)]
+    return margin, [modulus_squared_along(p, total, product) for p in _slopes(r, block - 1)]
 
 
 def at_rest(r: RationalFunction, block: int) -> Bound:
     """The bound for a Jordan block J of the eigenvalue 0, where R(xJ) must be the identity."""
-    slope = r.num.derivative() * r.den - r.num * r.den.derivative()
-    return NEVER if any(p[0] for p in _derivatives(slope, block - 1)) else ALWAYS
+    return NEVER if any(p[0] for p in _slopes(r, block - 1)) else ALWAYS
 
 
 def modulus_squared_along(p: Polynomial, total: Scalar, product: Scalar) -> Polynomial:
@@ -85,9 +83,9 @@ def modulus_squared_along(p: Polynomial, total: Scalar, product: Scalar) -> Poly
     return descend(sum(((ONE * scalars[j] * scalars[k] * power).left_shift(j + k) for j, k, power in powers), ZERO))
 
 
-def _derivatives(p: Polynomial, count: int) -> list[Polynomial]:
-    """The first `count` of p, p', p'', ..."""
-    found = []
+def _slopes(r: RationalFunction, count: int) -> list[Polynomial]:
+    """The first `count` of P'Q - PQ' and its derivatives."""
+    p, found = r.num.derivative() * r.den - r.num * r.den.derivative(), []
     for _ in range(count):
         found.append(p)
         p = p.derivative()

@@ -64,7 +64,6 @@ class ErrorTally:
     __sub__ = __add__
 
     def __neg__(self) -> Self:
-        """-x, exact."""
         return self
 
     def __mul__(self, other: Self) -> Self:
@@ -111,11 +110,9 @@ class LinearSizes:
         return cls(arb_poly([]), arb_poly([]), arb_poly([x]))
 
     def __bool__(self) -> bool:
-        """False for zero."""
         return any(column.length() for column in self.columns)
 
     def __add__(self, other: LinearSizes) -> LinearSizes:
-        """The sum."""
         return LinearSizes(*(x + y for x, y in zip(self.columns, other.columns, strict=True)))
 
     def __mul__(self, other: LinearSizes) -> LinearSizes:

@@ -125,13 +125,11 @@ class Rounded:
         return self._operand(other, "division") / self
 
     def __neg__(self) -> Rounded:
-        """-x, exactly."""
         if self.stored_value is not None:
             return _known(self.format, -self.exact, -self.stored_value)
         return Rounded(self.format, -self.exact, ((self, -ONE),))
 
     def __pos__(self) -> Rounded:
-        """+x, the number itself."""
         return self
 
     def __getattr__(self, name: str) -> Any:

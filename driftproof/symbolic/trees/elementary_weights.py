@@ -187,7 +187,6 @@ class ElementaryWeights:
     """
 
     def __init__(self, *colours: StageAlgebra, internal: int = 1) -> None:
-        """Compute nothing yet."""
         self.colours = colours
         self.internal = internal
         self._products: list[StageValues] = [colour.one for colour in colours]  # Π A(branch) for each tree

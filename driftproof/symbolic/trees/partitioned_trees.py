@@ -112,7 +112,6 @@ class AlternatingConditions:
     """
 
     def __init__(self, stages: SplittingStages | NystromStages, *, linear_drift: bool) -> None:
-        """Compute nothing yet."""
         self.scalars, self.bound = stages.scalars, stages.bound
         self._stages = stages
         self._numbers = _nystrom_numbers if linear_drift else lambda vertices, _: tree_table(vertices).ids(vertices)

@@ -12,6 +12,7 @@ from driftproof.texts.claims.contradictions import POSITIVE, SETTING, last_metho
 
 # Quantity -> the words that name it; the last of these words before a number, or in its column's head, counts.
 _WORDS = {
+    "energy": r"(?:energy|hamiltonian)(?: (?:errors?|drift|change))?",
     "ratio": r"factor|ratio|times as|divides",
     "relative_error": r"relative(?: errors?)?",
     "error": r"errors?|off(?= by)|wrong|deviat\w+|differ\w+",
@@ -60,7 +61,7 @@ def _asked_settings(question: str) -> dict[str, list[Fraction]]:
 @cache
 def asked_quantity(question: str) -> tuple[str, str]:
     """The quantity that a question asks for, and the unknown whose value it is, if it is one's."""
-    readout = question.removesuffix(", 1)").rpartition(" : ")[2]
+    readout = question.removesuffix(", 1)").rpartition(" : ")[2].rstrip(")")
     kind, _, unknown = readout.rpartition(".")
     unknown = "" if "rates=" in question else unknown  # y0, y1, ... need not be the names in the text
     if question.startswith(("ratio(", "R(")):
@@ -71,6 +72,8 @@ def asked_quantity(question: str) -> tuple[str, str]:
         return "percent" if "relative_error" in question else "share", ""
     if readout in ("error", "state_error", "position_error", "relative_error", "evaluations", "steps"):
         return readout.removeprefix("state_").removeprefix("position_"), ""
+    if readout in ("energy", "energy_change"):
+        return "energy", ""
     if kind[:1] == "k":
         return kind, ""
     if kind == "error":

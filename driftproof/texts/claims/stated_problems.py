@@ -35,6 +35,7 @@ _TOGETHER = re.compile(rf"(?:(?![.;?!]\s)[\s\S]){{0,{_GAP}}}")
 _FACTOR = r"(?:[0-9]+(?:\.[0-9]+)?|(?:[A-Za-z]|[α-ω])(?:_\w)?(?![A-Za-z]))"
 _LEAD = re.compile(rf"(?<![\w'.])(?:{_FACTOR}(?: ?[*·]? ?{_FACTOR})* ?[*·]? ?)?\Z")
 _LONGEST_LEAD = 40
+_ENERGY = re.compile(r"(?<!\w)(?:H|E|[Ee]nergy|[Hh]amiltonian)(?: ?\([^()]*\))? ?= ?(?P<energy>[^=≤≥≈<>:;]{1,200})")
 _EQUATION = re.compile(
     r"(?:(?<![\w'])|(?<=[α-ω]))(?:d(?P<d>[^\W\d]\w*) ?/ ?d[tx]|\(?d\^2 ?(?P<dd>[^\W\d]\w*)\)? ?/ ?\(?dt\^2\)?|"
     r"(?P<name>[α-ω](?:_\w|[0-9])?|(?![α-ω])[^\W\d][^\Wα-ω]{0,9})'(?P<second>'?)(?: ?\([tx]\))?)"
@@ -48,11 +49,12 @@ _WORD = re.compile(r"[^\W\d]\w*")
 
 @dataclass(frozen=True)
 class _Problem:
-    """Rates by the names of the unknowns, and the part of the text, from `at` on, that is about them."""
+    """Rates by the names of the unknowns, an energy if it is given, and the part of the text, from `at`, about them."""
 
     rates: dict[str, str]
     part: str
     at: int
+    energy: str | None = None
 
     @property
     def equations(self) -> str | None:
@@ -145,7 +147,9 @@ def _problems(text: str) -> Iterator[_Problem]:
             rates = {of: f"({rate})/({over[of]})" if of in over else rate for of, rate in rates.items()}
             if len(rates) == len(raw) and None not in over.values() and rates not in known:
                 known.append(rates)
-                yield _Problem(rates, part[begins:], begins)
+                energies = (known_as(match["energy"]) for match in _ENERGY.finditer(spelled))
+                energy = next((one for one in energies if one and {*_WORD.findall(one)} & {*names}), None)
+                yield _Problem(rates, part[begins:], begins, energy)
 
 
 def _lead(text: str, at: int) -> str | None:
@@ -203,6 +207,10 @@ def _questions(problem: _Problem, equations: str, text: str, column_of: Callable
             runs.append((h, fitting))
             ends = ",".join(map(_shown, fitting))
             yield f"run {{{methods}}} {equations}, h={{{_shown(h)}}}, t={{{ends}}} : {{{','.join(read)}}}"
+            if problem.energy:
+                conserved = f"{equations}, energy={problem.energy}, h={{{_shown(h)}}}, t={{{ends}}}"
+                yield f"run {{{methods}}} {conserved} : {{energy,energy_change}}"
+                yield f"abs(run {{{methods}}} {conserved} : energy_change)"
             if re.search(r"k_?1\b", part):
                 slopes = ",".join(f"k{i}.{name}" for i in (1, 2, 3, 4) for name in problem.rates)
                 yield f"step {{{methods}}} {equations}, h={{{_shown(h)}}} : {{{slopes}}}"

@@ -185,8 +185,12 @@ def _problem_answer(context: QueryContext, method: Method | None, h: Fraction, t
             problem = problems.problem_of_name(named.text)
         else:
             names = {name: f"y{i}" for i, name in enumerate(query.unknowns)}
-            field = field_of_text([rate.text for rate in query.rates], names=names)
-            problem = ProblemTable(field, (), unknowns=query.unknowns)
+            texts = [rate.text for rate in query.rates]
+            field, energy = field_of_text(texts, names=names), None
+            if query.energy:
+                both = field_of_text([*texts, query.energy.text], names=names)
+                field, energy = replace(field, parameters=both.parameters), both.rates[-1]
+            problem = ProblemTable(field, (), energy, query.unknowns)
         try:
             given = query.start or ()
             start: tuple[CertifiableReal, ...] = tuple(_entry(x) if isinstance(x, str) else x for x in given)

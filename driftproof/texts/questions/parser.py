@@ -34,7 +34,7 @@ from driftproof.texts.questions.errors import QuestionError
 from driftproof.texts.questions.pieces import OWN_PI, WORDS, PieceParser, with_greek_spelled, with_time
 
 SETTINGS = ("h", "t", "N", "steps", "error", "z", "lambda")
-PROBLEM, RATES = ("problem", "rates")
+PROBLEM, RATES, ENERGY = ("problem", "rates", "energy")
 _NO_SETTING = f"{{}} is not a setting; use {', '.join((*SETTINGS, PROBLEM, RATES))}, or a name in your equation"
 _WITHOUT_SIGN = {*SETTINGS, *wording.OTHER_SETTINGS}
 # Sign that is not allowed -> what to write; and what may be the name of a file, with blanks and such signs.
@@ -53,8 +53,8 @@ class Query:
     """The query HEAD SUBJECT [at VALUE] [NAME=NUMBER ...] [from q,v] [: READOUT [UNIT]]; absent parts are None.
 
     `at` is the value of a family's parameter as text, for `driftproof.methods.expressions`; `rates` are the components
-    of y' as text, for `driftproof.methods.field_text`; `unknowns` are their names if y' = ... gives them, else empty,
-    for y0, y1, ...
+    of y' as text, for `driftproof.methods.field_text`, and `energy` likewise; `unknowns` are their names if y' = ...
+    gives them, else empty, for y0, y1, ...
     """
 
     head: Token
@@ -67,6 +67,7 @@ class Query:
     unit: Token | None = None
     problem: Token | None = None
     rates: tuple[Token, ...] = ()
+    energy: Token | None = None
     unknowns: tuple[str, ...] = ()
 
 
@@ -250,7 +251,7 @@ class _QuestionParser(PieceParser):
             if {*velocity, *velocity.values()} == {*names} and not velocity.keys() & velocity.values():
                 names = (*velocity, *velocity.values())  # x' = v, v' = -x, and so on: the order that kicks need
             start = tuple(start[name] for name in names)
-        rates = tuple(rates[name] for name in names) or tuple(rates)
+        rates = (*(rates[name] for name in names or range(len(rates))), *filter(None, [parts["energy"] or None]))
         for name in parts["settings"].keys() - {*SETTINGS[:-1], *names}:  # as k and lambda in y'=-k*y + lambda
             in_rate = re.compile(rf"\b{name}\b")
             if any(in_rate.search(rate.text) for rate in rates):
@@ -259,7 +260,9 @@ class _QuestionParser(PieceParser):
         if wrong := [*parts["settings"].keys() - {*SETTINGS}]:
             column = parts["settings"][wrong[0]].column
             raise self.error(Token(NAME, wrong[0], column), _NO_SETTING.format(repr(wrong[0])))
-        return {**parts, "rates": rates, "start": start or None, "unknowns": names}
+        energy = rates[-1] if parts["energy"] else None
+        rates = rates[: len(rates) - bool(energy)]
+        return {**parts, "rates": rates, "energy": energy, "start": start or None, "unknowns": names}
 
     def _setting_name(self, at: int) -> tuple[str, int]:
         """The name of the setting at this token, before a number or =, and its number of words; ("", 0) for none."""
@@ -317,11 +320,14 @@ class _QuestionParser(PieceParser):
         return True
 
     def _assignment(self, token: Token, setting: str, parts: dict[str, Any]) -> bool:
-        """Parse problem=NAME, rates=(...) or a setting, whose equals sign is optional; False if it is none of them."""
+        """Parse problem=NAME, rates=(...), energy=... or a setting, whose = is optional; False if it is none."""
         if token.text == PROBLEM and self.accept("="):
             self.put(parts, token, PROBLEM, self.take)
         elif token.text == RATES and self.accept("="):
             self.put(parts, token, RATES, self.rates)
+        elif token.text == ENERGY and self.next.text == "=":
+            self.at -= 1
+            self.put(parts, token, ENERGY, self.rate)
         elif setting or (token.text != "at" and self.next.text == "="):
             self.setting(token._replace(text=setting or token.text), parts["settings"])
         else:
@@ -352,7 +358,7 @@ class _QuestionParser(PieceParser):
         return wording.ASKED_ELSEWHERE.get(token.text, unexpected)
 
     def rate(self) -> Token:
-        """Parse the rate after y' =, y'(t) = or dy/dt =, from the prime or dt on; a name in it begins no query."""
+        """Parse what follows y' =, y'(t) =, dy/dt = or energy =, from before = on; a name in it begins no query."""
         prime = self.take()
         if self.next.text == "'":
             raise self.error(prime, "an equation has at most two primes; write y''' = y as y'=v, v'=a, a'=y")

@@ -26,7 +26,6 @@ class QueryContext:
     """A query within the question `text`."""
 
     def __init__(self, query: Query, text: str) -> None:
-        """Keep the query; nothing is resolved yet."""
         self.query, self.text, self.head = query, text, query.head.text
 
     @property
@@ -101,6 +100,10 @@ class QueryContext:
         query = self.query
         if self.about_problem is not None and "problem" not in parts:
             raise self.error(self.about_problem, f"{self.head} takes no problem here; leave it out")
+        if query.energy is not None and not query.rates:
+            raise self.error(
+                query.energy, "energy goes with equations such as y'=v, v'=-y; a problem has it in its file"
+            )
         for name, number in query.settings.items():
             if name not in settings:
                 takes = f"it takes {', '.join(settings)}" if settings else "it takes no settings"

@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+import re
 from math import pi
 from unittest.mock import Mock
 
 import pytest
 
+from driftproof.blackbox.families.multistep import read_start
+from driftproof.blackbox.families.multistep_recurrence import read_recurrence
+from driftproof.blackbox.families.multistep_runs import MarkedRuns
 from driftproof.blackbox.findings import Misbehaviour
 from driftproof.blackbox.identify import identify
+from driftproof.blackbox.stepper.opening import opened
 from driftproof.blackbox.verify import verify
 from driftproof.methods.catalogue import FACTS_ONLY
 from driftproof.methods.multistep import Multistep
@@ -22,7 +27,6 @@ IMPLICIT = ["adams_moulton4", "bdf2", "bdf6"]
 
 AB2, AB3, AB4, AM3 = "adams_bashforth2", "adams_bashforth3", "adams_bashforth4", "adams_moulton3"
 BY_EULER, BY_RK4 = "started by forward_euler", "started by rk4"
-PI = Remembering(AB2, euler, sigma=[1 - pi / 2, pi / 2, 0.0])
 LATE = "its start is too inaccurate: first errors are like h^2, and whole runs have order 2, not 3"
 NAMED = [
     (Remembering(AB2, euler).step, f"{AB2}, {BY_EULER}"),
@@ -34,20 +38,13 @@ NAMED = [
     (planted.run_of(lambda h: [[1.0]]), "forward_euler"),
     (Remembering("bdf2", planted.implicit_euler).step, "bdf2, started by backward_euler"),
     (Remembering("two_step_leapfrog", euler).step, f"two_step_leapfrog, {BY_EULER}"),
-    (
-        Corrected(AM3, rk4, planted.BASHFORTH4).step,
-        f"{AM3}, corrected once from the prediction of {AB4} (PECE), {BY_RK4}",
-    ),
-    (
-        planted.without_times(Corrected("adams_moulton2", rk4, [1.0], times=2)),
-        f"adams_moulton2, corrected 2 times from the prediction of forward_euler (PECECE), {BY_RK4}",
-    ),
-    (
-        PI.step,
-        f"a multistep method of 2 steps, {AB2} except for sigma[0]: -0.570796326795 instead of -1/2; "
-        f"sigma[1]: 1.57079632679 instead of 3/2, {BY_EULER}",
-    ),
-]
+    (Corrected(AM3, rk4, planted.BASHFORTH4).step,
+     f"{AM3}, corrected once from the prediction of {AB4} (PECE), {BY_RK4}"),
+    (planted.without_times(Corrected("adams_moulton2", rk4, [1.0], times=2)),
+     f"adams_moulton2, corrected 2 times from the prediction of forward_euler (PECECE), {BY_RK4}"),
+    (Remembering(AB2, euler, sigma=[1 - pi / 2, pi / 2, 0.0]).step, f"a multistep method of 2 steps, {AB2} except for "
+     f"sigma[0]: -0.570796326795 instead of -1/2; sigma[1]: 1.57079632679 instead of 3/2, {BY_EULER}"),
+]  # fmt: skip
 
 
 @pytest.mark.slow(keep=1)
@@ -92,7 +89,6 @@ def test_a_wrong_one_fails_with_its_cause(step, key, words):
 def test_stormers_positions_are_told_from_velocity_verlets_velocities():
     assert verify(Stormer().step, "stormer2", isolate=False).passed
     assert identify(Stormer().step, isolate=False).verdict == "it is stormer2; order 1 is observed in its velocities"
-    assert identify(Remembering(AB2, euler).step, isolate=False).verdict == f"it is {AB2}, started by forward_euler"
 
 
 def test_a_right_hand_side_that_is_asked_beside_the_states_is_a_fault_that_is_said_once():
@@ -130,13 +126,10 @@ def test_a_run_whose_later_steps_were_not_seen_in_time_is_named_by_its_first_ste
     assert verdict == "it is forward_euler; this holds for its first step only: the time is over"
 
 
-def test_a_run_that_begins_as_another_method_is_not_that_one():
+def test_a_run_that_begins_as_another_method_is_not_that_one_and_one_of_its_steps_alone_is():
     report = verify(planted.run_of_adams_bashforth2, "forward_euler", isolate=False)
     assert report.verdict.startswith("is forward_euler for its first step only")
     assert report.passed is False
-
-
-def test_a_run_of_a_one_step_method_passes_as_itself():
     assert verify(planted.run_of(lambda h: [[1.0]]), "forward_euler", isolate=False).passed
 
 
@@ -177,3 +170,43 @@ def test_the_order_of_what_was_read_is_shown_and_order_1_is_consistent():
     assert of_order_1.data["faults"] == []
     assert identify(Stormer().step, isolate=False).data["derivative"] == 2
     assert identify(Displaced("adams_bashforth2", euler).step, isolate=False).data["method"] is None
+
+
+def ramped(f, t, y, h):
+    """A step of BDF3's start that is none known here: twice Euler's with half the length."""
+    return euler(f, t + h / 2, euler(f, t, y, h / 2), h / 2)
+
+
+# With how errors of the last first value and of the end of a run fall; nothing where another row tells.
+STARTS = [
+    (Remembering(AB2, euler).step, ("forward_euler",), 2, 2, "1.74, 1.89, 1.95, 1.97, 1.99, 1.99, 2.00",
+     "1.82, 1.92, 1.97, 1.98, 1.99"),
+    (Remembering("adams_bashforth4", rk4).step, ("rk4",) * 3, 5, 4, "", ""),
+    (Remembering("bdf3", planted.implicit_euler).step, ("backward_euler",) * 2, 2, 2, "", ""),
+    (Remembering(AB3, ramped).step, ("forward_euler, 2 steps of h/2",) * 2, 2, 2, "", ""),
+    (planted.run_of_adams_bashforth3, ("rk4",) * 2, 5, 3, "3.84, 4.39, 4.61, 4.82, 4.92, 4.96, 4.98",
+     "2.76, 2.90, 2.95, 2.97, 2.98"),
+    (Stormer(right=False).step, ("",), 2, 1, "1.96, 1.98, 1.99, 2.00, 2.00, 2.00, 2.00",
+     "0.99, 1.00, 1.00, 1.00, 1.00"),
+]  # fmt: skip
+
+
+@pytest.mark.slow(keep=1)
+@pytest.mark.parametrize(("step", "methods", "power", "order", "first", "whole"), STARTS, ids=range(len(STARTS)))
+def test_a_start_is_named_and_its_errors_measured(step, methods, power, order, first, whole):
+    runs = MarkedRuns.of(opened(step))
+    start = read_start(runs, read_recurrence(runs))
+    assert (start.methods, start.power, start.order) == (methods, power, order)
+    assert (len(start.slopes), len(start.order_slopes)) == (7, 5)
+    *_, begun, ended = start.lines
+    slopes = re.escape(first) or r"(-?\d+\.\d\d, )*-?\d+\.\d\d"
+    assert re.search(rf"of its first values fall like h\^{power} \(slopes: {slopes}\)$", begun)
+    assert ended.startswith(f"order {order} is observed in whole runs, the start included, on ")
+    assert ended.endswith(f" (slopes: {whole})" if whole else ")")
+
+
+def test_of_one_that_needs_no_start_the_first_step_is_looked_at():
+    runs = MarkedRuns.of(opened(lambda f, t, y, h: y + 0.875 * h * f(t, y)))
+    *_, begun, ended = read_start(runs, read_recurrence(runs)).lines
+    assert begun.endswith(" (slopes: 1.47, 1.44, 1.32, 1.04, 0.97, 0.99, 0.99)")
+    assert ended.endswith(" (slopes: -0.20, -0.11, -0.06, -0.03, -0.01)")

@@ -87,30 +87,24 @@ def test_what_underflows_has_no_scaled_error():
     assert [x.scaled for x in Tolerance(EULER).judge(tiny, tiny, 0.3, (tiny, tiny))] == [0.0, 0.0]
 
 
-def test_a_step_rounded_to_binary32_is_judged_at_the_rounded_step():
-    h = 0.1
-    answer = float_stepper("rk4")(oscillator, 0.3, -0.7, float(np.float32(h)))
-    assert max(ratios(RK4, answer, 0.3, -0.7, h)) > 1e3
-    assert max(ratios(RK4, answer, 0.3, -0.7, h, step_in_binary32=True)) <= 1
+# Steps that one allowance allows and no other, and how far off they are without it, in bounds at least.
+ROUNDED = float_stepper("rk4")(oscillator, 0.3, -0.7, float(np.float32(0.1)))
+MOVED, _ = float_stepper("symplectic_euler")(oscillator, 1.0, 0.5, 1e-6)
+SMALL = (ldexp(1.0, -1022), ldexp(1.0, -1023), 0.5)  # of which v, and the product h q, are subnormal
+ALLOWED = {
+    "step_in_binary32": (RK4, ROUNDED, (0.3, -0.7, 0.1), 1e3),
+    "velocity_from_positions": (METHODS["symplectic_euler"], (MOVED, (MOVED - 1.0) / 1e-6), (1.0, 0.5, 1e-6), 1e3),
+    "flush_to_zero": (EULER, (SMALL[0], 0.0), SMALL, 1),
+}
 
 
-def test_a_velocity_from_positions_is_allowed_the_rounding_of_the_positions_over_h():
-    q, v, h = 1.0, 0.5, 1e-6
-    q1, _ = float_stepper("symplectic_euler")(oscillator, q, v, h)
-    method = METHODS["symplectic_euler"]
-    answer = (q1, (q1 - q) / h)
-    assert ratios(method, answer, q, v, h)[1] > 1e3
-    assert ratios(method, answer, q, v, h, velocity_from_positions=True)[1] <= 1
-    wrong = (q1, answer[1] * (1 + 1e-8))
-    assert ratios(method, wrong, q, v, h, velocity_from_positions=True)[1] > 1
-
-
-def test_flushing_subnormals_is_allowed_only_where_it_is_asked_for():
-    q, v, h = ldexp(1.0, -1022), ldexp(1.0, -1023), 0.5
-    flushed = (q, 0.0 - h * q * 0.0)  # v, and the product h q, are subnormal
-    assert max(ratios(EULER, flushed, q, v, h)) > 1
-    assert max(ratios(EULER, flushed, q, v, h, flush_to_zero=True)) <= 1
-    assert max(ratios(EULER, (1.0, 0.0), 1.0, 1.0, 0.5, flush_to_zero=True)) > 1
+@pytest.mark.parametrize("name", ALLOWED)
+def test_what_codes_do_besides_is_allowed_only_where_it_is_asked_for(name):
+    method, (q1, v1), at, least = ALLOWED[name]
+    assert max(ratios(method, (q1, v1), *at)) > least
+    assert max(ratios(method, (q1, v1), *at, **{name: True})) <= 1
+    assert max(ratios(method, (q1, v1 * (1 + 1e-8) or 1e-300), *at, **{name: True})) > 1
+    assert max(ratios(EULER, (1.0, 0.0), 1.0, 1.0, 0.5, **{name: True})) > 1
 
 
 @pytest.mark.parametrize(

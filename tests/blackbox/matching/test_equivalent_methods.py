@@ -9,16 +9,8 @@ import pytest
 from flint import arb, ctx
 
 from driftproof.blackbox.judging.nonlinear_step import error_above
-from driftproof.blackbox.matching.equivalent_methods import (
-    CERTIFYING_BITS,
-    CountedSizes,
-    ExactFlowMap,
-    FloatTally,
-    Rates,
-    adjoint_methods,
-    all_matrices,
-    equivalent_methods,
-)
+from driftproof.blackbox.matching import equivalent_methods as classes
+from driftproof.blackbox.matching.equivalent_methods import CountedSizes, ExactFlowMap, FloatTally, Rates
 from driftproof.blackbox.matching.tables import exact_tableau
 from driftproof.blackbox.probes.linear_steps import LINEARITY_ROUNDINGS, LINEARITY_STEP
 from driftproof.methods.catalogue import METHODS
@@ -28,13 +20,13 @@ from tests.blackbox.matching.readings import EXPLICIT, TOLD
 from tests.looping import exactly, some
 from tests.witnesses.any_order import any_order
 
-MAPS = (*equivalent_methods(), *adjoint_methods(), ExactFlowMap())
+MAPS = (*classes.equivalent_methods(), *classes.adjoint_methods(), ExactFlowMap())
 
 
 @pytest.mark.parametrize("key", ["symplectic_euler", "velocity_verlet", "midpoint2", "rk4", "heun3", "nystrom4"])
 @pytest.mark.parametrize("h", [0.25, 2.0])
 def test_the_bound_of_a_method_is_nowhere_below_its_any_order_bound(key, h):
-    each = next(each for each in equivalent_methods() if key in each.keys)
+    each = next(each for each in classes.equivalent_methods() if key in each.keys)
     bound = any_order(METHODS[key])
     columns = bound.error_of(Q(h), Q(1), Q(0)), bound.error_of(Q(h), Q(0), Q(1))
     its = columns[0][0], columns[1][0], columns[0][1], columns[1][1]
@@ -53,7 +45,7 @@ def matrix_by_stages(method, h):
 def test_a_program_of_an_implicit_method_errs_by_no_more_than_its_bound_and_not_by_far_less():
     """The systems of sdirk4 are the worst conditioned, with entries of A up to 5."""
     seen = dict[str, float]()
-    for each in (each for each in equivalent_methods() if not each.programs):
+    for each in (each for each in classes.equivalent_methods() if not each.programs):
         for h in (0.3, 0.7, 1.1, 2.0):
             exact, allowed = each.matrix_at(Q(h), Q(1), Q(1)), each.allowances(Rates(h, 1.0, 1.0), BINARY64)
             entries = exactly(4, zip(matrix_by_stages(each.methods[0], h), exact, allowed, strict=True))
@@ -84,7 +76,7 @@ def test_every_map_has_the_same_values_in_floats_and_balls_up_to_what_it_allows(
     h, a, k = Q(1, 4), Q(1), Q(5, 4)
     rates = Rates(float(h), float(a), float(k))
     for each in some(MAPS[:-1], 60):
-        (in_floats,), in_balls = all_matrices((each,), rates).tolist(), each.matrix_at(h, a, k)
+        (in_floats,), in_balls = classes.all_matrices((each,), rates).tolist(), each.matrix_at(h, a, k)
         allowed = each.allowances(rates, BINARY64)
         entries = exactly(4, zip(in_floats, in_balls, allowed, strict=True))
         assert all(abs(x - float(ball.mid())) <= most for x, ball, most in entries)
@@ -101,7 +93,7 @@ def test_the_exact_flow_is_that_of_a_long_series_for_both_signs_of_the_stiffness
 
 
 def test_self_adjoint_methods_are_never_called_the_adjoint_of():
-    adjoints = {key for each in adjoint_methods() for key in each.keys}
+    adjoints = {key for each in classes.adjoint_methods() for key in each.keys}
     assert "ruth3" in adjoints
     assert not {key for key, method in METHODS.items() if is_symmetric(method)} & adjoints
     assert not {"gauss3", "implicit_midpoint", "lobatto_iiib4", "yoshida6_position_first"} & adjoints
@@ -109,15 +101,15 @@ def test_self_adjoint_methods_are_never_called_the_adjoint_of():
 
 def test_an_adjoint_is_the_inverse_of_the_step_back_and_no_method_of_the_catalogue():
     h, one = Q(3, 2), Q(1)
-    known = {each.keys: each for each in equivalent_methods()}
-    assert adjoint_methods()
-    for each in adjoint_methods():
+    known = {each.keys: each for each in classes.equivalent_methods()}
+    assert classes.adjoint_methods()
+    for each in classes.adjoint_methods():
         a, b, c, d = each.matrix_at(h, one, one)
         back = known[each.keys].matrix_at(-h, one, one)
-        with ctx.workprec(CERTIFYING_BITS):
+        with ctx.workprec(classes.CERTIFYING_BITS):
             product = [a * back[0] + b * back[2], a * back[1] + b * back[3], c * back[0] + d * back[2]]
         assert all(x.overlaps(arb(y)) and x.rad() < 1e-60 for x, y in zip(product, (1, 0, 0), strict=True))
-        values = all_matrices(equivalent_methods(), Rates(float(h), 1.0, 1.0))
+        values = classes.all_matrices(classes.equivalent_methods(), Rates(float(h), 1.0, 1.0))
         assert np.abs(values - [float(x) for x in (a, b, c, d)]).max(axis=1).min() > 1e-13
 
 
@@ -135,14 +127,14 @@ def test_what_a_map_allows_is_what_it_was(name, as_before):
 
 @pytest.mark.parametrize("key", EXPLICIT)
 def test_no_program_of_the_catalogue_is_taken_for_nonlinear(key):
-    each = next(each for each in equivalent_methods() if key in each.keys)
+    each = next(each for each in classes.equivalent_methods() if key in each.keys)
     rates = Rates(float(LINEARITY_STEP), 1.0, 1.0)
-    allowed, values = each.allowances(rates, BINARY64), all_matrices((each,), rates)[0].tolist()
+    allowed, values = each.allowances(rates, BINARY64), classes.all_matrices((each,), rates)[0].tolist()
     u = float(BINARY64.u)
     assert all(s <= LINEARITY_ROUNDINGS * u * (1 + abs(x)) for s, x in exactly(4, zip(allowed, values, strict=True)))
 
 
 def test_methods_with_one_matrix_are_one_class():
-    found = [each.keys for each in equivalent_methods() if "rk38" in each.keys]
+    found = [each.keys for each in classes.equivalent_methods() if "rk38" in each.keys]
     assert [keys[0] for keys in found] == ["rk4"]
-    assert sorted(key for each in equivalent_methods() for key in each.keys) == sorted(METHODS)
+    assert sorted(key for each in classes.equivalent_methods() for key in each.keys) == sorted(METHODS)

@@ -8,16 +8,9 @@ from itertools import product
 import numpy as np
 import pytest
 
+from driftproof.blackbox.matching import linear_candidates as candidates
 from driftproof.blackbox.matching.equivalent_methods import equivalent_methods
-from driftproof.blackbox.matching.linear_candidates import (
-    Error,
-    LinearCandidate,
-    _restrictions,
-    explained_by,
-    linear_candidates,
-    nearly_exact,
-    rates_of,
-)
+from driftproof.blackbox.matching.linear_candidates import Error, LinearCandidate
 from driftproof.blackbox.probes.linear_steps import LINEAR, LinearReading, read_linear_steps
 from driftproof.blackbox.stepper.opening import opened
 from driftproof.methods.catalogue import METHODS
@@ -40,7 +33,7 @@ def test_a_method_with_one_coefficient_wrong_is_not_named_that_method(key, as_be
     # Nodes that change sign are no nodes of a collocation method.
     for change in some(CHANGES[: 1 if isinstance(METHODS[key], Collocation) else 2]):
         reading = read_linear_steps(float_subject(with_one_changed(METHODS[key], change)))
-        explained = explained_by(each, reading, *rates_of(reading), known=True)
+        explained = candidates.explained_by(each, reading, *candidates.rates_of(reading), known=True)
         assert explained.error.in_bounds > 1 or explained.restriction or not explained.rates_are_right
         said.append(f"{explained.words}, {explained.error.in_bounds:.3g} bounds")
     if key in TOLD:
@@ -92,7 +85,7 @@ def test_of_many_methods_that_few_bits_leave_alike_the_first_are_told(key, as_be
         with np.errstate(all="ignore"):
             return half(lambda x: np.float16(force(x)), np.float16(q), np.float16(v), np.float16(h))
 
-    found = linear_candidates(read_linear_steps(opened(step)), known=False)
+    found = candidates.linear_candidates(read_linear_steps(opened(step)), known=False)
     assert len(found) <= 4
     as_before(*(f"{each.words}, {each.error.in_bounds:.3g} bounds" for each in found))
 
@@ -105,16 +98,17 @@ def test_a_rate_is_the_simple_number_that_is_as_near_as_a_tiny_step_tells(bits, 
     for unit in (1.0, 4.0):
         h = unit * tiny
         reading = LinearReading(BINARY64, LINEAR, unit=unit, tiny=h, at_zero=(1.0, float(a) * h, -float(k) * h, 1.0))
-        assert [x in (Q(1, 3), Q(-5, 7)) for x in rates_of(reading)] == [simple, True]
+        assert [x in (Q(1, 3), Q(-5, 7)) for x in candidates.rates_of(reading)] == [simple, True]
 
 
 def test_without_steps_nothing_is_nearly_exact():
-    assert nearly_exact(LinearReading(BINARY64, LINEAR, tiny=0.5, at_zero=(1.0, 0.5, -0.5, 1.0)), known=True) is None
+    nothing = LinearReading(BINARY64, LINEAR, tiny=0.5, at_zero=(1.0, 0.5, -0.5, 1.0))
+    assert candidates.nearly_exact(nothing, known=True) is None
 
 
 def test_a_map_may_hold_ahead_or_up_to_the_unit_of_time_and_at_it():
     steps, unit = (-4.0, -2.0, 2.0, 4.0), 2.0
-    held = [tuple(h for h in steps if kept(h)) for _, kept in _restrictions(unit)]
+    held = [tuple(h for h in steps if kept(h)) for _, kept in candidates._restrictions(unit)]
     assert held == [steps, steps[2:], (-unit, unit), (unit,)]
 
 

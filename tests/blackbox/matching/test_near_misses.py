@@ -61,24 +61,25 @@ def sample(changed, key):
     return found[sum(map(ord, key)) % len(found)]
 
 
-@pytest.mark.slow(keep=2)
-@pytest.mark.parametrize("key", SHORT[::4])
-def test_a_wrong_coefficient_is_named_through_both_conventions(key, as_before):
-    name, wrong = sample(changed_tableaux(METHODS[key]), key)
+def named_in_both(key, name, wrong):
+    """What is said of a wrong tableau through fields and through forces, where its wrong coefficient is named."""
     step = codes.tableau(*codes.floats(wrong))
     found = in_field(step), match_forces(read_forces(opened(step, "field")))
     for identity in found:
         require_that_it_is_named(identity, key, name)
-    as_before(*(line for identity in found for line in identity.lines))
+    return [line for identity in found for line in identity.lines]
+
+
+@pytest.mark.slow(keep=2)
+@pytest.mark.parametrize("key", SHORT[::4])
+def test_a_wrong_coefficient_is_named_through_both_conventions(key, as_before):
+    as_before(*named_in_both(key, *sample(changed_tableaux(METHODS[key]), key)))
 
 
 @pytest.mark.long
 @pytest.mark.parametrize("key", SHORT)
 def test_every_wrong_coefficient_is_named_through_both_conventions(key):
-    for name, wrong in some(changed_tableaux(METHODS[key])):
-        step = codes.tableau(*codes.floats(wrong))
-        require_that_it_is_named(in_field(step), key, name)
-        require_that_it_is_named(match_forces(read_forces(opened(step, "field"))), key, name)
+    assert all(named_in_both(key, *changed) for changed in some(changed_tableaux(METHODS[key])))
 
 
 def changed_splittings(method):

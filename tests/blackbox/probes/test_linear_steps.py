@@ -88,27 +88,21 @@ def test_a_step_that_bends_at_ordinary_size_is_named_where_it_is_linear_and_comp
     assert found.nearest.methods == ("symplectic_euler_position_first",)
 
 
-def test_noise_is_reported_and_not_named():
-    noise = iter(np.random.default_rng(0).random(10**4))
-
-    def noisy(force, q, v, h):
-        q, v = rk4(force, q, v, h)
-        return q * (1 + 1e-9 * next(noise)), v
-
-    found = fit(noisy)
-    assert found.kind == NOT_REPEATABLE
-    assert found.best is None
+NOISE = iter(np.random.default_rng(0).random(10**4))
 
 
-def test_noise_that_repeats_is_reported_and_not_named():
+@pytest.mark.parametrize(
+    ("noise", "kind", "near"),
+    [(lambda z: next(NOISE), NOT_REPEATABLE, None), (lambda z: hash(z) % 1000 / 1000, NOT_LINEAR, "rk4")],
+)
+def test_noise_whether_it_repeats_or_not_is_reported_and_not_named(noise, kind, near):
     def noisy(force, q, v, h):
         q1, v1 = rk4(force, q, v, h)
-        return q1 * (1 + 1e-9 * (hash((q, v, h)) % 1000) / 1000), v1
+        return q1 * (1 + 1e-9 * noise((q, v, h))), v1
 
     found = fit(noisy)
-    assert found.kind == NOT_LINEAR
-    assert found.best is None
-    assert found.nearest.methods == tuple(alike()["rk4"])
+    assert (found.kind, found.best) == (kind, None)
+    assert (found.nearest and found.nearest.methods) == (near and tuple(alike()[near]))
 
 
 def test_a_bent_step_of_a_built_in_length_has_no_rates_and_is_not_linearised():

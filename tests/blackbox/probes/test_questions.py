@@ -7,10 +7,8 @@ import pytest
 
 from driftproof import identify, verify
 from driftproof.blackbox.findings import Misbehaviour, UnsupportedCall
-from driftproof.blackbox.probes.force import ForceReading
 from driftproof.blackbox.probes.questions import introduction, read_coefficients
 from driftproof.blackbox.probes.scripted_answers import NotReadable
-from driftproof.blackbox.probes.tableau import TableauReading
 from driftproof.blackbox.stepper.opening import opened
 from tests.blackbox import handwritten_steppers as codes
 from tests.blackbox.dragged_steppers import RIGHT, WRONG, kicks_of_half, semi_implicit
@@ -40,11 +38,6 @@ def adaptive(f, t, y, h):
 def test_a_stepper_is_introduced_by_its_calls_its_numbers_and_its_format():
     found = introduction(opened(codes.rk4))
     assert (found.calls, found.numbers, found.format) == ("field", "NumPy arrays", "binary64")
-
-
-def test_coefficients_are_those_of_a_tableau_or_of_forces():
-    assert isinstance(read_coefficients(opened(codes.rk4)), TableauReading)
-    assert isinstance(read_coefficients(opened(symplectic)), ForceReading)
 
 
 READ = dict(enumerate([step for step, *_ in (*RIGHT, *WRONG)]))

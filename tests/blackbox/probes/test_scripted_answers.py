@@ -1,42 +1,31 @@
 """Answers are scripted one by one, steps of too many calls end, and rounding is allowed for."""
 
+from contextlib import nullcontext
+
 import pytest
 
-from driftproof.blackbox.probes.scripted_answers import (
-    CONTROLS,
-    MOST_CALLS,
-    FarFromPrediction,
-    NotReadable,
-    Rounding,
-    Script,
-    read_at_some_size,
-    require_calls,
-    require_predicted,
-    require_same,
-    result_of,
-    unit,
-    varied,
-)
+from driftproof.blackbox.probes import scripted_answers as scripted
+from driftproof.blackbox.probes.scripted_answers import FarFromPrediction, NotReadable, Rounding
 from driftproof.symbolic.rounding.formats import BINARY64
 
 ROUNDING = Rounding(BINARY64, 4)
 
 
 def test_a_script_answers_in_its_order_and_keeps_what_it_was_asked():
-    script = Script([1.0, 2.0], 0.0)
+    script = scripted.Script([1.0, 2.0], 0.0)
     assert [script(place) for place in "abc"] == [1.0, 2.0, 0.0]
     assert script.calls == ["a", "b", "c"]
 
 
 def test_a_step_of_too_many_calls_is_ended():
-    with pytest.raises(NotReadable, match=f"more than {MOST_CALLS} calls"):
-        result_of(lambda: [script(0) for script in [Script([], 0.0)] for _ in range(MOST_CALLS + 1)])
+    with pytest.raises(NotReadable, match=f"more than {scripted.MOST_CALLS} calls"):
+        scripted.result_of(lambda: [*map(scripted.Script([], 0.0), range(scripted.MOST_CALLS + 1))])
 
 
 def test_answers_are_powers_of_two_of_both_signs():
-    assert unit(3, 1) == [0.0, 1.0, 0.0]
-    assert {abs(x) for x in varied(20, 1)} == {0.25, 0.5, 1.0, 2.0, 4.0}
-    assert {x > 0 for x in varied(20, 1)} == {True, False}
+    assert scripted.unit(3, 1) == [0.0, 1.0, 0.0]
+    assert {abs(x) for x in scripted.varied(20, 1)} == {0.25, 0.5, 1.0, 2.0, 4.0}
+    assert {x > 0 for x in scripted.varied(20, 1)} == {True, False}
 
 
 @pytest.mark.parametrize(("limit", "found"), [(1.0, 1.0), (0.5, 2.0**-5), (0.01, 2.0**-10)])
@@ -47,23 +36,23 @@ def test_a_limit_leads_to_smaller_numbers_and_a_remark(limit, found):
         return size
 
     remark = () if found == 1 else (f"read with numbers of size {found:.1e}; of size 1, far off",)
-    assert read_at_some_size(read) == (found, remark)
+    assert scripted.read_at_some_size(read) == (found, remark)
     with pytest.raises(FarFromPrediction, match="far off"):
-        read_at_some_size(lambda size: read(2.0))
+        scripted.read_at_some_size(lambda size: read(2.0))
 
 
 def test_what_differs_by_more_than_rounding_is_refused():
-    require_calls(4, 4)
+    scripted.require_calls(4, 4)
     allowed = 24 * 2 * 2.0**-53
     for within in (2.0 + allowed, 2.0 - allowed):
-        require_same(ROUNDING, [1.0, -2.0], [1.0, -within])
+        scripted.require_same(ROUNDING, [1.0, -2.0], [1.0, -within])
     for seen in ([1.0], [1.0, -2.0001], [1.0, -2.0 - allowed - 2.0**-51], [1.0, -2.0 + allowed + 2.0**-52]):
         with pytest.raises(NotReadable, match="the same step of 4 calls taken twice is not the same"):
-            require_same(ROUNDING, [1.0, -2.0], seen)
+            scripted.require_same(ROUNDING, [1.0, -2.0], seen)
     with pytest.raises(NotReadable, match="of 1 call taken"):
-        require_same(Rounding(BINARY64, 1), [], [1.0])
+        scripted.require_same(Rounding(BINARY64, 1), [], [1.0])
     with pytest.raises(NotReadable, match="4, then 5"):
-        require_calls(4, 5)
+        scripted.require_calls(4, 5)
 
 
 @pytest.mark.parametrize(("calls", "besides", "size", "found"), [
@@ -78,16 +67,10 @@ def test_so_far_rounding_may_carry_a_number_of_a_step(calls, besides, size, foun
 @pytest.mark.parametrize("sign", [1, -1])
 @pytest.mark.parametrize(("off", "kind"), [(0.0, None), (0.5, None), (1.0, NotReadable), (1.5, FarFromPrediction)])
 def test_a_number_that_is_off_is_told_from_one_that_is_far_off(off, kind, sign):
-    def demand(first, second):
-        require_predicted(CONTROLS[0]._replace(name="care", broken="broken"), "a number", first, second, 0.5)
-
+    control = scripted.CONTROLS[0]._replace(name="care", broken="broken")
     far, near = -1024.0 * sign, (off - 1024.0) * sign
     for pair in ((near, far), (far, near)):
-        if kind is None:
-            demand(*pair)
-            continue
-        with pytest.raises(
-            NotReadable, match=f"care, a number is {pair[0]:.6g} where .* {pair[1]:.6g}: broken"
-        ) as seen:
-            demand(*pair)
-        assert seen.type is kind
+        words = f"care, a number is {pair[0]:.6g} where .* {pair[1]:.6g}: broken"
+        with pytest.raises(NotReadable, match=words) if kind else nullcontext() as seen:
+            scripted.require_predicted(control, "a number", *pair, 0.5)
+        assert kind is None or seen.type is kind

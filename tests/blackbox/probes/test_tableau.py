@@ -85,42 +85,18 @@ class Anticipating:
         return y + h * f(t + h, y + h * first)
 
 
-def without_h(f, t, y, h):
-    return y + f(t, y)
-
-
-def limited(f, t, y, h):
-    return y + h * np.clip(f(t, y), -2, 2)
-
-
 def slightly_nonlinear(f, t, y, h):
     k = f(t, y)
     return y + h * k + 1e-12 * h * k**3
-
-
-def crossed(f, t, y, h):
-    return y + h * np.roll(f(t, y), 1)
 
 
 def refusing(f, t, y, h):
     raise ValueError(f"no {len(y)} numbers")
 
 
-def falling(f, t, y, h):
-    return y + h * (f(t, y) - 9.81)
-
-
 def endless(f, t, y, h):
     while True:
         f(t, y)
-
-
-def wandering(f, t, y, h):
-    return y * 0.99 + h * f(t, y)
-
-
-def aware_of_the_time(f, t, y, h):
-    return y + h * f(t, y) * (2 if t > 1 else 1)
 
 
 def forwards(f, t, y, h):
@@ -140,13 +116,17 @@ ASKED |= {"convex combinations": codes.ssprk33_in_convex_combinations, "forwards
 ASKED |= {f"rk4 in {kind.__name__}": codes.in_precision(codes.rk4, kind) for kind in (np.float32, np.float16)}
 ASKED |= {"without a sign": lambda f, t, y, h: codes.heun(f, t, y, abs(h))}
 # Their trial steps would not do.
-UNTRIED = {"remembering": Remembering(), "anticipating": Anticipating().step, "never calls": lambda f, t, y, h: y}
-UNTRIED |= {
-    step.__name__: step
-    for step in (
-        iterated_to_the_end, adaptive, without_h, slightly_nonlinear, limited, crossed, refusing, falling, endless,
-        wandering, aware_of_the_time, codes.symplectic_euler_in_a_field,
-    )
+UNTRIED = {
+    "remembering": Remembering(), "anticipating": Anticipating().step, "adaptive": adaptive, "refusing": refusing,
+    "iterated_to_the_end": iterated_to_the_end, "slightly_nonlinear": slightly_nonlinear, "endless": endless,
+    "symplectic_euler_in_a_field": codes.symplectic_euler_in_a_field,
+    "never calls": lambda f, t, y, h: y,
+    "without_h": lambda f, t, y, h: y + f(t, y),
+    "limited": lambda f, t, y, h: y + h * np.clip(f(t, y), -2, 2),
+    "crossed": lambda f, t, y, h: y + h * np.roll(f(t, y), 1),
+    "falling": lambda f, t, y, h: y + h * (f(t, y) - 9.81),
+    "wandering": lambda f, t, y, h: y * 0.99 + h * f(t, y),
+    "aware_of_the_time": lambda f, t, y, h: y + h * f(t, y) * (2 if t > 1 else 1),
 }  # fmt: skip
 
 

@@ -23,6 +23,8 @@ FILES: dict[str, tuple[Method, ...]] = {
 }
 EXACT: dict[str, Method] = {key: method for key, method in METHODS.items() if not method.decimal}
 DECIMAL: dict[str, Method] = {key: method for key, method in METHODS.items() if method.decimal}
+EXPLICIT = [method for method in METHODS.values() if method.explicit]
+IMPLICIT = [method for method in METHODS.values() if not method.explicit]
 
 
 def entry(key: str) -> Any:

@@ -7,6 +7,7 @@ from fractions import Fraction as Q
 from itertools import pairwise
 
 from driftproof.methods.catalogue import METHODS
+from driftproof.methods.schemes import Collocation, RungeKutta
 from driftproof.methods.vector_fields import VectorField
 from driftproof.numeric.advance import State, advance, float_start, step_times
 from driftproof.numeric.problems.catalogue import PROBLEMS
@@ -22,6 +23,9 @@ DECAY = Problem(
     Reference((Q(1),), (("0.36787944117144232160",),), EXACT, "1/e"),
     "test",
 )
+TABLEAUX = {key: m for key, m in METHODS.items() if isinstance(m, RungeKutta | Collocation)}
+EXPLICIT = [key for key, m in TABLEAUX.items() if m.explicit]
+IMPLICIT = [key for key in TABLEAUX if key not in EXPLICIT]
 RIGHT, WRONG, ENDED = "right", "wrong", "ended"
 
 

@@ -9,19 +9,13 @@ from fractions import Fraction
 import pytest
 
 from driftproof.methods.catalogue import METHODS
-from driftproof.methods.schemes import Collocation, RungeKutta
 from driftproof.numeric.advance import State, float_start
 from driftproof.numeric.problems.catalogue import PROBLEMS
 from driftproof.reports.fact_sheet import facts
 from driftproof.symbolic.algebra.certified import enclose, endpoints
 from driftproof.symbolic.algebra.polynomials import exact, scalar
 from driftproof.symbolic.linear.oscillator import stability_function_of
-from tests.numeric.problems.runs_on_problems import RIGHT, fate, growth, states
-
-Tableau = RungeKutta | Collocation
-TABLEAUX = {key: m for key, m in METHODS.items() if isinstance(m, Tableau)}
-EXPLICIT = [key for key, m in TABLEAUX.items() if isinstance(m, RungeKutta) and m.explicit]
-IMPLICIT = [key for key in TABLEAUX if key not in EXPLICIT]
+from tests.numeric.problems.runs_on_problems import EXPLICIT, IMPLICIT, RIGHT, TABLEAUX, fate, growth, states
 
 
 @pytest.mark.parametrize("key", ["forward_euler", "rk4"])

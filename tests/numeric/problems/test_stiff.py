@@ -10,18 +10,12 @@ import numpy as np
 import pytest
 
 from driftproof.methods.catalogue import METHODS
-from driftproof.methods.schemes import Collocation, RungeKutta
 from driftproof.numeric.advance import advance, float_start
 from driftproof.numeric.problems.catalogue import PROBLEMS
 from driftproof.numeric.reference_errors import distance_from_digits
 from driftproof.numeric.stability import observe
-from tests.numeric.problems.runs_on_problems import ENDED, RIGHT, WRONG, fate, states
+from tests.numeric.problems.runs_on_problems import ENDED, EXPLICIT, IMPLICIT, RIGHT, TABLEAUX, WRONG, fate, states
 from tests.witnesses.stiff_error import stiff_error
-
-Tableau = RungeKutta | Collocation
-TABLEAUX = {key: m for key, m in METHODS.items() if isinstance(m, Tableau)}
-EXPLICIT = [key for key, m in TABLEAUX.items() if isinstance(m, RungeKutta) and m.explicit]
-IMPLICIT = [key for key in TABLEAUX if key not in EXPLICIT]
 
 
 def holds_for_any_stiffness(key: str) -> bool:

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from fractions import Fraction as Q
+from functools import cache
 from math import comb, factorial
 from typing import Any
 
 from flint import acb, acb_poly, arb, fmpq_poly
 
+from driftproof.methods.catalogue import METHODS
+from driftproof.methods.expressions import parse_system
 from driftproof.methods.number_field import cube_root, square_root
 from driftproof.methods.schemes import Collocation, Method, Nystrom, RungeKutta, Splitting
 from driftproof.symbolic.algebra.matrices import faddeev_leverrier
@@ -15,6 +19,7 @@ from driftproof.symbolic.algebra.polynomials import at_ball, from_scalars, polyn
 from driftproof.symbolic.algebra.rational_functions import RationalFunction, fraction
 from driftproof.symbolic.linear.stability_function import ScalarTableau
 from driftproof.symbolic.linear.stability_limits import Limit
+from driftproof.symbolic.linear.systems import SystemFacts
 from driftproof.texts.writing.records import record
 from tests.nine import NINE
 
@@ -89,6 +94,32 @@ def ball(c: Any) -> arb:
     return at_ball(fmpq_poly([1]) * c, arb(0))
 
 
+def nodes_method(nodes: Iterable[Q]) -> Collocation:
+    return Collocation("x", "X", 0, "test", tuple(nodes))
+
+
+def legendre(s: int) -> list[Q]:
+    """The Legendre polynomial on [0, 1], constant term first, by its closed formula."""
+    return [Q((-1) ** (s - k) * comb(s, k) * comb(s + k, k)) for k in range(s + 1)]
+
+
+def combined(s: int, lower: int, factor: int) -> Collocation:
+    padded = legendre(lower) + [Q(0)] * (s - lower)
+    return nodes_method((x + factor * y for x, y in zip(legendre(s), padded, strict=True)))
+
+
+def gauss(s: int) -> Collocation:
+    return nodes_method(legendre(s))
+
+
+def radau_iia(s: int) -> Collocation:
+    return combined(s, s - 1, -1)
+
+
+def lobatto_iiia(s: int) -> Collocation:
+    return combined(s, s - 2, -1)
+
+
 BACKWARD = runge_kutta(((1,),), (1,))
 MIDPOINT = runge_kutta(((Q(1, 2),),), (1,))
 TRAPEZOID = runge_kutta(((0, 0), (Q(1, 2), Q(1, 2))), (Q(1, 2), Q(1, 2)))
@@ -131,3 +162,9 @@ STUCK = "0 0 1 0; 0 0 0 1; -1 1 0 0; 0 -1 0 0"  # a Jordan block for i
 TWISTED = "0 0 1 0; 0 0 0 1; -1 1 0 0; -1 -1 0 0"  # K has complex eigenvalues
 DAMPED = "0 1; -1 -1/10"
 COUPLED = "0 0 1 0; 0 0 0 1; -2 1 -1/10 0; 1 -3 0 -1/5"
+
+
+@cache
+def facts(key: str, text: str) -> SystemFacts:
+    """The facts of a method of the catalogue on a system."""
+    return SystemFacts(METHODS[key], parse_system(text))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from fractions import Fraction as Q
+from functools import reduce
 from typing import Any
 
 import pytest
@@ -23,7 +24,9 @@ from driftproof.symbolic.linear.region import rounded_boundary
 from driftproof.symbolic.linear.stability_function import scalar_tableau, stability_function_by_moments
 from driftproof.symbolic.linear.stability_limits import INFINITY
 from driftproof.texts.writing.records import record
+from tests.methods.tables.entries import product
 from tests.symbolic.linear.linear_examples import by_determinants, limit_text, record_text, value
+from tests.witnesses.multistep import integral, lagrange
 
 WITH_R = [key for key, method in METHODS.items() if isinstance(method, RungeKutta | Collocation)]
 
@@ -93,29 +96,30 @@ def test_stability_of_the_classical_families(key: str) -> None:
 # ---- the shape of the JSON
 
 
-def test_facts_of_rk4_are_those_of_the_design() -> None:
-    facts = LinearFacts(METHODS["rk4"])
-    wanted: dict[str, Any] = {
+# What a fact is as JSON.
+DESIGN: dict[str, dict[str, Any]] = {
+    "rk4": {
         "energy_multiplier": {"num": ["1", "0", "0", "-1/72", "1/576"], "den": ["1"]},
         "a_stable": False, "l_stable": False, "symplectic": False,
         "error_constant": {"power": 5, "coefficient": "-1/120"},
         "dispersion": {"power": 5, "coefficient": "-1/120"}, "dissipation": {"power": 6, "coefficient": "-1/144"},
         "invariant": None, "linear_order": 4, "limit_at_infinity": "oo",
-    }  # fmt: skip
-    assert {name: record(getattr(facts, name)) for name in wanted} == wanted
-
-
-def test_facts_of_symplectic_euler_are_those_of_the_design() -> None:
-    facts = LinearFacts(METHODS["symplectic_euler"])
-    wanted: dict[str, Any] = {
+    },
+    "symplectic_euler": {
         "stability_function": None, "real_limit": None, "a_stable": None, "a_stability": None, "sector": None,
         "limit_at_infinity": None, "modified_rate": None, "ssp_coefficient": None, "error_constant": None,
         "energy_multiplier": None, "invariant": {"q2": "1/2", "qv": "-h/2", "v2": "1/2"},
         "determinant": {"num": ["1"], "den": ["1"]}, "dissipation": None,
         "dispersion": {"power": 3, "coefficient": "1/24"}, "symplectic": True, "symmetric": False,
         "linearly_symmetric": False,
-    }  # fmt: skip
-    assert {name: record(getattr(facts, name)) for name in wanted} == wanted
+    },
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("key", DESIGN)
+def test_facts_are_those_of_the_design(key: str) -> None:
+    facts = LinearFacts(METHODS[key])
+    assert {name: record(getattr(facts, name)) for name in DESIGN[key]} == DESIGN[key]
 
 
 def test_a_factor_of_the_energy_is_a_function_of_h_without_a_stability_function() -> None:
@@ -149,26 +153,13 @@ def test_modified_hamiltonian_of_symplectic_euler_as_text() -> None:
 
 
 def collocation(*nodes: Q) -> Collocation:
-    polynomial = [Q(1)]
-    for c in nodes:
-        polynomial = [low - c * high for low, high in zip([Q(0), *polynomial], [*polynomial, Q(0)], strict=True)]
-    return Collocation("given", "Given", 0, "x", tuple(polynomial))
+    return Collocation("given", "Given", 0, "x", reduce(product, [(-c, Q(1)) for c in nodes]))
 
 
 def by_lagrange(*nodes: Q) -> RungeKutta:
     """The same method by its tableau: integrals of the Lagrange polynomials."""
-
-    def integral(j: int, end: Q) -> Q:
-        polynomial = [Q(1)]
-        for i, c in enumerate(nodes):
-            if i != j:
-                rows = zip([Q(0), *polynomial], [*polynomial, Q(0)], strict=True)
-                polynomial = [(low - c * high) / (nodes[j] - c) for low, high in rows]
-        return sum((x * end ** (k + 1) / (k + 1) for k, x in enumerate(polynomial)), Q(0))
-
-    stages = range(len(nodes))
-    rows = tuple(tuple(integral(j, c) for j in stages) for c in nodes)
-    return RungeKutta("given", "Given", 0, "x", rows, tuple(integral(j, Q(1)) for j in stages), nodes)
+    *rows, weights = (tuple(integral(p, end) for p in lagrange(nodes)) for end in (*nodes, Q(1)))
+    return RungeKutta("given", "Given", 0, "x", tuple(rows), weights, nodes)
 
 
 @given(st.lists(st.fractions(-1, 2, max_denominator=4), min_size=1, max_size=4, unique=True))

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from fractions import Fraction as Q
-from functools import cache
 from typing import Any
 
 import pytest
@@ -16,15 +15,12 @@ from driftproof.methods.number_field import Algebraic
 from driftproof.methods.schemes import RungeKutta, Splitting
 from driftproof.symbolic.algebra.certified import enclose
 from driftproof.symbolic.algebra.polynomials import exact
+from driftproof.symbolic.algebra.rational_functions import fraction
+from driftproof.symbolic.algebra.real_roots import rational_root
 from driftproof.symbolic.linear.oscillator import stability_function_of
-from driftproof.symbolic.linear.ray_bounds import UndecidedLimitError, pair_polynomial
+from driftproof.symbolic.linear.ray_bounds import ALWAYS, Bound, UndecidedLimitError, pair_polynomial, ray_bound
 from driftproof.symbolic.linear.systems import SystemFacts, bounded_at
-from tests.symbolic.linear.linear_examples import STUCK
-
-
-@cache
-def facts(key: str, text: str) -> SystemFacts:
-    return SystemFacts(METHODS[key], parse_system(text))
+from tests.symbolic.linear.linear_examples import STUCK, Z
 
 
 def test_what_is_not_decided_is_refused_with_a_reason() -> None:
@@ -48,6 +44,13 @@ def test_what_is_not_decided_is_refused_with_a_reason() -> None:
         _ = found.step_limit
     with pytest.raises(UndecidedLimitError, match=r"\d+ bits do not tell whether .* at h = 1/2"):
         bounded_at(found, Q(1, 2))
+
+
+def test_a_contact_is_passed_by_blocks_whose_derivatives_vanish_there() -> None:
+    """R = 1 + z(1 + z)²/(1 - z)³ is 1 at z = -1, where R' = 0 and R'' is not."""
+    r = fraction((1 - Z) ** 3 + Z * (1 + Z) ** 2, (1 - Z) ** 3)
+    bounds = [ray_bound(r, fmpq(-2), fmpq(1), block) for block in (1, 2, 3)]
+    assert bounds == [ALWAYS, ALWAYS, Bound(rational_root(Q(1)), False)]
 
 
 @pytest.mark.parametrize("minimal", [(250, 35, 251, 15, 50), (2, 2, 1, 2), (2, 0, 2, 0, 1)])

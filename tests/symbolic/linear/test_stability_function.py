@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from fractions import Fraction as Q
-from typing import Any
 
 import pytest
 from flint import fmpq, fmpq_mat, fmpq_poly
@@ -11,7 +10,7 @@ from flint import fmpq, fmpq_mat, fmpq_poly
 from driftproof.methods.number_field import Exact
 from driftproof.methods.schemes import Collocation, RungeKutta
 from driftproof.symbolic.algebra.matrices import matrix_determinant
-from driftproof.symbolic.algebra.polynomials import FieldPolynomial, coefficients, exact, polynomial, scalar
+from driftproof.symbolic.algebra.polynomials import FieldPolynomial, exact, polynomial, scalar
 from driftproof.symbolic.algebra.rational_functions import fraction
 from driftproof.symbolic.linear.a_stability import a_stability, l_stability
 from driftproof.symbolic.linear.stability_function import (
@@ -36,29 +35,22 @@ from tests.symbolic.linear.linear_examples import (
     ROOT_3,
     Z,
     by_determinants,
+    gauss,
     pade,
+    radau_iia,
     sdirk,
 )
 
 
-def shifted_legendre(degree: int) -> Any:
-    p = (Z**2 - Z) ** degree
-    for _ in range(degree):
-        p = p.derivative()
-    return p
-
-
 @pytest.mark.parametrize("stages", range(1, 11))
-def test_gauss_radau_and_lobatto_are_pade(stages: int) -> None:
-    """R of Gauss, Radau IIA and Lobatto IIIA on the diagonal, below it, and on the diagonal again."""
-    below = shifted_legendre(stages - 1)
-    gauss = stability_function_of_collocation(coefficients(shifted_legendre(stages)))
-    assert gauss == pade(stages, stages)
-    weight = shifted_legendre(stages)(1) / below(1)
-    radau = stability_function_of_collocation(coefficients(shifted_legendre(stages) - below * weight))
-    assert radau == pade(stages - 1, stages)
-    assert a_stability(gauss).reason.startswith("|R(iy)| = 1 for every y")
-    assert l_stability(radau)
+def test_gauss_and_radau_are_pade(stages: int) -> None:
+    """R of Gauss and Radau IIA on the diagonal and below it."""
+    r = stability_function_of_collocation(gauss(stages).node_polynomial)
+    assert r == pade(stages, stages)
+    assert a_stability(r).reason.startswith("|R(iy)| = 1 for every y")
+    below = stability_function_of_collocation(radau_iia(stages).node_polynomial)
+    assert below == pade(stages - 1, stages)
+    assert l_stability(below)
 
 
 @pytest.mark.parametrize("nodes", [(-1, 30, -210, 560, -630, 252), (0, 1), (-1, 1), (Q(2, 9), -1, 1), (1, -5, 5)])

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from fractions import Fraction as Q
-from functools import cache
 from math import sqrt
 from typing import Any
 
@@ -34,15 +33,11 @@ from tests.symbolic.linear.linear_examples import (
     STUCK,
     TWISTED,
     at,
+    facts,
     limit_text,
     record_text,
 )
 from tests.witnesses.witness_limits import is_where_growth_begins
-
-
-@cache
-def facts(key: str, text: str) -> SystemFacts:
-    return SystemFacts(METHODS[key], parse_system(text))
 
 
 class Column(tuple[Any, ...]):
@@ -219,7 +214,7 @@ def test_a_partitioned_method_needs_positions_and_velocities(key: str, text: str
 
 def test_matrix_of_a_runge_kutta_step_is_computed_only_when_asked_for() -> None:
     """Over a number field, of fifteen components, it takes a minute."""
-    found = SystemFacts(METHODS["sdirk2"], parse_system("0 1; -1 -1/10"))
+    found = SystemFacts(METHODS["sdirk2"], parse_system(DAMPED))
     assert found.step_limit == ALWAYS
     assert "matrix" not in vars(found)
     assert len(found.matrix) == 2
@@ -243,7 +238,7 @@ SYSTEMS += [("gauss2", text) for text in WITH_DAMPING]
 
 @pytest.mark.parametrize(("key", "text"), SYSTEMS)
 def test_verdict_is_that_of_the_spectral_radius_where_that_is_not_one(key: str, text: str) -> None:
-    found = SystemFacts(METHODS[key], parse_system(text))
+    found = facts(key, text)
     decided = 0
     for h in STEPS:
         low, high = radius_ends(found, h)
@@ -272,7 +267,7 @@ TURNS = [
 
 @pytest.mark.parametrize(("key", "text", "turn", "verdicts"), TURNS)
 def test_verdict_turns_at_the_limit(key: str, text: str, turn: Q | None, verdicts: tuple[bool, bool, bool]) -> None:
-    found = SystemFacts(METHODS[key], parse_system(text))
+    found = facts(key, text)
     if turn is None:  # an irrational limit: doubles on either side
         with ctx.workprec(200):
             turn = Q(float(found.step_limit.limit.ball().mid()))  # type: ignore[union-attr]
@@ -298,9 +293,9 @@ def test_verdict_agrees_with_the_limit_of_every_method_on_the_oscillator() -> No
 
 
 def test_factor_is_the_size_of_the_stability_function() -> None:
-    euler = SystemFacts(METHODS["forward_euler"], parse_system("-1"))
+    euler = facts("forward_euler", "-1")
     assert stiffest_factor(euler, Q(3, 2)) == Q(1, 2)
-    rk4 = SystemFacts(METHODS["rk4"], parse_system("-1000"))
+    rk4 = facts("rk4", "-1000")
     z = Q(-1000, 300)
     assert stiffest_factor(rk4, Q(1, 300)) == abs(1 + z + z**2 / 2 + z**3 / 6 + z**4 / 24)
     assert stiffest_factor(rk4, Q(1, 301)) != abs(1 + z + z**2 / 2 + z**3 / 6 + z**4 / 24)
@@ -332,9 +327,8 @@ def test_stiffest_factor_is_that_of_the_eigenvalue_of_largest_modulus() -> None:
 
 
 def test_what_is_not_decided_is_refused() -> None:
-    stuck = SystemFacts(METHODS["symplectic_euler"], parse_system("0 0 1 0; 0 0 0 1; -1 1 0 0; 0 -1 0 0"))
     with pytest.raises(UndecidedLimitError, match="only simple"):
-        bounded_at(stuck, Q(1, 2))
+        bounded_at(facts("symplectic_euler", STUCK), Q(1, 2))
     blocks = "0 1 0 1 0 0; 0 0 1 0 1 0; -1 -1 -1/2 0 0 1; 0 0 0 0 1 0; 0 0 0 0 0 1; 0 0 0 -1 -1 -1/2"
     with pytest.raises(UndecidedLimitError, match="with a Jordan block"):
         bounded_at(facts("rk4", blocks), Q(1, 2))

@@ -10,18 +10,16 @@ import pytest
 
 from driftproof.symbolic.rounding.formats import (
     BFLOAT16,
-    BINARY16,
     BINARY32,
-    BINARY64,
     FloatFormat,
     exponent,
     is_power_of_two,
     power_of_two,
 )
 from tests.looping import exactly, some
+from tests.witnesses.soft_float import NATIVE
 from tests.witnesses.worst_case import random_floats
 
-NATIVE = [(BINARY16, np.float16), (BINARY32, np.float32), (BINARY64, np.float64)]
 # Small enough to try every pair of numbers: 3 bits, exponents -2 to 2, so also subnormals.
 TOY = FloatFormat("toy", 3, -2, 2)
 
@@ -35,7 +33,7 @@ def every_number(fmt: FloatFormat) -> list[Fraction]:
     return sorted(numbers)
 
 
-@pytest.mark.parametrize(("fmt", "dtype"), NATIVE)
+@pytest.mark.parametrize(("fmt", "dtype"), NATIVE.items())
 def test_a_format_has_the_constants_of_the_machine_s_own_type(fmt, dtype):
     info = np.finfo(dtype)
     assert fmt.u == Fraction(float(info.eps)) / 2
@@ -48,7 +46,7 @@ def test_bfloat16_is_binary32_cut_to_8_bits():
     assert BFLOAT16.eta == Fraction(2) ** -133
 
 
-@pytest.mark.parametrize(("fmt", "dtype"), NATIVE[:2])
+@pytest.mark.parametrize(("fmt", "dtype"), list(NATIVE.items())[:2])
 def test_nearest_rounds_as_the_machine_converts(fmt, dtype):
     with np.errstate(over="ignore"):
         for x in some(random_floats(np.random.default_rng(1), np.dtype(np.float64), 4000), 4000):

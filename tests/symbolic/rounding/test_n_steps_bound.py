@@ -17,7 +17,7 @@ from driftproof.numeric.steppers import forward_euler, rk4, symplectic_euler
 from driftproof.symbolic.algebra.certified import enclose, endpoints, is_less
 from driftproof.symbolic.error_budget import ErrorOfRun
 from driftproof.symbolic.rounding.fixed_step_bound import fixed_step_bound
-from driftproof.symbolic.rounding.formats import BFLOAT16, BINARY16, BINARY32, BINARY64
+from driftproof.symbolic.rounding.formats import BFLOAT16, BINARY16, BINARY64
 from driftproof.symbolic.rounding.n_steps_bound import (
     HypothesisFails,
     RunBound,
@@ -30,7 +30,7 @@ from driftproof.symbolic.runs import apply, exact_matrix_at, power
 from tests.changes import first_weight, moved
 from tests.symbolic.rounding.programs import IRRATIONAL, ONE_ZERO, PROGRAMS, as_step, float_run, matrix_at
 from tests.witnesses.leapfrog import leapfrog
-from tests.witnesses.soft_float import soft_lift
+from tests.witnesses.soft_float import FORMATS, soft_lift
 
 U = BINARY64.u
 
@@ -64,8 +64,7 @@ def test_forty_steps_of_a_quarter_are_bounded_as_promised(step, target, reached)
     dtype=st.sampled_from([np.float64, np.float32, np.float16]),
 )
 def test_no_run_leaves_its_bound(key, h, start, steps, dtype):
-    fmt = {np.float64: BINARY64, np.float32: BINARY32, np.float16: BINARY16}[dtype]
-    size = Q(float(dtype(h)))
+    fmt, size = FORMATS[dtype], Q(float(dtype(h)))
     z = tuple(Q(x) for x in start)
     bound = run_bound(PROGRAMS[key], size, steps, z, fmt)
     final = float_run(as_step(PROGRAMS[key]), float(size), steps, start, dtype)

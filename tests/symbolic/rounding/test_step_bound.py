@@ -30,7 +30,7 @@ from tests.changes import coefficients, first_weight, moved
 from tests.nine import NINE
 from tests.symbolic.rounding.programs import IRRATIONAL, PROGRAMS, all_within, as_step, error_in_balls, matrix_at
 from tests.witnesses.leapfrog import leapfrog
-from tests.witnesses.soft_float import soft_lift
+from tests.witnesses.soft_float import NATIVE, soft_lift
 from tests.witnesses.worst_case import (
     Envelope,
     envelope_of,
@@ -52,7 +52,6 @@ BY_HAND = {
 }
 # So coarse that every power of d counts, and small enough to try every state.
 COARSE = FloatFormat("coarse", 3, -1, 1)
-NATIVE = {BINARY64: np.float64, BINARY32: np.float32, BINARY16: np.float16}
 FORMATS = pytest.mark.parametrize("fmt", [BINARY64, BINARY32, BINARY16, BFLOAT16], ids=lambda fmt: fmt.name)
 NATIVE_FORMATS = pytest.mark.parametrize("fmt", NATIVE, ids=lambda fmt: fmt.name)
 

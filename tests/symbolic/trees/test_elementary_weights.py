@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from fractions import Fraction as Q
-from math import comb
 
 import pytest
 
@@ -28,34 +27,8 @@ from driftproof.symbolic.trees.order_conditions import (
 from driftproof.symbolic.trees.order_in_balls import Balls
 from driftproof.symbolic.trees.rooted_trees import bush
 from tests.methods.tables.entries import entry
-from tests.symbolic.linear.linear_examples import pade
+from tests.symbolic.linear.linear_examples import gauss, lobatto_iiia, nodes_method, pade, radau_iia
 from tests.witnesses.trees import tall
-
-
-def nodes_method(nodes: Iterable[Q]) -> Collocation:
-    return Collocation("x", "X", 0, "test", tuple(nodes))
-
-
-def legendre(s: int) -> list[Q]:
-    """The Legendre polynomial on [0, 1], constant term first, by its closed formula."""
-    return [Q((-1) ** (s - k) * comb(s, k) * comb(s + k, k)) for k in range(s + 1)]
-
-
-def combined(s: int, lower: int, factor: int) -> Collocation:
-    padded = legendre(lower) + [Q(0)] * (s - lower)
-    return nodes_method((x + factor * y for x, y in zip(legendre(s), padded, strict=True)))
-
-
-def gauss(s: int) -> Collocation:
-    return nodes_method(legendre(s))
-
-
-def radau_iia(s: int) -> Collocation:
-    return combined(s, s - 1, -1)
-
-
-def lobatto_iiia(s: int) -> Collocation:
-    return combined(s, s - 2, -1)
 
 
 @pytest.mark.parametrize("s", range(1, 11))

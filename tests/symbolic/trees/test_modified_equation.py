@@ -14,7 +14,7 @@ from driftproof.symbolic.trees.modified_equation import BSeries, method_series, 
 from driftproof.symbolic.trees.order_conditions import order
 from driftproof.symbolic.trees.rooted_trees import Tree, vertices
 from tests.methods.tables.entries import entry
-from tests.symbolic.trees.test_elementary_weights import gauss, radau_iia
+from tests.symbolic.linear.linear_examples import gauss, radau_iia
 from tests.witnesses.b_series import hamiltonian_to_order
 from tests.witnesses.trees import symmetry, tall
 

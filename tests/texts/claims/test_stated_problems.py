@@ -226,6 +226,25 @@ def test_counts_of_steps_and_heads_of_columns_give_the_step_size_and_the_line_ab
         assert Suggestions(wrong).slips(slip) == {alike[text].question: text}
 
 
+ENERGIES = """H(p, q) = p^2/2 - cos(q), q' = p, p' = -sin(q), q(0) = 1, p(0) = 0. Energy error at t = 10:
+| h | Euler | RK4 |
+| 0.1 | 5.397e-01 | {0}4.607e-07 |
+| 0.05 | 2.324e-01 | {0}1.444e-08 |
+"""
+
+
+@pytest.mark.parametrize(("sign", "asked"), [("-", "run rk4"), ("", "abs(run rk4")])
+def test_energies_of_a_stated_problem_are_those_that_the_text_defines(sign, asked):
+    text = ENERGIES.format(sign)
+    suggestions, equations = Suggestions(text), "q'=p, p'=-sin(q), q(0)=1, p(0)=0, energy=p^2/2 - cos(q), "
+    for number, question in {"5.397e-01": "run forward_euler", f"{sign}1.444e-08": asked}.items():
+        alike = suggestions.look_alikes(next(x for x in numbers_in(text) if x.text == number))[0]
+        assert alike.strong
+        assert alike.question.startswith(f"{question} {equations}")
+    for other in (text.replace("H(p, q) =", "m(p, q) ="), text.replace("p^2/2 - cos(q)", "g^2/2", 1)):
+        assert "energy=" not in " ".join(stated(other)), other
+
+
 def test_a_question_is_asked_once():
     text = "y' = -y, y(0) = 1, h = 0.1, t = 1, Euler. Again y' = -y, y(0) = 1, h = 0.1, t = 1."
     asked = stated_questions(text, lambda number: "")

@@ -81,6 +81,22 @@ def test_energy_of_a_problem_and_its_change_are_those_of_the_states(tmp_path, mo
     require_refusal("run rk4 rates=(-y0) from 1 h=1/4 t=1 : energy", 40, "'energy' is not a readout of run")
 
 
+def test_energy_of_equations_stands_beside_them():
+    equations, run = "q'=p, p'=-k*q, q(0)=1, p(0)=2", "h=1/4, N=3 : energy_change"
+    found = value(f"run forward_euler {equations}, energy=p^2/2 + k*q^2/2, k=1/2, {run}")
+    written = "rates=(y1, -y0/2) from 1,2 energy=y1^2/2 + y0^2/4"
+    assert found.exact == value(f"run forward_euler {written} h=1/4 N=3 : energy_change").exact
+    assert found.exact != value(f"run forward_euler {equations}, energy=p^2/2 + q^2/2, k=1/2, {run}").exact
+    turned = value(f"step rk4 {equations}, k=1, energy=pi*q, h=1/2 : energy")
+    assert float(turned.digits(15)) == pytest.approx(
+        math.pi * float(value(f"step rk4 {equations}, k=1, h=1/2 : q").exact)
+    )
+    for head in ("step rk4 h=1 energy=q : q", "order rk4 energy=q", "step rk4 problem=pendulum energy=y0 h=1 : energy"):
+        require_refusal(head, head.index("energy=") + 8, "energy goes with equations")
+    twice = "step rk4 y'=-y, y(0)=1, energy=y, energy=y, h=1 : energy"
+    require_refusal(twice, twice.rindex("energy=") + 1, "'energy' is given twice")
+
+
 def test_energy_with_a_function_is_enclosed_where_the_states_are_rational(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     predators = "rates = \"x' = x - x*y, y' = x*y - y\"\nstart = {x = 2, y = 1}\n"
