@@ -77,8 +77,8 @@ def _limit(limit: Limit) -> tuple[str, str]:
 def with_roots(text: str) -> str:
     """A number in SymPy's syntax with root signs: "2*sqrt(2)" as 2√2.
 
-    >>> with_roots("2*sqrt(6)/3 - sqrt(2*sqrt(3) - 3)")
-    '2√6/3 − √(2√3 − 3)'
+    >>> with_roots("2*sqrt(10)/3 - sqrt(2*sqrt(3) - 3)")
+    '2√10/3 − √(2√3 − 3)'
     """
     short = re.sub(r"sqrt\((\d+)\)", r"√\1", text)
     return short.replace("sqrt(", "√(").replace("*", "").replace("-", "−")

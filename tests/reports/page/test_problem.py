@@ -9,7 +9,6 @@ import pytest
 from driftproof import METHODS, Scene, report
 from driftproof.numeric.problems.catalogue import PROBLEMS
 from driftproof.reports.page import problem as page
-from driftproof.reports.page.stability import with_roots
 from driftproof.reports.user_problem import problem_given
 from tests.looping import exactly
 from tests.reports.page.test_document import Read
@@ -88,7 +87,3 @@ def test_stiff_problems_stand_in_a_table_with_verdicts(monkeypatch):
     linear, other = exactly(2, rows)
     assert linear[1:3] == ["h ≤ 0.0027852935...", "every h &gt; 0"]
     assert other[1:3] == ["not with 16384 steps", "from 1 step on"]
-
-
-def test_roots_are_set_as_such():
-    assert [with_roots(x) for x in ("2*sqrt(2)", "2", "sqrt(6)/3")] == ["2√2", "2", "√6/3"]

@@ -14,7 +14,6 @@ from driftproof.reports.page.stability import beside, growth_figure, line_style,
 from driftproof.symbolic.algebra.certified import enclose
 from driftproof.symbolic.derivation.one_step import one_step_matrix
 from driftproof.symbolic.derivation.stability import AtStep
-from driftproof.symbolic.linear.facts import LinearFacts
 from driftproof.symbolic.linear.stability_limits import spectral_radius
 from driftproof.symbolic.runs import exact_matrix_at
 
@@ -58,10 +57,6 @@ def test_radius_of_one_is_known_to_be_one():
     assert spectral_radius((Q(1), Q(0), Q(0), Q(3))) == 3
     assert spectral_radius((Q(-5), Q(0), Q(0), Q(3))) == 5
     assert spectral_radius((Q(0), Q(4), Q(-4), Q(0))) == 4
-
-
-def test_limit_of_the_verdict_is_the_fact():
-    assert verdict("rk4", Q(1)).limit == LinearFacts(METHODS["rk4"]).imaginary_limit
 
 
 def test_growth_is_the_norm_of_the_powers():

@@ -115,3 +115,9 @@ def test_an_exact_form_of_24_characters_is_shown_beside_its_decimal_and_15_digit
     assert value("1/7").written("text").startswith("0.142857142857143,")
     assert value("stages rk4").written("text") == "4  (COUNTED)"
     assert '"decimal": "0.142857142857143"' in value("1/7").written("json")
+
+
+def test_digits_and_places_are_taken_in_every_form():
+    for form, written in {"text": "0.02", "md": "0.02", "tex": "0.02", "mathml": "<mn>0.02", "json": '"0.02'}.items():
+        assert f"{written}9" in value("2/70").written(form, places=3)
+        assert f"{written}86" in value("2/70").written(form, digits=3)

@@ -31,7 +31,6 @@ REFUSED = [
     ("run rk4 h=pi/50 N=100 : q", 11, f"expected a number such as 1/4 or 0.25, found 'pi'; {_ROUNDED}"),
     ("run rk4 N=100 t=2*pi : q", 18, f"unexpected '*' in a number; {_ROUNDED}"),
     ("run rk4 N=100 t=2π : q", 18, f"unexpected 'pi' in a number; {_ROUNDED}"),
-    ("run rk4 rates=-y0 from 1 h=1 t=1 : y0", 15, "rates are written in brackets, separated by commas"),
 ]
 
 

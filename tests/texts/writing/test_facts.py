@@ -29,6 +29,8 @@ def eigenvalue(key, text, i=0):
     return SystemFacts(METHODS[key], parse_system(text)).bounds[i]
 
 
+EVERYWHERE = Interval(None, None, False, False)
+ENDS = "(11167507641/1000000000, 5583753821/500000000)"
 RESTING = eigenvalue("forward_euler", "-1 0; 0 -1").eigenvalue
 # A fact, as text, as TeX.
 WRITTEN = [
@@ -55,6 +57,11 @@ WRITTEN = [
     (ArithmeticError("too_long: h**2"), "not decided: too_long: h**2", r"not decided: too\_long: h\^{}2"),
     (RK4.real_limit, "the root of x**3 - 4*x**2 + 12*x - 24 in (2, 3) = 2.785", r"-24$ in $(2, 3)$, $\approx 2.785293"),
     (eigenvalue("rk4", "0 1 0; 0 0 1; -1 -1 -2", 1), "a root of x**3 + 2*x**2 + x + 1 = -0.12256", "0.74486176 I$: $h"),
+    (sector_tangent(pade(2, 8)), f"a number in {ENDS} = 11.16750764", rf"a number in ${ENDS}$, $\approx 11.1675076$"),
+    (FamilyFacts(SDIRK_3).order_sets[3].values.intervals[-1], "{~1.06857902130}", r"$\{\approx 1.06857902130\}$"),
+    (LimitPiece(EVERYWHERE, INFINITY), "oo on (-oo, oo)", r"$\infty$ on $(-\infty, \infty)$"),
+    (LimitPiece(EVERYWHERE, None, "a*x**3 - 2", 1), "positive root 1 of a*x**3 - 2 on (", r"root 1 of $a x^{3}-2$ on"),
+    (LimitPiece(EVERYWHERE, None, "a*x - 2", 1, "2/a"), "2/a on (-oo, oo)", r"$\frac{2}{a}$ on $(-\infty, \infty)$"),
 ]  # fmt: skip
 
 
@@ -70,27 +77,6 @@ def test_whole_number_stands_once():
     assert (fact_text(two), fact_tex(two)) == ("2", "$2$")
 
 
-def test_tangent_that_is_only_enclosed_has_an_interval_and_no_polynomial():
-    enclosed = sector_tangent(pade(2, 8))
-    ends = "(11167507641/1000000000, 5583753821/500000000)"
-    assert fact_text(enclosed).startswith(f"a number in {ends} = 11.16750764")
-    assert fact_tex(enclosed) == rf"a number in ${ends}$, $\approx 11.1675076$"
-
-
-def test_an_end_without_radicals_is_a_decimal_with_a_sign_that_it_is_one():
-    (*_, third) = FamilyFacts(SDIRK_3).order_sets[3].values.intervals
-    assert (str(third), fact_tex(third)) == ("{~1.06857902130}", r"$\{\approx 1.06857902130\}$")
-
-
-def test_a_piece_is_a_number_a_formula_or_a_root_of_its_curve():
-    everywhere = Interval(None, None, False, False)
-    assert fact_text(LimitPiece(everywhere, INFINITY)) == "oo on (-oo, oo)"
-    assert fact_tex(LimitPiece(everywhere, None, "a*x**3 - 2", 1)) == (
-        r"positive root 1 of $a x^{3}-2$ on $(-\infty, \infty)$"
-    )
-    assert fact_tex(LimitPiece(everywhere, None, "a*x - 2", 1, "2/a")) == r"$\frac{2}{a}$ on $(-\infty, \infty)$"
-
-
 def test_a_list_takes_a_line_for_each_row_in_text_and_a_matrix_is_one_in_tex():
     h = ExactFunction(Facts(METHODS["forward_euler"]).one_step_matrix[0][1], "h")
     facts = {"one_step_matrix": Facts(METHODS["forward_euler"]).one_step_matrix, "entry": h}
@@ -100,11 +86,6 @@ def test_a_list_takes_a_line_for_each_row_in_text_and_a_matrix_is_one_in_tex():
         "entry            h",
     ]
     assert r"one step matrix & $\begin{pmatrix}1 & h \\ -h & 1\end{pmatrix}$ \\" in facts_tex(facts)
-
-
-def test_long_lists_are_cut_and_say_so():
-    assert fact_text({str(n): n for n in range(14)}).endswith("11: 11, and 2 more (JSON has all)")
-    assert fact_tex({str(n): n for n in range(12)}).endswith("11: 11")
 
 
 def hostile(stages):
@@ -148,6 +129,7 @@ def test_twelve_items_400_characters_and_17_digits_are_shown():
         assert facts_text({"x": [str(i) for i in range(1, count + 1)]}).splitlines()[-1].strip() == last
         shown = fact_text({f"k{i}": i for i in range(1, count + 1)})
         assert shown.endswith("k12: 12" if count == 12 else "k12: 12, and 1 more (JSON has all)")
+    assert fact_tex({str(n): n for n in range(12)}).endswith("11: 11")
     assert fact_text(Formula("x" * 400)) == "x" * 400
     assert fact_text(Formula("x" * 401)) == "a formula of 401 characters"
     assert not is_long(Q(1, 10**57))
