@@ -192,7 +192,7 @@ class Suggestions:
         possible = [
             k for k in self._known if (k.answer.unit == "%") == percent or (k.question in self.asked and not percent)
         ]
-        meant = self._meant_at(number)
+        meant, head = self._meant_at(number), self.column_of(number)
         alike = {each.question for each in self._written(form).get(_spelled(number), ())}
         for known in (each for each in possible if each.question in alike):
             fit, asked = fits[known.question], known.chosen is not None
@@ -202,7 +202,8 @@ class Suggestions:
             strong = not denied and known.is_meant(x, digits, fit, rivals)
             unpublished = known.question not in ids
             first = -known.rank * (strong or known.rank == 2)
-            order = first, denied, not strong, known not in meant and unpublished, -fit
+            headed = any(name in head for name in known.names)  # order under "order", not the number of stages
+            order = first, denied, not headed, not strong, known not in meant and unpublished, -fit
             last = known.answer.exact != x, unpublished, len(known.question), known.question
             found.append(((*order, *last), LookAlike(known.question, form, strong)))
         return [alike for _, alike in sorted(found, key=lambda pair: pair[0])]
@@ -370,6 +371,8 @@ class Suggestions:
         named = dict.fromkeys(key for key in (*_USUAL_METHODS, *METHODS, *FACTS_ONLY) if key in spoken)
         for i, method in enumerate([*(named or _USUAL_METHODS)][:_MOST_METHODS]):
             yield from (f"{fact} {method}" for fact in _USUAL_FACTS)
+            if "interval" in self._lower:
+                yield f"-real_limit {method}"
             for h in sizes if method in METHODS and i < _MOST_RUN else ():
                 yield f"energy_multiplier {method} h={h}"
                 yield from (f"step {method} h={h} : {readout}" for readout in _STEP_READOUTS)

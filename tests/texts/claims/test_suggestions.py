@@ -183,6 +183,16 @@ def test_a_slip_is_a_wrong_digit_or_sign_or_two_neighbours_exchanged_and_no_numb
     assert [*row.slips(numbers_in(row.text)[1])] == ["run forward_euler rates=(t+y0) from 0 h=0.2 t=0.6 : y0"]
 
 
+def test_the_head_of_a_column_says_which_fact_a_digit_is_and_an_interval_may_be_negative():
+    text = "| Method | stages | order |\n| RK4 | 4 | 4 |\nThe stability interval of RK4 is (-2.785, 0)."
+    suggestions = Suggestions(text)
+    numbers = [x for x in numbers_in(text) if x.label is None and x.text in ("4", "-2.785")]
+    found = [suggestions.look_alikes(x)[0] for x in numbers]
+    assert [one.question for one in found] == ["rk4.stages", "order rk4", "-real_limit rk4"]
+    assert all(one.strong for one in found)
+    assert not Suggestions(text.replace("interval", "limit")).look_alikes(numbers[-1])
+
+
 @pytest.mark.parametrize(
     ("said", "value"),
     [
