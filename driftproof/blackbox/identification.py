@@ -63,7 +63,6 @@ class Identification:
 
     @property
     def _sections(self) -> tuple[Section, ...]:
-        """The sections of the report: what to do first, then the evidence, the most important first."""
         seen, opened = self.seen, self._opened
         damping: Damping | None = seen.damping.result
         damps = damping.faults if damping and not seen.ignores_step else []
@@ -87,7 +86,6 @@ class Identification:
 
     @property
     def _what_to_do(self) -> list[str]:
-        """The next steps that the findings suggest."""
         seen, held = self.seen, verification(self.name)
         if seen.introduction.failed:
             return [_HELPS.get(seen.introduction.kind or "", "make this one call return an answer, then try again")]
@@ -98,19 +96,16 @@ class Identification:
             lines.append(f"if it should be {key}, correct this: {wrong}; then {held} {key}")
         elif seen.key is not None:
             solved = "" if seen.key not in METHODS or METHODS[seen.key].explicit else " --solver-tolerance 1e-10"
-            lines.append(
-                f"if it should be {seen.key}, verify it: {held} {seen.key}{solved}, or assert_verified in a test"
-            )
+            verified = f"{held} {seen.key}{solved}, or assert_verified in a test"
+            lines.append(f"if it should be {seen.key}, verify it: {verified}")
         else:
             lines.append(f"name the method it should be: {held} METHOD, or your own tableau in a .toml file")
         if seen.coefficients.failed and "is adaptive" in seen.coefficients.seen:
-            lines.append(
-                "if it adapts its step size, let a large tolerance accept each step, or examine a solver: --solver"
-            )
+            advice = "let a large tolerance accept each step, or examine a solver: --solver"
+            lines.append(f"if it adapts its step size, {advice}")
         if seen.coefficients.kind == "unsupported_call":
-            lines.append(
-                "to have its coefficients read, make the right-hand side or force an argument: step(f, t, y, h)"
-            )
+            advice = "make the right-hand side or force an argument: step(f, t, y, h)"
+            lines.append(f"to have its coefficients read, {advice}")
         return lines
 
     @property
@@ -138,7 +133,6 @@ class Identification:
 
 
 def _data_of(outcome: Outcome) -> Json:
-    """The data of a result; None if there is none."""
     found: Json = None if outcome.result is None else outcome.result.data
     return found
 
@@ -155,7 +149,6 @@ def _checks(checks: Sequence[CheckResult]) -> tuple[Section, ...]:
 
 
 def _returned_besides_y1(outcome: Outcome) -> list[str]:
-    """The lines on an error estimate or a dense output, which is returned besides y1."""
     found: JudgedEstimate | JudgedDense | None = outcome.result
     return [] if found is None else [*found.lines, *found.faults]
 

@@ -30,7 +30,6 @@ from driftproof.blackbox.report import Naming, Report
 from driftproof.blackbox.stepper.calling_conventions import FAMILY_KINDS
 from driftproof.blackbox.stepper.opening import Target
 from driftproof.methods.catalogue import METHODS
-from driftproof.methods.schemes import Method
 
 # Examples of a recognised method's rounding errors: a fifth of those in `verify` shows their size.
 _EXAMPLES = EXAMPLES // 5
@@ -96,13 +95,9 @@ def identification_report(
     implicit = [key for key in (best.methods if best is not None else ()) if not METHODS[key].explicit]
     twins = runner.outcome_of(partial(nonlinear_twins, keys=implicit)) if implicit else Outcome()
     seen = Seen(introduced, read, fit, order, estimate, dense, damping, twins, tuple(checks), arithmetic)
-    explicit = METHODS[seen.key] if seen.key is not None and METHODS[seen.key].explicit else None
-    rounding = Outcome() if explicit is None else _rounding(runner, explicit, seen.size)
+    rounding = Outcome()
+    if seen.key is not None and METHODS[seen.key].explicit:
+        domain = ORDINARY_DOMAIN if seen.size >= 1 else replace(ORDINARY_DOMAIN, largest_state=seen.size)
+        wanted = Specification(METHODS[seen.key], domain=domain)
+        rounding = runner.outcome_of(partial(explain_by_habits, wanted=wanted, examples=_EXAMPLES))
     return Identification(runner.target.name, seen, rounding, later).report, seen.naming
-
-
-def _rounding(runner: IsolatedRunner, method: Method, size: float) -> Outcome:
-    """The rounding errors of the method that the stepper is at states of this size."""
-    domain = ORDINARY_DOMAIN if size >= 1 else replace(ORDINARY_DOMAIN, largest_state=size)
-    wanted = Specification(method, domain=domain)
-    return runner.outcome_of(partial(explain_by_habits, wanted=wanted, examples=_EXAMPLES))

@@ -206,11 +206,6 @@ def owner_of(step: Callable[..., Any]) -> Callable[..., Any]:
     return found if inspect.isclass(found) else step
 
 
-def makes_steppers(step: Callable[..., Any]) -> bool:
-    """True if it takes a function or a step size, or both, and nothing else."""
-    return {*map(plain_role, required_names(step) or ())} in ({FUNCTION}, {STEP}, {FUNCTION, STEP})
-
-
 def maker_wrapper(step: Callable[..., Any]) -> str:
     """The wrapper of a function that makes a stepper from a right-hand side, from a step size, or from both."""
     names = required_names(step) or []

@@ -6,13 +6,12 @@ import inspect
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from driftproof.blackbox.stepper.calling_conventions import FORCE, FUNCTION, STATE, required_names
+from driftproof.blackbox.stepper.calling_conventions import FORCE, FUNCTION, STATE, STEP, required_names
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
-from driftproof.blackbox.stepper.function_wrappers import ARGUMENTS, function_wrapper, name_of
+from driftproof.blackbox.stepper.function_wrappers import ARGUMENTS, function_wrapper, name_of, plain_role
 from driftproof.blackbox.stepper.made_wrappers import (
     advance_of,
     maker_wrapper,
-    makes_steppers,
     making,
     object_wrapper,
     owner_of,
@@ -25,7 +24,8 @@ def wrapper_line(step: Callable[..., Any]) -> str:
     step = owner_of(step)
     line = object_wrapper(step)
     if not line and not inspect.isclass(step):
-        line = maker_wrapper(step) if makes_steppers(step) else function_wrapper(step)
+        roles = {*map(plain_role, required_names(step) or ())}
+        line = maker_wrapper(step) if roles and roles <= {FUNCTION, STEP} else function_wrapper(step)
     return f": {line}" if line else ""
 
 
