@@ -41,27 +41,18 @@ def test_a_stepper_is_found_in_the_current_directory_before_others(tmp_path, mon
     assert [n for n, place in enumerate(sys.path) if place == str(tmp_path)] == [0]
 
 
-@pytest.mark.parametrize(
-    ("name", "message"),
-    [
-        ("driftproof.numeric.steppers", "'driftproof.numeric.steppers' names no stepper; write package."),
-        ("driftproof.numeric.steppers:", "names no stepper"),
-        (":rk4", "names no stepper"),
-        ("driftproof/numeric/steppers.py:rk4", "names a file; write driftproof.numeric.steppers:rk4"),
-        ("./mine.py:step", "names a file; write mine:step"),
-        ("driftproof.numeric.steppers:rk4(1)", "names no stepper"),
-        ("driftproof.numeric.steppers:rk5", "driftproof.numeric.steppers:rk5 cannot be imported: AttributeError"),
-        ("no_such_module_here:step", "cannot be imported: ModuleNotFoundError"),
-        (
-            "driftproof.numeric.steppers:HAND_WRITTEN",
-            ":HAND_WRITTEN is dict, which cannot be called; hand over a function",
-        ),
-        (
-            None,
-            "what was given is None; hand over a function that makes one step, say: def step(f, t, y, h): return y + ",
-        ),
-    ],
-)
+@pytest.mark.parametrize(("name", "message"), [
+    ("driftproof.numeric.steppers", "'driftproof.numeric.steppers' names no stepper; write package."),
+    ("driftproof.numeric.steppers:", "names no stepper"),
+    (":rk4", "names no stepper"),
+    ("driftproof/numeric/steppers.py:rk4", "names a file; write driftproof.numeric.steppers:rk4"),
+    ("./mine.py:step", "names a file; write mine:step"),
+    ("driftproof.numeric.steppers:rk4(1)", "names no stepper"),
+    ("driftproof.numeric.steppers:rk5", "driftproof.numeric.steppers:rk5 cannot be imported: AttributeError"),
+    ("no_such_module_here:step", "cannot be imported: ModuleNotFoundError"),
+    ("driftproof.numeric.steppers:HAND_WRITTEN", ":HAND_WRITTEN is dict, which cannot be called; hand over a function"),
+    (None, "what was given is None; hand over a function that makes one step, say: def step(f, t, y, h): return y + "),
+])  # fmt: skip
 def test_a_name_without_a_stepper_is_refused_in_one_line(name, message):
     with pytest.raises(ValueError, match=r".") as caught:
         Target(name).open()
