@@ -233,7 +233,6 @@ class _System:
         return np.asarray(pushed, float).reshape(at.shape) * self.factors[whose or 0]
 
     def asked(self, *arguments: Foreign) -> Foreign:
-        """The answer to the stepper's call of its force."""
         if self.bodies:
             return _answer_of_bodies(self.pushes, arguments, self.bodies)
         arrays, _ = _arrays_and_numbers(arguments, self.places.size)
