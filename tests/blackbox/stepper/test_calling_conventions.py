@@ -20,7 +20,8 @@ from tests.looping import some
 
 WILD = {
     (MAP, "position velocity step"): [
-        "q, v, h", "x, v, dt", "q, p, h", "pos, vel, dt", "theta, omega, dt", "X, V, dT", "_q, _v, _h", "y, vy, eps",
+        *("q, v, h", "q, v, h, k=4.0", "x, v, dt", "q, p, h", "pos, vel, dt", "theta, omega, dt", "X, V, dT"),
+        *("_q, _v, _h", "y, vy, eps"),
     ],
     (MAP, "velocity position step"): ["v, x, dt"], (MAP, "step position velocity"): ["dt, x, v"],
     (MAP, "time position velocity step"): ["t, x, v, dt"], (MAP, "state step"): ["state, dt", "y, h", "p, dt"],
@@ -88,10 +89,6 @@ def test_a_convention_that_is_named_is_taken_of_two_that_fit():
 def test_an_unknown_convention_is_refused_with_the_known_ones():
     with pytest.raises(ValueError, match="unknown calling convention 'window'; choose from map, force, field"):
         convention_of(with_parameters("q, v, h"), "window")
-
-
-def test_parameters_with_a_default_are_left_alone():
-    assert convention_of(lambda q, v, h, k=4.0: None) == CallingConvention(MAP, ("position", "velocity", "step"))
 
 
 @pytest.mark.parametrize("step", [
