@@ -127,11 +127,6 @@ def _roles(names: Sequence[str], function: str) -> dict[str, str] | None:
     return None if "" in held else {name: meant.get(role, role) for name, role in found.items()}
 
 
-def _stem(word: str) -> str:
-    """What is left of the name of an array that is written into, without its "out" or "new"; "" for other names."""
-    return "" if not _INTO.search(word) else _INTO.sub("", word) or "y"
-
-
 class _Call:
     """Calls of one stepper, with arguments made from a plain state."""
 
@@ -205,7 +200,7 @@ class _Call:
         outs = {name: np.full_like(state, _LEFT_THERE) for name, role in self.roles.items() if role == _OUT}
         known = {**given, _SIZE: len(state)}
         answer = self.step(*[outs[name] if name in outs else known[self.roles[name]] for name in self.names])
-        ordered = sorted(outs, key=lambda name: _stem(word_of(name)) in _NAMES[VELOCITY])
+        ordered = sorted(outs, key=lambda name: _INTO.sub("", word_of(name)) in _NAMES[VELOCITY])
         return answer, [outs[name] for name in ordered]
 
 
