@@ -134,9 +134,8 @@ def test_methods_objects_and_bound_functions_are_steppers():
     assert convention_of(Oscillator().step).order == ("position", "velocity", "step")
     assert convention_of(Oscillator()).order == ("state", "step")
     assert convention_of(Oscillator.advance).kind == MAP
-    assert convention_of(functools.partial(general, lambda t, y: -y)) == CallingConvention(
-        MAP, ("time", "state", "step")
-    )
+    bound = functools.partial(general, lambda t, y: -y)
+    assert convention_of(bound) == CallingConvention(MAP, ("time", "state", "step"))
     assert convention_of(SimpleNamespace(py_func=general)).kind == FIELD  # as numba compiles
     assert convention_of(functools.wraps(general)(lambda *arguments: general(*arguments))).kind == FIELD
 

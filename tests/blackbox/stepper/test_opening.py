@@ -68,16 +68,9 @@ def test_what_is_seldom_met_is_opened_or_refused_as_before(name, as_before, monk
     try:
         subject = opened(step)
     except (ValueError, Misbehaviour) as refusal:
-        as_before(
-            type(refusal).__name__,
-            re.split(" is not one of these| does not fit any calling", str(refusal))[0],
-            wrapper_line(step),
-            asked,
-        )
+        said = re.split(" is not one of these| does not fit any calling", str(refusal))[0]
+        as_before(type(refusal).__name__, said, wrapper_line(step), asked)
     else:
         steps = [] if subject.single else [subject.step(1.0, 0.75, 0.25), subject.step(-3.0, 0.5, 1.5)]
-        as_before(
-            f"{subject.adapter.name}: {call_text(subject, 1.0, 0.75, 0.25)}",
-            (*steps, subject.log.changes_its_arguments, *subject.log.types),
-            asked,
-        )
+        shown = f"{subject.adapter.name}: {call_text(subject, 1.0, 0.75, 0.25)}"
+        as_before(shown, (*steps, subject.log.changes_its_arguments, *subject.log.types), asked)
