@@ -167,10 +167,7 @@ def clock_wrapper(step: Callable[..., Any]) -> str:
 
 
 def _two_step_wrapper(cls: type, method: str, names: Sequence[str], taken: Sequence[str]) -> str:
-    """The run of an object made from its state and the one before, which it keeps; "" if they are not seen.
-
-    If it takes a force it is a method for q'' = force(q), else one for y' = f(y).
-    """
+    """The run of an object made from its state and the one before, which it keeps; "" if they are not seen."""
     kind = FORCE if takes_force((*names, *taken)) else FIELD
     (before,) = filter(is_before, names)
     given, call = (arguments_by_role([x for x in some if x != before], kind) for some in (names, taken))

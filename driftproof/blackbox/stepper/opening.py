@@ -181,11 +181,7 @@ _TRIALS: dict[str, tuple[TrialStep, ...]] = {
 
 
 def _after_trial(subject: ForeignStepper, trial: TrialStep) -> ForeignStepper:
-    """The subject after a trial step, with the format of its answers and only the log entries needed to read them.
-
-    Raises WrongShape for a complex state that turns the other way, StaleSlope for a step that hands on a slope other
-    than that at its end, Increment for a step that returns y1 - y, and Exchanged for one that exchanges q and v.
-    """
+    """The subject after a trial step, with the format of its answers and only the log entries needed to read them."""
     end = trial(subject, TRIAL_STEP)
     subject.begun = (lambda again: trial(again, TRIAL_STEP)), end
     if subject.convention.run and subject.log.works_in_place:  # a count of steps, or of numbers

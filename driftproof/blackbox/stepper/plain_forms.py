@@ -169,10 +169,7 @@ class _Call:
     def moved(
         self, force: Callable[..., Any] | None, q: Foreign, v: Foreign, h: float, left: Mapping[str, Any] | None = None
     ) -> Foreign:
-        """A step of q'' = force(q), or of the built-in system if force is None, with what another step `left`.
-
-        Raises StaleSlope if what a step leaves makes the next one wrong.
-        """
+        """A step of q'' = force(q), or of the built-in system if force is None, with what another step `left`."""
         if self.stale:
             raise StaleSlope(f"a second step with the {self.stale} that the first one left is not one of its own state")
         if np.shape(q) == (_IN_SPACE**2,) and _MASS in self.roles.values():
