@@ -1,8 +1,8 @@
 """Somebody's float stepper, seen from outside: what it is, and whether it is right to roundoff.
 
-`identify` names a stepper, `verify` compares it with a method, and `solvers.identify_solver` reads a whole solver. What
-they report stands in `identification` and `verification`: a name of `naming`, or what `criteria` came to. What
-they ask lies in folders, each of which imports only from those above it:
+`identify` names a stepper by `naming`, `verify` compares it with a method, whose verdict is what `criteria` came to in
+`verification`, and `solvers.identify_solver` reads a whole solver. What they ask lies in folders, each of which imports
+only from those above it:
 
     findings, report   what foreign code did, and what is said of it
     stepper            calling it: its convention, its numbers, its state; wrappers for what cannot be called

@@ -85,7 +85,7 @@ def questions_of(wanted: Specification, examples: int) -> list[Question]:
         return partial(ask, wanted=wanted, **options)
 
     coefficients = partial(_judge_coefficients, solver_tolerance=float(solved or 0))
-    estimate = _READABLE_ESTIMATE * is_pair(method)
+    estimate, later = _READABLE_ESTIMATE * is_pair(method), partial(later_steps, explicit=method.explicit)
     return [
         Question(ROUNDING, against(explain_by_habits, examples=examples), _judge_rounding),
         Question(COEFFICIENTS, read_coefficients, coefficients, "", _READABLE),
@@ -97,9 +97,7 @@ def questions_of(wanted: Specification, examples: int) -> list[Question]:
         Question("Steps back", against(back_and_on), _judge_calls, " for h > 0 only"),
         Question("Several", against(several_together), _judge_calls, ", but not of several oscillators at once"),
         Question("Parameters", against(other_parameters), _judge_calls, ", but not for all parameters"),
-        Question(
-            "Later steps", partial(later_steps, explicit=method.explicit), _judge_calls, " for its first step only"
-        ),
+        Question("Later steps", later, _judge_calls, " for its first step only"),
         Question(STATE_FORMS, against(state_objects), _judge_calls, ", but not for every form of state"),
         Question(FIRST_CALL, first_call_again, _judge_calls, ", but not in every call"),
     ]

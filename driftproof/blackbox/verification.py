@@ -196,7 +196,6 @@ class Refutation:
 
     @property
     def _other_method(self) -> str:
-        """The verdict on a stepper that is another method, or none that is known."""
         coefficients, verdict = self.seen.of_step[1], self.instead.verdict
         wrong = "; ".join(coefficients.data.get("differences", ()))
         what = f": {wrong}" if wrong and wrong not in verdict else ""

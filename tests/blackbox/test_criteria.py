@@ -43,15 +43,12 @@ def forwards_only(f, t, y, h):
 
 
 @pytest.mark.slow(keep=1)
-@pytest.mark.parametrize(
-    ("step", "passed", "verdict", "section"),
-    [
-        (dying_far_from_home, None, "undecided whether it is rk4: steps elsewhere: the process ended ", "undecided"),
-        (slow_far_from_home, None, "undecided whether it is rk4: steps elsewhere: step(t=1004.1, ", "undecided"),
-        (stopped_once, None, "undecided whether it is rk4: ", "passed"),
-        (forwards_only, True, "is rk4 to roundoff: 50 steps", "not tested"),
-    ],
-)  # fmt: skip
+@pytest.mark.parametrize(("step", "passed", "verdict", "section"), [
+    (dying_far_from_home, None, "undecided whether it is rk4: steps elsewhere: the process ended ", "undecided"),
+    (slow_far_from_home, None, "undecided whether it is rk4: steps elsewhere: step(t=1004.1, ", "undecided"),
+    (stopped_once, None, "undecided whether it is rk4: ", "passed"),
+    (forwards_only, True, "is rk4 to roundoff: 50 steps", "not tested"),
+])  # fmt: skip
 def test_what_a_further_question_comes_to(step, passed, verdict, section):
     report = verify(step, "rk4", examples=50, time_limit=4)
     assert report.passed is passed, report

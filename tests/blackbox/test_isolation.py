@@ -182,12 +182,8 @@ def raises_misbehaviour(subject):
     raise StepRaised("as it were")
 
 
-def has_a_mistake(subject):
-    return 1 // 0
-
-
 def test_outcomes_come_in_the_order_of_the_questions():
-    asked = [raises_misbehaviour, answer, has_a_mistake, lambda subject: max([]), negative_step]
+    asked = [raises_misbehaviour, answer, lambda subject: 1 // 0, lambda subject: max([]), negative_step]
     found = runner(broken_steppers.noisy).run(asked)
     assert [outcome.kind for outcome in found] == ["raises", None, *["instrument_failed"] * 2, "unsteady"]
     assert found[0].seen == "as it were"
@@ -214,15 +210,12 @@ def test_our_command_alone_forks_and_with_modules_of_others_a_new_interpreter_is
     assert f"who:step cannot be imported: ImportError: {forked}" in run.stderr
 
 
-@pytest.mark.parametrize(
-    ("main", "loaded", "alone"),
-    [
-        (cli.main, ["os", "numpy.linalg", "_sitecustomize", "driftproof.cli"], True),
-        (cli.main, ["os", "numpy.linalg", "mine.steps"], False),
-        (encode, ["os"], False),
-        (None, ["os"], False),
-    ],
-)
+@pytest.mark.parametrize(("main", "loaded", "alone"), [
+    (cli.main, ["os", "numpy.linalg", "_sitecustomize", "driftproof.cli"], True),
+    (cli.main, ["os", "numpy.linalg", "mine.steps"], False),
+    (encode, ["os"], False),
+    (None, ["os"], False),
+])  # fmt: skip
 def test_our_command_is_alone_where_nobody_else_s_modules_are_loaded(main, loaded, alone, monkeypatch):
     modules = {"__main__": SimpleNamespace(main=main), **dict.fromkeys(loaded)}
     seen = SimpleNamespace(modules=modules, stdlib_module_names=sys.stdlib_module_names)
@@ -325,6 +318,7 @@ def told(monkeypatch, *script):
 
 
 IN_CALL = " in step(q=1.0, v=0.75, h=0.25)"
+TOO_LONG = [f"the 120 s for the whole run were not enough: stopped after 59.8 s{IN_CALL}", 7]
 # What the far side does at its looks, with the time and the number of processes that it takes, and what is told of it.
 FAR = {
     "answers": ([(3, GOOD)], 1.5, 1, [7, 7]),
@@ -338,12 +332,7 @@ FAR = {
     "a call after a longer one hangs": ([(12, BACK), (2, GOOD), (41, CALL), (1, GOOD)], 28.0, 2, [7, 7]),
     "calls hang": ([(1, GOOD), (44, CALL), (1, GOOD)], 23.0, 5, [f"no answer within 5 s{IN_CALL}", 7]),
     "few hang": ([(1, GOOD), (33, CALL), (1, GOOD), (33, CALL), (1, GOOD)], 34.5, 7, [7, 7]),
-    "calls come back": (
-        [(1, GOOD), *[(10, CALL), (10, "calling 8: ")] * 5, (20, BACK), (1, GOOD)],
-        61.0,
-        2,
-        [f"the 120 s for the whole run were not enough: stopped after 59.8 s{IN_CALL}", 7],
-    ),
+    "calls come back": ([(1, GOOD), *[(10, CALL), (10, "calling 8: ")] * 5, (20, BACK), (1, GOOD)], 61.0, 2, TOO_LONG),
     "we are slow": ([(1, GOOD), (100, BACK), (2, GOOD)], 51.5, 1, [7, 7]),
     "cannot be imported": ([(1, ProcessEnded("exit", "why"))], 0.5, 1, ["why while the stepper was imported"] * 2),
 }

@@ -23,12 +23,13 @@ class Clock:
     v: float
 
 
-def spring(force_of=lambda x, k, m: k / m * x):
-    def step(x, v, dt, k, m):
-        v = v - dt * force_of(x, k, m)
-        return x + dt * v, v
+def kick_and_drift(x, v, dt, force):
+    v = v + dt * force
+    return x + dt * v, v
 
-    return step
+
+def spring(force_of=lambda x, k, m: k / m * x):
+    return lambda x, v, dt, k, m: kick_and_drift(x, v, dt, -force_of(x, k, m))
 
 
 def verlet(force_of=lambda force, m: force / m, ended=lambda v, x: v):
@@ -110,11 +111,7 @@ def weighted(sixth):
 
 
 def cast(form):
-    def step(q, v, h):
-        v = form(v - h * q)
-        return q + h * float(v), v
-
-    return step
+    return lambda q, v, h: (q + h * float(form(v - h * q)), form(v - h * q))
 
 
 def called(turn):
@@ -133,11 +130,7 @@ def nearly(apart, kept=None):
 
 
 def rows(of_row):
-    def step(states, dt):
-        v = states[:, 1] - dt * of_row(states[:, 0])
-        return np.stack([states[:, 0] + dt * v, v], axis=1)
-
-    return step
+    return lambda states, dt: np.stack(kick_and_drift(*states.T, dt, -of_row(states[:, 0])), axis=1)
 
 
 def out_of(written):
@@ -189,10 +182,7 @@ def leap(last):
 
 
 def split(turn):
-    def step(f_explicit, f_implicit, t, y, h):
-        return imex("ars222")(*turn(f_explicit, f_implicit), t, y, h)
-
-    return step
+    return lambda f_explicit, f_implicit, t, y, h: imex("ars222")(*turn(f_explicit, f_implicit), t, y, h)
 
 
 def ros2(share):
@@ -243,8 +233,7 @@ class Particle:
 
 def particle(ended):
     def step(p: Particle, dt: float) -> Particle:
-        v = p.v - dt * p.x / p.m
-        return ended(p, p.x + dt * v, v, dt)
+        return ended(p, *kick_and_drift(p.x, p.v, dt, -p.x / p.m), dt)
 
     return step
 
@@ -388,11 +377,7 @@ def sprung(near):
 
 
 def resisted(change):
-    def step(force, x, v, dt):
-        v = v + dt * force(x, change(v))
-        return x + dt * v, v
-
-    return step
+    return lambda force, x, v, dt: kick_and_drift(x, v, dt, force(x, change(v)))
 
 
 RUN = later(lambda n: n - 1)

@@ -196,9 +196,8 @@ def test_a_solver_that_stops_early_fails_and_is_told_by_the_power_of_its_error(s
     step = all_at_once(table("backward_euler"), solver)
     report = held(step, "backward_euler", allowance=SOLVED, domain=SHORT)
     assert report.passed is False
-    assert report.verdict.startswith(
-        "is not backward_euler to the tolerance stated: its coefficients agree, but its solver"
-    )
+    words = "is not backward_euler to the tolerance stated: its coefficients agree, but its solver"
+    assert report.verdict.startswith(words)
     assert seen in report.verdict
     assert report.section("Coefficients: FAILED")
     named = identify(step, isolate=False)

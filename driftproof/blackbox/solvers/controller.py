@@ -304,7 +304,9 @@ def _points(
 def _law(name: str, points: Sequence[_Point]) -> Law | None:
     """The law in this estimate, or None: fitted to the steps that no limit clips, then compared with all."""
     factors = [p.factor for p in points if p.rejections <= 1]
-    largest, smallest = _repeated(factors, max(factors)), _repeated(factors, min(factors))
+    # The extreme factors are limits if several steps have them.
+    ends = max(factors), min(factors)
+    largest, smallest = (end if sum(_is_same(x, end) for x in factors) > 1 else None for end in ends)
     limits = (largest, smallest, 1.0)
     unclipped = [p for p in points if not p.rejections and not any(_is_same(p.factor, limit) for limit in limits)]
     free = [p for p in unclipped if p.rounded <= _CLOSE]
@@ -374,11 +376,6 @@ def _fitted(points: Sequence[_Point], terms: int) -> list[Any] | None:
     safety = float(left.max() + left.min()) / 2
     two_digits = log(round(exp(safety), 2) or 1.0)
     return [two_digits if np.abs(left - two_digits).max() <= _CLOSE else safety, *found]
-
-
-def _repeated(factors: Sequence[float], value: float) -> float | None:
-    """The extreme factor, which is a limit, if several steps have it; else None."""
-    return value if sum(_is_same(x, value) for x in factors) > 1 else None
 
 
 def _is_same(x: float, value: float | None) -> bool:

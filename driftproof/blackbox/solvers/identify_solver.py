@@ -81,7 +81,6 @@ def _order(steps: SolverSteps | SolverMemory) -> int | None:
 
 
 def _controlled(subject: ForeignSolver) -> ControllerReading:
-    """The law of the step sizes, by the estimate of the pair that is read first."""
     return read_controller(subject, read_steps(subject))
 
 

@@ -172,7 +172,6 @@ def _wrong(
 
 
 def _stepped(reading: TableauReading, rate: StageRate, t: float, h: float, y: Sequence[float]) -> list[float]:
-    """The end of a step by the stages read."""
     return advanced(y, h, [reading.b], [stage_slopes(reading.a, reading.c or (), rate, t, h, y)])
 
 

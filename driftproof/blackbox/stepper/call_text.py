@@ -48,7 +48,6 @@ def _literal(x: float) -> str:
 
 
 def _written(stepper: ForeignStepper, *numbers: float) -> str:
-    """The numbers as Python text in the form that the stepper takes."""
     adapter = stepper.adapter
     array = not adapter.shown and adapter is not SCALARS and np.ndim(adapter.write(numbers)) > 0
     return _constructed(stepper, [*map(_literal, numbers)], array)

@@ -44,7 +44,9 @@ class FloatEnvironment:
         """Look at the arithmetic before the stepper is imported."""
         self.seen, self.change = "", ""
         self._theirs: Any = None
-        self._library = _library()
+        self._library: Any = None
+        with suppress(OSError):  # of glibc, whose default environment is known; elsewhere there is none
+            self._library = ctypes.CDLL("libm.so.6")
         self.leave("before the stepper is imported")
 
     def enter(self) -> None:
@@ -63,10 +65,3 @@ class FloatEnvironment:
             self._theirs = ctypes.create_string_buffer(_ROOM)
             self._library.fegetenv(self._theirs)
             self._library.fesetenv(ctypes.c_void_p(_DEFAULT))
-
-
-def _library() -> Any:
-    """The mathematical library of glibc, whose default environment is known; None elsewhere."""
-    with suppress(OSError):
-        return ctypes.CDLL("libm.so.6")
-    return None

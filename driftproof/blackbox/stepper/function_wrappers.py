@@ -55,7 +55,7 @@ _PARAMETERS = ("args", "params", "parameters", "kwargs")
 # Of a method for q'' = F(q) that takes two positions: the position before, and the pairs, with velocities of order 1.
 BEFORE, WITH_SPEEDS = "q - h * v + h**2 / 2 * force(q)", "{0}, [v, *((b - a) / h for a, b in zip({0}, {1}))]"
 # The step of second order that stands in for the first steps of a method that takes earlier states.
-FIRST_STEP = "y + h * f(t + h / 2, y + h / 2 * f(t, y))"
+FIRST_STEP, FIRST_STEP_UNTIMED = "y + h * f(t + h / 2, y + h / 2 * f(t, y))", "y + h * f(y + h / 2 * f(y))"
 
 
 def function_wrapper(step: Callable[..., Any]) -> str:
@@ -75,7 +75,7 @@ def function_wrapper(step: Callable[..., Any]) -> str:
     of_state = POSITION not in roles or (VELOCITY not in roles and (TIME in roles or not forced))
     kind = MAP if FUNCTION not in roles else FIELD if of_state else FORCE
     given = arguments_by_role(names, kind)
-    line = list_wrapper(step)[2:] or _run_wrapper(step, names) or _pair_wrapper(step, names, given)
+    line = list_wrapper(step) or _run_wrapper(step, names) or _pair_wrapper(step, names, given)
     return line or (_call(step, names, given, kind) if given else "")
 
 
@@ -118,7 +118,7 @@ def list_wrapper(step: Callable[..., Any]) -> str:
                 call = _called(step, names, later_arguments(given, ys="ys[::-1]" if turned < 0 else "ys"))
                 later = f"s(t + i * h, ys[-1]) if i < {size - 1} else {call}"
                 line = run_of_steps(HEADS[FIELD], "y", later, f"s = lambda t, y: {FIRST_STEP}; ")
-                return f": {line}  # begins with midpoint2"
+                return f"{line}  # begins with midpoint2"
     return ""
 
 

@@ -30,7 +30,7 @@ from driftproof.blackbox.stepper.calling_conventions import (
 )
 from driftproof.blackbox.stepper.function_wrappers import (
     BEFORE,
-    FIRST_STEP,
+    FIRST_STEP_UNTIMED,
     HEADS,
     TRIAL_ARGUMENTS,
     WITH_SPEEDS,
@@ -111,12 +111,11 @@ def making(cls: type, kind: str, made: Any = None) -> str:
 
 def _state_wrapper(cls: type, made: Any, advance: str) -> str:
     """The `stepper_of` line for an object whose attributes hold its state; "" if their names do not tell where."""
-    makes = required_names(cls) or []
     q, v, state, time = (_attribute(made, role) for role in (POSITION, VELOCITY, STATE, TIME))
     if not state and not (q and v):
         return ""
     where, maker = f'position="{q}", velocity="{v}"' if q and v else f'state="{state}"', "stepper_of"
-    if not makes and (push := next((each for each in _PUSHES if hasattr(cls, each)), "")):
+    if not required_names(cls) and (push := next((each for each in _PUSHES if hasattr(cls, each)), "")):
         of_x = type(getattr(made, q.partition(".")[0], 0.0)).__name__ if q.endswith(".x") else ""
         where += f", push=lambda body, f: body.{push}({of_x}(f, 0.0))" if of_x else f', push="{push}"'
     if function_argument(cls) and not (q and v):
@@ -140,20 +139,17 @@ def _class_wrapper(cls: type, own: str | None = None) -> str:
     if sum(map(is_before, names)) == 1:
         return _two_step_wrapper(cls, method, names, taken[1:])
     kind = kind_by_names((*names, *taken))
-    made = _Made(kind, cls.__name__, arguments_by_role(names, kind), arguments_by_role(taken[1:], kind), method)
-    if len(made.arguments) < len(names) or len(made.call) < len(taken) - 1:
+    made = _Made(kind, cls, arguments_by_role(names, kind), arguments_by_role(taken[1:], kind), method)
+    given, called = {*made.arguments.values()}, {*made.call.values()}
+    if len(made.arguments) < len(names) or len(made.call) < len(taken) - 1 or function_of(kind) not in given | called:
         return ""
-    if function_of(kind) not in (*made.arguments.values(), *made.call.values()):
-        return ""
-    if made.state <= {*made.call.values()}:
-        return made.line(cls)
-    if not made.state <= {*made.arguments.values()}:
-        return ""
+    if made.state <= called:
+        return made.line()
     with suppress(Exception):
-        kept = made.new(cls, _START[kind], 0.0)
+        kept = made.new(_START[kind], 0.0)
         places = [_attribute(kept, role) for role in ((POSITION, VELOCITY) if kind == FORCE else (STATE,))]
-        time = _attribute(kept, TIME) if "t" not in made.arguments.values() else ""
-        return made._replace(kept=places, time=time).line(cls) if all(places) else ""
+        time = _attribute(kept, TIME) if "t" not in given else ""
+        return made._replace(kept=places, time=time).line() if all(places) and made.state <= given else ""
     return ""
 
 
@@ -167,20 +163,15 @@ def clock_wrapper(step: Callable[..., Any]) -> str:
         return ": let the time be an argument, or make the step anew each time"
     given = {each: each.upper() for each in required_names(cls) or ()}
     call = arguments_by_role(required_names(step) or (), FIELD)
-    return f"; write: {_Made(FIELD, cls.__name__, given, call, method, time=clock).line(cls)}"
+    return f"; write: {_Made(FIELD, cls, given, call, method, time=clock).line()}"
 
 
 def _two_step_wrapper(cls: type, method: str, names: Sequence[str], taken: Sequence[str]) -> str:
-    """The run of an object made from its state and the one before, which it keeps; "" if they are not seen.
-
-    If it takes a force it is a method for q'' = force(q), else one for y' = f(y).
-    """
+    """The run of an object made from its state and the one before, which it keeps; "" if they are not seen."""
     kind = FORCE if takes_force((*names, *taken)) else FIELD
     (before,) = filter(is_before, names)
     given, call = (arguments_by_role([x for x in some if x != before], kind) for some in (names, taken))
-    given[before], now = (
-        (BEFORE, "q") if kind == FORCE else ("y", FIRST_STEP.replace("t + h / 2, ", "").replace("t, ", ""))
-    )
+    given[before], now = (BEFORE, "q") if kind == FORCE else ("y", FIRST_STEP_UNTIMED)
     tried = {**TRIAL_ARGUMENTS, BEFORE: 0.75, now: TRIAL_ARGUMENTS["y"] if kind == FIELD else 1.0}
     given = {each: now if x == "y" and each != before else x for each, x in given.items()}
     with suppress(Exception):
@@ -206,11 +197,6 @@ def owner_of(step: Callable[..., Any]) -> Callable[..., Any]:
     return found if inspect.isclass(found) else step
 
 
-def makes_steppers(step: Callable[..., Any]) -> bool:
-    """True if it takes a function or a step size, or both, and nothing else."""
-    return {*map(plain_role, required_names(step) or ())} in ({FUNCTION}, {STEP}, {FUNCTION, STEP})
-
-
 def maker_wrapper(step: Callable[..., Any]) -> str:
     """The wrapper of a function that makes a stepper from a right-hand side, from a step size, or from both."""
     names = required_names(step) or []
@@ -223,7 +209,7 @@ def maker_wrapper(step: Callable[..., Any]) -> str:
     kind = kind_by_names((*names, *inner))
     arguments = {each: "h" if plain_role(each) == STEP else function_of(kind) for each in names}
     given = {each: each.upper() for each in inner} | arguments_by_role(inner, kind)
-    return _Made(kind, name_of(step), arguments, given).line(step)
+    return _Made(kind, step, arguments, given).line()
 
 
 def world_wrapper(cls: type) -> str:
@@ -266,13 +252,13 @@ def _attribute(made: Any, role: str) -> str:
 
 
 class _Made(NamedTuple):
-    """A stepper that is made first: its kind, its maker, and the arguments of maker and step by the wrapper's names.
+    """A stepper that is made first: its kind, what makes it, and the arguments of that and of the step in the wrapper.
 
     `kept` are the attributes that hold its state, if it keeps one, and `time` is the attribute with its time.
     """
 
     kind: str
-    maker: str
+    make: Callable[..., Any]
     arguments: dict[str, str]
     call: dict[str, str]
     method: str = ""
@@ -283,14 +269,14 @@ class _Made(NamedTuple):
     def state(self) -> set[str]:
         return {"y"} if self.kind == FIELD else {"q", "v"}
 
-    def line(self, make: Callable[..., Any]) -> str:
+    def line(self) -> str:
         """The wrapper of one step; for a stepper that remembers, that of n steps, which do not start anew."""
         timed = self.kind != FIELD or self.time or "t" in (*self.arguments.values(), *self.call.values())
         head = HEADS[self.kind] if timed else "f, y, h"
-        made, call = f"{self.maker}({', '.join(self.arguments.values())})", ", ".join(self.call.values())
+        made, call = f"{name_of(self.make)}({', '.join(self.arguments.values())})", ", ".join(self.call.values())
         begin = f"made = {made}; {f'made.{self.time} = t; ' if self.time else ''}"
         left, once = ", ".join(f"made.{each}" for each in self.kept), f"made{self.method}({call})"
-        if not self._remembers(make):
+        if not self._remembers():
             ends = f"{once}; return {left}" if left else f"return {once}"
             return f"def wrapped({head}): {f'{begin}{ends}' if left or self.time else f'return {made}{once[4:]}'}"
         arguments = later_arguments(self.call, q="ys[-1][0]", v="ys[-1][1]").values()
@@ -299,8 +285,8 @@ class _Made(NamedTuple):
             later = f"({once}, {f'[*{left}]' if self.kind == FIELD else f'({left})'})[1]"
         return run_of_steps(head, "y" if self.kind == FIELD else "(q, v)", later, begin)
 
-    def new(self, make: Callable[..., Any], state: Sequence[Any], t: float) -> Any:
-        made = make(*self._values(self.arguments, state, t))
+    def new(self, state: Sequence[Any], t: float) -> Any:
+        made = self.make(*self._values(self.arguments, state, t))
         if self.time:
             setattr(made, self.time, t)
         return made
@@ -311,7 +297,7 @@ class _Made(NamedTuple):
         known |= dict(zip("y" if self.kind == FIELD else "qv", map(copy, state), strict=True))
         return [known.get(name) for name in names.values()]
 
-    def _remembers(self, make: Callable[..., Any]) -> bool:
+    def _remembers(self) -> bool:
         """True if some step differs from that of a new stepper in the same state; False if none can be made."""
 
         def stepped(made: Any, t: float) -> tuple[Any, ...]:
@@ -322,9 +308,9 @@ class _Made(NamedTuple):
 
         with suppress(Exception):
             state = _START[self.kind]
-            made = self.new(make, state, 0.0)
+            made = self.new(state, 0.0)
             for i in range(_TRIED):
-                found, anew = stepped(made, i / 4), stepped(self.new(make, state, i / 4), i / 4)
+                found, anew = stepped(made, i / 4), stepped(self.new(state, i / 4), i / 4)
                 if not np.array_equal(np.array(found), np.array(anew)):
                     return True
                 state = found

@@ -28,10 +28,10 @@ from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.blackbox.stepper.fresh_copies import fresh_copy
 from driftproof.blackbox.stepper.function_wrappers import list_wrapper
 from driftproof.blackbox.stepper.handed_slopes import with_slopes_kept
-from driftproof.blackbox.stepper.made_wrappers import clock_wrapper
+from driftproof.blackbox.stepper.made_wrappers import clock_wrapper, object_wrapper
 from driftproof.blackbox.stepper.plain_forms import plain_forms
 from driftproof.blackbox.stepper.records import record_forms
-from driftproof.blackbox.stepper.second_functions import with_functions, with_own_jacobian, zeros
+from driftproof.blackbox.stepper.second_functions import SecondFunction, with_functions, with_own_jacobian, zeros
 from driftproof.blackbox.stepper.state_forms import COMPLEX, forms_of
 from driftproof.blackbox.stepper.turning import Push, step_in_fields, turn_quaternion
 from driftproof.blackbox.stepper.wrappers import exchange_wrapper, increment_wrapper, template, uncalled, wrapper_line
@@ -97,15 +97,15 @@ def opened(
         return found  # with unequal masses, before one of all
     made = partial(ForeignStepper, step, before=before, after=after, pristine=fresh_copy(step))
     trials = (
-        partial(_tried, made(convention, adapter, single=trial in (_one_number, _with_derivative)), trial)
+        partial(_tried, made(convention, adapter, single=trial in (_one_number, _ONE_WITH_DERIVATIVE)), trial)
         for convention in conventions
         for adapters in _adapters(step, convention, array)
         for trial, adapter in product(_TRIALS.get(convention.kind, (_one_step,)), adapters)
     )
     if found := first_of(trials):
         return found
-    if line := wrapper_line(step) if inspect.isclass(step) else list_wrapper(given):
-        raise BadInput(f"{_unfitting(given)}{line}")
+    if line := object_wrapper(step) if inspect.isclass(step) else list_wrapper(given):
+        raise BadInput(f"{_unfitting(given)}: {line}")
     if not any(isinstance(failure, StaleSlope) for failure in failures) and (found := as_plain()):
         return found
     raise next((failure for failure in failures if isinstance(failure, StaleSlope)), failures[0])
@@ -154,17 +154,11 @@ def _one_number(subject: ForeignStepper, h: float) -> Sequence[float]:
     return subject.step_field(lambda t, y: [-x for x in y], 0.0, TRIAL_STATE[:1], h)
 
 
-def _with_jacobian(subject: ForeignStepper, h: float) -> Sequence[float]:
-    """A step of the oscillator with its Jacobian, or with an implicit part of 0."""
-    functions = dict.fromkeys((calling.TIME_SLOPE, calling.IMPLICIT), zeros)
-    functions[calling.JACOBIAN] = lambda t, y: [[0.0, 1.0], [-1.0, 0.0]]
-    return with_functions(subject, functions).step(*TRIAL_STATE, h)
-
-
-def _with_derivative(subject: ForeignStepper, h: float) -> Sequence[float]:
-    """A step of y' = -y with its derivative, for a stepper that takes one number only."""
-    functions = {calling.TIME_SLOPE: zeros, calling.JACOBIAN: lambda t, y: [[-1.0]]}
-    return _one_number(with_functions(subject, functions), h)
+def _with_jacobian(trial: TrialStep, rows: Sequence[Sequence[float]]) -> TrialStep:
+    """The trial with the Jacobian of its system, or with an implicit part of 0."""
+    functions: dict[str, SecondFunction] = dict.fromkeys((calling.TIME_SLOPE, calling.IMPLICIT), zeros)
+    functions[calling.JACOBIAN] = lambda t, y: rows
+    return lambda subject, h: trial(with_functions(subject, functions), h)
 
 
 def _in_fields(subject: ForeignStepper, h: float, size: int = 3) -> Sequence[float]:
@@ -174,21 +168,18 @@ def _in_fields(subject: ForeignStepper, h: float, size: int = 3) -> Sequence[flo
     return [*found.x, *found.v]
 
 
-_TRIALS = {
+_ONE_WITH_DERIVATIVE = _with_jacobian(_one_number, [[-1.0]])
+_TRIALS: dict[str, tuple[TrialStep, ...]] = {
     calling.FIELD: (_one_step, _one_number),
-    calling.ROSENBROCK: (_with_jacobian, _with_derivative),
-    calling.IMEX: (_with_jacobian,),
+    calling.ROSENBROCK: (_with_jacobian(_one_step, [[0.0, 1.0], [-1.0, 0.0]]), _ONE_WITH_DERIVATIVE),
+    calling.IMEX: (_with_jacobian(_one_step, []),),
     calling.MAGNETIC: (_in_fields, partial(_in_fields, size=2)),
     calling.ROTATION: (lambda subject, h: turn_quaternion(subject, (0.5, 0.5, 0.5, 0.5), (1.0, 0.5, 0.25), h),),
 }
 
 
 def _after_trial(subject: ForeignStepper, trial: TrialStep) -> ForeignStepper:
-    """The subject after a trial step, with the format of its answers and only the log entries needed to read them.
-
-    Raises WrongShape for a complex state that turns the other way, StaleSlope for a step that hands on a slope other
-    than that at its end, Increment for a step that returns y1 - y, and Exchanged for one that exchanges q and v.
-    """
+    """The subject after a trial step, with the format of its answers and only the log entries needed to read them."""
     end = trial(subject, TRIAL_STEP)
     subject.begun = (lambda again: trial(again, TRIAL_STEP)), end
     if subject.convention.run and subject.log.works_in_place:  # a count of steps, or of numbers

@@ -127,11 +127,6 @@ def _roles(names: Sequence[str], function: str) -> dict[str, str] | None:
     return None if "" in held else {name: meant.get(role, role) for name, role in found.items()}
 
 
-def _stem(word: str) -> str:
-    """What is left of the name of an array that is written into, without its "out" or "new"; "" for other names."""
-    return "" if not _INTO.search(word) else _INTO.sub("", word) or "y"
-
-
 class _Call:
     """Calls of one stepper, with arguments made from a plain state."""
 
@@ -174,10 +169,7 @@ class _Call:
     def moved(
         self, force: Callable[..., Any] | None, q: Foreign, v: Foreign, h: float, left: Mapping[str, Any] | None = None
     ) -> Foreign:
-        """A step of q'' = force(q), or of the built-in system if force is None, with what another step `left`.
-
-        Raises StaleSlope if what a step leaves makes the next one wrong.
-        """
+        """A step of q'' = force(q), or of the built-in system if force is None, with what another step `left`."""
         if self.stale:
             raise StaleSlope(f"a second step with the {self.stale} that the first one left is not one of its own state")
         if np.shape(q) == (_IN_SPACE**2,) and _MASS in self.roles.values():
@@ -205,7 +197,7 @@ class _Call:
         outs = {name: np.full_like(state, _LEFT_THERE) for name, role in self.roles.items() if role == _OUT}
         known = {**given, _SIZE: len(state)}
         answer = self.step(*[outs[name] if name in outs else known[self.roles[name]] for name in self.names])
-        ordered = sorted(outs, key=lambda name: _stem(word_of(name)) in _NAMES[VELOCITY])
+        ordered = sorted(outs, key=lambda name: _INTO.sub("", word_of(name)) in _NAMES[VELOCITY])
         return answer, [outs[name] for name in ordered]
 
 
@@ -233,7 +225,6 @@ class _System:
         return np.asarray(pushed, float).reshape(at.shape) * self.factors[whose or 0]
 
     def asked(self, *arguments: Foreign) -> Foreign:
-        """The answer to the stepper's call of its force."""
         if self.bodies:
             return _answer_of_bodies(self.pushes, arguments, self.bodies)
         arrays, _ = _arrays_and_numbers(arguments, self.places.size)

@@ -35,23 +35,21 @@ _CLOCK = 2.0**-8
 
 
 def record_of(step: Callable[..., Any], call: Callable[[Any], object]) -> Record | None:
-    """The annotated class of the state, or else a record of the keys or attributes that `call` reads of one."""
-    if (named := _annotated(step)) is not None:
-        names, needed = _fields(named)
-        return _record(named.__name__, named, names, needed)
-    keys, attributes = _names_read(call)
+    """The first class of a record in the annotations, or else a record of the keys or attributes that `call` reads."""
+    hints: Mapping[str, Any] = {}
+    with suppress(Exception):  # foreign annotations may name what does not exist
+        hints = get_type_hints(step if inspect.isroutine(step) else type(step).__call__)
+    named = next((hint for name, hint in hints.items() if name != "return" and _fields(hint)[0]), None)
+    if named is not None:
+        return _record(named.__name__, named, *_fields(named))
+    asked = _Asked()
+    with suppress(Exception, SystemExit):
+        call(asked)
+    keys, attributes = list(asked), list(dict.fromkeys(asked.__dict__["attributes"]))
     if keys:
         return _record("dict", dict, keys, keys)
     make = dataclasses.make_dataclass("State", attributes) if all(map(str.isidentifier, attributes)) else None
     return _record("State", make, attributes, attributes) if attributes and make else None
-
-
-def _annotated(step: Callable[..., Any]) -> Any:
-    """The first dataclass, named tuple or typed dict in the annotations of the parameters; None if there is none."""
-    hints: Mapping[str, Any] = {}
-    with suppress(Exception):  # foreign annotations may name what does not exist
-        hints = get_type_hints(step if inspect.isroutine(step) else type(step).__call__)
-    return next((hint for name, hint in hints.items() if name != "return" and _fields(hint)[0]), None)
 
 
 def _fields(record: Any) -> tuple[list[str], list[str]]:
@@ -85,14 +83,6 @@ class _Asked(dict[str, float]):
             raise AttributeError(name)
         self.__dict__["attributes"].append(name)
         return 1.0
-
-
-def _names_read(call: Callable[[Any], object]) -> tuple[list[str], list[str]]:
-    """The keys and the attributes of its state that a step reads, each once, in the order of reading."""
-    asked = _Asked()
-    with suppress(Exception, SystemExit):
-        call(asked)
-    return list(asked), list(dict.fromkeys(asked.__dict__["attributes"]))
 
 
 @dataclasses.dataclass(frozen=True)

@@ -26,10 +26,12 @@ def forms_of(step: Callable[..., Any], convention: CallingConvention) -> Iterato
         yield BATCH
     else:
         yield from (BODIES, BATCH, *VECTORS, IN_PLANE)
-    if "torch" in sys.modules:
-        yield from _tensors(sys.modules["torch"])
+    if torch := sys.modules.get("torch"):
+        tensor = partial(torch.tensor, dtype=torch.float64)
+        yield from _of_library("torch tensors, torch scalars", tensor, "torch.tensor({}, dtype=torch.float64)")
     if "jax" in sys.modules and convention.kind != MAP:
-        yield from _compiled(sys.modules["jax"].numpy)
+        array, calling = sys.modules["jax"].numpy.array, CompiledCallback().calling  # for code that is compiled
+        yield from _of_library("JAX arrays, JAX scalars", array, "jax.numpy.array({})", function=calling)
     if "numba" in sys.modules and hasattr(step, "py_func") and convention.kind != MAP:
         yield _in_machine_code(sys.modules["numba"])
 
@@ -105,23 +107,11 @@ VECTORS = (_vector(2), _vector(3))
 TOGETHER = {BODIES.name: 3, IN_PLANE.name: 2, OF_TWO_DIMENSIONS.name: 3, VECTORS[0].name: 2, VECTORS[1].name: 3}
 
 
-def _tensors(torch: Any) -> Iterator[ArrayAdapter]:
-    def tensor(numbers: Any) -> Any:
-        return torch.tensor(numbers, dtype=torch.float64)
-
-    shown = "torch.tensor({}, dtype=torch.float64)"
-    yield ArrayAdapter("torch tensors", lambda x: tensor(list(x)), floats_in, shown=shown.replace("{}", "[{}]"))
-    yield ArrayAdapter("torch scalars", lambda x: tensor(one_number(x)), floats_in, shown=shown)
-
-
-def _compiled(numpy: Any) -> Iterator[ArrayAdapter]:
-    """Yield the adapters of JAX arrays, with functions that compiled code can call."""
-    callback = CompiledCallback()
-    for name, shown, write in (
-        ("JAX arrays", "jax.numpy.array([{}])", lambda x: numpy.array(list(x))),
-        ("JAX scalars", "jax.numpy.array({})", lambda x: numpy.array(one_number(x))),
-    ):
-        yield ArrayAdapter(name, write, floats_in, function=callback.calling, shown=shown)
+def _of_library(names: str, make: Callable[[Any], Foreign], shown: str, **how: Any) -> Iterator[ArrayAdapter]:
+    """Yield the adapters of a library's arrays, and of its scalars."""
+    arrays, scalars = names.split(", ")
+    yield ArrayAdapter(arrays, lambda x: make(list(x)), floats_in, shown=shown.replace("{}", "[{}]"), **how)
+    yield ArrayAdapter(scalars, lambda x: make(one_number(x)), floats_in, shown=shown, **how)
 
 
 # What code compiled by Numba calls at present. Numba copies what a function encloses, but not what a module holds.

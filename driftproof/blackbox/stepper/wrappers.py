@@ -6,13 +6,12 @@ import inspect
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from driftproof.blackbox.stepper.calling_conventions import FORCE, FUNCTION, STATE, required_names
+from driftproof.blackbox.stepper.calling_conventions import FORCE, FUNCTION, STATE, STEP, required_names
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
-from driftproof.blackbox.stepper.function_wrappers import ARGUMENTS, function_wrapper, name_of
+from driftproof.blackbox.stepper.function_wrappers import ARGUMENTS, function_wrapper, name_of, plain_role
 from driftproof.blackbox.stepper.made_wrappers import (
     advance_of,
     maker_wrapper,
-    makes_steppers,
     making,
     object_wrapper,
     owner_of,
@@ -25,7 +24,8 @@ def wrapper_line(step: Callable[..., Any]) -> str:
     step = owner_of(step)
     line = object_wrapper(step)
     if not line and not inspect.isclass(step):
-        line = maker_wrapper(step) if makes_steppers(step) else function_wrapper(step)
+        roles = {*map(plain_role, required_names(step) or ())}
+        line = maker_wrapper(step) if roles and roles <= {FUNCTION, STEP} else function_wrapper(step)
     return f": {line}" if line else ""
 
 
@@ -54,29 +54,25 @@ def uncalled(found: object) -> str:
 
 def increment_wrapper(subject: ForeignStepper) -> str:
     """The wrapper that adds the state to a returned increment."""
-    head, call = _call(subject)
-    if STATE in subject.convention.order:
-        return f"; write: def wrapped({head}): return y + {call}"
-    return f"; write: def wrapped({head}): dq, dv = {call}; return q + dq, v + dv"
+    of_state = STATE in subject.convention.order
+    return _of_call(subject, "return y + {}" if of_state else "dq, dv = {}; return q + dq, v + dv")
 
 
 def exchange_wrapper(subject: ForeignStepper) -> str:
     """The wrapper that returns the position before the velocity."""
-    head, call = _call(subject, function="force")
-    return f"; write: def wrapped({head}): v1, q1 = {call}; return q1, v1"
+    return _of_call(subject, "v1, q1 = {}; return q1, v1", function="force")
 
 
 def turn_wrapper(subject: ForeignStepper) -> str:
     """The wrapper that puts the velocity first in a state of one array, in the argument and in the answer."""
-    head, call = _call(subject, given={FUNCTION: "lambda t, y: turn(f(t, turn(y)))", STATE: "turn(y)"})
-    turn = "import numpy; turn = lambda x: numpy.roll(x, len(x) // 2)"
-    return f"; write: def wrapped({head}): {turn}; return turn({call})"
+    body = "import numpy; turn = lambda x: numpy.roll(x, len(x) // 2); return turn({})"
+    return _of_call(subject, body, given={FUNCTION: "lambda t, y: turn(f(t, turn(y)))", STATE: "turn(y)"})
 
 
-def _call(subject: ForeignStepper, function: str = "f", given: Mapping[str, str] | None = None) -> tuple[str, str]:
-    """The arguments of a wrapper, and its call of the step with these, or with what is `given` in their place."""
+def _of_call(subject: ForeignStepper, body: str, function: str = "f", given: Mapping[str, str] | None = None) -> str:
+    """The wrapper that makes this of its call of the step with its own arguments, or what is `given` in their place."""
     names = {**ARGUMENTS, FUNCTION: function}
     order = [role for role in subject.convention.order if role in names]
     passed = names | dict(given or {})
-    arguments = ", ".join(passed[role] for role in order)
-    return ", ".join(names[role] for role in order), f"{name_of(subject.function)}({arguments})"
+    call = f"{name_of(subject.function)}({', '.join(passed[role] for role in order)})"
+    return f"; write: def wrapped({', '.join(names[role] for role in order)}): {body.format(call)}"

@@ -52,7 +52,7 @@ def adaptive(
     """The solver of a pair whose last stage is the first of the next step, with a controller of that law.
 
     Wrong: `stale`, k1 after a rejection is the last slope of the rejected attempt; `clock`, another number format of t;
-    `ending` "beyond" or "tiny"; `on_nan` "accept", "silent" or "retry"; `growth_at_zero` of an estimate that is 0;
+    `ending` "beyond" or "tiny"; `on_nan` "silent" or "retry"; `growth_at_zero` of an estimate that is 0;
     `stepped`, the length by which t advances; `changed`, the factor after so many rejections in a row; `norm` of the
     errors; `accepted`, the largest error of a step that is taken; `size` of the numbers in the scale of errors.
     `shortest`, the length of a step that is taken whatever its error; `state` is where a stage is evaluated.
@@ -88,7 +88,7 @@ def adaptive(
                     break
                 if on_nan == "silent":
                     break
-                r = 0.5 if on_nan == "accept" else 1e9
+                r = 1e9
             if r == 0.0:
                 factor = most if growth_at_zero is None else growth_at_zero
             else:

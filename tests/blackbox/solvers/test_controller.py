@@ -23,20 +23,17 @@ def read(solve):
 
 
 PI = {"key": "dormand_prince54", "safety": 0.9, "exponent": 0.17, "memory": 0.04, "least": 0.2, "most": 10.0}
+PI_LAW = (0.9, Fraction(17, 100), Fraction(1, 25), 0.2, 10.0)
 LAWS = {
     "as planted": ({}, (0.8, Fraction(1, 3), 0, 0.25, 4.0)),
-    "PI": (PI, (0.9, Fraction(17, 100), Fraction(1, 25), 0.2, 10.0)),
-    "PI after a long step": ({**PI, "first_step": 0.21}, (0.9, Fraction(17, 100), Fraction(1, 25), 0.2, 10.0)),
-    "PI after no error": ({**PI, "first_error": 1e-4}, (0.9, Fraction(17, 100), Fraction(1, 25), 0.2, 10.0)),
-    "filtered": ({**PI, "filtered": 0.125}, (0.9, Fraction(17, 100), Fraction(1, 25), 0.2, 10.0)),
+    "PI": (PI, PI_LAW), "PI after a long step": ({**PI, "first_step": 0.21}, PI_LAW),
+    "PI after no error": ({**PI, "first_error": 1e-4}, PI_LAW), "filtered": ({**PI, "filtered": 0.125}, PI_LAW),
     "of low order": ({"key": "heun_euler21", "exponent": 0.5}, (0.8, Fraction(1, 2), 0, 0.25, 4.0)),
-    "per unit of time": (
-        {"key": "fehlberg45", "exponent": 0.25, "safety": 0.84, "least": 0.1, "per_unit": True},
-        (0.84, Fraction(1, 4), 0, 0.1, 4.0),
-    ),
+    "per unit of time": ({"key": "fehlberg45", "exponent": 0.25, "safety": 0.84, "least": 0.1, "per_unit": True},
+        (0.84, Fraction(1, 4), 0, 0.1, 4.0)),
     "of step doubling": ({"key": "rk4_doubling54", "exponent": 0.2}, (0.8, Fraction(1, 5), 0, 0.25, 4.0)),
     "of another pair": ({"key": "cash_karp54", "exponent": 0.2}, (0.8, Fraction(1, 5), 0, 0.25, 4.0)),
-}
+}  # fmt: skip
 
 
 @pytest.mark.slow(keep=1)

@@ -193,9 +193,8 @@ def test_a_solver_that_needs_more_shows_how_to_give_it():
     def rkf(f, a, b, alpha, tol, hmax, hmin):
         return fixed(20)(f, (a, b), alpha, tol, tol)
 
-    with pytest.raises(
-        BadInput, match=r"it needs hmax, hmin as well; write: wrapped = functools.partial\(rkf, hmax=\.\.\."
-    ):
+    words = r"it needs hmax, hmin as well; write: wrapped = functools.partial\(rkf, hmax=\.\.\."
+    with pytest.raises(BadInput, match=words):
         SolverTarget(rkf).open()
     found = SolverTarget(partial(rkf, hmax=1.0, hmin=1e-6)).open()
     assert (found.takes, found.names) == ("tolerance", ("tol",))

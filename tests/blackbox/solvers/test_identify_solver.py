@@ -37,14 +37,10 @@ def test_one_that_takes_its_start_and_its_end_apart_is_shown_how_to_be_called():
     assert identify_solver(wrapped, isolate=False).section("What to do") is None
 
 
-@pytest.mark.parametrize(
-    "solve",
-    [
-        lambda y0, t0, t1, N, rhs: fixed(N, order="euler")(rhs, (t0, t1), y0, 0, 0),
-        lambda f, u0, tspan, p=None, steps=9: fixed(steps, order="euler")(lambda t, u: f(u, p, t), tspan, u0, 0, 0),
-    ],
-    ids=["two times", "as in Julia"],
-)
+@pytest.mark.parametrize("solve", [
+    lambda y0, t0, t1, N, rhs: fixed(N, order="euler")(rhs, (t0, t1), y0, 0, 0),
+    lambda f, u0, tspan, p=None, steps=9: fixed(steps, order="euler")(lambda t, u: f(u, p, t), tspan, u0, 0, 0),
+], ids=["two times", "as in Julia"])  # fmt: skip
 def test_a_solver_is_called_by_the_names_of_its_parameters_and_f_as_it_calls_it(solve):
     assert identify_solver(solve, isolate=False).verdict.startswith("it advances forward_euler, of order 1")
 

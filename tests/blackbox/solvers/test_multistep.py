@@ -64,16 +64,14 @@ def adams_bashforth2():
 
 
 STARTED = "adams_bashforth2, started by forward_euler"
+KINDS = (by_number, by_length, of_its_own_number, of_its_own_length, of_whole_steps)
 RIGHT = {
-    STARTED: [
-        kind(adams_bashforth2) for kind in (by_number, by_length, of_its_own_number, of_its_own_length, of_whole_steps)
-    ],
+    STARTED: [kind(adams_bashforth2) for kind in KINDS],
     "adams_bashforth4, started by rk4": [by_length(lambda: Remembering("adams_bashforth4", rk4).step)],
     "bdf2, started by backward_euler": [by_number(lambda: Remembering("bdf2", planted.implicit_euler).step)],
     "adams_moulton3, corrected once from the prediction of adams_bashforth4 (PECE), started by rk4": [
-        by_number(lambda: Corrected("adams_moulton3", rk4, BASHFORTH4).step)
-    ],
-}
+        by_number(lambda: Corrected("adams_moulton3", rk4, BASHFORTH4).step)],
+}  # fmt: skip
 
 
 @pytest.mark.slow(keep=1)
@@ -88,16 +86,13 @@ def test_a_right_one_is_named_without_alarm(name, as_before):
 
 
 WRONG = {
-    "its start is too inaccurate: first errors are like h^2, and whole runs have order 2, not 4": (
-        lambda: Remembering("adams_bashforth4", euler).step
-    ),
-    "adams_bashforth2 except for sigma[0]: -1/3 instead of -1/2": (
-        lambda: Remembering("adams_bashforth2", euler, sigma=[-1 / 3, 3 / 2, 0.0]).step
-    ),
-    "it is not consistent: rho'(1) - sigma(1) = 1/6": (
-        lambda: Remembering("adams_bashforth2", euler, sigma=[-2 / 3, 3 / 2, 0.0]).step
-    ),
-}
+    "its start is too inaccurate: first errors are like h^2, and whole runs have order 2, not 4":
+        lambda: Remembering("adams_bashforth4", euler).step,
+    "adams_bashforth2 except for sigma[0]: -1/3 instead of -1/2":
+        lambda: Remembering("adams_bashforth2", euler, sigma=[-1 / 3, 3 / 2, 0.0]).step,
+    "it is not consistent: rho'(1) - sigma(1) = 1/6":
+        lambda: Remembering("adams_bashforth2", euler, sigma=[-2 / 3, 3 / 2, 0.0]).step,
+}  # fmt: skip
 
 
 @pytest.mark.parametrize("words", WRONG)

@@ -20,11 +20,15 @@ def read(solve):
     return read_runs(ForeignSolver(solve))
 
 
-def gives_up(f, t_span, y0, rtol, atol):
-    """At once, on any problem of q'' = F(q) but the oscillator, and says so."""
-    if len(y0) == 2 and y0[0] not in (0.0, 1.0):
-        return Answer(np.array(t_span[:1]), np.array([y0]), False, "no step is small enough")
-    return adaptive()(f, t_span, y0, rtol, atol)
+def refusing(refused, words):
+    """A solver that gives up at once, and says so, where `refused(t_span, y0, rtol)`."""
+
+    def solve(f, t_span, y0, rtol, atol):
+        if refused(t_span, y0, rtol):
+            return Answer(np.array(t_span[:1]), np.array([y0]), False, words)
+        return adaptive()(f, t_span, y0, rtol, atol)
+
+    return solve
 
 
 def of_the_first_number(f, t_span, y0, rtol, atol):
@@ -55,23 +59,13 @@ def refuses_backward(f, t_span, y0, rtol, atol):
 
 
 def test_a_solver_that_ends_early_and_says_so_is_not_said_to_be_silent():
-    def solve(f, t_span, y0, rtol, atol):
-        if t_span[1] < t_span[0]:
-            return Answer(np.array(t_span[:1]), np.array([y0]), False, "only forward")
-        return adaptive()(f, t_span, y0, rtol, atol)
-
-    found = read(solve)
+    found = read(refusing(lambda t_span, y0, rtol: t_span[1] < t_span[0], "only forward"))
     assert found.seen["Backward"] == ("backward in time it ends at t = 1 and reports: only forward",)
     assert found.faults == ()
 
 
 def test_a_tolerance_that_is_refused_is_not_said_to_be_ignored():
-    def solve(f, t_span, y0, rtol, atol):
-        if rtol < 1e-9:
-            return Answer(np.array(t_span[:1]), np.array([y0]), False, "too much accuracy")
-        return adaptive()(f, t_span, y0, rtol, atol)
-
-    assert read(solve).faults == ()
+    assert read(refusing(lambda t_span, y0, rtol: rtol < 1e-9, "too much accuracy")).faults == ()
 
 
 def only_first(name):
@@ -123,19 +117,9 @@ def gives_up_at_a_jump(f, t_span, y0, rtol, atol):
     return {"t": times, "y": states, "success": ok, "message": "too many steps" * (not ok)}
 
 
-def not_sorted(f, t_span, y0, rtol, atol):
-    times, states = fixed(20)(f, t_span, y0, rtol, atol)
-    return [*times[:5], times[4], *times[5:]], [*states[:5], states[4], *states[5:]]
-
-
-def nan_at_the_end(f, t_span, y0, rtol, atol):
-    times, states = fixed(20)(f, t_span, y0, rtol, atol)
-    return times, [*states[:-1], states[-1] * float("nan")]
-
-
-def loses_a_state(f, t_span, y0, rtol, atol):
-    times, states = fixed(20)(f, t_span, y0, rtol, atol)
-    return times, states[1:]
+def spoiled(change):
+    """Heun's method in 20 steps, whose times and states are changed."""
+    return lambda f, t_span, y0, rtol, atol: change(*fixed(20)(f, t_span, y0, rtol, atol))
 
 
 def always_raises(f, t_span, y0, rtol, atol):
@@ -155,13 +139,15 @@ OTHERS = {
     "deaf to the other": adaptive(tolerances=lambda rtol, atol: (rtol, 1e-9)),
     "of other units": adaptive(tolerances=lambda rtol, atol: (1e6 * rtol, 1e6 * atol)),
     "hard of hearing": adaptive(tolerances=lambda rtol, atol: (1e-4 + rtol / 1e3, 1e-7)),
-    **{each.__name__: each for each in (refuses_backward, raises_at_nan, gives_up_at_a_jump, not_sorted)},
-    **{each.__name__: each for each in (nan_at_the_end, loses_a_state, always_raises)},
+    **{each.__name__: each for each in (refuses_backward, raises_at_nan, gives_up_at_a_jump)},
+    "not_sorted": spoiled(lambda t, y: ([*t[:5], t[4], *t[5:]], [*y[:5], y[4], *y[5:]])),
+    "nan_at_the_end": spoiled(lambda t, y: (t, [*y[:-1], y[-1] * float("nan")])),
+    "loses_a_state": spoiled(lambda t, y: (t, y[1:])), "always_raises": always_raises,
     "slow": lambda f, *given: fixed(40_000)(f, *given),
     "Euler": fixed(50, order="euler"), "few steps": fixed(3),
     "binary32 and one too many": fixed(60, extra=1, clock=np.float32),
     "coarse": adaptive(tolerances=lambda rtol, atol: (max(rtol, 1e-3), atol)),
-    "gives up": gives_up,
+    "gives up": refusing(lambda t_span, y0, rtol: len(y0) == 2 and y0[0] not in (0.0, 1.0), "no step is small enough"),
     "deaf to its error": adaptive(growth_at_zero=4.0, estimate=lambda e: [0.0] * 4),  # and no implicit one
     "dormand_prince54": adaptive("dormand_prince54", exponent=0.2),
 }  # fmt: skip

@@ -20,7 +20,8 @@ from tests.looping import some
 
 WILD = {
     (MAP, "position velocity step"): [
-        "q, v, h", "x, v, dt", "q, p, h", "pos, vel, dt", "theta, omega, dt", "X, V, dT", "_q, _v, _h", "y, vy, eps",
+        *("q, v, h", "q, v, h, k=4.0", "x, v, dt", "q, p, h", "pos, vel, dt", "theta, omega, dt", "X, V, dT"),
+        *("_q, _v, _h", "y, vy, eps"),
     ],
     (MAP, "velocity position step"): ["v, x, dt"], (MAP, "step position velocity"): ["dt, x, v"],
     (MAP, "time position velocity step"): ["t, x, v, dt"], (MAP, "state step"): ["state, dt", "y, h", "p, dt"],
@@ -58,13 +59,10 @@ def test_names_in_the_wild_tell_the_calling_convention(kind, order):
         assert convention_of(with_parameters(parameters)) == CallingConvention(kind, tuple(order.split()))
 
 
-@pytest.mark.parametrize(
-    "parameters",
-    [
-        *("", "q", "q, v", "q, v, h, k, mode", "x, y, dt", "model, state, dt", "f, y, t_span"),
-        *("q, v, h, t, t0", "a, b, c", "*args", "state, action", "f, force, q, v, h", "theta, omega, dt, l"),
-    ],
-)
+@pytest.mark.parametrize("parameters", [
+    *("", "q", "q, v", "q, v, h, k, mode", "x, y, dt", "model, state, dt", "f, y, t_span"),
+    *("q, v, h, t, t0", "a, b, c", "*args", "state, action", "f, force, q, v, h", "theta, omega, dt, l"),
+])  # fmt: skip
 def test_other_names_are_refused_in_one_line_that_shows_the_known_ones(parameters):
     step = with_parameters(parameters)
     with pytest.raises(ValueError, match="is not one of these") as caught:
@@ -93,37 +91,25 @@ def test_an_unknown_convention_is_refused_with_the_known_ones():
         convention_of(with_parameters("q, v, h"), "window")
 
 
-def test_parameters_with_a_default_are_left_alone():
-    assert convention_of(lambda q, v, h, k=4.0: None) == CallingConvention(MAP, ("position", "velocity", "step"))
-
-
-@pytest.mark.parametrize(
-    "step",
-    [
-        lambda q, v, h, k, m: (q + h * v, v - h * q * k / m),
-        lambda k, m, x, v, dt: (x + dt * v, v - dt * x * k / m),
-        lambda m, q, stiffness, v, h: (q + h * v, v - h * q * stiffness / m),
-        lambda q, v, omega, h: (q + h * v, v - h * q * omega**2),
-        lambda state, dt, w0: (state[0] + dt * state[1], state[1] - dt * state[0] * w0),
-    ],
-    ids=parameters_of,
-)
+@pytest.mark.parametrize("step", [
+    lambda q, v, h, k, m: (q + h * v, v - h * q * k / m),
+    lambda k, m, x, v, dt: (x + dt * v, v - dt * x * k / m),
+    lambda m, q, stiffness, v, h: (q + h * v, v - h * q * stiffness / m),
+    lambda q, v, omega, h: (q + h * v, v - h * q * omega**2),
+    lambda state, dt, w0: (state[0] + dt * state[1], state[1] - dt * state[0] * w0),
+], ids=parameters_of)  # fmt: skip
 def test_parameters_of_an_oscillator_are_set_to_1_wherever_they_stand(step):
     assert set(convention_of(step).extra.values()) == {1.0}
     assert opened(step).step(1.0, 0.75, 0.25) == (1.1875, 0.5)
 
 
-@pytest.mark.parametrize(
-    "step",
-    [
-        lambda q, v, *, h: (q + h * v, v - h * q),
-        lambda q, *, v, dt: (q + dt * v, v - dt * q),
-        lambda *, dt, v, x: (x + dt * v, v - dt * x),
-        lambda k, q, v, *, h: (q + h * v, v - h * q * k),
-        lambda y, *, h: (y[0] + h * y[1], y[1] - h * y[0]),
-    ],
-    ids=parameters_of,
-)
+@pytest.mark.parametrize("step", [
+    lambda q, v, *, h: (q + h * v, v - h * q),
+    lambda q, *, v, dt: (q + dt * v, v - dt * q),
+    lambda *, dt, v, x: (x + dt * v, v - dt * x),
+    lambda k, q, v, *, h: (q + h * v, v - h * q * k),
+    lambda y, *, h: (y[0] + h * y[1], y[1] - h * y[0]),
+], ids=parameters_of)  # fmt: skip
 def test_parameters_by_name_only_are_passed_by_name(step):
     assert opened(step).step(1.0, 0.75, 0.25) == (1.1875, 0.5)
 
@@ -148,9 +134,8 @@ def test_methods_objects_and_bound_functions_are_steppers():
     assert convention_of(Oscillator().step).order == ("position", "velocity", "step")
     assert convention_of(Oscillator()).order == ("state", "step")
     assert convention_of(Oscillator.advance).kind == MAP
-    assert convention_of(functools.partial(general, lambda t, y: -y)) == CallingConvention(
-        MAP, ("time", "state", "step")
-    )
+    bound = functools.partial(general, lambda t, y: -y)
+    assert convention_of(bound) == CallingConvention(MAP, ("time", "state", "step"))
     assert convention_of(SimpleNamespace(py_func=general)).kind == FIELD  # as numba compiles
     assert convention_of(functools.wraps(general)(lambda *arguments: general(*arguments))).kind == FIELD
 

@@ -70,11 +70,8 @@ def test_a_call_that_changes_the_rounding_mode_is_named_in_every_verdict(library
 
 @pytest.mark.slow
 def test_an_import_that_changes_the_rounding_mode_is_named(tmp_path, monkeypatch):
-    (tmp_path / "upwards.py").write_text(
-        "import ctypes\nctypes.CDLL('libm.so.6').fesetround(0xC00)\n"
-        "def step(q, v, h):\n    return q + h * v, v - h * q\n",
-        encoding="utf-8",
-    )
+    code = "import ctypes\nctypes.CDLL('libm.so.6').fesetround(0xC00)\nstep = lambda q, v, h: (q + h * v, v - h * q)\n"
+    (tmp_path / "upwards.py").write_text(code, encoding="utf-8")
     monkeypatch.chdir(tmp_path)
     named = "since the stepper was imported, arithmetic rounds toward zero"
     assert named in verify("upwards:step", "forward_euler", examples=100).verdict

@@ -15,21 +15,15 @@ from tests.looping import exactly
 STATE, H = (1.0, 0.75), 0.25
 
 
-@pytest.mark.parametrize("step", [euler_steps.numbers_in_place, euler_steps.state_in_place, euler_steps.list_in_place])
-def test_a_step_in_place_is_seen_by_the_log(step):
-    subject = opened(step)
-    subject.step(*STATE, H)
-    assert subject.log.works_in_place
-    assert subject.log.changes_its_arguments
-
-
 def test_the_log_tells_changed_arguments_from_a_step_in_place():
-    subject = opened(euler_steps.both, array=np.array)
-    subject.step(*STATE, H)
-    assert (subject.log.changes_its_arguments, subject.log.works_in_place) == (True, False)
     clean = opened(euler_steps.map_of_a_state)
-    clean.step(*STATE, H)
-    assert (clean.log.changes_its_arguments, clean.log.works_in_place) == (False, False)
+    for subject, seen in (
+        (opened(euler_steps.list_in_place), (True, True)),
+        (opened(euler_steps.both, array=np.array), (True, False)),
+        (clean, (False, False)),
+    ):
+        subject.step(*STATE, H)
+        assert (subject.log.changes_its_arguments, subject.log.works_in_place) == seen
     assert (clean.log.calls, clean.log.types) == (1, {"float64"})
 
 
@@ -57,24 +51,21 @@ def test_nan_in_an_argument_is_no_change_of_it():
     assert not subject.log.changes_its_arguments
 
 
-@pytest.mark.parametrize(
-    ("answer", "kind", "seen"),
-    [
-        (None, WrongShape, "it returns None, not a pair (q1, v1)"),
-        (1.0, WrongShape, "it returns 1.0, not a pair (q1, v1)"),
-        (np.array(1.0), WrongShape, "it returns array(1.), not a pair (q1, v1)"),
-        ((1.0, 2.0, 3.0), WrongShape, "it returns (1.0, 2.0, 3.0), not a pair (q1, v1)"),
-        ((1.0, [2.0, 3.0]), WrongShape, "1 number went in, 2 came out"),
-        (np.zeros(100), WrongShape, "..."),
-        ([1.0] * 12, WrongShape, "1.0], not a pair"),  # of 60 letters, all of which are shown
-        ("ab", NotANumber, "it returns str with entries of type <U1, not real numbers"),
-        ((1.0, None), NotANumber, "it returns None"),
-        ((1.0, 2j), NotANumber, "entries of type complex128, not real numbers"),
-        ((1.0, object()), NotANumber, "entries of type object, not real numbers"),
-        ((1.0, float("nan")), NotFinite, "from 1.0, 0.75, 0.25 it returns 1.0, nan"),
-        ((1.0, float("-inf")), NotFinite, "from 1.0, 0.75, 0.25 it returns 1.0, -inf"),
-    ],
-)
+@pytest.mark.parametrize(("answer", "kind", "seen"), [
+    (None, WrongShape, "it returns None, not a pair (q1, v1)"),
+    (1.0, WrongShape, "it returns 1.0, not a pair (q1, v1)"),
+    (np.array(1.0), WrongShape, "it returns array(1.), not a pair (q1, v1)"),
+    ((1.0, 2.0, 3.0), WrongShape, "it returns (1.0, 2.0, 3.0), not a pair (q1, v1)"),
+    ((1.0, [2.0, 3.0]), WrongShape, "1 number went in, 2 came out"),
+    (np.zeros(100), WrongShape, "..."),
+    ([1.0] * 12, WrongShape, "1.0], not a pair"),  # of 60 letters, all of which are shown
+    ("ab", NotANumber, "it returns str with entries of type <U1, not real numbers"),
+    ((1.0, None), NotANumber, "it returns None"),
+    ((1.0, 2j), NotANumber, "entries of type complex128, not real numbers"),
+    ((1.0, object()), NotANumber, "entries of type object, not real numbers"),
+    ((1.0, float("nan")), NotFinite, "from 1.0, 0.75, 0.25 it returns 1.0, nan"),
+    ((1.0, float("-inf")), NotFinite, "from 1.0, 0.75, 0.25 it returns 1.0, -inf"),
+])  # fmt: skip
 def test_what_is_no_answer_is_named_in_one_line(answer, kind, seen, as_before):
     with pytest.raises(kind) as caught:
         opened(lambda q, v, h: answer)
@@ -128,14 +119,6 @@ def test_of_one_number_too_the_time_is_told_from_the_state():
         assert near.step_field(lambda t, y: [-y[0]], 2.0, [1.0], H) == y1
 
 
-def test_exceptions_of_the_stepper_come_in_one_line():
-    def fails(q, v, h):
-        raise RuntimeError("two\nlines")
-
-    with pytest.raises(StepRaised, match=r"^step\(q=1.0, v=0.75, h=0.25\) raises RuntimeError: two lines$"):
-        opened(fails)
-
-
 def test_each_call_is_told_before_it_is_made():
     told = []
     opened(euler_steps.map_of_numbers, before=told.append).step(2.0, 0.0, 0.5)
@@ -161,19 +144,15 @@ def test_each_call_is_said_to_be_over_also_where_it_raises():
     assert told == [1, -1, 1, -1]
 
 
-@pytest.mark.parametrize(
-    "run",
-    [
-        lambda q, v, h, n: ([0.0, h], [q, q + h * v], [v, v - h * q]),
-        lambda q, v, h, n: [(q, v), (q + h * v, v - h * q)],
-        lambda q, v, h, n: [(q * (1 + 2.0**-11), v), (q + h * v, v - h * q)],
-        lambda q, v, h, n: ([q, q + h * v], [v, v - h * q]),
-        lambda q, v, h, n: (q + h * v, v - h * q),
-        lambda f, y0, h, n: ([0.0, h], [[*y0], [*(y0 + h * f(0.0, y0))]]),
-        lambda f, y0, ts: [[a, b] for a, b in zip(y0, y0 + ts[1] * f(0.0, y0), strict=True)],
-    ],
-    ids=["times and columns", "rows", "rounded rows", "columns apart", "the end alone", "times and rows", "columns"],
-)
+@pytest.mark.parametrize("run", [
+    lambda q, v, h, n: ([0.0, h], [q, q + h * v], [v, v - h * q]),
+    lambda q, v, h, n: [(q, v), (q + h * v, v - h * q)],
+    lambda q, v, h, n: [(q * (1 + 2.0**-11), v), (q + h * v, v - h * q)],
+    lambda q, v, h, n: ([q, q + h * v], [v, v - h * q]),
+    lambda q, v, h, n: (q + h * v, v - h * q),
+    lambda f, y0, h, n: ([0.0, h], [[*y0], [*(y0 + h * f(0.0, y0))]]),
+    lambda f, y0, ts: [[a, b] for a, b in zip(y0, y0 + ts[1] * f(0.0, y0), strict=True)],
+], ids=range(7))  # fmt: skip
 def test_the_end_of_a_run_is_found_in_rows_and_columns_with_and_without_times(run):
     subject = opened(run)
     assert (subject.shortest, subject.step(1.0, 0.75, 0.25)) == (1, (1.1875, 0.5))

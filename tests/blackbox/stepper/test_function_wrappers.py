@@ -109,40 +109,21 @@ def with_parameters(params, y, vector_field, t, g=0.0, h=0.1):
 """
 RUN = "ys = [q - h * v + h**2 / 2 * force(q), q]; [ys.append({}) for i in range(n)]; return ys[1:], "
 RUN += "[v, *((b - a) / h for a, b in zip(ys[1:], ys[2:]))]"
+FORCED, EULER, FORWARD = "force, q, v, h", "symplectic_euler", "forward_euler"
 PASTED = {
     "stormer": ("force, q, v, h, n", RUN.format("stormer(ys[-1], ys[-2], force, h)[0]"), "stormer2"),
     "stormer_alone": ("force, q, v, h, n", RUN.format("stormer_alone(force, h, ys[-2], ys[-1])"), "stormer2"),
-    "simulate": ("f, t, y, h", "return simulate(f, y, t, t + h, h)[1][-1]", "forward_euler"),
-    "from_zero": ("f, y, h", "return from_zero(f, y, h, h)[0][-1]", "forward_euler"),
-    "euler_cromer": (
-        "q, v, h",
-        "run = euler_cromer(q, v, 1.0, h, h); return run[1][-1], run[2][-1]",
-        "symplectic_euler",
-    ),
-    "separable": (
-        "force, q, v, h",
-        "return separable(q, v, lambda q, *p: -force(q), lambda *p: p[-1], h)",
-        "symplectic_euler",
-    ),
-    "over_a_grid": ("f, t, y, h", "return over_a_grid(f, y, [t, t + h])[-1]", "forward_euler"),
-    "over_times": (
-        "force, q, v, h",
-        "run = over_times(force, q, v, [0.0, h]); return run[0][-1], run[1][-1]",
-        "symplectic_euler",
-    ),
-    "to_an_end": ("f, t, y, h", "return to_an_end(f, t, y, t + h, h)", "forward_euler"),
-    "in_n_steps": ("f, t, y, h", "return in_n_steps(f, t, y, t + h, 1)", "forward_euler"),
-    "coupled": (
-        "force, q, v, h",
-        "return coupled(lambda *x: x[2], lambda *x: force(x[1]), 0.0, q, v, h)",
-        "forward_euler",
-    ),
-    "of_interval": ("f, t, y, h", "return of_interval(f, y, t, t + h, ())", "forward_euler"),
-    "with_parameters": (
-        "f, t, y, h",
-        "return with_parameters(params=(), y=y, vector_field=f, t=t, h=h)",
-        "forward_euler",
-    ),
+    "simulate": ("f, t, y, h", "return simulate(f, y, t, t + h, h)[1][-1]", FORWARD),
+    "from_zero": ("f, y, h", "return from_zero(f, y, h, h)[0][-1]", FORWARD),
+    "euler_cromer": ("q, v, h", "run = euler_cromer(q, v, 1.0, h, h); return run[1][-1], run[2][-1]", EULER),
+    "separable": (FORCED, "return separable(q, v, lambda q, *p: -force(q), lambda *p: p[-1], h)", EULER),
+    "over_a_grid": ("f, t, y, h", "return over_a_grid(f, y, [t, t + h])[-1]", FORWARD),
+    "over_times": (FORCED, "run = over_times(force, q, v, [0.0, h]); return run[0][-1], run[1][-1]", EULER),
+    "to_an_end": ("f, t, y, h", "return to_an_end(f, t, y, t + h, h)", FORWARD),
+    "in_n_steps": ("f, t, y, h", "return in_n_steps(f, t, y, t + h, 1)", FORWARD),
+    "coupled": (FORCED, "return coupled(lambda *x: x[2], lambda *x: force(x[1]), 0.0, q, v, h)", FORWARD),
+    "of_interval": ("f, t, y, h", "return of_interval(f, y, t, t + h, ())", FORWARD),
+    "with_parameters": ("f, t, y, h", "return with_parameters(params=(), y=y, vector_field=f, t=t, h=h)", FORWARD),
 }
 
 

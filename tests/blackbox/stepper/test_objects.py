@@ -164,10 +164,8 @@ def test_an_object_whose_array_is_narrow_keeps_it_narrow():
         engine.body.position = np.zeros(3, dtype=np.float32)
         return engine
 
-    third = stepper_of(narrow, position="body.position", velocity="body.velocity", push="apply")(
-        lambda q: 0.0, 1 / 3, 0.0, 1
-    )
-    assert third[0] == float(np.float32(1 / 3))
+    step = stepper_of(narrow, position="body.position", velocity="body.velocity", push="apply")
+    assert step(lambda q: 0.0, 1 / 3, 0.0, 1)[0] == float(np.float32(1 / 3))
 
 
 def test_a_maker_of_other_arguments_is_refused_in_one_line():

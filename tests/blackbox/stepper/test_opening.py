@@ -41,27 +41,18 @@ def test_a_stepper_is_found_in_the_current_directory_before_others(tmp_path, mon
     assert [n for n, place in enumerate(sys.path) if place == str(tmp_path)] == [0]
 
 
-@pytest.mark.parametrize(
-    ("name", "message"),
-    [
-        ("driftproof.numeric.steppers", "'driftproof.numeric.steppers' names no stepper; write package."),
-        ("driftproof.numeric.steppers:", "names no stepper"),
-        (":rk4", "names no stepper"),
-        ("driftproof/numeric/steppers.py:rk4", "names a file; write driftproof.numeric.steppers:rk4"),
-        ("./mine.py:step", "names a file; write mine:step"),
-        ("driftproof.numeric.steppers:rk4(1)", "names no stepper"),
-        ("driftproof.numeric.steppers:rk5", "driftproof.numeric.steppers:rk5 cannot be imported: AttributeError"),
-        ("no_such_module_here:step", "cannot be imported: ModuleNotFoundError"),
-        (
-            "driftproof.numeric.steppers:HAND_WRITTEN",
-            ":HAND_WRITTEN is dict, which cannot be called; hand over a function",
-        ),
-        (
-            None,
-            "what was given is None; hand over a function that makes one step, say: def step(f, t, y, h): return y + ",
-        ),
-    ],
-)
+@pytest.mark.parametrize(("name", "message"), [
+    ("driftproof.numeric.steppers", "'driftproof.numeric.steppers' names no stepper; write package."),
+    ("driftproof.numeric.steppers:", "names no stepper"),
+    (":rk4", "names no stepper"),
+    ("driftproof/numeric/steppers.py:rk4", "names a file; write driftproof.numeric.steppers:rk4"),
+    ("./mine.py:step", "names a file; write mine:step"),
+    ("driftproof.numeric.steppers:rk4(1)", "names no stepper"),
+    ("driftproof.numeric.steppers:rk5", "driftproof.numeric.steppers:rk5 cannot be imported: AttributeError"),
+    ("no_such_module_here:step", "cannot be imported: ModuleNotFoundError"),
+    ("driftproof.numeric.steppers:HAND_WRITTEN", ":HAND_WRITTEN is dict, which cannot be called; hand over a function"),
+    (None, "what was given is None; hand over a function that makes one step, say: def step(f, t, y, h): return y + "),
+])  # fmt: skip
 def test_a_name_without_a_stepper_is_refused_in_one_line(name, message):
     with pytest.raises(ValueError, match=r".") as caught:
         Target(name).open()
@@ -77,16 +68,9 @@ def test_what_is_seldom_met_is_opened_or_refused_as_before(name, as_before, monk
     try:
         subject = opened(step)
     except (ValueError, Misbehaviour) as refusal:
-        as_before(
-            type(refusal).__name__,
-            re.split(" is not one of these| does not fit any calling", str(refusal))[0],
-            wrapper_line(step),
-            asked,
-        )
+        said = re.split(" is not one of these| does not fit any calling", str(refusal))[0]
+        as_before(type(refusal).__name__, said, wrapper_line(step), asked)
     else:
         steps = [] if subject.single else [subject.step(1.0, 0.75, 0.25), subject.step(-3.0, 0.5, 1.5)]
-        as_before(
-            f"{subject.adapter.name}: {call_text(subject, 1.0, 0.75, 0.25)}",
-            (*steps, subject.log.changes_its_arguments, *subject.log.types),
-            asked,
-        )
+        shown = f"{subject.adapter.name}: {call_text(subject, 1.0, 0.75, 0.25)}"
+        as_before(shown, (*steps, subject.log.changes_its_arguments, *subject.log.types), asked)

@@ -61,14 +61,6 @@ def test_a_vector_holds_no_more_numbers_than_it_has():
             vector.write([0.25] * (size + 1))
 
 
-def verlet_handing_on(acceleration):
-    def step(force, x, v, a, dt):
-        x1 = x + dt * v + dt**2 / 2 * a
-        return x1, v + dt / 2 * (a + force(x1)), acceleration(force, x, x1)
-
-    return step
-
-
 def verlet_beside(acceleration=None):
     """Beside a function a is a slope; where none comes back, the caller asks for it."""
 
@@ -80,10 +72,14 @@ def verlet_beside(acceleration=None):
     return step
 
 
+def verlet_handing_on(acceleration):
+    return lambda force, x, v, a, dt: verlet_beside(acceleration)(x, v, a, dt, force)
+
+
 def timed_verlet_handing_on(later):
     def step(force, t, x, v, a, dt):
-        x1 = x + dt * v + dt**2 / 2 * a
-        return x1, v + dt / 2 * (a + force(t + dt, x1)), force(t + later * dt, x1)
+        handed_on = lambda acc, x, x1: force(t + later * dt, x1)
+        return verlet_beside(handed_on)(x, v, a, dt, lambda x: force(t + dt, x))
 
     return step
 
@@ -96,22 +92,18 @@ def heun_handing_on(later):
     return step
 
 
-@pytest.mark.parametrize(
-    ("right", "wrong", "key", "said"),
-    [
-        *(
-            (right, kind(lambda f, x, x1: f(x)), "velocity_verlet", "-1 as the slope at its end, not -1.15625")
-            for kind in (verlet_handing_on, verlet_beside)
-            for right in (kind(lambda f, x, x1: f(x1)), verlet_beside())
-        ),
-        *(
-            (kind(1.0), kind(later), key, f"passes on the slope at t + {later / 4:g} as that at its end, t + 0.25")
-            for kind, key in ((timed_verlet_handing_on, "velocity_verlet"), (heun_handing_on, "heun2"))
-            for later in (0.0, 0.5)
-        ),
-    ],
-    ids=range(8),
-)
+@pytest.mark.parametrize(("right", "wrong", "key", "said"), [
+    *(
+        (right, kind(lambda f, x, x1: f(x)), "velocity_verlet", "-1 as the slope at its end, not -1.15625")
+        for kind in (verlet_handing_on, verlet_beside)
+        for right in (kind(lambda f, x, x1: f(x1)), verlet_beside())
+    ),
+    *(
+        (kind(1.0), kind(later), key, f"passes on the slope at t + {later / 4:g} as that at its end, t + 0.25")
+        for kind, key in ((timed_verlet_handing_on, "velocity_verlet"), (heun_handing_on, "heun2"))
+        for later in (0.0, 0.5)
+    ),
+], ids=range(8))  # fmt: skip
 def test_a_slope_handed_on_that_is_not_that_at_the_end_is_a_fault(right, wrong, key, said):
     assert key in keys_of(right)
     with pytest.raises(StaleSlope, match=re.escape(said)):

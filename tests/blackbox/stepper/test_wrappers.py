@@ -66,14 +66,11 @@ def test_a_step_of_velocities_first_is_read_so_where_its_arguments_say_it_and_el
     as_before(*said)
 
 
-@pytest.mark.parametrize(
-    ("code", "shown"),
-    [
-        ("class Bare:\n    def run(self, dt): pass", 'velocity="VELOCITY", advance="run")  # attributes'),
-        ("class Bare:\n    pass", 'velocity="VELOCITY", advance="STEP")'),
-        ("def bare(one, two): pass", "): return bare(ONE, TWO)  # y at t + h"),
-    ],
-)
+@pytest.mark.parametrize(("code", "shown"), [
+    ("class Bare:\n    def run(self, dt): pass", 'velocity="VELOCITY", advance="run")  # attributes'),
+    ("class Bare:\n    pass", 'velocity="VELOCITY", advance="STEP")'),
+    ("def bare(one, two): pass", "): return bare(ONE, TWO)  # y at t + h"),
+])  # fmt: skip
 def test_a_refusal_without_a_known_wrapper_is_short_and_shows_what_to_fill_in(code, shown):
     with pytest.raises(BadInput, match=re.escape(shown)) as caught:
         opened(list(namespace(code).values())[-1])
