@@ -174,8 +174,8 @@ def _require_steps_of_method(plan: StepPlan, run: Trajectory) -> None:
         if not off <= allowed:
             raise Refused(
                 f"y[{i + 1}] is not {'one step' if n == 1 else f'{n} steps'} of {plan.method.key} from y[{i}]: off by "
-                f"{float(off):.2g}, where rounding explains {float(allowed):.2g} at most; give h if steps are left out,"
-                " and no t_eval to SciPy"
+                f"{float(off):.2g}, where rounding explains {float(allowed):.2g} at most: another method, another f or "
+                "parameter, digits cut in a file, steps left out (give h), or SciPy's t_eval"
             )
 
 
