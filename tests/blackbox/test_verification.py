@@ -100,6 +100,13 @@ class Stale:
         return q + h * v, v + h * old
 
 
+def to_an_end(f, t, y, h):
+    end = t + h
+    while t < end:
+        t, y = t + h, y + h * f(t, y)
+    return y
+
+
 def pendulum(theta, omega, dt):
     omega = omega - 9.81 * dt * np.sin(theta)
     return theta + dt * omega, omega
@@ -132,6 +139,8 @@ VERDICTS = {
     "in place": (in_place, "rk4", "", "of it; remark: it changes its arguments"),
     "one buffer": (in_one_buffer, "rk4", "", "of it; remark: an answer is overwritten by the next call"),
     "no step back": (lambda q, v, h: symplectic_euler(q, v, abs(h)), "symplectic_euler"),
+    "to an end": (to_an_end, "forward_euler", "Steps back: not tested", "it does not run backwards: h < 0 does nothing",
+        "", "; remark: it does not run backwards"),
     "forwards": (refusing, "symplectic_euler", "Steps back: not tested", "raises ValueError: h has to be positive"),
     "one row": (first_row_only, "symplectic_euler"),
     "of one state": (lambda q, v, h: symplectic_euler(float(q), float(v), h), "symplectic_euler",
