@@ -107,7 +107,12 @@ def questions_of(wanted: Specification, examples: int) -> list[Question]:
 
 
 def _judge_rounding(method: Method, found: Agreement) -> Judged:
-    return found.holds, found.lines, found.data, ""
+    """An iteration that does not converge in long steps leaves it open whether the step is the method's."""
+    if (within := found.within) is None:
+        return found.holds, found.lines, found.data, ""
+    h, state = (f"{size:g}" for size in (within.largest_step, within.largest_state))
+    missing = f"--largest-step {h} --largest-state {state}, in Python domain=Domain({h}, {state})"
+    return None, found.lines, found.data, missing
 
 
 def _judge_coefficients(method: Method, reading: CoefficientReading, solver_tolerance: float) -> Judged:

@@ -87,8 +87,9 @@ class Agreement:
     """The comparison of a stepper with a method over `examples` steps.
 
     `worst` is the example tried with the largest error over its bound, `failing` the simplest one beyond its bound, or
-    None. `but_for` says under which allowance none is, if that was tried, `narrow` the format of answers that are not
-    doubles. Sampling is evidence, not proof; the bound, proportional to a `solver_tolerance`, is proved.
+    None. `but_for` says under which allowance none is, if that was tried, and `within` is the smaller domain in which
+    none is, if beyond it an iteration does not converge. `narrow` is the format of answers that are not doubles.
+    Sampling is evidence, not proof; the bound, proportional to a `solver_tolerance`, is proved.
     """
 
     method: str
@@ -98,6 +99,7 @@ class Agreement:
     failing: Example | None
     largest_scaled_error: float
     but_for: str = ""
+    within: Domain | None = None
     narrow: str = ""
     solver_tolerance: float = 0.0
 
@@ -112,6 +114,10 @@ class Agreement:
         if self.failing is not None:
             again = f"to reproduce: {self.failing.reproduction}"
             why = [f"every error is within it {self.but_for}"] if self.but_for else []
+            if self.within is not None:
+                within = f"h <= {self.within.largest_step:g} and |q|, |v| <= {self.within.largest_state:g}"
+                diverges = f"its iteration does not converge at h = {self.failing.h:g}"
+                why = [f"{diverges}; for {within} every error is within the bound"]
             return [f"the simplest step beyond the bound: {self.failing.words}", again, *why]
         return [
             f"{self.examples} steps drawn from {self.domain.words}, every error within the derived bound",
@@ -156,7 +162,7 @@ def agreement(subject: ForeignStepper, wanted: Specification, examples: int = EX
     worst = _in_full(max(tried, key=lambda each: each.error_over_bound), tolerance, subject)
     narrow, largest = "" if subject.format is BINARY64 else subject.format.name, max(x.scaled_error for x in tried)
     solved = float(wanted.allowance.solver_tolerance or 0)
-    return Agreement(tolerance.method.key, domain, count, worst, failing, largest, "", narrow, solved)
+    return Agreement(tolerance.method.key, domain, count, worst, failing, largest, "", None, narrow, solved)
 
 
 # States of ordinary size and of both signs, so that each entry of M(h) shows; steps of few bits and of many.
