@@ -109,7 +109,11 @@ class MultistepReading:
         }
 
     def criteria(self, method: Multistep) -> list[Criterion]:
-        """The criteria of a method: the recurrence, where F is evaluated, the start, the order of whole runs."""
+        """The criteria of a method: the recurrence, where F is evaluated, the start, the orders of whole runs.
+
+        Velocities that are right half a step beside leave it open, as in a leapfrog that means them so; those that are
+        differences of positions do not count.
+        """
         found, start = self.recurrence, self.start
         same = found.method is not None and (found.method.rho, found.method.sigma) == (method.rho, method.sigma)
         near = found.recurrence.differences(method) if not same else None
@@ -130,12 +134,16 @@ class MultistepReading:
         reached = None if start.order is None else start.order >= order
         line = f"{method.key} has order {order}; in whole runs order {start.order} is observed"
         ends = Criterion("Order", reached, (line,), {"measured": start.order}, needed)
-        return [*checks, Criterion("Start", begun, tuple(lines), {}, needed), ends]
+        speeds = (
+            [Criterion(VELOCITIES, start.meant, (start.velocities,), {}, _AT_ITS_TIMES)] if start.velocities else []
+        )
+        return [*checks, Criterion("Start", begun, tuple(lines), {}, needed), ends, *speeds]
 
 
 # The lines for copies that share their memory, so that no run begins anew, and for slopes handed in.
 _NO_START = "its start was not seen: copies share its memory, as with a module variable, or it cannot be restarted"
 _HANDED = "its start is left to the caller, who hands it the earlier slopes from the first step on"
+VELOCITIES, _AT_ITS_TIMES = "Velocities", "those at the times of the positions, such as (x[n+1] - x[n-1])/(2 h)"
 _WITH_START = "a stepper that keeps its memory in an object of its own"
 
 
