@@ -11,10 +11,10 @@ from driftproof.blackbox.families.multistep_runs import later_steps
 from driftproof.blackbox.findings import NO_EVIDENCE, Outcome, StepFinding, UnsupportedCall
 from driftproof.blackbox.isolation import Probe
 from driftproof.blackbox.judging.agreement import Agreement, several_together
-from driftproof.blackbox.judging.habits import explain_by_habits
 from driftproof.blackbox.judging.measured_order import MeasuredOrder, measured_orders
 from driftproof.blackbox.judging.nonlinear_step import BEYOND_TOLERANCE, NonlinearAgreement, nonlinear_agreement
 from driftproof.blackbox.judging.other_parameters import other_parameters
+from driftproof.blackbox.judging.own_system import OwnSystem, rounding_of
 from driftproof.blackbox.judging.specification import Specification
 from driftproof.blackbox.judging.state_objects import state_objects
 from driftproof.blackbox.judging.walks import back_and_on, walked
@@ -35,6 +35,7 @@ from driftproof.methods.schemes import Collocation, Method, Nystrom, RungeKutta,
 _OPEN = {
     DenseOutputDiffers.kind: "a dense output that is a sum of slopes, the same in all components, as the step is",
     "crashes": "a step that leaves its process, and the pipes of it, alone",
+    OwnSystem.kind: "a right-hand side or a force among its arguments: step(f, t, y, h) or step(force, q, v, h)",
     **NO_EVIDENCE,
 }
 # What would decide a question whose reading was refused.
@@ -87,7 +88,7 @@ def questions_of(wanted: Specification, examples: int) -> list[Question]:
     coefficients = partial(_judge_coefficients, solver_tolerance=float(solved or 0))
     estimate, later = _READABLE_ESTIMATE * is_pair(method), partial(later_steps, explicit=method.explicit)
     return [
-        Question(ROUNDING, against(explain_by_habits, examples=examples), _judge_rounding),
+        Question(ROUNDING, against(rounding_of, examples=examples), _judge_rounding),
         Question(COEFFICIENTS, read_coefficients, coefficients, "", _READABLE),
         Question(NONLINEAR_STEP, against(nonlinear_agreement), _judge_nonlinear_step),
         Question(ORDER, against(measured_orders, explicit=method.explicit), _judge_order),
@@ -104,7 +105,12 @@ def questions_of(wanted: Specification, examples: int) -> list[Question]:
 
 
 def _judge_rounding(method: Method, found: Agreement) -> Judged:
-    return found.holds, found.lines, found.data, ""
+    """An iteration that does not converge in long steps leaves it open whether the step is the method's."""
+    if (within := found.within) is None:
+        return found.holds, found.lines, found.data, ""
+    h, state = (f"{size:g}" for size in (within.largest_step, within.largest_state))
+    missing = f"--largest-step {h} --largest-state {state}, in Python domain=Domain({h}, {state})"
+    return None, found.lines, found.data, missing
 
 
 def _judge_coefficients(method: Method, reading: CoefficientReading, solver_tolerance: float) -> Judged:

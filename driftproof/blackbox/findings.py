@@ -135,6 +135,10 @@ class RightInAnotherForm(StepFinding):
     """What is wrong in the form of state that was given, and right in another one."""
 
 
+class Remarked(StepFinding):
+    """What is neither right nor wrong, and has to be known: a verdict that passes remarks on it."""
+
+
 @dataclass(frozen=True)
 class Outcome:
     """The outcome of one check: its result, or one word for why there is none, with what was seen instead.

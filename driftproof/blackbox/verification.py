@@ -13,6 +13,7 @@ from driftproof.blackbox.findings import Outcome, RightInAnotherForm, StepFindin
 from driftproof.blackbox.judging.agreement import Agreement
 from driftproof.blackbox.judging.habits import HABITS
 from driftproof.blackbox.judging.nonlinear_step import NonlinearAgreement
+from driftproof.blackbox.judging.own_system import NotOnOwnSystem
 from driftproof.blackbox.probes.force import ForceReading
 from driftproof.blackbox.probes.scripted_answers import NotReadable
 from driftproof.blackbox.report import NOT_KNOWN, UNDECIDED, Basis, Criterion, Naming, Report
@@ -137,6 +138,9 @@ class Refutation:
         """Yield the verdicts on a stepper that has the method's coefficients, or is the method but for one thing."""
         seen, key = self.seen, self.seen.method.key
         rounding, coefficients, nonlinear, order = seen.of_step
+        elsewhere = seen.outcomes[criteria.ROUNDING]
+        if elsewhere.kind == NotOnOwnSystem.kind and self.naming.basis is not Basis.LINEAR_ONLY:
+            yield f"is not {key}: {elsewhere.seen}"
         agrees, stages = "its coefficients agree, but", coefficients.data.get("stages")
         if stages and False in (coefficients.passed, nonlinear.passed):
             yield f"is not {key} {seen.how_near}: {agrees} {stages}"
@@ -184,12 +188,6 @@ class Refutation:
         if self.mistakes and not one_entry and (by_linear_steps or unnamed or naming.reserved or named):
             yield f"is not {key}; it is {key} with one mistake: {self.mistakes[0]}"
         if self.instead.section("Coefficients") is None and (named or naming.basis is Basis.UNDECIDED):
-            lines = self.instead.data["matrix"] or ()
-            system = next((line for line in lines if line.startswith("small steps follow q' = v,")), "")
-            if named and (system or any(line.startswith("not linear at ordinary size") for line in lines)):
-                on = f" on{system.removeprefix('small steps follow')}" if system else ""
-                own = "if its force is its own, let it be an argument"
-                yield f"is not {key} on q'' = -q; at small states it is{on}: {own}"
             yield f"is not {key}: {first.lines[0 if first.title == criteria.ROUNDING else -1]}"
         if naming.basis is Basis.KNOWN and naming.methods[0] == key and naming.words == self.instead.verdict:
             yield f"is {key}, but not everywhere: {first.lines[0]}"

@@ -14,7 +14,7 @@ from driftproof.blackbox.checks.arguments import arguments, types
 from driftproof.blackbox.checks.homogeneity import digits
 from driftproof.blackbox.families.magnetic import BORIS_NAMES, Boris
 from driftproof.blackbox.families.reports import hand_jacobian, turns, verify_family
-from driftproof.blackbox.findings import UnsupportedCall, arithmetic_of
+from driftproof.blackbox.findings import Remarked, UnsupportedCall, arithmetic_of
 from driftproof.blackbox.isolation import TIME_LIMIT, IsolatedRunner
 from driftproof.blackbox.judging.agreement import EXAMPLES
 from driftproof.blackbox.judging.specification import NO_ALLOWANCE, ORDINARY_DOMAIN, Allowance, Domain, Specification
@@ -134,8 +134,9 @@ def _report_on_one_step(runner: IsolatedRunner, method: Method, questions: Seque
         data["instead"] = refuted.instead.data
         verdict = refuted.verdict if arithmetic in refuted.verdict else f"{refuted.verdict}; {arithmetic}"
         return Report(target, verdict, False, sections(*parts, *refuted.parts), data)
-    remarked = (check for reply in replies[len(questions) :] for check in reply.result or ())
-    remarks = [f"remark: {check.words}" for check in remarked if check.holds is False]
+    told = (reply.result for reply in replies if isinstance(reply.result, Remarked))
+    checked = (check for reply in replies[len(questions) :] for check in reply.result or () if check.holds is False)
+    remarks = [f"remark: {each.words}" for each in (*told, *checked)]
     data["remarks"] = list(remarks)
     verdict = "; ".join(filter(None, [seen.verdict, *remarks, *seen.unjudged, arithmetic]))
     parts.append(("Calls made", [f"{made} calls of the stepper"]))

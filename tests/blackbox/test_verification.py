@@ -100,6 +100,13 @@ class Stale:
         return q + h * v, v + h * old
 
 
+def to_an_end(f, t, y, h):
+    end = t + h
+    while t < end:
+        t, y = t + h, y + h * f(t, y)
+    return y
+
+
 def pendulum(theta, omega, dt):
     omega = omega - 9.81 * dt * np.sin(theta)
     return theta + dt * omega, omega
@@ -132,14 +139,15 @@ VERDICTS = {
     "in place": (in_place, "rk4", "", "of it; remark: it changes its arguments"),
     "one buffer": (in_one_buffer, "rk4", "", "of it; remark: an answer is overwritten by the next call"),
     "no step back": (lambda q, v, h: symplectic_euler(q, v, abs(h)), "symplectic_euler"),
+    "to an end": (to_an_end, "forward_euler", "Steps back: not tested", "it does not run backwards: h < 0 does nothing",
+        "", "; remark: it does not run backwards"),
     "forwards": (refusing, "symplectic_euler", "Steps back: not tested", "raises ValueError: h has to be positive"),
     "one row": (first_row_only, "symplectic_euler"),
     "of one state": (lambda q, v, h: symplectic_euler(float(q), float(v), h), "symplectic_euler",
         "Several: not tested", ""),
     "the row of order 5": (other_row(), "fehlberg45_embedded"),
     "not of order 4": (other_row(), "fehlberg45"), "far": (raising_far_out, "rk4"),
-    "of a pendulum": (pendulum, "symplectic_euler", "",
-        "on q'' = -q; at small states it is on q' = v, v' = -9.81 q: if its force is its own, let it be an argument"),
+    "of a pendulum": (pendulum, "symplectic_euler", "What would decide it", "a force among its arguments"),
     "capped": (capped, "symplectic_euler", "Identified instead: faults", "100"),
     "not reached": (capped, "symplectic_euler", {"domain": Domain(largest_state=30.0)}),
     "left out": (kick_drift_kick("halves", left=1), "velocity_verlet"),
@@ -153,9 +161,12 @@ VERDICTS = {
     "iterated": (iterated_three_times, "backward_euler",
         "", "is not backward_euler", "Coefficients: undecided", "read as 3 explicit stages", {"allowance": SOLVED}),
     "solved otherwise": (backward_euler, "implicit_midpoint", "", "is not implicit_midpoint", {"allowance": SOLVED}),
-    "diverging": (MIDPOINT, "implicit_midpoint",
-        "", "is not implicit_midpoint to the tolerance stated: its coefficients agree, but a step is",
-        {"allowance": SOLVED}),
+    "diverging": (MIDPOINT, "implicit_midpoint", "", "its iteration does not converge at h = ",
+        "What would decide it", "rounding: --largest-step 0.5 --largest-state 1", {"allowance": SOLVED}),
+    "capped in h": (lambda f, t, y, h: all_at_once(table("backward_euler"))(f, t, y, min(h, 0.75)), "backward_euler",
+        "", "is not backward_euler", {"allowance": SOLVED}),
+    "cut short": (lambda f, t, y, h: y + h * f(t + h, y + h * f(t + h, y + h * f(t + h, y))), "backward_euler",
+        "", "is not backward_euler", {"allowance": SOLVED}),
     "near by": (MIDPOINT, "implicit_midpoint",
         "", "is implicit_midpoint to the", {"allowance": SOLVED, "domain": replace(SHORT, largest_step=1.0)}),
     "one entry": (all_at_once(with_entry("radau_iia2", 0, 1, -0.08)), "radau_iia2",

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from typing import Any
 
 from flint import arb
 
+from driftproof.blackbox.checks.determinism import MANY
 from driftproof.blackbox.families.imex import WELL_SOLVED
 from driftproof.blackbox.families.multistep_recurrence import (
     ONE_SIZE,
@@ -37,6 +39,8 @@ from driftproof.support.plain_text import Json
 
 # The step sizes h = 2**-k of first steps and of whole runs, and the length of these runs.
 _FIRST, _WHOLE, _LENGTH = range(2, 10), range(4, 10), 0.5
+# A power of two, over which differences are divided without rounding.
+_SHORT = 2.0**-6
 
 
 @dataclass(frozen=True)
@@ -45,7 +49,8 @@ class StartReading:
 
     `power` is that of the starting values, `order` that of the end of whole runs; None if none is seen. A method of
     order p needs the power p for both, and p + 1 for the starting values of y'' = F(y). There both are of positions,
-    and `velocities` says what is seen of the velocities if that is less.
+    and `velocities` says what is seen of the velocities if that is less. They are `meant` if they are differences of
+    positions, and may be, which is None, if they are right half a step beside.
     """
 
     methods: tuple[str, ...]
@@ -55,6 +60,7 @@ class StartReading:
     order_slopes: tuple[float, ...]
     problem: str
     velocities: str = ""
+    meant: bool | None = False
 
     @property
     def name(self) -> str:
@@ -175,7 +181,11 @@ class MultistepReading:
         }
 
     def criteria(self, method: Multistep) -> list[Criterion]:
-        """The criteria of a method: the recurrence, where F is evaluated, the start, the order of whole runs."""
+        """The criteria of a method: the recurrence, where F is evaluated, the start, the orders of whole runs.
+
+        Velocities that are right half a step beside leave it open, as in a leapfrog that means them so; those that are
+        differences of positions do not count.
+        """
         found, start = self.recurrence, self.start
         same = found.method is not None and (found.method.rho, found.method.sigma) == (method.rho, method.sigma)
         near = found.recurrence.differences(method) if not same else None
@@ -196,12 +206,16 @@ class MultistepReading:
         reached = None if start.order is None else start.order >= order
         line = f"{method.key} has order {order}; in whole runs order {start.order} is observed"
         ends = Criterion("Order", reached, (line,), {"measured": start.order}, needed)
-        return [*checks, Criterion("Start", begun, tuple(lines), {}, needed), ends]
+        speeds = (
+            [Criterion(VELOCITIES, start.meant, (start.velocities,), {}, _AT_ITS_TIMES)] if start.velocities else []
+        )
+        return [*checks, Criterion("Start", begun, tuple(lines), {}, needed), ends, *speeds]
 
 
 # The lines for copies that share their memory, so that no run begins anew, and for slopes handed in.
 _NO_START = "its start was not seen: copies share its memory, as with a module variable, or it cannot be restarted"
 _HANDED = "its start is left to the caller, who hands it the earlier slopes from the first step on"
+VELOCITIES, _AT_ITS_TIMES = "Velocities", "those at the times of the positions, such as (x[n+1] - x[n-1])/(2 h)"
 _WITH_START = "a stepper that keeps its memory in an object of its own"
 
 
@@ -232,9 +246,21 @@ def read_start(runs: MarkedRuns, reading: RecurrenceReading) -> StartReading:
         ends += (_errors(subject, problem, 2.0**-k, round(_LENGTH * 2**k)) for k in _WHOLE)
     power, slopes = power_of_errors(firsts, [noise] * len(firsts))
     (order, order_slopes), *rest = (power_of_errors(x, [noise] * len(x)) for x in [*zip(*ends, strict=True)] or [()])
-    less = order and rest and (rest[0][0] or 0) < order
-    words = f"{order_seen(rest[0][0])} in its velocities (slopes: {slopes_text(rest[0][1])})" if less else ""
-    return StartReading(_methods(runs, length), power, slopes, order, order_slopes, problem.words, words)
+    if not (order and rest and (rest[0][0] or 0) < order):
+        return StartReading(_methods(runs, length), power, slopes, order, order_slopes, problem.words)
+    times = zip(rest[1:], ("before", "after"), strict=True)
+    when = next((f": those of half a step {word}" for (seen, _), word in times if (seen or 0) >= order), "")
+    meant = None if when else False
+    if _are_differences(course(subject, problem, START, problem.start(START), _SHORT, MANY), problem.positions):
+        meant, when = True, ": differences of positions"
+    words = f"{order_seen(rest[0][0])} in its velocities{when} (slopes: {slopes_text(rest[0][1])})"
+    return StartReading(_methods(runs, length), power, slopes, order, order_slopes, problem.words, words, meant)
+
+
+def _are_differences(states: Sequence[Sequence[AnyNumber]], positions: int) -> bool:
+    """True if the velocities of a run are the differences of its positions over its short step, to the last bit."""
+    pairs = [zip(a, b[:positions], b[positions:], strict=False) for a, b in pairwise(states)]
+    return all((after - before) / _SHORT == v for each in pairs for before, after, v in each)
 
 
 def _methods(runs: MarkedRuns, length: int) -> tuple[str, ...]:
@@ -284,8 +310,13 @@ def _one_step(subject: ForeignStepper) -> str:
 
 
 def _errors(subject: ForeignStepper, problem: NonlinearProblem, h: float, steps: int) -> list[float]:
-    """The largest errors after this many steps: of all components, or of positions and of velocities if y'' = F."""
+    """The largest errors after this many steps: of all components; or if y'' = F, of positions and of velocities.
+
+    Those of velocities half a step before and after follow.
+    """
     end = course(subject, problem, START, problem.start(START), h, max(steps, subject.shortest))[steps]
-    exact = problem.solution(arb(START) + h * steps)
-    off = [abs(float(x) - float(y.mid())) for x, y in zip(end, exact, strict=True)]
-    return [max(part) for part in (off[: problem.positions or None], off[problem.positions or len(off) :]) if part]
+    now, *beside = (problem.solution(arb(START) + h * (steps + shift)) for shift in (0.0, -0.5, 0.5))
+    at = problem.positions or len(end)
+    pairs = [(end[:at], now[:at]), *((end[at:], exact[at:]) for exact in (now, *beside))]
+    off = ([abs(float(x) - float(y.mid())) for x, y in zip(*pair, strict=True)] for pair in pairs)
+    return [max(part) for part in off if part]

@@ -21,6 +21,7 @@ from driftproof.blackbox.probes.scripted_answers import Rounding
 from driftproof.blackbox.report import Criterion
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.methods.catalogue import FACTS_ONLY
+from driftproof.methods.number_field import Algebraic, Exact
 from driftproof.methods.rosenbrock import Rosenbrock
 from driftproof.support.plain_text import Json
 from driftproof.symbolic.rosenbrock import RosenbrockFacts
@@ -103,14 +104,26 @@ def _floats(method: Rosenbrock) -> tuple[Array, Array, Array]:
     return alpha, gamma, np.array([float(x) for x in method.b])
 
 
+def _conjugate(x: Exact) -> Exact:
+    """The number with -sqrt(n) in place of sqrt(n)."""
+    if isinstance(x, Algebraic) and x.field.degree == 2 and not x.field.minimal[1]:
+        return Algebraic(x.field, [c * (-1) ** i for i, c in enumerate(x.coefficients)])
+    return x
+
+
 def _near(reading: RosenbrockReading, method: Rosenbrock) -> Iterator[str]:
     """The single entries of a method that, with another value, give what was read: the products are affine in each.
 
-    A path through a triangular matrix takes an entry below its diagonal at most once; others fail the comparison.
+    A path through a triangular matrix takes an entry below its diagonal at most once; others fail the comparison. First
+    comes the other root of a quadratic equation for gamma, with which all conditions of order hold as well.
     """
     names, floats, powers = ("alpha", "gamma", "b"), _floats(method), len(reading.weights)
     if len(_Products(*floats, powers).nodes) != reading.calls:
         return
+    changed_rows = ([[_conjugate(x) for x in row] for row in rows] for rows in (method.alpha, method.gamma, [method.b]))
+    alpha, gamma, (b,) = (tuple(map(tuple, rows)) for rows in changed_rows)
+    if _Products.of(replace(method, alpha=alpha, gamma=gamma, b=b), powers).differences(reading) == []:
+        yield f"the other root: gamma[0][0] = {exact_shown(gamma[0][0])} instead of {exact_shown(method.gamma[0][0])}"
     seen = np.array(reading.weights)
     for which, entries in enumerate(floats):
         for place in np.ndindex(entries.shape):

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from driftproof.blackbox.checks.determinism import ALIKE
-from driftproof.blackbox.findings import Misbehaviour, StepFinding
+from driftproof.blackbox.findings import Misbehaviour, Remarked, StepFinding
 from driftproof.blackbox.judging.sampled_steps import Arguments, Sizes, simplest_step, steps_within
 from driftproof.blackbox.judging.specification import ORDINARY_DOMAIN, Domain, Specification
 from driftproof.blackbox.judging.tolerance import Tolerance
@@ -87,8 +87,9 @@ class Agreement:
     """The comparison of a stepper with a method over `examples` steps.
 
     `worst` is the example tried with the largest error over its bound, `failing` the simplest one beyond its bound, or
-    None. `but_for` says under which allowance none is, if that was tried, `narrow` the format of answers that are not
-    doubles. Sampling is evidence, not proof; the bound, proportional to a `solver_tolerance`, is proved.
+    None. `but_for` says under which allowance none is, if that was tried, and `within` is the smaller domain in which
+    none is, if beyond it an iteration does not converge. `narrow` is the format of answers that are not doubles.
+    Sampling is evidence, not proof; the bound, proportional to a `solver_tolerance`, is proved.
     """
 
     method: str
@@ -98,6 +99,7 @@ class Agreement:
     failing: Example | None
     largest_scaled_error: float
     but_for: str = ""
+    within: Domain | None = None
     narrow: str = ""
     solver_tolerance: float = 0.0
 
@@ -112,6 +114,10 @@ class Agreement:
         if self.failing is not None:
             again = f"to reproduce: {self.failing.reproduction}"
             why = [f"every error is within it {self.but_for}"] if self.but_for else []
+            if self.within is not None:
+                within = f"h <= {self.within.largest_step:g} and |q|, |v| <= {self.within.largest_state:g}"
+                diverges = f"its iteration does not converge at h = {self.failing.h:g}"
+                why = [f"{diverges}; for {within} every error is within the bound"]
             return [f"the simplest step beyond the bound: {self.failing.words}", again, *why]
         return [
             f"{self.examples} steps drawn from {self.domain.words}, every error within the derived bound",
@@ -156,11 +162,12 @@ def agreement(subject: ForeignStepper, wanted: Specification, examples: int = EX
     worst = _in_full(max(tried, key=lambda each: each.error_over_bound), tolerance, subject)
     narrow, largest = "" if subject.format is BINARY64 else subject.format.name, max(x.scaled_error for x in tried)
     solved = float(wanted.allowance.solver_tolerance or 0)
-    return Agreement(tolerance.method.key, domain, count, worst, failing, largest, "", narrow, solved)
+    return Agreement(tolerance.method.key, domain, count, worst, failing, largest, "", None, narrow, solved)
 
 
 # States of ordinary size and of both signs, so that each entry of M(h) shows; steps of few bits and of many.
 _STATES_BACK, _STEPS_BACK = ((1.0, 0.0), (0.0, 1.0), (-0.75, 1.25)), (0.25, 0.1)
+_NOT_BACK = "it does not run backwards: h < 0 does nothing, the state is returned unchanged"
 
 
 def ordinary_arguments(subject: ForeignStepper, domain: Domain) -> tuple[list[tuple[float, float]], list[float]]:
@@ -176,18 +183,22 @@ def ordinary_arguments(subject: ForeignStepper, domain: Domain) -> tuple[list[tu
 def steps_back(subject: ForeignStepper, wanted: Specification) -> StepFinding:
     """Compare a few steps with h < 0 with M(h); which the finding shows again if one is wrong.
 
-    The answer is None if h < 0 is refused, and for an implicit method, whose stages need not have a solution at h < 0.
-    States and steps are of ordinary size, or smaller if the domain is. Of a step of one number nothing is said.
+    The answer is None if h < 0 is refused or does nothing, as in a run that ends before it begins, and for an implicit
+    method, whose stages need not have a solution at h < 0. States and steps are of ordinary size, or smaller if the
+    domain is. Of a step of one number nothing else is said.
     """
     if not wanted.method.explicit:
         return StepFinding(None, f"{wanted.method.key} is implicit: steps back are not tried")
     if subject.single:
-        return StepFinding(True, "")
+        still = subject.step_field(lambda t, y: [1.0], 0.0, [1.0], -_STEPS_BACK[0]) == [1.0]
+        return Remarked(None, _NOT_BACK) if still else StepFinding(True, "")
     tolerance, (states, steps) = Tolerance.of(wanted, subject.format), ordinary_arguments(subject, wanted.domain)
     for h, (q, v) in product(steps, states):
         example = _example(subject, tolerance, q, v, -h)
         if example.answer is None:
             return StepFinding(None, f"h < 0 is refused: {example.misbehaved}")
+        if example.answer == (q, v):
+            return Remarked(None, _NOT_BACK)
         if _fails(example):
             example = _in_full(example, tolerance, subject)
             return StepFinding(False, f"a step with h < 0 is wrong: {example.words}", example.reproduction)

@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
+from contextlib import suppress
 from dataclasses import replace
 from fractions import Fraction
+from itertools import product
 from math import inf, log10
 
-from driftproof.blackbox.judging.agreement import EXAMPLES, Agreement, agreement
-from driftproof.blackbox.judging.specification import Allowance, Specification
+from driftproof.blackbox.findings import Misbehaviour
+from driftproof.blackbox.judging.agreement import EXAMPLES, Agreement, Example, agreement
+from driftproof.blackbox.judging.specification import Allowance, Domain, Specification
 from driftproof.blackbox.judging.tolerance import Tolerance
+from driftproof.blackbox.stepper.calling_conventions import MAP
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.methods.catalogue import of_one_state
 from driftproof.methods.number_field import Exact
@@ -21,6 +25,8 @@ HABITS: dict[str, Callable[[Allowance], Allowance]] = {
     "if h is rounded to binary32 first": lambda given: replace(given, step_in_binary32=True),
     "if the velocity is a difference of positions over h": lambda given: replace(given, velocity_from_positions=True),
 }
+# Step sizes at which the iteration of an implicit stage converges, the largest first.
+_CONVERGING = (0.5, 0.25)
 # How many digits more and fewer are tried than an error suggests, because it also scales with h and the states.
 _DIGITS_AROUND = 2
 # Chosen: a source with fewer digits is not counted as a rounding of the method.
@@ -30,10 +36,18 @@ _FEWEST = 5
 def explain_by_habits(subject: ForeignStepper, wanted: Specification, examples: int = EXAMPLES) -> Agreement:
     """The agreement; if it does not hold, `but_for` names the first habit or number of digits with which it does.
 
-    Raises the ValueError of `agreement`.
+    If it holds `within` a smaller domain, beyond which an iteration does not converge, that is said instead. Raises the
+    ValueError of `agreement`.
     """
     found = agreement(subject, wanted, examples)
-    if found.failing is None or found.failing.answer is None:
+    if found.failing is None:
+        return found
+    if not of_one_state(wanted.method).explicit and subject.convention.kind != MAP:
+        smaller = (each for each in _smaller(wanted.domain) if _iterates_more(subject, found.failing, each))
+        for domain in smaller:
+            if agreement(subject, replace(wanted, domain=domain), examples).holds:
+                return replace(found, within=domain)
+    if found.failing.answer is None:
         return found
     q, v, h, answer = found.failing.q, found.failing.v, found.failing.h, found.failing.answer
     if subject.step(q, v, h) != answer:  # no habit explains a step that goes elsewhere when it is made again
@@ -54,6 +68,25 @@ def explain_by_habits(subject: ForeignStepper, wanted: Specification, examples: 
         if agreement(subject, rounded, examples).holds:
             return replace(found, but_for=f"if its coefficients are rounded to {words}")
     return found
+
+
+def _smaller(domain: Domain) -> Iterator[Domain]:
+    """Yield smaller domains, in which iterations for the oscillator gain a bit or two a round."""
+    for size, h in product((domain.largest_state, 1.0), _CONVERGING):
+        if size <= domain.largest_state and h < domain.largest_step:
+            yield replace(domain, largest_step=h, largest_state=size)
+
+
+def _iterates_more(subject: ForeignStepper, failing: Example, domain: Domain) -> bool:
+    """True if a step that fails calls f more often than the longest step of a domain, from a state of size 1."""
+
+    def calls(q: float, v: float, h: float) -> int:
+        asked = list[float]()
+        with suppress(Misbehaviour):
+            subject.step_with(lambda x: asked.append(x) or -x, q, v, h)  # type: ignore[func-returns-value]
+        return len(asked)
+
+    return calls(failing.q, failing.v, failing.h) > calls(0.0, 1.0, domain.largest_step)
 
 
 def _of_few_digits(method: Method, error: float) -> Iterator[tuple[str, Method]]:

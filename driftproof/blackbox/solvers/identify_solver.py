@@ -29,8 +29,8 @@ def identify_solver(solve: Callable[..., Any] | str, *, time_limit: float = TIME
     at every step that it makes; f(t, y) is supplied here. In place of rtol and atol it may take one tolerance, a step
     size as h or dt, a number of steps as n or steps, or nothing. The tableau of its steps is read through marked
     answers, up to a few roundings; of multistep methods, the recurrence and the start are read. The step size control
-    and runs with known solutions are measured, and the report says so. Raises ValueError if the solver cannot be
-    imported or does not solve y' = 0.
+    and runs with known solutions are measured, and the report says so. A test may hold that `report.data["faults"]` is
+    empty. Raises ValueError if the solver cannot be imported or does not solve y' = 0.
 
     >>> from driftproof import identify_solver
     >>> def solve(f, t_span, y0, rtol, atol):
@@ -85,7 +85,8 @@ def _controlled(subject: ForeignSolver) -> ControllerReading:
 
 
 def _faults(steps: Outcome, controller: Outcome, runs: Outcome) -> tuple[str, ...]:
-    found = [outcome.result for outcome in (steps, controller, runs) if outcome.result is not None]
+    """The faults, first those of the step size control, which may be the cause of steps that differ."""
+    found = [outcome.result for outcome in (controller, steps, runs) if outcome.result is not None]
     dense = None if steps.failed else steps.result.dense
     endless = [f"step size control: does not end: {controller.seen}"] * (controller.kind == DoesNotEnd.kind)
     return (*(fault for each in (*filter(None, [dense]), *found) for fault in each.faults), *endless)

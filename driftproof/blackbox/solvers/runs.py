@@ -160,6 +160,8 @@ def _backward(subject: ForeignSolver) -> _Seen:
     if run.complaint:
         return [f"backward in time it ends at t = {run.t[-1]:.6g} and reports: {run.complaint}"], []
     (last,) = run.y[-1]
+    if (run.t[-1], last) == (1.0, 1.0):
+        return ["it does not run backward in time: it makes no step, and does not say so"], []
     off = abs(last - e)
     if off < _FOLLOWED and isclose(run.t[-1], 0.0, abs_tol=_GROSS):
         return ["it integrates backward in time"], []

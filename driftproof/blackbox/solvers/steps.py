@@ -82,9 +82,10 @@ class SolverSteps:
 
     @property
     def name(self) -> str:
-        """The pair that advances, or else another method of the catalogue; or that it is none."""
+        """The pair that advances, or else another method of the catalogue, or the nearest; or that it is none."""
         if not self.identity.matches:
-            return "no explicit method of the catalogue, judging by its calls"
+            nearest = next((near.name for near in self.identity.near), "")
+            return nearest or "no explicit method of the catalogue, judging by its calls"
         return self.pairs[0].key if self.pairs else self.identity.matches[0].name
 
     @property

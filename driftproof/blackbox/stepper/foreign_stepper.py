@@ -51,10 +51,10 @@ class ForeignStepper(ForeignCode):
         log = CallLog(works_in_place=self.log.works_in_place, layout=self.log.layout)
         return replace(self, function=copied, convention=self.convention.of_steps(steps), log=log)
 
-    def step(self, q: AnyNumber, v: AnyNumber, h: AnyNumber) -> tuple[AnyNumber, AnyNumber]:
-        """One step of its built-in system, or of the oscillator if it takes a force or a right-hand side."""
+    def step(self, q: AnyNumber, v: AnyNumber, h: AnyNumber, t: float = 0.0) -> tuple[AnyNumber, AnyNumber]:
+        """One step of its built-in system from t, or of the oscillator if it takes a force or a right-hand side."""
         if self.convention.kind == MAP:
-            return self._map(q, v, h)
+            return self._map(q, v, h, t)
         return self.step_with(oscillator, q, v, h)
 
     def step_with(self, force: ForceFunction, q: AnyNumber, v: AnyNumber, h: AnyNumber) -> tuple[AnyNumber, AnyNumber]:
@@ -148,14 +148,14 @@ class ForeignStepper(ForeignCode):
         positions, velocities = (self.adapter.read(part, len(qs)) for part in self.two_parts(answer))
         return list(zip(positions, velocities, strict=True))
 
-    def _map(self, q: AnyNumber, v: AnyNumber, h: AnyNumber) -> tuple[AnyNumber, AnyNumber]:
+    def _map(self, q: AnyNumber, v: AnyNumber, h: AnyNumber, t: float) -> tuple[AnyNumber, AnyNumber]:
         write = self.adapter.write
         if STATE in self.convention.order:
             words = f"state=[{q!r}, {v!r}], h={h!r}"
-            answer = self.called({STATE: write([q, v]), STEP: h, TIME: 0.0}, words, [q, v])
-            q1, v1 = self.finite(self._read_state(answer, 2, h), [q, v, h])
+            answer = self.called({STATE: write([q, v]), STEP: h, TIME: t}, words, [q, v])
+            q1, v1 = self.finite(self._read_state(answer, 2, t + h), [q, v, h])
             return q1, v1
-        roles = {POSITION: write([q]), VELOCITY: write([v]), STEP: h, TIME: 0.0}
+        roles = {POSITION: write([q]), VELOCITY: write([v]), STEP: h, TIME: t}
         if CARRIED in self.convention.order:
             roles[CARRIED] = write([-q])
         q1, v1 = self._pair(roles, [q], [v], h)

@@ -77,21 +77,26 @@ def plain_forms(step: Callable[..., Any]) -> Iterator[Callable[..., Any]]:
         held = {*roles.values()} if roles else set()
         if roles is None or not {_SIZE, _OUT, _BODIES, _MASS} & held or STEP not in held:
             continue
-        call, of_force = _Call(step, names, roles), FUNCTION in held
-        if _BODIES in held or {POSITION, VELOCITY} <= held:
-            for places in (_TRIAL, _TRIAL.reshape(2, 3)):  # does it ask at one place without naming the body?
-                with suppress(Exception):
-                    call.see_what_is_left(places)
-            if of_force:
-                form: Any = lambda force, q, v, h, call=call: call.moved(force, q, v, h)
-                form.unequal_masses = not call.alike and len(call.heavy) > 1
-                yield form
-            elif call.stale or _pulls_back(call):
-                yield lambda q, v, h, call=call: call.moved(None, q, v, h)
-        elif STATE in held and of_force:
-            yield lambda f, t, y, h, call=call: call.solved(f, t, y, h)
-        elif STATE in held:
-            yield lambda y, h, call=call: call.solved(None, 0.0, y, h)
+        yield from _forms_of(_Call(step, names, roles), held)
+
+
+def _forms_of(call: _Call, held: set[str]) -> Iterator[Callable[..., Any]]:
+    """Yield the form of a call with these roles, if it has one; it has no parameters besides those of the form."""
+    of_force = FUNCTION in held
+    if _BODIES in held or {POSITION, VELOCITY} <= held:
+        for places in (_TRIAL, _TRIAL.reshape(2, 3)):  # does it ask at one place without naming the body?
+            with suppress(Exception):
+                call.see_what_is_left(places)
+        if of_force:
+            form: Any = lambda force, q, v, h: call.moved(force, q, v, h)
+            form.unequal_masses = not call.alike and len(call.heavy) > 1
+            yield form
+        elif call.stale or _pulls_back(call):
+            yield lambda q, v, h: call.moved(None, q, v, h)
+    elif STATE in held and of_force:
+        yield lambda f, t, y, h: call.solved(f, t, y, h)
+    elif STATE in held:
+        yield lambda y, h: call.solved(None, 0.0, y, h)
 
 
 def _pulls_back(call: _Call) -> bool:

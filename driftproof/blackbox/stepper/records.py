@@ -224,7 +224,12 @@ def record_forms(step: Callable[..., Any]) -> Iterator[Callable[..., Any]]:
             masses = {name: MASS for name in record.given if word_of(name) in MASSES and "acc" not in pushed}
             factor = (-1.0 if has_gradient([pushed]) else 1.0) * (MASS if masses else 1.0)
             form = _form(called, record, slopes, masses, factor)
-            yield form if TIME in roles else lambda force, q, v, h, form=form: form(force, q, v, 0.0, h)
+            yield form if TIME in roles else _untimed(form)
+
+
+def _untimed(form: Callable[..., Any]) -> Callable[..., Any]:
+    """The form of a step that takes no time."""
+    return lambda force, q, v, h: form(force, q, v, 0.0, h)
 
 
 def _form(

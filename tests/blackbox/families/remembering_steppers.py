@@ -77,18 +77,25 @@ class Displaced(Remembering):
 
 
 class Stormer:
-    """q' = v, v' = force(q) by differences of positions; its first step is right, or leaves the force out."""
+    """q' = v, v' = force(q) by differences of positions; its first step is right, or leaves the force out.
 
-    def __init__(self, right=True):
+    In place of differences, its velocities may be the kept ones of half a step before, and `kick` h times the force.
+    """
+
+    def __init__(self, right=True, kick=None):
         """Nothing remembered yet."""
-        self.right, self.before = right, None
+        self.right, self.kick, self.before, self.begins = right, kick, None, True
 
     def step(self, force, q, v, h):
         """One step."""
         push = h * h * force(q)
         after = q + h * v + self.right * push / 2 if self.before is None else 2 * q - self.before + push
         self.before = q
-        return after, (after - q) / h
+        if self.kick is None:
+            return after, (after - q) / h
+        self.speed = v + h / 2 * force(q) if self.begins else self.speed + h * force(q)
+        self.begins, after = False, q + h * self.speed
+        return after, self.speed + self.kick * h * force(after)
 
 
 def run_of_adams_bashforth3(f, y0, ts):

@@ -87,8 +87,13 @@ def test_a_wrong_one_fails_with_its_cause(step, key, words):
 
 
 def test_stormers_positions_are_told_from_velocity_verlets_velocities():
-    assert verify(Stormer().step, "stormer2", isolate=False).passed
-    assert identify(Stormer().step, isolate=False).verdict == "it is stormer2; order 1 is observed in its velocities"
+    seen = {None: (True, ": differences of positions"), 0.0: (None, ": those of half a step before"), 0.3: (False, "")}
+    for kick, (passed, told) in seen.items():
+        named, held = identify(Stormer(kick=kick).step, isolate=False), verify(Stormer(kick=kick).step, "stormer2")
+        assert named.verdict == f"it is stormer2; order 1 is observed in its velocities{told}"
+        assert held.passed is passed
+        assert f"order 1 is observed in its velocities{told}" in held.verdict
+    assert identify(Remembering(AB2, euler).step, isolate=False).verdict == f"it is {AB2}, started by forward_euler"
 
 
 def test_a_right_hand_side_that_is_asked_beside_the_states_is_a_fault_that_is_said_once():

@@ -60,6 +60,14 @@ def test_a_wrong_one_fails_with_its_cause(key, how, words):
     assert report.section("Steps: FAILED") is None
 
 
+def test_the_other_root_of_the_equation_for_gamma_is_named_and_no_other_gamma():
+    for g, told in ((1 + 2**-0.5, "1 + 1/2*sqrt(2) instead of 1 - 1/2*sqrt(2)"), (0.5, "")):
+        report = verify(lambda y, f, jac, h, g=g: ros2_by_hand(y, f, jac, h, g), "ros2", isolate=False)
+        named = f"it is ros2 except for the other root: gamma[0][0] = {told}" if told else "it is not a known"
+        assert report.passed is False
+        assert named in report.verdict
+
+
 def test_of_several_wrong_entries_the_products_are_told_in_which_they_stand():
     report = verify(rosenbrock("rodas3", gamma=((2, 0), 1.5), b=(0, 2 / 3)), "rodas3", isolate=False)
     wrong = report.section("Coefficients: FAILED").lines

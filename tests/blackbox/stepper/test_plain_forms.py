@@ -205,6 +205,7 @@ HELD = [
 def test_a_step_is_opened_as_it_is_written_and_a_wrong_one_is_caught(step, key, wrong, as_before):
     asked = Asked(step)
     found = verify(asked.code, key, examples=30, isolate=False)
+    assert found.section("Parameters: not tested") is None
     as_before(*summed(found), asked)
     assert found.passed is not bool(wrong)
     assert wrong in found.verdict

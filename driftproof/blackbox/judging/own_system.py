@@ -1,0 +1,201 @@
+"""Steppers with another system built in than q'' = -q: its slopes by short steps, and the method's steps on it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from functools import cache, cached_property
+from itertools import pairwise, product
+from math import hypot, log2
+from typing import Any
+
+import numpy as np
+from flint import arb, ctx
+
+from driftproof.blackbox.findings import Misbehaviour
+from driftproof.blackbox.judging.agreement import EXAMPLES, Agreement, ordinary_arguments
+from driftproof.blackbox.judging.habits import explain_by_habits
+from driftproof.blackbox.judging.nonlinear_problems import NonlinearProblem
+from driftproof.blackbox.judging.nonlinear_step import BEYOND_TOLERANCE, BITS, own_step
+from driftproof.blackbox.judging.specification import Specification
+from driftproof.blackbox.matching.tables import Array
+from driftproof.blackbox.probes.stage_solutions import step_by_iteration
+from driftproof.blackbox.stepper.array_adapters import AnyNumber
+from driftproof.blackbox.stepper.calling_conventions import CARRIED, MAP
+from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
+from driftproof.methods.catalogue import of_one_state
+from driftproof.methods.schemes import Collocation, Method, MethodError, RungeKutta
+
+# Slopes are extrapolated from steps of 2**-8 of the system's own time and halves of these: what is cut off is below
+# 2**-50, and rounding, divided by the shortest, below 2**-36. Half of the digits leave room for a step made of them.
+_LONGEST, _HALVINGS, _ERROR, _HALF_THE_DIGITS = 2.0**-8, 5, 2.0**-36, 2.0**-26
+# Slopes that agree no better are none of a system, or another system's; the step size at which they are seen first.
+_ROUGH, _FIRST = 2.0**-10, 2.0**-20
+# How near to (0, 0) the linear part of a system shows, to as many digits as rounding leaves there.
+_NEAR = 2.0**-18
+# Where methods are compared: at times, and at steps in units of the system's own time, long enough to tell methods of
+# one order apart; and at states so small that only the linear part shows, where an object's other numbers play no part.
+# Stages that contract by 3/4 settle in so many rounds.
+_TIMES, _COMPARED, _TINY, _ROUNDS = (0.0, 0.75), (1.0, 0.25), 2.0**-40, 80
+
+
+class OwnSystem(Misbehaviour):
+    """Its system is built in and is not q'' = -q: its steps do not show all of a method."""
+
+    kind = "own_system"
+
+
+class NotOnOwnSystem(Misbehaviour):
+    """The steps of a stepper are not those of the method on the system that it has built in."""
+
+    kind = "another_method"
+
+
+def rounding_of(subject: ForeignStepper, wanted: Specification, examples: int = EXAMPLES) -> Agreement:
+    """The agreement with the method on q'' = -q, with the habit that explains errors.
+
+    Raises OwnSystem, or NotOnOwnSystem, if another system is built in.
+    """
+    found, given = explain_by_habits(subject, wanted, examples), subject.convention
+    if not found.holds and given.kind == MAP and not given.extra and CARRIED not in given.order:
+        states, _ = ordinary_arguments(subject, wanted.domain)
+        if (system := _OwnSystem.of(subject, states)) is not None:
+            system.compare(wanted)
+    return found
+
+
+@dataclass(frozen=True)
+class _OwnSystem:
+    """The system of a stepper, y = [q, v], the states at which it is seen, and a power of two near to its own time."""
+
+    subject: ForeignStepper
+    states: Sequence[tuple[float, float]]
+    unit: float = 1.0
+
+    @cached_property
+    def problem(self) -> NonlinearProblem:
+        """The system, its slopes measured once at each place."""
+        slopes = cache(lambda t, q, v: self._measured(t, (q, v), self.unit * _LONGEST, _HALVINGS)[0].tolist())
+
+        def rate(t: AnyNumber, y: Sequence[AnyNumber]) -> list[AnyNumber]:
+            return [arb(x) for x in slopes(float(t), float(y[0]), float(y[1]))]
+
+        return NonlinearProblem("its own system", rate, lambda t: [arb(0)] * 2, 1)
+
+    def slopes(self, t: float, y: Sequence[float]) -> list[float]:
+        """The slopes as floats."""
+        return [float(x) for x in self.problem.rate(t, [*y])]
+
+    def _measured(self, t: float, y: tuple[float, float], h: float, count: int) -> tuple[Array, float]:
+        """The slopes, extrapolated from steps of h and its halves, and by how much the last of these changed them."""
+        steps = [h / 2**i for i in range(count)]
+        rows = [(np.array(self.subject.step(*y, step, t)) - np.array(y)) / step for step in steps]
+        for power in range(1, count):
+            last = rows[-1]
+            rows = [after + (after - before) / (2**power - 1) for before, after in pairwise(rows)]
+        return rows[0], float(np.abs(rows[0] - last).max())
+
+    @classmethod
+    def of(cls, subject: ForeignStepper, states: Sequence[tuple[float, float]]) -> _OwnSystem | None:
+        """The system at the states with an answer; None if short steps have no slopes there, or those of q'' = -q."""
+        first, seen = cls(subject, states), list[tuple[Array, Array]]()
+        for y in states:
+            with suppress(Misbehaviour):
+                slopes, off = first._measured(0.0, y, _FIRST, 2)
+                if off > _ROUGH * (1 + hypot(*slopes)):  # as where each step jumps
+                    return None
+                seen.append((np.array(y), slopes))
+        rates = [float(np.hypot(*(g - f)) / np.hypot(*(z - y))) for (y, f), (z, g) in pairwise(seen)]
+        if not rates or all(np.allclose(slopes, [y[1], -y[0]], _ROUGH, _ROUGH) for y, slopes in seen):
+            return None
+        return cls(subject, [(float(q), float(v)) for (q, v), _ in seen], 2.0 ** -round(log2(max(*rates, _ROUGH))))
+
+    @property
+    def words(self) -> str:
+        """The system in words, as it is near (0, 0), if it has slopes there."""
+        tiny = self.unit * _NEAR
+        try:
+            (push, *moved) = (np.array(self.slopes(0.0, y)) for y in ((0.0, 0.0), (tiny, 0.0), (0.0, tiny)))
+        except Misbehaviour:
+            return "another one"
+        rows = np.array([*((each - push) / tiny for each in moved), push]).T
+        text = ", ".join(f"{name}' = {_sum_text(row)}" for name, row in zip("qv", rows.tolist(), strict=True))
+        later, here = ([np.array(self.slopes(t, y)) for y in self.states] for t in _TIMES[::-1])
+        linear = np.allclose(here, [rows @ [*y, 1] for y in self.states], _ROUGH, _ROUGH)
+        return text + " near (0, 0)" * (not linear) + " at t = 0" * (not np.allclose(here, later, _ROUGH, _ROUGH))
+
+    def compare(self, wanted: Specification) -> None:
+        """Raise OwnSystem or, if a step is not the method's, not even near (0, 0), NotOnOwnSystem."""
+        key, system = wanted.method.key, f"its system is built in, not q'' = -q but {self.words}"
+        try:
+            off, far = self._off(wanted, 1.0)
+        except MethodError as why:
+            raise OwnSystem(f"{system}: steps of {key} on it are not known: {why}") from None
+        if not far:
+            raise OwnSystem(f"{system}: on it its steps are those of {key}, to {off:.0e}")
+        near, different = self._off_near_rest(wanted)
+        if not different:
+            raise OwnSystem(f"{system}: near (0, 0) its steps are those of {key}, to {near:.0e}; elsewhere {far}")
+        raise NotOnOwnSystem(f"{system}: {far}")
+
+    def _off_near_rest(self, wanted: Specification) -> tuple[float, str]:
+        """How far steps of tiny states are off, where the system is at rest in (0, 0)."""
+        with suppress(Misbehaviour, MethodError):
+            if self.slopes(0.0, (0.0, 0.0)) == [0.0, 0.0]:
+                return self._off(wanted, _TINY)
+        return 0.0, "it is not at rest"
+
+    def _off(self, wanted: Specification, size: float) -> tuple[float, str]:
+        """How far steps from states of this size are off the method's, and the first that is too far off in words.
+
+        Steps without an answer, and those whose stages do not settle, are left out. Raises MethodError if all are.
+        """
+        method, found, why = of_one_state(wanted.method), list[float](), ""
+        allowed = _HALF_THE_DIGITS + BEYOND_TOLERANCE * float(wanted.allowance.solver_tolerance or 0)
+        for t, share, (q, v) in product(_TIMES, _COMPARED, self.states):
+            y, h = (size * q, size * v), min(share * self.unit, wanted.domain.largest_step)
+            try:
+                seen, told = self.subject.step(*y, h, t), self.step(method, t, y, h)
+            except (Misbehaviour, ArithmeticError) as left_out:
+                why = str(left_out)
+                continue
+            found.append(max(abs(a - b) for a, b in zip(seen, told, strict=True)) / max(map(abs, (size, *y, *told))))
+            if not found[-1] <= allowed:
+                return found[-1], f"a step of {h:g} from {y} ends in {seen}, where {method.key} ends in {tuple(told)}"
+        if not found:
+            raise MethodError(why)
+        return max(found), ""
+
+    def step(self, method: Method, t: float, y: Sequence[float], h: float) -> list[float]:
+        """The method's step. Raises MethodError, or ArithmeticError if its stages do not settle."""
+        if not isinstance(method, RungeKutta | Collocation):
+            (moved, still), (_, pushed) = self.slopes(t, (y[0], 1.0)), self.slopes(t, (y[0], -1.0))
+            if abs(moved - 1) + abs(pushed - still) > _HALF_THE_DIGITS * (1 + abs(still)):
+                raise MethodError("it is not q'' = F(q)")
+            with ctx.workprec(BITS):
+                return [float(x) for x in own_step(method, self.problem, t, y, h)]
+        tableau: Any = method.tableau(BITS) if isinstance(method, Collocation) else (method.a, method.b, method.c)
+        a, b, c = (np.array(part, dtype=float).tolist() for part in tableau)
+        places = lambda i, place, _: self.slopes(t + c[i] * h, place)
+        end, done = step_by_iteration([a], [b], places, y, h, _ROUNDS, _settled)
+        if not done:
+            raise ArithmeticError(f"the stages of {method.key} do not settle")
+        return [float(x) for x in end]
+
+
+def _settled(slopes: Any, before: Any) -> bool:
+    """True if slopes change by no more than their own error."""
+    changes = np.abs(np.array(slopes) - np.array(before))
+    return bool(changes.max() <= _ERROR * np.abs(slopes).max())
+
+
+def _sum_text(factors: Sequence[float]) -> str:
+    """The sum of multiples of q, of v and of 1 as text, such as "10 v - q", without terms that are 0 to rounding."""
+    least, text = 4 * _NEAR * max(map(abs, factors)), ""
+    for x, name in zip(factors, ("q", "v", ""), strict=True):
+        if abs(x) > least:
+            size = f"{abs(x):.6g}"
+            part = " ".join(filter(None, [size if size != "1" or not name else "", name]))
+            text += f" {'-+'[x > 0]} {part}" if text else f"{'-' * (x < 0)}{part}"
+    return text or "0"

@@ -1,0 +1,150 @@
+"""Steppers whose system is built in and is not q'' = -q: right ones are undecided, and wrong ones fail."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from fractions import Fraction
+from math import cos, sin
+from typing import Any
+
+import numpy as np
+import pytest
+
+from driftproof import Allowance, stepper_of, verify
+
+SOLVED = {"allowance": Allowance(solver_tolerance=Fraction(1, 10**12))}
+
+
+def rk4_of(rate: Callable[..., Any], *, last: float = 1.0, of: int = 3, late: float = 1.0) -> Callable[..., Any]:
+    """RK4 of a rate(t, y); in a wrong one, k4 takes another part of h, another slope or another time."""
+
+    def advance(y: Any, t: float, dt: float) -> Any:
+        slopes = [rate(t, y)]
+        for part in (0.5, 0.5):
+            slopes.append(rate(t + dt / 2, y + part * dt * slopes[-1]))
+        slopes.append(rate(t + late * dt, y + last * dt * slopes[of - 1]))
+        return y + dt / 6 * (slopes[0] + 2 * (slopes[1] + slopes[2]) + slopes[3])
+
+    return advance
+
+
+def on(rate: Callable[..., Any], **wrong: Any) -> Callable[..., Any]:
+    """RK4 as step(x, v, t, dt)."""
+    advance = rk4_of(lambda t, y: np.array(rate(t, *y)), **wrong)
+    return lambda x, v, t, dt: tuple(advance(np.array([x, v]), t, dt).tolist())
+
+
+def springs(t, x, v):
+    return v, -15 * x - 0.1 * v
+
+
+def driven(t, x, v):
+    return v, -4 * x - 0.3 * v + cos(2 * t)
+
+
+def hunters(t, x, v):
+    return 1.1 * x - 0.4 * x * v, 0.1 * x * v - 0.4 * v
+
+
+def falling(t, x, v):
+    return v, -9.81 - 0.2 * v * abs(v)
+
+
+def leapfrog(kicks=(0.5, 0.5)):
+    def step(x, v, dt):
+        v = v - kicks[0] * dt * 9.81 * sin(x)
+        x = x + dt * v
+        return x, v - kicks[1] * dt * 9.81 * sin(x)
+
+    return step
+
+
+def backward(x, v, dt):
+    rows = np.array([[1, -dt], [15 * dt, 1 + 0.1 * dt]])
+    return tuple(np.linalg.solve(rows, [x, v]).tolist())
+
+
+def dragged(x, v, dt):
+    v = v - dt * (15 * x + 0.1 * v)
+    return x + dt * v, v
+
+
+def attracted(x, v, dt):
+    """The midpoint rule of x'' = -1/x^2, which has no slope in 0."""
+    rate = lambda y: np.array([y[1], -1 / y[0] ** 2])
+    y = np.array([x, v])
+    return tuple((y + dt * rate(y + dt / 2 * rate(y))).tolist())
+
+
+class Lorenz:
+    """Three numbers, of which a wrapper for two sets the first two."""
+
+    def __init__(self, of: int = 3) -> None:
+        self.state, self.dt, self.advance = np.ones(3), 0.01, rk4_of(self.rate, of=of)
+
+    def rate(self, t: float, y: Any) -> Any:
+        x, v, z = y
+        return np.array([10 * (v - x), x * (28 - z) - v, x * v - 8 / 3 * z])
+
+    def step(self) -> None:
+        self.state = self.advance(self.state, 0.0, self.dt)
+
+
+def moved(made, h):
+    made.dt = h
+    made.step()
+
+
+RIGHT = {
+    "a spring with a drag": (on(springs), "rk4", "q' = v, v' = -15 q - 0.1 v: on it"),
+    "driven": (on(driven), "rk4", "v' = -4 q - 0.3 v + 1 at t = 0: on it"),
+    "not linear": (on(hunters), "rk4", "q' = 1.1 q, v' = -0.4 v near (0, 0): on it"),
+    "not at rest": (on(falling), "rk4", "q' = v, v' = -9.81 near (0, 0): on it"),
+    "a pendulum": (leapfrog(), "velocity_verlet", "q' = v, v' = -9.81 q near (0, 0): on it"),
+    "implicit": (backward, "backward_euler", "v' = -15 q - 0.1 v: on it", SOLVED),
+    "singular": (attracted, "midpoint2", "but another one: on it"),
+    "a drag in a splitting": (
+        dragged,
+        "symplectic_euler",
+        "v' = -15 q - 0.1 v: steps of symplectic_euler on it are not",
+    ),
+    "two numbers of three": (
+        stepper_of(Lorenz, state="state", advance=moved),
+        "rk4",
+        "near (0, 0) its steps are those",
+    ),
+}
+WRONG = {
+    "a slope of a spring": (on(springs, of=2), "rk4", "v' = -15 q - 0.1 v: a step of"),
+    "h halved at the end": (on(hunters, last=0.5), "rk4", "where rk4 ends in"),
+    "the time of the last slope": (on(driven, late=0.5), "rk4", "where rk4 ends in"),
+    "a slope of a fall": (on(falling, of=1), "rk4", "where rk4 ends in"),
+    "one kick": (leapfrog((1.0, 0.0)), "velocity_verlet", "it is velocity-first symplectic Euler"),
+    "implicit": (backward, "trapezoid", "is not trapezoid", SOLVED),
+    "another method": (attracted, "heun2", "where heun2 ends in"),
+    "of three numbers": (stepper_of(lambda: Lorenz(2), state="state", advance=moved), "rk4", "where rk4 ends in"),
+    "a drag per step": (lambda x, v, dt: (x + dt * v, 0.99 * v - 15 * dt * x), "forward_euler", "halving h doubles it"),
+    "no slopes": (lambda x, v, dt: (x + dt * v, v - x), "forward_euler", "h is missing"),
+    "q'' = -q": (on(lambda t, x, v: (v, -x), of=2), "rk4", "is not rk4"),
+}
+
+
+@pytest.mark.parametrize("name", RIGHT)
+def test_a_right_step_of_another_system_is_undecided_and_told_which_system_it_is(name):
+    step, method, words, *options = RIGHT[name]
+    report = verify(step, method, examples=50, isolate=False, **next(iter(options), {}))
+    assert report.passed is None
+    assert words in report.verdict
+    assert "a right-hand side or a force among its arguments" in report.section("What would decide it").lines[0]
+
+
+@pytest.mark.parametrize("name", WRONG)
+def test_a_step_that_is_wrong_on_its_own_system_fails(name):
+    step, method, words, *options = WRONG[name]
+    report = verify(step, method, examples=50, isolate=False, **next(iter(options), {}))
+    assert report.passed is False
+    assert words in report.verdict
+
+
+def test_a_right_step_with_the_system_as_an_argument_passes():
+    assert verify(lambda f, t, y, h: rk4_of(lambda t, y: f(t, y))(y, t, h), "rk4", examples=50, isolate=False).passed
