@@ -59,8 +59,9 @@ def rounding_of(subject: ForeignStepper, wanted: Specification, examples: int = 
     """
     found, given = explain_by_habits(subject, wanted, examples), subject.convention
     if not found.holds and given.kind == MAP and not given.extra and CARRIED not in given.order:
-        states, _ = ordinary_arguments(subject, wanted.domain)
-        if (system := _OwnSystem.of(subject, states)) is not None:
+        (*_, (q, v)), _ = ordinary_arguments(subject, wanted.domain)
+        # None of them has a 0, where a friction jumps.
+        if (system := _OwnSystem.of(subject, [(q, v), (v / 2, q / 2), (-q, v / 4)])) is not None:
             system.compare(wanted)
     return found
 
@@ -75,8 +76,14 @@ class _OwnSystem:
 
     @cached_property
     def problem(self) -> NonlinearProblem:
-        """The system, its slopes measured once at each place."""
-        slopes = cache(lambda t, q, v: self._measured(t, (q, v), self.unit * _LONGEST, _HALVINGS)[0].tolist())
+        """The system, its slopes measured once at each place. Raises ArithmeticError where they are not smooth."""
+
+        @cache
+        def slopes(t: float, q: float, v: float) -> list[float]:
+            found, off = self._measured(t, (q, v), self.unit * _LONGEST, _HALVINGS)
+            if not off <= _HALF_THE_DIGITS * max(abs(q), abs(v), hypot(*found)):
+                raise ArithmeticError("its slopes are not smooth")
+            return [*map(float, found)]
 
         def rate(t: AnyNumber, y: Sequence[AnyNumber]) -> list[AnyNumber]:
             return [arb(x) for x in slopes(float(t), float(y[0]), float(y[1]))]
@@ -107,7 +114,9 @@ class _OwnSystem:
                     return None
                 seen.append((np.array(y), slopes))
         rates = [float(np.hypot(*(g - f)) / np.hypot(*(z - y))) for (y, f), (z, g) in pairwise(seen)]
-        if not rates or all(np.allclose(slopes, [y[1], -y[0]], _ROUGH, _ROUGH) for y, slopes in seen):
+        # Taken the other way, q'' = -q is that of a state (v, q), for which there are words of their own.
+        turned = np.array([[slopes[1], -slopes[0]] for _, slopes in seen])
+        if not rates or any(np.allclose(way * turned, [y for y, _ in seen], _ROUGH, _ROUGH) for way in (1, -1)):
             return None
         return cls(subject, [(float(q), float(v)) for (q, v), _ in seen], 2.0 ** -round(log2(max(*rates, _ROUGH))))
 
@@ -117,11 +126,13 @@ class _OwnSystem:
         tiny = self.unit * _NEAR
         try:
             (push, *moved) = (np.array(self.slopes(0.0, y)) for y in ((0.0, 0.0), (tiny, 0.0), (0.0, tiny)))
-        except Misbehaviour:
+            later, here = ([np.array(self.slopes(t, y)) for y in self.states] for t in _TIMES[::-1])
+        except (Misbehaviour, ArithmeticError):
             return "another one"
         rows = np.array([*((each - push) / tiny for each in moved), push]).T
+        if np.abs(rows[:, :2]).max() * self.unit * _ROUGH > 1:  # a jump
+            return "another one"
         text = ", ".join(f"{name}' = {_sum_text(row)}" for name, row in zip("qv", rows.tolist(), strict=True))
-        later, here = ([np.array(self.slopes(t, y)) for y in self.states] for t in _TIMES[::-1])
         linear = np.allclose(here, [rows @ [*y, 1] for y in self.states], _ROUGH, _ROUGH)
         return text + " near (0, 0)" * (not linear) + " at t = 0" * (not np.allclose(here, later, _ROUGH, _ROUGH))
 
@@ -141,7 +152,7 @@ class _OwnSystem:
 
     def _off_near_rest(self, wanted: Specification) -> tuple[float, str]:
         """How far steps of tiny states are off, where the system is at rest in (0, 0)."""
-        with suppress(Misbehaviour, MethodError):
+        with suppress(Misbehaviour, ArithmeticError, MethodError):
             if self.slopes(0.0, (0.0, 0.0)) == [0.0, 0.0]:
                 return self._off(wanted, _TINY)
         return 0.0, "it is not at rest"

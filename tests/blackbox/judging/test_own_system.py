@@ -50,6 +50,10 @@ def falling(t, x, v):
     return v, -9.81 - 0.2 * v * abs(v)
 
 
+def rubbing(t, x, v):
+    return v, -4 * x - 0.5 * np.sign(v)
+
+
 def leapfrog(kicks=(0.5, 0.5)):
     def step(x, v, dt):
         v = v - kicks[0] * dt * 9.81 * sin(x)
@@ -100,6 +104,7 @@ RIGHT = {
     "driven": (on(driven), "rk4", "v' = -4 q - 0.3 v + 1 at t = 0: on it"),
     "not linear": (on(hunters), "rk4", "q' = 1.1 q, v' = -0.4 v near (0, 0): on it"),
     "not at rest": (on(falling), "rk4", "q' = v, v' = -9.81 near (0, 0): on it"),
+    "not smooth": (on(rubbing), "rk4", "its system is built in, not q'' = -q but another one: on it"),
     "a pendulum": (leapfrog(), "velocity_verlet", "q' = v, v' = -9.81 q near (0, 0): on it"),
     "implicit": (backward, "backward_euler", "v' = -15 q - 0.1 v: on it", SOLVED),
     "singular": (attracted, "midpoint2", "but another one: on it"),
@@ -118,6 +123,7 @@ WRONG = {
     "a slope of a spring": (on(springs, of=2), "rk4", "v' = -15 q - 0.1 v: a step of"),
     "h halved at the end": (on(hunters, last=0.5), "rk4", "where rk4 ends in"),
     "the time of the last slope": (on(driven, late=0.5), "rk4", "where rk4 ends in"),
+    "not smooth": (on(rubbing, last=0.5), "rk4", "where rk4 ends in"),
     "a slope of a fall": (on(falling, of=1), "rk4", "where rk4 ends in"),
     "one kick": (leapfrog((1.0, 0.0)), "velocity_verlet", "it is velocity-first symplectic Euler"),
     "implicit": (backward, "trapezoid", "is not trapezoid", SOLVED),
