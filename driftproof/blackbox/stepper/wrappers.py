@@ -6,9 +6,19 @@ import inspect
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from driftproof.blackbox.stepper.calling_conventions import FORCE, FUNCTION, STATE, required_names
+from driftproof.blackbox.stepper.calling_conventions import (
+    FORCE,
+    FUNCTION,
+    MAP,
+    STATE,
+    launch,
+    matrices,
+    required_names,
+    role_of,
+    size_name,
+)
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
-from driftproof.blackbox.stepper.function_wrappers import ARGUMENTS, function_wrapper, name_of
+from driftproof.blackbox.stepper.function_wrappers import ARGUMENTS, function_wrapper, kind_by_names, name_of
 from driftproof.blackbox.stepper.made_wrappers import (
     advance_of,
     maker_wrapper,
@@ -40,7 +50,14 @@ def template(step: Callable[..., Any]) -> str:
         places = f'position="POSITION", velocity="VELOCITY", advance="{advance_of(step) or "STEP"}"'
         wrapper = f"from driftproof import stepper_of; wrapped = stepper_of({makes}, {places})"
         return f': {wrapper}  # attributes\' names, or state="STATE"'
-    arguments = ", ".join(name.upper() for name in required_names(step) or ["..."])
+    names = required_names(step) or []
+    if kind_by_names(names) == MAP and size_name(names):
+        if launch(names):
+            return " one step of it, step(q, v, h): it takes no state, but is a run from a launch"
+        state = next((each for each in names if each not in matrices(names) and role_of(each, (STATE,))), names[0])
+        taken = ", ".join(filter(None, ("f", state, size_name(names))))
+        return f" a step that takes its right-hand side, which no argument is: def {name}({taken}): ..."
+    arguments = ", ".join(map(str.upper, names or ["..."]))
     return f": def wrapped(f, t, y, h): return {name}({arguments})  # y at t + h, where y' = f(t, y)"
 
 
