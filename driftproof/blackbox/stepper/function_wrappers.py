@@ -60,7 +60,7 @@ _RUN, _SAME = 12, 2.0**-40
 _LISTS, _MOST_STATES = re.compile("^ys$|^us$|^xs$|states|hist|past|prev"), 7
 _SPANS = (*SPANS, "t_bound", "t_end", "tf", "t_final")
 # The values of a wrapper's arguments with which a step is tried, in a field in which nothing moves by itself.
-TRIAL_ARGUMENTS = {
+TRIAL_ARGUMENTS: dict[str, Any] = {
     **dict.fromkeys(("f", "force"), lambda *x: 0.0 * max(x, key=np.size)),
     **{"t": 0.0, "0.0": 0.0, "h": 0.25, "t + h": 0.25, "q": 1.0, "ys[-2]": 1.0, "v": 0.5, "1.0": 1.0, "1": 1, "()": ()},
     **dict.fromkeys(("y", "[q, v]"), np.array([1.0, 0.5])),
@@ -75,7 +75,12 @@ FIRST_STEP = "y + h * f(t + h / 2, y + h / 2 * f(t, y))"
 
 def function_wrapper(step: Callable[..., Any]) -> str:
     """The wrapper of a function: a step with gradients of an energy, a run, a solver, or a plain step."""
-    return _BEFOREHAND.sub(r"\1\3; \2", _function_wrapper(step))
+    return stated_first(_function_wrapper(step))
+
+
+def stated_first(line: str) -> str:
+    """The wrapper with the statements that a call needs before the one with the call."""
+    return _BEFOREHAND.sub(r"\1\3; \2", line)
 
 
 def _function_wrapper(step: Callable[..., Any]) -> str:
@@ -170,7 +175,7 @@ def run_wrapper(step: Callable[..., Any], names: Sequence[str]) -> str:
         return ""
     if len(given) < len(names):
         return ""
-    head, run = HEADS[kind] if timed or kind != FIELD else "f, y, h", _called(step, names, given)
+    head = HEADS[kind] if timed or kind != FIELD else "f, y, h"
     for shaped in (float, lambda x: np.array([x])):
         with suppress(Exception):
             values = {key: shaped(x) if key in ("q", "v") else x for key, x in TRIAL_ARGUMENTS.items()}
@@ -179,11 +184,12 @@ def run_wrapper(step: Callable[..., Any], names: Sequence[str]) -> str:
             places = [_end_of(found, values[each]) for each in states]
             if -1 not in places[0] and any(text.startswith("[0.0") or text == "[t, t + h]" for text in given.values()):
                 return ""  # what is not known to be a row of times need not be one
+            run = _called(step, names, given)
             first, *last = ("".join(f"[{i}]" for i in place) for place in places)
             if last:
                 return f"def wrapped({head}): run = {run}; return run{first}, run{last[0]}"
             if "1" in given.values() and kind == FIELD and _remembers(step, names, given, places[0]):
-                whole = {"1": "n", "t + h": "t + n * h"}
+                whole = {"1": "n", "t + h": "t + n * h", "[t, t + h]": "[t, t + n * h]"}
                 run = _called(step, names, {each: whole.get(text, text) for each, text in given.items()})
                 return f"def wrapped({head}, n): return {run}{first.removesuffix('[-1]')}"
             return f"def wrapped({head}): return {run}{first}"
@@ -191,7 +197,7 @@ def run_wrapper(step: Callable[..., Any], names: Sequence[str]) -> str:
 
 
 def _end_of(answer: Any, start: Any) -> list[int]:
-    """Where an answer holds the state at the end, as indices. Raises ValueError if it is not seen.
+    """The indices of the state at the end in an answer. Raises ValueError if it is not seen.
 
     It is a part that is the start, or the last row of one whose first row is that.
     """
@@ -211,6 +217,7 @@ def _remembers(step: Callable[..., Any], names: Sequence[str], given: Mapping[st
 
     def end(t: float, y: Any, n: int) -> Any:
         known = {**TRIAL_ARGUMENTS, "f": lambda *x: -max(x, key=np.size), "t": t, "y": y, "1": n, "t + h": t + n / 4}
+        known["[t, t + h]"] = np.array([t, t + n / 4])
         return reduce(getitem, where, step(*[known[given[each]] for each in names]))
 
     start = TRIAL_ARGUMENTS["y"]

@@ -18,9 +18,15 @@ from driftproof.blackbox.stepper.calling_conventions import (
     size_name,
 )
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
-from driftproof.blackbox.stepper.function_wrappers import ARGUMENTS, function_wrapper, kind_by_names, name_of
+from driftproof.blackbox.stepper.function_wrappers import (
+    ARGUMENTS,
+    function_wrapper,
+    kind_by_names,
+    name_of,
+)
 from driftproof.blackbox.stepper.made_wrappers import (
     advance_of,
+    further_names,
     maker_wrapper,
     makes_steppers,
     making,
@@ -28,6 +34,8 @@ from driftproof.blackbox.stepper.made_wrappers import (
     owner_of,
     world_wrapper,
 )
+
+_WITHOUT = " a step that takes its right-hand side, which no argument is: def "
 
 
 def wrapper_line(step: Callable[..., Any]) -> str:
@@ -46,6 +54,8 @@ def template(step: Callable[..., Any]) -> str:
     if inspect.isclass(step):
         if line := world_wrapper(step):
             return line
+        if further := further_names(step, advance_of(step)):
+            return f"{_WITHOUT}{advance_of(step)}({', '.join(dict.fromkeys(('f', *further, 'h')))}): ..."
         makes = making(step, FORCE)
         places = f'position="POSITION", velocity="VELOCITY", advance="{advance_of(step) or "STEP"}"'
         wrapper = f"from driftproof import stepper_of; wrapped = stepper_of({makes}, {places})"
@@ -56,7 +66,7 @@ def template(step: Callable[..., Any]) -> str:
             return " one step of it, step(q, v, h): it takes no state, but is a run from a launch"
         state = next((each for each in names if each not in matrices(names) and role_of(each, (STATE,))), names[0])
         taken = ", ".join(filter(None, ("f", state, size_name(names))))
-        return f" a step that takes its right-hand side, which no argument is: def {name}({taken}): ..."
+        return f"{_WITHOUT}{name}({taken}): ..."
     arguments = ", ".join(map(str.upper, names or ["..."]))
     return f": def wrapped(f, t, y, h): return {name}({arguments})  # y at t + h, where y' = f(t, y)"
 
