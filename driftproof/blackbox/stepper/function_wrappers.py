@@ -333,7 +333,8 @@ def _called(step: Callable[..., Any], names: Sequence[str], given: Mapping[str, 
         return str(step.written(*(given[each] for each in names)))
     by_place = [*(parameters_of(step) or ())][: len(names)] == [*names]  # a step size with a default may not be
     passed = [f"{'' if by_place else f'{each}='}{given[each]}" for each in names]
-    return f"{name_of(step)}({', '.join(passed)})"
+    plain = ".py_func" if hasattr(step, "py_func") and not {"f", "force"}.isdisjoint(given.values()) else ""
+    return f"{name_of(step)}{plain}({', '.join(passed)})"  # compiled code calls no function of Python
 
 
 def arguments_by_role(names: Sequence[str], kind: str) -> dict[str, str]:

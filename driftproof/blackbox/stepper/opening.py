@@ -104,7 +104,7 @@ def opened(
     )
     if found := first_of(trials):
         return found
-    if line := (wrapper_line(step) or template(step)) if inspect.isclass(step) else list_wrapper(given):
+    if line := wrapper_line(step) if inspect.isclass(step) else list_wrapper(given):
         raise BadInput(f"{_unfitting(given)}{line}")
     if not any(isinstance(failure, StaleSlope) for failure in failures) and (found := as_plain()):
         return found

@@ -42,6 +42,8 @@ def wrapper_line(step: Callable[..., Any]) -> str:
     """The wrapper to write, as the end of an error message; "" if none is known to fit."""
     step = owner_of(step)
     line = object_wrapper(step)
+    if not line and inspect.isclass(step) and (further := further_names(step, advance_of(step))):
+        return f"{_WITHOUT}{advance_of(step)}({', '.join(dict.fromkeys(('f', *further, 'h')))}): ..."
     if not line and not inspect.isclass(step):
         line = maker_wrapper(step) if makes_steppers(step) else function_wrapper(step)
     return f": {line}" if line else ""
@@ -54,8 +56,6 @@ def template(step: Callable[..., Any]) -> str:
     if inspect.isclass(step):
         if line := world_wrapper(step):
             return line
-        if further := further_names(step, advance_of(step)):
-            return f"{_WITHOUT}{advance_of(step)}({', '.join(dict.fromkeys(('f', *further, 'h')))}): ..."
         makes = making(step, FORCE)
         places = f'position="POSITION", velocity="VELOCITY", advance="{advance_of(step) or "STEP"}"'
         wrapper = f"from driftproof import stepper_of; wrapped = stepper_of({makes}, {places})"
