@@ -71,25 +71,28 @@ NOT_ELSEWHERE = "sympy"
 # a passing verdict had overlooked, 250, five faults of whole solvers, 60, and wrappers for objects, 110; fifty more
 # kinds of wrong steps, 400, six more, 30, and steps of records and wrappers that work when pasted, 270; what
 # steps of one number, of a Jacobian and of a slope 0 show, 110, and errors per unit of time, solvers that need more and
-# wrappers of runs, coupled functions and classes, 140; texts what docs
+# wrappers of runs, coupled functions and classes, 140; verdicts on another system that is built in, 160, wrappers of
+# solvers in classes and of functions of a module, 380, less 400 that a reading of the house took out; texts what docs
 # and help show and the problems that a text states, 450, questions shown with what they lack, 10,
 # a draft that ends: its share done, and the solutions that it gave up, 26, and equations of
-# second order, parameters and tables as texts have them, 94.
+# second order, parameters and tables as texts have them, 94; energies, what multiplies a derivative, and what
+# stands above a table, 120. Support imports what a user names, 31, which stood in blackbox; enclosure reads a problem's
+# table, 85, which stood in reports and half in texts.
 BUDGETS = {
-    "support": 1200,
-    "methods": 5338,
-    "symbolic": 10220,
-    "numeric": 3960,
-    "blackbox": 19530,
-    "enclosure": 3160,
-    "texts": 7960,
+    "support": 1231,
+    "methods": 5301,
+    "symbolic": 10119,
+    "numeric": 3921,
+    "blackbox": 19876,
+    "enclosure": 3199,
+    "texts": 8008,
 }
-BUDGET_OF_REPORTS_AND_FRONT = 5648
+BUDGET_OF_REPORTS_AND_FRONT = 5553
 # The goal is 65 of 100. Independent witnesses, campaigns and guards, 6,000 lines, are among the tests.
 # From 93 to 94: a failing test first for each of some thirty faults, and a guard of the docstrings; then a
 # line at each test that is slow, 220; what shows small errors that no test of texts had noticed,
 # implicit steps as engineers write them, and steps and solvers as they stand in public code.
-TESTS_PER_LINE_OF_SOURCE = Fraction(963, 1000)
+TESTS_PER_LINE_OF_SOURCE = Fraction(955, 1000)
 
 # A file of fewer lines needs a reason.
 SMALLEST = 40

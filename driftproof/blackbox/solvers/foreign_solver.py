@@ -13,6 +13,7 @@ import numpy as np
 from driftproof.blackbox.findings import BadInput, Misbehaviour, NoAnswer, NotANumber, WrongShape
 from driftproof.blackbox.stepper import calling_conventions as calling
 from driftproof.blackbox.stepper.array_adapters import ARRAYS, LISTS, ArrayAdapter, as_array, type_of
+from driftproof.blackbox.stepper.class_wrappers import run_of_class
 from driftproof.blackbox.stepper.foreign_code import guarded_call
 from driftproof.blackbox.stepper.opening import Target, imported
 from driftproof.symbolic.rounding.formats import BINARY32, BINARY64, FloatFormat
@@ -268,7 +269,9 @@ class SolverTarget:
         """The solver after a first run of y' = 0, on arrays or on lists. Raises ValueError or a `Misbehaviour`."""
         failures: list[Misbehaviour] = []
         given = imported(self.solver, "solver")
-        if inspect.isclass(given) and any(hasattr(given, each) for each in ("step", "solve", "run", "integrate")):
+        if inspect.isclass(given) and (run := run_of_class(given)):
+            given = run
+        elif inspect.isclass(given) and any(hasattr(given, each) for each in ("step", "solve", "run", "integrate")):
             write = f"write: def wrapped(f, t_span, y0): made = {given.__name__}(...); ...; return times, states"
             raise BadInput(f"{given.__name__} is a class, and making one is no run; {write}")
         solve = in_usual_order(given)

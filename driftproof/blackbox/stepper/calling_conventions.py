@@ -85,7 +85,7 @@ _STATES = (
     *("y_0", "u_0", "x_0", "carry"),
 )
 # "compute" and the like at the start of a function's name, or "fn" at its end, do not change what it computes.
-VERBS = re.compile(r"^(get|compute|calc|calculate|eval|update)_|_(fn|func|fun|function)$")
+VERBS = re.compile(r"^(get|compute|calc|calculate|eval|update)_?|_(fn|func|fun|function)$")
 # The names under which steppers in the wild take each argument.
 ROLES: dict[str, tuple[str, ...]] = {
     FUNCTION: (*_FUNCTIONS, *_GRADIENTS),
@@ -93,9 +93,9 @@ ROLES: dict[str, tuple[str, ...]] = {
     VELOCITY: _VELOCITIES,
     STATE: _STATES,
     TIME: ("t", "time", "t0", "tn", "ti"),
-    STEP: (
-        *("h", "dt", "step", "step_size", "stepsize", "timestep", "time_step", "delta_t", "tau", "delta", "eps"),
-        *("frame_time", "frametime", "deltatime", "delta_time", "deltat", "elapsed", "δt"),
+    STEP: (  # the likeliest first: h and eps beside a dt are no step sizes
+        *("dt", "timestep", "time_step", "step_size", "stepsize", "delta_t", "deltat", "deltatime", "delta_time", "δt"),
+        *("frame_time", "frametime", "elapsed", "h", "step", "tau", "delta", "eps", "epsilon"),
     ),
     GRID: ("t", "ts", "times", "grid", "t_grid", "tgrid", "time_grid", "t_eval", "tlist"),
     JACOBIAN: ("jac", "jacobian", "j", "dfdy", "df_dy", "dfdx", "df_dx", "fy", "df", "fprime", "jac_f"),
@@ -128,13 +128,17 @@ RUN_ENDS = (
     ("t0", "t_0", "t_start", "tstart", "t_begin", "t_initial", "t_init", "ti", "start", "a"),
     (
         *("t1", "t_1", "tf", "t_end", "tend", "t_final", "tfinal", "t_stop", "tstop", "t_max", "tmax", "t_bound", "b"),
-        *("x_end", "xn", "xf"),
+        *("x_end", "xn", "xf", "x_stop", "xstop"),
     ),
 )
 STARTS = (
     *("y0", "u0", "x0", "z0", "y_0", "u_0", "x_0", "ya", "alpha", "state0", "y_init", "yinit"),
     *("initial", "initial_state", "ic"),
 )
+# Of these capitals, two name the matrices of a linear system, as in step(P, A, Q, dt), if one is of the first three.
+_MATRICES = "AMKBCDFGHPQR"
+# A first speed and an angle are a launch, and no state.
+_ANGLES, _SPEEDS = ("angle", "theta", "alpha"), ("v0", "speed", "u0")
 # The p of step(p, h) is a particle, not a momentum.
 _PARTICLE = MAP, STATE, "p"
 # A mass other than 1 shows whether the force is divided by it; for a power of two the quotient is exact.
@@ -273,6 +277,7 @@ def _fitted(names: Sequence[str], kind: str, roles: Sequence[str]) -> CallingCon
     # In f(x, y), as books write it, x is the time.
     meant = {"x": "t"} if {FUNCTION, STATE} <= {*roles} and "y" in words and not words & {*ROLES[TIME]} else {}
     meant |= {"q": "y"} if kind == FIELD else {}
+    sized, no_roles = size_name(names), (*matrices(names), *launch(names))
     for name in names:
         word = meant.get(word_of(name), word_of(name))
         if name == "T" and any(map(str.islower, names)):  # the time at which a run ends
@@ -281,7 +286,8 @@ def _fitted(names: Sequence[str], kind: str, roles: Sequence[str]) -> CallingCon
             extra[name] = MASS if word in MASSES else _CHARGE
             factor *= 1 / _CHARGE if word in CHARGES else MASS
             continue
-        role = next((role for role in open_roles if is_called(role, word) or (kind, role, word) == _PARTICLE), None)
+        fits = (role for role in open_roles if is_called(role, word) or (kind, role, word) == _PARTICLE)
+        role = next((role for role in fits if name not in no_roles and (role != STEP or name == sized)), None)
         if role is not None:
             open_roles.remove(role)
             order.append(role)
@@ -298,6 +304,26 @@ def _fitted(names: Sequence[str], kind: str, roles: Sequence[str]) -> CallingCon
         return None
     handed = dict(zip(order, (word_of(name) for name in names if name not in extra), strict=True)).get(CARRIED, "")
     return CallingConvention(kind, tuple(order), extra, (), factor, 1.0 if handed.startswith("a") else factor, run)
+
+
+def size_name(names: Iterable[str]) -> str:
+    """The likeliest name of a step size among these; "" if none is one."""
+    words = ROLES[STEP]
+    return min(
+        (each for each in names if is_called(STEP, word_of(each))), key=lambda x: words.index(word_of(x)), default=""
+    )
+
+
+def matrices(names: Iterable[str]) -> list[str]:
+    """The names of matrices among these, which are neither functions nor states: A, B, Q and R, or M, C, K and F."""
+    found = [each for each in names if each in [*_MATRICES]]
+    return found if len(found) > 1 and {*found} & {*_MATRICES[:3]} else []
+
+
+def launch(names: Iterable[str]) -> list[str]:
+    """The speed and the angle of a launch among these names; nothing if one of them is lacking."""
+    found = [[each for each in names if word_of(each) in words] for words in (_ANGLES, _SPEEDS)]
+    return [*found[0], *found[1]] if all(found) else []
 
 
 def role_of(name: str, roles: Iterable[str]) -> str | None:

@@ -6,7 +6,10 @@ import inspect
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
+from copy import copy
+from functools import reduce
 from itertools import product
+from operator import getitem
 from typing import Any
 
 import numpy as np
@@ -17,23 +20,31 @@ from driftproof.blackbox.stepper.calling_conventions import (
     FORCE,
     FUNCTION,
     MAP,
+    MASSES,
     POSITION,
     RUN_ENDS,
     SPANS,
+    STARTS,
     STATE,
     STEP,
     TIME,
     UNIT_PARAMETERS,
     VELOCITY,
     has_gradient,
+    launch,
+    matrices,
     names_with_step,
     parameters_of,
     required_names,
     role_of,
+    size_name,
+    stand_in,
     word_of,
 )
 from driftproof.blackbox.stepper.plain_forms import BODY_LISTS
 
+# Of a step without a right-hand side, so many arguments that are not known are those of a built-in system.
+_MOST_OPEN = 2
 # The arguments of a wrapper by role, and all of them for a wrapper of each kind.
 ARGUMENTS = {FUNCTION: "f", TIME: "t", STATE: "y", POSITION: "q", VELOCITY: "v", STEP: "h"}
 HEADS = {MAP: "q, v, h", FORCE: "force, q, v, h", FIELD: "f, t, y, h"}
@@ -41,11 +52,15 @@ HEADS = {MAP: "q, v, h", FORCE: "force, q, v, h", FIELD: "f, t, y, h"}
 _BY_POSITION = ("dhdq", "dh_dq", "grad_q", "dhdx", "dh_dx", "gradq")
 _BY_MOMENTUM = ("dhdp", "dh_dp", "grad_p", "dtdp", "dt_dp", "gradp")
 _BEFORE = re.compile("prev|old|last|before|nm1")
+# The statements that stand before the one with a call.
+_BEFOREHAND = re.compile(r"^(def wrapped\(.*?\): )(.*?)‹(.*?)›")
+# This many steps are more than the start of any multistep method in use; and how near to each other two runs are.
+_RUN, _SAME = 12, 2.0**-40
 # Names of a list of the last states; a method in use looks back at no more than this many.
 _LISTS, _MOST_STATES = re.compile("^ys$|^us$|^xs$|states|hist|past|prev"), 7
 _SPANS = (*SPANS, "t_bound", "t_end", "tf", "t_final")
 # The values of a wrapper's arguments with which a step is tried, in a field in which nothing moves by itself.
-TRIAL_ARGUMENTS = {
+TRIAL_ARGUMENTS: dict[str, Any] = {
     **dict.fromkeys(("f", "force"), lambda *x: 0.0 * max(x, key=np.size)),
     **{"t": 0.0, "0.0": 0.0, "h": 0.25, "t + h": 0.25, "q": 1.0, "ys[-2]": 1.0, "v": 0.5, "1.0": 1.0, "1": 1, "()": ()},
     **dict.fromkeys(("y", "[q, v]"), np.array([1.0, 0.5])),
@@ -60,6 +75,15 @@ FIRST_STEP, FIRST_STEP_UNTIMED = "y + h * f(t + h / 2, y + h / 2 * f(t, y))", "y
 
 def function_wrapper(step: Callable[..., Any]) -> str:
     """The wrapper of a function: a step with gradients of an energy, a run, a solver, or a plain step."""
+    return stated_first(_function_wrapper(step))
+
+
+def stated_first(line: str) -> str:
+    """The wrapper with the statements that a call needs before the one with the call."""
+    return _BEFOREHAND.sub(r"\1\3; \2", line)
+
+
+def _function_wrapper(step: Callable[..., Any]) -> str:
     if (names := names_with_step(step)) is None:
         return ""
     if _named(names, _SPANS) and not any(role_of(each, (STEP,)) for each in names):
@@ -70,13 +94,18 @@ def function_wrapper(step: Callable[..., Any]) -> str:
         gradients = {by_position: "lambda q, *p: -force(q)", by_momentum: "lambda *p: p[-1]"}
         rest = [each for each in names if each not in gradients]
         return _call(step, names, {**gradients, **arguments_by_role(rest, FORCE)}, FORCE)
-    roles = {plain_role(each): word_of(each) for each in names}
+    roles = {plain_role(each): word_of(each) for each in names if each not in matrices(names)}
     forced = takes_force(names) or has_gradient(names) or roles.get(FUNCTION) == "a"
     of_state = POSITION not in roles or (VELOCITY not in roles and (TIME in roles or not forced))
     kind = MAP if FUNCTION not in roles else FIELD if of_state else FORCE
     given = arguments_by_role(names, kind)
-    line = list_wrapper(step) or _run_wrapper(step, names) or _pair_wrapper(step, names, given)
-    return line or (_call(step, names, given, kind) if given else "")
+    line = list_wrapper(step) or run_wrapper(step, names) or _pair_wrapper(step, names, given)
+    if kind == MAP and not line and (called := with_global(step)):
+        line = _function_wrapper(called)
+        return line if line and "write values" not in line else ""
+    states = [*given.values()]
+    told = given and (kind != MAP or (len(names) - len(given) < _MOST_OPEN and states.count("[q, v]") < 2))
+    return line or (_call(step, names, given, kind) if told else "")
 
 
 def plain_role(name: str) -> str | None:
@@ -86,7 +115,8 @@ def plain_role(name: str) -> str | None:
 
 def kind_by_names(names: Iterable[str]) -> str:
     """The kind of a step with these arguments: with a function, FORCE for a position and a velocity, else FIELD."""
-    roles = {*map(plain_role, names)}
+    names = [*names]
+    roles = {plain_role(each) for each in names if each not in matrices(names)}
     return MAP if FUNCTION not in roles else FORCE if {POSITION, VELOCITY} <= roles else FIELD
 
 
@@ -122,31 +152,109 @@ def list_wrapper(step: Callable[..., Any]) -> str:
     return ""
 
 
-def _run_wrapper(step: Callable[..., Any], names: Sequence[str]) -> str:
-    """The wrapper of a run to a given end, or over a row of times whatever their name, by its last state.
+def run_wrapper(step: Callable[..., Any], names: Sequence[str]) -> str:
+    """The wrapper of a run to a given end, in steps or in a number of them, or over a row of times, by its last state.
 
-    It is "" unless the run is seen to begin at the start: the first row of a part of its answer is the state there.
+    It is "" unless the run is seen to begin at the start, or to stay there where nothing moves. If a run of several
+    steps is not one step after the other, the wrapper takes their number: a multistep method has other steps at first.
     """
     kind = kind_by_names(names)
-    end = next((each for each in names if word_of(each) in RUN_ENDS[1] or each == "T"), "")
+    begins = {each[:-1].strip("_") for each in names if each.endswith("0")}  # of x0 and x, the latter is the end
+    end = next((each for each in names if word_of(each) in RUN_ENDS[1] or each == "T" or each in begins), "")
     given = arguments_by_role([each for each in names if each != end], kind)
     left, timed = [each for each in names if given.get(each, "0.0") == "0.0"], "t" in given.values()
+    counted = [each for each in left if word_of(each) in COUNTS]
     if end:
         given[end] = "t + h" if timed else "h"
+    elif left and left == counted and kind != FIELD:
+        given[left[0]] = "1"
     elif len(left) == 1 and "h" not in given.values():
         timed = kind == FIELD
         given[left[0]] = "[t, t + h]" if timed else "[0.0, h]"
     else:
         return ""
-    with suppress(Exception):
-        found = step(*[TRIAL_ARGUMENTS[given[each]] for each in names])
-        parts = found if isinstance(found, tuple) else (found,)
-        at = {repr(np.asarray(part, float).tolist()[0]): f"[{i}]" for i, part in enumerate(parts) if np.ndim(part)}
-        head, run = HEADS[kind] if timed or kind != FIELD else "f, y, h", _called(step, names, given)
-        if {"q", "v"} <= {*given.values()}:
-            return f"def wrapped({head}): run = {run}; return run{at['1.0']}[-1], run{at['0.5']}[-1]"
-        return f"def wrapped({head}): return {run}{at['[1.0, 0.5]'] * (parts is found)}[-1]"
+    if len(given) < len(names):
+        return ""
+    head = HEADS[kind] if timed or kind != FIELD else "f, y, h"
+    for shaped in (float, lambda x: np.array([x])):
+        with suppress(Exception):
+            values = {key: shaped(x) if key in ("q", "v") else x for key, x in TRIAL_ARGUMENTS.items()}
+            found = step(*[copy(values[given[each]]) for each in names])
+            states = ("q", "v") if {"q", "v"} <= {*given.values()} else ("y",) if kind == FIELD else ("[q, v]",)
+            places = [_end_of(found, values[each]) for each in states]
+            if -1 not in places[0] and any(text.startswith("[0.0") or text == "[t, t + h]" for text in given.values()):
+                return ""  # what is not known to be a row of times need not be one
+            run = _called(step, names, given)
+            first, *last = ("".join(f"[{i}]" for i in place) for place in places)
+            if last:
+                return f"def wrapped({head}): run = {run}; return run{first}, run{last[0]}"
+            if "1" in given.values() and kind == FIELD and _remembers(step, names, given, places[0]):
+                whole = {"1": "n", "t + h": "t + n * h", "[t, t + h]": "[t, t + n * h]"}
+                run = _called(step, names, {each: whole.get(text, text) for each, text in given.items()})
+                return f"def wrapped({head}, n): return {run}{first.removesuffix('[-1]')}"
+            return f"def wrapped({head}): return {run}{first}"
     return ""
+
+
+def _end_of(answer: Any, start: Any) -> list[int]:
+    """The indices of the state at the end in an answer. Raises ValueError if it is not seen.
+
+    It is a part that is the start, or the last row of one whose first row is that.
+    """
+    parts = [*enumerate(answer)] if isinstance(answer, tuple) else []
+    for place, part in ([], answer), *(([i], each) for i, each in parts):
+        with suppress(Exception):
+            found = np.asarray(part, float)
+            if found.ndim > np.ndim(start) and np.array_equal(found[0], start):
+                return [*place, -1]
+            if np.array_equal(found, start):
+                return [*place]
+    raise ValueError("no state is seen")
+
+
+def _remembers(step: Callable[..., Any], names: Sequence[str], given: Mapping[str, str], where: Sequence[int]) -> bool:
+    """True if a run of some steps ends elsewhere than as many runs of one step."""
+
+    def end(t: float, y: Any, n: int) -> Any:
+        known = {**TRIAL_ARGUMENTS, "f": lambda *x: -max(x, key=np.size), "t": t, "y": y, "1": n, "t + h": t + n / 4}
+        known["[t, t + h]"] = np.array([t, t + n / 4])
+        return reduce(getitem, where, step(*[known[given[each]] for each in names]))
+
+    start = TRIAL_ARGUMENTS["y"]
+    by_one: Any = reduce(lambda y, i: end(i / 4, y, 1), range(_RUN), start)
+    return not np.allclose(by_one, end(0.0, start, _RUN), rtol=_SAME, atol=0)
+
+
+def with_global(step: Callable[..., Any]) -> Callable[..., Any] | None:
+    """The step with the function of its module that moves its system as its first argument; None if there is none.
+
+    It is the only one that the step, or what it calls in that module, calls by the name of a right-hand side.
+    """
+    known, called = getattr(step, "__globals__", {}), [step]
+    for function in called:  # which grows
+        names = getattr(getattr(function, "__code__", None), "co_names", ())
+        called += [x for name in names if inspect.isfunction(x := known.get(name)) and x not in called]
+    moving = {x.__name__: x for x in called[1:] if role_of(x.__name__, (FUNCTION,))}
+    moving = {name: x for name, x in moving.items() if known.get(name) is x}
+    if len(moving) != 1 or (names := names_with_step(step)) is None:
+        return None
+    ((name, function),) = moving.items()
+    plain = all(role_of(each, (POSITION, VELOCITY, TIME, STATE)) for each in required_names(function) or ())
+
+    def replaced(given: Any, *arguments: Any) -> Any:
+        known[name] = given
+        try:
+            return step(*arguments)
+        finally:
+            known[name] = function
+
+    def written(given: str, *arguments: str) -> str:
+        given = given if plain or given == "f" else f"lambda q, *rest: {given}(q)"
+        return f'‹{name_of(step)}.__globals__["{name}"] = {given}›{name_of(step)}({", ".join(arguments)})'
+
+    stand_in(replaced, step, [name, *names])
+    replaced.written = written  # type: ignore[attr-defined]
+    return replaced
 
 
 def _pair_wrapper(step: Callable[..., Any], names: Sequence[str], given: Mapping[str, str]) -> str:
@@ -217,10 +325,16 @@ def later_arguments(given: Mapping[str, str], **of_last: str) -> dict[str, str]:
 
 
 def _called(step: Callable[..., Any], names: Sequence[str], given: Mapping[str, str]) -> str:
-    """The call with what is given for each name, by place if that is the names' own order."""
+    """The call with what is given for each name, by place if that is the names' own order.
+
+    What stands for a call of several statements is `written` by itself, those before the call between ‹ and ›.
+    """
+    if hasattr(step, "written"):
+        return str(step.written(*(given[each] for each in names)))
     by_place = [*(parameters_of(step) or ())][: len(names)] == [*names]  # a step size with a default may not be
     passed = [f"{'' if by_place else f'{each}='}{given[each]}" for each in names]
-    return f"{name_of(step)}({', '.join(passed)})"
+    plain = ".py_func" if hasattr(step, "py_func") and not {"f", "force"}.isdisjoint(given.values()) else ""
+    return f"{name_of(step)}{plain}({', '.join(passed)})"  # compiled code calls no function of Python
 
 
 def arguments_by_role(names: Sequence[str], kind: str) -> dict[str, str]:
@@ -228,20 +342,26 @@ def arguments_by_role(names: Sequence[str], kind: str) -> dict[str, str]:
     given: dict[str, str] = {}
     if kind == FIELD and (pair := [each for each in names if word_of(each) in ("x", "x0", "y", "y0")])[1:]:
         given = dict(zip(pair, "ty", strict=False))  # of f(x, y) the first is the time
-    for each in (name for name in names if name not in given):
+    sized, no_roles = size_name(names), (*matrices(names), *launch(names))
+    for each in (name for name in names if name not in (*given, *no_roles)):
         wanted = (FUNCTION, STEP, TIME, *((STATE,) if kind == FIELD else (POSITION, VELOCITY, STATE)))
-        role = role_of(each, [role for role in wanted if ARGUMENTS[role] not in given.values()])
+        roles = [x for x in wanted if ARGUMENTS[x] not in given.values() and (x != STEP or each == sized)]
+        if kind != FIELD and "q" in given.values() and STATE in roles:
+            roles.remove(STATE)
+        role = role_of(each, roles) or (role_of(each.rstrip("_0"), roles) if kind != FIELD else None)
         if role is not None:
             function = "lambda x: -force(x)" if kind == FORCE and has_gradient([each]) else function_of(kind)
             given[each] = function if role == FUNCTION else ARGUMENTS[role]
     open_names = [each for each in names if each not in given]
     if kind == FIELD:
-        sized = "h" in given.values()
-        given |= {each: "t + h" for each in open_names if word_of(each) in RUN_ENDS[1] and (each != "b" or not sized)}
-        given |= {each: "1" for each in open_names if word_of(each) in COUNTS and not sized}
+        ambiguous = ("a", "b", "alpha") if "h" in given.values() else ()  # are the ends and the start of a run
+        for text, words in (("y", STARTS), ("t", RUN_ENDS[0]), ("t + h", RUN_ENDS[1]), ("1", COUNTS)):
+            known = {*words} - {*ambiguous} if text != "1" or "h" not in given.values() else set()
+            if text not in given.values():
+                given |= {each: text for each in open_names if each not in given and word_of(each) in known}
     given |= {each: "()" for each in open_names if word_of(each) in _PARAMETERS}
-    if kind == MAP:
-        given |= {each: "1.0" for each in open_names if word_of(each) in UNIT_PARAMETERS}
+    if kind != FIELD:
+        given |= {each: "1.0" for each in open_names if word_of(each) in (UNIT_PARAMETERS if kind == MAP else MASSES)}
     if kind == MAP and not {"q", "v"} <= {*given.values()}:
         given = {each: "[q, v]" if text in ("q", "v", "y") else text for each, text in given.items()}
     if kind != FIELD:

@@ -25,9 +25,9 @@ from driftproof.blackbox.stepper.calling_conventions import (
     has_gradient,
     names_with_step,
     required_names,
-    role_of,
     word_of,
 )
+from driftproof.blackbox.stepper.class_wrappers import attribute_of, class_run_wrapper, function_argument, put_wrapper
 from driftproof.blackbox.stepper.function_wrappers import (
     BEFORE,
     FIRST_STEP_UNTIMED,
@@ -49,7 +49,7 @@ from driftproof.blackbox.stepper.plain_forms import BODY_LISTS
 _ADVANCES = ("step", "update", "advance", "integrate", "move", "tick", "do_step")
 _PUSHES = ("apply_force", "add_force", "apply_central_force", "applyForce", "addForce")
 # What stands for the wrapper's arguments where an object is made.
-_AT_REST = {"h": "0.1", "t": "0.0", "t + h": "0.1", "y": "[1.0, 0.0]", "q": "1.0", "v": "0.0"}
+_AT_REST = {"h": "0.1", "t": "0.0", "t + h": 'float("inf")', "y": "[1.0, 0.0]", "q": "1.0", "v": "0.0"}
 _START = {FIELD: (np.array([1.0, 0.5]),), FORCE: (1.0, 0.5), MAP: (1.0, 0.5)}
 # Within this many steps a multistep method shows that it remembers, whatever its start: none in use remembers more.
 _TRIED = 12
@@ -59,13 +59,15 @@ def object_wrapper(step: Callable[..., Any]) -> str:
     """The wrapper of a class, or of a method that takes the step size alone; "" if no state is found."""
     if inspect.isclass(step):
         advance = advance_of(step) or "step"
-        return _class_wrapper(step) or _own_step(step) or _state_wrapper(step, _made_anyhow(step), advance)
+        made, whole = _made_anyhow(step), class_run_wrapper(step)
+        once = whole * whole.startswith("identify_solver") or _class_wrapper(step) or whole or _own_step(step)
+        return once or _kept_wrapper(step, made, advance)
     made, names = getattr(step, "__self__", None), required_names(step)
     if made is None or names is None or [*map(plain_role, names)] not in ([STEP], []):
         return ""
     cls = type(made)
     taken = function_argument(cls) and _class_wrapper(cls, step.__name__)
-    return taken or _state_wrapper(cls, made, step.__name__)
+    return taken or _kept_wrapper(cls, made, step.__name__)
 
 
 def _own_step(cls: type) -> str:
@@ -87,11 +89,6 @@ def _made_anyhow(cls: type) -> Any:
     return cls
 
 
-def function_argument(cls: type) -> str:
-    """The argument of a class by which its objects are given the function that they call; "" if there is none."""
-    return next((each for each in required_names(cls) or () if plain_role(each) == FUNCTION), "")
-
-
 def making(cls: type, kind: str, made: Any = None) -> str:
     """The text that makes an object of a class, from the function that it calls if it takes one, and from nothing else.
 
@@ -109,9 +106,23 @@ def making(cls: type, kind: str, made: Any = None) -> str:
     return f"lambda {taken}: {name}({arguments})".replace("lambda :", "lambda:")
 
 
+def _kept_wrapper(cls: type, made: Any, advance: str) -> str:
+    """The wrapper of an object that keeps its state; "" if its method takes more than a step size."""
+    makes = required_names(cls) or []
+    if further_names(cls, advance):
+        return ""
+    pushed = not makes and any(hasattr(cls, each) for each in _PUSHES)
+    return (not pushed and put_wrapper(cls, made, advance)) or _state_wrapper(cls, made, advance)
+
+
+def further_names(cls: type, advance: str) -> list[str]:
+    """What a method of a class needs besides its object and the step size."""
+    return [each for each in (required_names(getattr(cls, advance, int)) or [])[1:] if plain_role(each) != STEP]
+
+
 def _state_wrapper(cls: type, made: Any, advance: str) -> str:
     """The `stepper_of` line for an object whose attributes hold its state; "" if their names do not tell where."""
-    q, v, state, time = (_attribute(made, role) for role in (POSITION, VELOCITY, STATE, TIME))
+    q, v, state, time = (attribute_of(made, role) for role in (POSITION, VELOCITY, STATE, TIME))
     if not state and not (q and v):
         return ""
     where, maker = f'position="{q}", velocity="{v}"' if q and v else f'state="{state}"', "stepper_of"
@@ -121,7 +132,7 @@ def _state_wrapper(cls: type, made: Any, advance: str) -> str:
     if function_argument(cls) and not (q and v):
         where, maker = f'{where}, time="{time}"' if time else where, "field_stepper_of"
     make = making(cls, FORCE if q and v else FIELD, made)
-    act, size = f'"{advance}"', _attribute(made, STEP)
+    act, size = f'"{advance}"', attribute_of(made, STEP)
     if size and not any(plain_role(each) == STEP for each in names_with_step(getattr(cls, advance, cls)) or ()):
         act = f"lambda made, h: (setattr(made, '{size}', h), made.{advance}())"
     return f"from driftproof import {maker}; wrapped = {maker}({make}, {where}, advance={act})"
@@ -147,19 +158,19 @@ def _class_wrapper(cls: type, own: str | None = None) -> str:
         return made.line()
     with suppress(Exception):
         kept = made.new(_START[kind], 0.0)
-        places = [_attribute(kept, role) for role in ((POSITION, VELOCITY) if kind == FORCE else (STATE,))]
-        time = _attribute(kept, TIME) if "t" not in given else ""
+        places = [attribute_of(kept, role) for role in ((POSITION, VELOCITY) if kind == FORCE else (STATE,))]
+        time = attribute_of(kept, TIME) if "t" not in given else ""
         return made._replace(kept=places, time=time).line() if all(places) and made.state <= given else ""
     return ""
 
 
 def clock_wrapper(step: Callable[..., Any]) -> str:
     """The wrapper of an object with a clock of its own, which is set; if none is found, what to do."""
-    if clock := _attribute(getattr(step, "made", None), TIME):
+    if clock := attribute_of(getattr(step, "made", None), TIME):
         return f'; write time="{clock}" in the call of field_stepper_of'
     owner = getattr(step, "__self__", step)
     cls, method = type(owner), f".{step.__name__}" if inspect.ismethod(step) else ""
-    if not (clock := _attribute(owner, TIME)):
+    if not (clock := attribute_of(owner, TIME)):
         return ": let the time be an argument, or make the step anew each time"
     given = {each: each.upper() for each in required_names(cls) or ()}
     call = arguments_by_role(required_names(step) or (), FIELD)
@@ -176,7 +187,7 @@ def _two_step_wrapper(cls: type, method: str, names: Sequence[str], taken: Seque
     given = {each: now if x == "y" and each != before else x for each, x in given.items()}
     with suppress(Exception):
         made = cls(*[tried[given[each]] for each in names])
-        kept = _attribute(made, POSITION if kind == FORCE else STATE)
+        kept = attribute_of(made, POSITION if kind == FORCE else STATE)
         getattr(made, method[1:] or "__call__")(*[tried[call[each]] for each in taken])
         begin = f"made = {cls.__name__}({', '.join(given[each] for each in names)}); "
         step = f"made{method}({', '.join(call[each] for each in taken)})"
@@ -225,7 +236,7 @@ def world_wrapper(cls: type) -> str:
             world, made = cls([body(*ones)]), body(*ones)
             push = next((each for each in ("g", "gravity") if isinstance(getattr(world, each, None), float)), "")
             upright = push and hasattr(made, "y") and hasattr(made, "vy")
-            q, v = ("y", "vy") if upright else (_attribute(made, POSITION), _attribute(made, VELOCITY))
+            q, v = ("y", "vy") if upright else (attribute_of(made, POSITION), attribute_of(made, VELOCITY))
             if not (q and v and isinstance(getattr(world, held)[0], body) and np.size(getattr(made, q)) == 1):
                 continue
             place = f"{{}}=(lambda w: w.{held}[0].{{}}, lambda w, x: setattr(w.{held}[0], '{{}}', x))"
@@ -242,13 +253,6 @@ def advance_of(cls: type) -> str:
     alone = [each for each in public if len(required_names(getattr(cls, each)) or ()) in (1, 2)]
     alone = [each for each in alone if any(word in each for word in _ADVANCES)] or alone
     return next((each for each in _ADVANCES if hasattr(cls, each)), alone[0] if len(alone) == 1 else "")
-
-
-def _attribute(made: Any, role: str) -> str:
-    """The public attribute of an object with one of the role's names; "" if there is none."""
-    named = vars(made) if hasattr(made, "__dict__") and not inspect.isclass(made) else {}
-    found = next((name for name in named if not name.startswith("_") and role_of(name, (role,))), "")
-    return f"{found}.x" if found and hasattr(named[found], "x") and hasattr(named[found], "y") else found
 
 
 class _Made(NamedTuple):

@@ -28,7 +28,7 @@ from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
 from driftproof.blackbox.stepper.fresh_copies import fresh_copy
 from driftproof.blackbox.stepper.function_wrappers import list_wrapper
 from driftproof.blackbox.stepper.handed_slopes import with_slopes_kept
-from driftproof.blackbox.stepper.made_wrappers import clock_wrapper, object_wrapper
+from driftproof.blackbox.stepper.made_wrappers import clock_wrapper
 from driftproof.blackbox.stepper.plain_forms import plain_forms
 from driftproof.blackbox.stepper.records import record_forms
 from driftproof.blackbox.stepper.second_functions import SecondFunction, with_functions, with_own_jacobian, zeros
@@ -104,8 +104,9 @@ def opened(
     )
     if found := first_of(trials):
         return found
-    if line := object_wrapper(step) if inspect.isclass(step) else list_wrapper(given):
-        raise BadInput(f"{_unfitting(given)}: {line}")
+    line = wrapper_line(step) if inspect.isclass(step) else list_wrapper(given)
+    if line:
+        raise BadInput(f"{_unfitting(given)}{'' if inspect.isclass(step) else ': '}{line}")
     if not any(isinstance(failure, StaleSlope) for failure in failures) and (found := as_plain()):
         return found
     raise next((failure for failure in failures if isinstance(failure, StaleSlope)), failures[0])

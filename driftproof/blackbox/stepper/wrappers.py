@@ -6,11 +6,29 @@ import inspect
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from driftproof.blackbox.stepper.calling_conventions import FORCE, FUNCTION, STATE, STEP, required_names
+from driftproof.blackbox.stepper.calling_conventions import (
+    FORCE,
+    FUNCTION,
+    MAP,
+    STATE,
+    STEP,
+    launch,
+    matrices,
+    required_names,
+    role_of,
+    size_name,
+)
 from driftproof.blackbox.stepper.foreign_stepper import ForeignStepper
-from driftproof.blackbox.stepper.function_wrappers import ARGUMENTS, function_wrapper, name_of, plain_role
+from driftproof.blackbox.stepper.function_wrappers import (
+    ARGUMENTS,
+    function_wrapper,
+    kind_by_names,
+    name_of,
+    plain_role,
+)
 from driftproof.blackbox.stepper.made_wrappers import (
     advance_of,
+    further_names,
     maker_wrapper,
     making,
     object_wrapper,
@@ -18,11 +36,15 @@ from driftproof.blackbox.stepper.made_wrappers import (
     world_wrapper,
 )
 
+_WITHOUT = " a step that takes its right-hand side, which no argument is: def "
+
 
 def wrapper_line(step: Callable[..., Any]) -> str:
     """The wrapper to write, as the end of an error message; "" if none is known to fit."""
     step = owner_of(step)
     line = object_wrapper(step)
+    if not line and inspect.isclass(step) and (further := further_names(step, advance_of(step))):
+        return f"{_WITHOUT}{advance_of(step)}({', '.join(dict.fromkeys(('f', *further, 'h')))}): ..."
     if not line and not inspect.isclass(step):
         roles = {*map(plain_role, required_names(step) or ())}
         line = maker_wrapper(step) if roles and roles <= {FUNCTION, STEP} else function_wrapper(step)
@@ -40,7 +62,14 @@ def template(step: Callable[..., Any]) -> str:
         places = f'position="POSITION", velocity="VELOCITY", advance="{advance_of(step) or "STEP"}"'
         wrapper = f"from driftproof import stepper_of; wrapped = stepper_of({makes}, {places})"
         return f': {wrapper}  # attributes\' names, or state="STATE"'
-    arguments = ", ".join(name.upper() for name in required_names(step) or ["..."])
+    names = required_names(step) or []
+    if kind_by_names(names) == MAP and size_name(names):
+        if launch(names):
+            return " one step of it, step(q, v, h): it takes no state, but is a run from a launch"
+        state = next((each for each in names if each not in matrices(names) and role_of(each, (STATE,))), names[0])
+        taken = ", ".join(filter(None, ("f", state, size_name(names))))
+        return f"{_WITHOUT}{name}({taken}): ..."
+    arguments = ", ".join(map(str.upper, names or ["..."]))
     return f": def wrapped(f, t, y, h): return {name}({arguments})  # y at t + h, where y' = f(t, y)"
 
 

@@ -104,6 +104,53 @@ def in_n_steps(f, x0, y0, xn, n):
 def coupled(f, g, t, x, v, h):
     return x + h * f(t, x, v), v + h * g(t, x, v)
 
+def pendulum(theta0, omega0, dt, N):
+    theta, omega = np.full(N + 1, theta0), np.full(N + 1, omega0)
+    for i in range(N):
+        omega[i + 1] = omega[i] - theta[i] * dt
+        theta[i + 1] = theta[i] + omega[i + 1] * dt
+    return theta, omega
+
+def bashforth_of_ends(f, a, b, ya, n):
+    h, t, y = (b - a) / n, np.linspace(a, b, n + 1), np.zeros((n + 1, np.size(ya)))
+    y[0], slopes = ya, []
+    for i in range(n):
+        slopes.append(f(t[i], y[i]))
+        ahead = slopes[-1] if i else f(t[i] + h / 2, y[i] + h / 2 * slopes[-1])
+        y[i + 1] = y[i] + (h / 2 * (3 * ahead - slopes[-2]) if i else h * ahead)
+    return t, y
+
+def heun_of_ends(f, a, b, alpha, N):
+    h, w = (b - a) / N, alpha
+    for i in range(N):
+        k = f(a + i * h, w)
+        w = w + h / 2 * (k + f(a + i * h + h, w + h * k))
+    return w
+
+def dydx(x, y):
+    return (x - y) / 2
+
+def of_module(x0, y0, x, h):
+    for i in range(round((x - x0) / h)):
+        y0 = y0 + h * dydx(x0 + i * h, y0)
+    return y0
+
+def getAcc(pos, mass, softening):
+    return -mass * pos / (pos**2 + softening**2) ** 1.5
+
+def kicked(pos, vel, mass, dt):
+    return vel + dt / 2 * getAcc(pos, mass, 0.1)
+
+def bodies(pos, vel, mass, dt, tEnd):
+    saved = np.zeros((round(tEnd / dt) + 1,) + pos.shape)
+    saved[0] = pos
+    for i in range(len(saved) - 1):
+        vel = kicked(pos, vel, mass, dt)
+        pos = pos + dt * vel
+        vel = kicked(pos, vel, mass, dt)
+        saved[i + 1] = pos
+    return saved, vel
+
 def with_parameters(params, y, vector_field, t, g=0.0, h=0.1):
     return y + h * vector_field(t, y, params)
 """
@@ -122,6 +169,20 @@ PASTED = {
     "to_an_end": ("f, t, y, h", "return to_an_end(f, t, y, t + h, h)", FORWARD),
     "in_n_steps": ("f, t, y, h", "return in_n_steps(f, t, y, t + h, 1)", FORWARD),
     "coupled": (FORCED, "return coupled(lambda *x: x[2], lambda *x: force(x[1]), 0.0, q, v, h)", FORWARD),
+    "pendulum": ("q, v, h", "run = pendulum(q, v, h, 1); return run[0][-1], run[1][-1]", "symplectic_euler"),
+    "bashforth_of_ends": ("f, t, y, h, n", "return bashforth_of_ends(f, t, t + n * h, y, n)[1]", "adams_bashforth2"),
+    "heun_of_ends": ("f, t, y, h", "return heun_of_ends(f, t, t + h, y, 1)", "heun2"),
+    "of_module": (
+        "f, t, y, h",
+        'of_module.__globals__["dydx"] = f; return of_module(t, y, t + h, h)',
+        "forward_euler",
+    ),
+    "bodies": (
+        "force, q, v, h",
+        'bodies.__globals__["getAcc"] = lambda q, *rest: force(q); run = bodies(q, v, 1.0, h, h); '
+        "return run[0][-1], run[1]",
+        "velocity_verlet",
+    ),
     "of_interval": ("f, t, y, h", "return of_interval(f, y, t, t + h, ())", FORWARD),
     "with_parameters": ("f, t, y, h", "return with_parameters(params=(), y=y, vector_field=f, t=t, h=h)", FORWARD),
 }
@@ -136,7 +197,8 @@ def test_a_run_or_a_step_with_other_arguments_is_refused_with_a_wrapper_that_wor
     assert str(caught.value).endswith(f"write: def wrapped({head}): {body}")
     exec(f"def wrapped({head}): {body}", names)
     subject = opened(names["wrapped"])
-    assert key == read_family(subject).key if key == "stormer2" else key in keys_of(names["wrapped"])
+    by_runs = key in ("stormer2", "adams_bashforth2")
+    assert key == read_family(subject).key if by_runs else key in keys_of(names["wrapped"])
 
 
 def test_a_run_is_read_where_it_begins_and_nothing_is_said_of_one_that_does_not():
@@ -172,3 +234,28 @@ def test_a_step_that_takes_a_list_of_states_is_refused_with_a_run_of_n_steps_tha
     assert read_family(opened(names["wrapped"])).key == name
     back = lambda n: lambda f, t, ys, h: ys[-n] + n * h * f(t, ys[-1])
     assert [bool(list_wrapper(back(n))) for n in (7, 8)] == [True, False]
+
+
+@pytest.mark.parametrize(
+    ("step", "said"),
+    [
+        (lambda P, A, B, Q, R, dt: P, r"its right-hand side, which no argument is: def step\(f, P, dt\): ..."),
+        (lambda P, A, Q, dt: P, r"\(f, P, dt\): ..."),
+        (lambda M, C, K, F, u0, v0, dt: u0, r"\(f, u0, dt\): ..."),
+        (lambda u, alpha, dx, dt, nt: u, r"\(f, u, dt\): ..."),
+        (lambda V, m, h, n, current, dt: V, r"\(f, V, dt\): ..."),
+        (lambda x0, y0, x, h: y0, r"\(f, x0, h\): ..."),
+        (
+            lambda v0, angle, dt: v0,
+            r"write one step of it, step\(q, v, h\): it takes no state, but is a run from a launch",
+        ),
+    ],
+)
+def test_matrices_coefficients_and_launches_are_no_states_and_no_functions(step, said):
+    with pytest.raises(BadInput, match=said):
+        opened(step)
+
+
+def test_beside_a_likelier_name_h_and_epsilon_are_no_step_sizes():
+    assert "return step(f, y, H, h)  # write values for H" in wrapper_line(lambda f, y, h, dt: y)
+    assert opened(lambda q, p, grad_U, epsilon: (q + epsilon * p, p - epsilon * grad_U(q))).step(1.0, 0.0, 0.5)[1] < 0

@@ -229,5 +229,7 @@ def test_what_cannot_be_opened_so_is_refused_with_what_to_write_for_each_word():
     assert [*plain_forms(unknown)] == [*plain_forms(lambda v, m, h: v)] == []
     with pytest.raises(ValueError, match=r"\(BODIES, h\)  # what moves its bodies is built in: let their force be"):
         opened(gravity)
-    with pytest.raises(ValueError, match="# write values for N, OUT, ALPHA"):
+    with pytest.raises(
+        ValueError, match=r"a step that takes its right-hand side, which no argument is: def unknown\(f, y, h\)"
+    ):
         opened(unknown)
