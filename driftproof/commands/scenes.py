@@ -73,7 +73,7 @@ def sweep_command(options: Namespace) -> str:
       driftproof sweep default --h 1/4,1/8,1/16 --methods rk4,velocity_verlet
       driftproof sweep default --h 1/8,1/16 --t 10,20 --state 1,0 --state 0,1 --format json
       driftproof sweep default --methods rk4 --h 1/4,1/8 -o answers.jsonl      run it again to resume where it stopped
-      driftproof sweep pendulum --methods rk4,velocity_verlet --h 1/10:1/80    its errors at the end of the problem
+      driftproof sweep pendulum --methods rk4,velocity_verlet --h 1/10:1/80      its errors at its end
 
     The grid has a point for each combination, --h varying fastest; what is not given is as in the scene. For a run that
     overflows, or an h that does not divide t, the answer is a message. The answers do not depend on --workers, nor on
