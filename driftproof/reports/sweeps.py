@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 import re
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import CancelledError, Executor, Future
 from contextlib import AbstractContextManager, contextmanager, nullcontext
 from pathlib import Path
@@ -14,12 +14,11 @@ from driftproof.methods.rationals import ExactNumber, GivenState, exact_numbers,
 from driftproof.methods.tableau_file import GivenMethods, names_of
 from driftproof.numeric.problems.problem import Problem
 from driftproof.numeric.run import Readouts
-from driftproof.numeric.scenes import Scene
+from driftproof.numeric.scenes import PRESETS, Scene
 from driftproof.numeric.sweep import SweepAnswer, points_of, processes, run_grid, strings
 from driftproof.reports.progress import progress_bar
 from driftproof.reports.scene_view import scene_json
 from driftproof.reports.scenes import scene_given
-from driftproof.reports.user_problem import GivenProblem, names_problem, problem_given
 from driftproof.support.environment import require_package
 from driftproof.support.plain_text import counted, table, with_digits
 from driftproof.support.results import Answered
@@ -36,7 +35,7 @@ _SECONDS_TO_CONNECT = 10
 
 
 def sweep(
-    scene: GivenProblem | Scene,
+    scene: str | Path | Mapping[str, Any] | Problem | Scene,
     *,
     methods: GivenMethods = (),
     state: Sequence[GivenState] = (),
@@ -57,10 +56,7 @@ def sweep(
     >>> [answer.found["final_state"] for answer in sweep("stability_boundary", h=[1, 2]).found]
     [(0.0, 1.0), (-11.0, -10.0)]
     """
-    if isinstance(scene, Scene) or not names_problem(scene):
-        about = scene if isinstance(scene, Scene) else scene_given(str(scene))
-    else:
-        about = _on_problem(problem_given(scene), methods, h)
+    about = scene if isinstance(scene, Scene) else _scene_of(scene, methods, h)
     times, states = exact_numbers(t, "t"), [state_of(each) for each in state or ()]
     axes: dict[str, Sequence[Any]] = {"selected": names_of(methods), "start": states, "t": times, "h": steps_of(h)}
     grid = {name: values for name, values in axes.items() if values}
@@ -70,8 +66,17 @@ def sweep(
     return Answered(sweep_json(about, found), lambda _: sweep_text(about, found), found)
 
 
-def _on_problem(problem: Problem, methods: GivenMethods, h: ExactNumber | Sequence[ExactNumber]) -> Scene:
-    """The scene of the errors at the problem's end, for the first of the methods and step sizes."""
+def _scene_of(
+    given: str | Path | Mapping[str, Any] | Problem, methods: GivenMethods, h: ExactNumber | Sequence[ExactNumber]
+) -> Scene:
+    """The scene of this name; of a problem, that of the errors at its end, for the first method and step size."""
+    if str(given) in PRESETS:
+        return scene_given(str(given))
+    from driftproof.reports.user_problem import names_problem, problem_given
+
+    if not names_problem(given):
+        return scene_given(str(given))
+    problem = problem_given(given)
     keys, steps = names_of(methods), steps_of(h)
     if not (keys and steps):
         raise ValueError(f"{problem.key} is a problem; a sweep of it needs methods and h, such as rk4 and 1/10,1/20")
