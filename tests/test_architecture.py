@@ -85,7 +85,7 @@ BUDGETS = {
     "numeric": 3921,
     "blackbox": 19876,
     "enclosure": 3199,
-    "texts": 8008,
+    "texts": 8000,
 }
 BUDGET_OF_REPORTS_AND_FRONT = 5558
 # The goal is 65 of 100. Independent witnesses, campaigns and guards, 6,000 lines, are among the tests.

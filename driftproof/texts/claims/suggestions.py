@@ -177,6 +177,7 @@ class Suggestions:
         }
         self._spelled: dict[NumberForm, dict[str, list[_Known]]] = {}
         self._meant: dict[int, list[_Known]] = {}
+        self._places: dict[int, Place] = {}
         self._rows: dict[int, list[tuple[str, str, int, int]]] = {}
         self.stated = stated_questions(text, self.column_of)
 
@@ -242,8 +243,8 @@ class Suggestions:
             other_sign, *others = _slips(_spelled(number))
             for slip in (other_sign, *others):
                 for known in written.get(slip, ()):
-                    split = any(isinstance(METHODS.get(key), Splitting) for key in known.keys)
-                    if split and known.question.endswith("evaluations") and number.value - Fraction(slip) == 1:
+                    one_more = known.question.endswith("evaluations") and number.value - Fraction(slip) == 1
+                    if one_more and any(isinstance(METHODS.get(key), Splitting) for key in known.keys):
                         continue  # the force at the start, which a code may need once more
                     sure = digits > 2 and (slip == other_sign or digits > 4 or self._is_near(known, number, digits))
                     sure = (sure and not known.stated) or digits > 5
@@ -300,9 +301,11 @@ class Suggestions:
             yield heads.get(column, ""), cell.strip(), start + begin, start + end
 
     def _place_of(self, number: TextNumber) -> Place:
-        row = self._row_of(number)
-        heads = [head for head, _, begin, _ in row if begin <= number.start]
-        return place_of(self._lower, number.start, number.end, heads, [(head, cell) for head, cell, *_ in row])
+        if number.start not in self._places:
+            row = self._row_of(number)
+            heads, cells = [head for head, _, begin, _ in row if begin <= number.start], [cell[:2] for cell in row]
+            self._places[number.start] = place_of(self._lower, number.start, number.end, heads, cells)
+        return self._places[number.start]
 
     def _meant_at(self, number: TextNumber) -> list[_Known]:
         """The values that the place of the number names."""

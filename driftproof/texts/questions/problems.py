@@ -190,14 +190,18 @@ def problem_readouts(run: ProblemRun, unknowns: Sequence[str] = ()) -> dict[str,
     half = len(run.start) // 2
     if run.rates.rates[:half] == run.rates.components[half:]:
         errors["position_error"] = slice(half)
-    energies: dict[str, Callable[[ProblemRun], Answer]] = {}
+    energies: dict[str, _OfStates] = {}
     if run.energy is not None:
-        energies = {"energy": _energy, "energy_change": _energy_change}
-    read: dict[str, _StateFunction] = {"slope": lambda run, end: run.rate(run.t, end)}
+        energies["energy"] = lambda run, _, end: run.energies(run.t, end)[0]
+        energies["energy_change"] = lambda run, first, end: (
+            run.energies(run.t, end)[0] - run.energies(Fraction(0), first)[0]
+        )
+    rows: dict[str, _OfStates] = {"slope": lambda run, _, end: run.rate(run.t, end)}
     if isinstance(run.method, RungeKutta) and run.method.explicit:
-        read |= {f"k{j}": partial(_slope, j - 1) for j in range(1, len(run.method.b) + 1)}
+        for j in range(len(run.method.b)):
+            rows[f"k{j + 1}"] = lambda run, first, _, j=j: run.slopes(Fraction(0), first)[j]
     return {
-        **{y: partial(_component, lambda run, end: end, i) for i, y in components},
+        **{y: partial(_read, lambda run, _, end, i=i: end[i]) for i, y in components},
         **solution,
         "state_error": partial(error_of, slice(None)),
         "relative_error": lambda run: _enclosed(
@@ -205,42 +209,27 @@ def problem_readouts(run: ProblemRun, unknowns: Sequence[str] = ()) -> dict[str,
         ),
         **{name: partial(error_of, part) for name, part in errors.items()},
         "largest_error": lambda run: _enclosed(lambda: _largest(run.numerical(), run.true(all_steps))),
-        **energies,
+        **{name: partial(_read, energy) for name, energy in energies.items()},
         "steps": lambda run: Answer("", Fraction(run.steps)),
         "evaluations": lambda run: evaluations(method, run.steps),
-        **{f"{name}.{y}": partial(_component, state, i) for name, state in read.items() for i, y in components},
+        **{
+            f"{name}.{y}": partial(_read, lambda run, first, end, row=row, i=i: row(run, first, end)[i])
+            for name, row in rows.items()
+            for i, y in components
+        },
     }
 
 
-_StateFunction = Callable[[ProblemRun, _Row], _Row]
+# A function of a run and its first and last states, in the type of these.
+_OfStates = Callable[..., Any]
 
 
-def _component(read: _StateFunction, index: int, run: ProblemRun) -> Answer:
-    if run.exactly is not None:
-        return Answer("", read(run, run.exactly)[index])
-    return _enclosed(lambda: read(run, run.numerical()[-1])[index])
-
-
-def _energy(run: ProblemRun) -> Answer:
-    return _of_states(run, lambda _, y: run.energies(run.t, y)[0])
-
-
-def _energy_change(run: ProblemRun) -> Answer:
-    return _of_states(run, lambda first, y: run.energies(run.t, y)[0] - run.energies(Fraction(0), first)[0])
-
-
-def _of_states(run: ProblemRun, read: Callable[[_Row, _Row], Any]) -> Answer:
+def _read(read: _OfStates, run: ProblemRun) -> Answer:
     """A function of the first and the last state: exactly if it is rational, and else enclosed."""
     if run.exactly is not None:
         with suppress(TypeError):  # a function such as log
-            return Answer("", read(run.start, run.exactly))
-    return _enclosed(lambda: read(run.numerical()[0], run.numerical()[-1]))
-
-
-def _slope(stage: int, run: ProblemRun, end: _Row) -> _Row:
-    """The slope of a stage of the first step, in the type of the last state."""
-    first = run.start if isinstance(end[0], Fraction) else [enclose(x) for x in run.start]
-    return run.slopes(Fraction(0), first)[stage]
+            return Answer("", read(run, run.start, run.exactly))
+    return _enclosed(lambda: read(run, run.numerical()[0], run.numerical()[-1]))
 
 
 def _largest(a: Sequence[_Row], b: Sequence[_Row]) -> arb:
