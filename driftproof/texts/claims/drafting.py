@@ -13,8 +13,9 @@ from typing import TypeAlias
 
 from driftproof.texts.claims.claims import MOST_CLAIMS
 from driftproof.texts.claims.phrases import Phrase
+from driftproof.texts.claims.spellings import digits_of
 from driftproof.texts.claims.stated_problems import equations_in
-from driftproof.texts.claims.suggestions import LookAlike, Missed, Suggestions, digits_of
+from driftproof.texts.claims.suggestions import LookAlike, Missed, Suggestions
 from driftproof.texts.questions.decimals import HALF_EVEN, Style
 from driftproof.texts.readers.document import Document
 from driftproof.texts.readers.numbers import TextNumber, numbers_in
@@ -64,11 +65,11 @@ class _Member:
         start, alike = max(0, number.start - _LONGEST_SETTING), suggestions.look_alikes(number)
         found = _SETTING.search(text[start : number.start].replace("\n", " "))
         setting, strong = start + found.start() if found else None, bool(alike) and alike[0].strong
-        if _HEAD_OF_SETTINGS.fullmatch(suggestions.column_of(number)):
+        if _HEAD_OF_SETTINGS.fullmatch(suggestions.tables.column_of(number)):
             cell = re.search(r"(?m)(?:\||^) ?\Z", text[start : number.start])
             if cell and re.match(r" ?(?:[|\n]|\Z)", text[number.end :]):
                 setting = start + cell.start()
-        letter = _SOLVED_FOR.fullmatch(found[0].rstrip("= ") if found else suggestions.column_of(number))
+        letter = _SOLVED_FOR.fullmatch(found[0].rstrip("= ") if found else suggestions.tables.column_of(number))
         if letter and (f"{letter[0]}'" in text or len(digits_of(number.text).rstrip("0")) > 3):
             setting = None
         if number.start in equations:

@@ -9,6 +9,7 @@ from fractions import Fraction
 from functools import cache
 
 from driftproof.texts.claims.contradictions import POSITIVE, SETTING, last_methods_named, methods_named, sentence_around
+from driftproof.texts.claims.tables import Cell
 
 # Quantity -> the words that name it; the last of these words before a number, or in its column's head, counts.
 _WORDS = {
@@ -81,12 +82,9 @@ def asked_quantity(question: str) -> tuple[str, str]:
     return "exact" if kind == "exact" or question.startswith("exact ") else "state", unknown
 
 
-def place_of(text: str, start: int, end: int, heads: Sequence[str], row: Sequence[tuple[str, str]]) -> Place:
-    """The place of the number from `start` to `end` of a text in lower case.
-
-    `heads` are those of the columns up to its own, and `row` has the head and the text of each cell of its row, both
-    empty outside tables.
-    """
+def place_of(text: str, start: int, end: int, row: Sequence[Cell]) -> Place:
+    """The place of the number from `start` to `end` of a text in lower case; `row` is its table's, else empty."""
+    heads = [cell.head for cell in row if cell.start <= start]
     head = heads[-1] if heads else ""
     before, after = sentence_around(text, start, end)
     settings = dict[str, Fraction]()
@@ -94,9 +92,10 @@ def place_of(text: str, start: int, end: int, heads: Sequence[str], row: Sequenc
     for x, pattern in (("h", SETTING["h"]), ("t", _TIME)):
         near = pattern.findall(head) or pattern.findall(before) or pattern.findall(after)[:1]
         given = near or pattern.findall(text[max(0, start - _FARTHEST) : start])
-        cells = [cell for name, cell in nearest if is_head_of(x, name) and _NUMBER.fullmatch(cell)]
+        cells = [cell.text for cell in nearest if is_head_of(x, cell.head) and _NUMBER.fullmatch(cell.text)]
         settings |= {x: Fraction((cells or given)[-1])} if cells or given else {}
-    counts = [int(cell) for name, cell in nearest if is_head_of("n", name) and re.fullmatch("[1-9][0-9]*", cell)]
+    in_steps = [cell.text for cell in nearest if is_head_of("n", cell.head)]
+    counts = [int(number) for number in in_steps if re.fullmatch("[1-9][0-9]*", number)]
     if counts and "t" in settings and "h" not in settings:
         settings["h"] = settings["t"] / counts[-1]
     about = head if row else before
@@ -115,7 +114,7 @@ def place_of(text: str, start: int, end: int, heads: Sequence[str], row: Sequenc
     if any(is_head_of(x, head) for x in _HEADS):
         quantity = "chosen"
     methods = next((named for one in reversed(heads) if (named := methods_named(one))), set[str]())
-    methods = methods or methods_named(" ".join(cell for _, cell in row))
+    methods = methods or methods_named(" ".join(cell.text for cell in row))
     methods = methods or last_methods_named(text[max(0, start - _NEAR) : start], after)
     return Place(frozenset(methods), settings, quantity, name)
 

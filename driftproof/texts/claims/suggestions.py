@@ -8,23 +8,24 @@ from contextlib import suppress
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cache, cached_property
-from itertools import pairwise, product, takewhile
-from math import prod
 from typing import TypeAlias
 
 from flint import arb, ctx
 
 from driftproof.enclosure.numbers import Refused
 from driftproof.enclosure.steps import with_effort
-from driftproof.methods.catalogue import FACTS_ONLY, METHODS, keys_of_name
+from driftproof.methods.catalogue import FACTS_ONLY, METHODS
 from driftproof.methods.schemes import Splitting
 from driftproof.support.progress import stage
 from driftproof.symbolic.algebra.certified import Uncertified, enclose
 from driftproof.texts.claims.contradictions import SETTING, contradicted, methods_named, names_limit
+from driftproof.texts.claims.known_values import COUNT_OF_STEPS, KnownValue, questions_in
 from driftproof.texts.claims.phrases import NumberForm
 from driftproof.texts.claims.places import Place, place_of
+from driftproof.texts.claims.spellings import digits_of, form_of, slips, spelled
 from driftproof.texts.claims.stated_problems import stated_questions
-from driftproof.texts.questions.answer import GIVEN, Answer
+from driftproof.texts.claims.tables import Tables
+from driftproof.texts.questions.answer import Answer
 from driftproof.texts.questions.arithmetic import NUMBER_FUNCTIONS
 from driftproof.texts.questions.evaluate import value
 from driftproof.texts.readers.numbers import TextNumber, numbers_in
@@ -42,15 +43,8 @@ _MOST_METHODS, _MOST_RUN, _MOST_SIZES, _MOST_TIMES, _MOST_COUNTS = 12, 6, 4, 2, 
 _LONGEST_RUN = 10_000
 # Of the steps that may enclose a solution: at most 1000 explicit ones, some seconds.
 _EFFORT = 1 / 20
-# Chosen: a look-alike is strong if at most one in 100 random numbers with as many digits would look as good.
-_ODDS = 100
-# The same for values that the author asked for, which the text is known to contain.
-_ODDS_OF_ASKED = 20
-# At most this many questions may come of one with braces: each may take a run.
-_MOST_ASKED = 2000
 # Bits of precision: enough for the digits of any number of a text.
 _MOST_BITS = 256
-_BRACES = re.compile(r"\{([^{}]*)\}")
 # The question for a value as a percentage.
 _SHARE = "percent({}, 1)"
 # Characters on each side of a number that are searched for the names of a value: about a line.
@@ -60,12 +54,6 @@ _NEIGHBOURHOOD = 100
 Missed: TypeAlias = tuple[str, Answer, list[TextNumber], list[TextNumber]]
 # A question whose answer stands in it, such as run rk4 h=0.1 N=10 : steps: a claim of it could not fail.
 _SAYS_ITSELF = re.compile(r"(?:\bN ?=|[0-9] steps\b).*: ?steps$|\bh ?=.*: ?h$|\bt ?=.*: ?t$")
-# What separates the cells of a row, also on a page of a wiki.
-_CELL = re.compile(r"\|\|?|!!|^!")
-
-# Characters before a number that are searched for the head of its table.
-_FARTHEST = 2000
-_N = re.compile(r"(?:\bN ?= ?|\b(?=[0-9]+ (?:time )?steps\b))([0-9]{1,5})\b")
 
 
 @dataclass(frozen=True)
@@ -79,81 +67,6 @@ class LookAlike:
     question: str
     form: NumberForm
     strong: bool
-
-
-def questions_in(asked: str) -> dict[str, tuple[str, ...]]:
-    """Each question that the braces stand for, equal ones alike -> its choices. Raises ValueError for none or 2001."""
-    choices = dict[str, list[str]]()
-    for brace in _BRACES.findall(asked):
-        ends = re.fullmatch(r"([0-9]{1,6})\.\.([0-9]{1,6})", brace)
-        choices[brace] = [*map(str, range(int(ends[1]), int(ends[2]) + 1))] if ends else brace.split(",")
-    if not 0 < (count := prod(map(len, choices.values()))) <= _MOST_ASKED:
-        raise ValueError(f"{asked[:60]!r} expands to {count} questions; from 1 to {_MOST_ASKED} are allowed")
-    found = {}
-    for chosen in product(*choices.values()):
-        chosen_for = dict(zip(choices, chosen, strict=True))
-        found[_BRACES.sub(lambda brace, chosen_for=chosen_for: chosen_for[brace[1]], asked)] = chosen  # type: ignore[misc]
-    return found
-
-
-@dataclass(frozen=True)
-class _Known:
-    """A value that a number may be, by question or id; `chosen` has the choices from the braces of an asked one.
-
-    A `stated` one was not asked by the author, but is about a problem that the text states.
-    """
-
-    question: str
-    answer: Answer
-    chosen: tuple[str, ...] | None = None
-    stated: bool = False
-
-    @cached_property
-    def methods(self) -> list[set[str]]:
-        """The methods that are chosen, each as the keys that its name may mean."""
-        return [{*keys} for text in self.chosen or () if (keys := keys_of_name(text))]
-
-    @cached_property
-    def numbers(self) -> list[set[Fraction]]:
-        """The chosen numbers, which stand beside the value in a table; for a number N of steps also the time N h."""
-        chosen = [{number.value} for text in self.chosen or () for number in numbers_in(text) if number.text == text]
-        h, n = (Fraction(*found[:1]) for found in (x.findall(self.question) for x in (SETTING["h"], _N)))
-        return [x | {n * h} if x == {n} else x for x in chosen]
-
-    @cached_property
-    def names(self) -> list[str]:
-        """The words that name the value, without single letters and words common to all questions."""
-        words_chosen = [text for text in self.chosen or () if not keys_of_name(text)]
-        text = " ".join(words_chosen) if self.chosen else re.sub(r"\b(?:run|step|from) |[htN]=\S+", "", self.question)
-        words = dict.fromkeys(re.split(r"[^a-z0-9]+", text.lower()))
-        least = "[a-z]{2,}[0-9]*" if self.chosen is not None else ".*[a-z].+|.+[a-z].*"
-        return [word for word in words if re.fullmatch(least, word)]
-
-    @cached_property
-    def keys(self) -> set[str]:
-        return set().union(*self.methods) or methods_named(self.question.lower())
-
-    @property
-    def rank(self) -> int:
-        """2 for what the author asks for, 1 for what is about a stated problem, 0 for other values."""
-        return (self.chosen is not None) + (self.chosen is not None and not self.stated)
-
-    @property
-    def most(self) -> int:
-        """How many names, methods and numbers it has, all of which may stand near a number."""
-        return len(self.names) + len(self.methods) + len(self.numbers)
-
-    def is_meant(self, x: Fraction, digits: int, fit: int, rivals: int) -> bool:
-        """True if x hardly looks so by chance: `fit` names are near, and as near to no more than `rivals` values."""
-        asked = self.chosen is not None
-        likely = rivals * (_ODDS_OF_ASKED if asked and not self.stated else _ODDS) <= 9 * 10 ** (digits - 1)
-        only_method = {*self.names} <= {*"_".join(self.keys).split("_")}
-        says_what = asked or digits > 1 or not only_method
-        named = says_what and fit == self.most and fit > (digits < 2 or not asked)
-        # Digits of roots of small numbers are not random, so an irrational value needs a name nearby.
-        near = asked or fit > 0 or isinstance(self.answer.exact, Fraction)
-        # A constant that the lesson chose may be chosen by another text, too, without being meant.
-        return (likely or (self.answer.exact == x and named)) and near and self.answer.evidence != GIVEN
 
 
 class Suggestions:
@@ -175,11 +88,11 @@ class Suggestions:
             "the question itself says the value": said,
             "the solution is not enclosed in the few steps of a draft; --ask takes more": self._refused,
         }
-        self._spelled: dict[NumberForm, dict[str, list[_Known]]] = {}
-        self._meant: dict[int, list[_Known]] = {}
+        self._spelled: dict[NumberForm, dict[str, list[KnownValue]]] = {}
+        self._meant: dict[int, list[KnownValue]] = {}
         self._places: dict[int, Place] = {}
-        self._rows: dict[int, list[tuple[str, str, int, int]]] = {}
-        self.stated = stated_questions(text, self.column_of)
+        self.tables = Tables(text)
+        self.stated = stated_questions(text, self.tables.column_of)
 
     def look_alikes(self, number: TextNumber) -> list[LookAlike]:
         """Every value written like the number, best first: asked, not contradicted, more of its names nearby, equal."""
@@ -193,8 +106,8 @@ class Suggestions:
         possible = [
             k for k in self._known if (k.answer.unit == "%") == percent or (k.question in self.asked and not percent)
         ]
-        meant, head = self._meant_at(number), self.column_of(number)
-        alike = {each.question for each in self._written(form).get(_spelled(number), ())}
+        meant, head = self._meant_at(number), self.tables.column_of(number)
+        alike = {each.question for each in self._written(form).get(spelled(number), ())}
         for known in (each for each in possible if each.question in alike):
             fit, asked = fits[known.question], known.chosen is not None
             rivals = sum(fits[other.question] >= fit for other in possible if other.rank >= known.rank)
@@ -240,7 +153,7 @@ class Suggestions:
         if not any(one.strong or one.question in (meant | self.asked.keys()) for one in alike):
             first = {known.question: spelling for spelling, ones in written.items() for known in ones}
             sizes = len({first[question] for question in meant & first.keys()})
-            other_sign, *others = _slips(_spelled(number))
+            other_sign, *others = slips(spelled(number))
             for slip in (other_sign, *others):
                 for known in written.get(slip, ()):
                     one_more = known.question.endswith("evaluations") and number.value - Fraction(slip) == 1
@@ -253,11 +166,11 @@ class Suggestions:
                     )
                     found |= {known.question: slip} if sure and known.chosen is not None else {}
                     if known.question.startswith(_LIMITS) and slip in others and digits > 4:
-                        place = self._lower, number.start, number.end, self.column_of(number)
+                        place = self._lower, number.start, number.end, self.tables.column_of(number)
                         found |= {known.question: slip} if names_limit(known.question, *place) else {}
         return found
 
-    def _is_near(self, known: _Known, number: TextNumber, digits: int) -> bool:
+    def _is_near(self, known: KnownValue, number: TextNumber, digits: int) -> bool:
         """True if all the numbers of an asked value stand on the line or, if there are none, its names nearby."""
         if known.numbers:
             return not any(map(self._on_line_of(number).isdisjoint, known.numbers))
@@ -265,7 +178,8 @@ class Suggestions:
 
     def _fits(self, number: TextNumber) -> dict[str, int]:
         """For each value, how many of its names stand near the number plus how many of its numbers on the same line."""
-        near = self._lower[max(0, number.start - _NEIGHBOURHOOD) : number.end + _NEIGHBOURHOOD] + self.column_of(number)
+        near = self._lower[max(0, number.start - _NEIGHBOURHOOD) : number.end + _NEIGHBOURHOOD]
+        near += self.tables.column_of(number)
         stand = {name for name in self._all_names if re.search(rf"(?<![a-z]){name}", near)}
         spoken, line = methods_named(near), self._on_line_of(number) if self.asked or self.stated else set()
         return {
@@ -275,39 +189,13 @@ class Suggestions:
             for known in self._known
         }
 
-    def column_of(self, number: TextNumber) -> str:
-        """The head of the number's column in a table, in lower case; "" for other numbers."""
-        return next((head for head, _, start, end in self._row_of(number) if start <= number.start < end), "")
-
-    def _row_of(self, number: TextNumber) -> list[tuple[str, str, int, int]]:
-        """The head, the text and the span of each cell of the number's row in a table; [] outside tables."""
-        start = self._lower.rfind("\n", 0, number.start) + 1
-        row = self._lower[start : (self._lower.find("\n", number.end) + 1 or len(self._lower) + 1) - 1]
-        if start not in self._rows:
-            self._rows[start] = [*self._cells(row, start)] if _CELL.search(row) else []
-        return self._rows[start]
-
-    def _cells(self, row: str, start: int) -> Iterator[tuple[str, str, int, int]]:
-        heads, below = dict[int, str](), list[str]()
-        above = self._lower[max(0, start - _FARTHEST) : max(0, start - 1)].split("\n")
-        for cells in takewhile(lambda cells: len(cells) > 1, map(_CELL.split, reversed(above))):
-            if cells[0] != "{" and not cells[1].startswith(("+", "-")):
-                named = [cell.strip(" '") for cell in cells]
-                heads |= {i: cell or "".join(below[i : i + 1]) for i, cell in enumerate(named)}
-                below = [] if any(cell[:1].isdigit() for cell in named) else named  # a second row of heads
-        ends = [*(match.end() for match in _CELL.finditer(row)), len(row)]
-        for column, (begin, end) in enumerate(pairwise([0, *ends])):
-            cell = _CELL.sub("", row[begin:end])
-            yield heads.get(column, ""), cell.strip(), start + begin, start + end
-
     def _place_of(self, number: TextNumber) -> Place:
         if number.start not in self._places:
-            row = self._row_of(number)
-            heads, cells = [head for head, _, begin, _ in row if begin <= number.start], [cell[:2] for cell in row]
-            self._places[number.start] = place_of(self._lower, number.start, number.end, heads, cells)
+            row = self.tables.row_of(number)
+            self._places[number.start] = place_of(self._lower, number.start, number.end, row)
         return self._places[number.start]
 
-    def _meant_at(self, number: TextNumber) -> list[_Known]:
+    def _meant_at(self, number: TextNumber) -> list[KnownValue]:
         """The values that the place of the number names."""
         if number.start not in self._meant:
             place = self._place_of(number)
@@ -321,7 +209,7 @@ class Suggestions:
     def _on_line_of(self, number: TextNumber) -> set[Fraction]:
         """The other numbers of the line, and in a table the step size and time that heads and counts of steps give."""
         line = {x for start, x in self._lines[self.text.count("\n", 0, number.start)] if start != number.start}
-        return line | ({*self._place_of(number).settings.values()} if self._row_of(number) else set())
+        return line | ({*self._place_of(number).settings.values()} if self.tables.row_of(number) else set())
 
     @cached_property
     def _lines(self) -> list[list[tuple[int, Fraction]]]:
@@ -335,7 +223,7 @@ class Suggestions:
             at += len(line)
         return lines
 
-    def _written(self, form: NumberForm) -> dict[str, list[_Known]]:
+    def _written(self, form: NumberForm) -> dict[str, list[KnownValue]]:
         """Spelling -> the values spelled so in this form; a value without this form, such as a tie, is left out."""
         if form not in self._spelled:
             table = self._spelled[form] = {}
@@ -348,26 +236,27 @@ class Suggestions:
         return self._spelled[form]
 
     @cached_property
-    def _known(self) -> list[_Known]:
+    def _known(self) -> list[KnownValue]:
         """The published values, the usual ones for the methods, step sizes and times of the text, and the asked ones.
 
         Raises QuestionError if a question of the author has no answer.
         """
         questions = published_values() | dict.fromkeys(self._questions())
-        found = [_Known(each, answer) for each in questions if (answer := _usual(each))]
-        asked = [_Known(question, self._limited(question), chosen) for question, chosen in self.asked.items()]
+        found = [KnownValue(each, answer) for each in questions if (answer := _usual(each))]
+        asked = [KnownValue(question, self._limited(question), chosen) for question, chosen in self.asked.items()]
         stated = {q: chosen for one in self.stated for q, chosen in questions_in(one).items() if q not in self.asked}
         for question, chosen in stated.items():
             with suppress(ValueError):  # a method that is not for the problem, or a solution that ends
-                asked.append(_Known(question, self._limited(question, _EFFORT), chosen, stated=True))
+                asked.append(KnownValue(question, self._limited(question, _EFFORT), chosen, stated=True))
         percent, one = NUMBER_FUNCTIONS["percent"][0], Answer("", Fraction(1))
         shares = [each for each in asked if each.answer.is_number and not each.answer.unit]
         shares = [replace(k, question=_SHARE.format(k.question), answer=percent(k.answer, one)) for k in shares]
         return [*found, *asked, *shares]
 
     def _questions(self) -> Iterator[str]:
-        spelled = ([x for x in p.findall(self.text) if len(x) < 20] for p in (SETTING["h"], SETTING["t"], _N))
-        own, given, counts = ([str(x) for x in dict.fromkeys(map(Fraction, found)) if x] for found in spelled)
+        patterns = SETTING["h"], SETTING["t"], COUNT_OF_STEPS
+        found = ([x for x in pattern.findall(self.text) if len(x) < 20] for pattern in patterns)
+        own, given, counts = ([str(x) for x in dict.fromkeys(map(Fraction, one)) if x] for one in found)
         sizes = [*dict.fromkeys((*own, *_USUAL_STEPS))][:_MOST_SIZES]
         times = [*dict.fromkeys((*given, "10"))][:_MOST_TIMES]
         spoken = methods_named(self._lower)
@@ -414,39 +303,3 @@ def _usual(question: str) -> Answer | None:
     with suppress(ValueError):
         return value(question)
     return None
-
-
-def form_of(number: TextNumber) -> NumberForm:
-    """The form in which the text writes the number."""
-    if "/" in number.text:
-        return NumberForm(exact=True)
-    if number.places is None:
-        return NumberForm(digits=len(digits_of(number.text)))
-    return NumberForm(places=number.places or None)
-
-
-def _spelled(number: TextNumber) -> str:
-    """The number as values are spelled: 3.3e-4 for 3.3×10^{-4}, 0.5 for .5, without a plus and without groups."""
-    spelled = re.sub(r" ?[×·] ?10\^\{?(-?[0-9]+)\}?", r"e\1", number.text.replace(",", "").lstrip("+"))
-    return re.sub(r"^(-?)\.", r"\g<1>0.", re.sub(r"[eE](-?)\+?0*(?=[0-9])", r"e\1", spelled))
-
-
-def _slips(spelled: str) -> Iterator[str]:
-    """What was meant if the sign is wrong, first, or if one digit is wrong, or two neighbours are exchanged."""
-    yield spelled[1:] if spelled.startswith("-") else f"-{spelled}"
-    digits = [i for i, sign in enumerate(spelled) if sign.isdigit()]
-    for i, j in pairwise(digits):
-        yield spelled[:i] + spelled[j] + spelled[i + 1 : j] + spelled[i] + spelled[j + 1 :]
-    for i in digits:
-        yield from (spelled[:i] + new + spelled[i + 1 :] for new in "0123456789")
-
-
-def digits_of(text: str, telling: bool = False) -> str:
-    """The significant digits of a number; with `telling`, without the zeros of a final .0 or final 00 after the point.
-
-    A round value such as 4.000 is likelier than one in 9000. A number that a text chooses, such as 1000, may have any
-    zeros at its end, so a draft asks for its digits without them.
-    """
-    mantissa = re.split(r"[eE]| ?[×·]", text)[0]
-    mantissa = re.sub(r"(?<=\.)0$|00+$", "", mantissa) if telling and "." in mantissa else mantissa
-    return re.sub(r"[^0-9]", "", mantissa).lstrip("0")

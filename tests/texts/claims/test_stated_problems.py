@@ -4,8 +4,9 @@ import re
 
 import pytest
 
+from driftproof.texts.claims.known_values import questions_in
 from driftproof.texts.claims.stated_problems import stated_questions
-from driftproof.texts.claims.suggestions import Suggestions, questions_in
+from driftproof.texts.claims.suggestions import Suggestions
 from driftproof.texts.readers.document import document_of
 from driftproof.texts.readers.numbers import numbers_in
 from tests.looping import some
@@ -194,9 +195,9 @@ def test_a_head_of_two_rows_has_the_methods_above_and_what_is_read_below():
     for text, question in {"0.370740": "heun2 y'=-y, y(0)=1, h=0.2, t=1 : y", "0.0402": "forward_euler"}.items():
         number = next(x for x in numbers_in(TWO_ROWS) if x.text == text)
         assert suggestions.look_alikes(number)[0].question.startswith(f"run {question}")
-        assert suggestions.column_of(number) == ("heun" if question.endswith("y") else "error")
+        assert suggestions.tables.column_of(number) == ("heun" if question.endswith("y") else "error")
     corner = Suggestions(TWO_ROWS.replace("| h |", "| 5 |"))  # twin: no second row of heads, so no head but the first
-    assert {corner.column_of(x) for x in numbers_in(TWO_ROWS) if x.text in ("0.1", "0.2")} == {""}
+    assert {corner.tables.column_of(x) for x in numbers_in(TWO_ROWS) if x.text in ("0.1", "0.2")} == {""}
 
 
 BY_COUNTS = """Error at t = 2 for y' = -2*t*y, y(0) = 1:

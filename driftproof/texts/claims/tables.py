@@ -1,0 +1,58 @@
+"""The tables of a text: the row that a number stands in, and the heads of its columns."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from itertools import pairwise, takewhile
+from typing import NamedTuple
+
+from driftproof.texts.readers.numbers import TextNumber
+
+# What separates the cells of a row, also on a page of a wiki.
+_CELL = re.compile(r"\|\|?|!!|^!")
+
+# Characters before a number that are searched for the head of its table.
+_FARTHEST = 2000
+
+
+class Cell(NamedTuple):
+    """A cell of a table: the head of its column and its own text, in lower case, and where it stands."""
+
+    head: str
+    text: str
+    start: int
+    end: int
+
+
+class Tables:
+    """The tables of a text in canonical spelling."""
+
+    def __init__(self, text: str) -> None:
+        self._text = text.lower()
+        self._rows: dict[int, list[Cell]] = {}
+
+    def column_of(self, number: TextNumber) -> str:
+        """The head of the number's column in a table, in lower case; "" for other numbers."""
+        return next((cell.head for cell in self.row_of(number) if cell.start <= number.start < cell.end), "")
+
+    def row_of(self, number: TextNumber) -> list[Cell]:
+        """The cells of the number's row in a table; [] outside tables."""
+        start = self._text.rfind("\n", 0, number.start) + 1
+        row = self._text[start : (self._text.find("\n", number.end) + 1 or len(self._text) + 1) - 1]
+        if start not in self._rows:
+            self._rows[start] = [*self._cells(row, start)] if _CELL.search(row) else []
+        return self._rows[start]
+
+    def _cells(self, row: str, start: int) -> Iterator[Cell]:
+        heads, below = dict[int, str](), list[str]()
+        above = self._text[max(0, start - _FARTHEST) : max(0, start - 1)].split("\n")
+        for cells in takewhile(lambda cells: len(cells) > 1, map(_CELL.split, reversed(above))):
+            if cells[0] != "{" and not cells[1].startswith(("+", "-")):
+                named = [cell.strip(" '") for cell in cells]
+                heads |= {i: cell or "".join(below[i : i + 1]) for i, cell in enumerate(named)}
+                below = [] if any(cell[:1].isdigit() for cell in named) else named  # a second row of heads
+        ends = [*(match.end() for match in _CELL.finditer(row)), len(row)]
+        for column, (begin, end) in enumerate(pairwise([0, *ends])):
+            cell = _CELL.sub("", row[begin:end])
+            yield Cell(heads.get(column, ""), cell.strip(), start + begin, start + end)

@@ -1,0 +1,40 @@
+"""A number of a table stands under the heads of its column, in every way in which tables are written."""
+
+import pytest
+
+from driftproof.texts.claims.tables import Tables
+from driftproof.texts.readers.numbers import numbers_in
+
+
+def heads(text):
+    tables = Tables(text)
+    return {number.text: tables.column_of(number) for number in numbers_in(text) if number.label is None}
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "| t | Heun |\n| 0.5 | 1.125 |",
+        "|t|Heun|\n|0.5|1.125|",
+        "{| class=a\n|+ of t\n! ''t'' !! Heun\n|-\n| 0.5 || 1.125",
+        "| | Heun |\n| t | |\n| 0.5 | 1.125 |",
+    ],
+)
+def test_the_head_of_a_column_is_above_it(text):
+    assert heads(text) == {"0.5": "t", "1.125": "heun"}
+
+
+def test_no_number_outside_a_table_has_a_head_nor_one_below_the_end_of_a_table():
+    assert heads("Heun\n0.5") == {"0.5": ""}
+    assert heads("| Heun |\nIt is\n| 0.5 |") == {"0.5": ""}
+
+
+def test_cells_of_a_row_have_their_places_in_the_text():
+    text = "| t | Heun |\n| 0.5 | 1.125 |"
+    tables, (number, _) = Tables(text), numbers_in(text)
+    cells = [cell for cell in tables.row_of(number) if cell.head]
+    assert [(cell.head, cell.text, text[cell.start : cell.end].strip(" |")) for cell in cells] == [
+        ("t", "0.5", "0.5"),
+        ("heun", "1.125", "1.125"),
+    ]
+    assert tables.row_of(number) is tables.row_of(number), "found once"
