@@ -16,6 +16,7 @@ from driftproof.symbolic.trees.rooted_trees import TooManyTrees, to_brackets
 
 # The keys that the output format promises for every method.
 SCHEMA = (
+    "title source decimal field inconsistencies claimed_order "
     "method family stages explicit order stability_function one_step_matrix determinant energy_multiplier invariant "
     "imaginary_limit real_limit a_stable l_stable symplectic error_constant dispersion dissipation"
 )

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from fractions import Fraction
-from math import exp
+from math import exp, log
 
 import pytest
 
 from driftproof.blackbox.probes.scripted_answers import NotReadable
-from driftproof.blackbox.solvers.controller import _fitted, _Point, bumps, read_controller
+from driftproof.blackbox.solvers.controller import _fitted, _law, _Point, bumps, read_controller
 from driftproof.blackbox.solvers.foreign_solver import ForeignSolver, taken_by
 from driftproof.blackbox.solvers.steps import read_steps
 from driftproof.blackbox.stepper.array_adapters import ARRAYS
@@ -84,6 +84,16 @@ def test_exponents_are_fractions_of_denominators_in_use_unless_the_step_sizes_te
     found = _fitted(points, 3)
     assert (found is None) is (fitted is None)
     assert found is None or (found[1], found[2]) == fitted
+
+
+@pytest.mark.parametrize(("least", "most", "limits"), [(0.2, 12.8, (None, None)), (0.3, 4.0, (0.3, 4.0))])
+def test_an_extreme_factor_is_a_limit_if_several_steps_have_it(least, most, limits):
+    """A law 0.8 r^(-1/5) gives 0.2 and 12.8 once each; limits of 0.3 and 4 clip these and others."""
+    errors = [5 * log(0.8 / x) for x in (0.2, 12.8, *(0.22 + n / 4 for n in range(40)))]
+    factors = [min(max(0.8 * exp(-error / 5), least), most) for error in errors]
+    points = [_Point(r, 0.0, 0.0, 0.0, x, r <= 0, 0, False) for r, x in zip(errors, factors, strict=True)]
+    law = _law("bogacki_shampine32", points)
+    assert (law.smallest, law.largest, law.exponent) == (*limits, Fraction(1, 5))
 
 
 RULES = {
