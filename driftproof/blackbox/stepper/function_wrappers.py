@@ -86,7 +86,7 @@ def stated_first(line: str) -> str:
 def _function_wrapper(step: Callable[..., Any]) -> str:
     if (names := names_with_step(step)) is None:
         return ""
-    if _named(names, _SPANS) and not any(role_of(each, (STEP,)) for each in names):
+    if _named(names, _SPANS) and not _named(names, COUNTS) and not any(role_of(each, (STEP,)) for each in names):
         return f"identify_solver({name_of(step)}), for a whole solver"
     by_position = next((each for each in names if has_gradient([each])), _named(names, _BY_POSITION))
     by_momentum = _named(names, _BY_MOMENTUM)
@@ -176,9 +176,12 @@ def run_wrapper(step: Callable[..., Any], names: Sequence[str]) -> str:
     if len(given) < len(names):
         return ""
     head = HEADS[kind] if timed or kind != FIELD else "f, y, h"
-    for shaped in (float, lambda x: np.array([x])):
+    whole = {"1": "n", "t + h": "t + n * h", "[t, t + h]": "[t, t + n * h]"}
+    counts = (1, _RUN) if kind == FIELD and "1" in given.values() else (1,)  # some cannot end before their start does
+    for many, count in product((False, True), counts):
         with suppress(Exception):
-            values = {key: shaped(x) if key in ("q", "v") else x for key, x in TRIAL_ARGUMENTS.items()}
+            values = {key: np.array([x]) if many and key in ("q", "v") else x for key, x in TRIAL_ARGUMENTS.items()}
+            values["1"] = count
             found = step(*[copy(values[given[each]]) for each in names])
             states = ("q", "v") if {"q", "v"} <= {*given.values()} else ("y",) if kind == FIELD else ("[q, v]",)
             places = [_end_of(found, values[each]) for each in states]
@@ -188,8 +191,7 @@ def run_wrapper(step: Callable[..., Any], names: Sequence[str]) -> str:
             first, *last = ("".join(f"[{i}]" for i in place) for place in places)
             if last:
                 return f"def wrapped({head}): run = {run}; return run{first}, run{last[0]}"
-            if "1" in given.values() and kind == FIELD and _remembers(step, names, given, places[0]):
-                whole = {"1": "n", "t + h": "t + n * h", "[t, t + h]": "[t, t + n * h]"}
+            if counts[1:] and (count > 1 or _remembers(step, names, given, places[0])):
                 run = _called(step, names, {each: whole.get(text, text) for each, text in given.items()})
                 return f"def wrapped({head}, n): return {run}{first.removesuffix('[-1]')}"
             return f"def wrapped({head}): return {run}{first}"

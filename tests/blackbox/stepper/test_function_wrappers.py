@@ -120,6 +120,24 @@ def bashforth_of_ends(f, a, b, ya, n):
         y[i + 1] = y[i] + (h / 2 * (3 * ahead - slopes[-2]) if i else h * ahead)
     return t, y
 
+def after_two_steps(f, t0, tf, y0, N):
+    h, t, y = (tf - t0) / N, np.linspace(t0, tf, N + 1), np.zeros((N + 1, np.size(y0)))
+    y[0] = y0
+    for i in range(2):
+        y[i + 1] = y[i] + h * f(t[i] + h / 2, y[i] + h / 2 * f(t[i], y[i]))
+    for i in range(2, N):
+        a, b, c = (f(t[j], y[j]) for j in (i, i - 1, i - 2))
+        y[i + 1] = y[i] + h / 12 * (23 * a - 16 * b + 5 * c)
+    return t, y
+
+def of_span(f, tspan, y0, n):
+    t, dt = np.linspace(tspan[0], tspan[1], n + 1, retstep=True)
+    y = np.zeros((n + 1, np.size(y0)))
+    y[0] = y0
+    for i in range(n):
+        y[i + 1] = y[i] + dt * f(t[i], y[i])
+    return t, y
+
 def heun_of_ends(f, a, b, alpha, N):
     h, w = (b - a) / N, alpha
     for i in range(N):
@@ -171,6 +189,8 @@ PASTED = {
     "coupled": (FORCED, "return coupled(lambda *x: x[2], lambda *x: force(x[1]), 0.0, q, v, h)", FORWARD),
     "pendulum": ("q, v, h", "run = pendulum(q, v, h, 1); return run[0][-1], run[1][-1]", "symplectic_euler"),
     "bashforth_of_ends": ("f, t, y, h, n", "return bashforth_of_ends(f, t, t + n * h, y, n)[1]", "adams_bashforth2"),
+    "after_two_steps": ("f, t, y, h, n", "return after_two_steps(f, t, t + n * h, y, n)[1]", "adams_bashforth3"),
+    "of_span": ("f, t, y, h", "return of_span(f, [t, t + h], y, 1)[1][-1]", FORWARD),
     "heun_of_ends": ("f, t, y, h", "return heun_of_ends(f, t, t + h, y, 1)", "heun2"),
     "of_module": (
         "f, t, y, h",
@@ -197,7 +217,7 @@ def test_a_run_or_a_step_with_other_arguments_is_refused_with_a_wrapper_that_wor
     assert str(caught.value).endswith(f"write: def wrapped({head}): {body}")
     exec(f"def wrapped({head}): {body}", names)
     subject = opened(names["wrapped"])
-    by_runs = key in ("stormer2", "adams_bashforth2")
+    by_runs = key in ("stormer2", "adams_bashforth2", "adams_bashforth3")
     assert key == read_family(subject).key if by_runs else key in keys_of(names["wrapped"])
 
 
