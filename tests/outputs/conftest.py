@@ -1,5 +1,6 @@
 """What tests of this folder are given: the wheel, built once, and an environment that it is installed in."""
 
+import os
 import subprocess
 import sys
 import sysconfig
@@ -14,7 +15,8 @@ ROOT = Path(__file__).parents[2]
 def wheel(tmp_path_factory):
     folder = tmp_path_factory.mktemp("wheel")
     command = [sys.executable, "-m", "build", "--wheel", "--no-isolation", "--outdir", str(folder), str(ROOT)]
-    subprocess.run(command, check=True, capture_output=True, timeout=120)
+    workflow = os.environ | {"GITHUB_REPOSITORY": "people/driftproof", "GITHUB_SERVER_URL": "https://example.org"}
+    subprocess.run(command, check=True, capture_output=True, timeout=120, env=workflow)
     (built,) = folder.glob("*.whl")
     return built
 

@@ -6,6 +6,8 @@ from pathlib import Path
 
 import pytest
 
+from hatch_build import Addresses
+
 SPRINGS = """\
 def step(q, v, h):
     return q + h * v, v - h * q
@@ -77,6 +79,20 @@ def test_wheel_holds_one_name(wheel):
         tops = {name.split("/")[0] for name in archive.namelist()}
     assert {name for name in tops if not name.endswith(".dist-info")} == {"driftproof"}
     assert len(tops) == 2
+
+
+def test_wheel_names_the_repository_whose_workflow_builds_it_and_no_other(wheel, monkeypatch):
+    with zipfile.ZipFile(wheel) as archive:
+        (metadata,) = [name for name in archive.namelist() if name.endswith(".dist-info/METADATA")]
+        said = archive.read(metadata).decode()
+    addresses = dict(line.removeprefix("Project-URL: ").split(", ") for line in said.splitlines() if "URL: " in line)
+    home = "https://example.org/people/driftproof"
+    assert (addresses["Source"], addresses["Issues"]) == (home, f"{home}/issues")
+    assert {*addresses} == {"Source", "Documentation", "Changelog", "Issues"}
+    monkeypatch.delenv("GITHUB_REPOSITORY", raising=False)
+    elsewhere = dict[str, object]()
+    Addresses("", {}).update(elsewhere)
+    assert elsewhere == {}
 
 
 def test_environment_is_that_of_the_wheel(installed, tmp_path):
