@@ -59,7 +59,7 @@ def defined(code: str) -> Callable[..., Any]:
     return found
 
 
-STYLES = exactly(46, styles())
+STYLES = exactly(49, styles())
 
 
 def keys_of(step: Callable[..., Any]) -> tuple[str, ...]:
