@@ -178,12 +178,13 @@ def _unexplained(start: LinearFit, reading: linear.LinearReading, *, known: bool
     if entries is None:
         return replace(start, nearest=_nearest(tried_steps(reading), (float(position), float(stiffness))))
     rates = (Fraction(1), Fraction(1)) if known else (position, stiffness)
-    start = replace(start, nearest=_least_different(h, m, entries, *rates))
+    nearest = _least_different(h, m, entries, *rates)
     if not all(entry.exact for entry in entries):
-        return start
+        return replace(start, nearest=nearest)
     qq, qv, vq, vv = (entry.function for entry in entries)
     damping = damping_of(vv)
-    return replace(start, damping=damping, facts=matrix_facts(((qq, qv), (vq, vv)), rates[1], damping))
+    near = nearest if not damping or len(nearest.differences) == 1 else None  # no method has a drag
+    return replace(start, nearest=near, damping=damping, facts=matrix_facts(((qq, qv), (vq, vv)), rates[1], damping))
 
 
 def _nearest(steps: Sequence[tuple[float, linear.MatrixEntries]], rates: tuple[float, float]) -> Nearest | None:
