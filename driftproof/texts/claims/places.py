@@ -49,7 +49,7 @@ class Place:
         for x, given in _asked_settings(question).items():
             if given and self.settings.get(x) not in (given if quantity == "ratio" else given[:1]):
                 return False
-        if (methods and not methods & self.methods) or (self.unknown and unknown not in ("", self.unknown)):
+        if (methods and not methods & self.methods) or (self.unknown and unknown.lower() not in ("", self.unknown)):
             return False
         return quantity == self.quantity if self.quantity else quantity in ("state", "error", "exact")
 

@@ -32,7 +32,7 @@ def slips(spelled: str) -> Iterator[str]:
     for i, j in pairwise(digits):
         yield spelled[:i] + spelled[j] + spelled[i + 1 : j] + spelled[i] + spelled[j + 1 :]
     for i in digits:
-        yield from (spelled[:i] + new + spelled[i + 1 :] for new in "0123456789")
+        yield from (spelled[:i] + new + spelled[i + 1 :] for new in "0123456789" if new != spelled[i])
 
 
 def digits_of(text: str, telling: bool = False) -> str:

@@ -50,6 +50,9 @@ _SHARE = "percent({}, 1)"
 # Characters on each side of a number that are searched for the names of a value: about a line.
 _NEIGHBOURHOOD = 100
 
+# Chosen: a number nearer than this to the value that its place names, relative to it, hardly means another one.
+_NEAR = Fraction(1, 100)
+
 # An asked question, its answer, and the numbers that may be slips for it, or equal to it in few digits.
 Missed: TypeAlias = tuple[str, Answer, list[TextNumber], list[TextNumber]]
 # A question whose answer stands in it, such as run rk4 h=0.1 N=10 : steps: a claim of it could not fail.
@@ -107,13 +110,15 @@ class Suggestions:
             k for k in self._known if (k.answer.unit == "%") == percent or (k.question in self.asked and not percent)
         ]
         meant, head = self._meant_at(number), self.tables.column_of(number)
+        placed = any(known.stated for known in meant)
         alike = {each.question for each in self._written(form).get(spelled(number), ())}
         for known in (each for each in possible if each.question in alike):
             fit, asked = fits[known.question], known.chosen is not None
             rivals = sum(fits[other.question] >= fit for other in possible if other.rank >= known.rank)
             denied = contradicted(known.question, self._lower, number.start, number.end, asked)
             rivals = min(rivals, len(meant)) if asked and known in meant else rivals
-            strong = not denied and known.is_meant(x, digits, fit, rivals)
+            elsewhere = placed and known.stated and known not in meant
+            strong = not denied and not elsewhere and known.is_meant(x, digits, fit, rivals)
             unpublished = known.question not in ids
             first = -known.rank * (strong or known.rank == 2)
             headed = any(name in head for name in known.names)  # order under "order", not the number of stages
@@ -146,6 +151,7 @@ class Suggestions:
 
         An asked value needs five digits, or four and all its names nearby, or its numbers on the line. A stability
         limit needs five and its names in the sentence: one number in 1800 is by chance a slip for a given value.
+        Of three digits, a number near the one value that its place names is a slip, whatever its digits are.
         """
         found, written = dict[str, str](), self._written(form_of(number))
         alike, digits = self.look_alikes(number), len(digits_of(number.text, telling=True))
@@ -168,6 +174,12 @@ class Suggestions:
                     if known.question.startswith(_LIMITS) and slip in others and digits > 4:
                         place = self._lower, number.start, number.end, self.tables.column_of(number)
                         found |= {known.question: slip} if names_limit(known.question, *place) else {}
+            stated = [known.question for known in self._meant_at(number) if known.stated]
+            named = [x for x in stated if x in first and not x.endswith("evaluations")]
+            if not found and digits > 2 and len(named) == 1:
+                spelling = first[named[0]]
+                off = abs(number.value - Fraction(spelling))
+                found |= {named[0]: spelling} if 0 < off <= _NEAR * abs(Fraction(spelling)) else {}
         return found
 
     def _is_near(self, known: KnownValue, number: TextNumber, digits: int) -> bool:

@@ -34,5 +34,5 @@ def test_slips_are_another_sign_first_then_neighbours_exchanged_and_each_other_d
     first, *others = slips("1.2")
     assert first == "-1.2"
     assert others[0] == "2.1"
-    assert {*others} == {"2.1", *(f"{n}.2" for n in range(10)), *(f"1.{n}" for n in range(10))}
+    assert {*others} == {"2.1", *(f"{n}.2" for n in range(10)), *(f"1.{n}" for n in range(10))} - {"1.2"}
     assert next(slips("-1.2")) == "1.2"

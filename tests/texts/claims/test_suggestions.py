@@ -202,11 +202,33 @@ def test_the_head_of_a_column_says_which_fact_a_digit_is_and_an_interval_may_be_
         ("x'' = -x, x(0) = 1, x'(0) = 0. Position Verlet, h = 0.0005, t = 1: 2002 evaluations", "2000"),
         ("Euler, h = 0.1: the error 0.135353", "0.135335"),  # the solution
         ("Euler, h = 0.1: the error 0.13543", None),
+        ("Euler, h = 0.1: Y(1) = 0.1064", "0.1074"),  # no slip of a digit or two, and within 1 in 100 of it
+        ("Euler, h = 0.1: y(1) = 0.1064", "0.1074"),
+        ("Euler, h = 0.1: y(1) = 0.1063", None),
+        ("Euler, h = 0.1: y(1) = 0.1353", None),  # the solution
     ],
 )
 def test_a_slip_for_what_a_problem_asks_has_few_digits_where_its_place_names_few_values(said, value):
-    text = f"y' = -2y, y(0) = 1, to t = 1. {said}"
+    letter = "Y" if "Y" in said else "y"
+    text = f"{letter}' = -2{letter}, {letter}(0) = 1, to t = 1. {said}"
     assert [*Suggestions(text).slips(numbers_in(text)[-1]).values()] == [value][: value is not None]
+
+
+def test_a_value_of_another_step_size_or_the_solution_is_weak_where_the_place_names_a_value():
+    """With RK4, h = 1, y is 0.3750; the solution is 0.3679, and 0.3681 is y with h = 1/2."""
+    text = "y' = -y, y(0) = 1, to t = 1, h = 0.5 or 1. With h = 1, RK4 gives y(1) = {}, the exact value is 0.3679."
+    for number, strong, slips in (
+        ("0.3750", True, []),
+        ("0.3681", False, []),
+        ("0.3679", False, []),
+        ("0.3740", False, ["0.3750"]),
+    ):
+        suggestions = Suggestions(text.format(number))
+        first = next(x for x in numbers_in(suggestions.text) if x.text == number)
+        assert any(one.strong for one in suggestions.look_alikes(first)) is strong, number
+        assert [*suggestions.slips(first).values()] == slips
+    last = numbers_in(suggestions.text)[-1]
+    assert suggestions.look_alikes(last)[0].question.startswith("exact")
 
 
 def test_a_row_at_time_t_is_of_the_run_of_as_many_steps_and_its_column_has_a_name():
