@@ -46,7 +46,7 @@ _PEOPLE = {"Butcher", "Verner", "Gauss", "Ralston", "Suzuki", "Yoshida"}
 _LONGEST = 400
 # A number above 0, and a step size or time that a text gives: whole, so not the 10 of t = 10^6 or the 2 of t = 2*pi.
 POSITIVE = r"(?=[0.]*[1-9])([0-9]+(?:\.[0-9]+|/[1-9][0-9]*)?)(?!\^|[\w./*]*\w)"
-SETTING = {x: re.compile(rf"(?<![\w.]){x}\s?=\s?{POSITIVE}") for x in "ht"}
+SETTING = {x: re.compile(rf"(?<![\w.]){said}\s?=\s?{POSITIVE}") for x, said in (("h", "(?:h|[dδΔ]t)"), ("t", "t"))}
 
 
 def contradicted(question: str, text: str, start: int, end: int, asked: bool) -> bool:

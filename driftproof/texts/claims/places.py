@@ -3,20 +3,21 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache
 
 from driftproof.texts.claims.contradictions import POSITIVE, SETTING, last_methods_named, methods_named, sentence_around
 from driftproof.texts.claims.tables import Cell
+from driftproof.texts.readers.number_words import counts_of_steps
 
 # Quantity -> the words that name it; the last of these words before a number, or in its column's head, counts.
 _WORDS = {
     "energy": r"(?:energy|hamiltonian)(?: (?:errors?|drift|change))?",
     "ratio": r"factor|ratio|times as|divides",
     "relative_error": r"relative(?: errors?)?",
-    "error": r"errors?|off(?= by)|wrong|deviat\w+|differ\w+",
+    "error": r"errors?|e_n|off(?= by)|wrong|deviat\w+|differ\w+",
     "exact": r"exact|true|solution|analytical",
     "evaluations": r"evaluations|calls",
 }
@@ -28,6 +29,8 @@ _AFTER = re.compile(
 _UNKNOWN = re.compile(r"(?<!\w)(?P<name>[^\W\d_][a-z]*)(?:\([0-9][0-9./]*\)|_?(?P<n>[0-9]))? ?[=≈] ?\Z")
 # A time is also given by the value of an unknown then, as in y(1).
 _TIME = re.compile(rf"(?<!\w)(?:t\s?=\s?|[^\W\d]\w*\((?=[0-9./]*\))){POSITIVE}")
+# The head of the column of an unknown, and of a row whose number is that of a step.
+_HEAD_OF_UNKNOWN = re.compile(r"(?P<name>[^\W\d_])(?P<of_step>_\{?[nijk]\}?)?(?:\(t(?:_\{?[nijk]\}?)?\))?")
 _HEADS = {"h": r"h|dt|δt|step ?size", "t": r"t(?:_[ni])?|time|t_\{?n\}?", "n": r"n|(?:number of |n_?)?steps"}
 # Characters before a number that are searched for a step size or time, and for a method.
 _FARTHEST, _NEAR = 2000, 400
@@ -82,8 +85,11 @@ def asked_quantity(question: str) -> tuple[str, str]:
     return "exact" if kind == "exact" or question.startswith("exact ") else "state", unknown
 
 
-def place_of(text: str, start: int, end: int, row: Sequence[Cell]) -> Place:
-    """The place of the number from `start` to `end` of a text in lower case; `row` is its table's, else empty."""
+def place_of(text: str, start: int, end: int, row: Sequence[Cell], unknowns: Collection[str]) -> Place:
+    """The place of the number from `start` to `end` of a text in lower case; `row` is its table's, else empty.
+
+    The names of `unknowns`, in lower case, may have an index, as N_1 does; the index of any other is that of a step.
+    """
     heads = [cell.head for cell in row if cell.start <= start]
     head = heads[-1] if heads else ""
     before, after = sentence_around(text, start, end)
@@ -96,7 +102,11 @@ def place_of(text: str, start: int, end: int, row: Sequence[Cell]) -> Place:
         settings |= {x: Fraction((cells or given)[-1])} if cells or given else {}
     in_steps = [cell.text for cell in nearest if is_head_of("n", cell.head)]
     counts = [int(number) for number in in_steps if re.fullmatch("[1-9][0-9]*", number)]
-    if counts and "t" in settings and "h" not in settings:
+    of_step = any((found := _HEAD_OF_UNKNOWN.fullmatch(cell.head)) and found["of_step"] for cell in row)
+    taken = counts[-1:] if row and of_step else [] if row or near else counts_of_steps(before)[-1:]
+    if taken and not cells and "h" in settings:  # after the last pass of the loop these are what gives the time
+        settings["t"] = taken[0] * settings["h"]
+    elif counts and "t" in settings and "h" not in settings:
         settings["h"] = settings["t"] / counts[-1]
     about = head if row else before
     if methods_named(head) or SETTING["h"].search(head):  # what is read stands above the table
@@ -105,6 +115,10 @@ def place_of(text: str, start: int, end: int, row: Sequence[Cell]) -> Place:
     quantity, name = said[-1].lastgroup if said else "state" if head else None, unknown["name"] if unknown else None
     if unknown and unknown["n"] and name == "k":
         quantity, name = f"k{unknown['n']}", None
+    elif (of_column := _HEAD_OF_UNKNOWN.fullmatch(head)) and not said:
+        name = of_column["name"]
+    elif unknown and f"{name}_{unknown['n']}" in unknowns:
+        quantity, name = "exact" if quantity == "exact" else "state", f"{name}_{unknown['n']}"
     elif unknown:
         quantity = "exact" if quantity == "exact" else "state"
         settings |= {"t": int(unknown["n"]) * settings["h"]} if unknown["n"] and "h" in settings else {}

@@ -18,16 +18,18 @@ from driftproof.texts.claims.places import is_head_of
 from driftproof.texts.questions.errors import QuestionError
 from driftproof.texts.questions.parser import parse_question
 from driftproof.texts.questions.pieces import with_greek_spelled, with_time
+from driftproof.texts.readers.number_words import counts_of_steps
 from driftproof.texts.readers.numbers import TextNumber, numbers_in
 
 # Limits that keep this to some hundred questions, and to runs of so many steps in all for each problem: seconds.
-_MOST_PROBLEMS, _MOST_METHODS, _MOST_SIZES, _MOST_TIMES, _MOST_STEPS = 4, 8, 8, 12, 30_000
+_MOST_PROBLEMS, _MOST_METHODS, _MOST_SIZES, _MOST_TIMES, _MOST_STEPS = 4, 8, 8, 24, 30_000
+_MOST_COUNTED = 10_000
 _NUMBER = r"[-+]?[0-9]+(?:\.[0-9]+)?(?:/[1-9][0-9]*)?(?![\w/^]|\.[0-9])"
 _VALUE = rf"-?(?:[0-9]+ ?[*·]? ?)?(?:pi|√\(?[0-9]+\)?)(?: ?/ ?[0-9]+)?|{_NUMBER}"
 _LIST = rf"{_NUMBER}(?:(?:,? (?:and |or )?|,){_NUMBER})*"
 _SIZES = re.compile(rf"(?:(?<!\w)(?:h|dt|Δt)|[Ss]tep ?sizes?(?: of)?|[Ss]teps of) ?(?:[=∈≈] ?)?[{{(]?({_LIST})")
 _TIMES = re.compile(rf"(?<!\w)[tT] ?[=∈] ?[{{(]?({_LIST})")
-_COUNTS = re.compile(r"(?<![\w.])([1-9][0-9]{0,3}) (?:time |equal )?steps\b|(?<!\w)[nN] ?= ?([1-9][0-9]{0,3})(?![\w.])")
+_COUNTS = re.compile(r"(?<!\w)[nN] ?= ?([1-9][0-9]{0,3})(?![\w.])")
 # Between two equations of one system, and before the first of them, no sentence ends.
 _GAP = 80
 _TOGETHER = re.compile(rf"(?:(?![.;?!]\s)[\s\S]){{0,{_GAP}}}")
@@ -42,6 +44,7 @@ _EQUATION = re.compile(
     r"(?P<left> ?[-+][^=≤≥≈<>:;|]{1,100}?)? ?(?:\| ?)?= ?"
     r"(?=(?P<rate>[^=≤≥≈<>:;]{1,200}))"
 )
+_ALONE = re.compile(rf"{_NUMBER}\s*(?:[,.;)]|and\b|$)")
 # Characters after the last equation in which x = 1 without a time is a start.
 _NEAR = 150
 _WORD = re.compile(r"[^\W\d]\w*")
@@ -81,7 +84,8 @@ class _Problem:
         of_all = rf"(?:\b(?:from|at|in)|=) ?\(({_VALUE})" + rf", ?({_VALUE})" * (n - 1) + r"\)"
         if n > 1 and not at_zero and (found := re.search(of_all, part)):
             return _start_of(found[index + 1])
-        found = at_zero or re.search(rf"(?<![\w'(]){name} ?= ?({_VALUE})", near)
+        speed = "" if of == name else f"|{of}'"
+        found = at_zero or re.search(rf"(?<![\w'(])(?:{name}{speed}) ?= ?({_VALUE})", near)
         return _start_of(found[1]) if found else None
 
 
@@ -121,19 +125,24 @@ def _problems(text: str) -> Iterator[_Problem]:
         name, lead = with_greek_spelled(match["name"] or match["d"] or match["dd"]), _lead(text, match.start())
         if name == "t" or name in FUNCTIONS or lead is None:
             continue
+        is_second = match["second"] or match["dd"]
+        if systems and not is_second and f"d{name}" in systems[-1][1] and _ALONE.match(match["rate"]):
+            continue  # x' = 0, the velocity at the start of x'' = F(x)
         near = _TOGETHER.fullmatch(text, min(last, match.start()), match.start())
         if not (systems and near and name not in systems[-1][1]):
             systems.append((match.start(), {}, {}))
         _, raw, leads = systems[-1]
-        if match["second"] or match["dd"]:
+        if is_second:
             raw[name] = name = f"d{name}"
         left = f"-({match['left'].lstrip(' +')}) + " if match["left"] else ""  # y'' + 4y = 0
         raw[name], leads[name] = with_greek_spelled(left + match["rate"]), lead
         last = match.start("rate") + len(_first(match["rate"]))
     for (start, raw, leads), (end, *_) in pairwise([*systems, (len(text), {}, {})]):
+        energies = [match["energy"] for match in _ENERGY.finditer(spelled)]
         for name in [name for name in raw if f"d{name}" in raw]:
             rated = re.compile(rf"\b{name}'|(?<![A-Za-z])d{name} ?/ ?dt\b")
             raw = {of: rated.sub(f"d{name}", rate) for of, rate in raw.items()}
+            energies = [rated.sub(f"d{name}", energy) for energy in energies]
         part = text[:end]
         if not any("x" in names for _, names, _ in systems):  # y' = x + y: the time is called x
             raw, leads = ({of: with_time(one, raw) for of, one in texts.items()} for texts in (raw, leads))
@@ -147,17 +156,16 @@ def _problems(text: str) -> Iterator[_Problem]:
             rates = {of: f"({rate})/({over[of]})" if of in over else rate for of, rate in rates.items()}
             if len(rates) == len(raw) and None not in over.values() and rates not in known:
                 known.append(rates)
-                energies = (known_as(match["energy"]) for match in _ENERGY.finditer(spelled))
-                energy = next((one for one in energies if one and {*_WORD.findall(one)} & {*names}), None)
+                energy = next((x for x in map(known_as, energies) if x and {*_WORD.findall(x)} & {*names}), None)
                 yield _Problem(rates, part[begins:], begins, energy)
 
 
 def _lead(text: str, at: int) -> str | None:
-    """What multiplies the derivative that begins there, as a product; None if it is one term of a sum."""
+    """What multiplies the derivative that begins there, as a product; None if it stands in a sum or a product."""
     line = text[:at].rpartition("\n")[2][-_LONGEST_LEAD:]
     found = _LEAD.search(line)
     before = line[: found.start() if found else at].rstrip()
-    if before[-1:] and before[-1] in "+-*/^" and before[:-1].strip(" |>"):
+    if (before[-1:] and before[-1] in "+-*/^" and before[:-1].strip(" |>")) or re.search(r"=[^=,;:|]*\)\Z", before):
         return None
     factors = re.findall(_FACTOR, found[0]) if found and before[-1:] != "=" else []
     article = factors[:1] in (["a"], ["A"]) and not re.search(rf"(?<!\w){factors[0]} ?=", text)
@@ -176,17 +184,21 @@ def _questions(problem: _Problem, equations: str, text: str, column_of: Callable
     value_at = re.compile(rf"(?<!\w)(?:{'|'.join(problem.rates)})\(({_NUMBER})\)")
     sizes, times, counts, also = (_listed(pattern, part) for pattern in (_SIZES, _TIMES, _COUNTS, value_at))
     times += also
+    said, rows = counts_of_steps(part), set[int]()
+    counts += [Fraction(n) for n in said if n < _MOST_COUNTED]
     for number in numbers_in(text[at : at + len(problem.part)]):
         head = column_of(replace(number, start=number.start + at, end=number.end + at))
         for letter, into in (("h", sizes), ("t", times), ("n", counts)):
             if is_head_of(letter, head) and re.fullmatch(_NUMBER, number.text):
                 into.append(Fraction(number.text))
+                rows |= {int(number.text)} if letter == "n" and number.text.isdigit() else set()
     sizes, times = (sorted({x for x in numbers if x > 0}) for numbers in (sizes, times))
     if not sizes:
         sizes = sorted({t / n for t in times for n in counts if n})
     times = times or sorted({n * h for n in counts for h in sizes})
     after = {int(n) for n in re.findall(rf"(?<!\w)(?:{'|'.join(problem.rates)})_([1-9])(?!\w)", part)}
-    after |= {1} if re.search(r"\b(?:first|one|single) step\b", part.lower()) else set()
+    after |= {1} if re.search(r"\b(?:first|single) step\b", part.lower()) else {n for n in said if n < _MOST_TIMES}
+    after |= rows - {0} if {1, 2} <= rows else set()  # numbers of steps, not of runs
     times = sorted({*times, *(n * h for n in after for h in sizes)})
     spoken = methods_named(part.lower()) & {*METHODS} or methods_named(text.lower()) & {*METHODS}
     if "explicit" in text.lower() and "implicit" not in text.lower():
@@ -238,7 +250,8 @@ def _rate(raw: str, names: Collection[str], text: str) -> str | None:
     raw = _plain(raw)
     # Not before a sign, an unknown or another letter, so that x' = 2/3 k x is not read as x' = 2/3.
     factor = rf"[-+*/^]|(?:{'|'.join(FUNCTIONS)})\b|(?:{'|'.join(names)}|[^\W\d])\b(?! ?['(=_])"
-    ends = re.finditer(rf"\n|\.(?!\d)|\s(?!\s*(?:{factor}))", raw)
+    bracket = rf"\((?:[-+0-9(]|(?:{'|'.join(names)})\b)"
+    ends = re.finditer(rf"\n|\.(?!\d)|\s(?!\s*(?:{factor}|{bracket}))", raw)
     for end in (len(raw), *reversed([match.start() for match in ends])):
         try:
             written = _WORD.sub(lambda match: _factor(match, [*names], text), raw[:end].strip(" .\n"))

@@ -204,8 +204,12 @@ class Suggestions:
     def _place_of(self, number: TextNumber) -> Place:
         if number.start not in self._places:
             row = self.tables.row_of(number)
-            self._places[number.start] = place_of(self._lower, number.start, number.end, row)
+            self._places[number.start] = place_of(self._lower, number.start, number.end, row, self._unknowns)
         return self._places[number.start]
+
+    @cached_property
+    def _unknowns(self) -> set[str]:
+        return {name.lower() for one in (*self.asked, *self.stated) for name in re.findall(r"(\w+)'=", one)}
 
     def _meant_at(self, number: TextNumber) -> list[KnownValue]:
         """The values that the place of the number names."""

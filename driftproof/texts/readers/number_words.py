@@ -35,6 +35,16 @@ _CHANGE = re.compile(rf"\b(?:{'|'.join(f'{_TRENDS[1]} {_TRENDS[-1]}'.split())})\
 _COUNTED = re.compile(r"\b(?:uses|needs|takes|costs|makes|has|only|exactly)\s$", re.IGNORECASE)
 
 
+# A count of steps in digits or, below twenty, in words.
+_STEPS = re.compile(rf"(?<![\w.])([0-9]{{1,5}}|{_UNIT}) (?:time |equal )?step(?:s\b|\b(?! ?size))", re.IGNORECASE)
+
+
+def counts_of_steps(text: str) -> list[int]:
+    """How many steps the text speaks of, in "200 steps", "one step" or "after five steps", in order."""
+    found = (match[1].lower() for match in _STEPS.finditer(text))
+    return [int(count) if count.isdigit() else _SMALL.index(count) for count in found]
+
+
 class TextWord(NamedTuple):
     """A number or a trend in words: its span in the text, and the words."""
 

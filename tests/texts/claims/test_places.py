@@ -32,6 +32,12 @@ def place(text, number):
         ("RK4's error is 0.77 times as large", {"rk4"}, (None, None), "ratio", None),
         ("h = 0.1, so that k_2 = 0.77", set(), (Q(1, 10), None), "k2", None),
         ("h = 0.1, so that y_3 = 0.77", set(), (Q(1, 10), Q(3, 10)), "state", "y"),
+        ("Heun, δt = 0.1: after five steps y = 0.77", {"heun2"}, (Q(1, 10), Q(1, 2)), "state", "y"),
+        ("Heun, h = 0.1: after 20 steps, at t = 3, y = 0.77", {"heun2"}, (Q(1, 10), 3), "state", "y"),
+        ("N_1' = -N_1, N_1(0) = 1. t = 3, h = 0.1. N_1 = 0.77", set(), (Q(1, 10), 3), "state", "n_1"),
+        ("h = 0.1\n| n | S_n | I_n |\n| 4 | 1 | 0.77 |", set(), (Q(1, 10), Q(2, 5)), "state", "i"),
+        ("h = 0.1, t = 2\n| n | S | I |\n| 4 | 1 | 0.77 |", set(), (Q(1, 10), 2), "state", "i"),
+        ("h = 0.1\n| n | y_n | e_n |\n| 4 | 1 | 0.77 |", set(), (Q(1, 10), Q(2, 5)), "error", None),
         ("By Heun. There y(0) = 1, and 0.77 later, not RK4", {"heun2"}, (None, None), None, None),
     ],
 )

@@ -68,6 +68,21 @@ def equations(text, form="plain"):
         ("2m dy/dt = -y by a, m = 2, y(0) = 1, t = 1", "y'=(-y)/(2*2), y(0)=1"),
         ("x y' = 2y, y(0) = 1, t = 1", "y'=(2y)/(t), y(0)=1"),
         ("t = 1 as h = 0.1 y' = -y, y(0) = 1", "y'=-y, y(0)=1"),
+        (
+            "x'' = μ (1 - x^2) x' - x, μ = 2, x(0) = 1, x'(0) = 0, t = 1",
+            "x'=dx, dx'=2 (1 - x^2) dx - x, x(0)=1, dx(0)=0",
+        ),
+        ("y' = y (1 - y/10) from y(0) = 1 (a start) to t = 1", "y'=y*(1 - y/10), y(0)=1"),
+        ("y' = -y (see below), y(0) = 1; t = 1", "y'=-y, y(0)=1"),
+        ("(1) x' = v, (2) v' = -x, x(0) = 1, v(0) = 0, t = 1", "x'=v, v'=-x, x(0)=1, v(0)=0"),
+        (
+            "x'' = -x/r, y'' = -y/r, r = √(x^2 + y^2), from x = 1, x' = 0, y = 2 and y' = 3. t = 1",
+            "x'=dx, dx'=-x/(sqrt(x^2 + y^2)), y'=dy, dy'=-y/(sqrt(x^2 + y^2)), x(0)=1, dx(0)=0, y(0)=2, dy(0)=3",
+        ),
+        (
+            "N_1' = -λ_1 N_1, N_2' = λ_1 N_1 - N_2, λ_1 = 2, N_1(0) = 9 and N_2(0) = 0, t = 1",
+            "N_1'=-2 N_1, N_2'=2 N_1 - N_2, N_1(0)=9, N_2(0)=0",
+        ),
         ("A y' = -y, y(0) = 1. t = 1", "y'=-y, y(0)=1"),
         ("| - y' = -y, y(0) = 1. t = 1", "y'=-y, y(0)=1"),
         (r"$\tau y' = -y$, $\tau = 0.5$, $y(0) = 1$, $t = 1$", "y'=(-y)/(0.5), y(0)=1"),
@@ -93,6 +108,7 @@ def test_equations_and_starts_are_read_as_texts_have_them(text, read):
         "y'' = -y, y(0) = 1, and t = 1",  # y'(0) is not said
         *("y' = f(t, y), y(0) = 1, and t = 1", "y' = -tanh y, y(0) = 1, and t = 1"),
         "y' = -y, y(0) = 1",  # no time
+        "y' = y (1 - y/K), y(0) = 1, and t = 1",  # no beginning of it
         "nothing of the kind, t = 1",
         *("c x' + m x'' = -x, c = m = 1, x(0) = 1, x'(0) = 0, t = 1", "m x'' = -x, x(0) = 1, x'(0) = 0, t = 1"),
     ],
@@ -141,8 +157,12 @@ The slopes k_1 = -1 and so on; 1/2 divides the error by 2. 40 evaluations. One s
 
     for said, times in (("h = 0.1 has y_3 = 0.729", "t={0.3}"), ("h = 0.1 has y(2) = 0.122", "t={2}")):
         assert f", {times} : " in stated(f"y' = -y, y(0) = 1: Euler with {said}")[0]
-    for said in ("10 steps to t = 2", "10 steps with h = 0.2"):
+    for said in ("10 steps to t = 2", "10 steps with h = 0.2", "ten steps with Δt = 0.2"):
         assert ", h={0.2}, t={2} : " in stated(f"y' = -y, y(0) = 1: Euler takes {said}")[-1]
+    for counts, times in (((0, 1, 2, 3), "0.1,0.2,0.3,1"), ((10, 20), "1")):  # numbers of steps, and of runs
+        rows = "".join(f"| {n} | 0.5 |\n" for n in counts)
+        asked = stated(f"y' = -y, y(0) = 1: Euler with h = 0.1 to t = 1.\n| n | y_n |\n{rows}")
+        assert f", t={{{times}}} : " in asked[0]
     for who, sizes, longest in (
         ("Euler", "0.0003 to t = 9", ["0.0003"]),
         ("Euler", "0.00029 to t = 8.7", ["0.00029"]),
@@ -156,6 +176,11 @@ The slopes k_1 = -1 and so on; 1/2 divides the error by 2. 40 evaluations. One s
     for said, count in (("explicit methods", 1), ("methods", 2), ("explicit and implicit methods", 2)):
         *_, run = stated(f"y' = -y, y(0) = 1 by {said} of midpoint type to t = 1 with h = 0.1")
         assert run.partition("}")[0].count(",") == count - 1, run
+
+
+def test_an_energy_of_velocities_is_that_of_a_problem_of_second_order():
+    text = "x'' = -x/r, r = √(x^2 + 1), x(0) = 1, x'(0) = 0; the energy E = x'^2/2 + r. RK4 with h = 0.1 to t = 1"
+    assert any("energy=dx^2/2 + (sqrt(x^2 + 1))" in one for one in stated(text))
 
 
 def test_a_parameter_with_several_values_states_a_problem_for_each():

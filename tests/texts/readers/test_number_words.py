@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from driftproof.texts.readers.number_words import is_worded, worded_number, worded_trend, words_in
+from driftproof.texts.readers.number_words import counts_of_steps, is_worded, worded_number, worded_trend, words_in
 from tests.looping import some
 
 SPELLED = {
@@ -52,3 +52,8 @@ def test_words_of_a_text(text):
 def test_trend_is_the_sign_of_a_change():
     assert [worded_trend(sign)[0] for sign in (1, -1, 0)] == ["grows", "shrinks", "stays"]
     assert not is_worded("steps")
+
+
+def test_steps_are_counted_in_digits_and_words():
+    assert counts_of_steps("After five steps, 200 time steps, One step or ten equal steps") == [5, 200, 1, 10]
+    assert counts_of_steps("stepsize 3, twenty steps, 1.5 steps, five stepping stones, 3 step sizes") == []
