@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from argparse import Namespace
 from pathlib import Path
 
@@ -56,7 +57,7 @@ def render_command(options: Namespace) -> str:
 @cli.command(
     cli.option(
         "text",
-        "a text (.txt, .md, .html, .tex, .ipynb; others are read as plain text), or a folder of texts with claims",
+        "a text (.txt, .md, .rst, .html, .tex, .ipynb; others: plain text), or a folder of texts with claims",
         nargs="+",
         type=Path,
         metavar="TEXT",
@@ -86,12 +87,12 @@ def check_command(options: Namespace) -> str:
     A phrase is written as in the text; only minus signs, kinds of space, ends of lines and raised or lowered digits may
     differ. It never matches inside a longer word or number. A value is an id or a question: `driftproof value --help`.
 
-    The file's ending decides whether it is read as plain text, Markdown, HTML, TeX or a notebook; markup, comments,
-    front matter and attributes are left out. Numbers are integers, decimals, fractions, percentages, powers and numbers
-    with an exponent; words for numbers and growth are counted separately, and checked if a claim says spelled. Labels,
-    which need no claim, are whole numbers after a letter (RK4), indices (q₁), numbers after Section, Figure and the
-    like, versions, dates, numbers of items, [1], addresses, arguments as in y(1), and formats such as :.6f. MyST and
-    macros of TeX are read as they are typeset.
+    The file's ending decides whether it is read as plain text, Markdown, reStructuredText, HTML, TeX or a notebook;
+    markup, comments, front matter and attributes are left out. Numbers are integers, decimals, fractions, percentages,
+    powers and numbers with an exponent; words for numbers and growth are counted separately, and checked if a claim
+    says spelled. Labels, which need no claim, are whole numbers after a letter (RK4), indices (q₁), numbers after
+    Section, Figure and the like, versions, dates, numbers of items, [1], addresses, arguments as in y(1), and formats
+    such as :.6f. MyST and macros of TeX are read as they are typeset.
 
     --init drafts claims for numbers that look like values that driftproof knows, or like those of the questions after
     --ask, where {a,b} stands for a and for b; a value is likelier if its choices stand near the number. A mere guess
@@ -132,7 +133,8 @@ def check_command(options: Namespace) -> str:
       why = "reading time"
     """
     from driftproof.reports.progress import with_progress
-    from driftproof.support.plain_text import as_json
+    from driftproof.support.plain_text import as_json, counted
+    from driftproof.texts.claims.drafting import SLIP
     from driftproof.texts.claims.report import TextReport, check, texts_with_claims
 
     if not options.run:
@@ -143,7 +145,10 @@ def check_command(options: Namespace) -> str:
     if options.init:
         if options.run or options.coverage or options.format != "text":
             raise ValueError("--run, --coverage and --format have no effect with --init")
-        return str(check(text, init=True, ask=options.ask))
+        drafted = str(check(text, init=True, ask=options.ask))
+        if slips := drafted.count(SLIP):
+            sys.stderr.write(f"{text}: {counted(slips, 'number')} to look at; the draft says what{SLIP}\n")
+        return drafted
     texts = [text] if options.claims else [found for given in options.text for found in texts_with_claims(given)]
     asked = {name: getattr(options, name) for name in ("claims", "ask", "coverage", "run")}
     limit = {} if options.time_limit is None else {"time_limit": options.time_limit}

@@ -12,6 +12,7 @@ from itertools import groupby
 from typing import TypeAlias
 
 from driftproof.texts.claims.claims import MOST_CLAIMS
+from driftproof.texts.claims.contradictions import methods_named
 from driftproof.texts.claims.phrases import Phrase
 from driftproof.texts.claims.spellings import digits_of
 from driftproof.texts.claims.stated_problems import equations_in
@@ -20,8 +21,9 @@ from driftproof.texts.questions.decimals import HALF_EVEN, Style
 from driftproof.texts.readers.document import Document
 from driftproof.texts.readers.numbers import TextNumber, numbers_in
 
-# Words of a phrase before its first number: enough to tell which number of a table or a sentence is meant.
-_WORDS = 3
+# Words of a phrase before its first number: enough to tell which number of a sentence is meant; and how far before it a
+# method is looked for, which the phrase of a value names.
+_WORDS, _MOST_WORDS = 3, 10
 _BEGINNING = re.compile(r"(?!(?<=\w)\w)\S+")  # not in the middle of a word
 # A claim with longer questions takes its phrase as its id.
 _LONGEST_ID = 150
@@ -29,8 +31,8 @@ _LONGEST_ID = 150
 _SHOWN_DIGITS, _MOST_PLACES = 8, 3
 # Words before a number that the author chooses rather than computes, as in h = 0.1 or a start from (1, 0).
 _SETTING = re.compile(
-    r"(?<![\w.])(?:(?:h|dt|Δt|[tTNnkλμω]|lambda|mu|omega|[ra]?tol|t_?(?:end|max|final)|n(?:um)?_?steps) ?= ?"
-    r"|[^\W\d_](?:'{0,2}\(0\)|') ?= ?|step ?size (?:of |= )?|[Aa]fter |from \((?:[-+]?[0-9./]+, ?)*)\Z"
+    r"(?<![\w./])(?:(?:h|dt|Δt|[tTNnkλμω]|lambda|mu|omega|[ra]?tol|t_?(?:end|max|final)|n(?:um)?_?steps) ?= ?"
+    r"|[^\W\d_]'{0,2}\(0\) ?= ?|step ?size (?:of |= )?|[Aa]fter |from \((?:[-+]?[0-9./]+, ?)*)\Z"
 )
 _LONGEST_SETTING = 20
 # The head of a column of such numbers.
@@ -40,6 +42,8 @@ _SOLVED_FOR = re.compile(r"[kznλμω]|lambda|mu|omega")
 # Numbers on one line with gaps of at most this many characters share a phrase, up to this many of them.
 _WIDEST_GAP, _MOST_IN_PHRASE = 25, 8
 
+# What the remark on a number says that is perhaps wrong.
+SLIP = " is perhaps a slip:"
 _HEADER = """\
 # Claims drafted by `driftproof check --init {name}`. Each phrase occurs in the text as often as its count says.
 # A number that looks like a value need not mean that value: read each claim. Numbers that look like no value, or
@@ -80,11 +84,13 @@ class _Member:
     def chosen(self) -> bool:
         return self.chosen_at is not None
 
-    def remark(self) -> str:
+    def remark(self, place: str) -> str:
         """A comment line with the other values that the number looks like, at most two of them, or a likely slip."""
         if self.slips:
             question, slip = min(self.slips.items())
-            return f"# {self.number.text} is perhaps a slip: {question} is {slip}\n"
+            other = next((one.question for one in self.alike if one.question != question), "")
+            also = f"; it looks like {other}" * bool(other)
+            return f"# {place}: {self.number.text}{SLIP} {question} is {slip}{also}\n"
         others = [alike.question for alike in self.alike[self.strong :]]
         more = f" and {len(rest)} more" if (rest := others[2:]) else ""
         also = "also " * self.strong
@@ -92,7 +98,7 @@ class _Member:
         return f"# {self.number.text} looks {also}like {', '.join(others[:2])}{more}\n" if shown else ""
 
 
-# Neighbouring numbers of one line that go into one phrase: all strong look-alikes, all of one setting, or neither.
+# Neighbouring numbers of one line that go into one phrase: strong look-alikes and a setting before them, or neither.
 _Group: TypeAlias = list[_Member]
 _Bounded: TypeAlias = tuple[int, int, _Group]
 
@@ -138,21 +144,20 @@ def draft(document: Document, name: str, asked: Iterable[str] = ()) -> str:
 
 def _claim(group: _Group, phrase: str, count: int, place: str, ids: Counter[str]) -> str:
     """The claim of a group, with remarks; a comment with its `place` as id if its numbers are only guessed."""
-    head, *_ = group
-    known = head.chosen or head.strong
-    if known:
+    head, line = group[0], place.partition(",")[0]
+    valued, chosen = any(member.strong for member in group), head.chosen
+    if valued or chosen:
         asked = ", ".join(member.alike[0].question for member in group if member.strong)
         place = asked if asked and len(asked) <= _LONGEST_ID else phrase
         ids[place] += 1
         place += f" ({ids[place]})" if ids[place] > 1 else ""
     lines = ["[[claim]]", f"id = {_quoted(place)}", f"phrase = {_quoted(phrase)}", *[f"count = {count}"] * (count > 1)]
-    if head.chosen:
-        lines.append('given = "the text chooses it"')
-    elif known:
-        lines += _values(group)
+    if valued or chosen:
+        lines += _values([member for member in group if member.strong]) if valued else []
+        lines += ['given = "the text chooses it"'] * chosen
     else:
         lines = [f"# {line}" for line in ("TODO", *lines, 'given = "TODO: why"')]
-    return "".join([*dict.fromkeys(member.remark() for member in group), *(f"{line}\n" for line in lines)])
+    return "".join([*dict.fromkeys(member.remark(line) for member in group), *(f"{line}\n" for line in lines)])
 
 
 def _asked_line(document: Document, missed: Missed) -> str:
@@ -187,7 +192,9 @@ def _groups(text: str, members: list[_Member], fences: list[int]) -> Iterator[_G
             last = group[-1]
             between = text[last.number.end : member.number.start]
             together = len(between) <= _WIDEST_GAP and not re.search(r"[.;?!] |\S.*\n|\n.*\S", between)
-            alike = (last.strong, last.chosen_at) == (member.strong, member.chosen_at)
+            alike = (last.strong, last.chosen_at) == (member.strong, member.chosen_at) or (
+                last.chosen and member.strong
+            )
             fenced = bisect_right(fences, last.number.start) != bisect_right(fences, member.number.start)
             if not (together and alike and not fenced and len(group) < _MOST_IN_PHRASE):
                 yield group
@@ -211,20 +218,17 @@ class _Search:
     def phrase(self, room: list[int], group: _Group) -> tuple[str, set[int]]:
         """A phrase with the group's numbers and all positions of its first number; ("", set()) if none matches here.
 
-        The phrase lies within `room` and begins up to _WORDS words before the first number, or with its setting. Text
-        after the last number is included only if it belongs to the number, as in " %". Strong look-alikes become
-        placeholders for values; other numbers stand in the phrase literally.
+        The phrase lies within `room` and begins up to _WORDS words before the first number, with its setting, or with
+        the method or the heads of the table that say what a value is. Text after the last number is included only if it
+        belongs to the number, as in " %". Strong look-alikes become placeholders for values; other numbers stand in the
+        phrase literally.
         """
         head, *_ = group
         text, start, end = self.text, head.number.start, group[-1].number.end
-        words = [match.start() for match in _BEGINNING.finditer(text, room[0], start)][-_WORDS:]
-        first = at = words[0] if words else start
-        if head.chosen_at is not None:
-            first = at = max(room[0], head.chosen_at)
-        phrase = ""
-        for member, name in zip(group, _names(group), strict=True):
-            number = member.number
-            phrase += _escaped(text[at : number.start]) + (f"{{{name}}}" if member.strong else _escaped(number.text))
+        first = at = self._beginning(room[0], group)
+        phrase, names = "", iter(_names(group))
+        for number, strong in ((member.number, member.strong) for member in group):
+            phrase += _escaped(text[at : number.start]) + (f"{{{next(names)}}}" if strong else _escaped(number.text))
             at = number.end
         cell = head.chosen and not text[first:start].strip("| ")
         for more in (*[r" ?\|\|?"] * cell, r"", r"\S+", r"\S*\s+\S+"):
@@ -235,6 +239,27 @@ class _Search:
             if start in stands:
                 return longer, stands
         return "", set()
+
+    def _beginning(self, least: int, group: _Group) -> int:
+        """Where the phrase of the group begins, at `least` or later."""
+        text, start, chosen_at = self.text, group[0].number.start, group[0].chosen_at
+        words = [match.start() for match in _BEGINNING.finditer(text, least, start)]
+        first = words[-_WORDS:][0] if words else start
+        first = first if chosen_at is None else max(least, chosen_at)
+        if not any(member.strong for member in group):
+            return first
+        line = text.rfind("\n", 0, start) + 1
+        if "|" in text[line:start]:
+            above = text.rfind("\n", 0, max(0, line - 1)) + 1
+            heads = text[above:line]
+            is_first = not text[line:first].strip("| ") and "|" in heads and all(x.label for x in numbers_in(heads))
+            return max(least, above) if is_first else first
+        for word in reversed(words[-_MOST_WORDS:]):
+            if re.search(r"[.;?!]\s", text[word:start]):
+                break
+            if methods_named(text[word:start].lower()):
+                return min(first, word)
+        return first
 
     def _found(self, phrase: str, group: _Group, first: int, last: int) -> set[int]:
         """The positions of the first number in all matches of the phrase, which was drafted from text[first:last]."""
@@ -247,7 +272,8 @@ class _Search:
                 return stands
             if not (parsed.names or parsed.free_numbers):  # its numbers run together, as in 0.50.5
                 return stands
-            pattern = parsed.exact({name: [m.number.text] for name, m in zip(_names(group), group, strict=True)})
+            strong = [member.number.text for member in group if member.strong]
+            pattern = parsed.exact({name: [spelled] for name, spelled in zip(_names(group), strong, strict=True)})
             for place in self._places(before, last - first, group[0].number.text).get(key[1], ()):
                 if place - before >= done and (match := pattern.match(self.text, place - before)):
                     stands.add(place)
@@ -266,7 +292,9 @@ class _Search:
 
 
 def _names(group: _Group) -> list[str]:
-    return ["value"] if len(group) == 1 else [chr(ord("a") + i) for i in range(len(group))]
+    """The names of the placeholders for the strong members."""
+    count = sum(member.strong for member in group)
+    return ["value"] if count == 1 else [chr(ord("a") + i) for i in range(count)]
 
 
 def _escaped(text: str) -> str:

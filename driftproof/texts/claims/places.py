@@ -26,25 +26,37 @@ _AFTER = re.compile(
     r" ?(?:(?P<percent>%)|times (?:as|less|more|smaller|larger)|(?P<count>evaluations|calls|(?:time )?steps))"
 )
 # An unknown with its sign right before a number, as in x = 0.5, or its value at a time, as in y(1) ≈ 0.5.
-_UNKNOWN = re.compile(r"(?<!\w)(?P<name>[^\W\d_][a-z]*)(?:\([0-9][0-9./]*\)|_?(?P<n>[0-9]))? ?[=≈] ?\Z")
+_NAME = r"(?<![\w/*^])(?<![-+*/] )(?P<name>[^\W\d_][a-z]*)(?:\([0-9][0-9./]*\)|_?(?P<n>[0-9]))? ?[=≈] ?"
+_UNKNOWN = re.compile(rf"{_NAME}\Z")
+# The same before a calculation, as in y_1 = 1 + 0.5 = 1.5.
+_WORKED_OUT = re.compile(rf"{_NAME}(?:(?![A-Za-z]{{2}})[^=≈,;:\n]){{1,60}}[=≈] ?\Z")
 # A time is also given by the value of an unknown then, as in y(1).
 _TIME = re.compile(rf"(?<!\w)(?:t\s?=\s?|[^\W\d]\w*\((?=[0-9./]*\))){POSITIVE}")
 # The head of the column of an unknown, and of a row whose number is that of a step.
-_HEAD_OF_UNKNOWN = re.compile(r"(?P<name>[^\W\d_])(?P<of_step>_\{?[nijk]\}?)?(?:\(t(?:_\{?[nijk]\}?)?\))?")
-_HEADS = {"h": r"h|dt|δt|step ?size", "t": r"t(?:_[ni])?|time|t_\{?n\}?", "n": r"n|(?:number of |n_?)?steps"}
+_HEAD_OF_UNKNOWN = re.compile(r"(?P<name>[^\W\d_])(?P<of_step>_\{?[nijk]\}?)?(?: ?\([^()]*\))?")
+_HEADS = {
+    "h": r"h|dt|δt|step ?size",
+    "t": r"t(?:_[ni])?|t_\{?n\}?|(?:time|day|hour|minute|second|week|year)s?",
+    "n": r"n|(?:number of |n_?)?steps",
+}
+# Methods as the columns of a table have them.
+_SHORT_HEADS = {"forward": "forward euler", "backward": "backward euler", "trapezoidal": "trapezoidal rule"}
 # Characters before a number that are searched for a step size or time, and for a method.
 _FARTHEST, _NEAR = 2000, 400
+# Characters after a number in which its own step size may stand, as in 0.01 for h = 0.5.
+_BESIDE = 40
 _NUMBER = re.compile(r"[-+]?[0-9]+(?:\.[0-9]+|/[1-9][0-9]*)?")
 
 
 @dataclass(frozen=True)
 class Place:
-    """What is named where a number stands: None or an empty set where nothing is."""
+    """What is named where a number stands: None or an empty set where nothing is; `sure` if its time stands there."""
 
     methods: frozenset[str]
     settings: dict[str, Fraction]
     quantity: str | None
     unknown: str | None
+    sure: bool = False
 
     def means(self, question: str, methods: set[str]) -> bool:
         """True if a question about one of these methods asks for what is named here, and all that it asks for is."""
@@ -90,38 +102,26 @@ def place_of(text: str, start: int, end: int, row: Sequence[Cell], unknowns: Col
 
     The names of `unknowns`, in lower case, may have an index, as N_1 does; the index of any other is that of a step.
     """
-    heads = [cell.head for cell in row if cell.start <= start]
-    head = heads[-1] if heads else ""
-    before, after = sentence_around(text, start, end)
-    settings = dict[str, Fraction]()
-    nearest = (*row[len(heads) :], *row[: len(heads)])  # the last one: of columns h, y, h, y the one on the left
-    for x, pattern in (("h", SETTING["h"]), ("t", _TIME)):
-        near = pattern.findall(head) or pattern.findall(before) or pattern.findall(after)[:1]
-        given = near or pattern.findall(text[max(0, start - _FARTHEST) : start])
-        cells = [cell.text for cell in nearest if is_head_of(x, cell.head) and _NUMBER.fullmatch(cell.text)]
-        settings |= {x: Fraction((cells or given)[-1])} if cells or given else {}
-    in_steps = [cell.text for cell in nearest if is_head_of("n", cell.head)]
-    counts = [int(number) for number in in_steps if re.fullmatch("[1-9][0-9]*", number)]
-    of_step = any((found := _HEAD_OF_UNKNOWN.fullmatch(cell.head)) and found["of_step"] for cell in row)
-    taken = counts[-1:] if row and of_step else [] if row or near else counts_of_steps(before)[-1:]
-    if taken and not cells and "h" in settings:  # after the last pass of the loop these are what gives the time
-        settings["t"] = taken[0] * settings["h"]
-    elif counts and "t" in settings and "h" not in settings:
-        settings["h"] = settings["t"] / counts[-1]
+    heads = [_SHORT_HEADS.get(cell.head, cell.head) for cell in row if cell.start <= start]
+    head, (before, after) = heads[-1] if heads else "", sentence_around(text, start, end)
+    settings, sure = _settings(text, start, end, row, head)
     about = head if row else before
     if methods_named(head) or SETTING["h"].search(head):  # what is read stands above the table
         about = next(iter(re.findall(r"^[^|\n]+$", text[max(0, start - _FARTHEST) : start], re.MULTILINE)[-1:]), head)
-    unknown, said = _UNKNOWN.search(before), [*_QUANTITY.finditer(about)]
-    quantity, name = said[-1].lastgroup if said else "state" if head else None, unknown["name"] if unknown else None
-    if unknown and unknown["n"] and name == "k":
-        quantity, name = f"k{unknown['n']}", None
+    said, direct = [*_QUANTITY.finditer(about)], _UNKNOWN.search(before)
+    quantity, name = said[-1].lastgroup if said else "state" if head else None, None
+    if found := direct or _WORKED_OUT.search(before):
+        name, n = found["name"], found["n"]
+        if n and name == "k":
+            quantity, name = f"k{n}", None
+        else:
+            quantity = "exact" if quantity == "exact" else "state" if direct or n or sure else "calculation"
+            if f"{name}_{n}" in unknowns:
+                name = f"{name}_{n}"
+            elif n and "h" in settings:
+                settings["t"], sure = int(n) * settings["h"], True
     elif (of_column := _HEAD_OF_UNKNOWN.fullmatch(head)) and not said:
         name = of_column["name"]
-    elif unknown and f"{name}_{unknown['n']}" in unknowns:
-        quantity, name = "exact" if quantity == "exact" else "state", f"{name}_{unknown['n']}"
-    elif unknown:
-        quantity = "exact" if quantity == "exact" else "state"
-        settings |= {"t": int(unknown["n"]) * settings["h"]} if unknown["n"] and "h" in settings else {}
     if more := _AFTER.match(text, end):
         counted = "steps" if (more["count"] or "").endswith("steps") else "evaluations" if more["count"] else ""
         quantity = "percent" if more["percent"] else counted or "ratio"
@@ -130,7 +130,29 @@ def place_of(text: str, start: int, end: int, row: Sequence[Cell], unknowns: Col
     methods = next((named for one in reversed(heads) if (named := methods_named(one))), set[str]())
     methods = methods or methods_named(" ".join(cell.text for cell in row))
     methods = methods or last_methods_named(text[max(0, start - _NEAR) : start], after)
-    return Place(frozenset(methods), settings, quantity, name)
+    return Place(frozenset(methods), settings, quantity, name, sure)
+
+
+def _settings(text: str, start: int, end: int, row: Sequence[Cell], head: str) -> tuple[dict[str, Fraction], bool]:
+    """The step size and the time there: of the row, the head, the sentence, or the last before it; is the time near?"""
+    (before, after), far = sentence_around(text, start, end), text[max(0, start - _FARTHEST) : start]
+    cells = sorted(row, key=lambda cell: cell.start <= start)  # the last one: of columns h, y, h, y the one on the left
+    of = {x: [cell.text for cell in cells if is_head_of(x, cell.head)] for x in "htn"}
+    settings, near = dict[str, Fraction](), dict[str, list[str]]()
+    for x, pattern in (("h", SETTING["h"]), ("t", _TIME)):
+        beside = re.match(rf",? ?(?:\w{{2,5}} )?{pattern.pattern}", text[end : end + _BESIDE])
+        said = [beside[1]] if beside else pattern.findall(before) or pattern.findall(after)[:1]
+        in_row = [number for number in of[x] if _NUMBER.fullmatch(number)]
+        near[x] = in_row[-1:] or pattern.findall(head) or said
+        settings |= {x: Fraction(given[-1])} if (given := near[x] or pattern.findall(far)) else {}
+    counts = [int(number) for number in of["n"] if re.fullmatch("[1-9][0-9]*", number)][-1:]
+    of_step = any((found := _HEAD_OF_UNKNOWN.fullmatch(cell.head)) and found["of_step"] for cell in row)
+    taken = counts * of_step if row else [] if near["t"] else counts_of_steps(before)[-1:]
+    if taken and "h" in settings:
+        settings["t"] = taken[0] * settings["h"]
+    elif counts and "t" in settings and "h" not in settings:
+        settings["h"] = settings["t"] / counts[0]
+    return settings, bool(row or near["t"] or taken)
 
 
 def is_head_of(setting: str, head: str) -> bool:

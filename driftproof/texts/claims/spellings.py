@@ -30,7 +30,8 @@ def slips(spelled: str) -> Iterator[str]:
     yield spelled[1:] if spelled.startswith("-") else f"-{spelled}"
     digits = [i for i, sign in enumerate(spelled) if sign.isdigit()]
     for i, j in pairwise(digits):
-        yield spelled[:i] + spelled[j] + spelled[i + 1 : j] + spelled[i] + spelled[j + 1 :]
+        if spelled[i] != spelled[j]:
+            yield spelled[:i] + spelled[j] + spelled[i + 1 : j] + spelled[i] + spelled[j + 1 :]
     for i in digits:
         yield from (spelled[:i] + new + spelled[i + 1 :] for new in "0123456789" if new != spelled[i])
 

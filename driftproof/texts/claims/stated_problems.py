@@ -112,8 +112,10 @@ def stated_questions(text: str, column_of: Callable[[TextNumber], str]) -> list[
 
 
 def equations_in(text: str) -> Iterator[tuple[int, int]]:
-    """The spans of equations such as y' = -2y, whose numbers the text chooses."""
+    """The spans of equations such as y' = -2y, whose numbers the text chooses; not of slopes, as in y' = -9."""
     for match in _EQUATION.finditer(text):
+        if _ALONE.match(match["rate"]) and not match["rate"].startswith("0"):
+            continue
         rate = re.split(r"\n|[.;](?!\d)", _first(match["rate"]))[0]
         yield match.start(), match.start("rate") + len(rate)
 
@@ -126,8 +128,8 @@ def _problems(text: str) -> Iterator[_Problem]:
         if name == "t" or name in FUNCTIONS or lead is None:
             continue
         is_second = match["second"] or match["dd"]
-        if systems and not is_second and f"d{name}" in systems[-1][1] and _ALONE.match(match["rate"]):
-            continue  # x' = 0, the velocity at the start of x'' = F(x)
+        if systems and not is_second and {name, f"d{name}"} & {*systems[-1][1]} and _ALONE.match(match["rate"]):
+            continue  # x' = 0, a slope or the velocity at the start of x'' = F(x)
         near = _TOGETHER.fullmatch(text, min(last, match.start()), match.start())
         if not (systems and near and name not in systems[-1][1]):
             systems.append((match.start(), {}, {}))
@@ -175,7 +177,7 @@ def _lead(text: str, at: int) -> str | None:
 def _other_values(raw: dict[str, str], text: str) -> Iterator[str]:
     """The values but the first that the text gives to words of the rates, as "k = 3; ", to stand before the text."""
     for word in dict.fromkeys(word for rate in raw.values() for word in _WORD.findall(rate)):
-        values = re.findall(rf"(?<![\w'(]){re.escape(word)} ?= ?({_NUMBER})", text)
+        values = re.findall(rf"(?<![\w'(/*^]){re.escape(word)} ?= ?({_NUMBER})", text)
         yield from (f"{word} = {value}; " for value in [*dict.fromkeys(values)][1:_MOST_PROBLEMS])
 
 
@@ -198,6 +200,7 @@ def _questions(problem: _Problem, equations: str, text: str, column_of: Callable
     times = times or sorted({n * h for n in counts for h in sizes})
     after = {int(n) for n in re.findall(rf"(?<!\w)(?:{'|'.join(problem.rates)})_([1-9])(?!\w)", part)}
     after |= {1} if re.search(r"\b(?:first|single) step\b", part.lower()) else {n for n in said if n < _MOST_TIMES}
+    after |= {1} if re.search(r"k_?1\b", part) else set()
     after |= rows - {0} if {1, 2} <= rows else set()  # numbers of steps, not of runs
     times = sorted({*times, *(n * h for n in after for h in sizes)})
     spoken = methods_named(part.lower()) & {*METHODS} or methods_named(text.lower()) & {*METHODS}
@@ -274,7 +277,8 @@ def _meant(word: str, names: list[str], text: str) -> str:
     if word in ("t", "pi", *FUNCTIONS, "ln", "tan", *names):
         return word
     # Not the end of a sum, as in m x'' + kx = 0.
-    found = re.search(rf"(?<![\w'(])(?<![-+*/] ){re.escape(word)} ?= ?(?:({_NUMBER})|([^=,;]{{1,100}}))", text)
+    said = rf"{re.escape(word)} ?= ?(?:[A-Za-z ]{{1,9}}= ?)?"  # also as in tau = RC = 0.2
+    found = re.search(rf"(?<![\w'(/*^])(?<![-+*/] ){said}(?:({_NUMBER})|([^=,;]{{1,100}}))", text)
     if found and found[1] and found[1][0].isdigit() and "/" not in found[1]:
         return found[1]
     if found and (written := found[1] or _rate(found[2], names, "")):
@@ -300,6 +304,6 @@ def _plain(formula: str) -> str:
     formula = re.sub(r"√\(", "sqrt(", re.sub(r"√(\w+)", r"sqrt(\1)", formula))
     formula = re.sub(r"\be ?\^\{([^{}]*)\}|\be ?\^\(?(-?\w+)\)?", lambda to: f"exp({to[1] or to[2]})", formula)
     formula = re.sub(r"\^\{(-?[0-9]+(?:/[0-9]+)?)\}", r"^(\1)", formula)
-    formula = re.sub(r"(\^[0-9]+) (?=[A-Za-z(])", r"\1*", formula)  # x^2 y
+    formula = re.sub(r"(\^[0-9]+) (?=(?:d?[A-Za-z]|[A-Za-z]+_\w)\b|\()", r"\1*", formula)  # x^2 y
     formula = re.sub(r"(?<![\w./^])((?:\w+|\([^()]*\))/\w+) (?=[A-Za-z(])", r"(\1) ", formula)  # 2/3 x, no 2/(3x)
     return re.sub(r"\b(sin|cos|tan|exp|ln|log|sqrt) (\w+)", r"\1(\2)", formula)

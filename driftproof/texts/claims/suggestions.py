@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from fractions import Fraction
@@ -52,6 +52,9 @@ _NEIGHBOURHOOD = 100
 
 # Chosen: a number nearer than this to the value that its place names, relative to it, hardly means another one.
 _NEAR = Fraction(1, 100)
+
+# A step size or a time in a question.
+_SIZE = re.compile(r"\b[ht]=[^\s,:]+")
 
 # An asked question, its answer, and the numbers that may be slips for it, or equal to it in few digits.
 Missed: TypeAlias = tuple[str, Answer, list[TextNumber], list[TextNumber]]
@@ -110,7 +113,7 @@ class Suggestions:
             k for k in self._known if (k.answer.unit == "%") == percent or (k.question in self.asked and not percent)
         ]
         meant, head = self._meant_at(number), self.tables.column_of(number)
-        placed = any(known.stated for known in meant)
+        placed = self._place_of(number).sure and any(known.stated for known in meant)
         alike = {each.question for each in self._written(form).get(spelled(number), ())}
         for known in (each for each in possible if each.question in alike):
             fit, asked = fits[known.question], known.chosen is not None
@@ -118,7 +121,9 @@ class Suggestions:
             denied = contradicted(known.question, self._lower, number.start, number.end, asked)
             rivals = min(rivals, len(meant)) if asked and known in meant else rivals
             elsewhere = placed and known.stated and known not in meant
-            strong = not denied and not elsewhere and known.is_meant(x, digits, fit, rivals)
+            only = known.stated and [each for each in meant if each.stated] == [known]
+            telling = len(digits_of(number.text)) if only else digits
+            strong = not denied and not elsewhere and known.is_meant(x, telling, fit, rivals)
             unpublished = known.question not in ids
             first = -known.rank * (strong or known.rank == 2)
             headed = any(name in head for name in known.names)  # order under "order", not the number of stages
@@ -174,13 +179,18 @@ class Suggestions:
                     if known.question.startswith(_LIMITS) and slip in others and digits > 4:
                         place = self._lower, number.start, number.end, self.tables.column_of(number)
                         found |= {known.question: slip} if names_limit(known.question, *place) else {}
-            stated = [known.question for known in self._meant_at(number) if known.stated]
-            named = [x for x in stated if x in first and not x.endswith("evaluations")]
-            if not found and digits > 2 and len(named) == 1:
-                spelling = first[named[0]]
-                off = abs(number.value - Fraction(spelling))
-                found |= {named[0]: spelling} if 0 < off <= _NEAR * abs(Fraction(spelling)) else {}
+            if not found and digits > 2 and self._place_of(number).sure:
+                found = self._misplaced(number, first, digits)
         return found
+
+    def _misplaced(self, number: TextNumber, spellings: Mapping[str, str], digits: int) -> dict[str, str]:
+        """The one value that the number's place names, if that is near to it, or the number has another h or t."""
+        stated = [known.question for known in self._meant_at(number) if known.stated]
+        named = {x: spellings[x] for x in stated if x in spellings and not x.endswith("evaluations")}
+        others = {_SIZE.sub("", one.question) for one in self.look_alikes(number) if _SIZE.search(one.question)}
+        near = {x: y for x, y in named.items() if 0 < abs(number.value - Fraction(y)) <= _NEAR * abs(Fraction(y))}
+        found = near or {x: y for x, y in named.items() if digits > 3 and _SIZE.sub("", x) in others}
+        return found if len({*found.values()}) == 1 else {}
 
     def _is_near(self, known: KnownValue, number: TextNumber, digits: int) -> bool:
         """True if all the numbers of an asked value stand on the line or, if there are none, its names nearby."""

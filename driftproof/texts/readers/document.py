@@ -12,9 +12,11 @@ from typing import NamedTuple
 
 from driftproof.support.files import read_utf8
 from driftproof.texts.readers.canonical import canonical_spelling
+from driftproof.texts.readers.columns import with_columns_parted
 from driftproof.texts.readers.html import html_blocks
 from driftproof.texts.readers.jupyter import notebook_blocks
 from driftproof.texts.readers.markdown import markdown_blocks
+from driftproof.texts.readers.restructured import restructured_blocks
 from driftproof.texts.readers.source_text import PROSE, Block, Insertion, SourceText, joined
 from driftproof.texts.readers.tex import tex_blocks
 
@@ -22,6 +24,7 @@ READERS: dict[str, Callable[[SourceText], list[Block]]] = {
     "plain": lambda source: [Block(PROSE, source)],
     "markdown": markdown_blocks,
     "html": html_blocks,
+    "rst": restructured_blocks,
     "tex": tex_blocks,
     "notebook": notebook_blocks,
 }
@@ -29,6 +32,7 @@ _ENDINGS = {
     **dict.fromkeys((".md", ".markdown", ".qmd", ".rmd", ".myst"), "markdown"),
     **dict.fromkeys((".html", ".htm", ".xhtml"), "html"),
     **dict.fromkeys((".tex", ".ltx", ".latex"), "tex"),
+    **dict.fromkeys((".rst", ".rest"), "rst"),
     ".ipynb": "notebook",
 }
 _CODE = re.compile(r"^[^\n#]*[^\s#]", re.MULTILINE)
@@ -115,7 +119,8 @@ def document_of(source: str, form: str = "plain") -> Document:
     starts, end = list[int](), 0
     commas = sum(len(_SURELY.findall(block.text.text)) for block in blocks if not block.is_program) >= _ENOUGH
     for block in blocks:
-        text = canonical_spelling(block.text).stripped()
+        text = block.text if block.is_program else with_columns_parted(block.text)
+        text = canonical_spelling(text).stripped()
         if commas and not block.is_program:
             text = text.rewritten(_DECIMAL_COMMA, lambda match: [match.span(1), "."])
         if text.text:

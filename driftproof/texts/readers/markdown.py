@@ -21,9 +21,10 @@ _OPTIONS = re.compile(
     r"(?:[ \t]*---[ \t]*\n.*?\n[ \t]*---[ \t]*(?:\n|\Z)|(?:[ \t]*:[\w-]+:[^\n]*(?:\n|\Z))+)", re.DOTALL
 )
 # Directives whose argument is a file or a number of columns; that are not read at all; whose body is read as prose.
-_NO_TITLES = {"grid", "figure", "image", "csv-table", "literalinclude", "include", "video", "iframe", "download"}
-_UNREAD = {"image", "literalinclude", "include", "toctree", "tableofcontents", "contents", "bibliography", "raw"} | {
-    "index", "video", "iframe", "mermaid", "glue:figure", "bokeh-plot", "footbibliography", "tags",
+NO_TITLES = {"grid", "figure", "image", "csv-table", "literalinclude", "include", "video", "iframe", "download"}
+MACHINE_DIRECTIVES = {
+    "image", "literalinclude", "include", "toctree", "tableofcontents", "contents", "bibliography", "raw", "index",
+    "video", "iframe", "mermaid", "glue:figure", "bokeh-plot", "footbibliography", "tags",
 }  # fmt: skip
 _PROSE_DIRECTIVES = """
 note tip hint warning important caution danger error attention seealso todo admonition topic figure table list-table
@@ -32,7 +33,7 @@ example versionadded versionchanged deprecated glossary container div
 """
 _READ = frozenset(_PROSE_DIRECTIVES.split())
 # Roles whose text is a key that is not shown, unless a text precedes it: {ref}`the figure <fig-1>`.
-_KEYS = {"ref", "numref", "eq", "doc", "label", "download", "nb-download", "footcite", "footcitet", "eval", "glue"}
+KEYS = {"ref", "numref", "eq", "doc", "label", "download", "nb-download", "footcite", "footcitet", "eval", "glue"}
 # Also not shown: targets, comments, substitutions, block breaks, and the label after a displayed equation.
 _TARGET = re.compile(
     r"^\([\w:.-]+\)=[ \t]*$\n?|^% [^\n]*$\n?|\{\{ [^{}\n]{1,200} \}\}|^\+\+\+(?: [^\n]*)?$\n?"
@@ -48,10 +49,10 @@ _KEPT = re.compile(
     r"|(?<![\\$\w])\$(?P<inline>(?! )[^$\n]{1,500}(?:\n[^$\n]{1,500})?(?<! ))\$(?![\w$])",
     re.DOTALL | re.IGNORECASE,
 )
-_SHOWN = re.compile(r"(?P<a>[^<]*\S)\s*<[^<>]*>\Z")
-_CELL_OF_LIST = re.compile(r"(?m)^[ \t]*(?P<row>[*-] +)- ?|\n[ \t]+- ?")
+SHOWN = re.compile(r"(?P<a>[^<]*\S)\s*<[^<>]*>\Z")
+CELL_OF_LIST = re.compile(r"(?m)^[ \t]*(?P<row>[*-] +)- ?|\n[ \t]+- ?")
 # Levels of directives inside directives: more than a grid of cards of tabs has.
-_DEEPEST = 8
+DEEPEST = 8
 _MATHEMATICS = ("amsmath", "display", "bracket", "paren", "inline")
 # Punctuation that is not markup is shielded: mapped to private-use characters until the markup is gone.
 _PUNCTUATION = re.compile(r"[!-/:-@\[-`{-~]")
@@ -83,7 +84,7 @@ def markdown_blocks(source: SourceText) -> list[Block]:
 
 
 def _parts(source: SourceText, depth: int) -> list[Block]:
-    """The blocks of a part of the text; bodies of directives are read recursively, at most _DEEPEST levels deep."""
+    """The blocks of a part of the text; bodies of directives are read recursively, at most DEEPEST levels deep."""
     blocks: list[Block] = []
     done = 0
     for match in _FENCE.finditer(source.text):
@@ -102,13 +103,13 @@ def _fenced(source: SourceText, match: re.Match[str], depth: int) -> list[Block]
     body, names = source[start : match.end("body")], _NAME.findall(match["info"])
     if names[:1] == ["math"]:
         return [Block(PROSE, tex_prose(body))]
-    if name in _UNREAD:
+    if name in MACHINE_DIRECTIVES:
         return []
     if name == "list-table":  # "* - " begins a row, "  - " a cell
-        body = body.rewritten(_CELL_OF_LIST, lambda match: ["| " if match["row"] else " | "])
-    if depth < _DEEPEST and (name in _READ or name.startswith(("prf:", "proof:")) or match["fence"].startswith(":")):
+        body = body.rewritten(CELL_OF_LIST, lambda match: ["| " if match["row"] else " | "])
+    if depth < DEEPEST and (name in _READ or name.startswith(("prf:", "proof:")) or match["fence"].startswith(":")):
         info = source[match.start("info") : match.end("info")]
-        title = [Block(PROSE, markdown_prose(info[directive.end() :]))] if directive and name not in _NO_TITLES else []
+        title = [Block(PROSE, markdown_prose(info[directive.end() :]))] if directive and name not in NO_TITLES else []
         return [*title, *_parts(body, depth + 1)]
     language = next((name for name in names if name not in ("code-cell", "code-block", "code", "sourcecode")), "")
     return [Block(LISTING, body, language.lower())]
@@ -122,11 +123,21 @@ def markdown_prose(text: SourceText) -> SourceText:
     for pattern in (_LINK, _LINK, _STRONG, _STRESSED):  # twice, as the text of a link may be a link or a picture
         text = text.rewritten(pattern, lambda match: [match.span("b" if match["a"] is None else "a")])
     text = text.rewritten(_TAG, _tag).rewritten(_ENTITY, lambda match: [html.unescape(match[0])])
-    return text.rewritten(_SHIELDED, lambda match: [chr(ord(match[0]) - _FIRST_SHIELD)])
+    return unshielded(text)
 
 
 def _shield(punctuation: str) -> str:
     return chr(_FIRST_SHIELD + ord(punctuation))
+
+
+def shielded(text: SourceText) -> SourceText:
+    """The text with its punctuation mapped to private-use characters, which are no markup."""
+    return text.rewritten(_PUNCTUATION, lambda sign: [_shield(sign[0])])
+
+
+def unshielded(text: SourceText) -> SourceText:
+    """The text with the punctuation that was shielded."""
+    return text.rewritten(_SHIELDED, lambda match: [chr(ord(match[0]) - _FIRST_SHIELD)])
 
 
 def _code_and_mathematics_shielded(text: SourceText) -> SourceText:
@@ -138,18 +149,18 @@ def _code_and_mathematics_shielded(text: SourceText) -> SourceText:
             continue
         name, role = next((name for name in _MATHEMATICS if match[name]), "code"), (match["role"] or "").lower()
         kept = text[match.start(name) : match.end(name)]
-        if not _KEYS.isdisjoint(role.split(":")) or role.startswith("cite"):
-            shown = _SHOWN.match(kept.text)
+        if not KEYS.isdisjoint(role.split(":")) or role.startswith("cite"):
+            shown = SHOWN.match(kept.text)
             kept = kept[slice(*shown.span("a"))] if shown else kept[:0]
         kept = kept if name == "code" and role != "math" else tex_prose(kept)
-        if role in _SCRIPTS:
-            before = Insertion(_SCRIPTS[role], kept.origin(0))
+        if role in SCRIPTS:
+            before = Insertion(SCRIPTS[role], kept.origin(0))
             kept = joined([before, kept, Insertion("}", kept.origin(len(kept.text)))])
-        pieces.append(kept.rewritten(_PUNCTUATION, lambda sign: [_shield(sign[0])]))
+        pieces.append(shielded(kept))
     return joined([*pieces, text[done:]])
 
 
-_SCRIPTS = {"sup": "^{", "sub": "_{"}
+SCRIPTS = {"sup": "^{", "sub": "_{"}
 # Tags that separate the text around them, and the separators.
 _PARTING = {
     "br": "\n", "p": "\n", "div": "\n", "tr": "\n", "table": "\n", "li": "\n", "ul": "\n", "ol": "\n", "hr": "\n",
@@ -160,5 +171,5 @@ _PARTING = {
 def _tag(match: re.Match[str]) -> Iterable[Piece]:
     name = match["name"].lower()
     if match["end"]:
-        return ["}" if name in _SCRIPTS else ""]
-    return [_SCRIPTS.get(name, _PARTING.get(name, ""))]
+        return ["}" if name in SCRIPTS else ""]
+    return [SCRIPTS.get(name, _PARTING.get(name, ""))]

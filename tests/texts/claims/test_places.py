@@ -38,6 +38,11 @@ def place(text, number):
         ("h = 0.1\n| n | S_n | I_n |\n| 4 | 1 | 0.77 |", set(), (Q(1, 10), Q(2, 5)), "state", "i"),
         ("h = 0.1, t = 2\n| n | S | I |\n| 4 | 1 | 0.77 |", set(), (Q(1, 10), 2), "state", "i"),
         ("h = 0.1\n| n | y_n | e_n |\n| 4 | 1 | 0.77 |", set(), (Q(1, 10), Q(2, 5)), "error", None),
+        ("Heun, h = 0.1, t = 3: y = 0.77 for h = 0.2", {"heun2"}, (Q(1, 5), 3), "state", "y"),
+        ("Heun, h = 0.1: y_2 = 1 - 0.2 + 0.01 = 0.77", {"heun2"}, (Q(1, 10), Q(1, 5)), "state", "y"),
+        ("Heun, h = 0.1, t = 3. There y = a/b = 0.77", {"heun2"}, (Q(1, 10), 3), "calculation", "y"),
+        ("h = 0.1\n| day | forward | I (RK4) |\n| 4 | 0.77 | 1 |", {"forward_euler"}, (Q(1, 10), 4), "state", None),
+        ("h = 0.1\n| day | forward | I (RK4) |\n| 4 | 1 | 0.77 |", {"rk4"}, (Q(1, 10), 4), "state", "i"),
         ("By Heun. There y(0) = 1, and 0.77 later, not RK4", {"heun2"}, (None, None), None, None),
     ],
 )
@@ -92,3 +97,14 @@ def test_a_question_is_meant_if_all_that_it_names_is_named():
     assert asked_quantity(f"percent({run}relative_error, 1)") == ("percent", "")
     assert asked_quantity(f"percent({run}y, 1)")[0] == "share"
     assert [asked_quantity(f"{asked}y0")[1] for asked in (run, "run rk4 rates=(y0) : ")] == ["y0", ""]
+
+
+def test_a_place_is_sure_of_its_time_if_that_stands_in_its_row_or_sentence():
+    for text, sure in (
+        ("To t = 1 with Heun. Then y is 0.77", False),
+        ("With Heun y is 0.77 at t = 1", True),
+        ("Heun, h = 0.1: after two steps y is 0.77", True),
+        ("Heun, h = 0.1: y_2 = 0.77", True),
+        ("t = 1\n| h | y |\n| 0.1 | 0.77 |", True),
+    ):
+        assert place(text, "0.77").sure is sure, text

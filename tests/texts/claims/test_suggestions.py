@@ -231,6 +231,24 @@ def test_a_value_of_another_step_size_or_the_solution_is_weak_where_the_place_na
     assert suggestions.look_alikes(last)[0].question.startswith("exact")
 
 
+def test_a_value_in_the_row_of_another_step_size_is_misplaced_and_no_claim():
+    """Forward Euler has 0.3164 with h = 1/4 and 0.3277 with h = 1/5."""
+    table = "y' = -y, y(0) = 1. At t = 1:\n| h | Euler |\n| 0.25 | {} |\n| 0.2 | {} |"
+    for values, misplaced in ((("0.3164", "0.3277"), []), (("0.3277", "0.3164"), ["0.3164", "0.3277"])):
+        suggestions = Suggestions(table.format(*values))
+        numbers = [x for x in numbers_in(suggestions.text) if x.text in values]
+        assert [slip for x in numbers for slip in suggestions.slips(x).values()] == misplaced
+        assert [suggestions.look_alikes(x)[0].strong for x in numbers] == [not misplaced] * 2
+
+
+def test_zeros_at_the_end_of_the_value_that_the_place_names_are_digits():
+    """With h = 1/2, forward Euler has 0.25."""
+    for h, strong in (("0.5", True), ("0.25", False)):
+        text = f"y' = -y, y(0) = 1. Euler at t = 1:\n| h | y |\n| {h} | 0.2500 |\n| 0.5 | 0.1 |"
+        number = next(x for x in numbers_in(text) if x.text == "0.2500")
+        assert any(one.strong for one in Suggestions(text).look_alikes(number)) is strong
+
+
 def test_a_row_at_time_t_is_of_the_run_of_as_many_steps_and_its_column_has_a_name():
     table = "| t | Euler | RK4 |\n| 0.2 | 0.8 | 0.829293 |\n| 0.4 | 1.152 | 1.214 |"
     suggestions = Suggestions(table, ["run {Euler,RK4} y'=y-t^2+1, y(0)=0.5, h=0.2, N={1,2} : y"])

@@ -1,0 +1,45 @@
+"""Tables of plain text and of printed output, whose columns only spaces part: | is put between them."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+
+from driftproof.texts.readers.source_text import Insertion, SourceText, joined
+
+_CELL = re.compile(r"\S+(?: \S+)*")  # a tab parts cells as two spaces do
+_NUMBER = re.compile(r"[-+−]?(?:[0-9]+/[0-9]+|[0-9]*\.?[0-9]+)(?:[eE][-+]?[0-9]+|[×·]10\S+)? ?%?|-|nan|inf")
+_RULE = re.compile(r"[ \t]*[-=+]{2,}[-=+ \t]*\n?")
+
+
+def with_columns_parted(text: SourceText) -> SourceText:
+    """The text with | before each column of a table, and without the rule below its heads.
+
+    A table has rows of two cells or more, at least half of them numbers, that two spaces or a tab part, and above them
+    as many heads.
+    """
+    return joined(_pieces(text)) if re.search("[0-9](?: {2,}|\t)", text.text) else text
+
+
+def _pieces(text: SourceText) -> Iterator[SourceText | Insertion]:
+    lines = text.text.splitlines(keepends=True)
+    cells = [[] if "|" in line else [*_CELL.finditer(line)] for line in lines]
+    starts = [0]
+    for line in lines:
+        starts.append(starts[-1] + len(line))
+    in_table, rules = set[int](), set[int]()
+    for i, row in enumerate(cells):
+        heads = i - 1 - (i > 1 and _RULE.fullmatch(lines[i - 1]) is not None)
+        numbers = sum(_NUMBER.fullmatch(cell[0]) is not None for cell in row)
+        if len(row) > 1 and 2 * numbers >= len(row) and heads >= 0 and len(cells[heads]) == len(row):
+            in_table |= {heads, i}
+            rules |= {i - 1} - {heads}
+    for i, row in enumerate(cells):
+        if i in in_table:
+            for cell in row:
+                yield Insertion("| ", text.origin(starts[i] + cell.start()))
+                yield text[starts[i] + cell.start() : starts[i] + cell.end()]
+                yield Insertion(" ", text.origin(starts[i] + cell.end() - 1))
+            yield Insertion("\n", text.origin(starts[i + 1] - 1))
+        elif i not in rules:
+            yield text[starts[i] : starts[i + 1]]
