@@ -8,6 +8,7 @@ from bisect import bisect_right
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from fractions import Fraction
 from itertools import groupby
 from typing import TypeAlias
 
@@ -87,7 +88,7 @@ class _Member:
     def remark(self, place: str) -> str:
         """A comment line with the other values that the number looks like, at most two of them, or a likely slip."""
         if self.slips:
-            question, slip = min(self.slips.items())
+            question, slip = min(self.slips.items(), key=lambda one: (abs(Fraction(one[1]) - self.number.value), one))
             other = next((one.question for one in self.alike if one.question != question), "")
             also = f"; it looks like {other}" * bool(other)
             return f"# {place}: {self.number.text}{SLIP} {question} is {slip}{also}\n"

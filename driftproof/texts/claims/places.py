@@ -43,14 +43,14 @@ _HEADS = {
 _SHORT_HEADS = {"forward": "forward euler", "backward": "backward euler", "trapezoidal": "trapezoidal rule"}
 # Characters before a number that are searched for a step size or time, and for a method.
 _FARTHEST, _NEAR = 2000, 400
-# Characters after a number in which its own step size may stand, as in 0.01 for h = 0.5.
+# Characters after a number in which its own step size or method may stand, as in 0.01 for h = 0.5.
 _BESIDE = 40
 _NUMBER = re.compile(r"[-+]?[0-9]+(?:\.[0-9]+|/[1-9][0-9]*)?")
 
 
 @dataclass(frozen=True)
 class Place:
-    """What is named where a number stands: None or an empty set where nothing is; `sure` if its time stands there."""
+    """What is named where a number stands: None or an empty set if nothing is; `sure` if a quantity and its time are."""
 
     methods: frozenset[str]
     settings: dict[str, Fraction]
@@ -129,8 +129,10 @@ def place_of(text: str, start: int, end: int, row: Sequence[Cell], unknowns: Col
         quantity = "chosen"
     methods = next((named for one in reversed(heads) if (named := methods_named(one))), set[str]())
     methods = methods or methods_named(" ".join(cell.text for cell in row))
+    by = re.match(rf" ?\(?(?:by|with|for|using|from)\b([^,;.]{{1,{_BESIDE}}})", text[end:])
+    methods = methods or (methods_named(by[1]) if by else set())
     methods = methods or last_methods_named(text[max(0, start - _NEAR) : start], after)
-    return Place(frozenset(methods), settings, quantity, name, sure)
+    return Place(frozenset(methods), settings, quantity, name, sure and quantity is not None)
 
 
 def _settings(text: str, start: int, end: int, row: Sequence[Cell], head: str) -> tuple[dict[str, Fraction], bool]:

@@ -181,7 +181,7 @@ class Suggestions:
                         found |= {known.question: slip} if names_limit(known.question, *place) else {}
             if not found and digits > 2 and self._place_of(number).sure:
                 found = self._misplaced(number, first, digits)
-        return found
+        return {question: slip for question, slip in found.items() if question in meant} or found
 
     def _misplaced(self, number: TextNumber, spellings: Mapping[str, str], digits: int) -> dict[str, str]:
         """The one value that the number's place names, if that is near to it, or the number has another h or t."""
