@@ -50,7 +50,7 @@ _NUMBER = re.compile(r"[-+]?[0-9]+(?:\.[0-9]+|/[1-9][0-9]*)?")
 
 @dataclass(frozen=True)
 class Place:
-    """What is named where a number stands: None or an empty set if nothing is; `sure` if a quantity and its time are."""
+    """What is named where a number stands, None or an empty set if nothing is; `sure` with a quantity and its time."""
 
     methods: frozenset[str]
     settings: dict[str, Fraction]
