@@ -242,7 +242,7 @@ class _Search:
         return "", set()
 
     def _beginning(self, least: int, group: _Group) -> int:
-        """Where the phrase of the group begins, at `least` or later."""
+        """The place, at `least`, where the phrase of the group begins."""
         text, start, chosen_at = self.text, group[0].number.start, group[0].chosen_at
         words = [match.start() for match in _BEGINNING.finditer(text, least, start)]
         first = words[-_WORDS:][0] if words else start

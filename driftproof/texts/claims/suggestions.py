@@ -24,7 +24,7 @@ from driftproof.texts.claims.phrases import NumberForm
 from driftproof.texts.claims.places import Place, place_of
 from driftproof.texts.claims.spellings import digits_of, form_of, slips, spelled
 from driftproof.texts.claims.stated_problems import stated_questions
-from driftproof.texts.claims.tables import Tables
+from driftproof.texts.claims.tables import TextTables
 from driftproof.texts.questions.answer import Answer
 from driftproof.texts.questions.arithmetic import NUMBER_FUNCTIONS
 from driftproof.texts.questions.evaluate import value
@@ -97,7 +97,7 @@ class Suggestions:
         self._spelled: dict[NumberForm, dict[str, list[KnownValue]]] = {}
         self._meant: dict[int, list[KnownValue]] = {}
         self._places: dict[int, Place] = {}
-        self.tables = Tables(text)
+        self.tables = TextTables(text)
         self.stated = stated_questions(text, self.tables.column_of)
 
     def look_alikes(self, number: TextNumber) -> list[LookAlike]:

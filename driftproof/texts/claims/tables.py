@@ -25,7 +25,7 @@ class Cell(NamedTuple):
     end: int
 
 
-class Tables:
+class TextTables:
     """The tables of a text in canonical spelling."""
 
     def __init__(self, text: str) -> None:

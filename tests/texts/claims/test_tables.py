@@ -2,12 +2,12 @@
 
 import pytest
 
-from driftproof.texts.claims.tables import Tables
+from driftproof.texts.claims.tables import TextTables
 from driftproof.texts.readers.numbers import numbers_in
 
 
 def heads(text):
-    tables = Tables(text)
+    tables = TextTables(text)
     return {number.text: tables.column_of(number) for number in numbers_in(text) if number.label is None}
 
 
@@ -31,7 +31,7 @@ def test_no_number_outside_a_table_has_a_head_nor_one_below_the_end_of_a_table()
 
 def test_cells_of_a_row_have_their_places_in_the_text():
     text = "| t | Heun |\n| 0.5 | 1.125 |"
-    tables, (number, _) = Tables(text), numbers_in(text)
+    tables, (number, _) = TextTables(text), numbers_in(text)
     cells = [cell for cell in tables.row_of(number) if cell.head]
     assert [(cell.head, cell.text, text[cell.start : cell.end].strip(" |")) for cell in cells] == [
         ("t", "0.5", "0.5"),
