@@ -16,7 +16,7 @@ from driftproof.texts.claims.claims import MOST_CLAIMS
 from driftproof.texts.claims.contradictions import methods_named
 from driftproof.texts.claims.phrases import Phrase
 from driftproof.texts.claims.spellings import digits_of
-from driftproof.texts.claims.stated_problems import equations_in
+from driftproof.texts.claims.stated_problems import equations_in, parameters_in
 from driftproof.texts.claims.suggestions import LookAlike, Missed, Suggestions
 from driftproof.texts.questions.decimals import HALF_EVEN, Style
 from driftproof.texts.readers.document import Document
@@ -66,9 +66,13 @@ class _Member:
     chosen_at: int | None
 
     @classmethod
-    def of(cls, number: TextNumber, suggestions: Suggestions, text: str, equations: Mapping[int, int]) -> _Member:
+    def of(
+        cls, number: TextNumber, suggestions: Suggestions, text: str, equations: Mapping[int, int], letters: set[str]
+    ) -> _Member:
         start, alike = max(0, number.start - _LONGEST_SETTING), suggestions.look_alikes(number)
-        found = _SETTING.search(text[start : number.start].replace("\n", " "))
+        before = text[start : number.start].replace("\n", " ")
+        parameter = re.search(r"(?<![\w./])([^\W\d]\w*) ?= ?\Z", before)
+        found = _SETTING.search(before) or (parameter if parameter and parameter[1] in letters else None)
         setting, strong = start + found.start() if found else None, bool(alike) and alike[0].strong
         if _HEAD_OF_SETTINGS.fullmatch(suggestions.tables.column_of(number)):
             cell = re.search(r"(?m)(?:\||^) ?\Z", text[start : number.start])
@@ -113,7 +117,8 @@ def draft(document: Document, name: str, asked: Iterable[str] = ()) -> str:
     text = document.text.text
     suggestions, search = Suggestions(text, asked), _Search(text)
     equations = {at: start for start, end in equations_in(text) for at in range(start, end)}
-    members = [_Member.of(number, suggestions, text, equations) for number in search.numbers if number.label is None]
+    counted, letters = [number for number in search.numbers if number.label is None], parameters_in(text)
+    members = [_Member.of(number, suggestions, text, equations, letters) for number in counted]
     code = {at for span in document.code for at in range(*span)}
     # A single digit of a program, such as an initial 1.0 or a number of turns, looks like too much to be a value.
     in_code = [m for m in members if m.number.start in code]

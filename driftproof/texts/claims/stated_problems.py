@@ -120,6 +120,16 @@ def equations_in(text: str) -> Iterator[tuple[int, int]]:
         yield match.start(), match.start("rate") + len(rate)
 
 
+def parameters_in(text: str) -> set[str]:
+    """The letters of equations of the text that are no unknowns: what it gives as k = 3 is chosen."""
+    found = [match for match in _EQUATION.finditer(text) if not _ALONE.match(match["rate"])]
+    words = {word for match in found for word in _WORD.findall(_first(match["rate"]))}
+    letters = {
+        letter for word in words for letter in ([word] if len(word) < 2 or "_" in word else re.findall("[α-ω]", word))
+    }
+    return letters - {match[kind] for match in found for kind in ("name", "d", "dd")} - {"t", "e"}
+
+
 def _problems(text: str) -> Iterator[_Problem]:
     """The systems of equations of the text, each with the text from a little before it to the next one."""
     systems, last, spelled = list[tuple[int, dict[str, str], dict[str, str]]](), len(text), with_greek_spelled(text)

@@ -110,6 +110,12 @@ def test_what_the_text_chooses_is_given_and_what_looks_like_a_value_is_not(setti
     assert limit["value"] == "imaginary_limit rk4"
 
 
+def test_a_letter_of_an_equation_is_given_and_no_other():
+    document = document_of("S' = -βS I - c_1 S, with β = 0.44, c_1 = 0.77 and q = 0.99; S = 0.33.")
+    given = [claim["phrase"] for claim in tomllib.loads(draft(document, "a"))["claim"]]
+    assert given == ["β = 0.44", "c_1 = 0.77"]
+
+
 @pytest.mark.parametrize("method", ["forward Euler", "velocity Verlet"])
 def test_a_digit_beside_the_name_of_a_method_is_no_state_of_it(method):
     """No word but the method's names q = 1, which forward Euler has after a step from (1, 0)."""
