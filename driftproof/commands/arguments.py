@@ -34,6 +34,12 @@ class Undecided(Refuted):
     status = NO_ANSWER
 
 
+class Unread(Refuted):
+    """Raised if some of what is to be examined cannot be read; the message is the answer about the rest, too."""
+
+    status = BAD_INPUT
+
+
 class Help(Exception):
     """Raised if help is asked for; the message is the help text."""
 

@@ -23,6 +23,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Sequence
 from fractions import Fraction
+from os.path import exists, isdir
 from pathlib import Path
 from typing import Any, TypeAlias
 
@@ -44,6 +45,7 @@ from driftproof.methods.names import plain_name
 from driftproof.methods.number_field import Algebraic, Exact, NumberField
 from driftproof.methods.rosenbrock import Rosenbrock
 from driftproof.methods.schemes import SUBSTEPS, Collocation, Method, MethodError, Nystrom, RungeKutta, Splitting
+from driftproof.support.files import file_named
 from driftproof.support.plain_text import shortened
 from driftproof.support.toml_tables import (
     TomlTable,
@@ -359,13 +361,18 @@ def subject_of(given: str | Path | Method | Family | FactsOnly) -> Method | Fami
         raise ValueError(f"{shortened(str(given))!r} is not a method: {_GIVE}{_FIRST * callable(given)}")
     name = str(given)
     if name.endswith(".toml"):
-        return read_method(Path(name))
-    of, at, value = name.rpartition(" at ")
-    if at and not keys_of_name(name) and isinstance(family := subject_of(of), Family):
-        return family.member(parse_number(value, family.parameter))
+        return read_method(file_named(name))
+    of, at, value = f"{name} ".rpartition(" at ")
+    if at and not keys_of_name(name):
+        if not isinstance(family := subject_of(of), Family):
+            raise ValueError(f"{family.key} has no parameter; only families such as sdirk_order_2 do")
+        return family.member(parse_number(value.strip(), family.parameter))
     families = () if keys_of_name(name) else FAMILIES.values()  # which take FLINT to be read
     called = (each for each in families if plain_name(name) in (plain_name(each.key), plain_name(each.title)))
-    return next(called, None) or entry_named(name)
+    found = next(called, None)
+    if not found and not keys_of_name(name) and exists(path := file_named(name)) and not isdir(path):
+        raise ValueError(f"{shortened(name)}: the name of a method's file ends in .toml")
+    return found or entry_named(name)
 
 
 def names_of(given: GivenMethods) -> list[str]:

@@ -230,6 +230,10 @@ def test_member_of_a_family_is_named_with_its_value(tmp_path: Path) -> None:
     for given, said in (
         ("explicit_order_2 at 0", "is not defined at alpha = 0, a pole"),
         ("explicit_order_2", "one method is needed, such as 'explicit_order_2 at 1/2'"),
+        ("explicit_order_2 at", "the expression is empty"),
+        ("rk4 at 1/2", "^rk4 has no parameter"),
+        (f"{path} 2", "^unknown method"),
+        (__file__, "test_tableau_file.py: the name of a method's file ends in .toml$"),
     ):
         with pytest.raises(ValueError, match=said):
             method_of(given)
