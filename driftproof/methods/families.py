@@ -15,6 +15,7 @@ from functools import cache, reduce
 from typing import TYPE_CHECKING, TypeAlias
 
 from driftproof.methods.expressions import evaluate_expression
+from driftproof.methods.names import KeyedTable, UnknownKey
 from driftproof.methods.number_field import Exact, as_fmpq, as_fraction
 from driftproof.methods.schemes import MethodError, RungeKutta
 from driftproof.support.plain_text import shortened
@@ -184,10 +185,12 @@ _TABLES = {
 }
 
 
-class _Families(Mapping[str, Family]):
+class _Families(KeyedTable[Family]):
     """The families by key, each read on its first use."""
 
     def __getitem__(self, key: str) -> Family:
+        if key not in _TABLES:
+            raise UnknownKey(key, self)
         return _read(key)
 
     def __iter__(self) -> Iterator[str]:

@@ -36,7 +36,12 @@ def value(question: str) -> Answer:
     """
     if not isinstance(question, str):
         raise TypeError(f"a question is a string, such as 'order rk4', not {question!r:.60}")
-    return replace(_answer(parse_question(question), question), question=question)
+    answer = _answer(parse_question(question), question)
+    if callable(answer.exact):
+        from driftproof.symbolic.algebra.certified import EnclosedReal
+
+        answer = replace(answer, exact=EnclosedReal(answer.exact))
+    return replace(answer, question=question)
 
 
 def _answer(node: Node, question: str) -> Answer:
