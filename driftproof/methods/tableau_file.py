@@ -211,7 +211,10 @@ def _number(value: object, where: str, read: Read) -> Any:
 
 
 def _square(table: TomlTable, read: Read, stages: int, name: str = "A") -> tuple[tuple[Any, ...], ...]:
-    rows = [as_list(row, name, most=MOST_STAGES) for row in as_list(_entry(table, name), name, most=MOST_STAGES)]
+    given = as_list(_entry(table, name), name, most=MOST_STAGES)
+    if given and not isinstance(given[0], list):
+        raise MethodError(f"{name}[0] is {quoted(given[0])}; {name} is a list of rows, as in [[0, 0], [1, 0]]")
+    rows = [as_list(row, name, most=MOST_STAGES) for row in given]
     for diagonal in (0, 1):  # rows may end before the diagonal, or with it
         if all(len(row) == i + diagonal for i, row in enumerate(rows)):
             rows = [[*row, *[0] * (len(rows) - len(row))] for row in rows]
@@ -309,7 +312,7 @@ def _additive(table: TomlTable, common: dict[str, Any], read: Read) -> Additive:
 
 _Reader = Callable[[TomlTable, dict[str, Any], Read], Method | Family | FactsOnly]
 _FAMILIES: dict[str, tuple[tuple[str, ...], _Reader]] = {
-    "runge_kutta": (("A", "b", "c", "b_embedded", "embedded_order"), _runge_kutta),
+    "runge_kutta": (("parameter", "A", "b", "c", "b_embedded", "embedded_order"), _runge_kutta),
     "splitting": (("parts",), _splitting),
     "nystrom": (("c", "A", "b_position", "b_velocity"), _nystrom),
     "collocation": (("node_polynomial",), _collocation),

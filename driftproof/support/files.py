@@ -137,4 +137,4 @@ def read_utf8(path: str | Path, most: int, refusal: type[ValueError] = ValueErro
     try:
         return read_bytes(path, most, refusal).decode("utf-8-sig")
     except UnicodeDecodeError as error:
-        raise refusal(f"{path}: not UTF-8 at byte {error.start}") from None
+        raise refusal(f"{path}: not UTF-8 at byte {error.start}; save it as UTF-8") from None
