@@ -161,7 +161,7 @@ class Family:
         except ZeroDivisionError:
             raise MethodError(f"{self.key} is not defined {at}, a pole of its coefficients") from None
         return RungeKutta(
-            key=(name := f"{self.key} {at}"), title=name, claimed_order=0, source=self.source, a=a, b=b, c=c
+            key=f"{self.key} {at}", title=f"{self.title} {at}", claimed_order=0, source=self.source, a=a, b=b, c=c
         )
 
 

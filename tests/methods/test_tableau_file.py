@@ -233,6 +233,8 @@ def test_member_of_a_family_is_named_with_its_value(tmp_path: Path) -> None:
         assert isinstance(found, RungeKutta)
         assert (found.a, found.b) == (METHODS["ralston2"].a, METHODS["ralston2"].b)
     assert method_of(f"{path} at sqrt(2)/2").b[1] ** 2 == Q(1, 2)
+    path.write_text('title = "Mine"\n' + path.read_text())
+    assert method_of(f"{path} at 2/3").title == "Mine at a = 2/3"
     assert methods_of("explicit_order_2 at 1, rk4")[0].b == (Q(1, 2), Q(1, 2))
     for given, said in (
         ("explicit_order_2 at 0", "is not defined at alpha = 0, a pole"),
