@@ -40,6 +40,7 @@ if TYPE_CHECKING:
     from driftproof.reports.stability import stability as stability
     from driftproof.reports.studies import work_precision as work_precision
     from driftproof.reports.sweeps import sweep as sweep
+    from driftproof.support.assertions import RemarkWarning as RemarkWarning
     from driftproof.symbolic.algebra.certified import fixed as fixed
     from driftproof.symbolic.algebra.certified import significant as significant
     from driftproof.symbolic.derivation.derive import derive as derive

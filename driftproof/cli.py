@@ -8,6 +8,7 @@ from __future__ import annotations
 import os
 import sys
 from contextlib import suppress
+from io import TextIOWrapper
 
 from driftproof import __version__
 from driftproof.commands.listing import ALIASES, COMMANDS, command_named
@@ -89,6 +90,8 @@ def _print(text: str, prog: str) -> int:
     if sys.stdout is None:
         return _complain(prog, "the answer is lost: standard output is closed", LOST)
     try:
+        if isinstance(sys.stdout, TextIOWrapper):  # a file is in UTF-8, as it would be read; a terminal in its encoding
+            sys.stdout.reconfigure(encoding=None if sys.stdout.isatty() else "utf-8", errors="backslashreplace")
         print(text, flush=True)
     except (OSError, ValueError) as error:
         with suppress(OSError, ValueError):  # or the rest of the buffer would fail again at exit

@@ -41,6 +41,8 @@ def pytest_configure(config: pytest.Config) -> None:
     folder = config.getoption("--driftproof-report")
     if folder is not None:
         try:
+            if not folder:
+                raise ValueError("name a folder")
             require_folder(Path(folder))
             Path(folder).mkdir(parents=True, exist_ok=True)
         except (OSError, ValueError) as error:
@@ -123,7 +125,8 @@ class _Reports:
             self.failed.add(report.nodeid)
 
     def pytest_sessionfinish(self) -> None:
-        """Write the summary of the tests that ran: a line for each verdict, those that did not pass first.
+        """Write the summary of the tests that ran: a line for each verdict, those that did not pass first, then
+        those of tests that failed for another reason, such as a warning.
 
         If a verdict does not hold but its test did not fail, the test expected that, by xfail or `pytest.raises`.
         """
@@ -145,7 +148,7 @@ class _Reports:
 
     def _word(self, test: str, passed: bool | None) -> str:
         if passed:
-            return "passed"
+            return "passed, but the test FAILED" if test in self.failed else "passed"
         word = "undecided" if passed is None else "FAILED"
         return word if test in self.failed else f"{word.lower()}, as expected"
 

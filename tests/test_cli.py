@@ -1,5 +1,6 @@
 """The command line: one line and a non-zero exit where there is no answer, help by example, a start that is light."""
 
+import io
 import json
 import os
 import shlex
@@ -89,6 +90,21 @@ def test_answer_that_is_lost_is_no_success(words, to, why):
     assert done.stderr.count("\n") == 1
     assert GONE in done.stderr
     assert why in done.stderr
+
+
+def test_answer_is_written_in_utf_8_where_the_encoding_of_a_file_has_not_its_characters():
+    words, given = [*DRIFTPROOF, "facts", "rk4"], {**os.environ, "PYTHONIOENCODING": "cp1252"}
+    done = subprocess.run(words, cwd=ROOT, capture_output=True, env=given, timeout=60)
+    assert (done.returncode, done.stderr, "τ" in done.stdout.decode("utf-8")) == (0, b"", True)
+
+
+def test_terminal_is_shown_a_character_that_it_has_not_in_its_code(monkeypatch):
+    shown = io.BytesIO()
+    terminal = io.TextIOWrapper(shown, encoding="ascii")
+    terminal.isatty = lambda: True
+    monkeypatch.setattr(sys, "stdout", terminal)
+    assert main(["facts", "rk4"]) == 0
+    assert b"\\u03c4" in shown.getvalue()
 
 
 @pytest.mark.parametrize("module", ["driftproof.commands.arguments", "driftproof.symbolic.derivation.derive"])

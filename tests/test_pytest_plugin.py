@@ -144,9 +144,30 @@ def test_names_that_files_cannot_have_lose_nothing_and_a_verdict_of_another_time
     assert [path.name for path in (tmp_path / "found").iterdir()] == ["summary.md"]
 
 
+IN_PLACE = """
+from driftproof import assert_verified
+
+def euler(y, h):
+    y[:] = [y[0] + h * y[1], y[1] - h * y[0]]
+    return y
+
+def test_remarked():
+    assert_verified(euler, "forward_euler", examples=20)
+"""
+
+
+@pytest.mark.parametrize(("filters", "word"), [("default", "passed"), ("error", "passed, but the test FAILED")])
+def test_a_remark_fails_a_test_where_its_warning_is_an_error_and_the_summary_says_so(filters, word, tmp_path):
+    (tmp_path / "pytest.ini").write_text(f"[pytest]\nfilterwarnings = {filters}::driftproof.RemarkWarning\n")
+    done = pytest_in(tmp_path, "--driftproof-report=found", project=IN_PLACE)
+    assert (done.returncode, "remark: it changes its arguments" in done.stdout) == ("but" in word, True)
+    assert f"\n| {word} | `test_steps.py::test_remarked`" in (tmp_path / "found" / "summary.md").read_text()
+
+
 def test_a_folder_that_is_none_is_refused_in_a_line(tmp_path):
     done = pytest_in(tmp_path, "--driftproof-report=test_steps.py")
     assert done.stderr == "ERROR: --driftproof-report: test_steps.py is a file; name a folder\n\n"
+    assert pytest_in(tmp_path, "--driftproof-report=").stderr == "ERROR: --driftproof-report: name a folder\n\n"
 
 
 @pytest.mark.parametrize("given", ["", "time_limit=0", "time_limit=True", "time_limit='long'", "timelimit=3", "0"])

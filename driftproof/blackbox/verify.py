@@ -25,7 +25,7 @@ from driftproof.blackbox.verification import Refutation, Verification
 from driftproof.methods.catalogue import METHODS, FactsOnly
 from driftproof.methods.schemes import Method
 from driftproof.methods.tableau_file import method_of, subject_of
-from driftproof.support.assertions import AssertedVerdict, assert_verdict, time_limit_of_test
+from driftproof.support.assertions import AssertedVerdict, RemarkWarning, assert_verdict, time_limit_of_test
 from driftproof.symbolic.rounding.formats import BINARY64
 
 # What a verdict of `verify` that passes remarks on, besides its criteria.
@@ -93,7 +93,7 @@ def assert_verified(
     """Raise AssertionError with the whole report of `verify` unless the stepper passes: for a test.
 
     An undecided verdict fails as well, and the report says what would decide it, unless `allow_undecided` is true. A
-    verdict that passes with a remark, such as answers that are rounded to binary32, is warned of (UserWarning). The
+    verdict that passes with a remark, such as answers rounded to binary32, is warned of (`RemarkWarning`). The
     default time limit is that of the test's mark, `@pytest.mark.driftproof(time_limit=30)`, or else that of `verify`.
 
     >>> from driftproof import assert_verified
@@ -110,7 +110,7 @@ def assert_verified(
     found = AssertedVerdict(report.target, report.verdict, report.passed, report.text(), report.data)
     assert_verdict(found, holds=report.passed is True or (report.passed is None and allow_undecided))
     if report.data.get("remarks"):
-        warnings.warn(found.headline, stacklevel=2)
+        warnings.warn(found.headline, RemarkWarning, stacklevel=2)
 
 
 def _report_on_one_step(runner: IsolatedRunner, method: Method, questions: Sequence[criteria.Question]) -> Report:

@@ -12,7 +12,7 @@ from textwrap import dedent
 from typing import Any, NamedTuple, NoReturn, TypeAlias, TypeVar
 
 from driftproof.methods.rationals import parse_rational, state_of, step_of, steps_of
-from driftproof.support.plain_text import printable
+from driftproof.support.plain_text import did_you_mean, printable
 
 _T = TypeVar("_T")
 # A function that adds one option, or several that exclude each other, to a parser.
@@ -34,6 +34,12 @@ class Undecided(Refuted):
     status = NO_ANSWER
 
 
+class Unread(Refuted):
+    """Raised if some of what is to be examined cannot be read; the message is the answer about the rest, too."""
+
+    status = BAD_INPUT
+
+
 class Help(Exception):
     """Raised if help is asked for; the message is the help text."""
 
@@ -49,7 +55,10 @@ class Parser(argparse.ArgumentParser):
 
     def error(self, message: str) -> NoReturn:
         """Print one line that names the problem and where to read more, and exit with status 2."""
-        line = printable(" ".join(message.split()))
+        known, line = self._option_string_actions, printable(" ".join(message.split()))
+        if wrong := re.search(r"unrecognized arguments:.*?(--[\w-]+)", line):
+            json = wrong[1] == "--json" and "--format" in known
+            line += "; did you mean --format json?" if json else did_you_mean(wrong[1], known)
         self.exit(BAD_INPUT, f"{self.prog}: {line} (`{self.prog} --help` shows how)\n")
 
     def print_help(self, file: object = None) -> None:

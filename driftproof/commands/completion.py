@@ -12,12 +12,13 @@ from driftproof.commands.listing import COMMANDS, command_named
 SHELLS = ("bash", "zsh", "fish")
 _BASH = """\
 _driftproof() {{
-  local words
+  local words last="${{COMP_WORDS[COMP_CWORD]}}" before=""
   case "$COMP_CWORD ${{COMP_WORDS[1]}} ${{COMP_WORDS[COMP_CWORD-1]}}" in
     "1 "*) words="{commands}" ;;
 {cases}
   esac
-  COMPREPLY=($(compgen -W "$words" -- "${{COMP_WORDS[COMP_CWORD]}}"))
+  if [[ $last == *,* ]]; then before="${{last%,*}},"; fi
+  COMPREPLY=($(compgen -P "$before" -W "$words" -- "${{last##*,}}"))
 }}
 complete -o default -F _driftproof driftproof"""
 
@@ -45,7 +46,7 @@ def completion_command(options: Namespace) -> str:
 def _completed(name: str) -> Iterator[tuple[str, Sequence[str]]]:
     """Pairs of an option and the words that may follow it; "" comes with the command's options and own arguments."""
     actions, own = command_named(name).parser("")._actions, list[str]()
-    names = _names()
+    names = _names(name)
     for action in actions:
         known = [str(choice) for choice in action.choices or names.get(action.dest, ())]
         own += action.option_strings or known
@@ -54,16 +55,18 @@ def _completed(name: str) -> Iterator[tuple[str, Sequence[str]]]:
     yield "", own
 
 
-def _names() -> dict[str, Sequence[str]]:
-    """The names that each option or argument takes, by its own name."""
+def _names(command: str) -> dict[str, Sequence[str]]:
+    """The names that each option or argument of a command takes, by its own name."""
     from driftproof.methods.catalogue import FACTS_ONLY, METHODS
     from driftproof.numeric.problems.catalogue import PROBLEMS
     from driftproof.numeric.scenes import PRESETS
+    from driftproof.symbolic.facts import FACTS, ON_REQUEST
 
     return {
         **dict.fromkeys(("method", "methods"), (*METHODS, *FACTS_ONLY)),
         **dict.fromkeys(("scene", "scenes", "name"), tuple(PRESETS)),
         "problem": tuple(PROBLEMS),
+        "only": (*FACTS, *ON_REQUEST) if command == "facts" else (),
     }
 
 

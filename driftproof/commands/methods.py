@@ -12,16 +12,17 @@ MOST_TERMS = 1000
 _PICTURES = ("region", "order-star", "phase")
 
 
-@cli.command()
+@cli.command(cli.format_option("text json", "json has an entry for each key"))
 def methods_command(options: Namespace) -> str:
     """List the methods of the catalogue: key, family, claimed order, title and source.
 
-    example:
+    examples:
       driftproof methods
+      driftproof methods --format json
     """
     from driftproof.methods.catalogue import FACTS_ONLY, METHODS
     from driftproof.methods.families import FAMILIES
-    from driftproof.support.plain_text import table
+    from driftproof.support.plain_text import as_json, table
 
     names = {"RungeKutta": "Runge-Kutta", "Collocation": "collocation", "Splitting": "splitting", "Nystrom": "Nyström"}
     names |= {"Multistep": "multistep", "Rosenbrock": "Rosenbrock", "Additive": "IMEX"}
@@ -30,6 +31,8 @@ def methods_command(options: Namespace) -> str:
         rows.append([key, names[type(method).__name__], str(method.claimed_order), method.title, method.source])
     for key, family in FAMILIES.items():
         rows.append([key, f"Runge-Kutta in {family.parameter}", str(family.claimed_order), family.title, family.source])
+    if options.format == "json":
+        return as_json({key: dict(zip(rows[0][1:], row, strict=True)) for key, *row in rows[1:]})
     return table(rows, right=(2,))
 
 

@@ -27,7 +27,8 @@ def render_command(options: Namespace) -> str:
 
     The ending of the output decides its kind: Markdown (.md, .markdown, .myst), HTML (.html, .htm) or TeX (.tex). In
     the template, value("...") takes an id that `driftproof value --only '*'` lists or a question (`driftproof value
-    --help`), and | digits(6), | places(3), | exact, | tex, | mathml say how it is written.
+    --help`), and | digits(6), | places(3), | exact, | tex, | mathml say how it is written. Files that it names, such as
+    mine.toml, are looked for beside the template first.
 
     lesson.md.j2:
       q = {{ value("rk4.first_step.q") | digits(6) }}, which is {{ value("step rk4 h=1/2 : q") }}.
@@ -103,6 +104,8 @@ def check_command(options: Namespace) -> str:
     2 GiB, and compares what each prints with the block that follows it, or with the lines under "Expected output:".
     This executes the code of the text with your rights: use it on texts that you trust.
 
+    Files that a claim names, such as 'order mine.toml', are looked for beside the text, then beside the claims.
+
     exit status: 0 if every claim holds, 1 if one does not, 2 if the claims or the text cannot be read.
 
     claims.toml:
@@ -135,7 +138,7 @@ def check_command(options: Namespace) -> str:
     from driftproof.reports.progress import with_progress
     from driftproof.support.plain_text import as_json, counted
     from driftproof.texts.claims.drafting import SLIP
-    from driftproof.texts.claims.report import TextReport, check, texts_with_claims
+    from driftproof.texts.claims.report import TextReport, UncheckedText, check, texts_with_claims
 
     if not options.run:
         cli.refuse(options, ("time_limit",), "without --run")
@@ -152,10 +155,19 @@ def check_command(options: Namespace) -> str:
     texts = [text] if options.claims else [found for given in options.text for found in texts_with_claims(given)]
     asked = {name: getattr(options, name) for name in ("claims", "ask", "coverage", "run")}
     limit = {} if options.time_limit is None else {"time_limit": options.time_limit}
-    reports: list[TextReport] = [check(each, **asked, **limit) for each in with_progress(texts, "text")]
+    reports: list[TextReport | UncheckedText] = []
+    for each in with_progress(texts, "text"):
+        try:
+            reports.append(check(each, **asked, **limit))
+        except ValueError as error:
+            if len(texts) == 1:
+                raise
+            reports.append(UncheckedText(str(each), str(error)))
     written = "\n".join(report.written(options.format) for report in reports)
     if options.format == "json" and len(reports) > 1:
         written = as_json([report.as_dict() for report in reports])
+    if any(isinstance(report, UncheckedText) for report in reports):
+        raise cli.Unread(written)
     if not all(report.passed for report in reports):
         raise cli.Refuted(written)
     return written

@@ -8,15 +8,15 @@
 from __future__ import annotations
 
 from collections import defaultdict, deque
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator
 from functools import cache
 from importlib import import_module
-from typing import Any, Generic, TypeAlias, TypeVar
+from typing import Any, TypeAlias, TypeVar
 
 from driftproof.methods.additive import Additive
 from driftproof.methods.continuous import ContinuousExtension
 from driftproof.methods.multistep import Multistep
-from driftproof.methods.names import COMMON_NAMES, keys_called, plain_name
+from driftproof.methods.names import COMMON_NAMES, KeyedTable, UnknownKey, keys_called, plain_name
 from driftproof.methods.rosenbrock import Rosenbrock
 from driftproof.methods.schemes import Method, MethodError, RungeKutta
 from driftproof.support.plain_text import shortened, unknown
@@ -36,7 +36,7 @@ _Kind = TypeVar("_Kind")
 EMBEDDED_SUFFIX = "_embedded"
 
 
-class Catalogue(Mapping[str, _Kind], Generic[_Kind]):
+class Catalogue(KeyedTable[_Kind]):
     """The methods of the tables by key. Tables are imported one after the other, until the key is found.
 
     The embedded weights of a pair have a key, too, such as fehlberg45_embedded, which iteration leaves out.
@@ -49,13 +49,13 @@ class Catalogue(Mapping[str, _Kind], Generic[_Kind]):
         self._embedded: dict[str, Any] = {}
 
     def __getitem__(self, key: str) -> _Kind:
-        """The method with this key. Raises KeyError."""
+        """The method with this key. Raises UnknownKey."""
         while key not in self._methods and self._unread:
             self._read_next()
         if key not in self._methods and key not in self._embedded:
-            pair = self._methods[key.removesuffix(EMBEDDED_SUFFIX)]
+            pair = self._methods.get(key.removesuffix(EMBEDDED_SUFFIX))
             if not isinstance(pair, RungeKutta) or pair.b_embedded is None:
-                raise KeyError(key)
+                raise UnknownKey(key, self)
             self._embedded[key] = pair.embedded(EMBEDDED_SUFFIX)
         found: _Kind = self._methods.get(key) or self._embedded[key]
         return found

@@ -41,8 +41,9 @@ def parse_exact(text: str, roots: Mapping[str, Exact], what: str) -> Exact:
 
     "0.1" is 1/10, and "(1 + s3)/2" lies in the field of s3. Raises ValueError in one line that begins with `what`.
     """
-    known = f"declared in [roots]: {', '.join(roots)}" if roots else "nothing is declared in [roots]"
-    value: Exact = evaluate_expression(text, roots, what, f"is an unknown root; {known}")
+    known = f"declares: {', '.join(roots)}" if roots else "declares, which is nothing"
+    words = f"is unknown; write integers, decimals, sqrt(n), cbrt(n), and what [roots] {known}"
+    value: Exact = evaluate_expression(text, roots, what, words)
     return value
 
 
@@ -154,7 +155,7 @@ class _Evaluation:
                     return RADICALS[name](int(n))
                 except ValueError as error:
                     raise self.error(node.column, str(error)) from None
-        raise self.error(node.column, f"{name} takes one integer, as in {name}(2)")
+        raise self.error(node.column, f"{name} takes one integer above 0, as in {name}(2)")
 
     def small(self, value: _Value, column: int) -> _Value:
         """Return the value. Raises ExpressionError if it has too many coefficients, or too many bits in one."""

@@ -15,6 +15,7 @@ from functools import cache, reduce
 from typing import TYPE_CHECKING, TypeAlias
 
 from driftproof.methods.expressions import evaluate_expression
+from driftproof.methods.names import KeyedTable, UnknownKey
 from driftproof.methods.number_field import Exact, as_fmpq, as_fraction
 from driftproof.methods.schemes import MethodError, RungeKutta
 from driftproof.support.plain_text import shortened
@@ -160,7 +161,7 @@ class Family:
         except ZeroDivisionError:
             raise MethodError(f"{self.key} is not defined {at}, a pole of its coefficients") from None
         return RungeKutta(
-            key=(name := f"{self.key} {at}"), title=name, claimed_order=0, source=self.source, a=a, b=b, c=c
+            key=f"{self.key} {at}", title=f"{self.title} {at}", claimed_order=0, source=self.source, a=a, b=b, c=c
         )
 
 
@@ -184,10 +185,12 @@ _TABLES = {
 }
 
 
-class _Families(Mapping[str, Family]):
+class _Families(KeyedTable[Family]):
     """The families by key, each read on its first use."""
 
     def __getitem__(self, key: str) -> Family:
+        if key not in _TABLES:
+            raise UnknownKey(key, self)
         return _read(key)
 
     def __iter__(self) -> Iterator[str]:

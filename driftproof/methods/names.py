@@ -7,6 +7,13 @@ from __future__ import annotations
 
 import re
 import unicodedata
+from collections.abc import Mapping
+from itertools import islice
+from typing import TypeVar
+
+from driftproof.support.plain_text import unknown
+
+_Kind = TypeVar("_Kind")
 
 _ORDINALS = {"2nd": "second", "3rd": "third", "4th": "fourth", "5th": "fifth", "6th": "sixth", "8th": "eighth"}
 _FILLER_WORDS = {"the", "of", "method", "methods", "rule", "scheme", "integrator"}
@@ -135,6 +142,23 @@ radau_iia3 | radau_ia3
 prince_dormand87 | dop853
 dop853 | prince_dormand87
 """
+
+
+class UnknownKey(KeyError):
+    """A key that a table has not; the message is made when it is read, as asking for a key is common."""
+
+    def __str__(self) -> str:
+        """The key, with the nearest keys of the table."""
+        key, table = self.args
+        return unknown("key", key, table, f"{len(table)} keys are known")
+
+
+class KeyedTable(Mapping[str, _Kind]):
+    """A table by key that is shown by its first keys."""
+
+    def __repr__(self) -> str:
+        """The number of keys and the first ones."""
+        return f"<{len(self)} by key: {', '.join(islice(self, 3))}, ...>"
 
 
 def plain_name(name: str) -> str:

@@ -23,6 +23,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Sequence
 from fractions import Fraction
+from os.path import exists, isdir
 from pathlib import Path
 from typing import Any, TypeAlias
 
@@ -44,6 +45,7 @@ from driftproof.methods.names import plain_name
 from driftproof.methods.number_field import Algebraic, Exact, NumberField
 from driftproof.methods.rosenbrock import Rosenbrock
 from driftproof.methods.schemes import SUBSTEPS, Collocation, Method, MethodError, Nystrom, RungeKutta, Splitting
+from driftproof.support.files import file_named
 from driftproof.support.plain_text import shortened
 from driftproof.support.toml_tables import (
     TomlTable,
@@ -209,7 +211,10 @@ def _number(value: object, where: str, read: Read) -> Any:
 
 
 def _square(table: TomlTable, read: Read, stages: int, name: str = "A") -> tuple[tuple[Any, ...], ...]:
-    rows = [as_list(row, name, most=MOST_STAGES) for row in as_list(_entry(table, name), name, most=MOST_STAGES)]
+    given = as_list(_entry(table, name), name, most=MOST_STAGES)
+    if given and not isinstance(given[0], list):
+        raise MethodError(f"{name}[0] is {quoted(given[0])}; {name} is a list of rows, as in [[0, 0], [1, 0]]")
+    rows = [as_list(row, name, most=MOST_STAGES) for row in given]
     for diagonal in (0, 1):  # rows may end before the diagonal, or with it
         if all(len(row) == i + diagonal for i, row in enumerate(rows)):
             rows = [[*row, *[0] * (len(rows) - len(row))] for row in rows]
@@ -307,7 +312,7 @@ def _additive(table: TomlTable, common: dict[str, Any], read: Read) -> Additive:
 
 _Reader = Callable[[TomlTable, dict[str, Any], Read], Method | Family | FactsOnly]
 _FAMILIES: dict[str, tuple[tuple[str, ...], _Reader]] = {
-    "runge_kutta": (("A", "b", "c", "b_embedded", "embedded_order"), _runge_kutta),
+    "runge_kutta": (("parameter", "A", "b", "c", "b_embedded", "embedded_order"), _runge_kutta),
     "splitting": (("parts",), _splitting),
     "nystrom": (("c", "A", "b_position", "b_velocity"), _nystrom),
     "collocation": (("node_polynomial",), _collocation),
@@ -359,13 +364,18 @@ def subject_of(given: str | Path | Method | Family | FactsOnly) -> Method | Fami
         raise ValueError(f"{shortened(str(given))!r} is not a method: {_GIVE}{_FIRST * callable(given)}")
     name = str(given)
     if name.endswith(".toml"):
-        return read_method(Path(name))
-    of, at, value = name.rpartition(" at ")
-    if at and not keys_of_name(name) and isinstance(family := subject_of(of), Family):
-        return family.member(parse_number(value, family.parameter))
+        return read_method(file_named(name))
+    of, at, value = f"{name} ".rpartition(" at ")
+    if at and not keys_of_name(name):
+        if not isinstance(family := subject_of(of), Family):
+            raise ValueError(f"{family.key} has no parameter; only families such as sdirk_order_2 do")
+        return family.member(parse_number(value.strip(), family.parameter))
     families = () if keys_of_name(name) else FAMILIES.values()  # which take FLINT to be read
     called = (each for each in families if plain_name(name) in (plain_name(each.key), plain_name(each.title)))
-    return next(called, None) or entry_named(name)
+    found = next(called, None)
+    if not found and not keys_of_name(name) and exists(path := file_named(name)) and not isdir(path):
+        raise ValueError(f"{shortened(name)}: the name of a method's file ends in .toml")
+    return found or entry_named(name)
 
 
 def names_of(given: GivenMethods) -> list[str]:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias, overload
 from driftproof.methods.catalogue import FactsOnly
 from driftproof.methods.expressions import parse_number, parse_system
 from driftproof.methods.families import Family
-from driftproof.methods.number_field import Exact
+from driftproof.methods.number_field import Algebraic
 from driftproof.methods.rationals import ExactNumber, exact_number
 from driftproof.methods.schemes import Method
 from driftproof.methods.tableau_file import subject_of
@@ -103,7 +103,7 @@ def facts(
     method: str | Path | Method,
     *,
     only: Sequence[str] | None = None,
-    at: Exact | str | None = None,
+    at: Algebraic | ExactNumber | None = None,
     system: None = None,
     order_tolerance: ExactNumber | None = None,
     terms: int = TERMS,
@@ -120,7 +120,7 @@ def facts(
     method: str | Path | Method | Family | FactsOnly,
     *,
     only: Sequence[str] | None = None,
-    at: Exact | str | None = None,
+    at: Algebraic | ExactNumber | None = None,
     system: GivenSystem | None = None,
     order_tolerance: ExactNumber | None = None,
     terms: int = TERMS,
@@ -142,7 +142,8 @@ def facts(
     """
     subject, names = subject_of(method), tuple(map(str.strip, only.split(",")) if isinstance(only, str) else only or ())
     if isinstance(subject, Family) and at is not None:
-        subject = subject.member(parse_number(at, "value") if isinstance(at, str) else at)
+        at = parse_number(at, "value") if isinstance(at, str) else at
+        subject = subject.member(at if isinstance(at, Algebraic) else exact_number(at, "value"))
     elif at is not None:
         raise ValueError(f"{subject.key} has no parameter; `at` works only with families such as sdirk_order_2")
     if isinstance(subject, Family):

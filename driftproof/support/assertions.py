@@ -41,6 +41,17 @@ class VerdictError(AssertionError):
         self.verdict = verdict
 
 
+class RemarkWarning(UserWarning):
+    """Warns of a verdict that passes with a remark, such as a step that overwrites its arguments.
+
+    A test fails there under pytest's `filterwarnings = ["error::driftproof.RemarkWarning"]`.
+
+    >>> import warnings
+    >>> from driftproof import RemarkWarning
+    >>> warnings.simplefilter("error", RemarkWarning)
+    """
+
+
 # Functions that are called with every verdict, whether it holds or not.
 listeners: list[Callable[[AssertedVerdict], None]] = []
 # The time limit in seconds of assertions that name none themselves, set by a test; None: the assertion's default.

@@ -55,7 +55,9 @@ def imported_object(named: str, what: str) -> Any:
         for part in path.split("."):
             found = getattr(found, part)
     except Exception as error:  # the import of a foreign module may raise anything
-        raise ValueError(f"{named} cannot be imported: {type(error).__name__}: {error}") from error
+        missing = isinstance(error, ModuleNotFoundError) and Path("src", str(error.name).split(".")[0]).exists()
+        hint = "; it is in src: pip install -e ., or set PYTHONPATH=src" if missing else ""
+        raise ValueError(f"{named} cannot be imported: {type(error).__name__}: {error}{hint}") from error
     return found
 
 

@@ -5,9 +5,29 @@ from __future__ import annotations
 import os
 from collections.abc import Iterator
 from contextlib import contextmanager
+from contextvars import ContextVar
 from errno import EAGAIN
+from os.path import exists
 from pathlib import Path
 from stat import S_IMODE, S_ISDIR, S_ISREG
+
+# The folders of a text and of its claims, where a file that they name is looked for before the working directory.
+FOLDERS_OF_TEXT: ContextVar[tuple[Path, ...]] = ContextVar("FOLDERS_OF_TEXT", default=())
+
+
+def file_named(name: str | Path) -> Path:
+    """The file beside the text that names it, if there is one; else the file that the working directory has."""
+    return next((path for folder in FOLDERS_OF_TEXT.get() if exists(path := folder / name)), Path(name))
+
+
+@contextmanager
+def named_beside(*files: str | Path) -> Iterator[None]:
+    """Look for the files that are named inside the block in the folders of these files first."""
+    before = FOLDERS_OF_TEXT.set(tuple(Path(file).parent for file in files))
+    try:
+        yield
+    finally:
+        FOLDERS_OF_TEXT.reset(before)
 
 
 @contextmanager
@@ -117,4 +137,4 @@ def read_utf8(path: str | Path, most: int, refusal: type[ValueError] = ValueErro
     try:
         return read_bytes(path, most, refusal).decode("utf-8-sig")
     except UnicodeDecodeError as error:
-        raise refusal(f"{path}: not UTF-8 at byte {error.start}") from None
+        raise refusal(f"{path}: not UTF-8 at byte {error.start}; save it as UTF-8") from None

@@ -71,7 +71,8 @@ def did_you_mean(key: str, known: Iterable[str]) -> str:
     """The hint "; did you mean a or b?", or "" if no known name is like it, as with one wrong letter of three (2/3)."""
     from difflib import get_close_matches
 
-    close = get_close_matches(key, known, n=2, cutoff=0.65)
+    names = [*known]
+    close = [x for x in names if x.lower() == key.lower()] or get_close_matches(key, names, n=2, cutoff=0.65)
     return f"; did you mean {' or '.join(close)}?" if close else ""
 
 

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any, TypeAlias, TypeVar
 
 from driftproof.support.files import read_utf8
-from driftproof.support.plain_text import shortened
+from driftproof.support.plain_text import did_you_mean, shortened
 
 TomlTable: TypeAlias = dict[str, Any]
 _T = TypeVar("_T")
@@ -45,7 +45,7 @@ def parse_toml(text: str) -> TomlTable:
     except RecursionError:
         raise ValueError("nested too deeply") from None
     except ValueError as error:
-        reason = str(error).replace("Cannot overwrite a value", "a key is given twice")
+        reason = str(error).replace("Cannot overwrite a value", "a key is given twice").partition("; use sys.")[0]
         hint = '; write a fraction in quotes, "1/2"' if _BARE_FRACTION.search(text) else ""
         raise ValueError(f"not TOML: {reason}{hint}") from None
 
@@ -62,7 +62,8 @@ def require_keys(table: TomlTable, allowed: Collection[str], what: str, more: st
     """Raise ValueError for a key that is not allowed in `what`; `more` says where an example is shown."""
     if unknown := next((key for key in table if key not in allowed), None):
         shown = f" ({more})" if more else ""
-        raise ValueError(f"{what} has no key {quoted(unknown)}; its keys are {', '.join(allowed)}{shown}")
+        near = did_you_mean(unknown, allowed)
+        raise ValueError(f"{what} has no key {quoted(unknown)}{near or ';'} its keys are {', '.join(allowed)}{shown}")
 
 
 def as_text(value: object, where: str) -> str:
@@ -76,7 +77,7 @@ def as_line(value: object, where: str, longest: int) -> str:
     """The value, without blanks around it, if it is one line of text of 1 to `longest` characters."""
     if isinstance(value, str) and value.strip() and len(value) <= longest and value.isprintable():
         return value.strip()
-    raise _refusal(value, where, f"a line of text of 1 to {longest} characters, in quotes")
+    raise _refusal(value, where, f"a line of text of 1 to {longest} characters, all printable, in quotes")
 
 
 def as_texts(value: object, where: str) -> tuple[str, ...]:
@@ -102,7 +103,8 @@ def as_choice(value: object, where: str, allowed: Collection[str]) -> str:
     """The value if it is one of the words allowed."""
     if isinstance(value, str) and value in allowed:
         return value
-    raise _refusal(value, where, " or ".join(map(repr, allowed)))
+    near = did_you_mean(value, allowed) if isinstance(value, str) else ""
+    raise _refusal(value, where, " or ".join(map(repr, allowed)) + near)
 
 
 def as_table(value: object, where: str) -> TomlTable:

@@ -11,6 +11,7 @@ from driftproof.methods.additive import Additive
 from driftproof.methods.catalogue import Entry, FactsOnly
 from driftproof.methods.multistep import Multistep
 from driftproof.methods.number_field import Exact
+from driftproof.methods.rationals import ExactNumber, exact_number
 from driftproof.methods.rosenbrock import Rosenbrock
 from driftproof.methods.schemes import Collocation, Method, Nystrom, RungeKutta, Splitting, require_method
 from driftproof.symbolic.additive import ADDITIVE_FACTS, AdditiveFacts
@@ -271,7 +272,7 @@ def stated_orders(methods: Iterable[Entry]) -> dict[str, int]:
     return {method.key: stated_order(method) for method in methods}
 
 
-def order_within(method: Method, tolerance: Fraction) -> OrderWithin:
+def order_within(method: Method, tolerance: ExactNumber) -> OrderWithin:
     """The order to a tolerance, that on second-order problems, and that of an embedded method.
 
     It is not the order, which only exact equality decides. It is at most TOLERANCE_ORDER, or the order if that is
@@ -283,6 +284,7 @@ def order_within(method: Method, tolerance: Fraction) -> OrderWithin:
     5
     """
     require_method(method)
+    tolerance = exact_number(tolerance, "tolerance")
     if tolerance < 0:
         raise ValueError(f"tolerance {tolerance} is negative; it must be >= 0")
 

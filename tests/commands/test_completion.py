@@ -14,6 +14,8 @@ OFFERED = {
     "verify mine:step --method velo": ["velocity_verlet"],
     "stability kepler_": ["kepler_eccentric", "kepler_extreme"],
     "scene com": ["compare"], "value --styl": ["--style"], "facts mine.tom": [],
+    "stability kepler --methods rk4,heun2,velo": ["rk4,heun2,velocity_verlet"],
+    "facts rk4 --only order,imagin": ["order,imaginary_limit"], "value --only imagin": [],
 }  # fmt: skip
 
 

@@ -25,6 +25,8 @@ def test_list_names_every_method_and_every_family(answer):
     assert [row.split()[0] for row in rows] == [*METHODS, *FACTS_ONLY, *FAMILIES]
     assert rows[0][: head.index("order") + 5].endswith("    1"), "numbers to the right"
     assert "Runge-Kutta in gamma" in next(row for row in rows if row.startswith("sdirk_order_2"))
+    listed = json.loads(answer("methods", "--format", "json"))
+    assert (len(listed), listed["rk4"]["order"], listed["rk4"]["title"]) == (len(rows), "4", "Classical RK4")
 
 
 def test_facts_on_a_system_are_those_of_python(facts):
@@ -150,6 +152,7 @@ def test_fact_is_written_as(form, of, fact, words, answer):
 
 
 REFUSED = {
+    ("rk4", "--json"): "unrecognized arguments: --json; did you mean --format json? (",
     ("rk5",): "unknown method 'rk5'",
     ("none.toml",): "none.toml: No such file or directory",
     (".",): "unknown method '.' (`driftproof methods` lists all)",
@@ -209,7 +212,7 @@ def test_of_a_reducible_table_it_is_said_which_facts_are_of_the_table_and_which_
     assert found["reduction"]["of_the_table"] == ["stages", "stiffly_accurate"]
     assert found["reduction"]["of_the_irreducible_method"] == ["symplectic"]
     for only in ((), ("--only", "stages")):
-        assert "irreducible_stages: 1, of_the_table: stages" in answer("facts", str(mine), *only)
+        assert "stages that count: 1; of the table as written: stages" in answer("facts", str(mine), *only)
     assert "irreducible" not in answer("facts", "rk4")
     assert set(facts(str(mine), "--only", "order")) == {"order"}, "the same of both"
     assert facts("rk4", "--only", "reduction") == {"reduction": None}

@@ -134,6 +134,10 @@ REFUSED = {
     "roundoff('rk4', float='single')": "unknown number format 'single'; choose from binary",
     "facts('rk4', only=['ordre']).json()": "unknown fact 'ordre'",
     "facts('rk4', at=1)": "rk4 has no parameter",
+    "facts('sdirk_order_2', at=0.1)": 'value: the double 0.1 is not 0.1 exactly; write "0.1"',
+    "order_within(METHODS['rk4'], 1e-3)": "tolerance: the double 0.001 is not 0.001 exactly",
+    "METHODS['rk5']": "unknown key 'rk5'; did you mean rk4? (123 keys are known)",
+    "FAMILIES['sdirk']": "unknown key 'sdirk'",
     "check('text.md')": "text.md: No such file or directory",
 }
 MEANT = {
@@ -147,7 +151,7 @@ MEANT = {
 
 @pytest.mark.parametrize("call", [*REFUSED, *MEANT])
 def test_what_makes_no_sense_is_refused_in_one_line(call):
-    with pytest.raises((ValueError, TypeError, AttributeError)) as refused:
+    with pytest.raises((ValueError, TypeError, AttributeError, KeyError)) as refused:
         eval(call, NAMES)
     assert {**REFUSED, **MEANT}[call] in str(refused.value)
     assert "\n" not in str(refused.value)

@@ -118,7 +118,12 @@ RK4 = ("rk4", "--h", "1/2")
 REFUSED = {
     ("step", "rk5", "--h", "1/2"): "unknown method 'rk5'; did you mean rk4 or ",
     ("step", "rk4"): "required: --h",
-    ("step", *RK4, "--stage", "2"): "unrecognized arguments: --stage 2 (`driftproof step --help`",
+    (
+        "step",
+        *RK4,
+        "--stage",
+        "2",
+    ): "unrecognized arguments: --stage 2; did you mean --state? (`driftproof step --help`",
     ("step", *RK4, "--rounding", "up"): "invalid choice: 'up'",
     ("run", *RK4): "required: --t",
     ("run", "rk4", "--h", "1e-10", "--t", "1", "--budget"): "10000000000 steps; a float run takes at most 100000000",

@@ -69,3 +69,37 @@ def test_texts_with_claims_beside_them_are_held_in_one_call(answer, run, tmp_pat
     (tmp_path / "part" / "b.tex").write_text("RK4 needs h at most 2.829.\n", encoding="utf-8")
     status, out, _ = run("check", ".", "--format", "json")
     assert (status, [report["passed"] for report in json.loads(out)]) == (1, [True, False])
+    (tmp_path / "a.md.claims.toml").write_text('claim = [{ id = "a", phrase = "{value}", value = "order rk44" }]')
+    status, out, _ = run("check", ".")
+    assert (status, out.count("1 refuted")) == (2, 1)
+    assert "not checked: a.md.claims.toml: claim 'a': 'order rk44', column 7: unknown method 'rk44'" in out
+    first, second = json.loads(run("check", ".", "--format", "json")[1])
+    assert (first["error"][:17], len(second["findings"])) == ("a.md.claims.toml:", 1)
+    assert "::error file=a.md::a.md.claims.toml: claim 'a'" in run("check", ".", "--format", "github")[1]
+    assert "driftproof check: a.md.claims.toml: claim 'a'" in run("check", "a.md")[2]
+
+
+FILES = {
+    "rk.toml": 'family = "runge_kutta"\nA = [[0, 0], ["1/2", 0]]\nb = [0, 1]',
+    "docs/rk.toml": 'family = "runge_kutta"\nA = [[0]]\nb = [1]',
+    "docs/y.toml": 'rates = ["-y0"]\nstart = [1]',
+    "docs/a.md": "The order is 1, and y is 1/2.",
+    "docs/a.md.claims.toml": """claim = [{ id = "a", phrase = "The order is {value}", value = "order rk.toml" },
+        { id = "b", phrase = "y is {value}", value = "run rk.toml problem=y.toml h=1/2 N=1 : y0", exact = true }]""",
+    "docs/t.md.j2": '{{ value("order rk.toml") }}',
+    "alone/t.md.j2": '{{ value("order rk.toml") }}',
+}
+
+
+def test_files_that_a_text_names_are_looked_for_beside_it_and_then_in_the_working_directory(
+    answer, tmp_path, monkeypatch
+):
+    monkeypatch.chdir(tmp_path)
+    for name, text in FILES.items():
+        (tmp_path / name).parent.mkdir(exist_ok=True)
+        (tmp_path / name).write_text(text)
+    assert "2 claims, all hold" in answer("check", ".")
+    assert "2 claims, all hold" in answer("check", "docs/a.md", "--claims", "docs/a.md.claims.toml")
+    for folder, order in (("docs", "1"), ("alone", "2")):
+        answer("render", f"{folder}/t.md.j2")
+        assert (tmp_path / folder / "t.md").read_text() == order

@@ -59,6 +59,7 @@ def test_unknown_key_names_the_closest() -> None:
     with pytest.raises(ValueError, match="unknown method 'rk5'; did you mean rk4 or ") as caught:
         method_named("rk5")
     assert "\n" not in str(caught.value)
+    assert repr(METHODS).endswith(" by key: forward_euler, symplectic_euler, symplectic_euler_position_first, ...>")
     for wrong, near in (
         ("Eulr", "; did you mean Euler"),
         ("Cranc-Nicolson", "; did you mean Crank-Nic"),

@@ -69,7 +69,7 @@ def test_any_text_is_a_number_or_is_refused_in_one_line(text: str) -> None:
         ("gamma", "'gamma' is a name; write numbers, sqrt(n) and cbrt(n)"),
         ("sqrt", "'sqrt' is a name"),
         ("sqrt(4)", "the number must exceed 1 and not be a square"),
-        ("sqrt(x)", "sqrt takes one integer, as in sqrt(2)"),
+        ("sqrt(x)", "sqrt takes one integer above 0, as in sqrt(2)"),
         ("sqrt(2", "the bracket of sqrt is not closed; found the end"),
         ("sqrt(2 3)", "the bracket of sqrt is not closed; found '3'"),
         ("sqrt(2, 3)", "sqrt takes one integer"), ("sqrt(2.5)", "sqrt takes one integer"),

@@ -91,7 +91,7 @@ def test_file_of_a_problem_is_read_within_a_limit(tmp_path):
     assert field_of_file(path).rates == ("-y0",)
     for text, said in (
         (100_001 * " ", "too large; at most 100000 bytes are read"),
-        ("rate = 1", "has no key 'rate'; its keys are"),
+        ("rate = 1", "has no key 'rate'; did you mean rates. its keys are"),
     ):
         path.write_text(text, encoding="utf-8")
         with pytest.raises(ValueError, match=said):

@@ -111,7 +111,7 @@ WRONG: list[tuple[str | bytes, str]] = [
     (HEAD + "A = [[true]]\nb = [1]", "A[0][0] is True; write an integer"),
     (HEAD + "A = [[2020-01-01]]\nb = [1]", "A[0][0] is datetime.date(2020, 1, 1); write an integer"),
     (ONE + "c = [0, 1]", "c has 2 entries, 1 are needed"),
-    (ONE + "C = [0]", "a runge_kutta has no key 'C'; its keys are family, key"),
+    (ONE + "C = [0]", "a runge_kutta has no key 'C'; did you mean c? its keys are family, key"),
     (ONE + "b = [1]\n", "a key is given twice (at line 4, column 8)"),
     (ONE + "[roots]\nr = 'sqrt(2)'\nr = 'sqrt(3)'\n", "a key is given twice (at line 6, column 14)"),
     (ONE + "roots = 3", "roots is 3; write a table [roots]"),
@@ -127,8 +127,11 @@ WRONG: list[tuple[str | bytes, str]] = [
     (MINPOLY.format("[0.5, 0, -1]", "[0, 1]"), "roots.r: minpoly: the coefficients are integers of at most 60 digits"),
     (MINPOLY.format(f"[-{2**200 + 1}, 0, 1]", "[0, '1e40']"), "roots.r: minpoly: the coefficients are integers of"),
     (MINPOLY.format("[-2, 0, 1]", "[1]"), "roots.r: interval has 1 entries, 2 are needed"),
-    (HEAD + "A = [['s3']]\nb = [1]", "A[0][0]: 's3', column 1: 's3' is an unknown root; nothing is declared"),
-    (GAUSS.replace("s3/6)", "s2/6)").replace("1/4 - s3", "1/4 - s2"), "A[0][1]: '1/4 - s2/6', column 7: 's2' is an"),
+    (HEAD + "A = [['s3']]\nb = [1]", "A[0][0]: 's3', column 1: 's3' is unknown; write integers, decimals, sqrt(n)"),
+    (
+        GAUSS.replace("s3/6)", "s2/6)").replace("1/4 - s3", "1/4 - s2"),
+        "A[0][1]: '1/4 - s2/6', column 7: 's2' is unknown",
+    ),
     (HEAD + "A = [['exit(1)']]\nb = [1]", "A[0][0]: 'exit(1)', column 1: 'exit' is not a function; use sqrt"),
     (HEAD + "A = [['exit()']]\nb = [1]", "'exit()', column 6: expected a number, a name or a bracket, found ')'"),
     (HEAD + "A = [['1/0']]\nb = [1]", "A[0][0]: '1/0', column 2: division by zero"),
@@ -136,11 +139,15 @@ WRONG: list[tuple[str | bytes, str]] = [
     (HEAD + "A = [['*2']]\nb = [1]", "A[0][0]: '*2', column 1: expected a number, a name or a bracket, found '*'"),
     (HEAD + "A = [['0**-1']]\nb = [1]", "A[0][0]: '0**-1', column 1: division by zero"),
     (HEAD + "A = [[1e999999999]]\nb = [1]", "A[0][0]: '1e999999999', column 1: number: '1e999999999' is too long"),
-    (HEAD + "A = [[nan]]\nb = [1]", "A[0][0]: 'nan', column 1: 'nan' is an unknown root"),
+    (HEAD + "A = [[nan]]\nb = [1]", "A[0][0]: 'nan', column 1: 'nan' is unknown"),
     (HEAD + f"A = [[0x{'f' * 9000}]]\nb = [1]", "A[0][0] is an integer of 36000 bits; at most 20000 are read"),
     (HEAD + f"A = [[{'9' * 5000}]]\nb = [1]", "Exceeds the limit (4300 digits)"),
     (ONE + "claimed_order = -1", "claimed_order is -1; write a whole number from 0 to 200"),
     (ONE + "claimed_order = 4.0", "claimed_order is '4.0'; write a whole number"),
+    (HEAD + "A = [0]\nb = [1]", "A[0] is 0; A is a list of rows, as in [[0, 0], [1, 0]]"),
+    (ONE + "claimed_ordr = 1", "has no key 'claimed_ordr'; did you mean claimed_order? its keys are family"),
+    (ONE + f"claimed_order = 1{'0' * 5000}", "5001 digits"),
+    ('family = "runge-kuta"', "'rosenbrock'; did you mean runge_kutta?"),
     (ONE + f"claimed_order = 0x{'f' * 9000}", "claimed_order is a huge number; write a whole number"),
     (ONE + "embedded_order = 1", "b_embedded is missing"),
     (ONE + "decimal = 1", "decimal is 1; write true or false"),
@@ -226,10 +233,16 @@ def test_member_of_a_family_is_named_with_its_value(tmp_path: Path) -> None:
         assert isinstance(found, RungeKutta)
         assert (found.a, found.b) == (METHODS["ralston2"].a, METHODS["ralston2"].b)
     assert method_of(f"{path} at sqrt(2)/2").b[1] ** 2 == Q(1, 2)
+    path.write_text('title = "Mine"\n' + path.read_text())
+    assert method_of(f"{path} at 2/3").title == "Mine at a = 2/3"
     assert methods_of("explicit_order_2 at 1, rk4")[0].b == (Q(1, 2), Q(1, 2))
     for given, said in (
         ("explicit_order_2 at 0", "is not defined at alpha = 0, a pole"),
         ("explicit_order_2", "one method is needed, such as 'explicit_order_2 at 1/2'"),
+        ("explicit_order_2 at", "the expression is empty"),
+        ("rk4 at 1/2", "^rk4 has no parameter"),
+        (f"{path} 2", "^unknown method"),
+        (__file__, "test_tableau_file.py: the name of a method's file ends in .toml$"),
     ):
         with pytest.raises(ValueError, match=said):
             method_of(given)

@@ -74,6 +74,8 @@ def test_the_action_runs_a_command_and_shows_what_it_said(tmp_path):
         (asked["COMMAND"], 0, True, "337/384"),
         ("value --only rk4.first_step.q --format md", 0, False, "| `rk4.first_step.q` | `337/384` |"),
         ("facts rk9", 2, True, "driftproof facts: unknown method 'rk9'"),
+        ("facts rk4\n  --only\n  order\n", 0, True, "order"),
+        ("facts rk4\nfacts heun2\n", 2, True, "driftproof facts: unrecognized arguments: facts heun2"),
     ):
         (tmp_path / "summary").write_text("")
         done = subprocess.run(

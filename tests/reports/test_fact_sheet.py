@@ -1,8 +1,10 @@
 """A sheet of facts derives what it is asked for, and no more."""
 
+from math import inf
+
 import pytest
 
-from driftproof import METHODS, Facts, facts
+from driftproof import METHODS, Facts, facts, value
 from driftproof.reports.fact_sheet import FactSheet
 from driftproof.symbolic.family_facts import FAMILY_FACTS
 
@@ -34,6 +36,14 @@ def test_facts_of_a_method_are_its_typed_facts():
     assert [*facts("sdirk_order_2").shown] == [*FAMILY_FACTS]
     assert facts("rk4", system=[[0, 1], [-1, 0]]).written("text").startswith("method ")
     assert found.written("tex").startswith(r"\begin{tabular}")
+
+
+def test_limits_and_angles_are_floats_where_one_is_asked_for():
+    rk4, bdf3 = facts("rk4"), facts("bdf3")
+    assert (float(rk4.imaginary_limit), float(rk4.real_limit)) == (8**0.5, 2.785293563405282)
+    assert float(facts("backward_euler").real_limit) == float(value("real_limit backward_euler")) == inf
+    assert round(float(bdf3.sector.degrees), 2) == 86.03
+    assert float(facts("sdirk_order_2", at=0.5).order) == 2
 
 
 @pytest.mark.parametrize("asked", [{"system": [[1]]}, {"order_tolerance": 1}])

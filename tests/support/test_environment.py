@@ -37,6 +37,13 @@ def test_versions_are_those_that_are_there():
     assert (found["pytest"], found["no-such-package"]) == (pytest.__version__, "not installed")
 
 
+def test_a_package_below_src_is_not_found_and_is_said_to_be_there(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "src" / "our_kit").mkdir(parents=True)
+    with pytest.raises(ValueError, match="it is in src: pip install"):
+        imported_object("our_kit.steps:rk4", "stepper")
+
+
 NO_NAMES = {
     "mine.py:step": "names a file; write mine:step$",
     "codes/own.py:step": "names a file; write codes.own:step$",

@@ -121,7 +121,10 @@ def test_text_is_read_within_a_limit(tmp_path):
     path = tmp_path / "x.txt"
     path.write_bytes(b"\xef\xbb\xbf\xce\xb1")  # with a byte order mark
     assert read_utf8(path, 5) == "α"
-    for content, reason in ((b"1234567", "too large; at most 6 bytes are read"), (b"ab\xff", "not UTF-8 at byte 2")):
+    for content, reason in (
+        (b"1234567", "too large; at most 6 bytes are read"),
+        (b"ab\xff", "not UTF-8 at byte 2; save it as UTF-8"),
+    ):
         path.write_bytes(content)
         with pytest.raises(ValueError, match=f"x.txt: {reason}$"):
             read_utf8(path, 6)

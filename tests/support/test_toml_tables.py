@@ -64,7 +64,10 @@ FITS = [
 REFUSALS = [
     (lambda: toml.as_text(1, "x"), "x is 1; write text in quotes"),
     (lambda: toml.as_text(None, "x"), "x is missing; write text in quotes"),
-    (lambda: toml.as_line("  ", "x", 9), "x is '  '; write a line of text of 1 to 9 characters, in quotes"),
+    (
+        lambda: toml.as_line("  ", "x", 9),
+        "x is '  '; write a line of text of 1 to 9 characters, all printable, in quotes",
+    ),
     (lambda: toml.as_line("a\nb", "x", 9), "x is 'a\\nb'; write a line of text"),
     (lambda: toml.as_line("0123456789", "x", 9), "x is '0123456789'; write a line of text of 1 to 9"),
     (lambda: toml.as_texts(["a", 2], "x"), "x[1] is 2; write text in quotes"),

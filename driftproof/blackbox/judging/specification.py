@@ -7,6 +7,7 @@ from fractions import Fraction
 from math import inf
 
 from driftproof.methods.catalogue import Entry
+from driftproof.methods.rationals import parse_rational
 
 
 @dataclass(frozen=True)
@@ -29,11 +30,14 @@ class Allowance:
     step_in_binary32: bool = False
     velocity_from_positions: bool = False
     flush_to_zero: bool = False
-    solver_tolerance: Fraction | float | None = None
+    solver_tolerance: Fraction | float | str | None = None
 
     def __post_init__(self) -> None:
-        """Raise ValueError unless `solver_tolerance` is finite and above 0."""
+        """Raise ValueError unless `solver_tolerance`, which may be text, is finite and above 0."""
         given = self.solver_tolerance
+        if isinstance(given, str):
+            given = parse_rational(given, "solver_tolerance")
+            object.__setattr__(self, "solver_tolerance", given)
         if given is not None and not 0 < given < inf:
             raise ValueError(f"solver_tolerance={given}: must be a finite number > 0, e.g. 1e-10")
 

@@ -34,8 +34,11 @@ class EnclosedReal:
         return decide_by_enclosure(self, float)
 
     def __repr__(self) -> str:
-        """The number correctly rounded to fifteen significant digits."""
-        return significant(self, 15)
+        """The number correctly rounded to fifteen significant digits, or a ball if no enclosure settles them."""
+        try:
+            return significant(self, 15)
+        except Uncertified:
+            return str(self())
 
 
 HALF_EVEN = "half-even"

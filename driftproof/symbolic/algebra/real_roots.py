@@ -11,7 +11,13 @@ from typing import TypeAlias
 from flint import arb, ctx, fmpq, fmpq_poly
 
 from driftproof.methods.number_field import Algebraic, Exact, NumberField, as_fmpq, dyadic, real_root_balls
-from driftproof.symbolic.algebra.certified import ISOLATING_BITS, settled, sign_of_ball, significant
+from driftproof.symbolic.algebra.certified import (
+    ISOLATING_BITS,
+    decide_by_enclosure,
+    settled,
+    sign_of_ball,
+    significant,
+)
 from driftproof.symbolic.algebra.polynomials import (
     ONE,
     Polynomial,
@@ -45,6 +51,10 @@ class RealRoot:
         """The number's digits and its minimal polynomial; a rational number itself."""
         polynomial = sum_text(monomial_text(Fraction(c), k, "x") for k, c in reversed([*enumerate(self.minimal)]) if c)
         return f"{significant(self.ball, 20)}, a root of {polynomial}" if self.rational is None else str(self.rational)
+
+    def __float__(self) -> float:
+        """The double nearest to the number."""
+        return decide_by_enclosure(self.ball if self.rational is None else self.rational, float)
 
     def ball(self) -> arb:
         """A ball around the number, at Arb's current precision or ISOLATING_BITS, whichever is higher."""

@@ -11,7 +11,7 @@ from flint import acb, acb_poly, arb, arb_poly, ctx, fmpq
 
 from driftproof.methods.number_field import as_fmpq, as_fraction, dyadic
 from driftproof.symbolic.algebra.bivariate import ParametricPair, critical_polynomial
-from driftproof.symbolic.algebra.certified import settled, sign_of_ball
+from driftproof.symbolic.algebra.certified import decide_by_enclosure, settled, sign_of_ball
 from driftproof.symbolic.algebra.polynomials import (
     ONE,
     ZERO,
@@ -220,6 +220,10 @@ class Angle:
     """An angle from 0 to 90 degrees, given by its tangent."""
 
     tangent: Limit | EnclosedTangent
+
+    def __float__(self) -> float:
+        """The double nearest to the angle in degrees."""
+        return decide_by_enclosure(self.exact, float)
 
     def ball(self) -> arb:
         """A ball around the angle in degrees, at Arb's current precision, for an angle below 90 degrees."""

@@ -7,7 +7,7 @@ from enum import Enum
 from fractions import Fraction
 from functools import partial
 from itertools import chain
-from math import isqrt, prod
+from math import inf, isqrt, prod
 from typing import NamedTuple, TypeAlias
 
 from flint import fmpq
@@ -37,6 +37,10 @@ class Infinity(Enum):
     """The limit of a condition that never fails."""
 
     INFINITY = "oo"
+
+    def __float__(self) -> float:
+        """The float inf."""
+        return inf
 
 
 INFINITY = Infinity.INFINITY

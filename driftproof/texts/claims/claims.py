@@ -66,7 +66,7 @@ class Claim:
 
     def spellings(self) -> dict[str, list[str]]:
         """All accepted spellings of each value. Raises ValueError, with a line that names the claim."""
-        with _refused_in(f"claim {self.id!r}"):
+        with refused_in(f"claim {self.id!r}"):
             return {name: expected.spellings() for name, expected in self.values.items()}
 
 
@@ -99,7 +99,7 @@ def parse_claims(text: str) -> Claims:
 
 
 @contextmanager
-def _refused_in(what: str) -> Iterator[None]:
+def refused_in(what: str) -> Iterator[None]:
     """Prefix every ValueError raised inside with the part of the file that is at fault."""
     try:
         yield
@@ -131,7 +131,7 @@ def _entries(table: TomlTable, name: str) -> list[TomlTable]:
 
 def _claim(entry: TomlTable, number: int) -> Claim:
     key = toml.as_line(entry.get("id"), f"id of claim {number}", _LONGEST_NAME)
-    with _refused_in(f"claim {key!r}"):
+    with refused_in(f"claim {key!r}"):
         toml.require_keys(
             entry, ("id", "phrase", "value", "values", "count", "given", "ignore_case", *_FORM), "a claim"
         )
@@ -150,7 +150,7 @@ def _claim(entry: TomlTable, number: int) -> Claim:
 
 
 def _label(entry: TomlTable, number: int) -> NumberLabel:
-    with _refused_in(f"label {number}"):
+    with refused_in(f"label {number}"):
         toml.require_keys(entry, ("phrase", "why"), "a label")
         if not _is_text(entry.get("why"), _LONGEST_NAME):
             raise ValueError("why is a short text that says what its numbers are")
@@ -164,7 +164,7 @@ def _is_text(found: object, longest: int) -> TypeGuard[str]:
 def _phrase(entry: TomlTable) -> Phrase:
     if not isinstance(entry.get("phrase"), str):
         raise ValueError("its phrase is missing or not a string")
-    with _refused_in("phrase"):
+    with refused_in("phrase"):
         return Phrase.of(entry["phrase"])
 
 

@@ -11,11 +11,11 @@ from pathlib import Path
 from shlex import quote
 from typing import Any, Literal, overload
 
-from driftproof.support.files import read_utf8
+from driftproof.support.files import named_beside, read_utf8
 from driftproof.support.plain_text import annotation, as_json, counted
 from driftproof.support.results import Answered, Printable
 from driftproof.texts.claims.checking import Accounted, CheckedClaim, Coverage, Finding, check_claims, coverage
-from driftproof.texts.claims.claims import Claims, read_claims
+from driftproof.texts.claims.claims import Claims, read_claims, refused_in
 from driftproof.texts.claims.drafting import draft
 from driftproof.texts.claims.listings import Ran, run_listings
 from driftproof.texts.claims.suggestions import Suggestions
@@ -150,6 +150,25 @@ class TextReport(Printable):
         return before + text[number.start : number.end] + after
 
 
+@dataclass(frozen=True, repr=False)
+class UncheckedText(Printable):
+    """A text among several that could not be checked, and why."""
+
+    file: str
+    error: str
+    passed = False
+
+    def written(self, form: str) -> str:
+        """The reason as "text", "json" or "github"."""
+        if form == "json":
+            return as_json(self.as_dict())
+        return annotation("error", self.error, file=self.file) if form == "github" else f"not checked: {self.error}"
+
+    def as_dict(self) -> dict[str, Any]:
+        """The content of the JSON report."""
+        return {"file": self.file, "passed": False, "error": self.error}
+
+
 @overload
 def check(text: str | Path, *, init: Literal[True], ask: Sequence[str] = ...) -> Answered: ...
 @overload
@@ -188,12 +207,16 @@ def check(
         raise ValueError("--init drafts claims; --run, --coverage and --format need --claims")
     if ask and not init:
         raise ValueError("--ask needs --init; a claims file already has its questions")
-    held = Claims() if init else read_claims(claims_beside(text) if claims is None else claims)
-    document = read_document(text, held.form)
     if init:
-        return Answered({"claims": draft(document, str(text), ask)}, lambda drafted: str(drafted["claims"]))
+        with named_beside(text):
+            drafted = draft(read_document(text), str(text), ask)
+        return Answered({"claims": drafted}, lambda data: str(data["claims"]))
+    file = claims_beside(text) if claims is None else claims
+    held = read_claims(file)
+    document = read_document(text, held.form)
     ran = run_listings(document, time_limit) if run else None
-    return TextReport.of(str(text), document, held, ran, coverage)
+    with refused_in(str(file)), named_beside(text, file):
+        return TextReport.of(str(text), document, held, ran, coverage)
 
 
 def claims_beside(text: str | Path) -> Path:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from math import inf
 from typing import TYPE_CHECKING, Any
 
 from driftproof.methods.number_field import Algebraic
@@ -60,10 +61,10 @@ class Answer(Printable):
         return f"${self.tex()}$" if form == "md" else self._as_text(style)
 
     def __float__(self) -> float:
-        """The double nearest to the number. Raises QuestionError for a formula or words."""
+        """The double nearest to the number, inf for oo. Raises QuestionError for a formula or words."""
         from driftproof.symbolic.algebra.certified import decide_by_enclosure
 
-        return decide_by_enclosure(self._number(), float)
+        return inf if self.form == "oo" else decide_by_enclosure(self._number(), float)
 
     def _number(self) -> CertifiableReal:
         if self.exact is None:

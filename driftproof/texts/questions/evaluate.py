@@ -14,7 +14,7 @@ from driftproof.texts.questions.answer import Answer, as_printed
 from driftproof.texts.questions.errors import QuestionError, refused_at
 from driftproof.texts.questions.parser import Node, Query, parse_question
 from driftproof.texts.questions.query_context import QueryContext
-from driftproof.texts.questions.wording import COEFFICIENT
+from driftproof.texts.questions.wording import COEFFICIENT, names_that_ask
 
 if TYPE_CHECKING:
     from driftproof.methods.schemes import Method
@@ -36,7 +36,12 @@ def value(question: str) -> Answer:
     """
     if not isinstance(question, str):
         raise TypeError(f"a question is a string, such as 'order rk4', not {question!r:.60}")
-    return replace(_answer(parse_question(question), question), question=question)
+    answer = _answer(parse_question(question), question)
+    if callable(answer.exact):
+        from driftproof.symbolic.algebra.certified import EnclosedReal
+
+        answer = replace(answer, exact=EnclosedReal(answer.exact))
+    return replace(answer, question=question)
 
 
 def _answer(node: Node, question: str) -> Answer:
@@ -82,7 +87,8 @@ def _published(node: NameNode, question: str) -> Answer:
     if node.name in CONSTANTS:
         return CONSTANTS[node.name]
     if node.name not in entries:
-        hint = f"{did_you_mean(node.name, entries)} (`driftproof value --list` lists all)"
+        asks = f"; {node.name} needs a method, as in {node.name} rk4" if node.name in names_that_ask() else ""
+        hint = f"{asks or did_you_mean(node.name, entries)} (`driftproof value --list` lists all)"
         raise QuestionError(question, node.column, f"{node.name[:60]!r} is not the id of a published value{hint}")
     entry = entries[node.name]
     if entry["exact"] is None:

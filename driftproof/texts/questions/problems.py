@@ -20,6 +20,7 @@ from driftproof.enclosure.text_fields import field_function
 from driftproof.methods.field_text import LONGEST_PROBLEM
 from driftproof.methods.schemes import Method, Nystrom, RungeKutta, Splitting
 from driftproof.methods.vector_fields import VectorField
+from driftproof.support.files import file_named
 from driftproof.support.toml_tables import read_toml
 from driftproof.symbolic.algebra.certified import CertifiableReal, Uncertified, enclose
 from driftproof.texts.questions.answer import CERTIFIED, Answer
@@ -261,7 +262,7 @@ def decay_readouts(factor: Answer, rate: Fraction, h: Fraction, steps: int) -> d
 def problem_of_name(name: str) -> ProblemTable:
     """The problem with this name in the catalogue, or in this .toml file. Raises ValueError if there is none."""
     if name.endswith(".toml"):
-        return read_toml(name, LONGEST_PROBLEM, problem_table)
+        return read_toml(file_named(name), LONGEST_PROBLEM, problem_table)
     from driftproof.numeric.problems.catalogue import problem_named
 
     problem = problem_named(name)

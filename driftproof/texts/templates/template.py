@@ -16,6 +16,7 @@ from jinja2.runtime import Context
 from markupsafe import Markup
 
 from driftproof.support.environment import OWN_CODE_RUNS
+from driftproof.support.files import named_beside
 from driftproof.texts.questions.errors import QuestionError
 from driftproof.texts.questions.evaluate import value
 from driftproof.texts.templates.sandbox import PLACE, FolderLoader, Refusal, Sandbox, TemplatePlace, TemplateProblem
@@ -142,7 +143,8 @@ def render_order(order: dict[str, Any]) -> dict[str, Any]:
     try:
         kind = kind_of(Path(order["output"]))
         template = Template(Path(order["template"]), kind, order["style"], order["rounding"])
-        return {"text": template.text(), "asked": template.asked}
+        with named_beside(order["template"]):
+            return {"text": template.text(), "asked": template.asked}
     except Exception as error:
         return {"problem": " ".join(str(error).split()) or type(error).__name__}
     finally:

@@ -14,6 +14,7 @@ from driftproof.symbolic.algebra.polynomials import coefficients, polynomial
 from driftproof.symbolic.algebra.radicals import radical_form, root_decimal
 from driftproof.symbolic.algebra.rational_functions import RationalFunction, exact_text, fraction, sum_text
 from driftproof.symbolic.algebra.real_roots import ZERO_ROOT, RealRoot
+from driftproof.symbolic.facts import Reduction
 from driftproof.symbolic.family_facts import FamilyFunction, FamilyTerm, LimitPiece, OrderSet
 from driftproof.symbolic.linear.a_stability import EnclosedTangent
 from driftproof.symbolic.linear.eigenvalues import Complex, Imaginary
@@ -87,6 +88,11 @@ class _Text:
 
     def words(self, text: str) -> str:
         return text
+
+    def reduction(self, value: Reduction) -> str:
+        """The stages that count, and which facts are of the table and which of the method without the others."""
+        table, method = (self.words(", ".join(names)) or "none" for names in value[1:])
+        return f"stages that count: {value[0]}; of the table as written: {table}; of the irreducible method: {method}"
 
     def form(self, value: Any) -> str:
         """A formula in SymPy's syntax, or a value whose record is one."""
@@ -267,7 +273,7 @@ _BY_TYPE: tuple[tuple[Any, str], ...] = (
     (Imaginary | Complex, "complex_number"), (RationalFunction | ExactFunction | FamilyFunction, "function"),
     (TruncatedSeries, "series"), (LeadingTerm | FamilyTerm, "term"), (Interval | ParameterSet, "interval"),
     (OrderSet, "order_set"), (LimitPiece, "piece"), (EigenvalueLimit, "eigenvalue"), (RegionBoundary, "boundary"),
-    (Exception, "undecided"),
+    (Exception, "undecided"), (Reduction, "reduction"),
 )  # fmt: skip
 
 

@@ -1,5 +1,6 @@
 """What a stepper is compared with: domains and allowances that make no sense are refused."""
 
+from fractions import Fraction
 from math import inf, nan
 
 import pytest
@@ -19,3 +20,9 @@ def test_a_domain_without_steps_or_states_is_refused(bad):
 def test_a_tolerance_of_a_solver_is_a_finite_number_above_0(refused):
     with pytest.raises(ValueError, match="a finite number > 0"):
         Allowance(solver_tolerance=refused)
+
+
+def test_a_tolerance_may_be_text():
+    assert Allowance(solver_tolerance="1e-10") == Allowance(solver_tolerance=Fraction(1, 10**10))
+    with pytest.raises(ValueError, match="solver_tolerance: 'small' is not a rational number"):
+        Allowance(solver_tolerance="small")

@@ -94,6 +94,11 @@ def test_fuzzing_reaches_answers_and_not_only_refusals():
     assert answered >= len(QUESTIONS) - len(REFUSED)
 
 
+def test_a_number_that_is_enclosed_prints_its_digits_and_a_ball_where_there_are_none():
+    assert repr(value("exact t=10 : q").exact) == "-0.839071529076452"
+    assert repr(value("sin(pi)").exact).startswith("[+/-")
+
+
 def test_a_question_is_text():
     with pytest.raises(TypeError, match="a question is a string, such as 'order rk4', not 3"):
         value(3)

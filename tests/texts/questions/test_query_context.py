@@ -18,7 +18,7 @@ REFUSED = [
     ("1 + -energy_multiplier rk4", 5, "1 - h**6/72 + h**8/576 is not a number"),
     ("1 + (energy_multiplier rk4) ** 2", 5, "1 - h**6/72 + h**8/576 is not a number"),
     ("1 + abs(energy_multiplier rk4)", 5, "1 - h**6/72 + h**8/576 is not a number"),
-    ("energy_multiplier", 1, "is not the id of a published value"),
+    ("energy_multiplier", 1, "energy_multiplier needs a method, as in energy_multiplier rk4"),
     ("energy_multiplier rk5", 19, "unknown method 'rk5'"),
     ("energy_multipliers rk4", 1, "did you mean energy_multiplier"),
     ("energy_multiplier symplectic_euler", 1, "has no energy_multiplier: the energy change of a step depends"),
