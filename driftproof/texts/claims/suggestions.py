@@ -97,15 +97,21 @@ class Suggestions:
         self._spelled: dict[NumberForm, dict[str, list[KnownValue]]] = {}
         self._meant: dict[int, list[KnownValue]] = {}
         self._places: dict[int, Place] = {}
+        self._alike: dict[int, list[LookAlike]] = {}
         self.tables = TextTables(text)
         self.stated = stated_questions(text, self.tables.column_of)
 
     def look_alikes(self, number: TextNumber) -> list[LookAlike]:
         """Every value written like the number, best first: asked, not contradicted, more of its names nearby, equal."""
-        try:
-            x = number.value
-        except (ValueError, ZeroDivisionError):
-            return []
+        if number.start not in self._alike:
+            try:
+                x = number.value
+            except (ValueError, ZeroDivisionError):
+                return []
+            self._alike[number.start] = self._look_alikes(number, x)
+        return self._alike[number.start]
+
+    def _look_alikes(self, number: TextNumber, x: Fraction) -> list[LookAlike]:
         fits = self._fits(number)
         form, found, digits, ids = form_of(number), [], len(digits_of(number.text, telling=True)), published_values()
         percent = self.text.startswith(("%", " %"), number.end)

@@ -157,6 +157,7 @@ def test_so_many_values_leave_a_number_of_few_digits_strong_and_one_more_does_no
         questions = ["0.3371", *(f"{n}.5" for n in range(1, count))]
         suggestions.__dict__["_known"] = [KnownValue(question, value(question), chosen) for question in questions]
         suggestions._spelled.clear()
+        suggestions._alike.clear()
         assert [alike.strong for alike in suggestions.look_alikes(number)] == [strong]
 
 
