@@ -194,12 +194,14 @@ class Refutation:
 
     @property
     def _other_method(self) -> str:
-        coefficients, verdict = self.seen.of_step[1], self.instead.verdict
+        coefficients, verdict, key = self.seen.of_step[1], self.instead.verdict, self.seen.method.key
+        if verdict.startswith(f"it is {key}, "):
+            return f"is not {key}, but {verdict.removeprefix('it is ')}"
         wrong = "; ".join(coefficients.data.get("differences", ()))
         what = f": {wrong}" if wrong and wrong not in verdict else ""
         unread = self.seen.outcomes[criteria.COEFFICIENTS].kind == NotReadable.kind
         why = coefficients.lines if unread else self._faults
-        return f"is not {self.seen.method.key}{what}; {verdict}{f': {why[0]}' if why and verdict == NOT_KNOWN else ''}"
+        return f"is not {key}{what}; {verdict}{f': {why[0]}' if why and verdict == NOT_KNOWN else ''}"
 
     @property
     def _faults(self) -> Sequence[str]:

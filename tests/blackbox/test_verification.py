@@ -50,6 +50,19 @@ def in_one_buffer(f, t, y, h, kept=np.empty(2)):  # noqa: B008
     return kept if len(y) == 2 else end
 
 
+def iterated(most=150, longest=None):
+    """The trapezoid by as many iterations in every step, however far apart the last ones are."""
+
+    def step(f, t, y, h):
+        h = min(h, longest) if longest else h
+        k = last = f(t, y)
+        for _ in range(most):
+            last = f(t + h, y + h / 2 * (k + last))
+        return y + h / 2 * (k + last)
+
+    return step
+
+
 def in_place(f, t, y, h):
     y += codes.rk4(f, t, y, h) - y
     return y
@@ -163,6 +176,11 @@ VERDICTS = {
     "solved otherwise": (backward_euler, "implicit_midpoint", "", "is not implicit_midpoint", {"allowance": SOLVED}),
     "diverging": (MIDPOINT, "implicit_midpoint", "", "its iteration does not converge at h = ",
         "What would decide it", "rounding: --largest-step 0.5 --largest-state 1", {"allowance": SOLVED}),
+    "diverging in as many": (iterated(), "trapezoid", "", "its iteration does not converge at h = 2; for h <= 0.5",
+        {"allowance": SOLVED}),
+    "capped in as many": (iterated(longest=0.75), "trapezoid", "", "is not trapezoid", {"allowance": SOLVED}),
+    "three iterations": (iterated(3), "trapezoid", "", "is not trapezoid, but trapezoid, with 3 fixed-point",
+        {"allowance": SOLVED}),
     "capped in h": (lambda f, t, y, h: all_at_once(table("backward_euler"))(f, t, y, min(h, 0.75)), "backward_euler",
         "", "is not backward_euler", {"allowance": SOLVED}),
     "cut short": (lambda f, t, y, h: y + h * f(t + h, y + h * f(t + h, y + h * f(t + h, y))), "backward_euler",

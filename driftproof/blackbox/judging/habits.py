@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from fractions import Fraction
@@ -43,7 +43,7 @@ def explain_by_habits(subject: ForeignStepper, wanted: Specification, examples: 
     if found.failing is None:
         return found
     if not of_one_state(wanted.method).explicit and subject.convention.kind != MAP:
-        smaller = (each for each in _smaller(wanted.domain) if _iterates_more(subject, found.failing, each))
+        smaller = (each for each in _smaller(wanted.domain) if _diverges(subject, wanted, found.failing, each))
         for domain in smaller:
             if agreement(subject, replace(wanted, domain=domain), examples).holds:
                 return replace(found, within=domain)
@@ -77,16 +77,25 @@ def _smaller(domain: Domain) -> Iterator[Domain]:
             yield replace(domain, largest_step=h, largest_state=size)
 
 
-def _iterates_more(subject: ForeignStepper, failing: Example, domain: Domain) -> bool:
-    """True if a step that fails calls f more often than the longest step of a domain, from a state of size 1."""
+def _diverges(subject: ForeignStepper, wanted: Specification, failing: Example, domain: Domain) -> bool:
+    """True if a step that fails iterates on, unlike the longest step of a domain from a state of size 1.
 
-    def calls(q: float, v: float, h: float) -> int:
+    It calls f more often, or its last calls, of as many iterations, differ by more than the tolerance.
+    """
+    stages, tolerance = getattr(of_one_state(wanted.method), "stages", 1), float(wanted.allowance.solver_tolerance or 0)
+
+    def calls(q: float, v: float, h: float) -> Sequence[float]:
         asked = list[float]()
         with suppress(Misbehaviour):
             subject.step_with(lambda x: asked.append(x) or -x, q, v, h)  # type: ignore[func-returns-value]
-        return len(asked)
+        return asked
 
-    return calls(failing.q, failing.v, failing.h) > calls(0.0, 1.0, domain.largest_step)
+    def settled(asked: Sequence[float]) -> bool:
+        size, last = tolerance * max(map(abs, asked), default=0.0), asked[-3 * stages :]
+        return any(all(abs(x - y) <= size for x, y in zip(last, last[s:], strict=False)) for s in range(1, stages + 1))
+
+    long, short = calls(failing.q, failing.v, failing.h), calls(0.0, 1.0, domain.largest_step)
+    return len(long) > len(short) or (len(long) > 3 * stages and settled(short) and not settled(long))
 
 
 def _of_few_digits(method: Method, error: float) -> Iterator[tuple[str, Method]]:

@@ -68,6 +68,9 @@ def _as_splitting(reading: ForceReading, seen: SubSteps, method: Splitting) -> I
         pairs = enumerate(zip(seen, word, strict=True))
         places = [(f"{kind} {i}", x, exact) for i, ((kind, x), (_, exact)) in pairs]
         yield Near(method.key, _differing(places, reading, allowed, allowed))
+        mine, its = (np.array([float(x) for _, x in each]) for each in (seen, word))
+        if typed := _typed(mine, its, reading.rounding):
+            yield Near(method.key, (typed,))
 
 
 def _differing(
@@ -126,25 +129,22 @@ def _induces(a: Array, b: Array, reading: ForceReading) -> bool:
 def typed_in(read: Fingerprint, methods: Iterable[Candidate], rounding: Rounding) -> Iterator[Near]:
     """Yield the methods whose coefficients, typed with few decimals, are those read."""
     for candidate in methods:
-        found = ((words, _decimals(read, candidate.fingerprint, rounding, most)) for most, words in _HOW_FAR.items())
-        if words := next((words.format(decimals) for words, decimals in found if decimals is not None), ""):
+        table = candidate.fingerprint
+        alike = read.calls == table.calls and read.weights.shape == table.weights.shape
+        if alike and (words := _typed(_numbers(read), _numbers(table), rounding)):
             yield Near(candidate.key, (words,))
 
 
-def _decimals(read: Fingerprint, exact: Fingerprint, rounding: Rounding, most: float) -> int | None:
-    """The decimals to which all coefficients read are given, each right to `most` units of the last; None if none."""
-    if read.calls != exact.calls or read.weights.shape != exact.weights.shape:
-        return None
-    seen, true = _numbers(read), _numbers(exact)
+def _typed(seen: Array, true: Array, rounding: Rounding) -> str:
+    """The decimals to which all coefficients read are given, and how right the last of them is; "" if none are few."""
     noise = rounding.of(1.0) * np.maximum(1.0, np.abs(true))
     off = np.abs(seen - true)
-    if (off > noise).sum() < _LEAST_OFF:
-        return None
-    for k in _DECIMALS:
-        near = (off <= most * 10.0**-k + noise) & (np.abs(seen - np.round(seen, k)) <= noise)
-        if ((off <= noise) | near).all():
-            return k
-    return None
+    for most, words in _HOW_FAR.items() if (off > noise).sum() >= _LEAST_OFF else ():
+        for k in _DECIMALS:
+            near = (off <= most * 10.0**-k + noise) & (np.abs(seen - np.round(seen, k)) <= noise)
+            if ((off <= noise) | near).all():
+                return words.format(k)
+    return ""
 
 
 def _numbers(table: Fingerprint) -> Array:

@@ -19,6 +19,8 @@ BELOW_LIMITS = (2.0**-5, 2.0**-10)
 _FAR = 2.0**-10
 # More calls in one step than any method in use makes: it iterates, or is adaptive.
 MOST_CALLS = 200
+# How the refusal of a step that, taken again, is another one ends.
+REMEMBERS = "it remembers the previous step, or is random"
 
 
 class NotReadable(ValueError):
@@ -101,7 +103,7 @@ def require_same(rounding: Rounding, first: Sequence[float], second: Sequence[fl
     allowed = rounding.of(max(map(abs, first), default=0.0))
     if len(first) != len(second) or not all(abs(x - y) <= allowed for x, y in zip(first, second, strict=True)):
         seen = f"the same step of {counted(rounding.calls, 'call')} taken twice is not the same"
-        raise NotReadable(f"{seen}: it remembers the previous step, or is random")
+        raise NotReadable(f"{seen}: {REMEMBERS}")
 
 
 def unit(size: int, place: int) -> list[float]:

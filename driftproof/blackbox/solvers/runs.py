@@ -207,7 +207,7 @@ def _nan(subject: ForeignSolver) -> _Seen:
     try:
         run = subject.solve(lambda n, t, y: [nan if t > middle else -y[0]], _SPAN, (1.0,), _RTOL, _ATOL)
     except DoesNotEnd as failure:
-        return [], [f"where f is NaN it does not end: {failure}"]
+        return [], [f"where f is NaN it has not ended: {failure}"]
     except Misbehaviour as failure:
         return [f"where f becomes NaN it reports that: {failure.word}"], []
     if run.complaint:
@@ -223,7 +223,7 @@ def _jump(subject: ForeignSolver) -> _Seen:
     try:
         run = subject.solve(lambda n, t, y: [float(t > at)], _SPAN, (0.0,), _RTOL, _ATOL)
     except DoesNotEnd as failure:
-        return [], [f"at a jump of f it does not end: {failure}"]
+        return [], [f"at a jump of f it has not ended: {failure}"]
     (last,) = run.y[-1]
     off = abs(last - (run.t[-1] - at))
     lines = [f"across a jump of f: {len(run.t) - 1} steps, {len(run.calls)} calls, off by {off:.2g}"]
@@ -354,7 +354,7 @@ def _stiffness(subject: ForeignSolver) -> _Seen:
         slopes: RunSlopes = lambda n, t, y: [-_STIFF * (y[0] - cos(t)) - sin(t)]
         run = subject.solve(slopes, _SPAN, (cos(_SPAN[0]),), 1e-3, 1e-6)
     except DoesNotEnd as failure:
-        return [f"on y' = -1000 (y - cos t) - sin t it does not end: {failure}"], []
+        return [f"on y' = -1000 (y - cos t) - sin t it has not ended: {failure}"], []
     longest = _STIFF * max((b - a for a, b in pairwise(run.t)), default=0.0)
     (last,) = run.y[-1]
     off = abs(last - cos(run.t[-1]))

@@ -280,13 +280,14 @@ class _Made(NamedTuple):
         made, call = f"{name_of(self.make)}({', '.join(self.arguments.values())})", ", ".join(self.call.values())
         begin = f"made = {made}; {f'made.{self.time} = t; ' if self.time else ''}"
         left, once = ", ".join(f"made.{each}" for each in self.kept), f"made{self.method}({call})"
-        if not self._remembers():
+        if not self._carries():
             ends = f"{once}; return {left}" if left else f"return {once}"
             return f"def wrapped({head}): {f'{begin}{ends}' if left or self.time else f'return {made}{once[4:]}'}"
         arguments = later_arguments(self.call, q="ys[-1][0]", v="ys[-1][1]").values()
         later = f"made{self.method}({', '.join(arguments)})"
         if left:
-            later = f"({once}, {f'[*{left}]' if self.kind == FIELD else f'({left})'})[1]"
+            copied = ", ".join(f"1.0 * made.{each}" for each in self.kept)  # what is kept may be changed in place
+            later = f"({once}, {f'[*{left}]' if self.kind == FIELD else f'({copied})'})[1]"
         return run_of_steps(head, "y" if self.kind == FIELD else "(q, v)", later, begin)
 
     def new(self, state: Sequence[Any], t: float) -> Any:
@@ -301,8 +302,11 @@ class _Made(NamedTuple):
         known |= dict(zip("y" if self.kind == FIELD else "qv", map(copy, state), strict=True))
         return [known.get(name) for name in names.values()]
 
-    def _remembers(self) -> bool:
-        """True if some step differs from that of a new stepper in the same state; False if none can be made."""
+    def _carries(self) -> bool:
+        """True if steps change more than its state and its time, or are not those of a new stepper in the same state.
+
+        It is False if no step can be made.
+        """
 
         def stepped(made: Any, t: float) -> tuple[Any, ...]:
             step = getattr(made, self.method[1:]) if self.method else made
@@ -313,9 +317,12 @@ class _Made(NamedTuple):
         with suppress(Exception):
             state = _START[self.kind]
             made = self.new(state, 0.0)
+            before = {each: repr(x) for each, x in getattr(made, "__dict__", {}).items()}
             for i in range(_TRIED):
                 found, anew = stepped(made, i / 4), stepped(self.new(state, i / 4), i / 4)
-                if not np.array_equal(np.array(found), np.array(anew)):
+                changed = {each for each, x in getattr(made, "__dict__", {}).items() if repr(x) != before.get(each)}
+                changed -= {*self.kept, self.time, attribute_of(made, TIME)}
+                if changed or not np.array_equal(np.array(found), np.array(anew)):
                     return True
                 state = found
         return False

@@ -207,3 +207,16 @@ def differences_of(key, seen):
     rows = {name: tuple(row.tolist()) for name, row in seen.items()}
     table = rows | {"a": tuple(map(tuple, rows["a"])), "drift": rows["drift"][0]}
     return [near.differences for near in near_misses(ForceReading(**table, format=BINARY32)) if near.key == key]
+
+
+@pytest.mark.parametrize(("digits", "named"), [(6, ["pefrl"]), (3, [])])
+def test_a_splitting_whose_constants_are_typed_with_few_decimals_is_named_with_them(digits, named):
+    xi, strong, chi = (round(x, digits) for x in (0.1786178958448091, -0.2123418310626054, -0.06626458266981849))
+    drifts = (xi, chi, 1 - 2 * (chi + xi), chi, xi)
+    kicks = (0.5 - strong, strong, strong, 0.5 - strong)
+    parts = [
+        part for drift, kick in zip(drifts, (*kicks, 0), strict=True) for part in (("drift", drift), ("kick", kick))
+    ]
+    near = match_forces(read_forces(opened(codes.composed(parts[:-1])))).near
+    assert [each.key for each in near] == named
+    assert all("of 6 decimals" in each.differences[0] for each in near)

@@ -89,7 +89,7 @@ def test_a_tolerance_that_only_sets_the_first_step_size_is_ignored(name):
 def test_where_a_largest_step_size_makes_the_errors_no_tolerance_is_said_to_be_ignored():
     solve = lambda *given: adaptive(most=1.0, first_step=0.02 * (1 + sum(given[3:])))(*given)
     (fault,) = read(solve).faults  # as steps never grow
-    assert fault.startswith("at a jump of f it does not end")
+    assert fault.startswith("at a jump of f it has not ended")
 
 
 @pytest.mark.slow
@@ -259,9 +259,9 @@ SAID = [
     (CLOCK, hanging, "not seen: no time"),
     (NUMBERS, apart(2e-6), "with a bump in y[1] it takes 100 steps, with one in y[0] 100"),
     (CLOCK, endless, "clock: does not end: after 30000 calls of f it is at t = 0.1 of"),
-    (JUMP, endless, "at a jump of f it does not end: after 30000 calls"),
+    (JUMP, endless, "at a jump of f it has not ended: after 30000 calls"),
     (JUMP, complaining, "it reports: too steep"),
-    (STIFF, endless, "on y' = -1000 (y - cos t) - sin t it does not end: after 30000 calls"),
+    (STIFF, endless, "on y' = -1000 (y - cos t) - sin t it has not ended: after 30000 calls"),
     (BACKWARD, ending(by=0.05), "it integrates backward in time"),
     (BACKWARD, ending(by=0.2), "backward in time, from 1 to 0, it ends at t = "),
     (BACKWARD, ending(shift=1e-3), "without saying so"),

@@ -248,6 +248,56 @@ def test_a_class_that_changes_its_state_in_place_is_seen_to_remember_or_not(base
         assert f"def wrapped({head}): " in wrapper_line(names[name])
 
 
+CARRYING = """
+import numpy as np
+
+class Carried:
+    def __init__(self, accel, q0, v0):
+        self.accel, self.q, self.v = accel, np.array(q0, float), np.array(v0, float)
+        self.a = accel(self.q)
+    def kick(self, dt):
+        self.v += dt / 2 * self.a
+    def step(self, dt):
+        self.kick(dt)
+        self.q += dt * self.v
+        self.a = self.accel(self.q)
+        self.kick(dt)
+
+class Forgotten(Carried):
+    def step(self, dt):
+        self.kick(dt)
+        self.q += dt * self.v
+        self.v += dt / 2 * self.accel(self.q)
+
+class CarriedAlone:
+    def __init__(self):
+        self.a = None
+    def step(self, accel, q, v, dt):
+        v = v + dt / 2 * (accel(q) if self.a is None else self.a)
+        q = q + dt * v
+        self.a = accel(q)
+        return q, v + dt / 2 * self.a
+"""
+
+
+def test_a_class_that_carries_its_acceleration_is_shown_a_run_that_copies_its_state_and_fails_if_it_is_forgotten():
+    names = namespace(CARRYING)
+    lines = {each: wrapper_line(names[each])[2:] for each in ("Carried", "Forgotten", "CarriedAlone")}
+    assert "(1.0 * made.q, 1.0 * made.v))[1]" in lines["Carried"]
+    for line, makes, right in (
+        (lines["Carried"], "Carried", True),
+        (lines["Carried"], "Forgotten", False),  # the bug comes later, under the wrapper that was pasted
+        (lines["Forgotten"], "Forgotten", False),
+        (lines["Forgotten"], "Carried", True),
+        (lines["CarriedAlone"], "CarriedAlone", True),
+    ):
+        kept = names | {name: names[makes] for name in lines if f" {name}(" in line}
+        exec(line, kept)
+        assert verify(kept["wrapped"], "velocity_verlet", examples=40, isolate=False).passed is right, (line, makes)
+    report = verify(names["CarriedAlone"]().step, "velocity_verlet", examples=40, isolate=False)
+    assert report.verdict.endswith(f": it remembers the previous step, or is random; write: {lines['CarriedAlone']}")
+
+
 def test_an_object_that_cannot_be_called_is_refused_with_the_wrapper_of_the_method_that_makes_its_step():
     names = namespace(CLASSES)
     for found in (names["Ball"](), names["Kept"](None, [1.0], 0.1), names["Flow"](None, 0.1)):
