@@ -55,7 +55,7 @@ def identify_solver(solve: Callable[..., Any] | str, *, time_limit: float = TIME
         None,
         _sections(steps, controller, runs),
         {
-            "steps": None if steps.failed else {"name": steps.result.name, "order": _order(steps.result)},
+            "steps": None if steps.failed else {"name": steps.result.name, "order": _order(steps.result, runs)},
             "controller": None if controller.result is None else list(controller.result.lines),
             "runs": None if runs.failed else {title: list(lines) for title, lines in runs.result.seen.items()},
             "faults": list(_faults(steps, controller, runs)),
@@ -76,8 +76,11 @@ def _steps(subject: ForeignSolver) -> SolverSteps | SolverMemory:
         return memory if memory.settled else replace(memory, faults=(*memory.faults, str(refusal)))
 
 
-def _order(steps: SolverSteps | SolverMemory) -> int | None:
-    return steps.order if isinstance(steps, SolverMemory) else steps.order.order
+def _order(steps: SolverSteps | SolverMemory, runs: Outcome) -> int | None:
+    """The order of the tableau or the recurrence; of a step of another length than its times, the order observed."""
+    order = steps.order if isinstance(steps, SolverMemory) else steps.order.order
+    lines = [] if order != 0 or runs.failed else runs.result.seen.get("Tolerance", ())
+    return min((round(float(line.partition(", order ")[2])) for line in lines if ", order " in line), default=order)
 
 
 def _controlled(subject: ForeignSolver) -> ControllerReading:
@@ -100,8 +103,11 @@ def _verdict(steps: Outcome, controller: Outcome, runs: Outcome) -> str:
     if found is None:
         name = f"its steps are not read: {steps.seen}{_implicit(runs)}"
     else:
-        order = _order(found)
-        name = f"it advances {found.name}{_implicit(runs) if order is None else f', of order {order}'}"
+        order = _order(found, runs)
+        shown = _implicit(runs) if order is None else f", of order {order}"
+        if isinstance(found, SolverSteps) and order != found.order.order:  # that share depends on the number of steps
+            shown = f" in one run; order {order} is observed"
+        name = f"it advances {found.name}{shown}"
     control: ControllerReading | None = controller.result
     measured = ""
     if control is not None and (control.law or not control.faults):

@@ -161,10 +161,10 @@ def _lengths(run: Solution, h: float, asked: float) -> tuple[str, list[str]]:
 
 
 def _timed(run: Solution, span: tuple[float, float]) -> _Seen:
-    """Where the last step ends, whether there is one too many, and in which format time is kept."""
+    """Say where the last step ends, whether there is one too many, and in which format time is kept."""
     (start, end), t = span, run.t
     if len(t) < 2:
-        return [], ["it makes no step"]
+        return [], ["where y' = 1 it makes no step"]
     lines, length = list[str](), end - start
     faults = ["its times do not increase"] * any(b <= a for a, b in pairwise(t))
     off, beyond = t[-1] - end, max(call.t for call in run.calls) - end
@@ -277,6 +277,8 @@ def _jump(subject: ForeignSolver) -> _Seen:
         run = subject.solve(lambda n, t, y: [float(t > at)], _SPAN, (0.0,), _RTOL, _ATOL)
     except DoesNotEnd as failure:
         return [], [f"at a jump of f it does not end: {failure}"]
+    except Misbehaviour as failure:
+        return [f"at a jump of f it reports that: {failure.word}"], []
     (last,) = run.y[-1]
     off = abs(last - (run.t[-1] - at))
     lines = [f"across a jump of f: {len(run.t) - 1} steps, {len(run.calls)} calls, off by {off:.2g}"]
@@ -300,7 +302,8 @@ def _tolerance(subject: ForeignSolver) -> _Seen:
         seen, faults = (_requested if subject.adaptive else _shortened)(subject, problem, span)
         lines += [f"{words}: {line}" for line in seen]
         if faults:
-            return lines, faults if any("is ignored" in fault for fault in faults) else [*faults, *_ignored(subject)]
+            told = any("is ignored" in fault or "without saying" in fault for fault in faults)
+            return lines, faults if told else [*faults, *_ignored(subject)]
     return lines, [*_ignored(subject), *(_of_another_scale(subject) if subject.takes == TOLERANCES else [])]
 
 
@@ -309,6 +312,8 @@ def _requested(subject: ForeignSolver, problem: NonlinearProblem, span: tuple[fl
     runs = [_solved(subject, problem, span, rtol=rtol, atol=rtol * 1e-3) for rtol in _TOLERANCES]
     if failed := next((run for run in runs if run.complaint), None):
         return [f"it ends at t = {failed.t[-1]:.6g} and reports: {failed.complaint}"], []
+    if early := next((run for run in runs if _ends_early(run, span)), None):
+        return [], [f"on {problem.words} it ends at t = {early.t[-1]:.6g} of {span}, without saying so"]
     errors = [_error(run, problem) for run in runs]
     lines = [
         f"at rtol = {rtol:g}: error {error:.2g}, {error / rtol:.2g} times rtol, {len(run.calls)} calls"
@@ -328,6 +333,12 @@ def _requested(subject: ForeignSolver, problem: NonlinearProblem, span: tuple[fl
         lines.append(f"errors fall like rtol^{log(most / least) / log(first / last):.2f}")
     far = [error / rtol for rtol, error in clear if error / rtol > _FAR]
     return lines, [f"errors are {max(far):.2g} times the tolerance: rtol does not indicate the error"] if far else []
+
+
+def _ends_early(run: Solution, span: tuple[float, float]) -> bool:
+    """True if it ends by more than a step before the end, where it has no error yet."""
+    last = run.t[-1] - run.t[-2] if len(run.t) > 1 else 0.0
+    return span[1] - run.t[-1] > last + _GROSS
 
 
 def _shortened(subject: ForeignSolver, problem: NonlinearProblem, span: tuple[float, float]) -> _Seen:

@@ -45,6 +45,27 @@ def test_a_solver_is_called_by_the_names_of_its_parameters_and_f_as_it_calls_it(
     assert identify_solver(solve, isolate=False).verdict.startswith("it advances forward_euler, of order 1")
 
 
+@pytest.mark.parametrize("times", ["one less", "all"])
+def test_the_order_of_steps_that_are_shorter_than_their_times_is_the_one_observed(times):
+    """Steps of 1/n of the span, at n times: h is off by a share of its own for each n."""
+
+    def solve(f, t_span, y0, n):
+        h, states = (t_span[1] - t_span[0]) / n, [np.array(y0)]
+        grid = np.linspace(*t_span, n + (times == "all"))
+        for t in grid[:-1]:
+            states.append(states[-1] + h * f(t + h / 2, states[-1] + h / 2 * f(t, states[-1])))
+        return grid, states
+
+    report = identify_solver(solve, isolate=False)
+    if times == "all":
+        assert (report.data["steps"]["order"], report.data["faults"]) == (2, [])
+        return
+    assert report.data["steps"]["order"] == 1
+    said = "it advances midpoint2, with the step 15/16 h in place of h in one run; order 1 is observed; "
+    assert report.verdict.startswith(said)
+    assert "the time that it integrates over and the time that it returns differ" in report.data["faults"][-1]
+
+
 def test_numbers_that_differ_are_shown_to_differ():
     """Slopes in binary32 inside: the step ends 1e-10 beside the one that the stages read make."""
     narrow = lambda f: lambda t, y: np.float32(f(t, y)).astype(float)

@@ -285,7 +285,7 @@ SAID = [
     (CLOCK, asking_beyond(2e-15), "f is called up to 2e-15 beyond the end"),
     (CLOCK, in_hundredths, "time is accumulated, t += h in binary64"),
     (CLOCK, lambda f, rtol, t, y: ([*t, 1.817, 1.834], [*y, y[-1], y[-1]]), "the last step ends 0.034 from the end"),
-    (CLOCK, lambda f, rtol, t, y: (t[:1], y[:1]), "it makes no step"),
+    (CLOCK, lambda f, rtol, t, y: (t[:1], y[:1]), "where y' = 1 it makes no step"),
     (CLOCK, lambda f, rtol, t, y: (t[::99], y[::99]), "the last step ends -0.017 from the end"),
     (CLOCK, hanging, "not seen: no time"),
     (NUMBERS, apart(2e-6), "with a bump in y[1] it takes 100 steps, with one in y[0] 100"),
@@ -325,6 +325,23 @@ def test_a_step_that_is_never_shorter_is_told_where_it_costs_more_than_the_toler
     (fault,) = read(adaptive(shortest=2e-5)).faults
     assert fault.startswith("across a jump of f the shortest step that it takes, of 2e-05, is off by 2.")
     assert not read(adaptive(shortest=1e-9)).faults
+
+
+@pytest.mark.parametrize("jumps", [False, True])
+def test_a_run_that_ends_early_has_no_error_and_one_that_raises_at_a_jump_says_so(jumps):
+    """Where it is not told that it ends early, the start has the error 0."""
+
+    def solve(f, t_span, y0, rtol, atol):
+        found = adaptive()(f, t_span, y0, rtol, atol)
+        if jumps and len(y0) == 1 and f(0.1, y0)[0] == 0 and f(1.8, y0)[0] == 1:
+            raise ArithmeticError("the step size is too small")
+        stops = not jumps and t_span == (0.0, 6.0) and rtol == 1e-5
+        return (found.t[:2], found.y[:2]) if stops else found
+
+    found = read(solve)
+    assert ("at a jump of f it reports that: raises" in found.seen["A jump"]) is jumps
+    told = ["on q'' = -q it ends at t = 0.001 of (0.0, 6.0), without saying so"]
+    assert [*found.faults] == told * (not jumps)
 
 
 def test_a_scale_of_errors_from_numbers_with_their_signs_is_told():
