@@ -18,6 +18,8 @@ from driftproof.blackbox.solvers.steps import SolverSteps, read_steps
 
 _WHAT_TO_DO = {
     StepRaised.kind: "write def wrapped(f, t_span, y0): return solve(f, *t_span, y0), say; t_span is (start, end)",
+    NotReadable.kind: "where a solver cannot be read, one of its steps often can: give that to identify or verify, as "
+    "step(f, t, y, h), or step(f, jacobian, t, y, h) of a Rosenbrock method with f' as an argument",
     WrongShape.kind: "return the times and the states of its own steps; of a run over given times, leave --solver out",
 }
 
@@ -124,9 +126,10 @@ def _implicit(runs: Outcome) -> str:
 def _sections(steps: Outcome, controller: Outcome, runs: Outcome) -> Any:
     measured: RunsReading | None = runs.result
     found = [] if measured is None else [(f"{title}, measured", lines) for title, lines in measured.seen.items()]
+    unread = steps.kind == NotReadable.kind
     unanswered = [o.said for o in (steps, controller, runs) if o.failed]
     return sections(
-        ("What to do", [_WHAT_TO_DO[steps.kind]] if steps.kind in _WHAT_TO_DO and runs.failed else []),
+        ("What to do", [_WHAT_TO_DO[steps.kind]] if steps.kind in _WHAT_TO_DO and (runs.failed or unread) else []),
         ("Steps", [] if steps.failed else steps.result.lines),
         ("Dense output", () if steps.failed or steps.result.dense is None else steps.result.dense.lines),
         ("Step size control", [] if controller.result is None else controller.result.lines),

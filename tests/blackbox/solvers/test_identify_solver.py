@@ -45,6 +45,15 @@ def test_a_solver_is_called_by_the_names_of_its_parameters_and_f_as_it_calls_it(
     assert identify_solver(solve, isolate=False).verdict.startswith("it advances forward_euler, of order 1")
 
 
+@pytest.mark.parametrize("apart", [1e-8, 0.0])
+def test_what_is_not_read_as_a_solver_is_to_be_given_as_a_step(apart):
+    """Differences for a Jacobian, as a Rosenbrock method forms them in every step."""
+    asking = lambda f: lambda t, y: np.array(f(t, y)) + 0 * np.array(f(t, np.array(y) + apart))
+    solve = lambda f, t_span, y0, rtol, atol: adaptive()(asking(f), t_span, y0, rtol, atol)
+    advice = identify_solver(solve, isolate=False).section("What to do")
+    assert (advice is not None and "as step(f, t, y, h), or" in advice.lines[0]) is (apart > 0)
+
+
 @pytest.mark.parametrize("times", ["one less", "all"])
 def test_the_order_of_steps_that_are_shorter_than_their_times_is_the_one_observed(times):
     """Steps of 1/n of the span, at n times: h is off by a share of its own for each n."""
