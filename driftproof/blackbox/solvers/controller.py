@@ -122,10 +122,6 @@ def bumps(t: float, between: float = 0.5) -> float:
     return (-1.0) ** unit * (between + 1.0 / (1.0 + (_WIDTH * (t - unit - 0.5)) ** 4))
 
 
-def _without_jumps(t: float) -> float:
-    return bumps(t, -1.0 / (1.0 + (_WIDTH / 2) ** 4))
-
-
 def read_controller(subject: ForeignSolver, steps: SolverSteps) -> ControllerReading:
     """Read the law of the step sizes, for a pair of the catalogue, from a run of y' = bumps(t). Raises NotReadable.
 
@@ -210,7 +206,8 @@ def _run(subject: ForeignSolver) -> tuple[Solution, float, _Slope]:
     def solved(slope: _Slope, atol: float) -> tuple[Solution, float, _Slope]:
         return subject.solve(lambda n, t, y: [slope(t)], _SPAN, (0.0,), _RTOL, atol), atol, slope
 
-    *tried, last = product((bumps, _without_jumps), _ATOLS)
+    without_jumps: _Slope = partial(bumps, between=-1.0 / (1.0 + (_WIDTH / 2) ** 4))
+    *tried, last = product([bumps, without_jumps], _ATOLS)
     for each in tried:
         with suppress(Misbehaviour, TooSlow):
             return solved(*each)

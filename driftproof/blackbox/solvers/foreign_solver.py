@@ -100,8 +100,7 @@ class ForeignSolver:
     ) -> Solution:
         """Return one run: with `steps` steps if the solver takes their size or number, else to the tolerances it takes.
 
-        A size need not divide the span, so that this is no whole number.
-
+        They are no whole number where a size does not divide the span.
         Raises a `Misbehaviour` if there is no usable answer.
         """
         calls: list[Call] = []

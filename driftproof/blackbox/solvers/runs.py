@@ -150,10 +150,10 @@ def _lengths(run: Solution, h: float, asked: float) -> tuple[str, list[str]]:
     in_h = [(b - a) / h for a, b in pairwise(run.t)] or [0.0]
     *most, last = in_h
     same = partial(isclose, rel_tol=_SAME_TIME)
+    if all(same(x, 1.0) for x in in_h):
+        return f"{len(in_h)} steps of h", []
     if all(same(x, 1.0) for x in most):
-        return (
-            f"{len(in_h)} steps of h" if same(last, 1.0) else f"{len(most)} steps of h, then one of {last:.4g} h"
-        ), []
+        return f"{len(most)} steps of h, then one of {last:.4g} h", []
     if not all(same(x, last) for x in most):
         return f"{len(in_h)} steps of {min(most):.4g} h to {max(most):.4g} h, the last one of {last:.4g} h", []
     seen = f"{len(in_h)} equal steps of {last:.4g} h"
