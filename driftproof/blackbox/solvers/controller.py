@@ -362,7 +362,7 @@ def _exception(points: Sequence[_Point], law: Law, smallest: float, largest: flo
     if not others:
         return ""
     rejected = [p for p, _ in others if not p.accepted and not _is_same(p.factor, smallest)]
-    if len(rejected) == len(others) and (plain := _fitted(rejected, 2)):
+    if len(rejected) == len(others) and (plain := _fitted(rejected, 2)) and plain[1] > 0:
         return f"; after a rejection {exp(plain[0]):.4g} r^(-{_shown(plain[1])})"
     first, said_first = min(others, key=lambda pair: pair[0].rejections)
     beside = sum(p.rejections >= first.rejections for p in known)
